@@ -1,0 +1,41 @@
+#ifndef SPROUT_COMMON_APP_PLUG_H_
+#define SPROUT_COMMON_APP_PLUG_H_
+
+#include <string>
+#include <vector>
+
+#include "common/core/frame.h"
+
+namespace sprout {
+
+/// One part that a stage adds to a frame.
+struct Output {
+  Part part;
+  PartValue value;
+};
+
+/// What became of a frame.
+struct Outcome {
+  std::vector<Output> outputs;
+  /// Why the frame has no (or an empty) result; empty when all is well. One line, shown in the
+  /// status.
+  std::string degenerate;
+};
+
+/// What makes a stage a service: which parts it joins and what it answers. Knows neither network
+/// nor log nor clock, so that it runs the same way live and replayed.
+class Plug {
+ public:
+  virtual ~Plug() = default;
+
+  /// Parts that must be together before Process() is called.
+  virtual PartSet Inputs() const = 0;
+
+  /// Answers one frame that has all Inputs(). Frames come one at a time, in any order of seq, and
+  /// the same frame may come twice; the answer depends on the frame only.
+  virtual Outcome Process(const Frame& frame) = 0;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_APP_PLUG_H_

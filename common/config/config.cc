@@ -1,0 +1,150 @@
+#include "common/config/config.h"
+
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/text_format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace sprout {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::Reflection;
+
+// Keeps the first complaint of the parser.
+class FirstError : public google::protobuf::io::ErrorCollector {
+ public:
+  void AddError(int line, google::protobuf::io::ColumnNumber column,
+                const std::string& message) override {
+    if (!text.empty()) return;
+    text = std::to_string(line + 1) + ":" + std::to_string(column + 1) + ": " + message;
+  }
+
+  std::string text;
+};
+
+double NumberIn(const Message& message, const FieldDescriptor& field) {
+  const Reflection& reflection = *message.GetReflection();
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+      return reflection.GetDouble(message, &field);
+    case FieldDescriptor::CPPTYPE_INT32:
+      return reflection.GetInt32(message, &field);
+    default:
+      throw std::logic_error("range on a field that is neither double nor int32: " +
+                             field.full_name());
+  }
+}
+
+// Sets every field to what it reads as, so that the text shows defaults too.
+void MakeDefaultsExplicit(Message& message) {
+  const Reflection& reflection = *message.GetReflection();
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const FieldDescriptor* field = message.GetDescriptor()->field(i);
+    switch (field->cpp_type()) {
+      case FieldDescriptor::CPPTYPE_MESSAGE:
+        MakeDefaultsExplicit(*reflection.MutableMessage(&message, field));
+        break;
+      case FieldDescriptor::CPPTYPE_DOUBLE:
+        reflection.SetDouble(&message, field, reflection.GetDouble(message, field));
+        break;
+      case FieldDescriptor::CPPTYPE_INT32:
+        reflection.SetInt32(&message, field, reflection.GetInt32(message, field));
+        break;
+      case FieldDescriptor::CPPTYPE_UINT32:
+        reflection.SetUInt32(&message, field, reflection.GetUInt32(message, field));
+        break;
+      case FieldDescriptor::CPPTYPE_BOOL:
+        reflection.SetBool(&message, field, reflection.GetBool(message, field));
+        break;
+      case FieldDescriptor::CPPTYPE_ENUM:
+        reflection.SetEnum(&message, field, reflection.GetEnum(message, field));
+        break;
+      case FieldDescriptor::CPPTYPE_STRING:
+        reflection.SetString(&message, field, reflection.GetString(message, field));
+        break;
+      default:
+        throw std::logic_error("configuration field of an unsupported type: " +
+                               field->full_name());
+    }
+  }
+}
+
+std::string PathOf(const std::string& file) {
+  if (file.find_first_of("/.") != std::string::npos) return file;
+  return std::string(SPROUT_PRESETS_DIR) + "/" + file + ".textproto";
+}
+
+std::string PresetNames() {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(SPROUT_PRESETS_DIR, ignored)) {
+    if (entry.path().extension() == ".textproto") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+void MergeFile(const std::string& file, SproutConfig& config) {
+  const std::string path = PathOf(file);
+  std::ifstream stream(path);
+  std::ostringstream text;
+  if (!stream || !(text << stream.rdbuf())) {
+    // An empty file makes operator<< fail as well; it is a valid configuration.
+    if (!stream.is_open() || std::filesystem::is_directory(path)) {
+      throw ConfigError("configuration " + path + ": cannot be read; allowed: a file, or a preset (" +
+                        PresetNames() + ")");
+    }
+  }
+  FirstError error;
+  google::protobuf::TextFormat::Parser parser;
+  parser.RecordErrorsTo(&error);
+  if (!parser.MergeFromString(text.str(), &config)) {
+    throw ConfigError("configuration " + path + ":" + error.text);
+  }
+}
+
+}  // namespace
+
+void RequireInRange(const Message& config, const std::string& prefix) {
+  const Reflection& reflection = *config.GetReflection();
+  for (int i = 0; i < config.GetDescriptor()->field_count(); ++i) {
+    const FieldDescriptor& field = *config.GetDescriptor()->field(i);
+    const std::string key = prefix.empty() ? field.name() : prefix + "." + field.name();
+    if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+      RequireInRange(reflection.GetMessage(config, &field), key);
+      continue;
+    }
+    if (!field.options().HasExtension(range)) continue;
+    const Range& allowed = field.options().GetExtension(range);
+    const double value = NumberIn(config, field);
+    if (value >= allowed.min() && value <= allowed.max()) continue;  // false for NaN
+    std::ostringstream text;
+    text << key << " = " << value << ": out of range; allowed: " << allowed.min() << " to "
+         << allowed.max();
+    throw ConfigError(text.str());
+  }
+}
+
+SproutConfig LoadConfig(const std::vector<std::string>& files) {
+  SproutConfig config;
+  for (const std::string& file : files) MergeFile(file, config);
+  MakeDefaultsExplicit(config);
+  RequireInRange(config, "");
+  return config;
+}
+
+std::string ConfigText(const Message& config) {
+  std::string text;
+  google::protobuf::TextFormat::PrintToString(config, &text);
+  return text;
+}
+
+}  // namespace sprout

@@ -1,0 +1,40 @@
+#ifndef SPROUT_COMMON_CONFIG_CONFIG_H_
+#define SPROUT_COMMON_CONFIG_CONFIG_H_
+
+#include <google/protobuf/message.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/config/sprout.pb.h"
+
+namespace sprout {
+
+/// A flag, file or configuration value that cannot be used. what() is one line that names key,
+/// value and what is allowed. Programs end with exit code 2.
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads configuration files in protobuf text format and merges them, later ones over earlier
+/// ones; without files, all defaults.
+///
+/// @param files  paths, or names of presets (a name without '/' and '.' stands for
+///               NAME.textproto in the presets folder that ships).
+/// @returns the effective configuration: every field is set.
+/// @throws ConfigError for a missing file, a syntax error, an unknown key, a value out of range.
+SproutConfig LoadConfig(const std::vector<std::string>& files);
+
+/// Checks every number of a configuration (or a part of one) against the range that its .proto
+/// states.
+/// @throws ConfigError naming the first offending key, as "PREFIX.key".
+void RequireInRange(const google::protobuf::Message& config, const std::string& prefix);
+
+/// The configuration as text, in the format that LoadConfig reads; every field is printed.
+std::string ConfigText(const google::protobuf::Message& config);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CONFIG_CONFIG_H_

@@ -1,0 +1,15 @@
+#ifndef SPROUT_COMMON_CORE_DIGEST_H_
+#define SPROUT_COMMON_CORE_DIGEST_H_
+
+#include <string>
+#include <string_view>
+
+namespace sprout {
+
+/// XXH3 (64 bits) of the bytes as 16 hexadecimal digits; the same on every machine. Tells apart
+/// configurations and calibrations; no protection against forgery.
+std::string Digest(std::string_view bytes);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_DIGEST_H_

@@ -1,0 +1,72 @@
+#ifndef SPROUT_COMMON_CORE_FRAME_H_
+#define SPROUT_COMMON_CORE_FRAME_H_
+
+#include <bitset>
+#include <initializer_list>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <variant>
+
+#include "common/core/disparity_image.h"
+#include "common/core/frame_id.h"
+#include "common/core/rig.h"
+#include "common/core/seed.h"
+#include "common/core/tof_image.h"
+
+namespace sprout {
+
+/// What a frame is made of; each part travels in a message of its own.
+enum class Part {
+  kLeft,       ///< left rectified image, grey or BGR
+  kRight,      ///< right rectified image, grey or BGR
+  kTof,        ///< ToF range image
+  kRig,        ///< calibration; joined by rig_id, not by frame
+  kSeeds,      ///< refined seeds
+  kPrior,      ///< prior disparity map D_p
+  kUnfilled,   ///< disparity map after growth, before gap filling
+  kDisparity,  ///< final disparity map
+};
+inline constexpr int kPartCount = 8;
+inline constexpr Part kAllParts[kPartCount] = {Part::kLeft,  Part::kRight, Part::kTof,
+                                               Part::kRig,   Part::kSeeds, Part::kPrior,
+                                               Part::kUnfilled, Part::kDisparity};
+
+/// A set of parts.
+class PartSet {
+ public:
+  PartSet() = default;
+  PartSet(std::initializer_list<Part> parts) {
+    for (Part part : parts) Add(part);
+  }
+  void Add(Part part) { bits_.set(static_cast<size_t>(part)); }
+  bool Has(Part part) const { return bits_.test(static_cast<size_t>(part)); }
+  bool operator==(const PartSet&) const = default;
+
+ private:
+  std::bitset<kPartCount> bits_;
+};
+
+/// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images.
+using PartValue = std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage>;
+
+/// Everything that one capture led to and that a stage asked for; what it did not ask for is
+/// empty.
+struct Frame {
+  FrameId id;
+  cv::Mat left;   ///< 8UC1 or 8UC3 (BGR)
+  cv::Mat right;  ///< 8UC1 or 8UC3 (BGR)
+  std::optional<TofImage> tof;
+  std::optional<Rig> rig;
+  std::optional<SeedSet> seeds;
+  std::optional<DisparityImage> prior;
+  std::optional<DisparityImage> unfilled;
+  std::optional<DisparityImage> disparity;
+};
+
+/// Puts a part into its place in the frame.
+/// @pre the alternative in `value` is the one of `part`.
+void SetPart(Frame& frame, Part part, PartValue value);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_FRAME_H_

@@ -1,0 +1,20 @@
+#ifndef SPROUT_COMMON_CORE_FRAME_ID_H_
+#define SPROUT_COMMON_CORE_FRAME_ID_H_
+
+#include <cstdint>
+#include <string>
+
+namespace sprout {
+
+/// Names one capture; carried unchanged by everything that is computed from it.
+struct FrameId {
+  int64_t utime = 0;   ///< capture time, µs since 1970-01-01 UTC
+  int64_t seq = -1;    ///< frame number from capture, +1 each; −1: no frame
+  std::string rig_id;  ///< digest of the calibration, see RigId()
+
+  bool operator==(const FrameId&) const = default;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_FRAME_ID_H_

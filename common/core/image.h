@@ -1,0 +1,13 @@
+#ifndef SPROUT_COMMON_CORE_IMAGE_H_
+#define SPROUT_COMMON_CORE_IMAGE_H_
+
+#include <opencv2/core.hpp>
+
+namespace sprout {
+
+/// Grey values of an 8-bit grey or BGR image (a grey one is shared, not copied). O(pixels).
+cv::Mat1b ToGrey(const cv::Mat& image);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_IMAGE_H_

@@ -1,0 +1,48 @@
+#ifndef SPROUT_COMMON_CORE_STAGE_STATUS_H_
+#define SPROUT_COMMON_CORE_STAGE_STATUS_H_
+
+#include <cstdint>
+#include <string>
+
+#include "common/core/frame_id.h"
+
+namespace sprout {
+
+/// Median, high percentiles and maximum of a time, ms.
+struct TimeSummary {
+  double p50_ms = 0;
+  double p95_ms = 0;
+  double p99_ms = 0;
+  double max_ms = 0;
+};
+
+/// How one process fares; field by field as in lcmtypes/stage_status_t.lcm.
+struct StageStatus {
+  enum class State { kReady = 0, kRunning = 1, kStopped = 2 };
+
+  FrameId newest_frame;  ///< seq = −1: none yet
+  std::string stage;
+  std::string host;
+  std::string version;
+  std::string config_digest;
+  std::string last_error;  ///< empty = nothing went wrong yet
+  int32_t pid = 0;
+  State state = State::kReady;
+  int64_t frames_in = 0;
+  int64_t frames_out = 0;
+  int64_t frames_skipped = 0;
+  int64_t frames_incomplete = 0;
+  int64_t frames_degenerate = 0;
+  int64_t frames_failed = 0;
+  int64_t frames_resent = 0;
+  int64_t bad_messages = 0;
+  int64_t sequence_gaps = 0;
+  double rate_hz = 0;
+  TimeSummary latency;  ///< complete frame in hand to answer published
+  TimeSummary age;      ///< capture to answer published
+  int64_t rss_bytes = 0;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_STAGE_STATUS_H_

@@ -1,0 +1,57 @@
+#ifndef SPROUT_COMMON_GEOMETRY_PROJECTION_H_
+#define SPROUT_COMMON_GEOMETRY_PROJECTION_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/core/rig.h"
+#include "common/core/seed.h"
+#include "common/core/tof_image.h"
+
+namespace sprout {
+
+/// Projects a point of the left rectified frame (m) into both images: d = u − u' (paper, II-A).
+/// @pre point_in_left.z() > 0.
+Seed ProjectToPair(const RectifiedPair& pair, const Eigen::Vector3d& point_in_left);
+
+/// The point of the left rectified frame (m) that a correspondence stands for: the inverse of
+/// ProjectToPair().
+Eigen::Vector3d PointFromSeed(const RectifiedPair& pair, const Seed& seed);
+
+/// A ToF point seen in the rectified pair.
+struct ProjectedPoint {
+  int tof_u = 0;  ///< column in the ToF image
+  int tof_v = 0;  ///< row in the ToF image
+  Seed seed;      ///< may lie outside the images
+};
+
+/// Moves the points of a ToF camera into the left rectified frame and projects them into the pair.
+/// The undistorted viewing rays are computed once, so keep the object as long as the calibration.
+/// Thread-compatible.
+class TofProjector {
+ public:
+  /// O(ToF pixels).
+  explicit TofProjector(const Rig& rig);
+
+  /// Every ToF pixel with a return (finite depth > 0) that lies in front of the pair, row by row.
+  /// @param tof  depth of the calibrated size.
+  /// @param[out] behind  number of points with a return that lie behind the pair (z ≤ 0).
+  /// O(ToF pixels).
+  std::vector<ProjectedPoint> Project(const TofImage& tof, int& behind) const;
+
+  /// Direction of a ToF pixel in the ToF camera's frame, scaled to z = 1.
+  const Eigen::Vector3d& ray(int tof_u, int tof_v) const {
+    return rays_[static_cast<size_t>(tof_v) * static_cast<size_t>(rig_.tof.width) +
+                 static_cast<size_t>(tof_u)];
+  }
+
+  const Rig& rig() const { return rig_; }
+
+ private:
+  Rig rig_;
+  std::vector<Eigen::Vector3d> rays_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_GEOMETRY_PROJECTION_H_
