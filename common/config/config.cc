@@ -69,8 +69,7 @@ void MakeDefaultsExplicit(Message& message) {
         reflection.SetString(&message, field, reflection.GetString(message, field));
         break;
       default:
-        throw std::logic_error("configuration field of an unsupported type: " +
-                               field->full_name());
+        throw std::logic_error("configuration field of an unsupported type: " + field->full_name());
     }
   }
 }
@@ -99,8 +98,8 @@ void MergeFile(const std::string& file, SproutConfig& config) {
   if (!stream || !(text << stream.rdbuf())) {
     // An empty file makes operator<< fail as well; it is a valid configuration.
     if (!stream.is_open() || std::filesystem::is_directory(path)) {
-      throw ConfigError("configuration " + path + ": cannot be read; allowed: a file, or a preset (" +
-                        PresetNames() + ")");
+      throw ConfigError("configuration " + path +
+                        ": cannot be read; allowed: a file, or a preset (" + PresetNames() + ")");
     }
   }
   FirstError error;

@@ -27,8 +27,8 @@ enum class Part {
   kDisparity,  ///< final disparity map
 };
 inline constexpr int kPartCount = 8;
-inline constexpr Part kAllParts[kPartCount] = {Part::kLeft,  Part::kRight, Part::kTof,
-                                               Part::kRig,   Part::kSeeds, Part::kPrior,
+inline constexpr Part kAllParts[kPartCount] = {Part::kLeft,     Part::kRight,    Part::kTof,
+                                               Part::kRig,      Part::kSeeds,    Part::kPrior,
                                                Part::kUnfilled, Part::kDisparity};
 
 /// A set of parts.

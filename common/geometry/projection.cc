@@ -8,10 +8,10 @@ namespace sprout {
 
 Seed ProjectToPair(const RectifiedPair& pair, const Eigen::Vector3d& point_in_left) {
   const double scale = pair.focal_px / point_in_left.z();
-  return {.u = static_cast<float>(scale * point_in_left.x() + pair.cx),
-          .v = static_cast<float>(scale * point_in_left.y() + pair.cy),
-          .u_right = static_cast<float>(scale * (point_in_left.x() - pair.baseline_m) +
-                                        pair.cx_right)};
+  return {
+      .u = static_cast<float>(scale * point_in_left.x() + pair.cx),
+      .v = static_cast<float>(scale * point_in_left.y() + pair.cy),
+      .u_right = static_cast<float>(scale * (point_in_left.x() - pair.baseline_m) + pair.cx_right)};
 }
 
 Eigen::Vector3d PointFromSeed(const RectifiedPair& pair, const Seed& seed) {

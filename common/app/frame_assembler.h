@@ -1,0 +1,37 @@
+#ifndef SPROUT_COMMON_APP_FRAME_ASSEMBLER_H_
+#define SPROUT_COMMON_APP_FRAME_ASSEMBLER_H_
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "common/app/stage_monitor.h"
+#include "common/bus/frame_joiner.h"
+#include "common/core/frame.h"
+
+namespace sprout {
+
+/// Messages in, complete frames out: decodes, checks at the border, joins, and counts what is
+/// dropped. For one thread.
+class FrameAssembler {
+ public:
+  FrameAssembler(PartSet needed, StageMonitor& monitor);
+
+  /// Channels that carry the needed parts, without prefix.
+  const std::vector<std::string_view>& channels() const { return channels_; }
+
+  /// Takes one message. Never throws: what cannot be used is counted in the monitor.
+  /// @returns the frames that are complete now.
+  std::vector<Frame> Add(std::string_view channel, std::span<const uint8_t> bytes);
+
+ private:
+  StageMonitor& monitor_;
+  std::vector<Part> parts_;                 // needed ones
+  std::vector<std::string_view> channels_;  // theirs, in the same order
+  FrameJoiner joiner_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_APP_FRAME_ASSEMBLER_H_

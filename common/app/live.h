@@ -1,0 +1,18 @@
+#ifndef SPROUT_COMMON_APP_LIVE_H_
+#define SPROUT_COMMON_APP_LIVE_H_
+
+#include "common/app/plug.h"
+#include "common/app/service.h"
+
+namespace sprout {
+
+/// Runs a plug on the live bus until context.stop: one thread receives, decodes and joins; this
+/// one works on the newest complete frame and publishes the answer; a third reports the status
+/// once a second. Frames that come while the plug is busy are skipped but for the newest, and
+/// counted.
+/// @throws BusError when the network cannot be used.
+void RunLive(const ServiceContext& context, Plug& plug);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_APP_LIVE_H_

@@ -1,0 +1,146 @@
+#include "common/app/service.h"
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <thread>
+
+#include "common/app/live.h"
+#include "common/app/version.h"
+#include "common/bus/channels.h"
+#include "common/bus/lcm_url.h"
+#include "common/core/digest.h"
+
+namespace sprout {
+namespace {
+
+// Requests a stop when SIGINT or SIGTERM comes. The signals are blocked in every thread and taken
+// by one that waits for them, so that no code runs in a signal handler.
+class SignalWatcher {
+ public:
+  SignalWatcher() {
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+    thread_ = std::jthread([this](const std::stop_token& stop) { Watch(stop); });
+  }
+
+  std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  void Watch(const std::stop_token& stop) {
+    constexpr timespec kPoll{.tv_sec = 0, .tv_nsec = 100'000'000};
+    while (!stop.stop_requested()) {
+      if (const int signal = sigtimedwait(&signals_, nullptr, &kPoll); signal > 0) {
+        spdlog::info("{}: stopping", signal == SIGINT ? "SIGINT" : "SIGTERM");
+        source_.request_stop();
+      }
+    }
+  }
+
+  sigset_t signals_;
+  std::stop_source source_;
+  std::jthread thread_;
+};
+
+std::string DefaultLcmUrl() {
+  const char* from_environment = std::getenv("LCM_DEFAULT_URL");
+  return from_environment != nullptr && *from_environment != '\0' ? from_environment
+                                                                  : kDefaultLcmUrl;
+}
+
+void SetUpLogging(const std::string& stage, const std::string& level) {
+  auto logger = spdlog::stderr_color_mt(stage);
+  logger->set_level(spdlog::level::from_str(level));
+  logger->set_pattern("%H:%M:%S.%e %^%L%$ [%n] %v");
+  spdlog::set_default_logger(std::move(logger));
+}
+
+void RequireValidPrefix(const std::string& prefix) {
+  constexpr char kAllowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+  if (prefix.size() > kMaxChannelPrefix ||
+      prefix.find_first_not_of(kAllowed) != std::string::npos) {
+    throw ConfigError("--channel-prefix '" + prefix + "': allowed are up to " +
+                      std::to_string(kMaxChannelPrefix) + " letters, digits, '_' and '-'");
+  }
+}
+
+}  // namespace
+
+std::string Version() { return kVersion; }
+
+Service::Service(std::string stage, const std::string& description)
+    : stage_(std::move(stage)), lcm_url_(DefaultLcmUrl()), flags_(description, "sprout-" + stage_) {
+  flags_
+      .add_option("--config", config_files_,
+                  "Configuration file in protobuf text format, or the name of a preset; may be "
+                  "given several times, later files override earlier ones")
+      ->type_name("FILE|PRESET")
+      ->expected(1)
+      ->take_all();
+  flags_
+      .add_option("--lcm-url", lcm_url_,
+                  "Where the messages travel: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
+      ->type_name("URL")
+      ->capture_default_str();
+  flags_
+      .add_option("--channel-prefix", prefix_,
+                  "Put before every channel: runs two graphs side by side")
+      ->type_name("TEXT");
+  flags_.add_option("--log-level", log_level_, "What to log to stderr")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
+      ->capture_default_str();
+  flags_.set_version_flag("--version", "sprout-" + stage_ + " " + Version());
+}
+
+int Service::Run(int argc, char** argv, const Body& body, const ApplyFlags& apply_flags) {
+  try {
+    flags_.parse(argc, argv);
+    SetUpLogging(stage_, log_level_);
+    return RunChecked(body, apply_flags);
+  } catch (const CLI::Success& e) {  // --help, --version
+    return flags_.exit(e);
+  } catch (const CLI::ParseError& e) {
+    std::cerr << "sprout-" << stage_ << ": " << e.what() << " (--help lists the flags)\n";
+    return 2;
+  } catch (const ConfigError& e) {
+    std::cerr << "sprout-" << stage_ << ": " << e.what() << "\n";
+    return 2;
+  } catch (const std::exception& e) {
+    std::cerr << "sprout-" << stage_ << ": " << e.what() << "\n";
+    return 1;
+  }
+}
+
+int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
+  ServiceContext context{.stage = stage_,
+                         .config = LoadConfig(config_files_),
+                         .lcm_url = lcm_url_,
+                         .prefix = prefix_,
+                         .stop = {}};
+  if (apply_flags) apply_flags(context.config);
+  RequireInRange(context.config, "");
+  RequireValidPrefix(prefix_);
+
+  const std::string text = ConfigText(context.config);
+  spdlog::info("sprout-{} {}, effective configuration (digest {}):\n{}", stage_, Version(),
+               Digest(text), text);
+  if (const auto warning = ReceiveBufferWarning(lcm_url_)) spdlog::warn(*warning);
+  const SignalWatcher signals;
+  context.stop = signals.token();
+  return body(context);
+}
+
+int RunStage(int argc, char** argv, const std::string& stage, const std::string& description,
+             const MakePlug& make_plug) {
+  return Service(stage, description).Run(argc, argv, [&](const ServiceContext& context) {
+    const std::unique_ptr<Plug> plug = make_plug(context.config);
+    RunLive(context, *plug);
+    return 0;
+  });
+}
+
+}  // namespace sprout

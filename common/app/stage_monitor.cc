@@ -1,0 +1,160 @@
+#include "common/app/stage_monitor.h"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <vector>
+
+#include "common/app/service.h"
+
+namespace sprout {
+namespace {
+
+constexpr size_t kMaxSamples = 1024;  // as lcmtypes/stage_status_t.lcm says
+constexpr std::chrono::seconds kRateWindow{10};
+
+double Milliseconds(StageMonitor::Clock::duration duration) {
+  return std::chrono::duration<double, std::milli>(duration).count();
+}
+
+std::string HostName() {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
+// Second number of statm: resident pages.
+int64_t ResidentBytes() {
+  int64_t total_pages = 0;
+  int64_t resident_pages = 0;
+  std::ifstream("/proc/self/statm") >> total_pages >> resident_pages;
+  return resident_pages * sysconf(_SC_PAGESIZE);
+}
+
+// Nearest-rank percentiles.
+TimeSummary Summarise(std::vector<double> times_ms) {
+  if (times_ms.empty()) return {};
+  std::sort(times_ms.begin(), times_ms.end());
+  const auto rank = [&](double share) {
+    const auto index = static_cast<size_t>(std::ceil(share * static_cast<double>(times_ms.size())));
+    return times_ms[std::max<size_t>(index, 1) - 1];
+  };
+  return {
+      .p50_ms = rank(0.50), .p95_ms = rank(0.95), .p99_ms = rank(0.99), .max_ms = times_ms.back()};
+}
+
+}  // namespace
+
+int64_t NowUtime() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+StageMonitor::StageMonitor(const std::string& stage, const std::string& config_digest) {
+  status_.stage = stage;
+  status_.host = HostName();
+  status_.version = Version();
+  status_.config_digest = config_digest;
+  status_.pid = getpid();
+}
+
+void StageMonitor::FrameIn(bool skipped) {
+  const std::lock_guard lock(mutex_);
+  ++status_.frames_in;
+  if (skipped) ++status_.frames_skipped;
+}
+
+void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
+                            const std::string& degenerate) {
+  const auto now = Clock::now();
+  const Sample sample{.finished = now,
+                      .latency_ms = Milliseconds(now - arrived),
+                      .age_ms = static_cast<double>(NowUtime() - id.utime) / 1000};
+  spdlog::debug("frame {}: {:.1f} ms, age {:.1f} ms", id.seq, sample.latency_ms, sample.age_ms);
+  if (!degenerate.empty()) spdlog::warn("frame {}: {}", id.seq, degenerate);
+  const std::lock_guard lock(mutex_);
+  ++status_.frames_out;
+  status_.newest_frame = id;
+  status_.state = StageStatus::State::kRunning;
+  if (!degenerate.empty()) {
+    ++status_.frames_degenerate;
+    status_.last_error = "frame " + std::to_string(id.seq) + ": " + degenerate;
+  }
+  samples_.push_back(sample);
+  if (samples_.size() > kMaxSamples) samples_.pop_front();
+}
+
+void StageMonitor::FrameFailed(const FrameId& id, const std::string& reason) {
+  spdlog::error("frame {}: failed: {}", id.seq, reason);
+  const std::lock_guard lock(mutex_);
+  ++status_.frames_failed;
+  status_.last_error = "frame " + std::to_string(id.seq) + ": failed: " + reason;
+}
+
+void StageMonitor::FrameResent(const FrameId& id) {
+  spdlog::warn("frame {}: no answer in time, sent again", id.seq);
+  const std::lock_guard lock(mutex_);
+  ++status_.frames_resent;
+}
+
+void StageMonitor::BadMessage(std::string_view channel, const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  ++status_.bad_messages;
+  status_.last_error = std::string(channel) + ": " + reason;
+  const auto now = Clock::now();
+  if (now < next_bad_message_log_) {
+    ++bad_messages_not_logged_;
+    return;
+  }
+  spdlog::warn("{}: message dropped: {} ({} more since the last such line)", channel, reason,
+               bad_messages_not_logged_);
+  next_bad_message_log_ = now + std::chrono::seconds(1);
+  bad_messages_not_logged_ = 0;
+}
+
+void StageMonitor::Failure(const std::string& reason) {
+  spdlog::error(reason);
+  const std::lock_guard lock(mutex_);
+  status_.last_error = reason;
+}
+
+void StageMonitor::SetJoinerCounts(int64_t incomplete, int64_t sequence_gaps) {
+  const std::lock_guard lock(mutex_);
+  status_.frames_incomplete = incomplete;
+  status_.sequence_gaps = sequence_gaps;
+}
+
+void StageMonitor::SetStopped() {
+  const std::lock_guard lock(mutex_);
+  status_.state = StageStatus::State::kStopped;
+}
+
+StageStatus StageMonitor::Snapshot() const {
+  const std::lock_guard lock(mutex_);
+  StageStatus status = status_;
+  std::vector<double> latencies_ms;
+  std::vector<double> ages_ms;
+  for (const Sample& sample : samples_) {
+    latencies_ms.push_back(sample.latency_ms);
+    ages_ms.push_back(sample.age_ms);
+  }
+  status.latency = Summarise(std::move(latencies_ms));
+  status.age = Summarise(std::move(ages_ms));
+  const auto window_start = Clock::now() - kRateWindow;
+  const auto first = std::find_if(samples_.begin(), samples_.end(), [&](const Sample& sample) {
+    return sample.finished >= window_start;
+  });
+  if (samples_.end() - first >= 2) {
+    const double span_ms = Milliseconds(samples_.back().finished - first->finished);
+    status.rate_hz = 1000 * static_cast<double>(samples_.end() - first - 1) / span_ms;
+  }
+  status.rss_bytes = ResidentBytes();
+  return status;
+}
+
+}  // namespace sprout

@@ -1,0 +1,70 @@
+#ifndef SPROUT_COMMON_APP_STAGE_MONITOR_H_
+#define SPROUT_COMMON_APP_STAGE_MONITOR_H_
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+
+#include "common/core/frame_id.h"
+#include "common/core/stage_status.h"
+
+namespace sprout {
+
+/// Time since 1970-01-01 UTC, µs: the clock of header.utime.
+int64_t NowUtime();
+
+/// Counts what happens in one process, for its status. Nothing is lost without a count here.
+/// Thread-safe.
+class StageMonitor {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  StageMonitor(const std::string& stage, const std::string& config_digest);
+
+  /// A complete frame is in hand; `skipped` when it took the place of one that was not worked on.
+  void FrameIn(bool skipped);
+
+  /// A frame was answered.
+  /// @param arrived     when it was complete.
+  /// @param degenerate  why it has no result; empty when all is well.
+  void FrameOut(const FrameId& id, Clock::time_point arrived, const std::string& degenerate);
+
+  /// The stage failed on a frame.
+  void FrameFailed(const FrameId& id, const std::string& reason);
+
+  /// Capture sent a frame again.
+  void FrameResent(const FrameId& id);
+
+  /// A message did not pass the border. Logged at most once a second.
+  void BadMessage(std::string_view channel, const std::string& reason);
+
+  /// Something else went wrong.
+  void Failure(const std::string& reason);
+
+  /// Counts of the joiner, which keeps them itself.
+  void SetJoinerCounts(int64_t incomplete, int64_t sequence_gaps);
+
+  /// The last status of a process says so.
+  void SetStopped();
+
+  StageStatus Snapshot() const;
+
+ private:
+  struct Sample {
+    Clock::time_point finished;
+    double latency_ms;
+    double age_ms;
+  };
+
+  mutable std::mutex mutex_;
+  StageStatus status_;          // without rate and times, which Snapshot() adds
+  std::deque<Sample> samples_;  // of the newest frames
+  Clock::time_point next_bad_message_log_{};
+  int64_t bad_messages_not_logged_ = 0;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_APP_STAGE_MONITOR_H_

@@ -1,0 +1,41 @@
+#ifndef SPROUT_COMMON_BUS_CHANNELS_H_
+#define SPROUT_COMMON_BUS_CHANNELS_H_
+
+#include <string>
+#include <string_view>
+
+#include "common/core/frame.h"
+
+namespace sprout {
+
+/// The channel of a part, without prefix. The only place that names channels.
+constexpr std::string_view ChannelOf(Part part) {
+  switch (part) {
+    case Part::kLeft:
+      return "SPROUT_LEFT";
+    case Part::kRight:
+      return "SPROUT_RIGHT";
+    case Part::kTof:
+      return "SPROUT_TOF";
+    case Part::kRig:
+      return "SPROUT_RIG";
+    case Part::kSeeds:
+      return "SPROUT_SEEDS";
+    case Part::kPrior:
+      return "SPROUT_PRIOR";
+    case Part::kUnfilled:
+      return "SPROUT_UNFILLED";
+    case Part::kDisparity:
+      return "SPROUT_DISPARITY";
+  }
+  return {};
+}
+
+inline constexpr std::string_view kStatusChannel = "SPROUT_STATUS";
+
+/// Longest prefix, characters: LCM allows 63 for prefix and channel.
+inline constexpr size_t kMaxChannelPrefix = 63 - std::string_view("SPROUT_DISPARITY").size();
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_BUS_CHANNELS_H_

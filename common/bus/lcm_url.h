@@ -1,0 +1,41 @@
+#ifndef SPROUT_COMMON_BUS_LCM_URL_H_
+#define SPROUT_COMMON_BUS_LCM_URL_H_
+
+#include <lcm/lcm.h>
+
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+namespace sprout {
+
+/// The network cannot be used. what() is one line that says what to do. Programs end with exit
+/// code 1.
+class BusError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Stays on this host (ttl=0) and asks for a receive buffer that holds some frames of 2 MP: with
+/// the kernel's default most large messages are lost.
+inline constexpr char kDefaultLcmUrl[] = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=67108864";
+
+struct LcmDeleter {
+  void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
+};
+using LcmPtr = std::unique_ptr<lcm_t, LcmDeleter>;
+
+/// Connects. Every thread needs a connection of its own: publishing on a shared one is not safe on
+/// tcpq.
+/// @throws BusError when the URL is of no known kind, no server answers, or there is no multicast
+///         route (looked for first, since LCM itself takes seconds and many lines to say so).
+LcmPtr OpenLcm(const std::string& url);
+
+/// One line of warning when the kernel will grant a smaller receive buffer than the URL asks for.
+/// LCM does not say so; the price is lost frames.
+std::optional<std::string> ReceiveBufferWarning(const std::string& url);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_BUS_LCM_URL_H_

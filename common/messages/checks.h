@@ -1,0 +1,54 @@
+#ifndef SPROUT_COMMON_MESSAGES_CHECKS_H_
+#define SPROUT_COMMON_MESSAGES_CHECKS_H_
+
+#include <cmath>
+#include <cstdint>
+#include <sstream>
+#include <string>
+
+#include "common/core/result.h"
+#include "common/messages/convert.h"
+
+namespace sprout {
+
+/// A series of checks on the fields of a message; keeps the first complaint, which names field,
+/// value and what is allowed.
+class Checks {
+ public:
+  template <typename Value>
+  Checks& Require(bool holds, const char* field, Value value, const std::string& allowed) {
+    if (!holds && error_.text.empty()) {
+      std::ostringstream text;
+      text << field << " = " << value << ": allowed is " << allowed;
+      error_.text = text.str();
+    }
+    return *this;
+  }
+
+  Checks& Side(const char* field, int32_t value) {
+    return Require(value >= 1 && value <= kMaxSide, field, value,
+                   "1 to " + std::to_string(kMaxSide));
+  }
+
+  Checks& Positive(const char* field, double value) {
+    return Require(std::isfinite(value) && value > 0, field, value, "a finite number > 0");
+  }
+
+  Checks& Finite(const char* field, double value) {
+    return Require(std::isfinite(value), field, value, "a finite number");
+  }
+
+  Checks& NotNegative(const char* field, int64_t value) {
+    return Require(value >= 0, field, value, ">= 0");
+  }
+
+  bool ok() const { return error_.text.empty(); }
+  tl::unexpected<Error> error() const { return tl::unexpected<Error>(error_); }
+
+ private:
+  Error error_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_MESSAGES_CHECKS_H_

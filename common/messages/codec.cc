@@ -1,0 +1,188 @@
+#include "common/messages/codec.h"
+
+#include <exception>
+#include <initializer_list>
+#include <limits>
+#include <string>
+
+namespace sprout {
+namespace {
+
+// An array in a message: where its int32 count stands, in bytes behind the header, and how many
+// bytes one element takes of each of the arrays that share the count.
+struct CountedArray {
+  size_t count_offset;
+  size_t element_bytes;
+};
+
+// All counts of our types stand between the header and the first array, so that they can be read
+// before the generated decoder believes them. A test compares each table with the encoder.
+template <typename Message>
+struct ArrayTable;
+template <>
+struct ArrayTable<image_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {{16, 1}};
+};
+template <>
+struct ArrayTable<tof_image_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {{8, sizeof(float)},
+                                                                  {12, sizeof(float)}};
+};
+template <>
+struct ArrayTable<rig_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {};
+};
+template <>
+struct ArrayTable<seeds_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {{0, 3 * sizeof(float)}};
+};
+template <>
+struct ArrayTable<disparity_image_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {{20, 1}};
+};
+template <>
+struct ArrayTable<stage_status_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {};
+};
+
+// Big-endian int32 at `offset`.
+Result<int32_t> ReadInt32(std::span<const uint8_t> bytes, size_t offset) {
+  int32_t value = 0;
+  if (offset > bytes.size() ||
+      __int32_t_decode_array(bytes.data(), static_cast<int>(offset),
+                             static_cast<int>(bytes.size() - offset), &value, 1) < 0) {
+    return Fail("message cut short");
+  }
+  return value;
+}
+
+template <typename Message>
+Result<void> CheckFingerprint(std::span<const uint8_t> bytes) {
+  int64_t fingerprint = 0;
+  if (__int64_t_decode_array(bytes.data(), 0, static_cast<int>(bytes.size()), &fingerprint, 1) <
+          0 ||
+      fingerprint != Message::getHash()) {
+    return Fail(std::string("fingerprint is not that of ") + Message::getTypeName());
+  }
+  return {};
+}
+
+// The generated decoder allocates what a count says before it looks whether the message is that
+// long. Checks the counts first.
+template <typename Message>
+Result<void> CheckCounts(std::span<const uint8_t> bytes) {
+  constexpr size_t kRigIdLengthOffset = 8 + 8 + 8;  // fingerprint, utime, seq
+  const Result<int32_t> rig_id_length = ReadInt32(bytes, kRigIdLengthOffset);
+  if (!rig_id_length) return tl::unexpected(rig_id_length.error());
+  if (*rig_id_length < 1 || static_cast<size_t>(*rig_id_length) > bytes.size()) {
+    return Fail("header.rig_id: length " + std::to_string(*rig_id_length) + " does not fit");
+  }
+  const size_t body = kRigIdLengthOffset + 4 + static_cast<size_t>(*rig_id_length);
+  for (const CountedArray& array : ArrayTable<Message>::kArrays) {
+    const Result<int32_t> count = ReadInt32(bytes, body + array.count_offset);
+    if (!count) return tl::unexpected(count.error());
+    if (*count < 0 || static_cast<size_t>(*count) > bytes.size() / array.element_bytes) {
+      return Fail("array count " + std::to_string(*count) + " does not fit a message of " +
+                  std::to_string(bytes.size()) + " bytes");
+    }
+  }
+  return {};
+}
+
+template <typename Message>
+Result<Message> DecodeMessage(std::span<const uint8_t> bytes) {
+  if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) {
+    return Fail("message longer than 2 GB");
+  }
+  if (const Result<void> fingerprint = CheckFingerprint<Message>(bytes); !fingerprint) {
+    return tl::unexpected(fingerprint.error());
+  }
+  if (const Result<void> counts = CheckCounts<Message>(bytes); !counts) {
+    return tl::unexpected(counts.error());
+  }
+  Message message;
+  int used = -1;
+  try {
+    used = message.decode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  } catch (const std::exception& e) {  // a string length that is no length
+    return Fail(std::string("message cannot be decoded: ") + e.what());
+  }
+  if (used < 0) return Fail("message cut short");
+  if (static_cast<size_t>(used) != bytes.size()) {
+    return Fail("message has " + std::to_string(bytes.size() - static_cast<size_t>(used)) +
+                " bytes too many");
+  }
+  return message;
+}
+
+template <typename Message>
+std::vector<uint8_t> EncodeMessage(const Message& message) {
+  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+template <typename Message>
+Result<DecodedPart> Decode(std::span<const uint8_t> bytes) {
+  const Result<Message> message = DecodeMessage<Message>(bytes);
+  if (!message) return tl::unexpected(message.error());
+  Result<FrameId> id = FromMessage(message->header);
+  if (!id) return tl::unexpected(id.error());
+  if (id->seq < 0) return Fail("header.seq = " + std::to_string(id->seq) + ": allowed is >= 0");
+  auto value = FromMessage(*message);
+  if (!value) return tl::unexpected(value.error());
+  return DecodedPart{std::move(*id), std::move(*value)};
+}
+
+}  // namespace
+
+std::vector<uint8_t> EncodePart(const FrameId& id, Part part, const PartValue& value,
+                                DisparityEncoding encoding) {
+  switch (part) {
+    case Part::kLeft:
+    case Part::kRight:
+      return EncodeMessage(ToMessage(id, std::get<cv::Mat>(value)));
+    case Part::kTof:
+      return EncodeMessage(ToMessage(id, std::get<TofImage>(value)));
+    case Part::kRig:
+      return EncodeMessage(ToMessage(id, std::get<Rig>(value)));
+    case Part::kSeeds:
+      return EncodeMessage(ToMessage(id, std::get<SeedSet>(value)));
+    case Part::kPrior:
+    case Part::kUnfilled:
+    case Part::kDisparity:
+      return EncodeMessage(ToMessage(id, std::get<DisparityImage>(value), encoding));
+  }
+  return {};
+}
+
+Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes) {
+  switch (part) {
+    case Part::kLeft:
+    case Part::kRight:
+      return Decode<image_t>(bytes);
+    case Part::kTof:
+      return Decode<tof_image_t>(bytes);
+    case Part::kRig:
+      return Decode<rig_t>(bytes);
+    case Part::kSeeds:
+      return Decode<seeds_t>(bytes);
+    case Part::kPrior:
+    case Part::kUnfilled:
+    case Part::kDisparity:
+      return Decode<disparity_image_t>(bytes);
+  }
+  return Fail("unknown part");
+}
+
+std::vector<uint8_t> EncodeStatus(const StageStatus& status) {
+  return EncodeMessage(ToMessage(status));
+}
+
+Result<StageStatus> DecodeStatus(std::span<const uint8_t> bytes) {
+  const Result<stage_status_t> message = DecodeMessage<stage_status_t>(bytes);
+  if (!message) return tl::unexpected(message.error());
+  return FromMessage(*message);
+}
+
+}  // namespace sprout

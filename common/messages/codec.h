@@ -1,0 +1,34 @@
+#ifndef SPROUT_COMMON_MESSAGES_CODEC_H_
+#define SPROUT_COMMON_MESSAGES_CODEC_H_
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/core/frame.h"
+#include "common/core/result.h"
+#include "common/core/stage_status.h"
+#include "common/messages/convert.h"
+
+namespace sprout {
+
+/// A part as it came off the wire.
+struct DecodedPart {
+  FrameId id;
+  PartValue value;
+};
+
+/// Bytes of the message that carries a part, and back. The type of the message follows from the
+/// part (lcmtypes/README.md). Decoding survives any bytes: a wrong type, a size that does not fit
+/// or a hostile array count yields an error before memory is taken for it.
+std::vector<uint8_t> EncodePart(const FrameId& id, Part part, const PartValue& value,
+                                DisparityEncoding encoding);
+Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes);
+
+/// The same for SPROUT_STATUS.
+std::vector<uint8_t> EncodeStatus(const StageStatus& status);
+Result<StageStatus> DecodeStatus(std::span<const uint8_t> bytes);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_MESSAGES_CODEC_H_

@@ -1,0 +1,319 @@
+#include "common/messages/convert.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "common/messages/checks.h"
+#include "common/messages/disparity_codec.h"
+
+namespace sprout {
+namespace {
+
+constexpr size_t kMaxRigIdLength = 64;
+
+int BytesPerPixel(int32_t pixel_format) {
+  switch (pixel_format) {
+    case image_t::PIXEL_FORMAT_GREY:
+      return 1;
+    case image_t::PIXEL_FORMAT_RGB3:
+    case image_t::PIXEL_FORMAT_BGR3:
+      return 3;
+    default:
+      return 0;
+  }
+}
+
+Result<cv::Mat> DecodeJpeg(const image_t& message) {
+  cv::Mat image;
+  try {
+    image = cv::imdecode(message.data, cv::IMREAD_ANYCOLOR);
+  } catch (const cv::Exception& e) {
+    return Fail("data: not a JPEG stream (" + e.err + ")");
+  }
+  if (image.empty() || image.depth() != CV_8U) return Fail("data: not a JPEG stream");
+  if (image.cols != message.width || image.rows != message.height) {
+    return Fail("data: JPEG of " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                ", allowed is width x height = " + std::to_string(message.width) + "x" +
+                std::to_string(message.height));
+  }
+  return image;
+}
+
+cv::Mat1f ToMat(const std::vector<float>& values, int width, int height) {
+  return cv::Mat1f(values).reshape(1, height).clone().colRange(0, width);
+}
+
+}  // namespace
+
+header_t ToMessage(const FrameId& id) {
+  header_t message;
+  message.utime = id.utime;
+  message.seq = id.seq;
+  message.rig_id = id.rig_id;
+  return message;
+}
+
+Result<FrameId> FromMessage(const header_t& message) {
+  Checks checks;
+  checks.NotNegative("header.utime", message.utime)
+      .Require(message.seq >= -1, "header.seq", message.seq, ">= 0 (-1 in a status: no frame)")
+      .Require(message.rig_id.size() <= kMaxRigIdLength, "header.rig_id length",
+               message.rig_id.size(), "0 to " + std::to_string(kMaxRigIdLength));
+  if (!checks.ok()) return checks.error();
+  return FrameId{.utime = message.utime, .seq = message.seq, .rig_id = message.rig_id};
+}
+
+image_t ToMessage(const FrameId& id, const cv::Mat& image) {
+  CV_Assert(image.type() == CV_8UC1 || image.type() == CV_8UC3);
+  image_t message;
+  message.header = ToMessage(id);
+  message.width = image.cols;
+  message.height = image.rows;
+  message.row_stride = image.cols * image.channels();
+  message.pixel_format = image_t::PIXEL_FORMAT_GREY;
+  if (image.channels() == 3) message.pixel_format = image_t::PIXEL_FORMAT_BGR3;
+  const auto row_bytes = static_cast<size_t>(message.row_stride);
+  message.data.resize(row_bytes * static_cast<size_t>(image.rows));
+  for (int v = 0; v < image.rows; ++v) {
+    std::memcpy(&message.data[static_cast<size_t>(v) * row_bytes], image.ptr(v), row_bytes);
+  }
+  message.size = static_cast<int32_t>(message.data.size());
+  return message;
+}
+
+Result<cv::Mat> FromMessage(const image_t& message) {
+  const int bytes_per_pixel = BytesPerPixel(message.pixel_format);
+  const bool jpeg = message.pixel_format == image_t::PIXEL_FORMAT_MJPG;
+  Checks checks;
+  checks.Side("width", message.width)
+      .Side("height", message.height)
+      .Require(jpeg || bytes_per_pixel > 0, "pixel_format", message.pixel_format,
+               "GREY, RGB3, BGR3 or MJPG")
+      .Require(message.size >= 0 && static_cast<size_t>(message.size) == message.data.size(),
+               "size", message.size, "the number of bytes in data");
+  if (!checks.ok()) return checks.error();
+  if (jpeg) return DecodeJpeg(message);
+
+  const int64_t bytes = int64_t{message.row_stride} * message.height;
+  checks
+      .Require(message.row_stride >= message.width * bytes_per_pixel, "row_stride",
+               message.row_stride, "at least width × bytes per pixel")
+      .Require(message.size == bytes, "size", message.size,
+               "row_stride × height = " + std::to_string(bytes));
+  if (!checks.ok()) return checks.error();
+  const cv::Mat view(message.height, message.width, CV_8UC(bytes_per_pixel),
+                     const_cast<uint8_t*>(message.data.data()),
+                     static_cast<size_t>(message.row_stride));
+  cv::Mat image;
+  if (message.pixel_format == image_t::PIXEL_FORMAT_RGB3) {
+    cv::cvtColor(view, image, cv::COLOR_RGB2BGR);
+  } else {
+    image = view.clone();
+  }
+  return image;
+}
+
+tof_image_t ToMessage(const FrameId& id, const TofImage& tof) {
+  tof_image_t message;
+  message.header = ToMessage(id);
+  message.width = tof.depth_m.cols;
+  message.height = tof.depth_m.rows;
+  message.depth_m.assign(tof.depth_m.begin(), tof.depth_m.end());
+  message.amplitude.assign(tof.amplitude.begin(), tof.amplitude.end());
+  message.count = static_cast<int32_t>(message.depth_m.size());
+  message.amplitude_count = static_cast<int32_t>(message.amplitude.size());
+  return message;
+}
+
+Result<TofImage> FromMessage(const tof_image_t& message) {
+  const int64_t pixels = int64_t{message.width} * message.height;
+  Checks checks;
+  checks.Side("width", message.width)
+      .Side("height", message.height)
+      .Require(message.count == pixels && message.depth_m.size() == static_cast<size_t>(pixels),
+               "count", message.count, "width × height = " + std::to_string(pixels))
+      .Require(message.amplitude_count == 0 || message.amplitude_count == pixels, "amplitude_count",
+               message.amplitude_count, "0 or width × height = " + std::to_string(pixels))
+      .Require(message.amplitude.size() == static_cast<size_t>(message.amplitude_count),
+               "amplitude_count", message.amplitude_count, "the number of amplitudes");
+  if (!checks.ok()) return checks.error();
+  TofImage tof;
+  tof.depth_m = ToMat(message.depth_m, message.width, message.height);
+  if (message.amplitude_count > 0) {
+    tof.amplitude = ToMat(message.amplitude, message.width, message.height);
+  }
+  return tof;
+}
+
+rig_t ToMessage(const FrameId& id, const Rig& rig) {
+  rig_t message;
+  message.header = ToMessage(id);
+  message.width = rig.pair.width;
+  message.height = rig.pair.height;
+  message.focal_px = rig.pair.focal_px;
+  message.cx = rig.pair.cx;
+  message.cy = rig.pair.cy;
+  message.cx_right = rig.pair.cx_right;
+  message.baseline_m = rig.pair.baseline_m;
+  message.tof_width = rig.tof.width;
+  message.tof_height = rig.tof.height;
+  message.tof_fx = rig.tof.fx;
+  message.tof_fy = rig.tof.fy;
+  message.tof_cx = rig.tof.cx;
+  message.tof_cy = rig.tof.cy;
+  std::copy(rig.tof.distortion.begin(), rig.tof.distortion.end(), message.tof_distortion);
+  const Eigen::Quaterniond& rotation = rig.tof.left_from_tof_rotation;
+  message.left_from_tof_rotation[0] = rotation.w();
+  message.left_from_tof_rotation[1] = rotation.x();
+  message.left_from_tof_rotation[2] = rotation.y();
+  message.left_from_tof_rotation[3] = rotation.z();
+  const Eigen::Vector3d& translation = rig.tof.left_from_tof_translation_m;
+  std::copy(translation.begin(), translation.end(), message.left_from_tof_translation_m);
+  return message;
+}
+
+Result<Rig> FromMessage(const rig_t& message) {
+  const double* q = message.left_from_tof_rotation;
+  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  Checks checks;
+  checks.Side("width", message.width)
+      .Side("height", message.height)
+      .Positive("focal_px", message.focal_px)
+      .Finite("cx", message.cx)
+      .Finite("cy", message.cy)
+      .Finite("cx_right", message.cx_right)
+      .Positive("baseline_m", message.baseline_m)
+      .Side("tof_width", message.tof_width)
+      .Side("tof_height", message.tof_height)
+      .Positive("tof_fx", message.tof_fx)
+      .Positive("tof_fy", message.tof_fy)
+      .Finite("tof_cx", message.tof_cx)
+      .Finite("tof_cy", message.tof_cy)
+      .Require(std::abs(norm - 1) < 1e-6, "left_from_tof_rotation norm", norm,
+               "1 (a unit quaternion)");
+  for (double value : message.tof_distortion) checks.Finite("tof_distortion", value);
+  for (double value : message.left_from_tof_translation_m) {
+    checks.Finite("left_from_tof_translation_m", value);
+  }
+  if (!checks.ok()) return checks.error();
+  Rig rig{
+      .pair = {.width = message.width,
+               .height = message.height,
+               .focal_px = message.focal_px,
+               .cx = message.cx,
+               .cy = message.cy,
+               .cx_right = message.cx_right,
+               .baseline_m = message.baseline_m},
+      .tof = {.width = message.tof_width,
+              .height = message.tof_height,
+              .fx = message.tof_fx,
+              .fy = message.tof_fy,
+              .cx = message.tof_cx,
+              .cy = message.tof_cy,
+              .left_from_tof_rotation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]),
+              .left_from_tof_translation_m = Eigen::Vector3d(message.left_from_tof_translation_m)}};
+  std::copy(std::begin(message.tof_distortion), std::end(message.tof_distortion),
+            rig.tof.distortion.begin());
+  return rig;
+}
+
+seeds_t ToMessage(const FrameId& id, const SeedSet& seeds) {
+  seeds_t message;
+  message.header = ToMessage(id);
+  message.count = static_cast<int32_t>(seeds.seeds.size());
+  message.raw_count = seeds.raw;
+  message.outside_count = seeds.outside;
+  message.dark_count = seeds.dark;
+  message.background_count = seeds.background;
+  message.u.reserve(seeds.seeds.size());
+  message.v.reserve(seeds.seeds.size());
+  message.u_right.reserve(seeds.seeds.size());
+  for (const Seed& seed : seeds.seeds) {
+    message.u.push_back(seed.u);
+    message.v.push_back(seed.v);
+    message.u_right.push_back(seed.u_right);
+  }
+  return message;
+}
+
+Result<SeedSet> FromMessage(const seeds_t& message) {
+  const auto count = static_cast<size_t>(std::max(message.count, 0));
+  Checks checks;
+  checks.NotNegative("count", message.count)
+      .Require(
+          message.u.size() == count && message.v.size() == count && message.u_right.size() == count,
+          "count", message.count, "the number of values in u, v and u_right")
+      .NotNegative("raw_count", message.raw_count)
+      .NotNegative("outside_count", message.outside_count)
+      .NotNegative("dark_count", message.dark_count)
+      .NotNegative("background_count", message.background_count);
+  if (!checks.ok()) return checks.error();
+  SeedSet seeds{.seeds = {},
+                .raw = message.raw_count,
+                .outside = message.outside_count,
+                .dark = message.dark_count,
+                .background = message.background_count};
+  seeds.seeds.reserve(count);
+  for (size_t i = 0; i < count; ++i) {
+    const Seed seed{.u = message.u[i], .v = message.v[i], .u_right = message.u_right[i]};
+    // False for NaN as well; anything beyond the largest image is no position.
+    const auto in_bounds = [](float position) { return std::abs(position) <= kMaxSide; };
+    if (!in_bounds(seed.u) || !in_bounds(seed.v) || !in_bounds(seed.u_right)) {
+      return Fail("seed " + std::to_string(i) + ": position not finite or beyond ±" +
+                  std::to_string(kMaxSide) + " px");
+    }
+    seeds.seeds.push_back(seed);
+  }
+  return seeds;
+}
+
+disparity_image_t ToMessage(const FrameId& id, const DisparityImage& disparity,
+                            DisparityEncoding encoding) {
+  disparity_image_t message;
+  message.header = ToMessage(id);
+  message.width = disparity.width();
+  message.height = disparity.height();
+  message.counts_per_px = DisparityImage::kCountsPerPixel;
+  message.invalid = DisparityImage::kInvalid;
+  switch (encoding) {
+    case DisparityEncoding::kRawInt16:
+      message.encoding = disparity_image_t::ENCODING_RAW_INT16;
+      message.data = EncodeRawInt16(disparity);
+      break;
+    case DisparityEncoding::kDeltaZstd:
+      message.encoding = disparity_image_t::ENCODING_DELTA_ZSTD;
+      message.data = EncodeDeltaZstd(disparity);
+      break;
+  }
+  message.size = static_cast<int32_t>(message.data.size());
+  return message;
+}
+
+Result<DisparityImage> FromMessage(const disparity_image_t& message) {
+  Checks checks;
+  checks.Side("width", message.width)
+      .Side("height", message.height)
+      .Require(message.counts_per_px == DisparityImage::kCountsPerPixel, "counts_per_px",
+               message.counts_per_px, std::to_string(DisparityImage::kCountsPerPixel))
+      .Require(message.invalid == DisparityImage::kInvalid, "invalid", message.invalid,
+               std::to_string(DisparityImage::kInvalid))
+      .Require(message.size >= 0 && static_cast<size_t>(message.size) == message.data.size(),
+               "size", message.size, "the number of bytes in data");
+  if (!checks.ok()) return checks.error();
+  const cv::Size size(message.width, message.height);
+  switch (message.encoding) {
+    case disparity_image_t::ENCODING_RAW_INT16:
+      return DecodeRawInt16(message.data, size);
+    case disparity_image_t::ENCODING_DELTA_ZSTD:
+      return DecodeDeltaZstd(message.data, size);
+    default:
+      return Fail("encoding = " + std::to_string(message.encoding) +
+                  ": allowed is RAW_INT16 or DELTA_ZSTD");
+  }
+}
+
+}  // namespace sprout

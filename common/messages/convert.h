@@ -1,0 +1,60 @@
+#ifndef SPROUT_COMMON_MESSAGES_CONVERT_H_
+#define SPROUT_COMMON_MESSAGES_CONVERT_H_
+
+#include <lcmtypes/sprout/disparity_image_t.hpp>
+#include <lcmtypes/sprout/header_t.hpp>
+#include <lcmtypes/sprout/image_t.hpp>
+#include <lcmtypes/sprout/rig_t.hpp>
+#include <lcmtypes/sprout/seeds_t.hpp>
+#include <lcmtypes/sprout/stage_status_t.hpp>
+#include <lcmtypes/sprout/tof_image_t.hpp>
+#include <opencv2/core.hpp>
+
+#include "common/core/disparity_image.h"
+#include "common/core/frame_id.h"
+#include "common/core/result.h"
+#include "common/core/rig.h"
+#include "common/core/seed.h"
+#include "common/core/stage_status.h"
+#include "common/core/tof_image.h"
+
+// The only place where messages and domain values meet. ToMessage() cannot fail. FromMessage() is
+// the border guard: it takes nothing on trust, and its error names field, value and what is
+// allowed. Either copies the data once.
+namespace sprout {
+
+/// How a disparity map travels.
+enum class DisparityEncoding { kRawInt16, kDeltaZstd };
+
+/// Largest width and height of any image or map, px.
+inline constexpr int kMaxSide = 16384;
+
+header_t ToMessage(const FrameId& id);
+Result<FrameId> FromMessage(const header_t& message);
+
+/// @param image  8UC1 (sent as GREY) or 8UC3 in BGR order (sent as BGR3).
+image_t ToMessage(const FrameId& id, const cv::Mat& image);
+/// @returns 8UC1 or 8UC3 (BGR); RGB3 is reordered and MJPG decoded on the way.
+Result<cv::Mat> FromMessage(const image_t& message);
+
+tof_image_t ToMessage(const FrameId& id, const TofImage& tof);
+Result<TofImage> FromMessage(const tof_image_t& message);
+
+rig_t ToMessage(const FrameId& id, const Rig& rig);
+/// Refuses what no projection can work with: non-finite numbers, focal lengths or a baseline that
+/// are not positive, a rotation that is none.
+Result<Rig> FromMessage(const rig_t& message);
+
+seeds_t ToMessage(const FrameId& id, const SeedSet& seeds);
+Result<SeedSet> FromMessage(const seeds_t& message);
+
+disparity_image_t ToMessage(const FrameId& id, const DisparityImage& disparity,
+                            DisparityEncoding encoding);
+Result<DisparityImage> FromMessage(const disparity_image_t& message);
+
+stage_status_t ToMessage(const StageStatus& status);
+Result<StageStatus> FromMessage(const stage_status_t& message);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_MESSAGES_CONVERT_H_

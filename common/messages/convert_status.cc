@@ -1,0 +1,80 @@
+#include "common/messages/checks.h"
+#include "common/messages/convert.h"
+
+namespace sprout {
+namespace {
+
+TimeSummary MakeTimes(double p50, double p95, double p99, double max) {
+  return {.p50_ms = p50, .p95_ms = p95, .p99_ms = p99, .max_ms = max};
+}
+
+}  // namespace
+
+stage_status_t ToMessage(const StageStatus& status) {
+  stage_status_t message;
+  message.header = ToMessage(status.newest_frame);
+  message.stage = status.stage;
+  message.host = status.host;
+  message.version = status.version;
+  message.config_digest = status.config_digest;
+  message.last_error = status.last_error;
+  message.pid = status.pid;
+  message.state = static_cast<int32_t>(status.state);
+  message.frames_in = status.frames_in;
+  message.frames_out = status.frames_out;
+  message.frames_skipped = status.frames_skipped;
+  message.frames_incomplete = status.frames_incomplete;
+  message.frames_degenerate = status.frames_degenerate;
+  message.frames_failed = status.frames_failed;
+  message.frames_resent = status.frames_resent;
+  message.bad_messages = status.bad_messages;
+  message.sequence_gaps = status.sequence_gaps;
+  message.rate_hz = status.rate_hz;
+  message.latency_p50_ms = status.latency.p50_ms;
+  message.latency_p95_ms = status.latency.p95_ms;
+  message.latency_p99_ms = status.latency.p99_ms;
+  message.latency_max_ms = status.latency.max_ms;
+  message.age_p50_ms = status.age.p50_ms;
+  message.age_p95_ms = status.age.p95_ms;
+  message.age_p99_ms = status.age.p99_ms;
+  message.age_max_ms = status.age.max_ms;
+  message.rss_bytes = status.rss_bytes;
+  return message;
+}
+
+Result<StageStatus> FromMessage(const stage_status_t& message) {
+  Result<FrameId> newest_frame = FromMessage(message.header);
+  if (!newest_frame) return tl::unexpected(newest_frame.error());
+  Checks checks;
+  checks.Require(message.state >= stage_status_t::STATE_READY &&
+                     message.state <= stage_status_t::STATE_STOPPED,
+                 "state", message.state, "READY, RUNNING or STOPPED");
+  if (!checks.ok()) return checks.error();
+  return StageStatus{
+      .newest_frame = *newest_frame,
+      .stage = message.stage,
+      .host = message.host,
+      .version = message.version,
+      .config_digest = message.config_digest,
+      .last_error = message.last_error,
+      .pid = message.pid,
+      .state = static_cast<StageStatus::State>(message.state),
+      .frames_in = message.frames_in,
+      .frames_out = message.frames_out,
+      .frames_skipped = message.frames_skipped,
+      .frames_incomplete = message.frames_incomplete,
+      .frames_degenerate = message.frames_degenerate,
+      .frames_failed = message.frames_failed,
+      .frames_resent = message.frames_resent,
+      .bad_messages = message.bad_messages,
+      .sequence_gaps = message.sequence_gaps,
+      .rate_hz = message.rate_hz,
+      .latency = MakeTimes(message.latency_p50_ms, message.latency_p95_ms, message.latency_p99_ms,
+                           message.latency_max_ms),
+      .age =
+          MakeTimes(message.age_p50_ms, message.age_p95_ms, message.age_p99_ms, message.age_max_ms),
+      .rss_bytes = message.rss_bytes,
+  };
+}
+
+}  // namespace sprout
