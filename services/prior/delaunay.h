@@ -1,0 +1,27 @@
+#ifndef SPROUT_SERVICES_PRIOR_DELAUNAY_H_
+#define SPROUT_SERVICES_PRIOR_DELAUNAY_H_
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "common/core/seed.h"
+
+namespace sprout {
+
+/// A triangle of seeds: three indices, counter-clockwise in a frame with v upwards.
+using SeedTriangle = std::array<int, 3>;
+
+/// Delaunay triangulation of the seeds' positions (u, v) in the left image. Seeds on one position
+/// count once: the first. Among triangulations that are equally good (four seeds on a circle, as
+/// on a grid) the choice depends on the order of the seeds only.
+///
+/// The only place that includes CGAL, whose 2D triangulations are under the GPL.
+///
+/// @returns the triangles; none for fewer than three positions or when all lie on one line.
+/// O(n log n).
+std::vector<SeedTriangle> TriangulateSeeds(std::span<const Seed> seeds);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_PRIOR_DELAUNAY_H_

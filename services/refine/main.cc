@@ -1,0 +1,12 @@
+#include "common/app/service.h"
+#include "services/refine/refine_plug.h"
+
+int main(int argc, char** argv) {
+  return sprout::RunStage(
+      argc, argv, "refine",
+      "Projects the ToF points into the rectified pair and drops the unreliable ones.\n"
+      "Joins SPROUT_LEFT, SPROUT_RIGHT, SPROUT_TOF and SPROUT_RIG; publishes SPROUT_SEEDS.",
+      [](const sprout::SproutConfig& config) {
+        return std::make_unique<sprout::RefinePlug>(config.refine());
+      });
+}

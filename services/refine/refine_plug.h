@@ -1,0 +1,32 @@
+#ifndef SPROUT_SERVICES_REFINE_REFINE_PLUG_H_
+#define SPROUT_SERVICES_REFINE_REFINE_PLUG_H_
+
+#include <optional>
+#include <string>
+
+#include "common/app/plug.h"
+#include "services/refine/refiner.h"
+
+namespace sprout {
+
+/// LEFT RIGHT TOF RIG → SEEDS.
+class RefinePlug : public Plug {
+ public:
+  explicit RefinePlug(const RefineConfig& config) : refiner_(config) {}
+
+  PartSet Inputs() const override { return {Part::kLeft, Part::kRight, Part::kTof, Part::kRig}; }
+
+  /// Always answers; without a usable point the seeds are empty and the outcome says why.
+  Outcome Process(const Frame& frame) override;
+
+ private:
+  const TofProjector& ProjectorOf(const Frame& frame);
+
+  Refiner refiner_;
+  std::optional<TofProjector> projector_;  // of the newest calibration
+  std::string projector_rig_id_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_REFINE_REFINE_PLUG_H_

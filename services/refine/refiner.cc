@@ -1,0 +1,149 @@
+#include "services/refine/refiner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+namespace sprout {
+namespace {
+
+constexpr int kRadius = Refiner::kWindow / 2;
+
+int Pixel(float position) { return static_cast<int>(std::lround(position)); }
+
+// Whether the window around a pixel lies in the image. Compares before it converts, since a point
+// close to the camera plane projects to anywhere.
+bool WindowFits(float u, float v, cv::Size size) {
+  return u > kRadius - 0.5f && u < static_cast<float>(size.width - kRadius) - 0.5f &&
+         v > kRadius - 0.5f && v < static_cast<float>(size.height - kRadius) - 0.5f;
+}
+
+std::string SizeText(cv::Size size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+// Seeds by the pixel they fall on in one image, to look up neighbourhoods.
+class SeedGrid {
+ public:
+  // @param columns  column of each seed in this image, px.
+  SeedGrid(std::span<const Seed> seeds, const std::vector<int>& columns, cv::Size size)
+      : cells_wide_(size.width / Refiner::kWindow + 1),
+        cells_high_(size.height / Refiner::kWindow + 1),
+        cells_(static_cast<size_t>(cells_wide_) * static_cast<size_t>(cells_high_)) {
+    for (size_t i = 0; i < seeds.size(); ++i) {
+      const Entry entry{columns[i], Pixel(seeds[i].v), i};
+      cells_[CellIndex(entry.u / Refiner::kWindow, entry.v / Refiner::kWindow)].push_back(entry);
+    }
+  }
+
+  // Calls visit(index) for every seed in the window around a pixel, the centre included. A cell is
+  // as wide as the window, so the window meets no cell beyond the eight around its own.
+  template <typename Visit>
+  void ForWindow(int u, int v, const Visit& visit) const {
+    const int cell_u = u / Refiner::kWindow;
+    const int cell_v = v / Refiner::kWindow;
+    for (int y = std::max(cell_v - 1, 0); y <= std::min(cell_v + 1, cells_high_ - 1); ++y) {
+      for (int x = std::max(cell_u - 1, 0); x <= std::min(cell_u + 1, cells_wide_ - 1); ++x) {
+        for (const Entry& entry : cells_[CellIndex(x, y)]) {
+          if (std::abs(entry.u - u) <= kRadius && std::abs(entry.v - v) <= kRadius) {
+            visit(entry.index);
+          }
+        }
+      }
+    }
+  }
+
+ private:
+  struct Entry {
+    int u;
+    int v;
+    size_t index;
+  };
+
+  size_t CellIndex(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(cells_wide_) + static_cast<size_t>(x);
+  }
+
+  int cells_wide_;
+  int cells_high_;
+  std::vector<std::vector<Entry>> cells_;
+};
+
+// Marks the background in one of the images.
+void MarkBackground(std::span<const Seed> seeds, const std::vector<int>& columns, cv::Size size,
+                    double tolerance_px, std::vector<bool>& background) {
+  const SeedGrid grid(seeds, columns, size);
+  for (size_t i = 0; i < seeds.size(); ++i) {
+    float nearest = seeds[i].disparity();
+    grid.ForWindow(columns[i], Pixel(seeds[i].v),
+                   [&](size_t other) { nearest = std::max(nearest, seeds[other].disparity()); });
+    grid.ForWindow(columns[i], Pixel(seeds[i].v), [&](size_t other) {
+      if (seeds[other].disparity() < nearest - tolerance_px) background[other] = true;
+    });
+  }
+}
+
+}  // namespace
+
+std::vector<bool> FindBackground(std::span<const Seed> seeds, cv::Size size, double tolerance_px) {
+  std::vector<int> left_columns;
+  std::vector<int> right_columns;
+  for (const Seed& seed : seeds) {
+    left_columns.push_back(Pixel(seed.u));
+    right_columns.push_back(Pixel(seed.u_right));
+  }
+  std::vector<bool> background(seeds.size(), false);
+  MarkBackground(seeds, left_columns, size, tolerance_px, background);
+  MarkBackground(seeds, right_columns, size, tolerance_px, background);
+  return background;
+}
+
+Refiner::Refiner(const RefineConfig& config) : config_(config) { RequireInRange(config, "refine"); }
+
+Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                                 const Rig& rig) const {
+  const cv::Size size = rig.pair.size();
+  if (left.size() != size || right.size() != size) {
+    return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
+                ": allowed is the calibrated size " + SizeText(size));
+  }
+  if (tof.depth_m.size() != cv::Size(rig.tof.width, rig.tof.height)) {
+    return Fail("ToF image of " + SizeText(tof.depth_m.size()) +
+                ": allowed is the calibrated size " + SizeText({rig.tof.width, rig.tof.height}));
+  }
+
+  // Projection of every ToF point to (u, u', v) (paper, II-A).
+  SeedSet result;
+  const std::vector<ProjectedPoint> points = projector.Project(tof, result.outside);
+  result.raw = static_cast<int32_t>(points.size()) + result.outside;
+
+  // Rule 1 (paper, II-B): unreliable depth on very dark regions.
+  cv::Mat1f mean_grey;
+  cv::boxFilter(left, mean_grey, CV_32F, {kWindow, kWindow});
+  std::vector<Seed> seeds;
+  for (const ProjectedPoint& point : points) {
+    const Seed& seed = point.seed;
+    if (!WindowFits(seed.u, seed.v, size) || !WindowFits(seed.u_right, seed.v, size) ||
+        seed.disparity() < 0) {
+      ++result.outside;
+    } else if (mean_grey(Pixel(seed.v), Pixel(seed.u)) < config_.min_mean_grey() ||
+               (!tof.amplitude.empty() &&
+                !(tof.amplitude(point.tof_v, point.tof_u) >= config_.min_amplitude()))) {
+      ++result.dark;
+    } else {
+      seeds.push_back(seed);
+    }
+  }
+
+  // Rule 2 (paper, II-B): background that the ToF camera sees beside or behind a nearer surface.
+  const std::vector<bool> background =
+      FindBackground(seeds, size, config_.background_tolerance_px());
+  for (size_t i = 0; i < seeds.size(); ++i) {
+    if (!background[i]) result.seeds.push_back(seeds[i]);
+  }
+  result.background = static_cast<int32_t>(seeds.size() - result.seeds.size());
+  return result;
+}
+
+}  // namespace sprout
