@@ -11,4 +11,8 @@ cv::Mat1b ToGrey(const cv::Mat& image) {
   return grey;
 }
 
+std::string SizeText(cv::Size size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
 }  // namespace sprout

@@ -2,11 +2,15 @@
 #define SPROUT_COMMON_CORE_IMAGE_H_
 
 #include <opencv2/core.hpp>
+#include <string>
 
 namespace sprout {
 
 /// Grey values of an 8-bit grey or BGR image (a grey one is shared, not copied). O(pixels).
 cv::Mat1b ToGrey(const cv::Mat& image);
+
+/// "640x480", for messages to people.
+std::string SizeText(cv::Size size);
 
 }  // namespace sprout
 

@@ -5,6 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "common/core/image.h"
+
 namespace sprout {
 namespace {
 
@@ -17,10 +19,6 @@ int Pixel(float position) { return static_cast<int>(std::lround(position)); }
 bool WindowFits(float u, float v, cv::Size size) {
   return u > kRadius - 0.5f && u < static_cast<float>(size.width - kRadius) - 0.5f &&
          v > kRadius - 0.5f && v < static_cast<float>(size.height - kRadius) - 0.5f;
-}
-
-std::string SizeText(cv::Size size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
 // Seeds by the pixel they fall on in one image, to look up neighbourhoods.
@@ -102,7 +100,8 @@ std::vector<bool> FindBackground(std::span<const Seed> seeds, cv::Size size, dou
 Refiner::Refiner(const RefineConfig& config) : config_(config) { RequireInRange(config, "refine"); }
 
 Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
-                                 const Rig& rig) const {
+                                 const TofProjector& projector) const {
+  const Rig& rig = projector.rig();
   const cv::Size size = rig.pair.size();
   if (left.size() != size || right.size() != size) {
     return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +

@@ -1,0 +1,53 @@
+#ifndef SPROUT_SERVICES_CAPTURE_ANSWERS_H_
+#define SPROUT_SERVICES_CAPTURE_ANSWERS_H_
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <set>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/app/service.h"
+#include "common/app/stage_monitor.h"
+#include "common/bus/receiver.h"
+
+namespace sprout {
+
+/// What the rest of the graph says back to capture: which stages are there, and which frames have
+/// a disparity. Thread-safe.
+class Answers {
+ public:
+  using Deadline = StageMonitor::Clock::time_point;
+
+  /// Listens to SPROUT_STATUS and SPROUT_DISPARITY.
+  /// @throws BusError, see OpenLcm().
+  Answers(const ServiceContext& context, StageMonitor& monitor);
+
+  /// Waits until every named stage has reported.
+  /// @returns the stages that have not: none, unless the deadline passed or a stop was requested.
+  std::vector<std::string> WaitForStages(const std::vector<std::string>& stages, Deadline deadline,
+                                         const std::stop_token& stop);
+
+  /// Waits until one of the frames is answered.
+  /// @returns its number; −1 when the deadline passed or a stop was requested.
+  int64_t WaitForAny(const std::vector<int64_t>& seqs, Deadline deadline,
+                     const std::stop_token& stop);
+
+ private:
+  void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
+
+  StageMonitor& monitor_;
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::set<std::string> stages_;
+  std::set<int64_t> answered_;  // until WaitForAny() takes them
+  Receiver receiver_;           // last: stops before the rest is destroyed
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CAPTURE_ANSWERS_H_

@@ -1,0 +1,35 @@
+#ifndef SPROUT_SERVICES_CAPTURE_CAPTURE_LOOP_H_
+#define SPROUT_SERVICES_CAPTURE_CAPTURE_LOOP_H_
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/app/service.h"
+#include "services/capture/frame_source.h"
+
+namespace sprout {
+
+/// How frames are sent; the source and its settings are in CaptureConfig.
+struct CaptureOptions {
+  std::optional<int64_t> frames;  ///< stop after so many; nothing: when the source ends
+  bool loop = false;              ///< start the source again when it ends
+  /// Frames that may be without a SPROUT_DISPARITY answer; nothing: send without waiting.
+  std::optional<int> lockstep;
+  std::chrono::duration<double> lockstep_timeout{10};  ///< after which a frame is sent again
+  std::vector<std::string> wait_for;  ///< stages whose status must be heard before the first frame
+  std::chrono::duration<double> wait_timeout{30};
+};
+
+/// Sends the source's frames on LEFT, RIGHT and TOF, and the calibration on RIG at start and once
+/// a second, until the source ends or context.stop. A frame's utime is the time it is taken; the
+/// only place where a clock enters a payload.
+/// @returns exit code: 0; 1 when a stage to wait for is not heard in time.
+/// @throws BusError when the network cannot be used.
+int RunCapture(const ServiceContext& context, const CaptureOptions& options, FrameSource& source);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CAPTURE_CAPTURE_LOOP_H_

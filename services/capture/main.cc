@@ -1,0 +1,73 @@
+#include <memory>
+
+#include "common/app/service.h"
+#include "services/capture/capture_loop.h"
+
+namespace sprout {
+namespace {
+
+// Flags that stand for configuration values; unset ones leave the configuration alone.
+struct ConfigFlags {
+  std::optional<std::string> source;
+  std::optional<double> rate_hz;
+  std::optional<int> gt_scale;
+
+  void Apply(SproutConfig& config) const {
+    if (source) config.mutable_capture()->set_source(*source);
+    if (rate_hz) config.mutable_capture()->set_rate_hz(*rate_hz);
+    if (gt_scale) config.mutable_capture()->set_gt_scale(*gt_scale);
+  }
+};
+
+void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options,
+              double& lockstep_timeout_s) {
+  flags
+      .add_option("--source", config.source,
+                  "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene)")
+      ->type_name("SOURCE");
+  flags.add_option("--rate", config.rate_hz, "Frames a second; 0 = as fast as possible")
+      ->type_name("HZ");
+  flags.add_option("--gt-scale", config.gt_scale,
+                   "Disparity units of one pixel in a 2005/2006 ground truth; 0 = from the height");
+  flags.add_option("--frames", options.frames, "Stop after so many frames")
+      ->check(CLI::Range(int64_t{1}, INT64_MAX))
+      ->type_name("N");
+  flags.add_flag("--loop", options.loop, "Start again when the source ends");
+  flags
+      .add_option("--lockstep", options.lockstep,
+                  "Have at most N frames without a SPROUT_DISPARITY answer; without one in time a "
+                  "frame is sent again")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("N");
+  flags.add_option("--lockstep-timeout", lockstep_timeout_s, "How long to wait for that answer, s")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  flags
+      .add_option("--wait-for", options.wait_for,
+                  "Send nothing before these stages report, e.g. refine,prior,grow")
+      ->delimiter(',')
+      ->type_name("STAGES");
+}
+
+int Main(int argc, char** argv) {
+  Service service("capture",
+                  "Takes frames from a source and sends them to the graph: publishes SPROUT_LEFT,\n"
+                  "SPROUT_RIGHT, SPROUT_TOF and SPROUT_RIG.");
+  ConfigFlags config_flags;
+  CaptureOptions options;
+  double lockstep_timeout_s = options.lockstep_timeout.count();
+  AddFlags(service.flags(), config_flags, options, lockstep_timeout_s);
+  return service.Run(
+      argc, argv,
+      [&](const ServiceContext& context) {
+        options.lockstep_timeout = std::chrono::duration<double>(lockstep_timeout_s);
+        const std::unique_ptr<FrameSource> source = OpenFrameSource(context.config.capture());
+        return RunCapture(context, options, *source);
+      },
+      [&](SproutConfig& config) { config_flags.Apply(config); });
+}
+
+}  // namespace
+}  // namespace sprout
+
+int main(int argc, char** argv) { return sprout::Main(argc, argv); }

@@ -1,0 +1,49 @@
+#include "services/grow/grow_plug.h"
+
+#include <utility>
+
+#include "common/core/image.h"
+#include "services/grow/gap_filler.h"
+#include "services/grow/harris_seeds.h"
+
+namespace sprout {
+
+PartSet GrowPlug::Inputs() const {
+  PartSet inputs{Part::kLeft, Part::kRight};
+  if (config_.seeds() == GrowConfig::TOF) inputs.Add(Part::kSeeds);
+  if (config_.similarity() == GrowConfig::EPC) inputs.Add(Part::kPrior);
+  return inputs;
+}
+
+std::vector<Seed> GrowPlug::SeedsOf(const Frame& frame, const cv::Mat1b& left,
+                                    const cv::Mat1b& right) const {
+  if (config_.seeds() == GrowConfig::TOF) return frame.seeds->seeds;
+  if (left.size() != right.size()) return {};  // the grower says what is wrong
+  return MatchHarrisCorners(left, right, config_.harris());
+}
+
+Outcome GrowPlug::Process(const Frame& frame) {
+  const cv::Mat1b left = ToGrey(frame.left);
+  const cv::Mat1b right = ToGrey(frame.right);
+  const DisparityImage prior = frame.prior.value_or(DisparityImage());
+  const std::vector<Seed> seeds =
+      frame.seeds ? frame.seeds->seeds : MatchHarrisCorners(left, right, config_.harris());
+  Result<DisparityImage> grown = grower_.Compute(left, right, seeds, prior);
+
+  Outcome outcome;
+  if (!grown) {
+    outcome.degenerate = grown.error().text;
+    grown = DisparityImage(left.size());
+  } else if (seeds.empty()) {
+    outcome.degenerate = "no seeds to grow from";
+  } else if (frame.prior && prior.CountValid() == 0) {
+    outcome.degenerate = "the prior is empty";
+  } else if (grown->CountValid() == 0) {
+    outcome.degenerate = "nothing grew from " + std::to_string(seeds.size()) + " seeds";
+  }
+  if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, *grown});
+  outcome.outputs.push_back({Part::kDisparity, FillGaps(*grown, config_.fill())});
+  return outcome;
+}
+
+}  // namespace sprout

@@ -1,0 +1,92 @@
+#include "services/grow/harris_seeds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "services/grow/similarity.h"
+
+namespace sprout {
+namespace {
+
+constexpr int kRowTolerance = 1;
+
+// Corners whose window lies in the image, strongest first.
+std::vector<cv::Point> HarrisCorners(const cv::Mat1b& image, const HarrisConfig& config) {
+  constexpr double kMinDistance = 3;  // px between corners
+  constexpr int kBlockSize = 3;
+  constexpr double kHarrisK = 0.04;
+  std::vector<cv::Point2f> positions;
+  cv::goodFeaturesToTrack(image, positions, config.max_corners(), config.min_relative_response(),
+                          kMinDistance, cv::noArray(), kBlockSize, /*useHarrisDetector=*/true,
+                          kHarrisK);
+  const cv::Rect centres(kWindowRadius, kWindowRadius, image.cols - 2 * kWindowRadius,
+                         image.rows - 2 * kWindowRadius);
+  std::vector<cv::Point> corners;
+  for (const cv::Point2f& position : positions) {
+    const cv::Point corner(cvRound(position.x), cvRound(position.y));
+    if (centres.contains(corner)) corners.push_back(corner);
+  }
+  return corners;
+}
+
+// Indices of the corners in each row.
+std::vector<std::vector<size_t>> ByRow(const std::vector<cv::Point>& corners, int rows) {
+  std::vector<std::vector<size_t>> by_row(static_cast<size_t>(rows));
+  for (size_t i = 0; i < corners.size(); ++i) {
+    by_row[static_cast<size_t>(corners[i].y)].push_back(i);
+  }
+  return by_row;
+}
+
+// Best partner of a corner so far.
+struct Best {
+  size_t partner = 0;
+  int32_t cost = kNoMatch;
+
+  void Offer(size_t candidate, int32_t candidate_cost) {
+    if (candidate_cost < cost) *this = {candidate, candidate_cost};
+  }
+};
+
+}  // namespace
+
+std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& right,
+                                     const HarrisConfig& config) {
+  RequireInRange(config, "grow.harris");
+  const int max_disparity =
+      config.max_disparity_px() > 0 ? config.max_disparity_px() : left.cols / 4;
+  const std::vector<cv::Point> left_corners = HarrisCorners(left, config);
+  const std::vector<cv::Point> right_corners = HarrisCorners(right, config);
+  const auto right_by_row = ByRow(right_corners, right.rows);
+  const MnccCost mncc(left, right);
+
+  std::vector<Best> best_of_left(left_corners.size());
+  std::vector<Best> best_of_right(right_corners.size());
+  for (size_t i = 0; i < left_corners.size(); ++i) {
+    const auto [u, v] = left_corners[i];
+    for (int row = std::max(v - kRowTolerance, 0);
+         row <= std::min(v + kRowTolerance, right.rows - 1); ++row) {
+      for (const size_t j : right_by_row[static_cast<size_t>(row)]) {
+        const int disparity = u - right_corners[j].x;
+        if (disparity < 0 || disparity > max_disparity) continue;
+        const int32_t cost = mncc.At(u, v, disparity)[1];
+        best_of_left[i].Offer(j, cost);
+        best_of_right[j].Offer(i, cost);
+      }
+    }
+  }
+
+  std::vector<Seed> seeds;
+  const int32_t limit = MnccCost::Limit(config.min_mncc());
+  for (size_t i = 0; i < left_corners.size(); ++i) {
+    const Best& best = best_of_left[i];
+    if (best.cost > limit || best_of_right[best.partner].partner != i) continue;
+    seeds.push_back({.u = static_cast<float>(left_corners[i].x),
+                     .v = static_cast<float>(left_corners[i].y),
+                     .u_right = static_cast<float>(right_corners[best.partner].x)});
+  }
+  return seeds;
+}
+
+}  // namespace sprout
