@@ -77,7 +77,7 @@ class Growth {
   // The best of N(s) at one neighbour: the disparities d − 1, d and d + 1.
   Match BestOfThree(int u, int v, int d) const {
     Match best{d, kNoMatch};
-    if (!centres_.contains({u - d, v})) return best;
+    if (u - d < kWindowRadius - 1) return best;  // even d − 1 leaves the right image
     const CostTriple costs = cost_.At(u, v, d);
     for (const int i : {1, 0, 2}) {
       if (costs[i] < best.cost && Fits(u, v, d - 1 + i)) best = {d - 1 + i, costs[i]};

@@ -36,7 +36,7 @@ int32_t CostFromExponent(double exponent) {
 }
 
 CrossSums::CrossSums(const cv::Mat1b& left, const cv::Mat1b& right) : left_(left) {
-  cv::copyMakeBorder(right, right_padded_, 0, 0, 1, 1, cv::BORDER_CONSTANT);
+  cv::copyMakeBorder(right, right_padded_, 0, 0, kPadding, kPadding, cv::BORDER_CONSTANT);
 }
 
 MnccCost::MnccCost(const cv::Mat1b& left, const cv::Mat1b& right)

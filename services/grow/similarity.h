@@ -34,12 +34,12 @@ class CrossSums {
   CrossSums(const cv::Mat1b& left, const cv::Mat1b& right);
 
   /// Sums of the left window at (u, v) with the right ones at the disparities d − 1, d, d + 1.
-  /// @pre the left window and the right window of d lie in the images. A right window that leaves
-  ///      the image by a column sees zeros there.
+  /// @pre the left window lies in the image, the right window of d leaves it by at most one column
+  ///      to the left. Outside the right image all is zero.
   CostTriple At(int u, int v, int d) const {
     const uint8_t* left = left_.ptr(v - kWindowRadius, u - kWindowRadius);
-    // One column of padding, one column less for d + 1.
-    const uint8_t* right = right_padded_.ptr(v - kWindowRadius, u - d - kWindowRadius);
+    const uint8_t* right =  // leftmost column of the window of d + 1
+        right_padded_.ptr(v - kWindowRadius, u - (d + 1) - kWindowRadius + kPadding);
     CostTriple sums{};
     for (int y = 0; y < kWindow; ++y, left += left_.step, right += right_padded_.step) {
       for (int x = 0; x < kWindow; ++x) {
@@ -52,6 +52,8 @@ class CrossSums {
   }
 
  private:
+  static constexpr int kPadding = 2;  // columns on either side
+
   cv::Mat1b left_;
   cv::Mat1b right_padded_;
 };
@@ -67,7 +69,7 @@ class MnccCost {
   /// Cost up to which a similarity ≥ threshold is accepted.
   static int32_t Limit(double threshold);
 
-  /// @pre as CrossSums::At(). Right windows that leave the image are the caller's to refuse.
+  /// @pre as CrossSums::At(). Windows that leave the image are the caller's to refuse.
   CostTriple At(int u, int v, int d) const;
 
  private:

@@ -4,6 +4,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace sprout {
@@ -22,6 +23,11 @@ std::vector<SeedTriangle> TriangulateSeeds(std::span<const Seed> seeds) {
   for (size_t i = 0; i < seeds.size(); ++i) {
     points.emplace_back(Kernel::Point_2(seeds[i].u, seeds[i].v), static_cast<int>(i));
   }
+  // The first seed of each position, in an order that does not depend on the seeds' order.
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end(),
+                           [](const auto& a, const auto& b) { return a.first == b.first; }),
+               points.end());
   // CGAL sorts along a space-filling curve, with a shuffle from a fixed start: repeatable.
   const Delaunay delaunay(points.begin(), points.end());
 

@@ -14,7 +14,7 @@ using SeedTriangle = std::array<int, 3>;
 
 /// Delaunay triangulation of the seeds' positions (u, v) in the left image. Seeds on one position
 /// count once: the first. Among triangulations that are equally good (four seeds on a circle, as
-/// on a grid) the choice depends on the order of the seeds only.
+/// on a grid) the choice depends on the positions only, not on their order.
 ///
 /// The only place that includes CGAL, whose 2D triangulations are under the GPL.
 ///

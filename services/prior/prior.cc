@@ -14,17 +14,23 @@ namespace sprout {
 namespace {
 
 // Column at which an edge crosses a row. Both triangles of an edge see the same column, to the
-// bit, since the end points are put in order first: no pixel is missed or painted twice.
+// bit, since the end points are put in order first: no pixel between them is missed.
 double CrossingColumn(const Seed& a, const Seed& b, double v) {
   const auto [top, bottom] =
-      a.v < b.v || (a.v == b.v && a.u < b.u) ? std::pair(a, b) : std::pair(b, a);
+      std::pair(a.v, a.u) < std::pair(b.v, b.u) ? std::pair(a, b) : std::pair(b, a);
   const double share = (v - double{top.v}) / (double{bottom.v} - double{top.v});
   return double{top.u} + share * (double{bottom.u} - double{top.u});
 }
 
-// First whole number that is not below x, within [0, limit].
-int ClampedCeil(double x, int limit) {
-  return static_cast<int>(std::ceil(std::clamp(x, 0.0, static_cast<double>(limit))));
+// Whole numbers in [first, last], cut to [0, size).
+struct PixelRange {
+  int begin;
+  int end;
+};
+
+PixelRange PixelsBetween(double first, double last, int size) {
+  const auto clamp = [&](double x) { return static_cast<int>(std::clamp<double>(x, 0, size)); };
+  return {clamp(std::ceil(first)), clamp(std::floor(last) + 1)};
 }
 
 // Disparity as a plane over the image: d(u, v) = at_origin + u·per_column + v·per_row.
@@ -47,8 +53,8 @@ Plane PlaneThrough(const Seed& a, const Seed& b, const Seed& c) {
   return {a.disparity() - per_column * a.u - per_row * a.v, per_column, per_row};
 }
 
-// Paints the pixels whose centre lies in the triangle. Rows and columns are half open, [first,
-// end), so that triangles side by side share no pixel.
+// Paints the pixels whose centre lies in the triangle or on its border. Neighbours both paint their
+// common edge, with the same values but for rounding.
 void PaintTriangle(std::array<Seed, 3> corners, DisparityImage& map) {
   std::sort(corners.begin(), corners.end(),
             [](const Seed& a, const Seed& b) { return std::pair(a.v, a.u) < std::pair(b.v, b.u); });
@@ -57,15 +63,17 @@ void PaintTriangle(std::array<Seed, 3> corners, DisparityImage& map) {
   // Rounding must not carry a pixel in a sliver beyond its corners.
   const auto [least, most] = std::minmax({top.disparity(), middle.disparity(), bottom.disparity()});
 
-  const int end_row = ClampedCeil(double{bottom.v}, map.height());
-  for (int v = ClampedCeil(top.v, map.height()); v < end_row; ++v) {
-    const double long_edge = CrossingColumn(top, bottom, v);
-    const double short_edge =
-        v < double{middle.v} ? CrossingColumn(top, middle, v) : CrossingColumn(middle, bottom, v);
+  const PixelRange rows = PixelsBetween(top.v, bottom.v, map.height());
+  for (int v = rows.begin; v < rows.end; ++v) {
+    const double row = v;
+    const double long_edge = CrossingColumn(top, bottom, row);
+    const double short_edge = row < double{middle.v}   ? CrossingColumn(top, middle, row)
+                              : row > double{middle.v} ? CrossingColumn(middle, bottom, row)
+                                                       : double{middle.u};
     const auto [left, right] = std::minmax(long_edge, short_edge);
-    const int end_column = ClampedCeil(right, map.width());
+    const PixelRange columns = PixelsBetween(left, right, map.width());
     int16_t* const counts = map.counts()[v];
-    for (int u = ClampedCeil(left, map.width()); u < end_column; ++u) {
+    for (int u = columns.begin; u < columns.end; ++u) {
       const double disparity = plane.at_origin + plane.per_column * u + plane.per_row * v;
       counts[u] = ToCounts(std::clamp<double>(disparity, least, most));
     }

@@ -1,0 +1,108 @@
+#include "services/grow/gap_filler.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+namespace sprout {
+namespace {
+
+constexpr int16_t kGap = DisparityImage::kInvalid;
+
+DisparityImage RandomMap(cv::Size size, uint32_t seed, uint32_t gap_per_cent) {
+  std::mt19937 random(seed);
+  DisparityImage map(size);
+  for (int16_t& count : map.counts()) {
+    if (random() % 100 >= gap_per_cent) count = static_cast<int16_t>(random() % 2000);
+  }
+  return map;
+}
+
+// One pass, spelled out.
+DisparityImage SlowPass(const DisparityImage& map) {
+  DisparityImage filled{map.counts().clone()};
+  for (int v = 0; v < map.height(); ++v) {
+    for (int u = 0; u < map.width(); ++u) {
+      if (map.IsValid(u, v)) continue;
+      std::vector<int16_t> around;
+      for (int y = std::max(v - 2, 0); y <= std::min(v + 2, map.height() - 1); ++y) {
+        for (int x = std::max(u - 2, 0); x <= std::min(u + 2, map.width() - 1); ++x) {
+          if (map.IsValid(x, y)) around.push_back(map.counts()(y, x));
+        }
+      }
+      std::sort(around.begin(), around.end());
+      if (!around.empty()) filled.counts()(v, u) = around[(around.size() - 1) / 2];
+    }
+  }
+  return filled;
+}
+
+bool Same(const DisparityImage& a, const DisparityImage& b) {
+  return a.size() == b.size() && cv::countNonZero(a.counts() != b.counts()) == 0;
+}
+
+TEST(GapFiller, TakesTheMedianOfTheWindow) {
+  DisparityImage map(cv::Size(5, 5));
+  map.counts()(0, 0) = 10;
+  map.counts()(4, 4) = 500;
+  map.counts()(0, 4) = 20;
+  EXPECT_EQ(FillGaps(map, GrowConfig::ONE_PASS).counts()(2, 2), 20);
+  map.counts()(4, 0) = 600;  // of 10, 20, 500, 600 the lower middle one
+  EXPECT_EQ(FillGaps(map, GrowConfig::ONE_PASS).counts()(2, 2), 20);
+}
+
+TEST(GapFiller, OnePassEqualsTheSlowPass) {
+  for (uint32_t seed = 0; seed < 10; ++seed) {
+    const DisparityImage map = RandomMap({31, 17}, seed, 60 + 4 * seed);
+    EXPECT_TRUE(Same(FillGaps(map, GrowConfig::ONE_PASS), SlowPass(map))) << "seed " << seed;
+  }
+}
+
+TEST(GapFiller, UntilStableEqualsSlowPassesUntilNothingChanges) {
+  for (uint32_t seed = 0; seed < 10; ++seed) {
+    const DisparityImage map = RandomMap({61, 47}, seed, 99);
+    DisparityImage slow = map;
+    for (DisparityImage next = SlowPass(slow); !Same(next, slow); next = SlowPass(slow)) {
+      slow = next;
+    }
+    const DisparityImage filled = FillGaps(map, GrowConfig::UNTIL_STABLE);
+    EXPECT_TRUE(Same(filled, slow)) << "seed " << seed;
+    EXPECT_EQ(filled.CountValid(), 61 * 47);
+  }
+}
+
+TEST(GapFiller, LeavesValidPixelsAndTheGivenMapAlone) {
+  const DisparityImage map = RandomMap({31, 17}, 1, 50);
+  const cv::Mat1s before = map.counts().clone();
+  const DisparityImage filled = FillGaps(map, GrowConfig::UNTIL_STABLE);
+  for (int v = 0; v < map.height(); ++v) {
+    for (int u = 0; u < map.width(); ++u) {
+      EXPECT_EQ(map.counts()(v, u), before(v, u));
+      if (!map.IsValid(u, v)) continue;
+      EXPECT_EQ(filled.counts()(v, u), map.counts()(v, u));
+    }
+  }
+}
+
+TEST(GapFiller, KeepsAnEmptyMapEmpty) {
+  const DisparityImage map(cv::Size(9, 9));
+  EXPECT_EQ(FillGaps(map, GrowConfig::UNTIL_STABLE).CountValid(), 0);
+}
+
+TEST(GapFiller, NoneReturnsTheMap) {
+  const DisparityImage map = RandomMap({9, 9}, 2, 50);
+  EXPECT_TRUE(Same(FillGaps(map, GrowConfig::NONE), map));
+  EXPECT_GT(cv::countNonZero(map.counts() == kGap), 0);
+}
+
+TEST(GapFiller, WorksOnOnePixel) {
+  DisparityImage map(cv::Size(1, 1));
+  EXPECT_EQ(FillGaps(map, GrowConfig::UNTIL_STABLE).CountValid(), 0);
+  map.counts()(0, 0) = 7;
+  EXPECT_EQ(FillGaps(map, GrowConfig::UNTIL_STABLE).counts()(0, 0), 7);
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,97 @@
+#include "services/grow/grow_plug.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+
+Frame FlatFrame(cv::Size size) {
+  Frame frame;
+  frame.left = cv::Mat(size, CV_8UC3, cv::Scalar(10, 120, 200));
+  frame.right = cv::Mat(size, CV_8UC1, cv::Scalar(126));  // the grey value of the left one
+  frame.seeds = SeedSet{.seeds = {{10, 10, 8}, {20, 10, 18}, {15, 20, 13}}, .raw = 3};
+  frame.prior = DisparityImage(size);
+  frame.prior->counts() = ToCounts(2);
+  return frame;
+}
+
+const DisparityImage& MapOf(const Outcome& outcome, Part part) {
+  for (const Output& output : outcome.outputs) {
+    if (output.part == part) return std::get<DisparityImage>(output.value);
+  }
+  throw std::runtime_error("part is missing");
+}
+
+TEST(GrowPlug, AsksForWhatItsConfigurationNeeds) {
+  GrowConfig config;
+  EXPECT_EQ(GrowPlug(config).Inputs(),
+            (PartSet{Part::kLeft, Part::kRight, Part::kSeeds, Part::kPrior}));
+  config.set_similarity(GrowConfig::MNCC);
+  EXPECT_EQ(GrowPlug(config).Inputs(), (PartSet{Part::kLeft, Part::kRight, Part::kSeeds}));
+  config.set_seeds(GrowConfig::HARRIS);
+  EXPECT_EQ(GrowPlug(config).Inputs(), (PartSet{Part::kLeft, Part::kRight}));
+}
+
+TEST(GrowPlug, AnswersWithAFilledMap) {
+  const Outcome outcome = GrowPlug(GrowConfig()).Process(FlatFrame({40, 30}));
+  EXPECT_EQ(outcome.degenerate, "");
+  ASSERT_EQ(outcome.outputs.size(), 1u);
+  EXPECT_EQ(MapOf(outcome, Part::kDisparity).CountValid(), 40 * 30);
+}
+
+TEST(GrowPlug, AddsTheUnfilledMapOnDemand) {
+  GrowConfig config;
+  config.set_publish_unfilled(true);
+  const Outcome outcome = GrowPlug(config).Process(FlatFrame({40, 30}));
+  EXPECT_LT(MapOf(outcome, Part::kUnfilled).CountValid(),
+            MapOf(outcome, Part::kDisparity).CountValid());
+}
+
+TEST(GrowPlug, SaysWhyAFrameHasNoDisparity) {
+  GrowPlug plug{GrowConfig()};
+  Frame no_seeds = FlatFrame({40, 30});
+  no_seeds.seeds->seeds.clear();
+  EXPECT_THAT(plug.Process(no_seeds).degenerate, HasSubstr("no seeds"));
+
+  Frame no_prior = FlatFrame({40, 30});
+  no_prior.prior = DisparityImage(cv::Size(40, 30));
+  EXPECT_THAT(plug.Process(no_prior).degenerate, HasSubstr("prior is empty"));
+
+  Frame tiny = FlatFrame({4, 4});
+  EXPECT_THAT(plug.Process(tiny).degenerate, HasSubstr("smaller than the 5x5 window"));
+
+  Frame sizes_differ = FlatFrame({40, 30});
+  sizes_differ.right = cv::Mat(31, 40, CV_8UC1, cv::Scalar(0));
+  const Outcome outcome = plug.Process(sizes_differ);
+  EXPECT_THAT(outcome.degenerate, HasSubstr("allowed are two of one size"));
+  EXPECT_EQ(MapOf(outcome, Part::kDisparity).size(), cv::Size(40, 30));
+  EXPECT_EQ(MapOf(outcome, Part::kDisparity).CountValid(), 0);
+}
+
+TEST(GrowPlug, GoesOnAfterADegenerateFrame) {
+  GrowPlug plug{GrowConfig()};
+  const Outcome before = plug.Process(FlatFrame({40, 30}));
+  Frame no_seeds = FlatFrame({40, 30});
+  no_seeds.seeds->seeds.clear();
+  plug.Process(no_seeds);
+  const Outcome after = plug.Process(FlatFrame({40, 30}));
+  EXPECT_EQ(cv::countNonZero(MapOf(before, Part::kDisparity).counts() !=
+                             MapOf(after, Part::kDisparity).counts()),
+            0);
+}
+
+TEST(GrowPlug, HarrisSeedsSurviveImagesOfTwoSizes) {
+  GrowConfig config;
+  config.set_seeds(GrowConfig::HARRIS);
+  Frame frame = FlatFrame({40, 30});
+  frame.right = cv::Mat(8, 8, CV_8UC1, cv::Scalar(0));
+  EXPECT_THAT(GrowPlug(config).Process(frame).degenerate, HasSubstr("two of one size"));
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,220 @@
+#include "services/grow/grower.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <set>
+#include <vector>
+
+#include "tests/services/grow/slow_growth.h"
+
+namespace sprout {
+namespace {
+
+cv::Mat1b Noise(cv::Size size, uint32_t seed, int levels) {
+  std::mt19937 random(seed);
+  cv::Mat1b image(size);
+  for (uint8_t& value : image) {
+    value = static_cast<uint8_t>(random() % static_cast<uint32_t>(levels) * 255 /
+                                 static_cast<uint32_t>(levels));
+  }
+  return image;
+}
+
+// The right view of a textured scene with disparity `d` everywhere: right(u − d) = left(u).
+cv::Mat1b ShiftedBy(const cv::Mat1b& left, int d) {
+  cv::Mat1b right(left.size(), uint8_t{0});
+  left.colRange(d, left.cols).copyTo(right.colRange(0, left.cols - d));
+  return right;
+}
+
+DisparityImage ConstantPrior(cv::Size size, double disparity) {
+  DisparityImage prior(size);
+  prior.counts() = ToCounts(disparity);
+  return prior;
+}
+
+void ExpectSame(const DisparityImage& fast, const DisparityImage& slow) {
+  ASSERT_EQ(fast.size(), slow.size());
+  for (int v = 0; v < fast.height(); ++v) {
+    for (int u = 0; u < fast.width(); ++u) {
+      ASSERT_EQ(fast.counts()(v, u), slow.counts()(v, u)) << "at (" << u << ", " << v << ")";
+    }
+  }
+}
+
+std::vector<Seed> RandomSeeds(cv::Size size, int count, int max_disparity, uint32_t seed) {
+  std::mt19937 random(seed);
+  std::vector<Seed> seeds;
+  for (int i = 0; i < count; ++i) {
+    const auto u = static_cast<float>(random() % static_cast<uint32_t>(size.width));
+    const auto v = static_cast<float>(random() % static_cast<uint32_t>(size.height));
+    const float d = static_cast<float>(random() % static_cast<uint32_t>(4 * max_disparity)) / 4;
+    seeds.push_back({u, v, u - d});
+  }
+  return seeds;
+}
+
+struct GrowCase {
+  GrowConfig::Similarity similarity;
+  int grey_levels;  // 2: many ties; 256: few
+  uint32_t seed;
+};
+
+class GrowerAgainstSlowGrowth : public testing::TestWithParam<GrowCase> {};
+
+TEST_P(GrowerAgainstSlowGrowth, GivesTheSamePixels) {
+  const auto& [similarity, grey_levels, seed] = GetParam();
+  const cv::Size size(37, 23);
+  const cv::Mat1b left = Noise(size, seed, grey_levels);
+  cv::Mat1b right = ShiftedBy(left, 4);
+  // Two surfaces, so that growth meets edges, occlusions and taken right pixels.
+  ShiftedBy(left, 7).rowRange(9, 23).copyTo(right.rowRange(9, 23));
+  DisparityImage prior = ConstantPrior(size, 4.3);
+  prior.counts().rowRange(9, 23) = ToCounts(6.8);
+  prior.counts()(12, 12) = DisparityImage::kInvalid;
+
+  GrowConfig config;
+  config.set_similarity(similarity);
+  config.set_sigma_p_px(1.5);
+  config.set_threshold(0.4);
+  const std::vector<Seed> seeds = RandomSeeds(size, 60, 9, seed);
+  const auto fast = Grower(config).Compute(left, right, seeds, prior);
+  ASSERT_TRUE(fast.has_value());
+  ExpectSame(*fast, SlowGrow(config, left, right, seeds, prior));
+  EXPECT_GT(fast->CountValid(), 50);
+}
+
+std::vector<GrowCase> AllCases() {
+  std::vector<GrowCase> cases;
+  for (const auto similarity : {GrowConfig::MNCC, GrowConfig::EXPSSD, GrowConfig::EPC}) {
+    for (const int levels : {2, 3, 256}) {
+      for (uint32_t seed = 0; seed < 5; ++seed) cases.push_back({similarity, levels, seed});
+    }
+  }
+  return cases;
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, GrowerAgainstSlowGrowth, testing::ValuesIn(AllCases()));
+
+GrowConfig EpcConfig() {
+  GrowConfig config;
+  config.set_similarity(GrowConfig::EPC);
+  config.set_sigma_p_px(2);
+  return config;
+}
+
+TEST(Grower, CoversATexturedPlaneFromOneSeed) {
+  const cv::Size size(60, 40);
+  const cv::Mat1b left = Noise(size, 1, 256);
+  const std::vector<Seed> seeds = {{.u = 30, .v = 20, .u_right = 25}};
+  const auto map =
+      Grower(EpcConfig()).Compute(left, ShiftedBy(left, 5), seeds, ConstantPrior(size, 5));
+  for (int v = 2; v < 38; ++v) {
+    for (int u = 7; u < 58; ++u) EXPECT_EQ(map->Px(u, v), 5) << u << ", " << v;
+  }
+  // Neither where the left window leaves the image nor where the right one does.
+  EXPECT_EQ(map->CountValid(), 36 * 51);
+}
+
+TEST(Grower, FollowsASlantOneDisparityAtATime) {
+  const cv::Size size(80, 12);
+  const cv::Mat1b right = Noise(size, 2, 256);
+  cv::Mat1b left(size, uint8_t{0});
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = 10; u < size.width; ++u) left(v, u) = right(v, u - (9 - u / 10));
+  }
+  GrowConfig config = EpcConfig();
+  config.set_similarity(GrowConfig::EXPSSD);
+  config.set_sigma_s_squared(0.2);  // a window across a step passes, a wrong one does not
+  const std::vector<Seed> seeds = {{.u = 15, .v = 6, .u_right = 7}};
+  const auto map = Grower(config).Compute(left, right, seeds, DisparityImage());
+  for (const int u : {25, 35, 45, 55, 65, 75}) EXPECT_EQ(map->Px(u, 6), 9 - u / 10) << u;
+}
+
+TEST(Grower, KeepsOneToOneMatching) {
+  const cv::Size size(50, 30);
+  const cv::Mat1b flat(size, uint8_t{128});  // every disparity fits everywhere
+  GrowConfig config = EpcConfig();
+  config.set_sigma_p_px(1000);
+  const auto map =
+      Grower(config).Compute(flat, flat, RandomSeeds(size, 40, 12, 3), ConstantPrior(size, 5));
+  ASSERT_GT(map->CountValid(), 500);
+  for (int v = 0; v < size.height; ++v) {
+    std::set<int> taken;
+    for (int u = 0; u < size.width; ++u) {
+      if (!map->IsValid(u, v)) continue;
+      const int u_right = u - map->counts()(v, u) / DisparityImage::kCountsPerPixel;
+      EXPECT_TRUE(taken.insert(u_right).second) << "right pixel " << u_right << ", row " << v;
+      EXPECT_GE(u_right, 2);
+    }
+  }
+}
+
+TEST(Grower, StopsWhereSimilarityFallsBelowTheThreshold) {
+  const cv::Size size(60, 30);
+  const cv::Mat1b left = Noise(size, 4, 256);
+  cv::Mat1b right = ShiftedBy(left, 5);
+  Noise({30, 30}, 5, 256).copyTo(right.colRange(30, 60));  // nothing to match from u = 35 on
+  const std::vector<Seed> seeds = {{.u = 15, .v = 15, .u_right = 10}};
+  const auto map = Grower(EpcConfig()).Compute(left, right, seeds, ConstantPrior(size, 5));
+  EXPECT_TRUE(map->IsValid(30, 15));
+  EXPECT_LT(cv::countNonZero(map->counts().colRange(38, 60) != DisparityImage::kInvalid), 22);
+}
+
+TEST(Grower, GivesTheSameBytesWhenItsQueueIsUsedAgain) {
+  const cv::Size size(60, 40);
+  const cv::Mat1b left = Noise(size, 6, 4);
+  const cv::Mat1b right = ShiftedBy(left, 3);
+  const std::vector<Seed> seeds = RandomSeeds(size, 30, 8, 6);
+  Grower grower(EpcConfig());
+  const auto first = grower.Compute(left, right, seeds, ConstantPrior(size, 3));
+  const auto second = grower.Compute(left, right, seeds, ConstantPrior(size, 3));
+  ExpectSame(*first, *second);
+}
+
+TEST(Grower, IgnoresSeedsWhoseWindowLeavesAnImage) {
+  const cv::Size size(40, 30);
+  const cv::Mat1b left = Noise(size, 7, 256);
+  const std::vector<Seed> seeds = {
+      {1, 15, 0}, {10, 15, 9.6f - 9}, {39, 29, 30}, {20, 15, 25}, {-1e4f, 1e4f, 0}};
+  const auto map =
+      Grower(EpcConfig()).Compute(left, ShiftedBy(left, 5), seeds, ConstantPrior(size, 5));
+  EXPECT_EQ(map->CountValid(), 0);
+}
+
+TEST(Grower, GivesNothingForNoSeeds) {
+  const cv::Mat1b image(30, 40, uint8_t{9});
+  const auto map = Grower(EpcConfig()).Compute(image, image, {}, ConstantPrior({40, 30}, 5));
+  EXPECT_EQ(map->CountValid(), 0);
+}
+
+TEST(Grower, SaysWhatIsWrongWithSizes) {
+  const cv::Mat1b image(30, 40, uint8_t{9});
+  const cv::Mat1b other(30, 41, uint8_t{9});
+  const cv::Mat1b tiny(4, 5, uint8_t{9});
+  Grower grower(EpcConfig());
+  EXPECT_THAT(grower.Compute(image, other, {}, {}).error().text, testing::HasSubstr("40x30"));
+  EXPECT_THAT(grower.Compute(tiny, tiny, {}, DisparityImage(tiny.size())).error().text,
+              testing::HasSubstr("smaller than the 5x5 window"));
+  EXPECT_THAT(grower.Compute(image, image, {}, DisparityImage(cv::Size(3, 3))).error().text,
+              testing::HasSubstr("prior of 3x3"));
+}
+
+TEST(Grower, WorksOnImagesOfExactlyOneWindow) {
+  const cv::Mat1b image = Noise({5, 5}, 8, 256);
+  const std::vector<Seed> seeds = {{2, 2, 2}};
+  EXPECT_TRUE(
+      Grower(EpcConfig()).Compute(image, image, seeds, ConstantPrior({5, 5}, 0)).has_value());
+}
+
+TEST(Grower, RefusesAThresholdOutOfRange) {
+  GrowConfig config;
+  config.set_threshold(1.5);
+  EXPECT_THROW(Grower{config}, ConfigError);
+}
+
+}  // namespace
+}  // namespace sprout

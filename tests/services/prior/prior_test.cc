@@ -1,0 +1,155 @@
+#include "services/prior/prior.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "services/prior/delaunay.h"
+#include "services/prior/prior_plug.h"
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+
+Seed SeedAt(double u, double v, double disparity) {
+  const auto left = static_cast<float>(u);
+  return {.u = left, .v = static_cast<float>(v), .u_right = left - static_cast<float>(disparity)};
+}
+
+std::vector<Seed> RandomSeeds(cv::Size size, int count, uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto uniform = [&](int end) { return static_cast<double>(random() % 65536) / 65536 * end; };
+  std::vector<Seed> seeds;
+  for (int i = 0; i < count; ++i) {
+    const double u = uniform(size.width);
+    const double v = uniform(size.height);
+    seeds.push_back(SeedAt(u, v, uniform(60)));
+  }
+  return seeds;
+}
+
+// Barycentric coordinates of a pixel in a triangle; nothing when it lies outside.
+std::optional<double> Interpolate(const std::array<Seed, 3>& t, double u, double v) {
+  const auto cross = [](const Seed& a, const Seed& b, double x, double y) {
+    return (double{b.u} - a.u) * (y - a.v) - (double{b.v} - a.v) * (x - a.u);
+  };
+  const double area = cross(t[0], t[1], t[2].u, t[2].v);
+  const double w0 = cross(t[1], t[2], u, v) / area;
+  const double w1 = cross(t[2], t[0], u, v) / area;
+  const double w2 = cross(t[0], t[1], u, v) / area;
+  constexpr double kRounding = 1e-9;
+  if (std::min({w0, w1, w2}) < -kRounding) return std::nullopt;
+  return w0 * t[0].disparity() + w1 * t[1].disparity() + w2 * t[2].disparity();
+}
+
+TEST(Prior, EqualsBruteForcePointInTriangleInterpolation) {
+  const cv::Size size(90, 70);
+  for (uint32_t seed = 0; seed < 8; ++seed) {
+    const std::vector<Seed> seeds = RandomSeeds(size, 5 + 10 * static_cast<int>(seed), seed);
+    const auto prior = InterpolateSeeds(seeds, size);
+    ASSERT_TRUE(prior.has_value());
+    const auto triangles = TriangulateSeeds(seeds);
+    int inside = 0;
+    for (int v = 0; v < size.height; ++v) {
+      for (int u = 0; u < size.width; ++u) {
+        for (const auto& [a, b, c] : triangles) {
+          const auto expected =
+              Interpolate({seeds[static_cast<size_t>(a)], seeds[static_cast<size_t>(b)],
+                           seeds[static_cast<size_t>(c)]},
+                          u, v);
+          if (!expected) continue;
+          ++inside;
+          // Half a count of rounding; slivers lose a little more to their tiny area.
+          EXPECT_NEAR(prior->Px(u, v), *expected, 0.55 / DisparityImage::kCountsPerPixel)
+              << "seed " << seed << " at (" << u << ", " << v << ")";
+          break;
+        }
+      }
+    }
+    EXPECT_GT(inside, 1000);
+  }
+}
+
+TEST(Prior, ReproducesAPlaneExactly) {
+  const cv::Size size(64, 48);
+  const auto plane = [](double u, double v) { return 10 + u / 8 + v / 16; };
+  std::vector<Seed> seeds;
+  for (int v = 0; v < 48; v += 8) {
+    for (int u = 0; u < 64; u += 8) seeds.push_back(SeedAt(u, v, plane(u, v)));
+  }
+  const auto prior = InterpolateSeeds(seeds, size);
+  for (int v = 0; v <= 40; ++v) {
+    for (int u = 0; u <= 56; ++u) EXPECT_EQ(prior->Px(u, v), static_cast<float>(plane(u, v)));
+  }
+}
+
+TEST(Prior, TakesTheNearestHullValueOutsideTheHull) {
+  const std::vector<Seed> seeds = {SeedAt(20, 10, 4), SeedAt(40, 10, 8), SeedAt(40, 30, 8),
+                                   SeedAt(20, 30, 4)};
+  const auto prior = InterpolateSeeds(seeds, {64, 48});
+  EXPECT_EQ(prior->CountValid(), 64 * 48);
+  EXPECT_EQ(prior->Px(0, 20), 4);
+  EXPECT_EQ(prior->Px(0, 0), 4);
+  EXPECT_EQ(prior->Px(30, 0), 6);
+  EXPECT_EQ(prior->Px(30, 47), 6);
+  EXPECT_EQ(prior->Px(63, 47), 8);
+}
+
+TEST(Prior, TakesTheFirstOfSeedsOnOnePosition) {
+  const std::vector<Seed> seeds = {SeedAt(10, 10, 5), SeedAt(50, 10, 5), SeedAt(10, 40, 5),
+                                   SeedAt(10, 10, 50)};
+  EXPECT_EQ(InterpolateSeeds(seeds, {64, 48})->Px(12, 12), 5);
+}
+
+TEST(Prior, SaysWhyThereIsNone) {
+  const cv::Size size(64, 48);
+  EXPECT_THAT(InterpolateSeeds({}, size).error().text, HasSubstr("0 seeds"));
+  EXPECT_THAT(InterpolateSeeds(std::vector<Seed>{SeedAt(1, 1, 1)}, size).error().text,
+              HasSubstr("1 seeds"));
+  EXPECT_THAT(
+      InterpolateSeeds(std::vector<Seed>{SeedAt(1, 1, 1), SeedAt(9, 1, 1)}, size).error().text,
+      HasSubstr("at least 3"));
+  EXPECT_THAT(
+      InterpolateSeeds(std::vector<Seed>{SeedAt(1, 1, 1), SeedAt(9, 9, 1), SeedAt(20, 20, 1)}, size)
+          .error()
+          .text,
+      HasSubstr("on one line"));
+  EXPECT_THAT(
+      InterpolateSeeds(
+          std::vector<Seed>{SeedAt(1.1, 1.1, 1), SeedAt(1.2, 1.1, 1), SeedAt(1.1, 1.2, 1)}, size)
+          .error()
+          .text,
+      HasSubstr("cover no pixel"));
+}
+
+TEST(Prior, SurvivesSeedsOutsideTheImage) {
+  const std::vector<Seed> seeds = {SeedAt(-500, -500, 3), SeedAt(5000, -100, 3),
+                                   SeedAt(100, 9000, 3)};
+  const auto prior = InterpolateSeeds(seeds, {64, 48});
+  EXPECT_EQ(prior->CountValid(), 64 * 48);
+  EXPECT_EQ(prior->Px(30, 30), 3);
+}
+
+TEST(PriorPlug, AnswersADegenerateFrameWithAnEmptyMap) {
+  Frame frame;
+  frame.rig.emplace();
+  frame.rig->pair.width = 64;
+  frame.rig->pair.height = 48;
+  frame.seeds = SeedSet{.seeds = {SeedAt(1, 1, 1)}, .raw = 1};
+  const Outcome outcome = PriorPlug().Process(frame);
+  EXPECT_THAT(outcome.degenerate, HasSubstr("at least 3"));
+  ASSERT_EQ(outcome.outputs.size(), 1u);
+  EXPECT_EQ(outcome.outputs[0].part, Part::kPrior);
+  const auto& map = std::get<DisparityImage>(outcome.outputs[0].value);
+  EXPECT_EQ(map.size(), cv::Size(64, 48));
+  EXPECT_EQ(map.CountValid(), 0);
+}
+
+}  // namespace
+}  // namespace sprout

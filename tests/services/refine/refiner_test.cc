@@ -1,0 +1,216 @@
+#include "services/refine/refiner.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "services/refine/refine_plug.h"
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
+
+// A ToF camera of 10×8 pixels in the left camera's place, one ToF pixel every 10 image pixels;
+// ToF pixel (i, j) looks at image pixel (10·i, 10·j).
+Rig MakeRig() {
+  Rig rig;
+  rig.pair = {.width = 100,
+              .height = 80,
+              .focal_px = 100,
+              .cx = 50,
+              .cy = 40,
+              .cx_right = 52,
+              .baseline_m = 0.1};
+  rig.tof.width = 10;
+  rig.tof.height = 8;
+  rig.tof.fx = rig.tof.fy = 10;
+  rig.tof.cx = 5;
+  rig.tof.cy = 4;
+  return rig;
+}
+
+struct Scene {
+  Rig rig = MakeRig();
+  cv::Mat1b left = cv::Mat1b(80, 100, uint8_t{100});
+  cv::Mat1b right = cv::Mat1b(80, 100, uint8_t{100});
+  TofImage tof{.depth_m = cv::Mat1f(8, 10, kNoReturn), .amplitude = {}};
+
+  void SetDisparity(int i, int j, double disparity) {
+    tof.depth_m(j, i) = static_cast<float>(rig.pair.DepthFromDisparity(disparity));
+  }
+
+  Result<SeedSet> Refine(const RefineConfig& config = {}) const {
+    return Refiner(config).Compute(left, right, tof, TofProjector(rig));
+  }
+};
+
+TEST(Refiner, ProjectsEveryReturnIntoBothImages) {
+  Scene scene;
+  scene.SetDisparity(3, 2, 8);
+  scene.SetDisparity(7, 5, 20);
+  const auto result = scene.Refine();
+  ASSERT_EQ(result->seeds.size(), 2u);
+  EXPECT_EQ(result->raw, 2);
+  EXPECT_NEAR(result->seeds[0].u, 30, 1e-4);
+  EXPECT_NEAR(result->seeds[0].v, 20, 1e-4);
+  EXPECT_NEAR(result->seeds[0].u_right, 22, 1e-4);
+  EXPECT_NEAR(result->seeds[1].disparity(), 20, 1e-4);
+}
+
+TEST(Refiner, DropsPointsWhoseWindowLeavesEitherImage) {
+  Scene scene;
+  scene.SetDisparity(0, 4, 1);   // u = 0: left
+  scene.SetDisparity(4, 0, 1);   // v = 0: above
+  scene.SetDisparity(1, 4, 9);   // u' = 1: right image
+  scene.SetDisparity(1, 5, 8);   // u' = 2: just inside
+  scene.SetDisparity(5, 5, -1);  // nearer than infinity, but d < 0
+  const auto result = scene.Refine();
+  EXPECT_EQ(result->seeds.size(), 1u);
+  EXPECT_EQ(result->outside, 4);
+  EXPECT_EQ(result->raw, 5);
+}
+
+TEST(Refiner, CountsPointsBehindTheCamerasAsOutside) {
+  Scene scene;
+  scene.rig.tof.left_from_tof_translation_m.z() = -1;
+  scene.tof.depth_m(4, 5) = 0.5f;
+  scene.tof.depth_m(4, 6) = 3.0f;
+  const auto result = scene.Refine();
+  EXPECT_EQ(result->raw, 2);
+  EXPECT_EQ(result->outside, 1);
+  EXPECT_EQ(result->seeds.size(), 1u);
+}
+
+TEST(Refiner, DropsSeedsOnDarkRegionsOfTheLeftImage) {
+  Scene scene;
+  scene.SetDisparity(3, 2, 8);
+  scene.SetDisparity(6, 2, 8);
+  scene.left(cv::Rect(58, 18, 5, 5)) = 7;   // mean of the window around (60, 20): 7
+  scene.right(cv::Rect(20, 18, 5, 5)) = 0;  // the right image does not count
+  RefineConfig config;
+  config.set_min_mean_grey(8);
+  const auto result = scene.Refine(config);
+  EXPECT_EQ(result->dark, 1);
+  ASSERT_EQ(result->seeds.size(), 1u);
+  EXPECT_NEAR(result->seeds[0].u, 30, 1e-4);
+  config.set_min_mean_grey(7);
+  EXPECT_EQ(scene.Refine(config)->dark, 0);
+}
+
+TEST(Refiner, DropsSeedsWithAWeakAmplitude) {
+  Scene scene;
+  scene.SetDisparity(3, 2, 8);
+  scene.SetDisparity(6, 2, 8);
+  scene.SetDisparity(6, 4, 8);
+  scene.tof.amplitude = cv::Mat1f(8, 10, 50.f);
+  scene.tof.amplitude(2, 6) = 19;
+  scene.tof.amplitude(4, 6) = kNoReturn;
+  RefineConfig config;
+  config.set_min_amplitude(20);
+  EXPECT_EQ(scene.Refine(config)->dark, 2);
+  scene.tof.amplitude = cv::Mat1f();
+  EXPECT_EQ(scene.Refine(config)->dark, 0);
+}
+
+TEST(Refiner, FindsBackgroundBesideANearerSeedInTheLeftImage) {
+  const std::vector<Seed> seeds = {{20, 20, 10}, {22, 21, 17}, {40, 20, 35}, {45, 20, 40}};
+  EXPECT_EQ(FindBackground(seeds, {100, 80}, 1), (std::vector<bool>{false, true, false, false}));
+}
+
+TEST(Refiner, FindsBackgroundThatFallsOntoANearerSeedInTheRightImage) {
+  // Apart in the left image, on one pixel in the right one: the right camera sees the nearer.
+  const std::vector<Seed> seeds = {{50, 20, 30}, {40, 21, 31}};
+  EXPECT_EQ(FindBackground(seeds, {100, 80}, 1), (std::vector<bool>{false, true}));
+}
+
+TEST(Refiner, ToleratesSlantsAndLooksTwoPixelsFar) {
+  const std::vector<Seed> within = {{20, 20, 10}, {22, 22, 13}};  // d = 10 and 9
+  EXPECT_EQ(FindBackground(within, {100, 80}, 1), (std::vector<bool>{false, false}));
+  EXPECT_EQ(FindBackground(within, {100, 80}, 0.5), (std::vector<bool>{false, true}));
+  const std::vector<Seed> apart = {{20, 20, 10}, {23, 20, 20}};
+  EXPECT_EQ(FindBackground(apart, {100, 80}, 1), (std::vector<bool>{false, false}));
+}
+
+TEST(Refiner, ComparesAllSeedsInAWindowWithEachOther) {
+  // The outer two are 4 px apart, but both lie in the window of the middle one.
+  const std::vector<Seed> seeds = {{20, 20, 10}, {22, 20, 12.5f}, {24, 20, 16}};  // d = 10, 9.5, 8
+  EXPECT_EQ(FindBackground(seeds, {100, 80}, 1), (std::vector<bool>{false, false, true}));
+}
+
+TEST(Refiner, DoesNotDependOnTheOrderOfTheSeeds) {
+  const std::vector<Seed> seeds = {{22, 21, 17}, {20, 20, 10}};
+  EXPECT_EQ(FindBackground(seeds, {100, 80}, 1), (std::vector<bool>{true, false}));
+}
+
+TEST(Refiner, CountsAddUp) {
+  Scene scene;
+  for (int j = 0; j < 8; ++j) {
+    for (int i = 0; i < 10; ++i) scene.SetDisparity(i, j, 3 + i);
+  }
+  scene.left(cv::Rect(40, 0, 30, 80)) = 0;
+  const auto result = scene.Refine();
+  EXPECT_EQ(result->raw, 80);
+  EXPECT_GT(result->dark, 0);
+  EXPECT_GT(result->outside, 0);
+  EXPECT_EQ(
+      static_cast<int>(result->seeds.size()) + result->dark + result->outside + result->background,
+      result->raw);
+}
+
+TEST(Refiner, SaysWhatIsWrongWithSizes) {
+  Scene scene;
+  scene.right = cv::Mat1b(80, 99, uint8_t{0});
+  EXPECT_THAT(scene.Refine().error().text, HasSubstr("99x80"));
+  Scene other;
+  other.tof.depth_m = cv::Mat1f(3, 3, 1.f);
+  EXPECT_THAT(other.Refine().error().text, HasSubstr("ToF image of 3x3"));
+}
+
+TEST(Refiner, RefusesAToleranceOutOfRange) {
+  RefineConfig config;
+  config.set_background_tolerance_px(-1);
+  EXPECT_THROW(Refiner{config}, ConfigError);
+}
+
+Frame FrameOf(const Scene& scene) {
+  Frame frame;
+  frame.left = scene.left;
+  frame.right = scene.right;
+  frame.tof = scene.tof;
+  frame.rig = scene.rig;
+  frame.id.rig_id = RigId(scene.rig);
+  return frame;
+}
+
+TEST(RefinePlug, SaysWhyAFrameHasNoSeeds) {
+  RefinePlug plug{RefineConfig()};
+  Scene scene;
+  EXPECT_THAT(plug.Process(FrameOf(scene)).degenerate, HasSubstr("no ToF point has a return"));
+  scene.SetDisparity(0, 0, 5);
+  EXPECT_THAT(plug.Process(FrameOf(scene)).degenerate, HasSubstr("none of 1 ToF points"));
+  scene.right = cv::Mat1b(10, 10, uint8_t{0});
+  const Outcome outcome = plug.Process(FrameOf(scene));
+  EXPECT_THAT(outcome.degenerate, HasSubstr("10x10"));
+  ASSERT_EQ(outcome.outputs.size(), 1u);
+  EXPECT_TRUE(std::get<SeedSet>(outcome.outputs[0].value).seeds.empty());
+}
+
+TEST(RefinePlug, FollowsAChangeOfCalibration) {
+  RefinePlug plug{RefineConfig()};
+  Scene scene;
+  scene.SetDisparity(3, 2, 8);
+  const auto seed_of = [&](const Outcome& outcome) {
+    return std::get<SeedSet>(outcome.outputs.at(0).value).seeds.at(0);
+  };
+  EXPECT_NEAR(seed_of(plug.Process(FrameOf(scene))).v, 20, 1e-3);
+  scene.rig.pair.cy = 45;
+  EXPECT_NEAR(seed_of(plug.Process(FrameOf(scene))).v, 25, 1e-3);
+}
+
+}  // namespace
+}  // namespace sprout
