@@ -18,9 +18,9 @@ struct CaptureOptions {
   bool loop = false;              ///< start the source again when it ends
   /// Frames that may be without a SPROUT_DISPARITY answer; nothing: send without waiting.
   std::optional<int> lockstep;
-  std::chrono::duration<double> lockstep_timeout{10};  ///< after which a frame is sent again
+  std::chrono::duration<double> lockstep_timeout{};  ///< after which a frame is sent again
   std::vector<std::string> wait_for;  ///< stages whose status must be heard before the first frame
-  std::chrono::duration<double> wait_timeout{30};
+  std::chrono::duration<double> wait_timeout{};  ///< how long to wait for them
 };
 
 /// Sends the source's frames on LEFT, RIGHT and TOF, and the calibration on RIG at start and once

@@ -19,8 +19,13 @@ struct ConfigFlags {
   }
 };
 
-void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options,
-              double& lockstep_timeout_s) {
+// Flags in seconds, which CLI11 reads as plain numbers.
+struct Timeouts {
+  double lockstep_s = 10;
+  double wait_s = 30;
+};
+
+void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Timeouts& timeouts) {
   flags
       .add_option("--source", config.source,
                   "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene)")
@@ -39,7 +44,8 @@ void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options,
                   "frame is sent again")
       ->check(CLI::Range(1, 1000))
       ->type_name("N");
-  flags.add_option("--lockstep-timeout", lockstep_timeout_s, "How long to wait for that answer, s")
+  flags
+      .add_option("--lockstep-timeout", timeouts.lockstep_s, "How long to wait for that answer, s")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   flags
@@ -47,6 +53,9 @@ void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options,
                   "Send nothing before these stages report, e.g. refine,prior,grow")
       ->delimiter(',')
       ->type_name("STAGES");
+  flags.add_option("--wait-timeout", timeouts.wait_s, "How long to wait for those stages, s")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
 }
 
 int Main(int argc, char** argv) {
@@ -55,12 +64,13 @@ int Main(int argc, char** argv) {
                   "SPROUT_RIGHT, SPROUT_TOF and SPROUT_RIG.");
   ConfigFlags config_flags;
   CaptureOptions options;
-  double lockstep_timeout_s = options.lockstep_timeout.count();
-  AddFlags(service.flags(), config_flags, options, lockstep_timeout_s);
+  Timeouts timeouts;
+  AddFlags(service.flags(), config_flags, options, timeouts);
   return service.Run(
       argc, argv,
       [&](const ServiceContext& context) {
-        options.lockstep_timeout = std::chrono::duration<double>(lockstep_timeout_s);
+        options.lockstep_timeout = std::chrono::duration<double>(timeouts.lockstep_s);
+        options.wait_timeout = std::chrono::duration<double>(timeouts.wait_s);
         const std::unique_ptr<FrameSource> source = OpenFrameSource(context.config.capture());
         return RunCapture(context, options, *source);
       },

@@ -1,0 +1,61 @@
+#ifndef SPROUT_SERVICES_SNAPSHOT_GRAPH_LISTENER_H_
+#define SPROUT_SERVICES_SNAPSHOT_GRAPH_LISTENER_H_
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <string_view>
+
+#include "common/app/frame_assembler.h"
+#include "common/app/service.h"
+#include "common/app/stage_monitor.h"
+#include "common/bus/receiver.h"
+#include "common/core/frame.h"
+#include "common/core/stage_status.h"
+
+namespace sprout {
+
+/// Listens to everything the graph says and keeps the newest whole frame and the newest status of
+/// each stage. Thread-safe.
+class GraphListener {
+ public:
+  using Deadline = StageMonitor::Clock::time_point;
+
+  /// @throws BusError, see OpenLcm().
+  GraphListener(const ServiceContext& context, StageMonitor& monitor);
+
+  /// Waits for so many frames with all their parts.
+  /// @returns how many there are: fewer when the deadline passed or a stop was requested.
+  int64_t WaitForFrames(int64_t count, Deadline deadline, const std::stop_token& stop);
+
+  /// The newest whole frame.
+  std::optional<Frame> newest_frame() const;
+
+  /// Waits until every stage has reported a frame ≥ seq, then gives the newest status of each.
+  std::map<std::string, StageStatus> WaitForStatuses(int64_t seq, Deadline deadline,
+                                                     const std::stop_token& stop);
+
+ private:
+  void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
+  void OnStatus(std::span<const uint8_t> bytes);
+
+  StageMonitor& monitor_;
+  FrameAssembler assembler_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::set<int64_t> seqs_;  // of whole frames
+  std::optional<Frame> newest_;
+  std::map<std::string, StageStatus> statuses_;
+  Receiver receiver_;  // last: stops before the rest is destroyed
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_SNAPSHOT_GRAPH_LISTENER_H_

@@ -1,0 +1,33 @@
+#ifndef SPROUT_SERVICES_SNAPSHOT_SNAPSHOT_H_
+#define SPROUT_SERVICES_SNAPSHOT_SNAPSHOT_H_
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "common/core/frame.h"
+#include "common/core/result.h"
+#include "common/core/stage_status.h"
+#include "services/capture/frame_source.h"
+
+namespace sprout {
+
+/// Writes a whole frame for people to look at: left, tof, seeds_raw, seeds, prior, disparity (as
+/// grown) and disparity_filled as .png with one common disparity scale, disparity.pfm (px), and
+/// cloud.ply and mesh.ply (m, coloured) of the filled map.
+/// @param frame   with all parts.
+/// @param folder  exists already.
+/// @returns the first error, with its path.
+Result<void> WriteFrameFiles(const Frame& frame, const std::filesystem::path& folder);
+
+/// The table of a run: times and counts of each stage, seeds dropped by cause, and density and
+/// share of correct non-occluded pixels (≤ 1 px) of prior, growth and filled map.
+/// @param truth  of the frame's scene; without a left map the shares are left out.
+/// @returns text of several lines; an error when truth and frame differ in size.
+Result<std::string> ReportText(const Frame& frame,
+                               const std::map<std::string, StageStatus>& statuses,
+                               const GroundTruth& truth);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_SNAPSHOT_SNAPSHOT_H_

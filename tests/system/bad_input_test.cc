@@ -1,0 +1,208 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <sstream>
+
+#include "common/bus/channels.h"
+#include "common/messages/codec.h"
+#include "services/capture/frame_source.h"
+#include "tests/system/graph.h"
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+
+// One frame of a synthetic scene, to send by hand.
+struct HandFrame {
+  explicit HandFrame(const std::string& source = "synthetic:160x120") {
+    CaptureConfig config;
+    config.set_source(source);
+    const auto frames = OpenFrameSource(config);
+    frame = frames->Get(0);
+    rig = frames->rig();
+  }
+
+  void Send(Graph& graph, int64_t seq) const {
+    const FrameId id{.utime = 1000 + seq, .seq = seq, .rig_id = RigId(rig)};
+    graph.PublishPart(id, Part::kRig, rig);
+    graph.PublishPart(id, Part::kLeft, frame.left);
+    graph.PublishPart(id, Part::kRight, frame.right);
+    graph.PublishPart(id, Part::kTof, frame.tof);
+  }
+
+  CapturedFrame frame;
+  Rig rig;
+};
+
+void StartStages(Graph& graph) {
+  for (const char* stage : {"refine", "prior", "grow"}) graph.Start(stage, {"--config", "default"});
+}
+
+bool HasDisparity(Graph& graph, int64_t seq, bool valid) {
+  const auto found = graph.parts.find({Part::kDisparity, seq});
+  return found != graph.parts.end() &&
+         (std::get<DisparityImage>(found->second).CountValid() > 0) == valid;
+}
+
+TEST(BadInputSystem, BadMessagesAreDroppedCountedAndTheStagesGoOn) {
+  Graph graph;
+  StartStages(graph);
+  const HandFrame good;
+  const FrameId id{.utime = 1, .seq = 0, .rig_id = RigId(good.rig)};
+
+  // Wrong type, garbage, nothing, hostile counts, a size that does not fit, NaN calibration.
+  const auto rig_bytes = EncodePart(id, Part::kRig, good.rig, DisparityEncoding::kRawInt16);
+  auto left_bytes = EncodePart(id, Part::kLeft, good.frame.left, DisparityEncoding::kRawInt16);
+  graph.Publish(ChannelOf(Part::kLeft), rig_bytes);
+  graph.Publish(ChannelOf(Part::kLeft), std::vector<uint8_t>(100, 0xff));
+  graph.Publish(ChannelOf(Part::kLeft), std::vector<uint8_t>{});
+  const size_t size_offset = left_bytes.size() - good.frame.left.total() * 3 - 4;
+  for (const uint32_t hostile : {0xffffffffu, 0x7fffffffu, 1u}) {
+    for (int i = 0; i < 4; ++i) {
+      left_bytes[size_offset + static_cast<size_t>(i)] =
+          static_cast<uint8_t>(hostile >> (24 - 8 * i));
+    }
+    graph.Publish(ChannelOf(Part::kLeft), left_bytes);
+  }
+  Rig nan_rig = good.rig;
+  nan_rig.pair.focal_px = std::numeric_limits<double>::quiet_NaN();
+  graph.PublishPart(id, Part::kRig, nan_rig);
+
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["refine"].bad_messages == 7 && g.statuses["grow"].bad_messages == 6;
+  })) << graph.statuses["refine"].bad_messages
+      << " " << graph.statuses["grow"].bad_messages;
+  graph.WaitUntil([](Graph& g) {
+    EXPECT_THAT(g.statuses["refine"].last_error, HasSubstr("focal_px"));
+    return true;
+  });
+
+  good.Send(graph, 1);
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return HasDisparity(g, 1, true); }));
+  // Seven bad messages, but no flood of lines.
+  const std::string log = graph.process("refine").Output();
+  EXPECT_THAT(log, HasSubstr("message dropped"));
+  EXPECT_EQ(graph.process("refine").Wait(std::chrono::seconds(0)), std::nullopt);
+}
+
+TEST(BadInputSystem, RandomBytesOnEveryChannelDoNoHarm) {
+  Graph graph;
+  StartStages(graph);
+  const HandFrame good;
+  const FrameId id{.utime = 1, .seq = 0, .rig_id = RigId(good.rig)};
+  std::mt19937 random(1);
+  const std::vector<std::pair<Part, PartValue>> values = {
+      {Part::kLeft, good.frame.left},
+      {Part::kRight, good.frame.right},
+      {Part::kTof, good.frame.tof},
+      {Part::kRig, good.rig},
+      {Part::kSeeds, SeedSet{.seeds = {{30, 30, 20}}, .raw = 1}},
+      {Part::kPrior, DisparityImage(cv::Size(160, 120))}};
+  for (int i = 0; i < 50; ++i) {
+    for (const auto& [part, value] : values) {
+      auto bytes = EncodePart(id, part, value, DisparityEncoding::kDeltaZstd);
+      for (int flip = 0; flip < 8; ++flip) {
+        // The head holds all sizes and counts.
+        bytes[random() % std::min<size_t>(bytes.size(), 120)] = static_cast<uint8_t>(random());
+      }
+      graph.Publish(ChannelOf(part), bytes);
+    }
+  }
+  good.Send(graph, 1'000'000);
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return HasDisparity(g, 1'000'000, true); }));
+}
+
+TEST(BadInputSystem, DegenerateFramesAreAnsweredEmptyAndTheNextOneIsWhole) {
+  Graph graph;
+  StartStages(graph);
+  const HandFrame good;
+  HandFrame no_return = good;
+  no_return.frame.tof.depth_m = cv::Mat1f(good.frame.tof.depth_m.size(), std::nanf(""));
+  HandFrame two_points = no_return;
+  two_points.frame.tof.depth_m = no_return.frame.tof.depth_m.clone();
+  const cv::Mat1f& depth_m = good.frame.tof.depth_m;
+  const int row = depth_m.rows / 2;
+  int copied = 0;
+  for (int u = depth_m.cols / 2; u < depth_m.cols && copied < 2; ++u) {
+    two_points.frame.tof.depth_m(row, u) = depth_m(row, u);
+    ++copied;
+  }
+  HandFrame one_line = no_return;
+  one_line.frame.tof.depth_m = no_return.frame.tof.depth_m.clone();
+  depth_m.row(row).copyTo(one_line.frame.tof.depth_m.row(row));
+
+  no_return.Send(graph, 0);
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return HasDisparity(g, 0, false); }));
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["refine"].last_error.find("no ToF point has a return") != std::string::npos &&
+           g.statuses["grow"].frames_degenerate == 1;
+  }));
+  two_points.Send(graph, 1);
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return HasDisparity(g, 1, false); }));
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["prior"].last_error.find("at least 3") != std::string::npos;
+  }));
+  one_line.Send(graph, 2);
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return HasDisparity(g, 2, false); }));
+  good.Send(graph, 3);
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return HasDisparity(g, 3, true); }));
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["grow"].frames_degenerate == 3 && g.statuses["grow"].frames_out == 4;
+  }));
+}
+
+TEST(BadInputSystem, ImagesSmallerThanTheWindowAreAnsweredEmpty) {
+  Graph graph;
+  StartStages(graph);
+  HandFrame tiny;
+  tiny.rig.pair.width = 4;
+  tiny.rig.pair.height = 3;
+  tiny.frame.left = cv::Mat(3, 4, CV_8UC1, cv::Scalar(100));
+  tiny.frame.right = cv::Mat(3, 4, CV_8UC1, cv::Scalar(100));
+  tiny.Send(graph, 0);
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return HasDisparity(g, 0, false); }));
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["grow"].last_error.find("smaller than the 5x5 window") != std::string::npos;
+  }));
+}
+
+struct BadFlags {
+  std::string stage;
+  std::vector<std::string> flags;
+  std::string message;  // part of the one line
+};
+
+TEST(BadInputSystem, WrongFlagsEndWithExitCode2AndOneLine) {
+  const std::vector<BadFlags> cases = {
+      {"capture", {"--source", "middlebury:/nonexistent"}, "/nonexistent"},
+      {"capture", {"--source", "webcam:0"}, "webcam"},
+      {"capture", {"--source", "synthetic:4x4"}, "4x4"},
+      {"capture", {"--rate", "-1"}, "capture.rate_hz = -1"},
+      {"capture", {"--lockstep", "0"}, "--lockstep"},
+      {"capture", {"--frames", "0"}, "--frames"},
+      {"refine", {"--config", "/nonexistent.textproto"}, "/nonexistent.textproto"},
+      {"prior", {"--nonsense"}, "--nonsense"},
+      {"grow", {"--channel-prefix", "a b"}, "--channel-prefix"},
+      {"grow", {"--log-level", "loud"}, "--log-level"},
+  };
+  for (const BadFlags& bad : cases) {
+    std::vector<std::string> command = {ProgramPath("sprout-" + bad.stage)};
+    command.insert(command.end(), bad.flags.begin(), bad.flags.end());
+    Process process(command);
+    EXPECT_EQ(process.Wait(), 2) << bad.stage << " " << bad.flags[0];
+    std::string lines;
+    std::istringstream output(process.Output());
+    for (std::string line; std::getline(output, line);) {
+      if (line.starts_with("sprout-" + bad.stage + ": ")) lines += line + "\n";
+    }
+    EXPECT_THAT(lines, HasSubstr(bad.message)) << process.Output();
+    EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 1) << process.Output();
+  }
+}
+
+}  // namespace
+}  // namespace sprout

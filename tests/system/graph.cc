@@ -1,0 +1,76 @@
+#include "tests/system/graph.h"
+
+#include <stdexcept>
+
+#include "common/bus/channels.h"
+#include "common/messages/codec.h"
+
+namespace sprout {
+namespace {
+
+std::vector<std::string_view> AllChannels() {
+  std::vector<std::string_view> channels = {kStatusChannel};
+  for (const Part part : kAllParts) channels.push_back(ChannelOf(part));
+  return channels;
+}
+
+}  // namespace
+
+Graph::Graph(std::string prefix)
+    : prefix_(std::move(prefix)),
+      publisher_(kDefaultLcmUrl, prefix_),
+      receiver_(kDefaultLcmUrl, prefix_, AllChannels(),
+                [this](std::string_view channel, std::span<const uint8_t> bytes) {
+                  OnMessage(channel, bytes);
+                }) {}
+
+void Graph::OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
+  const std::lock_guard lock(mutex_);
+  if (channel == kStatusChannel) {
+    if (const Result<StageStatus> status = DecodeStatus(bytes)) statuses[status->stage] = *status;
+  }
+  for (const Part part : kAllParts) {
+    if (channel != ChannelOf(part)) continue;
+    Result<DecodedPart> decoded = DecodePart(part, bytes);
+    if (!decoded) continue;  // tests send bad ones, too
+    parts[{part, decoded->id.seq}] = std::move(decoded->value);
+    ++part_counts[{part, decoded->id.seq}];
+  }
+  changed_.notify_all();
+}
+
+Process& Graph::StartOnly(const std::string& stage, std::vector<std::string> flags) {
+  std::vector<std::string> command = {ProgramPath("sprout-" + stage), "--lcm-url", kDefaultLcmUrl};
+  if (!prefix_.empty()) command.insert(command.end(), {"--channel-prefix", prefix_});
+  command.insert(command.end(), flags.begin(), flags.end());
+  auto& process = processes_[stage];
+  process = std::make_unique<Process>(command);
+  return *process;
+}
+
+Process& Graph::Start(const std::string& stage, std::vector<std::string> flags) {
+  {
+    const std::lock_guard lock(mutex_);
+    statuses.erase(stage);
+  }
+  Process& process = StartOnly(stage, std::move(flags));
+  if (!WaitUntil([&](Graph& graph) { return graph.statuses.contains(stage); })) {
+    throw std::runtime_error("no status from " + stage + ":\n" + process.Output());
+  }
+  return process;
+}
+
+bool Graph::WaitUntil(const std::function<bool(Graph&)>& condition, std::chrono::seconds timeout) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, timeout, [&] { return condition(*this); });
+}
+
+void Graph::Publish(std::string_view channel, std::span<const uint8_t> bytes) {
+  if (!publisher_.Publish(channel, bytes)) throw std::runtime_error("publish failed");
+}
+
+void Graph::PublishPart(const FrameId& id, Part part, const PartValue& value) {
+  Publish(ChannelOf(part), EncodePart(id, part, value, DisparityEncoding::kRawInt16));
+}
+
+}  // namespace sprout

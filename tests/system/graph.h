@@ -1,0 +1,62 @@
+#ifndef SPROUT_TESTS_SYSTEM_GRAPH_H_
+#define SPROUT_TESTS_SYSTEM_GRAPH_H_
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/bus/publisher.h"
+#include "common/bus/receiver.h"
+#include "common/core/frame.h"
+#include "common/core/stage_status.h"
+#include "tests/system/process.h"
+
+namespace sprout {
+
+/// The processes of a graph and what they say, on the network that the test runs in.
+class Graph {
+ public:
+  explicit Graph(std::string prefix = "");
+
+  /// Starts sprout-STAGE and waits for its first status.
+  Process& Start(const std::string& stage, std::vector<std::string> flags = {});
+
+  /// Starts sprout-STAGE without waiting.
+  Process& StartOnly(const std::string& stage, std::vector<std::string> flags = {});
+
+  Process& process(const std::string& stage) { return *processes_.at(stage); }
+
+  /// Waits for a condition on what was received; false after `timeout`.
+  bool WaitUntil(const std::function<bool(Graph&)>& condition,
+                 std::chrono::seconds timeout = std::chrono::seconds(30));
+
+  /// Sends any bytes on a channel.
+  void Publish(std::string_view channel, std::span<const uint8_t> bytes);
+  void PublishPart(const FrameId& id, Part part, const PartValue& value);
+
+  // What was received; only inside WaitUntil(), or when no process is running.
+  std::map<std::string, StageStatus> statuses;          // newest of each stage
+  std::map<std::pair<Part, int64_t>, PartValue> parts;  // newest by (part, seq)
+  std::map<std::pair<Part, int64_t>, int> part_counts;  // how often each came
+
+ private:
+  void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
+
+  std::string prefix_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<std::string, std::unique_ptr<Process>> processes_;
+  Publisher publisher_;
+  Receiver receiver_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_TESTS_SYSTEM_GRAPH_H_

@@ -1,0 +1,152 @@
+#include "tests/system/graph.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "services/capture/frame_source.h"
+#include "services/grow/grow_plug.h"
+#include "services/prior/prior_plug.h"
+#include "services/refine/refine_plug.h"
+
+namespace sprout {
+namespace {
+
+constexpr char kSource[] = "synthetic:320x240";
+
+bool SamePixels(const DisparityImage& a, const DisparityImage& b) {
+  return a.size() == b.size() && cv::countNonZero(a.counts() != b.counts()) == 0;
+}
+
+// What the stages compute in one process, without any message.
+DisparityImage ComputeInProcess(int64_t index) {
+  SproutConfig config = LoadConfig({"default"});
+  config.mutable_capture()->set_source(kSource);
+  const auto source = OpenFrameSource(config.capture());
+  const CapturedFrame captured = source->Get(index);
+  Frame frame;
+  frame.left = captured.left;
+  frame.right = captured.right;
+  frame.tof = captured.tof;
+  frame.rig = source->rig();
+  frame.seeds = std::get<SeedSet>(RefinePlug(config.refine()).Process(frame).outputs[0].value);
+  frame.prior = std::get<DisparityImage>(PriorPlug().Process(frame).outputs[0].value);
+  return std::get<DisparityImage>(GrowPlug(config.grow()).Process(frame).outputs[0].value);
+}
+
+void StartStages(Graph& graph) {
+  for (const char* stage : {"refine", "prior", "grow"}) graph.Start(stage, {"--config", "default"});
+}
+
+TEST(GraphSystem, DeliversEveryFrameWithTheBytesOfTheStagesAlone) {
+  Graph graph;
+  StartStages(graph);
+  Process& capture =
+      graph.StartOnly("capture", {"--source", kSource, "--frames", "5", "--lockstep", "1", "--rate",
+                                  "0", "--wait-for", "refine,prior,grow"});
+  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.parts.contains({Part::kDisparity, 4}) && g.statuses["grow"].frames_out == 5;
+  }));
+  for (int64_t seq = 0; seq < 5; ++seq) {
+    EXPECT_TRUE(graph.WaitUntil(
+        [&](Graph& g) {
+          return SamePixels(std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq})),
+                            ComputeInProcess(seq));
+        },
+        std::chrono::seconds(1)))
+        << "frame " << seq;
+  }
+  graph.WaitUntil([](Graph& g) {
+    for (const auto& [stage, status] : g.statuses) {
+      EXPECT_EQ(status.bad_messages, 0) << stage;
+      EXPECT_EQ(status.sequence_gaps, 0) << stage;
+      EXPECT_EQ(status.frames_skipped, 0) << stage;
+      EXPECT_EQ(status.frames_failed, 0) << stage;
+      EXPECT_EQ(status.last_error, "") << stage;
+    }
+    return true;
+  });
+}
+
+TEST(GraphSystem, TwoGraphsRunSideBySideUnderTwoPrefixes) {
+  Graph one("ONE_");
+  Graph two("TWO_");
+  StartStages(one);
+  Process& capture = one.StartOnly("capture", {"--source", kSource, "--frames", "2", "--lockstep",
+                                               "1", "--wait-for", "refine,prior,grow"});
+  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  EXPECT_TRUE(one.WaitUntil([](Graph& g) { return g.parts.contains({Part::kDisparity, 1}); }));
+  two.WaitUntil([](Graph& g) {
+    EXPECT_TRUE(g.parts.empty());
+    EXPECT_TRUE(g.statuses.empty());
+    return true;
+  });
+}
+
+TEST(GraphSystem, SendsAFrameAgainAndTheStagesTakeItTwice) {
+  Graph graph;
+  graph.Start("refine");
+  graph.Start("prior");
+  // Nobody answers: grow comes late.
+  Process& capture =
+      graph.StartOnly("capture", {"--source", kSource, "--frames", "2", "--lockstep", "1",
+                                  "--lockstep-timeout", "1", "--wait-for", "refine,prior"});
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.part_counts[{Part::kPrior, 0}] >= 2; }));
+  graph.Start("grow", {"--config", "default"});
+  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["capture"].state == StageStatus::State::kStopped &&
+           g.statuses["refine"].newest_frame.seq == 1;
+  }));
+  graph.WaitUntil([](Graph& g) {
+    EXPECT_GE(g.statuses["capture"].frames_resent, 1);
+    EXPECT_EQ(g.statuses["refine"].frames_incomplete, 0);
+    EXPECT_EQ(g.statuses["refine"].sequence_gaps, 0);
+    EXPECT_TRUE(SamePixels(std::get<DisparityImage>(g.parts.at({Part::kDisparity, 0})),
+                           ComputeInProcess(0)));
+    return true;
+  });
+}
+
+TEST(GraphSystem, GoesOnWhenAStageIsKilledAndStartedAgain) {
+  Graph graph;
+  StartStages(graph);
+  Process& capture = graph.StartOnly(
+      "capture", {"--source", kSource, "--frames", "40", "--lockstep", "1", "--lockstep-timeout",
+                  "1", "--rate", "20", "--wait-for", "refine,prior,grow"});
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.parts.contains({Part::kDisparity, 3}); }));
+  graph.process("prior").Signal(SIGKILL);
+  EXPECT_EQ(graph.process("prior").Wait(), 128 + SIGKILL);
+  graph.Start("prior", {"--config", "default"});
+  EXPECT_EQ(capture.Wait(std::chrono::seconds(60)), 0) << capture.Output();
+  for (int64_t seq = 0; seq < 40; ++seq) {
+    EXPECT_TRUE(graph.WaitUntil(
+        [&](Graph& g) {
+          return g.parts.contains({Part::kDisparity, seq});
+        },
+        std::chrono::seconds(2)))
+        << "frame " << seq;
+  }
+}
+
+TEST(GraphSystem, SkipsAndCountsFramesThatComeTooFast) {
+  Graph graph;
+  StartStages(graph);
+  // No lockstep, as fast as they can be made, and larger than grow can follow.
+  Process& capture = graph.StartOnly("capture", {"--source", "synthetic:640x480", "--frames", "40",
+                                                 "--rate", "0", "--wait-for", "refine,prior,grow"});
+  EXPECT_EQ(capture.Wait(std::chrono::seconds(60)), 0) << capture.Output();
+  // Every frame that grow saw is accounted for.
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    const StageStatus& refine = g.statuses["refine"];
+    return refine.newest_frame.seq == 39 && refine.frames_out + refine.frames_skipped +
+                                                    refine.frames_incomplete +
+                                                    refine.sequence_gaps ==
+                                                40;
+  })) << graph.statuses["refine"].frames_out;
+}
+
+}  // namespace
+}  // namespace sprout
