@@ -1,0 +1,55 @@
+#include <charconv>
+#include <optional>
+#include <string_view>
+
+#include "services/capture/frame_source.h"
+#include "services/capture/middlebury_source.h"
+#include "services/capture/synthetic_source.h"
+
+namespace sprout {
+namespace {
+
+ConfigError BadSource(const CaptureConfig& config, const std::string& reason,
+                      const std::string& allowed) {
+  return ConfigError("capture.source = " + config.source() + ": " + reason +
+                     "; allowed: " + allowed);
+}
+
+std::optional<int> ParseInt(std::string_view text) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return {};
+  return value;
+}
+
+std::unique_ptr<FrameSource> OpenSyntheticText(std::string_view size_text,
+                                               const CaptureConfig& config) {
+  const std::string allowed = "synthetic:WxH with " + std::to_string(kMinSyntheticSide) + " to " +
+                              std::to_string(kMaxSyntheticSide) + " px a side";
+  const size_t cross = size_text.find('x');
+  if (cross == std::string_view::npos) throw BadSource(config, "no size", allowed);
+  const std::optional<int> width = ParseInt(size_text.substr(0, cross));
+  const std::optional<int> height = ParseInt(size_text.substr(cross + 1));
+  if (!width || !height) throw BadSource(config, "not a size", allowed);
+  for (int side : {*width, *height}) {
+    if (side < kMinSyntheticSide || side > kMaxSyntheticSide) {
+      throw BadSource(config, "size out of range", allowed);
+    }
+  }
+  return OpenSynthetic({*width, *height}, config);
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSource> OpenFrameSource(const CaptureConfig& config) {
+  RequireInRange(config, "capture");
+  const std::string& source = config.source();
+  const size_t colon = source.find(':');
+  const std::string kind = source.substr(0, colon);
+  const std::string argument = colon == std::string::npos ? "" : source.substr(colon + 1);
+  if (kind == "middlebury") return OpenMiddlebury(argument, config);
+  if (kind == "synthetic") return OpenSyntheticText(argument, config);
+  throw BadSource(config, "no such source", "middlebury:DIR, synthetic:WxH");
+}
+
+}  // namespace sprout

@@ -1,0 +1,26 @@
+#ifndef SPROUT_SERVICES_CAPTURE_SYNTHETIC_SOURCE_H_
+#define SPROUT_SERVICES_CAPTURE_SYNTHETIC_SOURCE_H_
+
+#include <memory>
+
+#include "services/capture/frame_source.h"
+
+namespace sprout {
+
+inline constexpr int kMinSyntheticSide = 16;     ///< px: below, objects are smaller than a pixel
+inline constexpr int kMaxSyntheticSide = 16384;  ///< px: a frame takes 16 bytes a pixel
+
+/// Endless frames of SyntheticScene in colour, seen by a rectified pair whose disparities span
+/// about 2 to 15 % of the image width, with exact ground truth at the pixel centres of both views
+/// and the ToF camera simulated from the left one.
+///
+/// Frame i depends on size, config.seed() and i only: same bytes on every machine, with any
+/// number of threads. O(pixels) a frame, in parallel over rows.
+///
+/// @param size  of the images; each side kMinSyntheticSide to kMaxSyntheticSide px.
+/// @throws ConfigError when config.tof_grid_px() is larger than the image.
+std::unique_ptr<FrameSource> OpenSynthetic(cv::Size size, const CaptureConfig& config);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CAPTURE_SYNTHETIC_SOURCE_H_
