@@ -43,8 +43,13 @@ Result<cv::Mat> DecodeJpeg(const image_t& message) {
   return image;
 }
 
-cv::Mat1f ToMat(const std::vector<float>& values, int width, int height) {
-  return cv::Mat1f(values).reshape(1, height).clone().colRange(0, width);
+cv::Mat1f ToMat(const std::vector<float>& values, int height) {
+  return cv::Mat1f(values).reshape(1, height).clone();
+}
+
+std::vector<float> ToVector(const cv::Mat1f& values) {
+  if (values.empty()) return {};  // OpenCV divides by zero between the iterators of an empty matrix
+  return {values.begin(), values.end()};
 }
 
 }  // namespace
@@ -122,8 +127,8 @@ tof_image_t ToMessage(const FrameId& id, const TofImage& tof) {
   message.header = ToMessage(id);
   message.width = tof.depth_m.cols;
   message.height = tof.depth_m.rows;
-  message.depth_m.assign(tof.depth_m.begin(), tof.depth_m.end());
-  message.amplitude.assign(tof.amplitude.begin(), tof.amplitude.end());
+  message.depth_m = ToVector(tof.depth_m);
+  message.amplitude = ToVector(tof.amplitude);
   message.count = static_cast<int32_t>(message.depth_m.size());
   message.amplitude_count = static_cast<int32_t>(message.amplitude.size());
   return message;
@@ -142,9 +147,9 @@ Result<TofImage> FromMessage(const tof_image_t& message) {
                "amplitude_count", message.amplitude_count, "the number of amplitudes");
   if (!checks.ok()) return checks.error();
   TofImage tof;
-  tof.depth_m = ToMat(message.depth_m, message.width, message.height);
+  tof.depth_m = ToMat(message.depth_m, message.height);
   if (message.amplitude_count > 0) {
-    tof.amplitude = ToMat(message.amplitude, message.width, message.height);
+    tof.amplitude = ToMat(message.amplitude, message.height);
   }
   return tof;
 }
