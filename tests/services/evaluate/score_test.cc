@@ -166,11 +166,13 @@ TEST(NonOccludedMask, AllowsViewsToDifferByExactlyOnePixel) {
 }
 
 TEST(NonOccludedMask, ReadsTheRightViewAtTheRoundedColumn) {
-  cv::Mat1f right(kSize, kUnknown);
-  right.col(17) = 2.6F;
-  const cv::Mat1b mask = NonOccludedMask(ConstantTruth(2.6F), right).value();
-  EXPECT_EQ(mask(0, 20), 255);  // 20 − 2.6 = 17.4
-  EXPECT_EQ(cv::countNonZero(mask), kSize.height);
+  for (float disparity_px : {2.6F, 3.4F}) {  // 20 − 2.6 = 17.4, 20 − 3.4 = 16.6
+    cv::Mat1f right(kSize, kUnknown);
+    right.col(17) = disparity_px;
+    const cv::Mat1b mask = NonOccludedMask(ConstantTruth(disparity_px), right).value();
+    EXPECT_EQ(mask(0, 20), 255) << disparity_px;
+    EXPECT_EQ(cv::countNonZero(mask), kSize.height) << disparity_px;
+  }
 }
 
 TEST(NonOccludedMask, KeepsPixelsOfOneSlantedSurfaceThatShareARightColumn) {
