@@ -1,0 +1,96 @@
+#include "common/picture/color_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+namespace sprout {
+namespace {
+
+constexpr int kColors = 256;
+using ColorTable = std::array<cv::Vec3b, kColors>;
+
+ColorTable MakeColorTable() {
+  // TURBO starts at a nearly black violet and ends in a dark red: leave both out.
+  constexpr int kFirst = 18;
+  constexpr int kLast = 246;
+  cv::Mat1b indices(1, kColors);
+  for (int i = 0; i < kColors; ++i) {
+    indices(0, i) = cv::saturate_cast<uchar>(kFirst + i * (kLast - kFirst) / (kColors - 1));
+  }
+  cv::Mat3b colors;
+  cv::applyColorMap(indices, colors, cv::COLORMAP_TURBO);
+  ColorTable table;
+  std::copy(colors.begin(), colors.end(), table.begin());
+  return table;
+}
+
+}  // namespace
+
+cv::Vec3b ColorOf(double value, const ValueRange& range) {
+  static const ColorTable table = MakeColorTable();
+  if (!std::isfinite(value)) return kNoValueColor;
+  const double share = std::clamp((value - range.min) / (range.max - range.min), 0.0, 1.0);
+  return table[static_cast<size_t>(std::lround(share * (kColors - 1)))];
+}
+
+cv::Mat3b Colorize(const cv::Mat1f& values, const ValueRange& range) {
+  cv::Mat3b colors(values.size());
+  std::transform(values.begin(), values.end(), colors.begin(),
+                 [&range](float value) { return ColorOf(value, range); });
+  return colors;
+}
+
+double RoundStep(double at_least) {
+  const double power = std::pow(10.0, std::floor(std::log10(at_least)));
+  for (double factor : {1.0, 2.0, 5.0}) {
+    // Tolerant, because neither the logarithm nor 0.1 is exact: 0.2 must give 0.2, not 0.5.
+    if (factor * power >= at_least * (1 - 1e-9)) return factor * power;
+  }
+  return 10 * power;
+}
+
+ValueRange RobustRange(std::vector<float> values) {
+  std::erase_if(values, [](float value) { return !std::isfinite(value); });
+  if (values.empty()) return {};
+  const auto value_at = [&values](double index) {
+    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(index);
+    std::nth_element(values.begin(), nth, values.end());
+    return double{*nth};
+  };
+  const double last = static_cast<double>(values.size() - 1);
+  const double low = value_at(std::floor(0.01 * last));
+  const double high = value_at(std::ceil(0.99 * last));
+  if (low == high) return {low - 1, high + 1};
+  const double step = RoundStep((high - low) / 25);
+  return {std::floor(low / step) * step, std::ceil(high / step) * step};
+}
+
+ValueRange DisparityRange(std::span<const DisparityImage> maps, std::span<const Seed> seeds) {
+  std::vector<float> values;
+  for (const DisparityImage& map : maps) {
+    for (int16_t counts : map.counts()) {
+      if (counts == DisparityImage::kInvalid) continue;
+      values.push_back(static_cast<float>(counts) / DisparityImage::kCountsPerPixel);
+    }
+  }
+  for (const Seed& seed : seeds) values.push_back(seed.disparity());
+  return RobustRange(std::move(values));
+}
+
+ValueRange DepthRange(const TofImage& tof) {
+  const cv::Mat1f returns = ReturnsOnly(tof.depth_m);
+  return RobustRange({returns.begin(), returns.end()});
+}
+
+cv::Mat1f ReturnsOnly(const cv::Mat1f& depth_m) {
+  cv::Mat1f returns(depth_m.size());
+  std::transform(depth_m.begin(), depth_m.end(), returns.begin(), [](float depth) {
+    return std::isfinite(depth) && depth > 0 ? depth : std::numeric_limits<float>::quiet_NaN();
+  });
+  return returns;
+}
+
+}  // namespace sprout

@@ -1,0 +1,53 @@
+#ifndef SPROUT_COMMON_PICTURE_COLOR_MAP_H_
+#define SPROUT_COMMON_PICTURE_COLOR_MAP_H_
+
+#include <opencv2/core.hpp>
+#include <span>
+#include <vector>
+
+#include "common/core/disparity_image.h"
+#include "common/core/seed.h"
+#include "common/core/tof_image.h"
+
+namespace sprout {
+
+/// The values that a colour scale covers, min < max; unit of the values (px or m).
+struct ValueRange {
+  double min = 0;
+  double max = 1;
+
+  bool operator==(const ValueRange&) const = default;
+};
+
+/// Colour (BGR) of a pixel without a value: nearly black, darker than every colour of the scale.
+inline const cv::Vec3b kNoValueColor{14, 12, 12};
+
+/// Colour (BGR) of a value: OpenCV's TURBO from blue (range.min) to red (range.max) without its
+/// dark ends, which would look like pixels without a value. Values outside the range get the colour
+/// of its nearer end; NaN and infinities get kNoValueColor. O(1).
+cv::Vec3b ColorOf(double value, const ValueRange& range);
+
+/// ColorOf() for every pixel. O(pixels).
+cv::Mat3b Colorize(const cv::Mat1f& values, const ValueRange& range);
+
+/// The smallest of 1, 2 and 5 times a power of ten that is not below `at_least` > 0.
+double RoundStep(double at_least);
+
+/// A range that shows nearly all values and is not stretched by a few wild ones: their 1st to 99th
+/// percentile, rounded outward to a round step of at most a tenth of that span. NaN and infinities
+/// do not count. Equal values give that value ± 1, no values give [0, 1]. O(n).
+ValueRange RobustRange(std::vector<float> values);
+
+/// One range (px) for several disparity maps and the seeds, so that their pictures share a scale.
+/// O(pixels).
+ValueRange DisparityRange(std::span<const DisparityImage> maps, std::span<const Seed> seeds);
+
+/// Range (m) of a ToF image's returns. O(pixels).
+ValueRange DepthRange(const TofImage& tof);
+
+/// Depth in m with NaN wherever there is no return (NaN, infinite or not positive). O(pixels).
+cv::Mat1f ReturnsOnly(const cv::Mat1f& depth_m);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_PICTURE_COLOR_MAP_H_

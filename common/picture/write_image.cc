@@ -1,0 +1,38 @@
+#include "common/picture/write_image.h"
+
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "common/picture/output_file.h"
+
+namespace sprout {
+
+Result<void> WritePng(const std::filesystem::path& path, const cv::Mat& picture) {
+  if (picture.empty()) return Fail("cannot write " + path.string() + ": the picture is empty");
+  std::vector<uchar> png;
+  if (!cv::imencode(".png", picture, png)) {
+    return Fail("cannot write " + path.string() + ": PNG encoding failed");
+  }
+  OutputFile file(path);
+  file.Write({reinterpret_cast<const char*>(png.data()), png.size()});
+  return file.Commit();
+}
+
+Result<void> WritePfm(const std::filesystem::path& path, const DisparityImage& disparity) {
+  if (disparity.empty()) return Fail("cannot write " + path.string() + ": the map is empty");
+  OutputFile file(path);
+  // The sign of the scale says little-endian.
+  file.Write("Pf\n" + std::to_string(disparity.width()) + " " + std::to_string(disparity.height()) +
+             "\n-1.0\n");
+  for (int v = disparity.height() - 1; v >= 0; --v) {
+    for (int u = 0; u < disparity.width(); ++u) {
+      file.WriteNumber(disparity.IsValid(u, v) ? disparity.Px(u, v)
+                                               : std::numeric_limits<float>::infinity());
+    }
+  }
+  return file.Commit();
+}
+
+}  // namespace sprout

@@ -1,0 +1,69 @@
+#ifndef SPROUT_SERVICES_EVALUATE_SCORE_H_
+#define SPROUT_SERVICES_EVALUATE_SCORE_H_
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+
+#include "common/core/disparity_image.h"
+#include "common/core/result.h"
+
+namespace sprout {
+
+// How a disparity map is scored against ground truth.
+//
+// Scored pixels: those that both cameras see (NonOccludedMask()) and whose true disparity is known.
+// Error of a pixel: |d − d_gt|, px. A pixel without a disparity is wrong under every threshold.
+// Ground truth: px, NaN or infinite = unknown.
+
+/// Pixels of the left image that the right camera sees too: CV_8U, 255 = seen, else 0.
+///
+/// With a right truth: the disparity is known in both views and they agree,
+/// |d_left(u, v) − d_right(u − d_left(u, v), v)| ≤ 1 px; the right map is read at the rounded
+/// column.
+///
+/// Without one (`right_truth` empty) the left truth is moved into the right image: a pixel counts
+/// when its disparity is known, its rounded right column lies in the image, and no other pixel of
+/// its row with a disparity more than 1 px larger (a nearer surface) has the same right column.
+/// That misses an occlusion where the nearer surface is slanted so that its pixels skip the column.
+///
+/// @returns an error when both maps are given and differ in size. O(pixels).
+Result<cv::Mat1b> NonOccludedMask(const cv::Mat1f& left_truth, const cv::Mat1f& right_truth);
+
+/// How well a disparity map matches ground truth: counts of pixels, and figures made of them.
+/// Shares are per cent of `scored` pixels and NaN when there are none; mean and root mean square
+/// are over `with_disparity` pixels and NaN when there are none.
+struct Accuracy {
+  int64_t scored = 0;          ///< pixels in the mask with a known true disparity
+  int64_t with_disparity = 0;  ///< scored pixels that have a disparity
+  int64_t within_1 = 0;        ///< with a disparity, error ≤ 1 px
+  int64_t below_1 = 0;         ///< with a disparity, error < 1 px
+  int64_t within_2 = 0;        ///< with a disparity, error ≤ 2 px
+  int64_t within_4 = 0;        ///< with a disparity, error ≤ 4 px
+  double sum_abs_px = 0;       ///< sum of errors, px
+  double sum_squares_px2 = 0;  ///< sum of squared errors, px²
+
+  double density_percent() const { return Percent(with_disparity); }
+  /// The headline figure: 100 − "total bad 1.0" of the Middlebury SDK.
+  double correct_le1_percent() const { return Percent(within_1); }
+  /// The stricter rule. Integer maps differ widely between the two rules, so tables show both.
+  double correct_lt1_percent() const { return Percent(below_1); }
+  /// Error > 2 px or no disparity ("total bad 2.0").
+  double bad2_percent() const { return Percent(scored - within_2); }
+  /// Error > 4 px or no disparity ("total bad 4.0").
+  double bad4_percent() const { return Percent(scored - within_4); }
+  double mean_abs_px() const;
+  double rms_px() const;
+
+ private:
+  double Percent(int64_t pixels) const;
+};
+
+/// Scores a map on the pixels where `mask` is not 0 and the truth is known. Thresholds are exact: a
+/// map off by 1 px everywhere is all correct by ≤ and all wrong by <.
+/// @returns an error when the three sizes differ. O(pixels).
+Result<Accuracy> Score(const DisparityImage& disparity, const cv::Mat1f& truth,
+                       const cv::Mat1b& mask);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_EVALUATE_SCORE_H_

@@ -1,0 +1,85 @@
+#include "common/picture/color_map.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+
+namespace sprout {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+TEST(ColorMap, KeepsPixelsWithoutValueFarFromEveryColorOfTheScale) {
+  for (int i = 0; i <= 1000; ++i) {
+    const cv::Vec3b color = ColorOf(i, {0, 1000});
+    EXPECT_GT(cv::norm(color, kNoValueColor), 120) << "at " << i << " of 1000";
+  }
+}
+
+TEST(ColorMap, GoesFromBlueToRed) {
+  const cv::Vec3b low = ColorOf(10, {10, 20});
+  const cv::Vec3b high = ColorOf(20, {10, 20});
+  EXPECT_GT(low[0], low[2]);
+  EXPECT_GT(high[2], high[0]);
+}
+
+TEST(ColorMap, GivesValuesOutsideTheRangeTheColorOfItsNearerEnd) {
+  EXPECT_EQ(ColorOf(-5, {10, 20}), ColorOf(10, {10, 20}));
+  EXPECT_EQ(ColorOf(500, {10, 20}), ColorOf(20, {10, 20}));
+}
+
+TEST(ColorMap, PaintsNanAndInfinityAsNoValue) {
+  const cv::Mat1f values = (cv::Mat1f(1, 3) << kNan, 0.5F, -kInfinity);
+  const cv::Mat3b colors = Colorize(values, {0, 1});
+  EXPECT_EQ(colors(0, 0), kNoValueColor);
+  EXPECT_EQ(colors(0, 1), ColorOf(0.5, {0, 1}));
+  EXPECT_EQ(colors(0, 2), kNoValueColor);
+}
+
+TEST(RoundStep, IsTheNextOneTwoOrFive) {
+  EXPECT_DOUBLE_EQ(RoundStep(0.13), 0.2);
+  EXPECT_DOUBLE_EQ(RoundStep(0.2), 0.2);
+  EXPECT_DOUBLE_EQ(RoundStep(1), 1);
+  EXPECT_DOUBLE_EQ(RoundStep(3.3), 5);
+  EXPECT_DOUBLE_EQ(RoundStep(51), 100);
+}
+
+TEST(RobustRange, IgnoresWildValuesAndRoundsOutward) {
+  std::vector<float> values;
+  for (int i = 0; i <= 1000; ++i) values.push_back(40.3F + 0.1F * static_cast<float>(i));
+  values.push_back(-900);
+  values.push_back(1023);
+  values.push_back(kInfinity);
+  values.push_back(kNan);
+  // 1st percentile 41.3, 99th 139.3; a 25th of the span is rounded up to 5.
+  EXPECT_EQ(RobustRange(values), (ValueRange{40, 140}));
+}
+
+TEST(RobustRange, IsNeverEmpty) {
+  EXPECT_EQ(RobustRange({}), (ValueRange{0, 1}));
+  EXPECT_EQ(RobustRange({kNan}), (ValueRange{0, 1}));
+  EXPECT_EQ(RobustRange({7, 7, 7}), (ValueRange{6, 8}));
+}
+
+TEST(DisparityRange, CoversMapsAndSeedsTogether) {
+  DisparityImage low(cv::Size(10, 10));
+  low.counts() = ToCounts(10);
+  low.counts()(3, 3) = DisparityImage::kInvalid;
+  DisparityImage high(cv::Size(10, 10));
+  high.counts() = ToCounts(50);
+  const std::array maps{low, high};
+  EXPECT_EQ(DisparityRange(maps, {}), (ValueRange{10, 50}));
+  const std::vector<Seed> seeds(10, Seed{.u = 100, .v = 5, .u_right = 40});
+  EXPECT_EQ(DisparityRange(maps, seeds), (ValueRange{10, 60}));
+}
+
+TEST(DepthRange, IgnoresPixelsWithoutReturn) {
+  TofImage tof;
+  tof.depth_m = (cv::Mat1f(1, 5) << 0.F, -1.F, kNan, 1.F, 2.F);
+  EXPECT_EQ(DepthRange(tof), (ValueRange{1, 2}));
+}
+
+}  // namespace
+}  // namespace sprout

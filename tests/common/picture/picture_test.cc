@@ -1,0 +1,107 @@
+#include "common/picture/picture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+namespace sprout {
+namespace {
+
+int CountPixels(const cv::Mat3b& picture, const cv::Vec3b& color) {
+  return static_cast<int>(std::count(picture.begin(), picture.end(), color));
+}
+
+TEST(DisparityPicture, PaintsEachPixelByItsDisparityAndGapsDark) {
+  const ValueRange range{0, 64};
+  DisparityImage disparity(cv::Size(300, 200));
+  disparity.counts().colRange(0, 100) = ToCounts(20);
+  disparity.counts().colRange(100, 150) = ToCounts(44);
+  const cv::Mat3b picture = DisparityPicture(disparity, range, "Disparity");
+  EXPECT_EQ(CountPixels(picture, kNoValueColor), 150 * 200);
+  // The scale shows the same colours, so there may be more.
+  EXPECT_GE(CountPixels(picture, ColorOf(20, range)), 100 * 200);
+  EXPECT_GE(CountPixels(picture, ColorOf(44, range)), 50 * 200);
+}
+
+TEST(DisparityPicture, DrawsTheScaleOutsideTheImage) {
+  const DisparityImage without_disparity(cv::Size(300, 200));
+  const cv::Mat3b picture = DisparityPicture(without_disparity, {0, 64}, "Disparity");
+  EXPECT_GT(picture.cols, 300);
+  EXPECT_GT(picture.rows, 200);
+  EXPECT_EQ(CountPixels(picture, kNoValueColor), 300 * 200);
+  EXPECT_GT(CountPixels(picture, ColorOf(64, {0, 64})), 0);
+}
+
+TEST(DisparityPicture, GrowsItsMarginsWithTheImage) {
+  const auto margin = [](cv::Size size) {
+    return DisparityPicture(DisparityImage(size), {0, 64}, "Disparity").rows - size.height;
+  };
+  EXPECT_GT(margin({1300, 1110}), 2 * margin({300, 200}));
+}
+
+TEST(DisparityPicture, WorksOnASinglePixel) {
+  EXPECT_FALSE(DisparityPicture(DisparityImage(cv::Size(1, 1)), {0, 1}, "Tiny").empty());
+}
+
+TEST(DepthPicture, EnlargesEachPixelToASquareAndLeavesNoReturnDark) {
+  TofImage tof;
+  tof.depth_m = cv::Mat1f(144, 176, 2.F);
+  tof.depth_m(7, 9) = std::numeric_limits<float>::quiet_NaN();
+  tof.depth_m(100, 150) = 0;
+  const cv::Mat3b picture = DepthPicture(tof, {1300, 1110}, {1, 3}, "ToF");
+  EXPECT_EQ(CountPixels(picture, kNoValueColor), 2 * 8 * 8);  // 1300·1110 / (176·144) = 7.5²
+  EXPECT_GE(CountPixels(picture, ColorOf(2, {1, 3})), (144 * 176 - 2) * 8 * 8);
+}
+
+TEST(SeedPicture, DrawsEachSeedWhereItIsInTheColorOfItsDisparity) {
+  const cv::Mat1b left(200, 300, uchar{200});
+  const std::vector<Seed> seeds{{.u = 40, .v = 30, .u_right = 20},
+                                {.u = 250, .v = 160, .u_right = 200}};
+  const ValueRange range{0, 64};
+  const cv::Mat3b without = SeedPicture(left, {}, range, "Seeds");
+  const cv::Mat3b with = SeedPicture(left, seeds, range, "Seeds");
+  cv::Mat3b difference;
+  cv::absdiff(with, without, difference);
+  std::vector<cv::Point> changed;
+  for (int y = 0; y < with.rows; ++y) {
+    for (int x = 0; x < with.cols; ++x) {
+      if (difference(y, x) != cv::Vec3b()) changed.emplace_back(x, y);
+    }
+  }
+  ASSERT_FALSE(changed.empty());
+  const cv::Rect around = cv::boundingRect(changed);
+  EXPECT_NEAR(around.width, 210, 8) << "distance of the dots and their size";
+  EXPECT_NEAR(around.height, 130, 8);
+  EXPECT_EQ(with(around.y + 3, around.x + 3), ColorOf(20, range));
+  EXPECT_EQ(with(around.br().y - 4, around.br().x - 4), ColorOf(50, range));
+}
+
+TEST(SeedPicture, LeavesOutSeedsOutsideTheImage) {
+  const cv::Mat1b left(200, 300, uchar{200});
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<Seed> seeds{{.u = -10, .v = 5, .u_right = -20},
+                                {.u = 1e30F, .v = 5, .u_right = 0},
+                                {.u = kNan, .v = kNan, .u_right = 0}};
+  const cv::Mat3b with = SeedPicture(left, seeds, {0, 64}, "Seeds");
+  EXPECT_EQ(cv::norm(with, SeedPicture(left, {}, {0, 64}, "Seeds")), 0);
+}
+
+TEST(CameraPicture, ShowsTheImageUnchangedBelowItsTitle) {
+  const cv::Mat3b image(200, 300, cv::Vec3b(10, 90, 170));
+  const cv::Mat3b picture = CameraPicture(image, "Left");
+  EXPECT_EQ(CountPixels(picture, {10, 90, 170}), 200 * 300);
+  EXPECT_EQ(CountPixels(CameraPicture(cv::Mat1b(200, 300, uchar{3}), "Left"), {3, 3, 3}),
+            200 * 300);
+}
+
+TEST(CameraPicture, WritesALongTitleSmallerInsteadOfCuttingIt) {
+  const cv::Mat3b image(200, 300, cv::Vec3b(10, 90, 170));
+  const cv::Mat3b picture = CameraPicture(image, std::string(70, 'm'));
+  const cv::Mat3b right_margin = picture.colRange(picture.cols - 5, picture.cols);
+  EXPECT_EQ(CountPixels(right_margin, {255, 255, 255}), right_margin.rows * right_margin.cols);
+}
+
+}  // namespace
+}  // namespace sprout

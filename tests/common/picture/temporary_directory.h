@@ -1,0 +1,37 @@
+#ifndef SPROUT_TESTS_COMMON_PICTURE_TEMPORARY_DIRECTORY_H_
+#define SPROUT_TESTS_COMMON_PICTURE_TEMPORARY_DIRECTORY_H_
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <iterator>
+#include <string>
+
+namespace sprout {
+
+/// A directory of its own for each test, removed with all that is in it.
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory() {
+    std::string name = testing::TempDir() + "sprout_XXXXXX";
+    path_ = mkdtemp(name.data());
+  }
+  ~TemporaryDirectory() { std::filesystem::remove_all(path_); }
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+
+  std::filesystem::path operator/(const char* name) const { return path_ / name; }
+
+  /// Number of files and directories in it.
+  auto CountEntries() const {
+    return std::distance(std::filesystem::directory_iterator(path_), {});
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_TESTS_COMMON_PICTURE_TEMPORARY_DIRECTORY_H_
