@@ -7,8 +7,10 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "common/core/image.h"
 #include "common/messages/checks.h"
 #include "common/messages/disparity_codec.h"
+#include "common/messages/jpeg.h"
 
 namespace sprout {
 namespace {
@@ -28,19 +30,32 @@ int BytesPerPixel(int32_t pixel_format) {
 }
 
 Result<cv::Mat> DecodeJpeg(const image_t& message) {
+  // Before anything is decoded: imdecode() would read other formats as well, and a stream of a few
+  // bytes can ask for gigabytes.
+  const cv::Size size(message.width, message.height);
+  const std::optional<cv::Size> stream_size = JpegSize(message.data);
+  if (!stream_size) return Fail("data: not a whole JPEG stream");
+  if (*stream_size != size) {
+    return Fail("data: JPEG of " + SizeText(*stream_size) +
+                ", allowed is width x height = " + SizeText(size));
+  }
   cv::Mat image;
   try {
-    image = cv::imdecode(message.data, cv::IMREAD_ANYCOLOR);
+    // Pixels as they are: a turned image fits no calibration.
+    image = cv::imdecode(message.data, cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception& e) {
-    return Fail("data: not a JPEG stream (" + e.err + ")");
+    return Fail("data: JPEG stream cannot be decoded (" + e.err + ")");
   }
-  if (image.empty() || image.depth() != CV_8U) return Fail("data: not a JPEG stream");
-  if (image.cols != message.width || image.rows != message.height) {
-    return Fail("data: JPEG of " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
-                ", allowed is width x height = " + std::to_string(message.width) + "x" +
-                std::to_string(message.height));
+  if (image.depth() != CV_8U || image.size() != size) {
+    return Fail("data: JPEG stream cannot be decoded");
   }
   return image;
+}
+
+// OpenCV's iterators divide by zero in a matrix without elements.
+std::vector<float> ToVector(const cv::Mat1f& mat) {
+  if (mat.empty()) return {};
+  return {mat.begin(), mat.end()};
 }
 
 cv::Mat1f ToMat(const std::vector<float>& values, int width, int height) {
@@ -122,8 +137,8 @@ tof_image_t ToMessage(const FrameId& id, const TofImage& tof) {
   message.header = ToMessage(id);
   message.width = tof.depth_m.cols;
   message.height = tof.depth_m.rows;
-  message.depth_m.assign(tof.depth_m.begin(), tof.depth_m.end());
-  message.amplitude.assign(tof.amplitude.begin(), tof.amplitude.end());
+  message.depth_m = ToVector(tof.depth_m);
+  message.amplitude = ToVector(tof.amplitude);
   message.count = static_cast<int32_t>(message.depth_m.size());
   message.amplitude_count = static_cast<int32_t>(message.amplitude.size());
   return message;
