@@ -53,7 +53,9 @@ std::string DefaultLcmUrl() {
 }
 
 void SetUpLogging(const std::string& stage, const std::string& level) {
-  auto logger = spdlog::stderr_color_mt(stage);
+  // Not spdlog::stderr_color_mt(), which throws when a logger of that name exists.
+  auto logger = std::make_shared<spdlog::logger>(
+      stage, std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
   logger->set_level(spdlog::level::from_str(level));
   logger->set_pattern("%H:%M:%S.%e %^%L%$ [%n] %v");
   spdlog::set_default_logger(std::move(logger));

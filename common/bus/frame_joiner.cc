@@ -7,10 +7,10 @@
 namespace sprout {
 namespace {
 
-// Calibrations and completed frames remembered. A graph has one rig; a second one appears when
-// capture restarts with another.
+// Calibrations, and frames completed or dropped, that are remembered. A graph has one rig; a second
+// one appears when capture restarts with another.
 constexpr size_t kMaxRigs = 4;
-constexpr size_t kMaxCompleted = 64;
+constexpr size_t kMaxAccounted = 64;
 
 // Most frame numbers that one jump counts as left out: more is a stray message or another stream,
 // and an endless count would overflow.
@@ -54,18 +54,27 @@ void FrameJoiner::CountGap(const FrameId& id) {
   const bool restarted = newest_ && id.seq <= newest_->seq && id.utime > newest_->utime;
   if (newest_ && !restarted) {
     if (id.seq <= newest_->seq) return;  // sent again
-    sequence_gaps_ += std::min(id.seq - newest_->seq - 1, kMaxGap);
+    // Both are at least −1, and id.seq is the larger: no difference overflows.
+    sequence_gaps_ += std::min(id.seq - 1 - newest_->seq, kMaxGap);
   }
   newest_ = id;
 }
 
 void FrameJoiner::Drop(const Pending& pending) {
-  // Leftovers of a frame that was sent twice and joined before are not missed.
-  if (!WasCompleted(pending.frame.id)) ++incomplete_;
+  // Leftovers of a frame that was joined before (sent twice) or dropped before (a part came too
+  // late) are not missed.
+  if (IsAccountedFor(pending.frame.id)) return;
+  ++incomplete_;
+  Account(pending.frame.id);
 }
 
-bool FrameJoiner::WasCompleted(const FrameId& id) const {
-  return std::find(completed_.begin(), completed_.end(), id) != completed_.end();
+bool FrameJoiner::IsAccountedFor(const FrameId& id) const {
+  return std::find(accounted_.begin(), accounted_.end(), id) != accounted_.end();
+}
+
+void FrameJoiner::Account(const FrameId& id) {
+  accounted_.push_back(id);
+  if (accounted_.size() > kMaxAccounted) accounted_.pop_front();
 }
 
 std::optional<Rig> FrameJoiner::FindRig(const std::string& rig_id) const {
@@ -92,8 +101,7 @@ std::vector<Frame> FrameJoiner::TakeComplete() {
     hopeless = i + 1;
     Frame& frame = pending_[i].frame;
     if (needed_.Has(Part::kRig)) frame.rig = FindRig(frame.id.rig_id);
-    completed_.push_back(frame.id);
-    if (completed_.size() > kMaxCompleted) completed_.pop_front();
+    Account(frame.id);
     complete.push_back(std::move(frame));
   }
   pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(hopeless));

@@ -43,7 +43,8 @@ class FrameJoiner {
   Pending& FindOrStart(const FrameId& id);
   void CountGap(const FrameId& id);
   void Drop(const Pending& pending);
-  bool WasCompleted(const FrameId& id) const;
+  bool IsAccountedFor(const FrameId& id) const;
+  void Account(const FrameId& id);
   std::optional<Rig> FindRig(const std::string& rig_id) const;
   bool IsComplete(const Pending& pending) const;
   std::vector<Frame> TakeComplete();
@@ -51,7 +52,7 @@ class FrameJoiner {
   PartSet needed_;
   size_t max_pending_;
   std::deque<Pending> pending_;                   // in order of arrival
-  std::deque<FrameId> completed_;                 // the newest few
+  std::deque<FrameId> accounted_;                 // completed or dropped, the newest few
   std::deque<std::pair<std::string, Rig>> rigs_;  // by rig_id, the newest few
   std::optional<FrameId> newest_;
   int64_t incomplete_ = 0;

@@ -12,6 +12,7 @@ namespace sprout {
 namespace {
 
 constexpr char kUdpmScheme[] = "udpm://";
+constexpr char kTcpqScheme[] = "tcpq://";
 constexpr char kDefaultGroup[] = "239.255.76.67";
 constexpr uint16_t kDefaultPort = 7667;
 
@@ -63,7 +64,9 @@ LcmPtr OpenLcm(const std::string& url) {
                    "/32 dev lo");
   }
   LcmPtr lcm(lcm_create(url.c_str()));
-  if (!lcm) {
+  // On tcpq LCM is content without a server, and aborts the program later, when it waits for a
+  // message on a connection that is none.
+  if (!lcm || (url.starts_with(kTcpqScheme) && lcm_get_fileno(lcm.get()) < 0)) {
     throw BusError(
         "cannot open LCM URL " + url +
         "; allowed: udpm://GROUP:PORT?ttl=0, tcpq://HOST:PORT (with its server running)");

@@ -26,10 +26,12 @@ class Mailbox {
     return replaced;
   }
 
-  /// Waits for a value; nothing when `stop` was requested first.
+  /// Waits for a value; nothing once `stop` is requested, even when there is one: who is slower
+  /// than the sender always finds one.
   std::optional<T> Take(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     filled_.wait(lock, stop, [this] { return value_.has_value(); });
+    if (stop.stop_requested()) return std::nullopt;
     return std::exchange(value_, std::nullopt);
   }
 

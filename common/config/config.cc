@@ -4,7 +4,7 @@
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -105,9 +105,11 @@ void MergeFile(const std::string& file, SproutConfig& config) {
   FirstError error;
   google::protobuf::TextFormat::Parser parser;
   parser.RecordErrorsTo(&error);
-  if (!parser.MergeFromString(text.str(), &config)) {
+  SproutConfig parsed;  // apart: a key that stands twice in one file is an error
+  if (!parser.ParseFromString(text.str(), &parsed)) {
     throw ConfigError("configuration " + path + ":" + error.text);
   }
+  config.MergeFrom(parsed);
 }
 
 }  // namespace
@@ -126,6 +128,7 @@ void RequireInRange(const Message& config, const std::string& prefix) {
     const double value = NumberIn(config, field);
     if (value >= allowed.min() && value <= allowed.max()) continue;  // false for NaN
     std::ostringstream text;
+    text.precision(15);  // 1000001 is not to read as 1e+06
     text << key << " = " << value << ": out of range; allowed: " << allowed.min() << " to "
          << allowed.max();
     throw ConfigError(text.str());

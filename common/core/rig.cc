@@ -11,7 +11,7 @@ std::string RigId(const Rig& rig) {
   std::string text;
   const auto append = [&text](double value) {
     char number[40];
-    std::snprintf(number, sizeof number, "%a;", value);
+    std::snprintf(number, sizeof number, "%a;", value + 0.0);  // −0 is equal to 0
     text += number;
   };
   const RectifiedPair& pair = rig.pair;

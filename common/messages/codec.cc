@@ -1,5 +1,6 @@
 #include "common/messages/codec.h"
 
+#include <algorithm>
 #include <exception>
 #include <initializer_list>
 #include <limits>
@@ -45,6 +46,17 @@ struct ArrayTable<stage_status_t> {
   static constexpr std::initializer_list<CountedArray> kArrays = {};
 };
 
+// Strings right behind the header, in their order; no type has others.
+template <typename Message>
+struct StringTable {
+  static constexpr std::initializer_list<const char*> kStrings = {};
+};
+template <>
+struct StringTable<stage_status_t> {
+  static constexpr std::initializer_list<const char*> kStrings = {"stage", "host", "version",
+                                                                  "config_digest", "last_error"};
+};
+
 // Big-endian int32 at `offset`.
 Result<int32_t> ReadInt32(std::span<const uint8_t> bytes, size_t offset) {
   int32_t value = 0;
@@ -67,17 +79,35 @@ Result<void> CheckFingerprint(std::span<const uint8_t> bytes) {
   return {};
 }
 
-// The generated decoder allocates what a count says before it looks whether the message is that
-// long. Checks the counts first.
-template <typename Message>
-Result<void> CheckCounts(std::span<const uint8_t> bytes) {
-  constexpr size_t kRigIdLengthOffset = 8 + 8 + 8;  // fingerprint, utime, seq
-  const Result<int32_t> rig_id_length = ReadInt32(bytes, kRigIdLengthOffset);
-  if (!rig_id_length) return tl::unexpected(rig_id_length.error());
-  if (*rig_id_length < 1 || static_cast<size_t>(*rig_id_length) > bytes.size()) {
-    return Fail("header.rig_id: length " + std::to_string(*rig_id_length) + " does not fit");
+// Where a string ends that starts, with its length, at `offset`; an error when its length does not
+// fit, or when its text does not end where its length says: it would be another one when sent on.
+Result<size_t> EndOfString(std::span<const uint8_t> bytes, size_t offset, const char* field) {
+  const Result<int32_t> length = ReadInt32(bytes, offset);
+  if (!length) return tl::unexpected(length.error());
+  const size_t start = offset + 4;
+  if (*length < 1 || static_cast<size_t>(*length) > bytes.size() - start) {
+    return Fail(std::string(field) + ": length " + std::to_string(*length) + " does not fit");
   }
-  const size_t body = kRigIdLengthOffset + 4 + static_cast<size_t>(*rig_id_length);
+  const auto text = bytes.subspan(start, static_cast<size_t>(*length));
+  if (std::find(text.begin(), text.end(), uint8_t{0}) != text.end() - 1) {
+    return Fail(std::string(field) + ": does not end where its length says");
+  }
+  return start + text.size();
+}
+
+// The generated decoder believes the length of a string (a negative one makes it read far outside
+// the message) and allocates what a count says before it looks whether the message is that long.
+// Checks all of them first.
+template <typename Message>
+Result<void> CheckLengths(std::span<const uint8_t> bytes) {
+  constexpr size_t kRigIdOffset = 8 + 8 + 8;  // fingerprint, utime, seq
+  Result<size_t> end = EndOfString(bytes, kRigIdOffset, "header.rig_id");
+  if (!end) return tl::unexpected(end.error());
+  const size_t body = *end;
+  for (const char* field : StringTable<Message>::kStrings) {
+    end = EndOfString(bytes, *end, field);
+    if (!end) return tl::unexpected(end.error());
+  }
   for (const CountedArray& array : ArrayTable<Message>::kArrays) {
     const Result<int32_t> count = ReadInt32(bytes, body + array.count_offset);
     if (!count) return tl::unexpected(count.error());
@@ -97,14 +127,14 @@ Result<Message> DecodeMessage(std::span<const uint8_t> bytes) {
   if (const Result<void> fingerprint = CheckFingerprint<Message>(bytes); !fingerprint) {
     return tl::unexpected(fingerprint.error());
   }
-  if (const Result<void> counts = CheckCounts<Message>(bytes); !counts) {
-    return tl::unexpected(counts.error());
+  if (const Result<void> lengths = CheckLengths<Message>(bytes); !lengths) {
+    return tl::unexpected(lengths.error());
   }
   Message message;
   int used = -1;
   try {
     used = message.decode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  } catch (const std::exception& e) {  // a string length that is no length
+  } catch (const std::exception& e) {  // out of memory
     return Fail(std::string("message cannot be decoded: ") + e.what());
   }
   if (used < 0) return Fail("message cut short");

@@ -7,8 +7,10 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "common/core/image.h"
 #include "common/messages/checks.h"
 #include "common/messages/disparity_codec.h"
+#include "common/messages/jpeg.h"
 
 namespace sprout {
 namespace {
@@ -28,17 +30,24 @@ int BytesPerPixel(int32_t pixel_format) {
 }
 
 Result<cv::Mat> DecodeJpeg(const image_t& message) {
+  // Before anything is decoded: imdecode() would read other formats as well, and a stream of a few
+  // bytes can ask for gigabytes.
+  const cv::Size size(message.width, message.height);
+  const std::optional<cv::Size> stream_size = JpegSize(message.data);
+  if (!stream_size) return Fail("data: not a whole JPEG stream");
+  if (*stream_size != size) {
+    return Fail("data: JPEG of " + SizeText(*stream_size) +
+                ", allowed is width x height = " + SizeText(size));
+  }
   cv::Mat image;
   try {
-    image = cv::imdecode(message.data, cv::IMREAD_ANYCOLOR);
+    // Pixels as they are: a turned image fits no calibration.
+    image = cv::imdecode(message.data, cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception& e) {
-    return Fail("data: not a JPEG stream (" + e.err + ")");
+    return Fail("data: JPEG stream cannot be decoded (" + e.err + ")");
   }
-  if (image.empty() || image.depth() != CV_8U) return Fail("data: not a JPEG stream");
-  if (image.cols != message.width || image.rows != message.height) {
-    return Fail("data: JPEG of " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
-                ", allowed is width x height = " + std::to_string(message.width) + "x" +
-                std::to_string(message.height));
+  if (image.depth() != CV_8U || image.size() != size) {
+    return Fail("data: JPEG stream cannot be decoded");
   }
   return image;
 }

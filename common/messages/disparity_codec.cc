@@ -72,6 +72,9 @@ Result<DisparityImage> DecodeDeltaZstd(std::span<const uint8_t> data, cv::Size s
     return Fail("data: not a Zstandard frame of 2 × width × height = " +
                 std::to_string(MapBytes(size)) + " bytes");
   }
+  if (ZSTD_findFrameCompressedSize(data.data(), data.size()) != data.size()) {
+    return Fail("data: damaged Zstandard frame, or bytes behind it");
+  }
   std::vector<uint8_t> split(2 * pixels);
   const size_t decoded = ZSTD_decompress(split.data(), split.size(), data.data(), data.size());
   if (ZSTD_isError(decoded)) {

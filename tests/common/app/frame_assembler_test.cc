@@ -1,0 +1,83 @@
+#include "common/app/frame_assembler.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/messages/codec.h"
+#include "tests/common/app/captured_log.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+std::vector<uint8_t> Image(int64_t seq, int grey) {
+  return EncodePart({.utime = seq, .seq = seq, .rig_id = "rig"}, Part::kLeft,
+                    cv::Mat(2, 3, CV_8UC1, cv::Scalar(grey)), DisparityEncoding::kRawInt16);
+}
+
+std::vector<uint8_t> Seeds(int64_t seq) {
+  return EncodePart({.utime = seq, .seq = seq, .rig_id = "rig"}, Part::kSeeds,
+                    SeedSet{.seeds = {{3, 2, 1}}, .raw = 1}, DisparityEncoding::kRawInt16);
+}
+
+class FrameAssemblerTest : public ::testing::Test {
+ protected:
+  CapturedLog log_;
+  StageMonitor monitor_{"grow", ""};
+  FrameAssembler assembler_{{Part::kSeeds, Part::kLeft}, monitor_};
+};
+
+TEST_F(FrameAssemblerTest, ListsTheChannelsOfItsParts) {
+  EXPECT_THAT(assembler_.channels(), ElementsAre("SPROUT_LEFT", "SPROUT_SEEDS"));
+}
+
+TEST_F(FrameAssemblerTest, DeliversAFrameOnceItIsComplete) {
+  EXPECT_THAT(assembler_.Add("SPROUT_LEFT", Image(3, 99)), IsEmpty());
+  const std::vector<Frame> frames = assembler_.Add("SPROUT_SEEDS", Seeds(3));
+  ASSERT_THAT(frames, SizeIs(1));
+  EXPECT_EQ(frames[0].id, (FrameId{.utime = 3, .seq = 3, .rig_id = "rig"}));
+  EXPECT_EQ(frames[0].left.at<uint8_t>(1, 2), 99);
+  EXPECT_THAT(frames[0].seeds->seeds, ElementsAre(Seed{3, 2, 1}));
+  EXPECT_EQ(monitor_.Snapshot().bad_messages, 0);
+}
+
+TEST_F(FrameAssemblerTest, CountsAndNamesABadMessage) {
+  std::vector<uint8_t> cut = Image(3, 99);
+  cut.pop_back();
+  EXPECT_THAT(assembler_.Add("SPROUT_LEFT", cut), IsEmpty());
+  EXPECT_THAT(assembler_.Add("SPROUT_LEFT", {}), IsEmpty());
+  EXPECT_EQ(monitor_.Snapshot().bad_messages, 2);
+  EXPECT_THAT(monitor_.Snapshot().last_error, StartsWith("SPROUT_LEFT: "));
+  EXPECT_THAT(assembler_.Add("SPROUT_SEEDS", Image(3, 99)), IsEmpty());
+  EXPECT_THAT(monitor_.Snapshot().last_error, "SPROUT_SEEDS: fingerprint is not that of seeds_t");
+}
+
+TEST_F(FrameAssemblerTest, GoesOnAfterABadMessage) {
+  assembler_.Add("SPROUT_LEFT", std::vector<uint8_t>(100, 7));
+  assembler_.Add("SPROUT_LEFT", Image(4, 1));
+  EXPECT_THAT(assembler_.Add("SPROUT_SEEDS", Seeds(4)), SizeIs(1));
+}
+
+TEST_F(FrameAssemblerTest, IgnoresAChannelThatItDoesNotNeed) {
+  EXPECT_THAT(assembler_.Add("SPROUT_TOF", std::vector<uint8_t>(100, 7)), IsEmpty());
+  EXPECT_THAT(assembler_.Add("SPROUT_RIGHT", Image(3, 1)), IsEmpty());
+  EXPECT_THAT(assembler_.Add("", Image(3, 1)), IsEmpty());
+  EXPECT_THAT(assembler_.Add("SPROUT_LEFT_2", Image(3, 1)), IsEmpty());
+  EXPECT_EQ(monitor_.Snapshot().bad_messages, 0);
+}
+
+TEST_F(FrameAssemblerTest, ReportsWhatTheJoinerDropsAndMisses) {
+  assembler_.Add("SPROUT_LEFT", Image(1, 1));
+  assembler_.Add("SPROUT_LEFT", Image(4, 1));
+  assembler_.Add("SPROUT_SEEDS", Seeds(4));
+  EXPECT_EQ(monitor_.Snapshot().frames_incomplete, 1);
+  EXPECT_EQ(monitor_.Snapshot().sequence_gaps, 2);
+}
+
+}  // namespace
+}  // namespace sprout

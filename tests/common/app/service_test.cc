@@ -1,0 +1,184 @@
+#include "common/app/service.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <csignal>
+#include <mutex>
+#include <sstream>
+
+#include "common/bus/channels.h"
+#include "common/bus/lcm_url.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+struct Ended {
+  int exit_code;
+  bool body_ran;
+  std::string out;
+  std::vector<std::string> err;  ///< lines
+};
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// Runs a service in this process, with what main() would hand to it.
+Ended RunWith(std::vector<std::string> flags, const Service::Body& body = {},
+              const Service::ApplyFlags& apply_flags = {}) {
+  flags.insert(flags.begin(), "sprout-probe");
+  std::vector<char*> argv;
+  for (std::string& flag : flags) argv.push_back(flag.data());
+  argv.push_back(nullptr);
+  Ended ended{};
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  ended.exit_code = Service("probe", "Probes the main that all services share.")
+                        .Run(
+                            static_cast<int>(flags.size()), argv.data(),
+                            [&](const ServiceContext& context) {
+                              ended.body_ran = true;
+                              return body ? body(context) : 0;
+                            },
+                            apply_flags);
+  ended.err = Lines(::testing::internal::GetCapturedStderr());
+  ended.out = ::testing::internal::GetCapturedStdout();
+  return ended;
+}
+
+TEST(Service, RefusesFlagsThatCannotBeUsedInOneLineThatNamesThem) {
+  const struct {
+    std::vector<std::string> flags;
+    const char* named;
+  } table[] = {
+      {{"--no-such-flag"}, "--no-such-flag"},
+      {{"stray"}, "stray"},
+      {{"stray", "--two", "--three"}, "stray"},
+      {{"--config"}, "--config"},
+      {{"--config", "no_such_preset"}, "no_such_preset"},
+      {{"--config", "/"}, "/"},
+      {{"--channel-prefix", "two words"}, "two words"},
+      {{"--channel-prefix", "A.*"}, "A.*"},
+      {{"--channel-prefix", std::string(kMaxChannelPrefix + 1, 'x')}, "--channel-prefix"},
+      {{"--log-level", "loud"}, "loud"},
+  };
+  for (const auto& [flags, named] : table) {
+    const Ended ended = RunWith(flags);
+    EXPECT_EQ(ended.exit_code, 2) << named;
+    EXPECT_FALSE(ended.body_ran) << named;
+    ASSERT_THAT(ended.err, SizeIs(1)) << named;
+    EXPECT_THAT(ended.err[0], AllOf(StartsWith("sprout-probe: "), HasSubstr(named)));
+    EXPECT_EQ(ended.out, "");
+  }
+}
+
+TEST(Service, ShowsHelpAndVersion) {
+  const Ended help = RunWith({"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_FALSE(help.body_ran);
+  EXPECT_THAT(help.err, IsEmpty());
+  for (const char* flag : {"Probes the main", "--config", "--lcm-url", "--channel-prefix",
+                           "--log-level", "--version", "--help"}) {
+    EXPECT_THAT(help.out, HasSubstr(flag));
+  }
+  const Ended version = RunWith({"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_FALSE(version.body_ran);
+  EXPECT_EQ(version.out, "sprout-probe " + Version() + "\n");
+  EXPECT_THAT(version.err, IsEmpty());
+}
+
+TEST(Service, HandsTheFlagsToItsBodyAndReturnsWhatThatReturns) {
+  const Ended ended = RunWith({"--lcm-url", "memq://", "--channel-prefix", "A_", "--config",
+                               "paper", "--config", "default"},
+                              [](const ServiceContext& context) {
+                                EXPECT_EQ(context.stage, "probe");
+                                EXPECT_EQ(context.lcm_url, "memq://");
+                                EXPECT_EQ(context.prefix, "A_");
+                                EXPECT_EQ(context.config.grow().fill(), GrowConfig::UNTIL_STABLE);
+                                EXPECT_EQ(context.config.capture().tof_grid_px(), 10);
+                                EXPECT_FALSE(context.stop.stop_requested());
+                                return 7;
+                              });
+  EXPECT_EQ(ended.exit_code, 7);
+  EXPECT_TRUE(ended.body_ran);
+}
+
+TEST(Service, AcceptsTheLongestPrefix) {
+  EXPECT_EQ(RunWith({"--channel-prefix", std::string(kMaxChannelPrefix, 'x')}).exit_code, 0);
+}
+
+TEST(Service, PrintsTheEffectiveConfiguration) {
+  const Ended ended = RunWith({"--config", "paper"});
+  EXPECT_EQ(ended.exit_code, 0);
+  std::string err;
+  for (const std::string& line : ended.err) err += line + "\n";
+  EXPECT_THAT(err, HasSubstr("sigma_p_px: 17.4"));
+  EXPECT_THAT(err, HasSubstr("min_mncc: 0.8")) << "defaults too";
+  EXPECT_THAT(err, HasSubstr(Version()));
+}
+
+TEST(Service, IsSilentBelowItsLogLevel) {
+  EXPECT_THAT(RunWith({"--log-level", "error"}).err, IsEmpty());
+}
+
+TEST(Service, ChecksTheConfigurationAfterItsOwnFlags) {
+  const auto rate = [](double hz) {
+    return [hz](SproutConfig& config) { config.mutable_capture()->set_rate_hz(hz); };
+  };
+  const Ended bad = RunWith({}, {}, rate(-1));
+  EXPECT_EQ(bad.exit_code, 2);
+  EXPECT_FALSE(bad.body_ran);
+  ASSERT_THAT(bad.err, SizeIs(1));
+  EXPECT_THAT(bad.err[0], HasSubstr("capture.rate_hz = -1: out of range; allowed: 0 to 1000"));
+  const auto expect_rate = [](const ServiceContext& context) {
+    EXPECT_EQ(context.config.capture().rate_hz(), 3);
+    return 0;
+  };
+  EXPECT_EQ(RunWith({}, expect_rate, rate(3)).exit_code, 0);
+}
+
+TEST(Service, TurnsErrorsOfItsBodyIntoOneLineAndAnExitCode) {
+  const auto body_that_throws = [](auto error) {
+    return [error](const ServiceContext&) -> int { throw error; };
+  };
+  const std::vector<std::string> quiet = {"--log-level", "error"};
+  const Ended bus = RunWith(quiet, body_that_throws(BusError("no route")));
+  EXPECT_EQ(bus.exit_code, 1);
+  EXPECT_THAT(bus.err, ::testing::ElementsAre("sprout-probe: no route"));
+  const Ended config = RunWith(quiet, body_that_throws(ConfigError("bad key")));
+  EXPECT_EQ(config.exit_code, 2);
+  EXPECT_THAT(config.err, ::testing::ElementsAre("sprout-probe: bad key"));
+  const Ended other = RunWith(quiet, body_that_throws(std::runtime_error("disk full")));
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_THAT(other.err, ::testing::ElementsAre("sprout-probe: disk full"));
+}
+
+TEST(Service, StopsItsBodyOnSigtermAndSigint) {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    const Ended ended = RunWith({}, [&](const ServiceContext& context) {
+      kill(getpid(), signal);
+      std::mutex mutex;
+      std::unique_lock lock(mutex);
+      std::condition_variable_any stopped;
+      stopped.wait_for(lock, context.stop, std::chrono::seconds(20), [] { return false; });
+      return context.stop.stop_requested() ? 0 : 9;
+    });
+    EXPECT_EQ(ended.exit_code, 0);
+  }
+}
+
+}  // namespace
+}  // namespace sprout

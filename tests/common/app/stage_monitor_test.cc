@@ -1,0 +1,188 @@
+#include "common/app/stage_monitor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <thread>
+
+#include "common/app/service.h"
+#include "tests/common/app/captured_log.h"
+
+namespace sprout {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+FrameId IdOf(int64_t seq) { return {.utime = NowUtime() - 5000, .seq = seq, .rig_id = "rig"}; }
+
+StageMonitor::Clock::time_point Ago(milliseconds time) { return StageMonitor::Clock::now() - time; }
+
+class StageMonitorTest : public ::testing::Test {
+ protected:
+  CapturedLog log_;
+  StageMonitor monitor_{"refine", "0123456789abcdef"};
+};
+
+TEST_F(StageMonitorTest, StartsReadyWithItsIdentityAndNothingElse) {
+  const StageStatus status = monitor_.Snapshot();
+  EXPECT_EQ(status.stage, "refine");
+  EXPECT_EQ(status.config_digest, "0123456789abcdef");
+  EXPECT_EQ(status.version, Version());
+  EXPECT_EQ(status.pid, getpid());
+  EXPECT_FALSE(status.host.empty());
+  EXPECT_EQ(status.state, StageStatus::State::kReady);
+  EXPECT_EQ(status.newest_frame, FrameId{});
+  EXPECT_EQ(status.frames_in, 0);
+  EXPECT_EQ(status.frames_out, 0);
+  EXPECT_EQ(status.rate_hz, 0);
+  EXPECT_EQ(status.latency.max_ms, 0);
+  EXPECT_EQ(status.last_error, "");
+  EXPECT_GT(status.rss_bytes, 1 << 20);
+}
+
+TEST_F(StageMonitorTest, CountsEachKindOfEventByItself) {
+  for (int i = 0; i < 5; ++i) monitor_.FrameIn(i >= 3);
+  monitor_.FrameOut(IdOf(1), Ago(milliseconds(1)), "");
+  monitor_.FrameOut(IdOf(2), Ago(milliseconds(1)), "no seeds");
+  monitor_.FrameFailed(IdOf(3), "broken");
+  monitor_.FrameFailed(IdOf(3), "broken");
+  monitor_.FrameFailed(IdOf(3), "broken");
+  for (int i = 0; i < 4; ++i) monitor_.FrameResent(IdOf(4));
+  for (int i = 0; i < 6; ++i) monitor_.BadMessage("SPROUT_TOF", "damaged");
+  monitor_.SetJoinerCounts(7, 8);
+  const StageStatus status = monitor_.Snapshot();
+  EXPECT_EQ(status.frames_in, 5);
+  EXPECT_EQ(status.frames_skipped, 2);
+  EXPECT_EQ(status.frames_out, 2);
+  EXPECT_EQ(status.frames_degenerate, 1);
+  EXPECT_EQ(status.frames_failed, 3);
+  EXPECT_EQ(status.frames_resent, 4);
+  EXPECT_EQ(status.bad_messages, 6);
+  EXPECT_EQ(status.frames_incomplete, 7);
+  EXPECT_EQ(status.sequence_gaps, 8);
+  EXPECT_EQ(status.newest_frame.seq, 2) << "a failed frame was not finished";
+}
+
+TEST_F(StageMonitorTest, NamesTheNewestThingThatWentWrong) {
+  monitor_.FrameOut(IdOf(1), Ago(milliseconds(1)), "");
+  EXPECT_EQ(monitor_.Snapshot().last_error, "");
+  monitor_.FrameOut(IdOf(2), Ago(milliseconds(1)), "no seeds");
+  EXPECT_EQ(monitor_.Snapshot().last_error, "frame 2: no seeds");
+  monitor_.FrameOut(IdOf(3), Ago(milliseconds(1)), "");
+  EXPECT_EQ(monitor_.Snapshot().last_error, "frame 2: no seeds") << "good frames do not hide it";
+  monitor_.FrameFailed(IdOf(4), "broken");
+  EXPECT_EQ(monitor_.Snapshot().last_error, "frame 4: failed: broken");
+  monitor_.BadMessage("SPROUT_TOF", "width = 0: allowed is 1 to 16384");
+  EXPECT_EQ(monitor_.Snapshot().last_error, "SPROUT_TOF: width = 0: allowed is 1 to 16384");
+  monitor_.Failure("cannot publish");
+  EXPECT_EQ(monitor_.Snapshot().last_error, "cannot publish");
+}
+
+TEST_F(StageMonitorTest, RunsOnceAFrameIsAnsweredAndEndsStopped) {
+  monitor_.FrameIn(false);
+  monitor_.FrameFailed(IdOf(1), "broken");
+  EXPECT_EQ(monitor_.Snapshot().state, StageStatus::State::kReady);
+  monitor_.FrameOut(IdOf(2), Ago(milliseconds(1)), "");
+  EXPECT_EQ(monitor_.Snapshot().state, StageStatus::State::kRunning);
+  monitor_.SetStopped();
+  EXPECT_EQ(monitor_.Snapshot().state, StageStatus::State::kStopped);
+}
+
+TEST_F(StageMonitorTest, SummarisesLatencyByNearestRank) {
+  // 1, 2, ... 100 seconds ago, in disorder: the k-th percentile is the k-th value; the time that
+  // the test itself takes is far below one second.
+  for (int i = 1; i <= 100; ++i) {
+    monitor_.FrameOut(IdOf(i), Ago(milliseconds(1000 * (1 + (i * 37) % 100))), "");
+  }
+  const TimeSummary latency = monitor_.Snapshot().latency;
+  EXPECT_NEAR(latency.p50_ms, 50'000, 900);
+  EXPECT_NEAR(latency.p95_ms, 95'000, 900);
+  EXPECT_NEAR(latency.p99_ms, 99'000, 900);
+  EXPECT_NEAR(latency.max_ms, 100'000, 900);
+}
+
+TEST_F(StageMonitorTest, SummarisesASingleFrame) {
+  monitor_.FrameOut(IdOf(1), Ago(milliseconds(5000)), "");
+  const StageStatus status = monitor_.Snapshot();
+  EXPECT_NEAR(status.latency.p50_ms, 5000, 900);
+  EXPECT_EQ(status.latency.p50_ms, status.latency.max_ms);
+  EXPECT_NEAR(status.age.p50_ms, 5, 900) << "five milliseconds since its capture";
+  EXPECT_GE(status.age.p50_ms, 5);
+  EXPECT_EQ(status.rate_hz, 0) << "one frame is no rate";
+}
+
+TEST_F(StageMonitorTest, ForgetsAllButTheNewest1024Times) {
+  monitor_.FrameOut(IdOf(0), Ago(milliseconds(1'000'000)), "");
+  for (int i = 1; i <= 1023; ++i) monitor_.FrameOut(IdOf(i), Ago(milliseconds(1)), "");
+  EXPECT_GE(monitor_.Snapshot().latency.max_ms, 1'000'000);
+  monitor_.FrameOut(IdOf(1024), Ago(milliseconds(1)), "");
+  EXPECT_LT(monitor_.Snapshot().latency.max_ms, 100'000);
+  EXPECT_EQ(monitor_.Snapshot().frames_out, 1025);
+}
+
+TEST_F(StageMonitorTest, MeasuresTheRate) {
+  const auto started = StageMonitor::Clock::now();
+  for (int i = 0; i < 6; ++i) {
+    if (i > 0) std::this_thread::sleep_for(milliseconds(20));
+    monitor_.FrameOut(IdOf(i), Ago(milliseconds(1)), "");
+  }
+  const std::chrono::duration<double> elapsed = StageMonitor::Clock::now() - started;
+  const double rate_hz = monitor_.Snapshot().rate_hz;
+  EXPECT_LE(rate_hz, 50.0) << "five periods of at least 20 ms";
+  EXPECT_GE(rate_hz, 5 / elapsed.count());
+}
+
+TEST_F(StageMonitorTest, LogsBadMessagesAtMostOnceASecondAndSaysHowManyItKeptSilent) {
+  const auto started = StageMonitor::Clock::now();
+  for (int i = 0; i < 1000; ++i) monitor_.BadMessage("SPROUT_TOF", "damaged");
+  const auto seconds =
+      std::chrono::duration_cast<std::chrono::seconds>(StageMonitor::Clock::now() - started);
+  EXPECT_LE(log_.Lines().size(), 1U + static_cast<size_t>(seconds.count()));
+  EXPECT_EQ(monitor_.Snapshot().bad_messages, 1000);
+  ASSERT_FALSE(log_.Lines().empty());
+  EXPECT_EQ(log_.Lines()[0],
+            "warning: SPROUT_TOF: message dropped: damaged (0 more since the last such line)");
+
+  std::this_thread::sleep_for(milliseconds(1050));
+  monitor_.BadMessage("SPROUT_LEFT", "cut short");
+  EXPECT_THAT(log_.Lines().back(), HasSubstr("SPROUT_LEFT: message dropped: cut short ("));
+  if (seconds.count() == 0) {
+    EXPECT_THAT(log_.Lines().back(), HasSubstr("(999 more"));
+  }
+}
+
+TEST_F(StageMonitorTest, TakesBracesInAReasonAsTheyAre) {
+  monitor_.BadMessage("SPROUT_TOF", "{} {0} {x:");
+  monitor_.Failure("{} {0} {x:");
+  monitor_.FrameFailed(IdOf(1), "{}");
+  ASSERT_THAT(log_.Lines(), SizeIs(3));
+  EXPECT_THAT(log_.Lines()[0], HasSubstr("{} {0} {x:"));
+  EXPECT_EQ(log_.Lines()[1], "error: {} {0} {x:");
+  EXPECT_EQ(log_.Lines()[2], "error: frame 1: failed: {}");
+}
+
+TEST_F(StageMonitorTest, CountsFromSeveralThreads) {
+  {
+    std::vector<std::jthread> threads;
+    for (int thread = 0; thread < 4; ++thread) {
+      threads.emplace_back([this] {
+        for (int i = 0; i < 500; ++i) {
+          monitor_.FrameIn(false);
+          monitor_.FrameOut(IdOf(i), Ago(milliseconds(1)), "");
+          monitor_.BadMessage("SPROUT_TOF", "damaged");
+          if (i % 50 == 0) monitor_.Snapshot();
+        }
+      });
+    }
+  }
+  const StageStatus status = monitor_.Snapshot();
+  EXPECT_EQ(status.frames_in, 2000);
+  EXPECT_EQ(status.frames_out, 2000);
+  EXPECT_EQ(status.bad_messages, 2000);
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,137 @@
+#include <gtest/gtest.h>
+
+#include "common/bus/frame_joiner.h"
+#include "tests/common/bus/joiner_messages.h"
+
+// What is dropped, left out, or sent again; and that each is counted once.
+namespace sprout {
+namespace {
+
+const PartSet kPair = {Part::kLeft, Part::kRight};
+
+void AddPair(FrameJoiner& joiner, int64_t seq) {
+  AddTo(joiner, IdOf(seq), Part::kLeft);
+  EXPECT_EQ(AddTo(joiner, IdOf(seq), Part::kRight), Seqs{seq});
+}
+
+TEST(FrameJoiner, DropsUnfinishedFramesOlderThanACompleteOne) {
+  FrameJoiner joiner(kPair);
+  for (const int64_t seq : {0, 1, 2}) AddTo(joiner, IdOf(seq), Part::kLeft);
+  EXPECT_EQ(AddTo(joiner, IdOf(1), Part::kRight), Seqs{1});
+  EXPECT_EQ(joiner.incomplete(), 1) << "frame 0";
+  EXPECT_EQ(AddTo(joiner, IdOf(2), Part::kRight), Seqs{2}) << "the newer one went on";
+  EXPECT_EQ(joiner.incomplete(), 1);
+  EXPECT_EQ(AddTo(joiner, IdOf(0), Part::kRight), Seqs{}) << "what was dropped stays dropped";
+}
+
+TEST(FrameJoiner, DropsTheOldestWhenTooManyWait) {
+  FrameJoiner joiner(kPair, 3);
+  for (int64_t seq = 0; seq < 5; ++seq) AddTo(joiner, IdOf(seq), Part::kLeft);
+  EXPECT_EQ(joiner.incomplete(), 2);
+  EXPECT_EQ(AddTo(joiner, IdOf(2), Part::kRight), Seqs{2}) << "three are kept";
+  EXPECT_EQ(joiner.incomplete(), 2);
+}
+
+TEST(FrameJoiner, CountsAFrameThatWasDroppedOnce) {
+  FrameJoiner joiner(kPair, 1);
+  AddTo(joiner, IdOf(0), Part::kLeft);
+  AddTo(joiner, IdOf(1), Part::kLeft);   // drops frame 0 ...
+  AddTo(joiner, IdOf(0), Part::kRight);  // ... whose other part comes late, and drops frame 1
+  AddTo(joiner, IdOf(2), Part::kLeft);   // drops the leftover of frame 0
+  EXPECT_EQ(joiner.incomplete(), 2);
+}
+
+TEST(FrameJoiner, CountsTheFrameNumbersThatAreLeftOut) {
+  FrameJoiner joiner(kPair);
+  AddPair(joiner, 7);
+  EXPECT_EQ(joiner.sequence_gaps(), 0) << "a stream may start anywhere";
+  AddPair(joiner, 8);
+  EXPECT_EQ(joiner.sequence_gaps(), 0);
+  AddPair(joiner, 11);
+  EXPECT_EQ(joiner.sequence_gaps(), 2);
+  AddTo(joiner, IdOf(13), Part::kLeft);
+  EXPECT_EQ(joiner.sequence_gaps(), 3) << "an unfinished frame was not left out";
+  EXPECT_EQ(joiner.incomplete(), 0);
+}
+
+TEST(FrameJoiner, SeesNoGapWhenCaptureStartsAgain) {
+  FrameJoiner joiner(kPair);
+  AddPair(joiner, 100);
+  for (int64_t seq = 0; seq < 3; ++seq) {
+    FrameId id = IdOf(seq);
+    id.utime = IdOf(200).utime + 100'000 * seq;
+    AddTo(joiner, id, Part::kLeft);
+    EXPECT_EQ(AddTo(joiner, id, Part::kRight), Seqs{seq});
+  }
+  EXPECT_EQ(joiner.sequence_gaps(), 0);
+  FrameId skipping = IdOf(5);
+  skipping.utime = IdOf(300).utime;
+  AddTo(joiner, skipping, Part::kLeft);
+  EXPECT_EQ(joiner.sequence_gaps(), 2) << "counted from the new start";
+}
+
+TEST(FrameJoiner, JoinsAFrameThatIsSentTwiceTwice) {
+  FrameJoiner joiner(kPair);
+  AddPair(joiner, 0);
+  AddPair(joiner, 0);
+  EXPECT_EQ(joiner.incomplete(), 0);
+  EXPECT_EQ(joiner.sequence_gaps(), 0);
+}
+
+TEST(FrameJoiner, DoesNotMissTheLeftoversOfAFrameThatWasSentTwice) {
+  FrameJoiner joiner(kPair);
+  AddPair(joiner, 0);
+  AddTo(joiner, IdOf(0), Part::kLeft);  // the second copy of RIGHT is lost
+  AddPair(joiner, 1);
+  EXPECT_EQ(joiner.incomplete(), 0);
+  AddTo(joiner, IdOf(2), Part::kLeft);  // a frame that never was complete is missed
+  AddPair(joiner, 3);
+  EXPECT_EQ(joiner.incomplete(), 1);
+}
+
+TEST(FrameJoiner, JoinsAnOlderFrameThatIsSentAgain) {
+  FrameJoiner joiner(kPair);
+  AddTo(joiner, IdOf(0), Part::kLeft);
+  AddPair(joiner, 1);
+  EXPECT_EQ(joiner.incomplete(), 1);
+  AddPair(joiner, 0);
+  EXPECT_EQ(joiner.incomplete(), 1);
+  EXPECT_EQ(joiner.sequence_gaps(), 0) << "an older frame is no restart";
+  AddPair(joiner, 2);
+  EXPECT_EQ(joiner.sequence_gaps(), 0);
+}
+
+TEST(FrameJoiner, SurvivesHostileFrameNumbers) {
+  FrameJoiner joiner(kPair);
+  AddTo(joiner, {.utime = 0, .seq = 0, .rig_id = ""}, Part::kLeft);
+  AddTo(joiner, {.utime = INT64_MAX, .seq = INT64_MAX, .rig_id = ""}, Part::kLeft);
+  const int64_t gaps = joiner.sequence_gaps();
+  EXPECT_GT(gaps, 0);
+  EXPECT_LE(gaps, 1'000'000) << "one stray message does not drown the count";
+  AddTo(joiner, {.utime = 0, .seq = INT64_MAX, .rig_id = ""}, Part::kLeft);
+  AddTo(joiner, {.utime = INT64_MAX, .seq = 0, .rig_id = ""}, Part::kLeft);
+  EXPECT_EQ(joiner.sequence_gaps(), gaps);
+}
+
+TEST(FrameJoiner, SurvivesFrameNumbersAtBothEnds) {
+  FrameJoiner joiner(kPair);
+  AddTo(joiner, {.utime = 0, .seq = -1, .rig_id = ""}, Part::kLeft);
+  AddTo(joiner, {.utime = 1, .seq = INT64_MAX, .rig_id = ""}, Part::kLeft);
+  EXPECT_LE(joiner.sequence_gaps(), 1'000'000);
+  EXPECT_GT(joiner.sequence_gaps(), 0);
+}
+
+TEST(FrameJoiner, KeepsCountingOverManyFrames) {
+  FrameJoiner joiner(kPair);
+  for (int64_t seq = 0; seq < 1000; ++seq) {
+    AddTo(joiner, IdOf(seq), Part::kLeft);
+    if (seq % 10 != 5) {
+      EXPECT_EQ(AddTo(joiner, IdOf(seq), Part::kRight), Seqs{seq});
+    }
+  }
+  EXPECT_EQ(joiner.incomplete(), 100);
+  EXPECT_EQ(joiner.sequence_gaps(), 0);
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,50 @@
+#ifndef SPROUT_TESTS_COMMON_BUS_JOINER_MESSAGES_H_
+#define SPROUT_TESTS_COMMON_BUS_JOINER_MESSAGES_H_
+
+#include <string>
+#include <vector>
+
+#include "common/bus/frame_joiner.h"
+
+// Short names for what the joiner is fed with.
+namespace sprout {
+
+/// Frame `seq` of a stream that captures every 100 ms.
+inline FrameId IdOf(int64_t seq, const std::string& rig_id = "rig") {
+  return {.utime = 1'000'000 + 100'000 * seq, .seq = seq, .rig_id = rig_id};
+}
+
+/// A part whose content shows what it was made from.
+inline PartValue ValueOf(Part part, int mark) {
+  switch (part) {
+    case Part::kLeft:
+    case Part::kRight:
+      return cv::Mat(1, 1, CV_8UC1, cv::Scalar(mark));
+    case Part::kTof:
+      return TofImage{.depth_m = cv::Mat1f(1, 1, static_cast<float>(mark)), .amplitude = {}};
+    case Part::kRig: {
+      Rig rig;
+      rig.pair.width = mark;
+      return rig;
+    }
+    case Part::kSeeds:
+      return SeedSet{.seeds = {}, .raw = mark};
+    default:
+      return DisparityImage(cv::Mat1s(1, 1, static_cast<int16_t>(mark)));
+  }
+}
+
+/// Adds a part; returns the numbers of the frames that are complete now.
+inline std::vector<int64_t> AddTo(FrameJoiner& joiner, const FrameId& id, Part part, int mark = 1) {
+  std::vector<int64_t> seqs;
+  for (const Frame& frame : joiner.Add(id, part, ValueOf(part, mark))) {
+    seqs.push_back(frame.id.seq);
+  }
+  return seqs;
+}
+
+using Seqs = std::vector<int64_t>;
+
+}  // namespace sprout
+
+#endif  // SPROUT_TESTS_COMMON_BUS_JOINER_MESSAGES_H_

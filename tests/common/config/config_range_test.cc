@@ -1,0 +1,187 @@
+#include <gmock/gmock.h>
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/text_format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+
+#include "common/config/config.h"
+
+// Walks every field of the configuration by reflection, so that a new field is tested too.
+namespace sprout {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using ::testing::HasSubstr;
+
+struct RangedField {
+  std::string key;  ///< "grow.threshold"
+  const FieldDescriptor* field;
+  Range allowed;
+};
+
+using Visit = std::function<void(const std::string& key, Message& parent, const FieldDescriptor&)>;
+
+void VisitFields(Message& message, const std::string& prefix, const Visit& visit) {
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const FieldDescriptor& field = *message.GetDescriptor()->field(i);
+    const std::string key = prefix + field.name();
+    if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+      VisitFields(*message.GetReflection()->MutableMessage(&message, &field), key + ".", visit);
+    } else {
+      visit(key, message, field);
+    }
+  }
+}
+
+std::vector<RangedField> RangedFields() {
+  std::vector<RangedField> fields;
+  SproutConfig config;
+  VisitFields(config, "", [&](const std::string& key, Message&, const FieldDescriptor& field) {
+    if (field.options().HasExtension(range)) {
+      fields.push_back({key, &field, field.options().GetExtension(range)});
+    }
+  });
+  return fields;
+}
+
+SproutConfig DefaultsWith(const RangedField& ranged, double value) {
+  SproutConfig config = LoadConfig({});
+  VisitFields(config, "", [&](const std::string& key, Message& parent, const FieldDescriptor& f) {
+    if (key != ranged.key) return;
+    if (f.cpp_type() == FieldDescriptor::CPPTYPE_INT32) {
+      parent.GetReflection()->SetInt32(&parent, &f, static_cast<int32_t>(value));
+    } else {
+      parent.GetReflection()->SetDouble(&parent, &f, value);
+    }
+  });
+  return config;
+}
+
+std::string ErrorOf(const SproutConfig& config) {
+  try {
+    RequireInRange(config, "");
+  } catch (const ConfigError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+std::string Text(double number) {
+  std::ostringstream text;
+  text.precision(15);
+  text << number;
+  return text.str();
+}
+
+bool IsInteger(const RangedField& ranged) {
+  return ranged.field->cpp_type() == FieldDescriptor::CPPTYPE_INT32;
+}
+
+TEST(ConfigRange, HasBothEndsInOrderAndTheDefaultInside) {
+  ASSERT_GE(RangedFields().size(), 10U);
+  for (const RangedField& ranged : RangedFields()) {
+    EXPECT_TRUE(ranged.allowed.has_min() && ranged.allowed.has_max()) << ranged.key;
+    EXPECT_LT(ranged.allowed.min(), ranged.allowed.max()) << ranged.key;
+  }
+  EXPECT_EQ(ErrorOf(LoadConfig({})), "");
+}
+
+TEST(ConfigRange, IsStatedForEverySignedNumber) {
+  SproutConfig config;
+  VisitFields(config, "", [](const std::string& key, Message&, const FieldDescriptor& field) {
+    if (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE ||
+        field.cpp_type() == FieldDescriptor::CPPTYPE_INT32) {
+      EXPECT_TRUE(field.options().HasExtension(range)) << key;
+    }
+  });
+}
+
+TEST(ConfigRange, IncludesBothEnds) {
+  for (const RangedField& ranged : RangedFields()) {
+    EXPECT_EQ(ErrorOf(DefaultsWith(ranged, ranged.allowed.min())), "") << ranged.key;
+    EXPECT_EQ(ErrorOf(DefaultsWith(ranged, ranged.allowed.max())), "") << ranged.key;
+  }
+}
+
+TEST(ConfigRange, RefusesWhatIsOutsideAndNamesKeyValueAndRange) {
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const RangedField& ranged : RangedFields()) {
+    const double min = ranged.allowed.min();
+    const double max = ranged.allowed.max();
+    std::vector<double> outside = {min - 1, max + 1};
+    if (!IsInteger(ranged)) {
+      for (const double value : {inf, -inf, std::nan("")}) outside.push_back(value);
+    }
+    for (const double value : outside) {
+      EXPECT_EQ(ErrorOf(DefaultsWith(ranged, value)), ranged.key + " = " + Text(value) +
+                                                          ": out of range; allowed: " + Text(min) +
+                                                          " to " + Text(max));
+    }
+    if (!IsInteger(ranged)) {
+      EXPECT_NE(ErrorOf(DefaultsWith(ranged, std::nextafter(min, -inf))), "") << ranged.key;
+      EXPECT_NE(ErrorOf(DefaultsWith(ranged, std::nextafter(max, inf))), "") << ranged.key;
+    }
+  }
+}
+
+TEST(ConfigRange, IsCheckedWhenAFileIsLoaded) {
+  const auto path = std::filesystem::temp_directory_path() /
+                    ("sprout_range_" + std::to_string(getpid()) + ".textproto");
+  for (const RangedField& ranged : RangedFields()) {
+    for (const double value : {ranged.allowed.min() - 1, ranged.allowed.max() + 1}) {
+      std::ofstream(path) << ConfigText(DefaultsWith(ranged, value));
+      try {
+        LoadConfig({path.string()});
+        ADD_FAILURE() << ranged.key << " = " << value << " was accepted";
+      } catch (const ConfigError& e) {
+        EXPECT_THAT(e.what(), HasSubstr(ranged.key));
+      }
+    }
+  }
+  std::ofstream(path) << "grow { harris { min_mncc: nan } }";
+  EXPECT_THROW(LoadConfig({path.string()}), ConfigError);
+  std::filesystem::remove(path);
+}
+
+TEST(ConfigRange, OfAPartIsNamedWithThePrefix) {
+  GrowConfig grow;
+  grow.mutable_harris()->set_min_mncc(2);
+  try {
+    RequireInRange(grow, "grow");
+    ADD_FAILURE() << "accepted";
+  } catch (const ConfigError& e) {
+    EXPECT_STREQ(e.what(), "grow.harris.min_mncc = 2: out of range; allowed: -1 to 1");
+  }
+}
+
+TEST(ConfigText, LoadsAgainToTheSameText) {
+  const auto path = std::filesystem::temp_directory_path() /
+                    ("sprout_text_" + std::to_string(getpid()) + ".textproto");
+  for (const std::vector<std::string>& files :
+       {std::vector<std::string>{}, {"default"}, {"paper"}}) {
+    const std::string text = ConfigText(LoadConfig(files));
+    std::ofstream(path) << text;
+    EXPECT_EQ(ConfigText(LoadConfig({path.string()})), text);
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(ConfigText, ShowsEveryFieldExplicitly) {
+  SproutConfig config;
+  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(ConfigText(LoadConfig({})), &config));
+  int fields = 0;
+  VisitFields(config, "", [&](const std::string& key, Message& parent, const FieldDescriptor& f) {
+    ++fields;
+    EXPECT_TRUE(parent.GetReflection()->HasField(parent, &f)) << key;
+  });
+  EXPECT_GE(fields, 20);
+}
+
+}  // namespace
+}  // namespace sprout

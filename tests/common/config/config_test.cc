@@ -1,0 +1,131 @@
+#include "common/config/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace sprout {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class ConfigFiles : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string folder = (std::filesystem::temp_directory_path() / "sprout_XXXXXX").string();
+    ASSERT_NE(mkdtemp(folder.data()), nullptr);
+    folder_ = folder;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string Write(const std::string& name, const std::string& text) const {
+    const std::string path = folder_ / name;
+    std::ofstream(path) << text;
+    return path;
+  }
+
+  static std::string ErrorOf(const std::vector<std::string>& files) {
+    try {
+      LoadConfig(files);
+    } catch (const ConfigError& e) {
+      EXPECT_THAT(e.what(), Not(HasSubstr("\n"))) << "one line";
+      return e.what();
+    }
+    return "";
+  }
+
+  std::filesystem::path folder_;
+};
+
+std::vector<std::string> ShippedPresets() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(SPROUT_PRESETS_DIR)) {
+    names.push_back(entry.path().stem().string());
+  }
+  return names;
+}
+
+TEST_F(ConfigFiles, LoadsEveryPresetThatShipsByNameAndByPath) {
+  const std::vector<std::string> names = ShippedPresets();
+  ASSERT_FALSE(names.empty());
+  for (const std::string& name : names) {
+    const std::string path = std::string(SPROUT_PRESETS_DIR) + "/" + name + ".textproto";
+    EXPECT_EQ(ConfigText(LoadConfig({name})), ConfigText(LoadConfig({path}))) << name;
+  }
+}
+
+TEST_F(ConfigFiles, PresetPaperHasThePapersParameters) {
+  const SproutConfig config = LoadConfig({"paper"});
+  EXPECT_EQ(config.capture().tof_grid_px(), 10);
+  EXPECT_EQ(config.grow().similarity(), GrowConfig::EPC);
+  EXPECT_EQ(config.grow().threshold(), 0.5);
+  EXPECT_EQ(config.grow().sigma_s_squared(), 0.1);
+  EXPECT_EQ(config.grow().fill(), GrowConfig::ONE_PASS);
+}
+
+TEST_F(ConfigFiles, HasDefaultsWithoutAFileAndForAnEmptyOne) {
+  const SproutConfig defaults = LoadConfig({});
+  EXPECT_EQ(defaults.capture().tof_grid_px(), 10);
+  EXPECT_EQ(defaults.grow().threshold(), 0.5);
+  EXPECT_EQ(ConfigText(LoadConfig({Write("empty.textproto", "")})), ConfigText(defaults));
+  EXPECT_EQ(ConfigText(LoadConfig({Write("comment.textproto", "# nothing\n")})),
+            ConfigText(defaults));
+}
+
+TEST_F(ConfigFiles, LetsLaterFilesOverrideEarlierOnesKeyByKey) {
+  const std::string a = Write("a.textproto", "grow { threshold: 0.6 sigma_p_px: 2 }");
+  const std::string b = Write("b.textproto", "grow { threshold: 0.7 } refine { min_amplitude: 3 }");
+  const SproutConfig ab = LoadConfig({a, b});
+  EXPECT_EQ(ab.grow().threshold(), 0.7);
+  EXPECT_EQ(ab.grow().sigma_p_px(), 2);
+  EXPECT_EQ(ab.refine().min_amplitude(), 3);
+  EXPECT_EQ(LoadConfig({b, a}).grow().threshold(), 0.6);
+  EXPECT_EQ(LoadConfig({"paper", a}).grow().sigma_p_px(), 2) << "over a preset";
+}
+
+TEST_F(ConfigFiles, NamesFileLineAndKeyOfAnUnknownKey) {
+  const std::string file = Write("typo.textproto", "# first line\ngrow {\n  treshold: 0.5\n}\n");
+  EXPECT_THAT(ErrorOf({file}), AllOf(HasSubstr(file + ":3:"), HasSubstr("treshold")));
+  const std::string section = Write("section.textproto", "growth {}\n");
+  EXPECT_THAT(ErrorOf({section}), AllOf(HasSubstr(section + ":1:"), HasSubstr("growth")));
+}
+
+TEST_F(ConfigFiles, NamesFileAndLineOfASyntaxError) {
+  const std::string open = Write("open.textproto", "grow {\n  threshold: 0.5\n");
+  EXPECT_THAT(ErrorOf({open}), HasSubstr(open + ":3:"));
+  const std::string word = Write("word.textproto", "grow {\n  threshold: high\n}\n");
+  EXPECT_THAT(ErrorOf({word}), HasSubstr(word + ":2:"));
+  const std::string choice = Write("enum.textproto", "grow { similarity: SSD }\n");
+  EXPECT_THAT(ErrorOf({choice}), AllOf(HasSubstr(choice + ":1:"), HasSubstr("SSD")));
+  const std::string bytes = Write("bytes.textproto", std::string("\0\x01\xff\xfe", 4));
+  EXPECT_THAT(ErrorOf({bytes}), HasSubstr(bytes + ":1:"));
+}
+
+TEST_F(ConfigFiles, RefusesAKeyThatStandsTwiceInOneFile) {
+  const std::string file =
+      Write("twice.textproto", "grow {\n  threshold: 0.5\n  threshold: 0.6\n}\n");
+  EXPECT_THAT(ErrorOf({file}), AllOf(HasSubstr(file + ":3:"), HasSubstr("threshold")));
+}
+
+TEST_F(ConfigFiles, NamesTheOffendingFileOfSeveral) {
+  const std::string good = Write("good.textproto", "");
+  const std::string bad = Write("bad.textproto", "nonsense: 1");
+  EXPECT_THAT(ErrorOf({good, bad}), HasSubstr(bad));
+}
+
+TEST_F(ConfigFiles, ListsThePresetsWhenAFileCannotBeRead) {
+  const std::string missing = folder_ / "missing.textproto";
+  for (const std::string& file : {missing, folder_.string(), std::string("no_such_preset")}) {
+    const std::string error = ErrorOf({file});
+    EXPECT_THAT(error, HasSubstr(file));
+    EXPECT_THAT(error, HasSubstr("cannot be read"));
+    for (const std::string& preset : ShippedPresets()) EXPECT_THAT(error, HasSubstr(preset));
+  }
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,80 @@
+#include "common/core/frame.h"
+
+#include <gtest/gtest.h>
+
+namespace sprout {
+namespace {
+
+TEST(PartSet, HasExactlyWhatWasAdded) {
+  PartSet set{Part::kLeft, Part::kDisparity};
+  set.Add(Part::kTof);
+  set.Add(Part::kTof);
+  for (const Part part : kAllParts) {
+    const bool added = part == Part::kLeft || part == Part::kDisparity || part == Part::kTof;
+    EXPECT_EQ(set.Has(part), added) << static_cast<int>(part);
+  }
+  EXPECT_EQ(set, (PartSet{Part::kTof, Part::kDisparity, Part::kLeft}));
+  EXPECT_NE(set, (PartSet{Part::kTof, Part::kLeft}));
+  EXPECT_EQ(PartSet{}, PartSet());
+}
+
+TEST(PartSet, ListsEveryPartOnce) {
+  PartSet all;
+  for (const Part part : kAllParts) {
+    EXPECT_FALSE(all.Has(part));
+    all.Add(part);
+  }
+}
+
+// Which places of a frame are filled, in the order of kAllParts.
+std::vector<bool> Filled(const Frame& frame) {
+  return {!frame.left.empty(),        !frame.right.empty(),       frame.tof.has_value(),
+          frame.rig.has_value(),      frame.seeds.has_value(),    frame.prior.has_value(),
+          frame.unfilled.has_value(), frame.disparity.has_value()};
+}
+
+PartValue ValueFor(Part part) {
+  switch (part) {
+    case Part::kLeft:
+    case Part::kRight:
+      return cv::Mat(2, 3, CV_8UC1, cv::Scalar(9));
+    case Part::kTof:
+      return TofImage{.depth_m = cv::Mat1f(1, 1, 2.0F), .amplitude = {}};
+    case Part::kRig:
+      return Rig{};
+    case Part::kSeeds:
+      return SeedSet{};
+    default:
+      return DisparityImage(cv::Size(3, 2));
+  }
+}
+
+TEST(SetPart, FillsThePlaceOfThatPartAndNoOther) {
+  for (size_t i = 0; i < kPartCount; ++i) {
+    Frame frame;
+    SetPart(frame, kAllParts[i], ValueFor(kAllParts[i]));
+    std::vector<bool> expected(kPartCount, false);
+    expected[i] = true;
+    EXPECT_EQ(Filled(frame), expected) << "part " << i;
+  }
+}
+
+TEST(SetPart, ReplacesWhatWasThere) {
+  Frame frame;
+  SetPart(frame, Part::kSeeds, SeedSet{.seeds = {{1, 2, 3}}, .raw = 5});
+  SetPart(frame, Part::kSeeds, SeedSet{.seeds = {}, .raw = 7});
+  EXPECT_EQ(*frame.seeds, (SeedSet{.seeds = {}, .raw = 7}));
+}
+
+TEST(FrameId, NamesNoFrameUntilItIsSet) {
+  EXPECT_EQ(FrameId{}.seq, -1);
+  EXPECT_NE((FrameId{.utime = 1, .seq = 2, .rig_id = "a"}),
+            (FrameId{.utime = 1, .seq = 2, .rig_id = "b"}));
+}
+
+TEST(Seed, HasTheDisparityOfItsColumns) {
+  EXPECT_FLOAT_EQ((Seed{.u = 20.5F, .v = 3, .u_right = 12.25F}).disparity(), 8.25F);
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,35 @@
+#include "common/core/image.h"
+
+#include <gtest/gtest.h>
+
+namespace sprout {
+namespace {
+
+TEST(ToGrey, SharesAGreyImage) {
+  const cv::Mat image(3, 4, CV_8UC1, cv::Scalar(17));
+  const cv::Mat1b grey = ToGrey(image);
+  EXPECT_EQ(grey.data, image.data);
+  EXPECT_EQ(grey(2, 3), 17);
+}
+
+TEST(ToGrey, WeighsTheChannelsInBgrOrder) {
+  const cv::Mat blue(1, 1, CV_8UC3, cv::Scalar(255, 0, 0));
+  const cv::Mat green(1, 1, CV_8UC3, cv::Scalar(0, 255, 0));
+  const cv::Mat red(1, 1, CV_8UC3, cv::Scalar(0, 0, 255));
+  // ITU-R BT.601: 0.114, 0.587 and 0.299 of 255.
+  EXPECT_NEAR(ToGrey(blue)(0, 0), 29, 1);
+  EXPECT_NEAR(ToGrey(green)(0, 0), 150, 1);
+  EXPECT_NEAR(ToGrey(red)(0, 0), 76, 1);
+}
+
+TEST(ToGrey, KeepsTheSizeOfAViewIntoALargerImage) {
+  const cv::Mat image(10, 10, CV_8UC3, cv::Scalar(50, 50, 50));
+  const cv::Mat1b grey = ToGrey(image(cv::Rect(2, 3, 4, 5)));
+  EXPECT_EQ(grey.size(), cv::Size(4, 5));
+  EXPECT_EQ(grey(4, 3), 50);
+}
+
+TEST(SizeText, PutsTheWidthFirst) { EXPECT_EQ(SizeText(cv::Size(640, 480)), "640x480"); }
+
+}  // namespace
+}  // namespace sprout

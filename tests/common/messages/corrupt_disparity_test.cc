@@ -1,0 +1,141 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zstd.h>
+
+#include <functional>
+#include <random>
+
+#include "common/messages/disparity_codec.h"
+#include "tests/common/messages/allocation_guard.h"
+#include "tests/common/messages/examples.h"
+
+// Disparity maps that the border must refuse, hostile Zstandard frames among them.
+namespace sprout {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+
+disparity_image_t Message(DisparityEncoding encoding) {
+  return ToMessage(examples::Id(), examples::Disparity(), encoding);
+}
+
+std::string ErrorOf(const disparity_image_t& message) {
+  const Result<DecodedPart> decoded = DecodePart(Part::kDisparity, examples::Encode(message));
+  return decoded ? "" : decoded.error().text;
+}
+
+void SetData(disparity_image_t& message, std::vector<uint8_t> data) {
+  message.data = std::move(data);
+  message.size = static_cast<int32_t>(message.data.size());
+}
+
+std::vector<uint8_t> Compressed(size_t size) {
+  const std::vector<uint8_t> content(size, 7);
+  std::vector<uint8_t> data(ZSTD_compressBound(size));
+  data.resize(ZSTD_compress(data.data(), data.size(), content.data(), content.size(), 1));
+  return data;
+}
+
+TEST(DisparityBorder, RefusesFieldsThatDoNotFitAndNamesThem) {
+  using M = disparity_image_t;
+  const struct {
+    std::function<void(M&)> apply;
+    const char* error;
+  } table[] = {
+      {[](M& m) { m.width = 0; }, "width = 0: allowed is 1 to 16384"},
+      {[](M& m) { m.width = 16385; }, "width = 16385: allowed is 1 to 16384"},
+      {[](M& m) { m.height = 0; }, "height = 0: allowed is 1 to 16384"},
+      {[](M& m) { m.height = 16385; }, "height = 16385: allowed is 1 to 16384"},
+      {[](M& m) { m.height = INT32_MIN; }, "height = -2147483648: allowed is 1 to 16384"},
+      {[](M& m) { m.counts_per_px = 16; }, "counts_per_px = 16: allowed is 32"},
+      {[](M& m) { m.invalid = 0; }, "invalid = 0: allowed is -32768"},
+      {[](M& m) { m.encoding = 2; }, "encoding = 2: allowed is RAW_INT16 or DELTA_ZSTD"},
+      {[](M& m) { m.encoding = -1; }, "encoding = -1: allowed is RAW_INT16 or DELTA_ZSTD"},
+  };
+  for (const DisparityEncoding encoding :
+       {DisparityEncoding::kRawInt16, DisparityEncoding::kDeltaZstd}) {
+    for (const auto& corruption : table) {
+      disparity_image_t message = Message(encoding);
+      corruption.apply(message);
+      EXPECT_EQ(ErrorOf(message), corruption.error);
+    }
+  }
+}
+
+TEST(DisparityBorder, RefusesRawDataOfAnotherSize) {
+  disparity_image_t message = Message(DisparityEncoding::kRawInt16);
+  SetData(message, std::vector<uint8_t>(23));
+  EXPECT_EQ(ErrorOf(message), "size = 23: allowed is 2 × width × height = 24");
+  SetData(message, std::vector<uint8_t>(25));
+  EXPECT_EQ(ErrorOf(message), "size = 25: allowed is 2 × width × height = 24");
+  SetData(message, {});
+  EXPECT_EQ(ErrorOf(message), "size = 0: allowed is 2 × width × height = 24");
+}
+
+TEST(DisparityBorder, RefusesZstandardFramesOfAnotherSize) {
+  disparity_image_t message = Message(DisparityEncoding::kDeltaZstd);
+  for (const size_t size : {0, 1, 23, 25, 48}) {
+    SetData(message, Compressed(size));
+    EXPECT_THAT(ErrorOf(message), HasSubstr("2 × width × height = 24")) << size;
+  }
+}
+
+TEST(DisparityBorder, RefusesAnythingBehindTheZstandardFrame) {
+  disparity_image_t message = Message(DisparityEncoding::kDeltaZstd);
+  std::vector<uint8_t> data = message.data;
+  const std::vector<uint8_t> empty_frame = Compressed(0);
+  data.insert(data.end(), empty_frame.begin(), empty_frame.end());
+  SetData(message, data);
+  EXPECT_THAT(ErrorOf(message), HasSubstr("data: "));
+}
+
+TEST(DisparityBorder, RefusesDataThatIsNoZstandardFrame) {
+  disparity_image_t message = Message(DisparityEncoding::kDeltaZstd);
+  std::mt19937 random(6);
+  for (size_t size = 0; size < 200; ++size) {
+    std::vector<uint8_t> data(size);
+    for (uint8_t& byte : data) byte = static_cast<uint8_t>(random());
+    SetData(message, data);
+    EXPECT_THAT(ErrorOf(message), HasSubstr("data: ")) << size << " random bytes";
+  }
+}
+
+TEST(DisparityBorder, RefusesDamagedZstandardFrames) {
+  const disparity_image_t valid =
+      ToMessage(examples::Id(), DisparityImage(cv::Size(400, 300)), DisparityEncoding::kDeltaZstd);
+  for (size_t size = 0; size < valid.data.size(); ++size) {
+    disparity_image_t message = valid;
+    message.data.resize(size);
+    message.size = static_cast<int32_t>(size);
+    EXPECT_THAT(ErrorOf(message), HasSubstr("data: ")) << "cut at " << size;
+  }
+}
+
+TEST(DisparityBorder, TakesNoMemoryForAHugeMapWithTinyData) {
+  disparity_image_t message = Message(DisparityEncoding::kDeltaZstd);
+  message.width = message.height = 16384;
+  // A frame header that declares exactly the map: magic, single segment with 4 bytes of size.
+  const uint32_t declared = 2U * 16384U * 16384U;
+  std::vector<uint8_t> data = {0x28, 0xb5, 0x2f, 0xfd, 0xa0};
+  for (int shift = 0; shift < 32; shift += 8)
+    data.push_back(static_cast<uint8_t>(declared >> shift));
+  data.resize(40);
+  ASSERT_EQ(ZSTD_getFrameContentSize(data.data(), data.size()), declared);
+  SetData(message, data);
+  const std::vector<uint8_t> bytes = examples::Encode(message);
+  const AllocationGuard guard;
+  const Result<DecodedPart> decoded = DecodePart(Part::kDisparity, bytes);
+  EXPECT_LT(guard.largest(), 100'000U);
+  ASSERT_FALSE(decoded);
+  EXPECT_THAT(decoded.error().text, HasSubstr("2 × width × height = 536870912"));
+}
+
+TEST(DisparityBorder, TakesNoMemoryForAHugeRawMapWithTinyData) {
+  disparity_image_t message = Message(DisparityEncoding::kRawInt16);
+  message.width = message.height = 16384;
+  EXPECT_EQ(ErrorOf(message), "size = 24: allowed is 2 × width × height = 536870912");
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,202 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/common/messages/examples.h"
+
+// Well-formed messages with fields that the border must refuse; the error names the field and what
+// is allowed.
+namespace sprout {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+template <typename Message>
+struct Corruption {
+  const char* name;
+  std::function<void(Message&)> apply;
+  const char* field;    ///< what the error must name ...
+  const char* allowed;  ///< ... and say
+};
+
+template <typename Message>
+void ExpectRefused(const Message& valid, Part part, std::vector<Corruption<Message>> table) {
+  ASSERT_TRUE(DecodePart(part, examples::Encode(valid)));
+  for (const Corruption<Message>& corruption : table) {
+    SCOPED_TRACE(corruption.name);
+    Message message = valid;
+    corruption.apply(message);
+    const Result<DecodedPart> decoded = DecodePart(part, examples::Encode(message));
+    ASSERT_FALSE(decoded) << "accepted";
+    EXPECT_THAT(decoded.error().text, HasSubstr(corruption.field));
+    EXPECT_THAT(decoded.error().text, HasSubstr(corruption.allowed));
+    EXPECT_THAT(decoded.error().text, ::testing::Not(HasSubstr("\n")));
+  }
+}
+
+TEST(HeaderBorder, RefusesWhatNamesNoFrame) {
+  using M = seeds_t;
+  ExpectRefused<M>(
+      ToMessage(examples::Id(), examples::Seeds()), Part::kSeeds,
+      {{"negative time", [](M& m) { m.header.utime = -1; }, "header.utime = -1", ">= 0"},
+       {"no frame", [](M& m) { m.header.seq = -1; }, "header.seq = -1", ">= 0"},
+       {"negative number", [](M& m) { m.header.seq = -2; }, "header.seq = -2", ">= 0"},
+       {"smallest number", [](M& m) { m.header.seq = INT64_MIN; }, "header.seq", ">= 0"},
+       {"long rig_id", [](M& m) { m.header.rig_id.assign(65, 'x'); }, "header.rig_id", "0 to 64"}});
+}
+
+TEST(HeaderBorder, AcceptsTheLongestAndTheEmptyRigId) {
+  for (const size_t length : {0, 64}) {
+    seeds_t message = ToMessage(examples::Id(), examples::Seeds());
+    message.header.rig_id.assign(length, 'x');
+    EXPECT_TRUE(DecodePart(Part::kSeeds, examples::Encode(message)));
+  }
+}
+
+TEST(ImageBorder, RefusesSizesAndFormatsThatDoNotFit) {
+  using M = image_t;
+  ExpectRefused<M>(
+      ToMessage(examples::Id(), examples::GreyImage()), Part::kLeft,
+      {{"no column", [](M& m) { m.width = 0; }, "width = 0", "1 to 16384"},
+       {"negative width", [](M& m) { m.width = -7; }, "width = -7", "1 to 16384"},
+       {"too wide", [](M& m) { m.width = 16385; }, "width = 16385", "1 to 16384"},
+       {"no row", [](M& m) { m.height = 0; }, "height = 0", "1 to 16384"},
+       {"too high", [](M& m) { m.height = 16385; }, "height = 16385", "1 to 16384"},
+       {"largest height", [](M& m) { m.height = INT32_MAX; }, "height", "1 to 16384"},
+       {"row cut short", [](M& m) { m.row_stride = 6; }, "row_stride = 6", "at least width"},
+       {"no stride", [](M& m) { m.row_stride = 0; }, "row_stride = 0", "at least width"},
+       {"negative stride", [](M& m) { m.row_stride = -7; }, "row_stride = -7", "at least width"},
+       {"long rows", [](M& m) { m.row_stride = 8; }, "size = 35", "row_stride × height = 40"},
+       {"longest rows", [](M& m) { m.row_stride = INT32_MAX; }, "size = 35", "row_stride × height"},
+       {"too few bytes",
+        [](M& m) {
+          m.data.pop_back();
+          m.size = 34;
+        },
+        "size = 34", "row_stride × height = 35"},
+       {"too many bytes",
+        [](M& m) {
+          m.data.push_back(0);
+          m.size = 36;
+        },
+        "size = 36", "row_stride × height = 35"},
+       {"three bytes a pixel", [](M& m) { m.pixel_format = m.PIXEL_FORMAT_BGR3; }, "row_stride = 7",
+        "at least width"},
+       {"no format", [](M& m) { m.pixel_format = 0; }, "pixel_format = 0", "GREY, RGB3, BGR3"},
+       {"unknown format", [](M& m) { m.pixel_format = 0x56595559; }, "pixel_format", "or MJPG"}});
+}
+
+TEST(TofBorder, RefusesSizesThatDoNotFit) {
+  using M = tof_image_t;
+  ExpectRefused<M>(ToMessage(examples::Id(), examples::Tof(true)), Part::kTof,
+                   {{"no column", [](M& m) { m.width = 0; }, "width = 0", "1 to 16384"},
+                    {"too wide", [](M& m) { m.width = 16385; }, "width = 16385", "1 to 16384"},
+                    {"negative sides whose product fits",
+                     [](M& m) {
+                       m.width = -3;
+                       m.height = -2;
+                     },
+                     "width = -3", "1 to 16384"},
+                    {"no row", [](M& m) { m.height = 0; }, "height = 0", "1 to 16384"},
+                    {"too high", [](M& m) { m.height = 16385; }, "height = 16385", "1 to 16384"},
+                    {"other size", [](M& m) { m.height = 3; }, "count = 6", "width × height = 9"},
+                    {"one value missing",
+                     [](M& m) {
+                       m.depth_m.pop_back();
+                       m.count = 5;
+                     },
+                     "count = 5", "width × height = 6"},
+                    {"one amplitude missing",
+                     [](M& m) {
+                       m.amplitude.pop_back();
+                       m.amplitude_count = 5;
+                     },
+                     "amplitude_count = 5", "0 or width × height = 6"}});
+}
+
+TEST(RigBorder, RefusesWhatNoProjectionCanWorkWith) {
+  using M = rig_t;
+  std::vector<Corruption<M>> table = {
+      {"no column", [](M& m) { m.width = 0; }, "width = 0", "1 to 16384"},
+      {"too wide", [](M& m) { m.width = 16385; }, "width = 16385", "1 to 16384"},
+      {"no row", [](M& m) { m.height = 0; }, "height = 0", "1 to 16384"},
+      {"too high", [](M& m) { m.height = 16385; }, "height = 16385", "1 to 16384"},
+      {"ToF no column", [](M& m) { m.tof_width = 0; }, "tof_width = 0", "1 to 16384"},
+      {"ToF too wide", [](M& m) { m.tof_width = 16385; }, "tof_width = 16385", "1 to 16384"},
+      {"ToF no row", [](M& m) { m.tof_height = -1; }, "tof_height = -1", "1 to 16384"},
+      {"ToF too high", [](M& m) { m.tof_height = 16385; }, "tof_height = 16385", "1 to 16384"},
+      {"no rotation", [](M& m) { std::fill_n(m.left_from_tof_rotation, 4, 0.0); },
+       "left_from_tof_rotation norm = 0", "unit quaternion"},
+      {"long rotation", [](M& m) { m.left_from_tof_rotation[0] = 0.6; }, "left_from_tof_rotation",
+       "unit quaternion"},
+      {"almost a rotation", [](M& m) { m.left_from_tof_rotation[2] += 1e-5; },
+       "left_from_tof_rotation", "unit quaternion"}};
+  const std::pair<const char*, double M::*> positive[] = {{"focal_px", &M::focal_px},
+                                                          {"baseline_m", &M::baseline_m},
+                                                          {"tof_fx", &M::tof_fx},
+                                                          {"tof_fy", &M::tof_fy}};
+  for (const auto& [name, field] : positive) {
+    for (const double value : {0.0, -1.0, kNan, kInf, -kInf}) {
+      table.push_back({name, [=](M& m) { m.*field = value; }, name, "a finite number > 0"});
+    }
+  }
+  const std::pair<const char*, double M::*> finite[] = {{"cx", &M::cx},
+                                                        {"cy", &M::cy},
+                                                        {"cx_right", &M::cx_right},
+                                                        {"tof_cx", &M::tof_cx},
+                                                        {"tof_cy", &M::tof_cy}};
+  for (const double value : {kNan, kInf, -kInf}) {
+    for (const auto& [name, field] : finite) {
+      table.push_back({name, [=](M& m) { m.*field = value; }, name, "a finite number"});
+    }
+    for (size_t i = 0; i < 5; ++i) {
+      table.push_back({"distortion", [=](M& m) { m.tof_distortion[i] = value; }, "tof_distortion",
+                       "a finite number"});
+    }
+    for (size_t i = 0; i < 4; ++i) {
+      table.push_back({"rotation", [=](M& m) { m.left_from_tof_rotation[i] = value; },
+                       "left_from_tof_rotation", "unit quaternion"});
+    }
+    for (size_t i = 0; i < 3; ++i) {
+      table.push_back({"translation", [=](M& m) { m.left_from_tof_translation_m[i] = value; },
+                       "left_from_tof_translation_m", "a finite number"});
+    }
+  }
+  ExpectRefused<M>(ToMessage(examples::Id(), examples::Rig()), Part::kRig, table);
+}
+
+TEST(SeedsBorder, RefusesPositionsAndCountsThatAreNone) {
+  using M = seeds_t;
+  const auto nan = static_cast<float>(kNan);
+  const auto inf = static_cast<float>(kInf);
+  ExpectRefused<M>(
+      ToMessage(examples::Id(), examples::Seeds()), Part::kSeeds,
+      {{"u not a number", [=](M& m) { m.u[1] = nan; }, "seed 1", "not finite or beyond ±16384"},
+       {"v infinite", [=](M& m) { m.v[2] = inf; }, "seed 2", "not finite or beyond ±16384"},
+       {"u_right infinite", [=](M& m) { m.u_right[0] = -inf; }, "seed 0", "beyond ±16384"},
+       {"u beyond any image", [](M& m) { m.u[0] = 16385; }, "seed 0", "beyond ±16384"},
+       {"v beyond any image", [](M& m) { m.v[0] = -16385; }, "seed 0", "beyond ±16384"},
+       {"raw", [](M& m) { m.raw_count = -1; }, "raw_count = -1", ">= 0"},
+       {"outside", [](M& m) { m.outside_count = -1; }, "outside_count = -1", ">= 0"},
+       {"dark", [](M& m) { m.dark_count = -1; }, "dark_count = -1", ">= 0"},
+       {"background", [](M& m) { m.background_count = INT32_MIN; }, "background_count", ">= 0"}});
+}
+
+TEST(StatusBorder, RefusesAnUnknownStateAndABadHeader) {
+  stage_status_t message = ToMessage(examples::Status());
+  message.state = 3;
+  EXPECT_THAT(DecodeStatus(examples::Encode(message)).error().text,
+              HasSubstr("state = 3: allowed is READY, RUNNING or STOPPED"));
+  message.state = -1;
+  EXPECT_THAT(DecodeStatus(examples::Encode(message)).error().text, HasSubstr("state = -1"));
+  message.state = 1;
+  message.header.seq = -2;
+  EXPECT_THAT(DecodeStatus(examples::Encode(message)).error().text, HasSubstr("header.seq = -2"));
+}
+
+}  // namespace
+}  // namespace sprout

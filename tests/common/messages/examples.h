@@ -1,0 +1,174 @@
+#ifndef SPROUT_TESTS_COMMON_MESSAGES_EXAMPLES_H_
+#define SPROUT_TESTS_COMMON_MESSAGES_EXAMPLES_H_
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "common/messages/codec.h"
+
+// One small valid value of each kind, and how to bend its bytes.
+namespace sprout::examples {
+
+inline FrameId Id() {
+  return {.utime = 1'700'000'000'123'456, .seq = 42, .rig_id = "0123456789abcdef"};
+}
+
+/// Bytes from the start of a message to the length of rig_id: fingerprint, utime, seq.
+inline constexpr size_t kRigIdLengthOffset = 24;
+
+inline cv::Mat GreyImage() {
+  cv::Mat1b image(5, 7);
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) image(v, u) = static_cast<uint8_t>(30 * v + u);
+  }
+  return image;
+}
+
+inline cv::Mat BgrImage() {
+  cv::Mat3b image(4, 6);
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
+      image(v, u) = {static_cast<uint8_t>(u), static_cast<uint8_t>(100 + v), 200};
+    }
+  }
+  return image;
+}
+
+inline TofImage Tof(bool amplitude) {
+  TofImage tof;
+  tof.depth_m = (cv::Mat1f(2, 3) << 1.5F, 2.25F, NAN, 0.0F, -1.0F, 7.0F);
+  if (amplitude) tof.amplitude = (cv::Mat1f(2, 3) << 10.0F, 20.0F, 0.0F, 1.0F, 2.0F, 3.5F);
+  return tof;
+}
+
+inline sprout::Rig Rig() {
+  sprout::Rig rig;
+  rig.pair = {.width = 640,
+              .height = 480,
+              .focal_px = 500,
+              .cx = 320.5,
+              .cy = 240.25,
+              .cx_right = 310.75,
+              .baseline_m = 0.125};
+  rig.tof = {.width = 176,
+             .height = 144,
+             .fx = 220,
+             .fy = 221,
+             .cx = 88,
+             .cy = 72,
+             .distortion = {-0.25, 0.125, 0.001, -0.002, 0.5},
+             .left_from_tof_rotation = Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5),
+             .left_from_tof_translation_m = {0.0625, -0.03125, 0.25}};
+  return rig;
+}
+
+inline SeedSet Seeds() {
+  return {.seeds = {{10.5F, 3, 4.25F}, {11, 4, 5}, {0, 0, 0}},
+          .raw = 10,
+          .outside = 1,
+          .dark = 2,
+          .background = 4};
+}
+
+inline DisparityImage Disparity() {
+  cv::Mat1s counts(3, 4);
+  counts << 0, 32767, -32767, DisparityImage::kInvalid,  //
+      1, -1, 320, 321,                                   //
+      DisparityImage::kInvalid, 32767, DisparityImage::kInvalid, 0;
+  return DisparityImage(counts);
+}
+
+inline StageStatus Status() {
+  StageStatus status;
+  status.newest_frame = Id();
+  status.stage = "refine";
+  status.host = "robot";
+  status.version = "0.1.0 (test)";
+  status.config_digest = "fedcba9876543210";
+  status.last_error = "frame 41: no seeds";
+  status.pid = 77;
+  status.state = StageStatus::State::kRunning;
+  status.frames_in = 1;
+  status.frames_out = 2;
+  status.frames_skipped = 3;
+  status.frames_incomplete = 4;
+  status.frames_degenerate = 5;
+  status.frames_failed = 6;
+  status.frames_resent = 7;
+  status.bad_messages = 8;
+  status.sequence_gaps = 9;
+  status.rate_hz = 10.5;
+  status.latency = {.p50_ms = 11, .p95_ms = 12, .p99_ms = 13, .max_ms = 14};
+  status.age = {.p50_ms = 15, .p95_ms = 16, .p99_ms = 17, .max_ms = 18};
+  status.rss_bytes = int64_t{19} << 32;
+  return status;
+}
+
+/// A JPEG stream in an image message.
+inline image_t Jpeg() {
+  const cv::Mat image(16, 24, CV_8UC3, cv::Scalar(20, 120, 220));
+  image_t message = ToMessage(Id(), image);
+  cv::imencode(".jpg", image, message.data, {cv::IMWRITE_JPEG_QUALITY, 95});
+  message.pixel_format = image_t::PIXEL_FORMAT_MJPG;
+  message.row_stride = 0;
+  message.size = static_cast<int32_t>(message.data.size());
+  return message;
+}
+
+template <typename Message>
+std::vector<uint8_t> Encode(const Message& message) {
+  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+  EXPECT_EQ(message.encode(bytes.data(), 0, static_cast<int>(bytes.size())),
+            static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+/// Writes a big-endian int32.
+inline std::vector<uint8_t> Patched(std::vector<uint8_t> bytes, size_t offset, int32_t value) {
+  for (size_t i = 0; i < 4; ++i) {
+    bytes.at(offset + i) = static_cast<uint8_t>(static_cast<uint32_t>(value) >> (24 - 8 * i));
+  }
+  return bytes;
+}
+
+/// A named valid message, and the error of decoding bytes as one (empty: none).
+struct Wire {
+  std::string name;
+  std::vector<uint8_t> bytes;
+  std::optional<Part> part;  ///< nothing: a status
+
+  std::string ErrorOf(std::span<const uint8_t> other) const {
+    if (!part) {
+      const Result<StageStatus> status = DecodeStatus(other);
+      return status ? "" : status.error().text;
+    }
+    const Result<DecodedPart> decoded = DecodePart(*part, other);
+    return decoded ? "" : decoded.error().text;
+  }
+};
+
+/// Every message type, with every encoding of those that have some.
+inline std::vector<Wire> AllWires() {
+  const auto wire = [](const char* name, Part part, const PartValue& value,
+                       DisparityEncoding encoding = DisparityEncoding::kRawInt16) {
+    return Wire{name, EncodePart(Id(), part, value, encoding), part};
+  };
+  return {wire("grey image", Part::kLeft, GreyImage()),
+          wire("BGR image", Part::kRight, BgrImage()),
+          Wire{"JPEG image", Encode(Jpeg()), Part::kLeft},
+          wire("tof", Part::kTof, Tof(false)),
+          wire("tof with amplitude", Part::kTof, Tof(true)),
+          wire("rig", Part::kRig, Rig()),
+          wire("seeds", Part::kSeeds, Seeds()),
+          wire("raw disparity", Part::kPrior, Disparity()),
+          wire("zstd disparity", Part::kDisparity, Disparity(), DisparityEncoding::kDeltaZstd),
+          Wire{"status", EncodeStatus(Status()), std::nullopt}};
+}
+
+}  // namespace sprout::examples
+
+#endif  // SPROUT_TESTS_COMMON_MESSAGES_EXAMPLES_H_

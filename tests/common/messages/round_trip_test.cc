@@ -1,0 +1,184 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/common/messages/examples.h"
+
+namespace sprout {
+namespace {
+
+constexpr DisparityEncoding kEncodings[] = {DisparityEncoding::kRawInt16,
+                                            DisparityEncoding::kDeltaZstd};
+
+// Sends a value over the wire.
+template <typename Value>
+Value RoundTrip(Part part, const Value& value,
+                DisparityEncoding encoding = DisparityEncoding::kRawInt16) {
+  const Result<DecodedPart> decoded =
+      DecodePart(part, EncodePart(examples::Id(), part, value, encoding));
+  if (!decoded) throw std::runtime_error(decoded.error().text);
+  EXPECT_EQ(decoded->id, examples::Id());
+  return std::get<Value>(decoded->value);
+}
+
+// Equal type, size and bytes (so that NaN equals NaN).
+void ExpectSamePixels(const cv::Mat& actual, const cv::Mat& expected) {
+  ASSERT_EQ(actual.type(), expected.type());
+  ASSERT_EQ(actual.size(), expected.size());
+  const size_t row_bytes = static_cast<size_t>(expected.cols) * expected.elemSize();
+  for (int v = 0; v < expected.rows; ++v) {
+    EXPECT_EQ(std::memcmp(actual.ptr(v), expected.ptr(v), row_bytes), 0) << "row " << v;
+  }
+}
+
+TEST(ImageMessage, CarriesGreyAndBgr) {
+  ExpectSamePixels(RoundTrip(Part::kLeft, examples::GreyImage()), examples::GreyImage());
+  ExpectSamePixels(RoundTrip(Part::kRight, examples::BgrImage()), examples::BgrImage());
+}
+
+TEST(ImageMessage, CarriesAViewIntoALargerImage) {
+  const cv::Mat view = examples::BgrImage()(cv::Rect(1, 1, 3, 2));
+  ASSERT_FALSE(view.isContinuous());
+  ExpectSamePixels(RoundTrip(Part::kLeft, view), view);
+}
+
+TEST(ImageMessage, ReordersRgbToBgr) {
+  image_t message = ToMessage(examples::Id(), cv::Mat(1, 2, CV_8UC3, cv::Scalar(10, 20, 30)));
+  message.pixel_format = image_t::PIXEL_FORMAT_RGB3;
+  const Result<cv::Mat> image = FromMessage(message);
+  ASSERT_TRUE(image) << image.error().text;
+  EXPECT_EQ(image->at<cv::Vec3b>(0, 1), cv::Vec3b(30, 20, 10));
+}
+
+TEST(ImageMessage, SkipsThePaddingBehindEachRow) {
+  image_t message = ToMessage(examples::Id(), cv::Mat(2, 3, CV_8UC1, cv::Scalar(0)));
+  message.row_stride = 5;
+  message.data = {1, 2, 3, 99, 99, 4, 5, 6, 99, 99};
+  message.size = 10;
+  const Result<cv::Mat> image = FromMessage(message);
+  ASSERT_TRUE(image) << image.error().text;
+  ExpectSamePixels(*image, (cv::Mat1b(2, 3) << 1, 2, 3, 4, 5, 6));
+}
+
+TEST(ImageMessage, DoesNotShareMemoryWithTheMessage) {
+  image_t message = ToMessage(examples::Id(), examples::GreyImage());
+  const Result<cv::Mat> image = FromMessage(message);
+  std::fill(message.data.begin(), message.data.end(), uint8_t{0});
+  ExpectSamePixels(*image, examples::GreyImage());
+}
+
+TEST(TofMessage, CarriesDepthWithNanAndNoAmplitude) {
+  const TofImage tof = RoundTrip(Part::kTof, examples::Tof(false));
+  ExpectSamePixels(tof.depth_m, examples::Tof(false).depth_m);
+  EXPECT_TRUE(tof.amplitude.empty());
+  EXPECT_TRUE(std::isnan(tof.depth_m(0, 2)));
+}
+
+TEST(TofMessage, CarriesAmplitude) {
+  const TofImage tof = RoundTrip(Part::kTof, examples::Tof(true));
+  ExpectSamePixels(tof.depth_m, examples::Tof(true).depth_m);
+  ExpectSamePixels(tof.amplitude, examples::Tof(true).amplitude);
+}
+
+TEST(TofMessage, CarriesAViewIntoALargerImage) {
+  cv::Mat1f whole(4, 5, 3.0F);
+  whole(2, 2) = 1.0F;
+  const TofImage view{.depth_m = whole(cv::Rect(1, 1, 3, 2)), .amplitude = {}};
+  ExpectSamePixels(RoundTrip(Part::kTof, view).depth_m, view.depth_m);
+}
+
+TEST(RigMessage, CarriesEveryNumber) {
+  // RigId() covers every number (see its own test).
+  EXPECT_EQ(RigId(RoundTrip(Part::kRig, examples::Rig())), RigId(examples::Rig()));
+}
+
+TEST(RigMessage, HasTheRotationInTheOrderItsTypeSays) {
+  const rig_t message = ToMessage(examples::Id(), examples::Rig());
+  EXPECT_EQ(std::vector<double>(message.left_from_tof_rotation, message.left_from_tof_rotation + 4),
+            (std::vector<double>{0.5, -0.5, 0.5, 0.5}));  // w first
+}
+
+TEST(SeedsMessage, CarriesSeedsAndCounts) {
+  EXPECT_EQ(RoundTrip(Part::kSeeds, examples::Seeds()), examples::Seeds());
+}
+
+TEST(SeedsMessage, CarriesNoSeedAtAll) { EXPECT_EQ(RoundTrip(Part::kSeeds, SeedSet{}), SeedSet{}); }
+
+TEST(DisparityMessage, CarriesExtremeCountsInEveryEncoding) {
+  for (const DisparityEncoding encoding : kEncodings) {
+    ExpectSamePixels(RoundTrip(Part::kPrior, examples::Disparity(), encoding).counts(),
+                     examples::Disparity().counts());
+  }
+}
+
+TEST(DisparityMessage, CarriesAViewIntoALargerMapInEveryEncoding) {
+  cv::Mat1s whole(20, 30);
+  std::mt19937 random(4);
+  for (int16_t& count : whole) count = static_cast<int16_t>(random());
+  const DisparityImage view(cv::Mat1s(whole(cv::Rect(3, 2, 11, 13))));
+  ASSERT_FALSE(view.counts().isContinuous());
+  for (const DisparityEncoding encoding : kEncodings) {
+    ExpectSamePixels(RoundTrip(Part::kDisparity, view, encoding).counts(), view.counts());
+  }
+}
+
+TEST(DisparityMessage, CarriesMapsOfManySizesInEveryEncoding) {
+  std::mt19937 random(5);
+  for (const cv::Size size :
+       {cv::Size(1, 1), cv::Size(1, 50), cv::Size(50, 1), cv::Size(333, 77)}) {
+    DisparityImage disparity(size);
+    for (int16_t& count : disparity.counts()) count = static_cast<int16_t>(random());
+    for (const DisparityEncoding encoding : kEncodings) {
+      ExpectSamePixels(RoundTrip(Part::kUnfilled, disparity, encoding).counts(),
+                       disparity.counts());
+    }
+  }
+}
+
+TEST(DisparityMessage, CarriesALargeEmptyMapInAFewBytes) {
+  const DisparityImage empty(cv::Size(2000, 1500));  // compresses as far as the format can
+  const auto bytes = EncodePart(examples::Id(), Part::kPrior, empty, DisparityEncoding::kDeltaZstd);
+  EXPECT_LT(bytes.size(), 10000U);
+  ExpectSamePixels(RoundTrip(Part::kPrior, empty, DisparityEncoding::kDeltaZstd).counts(),
+                   empty.counts());
+}
+
+TEST(DisparityMessage, IsLittleEndianOnTheWire) {
+  const disparity_image_t message =
+      ToMessage(examples::Id(), DisparityImage(cv::Mat1s(1, 1, int16_t{0x0102})),
+                DisparityEncoding::kRawInt16);
+  EXPECT_EQ(message.data, (std::vector<uint8_t>{0x02, 0x01}));
+}
+
+TEST(StatusMessage, CarriesEveryField) {
+  const StageStatus sent = examples::Status();
+  const Result<StageStatus> status = DecodeStatus(EncodeStatus(sent));
+  ASSERT_TRUE(status) << status.error().text;
+  EXPECT_EQ(status->newest_frame, sent.newest_frame);
+  EXPECT_EQ(status->stage, "refine");
+  EXPECT_EQ(status->host, "robot");
+  EXPECT_EQ(status->version, "0.1.0 (test)");
+  EXPECT_EQ(status->config_digest, "fedcba9876543210");
+  EXPECT_EQ(status->last_error, "frame 41: no seeds");
+  EXPECT_EQ(status->pid, 77);
+  EXPECT_EQ(status->state, StageStatus::State::kRunning);
+  EXPECT_EQ((std::vector<int64_t>{status->frames_in, status->frames_out, status->frames_skipped,
+                                  status->frames_incomplete, status->frames_degenerate,
+                                  status->frames_failed, status->frames_resent,
+                                  status->bad_messages, status->sequence_gaps}),
+            (std::vector<int64_t>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
+  EXPECT_EQ((std::vector<double>{status->rate_hz, status->latency.p50_ms, status->latency.p95_ms,
+                                 status->latency.p99_ms, status->latency.max_ms, status->age.p50_ms,
+                                 status->age.p95_ms, status->age.p99_ms, status->age.max_ms}),
+            (std::vector<double>{10.5, 11, 12, 13, 14, 15, 16, 17, 18}));
+  EXPECT_EQ(status->rss_bytes, int64_t{19} << 32);
+}
+
+TEST(StatusMessage, MayNameNoFrameYet) {
+  const Result<StageStatus> status = DecodeStatus(EncodeStatus(StageStatus{}));
+  ASSERT_TRUE(status) << status.error().text;
+  EXPECT_EQ(status->newest_frame, FrameId{});
+}
+
+}  // namespace
+}  // namespace sprout
