@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <array>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
 
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
+#include "common/picture/cloud_view.h"
 #include "common/picture/color_map.h"
 #include "common/picture/picture.h"
 #include "common/picture/write_image.h"
@@ -23,6 +26,25 @@ std::vector<Seed> RawSeeds(const Frame& frame) {
   return seeds;
 }
 
+// Four pictures in two rows, all as high as the first; wide ones keep their shape.
+cv::Mat3b Overview(const std::array<cv::Mat3b, 4>& pictures) {
+  const int height = pictures[0].rows;
+  std::array<cv::Mat3b, 4> scaled;
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    const double scale = static_cast<double>(height) / pictures[i].rows;
+    cv::resize(pictures[i], scaled[i], {cvRound(pictures[i].cols * scale), height}, 0, 0,
+               cv::INTER_AREA);
+  }
+  const int left_width = std::max(scaled[0].cols, scaled[2].cols);
+  const int right_width = std::max(scaled[1].cols, scaled[3].cols);
+  cv::Mat3b overview(2 * height, left_width + right_width, cv::Vec3b(255, 255, 255));
+  for (size_t i = 0; i < scaled.size(); ++i) {
+    const cv::Point corner(i % 2 == 0 ? 0 : left_width, i < 2 ? 0 : height);
+    scaled[i].copyTo(overview(cv::Rect(corner, scaled[i].size())));
+  }
+  return overview;
+}
+
 std::string Counted(const std::string& what, size_t count) {
   return what + " (" + std::to_string(count) + ")";
 }
@@ -37,16 +59,24 @@ Result<void> WriteFrameFiles(const Frame& frame, const std::filesystem::path& fo
   const std::array maps = {*frame.prior, *frame.disparity};
   const ValueRange range_px = DisparityRange(maps, seeds);
 
+  const RectifiedPair& pair = frame.rig->pair;
+  const cv::Mat3b left = CameraPicture(frame.left, "Left image");
+  const cv::Mat3b tof =
+      DepthPicture(*frame.tof, frame.left.size(), DepthRange(*frame.tof), "ToF depth");
+  const cv::Mat3b filled = DisparityPicture(*frame.disparity, range_px, "Disparity, gaps filled");
+  const cv::Mat3b cloud =
+      CameraPicture(CloudView(pair, *frame.disparity, frame.left), "Point cloud from the side");
   const std::vector<std::pair<const char*, cv::Mat3b>> pictures = {
-      {"left.png", CameraPicture(frame.left, "Left image")},
-      {"tof.png", DepthPicture(*frame.tof, frame.left.size(), DepthRange(*frame.tof), "ToF depth")},
+      {"left.png", left},
+      {"tof.png", tof},
       {"seeds_raw.png",
        SeedPicture(grey, raw_seeds, range_px, Counted("ToF points", raw_seeds.size()))},
       {"seeds.png", SeedPicture(grey, seeds, range_px, Counted("Refined seeds", seeds.size()))},
       {"prior.png", DisparityPicture(*frame.prior, range_px, "Prior disparity")},
       {"disparity.png", DisparityPicture(*frame.unfilled, range_px, "Disparity as grown")},
-      {"disparity_filled.png",
-       DisparityPicture(*frame.disparity, range_px, "Disparity, gaps filled")},
+      {"disparity_filled.png", filled},
+      {"cloud.png", cloud},
+      {"overview.png", Overview({left, tof, filled, cloud})},
   };
   for (const auto& [name, picture] : pictures) {
     if (auto written = WritePng(folder / name, picture); !written) return written;
@@ -54,7 +84,6 @@ Result<void> WriteFrameFiles(const Frame& frame, const std::filesystem::path& fo
   if (auto written = WritePfm(folder / "disparity.pfm", *frame.disparity); !written) {
     return written;
   }
-  const RectifiedPair& pair = frame.rig->pair;
   if (auto written = WriteCloudPly(folder / "cloud.ply", pair, *frame.disparity, frame.left);
       !written) {
     return written;
