@@ -88,7 +88,7 @@ TEST(SyntheticSource, KeepsItsDisparitiesWithinTheirRange) {
 }
 
 TEST(SyntheticSource, HasTwoPrincipalPoints) {
-  const RectifiedPair& pair = Open("640x480")->rig().pair;
+  const RectifiedPair pair = Open("640x480")->rig().pair;
   EXPECT_GT(std::abs(pair.cx_right - pair.cx), 1);
 }
 
