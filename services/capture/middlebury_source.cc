@@ -94,7 +94,7 @@ cv::Mat1f ReadPfmDisparity(const fs::path& path) {
   return disparity;
 }
 
-void RequireTruth(const fs::path& path, const cv::Mat1f& disparity, cv::Size expected) {
+void RequireLeftTruth(const fs::path& path, const cv::Mat1f& disparity, cv::Size expected) {
   RequireSize(path, disparity.size(), expected);
   if (std::any_of(disparity.begin(), disparity.end(), [](float d) { return !std::isnan(d); })) {
     return;
@@ -131,10 +131,10 @@ Scene Read2005(const fs::path& folder, const CaptureConfig& config) {
 
   const fs::path left = RequireImage(folder, "disp1");
   scene.truth.left = ReadCodes(left, scale);
-  RequireTruth(left, scene.truth.left, size);
+  RequireLeftTruth(left, scene.truth.left, size);
   if (const std::optional<fs::path> right = FindImage(folder, "disp5")) {
     scene.truth.right = ReadCodes(*right, scale);
-    RequireTruth(*right, scene.truth.right, size);
+    RequireSize(*right, scene.truth.right.size(), size);
   }
   return scene;
 }
@@ -149,10 +149,10 @@ Scene Read2014(const fs::path& folder) {
     throw ConfigError("scene " + folder.string() + ": disp0 is missing; allowed: disp0.pfm");
   }
   scene.truth.left = ReadPfmDisparity(left);
-  RequireTruth(left, scene.truth.left, size);
+  RequireLeftTruth(left, scene.truth.left, size);
   if (const fs::path right = folder / "disp1.pfm"; IsFile(right)) {
     scene.truth.right = ReadPfmDisparity(right);
-    RequireTruth(right, scene.truth.right, size);
+    RequireSize(right, scene.truth.right.size(), size);
   }
   return scene;
 }

@@ -20,7 +20,7 @@ double SmoothStep(double t) { return t * t * (3 - 2 * t); }
 
 double Mix(double a, double b, double t) { return a + t * (b - a); }
 
-// Value of a lattice point, 0 to 1. Half of Scramble(): it runs 48 times a pixel, and no eye sees
+// Value of a lattice point, 0 to 1. Half of Scramble(): it runs 24 times a ray, and no eye sees
 // the difference.
 double UnitValue(uint64_t lattice) {
   lattice = (lattice ^ (lattice >> 32)) * kStepX;

@@ -1,0 +1,70 @@
+#include <gmock/gmock.h>
+
+#include "tests/services/capture/scene_folder.h"
+
+namespace sprout {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+CaptureConfig WithSource(const std::string& source) {
+  CaptureConfig config;
+  config.set_source(source);
+  return config;
+}
+
+TEST(OpenFrameSource, OpensTheDefaultConfiguration) {
+  const auto source = OpenFrameSource(CaptureConfig());
+  EXPECT_EQ(source->rig().pair.size(), cv::Size(640, 480));
+}
+
+TEST(OpenFrameSource, NamesTheSourcesThatExist) {
+  for (const std::string text : {"", "webcam:0", "synthetic640x480", ":"}) {
+    EXPECT_THAT(OpenError(WithSource(text)),
+                AllOf(HasSubstr("capture.source = " + text + ": "), HasSubstr("middlebury:DIR"),
+                      HasSubstr("synthetic:WxH")));
+  }
+}
+
+TEST(OpenFrameSource, RefusesAFolderThatDoesNotExist) {
+  for (const std::string text : {"middlebury", "middlebury:", "middlebury:/no/such/folder"}) {
+    EXPECT_THAT(OpenError(WithSource(text)),
+                AllOf(HasSubstr("capture.source = middlebury:"), HasSubstr("no such folder"),
+                      HasSubstr("allowed: ")));
+  }
+}
+
+TEST(OpenFrameSource, RefusesATextThatIsNoSize) {
+  for (const std::string size : {"", "640", "x", "640x", "x480", "640x480x3", "640 x480", "6e2x480",
+                                 "+640x480", "99999999999x480"}) {
+    EXPECT_THAT(OpenError(WithSource("synthetic:" + size)),
+                AllOf(HasSubstr("capture.source = synthetic:" + size + ": "), HasSubstr("size"),
+                      HasSubstr("allowed: synthetic:WxH with 16 to 16384 px")));
+  }
+}
+
+TEST(OpenFrameSource, RefusesASizeOutOfRange) {
+  for (const std::string size : {"15x480", "640x15", "16385x480", "640x16385", "-640x480", "0x0"}) {
+    EXPECT_THAT(OpenError(WithSource("synthetic:" + size)),
+                AllOf(HasSubstr("size out of range"), HasSubstr("16 to 16384 px a side")));
+  }
+}
+
+TEST(OpenFrameSource, ChecksTheRangesOfTheConfiguration) {
+  CaptureConfig config = WithSource("synthetic:64x48");
+  config.set_tof_grid_px(0);
+  EXPECT_THAT(OpenError(config), HasSubstr("capture.tof_grid_px = 0"));
+}
+
+TEST(OpenFrameSource, NamesTheRangeWhenTheTofGridIsWiderThanTheImage) {
+  CaptureConfig config = WithSource("synthetic:64x48");
+  config.set_tof_grid_px(49);
+  EXPECT_THAT(OpenError(config), AllOf(HasSubstr("capture.tof_grid_px = 49"), HasSubstr("64x48"),
+                                       HasSubstr("allowed: 1 to 48")));
+  config.set_tof_grid_px(48);
+  EXPECT_EQ(OpenFrameSource(config)->rig().tof.width, 1);
+}
+
+}  // namespace
+}  // namespace sprout
