@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -21,7 +22,8 @@ class Receiver {
   /// valid during the call. Must be quick and must not throw.
   using Handler = std::function<void(std::string_view channel, std::span<const uint8_t> bytes)>;
 
-  /// Subscribes and starts to receive before it returns.
+  /// Subscribes and starts to receive before it returns. When a tcpq server hangs up later, calls
+  /// on it again every second; what was sent in between is lost.
   /// @throws BusError, see OpenLcm().
   Receiver(const std::string& url, const std::string& prefix,
            const std::vector<std::string_view>& channels, Handler handler);
@@ -33,6 +35,8 @@ class Receiver {
   Receiver& operator=(const Receiver&) = delete;
 
  private:
+  void Receive(const std::stop_token& stop);
+  void Reconnect();
   static void OnMessage(const lcm_recv_buf_t* buffer, const char* channel, void* self);
 
   size_t prefix_length_;
