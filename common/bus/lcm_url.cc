@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <string_view>
 
 namespace sprout {
 namespace {
@@ -24,10 +25,8 @@ struct Group {
 // Multicast group of a udpm URL (either half may be missing); nothing for other kinds of URL.
 std::optional<Group> MulticastGroup(const std::string& url) {
   if (!url.starts_with(kUdpmScheme)) return std::nullopt;
-  const std::string network = url.substr(std::string(kUdpmScheme).size(),
-                                         url.find('?') == std::string::npos
-                                             ? std::string::npos
-                                             : url.find('?') - std::string(kUdpmScheme).size());
+  const size_t start = std::string_view(kUdpmScheme).size();
+  const std::string network = url.substr(start, url.find('?') - start);
   Group group;
   const size_t colon = network.find(':');
   if (!network.substr(0, colon).empty()) group.address = network.substr(0, colon);
