@@ -25,6 +25,8 @@ class SignalWatcher {
     sigaddset(&signals_, SIGINT);
     sigaddset(&signals_, SIGTERM);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+    // A tcpq server that hangs up shows as a failed publish, not as the end of the process.
+    std::signal(SIGPIPE, SIG_IGN);
     thread_ = std::jthread([this](const std::stop_token& stop) { Watch(stop); });
   }
 
