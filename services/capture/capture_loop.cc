@@ -39,8 +39,8 @@ class Capture {
         reporter_(context, monitor_) {}
 
   int Run() {
-    PublishRigWhenDue();
     if (!WaitForStages()) return stop_.stop_requested() ? 0 : 1;
+    PublishRig();
     const auto started = Clock::now();
     const std::optional<int64_t> count = FrameCount();
     for (int64_t seq = 0; !stop_.stop_requested() && (!count || seq < *count); ++seq) {
