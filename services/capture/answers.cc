@@ -6,10 +6,18 @@
 #include "common/messages/codec.h"
 
 namespace sprout {
+namespace {
 
-Answers::Answers(const ServiceContext& context, StageMonitor& monitor)
+std::vector<std::string_view> Channels(bool disparities) {
+  if (disparities) return {kStatusChannel, ChannelOf(Part::kDisparity)};
+  return {kStatusChannel};
+}
+
+}  // namespace
+
+Answers::Answers(const ServiceContext& context, StageMonitor& monitor, bool disparities)
     : monitor_(monitor),
-      receiver_(context.lcm_url, context.prefix, {kStatusChannel, ChannelOf(Part::kDisparity)},
+      receiver_(context.lcm_url, context.prefix, Channels(disparities),
                 [this](std::string_view channel, std::span<const uint8_t> bytes) {
                   OnMessage(channel, bytes);
                 }) {}
@@ -25,7 +33,7 @@ void Answers::OnMessage(std::string_view channel, std::span<const uint8_t> bytes
       const Result<DecodedPart> part = DecodePart(Part::kDisparity, bytes);
       if (!part) return monitor_.BadMessage(channel, part.error().text);
       const std::lock_guard lock(mutex_);
-      answered_.insert(part->id.seq);
+      missing_.erase(part->id.seq);
     }
   } catch (const std::exception& e) {  // out of memory: must not cross LCM's C frames
     monitor_.BadMessage(channel, e.what());
@@ -46,19 +54,19 @@ std::vector<std::string> Answers::WaitForStages(const std::vector<std::string>& 
   return missing;
 }
 
-int64_t Answers::WaitForAny(const std::vector<int64_t>& seqs, Deadline deadline,
-                            const std::stop_token& stop) {
-  int64_t found = -1;
+void Answers::Expect(int64_t seq) {
+  const std::lock_guard lock(mutex_);
+  missing_.insert(seq);
+}
+
+bool Answers::IsAnswered(int64_t seq) {
+  const std::lock_guard lock(mutex_);
+  return !missing_.contains(seq);
+}
+
+void Answers::WaitForRoom(size_t count, Deadline deadline, const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, stop, deadline, [&] {
-    const auto answered = std::find_if(seqs.begin(), seqs.end(),
-                                       [&](int64_t seq) { return answered_.contains(seq); });
-    if (answered == seqs.end()) return false;
-    found = *answered;
-    return true;
-  });
-  answered_.erase(found);
-  return found;
+  changed_.wait_until(lock, stop, deadline, [&] { return missing_.size() <= count; });
 }
 
 }  // namespace sprout

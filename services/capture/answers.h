@@ -23,19 +23,23 @@ class Answers {
  public:
   using Deadline = StageMonitor::Clock::time_point;
 
-  /// Listens to SPROUT_STATUS and SPROUT_DISPARITY.
+  /// Listens to SPROUT_STATUS and, with `disparities`, to SPROUT_DISPARITY.
   /// @throws BusError, see OpenLcm().
-  Answers(const ServiceContext& context, StageMonitor& monitor);
+  Answers(const ServiceContext& context, StageMonitor& monitor, bool disparities);
 
   /// Waits until every named stage has reported.
   /// @returns the stages that have not: none, unless the deadline passed or a stop was requested.
   std::vector<std::string> WaitForStages(const std::vector<std::string>& stages, Deadline deadline,
                                          const std::stop_token& stop);
 
-  /// Waits until one of the frames is answered.
-  /// @returns its number; −1 when the deadline passed or a stop was requested.
-  int64_t WaitForAny(const std::vector<int64_t>& seqs, Deadline deadline,
-                     const std::stop_token& stop);
+  /// A frame is about to be sent; its answer will be waited for.
+  void Expect(int64_t seq);
+
+  bool IsAnswered(int64_t seq);
+
+  /// Waits until at most `count` of the expected answers are missing, the deadline passes or a stop
+  /// is requested.
+  void WaitForRoom(size_t count, Deadline deadline, const std::stop_token& stop);
 
  private:
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
@@ -44,8 +48,8 @@ class Answers {
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::set<std::string> stages_;
-  std::set<int64_t> answered_;  // until WaitForAny() takes them
-  Receiver receiver_;           // last: stops before the rest is destroyed
+  std::set<int64_t> missing_;  // expected and not answered
+  Receiver receiver_;          // last: stops before the rest is destroyed
 };
 
 }  // namespace sprout

@@ -35,7 +35,7 @@ class Capture {
         rig_id_(RigId(source.rig())),
         monitor_(context.stage, Digest(ConfigText(context.config))),
         publisher_(context.lcm_url, context.prefix),
-        answers_(context, monitor_),
+        answers_(context, monitor_, options.lockstep.has_value()),
         reporter_(context, monitor_) {}
 
   int Run() {
@@ -45,7 +45,7 @@ class Capture {
     const std::optional<int64_t> count = FrameCount();
     for (int64_t seq = 0; !stop_.stop_requested() && (!count || seq < *count); ++seq) {
       WaitUntil(DueTime(started, seq));
-      WaitForRoom(options_.lockstep ? *options_.lockstep - 1 : 0);
+      if (options_.lockstep) WaitForRoom(static_cast<size_t>(*options_.lockstep) - 1);
       if (!stop_.stop_requested()) SendNew(seq);
     }
     WaitForRoom(0);
@@ -101,15 +101,12 @@ class Capture {
     }
   }
 
-  // Waits until at most `most` frames are without an answer; sends those again that wait too long.
-  void WaitForRoom(int most) {
-    if (!options_.lockstep) return;
-    while (!stop_.stop_requested() && static_cast<int>(in_flight_.size()) > most) {
-      std::vector<int64_t> seqs;
-      for (const InFlight& frame : in_flight_) seqs.push_back(frame.id.seq);
-      const int64_t answered =
-          answers_.WaitForAny(seqs, Clock::now() + std::chrono::milliseconds(200), stop_);
-      std::erase_if(in_flight_, [&](const InFlight& frame) { return frame.id.seq == answered; });
+  // Waits until at most `count` frames are without an answer; sends those again that wait too long.
+  void WaitForRoom(size_t count) {
+    while (!stop_.stop_requested() && in_flight_.size() > count) {
+      answers_.WaitForRoom(count, Clock::now() + std::chrono::milliseconds(200), stop_);
+      std::erase_if(in_flight_,
+                    [&](const InFlight& frame) { return answers_.IsAnswered(frame.id.seq); });
       PublishRigWhenDue();
       SendOverdueAgain();
     }
@@ -134,9 +131,12 @@ class Capture {
     newest_ = {std::max(NowUtime(), newest_.utime + 1), seq, rig_id_};
     monitor_.FrameIn(/*skipped=*/false);
     PublishRigWhenDue();
+    if (options_.lockstep) {
+      answers_.Expect(seq);
+      in_flight_.push_back({newest_, index, Clock::now()});
+    }
     Send(newest_, frame);
     monitor_.FrameOut(newest_, arrived, /*degenerate=*/"");
-    if (options_.lockstep) in_flight_.push_back({newest_, index, Clock::now()});
   }
 
   void Send(const FrameId& id, const CapturedFrame& frame) {
