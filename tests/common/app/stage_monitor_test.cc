@@ -104,6 +104,14 @@ TEST_F(StageMonitorTest, SummarisesLatencyByNearestRank) {
   EXPECT_NEAR(latency.max_ms, 100'000, 900);
 }
 
+TEST_F(StageMonitorTest, TakesTheNextHigherRankWhenThereIsNone) {
+  for (int i = 1; i <= 10; ++i) monitor_.FrameOut(IdOf(i), Ago(milliseconds(1000 * i)), "");
+  const TimeSummary latency = monitor_.Snapshot().latency;
+  EXPECT_NEAR(latency.p50_ms, 5'000, 900);
+  EXPECT_NEAR(latency.p95_ms, 10'000, 900) << "rank 9.5";
+  EXPECT_NEAR(latency.p99_ms, 10'000, 900);
+}
+
 TEST_F(StageMonitorTest, SummarisesASingleFrame) {
   monitor_.FrameOut(IdOf(1), Ago(milliseconds(5000)), "");
   const StageStatus status = monitor_.Snapshot();

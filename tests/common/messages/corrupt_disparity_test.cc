@@ -120,7 +120,11 @@ TEST(DisparityBorder, TakesNoMemoryForAHugeMapWithTinyData) {
   std::vector<uint8_t> data = {0x28, 0xb5, 0x2f, 0xfd, 0xa0};
   for (int shift = 0; shift < 32; shift += 8)
     data.push_back(static_cast<uint8_t>(declared >> shift));
-  data.resize(40);
+  // One last block: 2^17 times the byte 7.
+  const uint32_t block = 1U | 1U << 1 | (1U << 17) << 3;
+  for (int shift = 0; shift < 24; shift += 8) data.push_back(static_cast<uint8_t>(block >> shift));
+  data.push_back(7);
+  ASSERT_EQ(ZSTD_findFrameCompressedSize(data.data(), data.size()), data.size());
   ASSERT_EQ(ZSTD_getFrameContentSize(data.data(), data.size()), declared);
   SetData(message, data);
   const std::vector<uint8_t> bytes = examples::Encode(message);
