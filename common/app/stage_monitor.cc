@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <utility>
 #include <vector>
 
 #include "common/app/service.h"
@@ -47,12 +48,26 @@ TimeSummary Summarise(std::vector<double> times_ms) {
       .p50_ms = rank(0.50), .p95_ms = rank(0.95), .p99_ms = rank(0.99), .max_ms = times_ms.back()};
 }
 
+std::string MoreText(int64_t held_back) {
+  return held_back == 0 ? "" : " (" + std::to_string(held_back) + " more since the last such line)";
+}
+
 }  // namespace
 
 int64_t NowUtime() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
+}
+
+std::optional<int64_t> LogLimiter::Pass() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_) {
+    ++held_back_;
+    return std::nullopt;
+  }
+  next_ = now + std::chrono::seconds(1);
+  return std::exchange(held_back_, 0);
 }
 
 StageMonitor::StageMonitor(const std::string& stage, const std::string& config_digest) {
@@ -76,7 +91,6 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
                       .latency_ms = Milliseconds(now - arrived),
                       .age_ms = static_cast<double>(NowUtime() - id.utime) / 1000};
   spdlog::debug("frame {}: {:.1f} ms, age {:.1f} ms", id.seq, sample.latency_ms, sample.age_ms);
-  if (!degenerate.empty()) spdlog::warn("frame {}: {}", id.seq, degenerate);
   const std::lock_guard lock(mutex_);
   ++status_.frames_out;
   status_.newest_frame = id;
@@ -84,16 +98,21 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
   if (!degenerate.empty()) {
     ++status_.frames_degenerate;
     status_.last_error = "frame " + std::to_string(id.seq) + ": " + degenerate;
+    if (const auto held_back = degenerate_log_.Pass()) {
+      spdlog::warn("{}{}", status_.last_error, MoreText(*held_back));
+    }
   }
   samples_.push_back(sample);
   if (samples_.size() > kMaxSamples) samples_.pop_front();
 }
 
 void StageMonitor::FrameFailed(const FrameId& id, const std::string& reason) {
-  spdlog::error("frame {}: failed: {}", id.seq, reason);
   const std::lock_guard lock(mutex_);
   ++status_.frames_failed;
   status_.last_error = "frame " + std::to_string(id.seq) + ": failed: " + reason;
+  if (const auto held_back = failed_log_.Pass()) {
+    spdlog::error("{}{}", status_.last_error, MoreText(*held_back));
+  }
 }
 
 void StageMonitor::FrameResent(const FrameId& id) {
@@ -106,15 +125,9 @@ void StageMonitor::BadMessage(std::string_view channel, const std::string& reaso
   const std::lock_guard lock(mutex_);
   ++status_.bad_messages;
   status_.last_error = std::string(channel) + ": " + reason;
-  const auto now = Clock::now();
-  if (now < next_bad_message_log_) {
-    ++bad_messages_not_logged_;
-    return;
+  if (const auto held_back = bad_message_log_.Pass()) {
+    spdlog::warn("{}: message dropped: {}{}", channel, reason, MoreText(*held_back));
   }
-  spdlog::warn("{}: message dropped: {} ({} more since the last such line)", channel, reason,
-               bad_messages_not_logged_);
-  next_bad_message_log_ = now + std::chrono::seconds(1);
-  bad_messages_not_logged_ = 0;
 }
 
 void StageMonitor::Failure(const std::string& reason) {

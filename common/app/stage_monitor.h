@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "common/core/frame_id.h"
@@ -15,8 +16,19 @@ namespace sprout {
 /// Time since 1970-01-01 UTC, µs: the clock of header.utime.
 int64_t NowUtime();
 
-/// Counts what happens in one process, for its status. Nothing is lost without a count here.
-/// Thread-safe.
+/// Lets one log line a second through and counts the others. For one thread at a time.
+class LogLimiter {
+ public:
+  /// @returns how many lines were held back since the last one; nothing when this one is, too.
+  std::optional<int64_t> Pass();
+
+ private:
+  std::chrono::steady_clock::time_point next_{};
+  int64_t held_back_ = 0;
+};
+
+/// Counts what happens in one process, for its status, and logs what goes wrong, each kind at most
+/// once a second. Nothing is lost without a count here. Thread-safe.
 class StageMonitor {
  public:
   using Clock = std::chrono::steady_clock;
@@ -37,7 +49,7 @@ class StageMonitor {
   /// Capture sent a frame again.
   void FrameResent(const FrameId& id);
 
-  /// A message did not pass the border. Logged at most once a second.
+  /// A message did not pass the border.
   void BadMessage(std::string_view channel, const std::string& reason);
 
   /// Something else went wrong.
@@ -61,8 +73,9 @@ class StageMonitor {
   mutable std::mutex mutex_;
   StageStatus status_;          // without rate and times, which Snapshot() adds
   std::deque<Sample> samples_;  // of the newest frames
-  Clock::time_point next_bad_message_log_{};
-  int64_t bad_messages_not_logged_ = 0;
+  LogLimiter bad_message_log_;
+  LogLimiter degenerate_log_;
+  LogLimiter failed_log_;
 };
 
 }  // namespace sprout

@@ -20,7 +20,9 @@ class FrameJoiner {
  public:
   /// @param needed       parts that make a frame complete; at least one that is not kRig.
   /// @param max_pending  unfinished frames kept at most; the oldest is dropped and counted.
-  explicit FrameJoiner(PartSet needed, size_t max_pending = 8);
+  ///                     Must exceed the frames that enter while one passes the stages before this
+  ///                     one; a whole frame of 2 MP in colour takes 8 MB.
+  explicit FrameJoiner(PartSet needed, size_t max_pending = 16);
 
   /// Adds one part; a part that was there already is replaced.
   /// @returns the frames that are complete now, oldest first: none or one, and more only when a

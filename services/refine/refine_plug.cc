@@ -4,17 +4,29 @@
 
 namespace sprout {
 
-const TofProjector& RefinePlug::ProjectorOf(const Frame& frame) {
-  if (!projector_ || projector_rig_id_ != frame.id.rig_id) {
-    projector_.emplace(*frame.rig);
-    projector_rig_id_ = frame.id.rig_id;
+// Rays are computed once a calibration.
+const TofProjector& RefinePlug::ProjectorOf(const Rig& rig) {
+  const std::string rig_id = RigId(rig);
+  if (!projector_ || projector_rig_id_ != rig_id) {
+    projector_.emplace(rig);
+    projector_rig_id_ = rig_id;
   }
   return *projector_;
 }
 
+Result<SeedSet> RefinePlug::Refine(const Frame& frame) {
+  // Before there are rays for a ToF camera of whatever size a message claims.
+  const cv::Size calibrated(frame.rig->tof.width, frame.rig->tof.height);
+  if (frame.tof->depth_m.size() != calibrated) {
+    return Fail("ToF image of " + SizeText(frame.tof->depth_m.size()) +
+                ": allowed is the calibrated size " + SizeText(calibrated));
+  }
+  return refiner_.Compute(ToGrey(frame.left), ToGrey(frame.right), *frame.tof,
+                          ProjectorOf(*frame.rig));
+}
+
 Outcome RefinePlug::Process(const Frame& frame) {
-  Result<SeedSet> seeds =
-      refiner_.Compute(ToGrey(frame.left), ToGrey(frame.right), *frame.tof, ProjectorOf(frame));
+  Result<SeedSet> seeds = Refine(frame);
   Outcome outcome;
   if (!seeds) {
     outcome.degenerate = seeds.error().text;

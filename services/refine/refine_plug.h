@@ -20,7 +20,8 @@ class RefinePlug : public Plug {
   Outcome Process(const Frame& frame) override;
 
  private:
-  const TofProjector& ProjectorOf(const Frame& frame);
+  const TofProjector& ProjectorOf(const Rig& rig);
+  Result<SeedSet> Refine(const Frame& frame);
 
   Refiner refiner_;
   std::optional<TofProjector> projector_;  // of the newest calibration

@@ -107,11 +107,6 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
                 ": allowed is the calibrated size " + SizeText(size));
   }
-  if (tof.depth_m.size() != cv::Size(rig.tof.width, rig.tof.height)) {
-    return Fail("ToF image of " + SizeText(tof.depth_m.size()) +
-                ": allowed is the calibrated size " + SizeText({rig.tof.width, rig.tof.height}));
-  }
-
   // Projection of every ToF point to (u, u', v) (paper, II-A).
   SeedSet result;
   const std::vector<ProjectedPoint> points = projector.Project(tof, result.outside);

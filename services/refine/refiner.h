@@ -23,11 +23,12 @@ class Refiner {
   explicit Refiner(const RefineConfig& config);
 
   /// @param left, right  rectified pair of the calibrated size, grey.
-  /// @param tof          range image of the calibrated size.
+  /// @param tof          range image of the calibrated size (a precondition).
   /// @param projector    of the calibration; worth keeping from frame to frame.
   /// @returns the seeds in the order of the ToF pixels, and how many were dropped by which rule; a
   ///          point is counted under the first of outside, dark, background that applies. Seeds
-  ///          keep their sub-pixel positions. An error when a size is not the calibrated one.
+  ///          keep their sub-pixel positions. An error when the images do not have the calibrated
+  ///          size.
   /// O(ToF pixels + image pixels); no I/O; thread-compatible.
   Result<SeedSet> Compute(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                           const TofProjector& projector) const;

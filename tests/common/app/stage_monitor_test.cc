@@ -151,8 +151,7 @@ TEST_F(StageMonitorTest, LogsBadMessagesAtMostOnceASecondAndSaysHowManyItKeptSil
   EXPECT_LE(log_.Lines().size(), 1U + static_cast<size_t>(seconds.count()));
   EXPECT_EQ(monitor_.Snapshot().bad_messages, 1000);
   ASSERT_FALSE(log_.Lines().empty());
-  EXPECT_EQ(log_.Lines()[0],
-            "warning: SPROUT_TOF: message dropped: damaged (0 more since the last such line)");
+  EXPECT_EQ(log_.Lines()[0], "warning: SPROUT_TOF: message dropped: damaged");
 
   std::this_thread::sleep_for(milliseconds(1050));
   monitor_.BadMessage("SPROUT_LEFT", "cut short");
@@ -160,6 +159,17 @@ TEST_F(StageMonitorTest, LogsBadMessagesAtMostOnceASecondAndSaysHowManyItKeptSil
   if (seconds.count() == 0) {
     EXPECT_THAT(log_.Lines().back(), HasSubstr("(999 more"));
   }
+}
+
+TEST_F(StageMonitorTest, LogsFramesWithoutAResultAtMostOnceASecond) {
+  for (int seq = 0; seq < 50; ++seq) {
+    monitor_.FrameOut(IdOf(seq), Ago(milliseconds(1)), "no seeds");
+    monitor_.FrameFailed(IdOf(seq), "out of memory");
+  }
+  EXPECT_EQ(monitor_.Snapshot().frames_degenerate, 50);
+  EXPECT_EQ(monitor_.Snapshot().frames_failed, 50);
+  EXPECT_THAT(log_.Lines(), testing::ElementsAre("warning: frame 0: no seeds",
+                                                 "error: frame 0: failed: out of memory"));
 }
 
 TEST_F(StageMonitorTest, TakesBracesInAReasonAsTheyAre) {

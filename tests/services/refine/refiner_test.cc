@@ -166,9 +166,6 @@ TEST(Refiner, SaysWhatIsWrongWithSizes) {
   Scene scene;
   scene.right = cv::Mat1b(80, 99, uint8_t{0});
   EXPECT_THAT(scene.Refine().error().text, HasSubstr("99x80"));
-  Scene other;
-  other.tof.depth_m = cv::Mat1f(3, 3, 1.f);
-  EXPECT_THAT(other.Refine().error().text, HasSubstr("ToF image of 3x3"));
 }
 
 TEST(Refiner, RefusesAToleranceOutOfRange) {
@@ -198,6 +195,15 @@ TEST(RefinePlug, SaysWhyAFrameHasNoSeeds) {
   EXPECT_THAT(outcome.degenerate, HasSubstr("10x10"));
   ASSERT_EQ(outcome.outputs.size(), 1u);
   EXPECT_TRUE(std::get<SeedSet>(outcome.outputs[0].value).seeds.empty());
+}
+
+TEST(RefinePlug, AnswersAToFImageOfAnotherSizeThanCalibratedEmpty) {
+  RefinePlug plug{RefineConfig()};
+  Scene scene;
+  scene.rig.tof.width = scene.rig.tof.height = 16384;  // rays would take gigabytes
+  const Outcome outcome = plug.Process(FrameOf(scene));
+  EXPECT_THAT(outcome.degenerate, HasSubstr("ToF image of 10x8"));
+  EXPECT_EQ(outcome.outputs.size(), 1u);
 }
 
 TEST(RefinePlug, FollowsAChangeOfCalibration) {
