@@ -53,8 +53,8 @@ Definitions (as in the Middlebury SDK)
   density     per cent of pixels with a disparity; invalid: the others.
   mean, rms   absolute error, over the pixels with a disparity.
   wrong seed  more than 3 px from the truth, or on a pixel that a nearer surface hides from the right
-              camera; per cent of all ToF points (before refinement) and of those kept (after).
-              Good ones lost: per cent of the good ones that refinement dropped.
+              camera; per cent of all ToF points (before refinement) and of those kept (after). A
+              good one is within 3 px on a pixel that both cameras see; lost: refinement dropped it.
   times       medians over --repeat runs, ms, one run after another. Rivals count as a whole; those
               that use ToF seeds include refinement.
 )";

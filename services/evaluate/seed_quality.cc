@@ -37,9 +37,11 @@ SeedCounts CountSeeds(std::span<const Seed> seeds, const Scene& scene) {
     if (!InImage(seed, scene.size())) continue;
     const cv::Point pixel(cvRound(seed.u), cvRound(seed.v));
     const double error = std::abs(double{seed.disparity()} - scene.frame.truth.left(pixel));
-    if (std::isnan(error)) continue;
-    const bool wrong = error > kWrongSeedPx || scene.occluded(pixel) != 0;
-    ++(wrong ? counts.wrong : counts.good);
+    if (error > kWrongSeedPx || scene.occluded(pixel) != 0) {
+      ++counts.wrong;
+    } else if (scene.nonoccluded(pixel) != 0) {
+      ++counts.good;
+    }
   }
   return counts;
 }

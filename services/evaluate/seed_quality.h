@@ -15,10 +15,12 @@ inline constexpr double kWrongSeedPx = 3;
 
 /// Seeds by what ground truth says at their nearest pixel of the left image.
 struct SeedCounts {
+  /// At most kWrongSeedPx from the truth, on a pixel that both cameras see (NonOccludedMask()).
   int64_t good = 0;
   /// More than kWrongSeedPx from the truth, or on a pixel that a nearer surface hides from the
-  /// right camera (OccludedMask()). Seeds where the truth is unknown are in neither count.
+  /// right camera (OccludedMask()).
   int64_t wrong = 0;
+  // The others are of no use or cannot be judged: beyond the border of an image, truth unknown.
 };
 
 /// O(n).

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
+#include <iterator>
 
 #include "services/evaluate/paper_figures.h"
 
@@ -69,26 +69,20 @@ std::string RefinementLine(const RefinementQuality& quality) {
       quality.wrong_before_percent(), quality.wrong_after_percent(), quality.good_lost_percent());
 }
 
-const MethodResult* Find(const SceneResult& scene, const std::string& method) {
-  for (const MethodResult& result : scene.methods) {
-    if (result.name == method) return &result;
-  }
-  return nullptr;
-}
-
 // Measured, the paper's, difference.
-Row PaperCells(const SceneResult& scene, const std::string& method) {
-  const MethodResult* result = Find(scene, method);
-  const std::optional<double> paper = PaperPercent(scene.name, method);
-  if (result == nullptr || !paper) return {"", "", ""};
-  const double measured = result->nonoccluded.correct_le1_percent();
-  return {Fixed(measured, 1), Fixed(*paper, 1), fmt::format("{:+.1f}", measured - *paper)};
+Row PaperCells(const SceneResult& scene, const MethodResult& method) {
+  const double measured = method.nonoccluded.correct_le1_percent();
+  const double paper = PaperPercent(scene.name, method.name).value();
+  return {Fixed(measured, 1), Fixed(paper, 1), fmt::format("{:+.1f}", measured - paper)};
 }
 
-bool IsInPaper(const std::vector<SceneResult>& scenes, const std::string& method) {
-  return std::any_of(scenes.begin(), scenes.end(), [&](const SceneResult& scene) {
-    return PaperPercent(scene.name, method).has_value();
-  });
+bool IsInPaper(const SceneResult& scene, const MethodResult& method) {
+  return PaperPercent(scene.name, method.name).has_value();
+}
+
+bool HasPaperMethod(const SceneResult& scene) {
+  return std::ranges::any_of(scene.methods,
+                             [&](const MethodResult& method) { return IsInPaper(scene, method); });
 }
 
 }  // namespace
@@ -102,22 +96,24 @@ std::string SceneTable(const SceneResult& scene) {
          Markdown(rows) + "\n" + RefinementLine(scene.refinement);
 }
 
-std::string PaperTable(const std::vector<SceneResult>& scenes) {
+std::string PaperTable(std::vector<SceneResult> scenes) {
+  std::erase_if(scenes, [](const SceneResult& scene) { return !HasPaperMethod(scene); });
+  if (scenes.empty()) return "";
   std::vector<Row> rows{{"method"}};
   for (const SceneResult& scene : scenes) {
     for (const std::string& head : {scene.name, std::string("paper"), std::string("diff")}) {
       rows.front().push_back(head);
     }
   }
-  for (const MethodResult& method : scenes.front().methods) {
-    if (!IsInPaper(scenes, method.name)) continue;
+  for (size_t i = 0; i < scenes.front().methods.size(); ++i) {  // the same ones in every scene
+    const MethodResult& method = scenes.front().methods[i];
+    if (!IsInPaper(scenes.front(), method)) continue;
     Row row{method.name};
     for (const SceneResult& scene : scenes) {
-      std::ranges::copy(PaperCells(scene, method.name), std::back_inserter(row));
+      std::ranges::copy(PaperCells(scene, scene.methods[i]), std::back_inserter(row));
     }
     rows.push_back(row);
   }
-  if (rows.size() == 1) return "";
   return "Correct non-occluded pixels (error <= 1 px), %, beside the paper's figures\n\n" +
          Markdown(rows);
 }

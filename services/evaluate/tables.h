@@ -13,9 +13,10 @@ namespace sprout {
 /// Metrics and times of every method on one scene, and one line about refinement.
 std::string SceneTable(const SceneResult& scene);
 
-/// Each cell (nonocc, error <= 1 px) beside the paper's figure and the difference, in points.
-/// @returns nothing when the paper has no figure for any of the results.
-std::string PaperTable(const std::vector<SceneResult>& scenes);
+/// Each cell (nonocc, error <= 1 px) beside the paper's figure and the difference, in points;
+/// scenes and methods that the paper has not are left out.
+/// @returns nothing when none is left.
+std::string PaperTable(std::vector<SceneResult> scenes);
 
 }  // namespace sprout
 

@@ -10,7 +10,7 @@ namespace {
 // OpenCV's defaults, which drop what is not unique or has no texture.
 cv::Mat1f Compute(const RivalInput& input) {
   constexpr int kBlock = 21;
-  const PaddedPair pair(ToGrey(input.left), ToGrey(input.right), input.max_disparity_px);
+  const PaddedPair pair(ToGrey(input.left), ToGrey(input.right), input.max_disparity_px, kBlock);
   return MatchPadded(*cv::StereoBM::create(pair.disparities(), kBlock), pair);
 }
 

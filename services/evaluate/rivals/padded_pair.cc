@@ -9,22 +9,28 @@ namespace {
 
 constexpr int kStep = 16;  // OpenCV searches multiples of this many disparities
 
-cv::Mat PadLeft(const cv::Mat& image, int columns) {
+}  // namespace
+
+PaddedPair::PaddedPair(const cv::Mat& left, const cv::Mat& right, int max_disparity_px, int block,
+                       Views views)
+    : disparities_((max_disparity_px / kStep + 1) * kStep),
+      margin_(block / 2),
+      columns_left_(disparities_ + margin_),
+      columns_right_(views == Views::kBoth ? columns_left_ : margin_),
+      left_(Pad(left)),
+      right_(Pad(right)) {}
+
+cv::Mat PaddedPair::Pad(const cv::Mat& image) const {
   cv::Mat padded;
-  cv::copyMakeBorder(image, padded, 0, 0, columns, 0, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(image, padded, margin_, margin_, columns_left_, columns_right_,
+                     cv::BORDER_REPLICATE);
   return padded;
 }
 
-}  // namespace
-
-PaddedPair::PaddedPair(const cv::Mat& left, const cv::Mat& right, int max_disparity_px)
-    : disparities_((max_disparity_px / kStep + 1) * kStep),
-      left_(PadLeft(left, disparities_)),
-      right_(PadLeft(right, disparities_)) {}
-
 cv::Mat1f PaddedPair::Crop(const cv::Mat1s& map) const {
   constexpr float kCountsPerPixel = cv::StereoMatcher::DISP_SCALE;
-  const cv::Mat1s counts = map.colRange(disparities_, map.cols);
+  const cv::Mat1s counts =
+      map.rowRange(margin_, map.rows - margin_).colRange(columns_left_, map.cols - columns_right_);
   cv::Mat1f disparity_px(counts.size());
   std::transform(counts.begin(), counts.end(), disparity_px.begin(), [](int16_t count) {
     return count < 0 ? std::numeric_limits<float>::quiet_NaN() : count / kCountsPerPixel;

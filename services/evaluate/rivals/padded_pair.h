@@ -6,13 +6,19 @@
 
 namespace sprout {
 
-/// OpenCV's matchers give no disparity to the leftmost columns, as many as they search disparities,
-/// although most of those pixels are seen by both cameras. So that no method is charged for that
-/// band, both images are padded on the left by the search range, and the map is cut to size again.
+/// OpenCV's matchers give no disparity to a band at the border, although most of its pixels are
+/// seen by both cameras: as many columns as they search disparities on the left (matched from the
+/// right image: on the right), and half a block all around. So that no method is charged for that,
+/// the images' borders are repeated outward that far, and the map is cut to size again.
 class PaddedPair {
  public:
+  /// Which views are matched.
+  enum class Views { kLeft, kBoth };
+
   /// @param max_disparity_px  the search covers 0 to at least this.
-  PaddedPair(const cv::Mat& left, const cv::Mat& right, int max_disparity_px);
+  /// @param block             side of the matcher's window, px.
+  PaddedPair(const cv::Mat& left, const cv::Mat& right, int max_disparity_px, int block,
+             Views views = Views::kLeft);
 
   const cv::Mat& left() const { return left_; }
   const cv::Mat& right() const { return right_; }
@@ -20,12 +26,18 @@ class PaddedPair {
   /// Number of disparities searched, from 0 on: a multiple of 16, as OpenCV asks.
   int disparities() const { return disparities_; }
 
+  /// Any image of that size, padded as the pair is.
+  cv::Mat Pad(const cv::Mat& image) const;
+
   /// The map of the images without padding, px, NaN = none.
   /// @param map  of the padded size in OpenCV's fixed point, 16 counts a pixel; negative = none.
   cv::Mat1f Crop(const cv::Mat1s& map) const;
 
  private:
   int disparities_;
+  int margin_;  // rows above and below, and columns beside those for the search
+  int columns_left_;
+  int columns_right_;
   cv::Mat left_;
   cv::Mat right_;
 };

@@ -18,7 +18,7 @@ cv::Mat1f Sgbm(const RivalInput& input, int mode) {
   constexpr int kUniquenessPercent = 10;
   constexpr int kSpeckleArea = 100;  // px
   constexpr int kSpeckleRange = 2;   // px
-  const PaddedPair pair(ToGrey(input.left), ToGrey(input.right), input.max_disparity_px);
+  const PaddedPair pair(ToGrey(input.left), ToGrey(input.right), input.max_disparity_px, kBlock);
   return MatchPadded(
       *cv::StereoSGBM::create(kFirstDisparity, pair.disparities(), kBlock, kSmallStepPenalty,
                               kLargeStepPenalty, kLeftRightTolerance, kPreFilterCap,
