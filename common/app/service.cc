@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "common/app/live.h"
-#include "common/app/version.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/core/digest.h"
@@ -74,8 +73,6 @@ void RequireValidPrefix(const std::string& prefix) {
 
 }  // namespace
 
-std::string Version() { return kVersion; }
-
 Service::Service(std::string stage, const std::string& description)
     : stage_(std::move(stage)), lcm_url_(DefaultLcmUrl()), flags_(description, "sprout-" + stage_) {
   flags_
@@ -101,22 +98,10 @@ Service::Service(std::string stage, const std::string& description)
 }
 
 int Service::Run(int argc, char** argv, const Body& body, const ApplyFlags& apply_flags) {
-  try {
-    flags_.parse(argc, argv);
+  return RunProgram(flags_, argc, argv, [&] {
     SetUpLogging(stage_, log_level_);
     return RunChecked(body, apply_flags);
-  } catch (const CLI::Success& e) {  // --help, --version
-    return flags_.exit(e);
-  } catch (const CLI::ParseError& e) {
-    std::cerr << "sprout-" << stage_ << ": " << e.what() << " (--help lists the flags)\n";
-    return 2;
-  } catch (const ConfigError& e) {
-    std::cerr << "sprout-" << stage_ << ": " << e.what() << "\n";
-    return 2;
-  } catch (const std::exception& e) {
-    std::cerr << "sprout-" << stage_ << ": " << e.what() << "\n";
-    return 1;
-  }
+  });
 }
 
 int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {

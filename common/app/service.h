@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/app/plug.h"
+#include "common/app/program.h"
 #include "common/config/config.h"
 
 namespace sprout {
@@ -20,9 +21,6 @@ struct ServiceContext {
   std::string prefix;    ///< before every channel name
   std::stop_token stop;  ///< requested by SIGINT and SIGTERM
 };
-
-/// Version of the programs, "0.1.0 (1a2b3c4)".
-std::string Version();
 
 /// What every service's main shares: the flags --config --lcm-url --channel-prefix --log-level
 /// --version --help, logging to stderr, the effective configuration printed at start, signals, and

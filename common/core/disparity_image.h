@@ -55,6 +55,24 @@ inline int16_t ToCounts(double disparity_px) {
   return static_cast<int16_t>(std::lround(disparity_px * DisparityImage::kCountsPerPixel));
 }
 
+/// Disparities in px, NaN where there is none; exact. O(pixels).
+inline cv::Mat1f ToPx(const DisparityImage& disparity) {
+  cv::Mat1f px(disparity.size());
+  for (int v = 0; v < px.rows; ++v) {
+    for (int u = 0; u < px.cols; ++u) px(v, u) = disparity.Px(u, v);
+  }
+  return px;
+}
+
+/// The map of disparities in px, as ToCounts() rounds each. O(pixels).
+inline DisparityImage FromPx(const cv::Mat1f& px) {
+  DisparityImage disparity(px.size());
+  for (int v = 0; v < px.rows; ++v) {
+    for (int u = 0; u < px.cols; ++u) disparity.counts()(v, u) = ToCounts(px(v, u));
+  }
+  return disparity;
+}
+
 }  // namespace sprout
 
 #endif  // SPROUT_COMMON_CORE_DISPARITY_IMAGE_H_

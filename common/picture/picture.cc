@@ -72,11 +72,7 @@ cv::Mat3b CameraPicture(const cv::Mat& image, const std::string& title) {
 cv::Mat3b DisparityPicture(const DisparityImage& disparity, const ValueRange& range_px,
                            const std::string& title) {
   assert(!disparity.empty());
-  cv::Mat1f values(disparity.size());
-  for (int v = 0; v < values.rows; ++v) {
-    for (int u = 0; u < values.cols; ++u) values(v, u) = disparity.Px(u, v);
-  }
-  return OnPaperWithScale(Colorize(values, range_px), title, range_px, "px");
+  return OnPaperWithScale(Colorize(ToPx(disparity), range_px), title, range_px, "px");
 }
 
 cv::Mat3b DepthPicture(const TofImage& tof, cv::Size camera_size, const ValueRange& range_m,

@@ -66,6 +66,20 @@ Result<cv::Mat1b> NonOccludedMask(const cv::Mat1f& left_truth, const cv::Mat1f& 
   return mask;
 }
 
+Result<cv::Mat1b> OccludedMask(const cv::Mat1f& left_truth, const cv::Mat1f& right_truth) {
+  const Result<cv::Mat1b> seen = NonOccludedMask(left_truth, right_truth);
+  if (!seen) return seen;
+  cv::Mat1b mask(left_truth.size(), uchar{0});
+  for (int v = 0; v < mask.rows; ++v) {
+    for (int u = 0; u < mask.cols; ++u) {
+      const int column = RightColumn(u, left_truth(v, u), mask.cols);
+      if (column < 0 || (*seen)(v, u) != 0) continue;
+      if (right_truth.empty() || std::isfinite(right_truth(v, column))) mask(v, u) = 255;
+    }
+  }
+  return mask;
+}
+
 double Accuracy::Percent(int64_t pixels) const {
   if (scored == 0) return std::numeric_limits<double>::quiet_NaN();
   return 100.0 * static_cast<double>(pixels) / static_cast<double>(scored);
@@ -81,10 +95,10 @@ double Accuracy::rms_px() const {
   return std::sqrt(sum_squares_px2 / static_cast<double>(with_disparity));
 }
 
-Result<Accuracy> Score(const DisparityImage& disparity, const cv::Mat1f& truth,
+Result<Accuracy> Score(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
                        const cv::Mat1b& mask) {
-  if (truth.size() != disparity.size() || mask.size() != disparity.size()) {
-    return Fail("score: disparity map " + SizeText(disparity.size()) + ", ground truth " +
+  if (truth.size() != disparity_px.size() || mask.size() != disparity_px.size()) {
+    return Fail("score: disparity map " + SizeText(disparity_px.size()) + ", ground truth " +
                 SizeText(truth.size()) + " and mask " + SizeText(mask.size()) + " differ in size");
   }
   Accuracy accuracy;
@@ -92,10 +106,10 @@ Result<Accuracy> Score(const DisparityImage& disparity, const cv::Mat1f& truth,
     for (int u = 0; u < truth.cols; ++u) {
       if (mask(v, u) == 0 || !std::isfinite(truth(v, u))) continue;
       ++accuracy.scored;
-      if (!disparity.IsValid(u, v)) continue;
+      if (!std::isfinite(disparity_px(v, u))) continue;
       ++accuracy.with_disparity;
-      // Counts and truth are exact in double, and so is their difference near a threshold.
-      const double error = std::abs(double{disparity.Px(u, v)} - double{truth(v, u)});
+      // Map and truth are exact in double, and so is their difference near a threshold.
+      const double error = std::abs(double{disparity_px(v, u)} - double{truth(v, u)});
       accuracy.within_1 += error <= 1;
       accuracy.below_1 += error < 1;
       accuracy.within_2 += error <= 2;
@@ -105,6 +119,11 @@ Result<Accuracy> Score(const DisparityImage& disparity, const cv::Mat1f& truth,
     }
   }
   return accuracy;
+}
+
+Result<Accuracy> Score(const DisparityImage& disparity, const cv::Mat1f& truth,
+                       const cv::Mat1b& mask) {
+  return Score(ToPx(disparity), truth, mask);
 }
 
 }  // namespace sprout

@@ -73,5 +73,15 @@ TEST(DisparityImage, SharesItsPixelsWithCopies) {
   EXPECT_FLOAT_EQ(copy.Px(1, 1), 2.0F);
 }
 
+TEST(DisparityImage, GoesToPixelsAndBackWithoutLoss) {
+  DisparityImage map(cv::Size(3, 2));
+  map.counts()(0, 1) = 1;
+  map.counts()(1, 2) = 32767;
+  const cv::Mat1f px = ToPx(map);
+  EXPECT_EQ(px(0, 1), 1 / 32.F);
+  EXPECT_TRUE(std::isnan(px(0, 0)));
+  EXPECT_EQ(cv::countNonZero(FromPx(px).counts() != map.counts()), 0);
+}
+
 }  // namespace
 }  // namespace sprout

@@ -101,6 +101,16 @@ TEST(Score, LooksAtMaskedPixelsWithKnownTruthOnly) {
   EXPECT_EQ(accuracy.correct_le1_percent(), 100);
 }
 
+TEST(Score, TakesAMapInPixelsAsItIs) {
+  const cv::Mat1f map(kSize, std::nextafter(11.F, 0.F));  // would round to exactly 1 px off
+  const Accuracy accuracy = Score(map, ConstantTruth(10), Everywhere()).value();
+  EXPECT_EQ(accuracy.correct_lt1_percent(), 100);
+  for (const float none : {kUnknown, std::numeric_limits<float>::infinity()}) {
+    EXPECT_EQ(Score(cv::Mat1f(kSize, none), ConstantTruth(10), Everywhere())->invalid_percent(),
+              100);
+  }
+}
+
 TEST(Score, HasNoFigureWithoutScoredPixels) {
   const Accuracy accuracy =
       Score(ConstantMap(10), ConstantTruth(10), cv::Mat1b(kSize, uchar{0})).value();
@@ -180,6 +190,30 @@ TEST(NonOccludedMask, KeepsPixelsOfOneSlantedSurfaceThatShareARightColumn) {
   for (int u = 0; u < kSize.width; ++u) slant.col(u) = 2.F + 0.9F * static_cast<float>(u) / 2;
   EXPECT_EQ(NonOccludedMask(slant, {}).value()(0, 20), 255);
   EXPECT_EQ(NonOccludedMask(slant, {}).value()(0, 21), 255);
+}
+
+TEST(OccludedMask, HoldsWhatANearerSurfaceHidesButNotWhatIsOutside) {
+  cv::Mat1b expected(kSize, uchar{0});
+  expected.colRange(14, 20) = 255;
+  const cv::Mat1b both = OccludedMask(SquareBeforeWall(20), SquareBeforeWall(10)).value();
+  EXPECT_EQ(cv::countNonZero(both != expected), 0) << both.row(0);
+  const cv::Mat1b alone = OccludedMask(SquareBeforeWall(20), {}).value();
+  EXPECT_EQ(cv::countNonZero(alone != expected), 0) << alone.row(0);
+}
+
+TEST(OccludedMask, LeavesOutPixelsUnknownInEitherView) {
+  cv::Mat1f left = SquareBeforeWall(20);
+  cv::Mat1f right = SquareBeforeWall(10);
+  left(3, 15) = kUnknown;
+  right(4, 11) = kUnknown;  // where the left pixel 15 would be
+  const cv::Mat1b mask = OccludedMask(left, right).value();
+  EXPECT_EQ(mask(3, 15), 0);
+  EXPECT_EQ(mask(4, 15), 0);
+  EXPECT_EQ(mask(5, 15), 255);
+}
+
+TEST(OccludedMask, RefusesViewsOfDifferentSize) {
+  EXPECT_FALSE(OccludedMask(ConstantTruth(4), cv::Mat1f(3, 3, 4.F)).has_value());
 }
 
 TEST(NonOccludedMask, RefusesViewsOfDifferentSize) {

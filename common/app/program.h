@@ -1,0 +1,24 @@
+#ifndef SPROUT_COMMON_APP_PROGRAM_H_
+#define SPROUT_COMMON_APP_PROGRAM_H_
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+namespace sprout {
+
+/// Version of the programs, "0.1.0 (1a2b3c4)".
+std::string Version();
+
+/// What every program's main shares, with or without a bus: parses the flags, runs `body`, and
+/// turns errors into one line on stderr that starts with the program's name.
+///
+/// @param flags  named as the program.
+/// @returns exit code: what `body` returned; 0 for --help and --version; 2 for a flag or
+///          configuration that cannot be used (ConfigError); 1 on any other failure.
+int RunProgram(CLI::App& flags, int argc, const char* const* argv,
+               const std::function<int()>& body);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_APP_PROGRAM_H_

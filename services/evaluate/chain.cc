@@ -1,0 +1,57 @@
+#include "services/evaluate/chain.h"
+
+#include "services/grow/gap_filler.h"
+#include "services/grow/grower.h"
+#include "services/grow/harris_seeds.h"
+#include "services/prior/prior.h"
+#include "services/refine/refiner.h"
+
+namespace sprout {
+namespace {
+
+DisparityImage RunGrow(const Scene& scene, const GrowConfig& config,
+                       const std::vector<Seed>& tof_seeds, const DisparityImage& prior,
+                       StageTimes& ms) {
+  Grower grower(config);
+  return Timed(ms.grow_ms, [&] {
+    const std::vector<Seed> seeds =
+        config.seeds() == GrowConfig::TOF
+            ? tof_seeds
+            : MatchHarrisCorners(scene.left_grey, scene.right_grey, config.harris());
+    return grower.Compute(scene.left_grey, scene.right_grey, seeds, prior)
+        .value_or(DisparityImage(scene.size()));
+  });
+}
+
+}  // namespace
+
+std::vector<Seed> RunRefine(const Scene& scene, const ChainSettings& settings, StageTimes& ms) {
+  const Refiner refiner(settings.config.refine());
+  SeedSet refined = Timed(ms.refine_ms, [&] {
+    return refiner.Compute(scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector)
+        .value_or(SeedSet());
+  });
+  return Damage(std::move(refined.seeds), settings.noise);
+}
+
+DisparityImage RunPrior(const Scene& scene, const std::vector<Seed>& seeds, StageTimes& ms) {
+  return Timed(ms.prior_ms, [&] {
+    return InterpolateSeeds(seeds, scene.size()).value_or(DisparityImage(scene.size()));
+  });
+}
+
+MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
+  const GrowConfig& config = settings.config.grow();
+  const bool needs_prior = config.similarity() == GrowConfig::EPC;
+  const bool needs_tof = needs_prior || config.seeds() == GrowConfig::TOF;
+  MethodOutput output;
+  StageTimes& ms = output.ms;
+  const std::vector<Seed> seeds = needs_tof ? RunRefine(scene, settings, ms) : std::vector<Seed>();
+  const DisparityImage prior = needs_prior ? RunPrior(scene, seeds, ms) : DisparityImage();
+  const DisparityImage grown = RunGrow(scene, config, seeds, prior, ms);
+  output.map_px = ToPx(Timed(ms.fill_ms, [&] { return FillGaps(grown, config.fill()); }));
+  ms.total_ms = ms.refine_ms + ms.prior_ms + ms.grow_ms + ms.fill_ms;
+  return output;
+}
+
+}  // namespace sprout

@@ -1,0 +1,58 @@
+#include "services/evaluate/evaluate.h"
+
+#include <algorithm>
+
+namespace sprout {
+namespace {
+
+double Median(const std::vector<StageTimes>& runs, double StageTimes::*stage) {
+  std::vector<double> times;
+  for (const StageTimes& run : runs) times.push_back(run.*stage);
+  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+  std::nth_element(times.begin(), middle, times.end());
+  return *middle;
+}
+
+StageTimes Medians(const std::vector<StageTimes>& runs) {
+  StageTimes median;
+  for (double StageTimes::*stage :
+       {&StageTimes::refine_ms, &StageTimes::prior_ms, &StageTimes::grow_ms, &StageTimes::fill_ms,
+        &StageTimes::total_ms}) {
+    median.*stage = Median(runs, stage);
+  }
+  return median;
+}
+
+MethodResult EvaluateMethod(const Scene& scene, const Method& method, const ChainSettings& settings,
+                            int repeat) {
+  MethodOutput output;
+  std::vector<StageTimes> runs;
+  for (int i = 0; i < repeat; ++i) {
+    output = method.run(scene, settings);
+    runs.push_back(output.ms);
+  }
+  const cv::Mat1f& truth = scene.frame.truth.left;
+  const cv::Mat1b everywhere(scene.size(), uchar{255});
+  return {.name = method.name,
+          .nonoccluded = Score(output.map_px, truth, scene.nonoccluded).value(),
+          .all = Score(output.map_px, truth, everywhere).value(),
+          .ms = Medians(runs),
+          .map_px = output.map_px};
+}
+
+}  // namespace
+
+SceneResult EvaluateScene(const Scene& scene, const std::vector<Method>& methods,
+                          const ChainSettings& settings, int repeat, const OnMethod& on_method) {
+  SceneResult result{.name = scene.name,
+                     .size = scene.size(),
+                     .methods = {},
+                     .refinement = JudgeRefinement(scene, settings.config.refine())};
+  for (const Method& method : methods) {
+    on_method(method);
+    result.methods.push_back(EvaluateMethod(scene, method, settings, repeat));
+  }
+  return result;
+}
+
+}  // namespace sprout

@@ -1,0 +1,40 @@
+#ifndef SPROUT_SERVICES_EVALUATE_EVALUATE_H_
+#define SPROUT_SERVICES_EVALUATE_EVALUATE_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "services/evaluate/methods.h"
+#include "services/evaluate/score.h"
+#include "services/evaluate/seed_quality.h"
+
+namespace sprout {
+
+/// One method on one scene.
+struct MethodResult {
+  std::string name;
+  Accuracy nonoccluded;  ///< on the pixels that both cameras see
+  Accuracy all;          ///< on all pixels with a known truth
+  StageTimes ms;         ///< medians, each of its own
+  cv::Mat1f map_px;      ///< NaN = none
+};
+
+struct SceneResult {
+  std::string name;
+  cv::Size size;
+  std::vector<MethodResult> methods;
+  RefinementQuality refinement;
+};
+
+/// Called before each method.
+using OnMethod = std::function<void(const Method&)>;
+
+/// Runs the methods on a scene, one after another, and scores their maps.
+/// @param repeat  how often each runs, for the median of its times; the map is the same each time.
+SceneResult EvaluateScene(const Scene& scene, const std::vector<Method>& methods,
+                          const ChainSettings& settings, int repeat, const OnMethod& on_method);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_EVALUATE_EVALUATE_H_

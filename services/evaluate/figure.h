@@ -1,0 +1,32 @@
+#ifndef SPROUT_SERVICES_EVALUATE_FIGURE_H_
+#define SPROUT_SERVICES_EVALUATE_FIGURE_H_
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace sprout {
+
+/// A picture in a figure, with a line of text below it.
+struct FigureCell {
+  cv::Mat3b image;
+  std::string caption;  ///< ASCII
+};
+
+/// Many small pictures on one white sheet, as the paper's figure: a title above each column, a row
+/// for each scene.
+///
+/// @param titles  one a column, ASCII; written smaller when wider than the column.
+/// @param rows    each with as many cells as titles; the images of a row have one size.
+/// @returns pictures scaled to kFigureCellWidth. O(pixels).
+cv::Mat3b Figure(const std::vector<std::string>& titles,
+                 const std::vector<std::vector<FigureCell>>& rows);
+
+inline constexpr int kFigureCellWidth = 320;  ///< px
+
+/// The image as it stands in a figure: worth keeping instead of the whole one.
+cv::Mat3b FigureThumbnail(const cv::Mat3b& image);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_EVALUATE_FIGURE_H_

@@ -1,0 +1,3 @@
+#include "services/evaluate/program.h"
+
+int main(int argc, char** argv) { return sprout::EvaluateMain(argc, argv); }

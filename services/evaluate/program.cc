@@ -1,0 +1,230 @@
+#include "services/evaluate/program.h"
+
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/app/program.h"
+#include "common/picture/output_file.h"
+#include "services/evaluate/output_paths.h"
+#include "services/evaluate/progress.h"
+#include "services/evaluate/result_files.h"
+#include "services/evaluate/run_pictures.h"
+#include "services/evaluate/tables.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::vector<std::string> scenes;
+  std::vector<std::string> methods{"all"};
+  std::string preset;
+  std::vector<std::string> config_files;
+  std::string tof = "grid:auto";
+  SeedNoise noise;
+  int threads = 1;
+  int repeat = 1;
+  std::string json;
+  std::string csv;
+  std::string images;
+  bool quiet = false;
+};
+
+constexpr char kDescription[] =
+    "Runs methods on scenes with ground truth and prints how accurate and how fast they are. The\n"
+    "same flags give the same figures, times apart.";
+
+constexpr char kDefinitions[] = R"(
+Definitions (as in the Middlebury SDK)
+  error       |d - d_gt| of a pixel, px. A pixel without a disparity is wrong under every threshold.
+  nonocc      the pixels that are scored: those that both cameras see. The truth is known in both
+              views and |d_left(u, v) - d_right(u - d_left, v)| <= 1. Without a right truth, the left
+              one is moved into the right image, and the nearest surface is what is seen.
+  all         all pixels with a known left truth.
+  <= 1, < 1   per cent of pixels with an error of at most / below 1 px. "<= 1" is 100 - "total bad
+              1.0". Whole-number maps gain by <= and lose by <, so tables show both.
+  bad N       per cent of pixels with an error > N px, or without a disparity.
+  density     per cent of pixels with a disparity; invalid: the others.
+  mean, rms   absolute error, over the pixels with a disparity.
+  wrong seed  more than 3 px from the truth, or on a pixel that a nearer surface hides from the right
+              camera; per cent of all ToF points (before refinement) and of those kept (after). A
+              good one is within 3 px on a pixel that both cameras see; lost: refinement dropped it.
+  times       medians over --repeat runs, ms, one run after another. Rivals count as a whole; those
+              that use ToF seeds include refinement.
+)";
+
+std::string MethodsHelp() {
+  std::string text = "\nMethods (--methods NAME,NAME,...; groups: paper, all)\n";
+  for (const Method& method : AllMethods()) {
+    text += "  " + method.name + std::string(15 - method.name.size(), ' ') + method.summary + "\n";
+  }
+  return text;
+}
+
+void AddInputFlags(CLI::App& flags, Options& options) {
+  flags
+      .add_option(
+          "SCENE_DIR", options.scenes,
+          "Folders of Middlebury scenes with ground truth; or synthetic:WxH, a made-up scene")
+      ->required();
+  flags.add_option("--methods", options.methods, "Methods or groups of them, listed below")
+      ->delimiter(',')
+      ->expected(1)
+      ->take_all()
+      ->type_name("LIST")
+      ->default_str("all");
+  flags
+      .add_option("--preset", options.preset,
+                  "Preset that the methods take their parameters from (default unless --config "
+                  "is given)")
+      ->type_name("NAME");
+  flags
+      .add_option(
+          "--config", options.config_files,
+          "Configuration file; may be given several times, later ones override earlier ones "
+          "and all of them the preset")
+      ->type_name("FILE")
+      ->expected(1)
+      ->take_all();
+  flags
+      .add_option("--tof", options.tof,
+                  "ToF camera: grid:auto (every round(rows / 111)th pixel of the truth: 10 at full "
+                  "size, as in the paper), grid:auto*K (K times that), grid:N (every Nth)")
+      ->capture_default_str();
+  flags
+      .add_option("--seed-noise-px", options.noise.disparity_px,
+                  "Gaussian noise on the disparity of the refined seeds, standard deviation, px")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  flags
+      .add_option("--seed-jitter-px", options.noise.jitter_px,
+                  "Uniform noise on their position in u and in v, at most, px")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  flags.add_option("--seed", options.noise.seed, "Of the random numbers")->capture_default_str();
+}
+
+void AddRunFlags(CLI::App& flags, Options& options) {
+  flags.add_option("--threads", options.threads, "For OpenCV; figures do not depend on it")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  flags.add_option("--repeat", options.repeat, "Runs of each method, for the median of its times")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  flags.add_option("--json", options.json, "Write the results as JSON")->type_name("FILE");
+  flags.add_option("--csv", options.csv, "Write the results as CSV")->type_name("FILE");
+  flags
+      .add_option("--images", options.images,
+                  "Write a picture of every map, and figure.png with all of them")
+      ->type_name("DIR");
+  flags.add_flag("--quiet", options.quiet, "No tables, no progress: only files and errors");
+}
+
+// What to load and what to call it in the results.
+struct Preset {
+  std::vector<std::string> files;
+  std::string name;
+};
+
+Preset PresetOf(const Options& options) {
+  Preset preset;
+  if (!options.preset.empty()) {
+    preset.files.push_back(options.preset);
+  } else if (options.config_files.empty()) {
+    preset.files.push_back("default");
+  }
+  preset.files.insert(preset.files.end(), options.config_files.begin(), options.config_files.end());
+  for (const std::string& file : preset.files) {
+    preset.name += (preset.name.empty() ? "" : "+") + fs::path(file).stem().string();
+  }
+  return preset;
+}
+
+// Two scenes of one name would write the same pictures.
+void RequireDifferentNames(const std::vector<Scene>& scenes) {
+  std::set<std::string> names;
+  for (const Scene& scene : scenes) {
+    if (names.insert(scene.name).second) continue;
+    throw ConfigError("--images: two scenes are called " + scene.name +
+                      "; allowed: scenes of different names");
+  }
+}
+
+void RequireWritable(const Options& options) {
+  if (!options.json.empty()) RequireWritableFile("--json", options.json);
+  if (!options.csv.empty()) RequireWritableFile("--csv", options.csv);
+  if (!options.images.empty()) RequireWritableFolder("--images", options.images);
+}
+
+void WriteWhole(const std::string& path, const std::string& text) {
+  OutputFile file(path);
+  file.Write(text);
+  if (const Result<void> written = file.Commit(); !written) {
+    throw std::runtime_error(written.error().text);
+  }
+}
+
+std::vector<SceneResult> RunScenes(const Options& options, const std::vector<Scene>& scenes,
+                                   const std::vector<Method>& methods,
+                                   const ChainSettings& settings) {
+  std::vector<SceneResult> results;
+  RunPictures pictures(options.images);
+  Progress progress(options.quiet);
+  for (const Scene& scene : scenes) {
+    const std::string place = "scene " + std::to_string(results.size() + 1) + " of " +
+                              std::to_string(scenes.size()) + ", " + scene.name + ": ";
+    SceneResult result =
+        EvaluateScene(scene, methods, settings, options.repeat,
+                      [&](const Method& method) { progress.Show(place + method.name); });
+    if (!options.images.empty()) pictures.Add(scene, result);
+    for (MethodResult& method : result.methods) method.map_px.release();
+    progress.Clear();
+    if (!options.quiet) std::cout << SceneTable(result) << std::endl;
+    results.push_back(std::move(result));
+  }
+  if (!options.images.empty()) pictures.WriteFigure();
+  return results;
+}
+
+// Everything that can be wrong with the flags is found out before the first method runs.
+int Run(const Options& options) {
+  const std::vector<Method> methods = SelectMethods(options.methods);
+  const TofChoice tof(options.tof);
+  const Preset preset = PresetOf(options);
+  const ChainSettings settings{.config = LoadConfig(preset.files), .noise = options.noise};
+  std::vector<Scene> scenes;
+  for (const std::string& scene : options.scenes) {
+    scenes.push_back(LoadScene(scene, tof, settings.config.capture()));
+  }
+  if (!options.images.empty()) RequireDifferentNames(scenes);
+  RequireWritable(options);
+
+  cv::setNumThreads(options.threads);
+  const RunResult run{.preset = preset.name,
+                      .tof = tof.text(),
+                      .scenes = RunScenes(options, scenes, methods, settings)};
+  if (!options.json.empty()) WriteWhole(options.json, ToJson(run));
+  if (!options.csv.empty()) WriteWhole(options.csv, ToCsv(run));
+  if (!options.quiet && options.preset == "paper") std::cout << PaperTable(run.scenes);
+  return 0;
+}
+
+}  // namespace
+
+int EvaluateMain(int argc, const char* const* argv) {
+  CLI::App flags(kDescription, "sprout-evaluate");
+  Options options;
+  AddInputFlags(flags, options);
+  AddRunFlags(flags, options);
+  flags.set_version_flag("--version", "sprout-evaluate " + Version());
+  flags.footer([] { return MethodsHelp() + kDefinitions; });
+  return RunProgram(flags, argc, argv, [&] { return Run(options); });
+}
+
+}  // namespace sprout

@@ -1,0 +1,105 @@
+#include "services/evaluate/result_files.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace sprout {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json AccuracyJson(const Accuracy& score) {
+  return {{"correct_le1", score.correct_le1_percent()},
+          {"correct_lt1", score.correct_lt1_percent()},
+          {"bad2", score.bad2_percent()},
+          {"bad4", score.bad4_percent()},
+          {"density", score.density_percent()},
+          {"mean_abs_px", score.mean_abs_px()},
+          {"rms_px", score.rms_px()}};
+}
+
+Json TimesJson(const StageTimes& ms) {
+  return {{"refine", ms.refine_ms},
+          {"prior", ms.prior_ms},
+          {"grow", ms.grow_ms},
+          {"fill", ms.fill_ms},
+          {"total", ms.total_ms}};
+}
+
+Json RefinementJson(const RefinementQuality& quality) {
+  const SeedSet& seeds = quality.refined;
+  return {{"raw", seeds.raw},
+          {"dark", seeds.dark},
+          {"background", seeds.background},
+          {"outside", seeds.outside},
+          {"kept", seeds.seeds.size()},
+          {"wrong_before", quality.wrong_before_percent()},
+          {"wrong_after", quality.wrong_after_percent()},
+          {"good_lost", quality.good_lost_percent()}};
+}
+
+Json SceneJson(const SceneResult& scene) {
+  Json methods = Json::array();
+  for (const MethodResult& method : scene.methods) {
+    methods.push_back({{"name", method.name},
+                       {"nonocc", AccuracyJson(method.nonoccluded)},
+                       {"all", AccuracyJson(method.all)},
+                       {"ms", TimesJson(method.ms)}});
+  }
+  return {{"name", scene.name},
+          {"width", scene.size.width},
+          {"height", scene.size.height},
+          {"methods", methods},
+          {"refinement", RefinementJson(scene.refinement)}};
+}
+
+std::string CsvNumber(double number) { return std::isnan(number) ? "" : fmt::format("{}", number); }
+
+// A comma or a quote in a name must not shift the columns.
+std::string CsvText(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char letter : text) quoted += letter == '"' ? "\"\"" : std::string(1, letter);
+  return quoted + "\"";
+}
+
+std::string CsvLine(const RunResult& run, const SceneResult& scene, const MethodResult& method,
+                    const std::string& pixels, const Accuracy& score) {
+  std::string line =
+      fmt::format("{},{},{},{},{},{},{}", CsvText(run.preset), CsvText(run.tof),
+                  CsvText(scene.name), scene.size.width, scene.size.height, method.name, pixels);
+  for (const double number :
+       {score.correct_le1_percent(), score.correct_lt1_percent(), score.bad2_percent(),
+        score.bad4_percent(), score.density_percent(), score.invalid_percent(), score.mean_abs_px(),
+        score.rms_px(), method.ms.refine_ms, method.ms.prior_ms, method.ms.grow_ms,
+        method.ms.fill_ms, method.ms.total_ms}) {
+    line += "," + CsvNumber(number);
+  }
+  return line + "\n";
+}
+
+}  // namespace
+
+std::string ToJson(const RunResult& run) {
+  Json scenes = Json::array();
+  for (const SceneResult& scene : run.scenes) scenes.push_back(SceneJson(scene));
+  const Json json = {{"preset", run.preset}, {"tof", run.tof}, {"scenes", scenes}};
+  // Paths may hold any bytes; JSON may not.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string ToCsv(const RunResult& run) {
+  std::string text =
+      "preset,tof,scene,width,height,method,pixels,correct_le1,correct_lt1,bad2,bad4,density,"
+      "invalid,mean_abs_px,rms_px,refine_ms,prior_ms,grow_ms,fill_ms,total_ms\n";
+  for (const SceneResult& scene : run.scenes) {
+    for (const MethodResult& method : scene.methods) {
+      text += CsvLine(run, scene, method, "nonocc", method.nonoccluded);
+      text += CsvLine(run, scene, method, "all", method.all);
+    }
+  }
+  return text;
+}
+
+}  // namespace sprout

@@ -1,0 +1,41 @@
+#ifndef SPROUT_SERVICES_EVALUATE_RIVALS_RIVAL_H_
+#define SPROUT_SERVICES_EVALUATE_RIVALS_RIVAL_H_
+
+#include <opencv2/core.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/core/seed.h"
+
+namespace sprout {
+
+/// What a rival may look at.
+struct RivalInput {
+  cv::Mat left;                 ///< 8UC1 or 8UC3 (BGR), rectified
+  cv::Mat right;                ///< of the same size and type
+  std::span<const Seed> seeds;  ///< refined ToF seeds, for rivals that use the ToF camera
+  int max_disparity_px = 0;     ///< largest true disparity of the scene, rounded up
+};
+
+/// Another system that a user might run instead of Sprout. To add one: a file in this folder with
+/// a function that returns it, declared below and listed in AllRivals().
+struct Rival {
+  std::string name;     ///< of the method, for --methods
+  std::string summary;  ///< one line for --help
+  bool uses_seeds;      ///< false: it is not charged for the time that refinement takes
+  /// @returns disparities of the left image's pixels, px, NaN = none.
+  cv::Mat1f (*compute)(const RivalInput& input);
+};
+
+Rival Sgbm3Way();  ///< sgbm.cc
+Rival Sgbm5Way();  ///< sgbm.cc
+Rival Bm();        ///< bm.cc
+Rival BmWls();     ///< bm_wls.cc
+Rival Fgs();       ///< fgs.cc
+
+std::vector<Rival> AllRivals();
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_EVALUATE_RIVALS_RIVAL_H_

@@ -1,0 +1,35 @@
+#ifndef SPROUT_SERVICES_EVALUATE_RUN_PICTURES_H_
+#define SPROUT_SERVICES_EVALUATE_RUN_PICTURES_H_
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "services/evaluate/evaluate.h"
+#include "services/evaluate/figure.h"
+
+namespace sprout {
+
+/// The pictures of a run: SCENE_METHOD.png for every map, and figure.png with the left image, all
+/// maps, ground truth and the per cent of correct non-occluded pixels below each, a row for each
+/// scene. The maps of a scene share one colour scale.
+class RunPictures {
+ public:
+  explicit RunPictures(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  /// Writes the pictures of a scene. @throws std::runtime_error naming path and reason.
+  void Add(const Scene& scene, const SceneResult& result);
+
+  /// Writes figure.png of the scenes added; all must have run the same methods.
+  /// @throws std::runtime_error naming path and reason.
+  void WriteFigure() const;
+
+ private:
+  std::filesystem::path folder_;
+  std::vector<std::string> titles_;
+  std::vector<std::vector<FigureCell>> rows_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_EVALUATE_RUN_PICTURES_H_

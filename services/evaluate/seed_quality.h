@@ -1,0 +1,45 @@
+#ifndef SPROUT_SERVICES_EVALUATE_SEED_QUALITY_H_
+#define SPROUT_SERVICES_EVALUATE_SEED_QUALITY_H_
+
+#include <cstdint>
+#include <span>
+
+#include "common/config/config.h"
+#include "common/core/seed.h"
+#include "services/evaluate/scene.h"
+
+namespace sprout {
+
+/// Error above which a seed is wrong, px.
+inline constexpr double kWrongSeedPx = 3;
+
+/// Seeds by what ground truth says at their nearest pixel of the left image.
+struct SeedCounts {
+  /// At most kWrongSeedPx from the truth, on a pixel that both cameras see (NonOccludedMask()).
+  int64_t good = 0;
+  /// More than kWrongSeedPx from the truth, or on a pixel that a nearer surface hides from the
+  /// right camera (OccludedMask()).
+  int64_t wrong = 0;
+  // The others are of no use or cannot be judged: beyond the border of an image, truth unknown.
+};
+
+/// O(n).
+SeedCounts CountSeeds(std::span<const Seed> seeds, const Scene& scene);
+
+/// What refinement did to the seeds of a scene, before any noise.
+struct RefinementQuality {
+  SeedSet refined;    ///< the seeds kept, and how many points each rule dropped
+  SeedCounts before;  ///< of all ToF points
+  SeedCounts after;   ///< of the seeds kept
+
+  double wrong_before_percent() const;  ///< wrong ones among all ToF points
+  double wrong_after_percent() const;   ///< wrong ones among the seeds kept
+  double good_lost_percent() const;     ///< share of the good ones that was dropped
+};
+
+/// Runs refinement on a scene and judges it. Shares of nothing are NaN.
+RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_EVALUATE_SEED_QUALITY_H_

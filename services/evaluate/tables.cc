@@ -1,0 +1,121 @@
+#include "services/evaluate/tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "services/evaluate/paper_figures.h"
+
+namespace sprout {
+namespace {
+
+using Row = std::vector<std::string>;
+
+// The first row is the head; the first column stands left, all others right.
+std::string Markdown(const std::vector<Row>& rows) {
+  std::vector<size_t> widths(rows.front().size(), 3);
+  for (const Row& row : rows) {
+    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  std::string text;
+  for (const Row& row : rows) {
+    for (size_t i = 0; i < row.size(); ++i) {
+      text += i == 0 ? fmt::format("| {:<{}} |", row[i], widths[i])
+                     : fmt::format(" {:>{}} |", row[i], widths[i]);
+    }
+    text += "\n";
+    if (&row != &rows.front()) continue;
+    for (size_t i = 0; i < row.size(); ++i) {
+      const std::string dashes(widths[i], '-');
+      text += i == 0 ? "|-" + dashes + "-|" : "-" + dashes + ":|";
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string Fixed(double number, int digits) { return fmt::format("{:.{}f}", number, digits); }
+
+// A stage that a method does not have.
+std::string Milliseconds(double ms) { return ms == 0 ? "-" : Fixed(ms, 1); }
+
+Row MetricsRow(const MethodResult& method) {
+  const Accuracy& score = method.nonoccluded;
+  return {method.name,
+          Fixed(score.correct_le1_percent(), 2),
+          Fixed(score.correct_lt1_percent(), 2),
+          Fixed(score.bad2_percent(), 2),
+          Fixed(score.bad4_percent(), 2),
+          Fixed(score.density_percent(), 2),
+          Fixed(score.invalid_percent(), 2),
+          Fixed(score.mean_abs_px(), 3),
+          Fixed(score.rms_px(), 3),
+          Fixed(method.all.correct_le1_percent(), 2),
+          Milliseconds(method.ms.refine_ms),
+          Milliseconds(method.ms.prior_ms),
+          Milliseconds(method.ms.grow_ms),
+          Milliseconds(method.ms.fill_ms),
+          Milliseconds(method.ms.total_ms)};
+}
+
+std::string RefinementLine(const RefinementQuality& quality) {
+  const SeedSet& seeds = quality.refined;
+  return fmt::format(
+      "refinement: {} ToF points, dropped {} outside, {} dark, {} background; {} kept; wrong "
+      "{:.2f} "
+      "% before, {:.2f} % after; good ones lost {:.2f} %\n",
+      seeds.raw, seeds.outside, seeds.dark, seeds.background, seeds.seeds.size(),
+      quality.wrong_before_percent(), quality.wrong_after_percent(), quality.good_lost_percent());
+}
+
+// Measured, the paper's, difference.
+Row PaperCells(const SceneResult& scene, const MethodResult& method) {
+  const double measured = method.nonoccluded.correct_le1_percent();
+  const double paper = PaperPercent(scene.name, method.name).value();
+  return {Fixed(measured, 1), Fixed(paper, 1), fmt::format("{:+.1f}", measured - paper)};
+}
+
+bool IsInPaper(const SceneResult& scene, const MethodResult& method) {
+  return PaperPercent(scene.name, method.name).has_value();
+}
+
+bool HasPaperMethod(const SceneResult& scene) {
+  return std::ranges::any_of(scene.methods,
+                             [&](const MethodResult& method) { return IsInPaper(scene, method); });
+}
+
+}  // namespace
+
+std::string SceneTable(const SceneResult& scene) {
+  std::vector<Row> rows{{"method", "<= 1 px %", "< 1 px %", "bad 2 %", "bad 4 %", "density %",
+                         "invalid %", "mean px", "rms px", "all <= 1 %", "refine ms", "prior ms",
+                         "grow ms", "fill ms", "total ms"}};
+  for (const MethodResult& method : scene.methods) rows.push_back(MetricsRow(method));
+  return fmt::format("{} ({} x {} px)\n\n", scene.name, scene.size.width, scene.size.height) +
+         Markdown(rows) + "\n" + RefinementLine(scene.refinement);
+}
+
+std::string PaperTable(std::vector<SceneResult> scenes) {
+  std::erase_if(scenes, [](const SceneResult& scene) { return !HasPaperMethod(scene); });
+  if (scenes.empty()) return "";
+  std::vector<Row> rows{{"method"}};
+  for (const SceneResult& scene : scenes) {
+    for (const std::string& head : {scene.name, std::string("paper"), std::string("diff")}) {
+      rows.front().push_back(head);
+    }
+  }
+  for (size_t i = 0; i < scenes.front().methods.size(); ++i) {  // the same ones in every scene
+    const MethodResult& method = scenes.front().methods[i];
+    if (!IsInPaper(scenes.front(), method)) continue;
+    Row row{method.name};
+    for (const SceneResult& scene : scenes) {
+      std::ranges::copy(PaperCells(scene, scene.methods[i]), std::back_inserter(row));
+    }
+    rows.push_back(row);
+  }
+  return "Correct non-occluded pixels (error <= 1 px), %, beside the paper's figures\n\n" +
+         Markdown(rows);
+}
+
+}  // namespace sprout

@@ -1,0 +1,23 @@
+#ifndef SPROUT_SERVICES_EVALUATE_TABLES_H_
+#define SPROUT_SERVICES_EVALUATE_TABLES_H_
+
+#include <string>
+#include <vector>
+
+#include "services/evaluate/evaluate.h"
+
+namespace sprout {
+
+// Tables for people: Markdown, with columns aligned so that a terminal shows them well, too.
+
+/// Metrics and times of every method on one scene, and one line about refinement.
+std::string SceneTable(const SceneResult& scene);
+
+/// Each cell (nonocc, error <= 1 px) beside the paper's figure and the difference, in points;
+/// scenes and methods that the paper has not are left out.
+/// @returns nothing when none is left.
+std::string PaperTable(std::vector<SceneResult> scenes);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_EVALUATE_TABLES_H_

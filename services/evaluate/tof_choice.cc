@@ -1,0 +1,58 @@
+#include "services/evaluate/tof_choice.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+namespace sprout {
+namespace {
+
+constexpr std::string_view kAuto = "grid:auto";
+constexpr std::string_view kGrid = "grid:";
+constexpr double kRowsPerSpacingPx = 111;  // 1110 rows: the paper's 10 px
+constexpr double kMaxFactor = 100;
+constexpr int kMaxSpacingPx = 1000;
+
+ConfigError BadChoice(const std::string& text, const std::string& reason) {
+  return ConfigError("--tof " + text + ": " + reason +
+                     "; allowed: grid:auto, grid:auto*K (K above 0, at most 100), grid:N (N from "
+                     "1 to 1000 px)");
+}
+
+template <typename Number>
+std::optional<Number> Parse(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return {};
+  return number;
+}
+
+}  // namespace
+
+TofChoice::TofChoice(const std::string& text) : text_(text) {
+  const std::string_view view = text_;
+  if (view == kAuto) return;
+  if (view == "sr4000") throw BadChoice(text, "this camera is not simulated yet");
+  if (view.starts_with("grid:auto*")) {
+    const std::optional<double> factor = Parse<double>(view.substr(kAuto.size() + 1));
+    if (!factor || !(*factor > 0 && *factor <= kMaxFactor)) throw BadChoice(text, "no such factor");
+    factor_ = *factor;
+  } else if (view.starts_with(kGrid)) {
+    spacing_px_ = Parse<int>(view.substr(kGrid.size()));
+    if (!spacing_px_ || *spacing_px_ < 1 || *spacing_px_ > kMaxSpacingPx) {
+      throw BadChoice(text, "no such spacing");
+    }
+  } else {
+    throw BadChoice(text, "no such ToF camera");
+  }
+}
+
+void TofChoice::Apply(int rows, CaptureConfig& config) const {
+  const double automatic_px = std::max(1.0, std::round(rows / kRowsPerSpacingPx));
+  const int spacing_px = spacing_px_.value_or(
+      std::clamp(static_cast<int>(std::lround(automatic_px * factor_)), 1, kMaxSpacingPx));
+  config.set_tof_grid_px(spacing_px);
+}
+
+}  // namespace sprout

@@ -1,0 +1,35 @@
+#ifndef SPROUT_SERVICES_EVALUATE_TOF_CHOICE_H_
+#define SPROUT_SERVICES_EVALUATE_TOF_CHOICE_H_
+
+#include <optional>
+#include <string>
+
+#include "common/config/config.h"
+
+namespace sprout {
+
+/// Which ToF camera is simulated, as --tof names it.
+///   grid:auto    every round(rows / 111)th pixel of the ground truth: 10 at full size, as in the
+///                paper, 5 at half and 3 at third
+///   grid:auto*K  K times that spacing, rounded
+///   grid:N       every Nth pixel
+class TofChoice {
+ public:
+  /// @throws ConfigError naming the flag, the value and what is allowed.
+  explicit TofChoice(const std::string& text);
+
+  const std::string& text() const { return text_; }
+
+  /// Puts the choice into capture's configuration.
+  /// @param rows  of the images, px.
+  void Apply(int rows, CaptureConfig& config) const;
+
+ private:
+  std::string text_;
+  std::optional<int> spacing_px_;  // nothing: from the rows
+  double factor_ = 1;              // on the spacing from the rows
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_EVALUATE_TOF_CHOICE_H_

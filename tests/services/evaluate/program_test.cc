@@ -1,0 +1,184 @@
+#include "services/evaluate/program.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "common/config/config.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/services/capture/scene_folder.h"
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+struct Outcome {
+  int exit_code;
+  std::string out;
+  std::string err;
+};
+
+Outcome Evaluate(std::vector<std::string> arguments) {
+  std::vector<const char*> argv{"sprout-evaluate"};
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int exit_code = EvaluateMain(static_cast<int>(argv.size()), argv.data());
+  return {exit_code, testing::internal::GetCapturedStdout(),
+          testing::internal::GetCapturedStderr()};
+}
+
+const char* const kScene = "synthetic:96x72";
+
+std::string Text(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+nlohmann::json WithoutTimes(const std::filesystem::path& path) {
+  nlohmann::json json = nlohmann::json::parse(Text(path));
+  for (auto& scene : json["scenes"]) {
+    for (auto& method : scene["methods"]) method.erase("ms");
+  }
+  return json;
+}
+
+void ExpectRefused(const std::vector<std::string>& arguments, const std::string& reason) {
+  const Outcome outcome = Evaluate(arguments);
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, StartsWith("sprout-evaluate: "));
+  EXPECT_THAT(outcome.err, HasSubstr(reason));
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+}
+
+TEST(EvaluateProgram, PrintsTablesAndNoProgressIntoAPipe) {
+  const Outcome outcome = Evaluate({kScene, "--methods", "prior,fgs", "--tof", "grid:4"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("| prior  |"));
+  EXPECT_THAT(outcome.out, HasSubstr("| fgs    |"));
+  EXPECT_EQ(outcome.err, "");
+}
+
+TEST(EvaluateProgram, SaysNothingWhenQuiet) {
+  const Outcome outcome = Evaluate({kScene, "--methods", "prior", "--quiet"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.out + outcome.err, "");
+}
+
+TEST(EvaluateProgram, TeachesItsDefinitions) {
+  const Outcome outcome = Evaluate({"--help"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* text : {"bad N", "nonocc", "<= 1, < 1", "wrong seed", "sgbm-5way"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(text));
+  }
+}
+
+TEST(EvaluateProgram, WritesTheSameJsonEveryTimeButForTheTimes) {
+  const TemporaryDirectory folder;
+  const std::vector<std::string> flags = {kScene, "--methods",        "all", "--seed-noise-px",
+                                          "1",    "--seed-jitter-px", "1",   "--quiet"};
+  const auto run = [&](const char* name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = flags;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    arguments.insert(arguments.end(), {"--json", folder / name});
+    ASSERT_EQ(Evaluate(arguments).exit_code, 0);
+  };
+  run("a.json", {"--seed", "3"});
+  run("b.json", {"--seed", "3", "--threads", "2", "--repeat", "2"});
+  run("c.json", {"--seed", "4"});
+  EXPECT_EQ(WithoutTimes(folder / "a.json").dump(), WithoutTimes(folder / "b.json").dump());
+  EXPECT_NE(WithoutTimes(folder / "a.json").dump(), WithoutTimes(folder / "c.json").dump());
+  EXPECT_EQ(folder.CountEntries(), 3) << "files and nothing beside them";
+}
+
+TEST(EvaluateProgram, NamesTheConfigurationInTheResults) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "mine.textproto") << "grow { sigma_p_px: 2 }\n";
+  ASSERT_EQ(Evaluate({kScene, "--methods", "prior", "--preset", "paper", "--config",
+                      folder / "mine.textproto", "--json", folder / "a.json", "--quiet"})
+                .exit_code,
+            0);
+  EXPECT_EQ(WithoutTimes(folder / "a.json")["preset"], "paper+mine");
+}
+
+TEST(EvaluateProgram, WritesAPictureOfEveryMapAndAFigure) {
+  const TemporaryDirectory folder;
+  ASSERT_EQ(Evaluate({"synthetic:96x72", "synthetic:80x64", "--methods", "prior,fgs", "--images",
+                      folder / "new" / "pictures", "--quiet"})
+                .exit_code,
+            0);
+  const auto pictures = folder / "new" / "pictures";
+  for (const char* name : {"synthetic:96x72_prior.png", "synthetic:80x64_fgs.png"}) {
+    EXPECT_FALSE(cv::imread(pictures / name).empty()) << name;
+  }
+  const cv::Mat figure = cv::imread(pictures / "figure.png");
+  EXPECT_GT(figure.cols, 4 * 320);  // left image, two maps, truth
+  EXPECT_GT(figure.rows, 240 + 256);
+}
+
+TEST(EvaluateProgram, RefusesUnknownMethodsPresetsAndTofCameras) {
+  ExpectRefused({kScene, "--methods", "prior,elas"}, "--methods elas: no such method");
+  ExpectRefused({kScene, "--preset", "fast"}, "allowed: a file, or a preset");
+  ExpectRefused({kScene, "--tof", "lidar"}, "--tof lidar");
+  ExpectRefused({kScene, "--repeat", "0"}, "--repeat");
+  ExpectRefused({kScene, "--seed-noise-px", "-1"}, "--seed-noise-px");
+  ExpectRefused({}, "SCENE_DIR");
+}
+
+TEST(EvaluateProgram, RefusesAFolderWithoutGroundTruth) {
+  const SceneFolder scene;
+  scene.Write2005({40, 30});
+  scene.Remove("disp1.png");
+  const TemporaryDirectory folder;
+  ExpectRefused({scene.File("").c_str(), "--json", folder / "a.json", "--images", folder / "new"},
+                "disp1 is missing");
+  EXPECT_EQ(folder.CountEntries(), 0);
+}
+
+TEST(EvaluateProgram, RefusesImagesAndTruthsOfDifferentSizes) {
+  const TemporaryDirectory folder;
+  for (const char* name : {"view5.png", "disp1.png", "disp5.png"}) {
+    const SceneFolder scene;
+    scene.Write2005({40, 30});
+    scene.WriteImage(name, cv::Mat1b(31, 40, uchar{40}));
+    // A good scene before it is not run either.
+    ExpectRefused({kScene, scene.File("."), "--json", folder / "a.json"}, "40x31");
+  }
+  EXPECT_EQ(folder.CountEntries(), 0);
+}
+
+TEST(EvaluateProgram, RefusesOutputsThatCannotBeWritten) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "file") << "kept";
+  ExpectRefused({kScene, "--json", folder / "missing" / "a.json"}, "--json");
+  ExpectRefused({kScene, "--csv", folder / "missing" / "a.csv"}, "--csv");
+  ExpectRefused({kScene, "--json", folder / ""}, "--json");
+  ExpectRefused({kScene, "--images", folder / "file"}, "--images");
+  EXPECT_EQ(folder.CountEntries(), 1);
+  EXPECT_EQ(Text(folder / "file"), "kept");
+}
+
+TEST(EvaluateProgram, KeepsAnOlderFileWhenTheRunIsRefused) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "a.json") << "older";
+  ExpectRefused({kScene, "--json", folder / "a.json", "--csv", folder / "missing" / "a.csv"},
+                "--csv");
+  EXPECT_EQ(Text(folder / "a.json"), "older");
+  EXPECT_EQ(folder.CountEntries(), 1);
+}
+
+TEST(EvaluateProgram, RefusesPicturesOfTwoScenesOfOneName) {
+  const TemporaryDirectory folder;
+  ExpectRefused({kScene, kScene, "--images", folder / "new"}, "two scenes are called");
+  EXPECT_EQ(folder.CountEntries(), 0);
+}
+
+}  // namespace
+}  // namespace sprout

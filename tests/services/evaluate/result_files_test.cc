@@ -1,0 +1,103 @@
+#include "services/evaluate/result_files.h"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "services/evaluate/tables.h"
+
+namespace sprout {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Accuracy SomeAccuracy() {
+  return {.scored = 200,
+          .with_disparity = 180,
+          .within_1 = 150,
+          .below_1 = 140,
+          .within_2 = 160,
+          .within_4 = 170,
+          .sum_abs_px = 90,
+          .sum_squares_px2 = 720};
+}
+
+MethodResult SomeMethod(const std::string& name) {
+  return {.name = name,
+          .nonoccluded = SomeAccuracy(),
+          .all = {.scored = 400},
+          .ms = {.refine_ms = 1, .prior_ms = 2, .grow_ms = 3, .fill_ms = 4, .total_ms = 10},
+          .map_px = {}};
+}
+
+RunResult SomeRun() {
+  SceneResult scene{.name = "Monopoly", .size = {30, 20}, .methods = {}, .refinement = {}};
+  scene.methods = {SomeMethod("epc"), SomeMethod("fgs")};
+  scene.refinement.refined = {
+      .seeds = std::vector<Seed>(160), .raw = 200, .outside = 5, .dark = 15, .background = 20};
+  scene.refinement.before = {.good = 150, .wrong = 40};
+  scene.refinement.after = {.good = 144, .wrong = 8};
+  return {.preset = "paper", .tof = "grid:auto", .scenes = {scene}};
+}
+
+TEST(ResultFiles, JsonHasTheDocumentedShape) {
+  const Json expected = Json::parse(R"({
+    "preset": "paper", "tof": "grid:auto",
+    "scenes": [{
+      "name": "Monopoly", "width": 30, "height": 20,
+      "methods": [{
+        "name": "epc",
+        "nonocc": {"correct_le1": 75.0, "correct_lt1": 70.0, "bad2": 20.0, "bad4": 15.0,
+                   "density": 90.0, "mean_abs_px": 0.5, "rms_px": 2.0},
+        "all": {"correct_le1": 0.0, "correct_lt1": 0.0, "bad2": 100.0, "bad4": 100.0,
+                "density": 0.0, "mean_abs_px": null, "rms_px": null},
+        "ms": {"refine": 1.0, "prior": 2.0, "grow": 3.0, "fill": 4.0, "total": 10.0}
+      }],
+      "refinement": {"raw": 200, "dark": 15, "background": 20, "outside": 5, "kept": 160,
+                     "wrong_before": 20.0, "wrong_after": 5.0, "good_lost": 4.0}
+    }]})");
+  RunResult run = SomeRun();
+  run.scenes[0].methods.resize(1);
+  EXPECT_EQ(Json::parse(ToJson(run)).dump(2), expected.dump(2));  // the order of keys, too
+}
+
+TEST(ResultFiles, JsonSurvivesNamesThatAreNoText) {
+  RunResult run = SomeRun();
+  run.scenes[0].name = "\xff\"\n";
+  EXPECT_TRUE(Json::accept(ToJson(run)));
+}
+
+TEST(ResultFiles, CsvHasALineForEachMethodAndKindOfPixels) {
+  EXPECT_EQ(
+      ToCsv(SomeRun()),
+      "preset,tof,scene,width,height,method,pixels,correct_le1,correct_lt1,bad2,bad4,density,"
+      "invalid,mean_abs_px,rms_px,refine_ms,prior_ms,grow_ms,fill_ms,total_ms\n"
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,nonocc,75,70,20,15,90,10,0.5,2,1,2,3,4,10\n"
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,all,0,0,100,100,0,100,,,1,2,3,4,10\n"
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,nonocc,75,70,20,15,90,10,0.5,2,1,2,3,4,10\n"
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,all,0,0,100,100,0,100,,,1,2,3,4,10\n");
+}
+
+TEST(Tables, PutThePapersFigureAndTheDifferenceBesideEachCell) {
+  EXPECT_THAT(PaperTable(SomeRun().scenes),
+              testing::EndsWith("| method | Monopoly | paper |  diff |\n"
+                                "|--------|---------:|------:|------:|\n"
+                                "| epc    |     75.0 |  85.2 | -10.2 |\n"));
+}
+
+TEST(Tables, LeaveOutScenesThatThePaperDoesNotHave) {
+  RunResult run = SomeRun();
+  run.scenes[0].name = "Baby1";
+  EXPECT_EQ(PaperTable(run.scenes), "");
+}
+
+TEST(Tables, ShowEveryMethodOfAScene) {
+  const std::string table = SceneTable(SomeRun().scenes[0]);
+  EXPECT_THAT(table, testing::HasSubstr("\n| epc    |     75.00 |    70.00 |"));
+  EXPECT_THAT(table, testing::HasSubstr("\n| fgs    |     75.00 |    70.00 |"));
+  EXPECT_THAT(table,
+              testing::HasSubstr("wrong 20.00 % before, 5.00 % after; good ones lost 4.00 %"));
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,45 @@
+#include "services/evaluate/tof_choice.h"
+
+#include <gmock/gmock.h>
+
+namespace sprout {
+namespace {
+
+int Spacing(const std::string& text, int rows) {
+  CaptureConfig config;
+  TofChoice(text).Apply(rows, config);
+  return config.tof_grid_px();
+}
+
+TEST(TofChoice, FollowsTheRowsOfTheImage) {
+  EXPECT_EQ(Spacing("grid:auto", 1110), 10);
+  EXPECT_EQ(Spacing("grid:auto", 555), 5);
+  EXPECT_EQ(Spacing("grid:auto", 370), 3);
+  EXPECT_EQ(Spacing("grid:auto", 500), 5);
+  EXPECT_EQ(Spacing("grid:auto", 40), 1);
+}
+
+TEST(TofChoice, MultipliesTheAutomaticSpacing) {
+  EXPECT_EQ(Spacing("grid:auto*2", 1110), 20);
+  EXPECT_EQ(Spacing("grid:auto*1.5", 555), 8);
+  EXPECT_EQ(Spacing("grid:auto*0.001", 555), 1);
+}
+
+TEST(TofChoice, TakesASpacingAsItIs) { EXPECT_EQ(Spacing("grid:7", 1110), 7); }
+
+TEST(TofChoice, RefusesWhatItDoesNotKnow) {
+  for (const char* text :
+       {"", "grid", "grid:", "grid:0", "grid:-3", "grid:1001", "grid:5x", "grid:auto*",
+        "grid:auto*0", "grid:auto*nan", "grid:auto*1000", "grid:automatic", "sr4000", "lidar"}) {
+    try {
+      TofChoice choice(text);
+      ADD_FAILURE() << "'" << text << "' was taken";
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("--tof " + std::string(text)));
+      EXPECT_THAT(error.what(), testing::HasSubstr("grid:auto*K"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sprout
