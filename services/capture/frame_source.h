@@ -47,6 +47,8 @@ class FrameSource {
 ///   middlebury:DIR  a Middlebury scene: view1/view5/disp1/disp5 with dmin.txt (2005, 2006), or
 ///                   im0/im1/disp0.pfm with calib.txt (2014); images as .png, .jpg or .ppm
 ///   synthetic:WxH   a moving scene with exact ground truth
+/// The ToF camera is simulated as config.tof() says, or as ?tof=grid or ?tof=sr4000 behind the
+/// source does.
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<FrameSource> OpenFrameSource(const CaptureConfig& config);
 

@@ -28,7 +28,8 @@ struct Timeouts {
 void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Timeouts& timeouts) {
   flags
       .add_option("--source", config.source,
-                  "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene)")
+                  "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene); ?tof=grid or "
+                  "?tof=sr4000 behind it picks the simulated ToF camera")
       ->type_name("SOURCE");
   flags.add_option("--rate", config.rate_hz, "Frames a second; 0 = as fast as possible")
       ->type_name("HZ");

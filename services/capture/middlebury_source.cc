@@ -9,8 +9,11 @@
 #include <optional>
 #include <utility>
 
+#include "common/core/image.h"
 #include "services/capture/middlebury_calibration.h"
 #include "services/capture/pfm.h"
+#include "services/capture/sr4000.h"
+#include "services/capture/surface_renderer.h"
 #include "services/capture/tof_grid.h"
 
 namespace sprout {
@@ -171,12 +174,20 @@ Scene ReadScene(const fs::path& folder, const CaptureConfig& config) {
 
 class MiddleburySource : public FrameSource {
  public:
-  MiddleburySource(Scene scene, int tof_grid_px) {
+  MiddleburySource(Scene scene, const CaptureConfig& config) {
     rig_.pair = scene.pair;
-    rig_.tof = TofGridCamera(scene.pair, tof_grid_px);
+    if (config.tof() == "sr4000") {
+      const Sr4000 camera(scene.pair, config.sr4000(), config.seed());
+      rig_.tof = camera.calibrated();
+      frame_.tof = camera.Measure(RenderSurface({scene.pair, camera.actual()}, scene.truth,
+                                                ToGrey(scene.left), ToGrey(scene.right)),
+                                  0);
+    } else {
+      rig_.tof = TofGridCamera(scene.pair, config.tof_grid_px());
+      frame_.tof = SampleTofGrid(scene.pair, config.tof_grid_px(), scene.truth.left);
+    }
     frame_.left = std::move(scene.left);
     frame_.right = std::move(scene.right);
-    frame_.tof = SampleTofGrid(scene.pair, tof_grid_px, scene.truth.left);
     frame_.truth = std::move(scene.truth);
   }
 
@@ -188,7 +199,7 @@ class MiddleburySource : public FrameSource {
     CapturedFrame copy;
     copy.left = frame_.left.clone();
     copy.right = frame_.right.clone();
-    copy.tof.depth_m = frame_.tof.depth_m.clone();
+    copy.tof = {frame_.tof.depth_m.clone(), frame_.tof.amplitude.clone()};
     copy.truth = {frame_.truth.left.clone(), frame_.truth.right.clone()};
     return copy;
   }
@@ -202,7 +213,7 @@ class MiddleburySource : public FrameSource {
 
 std::unique_ptr<FrameSource> OpenMiddlebury(const std::string& folder,
                                             const CaptureConfig& config) {
-  return std::make_unique<MiddleburySource>(ReadScene(folder, config), config.tof_grid_px());
+  return std::make_unique<MiddleburySource>(ReadScene(folder, config), config);
 }
 
 }  // namespace sprout

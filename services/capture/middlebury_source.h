@@ -8,8 +8,8 @@
 
 namespace sprout {
 
-/// One frame from a folder in Middlebury's layout, with the ToF camera simulated from the left
-/// ground truth.
+/// One frame from a folder in Middlebury's layout, with the ToF camera simulated from the ground
+/// truth: config.tof() = grid from the left one, sr4000 from both.
 ///
 /// 2005 and 2006: view1 and view5 (left and right), disp1 (and disp5): 8-bit codes, disparity in
 /// px = code / scale, 0 = unknown; dmin.txt may be missing. The scale is config.gt_scale(), or

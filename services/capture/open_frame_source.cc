@@ -39,14 +39,35 @@ std::unique_ptr<FrameSource> OpenSyntheticText(std::string_view size_text,
   return OpenSynthetic({*width, *height}, config);
 }
 
+// Applies what stands behind the '?' of a source.
+void ApplyOptions(std::string_view options, CaptureConfig& config) {
+  constexpr std::string_view kTof = "tof=";
+  if (!options.starts_with(kTof)) {
+    throw BadSource(config, "no such option ?" + std::string(options),
+                    "?tof=grid, ?tof=sr4000 behind the source");
+  }
+  config.set_tof(std::string(options.substr(kTof.size())));
+}
+
 }  // namespace
 
-std::unique_ptr<FrameSource> OpenFrameSource(const CaptureConfig& config) {
-  RequireInRange(config, "capture");
+std::unique_ptr<FrameSource> OpenFrameSource(const CaptureConfig& original) {
+  RequireInRange(original, "capture");
+  CaptureConfig config = original;
   const std::string& source = config.source();
-  const size_t colon = source.find(':');
-  const std::string kind = source.substr(0, colon);
-  const std::string argument = colon == std::string::npos ? "" : source.substr(colon + 1);
+  // The last one, as a folder's name may hold one too.
+  const size_t question = source.rfind('?');
+  if (question != std::string::npos) {
+    ApplyOptions(std::string_view(source).substr(question + 1), config);
+  }
+  if (config.tof() != "grid" && config.tof() != "sr4000") {
+    throw ConfigError("capture.tof = " + config.tof() +
+                      ": no such ToF camera; allowed: grid, sr4000");
+  }
+  const std::string place = source.substr(0, question);
+  const size_t colon = place.find(':');
+  const std::string kind = place.substr(0, colon);
+  const std::string argument = colon == std::string::npos ? "" : place.substr(colon + 1);
   if (kind == "middlebury") return OpenMiddlebury(argument, config);
   if (kind == "synthetic") return OpenSyntheticText(argument, config);
   throw BadSource(config, "no such source", "middlebury:DIR, synthetic:WxH");

@@ -34,14 +34,15 @@ struct Solid {
   Material material;
 };
 
-/// A viewing ray with direction.z = 1, so that its parameter is the depth (m) when the origin has
-/// z = 0.
+/// A viewing ray. Its parameter is the depth (m) along an axis when the direction has the component
+/// 1 along it, as direction.z = 1 for the colour cameras, and the camera stands at the origin.
 struct Ray {
   Vec3 origin;
   Vec3 direction;
 };
 
-/// Depth at which the ray meets the solid; infinity when it does not. The cameras are outside.
+/// Parameter > 0 at which the ray meets the solid; infinity when it does not. The cameras are
+/// outside.
 double Intersect(const Solid& solid, const Ray& ray);
 
 /// Colour of the solid at a point of its surface; the same for both cameras.

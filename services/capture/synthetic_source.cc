@@ -4,8 +4,11 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
+#include "services/capture/brown_lens.h"
+#include "services/capture/sr4000.h"
 #include "services/capture/synthetic_scene.h"
 #include "services/capture/tof_grid.h"
 
@@ -159,13 +162,79 @@ class Renderer {
   std::vector<Bounds> bounds_;
 };
 
+// What a ToF camera among the solids looks at: one ray for every sample.
+class TofRayCaster {
+ public:
+  TofRayCaster(const RectifiedPair& pair, const TofCamera& camera)
+      : focal_px_(pair.focal_px),
+        size_(camera.width, camera.height),
+        origin_(ToVec3(camera.left_from_tof_translation_m)) {
+    const Eigen::Matrix3d rotation = camera.left_from_tof_rotation.toRotationMatrix();
+    const cv::Size samples = size_ * TofSamples::kPerSide;
+    directions_.reserve(static_cast<size_t>(samples.area()));
+    for (int y = 0; y < samples.height; ++y) {
+      for (int x = 0; x < samples.width; ++x) {
+        const Eigen::Vector2d direction =
+            DirectionOfPixel(camera, {TofSamples::TofPixel(x), TofSamples::TofPixel(y)});
+        directions_.push_back(ToVec3(rotation * direction.homogeneous()));
+      }
+    }
+  }
+
+  TofSamples Render(const std::vector<Solid>& solids) const {
+    TofSamples samples(size_);
+    cv::parallel_for_({0, samples.depth_m.rows}, [&](const cv::Range& part) {
+      for (int y = part.start; y < part.end; ++y) RenderRow(y, solids, samples);
+    });
+    return samples;
+  }
+
+ private:
+  static Vec3 ToVec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+  void RenderRow(int y, const std::vector<Solid>& solids, TofSamples& samples) const {
+    const auto width = static_cast<size_t>(samples.depth_m.cols);
+    for (int x = 0; x < samples.depth_m.cols; ++x) {
+      // The direction has z = 1 in the ToF camera's frame, so the parameter is the depth there.
+      const Ray ray{origin_, directions_[static_cast<size_t>(y) * width + static_cast<size_t>(x)]};
+      double depth_m = kHuge;
+      const Solid* nearest = nullptr;
+      for (const Solid& solid : solids) {
+        const double candidate_m = Intersect(solid, ray);
+        if (candidate_m >= depth_m) continue;
+        depth_m = candidate_m;
+        nearest = &solid;
+      }
+      if (nearest == nullptr) continue;
+      const Vec3 bgr = ColourAt(*nearest, ray.origin + depth_m * ray.direction, focal_px_);
+      samples.depth_m(y, x) = static_cast<float>(depth_m);
+      samples.albedo(y, x) = static_cast<float>(Dot({0.114, 0.587, 0.299}, bgr) / 255);
+    }
+  }
+
+  double focal_px_;  // of the colour cameras: textures are as fine as these resolve
+  cv::Size size_;
+  Vec3 origin_;
+  std::vector<Vec3> directions_;
+};
+
+// The simulated SR4000 with its view of the scene.
+struct Sr4000View {
+  Sr4000View(const RectifiedPair& pair, const CaptureConfig& config)
+      : camera(pair, config.sr4000(), config.seed()), caster(pair, camera.actual()) {}
+
+  Sr4000 camera;
+  TofRayCaster caster;
+};
+
 class SyntheticSource : public FrameSource {
  public:
   SyntheticSource(cv::Size size, const CaptureConfig& config)
       : tof_grid_px_(config.tof_grid_px()),
         rig_{.pair = PairOfSize(size), .tof = {}},
         scene_(config.seed(), kNearestFloorM * size.height / (2 * rig_.pair.focal_px)) {
-    rig_.tof = TofGridCamera(rig_.pair, tof_grid_px_);
+    if (config.tof() == "sr4000") sr4000_.emplace(rig_.pair, config);
+    rig_.tof = sr4000_ ? sr4000_->camera.calibrated() : TofGridCamera(rig_.pair, tof_grid_px_);
   }
 
   const Rig& rig() const override { return rig_; }
@@ -180,7 +249,8 @@ class SyntheticSource : public FrameSource {
     CapturedFrame frame;
     Renderer(pair, left, solids).Render(frame.left, frame.truth.left);
     Renderer(pair, right, solids).Render(frame.right, frame.truth.right);
-    frame.tof = SampleTofGrid(pair, tof_grid_px_, frame.truth.left);
+    frame.tof = sr4000_ ? sr4000_->camera.Measure(sr4000_->caster.Render(solids), index)
+                        : SampleTofGrid(pair, tof_grid_px_, frame.truth.left);
     return frame;
   }
 
@@ -188,6 +258,7 @@ class SyntheticSource : public FrameSource {
   int tof_grid_px_;
   Rig rig_;
   SyntheticScene scene_;
+  std::optional<Sr4000View> sr4000_;  // else the grid
 };
 
 }  // namespace

@@ -12,13 +12,14 @@ inline constexpr int kMaxSyntheticSide = 16384;  ///< px: a frame takes 16 bytes
 
 /// Endless frames of SyntheticScene in colour, seen by a rectified pair whose disparities span
 /// about 2 to 15 % of the image width, with exact ground truth at the pixel centres of both views
-/// and the ToF camera simulated from the left one.
+/// and a simulated ToF camera: config.tof() = grid samples the left truth, sr4000 looks into the
+/// scene itself.
 ///
 /// Frame i depends on size, config.seed() and i only: same bytes on every machine, with any
 /// number of threads. O(pixels) a frame, in parallel over rows.
 ///
 /// @param size  of the images; each side kMinSyntheticSide to kMaxSyntheticSide px.
-/// @throws ConfigError when config.tof_grid_px() is larger than the image.
+/// @throws ConfigError when a grid of config.tof_grid_px() is larger than the image.
 std::unique_ptr<FrameSource> OpenSynthetic(cv::Size size, const CaptureConfig& config);
 
 }  // namespace sprout

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/projection.h"
 #include "services/capture/frame_source.h"
 
 namespace sprout {
@@ -78,6 +79,34 @@ TEST(MiddleburyData, OpensEveryScene) {
       EXPECT_GT(pair.DepthFromDisparity(range.high_px), 0.8) << what;
       EXPECT_LT(pair.DepthFromDisparity(range.low_px), 6) << what;
     }
+  }
+}
+
+TEST(MiddleburyData, ShowsEverySceneToAnSr4000) {
+  const std::vector<fs::path> scenes = Scenes();
+  if (scenes.empty()) {
+    GTEST_SKIP() << "set SPROUT_DATA to a folder with middlebury/*: scripts/fetch_middlebury";
+  }
+  for (const fs::path& scene : scenes) {
+    CaptureConfig config;
+    config.set_source("middlebury:" + scene.string() + "?tof=sr4000");
+    const auto source = OpenFrameSource(config);
+    const CapturedFrame frame = source->Get(0);
+    int behind = 0;
+    int known = 0;
+    int close = 0;
+    for (const auto& point : TofProjector(source->rig()).Project(frame.tof, behind)) {
+      const cv::Point pixel(static_cast<int>(std::lround(point.seed.u)),
+                            static_cast<int>(std::lround(point.seed.v)));
+      if (!cv::Rect({}, frame.truth.left.size()).contains(pixel)) continue;
+      const float truth_px = frame.truth.left(pixel);
+      if (std::isnan(truth_px)) continue;
+      ++known;
+      if (std::abs(truth_px - point.seed.disparity()) <= 3) ++close;
+    }
+    EXPECT_EQ(behind, 0) << scene;
+    EXPECT_GT(known, 176 * 144 / 2) << scene;
+    EXPECT_GT(close, 0.75 * known) << scene;  // others are hidden from the left camera, or fly
   }
 }
 

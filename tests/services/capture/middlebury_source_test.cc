@@ -165,5 +165,19 @@ TEST(MiddleburySource, GivesTheSameFrameAfterTheFirstWasChanged) {
   EXPECT_EQ(second.truth.right(3, 3), kept.truth.right(3, 3));
 }
 
+TEST(MiddleburySource, ShowsTheSceneToAnSr4000) {
+  SceneFolder folder;
+  folder.Write2005({96, 72});
+  CaptureConfig config = folder.Config();
+  config.set_source(config.source() + "?tof=sr4000");
+  const auto source = OpenFrameSource(config);
+  const TofImage tof = source->Get(0).tof;
+  ASSERT_EQ(tof.depth_m.size(), cv::Size(176, 144));
+  EXPECT_EQ(source->rig().tof.width, 176);
+  EXPECT_EQ(tof.amplitude.size(), tof.depth_m.size());
+  // Code 40 at 1110 / 72 = 15 codes a pixel.
+  EXPECT_NEAR(tof.depth_m(72, 88), source->rig().pair.DepthFromDisparity(40 / 15.0), 0.05);
+}
+
 }  // namespace
 }  // namespace sprout

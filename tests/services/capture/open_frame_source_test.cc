@@ -57,6 +57,37 @@ TEST(OpenFrameSource, ChecksTheRangesOfTheConfiguration) {
   EXPECT_THAT(OpenError(config), HasSubstr("capture.tof_grid_px = 0"));
 }
 
+TEST(OpenFrameSource, TakesTheTofCameraFromTheConfigurationOrTheSource) {
+  CaptureConfig config = WithSource("synthetic:64x48");
+  EXPECT_EQ(OpenFrameSource(config)->rig().tof.width, 6);
+  config.set_tof("sr4000");
+  EXPECT_EQ(OpenFrameSource(config)->rig().tof.width, 176);
+  config.set_source("synthetic:64x48?tof=grid");
+  EXPECT_EQ(OpenFrameSource(config)->rig().tof.width, 6);
+  config.set_tof("grid");
+  config.set_source("synthetic:64x48?tof=sr4000");
+  EXPECT_EQ(OpenFrameSource(config)->rig().tof.width, 176);
+}
+
+TEST(OpenFrameSource, NamesTheTofCamerasThatExist) {
+  CaptureConfig config = WithSource("synthetic:64x48");
+  config.set_tof("kinect");
+  EXPECT_THAT(OpenError(config),
+              AllOf(HasSubstr("capture.tof = kinect: "), HasSubstr("allowed: grid, sr4000")));
+  for (const std::string option : {"", "tof", "tof=", "tof=kinect", "tof=sr4000&x=1"}) {
+    EXPECT_THAT(OpenError(WithSource("synthetic:64x48?" + option)),
+                AllOf(HasSubstr("allowed: "), HasSubstr("sr4000")));
+  }
+  EXPECT_THAT(OpenError(WithSource("middlebury:/no/folder?zoom=2")),
+              AllOf(HasSubstr("no such option ?zoom=2"), HasSubstr("?tof=sr4000")));
+}
+
+TEST(OpenFrameSource, ChecksTheRangesOfTheSr4000) {
+  CaptureConfig config = WithSource("synthetic:64x48");
+  config.mutable_sr4000()->set_view_margin(0);
+  EXPECT_THAT(OpenError(config), HasSubstr("capture.sr4000.view_margin = 0"));
+}
+
 TEST(OpenFrameSource, NamesTheRangeWhenTheTofGridIsWiderThanTheImage) {
   CaptureConfig config = WithSource("synthetic:64x48");
   config.set_tof_grid_px(49);

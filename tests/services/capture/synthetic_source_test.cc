@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "common/core/image.h"
+#include "common/geometry/projection.h"
 #include "services/capture/frame_source.h"
 
 namespace sprout {
@@ -53,6 +54,45 @@ TEST(SyntheticSource, DoesNotDependOnTheNumberOfThreads) {
   const CapturedFrame together = source->Get(11);
   cv::setNumThreads(threads);
   EXPECT_TRUE(SameBytes(alone, together));
+}
+
+TEST(SyntheticSource, ShowsTheSceneToAnSr4000InItsOwnPlace) {
+  CaptureConfig config;
+  config.set_source("synthetic:320x240?tof=sr4000");
+  config.mutable_sr4000()->set_depth_noise_m(0);
+  config.mutable_sr4000()->set_flying_pixels(0);
+  config.mutable_sr4000()->set_min_amplitude(0);
+  const auto source = OpenFrameSource(config);
+  const CapturedFrame frame = source->Get(4);
+  ASSERT_EQ(frame.tof.depth_m.size(), cv::Size(176, 144));
+  ASSERT_EQ(frame.tof.amplitude.size(), cv::Size(176, 144));
+  int behind = 0;
+  int seen_by_left = 0;
+  int hidden_from_left = 0;
+  int nowhere = 0;
+  for (const auto& point : TofProjector(source->rig()).Project(frame.tof, behind)) {
+    const cv::Point pixel(static_cast<int>(std::lround(point.seed.u)),
+                          static_cast<int>(std::lround(point.seed.v)));
+    if (!cv::Rect(0, 0, 320, 240).contains(pixel)) continue;
+    const double nearer_px = frame.truth.left(pixel) - point.seed.disparity();
+    ++(nearer_px > 0.5 ? hidden_from_left : nearer_px > -0.5 ? seen_by_left : nowhere);
+  }
+  EXPECT_GT(seen_by_left, 10000);
+  EXPECT_GT(hidden_from_left, 200);
+  EXPECT_LT(nowhere, 0.02 * seen_by_left);  // positions rounded across an edge
+}
+
+TEST(SyntheticSource, GivesTheSameSr4000BytesWithAnyNumberOfThreads) {
+  const int threads = cv::getNumThreads();
+  const auto source = Open("160x120?tof=sr4000");
+  cv::setNumThreads(1);
+  const CapturedFrame alone = source->Get(11);
+  cv::setNumThreads(2);
+  const CapturedFrame together = source->Get(11);
+  cv::setNumThreads(threads);
+  EXPECT_TRUE(SameBytes(alone, together));
+  EXPECT_TRUE(SameBytes(alone.tof.amplitude, together.tof.amplitude));
+  EXPECT_FALSE(SameBytes(alone.tof.depth_m, Open("160x120?tof=sr4000", 2)->Get(11).tof.depth_m));
 }
 
 TEST(SyntheticSource, LooksDifferentWithAnotherSeed) {

@@ -1,0 +1,50 @@
+#ifndef SPROUT_SERVICES_CAPTURE_SR4000_H_
+#define SPROUT_SERVICES_CAPTURE_SR4000_H_
+
+#include <cstdint>
+
+#include "common/config/config.h"
+#include "common/core/rig.h"
+#include "common/core/tof_image.h"
+#include "services/capture/tof_samples.h"
+
+namespace sprout {
+
+/// Simulation of a SwissRanger SR4000: a ToF camera of 176 × 144 pixels between the two colour
+/// cameras, with a lens, noise and faults of its own. The source renders what the camera looks at
+/// (TofSamples), this class makes of it what the camera says.
+///
+/// Not simulated: multi-path, scattering in the lens, motion, wrap-around beyond the unambiguous
+/// range, distance error that depends on amplitude or temperature.
+class Sr4000 {
+ public:
+  /// @param seed  of the noise: other numbers, other noise.
+  /// @throws ConfigError when a value is out of range.
+  Sr4000(const RectifiedPair& pair, const Sr4000Config& config, uint32_t seed);
+
+  /// As the calibration says.
+  const TofCamera& calibrated() const { return calibrated_; }
+
+  /// As it really stands: what to render from. The same as calibrated() but for
+  /// config.calibration_error_px().
+  const TofCamera& actual() const { return actual_; }
+
+  /// Depth and amplitude (counts) of what the camera looks at. A pixel has no return when less
+  /// than half of its samples are known or its amplitude is below config.min_amplitude(); its
+  /// amplitude is given nevertheless. Depends on samples, configuration, seed and frame only; same
+  /// bytes on every machine.
+  /// O(samples), one thread.
+  TofImage Measure(const TofSamples& samples, int64_t frame) const;
+
+ private:
+  double NoiseM(double amplitude) const;
+
+  Sr4000Config config_;
+  uint32_t seed_;
+  TofCamera calibrated_;
+  TofCamera actual_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CAPTURE_SR4000_H_

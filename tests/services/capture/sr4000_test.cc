@@ -1,0 +1,209 @@
+#include "services/capture/sr4000.h"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "common/geometry/projection.h"
+#include "services/capture/brown_lens.h"
+
+namespace sprout {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+RectifiedPair SomePair() {
+  return {.width = 640,
+          .height = 480,
+          .focal_px = 800,
+          .cx = 319.5,
+          .cy = 239.5,
+          .cx_right = 330,
+          .baseline_m = 0.12};
+}
+
+// A wall that fills the view.
+TofSamples Wall(float depth_m, float albedo) {
+  TofSamples samples({176, 144});
+  samples.depth_m = depth_m;
+  samples.albedo = albedo;
+  return samples;
+}
+
+// Another wall from a ToF column on; quarters of a pixel count.
+void SetRight(TofSamples& samples, double tof_column, float depth_m, float albedo) {
+  const int first = static_cast<int>(std::lround(tof_column * TofSamples::kPerSide));
+  samples.depth_m.colRange(first, samples.depth_m.cols) = depth_m;
+  samples.albedo.colRange(first, samples.albedo.cols) = albedo;
+}
+
+TofImage Measure(const TofSamples& samples, const Sr4000Config& config = {}, uint32_t seed = 1,
+                 int64_t frame = 0) {
+  return Sr4000(SomePair(), config, seed).Measure(samples, frame);
+}
+
+// Root mean square error in columns [first, last).
+double Deviation(const TofImage& tof, int first, int last, double truth_m) {
+  double sum = 0;
+  for (float depth_m : cv::Mat1f(tof.depth_m.colRange(first, last))) {
+    sum += (depth_m - truth_m) * (depth_m - truth_m);
+  }
+  return std::sqrt(sum / (tof.depth_m.rows * (last - first)));
+}
+
+bool SameBytes(const TofImage& a, const TofImage& b) {
+  const size_t bytes = a.depth_m.total() * sizeof(float);
+  return std::memcmp(a.depth_m.data, b.depth_m.data, bytes) == 0 &&
+         std::memcmp(a.amplitude.data, b.amplitude.data, bytes) == 0;
+}
+
+TEST(Sr4000, HasTheStatedNoiseAtTheMedianAmplitude) {
+  const TofImage tof = Measure(Wall(2, 0.5));
+  EXPECT_NEAR(Deviation(tof, 0, 176, 2), 0.004, 0.0001);
+  EXPECT_NEAR(cv::mean(tof.depth_m)[0], 2, 0.0001);
+  for (float amplitude : tof.amplitude) ASSERT_NEAR(amplitude, 500, 0.01);
+}
+
+TEST(Sr4000, IsNoisierFarAwayAndOnDarkSurfaces) {
+  TofSamples samples = Wall(1.5, 0.5f);
+  SetRight(samples, 88, 3, 0.5f);
+  const TofImage by_distance = Measure(samples);
+  EXPECT_GT(Deviation(by_distance, 88, 176, 3), 2 * Deviation(by_distance, 0, 88, 1.5));
+  EXPECT_NEAR(by_distance.amplitude(9, 9) / by_distance.amplitude(9, 99), 4, 1e-3);
+
+  samples = Wall(2, 0.8f);
+  SetRight(samples, 88, 2, 0.2f);
+  const TofImage by_darkness = Measure(samples);
+  EXPECT_GT(Deviation(by_darkness, 88, 176, 2), 2 * Deviation(by_darkness, 0, 88, 2));
+  EXPECT_NEAR(by_darkness.amplitude(9, 9) / by_darkness.amplitude(9, 99), 4, 1e-3);
+}
+
+TEST(Sr4000, IsLimitedByItsOwnLightAtNightAndByTheSunByDay) {
+  TofSamples samples = Wall(2, 0.8f);
+  SetRight(samples, 80, 2, 0.2f);  // the larger part: the median; the other is 4 times as bright
+  Sr4000Config config;
+  config.set_ambient_amplitude(0);
+  EXPECT_NEAR(Deviation(Measure(samples, config), 0, 80, 2), 0.004 / 2, 0.0001);
+  config.set_ambient_amplitude(60000);
+  EXPECT_NEAR(Deviation(Measure(samples, config), 0, 80, 2), 0.004 / 4, 0.0001);
+}
+
+TEST(Sr4000, HasNoReturnFromVeryDarkSurfaces) {
+  TofSamples samples = Wall(2, 0.5f);
+  SetRight(samples, 100, 2, 0.049f);  // just below a tenth of the median
+  SetRight(samples, 120, 2, 0.051f);
+  SetRight(samples, 140, 2, 0);
+  const TofImage tof = Measure(samples);
+  EXPECT_FALSE(std::isnan(tof.depth_m(50, 99)));
+  EXPECT_TRUE(std::isnan(tof.depth_m(50, 100)));
+  EXPECT_NEAR(tof.amplitude(50, 100), 49, 0.01);
+  EXPECT_FALSE(std::isnan(tof.depth_m(50, 120)));
+  Sr4000Config all;
+  all.set_min_amplitude(0);
+  EXPECT_FALSE(std::isnan(Measure(samples, all).depth_m(50, 100)));
+  EXPECT_TRUE(std::isnan(Measure(samples, all).depth_m(50, 140)));  // no light at all
+}
+
+TEST(Sr4000, HasNoReturnWhereMostOfThePixelIsUnknown) {
+  TofSamples samples = Wall(2, 0.5f);
+  SetRight(samples, 100.5, kUnknown, 0);
+  EXPECT_FALSE(std::isnan(Measure(samples).depth_m(50, 100)));
+  SetRight(samples, 100.25, kUnknown, 0);
+  const TofImage tof = Measure(samples);
+  EXPECT_FALSE(std::isnan(tof.depth_m(50, 99)));
+  EXPECT_TRUE(std::isnan(tof.depth_m(50, 100)));
+  EXPECT_EQ(tof.amplitude(50, 130), 0);
+}
+
+TEST(Sr4000, HasFlyingPixelsAtDepthEdgesOnly) {
+  TofSamples samples = Wall(2, 0.4f);
+  SetRight(samples, 100.25, 1, 0.1f);  // both send the same light back
+  Sr4000Config config;
+  config.set_depth_noise_m(0);
+  const TofImage tof = Measure(samples, config);
+  for (int u = 0; u < 176; ++u) {
+    EXPECT_NEAR(tof.depth_m(70, u), u < 100 ? 2 : u > 100 ? 1 : 1.25, 1e-6) << u;
+  }
+  config.set_flying_pixels(0.5);
+  EXPECT_NEAR(Measure(samples, config).depth_m(70, 100), 1.125, 1e-6);
+  config.set_flying_pixels(0);
+  EXPECT_NEAR(Measure(samples, config).depth_m(70, 100), 1, 1e-6);
+}
+
+TEST(Sr4000, GivesTheSameBytesForTheSameFrameAndSeedOnly) {
+  const TofSamples samples = Wall(2, 0.5f);
+  const TofImage tof = Measure(samples, {}, 7, 3);
+  EXPECT_TRUE(SameBytes(tof, Measure(samples, {}, 7, 3)));
+  EXPECT_FALSE(SameBytes(tof, Measure(samples, {}, 8, 3)));
+  EXPECT_FALSE(SameBytes(tof, Measure(samples, {}, 7, 4)));
+}
+
+TEST(Sr4000, StandsBetweenTheCamerasWithALensOfItsOwn) {
+  const TofCamera camera = Sr4000(SomePair(), {}, 1).calibrated();
+  EXPECT_EQ(cv::Size(camera.width, camera.height), cv::Size(176, 144));
+  EXPECT_DOUBLE_EQ(camera.left_from_tof_translation_m.x(), 0.06);
+  EXPECT_LT(camera.left_from_tof_translation_m.y(), 0);  // up
+  const double turn = camera.left_from_tof_rotation.angularDistance(Eigen::Quaterniond::Identity());
+  EXPECT_GT(turn, 0.005);
+  EXPECT_LT(turn, 0.1);
+  EXPECT_LT(camera.distortion[0], 0);  // barrel
+  EXPECT_THAT(camera.distortion, testing::Each(testing::Ne(0)));
+  Sr4000Config config;
+  config.set_focal_px(220);
+  EXPECT_DOUBLE_EQ(Sr4000(SomePair(), config, 1).calibrated().fx, 220);
+}
+
+TEST(Sr4000, SeesEverythingThatBothCamerasSee) {
+  const RectifiedPair pair = SomePair();
+  const TofCamera camera = Sr4000(pair, {}, 1).calibrated();
+  for (const float disparity : {0.f, 51.f, 102.f}) {
+    for (const float u : {disparity, 639.f}) {
+      for (const float v : {0.f, 479.f}) {
+        const Eigen::Vector3d in_left = PointFromSeed(pair, {u, v, u - disparity});
+        const Eigen::Vector3d in_tof = camera.left_from_tof_rotation.conjugate() *
+                                       (in_left - camera.left_from_tof_translation_m);
+        const Eigen::Vector2d pixel = PixelOfDirection(camera, in_tof.hnormalized());
+        EXPECT_TRUE(pixel.x() > -0.5 && pixel.x() < 175.5 && pixel.y() > -0.5 && pixel.y() < 143.5)
+            << u << " " << v << " " << disparity << ": " << pixel.transpose();
+      }
+    }
+  }
+}
+
+TEST(Sr4000, MovesProjectedPointsByTheCalibrationError) {
+  const RectifiedPair pair = SomePair();
+  const TofImage wall{cv::Mat1f(144, 176, 3.f), {}};
+  for (const double error_px : {0.0, 1.0, 2.5, 10.0}) {
+    Sr4000Config config;
+    config.set_calibration_error_px(error_px);
+    const Sr4000 camera(pair, config, 1);
+    int behind = 0;
+    const auto said = TofProjector({pair, camera.calibrated()}).Project(wall, behind);
+    const auto truth = TofProjector({pair, camera.actual()}).Project(wall, behind);
+    ASSERT_EQ(said.size(), truth.size());
+    double sum = 0;
+    for (size_t i = 0; i < said.size(); ++i) {
+      EXPECT_LE(said[i].seed.u, truth[i].seed.u);
+      EXPECT_LE(said[i].seed.v, truth[i].seed.v);
+      sum += std::hypot(said[i].seed.u - truth[i].seed.u, said[i].seed.v - truth[i].seed.v);
+    }
+    EXPECT_NEAR(sum / static_cast<double>(said.size()), error_px, 0.15 * error_px);
+  }
+}
+
+TEST(Sr4000, RefusesParametersOutOfRange) {
+  Sr4000Config config;
+  config.set_flying_pixels(1.5);
+  try {
+    Measure(Wall(1, 1), config);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("capture.sr4000.flying_pixels = 1.5"));
+  }
+}
+
+}  // namespace
+}  // namespace sprout
