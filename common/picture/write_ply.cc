@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "common/core/image.h"
 #include "common/core/seed.h"
 #include "common/geometry/projection.h"
 #include "common/picture/output_file.h"
@@ -23,10 +24,6 @@ struct Surface {
     return disparity.IsValid(u, v) && double{disparity.Px(u, v)} + pair.cx_right - pair.cx > 0;
   }
 };
-
-std::string SizeText(cv::Size size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
 
 Result<void> CheckSizes(const std::filesystem::path& path, const Surface& surface) {
   const cv::Size size = surface.disparity.size();

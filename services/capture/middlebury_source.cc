@@ -65,10 +65,6 @@ cv::Mat ReadWithOpenCv(const fs::path& path, int flags) {
   return image;
 }
 
-std::string SizeText(cv::Size size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
-
 void RequireSize(const fs::path& path, cv::Size size, cv::Size expected) {
   if (size == expected) return;
   throw ConfigError("scene file " + path.string() + ": " + SizeText(size) +

@@ -93,9 +93,11 @@ void AddInputFlags(CLI::App& flags, Options& options) {
       ->expected(1)
       ->take_all();
   flags
-      .add_option("--tof", options.tof,
-                  "ToF camera: grid:auto (every round(rows / 111)th pixel of the truth: 10 at full "
-                  "size, as in the paper), grid:auto*K (K times that), grid:N (every Nth)")
+      .add_option(
+          "--tof", options.tof,
+          "ToF camera: grid:auto (every round(rows / 111)th pixel of the truth: 10 at full "
+          "size, as in the paper), grid:auto*K (K times that), grid:N (every Nth), or sr4000 (a "
+          "camera of its own with the faults of a real one)")
       ->capture_default_str();
   flags
       .add_option("--seed-noise-px", options.noise.disparity_px,

@@ -26,6 +26,7 @@ std::string NameOf(const std::string& scene) {
 std::unique_ptr<FrameSource> Open(const std::string& scene, const TofChoice& tof,
                                   CaptureConfig& config) {
   config.set_source(IsSynthetic(scene) ? scene : "middlebury:" + scene);
+  config.set_tof("grid");
   config.set_tof_grid_px(1);  // fits every image
   tof.Apply(OpenFrameSource(config)->rig().pair.height, config);
   return OpenFrameSource(config);

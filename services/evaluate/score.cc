@@ -6,14 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "common/core/image.h"
+
 namespace sprout {
 namespace {
 
 constexpr double kMaxDisagreementPx = 1;
-
-std::string SizeText(cv::Size size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
 
 /// Right column of a left pixel; −1 when the disparity is unknown or the column outside the image.
 int RightColumn(int u, float disparity_px, int width) {

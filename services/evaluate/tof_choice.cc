@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::string_view kAuto = "grid:auto";
 constexpr std::string_view kGrid = "grid:";
+constexpr std::string_view kSr4000 = "sr4000";
 constexpr double kRowsPerSpacingPx = 111;  // 1110 rows: the paper's 10 px
 constexpr double kMaxFactor = 100;
 constexpr int kMaxSpacingPx = 1000;
@@ -17,7 +18,7 @@ constexpr int kMaxSpacingPx = 1000;
 ConfigError BadChoice(const std::string& text, const std::string& reason) {
   return ConfigError("--tof " + text + ": " + reason +
                      "; allowed: grid:auto, grid:auto*K (K above 0, at most 100), grid:N (N from "
-                     "1 to 1000 px)");
+                     "1 to 1000 px), sr4000");
 }
 
 template <typename Number>
@@ -33,7 +34,7 @@ std::optional<Number> Parse(std::string_view text) {
 TofChoice::TofChoice(const std::string& text) : text_(text) {
   const std::string_view view = text_;
   if (view == kAuto) return;
-  if (view == "sr4000") throw BadChoice(text, "this camera is not simulated yet");
+  if (view == kSr4000) return;
   if (view.starts_with("grid:auto*")) {
     const std::optional<double> factor = Parse<double>(view.substr(kAuto.size() + 1));
     if (!factor || !(*factor > 0 && *factor <= kMaxFactor)) throw BadChoice(text, "no such factor");
@@ -49,9 +50,14 @@ TofChoice::TofChoice(const std::string& text) : text_(text) {
 }
 
 void TofChoice::Apply(int rows, CaptureConfig& config) const {
+  if (text_ == kSr4000) {
+    config.set_tof(text_);
+    return;
+  }
   const double automatic_px = std::max(1.0, std::round(rows / kRowsPerSpacingPx));
   const int spacing_px = spacing_px_.value_or(
       std::clamp(static_cast<int>(std::lround(automatic_px * factor_)), 1, kMaxSpacingPx));
+  config.set_tof("grid");
   config.set_tof_grid_px(spacing_px);
 }
 

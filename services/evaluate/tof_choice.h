@@ -13,6 +13,7 @@ namespace sprout {
 ///                paper, 5 at half and 3 at third
 ///   grid:auto*K  K times that spacing, rounded
 ///   grid:N       every Nth pixel
+///   sr4000       a camera of its own with the faults of a real one (Sr4000Config)
 class TofChoice {
  public:
   /// @throws ConfigError naming the flag, the value and what is allowed.

@@ -27,10 +27,18 @@ TEST(TofChoice, MultipliesTheAutomaticSpacing) {
 
 TEST(TofChoice, TakesASpacingAsItIs) { EXPECT_EQ(Spacing("grid:7", 1110), 7); }
 
+TEST(TofChoice, ChoosesTheCamera) {
+  CaptureConfig config;
+  TofChoice("sr4000").Apply(1110, config);
+  EXPECT_EQ(config.tof(), "sr4000");
+  TofChoice("grid:7").Apply(1110, config);
+  EXPECT_EQ(config.tof(), "grid");
+}
+
 TEST(TofChoice, RefusesWhatItDoesNotKnow) {
   for (const char* text :
        {"", "grid", "grid:", "grid:0", "grid:-3", "grid:1001", "grid:5x", "grid:auto*",
-        "grid:auto*0", "grid:auto*nan", "grid:auto*1000", "grid:automatic", "sr4000", "lidar"}) {
+        "grid:auto*0", "grid:auto*nan", "grid:auto*1000", "grid:automatic", "sr4001", "lidar"}) {
     try {
       TofChoice choice(text);
       ADD_FAILURE() << "'" << text << "' was taken";
