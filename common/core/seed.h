@@ -18,13 +18,15 @@ struct Seed {
 };
 
 /// The seeds of one frame, and what happened to the ToF points on the way:
-/// raw = outside + dark + background + seeds.size().
+/// raw = outside + dark + loose + background + hidden + seeds.size().
 struct SeedSet {
   std::vector<Seed> seeds;
   int32_t raw = 0;         ///< ToF points with a return
   int32_t outside = 0;     ///< behind the cameras, or their window leaves an image
   int32_t dark = 0;        ///< on a very dark region, or with a weak ToF amplitude
+  int32_t loose = 0;       ///< on no surface: flying pixels, outliers
   int32_t background = 0;  ///< beside a nearer seed
+  int32_t hidden = 0;      ///< behind a nearer surface, from the left or the right camera
 
   bool operator==(const SeedSet&) const = default;
 };

@@ -242,7 +242,9 @@ seeds_t ToMessage(const FrameId& id, const SeedSet& seeds) {
   message.raw_count = seeds.raw;
   message.outside_count = seeds.outside;
   message.dark_count = seeds.dark;
+  message.loose_count = seeds.loose;
   message.background_count = seeds.background;
+  message.hidden_count = seeds.hidden;
   message.u.reserve(seeds.seeds.size());
   message.v.reserve(seeds.seeds.size());
   message.u_right.reserve(seeds.seeds.size());
@@ -264,13 +266,17 @@ Result<SeedSet> FromMessage(const seeds_t& message) {
       .NotNegative("raw_count", message.raw_count)
       .NotNegative("outside_count", message.outside_count)
       .NotNegative("dark_count", message.dark_count)
-      .NotNegative("background_count", message.background_count);
+      .NotNegative("loose_count", message.loose_count)
+      .NotNegative("background_count", message.background_count)
+      .NotNegative("hidden_count", message.hidden_count);
   if (!checks.ok()) return checks.error();
   SeedSet seeds{.seeds = {},
                 .raw = message.raw_count,
                 .outside = message.outside_count,
                 .dark = message.dark_count,
-                .background = message.background_count};
+                .loose = message.loose_count,
+                .background = message.background_count,
+                .hidden = message.hidden_count};
   seeds.seeds.reserve(count);
   for (size_t i = 0; i < count; ++i) {
     const Seed seed{.u = message.u[i], .v = message.v[i], .u_right = message.u_right[i]};

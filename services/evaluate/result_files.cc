@@ -32,7 +32,9 @@ Json RefinementJson(const RefinementQuality& quality) {
   const SeedSet& seeds = quality.refined;
   return {{"raw", seeds.raw},
           {"dark", seeds.dark},
+          {"loose", seeds.loose},
           {"background", seeds.background},
+          {"hidden", seeds.hidden},
           {"outside", seeds.outside},
           {"kept", seeds.seeds.size()},
           {"wrong_before", quality.wrong_before_percent()},

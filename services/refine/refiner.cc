@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/core/image.h"
+#include "services/refine/tof_surface.h"
 
 namespace sprout {
 namespace {
@@ -82,6 +83,26 @@ void MarkBackground(std::span<const Seed> seeds, const std::vector<int>& columns
   }
 }
 
+// Takes away the items that are flagged.
+// @returns how many.
+template <typename T>
+int32_t Drop(const std::vector<bool>& flags, std::vector<T>& items) {
+  size_t next = 0;
+  for (size_t i = 0; i < items.size(); ++i) {
+    if (!flags[i]) items[next++] = items[i];
+  }
+  const size_t dropped = items.size() - next;
+  items.resize(next);
+  return static_cast<int32_t>(dropped);
+}
+
+std::vector<Seed> SeedsOf(const std::vector<ProjectedPoint>& points) {
+  std::vector<Seed> seeds;
+  seeds.reserve(points.size());
+  for (const ProjectedPoint& point : points) seeds.push_back(point.seed);
+  return seeds;
+}
+
 }  // namespace
 
 std::vector<bool> FindBackground(std::span<const Seed> seeds, cv::Size size, double tolerance_px) {
@@ -112,32 +133,49 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   const std::vector<ProjectedPoint> points = projector.Project(tof, result.outside);
   result.raw = static_cast<int32_t>(points.size()) + result.outside;
 
-  // Rule 1 (paper, II-B): unreliable depth on very dark regions.
-  cv::Mat1f mean_grey;
-  cv::boxFilter(left, mean_grey, CV_32F, {kWindow, kWindow});
-  std::vector<Seed> seeds;
-  for (const ProjectedPoint& point : points) {
-    const Seed& seed = point.seed;
-    if (!WindowFits(seed.u, seed.v, size) || !WindowFits(seed.u_right, seed.v, size) ||
-        seed.disparity() < 0) {
-      ++result.outside;
-    } else if (mean_grey(Pixel(seed.v), Pixel(seed.u)) < config_.min_mean_grey() ||
-               (!tof.amplitude.empty() &&
-                !(tof.amplitude(point.tof_v, point.tof_u) >= config_.min_amplitude()))) {
-      ++result.dark;
-    } else {
-      seeds.push_back(seed);
-    }
+  std::vector<ProjectedPoint> kept = DropOutsideAndDark(left, tof, rig.pair, points, result);
+  const TofSurface surface(rig, points);
+  if (config_.loose_tolerance_px() > 0) {
+    result.loose = Drop(surface.FindLoose(kept, config_.loose_tolerance_px()), kept);
   }
 
   // Rule 2 (paper, II-B): background that the ToF camera sees beside or behind a nearer surface.
+  // What it drops still hides other points.
   const std::vector<bool> background =
-      FindBackground(seeds, size, config_.background_tolerance_px());
-  for (size_t i = 0; i < seeds.size(); ++i) {
-    if (!background[i]) result.seeds.push_back(seeds[i]);
+      FindBackground(SeedsOf(kept), size, config_.background_tolerance_px());
+  std::vector<bool> hidden(kept.size());
+  if (config_.hidden_reach() > 0) {
+    hidden = surface.FindHidden(kept, config_.hidden_reach(), config_.hidden_tolerance_px());
   }
-  result.background = static_cast<int32_t>(seeds.size() - result.seeds.size());
+  Drop(background, hidden);
+  result.background = Drop(background, kept);
+  result.hidden = Drop(hidden, kept);
+  result.seeds = SeedsOf(kept);
   return result;
+}
+
+// Rule 1 (paper, II-B): unreliable depth on very dark regions.
+std::vector<ProjectedPoint> Refiner::DropOutsideAndDark(const cv::Mat1b& left, const TofImage& tof,
+                                                        const RectifiedPair& pair,
+                                                        const std::vector<ProjectedPoint>& points,
+                                                        SeedSet& counts) const {
+  cv::Mat1f mean_grey;
+  cv::boxFilter(left, mean_grey, CV_32F, {kWindow, kWindow});
+  std::vector<ProjectedPoint> kept;
+  for (const ProjectedPoint& point : points) {
+    const Seed& seed = point.seed;
+    if (!WindowFits(seed.u, seed.v, pair.size()) ||
+        !WindowFits(seed.u_right, seed.v, pair.size()) || seed.disparity() < 0) {
+      ++counts.outside;
+    } else if (mean_grey(Pixel(seed.v), Pixel(seed.u)) < config_.min_mean_grey() ||
+               (!tof.amplitude.empty() &&
+                !(tof.amplitude(point.tof_v, point.tof_u) >= config_.min_amplitude()))) {
+      ++counts.dark;
+    } else {
+      kept.push_back(point);
+    }
+  }
+  return kept;
 }
 
 }  // namespace sprout

@@ -13,10 +13,11 @@
 
 namespace sprout {
 
-/// Turns ToF points into seed correspondences and drops the unreliable ones (paper, II-B).
+/// Turns ToF points into seed correspondences and drops the unreliable ones: by the paper's rules
+/// (II-B) and by two of TofSurface, which a sensor needs that stands beside the left camera.
 class Refiner {
  public:
-  /// Side of the window that both rules look at, px.
+  /// Side of the window that the paper's rules look at, px.
   static constexpr int kWindow = 5;
 
   /// @throws ConfigError when a value is out of range.
@@ -26,14 +27,19 @@ class Refiner {
   /// @param tof          range image of the calibrated size (a precondition).
   /// @param projector    of the calibration; worth keeping from frame to frame.
   /// @returns the seeds in the order of the ToF pixels, and how many were dropped by which rule; a
-  ///          point is counted under the first of outside, dark, background that applies. Seeds
-  ///          keep their sub-pixel positions. An error when the images do not have the calibrated
-  ///          size.
+  ///          point is counted under the first of outside, dark, loose, background, hidden that
+  ///          applies. Seeds keep their sub-pixel positions. An error when the images do not have
+  ///          the calibrated size.
   /// O(ToF pixels + image pixels); no I/O; thread-compatible.
   Result<SeedSet> Compute(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                           const TofProjector& projector) const;
 
  private:
+  std::vector<ProjectedPoint> DropOutsideAndDark(const cv::Mat1b& left, const TofImage& tof,
+                                                 const RectifiedPair& pair,
+                                                 const std::vector<ProjectedPoint>& points,
+                                                 SeedSet& counts) const;
+
   RefineConfig config_;
 };
 

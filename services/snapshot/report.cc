@@ -38,8 +38,11 @@ std::string StageTable(const std::map<std::string, StageStatus>& statuses) {
 }
 
 std::string SeedLine(const SeedSet& seeds) {
-  return fmt::format("seeds: {} ToF points, dropped {} outside, {} dark, {} background; {} kept\n",
-                     seeds.raw, seeds.outside, seeds.dark, seeds.background, seeds.seeds.size());
+  return fmt::format(
+      "seeds: {} ToF points, dropped {} outside, {} dark, {} loose, {} background, {} hidden; {} "
+      "kept\n",
+      seeds.raw, seeds.outside, seeds.dark, seeds.loose, seeds.background, seeds.hidden,
+      seeds.seeds.size());
 }
 
 Result<std::string> MapTable(const Frame& frame, const GroundTruth& truth) {

@@ -183,6 +183,8 @@ TEST(SeedsBorder, RefusesPositionsAndCountsThatAreNone) {
        {"raw", [](M& m) { m.raw_count = -1; }, "raw_count = -1", ">= 0"},
        {"outside", [](M& m) { m.outside_count = -1; }, "outside_count = -1", ">= 0"},
        {"dark", [](M& m) { m.dark_count = -1; }, "dark_count = -1", ">= 0"},
+       {"loose", [](M& m) { m.loose_count = -1; }, "loose_count = -1", ">= 0"},
+       {"hidden", [](M& m) { m.hidden_count = -1; }, "hidden_count = -1", ">= 0"},
        {"background", [](M& m) { m.background_count = INT32_MIN; }, "background_count", ">= 0"}});
 }
 

@@ -68,10 +68,12 @@ inline sprout::Rig Rig() {
 
 inline SeedSet Seeds() {
   return {.seeds = {{10.5F, 3, 4.25F}, {11, 4, 5}, {0, 0, 0}},
-          .raw = 10,
+          .raw = 21,
           .outside = 1,
           .dark = 2,
-          .background = 4};
+          .loose = 5,
+          .background = 4,
+          .hidden = 6};
 }
 
 inline DisparityImage Disparity() {

@@ -34,6 +34,14 @@ Rig MakeRig() {
   return rig;
 }
 
+// The paper's rules alone: the made-up ToF images hold single points, which all hang loose.
+RefineConfig PaperRules() {
+  RefineConfig config;
+  config.set_loose_tolerance_px(0);
+  config.set_hidden_reach(0);
+  return config;
+}
+
 struct Scene {
   Rig rig = MakeRig();
   cv::Mat1b left = cv::Mat1b(80, 100, uint8_t{100});
@@ -44,7 +52,7 @@ struct Scene {
     tof.depth_m(j, i) = static_cast<float>(rig.pair.DepthFromDisparity(disparity));
   }
 
-  Result<SeedSet> Refine(const RefineConfig& config = {}) const {
+  Result<SeedSet> Refine(const RefineConfig& config = PaperRules()) const {
     return Refiner(config).Compute(left, right, tof, TofProjector(rig));
   }
 };
@@ -92,7 +100,7 @@ TEST(Refiner, DropsSeedsOnDarkRegionsOfTheLeftImage) {
   scene.SetDisparity(6, 2, 8);
   scene.left(cv::Rect(58, 18, 5, 5)) = 7;   // mean of the window around (60, 20): 7
   scene.right(cv::Rect(20, 18, 5, 5)) = 0;  // the right image does not count
-  RefineConfig config;
+  RefineConfig config = PaperRules();
   config.set_min_mean_grey(8);
   const auto result = scene.Refine(config);
   EXPECT_EQ(result->dark, 1);
@@ -110,7 +118,7 @@ TEST(Refiner, DropsSeedsWithAWeakAmplitude) {
   scene.tof.amplitude = cv::Mat1f(8, 10, 50.f);
   scene.tof.amplitude(2, 6) = 19;
   scene.tof.amplitude(4, 6) = kNoReturn;
-  RefineConfig config;
+  RefineConfig config = PaperRules();
   config.set_min_amplitude(20);
   EXPECT_EQ(scene.Refine(config)->dark, 2);
   scene.tof.amplitude = cv::Mat1f();
@@ -162,6 +170,54 @@ TEST(Refiner, CountsAddUp) {
       result->raw);
 }
 
+// A wall of 4 px behind a board of 16 px in ToF columns 4 to 6, as the ToF camera of MakeRig()
+// sees them; it stands `tof_x_m` to the right of the left camera.
+Scene BoardBeforeWall(double tof_x_m) {
+  Scene scene;
+  scene.rig.tof.left_from_tof_translation_m.x() = tof_x_m;
+  for (int j = 0; j < 8; ++j) {
+    for (int i = 0; i < 10; ++i) scene.SetDisparity(i, j, i >= 4 && i <= 6 ? 16 : 4);
+  }
+  return scene;
+}
+
+TEST(Refiner, DropsPointsThatANearerSurfaceHidesAndCountsThem) {
+  const Scene scene = BoardBeforeWall(0.05);
+  RefineConfig config = PaperRules();
+  // The board's edge and the wall's next point lie 4 px apart: too far for a window of 5×5 px.
+  EXPECT_EQ(scene.Refine(config)->background, 0);
+  EXPECT_EQ(scene.Refine(config)->hidden, 0);
+  config.set_hidden_reach(0.75);
+  const auto refined = scene.Refine(config);
+  EXPECT_EQ(refined->hidden, 14);  // a point at either edge in seven rows
+  EXPECT_EQ(static_cast<int>(refined->seeds.size()) + refined->outside + refined->background +
+                refined->hidden,
+            refined->raw);
+  for (const Seed& seed : refined->seeds) {
+    if (seed.disparity() > 10) continue;
+    for (const Seed& other : refined->seeds) {
+      const bool on_board = other.disparity() > 10 && std::abs(other.v - seed.v) < 1;
+      EXPECT_FALSE(on_board && std::abs(other.u - seed.u) < 7);
+      EXPECT_FALSE(on_board && std::abs(other.u_right - seed.u_right) < 7);
+    }
+  }
+}
+
+TEST(Refiner, DropsLoosePointsBeforeTheyCanHideOthers) {
+  Scene scene = BoardBeforeWall(0);
+  for (int j = 0; j < 8; ++j) {
+    for (int i = 0; i < 10; ++i) scene.SetDisparity(i, j, 4);
+  }
+  scene.SetDisparity(5, 4, 30);  // alone before the wall
+  RefineConfig config = PaperRules();
+  config.set_hidden_reach(0.75);
+  EXPECT_GT(scene.Refine(config)->hidden, 0);
+  config.set_loose_tolerance_px(2);
+  const auto result = scene.Refine(config);
+  EXPECT_EQ(result->loose, 1);
+  EXPECT_EQ(result->hidden, 0);
+}
+
 TEST(Refiner, SaysWhatIsWrongWithSizes) {
   Scene scene;
   scene.right = cv::Mat1b(80, 99, uint8_t{0});
@@ -207,7 +263,7 @@ TEST(RefinePlug, AnswersAToFImageOfAnotherSizeThanCalibratedEmpty) {
 }
 
 TEST(RefinePlug, FollowsAChangeOfCalibration) {
-  RefinePlug plug{RefineConfig()};
+  RefinePlug plug{PaperRules()};
   Scene scene;
   scene.SetDisparity(3, 2, 8);
   const auto seed_of = [&](const Outcome& outcome) {

@@ -1,0 +1,137 @@
+#include "services/refine/tof_surface.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace sprout {
+namespace {
+
+// A ToF camera of 12×10 pixels; its columns and rows lie 8 px apart in the images.
+Rig SomeRig() {
+  Rig rig;
+  rig.pair.width = 200;
+  rig.pair.height = 120;
+  rig.pair.focal_px = 80;
+  rig.tof.width = 12;
+  rig.tof.height = 10;
+  rig.tof.fx = rig.tof.fy = 10;
+  return rig;
+}
+
+// Point of ToF pixel (i, j) with a disparity, as a camera between the colour cameras sees it: the
+// nearer, the further right in the left image and the further left in the right one.
+ProjectedPoint Point(int i, int j, float disparity) {
+  const float middle = 60 + 8 * static_cast<float>(i);
+  return {i, j, {middle + disparity / 2, 20 + 8 * static_cast<float>(j), middle - disparity / 2}};
+}
+
+std::vector<ProjectedPoint> Points(const std::function<float(float i, float j)>& disparity) {
+  std::vector<ProjectedPoint> points;
+  for (int j = 0; j < 10; ++j) {
+    for (int i = 0; i < 12; ++i)
+      points.push_back(Point(i, j, disparity(static_cast<float>(i), static_cast<float>(j))));
+  }
+  return points;
+}
+
+// ToF columns with a flagged point in row 5.
+std::vector<int> Columns(const std::vector<bool>& flags) {
+  std::vector<int> columns;
+  for (int i = 0; i < 12; ++i) {
+    if (flags[static_cast<size_t>(5 * 12 + i)]) columns.push_back(i);
+  }
+  return columns;
+}
+
+std::vector<int> Hidden(const std::vector<ProjectedPoint>& points, double reach = 0.75,
+                        double tolerance_px = 1) {
+  return Columns(TofSurface(SomeRig(), points).FindHidden(points, reach, tolerance_px));
+}
+
+int CountLoose(const std::vector<ProjectedPoint>& points, double tolerance_px = 2) {
+  const std::vector<bool> loose = TofSurface(SomeRig(), points).FindLoose(points, tolerance_px);
+  return static_cast<int>(std::count(loose.begin(), loose.end(), true));
+}
+
+TEST(TofSurface, HidesWhatABoardCoversInEitherImage) {
+  // The board moves by 8 px against the wall, a ToF pixel: right in the left image, where it falls
+  // onto the column after it, and left in the right image, onto the column before it.
+  const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 26.f : 10.f; });
+  EXPECT_THAT(Hidden(points), testing::ElementsAre(3, 8));
+}
+
+TEST(TofSurface, HidesNothingOnAPlane) {
+  EXPECT_THAT(Hidden(Points([](float, float) { return 10.f; })), testing::IsEmpty());
+}
+
+TEST(TofSurface, HidesNothingOnASlant) {
+  // 3 px a ToF column and 2 px a row: with a window and no slant, all would hide their neighbours.
+  const auto points = Points([](float i, float j) { return 10 + 3 * i + 2 * j; });
+  EXPECT_THAT(Hidden(points), testing::IsEmpty());
+}
+
+TEST(TofSurface, LeavesASlantedBoardsOwnPointsAtItsEdges) {
+  const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 30 + 2 * i : 10.f; });
+  for (int column : Hidden(points)) EXPECT_TRUE(column < 4 || column > 7) << column;
+}
+
+TEST(TofSurface, ReachesAsFarAsItIsTold) {
+  // The board moves by 4 px against the wall: the next column of the wall is 4 px from its edge.
+  const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 18.f : 10.f; });
+  EXPECT_THAT(Hidden(points, 0.45), testing::IsEmpty());
+  EXPECT_THAT(Hidden(points, 0.55), testing::ElementsAre(3, 8));
+}
+
+TEST(TofSurface, ToleratesSmallSteps) {
+  const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 18.f : 10.f; });
+  EXPECT_THAT(Hidden(points, 0.75, 7.9), testing::ElementsAre(3, 8));
+  EXPECT_THAT(Hidden(points, 0.75, 8.1), testing::IsEmpty());
+}
+
+TEST(TofSurface, DoesNotDependOnTheOrderOfThePoints) {
+  auto points = Points([](float i, float j) { return i >= 4 && i <= 7 && j > 2 ? 26.f : 10.f; });
+  const TofSurface surface(SomeRig(), points);
+  std::vector<bool> forwards = surface.FindHidden(points, 0.75, 1);
+  std::reverse(points.begin(), points.end());
+  std::vector<bool> backwards = surface.FindHidden(points, 0.75, 1);
+  std::reverse(backwards.begin(), backwards.end());
+  EXPECT_EQ(forwards, backwards);
+}
+
+TEST(TofSurface, TakesFlyingPixelsForLoose) {
+  // A column between two surfaces, each pixel with another mixture.
+  const auto points = Points([](float i, float j) {
+    return i < 5 ? 10.f : i > 5 ? 40.f : 14 + std::fmod(7 * j, 10.f) * 2.4f;
+  });
+  EXPECT_EQ(CountLoose(points), 10);
+  EXPECT_EQ(CountLoose(Points([](float i, float) { return i < 5 ? 10.f : 40.f; })), 0);
+}
+
+TEST(TofSurface, TakesASingleOutlierForLooseAndNotItsNeighbours) {
+  auto points = Points([](float, float) { return 10.f; });
+  points[5 * 12 + 5] = Point(5, 5, 12.5);
+  EXPECT_EQ(CountLoose(points), 1);
+  EXPECT_EQ(CountLoose(points, 3), 0);
+}
+
+TEST(TofSurface, KeepsSlantsAndThinThings) {
+  // Along a line of equal depth each has two neighbours, but for the ends at the image's border.
+  const auto slant = Points([](float i, float) { return 10 + 6 * i; });
+  EXPECT_THAT(Columns(TofSurface(SomeRig(), slant).FindLoose(slant, 2)), testing::IsEmpty());
+  EXPECT_EQ(CountLoose(slant), 24);
+  const auto pole = Points([](float i, float) { return i == 5 ? 40.f : 10.f; });
+  EXPECT_EQ(CountLoose(pole), 2);
+}
+
+TEST(TofSurface, CountsPixelsWithoutAPointAsNoSupport) {
+  const std::vector<ProjectedPoint> points = {Point(0, 0, 10), Point(1, 0, 10), Point(11, 9, 10)};
+  EXPECT_EQ(CountLoose(points), 3);
+  EXPECT_EQ(CountLoose({}), 0);
+  EXPECT_TRUE(TofSurface(SomeRig(), {}).FindHidden({}, 0.75, 1).empty());
+}
+
+}  // namespace
+}  // namespace sprout
