@@ -31,11 +31,11 @@ Json TimesJson(const StageTimes& ms) {
 Json RefinementJson(const RefinementQuality& quality) {
   const SeedSet& seeds = quality.refined;
   return {{"raw", seeds.raw},
+          {"outside", seeds.outside},
           {"dark", seeds.dark},
           {"loose", seeds.loose},
           {"background", seeds.background},
           {"hidden", seeds.hidden},
-          {"outside", seeds.outside},
           {"kept", seeds.seeds.size()},
           {"wrong_before", quality.wrong_before_percent()},
           {"wrong_after", quality.wrong_after_percent()},

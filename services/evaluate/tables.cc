@@ -63,9 +63,7 @@ std::string RefinementLine(const RefinementQuality& quality) {
   const SeedSet& seeds = quality.refined;
   return fmt::format(
       "refinement: {} ToF points, dropped {} outside, {} dark, {} loose, {} background, {} "
-      "hidden; {} kept; wrong "
-      "{:.2f} "
-      "% before, {:.2f} % after; good ones lost {:.2f} %\n",
+      "hidden; {} kept; wrong {:.2f} % before, {:.2f} % after; good ones lost {:.2f} %\n",
       seeds.raw, seeds.outside, seeds.dark, seeds.loose, seeds.background, seeds.hidden,
       seeds.seeds.size(), quality.wrong_before_percent(), quality.wrong_after_percent(),
       quality.good_lost_percent());

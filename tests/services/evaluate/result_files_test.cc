@@ -33,8 +33,13 @@ MethodResult SomeMethod(const std::string& name) {
 RunResult SomeRun() {
   SceneResult scene{.name = "Monopoly", .size = {30, 20}, .methods = {}, .refinement = {}};
   scene.methods = {SomeMethod("epc"), SomeMethod("fgs")};
-  scene.refinement.refined = {
-      .seeds = std::vector<Seed>(160), .raw = 200, .outside = 5, .dark = 15, .background = 20};
+  scene.refinement.refined = {.seeds = std::vector<Seed>(160),
+                              .raw = 200,
+                              .outside = 5,
+                              .dark = 10,
+                              .loose = 3,
+                              .background = 20,
+                              .hidden = 2};
   scene.refinement.before = {.good = 150, .wrong = 40};
   scene.refinement.after = {.good = 144, .wrong = 8};
   return {.preset = "paper", .tof = "grid:auto", .scenes = {scene}};
@@ -53,7 +58,8 @@ TEST(ResultFiles, JsonHasTheDocumentedShape) {
                 "density": 0.0, "mean_abs_px": null, "rms_px": null},
         "ms": {"refine": 1.0, "prior": 2.0, "grow": 3.0, "fill": 4.0, "total": 10.0}
       }],
-      "refinement": {"raw": 200, "dark": 15, "background": 20, "outside": 5, "kept": 160,
+      "refinement": {"raw": 200, "outside": 5, "dark": 10, "loose": 3, "background": 20,
+                     "hidden": 2, "kept": 160,
                      "wrong_before": 20.0, "wrong_after": 5.0, "good_lost": 4.0}
     }]})");
   RunResult run = SomeRun();

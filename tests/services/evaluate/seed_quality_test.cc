@@ -69,7 +69,8 @@ TEST(SeedQuality, SeesThatRefinementDropsHiddenBackground) {
   const Scene scene = LoadScene("synthetic:320x240", TofChoice("grid:3"), {});
   const RefinementQuality quality = JudgeRefinement(scene, {});
   EXPECT_EQ(quality.refined.raw, quality.refined.outside + quality.refined.dark +
-                                     quality.refined.background +
+                                     quality.refined.loose + quality.refined.background +
+                                     quality.refined.hidden +
                                      static_cast<int>(quality.refined.seeds.size()));
   EXPECT_GT(quality.before.wrong, 0);
   EXPECT_LT(quality.after.wrong, quality.before.wrong);
