@@ -87,8 +87,7 @@ TEST(GraphSystem, TwoGraphsRunSideBySideUnderTwoPrefixes) {
 
 TEST(GraphSystem, SendsAFrameAgainAndTheStagesTakeItTwice) {
   Graph graph;
-  graph.Start("refine");
-  graph.Start("prior");
+  for (const char* stage : {"refine", "prior"}) graph.Start(stage, {"--config", "default"});
   // Nobody answers: grow comes late.
   Process& capture =
       graph.StartOnly("capture", {"--source", kSource, "--frames", "2", "--lockstep", "1",
