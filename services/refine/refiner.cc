@@ -145,7 +145,10 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
       FindBackground(SeedsOf(kept), size, config_.background_tolerance_px());
   std::vector<bool> hidden(kept.size());
   if (config_.hidden_reach() > 0) {
-    hidden = surface.FindHidden(kept, config_.hidden_reach(), config_.hidden_tolerance_px());
+    hidden = surface.FindHidden(kept, left, right,
+                                {.core = config_.hidden_core(),
+                                 .reach = config_.hidden_reach(),
+                                 .tolerance_px = config_.hidden_tolerance_px()});
   }
   Drop(background, hidden);
   result.background = Drop(background, kept);

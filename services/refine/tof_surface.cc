@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "services/refine/window_difference.h"
+
 namespace sprout {
 namespace {
 
@@ -58,6 +60,9 @@ class Cells {
 
 constexpr double kSmallestCellPx = 5;
 
+// How many times less the windows must differ at the piece's disparity than at the point's own.
+constexpr double kClearlyBetter = 1.25;
+
 }  // namespace
 
 TofSurface::TofSurface(const Rig& rig, std::span<const ProjectedPoint> points)
@@ -100,8 +105,9 @@ TofSurface::Slant TofSurface::SlantAt(const ProjectedPoint& point) const {
           GentlerStep(At(u, v + 1) - here, here - At(u, v - 1))};
 }
 
-std::vector<bool> TofSurface::FindHidden(std::span<const ProjectedPoint> points, double reach,
-                                         double tolerance_px) const {
+std::vector<bool> TofSurface::FindHidden(std::span<const ProjectedPoint> points,
+                                         const cv::Mat1b& left, const cv::Mat1b& right,
+                                         const HiddenRule& rule) const {
   std::vector<Slant> slants;
   std::vector<cv::Point2d> in_left;
   std::vector<cv::Point2d> in_right;
@@ -110,20 +116,28 @@ std::vector<bool> TofSurface::FindHidden(std::span<const ProjectedPoint> points,
     in_left.emplace_back(point.seed.u, point.seed.v);
     in_right.emplace_back(point.seed.u_right, point.seed.v);
   }
-  const double cell_px = std::max(kSmallestCellPx, reach * std::max(column_px_, row_px_));
+  const double cell_px = std::max(kSmallestCellPx, rule.reach * std::max(column_px_, row_px_));
   std::vector<bool> hidden(points.size());
   for (const std::vector<cv::Point2d>* image : {&in_left, &in_right}) {
     const std::vector<cv::Point2d>& positions = *image;
     const Cells cells(positions, size_, cell_px);
     for (size_t i = 0; i < points.size(); ++i) {
+      const Seed& seed = points[i].seed;
       cells.ForNeighbours(positions[i], [&](size_t other) {
         // From the other point to this one, in ToF pixels.
         const double across = (positions[i].x - positions[other].x) / column_px_;
         const double down = (positions[i].y - positions[other].y) / row_px_;
-        if (std::abs(across) > reach || std::abs(down) > reach) return;
+        const double distance = std::max(std::abs(across), std::abs(down));
+        if (hidden[i] || distance > rule.reach) return;
         const double piece_px = points[other].seed.disparity() + across * slants[other].across +
                                 down * slants[other].down;
-        if (piece_px > points[i].seed.disparity() + tolerance_px) hidden[i] = true;
+        if (piece_px <= seed.disparity() + rule.tolerance_px) return;
+        // The piece at this pixel: what it would be in the other image.
+        const double u = image == &in_left ? seed.u : seed.u_right + piece_px;
+        const double u_right = image == &in_left ? seed.u - piece_px : seed.u_right;
+        hidden[i] = distance <= rule.core ||
+                    kClearlyBetter * WindowDifference(left, right, u, seed.v, u_right) <
+                        WindowDifference(left, right, seed.u, seed.v, seed.u_right);
       });
     }
   }

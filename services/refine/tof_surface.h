@@ -9,6 +9,14 @@
 
 namespace sprout {
 
+/// What TofSurface::FindHidden() goes by.
+struct HiddenRule {
+  double core = 0;          ///< half the side of a piece's core, ToF pixels
+  double reach = 0;         ///< half the side of the whole piece, ToF pixels, > 0; below 1 it ends
+                            ///< before the next pixel of the surface
+  double tolerance_px = 0;  ///< how much further a point may lie, px
+};
+
 /// The surface that a ToF image shows, as disparities (px) at the ToF pixels, and two tests of its
 /// points against it. Each looks at the neighbours of a point only.
 class TofSurface {
@@ -28,20 +36,22 @@ class TofSurface {
   std::vector<bool> FindLoose(std::span<const ProjectedPoint> points, double tolerance_px) const;
 
   /// Which points a nearer surface hides from the left or from the right camera: what the ToF
-  /// camera sees past an edge from its own place. Each point stands for the piece of surface up to
-  /// `reach` ToF pixels from it on all sides in the image, with the slant that its neighbours show;
-  /// a point further than such a piece by more than `tolerance_px` is hidden.
+  /// camera sees past an edge from its own place. Each point stands for a piece of surface around
+  /// it in the image, with the slant that its neighbours show. A point that lies further than such
+  /// a piece by more than the tolerance is hidden when it is in the core of the piece; between
+  /// there and its end, where the edge of the surface may be on either side, when the images agree
+  /// better with the piece than with the point.
   ///
   /// The idea of the paper's background rule, whose window of 5×5 px is too small for a sensor
-  /// with fewer pixels: here the window grows with the distance of the seeds, and the slant is
-  /// taken off, since over such a distance a slant is no edge.
+  /// with fewer pixels and too large for one with more: here the window follows the distance of the
+  /// seeds, and the slant is taken off, since over such a distance a slant is no edge.
   /// @param points  those that are tested and that hide; some of those that this was made of, all
   ///                inside the images.
-  /// @param reach   > 0. Below 1 a piece ends before the next ToF pixel of a surface.
+  /// @param left, right  the rectified pair, grey.
   /// @returns one flag a point. Does not depend on their order.
   /// O(points + image pixels / 25) for points that are spread as a sensor's.
-  std::vector<bool> FindHidden(std::span<const ProjectedPoint> points, double reach,
-                               double tolerance_px) const;
+  std::vector<bool> FindHidden(std::span<const ProjectedPoint> points, const cv::Mat1b& left,
+                               const cv::Mat1b& right, const HiddenRule& rule) const;
 
  private:
   // Change of disparity from one ToF pixel to the next, px.

@@ -187,7 +187,8 @@ TEST(Refiner, DropsPointsThatANearerSurfaceHidesAndCountsThem) {
   // The board's edge and the wall's next point lie 4 px apart: too far for a window of 5×5 px.
   EXPECT_EQ(scene.Refine(config)->background, 0);
   EXPECT_EQ(scene.Refine(config)->hidden, 0);
-  config.set_hidden_reach(0.75);
+  config.set_hidden_reach(0.8);
+  config.set_hidden_core(0.8);  // one colour: the images say nothing
   const auto refined = scene.Refine(config);
   EXPECT_EQ(refined->hidden, 14);  // a point at either edge in seven rows
   EXPECT_EQ(static_cast<int>(refined->seeds.size()) + refined->outside + refined->background +
@@ -210,7 +211,8 @@ TEST(Refiner, DropsLoosePointsBeforeTheyCanHideOthers) {
   }
   scene.SetDisparity(5, 4, 30);  // alone before the wall
   RefineConfig config = PaperRules();
-  config.set_hidden_reach(0.75);
+  config.set_hidden_reach(0.8);
+  config.set_hidden_core(0.8);  // one colour: the images say nothing
   EXPECT_GT(scene.Refine(config)->hidden, 0);
   config.set_loose_tolerance_px(2);
   const auto result = scene.Refine(config);

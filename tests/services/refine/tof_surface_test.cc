@@ -46,9 +46,14 @@ std::vector<int> Columns(const std::vector<bool>& flags) {
   return columns;
 }
 
-std::vector<int> Hidden(const std::vector<ProjectedPoint>& points, double reach = 0.75,
+// Hidden points of row 5. Images of one colour agree with everything, and never better with the
+// piece than with the point: the core alone decides.
+std::vector<int> Hidden(const std::vector<ProjectedPoint>& points, double core = 0.75,
                         double tolerance_px = 1) {
-  return Columns(TofSurface(SomeRig(), points).FindHidden(points, reach, tolerance_px));
+  const cv::Mat1b grey(120, 200, uint8_t{100});
+  return Columns(TofSurface(SomeRig(), points)
+                     .FindHidden(points, grey, grey,
+                                 {.core = core, .reach = 0.9, .tolerance_px = tolerance_px}));
 }
 
 int CountLoose(const std::vector<ProjectedPoint>& points, double tolerance_px = 2) {
@@ -78,11 +83,33 @@ TEST(TofSurface, LeavesASlantedBoardsOwnPointsAtItsEdges) {
   for (int column : Hidden(points)) EXPECT_TRUE(column < 4 || column > 7) << column;
 }
 
-TEST(TofSurface, ReachesAsFarAsItIsTold) {
+TEST(TofSurface, HidesAsFarAsTheCoreWithoutAskingTheImages) {
   // The board moves by 4 px against the wall: the next column of the wall is 4 px from its edge.
   const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 18.f : 10.f; });
   EXPECT_THAT(Hidden(points, 0.45), testing::IsEmpty());
   EXPECT_THAT(Hidden(points, 0.55), testing::ElementsAre(3, 8));
+}
+
+// The board of column 4 to 7 at 18 px before a wall at 10 px. Between the board's last point, left
+// column 60 + 8·7 + 9 = 125, and the wall's next, 129, the edge may be anywhere.
+TEST(TofSurface, AsksTheImagesBetweenTheCoreAndTheReach) {
+  const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 18.f : 10.f; });
+  const auto hidden_with_edge = [&points](int edge) {
+    // Texture that agrees at 18 px left of the edge, and at 10 px from there on.
+    cv::Mat1b left(120, 200);
+    cv::Mat1b right(120, 200, uint8_t{0});
+    cv::theRNG().state = 1;
+    cv::randu(left, 0, 255);
+    for (int u = 199; u >= 10; --u) {
+      if (u >= edge) left.col(u).copyTo(right.col(u - 10));
+    }
+    for (int u = 18; u < edge; ++u) left.col(u).copyTo(right.col(u - 18));
+    const std::vector<int> columns =
+        Columns(TofSurface(SomeRig(), points).FindHidden(points, left, right, {0.4, 0.8, 1}));
+    return std::count(columns.begin(), columns.end(), 8) == 1;
+  };
+  EXPECT_TRUE(hidden_with_edge(132));
+  EXPECT_FALSE(hidden_with_edge(126));
 }
 
 TEST(TofSurface, ToleratesSmallSteps) {
@@ -94,9 +121,11 @@ TEST(TofSurface, ToleratesSmallSteps) {
 TEST(TofSurface, DoesNotDependOnTheOrderOfThePoints) {
   auto points = Points([](float i, float j) { return i >= 4 && i <= 7 && j > 2 ? 26.f : 10.f; });
   const TofSurface surface(SomeRig(), points);
-  std::vector<bool> forwards = surface.FindHidden(points, 0.75, 1);
+  const cv::Mat1b grey(120, 200, uint8_t{100});
+  const HiddenRule rule{.core = 0.75, .reach = 0.9, .tolerance_px = 1};
+  const std::vector<bool> forwards = surface.FindHidden(points, grey, grey, rule);
   std::reverse(points.begin(), points.end());
-  std::vector<bool> backwards = surface.FindHidden(points, 0.75, 1);
+  std::vector<bool> backwards = surface.FindHidden(points, grey, grey, rule);
   std::reverse(backwards.begin(), backwards.end());
   EXPECT_EQ(forwards, backwards);
 }
@@ -130,7 +159,7 @@ TEST(TofSurface, CountsPixelsWithoutAPointAsNoSupport) {
   const std::vector<ProjectedPoint> points = {Point(0, 0, 10), Point(1, 0, 10), Point(11, 9, 10)};
   EXPECT_EQ(CountLoose(points), 3);
   EXPECT_EQ(CountLoose({}), 0);
-  EXPECT_TRUE(TofSurface(SomeRig(), {}).FindHidden({}, 0.75, 1).empty());
+  EXPECT_TRUE(TofSurface(SomeRig(), {}).FindHidden({}, {}, {}, {0.4, 0.8, 1}).empty());
 }
 
 }  // namespace
