@@ -3,7 +3,7 @@
 #include "services/grow/gap_filler.h"
 #include "services/grow/grower.h"
 #include "services/grow/harris_seeds.h"
-#include "services/prior/prior.h"
+#include "services/prior/prior_estimator.h"
 #include "services/refine/refiner.h"
 
 namespace sprout {
@@ -34,22 +34,27 @@ std::vector<Seed> RunRefine(const Scene& scene, const ChainSettings& settings, S
   return Damage(std::move(refined.seeds), settings.noise);
 }
 
-DisparityImage RunPrior(const Scene& scene, const std::vector<Seed>& seeds, StageTimes& ms) {
+DisparityImage RunPrior(const Scene& scene, const PriorConfig& config,
+                        const std::vector<Seed>& seeds, StageTimes& ms) {
+  const PriorEstimator estimator(config);
   return Timed(ms.prior_ms, [&] {
-    return InterpolateSeeds(seeds, scene.size()).value_or(DisparityImage(scene.size()));
+    return estimator.Compute(scene.frame.left, scene.frame.right, seeds, scene.size())
+        .value_or(DisparityImage(scene.size()));
   });
 }
 
 MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
   const GrowConfig& config = settings.config.grow();
-  const bool needs_prior = config.similarity() == GrowConfig::EPC;
+  const bool needs_prior =
+      config.similarity() == GrowConfig::EPC || config.fill() == GrowConfig::PRIOR;
   const bool needs_tof = needs_prior || config.seeds() == GrowConfig::TOF;
   MethodOutput output;
   StageTimes& ms = output.ms;
   const std::vector<Seed> seeds = needs_tof ? RunRefine(scene, settings, ms) : std::vector<Seed>();
-  const DisparityImage prior = needs_prior ? RunPrior(scene, seeds, ms) : DisparityImage();
+  const DisparityImage prior =
+      needs_prior ? RunPrior(scene, settings.config.prior(), seeds, ms) : DisparityImage();
   const DisparityImage grown = RunGrow(scene, config, seeds, prior, ms);
-  output.map_px = ToPx(Timed(ms.fill_ms, [&] { return FillGaps(grown, config.fill()); }));
+  output.map_px = ToPx(Timed(ms.fill_ms, [&] { return FillGaps(grown, config.fill(), prior); }));
   ms.total_ms = ms.refine_ms + ms.prior_ms + ms.grow_ms + ms.fill_ms;
   return output;
 }

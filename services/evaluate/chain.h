@@ -50,7 +50,8 @@ auto Timed(double& ms, const Function& function) {
 std::vector<Seed> RunRefine(const Scene& scene, const ChainSettings& settings, StageTimes& ms);
 
 /// sprout-prior.
-DisparityImage RunPrior(const Scene& scene, const std::vector<Seed>& seeds, StageTimes& ms);
+DisparityImage RunPrior(const Scene& scene, const PriorConfig& config,
+                        const std::vector<Seed>& seeds, StageTimes& ms);
 
 /// The whole chain; stages whose results growth does not ask for are left out.
 MethodOutput RunChain(const Scene& scene, const ChainSettings& settings);

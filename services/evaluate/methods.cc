@@ -17,11 +17,12 @@ Method WholeChain() {
 
 Method PriorAlone() {
   return {.name = "prior",
-          .summary = "D_p alone: the seeds interpolated, no image looked at",
+          .summary = "D_p alone, as the preset's method makes it",
           .run = [](const Scene& scene, const ChainSettings& settings) {
             MethodOutput output;
             StageTimes& ms = output.ms;
-            output.map_px = ToPx(RunPrior(scene, RunRefine(scene, settings, ms), ms));
+            const std::vector<Seed> seeds = RunRefine(scene, settings, ms);
+            output.map_px = ToPx(RunPrior(scene, settings.config.prior(), seeds, ms));
             ms.total_ms = ms.refine_ms + ms.prior_ms;
             return output;
           }};

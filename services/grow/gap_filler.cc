@@ -72,10 +72,20 @@ void FillPass(const std::vector<cv::Point>& gaps, DisparityImage& map) {
   for (size_t i = 0; i < gaps.size(); ++i) map.counts()(gaps[i]) = medians[i];
 }
 
+DisparityImage FillFromPrior(const DisparityImage& map, const DisparityImage& prior) {
+  cv::Mat1s filled = map.counts().clone();
+  if (prior.size() == map.size()) prior.counts().copyTo(filled, filled == DisparityImage::kInvalid);
+  cv::Mat1s smooth;
+  cv::medianBlur(filled, smooth, kWindow);
+  return DisparityImage(smooth);
+}
+
 }  // namespace
 
-DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill) {
-  if (fill == GrowConfig::NONE) return map;
+DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill,
+                        const DisparityImage& prior) {
+  if (fill == GrowConfig::NONE || map.empty()) return map;
+  if (fill == GrowConfig::PRIOR) return FillFromPrior(map, prior);
   DisparityImage filled{map.counts().clone()};
   std::vector<cv::Point> gaps = FillableGaps(map);
   FillPass(gaps, filled);

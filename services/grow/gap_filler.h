@@ -10,9 +10,12 @@ namespace sprout {
 /// 5×5 window (the lower one of two in the middle; the window ends at the image's border).
 ///
 /// @param fill  NONE: returns the map; ONE_PASS: gaps look at the given map only; UNTIL_STABLE:
-///              passes until nothing changes, so only an empty map keeps gaps.
+///              passes until nothing changes, so only an empty map keeps gaps. PRIOR: gaps take
+///              the prior's disparity instead, then every pixel the median of its 5×5 window.
+/// @param prior  of the map's size; only looked at by PRIOR. An empty one fills nothing.
 /// @returns a new map; the given one is not changed. O(pixels).
-DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill);
+DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill,
+                        const DisparityImage& prior);
 
 }  // namespace sprout
 

@@ -11,7 +11,9 @@ namespace sprout {
 PartSet GrowPlug::Inputs() const {
   PartSet inputs{Part::kLeft, Part::kRight};
   if (config_.seeds() == GrowConfig::TOF) inputs.Add(Part::kSeeds);
-  if (config_.similarity() == GrowConfig::EPC) inputs.Add(Part::kPrior);
+  if (config_.similarity() == GrowConfig::EPC || config_.fill() == GrowConfig::PRIOR) {
+    inputs.Add(Part::kPrior);
+  }
   return inputs;
 }
 
@@ -42,7 +44,7 @@ Outcome GrowPlug::Process(const Frame& frame) {
     outcome.degenerate = "nothing grew from " + std::to_string(seeds.size()) + " seeds";
   }
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, *grown});
-  outcome.outputs.push_back({Part::kDisparity, FillGaps(*grown, config_.fill())});
+  outcome.outputs.push_back({Part::kDisparity, FillGaps(*grown, config_.fill(), prior)});
   return outcome;
 }
 

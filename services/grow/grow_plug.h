@@ -9,7 +9,8 @@
 namespace sprout {
 
 /// LEFT RIGHT [SEEDS] [PRIOR] → DISPARITY [UNFILLED]: SEEDS when growth starts from ToF seeds,
-/// PRIOR when the similarity is EPC, UNFILLED when the configuration asks for it.
+/// PRIOR when the similarity is EPC or gaps take its disparities, UNFILLED when the configuration
+/// asks for it.
 class GrowPlug : public Plug {
  public:
   explicit GrowPlug(const GrowConfig& config) : config_(config), grower_(config) {}

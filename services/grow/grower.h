@@ -26,14 +26,17 @@ class Grower {
   /// @param left, right  rectified pair, grey, of one size.
   /// @param seeds        initial correspondences; those whose window leaves an image are ignored.
   /// @param prior        D_p, of the images' size; not looked at unless the similarity is EPC.
-  /// @returns disparities in whole pixels, one-to-one: no two left pixels share a right pixel. An
-  ///          error when sizes differ or the images are smaller than the window.
+  /// @returns disparities, one-to-one: rounded to whole pixels, no two left pixels share a right
+  ///          pixel. In whole pixels, or with sub_pixel to the counts of DisparityImage. An error
+  ///          when sizes differ or the images are smaller than the window.
   /// About one window triple a pixel. Keeps its queue from frame to frame, so one object serves
   /// one thread.
   Result<DisparityImage> Compute(const cv::Mat1b& left, const cv::Mat1b& right,
                                  std::span<const Seed> seeds, const DisparityImage& prior);
 
  private:
+  double SigmaP(std::span<const Seed> seeds, const DisparityImage& prior) const;
+
   GrowConfig config_;
   SeedQueue queue_;
 };

@@ -4,7 +4,11 @@
 int main(int argc, char** argv) {
   return sprout::RunStage(
       argc, argv, "prior",
-      "Interpolates the seeds over their Delaunay triangulation to the prior disparity map.\n"
-      "Joins SPROUT_SEEDS and SPROUT_RIG; publishes SPROUT_PRIOR.",
-      [](const sprout::SproutConfig&) { return std::make_unique<sprout::PriorPlug>(); });
+      "Makes the prior disparity map from the seeds: interpolated over their Delaunay\n"
+      "triangulation, and decided between near and far by the images where that spans an edge.\n"
+      "Joins SPROUT_SEEDS and SPROUT_RIG, and SPROUT_LEFT and SPROUT_RIGHT with methods that look\n"
+      "at them; publishes SPROUT_PRIOR.",
+      [](const sprout::SproutConfig& config) {
+        return std::make_unique<sprout::PriorPlug>(config.prior());
+      });
 }

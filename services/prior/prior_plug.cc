@@ -2,13 +2,19 @@
 
 #include <utility>
 
-#include "services/prior/prior.h"
-
 namespace sprout {
+
+PartSet PriorPlug::Inputs() const {
+  PartSet inputs{Part::kSeeds, Part::kRig};
+  if (estimator_.uses_left()) inputs.Add(Part::kLeft);
+  if (estimator_.uses_right()) inputs.Add(Part::kRight);
+  return inputs;
+}
 
 Outcome PriorPlug::Process(const Frame& frame) {
   const cv::Size size = frame.rig->pair.size();
-  Result<DisparityImage> prior = InterpolateSeeds(frame.seeds->seeds, size);
+  Result<DisparityImage> prior =
+      estimator_.Compute(frame.left, frame.right, frame.seeds->seeds, size);
   Outcome outcome;
   if (!prior) {
     outcome.degenerate = prior.error().text;

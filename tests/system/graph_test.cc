@@ -31,7 +31,7 @@ DisparityImage ComputeInProcess(int64_t index) {
   frame.tof = captured.tof;
   frame.rig = source->rig();
   frame.seeds = std::get<SeedSet>(RefinePlug(config.refine()).Process(frame).outputs[0].value);
-  frame.prior = std::get<DisparityImage>(PriorPlug().Process(frame).outputs[0].value);
+  frame.prior = std::get<DisparityImage>(PriorPlug(config.prior()).Process(frame).outputs[0].value);
   return std::get<DisparityImage>(GrowPlug(config.grow()).Process(frame).outputs[0].value);
 }
 

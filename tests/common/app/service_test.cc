@@ -107,7 +107,7 @@ TEST(Service, HandsTheFlagsToItsBodyAndReturnsWhatThatReturns) {
                                 EXPECT_EQ(context.stage, "probe");
                                 EXPECT_EQ(context.lcm_url, "memq://");
                                 EXPECT_EQ(context.prefix, "A_");
-                                EXPECT_EQ(context.config.grow().fill(), GrowConfig::UNTIL_STABLE);
+                                EXPECT_EQ(context.config.grow().fill(), GrowConfig::PRIOR);
                                 EXPECT_EQ(context.config.capture().tof_grid_px(), 10);
                                 EXPECT_FALSE(context.stop.stop_requested());
                                 return 7;

@@ -71,6 +71,7 @@ TEST_F(ConfigFiles, HasDefaultsWithoutAFileAndForAnEmptyOne) {
   const SproutConfig defaults = LoadConfig({});
   EXPECT_EQ(defaults.capture().tof_grid_px(), 10);
   EXPECT_EQ(defaults.grow().threshold(), 0.5);
+  EXPECT_EQ(ConfigText(LoadConfig({"default"})), ConfigText(defaults));
   EXPECT_EQ(ConfigText(LoadConfig({Write("empty.textproto", "")})), ConfigText(defaults));
   EXPECT_EQ(ConfigText(LoadConfig({Write("comment.textproto", "# nothing\n")})),
             ConfigText(defaults));

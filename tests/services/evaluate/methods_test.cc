@@ -80,7 +80,7 @@ cv::Mat1f MapOfTheServices(const Scene& scene, const SproutConfig& config) {
   frame.tof = scene.frame.tof;
   frame.rig = scene.projector.rig();
   RefinePlug refine(config.refine());
-  PriorPlug prior;
+  PriorPlug prior(config.prior());
   GrowPlug grow(config.grow());
   for (Plug* plug : std::initializer_list<Plug*>{&refine, &prior, &grow}) {
     for (Output& output : plug->Process(frame).outputs) {

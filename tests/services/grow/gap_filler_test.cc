@@ -48,15 +48,15 @@ TEST(GapFiller, TakesTheMedianOfTheWindow) {
   map.counts()(0, 0) = 10;
   map.counts()(4, 4) = 500;
   map.counts()(0, 4) = 20;
-  EXPECT_EQ(FillGaps(map, GrowConfig::ONE_PASS).counts()(2, 2), 20);
+  EXPECT_EQ(FillGaps(map, GrowConfig::ONE_PASS, {}).counts()(2, 2), 20);
   map.counts()(4, 0) = 600;  // of 10, 20, 500, 600 the lower middle one
-  EXPECT_EQ(FillGaps(map, GrowConfig::ONE_PASS).counts()(2, 2), 20);
+  EXPECT_EQ(FillGaps(map, GrowConfig::ONE_PASS, {}).counts()(2, 2), 20);
 }
 
 TEST(GapFiller, OnePassEqualsTheSlowPass) {
   for (uint32_t seed = 0; seed < 10; ++seed) {
     const DisparityImage map = RandomMap({31, 17}, seed, 60 + 4 * seed);
-    EXPECT_TRUE(Same(FillGaps(map, GrowConfig::ONE_PASS), SlowPass(map))) << "seed " << seed;
+    EXPECT_TRUE(Same(FillGaps(map, GrowConfig::ONE_PASS, {}), SlowPass(map))) << "seed " << seed;
   }
 }
 
@@ -67,7 +67,7 @@ TEST(GapFiller, UntilStableEqualsSlowPassesUntilNothingChanges) {
     for (DisparityImage next = SlowPass(slow); !Same(next, slow); next = SlowPass(slow)) {
       slow = next;
     }
-    const DisparityImage filled = FillGaps(map, GrowConfig::UNTIL_STABLE);
+    const DisparityImage filled = FillGaps(map, GrowConfig::UNTIL_STABLE, {});
     EXPECT_TRUE(Same(filled, slow)) << "seed " << seed;
     EXPECT_EQ(filled.CountValid(), 61 * 47);
   }
@@ -76,7 +76,7 @@ TEST(GapFiller, UntilStableEqualsSlowPassesUntilNothingChanges) {
 TEST(GapFiller, LeavesValidPixelsAndTheGivenMapAlone) {
   const DisparityImage map = RandomMap({31, 17}, 1, 50);
   const cv::Mat1s before = map.counts().clone();
-  const DisparityImage filled = FillGaps(map, GrowConfig::UNTIL_STABLE);
+  const DisparityImage filled = FillGaps(map, GrowConfig::UNTIL_STABLE, {});
   for (int v = 0; v < map.height(); ++v) {
     for (int u = 0; u < map.width(); ++u) {
       EXPECT_EQ(map.counts()(v, u), before(v, u));
@@ -88,20 +88,39 @@ TEST(GapFiller, LeavesValidPixelsAndTheGivenMapAlone) {
 
 TEST(GapFiller, KeepsAnEmptyMapEmpty) {
   const DisparityImage map(cv::Size(9, 9));
-  EXPECT_EQ(FillGaps(map, GrowConfig::UNTIL_STABLE).CountValid(), 0);
+  EXPECT_EQ(FillGaps(map, GrowConfig::UNTIL_STABLE, {}).CountValid(), 0);
 }
 
 TEST(GapFiller, NoneReturnsTheMap) {
   const DisparityImage map = RandomMap({9, 9}, 2, 50);
-  EXPECT_TRUE(Same(FillGaps(map, GrowConfig::NONE), map));
+  EXPECT_TRUE(Same(FillGaps(map, GrowConfig::NONE, {}), map));
   EXPECT_GT(cv::countNonZero(map.counts() == kGap), 0);
 }
 
 TEST(GapFiller, WorksOnOnePixel) {
   DisparityImage map(cv::Size(1, 1));
-  EXPECT_EQ(FillGaps(map, GrowConfig::UNTIL_STABLE).CountValid(), 0);
+  EXPECT_EQ(FillGaps(map, GrowConfig::UNTIL_STABLE, {}).CountValid(), 0);
   map.counts()(0, 0) = 7;
-  EXPECT_EQ(FillGaps(map, GrowConfig::UNTIL_STABLE).counts()(0, 0), 7);
+  EXPECT_EQ(FillGaps(map, GrowConfig::UNTIL_STABLE, {}).counts()(0, 0), 7);
+}
+
+TEST(GapFiller, PriorFillsGapsAndTakesAwaySinglePixels) {
+  DisparityImage map(cv::Size(20, 20));
+  map.counts().colRange(0, 10) = 320;
+  map.counts()(5, 5) = 900;  // alone among others
+  DisparityImage prior(map.size());
+  prior.counts() = 640;
+  const DisparityImage filled = FillGaps(map, GrowConfig::PRIOR, prior);
+  EXPECT_EQ(filled.CountValid(), 400);
+  EXPECT_EQ(filled.counts()(5, 5), 320);
+  EXPECT_EQ(filled.counts()(5, 15), 640);
+  EXPECT_EQ(map.CountValid(), 200) << "the given map was changed";
+}
+
+TEST(GapFiller, AnEmptyPriorFillsNothing) {
+  const DisparityImage map(cv::Size(20, 20));
+  EXPECT_EQ(FillGaps(map, GrowConfig::PRIOR, DisparityImage()).CountValid(), 0);
+  EXPECT_EQ(FillGaps(map, GrowConfig::PRIOR, DisparityImage(map.size())).CountValid(), 0);
 }
 
 }  // namespace

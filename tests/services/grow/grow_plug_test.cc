@@ -32,6 +32,9 @@ TEST(GrowPlug, AsksForWhatItsConfigurationNeeds) {
   EXPECT_EQ(GrowPlug(config).Inputs(),
             (PartSet{Part::kLeft, Part::kRight, Part::kSeeds, Part::kPrior}));
   config.set_similarity(GrowConfig::MNCC);
+  EXPECT_EQ(GrowPlug(config).Inputs(),
+            (PartSet{Part::kLeft, Part::kRight, Part::kSeeds, Part::kPrior}));
+  config.set_fill(GrowConfig::NONE);
   EXPECT_EQ(GrowPlug(config).Inputs(), (PartSet{Part::kLeft, Part::kRight, Part::kSeeds}));
   config.set_seeds(GrowConfig::HARRIS);
   EXPECT_EQ(GrowPlug(config).Inputs(), (PartSet{Part::kLeft, Part::kRight}));

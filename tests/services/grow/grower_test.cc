@@ -78,7 +78,10 @@ TEST_P(GrowerAgainstSlowGrowth, GivesTheSamePixels) {
 
   GrowConfig config;
   config.set_similarity(similarity);
+  config.set_sigma_s_squared(0.1);
   config.set_sigma_p_px(1.5);
+  config.set_sigma_p_noise(0);
+  config.set_sub_pixel(false);
   config.set_threshold(0.4);
   const std::vector<Seed> seeds = RandomSeeds(size, 60, 9, seed);
   const auto fast = Grower(config).Compute(left, right, seeds, prior);
@@ -102,7 +105,10 @@ INSTANTIATE_TEST_SUITE_P(Random, GrowerAgainstSlowGrowth, testing::ValuesIn(AllC
 GrowConfig EpcConfig() {
   GrowConfig config;
   config.set_similarity(GrowConfig::EPC);
+  config.set_sigma_s_squared(0.1);
   config.set_sigma_p_px(2);
+  config.set_sigma_p_noise(0);
+  config.set_sub_pixel(false);
   return config;
 }
 
@@ -132,6 +138,47 @@ TEST(Grower, FollowsASlantOneDisparityAtATime) {
   const std::vector<Seed> seeds = {{.u = 15, .v = 6, .u_right = 7}};
   const auto map = Grower(config).Compute(left, right, seeds, DisparityImage());
   for (const int u : {25, 35, 45, 55, 65, 75}) EXPECT_EQ(map->Px(u, 6), 9 - u / 10) << u;
+}
+
+TEST(Grower, FindsTheSubPixelDisparity) {
+  const cv::Size size(120, 60);
+  cv::Mat1b fine = Noise({4 * size.width, size.height}, 9, 256);
+  cv::GaussianBlur(fine, fine, {}, 8, 2);  // smooth enough for a parabola
+  cv::Mat1b left(size);
+  cv::Mat1b right(size, uint8_t{0});
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = 0; u < size.width; ++u) {
+      left(v, u) = fine(v, 4 * u);
+      if (u < size.width - 6) right(v, u) = fine(v, 4 * u + 21);  // 5.25 px
+    }
+  }
+  GrowConfig config = EpcConfig();
+  config.set_sigma_p_px(1000);
+  config.set_sub_pixel(true);
+  const std::vector<Seed> seeds = {{.u = 60, .v = 30, .u_right = 55}};
+  const auto map = Grower(config).Compute(left, right, seeds, ConstantPrior(size, 5));
+  double sum_px = 0;
+  int count = 0;
+  for (int v = 5; v < 55; ++v) {
+    for (int u = 20; u < 100; ++u, ++count) sum_px += map->Px(u, v);
+  }
+  EXPECT_NEAR(sum_px / count, 5.25, 0.1);
+}
+
+TEST(Grower, SigmaPFollowsTheNoiseOfTheSeeds) {
+  const cv::Size size(60, 40);
+  const cv::Mat1b left = Noise(size, 1, 256);
+  GrowConfig config = EpcConfig();
+  config.set_sigma_p_px(0.7);
+  // The prior is 2 px off: too far for σ_p, unless the seeds are seen to be as bad.
+  const std::vector<Seed> seeds = {{30, 20, 25}, {20, 20, 15}, {40, 20, 35}};
+  EXPECT_EQ(
+      Grower(config).Compute(left, ShiftedBy(left, 5), seeds, ConstantPrior(size, 7))->CountValid(),
+      0);
+  config.set_sigma_p_noise(2);
+  EXPECT_GT(
+      Grower(config).Compute(left, ShiftedBy(left, 5), seeds, ConstantPrior(size, 7))->CountValid(),
+      1000);
 }
 
 TEST(Grower, KeepsOneToOneMatching) {

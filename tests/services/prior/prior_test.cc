@@ -1,5 +1,3 @@
-#include "services/prior/prior.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "services/prior/delaunay.h"
+#include "services/prior/interpolation.h"
 #include "services/prior/prior_plug.h"
 
 namespace sprout {
@@ -48,11 +47,15 @@ std::optional<double> Interpolate(const std::array<Seed, 3>& t, double u, double
   return w0 * t[0].disparity() + w1 * t[1].disparity() + w2 * t[2].disparity();
 }
 
+Result<DisparityImage> Interpolated(const std::vector<Seed>& seeds, cv::Size size) {
+  return InterpolateSeeds(seeds, TriangulateSeeds(seeds), size);
+}
+
 TEST(Prior, EqualsBruteForcePointInTriangleInterpolation) {
   const cv::Size size(90, 70);
   for (uint32_t seed = 0; seed < 8; ++seed) {
     const std::vector<Seed> seeds = RandomSeeds(size, 5 + 10 * static_cast<int>(seed), seed);
-    const auto prior = InterpolateSeeds(seeds, size);
+    const auto prior = Interpolated(seeds, size);
     ASSERT_TRUE(prior.has_value());
     const auto triangles = TriangulateSeeds(seeds);
     int inside = 0;
@@ -83,7 +86,7 @@ TEST(Prior, ReproducesAPlaneExactly) {
   for (int v = 0; v < 48; v += 8) {
     for (int u = 0; u < 64; u += 8) seeds.push_back(SeedAt(u, v, plane(u, v)));
   }
-  const auto prior = InterpolateSeeds(seeds, size);
+  const auto prior = Interpolated(seeds, size);
   for (int v = 0; v <= 40; ++v) {
     for (int u = 0; u <= 56; ++u) EXPECT_EQ(prior->Px(u, v), static_cast<float>(plane(u, v)));
   }
@@ -92,7 +95,7 @@ TEST(Prior, ReproducesAPlaneExactly) {
 TEST(Prior, TakesTheNearestHullValueOutsideTheHull) {
   const std::vector<Seed> seeds = {SeedAt(20, 10, 4), SeedAt(40, 10, 8), SeedAt(40, 30, 8),
                                    SeedAt(20, 30, 4)};
-  const auto prior = InterpolateSeeds(seeds, {64, 48});
+  const auto prior = Interpolated(seeds, {64, 48});
   EXPECT_EQ(prior->CountValid(), 64 * 48);
   EXPECT_EQ(prior->Px(0, 20), 4);
   EXPECT_EQ(prior->Px(0, 0), 4);
@@ -104,25 +107,24 @@ TEST(Prior, TakesTheNearestHullValueOutsideTheHull) {
 TEST(Prior, TakesTheFirstOfSeedsOnOnePosition) {
   const std::vector<Seed> seeds = {SeedAt(10, 10, 5), SeedAt(50, 10, 5), SeedAt(10, 40, 5),
                                    SeedAt(10, 10, 50)};
-  EXPECT_EQ(InterpolateSeeds(seeds, {64, 48})->Px(12, 12), 5);
+  EXPECT_EQ(Interpolated(seeds, {64, 48})->Px(12, 12), 5);
 }
 
 TEST(Prior, SaysWhyThereIsNone) {
   const cv::Size size(64, 48);
-  EXPECT_THAT(InterpolateSeeds({}, size).error().text, HasSubstr("0 seeds"));
-  EXPECT_THAT(InterpolateSeeds(std::vector<Seed>{SeedAt(1, 1, 1)}, size).error().text,
+  EXPECT_THAT(Interpolated({}, size).error().text, HasSubstr("0 seeds"));
+  EXPECT_THAT(Interpolated(std::vector<Seed>{SeedAt(1, 1, 1)}, size).error().text,
               HasSubstr("1 seeds"));
+  EXPECT_THAT(Interpolated(std::vector<Seed>{SeedAt(1, 1, 1), SeedAt(9, 1, 1)}, size).error().text,
+              HasSubstr("at least 3"));
   EXPECT_THAT(
-      InterpolateSeeds(std::vector<Seed>{SeedAt(1, 1, 1), SeedAt(9, 1, 1)}, size).error().text,
-      HasSubstr("at least 3"));
-  EXPECT_THAT(
-      InterpolateSeeds(std::vector<Seed>{SeedAt(1, 1, 1), SeedAt(9, 9, 1), SeedAt(20, 20, 1)}, size)
+      Interpolated(std::vector<Seed>{SeedAt(1, 1, 1), SeedAt(9, 9, 1), SeedAt(20, 20, 1)}, size)
           .error()
           .text,
       HasSubstr("on one line"));
   EXPECT_THAT(
-      InterpolateSeeds(
-          std::vector<Seed>{SeedAt(1.1, 1.1, 1), SeedAt(1.2, 1.1, 1), SeedAt(1.1, 1.2, 1)}, size)
+      Interpolated(std::vector<Seed>{SeedAt(1.1, 1.1, 1), SeedAt(1.2, 1.1, 1), SeedAt(1.1, 1.2, 1)},
+                   size)
           .error()
           .text,
       HasSubstr("cover no pixel"));
@@ -131,18 +133,20 @@ TEST(Prior, SaysWhyThereIsNone) {
 TEST(Prior, SurvivesSeedsOutsideTheImage) {
   const std::vector<Seed> seeds = {SeedAt(-500, -500, 3), SeedAt(5000, -100, 3),
                                    SeedAt(100, 9000, 3)};
-  const auto prior = InterpolateSeeds(seeds, {64, 48});
+  const auto prior = Interpolated(seeds, {64, 48});
   EXPECT_EQ(prior->CountValid(), 64 * 48);
   EXPECT_EQ(prior->Px(30, 30), 3);
 }
 
 TEST(PriorPlug, AnswersADegenerateFrameWithAnEmptyMap) {
+  PriorConfig config;
+  config.set_method(PriorConfig::DELAUNAY);
   Frame frame;
   frame.rig.emplace();
   frame.rig->pair.width = 64;
   frame.rig->pair.height = 48;
   frame.seeds = SeedSet{.seeds = {SeedAt(1, 1, 1)}, .raw = 1};
-  const Outcome outcome = PriorPlug().Process(frame);
+  const Outcome outcome = PriorPlug(config).Process(frame);
   EXPECT_THAT(outcome.degenerate, HasSubstr("at least 3"));
   ASSERT_EQ(outcome.outputs.size(), 1u);
   EXPECT_EQ(outcome.outputs[0].part, Part::kPrior);

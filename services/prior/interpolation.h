@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_PRIOR_PRIOR_H_
-#define SPROUT_SERVICES_PRIOR_PRIOR_H_
+#ifndef SPROUT_SERVICES_PRIOR_INTERPOLATION_H_
+#define SPROUT_SERVICES_PRIOR_INTERPOLATION_H_
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -7,21 +7,24 @@
 #include "common/core/disparity_image.h"
 #include "common/core/result.h"
 #include "common/core/seed.h"
+#include "services/prior/delaunay.h"
 
 namespace sprout {
 
 /// The prior disparity map D_p (paper, Alg. 1 step 1): linear interpolation of the seeds'
 /// disparities over their Delaunay triangulation in the left image.
 ///
-/// @param seeds  at least three, not all on a line; of seeds on one position the first counts.
-/// @param size   of the left rectified image, px.
+/// @param seeds      at least three.
+/// @param triangles  of TriangulateSeeds() of these seeds, or of others on the same positions.
+/// @param size       of the left rectified image, px.
 /// @returns a map of that size without gaps: outside the hull of the seeds a pixel takes the value
 ///          of the nearest pixel in the hull (nearest by OpenCV's 5×5 distance transform, which is
 ///          within 2 % of the Euclidean distance). An error that says why when there is no
 ///          triangle, or none that covers a pixel.
-/// O(n log n + pixels); no I/O; thread-safe.
-Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds, cv::Size size);
+/// O(n + pixels); no I/O; thread-safe.
+Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
+                                        std::span<const SeedTriangle> triangles, cv::Size size);
 
 }  // namespace sprout
 
-#endif  // SPROUT_SERVICES_PRIOR_PRIOR_H_
+#endif  // SPROUT_SERVICES_PRIOR_INTERPOLATION_H_

@@ -1,0 +1,170 @@
+#include "services/prior/edge_hypotheses.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "services/prior/triangle_raster.h"
+
+namespace sprout {
+namespace {
+
+constexpr int kRadius = 4;            // of the window, px
+constexpr int kStep = 2;              // between the pixels of the window that count
+constexpr int kLargestGrey = 20;      // differences above are as bad as this
+constexpr double kColourRange = 30;   // sum over the channels by which likeness falls to 1/e
+constexpr double kDistanceRange = 5;  // px
+constexpr int kWeightOne = 256;
+
+// Weights that fall exponentially, as whole numbers.
+int ExpWeight(double exponent) {
+  return static_cast<int>(std::lround(kWeightOne * std::exp(-exponent)));
+}
+
+int ColourDistance(const cv::Vec3b& a, const cv::Vec3b& b) {
+  return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
+}
+
+// The two surfaces that a pixel of a triangle may lie on.
+struct Hypotheses {
+  float near_px;
+  float far_px;
+};
+
+// Decides between hypotheses by the images and the spread seeds.
+class Judge {
+ public:
+  explicit Judge(const EdgeEvidence& evidence) : evidence_(evidence) {
+    for (size_t i = 0; i < likeness_.size(); ++i) {
+      likeness_[i] = ExpWeight(static_cast<double>(i) / kColourRange);
+    }
+    for (int y = -kRadius; y <= kRadius; y += kStep) {
+      for (int x = -kRadius; x <= kRadius; x += kStep) {
+        window_.push_back({x, y, ExpWeight(std::sqrt(x * x + y * y) / kDistanceRange)});
+      }
+    }
+  }
+
+  bool IsNear(int u, int v, const Hypotheses& hypotheses) const {
+    const int near_d = static_cast<int>(std::lround(hypotheses.near_px));
+    const int far_d = static_cast<int>(std::lround(hypotheses.far_px));
+    const cv::Vec3b& colour = evidence_.left_bgr(v, u);
+    int64_t near_cost = 0;
+    int64_t far_cost = 0;
+    int64_t weights = 0;
+    for (const Sample& sample : window_) {
+      const int y = v + sample.v;
+      const int x = u + sample.u;
+      if (y < 0 || x < 0 || y >= rows() || x >= columns()) continue;
+      const int weight =
+          sample.weight *
+          likeness_[static_cast<size_t>(ColourDistance(colour, evidence_.left_bgr(y, x)))];
+      weights += weight;
+      near_cost += int64_t{weight} * Difference(x, y, near_d);
+      far_cost += int64_t{weight} * Difference(x, y, far_d);
+    }
+    const double worst = static_cast<double>(weights) * kLargestGrey;
+    return static_cast<double>(near_cost) / worst + FromSpread(u, v, hypotheses, true) <
+           static_cast<double>(far_cost) / worst + FromSpread(u, v, hypotheses, false);
+  }
+
+ private:
+  struct Sample {
+    int u;
+    int v;
+    int weight;
+  };
+
+  int rows() const { return evidence_.left_grey.rows; }
+  int columns() const { return evidence_.left_grey.cols; }
+
+  // Truncated; a pixel that leaves the right image fits as badly as can be.
+  int Difference(int u, int v, int disparity) const {
+    const int u_right = u - disparity;
+    if (u_right < 0 || u_right >= evidence_.right_grey.cols) return kLargestGrey;
+    return std::min(std::abs(evidence_.left_grey(v, u) - evidence_.right_grey(v, u_right)),
+                    kLargestGrey);
+  }
+
+  // Distance of a hypothesis from the spread seeds as a share of that between the two.
+  double FromSpread(int u, int v, const Hypotheses& hypotheses, bool near) const {
+    const double spread_px = evidence_.spread_px(v, u);
+    if (std::isnan(spread_px)) return 0;
+    const double gap_px = std::max(1.0, double{hypotheses.near_px} - hypotheses.far_px);
+    const double off_px = std::abs((near ? hypotheses.near_px : hypotheses.far_px) - spread_px);
+    return evidence_.spread_weight * std::min(off_px / gap_px, 1.0);
+  }
+
+  const EdgeEvidence& evidence_;
+  std::array<int, 3 * 255 + 1> likeness_{};
+  std::vector<Sample> window_;
+};
+
+// The seeds of a triangle, parted where their disparities gape most.
+class SplitTriangle {
+ public:
+  explicit SplitTriangle(std::array<LocalPlane, 3> planes) : planes_(planes) {
+    std::sort(planes_.begin(), planes_.end(),
+              [](const LocalPlane& a, const LocalPlane& b) { return a.disparity < b.disparity; });
+    two_far_ =
+        planes_[1].disparity - planes_[0].disparity < planes_[2].disparity - planes_[1].disparity;
+  }
+
+  float spread_px() const { return planes_[2].disparity - planes_[0].disparity; }
+
+  Hypotheses At(int u, int v) const {
+    const auto column = static_cast<float>(u);
+    const auto row = static_cast<float>(v);
+    const float a = two_far_ ? planes_[2].At(column, row) : planes_[0].At(column, row);
+    const float b = two_far_ ? Between(planes_[0], planes_[1], column, row)
+                             : Between(planes_[1], planes_[2], column, row);
+    return {std::max(a, b), std::min(a, b)};
+  }
+
+ private:
+  // Of two planes of one surface, the closer seed's counts more.
+  static float Between(const LocalPlane& a, const LocalPlane& b, float u, float v) {
+    const float to_a = Distance(a, u, v);
+    const float to_b = Distance(b, u, v);
+    return (to_b * a.At(u, v) + to_a * b.At(u, v)) / (to_a + to_b);
+  }
+
+  static float Distance(const LocalPlane& plane, float u, float v) {
+    constexpr float kNotZero = 1e-3F;
+    const float across = u - plane.u;
+    const float down = v - plane.v;
+    return kNotZero + std::sqrt(across * across + down * down);
+  }
+
+  std::array<LocalPlane, 3> planes_;  // far to near
+  bool two_far_;
+};
+
+}  // namespace
+
+void ResolveEdges(const SeedSurface& surface, std::span<const SeedTriangle> triangles,
+                  const EdgeEvidence& evidence, DisparityImage& prior) {
+  const Judge judge(evidence);
+  TriangleRaster raster(prior.size());
+  for (const SeedTriangle& triangle : triangles) {
+    std::array<LocalPlane, 3> planes;
+    std::array<Seed, 3> corners;
+    for (size_t i = 0; i < 3; ++i) {
+      planes[i] = surface.planes[static_cast<size_t>(triangle[i])];
+      corners[i] = {.u = planes[i].u, .v = planes[i].v, .u_right = 0};
+    }
+    const SplitTriangle split(planes);
+    if (split.spread_px() < static_cast<float>(evidence.edge_px)) continue;
+    for (const PixelRun& run : raster.Runs(corners[0], corners[1], corners[2])) {
+      for (int u = run.begin; u < run.end; ++u) {
+        const Hypotheses hypotheses = split.At(u, run.v);
+        const bool near = judge.IsNear(u, run.v, hypotheses);
+        prior.counts()(run.v, u) = ToCounts(near ? hypotheses.near_px : hypotheses.far_px);
+      }
+    }
+  }
+}
+
+}  // namespace sprout

@@ -1,0 +1,86 @@
+#include "services/prior/prior_estimator.h"
+
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/core/image.h"
+#include "services/prior/delaunay.h"
+#include "services/prior/edge_hypotheses.h"
+#include "services/prior/interpolation.h"
+#include "services/prior/seed_spreading.h"
+#include "services/prior/seed_surface.h"
+
+namespace sprout {
+namespace {
+
+cv::Mat3b ToBgr(const cv::Mat& image) {
+  if (image.channels() == 3) return image;
+  cv::Mat3b bgr;
+  cv::cvtColor(image, bgr, cv::COLOR_GRAY2BGR);
+  return bgr;
+}
+
+// Seeds with the disparities of the surface that was fitted to them.
+std::vector<Seed> SeedsOn(const SeedSurface& surface) {
+  std::vector<Seed> seeds;
+  seeds.reserve(surface.planes.size());
+  for (const LocalPlane& plane : surface.planes) {
+    seeds.push_back({.u = plane.u, .v = plane.v, .u_right = plane.u - plane.disparity});
+  }
+  return seeds;
+}
+
+}  // namespace
+
+PriorEstimator::PriorEstimator(const PriorConfig& config) : config_(config) {
+  RequireInRange(config, "prior");
+}
+
+Result<DisparityImage> PriorEstimator::Compute(const cv::Mat& left, const cv::Mat& right,
+                                               std::span<const Seed> seeds, cv::Size size) const {
+  if ((uses_left() && left.size() != size) || (uses_right() && right.size() != size)) {
+    return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
+                ": allowed is the calibrated size " + SizeText(size));
+  }
+  if (config_.method() == PriorConfig::EDGES) return WithEdges(left, right, seeds, size);
+  Result<DisparityImage> prior = InterpolateSeeds(seeds, TriangulateSeeds(seeds), size);
+  if (prior && config_.method() == PriorConfig::FGS) return FromSpreadSeeds(left, seeds, *prior);
+  return prior;
+}
+
+DisparityImage PriorEstimator::FromSpreadSeeds(const cv::Mat& left, std::span<const Seed> seeds,
+                                               const DisparityImage& interpolated) const {
+  DisparityImage prior =
+      FromPx(SpreadSeeds(seeds, left, config_.fgs_lambda(), config_.fgs_sigma()));
+  // Where no seed reaches.
+  interpolated.counts().copyTo(prior.counts(), prior.counts() == DisparityImage::kInvalid);
+  return prior;
+}
+
+Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat& right,
+                                                 std::span<const Seed> seeds, cv::Size size) const {
+  const std::vector<SeedTriangle> triangles = TriangulateSeeds(seeds);
+  const SeedSurface surface = FitSeedSurface(seeds, triangles, config_.noisy_px());
+  const std::vector<Seed> smooth_seeds = SeedsOn(surface);
+  Result<DisparityImage> prior = InterpolateSeeds(smooth_seeds, triangles, size);
+  if (!prior) return prior;
+
+  const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
+  ResolveEdges(
+      surface, triangles,
+      {.left_bgr = ToBgr(left),
+       .left_grey = ToGrey(left),
+       .right_grey = ToGrey(right),
+       .spread_px = SpreadSeeds(smooth_seeds, left, config_.fgs_lambda(), config_.fgs_sigma()),
+       .edge_px = config_.edge_px() + 2 * noise_px,
+       .spread_weight = config_.spread_weight()},
+      *prior);
+  // Single pixels that were judged otherwise than those around them.
+  DisparityImage cleaned(size);
+  cv::medianBlur(prior->counts(), cleaned.counts(), 5);
+  return cleaned;
+}
+
+}  // namespace sprout

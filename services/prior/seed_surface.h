@@ -1,0 +1,51 @@
+#ifndef SPROUT_SERVICES_PRIOR_SEED_SURFACE_H_
+#define SPROUT_SERVICES_PRIOR_SEED_SURFACE_H_
+
+#include <span>
+#include <vector>
+
+#include "common/core/seed.h"
+#include "services/prior/delaunay.h"
+
+namespace sprout {
+
+/// The surface at a seed: its position in the left image, px, and disparity as a plane there, px
+/// and px of disparity a pixel.
+struct LocalPlane {
+  float u = 0;
+  float v = 0;
+  float disparity = 0;
+  float per_column = 0;
+  float per_row = 0;
+
+  /// Disparity of the plane at a pixel, px.
+  float At(float at_u, float at_v) const {
+    return disparity + per_column * (at_u - u) + per_row * (at_v - v);
+  }
+};
+
+/// What the seeds say about the surfaces that they lie on.
+struct SeedSurface {
+  std::vector<LocalPlane> planes;  ///< one a seed, in their order
+  double noise_px = 0;             ///< standard deviation of the seeds' disparities, estimated, px
+};
+
+/// Fits a plane to each seed and its neighbours in the triangulation. Neighbours that lie on
+/// another surface are left out softly (Geman-McClure weights, iteratively reweighted least
+/// squares), and slopes are held back a little, since beside an edge they rest on few seeds.
+///
+/// The noise is estimated from how far seeds lie from the plain planes of their neighbours, by a
+/// low quantile over all seeds, so that edges and curved surfaces do not count. Where it exceeds
+/// `noisy_px` the fit reaches the neighbours' neighbours too, and its disparity stands for the
+/// seed's own.
+///
+/// @param triangles  of TriangulateSeeds() of these seeds. A seed in none of them keeps its
+///                   disparity, with a level plane.
+/// @param noisy_px   > 0.
+/// O(seeds); no I/O; thread-safe.
+SeedSurface FitSeedSurface(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
+                           double noisy_px);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_PRIOR_SEED_SURFACE_H_

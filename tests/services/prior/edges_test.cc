@@ -1,0 +1,148 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <vector>
+
+#include "services/prior/prior_estimator.h"
+#include "services/prior/seed_spreading.h"
+#include "services/prior/seed_surface.h"
+
+namespace sprout {
+namespace {
+
+constexpr int kNear = 20;
+constexpr int kFar = 8;
+
+// A near square on a far wall, both textured, in two colours; the edge lies between seeds.
+struct Step {
+  cv::Size size{160, 120};
+  cv::Rect square{53, 33, 54, 54};
+  cv::Mat3b left{size};
+  cv::Mat1b right{size, uint8_t{0}};
+
+  Step() {
+    std::mt19937 random(1);
+    cv::Mat1b grey(size);
+    for (int v = 0; v < size.height; ++v) {
+      for (int u = 0; u < size.width; ++u) {
+        const auto texture = static_cast<uint8_t>(random() % 60);
+        const bool near = square.contains({u, v});
+        left(v, u) = near ? cv::Vec3b(texture, texture, 180 + texture)
+                          : cv::Vec3b(120 + texture, texture, texture);
+      }
+    }
+    cv::cvtColor(left, grey, cv::COLOR_BGR2GRAY);
+    for (const int disparity : {kFar, kNear}) {  // the near one hides the far one
+      for (int v = 0; v < size.height; ++v) {
+        for (int u = disparity; u < size.width; ++u) {
+          if (Truth(u, v) == disparity) right(v, u - disparity) = grey(v, u);
+        }
+      }
+    }
+  }
+
+  int Truth(int u, int v) const { return square.contains({u, v}) ? kNear : kFar; }
+
+  std::vector<Seed> Seeds(double noise_px = 0) const {
+    std::mt19937 random(2);
+    std::normal_distribution<double> normal(0, 1);
+    std::vector<Seed> seeds;
+    for (int v = 5; v < size.height; v += 10) {
+      for (int u = 25; u < size.width; u += 10) {
+        const double d = Truth(u, v) + noise_px * normal(random);
+        const auto column = static_cast<float>(u);
+        seeds.push_back({column, static_cast<float>(v), column - static_cast<float>(d)});
+      }
+    }
+    return seeds;
+  }
+
+  // Share of pixels inside the seeds' hull that are within a pixel of the truth.
+  double Correct(const DisparityImage& map) const {
+    int correct = 0;
+    int all = 0;
+    for (int v = 5; v < size.height - 5; ++v) {
+      for (int u = 25; u < size.width - 5; ++u, ++all) {
+        correct += std::abs(map.Px(u, v) - static_cast<float>(Truth(u, v))) < 1;
+      }
+    }
+    return static_cast<double>(correct) / all;
+  }
+};
+
+DisparityImage PriorBy(PriorConfig::Method method, const Step& step,
+                       const std::vector<Seed>& seeds) {
+  PriorConfig config;
+  config.set_method(method);
+  return PriorEstimator(config).Compute(step.left, step.right, seeds, step.size).value();
+}
+
+TEST(Edges, PutTheStepWhereTheImagesHaveIt) {
+  const Step step;
+  EXPECT_LT(step.Correct(PriorBy(PriorConfig::DELAUNAY, step, step.Seeds())), 0.92);
+  EXPECT_GT(step.Correct(PriorBy(PriorConfig::EDGES, step, step.Seeds())), 0.99);
+}
+
+TEST(Edges, SmoothNoisySeedsButNotOverTheStep) {
+  const Step step;
+  const std::vector<Seed> seeds = step.Seeds(1);
+  EXPECT_GT(step.Correct(PriorBy(PriorConfig::EDGES, step, seeds)),
+            step.Correct(PriorBy(PriorConfig::DELAUNAY, step, seeds)) + 0.1);
+}
+
+TEST(Edges, RefuseImagesOfAnotherSize) {
+  const Step step;
+  const auto prior =
+      PriorEstimator(PriorConfig()).Compute(step.left, cv::Mat1b(3, 4), step.Seeds(), step.size);
+  EXPECT_THAT(prior.error().text, testing::HasSubstr("4x3"));
+}
+
+TEST(Edges, SurviveSeedsOutsideTheImageAndGreyImages) {
+  Step step;
+  std::vector<Seed> seeds = step.Seeds();
+  seeds.push_back({-300, -200, -305});
+  seeds.push_back({5000, 60, 4990});
+  cv::Mat1b grey;
+  cv::cvtColor(step.left, grey, cv::COLOR_BGR2GRAY);
+  const auto prior = PriorEstimator(PriorConfig()).Compute(grey, step.right, seeds, step.size);
+  EXPECT_EQ(prior->CountValid(), static_cast<int64_t>(step.size.area()));
+}
+
+TEST(Fgs, KeepsToTheColoursAndHasNoGaps) {
+  const Step step;
+  const DisparityImage prior = PriorBy(PriorConfig::FGS, step, step.Seeds());
+  EXPECT_EQ(prior.CountValid(), static_cast<int64_t>(step.size.area()));
+  EXPECT_NEAR(prior.Px(80, 60), kNear, 1);
+  EXPECT_NEAR(prior.Px(30, 10), kFar, 1);
+}
+
+TEST(SeedSpreading, GivesNothingWithoutSeeds) {
+  const cv::Mat1f spread = SpreadSeeds({}, cv::Mat3b(8, 9), 10, 3);
+  EXPECT_EQ(spread.size(), cv::Size(9, 8));
+  EXPECT_TRUE(std::isnan(spread(4, 4)));
+}
+
+TEST(SeedSurface, FindsTheSlantAndTheNoise) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0, 1);
+  for (const double noise_px : {0.0, 1.5}) {
+    std::vector<Seed> seeds;
+    for (int v = 0; v < 200; v += 10) {
+      for (int u = 0; u < 200; u += 10) {
+        const double d = 10 + 0.05 * u - 0.02 * v + noise_px * normal(random);
+        seeds.push_back({static_cast<float>(u), static_cast<float>(v), static_cast<float>(u - d)});
+      }
+    }
+    const SeedSurface surface = FitSeedSurface(seeds, TriangulateSeeds(seeds), 0.5);
+    EXPECT_NEAR(surface.noise_px, noise_px, 0.3);
+    const LocalPlane& plane = surface.planes[10 * 20 + 10];  // at (100, 100)
+    EXPECT_NEAR(plane.disparity, 13, 0.01 + noise_px);
+    EXPECT_NEAR(plane.At(110, 100) - plane.At(100, 100), 0.5, 0.05 + noise_px / 3);
+  }
+}
+
+}  // namespace
+}  // namespace sprout
