@@ -11,6 +11,15 @@ bool IsNext(const EventPlace& before, const EventPlace& event) {
 
 }  // namespace
 
+LogEvent MakeEvent(const EventHeader& header, int64_t offset, std::span<const uint8_t> bytes) {
+  const auto channel = bytes.subspan(kHeaderBytes, static_cast<size_t>(header.channel_bytes));
+  return {.number = header.number,
+          .utime = header.utime,
+          .offset = offset,
+          .channel = {reinterpret_cast<const char*>(channel.data()), channel.size()},
+          .data = bytes.subspan(kHeaderBytes + channel.size())};
+}
+
 LogReader::LogReader(const std::filesystem::path& path)
     : file_(path), window_(file_, kChunkBytes), finder_(file_, window_), ahead_(FindNext()) {
   const bool begins_like_a_log = BeginsWithSync(window_.View(0, kMinEventBytes));
@@ -52,14 +61,8 @@ bool LogReader::Next(LogEvent& event) {
   if (!next) return false;
   Trust(*next);
   last_ = next;
-  const EventHeader& header = next->header;
-  const auto bytes = window_.View(next->offset, header.event_bytes());
-  const auto channel = bytes.subspan(kHeaderBytes, static_cast<size_t>(header.channel_bytes));
-  event = {.number = header.number,
-           .utime = header.utime,
-           .offset = next->offset,
-           .channel = {reinterpret_cast<const char*>(channel.data()), channel.size()},
-           .data = bytes.subspan(kHeaderBytes + channel.size())};
+  event =
+      MakeEvent(next->header, next->offset, window_.View(next->offset, next->header.event_bytes()));
   return true;
 }
 

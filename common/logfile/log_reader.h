@@ -24,6 +24,9 @@ struct LogEvent {
   std::span<const uint8_t> data;
 };
 
+/// Views on the bytes of an event that begins at `offset`.
+LogEvent MakeEvent(const EventHeader& header, int64_t offset, std::span<const uint8_t> bytes);
+
 /// A stretch of bytes that holds no readable event.
 struct LogDamage {
   int64_t offset = 0;  ///< first unreadable byte

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <lcm/lcm.h>
 
+#include "common/logfile/event_fetcher.h"
 #include "tests/common/logfile/sample_log.h"
 
 namespace sprout {
@@ -41,6 +42,22 @@ TEST(LogReader, ReadsEventsLongerThanItsWindow) {
   events[1].data.assign(5 << 20, 17);
   events[3].data.assign((1 << 20) - 28, 18);
   EXPECT_EQ(ReadLog(MakeLog(events)).events, events);
+}
+
+TEST(EventFetcher, GetsEventsAgainInAnyOrder) {
+  const TemporaryDirectory folder;
+  std::vector<Event> events = SampleEvents(12);
+  events[4].data.assign(1 << 20, 17);
+  WriteBytes(folder / "log", MakeLog(events));
+  EventFetcher fetcher(folder / "log");
+  for (const size_t i : {11, 4, 5, 0, 4}) {
+    const LogEvent event = fetcher.Fetch(events[i].offset);
+    EXPECT_EQ(event.number, events[i].number);
+    EXPECT_EQ(event.channel, events[i].channel);
+    EXPECT_TRUE(std::equal(event.data.begin(), event.data.end(), events[i].data.begin(),
+                           events[i].data.end()));
+  }
+  EXPECT_THROW(fetcher.Fetch(events[11].end()), LogError);
 }
 
 TEST(LogReader, TellsHowFarItIs) {
