@@ -25,7 +25,8 @@ struct DiffOptions {
   std::filesystem::path b;
   std::vector<std::string> channels;  ///< without prefix; none: all but the statuses
   std::string prefix;
-  bool all = false;  ///< a line for every frame, also for equal ones
+  bool common = false;  ///< what only one log has is counted, but no difference
+  bool all = false;     ///< a line for every frame, also for equal ones
 };
 /// @returns 0 equal, 1 different. @throws LogError also when there is nothing to compare.
 int RunDiff(const DiffOptions& options);

@@ -58,8 +58,8 @@ class LogDiff {
 
   // The table, and what there is to remark.
   std::string Report() const;
-  bool IsEqual() const { return !first_; }
-  bool HasAnything() const { return streams_[0].events() + streams_[1].events() > 0; }
+  bool IsEqual() const;
+  bool HasAnything() const;
   void Warn();
 
  private:
@@ -100,6 +100,7 @@ void LogDiff::Run() {
 
 void LogDiff::AddUnmatched(size_t side) {
   for (const auto& [key, digest] : waiting_[side]) ++channels_[key.channel].only[side];
+  if (options_.common) return;
   std::string told;
   for (const auto& [key, digest] : waiting_[side]) {
     const ChannelDiff& channel = channels_[key.channel];
@@ -203,13 +204,26 @@ std::string LogDiff::Report() const {
   }
   for (const size_t side : {0, 1}) {
     if (streams_[side].repeated() == 0) continue;
-    remarks += fmt::format("{}: {} messages that came again with the same bytes count once\n",
-                           side == 0 ? "A" : "B", streams_[side].repeated());
+    remarks +=
+        fmt::format("in {}, messages that came again with the same bytes and count once: {}\n",
+                    side == 0 ? "A" : "B", streams_[side].repeated());
   }
   text += remarks.empty() ? "" : "\n" + remarks;
-  if (!first_) return text + "equal\n";
+  if (IsEqual()) return text + (options_.common ? "equal in what both have\n" : "equal\n");
   return text + "first difference: " + FrameText(first_->key) + ": " + first_->text + "\n" +
          "different\n";
+}
+
+bool LogDiff::IsEqual() const {
+  if (!options_.common) return !first_;
+  return std::all_of(channels_.begin(), channels_.end(),
+                     [](const auto& entry) { return entry.second.different == 0; });
+}
+
+bool LogDiff::HasAnything() const {
+  if (!options_.common) return streams_[0].events() + streams_[1].events() > 0;
+  return std::any_of(channels_.begin(), channels_.end(),
+                     [](const auto& entry) { return entry.second.compared > 0; });
 }
 
 void LogDiff::Warn() {
@@ -224,7 +238,9 @@ int RunDiff(const DiffOptions& options) {
   LogDiff diff(options);
   diff.Run();
   if (!diff.HasAnything()) {
-    throw LogError(options.a, "nothing to compare: neither log has an event on these channels");
+    throw LogError(options.a, std::string("nothing to compare: ") +
+                                  (options.common ? "no event on these channels is in both logs"
+                                                  : "neither log has an event on these channels"));
   }
   diff.Warn();
   std::cout << diff.Report();

@@ -15,6 +15,10 @@ uint64_t HashOf(std::span<const uint8_t> bytes) {
   return Hash({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
+bool IsChatter(const LogEvent& event) {
+  return event.channel == "LCM_SELF_TEST" || TypeOf(event.data) == MessageType::kStatus;
+}
+
 }  // namespace
 
 EventStream::EventStream(const std::filesystem::path& path, const ChannelFilter& filter)
@@ -23,10 +27,10 @@ EventStream::EventStream(const std::filesystem::path& path, const ChannelFilter&
 bool EventStream::Next() {
   for (LogEvent event; reader_.Next(event);) {
     if (!filter_.Has(event.channel)) continue;
-    if (filter_.names().empty() && TypeOf(event.data) == MessageType::kStatus) continue;
+    if (filter_.names().empty() && IsChatter(event)) continue;
     SetKey(event);
     if (IsRepeated()) {
-      ++repeated_;
+      if (key_.rig_id.empty()) ++repeated_;
       continue;
     }
     ++events_;
@@ -63,18 +67,13 @@ void EventStream::SetKey(const LogEvent& event) {
 
 bool EventStream::IsRepeated() {
   std::deque<Recent>& recent = recent_[key_.channel];
+  const EventKey unversioned = key_;
   for (const Recent& other : recent) {
-    EventKey same = other.key;
-    same.version = 0;
-    if (same != key_) continue;
+    if (other.key != unversioned) continue;
     if (other.digest.SameBytes(digest_)) return true;
+    ++key_.version;
   }
-  key_.version = std::count_if(recent.begin(), recent.end(), [&](const Recent& other) {
-    EventKey same = other.key;
-    same.version = 0;
-    return same == key_;
-  });
-  recent.push_back({key_, digest_});
+  recent.push_back({unversioned, digest_});
   if (recent.size() > kRecent) recent.pop_front();
   return false;
 }

@@ -35,9 +35,10 @@ struct EventDigest {
   }
 };
 
-/// The events of a log that a diff compares, each with its key. Left out are statuses, unless their
-/// channel is asked for (they tell of the clock and the machine), and messages that were recorded
-/// again with the same bytes, as happens when capture sends a frame again.
+/// The events of a log that a diff compares, each with its key. Left out are, unless their channel
+/// is asked for, statuses (they tell of the clock and the machine) and what LCM says to itself when
+/// a program connects; and always messages that were recorded again with the same bytes, as happens
+/// when capture sends a frame again.
 class EventStream {
  public:
   /// @throws LogError.
@@ -51,12 +52,12 @@ class EventStream {
   int64_t utime() const { return utime_; }  ///< by which two streams are kept abreast, µs
 
   int64_t events() const { return events_; }      ///< compared so far
-  int64_t repeated() const { return repeated_; }  ///< left out as repeated
+  int64_t repeated() const { return repeated_; }  ///< left out as repeated; without calibrations
   const LogReader& reader() const { return reader_; }
 
  private:
   struct Recent {
-    EventKey key;
+    EventKey key;  // with version 0
     EventDigest digest;
   };
 

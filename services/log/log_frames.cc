@@ -92,17 +92,14 @@ std::optional<Rig> LogFrames::FindRig(const std::string& rig_id) {
   return rigs_[rig_id] = std::nullopt;
 }
 
-std::string LogFrames::Complaints() const {
-  std::string text;
+std::string LogFrames::Complaint() const {
   if (undecodable_ > 0) {
-    text += fmt::format("sprout-log: {} undecodable message{}, the first: {}\n", undecodable_,
-                        undecodable_ == 1 ? "" : "s", first_error_);
+    return fmt::format("undecodable messages: {}, the first {}", undecodable_, first_error_);
   }
   if (!channel_seen_ && !other_channel_.empty()) {
-    text +=
-        fmt::format("sprout-log: there are channels as {}; see --channel-prefix\n", other_channel_);
+    return "there are channels as " + other_channel_ + ", see --channel-prefix";
   }
-  return text;
+  return "";
 }
 
 std::filesystem::path FrameFileNames::Of(const FrameId& id, const std::string& what) {

@@ -30,8 +30,8 @@ class LogFrames {
   void Read();
 
   /// What could not be decoded, and what the log has instead when it has no channel of the graph;
-  /// lines for stderr.
-  std::string Complaints() const;
+  /// one line, or nothing.
+  std::string Complaint() const;
 
  private:
   void Add(const LogEvent& event);

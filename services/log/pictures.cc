@@ -66,8 +66,11 @@ void WritePictures(const Frame& frame, FrameFileNames& names) {
 
 void Finish(const LogFrames& frames, const FrameFileNames& names, const PicturesOptions& options,
             const std::string& nothing) {
-  std::cerr << frames.Complaints();
-  if (names.files() == 0) throw LogError(options.file, nothing);
+  const std::string complaint = frames.Complaint();
+  if (names.files() == 0) {
+    throw LogError(options.file, nothing + (complaint.empty() ? "" : "; " + complaint));
+  }
+  if (!complaint.empty()) std::cerr << "sprout-log: " << complaint << "\n";
   std::cout << fmt::format("{}: {} files of {} frames\n", options.folder.string(), names.files(),
                            names.frames());
 }

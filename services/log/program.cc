@@ -82,8 +82,8 @@ void AddDiff(CLI::App& program, Commands& commands) {
   flags.footer(R"(
 Messages with the same bytes are equal; so are messages that decode to the same values, such as a
 map sent raw and compressed, with a remark. Calibrations are matched by rig_id. A message that came
-again with the same bytes counts once. Statuses tell of the clock and the machine: they are compared
-only when named by --channel.)");
+again with the same bytes counts once. Statuses, which tell of the clock and the machine, and LCM's
+own channels are compared only when named by --channel.)");
   DiffOptions& options = commands.diff;
   flags.add_option("A", options.a, "Log, such as a recorded one")->required();
   flags.add_option("B", options.b, "Log, such as a replayed one")->required();
@@ -95,6 +95,9 @@ only when named by --channel.)");
       ->expected(1)
       ->take_all();
   AddPrefix(flags, options.prefix);
+  flags.add_flag("--common", options.common,
+                 "What only one log has is no difference: a live run skips frames that a replay "
+                 "does not");
   flags.add_flag("--all", options.all, "A line for every frame, also for equal ones");
   flags.callback([&] { commands.chosen = [&] { return RunDiff(commands.diff); }; });
 }

@@ -23,7 +23,7 @@ void Sequence::Add(const FrameId& id) {
   recent_.push_back(id);
   if (recent_.size() > kRecent) recent_.pop_front();
   if (!first_) first_ = id.seq;
-  if (newest_ && id.seq > newest_->seq + 1) {
+  if (newest_ && id.seq - 1 > newest_->seq) {
     const Gap gap{newest_->seq + 1, id.seq - 1};
     // A damaged number can be anything; the sum must not overflow.
     if (__builtin_add_overflow(missing_, gap.last - gap.first + 1, &missing_)) {
