@@ -73,6 +73,7 @@ void LogWriter::Write(int64_t utime, std::string_view channel, std::span<const u
 }
 
 void LogWriter::Put(const void* bytes, size_t count) {
+  if (count == 0) return;  // `bytes` may be null then
   if (std::fwrite(bytes, 1, count, file_) != count) {
     throw LogError(path_, "cannot be written (" + SystemReason() + ")");
   }
