@@ -7,9 +7,11 @@
 
 namespace sprout {
 
+uint64_t Hash(std::string_view bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+
 std::string Digest(std::string_view bytes) {
   char text[17];
-  std::snprintf(text, sizeof text, "%016" PRIx64, XXH3_64bits(bytes.data(), bytes.size()));
+  std::snprintf(text, sizeof text, "%016" PRIx64, Hash(bytes));
   return text;
 }
 

@@ -95,12 +95,13 @@ Result<size_t> EndOfString(std::span<const uint8_t> bytes, size_t offset, const 
   return start + text.size();
 }
 
+constexpr size_t kRigIdOffset = 8 + 8 + 8;  // fingerprint, utime, seq
+
 // The generated decoder believes the length of a string (a negative one makes it read far outside
 // the message) and allocates what a count says before it looks whether the message is that long.
 // Checks all of them first.
 template <typename Message>
 Result<void> CheckLengths(std::span<const uint8_t> bytes) {
-  constexpr size_t kRigIdOffset = 8 + 8 + 8;  // fingerprint, utime, seq
   Result<size_t> end = EndOfString(bytes, kRigIdOffset, "header.rig_id");
   if (!end) return tl::unexpected(end.error());
   const size_t body = *end;
@@ -213,6 +214,18 @@ Result<StageStatus> DecodeStatus(std::span<const uint8_t> bytes) {
   const Result<stage_status_t> message = DecodeMessage<stage_status_t>(bytes);
   if (!message) return tl::unexpected(message.error());
   return FromMessage(*message);
+}
+
+Result<FrameId> DecodeFrameId(std::span<const uint8_t> bytes) {
+  const Result<size_t> end = EndOfString(bytes, kRigIdOffset, "header.rig_id");
+  if (!end) return tl::unexpected(end.error());
+  header_t header;
+  const auto size = static_cast<int>(*end);
+  __int64_t_decode_array(bytes.data(), 8, size, &header.utime, 1);
+  __int64_t_decode_array(bytes.data(), 16, size, &header.seq, 1);
+  header.rig_id.assign(reinterpret_cast<const char*>(&bytes[kRigIdOffset + 4]),
+                       *end - kRigIdOffset - 4 - 1);
+  return FromMessage(header);
 }
 
 }  // namespace sprout

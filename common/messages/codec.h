@@ -29,6 +29,10 @@ Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes);
 std::vector<uint8_t> EncodeStatus(const StageStatus& status);
 Result<StageStatus> DecodeStatus(std::span<const uint8_t> bytes);
 
+/// The header alone, which every type of ours begins with; whatever type the bytes claim to be, so
+/// look at the type first (message_type.h). Takes no more than the header, O(1).
+Result<FrameId> DecodeFrameId(std::span<const uint8_t> bytes);
+
 }  // namespace sprout
 
 #endif  // SPROUT_COMMON_MESSAGES_CODEC_H_

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "common/app/program.h"
+#include "common/app/progress.h"
 #include "common/picture/output_file.h"
 #include "services/evaluate/output_paths.h"
-#include "services/evaluate/progress.h"
 #include "services/evaluate/result_files.h"
 #include "services/evaluate/run_pictures.h"
 #include "services/evaluate/tables.h"

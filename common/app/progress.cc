@@ -1,4 +1,4 @@
-#include "services/evaluate/progress.h"
+#include "common/app/progress.h"
 
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_PROGRESS_H_
-#define SPROUT_SERVICES_EVALUATE_PROGRESS_H_
+#ifndef SPROUT_COMMON_APP_PROGRESS_H_
+#define SPROUT_COMMON_APP_PROGRESS_H_
 
 #include <string>
 
@@ -25,4 +25,4 @@ class Progress {
 
 }  // namespace sprout
 
-#endif  // SPROUT_SERVICES_EVALUATE_PROGRESS_H_
+#endif  // SPROUT_COMMON_APP_PROGRESS_H_

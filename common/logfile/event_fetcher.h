@@ -1,0 +1,29 @@
+#ifndef SPROUT_COMMON_LOGFILE_EVENT_FETCHER_H_
+#define SPROUT_COMMON_LOGFILE_EVENT_FETCHER_H_
+
+#include <cstdint>
+#include <filesystem>
+
+#include "common/logfile/file_window.h"
+#include "common/logfile/log_reader.h"
+
+namespace sprout {
+
+/// Gets single events of a log again, in any order.
+class EventFetcher {
+ public:
+  /// @throws LogError when the file cannot be opened.
+  explicit EventFetcher(const std::filesystem::path& path);
+
+  /// The event that LogReader found at `offset`; its views are valid until the next call.
+  /// @throws LogError when it is not there any more.
+  LogEvent Fetch(int64_t offset);
+
+ private:
+  InputFile file_;
+  FileWindow window_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_LOGFILE_EVENT_FETCHER_H_

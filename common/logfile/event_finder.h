@@ -1,0 +1,73 @@
+#ifndef SPROUT_COMMON_LOGFILE_EVENT_FINDER_H_
+#define SPROUT_COMMON_LOGFILE_EVENT_FINDER_H_
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "common/logfile/event_format.h"
+#include "common/logfile/file_window.h"
+
+namespace sprout {
+
+/// An event and where it begins.
+struct EventPlace {
+  int64_t offset = 0;
+  EventHeader header;
+
+  int64_t end() const { return offset + header.event_bytes(); }
+};
+
+/// Whether the number of `place` goes on from that of an event somewhere `before` it (nothing: from
+/// the start of the file), with no more left out than would fit between the two.
+bool IsInSequence(const std::optional<EventPlace>& before, const EventPlace& place);
+
+/// Decides which bytes of a log are events. A log has no check sums, so a header is believed or
+/// not by what stands around it:
+///
+/// * its sync word is there, its lengths are possible and fit the file, its channel is readable;
+/// * it is *followed*: where it ends there is the end of the file, a sync word, or an event whose
+///   sync word alone is damaged; or it is *in sequence*: its number goes on from that of the event
+///   before (logs number their events);
+/// * it is not *contradicted*: the events that its number lets us expect next do not begin inside
+///   of it, and the very next one does not begin further behind.
+///
+/// So of two neighbours the damaged one goes, a wrong length swallows nothing, and sync words or
+/// whole logs inside a payload do no harm. Damage to a number, a time or a payload cannot be seen
+/// here.
+class EventFinder {
+ public:
+  /// @param events  window that the events are read through; must outlive this.
+  EventFinder(const InputFile& file, FileWindow& events);
+
+  /// The event that begins at `offset`; nothing when none can be believed there.
+  /// @param before  the last event before it whose number can be trusted; nothing: none yet.
+  std::optional<EventPlace> EventAt(int64_t offset, const std::optional<EventPlace>& before);
+
+  /// The first event behind damage at `offset`. One out of sequence is taken only when none in
+  /// sequence follows within 64 MB.
+  std::optional<EventPlace> EventBehind(int64_t offset, const std::optional<EventPlace>& before);
+
+  /// Whether the file ends inside an event that begins at or behind `offset`.
+  bool IsTorn(int64_t offset);
+
+ private:
+  std::span<const uint8_t> Peek(int64_t offset, int64_t count);
+  std::optional<EventPlace> PlaceAt(int64_t offset);
+  std::optional<EventPlace> PlaceButForSync(int64_t offset);
+  bool IsFollowed(const EventPlace& place);
+  bool IsContradicted(const EventPlace& place, const std::optional<EventPlace>& before,
+                      bool followed);
+  bool HoldsOthers(const EventPlace& place, const std::optional<EventPlace>& before, bool followed);
+  bool EndsEarly(const EventPlace& place);
+  std::optional<int64_t> FindSync(int64_t from, int64_t limit);
+
+  const InputFile& file_;
+  FileWindow& events_;
+  FileWindow search_;
+  FileWindow peek_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_LOGFILE_EVENT_FINDER_H_

@@ -1,0 +1,24 @@
+#ifndef SPROUT_COMMON_LOGFILE_LOG_ERROR_H_
+#define SPROUT_COMMON_LOGFILE_LOG_ERROR_H_
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+namespace sprout {
+
+/// A log that cannot be opened, read or written. what() is one line that names file and reason.
+class LogError : public std::runtime_error {
+ public:
+  LogError(const std::filesystem::path& path, const std::string& reason)
+      : std::runtime_error(path.string() + ": " + reason), path_(path) {}
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_LOGFILE_LOG_ERROR_H_

@@ -1,0 +1,69 @@
+#include "common/logfile/log_reader.h"
+
+namespace sprout {
+namespace {
+
+constexpr int64_t kChunkBytes = int64_t{1} << 20;
+
+bool IsNext(const EventPlace& before, const EventPlace& event) {
+  return event.header.number > 0 && event.header.number - 1 == before.header.number;
+}
+
+}  // namespace
+
+LogEvent MakeEvent(const EventHeader& header, int64_t offset, std::span<const uint8_t> bytes) {
+  const auto channel = bytes.subspan(kHeaderBytes, static_cast<size_t>(header.channel_bytes));
+  return {.number = header.number,
+          .utime = header.utime,
+          .offset = offset,
+          .channel = {reinterpret_cast<const char*>(channel.data()), channel.size()},
+          .data = bytes.subspan(kHeaderBytes + channel.size())};
+}
+
+LogReader::LogReader(const std::filesystem::path& path)
+    : file_(path), window_(file_, kChunkBytes), finder_(file_, window_), ahead_(FindNext()) {
+  const bool begins_like_a_log = BeginsWithSync(window_.View(0, kMinEventBytes));
+  if (!ahead_ && !begins_like_a_log) throw LogError(path, "not an LCM log");
+}
+
+LogReader::~LogReader() = default;
+
+std::optional<EventPlace> LogReader::FindNext() {
+  if (position_ >= file_.size()) return std::nullopt;
+  const auto event = finder_.EventAt(position_, trusted_);
+  return event ? event : finder_.EventBehind(position_, trusted_);
+}
+
+// One damaged number must not make the good ones behind it look wrong; two that follow each other
+// do begin a new sequence, as in logs that were put one behind the other.
+void LogReader::Trust(const EventPlace& event) {
+  if (IsInSequence(trusted_, event) || (last_ && IsNext(*last_, event))) trusted_ = event;
+}
+
+// Books what lies between the last event and the next one, or the end of the file.
+void LogReader::Skip(const std::optional<EventPlace>& next) {
+  const int64_t end = next ? next->offset : file_.size();
+  if (end == position_) return;
+  LogDamage damage{.offset = position_, .bytes = end - position_, .tail = false, .events = {}};
+  if (!next) {
+    damage.tail = finder_.IsTorn(position_);
+  } else if (IsInSequence(last_, *next)) {
+    damage.events = next->header.number - (last_ ? last_->header.number : -1) - 1;
+  }
+  damage_.push_back(damage);
+}
+
+bool LogReader::Next(LogEvent& event) {
+  const std::optional<EventPlace> next = ahead_ ? ahead_ : FindNext();
+  ahead_.reset();
+  Skip(next);
+  position_ = next ? next->end() : file_.size();
+  if (!next) return false;
+  Trust(*next);
+  last_ = next;
+  event =
+      MakeEvent(next->header, next->offset, window_.View(next->offset, next->header.event_bytes()));
+  return true;
+}
+
+}  // namespace sprout

@@ -1,0 +1,78 @@
+#ifndef SPROUT_COMMON_LOGFILE_LOG_READER_H_
+#define SPROUT_COMMON_LOGFILE_LOG_READER_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "common/logfile/event_finder.h"
+#include "common/logfile/file_window.h"
+#include "common/logfile/log_error.h"
+
+namespace sprout {
+
+/// One event of a log. Views are valid until the next call of LogReader::Next().
+struct LogEvent {
+  int64_t number = 0;  ///< as the recorder counted
+  int64_t utime = 0;   ///< µs, when the recorder got it
+  int64_t offset = 0;  ///< byte in the file where the event begins
+  std::string_view channel;
+  std::span<const uint8_t> data;
+};
+
+/// Views on the bytes of an event that begins at `offset`.
+LogEvent MakeEvent(const EventHeader& header, int64_t offset, std::span<const uint8_t> bytes);
+
+/// A stretch of bytes that holds no readable event.
+struct LogDamage {
+  int64_t offset = 0;  ///< first unreadable byte
+  int64_t bytes = 0;   ///< how many were skipped
+  bool tail = false;   ///< the file ends inside an event
+  /// How many events were lost, as the numbers before and behind it say; nothing when they do not.
+  std::optional<int64_t> events;
+
+  bool operator==(const LogDamage&) const = default;
+};
+
+/// Reads the events of an lcm-logger file in order, in constant memory (the largest event and a
+/// megabyte), and goes on behind damage; how an event is told from damage: see EventFinder. Not
+/// liblcm's reader, which takes a damaged length for the end of the file or jumps over good events.
+class LogReader {
+ public:
+  /// @throws LogError when the file cannot be opened or is no LCM log at all: it has bytes, but no
+  ///         event, whole or torn. A file without a byte is a log without events.
+  explicit LogReader(const std::filesystem::path& path);
+  ~LogReader();
+
+  /// @returns false at the end of the file.
+  /// @throws LogError when the file cannot be read on.
+  bool Next(LogEvent& event);
+
+  /// Damage found so far, in order of the file.
+  const std::vector<LogDamage>& damage() const { return damage_; }
+
+  int64_t size() const { return file_.size(); }   ///< bytes of the file
+  int64_t position() const { return position_; }  ///< bytes read so far, for progress lines
+
+ private:
+  std::optional<EventPlace> FindNext();
+  void Trust(const EventPlace& event);
+  void Skip(const std::optional<EventPlace>& next);
+
+  InputFile file_;
+  FileWindow window_;
+  EventFinder finder_;
+  int64_t position_ = 0;
+  std::optional<EventPlace> last_;     // the event read last
+  std::optional<EventPlace> trusted_;  // the last one whose number is confirmed by another
+  std::optional<EventPlace> ahead_;    // the next one, when it was looked for already
+  std::vector<LogDamage> damage_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_LOGFILE_LOG_READER_H_

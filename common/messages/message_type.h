@@ -1,0 +1,43 @@
+#ifndef SPROUT_COMMON_MESSAGES_MESSAGE_TYPE_H_
+#define SPROUT_COMMON_MESSAGES_MESSAGE_TYPE_H_
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+
+#include "common/core/frame.h"
+#include "common/core/result.h"
+#include "common/core/stage_status.h"
+#include "common/messages/codec.h"
+
+namespace sprout {
+
+/// The types of ours that travel on channels.
+enum class MessageType { kImage, kTof, kRig, kSeeds, kDisparity, kStatus };
+
+/// "sprout.image_t", ...: as in lcmtypes.
+std::string NameOf(MessageType type);
+
+/// The first 8 bytes of any LCM message, which tell its type; nothing when there are fewer.
+std::optional<uint64_t> FingerprintOf(std::span<const uint8_t> bytes);
+
+/// Type by fingerprint; nothing when it is none of ours.
+std::optional<MessageType> TypeOf(std::span<const uint8_t> bytes);
+
+/// The type that carries a part.
+MessageType TypeOf(Part part);
+
+/// Decodes a message of one of our types without knowing its part; with the checks of DecodePart()
+/// and DecodeStatus().
+/// @returns the value of a part, or nothing (std::monostate) for a status.
+struct DecodedMessage {
+  FrameId id;
+  std::variant<std::monostate, PartValue> value;
+};
+Result<DecodedMessage> DecodeAs(MessageType type, std::span<const uint8_t> bytes);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_MESSAGES_MESSAGE_TYPE_H_

@@ -1,0 +1,75 @@
+#ifndef SPROUT_SERVICES_LOG_COMMANDS_H_
+#define SPROUT_SERVICES_LOG_COMMANDS_H_
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "services/log/frame_range.h"
+
+// The subcommands of sprout-log. Each reads whole logs in constant memory, prints to stdout, and
+// returns the program's exit code. @throws LogError for a log that cannot be used, ConfigError for
+// flags that cannot, Interrupted after Ctrl-C. Output files appear whole or not at all.
+namespace sprout {
+
+struct InfoOptions {
+  std::filesystem::path file;
+  std::string prefix;
+  bool json = false;
+  bool check = false;  ///< exit code 1 when anything is damaged, undecodable or missing
+};
+int RunInfo(const InfoOptions& options);
+
+struct DiffOptions {
+  std::filesystem::path a;
+  std::filesystem::path b;
+  std::vector<std::string> channels;  ///< without prefix; none: all but the statuses
+  std::string prefix;
+  bool common = false;  ///< what only one log has is counted, but no difference
+  bool all = false;     ///< a line for every frame, also for equal ones
+};
+/// @returns 0 equal, 1 different. @throws LogError also when there is nothing to compare.
+int RunDiff(const DiffOptions& options);
+
+struct CutOptions {
+  std::filesystem::path in;
+  std::filesystem::path out;
+  std::string frames;                 ///< see ParseFrameRange(); empty: all
+  std::vector<std::string> channels;  ///< without prefix; none: all
+  std::string prefix;
+  bool force = false;
+};
+int RunCut(const CutOptions& options);
+
+struct MergeOptions {
+  std::vector<std::filesystem::path> in;
+  std::filesystem::path out;
+  bool force = false;
+};
+int RunMerge(const MergeOptions& options);
+
+struct RepairOptions {
+  std::filesystem::path in;
+  std::filesystem::path out;
+  bool drop_undecodable = false;
+  bool force = false;
+};
+int RunRepair(const RepairOptions& options);
+
+struct PicturesOptions {
+  std::filesystem::path file;
+  std::filesystem::path folder;
+  std::string frames;  ///< see ParseFrameRange(); empty: all
+  std::string prefix;
+};
+int RunImages(const PicturesOptions& options);
+
+struct ExportOptions : PicturesOptions {
+  bool ply = false;
+  bool pfm = false;
+};
+int RunExport(const ExportOptions& options);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_LOG_COMMANDS_H_

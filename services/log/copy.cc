@@ -1,0 +1,179 @@
+// The subcommands that write a log: cut, merge and repair.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "common/messages/message_type.h"
+#include "services/log/channel_summary.h"
+#include "services/log/channels.h"
+#include "services/log/commands.h"
+#include "services/log/damage_text.h"
+#include "services/log/new_log.h"
+#include "services/log/read_progress.h"
+
+namespace sprout {
+namespace {
+
+std::optional<FrameId> IdOf(const LogEvent& event) {
+  if (!TypeOf(event.data)) return std::nullopt;
+  auto id = DecodeFrameId(event.data);
+  return id ? std::optional(std::move(*id)) : std::nullopt;
+}
+
+// An event that was read before and may be written later.
+struct KeptEvent {
+  int64_t utime = 0;
+  std::string channel;
+  std::vector<uint8_t> data;
+
+  LogEvent event() const { return {.utime = utime, .channel = channel, .data = data}; }
+};
+
+// Sees to it that the calibration of every frame that is kept is kept, too. It is sent once a
+// second, so it may stand before the first frame that is kept or behind the last one.
+class RigKeeper {
+ public:
+  explicit RigKeeper(NewLog& out) : out_(out) {}
+
+  void OnRig(const LogEvent& event, const FrameId& id, bool in_range) {
+    if (in_range || (needed_.contains(id.rig_id) && !written_.contains(id.rig_id))) {
+      out_.Write(event);
+      written_.insert(id.rig_id);
+    } else if (!written_.contains(id.rig_id)) {
+      waiting_[id.rig_id] = {
+          event.utime, std::string(event.channel), {event.data.begin(), event.data.end()}};
+    }
+  }
+
+  // Before a frame is written.
+  void OnFrame(const FrameId& id) {
+    needed_.insert(id.rig_id);
+    const auto rig = waiting_.find(id.rig_id);
+    if (rig == waiting_.end() || !written_.insert(id.rig_id).second) return;
+    out_.Write(rig->second.event());
+    waiting_.erase(rig);
+  }
+
+ private:
+  NewLog& out_;
+  std::map<std::string, KeptEvent> waiting_;  // newest of each rig_id that was not written yet
+  std::set<std::string> needed_;
+  std::set<std::string> written_;
+};
+
+void PrintWritten(const NewLog& out, const std::filesystem::path& path, int64_t events) {
+  std::cout << fmt::format("{}: {} of {} events\n", path.string(), out.events(), events);
+}
+
+}  // namespace
+
+int RunCut(const CutOptions& options) {
+  const bool by_frame = !options.frames.empty();
+  const FrameRange range = by_frame ? ParseFrameRange("--frames", options.frames) : FrameRange{};
+  const ChannelFilter filter(options.channels, options.prefix);
+  LogReader reader(options.in);
+  NewLog out(options.out, options.force);
+  RigKeeper rigs(out);
+  ReadProgress progress("reading " + options.in.string(), reader.size());
+  int64_t events = 0;
+  int64_t kept = 0;  // without calibrations that nobody asked for
+  for (LogEvent event; reader.Next(event); progress.Update(reader.position())) {
+    ++events;
+    if (!event.channel.starts_with(options.prefix)) continue;
+    const auto id = IdOf(event);
+    const bool in_range = id ? range.Has(id->seq) : false;
+    if (TypeOf(event.data) == MessageType::kRig && id) {
+      rigs.OnRig(event, *id, in_range || !by_frame);
+      if (filter.names().contains(event.channel) && (in_range || !by_frame)) ++kept;
+      continue;
+    }
+    if (!filter.Has(event.channel) || (by_frame && !in_range)) continue;
+    if (id) rigs.OnFrame(*id);
+    out.Write(event);
+    ++kept;
+  }
+  progress.Clear();
+  WarnOfDamage(options.in, reader.damage());
+  if (kept == 0) throw LogError(options.in, "no event in these frames and channels");
+  out.Commit();
+  PrintWritten(out, options.out, events);
+  return 0;
+}
+
+int RunMerge(const MergeOptions& options) {
+  struct Source {
+    explicit Source(const std::filesystem::path& path) : reader(path), there(reader.Next(event)) {}
+    LogReader reader;
+    LogEvent event;
+    bool there;
+  };
+  std::vector<std::unique_ptr<Source>> sources;
+  int64_t bytes = 0;
+  for (const auto& path : options.in) {
+    sources.push_back(std::make_unique<Source>(path));
+    bytes += sources.back()->reader.size();
+  }
+  NewLog out(options.out, options.force);
+  ReadProgress progress("merging", bytes);
+  for (;;) {
+    // Each log keeps its order; of equal times the log named first comes first.
+    const auto earlier = [](const auto& a, const auto& b) {
+      if (a->there != b->there) return a->there;
+      return a->there && a->event.utime < b->event.utime;
+    };
+    Source& next = **std::min_element(sources.begin(), sources.end(), earlier);
+    if (!next.there) break;
+    out.Write(next.event);
+    next.there = next.reader.Next(next.event);
+    int64_t position = 0;
+    for (const auto& source : sources) position += source->reader.position();
+    progress.Update(position);
+  }
+  progress.Clear();
+  for (size_t i = 0; i < sources.size(); ++i) {
+    WarnOfDamage(options.in[i], sources[i]->reader.damage());
+  }
+  out.Commit();
+  PrintWritten(out, options.out, out.events());
+  return 0;
+}
+
+int RunRepair(const RepairOptions& options) {
+  LogReader reader(options.in);
+  NewLog out(options.out, options.force);
+  ReadProgress progress("repairing " + options.in.string(), reader.size());
+  int64_t undecodable = 0;
+  std::string report;
+  for (LogEvent event; reader.Next(event); progress.Update(reader.position())) {
+    const std::string reason = WhyUndecodable(event);
+    if (!reason.empty()) {
+      constexpr int kShown = 20;
+      if (++undecodable <= kShown) {
+        report += fmt::format("{}: {}, event {} at byte {}: {}\n",
+                              options.drop_undecodable ? "dropped" : "kept, but undecodable",
+                              event.channel, event.number, event.offset, reason);
+      }
+      if (options.drop_undecodable) continue;
+    }
+    out.Write(event);
+  }
+  progress.Clear();
+  out.Commit();
+  int64_t lost_bytes = 0;
+  for (const LogDamage& damage : reader.damage()) {
+    lost_bytes += damage.bytes;
+    report += "lost: " + DamageText(damage) + "\n";
+  }
+  std::cout << report
+            << fmt::format("{}: {} events; {} bytes of {} lost in {} place{}, {} undecodable {}\n",
+                           options.out.string(), out.events(), lost_bytes, reader.size(),
+                           reader.damage().size(), reader.damage().size() == 1 ? "" : "s",
+                           undecodable, options.drop_undecodable ? "dropped" : "kept");
+  return 0;
+}
+
+}  // namespace sprout

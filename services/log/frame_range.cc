@@ -1,0 +1,36 @@
+#include "services/log/frame_range.h"
+
+#include <charconv>
+#include <string_view>
+
+#include "common/config/config.h"
+
+namespace sprout {
+namespace {
+
+bool ParseNumber(std::string_view text, int64_t& number) {
+  const char* const end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && stopped == end && number >= 0;
+}
+
+}  // namespace
+
+FrameRange ParseFrameRange(const std::string& flag, const std::string& text) {
+  FrameRange frames;
+  const std::string_view all = text;
+  const size_t colon = all.find(':');
+  const std::string_view first = all.substr(0, colon);
+  const std::string_view last = colon == std::string_view::npos ? first : all.substr(colon + 1);
+  const bool open = colon != std::string_view::npos;
+  const bool understood = ((open && first.empty()) || ParseNumber(first, frames.first)) &&
+                          ((open && last.empty()) || ParseNumber(last, frames.last));
+  if (!understood || frames.first > frames.last) {
+    throw ConfigError(
+        flag + " " + text +
+        ": allowed are A:B (frames A to B, both included, 0 <= A <= B), A:, :B and A");
+  }
+  return frames;
+}
+
+}  // namespace sprout

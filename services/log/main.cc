@@ -1,0 +1,3 @@
+#include "services/log/program.h"
+
+int main(int argc, char** argv) { return sprout::LogMain(argc, argv); }

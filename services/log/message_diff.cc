@@ -1,0 +1,150 @@
+#include "services/log/message_diff.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+#include "common/core/image.h"
+#include "common/messages/message_type.h"
+
+namespace sprout {
+namespace {
+
+// Bit by bit: NaN is equal to itself.
+bool SameBits(const cv::Mat& a, const cv::Mat& b) {
+  if (a.size() != b.size() || a.type() != b.type()) return false;
+  const size_t row_bytes = a.elemSize() * static_cast<size_t>(a.cols);
+  for (int v = 0; v < a.rows; ++v) {
+    if (std::memcmp(a.ptr(v), b.ptr(v), row_bytes) != 0) return false;
+  }
+  return true;
+}
+
+int64_t CountDifferent(const cv::Mat& a, const cv::Mat& b) {
+  int64_t count = 0;
+  const size_t bytes = a.elemSize();
+  for (int v = 0; v < a.rows; ++v) {
+    for (int u = 0; u < a.cols; ++u) {
+      const size_t at = bytes * static_cast<size_t>(u);
+      if (std::memcmp(a.ptr(v) + at, b.ptr(v) + at, bytes) != 0) ++count;
+    }
+  }
+  return count;
+}
+
+MessageDiff Equal() { return {.equal = true, .text = "", .disparity = {}}; }
+
+MessageDiff Different(std::string text) {
+  return {.equal = false, .text = std::move(text), .disparity = {}};
+}
+
+MessageDiff CompareValue(const cv::Mat& a, const cv::Mat& b) {
+  if (a.size() != b.size() || a.type() != b.type()) {
+    return Different(fmt::format("{} in {} colours and {} in {}", SizeText(a.size()), a.channels(),
+                                 SizeText(b.size()), b.channels()));
+  }
+  if (SameBits(a, b)) return Equal();
+  return Different(fmt::format("{} of {} pixels differ, by at most {:.0f} grey levels",
+                               CountDifferent(a, b), a.total(), cv::norm(a, b, cv::NORM_INF)));
+}
+
+MessageDiff CompareValue(const TofImage& a, const TofImage& b) {
+  if (SameBits(a.depth_m, b.depth_m) && SameBits(a.amplitude, b.amplitude)) return Equal();
+  if (a.depth_m.size() != b.depth_m.size()) {
+    return Different(SizeText(a.depth_m.size()) + " and " + SizeText(b.depth_m.size()));
+  }
+  if (SameBits(a.depth_m, b.depth_m)) return Different("amplitudes differ");
+  return Different(fmt::format("{} of {} depths differ", CountDifferent(a.depth_m, b.depth_m),
+                               a.depth_m.total()));
+}
+
+MessageDiff CompareValue(const Rig& a, const Rig& b) {
+  return RigId(a) == RigId(b) ? Equal() : Different("calibrations differ");
+}
+
+MessageDiff CompareValue(const SeedSet& a, const SeedSet& b) {
+  if (a == b) return Equal();
+  const auto [in_a, in_b] =
+      std::mismatch(a.seeds.begin(), a.seeds.end(), b.seeds.begin(), b.seeds.end());
+  if (in_a == a.seeds.end() && in_b == b.seeds.end()) {
+    return Different("same seeds, but the counts of dropped points differ");
+  }
+  return Different(fmt::format("{} and {} seeds, first difference at number {}", a.seeds.size(),
+                               b.seeds.size(), in_a - a.seeds.begin()));
+}
+
+std::string Text(const DisparityDiff& diff) {
+  return fmt::format(
+      "{} of {} pixels differ: {} by {:.3f} px in the mean and {:.3f} px at most, {} newly valid, "
+      "{} newly invalid; first at column {}, row {}",
+      diff.differing, diff.pixels, diff.changed, diff.mean_px(), diff.max_px, diff.newly_valid,
+      diff.newly_invalid, diff.first.x, diff.first.y);
+}
+
+MessageDiff CompareValue(const DisparityImage& a, const DisparityImage& b) {
+  if (a.size() != b.size()) return Different(SizeText(a.size()) + " and " + SizeText(b.size()));
+  const DisparityDiff diff = Compare(a, b);
+  if (diff.differing == 0) return Equal();
+  return {.equal = false, .text = Text(diff), .disparity = diff};
+}
+
+std::string HeaderText(const FrameId& a, const FrameId& b) {
+  if (a.rig_id != b.rig_id) return "rig_id " + a.rig_id + " and " + b.rig_id;
+  return "headers differ";
+}
+
+}  // namespace
+
+DisparityDiff Compare(const DisparityImage& a, const DisparityImage& b) {
+  DisparityDiff diff;
+  diff.pixels = static_cast<int64_t>(a.counts().total());
+  int64_t sum = 0;
+  int max = 0;
+  for (int v = 0; v < a.height(); ++v) {
+    const int16_t* const row_a = a.counts()[v];
+    const int16_t* const row_b = b.counts()[v];
+    for (int u = 0; u < a.width(); ++u) {
+      if (row_a[u] == row_b[u]) continue;
+      if (diff.differing++ == 0) diff.first = {u, v};
+      if (row_a[u] == DisparityImage::kInvalid) {
+        ++diff.newly_valid;
+      } else if (row_b[u] == DisparityImage::kInvalid) {
+        ++diff.newly_invalid;
+      } else {
+        const int distance = std::abs(row_b[u] - row_a[u]);
+        ++diff.changed;
+        sum += distance;
+        max = std::max(max, distance);
+      }
+    }
+  }
+  diff.sum_px = static_cast<double>(sum) / DisparityImage::kCountsPerPixel;
+  diff.max_px = static_cast<double>(max) / DisparityImage::kCountsPerPixel;
+  return diff;
+}
+
+MessageDiff Compare(std::span<const uint8_t> a, std::span<const uint8_t> b) {
+  const auto type_a = TypeOf(a);
+  if (type_a != TypeOf(b)) return Different("types differ");
+  if (!type_a) return Different(fmt::format("{} and {} bytes differ", a.size(), b.size()));
+  const auto message_a = DecodeAs(*type_a, a);
+  const auto message_b = DecodeAs(*type_a, b);
+  if (!message_a) return Different("undecodable in A: " + message_a.error().text);
+  if (!message_b) return Different("undecodable in B: " + message_b.error().text);
+  const PartValue* const value_a = std::get_if<PartValue>(&message_a->value);
+  const PartValue* const value_b = std::get_if<PartValue>(&message_b->value);
+  if (value_a == nullptr || value_b == nullptr) return Different("statuses differ");
+  MessageDiff diff = std::visit(
+      [&](const auto& value) {
+        return CompareValue(value, std::get<std::decay_t<decltype(value)>>(*value_b));
+      },
+      *value_a);
+  // A calibration names the newest frame, which does not belong to it.
+  const bool same_header = message_a->id == message_b->id || type_a == MessageType::kRig;
+  if (diff.equal && !same_header) return Different(HeaderText(message_a->id, message_b->id));
+  return diff;
+}
+
+}  // namespace sprout

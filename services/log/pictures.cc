@@ -1,0 +1,125 @@
+// The subcommands that write the frames of a log as files: images and export.
+#include <fmt/format.h>
+
+#include <iostream>
+#include <stdexcept>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/core/image.h"
+#include "common/picture/color_map.h"
+#include "common/picture/picture.h"
+#include "common/picture/write_image.h"
+#include "common/picture/write_ply.h"
+#include "services/log/log_frames.h"
+
+namespace sprout {
+namespace {
+
+void Require(const Result<void>& written) {
+  if (!written) throw std::runtime_error(written.error().text);
+}
+
+// The maps of a frame and its seeds share one scale.
+ValueRange RangeOf(const Frame& frame) {
+  std::vector<DisparityImage> maps;
+  for (const auto& map : {frame.prior, frame.unfilled, frame.disparity}) {
+    if (map) maps.push_back(*map);
+  }
+  return DisparityRange(maps, frame.seeds ? frame.seeds->seeds : std::vector<Seed>());
+}
+
+// The size of the images that the frame was captured with, as far as it is known.
+cv::Size CameraSize(const Frame& frame) {
+  if (!frame.left.empty()) return frame.left.size();
+  if (frame.rig) return frame.rig->pair.size();
+  return frame.tof->depth_m.size();
+}
+
+void WritePictures(const Frame& frame, FrameFileNames& names) {
+  const std::string title = fmt::format(", frame {}", frame.id.seq);
+  const auto write = [&](const char* what, const cv::Mat& picture) {
+    Require(WritePng(names.Of(frame.id, what), picture));
+  };
+  if (!frame.left.empty()) write("left.png", CameraPicture(frame.left, "Left image" + title));
+  if (!frame.right.empty()) write("right.png", CameraPicture(frame.right, "Right image" + title));
+  if (frame.tof) {
+    write("tof.png",
+          DepthPicture(*frame.tof, CameraSize(frame), DepthRange(*frame.tof), "ToF depth" + title));
+  }
+  const ValueRange range_px = RangeOf(frame);
+  if (frame.seeds && (!frame.left.empty() || frame.rig)) {
+    // A log without images shows its seeds on black.
+    const cv::Mat left =
+        frame.left.empty() ? cv::Mat(cv::Mat1b::zeros(frame.rig->pair.size())) : frame.left;
+    write("seeds.png", SeedPicture(ToGrey(left), frame.seeds->seeds, range_px,
+                                   fmt::format("Seeds ({}){}", frame.seeds->seeds.size(), title)));
+  }
+  const auto write_map = [&](const char* what, const std::optional<DisparityImage>& map,
+                             const char* name) {
+    if (map) write(what, DisparityPicture(*map, range_px, name + title));
+  };
+  write_map("prior.png", frame.prior, "Prior disparity");
+  write_map("unfilled.png", frame.unfilled, "Disparity as grown");
+  write_map("disparity.png", frame.disparity, "Disparity");
+}
+
+void Finish(const LogFrames& frames, const FrameFileNames& names, const PicturesOptions& options,
+            const std::string& nothing) {
+  const std::string complaint = frames.Complaint();
+  if (names.files() == 0) {
+    throw LogError(options.file, nothing + (complaint.empty() ? "" : "; " + complaint));
+  }
+  if (!complaint.empty()) std::cerr << "sprout-log: " << complaint << "\n";
+  std::cout << fmt::format("{}: {} files of {} frames\n", options.folder.string(), names.files(),
+                           names.frames());
+}
+
+}  // namespace
+
+int RunImages(const PicturesOptions& options) {
+  FrameFileNames names(options.folder);
+  PartSet parts;
+  for (const Part part : kAllParts) parts.Add(part);
+  LogFrames frames(options, parts, [&](const Frame& frame) { WritePictures(frame, names); });
+  frames.Read();
+  Finish(frames, names, options, "no message of these frames that can be shown");
+  return 0;
+}
+
+int RunExport(const ExportOptions& options) {
+  if (!options.ply && !options.pfm)
+    throw ConfigError("export: nothing to do without --ply or --pfm");
+  FrameFileNames names(options.folder);
+  int64_t without_cloud = 0;
+  const PartSet parts = options.ply ? PartSet{Part::kLeft, Part::kRig, Part::kPrior,
+                                              Part::kUnfilled, Part::kDisparity}
+                                    : PartSet{Part::kPrior, Part::kUnfilled, Part::kDisparity};
+  const auto write_pfm = [&](const Frame& frame, const std::optional<DisparityImage>& map,
+                             const char* what) {
+    if (options.pfm && map) Require(WritePfm(names.Of(frame.id, what), *map));
+  };
+  LogFrames frames(options, parts, [&](const Frame& frame) {
+    write_pfm(frame, frame.prior, "prior.pfm");
+    write_pfm(frame, frame.unfilled, "unfilled.pfm");
+    write_pfm(frame, frame.disparity, "disparity.pfm");
+    if (!options.ply || !frame.disparity) return;
+    if (frame.left.empty() || !frame.rig) {
+      ++without_cloud;
+      return;
+    }
+    Require(WriteCloudPly(names.Of(frame.id, "cloud.ply"), frame.rig->pair, *frame.disparity,
+                          frame.left));
+  });
+  frames.Read();
+  if (without_cloud > 0) {
+    std::cerr << fmt::format(
+        "sprout-log: no cloud of {} frames: a cloud needs disparity, left image "
+        "and calibration\n",
+        without_cloud);
+  }
+  Finish(frames, names, options, "no message of these frames that can be exported");
+  return 0;
+}
+
+}  // namespace sprout

@@ -1,0 +1,206 @@
+#include "services/log/program.h"
+
+#include <functional>
+#include <iostream>
+
+#include "common/app/program.h"
+#include "common/config/config.h"
+#include "common/logfile/log_error.h"
+#include "services/log/commands.h"
+#include "services/log/read_progress.h"
+
+namespace sprout {
+namespace {
+
+constexpr char kDescription[] =
+    "Looks into, compares, cuts and repairs the logs that lcm-logger or a replay writes. Logs may "
+    "be\n"
+    "larger than memory, and damaged: every good event is found.";
+
+constexpr char kFooter[] = R"(
+Examples
+  sprout-log info run.lcm                                    what is in it, and is it whole
+  sprout-log diff run.lcm new.lcm --channel SPROUT_SEEDS     did my change change anything
+  sprout-log cut run.lcm one.lcm --frames 40:50              the frames that matter
+  sprout-log images one.lcm pictures                         look at them
+
+`sprout-log COMMAND --help` explains a command. Exit codes: 0; 1 different, or info --check found
+something; 2 a flag or a log that cannot be used. A log that is written appears whole or not at all.
+)";
+
+using Command = std::function<int()>;
+
+struct Commands {
+  InfoOptions info;
+  DiffOptions diff;
+  CutOptions cut;
+  MergeOptions merge;
+  RepairOptions repair;
+  PicturesOptions images;
+  ExportOptions export_;
+  Command chosen;
+};
+
+void AddPrefix(CLI::App& flags, std::string& prefix) {
+  flags
+      .add_option("--channel-prefix", prefix,
+                  "The graph whose channels begin with this, as given to its services")
+      ->type_name("TEXT");
+}
+
+void AddFrames(CLI::App& flags, std::string& frames) {
+  flags
+      .add_option("--frames", frames,
+                  "Frames by number (header.seq), both ends included; A:, :B and A work as well")
+      ->type_name("A:B");
+}
+
+void AddForce(CLI::App& flags, bool& force) {
+  flags.add_flag("--force", force, "Overwrite OUT if it exists");
+}
+
+void AddInfo(CLI::App& program, Commands& commands) {
+  CLI::App& flags = *program.add_subcommand(
+      "info",
+      "What a log holds: for each channel type, messages, rate, times, frames, and how many frame\n"
+      "numbers were left out, came again or cannot be decoded; and where the file is damaged");
+  InfoOptions& options = commands.info;
+  flags.add_option("FILE", options.file, "Log")->required();
+  AddPrefix(flags, options.prefix);
+  flags.add_flag("--json", options.json, "For programs");
+  flags.add_flag("--check", options.check,
+                 "Exit code 1 when something is damaged or undecodable, or frame numbers are left "
+                 "out");
+  flags.callback([&] { commands.chosen = [&] { return RunInfo(commands.info); }; });
+}
+
+void AddDiff(CLI::App& program, Commands& commands) {
+  CLI::App& flags = *program.add_subcommand(
+      "diff",
+      "Whether two logs hold the same, frame by frame: messages are matched by channel and header\n"
+      "(utime, seq). Exit code 0 equal, 1 different, 2 unusable");
+  flags.footer(R"(
+Messages with the same bytes are equal; so are messages that decode to the same values, such as a
+map sent raw and compressed, with a remark. Calibrations are matched by rig_id. A message that came
+again with the same bytes counts once. Statuses, which tell of the clock and the machine, and LCM's
+own channels are compared only when named by --channel.)");
+  DiffOptions& options = commands.diff;
+  flags.add_option("A", options.a, "Log, such as a recorded one")->required();
+  flags.add_option("B", options.b, "Log, such as a replayed one")->required();
+  flags
+      .add_option("--channel", options.channels,
+                  "Only this one (without prefix); may be given several times")
+      ->type_name("NAME")
+      ->delimiter(',')
+      ->expected(1)
+      ->take_all();
+  AddPrefix(flags, options.prefix);
+  flags.add_flag("--common", options.common,
+                 "What only one log has is no difference: a live run skips frames that a replay "
+                 "does not");
+  flags.add_flag("--all", options.all, "A line for every frame, also for equal ones");
+  flags.callback([&] { commands.chosen = [&] { return RunDiff(commands.diff); }; });
+}
+
+void AddCut(CLI::App& program, Commands& commands) {
+  CLI::App& flags = *program.add_subcommand(
+      "cut",
+      "Writes some frames or channels of a log to a new one. Calibrations (RIG) of the frames are\n"
+      "kept always, so that the log explains itself; messages without frame only without --frames");
+  CutOptions& options = commands.cut;
+  flags.add_option("IN", options.in, "Log")->required();
+  flags.add_option("OUT", options.out, "New log")->required();
+  AddFrames(flags, options.frames);
+  flags.add_option("--channels", options.channels, "Channels to keep, without prefix")
+      ->type_name("NAME,NAME,...")
+      ->delimiter(',')
+      ->expected(1)
+      ->take_all();
+  AddPrefix(flags, options.prefix);
+  AddForce(flags, options.force);
+  flags.callback([&] { commands.chosen = [&] { return RunCut(commands.cut); }; });
+}
+
+void AddMerge(CLI::App& program, Commands& commands) {
+  CLI::App& flags =
+      *program.add_subcommand("merge", "Puts logs together into one, by the time of their events");
+  MergeOptions& options = commands.merge;
+  flags.add_option("IN", options.in, "Logs; of equal times, the log named first comes first")
+      ->required();
+  flags.add_option("--out", options.out, "New log")->required()->type_name("OUT");
+  AddForce(flags, options.force);
+  flags.callback([&] { commands.chosen = [&] { return RunMerge(commands.merge); }; });
+}
+
+void AddRepair(CLI::App& program, Commands& commands) {
+  CLI::App& flags = *program.add_subcommand(
+      "repair",
+      "Writes all good events of a damaged log to a new one that every LCM tool reads, and says "
+      "what\n"
+      "was lost. Undecodable messages are kept: a later program may understand them");
+  RepairOptions& options = commands.repair;
+  flags.add_option("IN", options.in, "Log")->required();
+  flags.add_option("OUT", options.out, "New log")->required();
+  flags.add_flag("--drop-undecodable", options.drop_undecodable,
+                 "Drop messages that services would refuse");
+  AddForce(flags, options.force);
+  flags.callback([&] { commands.chosen = [&] { return RunRepair(commands.repair); }; });
+}
+
+void AddImages(CLI::App& program, Commands& commands) {
+  CLI::App& flags = *program.add_subcommand(
+      "images",
+      "Writes left and right image, ToF depth, seeds, prior and disparity of each frame as PNG,\n"
+      "as far as the log has them; colours of a frame share one scale");
+  PicturesOptions& options = commands.images;
+  flags.add_option("FILE", options.file, "Log")->required();
+  flags.add_option("DIR", options.folder, "Folder to write to: 000042_left.png, ...")->required();
+  AddFrames(flags, options.frames);
+  AddPrefix(flags, options.prefix);
+  flags.callback([&] { commands.chosen = [&] { return RunImages(commands.images); }; });
+}
+
+void AddExport(CLI::App& program, Commands& commands) {
+  CLI::App& flags = *program.add_subcommand("export", "Writes each frame for other programs");
+  ExportOptions& options = commands.export_;
+  flags.add_option("FILE", options.file, "Log")->required();
+  flags.add_option("DIR", options.folder, "Folder to write to: 000042_disparity.pfm, ...")
+      ->required();
+  flags.add_flag("--ply", options.ply,
+                 "Coloured point cloud of the disparity map, m in the left rectified frame");
+  flags.add_flag("--pfm", options.pfm, "Prior and disparity maps, px; +inf: no disparity");
+  AddFrames(flags, options.frames);
+  AddPrefix(flags, options.prefix);
+  flags.callback([&] { commands.chosen = [&] { return RunExport(commands.export_); }; });
+}
+
+int RunChosen(const Command& command) {
+  try {
+    return command();
+  } catch (const LogError& e) {
+    throw ConfigError(e.what());  // exit code 2
+  } catch (const Interrupted&) {
+    std::cerr << "sprout-log: interrupted\n";
+    return 130;
+  }
+}
+
+}  // namespace
+
+int LogMain(int argc, const char* const* argv) {
+  CLI::App flags(kDescription, "sprout-log");
+  Commands commands;
+  flags.require_subcommand(1);
+  AddInfo(flags, commands);
+  AddDiff(flags, commands);
+  AddCut(flags, commands);
+  AddMerge(flags, commands);
+  AddRepair(flags, commands);
+  AddImages(flags, commands);
+  AddExport(flags, commands);
+  flags.set_version_flag("--version", "sprout-log " + Version());
+  flags.footer(kFooter);
+  return RunProgram(flags, argc, argv, [&] { return RunChosen(commands.chosen); });
+}
+
+}  // namespace sprout

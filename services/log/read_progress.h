@@ -1,0 +1,45 @@
+#ifndef SPROUT_SERVICES_LOG_READ_PROGRESS_H_
+#define SPROUT_SERVICES_LOG_READ_PROGRESS_H_
+
+#include <chrono>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+#include "common/app/progress.h"
+
+namespace sprout {
+
+/// The user pressed Ctrl-C. What was written so far is removed on the way out.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("interrupted") {}
+};
+
+/// Shows how much of the logs has been read, on a terminal only and a few times a second, and ends
+/// the work on Ctrl-C. One at a time.
+class ReadProgress {
+ public:
+  /// @param what   what is being done, "reading run.lcm".
+  /// @param bytes  size of all that will be read.
+  ReadProgress(std::string what, int64_t bytes);
+  ~ReadProgress();
+  ReadProgress(const ReadProgress&) = delete;
+  ReadProgress& operator=(const ReadProgress&) = delete;
+
+  /// @throws Interrupted after Ctrl-C.
+  void Update(int64_t position);
+
+  /// Takes the line away, to make room for other output.
+  void Clear() { line_.Clear(); }
+
+ private:
+  std::string what_;
+  int64_t bytes_;
+  std::chrono::steady_clock::time_point next_;
+  Progress line_{/*quiet=*/false};
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_LOG_READ_PROGRESS_H_

@@ -1,0 +1,127 @@
+#include "common/logfile/log_reader.h"
+
+#include <gmock/gmock.h>
+#include <lcm/lcm.h>
+
+#include "common/logfile/event_fetcher.h"
+#include "tests/common/logfile/sample_log.h"
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST(LogReader, ReadsWhatLogWriterWrites) {
+  std::vector<Event> events = SampleEvents(50);
+  const LogContent content = ReadLog(MakeLog(events));
+  EXPECT_EQ(content.events, events);
+  EXPECT_THAT(content.damage, IsEmpty());
+}
+
+TEST(LogReader, ReadsWhatLcmWrites) {
+  const TemporaryDirectory folder;
+  std::vector<Event> events = SampleEvents(20);
+  lcm_eventlog_t* const log = lcm_eventlog_create((folder / "log").c_str(), "w");
+  for (Event& event : events) {
+    lcm_eventlog_event_t written = {.eventnum = 0,
+                                    .timestamp = event.utime,
+                                    .channellen = static_cast<int32_t>(event.channel.size()),
+                                    .datalen = static_cast<int32_t>(event.data.size()),
+                                    .channel = event.channel.data(),
+                                    .data = event.data.data()};
+    ASSERT_EQ(lcm_eventlog_write_event(log, &written), 0);
+  }
+  lcm_eventlog_destroy(log);
+  MakeLog(events);  // numbers and offsets
+  EXPECT_EQ(ReadLog(folder / "log").events, events);
+}
+
+TEST(LogReader, ReadsEventsLongerThanItsWindow) {
+  std::vector<Event> events = SampleEvents(6);
+  events[1].data.assign(5 << 20, 17);
+  events[3].data.assign((1 << 20) - 28, 18);
+  EXPECT_EQ(ReadLog(MakeLog(events)).events, events);
+}
+
+TEST(EventFetcher, GetsEventsAgainInAnyOrder) {
+  const TemporaryDirectory folder;
+  std::vector<Event> events = SampleEvents(12);
+  events[4].data.assign(1 << 20, 17);
+  WriteBytes(folder / "log", MakeLog(events));
+  EventFetcher fetcher(folder / "log");
+  for (const size_t i : {11, 4, 5, 0, 4}) {
+    const LogEvent event = fetcher.Fetch(events[i].offset);
+    EXPECT_EQ(event.number, events[i].number);
+    EXPECT_EQ(event.channel, events[i].channel);
+    EXPECT_TRUE(std::equal(event.data.begin(), event.data.end(), events[i].data.begin(),
+                           events[i].data.end()));
+  }
+  EXPECT_THROW(fetcher.Fetch(events[11].end()), LogError);
+}
+
+TEST(LogReader, TellsHowFarItIs) {
+  const TemporaryDirectory folder;
+  std::vector<Event> events = SampleEvents(3);
+  const Bytes bytes = MakeLog(events);
+  WriteBytes(folder / "log", bytes);
+  LogReader reader(folder / "log");
+  EXPECT_EQ(reader.size(), static_cast<int64_t>(bytes.size()));
+  EXPECT_EQ(reader.position(), 0);
+  LogEvent event;
+  ASSERT_TRUE(reader.Next(event));
+  EXPECT_EQ(reader.position(), events[1].offset);
+}
+
+TEST(LogReader, TakesAFileWithoutBytesForALogWithoutEvents) {
+  const LogContent content = ReadLog(Bytes());
+  EXPECT_THAT(content.events, IsEmpty());
+  EXPECT_THAT(content.damage, IsEmpty());
+}
+
+TEST(LogReader, ReadsLogsOneBehindTheOther) {
+  std::vector<Event> events = SampleEvents(20);
+  Bytes bytes = MakeLog(events);
+  const Bytes once = bytes;
+  bytes.insert(bytes.end(), once.begin(), once.end());
+  const LogContent content = ReadLog(bytes);
+  EXPECT_EQ(content.events.size(), 40U);
+  EXPECT_THAT(content.damage, IsEmpty());
+}
+
+std::string ErrorOfOpening(const std::filesystem::path& path) {
+  try {
+    const LogReader reader(path);
+  } catch (const LogError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(LogReader, RefusesWhatIsNoLog) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "text") << std::string(100'000, 'x');
+  EXPECT_EQ(ErrorOfOpening(folder / "text"), (folder / "text").string() + ": not an LCM log");
+  EXPECT_THAT(ErrorOfOpening(folder / ""), HasSubstr("not a file"));
+  EXPECT_THAT(ErrorOfOpening("/dev/zero"), HasSubstr("not a file"));
+  EXPECT_THAT(ErrorOfOpening(folder / "none"), HasSubstr("No such file"));
+}
+
+TEST(LogReader, SaysWhenTheFileBecomesShorter) {
+  const TemporaryDirectory folder;
+  std::vector<Event> events = SampleEvents(6);
+  events[5].data.assign(5 << 20, 17);
+  WriteBytes(folder / "log", MakeLog(events));
+  LogReader reader(folder / "log");
+  LogEvent event;
+  ASSERT_TRUE(reader.Next(event));
+  std::filesystem::resize_file(folder / "log", static_cast<uintmax_t>(events[5].offset));
+  const auto read_on = [&] {
+    while (reader.Next(event)) {
+    }
+  };
+  EXPECT_THROW(read_on(), LogError);
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,94 @@
+#include "common/logfile/log_writer.h"
+
+#include <gmock/gmock.h>
+#include <lcm/lcm.h>
+#include <sys/resource.h>
+
+#include <csignal>
+
+#include "tests/common/logfile/sample_log.h"
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+
+template <typename Function>
+std::string ErrorOf(Function function) {
+  try {
+    function();
+  } catch (const LogError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(LogWriter, WritesWhatLcmReads) {
+  const TemporaryDirectory folder;
+  std::vector<Event> events = SampleEvents(20);
+  WriteBytes(folder / "log", MakeLog(events));
+  lcm_eventlog_t* const log = lcm_eventlog_create((folder / "log").c_str(), "r");
+  ASSERT_NE(log, nullptr);
+  for (const Event& event : events) {
+    lcm_eventlog_event_t* const read = lcm_eventlog_read_next_event(log);
+    ASSERT_NE(read, nullptr);
+    EXPECT_EQ(read->eventnum, event.number);
+    EXPECT_EQ(read->timestamp, event.utime);
+    EXPECT_EQ(std::string(read->channel), event.channel);
+    const auto* data = static_cast<const uint8_t*>(read->data);
+    EXPECT_EQ(Bytes(data, data + read->datalen), event.data);
+    lcm_eventlog_free_event(read);
+  }
+  EXPECT_EQ(lcm_eventlog_read_next_event(log), nullptr);
+  lcm_eventlog_destroy(log);
+}
+
+TEST(LogWriter, RefusesTheLogThatIsBeingRead) {
+  const TemporaryDirectory folder;
+  std::vector<Event> events = SampleEvents(5);
+  const Bytes bytes = MakeLog(events);
+  WriteBytes(folder / "log", bytes);
+  {
+    const LogReader reader(folder / "log");
+    EXPECT_THAT(ErrorOf([&] { LogWriter writer(folder / "log"); }), HasSubstr("in use"));
+    EXPECT_EQ(ReadBytes(folder / "log"), bytes);
+  }
+  LogWriter(folder / "log").Close();
+  EXPECT_EQ(ReadBytes(folder / "log"), Bytes());
+}
+
+TEST(LogWriter, RefusesTheLogThatIsBeingWritten) {
+  const TemporaryDirectory folder;
+  LogWriter writer(folder / "log");
+  EXPECT_THAT(ErrorOf([&] { LogWriter other(folder / "log"); }), HasSubstr("in use"));
+}
+
+TEST(LogWriter, NamesAFileThatCannotBeCreated) {
+  const TemporaryDirectory folder;
+  const auto path = folder / "none" / "log";
+  EXPECT_EQ(ErrorOf([&] { LogWriter writer(path); }),
+            path.string() + ": cannot be written (No such file or directory)");
+}
+
+TEST(LogWriter, ReportsAFullDiskInClose) {
+  LogWriter writer("/dev/full");
+  writer.Write(1, "A", Bytes(10));  // stays in the buffer
+  EXPECT_THAT(ErrorOf([&] { writer.Close(); }), HasSubstr("No space left"));
+}
+
+TEST(LogWriter, ReportsAFullDiskInWrite) {
+  LogWriter writer("/dev/full");
+  EXPECT_THAT(ErrorOf([&] { writer.Write(1, "A", Bytes(4 << 20)); }), HasSubstr("No space left"));
+}
+
+TEST(LogWriter, RefusesChannelsThatLcmDoesNotKnow) {
+  const TemporaryDirectory folder;
+  LogWriter writer(folder / "log");
+  EXPECT_THAT(ErrorOf([&] { writer.Write(1, "", {}); }), HasSubstr("1 to 63"));
+  EXPECT_THAT(ErrorOf([&] { writer.Write(1, std::string(64, 'A'), {}); }), HasSubstr("1 to 63"));
+  writer.Write(1, std::string(63, 'A'), {});
+  EXPECT_EQ(writer.events(), 1);
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,125 @@
+#include <gmock/gmock.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "services/capture/pfm.h"
+#include "tests/services/log/graph_log.h"
+
+// images and export.
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+using testing::UnorderedElementsAre;
+
+std::vector<std::string> FilesIn(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    names.push_back(entry.path().filename());
+  }
+  return names;
+}
+
+TEST(LogImages, WritesEveryPartOfTheFramesAsked) {
+  const LogFolder folder;
+  const auto log = folder.Write("log", GraphEvents(30));
+  const ProgramOutcome outcome = RunLog({"images", log, folder.File("out"), "--frames", "4:5"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("12 files of 2 frames\n"));
+  EXPECT_THAT(FilesIn(folder.File("out")),
+              UnorderedElementsAre("000004_left.png", "000004_right.png", "000004_tof.png",
+                                   "000004_seeds.png", "000004_prior.png", "000004_disparity.png",
+                                   "000005_left.png", "000005_right.png", "000005_tof.png",
+                                   "000005_seeds.png", "000005_prior.png", "000005_disparity.png"));
+  const cv::Mat left = cv::imread(folder.File("out") + "/000004_left.png");
+  ASSERT_FALSE(left.empty());
+  EXPECT_GE(left.cols, kLogImageSize.width);
+}
+
+TEST(LogImages, ShowsWhatALogOfOneStageHas) {
+  const LogFolder folder;
+  const auto log = folder.Write(
+      "log", {PartEvent(Part::kSeeds, 3), PartEvent(Part::kUnfilled, 3), PartEvent(Part::kRig, 8)});
+  EXPECT_EQ(RunLog({"images", log, folder.File("out")}).exit_code, 0);
+  EXPECT_THAT(FilesIn(folder.File("out")),
+              UnorderedElementsAre("000003_seeds.png", "000003_unfilled.png"));
+}
+
+TEST(LogImages, KeepsFramesOfOneNumberApart) {
+  const LogFolder folder;
+  Event again = PartEvent(Part::kLeft, 3);
+  FrameId id = LogFrameId(3);
+  id.utime += 5;
+  again.data = EncodePart(id, Part::kLeft, LogValue(Part::kLeft, 3), DisparityEncoding::kRawInt16);
+  const auto log = folder.Write("log", {PartEvent(Part::kLeft, 3), again});
+  EXPECT_EQ(RunLog({"images", log, folder.File("out")}).exit_code, 0);
+  EXPECT_THAT(FilesIn(folder.File("out")),
+              UnorderedElementsAre("000003_left.png", "000003_1700000000300005_left.png"));
+}
+
+TEST(LogImages, GoesOnBehindAnUndecodableMessage) {
+  const LogFolder folder;
+  auto events = GraphEvents(3);
+  EventOf(events, Part::kLeft, 1).data.pop_back();
+  const auto log = folder.Write("log", events);
+  const ProgramOutcome outcome = RunLog({"images", log, folder.File("out")});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("17 files of 3 frames"));
+  EXPECT_THAT(outcome.err, HasSubstr("undecodable messages: 1, the first SPROUT_LEFT, event "));
+}
+
+TEST(LogImages, RefusesWhatHasNothingToShow) {
+  const LogFolder folder;
+  const auto log = folder.Write("log", GraphEvents(3));
+  ExpectRefused({"images", log, folder.File("out"), "--frames", "9"}, "no message of these frames");
+  ExpectRefused({"images", log, folder.File("out"), "--channel-prefix", "TWO_"},
+                "there are channels as SPROUT_");
+  ExpectRefused({"images", log, log + "/out"}, "cannot be written");
+  EXPECT_EQ(folder.CountEntries(), 1);
+}
+
+TEST(LogExport, WritesTheMapsAsPfm) {
+  const LogFolder folder;
+  const auto log = folder.Write("log", GraphEvents(30));
+  ASSERT_EQ(RunLog({"export", log, folder.File("out"), "--pfm", "--frames", "7"}).exit_code, 0);
+  EXPECT_THAT(FilesIn(folder.File("out")),
+              UnorderedElementsAre("000007_prior.pfm", "000007_disparity.pfm"));
+  const cv::Mat1f px = ReadPfm(folder.File("out") + "/000007_disparity.pfm");
+  ASSERT_EQ(px.size(), kLogImageSize);
+  EXPECT_EQ(px(3, 8), LogDisparity(7).Px(8, 3));
+  EXPECT_TRUE(std::isinf(px(3, 0)));
+}
+
+TEST(LogExport, WritesCloudsWithACalibrationFromAnywhere) {
+  const LogFolder folder;
+  const auto log = folder.Write("log", GraphEvents(30));
+  // Frame 0 is there before any calibration; more than 16 frames pass before the end.
+  ASSERT_EQ(RunLog({"export", log, folder.File("out"), "--ply"}).exit_code, 0);
+  EXPECT_EQ(FilesIn(folder.File("out")).size(), 30U);
+  const Bytes ply = ReadBytes(folder.File("out") + "/000000_cloud.ply");
+  const std::string head(ply.begin(), ply.begin() + 200);
+  EXPECT_THAT(head, HasSubstr("element vertex 672\n"));  // 28 × 24
+}
+
+TEST(LogExport, SaysWhichCloudsItCannotMake) {
+  const LogFolder folder;
+  auto events = GraphEvents(3);
+  Erase(events, Part::kLeft, 1);
+  const auto log = folder.Write("log", events);
+  const ProgramOutcome outcome = RunLog({"export", log, folder.File("out"), "--ply"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("no cloud of 1 frames"));
+  EXPECT_EQ(FilesIn(folder.File("out")).size(), 2U);
+}
+
+TEST(LogExport, RefusesToDoNothing) {
+  const LogFolder folder;
+  const auto log = folder.Write("log", GraphEvents(3));
+  ExpectRefused({"export", log, folder.File("out")}, "--ply or --pfm");
+  ExpectRefused(
+      {"export", folder.Write("raw", {PartEvent(Part::kLeft, 1)}), folder.File("out"), "--pfm"},
+      "no message of these frames");
+}
+
+}  // namespace
+}  // namespace sprout
