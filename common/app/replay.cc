@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <optional>
 
 #include "common/app/answer.h"
@@ -15,7 +16,7 @@
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
 #include "common/logfile/log_error.h"
-#include "common/logfile/log_writer.h"
+#include "common/logfile/new_log.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 
@@ -31,41 +32,6 @@ using Clock = StageMonitor::Clock;
 constexpr size_t kMaxPending = 64;
 
 constexpr std::chrono::milliseconds kProgressPeriod{200};
-
-// A log that appears whole or not at all.
-class Recording {
- public:
-  explicit Recording(const fs::path& path) : path_(path), part_(path.string() + ".part") {
-    try {
-      writer_.emplace(part_);
-    } catch (const LogError& e) {
-      throw ConfigError(std::string("--record ") + e.what());
-    }
-  }
-  ~Recording() {
-    if (!writer_) return;
-    writer_.reset();
-    std::error_code ignored;
-    fs::remove(part_, ignored);
-  }
-  Recording(const Recording&) = delete;
-  Recording& operator=(const Recording&) = delete;
-
-  LogWriter& writer() { return *writer_; }
-
-  void Commit() {
-    writer_->Close();
-    std::error_code error;
-    fs::rename(part_, path_, error);
-    if (error) throw LogError(path_, "cannot be written: " + error.message());
-    writer_.reset();
-  }
-
- private:
-  fs::path path_;
-  fs::path part_;
-  std::optional<LogWriter> writer_;
-};
 
 void RequireOtherFile(const std::string& log, const std::string& record) {
   for (const std::string& written : {record, record + ".part"}) {
@@ -85,6 +51,14 @@ ReplayInput OpenInput(const std::vector<std::string>& logs) {
   }
 }
 
+std::unique_ptr<NewLog> OpenRecording(const std::string& record) {
+  try {
+    return std::make_unique<NewLog>(record, /*overwrite=*/true);
+  } catch (const LogError& e) {
+    throw ConfigError(std::string("--record ") + e.what());
+  }
+}
+
 std::string JoinText(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, ", "));
 }
@@ -99,21 +73,21 @@ class Replay {
         monitor_(context.stage, Digest(ConfigText(context.config))),
         assembler_(plug.Inputs(), monitor_, kMaxPending),
         input_(OpenInput(options.logs)),
+        recording_(OpenRecording(options.record)),
         progress_(/*quiet=*/false) {}
 
   int Run() {
-    Recording recording(options_.record);
     if (plug_.Inputs().Has(Part::kRig)) AddFirstCalibration();
     LogEvent event;
     while (!context_.stop.stop_requested() && input_.Next(event)) {
-      Take(event, recording.writer());
+      Take(event);
       ShowProgress();
     }
     assembler_.Finish();
     progress_.Clear();
     const bool stopped = context_.stop.stop_requested();
     if (!stopped) RequireFrames();
-    recording.Commit();
+    recording_->Commit();
     return Report(stopped);
   }
 
@@ -133,7 +107,7 @@ class Replay {
     }
   }
 
-  void Take(const LogEvent& event, LogWriter& writer) {
+  void Take(const LogEvent& event) {
     if (!event.channel.starts_with(context_.prefix)) return;
     const std::string_view channel = event.channel.substr(context_.prefix.size());
     if (!IsWanted(channel, event.data)) return;
@@ -143,7 +117,8 @@ class Replay {
       const std::optional<Answer> answer = MakeAnswer(frame, plug_, encoding_, monitor_);
       if (!answer) continue;
       for (const Answer::Message& message : answer->messages) {
-        writer.Write(event.utime, LoggedChannel(message.channel), message.bytes);
+        const std::string logged = LoggedChannel(message.channel);
+        recording_->Write({.utime = event.utime, .channel = logged, .data = message.bytes});
       }
       monitor_.FrameOut(frame.id, arrived, answer->degenerate);
     }
@@ -159,7 +134,7 @@ class Replay {
       if (!seen_) seen_ = FrameRange{.first = id->seq, .last = id->seq};
       seen_->first = std::min(seen_->first, id->seq);
       seen_->last = std::max(seen_->last, id->seq);
-      return options_.frames.Contains(id->seq);
+      return options_.frames.Has(id->seq);
     }
     return true;
   }
@@ -226,6 +201,7 @@ class Replay {
   StageMonitor monitor_;
   FrameAssembler assembler_;
   ReplayInput input_;
+  std::unique_ptr<NewLog> recording_;
   Progress progress_;
   std::optional<FrameRange> seen_;  // from the smallest to the largest seq in the logs
   Clock::time_point started_ = Clock::now();

@@ -124,14 +124,7 @@ void Service::OfferReplay() {
 std::optional<ReplayOptions> Service::Replay() const {
   if (replay_.empty()) return std::nullopt;
   ReplayOptions options{.logs = replay_, .record = record_, .frames = {}};
-  if (!frames_.empty()) {
-    const std::optional<FrameRange> frames = ParseFrameRange(frames_);
-    if (!frames) {
-      throw ConfigError("--frames " + frames_ +
-                        ": no range of frames; allowed: A:B with 0 <= A <= B, A:, :B, A");
-    }
-    options.frames = *frames;
-  }
+  if (!frames_.empty()) options.frames = ParseFrameRange("--frames", frames_);
   return options;
 }
 

@@ -12,7 +12,7 @@
 #include "common/app/plug.h"
 #include "common/app/program.h"
 #include "common/config/config.h"
-#include "common/core/frame_range.h"
+#include "common/config/frame_range.h"
 
 namespace sprout {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "services/log/frame_range.h"
+#include "common/config/frame_range.h"
 
 // The subcommands of sprout-log. Each reads whole logs in constant memory, prints to stdout, and
 // returns the program's exit code. @throws LogError for a log that cannot be used, ConfigError for

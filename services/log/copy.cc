@@ -7,12 +7,12 @@
 #include <memory>
 #include <set>
 
+#include "common/logfile/new_log.h"
 #include "common/messages/message_type.h"
 #include "services/log/channel_summary.h"
 #include "services/log/channels.h"
 #include "services/log/commands.h"
 #include "services/log/damage_text.h"
-#include "services/log/new_log.h"
 #include "services/log/read_progress.h"
 
 namespace sprout {

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_NEW_LOG_H_
-#define SPROUT_SERVICES_LOG_NEW_LOG_H_
+#ifndef SPROUT_COMMON_LOGFILE_NEW_LOG_H_
+#define SPROUT_COMMON_LOGFILE_NEW_LOG_H_
 
 #include <filesystem>
 
@@ -36,4 +36,4 @@ class NewLog {
 
 }  // namespace sprout
 
-#endif  // SPROUT_SERVICES_LOG_NEW_LOG_H_
+#endif  // SPROUT_COMMON_LOGFILE_NEW_LOG_H_

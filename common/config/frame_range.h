@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_FRAME_RANGE_H_
-#define SPROUT_SERVICES_LOG_FRAME_RANGE_H_
+#ifndef SPROUT_COMMON_CONFIG_FRAME_RANGE_H_
+#define SPROUT_COMMON_CONFIG_FRAME_RANGE_H_
 
 #include <cstdint>
 #include <limits>
@@ -22,4 +22,4 @@ FrameRange ParseFrameRange(const std::string& flag, const std::string& text);
 
 }  // namespace sprout
 
-#endif  // SPROUT_SERVICES_LOG_FRAME_RANGE_H_
+#endif  // SPROUT_COMMON_CONFIG_FRAME_RANGE_H_

@@ -1,4 +1,4 @@
-#include "services/log/new_log.h"
+#include "common/logfile/new_log.h"
 
 #include <system_error>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "services/log/frame_range.h"
+#include "common/config/frame_range.h"
 
 #include <gtest/gtest.h>
 
