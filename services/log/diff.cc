@@ -16,7 +16,7 @@
 namespace sprout {
 namespace {
 
-constexpr int kShownDifferences = 20;
+constexpr int kShownDifferences = 10;
 
 // What the comparison of one channel gave.
 struct ChannelDiff {
