@@ -53,8 +53,8 @@ TEST_F(LogDiffTest, SaysWhichPixelsOfWhichFrameDiffer) {
   EXPECT_THAT(
       outcome.out,
       HasSubstr("SPROUT_DISPARITY, frame 7 (utime 1700000000700000): 3 of 768 pixels differ: "
-                "1 by 1.500 px in the mean and 1.500 px at most, 1 newly valid, 1 newly "
-                "invalid; first at column 5, row 0\n"));
+                "1 changed (mean 1.500 px, max 1.500 px), 1 newly valid, 1 newly invalid; first at "
+                "(5, 0)\n"));
   EXPECT_THAT(outcome.out, HasSubstr("first difference: SPROUT_DISPARITY, frame 7"));
   EXPECT_THAT(outcome.out, EndsWith("\ndifferent\n"));
 }
