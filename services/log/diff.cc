@@ -95,7 +95,7 @@ void LogDiff::Run() {
     there[side] = streams_[side].Next();
     progress_.Update(streams_[0].reader().position() + streams_[1].reader().position());
   }
-  for (const size_t side : {0, 1}) AddUnmatched(side);
+  for (const size_t side : {size_t{0}, size_t{1}}) AddUnmatched(side);
 }
 
 void LogDiff::AddUnmatched(size_t side) {
@@ -202,7 +202,7 @@ std::string LogDiff::Report() const {
         100 * static_cast<double>(sum.differing) / static_cast<double>(sum.pixels), sum.changed,
         sum.mean_px(), sum.max_px, sum.newly_valid, sum.newly_invalid);
   }
-  for (const size_t side : {0, 1}) {
+  for (const size_t side : {size_t{0}, size_t{1}}) {
     if (streams_[side].repeated() == 0) continue;
     remarks +=
         fmt::format("in {}, messages that came again with the same bytes and count once: {}\n",
