@@ -8,8 +8,8 @@
 
 namespace sprout {
 
-FrameAssembler::FrameAssembler(PartSet needed, StageMonitor& monitor)
-    : monitor_(monitor), joiner_(needed) {
+FrameAssembler::FrameAssembler(PartSet needed, StageMonitor& monitor, size_t max_pending)
+    : monitor_(monitor), joiner_(needed, max_pending) {
   for (const Part part : kAllParts) {
     if (!needed.Has(part)) continue;
     parts_.push_back(part);
@@ -35,6 +35,11 @@ std::vector<Frame> FrameAssembler::Add(std::string_view channel, std::span<const
     }
   }
   return {};
+}
+
+void FrameAssembler::Finish() {
+  joiner_.DropPending();
+  monitor_.SetJoinerCounts(joiner_.incomplete(), joiner_.sequence_gaps());
 }
 
 }  // namespace sprout

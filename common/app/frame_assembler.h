@@ -16,7 +16,9 @@ namespace sprout {
 /// dropped. For one thread.
 class FrameAssembler {
  public:
-  FrameAssembler(PartSet needed, StageMonitor& monitor);
+  /// @param max_pending  as in FrameJoiner.
+  FrameAssembler(PartSet needed, StageMonitor& monitor,
+                 size_t max_pending = FrameJoiner::kDefaultMaxPending);
 
   /// Channels that carry the needed parts, without prefix.
   const std::vector<std::string_view>& channels() const { return channels_; }
@@ -24,6 +26,9 @@ class FrameAssembler {
   /// Takes one message. Never throws: what cannot be used is counted in the monitor.
   /// @returns the frames that are complete now.
   std::vector<Frame> Add(std::string_view channel, std::span<const uint8_t> bytes);
+
+  /// No more messages will come: what is unfinished is counted as incomplete.
+  void Finish();
 
  private:
   StageMonitor& monitor_;

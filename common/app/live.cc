@@ -1,17 +1,15 @@
 #include "common/app/live.h"
 
-#include <exception>
 #include <utility>
 
+#include "common/app/answer.h"
 #include "common/app/frame_assembler.h"
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
-#include "common/bus/channels.h"
 #include "common/bus/mailbox.h"
 #include "common/bus/publisher.h"
 #include "common/bus/receiver.h"
 #include "common/core/digest.h"
-#include "common/messages/codec.h"
 
 namespace sprout {
 namespace {
@@ -21,26 +19,14 @@ struct Arrival {
   StageMonitor::Clock::time_point when;
 };
 
-DisparityEncoding EncodingOf(const BusConfig& config) {
-  return config.disparity_encoding() == BusConfig::DELTA_ZSTD ? DisparityEncoding::kDeltaZstd
-                                                              : DisparityEncoding::kRawInt16;
-}
-
-void Answer(const Arrival& arrival, Plug& plug, DisparityEncoding encoding, Publisher& publisher,
-            StageMonitor& monitor) {
-  const FrameId& id = arrival.frame.id;
-  try {
-    const Outcome outcome = plug.Process(arrival.frame);
-    for (const Output& output : outcome.outputs) {
-      const std::string_view channel = ChannelOf(output.part);
-      if (!publisher.Publish(channel, EncodePart(id, output.part, output.value, encoding))) {
-        monitor.Failure(std::string(channel) + ": could not be published");
-      }
+void Publish(const Arrival& arrival, const Answer& answer, Publisher& publisher,
+             StageMonitor& monitor) {
+  for (const Answer::Message& message : answer.messages) {
+    if (!publisher.Publish(message.channel, message.bytes)) {
+      monitor.Failure(std::string(message.channel) + ": could not be published");
     }
-    monitor.FrameOut(id, arrival.when, outcome.degenerate);
-  } catch (const std::exception& e) {  // a frame may fail, the stage goes on
-    monitor.FrameFailed(id, e.what());
   }
+  monitor.FrameOut(arrival.frame.id, arrival.when, answer.degenerate);
 }
 
 }  // namespace
@@ -60,7 +46,8 @@ void RunLive(const ServiceContext& context, Plug& plug) {
                           });
   const StatusReporter reporter(context, monitor);
   while (const std::optional<Arrival> arrival = mailbox.Take(context.stop)) {
-    Answer(*arrival, plug, encoding, publisher, monitor);
+    const std::optional<Answer> answer = MakeAnswer(arrival->frame, plug, encoding, monitor);
+    if (answer) Publish(*arrival, *answer, publisher, monitor);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "common/app/live.h"
+#include "common/app/replay.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/core/digest.h"
@@ -97,6 +98,43 @@ Service::Service(std::string stage, const std::string& description)
   flags_.set_version_flag("--version", "sprout-" + stage_ + " " + Version());
 }
 
+void Service::OfferReplay() {
+  CLI::Option* replay =
+      flags_
+          .add_option("--replay", replay_,
+                      "Work on the frames of this log instead of the live ones, every one, as fast "
+                      "as it goes; may be given several times: events are merged by time, and a "
+                      "channel is taken from the last log that has it")
+          ->type_name("LOG")
+          ->expected(1)
+          ->take_all();
+  CLI::Option* record =
+      flags_.add_option("--record", record_, "Log to write the answers of --replay to")
+          ->type_name("LOG");
+  CLI::Option* frames = flags_
+                            .add_option("--frames", frames_,
+                                        "Work on frames A to B of --replay only, both included; "
+                                        "A:, :B and A work, too")
+                            ->type_name("A:B");
+  replay->needs(record)->excludes(flags_.get_option("--lcm-url"));
+  record->needs(replay);
+  frames->needs(replay);
+}
+
+std::optional<ReplayOptions> Service::Replay() const {
+  if (replay_.empty()) return std::nullopt;
+  ReplayOptions options{.logs = replay_, .record = record_, .frames = {}};
+  if (!frames_.empty()) {
+    const std::optional<FrameRange> frames = ParseFrameRange(frames_);
+    if (!frames) {
+      throw ConfigError("--frames " + frames_ +
+                        ": no range of frames; allowed: A:B with 0 <= A <= B, A:, :B, A");
+    }
+    options.frames = *frames;
+  }
+  return options;
+}
+
 int Service::Run(int argc, char** argv, const Body& body, const ApplyFlags& apply_flags) {
   return RunProgram(flags_, argc, argv, [&] {
     SetUpLogging(stage_, log_level_);
@@ -109,6 +147,7 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
                          .config = LoadConfig(config_files_),
                          .lcm_url = lcm_url_,
                          .prefix = prefix_,
+                         .replay = Replay(),
                          .stop = {}};
   if (apply_flags) apply_flags(context.config);
   RequireInRange(context.config, "");
@@ -117,7 +156,9 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   const std::string text = ConfigText(context.config);
   spdlog::info("sprout-{} {}, effective configuration (digest {}):\n{}", stage_, Version(),
                Digest(text), text);
-  if (const auto warning = ReceiveBufferWarning(lcm_url_)) spdlog::warn(*warning);
+  if (!context.replay) {
+    if (const auto warning = ReceiveBufferWarning(lcm_url_)) spdlog::warn(*warning);
+  }
   const SignalWatcher signals;
   context.stop = signals.token();
   return body(context);
@@ -125,8 +166,11 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
 
 int RunStage(int argc, char** argv, const std::string& stage, const std::string& description,
              const MakePlug& make_plug) {
-  return Service(stage, description).Run(argc, argv, [&](const ServiceContext& context) {
+  Service service(stage, description);
+  service.OfferReplay();
+  return service.Run(argc, argv, [&](const ServiceContext& context) {
     const std::unique_ptr<Plug> plug = make_plug(context.config);
+    if (context.replay) return RunReplay(context, *context.replay, *plug);
     RunLive(context, *plug);
     return 0;
   });

@@ -4,22 +4,33 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "common/app/plug.h"
 #include "common/app/program.h"
 #include "common/config/config.h"
+#include "common/core/frame_range.h"
 
 namespace sprout {
 
+/// A run over logs instead of the live bus.
+struct ReplayOptions {
+  std::vector<std::string> logs;  ///< to read, at least one
+  std::string record;             ///< log to write
+  FrameRange frames;              ///< frames to work on
+};
+
 /// What the shared main hands to a service.
 struct ServiceContext {
-  std::string stage;     ///< "refine", ...
-  SproutConfig config;   ///< effective: files, then flags
-  std::string lcm_url;   ///< how to reach the bus
-  std::string prefix;    ///< before every channel name
-  std::stop_token stop;  ///< requested by SIGINT and SIGTERM
+  std::string stage;                    ///< "refine", ...
+  SproutConfig config;                  ///< effective: files, then flags
+  std::string lcm_url;                  ///< how to reach the bus
+  std::string prefix;                   ///< before every channel name
+  std::optional<ReplayOptions> replay;  ///< only after Service::OfferReplay()
+  std::stop_token stop;                 ///< requested by SIGINT and SIGTERM
 };
 
 /// What every service's main shares: the flags --config --lcm-url --channel-prefix --log-level
@@ -34,6 +45,9 @@ class Service {
   /// To add flags of the service's own.
   CLI::App& flags() { return flags_; }
 
+  /// Adds the flags --replay, --record and --frames.
+  void OfferReplay();
+
   /// Puts the service's own flags into the configuration, before it is checked and printed.
   using ApplyFlags = std::function<void(SproutConfig&)>;
   using Body = std::function<int(const ServiceContext&)>;
@@ -45,19 +59,24 @@ class Service {
 
  private:
   int RunChecked(const Body& body, const ApplyFlags& apply_flags);
+  std::optional<ReplayOptions> Replay() const;
 
   std::string stage_;
   std::vector<std::string> config_files_;
   std::string lcm_url_;
   std::string prefix_;
   std::string log_level_ = "info";
+  std::vector<std::string> replay_;
+  std::string record_;
+  std::string frames_;
   CLI::App flags_;
 };
 
 /// Creates the plug of a stage from the effective configuration.
 using MakePlug = std::function<std::unique_ptr<Plug>(const SproutConfig&)>;
 
-/// The whole main of a service that is one plug: runs it live until a signal comes.
+/// The whole main of a service that is one plug: runs it live until a signal comes, or over logs
+/// (--replay).
 int RunStage(int argc, char** argv, const std::string& stage, const std::string& description,
              const MakePlug& make_plug);
 

@@ -68,6 +68,11 @@ void FrameJoiner::Drop(const Pending& pending) {
   Account(pending.frame.id);
 }
 
+void FrameJoiner::DropPending() {
+  for (const Pending& pending : pending_) Drop(pending);
+  pending_.clear();
+}
+
 bool FrameJoiner::IsAccountedFor(const FrameId& id) const {
   return std::find(accounted_.begin(), accounted_.end(), id) != accounted_.end();
 }

@@ -18,16 +18,21 @@ namespace sprout {
 /// frame that is sent twice is joined twice. Not thread-safe; no I/O.
 class FrameJoiner {
  public:
+  static constexpr size_t kDefaultMaxPending = 16;
+
   /// @param needed       parts that make a frame complete; at least one that is not kRig.
   /// @param max_pending  unfinished frames kept at most; the oldest is dropped and counted.
   ///                     Must exceed the frames that enter while one passes the stages before this
   ///                     one; a whole frame of 2 MP in colour takes 8 MB.
-  explicit FrameJoiner(PartSet needed, size_t max_pending = 16);
+  explicit FrameJoiner(PartSet needed, size_t max_pending = kDefaultMaxPending);
 
   /// Adds one part; a part that was there already is replaced.
   /// @returns the frames that are complete now, oldest first: none or one, and more only when a
   ///          late calibration completes several.
   std::vector<Frame> Add(const FrameId& id, Part part, PartValue value);
+
+  /// Drops what is unfinished, and counts it: the stream has ended.
+  void DropPending();
 
   /// Frames dropped because some part never came.
   int64_t incomplete() const { return incomplete_; }

@@ -10,74 +10,86 @@
 #include "common/bus/channels.h"
 #include "common/bus/publisher.h"
 #include "common/core/digest.h"
-#include "common/core/image.h"
-#include "common/messages/codec.h"
 #include "services/capture/answers.h"
+#include "services/capture/capture_feed.h"
+#include "services/capture/pace.h"
 
 namespace sprout {
 namespace {
 
 using Clock = StageMonitor::Clock;
 
-constexpr std::chrono::seconds kRigPeriod{1};
+constexpr std::chrono::seconds kCalibrationPeriod{1};
 
 Clock::duration ToClock(std::chrono::duration<double> duration) {
   return std::chrono::duration_cast<Clock::duration>(duration);
 }
 
+// A log says when its frames were taken; other sources go at the rate of the configuration, which
+// a log follows only when it is asked for by a flag. With --lockstep alone answers set its pace.
+Pace PaceOf(const CaptureConfig& config, const CaptureOptions& options, const CaptureFeed& feed) {
+  if (!feed.is_recorded() || options.rate_is_asked_for) return Pace::AtRate(config.rate_hz());
+  return options.lockstep ? Pace::AtRate(0) : Pace::AsRecorded();
+}
+
 class Capture {
  public:
-  Capture(const ServiceContext& context, const CaptureOptions& options, FrameSource& source)
-      : config_(context.config.capture()),
-        options_(options),
+  Capture(const ServiceContext& context, const CaptureOptions& options)
+      : options_(options),
         stop_(context.stop),
-        source_(source),
-        rig_id_(RigId(source.rig())),
         monitor_(context.stage, Digest(ConfigText(context.config))),
+        feed_(OpenCaptureFeed(context.config.capture(), options.loop, monitor_)),
+        pace_(PaceOf(context.config.capture(), options, *feed_)),
         publisher_(context.lcm_url, context.prefix),
         answers_(context, monitor_, options.lockstep.has_value()),
         reporter_(context, monitor_) {}
 
   int Run() {
     if (!WaitForStages()) return stop_.stop_requested() ? 0 : 1;
-    PublishRig();
+    PublishCalibration();
     const auto started = Clock::now();
-    const std::optional<int64_t> count = FrameCount();
-    for (int64_t seq = 0; !stop_.stop_requested() && (!count || seq < *count); ++seq) {
-      WaitUntil(DueTime(started, seq));
-      if (options_.lockstep) WaitForRoom(static_cast<size_t>(*options_.lockstep) - 1);
-      if (!stop_.stop_requested()) SendNew(seq);
+    pace_.Start(started);
+    while (!stop_.stop_requested() && sent_ != options_.frames) {
+      if (!SendNext()) break;
     }
     WaitForRoom(0);
-    const StageStatus status = monitor_.Snapshot();
-    spdlog::info("sent {} frames in {:.2f} s, {} again for want of an answer", status.frames_out,
-                 std::chrono::duration<double>(Clock::now() - started).count(),
-                 status.frames_resent);
+    Report(Clock::now() - started);
     return 0;
   }
 
  private:
   // A frame on its way through the graph.
   struct InFlight {
-    FrameId id;
-    int64_t index;  // in the source
+    CaptureMessages frame;
     Clock::time_point sent;
   };
 
-  std::optional<int64_t> FrameCount() const {
-    const std::optional<int64_t> available = options_.loop ? std::nullopt : source_.frame_count();
-    if (!available) return options_.frames;
-    if (options_.frames && *options_.frames > *available) {
-      spdlog::warn("the source has {} of {} frames; --loop starts it again", *available,
-                   *options_.frames);
-    }
-    return std::min(*available, options_.frames.value_or(*available));
+  // False when the feed has ended.
+  bool SendNext() {
+    WaitUntil(pace_.DueBeforeTaking(sent_));
+    if (options_.lockstep) WaitForRoom(static_cast<size_t>(*options_.lockstep) - 1);
+    if (stop_.stop_requested()) return true;
+    const auto arrived = Clock::now();
+    std::optional<CaptureMessages> frame = feed_->Next();
+    if (!frame) return false;
+    WaitUntil(pace_.DueBeforeSending(frame->id));
+    if (!stop_.stop_requested()) Send(std::move(*frame), arrived);
+    return true;
   }
 
-  Clock::time_point DueTime(Clock::time_point started, int64_t seq) const {
-    if (config_.rate_hz() <= 0) return started;
-    return started +
-           ToClock(std::chrono::duration<double>(static_cast<double>(seq) / config_.rate_hz()));
+  void Report(Clock::duration time) const {
+    if (options_.frames && sent_ < *options_.frames && !stop_.stop_requested()) {
+      spdlog::warn("the source has {} of {} frames; --loop starts it again", sent_,
+                   *options_.frames);
+    }
+    const StageStatus status = monitor_.Snapshot();
+    if (status.frames_incomplete > 0 || status.bad_messages > 0) {
+      spdlog::warn(
+          "of the log, {} frames were not sent for want of a message, {} messages were bad",
+          status.frames_incomplete, status.bad_messages);
+    }
+    spdlog::info("sent {} frames in {:.2f} s, {} again for want of an answer", status.frames_out,
+                 std::chrono::duration<double>(time).count(), status.frames_resent);
   }
 
   bool WaitForStages() {
@@ -96,7 +108,7 @@ class Capture {
   // Sleeps, but keeps sending the calibration.
   void WaitUntil(Clock::time_point due) {
     while (!stop_.stop_requested() && Clock::now() < due) {
-      PublishRigWhenDue();
+      PublishCalibrationWhenDue();
       std::this_thread::sleep_until(std::min(due, Clock::now() + std::chrono::milliseconds(50)));
     }
   }
@@ -105,81 +117,71 @@ class Capture {
   void WaitForRoom(size_t count) {
     while (!stop_.stop_requested() && in_flight_.size() > count) {
       answers_.WaitForRoom(count, Clock::now() + std::chrono::milliseconds(200), stop_);
-      std::erase_if(in_flight_,
-                    [&](const InFlight& frame) { return answers_.IsAnswered(frame.id.seq); });
-      PublishRigWhenDue();
+      std::erase_if(in_flight_, [&](const InFlight& waiting) {
+        return answers_.IsAnswered(waiting.frame.id.seq);
+      });
+      PublishCalibrationWhenDue();
       SendOverdueAgain();
     }
   }
 
   void SendOverdueAgain() {
-    for (InFlight& frame : in_flight_) {
-      if (Clock::now() < frame.sent + ToClock(options_.lockstep_timeout)) continue;
-      monitor_.FrameResent(frame.id);
-      PublishRig();
-      Send(frame.id, source_.Get(frame.index));
-      frame.sent = Clock::now();
+    for (InFlight& waiting : in_flight_) {
+      if (Clock::now() < waiting.sent + ToClock(options_.lockstep_timeout)) continue;
+      monitor_.FrameResent(waiting.frame.id);
+      PublishCalibration();
+      Publish(waiting.frame);
+      waiting.sent = Clock::now();
     }
   }
 
-  void SendNew(int64_t seq) {
-    const auto arrived = Clock::now();
-    const std::optional<int64_t> count = source_.frame_count();
-    const int64_t index = count ? seq % *count : seq;
-    const CapturedFrame frame = source_.Get(index);
-    // Captures are told apart by their time even when the clock is set back.
-    newest_ = {std::max(NowUtime(), newest_.utime + 1), seq, rig_id_};
+  void Send(CaptureMessages frame, Clock::time_point arrived) {
+    const FrameId id = frame.id;
+    ++sent_;
     monitor_.FrameIn(/*skipped=*/false);
-    PublishRigWhenDue();
-    if (options_.lockstep) {
-      answers_.Expect(seq);
-      in_flight_.push_back({newest_, index, Clock::now()});
-    }
-    Send(newest_, frame);
-    monitor_.FrameOut(newest_, arrived, /*degenerate=*/"");
+    PublishCalibrationWhenDue();
+    if (options_.lockstep) answers_.Expect(id.seq);
+    Publish(frame);
+    if (options_.lockstep) in_flight_.push_back({std::move(frame), Clock::now()});
+    monitor_.FrameOut(id, arrived, /*degenerate=*/"");
   }
 
-  void Send(const FrameId& id, const CapturedFrame& frame) {
-    Publish(id, Part::kLeft, config_.left_in_colour() ? frame.left : cv::Mat(ToGrey(frame.left)));
-    Publish(id, Part::kRight,
-            config_.right_in_colour() ? frame.right : cv::Mat(ToGrey(frame.right)));
-    Publish(id, Part::kTof, frame.tof);
+  void Publish(const CaptureMessages& frame) {
+    for (const auto& [part, bytes] : frame.messages) Publish(part, bytes);
   }
 
-  void PublishRigWhenDue() {
-    if (Clock::now() >= next_rig_) PublishRig();
+  void PublishCalibrationWhenDue() {
+    if (Clock::now() >= next_calibration_) PublishCalibration();
   }
 
-  void PublishRig() {
-    Publish({newest_.utime, std::max<int64_t>(newest_.seq, 0), rig_id_}, Part::kRig, source_.rig());
-    next_rig_ = Clock::now() + kRigPeriod;
+  void PublishCalibration() {
+    Publish(Part::kRig, feed_->Calibration());
+    next_calibration_ = Clock::now() + kCalibrationPeriod;
   }
 
-  void Publish(const FrameId& id, Part part, const PartValue& value) {
-    const auto bytes = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
+  void Publish(Part part, std::span<const uint8_t> bytes) {
     if (!publisher_.Publish(ChannelOf(part), bytes)) {
       monitor_.Failure(std::string(ChannelOf(part)) + ": could not be published");
     }
   }
 
-  const CaptureConfig& config_;
   const CaptureOptions& options_;
   std::stop_token stop_;
-  FrameSource& source_;
-  std::string rig_id_;
   StageMonitor monitor_;
+  std::unique_ptr<CaptureFeed> feed_;
+  Pace pace_;
   Publisher publisher_;
   Answers answers_;
   StatusReporter reporter_;
-  FrameId newest_;
-  Clock::time_point next_rig_{};
+  int64_t sent_ = 0;
+  Clock::time_point next_calibration_{};
   std::vector<InFlight> in_flight_;
 };
 
 }  // namespace
 
-int RunCapture(const ServiceContext& context, const CaptureOptions& options, FrameSource& source) {
-  return Capture(context, options, source).Run();
+int RunCapture(const ServiceContext& context, const CaptureOptions& options) {
+  return Capture(context, options).Run();
 }
 
 }  // namespace sprout

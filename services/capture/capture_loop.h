@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "common/app/service.h"
-#include "services/capture/frame_source.h"
 
 namespace sprout {
 
 /// How frames are sent; the source and its settings are in CaptureConfig.
 struct CaptureOptions {
-  std::optional<int64_t> frames;  ///< stop after so many; nothing: when the source ends
-  bool loop = false;              ///< start the source again when it ends
+  std::optional<int64_t> frames;   ///< stop after so many; nothing: when the source ends
+  bool loop = false;               ///< start the source again when it ends
+  bool rate_is_asked_for = false;  ///< by a flag: a log follows no other rate
   /// Frames that may be without a SPROUT_DISPARITY answer; nothing: send without waiting.
   std::optional<int> lockstep;
   std::chrono::duration<double> lockstep_timeout{};  ///< after which a frame is sent again
@@ -24,11 +24,10 @@ struct CaptureOptions {
 };
 
 /// Sends the source's frames on LEFT, RIGHT and TOF, and the calibration on RIG at start and once
-/// a second, until the source ends or context.stop. A frame's utime is the time it is taken; the
-/// only place where a clock enters a payload.
+/// a second, until the source ends or context.stop.
 /// @returns exit code: 0; 1 when a stage to wait for is not heard in time.
-/// @throws BusError when the network cannot be used.
-int RunCapture(const ServiceContext& context, const CaptureOptions& options, FrameSource& source);
+/// @throws ConfigError when the source cannot be used; BusError when the network cannot.
+int RunCapture(const ServiceContext& context, const CaptureOptions& options);
 
 }  // namespace sprout
 

@@ -1,4 +1,5 @@
-#include <memory>
+#include <chrono>
+#include <optional>
 
 #include "common/app/service.h"
 #include "services/capture/capture_loop.h"
@@ -28,10 +29,14 @@ struct Timeouts {
 void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Timeouts& timeouts) {
   flags
       .add_option("--source", config.source,
-                  "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene); ?tof=grid or "
-                  "?tof=sr4000 behind it picks the simulated ToF camera")
+                  "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), ?tof=grid or "
+                  "?tof=sr4000 behind it picks the simulated ToF camera; or log:FILE, what "
+                  "lcm-logger recorded, ?prefix=TEXT behind it when its channels have one")
       ->type_name("SOURCE");
-  flags.add_option("--rate", config.rate_hz, "Frames a second; 0 = as fast as possible")
+  flags
+      .add_option("--rate", config.rate_hz,
+                  "Frames a second; 0 = as fast as possible. Without it a log keeps the pace at "
+                  "which it was captured, or with --lockstep that of the answers")
       ->type_name("HZ");
   flags.add_option("--gt-scale", config.gt_scale,
                    "Disparity units of one pixel in a 2005/2006 ground truth; 0 = from the height");
@@ -72,8 +77,8 @@ int Main(int argc, char** argv) {
       [&](const ServiceContext& context) {
         options.lockstep_timeout = std::chrono::duration<double>(timeouts.lockstep_s);
         options.wait_timeout = std::chrono::duration<double>(timeouts.wait_s);
-        const std::unique_ptr<FrameSource> source = OpenFrameSource(context.config.capture());
-        return RunCapture(context, options, *source);
+        options.rate_is_asked_for = config_flags.rate_hz.has_value();
+        return RunCapture(context, options);
       },
       [&](SproutConfig& config) { config_flags.Apply(config); });
 }

@@ -70,7 +70,9 @@ std::unique_ptr<FrameSource> OpenFrameSource(const CaptureConfig& original) {
   const std::string argument = colon == std::string::npos ? "" : place.substr(colon + 1);
   if (kind == "middlebury") return OpenMiddlebury(argument, config);
   if (kind == "synthetic") return OpenSyntheticText(argument, config);
-  throw BadSource(config, "no such source", "middlebury:DIR, synthetic:WxH");
+  const std::string allowed = "middlebury:DIR, synthetic:WxH, and for sprout-capture log:FILE";
+  throw BadSource(config, kind == "log" ? "only sprout-capture plays logs" : "no such source",
+                  allowed);
 }
 
 }  // namespace sprout

@@ -79,5 +79,14 @@ TEST_F(FrameAssemblerTest, ReportsWhatTheJoinerDropsAndMisses) {
   EXPECT_EQ(monitor_.Snapshot().sequence_gaps, 2);
 }
 
+TEST_F(FrameAssemblerTest, CountsWhatIsUnfinishedAtTheEnd) {
+  assembler_.Add("SPROUT_LEFT", Image(1, 1));
+  assembler_.Add("SPROUT_SEEDS", Seeds(2));
+  assembler_.Finish();
+  EXPECT_EQ(monitor_.Snapshot().frames_incomplete, 2);
+  assembler_.Finish();
+  EXPECT_EQ(monitor_.Snapshot().frames_incomplete, 2);
+}
+
 }  // namespace
 }  // namespace sprout

@@ -166,6 +166,59 @@ TEST(Service, TurnsErrorsOfItsBodyIntoOneLineAndAnExitCode) {
   EXPECT_THAT(other.err, ::testing::ElementsAre("sprout-probe: disk full"));
 }
 
+// As RunWith(), for a service that can be replayed.
+Ended ReplayWith(std::vector<std::string> flags, const Service::Body& body) {
+  flags.insert(flags.begin(), "sprout-probe");
+  std::vector<char*> argv;
+  for (std::string& flag : flags) argv.push_back(flag.data());
+  Ended ended{};
+  ::testing::internal::CaptureStderr();
+  Service service("probe", "");
+  service.OfferReplay();
+  ended.exit_code =
+      service.Run(static_cast<int>(argv.size()), argv.data(), [&](const ServiceContext& context) {
+        ended.body_ran = true;
+        return body(context);
+      });
+  ended.err = Lines(::testing::internal::GetCapturedStderr());
+  return ended;
+}
+
+TEST(Service, HandsTheReplayToItsBody) {
+  const Ended replayed =
+      ReplayWith({"--replay", "a", "--replay", "b", "--record", "c", "--frames", "2:4"},
+                 [](const ServiceContext& context) {
+                   EXPECT_TRUE(context.replay);
+                   EXPECT_THAT(context.replay->logs, ::testing::ElementsAre("a", "b"));
+                   EXPECT_EQ(context.replay->record, "c");
+                   EXPECT_EQ(context.replay->frames, (FrameRange{.first = 2, .last = 4}));
+                   return 0;
+                 });
+  EXPECT_EQ(replayed.exit_code, 0);
+  const Ended live = ReplayWith({}, [](const ServiceContext& context) {
+    EXPECT_FALSE(context.replay);
+    return 0;
+  });
+  EXPECT_EQ(live.exit_code, 0);
+}
+
+TEST(Service, RefusesReplayFlagsThatDoNotGoTogether) {
+  const std::vector<std::vector<std::string>> table = {
+      {"--replay", "a"},
+      {"--record", "c"},
+      {"--frames", "1:2"},
+      {"--replay", "a", "--record", "c", "--lcm-url", "memq://"},
+      {"--replay", "a", "--record", "c", "--frames", "2:1"},
+      {"--replay", "a", "--record", "c", "--record", "d"},
+  };
+  for (const std::vector<std::string>& flags : table) {
+    const Ended ended = ReplayWith(flags, [](const ServiceContext&) { return 0; });
+    EXPECT_EQ(ended.exit_code, 2) << flags.back();
+    EXPECT_FALSE(ended.body_ran) << flags.back();
+    EXPECT_THAT(ended.err, SizeIs(1)) << flags.back();
+  }
+}
+
 TEST(Service, StopsItsBodyOnSigtermAndSigint) {
   for (const int signal : {SIGTERM, SIGINT}) {
     const Ended ended = RunWith({}, [&](const ServiceContext& context) {

@@ -27,6 +27,10 @@ TEST(OpenFrameSource, NamesTheSourcesThatExist) {
   }
 }
 
+TEST(OpenFrameSource, SaysWhoPlaysLogs) {
+  EXPECT_THAT(OpenError(WithSource("log:run.lcm")), HasSubstr("only sprout-capture plays logs"));
+}
+
 TEST(OpenFrameSource, RefusesAFolderThatDoesNotExist) {
   for (const std::string text : {"middlebury", "middlebury:", "middlebury:/no/such/folder"}) {
     EXPECT_THAT(OpenError(WithSource(text)),

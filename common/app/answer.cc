@@ -1,0 +1,33 @@
+#include "common/app/answer.h"
+
+#include <exception>
+#include <utility>
+
+#include "common/bus/channels.h"
+#include "common/messages/codec.h"
+
+namespace sprout {
+
+DisparityEncoding EncodingOf(const BusConfig& config) {
+  return config.disparity_encoding() == BusConfig::DELTA_ZSTD ? DisparityEncoding::kDeltaZstd
+                                                              : DisparityEncoding::kRawInt16;
+}
+
+std::optional<Answer> MakeAnswer(const Frame& frame, Plug& plug, DisparityEncoding encoding,
+                                 StageMonitor& monitor) {
+  try {
+    Outcome outcome = plug.Process(frame);
+    Answer answer;
+    for (const Output& output : outcome.outputs) {
+      answer.messages.push_back(
+          {ChannelOf(output.part), EncodePart(frame.id, output.part, output.value, encoding)});
+    }
+    answer.degenerate = std::move(outcome.degenerate);
+    return answer;
+  } catch (const std::exception& e) {
+    monitor.FrameFailed(frame.id, e.what());
+    return std::nullopt;
+  }
+}
+
+}  // namespace sprout

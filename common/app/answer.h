@@ -1,0 +1,37 @@
+#ifndef SPROUT_COMMON_APP_ANSWER_H_
+#define SPROUT_COMMON_APP_ANSWER_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/app/plug.h"
+#include "common/app/stage_monitor.h"
+#include "common/config/config.h"
+#include "common/messages/convert.h"
+
+namespace sprout {
+
+/// What a stage says to one frame, ready to be sent or recorded.
+struct Answer {
+  struct Message {
+    std::string_view channel;  ///< without prefix
+    std::vector<uint8_t> bytes;
+  };
+  std::vector<Message> messages;
+  std::string degenerate;  ///< as in Outcome
+};
+
+/// How the configuration wants disparity maps to travel.
+DisparityEncoding EncodingOf(const BusConfig& config);
+
+/// Has the plug work on one frame; the same step live and replayed.
+/// @returns nothing when the plug failed (threw); that is counted, and the stage goes on.
+std::optional<Answer> MakeAnswer(const Frame& frame, Plug& plug, DisparityEncoding encoding,
+                                 StageMonitor& monitor);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_APP_ANSWER_H_

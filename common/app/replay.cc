@@ -1,0 +1,242 @@
+#include "common/app/replay.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+
+#include "common/app/answer.h"
+#include "common/app/frame_assembler.h"
+#include "common/app/progress.h"
+#include "common/app/replay_input.h"
+#include "common/app/stage_monitor.h"
+#include "common/bus/channels.h"
+#include "common/core/digest.h"
+#include "common/logfile/log_error.h"
+#include "common/logfile/log_writer.h"
+#include "common/messages/codec.h"
+#include "common/messages/message_type.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Clock = StageMonitor::Clock;
+
+// Unfinished frames that may be kept: a log of a graph that lags far behind its capture has the
+// last message of a frame long after the first. Live, where memory is short, it is fewer.
+constexpr size_t kMaxPending = 64;
+
+constexpr std::chrono::milliseconds kProgressPeriod{200};
+
+// A log that appears whole or not at all.
+class Recording {
+ public:
+  explicit Recording(const fs::path& path) : path_(path), part_(path.string() + ".part") {
+    try {
+      writer_.emplace(part_);
+    } catch (const LogError& e) {
+      throw ConfigError(std::string("--record ") + e.what());
+    }
+  }
+  ~Recording() {
+    if (!writer_) return;
+    writer_.reset();
+    std::error_code ignored;
+    fs::remove(part_, ignored);
+  }
+  Recording(const Recording&) = delete;
+  Recording& operator=(const Recording&) = delete;
+
+  LogWriter& writer() { return *writer_; }
+
+  void Commit() {
+    writer_->Close();
+    std::error_code error;
+    fs::rename(part_, path_, error);
+    if (error) throw LogError(path_, "cannot be written: " + error.message());
+    writer_.reset();
+  }
+
+ private:
+  fs::path path_;
+  fs::path part_;
+  std::optional<LogWriter> writer_;
+};
+
+void RequireOtherFile(const std::string& log, const std::string& record) {
+  for (const std::string& written : {record, record + ".part"}) {
+    std::error_code ignored;
+    if (fs::equivalent(log, written, ignored)) {
+      throw ConfigError("--record " + record + ": would overwrite --replay " + log +
+                        "; allowed: another file");
+    }
+  }
+}
+
+ReplayInput OpenInput(const std::vector<std::string>& logs) {
+  try {
+    return ReplayInput(logs);
+  } catch (const LogError& e) {
+    throw ConfigError(std::string("--replay ") + e.what());
+  }
+}
+
+std::string JoinText(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+class Replay {
+ public:
+  Replay(const ServiceContext& context, const ReplayOptions& options, Plug& plug)
+      : context_(context),
+        options_(options),
+        plug_(plug),
+        encoding_(EncodingOf(context.config.bus())),
+        monitor_(context.stage, Digest(ConfigText(context.config))),
+        assembler_(plug.Inputs(), monitor_, kMaxPending),
+        input_(OpenInput(options.logs)),
+        progress_(/*quiet=*/false) {}
+
+  int Run() {
+    Recording recording(options_.record);
+    if (plug_.Inputs().Has(Part::kRig)) AddFirstCalibration();
+    LogEvent event;
+    while (!context_.stop.stop_requested() && input_.Next(event)) {
+      Take(event, recording.writer());
+      ShowProgress();
+    }
+    assembler_.Finish();
+    progress_.Clear();
+    const bool stopped = context_.stop.stop_requested();
+    if (!stopped) RequireFrames();
+    recording.Commit();
+    return Report(stopped);
+  }
+
+ private:
+  std::string LoggedChannel(std::string_view channel) const {
+    return context_.prefix + std::string(channel);
+  }
+
+  void AddFirstCalibration() {
+    const std::string channel = LoggedChannel(ChannelOf(Part::kRig));
+    ReplayInput look_ahead(options_.logs);
+    LogEvent event;
+    while (!context_.stop.stop_requested() && look_ahead.Next(event)) {
+      if (event.channel != channel || !DecodePart(Part::kRig, event.data)) continue;
+      assembler_.Add(ChannelOf(Part::kRig), event.data);
+      return;
+    }
+  }
+
+  void Take(const LogEvent& event, LogWriter& writer) {
+    if (!event.channel.starts_with(context_.prefix)) return;
+    const std::string_view channel = event.channel.substr(context_.prefix.size());
+    if (!IsWanted(channel, event.data)) return;
+    for (const Frame& frame : assembler_.Add(channel, event.data)) {
+      const auto arrived = Clock::now();
+      monitor_.FrameIn(/*skipped=*/false);
+      const std::optional<Answer> answer = MakeAnswer(frame, plug_, encoding_, monitor_);
+      if (!answer) continue;
+      for (const Answer::Message& message : answer->messages) {
+        writer.Write(event.utime, LoggedChannel(message.channel), message.bytes);
+      }
+      monitor_.FrameOut(frame.id, arrived, answer->degenerate);
+    }
+  }
+
+  // False for messages of frames out of range, which are then neither decoded nor missed.
+  bool IsWanted(std::string_view channel, std::span<const uint8_t> bytes) {
+    for (const Part part : kAllParts) {
+      if (ChannelOf(part) != channel || part == Part::kRig || !plug_.Inputs().Has(part)) continue;
+      const Result<FrameId> id = DecodeFrameId(bytes);
+      // What names no frame is left to the border, which counts it as a bad message.
+      if (TypeOf(bytes) != TypeOf(part) || !id || id->seq < 0) return true;
+      if (!seen_) seen_ = FrameRange{.first = id->seq, .last = id->seq};
+      seen_->first = std::min(seen_->first, id->seq);
+      seen_->last = std::max(seen_->last, id->seq);
+      return options_.frames.Contains(id->seq);
+    }
+    return true;
+  }
+
+  void ShowProgress() {
+    const auto now = Clock::now();
+    if (now < next_progress_) return;
+    next_progress_ = now + kProgressPeriod;
+    const StageStatus status = monitor_.Snapshot();
+    progress_.Show(fmt::format("{}: {:.0f} %, {} frames, {:.1f} frames/s", context_.stage,
+                               100 * input_.progress(), status.frames_out, status.rate_hz));
+  }
+
+  // A run that had nothing to work on is a mistake, and the likely ones are named.
+  void RequireFrames() const {
+    const StageStatus status = monitor_.Snapshot();
+    if (status.frames_in > 0) return;
+    const std::string logs = JoinText(options_.logs);
+    std::vector<std::string> missing;
+    for (const std::string_view channel : assembler_.channels()) {
+      const std::string name = LoggedChannel(channel);
+      if (!input_.channels().contains(name)) missing.push_back(name);
+    }
+    if (!missing.empty()) {
+      throw ConfigError(
+          fmt::format("--replay {}: no {}; it has {}", logs, JoinText(missing), ChannelCounts()));
+    }
+    if (seen_ && (seen_->first > options_.frames.last || seen_->last < options_.frames.first)) {
+      throw ConfigError(fmt::format("--frames: none of them in {}; it has {}:{}", logs,
+                                    seen_->first, seen_->last));
+    }
+    throw ConfigError(fmt::format(
+        "--replay {}: no frame is complete ({} lack a message, {} bad messages); it has {}", logs,
+        status.frames_incomplete, status.bad_messages, ChannelCounts()));
+  }
+
+  std::string ChannelCounts() const {
+    std::vector<std::string> counts;
+    for (const auto& [channel, count] : input_.channels()) {
+      counts.push_back(fmt::format("{} ({})", channel, count));
+    }
+    return counts.empty() ? "no events" : JoinText(counts);
+  }
+
+  int Report(bool stopped) const {
+    const StageStatus status = monitor_.Snapshot();
+    const double seconds = std::chrono::duration<double>(Clock::now() - started_).count();
+    std::cout << fmt::format(
+        "{}: {}{} events; frames: {} in, {} out ({} degenerate), {} failed, {} incomplete, {} left "
+        "out; {} bad messages, {} damaged bytes; {:.2f} s, {:.1f} frames/s\n",
+        context_.stage, stopped ? "stopped after " : "", input_.events(), status.frames_in,
+        status.frames_out, status.frames_degenerate, status.frames_failed, status.frames_incomplete,
+        status.sequence_gaps, status.bad_messages, input_.damaged_bytes(), seconds,
+        static_cast<double>(status.frames_out) / seconds);
+    const bool whole = !stopped && status.frames_failed == 0 && status.bad_messages == 0 &&
+                       input_.damaged_bytes() == 0;
+    return whole ? 0 : 1;
+  }
+
+  const ServiceContext& context_;
+  const ReplayOptions& options_;
+  Plug& plug_;
+  DisparityEncoding encoding_;
+  StageMonitor monitor_;
+  FrameAssembler assembler_;
+  ReplayInput input_;
+  Progress progress_;
+  std::optional<FrameRange> seen_;  // from the smallest to the largest seq in the logs
+  Clock::time_point started_ = Clock::now();
+  Clock::time_point next_progress_{};
+};
+
+}  // namespace
+
+int RunReplay(const ServiceContext& context, const ReplayOptions& options, Plug& plug) {
+  for (const std::string& log : options.logs) RequireOtherFile(log, options.record);
+  return Replay(context, options, plug).Run();
+}
+
+}  // namespace sprout

@@ -1,0 +1,63 @@
+#ifndef SPROUT_COMMON_APP_REPLAY_INPUT_H_
+#define SPROUT_COMMON_APP_REPLAY_INPUT_H_
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/logfile/log_reader.h"
+
+namespace sprout {
+
+/// The events of one or more logs as one stream in order of time, damage skipped and logged.
+///
+/// Events of one log keep their order, whatever their times; of events with one time, those of the
+/// log that was named first come first. A channel that several logs have is taken from the last of
+/// them, so that what one stage answered in a replay stands in for what was recorded.
+/// Constant memory: one event a log. Logs after the first are read twice.
+class ReplayInput {
+ public:
+  /// @param logs  paths, at least one.
+  /// @throws LogError when one cannot be opened or is no log.
+  explicit ReplayInput(const std::vector<std::string>& logs);
+
+  /// @returns false at the end of all logs. Views in `event` are valid until the next call.
+  /// @throws LogError when reading fails.
+  bool Next(LogEvent& event);
+
+  int64_t events() const { return events_; }  ///< taken so far
+  int64_t damaged_bytes() const { return damaged_bytes_; }
+
+  /// Channels met so far, with how many events.
+  const std::map<std::string, int64_t, std::less<>>& channels() const { return channels_; }
+
+  /// Share of the bytes read so far, 0 to 1.
+  double progress() const;
+
+ private:
+  struct Log {
+    std::string path;
+    std::unique_ptr<LogReader> reader;
+    std::set<std::string, std::less<>> hidden;  // channels that a later log has
+    std::optional<LogEvent> head;               // next event
+    size_t damage_seen = 0;
+  };
+
+  void Advance(Log& log);
+  void ReportDamage(Log& log);
+
+  std::vector<Log> logs_;
+  Log* taken_ = nullptr;  // whose head the caller has
+  std::map<std::string, int64_t, std::less<>> channels_;
+  int64_t events_ = 0;
+  int64_t damaged_bytes_ = 0;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_APP_REPLAY_INPUT_H_

@@ -1,0 +1,174 @@
+#include "services/capture/log_feed.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <deque>
+#include <map>
+
+#include "common/bus/channels.h"
+#include "common/bus/frame_joiner.h"
+#include "common/logfile/log_error.h"
+#include "common/logfile/log_reader.h"
+#include "common/messages/codec.h"
+
+namespace sprout {
+namespace {
+
+constexpr Part kCaptured[] = {Part::kLeft, Part::kRight, Part::kTof, Part::kRig};
+
+class LogFeed : public CaptureFeed {
+ public:
+  LogFeed(const std::string& path, const std::string& prefix, bool loop, StageMonitor& monitor)
+      : path_(path),
+        prefix_(prefix),
+        loop_(loop),
+        monitor_(monitor),
+        calibration_(FirstCalibration()) {
+    Rewind();
+    first_ = Read();
+    if (!first_) throw NoFrame();
+  }
+
+  std::optional<CaptureMessages> Next() override {
+    if (first_) return std::exchange(first_, std::nullopt);
+    std::optional<CaptureMessages> next = Read();
+    if (!next && loop_) {
+      Rewind();
+      next = Read();
+    }
+    return next;
+  }
+
+  std::vector<uint8_t> Calibration() const override { return calibration_; }
+
+  bool is_recorded() const override { return true; }
+
+ private:
+  // Part that an event carries; nothing for what capture does not send.
+  std::optional<Part> PartOf(const LogEvent& event) const {
+    for (const Part part : kCaptured) {
+      const std::string_view channel = ChannelOf(part);
+      if (event.channel.size() == prefix_.size() + channel.size() &&
+          event.channel.starts_with(prefix_) && event.channel.ends_with(channel)) {
+        return part;
+      }
+    }
+    return std::nullopt;
+  }
+
+  // Recorded once a second only, so the first frames of a log may come before it.
+  std::vector<uint8_t> FirstCalibration() {
+    LogReader reader(path_);
+    LogEvent event;
+    while (reader.Next(event)) {
+      ++channels_[std::string(event.channel)];
+      if (PartOf(event) == Part::kRig && DecodePart(Part::kRig, event.data)) {
+        return {event.data.begin(), event.data.end()};
+      }
+    }
+    throw ConfigError("capture.source = log:" + path_ + ": no " + prefix_ +
+                      std::string(ChannelOf(Part::kRig)) + " in it; it has " + ChannelText());
+  }
+
+  void Rewind() {
+    reader_ = std::make_unique<LogReader>(path_);
+    joiner_.emplace(PartSet{Part::kLeft, Part::kRight, Part::kTof});
+    pending_.clear();
+    channels_.clear();
+  }
+
+  std::optional<CaptureMessages> Read() {
+    LogEvent event;
+    while (reader_->Next(event)) {
+      ++channels_[std::string(event.channel)];
+      const std::optional<Part> part = PartOf(event);
+      if (!part) continue;
+      Result<DecodedPart> decoded = DecodePart(*part, event.data);
+      if (!decoded) {
+        monitor_.BadMessage(event.channel, decoded.error().text);
+      } else if (part == Part::kRig) {
+        calibration_.assign(event.data.begin(), event.data.end());
+        calibration_is_new_ = true;
+      } else {
+        Keep(decoded->id, *part, event.data);
+        const auto whole = joiner_->Add(decoded->id, *part, std::move(decoded->value));
+        if (!whole.empty()) return TakePending(decoded->id);
+      }
+    }
+    EndOfLog();
+    return std::nullopt;
+  }
+
+  // Beside the joiner, which keeps values: the bytes. The same frames are pending in both.
+  void Keep(const FrameId& id, Part part, std::span<const uint8_t> bytes) {
+    auto found = std::find_if(pending_.begin(), pending_.end(),
+                              [&](const CaptureMessages& frame) { return frame.id == id; });
+    if (found == pending_.end()) {
+      if (pending_.size() == FrameJoiner::kDefaultMaxPending) pending_.pop_front();
+      pending_.push_back({.id = id, .messages = {}});
+      found = std::prev(pending_.end());
+    }
+    std::erase_if(found->messages, [&](const auto& message) { return message.first == part; });
+    found->messages.emplace_back(part, std::vector<uint8_t>(bytes.begin(), bytes.end()));
+  }
+
+  // The whole frame, behind the calibration when one came with it; older ones stay unfinished.
+  CaptureMessages TakePending(const FrameId& id) {
+    while (pending_.front().id != id) pending_.pop_front();
+    monitor_.SetJoinerCounts(joiner_->incomplete(), joiner_->sequence_gaps());
+    CaptureMessages frame = std::move(pending_.front());
+    pending_.pop_front();
+    if (std::exchange(calibration_is_new_, false)) {
+      frame.messages.emplace(frame.messages.begin(), Part::kRig, calibration_);
+    }
+    return frame;
+  }
+
+  void EndOfLog() {
+    joiner_->DropPending();
+    monitor_.SetJoinerCounts(joiner_->incomplete(), joiner_->sequence_gaps());
+    for (const LogDamage& stretch : reader_->damage()) {
+      spdlog::warn("{}: {} unreadable bytes at byte {}{}", path_, stretch.bytes, stretch.offset,
+                   stretch.tail ? ": it ends inside an event" : ", skipped");
+    }
+  }
+
+  std::string ChannelText() const {
+    std::string text;
+    for (const auto& [channel, count] : channels_) {
+      text += (text.empty() ? "" : ", ") + channel + " (" + std::to_string(count) + ")";
+    }
+    return text.empty() ? "no events" : text;
+  }
+
+  ConfigError NoFrame() const {
+    return ConfigError("capture.source = log:" + path_ + ": no whole frame on " + prefix_ +
+                       "SPROUT_LEFT, SPROUT_RIGHT and SPROUT_TOF in it; it has " + ChannelText());
+  }
+
+  std::string path_;
+  std::string prefix_;
+  bool loop_;
+  StageMonitor& monitor_;
+  std::map<std::string, int64_t> channels_;  // what was met
+  std::vector<uint8_t> calibration_;         // newest
+  bool calibration_is_new_ = false;
+  std::unique_ptr<LogReader> reader_;
+  std::optional<FrameJoiner> joiner_;
+  std::deque<CaptureMessages> pending_;  // unfinished, in order of arrival
+  std::optional<CaptureMessages> first_;
+};
+
+}  // namespace
+
+std::unique_ptr<CaptureFeed> OpenLogFeed(const std::string& path, const std::string& prefix,
+                                         bool loop, StageMonitor& monitor) {
+  try {
+    return std::make_unique<LogFeed>(path, prefix, loop, monitor);
+  } catch (const LogError& e) {
+    throw ConfigError(std::string("capture.source = log:") + e.what());
+  }
+}
+
+}  // namespace sprout

@@ -1,0 +1,22 @@
+#ifndef SPROUT_SERVICES_CAPTURE_LOG_FEED_H_
+#define SPROUT_SERVICES_CAPTURE_LOG_FEED_H_
+
+#include <memory>
+#include <string>
+
+#include "services/capture/capture_feed.h"
+
+namespace sprout {
+
+/// LEFT, RIGHT, TOF and RIG of a log, byte by byte as they were recorded, with their own utime and
+/// seq. A frame of which a message is missing in the log or is refused at the border is counted and
+/// not sent: no stage could answer it. Constant memory: some frames, whatever the log's size.
+///
+/// @param prefix  before the channels in the log.
+/// @throws ConfigError when the file is no log, or holds no whole frame or no calibration.
+std::unique_ptr<CaptureFeed> OpenLogFeed(const std::string& path, const std::string& prefix,
+                                         bool loop, StageMonitor& monitor);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CAPTURE_LOG_FEED_H_

@@ -1,0 +1,42 @@
+#ifndef SPROUT_SERVICES_CAPTURE_PACE_H_
+#define SPROUT_SERVICES_CAPTURE_PACE_H_
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "common/core/frame_id.h"
+
+namespace sprout {
+
+/// When a frame is due: at a fixed rate, or at the intervals at which it was once captured.
+class Pace {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// @param rate_hz  frames a second; 0 = at once.
+  static Pace AtRate(double rate_hz) { return Pace(rate_hz); }
+  static Pace AsRecorded() { return Pace(std::nullopt); }
+
+  void Start(Clock::time_point now);
+
+  /// When the frame after `sent` others may be taken; a recorded one at any time.
+  Clock::time_point DueBeforeTaking(int64_t sent) const;
+
+  /// When a frame that was taken may be sent. Call once a frame. Intervals that go back, as when
+  /// capture was started again, count as none, and those above kLongestInterval as that long.
+  Clock::time_point DueBeforeSending(const FrameId& id);
+
+  static constexpr std::chrono::seconds kLongestInterval{10};
+
+ private:
+  explicit Pace(std::optional<double> rate_hz) : rate_hz_(rate_hz) {}
+
+  std::optional<double> rate_hz_;  // nothing: as recorded
+  Clock::time_point due_{};        // of the newest frame; of the first one at any rate
+  std::optional<int64_t> utime_;   // of the newest frame
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CAPTURE_PACE_H_

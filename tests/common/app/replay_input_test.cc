@@ -1,0 +1,95 @@
+#include "common/app/replay_input.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "common/logfile/log_error.h"
+#include "tests/common/app/captured_log.h"
+#include "tests/common/app/log_files.h"
+#include "tests/common/picture/temporary_directory.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+using ::testing::SizeIs;
+
+class ReplayInputTest : public ::testing::Test {
+ protected:
+  std::string Write(const char* name, const std::vector<TestEvent>& events) {
+    const std::string path = folder_ / name;
+    WriteLog(path, events);
+    return path;
+  }
+
+  // "channel@utime" of every event.
+  static std::vector<std::string> Names(const std::vector<std::string>& logs) {
+    ReplayInput input(logs);
+    std::vector<std::string> names;
+    LogEvent event;
+    while (input.Next(event)) {
+      names.push_back(std::string(event.channel) + "@" + std::to_string(event.utime));
+    }
+    return names;
+  }
+
+  CapturedLog log_;
+  TemporaryDirectory folder_;
+};
+
+TEST_F(ReplayInputTest, KeepsTheOrderOfOneLogWhateverItsTimes) {
+  EXPECT_THAT(Names({Write("a", {{5, "A", {}}, {3, "B", {}}, {4, "A", {1}}})}),
+              ElementsAre("A@5", "B@3", "A@4"));
+}
+
+TEST_F(ReplayInputTest, MergesByTimeAndAtOneTimeInTheOrderOfTheLogs) {
+  const std::string a = Write("a", {{1, "A", {}}, {5, "A", {}}, {9, "A", {}}});
+  const std::string b = Write("b", {{1, "B", {}}, {5, "B", {}}, {7, "B", {}}});
+  EXPECT_THAT(Names({a, b}), ElementsAre("A@1", "B@1", "A@5", "B@5", "B@7", "A@9"));
+  EXPECT_THAT(Names({b, a}), ElementsAre("B@1", "A@1", "B@5", "A@5", "B@7", "A@9"));
+}
+
+TEST_F(ReplayInputTest, TakesAChannelFromTheLastLogThatHasIt) {
+  const std::string raw = Write("raw", {{1, "LEFT", {}}, {2, "SEEDS", {}}, {3, "PRIOR", {}}});
+  const std::string again = Write("again", {{8, "SEEDS", {}}});
+  EXPECT_THAT(Names({raw, again}), ElementsAre("LEFT@1", "PRIOR@3", "SEEDS@8"));
+  EXPECT_THAT(Names({again, raw}), ElementsAre("LEFT@1", "SEEDS@2", "PRIOR@3"));
+}
+
+TEST_F(ReplayInputTest, CountsEventsAndChannels) {
+  ReplayInput input({Write("a", {{1, "A", {}}, {2, "B", {}}, {3, "A", {}}})});
+  LogEvent event;
+  while (input.Next(event)) {
+  }
+  EXPECT_EQ(input.events(), 3);
+  EXPECT_THAT(input.channels(), ElementsAre(Pair("A", 2), Pair("B", 1)));
+  EXPECT_EQ(input.progress(), 1);
+  EXPECT_EQ(input.damaged_bytes(), 0);
+  EXPECT_THAT(log_.Lines(), IsEmpty());
+}
+
+TEST_F(ReplayInputTest, ReportsATornTail) {
+  const std::string path = Write("a", {{1, "A", {1, 2, 3}}, {2, "A", {4, 5, 6}}});
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 1);
+  ReplayInput input({path});
+  LogEvent event;
+  EXPECT_TRUE(input.Next(event));
+  EXPECT_FALSE(input.Next(event));
+  EXPECT_GT(input.damaged_bytes(), 0);
+  ASSERT_THAT(log_.Lines(), SizeIs(1));
+  EXPECT_THAT(log_.Lines()[0], HasSubstr(path));
+}
+
+TEST_F(ReplayInputTest, RefusesWhatIsNoLog) {
+  EXPECT_THROW(ReplayInput({std::string(folder_ / "missing")}), LogError);
+  const std::string a = Write("a", {{1, "A", {}}});
+  EXPECT_THROW(ReplayInput({a, std::string(folder_ / "missing")}), LogError);
+}
+
+}  // namespace
+}  // namespace sprout

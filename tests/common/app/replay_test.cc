@@ -1,0 +1,248 @@
+#include "common/app/replay.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "tests/common/app/captured_log.h"
+#include "tests/common/app/log_files.h"
+#include "tests/common/picture/temporary_directory.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+// LEFT TOF RIG → SEEDS: how many raw points there were is the grey value of LEFT. Grey 0 gives a
+// degenerate frame, grey 255 an exception.
+class GreyPlug : public Plug {
+ public:
+  PartSet Inputs() const override { return {Part::kLeft, Part::kTof, Part::kRig}; }
+
+  Outcome Process(const Frame& frame) override {
+    const int grey = frame.left.at<uint8_t>(0, 0);
+    if (grey == 255) throw std::runtime_error("too bright");
+    if (on_frame) on_frame();
+    return {.outputs = {{Part::kSeeds, SeedSet{.seeds = {}, .raw = grey}}},
+            .degenerate = grey == 0 ? "too dark" : ""};
+  }
+
+  std::function<void()> on_frame;
+};
+
+class ReplayTest : public ::testing::Test {
+ protected:
+  ReplayTest() : in_(folder_ / "in.lcm"), out_(folder_ / "out.lcm") {}
+
+  int Run(FrameRange frames = {}, std::vector<std::string> logs = {}) {
+    if (logs.empty()) logs = {in_};
+    ServiceContext context{.stage = "grey",
+                           .config = LoadConfig({}),
+                           .lcm_url = "",
+                           .prefix = prefix_,
+                           .replay = {},
+                           .stop = stop_.get_token()};
+    ::testing::internal::CaptureStdout();
+    try {
+      const int code = RunReplay(context, {.logs = logs, .record = out_, .frames = frames}, plug_);
+      report_ = ::testing::internal::GetCapturedStdout();
+      return code;
+    } catch (...) {
+      report_ = ::testing::internal::GetCapturedStdout();
+      throw;
+    }
+  }
+
+  // What a run that cannot be done says; it must leave nothing behind.
+  std::string ErrorOf(FrameRange frames = {}, const std::vector<std::string>& logs = {}) {
+    const auto before = folder_.CountEntries();
+    try {
+      Run(frames, logs);
+      return "no error";
+    } catch (const ConfigError& e) {
+      EXPECT_EQ(folder_.CountEntries(), before);
+      return e.what();
+    }
+  }
+
+  CapturedLog log_;
+  TemporaryDirectory folder_;
+  std::string in_;
+  std::string out_;
+  std::string prefix_;
+  std::string report_;
+  std::stop_source stop_;
+  GreyPlug plug_;
+};
+
+std::vector<TestEvent> FramesWithGrey(const std::vector<int>& greys) {
+  std::vector<TestEvent> events = {RigEvent(0)};
+  for (size_t i = 0; i < greys.size(); ++i) {
+    events.push_back(LeftEvent(static_cast<int64_t>(i), greys[i]));
+    events.push_back(TofEvent(static_cast<int64_t>(i)));
+  }
+  return events;
+}
+
+// The answer of GreyPlug to frame `seq`, completed by `last`.
+TestEvent AnswerTo(int64_t seq, int grey, const TestEvent& last) {
+  TestEvent event = SeedsEvent(seq, grey);
+  event.utime = last.utime;
+  return event;
+}
+
+TEST_F(ReplayTest, AnswersEveryFrameWithTheTimeOfTheEventThatCompletedIt) {
+  WriteLog(in_, {RigEvent(0), LeftEvent(0, 10), TofEvent(0), TofEvent(1), LeftEvent(1, 11)});
+  EXPECT_EQ(Run(), 0);
+  EXPECT_THAT(ReadLog(out_),
+              ElementsAre(AnswerTo(0, 10, TofEvent(0)), AnswerTo(1, 11, LeftEvent(1, 11))));
+  EXPECT_THAT(report_, HasSubstr("grey: 5 events; frames: 2 in, 2 out (0 degenerate), 0 failed, 0 "
+                                 "incomplete, 0 left out; 0 bad messages, 0 damaged bytes"));
+}
+
+TEST_F(ReplayTest, GivesEqualFilesTwice) {
+  WriteLog(in_, FramesWithGrey({5, 0, 7}));
+  Run();
+  const std::vector<TestEvent> first = ReadLog(out_);
+  std::filesystem::rename(out_, out_ + ".first");
+  Run();
+  EXPECT_EQ(ReadLog(out_), first);
+  EXPECT_EQ(std::filesystem::file_size(out_), std::filesystem::file_size(out_ + ".first"));
+}
+
+TEST_F(ReplayTest, AnswersADegenerateFrameAndGoesOnBehindAFailedOne) {
+  WriteLog(in_, FramesWithGrey({0, 255, 7}));
+  EXPECT_EQ(Run(), 1);
+  EXPECT_THAT(ReadLog(out_), ElementsAre(AnswerTo(0, 0, TofEvent(0)), AnswerTo(2, 7, TofEvent(2))));
+  EXPECT_THAT(report_, HasSubstr("3 in, 2 out (1 degenerate), 1 failed"));
+}
+
+TEST_F(ReplayTest, KnowsTheCalibrationFromTheStart) {
+  WriteLog(in_, {LeftEvent(0, 10), TofEvent(0), LeftEvent(1, 11), RigEvent(1), TofEvent(1)});
+  EXPECT_EQ(Run(), 0);
+  EXPECT_THAT(ReadLog(out_),
+              ElementsAre(AnswerTo(0, 10, TofEvent(0)), AnswerTo(1, 11, TofEvent(1))));
+}
+
+TEST_F(ReplayTest, WorksOnTheFramesInRangeOnlyAndMissesNoOther) {
+  WriteLog(in_, FramesWithGrey({10, 11, 12, 13, 14}));
+  EXPECT_EQ(Run({.first = 1, .last = 3}), 0);
+  EXPECT_THAT(ReadLog(out_), ElementsAre(AnswerTo(1, 11, TofEvent(1)), AnswerTo(2, 12, TofEvent(2)),
+                                         AnswerTo(3, 13, TofEvent(3))));
+  EXPECT_THAT(report_, HasSubstr("11 events; frames: 3 in, 3 out (0 degenerate), 0 failed, 0 "
+                                 "incomplete, 0 left out"));
+}
+
+TEST_F(ReplayTest, CountsWhatTheLogLacks) {
+  // Frame 1 has no TOF, frames 2 to 4 are not there, frame 5 is unfinished at the end.
+  WriteLog(in_, {RigEvent(0), LeftEvent(0, 10), TofEvent(0), LeftEvent(1, 11), LeftEvent(5, 15)});
+  EXPECT_EQ(Run(), 0);
+  EXPECT_THAT(report_, HasSubstr("1 in, 1 out (0 degenerate), 0 failed, 2 incomplete, 3 left out"));
+}
+
+TEST_F(ReplayTest, ReadsAndWritesUnderThePrefix) {
+  prefix_ = "A_";
+  WriteLog(in_, {RigEvent(0, "A_"), LeftEvent(0, 99), LeftEvent(0, 10, "A_"), TofEvent(0, "A_"),
+                 TofEvent(0, "B_A_")});
+  EXPECT_EQ(Run(), 0);
+  ASSERT_THAT(ReadLog(out_), SizeIs(1));
+  EXPECT_EQ(ReadLog(out_)[0].channel, "A_SPROUT_SEEDS");
+  EXPECT_EQ(ReadLog(out_)[0].data, SeedsEvent(0, 10).data);
+}
+
+TEST_F(ReplayTest, TakesThePartsFromSeveralLogs) {
+  const std::string second = folder_ / "second.lcm";
+  WriteLog(in_, {RigEvent(0), LeftEvent(0, 10), LeftEvent(1, 11), TofEvent(1)});
+  WriteLog(second, {TofEvent(0)});
+  EXPECT_EQ(Run({}, {in_, second}), 0);
+  EXPECT_THAT(ReadLog(out_), ElementsAre(AnswerTo(0, 10, TofEvent(0))))
+      << "TOF comes from the second log only";
+}
+
+TEST_F(ReplayTest, SkipsABadMessageAndSaysSoInItsExitCode) {
+  TestEvent bad = LeftEvent(1, 11);
+  bad.data.pop_back();
+  WriteLog(in_, {RigEvent(0), LeftEvent(0, 10), TofEvent(0), bad, TofEvent(1), LeftEvent(2, 12),
+                 TofEvent(2)});
+  EXPECT_EQ(Run(), 1);
+  EXPECT_THAT(ReadLog(out_), SizeIs(2));
+  EXPECT_THAT(report_, HasSubstr("1 incomplete, 0 left out; 1 bad messages"));
+}
+
+TEST_F(ReplayTest, WorksOnWhatIsLeftOfADamagedLogAndSaysSoInItsExitCode) {
+  WriteLog(in_, FramesWithGrey({10, 11, 12}));
+  std::filesystem::resize_file(in_, std::filesystem::file_size(in_) - 1);
+  EXPECT_EQ(Run(), 1);
+  EXPECT_THAT(ReadLog(out_), SizeIs(2));
+  EXPECT_THAT(report_, Not(HasSubstr(" 0 damaged bytes")));
+}
+
+TEST_F(ReplayTest, KeepsWhatItAnsweredWhenItIsStopped) {
+  WriteLog(in_, FramesWithGrey({10, 11, 12}));
+  int frames = 0;
+  plug_.on_frame = [&] {
+    if (++frames == 2) stop_.request_stop();
+  };
+  EXPECT_EQ(Run(), 1);
+  EXPECT_THAT(ReadLog(out_),
+              ElementsAre(AnswerTo(0, 10, TofEvent(0)), AnswerTo(1, 11, TofEvent(1))));
+  EXPECT_THAT(report_, HasSubstr("stopped after 5 events"));
+  EXPECT_EQ(folder_.CountEntries(), 2) << "no other file is left";
+}
+
+TEST_F(ReplayTest, NamesTheChannelsThatAreMissingAndThoseThatAreThere) {
+  WriteLog(in_, {LeftEvent(0, 10), LeftEvent(1, 11), SeedsEvent(0, 1)});
+  EXPECT_EQ(ErrorOf(), "--replay " + in_ +
+                           ": no SPROUT_TOF, SPROUT_RIG; it has SPROUT_LEFT (2), SPROUT_SEEDS (1)");
+  WriteLog(in_, {});
+  EXPECT_THAT(ErrorOf(), HasSubstr("it has no events"));
+}
+
+TEST_F(ReplayTest, NamesTheFramesThatAreThereWhenNoneIsInRange) {
+  WriteLog(in_, FramesWithGrey({10, 11, 12}));
+  EXPECT_THAT(ErrorOf({.first = 3, .last = 9}),
+              AllOf(HasSubstr("--frames: none of them in "), HasSubstr("it has 0:2")));
+}
+
+TEST_F(ReplayTest, SaysSoWhenNoFrameIsComplete) {
+  WriteLog(in_, {RigEvent(0), LeftEvent(0, 10), TofEvent(1)});
+  EXPECT_THAT(ErrorOf(), HasSubstr("no frame is complete (2 lack a message, 0 bad messages)"));
+}
+
+TEST_F(ReplayTest, LeavesAnOlderFileAloneWhenItCannotWork) {
+  WriteLog(out_, {{1, "OLD", {}}});
+  WriteLog(in_, {LeftEvent(0, 10)});
+  ErrorOf();
+  EXPECT_THAT(ReadLog(out_), ElementsAre(TestEvent{1, "OLD", {}}));
+}
+
+TEST_F(ReplayTest, RefusesToWriteOverItsInput) {
+  WriteLog(in_, FramesWithGrey({10}));
+  const std::vector<TestEvent> before = ReadLog(in_);
+  std::filesystem::create_symlink(in_, out_);
+  EXPECT_THAT(ErrorOf(), HasSubstr("would overwrite --replay " + in_));
+  out_ = in_;
+  EXPECT_THAT(ErrorOf(), HasSubstr("would overwrite"));
+  out_ = folder_ / "out.lcm";
+  const std::string part = out_ + ".part";
+  std::filesystem::copy(in_, part);
+  EXPECT_THAT(ErrorOf({}, {part}), HasSubstr("would overwrite"));
+  EXPECT_EQ(ReadLog(in_), before);
+}
+
+TEST_F(ReplayTest, NamesALogThatCannotBeReadOrWritten) {
+  EXPECT_THAT(ErrorOf(), HasSubstr("--replay " + in_));
+  WriteLog(in_, FramesWithGrey({10}));
+  out_ = folder_ / "no/such/folder.lcm";
+  EXPECT_THAT(ErrorOf(), HasSubstr("--record " + out_));
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,82 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "common/bus/channels.h"
+#include "common/messages/codec.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/system/graph.h"
+#include "tests/system/log_bytes.h"
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+using testing::UnorderedElementsAre;
+
+const std::string kRecord = std::string(SPROUT_SOURCE_DIR) + "/scripts/record";
+
+std::vector<std::string> ChannelNames(const ChannelBytes& channels) {
+  std::vector<std::string> names;
+  for (const auto& [name, messages] : channels) names.push_back(name);
+  return names;
+}
+
+TEST(RecordSystem, WritesTheRawChannelsWithoutAGap) {
+  const TemporaryDirectory folder;
+  Graph graph;
+  graph.Start("refine");
+  graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "20"});
+  Process record({kRecord, "--dir", folder / "logs", "--seconds", "2", "--drain", "1", "run"});
+  EXPECT_TRUE(record.Wait()) << record.Output();
+  const ChannelBytes channels = ReadChannels(folder / "logs/run.lcm");
+  EXPECT_THAT(ChannelNames(channels),
+              UnorderedElementsAre("SPROUT_LEFT", "SPROUT_RIG", "SPROUT_RIGHT", "SPROUT_TOF"))
+      << record.Output();
+  const auto& left = channels.at("SPROUT_LEFT");
+  EXPECT_GE(left.size(), 20U);
+  int64_t expected = DecodePart(Part::kLeft, left.front())->id.seq;
+  for (const auto& bytes : left) {
+    EXPECT_EQ(DecodePart(Part::kLeft, bytes)->id.seq, expected++) << record.Output();
+  }
+}
+
+TEST(RecordSystem, EndsWithASignalAndTakesAllChannelsOnDemand) {
+  const TemporaryDirectory folder;
+  Graph graph("A_");
+  graph.Start("refine");
+  Process record({kRecord, "--dir", folder / "logs", "--all", "--prefix", "A_", "run.lcm"});
+  // The log appears with the first status.
+  const auto log = folder / "logs/run.lcm";
+  ASSERT_TRUE(graph.WaitUntil([&](Graph&) {
+    std::error_code missing;
+    return std::filesystem::file_size(log, missing) > 0 && !missing;
+  }));
+  record.Signal(SIGINT);
+  EXPECT_TRUE(record.Wait()) << record.Output();
+  EXPECT_THAT(ChannelNames(ReadChannels(log)), UnorderedElementsAre("A_SPROUT_STATUS"));
+}
+
+TEST(RecordSystem, RefusesAboveItsQuotaAndDeletesNothing) {
+  const TemporaryDirectory folder;
+  std::filesystem::create_directory(folder / "logs");
+  std::filesystem::copy(kSampleLog, folder / "logs/old.lcm");
+  Process record({kRecord, "--dir", folder / "logs", "--quota", "0", "run"});
+  EXPECT_EQ(record.Wait(), 2);
+  EXPECT_THAT(record.Output(), HasSubstr("its quota of 0 GB: not started"));
+  EXPECT_THAT(record.Output(), HasSubstr("old.lcm"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "logs/old.lcm"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "logs/run.lcm"));
+}
+
+TEST(RecordSystem, SaysSoWhenThereIsNothingToRecord) {
+  const TemporaryDirectory folder;
+  Process record({kRecord, "--dir", folder / "logs", "--seconds", "1", "run"});
+  EXPECT_EQ(record.Wait(), 1);
+  EXPECT_THAT(record.Output(), HasSubstr("nothing was recorded; is capture running"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "logs/run.lcm"));
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,189 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+
+#include "common/bus/channels.h"
+#include "common/logfile/log_writer.h"
+#include "common/messages/codec.h"
+#include "services/capture/frame_source.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/system/graph.h"
+#include "tests/system/log_bytes.h"
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+using testing::SizeIs;
+
+// Waits for a condition that no message tells of.
+bool Eventually(const std::function<bool()>& condition,
+                std::chrono::seconds timeout = std::chrono::seconds(30)) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
+bool HasBytes(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto size = std::filesystem::file_size(path, ignored);
+  return !ignored && size > 0;
+}
+
+// Runs a stage over logs; it must succeed.
+void Replay(const std::string& stage, const std::vector<std::filesystem::path>& logs,
+            const std::filesystem::path& record) {
+  std::vector<std::string> command = {ProgramPath("sprout-" + stage), "--config", "default",
+                                      "--record", record};
+  for (const auto& log : logs) command.insert(command.end(), {"--replay", log});
+  Process process(command);
+  EXPECT_EQ(process.Wait(std::chrono::seconds(120)), 0) << process.Output();
+}
+
+// Every message of one log by its frame's number.
+std::map<int64_t, std::vector<uint8_t>> BySeq(const ChannelBytes& channels, Part part) {
+  std::map<int64_t, std::vector<uint8_t>> by_seq;
+  const auto found = channels.find(std::string(ChannelOf(part)));
+  if (found == channels.end()) return by_seq;
+  for (const auto& bytes : found->second) by_seq[DecodePart(part, bytes)->id.seq] = bytes;
+  return by_seq;
+}
+
+void CopyRawChannels(const std::filesystem::path& from, const std::filesystem::path& to) {
+  LogReader reader(from);
+  LogWriter writer(to);
+  LogEvent event;
+  while (reader.Next(event)) {
+    for (const Part part : {Part::kLeft, Part::kRight, Part::kTof, Part::kRig}) {
+      if (event.channel == ChannelOf(part)) writer.Write(event.utime, event.channel, event.data);
+    }
+  }
+  writer.Close();
+}
+
+// Records a live run without lockstep, so that stages may skip frames, until the last answer that
+// they gave is in the log.
+void RecordLiveRun(const std::filesystem::path& log, int frames) {
+  Graph graph;
+  for (const char* stage : {"refine", "prior", "grow"}) graph.Start(stage, {"--config", "default"});
+  Process logger({"lcm-logger", "-m", "1000", std::string("--lcm-url=") + kDefaultLcmUrl, log});
+  // A status in the log shows that the logger listens.
+  ASSERT_TRUE(Eventually([&] { return HasBytes(log); })) << logger.Output();
+  Process& capture = graph.StartOnly(
+      "capture", {"--source", "synthetic:320x240", "--frames", std::to_string(frames), "--rate",
+                  "30", "--wait-for", "refine,prior,grow"});
+  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  int64_t answered = 0;
+  EXPECT_TRUE(graph.WaitUntil([&](Graph& g) {
+    answered = g.statuses["grow"].frames_out;
+    return g.parts.contains({Part::kDisparity, frames - 1}) &&
+           g.statuses["grow"].newest_frame.seq == frames - 1;
+  }));
+  EXPECT_TRUE(Eventually(
+      [&] { return std::ssize(BySeq(ReadChannels(log), Part::kDisparity)) == answered; }));
+  logger.Signal(SIGINT);
+  EXPECT_TRUE(logger.Wait()) << logger.Output();
+}
+
+TEST(ReplaySystem, GivesTheBytesThatTheLiveRunPublished) {
+  constexpr int kFrames = 30;
+  const TemporaryDirectory folder;
+  const auto live = folder / "live.lcm";
+  const auto raw = folder / "raw.lcm";
+  RecordLiveRun(live, kFrames);
+  CopyRawChannels(live, raw);
+  const auto seeds = folder / "seeds.lcm";
+  const auto prior = folder / "prior.lcm";
+  const auto disparity = folder / "disparity.lcm";
+  Replay("refine", {raw}, seeds);
+  Replay("prior", {raw, seeds}, prior);
+  Replay("grow", {raw, seeds, prior}, disparity);
+
+  const ChannelBytes recorded = ReadChannels(live);
+  const struct {
+    Part part;
+    std::filesystem::path log;
+  } table[] = {{Part::kSeeds, seeds}, {Part::kPrior, prior}, {Part::kDisparity, disparity}};
+  for (const auto& [part, log] : table) {
+    const auto expected = BySeq(recorded, part);
+    const auto replayed = BySeq(ReadChannels(log), part);
+    EXPECT_THAT(replayed, SizeIs(kFrames)) << ChannelOf(part);
+    EXPECT_GT(expected.size(), 0U) << ChannelOf(part);
+    for (const auto& [seq, bytes] : expected) {
+      ASSERT_TRUE(replayed.contains(seq)) << ChannelOf(part) << " of frame " << seq;
+      EXPECT_EQ(replayed.at(seq), bytes) << ChannelOf(part) << " of frame " << seq;
+    }
+  }
+}
+
+TEST(ReplaySystem, AReplayOfARecordingWithAllChannelsGivesTheSame) {
+  const TemporaryDirectory folder;
+  const auto once = folder / "once.lcm";
+  const auto twice = folder / "twice.lcm";
+  Replay("refine", {kSampleLog}, once);
+  Replay("refine", {kSampleLog, once}, twice);
+  EXPECT_EQ(ReadChannels(once), ReadChannels(twice));
+}
+
+// A log on which grow is busy for a while.
+void WriteLongLog(const std::filesystem::path& path, int frames) {
+  CaptureConfig config;
+  config.set_source("synthetic:320x240");
+  const auto source = OpenFrameSource(config);
+  const CapturedFrame captured = source->Get(0);
+  LogWriter writer(path);
+  for (int64_t seq = 0; seq < frames; ++seq) {
+    const FrameId id{.utime = 1000 * seq, .seq = seq, .rig_id = RigId(source->rig())};
+    const auto write = [&](Part part, const PartValue& value) {
+      writer.Write(id.utime, ChannelOf(part),
+                   EncodePart(id, part, value, DisparityEncoding::kRawInt16));
+    };
+    write(Part::kLeft, captured.left);
+    write(Part::kRight, captured.right);
+  }
+  writer.Close();
+}
+
+TEST(ReplaySystem, ASignalLeavesAReadableLogOfWhatWasDone) {
+  constexpr int kFrames = 200;
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const TemporaryDirectory folder;
+    WriteLongLog(folder / "in.lcm", kFrames);
+    std::ofstream(folder / "slow.textproto") << "grow { seeds: HARRIS similarity: MNCC }";
+    const auto out = folder / "out.lcm";
+    Process grow({ProgramPath("sprout-grow"), "--config", folder / "slow.textproto", "--replay",
+                  folder / "in.lcm", "--record", out});
+    ASSERT_TRUE(Eventually([&] { return HasBytes(out.string() + ".part"); })) << grow.Output();
+    EXPECT_FALSE(std::filesystem::exists(out));
+    grow.Signal(signal);
+    EXPECT_EQ(grow.Wait(), 1) << grow.Output();
+    EXPECT_THAT(grow.Output(), HasSubstr("grow: stopped after "));
+    EXPECT_FALSE(std::filesystem::exists(out.string() + ".part"));
+
+    LogReader reader(out);
+    LogEvent event;
+    int64_t seq = 0;
+    for (; reader.Next(event); ++seq) {
+      EXPECT_EQ(DecodePart(Part::kDisparity, event.data)->id.seq, seq);
+    }
+    EXPECT_GT(seq, 0);
+    EXPECT_LT(seq, kFrames);
+    EXPECT_TRUE(reader.damage().empty());
+  }
+}
+
+TEST(ReplaySystem, RunsWithoutANetwork) {
+  const TemporaryDirectory folder;
+  Process refine({"unshare", "--net", ProgramPath("sprout-refine"), "--replay", kSampleLog,
+                  "--record", folder / "out.lcm"});
+  EXPECT_EQ(refine.Wait(), 0) << refine.Output();
+  EXPECT_THAT(refine.Output(), testing::Not(HasSubstr(" W "))) << "no word about buffers";
+}
+
+}  // namespace
+}  // namespace sprout
