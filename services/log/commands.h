@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "services/log/frame_range.h"
-
 // The subcommands of sprout-log. Each reads whole logs in constant memory, prints to stdout, and
 // returns the program's exit code. @throws LogError for a log that cannot be used, ConfigError for
 // flags that cannot, Interrupted after Ctrl-C. Output files appear whole or not at all.
@@ -34,7 +32,7 @@ int RunDiff(const DiffOptions& options);
 struct CutOptions {
   std::filesystem::path in;
   std::filesystem::path out;
-  std::string frames;                 ///< see ParseFrameRange(); empty: all
+  std::string frames;                 ///< see FramesFromFlag()
   std::vector<std::string> channels;  ///< without prefix; none: all
   std::string prefix;
   bool force = false;
@@ -59,7 +57,7 @@ int RunRepair(const RepairOptions& options);
 struct PicturesOptions {
   std::filesystem::path file;
   std::filesystem::path folder;
-  std::string frames;  ///< see ParseFrameRange(); empty: all
+  std::string frames;  ///< see FramesFromFlag()
   std::string prefix;
 };
 int RunImages(const PicturesOptions& options);

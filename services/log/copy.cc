@@ -12,6 +12,7 @@
 #include "services/log/channels.h"
 #include "services/log/commands.h"
 #include "services/log/damage_text.h"
+#include "services/log/frames_flag.h"
 #include "services/log/new_log.h"
 #include "services/log/read_progress.h"
 
@@ -73,7 +74,7 @@ void PrintWritten(const NewLog& out, const std::filesystem::path& path, int64_t 
 
 int RunCut(const CutOptions& options) {
   const bool by_frame = !options.frames.empty();
-  const FrameRange range = by_frame ? ParseFrameRange("--frames", options.frames) : FrameRange{};
+  const FrameRange range = FramesFromFlag(options.frames);
   const ChannelFilter filter(options.channels, options.prefix);
   LogReader reader(options.in);
   NewLog out(options.out, options.force);
@@ -85,7 +86,7 @@ int RunCut(const CutOptions& options) {
     ++events;
     if (!event.channel.starts_with(options.prefix)) continue;
     const auto id = IdOf(event);
-    const bool in_range = id ? range.Has(id->seq) : false;
+    const bool in_range = id ? range.Contains(id->seq) : false;
     if (TypeOf(event.data) == MessageType::kRig && id) {
       rigs.OnRig(event, *id, in_range || !by_frame);
       if (filter.names().contains(event.channel) && (in_range || !by_frame)) ++kept;

@@ -10,6 +10,7 @@
 #include "common/messages/codec.h"
 #include "services/log/channels.h"
 #include "services/log/damage_text.h"
+#include "services/log/frames_flag.h"
 #include "services/log/read_progress.h"
 
 namespace sprout {
@@ -22,7 +23,7 @@ constexpr size_t kMaxPending = 16;
 
 LogFrames::LogFrames(const PicturesOptions& options, PartSet parts, Visit visit)
     : options_(options), parts_(parts), visit_(std::move(visit)) {
-  if (!options_.frames.empty()) range_ = ParseFrameRange("--frames", options_.frames);
+  range_ = FramesFromFlag(options_.frames);
 }
 
 void LogFrames::Read() {
@@ -44,7 +45,7 @@ void LogFrames::Add(const LogEvent& event) {
   channel_seen_ = true;
   if (*part != Part::kRig) {
     const auto id = DecodeFrameId(event.data);
-    if (!parts_.Has(*part) || (id && !range_.Has(id->seq))) return;
+    if (!parts_.Has(*part) || (id && !range_.Contains(id->seq))) return;
   }
   Result<DecodedPart> decoded = DecodePart(*part, event.data);
   if (!decoded) {

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/core/frame.h"
+#include "common/core/frame_range.h"
 #include "common/logfile/log_reader.h"
 #include "services/log/commands.h"
 
