@@ -55,11 +55,8 @@ std::optional<EventPlace> EventFinder::PlaceAt(int64_t offset) {
 }
 
 bool EventFinder::IsFollowed(const EventPlace& place) {
-  const auto next = Peek(place.end(), kHeaderBytes);
-  if (BeginsWithSync(next)) return true;  // true at the end of the file as well
-  const auto header = DecodeHeader(next);
-  if (!header) return false;
-  if (Distance(place.header.number, header->number) == 1) return true;
+  // True at the end of the file as well.
+  if (BeginsWithSync(Peek(place.end(), kNumberEnd))) return true;
   const auto behind = PlaceButForSync(place.end());
   return behind && BeginsWithSync(Peek(behind->end(), kNumberEnd));
 }

@@ -16,7 +16,7 @@
 namespace sprout {
 namespace {
 
-constexpr int kShownDifferences = 20;
+constexpr int kShownDifferences = 10;
 
 // What the comparison of one channel gave.
 struct ChannelDiff {
@@ -95,7 +95,7 @@ void LogDiff::Run() {
     there[side] = streams_[side].Next();
     progress_.Update(streams_[0].reader().position() + streams_[1].reader().position());
   }
-  for (const size_t side : {0, 1}) AddUnmatched(side);
+  for (const size_t side : {size_t{0}, size_t{1}}) AddUnmatched(side);
 }
 
 void LogDiff::AddUnmatched(size_t side) {
@@ -195,14 +195,14 @@ std::string LogDiff::Report() const {
     if (channel.maps == 0) continue;
     const DisparityDiff& sum = channel.disparity;
     remarks += fmt::format(
-        "{}: in the {} maps that differ, {:.3f} % of the pixels do: {} by {:.3f} px in the mean "
-        "and "
-        "{:.3f} px at most, {} newly valid, {} newly invalid\n",
+        "{}: in the {} maps that differ, {:.3f} % of the pixels do: {} changed (mean {:.3f} px, "
+        "max "
+        "{:.3f} px), {} newly valid, {} newly invalid\n",
         name, channel.maps,
         100 * static_cast<double>(sum.differing) / static_cast<double>(sum.pixels), sum.changed,
         sum.mean_px(), sum.max_px, sum.newly_valid, sum.newly_invalid);
   }
-  for (const size_t side : {0, 1}) {
+  for (const size_t side : {size_t{0}, size_t{1}}) {
     if (streams_[side].repeated() == 0) continue;
     remarks +=
         fmt::format("in {}, messages that came again with the same bytes and count once: {}\n",

@@ -77,8 +77,9 @@ MessageDiff CompareValue(const SeedSet& a, const SeedSet& b) {
 
 std::string Text(const DisparityDiff& diff) {
   return fmt::format(
-      "{} of {} pixels differ: {} by {:.3f} px in the mean and {:.3f} px at most, {} newly valid, "
-      "{} newly invalid; first at column {}, row {}",
+      "{} of {} pixels differ: {} changed (mean {:.3f} px, max {:.3f} px), {} newly valid, {} "
+      "newly "
+      "invalid; first at ({}, {})",
       diff.differing, diff.pixels, diff.changed, diff.mean_px(), diff.max_px, diff.newly_valid,
       diff.newly_invalid, diff.first.x, diff.first.y);
 }

@@ -137,6 +137,14 @@ TEST_F(DamagedLog, DoesNotTakeALogInAPayloadForEvents) {
   EXPECT_EQ(ReadLog(bytes_).events, Without(events_, {6}));
 }
 
+TEST_F(DamagedLog, SkipsALogInAPayloadWithTheEventAroundIt) {
+  std::vector<Event> inner = SampleEvents(30);  // with numbers that go on from those outside
+  events_[5].data = MakeLog(inner);
+  bytes_ = MakeLog(events_);
+  At(5, 0) ^= 1;
+  EXPECT_EQ(ReadLog(bytes_).events, Without(events_, {5}));
+}
+
 TEST_F(DamagedLog, KeepsALogInTheLastPayload) {
   std::vector<Event> inner = SampleEvents(30);
   events_.back().data = MakeLog(inner);

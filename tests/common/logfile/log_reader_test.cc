@@ -50,7 +50,7 @@ TEST(EventFetcher, GetsEventsAgainInAnyOrder) {
   events[4].data.assign(1 << 20, 17);
   WriteBytes(folder / "log", MakeLog(events));
   EventFetcher fetcher(folder / "log");
-  for (const size_t i : {11, 4, 5, 0, 4}) {
+  for (const size_t i : {11U, 4U, 5U, 0U, 4U}) {
     const LogEvent event = fetcher.Fetch(events[i].offset);
     EXPECT_EQ(event.number, events[i].number);
     EXPECT_EQ(event.channel, events[i].channel);

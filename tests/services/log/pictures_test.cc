@@ -92,11 +92,14 @@ TEST(LogExport, WritesTheMapsAsPfm) {
 
 TEST(LogExport, WritesCloudsWithACalibrationFromAnywhere) {
   const LogFolder folder;
-  const auto log = folder.Write("log", GraphEvents(30));
-  // Frame 0 is there before any calibration; more than 16 frames pass before the end.
+  auto events = GraphEvents(30);
+  Erase(events, Part::kRig, 1);
+  Erase(events, Part::kRig, 11);  // the one left comes when the first frames are long written
+  const auto log = folder.Write("log", events);
   ASSERT_EQ(RunLog({"export", log, folder.File("out"), "--ply"}).exit_code, 0);
   EXPECT_EQ(FilesIn(folder.File("out")).size(), 30U);
   const Bytes ply = ReadBytes(folder.File("out") + "/000000_cloud.ply");
+  ASSERT_GT(ply.size(), 1000U);
   const std::string head(ply.begin(), ply.begin() + 200);
   EXPECT_THAT(head, HasSubstr("element vertex 672\n"));  // 28 × 24
 }
