@@ -33,9 +33,11 @@ Outcome GrowPlug::Process(const Frame& frame) {
   Result<DisparityImage> grown = grower_.Compute(left, right, seeds, prior);
 
   Outcome outcome;
+  GrowConfig::Fill fill = config_.fill();
   if (!grown) {
     outcome.degenerate = grown.error().text;
     grown = DisparityImage(left.size());
+    fill = GrowConfig::NONE;  // images that do not fit together say nothing about the prior either
   } else if (seeds.empty()) {
     outcome.degenerate = "no seeds to grow from";
   } else if (frame.prior && prior.CountValid() == 0) {
@@ -44,7 +46,7 @@ Outcome GrowPlug::Process(const Frame& frame) {
     outcome.degenerate = "nothing grew from " + std::to_string(seeds.size()) + " seeds";
   }
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, *grown});
-  outcome.outputs.push_back({Part::kDisparity, FillGaps(*grown, config_.fill(), prior)});
+  outcome.outputs.push_back({Part::kDisparity, FillGaps(*grown, fill, prior)});
   return outcome;
 }
 
