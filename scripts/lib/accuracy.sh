@@ -1,5 +1,6 @@
 # Sourced by the scripts that measure accuracy: the ToF conditions, and means over scenes.
 # shellcheck shell=bash
+shopt -s inherit_errexit
 
 fail() { echo "$(basename "$0"): $*" >&2; exit "${code:-1}"; }
 
