@@ -59,9 +59,10 @@ cv::Mat1b Warped(const cv::Mat1b& right, const DisparityImage& map) {
   return warped;
 }
 
-cv::Mat1i WindowSums(const cv::Mat1i& values) {
+cv::Mat1i SumsOfSquares(const cv::Mat1b& image) {
   cv::Mat1i sums;
-  cv::boxFilter(values, sums, CV_32S, {kPhotoWindow, kPhotoWindow}, {-1, -1}, /*normalize=*/false);
+  cv::sqrBoxFilter(image, sums, CV_32S, {kPhotoWindow, kPhotoWindow}, {-1, -1},
+                   /*normalize=*/false);
   return sums;
 }
 
@@ -71,13 +72,10 @@ struct PhotoSums {
   cv::Mat1i energy;
 
   PhotoSums(const cv::Mat1b& left, const cv::Mat1b& warped) {
-    cv::Mat1i a;
-    cv::Mat1i b;
-    left.convertTo(a, CV_32S);
-    warped.convertTo(b, CV_32S);
-    const cv::Mat1i off(a - b);
-    difference = WindowSums(cv::Mat1i(off.mul(off)));
-    energy = WindowSums(cv::Mat1i(a.mul(a) + b.mul(b)));
+    cv::Mat1b off;
+    cv::absdiff(left, warped, off);
+    difference = SumsOfSquares(off);
+    cv::add(SumsOfSquares(left), SumsOfSquares(warped), energy);
   }
 };
 

@@ -145,6 +145,9 @@ class SplitTriangle {
         planes_[1].disparity - planes_[0].disparity < planes_[2].disparity - planes_[1].disparity;
   }
 
+  // The corners in the image.
+  Seed Corner(size_t i) const { return {.u = planes_[i].u, .v = planes_[i].v, .u_right = 0}; }
+
   float spread_px() const { return planes_[2].disparity - planes_[0].disparity; }
 
   Hypotheses At(int u, int v) const {
@@ -175,57 +178,25 @@ class SplitTriangle {
   bool two_far_;
 };
 
-// Pixels of one row in a triangle that spans an edge.
-struct EdgeRun {
-  PixelRun run;
-  size_t split;  // index of the triangle among those
-};
-
-// The triangles that span an edge, by rows: a row is painted by one thread, in their order, so that
-// the pixels that two of them share get the same value with any number of threads.
-class EdgeRuns {
- public:
-  EdgeRuns(const SeedSurface& surface, std::span<const SeedTriangle> triangles, double edge_px,
-           cv::Size size)
-      : rows_(static_cast<size_t>(size.height)) {
-    TriangleRaster raster(size);
-    for (const SeedTriangle& triangle : triangles) {
-      const auto plane = [&](size_t i) { return surface.planes[static_cast<size_t>(triangle[i])]; };
-      const SplitTriangle split({plane(0), plane(1), plane(2)});
-      if (split.spread_px() < static_cast<float>(edge_px)) continue;
-      for (const PixelRun& run :
-           raster.Runs(CornerAt(plane(0)), CornerAt(plane(1)), CornerAt(plane(2)))) {
-        rows_[static_cast<size_t>(run.v)].push_back({run, splits_.size()});
-      }
-      splits_.push_back(split);
-    }
-  }
-
-  const std::vector<EdgeRun>& OfRow(int v) const { return rows_[static_cast<size_t>(v)]; }
-  const SplitTriangle& SplitOf(const EdgeRun& edge) const { return splits_[edge.split]; }
-
- private:
-  static Seed CornerAt(const LocalPlane& plane) {
-    return {.u = plane.u, .v = plane.v, .u_right = 0};
-  }
-
-  std::vector<SplitTriangle> splits_;
-  std::vector<std::vector<EdgeRun>> rows_;
-};
-
 }  // namespace
 
 void ResolveEdges(const SeedSurface& surface, std::span<const SeedTriangle> triangles,
                   const EdgeEvidence& evidence, DisparityImage& prior) {
-  const EdgeRuns edges(surface, triangles, evidence.edge_px, prior.size());
+  std::vector<SplitTriangle> edges;
+  for (const SeedTriangle& triangle : triangles) {
+    const auto plane = [&](size_t i) { return surface.planes[static_cast<size_t>(triangle[i])]; };
+    const SplitTriangle split({plane(0), plane(1), plane(2)});
+    if (split.spread_px() >= static_cast<float>(evidence.edge_px)) edges.push_back(split);
+  }
   const Judge judge(evidence);
-  cv::parallel_for_({0, prior.height()}, [&](const cv::Range& rows) {
-    for (int v = rows.start; v < rows.end; ++v) {
-      for (const EdgeRun& edge : edges.OfRow(v)) {
-        for (int u = edge.run.begin; u < edge.run.end; ++u) {
-          const Hypotheses hypotheses = edges.SplitOf(edge).At(u, v);
-          const bool near = judge.IsNear(u, v, hypotheses);
-          prior.counts()(v, u) = ToCounts(near ? hypotheses.near_px : hypotheses.far_px);
+  PaintInBands(prior.height(), [&](const cv::Range& rows) {
+    TriangleRaster raster(prior.width(), rows);
+    for (const SplitTriangle& edge : edges) {
+      for (const PixelRun& run : raster.Runs(edge.Corner(0), edge.Corner(1), edge.Corner(2))) {
+        for (int u = run.begin; u < run.end; ++u) {
+          const Hypotheses hypotheses = edge.At(u, run.v);
+          const bool near = judge.IsNear(u, run.v, hypotheses);
+          prior.counts()(run.v, u) = ToCounts(near ? hypotheses.near_px : hypotheses.far_px);
         }
       }
     }

@@ -64,12 +64,14 @@ class RowOfPlane {
 // Neighbours both paint their common edge, with the same values but for rounding.
 void PaintTriangle(const Seed& a, const Seed& b, const Seed& c, TriangleRaster& raster,
                    DisparityImage& map) {
+  const std::vector<PixelRun>& runs = raster.Runs(a, b, c);
+  if (runs.empty()) return;
   const Plane plane = PlaneThrough(a, b, c);
   // Rounding must not carry a pixel in a sliver beyond its corners.
   const auto [least, most] = std::minmax({a.disparity(), b.disparity(), c.disparity()});
   const int64_t least_counts = ToCounts(least);
   const int64_t most_counts = ToCounts(most);
-  for (const PixelRun& run : raster.Runs(a, b, c)) {
+  for (const PixelRun& run : runs) {
     int16_t* const counts = map.counts()[run.v];
     RowOfPlane row(plane, run.begin, run.v);
     for (int u = run.begin; u < run.end; ++u) {
@@ -111,11 +113,13 @@ Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
     return Fail(std::to_string(seeds.size()) + " seeds, all on one line: no prior");
   }
   DisparityImage prior(size);
-  TriangleRaster raster(size);
-  for (const auto& [a, b, c] : triangles) {
-    PaintTriangle(seeds[static_cast<size_t>(a)], seeds[static_cast<size_t>(b)],
-                  seeds[static_cast<size_t>(c)], raster, prior);
-  }
+  PaintInBands(size.height, [&](const cv::Range& rows) {
+    TriangleRaster raster(size.width, rows);
+    for (const auto& [a, b, c] : triangles) {
+      PaintTriangle(seeds[static_cast<size_t>(a)], seeds[static_cast<size_t>(b)],
+                    seeds[static_cast<size_t>(c)], raster, prior);
+    }
+  });
   if (prior.CountValid() == 0) return Fail("the seeds' triangles cover no pixel: no prior");
   ExtendBeyondHull(prior);
   return prior;
