@@ -59,6 +59,9 @@ class Conversation {
   /// useless to go on.
   bool over() const { return ended_ || frames_missed_ >= kMaxMissed; }
 
+  /// Frames that had to be answered and were not.
+  int frames_missed() const { return frames_missed_; }
+
   /// Messages on the stage's channel, good ones and bad ones.
   int answers_heard() const { return answers_heard_; }
 
