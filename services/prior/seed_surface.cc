@@ -144,10 +144,25 @@ class PlaneFitter {
   double spacing_px_;
 };
 
+// For each seed, whether it is in a triangle whose disparities differ by at least `edge_px`.
+std::vector<bool> SeedsAtEdges(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
+                               double edge_px) {
+  std::vector<bool> at_edge(seeds.size());
+  for (const SeedTriangle& triangle : triangles) {
+    const auto disparity = [&](int corner) {
+      return seeds[Index(triangle[Index(corner)])].disparity();
+    };
+    const auto [least, most] = std::minmax({disparity(0), disparity(1), disparity(2)});
+    if (double{most} - least < edge_px) continue;
+    for (int seed : triangle) at_edge[Index(seed)] = true;
+  }
+  return at_edge;
+}
+
 }  // namespace
 
 SeedSurface FitSeedSurface(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
-                           double noisy_px) {
+                           double noisy_px, double edge_px) {
   Neighbours neighbours(seeds.size(), triangles);
   PlaneFitter fitter(seeds, neighbours);
   SeedSurface surface;
@@ -155,9 +170,12 @@ SeedSurface FitSeedSurface(std::span<const Seed> seeds, std::span<const SeedTria
   const bool noisy = surface.noise_px > noisy_px;
   const double scale_px = std::max(kSmallestScalePx, 2 * surface.noise_px);
   surface.planes.reserve(seeds.size());
+  const std::vector<bool> at_edge = SeedsAtEdges(seeds, triangles, edge_px);
   for (int i = 0; Index(i) < seeds.size(); ++i) {
-    LocalPlane plane = fitter.Fit(i, noisy ? 2 : 1, scale_px);
-    if (!noisy) plane.disparity = seeds[Index(i)].disparity();
+    const Seed& seed = seeds[Index(i)];
+    LocalPlane plane{.u = seed.u, .v = seed.v, .disparity = seed.disparity()};
+    if (noisy || at_edge[Index(i)]) plane = fitter.Fit(i, noisy ? 2 : 1, scale_px);
+    if (!noisy) plane.disparity = seed.disparity();
     surface.planes.push_back(plane);
   }
   return surface;
