@@ -48,6 +48,7 @@ std::vector<std::string> SizeFields(Part part) {
   switch (part) {
     case Part::kLeft:
     case Part::kRight:
+    case Part::kConfidence:
       return {"width", "height", "row_stride", "pixel_format", "size"};
     case Part::kTof:
       return {"width", "height", "count", "amplitude_count"};

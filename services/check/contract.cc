@@ -103,7 +103,7 @@ StageContract ContractOf(const std::string& stage) {
         .stage = stage,
         .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds, Part::kPrior},
         .answer = Part::kDisparity,
-        .may_publish = {Part::kUnfilled}};
+        .may_publish = {Part::kUnfilled, Part::kConfidence}};
   }
   throw ConfigError("STAGE '" + stage + "': allowed are refine, prior and grow");
 }

@@ -145,6 +145,16 @@ void Conversation::TakeAnswer(const Heard& heard) {
   sent->answer = std::move(decoded->value);
 }
 
+// What a stage may publish besides its answer.
+void Conversation::TakeExtra(Part part, const Heard& heard) {
+  const Result<DecodedPart> decoded = DecodePart(part, heard.bytes);
+  if (decoded) {
+    Attribute(decoded->id);
+  } else {
+    found_.Add(Rule::kForm, heard.channel + ": " + decoded.error().text);
+  }
+}
+
 void Conversation::TakeOther(const Heard& heard) {
   if (heard.channel == kStatusChannel) {
     const Result<StageStatus> status = DecodeStatus(heard.bytes);
@@ -152,8 +162,9 @@ void Conversation::TakeOther(const Heard& heard) {
     return;
   }
   for (const Part part : kAllParts) {
-    if (heard.channel != ChannelOf(part) || contract_.may_publish.Has(part)) continue;
-    if (own_[part]-- > 0) continue;  // sent by this program
+    if (heard.channel != ChannelOf(part)) continue;
+    if (contract_.may_publish.Has(part)) return TakeExtra(part, heard);
+    if (own_[part]-- > 0) return;  // sent by this program
     found_.Add(Rule::kChannels, fmt::format("published on {}; allowed is {}", heard.channel,
                                             ChannelOf(contract_.answer)));
   }

@@ -87,6 +87,7 @@ class Conversation {
   void SendPart(Part part, std::span<const uint8_t> bytes);
   void Take(const Heard& heard);
   void TakeAnswer(const Heard& heard);
+  void TakeExtra(Part part, const Heard& heard);
   void TakeOther(const Heard& heard);
   Sent* Attribute(const Result<FrameId>& id);
 
