@@ -3,8 +3,10 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <opencv2/core/utility.hpp>
 #include <thread>
 
 #include "common/app/live.h"
@@ -92,6 +94,11 @@ Service::Service(std::string stage, const std::string& description)
       .add_option("--channel-prefix", prefix_,
                   "Put before every channel: runs two graphs side by side")
       ->type_name("TEXT");
+  flags_
+      .add_option("--threads", threads_,
+                  "Threads that a frame may be worked on with (default, and at most: one a core); "
+                  "the result does not depend on it")
+      ->check(CLI::Range(1, 1024));
   flags_.add_option("--log-level", log_level_, "What to log to stderr")
       ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
       ->capture_default_str();
@@ -142,6 +149,7 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
                          .prefix = prefix_,
                          .replay = Replay(),
                          .stop = {}};
+  if (threads_) cv::setNumThreads(std::min(*threads_, cv::getNumberOfCPUs()));
   if (apply_flags) apply_flags(context.config);
   RequireInRange(context.config, "");
   RequireValidPrefix(prefix_);

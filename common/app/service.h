@@ -33,9 +33,9 @@ struct ServiceContext {
   std::stop_token stop;                 ///< requested by SIGINT and SIGTERM
 };
 
-/// What every service's main shares: the flags --config --lcm-url --channel-prefix --log-level
-/// --version --help, logging to stderr, the effective configuration printed at start, signals, and
-/// errors turned into one line and an exit code.
+/// What every service's main shares: the flags --config --lcm-url --channel-prefix --threads
+/// --log-level --version --help, logging to stderr, the effective configuration printed at start,
+/// signals, and errors turned into one line and an exit code.
 class Service {
  public:
   /// @param stage        name of the service; the program is sprout-STAGE.
@@ -65,6 +65,7 @@ class Service {
   std::vector<std::string> config_files_;
   std::string lcm_url_;
   std::string prefix_;
+  std::optional<int> threads_;
   std::string log_level_ = "info";
   std::vector<std::string> replay_;
   std::string record_;
