@@ -15,28 +15,30 @@ namespace sprout {
 ///   2. on one level, the seed that was added last.
 ///
 /// Each level is a chain of seeds. The links lie with the seeds, in the caller's memory, so the
-/// queue allocates nothing; 64 levels, as one word then says which of them hold seeds. O(1) a seed.
+/// queue allocates nothing. O(1) a seed.
 class SeedQueue {
  public:
   using Id = uint32_t;
-  static constexpr int kLevels = 64;
+  static constexpr int kLevels = 256;
   static constexpr Id kNone = UINT32_MAX;
 
   /// @param limit  largest accepted cost.
   void Reset(int32_t limit) {
     first_.fill(kNone);
-    occupied_ = 0;
+    occupied_.fill(0);
+    occupied_words_ = 0;
     levels_per_cost_ = (uint64_t{kLevels} << 32) / (static_cast<uint64_t>(limit) + 1);
   }
 
-  bool empty() const { return occupied_ == 0; }
+  bool empty() const { return occupied_words_ == 0; }
 
   /// @param next  the link that lies with this seed; a seed is in the queue once at a time.
   void Push(Id seed, int32_t cost, Id& next) {
     const int level = LevelOf(cost);
     next = first_[static_cast<size_t>(level)];
     first_[static_cast<size_t>(level)] = seed;
-    occupied_ |= uint64_t{1} << level;
+    occupied_[static_cast<size_t>(level / 64)] |= uint64_t{1} << (level % 64);
+    occupied_words_ |= 1u << (level / 64);
   }
 
   /// The first seed. @pre not empty.
@@ -46,11 +48,16 @@ class SeedQueue {
   void Pop(Id next) {
     const int level = BestLevel();
     first_[static_cast<size_t>(level)] = next;
-    occupied_ &= ~(uint64_t{next == kNone} << level);
+    uint64_t& word = occupied_[static_cast<size_t>(level / 64)];
+    word &= ~(uint64_t{next == kNone} << (level % 64));
+    occupied_words_ &= ~(static_cast<uint32_t>(word == 0) << (level / 64));
   }
 
  private:
-  int BestLevel() const { return std::countr_zero(occupied_); }
+  int BestLevel() const {
+    const int word = std::countr_zero(occupied_words_);
+    return word * 64 + std::countr_zero(occupied_[static_cast<size_t>(word)]);
+  }
 
   int LevelOf(int32_t cost) const {
     const uint64_t level = (static_cast<uint64_t>(cost) * levels_per_cost_) >> 32;
@@ -58,8 +65,9 @@ class SeedQueue {
   }
 
   std::array<Id, kLevels> first_{};
-  uint64_t occupied_ = 0;         // bit n: level n holds a seed
-  uint64_t levels_per_cost_ = 0;  // 32 binary places
+  std::array<uint64_t, kLevels / 64> occupied_{};  // bit n of word w: level 64w + n holds a seed
+  uint32_t occupied_words_ = 0;                    // bit w: word w is not zero
+  uint64_t levels_per_cost_ = 0;                   // 32 binary places
 };
 
 }  // namespace sprout

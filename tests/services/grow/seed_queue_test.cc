@@ -7,7 +7,7 @@
 namespace sprout {
 namespace {
 
-constexpr int32_t kLimit = 6399;  // levels of 100
+constexpr int32_t kLimit = 25599;  // levels of 100
 
 // A queue with the links of a few seeds.
 class SeedQueueTest : public testing::Test {
@@ -27,9 +27,9 @@ class SeedQueueTest : public testing::Test {
 };
 
 TEST_F(SeedQueueTest, GivesTheSmallestCostFirst) {
-  Push(1, 3000);
+  Push(1, 5000);
   Push(2, 100);
-  Push(3, 5000);
+  Push(3, 20000);
   EXPECT_EQ(Pop(), 2);
   EXPECT_EQ(Pop(), 1);
   Push(4, 0);  // better than all before
@@ -49,7 +49,7 @@ TEST_F(SeedQueueTest, GivesTheLastAddedFirstOnOneLevel) {
 
 TEST_F(SeedQueueTest, TakesCostsBeyondTheLimitWithTheLastLevel) {
   Push(1, INT32_MAX);
-  Push(2, 6200);
+  Push(2, 25500);
   EXPECT_EQ(Pop(), 2);
   EXPECT_EQ(Pop(), 1);
 }
@@ -57,7 +57,7 @@ TEST_F(SeedQueueTest, TakesCostsBeyondTheLimitWithTheLastLevel) {
 TEST_F(SeedQueueTest, CanTakeASeedAgain) {
   Push(1, 5);
   EXPECT_EQ(Pop(), 1);
-  Push(1, 6000);
+  Push(1, 20000);
   Push(2, 5);
   EXPECT_EQ(Pop(), 2);
   EXPECT_EQ(Pop(), 1);

@@ -140,10 +140,10 @@ class SlowGrowth {
     return static_cast<int64_t>(std::min(cost, kLargest));
   }
 
-  // Into one of 64 levels of equal width; beyond the limit all share the last.
+  // Into one of 256 levels of equal width; beyond the limit all share the last.
   void Add(const Correspondence& s, int64_t cost) {
-    const int64_t per_cost = (int64_t{64} << 32) / (limit_ + 1);  // 32 binary places
-    const int64_t level = std::min<int64_t>((cost * per_cost) >> 32, 63);
+    const int64_t per_cost = (int64_t{256} << 32) / (limit_ + 1);  // 32 binary places
+    const int64_t level = std::min<int64_t>((cost * per_cost) >> 32, 255);
     seeds_[static_cast<size_t>(s.v / kBandRows)][level].push_back(s);
   }
 
