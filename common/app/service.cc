@@ -1,5 +1,6 @@
 #include "common/app/service.h"
 
+#include <fmt/ranges.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -7,6 +8,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "common/app/compute.h"
 #include "common/app/live.h"
 #include "common/app/replay.h"
 #include "common/bus/channels.h"
@@ -95,6 +97,16 @@ Service::Service(std::string stage, const std::string& description)
   flags_.add_option("--log-level", log_level_, "What to log to stderr")
       ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
       ->capture_default_str();
+  flags_
+      .add_option("--threads", threads_,
+                  "Threads to compute with, 0 = one a core; results do not depend on it")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  flags_
+      .add_option("--simd", simd_,
+                  "Instruction set that growth may use at most; results do not depend on it")
+      ->type_name("best|" + fmt::format("{}", fmt::join(SimdLevels(), "|")))
+      ->capture_default_str();
   flags_.set_version_flag("--version", "sprout-" + stage_ + " " + Version());
 }
 
@@ -145,6 +157,8 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   if (apply_flags) apply_flags(context.config);
   RequireInRange(context.config, "");
   RequireValidPrefix(prefix_);
+  SetThreads(threads_);
+  LimitSimd(simd_);
 
   const std::string text = ConfigText(context.config);
   spdlog::info("sprout-{} {}, effective configuration (digest {}):\n{}", stage_, Version(),

@@ -34,7 +34,7 @@ struct ServiceContext {
 };
 
 /// What every service's main shares: the flags --config --lcm-url --channel-prefix --log-level
-/// --version --help, logging to stderr, the effective configuration printed at start, signals, and
+/// --threads --simd --version --help, logging to stderr, the effective configuration printed at start, signals, and
 /// errors turned into one line and an exit code.
 class Service {
  public:
@@ -66,6 +66,8 @@ class Service {
   std::string lcm_url_;
   std::string prefix_;
   std::string log_level_ = "info";
+  int threads_ = 0;
+  std::string simd_ = "best";
   std::vector<std::string> replay_;
   std::string record_;
   std::string frames_;
