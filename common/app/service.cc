@@ -1,5 +1,6 @@
 #include "common/app/service.h"
 
+#include <fmt/ranges.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -9,6 +10,7 @@
 #include <opencv2/core/utility.hpp>
 #include <thread>
 
+#include "common/app/compute.h"
 #include "common/app/live.h"
 #include "common/app/replay.h"
 #include "common/bus/channels.h"
@@ -94,13 +96,18 @@ Service::Service(std::string stage, const std::string& description)
       .add_option("--channel-prefix", prefix_,
                   "Put before every channel: runs two graphs side by side")
       ->type_name("TEXT");
-  flags_
-      .add_option("--threads", threads_,
-                  "Threads that a frame may be worked on with (default, and at most: one a core); "
-                  "the result does not depend on it")
-      ->check(CLI::Range(1, 1024));
   flags_.add_option("--log-level", log_level_, "What to log to stderr")
       ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
+      ->capture_default_str();
+  flags_
+      .add_option("--threads", threads_,
+                  "Threads to compute with, 0 = one a core; results do not depend on it")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  flags_
+      .add_option("--simd", simd_,
+                  "Instruction set that growth may use at most; results do not depend on it")
+      ->type_name("best|" + fmt::format("{}", fmt::join(SimdLevels(), "|")))
       ->capture_default_str();
   flags_.set_version_flag("--version", "sprout-" + stage_ + " " + Version());
 }
@@ -149,10 +156,11 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
                          .prefix = prefix_,
                          .replay = Replay(),
                          .stop = {}};
-  if (threads_) cv::setNumThreads(std::min(*threads_, cv::getNumberOfCPUs()));
   if (apply_flags) apply_flags(context.config);
   RequireInRange(context.config, "");
   RequireValidPrefix(prefix_);
+  SetThreads(threads_);
+  LimitSimd(simd_);
 
   const std::string text = ConfigText(context.config);
   spdlog::info("sprout-{} {}, effective configuration (digest {}):\n{}", stage_, Version(),

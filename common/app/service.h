@@ -33,7 +33,7 @@ struct ServiceContext {
   std::stop_token stop;                 ///< requested by SIGINT and SIGTERM
 };
 
-/// What every service's main shares: the flags --config --lcm-url --channel-prefix --threads
+/// What every service's main shares: the flags --config --lcm-url --channel-prefix --threads --simd
 /// --log-level --version --help, logging to stderr, the effective configuration printed at start,
 /// signals, and errors turned into one line and an exit code.
 class Service {
@@ -65,8 +65,9 @@ class Service {
   std::vector<std::string> config_files_;
   std::string lcm_url_;
   std::string prefix_;
-  std::optional<int> threads_;
   std::string log_level_ = "info";
+  int threads_ = 0;
+  std::string simd_ = "best";
   std::vector<std::string> replay_;
   std::string record_;
   std::string frames_;

@@ -3,20 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "common/core/image.h"
-#include "services/grow/similarity.h"
 
 namespace sprout {
 namespace {
-
-// Steps to the four neighbours, in the order in which they are visited.
-struct Step {
-  int du;
-  int dv;
-};
-constexpr Step kNeighbours[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
 
 // Pixels whose window lies in the image.
 cv::Rect WindowCentres(cv::Size size) {
@@ -24,133 +15,89 @@ cv::Rect WindowCentres(cv::Size size) {
           size.height - 2 * kWindowRadius};
 }
 
-struct Match {
-  int disparity;
-  int32_t cost;
-  int step;  // from the disparity to the sub-pixel one, counts
+// The pixels and disparity of a seed, rounded. One whose windows leave an image has v = −1.
+GrowthSeed Rounded(const Seed& seed, cv::Rect centres) {
+  const auto u = static_cast<int>(std::lround(seed.u));
+  const auto v = static_cast<int>(std::lround(seed.v));
+  const auto d = static_cast<int>(std::lround(seed.disparity()));
+  const bool fits = d >= 0 && centres.contains({u, v}) && centres.contains({u - d, v});
+  if (!fits) return {0, -1, 0, SeedQueue::kNone};
+  return {static_cast<int16_t>(u), static_cast<int16_t>(v), static_cast<int16_t>(d),
+          SeedQueue::kNone};
+}
+
+// Runs `work` for 0 to count − 1 on OpenCV's threads.
+template <typename Work>
+class ParallelWork : public cv::ParallelLoopBody {
+ public:
+  explicit ParallelWork(const Work& work) : work_(work) {}
+  void operator()(const cv::Range& range) const override {
+    for (int i = range.start; i < range.end; ++i) work_(static_cast<size_t>(i));
+  }
+
+ private:
+  const Work& work_;
 };
 
-// Where between d − 1 and d + 1 the parabola through their costs has its minimum, from d, counts.
-// Whole numbers only; at most half a pixel, as d is the best of the three.
-int SubPixelStep(const CostTriple& costs) {
-  const int64_t before = int64_t{costs[0]} - costs[1];
-  const int64_t behind = int64_t{costs[2]} - costs[1];
-  if (before < 0 || behind < 0 || before + behind == 0) return 0;
-  // Half a pixel times (before − behind) / (before + behind), rounded to nearest.
-  constexpr int64_t kHalf = DisparityImage::kCountsPerPixel / 2;
-  const int64_t sum = before + behind;
-  return static_cast<int>((2 * kHalf * (before - behind) + 2 * kHalf * sum + sum) / (2 * sum) -
-                          kHalf);
+template <typename Work>
+void ForEach(size_t count, const Work& work) {
+  const auto end = static_cast<int>(count);
+  cv::parallel_for_({0, end}, ParallelWork<Work>(work), end);
 }
+
+// The disparities of every band's first and last row as the last round but one and the last left
+// them: one round is read while the next is written.
+class Seams {
+ public:
+  Seams(std::vector<int16_t>& memory, size_t bands, int width)
+      : memory_(memory), bands_(bands), width_(static_cast<size_t>(width)) {
+    memory_.resize(2 * bands_ * 2 * width_);
+  }
+
+  void Save(size_t round, const GrowthBand& band, size_t index) {
+    for (const bool last : {false, true}) {
+      const GrowthRow& row = band.row(last ? band.rows() - 1 : 0);
+      int16_t* to = memory_.data() + Offset(round, index, last);
+      for (size_t u = 0; u < width_; ++u) to[u] = row.left[u].disparity;
+    }
+  }
+
+  SeamRow Row(size_t round, size_t index, bool last) const {
+    return {memory_.data() + Offset(round, index, last), width_};
+  }
+
+ private:
+  size_t Offset(size_t round, size_t index, bool last) const {
+    return ((round % 2 * bands_ + index) * 2 + (last ? 1 : 0)) * width_;
+  }
+
+  std::vector<int16_t>& memory_;
+  size_t bands_;
+  size_t width_;
+};
 
 // Standard deviation of the seeds' disparities from the prior, px, from the median: what the
 // prior's smoothing took off, so an estimate of the seeds' noise.
-double NoiseOfSeeds(std::span<const Seed> seeds, const DisparityImage& prior) {
-  std::vector<double> deviations;
+double NoiseOfSeeds(std::span<const Seed> seeds, const DisparityImage& prior,
+                    std::vector<float>& deviations) {
+  deviations.clear();
   for (const Seed& seed : seeds) {
     const cv::Point pixel(static_cast<int>(std::lround(seed.u)),
                           static_cast<int>(std::lround(seed.v)));
     if (!cv::Rect({}, prior.size()).contains(pixel) || !prior.IsValid(pixel.x, pixel.y)) continue;
-    deviations.push_back(std::abs(double{seed.disparity()} - prior.Px(pixel.x, pixel.y)));
+    deviations.push_back(std::abs(seed.disparity() - prior.Px(pixel.x, pixel.y)));
   }
   if (deviations.empty()) return 0;
   const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
   std::nth_element(deviations.begin(), middle, deviations.end());
   constexpr double kMedianOfNormal = 0.6745;  // of the absolute value, in standard deviations
-  return *middle / kMedianOfNormal;
+  return double{*middle} / kMedianOfNormal;
 }
 
-// One run of Alg. 1 over one pair of images.
-template <typename Cost>
-class Growth {
- public:
-  Growth(const Cost& cost, const GrowConfig& config, cv::Size size, SeedQueue& queue)
-      : cost_(cost),
-        limit_(Cost::Limit(config.threshold())),
-        sub_pixel_(config.sub_pixel()),
-        centres_(WindowCentres(size)),
-        queue_(queue),
-        map_(size),  // Alg. 1, step 3
-        right_matched_(size, uint8_t{0}) {
-    queue_.Reset(limit_);
-  }
-
-  // Alg. 1, step 2: similarity of every seed.
-  void AddSeed(const Seed& seed) {
-    const auto u = static_cast<int>(std::lround(seed.u));
-    const auto v = static_cast<int>(std::lround(seed.v));
-    const auto d = static_cast<int>(std::lround(seed.disparity()));
-    if (!Fits(u, v, d)) return;
-    queue_.Push(Queued(u, v, d), cost_.At(u, v, d)[1]);
-  }
-
-  DisparityImage Run() {
-    while (const std::optional<QueuedSeed> seed = queue_.Pop()) {  // Alg. 1, steps 4, 5, 13
-      for (const Step& step : kNeighbours) {                       // Alg. 1, step 6
-        const int u = seed->u + step.du;
-        const int v = seed->v + step.dv;
-        if (!centres_.contains({u, v}) || map_.IsValid(u, v)) continue;
-        const Match best = BestOfThree(u, v, seed->disparity);
-        if (best.cost > limit_ || IsRightMatched(u - best.disparity, v)) continue;  // Steps 7, 8
-        queue_.Push(Queued(u, v, best.disparity), best.cost);                       // Step 9
-        Write(u, v, best);                                                          // Step 10
-      }
-    }
-    return map_;  // Alg. 1, step 14
-  }
-
- private:
-  static QueuedSeed Queued(int u, int v, int d) {
-    return {static_cast<int16_t>(u), static_cast<int16_t>(v), static_cast<int16_t>(d)};
-  }
-
-  bool Fits(int u, int v, int d) const {
-    return d >= 0 && centres_.contains({u, v}) && centres_.contains({u - d, v});
-  }
-
-  // The best of N(s) at one neighbour: the disparities d − 1, d and d + 1.
-  Match BestOfThree(int u, int v, int d) const {
-    Match best{d, kNoMatch, 0};
-    if (u - d < kWindowRadius - 1) return best;  // even d − 1 leaves the right image
-    const CostTriple costs = cost_.At(u, v, d);
-    for (const int i : {1, 0, 2}) {
-      if (costs[i] < best.cost && Fits(u, v, d - 1 + i)) best = {d - 1 + i, costs[i], 0};
-    }
-    if (sub_pixel_ && best.cost <= limit_)
-      best.step = SubPixelStepAt(u, v, best.disparity, d, costs);
-    return best;
-  }
-
-  // @param costs  around `centre`, a neighbour of d or d itself. None where a disparity beside d
-  //               leaves the right image.
-  int SubPixelStepAt(int u, int v, int d, int centre, const CostTriple& costs) const {
-    if (!Fits(u, v, d - 1) || !Fits(u, v, d + 1)) return 0;
-    return SubPixelStep(d == centre ? costs : cost_.At(u, v, d));
-  }
-
-  bool IsRightMatched(int u_right, int v) const { return right_matched_(v, u_right) != 0; }
-
-  void Write(int u, int v, const Match& match) {
-    const int counts = match.disparity * DisparityImage::kCountsPerPixel + match.step;
-    map_.counts()(v, u) = static_cast<int16_t>(counts);
-    right_matched_(v, u - match.disparity) = 1;
-  }
-
-  const Cost& cost_;
-  int32_t limit_;
-  bool sub_pixel_;
-  cv::Rect centres_;
-  SeedQueue& queue_;
-  DisparityImage map_;
-  cv::Mat1b right_matched_;
-};
-
-template <typename Cost>
-DisparityImage RunGrowth(const Cost& cost, const GrowConfig& config, cv::Size size,
-                         std::span<const Seed> seeds, SeedQueue& queue) {
-  Growth<Cost> growth(cost, config, size, queue);
-  for (const Seed& seed : seeds) growth.AddSeed(seed);
-  return growth.Run();
+// A map for a new result: the last one when nobody else holds it any more.
+void Renew(DisparityImage& map, cv::Size size) {
+  const bool held = !map.empty() && map.counts().u->refcount > 1;
+  if (held || map.size() != size) map = DisparityImage(cv::Mat1s(size));
 }
 
 }  // namespace
@@ -167,26 +114,88 @@ Result<DisparityImage> Grower::Compute(const cv::Mat1b& left, const cv::Mat1b& r
   if (size.width < kWindow || size.height < kWindow) {
     return Fail("images of " + SizeText(size) + ": smaller than the 5x5 window");
   }
-  switch (config_.similarity()) {
-    case GrowConfig::MNCC:
-      return RunGrowth(MnccCost(left, right), config_, size, seeds, queue_);
-    case GrowConfig::EXPSSD:
-      return RunGrowth(ExpssdCost(left, right, config_.sigma_s_squared()), config_, size, seeds,
-                       queue_);
-    case GrowConfig::EPC:
-      if (prior.size() != size) {
-        return Fail("prior of " + SizeText(prior.size()) + ": allowed is the images' size " +
-                    SizeText(size));
-      }
-      return RunGrowth(EpcCost(left, right, prior, config_.sigma_s_squared(), SigmaP(seeds, prior)),
-                       config_, size, seeds, queue_);
+  if (std::max(size.width, size.height) > INT16_MAX) {
+    return Fail("images of " + SizeText(size) + ": allowed are up to " + std::to_string(INT16_MAX) +
+                " pixels a side");
   }
-  return Fail("unknown similarity");
+  const bool with_prior = config_.similarity() == GrowConfig::EPC;
+  if (with_prior && prior.size() != size) {
+    return Fail("prior of " + SizeText(prior.size()) + ": allowed is the images' size " +
+                SizeText(size));
+  }
+  const GrowthRule rule = MakeGrowthRule(config_, with_prior ? SigmaP(seeds, prior) : 1);
+  PrepareScratch(size);
+  DistributeSeeds(seeds, size);
+  GrowBands({left, right, prior}, rule);
+  Renew(map_, size);
+  ForEach(bands_.size(), [&](size_t i) { WriteBand(rule, bands_[i], config_.sub_pixel(), map_); });
+  return map_;
 }
 
-double Grower::SigmaP(std::span<const Seed> seeds, const DisparityImage& prior) const {
+void Grower::PrepareScratch(cv::Size size) {
+  bands_.resize(static_cast<size_t>((size.height + GrowthBand::kRows - 1) / GrowthBand::kRows));
+  for (size_t i = 0; i < bands_.size(); ++i) {
+    bands_[i].Resize(size, static_cast<int>(i) * GrowthBand::kRows,
+                     config_.similarity() == GrowConfig::MNCC);
+  }
+}
+
+// Sorts the seeds by bands, each band's in the order given.
+void Grower::DistributeSeeds(std::span<const Seed> seeds, cv::Size size) {
+  seeds_.resize(seeds.size());
+  const cv::Rect centres = WindowCentres(size);
+  std::vector<size_t> end(bands_.size() + 1, 0);
+  const auto band_of = [](const GrowthSeed& seed) {
+    return static_cast<size_t>(seed.v / GrowthBand::kRows);
+  };
+  for (const Seed& seed : seeds) {
+    if (const GrowthSeed rounded = Rounded(seed, centres); rounded.v >= 0) {
+      ++end[band_of(rounded) + 1];
+    }
+  }
+  for (size_t i = 1; i < end.size(); ++i) end[i] += end[i - 1];
+  for (size_t i = 0; i < bands_.size(); ++i) {
+    bands_[i].seeds = std::span(seeds_).subspan(end[i], end[i + 1] - end[i]);
+  }
+  for (const Seed& seed : seeds) {
+    if (const GrowthSeed rounded = Rounded(seed, centres); rounded.v >= 0) {
+      seeds_[end[band_of(rounded)]++] = rounded;
+    }
+  }
+}
+
+void Grower::GrowBands(const GrowthInput& input, const GrowthRule& rule) {
+  const size_t count = bands_.size();
+  Seams seams(seams_, count, input.left.cols);
+  ForEach(count, [&](size_t i) {
+    PrepareBand(input, rule, bands_[i]);
+    GrowFromSeeds(rule, bands_[i]);
+    seams.Save(0, bands_[i], i);
+  });
+  const auto changed = [](const GrowthBand& band) { return band.changed; };
+  for (size_t round = 1; std::any_of(bands_.begin(), bands_.end(), changed); ++round) {
+    ForEach(count, [&](size_t i) {
+      GrowthBand& band = bands_[i];
+      band.changed = false;
+      const SeamRow above = i > 0 ? seams.Row(round - 1, i - 1, /*last=*/true) : SeamRow();
+      const SeamRow below = i + 1 < count ? seams.Row(round - 1, i + 1, /*last=*/false) : SeamRow();
+      GrowFromSeams(rule, above, below, band);
+      seams.Save(round, band, i);
+    });
+  }
+}
+
+double Grower::SigmaP(std::span<const Seed> seeds, const DisparityImage& prior) {
   if (config_.sigma_p_noise() == 0) return config_.sigma_p_px();
-  return std::max(config_.sigma_p_px(), config_.sigma_p_noise() * NoiseOfSeeds(seeds, prior));
+  return std::max(config_.sigma_p_px(),
+                  config_.sigma_p_noise() * NoiseOfSeeds(seeds, prior, deviations_));
+}
+
+size_t Grower::scratch_bytes() const {
+  size_t bytes = seeds_.capacity() * sizeof(GrowthSeed) + seams_.capacity() * sizeof(int16_t) +
+                 deviations_.capacity() * sizeof(float);
+  for (const GrowthBand& band : bands_) bytes += band.bytes();
+  return bytes;
 }
 
 }  // namespace sprout

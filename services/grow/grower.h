@@ -1,14 +1,16 @@
 #ifndef SPROUT_SERVICES_GROW_GROWER_H_
 #define SPROUT_SERVICES_GROW_GROWER_H_
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <span>
+#include <vector>
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
 #include "common/core/result.h"
 #include "common/core/seed.h"
-#include "services/grow/seed_queue.h"
+#include "services/grow/growth_band.h"
 
 namespace sprout {
 
@@ -16,8 +18,13 @@ namespace sprout {
 ///
 /// Ties, where the paper leaves them open: seeds leave the queue by SeedQueue's rule; initial
 /// seeds enter it in the order given; neighbours are visited left, right, up, down; of three
-/// equally similar disparities d comes before d − 1 before d + 1. Everything is computed in whole
-/// numbers, so the same input gives the same bytes on every machine.
+/// equally similar disparities d comes before d − 1 before d + 1.
+///
+/// The image is cut into bands of GrowthBand::kRows rows. Each grows from its own seeds; when all
+/// have come to rest, each grows on from the pixels of its neighbours' border rows, and so on until
+/// nothing changes. So the bands can grow at the same time, on OpenCV's threads
+/// (cv::setNumThreads), and the same input gives the same bytes on every machine, with any number
+/// of threads and any instruction set.
 class Grower {
  public:
   /// @throws ConfigError when a value is out of range.
@@ -29,16 +36,26 @@ class Grower {
   /// @returns disparities, one-to-one: rounded to whole pixels, no two left pixels share a right
   ///          pixel. In whole pixels, or with sub_pixel to the counts of DisparityImage. An error
   ///          when sizes differ or the images are smaller than the window.
-  /// About one window triple a pixel. Keeps its queue from frame to frame, so one object serves
-  /// one thread.
+  /// About one window triple a pixel. Keeps its memory (scratch_bytes()) from frame to frame, so
+  /// one object serves one caller at a time; a map that nobody else holds any more is used again.
   Result<DisparityImage> Compute(const cv::Mat1b& left, const cv::Mat1b& right,
                                  std::span<const Seed> seeds, const DisparityImage& prior);
 
+  /// Memory kept from frame to frame without the map, bytes.
+  size_t scratch_bytes() const;
+
  private:
-  double SigmaP(std::span<const Seed> seeds, const DisparityImage& prior) const;
+  double SigmaP(std::span<const Seed> seeds, const DisparityImage& prior);
+  void PrepareScratch(cv::Size size);
+  void DistributeSeeds(std::span<const Seed> seeds, cv::Size size);
+  void GrowBands(const GrowthInput& input, const GrowthRule& rule);
 
   GrowConfig config_;
-  SeedQueue queue_;
+  std::vector<GrowthBand> bands_;
+  std::vector<GrowthSeed> seeds_;
+  std::vector<int16_t> seams_;
+  std::vector<float> deviations_;
+  DisparityImage map_;
 };
 
 }  // namespace sprout

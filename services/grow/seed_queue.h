@@ -3,57 +3,71 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
-#include <optional>
-#include <vector>
 
 namespace sprout {
-
-/// A seed on its way through the queue: whole pixels.
-struct QueuedSeed {
-  int16_t u;
-  int16_t v;
-  int16_t disparity;
-};
 
 /// Priority queue of seeds. The rule that decides what comes first, part of what the stage
 /// computes:
 ///   1. the smaller cost, after costs between 0 and the limit of acceptance have been sorted into
 ///      kLevels levels of equal width (what lies beyond the limit shares the last level);
 ///   2. on one level, the seed that was added last.
-/// O(1) a seed. Keeps its memory when it runs empty.
+///
+/// Each level is a chain of seeds. The links lie with the seeds, in the caller's memory, so the
+/// queue allocates nothing. O(1) a seed.
 class SeedQueue {
  public:
+  using Id = uint32_t;
   static constexpr int kLevels = 256;
+  static constexpr Id kNone = UINT32_MAX;
 
   /// @param limit  largest accepted cost.
   void Reset(int32_t limit) {
-    for (auto& level : levels_) level.clear();
-    limit_ = limit;
-    best_ = kLevels;
+    first_.fill(kNone);
+    occupied_.fill(0);
+    occupied_words_ = 0;
+    levels_per_cost_ = (uint64_t{kLevels} << 32) / (static_cast<uint64_t>(limit) + 1);
   }
 
-  void Push(QueuedSeed seed, int32_t cost) {
-    const int level =
-        std::min(static_cast<int>(int64_t{cost} * kLevels / (int64_t{limit_} + 1)), kLevels - 1);
-    levels_[static_cast<size_t>(level)].push_back(seed);
-    best_ = std::min(best_, level);
+  bool empty() const { return occupied_words_ == 0; }
+
+  /// @param next  the link that lies with this seed; a seed is in the queue once at a time.
+  void Push(Id seed, int32_t cost, Id& next) {
+    const int level = LevelOf(cost);
+    next = first_[static_cast<size_t>(level)];
+    first_[static_cast<size_t>(level)] = seed;
+    occupied_[static_cast<size_t>(level / 64)] |= uint64_t{1} << (level % 64);
+    occupied_words_ |= 1u << (level / 64);
   }
 
-  /// Takes the first seed out; nothing when the queue is empty.
-  std::optional<QueuedSeed> Pop() {
-    while (best_ < kLevels && levels_[static_cast<size_t>(best_)].empty()) ++best_;
-    if (best_ == kLevels) return std::nullopt;
-    auto& level = levels_[static_cast<size_t>(best_)];
-    const QueuedSeed seed = level.back();
-    level.pop_back();
-    return seed;
+  /// The first seed. @pre not empty.
+  Id Top() const { return first_[static_cast<size_t>(BestLevel())]; }
+
+  /// Takes the first seed out. @param next  its link. @pre not empty.
+  void Pop(Id next) {
+    const int level = BestLevel();
+    first_[static_cast<size_t>(level)] = next;
+    uint64_t& word = occupied_[static_cast<size_t>(level / 64)];
+    word &= ~(uint64_t{next == kNone} << (level % 64));
+    occupied_words_ &= ~(static_cast<uint32_t>(word == 0) << (level / 64));
   }
 
  private:
-  std::array<std::vector<QueuedSeed>, kLevels> levels_;
-  int32_t limit_ = 0;
-  int best_ = kLevels;  // no level below this one holds a seed
+  int BestLevel() const {
+    const int word = std::countr_zero(occupied_words_);
+    return word * 64 + std::countr_zero(occupied_[static_cast<size_t>(word)]);
+  }
+
+  int LevelOf(int32_t cost) const {
+    const uint64_t level = (static_cast<uint64_t>(cost) * levels_per_cost_) >> 32;
+    return static_cast<int>(std::min<uint64_t>(level, kLevels - 1));
+  }
+
+  std::array<Id, kLevels> first_{};
+  std::array<uint64_t, kLevels / 64> occupied_{};  // bit n of word w: level 64w + n holds a seed
+  uint32_t occupied_words_ = 0;                    // bit w: word w is not zero
+  uint64_t levels_per_cost_ = 0;                   // 32 binary places
 };
 
 }  // namespace sprout

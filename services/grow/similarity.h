@@ -5,10 +5,9 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 
-#include "common/core/disparity_image.h"
-
 // The paper's similarities, as costs: growth compares costs and takes the smallest, and never
-// evaluates exp(). Costs are integers, so that sums and comparisons are the same on every machine.
+// evaluates exp(). Costs are integers, so that comparisons are the same on every machine. Growth
+// computes them in window_costs-inl.h; here is what that shares with Harris seeds.
 namespace sprout {
 
 /// Side of the correlation window, px (n = 5 in the paper).
@@ -23,6 +22,18 @@ inline constexpr int32_t kNoMatch = INT32_MAX;
 
 /// Costs of the disparities d − 1, d, d + 1 at one left pixel, in this order.
 using CostTriple = std::array<int32_t, 3>;
+
+/// Costs from here on are as good as this one: beyond every limit.
+inline constexpr float kLargestCost = 1 << 27;
+
+/// Cost of a disparity whose window does not fit.
+inline constexpr int32_t kExcludedCost = (1 << 29) - 1;
+
+/// Exponent of eq. (5) as a cost, not yet whole. @param scale  cost of one squared count.
+inline float PriorCost(int counts_from_prior, float scale) {
+  const auto distance = static_cast<float>(counts_from_prior);
+  return distance * distance * scale;
+}
 
 /// A cost from an exponent ≥ 0, rounded to nearest; large ones saturate below kNoMatch.
 int32_t CostFromExponent(double exponent);
@@ -76,47 +87,6 @@ class MnccCost {
   CrossSums cross_;
   cv::Mat1i left_sum_, right_sum_;            // Σ w
   cv::Mat1i left_variance_, right_variance_;  // n²·Σ w² − (Σ w)², with n² = 25 pixels
-};
-
-/// Eq. (4), photo-consistency from the normalised sum of squared differences:
-///   EXPSSD = exp(−Σ (wL − wR)² / (σ_s² · Σ (wL² + wR²))).
-/// Its cost is the negated exponent. Two black windows are alike: cost 0.
-class ExpssdCost {
- public:
-  /// O(pixels).
-  ExpssdCost(const cv::Mat1b& left, const cv::Mat1b& right, double sigma_s_squared);
-
-  static int32_t Limit(double threshold);
-
-  /// @pre as MnccCost::At().
-  CostTriple At(int u, int v, int d) const;
-
- private:
-  CrossSums cross_;
-  cv::Mat1i left_energy_, right_energy_;  // Σ w²
-  double sigma_s_squared_;
-};
-
-/// Eq. (6), photo-consistency times the prior of eq. (5):
-///   EPC = EXPSSD · exp(−(d − D_p)² / (2·σ_p²)).
-/// Its cost is the negated exponent. Where the prior has no value nothing matches.
-class EpcCost {
- public:
-  /// @param prior       D_p, of the size of the images.
-  /// @param sigma_p_px  σ_p, px.
-  /// O(pixels).
-  EpcCost(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& prior,
-          double sigma_s_squared, double sigma_p_px);
-
-  static int32_t Limit(double threshold);
-
-  /// @pre as MnccCost::At().
-  CostTriple At(int u, int v, int d) const;
-
- private:
-  ExpssdCost expssd_;
-  DisparityImage prior_;
-  double sigma_p_px_;
 };
 
 }  // namespace sprout

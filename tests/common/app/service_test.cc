@@ -73,6 +73,8 @@ TEST(Service, RefusesFlagsThatCannotBeUsedInOneLineThatNamesThem) {
       {{"--channel-prefix", "A.*"}, "A.*"},
       {{"--channel-prefix", std::string(kMaxChannelPrefix + 1, 'x')}, "--channel-prefix"},
       {{"--log-level", "loud"}, "loud"},
+      {{"--threads", "-1"}, "--threads"},
+      {{"--simd", "mmx"}, "scalar"},
   };
   for (const auto& [flags, named] : table) {
     const Ended ended = RunWith(flags);
@@ -90,7 +92,7 @@ TEST(Service, ShowsHelpAndVersion) {
   EXPECT_FALSE(help.body_ran);
   EXPECT_THAT(help.err, IsEmpty());
   for (const char* flag : {"Probes the main", "--config", "--lcm-url", "--channel-prefix",
-                           "--log-level", "--version", "--help"}) {
+                           "--log-level", "--threads", "--simd", "--version", "--help"}) {
     EXPECT_THAT(help.out, HasSubstr(flag));
   }
   const Ended version = RunWith({"--version"});

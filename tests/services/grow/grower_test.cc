@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hwy/highway.h>
 
 #include <opencv2/imgproc.hpp>
 #include <random>
@@ -57,24 +58,36 @@ std::vector<Seed> RandomSeeds(cv::Size size, int count, int max_disparity, uint3
   return seeds;
 }
 
+// Two textured surfaces with a step between them, and a prior that is a little off.
+struct TwoSurfaces {
+  TwoSurfaces(cv::Size size, uint32_t seed, int grey_levels)
+      : left(Noise(size, seed, grey_levels)), right(ShiftedBy(left, 4)), prior(size) {
+    const int step = size.height * 2 / 5;
+    const cv::Range lower(step, size.height);
+    ShiftedBy(left, 7).rowRange(lower).copyTo(right.rowRange(lower));
+    prior.counts() = ToCounts(4.3);
+    prior.counts().rowRange(lower) = ToCounts(6.8);
+    prior.counts()(size.height / 2, size.width / 3) = DisparityImage::kInvalid;
+  }
+
+  cv::Mat1b left;
+  cv::Mat1b right;
+  DisparityImage prior;
+};
+
 struct GrowCase {
   GrowConfig::Similarity similarity;
   int grey_levels;  // 2: many ties; 256: few
   uint32_t seed;
+  cv::Size image_size;
 };
 
 class GrowerAgainstSlowGrowth : public testing::TestWithParam<GrowCase> {};
 
 TEST_P(GrowerAgainstSlowGrowth, GivesTheSamePixels) {
-  const auto& [similarity, grey_levels, seed] = GetParam();
-  const cv::Size size(37, 23);
-  const cv::Mat1b left = Noise(size, seed, grey_levels);
-  cv::Mat1b right = ShiftedBy(left, 4);
-  // Two surfaces, so that growth meets edges, occlusions and taken right pixels.
-  ShiftedBy(left, 7).rowRange(9, 23).copyTo(right.rowRange(9, 23));
-  DisparityImage prior = ConstantPrior(size, 4.3);
-  prior.counts().rowRange(9, 23) = ToCounts(6.8);
-  prior.counts()(12, 12) = DisparityImage::kInvalid;
+  const auto& [similarity, grey_levels, seed, image_size] = GetParam();
+  const cv::Size size = image_size;
+  const TwoSurfaces scene(size, seed, grey_levels);
 
   GrowConfig config;
   config.set_similarity(similarity);
@@ -84,9 +97,9 @@ TEST_P(GrowerAgainstSlowGrowth, GivesTheSamePixels) {
   config.set_sub_pixel(false);
   config.set_threshold(0.4);
   const std::vector<Seed> seeds = RandomSeeds(size, 60, 9, seed);
-  const auto fast = Grower(config).Compute(left, right, seeds, prior);
+  const auto fast = Grower(config).Compute(scene.left, scene.right, seeds, scene.prior);
   ASSERT_TRUE(fast.has_value());
-  ExpectSame(*fast, SlowGrow(config, left, right, seeds, prior));
+  ExpectSame(*fast, SlowGrow(config, scene.left, scene.right, seeds, scene.prior));
   EXPECT_GT(fast->CountValid(), 50);
 }
 
@@ -94,7 +107,12 @@ std::vector<GrowCase> AllCases() {
   std::vector<GrowCase> cases;
   for (const auto similarity : {GrowConfig::MNCC, GrowConfig::EXPSSD, GrowConfig::EPC}) {
     for (const int levels : {2, 3, 256}) {
-      for (uint32_t seed = 0; seed < 5; ++seed) cases.push_back({similarity, levels, seed});
+      for (uint32_t seed = 0; seed < 5; ++seed) {
+        cases.push_back({similarity, levels, seed, {37, 23}});
+      }
+      cases.push_back({similarity, levels, 5, {83, 203}});  // four bands
+      cases.push_back({similarity, levels, 6, {60, 64}});   // one band, exactly
+      cases.push_back({similarity, levels, 7, {44, 67}});   // the second has no window
     }
   }
   return cases;
@@ -110,6 +128,73 @@ GrowConfig EpcConfig() {
   config.set_sigma_p_noise(0);
   config.set_sub_pixel(false);
   return config;
+}
+
+// Every instruction set that this CPU has, and none.
+std::vector<int64_t> InstructionSets() {
+  std::vector<int64_t> sets = {HWY_SCALAR};
+  for (int64_t all = hwy::SupportedTargets(); all != 0; all &= all - 1) sets.push_back(all & -all);
+  return sets;
+}
+
+TEST(Grower, GivesTheSameBytesWithEveryInstructionSetAndNumberOfThreads) {
+  const cv::Size size(131, 330);
+  const TwoSurfaces scene(size, 3, 5);
+  const std::vector<Seed> seeds = RandomSeeds(size, 300, 9, 3);
+  for (const auto similarity : {GrowConfig::MNCC, GrowConfig::EXPSSD, GrowConfig::EPC}) {
+    GrowConfig config;
+    config.set_similarity(similarity);
+    config.set_sigma_s_squared(0.1);
+    config.set_threshold(0.3);
+    config.set_sub_pixel(true);
+    const auto expected = Grower(config).Compute(scene.left, scene.right, seeds, scene.prior);
+    ASSERT_GT(expected->CountValid(), 1000);
+    for (const int64_t set : InstructionSets()) {
+      for (const int threads : {1, 2, 3, 8}) {
+        SCOPED_TRACE(std::string(hwy::TargetName(set)) + ", threads: " + std::to_string(threads));
+        hwy::SetSupportedTargetsForTest(set);
+        hwy::GetChosenTarget().DeInit();  // chosen anew at the next call
+        cv::setNumThreads(threads);
+        Grower grower(config);
+        ExpectSame(*grower.Compute(scene.left, scene.right, seeds, scene.prior), *expected);
+      }
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().DeInit();
+    cv::setNumThreads(-1);
+  }
+}
+
+TEST(Grower, GrowsAcrossManyBandsFromOneSeed) {
+  const cv::Size size(40, 400);
+  const cv::Mat1b left = Noise(size, 1, 256);
+  const std::vector<Seed> seeds = {{.u = 20, .v = 390, .u_right = 15}};
+  const auto map =
+      Grower(EpcConfig()).Compute(left, ShiftedBy(left, 5), seeds, ConstantPrior(size, 5));
+  EXPECT_EQ(map->CountValid(), 396 * 31);
+}
+
+TEST(Grower, KeepsLessThan30BytesAPixel) {
+  const cv::Size size(1000, 640);
+  const cv::Mat1b left = Noise(size, 1, 256);
+  Grower grower(EpcConfig());
+  const std::vector<Seed> seeds = RandomSeeds(size, 6000, 9, 3);
+  ASSERT_TRUE(grower.Compute(left, ShiftedBy(left, 5), seeds, ConstantPrior(size, 5)));
+  EXPECT_LT(static_cast<double>(grower.scratch_bytes()) / size.area(), 30);
+}
+
+TEST(Grower, UsesAMapAgainThatNobodyHolds) {
+  const cv::Size size(60, 40);
+  const cv::Mat1b left = Noise(size, 6, 4);
+  const std::vector<Seed> seeds = RandomSeeds(size, 30, 8, 6);
+  const DisparityImage prior = ConstantPrior(size, 3);
+  Grower grower(EpcConfig());
+  const auto held = grower.Compute(left, ShiftedBy(left, 3), seeds, prior);
+  const cv::Mat1s kept = held->counts().clone();
+  const uint8_t* memory = grower.Compute(left, left, seeds, prior)->counts().data;
+  EXPECT_NE(memory, held->counts().data);
+  ExpectSame(*held, DisparityImage(kept));
+  EXPECT_EQ(grower.Compute(left, left, seeds, prior)->counts().data, memory);
 }
 
 TEST(Grower, CoversATexturedPlaneFromOneSeed) {

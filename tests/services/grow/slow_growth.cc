@@ -1,11 +1,10 @@
 #include "tests/services/grow/slow_growth.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <list>
+#include <map>
 #include <optional>
-#include <set>
-#include <tuple>
 #include <vector>
 
 namespace sprout {
@@ -15,90 +14,158 @@ struct Correspondence {
   int u, v, d;
 };
 
-std::vector<double> Window(const cv::Mat1b& image, int u, int v) {
-  std::vector<double> values;
+std::vector<int64_t> Window(const cv::Mat1b& image, int u, int v) {
+  std::vector<int64_t> values;
   for (int y = -2; y <= 2; ++y) {
     for (int x = -2; x <= 2; ++x) values.push_back(image(v + y, u + x));
   }
   return values;
 }
 
-// Exponent of EXPSSD without its sign.
-double SlowExponent(const cv::Mat1b& left, const cv::Mat1b& right, int u, int v, int d,
-                    double sigma_s_squared) {
+// Σ (wL − wR)² and Σ (wL² + wR²).
+struct SquaredSums {
+  int64_t difference = 0;
+  int64_t energy = 0;
+};
+
+SquaredSums SumSquares(const cv::Mat1b& left, const cv::Mat1b& right, int u, int v, int d) {
   const auto wl = Window(left, u, v);
   const auto wr = Window(right, u - d, v);
-  double numerator = 0;
-  double denominator = 0;
+  SquaredSums sums;
   for (size_t i = 0; i < wl.size(); ++i) {
-    numerator += (wl[i] - wr[i]) * (wl[i] - wr[i]);
-    denominator += wl[i] * wl[i] + wr[i] * wr[i];
+    sums.difference += (wl[i] - wr[i]) * (wl[i] - wr[i]);
+    sums.energy += wl[i] * wl[i] + wr[i] * wr[i];
   }
-  return denominator == 0 ? 0 : numerator / (sigma_s_squared * denominator);
+  return sums;
 }
 
-// Rounded as growth rounds: 2^20 steps to one.
-int64_t Fixed(double x) {
-  return static_cast<int64_t>(std::floor(std::min(x, 1000.0) * 1048576 + 0.5));
+// cov and var + var of eq. (1), times n⁴: sums of whole numbers instead of means.
+struct MnccSums {
+  int64_t covariance;
+  int64_t variances;
+};
+
+MnccSums SumMncc(const cv::Mat1b& left, const cv::Mat1b& right, int u, int v, int d) {
+  const auto wl = Window(left, u, v);
+  const auto wr = Window(right, u - d, v);
+  int64_t sum_l = 0, sum_r = 0, sum_ll = 0, sum_rr = 0, sum_lr = 0;
+  for (size_t i = 0; i < wl.size(); ++i) {
+    sum_l += wl[i];
+    sum_r += wr[i];
+    sum_ll += wl[i] * wl[i];
+    sum_rr += wr[i] * wr[i];
+    sum_lr += wl[i] * wr[i];
+  }
+  const auto n = static_cast<int64_t>(wl.size());
+  return {n * sum_lr - sum_l * sum_r, (n * sum_ll - sum_l * sum_l) + (n * sum_rr - sum_r * sum_r)};
 }
 
+// 2^20 steps to one.
+constexpr double kUnit = 1048576;
+constexpr float kLargest = 134217728;  // 2^27
+
+// −ln τ, rounded.
+int64_t Limit(const GrowConfig& config) {
+  const double limit = config.similarity() == GrowConfig::MNCC ? 1 - config.threshold()
+                                                               : -std::log(config.threshold());
+  return static_cast<int64_t>(std::floor(limit * kUnit + 0.5));
+}
+
+// Alg. 1 in bands of 64 rows.
 class SlowGrowth {
  public:
   SlowGrowth(const GrowConfig& config, const cv::Mat1b& left, const cv::Mat1b& right,
              const DisparityImage& prior)
-      : config_(config), left_(left), right_(right), prior_(prior), map_(left.size()) {
-    limit_ = config.similarity() == GrowConfig::MNCC ? Fixed(1 - config.threshold())
-                                                     : Fixed(-std::log(config.threshold()));
-  }
+      : config_(config),
+        left_(left),
+        right_(right),
+        prior_(prior),
+        map_(left.size()),
+        right_matched_(left.size(), uint8_t{0}),
+        limit_(Limit(config)),
+        seeds_(static_cast<size_t>((left.rows + kBandRows - 1) / kBandRows)) {}
 
   DisparityImage Run(std::span<const Seed> initial) {
     for (const Seed& seed : initial) {
       const Correspondence s{static_cast<int>(std::lround(seed.u)),
                              static_cast<int>(std::lround(seed.v)),
                              static_cast<int>(std::lround(seed.u - seed.u_right))};
-      if (Inside(s)) seeds_.emplace_back(Level(Cost(s).value_or(INT32_MAX)), s);
+      if (Inside(s)) Add(s, Cost(s).value_or(INT32_MAX));
     }
-    while (!seeds_.empty()) {
-      const Correspondence s = TakeBest();
-      for (const auto& [du, dv] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
-        Visit({s.u + du, s.v + dv, s.d});
+    const int bands = static_cast<int>(seeds_.size());
+    for (int band = 0; band < bands; ++band) GrowBand(band);
+    // From the borders of the neighbours, as the round before has left them, until all is at rest.
+    bool changed = true;
+    while (changed) {
+      const cv::Mat1s before = map_.counts().clone();
+      for (int band = 0; band < bands; ++band) {
+        const int top = band * kBandRows;
+        const int bottom = std::min(top + kBandRows, left_.rows) - 1;
+        if (band > 0) CrossFrom(before, top - 1, top);
+        if (band + 1 < bands) CrossFrom(before, bottom + 1, bottom);
+        GrowBand(band);
       }
+      changed = cv::countNonZero(before != map_.counts()) > 0;
     }
     return map_;
   }
 
  private:
+  static constexpr int kBandRows = 64;
+
   bool Inside(const Correspondence& q) const {
     const auto column_fits = [&](int u) { return u >= 2 && u < left_.cols - 2; };
     return q.d >= 0 && column_fits(q.u) && column_fits(q.u - q.d) && q.v >= 2 &&
            q.v < left_.rows - 2;
   }
 
+  // In the steps in which growth computes: whole numbers, and floats of 24 binary places.
   std::optional<int64_t> Cost(const Correspondence& q) const {
     if (config_.similarity() == GrowConfig::MNCC) {
-      return Fixed(1 - SlowMncc(left_, right_, q.u, q.v, q.d));
+      const MnccSums sums = SumMncc(left_, right_, q.u, q.v, q.d);
+      const int64_t variances = std::max<int64_t>(sums.variances, 1);
+      return static_cast<int64_t>(static_cast<float>(variances - 2 * sums.covariance) *
+                                  (static_cast<float>(kUnit) / static_cast<float>(variances)));
     }
-    const double photo = SlowExponent(left_, right_, q.u, q.v, q.d, config_.sigma_s_squared());
-    if (config_.similarity() == GrowConfig::EXPSSD) return Fixed(photo);
-    if (!prior_.IsValid(q.u, q.v)) return std::nullopt;
-    const double deviation =
-        (q.d * 32 - prior_.counts()(q.v, q.u)) * (1 / (config_.sigma_p_px() * 32));
-    return Fixed(photo) + Fixed(deviation * deviation / 2);
+    const auto [difference, energy] = SumSquares(left_, right_, q.u, q.v, q.d);
+    float cost =
+        static_cast<float>(difference) * (static_cast<float>(kUnit / config_.sigma_s_squared()) /
+                                          static_cast<float>(std::max<int64_t>(energy, 1)));
+    if (config_.similarity() == GrowConfig::EPC) {
+      if (!prior_.IsValid(q.u, q.v)) return std::nullopt;
+      const double sigma_p = config_.sigma_p_px() * 32;
+      const auto distance = static_cast<float>(q.d * 32 - prior_.counts()(q.v, q.u));
+      cost += distance * distance * static_cast<float>(kUnit / (2 * sigma_p * sigma_p));
+    }
+    return static_cast<int64_t>(std::min(cost, kLargest));
   }
 
-  int Level(int64_t cost) const {
-    return static_cast<int>(std::min<int64_t>(cost * 256 / (limit_ + 1), 255));
+  // Into one of 256 levels of equal width; beyond the limit all share the last.
+  void Add(const Correspondence& s, int64_t cost) {
+    const int64_t per_cost = (int64_t{256} << 32) / (limit_ + 1);  // 32 binary places
+    const int64_t level = std::min<int64_t>((cost * per_cost) >> 32, 255);
+    seeds_[static_cast<size_t>(s.v / kBandRows)][level].push_back(s);
   }
 
-  // Smallest level; the one added last among equals.
-  Correspondence TakeBest() {
-    auto best = seeds_.begin();
-    for (auto it = seeds_.begin(); it != seeds_.end(); ++it) {
-      if (it->first <= best->first) best = it;
+  void GrowBand(int band) {
+    auto& levels = seeds_[static_cast<size_t>(band)];
+    while (!levels.empty()) {
+      // Smallest level; the one added last among equals.
+      auto& best = levels.begin()->second;
+      const Correspondence s = best.back();
+      best.pop_back();
+      if (best.empty()) levels.erase(levels.begin());
+      for (const auto& [du, dv] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+        const int v = s.v + dv;
+        if (v >= 0 && v / kBandRows == band) Visit({s.u + du, v, s.d});
+      }
     }
-    const Correspondence s = best->second;
-    seeds_.erase(best);
-    return s;
+  }
+
+  void CrossFrom(const cv::Mat1s& before, int from, int to) {
+    for (int u = 0; u < left_.cols; ++u) {
+      if (before(from, u) != DisparityImage::kInvalid) Visit({u, to, before(from, u) / 32});
+    }
   }
 
   void Visit(const Correspondence& near) {
@@ -115,10 +182,11 @@ class SlowGrowth {
     }
     if (!best || best_cost > limit_) return;
     if (map_.IsValid(best->u, best->v)) return;
-    if (matched_right_.contains({best->u - best->d, best->v})) return;
+    uint8_t& right_matched = right_matched_(best->v, best->u - best->d);
+    if (right_matched != 0) return;
     map_.counts()(best->v, best->u) = static_cast<int16_t>(best->d * 32);
-    matched_right_.insert({best->u - best->d, best->v});
-    seeds_.emplace_back(Level(best_cost), *best);
+    right_matched = 1;
+    Add(*best, best_cost);
   }
 
   const GrowConfig& config_;
@@ -126,34 +194,25 @@ class SlowGrowth {
   const cv::Mat1b& right_;
   const DisparityImage& prior_;
   DisparityImage map_;
-  int64_t limit_ = 0;
-  std::list<std::pair<int, Correspondence>> seeds_;  // with their level, in order of arrival
-  std::set<std::pair<int, int>> matched_right_;
+  cv::Mat1b right_matched_;
+  int64_t limit_;
+  std::vector<std::map<int64_t, std::vector<Correspondence>>> seeds_;  // of each band, by level
 };
 
 }  // namespace
 
 double SlowMncc(const cv::Mat1b& left, const cv::Mat1b& right, int u, int v, int d) {
-  const auto wl = Window(left, u, v);
-  const auto wr = Window(right, u - d, v);
-  // Sums of whole numbers instead of means, so that equal windows give exactly 1.
-  double sum_l = 0, sum_r = 0, sum_ll = 0, sum_rr = 0, sum_lr = 0;
-  for (size_t i = 0; i < wl.size(); ++i) {
-    sum_l += wl[i];
-    sum_r += wr[i];
-    sum_ll += wl[i] * wl[i];
-    sum_rr += wr[i] * wr[i];
-    sum_lr += wl[i] * wr[i];
-  }
-  const double n = static_cast<double>(wl.size());
-  const double covariance = n * sum_lr - sum_l * sum_r;
-  const double variances = (n * sum_ll - sum_l * sum_l) + (n * sum_rr - sum_r * sum_r);
-  return 2 * covariance / (variances + std::numeric_limits<double>::epsilon());
+  const MnccSums sums = SumMncc(left, right, u, v, d);
+  return 2 * static_cast<double>(sums.covariance) /
+         (static_cast<double>(sums.variances) + std::numeric_limits<double>::epsilon());
 }
 
 double SlowExpssd(const cv::Mat1b& left, const cv::Mat1b& right, int u, int v, int d,
                   double sigma_s_squared) {
-  return std::exp(-SlowExponent(left, right, u, v, d, sigma_s_squared));
+  const auto [difference, energy] = SumSquares(left, right, u, v, d);
+  if (energy == 0) return 1;
+  return std::exp(-static_cast<double>(difference) /
+                  (sigma_s_squared * static_cast<double>(energy)));
 }
 
 double SlowPrior(double d, double prior, double sigma_p_px) {

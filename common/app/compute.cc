@@ -1,0 +1,58 @@
+#include "common/app/compute.h"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cctype>
+#include <opencv2/core/utility.hpp>
+
+#include "common/config/config.h"
+
+namespace sprout {
+namespace {
+
+// What every CPU has.
+constexpr int64_t kScalar = HWY_SCALAR;
+
+std::string NameOf(int64_t target) {
+  if (target == kScalar) return "scalar";
+  std::string name = hwy::TargetName(target);
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return name;
+}
+
+// Best first: Highway gives better instruction sets lower bits.
+std::vector<int64_t> Targets() {
+  std::vector<int64_t> targets;
+  for (int64_t rest = hwy::SupportedTargets() & HWY_TARGETS & ~kScalar; rest != 0;
+       rest &= rest - 1) {
+    targets.push_back(rest & -rest);
+  }
+  targets.push_back(kScalar);
+  return targets;
+}
+
+}  // namespace
+
+void SetThreads(int count) { cv::setNumThreads(count > 0 ? count : cv::getNumberOfCPUs()); }
+
+std::vector<std::string> SimdLevels() {
+  std::vector<std::string> levels;
+  for (const int64_t target : Targets()) levels.push_back(NameOf(target));
+  return levels;
+}
+
+void LimitSimd(const std::string& level) {
+  if (level == "best") return;
+  int64_t better = 0;
+  std::string allowed = "best";
+  for (const int64_t target : Targets()) {
+    if (NameOf(target) == level) return hwy::DisableTargets(better);
+    better |= target;
+    allowed += ", " + NameOf(target);
+  }
+  throw ConfigError("--simd '" + level + "': this CPU has " + allowed);
+}
+
+}  // namespace sprout

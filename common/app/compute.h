@@ -1,0 +1,26 @@
+#ifndef SPROUT_COMMON_APP_COMPUTE_H_
+#define SPROUT_COMMON_APP_COMPUTE_H_
+
+#include <string>
+#include <vector>
+
+namespace sprout {
+
+/// Threads that the stages share, OpenCV's own work included. What they compute does not depend on
+/// it.
+/// @param count  0 = as many as there are cores.
+void SetThreads(int count);
+
+/// Instruction sets that growth was built for and this CPU has, best first; "scalar" is always the
+/// last. Names as Highway's, in small letters: "avx3", "avx2", "sse4", "ssse3", "neon".
+std::vector<std::string> SimdLevels();
+
+/// Lets growth use nothing better than this instruction set, for the life of the process. What it
+/// computes does not depend on it. To be called before the first frame.
+/// @param level  one of SimdLevels(), or "best".
+/// @throws ConfigError for any other.
+void LimitSimd(const std::string& level);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_APP_COMPUTE_H_

@@ -1,0 +1,24 @@
+#ifndef SPROUT_SERVICES_GROW_GROWTH_RULE_H_
+#define SPROUT_SERVICES_GROW_GROWTH_RULE_H_
+
+#include <cstdint>
+
+#include "common/config/config.h"
+
+namespace sprout {
+
+/// What decides on a correspondence: the configuration in the units in which growth computes.
+struct GrowthRule {
+  GrowConfig::Similarity similarity = GrowConfig::EPC;
+  int32_t limit = 0;      ///< largest accepted cost
+  float photo_scale = 0;  ///< cost of a normalised difference of 1
+  float prior_scale = 0;  ///< cost of a distance of one count from the prior; grows as its square
+  int prior_reach = 0;    ///< counts; farther from the prior its cost alone is beyond the limit
+};
+
+/// @param sigma_p_px  σ_p, px.
+GrowthRule MakeGrowthRule(const GrowConfig& config, double sigma_p_px);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_GROW_GROWTH_RULE_H_
