@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "common/core/image.h"
-#include "services/grow/gap_filler.h"
 #include "services/grow/harris_seeds.h"
 
 namespace sprout {
@@ -46,7 +45,7 @@ Outcome GrowPlug::Process(const Frame& frame) {
     outcome.degenerate = "nothing grew from " + std::to_string(seeds.size()) + " seeds";
   }
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, *grown});
-  outcome.outputs.push_back({Part::kDisparity, FillGaps(*grown, fill, prior)});
+  outcome.outputs.push_back({Part::kDisparity, filler_.Fill(*grown, fill, prior)});
   return outcome;
 }
 
