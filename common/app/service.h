@@ -33,9 +33,9 @@ struct ServiceContext {
   std::stop_token stop;                 ///< requested by SIGINT and SIGTERM
 };
 
-/// What every service's main shares: the flags --config --lcm-url --channel-prefix --log-level
-/// --threads --simd --version --help, logging to stderr, the effective configuration printed at start, signals, and
-/// errors turned into one line and an exit code.
+/// What every service's main shares: the flags --config --lcm-url --channel-prefix --threads --simd
+/// --log-level --version --help, logging to stderr, the effective configuration printed at start,
+/// signals, and errors turned into one line and an exit code.
 class Service {
  public:
   /// @param stage        name of the service; the program is sprout-STAGE.

@@ -27,6 +27,8 @@ constexpr std::string_view ChannelOf(Part part) {
       return "SPROUT_UNFILLED";
     case Part::kDisparity:
       return "SPROUT_DISPARITY";
+    case Part::kConfidence:
+      return "SPROUT_CONFIDENCE";
   }
   return {};
 }
@@ -34,7 +36,7 @@ constexpr std::string_view ChannelOf(Part part) {
 inline constexpr std::string_view kStatusChannel = "SPROUT_STATUS";
 
 /// Longest prefix, characters: LCM allows 63 for prefix and channel.
-inline constexpr size_t kMaxChannelPrefix = 63 - std::string_view("SPROUT_DISPARITY").size();
+inline constexpr size_t kMaxChannelPrefix = 63 - std::string_view("SPROUT_CONFIDENCE").size();
 
 }  // namespace sprout
 

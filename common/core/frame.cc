@@ -30,6 +30,9 @@ void SetPart(Frame& frame, Part part, PartValue value) {
     case Part::kDisparity:
       frame.disparity = std::get<DisparityImage>(std::move(value));
       return;
+    case Part::kConfidence:
+      frame.confidence = std::get<cv::Mat>(std::move(value));
+      return;
   }
 }
 

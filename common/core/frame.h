@@ -17,19 +17,20 @@ namespace sprout {
 
 /// What a frame is made of; each part travels in a message of its own.
 enum class Part {
-  kLeft,       ///< left rectified image, grey or BGR
-  kRight,      ///< right rectified image, grey or BGR
-  kTof,        ///< ToF range image
-  kRig,        ///< calibration; joined by rig_id, not by frame
-  kSeeds,      ///< refined seeds
-  kPrior,      ///< prior disparity map D_p
-  kUnfilled,   ///< disparity map after growth, before gap filling
-  kDisparity,  ///< final disparity map
+  kLeft,        ///< left rectified image, grey or BGR
+  kRight,       ///< right rectified image, grey or BGR
+  kTof,         ///< ToF range image
+  kRig,         ///< calibration; joined by rig_id, not by frame
+  kSeeds,       ///< refined seeds
+  kPrior,       ///< prior disparity map D_p
+  kUnfilled,    ///< disparity map after growth, before gap filling
+  kDisparity,   ///< final disparity map
+  kConfidence,  ///< how far its disparities can be trusted
 };
-inline constexpr int kPartCount = 8;
-inline constexpr Part kAllParts[kPartCount] = {Part::kLeft,     Part::kRight,    Part::kTof,
-                                               Part::kRig,      Part::kSeeds,    Part::kPrior,
-                                               Part::kUnfilled, Part::kDisparity};
+inline constexpr int kPartCount = 9;
+inline constexpr Part kAllParts[kPartCount] = {
+    Part::kLeft,  Part::kRight,    Part::kTof,       Part::kRig,       Part::kSeeds,
+    Part::kPrior, Part::kUnfilled, Part::kDisparity, Part::kConfidence};
 
 /// A set of parts.
 class PartSet {
@@ -46,7 +47,7 @@ class PartSet {
   std::bitset<kPartCount> bits_;
 };
 
-/// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images.
+/// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for the confidence.
 using PartValue = std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage>;
 
 /// Everything that one capture led to and that a stage asked for; what it did not ask for is
@@ -61,6 +62,7 @@ struct Frame {
   std::optional<DisparityImage> prior;
   std::optional<DisparityImage> unfilled;
   std::optional<DisparityImage> disparity;
+  cv::Mat confidence;  ///< 8UC1
 };
 
 /// Puts a part into its place in the frame.

@@ -172,6 +172,7 @@ std::vector<uint8_t> EncodePart(const FrameId& id, Part part, const PartValue& v
   switch (part) {
     case Part::kLeft:
     case Part::kRight:
+    case Part::kConfidence:
       return EncodeMessage(ToMessage(id, std::get<cv::Mat>(value)));
     case Part::kTof:
       return EncodeMessage(ToMessage(id, std::get<TofImage>(value)));
@@ -191,6 +192,7 @@ Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes) {
   switch (part) {
     case Part::kLeft:
     case Part::kRight:
+    case Part::kConfidence:
       return Decode<image_t>(bytes);
     case Part::kTof:
       return Decode<tof_image_t>(bytes);

@@ -69,6 +69,7 @@ MessageType TypeOf(Part part) {
   switch (part) {
     case Part::kLeft:
     case Part::kRight:
+    case Part::kConfidence:
       return MessageType::kImage;
     case Part::kTof:
       return MessageType::kTof;

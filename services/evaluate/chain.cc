@@ -1,5 +1,6 @@
 #include "services/evaluate/chain.h"
 
+#include "services/grow/confidence.h"
 #include "services/grow/gap_filler.h"
 #include "services/grow/grower.h"
 #include "services/grow/harris_seeds.h"
@@ -54,8 +55,12 @@ MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
   const DisparityImage prior =
       needs_prior ? RunPrior(scene, settings.config.prior(), seeds, ms) : DisparityImage();
   const DisparityImage grown = RunGrow(scene, config, seeds, prior, ms);
-  output.map_px = ToPx(Timed(ms.fill_ms, [&] { return FillGaps(grown, config.fill(), prior); }));
+  const DisparityImage filled =
+      Timed(ms.fill_ms, [&] { return FillGaps(grown, config.fill(), prior); });
   ms.total_ms = ms.refine_ms + ms.prior_ms + ms.grow_ms + ms.fill_ms;
+  output.map_px = ToPx(filled);
+  output.confidence =
+      Confidence(scene.left_grey, scene.right_grey, grown, filled, config.sigma_s_squared());
   return output;
 }
 

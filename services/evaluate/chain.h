@@ -24,7 +24,8 @@ struct StageTimes {
 
 /// What a method made of a scene.
 struct MethodOutput {
-  cv::Mat1f map_px;  ///< disparity of every pixel of the left image, px; NaN = none
+  cv::Mat1f map_px;      ///< disparity of every pixel of the left image, px; NaN = none
+  cv::Mat1b confidence;  ///< Confidence() of the map; empty = the method has none
   StageTimes ms;
 };
 

@@ -33,9 +33,14 @@ MethodResult EvaluateMethod(const Scene& scene, const Method& method, const Chai
   }
   const cv::Mat1f& truth = scene.frame.truth.left;
   const cv::Mat1b everywhere(scene.size(), uchar{255});
+  std::optional<Sparsification> confidence;
+  if (!output.confidence.empty()) {
+    confidence = Sparsify(output.map_px, truth, scene.nonoccluded, output.confidence);
+  }
   return {.name = method.name,
           .nonoccluded = Score(output.map_px, truth, scene.nonoccluded).value(),
           .all = Score(output.map_px, truth, everywhere).value(),
+          .confidence = confidence,
           .ms = Medians(runs),
           .map_px = output.map_px};
 }

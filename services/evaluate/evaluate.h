@@ -2,22 +2,25 @@
 #define SPROUT_SERVICES_EVALUATE_EVALUATE_H_
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "services/evaluate/methods.h"
 #include "services/evaluate/score.h"
 #include "services/evaluate/seed_quality.h"
+#include "services/evaluate/sparsification.h"
 
 namespace sprout {
 
 /// One method on one scene.
 struct MethodResult {
   std::string name;
-  Accuracy nonoccluded;  ///< on the pixels that both cameras see
-  Accuracy all;          ///< on all pixels with a known truth
-  StageTimes ms;         ///< medians, each of its own
-  cv::Mat1f map_px;      ///< NaN = none
+  Accuracy nonoccluded;                      ///< on the pixels that both cameras see
+  Accuracy all;                              ///< on all pixels with a known truth
+  std::optional<Sparsification> confidence;  ///< of the whole chain, on the pixels both see
+  StageTimes ms;                             ///< medians, each of its own
+  cv::Mat1f map_px;                          ///< NaN = none
 };
 
 struct SceneResult {

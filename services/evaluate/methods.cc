@@ -68,6 +68,16 @@ std::vector<Method> PaperMethods() {
       PriorAlone()};
 }
 
+// What the paper published, whatever preset the others run with.
+Method PaperFilled() {
+  return {.name = "paper-filled",
+          .summary = "epc-filled of preset paper, whatever the preset of this run",
+          .run = [](const Scene& scene, ChainSettings settings) {
+            settings.config = LoadConfig({"paper"});
+            return RunChain(scene, settings);
+          }};
+}
+
 Method FromRival(const Rival& rival) {
   return {.name = rival.name,
           .summary = rival.summary,
@@ -79,7 +89,9 @@ Method FromRival(const Rival& rival) {
             const RivalInput input{.left = scene.frame.left,
                                    .right = scene.frame.right,
                                    .seeds = seeds,
-                                   .max_disparity_px = scene.max_disparity_px};
+                                   .max_disparity_px = scene.max_disparity_px,
+                                   .fgs_lambda = settings.config.prior().fgs_lambda(),
+                                   .fgs_sigma = settings.config.prior().fgs_sigma()};
             ms.total_ms = ms.refine_ms;
             output.map_px = Timed(ms.total_ms, [&] { return rival.compute(input); });
             return output;
@@ -109,6 +121,7 @@ std::vector<Method> MethodsOf(const std::string& name) {
 std::vector<Method> AllMethods() {
   std::vector<Method> methods{WholeChain()};
   std::ranges::move(PaperMethods(), std::back_inserter(methods));
+  methods.push_back(PaperFilled());
   for (const Rival& rival : AllRivals()) methods.push_back(FromRival(rival));
   return methods;
 }

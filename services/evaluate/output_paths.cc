@@ -36,6 +36,7 @@ void RequireWritableFolder(const std::string& flag, const fs::path& folder) {
   fs::create_directories(folder, error);
   if (error) throw NotWritable(flag, folder, error.message());
   RequireWritableFile(flag, folder / "figure.png");
+  RequireWritableFile(flag, folder / "errors.png");
 }
 
 }  // namespace sprout

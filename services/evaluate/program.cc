@@ -55,6 +55,8 @@ Definitions (as in the Middlebury SDK)
   wrong seed  more than 3 px from the truth, or on a pixel that a nearer surface hides from the right
               camera; per cent of all ToF points (before refinement) and of those kept (after). A
               good one is within 3 px on a pixel that both cameras see; lost: refinement dropped it.
+  confidence  bad 1 of the pixels that sprout's confidence puts first; area: mean of that curve over
+              the share of pixels kept; oracle: had the wrong pixels come last.
   times       medians over --repeat runs, ms, one run after another. Rivals count as a whole; those
               that use ToF seeds include refinement.
 )";
@@ -123,7 +125,7 @@ void AddRunFlags(CLI::App& flags, Options& options) {
   flags.add_option("--csv", options.csv, "Write the results as CSV")->type_name("FILE");
   flags
       .add_option("--images", options.images,
-                  "Write a picture of every map, and figure.png with all of them")
+                  "Write a picture of every map, and figure.png and errors.png with all of them")
       ->type_name("DIR");
   flags.add_flag("--quiet", options.quiet, "No tables, no progress: only files and errors");
 }
@@ -190,7 +192,7 @@ std::vector<SceneResult> RunScenes(const Options& options, const std::vector<Sce
     if (!options.quiet) std::cout << SceneTable(result) << std::endl;
     results.push_back(std::move(result));
   }
-  if (!options.images.empty()) pictures.WriteFigure();
+  if (!options.images.empty()) pictures.WriteFigures();
   return results;
 }
 

@@ -17,7 +17,19 @@ Json AccuracyJson(const Accuracy& score) {
           {"bad4", score.bad4_percent()},
           {"density", score.density_percent()},
           {"mean_abs_px", score.mean_abs_px()},
-          {"rms_px", score.rms_px()}};
+          {"rms_px", score.rms_px()},
+          {"bad05", score.bad05_percent()}};
+}
+
+Json ConfidenceJson(const Sparsification& confidence) {
+  Json kept_percent = Json::array();
+  for (int i = 1; i <= Sparsification::kSteps; ++i) {
+    kept_percent.push_back(i * 100 / Sparsification::kSteps);
+  }
+  return {{"kept", kept_percent},
+          {"bad1", confidence.bad1_percent},
+          {"area", confidence.area_percent},
+          {"oracle_area", confidence.oracle_area_percent}};
 }
 
 Json TimesJson(const StageTimes& ms) {
@@ -45,10 +57,12 @@ Json RefinementJson(const RefinementQuality& quality) {
 Json SceneJson(const SceneResult& scene) {
   Json methods = Json::array();
   for (const MethodResult& method : scene.methods) {
-    methods.push_back({{"name", method.name},
-                       {"nonocc", AccuracyJson(method.nonoccluded)},
-                       {"all", AccuracyJson(method.all)},
-                       {"ms", TimesJson(method.ms)}});
+    Json json = {{"name", method.name},
+                 {"nonocc", AccuracyJson(method.nonoccluded)},
+                 {"all", AccuracyJson(method.all)},
+                 {"ms", TimesJson(method.ms)}};
+    if (method.confidence) json["confidence"] = ConfidenceJson(*method.confidence);
+    methods.push_back(std::move(json));
   }
   return {{"name", scene.name},
           {"width", scene.size.width},
@@ -72,10 +86,10 @@ std::string CsvLine(const RunResult& run, const SceneResult& scene, const Method
       fmt::format("{},{},{},{},{},{},{}", CsvText(run.preset), CsvText(run.tof),
                   CsvText(scene.name), scene.size.width, scene.size.height, method.name, pixels);
   for (const double number :
-       {score.correct_le1_percent(), score.correct_lt1_percent(), score.bad2_percent(),
-        score.bad4_percent(), score.density_percent(), score.invalid_percent(), score.mean_abs_px(),
-        score.rms_px(), method.ms.refine_ms, method.ms.prior_ms, method.ms.grow_ms,
-        method.ms.fill_ms, method.ms.total_ms}) {
+       {score.correct_le1_percent(), score.correct_lt1_percent(), score.bad05_percent(),
+        score.bad2_percent(), score.bad4_percent(), score.density_percent(),
+        score.invalid_percent(), score.mean_abs_px(), score.rms_px(), method.ms.refine_ms,
+        method.ms.prior_ms, method.ms.grow_ms, method.ms.fill_ms, method.ms.total_ms}) {
     line += "," + CsvNumber(number);
   }
   return line + "\n";
@@ -93,7 +107,7 @@ std::string ToJson(const RunResult& run) {
 
 std::string ToCsv(const RunResult& run) {
   std::string text =
-      "preset,tof,scene,width,height,method,pixels,correct_le1,correct_lt1,bad2,bad4,density,"
+      "preset,tof,scene,width,height,method,pixels,correct_le1,correct_lt1,bad05,bad2,bad4,density,"
       "invalid,mean_abs_px,rms_px,refine_ms,prior_ms,grow_ms,fill_ms,total_ms\n";
   for (const SceneResult& scene : run.scenes) {
     for (const MethodResult& method : scene.methods) {

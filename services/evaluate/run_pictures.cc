@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -30,6 +33,20 @@ cv::Mat3b ToBgr(const cv::Mat& image) {
   return bgr;
 }
 
+cv::Mat3b ErrorPicture(const cv::Mat1f& map_px, const Scene& scene) {
+  constexpr float kLargest = RunPictures::kLargestErrorPx;
+  const cv::Mat1f& truth = scene.frame.truth.left;
+  cv::Mat1f error_px(map_px.size(), std::numeric_limits<float>::quiet_NaN());
+  for (int v = 0; v < map_px.rows; ++v) {
+    for (int u = 0; u < map_px.cols; ++u) {
+      if (scene.nonoccluded(v, u) == 0 || !std::isfinite(truth(v, u))) continue;
+      const float error = std::abs(map_px(v, u) - truth(v, u));
+      error_px(v, u) = std::isfinite(error) ? std::min(error, kLargest) : kLargest;
+    }
+  }
+  return Colorize(error_px, {0, kLargest});
+}
+
 }  // namespace
 
 void RunPictures::Add(const Scene& scene, const SceneResult& result) {
@@ -37,6 +54,7 @@ void RunPictures::Add(const Scene& scene, const SceneResult& result) {
   const ValueRange range_px = RobustRange({truth.begin(), truth.end()});
   titles_ = {"left image"};
   std::vector<FigureCell> row{{FigureThumbnail(ToBgr(scene.frame.left)), scene.name}};
+  std::vector<FigureCell> error_row{row.front()};
   for (const MethodResult& method : result.methods) {
     const std::string correct = CorrectText(method);
     Write(folder_ / (scene.name + "_" + method.name + ".png"),
@@ -44,12 +62,18 @@ void RunPictures::Add(const Scene& scene, const SceneResult& result) {
                            scene.name + ", " + method.name + ": " + correct));
     titles_.push_back(method.name);
     row.push_back({FigureThumbnail(Colorize(method.map_px, range_px)), correct});
+    error_row.push_back({FigureThumbnail(ErrorPicture(method.map_px, scene)), correct});
   }
+  error_titles_ = titles_;
   titles_.push_back("ground truth");
   row.push_back({FigureThumbnail(Colorize(truth, range_px)), ""});
   rows_.push_back(std::move(row));
+  error_rows_.push_back(std::move(error_row));
 }
 
-void RunPictures::WriteFigure() const { Write(folder_ / "figure.png", Figure(titles_, rows_)); }
+void RunPictures::WriteFigures() const {
+  Write(folder_ / "figure.png", Figure(titles_, rows_));
+  Write(folder_ / "errors.png", Figure(error_titles_, error_rows_));
+}
 
 }  // namespace sprout

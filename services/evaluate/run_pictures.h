@@ -12,7 +12,9 @@ namespace sprout {
 
 /// The pictures of a run: SCENE_METHOD.png for every map, and figure.png with the left image, all
 /// maps, ground truth and the per cent of correct non-occluded pixels below each, a row for each
-/// scene. The maps of a scene share one colour scale.
+/// scene. The maps of a scene share one colour scale. errors.png has the errors of the maps
+/// instead, from 0 to kLargestErrorPx; pixels that are not scored are dark, those without a
+/// disparity have the largest error.
 class RunPictures {
  public:
   explicit RunPictures(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -20,14 +22,18 @@ class RunPictures {
   /// Writes the pictures of a scene. @throws std::runtime_error naming path and reason.
   void Add(const Scene& scene, const SceneResult& result);
 
-  /// Writes figure.png of the scenes added; all must have run the same methods.
+  /// Writes figure.png and errors.png of the scenes added; all must have run the same methods.
   /// @throws std::runtime_error naming path and reason.
-  void WriteFigure() const;
+  void WriteFigures() const;
+
+  static constexpr double kLargestErrorPx = 4;
 
  private:
   std::filesystem::path folder_;
   std::vector<std::string> titles_;
+  std::vector<std::string> error_titles_;
   std::vector<std::vector<FigureCell>> rows_;
+  std::vector<std::vector<FigureCell>> error_rows_;
 };
 
 }  // namespace sprout

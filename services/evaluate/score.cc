@@ -108,6 +108,7 @@ Result<Accuracy> Score(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
       ++accuracy.with_disparity;
       // Map and truth are exact in double, and so is their difference near a threshold.
       const double error = std::abs(double{disparity_px(v, u)} - double{truth(v, u)});
+      accuracy.within_half += error <= 0.5;
       accuracy.within_1 += error <= 1;
       accuracy.below_1 += error < 1;
       accuracy.within_2 += error <= 2;

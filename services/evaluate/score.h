@@ -42,6 +42,7 @@ Result<cv::Mat1b> OccludedMask(const cv::Mat1f& left_truth, const cv::Mat1f& rig
 struct Accuracy {
   int64_t scored = 0;          ///< pixels in the mask with a known true disparity
   int64_t with_disparity = 0;  ///< scored pixels that have a disparity
+  int64_t within_half = 0;     ///< with a disparity, error ≤ 0.5 px
   int64_t within_1 = 0;        ///< with a disparity, error ≤ 1 px
   int64_t below_1 = 0;         ///< with a disparity, error < 1 px
   int64_t within_2 = 0;        ///< with a disparity, error ≤ 2 px
@@ -55,6 +56,8 @@ struct Accuracy {
   double correct_le1_percent() const { return Percent(within_1); }
   /// The stricter rule. Integer maps differ widely between the two rules, so tables show both.
   double correct_lt1_percent() const { return Percent(below_1); }
+  /// Error > 0.5 px or no disparity ("total bad 0.5"): for truths finer than a pixel.
+  double bad05_percent() const { return Percent(scored - within_half); }
   /// Error > 2 px or no disparity ("total bad 2.0").
   double bad2_percent() const { return Percent(scored - within_2); }
   /// Error > 4 px or no disparity ("total bad 4.0").

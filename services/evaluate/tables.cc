@@ -45,6 +45,7 @@ Row MetricsRow(const MethodResult& method) {
   return {method.name,
           Fixed(score.correct_le1_percent(), 2),
           Fixed(score.correct_lt1_percent(), 2),
+          Fixed(score.bad05_percent(), 2),
           Fixed(score.bad2_percent(), 2),
           Fixed(score.bad4_percent(), 2),
           Fixed(score.density_percent(), 2),
@@ -69,6 +70,18 @@ std::string RefinementLine(const RefinementQuality& quality) {
       quality.good_lost_percent());
 }
 
+std::string ConfidenceLine(const MethodResult& method) {
+  const Sparsification& curve = *method.confidence;
+  std::string line = fmt::format("confidence of {}: bad 1 ", method.name);
+  for (const int kept_percent : {100, 95, 90, 80, 50}) {
+    line += fmt::format(
+        "{:.2f} % of {}, ", curve.BestPercent(kept_percent),
+        kept_percent == 100 ? "all pixels" : fmt::format("the best {} %", kept_percent));
+  }
+  return line + fmt::format("area {:.3f} (oracle {:.3f})\n", curve.area_percent,
+                            curve.oracle_area_percent);
+}
+
 // Measured, the paper's, difference.
 Row PaperCells(const SceneResult& scene, const MethodResult& method) {
   const double measured = method.nonoccluded.correct_le1_percent();
@@ -88,12 +101,17 @@ bool HasPaperMethod(const SceneResult& scene) {
 }  // namespace
 
 std::string SceneTable(const SceneResult& scene) {
-  std::vector<Row> rows{{"method", "<= 1 px %", "< 1 px %", "bad 2 %", "bad 4 %", "density %",
-                         "invalid %", "mean px", "rms px", "all <= 1 %", "refine ms", "prior ms",
-                         "grow ms", "fill ms", "total ms"}};
+  std::vector<Row> rows{{"method", "<= 1 px %", "< 1 px %", "bad 0.5 %", "bad 2 %", "bad 4 %",
+                         "density %", "invalid %", "mean px", "rms px", "all <= 1 %", "refine ms",
+                         "prior ms", "grow ms", "fill ms", "total ms"}};
   for (const MethodResult& method : scene.methods) rows.push_back(MetricsRow(method));
-  return fmt::format("{} ({} x {} px)\n\n", scene.name, scene.size.width, scene.size.height) +
-         Markdown(rows) + "\n" + RefinementLine(scene.refinement);
+  std::string text =
+      fmt::format("{} ({} x {} px)\n\n", scene.name, scene.size.width, scene.size.height) +
+      Markdown(rows) + "\n" + RefinementLine(scene.refinement);
+  for (const MethodResult& method : scene.methods) {
+    if (method.name == "sprout" && method.confidence) text += ConfidenceLine(method);
+  }
+  return text;
 }
 
 std::string PaperTable(std::vector<SceneResult> scenes) {

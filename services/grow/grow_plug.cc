@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/core/image.h"
+#include "services/grow/confidence.h"
 #include "services/grow/harris_seeds.h"
 
 namespace sprout {
@@ -23,12 +24,17 @@ std::vector<Seed> GrowPlug::SeedsOf(const Frame& frame, const cv::Mat1b& left,
   return MatchHarrisCorners(left, right, config_.harris());
 }
 
+cv::Mat GrowPlug::ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right,
+                               const DisparityImage& grown, const DisparityImage& filled) const {
+  if (left.size() != right.size()) return cv::Mat(left.size(), CV_8UC1, cv::Scalar(0));
+  return Confidence(left, right, grown, filled, config_.sigma_s_squared());
+}
+
 Outcome GrowPlug::Process(const Frame& frame) {
   const cv::Mat1b left = ToGrey(frame.left);
   const cv::Mat1b right = ToGrey(frame.right);
   const DisparityImage prior = frame.prior.value_or(DisparityImage());
-  const std::vector<Seed> seeds =
-      frame.seeds ? frame.seeds->seeds : MatchHarrisCorners(left, right, config_.harris());
+  const std::vector<Seed> seeds = SeedsOf(frame, left, right);
   Result<DisparityImage> grown = grower_.Compute(left, right, seeds, prior);
 
   Outcome outcome;
@@ -45,7 +51,11 @@ Outcome GrowPlug::Process(const Frame& frame) {
     outcome.degenerate = "nothing grew from " + std::to_string(seeds.size()) + " seeds";
   }
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, *grown});
-  outcome.outputs.push_back({Part::kDisparity, filler_.Fill(*grown, fill, prior)});
+  const DisparityImage filled = filler_.Fill(*grown, fill, prior);
+  outcome.outputs.push_back({Part::kDisparity, filled});
+  if (config_.publish_confidence()) {
+    outcome.outputs.push_back({Part::kConfidence, ConfidenceOf(left, right, *grown, filled)});
+  }
   return outcome;
 }
 

@@ -9,9 +9,9 @@
 
 namespace sprout {
 
-/// LEFT RIGHT [SEEDS] [PRIOR] → DISPARITY [UNFILLED]: SEEDS when growth starts from ToF seeds,
-/// PRIOR when the similarity is EPC or gaps take its disparities, UNFILLED when the configuration
-/// asks for it.
+/// LEFT RIGHT [SEEDS] [PRIOR] → DISPARITY [UNFILLED] [CONFIDENCE]: SEEDS when growth starts from
+/// ToF seeds, PRIOR when the similarity is EPC or gaps take its disparities, UNFILLED and
+/// CONFIDENCE when the configuration asks for them.
 class GrowPlug : public Plug {
  public:
   explicit GrowPlug(const GrowConfig& config) : config_(config), grower_(config) {}
@@ -24,6 +24,8 @@ class GrowPlug : public Plug {
  private:
   std::vector<Seed> SeedsOf(const Frame& frame, const cv::Mat1b& left,
                             const cv::Mat1b& right) const;
+  cv::Mat ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
+                       const DisparityImage& filled) const;
 
   GrowConfig config_;
   Grower grower_;

@@ -62,6 +62,9 @@ void WritePictures(const Frame& frame, FrameFileNames& names) {
   write_map("prior.png", frame.prior, "Prior disparity");
   write_map("unfilled.png", frame.unfilled, "Disparity as grown");
   write_map("disparity.png", frame.disparity, "Disparity");
+  if (!frame.confidence.empty()) {
+    write("confidence.png", CameraPicture(frame.confidence, "Confidence" + title));
+  }
 }
 
 void Finish(const LogFrames& frames, const FrameFileNames& names, const PicturesOptions& options,

@@ -40,50 +40,83 @@ class Judge {
     for (size_t i = 0; i < likeness_.size(); ++i) {
       likeness_[i] = ExpWeight(static_cast<double>(i) / kColourRange);
     }
-    for (int y = -kRadius; y <= kRadius; y += kStep) {
-      for (int x = -kRadius; x <= kRadius; x += kStep) {
-        window_.push_back({x, y, ExpWeight(std::sqrt(x * x + y * y) / kDistanceRange)});
-      }
+    for (int i = 0; i < kSamples; ++i) {
+      const int x = SampleOffset(i % kSamplesPerRow);
+      const int y = SampleOffset(i / kSamplesPerRow);
+      nearness_[static_cast<size_t>(i)] = ExpWeight(std::sqrt(x * x + y * y) / kDistanceRange);
     }
   }
 
   bool IsNear(int u, int v, const Hypotheses& hypotheses) const {
     const int near_d = static_cast<int>(std::lround(hypotheses.near_px));
     const int far_d = static_cast<int>(std::lround(hypotheses.far_px));
-    const cv::Vec3b& colour = evidence_.left_bgr(v, u);
-    int64_t near_cost = 0;
-    int64_t far_cost = 0;
-    int64_t weights = 0;
-    for (const Sample& sample : window_) {
-      const int y = v + sample.v;
-      const int x = u + sample.u;
-      if (y < 0 || x < 0 || y >= rows() || x >= columns()) continue;
-      const int weight =
-          sample.weight *
-          likeness_[static_cast<size_t>(ColourDistance(colour, evidence_.left_bgr(y, x)))];
-      weights += weight;
-      near_cost += int64_t{weight} * Difference(x, y, near_d);
-      far_cost += int64_t{weight} * Difference(x, y, far_d);
-    }
-    const double worst = static_cast<double>(weights) * kLargestGrey;
-    return static_cast<double>(near_cost) / worst + FromSpread(u, v, hypotheses, true) <
-           static_cast<double>(far_cost) / worst + FromSpread(u, v, hypotheses, false);
+    const bool inside = u >= kRadius + std::max(near_d, 0) &&
+                        u + kRadius - std::min(far_d, 0) < columns() && v >= kRadius &&
+                        v + kRadius < rows();
+    const Costs costs = inside ? Inside(u, v, near_d, far_d) : AtBorder(u, v, near_d, far_d);
+    const double worst = static_cast<double>(costs.weights) * kLargestGrey;
+    return costs.near - costs.far <
+           worst * (FromSpread(u, v, hypotheses, false) - FromSpread(u, v, hypotheses, true));
   }
 
  private:
-  struct Sample {
-    int u;
-    int v;
-    int weight;
+  static constexpr int kSamplesPerRow = 2 * kRadius / kStep + 1;
+  static constexpr int kSamples = kSamplesPerRow * kSamplesPerRow;
+
+  // Sums over the window; below 2^31, as 25 weights are at most 2^16 and differences 20.
+  struct Costs {
+    int near = 0;
+    int far = 0;
+    int weights = 0;
   };
+
+  static int SampleOffset(int i) { return i * kStep - kRadius; }
 
   int rows() const { return evidence_.left_grey.rows; }
   int columns() const { return evidence_.left_grey.cols; }
 
+  int Likeness(const cv::Vec3b& a, const cv::Vec3b& b) const {
+    return likeness_[static_cast<size_t>(ColourDistance(a, b))];
+  }
+
+  // All windows lie in their images.
+  Costs Inside(int u, int v, int near_d, int far_d) const {
+    Costs costs;
+    const cv::Vec3b colour = evidence_.left_bgr(v, u);
+    const int* nearness = nearness_.data();
+    for (int y = -kRadius; y <= kRadius; y += kStep) {
+      const cv::Vec3b* colours = evidence_.left_bgr[v + y] + u;
+      const uint8_t* left = evidence_.left_grey[v + y] + u;
+      const uint8_t* right = evidence_.right_grey[v + y] + u;
+      for (int x = -kRadius; x <= kRadius; x += kStep) {
+        const int weight = *nearness++ * Likeness(colour, colours[x]);
+        costs.weights += weight;
+        costs.near += weight * std::min(std::abs(left[x] - right[x - near_d]), kLargestGrey);
+        costs.far += weight * std::min(std::abs(left[x] - right[x - far_d]), kLargestGrey);
+      }
+    }
+    return costs;
+  }
+
+  Costs AtBorder(int u, int v, int near_d, int far_d) const {
+    Costs costs;
+    for (int i = 0; i < kSamples; ++i) {
+      const int x = u + SampleOffset(i % kSamplesPerRow);
+      const int y = v + SampleOffset(i / kSamplesPerRow);
+      if (y < 0 || x < 0 || y >= rows() || x >= columns()) continue;
+      const int weight = nearness_[static_cast<size_t>(i)] *
+                         Likeness(evidence_.left_bgr(v, u), evidence_.left_bgr(y, x));
+      costs.weights += weight;
+      costs.near += weight * Difference(x, y, near_d);
+      costs.far += weight * Difference(x, y, far_d);
+    }
+    return costs;
+  }
+
   // Truncated; a pixel that leaves the right image fits as badly as can be.
   int Difference(int u, int v, int disparity) const {
     const int u_right = u - disparity;
-    if (u_right < 0 || u_right >= evidence_.right_grey.cols) return kLargestGrey;
+    if (u_right < 0 || u_right >= columns()) return kLargestGrey;
     return std::min(std::abs(evidence_.left_grey(v, u) - evidence_.right_grey(v, u_right)),
                     kLargestGrey);
   }
@@ -99,7 +132,7 @@ class Judge {
 
   const EdgeEvidence& evidence_;
   std::array<int, 3 * 255 + 1> likeness_{};
-  std::vector<Sample> window_;
+  std::array<int, kSamples> nearness_{};  // weights by distance, row by row
 };
 
 // The seeds of a triangle, parted where their disparities gape most.
@@ -111,6 +144,9 @@ class SplitTriangle {
     two_far_ =
         planes_[1].disparity - planes_[0].disparity < planes_[2].disparity - planes_[1].disparity;
   }
+
+  // The corners in the image.
+  Seed Corner(size_t i) const { return {.u = planes_[i].u, .v = planes_[i].v, .u_right = 0}; }
 
   float spread_px() const { return planes_[2].disparity - planes_[0].disparity; }
 
@@ -146,25 +182,25 @@ class SplitTriangle {
 
 void ResolveEdges(const SeedSurface& surface, std::span<const SeedTriangle> triangles,
                   const EdgeEvidence& evidence, DisparityImage& prior) {
-  const Judge judge(evidence);
-  TriangleRaster raster(prior.size());
+  std::vector<SplitTriangle> edges;
   for (const SeedTriangle& triangle : triangles) {
-    std::array<LocalPlane, 3> planes;
-    std::array<Seed, 3> corners;
-    for (size_t i = 0; i < 3; ++i) {
-      planes[i] = surface.planes[static_cast<size_t>(triangle[i])];
-      corners[i] = {.u = planes[i].u, .v = planes[i].v, .u_right = 0};
-    }
-    const SplitTriangle split(planes);
-    if (split.spread_px() < static_cast<float>(evidence.edge_px)) continue;
-    for (const PixelRun& run : raster.Runs(corners[0], corners[1], corners[2])) {
-      for (int u = run.begin; u < run.end; ++u) {
-        const Hypotheses hypotheses = split.At(u, run.v);
-        const bool near = judge.IsNear(u, run.v, hypotheses);
-        prior.counts()(run.v, u) = ToCounts(near ? hypotheses.near_px : hypotheses.far_px);
+    const auto plane = [&](size_t i) { return surface.planes[static_cast<size_t>(triangle[i])]; };
+    const SplitTriangle split({plane(0), plane(1), plane(2)});
+    if (split.spread_px() >= static_cast<float>(evidence.edge_px)) edges.push_back(split);
+  }
+  const Judge judge(evidence);
+  PaintInBands(prior.height(), [&](const cv::Range& rows) {
+    TriangleRaster raster(prior.width(), rows);
+    for (const SplitTriangle& edge : edges) {
+      for (const PixelRun& run : raster.Runs(edge.Corner(0), edge.Corner(1), edge.Corner(2))) {
+        for (int u = run.begin; u < run.end; ++u) {
+          const Hypotheses hypotheses = edge.At(u, run.v);
+          const bool near = judge.IsNear(u, run.v, hypotheses);
+          prior.counts()(run.v, u) = ToCounts(near ? hypotheses.near_px : hypotheses.far_px);
+        }
       }
     }
-  }
+  });
 }
 
 }  // namespace sprout

@@ -1,6 +1,8 @@
 #include "services/prior/interpolation.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
@@ -30,17 +32,50 @@ Plane PlaneThrough(const Seed& a, const Seed& b, const Seed& c) {
   return {a.disparity() - per_column * a.u - per_row * a.v, per_column, per_row};
 }
 
+// Disparities along a row of a plane, in whole numbers: counts with kFraction more bits. Off by
+// less than a count as long as the row has fewer than 2^kFraction pixels.
+class RowOfPlane {
+ public:
+  RowOfPlane(const Plane& plane, int u, int v)
+      : value_(Fixed(plane.at_origin + plane.per_column * u + plane.per_row * v) + kHalf),
+        step_(Fixed(plane.per_column)) {}
+
+  // Counts at the next pixel, rounded to nearest.
+  int64_t Next() {
+    const int64_t counts = value_ >> kFraction;
+    value_ += step_;
+    return counts;
+  }
+
+ private:
+  static constexpr int kFraction = 24;
+  static constexpr int64_t kHalf = int64_t{1} << (kFraction - 1);
+
+  static int64_t Fixed(double disparity_px) {
+    constexpr double kLargestPx = 1e5;  // steep slivers; their rows are a pixel long
+    constexpr double kScale = double{DisparityImage::kCountsPerPixel} * (int64_t{1} << kFraction);
+    return std::llround(std::clamp(disparity_px, -kLargestPx, kLargestPx) * kScale);
+  }
+
+  int64_t value_;
+  int64_t step_;
+};
+
 // Neighbours both paint their common edge, with the same values but for rounding.
 void PaintTriangle(const Seed& a, const Seed& b, const Seed& c, TriangleRaster& raster,
                    DisparityImage& map) {
+  const std::vector<PixelRun>& runs = raster.Runs(a, b, c);
+  if (runs.empty()) return;
   const Plane plane = PlaneThrough(a, b, c);
   // Rounding must not carry a pixel in a sliver beyond its corners.
   const auto [least, most] = std::minmax({a.disparity(), b.disparity(), c.disparity()});
-  for (const PixelRun& run : raster.Runs(a, b, c)) {
+  const int64_t least_counts = ToCounts(least);
+  const int64_t most_counts = ToCounts(most);
+  for (const PixelRun& run : runs) {
     int16_t* const counts = map.counts()[run.v];
+    RowOfPlane row(plane, run.begin, run.v);
     for (int u = run.begin; u < run.end; ++u) {
-      const double disparity = plane.at_origin + plane.per_column * u + plane.per_row * run.v;
-      counts[u] = ToCounts(std::clamp<double>(disparity, least, most));
+      counts[u] = static_cast<int16_t>(std::clamp(row.Next(), least_counts, most_counts));
     }
   }
 }
@@ -78,11 +113,13 @@ Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
     return Fail(std::to_string(seeds.size()) + " seeds, all on one line: no prior");
   }
   DisparityImage prior(size);
-  TriangleRaster raster(size);
-  for (const auto& [a, b, c] : triangles) {
-    PaintTriangle(seeds[static_cast<size_t>(a)], seeds[static_cast<size_t>(b)],
-                  seeds[static_cast<size_t>(c)], raster, prior);
-  }
+  PaintInBands(size.height, [&](const cv::Range& rows) {
+    TriangleRaster raster(size.width, rows);
+    for (const auto& [a, b, c] : triangles) {
+      PaintTriangle(seeds[static_cast<size_t>(a)], seeds[static_cast<size_t>(b)],
+                    seeds[static_cast<size_t>(c)], raster, prior);
+    }
+  });
   if (prior.CountValid() == 0) return Fail("the seeds' triangles cover no pixel: no prior");
   ExtendBeyondHull(prior);
   return prior;

@@ -4,8 +4,8 @@
 
 namespace sprout {
 
-cv::Mat1f SpreadSeeds(std::span<const Seed> seeds, const cv::Mat& left, double lambda,
-                      double sigma) {
+cv::Mat1f SpreadSeeds(std::span<const Seed> seeds, const cv::Mat& left, double lambda, double sigma,
+                      int passes) {
   cv::Mat1f disparity_px(left.size(), 0.F);
   cv::Mat1f weight(left.size(), 0.F);
   for (const Seed& seed : seeds) {
@@ -14,7 +14,9 @@ cv::Mat1f SpreadSeeds(std::span<const Seed> seeds, const cv::Mat& left, double l
     disparity_px(pixel) = seed.disparity();
     weight(pixel) = 1;
   }
-  const auto smoother = cv::ximgproc::createFastGlobalSmootherFilter(left, lambda, sigma);
+  constexpr double kLambdaAttenuation = 0.25;  // from pass to pass, OpenCV's default
+  const auto smoother =
+      cv::ximgproc::createFastGlobalSmootherFilter(left, lambda, sigma, kLambdaAttenuation, passes);
   cv::Mat1f spread_px;
   cv::Mat1f spread_weight;
   smoother->filter(disparity_px, spread_px);

@@ -17,10 +17,12 @@ namespace sprout {
 /// @param left    CV_8UC1 or CV_8UC3.
 /// @param lambda  strength of the smoothing, > 0.
 /// @param sigma   difference of colours over which it hardly goes, grey levels, > 0.
+/// @param passes  over rows and columns; OpenCV's own default is 3. More spread further around
+///                corners.
 /// @returns disparities, px; NaN where no seed reaches, all NaN without seeds.
 /// O(pixels); no I/O; uses OpenCV's threads, with the same result for any number.
-cv::Mat1f SpreadSeeds(std::span<const Seed> seeds, const cv::Mat& left, double lambda,
-                      double sigma);
+cv::Mat1f SpreadSeeds(std::span<const Seed> seeds, const cv::Mat& left, double lambda, double sigma,
+                      int passes = 3);
 
 }  // namespace sprout
 

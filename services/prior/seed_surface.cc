@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core/utility.hpp>
 
 namespace sprout {
 namespace {
@@ -16,7 +17,7 @@ size_t Index(int i) { return static_cast<size_t>(i); }
 // For each seed those that it shares a triangle with, in ascending order.
 class Neighbours {
  public:
-  Neighbours(size_t seeds, std::span<const SeedTriangle> triangles) : of_(seeds), seen_(seeds, -1) {
+  Neighbours(size_t seeds, std::span<const SeedTriangle> triangles) : of_(seeds) {
     for (const SeedTriangle& triangle : triangles) {
       for (int a : triangle) {
         for (int b : triangle) {
@@ -31,6 +32,17 @@ class Neighbours {
   }
 
   const std::vector<int>& Of(int seed) const { return of_[Index(seed)]; }
+  size_t size() const { return of_.size(); }
+
+ private:
+  std::vector<std::vector<int>> of_;
+};
+
+// Seeds around a seed. For one thread.
+class Surroundings {
+ public:
+  explicit Surroundings(const Neighbours& neighbours)
+      : neighbours_(neighbours), seen_(neighbours.size(), -1) {}
 
   // The seed itself, then its neighbours, then theirs, and so on. Valid until the next call.
   const std::vector<int>& Within(int seed, int rings) {
@@ -39,7 +51,7 @@ class Neighbours {
     size_t next = 0;
     for (int ring = 0; ring < rings; ++ring) {
       for (const size_t end = reached_.size(); next < end; ++next) {
-        for (int neighbour : Of(reached_[next])) {
+        for (int neighbour : neighbours_.Of(reached_[next])) {
           if (seen_[Index(neighbour)] == seed) continue;
           seen_[Index(neighbour)] = seed;
           reached_.push_back(neighbour);
@@ -50,7 +62,7 @@ class Neighbours {
   }
 
  private:
-  std::vector<std::vector<int>> of_;
+  const Neighbours& neighbours_;
   std::vector<int> seen_;  // the last seed from which this one was reached
   std::vector<int> reached_;
 };
@@ -66,11 +78,11 @@ double Quantile(std::vector<double>& values, double share) {
 // Fits planes d(u, v) = x₀ + x₁·(u − u₀)/spacing + x₂·(v − v₀)/spacing around seeds.
 class PlaneFitter {
  public:
-  PlaneFitter(std::span<const Seed> seeds, Neighbours& neighbours)
+  PlaneFitter(std::span<const Seed> seeds, const Neighbours& neighbours)
       : seeds_(seeds), neighbours_(neighbours), spacing_px_(Spacing()) {}
 
   // How far seeds lie from the planes through their neighbours alone.
-  double EstimateNoise() {
+  double EstimateNoise() const {
     std::vector<double> deviations;
     for (int i = 0; Index(i) < seeds_.size(); ++i) {
       constexpr size_t kEnough = 4;  // a plane takes three
@@ -91,9 +103,9 @@ class PlaneFitter {
     return Quantile(deviations, kShare) / kQuantileOfNormal;
   }
 
-  LocalPlane Fit(int seed, int rings, double scale_px) {
+  // @param support  of Surroundings.
+  LocalPlane Fit(int seed, const std::vector<int>& support, double scale_px) const {
     const Seed& centre = seeds_[Index(seed)];
-    const std::vector<int>& support = neighbours_.Within(seed, rings);
     Eigen::Vector3d x(centre.disparity(), 0, 0);
     for (int iteration = 0; iteration < kIterations; ++iteration) {
       // The first plane is level: a slant must not look like another surface.
@@ -140,26 +152,52 @@ class PlaneFitter {
   }
 
   std::span<const Seed> seeds_;
-  Neighbours& neighbours_;
+  const Neighbours& neighbours_;
   double spacing_px_;
 };
+
+// For each seed, whether it is in a triangle whose disparities differ by at least `edge_px`.
+std::vector<bool> SeedsAtEdges(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
+                               double edge_px) {
+  std::vector<bool> at_edge(seeds.size());
+  for (const SeedTriangle& triangle : triangles) {
+    const auto disparity = [&](int corner) {
+      return seeds[Index(triangle[Index(corner)])].disparity();
+    };
+    const auto [least, most] = std::minmax({disparity(0), disparity(1), disparity(2)});
+    if (double{most} - least < edge_px) continue;
+    for (int seed : triangle) at_edge[Index(seed)] = true;
+  }
+  return at_edge;
+}
 
 }  // namespace
 
 SeedSurface FitSeedSurface(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
-                           double noisy_px) {
-  Neighbours neighbours(seeds.size(), triangles);
-  PlaneFitter fitter(seeds, neighbours);
+                           double noisy_px, double edge_px) {
+  const Neighbours neighbours(seeds.size(), triangles);
+  const PlaneFitter fitter(seeds, neighbours);
   SeedSurface surface;
   surface.noise_px = fitter.EstimateNoise();
   const bool noisy = surface.noise_px > noisy_px;
   const double scale_px = std::max(kSmallestScalePx, 2 * surface.noise_px);
-  surface.planes.reserve(seeds.size());
-  for (int i = 0; Index(i) < seeds.size(); ++i) {
-    LocalPlane plane = fitter.Fit(i, noisy ? 2 : 1, scale_px);
-    if (!noisy) plane.disparity = seeds[Index(i)].disparity();
-    surface.planes.push_back(plane);
-  }
+  surface.planes.resize(seeds.size());
+  const std::vector<bool> at_edge = SeedsAtEdges(seeds, triangles, edge_px);
+  cv::parallel_for_(
+      {0, static_cast<int>(seeds.size())},
+      [&](const cv::Range& range) {
+        Surroundings surroundings(neighbours);
+        for (int i = range.start; i < range.end; ++i) {
+          const Seed& seed = seeds[Index(i)];
+          LocalPlane plane{.u = seed.u, .v = seed.v, .disparity = seed.disparity()};
+          if (noisy || at_edge[Index(i)]) {
+            plane = fitter.Fit(i, surroundings.Within(i, noisy ? 2 : 1), scale_px);
+          }
+          if (!noisy) plane.disparity = seed.disparity();
+          surface.planes[Index(i)] = plane;
+        }
+      },
+      cv::getNumThreads());
   return surface;
 }
 

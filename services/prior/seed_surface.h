@@ -42,9 +42,11 @@ struct SeedSurface {
 /// @param triangles  of TriangulateSeeds() of these seeds. A seed in none of them keeps its
 ///                   disparity, with a level plane.
 /// @param noisy_px   > 0.
+/// @param edge_px    without noise only the seeds of triangles whose disparities differ by at least
+///                   this get a slant; nobody asks for that of the others.
 /// O(seeds); no I/O; thread-safe.
 SeedSurface FitSeedSurface(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
-                           double noisy_px);
+                           double noisy_px, double edge_px);
 
 }  // namespace sprout
 

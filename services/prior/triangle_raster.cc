@@ -17,9 +17,11 @@ double CrossingColumn(const Seed& a, const Seed& b, double v) {
   return double{top.u} + share * (double{bottom.u} - double{top.u});
 }
 
-// Whole numbers in [first, last], cut to [0, size).
-std::pair<int, int> PixelsBetween(double first, double last, int size) {
-  const auto clamp = [&](double x) { return static_cast<int>(std::clamp<double>(x, 0, size)); };
+// Whole numbers in [first, last], cut to those of `range`.
+std::pair<int, int> PixelsBetween(double first, double last, const cv::Range& range) {
+  const auto clamp = [&](double x) {
+    return static_cast<int>(std::clamp<double>(x, range.start, range.end));
+  };
   return {clamp(std::ceil(first)), clamp(std::floor(last) + 1)};
 }
 
@@ -32,7 +34,7 @@ const std::vector<PixelRun>& TriangleRaster::Runs(const Seed& a, const Seed& b, 
   });
   const auto& [top, middle, bottom] = corners;
   runs_.clear();
-  const auto [first_row, end_row] = PixelsBetween(top.v, bottom.v, size_.height);
+  const auto [first_row, end_row] = PixelsBetween(top.v, bottom.v, rows_);
   for (int v = first_row; v < end_row; ++v) {
     const double row = v;
     const double long_edge = CrossingColumn(top, bottom, row);
@@ -40,7 +42,7 @@ const std::vector<PixelRun>& TriangleRaster::Runs(const Seed& a, const Seed& b, 
                               : row > double{middle.v} ? CrossingColumn(middle, bottom, row)
                                                        : double{middle.u};
     const auto [left, right] = std::minmax(long_edge, short_edge);
-    const auto [begin, end] = PixelsBetween(left, right, size_.width);
+    const auto [begin, end] = PixelsBetween(left, right, {0, width_});
     runs_.push_back({v, begin, end});
   }
   return runs_;

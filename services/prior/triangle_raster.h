@@ -2,6 +2,7 @@
 #define SPROUT_SERVICES_PRIOR_TRIANGLE_RASTER_H_
 
 #include <opencv2/core.hpp>
+#include <opencv2/core/utility.hpp>
 #include <vector>
 
 #include "common/core/seed.h"
@@ -20,16 +21,28 @@ struct PixelRun {
 /// Neighbouring triangles both have the pixels of their common edge: none between them is missed.
 class TriangleRaster {
  public:
-  explicit TriangleRaster(cv::Size size) : size_(size) {}
+  /// @param width  of the image, px.
+  /// @param rows   those that are wanted; others get no runs.
+  TriangleRaster(int width, cv::Range rows) : width_(width), rows_(rows) {}
 
   /// @returns runs in order of the rows, some of them empty; valid until the next call.
   /// O(pixels of the triangle's height); takes no memory once it has seen the tallest.
   const std::vector<PixelRun>& Runs(const Seed& a, const Seed& b, const Seed& c);
 
  private:
-  cv::Size size_;
+  int width_;
+  cv::Range rows_;
   std::vector<PixelRun> runs_;
 };
+
+/// Calls paint(rows) for bands of rows that make up the image, on OpenCV's threads. A row is
+/// painted by one call, so painting triangles in their order in each gives the same image with any
+/// number of threads.
+template <typename Paint>
+void PaintInBands(int height, const Paint& paint) {
+  constexpr int kBandsPerThread = 4;  // bands differ in work
+  cv::parallel_for_({0, height}, paint, kBandsPerThread * cv::getNumThreads());
+}
 
 }  // namespace sprout
 

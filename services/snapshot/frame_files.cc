@@ -75,6 +75,7 @@ Result<void> WriteFrameFiles(const Frame& frame, const std::filesystem::path& fo
       {"prior.png", DisparityPicture(*frame.prior, range_px, "Prior disparity")},
       {"disparity.png", DisparityPicture(*frame.unfilled, range_px, "Disparity as grown")},
       {"disparity_filled.png", filled},
+      {"confidence.png", CameraPicture(frame.confidence, "Confidence")},
       {"cloud.png", cloud},
       {"overview.png", Overview({left, tof, filled, cloud})},
   };

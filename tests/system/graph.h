@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -12,13 +13,18 @@
 #include <utility>
 #include <vector>
 
+#include "common/app/process.h"
 #include "common/bus/publisher.h"
 #include "common/bus/receiver.h"
 #include "common/core/frame.h"
 #include "common/core/stage_status.h"
-#include "tests/system/process.h"
 
 namespace sprout {
+
+/// Path of one of our programs, "sprout-grow".
+inline std::string ProgramPath(const std::string& name) {
+  return (std::filesystem::path(SPROUT_BINARY_DIR) / name).string();
+}
 
 /// The processes of a graph and what they say, on the network that the test runs in.
 class Graph {

@@ -154,7 +154,8 @@ TEST(ReplaySystem, ASignalLeavesAReadableLogOfWhatWasDone) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const TemporaryDirectory folder;
     WriteLongLog(folder / "in.lcm", kFrames);
-    std::ofstream(folder / "slow.textproto") << "grow { seeds: HARRIS similarity: MNCC fill: NONE }";
+    std::ofstream(folder / "slow.textproto")
+        << "grow { seeds: HARRIS similarity: MNCC fill: NONE }";
     const auto out = folder / "out.lcm";
     Process grow({ProgramPath("sprout-grow"), "--config", folder / "slow.textproto", "--replay",
                   folder / "in.lcm", "--record", out});

@@ -4,11 +4,8 @@
 namespace sprout {
 namespace {
 
-constexpr double kLambda = 10;     // strength of the smoothing
-constexpr double kSigmaColor = 3;  // difference of colours over which it hardly goes, grey levels
-
 cv::Mat1f Compute(const RivalInput& input) {
-  return SpreadSeeds(input.seeds, input.left, kLambda, kSigmaColor);
+  return SpreadSeeds(input.seeds, input.left, input.fgs_lambda, input.fgs_sigma);
 }
 
 }  // namespace
@@ -16,8 +13,8 @@ cv::Mat1f Compute(const RivalInput& input) {
 Rival Fgs() {
   return {.name = "fgs",
           .summary =
-              "OpenCV's FastGlobalSmoother spreads the ToF seeds over the left image; never "
-              "looks at the right one",
+              "OpenCV's FastGlobalSmoother spreads the ToF seeds over the left image with the "
+              "preset's fgs_lambda and fgs_sigma; never looks at the right one",
           .uses_seeds = true,
           .compute = Compute};
 }

@@ -16,6 +16,8 @@ struct RivalInput {
   cv::Mat right;                ///< of the same size and type
   std::span<const Seed> seeds;  ///< refined ToF seeds, for rivals that use the ToF camera
   int max_disparity_px = 0;     ///< largest true disparity of the scene, rounded up
+  double fgs_lambda = 10;       ///< as PriorConfig's
+  double fgs_sigma = 3;         ///< as PriorConfig's
 };
 
 /// Another system that a user might run instead of Sprout. To add one: a file in this folder with

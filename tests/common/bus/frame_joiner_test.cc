@@ -14,8 +14,9 @@ const PartSet kPair = {Part::kLeft, Part::kRight};
 const PartSet kPairAndRig = {Part::kLeft, Part::kRight, Part::kRig};
 
 TEST(FrameJoiner, CompletesAFrameOnceAllItsPartsAreThereInAnyOrder) {
-  const PartSet all = {Part::kLeft,  Part::kRight, Part::kTof,      Part::kRig,
-                       Part::kSeeds, Part::kPrior, Part::kUnfilled, Part::kDisparity};
+  const PartSet all = {Part::kLeft,     Part::kRight,     Part::kTof,
+                       Part::kRig,      Part::kSeeds,     Part::kPrior,
+                       Part::kUnfilled, Part::kDisparity, Part::kConfidence};
   std::vector<Part> order(std::begin(kAllParts), std::end(kAllParts));
   for (int round = 0; round < 200; ++round) {
     FrameJoiner joiner(all);

@@ -28,15 +28,16 @@ TEST(PartSet, ListsEveryPartOnce) {
 
 // Which places of a frame are filled, in the order of kAllParts.
 std::vector<bool> Filled(const Frame& frame) {
-  return {!frame.left.empty(),        !frame.right.empty(),       frame.tof.has_value(),
-          frame.rig.has_value(),      frame.seeds.has_value(),    frame.prior.has_value(),
-          frame.unfilled.has_value(), frame.disparity.has_value()};
+  return {!frame.left.empty(),        !frame.right.empty(),        frame.tof.has_value(),
+          frame.rig.has_value(),      frame.seeds.has_value(),     frame.prior.has_value(),
+          frame.unfilled.has_value(), frame.disparity.has_value(), !frame.confidence.empty()};
 }
 
 PartValue ValueFor(Part part) {
   switch (part) {
     case Part::kLeft:
     case Part::kRight:
+    case Part::kConfidence:
       return cv::Mat(2, 3, CV_8UC1, cv::Scalar(9));
     case Part::kTof:
       return TofImage{.depth_m = cv::Mat1f(1, 1, 2.0F), .amplitude = {}};

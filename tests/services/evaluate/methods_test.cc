@@ -44,8 +44,8 @@ TEST(Methods, AreSelectedByNameAndGroupInTheOrderAskedForAndOnce) {
                                    "expssd-tof", "epc", "epc-filled"));
   EXPECT_THAT(Names(SelectMethods({"all"})),
               testing::ElementsAre("sprout", "mncc-harris", "mncc-tof", "expssd-harris",
-                                   "expssd-tof", "epc", "epc-filled", "prior", "sgbm-3way",
-                                   "sgbm-5way", "bm", "bm-wls", "fgs"));
+                                   "expssd-tof", "epc", "epc-filled", "prior", "paper-filled",
+                                   "sgbm-3way", "sgbm-5way", "bm", "bm-wls", "fgs"));
 }
 
 TEST(Methods, AllRunAndGiveAMapOfTheImagesSize) {

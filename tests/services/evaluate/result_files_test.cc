@@ -14,6 +14,7 @@ using Json = nlohmann::ordered_json;
 Accuracy SomeAccuracy() {
   return {.scored = 200,
           .with_disparity = 180,
+          .within_half = 120,
           .within_1 = 150,
           .below_1 = 140,
           .within_2 = 160,
@@ -26,6 +27,7 @@ MethodResult SomeMethod(const std::string& name) {
   return {.name = name,
           .nonoccluded = SomeAccuracy(),
           .all = {.scored = 400},
+          .confidence = {},
           .ms = {.refine_ms = 1, .prior_ms = 2, .grow_ms = 3, .fill_ms = 4, .total_ms = 10},
           .map_px = {}};
 }
@@ -53,9 +55,9 @@ TEST(ResultFiles, JsonHasTheDocumentedShape) {
       "methods": [{
         "name": "epc",
         "nonocc": {"correct_le1": 75.0, "correct_lt1": 70.0, "bad2": 20.0, "bad4": 15.0,
-                   "density": 90.0, "mean_abs_px": 0.5, "rms_px": 2.0},
+                   "density": 90.0, "mean_abs_px": 0.5, "rms_px": 2.0, "bad05": 40.0},
         "all": {"correct_le1": 0.0, "correct_lt1": 0.0, "bad2": 100.0, "bad4": 100.0,
-                "density": 0.0, "mean_abs_px": null, "rms_px": null},
+                "density": 0.0, "mean_abs_px": null, "rms_px": null, "bad05": 100.0},
         "ms": {"refine": 1.0, "prior": 2.0, "grow": 3.0, "fill": 4.0, "total": 10.0}
       }],
       "refinement": {"raw": 200, "outside": 5, "dark": 10, "loose": 3, "background": 20,
@@ -67,6 +69,23 @@ TEST(ResultFiles, JsonHasTheDocumentedShape) {
   EXPECT_EQ(Json::parse(ToJson(run)).dump(2), expected.dump(2));  // the order of keys, too
 }
 
+TEST(ResultFiles, JsonHasTheCurveOfAMethodWithAConfidence) {
+  RunResult run = SomeRun();
+  Sparsification& curve = run.scenes[0].methods[1].confidence.emplace();
+  curve.bad1_percent.back() = 8;
+  curve.area_percent = 2;
+  curve.oracle_area_percent = 1;
+  const Json methods = Json::parse(ToJson(run))["scenes"][0]["methods"];
+  EXPECT_FALSE(methods[0].contains("confidence"));
+  const Json& json = methods[1]["confidence"];
+  EXPECT_EQ(json["kept"].size(), 20u);
+  EXPECT_EQ(json["kept"][0], 5);
+  EXPECT_EQ(json["bad1"].size(), 20u);
+  EXPECT_EQ(json["bad1"][19], 8.0);
+  EXPECT_EQ(json["area"], 2.0);
+  EXPECT_EQ(json["oracle_area"], 1.0);
+}
+
 TEST(ResultFiles, JsonSurvivesNamesThatAreNoText) {
   RunResult run = SomeRun();
   run.scenes[0].name = "\xff\"\n";
@@ -76,12 +95,14 @@ TEST(ResultFiles, JsonSurvivesNamesThatAreNoText) {
 TEST(ResultFiles, CsvHasALineForEachMethodAndKindOfPixels) {
   EXPECT_EQ(
       ToCsv(SomeRun()),
-      "preset,tof,scene,width,height,method,pixels,correct_le1,correct_lt1,bad2,bad4,density,"
+      "preset,tof,scene,width,height,method,pixels,correct_le1,correct_lt1,bad05,bad2,bad4,density,"
       "invalid,mean_abs_px,rms_px,refine_ms,prior_ms,grow_ms,fill_ms,total_ms\n"
-      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,nonocc,75,70,20,15,90,10,0.5,2,1,2,3,4,10\n"
-      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,all,0,0,100,100,0,100,,,1,2,3,4,10\n"
-      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,nonocc,75,70,20,15,90,10,0.5,2,1,2,3,4,10\n"
-      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,all,0,0,100,100,0,100,,,1,2,3,4,10\n");
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,nonocc,75,70,40,20,15,90,10,0.5,2,1,2,3,4,"
+      "10\n"
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,all,0,0,100,100,100,0,100,,,1,2,3,4,10\n"
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,nonocc,75,70,40,20,15,90,10,0.5,2,1,2,3,4,"
+      "10\n"
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,all,0,0,100,100,100,0,100,,,1,2,3,4,10\n");
 }
 
 TEST(Tables, PutThePapersFigureAndTheDifferenceBesideEachCell) {

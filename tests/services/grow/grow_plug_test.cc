@@ -55,8 +55,22 @@ TEST(GrowPlug, AddsTheUnfilledMapOnDemand) {
             MapOf(outcome, Part::kDisparity).CountValid());
 }
 
+TEST(GrowPlug, AddsTheConfidenceOnDemand) {
+  GrowConfig config;
+  config.set_publish_confidence(true);
+  const Outcome outcome = GrowPlug(config).Process(FlatFrame({40, 30}));
+  ASSERT_EQ(outcome.outputs.size(), 2u);
+  EXPECT_EQ(outcome.outputs[1].part, Part::kConfidence);
+  const auto& confidence = std::get<cv::Mat>(outcome.outputs[1].value);
+  EXPECT_EQ(confidence.size(), cv::Size(40, 30));
+  EXPECT_EQ(confidence.type(), CV_8UC1);
+  EXPECT_GT(cv::countNonZero(confidence), 0);
+}
+
 TEST(GrowPlug, SaysWhyAFrameHasNoDisparity) {
-  GrowPlug plug{GrowConfig()};
+  GrowConfig config;
+  config.set_publish_confidence(true);
+  GrowPlug plug(config);
   Frame no_seeds = FlatFrame({40, 30});
   no_seeds.seeds->seeds.clear();
   EXPECT_THAT(plug.Process(no_seeds).degenerate, HasSubstr("no seeds"));

@@ -17,8 +17,8 @@ double SlowExpssd(const cv::Mat1b& left, const cv::Mat1b& right, int u, int v, i
                   double sigma_s_squared);
 double SlowPrior(double d, double prior, double sigma_p_px);
 
-/// Alg. 1 in the slowest, most obvious way: every similarity from scratch, in the order and with the
-/// costs that Grower promises, whole pixels only. The judge of the fast implementation.
+/// Alg. 1 in the slowest, most obvious way: every similarity from scratch, in the order and with
+/// the costs that Grower promises, whole pixels only. The judge of the fast implementation.
 DisparityImage SlowGrow(const GrowConfig& config, const cv::Mat1b& left, const cv::Mat1b& right,
                         std::span<const Seed> seeds, const DisparityImage& prior);
 

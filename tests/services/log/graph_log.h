@@ -44,6 +44,7 @@ inline PartValue LogValue(Part part, int64_t seq) {
     case Part::kLeft:
       return cv::Mat(kLogImageSize, CV_8UC3, cv::Scalar(grey, 100, 200));
     case Part::kRight:
+    case Part::kConfidence:
       return cv::Mat(kLogImageSize, CV_8UC1, cv::Scalar(grey));
     case Part::kTof:
       return examples::Tof(/*amplitude=*/true);

@@ -1,4 +1,4 @@
-#include "tests/system/process.h"
+#include "common/app/process.h"
 
 #include <fcntl.h>
 #include <sys/wait.h>
@@ -14,7 +14,7 @@
 namespace sprout {
 
 Process::Process(const std::vector<std::string>& command) {
-  std::string name = std::filesystem::temp_directory_path() / "sprout_test_XXXXXX";
+  std::string name = std::filesystem::temp_directory_path() / "sprout_process_XXXXXX";
   const int output = mkstemp(name.data());
   if (output < 0) throw std::runtime_error("no temporary file");
   output_ = name;
@@ -66,10 +66,6 @@ std::string Process::Output() const {
   std::ostringstream text;
   text << std::ifstream(output_).rdbuf();
   return text.str();
-}
-
-std::string ProgramPath(const std::string& name) {
-  return (std::filesystem::path(SPROUT_BINARY_DIR) / name).string();
 }
 
 }  // namespace sprout

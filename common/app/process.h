@@ -1,5 +1,5 @@
-#ifndef SPROUT_TESTS_SYSTEM_PROCESS_H_
-#define SPROUT_TESTS_SYSTEM_PROCESS_H_
+#ifndef SPROUT_COMMON_APP_PROCESS_H_
+#define SPROUT_COMMON_APP_PROCESS_H_
 
 #include <sys/types.h>
 
@@ -11,10 +11,12 @@
 
 namespace sprout {
 
-/// A program started by a test; its output goes to a file. Killed when the object goes.
+/// A program that this one starts; its output goes to a file. Killed when the object goes.
 class Process {
  public:
-  /// @param command  program and arguments.
+  /// @param command  program, looked for in PATH, and arguments. A program that cannot be started
+  ///                 ends with exit code 127.
+  /// @throws std::runtime_error when the machine has no process or temporary file left.
   explicit Process(const std::vector<std::string>& command);
   ~Process();
 
@@ -37,9 +39,6 @@ class Process {
   std::filesystem::path output_;
 };
 
-/// Path of one of our programs, "sprout-grow".
-std::string ProgramPath(const std::string& name);
-
 }  // namespace sprout
 
-#endif  // SPROUT_TESTS_SYSTEM_PROCESS_H_
+#endif  // SPROUT_COMMON_APP_PROCESS_H_

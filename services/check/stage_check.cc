@@ -1,0 +1,206 @@
+#include "services/check/stage_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <opencv2/imgproc.hpp>
+#include <ostream>
+#include <utility>
+
+#include "common/bus/channels.h"
+#include "common/config/config.h"
+#include "common/core/image.h"
+#include "services/check/conversation.h"
+
+namespace sprout {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kStartPeriod{300};  // a program that is not yet subscribed is asked again
+constexpr milliseconds kSettle{300};       // for answers that should not come
+constexpr std::chrono::seconds kEndTimeout{5};
+
+constexpr auto kRaw = DisparityEncoding::kRawInt16;
+constexpr auto kCompressed = DisparityEncoding::kDeltaZstd;
+
+// The course of a check.
+class StageCheck {
+ public:
+  StageCheck(const StageCheckOptions& options, const StageContract& contract,
+             const std::vector<TestFrame>& frames, Wire& wire, Process& process, Findings& found)
+      : options_(options),
+        contract_(contract),
+        frames_(frames),
+        process_(process),
+        found_(found),
+        talk_(contract_, wire, process, found) {}
+
+  void Run() {
+    Start();
+    if (started_) GoodFrames();
+    // Of a program that leaves good frames unanswered the rest would say nothing.
+    if (started_ && talk_.frames_missed() == 0) {
+      for (const auto step :
+           {&StageCheck::Again, &StageCheck::OtherForms, &StageCheck::Poor, &StageCheck::Bad}) {
+        if (!talk_.over()) (this->*step)();
+      }
+    }
+    talk_.Listen(kSettle);
+    if (started_) End();
+  }
+
+  void PrintFigures(std::ostream& out) const {
+    std::vector<double> times = talk_.times_ms();
+    if (times.empty()) return;
+    std::sort(times.begin(), times.end());
+    out << fmt::format(
+        "{}: {:.1f} ms a frame in the median, {:.1f} ms at most, over {} frames of {}\n",
+        contract_.stage, times[times.size() / 2], times.back(), times.size(),
+        SizeText(frames_[0].rig().pair.size()));
+    out << contract_.stage << ": " << CompareAnswers(comparable_, recorded_) << "\n";
+  }
+
+ private:
+  // There is no other sign of readiness than an answer: asks until one comes.
+  void Start() {
+    found_.Checked(Rule::kStart);
+    const auto deadline = Conversation::Clock::now() + options_.start_timeout;
+    while (!started_ && !talk_.over() && Conversation::Clock::now() < deadline) {
+      talk_.Ask(frames_[0], kRaw, Look::kIfAnswered, Rule::kStart, kStartPeriod);
+      started_ = talk_.answers_heard() > 0;
+    }
+    if (!started_ && !talk_.over()) {
+      found_.Add(Rule::kStart,
+                 fmt::format("no answer within {} s; does it listen on {}?",
+                             std::chrono::duration<double>(options_.start_timeout).count(),
+                             options_.lcm_url));
+    }
+  }
+
+  std::optional<PartValue> Ask(const TestFrame& frame, DisparityEncoding maps, Look look,
+                               Rule rule) {
+    return talk_.Ask(frame, maps, look, rule, options_.answer_timeout);
+  }
+
+  void GoodFrames() {
+    for (const Rule rule :
+         {Rule::kOneAnswer, Rule::kHeader, Rule::kForm, Rule::kValues, Rule::kChannels}) {
+      found_.Checked(rule);
+    }
+    for (const TestFrame& frame : frames_) {
+      answers_.push_back(Ask(frame, kRaw, Look::kAll, Rule::kOneAnswer));
+      if (talk_.over()) return;
+      if (!answers_.back() || !frame.recorded) continue;
+      comparable_.push_back(*answers_.back());
+      recorded_.push_back(*frame.recorded);
+    }
+  }
+
+  void Again() {
+    found_.Checked(Rule::kRepeatable);
+    for (size_t i = 0; i < frames_.size() && !talk_.over(); ++i) {
+      const auto answer = Ask(frames_[i], kRaw, Look::kAll, Rule::kOneAnswer);
+      if (answer && answers_[i] && !IsSameAnswer(*answer, *answers_[i])) {
+        repeatable_ = false;
+        found_.Add(Rule::kRepeatable, frames_[i].name + ": another answer than the first time");
+      }
+    }
+  }
+
+  // What capture and the stages before may send as well: LEFT in grey, compressed maps.
+  void OtherForms() {
+    TestFrame grey = frames_[0];
+    grey.name += " with LEFT in grey";
+    PartValue& left = grey.parts.at(Part::kLeft);
+    left = cv::Mat(ToGrey(std::get<cv::Mat>(left)));
+    Ask(grey, kRaw, Look::kAll, Rule::kOneAnswer);
+    if (!frames_[0].parts.contains(Part::kPrior)) return;
+    TestFrame compressed = frames_[0];
+    compressed.name += " with compressed maps";
+    Ask(compressed, kCompressed, Look::kAll, Rule::kOneAnswer);
+  }
+
+  void Poor() {
+    found_.Checked(Rule::kDegenerate);
+    for (const TestFrame& frame : PoorFrames(frames_[0])) {
+      Ask(frame, kRaw, Look::kForm, Rule::kDegenerate);
+      if (talk_.over()) return;
+    }
+  }
+
+  // A good frame after each bad message tells which of them did harm.
+  void Bad() {
+    found_.Checked(Rule::kBadMessages);
+    for (const Part part : contract_.inputs) {
+      for (const Spoiling& spoiling : SpoilingsOf(part)) {
+        talk_.SendBad(frames_[0], part, spoiling);
+        TestFrame good = frames_[0];
+        good.name += " after " + std::string(ChannelOf(part)) + ", " + spoiling.name;
+        const auto answer = Ask(good, kRaw, Look::kAll, Rule::kBadMessages);
+        if (repeatable_ && answer && answers_[0] && !IsSameAnswer(*answer, *answers_[0])) {
+          found_.Add(Rule::kBadMessages, good.name + ": another answer than before");
+        }
+        if (talk_.over()) return;
+      }
+    }
+  }
+
+  void End() {
+    if (process_.Wait(std::chrono::seconds(0))) return;  // too early, and said so
+    found_.Checked(Rule::kEnd);
+    process_.Signal(SIGTERM);
+    if (!process_.Wait(kEndTimeout)) {
+      found_.Add(Rule::kEnd, fmt::format("still there after {} s", kEndTimeout.count()));
+    }
+  }
+
+  const StageCheckOptions& options_;
+  const StageContract& contract_;
+  const std::vector<TestFrame>& frames_;
+  Process& process_;
+  Findings& found_;
+  Conversation talk_;
+  bool started_ = false;
+  bool repeatable_ = true;
+  std::vector<std::optional<PartValue>> answers_;  // to frames_
+  std::vector<PartValue> comparable_;              // those of them to frames with a recorded one
+  std::vector<PartValue> recorded_;
+};
+
+// The last lines that the program wrote.
+std::string LastLines(const std::string& output) {
+  constexpr int kLines = 8;
+  size_t begin = output.size();
+  for (int line = 0; line <= kLines && begin != std::string::npos && begin > 0; ++line) {
+    begin = output.rfind('\n', begin - 1);
+  }
+  return begin == std::string::npos || begin == 0 ? output : output.substr(begin + 1);
+}
+
+}  // namespace
+
+int CheckStage(const StageCheckOptions& options, std::ostream& out) {
+  const StageContract contract = ContractOf(options.stage);
+  const std::vector<TestFrame> frames = ReadTestFrames(options.log, contract);
+  Findings found;
+  Wire wire(options.lcm_url);
+  setenv("LCM_DEFAULT_URL", options.lcm_url.c_str(), 1);  // for the program
+  Process process(options.command);
+  StageCheck check(options, contract, frames, wire, process, found);
+  check.Run();
+  if (process.Wait(std::chrono::seconds(0)) == 127) {
+    throw ConfigError("'" + options.command[0] + "' cannot be started");
+  }
+  found.Print(out);
+  check.PrintFigures(out);
+  if (found.empty()) return 0;
+  if (const std::string said = LastLines(process.Output()); !said.empty()) {
+    out << "what the program wrote last:\n" << said;
+  }
+  return 1;
+}
+
+}  // namespace sprout

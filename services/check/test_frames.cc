@@ -1,0 +1,178 @@
+#include "services/check/test_frames.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "common/bus/channels.h"
+#include "common/config/config.h"
+#include "common/logfile/log_reader.h"
+#include "common/messages/codec.h"
+
+namespace sprout {
+namespace {
+
+std::optional<Part> PartOf(std::string_view channel) {
+  for (const Part part : kAllParts) {
+    if (channel == ChannelOf(part)) return part;
+  }
+  return std::nullopt;
+}
+
+// Copies of images and maps share their pixels: replaced here, never written to.
+template <typename Value>
+Value* Find(TestFrame& frame, Part part) {
+  const auto found = frame.parts.find(part);
+  return found == frame.parts.end() ? nullptr : &std::get<Value>(found->second);
+}
+
+void KeepSeeds(TestFrame& frame, const std::function<bool(size_t, const Seed&)>& keep) {
+  if (auto* set = Find<SeedSet>(frame, Part::kSeeds)) {
+    std::vector<Seed> kept;
+    for (size_t i = 0; i < set->seeds.size(); ++i) {
+      if (keep(i, set->seeds[i])) kept.push_back(set->seeds[i]);
+    }
+    set->seeds = std::move(kept);
+  }
+}
+
+void KeepDepths(TestFrame& frame, const std::function<bool(int u, int v)>& keep) {
+  if (auto* tof = Find<TofImage>(frame, Part::kTof)) {
+    cv::Mat1f depth_m = tof->depth_m.clone();
+    for (int v = 0; v < depth_m.rows; ++v) {
+      for (int u = 0; u < depth_m.cols; ++u) {
+        if (!keep(u, v)) depth_m(v, u) = std::numeric_limits<float>::quiet_NaN();
+      }
+    }
+    tof->depth_m = depth_m;
+  }
+}
+
+void EmptyPrior(TestFrame& frame) {
+  if (auto* prior = Find<DisparityImage>(frame, Part::kPrior)) {
+    *prior = DisparityImage(prior->size());
+  }
+}
+
+cv::Mat BlackImage(cv::Size size) { return {size, CV_8UC1, cv::Scalar(0)}; }
+
+TestFrame Variant(const TestFrame& good, const std::string& name) {
+  TestFrame frame = good;
+  frame.name += " " + name;
+  frame.recorded.reset();
+  return frame;
+}
+
+TestFrame WithoutReturn(const TestFrame& good) {
+  TestFrame frame = Variant(good, "without any ToF return");
+  KeepDepths(frame, [](int, int) { return false; });
+  KeepSeeds(frame, [](size_t, const Seed&) { return false; });
+  EmptyPrior(frame);
+  return frame;
+}
+
+TestFrame WithTwoPoints(const TestFrame& good) {
+  TestFrame frame = Variant(good, "with two ToF points");
+  KeepDepths(frame, [](int u, int v) { return v == 1 && (u == 1 || u == 2); });
+  KeepSeeds(frame, [](size_t i, const Seed&) { return i < 2; });
+  EmptyPrior(frame);
+  return frame;
+}
+
+TestFrame WithPointsOnALine(const TestFrame& good) {
+  TestFrame frame = Variant(good, "with ToF points on one line");
+  KeepDepths(frame, [](int, int v) { return v == 1; });
+  if (auto* set = Find<SeedSet>(frame, Part::kSeeds); set != nullptr && !set->seeds.empty()) {
+    const float row = set->seeds[0].v;
+    KeepSeeds(frame, [row](size_t, const Seed& seed) { return seed.v == row; });
+  }
+  EmptyPrior(frame);
+  return frame;
+}
+
+TestFrame Black(const TestFrame& good) {
+  TestFrame frame = Variant(good, "with black images");
+  for (const Part part : {Part::kLeft, Part::kRight}) {
+    if (auto* image = Find<cv::Mat>(frame, part)) *image = BlackImage(image->size());
+  }
+  return frame;
+}
+
+TestFrame WithSmallRight(const TestFrame& good) {
+  TestFrame frame = Variant(good, "with a RIGHT of half the size");
+  if (auto* image = Find<cv::Mat>(frame, Part::kRight)) {
+    *image = BlackImage(image->size() / 2);
+  }
+  return frame;
+}
+
+TestFrame WithSeedsOutside(const TestFrame& good) {
+  TestFrame frame = Variant(good, "with seeds outside the images");
+  if (auto* set = Find<SeedSet>(frame, Part::kSeeds)) {
+    for (Seed& seed : set->seeds) {
+      seed.u += 10000;
+      seed.u_right -= 5000;
+    }
+  }
+  return frame;
+}
+
+TestFrame WithSmallPrior(const TestFrame& good) {
+  TestFrame frame = Variant(good, "with a PRIOR of half the size");
+  if (auto* prior = Find<DisparityImage>(frame, Part::kPrior)) {
+    *prior = DisparityImage(prior->size() / 2);
+  }
+  return frame;
+}
+
+}  // namespace
+
+std::vector<TestFrame> ReadTestFrames(const std::filesystem::path& log,
+                                      const StageContract& contract) {
+  std::map<std::pair<int64_t, int64_t>, TestFrame> by_time;  // utime, seq
+  std::map<std::string, Rig> rigs;
+  LogReader reader(log);
+  LogEvent event;
+  while (reader.Next(event)) {
+    const std::optional<Part> part = PartOf(event.channel);
+    if (!part) continue;
+    Result<DecodedPart> decoded = DecodePart(*part, event.data);
+    if (!decoded) continue;
+    if (*part == Part::kRig) {
+      rigs[decoded->id.rig_id] = std::get<Rig>(decoded->value);
+      continue;
+    }
+    TestFrame& frame = by_time[{decoded->id.utime, decoded->id.seq}];
+    frame.name = "frame " + std::to_string(decoded->id.seq);
+    frame.rig_id = decoded->id.rig_id;
+    if (*part == contract.answer) {
+      frame.recorded = std::move(decoded->value);
+    } else if (std::find(contract.inputs.begin(), contract.inputs.end(), *part) !=
+               contract.inputs.end()) {
+      frame.parts[*part] = std::move(decoded->value);
+    }
+  }
+  std::vector<TestFrame> frames;
+  for (auto& [time, frame] : by_time) {
+    if (!rigs.contains(frame.rig_id)) continue;
+    frame.parts[Part::kRig] = rigs.at(frame.rig_id);
+    if (frame.parts.size() == contract.inputs.size()) frames.push_back(std::move(frame));
+  }
+  if (frames.empty()) {
+    std::string channels;
+    for (const Part part : contract.inputs) channels += " " + std::string(ChannelOf(part));
+    throw ConfigError(log.string() + ": no frame that has all of" + channels);
+  }
+  return frames;
+}
+
+std::vector<TestFrame> PoorFrames(const TestFrame& good) {
+  std::vector<TestFrame> frames = {WithoutReturn(good), WithTwoPoints(good),
+                                   WithPointsOnALine(good), Black(good), WithSmallRight(good)};
+  if (good.parts.contains(Part::kSeeds)) frames.push_back(WithSeedsOutside(good));
+  if (good.parts.contains(Part::kPrior)) frames.push_back(WithSmallPrior(good));
+  return frames;
+}
+
+}  // namespace sprout

@@ -1,0 +1,49 @@
+#ifndef SPROUT_SERVICES_CHECK_WIRE_H_
+#define SPROUT_SERVICES_CHECK_WIRE_H_
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/bus/publisher.h"
+#include "common/bus/receiver.h"
+
+namespace sprout {
+
+/// A message of the graph, as it was heard.
+struct Heard {
+  std::string channel;
+  std::vector<uint8_t> bytes;
+  std::chrono::steady_clock::time_point when;
+};
+
+/// Sends on the bus, and hears every channel of the graph, its own messages too. For one thread.
+class Wire {
+ public:
+  /// @throws BusError, see OpenLcm().
+  explicit Wire(const std::string& url);
+
+  /// @throws BusError when LCM refuses the message.
+  void Send(std::string_view channel, std::span<const uint8_t> bytes);
+
+  /// The next message, in order of arrival; nothing when none comes before `deadline`.
+  std::optional<Heard> Next(std::chrono::steady_clock::time_point deadline);
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable filled_;
+  std::deque<Heard> heard_;
+  Publisher publisher_;
+  Receiver receiver_;  // last: stops before the rest is destroyed
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CHECK_WIRE_H_

@@ -1,0 +1,33 @@
+#ifndef SPROUT_SERVICES_EVALUATE_SPARSIFICATION_H_
+#define SPROUT_SERVICES_EVALUATE_SPARSIFICATION_H_
+
+#include <array>
+#include <opencv2/core.hpp>
+
+namespace sprout {
+
+/// What a confidence is worth: bad 1 (error > 1 px or no disparity, per cent) of the pixels that it
+/// puts first. Pixels of one confidence count as evenly mixed. NaN when no pixel is scored.
+struct Sparsification {
+  static constexpr int kSteps = 20;
+
+  /// Element i: of the best (i + 1)·5 % of the pixels; the last one is bad 1 of them all.
+  std::array<double, kSteps> bad1_percent{};
+  double area_percent = 0;         ///< mean of the curve, in steps of 1 %
+  double oracle_area_percent = 0;  ///< the same had the wrong pixels come last
+
+  /// Bad 1 of the best `percent` % of the pixels, a multiple of 5.
+  double BestPercent(int percent) const {
+    return bad1_percent[static_cast<size_t>(percent * kSteps / 100 - 1)];
+  }
+};
+
+/// @param disparity_px, truth, mask  as Score(), of one size.
+/// @param confidence                 of that size; higher: trusted more.
+/// O(pixels).
+Sparsification Sparsify(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
+                        const cv::Mat1b& mask, const cv::Mat1b& confidence);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_EVALUATE_SPARSIFICATION_H_

@@ -1,0 +1,31 @@
+#ifndef SPROUT_SERVICES_GROW_CONFIDENCE_H_
+#define SPROUT_SERVICES_GROW_CONFIDENCE_H_
+
+#include <opencv2/core.hpp>
+
+#include "common/core/disparity_image.h"
+
+namespace sprout {
+
+/// How far a map's disparities can be trusted, from what goes wrong in practice: depth edges that
+/// are some pixels off, pixels that growth did not reach, windows that do not fit.
+///
+///   confidence = 255 · (1 − 0.6·exp(−r / 8) − 0.2·g − 0.2·min(e / 5, 1))
+///
+/// r: distance to the next depth edge (more than 1 px within 3×3 pixels), px;
+/// g: share of the 9×9 window that growth left empty;
+/// e: exponent of eq. (4) between the 5×5 window and what the disparities make of the right image.
+/// The weights are fixed: with others, errors come in nearly the same order.
+///
+/// @param left, right      rectified pair, grey, of the maps' size.
+/// @param grown            map before gap filling.
+/// @param filled           map after gap filling, which is judged.
+/// @param sigma_s_squared  σ_s² of eq. (4).
+/// @returns 0 (least) to 255 for each pixel of the left image; 0 where `filled` has no disparity.
+///          Sorting by it is what it is made for; it is no probability. O(pixels).
+cv::Mat1b Confidence(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
+                     const DisparityImage& filled, double sigma_s_squared);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_GROW_CONFIDENCE_H_

@@ -1,0 +1,66 @@
+import java.io.IOException;
+import java.nio.ByteBuffer;
+import sprout.rig_t;
+import sprout.seeds_t;
+
+/**
+ * The border guard: bytes in, messages that can be relied on out. Generated decoders believe every
+ * count in a message and take memory for it before they look whether the bytes are there, so counts
+ * are compared with the length first. All types of Sprout have them between header and first array.
+ */
+final class Border {
+  private static final int MAX_SIDE = 16384; // px, as in lcmtypes
+  private static final int RIG_ID = 24; // behind the fingerprint, utime and seq, 8 bytes each
+  private static final int MAX_RIG_ID = 64;
+
+  private Border() {}
+
+  static seeds_t seeds(byte[] bytes) throws IOException {
+    int body = bodyOf(bytes);
+    int arrays = body + 7 * Integer.BYTES; // count and six others
+    require(bytes.length >= arrays, "cut short");
+    long count = ByteBuffer.wrap(bytes).getInt(body);
+    require(count >= 0 && arrays + count * 3 * Float.BYTES == bytes.length, "count = " + count);
+    seeds_t message = new seeds_t(bytes);
+    requireHeader(message.header);
+    for (int i = 0; i < message.count; ++i) {
+      require(
+          isPosition(message.u[i]) && isPosition(message.v[i]) && isPosition(message.u_right[i]),
+          "the position of seed " + i);
+    }
+    return message;
+  }
+
+  static rig_t rig(byte[] bytes) throws IOException {
+    bodyOf(bytes);
+    rig_t message = new rig_t(bytes);
+    requireHeader(message.header);
+    require(message.width >= 1 && message.width <= MAX_SIDE, "width = " + message.width);
+    require(message.height >= 1 && message.height <= MAX_SIDE, "height = " + message.height);
+    // Checked although this method needs only the size: who trusts half of a message is the next
+    // one's problem.
+    require(Double.isFinite(message.focal_px) && message.focal_px > 0, "focal_px");
+    return message;
+  }
+
+  // Offset of the first byte behind the header.
+  private static int bodyOf(byte[] bytes) throws IOException {
+    require(bytes.length >= RIG_ID + Integer.BYTES, "cut short");
+    int length = ByteBuffer.wrap(bytes).getInt(RIG_ID); // with the closing zero
+    require(length >= 1 && length <= MAX_RIG_ID + 1, "the length of header.rig_id");
+    return RIG_ID + Integer.BYTES + length;
+  }
+
+  private static void requireHeader(sprout.header_t header) throws IOException {
+    require(header.utime >= 0, "header.utime = " + header.utime);
+    require(header.seq >= 0, "header.seq = " + header.seq);
+  }
+
+  private static boolean isPosition(float px) {
+    return Math.abs(px) <= MAX_SIDE; // false for NaN as well
+  }
+
+  private static void require(boolean holds, String what) throws IOException {
+    if (!holds) throw new IOException(what + " is not allowed");
+  }
+}

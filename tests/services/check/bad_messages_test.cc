@@ -1,0 +1,29 @@
+#include "services/check/bad_messages.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/bus/channels.h"
+#include "common/messages/codec.h"
+#include "services/check/test_frames.h"
+
+namespace sprout {
+namespace {
+
+TEST(BadMessages, AreAllRefusedAtTheBorder) {
+  const auto frames =
+      ReadTestFrames(std::string(SPROUT_SOURCE_DIR) + "/logs/sample.lcm", ContractOf("grow"));
+  const FrameId id{.utime = 1, .seq = 1, .rig_id = frames[0].rig_id};
+  for (const auto& [part, value] : frames[0].parts) {
+    const auto good = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
+    ASSERT_TRUE(DecodePart(part, good)) << ChannelOf(part);
+    EXPECT_GE(SpoilingsOf(part).size(), 20U) << ChannelOf(part);
+    for (const Spoiling& spoiling : SpoilingsOf(part)) {
+      EXPECT_FALSE(DecodePart(part, spoiling.apply(good)))
+          << ChannelOf(part) << ", " << spoiling.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sprout

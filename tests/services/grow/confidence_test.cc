@@ -1,0 +1,79 @@
+#include "services/grow/confidence.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace sprout {
+namespace {
+
+constexpr double kSigmaSSquared = 0.1;
+const cv::Size kSize(80, 60);
+
+cv::Mat1b Texture() {
+  std::mt19937 random(3);
+  cv::Mat1b image(kSize);
+  for (uint8_t& value : image) value = static_cast<uint8_t>(64 + random() % 128);
+  return image;
+}
+
+// A surface at 4 px, in front of it from column 40 on another at 10 px.
+struct TwoSurfaces {
+  cv::Mat1b left = Texture();
+  cv::Mat1b right = cv::Mat1b(kSize, uint8_t{0});
+  DisparityImage map{kSize};
+
+  TwoSurfaces() {
+    map.counts().colRange(0, 40) = ToCounts(4);
+    map.counts().colRange(40, 80) = ToCounts(10);
+    for (int v = 0; v < kSize.height; ++v) {
+      for (int u = 0; u < kSize.width; ++u) {
+        const int u_right = u - (u < 40 ? 4 : 10);
+        if (u_right >= 0) right(v, u_right) = left(v, u);
+      }
+    }
+  }
+  cv::Mat1b Judge(const DisparityImage& grown) const {
+    return Confidence(left, right, grown, map, kSigmaSSquared);
+  }
+};
+
+TEST(Confidence, RisesWithTheDistanceFromDepthEdges) {
+  const TwoSurfaces scene;
+  const cv::Mat1b confidence = scene.Judge(scene.map);
+  EXPECT_LT(confidence(30, 40), 110);
+  for (int u = 42; u < 62; ++u) EXPECT_LE(confidence(30, u), confidence(30, u + 1)) << u;
+  EXPECT_GT(confidence(30, 75), 245);
+}
+
+TEST(Confidence, IsLowerWhereGrowthDidNotReach) {
+  const TwoSurfaces scene;
+  DisparityImage grown(scene.map.counts().clone());
+  grown.counts()(cv::Rect(60, 20, 12, 12)) = DisparityImage::kInvalid;
+  const int without_gap = scene.Judge(scene.map)(26, 66);
+  EXPECT_NEAR(scene.Judge(grown)(26, 66), without_gap - 0.2 * 255, 1);
+}
+
+TEST(Confidence, IsLowerWhereTheImagesDoNotFit) {
+  TwoSurfaces scene;
+  const int fits = scene.Judge(scene.map)(30, 70);
+  scene.right(cv::Rect(50, 20, 20, 20)) = 0;
+  EXPECT_NEAR(scene.Judge(scene.map)(30, 70), fits - 0.2 * 255, 1);
+}
+
+TEST(Confidence, IsNothingWithoutADisparity) {
+  TwoSurfaces scene;
+  scene.map.counts()(cv::Rect(10, 10, 5, 5)) = DisparityImage::kInvalid;
+  const cv::Mat1b confidence = scene.Judge(scene.map);
+  EXPECT_EQ(cv::countNonZero(confidence(cv::Rect(10, 10, 5, 5))), 0);
+  EXPECT_GT(confidence(30, 75), 0);
+}
+
+TEST(Confidence, TakesBlackImages) {
+  const cv::Mat1b black(kSize, uint8_t{0});
+  const DisparityImage map(cv::Mat1s(kSize, ToCounts(2)));
+  EXPECT_EQ(Confidence(black, black, map, map, kSigmaSSquared)(30, 40), 255);
+}
+
+}  // namespace
+}  // namespace sprout

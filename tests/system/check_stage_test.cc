@@ -1,0 +1,118 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "tests/system/graph.h"
+#include "tests/system/log_bytes.h"
+
+namespace sprout {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// What sprout-check-stage says about a program, on the network that the test runs in.
+struct Verdict {
+  int exit_code;
+  std::vector<std::string> wrong;  // its lines that begin with WRONG
+  std::string output;
+};
+
+Verdict Check(const std::string& stage, const std::vector<std::string>& command,
+              const std::vector<std::string>& flags = {}) {
+  std::vector<std::string> check = {ProgramPath("sprout-check-stage"), "--log", kSampleLog};
+  check.insert(check.end(), flags.begin(), flags.end());
+  check.insert(check.end(), {stage, "--"});
+  check.insert(check.end(), command.begin(), command.end());
+  Process process(check);
+  Verdict verdict{.exit_code = process.Wait(std::chrono::seconds(240)).value_or(-1),
+                  .wrong = {},
+                  .output = process.Output()};
+  std::istringstream lines(verdict.output);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("WRONG")) verdict.wrong.push_back(line);
+  }
+  return verdict;
+}
+
+Verdict CheckWrongPrior(const std::string& fault) {
+  return Check("prior", {ProgramPath("wrong_stage"), fault},
+               {"--timeout", "1", "--start-timeout", "5"});
+}
+
+TEST(CheckStageSystem, PassesOurStages) {
+  for (const char* config : {"default", "paper"}) {
+    for (const std::string stage : {"refine", "prior", "grow"}) {
+      const Verdict verdict = Check(stage, {ProgramPath("sprout-" + stage), "--config", config});
+      EXPECT_EQ(verdict.exit_code, 0) << stage << " " << config << "\n" << verdict.output;
+      EXPECT_THAT(verdict.output, HasSubstr("ms a frame in the median"));
+      EXPECT_THAT(verdict.output, testing::Not(HasSubstr("not checked")));
+    }
+  }
+}
+
+struct Fault {
+  std::string name;
+  std::string line;  // the only one that begins with WRONG, or its beginning
+};
+
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+
+class CheckStageFaults : public testing::TestWithParam<Fault> {};
+
+TEST_P(CheckStageFaults, AreFoundForTheRightReason) {
+  const Verdict verdict = CheckWrongPrior(GetParam().name);
+  EXPECT_EQ(verdict.exit_code, 1) << verdict.output;
+  EXPECT_THAT(verdict.wrong, ElementsAre(HasSubstr(GetParam().line))) << verdict.output;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    System, CheckStageFaults,
+    testing::Values(
+        Fault{"drops_a_frame", "one answer a frame: frame"},
+        Fault{"answers_twice", "one answer a frame: frame 0: 2 answers"},
+        Fault{"changes_seq", "header passed on: an answer with seq = 1"},
+        Fault{"changes_utime", "header passed on: frame 0: answered with utime = "},
+        Fault{"changes_rig_id", "header passed on: frame 0: answered with rig_id = '"},
+        Fault{"half_size", "type, size and encoding: SPROUT_PRIOR, frame 0: a map of 64x48"},
+        Fault{"other_type", "type, size and encoding: SPROUT_PRIOR, frame 0: fingerprint"},
+        Fault{"out_of_range", "values in range: SPROUT_PRIOR, frame 0: disparity -3 px at (0, 0)"},
+        Fault{"empty", "values in range: SPROUT_PRIOR, frame 0: an empty answer"},
+        Fault{"remembers", "same frame, same answer: frame"},
+        Fault{"silent_if_poor",
+              "poor frames answered: frame 0 without any ToF return: no answer on SPROUT_PRIOR"},
+        Fault{"crashes_on_bad",
+              "bad messages survived: frame 0 after SPROUT_RIG, no bytes: the "
+              "program was killed by signal 6"},
+        Fault{"hangs_on_bad",
+              "bad messages survived: frame 0 after SPROUT_RIG, no bytes: no "
+              "answer on SPROUT_PRIOR within 1 s"},
+        Fault{"believes_bad", "bad messages survived: SPROUT_SEEDS, "},
+        Fault{"ignores_sigterm", "ends on SIGTERM: still there after 5 s"},
+        Fault{"ends_at_once", "starts and answers: frame 0: the program ended with exit code 3"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(CheckStageSystem, PassesTheProgramWithoutAFault) {
+  const Verdict verdict = CheckWrongPrior("none");
+  EXPECT_EQ(verdict.exit_code, 0) << verdict.output;
+  EXPECT_THAT(verdict.wrong, IsEmpty());
+}
+
+TEST(CheckStageSystem, FindsAnAnswerOnAnotherChannel) {
+  const Verdict verdict = CheckWrongPrior("other_channel");
+  EXPECT_EQ(verdict.exit_code, 1);
+  EXPECT_THAT(verdict.wrong,
+              ElementsAre(HasSubstr("no answer within 5 s"),
+                          HasSubstr("published on SPROUT_DISPARITY; allowed is SPROUT_PRIOR")));
+}
+
+TEST(CheckStageSystem, WhatCannotBeCheckedIsNoVerdict) {
+  EXPECT_EQ(Check("capture", {"true"}).exit_code, 2);
+  EXPECT_EQ(Check("prior", {"/nonexistent"}).exit_code, 2);
+  EXPECT_EQ(Check("prior", {"true"}, {"--log", "/nonexistent"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace sprout
