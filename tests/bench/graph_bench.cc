@@ -27,7 +27,7 @@
 #include "common/bus/receiver.h"
 #include "common/messages/codec.h"
 #include "tests/bench/bench_frame.h"
-#include "tests/system/process.h"
+#include "common/app/process.h"
 
 namespace sprout {
 namespace {
