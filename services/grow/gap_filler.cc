@@ -5,6 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "services/grow/parallel.h"
+
 namespace sprout {
 namespace {
 
@@ -72,12 +74,18 @@ void FillPass(const std::vector<cv::Point>& gaps, DisparityImage& map) {
   for (size_t i = 0; i < gaps.size(); ++i) map.counts()(gaps[i]) = medians[i];
 }
 
-DisparityImage FillFromPrior(const DisparityImage& map, const DisparityImage& prior) {
-  cv::Mat1s filled = map.counts().clone();
-  if (prior.size() == map.size()) prior.counts().copyTo(filled, filled == DisparityImage::kInvalid);
-  cv::Mat1s smooth;
-  cv::medianBlur(filled, smooth, kWindow);
-  return DisparityImage(smooth);
+// Rows of a map, gaps with the prior's disparity where it has the map's size.
+void CopyFilled(const DisparityImage& map, const DisparityImage& prior, cv::Range rows,
+                cv::Mat1s& filled) {
+  filled.create(rows.size(), map.width());
+  for (int v = rows.start; v < rows.end; ++v) {
+    const int16_t* from = map.counts()[v];
+    const int16_t* instead = prior.size() == map.size() ? prior.counts()[v] : from;
+    int16_t* to = filled[v - rows.start];
+    for (int u = 0; u < map.width(); ++u) {
+      to[u] = from[u] != DisparityImage::kInvalid ? from[u] : instead[u];
+    }
+  }
 }
 
 }  // namespace
@@ -85,17 +93,60 @@ DisparityImage FillFromPrior(const DisparityImage& map, const DisparityImage& pr
 DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill,
                         const DisparityImage& prior) {
   if (fill == GrowConfig::NONE || map.empty()) return map;
-  if (fill == GrowConfig::PRIOR) return FillFromPrior(map, prior);
+  if (fill != GrowConfig::UNTIL_STABLE) return GapFiller().Fill(map, fill, prior);
   DisparityImage filled{map.counts().clone()};
   std::vector<cv::Point> gaps = FillableGaps(map);
   FillPass(gaps, filled);
-  if (fill == GrowConfig::ONE_PASS) return filled;
   cv::Mat1b listed(map.size(), uint8_t{0});
   while (!gaps.empty()) {
     gaps = GapsAround(gaps, filled, listed);
     FillPass(gaps, filled);
   }
   return filled;
+}
+
+DisparityImage GapFiller::Fill(const DisparityImage& map, GrowConfig::Fill fill,
+                               const DisparityImage& prior) {
+  if (fill == GrowConfig::NONE || fill == GrowConfig::UNTIL_STABLE || map.empty()) {
+    return FillGaps(map, fill, prior);
+  }
+  Renew(result_, map.size());
+  if (fill == GrowConfig::ONE_PASS) {
+    FillOnce(map);
+  } else {
+    FillFromPrior(map, prior);
+  }
+  return result_;
+}
+
+void GapFiller::FillOnce(const DisparityImage& map) {
+  ForEachParallel(static_cast<size_t>(map.height()), [&](size_t row) {
+    const int v = static_cast<int>(row);
+    const int16_t* from = map.counts()[v];
+    int16_t* to = result_.counts()[v];
+    for (int u = 0; u < map.width(); ++u) {
+      to[u] = from[u] != DisparityImage::kInvalid ? from[u] : MedianAround(map, {u, v});
+    }
+  });
+}
+
+// Bands of rows with the window's margin, so that each can be filled and smoothed for itself.
+void GapFiller::FillFromPrior(const DisparityImage& map, const DisparityImage& prior) {
+  constexpr int kRows = 64;
+  const int height = map.height();
+  bands_.resize(static_cast<size_t>((height + kRows - 1) / kRows));
+  ForEachParallel(bands_.size(), [&](size_t i) {
+    Band& band = bands_[i];
+    const int first = static_cast<int>(i) * kRows;
+    const int end = std::min(first + kRows, height);
+    const cv::Range with_margin(std::max(first - kRadius, 0), std::min(end + kRadius, height));
+    CopyFilled(map, prior, with_margin, band.filled);
+    cv::medianBlur(band.filled, band.smooth, kWindow);
+    for (int v = first; v < end; ++v) {
+      const int16_t* from = band.smooth[v - with_margin.start];
+      std::copy(from, from + map.width(), result_.counts()[v]);
+    }
+  });
 }
 
 }  // namespace sprout

@@ -1,6 +1,9 @@
 #ifndef SPROUT_SERVICES_GROW_GAP_FILLER_H_
 #define SPROUT_SERVICES_GROW_GAP_FILLER_H_
 
+#include <opencv2/core.hpp>
+#include <vector>
+
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
 
@@ -16,6 +19,27 @@ namespace sprout {
 /// @returns a new map; the given one is not changed. O(pixels).
 DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill,
                         const DisparityImage& prior);
+
+/// FillGaps() for frame after frame: keeps its memory, and gives a map that nobody else holds any
+/// more out again. ONE_PASS and PRIOR allocate nothing then, and work on OpenCV's threads. One
+/// object serves one caller at a time.
+class GapFiller {
+ public:
+  DisparityImage Fill(const DisparityImage& map, GrowConfig::Fill fill,
+                      const DisparityImage& prior);
+
+ private:
+  struct Band {
+    cv::Mat1s filled;
+    cv::Mat1s smooth;
+  };
+
+  void FillOnce(const DisparityImage& map);
+  void FillFromPrior(const DisparityImage& map, const DisparityImage& prior);
+
+  std::vector<Band> bands_;
+  DisparityImage result_;
+};
 
 }  // namespace sprout
 

@@ -4,7 +4,6 @@
 
 #include "common/core/image.h"
 #include "services/grow/confidence.h"
-#include "services/grow/gap_filler.h"
 #include "services/grow/harris_seeds.h"
 
 namespace sprout {
@@ -52,7 +51,7 @@ Outcome GrowPlug::Process(const Frame& frame) {
     outcome.degenerate = "nothing grew from " + std::to_string(seeds.size()) + " seeds";
   }
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, *grown});
-  const DisparityImage filled = FillGaps(*grown, fill, prior);
+  const DisparityImage filled = filler_.Fill(*grown, fill, prior);
   outcome.outputs.push_back({Part::kDisparity, filled});
   if (config_.publish_confidence()) {
     outcome.outputs.push_back({Part::kConfidence, ConfidenceOf(left, right, *grown, filled)});

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/app/plug.h"
+#include "services/grow/gap_filler.h"
 #include "services/grow/grower.h"
 
 namespace sprout {
@@ -28,6 +29,7 @@ class GrowPlug : public Plug {
 
   GrowConfig config_;
   Grower grower_;
+  GapFiller filler_;
 };
 
 }  // namespace sprout

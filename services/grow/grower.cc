@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/core/image.h"
+#include "services/grow/parallel.h"
 
 namespace sprout {
 namespace {
@@ -24,25 +25,6 @@ GrowthSeed Rounded(const Seed& seed, cv::Rect centres) {
   if (!fits) return {0, -1, 0, SeedQueue::kNone};
   return {static_cast<int16_t>(u), static_cast<int16_t>(v), static_cast<int16_t>(d),
           SeedQueue::kNone};
-}
-
-// Runs `work` for 0 to count − 1 on OpenCV's threads.
-template <typename Work>
-class ParallelWork : public cv::ParallelLoopBody {
- public:
-  explicit ParallelWork(const Work& work) : work_(work) {}
-  void operator()(const cv::Range& range) const override {
-    for (int i = range.start; i < range.end; ++i) work_(static_cast<size_t>(i));
-  }
-
- private:
-  const Work& work_;
-};
-
-template <typename Work>
-void ForEach(size_t count, const Work& work) {
-  const auto end = static_cast<int>(count);
-  cv::parallel_for_({0, end}, ParallelWork<Work>(work), end);
 }
 
 // The disparities of every band's first and last row as the last round but one and the last left
@@ -94,12 +76,6 @@ double NoiseOfSeeds(std::span<const Seed> seeds, const DisparityImage& prior,
   return double{*middle} / kMedianOfNormal;
 }
 
-// A map for a new result: the last one when nobody else holds it any more.
-void Renew(DisparityImage& map, cv::Size size) {
-  const bool held = !map.empty() && map.counts().u->refcount > 1;
-  if (held || map.size() != size) map = DisparityImage(cv::Mat1s(size));
-}
-
 }  // namespace
 
 Grower::Grower(const GrowConfig& config) : config_(config) { RequireInRange(config, "grow"); }
@@ -128,7 +104,8 @@ Result<DisparityImage> Grower::Compute(const cv::Mat1b& left, const cv::Mat1b& r
   DistributeSeeds(seeds, size);
   GrowBands({left, right, prior}, rule);
   Renew(map_, size);
-  ForEach(bands_.size(), [&](size_t i) { WriteBand(rule, bands_[i], config_.sub_pixel(), map_); });
+  ForEachParallel(bands_.size(),
+                  [&](size_t i) { WriteBand(rule, bands_[i], config_.sub_pixel(), map_); });
   return map_;
 }
 
@@ -144,7 +121,8 @@ void Grower::PrepareScratch(cv::Size size) {
 void Grower::DistributeSeeds(std::span<const Seed> seeds, cv::Size size) {
   seeds_.resize(seeds.size());
   const cv::Rect centres = WindowCentres(size);
-  std::vector<size_t> end(bands_.size() + 1, 0);
+  std::vector<size_t>& end = seeds_end_;
+  end.assign(bands_.size() + 1, 0);
   const auto band_of = [](const GrowthSeed& seed) {
     return static_cast<size_t>(seed.v / GrowthBand::kRows);
   };
@@ -167,14 +145,14 @@ void Grower::DistributeSeeds(std::span<const Seed> seeds, cv::Size size) {
 void Grower::GrowBands(const GrowthInput& input, const GrowthRule& rule) {
   const size_t count = bands_.size();
   Seams seams(seams_, count, input.left.cols);
-  ForEach(count, [&](size_t i) {
+  ForEachParallel(count, [&](size_t i) {
     PrepareBand(input, rule, bands_[i]);
     GrowFromSeeds(rule, bands_[i]);
     seams.Save(0, bands_[i], i);
   });
   const auto changed = [](const GrowthBand& band) { return band.changed; };
   for (size_t round = 1; std::any_of(bands_.begin(), bands_.end(), changed); ++round) {
-    ForEach(count, [&](size_t i) {
+    ForEachParallel(count, [&](size_t i) {
       GrowthBand& band = bands_[i];
       band.changed = false;
       const SeamRow above = i > 0 ? seams.Row(round - 1, i - 1, /*last=*/true) : SeamRow();

@@ -53,6 +53,7 @@ class Grower {
   GrowConfig config_;
   std::vector<GrowthBand> bands_;
   std::vector<GrowthSeed> seeds_;
+  std::vector<size_t> seeds_end_;  // of each band
   std::vector<int16_t> seams_;
   std::vector<float> deviations_;
   DisparityImage map_;

@@ -67,6 +67,13 @@ TEST_F(ConfigFiles, PresetPaperHasThePapersParameters) {
   EXPECT_EQ(config.grow().fill(), GrowConfig::ONE_PASS);
 }
 
+TEST_F(ConfigFiles, PresetFastIsThePapersChain) {
+  const SproutConfig config = LoadConfig({"fast"});
+  EXPECT_EQ(config.prior().method(), PriorConfig::DELAUNAY);
+  EXPECT_EQ(config.grow().similarity(), GrowConfig::EPC);
+  EXPECT_FALSE(config.grow().sub_pixel());
+}
+
 TEST_F(ConfigFiles, HasDefaultsWithoutAFileAndForAnEmptyOne) {
   const SproutConfig defaults = LoadConfig({});
   EXPECT_EQ(defaults.capture().tof_grid_px(), 10);

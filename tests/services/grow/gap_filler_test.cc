@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <random>
 #include <vector>
 
@@ -115,6 +116,19 @@ TEST(GapFiller, PriorFillsGapsAndTakesAwaySinglePixels) {
   EXPECT_EQ(filled.counts()(5, 5), 320);
   EXPECT_EQ(filled.counts()(5, 15), 640);
   EXPECT_EQ(map.CountValid(), 200) << "the given map was changed";
+}
+
+TEST(GapFiller, BandsLeaveNoSeams) {
+  const DisparityImage prior = RandomMap({31, 205}, 8, 0);
+  GapFiller filler;
+  for (const uint32_t seed : {1u, 2u}) {
+    const DisparityImage map = RandomMap(prior.size(), seed, 30);
+    cv::Mat1s expected = map.counts().clone();
+    prior.counts().copyTo(expected, expected == kGap);
+    cv::medianBlur(expected, expected, 5);
+    const DisparityImage filled = filler.Fill(map, GrowConfig::PRIOR, prior);
+    EXPECT_EQ(cv::countNonZero(filled.counts() != expected), 0);
+  }
 }
 
 TEST(GapFiller, AnEmptyPriorFillsNothing) {

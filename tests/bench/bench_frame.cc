@@ -1,0 +1,67 @@
+#include "tests/bench/bench_frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "common/core/image.h"
+#include "services/capture/tof_grid.h"
+
+namespace sprout {
+namespace {
+
+constexpr int kTofSpacingPx = 10;
+
+cv::Mat ResizedImage(const cv::Mat& image, cv::Size size) {
+  cv::Mat resized;
+  const bool smaller = size.width < image.cols;
+  cv::resize(image, resized, size, 0, 0, smaller ? cv::INTER_AREA : cv::INTER_CUBIC);
+  return resized;
+}
+
+cv::Mat1f ResizedTruth(const cv::Mat1f& truth, cv::Size size) {
+  cv::Mat1f resized;
+  cv::resize(truth, resized, size, 0, 0, cv::INTER_NEAREST);
+  resized *= static_cast<double>(size.width) / truth.cols;
+  return resized;
+}
+
+RectifiedPair ResizedPair(RectifiedPair pair, cv::Size size) {
+  const double scale_u = static_cast<double>(size.width) / pair.width;
+  const double scale_v = static_cast<double>(size.height) / pair.height;
+  pair.width = size.width;
+  pair.height = size.height;
+  pair.focal_px *= scale_u;
+  pair.cx *= scale_u;
+  pair.cx_right *= scale_u;
+  pair.cy *= scale_v;
+  return pair;
+}
+
+}  // namespace
+
+BenchFrame LoadBenchFrame(const std::string& folder, cv::Size size) {
+  CaptureConfig config;
+  config.set_source("middlebury:" + folder);
+  const auto source = OpenFrameSource(config);
+  BenchFrame bench{.rig = source->rig(), .frame = source->Get(0), .left = {}, .right = {}};
+  bench.rig.pair = ResizedPair(bench.rig.pair, size);
+  bench.rig.tof = TofGridCamera(bench.rig.pair, kTofSpacingPx);
+  CapturedFrame& frame = bench.frame;
+  frame.left = ResizedImage(frame.left, size);
+  frame.right = ResizedImage(frame.right, size);
+  frame.truth.left = ResizedTruth(frame.truth.left, size);
+  frame.truth.right = {};
+  frame.tof = SampleTofGrid(bench.rig.pair, kTofSpacingPx, frame.truth.left);
+  bench.left = ToGrey(frame.left);
+  bench.right = ToGrey(frame.right);
+  for (const float disparity : frame.truth.left) {
+    if (std::isfinite(disparity)) {
+      bench.max_disparity_px =
+          std::max(bench.max_disparity_px, static_cast<int>(std::ceil(disparity)));
+    }
+  }
+  return bench;
+}
+
+}  // namespace sprout

@@ -1,0 +1,28 @@
+#ifndef SPROUT_TESTS_BENCH_BENCH_FRAME_H_
+#define SPROUT_TESTS_BENCH_BENCH_FRAME_H_
+
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "common/core/rig.h"
+#include "services/capture/frame_source.h"
+
+namespace sprout {
+
+/// One frame to measure on.
+struct BenchFrame {
+  Rig rig;
+  CapturedFrame frame;  ///< images as captured, colour on the left
+  cv::Mat1b left;       ///< grey, as the stages look at them
+  cv::Mat1b right;
+  int max_disparity_px = 0;
+};
+
+/// A Middlebury scene in another size: images resized, true disparities with them, and the ToF
+/// camera of the paper (every tenth pixel) simulated anew from these.
+/// @throws ConfigError when the scene cannot be read.
+BenchFrame LoadBenchFrame(const std::string& folder, cv::Size size);
+
+}  // namespace sprout
+
+#endif  // SPROUT_TESTS_BENCH_BENCH_FRAME_H_

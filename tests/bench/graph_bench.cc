@@ -1,0 +1,178 @@
+// The four processes over udpm at one rate: what got lost, how old the answers are, what it costs.
+//   sprout_bench_graph PRESET WxH RATE_HZ SECONDS FOLDER
+// The frame is a Middlebury scene of SPROUT_DATA in that size, written to FOLDER, over and over.
+// Prints one line of JSON. Exit code 0 when every frame was answered, 3 when one was not.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <thread>
+
+#include "common/bus/channels.h"
+#include "common/bus/lcm_url.h"
+#include "common/bus/receiver.h"
+#include "common/messages/codec.h"
+#include "tests/bench/bench_frame.h"
+#include "common/app/process.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kStages[] = {"capture", "refine", "prior", "grow"};
+
+// CPU time of a process so far, ms: fields 14 and 15 of its stat, counted behind its name.
+double CpuMs(int pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  std::string text;
+  std::getline(file, text, ')');
+  std::string skipped;
+  for (int field = 3; field < 14; ++field) file >> skipped;
+  double user = 0, system = 0;
+  file >> user >> system;
+  return (user + system) * 1000 / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+void WritePfm(const fs::path& path, const cv::Mat1f& values) {
+  std::ofstream file(path, std::ios::binary);
+  file << "Pf\n" << values.cols << " " << values.rows << "\n-1\n";  // little-endian, last row first
+  for (int v = values.rows - 1; v >= 0; --v) {
+    file.write(reinterpret_cast<const char*>(values[v]),
+               static_cast<std::streamsize>(sizeof(float)) * values.cols);
+  }
+}
+
+// The scene in Middlebury's layout of 2014. Rendering the synthetic scene anew for every frame
+// would cost several times what the graph does.
+void WriteScene(const fs::path& folder, const BenchFrame& bench) {
+  fs::create_directories(folder);
+  cv::imwrite(folder / "im0.png", bench.frame.left);
+  cv::imwrite(folder / "im1.png", bench.frame.right);
+  cv::Mat1f truth = bench.frame.truth.left.clone();
+  for (float& disparity : truth) {
+    if (std::isnan(disparity)) disparity = std::numeric_limits<float>::infinity();
+  }
+  WritePfm(folder / "disp0.pfm", truth);
+  const RectifiedPair& pair = bench.rig.pair;
+  const auto camera = [&](double cx) {
+    return fmt::format("[{} 0 {}; 0 {} {}; 0 0 1]", pair.focal_px, cx, pair.focal_px, pair.cy);
+  };
+  std::ofstream(folder / "calib.txt")
+      << "cam0=" << camera(pair.cx) << "\ncam1=" << camera(pair.cx_right)
+      << "\nbaseline=" << pair.baseline_m * 1000 << "\n";
+}
+
+// Newest status of each stage; listens to nothing else, as that would cost the graph CPU time.
+class StatusWatch {
+ public:
+  StatusWatch()
+      : receiver_(kDefaultLcmUrl, "", {kStatusChannel},
+                  [this](std::string_view, std::span<const uint8_t> bytes) {
+                    const Result<StageStatus> status = DecodeStatus(bytes);
+                    const std::lock_guard lock(mutex_);
+                    if (status) newest_[status->stage] = *status;
+                  }) {}
+
+  std::map<std::string, StageStatus> Newest() {
+    const std::lock_guard lock(mutex_);
+    return newest_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, StageStatus> newest_;
+  Receiver receiver_;
+};
+
+int Run(const std::string& preset, const std::string& source, double rate_hz, double seconds) {
+  StatusWatch watch;
+  const auto frames = static_cast<int64_t>(std::ceil(rate_hz * seconds));
+  std::map<std::string, std::unique_ptr<Process>> processes;
+  for (const std::string stage : kStages) {
+    std::vector<std::string> command = {ProgramPath("sprout-" + stage), "--config", preset,
+                                        "--log-level", "warning"};
+    if (stage == "capture") {
+      command.insert(command.end(),
+                     {"--source", source, "--loop", "--rate", std::to_string(rate_hz), "--wait-for",
+                      "refine,prior,grow", "--frames", std::to_string(frames)});
+    }
+    processes[stage] = std::make_unique<Process>(command);
+  }
+  std::map<std::string, double> cpu_ms;
+  std::map<std::string, StageStatus> last;
+  using Clock = std::chrono::steady_clock;
+  const auto deadline = Clock::now() + std::chrono::duration<double>(seconds * 1.2 + 30);
+  while (last["grow"].newest_frame.seq < frames - 1 && Clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    last = watch.Newest();
+    for (const auto& [stage, status] : last) {
+      cpu_ms[stage] = std::max(cpu_ms[stage], CpuMs(status.pid));
+    }
+    // The last frame itself may be the one that was lost.
+    if (last["capture"].state == StageStatus::State::kStopped) {
+      std::this_thread::sleep_for(std::chrono::seconds(3));
+      last = watch.Newest();
+      break;
+    }
+  }
+  const StageStatus& grow = last["grow"];
+  const int64_t lost = frames - grow.frames_out;
+  nlohmann::ordered_json result;
+  result["preset"] = preset;
+  result["source"] = source;
+  result["fps"] = rate_hz;
+  result["seconds"] = seconds;
+  result["frames"] = frames;
+  result["lost_or_skipped"] = lost;
+  result["age_p50_ms"] = grow.age.p50_ms;
+  result["age_p95_ms"] = grow.age.p95_ms;
+  result["age_p99_ms"] = grow.age.p99_ms;
+  double total = 0;
+  for (const auto& [stage, ms] : cpu_ms) total += ms / static_cast<double>(frames);
+  result["cpu_ms_per_frame"] = total;
+  for (const auto& [stage, ms] : cpu_ms) {
+    result["cpu_ms_per_frame_of"][stage] = ms / static_cast<double>(frames);
+  }
+  std::cout << result.dump() << std::endl;
+  return lost == 0 ? 0 : 3;
+}
+
+}  // namespace
+}  // namespace sprout
+
+int main(int argc, char** argv) {
+  if (argc != 6) {
+    std::cerr << "usage: sprout_bench_graph PRESET WxH RATE_HZ SECONDS FOLDER\n";
+    return 2;
+  }
+  try {
+    cv::Size size;
+    const char* data = std::getenv("SPROUT_DATA");
+    if (data == nullptr || std::sscanf(argv[2], "%dx%d", &size.width, &size.height) != 2) {
+      std::cerr << "sprout_bench_graph: SPROUT_DATA is not set, or the size is not WxH\n";
+      return 2;
+    }
+    const std::string folder = argv[5];
+    sprout::WriteScene(
+        folder, sprout::LoadBenchFrame(std::string(data) + "/middlebury/full/Monopoly", size));
+    return sprout::Run(argv[1], "middlebury:" + folder, std::stod(argv[3]), std::stod(argv[4]));
+  } catch (const std::exception& e) {
+    std::cerr << "sprout_bench_graph: " << e.what() << "\n";
+    return 1;
+  }
+}
