@@ -22,12 +22,12 @@
 #include <string>
 #include <thread>
 
+#include "common/app/process.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/bus/receiver.h"
 #include "common/messages/codec.h"
 #include "tests/bench/bench_frame.h"
-#include "common/app/process.h"
 
 namespace sprout {
 namespace {
