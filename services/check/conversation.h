@@ -59,7 +59,9 @@ class Conversation {
   /// @param when  said in what is found.
   void NoticeEnd(Rule rule, const std::string& when);
 
-  /// Whether the program has ended, which is wrong, or left so many frames unanswered that it is
+  bool ended() const { return ended_; }
+
+  /// Whether the program has ended, or left so many frames unanswered that it is
   /// useless to go on.
   bool over() const { return ended_ || frames_missed_ >= kMaxMissed; }
 

@@ -149,8 +149,9 @@ class StageCheck {
   }
 
   void End() {
-    found_.Checked(Rule::kEnd);
     talk_.NoticeEnd(Rule::kEnd, "before it was told to");
+    if (talk_.ended()) return;
+    found_.Checked(Rule::kEnd);
     process_.Signal(SIGTERM);
     if (!process_.Wait(kEndTimeout)) {
       found_.Add(Rule::kEnd, fmt::format("still there after {} s", kEndTimeout.count()));
