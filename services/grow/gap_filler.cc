@@ -74,6 +74,15 @@ void FillPass(const std::vector<cv::Point>& gaps, DisparityImage& map) {
   for (size_t i = 0; i < gaps.size(); ++i) map.counts()(gaps[i]) = medians[i];
 }
 
+// Further passes, until nothing changes.
+void FillOn(DisparityImage& map) {
+  cv::Mat1b listed(map.size(), uint8_t{0});
+  for (std::vector<cv::Point> gaps = FillableGaps(map); !gaps.empty();
+       gaps = GapsAround(gaps, map, listed)) {
+    FillPass(gaps, map);
+  }
+}
+
 // Rows of a map, gaps with the prior's disparity where it has the map's size.
 void CopyFilled(const DisparityImage& map, const DisparityImage& prior, cv::Range rows,
                 cv::Mat1s& filled) {
@@ -92,29 +101,23 @@ void CopyFilled(const DisparityImage& map, const DisparityImage& prior, cv::Rang
 
 DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill,
                         const DisparityImage& prior) {
-  if (fill == GrowConfig::NONE || map.empty()) return map;
-  if (fill != GrowConfig::UNTIL_STABLE) return GapFiller().Fill(map, fill, prior);
-  DisparityImage filled{map.counts().clone()};
-  std::vector<cv::Point> gaps = FillableGaps(map);
-  FillPass(gaps, filled);
-  cv::Mat1b listed(map.size(), uint8_t{0});
-  while (!gaps.empty()) {
-    gaps = GapsAround(gaps, filled, listed);
-    FillPass(gaps, filled);
-  }
-  return filled;
+  return GapFiller().Fill(map, fill, prior);
 }
 
 DisparityImage GapFiller::Fill(const DisparityImage& map, GrowConfig::Fill fill,
                                const DisparityImage& prior) {
-  if (fill == GrowConfig::NONE || fill == GrowConfig::UNTIL_STABLE || map.empty()) {
-    return FillGaps(map, fill, prior);
-  }
+  if (fill == GrowConfig::NONE || map.empty()) return map;
   Renew(result_, map.size());
-  if (fill == GrowConfig::ONE_PASS) {
-    FillOnce(map);
-  } else {
-    FillFromPrior(map, prior);
+  switch (fill) {
+    case GrowConfig::PRIOR:
+      FillFromPrior(map, prior);
+      break;
+    case GrowConfig::ONE_PASS:
+      FillOnce(map);
+      break;
+    default:
+      FillOnce(map);
+      FillOn(result_);
   }
   return result_;
 }

@@ -22,12 +22,12 @@
 #include <string>
 #include <thread>
 
+#include "common/app/process.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/bus/receiver.h"
 #include "common/messages/codec.h"
 #include "tests/bench/bench_frame.h"
-#include "tests/system/process.h"
 
 namespace sprout {
 namespace {
@@ -104,8 +104,8 @@ int Run(const std::string& preset, const std::string& source, double rate_hz, do
   const auto frames = static_cast<int64_t>(std::ceil(rate_hz * seconds));
   std::map<std::string, std::unique_ptr<Process>> processes;
   for (const std::string stage : kStages) {
-    std::vector<std::string> command = {ProgramPath("sprout-" + stage), "--config", preset,
-                                        "--log-level", "warning"};
+    std::vector<std::string> command = {std::string(SPROUT_BINARY_DIR) + "/sprout-" + stage,
+                                        "--config", preset, "--log-level", "warning"};
     if (stage == "capture") {
       command.insert(command.end(),
                      {"--source", source, "--loop", "--rate", std::to_string(rate_hz), "--wait-for",
