@@ -81,14 +81,14 @@ void Conversation::Listen(milliseconds time) {
   while (const auto heard = wire_.Next(end)) Take(*heard);
 }
 
-void Conversation::NoticeEnd(Rule rule, const std::string& name) {
+void Conversation::NoticeEnd(Rule rule, const std::string& when) {
   const std::optional<int> code = process_.Wait(std::chrono::seconds(0));
   if (!code || ended_) return;
   ended_ = true;
   const std::string how = *code > 128    ? fmt::format("was killed by signal {}", *code - 128)
                           : *code == 127 ? "could not be started"
                                          : fmt::format("ended with exit code {}", *code);
-  found_.Add(rule, fmt::format("{}: the program {}", name, how));
+  found_.Add(rule, fmt::format("{}: the program {}", when, how));
 }
 
 void Conversation::Take(const Heard& heard) {

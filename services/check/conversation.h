@@ -55,6 +55,10 @@ class Conversation {
   /// Listens for what should not come any more.
   void Listen(std::chrono::milliseconds time);
 
+  /// Looks whether the program has ended, which breaks `rule`; reports it once.
+  /// @param when  said in what is found.
+  void NoticeEnd(Rule rule, const std::string& when);
+
   /// Whether the program has ended, which is wrong, or left so many frames unanswered that it is
   /// useless to go on.
   bool over() const { return ended_ || frames_missed_ >= kMaxMissed; }
@@ -83,7 +87,6 @@ class Conversation {
   };
 
   Sent& Begin(const TestFrame& frame, Look look);
-  void NoticeEnd(Rule rule, const std::string& name);
   void SendPart(Part part, std::span<const uint8_t> bytes);
   void Take(const Heard& heard);
   void TakeAnswer(const Heard& heard);

@@ -91,6 +91,7 @@ INSTANTIATE_TEST_SUITE_P(
               "answer on SPROUT_PRIOR within 1 s"},
         Fault{"believes_bad", "bad messages survived: SPROUT_SEEDS, "},
         Fault{"ignores_sigterm", "ends on SIGTERM: still there after 5 s"},
+        Fault{"ends_early", "the program ended with exit code 0"},
         Fault{"ends_at_once", "starts and answers: frame 0: the program ended with exit code 3"}),
     [](const auto& test) { return test.param.name; });
 

@@ -19,7 +19,7 @@ const std::set<std::string> kFaults = {
     "none",           "drops_a_frame",   "answers_twice",  "changes_seq",  "changes_utime",
     "changes_rig_id", "half_size",       "other_type",     "out_of_range", "empty",
     "remembers",      "silent_if_poor",  "crashes_on_bad", "hangs_on_bad", "believes_bad",
-    "other_channel",  "ignores_sigterm", "ends_at_once"};
+    "other_channel",  "ignores_sigterm", "ends_at_once",   "ends_early"};
 
 class WrongPrior {
  public:
@@ -75,6 +75,7 @@ class WrongPrior {
     if (Has("other_type")) bytes = EncodePart(id, Part::kSeeds, set, DisparityEncoding::kRawInt16);
     Publish(Has("other_channel") ? Part::kDisparity : Part::kPrior, bytes);
     if (Has("answers_twice")) Publish(Part::kPrior, bytes);
+    if (Has("ends_early") && count_ == 30) std::_Exit(0);
   }
 
   void Publish(Part part, std::span<const uint8_t> bytes) {
