@@ -19,16 +19,19 @@ cv::Rect WindowAt(cv::Point pixel, cv::Size size) {
 
 // Median of the valid counts around a pixel; kInvalid when there are none.
 int16_t MedianAround(const DisparityImage& map, cv::Point pixel) {
-  std::array<int16_t, kWindow * kWindow> counts;
+  std::array<int16_t, kWindow * kWindow + 1> counts;  // one behind the last may be written
   const cv::Rect window = WindowAt(pixel, map.size());
   auto end = counts.begin();
   for (int v = window.y; v < window.br().y; ++v) {
     const int16_t* row = map.counts()[v];
     for (int u = window.x; u < window.br().x; ++u) {
-      if (row[u] != DisparityImage::kInvalid) *end++ = row[u];
+      *end = row[u];  // no branch: whether a neighbour is valid cannot be predicted
+      end += row[u] != DisparityImage::kInvalid ? 1 : 0;
     }
   }
   if (end == counts.begin()) return DisparityImage::kInvalid;
+  const auto [lowest, highest] = std::minmax_element(counts.begin(), end);
+  if (*lowest == *highest) return *lowest;
   const auto median = counts.begin() + (end - counts.begin() - 1) / 2;
   std::nth_element(counts.begin(), median, end);
   return *median;
