@@ -19,16 +19,19 @@ cv::Rect WindowAt(cv::Point pixel, cv::Size size) {
 
 // Median of the valid counts around a pixel; kInvalid when there are none.
 int16_t MedianAround(const DisparityImage& map, cv::Point pixel) {
-  std::array<int16_t, kWindow * kWindow> counts;
+  std::array<int16_t, kWindow * kWindow + 1> counts;  // one behind the last may be written
   const cv::Rect window = WindowAt(pixel, map.size());
   auto end = counts.begin();
   for (int v = window.y; v < window.br().y; ++v) {
     const int16_t* row = map.counts()[v];
     for (int u = window.x; u < window.br().x; ++u) {
-      if (row[u] != DisparityImage::kInvalid) *end++ = row[u];
+      *end = row[u];  // no branch: whether a neighbour is valid cannot be predicted
+      end += row[u] != DisparityImage::kInvalid ? 1 : 0;
     }
   }
   if (end == counts.begin()) return DisparityImage::kInvalid;
+  const auto [lowest, highest] = std::minmax_element(counts.begin(), end);
+  if (*lowest == *highest) return *lowest;
   const auto median = counts.begin() + (end - counts.begin() - 1) / 2;
   std::nth_element(counts.begin(), median, end);
   return *median;
@@ -74,6 +77,15 @@ void FillPass(const std::vector<cv::Point>& gaps, DisparityImage& map) {
   for (size_t i = 0; i < gaps.size(); ++i) map.counts()(gaps[i]) = medians[i];
 }
 
+// Further passes, until nothing changes.
+void FillOn(DisparityImage& map) {
+  cv::Mat1b listed(map.size(), uint8_t{0});
+  for (std::vector<cv::Point> gaps = FillableGaps(map); !gaps.empty();
+       gaps = GapsAround(gaps, map, listed)) {
+    FillPass(gaps, map);
+  }
+}
+
 // Rows of a map, gaps with the prior's disparity where it has the map's size.
 void CopyFilled(const DisparityImage& map, const DisparityImage& prior, cv::Range rows,
                 cv::Mat1s& filled) {
@@ -92,29 +104,23 @@ void CopyFilled(const DisparityImage& map, const DisparityImage& prior, cv::Rang
 
 DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill,
                         const DisparityImage& prior) {
-  if (fill == GrowConfig::NONE || map.empty()) return map;
-  if (fill != GrowConfig::UNTIL_STABLE) return GapFiller().Fill(map, fill, prior);
-  DisparityImage filled{map.counts().clone()};
-  std::vector<cv::Point> gaps = FillableGaps(map);
-  FillPass(gaps, filled);
-  cv::Mat1b listed(map.size(), uint8_t{0});
-  while (!gaps.empty()) {
-    gaps = GapsAround(gaps, filled, listed);
-    FillPass(gaps, filled);
-  }
-  return filled;
+  return GapFiller().Fill(map, fill, prior);
 }
 
 DisparityImage GapFiller::Fill(const DisparityImage& map, GrowConfig::Fill fill,
                                const DisparityImage& prior) {
-  if (fill == GrowConfig::NONE || fill == GrowConfig::UNTIL_STABLE || map.empty()) {
-    return FillGaps(map, fill, prior);
-  }
+  if (fill == GrowConfig::NONE || map.empty()) return map;
   Renew(result_, map.size());
-  if (fill == GrowConfig::ONE_PASS) {
-    FillOnce(map);
-  } else {
-    FillFromPrior(map, prior);
+  switch (fill) {
+    case GrowConfig::PRIOR:
+      FillFromPrior(map, prior);
+      break;
+    case GrowConfig::ONE_PASS:
+      FillOnce(map);
+      break;
+    default:
+      FillOnce(map);
+      FillOn(result_);
   }
   return result_;
 }

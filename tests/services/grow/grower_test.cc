@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
+#include <cstdlib>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <random>
 #include <set>
@@ -128,6 +130,44 @@ GrowConfig EpcConfig() {
   config.set_sigma_p_noise(0);
   config.set_sub_pixel(false);
   return config;
+}
+
+// A full-size scene, seeds at every 10th pixel of its ground truth, and the prior that these give
+// when they are enlarged.
+TEST(Grower, GivesThePixelsOfSlowGrowthOnAFullScene) {
+#ifndef NDEBUG
+  GTEST_SKIP() << "minutes without optimisation";
+#endif
+  const char* data = std::getenv("SPROUT_DATA");
+  if (data == nullptr) GTEST_SKIP() << "SPROUT_DATA is not set";
+  const std::string folder = std::string(data) + "/middlebury/full/Monopoly/";
+  const cv::Mat1b left = cv::imread(folder + "view1.png", cv::IMREAD_GRAYSCALE);
+  const cv::Mat1b right = cv::imread(folder + "view5.png", cv::IMREAD_GRAYSCALE);
+  const cv::Mat1b truth = cv::imread(folder + "disp1.png", cv::IMREAD_GRAYSCALE);
+  ASSERT_FALSE(left.empty() || right.empty() || truth.empty()) << folder;
+
+  std::vector<Seed> seeds;
+  cv::Mat1f grid(truth.rows / 10, truth.cols / 10);
+  for (int j = 0; j < grid.rows; ++j) {
+    for (int i = 0; i < grid.cols; ++i) {
+      const cv::Point pixel(10 * i + 5, 10 * j + 5);
+      grid(j, i) = truth(pixel);
+      if (truth(pixel) == 0) continue;
+      seeds.push_back({.u = static_cast<float>(pixel.x),
+                       .v = static_cast<float>(pixel.y),
+                       .u_right = static_cast<float>(pixel.x - truth(pixel))});
+    }
+  }
+  cv::Mat1f prior;
+  cv::resize(grid, prior, truth.size());
+
+  GrowConfig config = EpcConfig();
+  for (const double sigma_p_px : {0.7, 17.4}) {
+    config.set_sigma_p_px(sigma_p_px);
+    const auto fast = Grower(config).Compute(left, right, seeds, FromPx(prior));
+    ExpectSame(*fast, SlowGrow(config, left, right, seeds, FromPx(prior)));
+    EXPECT_GT(fast->CountValid(), left.size().area() / 2);
+  }
 }
 
 // Every instruction set that this CPU has, and none.
