@@ -36,6 +36,7 @@ TEST(FrameJoiner, CompletesAFrameOnceAllItsPartsAreThereInAnyOrder) {
     EXPECT_EQ(frame.prior->counts()(0, 0), 15);
     EXPECT_EQ(frame.unfilled->counts()(0, 0), 16);
     EXPECT_EQ(frame.disparity->counts()(0, 0), 17);
+    EXPECT_EQ(frame.confidence.at<uint8_t>(0, 0), 18);
     std::next_permutation(order.begin(), order.end());
     if (round % 7 == 0) std::rotate(order.begin(), order.begin() + 3, order.end());
   }
@@ -48,6 +49,7 @@ TEST(FrameJoiner, LeavesEmptyWhatWasNotAskedFor) {
   EXPECT_TRUE(frames[0].right.empty());
   EXPECT_FALSE(frames[0].tof || frames[0].rig || frames[0].seeds || frames[0].prior ||
                frames[0].unfilled || frames[0].disparity);
+  EXPECT_TRUE(frames[0].confidence.empty());
 }
 
 TEST(FrameJoiner, ReplacesAPartThatComesTwice) {

@@ -19,6 +19,7 @@ inline PartValue ValueOf(Part part, int mark) {
   switch (part) {
     case Part::kLeft:
     case Part::kRight:
+    case Part::kConfidence:
       return cv::Mat(1, 1, CV_8UC1, cv::Scalar(mark));
     case Part::kTof:
       return TofImage{.depth_m = cv::Mat1f(1, 1, static_cast<float>(mark)), .amplitude = {}};

@@ -125,7 +125,7 @@ TEST(EvaluateProgram, WritesAPictureOfEveryMapAndAFigure) {
 
 TEST(EvaluateProgram, RefusesUnknownMethodsPresetsAndTofCameras) {
   ExpectRefused({kScene, "--methods", "prior,elas"}, "--methods elas: no such method");
-  ExpectRefused({kScene, "--preset", "fast"}, "allowed: a file, or a preset");
+  ExpectRefused({kScene, "--preset", "turbo"}, "allowed: a file, or a preset");
   ExpectRefused({kScene, "--tof", "lidar"}, "--tof lidar");
   ExpectRefused({kScene, "--repeat", "0"}, "--repeat");
   ExpectRefused({kScene, "--seed-noise-px", "-1"}, "--seed-noise-px");
