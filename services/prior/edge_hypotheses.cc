@@ -12,7 +12,7 @@ namespace sprout {
 namespace {
 
 constexpr int kRadius = 4;            // of the window, px
-constexpr int kStep = 2;              // between the pixels of the window that count
+constexpr int kStep = 2;              // between the rows and columns of the window that count
 constexpr int kLargestGrey = 20;      // differences above are as bad as this
 constexpr double kColourRange = 30;   // sum over the channels by which likeness falls to 1/e
 constexpr double kDistanceRange = 5;  // px
@@ -40,16 +40,22 @@ class Judge {
     for (size_t i = 0; i < likeness_.size(); ++i) {
       likeness_[i] = ExpWeight(static_cast<double>(i) / kColourRange);
     }
-    for (int i = 0; i < kSamples; ++i) {
-      const int x = SampleOffset(i % kSamplesPerRow);
-      const int y = SampleOffset(i / kSamplesPerRow);
-      nearness_[static_cast<size_t>(i)] = ExpWeight(std::sqrt(x * x + y * y) / kDistanceRange);
+    size_t count = 0;
+    for (int y = -kRadius; y <= kRadius; y += kStep) {
+      for (int x = -kRadius; x <= kRadius; x += kStep) {
+        if ((x + y) / kStep % 2 != 0) continue;
+        samples_[count++] = {x, y, ExpWeight(std::sqrt(x * x + y * y) / kDistanceRange)};
+      }
     }
   }
 
   bool IsNear(int u, int v, const Hypotheses& hypotheses) const {
     const int near_d = static_cast<int>(std::lround(hypotheses.near_px));
     const int far_d = static_cast<int>(std::lround(hypotheses.far_px));
+    // The images cannot tell between disparities of one whole pixel.
+    if (near_d == far_d) {
+      return FromSpread(u, v, hypotheses, true) < FromSpread(u, v, hypotheses, false);
+    }
     const bool inside = u >= kRadius + std::max(near_d, 0) &&
                         u + kRadius - std::min(far_d, 0) < columns() && v >= kRadius &&
                         v + kRadius < rows();
@@ -60,17 +66,20 @@ class Judge {
   }
 
  private:
-  static constexpr int kSamplesPerRow = 2 * kRadius / kStep + 1;
-  static constexpr int kSamples = kSamplesPerRow * kSamplesPerRow;
+  // Every other pixel of every other row and column, in quincunx: as good as all of them.
+  static constexpr int kSamples = 13;
+  struct Sample {
+    int u;
+    int v;
+    int weight;  // by distance
+  };
 
-  // Sums over the window; below 2^31, as 25 weights are at most 2^16 and differences 20.
+  // Sums over the window; below 2^31, as 13 weights are at most 2^16 and differences 20.
   struct Costs {
     int near = 0;
     int far = 0;
     int weights = 0;
   };
-
-  static int SampleOffset(int i) { return i * kStep - kRadius; }
 
   int rows() const { return evidence_.left_grey.rows; }
   int columns() const { return evidence_.left_grey.cols; }
@@ -83,29 +92,27 @@ class Judge {
   Costs Inside(int u, int v, int near_d, int far_d) const {
     Costs costs;
     const cv::Vec3b colour = evidence_.left_bgr(v, u);
-    const int* nearness = nearness_.data();
-    for (int y = -kRadius; y <= kRadius; y += kStep) {
-      const cv::Vec3b* colours = evidence_.left_bgr[v + y] + u;
-      const uint8_t* left = evidence_.left_grey[v + y] + u;
-      const uint8_t* right = evidence_.right_grey[v + y] + u;
-      for (int x = -kRadius; x <= kRadius; x += kStep) {
-        const int weight = *nearness++ * Likeness(colour, colours[x]);
-        costs.weights += weight;
-        costs.near += weight * std::min(std::abs(left[x] - right[x - near_d]), kLargestGrey);
-        costs.far += weight * std::min(std::abs(left[x] - right[x - far_d]), kLargestGrey);
-      }
+    for (const Sample& sample : samples_) {
+      const int x = u + sample.u;
+      const int y = v + sample.v;
+      const int weight = sample.weight * Likeness(colour, evidence_.left_bgr(y, x));
+      const int left = evidence_.left_grey(y, x);
+      const uint8_t* right = evidence_.right_grey[y] + x;
+      costs.weights += weight;
+      costs.near += weight * std::min(std::abs(left - right[-near_d]), kLargestGrey);
+      costs.far += weight * std::min(std::abs(left - right[-far_d]), kLargestGrey);
     }
     return costs;
   }
 
   Costs AtBorder(int u, int v, int near_d, int far_d) const {
     Costs costs;
-    for (int i = 0; i < kSamples; ++i) {
-      const int x = u + SampleOffset(i % kSamplesPerRow);
-      const int y = v + SampleOffset(i / kSamplesPerRow);
+    for (const Sample& sample : samples_) {
+      const int x = u + sample.u;
+      const int y = v + sample.v;
       if (y < 0 || x < 0 || y >= rows() || x >= columns()) continue;
-      const int weight = nearness_[static_cast<size_t>(i)] *
-                         Likeness(evidence_.left_bgr(v, u), evidence_.left_bgr(y, x));
+      const int weight =
+          sample.weight * Likeness(evidence_.left_bgr(v, u), evidence_.left_bgr(y, x));
       costs.weights += weight;
       costs.near += weight * Difference(x, y, near_d);
       costs.far += weight * Difference(x, y, far_d);
@@ -132,7 +139,7 @@ class Judge {
 
   const EdgeEvidence& evidence_;
   std::array<int, 3 * 255 + 1> likeness_{};
-  std::array<int, kSamples> nearness_{};  // weights by distance, row by row
+  std::array<Sample, kSamples> samples_{};
 };
 
 // The seeds of a triangle, parted where their disparities gape most.

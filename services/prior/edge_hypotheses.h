@@ -24,7 +24,7 @@ struct EdgeEvidence {
 /// a depth edge, and interpolation paints a ramp there that does not exist: the pixel lies on the
 /// near surface or on the far one. Both hypotheses, extrapolated from the planes of their seeds,
 /// are scored for each pixel, and the better one stands:
-///   the images: truncated absolute differences in a 9×9 window (every other pixel), weighted by
+///   the images: truncated absolute differences in a 9×9 window (13 pixels of it), weighted by
 ///     likeness of colour and by distance to the pixel (adaptive support weights: Yoon and Kweon,
 ///     PAMI 2006), so that the window does not reach over the edge;
 ///   the ToF camera: how far the hypothesis is from the disparity that the seeds spread there
@@ -34,7 +34,7 @@ struct EdgeEvidence {
 /// @param triangles  of the seeds.
 /// @param prior      their interpolation; changed in place in the triangles that span an edge.
 /// Whole-number weights and differences: the same result on every machine.
-/// O(pixels of these triangles · 25).
+/// O(pixels of these triangles · 13).
 void ResolveEdges(const SeedSurface& surface, std::span<const SeedTriangle> triangles,
                   const EdgeEvidence& evidence, DisparityImage& prior);
 
