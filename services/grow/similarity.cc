@@ -49,8 +49,9 @@ int32_t MnccCost::Limit(double threshold) { return CostFromExponent(1 - threshol
 CostTriple MnccCost::At(int u, int v, int d) const {
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
   CostTriple costs = cross_.At(u, v, d);
-  for (int i = 0; i < 3; ++i) {
-    const int u_right = std::clamp(u - (d - 1 + i), 0, right_sum_.cols - 1);
+  for (size_t i = 0; i < costs.size(); ++i) {
+    const int disparity = d - 1 + static_cast<int>(i);
+    const int u_right = std::clamp(u - disparity, 0, right_sum_.cols - 1);
     // n⁴ times covariance and variances: integers, exact.
     const int covariance = kWindowPixels * costs[i] - left_sum_(v, u) * right_sum_(v, u_right);
     const int variances = left_variance_(v, u) + right_variance_(v, u_right);

@@ -38,13 +38,14 @@ class CountingAllocator : public cv::MatAllocator {
 
 }  // namespace
 
-void* operator new(size_t size) {
+// Not inlined, or GCC takes malloc and free for a mismatch of new and delete.
+[[gnu::noinline]] void* operator new(size_t size) {
   ++allocations;
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 
 namespace sprout {
 namespace {
