@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/core/frame.h"
 
@@ -34,6 +35,13 @@ constexpr std::string_view ChannelOf(Part part) {
 }
 
 inline constexpr std::string_view kStatusChannel = "SPROUT_STATUS";
+
+/// Every channel of the graph, without prefix.
+inline std::vector<std::string_view> AllChannels() {
+  std::vector<std::string_view> channels = {kStatusChannel};
+  for (const Part part : kAllParts) channels.push_back(ChannelOf(part));
+  return channels;
+}
 
 /// Longest prefix, characters: LCM allows 63 for prefix and channel.
 inline constexpr size_t kMaxChannelPrefix = 63 - std::string_view("SPROUT_CONFIDENCE").size();

@@ -47,6 +47,13 @@ class PartSet {
   std::bitset<kPartCount> bits_;
 };
 
+/// All of them.
+inline PartSet AllParts() {
+  PartSet parts;
+  for (const Part part : kAllParts) parts.Add(part);
+  return parts;
+}
+
 /// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for the confidence.
 using PartValue = std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage>;
 

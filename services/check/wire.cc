@@ -4,15 +4,6 @@
 #include "common/core/frame.h"
 
 namespace sprout {
-namespace {
-
-std::vector<std::string_view> AllChannels() {
-  std::vector<std::string_view> channels = {kStatusChannel};
-  for (const Part part : kAllParts) channels.push_back(ChannelOf(part));
-  return channels;
-}
-
-}  // namespace
 
 Wire::Wire(const std::string& url)
     : publisher_(url, ""),

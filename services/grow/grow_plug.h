@@ -18,7 +18,8 @@ class GrowPlug : public Plug {
 
   PartSet Inputs() const override;
 
-  /// Always answers; when nothing can grow the map has no disparity, and the outcome says why.
+  /// Always answers; when nothing can grow the map is what gap filling makes of nothing (the prior,
+  /// or no disparity), and the outcome says why. Images that do not fit together give no disparity.
   Outcome Process(const Frame& frame) override;
 
  private:

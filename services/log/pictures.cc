@@ -82,9 +82,7 @@ void Finish(const LogFrames& frames, const FrameFileNames& names, const Pictures
 
 int RunImages(const PicturesOptions& options) {
   FrameFileNames names(options.folder);
-  PartSet parts;
-  for (const Part part : kAllParts) parts.Add(part);
-  LogFrames frames(options, parts, [&](const Frame& frame) { WritePictures(frame, names); });
+  LogFrames frames(options, AllParts(), [&](const Frame& frame) { WritePictures(frame, names); });
   frames.Read();
   Finish(frames, names, options, "no message of these frames that can be shown");
   return 0;

@@ -10,12 +10,6 @@
 namespace sprout {
 namespace {
 
-PartSet AllParts() {
-  PartSet parts;
-  for (const Part part : kAllParts) parts.Add(part);
-  return parts;
-}
-
 std::vector<std::string_view> WithStatus(std::vector<std::string_view> channels) {
   channels.push_back(kStatusChannel);
   return channels;

@@ -6,15 +6,6 @@
 #include "common/messages/codec.h"
 
 namespace sprout {
-namespace {
-
-std::vector<std::string_view> AllChannels() {
-  std::vector<std::string_view> channels = {kStatusChannel};
-  for (const Part part : kAllParts) channels.push_back(ChannelOf(part));
-  return channels;
-}
-
-}  // namespace
 
 Graph::Graph(std::string prefix)
     : prefix_(std::move(prefix)),

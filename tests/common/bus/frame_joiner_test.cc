@@ -14,12 +14,9 @@ const PartSet kPair = {Part::kLeft, Part::kRight};
 const PartSet kPairAndRig = {Part::kLeft, Part::kRight, Part::kRig};
 
 TEST(FrameJoiner, CompletesAFrameOnceAllItsPartsAreThereInAnyOrder) {
-  const PartSet all = {Part::kLeft,     Part::kRight,     Part::kTof,
-                       Part::kRig,      Part::kSeeds,     Part::kPrior,
-                       Part::kUnfilled, Part::kDisparity, Part::kConfidence};
   std::vector<Part> order(std::begin(kAllParts), std::end(kAllParts));
   for (int round = 0; round < 200; ++round) {
-    FrameJoiner joiner(all);
+    FrameJoiner joiner(AllParts());
     for (size_t i = 0; i + 1 < order.size(); ++i) {
       ASSERT_EQ(AddTo(joiner, IdOf(3), order[i], 10 + static_cast<int>(order[i])), Seqs{});
     }
