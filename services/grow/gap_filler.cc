@@ -1,10 +1,10 @@
 #include "services/grow/gap_filler.h"
 
 #include <algorithm>
-#include <array>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "services/grow/gap_medians.h"
 #include "services/grow/parallel.h"
 
 namespace sprout {
@@ -13,77 +13,12 @@ namespace {
 constexpr int kRadius = 2;
 constexpr int kWindow = 2 * kRadius + 1;
 
-cv::Rect WindowAt(cv::Point pixel, cv::Size size) {
-  return cv::Rect(pixel.x - kRadius, pixel.y - kRadius, kWindow, kWindow) & cv::Rect({}, size);
-}
+// Columns of kFillColumns pixels in a row.
+int BlocksAcross(cv::Size size) { return (size.width + kFillColumns - 1) / kFillColumns; }
 
-// Median of the valid counts around a pixel; kInvalid when there are none.
-int16_t MedianAround(const DisparityImage& map, cv::Point pixel) {
-  std::array<int16_t, kWindow * kWindow + 1> counts;  // one behind the last may be written
-  const cv::Rect window = WindowAt(pixel, map.size());
-  auto end = counts.begin();
-  for (int v = window.y; v < window.br().y; ++v) {
-    const int16_t* row = map.counts()[v];
-    for (int u = window.x; u < window.br().x; ++u) {
-      *end = row[u];  // no branch: whether a neighbour is valid cannot be predicted
-      end += row[u] != DisparityImage::kInvalid ? 1 : 0;
-    }
-  }
-  if (end == counts.begin()) return DisparityImage::kInvalid;
-  const auto [lowest, highest] = std::minmax_element(counts.begin(), end);
-  if (*lowest == *highest) return *lowest;
-  const auto median = counts.begin() + (end - counts.begin() - 1) / 2;
-  std::nth_element(counts.begin(), median, end);
-  return *median;
-}
-
-// Gaps that have a valid pixel in their window.
-std::vector<cv::Point> FillableGaps(const DisparityImage& map) {
-  cv::Mat1b valid;
-  cv::compare(map.counts(), DisparityImage::kInvalid, valid, cv::CMP_NE);
-  cv::Mat1b near_valid;
-  cv::dilate(valid, near_valid, cv::Mat1b::ones(kWindow, kWindow));
-  std::vector<cv::Point> gaps;
-  for (int v = 0; v < map.height(); ++v) {
-    for (int u = 0; u < map.width(); ++u) {
-      if (!valid(v, u) && near_valid(v, u)) gaps.emplace_back(u, v);
-    }
-  }
-  return gaps;
-}
-
-// Gaps that the pixels filled last have made fillable, each once.
-std::vector<cv::Point> GapsAround(const std::vector<cv::Point>& filled, const DisparityImage& map,
-                                  cv::Mat1b& listed) {
-  std::vector<cv::Point> gaps;
-  for (const cv::Point& pixel : filled) {
-    const cv::Rect window = WindowAt(pixel, map.size());
-    for (int v = window.y; v < window.br().y; ++v) {
-      for (int u = window.x; u < window.br().x; ++u) {
-        if (map.IsValid(u, v) || listed(v, u)) continue;
-        listed(v, u) = 1;
-        gaps.emplace_back(u, v);
-      }
-    }
-  }
-  return gaps;
-}
-
-// One pass: every gap in the list looks at the map as it was before.
-void FillPass(const std::vector<cv::Point>& gaps, DisparityImage& map) {
-  std::vector<int16_t> medians;
-  medians.reserve(gaps.size());
-  for (const cv::Point& gap : gaps) medians.push_back(MedianAround(map, gap));
-  for (size_t i = 0; i < gaps.size(); ++i) map.counts()(gaps[i]) = medians[i];
-}
-
-// Further passes, until nothing changes.
-void FillOn(DisparityImage& map) {
-  cv::Mat1b listed(map.size(), uint8_t{0});
-  for (std::vector<cv::Point> gaps = FillableGaps(map); !gaps.empty();
-       gaps = GapsAround(gaps, map, listed)) {
-    FillPass(gaps, map);
-  }
+// Writes a block of pixels, as many as there are in the map.
+void CopyTo(DisparityImage& map, int v, int u, const FilledPixels& pixels) {
+  std::copy_n(pixels.begin(), std::min(kFillColumns, map.width() - u), &map.counts()(v, u));
 }
 
 // Rows of a map, gaps with the prior's disparity where it has the map's size.
@@ -120,7 +55,7 @@ DisparityImage GapFiller::Fill(const DisparityImage& map, GrowConfig::Fill fill,
       break;
     default:
       FillOnce(map);
-      FillOn(result_);
+      FillOn();
   }
   return result_;
 }
@@ -128,12 +63,64 @@ DisparityImage GapFiller::Fill(const DisparityImage& map, GrowConfig::Fill fill,
 void GapFiller::FillOnce(const DisparityImage& map) {
   ForEachParallel(static_cast<size_t>(map.height()), [&](size_t row) {
     const int v = static_cast<int>(row);
-    const int16_t* from = map.counts()[v];
-    int16_t* to = result_.counts()[v];
-    for (int u = 0; u < map.width(); ++u) {
-      to[u] = from[u] != DisparityImage::kInvalid ? from[u] : MedianAround(map, {u, v});
+    FilledPixels pixels;
+    for (int u = 0; u < map.width(); u += kFillColumns) {
+      FillPixels(map, v, u, pixels);
+      CopyTo(result_, v, u, pixels);
     }
   });
+}
+
+// Passes over the blocks around what the last pass has filled, until one fills nothing.
+void GapFiller::FillOn() {
+  const int across = BlocksAcross(result_.size());
+  blocks_.clear();
+  for (int i = 0; i < across * result_.height(); ++i) blocks_.push_back({i / across, i % across});
+  listed_.assign(blocks_.size(), 0);
+  while (!blocks_.empty()) {
+    filled_.resize(blocks_.size());
+    ForEachParallel(blocks_.size(), [&](size_t i) {
+      Filled& filled = filled_[i];
+      const Block& block = blocks_[i];
+      filled.changed = FillPixels(result_, block.v, block.column * kFillColumns, filled.pixels);
+    });
+    KeepFilled();
+    ListBlocksAround();
+  }
+}
+
+// Writes what a pass has filled, and leaves only these blocks in the list.
+void GapFiller::KeepFilled() {
+  size_t kept = 0;
+  for (size_t i = 0; i < blocks_.size(); ++i) {
+    if (!filled_[i].changed) continue;
+    const Block& block = blocks_[i];
+    CopyTo(result_, block.v, block.column * kFillColumns, filled_[i].pixels);
+    blocks_[kept++] = block;
+  }
+  blocks_.resize(kept);
+}
+
+// The blocks that see one of the list, each once, become the list.
+void GapFiller::ListBlocksAround() {
+  const int across = BlocksAcross(result_.size());
+  const auto listed = [&](const Block& block) -> uint8_t& {
+    return listed_[static_cast<size_t>(block.v * across + block.column)];
+  };
+  next_blocks_.clear();
+  for (const Block& block : blocks_) {
+    for (int v = std::max(block.v - kRadius, 0);
+         v <= std::min(block.v + kRadius, result_.height() - 1); ++v) {
+      for (int column = std::max(block.column - 1, 0);
+           column <= std::min(block.column + 1, across - 1); ++column) {
+        const Block near{v, column};
+        if (listed(near) == 0) next_blocks_.push_back(near);
+        listed(near) = 1;
+      }
+    }
+  }
+  for (const Block& block : next_blocks_) listed(block) = 0;
+  std::swap(blocks_, next_blocks_);
 }
 
 // Bands of rows with the window's margin, so that each can be filled and smoothed for itself.

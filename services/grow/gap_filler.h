@@ -1,11 +1,13 @@
 #ifndef SPROUT_SERVICES_GROW_GAP_FILLER_H_
 #define SPROUT_SERVICES_GROW_GAP_FILLER_H_
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
+#include "services/grow/gap_medians.h"
 
 namespace sprout {
 
@@ -21,8 +23,8 @@ DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill,
                         const DisparityImage& prior);
 
 /// FillGaps() for frame after frame: keeps its memory, and gives a map that nobody else holds any
-/// more out again. ONE_PASS and PRIOR allocate nothing then, and work on OpenCV's threads. One
-/// object serves one caller at a time.
+/// more out again; in steady state it allocates nothing. Works on OpenCV's threads. One object
+/// serves one caller at a time.
 class GapFiller {
  public:
   DisparityImage Fill(const DisparityImage& map, GrowConfig::Fill fill,
@@ -33,11 +35,26 @@ class GapFiller {
     cv::Mat1s filled;
     cv::Mat1s smooth;
   };
+  // kFillColumns pixels of a row.
+  struct Block {
+    int v;
+    int column;  // of blocks
+  };
+  struct Filled {
+    FilledPixels pixels;
+    bool changed;
+  };
 
   void FillOnce(const DisparityImage& map);
+  void FillOn();
+  void KeepFilled();
+  void ListBlocksAround();
   void FillFromPrior(const DisparityImage& map, const DisparityImage& prior);
 
   std::vector<Band> bands_;
+  std::vector<Block> blocks_, next_blocks_;
+  std::vector<Filled> filled_;  // of blocks_
+  std::vector<uint8_t> listed_;
   DisparityImage result_;
 };
 
