@@ -100,20 +100,18 @@ Result<DisparityImage> Grower::Compute(const cv::Mat1b& left, const cv::Mat1b& r
                 SizeText(size));
   }
   const GrowthRule rule = MakeGrowthRule(config_, with_prior ? SigmaP(seeds, prior) : 1);
-  PrepareScratch(size);
+  PrepareScratch(size, rule);
   DistributeSeeds(seeds, size);
   GrowBands({left, right, prior}, rule);
   Renew(map_, size);
-  ForEachParallel(bands_.size(),
-                  [&](size_t i) { WriteBand(rule, bands_[i], config_.sub_pixel(), map_); });
+  ForEachParallel(bands_.size(), [&](size_t i) { WriteBand(rule, bands_[i], map_); });
   return map_;
 }
 
-void Grower::PrepareScratch(cv::Size size) {
+void Grower::PrepareScratch(cv::Size size, const GrowthRule& rule) {
   bands_.resize(static_cast<size_t>((size.height + GrowthBand::kRows - 1) / GrowthBand::kRows));
   for (size_t i = 0; i < bands_.size(); ++i) {
-    bands_[i].Resize(size, static_cast<int>(i) * GrowthBand::kRows,
-                     config_.similarity() == GrowConfig::MNCC);
+    bands_[i].Resize(size, static_cast<int>(i) * GrowthBand::kRows, rule);
   }
 }
 

@@ -46,7 +46,7 @@ class Grower {
 
  private:
   double SigmaP(std::span<const Seed> seeds, const DisparityImage& prior);
-  void PrepareScratch(cv::Size size);
+  void PrepareScratch(cv::Size size, const GrowthRule& rule);
   void DistributeSeeds(std::span<const Seed> seeds, cv::Size size);
   void GrowBands(const GrowthInput& input, const GrowthRule& rule);
 

@@ -11,73 +11,55 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "services/grow/window_costs-inl.h"
+#include "services/grow/candidates-inl.h"
+#include "services/grow/matches-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sprout {
 namespace HWY_NAMESPACE {
 
-struct Match {
-  int disparity;
-  int32_t cost;
-};
+// Seeds in the queue are pixels of the band (row, column) or, with this bit, initial ones (number).
+inline constexpr SeedQueue::Id kInitial = SeedQueue::Id{1} << 31;
 
-// The best of three disparities; of equals d comes before d − 1 before d + 1. A cost and its place
-// in that order make one number.
-HWY_INLINE Match BestOf(Four costs, int d) {
-  constexpr int kStep[] = {0, -1, 1, 0};
-  const int32_t best = SmallestKey(costs, /*places of d + 1, d, d − 1, d − 2*/ {2, 0, 1, 3});
-  return {d + kStep[best & 3], best >> 2};
-}
-
-template <GrowConfig::Similarity kSimilarity>
+template <class Matches>
 class Growth {
  public:
-  Growth(const GrowthRule& rule, GrowthBand& band) : rule_(rule), band_(band), queue_(band.queue) {}
-
-  // Alg. 1, step 2: similarity of every seed.
-  void AddSeeds() {
-    for (size_t i = 0; i < band_.seeds.size(); ++i) {
-      GrowthSeed& seed = band_.seeds[i];
-      const GrowthRow& row = band_.row(seed.v - band_.first_row());
-      const auto costs = ToNumbers(FourCosts<kSimilarity>(rule_, row, seed.u, seed.disparity));
-      queue_.Push(kInitial | static_cast<SeedQueue::Id>(i), costs[1], seed.next);
-    }
-  }
+  Growth(const Matches& matches, GrowthBand& band)
+      : matches_(matches),
+        band_(band),
+        queue_(band.queue),
+        left_(band.left.data()),
+        right_matched_(band.right_matched.data()),
+        stride_(band.stride()) {}
 
   void Run() {
-    while (!queue_.empty()) {                       // Alg. 1, steps 4 and 13
-      const Seed seed = TakeBest();                 // Step 5
-      Visit(seed.row, seed.u - 1, seed.disparity);  // Step 6
-      Visit(seed.row, seed.u + 1, seed.disparity);
-      Visit(seed.row - 1, seed.u, seed.disparity);
-      Visit(seed.row + 1, seed.u, seed.disparity);
+    while (!queue_.empty()) {        // Alg. 1, steps 4 and 13
+      const auto seed = TakeBest();  // Step 5
+      const auto index = band_.IndexOf(seed.pixel);
+      Visit(seed.pixel - 1, index - 1, seed.disparity);  // Step 6
+      Visit(seed.pixel + 1, index + 1, seed.disparity);
+      Visit(seed.pixel - GrowthBand::kRowBelow, index - stride_, seed.disparity);
+      Visit(seed.pixel + GrowthBand::kRowBelow, index + stride_, seed.disparity);
     }
   }
 
-  // One neighbour of a seed of disparity d.
-  HWY_INLINE void Visit(int row_index, int u, int d) {
-    const GrowthRow& row = band_.row(row_index);
-    LeftPixel& pixel = row.left[u];
-    if (pixel.disparity != LeftPixel::kFree || IsFarFromPrior(pixel, d)) return;
-    const Match best = BestOf(FourCosts<kSimilarity>(rule_, row, u, d), d);
-    if (best.cost > rule_.limit) return;  // Step 7
-    uint8_t& right_matched = row.right_matched[u - best.disparity];
-    if (right_matched != 0) return;                             // Step 8
-    queue_.Push(PixelId(row_index, u), best.cost, pixel.next);  // Step 9
-    pixel.disparity = static_cast<int16_t>(best.disparity);     // Step 10
+  // One neighbour of a seed of disparity d. @param index  of the pixel in the band's tables.
+  HWY_INLINE void Visit(PixelId id, ptrdiff_t index, int d) {
+    LeftPixel& pixel = left_[index];
+    if (pixel.disparity != LeftPixel::kFree) return;
+    const Match best = matches_.Best(id, pixel, d);
+    if (best.level == kRefused) return;  // Step 7
+    uint8_t& right_matched = right_matched_[index - best.disparity];
+    if (right_matched != 0) return;                          // Step 8
+    queue_.Push(id, best.level, pixel.next);                 // Step 9
+    pixel.disparity = static_cast<int16_t>(best.disparity);  // Step 10
     right_matched = 1;
     band_.changed = true;
   }
 
  private:
-  // Seeds in the queue are pixels of the band (row, column) or initial ones (their number).
-  static constexpr SeedQueue::Id kInitial = SeedQueue::Id{1} << 31;
-  static SeedQueue::Id PixelId(int row, int u) { return static_cast<SeedQueue::Id>(row << 16 | u); }
-
   struct Seed {
-    int row;
-    int u;
+    PixelId pixel;
     int disparity;
   };
 
@@ -86,40 +68,41 @@ class Growth {
     if ((id & kInitial) != 0) {
       const GrowthSeed& seed = band_.seeds[id & ~kInitial];
       queue_.Pop(seed.next);
-      return {seed.v - band_.first_row(), seed.u, seed.disparity};
+      return {band_.PixelAt(seed.v - band_.first_row(), seed.u), seed.disparity};
     }
-    const int row = static_cast<int>(id >> 16);
-    const int u = static_cast<int>(id & 0xffff);
-    const LeftPixel& pixel = band_.row(row).left[u];
+    const LeftPixel& pixel = left_[band_.IndexOf(id)];
     queue_.Pop(pixel.next);
-    return {row, u, pixel.disparity};
+    return {id, pixel.disparity};
   }
 
-  // The prior alone rules out d − 1, d and d + 1.
-  bool IsFarFromPrior(const LeftPixel& pixel, int d) const {
-    constexpr int kOne = DisparityImage::kCountsPerPixel;
-    return kSimilarity == GrowConfig::EPC &&
-           std::abs(d * kOne - pixel.prior) > rule_.prior_reach + kOne;
-  }
-
-  const GrowthRule rule_;
+  const Matches matches_;
   GrowthBand& band_;
   SeedQueue& queue_;
+  LeftPixel* const left_;
+  uint8_t* const right_matched_;
+  const ptrdiff_t stride_;
 };
 
+// Alg. 1, step 2: similarity of every seed.
 template <GrowConfig::Similarity kSimilarity>
-void GrowSeeds(const GrowthRule& rule, GrowthBand& band) {
-  Growth<kSimilarity> growth(rule, band);
-  growth.AddSeeds();
-  growth.Run();
+void AddSeeds(const GrowthRule& rule, GrowthBand& band) {
+  for (size_t i = 0; i < band.seeds.size(); ++i) {
+    GrowthSeed& seed = band.seeds[i];
+    const GrowthRow& row = band.row(seed.v - band.first_row());
+    const auto costs = ToNumbers(FourCosts<kSimilarity>(rule, row, seed.u, seed.disparity));
+    band.queue.Push(kInitial | static_cast<SeedQueue::Id>(i), band.queue.LevelOf(costs[1]),
+                    seed.next);
+  }
 }
 
-template <GrowConfig::Similarity kSimilarity>
-void GrowSeams(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthBand& band) {
-  Growth<kSimilarity> growth(rule, band);
+template <class Matches>
+void GrowSeams(const Matches& matches, SeamRow above, SeamRow below, GrowthBand& band) {
+  Growth<Matches> growth(matches, band);
   const auto cross = [&](SeamRow seam, int row) HWY_ATTR {
     for (size_t u = 0; u < seam.size(); ++u) {
-      if (seam[u] > LeftPixel::kClosed) growth.Visit(row, static_cast<int>(u), seam[u]);
+      if (seam[u] <= LeftPixel::kClosed) continue;
+      const PixelId pixel = GrowthBand::PixelAt(row, static_cast<int>(u));
+      growth.Visit(pixel, band.IndexOf(pixel), seam[u]);
     }
   };
   cross(above, 0);
@@ -127,25 +110,20 @@ void GrowSeams(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthBand&
   growth.Run();
 }
 
-// Where between d − 1 and d + 1 the parabola through their costs has its minimum, from d, counts;
-// none where a cost is missing or d is not the best of the three.
-HWY_INLINE int SubPixelStep(const FourNumbers& costs) {
-  const int32_t before = costs[2] - costs[1];
-  const int32_t behind = costs[0] - costs[1];
-  if (costs[0] == kExcludedCost || costs[2] == kExcludedCost || before < 0 || behind < 0 ||
-      before + behind == 0) {
-    return 0;
+// Steps of a row's pixels from their whole disparities towards the least cost, counts.
+template <GrowConfig::Similarity kSimilarity>
+int SubPixelStepAt(const GrowthRule& rule, const GrowthRow& row, int u) {
+  const int d = row.left[u].disparity;
+  if (rule.two_candidates()) {
+    return row.sub_pixel_steps[u].Of(d - FirstCandidate(row.left[u]));
   }
-  // Half a pixel times (before − behind) / (before + behind), rounded to nearest.
-  constexpr float kHalf = DisparityImage::kCountsPerPixel / 2;
-  const float step =
-      kHalf * static_cast<float>(before - behind) / static_cast<float>(before + behind);
-  return static_cast<int>(step + (kHalf + 0.5f)) - static_cast<int>(kHalf);
+  const auto costs = ToNumbers(FourCosts<kSimilarity>(rule, row, u, d));
+  const auto one = [](int32_t cost) HWY_ATTR { return hn::Set(hn::CappedTag<int32_t, 1>(), cost); };
+  return hn::GetLane(StepsToMinimum(one(costs[2]), one(costs[1]), one(costs[0])));
 }
 
 template <GrowConfig::Similarity kSimilarity>
-void Write(const GrowthRule& rule, const GrowthBand& band, bool sub_pixel, DisparityImage& map) {
-  constexpr int kOne = DisparityImage::kCountsPerPixel;
+void Write(const GrowthRule& rule, const GrowthBand& band, DisparityImage& map) {
   for (int r = 0; r < band.rows(); ++r) {
     const GrowthRow& row = band.row(r);
     int16_t* counts = map.counts()[band.first_row() + r];
@@ -155,11 +133,20 @@ void Write(const GrowthRule& rule, const GrowthBand& band, bool sub_pixel, Dispa
         counts[u] = DisparityImage::kInvalid;
         continue;
       }
-      const int step =
-          sub_pixel ? SubPixelStep(ToNumbers(FourCosts<kSimilarity>(rule, row, u, d))) : 0;
-      counts[u] = static_cast<int16_t>(d * kOne + step);
+      const int step = rule.sub_pixel ? SubPixelStepAt<kSimilarity>(rule, row, u) : 0;
+      counts[u] = static_cast<int16_t>(d * DisparityImage::kCountsPerPixel + step);
     }
   }
+}
+
+template <GrowConfig::Similarity kSimilarity>
+void GrowSeeds(const GrowthRule& rule, GrowthBand& band) {
+  AddSeeds<kSimilarity>(rule, band);
+  if (rule.two_candidates()) {
+    Tabulate(rule, band);
+    return Growth(TabledMatches(), band).Run();
+  }
+  Growth(ComputedMatches<kSimilarity>(rule, band), band).Run();
 }
 
 void GrowFromSeedsOnTarget(const GrowthRule& rule, GrowthBand& band) {
@@ -174,25 +161,25 @@ void GrowFromSeedsOnTarget(const GrowthRule& rule, GrowthBand& band) {
 }
 
 void GrowFromSeamsOnTarget(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthBand& band) {
+  if (rule.two_candidates()) return GrowSeams(TabledMatches(), above, below, band);
   switch (rule.similarity) {
     case GrowConfig::MNCC:
-      return GrowSeams<GrowConfig::MNCC>(rule, above, below, band);
+      return GrowSeams(ComputedMatches<GrowConfig::MNCC>(rule, band), above, below, band);
     case GrowConfig::EXPSSD:
-      return GrowSeams<GrowConfig::EXPSSD>(rule, above, below, band);
+      return GrowSeams(ComputedMatches<GrowConfig::EXPSSD>(rule, band), above, below, band);
     case GrowConfig::EPC:
-      return GrowSeams<GrowConfig::EPC>(rule, above, below, band);
+      return GrowSeams(ComputedMatches<GrowConfig::EPC>(rule, band), above, below, band);
   }
 }
 
-void WriteOnTarget(const GrowthRule& rule, const GrowthBand& band, bool sub_pixel,
-                   DisparityImage& map) {
+void WriteOnTarget(const GrowthRule& rule, const GrowthBand& band, DisparityImage& map) {
   switch (rule.similarity) {
     case GrowConfig::MNCC:
-      return Write<GrowConfig::MNCC>(rule, band, sub_pixel, map);
+      return Write<GrowConfig::MNCC>(rule, band, map);
     case GrowConfig::EXPSSD:
-      return Write<GrowConfig::EXPSSD>(rule, band, sub_pixel, map);
+      return Write<GrowConfig::EXPSSD>(rule, band, map);
     case GrowConfig::EPC:
-      return Write<GrowConfig::EPC>(rule, band, sub_pixel, map);
+      return Write<GrowConfig::EPC>(rule, band, map);
   }
 }
 
@@ -233,9 +220,8 @@ void GrowFromSeams(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthB
   HWY_DYNAMIC_DISPATCH(GrowFromSeamsOnTarget)(rule, above, below, band);
 }
 
-void WriteBand(const GrowthRule& rule, const GrowthBand& band, bool sub_pixel,
-               DisparityImage& map) {
-  HWY_DYNAMIC_DISPATCH(WriteOnTarget)(rule, band, sub_pixel, map);
+void WriteBand(const GrowthRule& rule, const GrowthBand& band, DisparityImage& map) {
+  HWY_DYNAMIC_DISPATCH(WriteOnTarget)(rule, band, map);
 }
 
 CostTriple CostsAt(const GrowthRule& rule, const GrowthBand& band, int u, int v, int d) {

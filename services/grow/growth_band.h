@@ -16,28 +16,70 @@
 // has all it needs, and bands grow at the same time. What they give does not depend on how many do.
 namespace sprout {
 
+/// What growth may match a pixel to where the prior leaves it the two whole disparities on either
+/// side, m = ⌊D_p⌋ and m + 1, and nothing else: in one number.
+///   bits 0 to 7, 8 to 15   levels of their costs in the queue of seeds
+///   bits 16 to 19          bit i: the better one among m + i − 2 to m + i; 0 for m, 1 for m + 1
+///   bits 20, 21            whether they can be accepted
+class Candidates {
+ public:
+  static constexpr int kBetter = 16, kAccepted = 20;
+
+  explicit Candidates(uint32_t packed = 0) : packed_(packed) {}
+
+  /// Of the three disparities around m + i − 1.
+  unsigned Better(unsigned i) const { return packed_ >> (kBetter + i) & 1; }
+  bool IsAccepted(unsigned which) const { return (packed_ >> (kAccepted + which) & 1) != 0; }
+  int Level(unsigned which) const { return static_cast<int>(packed_ >> (8 * which) & 0xff); }
+
+ private:
+  uint32_t packed_;
+};
+
+/// Of the candidates, steps from the whole disparity to the least cost, counts.
+class SubPixelSteps {
+ public:
+  explicit SubPixelSteps(uint16_t packed = 0) : packed_(packed) {}
+  int Of(int which) const { return static_cast<int8_t>(packed_ >> (8 * which)); }
+
+ private:
+  uint16_t packed_;
+};
+
 /// What growth touches of a left pixel, in one place.
 struct LeftPixel {
   static constexpr int16_t kFree = DisparityImage::kInvalid;  // not matched yet
   static constexpr int16_t kClosed = kFree + 1;               // can never be matched
 
-  int32_t energy;      // Σ w² of its window; with MNCC n²·var
+  union {
+    int32_t energy;         // Σ w² of its window; with MNCC n²·var
+    Candidates candidates;  // after Tabulate()
+  };
   SeedQueue::Id next;  // link of the queue of seeds
   int16_t prior;       // counts
   int16_t disparity;   // px, or kFree or kClosed
 };
 
+/// m of Candidates, px.
+inline int FirstCandidate(const LeftPixel& pixel) {
+  static_assert(DisparityImage::kCountsPerPixel == 1 << 5);
+  return pixel.prior >> 5;
+}
+
 /// What growth touches of one row.
 struct GrowthRow {
   LeftPixel* left;
   int32_t* right_energy;  // as of the left pixel; negative where the window does not fit
-  uint8_t* right_matched;
-  uint16_t* left_sum;  // Σ w, only with MNCC
+  uint16_t* left_sum;     // Σ w, only with MNCC
   uint16_t* right_sum;
   int16_t* left_columns;  // the rows around this one, see GrowthBand
   int16_t* right_columns;
-  const int16_t* window_rows;  // all bits set for the rows of a column that are in the window
+  SubPixelSteps* sub_pixel_steps;  // only with candidates
+  const int16_t* window_rows;      // all bits set for the rows of a column that are in the window
 };
+
+/// A pixel of a band: row << 16 | column. Its neighbours' are 1 and kRowBelow away.
+using PixelId = SeedQueue::Id;
 
 /// A seed, whole pixels.
 struct GrowthSeed {
@@ -54,21 +96,34 @@ struct GrowthSeed {
 class GrowthBand {
  public:
   static constexpr int kRows = 64;
-  static constexpr int kPadding = 4;     ///< columns on either side of what belongs to right pixels
-  static constexpr int kColumnRows = 8;  ///< pixels in a column
-  static constexpr int kRowsPerSet = 4;  ///< rows whose windows lie in one set of columns
+  static constexpr int kPadding = 4;              ///< entries on either side of a row in each table
+  static constexpr int kColumnRows = 8;           ///< pixels in a column
+  static constexpr int kRowsPerSet = 4;           ///< rows whose windows lie in one set of columns
   static constexpr int32_t kOutside = INT32_MIN;  ///< right_energy where the window does not fit
 
-  /// @param size  of the images. Allocates when it differs from the last one.
-  void Resize(cv::Size size, int first_row, bool with_sums);
+  /// @param size  of the images. Allocates when it, or what the rule needs, has changed.
+  void Resize(cv::Size size, int first_row, const GrowthRule& rule);
+
+  static constexpr PixelId kRowBelow = 1 << 16;
+  static PixelId PixelAt(int row, int u) { return static_cast<PixelId>(row << 16 | u); }
+  static int RowOf(PixelId pixel) { return static_cast<int>(pixel >> 16); }
+  static int ColumnOf(PixelId pixel) { return static_cast<int>(pixel & 0xffff); }
+
+  /// Of a pixel in `left`, and of the right pixel of its row and column in `right_matched`.
+  ptrdiff_t IndexOf(PixelId pixel) const {
+    return (RowOf(pixel) + 1) * stride() + kPadding + ColumnOf(pixel);
+  }
+
+  /// Entries from a row to the one below, in all tables.
+  ptrdiff_t stride() const { return stride_; }
 
   int first_row() const { return first_row_; }
   int rows() const { return rows_; }
   int width() const { return size_.width; }
   cv::Size image_size() const { return size_; }
 
-  /// @param row  −1 to rows(): the rows above and below the band are closed.
-  const GrowthRow& row(int row) const { return views_[static_cast<size_t>(row + 1)]; }
+  /// @param row  0 to rows() − 1.
+  const GrowthRow& row(int row) const { return views_[static_cast<size_t>(row)]; }
 
   /// Bytes of memory.
   size_t bytes() const;
@@ -77,19 +132,21 @@ class GrowthBand {
   std::span<GrowthSeed> seeds;  ///< initial seeds of the band, the owner's memory
   bool changed = false;         ///< has matched a pixel in the last round
 
-  std::vector<LeftPixel> left;
+  std::vector<LeftPixel> left;         ///< with a closed row above and below
+  std::vector<uint8_t> right_matched;  ///< laid out as `left`
   std::vector<int32_t> right_energy;
-  std::vector<uint8_t> right_matched;
   std::vector<uint16_t> left_sum, right_sum;
+  std::vector<SubPixelSteps> sub_pixel_steps;
   std::vector<int16_t> left_columns, right_columns;
-  std::vector<int32_t> column_sums;  ///< two rows of scratch
+  std::vector<int32_t> row_scratch;  ///< three rows
 
  private:
-  void MakeViews(bool with_sums);
+  void MakeViews();
 
   cv::Size size_;
   int first_row_ = 0;
   int rows_ = 0;
+  ptrdiff_t stride_ = 0;
   std::vector<GrowthRow> views_;
 };
 
@@ -113,9 +170,9 @@ using SeamRow = std::span<const int16_t>;
 /// first, each from left to right. Empty rows are left out.
 void GrowFromSeams(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthBand& band);
 
-/// Writes the disparities to the band's rows of the map; with sub_pixel to the counts of
+/// Writes the disparities to the band's rows of the map; with rule.sub_pixel to the counts of
 /// DisparityImage, from the parabola through the costs of d − 1, d and d + 1.
-void WriteBand(const GrowthRule& rule, const GrowthBand& band, bool sub_pixel, DisparityImage& map);
+void WriteBand(const GrowthRule& rule, const GrowthBand& band, DisparityImage& map);
 
 /// Costs of d − 1, d and d + 1 at a pixel, kExcludedCost where a window does not fit.
 /// @pre the left window lies in the image, the right window of d leaves it by one column at most.

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "common/core/disparity_image.h"
 #include "services/grow/similarity.h"
 
 namespace sprout {
@@ -11,7 +10,7 @@ namespace {
 // Largest distance whose cost is within the limit.
 int ReachOf(float prior_scale, int32_t limit) {
   int reach = 0;
-  while (reach < UINT16_MAX && PriorCost(reach + 1, prior_scale) <= static_cast<float>(limit)) {
+  while (reach < UINT16_MAX && PriorCost(reach + 1, prior_scale) < static_cast<float>(limit + 1)) {
     ++reach;
   }
   return reach;
@@ -22,6 +21,7 @@ int ReachOf(float prior_scale, int32_t limit) {
 GrowthRule MakeGrowthRule(const GrowConfig& config, double sigma_p_px) {
   GrowthRule rule;
   rule.similarity = config.similarity();
+  rule.sub_pixel = config.sub_pixel();
   if (config.similarity() == GrowConfig::MNCC) {
     rule.limit = CostFromExponent(1 - config.threshold());
     rule.photo_scale = kCostUnit;

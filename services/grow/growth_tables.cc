@@ -110,58 +110,69 @@ void MoveColumnSums(const cv::Mat1b& image, int row, bool first, int32_t* sums) 
   }
 }
 
-// Sum of five neighbours in a row of column sums.
-HWY_INLINE int32_t FiveAround(const int32_t* sums, int u) {
-  return sums[u - 2] + sums[u - 1] + sums[u] + sums[u + 1] + sums[u + 2];
-}
+// Column sums of one row.
+struct ColumnSums {
+  int32_t* squares;
+  int32_t* plain;  // only with MNCC
+};
 
-// Σ w² of the window, or n²·var with MNCC (then Σ w goes to `window_sum`).
+// Σ w² of the windows in a row, or n²·var with MNCC (then Σ w goes to `window_sums`).
 template <bool kWithSums>
-HWY_INLINE int32_t EnergyAt(const int32_t* squares, const int32_t* plain, int u,
-                            uint16_t* window_sum) {
-  const int32_t energy = FiveAround(squares, u);
-  if constexpr (!kWithSums) return energy;
-  const int32_t sum = FiveAround(plain, u);
-  window_sum[u] = static_cast<uint16_t>(sum);
-  return kWindow * kWindow * energy - sum * sum;
+void SumWindows(const ColumnSums& columns, int width, int32_t* energies, uint16_t* window_sums) {
+  const int end = width - kWindowRadius;
+  const auto sweep = [&](auto d, int u) HWY_ATTR {
+    const hn::Rebind<uint16_t, decltype(d)> d16;
+    const auto five_around = [&](const int32_t* sums) HWY_ATTR {
+      const auto two = hn::Add(hn::LoadU(d, sums - 2), hn::LoadU(d, sums - 1));
+      const auto three = hn::Add(two, hn::LoadU(d, sums));
+      return hn::Add(three, hn::Add(hn::LoadU(d, sums + 1), hn::LoadU(d, sums + 2)));
+    };
+    for (const int lanes = static_cast<int>(hn::Lanes(d)); u + lanes <= end; u += lanes) {
+      auto energy = five_around(columns.squares + u);
+      if constexpr (kWithSums) {
+        const auto sum = five_around(columns.plain + u);
+        hn::StoreU(hn::DemoteTo(d16, sum), d16, window_sums + u);
+        energy = hn::Sub(hn::Mul(hn::Set(d, kWindow * kWindow), energy), hn::Mul(sum, sum));
+      }
+      hn::StoreU(energy, d, energies + u);
+    }
+    return u;
+  };
+  const int rest = sweep(hn::ScalableTag<int32_t>(), kWindowRadius);
+  sweep(hn::CappedTag<int32_t, 1>(), rest);
 }
 
 template <bool kWithSums>
 void FillEnergies(const GrowthInput& input, bool with_prior, GrowthBand& band) {
   const int width = band.width();
   const int height = band.image_size().height;
-  int32_t* squares = band.column_sums.data();
-  int32_t* plain = squares + width;
-  const auto fill = [&](const cv::Mat1b& image, const auto& store_row) HWY_ATTR {
+  const ColumnSums columns{band.row_scratch.data(), band.row_scratch.data() + width};
+  const auto fill = [&](const cv::Mat1b& image, const auto& fill_row) HWY_ATTR {
     bool first = true;
     for (int r = 0; r < band.rows(); ++r) {
       const int v = band.first_row() + r;
       if (v < kWindowRadius || v >= height - kWindowRadius) continue;
-      MoveColumnSums<true>(image, v, first, squares);
-      if constexpr (kWithSums) MoveColumnSums<false>(image, v, first, plain);
+      MoveColumnSums<true>(image, v, first, columns.squares);
+      if constexpr (kWithSums) MoveColumnSums<false>(image, v, first, columns.plain);
       first = false;
-      store_row(r, v);
+      fill_row(band.row(r), v);
     }
   };
-  fill(input.left, [&](int r, int v) HWY_ATTR {
-    const GrowthRow& row = band.row(r);
-    auto* sums = row.left_sum;
+  int32_t* const energies = band.row_scratch.data() + 2 * width;
+  fill(input.left, [&](const GrowthRow& row, int v) HWY_ATTR {
+    SumWindows<kWithSums>(columns, width, energies, row.left_sum);
     const int16_t* prior = with_prior ? input.prior.counts()[v] : nullptr;
     for (int u = kWindowRadius; u < width - kWindowRadius; ++u) {
+      const int16_t prior_counts = with_prior ? prior[u] : int16_t{0};
+      const bool open = prior_counts != DisparityImage::kInvalid;
       LeftPixel& pixel = row.left[u];
-      pixel.energy = EnergyAt<kWithSums>(squares, plain, u, sums);
-      pixel.prior = with_prior ? prior[u] : int16_t{0};
-      const bool open = !with_prior || prior[u] != DisparityImage::kInvalid;
+      pixel.energy = energies[u];
+      pixel.prior = prior_counts;
       pixel.disparity = open ? LeftPixel::kFree : LeftPixel::kClosed;
     }
   });
-  fill(input.right, [&](int r, int) HWY_ATTR {
-    const GrowthRow& row = band.row(r);
-    auto* sums = row.right_sum;
-    auto* energy = row.right_energy;
-    for (int u = kWindowRadius; u < width - kWindowRadius; ++u) {
-      energy[u] = EnergyAt<kWithSums>(squares, plain, u, sums);
-    }
+  fill(input.right, [&](const GrowthRow& row, int) HWY_ATTR {
+    SumWindows<kWithSums>(columns, width, row.right_energy, row.right_sum);
   });
 }
 

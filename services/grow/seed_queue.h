@@ -27,14 +27,21 @@ class SeedQueue {
     first_.fill(kNone);
     occupied_.fill(0);
     occupied_words_ = 0;
-    levels_per_cost_ = (uint64_t{kLevels} << 32) / (static_cast<uint64_t>(limit) + 1);
+    levels_per_cost_ = static_cast<float>(kLevels) / static_cast<float>(limit + 1);
   }
+
+  float levels_per_cost() const { return levels_per_cost_; }
 
   bool empty() const { return occupied_words_ == 0; }
 
+  /// 0 to kLevels − 1.
+  int LevelOf(int32_t cost) const {
+    constexpr float kLast = kLevels - 1;
+    return static_cast<int>(std::min(static_cast<float>(cost) * levels_per_cost_, kLast));
+  }
+
   /// @param next  the link that lies with this seed; a seed is in the queue once at a time.
-  void Push(Id seed, int32_t cost, Id& next) {
-    const int level = LevelOf(cost);
+  void Push(Id seed, int level, Id& next) {
     next = first_[static_cast<size_t>(level)];
     first_[static_cast<size_t>(level)] = seed;
     occupied_[static_cast<size_t>(level / 64)] |= uint64_t{1} << (level % 64);
@@ -59,15 +66,10 @@ class SeedQueue {
     return word * 64 + std::countr_zero(occupied_[static_cast<size_t>(word)]);
   }
 
-  int LevelOf(int32_t cost) const {
-    const uint64_t level = (static_cast<uint64_t>(cost) * levels_per_cost_) >> 32;
-    return static_cast<int>(std::min<uint64_t>(level, kLevels - 1));
-  }
-
   std::array<Id, kLevels> first_{};
   std::array<uint64_t, kLevels / 64> occupied_{};  // bit n of word w: level 64w + n holds a seed
   uint32_t occupied_words_ = 0;                    // bit w: word w is not zero
-  uint64_t levels_per_cost_ = 0;                   // 32 binary places
+  float levels_per_cost_ = 0;
 };
 
 }  // namespace sprout

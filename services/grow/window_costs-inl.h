@@ -19,58 +19,108 @@ namespace sprout {
 namespace HWY_NAMESPACE {
 
 // Numbers of the disparities d + 1, d, d − 1 and d − 2, in this order: so the right windows lie in
-// memory. The fourth is of no use; registers have room for it.
+// memory.
 using FourNumbers = std::array<int32_t, 4>;
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <class V>
+using FloatsOf = hn::Vec<hn::RebindToFloat<hn::DFromV<V>>>;
+
+// Eq. (4) as a cost, not yet whole: Σ (wL − wR)² / (σ_s² · Σ (wL² + wR²)). With MNCC eq. (1), whose
+// sums have the same form: 1 − 2·cov / (var + var), everything times n⁴.
+// @param energies  Σ wL² + Σ wR². @param cross  Σ wL·wR.
+template <class V>
+HWY_INLINE FloatsOf<V> PhotoCosts(const GrowthRule& rule, V energies, V cross) {
+  const hn::DFromV<V> d;
+  const hn::RebindToFloat<decltype(d)> df;
+  // Without variance no correlation; without energy no difference.
+  const V divisor = hn::Max(energies, hn::Set(d, 1));
+  const V total = rule.similarity == GrowConfig::MNCC ? divisor : energies;
+  const auto scale = hn::Div(hn::Set(df, rule.photo_scale), hn::ConvertTo(df, divisor));
+  return hn::Mul(hn::ConvertTo(df, hn::Sub(hn::Sub(total, cross), cross)), scale);
+}
+
+// Eq. (5). @param distances  from the prior, counts.
+template <class V>
+HWY_INLINE FloatsOf<V> PriorCosts(const GrowthRule& rule, V distances) {
+  const hn::RebindToFloat<hn::DFromV<V>> df;
+  const auto f = hn::ConvertTo(df, distances);
+  return hn::Mul(hn::Mul(f, f), hn::Set(df, rule.prior_scale));
+}
+
+// Whole costs, kExcludedCost where a window does not fit. Costs beyond every limit saturate.
+template <class V>
+HWY_INLINE V WholeCosts(FloatsOf<V> costs, V right_energies, V disparities) {
+  const hn::DFromV<V> d;
+  const hn::RebindToFloat<decltype(d)> df;
+  const V whole = hn::ConvertTo(d, hn::Min(costs, hn::Set(df, kLargestCost)));
+  const auto misfit = hn::Lt(hn::Or(right_energies, disparities), hn::Zero(d));
+  return hn::IfThenElse(misfit, hn::Set(d, kExcludedCost), whole);
+}
 
 #if HWY_TARGET == HWY_SCALAR  // what every CPU can do: one number at a time
 
 using Four = FourNumbers;
 
+HWY_INLINE FourNumbers ToNumbers(const Four& four) { return four; }
+
+// The smallest of (cost << 2 | place) of the first three, with a place for each.
+HWY_INLINE int32_t SmallestKey(const Four& costs, const std::array<int32_t, 3>& places) {
+  int32_t smallest = INT32_MAX;
+  for (size_t i = 0; i < 3; ++i) smallest = std::min(smallest, costs[i] << 2 | places[i]);
+  return smallest;
+}
+
+HWY_INLINE Four RightEnergies(const GrowthRow& row, int u, int d) {
+  Four energies;
+  std::copy_n(row.right_energy + (u - (d + 1)), 4, energies.data());
+  return energies;
+}
+
+// Σ wL·wR over 5×5 windows with the right ones of d + 1, d, d − 1, d − 2.
+HWY_INLINE Four CrossSums(const GrowthRow& row, int u, int d) {
+  constexpr int kColumn = GrowthBand::kColumnRows;
+  const int16_t* left = row.left_columns + (u - kWindowRadius) * kColumn;
+  const int16_t* right = row.right_columns + (u - (d + 1) - kWindowRadius) * kColumn;
+  Four sums{};
+  for (size_t i = 0; i < 4; ++i, right += kColumn) {
+    for (int k = 0; k < kWindow * kColumn; ++k) {
+      sums[i] += (left[k] & row.window_rows[k % kColumn]) * right[k];
+    }
+  }
+  return sums;
+}
+
+// Costs of d + 1, d, d − 1 and d − 2 at a pixel.
 template <GrowConfig::Similarity kSimilarity>
 Four FourCosts(const GrowthRule& rule, const GrowthRow& row, int u, int d) {
-  constexpr int kColumn = GrowthBand::kColumnRows;
   const LeftPixel& pixel = row.left[u];
+  const auto one = [](int32_t number) { return hn::Set(hn::CappedTag<int32_t, 1>(), number); };
+  const Four right = RightEnergies(row, u, d);
+  Four cross = CrossSums(row, u, d);
   Four costs;
-  costs.fill(kExcludedCost);
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 4; ++i) {
+    const auto at = static_cast<size_t>(i);
     const int disparity = d + 1 - i;
-    const int32_t right_energy = row.right_energy[u - disparity];
-    if (right_energy < 0 || disparity < 0) continue;
-    const int16_t* left = row.left_columns + (u - kWindowRadius) * kColumn;
-    const int16_t* right = row.right_columns + (u - disparity - kWindowRadius) * kColumn;
-    int32_t cross = 0;  // Σ wL·wR
-    for (int k = 0; k < kWindow * kColumn; ++k) {
-      cross += (left[k] & row.window_rows[k % kColumn]) * right[k];
-    }
-    const int32_t energies = pixel.energy + right_energy;
-    const float scale = rule.photo_scale / static_cast<float>(std::max(energies, 1));
-    int32_t difference = energies - 2 * cross;
     if constexpr (kSimilarity == GrowConfig::MNCC) {
-      difference = std::max(energies, 1) -
-                   2 * (kWindow * kWindow * cross - row.left_sum[u] * row.right_sum[u - disparity]);
+      cross[at] = kWindow * kWindow * cross[at] - row.left_sum[u] * row.right_sum[u - disparity];
     }
-    float cost = static_cast<float>(difference) * scale;
+    if (right[at] < 0) {
+      costs[at] = kExcludedCost;
+      continue;
+    }
+    auto cost = PhotoCosts(rule, one(pixel.energy + right[at]), one(cross[at]));
     if constexpr (kSimilarity == GrowConfig::EPC) {
       const int distance = disparity * DisparityImage::kCountsPerPixel - pixel.prior;
-      cost += PriorCost(distance, rule.prior_scale);
+      cost = hn::Add(cost, PriorCosts(rule, one(distance)));
     }
-    costs[static_cast<size_t>(i)] = static_cast<int32_t>(std::min(cost, kLargestCost));
+    costs[at] = hn::GetLane(WholeCosts(cost, one(right[at]), one(disparity)));
   }
   return costs;
 }
 
-HWY_INLINE FourNumbers ToNumbers(const Four& four) { return four; }
-
-// The smallest of (cost << 2 | place), with a place for each.
-HWY_INLINE int32_t SmallestKey(const Four& costs, const FourNumbers& places) {
-  int32_t smallest = INT32_MAX;
-  for (size_t i = 0; i < 4; ++i) smallest = std::min(smallest, costs[i] << 2 | places[i]);
-  return smallest;
-}
-
 #else
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 using DFour = hn::FixedTag<int32_t, 4>;
 using Four = hn::Vec<DFour>;
@@ -83,8 +133,9 @@ HWY_INLINE FourNumbers ToNumbers(Four four) {
   return numbers;
 }
 
-HWY_INLINE int32_t SmallestKey(Four costs, const FourNumbers& places) {
-  const auto keys = hn::Or(hn::ShiftLeft<2>(costs), LoadFour(places));
+HWY_INLINE int32_t SmallestKey(Four costs, const std::array<int32_t, 3>& places) {
+  const Four last = LoadFour({places[0], places[1], places[2], INT32_MAX});
+  const auto keys = hn::Or(hn::ShiftLeft<2>(costs), last);
   return hn::GetLane(hn::MinOfLanes(DFour(), keys));
 }
 
@@ -97,7 +148,7 @@ HWY_INLINE V AddInterleaved(V a, V b) {
 
 template <class V>
 HWY_INLINE auto AddHalves(V a) {
-  const hn::Half<hn::DFromV<V> > d;
+  const hn::Half<hn::DFromV<V>> d;
   return AddInterleaved(hn::LowerHalf(d, a), hn::UpperHalf(d, a));
 }
 
@@ -157,44 +208,32 @@ HWY_INLINE Four CrossSums(const GrowthRow& row, int u, int d) {
   return WindowSums<kRegisters>::Of(sums);
 }
 
-// Costs of d + 1, d and d − 1 at a pixel; kExcludedCost where a window does not fit. Costs beyond
-// every limit saturate.
+// Σ wR² of the same windows; GrowthBand::kOutside where one does not fit.
+HWY_INLINE Four RightEnergies(const GrowthRow& row, int u, int d) {
+  return hn::LoadU(DFour(), row.right_energy + (u - (d + 1)));
+}
+
+// Costs of d + 1, d, d − 1 and d − 2 at a pixel.
 template <GrowConfig::Similarity kSimilarity>
 HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthRow& row, int u, int d) {
   const DFour d4;
-  const hn::FixedTag<float, 4> df;
   const LeftPixel& pixel = row.left[u];
-  const Four right = hn::LoadU(d4, row.right_energy + (u - (d + 1)));
+  const Four right = RightEnergies(row, u, d);
   const Four disparities = hn::Add(hn::Set(d4, d), LoadFour({1, 0, -1, -2}));
-  const Four energies = hn::Add(hn::Set(d4, pixel.energy), right);
-  const Four divisor = hn::Max(energies, hn::Set(d4, 1));
-  const auto scale = hn::Div(hn::Set(df, rule.photo_scale), hn::ConvertTo(df, divisor));
-  const Four cross = CrossSums(row, u, d);
-
-  auto cost = hn::Zero(df);
+  Four cross = CrossSums(row, u, d);
   if constexpr (kSimilarity == GrowConfig::MNCC) {
-    // Eq. (1): 1 − 2·cov / (var + var), everything times n⁴. Without variance no correlation.
     const hn::FixedTag<uint16_t, 4> d_u16;
     const Four right_sums = hn::PromoteTo(d4, hn::LoadU(d_u16, row.right_sum + (u - (d + 1))));
-    const Four covariance = hn::Sub(hn::Mul(hn::Set(d4, kWindow * kWindow), cross),
-                                    hn::Mul(hn::Set(d4, row.left_sum[u]), right_sums));
-    const Four difference = hn::Sub(divisor, hn::Add(covariance, covariance));
-    cost = hn::Mul(hn::ConvertTo(df, difference), scale);
-  } else {
-    // Eq. (4): Σ (wL − wR)² / (σ_s² · Σ (wL² + wR²)).
-    const Four difference = hn::Sub(hn::Sub(energies, cross), cross);
-    cost = hn::Mul(hn::ConvertTo(df, difference), scale);
-    if constexpr (kSimilarity == GrowConfig::EPC) {  // Eqs. (5) and (6)
-      constexpr int kOne = DisparityImage::kCountsPerPixel;
-      static_assert(kOne == 1 << 5);
-      const Four distance = hn::Sub(hn::ShiftLeft<5>(disparities), hn::Set(d4, pixel.prior));
-      const auto f = hn::ConvertTo(df, distance);
-      cost = hn::Add(cost, hn::Mul(hn::Mul(f, f), hn::Set(df, rule.prior_scale)));
-    }
+    cross = hn::Sub(hn::Mul(hn::Set(d4, kWindow * kWindow), cross),
+                    hn::Mul(hn::Set(d4, row.left_sum[u]), right_sums));
   }
-  const Four whole = hn::ConvertTo(d4, hn::Min(cost, hn::Set(df, kLargestCost)));
-  const Four misfit = hn::Or(hn::Or(right, disparities), LoadFour({0, 0, 0, INT32_MIN}));
-  return hn::IfThenElse(hn::Lt(misfit, hn::Zero(d4)), hn::Set(d4, kExcludedCost), whole);
+  auto cost = PhotoCosts(rule, hn::Add(hn::Set(d4, pixel.energy), right), cross);
+  if constexpr (kSimilarity == GrowConfig::EPC) {  // eq. (6)
+    static_assert(DisparityImage::kCountsPerPixel == 1 << 5);
+    const Four distances = hn::Sub(hn::ShiftLeft<5>(disparities), hn::Set(d4, pixel.prior));
+    cost = hn::Add(cost, PriorCosts(rule, distances));
+  }
+  return WholeCosts(cost, right, disparities);
 }
 
 #endif  // HWY_TARGET == HWY_SCALAR

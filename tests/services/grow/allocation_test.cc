@@ -94,7 +94,7 @@ TEST(Allocation, GrowthAndFillingAllocateNothingInSteadyState) {
     int64_t valid = 0;
     const auto run = [&](const Input& input) {
       const auto map = grower.Compute(input.left, input.right, input.seeds, input.prior);
-      for (const auto fill : {GrowConfig::ONE_PASS, GrowConfig::PRIOR}) {
+      for (const auto fill : {GrowConfig::ONE_PASS, GrowConfig::UNTIL_STABLE, GrowConfig::PRIOR}) {
         const DisparityImage filled = filler.Fill(*map, fill, input.prior);
         valid += cv::countNonZero(filled.counts());
       }

@@ -60,7 +60,8 @@ std::vector<Seed> RandomSeeds(cv::Size size, int count, int max_disparity, uint3
   return seeds;
 }
 
-// Two textured surfaces with a step between them, and a prior that is a little off.
+// Two textured surfaces with a step between them, and a prior that is a little off; in places it
+// jumps, and asks for what no image has.
 struct TwoSurfaces {
   TwoSurfaces(cv::Size size, uint32_t seed, int grey_levels)
       : left(Noise(size, seed, grey_levels)), right(ShiftedBy(left, 4)), prior(size) {
@@ -69,6 +70,18 @@ struct TwoSurfaces {
     ShiftedBy(left, 7).rowRange(lower).copyTo(right.rowRange(lower));
     prior.counts() = ToCounts(4.3);
     prior.counts().rowRange(lower) = ToCounts(6.8);
+    std::mt19937 random(seed);
+    for (int i = 0; i < size.area() / 8; ++i) {
+      const auto pixel = static_cast<int>(random() % static_cast<uint32_t>(size.area()));
+      int16_t& counts = prior.counts()(pixel / size.width, pixel % size.width);
+      counts = static_cast<int16_t>(counts + static_cast<int>(random() % 64) - 32);
+    }
+    for (const double px : {-0.5, -1.5, -40.0, 10.0, 20.0, size.width - 5.0, 900.0}) {
+      for (int i = 0; i < 8; ++i) {
+        const auto pixel = static_cast<int>(random() % static_cast<uint32_t>(size.area()));
+        prior.counts()(pixel / size.width, pixel % size.width) = ToCounts(px);
+      }
+    }
     prior.counts()(size.height / 2, size.width / 3) = DisparityImage::kInvalid;
   }
 
@@ -79,7 +92,8 @@ struct TwoSurfaces {
 
 struct GrowCase {
   GrowConfig::Similarity similarity;
-  int grey_levels;  // 2: many ties; 256: few
+  double sigma_p_px;  // 0.6: two disparities a pixel are left
+  int grey_levels;    // 2: many ties; 256: few
   uint32_t seed;
   cv::Size image_size;
 };
@@ -87,34 +101,40 @@ struct GrowCase {
 class GrowerAgainstSlowGrowth : public testing::TestWithParam<GrowCase> {};
 
 TEST_P(GrowerAgainstSlowGrowth, GivesTheSamePixels) {
-  const auto& [similarity, grey_levels, seed, image_size] = GetParam();
+  const auto& [similarity, sigma_p_px, grey_levels, seed, image_size] = GetParam();
   const cv::Size size = image_size;
   const TwoSurfaces scene(size, seed, grey_levels);
 
   GrowConfig config;
   config.set_similarity(similarity);
   config.set_sigma_s_squared(0.1);
-  config.set_sigma_p_px(1.5);
+  config.set_sigma_p_px(sigma_p_px);
   config.set_sigma_p_noise(0);
-  config.set_sub_pixel(false);
   config.set_threshold(0.4);
   const std::vector<Seed> seeds = RandomSeeds(size, 60, 9, seed);
-  const auto fast = Grower(config).Compute(scene.left, scene.right, seeds, scene.prior);
-  ASSERT_TRUE(fast.has_value());
-  ExpectSame(*fast, SlowGrow(config, scene.left, scene.right, seeds, scene.prior));
-  EXPECT_GT(fast->CountValid(), 50);
+  for (const bool sub_pixel : {false, true}) {
+    config.set_sub_pixel(sub_pixel);
+    const auto fast = Grower(config).Compute(scene.left, scene.right, seeds, scene.prior);
+    ASSERT_TRUE(fast.has_value());
+    ExpectSame(*fast, SlowGrow(config, scene.left, scene.right, seeds, scene.prior));
+    EXPECT_GT(fast->CountValid(), 50);
+  }
 }
 
 std::vector<GrowCase> AllCases() {
   std::vector<GrowCase> cases;
-  for (const auto similarity : {GrowConfig::MNCC, GrowConfig::EXPSSD, GrowConfig::EPC}) {
+  const std::pair<GrowConfig::Similarity, double> similarities[] = {{GrowConfig::MNCC, 1.5},
+                                                                    {GrowConfig::EXPSSD, 1.5},
+                                                                    {GrowConfig::EPC, 1.5},
+                                                                    {GrowConfig::EPC, 0.6}};
+  for (const auto& [similarity, sigma_p_px] : similarities) {
     for (const int levels : {2, 3, 256}) {
       for (uint32_t seed = 0; seed < 5; ++seed) {
-        cases.push_back({similarity, levels, seed, {37, 23}});
+        cases.push_back({similarity, sigma_p_px, levels, seed, {37, 23}});
       }
-      cases.push_back({similarity, levels, 5, {83, 203}});  // four bands
-      cases.push_back({similarity, levels, 6, {60, 64}});   // one band, exactly
-      cases.push_back({similarity, levels, 7, {44, 67}});   // the second has no window
+      cases.push_back({similarity, sigma_p_px, levels, 5, {83, 203}});  // four bands
+      cases.push_back({similarity, sigma_p_px, levels, 6, {60, 64}});   // one band, exactly
+      cases.push_back({similarity, sigma_p_px, levels, 7, {44, 67}});   // the second has no window
     }
   }
   return cases;
@@ -181,9 +201,13 @@ TEST(Grower, GivesTheSameBytesWithEveryInstructionSetAndNumberOfThreads) {
   const cv::Size size(131, 330);
   const TwoSurfaces scene(size, 3, 5);
   const std::vector<Seed> seeds = RandomSeeds(size, 300, 9, 3);
-  for (const auto similarity : {GrowConfig::MNCC, GrowConfig::EXPSSD, GrowConfig::EPC}) {
+  const std::pair<GrowConfig::Similarity, double> similarities[] = {
+      {GrowConfig::MNCC, 1}, {GrowConfig::EXPSSD, 1}, {GrowConfig::EPC, 2}, {GrowConfig::EPC, 0.6}};
+  for (const auto& [similarity, sigma_p_px] : similarities) {
     GrowConfig config;
     config.set_similarity(similarity);
+    config.set_sigma_p_px(sigma_p_px);
+    config.set_sigma_p_noise(0);
     config.set_sigma_s_squared(0.1);
     config.set_threshold(0.3);
     config.set_sub_pixel(true);
@@ -217,10 +241,14 @@ TEST(Grower, GrowsAcrossManyBandsFromOneSeed) {
 TEST(Grower, KeepsLessThan30BytesAPixel) {
   const cv::Size size(1000, 640);
   const cv::Mat1b left = Noise(size, 1, 256);
-  Grower grower(EpcConfig());
   const std::vector<Seed> seeds = RandomSeeds(size, 6000, 9, 3);
-  ASSERT_TRUE(grower.Compute(left, ShiftedBy(left, 5), seeds, ConstantPrior(size, 5)));
-  EXPECT_LT(static_cast<double>(grower.scratch_bytes()) / size.area(), 30);
+  for (const double sigma_p_px : {0.6, 2.0}) {
+    GrowConfig config = EpcConfig();
+    config.set_sigma_p_px(sigma_p_px);
+    Grower grower(config);
+    ASSERT_TRUE(grower.Compute(left, ShiftedBy(left, 5), seeds, ConstantPrior(size, 5)));
+    EXPECT_LT(static_cast<double>(grower.scratch_bytes()) / size.area(), 30);
+  }
 }
 
 TEST(Grower, UsesAMapAgainThatNobodyHolds) {

@@ -14,7 +14,9 @@ class SeedQueueTest : public testing::Test {
  protected:
   SeedQueueTest() { queue_.Reset(kLimit); }
 
-  void Push(SeedQueue::Id seed, int32_t cost) { queue_.Push(seed, cost, links_.at(seed)); }
+  void Push(SeedQueue::Id seed, int32_t cost) {
+    queue_.Push(seed, queue_.LevelOf(cost), links_.at(seed));
+  }
 
   SeedQueue::Id Pop() {
     const SeedQueue::Id seed = queue_.Top();

@@ -34,7 +34,7 @@ class GrowthCosts {
     config.set_similarity(similarity);
     config.set_sigma_s_squared(0.1);
     rule_ = MakeGrowthRule(config, /*sigma_p_px=*/2);
-    band_.Resize(left.size(), 0, similarity == GrowConfig::MNCC);
+    band_.Resize(left.size(), 0, rule_);
     PrepareBand({left, right, prior}, rule_, band_);
   }
 

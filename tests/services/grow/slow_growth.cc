@@ -107,7 +107,7 @@ class SlowGrowth {
       }
       changed = cv::countNonZero(before != map_.counts()) > 0;
     }
-    return map_;
+    return config_.sub_pixel() ? WithSubPixelSteps() : map_;
   }
 
  private:
@@ -142,8 +142,9 @@ class SlowGrowth {
 
   // Into one of 256 levels of equal width; beyond the limit all share the last.
   void Add(const Correspondence& s, int64_t cost) {
-    const int64_t per_cost = (int64_t{256} << 32) / (limit_ + 1);  // 32 binary places
-    const int64_t level = std::min<int64_t>((cost * per_cost) >> 32, 255);
+    const float per_cost = 256.0F / static_cast<float>(limit_ + 1);
+    const auto level =
+        std::min<int64_t>(static_cast<int64_t>(static_cast<float>(cost) * per_cost), 255);
     seeds_[static_cast<size_t>(s.v / kBandRows)][level].push_back(s);
   }
 
@@ -187,6 +188,25 @@ class SlowGrowth {
     map_.counts()(best->v, best->u) = static_cast<int16_t>(best->d * 32);
     right_matched = 1;
     Add(*best, best_cost);
+  }
+
+  // To the minimum of the parabola through three costs, where the middle one is the least.
+  DisparityImage WithSubPixelSteps() const {
+    DisparityImage stepped(map_.counts().clone());
+    for (int v = 0; v < map_.height(); ++v) {
+      for (int u = 0; u < map_.width(); ++u) {
+        if (!map_.IsValid(u, v)) continue;
+        const Correspondence q{u, v, map_.counts()(v, u) / 32};
+        const Correspondence less{u, v, q.d - 1}, more{u, v, q.d + 1};
+        if (!Inside(less) || !Inside(more)) continue;
+        const int64_t before = *Cost(less) - *Cost(q), behind = *Cost(more) - *Cost(q);
+        if (before < 0 || behind < 0 || before + behind == 0) continue;
+        const float step =
+            16 * static_cast<float>(before - behind) / static_cast<float>(before + behind);
+        stepped.counts()(v, u) += static_cast<int16_t>(static_cast<int>(step + 16.5F) - 16);
+      }
+    }
+    return stepped;
   }
 
   const GrowConfig& config_;
