@@ -7,7 +7,7 @@
 
 #include "common/core/image.h"
 #include "services/prior/delaunay.h"
-#include "services/prior/edge_hypotheses.h"
+#include "services/prior/edges.h"
 #include "services/prior/interpolation.h"
 #include "services/prior/seed_spreading.h"
 #include "services/prior/seed_surface.h"
@@ -68,18 +68,16 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
   Result<DisparityImage> prior = InterpolateSeeds(smooth_seeds, triangles, size);
   if (!prior) return prior;
 
-  // A hint to the decision; more passes change the result by 0.01 points.
-  constexpr int kPasses = 1;
   const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
-  ResolveEdges(surface, triangles,
-               {.left_bgr = ToBgr(left),
-                .left_grey = ToGrey(left),
-                .right_grey = ToGrey(right),
-                .spread_px = SpreadSeeds(smooth_seeds, left, config_.fgs_lambda(),
-                                         config_.fgs_sigma(), kPasses),
-                .edge_px = config_.edge_px() + 2 * noise_px,
-                .spread_weight = config_.spread_weight()},
-               *prior);
+  const EdgeEvidence evidence{.left_bgr = ToBgr(left),
+                              .left_grey = ToGrey(left),
+                              .right_grey = ToGrey(right),
+                              .spread_px = SpreadSeedsAtHalfSize(
+                                  smooth_seeds, left, config_.fgs_lambda(), config_.fgs_sigma()),
+                              .spread_weight = config_.spread_weight()};
+  EdgeHypotheses hypotheses;
+  PaintEdgeHypotheses(surface, triangles, config_.edge_px() + 2 * noise_px, size, hypotheses);
+  ResolveEdges(hypotheses, EdgeJudge(evidence), *prior);
   // Single pixels that were judged otherwise than those around them.
   DisparityImage cleaned(size);
   cv::medianBlur(prior->counts(), cleaned.counts(), 5);

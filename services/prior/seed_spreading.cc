@@ -1,6 +1,8 @@
 #include "services/prior/seed_spreading.h"
 
+#include <opencv2/imgproc.hpp>
 #include <opencv2/ximgproc/edge_filter.hpp>
+#include <vector>
 
 namespace sprout {
 
@@ -24,6 +26,25 @@ cv::Mat1f SpreadSeeds(std::span<const Seed> seeds, const cv::Mat& left, double l
   cv::Mat1f average;
   cv::divide(spread_px, spread_weight, average);  // NaN where no seed reaches: 0 / 0
   return average;
+}
+
+cv::Mat1f SpreadSeedsAtHalfSize(std::span<const Seed> seeds, const cv::Mat& left, double lambda,
+                                double sigma) {
+  // Pixels of the half image are four of the other: an odd one gets another row or column.
+  cv::Mat even = left;
+  if (left.rows % 2 != 0 || left.cols % 2 != 0) {
+    cv::copyMakeBorder(left, even, 0, left.rows % 2, 0, left.cols % 2, cv::BORDER_REPLICATE);
+  }
+  cv::Mat half;
+  cv::resize(even, half, even.size() / 2, 0, 0, cv::INTER_AREA);
+  std::vector<Seed> half_seeds(seeds.begin(), seeds.end());
+  for (Seed& seed : half_seeds) {
+    const float disparity = seed.disparity();
+    seed.u = (seed.u - 0.5F) / 2;
+    seed.v = (seed.v - 0.5F) / 2;
+    seed.u_right = seed.u - disparity;
+  }
+  return SpreadSeeds(half_seeds, half, lambda / 4, sigma, 1);
 }
 
 }  // namespace sprout

@@ -24,6 +24,13 @@ namespace sprout {
 cv::Mat1f SpreadSeeds(std::span<const Seed> seeds, const cv::Mat& left, double lambda, double sigma,
                       int passes = 3);
 
+/// A coarse version for a twentieth of the time: one pass over an image of half the size. What it
+/// loses is of no account where it only is a hint.
+/// @returns as SpreadSeeds(), disparities of the full image, for pixel (u, v) of it at
+///          (u / 2, v / 2), rounded down.
+cv::Mat1f SpreadSeedsAtHalfSize(std::span<const Seed> seeds, const cv::Mat& left, double lambda,
+                                double sigma);
+
 }  // namespace sprout
 
 #endif  // SPROUT_SERVICES_PRIOR_SEED_SPREADING_H_
