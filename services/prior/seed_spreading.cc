@@ -44,7 +44,7 @@ cv::Mat1f SpreadSeedsAtHalfSize(std::span<const Seed> seeds, const cv::Mat& left
     seed.v = (seed.v - 0.5F) / 2;
     seed.u_right = seed.u - disparity;
   }
-  return SpreadSeeds(half_seeds, half, lambda / 4, sigma, 1);
+  return SpreadSeeds(half_seeds, half, lambda, sigma, 1);
 }
 
 }  // namespace sprout
