@@ -10,6 +10,10 @@
 namespace sprout {
 namespace {
 
+// The images cannot tell between disparities that are less than a pixel apart, and there
+// interpolation does no harm.
+constexpr int kSmallestGap = DisparityImage::kCountsPerPixel;
+
 // A number that changes linearly over the image.
 struct Linear {
   float at_origin;
@@ -71,8 +75,11 @@ class SplitTriangle {
       const float one = one_.At(column, row);
       const float pair = one + share * (other_.At(column, row) - one);
       const float single = single_.At(column, row);
-      near[u] = NearestCounts(std::max(single, pair));
-      far[u] = NearestCounts(std::min(single, pair));
+      const int16_t nearer = NearestCounts(std::max(single, pair));
+      const int16_t farther = NearestCounts(std::min(single, pair));
+      const bool apart = nearer - farther >= kSmallestGap;
+      near[u] = apart ? nearer : DisparityImage::kInvalid;
+      far[u] = apart ? farther : DisparityImage::kInvalid;
     }
   }
 

@@ -11,7 +11,7 @@
 namespace sprout {
 
 /// The two surfaces that each pixel of a triangle across a depth edge may lie on. Where there is no
-/// such triangle both are without a disparity; elsewhere both have one, and near ≥ far.
+/// such triangle, or they are less than a pixel apart, both maps are without a disparity.
 struct EdgeHypotheses {
   DisparityImage near;
   DisparityImage far;

@@ -51,8 +51,6 @@ bool EdgeJudge::IsNear(int u, int v, int near, int far) const {
   const int near_px = Rounded(near);
   const int far_px = Rounded(far);
   const double for_near = SpreadVote(u, v, near, far);
-  // The images cannot tell between disparities of one whole pixel.
-  if (near_px == far_px) return for_near > 0;
   const bool inside = u >= kRadius + std::max(near_px, 0) &&
                       u + kRadius - std::min(far_px, 0) < columns() && v >= kRadius &&
                       v + kRadius < rows();
@@ -108,7 +106,7 @@ double EdgeJudge::SpreadVote(int u, int v, int near, int far) const {
   constexpr int kOne = DisparityImage::kCountsPerPixel;
   const double spread = double{evidence_.spread_px(v / 2, u / 2)} * kOne;
   if (std::isnan(spread)) return 0;
-  const double gap = std::max(kOne, near - far);
+  const double gap = near - far;
   const double off_near = std::min(std::abs(near - spread), gap);
   const double off_far = std::min(std::abs(far - spread), gap);
   return evidence_.spread_weight * (off_far - off_near) / gap;

@@ -27,7 +27,7 @@ class EdgeJudge {
   /// @param evidence  must outlive the judge.
   explicit EdgeJudge(const EdgeEvidence& evidence);
 
-  /// Whether pixel (u, v) rather has disparity `near` than `far`, counts, near ≥ far. Whole-number
+  /// Whether pixel (u, v) rather has disparity `near` than `far`, counts, near > far. Whole-number
   /// weights and differences: the same answer on every machine. O(13); thread-safe.
   bool IsNear(int u, int v, int near, int far) const;
 
