@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <tuple>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace {
 
 // The images cannot tell between disparities that are less than a pixel apart, and there
 // interpolation does no harm.
-constexpr int kSmallestGap = DisparityImage::kCountsPerPixel;
+constexpr float kSmallestGapPx = 1;
 
 // A number that changes linearly over the image.
 struct Linear {
@@ -75,11 +76,9 @@ class SplitTriangle {
       const float one = one_.At(column, row);
       const float pair = one + share * (other_.At(column, row) - one);
       const float single = single_.At(column, row);
-      const int16_t nearer = NearestCounts(std::max(single, pair));
-      const int16_t farther = NearestCounts(std::min(single, pair));
-      const bool apart = nearer - farther >= kSmallestGap;
-      near[u] = apart ? nearer : DisparityImage::kInvalid;
-      far[u] = apart ? farther : DisparityImage::kInvalid;
+      if (std::abs(single - pair) < kSmallestGapPx) continue;
+      near[u] = NearestCounts(std::max(single, pair));
+      far[u] = NearestCounts(std::min(single, pair));
     }
   }
 

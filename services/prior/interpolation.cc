@@ -137,8 +137,7 @@ class Hull {
 };
 
 // Outside the hull: the value of the nearest pixel that has one.
-void ExtendBeyondHull(DisparityImage& map) {
-  const Hull hull(map);
+void ExtendBeyondHull(const Hull& hull, DisparityImage& map) {
   const std::vector<PixelRun>& runs = hull.runs();
   PaintInBands(map.height(), [&](const cv::Range& rows) {
     for (int v = rows.start; v < rows.end; ++v) {
@@ -173,8 +172,9 @@ Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
                     seeds[static_cast<size_t>(c)], raster, prior);
     }
   });
-  if (prior.CountValid() == 0) return Fail("the seeds' triangles cover no pixel: no prior");
-  ExtendBeyondHull(prior);
+  const Hull hull(prior);
+  if (hull.runs().empty()) return Fail("the seeds' triangles cover no pixel: no prior");
+  ExtendBeyondHull(hull, prior);
   return prior;
 }
 
