@@ -48,23 +48,18 @@ int16_t NearestCounts(float disparity_px) {
 // The seeds of a triangle, parted where their disparities gape most.
 class SplitTriangle {
  public:
-  explicit SplitTriangle(std::array<LocalPlane, 3> planes) : planes_(planes) {
-    std::sort(planes_.begin(), planes_.end(),
+  explicit SplitTriangle(std::array<LocalPlane, 3> planes) {
+    std::sort(planes.begin(), planes.end(),
               [](const LocalPlane& a, const LocalPlane& b) { return a.disparity < b.disparity; });
     const bool two_far =
-        planes_[1].disparity - planes_[0].disparity < planes_[2].disparity - planes_[1].disparity;
-    const auto& [single, one, other] = two_far ? std::tie(planes_[2], planes_[0], planes_[1])
-                                               : std::tie(planes_[0], planes_[1], planes_[2]);
+        planes[1].disparity - planes[0].disparity < planes[2].disparity - planes[1].disparity;
+    const auto& [single, one, other] = two_far ? std::tie(planes[2], planes[0], planes[1])
+                                               : std::tie(planes[0], planes[1], planes[2]);
     single_ = ToLinear(single);
     one_ = ToLinear(one);
     other_ = ToLinear(other);
     share_of_other_ = ShareOfWay(one, other);
   }
-
-  // The corners in the image.
-  Seed Corner(size_t i) const { return {.u = planes_[i].u, .v = planes_[i].v, .u_right = 0}; }
-
-  float spread_px() const { return planes_[2].disparity - planes_[0].disparity; }
 
   void Paint(const PixelRun& run, EdgeHypotheses& hypotheses) const {
     int16_t* const near = hypotheses.near.counts()[run.v];
@@ -83,23 +78,24 @@ class SplitTriangle {
   }
 
  private:
-  std::array<LocalPlane, 3> planes_;  // far to near
-  Linear single_;                     // surface of the seed that lies alone
-  Linear one_;                        // and of the other two
+  Linear single_;  // surface of the seed that lies alone
+  Linear one_;     // and of the other two
   Linear other_;
   Linear share_of_other_;
 };
+
+float SpreadPx(const std::array<LocalPlane, 3>& planes) {
+  const auto [least, most] =
+      std::minmax({planes[0].disparity, planes[1].disparity, planes[2].disparity});
+  return most - least;
+}
+
+Seed Position(const LocalPlane& plane) { return {.u = plane.u, .v = plane.v, .u_right = 0}; }
 
 }  // namespace
 
 void PaintEdgeHypotheses(const SeedSurface& surface, std::span<const SeedTriangle> triangles,
                          double edge_px, cv::Size size, EdgeHypotheses& hypotheses) {
-  std::vector<SplitTriangle> edges;
-  for (const SeedTriangle& triangle : triangles) {
-    const auto plane = [&](size_t i) { return surface.planes[static_cast<size_t>(triangle[i])]; };
-    const SplitTriangle split({plane(0), plane(1), plane(2)});
-    if (split.spread_px() >= static_cast<float>(edge_px)) edges.push_back(split);
-  }
   hypotheses.near.counts().create(size);
   hypotheses.far.counts().create(size);
   PaintInBands(size.height, [&](const cv::Range& rows) {
@@ -107,10 +103,15 @@ void PaintEdgeHypotheses(const SeedSurface& surface, std::span<const SeedTriangl
       map->counts().rowRange(rows).setTo(DisparityImage::kInvalid);
     }
     TriangleRaster raster(size.width, rows);
-    for (const SplitTriangle& edge : edges) {
-      for (const PixelRun& run : raster.Runs(edge.Corner(0), edge.Corner(1), edge.Corner(2))) {
-        edge.Paint(run, hypotheses);
-      }
+    for (const SeedTriangle& triangle : triangles) {
+      const auto plane = [&](size_t i) { return surface.planes[static_cast<size_t>(triangle[i])]; };
+      const std::array<LocalPlane, 3> planes{plane(0), plane(1), plane(2)};
+      if (SpreadPx(planes) < static_cast<float>(edge_px)) continue;
+      const std::vector<PixelRun>& runs =
+          raster.Runs(Position(planes[0]), Position(planes[1]), Position(planes[2]));
+      if (runs.empty()) continue;
+      const SplitTriangle split(planes);
+      for (const PixelRun& run : runs) split.Paint(run, hypotheses);
     }
   });
 }

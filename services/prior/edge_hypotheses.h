@@ -23,7 +23,8 @@ struct EdgeHypotheses {
 /// them.
 ///
 /// @param surface      of the seeds.
-/// @param triangles    of the seeds; a pixel on the border of two gets the later one's, if it has any.
+/// @param triangles    of the seeds; a pixel on the border of two gets the later one's, if it has
+/// any.
 /// @param size         of the left image, px.
 /// @param hypotheses   are overwritten; their memory is used again when the size is the same.
 /// O(triangles + pixels); on OpenCV's threads, with the same result for any number.

@@ -157,25 +157,27 @@ void ExtendBeyondHull(const Hull& hull, DisparityImage& map) {
 }  // namespace
 
 Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
-                                        std::span<const SeedTriangle> triangles, cv::Size size) {
+                                        std::span<const SeedTriangle> triangles, cv::Size size,
+                                        DisparityImage map) {
   if (seeds.size() < 3) {
     return Fail(std::to_string(seeds.size()) + " seeds: a prior needs at least 3");
   }
   if (triangles.empty()) {
     return Fail(std::to_string(seeds.size()) + " seeds, all on one line: no prior");
   }
-  DisparityImage prior(size);
+  map.counts().create(size);
   PaintInBands(size.height, [&](const cv::Range& rows) {
+    map.counts().rowRange(rows).setTo(DisparityImage::kInvalid);
     TriangleRaster raster(size.width, rows);
     for (const auto& [a, b, c] : triangles) {
       PaintTriangle(seeds[static_cast<size_t>(a)], seeds[static_cast<size_t>(b)],
-                    seeds[static_cast<size_t>(c)], raster, prior);
+                    seeds[static_cast<size_t>(c)], raster, map);
     }
   });
-  const Hull hull(prior);
+  const Hull hull(map);
   if (hull.runs().empty()) return Fail("the seeds' triangles cover no pixel: no prior");
-  ExtendBeyondHull(hull, prior);
-  return prior;
+  ExtendBeyondHull(hull, map);
+  return map;
 }
 
 }  // namespace sprout

@@ -1,5 +1,7 @@
 #include "services/prior/prior_estimator.h"
 
+#include <algorithm>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <utility>
@@ -11,6 +13,7 @@
 #include "services/prior/interpolation.h"
 #include "services/prior/seed_spreading.h"
 #include "services/prior/seed_surface.h"
+#include "services/prior/triangle_raster.h"
 
 namespace sprout {
 namespace {
@@ -32,6 +35,27 @@ std::vector<Seed> SeedsOn(const SeedSurface& surface) {
   return seeds;
 }
 
+// Runs both, at the same time if there are threads.
+template <typename One, typename Other>
+void RunBoth(const One& one, const Other& other) {
+  cv::parallel_for_({0, 2}, [&](const cv::Range& range) {
+    if (range.start == 0) one();
+    if (range.end == 2) other();
+  });
+}
+
+// cv::medianBlur(), on OpenCV's threads.
+void TakeMedians(const cv::Mat1s& from, cv::Mat1s& to) {
+  constexpr int kWindow = 5;
+  PaintInBands(from.rows, [&](const cv::Range& rows) {
+    const int first = std::max(rows.start - kWindow / 2, 0);
+    const int end = std::min(rows.end + kWindow / 2, from.rows);
+    cv::Mat1s medians;
+    cv::medianBlur(from.rowRange(first, end), medians, kWindow);
+    medians.rowRange(rows.start - first, rows.end - first).copyTo(to.rowRange(rows));
+  });
+}
+
 }  // namespace
 
 PriorEstimator::PriorEstimator(const PriorConfig& config) : config_(config) {
@@ -39,7 +63,7 @@ PriorEstimator::PriorEstimator(const PriorConfig& config) : config_(config) {
 }
 
 Result<DisparityImage> PriorEstimator::Compute(const cv::Mat& left, const cv::Mat& right,
-                                               std::span<const Seed> seeds, cv::Size size) const {
+                                               std::span<const Seed> seeds, cv::Size size) {
   if ((uses_left() && left.size() != size) || (uses_right() && right.size() != size)) {
     return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
                 ": allowed is the calibrated size " + SizeText(size));
@@ -60,27 +84,34 @@ DisparityImage PriorEstimator::FromSpreadSeeds(const cv::Mat& left, std::span<co
 }
 
 Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat& right,
-                                                 std::span<const Seed> seeds, cv::Size size) const {
-  const std::vector<SeedTriangle> triangles = TriangulateSeeds(seeds);
-  const SeedSurface surface =
-      FitSeedSurface(seeds, triangles, config_.noisy_px(), config_.edge_px());
-  const std::vector<Seed> smooth_seeds = SeedsOn(surface);
-  Result<DisparityImage> prior = InterpolateSeeds(smooth_seeds, triangles, size);
-  if (!prior) return prior;
+                                                 std::span<const Seed> seeds, cv::Size size) {
+  EdgeEvidence evidence;
+  const auto look = [&] {
+    evidence.spread_weight = config_.spread_weight();
+    evidence.left_bgr = ToBgr(left);
+    evidence.left_grey = ToGrey(left);
+    evidence.right_grey = ToGrey(right);
+    evidence.spread_px =
+        SpreadSeedsAtHalfSize(seeds, left, config_.fgs_lambda(), config_.fgs_sigma());
+  };
+  std::vector<SeedTriangle> triangles;
+  SeedSurface surface;
+  const auto fit = [&] {
+    triangles = TriangulateSeeds(seeds);
+    surface = FitSeedSurface(seeds, triangles, config_.noisy_px(), config_.edge_px());
+  };
+  RunBoth(look, fit);
 
+  const Result<DisparityImage> interpolated =
+      InterpolateSeeds(SeedsOn(surface), triangles, size, prior_);
+  if (!interpolated) return interpolated;
+  prior_ = *interpolated;
   const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
-  const EdgeEvidence evidence{.left_bgr = ToBgr(left),
-                              .left_grey = ToGrey(left),
-                              .right_grey = ToGrey(right),
-                              .spread_px = SpreadSeedsAtHalfSize(
-                                  smooth_seeds, left, config_.fgs_lambda(), config_.fgs_sigma()),
-                              .spread_weight = config_.spread_weight()};
-  EdgeHypotheses hypotheses;
-  PaintEdgeHypotheses(surface, triangles, config_.edge_px() + 2 * noise_px, size, hypotheses);
-  ResolveEdges(hypotheses, EdgeJudge(evidence), *prior);
+  PaintEdgeHypotheses(surface, triangles, config_.edge_px() + 2 * noise_px, size, hypotheses_);
+  ResolveEdges(hypotheses_, EdgeJudge(evidence), prior_);
   // Single pixels that were judged otherwise than those around them.
-  DisparityImage cleaned(size);
-  cv::medianBlur(prior->counts(), cleaned.counts(), 5);
+  DisparityImage cleaned{cv::Mat1s(size)};
+  TakeMedians(prior_.counts(), cleaned.counts());
   return cleaned;
 }
 
