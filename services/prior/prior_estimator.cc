@@ -94,14 +94,12 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
     evidence.spread_px =
         SpreadSeedsAtHalfSize(seeds, left, config_.fgs_lambda(), config_.fgs_sigma());
   };
+  // Each is serial, or as good as that: what runs in a thread of OpenCV's gets no others.
   std::vector<SeedTriangle> triangles;
-  SeedSurface surface;
-  const auto fit = [&] {
-    triangles = TriangulateSeeds(seeds);
-    surface = FitSeedSurface(seeds, triangles, config_.noisy_px(), config_.edge_px());
-  };
-  RunBoth(look, fit);
+  RunBoth(look, [&] { triangles = TriangulateSeeds(seeds); });
 
+  const SeedSurface surface =
+      FitSeedSurface(seeds, triangles, config_.noisy_px(), config_.edge_px());
   const Result<DisparityImage> interpolated =
       InterpolateSeeds(SeedsOn(surface), triangles, size, prior_);
   if (!interpolated) return interpolated;
