@@ -92,10 +92,33 @@ float SpreadPx(const std::array<LocalPlane, 3>& planes) {
 
 Seed Position(const LocalPlane& plane) { return {.u = plane.u, .v = plane.v, .u_right = 0}; }
 
+void PaintTriangle(const std::array<LocalPlane, 3>& planes, TriangleRaster& raster,
+                   EdgeHypotheses& hypotheses) {
+  const SplitTriangle split(planes);
+  for (const PixelRun& run :
+       raster.Runs(Position(planes[0]), Position(planes[1]), Position(planes[2]))) {
+    split.Paint(run, hypotheses);
+  }
+}
+
 }  // namespace
 
 void PaintEdgeHypotheses(const SeedSurface& surface, std::span<const SeedTriangle> triangles,
                          double edge_px, cv::Size size, EdgeHypotheses& hypotheses) {
+  const auto planes_of = [&](const SeedTriangle& triangle) {
+    const auto plane = [&](size_t i) { return surface.planes[static_cast<size_t>(triangle[i])]; };
+    return std::array{plane(0), plane(1), plane(2)};
+  };
+  struct Edge {
+    size_t triangle;
+    RowReach reach;
+  };
+  std::vector<Edge> edges;
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    const std::array<LocalPlane, 3> planes = planes_of(triangles[i]);
+    if (SpreadPx(planes) < static_cast<float>(edge_px)) continue;
+    edges.push_back({i, ReachOf(Position(planes[0]), Position(planes[1]), Position(planes[2]))});
+  }
   hypotheses.near.counts().create(size);
   hypotheses.far.counts().create(size);
   PaintInBands(size.height, [&](const cv::Range& rows) {
@@ -103,15 +126,9 @@ void PaintEdgeHypotheses(const SeedSurface& surface, std::span<const SeedTriangl
       map->counts().rowRange(rows).setTo(DisparityImage::kInvalid);
     }
     TriangleRaster raster(size.width, rows);
-    for (const SeedTriangle& triangle : triangles) {
-      const auto plane = [&](size_t i) { return surface.planes[static_cast<size_t>(triangle[i])]; };
-      const std::array<LocalPlane, 3> planes{plane(0), plane(1), plane(2)};
-      if (SpreadPx(planes) < static_cast<float>(edge_px)) continue;
-      const std::vector<PixelRun>& runs =
-          raster.Runs(Position(planes[0]), Position(planes[1]), Position(planes[2]));
-      if (runs.empty()) continue;
-      const SplitTriangle split(planes);
-      for (const PixelRun& run : runs) split.Paint(run, hypotheses);
+    for (const Edge& edge : edges) {
+      if (edge.reach.Meets(rows))
+        PaintTriangle(planes_of(triangles[edge.triangle]), raster, hypotheses);
     }
   });
 }

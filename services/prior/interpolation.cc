@@ -1,6 +1,7 @@
 #include "services/prior/interpolation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -165,13 +166,24 @@ Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
   if (triangles.empty()) {
     return Fail(std::to_string(seeds.size()) + " seeds, all on one line: no prior");
   }
+  const auto corners = [&](const SeedTriangle& triangle) {
+    const auto seed = [&](size_t i) { return seeds[static_cast<size_t>(triangle[i])]; };
+    return std::array{seed(0), seed(1), seed(2)};
+  };
+  std::vector<RowReach> reach;
+  reach.reserve(triangles.size());
+  for (const SeedTriangle& triangle : triangles) {
+    const auto [a, b, c] = corners(triangle);
+    reach.push_back(ReachOf(a, b, c));
+  }
   map.counts().create(size);
   PaintInBands(size.height, [&](const cv::Range& rows) {
     map.counts().rowRange(rows).setTo(DisparityImage::kInvalid);
     TriangleRaster raster(size.width, rows);
-    for (const auto& [a, b, c] : triangles) {
-      PaintTriangle(seeds[static_cast<size_t>(a)], seeds[static_cast<size_t>(b)],
-                    seeds[static_cast<size_t>(c)], raster, map);
+    for (size_t i = 0; i < triangles.size(); ++i) {
+      if (!reach[i].Meets(rows)) continue;
+      const auto [a, b, c] = corners(triangles[i]);
+      PaintTriangle(a, b, c, raster, map);
     }
   });
   const Hull hull(map);

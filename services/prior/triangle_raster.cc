@@ -10,6 +10,7 @@ namespace {
 
 // Columns in fixed point: px with that many more bits. For images of up to 2^14 px a side nothing
 // overflows, and rounded slopes are off by less than kSlack over all rows.
+constexpr int kMostRows = 1 << 14;
 constexpr int kFraction = 32;
 constexpr int64_t kOne = int64_t{1} << kFraction;
 // Runs reach that much beyond their edges, so that rounding never leaves a pixel between triangles.
@@ -25,8 +26,7 @@ class Edge {
   Edge(const Seed& top, const Seed& bottom) {
     const double height = double{bottom.v} - top.v;
     const double slope = height > 0 ? (double{bottom.u} - top.u) / height : 0;
-    constexpr double kMostRows = 1 << 14;
-    const double first_row = std::ceil(std::clamp(double{top.v}, 0.0, kMostRows));
+    const double first_row = std::ceil(std::clamp<double>(top.v, 0, kMostRows));
     first_row_ = static_cast<int>(first_row);
     column_ = Fixed(top.u + (first_row - top.v) * slope, 1 << 24);
     slope_ = Fixed(slope, 1 << 14);  // a steeper one crosses a single row
@@ -42,13 +42,15 @@ class Edge {
 
 }  // namespace
 
+RowReach ReachOf(const Seed& a, const Seed& b, const Seed& c) {
+  const auto [least, most] = std::minmax({a.v, b.v, c.v});
+  constexpr auto kLast = static_cast<float>(kMostRows - 1);
+  return {static_cast<int16_t>(std::clamp(least, 0.F, kLast)),
+          static_cast<int16_t>(std::clamp(most, -1.F, kLast) + 1)};
+}
+
 const std::vector<PixelRun>& TriangleRaster::Runs(const Seed& a, const Seed& b, const Seed& c) {
   runs_.clear();
-  // Most triangles are in other bands.
-  const auto [first_v, last_v] = std::minmax({a.v, b.v, c.v});
-  if (!(last_v >= static_cast<float>(rows_.start) && first_v < static_cast<float>(rows_.end))) {
-    return runs_;
-  }
   std::array<Seed, 3> corners{a, b, c};
   const auto order = [](Seed& one, Seed& other) {
     if (std::pair(other.v, other.u) < std::pair(one.v, one.u)) std::swap(one, other);

@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_PRIOR_TRIANGLE_RASTER_H_
 #define SPROUT_SERVICES_PRIOR_TRIANGLE_RASTER_H_
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 #include <vector>
@@ -16,6 +17,17 @@ struct PixelRun {
   int begin;
   int end;
 };
+
+/// Rows of an image that a triangle may have pixels in: [begin, end). Bands of rows skip by it the
+/// triangles that are none of theirs.
+struct RowReach {
+  int16_t begin = 0;
+  int16_t end = 0;
+
+  bool Meets(const cv::Range& rows) const { return begin < rows.end && rows.start < end; }
+};
+
+RowReach ReachOf(const Seed& a, const Seed& b, const Seed& c);
 
 /// The pixels of an image whose centre lies in a triangle of seeds or on its border, row by row.
 /// Neighbouring triangles both have the pixels of their common edge: none between them is missed.
