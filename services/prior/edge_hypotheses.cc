@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "services/prior/parallel.h"
 #include "services/prior/triangle_raster.h"
 
 namespace sprout {
@@ -48,17 +49,26 @@ int16_t NearestCounts(float disparity_px) {
 // The seeds of a triangle, parted where their disparities gape most.
 class SplitTriangle {
  public:
-  explicit SplitTriangle(std::array<LocalPlane, 3> planes) {
-    std::sort(planes.begin(), planes.end(),
+  explicit SplitTriangle(const std::array<LocalPlane, 3>& planes) : planes_(planes) {
+    std::sort(planes_.begin(), planes_.end(),
               [](const LocalPlane& a, const LocalPlane& b) { return a.disparity < b.disparity; });
     const bool two_far =
-        planes[1].disparity - planes[0].disparity < planes[2].disparity - planes[1].disparity;
-    const auto& [single, one, other] = two_far ? std::tie(planes[2], planes[0], planes[1])
-                                               : std::tie(planes[0], planes[1], planes[2]);
+        planes_[1].disparity - planes_[0].disparity < planes_[2].disparity - planes_[1].disparity;
+    const auto& [single, one, other] = two_far ? std::tie(planes_[2], planes_[0], planes_[1])
+                                               : std::tie(planes_[0], planes_[1], planes_[2]);
     single_ = ToLinear(single);
     one_ = ToLinear(one);
     other_ = ToLinear(other);
     share_of_other_ = ShareOfWay(one, other);
+  }
+
+  // The surface of two seeds lies between their planes, so the gap is largest at a corner.
+  bool IsApartSomewhere() const {
+    return std::any_of(planes_.begin(), planes_.end(), [&](const LocalPlane& corner) {
+      const float single = single_.At(corner.u, corner.v);
+      return std::abs(single - one_.At(corner.u, corner.v)) >= kSmallestGapPx ||
+             std::abs(single - other_.At(corner.u, corner.v)) >= kSmallestGapPx;
+    });
   }
 
   void Paint(const PixelRun& run, EdgeHypotheses& hypotheses) const {
@@ -78,8 +88,9 @@ class SplitTriangle {
   }
 
  private:
-  Linear single_;  // surface of the seed that lies alone
-  Linear one_;     // and of the other two
+  std::array<LocalPlane, 3> planes_;  // far to near
+  Linear single_;                     // surface of the seed that lies alone
+  Linear one_;                        // and of the other two
   Linear other_;
   Linear share_of_other_;
 };
@@ -95,6 +106,7 @@ Seed Position(const LocalPlane& plane) { return {.u = plane.u, .v = plane.v, .u_
 void PaintTriangle(const std::array<LocalPlane, 3>& planes, TriangleRaster& raster,
                    EdgeHypotheses& hypotheses) {
   const SplitTriangle split(planes);
+  if (!split.IsApartSomewhere()) return;
   for (const PixelRun& run :
        raster.Runs(Position(planes[0]), Position(planes[1]), Position(planes[2]))) {
     split.Paint(run, hypotheses);

@@ -1,6 +1,7 @@
 #include "services/prior/edges.h"
 
 #include <opencv2/core/utility.hpp>
+#include <optional>
 
 namespace sprout {
 namespace {
@@ -35,26 +36,28 @@ class GridStep {
   bool Decide(int u, int v) const {
     const int near = near_(v, u);
     const int far = far_(v, u);
-    if (step_ < kCoarsest) {
-      const int votes = NearNeighbours(u, v, near + far);
-      if (votes == 0) return false;
-      if (votes == kNeighbours) return true;
-    }
-    return judge_.IsNear(u, v, near, far);
+    const std::optional<bool> all_near =
+        step_ < kCoarsest ? AreNear(u, v, near + far) : std::nullopt;
+    return all_near ? *all_near : judge_.IsNear(u, v, near, far);
   }
 
-  // Of the four corners of the pixel's cell in the wide grid, which coincide for a pixel on its
-  // lines, those closer to the near surface.
-  static constexpr int kNeighbours = 4;
-  int NearNeighbours(int u, int v, int near_plus_far) const {
+  // Whether the four corners of the pixel's cell in the wide grid are closer to the near surface;
+  // nothing when they do not agree, or when the cell leaves the image. On a line of the grid cells
+  // have no width: corners coincide.
+  std::optional<bool> AreNear(int u, int v, int near_plus_far) const {
     const int wide = 2 * step_;
     const int left = u - u % wide;
     const int above = v - v % wide;
-    const int right = u + step_ < prior_.cols && left != u ? left + wide : left;
-    const int below = v + step_ < prior_.rows && above != v ? above + wide : above;
-    const auto is_near = [&](int y, int x) { return 2 * prior_(y, x) > near_plus_far ? 1 : 0; };
-    return is_near(above, left) + is_near(above, right) + is_near(below, left) +
-           is_near(below, right);
+    const int right = left == u ? left : left + wide;
+    const int below = above == v ? above : above + wide;
+    if (right >= prior_.cols || below >= prior_.rows) return std::nullopt;
+    const auto is_near = [&](int y, int x) { return 2 * prior_(y, x) > near_plus_far; };
+    const bool near = is_near(above, left);
+    if (is_near(above, right) != near || is_near(below, left) != near ||
+        is_near(below, right) != near) {
+      return std::nullopt;
+    }
+    return near;
   }
 
   const cv::Mat1s& near_;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "services/prior/parallel.h"
 #include "services/prior/triangle_raster.h"
 
 namespace sprout {
@@ -66,13 +67,21 @@ void PaintTriangle(const Seed& a, const Seed& b, const Seed& c, TriangleRaster& 
   const std::vector<PixelRun>& runs = raster.Runs(a, b, c);
   if (runs.empty()) return;
   const FixedPlane plane(a, b, c);
-  // Rounding must not carry a pixel in a sliver beyond its corners.
   const auto [least, most] = std::minmax({a.disparity(), b.disparity(), c.disparity()});
   const int64_t least_counts = ToCounts(least);
   const int64_t most_counts = ToCounts(most);
   for (const PixelRun& run : runs) {
     int16_t* const counts = map.counts()[run.v];
+    const auto at = [&](int u) { return plane.ValueAt(u, run.v) >> FixedPlane::kFraction; };
+    const auto [low, high] = std::minmax({at(run.begin), at(run.end - 1)});
     int64_t value = plane.ValueAt(run.begin, run.v);
+    if (least_counts <= low && high <= most_counts) {
+      for (int u = run.begin; u < run.end; ++u, value += plane.per_column()) {
+        counts[u] = static_cast<int16_t>(value >> FixedPlane::kFraction);
+      }
+      continue;
+    }
+    // Rounding must not carry a pixel in a sliver beyond its corners.
     for (int u = run.begin; u < run.end; ++u, value += plane.per_column()) {
       counts[u] = static_cast<int16_t>(
           std::clamp(value >> FixedPlane::kFraction, least_counts, most_counts));
@@ -93,28 +102,15 @@ class Hull {
       const auto last =
           std::find_if(std::reverse_iterator(end), std::reverse_iterator(first), valid);
       runs_.push_back({v, static_cast<int>(first - begin), static_cast<int>(last.base() - begin)});
+      left_.push_back(runs_.back().begin);
+      right_.push_back(runs_.back().end - 1);
     }
+    // Rounding to pixels made dents of less than one, in which Nearest() would get stuck.
+    FillDents(left_, -1);
+    FillDents(right_, 1);
   }
 
   const std::vector<PixelRun>& runs() const { return runs_; }
-
-  // The run with the pixel that is nearest to (u, v), by steps downhill from the one at `run`: the
-  // distance of a point to the rows of a convex shape has one minimum.
-  size_t Nearest(int u, int v, size_t run) const {
-    int64_t distance = SquaredDistance(u, v, runs_[run]);
-    const auto descend = [&](size_t step) {
-      const size_t start = run;
-      for (size_t next = run + step; next < runs_.size(); next += step) {
-        const int64_t there = SquaredDistance(u, v, runs_[next]);
-        if (there > distance) break;
-        if (there < distance) run = next;
-        distance = there;
-      }
-      return run != start;
-    };
-    if (!descend(1)) descend(size_t{0} - 1);
-    return run;
-  }
 
   // The run in a row, or the next below, or the last.
   size_t AtOrBelow(int v) const {
@@ -123,18 +119,59 @@ class Hull {
     return std::min(static_cast<size_t>(run - runs_.begin()), runs_.size() - 1);
   }
 
+  // The run with the pixel that is nearest to (u, v), within a pixel, by steps downhill from the
+  // one at `run`: the distance of a point to the rows of a convex shape has one minimum.
+  size_t Nearest(int u, int v, size_t run) const {
+    double distance = SquaredDistance(u, v, run);
+    const auto descend = [&](size_t step) {
+      for (size_t next = run + step; next < runs_.size(); next += step) {
+        const double there = SquaredDistance(u, v, next);
+        if (there >= distance) break;
+        distance = there;
+        run = next;
+      }
+    };
+    descend(1);
+    descend(size_t{0} - 1);
+    return run;
+  }
+
   static int NearestColumn(int u, const PixelRun& run) {
     return std::clamp(u, run.begin, run.end - 1);
   }
 
  private:
-  static int64_t SquaredDistance(int u, int v, const PixelRun& run) {
-    const int64_t across = u - NearestColumn(u, run);
-    const int64_t down = v - run.v;
+  // Moves columns outwards, which is in the direction of `sign`, onto their convex chain.
+  void FillDents(std::vector<double>& columns, double sign) const {
+    const auto slope = [&](size_t from, size_t to) {
+      return (columns[to] - columns[from]) / (runs_[to].v - runs_[from].v) * sign;
+    };
+    std::vector<size_t> chain;
+    for (size_t i = 0; i < columns.size(); ++i) {
+      const auto is_dent = [&](size_t before, size_t at) {
+        return slope(before, at) <= slope(at, i);
+      };
+      while (chain.size() >= 2 && is_dent(chain.end()[-2], chain.back())) chain.pop_back();
+      chain.push_back(i);
+    }
+    for (size_t link = 1; link < chain.size(); ++link) {
+      const size_t from = chain[link - 1];
+      const double per_row = slope(from, chain[link]) * sign;
+      for (size_t i = from + 1; i < chain[link]; ++i) {
+        columns[i] = columns[from] + per_row * (runs_[i].v - runs_[from].v);
+      }
+    }
+  }
+
+  double SquaredDistance(int u, int v, size_t run) const {
+    const double across = u - std::clamp<double>(u, left_[run], right_[run]);
+    const double down = v - runs_[run].v;
     return across * across + down * down;
   }
 
   std::vector<PixelRun> runs_;
+  std::vector<double> left_;  // first and last column of each run, and a little more
+  std::vector<double> right_;
 };
 
 // Outside the hull: the value of the nearest pixel that has one.

@@ -1,7 +1,6 @@
 #include "services/prior/prior_estimator.h"
 
 #include <algorithm>
-#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <utility>
@@ -11,9 +10,9 @@
 #include "services/prior/delaunay.h"
 #include "services/prior/edges.h"
 #include "services/prior/interpolation.h"
+#include "services/prior/parallel.h"
 #include "services/prior/seed_spreading.h"
 #include "services/prior/seed_surface.h"
-#include "services/prior/triangle_raster.h"
 
 namespace sprout {
 namespace {
@@ -33,15 +32,6 @@ std::vector<Seed> SeedsOn(const SeedSurface& surface) {
     seeds.push_back({.u = plane.u, .v = plane.v, .u_right = plane.u - plane.disparity});
   }
   return seeds;
-}
-
-// Runs both, at the same time if there are threads.
-template <typename One, typename Other>
-void RunBoth(const One& one, const Other& other) {
-  cv::parallel_for_({0, 2}, [&](const cv::Range& range) {
-    if (range.start == 0) one();
-    if (range.end == 2) other();
-  });
 }
 
 // cv::medianBlur(), on OpenCV's threads.
@@ -94,7 +84,6 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
     evidence.spread_px =
         SpreadSeedsAtHalfSize(seeds, left, config_.fgs_lambda(), config_.fgs_sigma());
   };
-  // Each is serial, or as good as that: what runs in a thread of OpenCV's gets no others.
   std::vector<SeedTriangle> triangles;
   RunBoth(look, [&] { triangles = TriangulateSeeds(seeds); });
 

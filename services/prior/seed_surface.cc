@@ -5,6 +5,8 @@
 #include <opencv2/core/utility.hpp>
 #include <utility>
 
+#include "services/prior/parallel.h"
+
 namespace sprout {
 namespace {
 
@@ -17,6 +19,7 @@ size_t Index(int i) { return static_cast<size_t>(i); }
 // For each seed those that it shares a triangle with, in one array.
 class Neighbours {
  public:
+  Neighbours() = default;
   Neighbours(size_t seeds, std::span<const SeedTriangle> triangles) : lists_(seeds) {
     for (const SeedTriangle& triangle : triangles) {
       for (int seed : triangle) lists_[Index(seed)].begin += 2;  // room it may need
@@ -150,11 +153,11 @@ class PlaneSums {
   double dy_ = 0;
 };
 
-// Fits planes around seeds, with the median distance of neighbours as unit of x and y.
+// Fits planes around seeds, with their spacing as unit of x and y.
 class PlaneFitter {
  public:
-  PlaneFitter(std::span<const Seed> seeds, const Neighbours& neighbours)
-      : seeds_(seeds), neighbours_(neighbours), per_px_(1 / Spacing()) {}
+  PlaneFitter(std::span<const Seed> seeds, const Neighbours& neighbours, double spacing_px)
+      : seeds_(seeds), neighbours_(neighbours), per_px_(1 / spacing_px) {}
 
   // How far seeds lie from the planes through their neighbours alone.
   double EstimateNoise() const {
@@ -214,20 +217,6 @@ class PlaneFitter {
     return std::abs(seeds_[Index(seed)].disparity() - plane.value) / std::sqrt(1 + plane.variance);
   }
 
-  // Median distance of neighbours.
-  double Spacing() const {
-    std::vector<double> squares;
-    for (int i = 0; Index(i) < seeds_.size(); ++i) {
-      for (int j : neighbours_.Of(i)) {
-        if (j < i) continue;
-        const double across = double{seeds_[Index(j)].u} - seeds_[Index(i)].u;
-        const double down = double{seeds_[Index(j)].v} - seeds_[Index(i)].v;
-        squares.push_back(across * across + down * down);
-      }
-    }
-    return squares.empty() ? 1 : std::sqrt(Quantile(squares, 0.5));
-  }
-
   Point From(int centre, int seed) const {
     const Seed& from = seeds_[Index(centre)];
     const Seed& to = seeds_[Index(seed)];
@@ -238,6 +227,23 @@ class PlaneFitter {
   const Neighbours& neighbours_;
   double per_px_;  // of the unit
 };
+
+// Median side of the triangles.
+double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles) {
+  std::vector<double> squares;
+  squares.reserve(3 * triangles.size());
+  const auto add = [&](int a, int b) {
+    const double across = double{seeds[Index(b)].u} - seeds[Index(a)].u;
+    const double down = double{seeds[Index(b)].v} - seeds[Index(a)].v;
+    squares.push_back(across * across + down * down);
+  };
+  for (const auto& [a, b, c] : triangles) {
+    add(a, b);
+    add(b, c);
+    add(c, a);
+  }
+  return squares.empty() ? 1 : std::sqrt(Quantile(squares, 0.5));
+}
 
 // For each seed, whether it is in a triangle whose disparities differ by at least `edge_px`.
 std::vector<bool> SeedsAtEdges(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
@@ -258,14 +264,20 @@ std::vector<bool> SeedsAtEdges(std::span<const Seed> seeds, std::span<const Seed
 
 SeedSurface FitSeedSurface(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
                            double noisy_px, double edge_px) {
-  const Neighbours neighbours(seeds.size(), triangles);
-  const PlaneFitter fitter(seeds, neighbours);
+  Neighbours neighbours;
+  double spacing_px = 0;
+  std::vector<bool> at_edge;
+  RunBoth([&] { neighbours = Neighbours(seeds.size(), triangles); },
+          [&] {
+            spacing_px = SpacingPx(seeds, triangles);
+            at_edge = SeedsAtEdges(seeds, triangles, edge_px);
+          });
+  const PlaneFitter fitter(seeds, neighbours, spacing_px);
   SeedSurface surface;
   surface.noise_px = fitter.EstimateNoise();
   const bool noisy = surface.noise_px > noisy_px;
   const double scale_px = std::max(kSmallestScalePx, 2 * surface.noise_px);
   surface.planes.resize(seeds.size());
-  const std::vector<bool> at_edge = SeedsAtEdges(seeds, triangles, edge_px);
   cv::parallel_for_(
       {0, static_cast<int>(seeds.size())},
       [&](const cv::Range& range) {

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
-#include <opencv2/core/utility.hpp>
 #include <vector>
 
 #include "common/core/seed.h"
@@ -46,15 +45,6 @@ class TriangleRaster {
   cv::Range rows_;
   std::vector<PixelRun> runs_;
 };
-
-/// Calls paint(rows) for bands of rows that make up the image, on OpenCV's threads. A row is
-/// painted by one call, so painting triangles in their order in each gives the same image with any
-/// number of threads.
-template <typename Paint>
-void PaintInBands(int height, const Paint& paint) {
-  constexpr int kBandsPerThread = 4;  // bands differ in work
-  cv::parallel_for_({0, height}, paint, kBandsPerThread * cv::getNumThreads());
-}
 
 }  // namespace sprout
 
