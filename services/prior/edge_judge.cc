@@ -100,11 +100,32 @@ int EdgeJudge::Difference(int u, int v, int disparity_px) const {
                   kLargestGrey);
 }
 
+// Of the four closest pixels of the half image that of the most alike colour: the one that is not
+// on the other side of the edge.
+float EdgeJudge::SpreadPx(int u, int v) const {
+  const cv::Mat3b& half = evidence_.half_bgr;
+  const cv::Vec3b colour = evidence_.left_bgr(v, u);
+  const int x = u / 2;
+  const int y = v / 2;
+  const int beside = std::clamp(u % 2 == 0 ? x - 1 : x + 1, 0, half.cols - 1);
+  const int below = std::clamp(v % 2 == 0 ? y - 1 : y + 1, 0, half.rows - 1);
+  cv::Point best(x, y);
+  int least = ColourDistance(colour, half(best));
+  for (const cv::Point& other :
+       {cv::Point(beside, y), cv::Point(x, below), cv::Point(beside, below)}) {
+    const int distance = ColourDistance(colour, half(other));
+    if (distance >= least) continue;
+    least = distance;
+    best = other;
+  }
+  return evidence_.spread_px(best);
+}
+
 // By how much nearer the spread seeds are to `near`, as a share of the distance between the two;
 // times the weight of that.
 double EdgeJudge::SpreadVote(int u, int v, int near, int far) const {
   constexpr int kOne = DisparityImage::kCountsPerPixel;
-  const double spread = double{evidence_.spread_px(v / 2, u / 2)} * kOne;
+  const double spread = double{SpreadPx(u, v)} * kOne;
   if (std::isnan(spread)) return 0;
   const double gap = near - far;
   const double off_near = std::min(std::abs(near - spread), gap);

@@ -12,7 +12,8 @@ struct EdgeEvidence {
   cv::Mat3b left_bgr;   ///< colours of the left image, which say what belongs together
   cv::Mat1b left_grey;  ///< the pair that is matched
   cv::Mat1b right_grey;
-  cv::Mat1f spread_px;       ///< SpreadSeeds() over the left image at half its size
+  cv::Mat3b half_bgr;        ///< left_bgr at HalfSize()
+  cv::Mat1f spread_px;       ///< SpreadSeedsAtHalfSize()
   double spread_weight = 0;  ///< weight of spread_px against that of the images
 };
 
@@ -52,6 +53,7 @@ class EdgeJudge {
   Costs Inside(int u, int v, int near_px, int far_px) const;
   Costs AtBorder(int u, int v, int near_px, int far_px) const;
   int Difference(int u, int v, int disparity_px) const;
+  float SpreadPx(int u, int v) const;
   double SpreadVote(int u, int v, int near, int far) const;
 
   const EdgeEvidence& evidence_;

@@ -81,8 +81,10 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
     evidence.left_bgr = ToBgr(left);
     evidence.left_grey = ToGrey(left);
     evidence.right_grey = ToGrey(right);
+    const cv::Mat half = HalfSize(left);
+    evidence.half_bgr = ToBgr(half);
     evidence.spread_px =
-        SpreadSeedsAtHalfSize(seeds, left, config_.fgs_lambda(), config_.fgs_sigma());
+        SpreadSeedsAtHalfSize(seeds, half, config_.fgs_lambda(), config_.fgs_sigma());
   };
   std::vector<SeedTriangle> triangles;
   RunBoth(look, [&] { triangles = TriangulateSeeds(seeds); });

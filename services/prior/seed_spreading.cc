@@ -28,15 +28,18 @@ cv::Mat1f SpreadSeeds(std::span<const Seed> seeds, const cv::Mat& left, double l
   return average;
 }
 
-cv::Mat1f SpreadSeedsAtHalfSize(std::span<const Seed> seeds, const cv::Mat& left, double lambda,
-                                double sigma) {
-  // Pixels of the half image are four of the other: an odd one gets another row or column.
-  cv::Mat even = left;
-  if (left.rows % 2 != 0 || left.cols % 2 != 0) {
-    cv::copyMakeBorder(left, even, 0, left.rows % 2, 0, left.cols % 2, cv::BORDER_REPLICATE);
+cv::Mat HalfSize(const cv::Mat& image) {
+  cv::Mat even = image;
+  if (image.rows % 2 != 0 || image.cols % 2 != 0) {
+    cv::copyMakeBorder(image, even, 0, image.rows % 2, 0, image.cols % 2, cv::BORDER_REPLICATE);
   }
   cv::Mat half;
   cv::resize(even, half, even.size() / 2, 0, 0, cv::INTER_AREA);
+  return half;
+}
+
+cv::Mat1f SpreadSeedsAtHalfSize(std::span<const Seed> seeds, const cv::Mat& half_left,
+                                double lambda, double sigma) {
   std::vector<Seed> half_seeds(seeds.begin(), seeds.end());
   for (Seed& seed : half_seeds) {
     const float disparity = seed.disparity();
@@ -44,7 +47,7 @@ cv::Mat1f SpreadSeedsAtHalfSize(std::span<const Seed> seeds, const cv::Mat& left
     seed.v = (seed.v - 0.5F) / 2;
     seed.u_right = seed.u - disparity;
   }
-  return SpreadSeeds(half_seeds, half, lambda, sigma, 1);
+  return SpreadSeeds(half_seeds, half_left, lambda, sigma, /*passes=*/1);
 }
 
 }  // namespace sprout

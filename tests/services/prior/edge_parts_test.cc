@@ -13,6 +13,8 @@ namespace {
 constexpr int kOne = DisparityImage::kCountsPerPixel;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
+cv::Size HalfOf(cv::Size size) { return {(size.width + 1) / 2, (size.height + 1) / 2}; }
+
 DisparityImage ConstantMap(cv::Size size, int counts) {
   return DisparityImage(cv::Mat1s(size, static_cast<int16_t>(counts)));
 }
@@ -77,7 +79,8 @@ struct Pair {
       : evidence{.left_bgr = cv::Mat3b(size),
                  .left_grey = cv::Mat1b(size),
                  .right_grey = cv::Mat1b(size, uint8_t{0}),
-                 .spread_px = cv::Mat1f((size.height + 1) / 2, (size.width + 1) / 2, kNone),
+                 .half_bgr = cv::Mat3b(HalfOf(size), cv::Vec3b(90, 90, 90)),
+                 .spread_px = cv::Mat1f(HalfOf(size), kNone),
                  .spread_weight = 0.6} {
     std::mt19937 random(1);
     for (int v = 0; v < size.height; ++v) {
@@ -127,6 +130,23 @@ TEST(EdgeJudge, AsksTheSpreadSeedsWhereThereIsNoTexture) {
   }
 }
 
+TEST(EdgeJudge, AsksThoseOnItsOwnSideOfAnEdgeInColour) {
+  const cv::Size size(8, 8);  // red from column 3 on: the second column of the half image mixes
+  Pair pair(size, 0);
+  pair.evidence.left_grey = 90;
+  pair.evidence.right_grey = 90;
+  pair.evidence.spread_weight = 100;  // near disparities leave the right image
+  pair.evidence.left_bgr.colRange(3, 8) = cv::Vec3b(90, 90, 250);
+  pair.evidence.half_bgr = HalfSize(pair.evidence.left_bgr);
+  pair.evidence.spread_px.colRange(0, 1) = 12;
+  pair.evidence.spread_px.colRange(1, 2) = 7.5F;
+  pair.evidence.spread_px.colRange(2, 4) = 3;
+  const EdgeJudge judge(pair.evidence);
+  for (int u = 0; u < size.width; ++u) {
+    EXPECT_EQ(judge.IsNear(u, 5, 12 * kOne, 3 * kOne), u < 3) << u;
+  }
+}
+
 TEST(ResolveEdges, FindsTheEdgeToThePixelAndLeavesTheRest) {
   // Odd sizes, and one for which the coarse grid has no cell at all.
   for (const cv::Size size : {cv::Size(61, 43), cv::Size(62, 42), cv::Size(3, 2), cv::Size(1, 1)}) {
@@ -155,8 +175,9 @@ TEST(ResolveEdges, FindsTheEdgeToThePixelAndLeavesTheRest) {
 TEST(SeedSpreading, CoversOddImagesAtHalfSize) {
   for (const cv::Size size : {cv::Size(31, 21), cv::Size(30, 20), cv::Size(5, 1), cv::Size(1, 1)}) {
     const std::vector<Seed> seeds = {{.u = 0, .v = 0, .u_right = -7}};
-    const cv::Mat1f spread = SpreadSeedsAtHalfSize(seeds, cv::Mat3b(size, cv::Vec3b()), 10, 3);
-    EXPECT_EQ(spread.size(), cv::Size((size.width + 1) / 2, (size.height + 1) / 2));
+    const cv::Mat1f spread =
+        SpreadSeedsAtHalfSize(seeds, HalfSize(cv::Mat3b(size, cv::Vec3b())), 10, 3);
+    EXPECT_EQ(spread.size(), HalfOf(size));
     EXPECT_FLOAT_EQ(spread(0, 0), 7);
   }
 }
