@@ -19,8 +19,8 @@ namespace sprout {
 /// @param size       of the left rectified image, px.
 /// @param map        whose memory is used if it is of that size; its pixels are lost.
 /// @returns a map of that size without gaps: outside the hull of the seeds a pixel takes the value
-///          of the nearest pixel in the hull. An error that says why when there is no
-///          triangle, or none that covers a pixel.
+///          of the nearest pixel in the hull (to within a pixel). An error that says why when there
+///          is no triangle, or none that covers a pixel.
 /// O(n + pixels); no I/O; thread-safe.
 Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
                                         std::span<const SeedTriangle> triangles, cv::Size size,
