@@ -37,7 +37,7 @@ std::vector<Seed> RunRefine(const Scene& scene, const ChainSettings& settings, S
 
 DisparityImage RunPrior(const Scene& scene, const PriorConfig& config,
                         const std::vector<Seed>& seeds, StageTimes& ms) {
-  const PriorEstimator estimator(config);
+  PriorEstimator estimator(config);
   return Timed(ms.prior_ms, [&] {
     return estimator.Compute(scene.frame.left, scene.frame.right, seeds, scene.size())
         .value_or(DisparityImage(scene.size()));

@@ -3,209 +3,144 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
+#include <tuple>
 #include <vector>
 
+#include "services/prior/parallel.h"
 #include "services/prior/triangle_raster.h"
 
 namespace sprout {
 namespace {
 
-constexpr int kRadius = 4;            // of the window, px
-constexpr int kStep = 2;              // between the rows and columns of the window that count
-constexpr int kLargestGrey = 20;      // differences above are as bad as this
-constexpr double kColourRange = 30;   // sum over the channels by which likeness falls to 1/e
-constexpr double kDistanceRange = 5;  // px
-constexpr int kWeightOne = 256;
+// The images cannot tell between disparities that are less than a pixel apart, and there
+// interpolation does no harm.
+constexpr float kSmallestGapPx = 1;
 
-// Weights that fall exponentially, as whole numbers.
-int ExpWeight(double exponent) {
-  return static_cast<int>(std::lround(kWeightOne * std::exp(-exponent)));
-}
+// A number that changes linearly over the image.
+struct Linear {
+  float at_origin;
+  float per_column;
+  float per_row;
 
-int ColourDistance(const cv::Vec3b& a, const cv::Vec3b& b) {
-  return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
-}
-
-// The two surfaces that a pixel of a triangle may lie on.
-struct Hypotheses {
-  float near_px;
-  float far_px;
+  float At(float u, float v) const { return at_origin + per_column * u + per_row * v; }
 };
 
-// Decides between hypotheses by the images and the spread seeds.
-class Judge {
- public:
-  explicit Judge(const EdgeEvidence& evidence) : evidence_(evidence) {
-    for (size_t i = 0; i < likeness_.size(); ++i) {
-      likeness_[i] = ExpWeight(static_cast<double>(i) / kColourRange);
-    }
-    size_t count = 0;
-    for (int y = -kRadius; y <= kRadius; y += kStep) {
-      for (int x = -kRadius; x <= kRadius; x += kStep) {
-        if ((x + y) / kStep % 2 != 0) continue;
-        samples_[count++] = {x, y, ExpWeight(std::sqrt(x * x + y * y) / kDistanceRange)};
-      }
-    }
-  }
+Linear ToLinear(const LocalPlane& plane) {
+  return {plane.At(0, 0), plane.per_column, plane.per_row};
+}
 
-  bool IsNear(int u, int v, const Hypotheses& hypotheses) const {
-    const int near_d = static_cast<int>(std::lround(hypotheses.near_px));
-    const int far_d = static_cast<int>(std::lround(hypotheses.far_px));
-    // The images cannot tell between disparities of one whole pixel.
-    if (near_d == far_d) {
-      return FromSpread(u, v, hypotheses, true) < FromSpread(u, v, hypotheses, false);
-    }
-    const bool inside = u >= kRadius + std::max(near_d, 0) &&
-                        u + kRadius - std::min(far_d, 0) < columns() && v >= kRadius &&
-                        v + kRadius < rows();
-    const Costs costs = inside ? Inside(u, v, near_d, far_d) : AtBorder(u, v, near_d, far_d);
-    const double worst = static_cast<double>(costs.weights) * kLargestGrey;
-    return costs.near - costs.far <
-           worst * (FromSpread(u, v, hypotheses, false) - FromSpread(u, v, hypotheses, true));
-  }
+// 0 at a, 1 at b, and level across the line between them.
+Linear ShareOfWay(const LocalPlane& a, const LocalPlane& b) {
+  const float across = b.u - a.u;
+  const float down = b.v - a.v;
+  const float per_length = 1 / (across * across + down * down);
+  return {-(a.u * across + a.v * down) * per_length, across * per_length, down * per_length};
+}
 
- private:
-  // Every other pixel of every other row and column, in quincunx: as good as all of them.
-  static constexpr int kSamples = 13;
-  struct Sample {
-    int u;
-    int v;
-    int weight;  // by distance
-  };
-
-  // Sums over the window; below 2^31, as 13 weights are at most 2^16 and differences 20.
-  struct Costs {
-    int near = 0;
-    int far = 0;
-    int weights = 0;
-  };
-
-  int rows() const { return evidence_.left_grey.rows; }
-  int columns() const { return evidence_.left_grey.cols; }
-
-  int Likeness(const cv::Vec3b& a, const cv::Vec3b& b) const {
-    return likeness_[static_cast<size_t>(ColourDistance(a, b))];
-  }
-
-  // All windows lie in their images.
-  Costs Inside(int u, int v, int near_d, int far_d) const {
-    Costs costs;
-    const cv::Vec3b colour = evidence_.left_bgr(v, u);
-    for (const Sample& sample : samples_) {
-      const int x = u + sample.u;
-      const int y = v + sample.v;
-      const int weight = sample.weight * Likeness(colour, evidence_.left_bgr(y, x));
-      const int left = evidence_.left_grey(y, x);
-      const uint8_t* right = evidence_.right_grey[y] + x;
-      costs.weights += weight;
-      costs.near += weight * std::min(std::abs(left - right[-near_d]), kLargestGrey);
-      costs.far += weight * std::min(std::abs(left - right[-far_d]), kLargestGrey);
-    }
-    return costs;
-  }
-
-  Costs AtBorder(int u, int v, int near_d, int far_d) const {
-    Costs costs;
-    for (const Sample& sample : samples_) {
-      const int x = u + sample.u;
-      const int y = v + sample.v;
-      if (y < 0 || x < 0 || y >= rows() || x >= columns()) continue;
-      const int weight =
-          sample.weight * Likeness(evidence_.left_bgr(v, u), evidence_.left_bgr(y, x));
-      costs.weights += weight;
-      costs.near += weight * Difference(x, y, near_d);
-      costs.far += weight * Difference(x, y, far_d);
-    }
-    return costs;
-  }
-
-  // Truncated; a pixel that leaves the right image fits as badly as can be.
-  int Difference(int u, int v, int disparity) const {
-    const int u_right = u - disparity;
-    if (u_right < 0 || u_right >= columns()) return kLargestGrey;
-    return std::min(std::abs(evidence_.left_grey(v, u) - evidence_.right_grey(v, u_right)),
-                    kLargestGrey);
-  }
-
-  // Distance of a hypothesis from the spread seeds as a share of that between the two.
-  double FromSpread(int u, int v, const Hypotheses& hypotheses, bool near) const {
-    const double spread_px = evidence_.spread_px(v, u);
-    if (std::isnan(spread_px)) return 0;
-    const double gap_px = std::max(1.0, double{hypotheses.near_px} - hypotheses.far_px);
-    const double off_px = std::abs((near ? hypotheses.near_px : hypotheses.far_px) - spread_px);
-    return evidence_.spread_weight * std::min(off_px / gap_px, 1.0);
-  }
-
-  const EdgeEvidence& evidence_;
-  std::array<int, 3 * 255 + 1> likeness_{};
-  std::array<Sample, kSamples> samples_{};
-};
+// As ToCounts(), but always with a disparity, and much faster.
+int16_t NearestCounts(float disparity_px) {
+  constexpr float kMost = DisparityImage::kMaxPx;
+  constexpr float kOne = DisparityImage::kCountsPerPixel;
+  constexpr int kPositive = 1 << 15;  // conversion cuts off the fraction of positive numbers
+  const float counts = std::clamp(disparity_px, -kMost, kMost) * kOne;
+  return static_cast<int16_t>(static_cast<int>(counts + (kPositive + 0.5F)) - kPositive);
+}
 
 // The seeds of a triangle, parted where their disparities gape most.
 class SplitTriangle {
  public:
-  explicit SplitTriangle(std::array<LocalPlane, 3> planes) : planes_(planes) {
+  explicit SplitTriangle(const std::array<LocalPlane, 3>& planes) : planes_(planes) {
     std::sort(planes_.begin(), planes_.end(),
               [](const LocalPlane& a, const LocalPlane& b) { return a.disparity < b.disparity; });
-    two_far_ =
+    const bool two_far =
         planes_[1].disparity - planes_[0].disparity < planes_[2].disparity - planes_[1].disparity;
+    const auto& [single, one, other] = two_far ? std::tie(planes_[2], planes_[0], planes_[1])
+                                               : std::tie(planes_[0], planes_[1], planes_[2]);
+    single_ = ToLinear(single);
+    one_ = ToLinear(one);
+    other_ = ToLinear(other);
+    share_of_other_ = ShareOfWay(one, other);
   }
 
-  // The corners in the image.
-  Seed Corner(size_t i) const { return {.u = planes_[i].u, .v = planes_[i].v, .u_right = 0}; }
+  // The surface of two seeds lies between their planes, so the gap is largest at a corner.
+  bool IsApartSomewhere() const {
+    return std::any_of(planes_.begin(), planes_.end(), [&](const LocalPlane& corner) {
+      const float single = single_.At(corner.u, corner.v);
+      return std::abs(single - one_.At(corner.u, corner.v)) >= kSmallestGapPx ||
+             std::abs(single - other_.At(corner.u, corner.v)) >= kSmallestGapPx;
+    });
+  }
 
-  float spread_px() const { return planes_[2].disparity - planes_[0].disparity; }
-
-  Hypotheses At(int u, int v) const {
-    const auto column = static_cast<float>(u);
-    const auto row = static_cast<float>(v);
-    const float a = two_far_ ? planes_[2].At(column, row) : planes_[0].At(column, row);
-    const float b = two_far_ ? Between(planes_[0], planes_[1], column, row)
-                             : Between(planes_[1], planes_[2], column, row);
-    return {std::max(a, b), std::min(a, b)};
+  void Paint(const PixelRun& run, EdgeHypotheses& hypotheses) const {
+    int16_t* const near = hypotheses.near.counts()[run.v];
+    int16_t* const far = hypotheses.far.counts()[run.v];
+    const auto row = static_cast<float>(run.v);
+    for (int u = run.begin; u < run.end; ++u) {
+      const auto column = static_cast<float>(u);
+      const float share = std::clamp(share_of_other_.At(column, row), 0.F, 1.F);
+      const float one = one_.At(column, row);
+      const float pair = one + share * (other_.At(column, row) - one);
+      const float single = single_.At(column, row);
+      if (std::abs(single - pair) < kSmallestGapPx) continue;
+      near[u] = NearestCounts(std::max(single, pair));
+      far[u] = NearestCounts(std::min(single, pair));
+    }
   }
 
  private:
-  // Of two planes of one surface, the closer seed's counts more.
-  static float Between(const LocalPlane& a, const LocalPlane& b, float u, float v) {
-    const float to_a = Distance(a, u, v);
-    const float to_b = Distance(b, u, v);
-    return (to_b * a.At(u, v) + to_a * b.At(u, v)) / (to_a + to_b);
-  }
-
-  static float Distance(const LocalPlane& plane, float u, float v) {
-    constexpr float kNotZero = 1e-3F;
-    const float across = u - plane.u;
-    const float down = v - plane.v;
-    return kNotZero + std::sqrt(across * across + down * down);
-  }
-
   std::array<LocalPlane, 3> planes_;  // far to near
-  bool two_far_;
+  Linear single_;                     // surface of the seed that lies alone
+  Linear one_;                        // and of the other two
+  Linear other_;
+  Linear share_of_other_;
 };
+
+float SpreadPx(const std::array<LocalPlane, 3>& planes) {
+  const auto [least, most] =
+      std::minmax({planes[0].disparity, planes[1].disparity, planes[2].disparity});
+  return most - least;
+}
+
+Seed Position(const LocalPlane& plane) { return {.u = plane.u, .v = plane.v, .u_right = 0}; }
+
+void PaintTriangle(const std::array<LocalPlane, 3>& planes, TriangleRaster& raster,
+                   EdgeHypotheses& hypotheses) {
+  const SplitTriangle split(planes);
+  if (!split.IsApartSomewhere()) return;
+  for (const PixelRun& run :
+       raster.Runs(Position(planes[0]), Position(planes[1]), Position(planes[2]))) {
+    split.Paint(run, hypotheses);
+  }
+}
 
 }  // namespace
 
-void ResolveEdges(const SeedSurface& surface, std::span<const SeedTriangle> triangles,
-                  const EdgeEvidence& evidence, DisparityImage& prior) {
-  std::vector<SplitTriangle> edges;
-  for (const SeedTriangle& triangle : triangles) {
+void PaintEdgeHypotheses(const SeedSurface& surface, std::span<const SeedTriangle> triangles,
+                         double edge_px, cv::Size size, EdgeHypotheses& hypotheses) {
+  const auto planes_of = [&](const SeedTriangle& triangle) {
     const auto plane = [&](size_t i) { return surface.planes[static_cast<size_t>(triangle[i])]; };
-    const SplitTriangle split({plane(0), plane(1), plane(2)});
-    if (split.spread_px() >= static_cast<float>(evidence.edge_px)) edges.push_back(split);
+    return std::array{plane(0), plane(1), plane(2)};
+  };
+  struct Edge {
+    size_t triangle;
+    RowReach reach;
+  };
+  std::vector<Edge> edges;
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    const std::array<LocalPlane, 3> planes = planes_of(triangles[i]);
+    if (SpreadPx(planes) < static_cast<float>(edge_px)) continue;
+    edges.push_back({i, ReachOf(Position(planes[0]), Position(planes[1]), Position(planes[2]))});
   }
-  const Judge judge(evidence);
-  PaintInBands(prior.height(), [&](const cv::Range& rows) {
-    TriangleRaster raster(prior.width(), rows);
-    for (const SplitTriangle& edge : edges) {
-      for (const PixelRun& run : raster.Runs(edge.Corner(0), edge.Corner(1), edge.Corner(2))) {
-        for (int u = run.begin; u < run.end; ++u) {
-          const Hypotheses hypotheses = edge.At(u, run.v);
-          const bool near = judge.IsNear(u, run.v, hypotheses);
-          prior.counts()(run.v, u) = ToCounts(near ? hypotheses.near_px : hypotheses.far_px);
-        }
-      }
+  hypotheses.near.counts().create(size);
+  hypotheses.far.counts().create(size);
+  PaintInBands(size.height, [&](const cv::Range& rows) {
+    for (DisparityImage* map : {&hypotheses.near, &hypotheses.far}) {
+      map->counts().rowRange(rows).setTo(DisparityImage::kInvalid);
+    }
+    TriangleRaster raster(size.width, rows);
+    for (const Edge& edge : edges) {
+      if (edge.reach.Meets(rows))
+        PaintTriangle(planes_of(triangles[edge.triangle]), raster, hypotheses);
     }
   });
 }

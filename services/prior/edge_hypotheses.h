@@ -10,33 +10,26 @@
 
 namespace sprout {
 
-/// What ResolveEdges() looks at.
-struct EdgeEvidence {
-  cv::Mat3b left_bgr;   ///< colours of the left image, which say what belongs together
-  cv::Mat1b left_grey;  ///< the pair that is matched
-  cv::Mat1b right_grey;
-  cv::Mat1f spread_px;       ///< SpreadSeeds() over the left image
-  double edge_px = 0;        ///< seeds of a triangle that differ by more lie on two surfaces, px
-  double spread_weight = 0;  ///< weight of spread_px against that of the images
+/// The two surfaces that each pixel of a triangle across a depth edge may lie on. Where there is no
+/// such triangle, or they are less than a pixel apart, both maps are without a disparity.
+struct EdgeHypotheses {
+  DisparityImage near;
+  DisparityImage far;
 };
 
-/// Mends the prior where interpolation errs most. A triangle whose seeds lie on two surfaces spans
-/// a depth edge, and interpolation paints a ramp there that does not exist: the pixel lies on the
-/// near surface or on the far one. Both hypotheses, extrapolated from the planes of their seeds,
-/// are scored for each pixel, and the better one stands:
-///   the images: truncated absolute differences in a 9×9 window (13 pixels of it), weighted by
-///     likeness of colour and by distance to the pixel (adaptive support weights: Yoon and Kweon,
-///     PAMI 2006), so that the window does not reach over the edge;
-///   the ToF camera: how far the hypothesis is from the disparity that the seeds spread there
-///     along the image's edges.
+/// Hypotheses for the pixels of triangles whose seeds differ by at least `edge_px`: such a triangle
+/// spans a depth edge, and its seeds lie on two surfaces, parted where their disparities gape most.
+/// The surface of one seed is its plane; that of two blends their planes along the line between
+/// them.
 ///
-/// @param surface    of the seeds.
-/// @param triangles  of the seeds.
-/// @param prior      their interpolation; changed in place in the triangles that span an edge.
-/// Whole-number weights and differences: the same result on every machine.
-/// O(pixels of these triangles · 13).
-void ResolveEdges(const SeedSurface& surface, std::span<const SeedTriangle> triangles,
-                  const EdgeEvidence& evidence, DisparityImage& prior);
+/// @param surface      of the seeds.
+/// @param triangles    of the seeds; a pixel on the border of two gets the later one's, if it has
+/// any.
+/// @param size         of the left image, px.
+/// @param hypotheses   are overwritten; their memory is used again when the size is the same.
+/// O(triangles + pixels); on OpenCV's threads, with the same result for any number.
+void PaintEdgeHypotheses(const SeedSurface& surface, std::span<const SeedTriangle> triangles,
+                         double edge_px, cv::Size size, EdgeHypotheses& hypotheses);
 
 }  // namespace sprout
 

@@ -17,13 +17,14 @@ namespace sprout {
 /// @param seeds      at least three.
 /// @param triangles  of TriangulateSeeds() of these seeds, or of others on the same positions.
 /// @param size       of the left rectified image, px.
+/// @param map        whose memory is used if it is of that size; its pixels are lost.
 /// @returns a map of that size without gaps: outside the hull of the seeds a pixel takes the value
-///          of the nearest pixel in the hull (nearest by OpenCV's 5×5 distance transform, which is
-///          within 2 % of the Euclidean distance). An error that says why when there is no
-///          triangle, or none that covers a pixel.
+///          of the nearest pixel in the hull (to within a pixel). An error that says why when there
+///          is no triangle, or none that covers a pixel.
 /// O(n + pixels); no I/O; thread-safe.
 Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
-                                        std::span<const SeedTriangle> triangles, cv::Size size);
+                                        std::span<const SeedTriangle> triangles, cv::Size size,
+                                        DisparityImage map = {});
 
 }  // namespace sprout
 

@@ -1,5 +1,6 @@
 #include "services/prior/prior_estimator.h"
 
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <utility>
@@ -7,8 +8,9 @@
 
 #include "common/core/image.h"
 #include "services/prior/delaunay.h"
-#include "services/prior/edge_hypotheses.h"
+#include "services/prior/edges.h"
 #include "services/prior/interpolation.h"
+#include "services/prior/parallel.h"
 #include "services/prior/seed_spreading.h"
 #include "services/prior/seed_surface.h"
 
@@ -32,6 +34,18 @@ std::vector<Seed> SeedsOn(const SeedSurface& surface) {
   return seeds;
 }
 
+// cv::medianBlur(), on OpenCV's threads.
+void TakeMedians(const cv::Mat1s& from, cv::Mat1s& to) {
+  constexpr int kWindow = 5;
+  PaintInBands(from.rows, [&](const cv::Range& rows) {
+    const int first = std::max(rows.start - kWindow / 2, 0);
+    const int end = std::min(rows.end + kWindow / 2, from.rows);
+    cv::Mat1s medians;
+    cv::medianBlur(from.rowRange(first, end), medians, kWindow);
+    medians.rowRange(rows.start - first, rows.end - first).copyTo(to.rowRange(rows));
+  });
+}
+
 }  // namespace
 
 PriorEstimator::PriorEstimator(const PriorConfig& config) : config_(config) {
@@ -39,7 +53,7 @@ PriorEstimator::PriorEstimator(const PriorConfig& config) : config_(config) {
 }
 
 Result<DisparityImage> PriorEstimator::Compute(const cv::Mat& left, const cv::Mat& right,
-                                               std::span<const Seed> seeds, cv::Size size) const {
+                                               std::span<const Seed> seeds, cv::Size size) {
   if ((uses_left() && left.size() != size) || (uses_right() && right.size() != size)) {
     return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
                 ": allowed is the calibrated size " + SizeText(size));
@@ -60,29 +74,33 @@ DisparityImage PriorEstimator::FromSpreadSeeds(const cv::Mat& left, std::span<co
 }
 
 Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat& right,
-                                                 std::span<const Seed> seeds, cv::Size size) const {
-  const std::vector<SeedTriangle> triangles = TriangulateSeeds(seeds);
+                                                 std::span<const Seed> seeds, cv::Size size) {
+  EdgeEvidence evidence;
+  const auto look = [&] {
+    evidence.spread_weight = config_.spread_weight();
+    evidence.left_bgr = ToBgr(left);
+    evidence.left_grey = ToGrey(left);
+    evidence.right_grey = ToGrey(right);
+    const cv::Mat half = HalfSize(left);
+    evidence.half_bgr = ToBgr(half);
+    evidence.spread_px =
+        SpreadSeedsAtHalfSize(seeds, half, config_.fgs_lambda(), config_.fgs_sigma());
+  };
+  std::vector<SeedTriangle> triangles;
+  RunBoth(look, [&] { triangles = TriangulateSeeds(seeds); });
+
   const SeedSurface surface =
       FitSeedSurface(seeds, triangles, config_.noisy_px(), config_.edge_px());
-  const std::vector<Seed> smooth_seeds = SeedsOn(surface);
-  Result<DisparityImage> prior = InterpolateSeeds(smooth_seeds, triangles, size);
-  if (!prior) return prior;
-
-  // A hint to the decision; more passes change the result by 0.01 points.
-  constexpr int kPasses = 1;
+  const Result<DisparityImage> interpolated =
+      InterpolateSeeds(SeedsOn(surface), triangles, size, prior_);
+  if (!interpolated) return interpolated;
+  prior_ = *interpolated;
   const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
-  ResolveEdges(surface, triangles,
-               {.left_bgr = ToBgr(left),
-                .left_grey = ToGrey(left),
-                .right_grey = ToGrey(right),
-                .spread_px = SpreadSeeds(smooth_seeds, left, config_.fgs_lambda(),
-                                         config_.fgs_sigma(), kPasses),
-                .edge_px = config_.edge_px() + 2 * noise_px,
-                .spread_weight = config_.spread_weight()},
-               *prior);
+  PaintEdgeHypotheses(surface, triangles, config_.edge_px() + 2 * noise_px, size, hypotheses_);
+  ResolveEdges(hypotheses_, EdgeJudge(evidence), prior_);
   // Single pixels that were judged otherwise than those around them.
-  DisparityImage cleaned(size);
-  cv::medianBlur(prior->counts(), cleaned.counts(), 5);
+  DisparityImage cleaned{cv::Mat1s(size)};
+  TakeMedians(prior_.counts(), cleaned.counts());
   return cleaned;
 }
 

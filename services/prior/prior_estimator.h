@@ -8,6 +8,7 @@
 #include "common/core/disparity_image.h"
 #include "common/core/result.h"
 #include "common/core/seed.h"
+#include "services/prior/edge_hypotheses.h"
 
 namespace sprout {
 
@@ -27,17 +28,21 @@ class PriorEstimator {
   /// @param size   of the left rectified image, px.
   /// @returns a map of that size. An error that says why when the seeds span no triangle that
   ///          covers a pixel, or when an image that is used has another size.
-  /// O(n log n + pixels); no I/O; thread-safe.
+  /// O(n log n + pixels); no I/O; on OpenCV's threads, with the same result for any number. Keeps
+  /// three maps' memory from frame to frame, so one object serves one caller at a time.
   Result<DisparityImage> Compute(const cv::Mat& left, const cv::Mat& right,
-                                 std::span<const Seed> seeds, cv::Size size) const;
+                                 std::span<const Seed> seeds, cv::Size size);
 
  private:
   DisparityImage FromSpreadSeeds(const cv::Mat& left, std::span<const Seed> seeds,
                                  const DisparityImage& interpolated) const;
   Result<DisparityImage> WithEdges(const cv::Mat& left, const cv::Mat& right,
-                                   std::span<const Seed> seeds, cv::Size size) const;
+                                   std::span<const Seed> seeds, cv::Size size);
 
   PriorConfig config_;
+  // Memory of the last frame, for the next; neither is ever handed out.
+  EdgeHypotheses hypotheses_;
+  DisparityImage prior_;
 };
 
 }  // namespace sprout

@@ -24,6 +24,18 @@ namespace sprout {
 cv::Mat1f SpreadSeeds(std::span<const Seed> seeds, const cv::Mat& left, double lambda, double sigma,
                       int passes = 3);
 
+/// Means of 2×2 pixels; the last row and column of an odd image count twice. O(pixels).
+/// @param image  CV_8U, any channels.
+cv::Mat HalfSize(const cv::Mat& image);
+
+/// SpreadSeeds() for a sixth of its time: one pass over an image of half the size. What it loses is
+/// of no account where it only is a hint.
+/// @param half_left  HalfSize() of the left image.
+/// @returns as SpreadSeeds(), disparities of the full image, for pixel (u, v) of it at
+///          (u / 2, v / 2), rounded down.
+cv::Mat1f SpreadSeedsAtHalfSize(std::span<const Seed> seeds, const cv::Mat& half_left,
+                                double lambda, double sigma);
+
 }  // namespace sprout
 
 #endif  // SPROUT_SERVICES_PRIOR_SEED_SPREADING_H_

@@ -1,9 +1,11 @@
 #include "services/prior/seed_surface.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core/utility.hpp>
+#include <utility>
+
+#include "services/prior/parallel.h"
 
 namespace sprout {
 namespace {
@@ -14,28 +16,47 @@ constexpr double kSmallestScalePx = 1;  // disparities that far off count a quar
 
 size_t Index(int i) { return static_cast<size_t>(i); }
 
-// For each seed those that it shares a triangle with, in ascending order.
+// For each seed those that it shares a triangle with, in one array.
 class Neighbours {
  public:
-  Neighbours(size_t seeds, std::span<const SeedTriangle> triangles) : of_(seeds) {
+  Neighbours() = default;
+  Neighbours(size_t seeds, std::span<const SeedTriangle> triangles) : lists_(seeds) {
     for (const SeedTriangle& triangle : triangles) {
-      for (int a : triangle) {
-        for (int b : triangle) {
-          if (a != b) of_[Index(a)].push_back(b);
-        }
-      }
+      for (int seed : triangle) lists_[Index(seed)].begin += 2;  // room it may need
     }
-    for (std::vector<int>& list : of_) {
-      std::sort(list.begin(), list.end());
-      list.erase(std::unique(list.begin(), list.end()), list.end());
+    size_t end = 0;
+    for (List& list : lists_) end += std::exchange(list.begin, end);
+    seeds_.resize(end);
+    for (const auto& [a, b, c] : triangles) {
+      Add(a, b, c);
+      Add(b, c, a);
+      Add(c, a, b);
     }
   }
 
-  const std::vector<int>& Of(int seed) const { return of_[Index(seed)]; }
-  size_t size() const { return of_.size(); }
+  std::span<const int> Of(int seed) const {
+    const List& list = lists_[Index(seed)];
+    return {seeds_.data() + list.begin, list.size};
+  }
+  size_t size() const { return lists_.size(); }
 
  private:
-  std::vector<std::vector<int>> of_;
+  struct List {
+    size_t begin = 0;
+    size_t size = 0;
+  };
+
+  void Add(int seed, int one, int other) {
+    List& list = lists_[Index(seed)];
+    for (int neighbour : {one, other}) {
+      const std::span<const int> known = Of(seed);
+      if (std::find(known.begin(), known.end(), neighbour) != known.end()) continue;
+      seeds_[list.begin + list.size++] = neighbour;
+    }
+  }
+
+  std::vector<List> lists_;
+  std::vector<int> seeds_;
 };
 
 // Seeds around a seed. For one thread.
@@ -75,28 +96,80 @@ double Quantile(std::vector<double>& values, double share) {
   return values[static_cast<size_t>(rank)];
 }
 
-// Fits planes d(u, v) = x₀ + x₁·(u − u₀)/spacing + x₂·(v − v₀)/spacing around seeds.
+// The plane d(x, y) = value + x·per_x + y·per_y.
+struct Plane {
+  double value = 0;
+  double per_x = 0;
+  double per_y = 0;
+  double variance = 0;  // of the value, in that of a disparity of weight 1
+
+  double At(double x, double y) const { return value + per_x * x + per_y * y; }
+};
+
+// Weighted least squares for a plane.
+class PlaneSums {
+ public:
+  // The weights of the prior plane d = 0: of its value, and of each slope.
+  PlaneSums(double value_hold, double slope_hold) : n_(value_hold), xx_(slope_hold), yy_(xx_) {}
+
+  void Add(double weight, double x, double y, double d) {
+    const double wx = weight * x;
+    const double wy = weight * y;
+    n_ += weight;
+    x_ += wx;
+    y_ += wy;
+    xx_ += wx * x;
+    xy_ += wx * y;
+    yy_ += wy * y;
+    d_ += weight * d;
+    dx_ += wx * d;
+    dy_ += wy * d;
+  }
+
+  // Solves the normal equations for the value first, with the slopes eliminated.
+  Plane Solve() const {
+    const double per_area = 1 / (xx_ * yy_ - xy_ * xy_);
+    const double p = (yy_ * x_ - xy_ * y_) * per_area;
+    const double q = (xx_ * y_ - xy_ * x_) * per_area;
+    Plane plane;
+    plane.variance = 1 / (n_ - p * x_ - q * y_);
+    plane.value = (d_ - p * dx_ - q * dy_) * plane.variance;
+    const double right_x = dx_ - x_ * plane.value;
+    const double right_y = dy_ - y_ * plane.value;
+    plane.per_x = (yy_ * right_x - xy_ * right_y) * per_area;
+    plane.per_y = (xx_ * right_y - xy_ * right_x) * per_area;
+    return plane;
+  }
+
+ private:
+  double n_;
+  double x_ = 0;
+  double y_ = 0;
+  double xx_;
+  double xy_ = 0;
+  double yy_;
+  double d_ = 0;
+  double dx_ = 0;
+  double dy_ = 0;
+};
+
+// Fits planes around seeds, with their spacing as unit of x and y.
 class PlaneFitter {
  public:
-  PlaneFitter(std::span<const Seed> seeds, const Neighbours& neighbours)
-      : seeds_(seeds), neighbours_(neighbours), spacing_px_(Spacing()) {}
+  PlaneFitter(std::span<const Seed> seeds, const Neighbours& neighbours, double spacing_px)
+      : seeds_(seeds), neighbours_(neighbours), per_px_(1 / spacing_px) {}
 
   // How far seeds lie from the planes through their neighbours alone.
   double EstimateNoise() const {
-    std::vector<double> deviations;
-    for (int i = 0; Index(i) < seeds_.size(); ++i) {
-      constexpr size_t kEnough = 4;  // a plane takes three
-      if (neighbours_.Of(i).size() < kEnough) continue;
-      Eigen::Matrix3d normal = 1e-6 * Eigen::Matrix3d::Identity();
-      Eigen::Vector3d right_side = Eigen::Vector3d::Zero();
-      for (int j : neighbours_.Of(i)) Add(i, j, 1, normal, right_side);
-      const auto solver = normal.ldlt();
-      const double expected_px = solver.solve(right_side)[0];
-      // The plane is uncertain as well: variance of its value here, in that of a seed.
-      const double variance = solver.solve(Eigen::Vector3d::UnitX())[0];
-      deviations.push_back(std::abs(seeds_[Index(i)].disparity() - expected_px) /
-                           std::sqrt(1 + variance));
-    }
+    constexpr double kNone = -1;
+    std::vector<double> deviations(seeds_.size(), kNone);
+    cv::parallel_for_({0, static_cast<int>(seeds_.size())}, [&](const cv::Range& range) {
+      for (int i = range.start; i < range.end; ++i) {
+        constexpr size_t kEnough = 4;  // a plane takes three
+        if (neighbours_.Of(i).size() >= kEnough) deviations[Index(i)] = Deviation(i);
+      }
+    });
+    std::erase(deviations, kNone);
     // A low quantile: curved surfaces and edges deviate as well, but not nearly all of the seeds.
     constexpr double kShare = 0.2;
     constexpr double kQuantileOfNormal = 0.2533;  // of the absolute value, in standard deviations
@@ -104,57 +177,73 @@ class PlaneFitter {
   }
 
   // @param support  of Surroundings.
-  LocalPlane Fit(int seed, const std::vector<int>& support, double scale_px) const {
+  LocalPlane Fit(int seed, std::span<const int> support, double scale_px) const {
     const Seed& centre = seeds_[Index(seed)];
-    Eigen::Vector3d x(centre.disparity(), 0, 0);
+    const double per_scale = 1 / scale_px;
+    Plane plane{.value = centre.disparity()};
     for (int iteration = 0; iteration < kIterations; ++iteration) {
       // The first plane is level: a slant must not look like another surface.
-      const double scale = iteration == 0 ? 2 * scale_px : scale_px;
-      Eigen::Matrix3d normal = Eigen::Vector3d(1e-9, kSlopeHold, kSlopeHold).asDiagonal();
-      Eigen::Vector3d right_side = Eigen::Vector3d::Zero();
+      const double sharpness = iteration == 0 ? per_scale / 2 : per_scale;
+      PlaneSums sums(1e-9, kSlopeHold);
       for (int i : support) {
-        const double off = (seeds_[Index(i)].disparity() - Row(seed, i).dot(x)) / scale;
+        const auto [x, y, disparity] = From(seed, i);
+        const double off = (disparity - plane.At(x, y)) * sharpness;
         const double weight = 1 / (1 + off * off);
-        Add(seed, i, weight * weight, normal, right_side);
+        sums.Add(weight * weight, x, y, disparity);
       }
-      x = normal.ldlt().solve(right_side);
+      plane = sums.Solve();
     }
-    return {centre.u, centre.v, static_cast<float>(x[0]), static_cast<float>(x[1] / spacing_px_),
-            static_cast<float>(x[2] / spacing_px_)};
+    return {centre.u, centre.v, static_cast<float>(plane.value),
+            static_cast<float>(plane.per_x * per_px_), static_cast<float>(plane.per_y * per_px_)};
   }
 
  private:
-  // Median distance of neighbours.
-  double Spacing() const {
-    std::vector<double> distances;
-    for (int i = 0; Index(i) < seeds_.size(); ++i) {
-      for (int j : neighbours_.Of(i)) {
-        const Seed& a = seeds_[Index(i)];
-        const Seed& b = seeds_[Index(j)];
-        distances.push_back(std::sqrt((double{a.u} - b.u) * (double{a.u} - b.u) +
-                                      (double{a.v} - b.v) * (double{a.v} - b.v)));
-      }
+  struct Point {
+    double x;
+    double y;
+    double disparity;
+  };
+
+  // Of a seed from the plane through its neighbours, in what is to be expected of it for a noise of
+  // one.
+  double Deviation(int seed) const {
+    PlaneSums sums(1e-6, 1e-6);
+    for (int i : neighbours_.Of(seed)) {
+      const auto [x, y, disparity] = From(seed, i);
+      sums.Add(1, x, y, disparity);
     }
-    return distances.empty() ? 1 : Quantile(distances, 0.5);
+    const Plane plane = sums.Solve();
+    // The plane is uncertain as well.
+    return std::abs(seeds_[Index(seed)].disparity() - plane.value) / std::sqrt(1 + plane.variance);
   }
 
-  Eigen::Vector3d Row(int centre, int seed) const {
+  Point From(int centre, int seed) const {
     const Seed& from = seeds_[Index(centre)];
     const Seed& to = seeds_[Index(seed)];
-    return {1, (double{to.u} - from.u) / spacing_px_, (double{to.v} - from.v) / spacing_px_};
-  }
-
-  void Add(int centre, int seed, double weight, Eigen::Matrix3d& normal,
-           Eigen::Vector3d& right_side) const {
-    const Eigen::Vector3d row = Row(centre, seed);
-    normal += weight * row * row.transpose();
-    right_side += weight * seeds_[Index(seed)].disparity() * row;
+    return {(double{to.u} - from.u) * per_px_, (double{to.v} - from.v) * per_px_, to.disparity()};
   }
 
   std::span<const Seed> seeds_;
   const Neighbours& neighbours_;
-  double spacing_px_;
+  double per_px_;  // of the unit
 };
+
+// Median side of the triangles.
+double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles) {
+  std::vector<double> squares;
+  squares.reserve(3 * triangles.size());
+  const auto add = [&](int a, int b) {
+    const double across = double{seeds[Index(b)].u} - seeds[Index(a)].u;
+    const double down = double{seeds[Index(b)].v} - seeds[Index(a)].v;
+    squares.push_back(across * across + down * down);
+  };
+  for (const auto& [a, b, c] : triangles) {
+    add(a, b);
+    add(b, c);
+    add(c, a);
+  }
+  return squares.empty() ? 1 : std::sqrt(Quantile(squares, 0.5));
+}
 
 // For each seed, whether it is in a triangle whose disparities differ by at least `edge_px`.
 std::vector<bool> SeedsAtEdges(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
@@ -175,14 +264,20 @@ std::vector<bool> SeedsAtEdges(std::span<const Seed> seeds, std::span<const Seed
 
 SeedSurface FitSeedSurface(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
                            double noisy_px, double edge_px) {
-  const Neighbours neighbours(seeds.size(), triangles);
-  const PlaneFitter fitter(seeds, neighbours);
+  Neighbours neighbours;
+  double spacing_px = 0;
+  std::vector<bool> at_edge;
+  RunBoth([&] { neighbours = Neighbours(seeds.size(), triangles); },
+          [&] {
+            spacing_px = SpacingPx(seeds, triangles);
+            at_edge = SeedsAtEdges(seeds, triangles, edge_px);
+          });
+  const PlaneFitter fitter(seeds, neighbours, spacing_px);
   SeedSurface surface;
   surface.noise_px = fitter.EstimateNoise();
   const bool noisy = surface.noise_px > noisy_px;
   const double scale_px = std::max(kSmallestScalePx, 2 * surface.noise_px);
   surface.planes.resize(seeds.size());
-  const std::vector<bool> at_edge = SeedsAtEdges(seeds, triangles, edge_px);
   cv::parallel_for_(
       {0, static_cast<int>(seeds.size())},
       [&](const cv::Range& range) {

@@ -1,8 +1,8 @@
 #ifndef SPROUT_SERVICES_PRIOR_TRIANGLE_RASTER_H_
 #define SPROUT_SERVICES_PRIOR_TRIANGLE_RASTER_H_
 
+#include <cstdint>
 #include <opencv2/core.hpp>
-#include <opencv2/core/utility.hpp>
 #include <vector>
 
 #include "common/core/seed.h"
@@ -16,6 +16,17 @@ struct PixelRun {
   int begin;
   int end;
 };
+
+/// Rows of an image that a triangle may have pixels in: [begin, end). Bands of rows skip by it the
+/// triangles that are none of theirs.
+struct RowReach {
+  int16_t begin = 0;
+  int16_t end = 0;
+
+  bool Meets(const cv::Range& rows) const { return begin < rows.end && rows.start < end; }
+};
+
+RowReach ReachOf(const Seed& a, const Seed& b, const Seed& c);
 
 /// The pixels of an image whose centre lies in a triangle of seeds or on its border, row by row.
 /// Neighbouring triangles both have the pixels of their common edge: none between them is missed.
@@ -34,15 +45,6 @@ class TriangleRaster {
   cv::Range rows_;
   std::vector<PixelRun> runs_;
 };
-
-/// Calls paint(rows) for bands of rows that make up the image, on OpenCV's threads. A row is
-/// painted by one call, so painting triangles in their order in each gives the same image with any
-/// number of threads.
-template <typename Paint>
-void PaintInBands(int height, const Paint& paint) {
-  constexpr int kBandsPerThread = 4;  // bands differ in work
-  cv::parallel_for_({0, height}, paint, kBandsPerThread * cv::getNumThreads());
-}
 
 }  // namespace sprout
 

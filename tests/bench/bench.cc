@@ -60,7 +60,7 @@ class Chain {
   std::vector<Seed> Refine(const BenchFrame& bench, const TofProjector& projector) const {
     return refiner_.Compute(bench.left, bench.right, bench.frame.tof, projector).value().seeds;
   }
-  DisparityImage Prior(const BenchFrame& bench, const std::vector<Seed>& seeds) const {
+  DisparityImage Prior(const BenchFrame& bench, const std::vector<Seed>& seeds) {
     const auto& [left, right, tof, truth] = bench.frame;
     return prior_.Compute(left, right, seeds, left.size()).value();
   }

@@ -111,6 +111,56 @@ TEST(Edges, SurviveSeedsOutsideTheImageAndGreyImages) {
   EXPECT_EQ(prior->CountValid(), static_cast<int64_t>(step.size.area()));
 }
 
+bool AreSame(const DisparityImage& a, const DisparityImage& b) {
+  return cv::countNonZero(a.counts() != b.counts()) == 0;
+}
+
+TEST(Edges, GiveTheSameBytesForAnyNumberOfThreadsAndFrameAfterFrame) {
+  Step step;
+  std::vector<Seed> seeds = step.Seeds(0.3);
+  for (const int u : {0, step.size.width - 1}) {
+    for (const int v : {0, step.size.height - 1}) {
+      seeds.push_back({static_cast<float>(u), static_cast<float>(v), static_cast<float>(u - kFar)});
+    }
+  }
+  const cv::Rect odd(0, 0, step.size.width - 3, step.size.height - 1);
+  for (const cv::Rect& part : {cv::Rect({}, step.size), odd}) {
+    for (const double noisy_px : {0.1, 100.0}) {
+      PriorConfig config;
+      config.set_noisy_px(noisy_px);
+      PriorEstimator estimator(config);
+      const auto compute = [&](int threads) {
+        cv::setNumThreads(threads);
+        return estimator.Compute(step.left(part), step.right(part), seeds, part.size()).value();
+      };
+      const DisparityImage expected = compute(1);
+      for (const int threads : {1, 2, 3, 8}) {
+        EXPECT_TRUE(AreSame(compute(threads), expected)) << threads << " threads";
+      }
+    }
+  }
+  cv::setNumThreads(-1);
+}
+
+TEST(Edges, SurviveTinyImages) {
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(2, 1), cv::Size(1, 5), cv::Size(5, 5)}) {
+    const std::vector<Seed> seeds = {{-1, -1, -9}, {9, -1, 7}, {-1, 9, -9}, {9, 9, 1}};
+    const auto prior =
+        PriorEstimator(PriorConfig())
+            .Compute(cv::Mat3b(size, cv::Vec3b()), cv::Mat1b(size, uint8_t{0}), seeds, size);
+    ASSERT_TRUE(prior.has_value());
+    EXPECT_EQ(prior->CountValid(), static_cast<int64_t>(size.area()));
+  }
+}
+
+TEST(Edges, SayWhyThereIsNoneAndGoOn) {
+  const Step step;
+  PriorEstimator estimator{PriorConfig()};
+  EXPECT_FALSE(estimator.Compute(step.left, step.right, {}, step.size).has_value());
+  EXPECT_TRUE(AreSame(*estimator.Compute(step.left, step.right, step.Seeds(), step.size),
+                      PriorBy(PriorConfig::EDGES, step, step.Seeds())));
+}
+
 TEST(Fgs, KeepsToTheColoursAndHasNoGaps) {
   const Step step;
   const DisparityImage prior = PriorBy(PriorConfig::FGS, step, step.Seeds());
