@@ -1,9 +1,11 @@
 #include "common/app/compute.h"
 
 #include <hwy/highway.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
 #include <opencv2/core/utility.hpp>
 
 #include "common/config/config.h"
@@ -53,6 +55,15 @@ void LimitSimd(const std::string& level) {
     allowed += ", " + NameOf(target);
   }
   throw ConfigError("--simd '" + level + "': this CPU has " + allowed);
+}
+
+void KeepMemory() {
+#ifdef __GLIBC__
+  constexpr int kLargestFromHeap = 32
+                                   << 20;  // bytes; glibc takes no more. 8 MP in colour have 24 MB
+  mallopt(M_MMAP_THRESHOLD, kLargestFromHeap);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+#endif
 }
 
 }  // namespace sprout

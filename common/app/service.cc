@@ -159,6 +159,7 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   if (apply_flags) apply_flags(context.config);
   RequireInRange(context.config, "");
   RequireValidPrefix(prefix_);
+  KeepMemory();
   SetThreads(threads_);
   LimitSimd(simd_);
 
