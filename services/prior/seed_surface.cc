@@ -186,15 +186,26 @@ class PlaneFitter {
       const double sharpness = iteration == 0 ? per_scale / 2 : per_scale;
       PlaneSums sums(1e-9, kSlopeHold);
       for (int i : support) {
-        const auto [x, y, disparity] = From(seed, i);
-        const double off = (disparity - plane.At(x, y)) * sharpness;
-        const double weight = 1 / (1 + off * off);
-        sums.Add(weight * weight, x, y, disparity);
+        const Point point = From(seed, i);
+        AddSoftly(point.disparity - plane.At(point.x, point.y), sharpness, point, sums);
       }
       plane = sums.Solve();
     }
     return {centre.u, centre.v, static_cast<float>(plane.value),
             static_cast<float>(plane.per_x * per_px_), static_cast<float>(plane.per_y * per_px_)};
+  }
+
+  // Disparity at a seed of the plane through those of its support that differ little from it: takes
+  // the steps off in which disparities are counted.
+  float Smooth(int seed, std::span<const int> support) const {
+    constexpr double kSharpness = 1 / 0.7;  // a difference of 0.7 px weighs a quarter
+    const double own = seeds_[Index(seed)].disparity();
+    PlaneSums sums(1e-9, kSlopeHold);
+    for (int i : support) {
+      const Point point = From(seed, i);
+      AddSoftly(point.disparity - own, kSharpness, point, sums);
+    }
+    return static_cast<float>(sums.Solve().value);
   }
 
  private:
@@ -203,6 +214,12 @@ class PlaneFitter {
     double y;
     double disparity;
   };
+
+  // With the Geman-McClure weight of a point that is `off` px off.
+  static void AddSoftly(double off, double sharpness, const Point& point, PlaneSums& sums) {
+    const double weight = 1 / (1 + off * off * (sharpness * sharpness));
+    sums.Add(weight * weight, point.x, point.y, point.disparity);
+  }
 
   // Of a seed from the plane through its neighbours, in what is to be expected of it for a noise of
   // one.
@@ -284,11 +301,10 @@ SeedSurface FitSeedSurface(std::span<const Seed> seeds, std::span<const SeedTria
         Surroundings surroundings(neighbours);
         for (int i = range.start; i < range.end; ++i) {
           const Seed& seed = seeds[Index(i)];
-          LocalPlane plane{.u = seed.u, .v = seed.v, .disparity = seed.disparity()};
-          if (noisy || at_edge[Index(i)]) {
-            plane = fitter.Fit(i, surroundings.Within(i, noisy ? 2 : 1), scale_px);
-          }
-          if (!noisy) plane.disparity = seed.disparity();
+          const std::span<const int> support = surroundings.Within(i, noisy ? 2 : 1);
+          LocalPlane plane{.u = seed.u, .v = seed.v};
+          if (noisy || at_edge[Index(i)]) plane = fitter.Fit(i, support, scale_px);
+          if (!noisy) plane.disparity = fitter.Smooth(i, support);
           surface.planes[Index(i)] = plane;
         }
       },

@@ -37,7 +37,8 @@ struct SeedSurface {
 /// The noise is estimated from how far seeds lie from the plain planes of their neighbours, by a
 /// low quantile over all seeds, so that edges and curved surfaces do not count. Where it exceeds
 /// `noisy_px` the fit reaches the neighbours' neighbours too, and its disparity stands for the
-/// seed's own.
+/// seed's own. Elsewhere a seed's disparity gives way only a little, to the plane of itself and
+/// those of its neighbours that differ by less than a pixel or so: disparities come in steps.
 ///
 /// @param triangles  of TriangulateSeeds() of these seeds. A seed in none of them keeps its
 ///                   disparity, with a level plane.
