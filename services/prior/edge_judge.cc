@@ -12,7 +12,7 @@ namespace {
 constexpr int kRadius = 4;            // of the window, px
 constexpr int kStep = 2;              // between the rows and columns of the window that count
 constexpr int kLargestGrey = 20;      // differences above are as bad as this
-constexpr double kColourRange = 30;   // sum over the channels by which likeness falls to 1/e
+constexpr double kColourRange = 20;   // sum over the channels by which likeness falls to 1/e
 constexpr double kDistanceRange = 5;  // px
 constexpr int kWeightOne = 256;
 
