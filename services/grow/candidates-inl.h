@@ -86,7 +86,8 @@ class CandidateSweep {
     const auto cost = [&](int i) HWY_ATTR {
       const V steps = hn::Set(d, 2 - i);
       const V distance = hn::Sub(hn::ShiftLeft<5>(steps), fraction);
-      const auto photo = PhotoCosts(rule_, hn::Add(left_energy, energy[i]), cross[i]);
+      const auto photo =
+          PhotoCosts<GrowConfig::EPC>(rule_, hn::Add(left_energy, energy[i]), cross[i]);
       return WholeCosts(hn::Add(photo, PriorCosts(rule_, distance)), hn::Or(left_energy, energy[i]),
                         hn::Add(first, steps));
     };

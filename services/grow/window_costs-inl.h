@@ -30,13 +30,13 @@ using FloatsOf = hn::Vec<hn::RebindToFloat<hn::DFromV<V>>>;
 // Eq. (4) as a cost, not yet whole: Σ (wL − wR)² / (σ_s² · Σ (wL² + wR²)). With MNCC eq. (1), whose
 // sums have the same form: 1 − 2·cov / (var + var), everything times n⁴.
 // @param energies  Σ wL² + Σ wR². @param cross  Σ wL·wR.
-template <class V>
+template <GrowConfig::Similarity kSimilarity, class V>
 HWY_INLINE FloatsOf<V> PhotoCosts(const GrowthRule& rule, V energies, V cross) {
   const hn::DFromV<V> d;
   const hn::RebindToFloat<decltype(d)> df;
   // Without variance no correlation; without energy no difference.
   const V divisor = hn::Max(energies, hn::Set(d, 1));
-  const V total = rule.similarity == GrowConfig::MNCC ? divisor : energies;
+  const V total = kSimilarity == GrowConfig::MNCC ? divisor : energies;
   const auto scale = hn::Div(hn::Set(df, rule.photo_scale), hn::ConvertTo(df, divisor));
   return hn::Mul(hn::ConvertTo(df, hn::Sub(hn::Sub(total, cross), cross)), scale);
 }
@@ -110,7 +110,7 @@ Four FourCosts(const GrowthRule& rule, const GrowthRow& row, int u, int d) {
       costs[at] = kExcludedCost;
       continue;
     }
-    auto cost = PhotoCosts(rule, one(pixel.energy + right[at]), one(cross[at]));
+    auto cost = PhotoCosts<kSimilarity>(rule, one(pixel.energy + right[at]), one(cross[at]));
     if constexpr (kSimilarity == GrowConfig::EPC) {
       const int distance = disparity * DisparityImage::kCountsPerPixel - pixel.prior;
       cost = hn::Add(cost, PriorCosts(rule, one(distance)));
@@ -227,7 +227,7 @@ HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthRow& row, int u, i
     cross = hn::Sub(hn::Mul(hn::Set(d4, kWindow * kWindow), cross),
                     hn::Mul(hn::Set(d4, row.left_sum[u]), right_sums));
   }
-  auto cost = PhotoCosts(rule, hn::Add(hn::Set(d4, pixel.energy), right), cross);
+  auto cost = PhotoCosts<kSimilarity>(rule, hn::Add(hn::Set(d4, pixel.energy), right), cross);
   if constexpr (kSimilarity == GrowConfig::EPC) {  // eq. (6)
     static_assert(DisparityImage::kCountsPerPixel == 1 << 5);
     const Four distances = hn::Sub(hn::ShiftLeft<5>(disparities), hn::Set(d4, pixel.prior));
