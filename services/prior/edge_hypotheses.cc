@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include "services/prior/parallel.h"
+#include "common/core/parallel.h"
 #include "services/prior/triangle_raster.h"
 
 namespace sprout {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "services/prior/parallel.h"
+#include "common/core/parallel.h"
 #include "services/prior/triangle_raster.h"
 
 namespace sprout {

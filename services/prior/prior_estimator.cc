@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "common/core/image.h"
+#include "common/core/parallel.h"
 #include "services/prior/delaunay.h"
 #include "services/prior/edges.h"
 #include "services/prior/interpolation.h"
-#include "services/prior/parallel.h"
 #include "services/prior/seed_spreading.h"
 #include "services/prior/seed_surface.h"
 

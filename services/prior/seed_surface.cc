@@ -5,7 +5,7 @@
 #include <opencv2/core/utility.hpp>
 #include <utility>
 
-#include "services/prior/parallel.h"
+#include "common/core/parallel.h"
 
 namespace sprout {
 namespace {
