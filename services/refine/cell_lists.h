@@ -18,12 +18,12 @@ class CellLists {
   /// O(points + cells): a counting sort.
   void Fill(std::span<const cv::Point2f> positions, cv::Size size, double side);
 
-  /// Calls visit(index) for every point in the cell of a position and the eight around it: for
-  /// every one within a cell's side, and some beyond.
+  /// Whether is_one(index) holds for any point in the cell of a position or the eight around it:
+  /// asks for every one within a cell's side, and some beyond, until it does.
   /// @param position  inside the image.
   /// Thread-safe.
-  template <typename Visit>
-  void ForNeighbours(const cv::Point2f& position, const Visit& visit) const {
+  template <typename Predicate>
+  bool AnyNeighbour(const cv::Point2f& position, const Predicate& is_one) const {
     const int column = Cell(position.x);
     const int row = Cell(position.y);
     const int first = std::max(column - 1, 0);
@@ -31,8 +31,20 @@ class CellLists {
     for (int y = std::max(row - 1, 0); y <= std::min(row + 1, high_ - 1); ++y) {
       // Cells side by side have their points side by side.
       const uint32_t end = begin_[CellIndex(last, y) + 1];
-      for (uint32_t i = begin_[CellIndex(first, y)]; i < end; ++i) visit(size_t{points_[i]});
+      for (uint32_t i = begin_[CellIndex(first, y)]; i < end; ++i) {
+        if (is_one(size_t{points_[i]})) return true;
+      }
     }
+    return false;
+  }
+
+  /// Calls visit(index) for all of these points.
+  template <typename Visit>
+  void ForNeighbours(const cv::Point2f& position, const Visit& visit) const {
+    AnyNeighbour(position, [&](size_t point) {
+      visit(point);
+      return false;
+    });
   }
 
  private:

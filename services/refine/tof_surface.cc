@@ -70,32 +70,31 @@ class TofSurface::HiddenTest {
 
  private:
   bool IsHiddenIn(const View& view, size_t i) const {
+    const double furthest_px = points_[i].seed.disparity() + rule_.tolerance_px;
+    return view.cells.AnyNeighbour(
+        view.positions[i], [&](size_t other) { return Hides(view, other, i, furthest_px); });
+  }
+
+  // Whether the piece of a point hides another one, which must not lie further than `furthest_px`.
+  bool Hides(const View& view, size_t by, size_t i, double furthest_px) const {
+    // From the one to the other, in ToF pixels.
+    const cv::Point2f& from = view.positions[by];
+    const cv::Point2f& to = view.positions[i];
+    const double across = (double{to.x} - from.x) / surface_.column_px_;
+    const double down = (double{to.y} - from.y) / surface_.row_px_;
+    const double distance = std::max(std::abs(across), std::abs(down));
+    if (distance > rule_.reach) return false;
+    const Piece& piece = surface_.pieces_[by];
+    const double piece_px = piece.disparity + across * piece.across + down * piece.down;
+    if (piece_px <= furthest_px) return false;
+    if (distance <= rule_.core) return true;
+    // The piece at this pixel: what it would be in the other image.
     const Seed& seed = points_[i].seed;
-    const cv::Point2f& position = view.positions[i];
-    const double furthest_px = seed.disparity() + rule_.tolerance_px;
-    double own_difference = -1;  // of the windows; unknown yet
-    bool hidden = false;
-    view.cells.ForNeighbours(position, [&](size_t other) {
-      if (hidden) return;
-      // From the other point to this one, in ToF pixels.
-      const cv::Point2f& from = view.positions[other];
-      const double across = (double{position.x} - from.x) / surface_.column_px_;
-      const double down = (double{position.y} - from.y) / surface_.row_px_;
-      const double distance = std::max(std::abs(across), std::abs(down));
-      if (distance > rule_.reach) return;
-      const Piece& piece = surface_.pieces_[other];
-      const double piece_px = piece.disparity + across * piece.across + down * piece.down;
-      if (piece_px <= furthest_px) return;
-      hidden = distance <= rule_.core;
-      if (hidden) return;
-      if (own_difference < 0) own_difference = Difference(seed.u, seed.v, seed.u_right);
-      // The piece at this pixel: what it would be in the other image.
-      const bool is_left = &view == &surface_.left_;
-      const double u = is_left ? seed.u : seed.u_right + piece_px;
-      const double u_right = is_left ? seed.u - piece_px : seed.u_right;
-      hidden = kClearlyBetter * Difference(u, seed.v, u_right) < own_difference;
-    });
-    return hidden;
+    const bool is_left = &view == &surface_.left_;
+    const double u = is_left ? seed.u : seed.u_right + piece_px;
+    const double u_right = is_left ? seed.u - piece_px : seed.u_right;
+    return kClearlyBetter * Difference(u, seed.v, u_right) <
+           Difference(seed.u, seed.v, seed.u_right);
   }
 
   double Difference(double u, double v, double u_right) const {
@@ -122,7 +121,9 @@ const std::vector<uint8_t>& TofSurface::FindHidden(std::span<const ProjectedPoin
       [&] {
         look(&Seed::u, left_);
         pieces_.clear();
-        for (const ProjectedPoint& point : points) pieces_.push_back(PieceOf(point));
+        for (const ProjectedPoint& point : points) {
+          pieces_.push_back(PieceOf(point));
+        }
       },
       [&] { look(&Seed::u_right, right_); });
 
