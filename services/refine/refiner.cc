@@ -103,6 +103,7 @@ Refiner::Fate Refiner::FateOf(const ProjectedPoint& point, const cv::Mat1b& left
 void Refiner::KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet& result) {
   std::vector<Seed>& seeds = result.seeds;
   seeds.clear();
+  seeds.reserve(kept_.size());
   for (const ProjectedPoint& point : kept_) seeds.push_back(point.seed);
   // Rule 2 (paper, II-B): background that the ToF camera sees beside or behind a nearer surface.
   // What it drops still hides other points.
