@@ -1,7 +1,6 @@
 #ifndef SPROUT_COMMON_CORE_DISPARITY_IMAGE_H_
 #define SPROUT_COMMON_CORE_DISPARITY_IMAGE_H_
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -49,13 +48,6 @@ class DisparityImage {
  private:
   cv::Mat1s counts_;
 };
-
-/// Takes the disparities away from rows of a map. Unlike cv::Mat::setTo() it allocates nothing.
-inline void Clear(DisparityImage& map, const cv::Range& rows) {
-  for (int v = rows.start; v < rows.end; ++v) {
-    std::fill_n(map.counts()[v], map.width(), DisparityImage::kInvalid);
-  }
-}
 
 /// Disparity in px to counts, rounded to nearest; kInvalid when out of range or not finite.
 inline int16_t ToCounts(double disparity_px) {

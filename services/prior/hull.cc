@@ -67,10 +67,4 @@ void Hull::FillDents(std::vector<double>& columns, double sign) {
   }
 }
 
-double Hull::SquaredDistance(int u, int v, size_t run) const {
-  const double across = u - std::clamp<double>(u, left_[run], right_[run]);
-  const double down = v - runs_[run].v;
-  return across * across + down * down;
-}
-
 }  // namespace sprout

@@ -32,7 +32,11 @@ class Hull {
 
  private:
   void FillDents(std::vector<double>& columns, double sign);
-  double SquaredDistance(int u, int v, size_t run) const;
+  double SquaredDistance(int u, int v, size_t run) const {
+    const double across = u - std::clamp<double>(u, left_[run], right_[run]);
+    const double down = v - runs_[run].v;
+    return across * across + down * down;
+  }
 
   std::vector<PixelRun> runs_;
   std::vector<double> left_;  // first and last column of each run, and a little more

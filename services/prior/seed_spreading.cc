@@ -1,6 +1,5 @@
 #include "services/prior/seed_spreading.h"
 
-#include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/ximgproc/edge_filter.hpp>
 
@@ -15,7 +14,7 @@ const cv::Mat1f& SeedSpreader::Spread(std::span<const Seed> seeds, const cv::Mat
                                       double lambda, double sigma, int passes) {
   for (cv::Mat1f* image : {&disparity_px_, &weight_}) {
     image->create(left.size());
-    std::fill_n(image->ptr<float>(), image->total(), 0.F);  // unlike setTo() without memory
+    *image = 0.F;  // unlike setTo() without memory
   }
   for (const Seed& seed : seeds) {
     const cv::Point pixel(cvRound(seed.u), cvRound(seed.v));

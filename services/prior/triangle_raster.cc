@@ -18,6 +18,30 @@ RowReach ReachOf(const Seed& a, const Seed& b, const Seed& c) {
           static_cast<int16_t>(std::clamp(most, -1.F, kLast) + 1)};
 }
 
+void Clear(DisparityImage& map, const cv::Range& rows) {
+  for (int v = rows.start; v < rows.end; ++v) {
+    int16_t* const row = map.counts()[v];
+    if (v == rows.start) {
+      std::fill_n(row, map.width(), DisparityImage::kInvalid);
+    } else {
+      std::copy_n(map.counts()[rows.start], map.width(), row);  // many pixels at once
+    }
+  }
+}
+
+inline int64_t TriangleRaster::Edge::Fixed(double px, double most_px) {
+  return static_cast<int64_t>(std::clamp(px, -most_px, most_px) * static_cast<double>(kOne));
+}
+
+inline TriangleRaster::Edge::Edge(const Seed& top, const Seed& bottom) {
+  const double height = double{bottom.v} - top.v;
+  const double slope = height > 0 ? (double{bottom.u} - top.u) / height : 0;
+  const double first_row = std::ceil(std::clamp<double>(top.v, 0, kMostRows));
+  first_row_ = static_cast<int>(first_row);
+  column_ = Fixed(top.u + (first_row - top.v) * slope, 1 << 24);
+  slope_ = Fixed(slope, 1 << 14);  // a steeper one crosses a single row
+}
+
 TriangleRaster::TriangleRaster(const Seed& a, const Seed& b, const Seed& c, int width,
                                const cv::Range& rows)
     : width_(width) {
@@ -38,19 +62,6 @@ TriangleRaster::TriangleRaster(const Seed& a, const Seed& b, const Seed& c, int 
   upper_edge_ = Edge(top, middle);
   lower_edge_ = Edge(middle, bottom);
   middle_v_ = middle.v;
-}
-
-TriangleRaster::Edge::Edge(const Seed& top, const Seed& bottom) {
-  const double height = double{bottom.v} - top.v;
-  const double slope = height > 0 ? (double{bottom.u} - top.u) / height : 0;
-  const double first_row = std::ceil(std::clamp<double>(top.v, 0, kMostRows));
-  first_row_ = static_cast<int>(first_row);
-  column_ = Fixed(top.u + (first_row - top.v) * slope, 1 << 24);
-  slope_ = Fixed(slope, 1 << 14);  // a steeper one crosses a single row
-}
-
-int64_t TriangleRaster::Edge::Fixed(double px, double most_px) {
-  return static_cast<int64_t>(std::clamp(px, -most_px, most_px) * static_cast<double>(kOne));
 }
 
 }  // namespace sprout

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 
+#include "common/core/disparity_image.h"
 #include "common/core/seed.h"
 #include "services/prior/delaunay.h"
 
@@ -27,6 +28,9 @@ struct RowReach {
 };
 
 RowReach ReachOf(const Seed& a, const Seed& b, const Seed& c);
+
+/// Takes the disparities away from rows of a map. Unlike cv::Mat::setTo() it allocates nothing.
+void Clear(DisparityImage& map, const cv::Range& rows);
 
 /// The pixels of an image whose centre lies in a triangle of seeds or on its border, row by row.
 /// Neighbouring triangles both have the pixels of their common edge: none between them is missed.
