@@ -55,10 +55,12 @@ void PaintInBands(int height, const Paint& paint) {
 
 /// Makes `map` one of that size to write a new result to: itself when nobody else holds its pixels
 /// any more, and a new one otherwise. What it contains is undefined.
-inline void Renew(DisparityImage& map, cv::Size size) {
-  const bool held = !map.empty() && (map.counts().u == nullptr || map.counts().u->refcount > 1);
-  if (held || map.size() != size) map = DisparityImage(cv::Mat1s(size));
+template <typename T>
+void Renew(cv::Mat_<T>& map, cv::Size size) {
+  const bool held = !map.empty() && (map.u == nullptr || map.u->refcount > 1);
+  if (held || map.size() != size) map = cv::Mat_<T>(size);
 }
+inline void Renew(DisparityImage& map, cv::Size size) { Renew(map.counts(), size); }
 
 }  // namespace sprout
 
