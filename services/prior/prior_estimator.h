@@ -34,7 +34,7 @@ class PriorEstimator {
   /// @returns a map of that size. An error that says why when the seeds span no triangle that
   ///          covers a pixel, or when an image that is used has another size.
   /// O(n log n + pixels); no I/O; on OpenCV's threads, with the same result for any number. Keeps
-  /// its memory from frame to frame (EDGES: 26 bytes a pixel and some 300 a seed), so one object
+  /// its memory from frame to frame (EDGES: about 18 bytes a pixel and 250 a seed), so one object
   /// serves one caller at a time; a map that nobody else holds any more is used again. In steady
   /// state only CGAL and OpenCV's filters allocate.
   Result<DisparityImage> Compute(const cv::Mat& left, const cv::Mat& right,

@@ -34,7 +34,7 @@ class Refiner {
   ///          applies. Seeds keep their sub-pixel positions. An error when the images do not have
   ///          the calibrated size.
   /// O(ToF pixels), with the background or the hidden rule also O(image pixels / 25); no I/O; on
-  /// OpenCV's threads, with the same result for any number. Keeps its memory, about 150 bytes a ToF
+  /// OpenCV's threads, with the same result for any number. Keeps its memory, about 120 bytes a ToF
   /// pixel, from frame to frame, so one object serves one caller at a time; with `memory` of an
   /// earlier frame it allocates nothing.
   Result<SeedSet> Compute(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,

@@ -21,7 +21,7 @@ struct HiddenRule {
 
 /// The surface that a ToF image shows, as disparities (px) at the ToF pixels, and two tests of its
 /// points against it. Each looks at the neighbours of a point only. Keeps its memory when it is set
-/// again: about 70 bytes a ToF pixel, and 8 a cell of FindHidden().
+/// again: about 40 bytes a ToF pixel, and 8 a cell of FindHidden().
 class TofSurface {
  public:
   /// Fewest of a pixel's eight neighbours that must lie on its surface.
