@@ -30,8 +30,8 @@ cv::Mat GrowPlug::ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right,
 }
 
 Outcome GrowPlug::Process(const Frame& frame) {
-  const cv::Mat1b left = ToGrey(frame.left);
-  const cv::Mat1b right = ToGrey(frame.right);
+  const cv::Mat1b left = ToGrey(frame.left, left_grey_);
+  const cv::Mat1b right = ToGrey(frame.right, right_grey_);
   const DisparityImage prior = frame.prior.value_or(DisparityImage());
   const std::vector<Seed> seeds = SeedsOf(frame, left, right);
   Result<DisparityImage> grown = grower_.Compute(left, right, seeds, prior);

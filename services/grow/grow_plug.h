@@ -33,6 +33,8 @@ class GrowPlug : public Plug {
   Grower grower_;
   GapFiller filler_;
   ConfidenceJudge judge_;
+  cv::Mat1b left_grey_;  // memory
+  cv::Mat1b right_grey_;
 };
 
 }  // namespace sprout
