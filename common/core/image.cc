@@ -5,10 +5,14 @@
 namespace sprout {
 
 cv::Mat1b ToGrey(const cv::Mat& image) {
-  if (image.channels() == 1) return image;
   cv::Mat1b grey;
-  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  return grey;
+  return ToGrey(image, grey);
+}
+
+cv::Mat1b ToGrey(const cv::Mat& image, cv::Mat1b& memory) {
+  if (image.channels() == 1) return image;
+  cv::cvtColor(image, memory, cv::COLOR_BGR2GRAY);
+  return memory;
 }
 
 std::string SizeText(cv::Size size) {

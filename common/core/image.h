@@ -9,6 +9,9 @@ namespace sprout {
 /// Grey values of an 8-bit grey or BGR image (a grey one is shared, not copied). O(pixels).
 cv::Mat1b ToGrey(const cv::Mat& image);
 
+/// The same for frame after frame, into memory of the caller's.
+cv::Mat1b ToGrey(const cv::Mat& image, cv::Mat1b& memory);
+
 /// "640x480", for messages to people.
 std::string SizeText(cv::Size size);
 

@@ -3,6 +3,7 @@
 #include <cassert>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
+#include <utility>
 
 namespace sprout {
 
@@ -37,11 +38,13 @@ TofProjector::TofProjector(const Rig& rig) : rig_(rig) {
   for (const cv::Point2d& p : undistorted) rays_.emplace_back(p.x, p.y, 1.0);
 }
 
-std::vector<ProjectedPoint> TofProjector::Project(const TofImage& tof, int& behind) const {
+std::vector<ProjectedPoint> TofProjector::Project(const TofImage& tof, int& behind,
+                                                  std::vector<ProjectedPoint> memory) const {
   assert(tof.depth_m.cols == rig_.tof.width && tof.depth_m.rows == rig_.tof.height);
   const Eigen::Matrix3d rotation = rig_.tof.left_from_tof_rotation.toRotationMatrix();
   behind = 0;
-  std::vector<ProjectedPoint> points;
+  std::vector<ProjectedPoint> points = std::move(memory);
+  points.clear();
   points.reserve(tof.depth_m.total());
   for (int v = 0; v < tof.depth_m.rows; ++v) {
     for (int u = 0; u < tof.depth_m.cols; ++u) {

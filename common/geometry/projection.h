@@ -36,8 +36,10 @@ class TofProjector {
   /// Every ToF pixel with a return (finite depth > 0) that lies in front of the pair, row by row.
   /// @param tof  depth of the calibrated size.
   /// @param[out] behind  number of points with a return that lie behind the pair (z ≤ 0).
+  /// @param memory  whose memory the points take.
   /// O(ToF pixels).
-  std::vector<ProjectedPoint> Project(const TofImage& tof, int& behind) const;
+  std::vector<ProjectedPoint> Project(const TofImage& tof, int& behind,
+                                      std::vector<ProjectedPoint> memory = {}) const;
 
   /// Direction of a ToF pixel in the ToF camera's frame, scaled to z = 1.
   const Eigen::Vector3d& ray(int tof_u, int tof_v) const {

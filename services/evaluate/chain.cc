@@ -27,7 +27,7 @@ DisparityImage RunGrow(const Scene& scene, const GrowConfig& config,
 }  // namespace
 
 std::vector<Seed> RunRefine(const Scene& scene, const ChainSettings& settings, StageTimes& ms) {
-  const Refiner refiner(settings.config.refine());
+  Refiner refiner(settings.config.refine());
   SeedSet refined = Timed(ms.refine_ms, [&] {
     return refiner.Compute(scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector)
         .value_or(SeedSet());

@@ -26,6 +26,32 @@ namespace sprout {
 cv::Mat1b Confidence(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
                      const DisparityImage& filled, double sigma_s_squared);
 
+/// Confidence() for frame after frame: keeps its memory (some 30 bytes a pixel), and gives a map
+/// that nobody else holds any more out again; in steady state only OpenCV's filters allocate. Works
+/// on OpenCV's threads, with the same result for any number. One object serves one caller at a
+/// time.
+class ConfidenceJudge {
+ public:
+  cv::Mat1b Judge(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
+                  const DisparityImage& filled, double sigma_s_squared);
+
+ private:
+  void MeasureEdges(const DisparityImage& filled);
+  void CountGaps(const DisparityImage& grown);
+  void Compare(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& filled);
+
+  cv::Mat1s most_, least_, range_;  // of the disparities around each pixel
+  cv::Mat1b even_;
+  cv::Mat1f edge_px_;  // distance to the next depth edge
+  cv::Mat1b gap_;
+  cv::Mat1i gaps_;  // number of pixels in the window that have no disparity
+  cv::Mat1b warped_, off_;
+  cv::Mat1i difference_;  // Σ (wL − wR)² around every pixel
+  cv::Mat1i energy_;      // Σ (wL² + wR²)
+  cv::Mat1i warped_energy_;
+  cv::Mat1b result_;
+};
+
 }  // namespace sprout
 
 #endif  // SPROUT_SERVICES_GROW_CONFIDENCE_H_

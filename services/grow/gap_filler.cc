@@ -4,8 +4,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "common/core/parallel.h"
 #include "services/grow/gap_medians.h"
-#include "services/grow/parallel.h"
 
 namespace sprout {
 namespace {

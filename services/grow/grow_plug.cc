@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "common/core/image.h"
-#include "services/grow/confidence.h"
 #include "services/grow/harris_seeds.h"
 
 namespace sprout {
@@ -25,14 +24,14 @@ std::vector<Seed> GrowPlug::SeedsOf(const Frame& frame, const cv::Mat1b& left,
 }
 
 cv::Mat GrowPlug::ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right,
-                               const DisparityImage& grown, const DisparityImage& filled) const {
+                               const DisparityImage& grown, const DisparityImage& filled) {
   if (left.size() != right.size()) return cv::Mat(left.size(), CV_8UC1, cv::Scalar(0));
-  return Confidence(left, right, grown, filled, config_.sigma_s_squared());
+  return judge_.Judge(left, right, grown, filled, config_.sigma_s_squared());
 }
 
 Outcome GrowPlug::Process(const Frame& frame) {
-  const cv::Mat1b left = ToGrey(frame.left);
-  const cv::Mat1b right = ToGrey(frame.right);
+  const cv::Mat1b left = ToGrey(frame.left, left_grey_);
+  const cv::Mat1b right = ToGrey(frame.right, right_grey_);
   const DisparityImage prior = frame.prior.value_or(DisparityImage());
   const std::vector<Seed> seeds = SeedsOf(frame, left, right);
   Result<DisparityImage> grown = grower_.Compute(left, right, seeds, prior);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/app/plug.h"
+#include "services/grow/confidence.h"
 #include "services/grow/gap_filler.h"
 #include "services/grow/grower.h"
 
@@ -26,11 +27,14 @@ class GrowPlug : public Plug {
   std::vector<Seed> SeedsOf(const Frame& frame, const cv::Mat1b& left,
                             const cv::Mat1b& right) const;
   cv::Mat ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
-                       const DisparityImage& filled) const;
+                       const DisparityImage& filled);
 
   GrowConfig config_;
   Grower grower_;
   GapFiller filler_;
+  ConfidenceJudge judge_;
+  cv::Mat1b left_grey_;  // memory
+  cv::Mat1b right_grey_;
 };
 
 }  // namespace sprout

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/core/image.h"
-#include "services/grow/parallel.h"
+#include "common/core/parallel.h"
 
 namespace sprout {
 namespace {

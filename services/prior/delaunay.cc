@@ -5,6 +5,8 @@
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <algorithm>
+#include <boost/iterator/transform_iterator.hpp>
+#include <tuple>
 #include <utility>
 
 namespace sprout {
@@ -18,26 +20,37 @@ using Delaunay = CGAL::Delaunay_triangulation_2<Kernel, Structure>;
 }  // namespace
 
 std::vector<SeedTriangle> TriangulateSeeds(std::span<const Seed> seeds) {
-  std::vector<std::pair<Kernel::Point_2, int>> points;
-  points.reserve(seeds.size());
-  for (size_t i = 0; i < seeds.size(); ++i) {
-    points.emplace_back(Kernel::Point_2(seeds[i].u, seeds[i].v), static_cast<int>(i));
+  return Triangulator().Triangulate(seeds);
+}
+
+const std::vector<SeedTriangle>& Triangulator::Triangulate(std::span<const Seed> seeds) {
+  positions_.clear();
+  positions_.reserve(seeds.size());
+  for (const Seed& seed : seeds) {
+    positions_.push_back({seed.u, seed.v, static_cast<int>(positions_.size())});
   }
   // The first seed of each position, in an order that does not depend on the seeds' order.
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end(),
-                           [](const auto& a, const auto& b) { return a.first == b.first; }),
-               points.end());
+  std::sort(positions_.begin(), positions_.end(), [](const Position& a, const Position& b) {
+    return std::tie(a.u, a.v, a.seed) < std::tie(b.u, b.v, b.seed);
+  });
+  positions_.erase(
+      std::unique(positions_.begin(), positions_.end(),
+                  [](const Position& a, const Position& b) { return a.u == b.u && a.v == b.v; }),
+      positions_.end());
+  const auto point = [](const Position& at) {
+    return std::pair(Kernel::Point_2(at.u, at.v), at.seed);
+  };
   // CGAL sorts along a space-filling curve, with a shuffle from a fixed start: repeatable.
-  const Delaunay delaunay(points.begin(), points.end());
+  const Delaunay delaunay(boost::make_transform_iterator(positions_.cbegin(), point),
+                          boost::make_transform_iterator(positions_.cend(), point));
 
-  std::vector<SeedTriangle> triangles;
-  triangles.reserve(delaunay.number_of_faces());
+  triangles_.clear();
+  triangles_.reserve(delaunay.number_of_faces());
   for (const auto face : delaunay.finite_face_handles()) {
-    triangles.push_back(
+    triangles_.push_back(
         {face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()});
   }
-  return triangles;
+  return triangles_;
 }
 
 }  // namespace sprout

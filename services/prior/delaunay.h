@@ -22,6 +22,24 @@ using SeedTriangle = std::array<int, 3>;
 /// O(n log n).
 std::vector<SeedTriangle> TriangulateSeeds(std::span<const Seed> seeds);
 
+/// TriangulateSeeds() for frame after frame: keeps its memory, and only CGAL allocates, O(√n)
+/// blocks. One object serves one caller at a time.
+class Triangulator {
+ public:
+  /// @returns as TriangulateSeeds(); valid until the next call.
+  const std::vector<SeedTriangle>& Triangulate(std::span<const Seed> seeds);
+
+ private:
+  struct Position {
+    float u;
+    float v;
+    int seed;
+  };
+
+  std::vector<Position> positions_;
+  std::vector<SeedTriangle> triangles_;
+};
+
 }  // namespace sprout
 
 #endif  // SPROUT_SERVICES_PRIOR_DELAUNAY_H_

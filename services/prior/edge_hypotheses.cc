@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include "services/prior/parallel.h"
+#include "common/core/parallel.h"
 #include "services/prior/triangle_raster.h"
 
 namespace sprout {
@@ -103,13 +103,14 @@ float SpreadPx(const std::array<LocalPlane, 3>& planes) {
 
 Seed Position(const LocalPlane& plane) { return {.u = plane.u, .v = plane.v, .u_right = 0}; }
 
-void PaintTriangle(const std::array<LocalPlane, 3>& planes, TriangleRaster& raster,
+void PaintTriangle(const std::array<LocalPlane, 3>& planes, const cv::Range& rows,
                    EdgeHypotheses& hypotheses) {
   const SplitTriangle split(planes);
   if (!split.IsApartSomewhere()) return;
-  for (const PixelRun& run :
-       raster.Runs(Position(planes[0]), Position(planes[1]), Position(planes[2]))) {
-    split.Paint(run, hypotheses);
+  const TriangleRaster raster(Position(planes[0]), Position(planes[1]), Position(planes[2]),
+                              hypotheses.near.width(), rows);
+  for (int v = raster.first_row(); v < raster.end_row(); ++v) {
+    split.Paint(raster.Run(v), hypotheses);
   }
 }
 
@@ -121,11 +122,8 @@ void PaintEdgeHypotheses(const SeedSurface& surface, std::span<const SeedTriangl
     const auto plane = [&](size_t i) { return surface.planes[static_cast<size_t>(triangle[i])]; };
     return std::array{plane(0), plane(1), plane(2)};
   };
-  struct Edge {
-    size_t triangle;
-    RowReach reach;
-  };
-  std::vector<Edge> edges;
+  std::vector<EdgeTriangle>& edges = hypotheses.edges;
+  edges.clear();
   for (size_t i = 0; i < triangles.size(); ++i) {
     const std::array<LocalPlane, 3> planes = planes_of(triangles[i]);
     if (SpreadPx(planes) < static_cast<float>(edge_px)) continue;
@@ -134,13 +132,10 @@ void PaintEdgeHypotheses(const SeedSurface& surface, std::span<const SeedTriangl
   hypotheses.near.counts().create(size);
   hypotheses.far.counts().create(size);
   PaintInBands(size.height, [&](const cv::Range& rows) {
-    for (DisparityImage* map : {&hypotheses.near, &hypotheses.far}) {
-      map->counts().rowRange(rows).setTo(DisparityImage::kInvalid);
-    }
-    TriangleRaster raster(size.width, rows);
-    for (const Edge& edge : edges) {
-      if (edge.reach.Meets(rows))
-        PaintTriangle(planes_of(triangles[edge.triangle]), raster, hypotheses);
+    Clear(hypotheses.near, rows);
+    Clear(hypotheses.far, rows);
+    for (const EdgeTriangle& edge : edges) {
+      if (edge.rows.Meets(rows)) PaintTriangle(planes_of(triangles[edge.index]), rows, hypotheses);
     }
   });
 }

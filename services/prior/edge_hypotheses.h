@@ -1,20 +1,30 @@
 #ifndef SPROUT_SERVICES_PRIOR_EDGE_HYPOTHESES_H_
 #define SPROUT_SERVICES_PRIOR_EDGE_HYPOTHESES_H_
 
+#include <cstddef>
 #include <opencv2/core.hpp>
 #include <span>
+#include <vector>
 
 #include "common/core/disparity_image.h"
 #include "services/prior/delaunay.h"
 #include "services/prior/seed_surface.h"
+#include "services/prior/triangle_raster.h"
 
 namespace sprout {
+
+/// A triangle that spans a depth edge.
+struct EdgeTriangle {
+  size_t index;   ///< among the triangles
+  RowReach rows;  ///< of the image
+};
 
 /// The two surfaces that each pixel of a triangle across a depth edge may lie on. Where there is no
 /// such triangle, or they are less than a pixel apart, both maps are without a disparity.
 struct EdgeHypotheses {
   DisparityImage near;
   DisparityImage far;
+  std::vector<EdgeTriangle> edges;  ///< those that they come from
 };
 
 /// Hypotheses for the pixels of triangles whose seeds differ by at least `edge_px`: such a triangle

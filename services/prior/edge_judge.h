@@ -12,8 +12,8 @@ struct EdgeEvidence {
   cv::Mat3b left_bgr;   ///< colours of the left image, which say what belongs together
   cv::Mat1b left_grey;  ///< the pair that is matched
   cv::Mat1b right_grey;
-  cv::Mat3b half_bgr;        ///< left_bgr at HalfSize()
-  cv::Mat1f spread_px;       ///< SpreadSeedsAtHalfSize()
+  cv::Mat3b half_bgr;        ///< HalveSize() of left_bgr
+  cv::Mat1f spread_px;       ///< SeedSpreader::SpreadAtHalfSize()
   double spread_weight = 0;  ///< weight of spread_px against that of the images
 };
 

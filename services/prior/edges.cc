@@ -1,7 +1,8 @@
 #include "services/prior/edges.h"
 
-#include <opencv2/core/utility.hpp>
 #include <optional>
+
+#include "common/core/parallel.h"
 
 namespace sprout {
 namespace {
@@ -73,7 +74,7 @@ void ResolveEdges(const EdgeHypotheses& hypotheses, const EdgeJudge& judge, Disp
   for (int step = kCoarsest; step > 0; step /= 2) {
     const int rows = (prior.height() + step - 1) / step;
     // Reads only what wider grids decided: the order of the rows does not matter.
-    cv::parallel_for_({0, rows}, [&](const cv::Range& range) {
+    ForRangesParallel(rows, rows, [&](const cv::Range& range) {
       GridStep grid(hypotheses, judge, step, prior);
       for (int row = range.start; row < range.end; ++row) grid.DecideRow(row * step);
     });

@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "services/prior/parallel.h"
+#include "common/core/parallel.h"
 #include "services/prior/triangle_raster.h"
 
 namespace sprout {
@@ -62,15 +62,16 @@ class FixedPlane {
 };
 
 // Neighbours both paint their common edge, with the same values but for rounding.
-void PaintTriangle(const Seed& a, const Seed& b, const Seed& c, TriangleRaster& raster,
+void PaintTriangle(const Seed& a, const Seed& b, const Seed& c, const cv::Range& rows,
                    DisparityImage& map) {
-  const std::vector<PixelRun>& runs = raster.Runs(a, b, c);
-  if (runs.empty()) return;
+  const TriangleRaster raster(a, b, c, map.width(), rows);
+  if (raster.end_row() <= raster.first_row()) return;
   const FixedPlane plane(a, b, c);
   const auto [least, most] = std::minmax({a.disparity(), b.disparity(), c.disparity()});
   const int64_t least_counts = ToCounts(least);
   const int64_t most_counts = ToCounts(most);
-  for (const PixelRun& run : runs) {
+  for (int v = raster.first_row(); v < raster.end_row(); ++v) {
+    const PixelRun run = raster.Run(v);
     int16_t* const counts = map.counts()[run.v];
     const auto at = [&](int u) { return plane.ValueAt(u, run.v) >> FixedPlane::kFraction; };
     const auto [low, high] = std::minmax({at(run.begin), at(run.end - 1)});
@@ -88,91 +89,6 @@ void PaintTriangle(const Seed& a, const Seed& b, const Seed& c, TriangleRaster& 
     }
   }
 }
-
-// The pixels of the hull: one run in each row that has any.
-class Hull {
- public:
-  explicit Hull(const DisparityImage& map) {
-    for (int v = 0; v < map.height(); ++v) {
-      const int16_t* const begin = map.counts()[v];
-      const int16_t* const end = begin + map.width();
-      const auto valid = [](int16_t counts) { return counts != DisparityImage::kInvalid; };
-      const int16_t* const first = std::find_if(begin, end, valid);
-      if (first == end) continue;
-      const auto last =
-          std::find_if(std::reverse_iterator(end), std::reverse_iterator(first), valid);
-      runs_.push_back({v, static_cast<int>(first - begin), static_cast<int>(last.base() - begin)});
-      left_.push_back(runs_.back().begin);
-      right_.push_back(runs_.back().end - 1);
-    }
-    // Rounding to pixels made dents of less than one, in which Nearest() would get stuck.
-    FillDents(left_, -1);
-    FillDents(right_, 1);
-  }
-
-  const std::vector<PixelRun>& runs() const { return runs_; }
-
-  // The run in a row, or the next below, or the last.
-  size_t AtOrBelow(int v) const {
-    const auto run = std::lower_bound(runs_.begin(), runs_.end(), v,
-                                      [](const PixelRun& one, int row) { return one.v < row; });
-    return std::min(static_cast<size_t>(run - runs_.begin()), runs_.size() - 1);
-  }
-
-  // The run with the pixel that is nearest to (u, v), within a pixel, by steps downhill from the
-  // one at `run`: the distance of a point to the rows of a convex shape has one minimum.
-  size_t Nearest(int u, int v, size_t run) const {
-    double distance = SquaredDistance(u, v, run);
-    const auto descend = [&](size_t step) {
-      for (size_t next = run + step; next < runs_.size(); next += step) {
-        const double there = SquaredDistance(u, v, next);
-        if (there >= distance) break;
-        distance = there;
-        run = next;
-      }
-    };
-    descend(1);
-    descend(size_t{0} - 1);
-    return run;
-  }
-
-  static int NearestColumn(int u, const PixelRun& run) {
-    return std::clamp(u, run.begin, run.end - 1);
-  }
-
- private:
-  // Moves columns outwards, which is in the direction of `sign`, onto their convex chain.
-  void FillDents(std::vector<double>& columns, double sign) const {
-    const auto slope = [&](size_t from, size_t to) {
-      return (columns[to] - columns[from]) / (runs_[to].v - runs_[from].v) * sign;
-    };
-    std::vector<size_t> chain;
-    for (size_t i = 0; i < columns.size(); ++i) {
-      const auto is_dent = [&](size_t before, size_t at) {
-        return slope(before, at) <= slope(at, i);
-      };
-      while (chain.size() >= 2 && is_dent(chain.end()[-2], chain.back())) chain.pop_back();
-      chain.push_back(i);
-    }
-    for (size_t link = 1; link < chain.size(); ++link) {
-      const size_t from = chain[link - 1];
-      const double per_row = slope(from, chain[link]) * sign;
-      for (size_t i = from + 1; i < chain[link]; ++i) {
-        columns[i] = columns[from] + per_row * (runs_[i].v - runs_[from].v);
-      }
-    }
-  }
-
-  double SquaredDistance(int u, int v, size_t run) const {
-    const double across = u - std::clamp<double>(u, left_[run], right_[run]);
-    const double down = v - runs_[run].v;
-    return across * across + down * down;
-  }
-
-  std::vector<PixelRun> runs_;
-  std::vector<double> left_;  // first and last column of each run, and a little more
-  std::vector<double> right_;
-};
 
 // Outside the hull: the value of the nearest pixel that has one.
 void ExtendBeyondHull(const Hull& hull, DisparityImage& map) {
@@ -197,6 +113,12 @@ void ExtendBeyondHull(const Hull& hull, DisparityImage& map) {
 Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
                                         std::span<const SeedTriangle> triangles, cv::Size size,
                                         DisparityImage map) {
+  return SeedInterpolator().Interpolate(seeds, triangles, size, std::move(map));
+}
+
+Result<DisparityImage> SeedInterpolator::Interpolate(std::span<const Seed> seeds,
+                                                     std::span<const SeedTriangle> triangles,
+                                                     cv::Size size, DisparityImage map) {
   if (seeds.size() < 3) {
     return Fail(std::to_string(seeds.size()) + " seeds: a prior needs at least 3");
   }
@@ -207,25 +129,24 @@ Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
     const auto seed = [&](size_t i) { return seeds[static_cast<size_t>(triangle[i])]; };
     return std::array{seed(0), seed(1), seed(2)};
   };
-  std::vector<RowReach> reach;
-  reach.reserve(triangles.size());
+  reach_.clear();
+  reach_.reserve(triangles.size());
   for (const SeedTriangle& triangle : triangles) {
     const auto [a, b, c] = corners(triangle);
-    reach.push_back(ReachOf(a, b, c));
+    reach_.push_back(ReachOf(a, b, c));
   }
   map.counts().create(size);
   PaintInBands(size.height, [&](const cv::Range& rows) {
-    map.counts().rowRange(rows).setTo(DisparityImage::kInvalid);
-    TriangleRaster raster(size.width, rows);
+    Clear(map, rows);
     for (size_t i = 0; i < triangles.size(); ++i) {
-      if (!reach[i].Meets(rows)) continue;
+      if (!reach_[i].Meets(rows)) continue;
       const auto [a, b, c] = corners(triangles[i]);
-      PaintTriangle(a, b, c, raster, map);
+      PaintTriangle(a, b, c, rows, map);
     }
   });
-  const Hull hull(map);
-  if (hull.runs().empty()) return Fail("the seeds' triangles cover no pixel: no prior");
-  ExtendBeyondHull(hull, map);
+  hull_.Find(map);
+  if (hull_.runs().empty()) return Fail("the seeds' triangles cover no pixel: no prior");
+  ExtendBeyondHull(hull_, map);
   return map;
 }
 

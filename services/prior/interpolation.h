@@ -3,11 +3,14 @@
 
 #include <opencv2/core.hpp>
 #include <span>
+#include <vector>
 
 #include "common/core/disparity_image.h"
 #include "common/core/result.h"
 #include "common/core/seed.h"
 #include "services/prior/delaunay.h"
+#include "services/prior/hull.h"
+#include "services/prior/triangle_raster.h"
 
 namespace sprout {
 
@@ -25,6 +28,19 @@ namespace sprout {
 Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
                                         std::span<const SeedTriangle> triangles, cv::Size size,
                                         DisparityImage map = {});
+
+/// InterpolateSeeds() for frame after frame: keeps its memory, and allocates nothing once it has
+/// seen a frame, the map apart. One object serves one caller at a time.
+class SeedInterpolator {
+ public:
+  Result<DisparityImage> Interpolate(std::span<const Seed> seeds,
+                                     std::span<const SeedTriangle> triangles, cv::Size size,
+                                     DisparityImage map = {});
+
+ private:
+  std::vector<RowReach> reach_;  // of the triangles
+  Hull hull_;
+};
 
 }  // namespace sprout
 

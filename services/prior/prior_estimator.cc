@@ -3,46 +3,43 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "common/core/image.h"
-#include "services/prior/delaunay.h"
+#include "common/core/parallel.h"
+#include "services/prior/edge_judge.h"
 #include "services/prior/edges.h"
-#include "services/prior/interpolation.h"
-#include "services/prior/parallel.h"
-#include "services/prior/seed_spreading.h"
-#include "services/prior/seed_surface.h"
 
 namespace sprout {
 namespace {
 
-cv::Mat3b ToBgr(const cv::Mat& image) {
+cv::Mat3b ToBgr(const cv::Mat& image, cv::Mat3b& memory) {
   if (image.channels() == 3) return image;
-  cv::Mat3b bgr;
-  cv::cvtColor(image, bgr, cv::COLOR_GRAY2BGR);
-  return bgr;
+  cv::cvtColor(image, memory, cv::COLOR_GRAY2BGR);
+  return memory;
 }
 
 // Seeds with the disparities of the surface that was fitted to them.
-std::vector<Seed> SeedsOn(const SeedSurface& surface) {
-  std::vector<Seed> seeds;
+void PutSeedsOn(const SeedSurface& surface, std::vector<Seed>& seeds) {
+  seeds.clear();
   seeds.reserve(surface.planes.size());
   for (const LocalPlane& plane : surface.planes) {
     seeds.push_back({.u = plane.u, .v = plane.v, .u_right = plane.u - plane.disparity});
   }
-  return seeds;
 }
 
 // cv::medianBlur(), on OpenCV's threads.
-void TakeMedians(const cv::Mat1s& from, cv::Mat1s& to) {
+// @param bands  memory.
+void TakeMedians(const cv::Mat1s& from, std::vector<cv::Mat1s>& bands, cv::Mat1s& to) {
   constexpr int kWindow = 5;
-  PaintInBands(from.rows, [&](const cv::Range& rows) {
-    const int first = std::max(rows.start - kWindow / 2, 0);
-    const int end = std::min(rows.end + kWindow / 2, from.rows);
-    cv::Mat1s medians;
-    cv::medianBlur(from.rowRange(first, end), medians, kWindow);
-    medians.rowRange(rows.start - first, rows.end - first).copyTo(to.rowRange(rows));
+  constexpr int kRows = 64;
+  bands.resize(static_cast<size_t>((from.rows + kRows - 1) / kRows));
+  ForEachParallel(bands.size(), [&](size_t i) {
+    const int start = static_cast<int>(i) * kRows;
+    const int end = std::min(start + kRows, from.rows);
+    const int first = std::max(start - kWindow / 2, 0);
+    const int last = std::min(end + kWindow / 2, from.rows);
+    cv::medianBlur(from.rowRange(first, last), bands[i], kWindow);
+    bands[i].rowRange(start - first, end - first).copyTo(to.rowRange(start, end));
   });
 }
 
@@ -59,49 +56,59 @@ Result<DisparityImage> PriorEstimator::Compute(const cv::Mat& left, const cv::Ma
                 ": allowed is the calibrated size " + SizeText(size));
   }
   if (config_.method() == PriorConfig::EDGES) return WithEdges(left, right, seeds, size);
-  Result<DisparityImage> prior = InterpolateSeeds(seeds, TriangulateSeeds(seeds), size);
-  if (prior && config_.method() == PriorConfig::FGS) return FromSpreadSeeds(left, seeds, *prior);
-  return prior;
+  Renew(result_, size);
+  const bool spreads = config_.method() == PriorConfig::FGS;
+  DisparityImage& interpolated = spreads ? interpolated_ : result_;
+  const Result<DisparityImage> map =
+      interpolator_.Interpolate(seeds, triangulator_.Triangulate(seeds), size, interpolated);
+  if (!map || !spreads) return map;
+  interpolated_ = *map;
+  SpreadOver(left, seeds);
+  return result_;
 }
 
-DisparityImage PriorEstimator::FromSpreadSeeds(const cv::Mat& left, std::span<const Seed> seeds,
-                                               const DisparityImage& interpolated) const {
-  DisparityImage prior =
-      FromPx(SpreadSeeds(seeds, left, config_.fgs_lambda(), config_.fgs_sigma()));
-  // Where no seed reaches.
-  interpolated.counts().copyTo(prior.counts(), prior.counts() == DisparityImage::kInvalid);
-  return prior;
+// The result: spread seeds, and where none reaches the interpolation.
+void PriorEstimator::SpreadOver(const cv::Mat& left, std::span<const Seed> seeds) {
+  const cv::Mat1f& spread_px =
+      spreader_.Spread(seeds, left, config_.fgs_lambda(), config_.fgs_sigma());
+  for (int v = 0; v < spread_px.rows; ++v) {
+    for (int u = 0; u < spread_px.cols; ++u) {
+      const int16_t counts = ToCounts(spread_px(v, u));
+      result_.counts()(v, u) =
+          counts != DisparityImage::kInvalid ? counts : interpolated_.counts()(v, u);
+    }
+  }
 }
 
 Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat& right,
                                                  std::span<const Seed> seeds, cv::Size size) {
   EdgeEvidence evidence;
+  evidence.spread_weight = config_.spread_weight();
   const auto look = [&] {
-    evidence.spread_weight = config_.spread_weight();
-    evidence.left_bgr = ToBgr(left);
-    evidence.left_grey = ToGrey(left);
-    evidence.right_grey = ToGrey(right);
-    const cv::Mat half = HalfSize(left);
-    evidence.half_bgr = ToBgr(half);
+    evidence.left_bgr = ToBgr(left, images_.left_bgr);
+    evidence.left_grey = ToGrey(left, images_.left_grey);
+    evidence.right_grey = ToGrey(right, images_.right_grey);
+    HalveSize(left, images_.even, images_.half);
+    evidence.half_bgr = ToBgr(images_.half, images_.half_bgr);
     evidence.spread_px =
-        SpreadSeedsAtHalfSize(seeds, half, config_.fgs_lambda(), config_.fgs_sigma());
+        spreader_.SpreadAtHalfSize(seeds, images_.half, config_.fgs_lambda(), config_.fgs_sigma());
   };
-  std::vector<SeedTriangle> triangles;
-  RunBoth(look, [&] { triangles = TriangulateSeeds(seeds); });
+  std::span<const SeedTriangle> triangles;
+  RunBoth(look, [&] { triangles = triangulator_.Triangulate(seeds); });
 
-  const SeedSurface surface =
-      FitSeedSurface(seeds, triangles, config_.noisy_px(), config_.edge_px());
+  const SeedSurface& surface = fitter_.Fit(seeds, triangles, config_.noisy_px(), config_.edge_px());
+  PutSeedsOn(surface, fitted_seeds_);
   const Result<DisparityImage> interpolated =
-      InterpolateSeeds(SeedsOn(surface), triangles, size, prior_);
+      interpolator_.Interpolate(fitted_seeds_, triangles, size, interpolated_);
   if (!interpolated) return interpolated;
-  prior_ = *interpolated;
+  interpolated_ = *interpolated;
   const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
   PaintEdgeHypotheses(surface, triangles, config_.edge_px() + 2 * noise_px, size, hypotheses_);
-  ResolveEdges(hypotheses_, EdgeJudge(evidence), prior_);
+  ResolveEdges(hypotheses_, EdgeJudge(evidence), interpolated_);
   // Single pixels that were judged otherwise than those around them.
-  DisparityImage cleaned{cv::Mat1s(size)};
-  TakeMedians(prior_.counts(), cleaned.counts());
-  return cleaned;
+  Renew(result_, size);
+  TakeMedians(interpolated_.counts(), median_bands_, result_.counts());
+  return result_;
 }
 
 }  // namespace sprout

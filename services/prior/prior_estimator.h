@@ -3,12 +3,17 @@
 
 #include <opencv2/core.hpp>
 #include <span>
+#include <vector>
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
 #include "common/core/result.h"
 #include "common/core/seed.h"
+#include "services/prior/delaunay.h"
 #include "services/prior/edge_hypotheses.h"
+#include "services/prior/interpolation.h"
+#include "services/prior/seed_spreading.h"
+#include "services/prior/seed_surface.h"
 
 namespace sprout {
 
@@ -29,20 +34,39 @@ class PriorEstimator {
   /// @returns a map of that size. An error that says why when the seeds span no triangle that
   ///          covers a pixel, or when an image that is used has another size.
   /// O(n log n + pixels); no I/O; on OpenCV's threads, with the same result for any number. Keeps
-  /// three maps' memory from frame to frame, so one object serves one caller at a time.
+  /// its memory from frame to frame (EDGES: about 18 bytes a pixel and 250 a seed), so one object
+  /// serves one caller at a time; a map that nobody else holds any more is used again. In steady
+  /// state only CGAL and OpenCV's filters allocate.
   Result<DisparityImage> Compute(const cv::Mat& left, const cv::Mat& right,
                                  std::span<const Seed> seeds, cv::Size size);
 
  private:
-  DisparityImage FromSpreadSeeds(const cv::Mat& left, std::span<const Seed> seeds,
-                                 const DisparityImage& interpolated) const;
+  // The images in the forms that EdgeJudge looks at. Only what had to be converted is here.
+  struct Images {
+    cv::Mat3b left_bgr;
+    cv::Mat1b left_grey;
+    cv::Mat1b right_grey;
+    cv::Mat even;
+    cv::Mat half;
+    cv::Mat3b half_bgr;
+  };
+
+  void SpreadOver(const cv::Mat& left, std::span<const Seed> seeds);
   Result<DisparityImage> WithEdges(const cv::Mat& left, const cv::Mat& right,
                                    std::span<const Seed> seeds, cv::Size size);
 
   PriorConfig config_;
-  // Memory of the last frame, for the next; neither is ever handed out.
+  Triangulator triangulator_;
+  SeedInterpolator interpolator_;
+  SeedSpreader spreader_;
+  SeedSurfaceFitter fitter_;
+  // Memory of the last frame, for the next. Of the maps only the result is ever handed out.
+  Images images_;
+  std::vector<Seed> fitted_seeds_;
   EdgeHypotheses hypotheses_;
-  DisparityImage prior_;
+  DisparityImage interpolated_;
+  std::vector<cv::Mat1s> median_bands_;
+  DisparityImage result_;
 };
 
 }  // namespace sprout

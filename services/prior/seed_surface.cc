@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core/utility.hpp>
 #include <utility>
 
-#include "services/prior/parallel.h"
+#include "common/core/parallel.h"
 
 namespace sprout {
 namespace {
@@ -19,8 +18,8 @@ size_t Index(int i) { return static_cast<size_t>(i); }
 // For each seed those that it shares a triangle with, in one array.
 class Neighbours {
  public:
-  Neighbours() = default;
-  Neighbours(size_t seeds, std::span<const SeedTriangle> triangles) : lists_(seeds) {
+  void Find(size_t seeds, std::span<const SeedTriangle> triangles) {
+    lists_.assign(seeds, {});
     for (const SeedTriangle& triangle : triangles) {
       for (int seed : triangle) lists_[Index(seed)].begin += 2;  // room it may need
     }
@@ -62,8 +61,11 @@ class Neighbours {
 // Seeds around a seed. For one thread.
 class Surroundings {
  public:
-  explicit Surroundings(const Neighbours& neighbours)
-      : neighbours_(neighbours), seen_(neighbours.size(), -1) {}
+  // @param neighbours  must outlive the calls of Within().
+  void Set(const Neighbours& neighbours) {
+    neighbours_ = &neighbours;
+    seen_.assign(neighbours.size(), -1);
+  }
 
   // The seed itself, then its neighbours, then theirs, and so on. Valid until the next call.
   const std::vector<int>& Within(int seed, int rings) {
@@ -72,7 +74,7 @@ class Surroundings {
     size_t next = 0;
     for (int ring = 0; ring < rings; ++ring) {
       for (const size_t end = reached_.size(); next < end; ++next) {
-        for (int neighbour : neighbours_.Of(reached_[next])) {
+        for (int neighbour : neighbours_->Of(reached_[next])) {
           if (seen_[Index(neighbour)] == seed) continue;
           seen_[Index(neighbour)] = seed;
           reached_.push_back(neighbour);
@@ -83,7 +85,7 @@ class Surroundings {
   }
 
  private:
-  const Neighbours& neighbours_;
+  const Neighbours* neighbours_ = nullptr;
   std::vector<int> seen_;  // the last seed from which this one was reached
   std::vector<int> reached_;
 };
@@ -160,14 +162,14 @@ class PlaneFitter {
       : seeds_(seeds), neighbours_(neighbours), per_px_(1 / spacing_px) {}
 
   // How far seeds lie from the planes through their neighbours alone.
-  double EstimateNoise() const {
+  // @param deviations  memory.
+  double EstimateNoise(std::vector<double>& deviations) const {
     constexpr double kNone = -1;
-    std::vector<double> deviations(seeds_.size(), kNone);
-    cv::parallel_for_({0, static_cast<int>(seeds_.size())}, [&](const cv::Range& range) {
-      for (int i = range.start; i < range.end; ++i) {
-        constexpr size_t kEnough = 4;  // a plane takes three
-        if (neighbours_.Of(i).size() >= kEnough) deviations[Index(i)] = Deviation(i);
-      }
+    deviations.assign(seeds_.size(), kNone);
+    ForEachParallel(seeds_.size(), [&](size_t i) {
+      constexpr size_t kEnough = 4;  // a plane takes three
+      const int seed = static_cast<int>(i);
+      if (neighbours_.Of(seed).size() >= kEnough) deviations[i] = Deviation(seed);
     });
     std::erase(deviations, kNone);
     // A low quantile: curved surfaces and edges deviate as well, but not nearly all of the seeds.
@@ -246,8 +248,10 @@ class PlaneFitter {
 };
 
 // Median side of the triangles.
-double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles) {
-  std::vector<double> squares;
+// @param squares  memory.
+double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
+                 std::vector<double>& squares) {
+  squares.clear();
   squares.reserve(3 * triangles.size());
   const auto add = [&](int a, int b) {
     const double across = double{seeds[Index(b)].u} - seeds[Index(a)].u;
@@ -263,52 +267,66 @@ double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> tria
 }
 
 // For each seed, whether it is in a triangle whose disparities differ by at least `edge_px`.
-std::vector<bool> SeedsAtEdges(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
-                               double edge_px) {
-  std::vector<bool> at_edge(seeds.size());
+void FindSeedsAtEdges(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
+                      double edge_px, std::vector<uint8_t>& at_edge) {
+  at_edge.assign(seeds.size(), 0);
   for (const SeedTriangle& triangle : triangles) {
     const auto disparity = [&](int corner) {
       return seeds[Index(triangle[Index(corner)])].disparity();
     };
     const auto [least, most] = std::minmax({disparity(0), disparity(1), disparity(2)});
     if (double{most} - least < edge_px) continue;
-    for (int seed : triangle) at_edge[Index(seed)] = true;
+    for (int seed : triangle) at_edge[Index(seed)] = 1;
   }
-  return at_edge;
 }
 
 }  // namespace
 
-SeedSurface FitSeedSurface(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
-                           double noisy_px, double edge_px) {
+struct SeedSurfaceFitter::Memory {
   Neighbours neighbours;
+  std::vector<double> squares;
+  std::vector<double> deviations;
+  std::vector<uint8_t> at_edge;
+  std::vector<Surroundings> surroundings;  // one a thread
+  SeedSurface surface;
+};
+
+SeedSurfaceFitter::SeedSurfaceFitter() : memory_(std::make_unique<Memory>()) {}
+SeedSurfaceFitter::~SeedSurfaceFitter() = default;
+
+const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
+                                          std::span<const SeedTriangle> triangles, double noisy_px,
+                                          double edge_px) {
+  const Neighbours& neighbours = memory_->neighbours;
   double spacing_px = 0;
-  std::vector<bool> at_edge;
-  RunBoth([&] { neighbours = Neighbours(seeds.size(), triangles); },
+  RunBoth([&] { memory_->neighbours.Find(seeds.size(), triangles); },
           [&] {
-            spacing_px = SpacingPx(seeds, triangles);
-            at_edge = SeedsAtEdges(seeds, triangles, edge_px);
+            spacing_px = SpacingPx(seeds, triangles, memory_->squares);
+            FindSeedsAtEdges(seeds, triangles, edge_px, memory_->at_edge);
           });
   const PlaneFitter fitter(seeds, neighbours, spacing_px);
-  SeedSurface surface;
-  surface.noise_px = fitter.EstimateNoise();
+  SeedSurface& surface = memory_->surface;
+  surface.noise_px = fitter.EstimateNoise(memory_->deviations);
   const bool noisy = surface.noise_px > noisy_px;
   const double scale_px = std::max(kSmallestScalePx, 2 * surface.noise_px);
   surface.planes.resize(seeds.size());
-  cv::parallel_for_(
-      {0, static_cast<int>(seeds.size())},
-      [&](const cv::Range& range) {
-        Surroundings surroundings(neighbours);
-        for (int i = range.start; i < range.end; ++i) {
-          const Seed& seed = seeds[Index(i)];
-          const std::span<const int> support = surroundings.Within(i, noisy ? 2 : 1);
-          LocalPlane plane{.u = seed.u, .v = seed.v};
-          if (noisy || at_edge[Index(i)]) plane = fitter.Fit(i, support, scale_px);
-          if (!noisy) plane.disparity = fitter.Smooth(i, support);
-          surface.planes[Index(i)] = plane;
-        }
-      },
-      cv::getNumThreads());
+  const auto fit = [&](size_t i, Surroundings& surroundings) {
+    const Seed& seed = seeds[i];
+    const int index = static_cast<int>(i);
+    const std::span<const int> support = surroundings.Within(index, noisy ? 2 : 1);
+    LocalPlane plane{.u = seed.u, .v = seed.v};
+    if (noisy || memory_->at_edge[i] != 0) plane = fitter.Fit(index, support, scale_px);
+    if (!noisy) plane.disparity = fitter.Smooth(index, support);
+    surface.planes[i] = plane;
+  };
+  const auto parts = static_cast<size_t>(std::max(cv::getNumThreads(), 1));
+  memory_->surroundings.resize(parts);
+  ForEachParallel(parts, [&](size_t part) {
+    Surroundings& surroundings = memory_->surroundings[part];
+    surroundings.Set(neighbours);
+    const size_t end = seeds.size() * (part + 1) / parts;
+    for (size_t i = seeds.size() * part / parts; i < end; ++i) fit(i, surroundings);
+  });
   return surface;
 }
 

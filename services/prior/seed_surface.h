@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_PRIOR_SEED_SURFACE_H_
 #define SPROUT_SERVICES_PRIOR_SEED_SURFACE_H_
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -40,14 +41,27 @@ struct SeedSurface {
 /// seed's own. Elsewhere a seed's disparity gives way only a little, to the plane of itself and
 /// those of its neighbours that differ by less than a pixel or so: disparities come in steps.
 ///
-/// @param triangles  of TriangulateSeeds() of these seeds. A seed in none of them keeps its
-///                   disparity, with a level plane.
-/// @param noisy_px   > 0.
-/// @param edge_px    without noise only the seeds of triangles whose disparities differ by at least
-///                   this get a slant; nobody asks for that of the others.
-/// O(seeds); no I/O; thread-safe.
-SeedSurface FitSeedSurface(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
-                           double noisy_px, double edge_px);
+/// Keeps its memory from frame to frame, so one object serves one caller at a time; in steady state
+/// it allocates nothing.
+class SeedSurfaceFitter {
+ public:
+  SeedSurfaceFitter();
+  ~SeedSurfaceFitter();
+
+  /// @param triangles  of TriangulateSeeds() of these seeds. A seed in none of them keeps its
+  ///                   disparity, with a level plane.
+  /// @param noisy_px   > 0.
+  /// @param edge_px    without noise only the seeds of triangles whose disparities differ by at
+  ///                   least this get a slant; nobody asks for that of the others.
+  /// @returns the surface; valid until the next call.
+  /// O(seeds); no I/O; on OpenCV's threads, with the same result for any number.
+  const SeedSurface& Fit(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
+                         double noisy_px, double edge_px);
+
+ private:
+  struct Memory;
+  std::unique_ptr<Memory> memory_;
+};
 
 }  // namespace sprout
 

@@ -1,10 +1,11 @@
 #ifndef SPROUT_SERVICES_PRIOR_TRIANGLE_RASTER_H_
 #define SPROUT_SERVICES_PRIOR_TRIANGLE_RASTER_H_
 
+#include <algorithm>
 #include <cstdint>
 #include <opencv2/core.hpp>
-#include <vector>
 
+#include "common/core/disparity_image.h"
 #include "common/core/seed.h"
 #include "services/prior/delaunay.h"
 
@@ -28,22 +29,65 @@ struct RowReach {
 
 RowReach ReachOf(const Seed& a, const Seed& b, const Seed& c);
 
+/// Takes the disparities away from rows of a map. Unlike cv::Mat::setTo() it allocates nothing.
+void Clear(DisparityImage& map, const cv::Range& rows);
+
 /// The pixels of an image whose centre lies in a triangle of seeds or on its border, row by row.
 /// Neighbouring triangles both have the pixels of their common edge: none between them is missed.
 class TriangleRaster {
  public:
   /// @param width  of the image, px.
-  /// @param rows   those that are wanted; others get no runs.
-  TriangleRaster(int width, cv::Range rows) : width_(width), rows_(rows) {}
+  /// @param rows   those that are wanted; others have no runs.
+  TriangleRaster(const Seed& a, const Seed& b, const Seed& c, int width, const cv::Range& rows);
 
-  /// @returns runs in order of the rows, some of them empty; valid until the next call.
-  /// O(pixels of the triangle's height); takes no memory once it has seen the tallest.
-  const std::vector<PixelRun>& Runs(const Seed& a, const Seed& b, const Seed& c);
+  /// The rows that may have pixels: [first_row, end_row); none when end_row ≤ first_row.
+  int first_row() const { return first_row_; }
+  int end_row() const { return end_row_; }
+
+  /// The pixels of one of these rows; there may be none.
+  PixelRun Run(int v) const {
+    const Edge& short_edge = static_cast<float>(v) < middle_v_ ? upper_edge_ : lower_edge_;
+    const int64_t one = long_edge_.ColumnAt(v);
+    const int64_t other = short_edge.ColumnAt(v);
+    return {v, Pixel(std::min(one, other) - kSlack + kOne - 1),
+            Pixel(std::max(one, other) + kSlack + kOne)};
+  }
 
  private:
+  // Columns in fixed point: px with that many more bits. For images of up to 2^14 px a side nothing
+  // overflows, and rounded slopes are off by less than kSlack over all rows.
+  static constexpr int kFraction = 32;
+  static constexpr int64_t kOne = int64_t{1} << kFraction;
+  // Runs reach that much beyond their edges, so that rounding never leaves a pixel between
+  // triangles.
+  static constexpr int64_t kSlack = kOne >> 16;
+
+  // Where an edge of a triangle crosses rows.
+  class Edge {
+   public:
+    Edge() = default;
+    Edge(const Seed& top, const Seed& bottom);
+    int64_t ColumnAt(int row) const { return column_ + (row - first_row_) * slope_; }
+
+   private:
+    static int64_t Fixed(double px, double most_px);
+
+    int first_row_ = 0;  // of those in images
+    int64_t column_ = 0;
+    int64_t slope_ = 0;
+  };
+
+  int Pixel(int64_t column) const {
+    return static_cast<int>(std::clamp<int64_t>(column >> kFraction, 0, width_));
+  }
+
   int width_;
-  cv::Range rows_;
-  std::vector<PixelRun> runs_;
+  Edge long_edge_;
+  Edge upper_edge_;
+  Edge lower_edge_;
+  float middle_v_ = 0;
+  int first_row_ = 0;
+  int end_row_ = 0;
 };
 
 }  // namespace sprout

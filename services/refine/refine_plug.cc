@@ -21,8 +21,8 @@ Result<SeedSet> RefinePlug::Refine(const Frame& frame) {
     return Fail("ToF image of " + SizeText(frame.tof->depth_m.size()) +
                 ": allowed is the calibrated size " + SizeText(calibrated));
   }
-  return refiner_.Compute(ToGrey(frame.left), ToGrey(frame.right), *frame.tof,
-                          ProjectorOf(*frame.rig));
+  return refiner_.Compute(ToGrey(frame.left, left_grey_), ToGrey(frame.right, right_grey_),
+                          *frame.tof, ProjectorOf(*frame.rig));
 }
 
 Outcome RefinePlug::Process(const Frame& frame) {

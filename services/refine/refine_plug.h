@@ -24,6 +24,8 @@ class RefinePlug : public Plug {
   Result<SeedSet> Refine(const Frame& frame);
 
   Refiner refiner_;
+  cv::Mat1b left_grey_;  // memory
+  cv::Mat1b right_grey_;
   std::optional<TofProjector> projector_;  // of the newest calibration
   std::string projector_rig_id_;
 };

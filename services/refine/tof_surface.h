@@ -1,11 +1,13 @@
 #ifndef SPROUT_SERVICES_REFINE_TOF_SURFACE_H_
 #define SPROUT_SERVICES_REFINE_TOF_SURFACE_H_
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <span>
 #include <vector>
 
 #include "common/geometry/projection.h"
+#include "services/refine/cell_lists.h"
 
 namespace sprout {
 
@@ -18,22 +20,29 @@ struct HiddenRule {
 };
 
 /// The surface that a ToF image shows, as disparities (px) at the ToF pixels, and two tests of its
-/// points against it. Each looks at the neighbours of a point only.
+/// points against it. Each looks at the neighbours of a point only. Keeps its memory when it is set
+/// again: about 40 bytes a ToF pixel, and 8 a cell of FindHidden().
 class TofSurface {
  public:
   /// Fewest of a pixel's eight neighbours that must lie on its surface.
   static constexpr int kSupport = 2;
 
-  /// @param points  of one ToF image, at most one a pixel.
-  TofSurface(const Rig& rig, std::span<const ProjectedPoint> points);
+  /// Without a ToF pixel.
+  TofSurface() = default;
 
-  /// Which points hang loose: fewer than two of the eight neighbours in the ToF image have a
+  TofSurface(const Rig& rig, std::span<const ProjectedPoint> points) { Set(rig, points); }
+
+  /// @param points  of one ToF image, at most one a pixel.
+  /// O(ToF pixels).
+  void Set(const Rig& rig, std::span<const ProjectedPoint> points);
+
+  /// Whether a point hangs loose: fewer than two of the eight neighbours in the ToF image have a
   /// disparity within `tolerance_px`. Flying pixels, whose light comes from two surfaces so that
   /// they lie on neither, and outliers of the noise. Two neighbours are enough for a slant or a
   /// thin thing: along a line of equal depth there are two.
-  /// @param points  some of those that this was made of.
-  /// @returns one flag a point. O(points).
-  std::vector<bool> FindLoose(std::span<const ProjectedPoint> points, double tolerance_px) const;
+  /// @param point  one of those that this was made of.
+  /// O(1); thread-safe.
+  bool IsLoose(const ProjectedPoint& point, double tolerance_px) const;
 
   /// Which points a nearer surface hides from the left or from the right camera: what the ToF
   /// camera sees past an edge from its own place. Each point stands for a piece of surface around
@@ -48,25 +57,42 @@ class TofSurface {
   /// @param points  those that are tested and that hide; some of those that this was made of, all
   ///                inside the images.
   /// @param left, right  the rectified pair, grey.
-  /// @returns one flag a point. Does not depend on their order.
-  /// O(points + image pixels / 25) for points that are spread as a sensor's.
-  std::vector<bool> FindHidden(std::span<const ProjectedPoint> points, const cv::Mat1b& left,
-                               const cv::Mat1b& right, const HiddenRule& rule) const;
+  /// @returns one flag a point, 0 or 1; valid until the next call. Does not depend on their order.
+  /// O(points + image pixels / 25) for points that are spread as a sensor's; on OpenCV's threads,
+  /// with the same result for any number.
+  const std::vector<uint8_t>& FindHidden(std::span<const ProjectedPoint> points,
+                                         const cv::Mat1b& left, const cv::Mat1b& right,
+                                         const HiddenRule& rule);
 
  private:
-  // Change of disparity from one ToF pixel to the next, px.
-  struct Slant {
-    float across = 0;
+  // A point as a piece of surface.
+  struct Piece {
+    float disparity = 0;
+    float across = 0;  // change of disparity from one ToF pixel to the next, px
     float down = 0;
   };
+  // One of the images of the pair.
+  struct View {
+    std::vector<cv::Point2f> positions;  // of the points
+    CellLists cells;
+  };
+  class HiddenTest;
 
-  float At(int tof_u, int tof_v) const;
-  Slant SlantAt(const ProjectedPoint& point) const;
+  // Of a pixel of the ToF image or one of those just around it.
+  const float* At(int tof_u, int tof_v) const {
+    return disparity_.data() + (tof_v + 1) * stride_ + tof_u + 1;
+  }
+  Piece PieceOf(const ProjectedPoint& point) const;
 
-  cv::Size size_;     // of the images of the pair
-  double column_px_;  // distance of ToF columns in the images of the pair, px
-  double row_px_;
-  cv::Mat1f disparity_;  // of the ToF pixels, NaN = none
+  cv::Size size_;         // of the images of the pair
+  double column_px_ = 1;  // distance of ToF columns in the images of the pair, px
+  double row_px_ = 1;
+  std::ptrdiff_t stride_ = 0;
+  std::vector<float> disparity_;  // of the ToF pixels and one more all around, NaN = none
+  std::vector<Piece> pieces_;
+  View left_;
+  View right_;
+  std::vector<uint8_t> hidden_;
 };
 
 }  // namespace sprout

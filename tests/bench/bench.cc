@@ -57,8 +57,12 @@ class Chain {
         prior_(config.prior()),
         grower_(config.grow()) {}
 
-  std::vector<Seed> Refine(const BenchFrame& bench, const TofProjector& projector) const {
-    return refiner_.Compute(bench.left, bench.right, bench.frame.tof, projector).value().seeds;
+  // Valid until the next call.
+  const std::vector<Seed>& Refine(const BenchFrame& bench, const TofProjector& projector) {
+    refined_ =
+        refiner_.Compute(bench.left, bench.right, bench.frame.tof, projector, std::move(refined_))
+            .value();
+    return refined_.seeds;
   }
   DisparityImage Prior(const BenchFrame& bench, const std::vector<Seed>& seeds) {
     const auto& [left, right, tof, truth] = bench.frame;
@@ -75,6 +79,7 @@ class Chain {
  private:
   SproutConfig config_;
   Refiner refiner_;
+  SeedSet refined_;
   PriorEstimator prior_;
   Grower grower_;
   GapFiller filler_;
@@ -99,7 +104,7 @@ constexpr std::pair<Part, const char*> kParts[] = {{Part::kRefine, "refine"},
 void RunPart(Part part, Chain& chain, const Inputs& in) {
   switch (part) {
     case Part::kRefine:
-      benchmark::DoNotOptimize(chain.Refine(in.bench, in.projector));
+      benchmark::DoNotOptimize(chain.Refine(in.bench, in.projector).data());
       return;
     case Part::kPrior:
       benchmark::DoNotOptimize(chain.Prior(in.bench, in.seeds));
@@ -111,7 +116,7 @@ void RunPart(Part part, Chain& chain, const Inputs& in) {
       benchmark::DoNotOptimize(chain.Fill(in.grown, in.prior));
       return;
     case Part::kChain: {
-      const std::vector<Seed> seeds = chain.Refine(in.bench, in.projector);
+      const std::vector<Seed>& seeds = chain.Refine(in.bench, in.projector);
       const DisparityImage prior = chain.Prior(in.bench, seeds);
       benchmark::DoNotOptimize(chain.Fill(chain.Grow(in.bench, seeds, prior), prior));
     }

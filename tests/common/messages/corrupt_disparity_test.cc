@@ -6,8 +6,8 @@
 #include <random>
 
 #include "common/messages/disparity_codec.h"
-#include "tests/common/messages/allocation_guard.h"
 #include "tests/common/messages/examples.h"
+#include "tests/common/testing/allocation_guard.h"
 
 // Disparity maps that the border must refuse, hostile Zstandard frames among them.
 namespace sprout {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "tests/common/messages/allocation_guard.h"
 #include "tests/common/messages/examples.h"
+#include "tests/common/testing/allocation_guard.h"
 
 // Bytes that are no well-formed message: the generated decoder must never see what it would
 // believe.

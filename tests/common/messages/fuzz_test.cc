@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <random>
 
-#include "tests/common/messages/allocation_guard.h"
 #include "tests/common/messages/examples.h"
+#include "tests/common/testing/allocation_guard.h"
 
 // Random damage: whatever comes, an answer and no crash (the asan preset looks closely), and no
 // memory out of proportion.

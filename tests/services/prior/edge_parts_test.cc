@@ -137,7 +137,8 @@ TEST(EdgeJudge, AsksThoseOnItsOwnSideOfAnEdgeInColour) {
   pair.evidence.right_grey = 90;
   pair.evidence.spread_weight = 100;  // near disparities leave the right image
   pair.evidence.left_bgr.colRange(3, 8) = cv::Vec3b(90, 90, 250);
-  pair.evidence.half_bgr = HalfSize(pair.evidence.left_bgr);
+  cv::Mat none;
+  HalveSize(pair.evidence.left_bgr, none, pair.evidence.half_bgr);
   pair.evidence.spread_px.colRange(0, 1) = 12;
   pair.evidence.spread_px.colRange(1, 2) = 7.5F;
   pair.evidence.spread_px.colRange(2, 4) = 3;
@@ -158,7 +159,7 @@ TEST(ResolveEdges, FindsTheEdgeToThePixelAndLeavesTheRest) {
     for (int x = 0; x < evidence.spread_px.cols; ++x) {
       evidence.spread_px.col(x) = 2 * x < edge ? 12.F : 3.F;
     }
-    EdgeHypotheses hypotheses{ConstantMap(size, 12 * kOne), ConstantMap(size, 3 * kOne)};
+    EdgeHypotheses hypotheses{ConstantMap(size, 12 * kOne), ConstantMap(size, 3 * kOne), {}};
     const int undisputed = size.height > 4 ? 0 : -1;  // row
     if (undisputed == 0) hypotheses.near.counts().row(0) = DisparityImage::kInvalid;
     DisparityImage prior = ConstantMap(size, 7 * kOne);
@@ -175,8 +176,10 @@ TEST(ResolveEdges, FindsTheEdgeToThePixelAndLeavesTheRest) {
 TEST(SeedSpreading, CoversOddImagesAtHalfSize) {
   for (const cv::Size size : {cv::Size(31, 21), cv::Size(30, 20), cv::Size(5, 1), cv::Size(1, 1)}) {
     const std::vector<Seed> seeds = {{.u = 0, .v = 0, .u_right = -7}};
-    const cv::Mat1f spread =
-        SpreadSeedsAtHalfSize(seeds, HalfSize(cv::Mat3b(size, cv::Vec3b())), 10, 3);
+    cv::Mat even;
+    cv::Mat half;
+    HalveSize(cv::Mat3b(size, cv::Vec3b()), even, half);
+    const cv::Mat1f spread = SeedSpreader().SpreadAtHalfSize(seeds, half, 10, 3);
     EXPECT_EQ(spread.size(), HalfOf(size));
     EXPECT_FLOAT_EQ(spread(0, 0), 7);
   }

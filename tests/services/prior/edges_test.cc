@@ -186,7 +186,8 @@ TEST(SeedSurface, FindsTheSlantAndTheNoise) {
         seeds.push_back({static_cast<float>(u), static_cast<float>(v), static_cast<float>(u - d)});
       }
     }
-    const SeedSurface surface = FitSeedSurface(seeds, TriangulateSeeds(seeds), 0.5, 0);
+    SeedSurfaceFitter fitter;
+    const SeedSurface& surface = fitter.Fit(seeds, TriangulateSeeds(seeds), 0.5, 0);
     EXPECT_NEAR(surface.noise_px, noise_px, 0.3);
     const LocalPlane& plane = surface.planes[10 * 20 + 10];  // at (100, 100)
     EXPECT_NEAR(plane.disparity, 13, 0.01 + noise_px);

@@ -52,8 +52,9 @@ TEST(TriangleRaster, HasEveryPixelOfATriangleAndHardlyAnyOther) {
       cv::Mat1b painted(size, uint8_t{0});
       for (const cv::Range& rows : {cv::Range(0, 9), cv::Range(9, size.height)}) {
         if (!ReachOf(a, b, c).Meets(rows)) continue;
-        TriangleRaster raster(size.width, rows);
-        for (const PixelRun& run : raster.Runs(a, b, c)) {
+        const TriangleRaster raster(a, b, c, size.width, rows);
+        for (int v = raster.first_row(); v < raster.end_row(); ++v) {
+          const PixelRun run = raster.Run(v);
           for (int u = run.begin; u < run.end; ++u) painted(run.v, u) = 1;
         }
       }
@@ -83,11 +84,11 @@ TEST(Prior, TakesTheNearestPixelOfAnyHull) {
     const auto prior = InterpolateSeeds(seeds, triangles, size);
     ASSERT_TRUE(prior.has_value());
     std::vector<cv::Point> hull;
-    TriangleRaster raster(size.width, {0, size.height});
+    const auto seed_of = [&](int i) { return seeds[static_cast<size_t>(i)]; };
     for (const auto& [a, b, c] : triangles) {
-      for (const PixelRun& run :
-           raster.Runs(seeds[static_cast<size_t>(a)], seeds[static_cast<size_t>(b)],
-                       seeds[static_cast<size_t>(c)])) {
+      const TriangleRaster raster(seed_of(a), seed_of(b), seed_of(c), size.width, {0, size.height});
+      for (int v = raster.first_row(); v < raster.end_row(); ++v) {
+        const PixelRun run = raster.Run(v);
         for (int u = run.begin; u < run.end; ++u) hull.emplace_back(u, run.v);
       }
     }

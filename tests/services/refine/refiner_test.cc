@@ -125,34 +125,40 @@ TEST(Refiner, DropsSeedsWithAWeakAmplitude) {
   EXPECT_EQ(scene.Refine(config)->dark, 0);
 }
 
+using Flags = std::vector<uint8_t>;
+
+Flags FindBackground(const std::vector<Seed>& seeds, double tolerance_px) {
+  return BackgroundRule().Find(seeds, {100, 80}, tolerance_px);
+}
+
 TEST(Refiner, FindsBackgroundBesideANearerSeedInTheLeftImage) {
   const std::vector<Seed> seeds = {{20, 20, 10}, {22, 21, 17}, {40, 20, 35}, {45, 20, 40}};
-  EXPECT_EQ(FindBackground(seeds, {100, 80}, 1), (std::vector<bool>{false, true, false, false}));
+  EXPECT_EQ(FindBackground(seeds, 1), (Flags{0, 1, 0, 0}));
 }
 
 TEST(Refiner, FindsBackgroundThatFallsOntoANearerSeedInTheRightImage) {
   // Apart in the left image, on one pixel in the right one: the right camera sees the nearer.
   const std::vector<Seed> seeds = {{50, 20, 30}, {40, 21, 31}};
-  EXPECT_EQ(FindBackground(seeds, {100, 80}, 1), (std::vector<bool>{false, true}));
+  EXPECT_EQ(FindBackground(seeds, 1), (Flags{0, 1}));
 }
 
 TEST(Refiner, ToleratesSlantsAndLooksTwoPixelsFar) {
   const std::vector<Seed> within = {{20, 20, 10}, {22, 22, 13}};  // d = 10 and 9
-  EXPECT_EQ(FindBackground(within, {100, 80}, 1), (std::vector<bool>{false, false}));
-  EXPECT_EQ(FindBackground(within, {100, 80}, 0.5), (std::vector<bool>{false, true}));
+  EXPECT_EQ(FindBackground(within, 1), (Flags{0, 0}));
+  EXPECT_EQ(FindBackground(within, 0.5), (Flags{0, 1}));
   const std::vector<Seed> apart = {{20, 20, 10}, {23, 20, 20}};
-  EXPECT_EQ(FindBackground(apart, {100, 80}, 1), (std::vector<bool>{false, false}));
+  EXPECT_EQ(FindBackground(apart, 1), (Flags{0, 0}));
 }
 
 TEST(Refiner, ComparesAllSeedsInAWindowWithEachOther) {
   // The outer two are 4 px apart, but both lie in the window of the middle one.
   const std::vector<Seed> seeds = {{20, 20, 10}, {22, 20, 12.5f}, {24, 20, 16}};  // d = 10, 9.5, 8
-  EXPECT_EQ(FindBackground(seeds, {100, 80}, 1), (std::vector<bool>{false, false, true}));
+  EXPECT_EQ(FindBackground(seeds, 1), (Flags{0, 0, 1}));
 }
 
 TEST(Refiner, DoesNotDependOnTheOrderOfTheSeeds) {
   const std::vector<Seed> seeds = {{22, 21, 17}, {20, 20, 10}};
-  EXPECT_EQ(FindBackground(seeds, {100, 80}, 1), (std::vector<bool>{true, false}));
+  EXPECT_EQ(FindBackground(seeds, 1), (Flags{1, 0}));
 }
 
 TEST(Refiner, CountsAddUp) {

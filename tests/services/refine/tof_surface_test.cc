@@ -38,10 +38,10 @@ std::vector<ProjectedPoint> Points(const std::function<float(float i, float j)>&
 }
 
 // ToF columns with a flagged point in row 5.
-std::vector<int> Columns(const std::vector<bool>& flags) {
+std::vector<int> Columns(const std::vector<uint8_t>& flags) {
   std::vector<int> columns;
   for (int i = 0; i < 12; ++i) {
-    if (flags[static_cast<size_t>(5 * 12 + i)]) columns.push_back(i);
+    if (flags[static_cast<size_t>(5 * 12 + i)] != 0) columns.push_back(i);
   }
   return columns;
 }
@@ -56,9 +56,16 @@ std::vector<int> Hidden(const std::vector<ProjectedPoint>& points, double core =
                                  {.core = core, .reach = 0.9, .tolerance_px = tolerance_px}));
 }
 
+std::vector<uint8_t> FindLoose(const std::vector<ProjectedPoint>& points, double tolerance_px) {
+  const TofSurface surface(SomeRig(), points);
+  std::vector<uint8_t> loose;
+  for (const ProjectedPoint& point : points) loose.push_back(surface.IsLoose(point, tolerance_px));
+  return loose;
+}
+
 int CountLoose(const std::vector<ProjectedPoint>& points, double tolerance_px = 2) {
-  const std::vector<bool> loose = TofSurface(SomeRig(), points).FindLoose(points, tolerance_px);
-  return static_cast<int>(std::count(loose.begin(), loose.end(), true));
+  const std::vector<uint8_t> loose = FindLoose(points, tolerance_px);
+  return static_cast<int>(std::count(loose.begin(), loose.end(), 1));
 }
 
 TEST(TofSurface, HidesWhatABoardCoversInEitherImage) {
@@ -120,12 +127,12 @@ TEST(TofSurface, ToleratesSmallSteps) {
 
 TEST(TofSurface, DoesNotDependOnTheOrderOfThePoints) {
   auto points = Points([](float i, float j) { return i >= 4 && i <= 7 && j > 2 ? 26.f : 10.f; });
-  const TofSurface surface(SomeRig(), points);
+  TofSurface surface(SomeRig(), points);
   const cv::Mat1b grey(120, 200, uint8_t{100});
   const HiddenRule rule{.core = 0.75, .reach = 0.9, .tolerance_px = 1};
-  const std::vector<bool> forwards = surface.FindHidden(points, grey, grey, rule);
+  const std::vector<uint8_t> forwards = surface.FindHidden(points, grey, grey, rule);
   std::reverse(points.begin(), points.end());
-  std::vector<bool> backwards = surface.FindHidden(points, grey, grey, rule);
+  std::vector<uint8_t> backwards = surface.FindHidden(points, grey, grey, rule);
   std::reverse(backwards.begin(), backwards.end());
   EXPECT_EQ(forwards, backwards);
 }
@@ -149,7 +156,7 @@ TEST(TofSurface, TakesASingleOutlierForLooseAndNotItsNeighbours) {
 TEST(TofSurface, KeepsSlantsAndThinThings) {
   // Along a line of equal depth each has two neighbours, but for the ends at the image's border.
   const auto slant = Points([](float i, float) { return 10 + 6 * i; });
-  EXPECT_THAT(Columns(TofSurface(SomeRig(), slant).FindLoose(slant, 2)), testing::IsEmpty());
+  EXPECT_THAT(Columns(FindLoose(slant, 2)), testing::IsEmpty());
   EXPECT_EQ(CountLoose(slant), 24);
   const auto pole = Points([](float i, float) { return i == 5 ? 40.f : 10.f; });
   EXPECT_EQ(CountLoose(pole), 2);

@@ -1,0 +1,67 @@
+#ifndef SPROUT_COMMON_CORE_PARALLEL_H_
+#define SPROUT_COMMON_CORE_PARALLEL_H_
+
+#include <cstddef>
+#include <opencv2/core.hpp>
+
+#include "common/core/disparity_image.h"
+
+namespace sprout {
+
+// Work for OpenCV's threads (cv::setNumThreads). OpenCV gives what runs in one of its threads no
+// others. Nothing here allocates, as the std::function of cv::parallel_for_ would; OpenCV itself
+// does so once a call when it has more than one thread.
+
+/// Runs work(part) for ranges that make up [0, count), in any order.
+/// @param parts  the most ranges that there may be.
+template <typename Work>
+void ForRangesParallel(int count, int parts, const Work& work) {
+  class Body : public cv::ParallelLoopBody {
+   public:
+    explicit Body(const Work& todo) : todo_(todo) {}
+    void operator()(const cv::Range& part) const override { todo_(part); }
+
+   private:
+    const Work& todo_;
+  };
+  if (count > 0) cv::parallel_for_({0, count}, Body(work), parts);
+}
+
+/// Runs work(0) to work(count − 1), in any order.
+template <typename Work>
+void ForEachParallel(size_t count, const Work& work) {
+  const auto end = static_cast<int>(count);
+  ForRangesParallel(end, end, [&](const cv::Range& part) {
+    for (int i = part.start; i < part.end; ++i) work(static_cast<size_t>(i));
+  });
+}
+
+/// Runs both, at the same time if there are two threads.
+template <typename One, typename Other>
+void RunBoth(const One& one, const Other& other) {
+  ForRangesParallel(2, 2, [&](const cv::Range& part) {
+    if (part.start == 0) one();
+    if (part.end == 2) other();
+  });
+}
+
+/// Calls paint(rows) for bands of rows that make up the image. A row is painted by one call, so
+/// painting triangles in their order in each gives the same image with any number of threads.
+template <typename Paint>
+void PaintInBands(int height, const Paint& paint) {
+  constexpr int kBandsPerThread = 4;  // bands differ in work
+  ForRangesParallel(height, kBandsPerThread * cv::getNumThreads(), paint);
+}
+
+/// Makes `map` one of that size to write a new result to: itself when nobody else holds its pixels
+/// any more, and a new one otherwise. What it contains is undefined.
+template <typename T>
+void Renew(cv::Mat_<T>& map, cv::Size size) {
+  const bool held = !map.empty() && (map.u == nullptr || map.u->refcount > 1);
+  if (held || map.size() != size) map = cv::Mat_<T>(size);
+}
+inline void Renew(DisparityImage& map, cv::Size size) { Renew(map.counts(), size); }
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_PARALLEL_H_

@@ -1,0 +1,32 @@
+#ifndef SPROUT_TESTS_COMMON_TESTING_ALLOCATION_GUARD_H_
+#define SPROUT_TESTS_COMMON_TESTING_ALLOCATION_GUARD_H_
+
+#include <cstddef>
+#include <cstdint>
+
+namespace sprout {
+
+/// Watches what is allocated while it lives. A program that links it has its operators new and
+/// delete. Memory that C code takes with malloc() passes by unseen.
+class AllocationGuard {
+ public:
+  AllocationGuard();
+  ~AllocationGuard();
+  AllocationGuard(const AllocationGuard&) = delete;
+  AllocationGuard& operator=(const AllocationGuard&) = delete;
+
+  /// How many pieces of memory were asked for, by any thread: by operator new, and for pixels of
+  /// cv::Mat.
+  int64_t count() const;
+
+  /// The largest piece that this thread asked operator new for, bytes. Pixels of cv::Mat do not
+  /// pass through it.
+  static size_t largest();
+
+ private:
+  int64_t before_ = 0;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_TESTS_COMMON_TESTING_ALLOCATION_GUARD_H_

@@ -1,0 +1,102 @@
+// What the prior allocates once it has seen a frame: nothing of its own.
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+#include <random>
+#include <vector>
+
+#include "services/prior/delaunay.h"
+#include "services/prior/prior_estimator.h"
+#include "services/prior/seed_spreading.h"
+#include "tests/common/testing/allocation_guard.h"
+
+namespace sprout {
+namespace {
+
+// Colour noise, and noisy seeds on two surfaces.
+struct Input {
+  Input(cv::Size size, uint32_t seed) : left(size), right(size) {
+    std::mt19937 random(seed);
+    for (cv::Vec3b& value : left) {
+      value = cv::Vec3b(static_cast<uint8_t>(random()), static_cast<uint8_t>(random()),
+                        static_cast<uint8_t>(random()));
+    }
+    for (uint8_t& value : right) value = static_cast<uint8_t>(random());
+    for (int i = 0; i < kSeeds; ++i) {
+      const auto u = static_cast<float>(random() % static_cast<uint32_t>(size.width));
+      const auto v = static_cast<float>(random() % static_cast<uint32_t>(size.height));
+      const float disparity = u < 100 ? 5 : 20 + static_cast<float>(random() % 100) / 100;
+      seeds.push_back({u, v, u - disparity});
+    }
+  }
+
+  static constexpr int kSeeds = 300;
+
+  cv::Mat3b left;
+  cv::Mat1b right;
+  std::vector<Seed> seeds;
+};
+
+// Of one frame in steady state.
+template <typename Run>
+double AllocationsOf(const Run& run) {
+  cv::setNumThreads(1);  // handing work to other threads is OpenCV's business
+  const Input first({200, 150}, 1);
+  const Input second({200, 150}, 2);
+  for (int i = 0; i < 2; ++i) {
+    run(first);
+    run(second);
+  }
+  const AllocationGuard guard;
+  run(first);
+  run(second);
+  return static_cast<double>(guard.count()) / 2;
+}
+
+double AllocationsOfMethod(PriorConfig::Method method) {
+  PriorConfig config;
+  config.set_method(method);
+  PriorEstimator estimator(config);
+  return AllocationsOf([&](const Input& input) {
+    EXPECT_TRUE(estimator.Compute(input.left, input.right, input.seeds, input.left.size()));
+  });
+}
+
+// CGAL takes vertices and triangles in blocks that grow, and lists of points to sort, and frees
+// them with the triangulation: more for more seeds, about as their square root.
+double AllocationsOfCgal() {
+  Triangulator triangulator;
+  return AllocationsOf([&](const Input& input) { triangulator.Triangulate(input.seeds); });
+}
+
+// OpenCV's FastGlobalSmoother is made for one image, with its weights and memory for its sweeps.
+double AllocationsOfSmoother(int passes) {
+  SeedSpreader spreader;
+  return AllocationsOf(
+      [&](const Input& input) { spreader.Spread(input.seeds, input.left, 10, 3, passes); });
+}
+
+// cv::resize() makes a table of columns.
+double AllocationsOfHalving() {
+  cv::Mat even;
+  cv::Mat half;
+  return AllocationsOf([&](const Input& input) { HalveSize(input.left, even, half); });
+}
+
+TEST(Allocation, PriorAllocatesNothingBesidesCgalAndOpenCv) {
+  const double cgal = AllocationsOfCgal();
+  EXPECT_EQ(AllocationsOfMethod(PriorConfig::DELAUNAY), cgal);
+  EXPECT_EQ(AllocationsOfMethod(PriorConfig::FGS), cgal + AllocationsOfSmoother(3));
+  EXPECT_EQ(AllocationsOfMethod(PriorConfig::EDGES),
+            cgal + AllocationsOfSmoother(1) + AllocationsOfHalving());
+}
+
+// Measured with CGAL 5.5 and OpenCV 4.6: 82, 20 and 1.
+TEST(Allocation, CgalAndOpenCvAllocateLittle) {
+  EXPECT_LE(AllocationsOfCgal(), 100);
+  EXPECT_LE(AllocationsOfSmoother(1), 25);
+  EXPECT_LE(AllocationsOfHalving(), 2);
+}
+
+}  // namespace
+}  // namespace sprout
