@@ -49,19 +49,20 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   points_ = projector.Project(tof, result.outside, std::move(points_));
   result.raw = static_cast<int32_t>(points_.size()) + result.outside;
   surface_.Set(rig, points_);
-  KeepReliable(left, tof, result);
+  KeepReliable(left, right, tof, result);
   KeepVisible(left, right, result);
   return result;
 }
 
 // Takes over the points that are reliable for themselves.
-void Refiner::KeepReliable(const cv::Mat1b& left, const TofImage& tof, SeedSet& result) {
+void Refiner::KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                           SeedSet& result) {
   fates_.resize(points_.size());
   ForRangesParallel(static_cast<int>(points_.size()), cv::getNumThreads(),
                     [&](const cv::Range& part) {
                       for (int i = part.start; i < part.end; ++i) {
                         const auto point = static_cast<size_t>(i);
-                        fates_[point] = FateOf(points_[point], left, tof);
+                        fates_[point] = FateOf(points_[point], left, right, tof);
                       }
                     });
   kept_.clear();
@@ -83,7 +84,7 @@ void Refiner::KeepReliable(const cv::Mat1b& left, const TofImage& tof, SeedSet& 
 }
 
 Refiner::Fate Refiner::FateOf(const ProjectedPoint& point, const cv::Mat1b& left,
-                              const TofImage& tof) const {
+                              const cv::Mat1b& right, const TofImage& tof) const {
   const Seed& seed = point.seed;
   if (!WindowFits(seed.u, seed.v, left.size()) || !WindowFits(seed.u_right, seed.v, left.size()) ||
       seed.disparity() < 0) {
@@ -96,7 +97,9 @@ Refiner::Fate Refiner::FateOf(const ProjectedPoint& point, const cv::Mat1b& left
     return Fate::kDark;
   }
   const double tolerance_px = config_.loose_tolerance_px();
-  return tolerance_px > 0 && surface_.IsLoose(point, tolerance_px) ? Fate::kLoose : Fate::kKept;
+  const bool loose = tolerance_px > 0 && surface_.IsLoose(point, tolerance_px) &&
+                     !surface_.IsConfirmed(point, tolerance_px, left, right);
+  return loose ? Fate::kLoose : Fate::kKept;
 }
 
 // Makes seeds of the kept points that no nearer surface makes doubtful.

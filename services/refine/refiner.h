@@ -44,8 +44,10 @@ class Refiner {
   // What becomes of a point.
   enum class Fate : uint8_t { kKept, kOutside, kDark, kLoose };
 
-  Fate FateOf(const ProjectedPoint& point, const cv::Mat1b& left, const TofImage& tof) const;
-  void KeepReliable(const cv::Mat1b& left, const TofImage& tof, SeedSet& result);
+  Fate FateOf(const ProjectedPoint& point, const cv::Mat1b& left, const cv::Mat1b& right,
+              const TofImage& tof) const;
+  void KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                    SeedSet& result);
   void KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet& result);
 
   RefineConfig config_;

@@ -50,6 +50,24 @@ bool TofSurface::IsLoose(const ProjectedPoint& point, double tolerance_px) const
   return support < kSupport;
 }
 
+bool TofSurface::IsConfirmed(const ProjectedPoint& point, double tolerance_px,
+                             const cv::Mat1b& left, const cv::Mat1b& right) const {
+  constexpr double kMuchBetter = 2;
+  const Seed& seed = point.seed;
+  const double own = kMuchBetter * WindowDifference(left, right, seed.u, seed.v, seed.u_right);
+  bool compared = false;
+  for (int down = -1; down <= 1; ++down) {
+    const float* row = At(point.tof_u, point.tof_v + down);
+    for (int across = -1; across <= 1; ++across) {
+      const double elsewhere = row[across];
+      if (!(std::abs(elsewhere - seed.disparity()) > tolerance_px)) continue;
+      if (own >= WindowDifference(left, right, seed.u, seed.v, seed.u - elsewhere)) return false;
+      compared = true;
+    }
+  }
+  return compared;
+}
+
 TofSurface::Piece TofSurface::PieceOf(const ProjectedPoint& point) const {
   const float* at = At(point.tof_u, point.tof_v);
   const float here = *at;

@@ -44,6 +44,14 @@ class TofSurface {
   /// O(1); thread-safe.
   bool IsLoose(const ProjectedPoint& point, double tolerance_px) const;
 
+  /// Whether the images speak for a point: its windows differ at most half as much at its own
+  /// disparity as at that of any of the eight neighbours that lies elsewhere, and there is one. A
+  /// thing that is smaller than a ToF pixel hangs loose as a flying pixel does, but is there.
+  /// @param left, right  the rectified pair, grey.
+  /// O(1); thread-safe.
+  bool IsConfirmed(const ProjectedPoint& point, double tolerance_px, const cv::Mat1b& left,
+                   const cv::Mat1b& right) const;
+
   /// Which points a nearer surface hides from the left or from the right camera: what the ToF
   /// camera sees past an edge from its own place. Each point stands for a piece of surface around
   /// it in the image, with the slant that its neighbours show. A point that lies further than such

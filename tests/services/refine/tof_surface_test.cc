@@ -146,6 +146,31 @@ TEST(TofSurface, TakesFlyingPixelsForLoose) {
   EXPECT_EQ(CountLoose(Points([](float i, float) { return i < 5 ? 10.f : 40.f; })), 0);
 }
 
+TEST(TofSurface, TheImagesConfirmALoosePointOrDoNot) {
+  auto points = Points([](float, float) { return 10.f; });
+  ProjectedPoint& thin = points[5 * 12 + 5];
+  thin = Point(5, 5, 26);
+  const TofSurface surface(SomeRig(), points);
+  ASSERT_TRUE(surface.IsLoose(thin, 2));
+
+  cv::Mat1b left(120, 200);
+  cv::randu(left, 0, 255);
+  const auto shifted = [&](int disparity) {
+    cv::Mat1b right(left.size(), uint8_t{0});
+    left.colRange(disparity, left.cols).copyTo(right.colRange(0, left.cols - disparity));
+    return right;
+  };
+  EXPECT_TRUE(surface.IsConfirmed(thin, 2, left, shifted(26)));
+  EXPECT_FALSE(surface.IsConfirmed(thin, 2, left, shifted(10))) << "that is the wall's disparity";
+  EXPECT_FALSE(surface.IsConfirmed(thin, 2, left, shifted(18))) << "neither's";
+  const cv::Mat1b grey(left.size(), uint8_t{100});
+  EXPECT_FALSE(surface.IsConfirmed(thin, 2, grey, grey)) << "everything fits";
+
+  const std::vector<ProjectedPoint> alone = {thin};
+  EXPECT_FALSE(TofSurface(SomeRig(), alone).IsConfirmed(thin, 2, left, shifted(26)))
+      << "nothing to compare it with";
+}
+
 TEST(TofSurface, TakesASingleOutlierForLooseAndNotItsNeighbours) {
   auto points = Points([](float, float) { return 10.f; });
   points[5 * 12 + 5] = Point(5, 5, 12.5);
