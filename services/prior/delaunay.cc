@@ -29,10 +29,14 @@ const std::vector<SeedTriangle>& Triangulator::Triangulate(std::span<const Seed>
   for (const Seed& seed : seeds) {
     positions_.push_back({seed.u, seed.v, static_cast<int>(positions_.size())});
   }
-  // The first seed of each position, in an order that does not depend on the seeds' order.
-  std::sort(positions_.begin(), positions_.end(), [](const Position& a, const Position& b) {
-    return std::tie(a.u, a.v, a.seed) < std::tie(b.u, b.v, b.seed);
-  });
+  // The first seed of each position, in an order that does not depend on the seeds' order. Row by
+  // row, as they often come.
+  const auto before = [](const Position& a, const Position& b) {
+    return std::tie(a.v, a.u, a.seed) < std::tie(b.v, b.u, b.seed);
+  };
+  if (!std::is_sorted(positions_.begin(), positions_.end(), before)) {
+    std::sort(positions_.begin(), positions_.end(), before);
+  }
   positions_.erase(
       std::unique(positions_.begin(), positions_.end(),
                   [](const Position& a, const Position& b) { return a.u == b.u && a.v == b.v; }),
