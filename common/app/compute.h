@@ -11,12 +11,13 @@ namespace sprout {
 /// @param count  0 = as many as there are cores.
 void SetThreads(int count);
 
-/// Instruction sets that growth was built for and this CPU has, best first; "scalar" is always the
-/// last. Names as Highway's, in small letters: "avx3", "avx2", "sse4", "ssse3", "neon".
+/// Instruction sets that growth and gap filling were built for and this CPU has, best first;
+/// "scalar" is always the last. Names as Highway's, in small letters: "avx3", "avx2", "sse4",
+/// "ssse3", "neon".
 std::vector<std::string> SimdLevels();
 
-/// Lets growth use nothing better than this instruction set, for the life of the process. What it
-/// computes does not depend on it. To be called before the first frame.
+/// Lets growth and gap filling use nothing better than this instruction set, for the life of the
+/// process. What it computes does not depend on it. To be called before the first frame.
 /// @param level  one of SimdLevels(), or "best".
 /// @throws ConfigError for any other.
 void LimitSimd(const std::string& level);

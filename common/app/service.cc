@@ -106,7 +106,8 @@ Service::Service(std::string stage, const std::string& description)
       ->capture_default_str();
   flags_
       .add_option("--simd", simd_,
-                  "Instruction set that growth may use at most; results do not depend on it")
+                  "Instruction set that growth and gap filling may use at most; results do not "
+                  "depend on it")
       ->type_name("best|" + fmt::format("{}", fmt::join(SimdLevels(), "|")))
       ->capture_default_str();
   flags_.set_version_flag("--version", "sprout-" + stage_ + " " + Version());

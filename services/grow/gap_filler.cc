@@ -1,7 +1,6 @@
 #include "services/grow/gap_filler.h"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "common/core/parallel.h"
@@ -10,8 +9,7 @@
 namespace sprout {
 namespace {
 
-constexpr int kRadius = 2;
-constexpr int kWindow = 2 * kRadius + 1;
+constexpr int kRadius = 2;  // of the window
 
 // Columns of kFillColumns pixels in a row.
 int BlocksAcross(cv::Size size) { return (size.width + kFillColumns - 1) / kFillColumns; }
@@ -19,20 +17,6 @@ int BlocksAcross(cv::Size size) { return (size.width + kFillColumns - 1) / kFill
 // Writes a block of pixels, as many as there are in the map.
 void CopyTo(DisparityImage& map, int v, int u, const FilledPixels& pixels) {
   std::copy_n(pixels.begin(), std::min(kFillColumns, map.width() - u), &map.counts()(v, u));
-}
-
-// Rows of a map, gaps with the prior's disparity where it has the map's size.
-void CopyFilled(const DisparityImage& map, const DisparityImage& prior, cv::Range rows,
-                cv::Mat1s& filled) {
-  filled.create(rows.size(), map.width());
-  for (int v = rows.start; v < rows.end; ++v) {
-    const int16_t* from = map.counts()[v];
-    const int16_t* instead = prior.size() == map.size() ? prior.counts()[v] : from;
-    int16_t* to = filled[v - rows.start];
-    for (int u = 0; u < map.width(); ++u) {
-      to[u] = from[u] != DisparityImage::kInvalid ? from[u] : instead[u];
-    }
-  }
 }
 
 }  // namespace
@@ -123,23 +107,18 @@ void GapFiller::ListBlocksAround() {
   std::swap(blocks_, next_blocks_);
 }
 
-// Bands of rows with the window's margin, so that each can be filled and smoothed for itself.
 void GapFiller::FillFromPrior(const DisparityImage& map, const DisparityImage& prior) {
-  constexpr int kRows = 64;
-  const int height = map.height();
-  bands_.resize(static_cast<size_t>((height + kRows - 1) / kRows));
-  ForEachParallel(bands_.size(), [&](size_t i) {
-    Band& band = bands_[i];
-    const int first = static_cast<int>(i) * kRows;
-    const int end = std::min(first + kRows, height);
-    const cv::Range with_margin(std::max(first - kRadius, 0), std::min(end + kRadius, height));
-    CopyFilled(map, prior, with_margin, band.filled);
-    cv::medianBlur(band.filled, band.smooth, kWindow);
-    for (int v = first; v < end; ++v) {
-      const int16_t* from = band.smooth[v - with_margin.start];
-      std::copy(from, from + map.width(), result_.counts()[v]);
+  Renew(without_gaps_, map.size());
+  ForEachParallel(static_cast<size_t>(map.height()), [&](size_t row) {
+    const int v = static_cast<int>(row);
+    const int16_t* from = map.counts()[v];
+    const int16_t* instead = prior.size() == map.size() ? prior.counts()[v] : from;
+    int16_t* to = without_gaps_[v];
+    for (int u = 0; u < map.width(); ++u) {
+      to[u] = from[u] != DisparityImage::kInvalid ? from[u] : instead[u];
     }
   });
+  median_.Apply(without_gaps_, result_.counts());
 }
 
 }  // namespace sprout

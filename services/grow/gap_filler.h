@@ -7,6 +7,7 @@
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
+#include "common/core/median.h"
 #include "services/grow/gap_medians.h"
 
 namespace sprout {
@@ -31,10 +32,6 @@ class GapFiller {
                       const DisparityImage& prior);
 
  private:
-  struct Band {
-    cv::Mat1s filled;
-    cv::Mat1s smooth;
-  };
   // kFillColumns pixels of a row.
   struct Block {
     int v;
@@ -51,7 +48,8 @@ class GapFiller {
   void ListBlocksAround();
   void FillFromPrior(const DisparityImage& map, const DisparityImage& prior);
 
-  std::vector<Band> bands_;
+  cv::Mat1s without_gaps_;
+  MedianFilter median_;
   std::vector<Block> blocks_, next_blocks_;
   std::vector<Filled> filled_;  // of blocks_
   std::vector<uint8_t> listed_;

@@ -22,7 +22,7 @@ size_t BytesOf(const std::vector<T>& values) {
 
 void GrowthBand::Resize(cv::Size size, int first_row, const GrowthRule& rule) {
   const bool with_sums = rule.similarity == GrowConfig::MNCC;
-  const bool with_steps = rule.two_candidates();
+  const bool with_steps = rule.two_candidates() && rule.sub_pixel;
   first_row_ = first_row;
   if (size == size_ && with_sums != left_sum.empty() && with_steps != sub_pixel_steps.empty()) {
     return;

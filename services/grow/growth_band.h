@@ -74,7 +74,7 @@ struct GrowthRow {
   uint16_t* right_sum;
   int16_t* left_columns;  // the rows around this one, see GrowthBand
   int16_t* right_columns;
-  SubPixelSteps* sub_pixel_steps;  // only with candidates
+  SubPixelSteps* sub_pixel_steps;  // only with candidates and rule.sub_pixel
   const int16_t* window_rows;      // all bits set for the rows of a column that are in the window
 };
 

@@ -1,4 +1,4 @@
-// Costs of three disparities at once, for each instruction set: included by growth.cc, which
+// Costs of four disparities at once, for each instruction set: included by growth.cc, which
 // Highway compiles once for each. No include guard of the usual kind for that reason.
 #if defined(SPROUT_SERVICES_GROW_WINDOW_COSTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPROUT_SERVICES_GROW_WINDOW_COSTS_INL_H_

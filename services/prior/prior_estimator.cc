@@ -27,22 +27,6 @@ void PutSeedsOn(const SeedSurface& surface, std::vector<Seed>& seeds) {
   }
 }
 
-// cv::medianBlur(), on OpenCV's threads.
-// @param bands  memory.
-void TakeMedians(const cv::Mat1s& from, std::vector<cv::Mat1s>& bands, cv::Mat1s& to) {
-  constexpr int kWindow = 5;
-  constexpr int kRows = 64;
-  bands.resize(static_cast<size_t>((from.rows + kRows - 1) / kRows));
-  ForEachParallel(bands.size(), [&](size_t i) {
-    const int start = static_cast<int>(i) * kRows;
-    const int end = std::min(start + kRows, from.rows);
-    const int first = std::max(start - kWindow / 2, 0);
-    const int last = std::min(end + kWindow / 2, from.rows);
-    cv::medianBlur(from.rowRange(first, last), bands[i], kWindow);
-    bands[i].rowRange(start - first, end - first).copyTo(to.rowRange(start, end));
-  });
-}
-
 }  // namespace
 
 PriorEstimator::PriorEstimator(const PriorConfig& config) : config_(config) {
@@ -54,6 +38,10 @@ Result<DisparityImage> PriorEstimator::Compute(const cv::Mat& left, const cv::Ma
   if ((uses_left() && left.size() != size) || (uses_right() && right.size() != size)) {
     return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
                 ": allowed is the calibrated size " + SizeText(size));
+  }
+  if (std::max(size.width, size.height) > kLargestSide) {
+    return Fail("a prior of " + SizeText(size) + ": allowed are up to " +
+                std::to_string(kLargestSide) + " pixels a side");
   }
   if (config_.method() == PriorConfig::EDGES) return WithEdges(left, right, seeds, size);
   Renew(result_, size);
@@ -107,7 +95,7 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
   ResolveEdges(hypotheses_, EdgeJudge(evidence), interpolated_);
   // Single pixels that were judged otherwise than those around them.
   Renew(result_, size);
-  TakeMedians(interpolated_.counts(), median_bands_, result_.counts());
+  median_.Apply(interpolated_.counts(), result_.counts());
   return result_;
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
+#include "common/core/median.h"
 #include "common/core/result.h"
 #include "common/core/seed.h"
 #include "services/prior/delaunay.h"
@@ -32,7 +33,8 @@ class PriorEstimator {
   /// @param seeds  at least three, not all on a line; of seeds on one position the first counts.
   /// @param size   of the left rectified image, px.
   /// @returns a map of that size. An error that says why when the seeds span no triangle that
-  ///          covers a pixel, or when an image that is used has another size.
+  ///          covers a pixel, when an image that is used has another size, or when a side is longer
+  ///          than kLargestSide.
   /// O(n log n + pixels); no I/O; on OpenCV's threads, with the same result for any number. Keeps
   /// its memory from frame to frame (EDGES: about 18 bytes a pixel and 250 a seed), so one object
   /// serves one caller at a time; a map that nobody else holds any more is used again. In steady
@@ -65,7 +67,7 @@ class PriorEstimator {
   std::vector<Seed> fitted_seeds_;
   EdgeHypotheses hypotheses_;
   DisparityImage interpolated_;
-  std::vector<cv::Mat1s> median_bands_;
+  MedianFilter median_;
   DisparityImage result_;
 };
 

@@ -5,15 +5,10 @@
 #include <utility>
 
 namespace sprout {
-namespace {
-
-constexpr int kMostRows = 1 << 14;
-
-}  // namespace
 
 RowReach ReachOf(const Seed& a, const Seed& b, const Seed& c) {
   const auto [least, most] = std::minmax({a.v, b.v, c.v});
-  constexpr auto kLast = static_cast<float>(kMostRows - 1);
+  constexpr auto kLast = static_cast<float>(kLargestSide - 1);
   return {static_cast<int16_t>(std::clamp(least, 0.F, kLast)),
           static_cast<int16_t>(std::clamp(most, -1.F, kLast) + 1)};
 }
@@ -36,10 +31,10 @@ inline int64_t TriangleRaster::Edge::Fixed(double px, double most_px) {
 inline TriangleRaster::Edge::Edge(const Seed& top, const Seed& bottom) {
   const double height = double{bottom.v} - top.v;
   const double slope = height > 0 ? (double{bottom.u} - top.u) / height : 0;
-  const double first_row = std::ceil(std::clamp<double>(top.v, 0, kMostRows));
+  const double first_row = std::ceil(std::clamp<double>(top.v, 0, kLargestSide));
   first_row_ = static_cast<int>(first_row);
   column_ = Fixed(top.u + (first_row - top.v) * slope, 1 << 24);
-  slope_ = Fixed(slope, 1 << 14);  // a steeper one crosses a single row
+  slope_ = Fixed(slope, kLargestSide);  // a steeper one crosses a single row
 }
 
 TriangleRaster::TriangleRaster(const Seed& a, const Seed& b, const Seed& c, int width,

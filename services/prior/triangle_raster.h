@@ -11,6 +11,9 @@
 
 namespace sprout {
 
+/// Longest side of an image, px, for which columns and rows in fixed point do not overflow.
+inline constexpr int kLargestSide = 1 << 14;
+
 /// Neighbouring pixels of one row: columns [begin, end).
 struct PixelRun {
   int v;
@@ -54,8 +57,8 @@ class TriangleRaster {
   }
 
  private:
-  // Columns in fixed point: px with that many more bits. For images of up to 2^14 px a side nothing
-  // overflows, and rounded slopes are off by less than kSlack over all rows.
+  // Columns in fixed point: px with that many more bits. Rounded slopes are off by less than kSlack
+  // over the rows of the largest image.
   static constexpr int kFraction = 32;
   static constexpr int64_t kOne = int64_t{1} << kFraction;
   // Runs reach that much beyond their edges, so that rounding never leaves a pixel between

@@ -155,5 +155,18 @@ TEST(PriorPlug, AnswersADegenerateFrameWithAnEmptyMap) {
   EXPECT_EQ(map.CountValid(), 0);
 }
 
+TEST(Prior, RefusesSidesForWhichItsNumbersAreTooShort) {
+  PriorConfig config;
+  config.set_method(PriorConfig::DELAUNAY);
+  PriorEstimator estimator(config);
+  const std::vector<Seed> seeds = {SeedAt(0, 0, 5), SeedAt(2, 0, 5), SeedAt(1, 16383, 5)};
+  const auto map = estimator.Compute({}, {}, seeds, {3, 16384});
+  ASSERT_TRUE(map.has_value());
+  EXPECT_EQ(map->CountValid(), 3 * 16384);
+  const auto too_long = estimator.Compute({}, {}, seeds, {3, 16385});
+  ASSERT_FALSE(too_long.has_value());
+  EXPECT_THAT(too_long.error().text, HasSubstr("3x16385: allowed are up to 16384"));
+}
+
 }  // namespace
 }  // namespace sprout

@@ -1,0 +1,24 @@
+#ifndef SPROUT_COMMON_CORE_MEDIAN_H_
+#define SPROUT_COMMON_CORE_MEDIAN_H_
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace sprout {
+
+/// cv::medianBlur() of 5×5 windows, on OpenCV's threads. Keeps its memory from frame to frame; one
+/// object serves one caller at a time.
+class MedianFilter {
+ public:
+  /// @param from  beyond its border the last pixel counts on.
+  /// @param to    of the size of `from`, overwritten; may not share its pixels.
+  /// O(pixels); the same result for any number of threads.
+  void Apply(const cv::Mat1s& from, cv::Mat1s& to);
+
+ private:
+  std::vector<cv::Mat1s> bands_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_MEDIAN_H_

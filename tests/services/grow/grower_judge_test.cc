@@ -1,0 +1,180 @@
+// Growth against the slow, obvious one, and against itself on other CPUs and with other threads.
+#include <gtest/gtest.h>
+#include <hwy/highway.h>
+
+#include <cstdlib>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "services/grow/grower.h"
+#include "tests/services/grow/grow_scenes.h"
+#include "tests/services/grow/slow_growth.h"
+
+namespace sprout {
+namespace {
+
+// Two textured surfaces with a step between them, and a prior that is a little off; in places it
+// jumps, and asks for what no image has.
+struct TwoSurfaces {
+  TwoSurfaces(cv::Size size, uint32_t seed, int grey_levels)
+      : left(Noise(size, seed, grey_levels)), right(ShiftedBy(left, 4)), prior(size) {
+    const int step = size.height * 2 / 5;
+    const cv::Range lower(step, size.height);
+    ShiftedBy(left, 7).rowRange(lower).copyTo(right.rowRange(lower));
+    prior.counts() = ToCounts(4.3);
+    prior.counts().rowRange(lower) = ToCounts(6.8);
+    std::mt19937 random(seed);
+    for (int i = 0; i < size.area() / 8; ++i) {
+      const auto pixel = static_cast<int>(random() % static_cast<uint32_t>(size.area()));
+      int16_t& counts = prior.counts()(pixel / size.width, pixel % size.width);
+      counts = static_cast<int16_t>(counts + static_cast<int>(random() % 64) - 32);
+    }
+    for (const double px : {-0.5, -1.5, -40.0, 10.0, 20.0, size.width - 5.0, 900.0}) {
+      for (int i = 0; i < 8; ++i) {
+        const auto pixel = static_cast<int>(random() % static_cast<uint32_t>(size.area()));
+        prior.counts()(pixel / size.width, pixel % size.width) = ToCounts(px);
+      }
+    }
+    prior.counts()(size.height / 2, size.width / 3) = DisparityImage::kInvalid;
+  }
+
+  cv::Mat1b left;
+  cv::Mat1b right;
+  DisparityImage prior;
+};
+
+struct GrowCase {
+  GrowConfig::Similarity similarity;
+  double sigma_p_px;  // 0.6: two disparities a pixel are left
+  int grey_levels;    // 2: many ties; 256: few
+  uint32_t seed;
+  cv::Size image_size;
+};
+
+class GrowerAgainstSlowGrowth : public testing::TestWithParam<GrowCase> {};
+
+TEST_P(GrowerAgainstSlowGrowth, GivesTheSamePixels) {
+  const auto& [similarity, sigma_p_px, grey_levels, seed, image_size] = GetParam();
+  const cv::Size size = image_size;
+  const TwoSurfaces scene(size, seed, grey_levels);
+
+  GrowConfig config;
+  config.set_similarity(similarity);
+  config.set_sigma_s_squared(0.1);
+  config.set_sigma_p_px(sigma_p_px);
+  config.set_sigma_p_noise(0);
+  config.set_threshold(0.4);
+  const std::vector<Seed> seeds = RandomSeeds(size, 60, 9, seed);
+  for (const bool sub_pixel : {false, true}) {
+    config.set_sub_pixel(sub_pixel);
+    const auto fast = Grower(config).Compute(scene.left, scene.right, seeds, scene.prior);
+    ASSERT_TRUE(fast.has_value());
+    ExpectSame(*fast, SlowGrow(config, scene.left, scene.right, seeds, scene.prior));
+    EXPECT_GT(fast->CountValid(), 50);
+  }
+}
+
+std::vector<GrowCase> AllCases() {
+  std::vector<GrowCase> cases;
+  const std::pair<GrowConfig::Similarity, double> similarities[] = {{GrowConfig::MNCC, 1.5},
+                                                                    {GrowConfig::EXPSSD, 1.5},
+                                                                    {GrowConfig::EPC, 1.5},
+                                                                    {GrowConfig::EPC, 0.6}};
+  for (const auto& [similarity, sigma_p_px] : similarities) {
+    for (const int levels : {2, 3, 256}) {
+      for (uint32_t seed = 0; seed < 5; ++seed) {
+        cases.push_back({similarity, sigma_p_px, levels, seed, {37, 23}});
+      }
+      cases.push_back({similarity, sigma_p_px, levels, 5, {83, 203}});  // four bands
+      cases.push_back({similarity, sigma_p_px, levels, 6, {60, 64}});   // one band, exactly
+      cases.push_back({similarity, sigma_p_px, levels, 7, {44, 67}});   // the second has no window
+    }
+  }
+  return cases;
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, GrowerAgainstSlowGrowth, testing::ValuesIn(AllCases()));
+
+// A full-size scene, seeds at every 10th pixel of its ground truth, and the prior that these give
+// when they are enlarged.
+TEST(Grower, GivesThePixelsOfSlowGrowthOnAFullScene) {
+#ifndef NDEBUG
+  GTEST_SKIP() << "minutes without optimisation";
+#endif
+  const char* data = std::getenv("SPROUT_DATA");
+  if (data == nullptr) GTEST_SKIP() << "SPROUT_DATA is not set";
+  const std::string folder = std::string(data) + "/middlebury/full/Monopoly/";
+  const cv::Mat1b left = cv::imread(folder + "view1.png", cv::IMREAD_GRAYSCALE);
+  const cv::Mat1b right = cv::imread(folder + "view5.png", cv::IMREAD_GRAYSCALE);
+  const cv::Mat1b truth = cv::imread(folder + "disp1.png", cv::IMREAD_GRAYSCALE);
+  ASSERT_FALSE(left.empty() || right.empty() || truth.empty()) << folder;
+
+  std::vector<Seed> seeds;
+  cv::Mat1f grid(truth.rows / 10, truth.cols / 10);
+  for (int j = 0; j < grid.rows; ++j) {
+    for (int i = 0; i < grid.cols; ++i) {
+      const cv::Point pixel(10 * i + 5, 10 * j + 5);
+      grid(j, i) = truth(pixel);
+      if (truth(pixel) == 0) continue;
+      seeds.push_back({.u = static_cast<float>(pixel.x),
+                       .v = static_cast<float>(pixel.y),
+                       .u_right = static_cast<float>(pixel.x - truth(pixel))});
+    }
+  }
+  cv::Mat1f prior;
+  cv::resize(grid, prior, truth.size());
+
+  GrowConfig config = EpcConfig();
+  for (const double sigma_p_px : {0.7, 17.4}) {
+    config.set_sigma_p_px(sigma_p_px);
+    const auto fast = Grower(config).Compute(left, right, seeds, FromPx(prior));
+    ExpectSame(*fast, SlowGrow(config, left, right, seeds, FromPx(prior)));
+    EXPECT_GT(fast->CountValid(), left.size().area() / 2);
+  }
+}
+
+// Every instruction set that this CPU has, and none.
+std::vector<int64_t> InstructionSets() {
+  std::vector<int64_t> sets = {HWY_SCALAR};
+  for (int64_t all = hwy::SupportedTargets(); all != 0; all &= all - 1) sets.push_back(all & -all);
+  return sets;
+}
+
+TEST(Grower, GivesTheSameBytesWithEveryInstructionSetAndNumberOfThreads) {
+  const cv::Size size(131, 330);
+  const TwoSurfaces scene(size, 3, 5);
+  const std::vector<Seed> seeds = RandomSeeds(size, 300, 9, 3);
+  const std::pair<GrowConfig::Similarity, double> similarities[] = {
+      {GrowConfig::MNCC, 1}, {GrowConfig::EXPSSD, 1}, {GrowConfig::EPC, 2}, {GrowConfig::EPC, 0.6}};
+  for (const auto& [similarity, sigma_p_px] : similarities) {
+    GrowConfig config;
+    config.set_similarity(similarity);
+    config.set_sigma_p_px(sigma_p_px);
+    config.set_sigma_p_noise(0);
+    config.set_sigma_s_squared(0.1);
+    config.set_threshold(0.3);
+    config.set_sub_pixel(true);
+    const auto expected = Grower(config).Compute(scene.left, scene.right, seeds, scene.prior);
+    ASSERT_GT(expected->CountValid(), 1000);
+    for (const int64_t set : InstructionSets()) {
+      for (const int threads : {1, 2, 3, 8}) {
+        SCOPED_TRACE(std::string(hwy::TargetName(set)) + ", threads: " + std::to_string(threads));
+        hwy::SetSupportedTargetsForTest(set);
+        hwy::GetChosenTarget().DeInit();  // chosen anew at the next call
+        cv::setNumThreads(threads);
+        Grower grower(config);
+        ExpectSame(*grower.Compute(scene.left, scene.right, seeds, scene.prior), *expected);
+      }
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().DeInit();
+    cv::setNumThreads(-1);
+  }
+}
+
+}  // namespace
+}  // namespace sprout
