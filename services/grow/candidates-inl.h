@@ -13,6 +13,7 @@
 #include <array>
 
 #include "services/grow/growth_band.h"
+#include "services/grow/left_pixels-inl.h"
 #include "services/grow/window_costs-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -42,61 +43,112 @@ HWY_INLINE V StepsToMinimum(V minus_one, V cost, V plus_one) {
   return hn::Sub(above_zero, hn::Set(d, static_cast<int32_t>(kHalf)));
 }
 
-// Computes the candidates of as many pixels of a row at once as a register has lanes.
+// Computes the candidates of as many neighbouring pixels of a row at once as a register has lanes.
+// Neighbours need about the same disparities, and their windows share columns: for one disparity
+// all the windows cost little more than two of them would alone.
+template <bool kSubPixel>
 class CandidateSweep {
  public:
   CandidateSweep(const GrowthRule& rule, GrowthBand& band) : rule_(rule), queue_(band.queue) {}
 
   // Replaces energies by candidates in the columns [begin, end).
   void Replace(const GrowthRow& row, int begin, int end) {
-    for (int u = begin; u < end; u += kLanes) {
-      const int count = std::min(kLanes, end - u);
-      for (int i = 0; i < count; ++i) Take(row, u + i, static_cast<size_t>(i));
-      Compute();
-      for (int i = 0; i < count; ++i) Put(row, u + i, static_cast<size_t>(i));
-    }
+    for (int u = begin; u < end; u += kLanes) Replace(row, hn::Iota(D(), u), u, end);
   }
 
  private:
-  using D = hn::CappedTag<int32_t, 16>;
+  using D = hn::CappedTag<int32_t, GrowthBand::kRunPixels>;
   using V = hn::Vec<D>;
+  using M = hn::Mask<D>;
   static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
-  using Numbers = std::array<int32_t, kLanes>;
 
-  HWY_INLINE void Take(const GrowthRow& row, int u, size_t lane) {
-    const LeftPixel& pixel = row.left[u];
-    const int m = FirstCandidate(pixel);
-    const bool fits = m >= -1 && m <= u - kWindowRadius;  // the window of one of them may
-    prior_[lane] = pixel.prior;
-    energy_[lane] = fits ? pixel.energy : GrowthBand::kOutside;
-    const int d = fits ? m + 1 : 1;
-    right_energies_[lane] = ToNumbers(RightEnergies(row, u, d));
-    cross_sums_[lane] = ToNumbers(CrossSums(row, u, d));
+  // The disparities whose costs are needed: from m − kBefore on.
+  static constexpr int kBefore = kSubPixel ? 1 : 0;
+  static constexpr int kCosts = 2 + 2 * kBefore;
+
+  // Sums over the right windows, and of the products with the left one, for each of these.
+  struct Sums {
+    V energy[kCosts];
+    V cross[kCosts];
+  };
+
+  // A run of pixels from u on. Those behind `end` stay as they are.
+  HWY_INLINE void Replace(const GrowthRow& row, V columns, int u, int end) {
+    const D d;
+    LeftPixels<D> pixels(row.left + u);
+    const M inside = hn::Lt(columns, hn::Set(d, end));
+    const M may_fit = hn::And(inside, MayFit(columns, pixels.priors()));
+    const V candidates = Compute(row, u, pixels.energies(), pixels.priors(), may_fit);
+    const M hopeless = hn::Lt(candidates, hn::Set(d, 1 << Candidates::kAccepted));
+    pixels.Replace(inside, candidates,
+                   hn::IfThenElse(hopeless, hn::Set(d, LeftPixel::kClosed), pixels.disparities()));
+    pixels.Store(row.left + u);
   }
 
-  HWY_INLINE void Compute() {
+  // Of m − 1 to m + 2 one has a right window that lies in the image.
+  static HWY_INLINE M MayFit(V columns, V prior) {
     const D d;
-    V energy[4], cross[4];  // of m + 2, m + 1, m, m − 1
-    hn::LoadInterleaved4(d, right_energies_[0].data(), energy[0], energy[1], energy[2], energy[3]);
-    hn::LoadInterleaved4(d, cross_sums_[0].data(), cross[0], cross[1], cross[2], cross[3]);
-    const V left_energy = hn::LoadU(d, energy_.data());
-    const V prior = hn::LoadU(d, prior_.data());
     const V first = hn::ShiftRight<5>(prior);
-    const V fraction = hn::And(prior, hn::Set(d, DisparityImage::kCountsPerPixel - 1));
+    return hn::And(hn::Gt(first, hn::Set(d, -2)),
+                   hn::Gt(columns, hn::Add(first, hn::Set(d, kWindowRadius - 1))));
+  }
+
+  HWY_INLINE V Compute(const GrowthRow& row, int u, V left_energy, V prior, M may_fit) {
+    const D d;
+    const V first = hn::ShiftRight<5>(prior);
+    const Sums sums = SumWindows(row, u, first, may_fit);
     const auto cost = [&](int i) HWY_ATTR {
-      const V steps = hn::Set(d, 2 - i);
+      const V steps = hn::Set(d, i - kBefore);
+      const V fraction = hn::And(prior, hn::Set(d, DisparityImage::kCountsPerPixel - 1));
       const V distance = hn::Sub(hn::ShiftLeft<5>(steps), fraction);
-      const auto photo =
-          PhotoCosts<GrowConfig::EPC>(rule_, hn::Add(left_energy, energy[i]), cross[i]);
-      return WholeCosts(hn::Add(photo, PriorCosts(rule_, distance)), hn::Or(left_energy, energy[i]),
+      const auto photo = PhotoCosts<GrowConfig::EPC>(rule_, hn::Add(left_energy, sums.energy[i]),
+                                                     sums.cross[i]);
+      return WholeCosts(hn::Add(photo, PriorCosts(rule_, distance)), sums.energy[i],
                         hn::Add(first, steps));
     };
-    const V best = cost(2), next = cost(1);
-    hn::StoreU(Packed(best, next), d, candidates_.data());
-    if (!rule_.sub_pixel) return;
-    const V step = hn::And(StepsToMinimum(cost(3), best, next), hn::Set(d, 0xff));
-    const V step_of_next = hn::And(StepsToMinimum(best, next, cost(0)), hn::Set(d, 0xff));
-    hn::StoreU(hn::Or(step, hn::ShiftLeft<8>(step_of_next)), d, steps_.data());
+    const V best = cost(kBefore), next = cost(kBefore + 1);
+    if constexpr (kSubPixel) {
+      const V step = hn::And(StepsToMinimum(cost(0), best, next), hn::Set(d, 0xff));
+      const V step_of_next = hn::And(StepsToMinimum(best, next, cost(3)), hn::Set(d, 0xff));
+      const V steps = hn::Or(step, hn::ShiftLeft<8>(step_of_next));
+      const hn::Rebind<uint16_t, D> d16;
+      hn::StoreU(hn::DemoteTo(d16, steps), d16, row.sub_pixel_steps + u);
+    }
+    return Packed(best, next);
+  }
+
+  // Where none of the windows may fit energies are kOutside.
+  static HWY_INLINE Sums SumWindows(const GrowthRow& row, int u, V first, M may_fit) {
+    const D d;
+    Sums sums;
+    for (int i = 0; i < kCosts; ++i) {
+      sums.energy[i] = hn::Set(d, GrowthBand::kOutside);
+      sums.cross[i] = hn::Zero(d);
+    }
+    if (hn::AllFalse(d, may_fit)) return sums;
+    constexpr int kNone = INT32_MAX;
+    const V from = hn::IfThenElse(may_fit, hn::Sub(first, hn::Set(d, kBefore)), hn::Set(d, kNone));
+    const auto least = [&](V disparities) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, disparities)); };
+    const LeftRun<D> left(row, u);
+    for (int disparity = least(from); disparity != kNone; ++disparity) {
+      M needed = hn::Eq(from, hn::Set(d, disparity));
+      for (int i = 1; i < kCosts; ++i) {
+        needed = hn::Or(needed, hn::Eq(from, hn::Set(d, disparity - i)));
+      }
+      if (hn::AllFalse(d, needed)) {  // on to the next that a pixel needs
+        const M later = hn::Gt(from, hn::Set(d, disparity));
+        disparity = least(hn::IfThenElse(later, from, hn::Set(d, kNone)));
+        if (disparity == kNone) break;
+      }
+      const V energy = hn::LoadU(d, row.right_energy + (u - disparity));
+      const V cross = left.CrossSums(disparity);
+      for (int i = 0; i < kCosts; ++i) {
+        const M here = hn::Eq(from, hn::Set(d, disparity - i));
+        sums.energy[i] = hn::IfThenElse(here, energy, sums.energy[i]);
+        sums.cross[i] = hn::IfThenElse(here, cross, sums.cross[i]);
+      }
+    }
+    return sums;
   }
 
   // As Candidates has them.
@@ -124,25 +176,22 @@ class CandidateSweep {
     return hn::ConvertTo(d, hn::Min(levels, hn::Set(df, SeedQueue::kLevels - 1)));
   }
 
-  HWY_INLINE void Put(const GrowthRow& row, int u, size_t lane) const {
-    row.left[u].candidates = Candidates(static_cast<uint32_t>(candidates_[lane]));
-    if (rule_.sub_pixel) {
-      row.sub_pixel_steps[u] = SubPixelSteps(static_cast<uint16_t>(steps_[lane]));
-    }
-  }
-
   const GrowthRule& rule_;
   const SeedQueue& queue_;
-  Numbers prior_{}, energy_{}, candidates_{}, steps_{};
-  std::array<FourNumbers, kLanes> right_energies_{}, cross_sums_{};
 };
 
-// Replaces the energies of a band by the candidates of its pixels.
-HWY_INLINE void Tabulate(const GrowthRule& rule, GrowthBand& band) {
-  CandidateSweep sweep(rule, band);
+template <bool kSubPixel>
+HWY_INLINE void TabulateRows(const GrowthRule& rule, GrowthBand& band) {
+  CandidateSweep<kSubPixel> sweep(rule, band);
   for (int r = 0; r < band.rows(); ++r) {
     sweep.Replace(band.row(r), kWindowRadius, band.width() - kWindowRadius);
   }
+}
+
+// Replaces the energies of a band by the candidates of its pixels. Those that can have no match
+// are closed.
+HWY_INLINE void Tabulate(const GrowthRule& rule, GrowthBand& band) {
+  return rule.sub_pixel ? TabulateRows<true>(rule, band) : TabulateRows<false>(rule, band);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -18,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sprout {
 namespace HWY_NAMESPACE {
 
-// Seeds in the queue are pixels of the band (row, column) or, with this bit, initial ones (number).
+// Seeds in the queue are pixels of the band or, with this bit, initial ones (number).
 inline constexpr SeedQueue::Id kInitial = SeedQueue::Id{1} << 31;
 
 template <class Matches>
@@ -30,26 +30,25 @@ class Growth {
         queue_(band.queue),
         left_(band.left.data()),
         right_matched_(band.right_matched.data()),
-        stride_(band.stride()) {}
+        stride_(static_cast<PixelId>(band.stride())) {}
 
   void Run() {
     while (!queue_.empty()) {        // Alg. 1, steps 4 and 13
       const auto seed = TakeBest();  // Step 5
-      const auto index = band_.IndexOf(seed.pixel);
-      Visit(seed.pixel - 1, index - 1, seed.disparity);  // Step 6
-      Visit(seed.pixel + 1, index + 1, seed.disparity);
-      Visit(seed.pixel - GrowthBand::kRowBelow, index - stride_, seed.disparity);
-      Visit(seed.pixel + GrowthBand::kRowBelow, index + stride_, seed.disparity);
+      Visit(seed.pixel - 1, seed.disparity);  // Step 6
+      Visit(seed.pixel + 1, seed.disparity);
+      Visit(seed.pixel - stride_, seed.disparity);
+      Visit(seed.pixel + stride_, seed.disparity);
     }
   }
 
-  // One neighbour of a seed of disparity d. @param index  of the pixel in the band's tables.
-  HWY_INLINE void Visit(PixelId id, ptrdiff_t index, int d) {
-    LeftPixel& pixel = left_[index];
+  // One neighbour of a seed of disparity d.
+  HWY_INLINE void Visit(PixelId id, int d) {
+    LeftPixel& pixel = left_[id];
     if (pixel.disparity != LeftPixel::kFree) return;
     const Match best = matches_.Best(id, pixel, d);
     if (best.level == kRefused) return;  // Step 7
-    uint8_t& right_matched = right_matched_[index - best.disparity];
+    uint8_t& right_matched = right_matched_[static_cast<ptrdiff_t>(id) - best.disparity];
     if (right_matched != 0) return;                          // Step 8
     queue_.Push(id, best.level, pixel.next);                 // Step 9
     pixel.disparity = static_cast<int16_t>(best.disparity);  // Step 10
@@ -70,7 +69,7 @@ class Growth {
       queue_.Pop(seed.next);
       return {band_.PixelAt(seed.v - band_.first_row(), seed.u), seed.disparity};
     }
-    const LeftPixel& pixel = left_[band_.IndexOf(id)];
+    const LeftPixel& pixel = left_[id];
     queue_.Pop(pixel.next);
     return {id, pixel.disparity};
   }
@@ -80,7 +79,7 @@ class Growth {
   SeedQueue& queue_;
   LeftPixel* const left_;
   uint8_t* const right_matched_;
-  const ptrdiff_t stride_;
+  const PixelId stride_;
 };
 
 // Alg. 1, step 2: similarity of every seed.
@@ -101,8 +100,7 @@ void GrowSeams(const Matches& matches, SeamRow above, SeamRow below, GrowthBand&
   const auto cross = [&](SeamRow seam, int row) HWY_ATTR {
     for (size_t u = 0; u < seam.size(); ++u) {
       if (seam[u] <= LeftPixel::kClosed) continue;
-      const PixelId pixel = GrowthBand::PixelAt(row, static_cast<int>(u));
-      growth.Visit(pixel, band.IndexOf(pixel), seam[u]);
+      growth.Visit(band.PixelAt(row, static_cast<int>(u)), seam[u]);
     }
   };
   cross(above, 0);
@@ -110,31 +108,57 @@ void GrowSeams(const Matches& matches, SeamRow above, SeamRow below, GrowthBand&
   growth.Run();
 }
 
-// Steps of a row's pixels from their whole disparities towards the least cost, counts.
+// Steps from the disparity of each pixel towards the least cost, where there are two candidates.
+template <class V>
+HWY_INLINE V StepsOfCandidates(const GrowthRow& row, int u, V priors, V disparities) {
+  const hn::DFromV<V> d;
+  const hn::Rebind<uint16_t, decltype(d)> d16;
+  const V both = hn::PromoteTo(d, hn::LoadU(d16, row.sub_pixel_steps + u));
+  const auto is_first = hn::Eq(disparities, hn::ShiftRight<5>(priors));
+  const V above = hn::IfThenElse(is_first, hn::ShiftLeft<8>(both), both);
+  return hn::ShiftRight<24>(hn::ShiftLeft<16>(above));
+}
+
+// Writes a row's counts, from whole disparities or the steps that are known of candidates.
+HWY_INLINE void WriteRow(const GrowthRow& row, int width, int16_t* counts) {
+  const auto sweep = [&](auto d, int u) HWY_ATTR {
+    const hn::Rebind<int16_t, decltype(d)> d16;
+    for (const int lanes = static_cast<int>(hn::MaxLanes(d)); u + lanes <= width; u += lanes) {
+      const LeftPixels<decltype(d)> pixels(row.left + u);
+      const auto disparities = pixels.disparities();
+      auto values = hn::ShiftLeft<5>(disparities);
+      if (row.sub_pixel_steps != nullptr) {
+        values = hn::Add(values, StepsOfCandidates(row, u, pixels.priors(), disparities));
+      }
+      const auto matched = hn::Gt(disparities, hn::Set(d, LeftPixel::kClosed));
+      values = hn::IfThenElse(matched, values, hn::Set(d, DisparityImage::kInvalid));
+      hn::StoreU(hn::DemoteTo(d16, values), d16, counts + u);
+    }
+    return u;
+  };
+  const int rest = sweep(hn::CappedTag<int32_t, GrowthBand::kRunPixels>(), 0);
+  sweep(hn::CappedTag<int32_t, 1>(), rest);
+}
+
+// Moves the counts of a row's matched pixels towards the least cost.
 template <GrowConfig::Similarity kSimilarity>
-int SubPixelStepAt(const GrowthRule& rule, const GrowthRow& row, int u) {
-  const int d = row.left[u].disparity;
-  if (rule.two_candidates()) {
-    return row.sub_pixel_steps[u].Of(d - FirstCandidate(row.left[u]));
-  }
-  const auto costs = ToNumbers(FourCosts<kSimilarity>(rule, row, u, d));
+void RefineRow(const GrowthRule& rule, const GrowthRow& row, int width, int16_t* counts) {
   const auto one = [](int32_t cost) HWY_ATTR { return hn::Set(hn::CappedTag<int32_t, 1>(), cost); };
-  return hn::GetLane(StepsToMinimum(one(costs[2]), one(costs[1]), one(costs[0])));
+  for (int u = 0; u < width; ++u) {
+    if (counts[u] == DisparityImage::kInvalid) continue;
+    const auto costs = ToNumbers(FourCosts<kSimilarity>(rule, row, u, row.left[u].disparity));
+    const auto step = StepsToMinimum(one(costs[2]), one(costs[1]), one(costs[0]));
+    counts[u] = static_cast<int16_t>(counts[u] + hn::GetLane(step));
+  }
 }
 
 template <GrowConfig::Similarity kSimilarity>
 void Write(const GrowthRule& rule, const GrowthBand& band, DisparityImage& map) {
   for (int r = 0; r < band.rows(); ++r) {
-    const GrowthRow& row = band.row(r);
-    int16_t* counts = map.counts()[band.first_row() + r];
-    for (int u = 0; u < band.width(); ++u) {
-      const int d = row.left[u].disparity;
-      if (d <= LeftPixel::kClosed) {
-        counts[u] = DisparityImage::kInvalid;
-        continue;
-      }
-      const int step = rule.sub_pixel ? SubPixelStepAt<kSimilarity>(rule, row, u) : 0;
-      counts[u] = static_cast<int16_t>(d * DisparityImage::kCountsPerPixel + step);
+    int16_t* const counts = map.counts()[band.first_row() + r];
+    WriteRow(band.row(r), band.width(), counts);
+    if (rule.sub_pixel && !rule.two_candidates()) {
+      RefineRow<kSimilarity>(rule, band.row(r), band.width(), counts);
     }
   }
 }

@@ -5,14 +5,6 @@
 namespace sprout {
 namespace {
 
-// For each of the four places that a window can have in a column of eight pixels.
-alignas(16) constexpr int16_t kWindowRows[GrowthBand::kRowsPerSet][GrowthBand::kColumnRows] = {
-    {-1, -1, -1, -1, -1, 0, 0, 0},
-    {0, -1, -1, -1, -1, -1, 0, 0},
-    {0, 0, -1, -1, -1, -1, -1, 0},
-    {0, 0, 0, -1, -1, -1, -1, -1},
-};
-
 template <typename T>
 size_t BytesOf(const std::vector<T>& values) {
   return values.capacity() * sizeof(T);
@@ -30,17 +22,18 @@ void GrowthBand::Resize(cv::Size size, int first_row, const GrowthRule& rule) {
   size_ = size;
   rows_ = std::min(kRows, size.height - first_row);
   stride_ = size.width + 2 * kPadding;
+  rows_per_entry_ = (uint64_t{1} << kRowFraction) / static_cast<uint64_t>(stride_) + 1;
   const auto stride = static_cast<size_t>(stride_);
   const auto rows = static_cast<size_t>(rows_);
-  const size_t sets = (rows + kRowsPerSet - 1) / kRowsPerSet;
+  const size_t pairs = static_cast<size_t>(PairRows(rows_)) * stride + 2 * kRunPixels;
   left.assign((rows + 2) * stride, {{0}, SeedQueue::kNone, 0, LeftPixel::kClosed});
   right_matched.assign((rows + 2) * stride, 0);
-  right_energy.assign(rows * stride, kOutside);
-  left_columns.assign(sets * stride * kColumnRows, 0);
-  right_columns.assign(sets * stride * kColumnRows, 0);
+  right_energy.assign(rows * stride + 2 * kRunPixels, kOutside);
+  left_pairs.assign(pairs, 0);
+  right_pairs.assign(pairs, 0);
   left_sum.assign(with_sums ? rows * stride : 0, 0);
   right_sum.assign(with_sums ? rows * stride : 0, 0);
-  sub_pixel_steps.assign(with_steps ? rows * stride : 0, SubPixelSteps());
+  sub_pixel_steps.assign(with_steps ? rows * stride + kRunPixels : 0, 0);
   row_scratch.assign(3 * static_cast<size_t>(size.width), 0);
   MakeViews();
 }
@@ -50,13 +43,13 @@ void GrowthBand::MakeViews() {
   for (size_t row = 0; row < views_.size(); ++row) {
     GrowthRow& view = views_[row];
     const size_t first = row * static_cast<size_t>(stride_) + kPadding;
-    const size_t first_column =
-        (row / kRowsPerSet * static_cast<size_t>(stride_) + kPadding) * kColumnRows;
     view.left = left.data() + stride_ + first;
-    view.right_energy = right_energy.data() + first;
-    view.left_columns = left_columns.data() + first_column;
-    view.right_columns = right_columns.data() + first_column;
-    view.window_rows = kWindowRows[row % kRowsPerSet];
+    view.right_energy = right_energy.data() + kRunPixels + first;
+    for (size_t i = 0; i < view.left_pairs.size(); ++i) {
+      const size_t pair = first + 2 * i * static_cast<size_t>(stride_) + kRunPixels;
+      view.left_pairs[i] = left_pairs.data() + pair;
+      view.right_pairs[i] = right_pairs.data() + pair;
+    }
     if (!sub_pixel_steps.empty()) view.sub_pixel_steps = sub_pixel_steps.data() + first;
     if (left_sum.empty()) continue;
     view.left_sum = left_sum.data() + first;
@@ -66,8 +59,8 @@ void GrowthBand::MakeViews() {
 
 size_t GrowthBand::bytes() const {
   return BytesOf(left) + BytesOf(right_energy) + BytesOf(right_matched) + BytesOf(left_sum) +
-         BytesOf(right_sum) + BytesOf(sub_pixel_steps) + BytesOf(left_columns) +
-         BytesOf(right_columns) + BytesOf(row_scratch) + BytesOf(views_);
+         BytesOf(right_sum) + BytesOf(sub_pixel_steps) + BytesOf(left_pairs) +
+         BytesOf(right_pairs) + BytesOf(row_scratch) + BytesOf(views_);
 }
 
 }  // namespace sprout

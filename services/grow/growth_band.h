@@ -36,7 +36,7 @@ class Candidates {
   uint32_t packed_;
 };
 
-/// Of the candidates, steps from the whole disparity to the least cost, counts.
+/// Of the candidates, steps from the whole disparity to the least cost, counts; a byte each.
 class SubPixelSteps {
  public:
   explicit SubPixelSteps(uint16_t packed = 0) : packed_(packed) {}
@@ -72,13 +72,13 @@ struct GrowthRow {
   int32_t* right_energy;  // as of the left pixel; negative where the window does not fit
   uint16_t* left_sum;     // Σ w, only with MNCC
   uint16_t* right_sum;
-  int16_t* left_columns;  // the rows around this one, see GrowthBand
-  int16_t* right_columns;
-  SubPixelSteps* sub_pixel_steps;  // only with candidates and rule.sub_pixel
-  const int16_t* window_rows;      // all bits set for the rows of a column that are in the window
+  std::array<int32_t*, 3> left_pairs;  // of the window's rows 0 and 1, 2 and 3, 4: see GrowthBand
+  std::array<int32_t*, 3> right_pairs;
+  uint16_t* sub_pixel_steps;  // see SubPixelSteps, only with candidates and rule.sub_pixel
 };
 
-/// A pixel of a band: row << 16 | column. Its neighbours' are 1 and kRowBelow away.
+/// A pixel of a band: its place in the tables `left` and `right_matched`. Its neighbours' are 1 and
+/// stride() away.
 using PixelId = SeedQueue::Id;
 
 /// A seed, whole pixels.
@@ -91,28 +91,30 @@ struct GrowthSeed {
 
 /// A band of rows of one pair of images, with everything that growth looks at.
 ///
-/// Windows are read as columns of eight pixels (16 bits each) that lie side by side; there is one
-/// set of columns for every four rows, so each 5×5 window is five neighbours of one set.
+/// Windows are read as pairs of pixels, one above the other, in one number: the upper one in its
+/// lower 16 bits. There is a row of pairs for every row, so a 5×5 window has its pixels in three of
+/// them, which lie two rows apart; of the last only the upper pixels are the window's.
 class GrowthBand {
  public:
   static constexpr int kRows = 64;
   static constexpr int kPadding = 4;              ///< entries on either side of a row in each table
-  static constexpr int kColumnRows = 8;           ///< pixels in a column
-  static constexpr int kRowsPerSet = 4;           ///< rows whose windows lie in one set of columns
+  static constexpr int kRunPixels = 16;           ///< neighbours that are looked at together
   static constexpr int32_t kOutside = INT32_MIN;  ///< right_energy where the window does not fit
 
   /// @param size  of the images. Allocates when it, or what the rule needs, has changed.
   void Resize(cv::Size size, int first_row, const GrowthRule& rule);
 
-  static constexpr PixelId kRowBelow = 1 << 16;
-  static PixelId PixelAt(int row, int u) { return static_cast<PixelId>(row << 16 | u); }
-  static int RowOf(PixelId pixel) { return static_cast<int>(pixel >> 16); }
-  static int ColumnOf(PixelId pixel) { return static_cast<int>(pixel & 0xffff); }
-
-  /// Of a pixel in `left`, and of the right pixel of its row and column in `right_matched`.
-  ptrdiff_t IndexOf(PixelId pixel) const {
-    return (RowOf(pixel) + 1) * stride() + kPadding + ColumnOf(pixel);
+  /// @param row  −1 to rows().
+  PixelId PixelAt(int row, int u) const {
+    return static_cast<PixelId>((row + 1) * stride_ + kPadding + u);
   }
+  int RowOf(PixelId pixel) const { return static_cast<int>(TableRowOf(pixel)) - 1; }
+  int ColumnOf(PixelId pixel) const {
+    return static_cast<int>(pixel - TableRowOf(pixel) * static_cast<PixelId>(stride_)) - kPadding;
+  }
+
+  /// Rows of pairs that the windows of so many rows take.
+  static constexpr int PairRows(int rows) { return rows + 2 * kWindowRadius; }
 
   /// Entries from a row to the one below, in all tables.
   ptrdiff_t stride() const { return stride_; }
@@ -136,17 +138,25 @@ class GrowthBand {
   std::vector<uint8_t> right_matched;  ///< laid out as `left`
   std::vector<int32_t> right_energy;
   std::vector<uint16_t> left_sum, right_sum;
-  std::vector<SubPixelSteps> sub_pixel_steps;
-  std::vector<int16_t> left_columns, right_columns;
+  std::vector<uint16_t> sub_pixel_steps;
+  std::vector<int32_t> left_pairs, right_pairs;
   std::vector<int32_t> row_scratch;  ///< three rows
 
  private:
   void MakeViews();
 
+  // A division by the stride.
+  PixelId TableRowOf(PixelId pixel) const {
+    return static_cast<PixelId>(pixel * rows_per_entry_ >> kRowFraction);
+  }
+
   cv::Size size_;
   int first_row_ = 0;
   int rows_ = 0;
   ptrdiff_t stride_ = 0;
+  // One by the stride, rounded up, in fixed point: exact for all pixels of a band.
+  static constexpr int kRowFraction = 40;
+  uint64_t rows_per_entry_ = 0;
   std::vector<GrowthRow> views_;
 };
 

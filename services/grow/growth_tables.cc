@@ -1,7 +1,6 @@
-// The tables of a band: columns, window energies, what is open to growth. Compiled once for each
+// The tables of a band: pairs of pixels, window energies, what is open to growth. Compiled once for each
 // instruction set, like growth.cc.
 #include <algorithm>
-#include <array>
 
 #include "services/grow/growth_band.h"
 
@@ -10,64 +9,37 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "services/grow/left_pixels-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace sprout {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr int kColumn = GrowthBand::kColumnRows;
-using RowPointers = std::array<const uint8_t*, kColumn>;
-
-#if HWY_TARGET != HWY_SCALAR
-// Columns of eight rows from column u on, eight at once: an 8×8 transpose.
-HWY_INLINE void StoreEightColumns(const RowPointers& rows, size_t u, int16_t* columns) {
-  const hn::FixedTag<uint8_t, 16> d8;
-  const hn::FixedTag<uint8_t, 8> d_half;
-  const hn::FixedTag<int16_t, 8> d16;
-  const auto row = [&](size_t i) HWY_ATTR {
-    return hn::ZeroExtendVector(d8, hn::LoadU(d_half, rows[i] + u));
+// Pairs of the pixels of two rows, one above the other.
+void StorePairs(const uint8_t* upper, const uint8_t* lower, size_t width, int32_t* pairs) {
+  const auto sweep = [&](auto d, size_t u) HWY_ATTR {
+    const hn::Rebind<uint8_t, decltype(d)> d8;
+    for (const size_t lanes = hn::Lanes(d); u + lanes <= width; u += lanes) {
+      const auto one = hn::PromoteTo(d, hn::LoadU(d8, upper + u));
+      const auto other = hn::PromoteTo(d, hn::LoadU(d8, lower + u));
+      hn::StoreU(hn::Or(one, hn::ShiftLeft<16>(other)), d, pairs + u);
+    }
+    return u;
   };
-  const auto lower = [&](auto a, auto b) HWY_ATTR { return hn::InterleaveLower(d8, a, b); };
-  const auto upper = [&](auto a, auto b) HWY_ATTR { return hn::InterleaveUpper(d8, a, b); };
-  const auto r04 = lower(row(0), row(4)), r15 = lower(row(1), row(5));
-  const auto r26 = lower(row(2), row(6)), r37 = lower(row(3), row(7));
-  const auto store_two = [&](auto two, int16_t* to) HWY_ATTR {
-    const auto zero = hn::Zero(d8);
-    hn::StoreU(hn::BitCast(d16, lower(two, zero)), d16, to);
-    hn::StoreU(hn::BitCast(d16, upper(two, zero)), d16, to + kColumn);
-  };
-  const auto store_four = [&](auto even_rows, auto odd_rows, int16_t* to) HWY_ATTR {
-    store_two(lower(even_rows, odd_rows), to);
-    store_two(upper(even_rows, odd_rows), to + 2 * kColumn);
-  };
-  store_four(lower(r04, r26), lower(r15, r37), columns);
-  store_four(upper(r04, r26), upper(r15, r37), columns + 4 * kColumn);
+  const size_t rest = sweep(hn::ScalableTag<int32_t>(), 0);
+  sweep(hn::CappedTag<int32_t, 1>(), rest);
 }
 
-#endif
-
-void StoreColumns(const RowPointers& rows, size_t width, int16_t* columns) {
-  size_t u = 0;
-#if HWY_TARGET != HWY_SCALAR
-  for (; u + kColumn <= width; u += kColumn) {
-    StoreEightColumns(rows, u, columns + u * kColumn);
+// The pairs of a band from the first row of its first windows on. Rows outside the image are in no
+// window; any row will do.
+void FillPairs(const cv::Mat1b& image, const GrowthBand& band, int32_t* pairs) {
+  const auto row = [&](int v) { return image[std::clamp(v, 0, image.rows - 1)]; };
+  for (int r = 0; r < GrowthBand::PairRows(band.rows()); ++r, pairs += band.stride()) {
+    const int v = band.first_row() - kWindowRadius + r;
+    StorePairs(row(v), row(v + 1), static_cast<size_t>(image.cols), pairs);
   }
-#endif
-  for (; u < width; ++u) {
-    for (size_t i = 0; i < kColumn; ++i) columns[u * kColumn + i] = rows[i][u];
-  }
-}
-
-// The set of columns for the band's row `row` and the three behind it. Rows outside the image are
-// in no window; any row will do.
-void FillColumns(const cv::Mat1b& image, int first_row, int16_t* columns) {
-  RowPointers rows;
-  for (int i = 0; i < kColumn; ++i) {
-    rows[static_cast<size_t>(i)] =
-        image[std::clamp(first_row - kWindowRadius + i, 0, image.rows - 1)];
-  }
-  StoreColumns(rows, static_cast<size_t>(image.cols), columns);
 }
 
 // sums[u] += Σ of `added` − Σ of `removed` (which may be null), squared or not.
@@ -142,6 +114,25 @@ void SumWindows(const ColumnSums& columns, int width, int32_t* energies, uint16_
   sweep(hn::CappedTag<int32_t, 1>(), rest);
 }
 
+// Puts energies and priors (null: none, all pixels are open) into the pixels of a row.
+void FillRow(const int32_t* energies, const int16_t* priors, int width, LeftPixel* pixels) {
+  const int end = width - kWindowRadius;
+  const auto sweep = [&](auto d, int u) HWY_ATTR {
+    const hn::Rebind<int16_t, decltype(d)> d16;
+    for (const int lanes = static_cast<int>(hn::MaxLanes(d)); u + lanes <= end; u += lanes) {
+      auto prior = hn::Zero(d);
+      if (priors != nullptr) prior = hn::PromoteTo(d, hn::LoadU(d16, priors + u));
+      const auto closed = hn::Eq(prior, hn::Set(d, DisparityImage::kInvalid));
+      const auto disparity = hn::IfThenElse(closed, hn::Set(d, LeftPixel::kClosed),
+                                            hn::Set(d, LeftPixel::kFree));
+      LeftPixels<decltype(d)>(hn::LoadU(d, energies + u), prior, disparity).Store(pixels + u);
+    }
+    return u;
+  };
+  const int rest = sweep(hn::CappedTag<int32_t, GrowthBand::kRunPixels>(), kWindowRadius);
+  sweep(hn::CappedTag<int32_t, 1>(), rest);
+}
+
 template <bool kWithSums>
 void FillEnergies(const GrowthInput& input, bool with_prior, GrowthBand& band) {
   const int width = band.width();
@@ -162,14 +153,7 @@ void FillEnergies(const GrowthInput& input, bool with_prior, GrowthBand& band) {
   fill(input.left, [&](const GrowthRow& row, int v) HWY_ATTR {
     SumWindows<kWithSums>(columns, width, energies, row.left_sum);
     const int16_t* prior = with_prior ? input.prior.counts()[v] : nullptr;
-    for (int u = kWindowRadius; u < width - kWindowRadius; ++u) {
-      const int16_t prior_counts = with_prior ? prior[u] : int16_t{0};
-      const bool open = prior_counts != DisparityImage::kInvalid;
-      LeftPixel& pixel = row.left[u];
-      pixel.energy = energies[u];
-      pixel.prior = prior_counts;
-      pixel.disparity = open ? LeftPixel::kFree : LeftPixel::kClosed;
-    }
+    FillRow(energies, prior, width, row.left);
   });
   fill(input.right, [&](const GrowthRow& row, int) HWY_ATTR {
     SumWindows<kWithSums>(columns, width, row.right_energy, row.right_sum);
@@ -177,11 +161,8 @@ void FillEnergies(const GrowthInput& input, bool with_prior, GrowthBand& band) {
 }
 
 void PrepareOnTarget(const GrowthInput& input, const GrowthRule& rule, GrowthBand& band) {
-  for (int r = 0; r < band.rows(); r += GrowthBand::kRowsPerSet) {
-    const GrowthRow& row = band.row(r);
-    FillColumns(input.left, band.first_row() + r, row.left_columns);
-    FillColumns(input.right, band.first_row() + r, row.right_columns);
-  }
+  FillPairs(input.left, band, band.row(0).left_pairs[0]);
+  FillPairs(input.right, band, band.row(0).right_pairs[0]);
   if (rule.similarity == GrowConfig::MNCC) {
     FillEnergies<true>(input, false, band);
   } else {

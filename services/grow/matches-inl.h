@@ -42,8 +42,8 @@ class ComputedMatches {
   // Of d − 1, d, d + 1 at a free pixel.
   HWY_INLINE Match Best(PixelId id, const LeftPixel& pixel, int d) const {
     if (IsFarFromPrior(pixel, d)) return {d, kRefused};
-    const GrowthRow& row = band_.row(GrowthBand::RowOf(id));
-    const Four costs = FourCosts<kSimilarity>(rule_, row, GrowthBand::ColumnOf(id), d);
+    const GrowthRow& row = band_.row(band_.RowOf(id));
+    const Four costs = FourCosts<kSimilarity>(rule_, row, band_.ColumnOf(id), d);
     return BestOf(costs, d, rule_, band_.queue);
   }
 

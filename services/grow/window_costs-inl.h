@@ -78,19 +78,37 @@ HWY_INLINE Four RightEnergies(const GrowthRow& row, int u, int d) {
   return energies;
 }
 
-// Σ wL·wR over 5×5 windows with the right ones of d + 1, d, d − 1, d − 2.
-HWY_INLINE Four CrossSums(const GrowthRow& row, int u, int d) {
-  constexpr int kColumn = GrowthBand::kColumnRows;
-  const int16_t* left = row.left_columns + (u - kWindowRadius) * kColumn;
-  const int16_t* right = row.right_columns + (u - (d + 1) - kWindowRadius) * kColumn;
-  Four sums{};
-  for (size_t i = 0; i < 4; ++i, right += kColumn) {
-    for (int k = 0; k < kWindow * kColumn; ++k) {
-      sums[i] += (left[k] & row.window_rows[k % kColumn]) * right[k];
+// Σ wL·wR over a 5×5 window with the right one of d.
+inline int32_t CrossSum(const GrowthRow& row, int u, int d) {
+  int32_t sum = 0;
+  for (size_t i = 0; i < row.left_pairs.size(); ++i) {
+    const int32_t in_window = i < 2 ? -1 : 0xffff;
+    for (int x = u - kWindowRadius; x <= u + kWindowRadius; ++x) {
+      const int32_t left = row.left_pairs[i][x] & in_window;
+      const int32_t right = row.right_pairs[i][x - d];
+      sum += (left & 0xffff) * (right & 0xffff) + (left >> 16) * (right >> 16);
     }
   }
-  return sums;
+  return sum;
 }
+
+// With the right ones of d + 1, d, d − 1, d − 2.
+HWY_INLINE Four CrossSums(const GrowthRow& row, int u, int d) {
+  return {CrossSum(row, u, d + 1), CrossSum(row, u, d), CrossSum(row, u, d - 1),
+          CrossSum(row, u, d - 2)};
+}
+
+// As the same class below: one pixel.
+template <class D>
+class LeftRun {
+ public:
+  LeftRun(const GrowthRow& row, int u) : row_(row), u_(u) {}
+  hn::Vec<D> CrossSums(int d) const { return hn::Set(D(), CrossSum(row_, u_, d)); }
+
+ private:
+  const GrowthRow& row_;
+  int u_;
+};
 
 // Costs of d + 1, d, d − 1 and d − 2 at a pixel.
 template <GrowConfig::Similarity kSimilarity>
@@ -139,74 +157,119 @@ HWY_INLINE int32_t SmallestKey(Four costs, const std::array<int32_t, 3>& places)
   return hn::GetLane(hn::MinOfLanes(DFour(), keys));
 }
 
-// Half of the way to the sums of a's and of b's lanes.
+// Pairs of two windows: the products of the upper and of the lower pixels, added.
 template <class V>
-HWY_INLINE V AddInterleaved(V a, V b) {
+HWY_INLINE V PairProducts(V left, V right) {
   const hn::DFromV<V> d;
-  return hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
+#if HWY_ARCH_X86  // a single instruction, which adds neighbours
+  const hn::RepartitionToNarrow<decltype(d)> d16;
+  V rest = hn::Zero(d);
+  return hn::ReorderWidenMulAccumulate(d, hn::BitCast(d16, left), hn::BitCast(d16, right), rest,
+                                       rest);
+#else
+  const V upper = hn::Set(d, 0xffff);
+  return hn::Add(hn::Mul(hn::And(left, upper), hn::And(right, upper)),
+                 hn::Mul(hn::ShiftRight<16>(left), hn::ShiftRight<16>(right)));
+#endif
 }
 
-template <class V>
-HWY_INLINE auto AddHalves(V a) {
-  const hn::Half<hn::DFromV<V>> d;
-  return AddInterleaved(hn::LowerHalf(d, a), hn::UpperHalf(d, a));
-}
+// Pairs of left columns, of which products with right ones give sums over columns of a window.
+template <class D>
+class LeftColumns {
+ public:
+  using V = hn::Vec<D>;
 
-// Sums of the products of a left window with right ones that begin at four columns in a row.
-template <int kRegisters>
-struct WindowSums;
+  // @param u  the first column; as many as there are lanes.
+  HWY_INLINE LeftColumns(const GrowthRow& row, int u)
+      : pairs_{Load(row, 0, u), Load(row, 1, u),
+               hn::And(Load(row, 2, u), hn::Set(D(), 0xffff))} {}
 
-// One right window in a register.
-template <>
-struct WindowSums<4> {
-  template <class V>
-  static HWY_INLINE Four Of(const V (&sums)[4]) {
-    return AddInterleaved(AddInterleaved(sums[0], sums[2]), AddInterleaved(sums[1], sums[3]));
+  // Σ wL·wR over each column. @param u  the right column that belongs to the first one.
+  HWY_INLINE V CrossSums(const GrowthRow& row, int u) const {
+    const auto sums = [&](size_t i) HWY_ATTR {
+      return PairProducts(pairs_[i], hn::LoadU(D(), row.right_pairs[i] + u));
+    };
+    return hn::Add(hn::Add(sums(0), sums(1)), sums(2));
   }
-};
 
-// Two.
-template <>
-struct WindowSums<2> {
-  template <class V>
-  static HWY_INLINE Four Of(const V (&sums)[2]) {
-    return AddHalves(AddInterleaved(sums[0], sums[1]));
+ private:
+  static HWY_INLINE V Load(const GrowthRow& row, size_t i, int u) {
+    return hn::LoadU(D(), row.left_pairs[i] + u);
   }
-};
 
-// Four.
-template <>
-struct WindowSums<1> {
-  template <class V>
-  static HWY_INLINE Four Of(const V (&sums)[1]) {
-    return AddHalves(AddHalves(sums[0]));
-  }
+  V pairs_[3];
 };
 
 // Σ wL·wR over 5×5 windows with the right ones of d + 1, d, d − 1, d − 2.
 HWY_INLINE Four CrossSums(const GrowthRow& row, int u, int d) {
-  constexpr int kColumn = GrowthBand::kColumnRows;
-  const int16_t* HWY_RESTRICT left = row.left_columns + (u - kWindowRadius) * kColumn;
-  const int16_t* HWY_RESTRICT right = row.right_columns + (u - (d + 1) - kWindowRadius) * kColumn;
-  const hn::CappedTag<int16_t, 4 * kColumn> d16;
-  const hn::RepartitionToWide<decltype(d16)> d32;
-  constexpr int kStep = static_cast<int>(hn::MaxLanes(d16));
-  constexpr int kRegisters = 4 * kColumn / kStep;
-  const auto in_window = hn::LoadDup128(d16, row.window_rows);
-  hn::Vec<decltype(d32)> sums[kRegisters];
-  hn::Vec<decltype(d32)> rests[kRegisters];  // where products are not added in pairs
-  for (int i = 0; i < kRegisters; ++i) sums[i] = rests[i] = hn::Zero(d32);
-  HWY_UNROLL(5)
-  for (int x = 0; x < kWindow; ++x, left += kColumn, right += kColumn) {
-    const auto l = hn::And(hn::LoadDup128(d16, left), in_window);
-    for (int i = 0; i < kRegisters; ++i) {
-      sums[i] = hn::ReorderWidenMulAccumulate(d32, l, hn::LoadU(d16, right + i * kStep), sums[i],
-                                              rests[i]);
+  const DFour d4;
+  const auto row_sums = [&](size_t i, Four in_window) HWY_ATTR {
+    const int32_t* HWY_RESTRICT left = row.left_pairs[i] + (u - kWindowRadius);
+    const int32_t* HWY_RESTRICT right = row.right_pairs[i] + (u - (d + 1) - kWindowRadius);
+    Four sums = hn::Zero(d4);
+    HWY_UNROLL(5)
+    for (int x = 0; x < kWindow; ++x) {
+      const Four pairs = hn::And(hn::Set(d4, left[x]), in_window);
+      sums = hn::Add(sums, PairProducts(pairs, hn::LoadU(d4, right + x)));
+    }
+    return sums;
+  };
+  const Four both = hn::Set(d4, -1);
+  return hn::Add(hn::Add(row_sums(0, both), row_sums(1, both)), row_sums(2, hn::Set(d4, 0xffff)));
+}
+
+// The left windows of neighbouring pixels, as many as D has lanes.
+template <class D>
+class LeftRun {
+ public:
+  using V = hn::Vec<D>;
+
+  // @param u  the first pixel.
+  HWY_INLINE LeftRun(const GrowthRow& row, int u)
+      : row_(row),
+        first_(u - kWindowRadius),
+        columns_(row, first_),
+        last_columns_(row, first_ + kLanes) {}
+
+  // Σ wL·wR over each window with the right one of d. Reads as many columns whether they fit or not.
+  HWY_INLINE V CrossSums(int d) const {
+    const D tag;
+    const V columns = columns_.CrossSums(row_, first_ - d);
+    const V behind = FourOn(columns, last_columns_.CrossSums(row_, first_ + kLanes - d));
+    const V two = hn::Add(columns, hn::CombineShiftRightLanes<1>(tag, behind, columns));
+    const V three = hn::Add(two, hn::CombineShiftRightLanes<2>(tag, behind, columns));
+    return hn::Add(hn::Add(three, hn::CombineShiftRightLanes<3>(tag, behind, columns)), behind);
+  }
+
+ private:
+  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
+
+  // What lies four lanes on. @param last  follows on the last lane.
+  static HWY_INLINE V FourOn(V columns, Four last) {
+    if constexpr (kLanes == 4) {
+      return last;
+    } else {
+      alignas(16) int32_t numbers[4];
+      hn::Store(last, DFour(), numbers);
+      static constexpr auto kFourOn = [] {
+        std::array<int32_t, kLanes> lanes{};
+        for (int lane = 0; lane < kLanes; ++lane) {
+          lanes[static_cast<size_t>(lane)] = (lane + 4) % kLanes;
+        }
+        return lanes;
+      }();
+      return hn::IfThenElse(
+          hn::FirstN(D(), kLanes - 4),
+          hn::TableLookupLanes(columns, hn::SetTableIndices(D(), kFourOn.data())),
+          hn::LoadDup128(D(), numbers));
     }
   }
-  for (int i = 0; i < kRegisters; ++i) sums[i] = hn::Add(sums[i], rests[i]);
-  return WindowSums<kRegisters>::Of(sums);
-}
+
+  const GrowthRow& row_;
+  int first_;
+  LeftColumns<D> columns_;
+  LeftColumns<DFour> last_columns_;
+};
 
 // Σ wR² of the same windows; GrowthBand::kOutside where one does not fit.
 HWY_INLINE Four RightEnergies(const GrowthRow& row, int u, int d) {
