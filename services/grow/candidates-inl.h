@@ -101,8 +101,8 @@ class CandidateSweep {
       const V steps = hn::Set(d, i - kBefore);
       const V fraction = hn::And(prior, hn::Set(d, DisparityImage::kCountsPerPixel - 1));
       const V distance = hn::Sub(hn::ShiftLeft<5>(steps), fraction);
-      const auto photo = PhotoCosts<GrowConfig::EPC>(rule_, hn::Add(left_energy, sums.energy[i]),
-                                                     sums.cross[i]);
+      const auto photo =
+          PhotoCosts<GrowConfig::EPC>(rule_, hn::Add(left_energy, sums.energy[i]), sums.cross[i]);
       return WholeCosts(hn::Add(photo, PriorCosts(rule_, distance)), sums.energy[i],
                         hn::Add(first, steps));
     };
@@ -128,7 +128,8 @@ class CandidateSweep {
     if (hn::AllFalse(d, may_fit)) return sums;
     constexpr int kNone = INT32_MAX;
     const V from = hn::IfThenElse(may_fit, hn::Sub(first, hn::Set(d, kBefore)), hn::Set(d, kNone));
-    const auto least = [&](V disparities) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, disparities)); };
+    const auto least = [&](V disparities)
+                           HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, disparities)); };
     const LeftRun<D> left(row, u);
     for (int disparity = least(from); disparity != kNone; ++disparity) {
       M needed = hn::Eq(from, hn::Set(d, disparity));

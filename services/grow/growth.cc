@@ -33,8 +33,8 @@ class Growth {
         stride_(static_cast<PixelId>(band.stride())) {}
 
   void Run() {
-    while (!queue_.empty()) {        // Alg. 1, steps 4 and 13
-      const auto seed = TakeBest();  // Step 5
+    while (!queue_.empty()) {                 // Alg. 1, steps 4 and 13
+      const auto seed = TakeBest();           // Step 5
       Visit(seed.pixel - 1, seed.disparity);  // Step 6
       Visit(seed.pixel + 1, seed.disparity);
       Visit(seed.pixel - stride_, seed.disparity);

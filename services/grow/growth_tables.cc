@@ -1,5 +1,5 @@
-// The tables of a band: pairs of pixels, window energies, what is open to growth. Compiled once for each
-// instruction set, like growth.cc.
+// The tables of a band: pairs of pixels, window energies, what is open to growth. Compiled once for
+// each instruction set, like growth.cc.
 #include <algorithm>
 
 #include "services/grow/growth_band.h"
@@ -123,8 +123,8 @@ void FillRow(const int32_t* energies, const int16_t* priors, int width, LeftPixe
       auto prior = hn::Zero(d);
       if (priors != nullptr) prior = hn::PromoteTo(d, hn::LoadU(d16, priors + u));
       const auto closed = hn::Eq(prior, hn::Set(d, DisparityImage::kInvalid));
-      const auto disparity = hn::IfThenElse(closed, hn::Set(d, LeftPixel::kClosed),
-                                            hn::Set(d, LeftPixel::kFree));
+      const auto disparity =
+          hn::IfThenElse(closed, hn::Set(d, LeftPixel::kClosed), hn::Set(d, LeftPixel::kFree));
       LeftPixels<decltype(d)>(hn::LoadU(d, energies + u), prior, disparity).Store(pixels + u);
     }
     return u;

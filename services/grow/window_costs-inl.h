@@ -181,8 +181,7 @@ class LeftColumns {
 
   // @param u  the first column; as many as there are lanes.
   HWY_INLINE LeftColumns(const GrowthRow& row, int u)
-      : pairs_{Load(row, 0, u), Load(row, 1, u),
-               hn::And(Load(row, 2, u), hn::Set(D(), 0xffff))} {}
+      : pairs_{Load(row, 0, u), Load(row, 1, u), hn::And(Load(row, 2, u), hn::Set(D(), 0xffff))} {}
 
   // Σ wL·wR over each column. @param u  the right column that belongs to the first one.
   HWY_INLINE V CrossSums(const GrowthRow& row, int u) const {
@@ -231,7 +230,8 @@ class LeftRun {
         columns_(row, first_),
         last_columns_(row, first_ + kLanes) {}
 
-  // Σ wL·wR over each window with the right one of d. Reads as many columns whether they fit or not.
+  // Σ wL·wR over each window with the right one of d. Reads as many columns whether they fit or
+  // not.
   HWY_INLINE V CrossSums(int d) const {
     const D tag;
     const V columns = columns_.CrossSums(row_, first_ - d);
@@ -258,10 +258,9 @@ class LeftRun {
         }
         return lanes;
       }();
-      return hn::IfThenElse(
-          hn::FirstN(D(), kLanes - 4),
-          hn::TableLookupLanes(columns, hn::SetTableIndices(D(), kFourOn.data())),
-          hn::LoadDup128(D(), numbers));
+      return hn::IfThenElse(hn::FirstN(D(), kLanes - 4),
+                            hn::TableLookupLanes(columns, hn::SetTableIndices(D(), kFourOn.data())),
+                            hn::LoadDup128(D(), numbers));
     }
   }
 

@@ -12,9 +12,9 @@ namespace sprout {
 /// A triangle of seeds: three indices, counter-clockwise in a frame with v upwards.
 using SeedTriangle = std::array<int, 3>;
 
-/// Delaunay triangulation of the seeds' positions (u, v) in the left image. Seeds on one position
-/// count once: the first. Among triangulations that are equally good (four seeds on a circle, as
-/// on a grid) the choice depends on the positions only, not on their order.
+/// Delaunay triangulation of the seeds' positions (u, v) in the left image, taken to 1/64 px. Seeds
+/// on one position count once: the first. Among triangulations that are equally good (four seeds on
+/// a circle, as on a grid) the choice depends on the positions only, not on their order.
 ///
 /// The only place that includes CGAL, whose 2D triangulations are under the GPL.
 ///
@@ -22,19 +22,23 @@ using SeedTriangle = std::array<int, 3>;
 /// O(n log n).
 std::vector<SeedTriangle> TriangulateSeeds(std::span<const Seed> seeds);
 
-/// TriangulateSeeds() for frame after frame: keeps its memory, and only CGAL allocates, O(√n)
-/// blocks. One object serves one caller at a time.
+/// TriangulateSeeds() for frame after frame: keeps its memory. One object serves one caller at a
+/// time.
 class Triangulator {
  public:
   /// @returns as TriangulateSeeds(); valid until the next call.
   const std::vector<SeedTriangle>& Triangulate(std::span<const Seed> seeds);
 
  private:
+  // In steps of 1/64 px.
   struct Position {
-    float u;
-    float v;
+    int u;
+    int v;
     int seed;
   };
+  struct SortTraits;
+
+  void TakePositions(std::span<const Seed> seeds);
 
   std::vector<Position> positions_;
   std::vector<SeedTriangle> triangles_;

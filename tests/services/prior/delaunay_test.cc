@@ -61,6 +61,20 @@ TEST(Delaunay, CountsSeedsOnOnePositionOnce) {
   EXPECT_EQ(corners, (std::set<int>{0, 1, 2}));
 }
 
+TEST(Delaunay, TakesSeedsFromAnywhere) {
+  const std::vector<Seed> seeds = {At(-1e30F, 3), At(1e30F, 1e9F), At(5, 5), At(6, -1e20F),
+                                   At(7, 7)};
+  for (const auto& [a, b, c] : TriangulateSeeds(seeds)) {
+    EXPECT_TRUE(a != b && b != c && c != a);
+  }
+}
+
+TEST(Delaunay, HasNoTriangleWithoutArea) {
+  // On one line, but not where positions are rounded.
+  const std::vector<Seed> seeds = {At(0, 0), At(10, 3.01F), At(20, 6.02F), At(10, 20)};
+  EXPECT_EQ(TriangulateSeeds(seeds).size(), 2u);
+}
+
 TEST(Delaunay, TriangulatesAGridTheSameWayInAnyOrder) {
   std::vector<Seed> seeds;
   for (int v = 0; v < 20; ++v) {
