@@ -140,6 +140,7 @@ std::vector<SeedTriangle> TriangulateSeeds(std::span<const Seed> seeds) {
 
 const std::vector<SeedTriangle>& Triangulator::Triangulate(std::span<const Seed> seeds) {
   triangles_.clear();
+  hull_.clear();
   TakePositions(seeds);
   if (positions_.size() < 3) return triangles_;
   // Along a space-filling curve in rounds, with a shuffle from a fixed start: repeatable.
@@ -158,6 +159,11 @@ const std::vector<SeedTriangle>& Triangulator::Triangulate(std::span<const Seed>
                                 face->vertex(2)->info()};
     if (HasArea(seeds, triangle)) triangles_.push_back(triangle);
   }
+  if (triangles_.empty()) return triangles_;
+  const auto first = delaunay.incident_vertices(delaunay.infinite_vertex());
+  auto vertex = first;
+  do hull_.push_back(vertex->info());
+  while (--vertex != first);
   return triangles_;
 }
 

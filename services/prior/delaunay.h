@@ -29,6 +29,10 @@ class Triangulator {
   /// @returns as TriangulateSeeds(); valid until the next call.
   const std::vector<SeedTriangle>& Triangulate(std::span<const Seed> seeds);
 
+  /// Of the last call: the seeds on the hull, also those on its edges; clockwise as the image is
+  /// seen. None where there are no triangles.
+  const std::vector<int>& hull() const { return hull_; }
+
  private:
   // In steps of 1/64 px.
   struct Position {
@@ -42,6 +46,7 @@ class Triangulator {
 
   std::vector<Position> positions_;
   std::vector<SeedTriangle> triangles_;
+  std::vector<int> hull_;
 };
 
 }  // namespace sprout

@@ -81,10 +81,15 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
     evidence.spread_px =
         spreader_.SpreadAtHalfSize(seeds, images_.half, config_.fgs_lambda(), config_.fgs_sigma());
   };
-  std::span<const SeedTriangle> triangles;
-  RunBoth(look, [&] { triangles = triangulator_.Triangulate(seeds); });
+  std::span<const SeedTriangle> seed_triangles;
+  RunBoth(look, [&] { seed_triangles = triangulator_.Triangulate(seeds); });
 
-  const SeedSurface& surface = fitter_.Fit(seeds, triangles, config_.noisy_px(), config_.edge_px());
+  const std::span<const int> hull = config_.extend_to_border()
+                                        ? std::span<const int>(triangulator_.hull())
+                                        : std::span<const int>();
+  const auto& [surface, triangles] =
+      extender_.Extend(fitter_.Fit(seeds, seed_triangles, config_.noisy_px(), config_.edge_px()),
+                       seed_triangles, hull, size);
   PutSeedsOn(surface, fitted_seeds_);
   const Result<DisparityImage> interpolated =
       interpolator_.Interpolate(fitted_seeds_, triangles, size, interpolated_);

@@ -10,6 +10,7 @@
 #include "common/core/median.h"
 #include "common/core/result.h"
 #include "common/core/seed.h"
+#include "services/prior/border.h"
 #include "services/prior/delaunay.h"
 #include "services/prior/edge_hypotheses.h"
 #include "services/prior/interpolation.h"
@@ -64,6 +65,7 @@ class PriorEstimator {
   SeedSurfaceFitter fitter_;
   // Memory of the last frame, for the next. Of the maps only the result is ever handed out.
   Images images_;
+  BorderExtender extender_;
   std::vector<Seed> fitted_seeds_;
   EdgeHypotheses hypotheses_;
   DisparityImage interpolated_;
