@@ -10,8 +10,11 @@ namespace sprout {
 namespace {
 
 constexpr int kIterations = 4;          // of reweighting; more change nothing that can be measured
-constexpr double kSlopeHold = 0.01;     // weight of "no slope" against that of one neighbour
-constexpr double kSmallestScalePx = 1;  // disparities that far off count a quarter
+constexpr double kSlopeHold = 0.003;    // weight of "no slope" against that of one neighbour
+// Disparities that far off a plane count a quarter: so many px for a seed's spacing of one, since a
+// slant puts neighbours the farther off the farther they are; but at least so many px.
+constexpr double kScalePerSpacing = 0.12;
+constexpr double kSmallestScalePx = 0.6;
 
 size_t Index(int i) { return static_cast<size_t>(i); }
 
@@ -185,7 +188,7 @@ class PlaneFitter {
     Plane plane{.value = centre.disparity()};
     for (int iteration = 0; iteration < kIterations; ++iteration) {
       // The first plane is level: a slant must not look like another surface.
-      const double sharpness = iteration == 0 ? per_scale / 2 : per_scale;
+      const double sharpness = iteration == 0 ? per_scale / 1.5 : per_scale;
       PlaneSums sums(1e-9, kSlopeHold);
       for (int i : support) {
         const Point point = From(seed, i);
@@ -308,7 +311,7 @@ const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
   SeedSurface& surface = memory_->surface;
   surface.noise_px = fitter.EstimateNoise(memory_->deviations);
   const bool noisy = surface.noise_px > noisy_px;
-  const double scale_px = std::max(kSmallestScalePx, 2 * surface.noise_px);
+  const double scale_px = std::max({kSmallestScalePx, kScalePerSpacing * spacing_px, 2 * surface.noise_px});
   surface.planes.resize(seeds.size());
   const auto fit = [&](size_t i, Surroundings& surroundings) {
     const Seed& seed = seeds[i];
