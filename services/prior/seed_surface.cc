@@ -9,8 +9,8 @@
 namespace sprout {
 namespace {
 
-constexpr int kIterations = 4;          // of reweighting; more change nothing that can be measured
-constexpr double kSlopeHold = 0.003;    // weight of "no slope" against that of one neighbour
+constexpr int kIterations = 4;        // of reweighting; more change nothing that can be measured
+constexpr double kSlopeHold = 0.003;  // weight of "no slope" against that of one neighbour
 // Disparities that far off a plane count a quarter: so many px for a seed's spacing of one, since a
 // slant puts neighbours the farther off the farther they are; but at least so many px.
 constexpr double kScalePerSpacing = 0.12;
@@ -311,7 +311,8 @@ const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
   SeedSurface& surface = memory_->surface;
   surface.noise_px = fitter.EstimateNoise(memory_->deviations);
   const bool noisy = surface.noise_px > noisy_px;
-  const double scale_px = std::max({kSmallestScalePx, kScalePerSpacing * spacing_px, 2 * surface.noise_px});
+  const double scale_px =
+      std::max({kSmallestScalePx, kScalePerSpacing * spacing_px, 2 * surface.noise_px});
   surface.planes.resize(seeds.size());
   const auto fit = [&](size_t i, Surroundings& surroundings) {
     const Seed& seed = seeds[i];

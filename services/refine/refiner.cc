@@ -96,8 +96,11 @@ Refiner::Fate Refiner::FateOf(const ProjectedPoint& point, const cv::Mat1b& left
        !(tof.amplitude(point.tof_v, point.tof_u) >= config_.min_amplitude()))) {
     return Fate::kDark;
   }
-  const double tolerance_px = config_.loose_tolerance_px();
-  const bool loose = tolerance_px > 0 && surface_.IsLoose(point, tolerance_px) &&
+  // Over a wide spacing a slant alone puts neighbours further off than the tolerance.
+  constexpr double kSteepest = 0.22;  // px of disparity a pixel
+  const double tolerance_px =
+      std::max(config_.loose_tolerance_px(), kSteepest * surface_.spacing_px());
+  const bool loose = config_.loose_tolerance_px() > 0 && surface_.IsLoose(point, tolerance_px) &&
                      !surface_.IsConfirmed(point, tolerance_px, left, right);
   return loose ? Fate::kLoose : Fate::kKept;
 }

@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_REFINE_TOF_SURFACE_H_
 #define SPROUT_SERVICES_REFINE_TOF_SURFACE_H_
 
+#include <algorithm>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <span>
@@ -35,6 +36,9 @@ class TofSurface {
   /// @param points  of one ToF image, at most one a pixel.
   /// O(ToF pixels).
   void Set(const Rig& rig, std::span<const ProjectedPoint> points);
+
+  /// From one ToF pixel to the next in the left image, px; the longer side.
+  double spacing_px() const { return std::max(column_px_, row_px_); }
 
   /// Whether a point hangs loose: fewer than two of the eight neighbours in the ToF image have a
   /// disparity within `tolerance_px`. Flying pixels, whose light comes from two surfaces so that
