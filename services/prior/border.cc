@@ -40,7 +40,7 @@ BorderExtender::Direction BorderExtender::DirectionOf(Side side) {
 int BorderExtender::AddPlane(int seed, float u, float v) {
   std::vector<LocalPlane>& planes = extended_.surface.planes;
   LocalPlane plane = PlaneOf(seed);
-  plane.disparity = std::max(plane.At(u, v), 0.F);  // not beyond infinity
+  plane.disparity = std::clamp(plane.At(u, v), 0.F, last_column_);  // of what two images can show
   plane.u = u;
   plane.v = v;
   planes.push_back(plane);

@@ -37,13 +37,11 @@ Linear ShareOfWay(const LocalPlane& a, const LocalPlane& b) {
   return {-(a.u * across + a.v * down) * per_length, across * per_length, down * per_length};
 }
 
-// As ToCounts(), but always with a disparity, and much faster.
+// As ToCounts(), but always with a disparity, never beyond infinity, and much faster.
 int16_t NearestCounts(float disparity_px) {
   constexpr float kMost = DisparityImage::kMaxPx;
   constexpr float kOne = DisparityImage::kCountsPerPixel;
-  constexpr int kPositive = 1 << 15;  // conversion cuts off the fraction of positive numbers
-  const float counts = std::clamp(disparity_px, -kMost, kMost) * kOne;
-  return static_cast<int16_t>(static_cast<int>(counts + (kPositive + 0.5F)) - kPositive);
+  return static_cast<int16_t>(std::clamp(disparity_px, 0.F, kMost) * kOne + 0.5F);
 }
 
 // The seeds of a triangle, parted where their disparities gape most.

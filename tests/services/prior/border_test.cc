@@ -114,10 +114,13 @@ TEST(Border, LeavesSeedsOnItAndBeyondItAlone) {
   EXPECT_EQ(beyond.Extend().triangles.size(), 2u);
 }
 
-TEST(Border, NeverGoesBeyondInfinity) {
+TEST(Border, NeverGoesBeyondInfinityNorNearerThanTheImagesShow) {
   Scene scene = Grid();
   for (LocalPlane& plane : scene.surface.planes) plane.per_column = 50;
-  for (const LocalPlane& plane : scene.Extend().surface.planes) EXPECT_GE(plane.disparity, 0);
+  for (const LocalPlane& plane : scene.Extend().surface.planes) {
+    EXPECT_GE(plane.disparity, 0);
+    EXPECT_LT(plane.disparity, kSize.width);
+  }
 }
 
 }  // namespace

@@ -56,6 +56,16 @@ TEST(EdgeHypotheses, AreNoneInLevelTrianglesAndWhereSurfacesMeet) {
   EXPECT_EQ(slanted.Hypotheses({16, 15}).near.CountValid(), 0);
 }
 
+TEST(EdgeHypotheses, NeverLieBeyondInfinity) {
+  Square falling({1, 2, 20, 20});
+  for (LocalPlane& plane : falling.surface.planes) plane.per_row = -3;
+  const EdgeHypotheses hypotheses = falling.Hypotheses({16, 15});
+  ASSERT_GT(hypotheses.far.CountValid(), 0);
+  for (const int16_t counts : hypotheses.far.counts()) {
+    EXPECT_TRUE(counts >= 0 || counts == DisparityImage::kInvalid);
+  }
+}
+
 TEST(EdgeHypotheses, ForgetTheFrameBefore) {
   EdgeHypotheses hypotheses = Square({5, 6, 20, 20}).Hypotheses({16, 15});
   const Square level({5, 5, 5, 5});
