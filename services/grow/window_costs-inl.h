@@ -161,7 +161,7 @@ HWY_INLINE int32_t SmallestKey(Four costs, const std::array<int32_t, 3>& places)
 template <class V>
 HWY_INLINE V PairProducts(V left, V right) {
   const hn::DFromV<V> d;
-#if HWY_ARCH_X86  // a single instruction, which adds neighbours
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128  // one instruction, which adds neighbours
   const hn::RepartitionToNarrow<decltype(d)> d16;
   V rest = hn::Zero(d);
   return hn::ReorderWidenMulAccumulate(d, hn::BitCast(d16, left), hn::BitCast(d16, right), rest,

@@ -8,9 +8,11 @@ namespace sprout {
 
 const BorderExtender::Extended& BorderExtender::Extend(const SeedSurface& surface,
                                                        std::span<const SeedTriangle> triangles,
-                                                       std::span<const int> hull, cv::Size size) {
+                                                       std::span<const int> hull, cv::Size size,
+                                                       double reach_px) {
   extended_.surface = surface;
   extended_.triangles.assign(triangles.begin(), triangles.end());
+  reach_px_ = static_cast<float>(reach_px);
   last_column_ = static_cast<float>(size.width - 1);
   last_row_ = static_cast<float>(size.height - 1);
   for (size_t i = 0; i < hull.size(); ++i) {
@@ -47,11 +49,13 @@ int BorderExtender::AddPlane(int seed, float u, float v) {
   return static_cast<int>(planes.size()) - 1;
 }
 
-// At a side, or with two directions in a corner. Seeds beyond the border stay where they are.
+// At a side, or with two directions in a corner; or on the way there. Seeds beyond the border stay
+// where they are.
 int BorderExtender::AddAtBorder(int seed, Direction towards) {
-  const auto border = [](float at, int direction, float last) {
+  const auto border = [&](float at, int direction, float last) {
     if (direction == 0) return at;
-    return direction < 0 ? std::min(at, 0.F) : std::max(at, last);
+    return direction < 0 ? std::min(at, std::max(at - reach_px_, 0.F))
+                         : std::max(at, std::min(at + reach_px_, last));
   };
   return AddPlane(seed, border(PlaneOf(seed).u, towards.columns, last_column_),
                   border(PlaneOf(seed).v, towards.rows, last_row_));

@@ -10,9 +10,10 @@
 
 namespace sprout {
 
-/// Continues the surface of the seeds from their hull to the borders of the image, where there are
-/// no seeds to interpolate between: every seed of the hull comes again straight across at the
-/// border, on its own plane, and triangles fill the space between. So slanted surfaces go on
+/// Continues the surface of the seeds from their hull towards the borders of the image, where there
+/// are no seeds to interpolate between: every seed of the hull comes again straight across at the
+/// border, on its own plane, and triangles fill the space between. Not further than some reach,
+/// since a plane far from its seeds is a guess. So slanted surfaces go on
 /// slanted, and depth edges that leave the hull are looked for there like inside it.
 ///
 /// Keeps its memory from frame to frame, so one object serves one caller at a time.
@@ -26,9 +27,10 @@ class BorderExtender {
   /// @param triangles  of the surface's seeds.
   /// @param hull       Triangulator::hull() of these; empty: nothing is added.
   /// @param size       of the left image, px.
+  /// @param reach_px   how far surfaces go on at most, across and down.
   /// @returns valid until the next call. O(seeds).
   const Extended& Extend(const SeedSurface& surface, std::span<const SeedTriangle> triangles,
-                         std::span<const int> hull, cv::Size size);
+                         std::span<const int> hull, cv::Size size, double reach_px);
 
  private:
   enum Side { kTop, kRight, kBottom, kLeft };  // in the order of the hull
@@ -49,6 +51,7 @@ class BorderExtender {
   void FillAcross(int a, int b, Side side);
   void FillCorners(int seed, Side from, Side to);
 
+  float reach_px_ = 0;
   float last_column_ = 0;
   float last_row_ = 0;
   Extended extended_;

@@ -1,6 +1,7 @@
 #include "services/prior/prior_estimator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
@@ -16,6 +17,11 @@ cv::Mat3b ToBgr(const cv::Mat& image, cv::Mat3b& memory) {
   if (image.channels() == 3) return image;
   cv::cvtColor(image, memory, cv::COLOR_GRAY2BGR);
   return memory;
+}
+
+// Twice the distance of seeds that are spread evenly.
+double BorderReachPx(size_t seeds, cv::Size size) {
+  return 2 * std::sqrt(size.area() / std::max(1.0, static_cast<double>(seeds)));
 }
 
 // Seeds with the disparities of the surface that was fitted to them.
@@ -89,7 +95,7 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
                                         : std::span<const int>();
   const auto& [surface, triangles] =
       extender_.Extend(fitter_.Fit(seeds, seed_triangles, config_.noisy_px(), config_.edge_px()),
-                       seed_triangles, hull, size);
+                       seed_triangles, hull, size, BorderReachPx(seeds.size(), size));
   PutSeedsOn(surface, fitted_seeds_);
   const Result<DisparityImage> interpolated =
       interpolator_.Interpolate(fitted_seeds_, triangles, size, interpolated_);

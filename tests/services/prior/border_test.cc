@@ -25,8 +25,8 @@ struct Scene {
     }
   }
 
-  const BorderExtender::Extended& Extend() {
-    return extender.Extend(surface, triangles, triangulator.hull(), kSize);
+  const BorderExtender::Extended& Extend(double reach_px = 100) {
+    return extender.Extend(surface, triangles, triangulator.hull(), kSize, reach_px);
   }
 
   std::vector<Seed> seeds;
@@ -102,9 +102,19 @@ TEST(Border, KeepsWhatIsThereAndAddsNothingWithoutAHull) {
   EXPECT_GT(extended.triangles.size(), scene.triangles.size());
   EXPECT_TRUE(
       std::equal(scene.triangles.begin(), scene.triangles.end(), extended.triangles.begin()));
-  const auto& same = scene.extender.Extend(scene.surface, scene.triangles, {}, kSize);
+  const auto& same = scene.extender.Extend(scene.surface, scene.triangles, {}, kSize, 100);
   EXPECT_EQ(same.triangles, scene.triangles);
   EXPECT_EQ(same.surface.planes.size(), scene.seeds.size());
+}
+
+TEST(Border, ReachesNoFurtherThanAsked) {
+  Scene scene = Grid();  // from (7, 5) to (49, 29)
+  const auto& extended = scene.Extend(4);
+  EXPECT_NEAR(AreaOf(extended), (49 - 7 + 8) * (29 - 5 + 8), 0.1);
+  for (const LocalPlane& plane : extended.surface.planes) {
+    EXPECT_TRUE(3 <= plane.u && plane.u <= 53 && 1 <= plane.v && plane.v <= 33);
+    EXPECT_NEAR(plane.disparity, PlaneAt(plane.u, plane.v), 1e-4);
+  }
 }
 
 TEST(Border, LeavesSeedsOnItAndBeyondItAlone) {
