@@ -69,9 +69,11 @@ class SplitTriangle {
     });
   }
 
-  void Paint(const PixelRun& run, EdgeHypotheses& hypotheses) const {
+  // @param edge  whose seeds these are.
+  void Paint(const PixelRun& run, int edge, EdgeHypotheses& hypotheses) const {
     int16_t* const near = hypotheses.near.counts()[run.v];
     int16_t* const far = hypotheses.far.counts()[run.v];
+    int* const edges = hypotheses.edge[run.v];
     const auto row = static_cast<float>(run.v);
     for (int u = run.begin; u < run.end; ++u) {
       const auto column = static_cast<float>(u);
@@ -82,6 +84,7 @@ class SplitTriangle {
       if (std::abs(single - pair) < kSmallestGapPx) continue;
       near[u] = NearestCounts(std::max(single, pair));
       far[u] = NearestCounts(std::min(single, pair));
+      edges[u] = edge;
     }
   }
 
@@ -101,14 +104,14 @@ float SpreadPx(const std::array<LocalPlane, 3>& planes) {
 
 Seed Position(const LocalPlane& plane) { return {.u = plane.u, .v = plane.v, .u_right = 0}; }
 
-void PaintTriangle(const std::array<LocalPlane, 3>& planes, const cv::Range& rows,
+void PaintTriangle(const std::array<LocalPlane, 3>& planes, int edge, const cv::Range& rows,
                    EdgeHypotheses& hypotheses) {
   const SplitTriangle split(planes);
   if (!split.IsApartSomewhere()) return;
   const TriangleRaster raster(Position(planes[0]), Position(planes[1]), Position(planes[2]),
                               hypotheses.near.width(), rows);
   for (int v = raster.first_row(); v < raster.end_row(); ++v) {
-    split.Paint(raster.Run(v), hypotheses);
+    split.Paint(raster.Run(v), edge, hypotheses);
   }
 }
 
@@ -122,18 +125,21 @@ void PaintEdgeHypotheses(const SeedSurface& surface, std::span<const SeedTriangl
   };
   std::vector<EdgeTriangle>& edges = hypotheses.edges;
   edges.clear();
-  for (size_t i = 0; i < triangles.size(); ++i) {
-    const std::array<LocalPlane, 3> planes = planes_of(triangles[i]);
+  for (const SeedTriangle& triangle : triangles) {
+    const std::array<LocalPlane, 3> planes = planes_of(triangle);
     if (SpreadPx(planes) < static_cast<float>(edge_px)) continue;
-    edges.push_back({i, ReachOf(Position(planes[0]), Position(planes[1]), Position(planes[2]))});
+    edges.push_back(
+        {triangle, ReachOf(Position(planes[0]), Position(planes[1]), Position(planes[2]))});
   }
   hypotheses.near.counts().create(size);
   hypotheses.far.counts().create(size);
+  hypotheses.edge.create(size);
   PaintInBands(size.height, [&](const cv::Range& rows) {
     Clear(hypotheses.near, rows);
     Clear(hypotheses.far, rows);
-    for (const EdgeTriangle& edge : edges) {
-      if (edge.rows.Meets(rows)) PaintTriangle(planes_of(triangles[edge.index]), rows, hypotheses);
+    for (size_t i = 0; i < edges.size(); ++i) {
+      if (!edges[i].rows.Meets(rows)) continue;
+      PaintTriangle(planes_of(edges[i].seeds), static_cast<int>(i), rows, hypotheses);
     }
   });
 }

@@ -15,7 +15,7 @@ namespace sprout {
 
 /// A triangle that spans a depth edge.
 struct EdgeTriangle {
-  size_t index;   ///< among the triangles
+  SeedTriangle seeds;
   RowReach rows;  ///< of the image
 };
 
@@ -25,6 +25,12 @@ struct EdgeHypotheses {
   DisparityImage near;
   DisparityImage far;
   std::vector<EdgeTriangle> edges;  ///< those that they come from
+  cv::Mat1i edge;                   ///< of a pixel with hypotheses: which of `edges`
+
+  /// The seeds around a pixel that has hypotheses.
+  const SeedTriangle& TriangleAt(int u, int v) const {
+    return edges[static_cast<size_t>(edge(v, u))].seeds;
+  }
 };
 
 /// Hypotheses for the pixels of triangles whose seeds differ by at least `edge_px`: such a triangle

@@ -14,7 +14,8 @@ class GridStep {
  public:
   GridStep(const EdgeHypotheses& hypotheses, const EdgeJudge& judge, int step,
            DisparityImage& prior)
-      : near_(hypotheses.near.counts()),
+      : hypotheses_(hypotheses),
+        near_(hypotheses.near.counts()),
         far_(hypotheses.far.counts()),
         judge_(judge),
         step_(step),
@@ -39,7 +40,8 @@ class GridStep {
     const int far = far_(v, u);
     const std::optional<bool> all_near =
         step_ < kCoarsest ? AreNear(u, v, near + far) : std::nullopt;
-    return all_near ? *all_near : judge_.IsNear(u, v, near, far);
+    if (all_near) return *all_near;
+    return judge_.IsNear({u, v, near, far}, hypotheses_.TriangleAt(u, v));
   }
 
   // Whether the four corners of the pixel's cell in the wide grid are closer to the near surface;
@@ -61,6 +63,7 @@ class GridStep {
     return near;
   }
 
+  const EdgeHypotheses& hypotheses_;
   const cv::Mat1s& near_;
   const cv::Mat1s& far_;
   const EdgeJudge& judge_;

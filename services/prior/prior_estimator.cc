@@ -7,8 +7,10 @@
 
 #include "common/core/image.h"
 #include "common/core/parallel.h"
+#include "services/prior/census.h"
 #include "services/prior/edge_judge.h"
 #include "services/prior/edges.h"
+#include "services/prior/seed_spreading.h"
 
 namespace sprout {
 namespace {
@@ -63,8 +65,7 @@ Result<DisparityImage> PriorEstimator::Compute(const cv::Mat& left, const cv::Ma
 
 // The result: spread seeds, and where none reaches the interpolation.
 void PriorEstimator::SpreadOver(const cv::Mat& left, std::span<const Seed> seeds) {
-  const cv::Mat1f& spread_px =
-      spreader_.Spread(seeds, left, config_.fgs_lambda(), config_.fgs_sigma());
+  const cv::Mat1f spread_px = SpreadSeeds(seeds, left, config_.fgs_lambda(), config_.fgs_sigma());
   for (int v = 0; v < spread_px.rows; ++v) {
     for (int u = 0; u < spread_px.cols; ++u) {
       const int16_t counts = ToCounts(spread_px(v, u));
@@ -77,15 +78,11 @@ void PriorEstimator::SpreadOver(const cv::Mat& left, std::span<const Seed> seeds
 Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat& right,
                                                  std::span<const Seed> seeds, cv::Size size) {
   EdgeEvidence evidence;
-  evidence.spread_weight = config_.spread_weight();
   const auto look = [&] {
-    evidence.left_bgr = ToBgr(left, images_.left_bgr);
     evidence.left_grey = ToGrey(left, images_.left_grey);
     evidence.right_grey = ToGrey(right, images_.right_grey);
-    HalveSize(left, images_.even, images_.half);
-    evidence.half_bgr = ToBgr(images_.half, images_.half_bgr);
-    evidence.spread_px =
-        spreader_.SpreadAtHalfSize(seeds, images_.half, config_.fgs_lambda(), config_.fgs_sigma());
+    CensusTransform(evidence.left_grey, images_.left_census);
+    CensusTransform(evidence.right_grey, images_.right_census);
   };
   std::span<const SeedTriangle> seed_triangles;
   RunBoth(look, [&] { seed_triangles = triangulator_.Triangulate(seeds); });
@@ -103,6 +100,11 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
   interpolated_ = *interpolated;
   const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
   PaintEdgeHypotheses(surface, triangles, config_.edge_px() + 2 * noise_px, size, hypotheses_);
+  seed_votes_.Look(seeds, fitter_.neighbours(), ToBgr(left, images_.left_bgr));
+  evidence.left_census = images_.left_census;
+  evidence.right_census = images_.right_census;
+  evidence.seeds = &seed_votes_;
+  evidence.weights = {config_.census_weight(), config_.colour_weight(), config_.proximity_weight()};
   ResolveEdges(hypotheses_, EdgeJudge(evidence), interpolated_);
   // Single pixels that were judged otherwise than those around them.
   Renew(result_, size);

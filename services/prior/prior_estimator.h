@@ -14,8 +14,8 @@
 #include "services/prior/delaunay.h"
 #include "services/prior/edge_hypotheses.h"
 #include "services/prior/interpolation.h"
-#include "services/prior/seed_spreading.h"
 #include "services/prior/seed_surface.h"
+#include "services/prior/seed_votes.h"
 
 namespace sprout {
 
@@ -37,9 +37,9 @@ class PriorEstimator {
   ///          covers a pixel, when an image that is used has another size, or when a side is longer
   ///          than kLargestSide.
   /// O(n log n + pixels); no I/O; on OpenCV's threads, with the same result for any number. Keeps
-  /// its memory from frame to frame (EDGES: about 18 bytes a pixel and 250 a seed), so one object
+  /// its memory from frame to frame (EDGES: about 24 bytes a pixel and 250 a seed), so one object
   /// serves one caller at a time; a map that nobody else holds any more is used again. In steady
-  /// state only CGAL and OpenCV's filters allocate.
+  /// state only CGAL allocates.
   Result<DisparityImage> Compute(const cv::Mat& left, const cv::Mat& right,
                                  std::span<const Seed> seeds, cv::Size size);
 
@@ -49,9 +49,8 @@ class PriorEstimator {
     cv::Mat3b left_bgr;
     cv::Mat1b left_grey;
     cv::Mat1b right_grey;
-    cv::Mat even;
-    cv::Mat half;
-    cv::Mat3b half_bgr;
+    cv::Mat1b left_census;
+    cv::Mat1b right_census;
   };
 
   void SpreadOver(const cv::Mat& left, std::span<const Seed> seeds);
@@ -61,13 +60,13 @@ class PriorEstimator {
   PriorConfig config_;
   Triangulator triangulator_;
   SeedInterpolator interpolator_;
-  SeedSpreader spreader_;
   SeedSurfaceFitter fitter_;
   // Memory of the last frame, for the next. Of the maps only the result is ever handed out.
   Images images_;
   BorderExtender extender_;
   std::vector<Seed> fitted_seeds_;
   EdgeHypotheses hypotheses_;
+  SeedVotes seed_votes_;
   DisparityImage interpolated_;
   MedianFilter median_;
   DisparityImage result_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "common/core/parallel.h"
 
@@ -18,54 +17,11 @@ constexpr double kSmallestScalePx = 0.6;
 
 size_t Index(int i) { return static_cast<size_t>(i); }
 
-// For each seed those that it shares a triangle with, in one array.
-class Neighbours {
- public:
-  void Find(size_t seeds, std::span<const SeedTriangle> triangles) {
-    lists_.assign(seeds, {});
-    for (const SeedTriangle& triangle : triangles) {
-      for (int seed : triangle) lists_[Index(seed)].begin += 2;  // room it may need
-    }
-    size_t end = 0;
-    for (List& list : lists_) end += std::exchange(list.begin, end);
-    seeds_.resize(end);
-    for (const auto& [a, b, c] : triangles) {
-      Add(a, b, c);
-      Add(b, c, a);
-      Add(c, a, b);
-    }
-  }
-
-  std::span<const int> Of(int seed) const {
-    const List& list = lists_[Index(seed)];
-    return {seeds_.data() + list.begin, list.size};
-  }
-  size_t size() const { return lists_.size(); }
-
- private:
-  struct List {
-    size_t begin = 0;
-    size_t size = 0;
-  };
-
-  void Add(int seed, int one, int other) {
-    List& list = lists_[Index(seed)];
-    for (int neighbour : {one, other}) {
-      const std::span<const int> known = Of(seed);
-      if (std::find(known.begin(), known.end(), neighbour) != known.end()) continue;
-      seeds_[list.begin + list.size++] = neighbour;
-    }
-  }
-
-  std::vector<List> lists_;
-  std::vector<int> seeds_;
-};
-
 // Seeds around a seed. For one thread.
 class Surroundings {
  public:
   // @param neighbours  must outlive the calls of Within().
-  void Set(const Neighbours& neighbours) {
+  void Set(const SeedNeighbours& neighbours) {
     neighbours_ = &neighbours;
     seen_.assign(neighbours.size(), -1);
   }
@@ -88,7 +44,7 @@ class Surroundings {
   }
 
  private:
-  const Neighbours* neighbours_ = nullptr;
+  const SeedNeighbours* neighbours_ = nullptr;
   std::vector<int> seen_;  // the last seed from which this one was reached
   std::vector<int> reached_;
 };
@@ -161,7 +117,7 @@ class PlaneSums {
 // Fits planes around seeds, with their spacing as unit of x and y.
 class PlaneFitter {
  public:
-  PlaneFitter(std::span<const Seed> seeds, const Neighbours& neighbours, double spacing_px)
+  PlaneFitter(std::span<const Seed> seeds, const SeedNeighbours& neighbours, double spacing_px)
       : seeds_(seeds), neighbours_(neighbours), per_px_(1 / spacing_px) {}
 
   // How far seeds lie from the planes through their neighbours alone.
@@ -246,7 +202,7 @@ class PlaneFitter {
   }
 
   std::span<const Seed> seeds_;
-  const Neighbours& neighbours_;
+  const SeedNeighbours& neighbours_;
   double per_px_;  // of the unit
 };
 
@@ -286,7 +242,7 @@ void FindSeedsAtEdges(std::span<const Seed> seeds, std::span<const SeedTriangle>
 }  // namespace
 
 struct SeedSurfaceFitter::Memory {
-  Neighbours neighbours;
+  SeedNeighbours neighbours;
   std::vector<double> squares;
   std::vector<double> deviations;
   std::vector<uint8_t> at_edge;
@@ -297,10 +253,12 @@ struct SeedSurfaceFitter::Memory {
 SeedSurfaceFitter::SeedSurfaceFitter() : memory_(std::make_unique<Memory>()) {}
 SeedSurfaceFitter::~SeedSurfaceFitter() = default;
 
+const SeedNeighbours& SeedSurfaceFitter::neighbours() const { return memory_->neighbours; }
+
 const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
                                           std::span<const SeedTriangle> triangles, double noisy_px,
                                           double edge_px) {
-  const Neighbours& neighbours = memory_->neighbours;
+  const SeedNeighbours& neighbours = memory_->neighbours;
   double spacing_px = 0;
   RunBoth([&] { memory_->neighbours.Find(seeds.size(), triangles); },
           [&] {

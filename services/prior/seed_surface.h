@@ -7,6 +7,7 @@
 
 #include "common/core/seed.h"
 #include "services/prior/delaunay.h"
+#include "services/prior/seed_neighbours.h"
 
 namespace sprout {
 
@@ -57,6 +58,9 @@ class SeedSurfaceFitter {
   /// O(seeds); no I/O; on OpenCV's threads, with the same result for any number.
   const SeedSurface& Fit(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
                          double noisy_px, double edge_px);
+
+  /// Of the seeds of the last call.
+  const SeedNeighbours& neighbours() const;
 
  private:
   struct Memory;

@@ -7,7 +7,6 @@
 
 #include "services/prior/delaunay.h"
 #include "services/prior/prior_estimator.h"
-#include "services/prior/seed_spreading.h"
 #include "tests/common/testing/allocation_guard.h"
 
 namespace sprout {
@@ -68,34 +67,14 @@ double AllocationsOfCgal() {
   return AllocationsOf([&](const Input& input) { triangulator.Triangulate(input.seeds); });
 }
 
-// OpenCV's FastGlobalSmoother is made for one image, with its weights and memory for its sweeps.
-double AllocationsOfSmoother(int passes) {
-  SeedSpreader spreader;
-  return AllocationsOf(
-      [&](const Input& input) { spreader.Spread(input.seeds, input.left, 10, 3, passes); });
-}
-
-// cv::resize() makes a table of columns.
-double AllocationsOfHalving() {
-  cv::Mat even;
-  cv::Mat half;
-  return AllocationsOf([&](const Input& input) { HalveSize(input.left, even, half); });
-}
-
-TEST(Allocation, PriorAllocatesNothingBesidesCgalAndOpenCv) {
+TEST(Allocation, PriorAllocatesNothingBesidesCgal) {
   const double cgal = AllocationsOfCgal();
   EXPECT_EQ(AllocationsOfMethod(PriorConfig::DELAUNAY), cgal);
-  EXPECT_EQ(AllocationsOfMethod(PriorConfig::FGS), cgal + AllocationsOfSmoother(3));
-  EXPECT_EQ(AllocationsOfMethod(PriorConfig::EDGES),
-            cgal + AllocationsOfSmoother(1) + AllocationsOfHalving());
+  EXPECT_EQ(AllocationsOfMethod(PriorConfig::EDGES), cgal);
 }
 
-// Measured with CGAL 5.5 and OpenCV 4.6: 38, 20 and 1.
-TEST(Allocation, CgalAndOpenCvAllocateLittle) {
-  EXPECT_LE(AllocationsOfCgal(), 50);
-  EXPECT_LE(AllocationsOfSmoother(1), 25);
-  EXPECT_LE(AllocationsOfHalving(), 2);
-}
+// Measured with CGAL 5.5: 38.
+TEST(Allocation, CgalAllocatesLittle) { EXPECT_LE(AllocationsOfCgal(), 50); }
 
 }  // namespace
 }  // namespace sprout

@@ -1,0 +1,191 @@
+// Who decides on the pixels beside an edge: the images, the seeds around, and the walk from coarse
+// to fine.
+#include "services/prior/edge_judge.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "services/prior/census.h"
+#include "services/prior/edges.h"
+
+namespace sprout {
+namespace {
+
+constexpr int kOne = DisparityImage::kCountsPerPixel;
+constexpr int kNear = 12 * kOne;
+constexpr int kFar = 3 * kOne;
+constexpr SeedTriangle kTriangle{0, 1, 2};
+const cv::Vec3b kRed(20, 30, 200);
+const cv::Vec3b kBlue(200, 30, 20);
+
+// A pair in which every left pixel has one disparity, its left part red and the rest blue. Three
+// seeds: one at the left border, near; two at the right one, far.
+class Pair {
+ public:
+  Pair(cv::Size size, int disparity, int first_blue) : colours_(size, kRed) {
+    colours_.colRange(first_blue, size.width) = kBlue;
+    std::mt19937 random(1);
+    evidence.left_grey = cv::Mat1b(size);
+    evidence.right_grey = cv::Mat1b(size, uint8_t{0});
+    for (int v = 0; v < size.height; ++v) {
+      for (int u = 0; u < size.width; ++u) {
+        const auto grey = static_cast<uint8_t>(random() % 256);
+        evidence.left_grey(v, u) = grey;
+        if (u >= disparity) evidence.right_grey(v, u - disparity) = grey;
+      }
+    }
+    const auto right = static_cast<float>(size.width - 1);
+    seeds_ = {{.u = 0, .v = 0, .u_right = -12},
+              {.u = right, .v = 0, .u_right = right - 3},
+              {.u = right, .v = static_cast<float>(size.height - 1), .u_right = right - 3}};
+    neighbours_.Find(3, std::vector{kTriangle});
+    votes_.Look(seeds_, neighbours_, colours_);
+    evidence.seeds = &votes_;
+    Look();
+  }
+
+  void TakeTextureAway() {
+    evidence.left_grey = 90;
+    evidence.right_grey = 90;
+    Look();
+  }
+
+  void Look() {
+    CensusTransform(evidence.left_grey, evidence.left_census);
+    CensusTransform(evidence.right_grey, evidence.right_census);
+  }
+
+  bool IsNear(int u, int v, int near, int far) const {
+    return EdgeJudge(evidence).IsNear({u, v, near, far}, kTriangle);
+  }
+
+  EdgeEvidence evidence{};
+
+ private:
+  cv::Mat3b colours_;
+  std::vector<Seed> seeds_;
+  SeedNeighbours neighbours_;
+  SeedVotes votes_;
+};
+
+TEST(EdgeJudge, FindsTheDisparityThatTheImagesHave) {
+  const cv::Size size(51, 33);
+  for (const int truth : {12, 3}) {
+    for (const double census : {0.0, 1.2}) {
+      Pair pair(size, truth, 20);
+      pair.evidence.weights.census = census;
+      for (int v = 0; v < size.height; ++v) {
+        for (int u = 12; u < size.width; ++u) {
+          EXPECT_EQ(pair.IsNear(u, v, kNear, kFar), truth == 12) << u << ", " << v;
+        }
+      }
+    }
+  }
+}
+
+TEST(EdgeJudge, SeesTheSameInACameraOfAnotherExposure) {
+  Pair pair({51, 33}, 12, 20);
+  pair.evidence.right_grey = pair.evidence.right_grey / 2 + 100;
+  pair.Look();
+  pair.evidence.weights.census = 20;
+  for (int u = 16; u < 47; ++u) EXPECT_TRUE(pair.IsNear(u, 16, kNear, kFar)) << u;
+}
+
+TEST(EdgeJudge, HoldsNothingOfHypothesesThatLeaveTheRightImage) {
+  const Pair pair({51, 33}, 3, 20);
+  for (int u = 3; u < 51; ++u) {
+    EXPECT_FALSE(pair.IsNear(u, 0, 1023 * kOne, kFar));
+    EXPECT_FALSE(pair.IsNear(u, 16, 1023 * kOne, 1000 * kOne));  // neither: the far one
+  }
+}
+
+TEST(EdgeJudge, AsksTheSeedsOfItsColourWhereThereIsNoTexture) {
+  Pair pair({51, 33}, 3, 40);
+  pair.TakeTextureAway();
+  for (int u = 15; u < 51; ++u) {
+    EXPECT_FALSE(pair.IsNear(u, 16, kNear, kFar)) << u;  // nobody votes: the far one
+    pair.evidence.weights.colour = 1;
+    EXPECT_EQ(pair.IsNear(u, 16, kNear, kFar), u < 40) << u;
+    pair.evidence.weights.colour = 0;
+  }
+}
+
+TEST(EdgeJudge, AsksTheSeedsCloseByWhereColoursAreAlike) {
+  Pair pair({51, 33}, 3, 51);
+  pair.TakeTextureAway();
+  pair.evidence.weights.proximity = 1;
+  EXPECT_TRUE(pair.IsNear(15, 1, kNear, kFar));
+  EXPECT_FALSE(pair.IsNear(40, 1, kNear, kFar));
+  EXPECT_FALSE(pair.IsNear(40, 31, kNear, kFar));
+}
+
+TEST(SeedVotes, AreSharesAndSeedsUnknownHaveNone) {
+  const cv::Mat3b image(10, 10, kRed);
+  const std::vector<Seed> seeds(3, {.u = 5, .v = 5, .u_right = -7});
+  SeedNeighbours neighbours;
+  neighbours.Find(3, std::vector{kTriangle});
+  SeedVotes votes;
+  votes.Look(seeds, neighbours, image);
+  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, 15 * kOne).colour, 1, 0.01);
+  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, 15 * kOne).proximity, 1, 0.01);
+  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, 30 * kOne).colour, -1, 0.01);
+  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, 30 * kOne).proximity, -1, 0.01);
+  EXPECT_EQ(votes.Of({3, 4, 5}, {5, 5}, 15 * kOne).colour, 0);  // at the borders of the image
+  EXPECT_EQ(votes.Of({3, 4, 5}, {5, 5}, 15 * kOne).proximity, 0);
+}
+
+TEST(Census, SaysWhichPixelsAroundAreDarker) {
+  const cv::Mat1b image = (cv::Mat1b(3, 3) << 1, 9, 1, 9, 5, 5, 4, 6, 7);
+  cv::Mat1b codes;
+  CensusTransform(image, codes);
+  EXPECT_EQ(codes(1, 1), 0b10100100);
+  EXPECT_EQ(codes(0, 0), 0);
+  EXPECT_EQ(codes(2, 2), 0b11010000);  // what is outside is not darker
+  CensusTransform(cv::Mat1b(1, 1, uint8_t{7}), codes);
+  EXPECT_EQ(codes(0, 0), 0);
+}
+
+TEST(SeedNeighbours, AreThoseOfTheTriangles) {
+  SeedNeighbours neighbours;
+  neighbours.Find(5, std::vector<SeedTriangle>{{0, 1, 2}, {1, 3, 2}});
+  const auto of = [&](int seed) {
+    const std::span<const int> found = neighbours.Of(seed);
+    return std::set<int>(found.begin(), found.end());
+  };
+  EXPECT_EQ(of(0), (std::set<int>{1, 2}));
+  EXPECT_EQ(of(1), (std::set<int>{0, 2, 3}));
+  EXPECT_EQ(neighbours.Of(1).size(), 3U);
+  EXPECT_TRUE(of(4).empty());
+}
+
+TEST(ResolveEdges, FindsTheEdgeToThePixelAndLeavesTheRest) {
+  // Odd sizes, and one for which the coarse grid has no cell at all.
+  for (const cv::Size size : {cv::Size(61, 43), cv::Size(62, 42), cv::Size(3, 2), cv::Size(1, 1)}) {
+    const int edge = size.width / 2;
+    Pair pair(size, 0, edge);
+    pair.TakeTextureAway();
+    pair.evidence.weights.colour = 100;  // near disparities leave the right image
+    const auto constant = [&](int counts) {
+      return DisparityImage(cv::Mat1s(size, static_cast<int16_t>(counts)));
+    };
+    EdgeHypotheses hypotheses{
+        constant(kNear), constant(kFar), {{kTriangle, {}}}, cv::Mat1i(size, 0)};
+    const int undisputed = size.height > 4 ? 0 : -1;  // row
+    if (undisputed == 0) hypotheses.near.counts().row(0) = DisparityImage::kInvalid;
+    DisparityImage prior = constant(7 * kOne);
+    ResolveEdges(hypotheses, EdgeJudge(pair.evidence), prior);
+    for (int v = 0; v < size.height; ++v) {
+      for (int u = 0; u < size.width; ++u) {
+        const float expected = v == undisputed ? 7.F : (u < edge ? 12.F : 3.F);
+        ASSERT_EQ(prior.Px(u, v), expected) << u << ", " << v << " of " << size;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sprout
