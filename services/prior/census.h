@@ -7,7 +7,7 @@ namespace sprout {
 
 /// The census transform (Zabih and Woodfill, ECCV 1994): for each pixel a bit for each of the eight
 /// around it, set if that one is darker. It does not change with the exposure of a camera, and says
-/// where edges run even if they are faint. Pixels outside the image are not darker.
+/// where edges run even if they are faint. Pixels on the border have none.
 ///
 /// @param codes  is overwritten; its memory is used again when the size is the same.
 /// O(pixels); on OpenCV's threads.

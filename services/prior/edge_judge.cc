@@ -1,6 +1,7 @@
 #include "services/prior/edge_judge.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdlib>
 #include <cstring>
@@ -14,7 +15,8 @@ constexpr int kLargestGrey = 20;  // differences above are as bad as this
 constexpr int kRadius = 1;        // of the window of differences, px
 constexpr int kCensusRadius = 3;  // and of that of the census
 constexpr int kWindow = (2 * kRadius + 1) * (2 * kRadius + 1);
-constexpr int kCensusWindow = (2 * kCensusRadius + 1) * (2 * kCensusRadius + 1);
+constexpr int kCensusSide = 2 * kCensusRadius + 1;
+constexpr int kCensusWindow = kCensusSide * kCensusSide;
 constexpr int kUnlikeBits = 4;  // in which the codes of pixels that have nothing in common differ
 
 // Counts to whole pixels.
@@ -24,11 +26,33 @@ int Rounded(int counts) {
   return (counts + kOne / 2) >> 5;
 }
 
-// The census codes of a row of the window.
-uint64_t CensusRow(const uint8_t* codes) {
-  uint64_t row = 0;
-  std::memcpy(&row, codes, 2 * kCensusRadius + 1);
-  return row;
+using CensusWindow = std::array<uint64_t, kCensusSide>;  // rows of codes
+
+CensusWindow ReadCensus(const cv::Mat1b& codes, int u, int v) {
+  CensusWindow window{};
+  for (int y = 0; y < kCensusSide; ++y) {
+    std::memcpy(&window[static_cast<size_t>(y)], codes[v - kCensusRadius + y] + u - kCensusRadius,
+                kCensusSide);
+  }
+  return window;
+}
+
+// Adds three numbers of one bit in each of 64 places.
+struct BitSum {
+  BitSum(uint64_t a, uint64_t b, uint64_t c) : ones(a ^ b ^ c), twos((a & b) | (c & (a ^ b))) {}
+  uint64_t ones;
+  uint64_t twos;
+};
+
+// Bits in which windows differ. Adds the seven rows up place by place first: counting bits is slow.
+int HammingDistance(const CensusWindow& a, const CensusWindow& b) {
+  const auto row = [&](size_t y) { return a[y] ^ b[y]; };
+  const BitSum upper(row(0), row(1), row(2));
+  const BitSum lower(row(3), row(4), row(5));
+  const BitSum all(upper.ones, lower.ones, row(6));
+  const BitSum carried(upper.twos, lower.twos, all.twos);
+  return std::popcount(all.ones) + 2 * std::popcount(carried.ones) +
+         4 * std::popcount(carried.twos);
 }
 
 }  // namespace
@@ -61,12 +85,9 @@ EdgeJudge::Costs EdgeJudge::Inside(int u, int v, int near_px, int far_px) const 
                            std::min(std::abs(left[x] - near[x]), kLargestGrey);
     }
   }
-  for (int y = v - kCensusRadius; y <= v + kCensusRadius; ++y) {
-    const uint64_t left = CensusRow(evidence_.left_census[y] + u - kCensusRadius);
-    const uint8_t* const right = evidence_.right_census[y] + u - kCensusRadius;
-    costs.census += std::popcount(left ^ CensusRow(right - far_px)) -
-                    std::popcount(left ^ CensusRow(right - near_px));
-  }
+  const CensusWindow left = ReadCensus(evidence_.left_census, u, v);
+  costs.census = HammingDistance(left, ReadCensus(evidence_.right_census, u - far_px, v)) -
+                 HammingDistance(left, ReadCensus(evidence_.right_census, u - near_px, v));
   return costs;
 }
 
