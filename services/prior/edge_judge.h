@@ -26,6 +26,7 @@ struct EdgeWeights {
 
 /// What the choice between two disparities of a pixel rests on.
 struct EdgeEvidence {
+  cv::Mat3b left_bgr;
   cv::Mat1b left_grey;  ///< the pair that is matched
   cv::Mat1b right_grey;
   cv::Mat1b left_census;  ///< CensusTransform() of that

@@ -100,7 +100,8 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
   interpolated_ = *interpolated;
   const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
   PaintEdgeHypotheses(surface, triangles, config_.edge_px() + 2 * noise_px, size, hypotheses_);
-  seed_votes_.Look(seeds, fitter_.neighbours(), ToBgr(left, images_.left_bgr));
+  evidence.left_bgr = ToBgr(left, images_.left_bgr);
+  seed_votes_.Look(seeds, fitter_.neighbours(), evidence.left_bgr);
   evidence.left_census = images_.left_census;
   evidence.right_census = images_.right_census;
   evidence.seeds = &seed_votes_;

@@ -16,6 +16,8 @@ constexpr double kDistanceRange = 0.5;  // by which nearness falls to 1/e, in di
 constexpr double kStepsPerDistance = 16;
 constexpr int kOne = 1 << 12;
 constexpr int kSilence = kOne / 100;  // what weighs less has no say
+// Of one seed; six are usual. Their weights' sums stay below 2^31.
+constexpr size_t kMostNeighbours = 16;
 
 template <size_t kSize>
 void FillWithExp(std::array<int, kSize>& table, double range) {
@@ -35,7 +37,6 @@ SeedVotes::SeedVotes() {
 void SeedVotes::Look(std::span<const Seed> seeds, const SeedNeighbours& neighbours,
                      const cv::Mat3b& left_bgr) {
   neighbours_ = &neighbours;
-  left_bgr_ = left_bgr;
   const double spacing_px =
       std::sqrt(left_bgr.size().area() / std::max(1.0, static_cast<double>(seeds.size())));
   per_px_ = static_cast<float>(kStepsPerDistance / spacing_px);
@@ -50,15 +51,15 @@ void SeedVotes::Look(std::span<const Seed> seeds, const SeedNeighbours& neighbou
 }
 
 SeedVotes::Votes SeedVotes::Of(const SeedTriangle& triangle, cv::Point pixel,
-                               int near_plus_far) const {
-  const cv::Vec3b colour = left_bgr_(pixel);
+                               const cv::Vec3b& colour, int near_plus_far) const {
   int alike_near = 0;
   int alike = kSilence;
   int close_near = 0;
   int close = kSilence * kOne;
   for (int corner : triangle) {
     if (static_cast<size_t>(corner) >= looks_.size()) continue;
-    for (int seed : neighbours_->Of(corner)) {
+    const std::span<const int> around = neighbours_->Of(corner);
+    for (int seed : around.first(std::min(around.size(), kMostNeighbours))) {
       const SeedLook& look = looks_[static_cast<size_t>(seed)];
       const int side = look.twice_counts > near_plus_far ? 1 : -1;
       const auto difference = static_cast<size_t>(ColourDistance(colour, look.colour));

@@ -35,10 +35,11 @@ class SeedVotes {
   /// these themselves do, count twice. About 0 where none is like the pixel.
   ///
   /// @param triangle       seeds that were looked at; others have no voice.
-  /// @param pixel          in the left image.
+  /// @param pixel          in the left image, and its colour.
   /// @param near_plus_far  sum of the disparities of the two surfaces, counts.
-  /// O(1), about 18 seeds; thread-safe; whole numbers until the last step.
-  Votes Of(const SeedTriangle& triangle, cv::Point pixel, int near_plus_far) const;
+  /// O(1), about 18 seeds, at most 48; thread-safe; whole numbers until the last step.
+  Votes Of(const SeedTriangle& triangle, cv::Point pixel, const cv::Vec3b& colour,
+           int near_plus_far) const;
 
  private:
   struct SeedLook {
@@ -49,7 +50,6 @@ class SeedVotes {
   };
 
   const SeedNeighbours* neighbours_ = nullptr;
-  cv::Mat3b left_bgr_;
   float per_px_ = 0;  // steps of the table of distances
   std::vector<SeedLook> looks_;
   std::array<int, 3 * 255 + 1> likeness_{};

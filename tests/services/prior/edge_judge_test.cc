@@ -44,6 +44,7 @@ class Pair {
               {.u = right, .v = static_cast<float>(size.height - 1), .u_right = right - 3}};
     neighbours_.Find(3, std::vector{kTriangle});
     votes_.Look(seeds_, neighbours_, colours_);
+    evidence.left_bgr = colours_;
     evidence.seeds = &votes_;
     Look();
   }
@@ -130,12 +131,25 @@ TEST(SeedVotes, AreSharesAndSeedsUnknownHaveNone) {
   neighbours.Find(3, std::vector{kTriangle});
   SeedVotes votes;
   votes.Look(seeds, neighbours, image);
-  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, 15 * kOne).colour, 1, 0.01);
-  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, 15 * kOne).proximity, 1, 0.01);
-  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, 30 * kOne).colour, -1, 0.01);
-  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, 30 * kOne).proximity, -1, 0.01);
-  EXPECT_EQ(votes.Of({3, 4, 5}, {5, 5}, 15 * kOne).colour, 0);  // at the borders of the image
-  EXPECT_EQ(votes.Of({3, 4, 5}, {5, 5}, 15 * kOne).proximity, 0);
+  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 15 * kOne).colour, 1, 0.01);
+  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 15 * kOne).proximity, 1, 0.01);
+  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 30 * kOne).colour, -1, 0.01);
+  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 30 * kOne).proximity, -1, 0.01);
+  EXPECT_EQ(votes.Of({3, 4, 5}, {5, 5}, kRed, 15 * kOne).colour, 0);  // at the borders of the image
+  EXPECT_EQ(votes.Of({3, 4, 5}, {5, 5}, kRed, 15 * kOne).proximity, 0);
+}
+
+TEST(SeedVotes, CountOneSideHoweverManyNeighboursThereAre) {
+  constexpr int kRim = 1000;
+  std::vector<Seed> seeds(1 + kRim, {.u = 5, .v = 5, .u_right = -7});
+  std::vector<SeedTriangle> fan;
+  for (int i = 1; i < kRim; ++i) fan.push_back({0, i, i + 1});
+  SeedNeighbours neighbours;
+  neighbours.Find(seeds.size(), fan);
+  SeedVotes votes;
+  votes.Look(seeds, neighbours, cv::Mat3b(10, 10, kRed));
+  EXPECT_NEAR(votes.Of(fan[0], {5, 5}, kRed, 15 * kOne).proximity, 1, 0.01);
+  EXPECT_NEAR(votes.Of(fan[0], {5, 5}, kRed, 30 * kOne).proximity, -1, 0.01);
 }
 
 TEST(Census, SaysWhichPixelsAroundAreDarker) {
