@@ -1,7 +1,10 @@
 #ifndef SPROUT_COMMON_CORE_PARALLEL_H_
 #define SPROUT_COMMON_CORE_PARALLEL_H_
 
+#include <algorithm>
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <opencv2/core.hpp>
 
 #include "common/core/disparity_image.h"
@@ -12,19 +15,33 @@ namespace sprout {
 // others. Nothing here allocates, as the std::function of cv::parallel_for_ would; OpenCV itself
 // does so once a call when it has more than one thread.
 
-/// Runs work(part) for ranges that make up [0, count), in any order.
+/// Runs work(part) for ranges that make up [0, count), in any order. A thread that has finished one
+/// takes the next, so that none waits long for another at the end: OpenCV's own way deals out
+/// several at once.
 /// @param parts  the most ranges that there may be.
 template <typename Work>
 void ForRangesParallel(int count, int parts, const Work& work) {
+  constexpr int kMostParts = 64;  // finer ones cost more than they balance
+  const int64_t ranges = std::min({count, parts, kMostParts});
+  const int threads = static_cast<int>(std::min<int64_t>(cv::getNumThreads(), ranges));
+  if (count <= 0) return;
+  if (threads <= 1) return work(cv::Range(0, count));
+  std::atomic<int64_t> next = 0;
+  const auto take_ranges = [&] {
+    for (int64_t i = next++; i < ranges; i = next++) {
+      work(cv::Range(static_cast<int>(count * i / ranges),
+                     static_cast<int>(count * (i + 1) / ranges)));
+    }
+  };
   class Body : public cv::ParallelLoopBody {
    public:
-    explicit Body(const Work& todo) : todo_(todo) {}
-    void operator()(const cv::Range& part) const override { todo_(part); }
+    explicit Body(const decltype(take_ranges)& todo) : todo_(todo) {}
+    void operator()(const cv::Range&) const override { todo_(); }
 
    private:
-    const Work& todo_;
+    const decltype(take_ranges)& todo_;
   };
-  if (count > 0) cv::parallel_for_({0, count}, Body(work), parts);
+  cv::parallel_for_({0, threads}, Body(take_ranges), threads);
 }
 
 /// Runs work(0) to work(count − 1), in any order.
