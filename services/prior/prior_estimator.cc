@@ -21,9 +21,9 @@ cv::Mat3b ToBgr(const cv::Mat& image, cv::Mat3b& memory) {
   return memory;
 }
 
-// Twice the distance of seeds that are spread evenly.
-double BorderReachPx(size_t seeds, cv::Size size) {
-  return 2 * std::sqrt(size.area() / std::max(1.0, static_cast<double>(seeds)));
+// Of seeds that are spread evenly.
+double SpacingPx(size_t seeds, cv::Size size) {
+  return std::sqrt(size.area() / std::max(1.0, static_cast<double>(seeds)));
 }
 
 // Seeds with the disparities of the surface that was fitted to them.
@@ -90,9 +90,10 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
   const std::span<const int> hull = config_.extend_to_border()
                                         ? std::span<const int>(triangulator_.hull())
                                         : std::span<const int>();
+  const double spacing_px = SpacingPx(seeds.size(), size);
   const auto& [surface, triangles] =
       extender_.Extend(fitter_.Fit(seeds, seed_triangles, config_.noisy_px(), config_.edge_px()),
-                       seed_triangles, hull, size, BorderReachPx(seeds.size(), size));
+                       seed_triangles, hull, size, /*reach_px=*/2 * spacing_px);
   PutSeedsOn(surface, fitted_seeds_);
   const Result<DisparityImage> interpolated =
       interpolator_.Interpolate(fitted_seeds_, triangles, size, interpolated_);
@@ -101,7 +102,7 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
   const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
   PaintEdgeHypotheses(surface, triangles, config_.edge_px() + 2 * noise_px, size, hypotheses_);
   evidence.left_bgr = ToBgr(left, images_.left_bgr);
-  seed_votes_.Look(seeds, fitter_.neighbours(), evidence.left_bgr);
+  seed_votes_.Look(seeds, spacing_px, fitter_.neighbours(), evidence.left_bgr);
   evidence.left_census = images_.left_census;
   evidence.right_census = images_.right_census;
   evidence.seeds = &seed_votes_;

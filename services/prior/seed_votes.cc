@@ -34,11 +34,9 @@ SeedVotes::SeedVotes() {
   FillWithExp(nearness_, kDistanceRange * kStepsPerDistance);
 }
 
-void SeedVotes::Look(std::span<const Seed> seeds, const SeedNeighbours& neighbours,
-                     const cv::Mat3b& left_bgr) {
+void SeedVotes::Look(std::span<const Seed> seeds, double spacing_px,
+                     const SeedNeighbours& neighbours, const cv::Mat3b& left_bgr) {
   neighbours_ = &neighbours;
-  const double spacing_px =
-      std::sqrt(left_bgr.size().area() / std::max(1.0, static_cast<double>(seeds.size())));
   per_px_ = static_cast<float>(kStepsPerDistance / spacing_px);
   looks_.clear();
   looks_.reserve(seeds.size());

@@ -25,9 +25,10 @@ class SeedVotes {
 
   SeedVotes();
 
+  /// @param spacing_px  distance of seeds from one another, > 0.
   /// @param neighbours  of these seeds; must outlive the calls of Of().
   /// @param left_bgr    the image that they are in. O(seeds).
-  void Look(std::span<const Seed> seeds, const SeedNeighbours& neighbours,
+  void Look(std::span<const Seed> seeds, double spacing_px, const SeedNeighbours& neighbours,
             const cv::Mat3b& left_bgr);
 
   /// Votes of the neighbours of a triangle's seeds, with weights that fall exponentially with the

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <set>
 #include <span>
@@ -43,7 +44,7 @@ class Pair {
               {.u = right, .v = 0, .u_right = right - 3},
               {.u = right, .v = static_cast<float>(size.height - 1), .u_right = right - 3}};
     neighbours_.Find(3, std::vector{kTriangle});
-    votes_.Look(seeds_, neighbours_, colours_);
+    votes_.Look(seeds_, std::sqrt(size.area() / 3.0), neighbours_, colours_);
     evidence.left_bgr = colours_;
     evidence.seeds = &votes_;
     Look();
@@ -130,7 +131,7 @@ TEST(SeedVotes, AreSharesAndSeedsUnknownHaveNone) {
   SeedNeighbours neighbours;
   neighbours.Find(3, std::vector{kTriangle});
   SeedVotes votes;
-  votes.Look(seeds, neighbours, image);
+  votes.Look(seeds, 5, neighbours, image);
   EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 15 * kOne).colour, 1, 0.01);
   EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 15 * kOne).proximity, 1, 0.01);
   EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 30 * kOne).colour, -1, 0.01);
@@ -147,7 +148,7 @@ TEST(SeedVotes, CountOneSideHoweverManyNeighboursThereAre) {
   SeedNeighbours neighbours;
   neighbours.Find(seeds.size(), fan);
   SeedVotes votes;
-  votes.Look(seeds, neighbours, cv::Mat3b(10, 10, kRed));
+  votes.Look(seeds, 5, neighbours, cv::Mat3b(10, 10, kRed));
   EXPECT_NEAR(votes.Of(fan[0], {5, 5}, kRed, 15 * kOne).proximity, 1, 0.01);
   EXPECT_NEAR(votes.Of(fan[0], {5, 5}, kRed, 30 * kOne).proximity, -1, 0.01);
 }
