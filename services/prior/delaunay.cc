@@ -1,41 +1,5 @@
 #include "services/prior/delaunay.h"
 
-#include <cstddef>
-#include <memory_resource>
-
-namespace sprout {
-namespace {
-
-// CGAL takes memory in blocks and frees them with a triangulation. Freed ones wait here for the
-// next.
-std::pmr::memory_resource& BlocksOfCgal() {
-  constexpr size_t kLargestBlock = size_t{1} << 20;
-  static std::pmr::synchronized_pool_resource blocks(std::pmr::pool_options{
-      .max_blocks_per_chunk = 0, .largest_required_pool_block = kLargestBlock});
-  return blocks;
-}
-
-template <typename T>
-struct BlockAllocator {
-  using value_type = T;
-
-  BlockAllocator() = default;
-  template <typename U>
-  explicit BlockAllocator(const BlockAllocator<U>&) {}
-
-  T* allocate(size_t count) {
-    return static_cast<T*>(BlocksOfCgal().allocate(count * sizeof(T), alignof(T)));
-  }
-  void deallocate(T* block, size_t count) {
-    BlocksOfCgal().deallocate(block, count * sizeof(T), alignof(T));
-  }
-  bool operator==(const BlockAllocator&) const = default;
-};
-
-}  // namespace
-}  // namespace sprout
-
-#define CGAL_ALLOCATOR(T) sprout::BlockAllocator<T>  // CGAL's own hook, read by its headers
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Hilbert_policy_tags.h>
@@ -43,9 +7,12 @@ struct BlockAllocator {
 #include <CGAL/spatial_sort.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <tuple>
+#include <utility>
 
 namespace sprout {
 namespace {
@@ -96,6 +63,41 @@ struct WholeNumberKernel : CgalKernel {
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, WholeNumberKernel>;
 using Structure = CGAL::Triangulation_data_structure_2<VertexBase>;
 using Delaunay = CGAL::Delaunay_triangulation_2<WholeNumberKernel, Structure>;
+using Vertex = Delaunay::Vertex_handle;
+using Face = Delaunay::Face_handle;
+
+// CGAL's clear() gives the memory back. Backwards, because what is erased last is taken first: the
+// next triangulation has its triangles in the same order as in new memory.
+template <typename Elements>
+void EraseAll(Elements& elements) {
+  auto element = elements.end();
+  while (!elements.empty()) elements.erase(--element);
+}
+
+// A triangulation of three vertices, counter-clockwise, in place of what was there.
+Face StartWith(const std::array<Point, 3>& corners, Delaunay& delaunay) {
+  Structure& structure = delaunay.tds();
+  EraseAll(structure.faces());
+  EraseAll(structure.vertices());
+  structure.set_dimension(2);
+  const Vertex infinite = structure.create_vertex();
+  delaunay.set_infinite_vertex(infinite);
+  std::array<Vertex, 3> vertex;
+  for (size_t i = 0; i < 3; ++i) {
+    vertex[i] = structure.create_vertex();
+    vertex[i]->set_point(corners[i]);
+  }
+  const Face inside = structure.create_face(vertex[0], vertex[1], vertex[2]);
+  std::array<Face, 3> outside;  // across the edge opposite of each vertex
+  for (size_t i = 0; i < 3; ++i) {
+    outside[i] = structure.create_face(vertex[(i + 2) % 3], vertex[(i + 1) % 3], infinite);
+    structure.set_adjacency(inside, static_cast<int>(i), outside[i], 2);
+    vertex[i]->set_face(inside);
+  }
+  for (size_t i = 0; i < 3; ++i) structure.set_adjacency(outside[i], 0, outside[(i + 2) % 3], 1);
+  infinite->set_face(outside[0]);
+  return inside;
+}
 
 // Not so for seeds so nearly on one line that only the rounding of their positions parts them.
 bool HasArea(std::span<const Seed> seeds, const SeedTriangle& triangle) {
@@ -112,6 +114,10 @@ int Steps(float px) {
 }
 
 }  // namespace
+
+struct Triangulator::Mesh {
+  Delaunay delaunay;
+};
 
 // How CGAL sorts positions.
 struct Triangulator::SortTraits {
@@ -138,21 +144,18 @@ std::vector<SeedTriangle> TriangulateSeeds(std::span<const Seed> seeds) {
   return Triangulator().Triangulate(seeds);
 }
 
+Triangulator::Triangulator() : mesh_(std::make_unique<Mesh>()) {}
+Triangulator::~Triangulator() = default;
+
 const std::vector<SeedTriangle>& Triangulator::Triangulate(std::span<const Seed> seeds) {
   triangles_.clear();
   hull_.clear();
   TakePositions(seeds);
-  if (positions_.size() < 3) return triangles_;
-  // Along a space-filling curve in rounds, with a shuffle from a fixed start: repeatable.
-  CGAL::spatial_sort(positions_.begin(), positions_.end(), SortTraits(),
-                     CGAL::Hilbert_sort_middle_policy());
-  Delaunay delaunay;
-  Delaunay::Face_handle near;
-  for (const Position& at : positions_) {
-    const auto vertex = delaunay.insert(Point(at.u, at.v), near);
-    vertex->info() = at.seed;
-    near = vertex->face();
-  }
+  if (positions_.empty()) return triangles_;
+  TakeCorners();
+  if (corners_.size() < 3) return triangles_;
+  Connect();
+  const Delaunay& delaunay = mesh_->delaunay;
   triangles_.reserve(delaunay.number_of_faces());
   for (const auto face : delaunay.finite_face_handles()) {
     const SeedTriangle triangle{face->vertex(0)->info(), face->vertex(1)->info(),
@@ -165,6 +168,53 @@ const std::vector<SeedTriangle>& Triangulator::Triangulate(std::span<const Seed>
   do hull_.push_back(vertex->info());
   while (--vertex != first);
   return triangles_;
+}
+
+// The hull's corners first, of which each sees but one edge of those before it: a point that sees
+// more makes CGAL allocate.
+void Triangulator::Connect() {
+  Delaunay& delaunay = mesh_->delaunay;
+  // Along a space-filling curve in rounds, with a shuffle from a fixed start: repeatable.
+  const auto sort = [](std::vector<Position>& positions) {
+    CGAL::spatial_sort(positions.begin(), positions.end(), SortTraits(),
+                       CGAL::Hilbert_sort_middle_policy());
+  };
+  const auto point = [](const Position& at) { return Point(at.u, at.v); };
+  sort(corners_);
+  std::array<Point, 3> first{point(corners_[0]), point(corners_[1]), point(corners_[2])};
+  if (WholeNumberKernel::Orientation_2()(first[0], first[1], first[2]) == CGAL::CLOCKWISE) {
+    std::swap(first[1], first[2]);
+  }
+  Face near = StartWith(first, delaunay);
+  const auto insert = [&](const std::vector<Position>& positions) {
+    for (const Position& at : positions) {
+      const Vertex vertex = delaunay.insert(point(at), near);
+      vertex->info() = at.seed;
+      near = vertex->face();
+    }
+  };
+  insert(corners_);
+  sort(positions_);
+  insert(positions_);  // the corners are found to be there
+}
+
+// Of the convex hull, without positions on its edges; counter-clockwise in a frame with v upwards.
+// Andrew's monotone chain, Information Processing Letters 9(5), 1979: along the sorted positions
+// and back. Fewer than three where all positions are on a line.
+void Triangulator::TakeCorners() {
+  corners_.clear();
+  const auto extend = [&](const Position& at, size_t start) {
+    const auto turns_left = [&] {
+      const Position &a = corners_.end()[-2], &b = corners_.back();
+      return int64_t{b.u - a.u} * (at.v - a.v) > int64_t{b.v - a.v} * (at.u - a.u);
+    };
+    while (corners_.size() >= start + 2 && !turns_left()) corners_.pop_back();
+    corners_.push_back(at);
+  };
+  for (const Position& at : positions_) extend(at, 0);
+  const size_t turn = corners_.size() - 1;
+  for (size_t i = positions_.size() - 1; i > 0; --i) extend(positions_[i - 1], turn);
+  corners_.pop_back();  // the first again
 }
 
 // The first seed of each position, in an order that does not depend on the seeds' order. Row by

@@ -1,11 +1,10 @@
-// What the prior allocates once it has seen a frame: nothing of its own.
+// What the prior allocates once it has seen a frame: nothing.
 #include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
 #include <random>
 #include <vector>
 
-#include "services/prior/delaunay.h"
 #include "services/prior/prior_estimator.h"
 #include "tests/common/testing/allocation_guard.h"
 
@@ -61,20 +60,10 @@ double AllocationsOfMethod(PriorConfig::Method method) {
   });
 }
 
-// CGAL keeps lists of triangles while it adds a point outside the hull, and of its blocks.
-double AllocationsOfCgal() {
-  Triangulator triangulator;
-  return AllocationsOf([&](const Input& input) { triangulator.Triangulate(input.seeds); });
+TEST(Allocation, PriorAllocatesNothing) {
+  EXPECT_EQ(AllocationsOfMethod(PriorConfig::DELAUNAY), 0);
+  EXPECT_EQ(AllocationsOfMethod(PriorConfig::EDGES), 0);
 }
-
-TEST(Allocation, PriorAllocatesNothingBesidesCgal) {
-  const double cgal = AllocationsOfCgal();
-  EXPECT_EQ(AllocationsOfMethod(PriorConfig::DELAUNAY), cgal);
-  EXPECT_EQ(AllocationsOfMethod(PriorConfig::EDGES), cgal);
-}
-
-// Measured with CGAL 5.5: 38.
-TEST(Allocation, CgalAllocatesLittle) { EXPECT_LE(AllocationsOfCgal(), 50); }
 
 }  // namespace
 }  // namespace sprout

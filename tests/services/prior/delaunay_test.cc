@@ -93,5 +93,34 @@ TEST(Delaunay, TriangulatesAGridTheSameWayInAnyOrder) {
   EXPECT_EQ(again, triangles);
 }
 
+TEST(Delaunay, DoesNotDependOnTheFramesBefore) {
+  Triangulator kept;
+  for (const int count : {1000, 10, 0, 1, 3, 4000, 500}) {
+    const std::vector<Seed> seeds = RandomSeeds(count, static_cast<uint32_t>(count));
+    Triangulator fresh;
+    EXPECT_EQ(kept.Triangulate(seeds), fresh.Triangulate(seeds)) << count;
+    EXPECT_EQ(kept.hull(), fresh.hull()) << count;
+  }
+}
+
+// Euler: of n positions, h of them on the hull, 2n - 2 - h triangles.
+TEST(Delaunay, CoversTheHull) {
+  std::vector<Seed> round;
+  for (int i = 0; i < 500; ++i) {
+    const double angle = i * 2 * M_PI / 500;
+    round.push_back(At(static_cast<float>(std::lround(64000 * std::cos(angle))) / 64,
+                       static_cast<float>(std::lround(64000 * std::sin(angle))) / 64));
+  }
+  std::vector<Seed> grid;  // most of its hull lies on edges
+  for (int v = 0; v < 20; ++v) {
+    for (int u = 0; u < 30; ++u) grid.push_back(At(static_cast<float>(u), static_cast<float>(v)));
+  }
+  Triangulator triangulator;
+  EXPECT_EQ(triangulator.Triangulate(round).size(), 498u);
+  EXPECT_EQ(triangulator.hull().size(), 500u);
+  EXPECT_EQ(triangulator.Triangulate(grid).size(), 2u * 19 * 29);
+  EXPECT_EQ(triangulator.hull().size(), 2u * (19 + 29));
+}
+
 }  // namespace
 }  // namespace sprout
