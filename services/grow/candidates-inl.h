@@ -1,5 +1,5 @@
-// The candidates of all pixels of a band, for each instruction set: included by growth.cc, which
-// Highway compiles once for each. No include guard of the usual kind for that reason.
+// The candidates of the pixels of a row, for each instruction set: included by growth_tables.cc,
+// which Highway compiles once for each. No include guard of the usual kind for that reason.
 #if defined(SPROUT_SERVICES_GROW_CANDIDATES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPROUT_SERVICES_GROW_CANDIDATES_INL_H_
 #undef SPROUT_SERVICES_GROW_CANDIDATES_INL_H_
@@ -20,40 +20,30 @@ HWY_BEFORE_NAMESPACE();
 namespace sprout {
 namespace HWY_NAMESPACE {
 
-// Where between d − 1 and d + 1 the parabola through their costs has its minimum, from d, counts;
-// none where a cost is missing or d is not the best of the three.
-template <class V>
-HWY_INLINE V StepsToMinimum(V minus_one, V cost, V plus_one) {
-  const hn::DFromV<V> d;
-  const hn::RebindToFloat<decltype(d)> df;
-  const V before = hn::Sub(minus_one, cost);
-  const V behind = hn::Sub(plus_one, cost);
-  const V sum = hn::Add(before, behind);
-  const auto missing = hn::Eq(hn::Max(minus_one, plus_one), hn::Set(d, kExcludedCost));
-  const auto flat_or_not_best =
-      hn::Lt(hn::Min(hn::Min(before, behind), hn::Sub(sum, hn::Set(d, 1))), hn::Zero(d));
-  const auto none = hn::Or(missing, flat_or_not_best);
-  // Half a pixel times (before − behind) / (before + behind), rounded to nearest.
-  constexpr float kHalf = DisparityImage::kCountsPerPixel / 2;
-  const auto difference = hn::IfThenZeroElse(none, hn::Sub(before, behind));
-  const auto divisor = hn::Max(sum, hn::Set(d, 1));
-  const auto step = hn::Div(hn::Mul(hn::Set(df, kHalf), hn::ConvertTo(df, difference)),
-                            hn::ConvertTo(df, divisor));
-  const V above_zero = hn::ConvertTo(d, hn::Add(step, hn::Set(df, kHalf + 0.5f)));
-  return hn::Sub(above_zero, hn::Set(d, static_cast<int32_t>(kHalf)));
-}
-
 // Computes the candidates of as many neighbouring pixels of a row at once as a register has lanes.
 // Neighbours need about the same disparities, and their windows share columns: for one disparity
 // all the windows cost little more than two of them would alone.
 template <bool kSubPixel>
 class CandidateSweep {
  public:
-  CandidateSweep(const GrowthRule& rule, GrowthBand& band) : rule_(rule), queue_(band.queue) {}
+  CandidateSweep(const GrowthRule& rule, const SeedQueue& queue) : rule_(rule), queue_(queue) {}
 
-  // Replaces energies by candidates in the columns [begin, end).
-  void Replace(const GrowthRow& row, int begin, int end) {
-    for (int u = begin; u < end; u += kLanes) Replace(row, hn::Iota(D(), u), u, end);
+  // Fills the pixels in the columns [begin, end). Those that can have no match are closed.
+  // @param priors  of the row's pixels; kRunPixels more can be read.
+  void Fill(const GrowthRow& row, const int16_t* priors, int begin, int end) const {
+    const D d;
+    const hn::Rebind<int16_t, D> d16;
+    for (int u = begin; u < end; u += kLanes) {
+      const V prior = hn::PromoteTo(d, hn::LoadU(d16, priors + u));
+      const M inside = hn::Lt(hn::Iota(d, u), hn::Set(d, end));
+      const V candidates = Compute(row, u, hn::LoadU(d, row.left_energy + u), prior, inside);
+      const M hopeless = hn::Lt(candidates, hn::Set(d, 1 << Candidates::kAccepted));
+      LeftPixels<D> pixels(
+          candidates, prior,
+          hn::IfThenElse(hopeless, hn::Set(d, LeftPixel::kClosed), hn::Set(d, LeftPixel::kFree)));
+      if (u + kLanes > end) pixels.ReplaceUnless(inside, LeftPixels<D>(row.left + u));
+      pixels.Store(row.left + u);
+    }
   }
 
  private:
@@ -72,55 +62,49 @@ class CandidateSweep {
     V cross[kCosts];
   };
 
-  // A run of pixels from u on. Those behind `end` stay as they are.
-  HWY_INLINE void Replace(const GrowthRow& row, V columns, int u, int end) {
-    const D d;
-    LeftPixels<D> pixels(row.left + u);
-    const M inside = hn::Lt(columns, hn::Set(d, end));
-    const M may_fit = hn::And(inside, MayFit(columns, pixels.priors()));
-    const V candidates = Compute(row, u, pixels.energies(), pixels.priors(), may_fit);
-    const M hopeless = hn::Lt(candidates, hn::Set(d, 1 << Candidates::kAccepted));
-    pixels.Replace(inside, candidates,
-                   hn::IfThenElse(hopeless, hn::Set(d, LeftPixel::kClosed), pixels.disparities()));
-    pixels.Store(row.left + u);
-  }
-
   // Of m − 1 to m + 2 one has a right window that lies in the image.
-  static HWY_INLINE M MayFit(V columns, V prior) {
+  static HWY_INLINE M MayFit(V columns, V first) {
     const D d;
-    const V first = hn::ShiftRight<5>(prior);
     return hn::And(hn::Gt(first, hn::Set(d, -2)),
                    hn::Gt(columns, hn::Add(first, hn::Set(d, kWindowRadius - 1))));
   }
 
-  HWY_INLINE V Compute(const GrowthRow& row, int u, V left_energy, V prior, M may_fit) {
+  // Those of the pixels from u on.
+  HWY_INLINE V Compute(const GrowthRow& row, int u, V left_energy, V prior, M inside) const {
     const D d;
     const V first = hn::ShiftRight<5>(prior);
-    const Sums sums = SumWindows(row, u, first, may_fit);
-    const auto cost = [&](int i) HWY_ATTR {
-      const V steps = hn::Set(d, i - kBefore);
+    const Sums sums = SumWindows(row, u, first, hn::And(inside, MayFit(hn::Iota(d, u), first)));
+    const auto cost_at = [&](V steps, V energy, V cross) HWY_ATTR {
       const V fraction = hn::And(prior, hn::Set(d, DisparityImage::kCountsPerPixel - 1));
       const V distance = hn::Sub(hn::ShiftLeft<5>(steps), fraction);
-      const auto photo =
-          PhotoCosts<GrowConfig::EPC>(rule_, hn::Add(left_energy, sums.energy[i]), sums.cross[i]);
-      return WholeCosts(hn::Add(photo, PriorCosts(rule_, distance)), sums.energy[i],
-                        hn::Add(first, steps));
+      const auto photo = PhotoCosts<GrowConfig::EPC>(rule_, hn::Add(left_energy, energy), cross);
+      return WholeCosts(hn::Add(photo, PriorCosts(rule_, distance)), energy, hn::Add(first, steps));
     };
-    const V best = cost(kBefore), next = cost(kBefore + 1);
-    if constexpr (kSubPixel) {
-      const V step = hn::And(StepsToMinimum(cost(0), best, next), hn::Set(d, 0xff));
-      const V step_of_next = hn::And(StepsToMinimum(best, next, cost(3)), hn::Set(d, 0xff));
-      const V steps = hn::Or(step, hn::ShiftLeft<8>(step_of_next));
-      const hn::Rebind<uint16_t, D> d16;
-      hn::StoreU(hn::DemoteTo(d16, steps), d16, row.sub_pixel_steps + u);
+    const V cost = cost_at(hn::Zero(d), sums.energy[kBefore], sums.cross[kBefore]);
+    const V cost_of_next =
+        cost_at(hn::Set(d, 1), sums.energy[kBefore + 1], sums.cross[kBefore + 1]);
+    if constexpr (kSubPixel) {  // of the better one: the other is not the least of its three
+      const M next_is_better = hn::Lt(cost_of_next, cost);
+      const auto choose = [&](V if_next, V if_not)
+                              HWY_ATTR { return hn::IfThenElse(next_is_better, if_next, if_not); };
+      const V beyond =
+          cost_at(choose(hn::Set(d, 2), hn::Set(d, -1)), choose(sums.energy[3], sums.energy[0]),
+                  choose(sums.cross[3], sums.cross[0]));
+      const V steps = StepsToMinimum(choose(cost, beyond), hn::Min(cost, cost_of_next),
+                                     choose(beyond, cost_of_next));
+      const V packed =
+          hn::Or(hn::ShiftLeft<1>(steps), hn::IfThenElseZero(next_is_better, hn::Set(d, 1)));
+      const hn::Rebind<int8_t, D> d8;
+      hn::StoreU(hn::DemoteTo(d8, packed), d8, row.sub_pixel_steps + u);
     }
-    return Packed(best, next);
+    return Packed(cost, cost_of_next);
   }
 
   // Where none of the windows may fit energies are kOutside.
   static HWY_INLINE Sums SumWindows(const GrowthRow& row, int u, V first, M may_fit) {
     const D d;
     Sums sums;
+    HWY_UNROLL(4)
     for (int i = 0; i < kCosts; ++i) {
       sums.energy[i] = hn::Set(d, GrowthBand::kOutside);
       sums.cross[i] = hn::Zero(d);
@@ -133,6 +117,7 @@ class CandidateSweep {
     const LeftRun<D> left(row, u);
     for (int disparity = least(from); disparity != kNone; ++disparity) {
       M needed = hn::Eq(from, hn::Set(d, disparity));
+      HWY_UNROLL(4)
       for (int i = 1; i < kCosts; ++i) {
         needed = hn::Or(needed, hn::Eq(from, hn::Set(d, disparity - i)));
       }
@@ -143,6 +128,7 @@ class CandidateSweep {
       }
       const V energy = hn::LoadU(d, row.right_energy + (u - disparity));
       const V cross = left.CrossSums(disparity);
+      HWY_UNROLL(4)
       for (int i = 0; i < kCosts; ++i) {
         const M here = hn::Eq(from, hn::Set(d, disparity - i));
         sums.energy[i] = hn::IfThenElse(here, energy, sums.energy[i]);
@@ -172,28 +158,14 @@ class CandidateSweep {
   // As SeedQueue::LevelOf().
   HWY_INLINE V Levels(V costs) const {
     const D d;
-    const hn::RebindToFloat<D> df;
-    const auto levels = hn::Mul(hn::ConvertTo(df, costs), hn::Set(df, queue_.levels_per_cost()));
-    return hn::ConvertTo(d, hn::Min(levels, hn::Set(df, SeedQueue::kLevels - 1)));
+    const V in_range = hn::Min(costs, hn::Set(d, rule_.limit));
+    return hn::ShiftRight<SeedQueue::kLevelFraction>(
+        hn::Mul(in_range, hn::Set(d, queue_.levels_per_cost())));
   }
 
   const GrowthRule& rule_;
   const SeedQueue& queue_;
 };
-
-template <bool kSubPixel>
-HWY_INLINE void TabulateRows(const GrowthRule& rule, GrowthBand& band) {
-  CandidateSweep<kSubPixel> sweep(rule, band);
-  for (int r = 0; r < band.rows(); ++r) {
-    sweep.Replace(band.row(r), kWindowRadius, band.width() - kWindowRadius);
-  }
-}
-
-// Replaces the energies of a band by the candidates of its pixels. Those that can have no match
-// are closed.
-HWY_INLINE void Tabulate(const GrowthRule& rule, GrowthBand& band) {
-  return rule.sub_pixel ? TabulateRows<true>(rule, band) : TabulateRows<false>(rule, band);
-}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace sprout

@@ -11,7 +11,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "services/grow/candidates-inl.h"
+#include "services/grow/left_pixels-inl.h"
 #include "services/grow/matches-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -83,14 +83,13 @@ class Growth {
 };
 
 // Alg. 1, step 2: similarity of every seed.
-template <GrowConfig::Similarity kSimilarity>
-void AddSeeds(const GrowthRule& rule, GrowthBand& band) {
+template <class Matches>
+void AddSeeds(const Matches& matches, GrowthBand& band) {
   for (size_t i = 0; i < band.seeds.size(); ++i) {
     GrowthSeed& seed = band.seeds[i];
-    const GrowthRow& row = band.row(seed.v - band.first_row());
-    const auto costs = ToNumbers(FourCosts<kSimilarity>(rule, row, seed.u, seed.disparity));
-    band.queue.Push(kInitial | static_cast<SeedQueue::Id>(i), band.queue.LevelOf(costs[1]),
-                    seed.next);
+    const PixelId id = band.PixelAt(seed.v - band.first_row(), seed.u);
+    const int level = matches.LevelOf(id, band.left[id], seed.disparity);
+    band.queue.Push(kInitial | static_cast<SeedQueue::Id>(i), level, seed.next);
   }
 }
 
@@ -109,14 +108,13 @@ void GrowSeams(const Matches& matches, SeamRow above, SeamRow below, GrowthBand&
 }
 
 // Steps from the disparity of each pixel towards the least cost, where there are two candidates.
-template <class V>
-HWY_INLINE V StepsOfCandidates(const GrowthRow& row, int u, V priors, V disparities) {
-  const hn::DFromV<V> d;
-  const hn::Rebind<uint16_t, decltype(d)> d16;
-  const V both = hn::PromoteTo(d, hn::LoadU(d16, row.sub_pixel_steps + u));
-  const auto is_first = hn::Eq(disparities, hn::ShiftRight<5>(priors));
-  const V above = hn::IfThenElse(is_first, hn::ShiftLeft<8>(both), both);
-  return hn::ShiftRight<24>(hn::ShiftLeft<16>(above));
+template <class D>
+HWY_INLINE hn::Vec<D> StepsOfCandidates(const GrowthRow& row, int u, const LeftPixels<D>& pixels) {
+  const D d;
+  const hn::Rebind<int8_t, D> d8;
+  const auto packed = hn::PromoteTo(d, hn::LoadU(d8, row.sub_pixel_steps + u));
+  const auto better = hn::Add(hn::ShiftRight<5>(pixels.priors()), hn::And(packed, hn::Set(d, 1)));
+  return hn::IfThenElseZero(hn::Eq(pixels.disparities(), better), hn::ShiftRight<1>(packed));
 }
 
 // Writes a row's counts, from whole disparities or the steps that are known of candidates.
@@ -128,7 +126,7 @@ HWY_INLINE void WriteRow(const GrowthRow& row, int width, int16_t* counts) {
       const auto disparities = pixels.disparities();
       auto values = hn::ShiftLeft<5>(disparities);
       if (row.sub_pixel_steps != nullptr) {
-        values = hn::Add(values, StepsOfCandidates(row, u, pixels.priors(), disparities));
+        values = hn::Add(values, StepsOfCandidates(row, u, pixels));
       }
       const auto matched = hn::Gt(disparities, hn::Set(d, LeftPixel::kClosed));
       values = hn::IfThenElse(matched, values, hn::Set(d, DisparityImage::kInvalid));
@@ -163,24 +161,21 @@ void Write(const GrowthRule& rule, const GrowthBand& band, DisparityImage& map) 
   }
 }
 
-template <GrowConfig::Similarity kSimilarity>
-void GrowSeeds(const GrowthRule& rule, GrowthBand& band) {
-  AddSeeds<kSimilarity>(rule, band);
-  if (rule.two_candidates()) {
-    Tabulate(rule, band);
-    return Growth(TabledMatches(), band).Run();
-  }
-  Growth(ComputedMatches<kSimilarity>(rule, band), band).Run();
+template <class Matches>
+void GrowSeeds(const Matches& matches, GrowthBand& band) {
+  AddSeeds(matches, band);
+  Growth(matches, band).Run();
 }
 
 void GrowFromSeedsOnTarget(const GrowthRule& rule, GrowthBand& band) {
+  if (rule.two_candidates()) return GrowSeeds(TabledMatches(), band);
   switch (rule.similarity) {
     case GrowConfig::MNCC:
-      return GrowSeeds<GrowConfig::MNCC>(rule, band);
+      return GrowSeeds(ComputedMatches<GrowConfig::MNCC>(rule, band), band);
     case GrowConfig::EXPSSD:
-      return GrowSeeds<GrowConfig::EXPSSD>(rule, band);
+      return GrowSeeds(ComputedMatches<GrowConfig::EXPSSD>(rule, band), band);
     case GrowConfig::EPC:
-      return GrowSeeds<GrowConfig::EPC>(rule, band);
+      return GrowSeeds(ComputedMatches<GrowConfig::EPC>(rule, band), band);
   }
 }
 

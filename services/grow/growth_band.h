@@ -36,28 +36,17 @@ class Candidates {
   uint32_t packed_;
 };
 
-/// Of the candidates, steps from the whole disparity to the least cost, counts; a byte each.
-class SubPixelSteps {
- public:
-  explicit SubPixelSteps(uint16_t packed = 0) : packed_(packed) {}
-  int Of(int which) const { return static_cast<int8_t>(packed_ >> (8 * which)); }
-
- private:
-  uint16_t packed_;
-};
-
 /// What growth touches of a left pixel, in one place.
 struct LeftPixel {
   static constexpr int16_t kFree = DisparityImage::kInvalid;  // not matched yet
   static constexpr int16_t kClosed = kFree + 1;               // can never be matched
 
   union {
-    int32_t energy;         // Σ w² of its window; with MNCC n²·var
-    Candidates candidates;  // after Tabulate()
+    SeedQueue::Id next;     // matched: link of the queue of seeds
+    Candidates candidates;  // free, with rule.two_candidates()
   };
-  SeedQueue::Id next;  // link of the queue of seeds
-  int16_t prior;       // counts
-  int16_t disparity;   // px, or kFree or kClosed
+  int16_t prior;      // counts
+  int16_t disparity;  // px, or kFree or kClosed
 };
 
 /// m of Candidates, px.
@@ -66,15 +55,18 @@ inline int FirstCandidate(const LeftPixel& pixel) {
   return pixel.prior >> 5;
 }
 
-/// What growth touches of one row.
+/// The tables of one row. With candidates only the pixels and the steps outlast PrepareBand().
 struct GrowthRow {
   LeftPixel* left;
-  int32_t* right_energy;  // as of the left pixel; negative where the window does not fit
+  int32_t* left_energy;   // Σ w² of the window, with MNCC n²·var
+  int32_t* right_energy;  // the same; negative where the window does not fit
   uint16_t* left_sum;     // Σ w, only with MNCC
   uint16_t* right_sum;
   std::array<int32_t*, 3> left_pairs;  // of the window's rows 0 and 1, 2 and 3, 4: see GrowthBand
   std::array<int32_t*, 3> right_pairs;
-  uint16_t* sub_pixel_steps;  // see SubPixelSteps, only with candidates and rule.sub_pixel
+  // Only with candidates and rule.sub_pixel. Bit 0: the better candidate, 0 for m, 1 for m + 1;
+  // above it, counts from its disparity to the least cost.
+  int8_t* sub_pixel_steps;
 };
 
 /// A pixel of a band: its place in the tables `left` and `right_matched`. Its neighbours' are 1 and
@@ -93,7 +85,9 @@ struct GrowthSeed {
 ///
 /// Windows are read as pairs of pixels, one above the other, in one number: the upper one in its
 /// lower 16 bits. There is a row of pairs for every row, so a 5×5 window has its pixels in three of
-/// them, which lie two rows apart; of the last only the upper pixels are the window's.
+/// them, which lie two rows apart; of the last only the upper pixels are the window's. With
+/// candidates there is memory for the pairs of one window and the energies of one row at a time,
+/// which stays in the cache.
 class GrowthBand {
  public:
   static constexpr int kRows = 64;
@@ -113,8 +107,15 @@ class GrowthBand {
     return static_cast<int>(pixel - TableRowOf(pixel) * static_cast<PixelId>(stride_)) - kPadding;
   }
 
-  /// Rows of pairs that the windows of so many rows take.
-  static constexpr int PairRows(int rows) { return rows + 2 * kWindowRadius; }
+  /// A row of pairs, counted from the first row of the first windows: 0 to rows() + 3.
+  int32_t* LeftPairs(int pair_row) { return left_pairs_.data() + PairsAt(pair_row); }
+  int32_t* RightPairs(int pair_row) { return right_pairs_.data() + PairsAt(pair_row); }
+
+  /// As long as a row of the image. @param i  0 to 3.
+  int32_t* row_scratch(int i) { return row_scratch_.data() + i * stride_; }
+
+  /// As long as a row of the image, and kRunPixels more.
+  int16_t* prior_scratch() { return prior_scratch_.data(); }
 
   /// Entries from a row to the one below, in all tables.
   ptrdiff_t stride() const { return stride_; }
@@ -136,14 +137,13 @@ class GrowthBand {
 
   std::vector<LeftPixel> left;         ///< with a closed row above and below
   std::vector<uint8_t> right_matched;  ///< laid out as `left`
-  std::vector<int32_t> right_energy;
-  std::vector<uint16_t> left_sum, right_sum;
-  std::vector<uint16_t> sub_pixel_steps;
-  std::vector<int32_t> left_pairs, right_pairs;
-  std::vector<int32_t> row_scratch;  ///< three rows
 
  private:
   void MakeViews();
+
+  size_t PairsAt(int pair_row) const {
+    return kRunPixels + kPadding + static_cast<size_t>(pair_row % pair_rows_ * stride_);
+  }
 
   // A division by the stride.
   PixelId TableRowOf(PixelId pixel) const {
@@ -157,6 +157,14 @@ class GrowthBand {
   // One by the stride, rounded up, in fixed point: exact for all pixels of a band.
   static constexpr int kRowFraction = 40;
   uint64_t rows_per_entry_ = 0;
+  bool by_row_ = false;  // with candidates
+  int pair_rows_ = 0;
+  std::vector<int32_t> left_energy_, right_energy_;
+  std::vector<uint16_t> left_sum_, right_sum_;
+  std::vector<int8_t> sub_pixel_steps_;
+  std::vector<int32_t> left_pairs_, right_pairs_;
+  std::vector<int32_t> row_scratch_;
+  std::vector<int16_t> prior_scratch_;
   std::vector<GrowthRow> views_;
 };
 

@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "services/grow/candidates-inl.h"
 #include "services/grow/left_pixels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -32,14 +33,12 @@ void StorePairs(const uint8_t* upper, const uint8_t* lower, size_t width, int32_
   sweep(hn::CappedTag<int32_t, 1>(), rest);
 }
 
-// The pairs of a band from the first row of its first windows on. Rows outside the image are in no
-// window; any row will do.
-void FillPairs(const cv::Mat1b& image, const GrowthBand& band, int32_t* pairs) {
+// A row of a band's pairs, counted from the first row of its first windows. Rows outside the image
+// are in no window; any row will do.
+void FillPairs(const cv::Mat1b& image, const GrowthBand& band, int pair_row, int32_t* pairs) {
   const auto row = [&](int v) { return image[std::clamp(v, 0, image.rows - 1)]; };
-  for (int r = 0; r < GrowthBand::PairRows(band.rows()); ++r, pairs += band.stride()) {
-    const int v = band.first_row() - kWindowRadius + r;
-    StorePairs(row(v), row(v + 1), static_cast<size_t>(image.cols), pairs);
-  }
+  const int v = band.first_row() - kWindowRadius + pair_row;
+  StorePairs(row(v), row(v + 1), static_cast<size_t>(image.cols), pairs);
 }
 
 // sums[u] += Σ of `added` − Σ of `removed` (which may be null), squared or not.
@@ -68,25 +67,25 @@ void UpdateColumnSums(const uint8_t* added, const uint8_t* removed, size_t width
   }
 }
 
-// Column sums over the five rows around `row`. @param first  nothing is in `sums` yet.
-template <bool kSquares>
-void MoveColumnSums(const cv::Mat1b& image, int row, bool first, int32_t* sums) {
-  const auto width = static_cast<size_t>(image.cols);
-  if (!first) {
-    return UpdateColumnSums<kSquares>(image[row + kWindowRadius], image[row - kWindowRadius - 1],
-                                      width, sums);
-  }
-  std::fill_n(sums, width, 0);
-  for (int y = row - kWindowRadius; y <= row + kWindowRadius; ++y) {
-    UpdateColumnSums<kSquares>(image[y], nullptr, width, sums);
-  }
-}
-
-// Column sums of one row.
+// Column sums of one row and one image.
 struct ColumnSums {
   int32_t* squares;
   int32_t* plain;  // only with MNCC
 };
+
+// Moves sums over five rows to those around row v. @param first  nothing is in `sums` yet.
+template <bool kSquares>
+void MoveTo(int v, bool first, const cv::Mat1b& image, int32_t* sums) {
+  const auto width = static_cast<size_t>(image.cols);
+  if (!first) {
+    return UpdateColumnSums<kSquares>(image[v + kWindowRadius], image[v - kWindowRadius - 1], width,
+                                      sums);
+  }
+  std::fill_n(sums, width, 0);
+  for (int y = v - kWindowRadius; y <= v + kWindowRadius; ++y) {
+    UpdateColumnSums<kSquares>(image[y], nullptr, width, sums);
+  }
+}
 
 // Σ w² of the windows in a row, or n²·var with MNCC (then Σ w goes to `window_sums`).
 template <bool kWithSums>
@@ -114,8 +113,8 @@ void SumWindows(const ColumnSums& columns, int width, int32_t* energies, uint16_
   sweep(hn::CappedTag<int32_t, 1>(), rest);
 }
 
-// Puts energies and priors (null: none, all pixels are open) into the pixels of a row.
-void FillRow(const int32_t* energies, const int16_t* priors, int width, LeftPixel* pixels) {
+// Puts priors (null: none, all pixels are open) into the pixels of a row.
+void FillRow(const int16_t* priors, int width, LeftPixel* pixels) {
   const int end = width - kWindowRadius;
   const auto sweep = [&](auto d, int u) HWY_ATTR {
     const hn::Rebind<int16_t, decltype(d)> d16;
@@ -125,7 +124,7 @@ void FillRow(const int32_t* energies, const int16_t* priors, int width, LeftPixe
       const auto closed = hn::Eq(prior, hn::Set(d, DisparityImage::kInvalid));
       const auto disparity =
           hn::IfThenElse(closed, hn::Set(d, LeftPixel::kClosed), hn::Set(d, LeftPixel::kFree));
-      LeftPixels<decltype(d)>(hn::LoadU(d, energies + u), prior, disparity).Store(pixels + u);
+      LeftPixels<decltype(d)>(hn::Zero(d), prior, disparity).Store(pixels + u);
     }
     return u;
   };
@@ -133,41 +132,72 @@ void FillRow(const int32_t* energies, const int16_t* priors, int width, LeftPixe
   sweep(hn::CappedTag<int32_t, 1>(), rest);
 }
 
+// The tables of a band, row by row.
 template <bool kWithSums>
-void FillEnergies(const GrowthInput& input, bool with_prior, GrowthBand& band) {
-  const int width = band.width();
-  const int height = band.image_size().height;
-  const ColumnSums columns{band.row_scratch.data(), band.row_scratch.data() + width};
-  const auto fill = [&](const cv::Mat1b& image, const auto& fill_row) HWY_ATTR {
+class Tables {
+ public:
+  Tables(const GrowthInput& input, const GrowthRule& rule, GrowthBand& band)
+      : input_(input),
+        rule_(rule),
+        band_(band),
+        left_columns_{band.row_scratch(0), band.row_scratch(1)},
+        right_columns_{band.row_scratch(2), band.row_scratch(3)} {}
+
+  void Fill() {
+    constexpr int kFirstPairs = 2 * kWindowRadius;
+    for (int pair_row = 0; pair_row < kFirstPairs; ++pair_row) FillPairRow(pair_row);
     bool first = true;
-    for (int r = 0; r < band.rows(); ++r) {
-      const int v = band.first_row() + r;
-      if (v < kWindowRadius || v >= height - kWindowRadius) continue;
-      MoveColumnSums<true>(image, v, first, columns.squares);
-      if constexpr (kWithSums) MoveColumnSums<false>(image, v, first, columns.plain);
+    for (int r = 0; r < band_.rows(); ++r) {
+      FillPairRow(r + kFirstPairs);
+      const int v = band_.first_row() + r;
+      if (v < kWindowRadius || v >= band_.image_size().height - kWindowRadius) continue;
+      MoveColumnsTo(v, first, input_.left, left_columns_);
+      MoveColumnsTo(v, first, input_.right, right_columns_);
       first = false;
-      fill_row(band.row(r), v);
+      FillPixels(band_.row(r), v);
     }
-  };
-  int32_t* const energies = band.row_scratch.data() + 2 * width;
-  fill(input.left, [&](const GrowthRow& row, int v) HWY_ATTR {
-    SumWindows<kWithSums>(columns, width, energies, row.left_sum);
-    const int16_t* prior = with_prior ? input.prior.counts()[v] : nullptr;
-    FillRow(energies, prior, width, row.left);
-  });
-  fill(input.right, [&](const GrowthRow& row, int) HWY_ATTR {
-    SumWindows<kWithSums>(columns, width, row.right_energy, row.right_sum);
-  });
-}
+  }
+
+ private:
+  void FillPairRow(int pair_row) {
+    FillPairs(input_.left, band_, pair_row, band_.LeftPairs(pair_row));
+    FillPairs(input_.right, band_, pair_row, band_.RightPairs(pair_row));
+  }
+
+  static void MoveColumnsTo(int v, bool first, const cv::Mat1b& image, const ColumnSums& columns) {
+    MoveTo<true>(v, first, image, columns.squares);
+    if constexpr (kWithSums) MoveTo<false>(v, first, image, columns.plain);
+  }
+
+  void FillPixels(const GrowthRow& row, int v) {
+    const int width = band_.width();
+    SumWindows<kWithSums>(right_columns_, width, row.right_energy, row.right_sum);
+    SumWindows<kWithSums>(left_columns_, width, row.left_energy, row.left_sum);
+    const bool with_prior = rule_.similarity == GrowConfig::EPC;
+    const int16_t* const priors = with_prior ? input_.prior.counts()[v] : nullptr;
+    if (rule_.two_candidates()) return FillCandidates(priors, row);
+    FillRow(priors, width, row.left);
+  }
+
+  void FillCandidates(const int16_t* priors, const GrowthRow& row) {
+    std::copy_n(priors, band_.width(), band_.prior_scratch());
+    const auto fill = [&](auto sweep) HWY_ATTR {
+      sweep.Fill(row, band_.prior_scratch(), kWindowRadius, band_.width() - kWindowRadius);
+    };
+    rule_.sub_pixel ? fill(CandidateSweep<true>(rule_, band_.queue))
+                    : fill(CandidateSweep<false>(rule_, band_.queue));
+  }
+
+  const GrowthInput& input_;
+  const GrowthRule& rule_;
+  GrowthBand& band_;
+  ColumnSums left_columns_;
+  ColumnSums right_columns_;
+};
 
 void PrepareOnTarget(const GrowthInput& input, const GrowthRule& rule, GrowthBand& band) {
-  FillPairs(input.left, band, band.row(0).left_pairs[0]);
-  FillPairs(input.right, band, band.row(0).right_pairs[0]);
-  if (rule.similarity == GrowConfig::MNCC) {
-    FillEnergies<true>(input, false, band);
-  } else {
-    FillEnergies<false>(input, rule.similarity == GrowConfig::EPC, band);
-  }
+  if (rule.similarity == GrowConfig::MNCC) return Tables<true>(input, rule, band).Fill();
+  Tables<false>(input, rule, band).Fill();
 }
 
 }  // namespace HWY_NAMESPACE

@@ -28,42 +28,38 @@ class LeftPixels {
  public:
   using V = hn::Vec<D>;
 
-  HWY_INLINE LeftPixels(V energies, V priors, V disparities)
-      : numbers_(energies),
-        links_(hn::Zero(D())),
+  HWY_INLINE LeftPixels(V candidates, V priors, V disparities)
+      : numbers_(candidates),
         places_(hn::Or(hn::And(priors, hn::Set(D(), 0xffff)), hn::ShiftLeft<16>(disparities))) {}
 
   // Those from `first` on.
   explicit HWY_INLINE LeftPixels(const LeftPixel* first) {
     Memory memory;
     std::memcpy(memory.data(), first, sizeof(Memory));
-    hn::LoadInterleaved3(D(), memory.data(), numbers_, links_, places_);
+    hn::LoadInterleaved2(D(), memory.data(), numbers_, places_);
   }
 
   HWY_INLINE void Store(LeftPixel* first) const {
     Memory memory;
-    hn::StoreInterleaved3(numbers_, links_, places_, D(), memory.data());
+    hn::StoreInterleaved2(numbers_, places_, D(), memory.data());
     std::memcpy(static_cast<void*>(first), memory.data(), sizeof(Memory));
   }
 
-  HWY_INLINE V energies() const { return numbers_; }
   HWY_INLINE V priors() const { return hn::ShiftRight<16>(hn::ShiftLeft<16>(places_)); }
   HWY_INLINE V disparities() const { return hn::ShiftRight<16>(places_); }
 
-  // Candidates in the place of energies, and new disparities, where the mask is set.
-  HWY_INLINE void Replace(hn::Mask<D> mask, V candidates, V disparities) {
-    const LeftPixels other(candidates, places_, disparities);
-    numbers_ = hn::IfThenElse(mask, other.numbers_, numbers_);
-    places_ = hn::IfThenElse(mask, other.places_, places_);
+  HWY_INLINE void ReplaceUnless(hn::Mask<D> mask, const LeftPixels& others) {
+    numbers_ = hn::IfThenElse(mask, numbers_, others.numbers_);
+    places_ = hn::IfThenElse(mask, places_, others.places_);
   }
 
  private:
-  // A pixel is three numbers: energy or candidates, link, and prior with the disparity above it.
-  static_assert(sizeof(LeftPixel) == 3 * sizeof(int32_t) &&
+  // A pixel is two numbers: candidates or a link, and prior with the disparity above it.
+  static_assert(sizeof(LeftPixel) == 2 * sizeof(int32_t) &&
                 std::endian::native == std::endian::little);
-  using Memory = std::array<int32_t, 3 * hn::MaxLanes(D())>;
+  using Memory = std::array<int32_t, 2 * hn::MaxLanes(D())>;
 
-  V numbers_, links_, places_;
+  V numbers_, places_;
 };
 
 }  // namespace HWY_NAMESPACE

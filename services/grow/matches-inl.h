@@ -47,6 +47,13 @@ class ComputedMatches {
     return BestOf(costs, d, rule_, band_.queue);
   }
 
+  // Of a seed of disparity d.
+  HWY_INLINE int LevelOf(PixelId id, const LeftPixel&, int d) const {
+    const GrowthRow& row = band_.row(band_.RowOf(id));
+    return band_.queue.LevelOf(
+        ToNumbers(FourCosts<kSimilarity>(rule_, row, band_.ColumnOf(id), d))[1]);
+  }
+
  private:
   // The prior alone rules out d − 1, d and d + 1.
   bool IsFarFromPrior(const LeftPixel& pixel, int d) const {
@@ -71,6 +78,11 @@ class TabledMatches {
     const unsigned which = candidates.Better(near);
     return {m + static_cast<int>(which),
             candidates.IsAccepted(which) ? candidates.Level(which) : kRefused};
+  }
+
+  HWY_INLINE int LevelOf(PixelId, const LeftPixel& pixel, int d) const {
+    const auto which = static_cast<unsigned>(d - FirstCandidate(pixel));
+    return which < 2 ? pixel.candidates.Level(which) : SeedQueue::kLevels - 1;
   }
 };
 

@@ -27,17 +27,20 @@ class SeedQueue {
     first_.fill(kNone);
     occupied_.fill(0);
     occupied_words_ = 0;
-    levels_per_cost_ = static_cast<float>(kLevels) / static_cast<float>(limit + 1);
+    limit_ = limit;
+    levels_per_cost_ = (kLevels << kLevelFraction) / (limit + 1);
   }
 
-  float levels_per_cost() const { return levels_per_cost_; }
+  /// LevelOf() for those who compute many at once: min(cost, limit) times this, shifted to the
+  /// right by kLevelFraction.
+  int32_t levels_per_cost() const { return levels_per_cost_; }
+  static constexpr int kLevelFraction = 22;
 
   bool empty() const { return occupied_words_ == 0; }
 
   /// 0 to kLevels − 1.
   int LevelOf(int32_t cost) const {
-    constexpr float kLast = kLevels - 1;
-    return static_cast<int>(std::min(static_cast<float>(cost) * levels_per_cost_, kLast));
+    return std::min(cost, limit_) * levels_per_cost_ >> kLevelFraction;
   }
 
   /// @param next  the link that lies with this seed; a seed is in the queue once at a time.
@@ -69,7 +72,8 @@ class SeedQueue {
   std::array<Id, kLevels> first_{};
   std::array<uint64_t, kLevels / 64> occupied_{};  // bit n of word w: level 64w + n holds a seed
   uint32_t occupied_words_ = 0;                    // bit w: word w is not zero
-  float levels_per_cost_ = 0;
+  int32_t limit_ = 0;
+  int32_t levels_per_cost_ = 0;  // in fixed point
 };
 
 }  // namespace sprout

@@ -113,7 +113,6 @@ class LeftRun {
 // Costs of d + 1, d, d − 1 and d − 2 at a pixel.
 template <GrowConfig::Similarity kSimilarity>
 Four FourCosts(const GrowthRule& rule, const GrowthRow& row, int u, int d) {
-  const LeftPixel& pixel = row.left[u];
   const auto one = [](int32_t number) { return hn::Set(hn::CappedTag<int32_t, 1>(), number); };
   const Four right = RightEnergies(row, u, d);
   Four cross = CrossSums(row, u, d);
@@ -128,9 +127,9 @@ Four FourCosts(const GrowthRule& rule, const GrowthRow& row, int u, int d) {
       costs[at] = kExcludedCost;
       continue;
     }
-    auto cost = PhotoCosts<kSimilarity>(rule, one(pixel.energy + right[at]), one(cross[at]));
+    auto cost = PhotoCosts<kSimilarity>(rule, one(row.left_energy[u] + right[at]), one(cross[at]));
     if constexpr (kSimilarity == GrowConfig::EPC) {
-      const int distance = disparity * DisparityImage::kCountsPerPixel - pixel.prior;
+      const int distance = disparity * DisparityImage::kCountsPerPixel - row.left[u].prior;
       cost = hn::Add(cost, PriorCosts(rule, one(distance)));
     }
     costs[at] = hn::GetLane(WholeCosts(cost, one(right[at]), one(disparity)));
@@ -279,7 +278,6 @@ HWY_INLINE Four RightEnergies(const GrowthRow& row, int u, int d) {
 template <GrowConfig::Similarity kSimilarity>
 HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthRow& row, int u, int d) {
   const DFour d4;
-  const LeftPixel& pixel = row.left[u];
   const Four right = RightEnergies(row, u, d);
   const Four disparities = hn::Add(hn::Set(d4, d), LoadFour({1, 0, -1, -2}));
   Four cross = CrossSums(row, u, d);
@@ -289,16 +287,38 @@ HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthRow& row, int u, i
     cross = hn::Sub(hn::Mul(hn::Set(d4, kWindow * kWindow), cross),
                     hn::Mul(hn::Set(d4, row.left_sum[u]), right_sums));
   }
-  auto cost = PhotoCosts<kSimilarity>(rule, hn::Add(hn::Set(d4, pixel.energy), right), cross);
+  auto cost = PhotoCosts<kSimilarity>(rule, hn::Add(hn::Set(d4, row.left_energy[u]), right), cross);
   if constexpr (kSimilarity == GrowConfig::EPC) {  // eq. (6)
     static_assert(DisparityImage::kCountsPerPixel == 1 << 5);
-    const Four distances = hn::Sub(hn::ShiftLeft<5>(disparities), hn::Set(d4, pixel.prior));
+    const Four distances = hn::Sub(hn::ShiftLeft<5>(disparities), hn::Set(d4, row.left[u].prior));
     cost = hn::Add(cost, PriorCosts(rule, distances));
   }
   return WholeCosts(cost, right, disparities);
 }
 
 #endif  // HWY_TARGET == HWY_SCALAR
+
+// Where between d − 1 and d + 1 the parabola through their costs has its minimum, from d, counts;
+// none where a cost is missing or d is not better than the two others.
+template <class V>
+HWY_INLINE V StepsToMinimum(V minus_one, V cost, V plus_one) {
+  const hn::DFromV<V> d;
+  const hn::RebindToFloat<decltype(d)> df;
+  const V before = hn::Sub(minus_one, cost);
+  const V behind = hn::Sub(plus_one, cost);
+  const V sum = hn::Add(before, behind);
+  const auto missing = hn::Eq(hn::Max(minus_one, plus_one), hn::Set(d, kExcludedCost));
+  const auto none = hn::Or(missing, hn::Lt(hn::Min(before, behind), hn::Set(d, 1)));
+  // Half a pixel times (before − behind) / (before + behind), rounded to nearest: a float of so
+  // large a number has no bits left for fractions.
+  constexpr float kHalf = DisparityImage::kCountsPerPixel / 2;
+  const auto difference = hn::IfThenZeroElse(none, hn::Sub(before, behind));
+  const auto divisor = hn::Max(sum, hn::Set(d, 1));
+  const auto step = hn::Div(hn::Mul(hn::Set(df, kHalf), hn::ConvertTo(df, difference)),
+                            hn::ConvertTo(df, divisor));
+  const auto large = hn::Set(df, 3 << 22);
+  return hn::Sub(hn::BitCast(d, hn::Add(step, large)), hn::BitCast(d, large));
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace sprout

@@ -142,9 +142,8 @@ class SlowGrowth {
 
   // Into one of 256 levels of equal width; beyond the limit all share the last.
   void Add(const Correspondence& s, int64_t cost) {
-    const float per_cost = 256.0F / static_cast<float>(limit_ + 1);
-    const auto level =
-        std::min<int64_t>(static_cast<int64_t>(static_cast<float>(cost) * per_cost), 255);
+    const int64_t levels_per_cost = (int64_t{256} << 22) / (limit_ + 1);
+    const int64_t level = std::min(cost, limit_) * levels_per_cost >> 22;
     seeds_[static_cast<size_t>(s.v / kBandRows)][level].push_back(s);
   }
 
@@ -200,10 +199,10 @@ class SlowGrowth {
         const Correspondence less{u, v, q.d - 1}, more{u, v, q.d + 1};
         if (!Inside(less) || !Inside(more)) continue;
         const int64_t before = *Cost(less) - *Cost(q), behind = *Cost(more) - *Cost(q);
-        if (before < 0 || behind < 0 || before + behind == 0) continue;
+        if (before <= 0 || behind <= 0) continue;
         const float step =
             16 * static_cast<float>(before - behind) / static_cast<float>(before + behind);
-        stepped.counts()(v, u) += static_cast<int16_t>(static_cast<int>(step + 16.5F) - 16);
+        stepped.counts()(v, u) += static_cast<int16_t>(std::lrint(step));
       }
     }
     return stepped;
