@@ -4,6 +4,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Hilbert_policy_tags.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
+#include <CGAL/hilbert_sort.h>
 #include <CGAL/spatial_sort.h>
 
 #include <algorithm>
@@ -13,6 +14,8 @@
 #include <cstdint>
 #include <tuple>
 #include <utility>
+
+#include "common/core/parallel.h"
 
 namespace sprout {
 namespace {
@@ -175,12 +178,12 @@ const std::vector<SeedTriangle>& Triangulator::Triangulate(std::span<const Seed>
 void Triangulator::Connect() {
   Delaunay& delaunay = mesh_->delaunay;
   // Along a space-filling curve in rounds, with a shuffle from a fixed start: repeatable.
-  const auto sort = [](std::vector<Position>& positions) {
+  const auto sort_in_rounds = [](std::vector<Position>& positions) {
     CGAL::spatial_sort(positions.begin(), positions.end(), SortTraits(),
                        CGAL::Hilbert_sort_middle_policy());
   };
   const auto point = [](const Position& at) { return Point(at.u, at.v); };
-  sort(corners_);
+  sort_in_rounds(corners_);
   std::array<Point, 3> first{point(corners_[0]), point(corners_[1]), point(corners_[2])};
   if (WholeNumberKernel::Orientation_2()(first[0], first[1], first[2]) == CGAL::CLOCKWISE) {
     std::swap(first[1], first[2]);
@@ -194,8 +197,28 @@ void Triangulator::Connect() {
     }
   };
   insert(corners_);
-  sort(positions_);
-  insert(positions_);  // the corners are found to be there
+  // The last round, most positions, is sorted while those before go in. Corners are found to be
+  // there.
+  const auto insert_early_ones = [&] {
+    sort_in_rounds(early_positions_);
+    insert(early_positions_);
+  };
+  const auto sort_late_ones = [&] {
+    CGAL::hilbert_sort(late_positions_.begin(), late_positions_.end(), SortTraits(),
+                       CGAL::Hilbert_sort_middle_policy());
+  };
+  SplitPositions();
+  RunBoth(insert_early_ones, sort_late_ones);
+  insert(late_positions_);
+}
+
+// Every fourth position goes in before the others.
+void Triangulator::SplitPositions() {
+  early_positions_.clear();
+  late_positions_.clear();
+  for (size_t i = 0; i < positions_.size(); ++i) {
+    (i % 4 == 0 ? early_positions_ : late_positions_).push_back(positions_[i]);
+  }
 }
 
 // Of the convex hull, without positions on its edges; counter-clockwise in a frame with v upwards.
