@@ -49,8 +49,8 @@ class GridStep {
   // have no width: corners coincide.
   std::optional<bool> AreNear(int u, int v, int near_plus_far) const {
     const int wide = 2 * step_;
-    const int left = u - u % wide;
-    const int above = v - v % wide;
+    const int left = u & -wide;  // steps are powers of two, and divisions are slow
+    const int above = v & -wide;
     const int right = left == u ? left : left + wide;
     const int below = above == v ? above : above + wide;
     if (right >= prior_.cols || below >= prior_.rows) return std::nullopt;
