@@ -117,7 +117,8 @@ void Grower::PrepareScratch(cv::Size size, const GrowthRule& rule) {
 
 // Sorts the seeds by bands, each band's in the order given.
 void Grower::DistributeSeeds(std::span<const Seed> seeds, cv::Size size) {
-  seeds_.resize(seeds.size());
+  rounded_seeds_.clear();
+  rounded_seeds_.reserve(seeds.size());
   const cv::Rect centres = WindowCentres(size);
   std::vector<size_t>& end = seeds_end_;
   end.assign(bands_.size() + 1, 0);
@@ -125,19 +126,17 @@ void Grower::DistributeSeeds(std::span<const Seed> seeds, cv::Size size) {
     return static_cast<size_t>(seed.v / GrowthBand::kRows);
   };
   for (const Seed& seed : seeds) {
-    if (const GrowthSeed rounded = Rounded(seed, centres); rounded.v >= 0) {
-      ++end[band_of(rounded) + 1];
-    }
+    const GrowthSeed rounded = Rounded(seed, centres);
+    if (rounded.v < 0) continue;
+    rounded_seeds_.push_back(rounded);
+    ++end[band_of(rounded) + 1];
   }
+  seeds_.resize(rounded_seeds_.size());
   for (size_t i = 1; i < end.size(); ++i) end[i] += end[i - 1];
   for (size_t i = 0; i < bands_.size(); ++i) {
     bands_[i].seeds = std::span(seeds_).subspan(end[i], end[i + 1] - end[i]);
   }
-  for (const Seed& seed : seeds) {
-    if (const GrowthSeed rounded = Rounded(seed, centres); rounded.v >= 0) {
-      seeds_[end[band_of(rounded)]++] = rounded;
-    }
-  }
+  for (const GrowthSeed& seed : rounded_seeds_) seeds_[end[band_of(seed)]++] = seed;
 }
 
 void Grower::GrowBands(const GrowthInput& input, const GrowthRule& rule) {
@@ -168,8 +167,8 @@ double Grower::SigmaP(std::span<const Seed> seeds, const DisparityImage& prior) 
 }
 
 size_t Grower::scratch_bytes() const {
-  size_t bytes = seeds_.capacity() * sizeof(GrowthSeed) + seams_.capacity() * sizeof(int16_t) +
-                 deviations_.capacity() * sizeof(float);
+  size_t bytes = (seeds_.capacity() + rounded_seeds_.capacity()) * sizeof(GrowthSeed) +
+                 seams_.capacity() * sizeof(int16_t) + deviations_.capacity() * sizeof(float);
   for (const GrowthBand& band : bands_) bytes += band.bytes();
   return bytes;
 }

@@ -52,8 +52,9 @@ class Grower {
 
   GrowConfig config_;
   std::vector<GrowthBand> bands_;
-  std::vector<GrowthSeed> seeds_;
-  std::vector<size_t> seeds_end_;  // of each band
+  std::vector<GrowthSeed> rounded_seeds_;  // in the order given
+  std::vector<GrowthSeed> seeds_;          // by bands
+  std::vector<size_t> seeds_end_;          // of each band
   std::vector<int16_t> seams_;
   std::vector<float> deviations_;
   DisparityImage map_;
