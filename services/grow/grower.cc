@@ -109,9 +109,10 @@ Result<DisparityImage> Grower::Compute(const cv::Mat1b& left, const cv::Mat1b& r
 }
 
 void Grower::PrepareScratch(cv::Size size, const GrowthRule& rule) {
-  bands_.resize(static_cast<size_t>((size.height + GrowthBand::kRows - 1) / GrowthBand::kRows));
+  const int rows = GrowthBand::RowsPerBand(size.height);
+  bands_.resize(static_cast<size_t>((size.height + rows - 1) / rows));
   for (size_t i = 0; i < bands_.size(); ++i) {
-    bands_[i].Resize(size, static_cast<int>(i) * GrowthBand::kRows, rule);
+    bands_[i].Resize(size, static_cast<int>(i) * rows, rule);
   }
 }
 
@@ -122,8 +123,8 @@ void Grower::DistributeSeeds(std::span<const Seed> seeds, cv::Size size) {
   const cv::Rect centres = WindowCentres(size);
   std::vector<size_t>& end = seeds_end_;
   end.assign(bands_.size() + 1, 0);
-  const auto band_of = [](const GrowthSeed& seed) {
-    return static_cast<size_t>(seed.v / GrowthBand::kRows);
+  const auto band_of = [rows = GrowthBand::RowsPerBand(size.height)](const GrowthSeed& seed) {
+    return static_cast<size_t>(seed.v / rows);
   };
   for (const Seed& seed : seeds) {
     const GrowthSeed rounded = Rounded(seed, centres);

@@ -20,9 +20,9 @@ namespace sprout {
 /// seeds enter it in the order given; neighbours are visited left, right, up, down; of three
 /// equally similar disparities d comes before d − 1 before d + 1.
 ///
-/// The image is cut into bands of GrowthBand::kRows rows. Each grows from its own seeds; when all
-/// have come to rest, each grows on from the pixels of its neighbours' border rows, and so on until
-/// nothing changes. So the bands can grow at the same time, on OpenCV's threads
+/// The image is cut into bands of GrowthBand::RowsPerBand() rows. Each grows from its own seeds;
+/// when all have come to rest, each grows on from the pixels of its neighbours' border rows, and so
+/// on until nothing changes. So the bands can grow at the same time, on OpenCV's threads
 /// (cv::setNumThreads), and the same input gives the same bytes on every machine, with any number
 /// of threads and any instruction set.
 class Grower {

@@ -23,7 +23,7 @@ void GrowthBand::Resize(cv::Size size, int first_row, const GrowthRule& rule) {
   }
   size_ = size;
   by_row_ = by_row;
-  rows_ = std::min(kRows, size.height - first_row);
+  rows_ = std::min(RowsPerBand(size.height), size.height - first_row);
   pair_rows_ = by_row ? kWindow : rows_ + 2 * kWindowRadius;
   stride_ = size.width + 2 * kPadding;
   rows_per_entry_ = (uint64_t{1} << kRowFraction) / static_cast<uint64_t>(stride_) + 1;

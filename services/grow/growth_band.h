@@ -90,10 +90,17 @@ struct GrowthSeed {
 /// which stays in the cache.
 class GrowthBand {
  public:
-  static constexpr int kRows = 64;
+  static constexpr int kMostRows = 64;
   static constexpr int kPadding = 4;              ///< entries on either side of a row in each table
   static constexpr int kRunPixels = 16;           ///< neighbours that are looked at together
   static constexpr int32_t kOutside = INT32_MIN;  ///< right_energy where the window does not fit
+
+  /// Rows of the bands of an image; the last may have fewer. As even as can be, so that none of two
+  /// threads has a whole band more to do than the other.
+  static int RowsPerBand(int height) {
+    const int bands = (height + kMostRows - 1) / kMostRows;
+    return (height + bands - 1) / bands;
+  }
 
   /// @param size  of the images. Allocates when it, or what the rule needs, has changed.
   void Resize(cv::Size size, int first_row, const GrowthRule& rule);

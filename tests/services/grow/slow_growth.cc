@@ -71,7 +71,7 @@ int64_t Limit(const GrowConfig& config) {
   return static_cast<int64_t>(std::floor(limit * kUnit + 0.5));
 }
 
-// Alg. 1 in bands of 64 rows.
+// Alg. 1 in bands of equal height, 64 rows at most.
 class SlowGrowth {
  public:
   SlowGrowth(const GrowConfig& config, const cv::Mat1b& left, const cv::Mat1b& right,
@@ -83,7 +83,9 @@ class SlowGrowth {
         map_(left.size()),
         right_matched_(left.size(), uint8_t{0}),
         limit_(Limit(config)),
-        seeds_(static_cast<size_t>((left.rows + kBandRows - 1) / kBandRows)) {}
+        bands_((left.rows + 63) / 64),
+        band_rows_((left.rows + bands_ - 1) / bands_),
+        seeds_(static_cast<size_t>(bands_)) {}
 
   DisparityImage Run(std::span<const Seed> initial) {
     for (const Seed& seed : initial) {
@@ -99,8 +101,8 @@ class SlowGrowth {
     while (changed) {
       const cv::Mat1s before = map_.counts().clone();
       for (int band = 0; band < bands; ++band) {
-        const int top = band * kBandRows;
-        const int bottom = std::min(top + kBandRows, left_.rows) - 1;
+        const int top = band * band_rows_;
+        const int bottom = std::min(top + band_rows_, left_.rows) - 1;
         if (band > 0) CrossFrom(before, top - 1, top);
         if (band + 1 < bands) CrossFrom(before, bottom + 1, bottom);
         GrowBand(band);
@@ -111,8 +113,6 @@ class SlowGrowth {
   }
 
  private:
-  static constexpr int kBandRows = 64;
-
   bool Inside(const Correspondence& q) const {
     const auto column_fits = [&](int u) { return u >= 2 && u < left_.cols - 2; };
     return q.d >= 0 && column_fits(q.u) && column_fits(q.u - q.d) && q.v >= 2 &&
@@ -144,7 +144,7 @@ class SlowGrowth {
   void Add(const Correspondence& s, int64_t cost) {
     const int64_t levels_per_cost = (int64_t{256} << 22) / (limit_ + 1);
     const int64_t level = std::min(cost, limit_) * levels_per_cost >> 22;
-    seeds_[static_cast<size_t>(s.v / kBandRows)][level].push_back(s);
+    seeds_[static_cast<size_t>(s.v / band_rows_)][level].push_back(s);
   }
 
   void GrowBand(int band) {
@@ -157,7 +157,7 @@ class SlowGrowth {
       if (best.empty()) levels.erase(levels.begin());
       for (const auto& [du, dv] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
         const int v = s.v + dv;
-        if (v >= 0 && v / kBandRows == band) Visit({s.u + du, v, s.d});
+        if (v >= 0 && v / band_rows_ == band) Visit({s.u + du, v, s.d});
       }
     }
   }
@@ -215,6 +215,8 @@ class SlowGrowth {
   DisparityImage map_;
   cv::Mat1b right_matched_;
   int64_t limit_;
+  int bands_;
+  int band_rows_;
   std::vector<std::map<int64_t, std::vector<Correspondence>>> seeds_;  // of each band, by level
 };
 
