@@ -83,9 +83,8 @@ class SlowGrowth {
         map_(left.size()),
         right_matched_(left.size(), uint8_t{0}),
         limit_(Limit(config)),
-        bands_((left.rows + 63) / 64),
-        band_rows_((left.rows + bands_ - 1) / bands_),
-        seeds_(static_cast<size_t>(bands_)) {}
+        seeds_(static_cast<size_t>((left.rows + 63) / 64)),
+        band_rows_((left.rows + bands() - 1) / bands()) {}
 
   DisparityImage Run(std::span<const Seed> initial) {
     for (const Seed& seed : initial) {
@@ -94,17 +93,16 @@ class SlowGrowth {
                              static_cast<int>(std::lround(seed.u - seed.u_right))};
       if (Inside(s)) Add(s, Cost(s).value_or(INT32_MAX));
     }
-    const int bands = static_cast<int>(seeds_.size());
-    for (int band = 0; band < bands; ++band) GrowBand(band);
+    for (int band = 0; band < bands(); ++band) GrowBand(band);
     // From the borders of the neighbours, as the round before has left them, until all is at rest.
     bool changed = true;
     while (changed) {
       const cv::Mat1s before = map_.counts().clone();
-      for (int band = 0; band < bands; ++band) {
+      for (int band = 0; band < bands(); ++band) {
         const int top = band * band_rows_;
         const int bottom = std::min(top + band_rows_, left_.rows) - 1;
         if (band > 0) CrossFrom(before, top - 1, top);
-        if (band + 1 < bands) CrossFrom(before, bottom + 1, bottom);
+        if (band + 1 < bands()) CrossFrom(before, bottom + 1, bottom);
         GrowBand(band);
       }
       changed = cv::countNonZero(before != map_.counts()) > 0;
@@ -113,6 +111,8 @@ class SlowGrowth {
   }
 
  private:
+  int bands() const { return static_cast<int>(seeds_.size()); }
+
   bool Inside(const Correspondence& q) const {
     const auto column_fits = [&](int u) { return u >= 2 && u < left_.cols - 2; };
     return q.d >= 0 && column_fits(q.u) && column_fits(q.u - q.d) && q.v >= 2 &&
@@ -215,9 +215,8 @@ class SlowGrowth {
   DisparityImage map_;
   cv::Mat1b right_matched_;
   int64_t limit_;
-  int bands_;
-  int band_rows_;
   std::vector<std::map<int64_t, std::vector<Correspondence>>> seeds_;  // of each band, by level
+  int band_rows_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // What the prior allocates once it has seen a frame: nothing.
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <random>
 #include <vector>
@@ -35,10 +36,15 @@ struct Input {
   std::vector<Seed> seeds;
 };
 
-// Of one frame in steady state.
-template <typename Run>
-double AllocationsOf(const Run& run) {
+// In steady state, of two frames.
+int64_t AllocationsOf(PriorConfig::Method method) {
   cv::setNumThreads(1);  // handing work to other threads is OpenCV's business
+  PriorConfig config;
+  config.set_method(method);
+  PriorEstimator estimator(config);
+  const auto run = [&](const Input& input) {
+    EXPECT_TRUE(estimator.Compute(input.left, input.right, input.seeds, input.left.size()));
+  };
   const Input first({200, 150}, 1);
   const Input second({200, 150}, 2);
   for (int i = 0; i < 2; ++i) {
@@ -48,21 +54,12 @@ double AllocationsOf(const Run& run) {
   const AllocationGuard guard;
   run(first);
   run(second);
-  return static_cast<double>(guard.count()) / 2;
-}
-
-double AllocationsOfMethod(PriorConfig::Method method) {
-  PriorConfig config;
-  config.set_method(method);
-  PriorEstimator estimator(config);
-  return AllocationsOf([&](const Input& input) {
-    EXPECT_TRUE(estimator.Compute(input.left, input.right, input.seeds, input.left.size()));
-  });
+  return guard.count();
 }
 
 TEST(Allocation, PriorAllocatesNothing) {
-  EXPECT_EQ(AllocationsOfMethod(PriorConfig::DELAUNAY), 0);
-  EXPECT_EQ(AllocationsOfMethod(PriorConfig::EDGES), 0);
+  EXPECT_EQ(AllocationsOf(PriorConfig::DELAUNAY), 0);
+  EXPECT_EQ(AllocationsOf(PriorConfig::EDGES), 0);
 }
 
 }  // namespace
