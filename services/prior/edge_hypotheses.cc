@@ -96,9 +96,11 @@ class SplitTriangle {
   Linear share_of_other_;
 };
 
-float SpreadPx(const std::array<LocalPlane, 3>& planes) {
-  const auto [least, most] =
-      std::minmax({planes[0].disparity, planes[1].disparity, planes[2].disparity});
+float SpreadPx(const SeedSurface& surface, const SeedTriangle& triangle) {
+  const auto disparity = [&](size_t i) {
+    return surface.planes[static_cast<size_t>(triangle[i])].disparity;
+  };
+  const auto [least, most] = std::minmax({disparity(0), disparity(1), disparity(2)});
   return most - least;
 }
 
@@ -126,8 +128,8 @@ void PaintEdgeHypotheses(const SeedSurface& surface, std::span<const SeedTriangl
   std::vector<EdgeTriangle>& edges = hypotheses.edges;
   edges.clear();
   for (const SeedTriangle& triangle : triangles) {
+    if (SpreadPx(surface, triangle) < static_cast<float>(edge_px)) continue;
     const std::array<LocalPlane, 3> planes = planes_of(triangle);
-    if (SpreadPx(planes) < static_cast<float>(edge_px)) continue;
     edges.push_back(
         {triangle, ReachOf(Position(planes[0]), Position(planes[1]), Position(planes[2]))});
   }

@@ -93,17 +93,16 @@ void PaintTriangle(const Seed& a, const Seed& b, const Seed& c, const cv::Range&
 // Outside the hull: the value of the nearest pixel that has one.
 void ExtendBeyondHull(const Hull& hull, DisparityImage& map) {
   const std::vector<PixelRun>& runs = hull.runs();
-  PaintInBands(map.height(), [&](const cv::Range& rows) {
-    for (int v = rows.start; v < rows.end; ++v) {
-      const size_t row = hull.AtOrBelow(v);
-      const PixelRun own = runs[row].v == v ? runs[row] : PixelRun{v, map.width(), map.width()};
-      size_t run = row;
-      for (int u = 0; u < map.width(); ++u) {
-        if (u == own.begin) u = own.end;
-        if (u == map.width()) break;
-        run = hull.Nearest(u, v, run);
-        map.counts()(v, u) = map.counts()(runs[run].v, Hull::NearestColumn(u, runs[run]));
-      }
+  ForEachParallel(static_cast<size_t>(map.height()), [&](size_t index) {
+    const auto v = static_cast<int>(index);
+    const size_t row = hull.AtOrBelow(v);
+    const PixelRun own = runs[row].v == v ? runs[row] : PixelRun{v, map.width(), map.width()};
+    size_t run = row;
+    for (int u = 0; u < map.width(); ++u) {
+      if (u == own.begin) u = own.end;
+      if (u == map.width()) break;
+      run = hull.Nearest(u, v, run);
+      map.counts()(v, u) = map.counts()(runs[run].v, Hull::NearestColumn(u, runs[run]));
     }
   });
 }
@@ -129,12 +128,11 @@ Result<DisparityImage> SeedInterpolator::Interpolate(std::span<const Seed> seeds
     const auto seed = [&](size_t i) { return seeds[static_cast<size_t>(triangle[i])]; };
     return std::array{seed(0), seed(1), seed(2)};
   };
-  reach_.clear();
-  reach_.reserve(triangles.size());
-  for (const SeedTriangle& triangle : triangles) {
-    const auto [a, b, c] = corners(triangle);
-    reach_.push_back(ReachOf(a, b, c));
-  }
+  reach_.resize(triangles.size());
+  ForEachParallel(triangles.size(), [&](size_t i) {
+    const auto [a, b, c] = corners(triangles[i]);
+    reach_[i] = ReachOf(a, b, c);
+  });
   map.counts().create(size);
   PaintInBands(size.height, [&](const cv::Range& rows) {
     Clear(map, rows);

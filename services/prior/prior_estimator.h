@@ -37,7 +37,7 @@ class PriorEstimator {
   ///          covers a pixel, when an image that is used has another size, or when a side is longer
   ///          than kLargestSide.
   /// O(n log n + pixels); no I/O; on OpenCV's threads, with the same result for any number. Keeps
-  /// its memory from frame to frame (EDGES: about 16 bytes a pixel and 450 a seed), so one object
+  /// its memory from frame to frame (EDGES: about 16 bytes a pixel and 500 a seed), so one object
   /// serves one caller at a time; a map that nobody else holds any more is used again. Allocates
   /// nothing in steady state.
   Result<DisparityImage> Compute(const cv::Mat& left, const cv::Mat& right,

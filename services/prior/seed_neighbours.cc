@@ -13,20 +13,29 @@ void SeedNeighbours::Find(size_t seeds, std::span<const SeedTriangle> triangles)
   size_t end = 0;
   for (List& list : lists_) end += std::exchange(list.begin, end);
   seeds_.resize(end);
+  // All triangles turn the same way: of those at a seed each has another neighbour behind it.
+  // Inside the hull these are all; on the hull, or beside a gap, one neighbour is only ever before
+  // the seed.
   for (const auto& [a, b, c] : triangles) {
-    Add(a, b, c);
-    Add(b, c, a);
-    Add(c, a, b);
+    Add(a, b);
+    Add(b, c);
+    Add(c, a);
+  }
+  for (const auto& [a, b, c] : triangles) {
+    AddUnknown(a, c);
+    AddUnknown(b, a);
+    AddUnknown(c, b);
   }
 }
 
-void SeedNeighbours::Add(int seed, int one, int other) {
+void SeedNeighbours::Add(int seed, int neighbour) {
   List& list = lists_[static_cast<size_t>(seed)];
-  for (int neighbour : {one, other}) {
-    const std::span<const int> known = Of(seed);
-    if (std::find(known.begin(), known.end(), neighbour) != known.end()) continue;
-    seeds_[list.begin + list.size++] = neighbour;
-  }
+  seeds_[list.begin + list.size++] = neighbour;
+}
+
+void SeedNeighbours::AddUnknown(int seed, int neighbour) {
+  const std::span<const int> known = Of(seed);
+  if (std::find(known.begin(), known.end(), neighbour) == known.end()) Add(seed, neighbour);
 }
 
 }  // namespace sprout

@@ -30,7 +30,8 @@ class SeedNeighbours {
     size_t size = 0;
   };
 
-  void Add(int seed, int one, int other);
+  void Add(int seed, int neighbour);
+  void AddUnknown(int seed, int neighbour);
 
   std::vector<List> lists_;
   std::vector<int> seeds_;  // all lists, one behind the other

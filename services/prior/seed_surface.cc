@@ -246,7 +246,7 @@ struct SeedSurfaceFitter::Memory {
   std::vector<double> squares;
   std::vector<double> deviations;
   std::vector<uint8_t> at_edge;
-  std::vector<Surroundings> surroundings;  // one a thread
+  std::vector<Surroundings> surroundings;  // one a part
   SeedSurface surface;
 };
 
@@ -281,13 +281,13 @@ const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
     if (!noisy) plane.disparity = fitter.Smooth(index, support);
     surface.planes[i] = plane;
   };
-  const auto parts = static_cast<size_t>(std::max(cv::getNumThreads(), 1));
-  memory_->surroundings.resize(parts);
-  ForEachParallel(parts, [&](size_t part) {
+  constexpr size_t kParts = 16;  // seeds at edges, of which some parts have more, take longer
+  memory_->surroundings.resize(kParts);
+  ForEachParallel(kParts, [&](size_t part) {
     Surroundings& surroundings = memory_->surroundings[part];
     surroundings.Set(neighbours);
-    const size_t end = seeds.size() * (part + 1) / parts;
-    for (size_t i = seeds.size() * part / parts; i < end; ++i) fit(i, surroundings);
+    const size_t end = seeds.size() * (part + 1) / kParts;
+    for (size_t i = seeds.size() * part / kParts; i < end; ++i) fit(i, surroundings);
   });
   return surface;
 }

@@ -58,13 +58,8 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
 void Refiner::KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                            SeedSet& result) {
   fates_.resize(points_.size());
-  ForRangesParallel(static_cast<int>(points_.size()), cv::getNumThreads(),
-                    [&](const cv::Range& part) {
-                      for (int i = part.start; i < part.end; ++i) {
-                        const auto point = static_cast<size_t>(i);
-                        fates_[point] = FateOf(points_[point], left, right, tof);
-                      }
-                    });
+  ForEachParallel(points_.size(),
+                  [&](size_t i) { fates_[i] = FateOf(points_[i], left, right, tof); });
   kept_.clear();
   for (size_t i = 0; i < points_.size(); ++i) {
     switch (fates_[i]) {

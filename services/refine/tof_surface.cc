@@ -147,13 +147,7 @@ const std::vector<uint8_t>& TofSurface::FindHidden(std::span<const ProjectedPoin
 
   hidden_.resize(points.size());
   const HiddenTest test(*this, points, left, right, rule);
-  constexpr int kParts = 64;  // they differ in work
-  ForRangesParallel(static_cast<int>(points.size()), kParts, [&](const cv::Range& part) {
-    for (int i = part.start; i < part.end; ++i) {
-      const auto point = static_cast<size_t>(i);
-      hidden_[point] = test.IsHidden(point) ? 1 : 0;
-    }
-  });
+  ForEachParallel(points.size(), [&](size_t i) { hidden_[i] = test.IsHidden(i) ? 1 : 0; });
   return hidden_;
 }
 
