@@ -22,6 +22,8 @@ constexpr std::string_view ChannelOf(Part part) {
       return "SPROUT_RIG";
     case Part::kSeeds:
       return "SPROUT_SEEDS";
+    case Part::kLeftSeeds:
+      return "SPROUT_LEFT_SEEDS";
     case Part::kPrior:
       return "SPROUT_PRIOR";
     case Part::kUnfilled:

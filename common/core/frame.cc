@@ -21,6 +21,9 @@ void SetPart(Frame& frame, Part part, PartValue value) {
     case Part::kSeeds:
       frame.seeds = std::get<SeedSet>(std::move(value));
       return;
+    case Part::kLeftSeeds:
+      frame.left_seeds = std::get<SeedSet>(std::move(value));
+      return;
     case Part::kPrior:
       frame.prior = std::get<DisparityImage>(std::move(value));
       return;

@@ -22,15 +22,16 @@ enum class Part {
   kTof,         ///< ToF range image
   kRig,         ///< calibration; joined by rig_id, not by frame
   kSeeds,       ///< refined seeds
+  kLeftSeeds,   ///< ToF points that only the left camera sees
   kPrior,       ///< prior disparity map D_p
   kUnfilled,    ///< disparity map after growth, before gap filling
   kDisparity,   ///< final disparity map
   kConfidence,  ///< how far its disparities can be trusted
 };
-inline constexpr int kPartCount = 9;
+inline constexpr int kPartCount = 10;
 inline constexpr Part kAllParts[kPartCount] = {
-    Part::kLeft,  Part::kRight,    Part::kTof,       Part::kRig,       Part::kSeeds,
-    Part::kPrior, Part::kUnfilled, Part::kDisparity, Part::kConfidence};
+    Part::kLeft,      Part::kRight, Part::kTof,      Part::kRig,       Part::kSeeds,
+    Part::kLeftSeeds, Part::kPrior, Part::kUnfilled, Part::kDisparity, Part::kConfidence};
 
 /// A set of parts.
 class PartSet {
@@ -66,6 +67,7 @@ struct Frame {
   std::optional<TofImage> tof;
   std::optional<Rig> rig;
   std::optional<SeedSet> seeds;
+  std::optional<SeedSet> left_seeds;
   std::optional<DisparityImage> prior;
   std::optional<DisparityImage> unfilled;
   std::optional<DisparityImage> disparity;

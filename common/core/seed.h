@@ -2,6 +2,7 @@
 #define SPROUT_COMMON_CORE_SEED_H_
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace sprout {
@@ -30,6 +31,13 @@ struct SeedSet {
 
   bool operator==(const SeedSet&) const = default;
 };
+
+/// Both lists, the one behind the other.
+/// @param both  is overwritten; its memory is used again.
+inline void Join(std::span<const Seed> one, std::span<const Seed> other, std::vector<Seed>& both) {
+  both.assign(one.begin(), one.end());
+  both.insert(both.end(), other.begin(), other.end());
+}
 
 }  // namespace sprout
 

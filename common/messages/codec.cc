@@ -179,6 +179,7 @@ std::vector<uint8_t> EncodePart(const FrameId& id, Part part, const PartValue& v
     case Part::kRig:
       return EncodeMessage(ToMessage(id, std::get<Rig>(value)));
     case Part::kSeeds:
+    case Part::kLeftSeeds:
       return EncodeMessage(ToMessage(id, std::get<SeedSet>(value)));
     case Part::kPrior:
     case Part::kUnfilled:
@@ -199,6 +200,7 @@ Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes) {
     case Part::kRig:
       return Decode<rig_t>(bytes);
     case Part::kSeeds:
+    case Part::kLeftSeeds:
       return Decode<seeds_t>(bytes);
     case Part::kPrior:
     case Part::kUnfilled:

@@ -76,6 +76,7 @@ MessageType TypeOf(Part part) {
     case Part::kRig:
       return MessageType::kRig;
     case Part::kSeeds:
+    case Part::kLeftSeeds:
       return MessageType::kSeeds;
     case Part::kPrior:
     case Part::kUnfilled:

@@ -55,6 +55,7 @@ std::vector<std::string> SizeFields(Part part) {
     case Part::kRig:
       return {"width", "height"};
     case Part::kSeeds:
+    case Part::kLeftSeeds:
       return {"count"};
     case Part::kPrior:
     case Part::kUnfilled:
@@ -111,7 +112,7 @@ void AddNotNumbers(Part part, std::vector<Spoiling>& ways) {
     ways.push_back(
         {"focal_px = NaN", [](const Bytes& b) { return WithInt32(b, BodyOf(b) + 2 * 4, kNan); }});
   }
-  if (part == Part::kSeeds) {
+  if (part == Part::kSeeds || part == Part::kLeftSeeds) {
     ways.push_back({"u_right of the last seed = NaN",
                     [](const Bytes& b) { return WithInt32(b, b.size() - 4, kNan); }});
   }

@@ -90,20 +90,21 @@ StageContract ContractOf(const std::string& stage) {
     return {.stage = stage,
             .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof},
             .answer = Part::kSeeds,
-            .may_publish = {}};
+            .may_publish = {Part::kLeftSeeds}};
   }
   if (stage == "prior") {
     return {.stage = stage,
-            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds},
+            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds,
+                       Part::kLeftSeeds},
             .answer = Part::kPrior,
             .may_publish = {}};
   }
   if (stage == "grow") {
-    return {
-        .stage = stage,
-        .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds, Part::kPrior},
-        .answer = Part::kDisparity,
-        .may_publish = {Part::kUnfilled, Part::kConfidence}};
+    return {.stage = stage,
+            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds,
+                       Part::kLeftSeeds, Part::kPrior},
+            .answer = Part::kDisparity,
+            .may_publish = {Part::kUnfilled, Part::kConfidence}};
   }
   throw ConfigError("STAGE '" + stage + "': allowed are refine, prior and grow");
 }

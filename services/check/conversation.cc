@@ -148,6 +148,7 @@ void Conversation::TakeAnswer(const Heard& heard) {
 // What a stage may publish besides its answer.
 void Conversation::TakeExtra(Part part, const Heard& heard) {
   const Result<DecodedPart> decoded = DecodePart(part, heard.bytes);
+  extras_heard_.Add(part);
   if (decoded) {
     Attribute(decoded->id);
   } else {

@@ -71,6 +71,9 @@ class Conversation {
   /// Messages on the stage's channel, good ones and bad ones.
   int answers_heard() const { return answers_heard_; }
 
+  /// What the stage published besides its answers.
+  const PartSet& extras_heard() const { return extras_heard_; }
+
   /// From the last message of a frame sent to its answer, ms, for frames with Look::kAll.
   const std::vector<double>& times_ms() const { return times_ms_; }
 
@@ -106,6 +109,7 @@ class Conversation {
   Clock::time_point rig_due_{};
   std::string rig_id_;
   int answers_heard_ = 0;
+  PartSet extras_heard_;
   int frames_missed_ = 0;
   bool ended_ = false;
   std::vector<double> times_ms_;

@@ -61,6 +61,11 @@ class StageCheck {
         contract_.stage, times[times.size() / 2], times.back(), times.size(),
         SizeText(frames_[0].rig().pair.size()));
     out << contract_.stage << ": " << CompareAnswers(comparable_, recorded_) << "\n";
+    if (contract_.may_publish.Has(Part::kLeftSeeds) &&
+        !talk_.extras_heard().Has(Part::kLeftSeeds)) {
+      out << fmt::format("{}: nothing on {}: give the prior behind it prior {{ left_seeds: false }}\n",
+                         contract_.stage, ChannelOf(Part::kLeftSeeds));
+    }
   }
 
  private:

@@ -27,7 +27,9 @@ Value* Find(TestFrame& frame, Part part) {
   return found == frame.parts.end() ? nullptr : &std::get<Value>(found->second);
 }
 
+// Of those that both cameras see; the others go.
 void KeepSeeds(TestFrame& frame, const std::function<bool(size_t, const Seed&)>& keep) {
+  if (auto* set = Find<SeedSet>(frame, Part::kLeftSeeds)) set->seeds.clear();
   if (auto* set = Find<SeedSet>(frame, Part::kSeeds)) {
     std::vector<Seed> kept;
     for (size_t i = 0; i < set->seeds.size(); ++i) {
@@ -109,7 +111,9 @@ TestFrame WithSmallRight(const TestFrame& good) {
 
 TestFrame WithSeedsOutside(const TestFrame& good) {
   TestFrame frame = Variant(good, "with seeds outside the images");
-  if (auto* set = Find<SeedSet>(frame, Part::kSeeds)) {
+  for (const Part part : {Part::kSeeds, Part::kLeftSeeds}) {
+    auto* const set = Find<SeedSet>(frame, part);
+    if (set == nullptr) continue;
     for (Seed& seed : set->seeds) {
       seed.u += 10000;
       seed.u_right -= 5000;

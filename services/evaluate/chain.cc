@@ -26,18 +26,24 @@ DisparityImage RunGrow(const Scene& scene, const GrowConfig& config,
 
 }  // namespace
 
-std::vector<Seed> RunRefine(const Scene& scene, const ChainSettings& settings, StageTimes& ms) {
+RefinedSeeds RunRefine(const Scene& scene, const ChainSettings& settings, StageTimes& ms) {
   Refiner refiner(settings.config.refine());
-  SeedSet refined = Timed(ms.refine_ms, [&] {
+  const SeedSet correspondences = Timed(ms.refine_ms, [&] {
     return refiner.Compute(scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector)
         .value_or(SeedSet());
   });
-  return Damage(std::move(refined.seeds), settings.noise);
+  RefinedSeeds refined;
+  Join(correspondences.seeds, refiner.left_seeds().seeds, refined.all);
+  refined.all = Damage(std::move(refined.all), settings.noise);
+  refined.seeds.assign(refined.all.begin(),
+                       refined.all.begin() + std::ssize(correspondences.seeds));
+  return refined;
 }
 
-DisparityImage RunPrior(const Scene& scene, const PriorConfig& config,
-                        const std::vector<Seed>& seeds, StageTimes& ms) {
+DisparityImage RunPrior(const Scene& scene, const PriorConfig& config, const RefinedSeeds& refined,
+                        StageTimes& ms) {
   PriorEstimator estimator(config);
+  const std::vector<Seed>& seeds = estimator.uses_left_seeds() ? refined.all : refined.seeds;
   return Timed(ms.prior_ms, [&] {
     return estimator.Compute(scene.frame.left, scene.frame.right, seeds, scene.size())
         .value_or(DisparityImage(scene.size()));
@@ -51,10 +57,10 @@ MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
   const bool needs_tof = needs_prior || config.seeds() == GrowConfig::TOF;
   MethodOutput output;
   StageTimes& ms = output.ms;
-  const std::vector<Seed> seeds = needs_tof ? RunRefine(scene, settings, ms) : std::vector<Seed>();
+  const RefinedSeeds refined = needs_tof ? RunRefine(scene, settings, ms) : RefinedSeeds();
   const DisparityImage prior =
-      needs_prior ? RunPrior(scene, settings.config.prior(), seeds, ms) : DisparityImage();
-  const DisparityImage grown = RunGrow(scene, config, seeds, prior, ms);
+      needs_prior ? RunPrior(scene, settings.config.prior(), refined, ms) : DisparityImage();
+  const DisparityImage grown = RunGrow(scene, config, refined.seeds, prior, ms);
   const DisparityImage filled =
       Timed(ms.fill_ms, [&] { return FillGaps(grown, config.fill(), prior); });
   ms.total_ms = ms.refine_ms + ms.prior_ms + ms.grow_ms + ms.fill_ms;

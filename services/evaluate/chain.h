@@ -47,12 +47,18 @@ auto Timed(double& ms, const Function& function) {
 // The stages as the services call them, in process. A stage that refuses its input gives an empty
 // result, as its service does; scored, that counts as wrong everywhere.
 
+/// What refinement leaves.
+struct RefinedSeeds {
+  std::vector<Seed> seeds;  ///< correspondences
+  std::vector<Seed> all;    ///< and behind them those that only the left camera sees
+};
+
 /// sprout-refine, then the noise.
-std::vector<Seed> RunRefine(const Scene& scene, const ChainSettings& settings, StageTimes& ms);
+RefinedSeeds RunRefine(const Scene& scene, const ChainSettings& settings, StageTimes& ms);
 
 /// sprout-prior.
-DisparityImage RunPrior(const Scene& scene, const PriorConfig& config,
-                        const std::vector<Seed>& seeds, StageTimes& ms);
+DisparityImage RunPrior(const Scene& scene, const PriorConfig& config, const RefinedSeeds& refined,
+                        StageTimes& ms);
 
 /// The whole chain; stages whose results growth does not ask for are left out.
 MethodOutput RunChain(const Scene& scene, const ChainSettings& settings);

@@ -21,8 +21,8 @@ Method PriorAlone() {
           .run = [](const Scene& scene, const ChainSettings& settings) {
             MethodOutput output;
             StageTimes& ms = output.ms;
-            const std::vector<Seed> seeds = RunRefine(scene, settings, ms);
-            output.map_px = ToPx(RunPrior(scene, settings.config.prior(), seeds, ms));
+            const RefinedSeeds refined = RunRefine(scene, settings, ms);
+            output.map_px = ToPx(RunPrior(scene, settings.config.prior(), refined, ms));
             ms.total_ms = ms.refine_ms + ms.prior_ms;
             return output;
           }};
@@ -84,11 +84,11 @@ Method FromRival(const Rival& rival) {
           .run = [rival](const Scene& scene, const ChainSettings& settings) {
             MethodOutput output;
             StageTimes& ms = output.ms;
-            const std::vector<Seed> seeds =
-                rival.uses_seeds ? RunRefine(scene, settings, ms) : std::vector<Seed>();
+            const RefinedSeeds refined =
+                rival.uses_seeds ? RunRefine(scene, settings, ms) : RefinedSeeds();
             const RivalInput input{.left = scene.frame.left,
                                    .right = scene.frame.right,
-                                   .seeds = seeds,
+                                   .seeds = refined.all,
                                    .max_disparity_px = scene.max_disparity_px,
                                    .fgs_lambda = settings.config.prior().fgs_lambda(),
                                    .fgs_sigma = settings.config.prior().fgs_sigma()};

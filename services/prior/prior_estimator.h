@@ -25,6 +25,9 @@ class PriorEstimator {
   /// @throws ConfigError for a value out of range.
   explicit PriorEstimator(const PriorConfig& config);
 
+  /// Whether the seeds should have those among them that only the left camera sees.
+  bool uses_left_seeds() const { return config_.left_seeds(); }
+
   /// Whether the method looks at the left, and at the right image.
   bool uses_left() const { return config_.method() != PriorConfig::DELAUNAY; }
   bool uses_right() const { return config_.method() == PriorConfig::EDGES; }

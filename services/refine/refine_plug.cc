@@ -27,6 +27,7 @@ Result<SeedSet> RefinePlug::Refine(const Frame& frame) {
 
 Outcome RefinePlug::Process(const Frame& frame) {
   Result<SeedSet> seeds = Refine(frame);
+  SeedSet left_seeds = seeds ? refiner_.left_seeds() : SeedSet{};
   Outcome outcome;
   if (!seeds) {
     outcome.degenerate = seeds.error().text;
@@ -37,6 +38,7 @@ Outcome RefinePlug::Process(const Frame& frame) {
     outcome.degenerate = "none of " + std::to_string(seeds->raw) + " ToF points became a seed";
   }
   outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});
+  outcome.outputs.push_back({Part::kLeftSeeds, std::move(left_seeds)});
   return outcome;
 }
 

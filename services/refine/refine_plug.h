@@ -9,14 +9,14 @@
 
 namespace sprout {
 
-/// LEFT RIGHT TOF RIG → SEEDS.
+/// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS.
 class RefinePlug : public Plug {
  public:
   explicit RefinePlug(const RefineConfig& config) : refiner_(config) {}
 
   PartSet Inputs() const override { return {Part::kLeft, Part::kRight, Part::kTof, Part::kRig}; }
 
-  /// Always answers; without a usable point the seeds are empty and the outcome says why.
+  /// Always answers; without a usable point both are empty and the outcome says why.
   Outcome Process(const Frame& frame) override;
 
  private:

@@ -45,9 +45,12 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
                 ": allowed is the calibrated size " + SizeText(size));
   }
   SeedSet result{.seeds = std::move(memory.seeds)};
+  left_seeds_ = {.seeds = std::move(left_seeds_.seeds)};
   // Projection of every ToF point to (u, u', v) (paper, II-A).
   points_ = projector.Project(tof, result.outside, std::move(points_));
   result.raw = static_cast<int32_t>(points_.size()) + result.outside;
+  left_seeds_.seeds.clear();
+  left_seeds_.seeds.reserve(points_.size());
   surface_.Set(rig, points_);
   KeepReliable(left, right, tof, result);
   KeepVisible(left, right, result);
@@ -61,30 +64,27 @@ void Refiner::KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const 
   ForEachParallel(points_.size(),
                   [&](size_t i) { fates_[i] = FateOf(points_[i], left, right, tof); });
   kept_.clear();
-  for (size_t i = 0; i < points_.size(); ++i) {
-    switch (fates_[i]) {
-      case Fate::kKept:
-        kept_.push_back(points_[i]);
-        break;
-      case Fate::kOutside:
-        ++result.outside;
-        break;
-      case Fate::kDark:
-        ++result.dark;
-        break;
-      case Fate::kLoose:
-        ++result.loose;
+  for (const bool in_both : {true, false}) {
+    SeedSet& counts = in_both ? result : left_seeds_;
+    for (size_t i = 0; i < points_.size(); ++i) {
+      const Seed& seed = points_[i].seed;
+      if (WindowFits(seed.u_right, seed.v, left.size()) != in_both) continue;
+      if (!in_both || fates_[i] == Fate::kOutside) ++result.outside;
+      if (!in_both && fates_[i] != Fate::kOutside) ++left_seeds_.raw;
+      if (fates_[i] == Fate::kDark) ++counts.dark;
+      if (fates_[i] == Fate::kLoose) ++counts.loose;
+      if (fates_[i] == Fate::kKept) kept_.push_back(points_[i]);
     }
+    if (in_both) kept_in_both_ = kept_.size();
   }
 }
 
 Refiner::Fate Refiner::FateOf(const ProjectedPoint& point, const cv::Mat1b& left,
                               const cv::Mat1b& right, const TofImage& tof) const {
   const Seed& seed = point.seed;
-  if (!WindowFits(seed.u, seed.v, left.size()) || !WindowFits(seed.u_right, seed.v, left.size()) ||
-      seed.disparity() < 0) {
-    return Fate::kOutside;
-  }
+  // Two images as wide as these cannot show a larger disparity.
+  const bool possible = seed.disparity() >= 0 && seed.disparity() < static_cast<float>(left.cols);
+  if (!WindowFits(seed.u, seed.v, left.size()) || !possible) return Fate::kOutside;
   // Rule 1 (paper, II-B): unreliable depth on very dark regions.
   if (WindowSum(left, Pixel(seed.u), Pixel(seed.v)) < kWindowPixels * config_.min_mean_grey() ||
       (!tof.amplitude.empty() &&
@@ -104,8 +104,8 @@ Refiner::Fate Refiner::FateOf(const ProjectedPoint& point, const cv::Mat1b& left
 void Refiner::KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet& result) {
   std::vector<Seed>& seeds = result.seeds;
   seeds.clear();
-  seeds.reserve(kept_.size());
-  for (const ProjectedPoint& point : kept_) seeds.push_back(point.seed);
+  seeds.reserve(kept_in_both_);
+  for (size_t i = 0; i < kept_in_both_; ++i) seeds.push_back(kept_[i].seed);
   // Rule 2 (paper, II-B): background that the ToF camera sees beside or behind a nearer surface.
   // What it drops still hides other points.
   const std::vector<uint8_t>& background =
@@ -113,19 +113,28 @@ void Refiner::KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet
   const HiddenRule rule{.core = config_.hidden_core(),
                         .reach = config_.hidden_reach(),
                         .tolerance_px = config_.hidden_tolerance_px()};
-  const std::vector<uint8_t>* hidden =
-      rule.reach > 0 ? &surface_.FindHidden(kept_, left, right, rule) : nullptr;
+  const std::vector<Hidden>& hidden = surface_.FindHidden(kept_, kept_in_both_, left, right, rule);
   size_t next = 0;
   for (size_t i = 0; i < seeds.size(); ++i) {
     if (background[i] != 0) {
       ++result.background;
-    } else if (hidden != nullptr && (*hidden)[i] != 0) {
+    } else if (hidden[i].from_left || hidden[i].from_right) {
       ++result.hidden;
+      if (hidden[i].from_left) continue;
+      ++left_seeds_.raw;
+      left_seeds_.seeds.push_back(seeds[i]);
     } else {
       seeds[next++] = seeds[i];
     }
   }
   seeds.resize(next);
+  for (size_t i = kept_in_both_; i < kept_.size(); ++i) {
+    if (hidden[i].from_left) {
+      ++left_seeds_.hidden;
+    } else {
+      left_seeds_.seeds.push_back(kept_[i].seed);
+    }
+  }
 }
 
 }  // namespace sprout

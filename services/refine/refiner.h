@@ -40,8 +40,15 @@ class Refiner {
   Result<SeedSet> Compute(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                           const TofProjector& projector, SeedSet memory = {});
 
+  /// Of the last call: reliable points that only the left camera sees, since they lie outside the
+  /// right image or behind a nearer surface in it. No correspondences, but depth where stereo can
+  /// give none; u_right is where the right camera would see them. Their `raw` counts such points
+  /// before the rules for dark, loose and (from the left camera) hidden ones; the counts of the
+  /// seeds have all of them as outside or hidden.
+  const SeedSet& left_seeds() const { return left_seeds_; }
+
  private:
-  // What becomes of a point.
+  // What becomes of a point, whether or not the right camera sees it.
   enum class Fate : uint8_t { kKept, kOutside, kDark, kLoose };
 
   Fate FateOf(const ProjectedPoint& point, const cv::Mat1b& left, const cv::Mat1b& right,
@@ -55,7 +62,9 @@ class Refiner {
   std::vector<ProjectedPoint> points_;
   std::vector<Fate> fates_;  // of points_
   TofSurface surface_;
-  std::vector<ProjectedPoint> kept_;
+  std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images
+  size_t kept_in_both_ = 0;
+  SeedSet left_seeds_;
   BackgroundRule background_;
 };
 

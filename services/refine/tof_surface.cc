@@ -82,17 +82,13 @@ class TofSurface::HiddenTest {
              const cv::Mat1b& left, const cv::Mat1b& right, const HiddenRule& rule)
       : surface_(surface), points_(points), left_(left), right_(right), rule_(rule) {}
 
-  bool IsHidden(size_t i) const {
-    return IsHiddenIn(surface_.left_, i) || IsHiddenIn(surface_.right_, i);
-  }
-
- private:
   bool IsHiddenIn(const View& view, size_t i) const {
     const double furthest_px = points_[i].seed.disparity() + rule_.tolerance_px;
     return view.cells.AnyNeighbour(
         view.positions[i], [&](size_t other) { return Hides(view, other, i, furthest_px); });
   }
 
+ private:
   // Whether the piece of a point hides another one, which must not lie further than `furthest_px`.
   bool Hides(const View& view, size_t by, size_t i, double furthest_px) const {
     // From the one to the other, in ToF pixels.
@@ -126,28 +122,34 @@ class TofSurface::HiddenTest {
   const HiddenRule& rule_;
 };
 
-const std::vector<uint8_t>& TofSurface::FindHidden(std::span<const ProjectedPoint> points,
-                                                   const cv::Mat1b& left, const cv::Mat1b& right,
-                                                   const HiddenRule& rule) {
+const std::vector<Hidden>& TofSurface::FindHidden(std::span<const ProjectedPoint> points,
+                                                  size_t in_both, const cv::Mat1b& left,
+                                                  const cv::Mat1b& right, const HiddenRule& rule) {
+  hidden_.assign(points.size(), {});
+  if (rule.reach <= 0) return hidden_;
   const double cell_px = std::max(kSmallestCellPx, rule.reach * std::max(column_px_, row_px_));
-  const auto look = [&](float Seed::*column, View& view) {
+  const auto look = [&](size_t count, float Seed::*column, View& view) {
     view.positions.clear();
-    for (const auto& [u, v, seed] : points) view.positions.emplace_back(seed.*column, seed.v);
+    for (const auto& [u, v, seed] : points.first(count)) {
+      view.positions.emplace_back(seed.*column, seed.v);
+    }
     view.cells.Fill(view.positions, size_, cell_px);
   };
   RunBoth(
       [&] {
-        look(&Seed::u, left_);
+        look(points.size(), &Seed::u, left_);
         pieces_.clear();
         for (const ProjectedPoint& point : points) {
           pieces_.push_back(PieceOf(point));
         }
       },
-      [&] { look(&Seed::u_right, right_); });
+      [&] { look(in_both, &Seed::u_right, right_); });
 
-  hidden_.resize(points.size());
   const HiddenTest test(*this, points, left, right, rule);
-  ForEachParallel(points.size(), [&](size_t i) { hidden_[i] = test.IsHidden(i) ? 1 : 0; });
+  ForEachParallel(points.size(), [&](size_t i) {
+    hidden_[i] = {.from_left = test.IsHiddenIn(left_, i),
+                  .from_right = i < in_both && test.IsHiddenIn(right_, i)};
+  });
   return hidden_;
 }
 

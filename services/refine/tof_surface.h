@@ -15,9 +15,17 @@ namespace sprout {
 /// What TofSurface::FindHidden() goes by.
 struct HiddenRule {
   double core = 0;          ///< half the side of a piece's core, ToF pixels
-  double reach = 0;         ///< half the side of the whole piece, ToF pixels, > 0; below 1 it ends
+  double reach = 0;         ///< half the side of the whole piece, ToF pixels; below 1 it ends
                             ///< before the next pixel of the surface
   double tolerance_px = 0;  ///< how much further a point may lie, px
+};
+
+/// Whether a nearer surface lies before a point.
+struct Hidden {
+  bool from_left = false;   ///< in the left image
+  bool from_right = false;  ///< in the right one
+
+  bool operator==(const Hidden&) const = default;
 };
 
 /// The surface that a ToF image shows, as disparities (px) at the ToF pixels, and two tests of its
@@ -67,14 +75,17 @@ class TofSurface {
   /// with fewer pixels and too large for one with more: here the window follows the distance of the
   /// seeds, and the slant is taken off, since over such a distance a slant is no edge.
   /// @param points  those that are tested and that hide; some of those that this was made of, all
-  ///                inside the images.
+  ///                inside the left image.
+  /// @param in_both  how many of them, the first ones, lie in the right image as well; the others
+  ///                neither hide nor are hidden there.
   /// @param left, right  the rectified pair, grey.
-  /// @returns one flag a point, 0 or 1; valid until the next call. Does not depend on their order.
+  /// @param rule    with a reach of 0 none is hidden.
+  /// @returns one answer a point; valid until the next call. Does not depend on their order.
   /// O(points + image pixels / 25) for points that are spread as a sensor's; on OpenCV's threads,
   /// with the same result for any number.
-  const std::vector<uint8_t>& FindHidden(std::span<const ProjectedPoint> points,
-                                         const cv::Mat1b& left, const cv::Mat1b& right,
-                                         const HiddenRule& rule);
+  const std::vector<Hidden>& FindHidden(std::span<const ProjectedPoint> points, size_t in_both,
+                                        const cv::Mat1b& left, const cv::Mat1b& right,
+                                        const HiddenRule& rule);
 
  private:
   // A point as a piece of surface.
@@ -104,7 +115,7 @@ class TofSurface {
   std::vector<Piece> pieces_;
   View left_;
   View right_;
-  std::vector<uint8_t> hidden_;
+  std::vector<Hidden> hidden_;
 };
 
 }  // namespace sprout

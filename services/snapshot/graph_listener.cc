@@ -10,6 +10,15 @@
 namespace sprout {
 namespace {
 
+// Those that it shows: a refinement stage need not publish what only the left camera sees.
+PartSet ShownParts() {
+  PartSet parts;
+  for (const Part part : kAllParts) {
+    if (part != Part::kLeftSeeds) parts.Add(part);
+  }
+  return parts;
+}
+
 std::vector<std::string_view> WithStatus(std::vector<std::string_view> channels) {
   channels.push_back(kStatusChannel);
   return channels;
@@ -19,7 +28,7 @@ std::vector<std::string_view> WithStatus(std::vector<std::string_view> channels)
 
 GraphListener::GraphListener(const ServiceContext& context, StageMonitor& monitor)
     : monitor_(monitor),
-      assembler_(AllParts(), monitor),
+      assembler_(ShownParts(), monitor),
       receiver_(context.lcm_url, context.prefix, WithStatus(assembler_.channels()),
                 [this](std::string_view channel, std::span<const uint8_t> bytes) {
                   OnMessage(channel, bytes);

@@ -57,12 +57,18 @@ class Chain {
         prior_(config.prior()),
         grower_(config.grow()) {}
 
-  // Valid until the next call.
-  const std::vector<Seed>& Refine(const BenchFrame& bench, const TofProjector& projector) {
+  // What growth and what the prior start from; valid until the next call.
+  struct Seeds {
+    const std::vector<Seed>& grow;
+    const std::vector<Seed>& prior;
+  };
+  Seeds Refine(const BenchFrame& bench, const TofProjector& projector) {
     refined_ =
         refiner_.Compute(bench.left, bench.right, bench.frame.tof, projector, std::move(refined_))
             .value();
-    return refined_.seeds;
+    if (!prior_.uses_left_seeds()) return {refined_.seeds, refined_.seeds};
+    Join(refined_.seeds, refiner_.left_seeds().seeds, prior_seeds_);
+    return {refined_.seeds, prior_seeds_};
   }
   DisparityImage Prior(const BenchFrame& bench, const std::vector<Seed>& seeds) {
     const auto& [left, right, tof, truth] = bench.frame;
@@ -80,6 +86,7 @@ class Chain {
   SproutConfig config_;
   Refiner refiner_;
   SeedSet refined_;
+  std::vector<Seed> prior_seeds_;
   PriorEstimator prior_;
   Grower grower_;
   GapFiller filler_;
@@ -90,6 +97,7 @@ struct Inputs {
   const BenchFrame& bench;
   TofProjector projector;
   std::vector<Seed> seeds;
+  std::vector<Seed> prior_seeds;
   DisparityImage prior;
   DisparityImage grown;
 };
@@ -104,10 +112,10 @@ constexpr std::pair<Part, const char*> kParts[] = {{Part::kRefine, "refine"},
 void RunPart(Part part, Chain& chain, const Inputs& in) {
   switch (part) {
     case Part::kRefine:
-      benchmark::DoNotOptimize(chain.Refine(in.bench, in.projector).data());
+      benchmark::DoNotOptimize(chain.Refine(in.bench, in.projector));
       return;
     case Part::kPrior:
-      benchmark::DoNotOptimize(chain.Prior(in.bench, in.seeds));
+      benchmark::DoNotOptimize(chain.Prior(in.bench, in.prior_seeds));
       return;
     case Part::kGrow:
       benchmark::DoNotOptimize(chain.Grow(in.bench, in.seeds, in.prior));
@@ -116,9 +124,9 @@ void RunPart(Part part, Chain& chain, const Inputs& in) {
       benchmark::DoNotOptimize(chain.Fill(in.grown, in.prior));
       return;
     case Part::kChain: {
-      const std::vector<Seed>& seeds = chain.Refine(in.bench, in.projector);
-      const DisparityImage prior = chain.Prior(in.bench, seeds);
-      benchmark::DoNotOptimize(chain.Fill(chain.Grow(in.bench, seeds, prior), prior));
+      const Chain::Seeds seeds = chain.Refine(in.bench, in.projector);
+      const DisparityImage prior = chain.Prior(in.bench, seeds.prior);
+      benchmark::DoNotOptimize(chain.Fill(chain.Grow(in.bench, seeds.grow, prior), prior));
     }
   }
 }
@@ -139,9 +147,11 @@ void MeasurePart(benchmark::State& state, Part part, const std::string& preset, 
   Chain chain(LoadConfig({preset}));
   std::vector<Inputs> inputs;
   for (const BenchFrame& bench : FramesOf(size)) {
-    Inputs& in = inputs.emplace_back(Inputs{bench, TofProjector(bench.rig), {}, {}, {}});
-    in.seeds = chain.Refine(bench, in.projector);
-    in.prior = chain.Prior(bench, in.seeds);
+    Inputs& in = inputs.emplace_back(Inputs{bench, TofProjector(bench.rig), {}, {}, {}, {}});
+    const Chain::Seeds seeds = chain.Refine(bench, in.projector);
+    in.seeds = seeds.grow;
+    in.prior_seeds = seeds.prior;
+    in.prior = chain.Prior(bench, in.prior_seeds);
     in.grown = chain.Grow(bench, in.seeds, in.prior);
   }
   RunOnAllScenes(state, size, inputs.size(),

@@ -101,6 +101,7 @@ TEST(BadInputSystem, RandomBytesOnEveryChannelDoNoHarm) {
       {Part::kTof, good.frame.tof},
       {Part::kRig, good.rig},
       {Part::kSeeds, SeedSet{.seeds = {{30, 30, 20}}, .raw = 1}},
+      {Part::kLeftSeeds, SeedSet{.seeds = {{30, 30, -20}}, .raw = 1}},
       {Part::kPrior, DisparityImage(cv::Size(160, 120))}};
   for (int i = 0; i < 50; ++i) {
     for (const auto& [part, value] : values) {

@@ -30,7 +30,9 @@ DisparityImage ComputeInProcess(int64_t index) {
   frame.right = captured.right;
   frame.tof = captured.tof;
   frame.rig = source->rig();
-  frame.seeds = std::get<SeedSet>(RefinePlug(config.refine()).Process(frame).outputs[0].value);
+  for (Output& output : RefinePlug(config.refine()).Process(frame).outputs) {
+    SetPart(frame, output.part, std::move(output.value));
+  }
   frame.prior = std::get<DisparityImage>(PriorPlug(config.prior()).Process(frame).outputs[0].value);
   return std::get<DisparityImage>(GrowPlug(config.grow()).Process(frame).outputs[0].value);
 }

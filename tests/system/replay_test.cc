@@ -108,7 +108,10 @@ TEST(ReplaySystem, GivesTheBytesThatTheLiveRunPublished) {
   const struct {
     Part part;
     std::filesystem::path log;
-  } table[] = {{Part::kSeeds, seeds}, {Part::kPrior, prior}, {Part::kDisparity, disparity}};
+  } table[] = {{Part::kSeeds, seeds},
+               {Part::kLeftSeeds, seeds},
+               {Part::kPrior, prior},
+               {Part::kDisparity, disparity}};
   for (const auto& [part, log] : table) {
     const auto expected = BySeq(recorded, part);
     const auto replayed = BySeq(ReadChannels(log), part);

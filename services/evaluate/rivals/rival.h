@@ -14,7 +14,8 @@ namespace sprout {
 struct RivalInput {
   cv::Mat left;                 ///< 8UC1 or 8UC3 (BGR), rectified
   cv::Mat right;                ///< of the same size and type
-  std::span<const Seed> seeds;  ///< refined ToF seeds, for rivals that use the ToF camera
+  std::span<const Seed> seeds;  ///< refined ToF seeds, also those that only the left
+                                ///< camera sees, for rivals that use the ToF camera
   int max_disparity_px = 0;     ///< largest true disparity of the scene, rounded up
   double fgs_lambda = 10;       ///< as PriorConfig's
   double fgs_sigma = 3;         ///< as PriorConfig's

@@ -30,10 +30,11 @@ TEST(FrameJoiner, CompletesAFrameOnceAllItsPartsAreThereInAnyOrder) {
     EXPECT_EQ(frame.tof->depth_m(0, 0), 12.0F);
     EXPECT_EQ(frame.rig->pair.width, 13);
     EXPECT_EQ(frame.seeds->raw, 14);
-    EXPECT_EQ(frame.prior->counts()(0, 0), 15);
-    EXPECT_EQ(frame.unfilled->counts()(0, 0), 16);
-    EXPECT_EQ(frame.disparity->counts()(0, 0), 17);
-    EXPECT_EQ(frame.confidence.at<uint8_t>(0, 0), 18);
+    EXPECT_EQ(frame.left_seeds->raw, 15);
+    EXPECT_EQ(frame.prior->counts()(0, 0), 16);
+    EXPECT_EQ(frame.unfilled->counts()(0, 0), 17);
+    EXPECT_EQ(frame.disparity->counts()(0, 0), 18);
+    EXPECT_EQ(frame.confidence.at<uint8_t>(0, 0), 19);
     std::next_permutation(order.begin(), order.end());
     if (round % 7 == 0) std::rotate(order.begin(), order.begin() + 3, order.end());
   }

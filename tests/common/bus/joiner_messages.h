@@ -29,6 +29,7 @@ inline PartValue ValueOf(Part part, int mark) {
       return rig;
     }
     case Part::kSeeds:
+    case Part::kLeftSeeds:
       return SeedSet{.seeds = {}, .raw = mark};
     default:
       return DisparityImage(cv::Mat1s(1, 1, static_cast<int16_t>(mark)));

@@ -28,9 +28,10 @@ TEST(PartSet, ListsEveryPartOnce) {
 
 // Which places of a frame are filled, in the order of kAllParts.
 std::vector<bool> Filled(const Frame& frame) {
-  return {!frame.left.empty(),        !frame.right.empty(),        frame.tof.has_value(),
-          frame.rig.has_value(),      frame.seeds.has_value(),     frame.prior.has_value(),
-          frame.unfilled.has_value(), frame.disparity.has_value(), !frame.confidence.empty()};
+  return {!frame.left.empty(),      !frame.right.empty(),       frame.tof.has_value(),
+          frame.rig.has_value(),    frame.seeds.has_value(),    frame.left_seeds.has_value(),
+          frame.prior.has_value(),  frame.unfilled.has_value(), frame.disparity.has_value(),
+          !frame.confidence.empty()};
 }
 
 PartValue ValueFor(Part part) {
@@ -44,6 +45,7 @@ PartValue ValueFor(Part part) {
     case Part::kRig:
       return Rig{};
     case Part::kSeeds:
+    case Part::kLeftSeeds:
       return SeedSet{};
     default:
       return DisparityImage(cv::Size(3, 2));
@@ -71,6 +73,12 @@ TEST(FrameId, NamesNoFrameUntilItIsSet) {
   EXPECT_EQ(FrameId{}.seq, -1);
   EXPECT_NE((FrameId{.utime = 1, .seq = 2, .rig_id = "a"}),
             (FrameId{.utime = 1, .seq = 2, .rig_id = "b"}));
+}
+
+TEST(Seed, ListsAreJoinedOneBehindTheOther) {
+  std::vector<Seed> both = {{9, 9, 9}};
+  Join(std::vector<Seed>{{1, 2, 0}}, std::vector<Seed>{{3, 4, 1}, {5, 6, 2}}, both);
+  EXPECT_EQ(both, (std::vector<Seed>{{1, 2, 0}, {3, 4, 1}, {5, 6, 2}}));
 }
 
 TEST(Seed, HasTheDisparityOfItsColumns) {

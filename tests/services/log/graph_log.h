@@ -51,6 +51,7 @@ inline PartValue LogValue(Part part, int64_t seq) {
     case Part::kRig:
       return LogRig();
     case Part::kSeeds:
+    case Part::kLeftSeeds:
       return SeedSet{.seeds = {{10, 5, 2}, {20, 9, 9}}, .raw = 2};
     case Part::kPrior:
     case Part::kUnfilled:

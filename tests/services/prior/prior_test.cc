@@ -146,6 +146,7 @@ TEST(PriorPlug, AnswersADegenerateFrameWithAnEmptyMap) {
   frame.rig->pair.width = 64;
   frame.rig->pair.height = 48;
   frame.seeds = SeedSet{.seeds = {SeedAt(1, 1, 1)}, .raw = 1};
+  frame.left_seeds = SeedSet();
   const Outcome outcome = PriorPlug(config).Process(frame);
   EXPECT_THAT(outcome.degenerate, HasSubstr("at least 3"));
   ASSERT_EQ(outcome.outputs.size(), 1u);
@@ -153,6 +154,25 @@ TEST(PriorPlug, AnswersADegenerateFrameWithAnEmptyMap) {
   const auto& map = std::get<DisparityImage>(outcome.outputs[0].value);
   EXPECT_EQ(map.size(), cv::Size(64, 48));
   EXPECT_EQ(map.CountValid(), 0);
+}
+
+TEST(PriorPlug, TakesWhatOnlyTheLeftCameraSeesForSeedsIfToldTo) {
+  Frame frame;
+  frame.rig.emplace();
+  frame.rig->pair.width = 64;
+  frame.rig->pair.height = 48;
+  frame.seeds = SeedSet{.seeds = {SeedAt(40, 0, 8), SeedAt(60, 0, 8), SeedAt(40, 47, 8)}, .raw = 3};
+  frame.left_seeds = SeedSet{.seeds = {SeedAt(0, 0, 20), SeedAt(0, 47, 20)}, .raw = 2};
+  PriorConfig config;
+  config.set_method(PriorConfig::DELAUNAY);
+  const auto at_the_left = [&](bool left_seeds) {
+    config.set_left_seeds(left_seeds);
+    PriorPlug plug(config);
+    EXPECT_EQ(plug.Inputs().Has(Part::kLeftSeeds), left_seeds);
+    return std::get<DisparityImage>(plug.Process(frame).outputs[0].value).Px(0, 24);
+  };
+  EXPECT_EQ(at_the_left(true), 20);
+  EXPECT_EQ(at_the_left(false), 8);
 }
 
 TEST(Prior, RefusesSidesForWhichItsNumbersAreTooShort) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -210,6 +211,56 @@ TEST(Refiner, DropsPointsThatANearerSurfaceHidesAndCountsThem) {
   }
 }
 
+// Seeds that only the left camera sees.
+SeedSet LeftSeeds(const Scene& scene, const RefineConfig& config) {
+  Refiner refiner(config);
+  EXPECT_TRUE(refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig)));
+  return refiner.left_seeds();
+}
+
+TEST(Refiner, KeepsWhatLiesOutsideTheRightImageForThePrior) {
+  Scene scene;
+  scene.SetDisparity(1, 4, 9);    // u' = 1: its window leaves the right image
+  scene.SetDisparity(2, 4, 60);   // u' = −40: far outside
+  scene.SetDisparity(3, 4, 60);   // the same, on a dark region
+  scene.SetDisparity(0, 4, 1);    // its window leaves the left image
+  scene.SetDisparity(6, 4, 120);  // no two images of this width show that
+  scene.SetDisparity(7, 4, 8);    // seen by both
+  scene.left(cv::Rect(28, 38, 5, 5)) = 0;
+  RefineConfig config = PaperRules();
+  config.set_min_mean_grey(8);
+  const SeedSet left_seeds = LeftSeeds(scene, config);
+  EXPECT_EQ(left_seeds.raw, 3);
+  EXPECT_EQ(left_seeds.dark, 1);
+  ASSERT_EQ(left_seeds.seeds.size(), 2u);
+  EXPECT_NEAR(left_seeds.seeds[0].disparity(), 9, 1e-3);
+  EXPECT_NEAR(left_seeds.seeds[1].u_right, -40, 1e-3);
+  const auto seeds = scene.Refine(config);
+  EXPECT_EQ(seeds->outside, 5);
+  EXPECT_EQ(seeds->dark, 0);
+  EXPECT_EQ(seeds->seeds.size(), 1u);
+}
+
+TEST(Refiner, KeepsWhatOnlyTheRightCameraDoesNotSeeForThePrior) {
+  const Scene scene = BoardBeforeWall(0.05);
+  RefineConfig config = PaperRules();
+  config.set_hidden_reach(0.8);
+  config.set_hidden_core(0.8);  // one colour: the images say nothing
+  const SeedSet left_seeds = LeftSeeds(scene, config);
+  // The wall's point left of the board in seven rows, the one to its right is hidden from the left;
+  // and at the left border what lies outside the right image.
+  const auto count_between = [&](float from, float to) {
+    return std::count_if(left_seeds.seeds.begin(), left_seeds.seeds.end(), [&](const Seed& seed) {
+      return seed.u >= from && seed.u < to && seed.disparity() < 10;
+    });
+  };
+  EXPECT_EQ(count_between(0, 15), 7);
+  EXPECT_EQ(count_between(15, 40), 7);
+  EXPECT_EQ(count_between(40, 100), 0);
+  EXPECT_EQ(left_seeds.raw, static_cast<int>(left_seeds.seeds.size()) + left_seeds.hidden);
+  EXPECT_TRUE(LeftSeeds(Scene(), config).seeds.empty());
+}
+
 TEST(Refiner, DropsLoosePointsBeforeTheyCanHideOthers) {
   Scene scene = BoardBeforeWall(0);
   for (int j = 0; j < 8; ++j) {
@@ -257,8 +308,10 @@ TEST(RefinePlug, SaysWhyAFrameHasNoSeeds) {
   scene.right = cv::Mat1b(10, 10, uint8_t{0});
   const Outcome outcome = plug.Process(FrameOf(scene));
   EXPECT_THAT(outcome.degenerate, HasSubstr("10x10"));
-  ASSERT_EQ(outcome.outputs.size(), 1u);
-  EXPECT_TRUE(std::get<SeedSet>(outcome.outputs[0].value).seeds.empty());
+  ASSERT_EQ(outcome.outputs.size(), 2u);
+  for (const Output& output : outcome.outputs) {
+    EXPECT_TRUE(std::get<SeedSet>(output.value).seeds.empty());
+  }
 }
 
 TEST(RefinePlug, AnswersAToFImageOfAnotherSizeThanCalibratedEmpty) {
@@ -267,7 +320,20 @@ TEST(RefinePlug, AnswersAToFImageOfAnotherSizeThanCalibratedEmpty) {
   scene.rig.tof.width = scene.rig.tof.height = 16384;  // rays would take gigabytes
   const Outcome outcome = plug.Process(FrameOf(scene));
   EXPECT_THAT(outcome.degenerate, HasSubstr("ToF image of 10x8"));
-  EXPECT_EQ(outcome.outputs.size(), 1u);
+  EXPECT_EQ(outcome.outputs.size(), 2u);
+}
+
+TEST(RefinePlug, AnswersWithTheSeedsOfEachFrameOnly) {
+  RefinePlug plug{PaperRules()};
+  Scene scene;
+  scene.SetDisparity(1, 4, 9);
+  const auto left_seeds_of = [&](const Outcome& outcome) {
+    EXPECT_EQ(outcome.outputs.at(1).part, Part::kLeftSeeds);
+    return std::get<SeedSet>(outcome.outputs.at(1).value);
+  };
+  EXPECT_EQ(left_seeds_of(plug.Process(FrameOf(scene))).seeds.size(), 1u);
+  scene.tof.depth_m = cv::Mat1f(4, 4, 1.0F);
+  EXPECT_EQ(left_seeds_of(plug.Process(FrameOf(scene))), SeedSet());
 }
 
 TEST(RefinePlug, FollowsAChangeOfCalibration) {

@@ -37,22 +37,23 @@ std::vector<ProjectedPoint> Points(const std::function<float(float i, float j)>&
   return points;
 }
 
-// ToF columns with a flagged point in row 5.
-std::vector<int> Columns(const std::vector<uint8_t>& flags) {
+// ToF columns with a point in row 5 that is loose, or hidden from either camera.
+template <typename Fate>
+std::vector<int> Columns(const std::vector<Fate>& fates) {
   std::vector<int> columns;
   for (int i = 0; i < 12; ++i) {
-    if (flags[static_cast<size_t>(5 * 12 + i)] != 0) columns.push_back(i);
+    if (fates[static_cast<size_t>(5 * 12 + i)] != Fate()) columns.push_back(i);
   }
   return columns;
 }
 
 // Hidden points of row 5. Images of one colour agree with everything, and never better with the
 // piece than with the point: the core alone decides.
-std::vector<int> Hidden(const std::vector<ProjectedPoint>& points, double core = 0.75,
-                        double tolerance_px = 1) {
+std::vector<int> HiddenColumns(const std::vector<ProjectedPoint>& points, double core = 0.75,
+                               double tolerance_px = 1) {
   const cv::Mat1b grey(120, 200, uint8_t{100});
   return Columns(TofSurface(SomeRig(), points)
-                     .FindHidden(points, grey, grey,
+                     .FindHidden(points, points.size(), grey, grey,
                                  {.core = core, .reach = 0.9, .tolerance_px = tolerance_px}));
 }
 
@@ -72,29 +73,44 @@ TEST(TofSurface, HidesWhatABoardCoversInEitherImage) {
   // The board moves by 8 px against the wall, a ToF pixel: right in the left image, where it falls
   // onto the column after it, and left in the right image, onto the column before it.
   const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 26.f : 10.f; });
-  EXPECT_THAT(Hidden(points), testing::ElementsAre(3, 8));
+  EXPECT_THAT(HiddenColumns(points), testing::ElementsAre(3, 8));
+}
+
+TEST(TofSurface, TellsWhichCameraDoesNotSeeAPoint) {
+  const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 26.f : 10.f; });
+  const cv::Mat1b grey(120, 200, uint8_t{100});
+  TofSurface surface(SomeRig(), points);
+  const HiddenRule rule{.core = 0.75, .reach = 0.9, .tolerance_px = 1};
+  const auto in_row_5 = [&](size_t in_both, size_t column) {
+    return surface.FindHidden(points, in_both, grey, grey, rule)[5 * 12 + column];
+  };
+  EXPECT_EQ(in_row_5(points.size(), 3), (Hidden{.from_left = false, .from_right = true}));
+  EXPECT_EQ(in_row_5(points.size(), 8), (Hidden{.from_left = true, .from_right = false}));
+  // Of rows that lie outside the right image nothing is hidden there.
+  EXPECT_EQ(in_row_5(5 * 12, 3), Hidden());
+  EXPECT_EQ(in_row_5(5 * 12, 8), (Hidden{.from_left = true, .from_right = false}));
 }
 
 TEST(TofSurface, HidesNothingOnAPlane) {
-  EXPECT_THAT(Hidden(Points([](float, float) { return 10.f; })), testing::IsEmpty());
+  EXPECT_THAT(HiddenColumns(Points([](float, float) { return 10.f; })), testing::IsEmpty());
 }
 
 TEST(TofSurface, HidesNothingOnASlant) {
   // 3 px a ToF column and 2 px a row: with a window and no slant, all would hide their neighbours.
   const auto points = Points([](float i, float j) { return 10 + 3 * i + 2 * j; });
-  EXPECT_THAT(Hidden(points), testing::IsEmpty());
+  EXPECT_THAT(HiddenColumns(points), testing::IsEmpty());
 }
 
 TEST(TofSurface, LeavesASlantedBoardsOwnPointsAtItsEdges) {
   const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 30 + 2 * i : 10.f; });
-  for (int column : Hidden(points)) EXPECT_TRUE(column < 4 || column > 7) << column;
+  for (int column : HiddenColumns(points)) EXPECT_TRUE(column < 4 || column > 7) << column;
 }
 
 TEST(TofSurface, HidesAsFarAsTheCoreWithoutAskingTheImages) {
   // The board moves by 4 px against the wall: the next column of the wall is 4 px from its edge.
   const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 18.f : 10.f; });
-  EXPECT_THAT(Hidden(points, 0.45), testing::IsEmpty());
-  EXPECT_THAT(Hidden(points, 0.55), testing::ElementsAre(3, 8));
+  EXPECT_THAT(HiddenColumns(points, 0.45), testing::IsEmpty());
+  EXPECT_THAT(HiddenColumns(points, 0.55), testing::ElementsAre(3, 8));
 }
 
 // The board of column 4 to 7 at 18 px before a wall at 10 px. Between the board's last point, left
@@ -112,7 +128,8 @@ TEST(TofSurface, AsksTheImagesBetweenTheCoreAndTheReach) {
     }
     for (int u = 18; u < edge; ++u) left.col(u).copyTo(right.col(u - 18));
     const std::vector<int> columns =
-        Columns(TofSurface(SomeRig(), points).FindHidden(points, left, right, {0.4, 0.8, 1}));
+        Columns(TofSurface(SomeRig(), points)
+                    .FindHidden(points, points.size(), left, right, {0.4, 0.8, 1}));
     return std::count(columns.begin(), columns.end(), 8) == 1;
   };
   EXPECT_TRUE(hidden_with_edge(132));
@@ -121,8 +138,8 @@ TEST(TofSurface, AsksTheImagesBetweenTheCoreAndTheReach) {
 
 TEST(TofSurface, ToleratesSmallSteps) {
   const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 18.f : 10.f; });
-  EXPECT_THAT(Hidden(points, 0.75, 7.9), testing::ElementsAre(3, 8));
-  EXPECT_THAT(Hidden(points, 0.75, 8.1), testing::IsEmpty());
+  EXPECT_THAT(HiddenColumns(points, 0.75, 7.9), testing::ElementsAre(3, 8));
+  EXPECT_THAT(HiddenColumns(points, 0.75, 8.1), testing::IsEmpty());
 }
 
 TEST(TofSurface, DoesNotDependOnTheOrderOfThePoints) {
@@ -130,9 +147,9 @@ TEST(TofSurface, DoesNotDependOnTheOrderOfThePoints) {
   TofSurface surface(SomeRig(), points);
   const cv::Mat1b grey(120, 200, uint8_t{100});
   const HiddenRule rule{.core = 0.75, .reach = 0.9, .tolerance_px = 1};
-  const std::vector<uint8_t> forwards = surface.FindHidden(points, grey, grey, rule);
+  const std::vector<Hidden> forwards = surface.FindHidden(points, points.size(), grey, grey, rule);
   std::reverse(points.begin(), points.end());
-  std::vector<uint8_t> backwards = surface.FindHidden(points, grey, grey, rule);
+  std::vector<Hidden> backwards = surface.FindHidden(points, points.size(), grey, grey, rule);
   std::reverse(backwards.begin(), backwards.end());
   EXPECT_EQ(forwards, backwards);
 }
@@ -191,7 +208,7 @@ TEST(TofSurface, CountsPixelsWithoutAPointAsNoSupport) {
   const std::vector<ProjectedPoint> points = {Point(0, 0, 10), Point(1, 0, 10), Point(11, 9, 10)};
   EXPECT_EQ(CountLoose(points), 3);
   EXPECT_EQ(CountLoose({}), 0);
-  EXPECT_TRUE(TofSurface(SomeRig(), {}).FindHidden({}, {}, {}, {0.4, 0.8, 1}).empty());
+  EXPECT_TRUE(TofSurface(SomeRig(), {}).FindHidden({}, 0, {}, {}, {0.4, 0.8, 1}).empty());
 }
 
 }  // namespace
