@@ -63,8 +63,9 @@ class StageCheck {
     out << contract_.stage << ": " << CompareAnswers(comparable_, recorded_) << "\n";
     if (contract_.may_publish.Has(Part::kLeftSeeds) &&
         !talk_.extras_heard().Has(Part::kLeftSeeds)) {
-      out << fmt::format("{}: nothing on {}: give the prior behind it prior {{ left_seeds: false }}\n",
-                         contract_.stage, ChannelOf(Part::kLeftSeeds));
+      out << fmt::format(
+          "{}: nothing on {}: give the prior behind it prior {{ left_seeds: false }}\n",
+          contract_.stage, ChannelOf(Part::kLeftSeeds));
     }
   }
 
