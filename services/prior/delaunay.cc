@@ -1,18 +1,8 @@
 #include "services/prior/delaunay.h"
 
-#include <CGAL/Delaunay_triangulation_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Hilbert_policy_tags.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
-#include <CGAL/hilbert_sort.h>
-#include <CGAL/spatial_sort.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <tuple>
+#include <iterator>
 #include <utility>
 
 #include "common/core/parallel.h"
@@ -20,86 +10,60 @@
 namespace sprout {
 namespace {
 
-// Positions are whole numbers of this part of a pixel. With so few bits the tests that decide on a
-// triangulation have exact results in 128, and four seeds on a circle, which a grid is full of,
-// cost no more than others: 7 ms for 19,000 seeds of a grid, CGAL's own kernel 10.
 constexpr float kStepsPerPixel = 64;
-constexpr float kFarthest = 1 << 28;
+constexpr size_t kMostStrips = 2;
+constexpr size_t kFewestOfStrip = 1000;  // positions; fewer are not worth a seam
 
-using CgalKernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Point = CgalKernel::Point_2;
-
-struct Offset {
-  Offset(const Point& from, const Point& to)
-      : u(static_cast<int64_t>(to.x() - from.x())), v(static_cast<int64_t>(to.y() - from.y())) {}
-  int64_t u;
-  int64_t v;
-};
-
-int64_t Cross(const Offset& a, const Offset& b) { return a.u * b.v - a.v * b.u; }
-
-// a · (a − b)
-int64_t DotDifference(const Offset& a, const Offset& b) {
-  return a.u * (a.u - b.u) + a.v * (a.v - b.v);
+int Steps(float px) {
+  constexpr auto kFarthest = static_cast<float>(DelaunayMesh::kFarthest);
+  return static_cast<int>(std::lround(std::clamp(px * kStepsPerPixel, -kFarthest, kFarthest)));
 }
 
-struct WholeNumberKernel : CgalKernel {
-  struct Orientation_2 {
-    using result_type = CGAL::Orientation;
-    result_type operator()(const Point& p, const Point& q, const Point& r) const {
-      return CGAL::sign(Cross(Offset(p, q), Offset(p, r)));
-    }
-  };
-  // Of the circle through p, q, r, counter-clockwise: t is inside where this is positive.
-  struct Side_of_oriented_circle_2 {
-    using result_type = CGAL::Oriented_side;
-    result_type operator()(const Point& p, const Point& q, const Point& r, const Point& t) const {
-      const Offset to_q(p, q), to_r(p, r), to_t(p, t);
-      return CGAL::sign(__int128{Cross(to_q, to_t)} * DotDifference(to_r, to_q) -
-                        __int128{Cross(to_q, to_r)} * DotDifference(to_t, to_q));
-    }
-  };
-  Orientation_2 orientation_2_object() const { return {}; }
-  Side_of_oriented_circle_2 side_of_oriented_circle_2_object() const { return {}; }
-};
-
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, WholeNumberKernel>;
-using Structure = CGAL::Triangulation_data_structure_2<VertexBase>;
-using Delaunay = CGAL::Delaunay_triangulation_2<WholeNumberKernel, Structure>;
-using Vertex = Delaunay::Vertex_handle;
-using Face = Delaunay::Face_handle;
-
-// CGAL's clear() gives the memory back. Backwards, because what is erased last is taken first: the
-// next triangulation has its triangles in the same order as in new memory.
-template <typename Elements>
-void EraseAll(Elements& elements) {
-  auto element = elements.end();
-  while (!elements.empty()) elements.erase(--element);
+// In the order of rows, then of columns, then of ids.
+bool IsBefore(const MeshPosition& a, const MeshPosition& b) {
+  const auto key = [](const MeshPosition& at) { return (int64_t{at.v} << 32) + at.u; };
+  return key(a) != key(b) ? key(a) < key(b) : a.id < b.id;
 }
 
-// A triangulation of three vertices, counter-clockwise, in place of what was there.
-Face StartWith(const std::array<Point, 3>& corners, Delaunay& delaunay) {
-  Structure& structure = delaunay.tds();
-  EraseAll(structure.faces());
-  EraseAll(structure.vertices());
-  structure.set_dimension(2);
-  const Vertex infinite = structure.create_vertex();
-  delaunay.set_infinite_vertex(infinite);
-  std::array<Vertex, 3> vertex;
-  for (size_t i = 0; i < 3; ++i) {
-    vertex[i] = structure.create_vertex();
-    vertex[i]->set_point(corners[i]);
+// The circle through three positions that are counter-clockwise with v upwards, seen from the
+// first; scaled so that nothing has to be divided.
+class Circle {
+ public:
+  Circle(const MeshPosition& a, const MeshPosition& b, const MeshPosition& c) {
+    const int64_t bu = int64_t{b.u} - a.u, bv = int64_t{b.v} - a.v;
+    const int64_t cu = int64_t{c.u} - a.u, cv = int64_t{c.v} - a.v;
+    const auto bb = static_cast<double>(bu * bu + bv * bv);
+    const auto cc = static_cast<double>(cu * cu + cv * cv);
+    scale_ = 2 * static_cast<double>(bu * cv - bv * cu);
+    u_ = static_cast<double>(cv) * bb - static_cast<double>(bv) * cc;
+    v_ = static_cast<double>(bu) * cc - static_cast<double>(cu) * bb;
+    const auto length = [](int64_t u, int64_t v) {
+      return static_cast<double>(std::abs(u) + std::abs(v));
+    };
+    doubt_ = 1e-14 * (length(cu, cv) * bb + length(bu, bv) * cc);
   }
-  const Face inside = structure.create_face(vertex[0], vertex[1], vertex[2]);
-  std::array<Face, 3> outside;  // across the edge opposite of each vertex
-  for (size_t i = 0; i < 3; ++i) {
-    outside[i] = structure.create_face(vertex[(i + 2) % 3], vertex[(i + 1) % 3], infinite);
-    structure.set_adjacency(inside, static_cast<int>(i), outside[i], 2);
-    vertex[i]->set_face(inside);
+
+  // Whether it stays on the first position's side of a line that is so many steps below that one;
+  // above, where they are negative. When in doubt, no.
+  bool StaysClearOf(int64_t steps) const {
+    const double line = std::abs(static_cast<double>(steps)) * scale_;
+    const double centre = steps < 0 ? -v_ : v_;
+    const double radius = std::sqrt(u_ * u_ + v_ * v_);
+    return centre + radius + doubt_ < line;
   }
-  for (size_t i = 0; i < 3; ++i) structure.set_adjacency(outside[i], 0, outside[(i + 2) % 3], 1);
-  infinite->set_face(outside[0]);
-  return inside;
+
+ private:
+  double scale_;
+  double u_;
+  double v_;
+  double doubt_;  // more than rounding can err
+};
+
+// The same triangle, from its smallest id on.
+MeshTriangle FromSmallest(const MeshTriangle& triangle) {
+  MeshTriangle turned = triangle;
+  std::rotate(turned.begin(), std::min_element(turned.begin(), turned.end()), turned.end());
+  return turned;
 }
 
 // Not so for seeds so nearly on one line that only the rounding of their positions parts them.
@@ -112,152 +76,127 @@ bool HasArea(std::span<const Seed> seeds, const SeedTriangle& triangle) {
   return bu * cv > bv * cu;
 }
 
-int Steps(float px) {
-  return static_cast<int>(std::lround(std::clamp(px * kStepsPerPixel, -kFarthest, kFarthest)));
-}
-
 }  // namespace
-
-struct Triangulator::Mesh {
-  Delaunay delaunay;
-};
-
-// How CGAL sorts positions.
-struct Triangulator::SortTraits {
-  using Point_2 = Position;
-  struct Less_x_2 {
-    bool operator()(const Position& a, const Position& b) const { return a.u < b.u; }
-  };
-  struct Less_y_2 {
-    bool operator()(const Position& a, const Position& b) const { return a.v < b.v; }
-  };
-  struct Compute_x_2 {
-    double operator()(const Position& at) const { return at.u; }
-  };
-  struct Compute_y_2 {
-    double operator()(const Position& at) const { return at.v; }
-  };
-  Less_x_2 less_x_2_object() const { return {}; }
-  Less_y_2 less_y_2_object() const { return {}; }
-  Compute_x_2 compute_x_2_object() const { return {}; }
-  Compute_y_2 compute_y_2_object() const { return {}; }
-};
 
 std::vector<SeedTriangle> TriangulateSeeds(std::span<const Seed> seeds) {
   return Triangulator().Triangulate(seeds);
 }
 
-Triangulator::Triangulator() : mesh_(std::make_unique<Mesh>()) {}
-Triangulator::~Triangulator() = default;
-
 const std::vector<SeedTriangle>& Triangulator::Triangulate(std::span<const Seed> seeds) {
-  triangles_.clear();
-  hull_.clear();
   TakePositions(seeds);
-  if (positions_.empty()) return triangles_;
-  TakeCorners();
-  if (corners_.size() < 3) return triangles_;
-  Connect();
-  const Delaunay& delaunay = mesh_->delaunay;
-  triangles_.reserve(delaunay.number_of_faces());
-  for (const auto face : delaunay.finite_face_handles()) {
-    const SeedTriangle triangle{face->vertex(0)->info(), face->vertex(1)->info(),
-                                face->vertex(2)->info()};
-    if (HasArea(seeds, triangle)) triangles_.push_back(triangle);
+  CutIntoStrips();
+  ForEachParallel(strips_.size(), [&](size_t i) { Settle(seeds, strips_[i]); });
+  triangles_.clear();
+  triangles_.reserve(2 * positions_.size());
+  for (const auto& [begin, end, mesh, settled, doubtful] : strips_) {
+    triangles_.insert(triangles_.end(), settled.begin(), settled.end());
   }
+  Sew(seeds);
+  hull_.clear();
   if (triangles_.empty()) return triangles_;
-  const auto first = delaunay.incident_vertices(delaunay.infinite_vertex());
-  auto vertex = first;
-  do hull_.push_back(vertex->info());
-  while (--vertex != first);
+  for (int place : seam_.hull()) hull_.push_back(seeds_[static_cast<size_t>(place)]);
   return triangles_;
 }
 
-// The hull's corners first, of which each sees but one edge of those before it: a point that sees
-// more makes CGAL allocate.
-void Triangulator::Connect() {
-  Delaunay& delaunay = mesh_->delaunay;
-  // Along a space-filling curve in rounds, with a shuffle from a fixed start: repeatable.
-  const auto sort_in_rounds = [](std::vector<Position>& positions) {
-    CGAL::spatial_sort(positions.begin(), positions.end(), SortTraits(),
-                       CGAL::Hilbert_sort_middle_policy());
-  };
-  const auto point = [](const Position& at) { return Point(at.u, at.v); };
-  sort_in_rounds(corners_);
-  std::array<Point, 3> first{point(corners_[0]), point(corners_[1]), point(corners_[2])};
-  if (WholeNumberKernel::Orientation_2()(first[0], first[1], first[2]) == CGAL::CLOCKWISE) {
-    std::swap(first[1], first[2]);
-  }
-  Face near = StartWith(first, delaunay);
-  const auto insert = [&](const std::vector<Position>& positions) {
-    for (const Position& at : positions) {
-      const Vertex vertex = delaunay.insert(point(at), near);
-      vertex->info() = at.seed;
-      near = vertex->face();
-    }
-  };
-  insert(corners_);
-  // The last round, most positions, is sorted while those before go in. Corners are found to be
-  // there.
-  const auto insert_early_ones = [&] {
-    sort_in_rounds(early_positions_);
-    insert(early_positions_);
-  };
-  const auto sort_late_ones = [&] {
-    CGAL::hilbert_sort(late_positions_.begin(), late_positions_.end(), SortTraits(),
-                       CGAL::Hilbert_sort_middle_policy());
-  };
-  SplitPositions();
-  RunBoth(insert_early_ones, sort_late_ones);
-  insert(late_positions_);
-}
-
-// Every fourth position goes in before the others.
-void Triangulator::SplitPositions() {
-  early_positions_.clear();
-  late_positions_.clear();
-  for (size_t i = 0; i < positions_.size(); ++i) {
-    (i % 4 == 0 ? early_positions_ : late_positions_).push_back(positions_[i]);
-  }
-}
-
-// Of the convex hull, without positions on its edges; counter-clockwise in a frame with v upwards.
-// Andrew's monotone chain, Information Processing Letters 9(5), 1979: along the sorted positions
-// and back. Fewer than three where all positions are on a line.
-void Triangulator::TakeCorners() {
-  corners_.clear();
-  const auto extend = [&](const Position& at, size_t start) {
-    const auto turns_left = [&] {
-      const Position &a = corners_.end()[-2], &b = corners_.back();
-      return int64_t{b.u - a.u} * (at.v - a.v) > int64_t{b.v - a.v} * (at.u - a.u);
-    };
-    while (corners_.size() >= start + 2 && !turns_left()) corners_.pop_back();
-    corners_.push_back(at);
-  };
-  for (const Position& at : positions_) extend(at, 0);
-  const size_t turn = corners_.size() - 1;
-  for (size_t i = positions_.size() - 1; i > 0; --i) extend(positions_[i - 1], turn);
-  corners_.pop_back();  // the first again
-}
-
-// The first seed of each position, in an order that does not depend on the seeds' order. Row by
-// row, as they often come.
+// The first seed of each position, in an order that does not depend on the seeds' order.
 void Triangulator::TakePositions(std::span<const Seed> seeds) {
   positions_.clear();
   positions_.reserve(seeds.size());
   for (const Seed& seed : seeds) {
     positions_.push_back({Steps(seed.u), Steps(seed.v), static_cast<int>(positions_.size())});
   }
-  const auto before = [](const Position& a, const Position& b) {
-    return std::tie(a.v, a.u, a.seed) < std::tie(b.v, b.u, b.seed);
+  SortPositions();
+  const auto same = [](const MeshPosition& a, const MeshPosition& b) {
+    return a.u == b.u && a.v == b.v;
   };
-  if (!std::is_sorted(positions_.begin(), positions_.end(), before)) {
-    std::sort(positions_.begin(), positions_.end(), before);
+  positions_.erase(std::unique(positions_.begin(), positions_.end(), same), positions_.end());
+  seeds_.clear();
+  seeds_.reserve(positions_.size());
+  for (MeshPosition& position : positions_) {
+    const auto place = static_cast<int>(seeds_.size());
+    seeds_.push_back(std::exchange(position.id, place));
   }
-  positions_.erase(
-      std::unique(positions_.begin(), positions_.end(),
-                  [](const Position& a, const Position& b) { return a.u == b.u && a.v == b.v; }),
-      positions_.end());
+}
+
+// In two halves at the same time. Often they come row by row.
+void Triangulator::SortPositions() {
+  if (std::is_sorted(positions_.begin(), positions_.end(), IsBefore)) return;
+  const auto middle = positions_.begin() + std::ssize(positions_) / 2;
+  RunBoth([&] { std::sort(positions_.begin(), middle, IsBefore); },
+          [&] { std::sort(middle, positions_.end(), IsBefore); });
+  std::swap(positions_, unsorted_);
+  positions_.resize(unsorted_.size());
+  std::merge(unsorted_.begin(), middle, middle, unsorted_.end(), positions_.begin(), IsBefore);
+}
+
+void Triangulator::CutIntoStrips() {
+  strips_.resize(std::clamp(positions_.size() / kFewestOfStrip, size_t{1}, kMostStrips));
+  for (size_t i = 0; i < strips_.size(); ++i) {
+    strips_[i].begin = positions_.size() * i / strips_.size();
+    strips_[i].end = positions_.size() * (i + 1) / strips_.size();
+  }
+  is_at_seam_.assign(positions_.size(), 0);
+}
+
+// Touches nothing but the strip and what belongs to its positions.
+void Triangulator::Settle(std::span<const Seed> seeds, Strip& strip) {
+  strip.mesh.Triangulate(std::span(positions_).subspan(strip.begin, strip.end - strip.begin));
+  strip.settled.clear();
+  strip.doubtful.clear();
+  const auto add_to_seam = [&](int place) { is_at_seam_[static_cast<size_t>(place)] = 1; };
+  for (const MeshTriangle& triangle : strip.mesh.triangles()) {
+    if (StaysClear(triangle, strip)) {
+      Add(seeds, triangle, strip.settled);
+    } else {
+      strip.doubtful.push_back(FromSmallest(triangle));
+      std::for_each(triangle.begin(), triangle.end(), add_to_seam);
+    }
+  }
+  std::sort(strip.doubtful.begin(), strip.doubtful.end());
+  std::for_each(strip.mesh.hull().begin(), strip.mesh.hull().end(), add_to_seam);
+}
+
+// Whether no position of another strip can lie in a triangle's circle or on it.
+bool Triangulator::StaysClear(const MeshTriangle& triangle, const Strip& strip) const {
+  const auto at = [&](size_t corner) -> const MeshPosition& {
+    return positions_[static_cast<size_t>(triangle[corner])];
+  };
+  const Circle circle(at(0), at(1), at(2));
+  const auto stays_clear_of = [&](size_t place) {
+    return circle.StaysClearOf(int64_t{positions_[place].v} - at(0).v);
+  };
+  return (strip.begin == 0 || stays_clear_of(strip.begin - 1)) &&
+         (strip.end == positions_.size() || stays_clear_of(strip.end));
+}
+
+// Adds the triangles that no strip could settle.
+void Triangulator::Sew(std::span<const Seed> seeds) {
+  seam_positions_.clear();
+  for (const MeshPosition& position : positions_) {
+    if (is_at_seam_[static_cast<size_t>(position.id)] != 0) seam_positions_.push_back(position);
+  }
+  seam_.Triangulate(seam_positions_);
+  for (const MeshTriangle& triangle : seam_.triangles()) {
+    if (IsOfTheWhole(triangle)) Add(seeds, triangle, triangles_);
+  }
+}
+
+// Of a triangle of the seam.
+bool Triangulator::IsOfTheWhole(const MeshTriangle& triangle) const {
+  const auto [least, most] = std::minmax({triangle[0], triangle[1], triangle[2]});
+  const auto strip = std::find_if(strips_.begin(), strips_.end(), [least = least](const Strip& s) {
+    return static_cast<size_t>(least) < s.end;
+  });
+  return static_cast<size_t>(most) >= strip->end ||
+         std::binary_search(strip->doubtful.begin(), strip->doubtful.end(), FromSmallest(triangle));
+}
+
+// A triangle of places.
+void Triangulator::Add(std::span<const Seed> seeds, const MeshTriangle& triangle,
+                       std::vector<SeedTriangle>& triangles) const {
+  const auto seed = [&](size_t corner) { return seeds_[static_cast<size_t>(triangle[corner])]; };
+  const SeedTriangle of_seeds{seed(0), seed(1), seed(2)};
+  if (HasArea(seeds, of_seeds)) triangles.push_back(of_seeds);
 }
 
 }  // namespace sprout

@@ -2,11 +2,13 @@
 #define SPROUT_SERVICES_PRIOR_DELAUNAY_H_
 
 #include <array>
-#include <memory>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "common/core/seed.h"
+#include "services/prior/delaunay_mesh.h"
 
 namespace sprout {
 
@@ -17,19 +19,23 @@ using SeedTriangle = std::array<int, 3>;
 /// on one position count once: the first. Among triangulations that are equally good (four seeds on
 /// a circle, as on a grid) the choice depends on the positions only, not on their order.
 ///
-/// The only place that includes CGAL, whose 2D triangulations are under the GPL.
-///
 /// @returns the triangles; none for fewer than three positions or when all lie on one line.
-/// O(n log n).
+/// O(n log n); on OpenCV's threads, with the same result in the same order for any number.
 std::vector<SeedTriangle> TriangulateSeeds(std::span<const Seed> seeds);
 
-/// TriangulateSeeds() for frame after frame: keeps its memory, about 200 bytes a seed, and
+/// TriangulateSeeds() for frame after frame: keeps its memory, about 250 bytes a seed, and
 /// allocates nothing in steady state. One object serves one caller at a time.
+///
+/// Many seeds are cut into strips of rows, and each strip is triangulated for itself. A triangle
+/// whose circle stays clear of the other strips is one of the whole. What remains, the seam, is
+/// found among few positions: the corners of all other triangles and the hulls of the strips. In
+/// their triangulation
+///   - a triangle with corners in two strips is one of the whole: the triangles found before lie
+///     in the hulls of their strips, so it is not in their place;
+///   - one with all corners in one strip is if it is one of that strip, too.
+/// So the result is that of one triangulation.
 class Triangulator {
  public:
-  Triangulator();
-  ~Triangulator();
-
   /// @returns as TriangulateSeeds(); valid until the next call.
   const std::vector<SeedTriangle>& Triangulate(std::span<const Seed> seeds);
 
@@ -38,24 +44,31 @@ class Triangulator {
   const std::vector<int>& hull() const { return hull_; }
 
  private:
-  // In steps of 1/64 px.
-  struct Position {
-    int u;
-    int v;
-    int seed;
+  struct Strip {
+    size_t begin = 0;  // places in positions_
+    size_t end = 0;
+    DelaunayMesh mesh;
+    std::vector<SeedTriangle> settled;   // of the whole, too
+    std::vector<MeshTriangle> doubtful;  // the others, sorted
   };
-  struct SortTraits;
-  struct Mesh;  // CGAL's
 
   void TakePositions(std::span<const Seed> seeds);
-  void TakeCorners();
-  void Connect();
-  void SplitPositions();
+  void SortPositions();
+  void CutIntoStrips();
+  void Settle(std::span<const Seed> seeds, Strip& strip);
+  bool StaysClear(const MeshTriangle& triangle, const Strip& strip) const;
+  void Sew(std::span<const Seed> seeds);
+  bool IsOfTheWhole(const MeshTriangle& triangle) const;
+  void Add(std::span<const Seed> seeds, const MeshTriangle& triangle,
+           std::vector<SeedTriangle>& triangles) const;
 
-  std::vector<Position> positions_;
-  std::vector<Position> corners_;
-  std::vector<Position> early_positions_, late_positions_;
-  std::unique_ptr<Mesh> mesh_;
+  std::vector<MeshPosition> positions_;  // by row and column; their ids are their places
+  std::vector<MeshPosition> unsorted_;
+  std::vector<int> seeds_;  // on these positions
+  std::vector<Strip> strips_;
+  std::vector<uint8_t> is_at_seam_;
+  std::vector<MeshPosition> seam_positions_;
+  DelaunayMesh seam_;
   std::vector<SeedTriangle> triangles_;
   std::vector<int> hull_;
 };

@@ -78,15 +78,11 @@ void PriorEstimator::SpreadOver(const cv::Mat& left, std::span<const Seed> seeds
 Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat& right,
                                                  std::span<const Seed> seeds, cv::Size size) {
   EdgeEvidence evidence;
-  const auto look = [&] {
-    evidence.left_grey = ToGrey(left, images_.left_grey);
-    evidence.right_grey = ToGrey(right, images_.right_grey);
-    CensusTransform(evidence.left_grey, images_.left_census);
-    CensusTransform(evidence.right_grey, images_.right_census);
-  };
-  std::span<const SeedTriangle> seed_triangles;
-  RunBoth(look, [&] { seed_triangles = triangulator_.Triangulate(seeds); });
-
+  evidence.left_grey = ToGrey(left, images_.left_grey);
+  evidence.right_grey = ToGrey(right, images_.right_grey);
+  CensusTransform(evidence.left_grey, images_.left_census);
+  CensusTransform(evidence.right_grey, images_.right_census);
+  const std::span<const SeedTriangle> seed_triangles = triangulator_.Triangulate(seeds);
   const std::span<const int> hull = config_.extend_to_border()
                                         ? std::span<const int>(triangulator_.hull())
                                         : std::span<const int>();

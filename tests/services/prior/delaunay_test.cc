@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <opencv2/core.hpp>
 #include <random>
 #include <set>
+#include <utility>
 
 namespace sprout {
 namespace {
@@ -18,6 +22,16 @@ std::vector<Seed> RandomSeeds(int count, uint32_t seed) {
     const auto u = static_cast<float>(random() % 10000) / 64;
     const auto v = static_cast<float>(random() % 10000) / 64;
     seeds.push_back(At(u, v));
+  }
+  return seeds;
+}
+
+std::vector<Seed> OnACircle(int count) {
+  std::vector<Seed> seeds;
+  for (int i = 0; i < count; ++i) {
+    const double angle = i * 2 * M_PI / count;
+    seeds.push_back(At(static_cast<float>(std::lround(64000 * std::cos(angle))) / 64,
+                       static_cast<float>(std::lround(64000 * std::sin(angle))) / 64));
   }
   return seeds;
 }
@@ -105,12 +119,7 @@ TEST(Delaunay, DoesNotDependOnTheFramesBefore) {
 
 // Euler: of n positions, h of them on the hull, 2n - 2 - h triangles.
 TEST(Delaunay, CoversTheHull) {
-  std::vector<Seed> round;
-  for (int i = 0; i < 500; ++i) {
-    const double angle = i * 2 * M_PI / 500;
-    round.push_back(At(static_cast<float>(std::lround(64000 * std::cos(angle))) / 64,
-                       static_cast<float>(std::lround(64000 * std::sin(angle))) / 64));
-  }
+  const std::vector<Seed> round = OnACircle(500);
   std::vector<Seed> grid;  // most of its hull lies on edges
   for (int v = 0; v < 20; ++v) {
     for (int u = 0; u < 30; ++u) grid.push_back(At(static_cast<float>(u), static_cast<float>(v)));
@@ -121,6 +130,79 @@ TEST(Delaunay, CoversTheHull) {
   EXPECT_EQ(triangulator.Triangulate(grid).size(), 2u * 19 * 29);
   EXPECT_EQ(triangulator.hull().size(), 2u * (19 + 29));
 }
+
+// What seams must not change: many seeds are triangulated in strips.
+class Strips : public testing::TestWithParam<std::vector<Seed>> {};
+
+std::set<SeedTriangle> InAnyOrder(const std::vector<SeedTriangle>& triangles) {
+  std::set<SeedTriangle> set;
+  for (SeedTriangle triangle : triangles) {
+    std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()),
+                triangle.end());
+    set.insert(triangle);
+  }
+  return set;
+}
+
+TEST_P(Strips, GiveTheTrianglesOfTheWhole) {
+  const std::vector<Seed>& seeds = GetParam();
+  std::map<std::pair<int, int>, int> first;
+  for (const Seed& seed : seeds) {
+    first.try_emplace({std::lround(seed.v * 64), std::lround(seed.u * 64)},
+                      static_cast<int>(&seed - seeds.data()));
+  }
+  std::vector<MeshPosition> positions;
+  for (const auto& [at, seed] : first) positions.push_back({at.second, at.first, seed});
+  DelaunayMesh whole;
+  whole.Triangulate(positions);
+  Triangulator triangulator;
+  const std::vector<SeedTriangle>& triangles = triangulator.Triangulate(seeds);
+  const std::set<SeedTriangle> set = InAnyOrder(triangles);
+  EXPECT_EQ(set.size(), triangles.size());
+  EXPECT_EQ(set, InAnyOrder(whole.triangles()));
+  const std::vector<int>& hull = triangulator.hull();
+  EXPECT_EQ(std::set<int>(hull.begin(), hull.end()),
+            std::set<int>(whole.hull().begin(), whole.hull().end()));
+  EXPECT_EQ(hull.size(), whole.hull().size());
+}
+
+TEST_P(Strips, GiveTheSameInTheSameOrderWithAnyNumberOfThreads) {
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  const std::vector<SeedTriangle> alone = TriangulateSeeds(GetParam());
+  cv::setNumThreads(4);
+  EXPECT_EQ(TriangulateSeeds(GetParam()), alone);
+  cv::setNumThreads(threads);
+}
+
+template <typename HasSeed>
+std::vector<Seed> GridWhere(int columns, int rows, const HasSeed& has_seed) {
+  std::vector<Seed> seeds;
+  for (int v = 0; v < rows; ++v) {
+    for (int u = 0; u < columns; ++u) {
+      if (has_seed(u, v)) seeds.push_back(At(static_cast<float>(8 * u), static_cast<float>(8 * v)));
+    }
+  }
+  return seeds;
+}
+
+// Two rows that are far apart, so that all triangles cross the seam; and more on one line than a
+// strip takes.
+std::vector<Seed> Rows(int count) {
+  std::vector<Seed> seeds;
+  for (int i = 0; i < count; ++i) seeds.push_back(At(static_cast<float>(i), 0));
+  for (int i = 0; i < 9; ++i) seeds.push_back(At(static_cast<float>(i * count) / 10, 900));
+  return seeds;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Delaunay, Strips,
+    testing::Values(RandomSeeds(3000, 1), RandomSeeds(8000, 2),
+                    GridWhere(70, 50, [](int, int) { return true; }),
+                    GridWhere(90, 60, [](int u, int v) { return std::hypot(u - 40, v - 33) > 20; }),
+                    GridWhere(90, 60, [](int, int v) { return v < 20 || v > 50; }),
+                    GridWhere(2, 2000, [](int u, int v) { return u == 0 || v % 7 == 0; }),
+                    OnACircle(4000), Rows(2500)));
 
 }  // namespace
 }  // namespace sprout
