@@ -59,7 +59,8 @@ class Seams {
 };
 
 // Standard deviation of the seeds' disparities from the prior, px, from the median: what the
-// prior's smoothing took off, so an estimate of the seeds' noise.
+// prior's smoothing took off, so an estimate of the seeds' noise. As much as rounding to whole
+// pixels explains does not count: taking that off makes the prior better, not doubtful.
 double NoiseOfSeeds(std::span<const Seed> seeds, const DisparityImage& prior,
                     std::vector<float>& deviations) {
   deviations.clear();
@@ -73,7 +74,9 @@ double NoiseOfSeeds(std::span<const Seed> seeds, const DisparityImage& prior,
   const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
   std::nth_element(deviations.begin(), middle, deviations.end());
   constexpr double kMedianOfNormal = 0.6745;  // of the absolute value, in standard deviations
-  return double{*middle} / kMedianOfNormal;
+  constexpr double kVarianceOfRounding = 1.0 / 12;
+  const double deviation = double{*middle} / kMedianOfNormal;
+  return std::sqrt(std::max(0.0, deviation * deviation - kVarianceOfRounding));
 }
 
 }  // namespace

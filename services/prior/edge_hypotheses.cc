@@ -12,9 +12,9 @@
 namespace sprout {
 namespace {
 
-// The images cannot tell between disparities that are less than a pixel apart, and there
+// Between disparities that are less apart neither images nor seeds can tell, and there
 // interpolation does no harm.
-constexpr float kSmallestGapPx = 1;
+constexpr float kSmallestGapPx = 0.5;
 
 // A number that changes linearly over the image.
 struct Linear {
@@ -29,12 +29,11 @@ Linear ToLinear(const LocalPlane& plane) {
   return {plane.At(0, 0), plane.per_column, plane.per_row};
 }
 
-// 0 at a, 1 at b, and level across the line between them.
-Linear ShareOfWay(const LocalPlane& a, const LocalPlane& b) {
+// Positive where b is closer than a, in squares of pixels.
+Linear CloserTo(const LocalPlane& b, const LocalPlane& a) {
   const float across = b.u - a.u;
   const float down = b.v - a.v;
-  const float per_length = 1 / (across * across + down * down);
-  return {-(a.u * across + a.v * down) * per_length, across * per_length, down * per_length};
+  return {-(across * (a.u + b.u) + down * (a.v + b.v)) / 2, across, down};
 }
 
 // As ToCounts(), but always with a disparity, never beyond infinity, and much faster.
@@ -57,10 +56,10 @@ class SplitTriangle {
     single_ = ToLinear(single);
     one_ = ToLinear(one);
     other_ = ToLinear(other);
-    share_of_other_ = ShareOfWay(one, other);
+    closer_to_other_ = CloserTo(other, one);
   }
 
-  // The surface of two seeds lies between their planes, so the gap is largest at a corner.
+  // Planes gape most at a corner.
   bool IsApartSomewhere() const {
     return std::any_of(planes_.begin(), planes_.end(), [&](const LocalPlane& corner) {
       const float single = single_.At(corner.u, corner.v);
@@ -77,9 +76,8 @@ class SplitTriangle {
     const auto row = static_cast<float>(run.v);
     for (int u = run.begin; u < run.end; ++u) {
       const auto column = static_cast<float>(u);
-      const float share = std::clamp(share_of_other_.At(column, row), 0.F, 1.F);
-      const float one = one_.At(column, row);
-      const float pair = one + share * (other_.At(column, row) - one);
+      const Linear& closer = closer_to_other_.At(column, row) > 0 ? other_ : one_;
+      const float pair = closer.At(column, row);
       const float single = single_.At(column, row);
       if (std::abs(single - pair) < kSmallestGapPx) continue;
       near[u] = NearestCounts(std::max(single, pair));
@@ -93,7 +91,7 @@ class SplitTriangle {
   Linear single_;                     // surface of the seed that lies alone
   Linear one_;                        // and of the other two
   Linear other_;
-  Linear share_of_other_;
+  Linear closer_to_other_;
 };
 
 float SpreadPx(const SeedSurface& surface, const SeedTriangle& triangle) {

@@ -20,7 +20,7 @@ struct EdgeTriangle {
 };
 
 /// The two surfaces that each pixel of a triangle across a depth edge may lie on. Where there is no
-/// such triangle, or they are less than a pixel apart, both maps are without a disparity.
+/// such triangle, or they are less than half a pixel apart, both maps are without a disparity.
 struct EdgeHypotheses {
   DisparityImage near;
   DisparityImage far;
@@ -35,8 +35,7 @@ struct EdgeHypotheses {
 
 /// Hypotheses for the pixels of triangles whose seeds differ by at least `edge_px`: such a triangle
 /// spans a depth edge, and its seeds lie on two surfaces, parted where their disparities gape most.
-/// The surface of one seed is its plane; that of two blends their planes along the line between
-/// them.
+/// The surface of one seed is its plane; that of two is the plane of the closer one.
 ///
 /// @param surface      of the seeds.
 /// @param triangles    of the seeds; a pixel on the border of two gets the later one's, if it has

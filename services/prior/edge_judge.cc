@@ -66,7 +66,7 @@ bool EdgeJudge::IsNear(const EdgePixel& pixel, const SeedTriangle& triangle) con
                       v >= kCensusRadius && v + kCensusRadius < rows();
   const Costs costs = inside ? Inside(u, v, near_px, far_px) : AtBorder(u, v, near_px, far_px);
   const SeedVotes::Votes seeds =
-      evidence_.seeds->Of(triangle, {u, v}, evidence_.left_bgr(v, u), pixel.near + pixel.far);
+      evidence_.seeds->Of(triangle, {u, v}, evidence_.left_bgr(v, u), pixel.near, pixel.far);
   const EdgeWeights& weights = evidence_.weights;
   const double for_near = static_cast<double>(costs.differences) / (kWindow * kLargestGrey) +
                           weights.census * costs.census / (kCensusWindow * kUnlikeBits) +

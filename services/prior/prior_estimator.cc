@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <utility>
 
 #include "common/core/image.h"
 #include "common/core/parallel.h"
@@ -91,6 +92,7 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
       extender_.Extend(fitter_.Fit(seeds, seed_triangles, config_.noisy_px(), config_.edge_px()),
                        seed_triangles, hull, size, /*reach_px=*/2 * spacing_px);
   PutSeedsOn(surface, fitted_seeds_);
+  Renew(interpolated_, size);
   const Result<DisparityImage> interpolated =
       interpolator_.Interpolate(fitted_seeds_, triangles, size, interpolated_);
   if (!interpolated) return interpolated;
@@ -98,12 +100,17 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
   const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
   PaintEdgeHypotheses(surface, triangles, config_.edge_px() + 2 * noise_px, size, hypotheses_);
   evidence.left_bgr = ToBgr(left, images_.left_bgr);
-  seed_votes_.Look(seeds, spacing_px, fitter_.neighbours(), evidence.left_bgr);
+  seed_votes_.Look(std::span(surface.planes).first(seeds.size()), spacing_px, fitter_.neighbours(),
+                   evidence.left_bgr);
   evidence.left_census = images_.left_census;
   evidence.right_census = images_.right_census;
   evidence.seeds = &seed_votes_;
   evidence.weights = {config_.census_weight(), config_.colour_weight(), config_.proximity_weight()};
   ResolveEdges(hypotheses_, EdgeJudge(evidence), interpolated_);
+  if (noise_px == 0) {
+    std::swap(interpolated_, result_);
+    return result_;
+  }
   // Single pixels that were judged otherwise than those around them.
   Renew(result_, size);
   median_.Apply(interpolated_.counts(), result_.counts());

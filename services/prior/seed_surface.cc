@@ -8,45 +8,61 @@
 namespace sprout {
 namespace {
 
-constexpr int kIterations = 4;        // of reweighting; more change nothing that can be measured
-constexpr double kSlopeHold = 0.003;  // weight of "no slope" against that of one neighbour
+constexpr int kIterations = 3;        // of reweighting; more make noisy seeds worse
+constexpr double kSlopeHold = 0.004;  // weight of "no slope" against that of one neighbour
 // Disparities that far off a plane count a quarter: so many px for a seed's spacing of one, since a
 // slant puts neighbours the farther off the farther they are; but at least so many px.
 constexpr double kScalePerSpacing = 0.12;
-constexpr double kSmallestScalePx = 0.6;
+constexpr double kSmallestScalePx = 0.4;
+constexpr double kScalePerNoise = 2;  // and so many standard deviations of the noise
+// The same where steps are smoothed: in steps, and at least.
+constexpr double kScalePerStep = 1.1;
+constexpr double kSmallestSmoothPx = 0.1;
+// Seeds whose surface differs by less than this over their neighbours do not show whether it is
+// level or slanted; what differs by more than the other is another surface.
+constexpr double kTellingPx = 1.1;
+constexpr double kOtherSurfacePx = 2;
 
 size_t Index(int i) { return static_cast<size_t>(i); }
 
 // Seeds around a seed. For one thread.
 class Surroundings {
  public:
-  // @param neighbours  must outlive the calls of Within().
+  // @param neighbours  must outlive the calls of Start() and Widen().
   void Set(const SeedNeighbours& neighbours) {
     neighbours_ = &neighbours;
     seen_.assign(neighbours.size(), -1);
   }
 
-  // The seed itself, then its neighbours, then theirs, and so on. Valid until the next call.
-  const std::vector<int>& Within(int seed, int rings) {
+  // From a seed and its neighbours...
+  void Start(int seed) {
+    seed_ = seed;
     reached_.assign(1, seed);
     seen_[Index(seed)] = seed;
-    size_t next = 0;
-    for (int ring = 0; ring < rings; ++ring) {
-      for (const size_t end = reached_.size(); next < end; ++next) {
-        for (int neighbour : neighbours_->Of(reached_[next])) {
-          if (seen_[Index(neighbour)] == seed) continue;
-          seen_[Index(neighbour)] = seed;
-          reached_.push_back(neighbour);
-        }
+    next_ = 0;
+    Widen();
+  }
+
+  // ... to the neighbours of those, too.
+  void Widen() {
+    for (const size_t end = reached_.size(); next_ < end; ++next_) {
+      for (int neighbour : neighbours_->Of(reached_[next_])) {
+        if (seen_[Index(neighbour)] == seed_) continue;
+        seen_[Index(neighbour)] = seed_;
+        reached_.push_back(neighbour);
       }
     }
-    return reached_;
   }
+
+  // The nearest first.
+  std::span<const int> reached() const { return reached_; }
 
  private:
   const SeedNeighbours* neighbours_ = nullptr;
+  int seed_ = 0;
   std::vector<int> seen_;  // the last seed from which this one was reached
   std::vector<int> reached_;
+  size_t next_ = 0;  // of these, whose neighbours were not reached yet
 };
 
 // The value that a share of the others does not reach; 0 when there are none. Reorders them.
@@ -158,15 +174,29 @@ class PlaneFitter {
 
   // Disparity at a seed of the plane through those of its support that differ little from it: takes
   // the steps off in which disparities are counted.
-  float Smooth(int seed, std::span<const int> support) const {
-    constexpr double kSharpness = 1 / 0.7;  // a difference of 0.7 px weighs a quarter
+  float Smooth(int seed, std::span<const int> support, double scale_px) const {
     const double own = seeds_[Index(seed)].disparity();
     PlaneSums sums(1e-9, kSlopeHold);
     for (int i : support) {
       const Point point = From(seed, i);
-      AddSoftly(point.disparity - own, kSharpness, point, sums);
+      AddSoftly(point.disparity - own, 1 / scale_px, point, sums);
     }
     return static_cast<float>(sums.Solve().value);
+  }
+
+  // Whether the support shows more than one or two steps of a seed's surface.
+  bool IsTelling(int seed, std::span<const int> support) const {
+    const double own = seeds_[Index(seed)].disparity();
+    double least = own;
+    double most = own;
+    for (int i : support) {
+      const double disparity = seeds_[Index(i)].disparity();
+      if (std::abs(disparity - own) > kOtherSurfacePx) continue;
+      least = std::min(least, disparity);
+      most = std::max(most, disparity);
+      if (most - least > kTellingPx) return true;
+    }
+    return false;
   }
 
  private:
@@ -225,6 +255,23 @@ double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> tria
   return squares.empty() ? 1 : std::sqrt(Quantile(squares, 0.5));
 }
 
+// The steps in which the seeds' disparities are counted, or a small number if they are not: hardly
+// any two neighbours on a surface differ by less, unless they are equal.
+// @param differences  memory.
+double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
+              std::vector<double>& differences) {
+  constexpr double kEqualPx = 1e-3;
+  constexpr double kHardlyAny = 0.1;
+  differences.clear();
+  differences.reserve(triangles.size());
+  for (const auto& [a, b, c] : triangles) {
+    const double difference =
+        std::abs(double{seeds[Index(a)].disparity()} - seeds[Index(b)].disparity());
+    if (difference > kEqualPx && difference < kOtherSurfacePx) differences.push_back(difference);
+  }
+  return Quantile(differences, kHardlyAny);
+}
+
 // For each seed, whether it is in a triangle whose disparities differ by at least `edge_px`.
 void FindSeedsAtEdges(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
                       double edge_px, std::vector<uint8_t>& at_edge) {
@@ -244,6 +291,7 @@ void FindSeedsAtEdges(std::span<const Seed> seeds, std::span<const SeedTriangle>
 struct SeedSurfaceFitter::Memory {
   SeedNeighbours neighbours;
   std::vector<double> squares;
+  std::vector<double> differences;
   std::vector<double> deviations;
   std::vector<uint8_t> at_edge;
   std::vector<Surroundings> surroundings;  // one a part
@@ -260,26 +308,38 @@ const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
                                           double edge_px) {
   const SeedNeighbours& neighbours = memory_->neighbours;
   double spacing_px = 0;
+  double step_px = 0;
   RunBoth([&] { memory_->neighbours.Find(seeds.size(), triangles); },
           [&] {
             spacing_px = SpacingPx(seeds, triangles, memory_->squares);
+            step_px = StepPx(seeds, triangles, memory_->differences);
             FindSeedsAtEdges(seeds, triangles, edge_px, memory_->at_edge);
           });
   const PlaneFitter fitter(seeds, neighbours, spacing_px);
   SeedSurface& surface = memory_->surface;
   surface.noise_px = fitter.EstimateNoise(memory_->deviations);
   const bool noisy = surface.noise_px > noisy_px;
-  const double scale_px =
-      std::max({kSmallestScalePx, kScalePerSpacing * spacing_px, 2 * surface.noise_px});
+  const double scale_px = std::max(
+      {kSmallestScalePx, kScalePerSpacing * spacing_px, kScalePerNoise * surface.noise_px});
+  const double smooth_px =
+      std::max({kSmallestSmoothPx, kScalePerStep * step_px, kScalePerNoise * surface.noise_px});
   surface.planes.resize(seeds.size());
-  const auto fit = [&](size_t i, Surroundings& surroundings) {
-    const Seed& seed = seeds[i];
-    const int index = static_cast<int>(i);
-    const std::span<const int> support = surroundings.Within(index, noisy ? 2 : 1);
+  const auto has_neighbour_at_edge = [&](int i) {
+    const std::span<const int> around = neighbours.Of(i);
+    return std::any_of(around.begin(), around.end(),
+                       [&](int neighbour) { return memory_->at_edge[Index(neighbour)] != 0; });
+  };
+  const auto fit = [&](int i, Surroundings& around) {
+    const Seed& seed = seeds[Index(i)];
     LocalPlane plane{.u = seed.u, .v = seed.v};
-    if (noisy || memory_->at_edge[i] != 0) plane = fitter.Fit(index, support, scale_px);
-    if (!noisy) plane.disparity = fitter.Smooth(index, support);
-    surface.planes[i] = plane;
+    around.Start(i);
+    if (noisy) around.Widen();
+    if (noisy || has_neighbour_at_edge(i)) plane = fitter.Fit(i, around.reached(), scale_px);
+    if (!noisy) {
+      if (!fitter.IsTelling(i, around.reached())) around.Widen();
+      plane.disparity = fitter.Smooth(i, around.reached(), smooth_px);
+    }
+    surface.planes[Index(i)] = plane;
   };
   constexpr size_t kParts = 16;  // seeds at edges, of which some parts have more, take longer
   memory_->surroundings.resize(kParts);
@@ -287,7 +347,9 @@ const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
     Surroundings& surroundings = memory_->surroundings[part];
     surroundings.Set(neighbours);
     const size_t end = seeds.size() * (part + 1) / kParts;
-    for (size_t i = seeds.size() * part / kParts; i < end; ++i) fit(i, surroundings);
+    for (size_t i = seeds.size() * part / kParts; i < end; ++i) {
+      fit(static_cast<int>(i), surroundings);
+    }
   });
   return surface;
 }

@@ -40,7 +40,9 @@ struct SeedSurface {
 /// low quantile over all seeds, so that edges and curved surfaces do not count. Where it exceeds
 /// `noisy_px` the fit reaches the neighbours' neighbours too, and its disparity stands for the
 /// seed's own. Elsewhere a seed's disparity gives way only a little, to the plane of itself and
-/// those of its neighbours that differ by less than a pixel or so: disparities come in steps.
+/// those around it that differ by about a step or less: disparities come in steps, whose width is
+/// estimated, too, by a low quantile of the differences of neighbours. On a wide step, where the
+/// neighbours do not show which way the surface goes, theirs are asked as well.
 ///
 /// Keeps its memory from frame to frame, so one object serves one caller at a time; in steady state
 /// it allocates nothing.
@@ -52,8 +54,8 @@ class SeedSurfaceFitter {
   /// @param triangles  of TriangulateSeeds() of these seeds. A seed in none of them keeps its
   ///                   disparity, with a level plane.
   /// @param noisy_px   > 0.
-  /// @param edge_px    without noise only the seeds of triangles whose disparities differ by at
-  ///                   least this get a slant; nobody asks for that of the others.
+  /// @param edge_px    without noise only the neighbours of seeds of triangles whose disparities
+  ///                   differ by at least this get a slant; nobody asks for that of the others.
   /// @returns the surface; valid until the next call.
   /// O(seeds); no I/O; on OpenCV's threads, with the same result for any number.
   const SeedSurface& Fit(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "common/core/seed.h"
 #include "services/prior/delaunay.h"
 #include "services/prior/seed_neighbours.h"
+#include "services/prior/seed_surface.h"
 
 namespace sprout {
 
@@ -25,37 +25,42 @@ class SeedVotes {
 
   SeedVotes();
 
+  /// @param planes      of the seeds, one each.
   /// @param spacing_px  distance of seeds from one another, > 0.
   /// @param neighbours  of these seeds; must outlive the calls of Of().
   /// @param left_bgr    the image that they are in. O(seeds).
-  void Look(std::span<const Seed> seeds, double spacing_px, const SeedNeighbours& neighbours,
+  void Look(std::span<const LocalPlane> planes, double spacing_px, const SeedNeighbours& neighbours,
             const cv::Mat3b& left_bgr);
 
-  /// Votes of the neighbours of a triangle's seeds, with weights that fall exponentially with the
-  /// difference of colours and with the distance. Seeds that neighbour two of the triangle's, as
-  /// these themselves do, count twice. About 0 where none is like the pixel.
+  /// Votes of the neighbours of a triangle's seeds: each for the surface that its own plane is
+  /// closer to at the pixel. Their weights fall exponentially with the difference of colours and
+  /// with the distance; those whose planes meet neither surface have less of a say. Seeds that
+  /// neighbour two of the triangle's, as these themselves do, count twice. About 0 where none is
+  /// like the pixel.
   ///
-  /// @param triangle       seeds that were looked at; others have no voice.
-  /// @param pixel          in the left image, and its colour.
-  /// @param near_plus_far  sum of the disparities of the two surfaces, counts.
-  /// O(1), about 18 seeds, at most 48; thread-safe; whole numbers until the last step.
-  Votes Of(const SeedTriangle& triangle, cv::Point pixel, const cv::Vec3b& colour,
-           int near_plus_far) const;
+  /// @param triangle   seeds that were looked at; others have no voice.
+  /// @param pixel      in the left image, and its colour.
+  /// @param near, far  disparities of the two surfaces there, counts.
+  /// O(1), about 18 seeds, at most 48; thread-safe; the same on every machine.
+  Votes Of(const SeedTriangle& triangle, cv::Point pixel, const cv::Vec3b& colour, int near,
+           int far) const;
 
  private:
   struct SeedLook {
     int16_t u;
     int16_t v;
     cv::Vec3b colour;
-    int twice_counts;  // its disparity
+    float counts;  // its disparity, and how that changes
+    float counts_per_column;
+    float counts_per_row;
   };
 
   const SeedNeighbours* neighbours_ = nullptr;
   float per_px_ = 0;  // steps of the table of distances
   std::vector<SeedLook> looks_;
-  std::array<int, 3 * 255 + 1> likeness_{};
-  std::array<int, 3 * 255 + 1> vague_likeness_{};
-  std::array<int, 128> nearness_{};
+  std::array<float, 3 * 255 + 1> likeness_{};
+  std::array<float, 3 * 255 + 1> vague_likeness_{};
+  std::array<float, 128> nearness_{};
 };
 
 }  // namespace sprout

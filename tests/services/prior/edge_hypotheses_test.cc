@@ -33,9 +33,9 @@ TEST(EdgeHypotheses, AreTheSurfacesOnBothSidesOfTheGap) {
   EXPECT_EQ(two.near.Px(2, 5), 20);
   EXPECT_EQ(two.far.Px(2, 1), 5);
   EXPECT_EQ(two.far.Px(12, 1), 6);
-  EXPECT_NEAR(two.far.Px(5, 1), 5.3, 0.05);  // along the line between its seeds
-  EXPECT_NEAR(two.far.Px(5, 4), 5.3, 0.05);  // and across
-  EXPECT_FALSE(two.near.IsValid(1, 5));      // outside of the triangles
+  EXPECT_EQ(two.far.Px(6, 2), 5);  // of the closer of its two seeds
+  EXPECT_EQ(two.far.Px(8, 2), 6);
+  EXPECT_FALSE(two.near.IsValid(1, 5));  // outside of the triangles
   EXPECT_FALSE(two.far.IsValid(5, 12));
 }
 

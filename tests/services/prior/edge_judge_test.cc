@@ -40,11 +40,12 @@ class Pair {
       }
     }
     const auto right = static_cast<float>(size.width - 1);
-    seeds_ = {{.u = 0, .v = 0, .u_right = -12},
-              {.u = right, .v = 0, .u_right = right - 3},
-              {.u = right, .v = static_cast<float>(size.height - 1), .u_right = right - 3}};
+    const auto bottom = static_cast<float>(size.height - 1);
+    planes_ = {{.u = 0, .v = 0, .disparity = 12},
+               {.u = right, .v = 0, .disparity = 3},
+               {.u = right, .v = bottom, .disparity = 3}};
     neighbours_.Find(3, std::vector{kTriangle});
-    votes_.Look(seeds_, std::sqrt(size.area() / 3.0), neighbours_, colours_);
+    votes_.Look(planes_, std::sqrt(size.area() / 3.0), neighbours_, colours_);
     evidence.left_bgr = colours_;
     evidence.seeds = &votes_;
     Look();
@@ -69,7 +70,7 @@ class Pair {
 
  private:
   cv::Mat3b colours_;
-  std::vector<Seed> seeds_;
+  std::vector<LocalPlane> planes_;
   SeedNeighbours neighbours_;
   SeedVotes votes_;
 };
@@ -127,30 +128,56 @@ TEST(EdgeJudge, AsksTheSeedsCloseByWhereColoursAreAlike) {
 
 TEST(SeedVotes, AreSharesAndSeedsUnknownHaveNone) {
   const cv::Mat3b image(10, 10, kRed);
-  const std::vector<Seed> seeds(3, {.u = 5, .v = 5, .u_right = -7});
+  const std::vector<LocalPlane> planes(3, {.u = 5, .v = 5, .disparity = 12});
   SeedNeighbours neighbours;
   neighbours.Find(3, std::vector{kTriangle});
   SeedVotes votes;
-  votes.Look(seeds, 5, neighbours, image);
-  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 15 * kOne).colour, 1, 0.01);
-  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 15 * kOne).proximity, 1, 0.01);
-  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 30 * kOne).colour, -1, 0.01);
-  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 30 * kOne).proximity, -1, 0.01);
-  EXPECT_EQ(votes.Of({3, 4, 5}, {5, 5}, kRed, 15 * kOne).colour, 0);  // at the borders of the image
-  EXPECT_EQ(votes.Of({3, 4, 5}, {5, 5}, kRed, 15 * kOne).proximity, 0);
+  votes.Look(planes, 5, neighbours, image);
+  const auto of = [&](const SeedTriangle& triangle, int near, int far) {
+    return votes.Of(triangle, {5, 5}, kRed, near, far);
+  };
+  EXPECT_NEAR(of(kTriangle, kNear, kFar).colour, 1, 0.01);
+  EXPECT_NEAR(of(kTriangle, kNear, kFar).proximity, 1, 0.01);
+  EXPECT_NEAR(of(kTriangle, 18 * kOne, kNear).colour, -1, 0.01);
+  EXPECT_NEAR(of(kTriangle, 18 * kOne, kNear).proximity, -1, 0.01);
+  EXPECT_EQ(of({3, 4, 5}, kNear, kFar).colour, 0);  // at the borders of the image
+  EXPECT_EQ(of({3, 4, 5}, kNear, kFar).proximity, 0);
+}
+
+// A floor that rises towards the camera by a pixel a row, in front of a wall. Ten rows below its
+// seeds it is nearer than they are.
+TEST(SeedVotes, AreForTheSurfaceThatASeedsPlaneLeadsTo) {
+  const std::vector<LocalPlane> planes(3, {.u = 5, .v = 5, .disparity = 12, .per_row = 1});
+  SeedNeighbours neighbours;
+  neighbours.Find(3, std::vector{kTriangle});
+  SeedVotes votes;
+  votes.Look(planes, 5, neighbours, cv::Mat3b(20, 10, kRed));
+  EXPECT_NEAR(votes.Of(kTriangle, {5, 15}, kRed, 22 * kOne, kNear).colour, 1, 0.01);
+  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 22 * kOne, kNear).colour, -1, 0.01);
+}
+
+TEST(SeedVotes, CountLittleOfSeedsOnAThirdSurface) {
+  std::vector<LocalPlane> planes(3, {.u = 5, .v = 5, .disparity = 12});
+  planes[1].disparity = planes[2].disparity = 3 - 7;  // far behind the far one
+  SeedNeighbours neighbours;
+  neighbours.Find(3, std::vector{kTriangle});
+  SeedVotes votes;
+  votes.Look(planes, 5, neighbours, cv::Mat3b(10, 10, kRed));
+  // Two against one, but with a hundredth of a say each.
+  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, kNear, kFar).colour, 1 - 4 / 101.0, 0.01);
 }
 
 TEST(SeedVotes, CountOneSideHoweverManyNeighboursThereAre) {
   constexpr int kRim = 1000;
-  std::vector<Seed> seeds(1 + kRim, {.u = 5, .v = 5, .u_right = -7});
+  const std::vector<LocalPlane> planes(1 + kRim, {.u = 5, .v = 5, .disparity = 12});
   std::vector<SeedTriangle> fan;
   for (int i = 1; i < kRim; ++i) fan.push_back({0, i, i + 1});
   SeedNeighbours neighbours;
-  neighbours.Find(seeds.size(), fan);
+  neighbours.Find(planes.size(), fan);
   SeedVotes votes;
-  votes.Look(seeds, 5, neighbours, cv::Mat3b(10, 10, kRed));
-  EXPECT_NEAR(votes.Of(fan[0], {5, 5}, kRed, 15 * kOne).proximity, 1, 0.01);
-  EXPECT_NEAR(votes.Of(fan[0], {5, 5}, kRed, 30 * kOne).proximity, -1, 0.01);
+  votes.Look(planes, 5, neighbours, cv::Mat3b(10, 10, kRed));
+  EXPECT_NEAR(votes.Of(fan[0], {5, 5}, kRed, kNear, kFar).proximity, 1, 0.01);
+  EXPECT_NEAR(votes.Of(fan[0], {5, 5}, kRed, 18 * kOne, kNear).proximity, -1, 0.01);
 }
 
 TEST(Census, SaysWhichPixelsAroundAreDarker) {

@@ -195,5 +195,41 @@ TEST(SeedSurface, FindsTheSlantAndTheNoise) {
   }
 }
 
+// A slant that is counted in whole pixels looks like stairs, with steps that are three seeds wide.
+TEST(SeedSurface, TakesOffTheStepsInWhichDisparitiesAreCounted) {
+  constexpr int kSide = 30;  // seeds
+  const auto truth = [](float u, float v) { return 20 + 0.03F * u + 0.002F * v; };
+  std::vector<Seed> seeds;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const auto u = static_cast<float>(10 * (i % kSide));
+    const auto v = static_cast<float>(10 * (i / kSide));
+    seeds.push_back({u, v, u - std::round(truth(u, v))});
+  }
+  SeedSurfaceFitter fitter;
+  const SeedSurface& surface = fitter.Fit(seeds, TriangulateSeeds(seeds), 0.5, 0.5);
+  double counted = 0;
+  double smoothed = 0;
+  for (size_t i = 0; i < seeds.size(); ++i) {
+    const float d = truth(seeds[i].u, seeds[i].v);
+    counted += std::abs(seeds[i].disparity() - d);
+    smoothed += std::abs(surface.planes[i].disparity - d);
+  }
+  EXPECT_LT(smoothed, 0.6 * counted);
+}
+
+// What differs by more than steps do is another surface.
+TEST(SeedSurface, LeavesDepthEdgesAsTheyAre) {
+  std::vector<Seed> seeds;
+  for (int i = 0; i < 20 * 20; ++i) {
+    const auto u = static_cast<float>(10 * (i % 20));
+    seeds.push_back({u, static_cast<float>(10 * (i / 20)), u - (u < 95 ? 12 : 15)});
+  }
+  SeedSurfaceFitter fitter;
+  const SeedSurface& surface = fitter.Fit(seeds, TriangulateSeeds(seeds), 0.5, 0.5);
+  for (size_t i = 0; i < seeds.size(); ++i) {
+    EXPECT_NEAR(surface.planes[i].disparity, seeds[i].disparity(), 0.01);
+  }
+}
+
 }  // namespace
 }  // namespace sprout
