@@ -98,7 +98,9 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
   if (!interpolated) return interpolated;
   interpolated_ = *interpolated;
   const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
-  PaintEdgeHypotheses(surface, triangles, config_.edge_px() + 2 * noise_px, size, hypotheses_);
+  PaintEdgeHypotheses(surface, triangles,
+                      std::max(config_.edge_px() + 2 * noise_px, surface.step_px), size,
+                      hypotheses_);
   evidence.left_bgr = ToBgr(left, images_.left_bgr);
   seed_votes_.Look(std::span(surface.planes).first(seeds.size()), spacing_px, fitter_.neighbours(),
                    evidence.left_bgr);

@@ -19,9 +19,11 @@ constexpr double kScalePerNoise = 2;  // and so many standard deviations of the 
 constexpr double kScalePerStep = 1.1;
 constexpr double kSmallestSmoothPx = 0.1;
 // Seeds whose surface differs by less than this over their neighbours do not show whether it is
-// level or slanted; what differs by more than the other is another surface.
+// level or slanted.
 constexpr double kTellingPx = 1.1;
-constexpr double kOtherSurfacePx = 2;
+// What differs by more is another surface: so many px for a seed's spacing of one, but at least.
+constexpr double kOtherSurfacePerSpacing = 0.2;
+constexpr double kOtherSurfacePx = 3;
 
 size_t Index(int i) { return static_cast<size_t>(i); }
 
@@ -185,13 +187,13 @@ class PlaneFitter {
   }
 
   // Whether the support shows more than one or two steps of a seed's surface.
-  bool IsTelling(int seed, std::span<const int> support) const {
+  bool IsTelling(int seed, std::span<const int> support, double other_surface_px) const {
     const double own = seeds_[Index(seed)].disparity();
     double least = own;
     double most = own;
     for (int i : support) {
       const double disparity = seeds_[Index(i)].disparity();
-      if (std::abs(disparity - own) > kOtherSurfacePx) continue;
+      if (std::abs(disparity - own) > other_surface_px) continue;
       least = std::min(least, disparity);
       most = std::max(most, disparity);
       if (most - least > kTellingPx) return true;
@@ -259,7 +261,7 @@ double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> tria
 // any two neighbours on a surface differ by less, unless they are equal.
 // @param differences  memory.
 double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
-              std::vector<double>& differences) {
+              double other_surface_px, std::vector<double>& differences) {
   constexpr double kEqualPx = 1e-3;
   constexpr double kHardlyAny = 0.1;
   differences.clear();
@@ -267,7 +269,7 @@ double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangl
   for (const auto& [a, b, c] : triangles) {
     const double difference =
         std::abs(double{seeds[Index(a)].disparity()} - seeds[Index(b)].disparity());
-    if (difference > kEqualPx && difference < kOtherSurfacePx) differences.push_back(difference);
+    if (difference > kEqualPx && difference < other_surface_px) differences.push_back(difference);
   }
   return Quantile(differences, kHardlyAny);
 }
@@ -308,21 +310,22 @@ const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
                                           double edge_px) {
   const SeedNeighbours& neighbours = memory_->neighbours;
   double spacing_px = 0;
-  double step_px = 0;
+  double other_surface_px = 0;
+  SeedSurface& surface = memory_->surface;
   RunBoth([&] { memory_->neighbours.Find(seeds.size(), triangles); },
           [&] {
             spacing_px = SpacingPx(seeds, triangles, memory_->squares);
-            step_px = StepPx(seeds, triangles, memory_->differences);
+            other_surface_px = std::max(kOtherSurfacePx, kOtherSurfacePerSpacing * spacing_px);
+            surface.step_px = StepPx(seeds, triangles, other_surface_px, memory_->differences);
             FindSeedsAtEdges(seeds, triangles, edge_px, memory_->at_edge);
           });
   const PlaneFitter fitter(seeds, neighbours, spacing_px);
-  SeedSurface& surface = memory_->surface;
   surface.noise_px = fitter.EstimateNoise(memory_->deviations);
   const bool noisy = surface.noise_px > noisy_px;
   const double scale_px = std::max(
       {kSmallestScalePx, kScalePerSpacing * spacing_px, kScalePerNoise * surface.noise_px});
-  const double smooth_px =
-      std::max({kSmallestSmoothPx, kScalePerStep * step_px, kScalePerNoise * surface.noise_px});
+  const double smooth_px = std::max(
+      {kSmallestSmoothPx, kScalePerStep * surface.step_px, kScalePerNoise * surface.noise_px});
   surface.planes.resize(seeds.size());
   const auto has_neighbour_at_edge = [&](int i) {
     const std::span<const int> around = neighbours.Of(i);
@@ -336,7 +339,7 @@ const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
     if (noisy) around.Widen();
     if (noisy || has_neighbour_at_edge(i)) plane = fitter.Fit(i, around.reached(), scale_px);
     if (!noisy) {
-      if (!fitter.IsTelling(i, around.reached())) around.Widen();
+      if (!fitter.IsTelling(i, around.reached(), other_surface_px)) around.Widen();
       plane.disparity = fitter.Smooth(i, around.reached(), smooth_px);
     }
     surface.planes[Index(i)] = plane;

@@ -30,6 +30,7 @@ struct LocalPlane {
 struct SeedSurface {
   std::vector<LocalPlane> planes;  ///< one a seed, in their order
   double noise_px = 0;             ///< standard deviation of the seeds' disparities, estimated, px
+  double step_px = 0;              ///< in which they are counted; small where they are not
 };
 
 /// Fits a plane to each seed and its neighbours in the triangulation. Neighbours that lie on
