@@ -59,8 +59,8 @@ class Seams {
 };
 
 // Standard deviation of the seeds' disparities from the prior, px, from the median: what the
-// prior's smoothing took off, so an estimate of the seeds' noise. As much as rounding to whole
-// pixels explains does not count: taking that off makes the prior better, not doubtful.
+// prior's smoothing took off, so an estimate of the seeds' noise. A variance such as rounding to
+// whole pixels has does not count: taking that off makes the prior better, not doubtful.
 double NoiseOfSeeds(std::span<const Seed> seeds, const DisparityImage& prior,
                     std::vector<float>& deviations) {
   deviations.clear();

@@ -124,6 +124,22 @@ TEST(Grower, SigmaPFollowsTheNoiseOfTheSeeds) {
       1000);
 }
 
+// A prior that took steps of whole pixels off its seeds lies beside them, but is none the worse.
+TEST(Grower, SigmaPDoesNotFollowTheRoundingOfSeeds) {
+  const cv::Size size(60, 40);
+  const cv::Mat1b left = Noise(size, 1, 256);
+  GrowConfig config = EpcConfig();
+  config.set_sigma_p_px(0.1);
+  config.set_sigma_p_noise(4);
+  const std::vector<Seed> seeds = {{30, 20, 25}, {20, 20, 15}, {40, 20, 35}};
+  const auto grown_from = [&](double prior_px) {
+    const DisparityImage prior = ConstantPrior(size, prior_px);
+    return Grower(config).Compute(left, ShiftedBy(left, 5), seeds, prior)->CountValid();
+  };
+  EXPECT_EQ(grown_from(5.18), 0);
+  EXPECT_GT(grown_from(5.5), 1000);
+}
+
 TEST(Grower, KeepsOneToOneMatching) {
   const cv::Size size(50, 30);
   const cv::Mat1b flat(size, uint8_t{128});  // every disparity fits everywhere
