@@ -11,7 +11,6 @@ namespace sprout {
 namespace {
 
 constexpr float kStepsPerPixel = 64;
-constexpr size_t kMostStrips = 2;
 constexpr size_t kFewestOfStrip = 1000;  // positions; fewer are not worth a seam
 
 int Steps(float px) {
@@ -88,8 +87,8 @@ const std::vector<SeedTriangle>& Triangulator::Triangulate(std::span<const Seed>
   ForEachParallel(strips_.size(), [&](size_t i) { Settle(seeds, strips_[i]); });
   triangles_.clear();
   triangles_.reserve(2 * positions_.size());
-  for (const auto& [begin, end, mesh, settled, doubtful] : strips_) {
-    triangles_.insert(triangles_.end(), settled.begin(), settled.end());
+  for (const Strip& strip : strips_) {
+    triangles_.insert(triangles_.end(), strip.settled.begin(), strip.settled.end());
   }
   Sew(seeds);
   hull_.clear();
@@ -130,12 +129,13 @@ void Triangulator::SortPositions() {
 }
 
 void Triangulator::CutIntoStrips() {
-  strips_.resize(std::clamp(positions_.size() / kFewestOfStrip, size_t{1}, kMostStrips));
+  const size_t count = positions_.size();
+  const size_t parts = std::clamp(count / kFewestOfStrip, size_t{1}, strips_.size());
   for (size_t i = 0; i < strips_.size(); ++i) {
-    strips_[i].begin = positions_.size() * i / strips_.size();
-    strips_[i].end = positions_.size() * (i + 1) / strips_.size();
+    strips_[i].begin = count * std::min(i, parts) / parts;
+    strips_[i].end = count * std::min(i + 1, parts) / parts;
   }
-  is_at_seam_.assign(positions_.size(), 0);
+  is_at_seam_.assign(count, 0);
 }
 
 // Touches nothing but the strip and what belongs to its positions.

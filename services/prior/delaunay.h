@@ -45,7 +45,7 @@ class Triangulator {
 
  private:
   struct Strip {
-    size_t begin = 0;  // places in positions_
+    size_t begin = 0;  // places in positions_; none but in the first strip where these are few
     size_t end = 0;
     DelaunayMesh mesh;
     std::vector<SeedTriangle> settled;   // of the whole, too
@@ -64,8 +64,8 @@ class Triangulator {
 
   std::vector<MeshPosition> positions_;  // by row and column; their ids are their places
   std::vector<MeshPosition> unsorted_;
-  std::vector<int> seeds_;  // on these positions
-  std::vector<Strip> strips_;
+  std::vector<int> seeds_;       // on these positions
+  std::array<Strip, 2> strips_;  // four cost more than they save
   std::vector<uint8_t> is_at_seam_;
   std::vector<MeshPosition> seam_positions_;
   DelaunayMesh seam_;

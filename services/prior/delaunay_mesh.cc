@@ -125,7 +125,6 @@ struct DelaunayMesh::SortTraits {
 
 DelaunayMesh::DelaunayMesh() : cgal_(std::make_unique<Cgal>()) {}
 DelaunayMesh::~DelaunayMesh() = default;
-DelaunayMesh::DelaunayMesh(DelaunayMesh&&) noexcept = default;
 
 void DelaunayMesh::Triangulate(std::span<const MeshPosition> positions) {
   positions_.assign(positions.begin(), positions.end());

@@ -30,7 +30,6 @@ class DelaunayMesh {
  public:
   DelaunayMesh();
   ~DelaunayMesh();
-  DelaunayMesh(DelaunayMesh&&) noexcept;
 
   /// Coordinates between these.
   static constexpr int kFarthest = 1 << 28;
