@@ -57,7 +57,7 @@ int HammingDistance(const CensusWindow& a, const CensusWindow& b) {
 
 }  // namespace
 
-bool EdgeJudge::IsNear(const EdgePixel& pixel, const SeedTriangle& triangle) const {
+bool EdgeJudge::IsNear(const EdgePixel& pixel, int edge) const {
   const int u = pixel.u;
   const int v = pixel.v;
   const int near_px = Rounded(pixel.near);
@@ -66,7 +66,7 @@ bool EdgeJudge::IsNear(const EdgePixel& pixel, const SeedTriangle& triangle) con
                       v >= kCensusRadius && v + kCensusRadius < rows();
   const Costs costs = inside ? Inside(u, v, near_px, far_px) : AtBorder(u, v, near_px, far_px);
   const SeedVotes::Votes seeds =
-      evidence_.seeds->Of(triangle, {u, v}, evidence_.left_bgr(v, u), pixel.near, pixel.far);
+      evidence_.seeds->Of(edge, {u, v}, evidence_.left_bgr(v, u), pixel.near, pixel.far);
   const EdgeWeights& weights = evidence_.weights;
   const double for_near = static_cast<double>(costs.differences) / (kWindow * kLargestGrey) +
                           weights.census * costs.census / (kCensusWindow * kUnlikeBits) +

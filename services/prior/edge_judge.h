@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 
-#include "services/prior/delaunay.h"
 #include "services/prior/seed_votes.h"
 
 namespace sprout {
@@ -46,9 +45,9 @@ class EdgeJudge {
   explicit EdgeJudge(const EdgeEvidence& evidence) : evidence_(evidence) {}
 
   /// Whether a pixel is rather near than far.
-  /// @param triangle  of seeds, that the pixel is in.
+  /// @param edge  which of those that the evidence's seeds were looked at for: the pixel's.
   /// The same answer on every machine. O(1), some hundred operations; thread-safe.
-  bool IsNear(const EdgePixel& pixel, const SeedTriangle& triangle) const;
+  bool IsNear(const EdgePixel& pixel, int edge) const;
 
  private:
   // Sums over windows: how much worse far is than near.

@@ -7,7 +7,7 @@
 namespace sprout {
 namespace {
 
-constexpr int kCoarsest = 4;  // step between the pixels that are decided first
+constexpr int kCoarsest = 2;  // step between the pixels that are decided first
 
 // The pixels that a step decides: those of its grid that are not on the grid twice as wide.
 class GridStep {
@@ -41,7 +41,7 @@ class GridStep {
     const std::optional<bool> all_near =
         step_ < kCoarsest ? AreNear(u, v, near + far) : std::nullopt;
     if (all_near) return *all_near;
-    return judge_.IsNear({u, v, near, far}, hypotheses_.TriangleAt(u, v));
+    return judge_.IsNear({u, v, near, far}, hypotheses_.edge(v, u));
   }
 
   // Whether the four corners of the pixel's cell in the wide grid are closer to the near surface;

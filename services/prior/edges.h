@@ -9,8 +9,8 @@ namespace sprout {
 
 /// Mends the prior where interpolation errs most: in triangles that span a depth edge it paints a
 /// ramp that does not exist, while each pixel lies on the near surface or on the far one. The
-/// judge decides for every fourth pixel of every fourth row, then for those halfway between, and
-/// for the rest; a pixel whose decided neighbours all lie on one surface is on that one unheard.
+/// judge decides for every other pixel of every other row, then for the rest; a pixel whose decided
+/// neighbours all lie on one surface is on that one unheard.
 ///
 /// @param prior  interpolation of the seeds; changed in place where there are hypotheses.
 /// O(pixels); on OpenCV's threads, with the same result for any number.

@@ -98,12 +98,12 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
   if (!interpolated) return interpolated;
   interpolated_ = *interpolated;
   const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
-  PaintEdgeHypotheses(surface, triangles,
-                      std::max(config_.edge_px() + 2 * noise_px, surface.step_px), size,
-                      hypotheses_);
+  const std::span<const EdgeTriangle> edges =
+      edge_finder_.Find(surface, triangles, fitter_.neighbours(),
+                        std::max(config_.edge_px() + 2 * noise_px, surface.step_px));
+  PaintEdgeHypotheses(edges, size, hypotheses_);
   evidence.left_bgr = ToBgr(left, images_.left_bgr);
-  seed_votes_.Look(std::span(surface.planes).first(seeds.size()), spacing_px, fitter_.neighbours(),
-                   evidence.left_bgr);
+  seed_votes_.Look(edges, surface.planes, spacing_px, evidence.left_bgr);
   evidence.left_census = images_.left_census;
   evidence.right_census = images_.right_census;
   evidence.seeds = &seed_votes_;

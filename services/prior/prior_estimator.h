@@ -13,6 +13,7 @@
 #include "services/prior/border.h"
 #include "services/prior/delaunay.h"
 #include "services/prior/edge_hypotheses.h"
+#include "services/prior/edge_triangles.h"
 #include "services/prior/interpolation.h"
 #include "services/prior/seed_surface.h"
 #include "services/prior/seed_votes.h"
@@ -40,9 +41,9 @@ class PriorEstimator {
   ///          covers a pixel, when an image that is used has another size, or when a side is longer
   ///          than kLargestSide.
   /// O(n log n + pixels); no I/O; on OpenCV's threads, with the same result for any number. Keeps
-  /// its memory from frame to frame (EDGES: about 16 bytes a pixel and 500 a seed), so one object
-  /// serves one caller at a time; a map that nobody else holds any more is used again. Allocates
-  /// nothing in steady state.
+  /// its memory from frame to frame (EDGES: about 16 bytes a pixel, 500 a seed and 1600 a
+  /// triangle across an edge), so one object serves one caller at a time; a map that nobody else
+  /// holds any more is used again. Allocates nothing in steady state.
   Result<DisparityImage> Compute(const cv::Mat& left, const cv::Mat& right,
                                  std::span<const Seed> seeds, cv::Size size);
 
@@ -68,6 +69,7 @@ class PriorEstimator {
   Images images_;
   BorderExtender extender_;
   std::vector<Seed> fitted_seeds_;
+  EdgeTriangleFinder edge_finder_;
   EdgeHypotheses hypotheses_;
   SeedVotes seed_votes_;
   DisparityImage interpolated_;

@@ -38,4 +38,26 @@ void SeedNeighbours::AddUnknown(int seed, int neighbour) {
   if (std::find(known.begin(), known.end(), neighbour) == known.end()) Add(seed, neighbour);
 }
 
+void Surroundings::Set(const SeedNeighbours& neighbours) {
+  neighbours_ = &neighbours;
+  starts_ = 0;
+  seen_.assign(neighbours.size(), starts_);
+}
+
+void Surroundings::Start(std::span<const int> seeds) {
+  ++starts_;
+  reached_.clear();
+  next_ = 0;
+  for (int seed : seeds) Reach(seed);
+}
+
+void Surroundings::Widen(size_t most) {
+  for (const size_t end = reached_.size(); next_ < end; ++next_) {
+    for (int neighbour : neighbours_->Of(reached_[next_])) {
+      if (reached_.size() >= most) return;
+      Reach(neighbour);
+    }
+  }
+}
+
 }  // namespace sprout

@@ -2,6 +2,7 @@
 #define SPROUT_SERVICES_PRIOR_SEED_NEIGHBOURS_H_
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,38 @@ class SeedNeighbours {
 
   std::vector<List> lists_;
   std::vector<int> seeds_;  // all lists, one behind the other
+};
+
+/// Seeds around some, step by step from neighbours to their neighbours. For one thread; keeps its
+/// memory.
+class Surroundings {
+ public:
+  /// @param neighbours  must outlive the calls of Widen(). O(seeds).
+  void Set(const SeedNeighbours& neighbours);
+
+  /// From these seeds...
+  void Start(std::span<const int> seeds);
+
+  /// ... to the neighbours of those that the last step reached, too.
+  /// @param most  no more than that many seeds are reached in all.
+  void Widen(size_t most = std::numeric_limits<size_t>::max());
+
+  /// Each seed once, in the order of the steps.
+  std::span<const int> reached() const { return reached_; }
+
+ private:
+  void Reach(int seed) {
+    int& seen = seen_[static_cast<size_t>(seed)];
+    if (seen == starts_) return;
+    seen = starts_;
+    reached_.push_back(seed);
+  }
+
+  const SeedNeighbours* neighbours_ = nullptr;
+  int starts_ = 0;
+  std::vector<int> seen_;  // the last start from which a seed was reached
+  std::vector<int> reached_;
+  size_t next_ = 0;  // of these, whose neighbours were not reached yet
 };
 
 }  // namespace sprout

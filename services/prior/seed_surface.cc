@@ -27,46 +27,6 @@ constexpr double kOtherSurfacePx = 3;
 
 size_t Index(int i) { return static_cast<size_t>(i); }
 
-// Seeds around a seed. For one thread.
-class Surroundings {
- public:
-  // @param neighbours  must outlive the calls of Start() and Widen().
-  void Set(const SeedNeighbours& neighbours) {
-    neighbours_ = &neighbours;
-    seen_.assign(neighbours.size(), -1);
-  }
-
-  // From a seed and its neighbours...
-  void Start(int seed) {
-    seed_ = seed;
-    reached_.assign(1, seed);
-    seen_[Index(seed)] = seed;
-    next_ = 0;
-    Widen();
-  }
-
-  // ... to the neighbours of those, too.
-  void Widen() {
-    for (const size_t end = reached_.size(); next_ < end; ++next_) {
-      for (int neighbour : neighbours_->Of(reached_[next_])) {
-        if (seen_[Index(neighbour)] == seed_) continue;
-        seen_[Index(neighbour)] = seed_;
-        reached_.push_back(neighbour);
-      }
-    }
-  }
-
-  // The nearest first.
-  std::span<const int> reached() const { return reached_; }
-
- private:
-  const SeedNeighbours* neighbours_ = nullptr;
-  int seed_ = 0;
-  std::vector<int> seen_;  // the last seed from which this one was reached
-  std::vector<int> reached_;
-  size_t next_ = 0;  // of these, whose neighbours were not reached yet
-};
-
 // The value that a share of the others does not reach; 0 when there are none. Reorders them.
 double Quantile(std::vector<double>& values, double share) {
   if (values.empty()) return 0;
@@ -335,7 +295,8 @@ const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
   const auto fit = [&](int i, Surroundings& around) {
     const Seed& seed = seeds[Index(i)];
     LocalPlane plane{.u = seed.u, .v = seed.v};
-    around.Start(i);
+    around.Start(std::span(&i, 1));
+    around.Widen();
     if (noisy) around.Widen();
     if (noisy || has_neighbour_at_edge(i)) plane = fitter.Fit(i, around.reached(), scale_px);
     if (!noisy) {

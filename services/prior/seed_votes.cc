@@ -4,86 +4,100 @@
 #include <cmath>
 
 #include "common/core/disparity_image.h"
-#include "services/prior/colour_distance.h"
+#include "common/core/parallel.h"
 
 namespace sprout {
 namespace {
 
-// Sums over the channels by which likeness falls to 1/e: for votes by colour, and by proximity.
-constexpr double kColourRange = 8;
-constexpr double kVagueColourRange = 60;
-constexpr double kDistanceRange = 0.5;  // by which nearness falls to 1/e, in distances of seeds
-constexpr double kStepsPerDistance = 16;
-constexpr float kSilence = 0.01F;  // what weighs less has no say
+// Sums over the channels by which likeness falls to a quarter, for votes by colour, and to a half,
+// for those by proximity.
+constexpr float kColourRange = 10;
+constexpr float kVagueColourRange = 60;
+constexpr double kDistanceRange = 0.8;  // by which nearness falls to an eighth, in spacings
+constexpr float kSilence = 0.01F;       // what weighs less has no say
 // A seed whose plane misses both surfaces by so many counts has half a say.
 constexpr float kMiss = 0.7F * DisparityImage::kCountsPerPixel;
-constexpr size_t kMostNeighbours = 16;  // of one seed; six are usual
+constexpr float kNoColour = 1e6;  // that nothing is like
 
-// Rounded, since machines differ in the last bit of an exponential.
+float Square(float x) { return x * x; }
+
 template <size_t kSize>
-void FillWithExp(std::array<float, kSize>& table, double range) {
-  constexpr double kOne = 1 << 12;
-  for (size_t i = 0; i < kSize; ++i) {
-    table[i] =
-        static_cast<float>(std::round(kOne * std::exp(-static_cast<double>(i) / range)) / kOne);
-  }
+float Sum(const std::array<float, kSize>& terms) {
+  float sum = 0;
+  for (float term : terms) sum += term;
+  return sum;
 }
 
 }  // namespace
 
-SeedVotes::SeedVotes() {
-  FillWithExp(likeness_, kColourRange);
-  FillWithExp(vague_likeness_, kVagueColourRange);
-  FillWithExp(nearness_, kDistanceRange * kStepsPerDistance);
+void SeedVotes::Look(std::span<const EdgeTriangle> edges, std::span<const LocalPlane> planes,
+                     double spacing_px, const cv::Mat3b& left_bgr) {
+  const double range_px = kDistanceRange * spacing_px;
+  nearness_per_px2_ = static_cast<float>(1 / (range_px * range_px));
+  edges_.resize(edges.size());
+  ForEachParallel(edges.size(), [&](size_t i) {
+    const std::span<const int> seeds = edges[i].nearby();
+    edges_[i].looks = (seeds.size() + kLanes - 1) / kLanes;
+    for (size_t k = 0; k < edges_[i].looks * kLanes; ++k) {
+      Looks& looks = edges_[i].around[k / kLanes];
+      const size_t lane = k % kLanes;
+      const bool is_seed = k < seeds.size();
+      LookAt(planes[static_cast<size_t>(seeds[is_seed ? k : 0])], left_bgr, lane, looks);
+      if (!is_seed) looks.blue[lane] = kNoColour;
+    }
+  });
 }
 
-void SeedVotes::Look(std::span<const LocalPlane> planes, double spacing_px,
-                     const SeedNeighbours& neighbours, const cv::Mat3b& left_bgr) {
+void SeedVotes::LookAt(const LocalPlane& plane, const cv::Mat3b& left_bgr, size_t lane,
+                       Looks& looks) {
   constexpr float kOne = DisparityImage::kCountsPerPixel;
-  neighbours_ = &neighbours;
-  per_px_ = static_cast<float>(kStepsPerDistance / spacing_px);
-  looks_.clear();
-  looks_.reserve(planes.size());
-  for (const LocalPlane& plane : planes) {
-    const int u = std::clamp(cvRound(plane.u), 0, left_bgr.cols - 1);
-    const int v = std::clamp(cvRound(plane.v), 0, left_bgr.rows - 1);
-    looks_.push_back({static_cast<int16_t>(u), static_cast<int16_t>(v), left_bgr(v, u),
-                      kOne * plane.disparity, kOne * plane.per_column, kOne * plane.per_row});
-  }
+  looks.u[lane] = plane.u;
+  looks.v[lane] = plane.v;
+  looks.counts[lane] = kOne * plane.disparity;
+  looks.per_column[lane] = kOne * plane.per_column;
+  looks.per_row[lane] = kOne * plane.per_row;
+  const int u = std::clamp(cvRound(plane.u), 0, left_bgr.cols - 1);
+  const int v = std::clamp(cvRound(plane.v), 0, left_bgr.rows - 1);
+  const cv::Vec3b& bgr = left_bgr(v, u);
+  looks.blue[lane] = bgr[0];
+  looks.green[lane] = bgr[1];
+  looks.red[lane] = bgr[2];
 }
 
-SeedVotes::Votes SeedVotes::Of(const SeedTriangle& triangle, cv::Point pixel,
-                               const cv::Vec3b& colour, int near, int far) const {
+SeedVotes::Votes SeedVotes::Of(int edge, cv::Point pixel, const cv::Vec3b& colour, int near,
+                               int far) const {
+  const auto u = static_cast<float>(pixel.x);
+  const auto v = static_cast<float>(pixel.y);
+  const cv::Vec3f bgr = colour;
   const float middle = 0.5F * static_cast<float>(near + far);
   const float half_gap = 0.5F * static_cast<float>(near - far);
-  float alike_near = 0;
-  float alike = kSilence;
-  float close_near = 0;
-  float close = kSilence;
-  for (int corner : triangle) {
-    if (static_cast<size_t>(corner) >= looks_.size()) continue;
-    const std::span<const int> around = neighbours_->Of(corner);
-    for (int seed : around.first(std::min(around.size(), kMostNeighbours))) {
-      const SeedLook& look = looks_[static_cast<size_t>(seed)];
-      const auto across = static_cast<float>(pixel.x - look.u);
-      const auto down = static_cast<float>(pixel.y - look.v);
-      const float counts =
-          look.counts + look.counts_per_column * across + look.counts_per_row * down;
-      const float miss = (std::abs(counts - middle) - half_gap) * (1 / kMiss);
-      const float say = 1 / (1 + miss * miss);
-      const float vote = counts > middle ? say : -say;
-      const auto difference = static_cast<size_t>(ColourDistance(colour, look.colour));
-      const float steps = std::sqrt(across * across + down * down) * per_px_;
-      const auto step = std::min(static_cast<size_t>(steps), nearness_.size() - 1);
-      const float likeness = likeness_[difference];
-      const float closeness = vague_likeness_[difference] * nearness_[step];
-      alike_near += vote * likeness;
-      alike += say * likeness;
-      close_near += vote * closeness;
-      close += say * closeness;
+  Lanes alike{};
+  Lanes alike_near{};  // less those for far
+  Lanes close{};
+  Lanes close_near{};
+  const Edge& at = edges_[static_cast<size_t>(edge)];
+  for (const Looks& looks : std::span(at.around).first(at.looks)) {
+    for (size_t i = 0; i < kLanes; ++i) {
+      const float across = u - looks.u[i];
+      const float down = v - looks.v[i];
+      const float above =
+          looks.counts[i] + looks.per_column[i] * across + looks.per_row[i] * down - middle;
+      const float difference = std::abs(bgr[0] - looks.blue[i]) +
+                               std::abs(bgr[1] - looks.green[i]) + std::abs(bgr[2] - looks.red[i]);
+      const float missed = 1 + Square((std::abs(above) - half_gap) * (1 / kMiss));
+      const float unlike = 1 + Square(difference * (1 / kColourRange));
+      const float by_colour = 1 / (missed * Square(unlike));
+      const float vaguely_unlike = 1 + Square(difference * (1 / kVagueColourRange));
+      const float far_off = 1 + (Square(across) + Square(down)) * nearness_per_px2_;
+      const float by_proximity = 1 / (missed * vaguely_unlike * Square(far_off) * far_off);
+      alike[i] += by_colour;
+      alike_near[i] += std::copysign(by_colour, above);
+      close[i] += by_proximity;
+      close_near[i] += std::copysign(by_proximity, above);
     }
   }
-  return {double{alike_near} / alike, double{close_near} / close};
+  return {double{Sum(alike_near)} / (kSilence + Sum(alike)),
+          double{Sum(close_near)} / (kSilence + Sum(close))};
 }
 
 }  // namespace sprout

@@ -2,13 +2,12 @@
 #define SPROUT_SERVICES_PRIOR_SEED_VOTES_H_
 
 #include <array>
-#include <cstdint>
+#include <cstddef>
 #include <opencv2/core.hpp>
 #include <span>
 #include <vector>
 
-#include "services/prior/delaunay.h"
-#include "services/prior/seed_neighbours.h"
+#include "services/prior/edge_triangles.h"
 #include "services/prior/seed_surface.h"
 
 namespace sprout {
@@ -23,44 +22,50 @@ class SeedVotes {
     double proximity = 0;  ///< by seeds that are close to it, and of no other colour altogether
   };
 
-  SeedVotes();
-
-  /// @param planes      of the seeds, one each.
+  /// @param edges       whose nearby seeds will be asked.
+  /// @param planes      of the seeds.
   /// @param spacing_px  distance of seeds from one another, > 0.
-  /// @param neighbours  of these seeds; must outlive the calls of Of().
-  /// @param left_bgr    the image that they are in. O(seeds).
-  void Look(std::span<const LocalPlane> planes, double spacing_px, const SeedNeighbours& neighbours,
-            const cv::Mat3b& left_bgr);
+  /// @param left_bgr    the image that they are in.
+  /// O(edges), about a kilobyte each; on OpenCV's threads.
+  void Look(std::span<const EdgeTriangle> edges, std::span<const LocalPlane> planes,
+            double spacing_px, const cv::Mat3b& left_bgr);
 
-  /// Votes of the neighbours of a triangle's seeds: each for the surface that its own plane is
-  /// closer to at the pixel. Their weights fall exponentially with the difference of colours and
-  /// with the distance; those whose planes meet neither surface have less of a say. Seeds that
-  /// neighbour two of the triangle's, as these themselves do, count twice. About 0 where none is
-  /// like the pixel.
+  /// Votes of the seeds around a triangle: each for the surface that its own plane is closer to at
+  /// the pixel. Their weights fall with the difference of colours and with the distance; those
+  /// whose planes meet neither surface have less of a say. About 0 where none is like the pixel.
   ///
-  /// @param triangle   seeds that were looked at; others have no voice.
+  /// @param edge       which of those that were looked at.
   /// @param pixel      in the left image, and its colour.
   /// @param near, far  disparities of the two surfaces there, counts.
-  /// O(1), about 18 seeds, at most 48; thread-safe; the same on every machine.
-  Votes Of(const SeedTriangle& triangle, cv::Point pixel, const cv::Vec3b& colour, int near,
-           int far) const;
+  /// O(1); thread-safe; the same on every machine.
+  Votes Of(int edge, cv::Point pixel, const cv::Vec3b& colour, int near, int far) const;
 
  private:
-  struct SeedLook {
-    int16_t u;
-    int16_t v;
-    cv::Vec3b colour;
-    float counts;  // its disparity, and how that changes
-    float counts_per_column;
-    float counts_per_row;
+  static constexpr size_t kLanes = 4;
+  using Lanes = std::array<float, kLanes>;
+
+  // Some seeds, side by side for the machine's vectors.
+  struct Looks {
+    Lanes u;
+    Lanes v;
+    Lanes counts;  // disparities, and how these change
+    Lanes per_column;
+    Lanes per_row;
+    Lanes blue;
+    Lanes green;
+    Lanes red;
+  };
+  using LooksAround = std::array<Looks, EdgeTriangle::kMostSeeds / kLanes>;
+
+  struct Edge {
+    size_t looks = 0;  // that have seeds
+    LooksAround around;
   };
 
-  const SeedNeighbours* neighbours_ = nullptr;
-  float per_px_ = 0;  // steps of the table of distances
-  std::vector<SeedLook> looks_;
-  std::array<float, 3 * 255 + 1> likeness_{};
-  std::array<float, 3 * 255 + 1> vague_likeness_{};
-  std::array<float, 128> nearness_{};
+  static void LookAt(const LocalPlane& plane, const cv::Mat3b& left_bgr, size_t lane, Looks& looks);
+
+  float nearness_per_px2_ = 0;
+  std::vector<Edge> edges_;
 };
 
 }  // namespace sprout

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <random>
 #include <set>
 #include <span>
@@ -19,9 +21,16 @@ namespace {
 constexpr int kOne = DisparityImage::kCountsPerPixel;
 constexpr int kNear = 12 * kOne;
 constexpr int kFar = 3 * kOne;
-constexpr SeedTriangle kTriangle{0, 1, 2};
 const cv::Vec3b kRed(20, 30, 200);
 const cv::Vec3b kBlue(200, 30, 20);
+
+// A triangle with these seeds around.
+EdgeTriangle Edge(std::initializer_list<int> seeds) {
+  EdgeTriangle edge;
+  std::copy(seeds.begin(), seeds.end(), edge.nearby_seeds.begin());
+  edge.nearby_count = seeds.size();
+  return edge;
+}
 
 // A pair in which every left pixel has one disparity, its left part red and the rest blue. Three
 // seeds: one at the left border, near; two at the right one, far.
@@ -44,8 +53,7 @@ class Pair {
     planes_ = {{.u = 0, .v = 0, .disparity = 12},
                {.u = right, .v = 0, .disparity = 3},
                {.u = right, .v = bottom, .disparity = 3}};
-    neighbours_.Find(3, std::vector{kTriangle});
-    votes_.Look(planes_, std::sqrt(size.area() / 3.0), neighbours_, colours_);
+    votes_.Look(std::vector{Edge({0, 1, 2})}, planes_, std::sqrt(size.area() / 3.0), colours_);
     evidence.left_bgr = colours_;
     evidence.seeds = &votes_;
     Look();
@@ -63,7 +71,7 @@ class Pair {
   }
 
   bool IsNear(int u, int v, int near, int far) const {
-    return EdgeJudge(evidence).IsNear({u, v, near, far}, kTriangle);
+    return EdgeJudge(evidence).IsNear({u, v, near, far}, 0);
   }
 
   EdgeEvidence evidence{};
@@ -71,7 +79,6 @@ class Pair {
  private:
   cv::Mat3b colours_;
   std::vector<LocalPlane> planes_;
-  SeedNeighbours neighbours_;
   SeedVotes votes_;
 };
 
@@ -126,58 +133,53 @@ TEST(EdgeJudge, AsksTheSeedsCloseByWhereColoursAreAlike) {
   EXPECT_FALSE(pair.IsNear(40, 31, kNear, kFar));
 }
 
-TEST(SeedVotes, AreSharesAndSeedsUnknownHaveNone) {
-  const cv::Mat3b image(10, 10, kRed);
-  const std::vector<LocalPlane> planes(3, {.u = 5, .v = 5, .disparity = 12});
-  SeedNeighbours neighbours;
-  neighbours.Find(3, std::vector{kTriangle});
+// Votes at pixel (5, 5), which is red, as the seeds there are, 5 px apart.
+SeedVotes::Votes VotesOf(std::initializer_list<int> seeds, const std::vector<LocalPlane>& planes,
+                         int near, int far, cv::Point pixel = {5, 5}) {
   SeedVotes votes;
-  votes.Look(planes, 5, neighbours, image);
-  const auto of = [&](const SeedTriangle& triangle, int near, int far) {
-    return votes.Of(triangle, {5, 5}, kRed, near, far);
-  };
-  EXPECT_NEAR(of(kTriangle, kNear, kFar).colour, 1, 0.01);
-  EXPECT_NEAR(of(kTriangle, kNear, kFar).proximity, 1, 0.01);
-  EXPECT_NEAR(of(kTriangle, 18 * kOne, kNear).colour, -1, 0.01);
-  EXPECT_NEAR(of(kTriangle, 18 * kOne, kNear).proximity, -1, 0.01);
-  EXPECT_EQ(of({3, 4, 5}, kNear, kFar).colour, 0);  // at the borders of the image
-  EXPECT_EQ(of({3, 4, 5}, kNear, kFar).proximity, 0);
+  votes.Look(std::vector{Edge({}), Edge(seeds)}, planes, 5, cv::Mat3b(20, 10, kRed));
+  return votes.Of(1, pixel, kRed, near, far);
+}
+
+TEST(SeedVotes, AreSharesAndNoSeedsHaveNone) {
+  const std::vector<LocalPlane> planes(6, {.u = 5, .v = 5, .disparity = 12});
+  for (const auto& seeds : {std::initializer_list<int>{0}, {0, 1, 2, 3}, {0, 1, 2, 3, 4}}) {
+    EXPECT_NEAR(VotesOf(seeds, planes, kNear, kFar).colour, 1, 0.01);
+    EXPECT_NEAR(VotesOf(seeds, planes, kNear, kFar).proximity, 1, 0.01);
+    EXPECT_NEAR(VotesOf(seeds, planes, 18 * kOne, kNear).colour, -1, 0.01);
+    EXPECT_NEAR(VotesOf(seeds, planes, 18 * kOne, kNear).proximity, -1, 0.01);
+  }
+  EXPECT_EQ(VotesOf({}, planes, kNear, kFar).colour, 0);
+  EXPECT_EQ(VotesOf({}, planes, kNear, kFar).proximity, 0);
+}
+
+TEST(SeedVotes, WeighColoursAndDistances) {
+  cv::Mat3b image(20, 40, kRed);
+  image.colRange(20, 40) = kBlue;
+  // One seed like the pixel far away, one of another colour beside it.
+  const std::vector<LocalPlane> planes = {{.u = 2, .v = 5, .disparity = 12},
+                                          {.u = 22, .v = 5, .disparity = 3}};
+  SeedVotes votes;
+  votes.Look(std::vector{Edge({0, 1})}, planes, 5, image);
+  const SeedVotes::Votes red = votes.Of(0, {19, 5}, kRed, kNear, kFar);
+  EXPECT_GT(red.colour, 0.9);
+  EXPECT_LT(red.proximity, 0);
+  EXPECT_LT(votes.Of(0, {22, 5}, kBlue, kNear, kFar).colour, -0.9);
 }
 
 // A floor that rises towards the camera by a pixel a row, in front of a wall. Ten rows below its
 // seeds it is nearer than they are.
 TEST(SeedVotes, AreForTheSurfaceThatASeedsPlaneLeadsTo) {
   const std::vector<LocalPlane> planes(3, {.u = 5, .v = 5, .disparity = 12, .per_row = 1});
-  SeedNeighbours neighbours;
-  neighbours.Find(3, std::vector{kTriangle});
-  SeedVotes votes;
-  votes.Look(planes, 5, neighbours, cv::Mat3b(20, 10, kRed));
-  EXPECT_NEAR(votes.Of(kTriangle, {5, 15}, kRed, 22 * kOne, kNear).colour, 1, 0.01);
-  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, 22 * kOne, kNear).colour, -1, 0.01);
+  EXPECT_NEAR(VotesOf({0, 1, 2}, planes, 22 * kOne, kNear, {5, 15}).colour, 1, 0.01);
+  EXPECT_NEAR(VotesOf({0, 1, 2}, planes, 22 * kOne, kNear).colour, -1, 0.01);
 }
 
 TEST(SeedVotes, CountLittleOfSeedsOnAThirdSurface) {
   std::vector<LocalPlane> planes(3, {.u = 5, .v = 5, .disparity = 12});
   planes[1].disparity = planes[2].disparity = 3 - 7;  // far behind the far one
-  SeedNeighbours neighbours;
-  neighbours.Find(3, std::vector{kTriangle});
-  SeedVotes votes;
-  votes.Look(planes, 5, neighbours, cv::Mat3b(10, 10, kRed));
   // Two against one, but with a hundredth of a say each.
-  EXPECT_NEAR(votes.Of(kTriangle, {5, 5}, kRed, kNear, kFar).colour, 1 - 4 / 101.0, 0.01);
-}
-
-TEST(SeedVotes, CountOneSideHoweverManyNeighboursThereAre) {
-  constexpr int kRim = 1000;
-  const std::vector<LocalPlane> planes(1 + kRim, {.u = 5, .v = 5, .disparity = 12});
-  std::vector<SeedTriangle> fan;
-  for (int i = 1; i < kRim; ++i) fan.push_back({0, i, i + 1});
-  SeedNeighbours neighbours;
-  neighbours.Find(planes.size(), fan);
-  SeedVotes votes;
-  votes.Look(planes, 5, neighbours, cv::Mat3b(10, 10, kRed));
-  EXPECT_NEAR(votes.Of(fan[0], {5, 5}, kRed, kNear, kFar).proximity, 1, 0.01);
-  EXPECT_NEAR(votes.Of(fan[0], {5, 5}, kRed, 18 * kOne, kNear).proximity, -1, 0.01);
+  EXPECT_NEAR(VotesOf({0, 1, 2}, planes, kNear, kFar).colour, 1 - 4 / 101.0, 0.01);
 }
 
 TEST(Census, SaysWhichPixelsAroundAreDarker) {
@@ -204,6 +206,27 @@ TEST(SeedNeighbours, AreThoseOfTheTriangles) {
   EXPECT_TRUE(of(4).empty());
 }
 
+TEST(Surroundings, GrowStepByStep) {
+  SeedNeighbours neighbours;  // a row of triangles, each seed a neighbour of the next two
+  std::vector<SeedTriangle> strip;
+  for (int i = 0; i + 2 < 20; ++i) strip.push_back({i, i + 1, i + 2});
+  neighbours.Find(20, strip);
+  Surroundings surroundings;
+  surroundings.Set(neighbours);
+  for (const int start : {10, 3}) {
+    const auto reached = [&] {
+      const std::span<const int> seeds = surroundings.reached();
+      return std::multiset<int>(seeds.begin(), seeds.end());
+    };
+    surroundings.Start(std::vector{start});
+    EXPECT_EQ(reached(), (std::multiset<int>{start}));
+    surroundings.Widen();
+    EXPECT_EQ(reached(), (std::multiset<int>{start - 2, start - 1, start, start + 1, start + 2}));
+    surroundings.Widen(6);
+    EXPECT_EQ(reached().size(), 6U);
+  }
+}
+
 TEST(ResolveEdges, FindsTheEdgeToThePixelAndLeavesTheRest) {
   // Odd sizes, and one for which the coarse grid has no cell at all.
   for (const cv::Size size : {cv::Size(61, 43), cv::Size(62, 42), cv::Size(3, 2), cv::Size(1, 1)}) {
@@ -214,8 +237,7 @@ TEST(ResolveEdges, FindsTheEdgeToThePixelAndLeavesTheRest) {
     const auto constant = [&](int counts) {
       return DisparityImage(cv::Mat1s(size, static_cast<int16_t>(counts)));
     };
-    EdgeHypotheses hypotheses{
-        constant(kNear), constant(kFar), {{kTriangle, {}}}, cv::Mat1i(size, 0)};
+    EdgeHypotheses hypotheses{constant(kNear), constant(kFar), cv::Mat1i(size, 0)};
     const int undisputed = size.height > 4 ? 0 : -1;  // row
     if (undisputed == 0) hypotheses.near.counts().row(0) = DisparityImage::kInvalid;
     DisparityImage prior = constant(7 * kOne);
