@@ -65,8 +65,8 @@ MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
       Timed(ms.fill_ms, [&] { return FillGaps(grown, config.fill(), prior); });
   ms.total_ms = ms.refine_ms + ms.prior_ms + ms.grow_ms + ms.fill_ms;
   output.map_px = ToPx(filled);
-  output.confidence =
-      Confidence(scene.left_grey, scene.right_grey, grown, filled, config.sigma_s_squared());
+  output.confidence = Confidence(scene.left_grey, scene.right_grey, refined.seeds, grown, filled,
+                                 config.sigma_s_squared());
   return output;
 }
 

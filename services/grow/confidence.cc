@@ -12,12 +12,14 @@ namespace {
 
 // Shares of the confidence, in whole numbers, so that its bytes are the same on every machine.
 constexpr int kOne = 1 << 16;
-constexpr int kEdgeWeight = kOne * 6 / 10;
-constexpr int kGapWeight = kOne * 2 / 10;
-constexpr int kPhotoWeight = kOne * 2 / 10;
+constexpr int kEdgeWeight = kOne * 45 / 100;
+constexpr int kGapWeight = kOne * 15 / 100;
+constexpr int kPhotoWeight = kOne * 15 / 100;
+constexpr int kHoleWeight = kOne * 25 / 100;
 constexpr double kEdgeRangePx = 8;
 constexpr double kLargestExponent = 5;
 constexpr int kGapWindow = 9;
+constexpr float kUsualSpacings = 0.75;  // to the next seed
 constexpr int kPhotoWindow = 5;
 
 // The left image as the disparities make it from the right one; black where they leave it.
@@ -61,9 +63,10 @@ class EdgePenalty {
 
 }  // namespace
 
-cv::Mat1b Confidence(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
-                     const DisparityImage& filled, double sigma_s_squared) {
-  return ConfidenceJudge().Judge(left, right, grown, filled, sigma_s_squared);
+cv::Mat1b Confidence(const cv::Mat1b& left, const cv::Mat1b& right, std::span<const Seed> seeds,
+                     const DisparityImage& grown, const DisparityImage& filled,
+                     double sigma_s_squared) {
+  return ConfidenceJudge().Judge(left, right, seeds, grown, filled, sigma_s_squared);
 }
 
 void ConfidenceJudge::MeasureEdges(const DisparityImage& filled) {
@@ -73,6 +76,16 @@ void ConfidenceJudge::MeasureEdges(const DisparityImage& filled) {
   cv::subtract(most_, least_, range_);  // saturates
   cv::compare(range_, DisparityImage::kCountsPerPixel, even_, cv::CMP_LE);
   cv::distanceTransform(even_, edge_px_, cv::DIST_L2, cv::DIST_MASK_3);
+}
+
+void ConfidenceJudge::MeasureSeeds(std::span<const Seed> seeds, cv::Size size) {
+  free_.create(size);
+  free_ = 1;
+  for (const Seed& seed : seeds) {
+    const cv::Point position(cvRound(seed.u), cvRound(seed.v));
+    if (cv::Rect({}, size).contains(position)) free_(position) = 0;
+  }
+  cv::distanceTransform(free_, seed_px_, cv::DIST_L2, cv::DIST_MASK_3);
 }
 
 void ConfidenceJudge::CountGaps(const DisparityImage& grown) {
@@ -92,14 +105,20 @@ void ConfidenceJudge::Compare(const cv::Mat1b& left, const cv::Mat1b& right,
 }
 
 cv::Mat1b ConfidenceJudge::Judge(const cv::Mat1b& left, const cv::Mat1b& right,
-                                 const DisparityImage& grown, const DisparityImage& filled,
-                                 double sigma_s_squared) {
+                                 std::span<const Seed> seeds, const DisparityImage& grown,
+                                 const DisparityImage& filled, double sigma_s_squared) {
   static const EdgePenalty edge_penalty;
-  RunBoth([&] { MeasureEdges(filled); },
-          [&] {
-            CountGaps(grown);
-            Compare(left, right, filled);
-          });
+  RunBoth(
+      [&] {
+        MeasureEdges(filled);
+        MeasureSeeds(seeds, filled.size());
+      },
+      [&] {
+        CountGaps(grown);
+        Compare(left, right, filled);
+      });
+  const float spacing_px = std::sqrt(static_cast<float>(filled.size().area()) /
+                                     static_cast<float>(std::max<size_t>(seeds.size(), 1)));
   Renew(result_, filled.size());
   ForEachParallel(static_cast<size_t>(filled.height()), [&](size_t row) {
     const int v = static_cast<int>(row);
@@ -110,7 +129,9 @@ cv::Mat1b ConfidenceJudge::Judge(const cv::Mat1b& left, const cv::Mat1b& right,
       }
       const double energy = sigma_s_squared * std::max(energy_(v, u), 1);
       const double misfit = difference_(v, u) / energy / kLargestExponent;  // Eq. (4)
+      const float hole = seed_px_(v, u) / spacing_px - kUsualSpacings;
       const int penalty = edge_penalty.At(edge_px_(v, u)) +
+                          static_cast<int>(kHoleWeight * std::clamp(hole, 0.F, 1.F)) +
                           kGapWeight * gaps_(v, u) / (kGapWindow * kGapWindow) +
                           static_cast<int>(kPhotoWeight * std::min(misfit, 1.0));
       result_(v, u) = static_cast<uint8_t>((255 * (kOne - penalty) + kOne / 2) / kOne);

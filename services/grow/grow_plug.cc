@@ -24,9 +24,10 @@ std::vector<Seed> GrowPlug::SeedsOf(const Frame& frame, const cv::Mat1b& left,
 }
 
 cv::Mat GrowPlug::ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right,
-                               const DisparityImage& grown, const DisparityImage& filled) {
+                               std::span<const Seed> seeds, const DisparityImage& grown,
+                               const DisparityImage& filled) {
   if (left.size() != right.size()) return cv::Mat(left.size(), CV_8UC1, cv::Scalar(0));
-  return judge_.Judge(left, right, grown, filled, config_.sigma_s_squared());
+  return judge_.Judge(left, right, seeds, grown, filled, config_.sigma_s_squared());
 }
 
 Outcome GrowPlug::Process(const Frame& frame) {
@@ -53,7 +54,8 @@ Outcome GrowPlug::Process(const Frame& frame) {
   const DisparityImage filled = filler_.Fill(*grown, fill, prior);
   outcome.outputs.push_back({Part::kDisparity, filled});
   if (config_.publish_confidence()) {
-    outcome.outputs.push_back({Part::kConfidence, ConfidenceOf(left, right, *grown, filled)});
+    outcome.outputs.push_back(
+        {Part::kConfidence, ConfidenceOf(left, right, seeds, *grown, filled)});
   }
   return outcome;
 }

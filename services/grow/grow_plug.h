@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_GROW_GROW_PLUG_H_
 #define SPROUT_SERVICES_GROW_GROW_PLUG_H_
 
+#include <span>
 #include <vector>
 
 #include "common/app/plug.h"
@@ -26,8 +27,8 @@ class GrowPlug : public Plug {
  private:
   std::vector<Seed> SeedsOf(const Frame& frame, const cv::Mat1b& left,
                             const cv::Mat1b& right) const;
-  cv::Mat ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
-                       const DisparityImage& filled);
+  cv::Mat ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right, std::span<const Seed> seeds,
+                       const DisparityImage& grown, const DisparityImage& filled);
 
   GrowConfig config_;
   Grower grower_;

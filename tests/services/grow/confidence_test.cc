@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <span>
+#include <vector>
 
 namespace sprout {
 namespace {
@@ -15,6 +17,17 @@ cv::Mat1b Texture() {
   cv::Mat1b image(kSize);
   for (uint8_t& value : image) value = static_cast<uint8_t>(64 + random() % 128);
   return image;
+}
+
+// Seeds on every fifth pixel of every fifth row.
+std::vector<Seed> Grid() {
+  std::vector<Seed> seeds;
+  for (int v = 2; v < kSize.height; v += 5) {
+    for (int u = 2; u < kSize.width; u += 5) {
+      seeds.push_back({.u = static_cast<float>(u), .v = static_cast<float>(v), .u_right = 0});
+    }
+  }
+  return seeds;
 }
 
 // A surface at 4 px, in front of it from column 40 on another at 10 px.
@@ -33,15 +46,15 @@ struct TwoSurfaces {
       }
     }
   }
-  cv::Mat1b Judge(const DisparityImage& grown) const {
-    return Confidence(left, right, grown, map, kSigmaSSquared);
+  cv::Mat1b Judge(const DisparityImage& grown, std::span<const Seed> seeds = Grid()) const {
+    return Confidence(left, right, seeds, grown, map, kSigmaSSquared);
   }
 };
 
 TEST(Confidence, RisesWithTheDistanceFromDepthEdges) {
   const TwoSurfaces scene;
   const cv::Mat1b confidence = scene.Judge(scene.map);
-  EXPECT_LT(confidence(30, 40), 110);
+  EXPECT_LT(confidence(30, 40), 145);
   for (int u = 42; u < 62; ++u) EXPECT_LE(confidence(30, u), confidence(30, u + 1)) << u;
   EXPECT_GT(confidence(30, 75), 245);
 }
@@ -51,14 +64,31 @@ TEST(Confidence, IsLowerWhereGrowthDidNotReach) {
   DisparityImage grown(scene.map.counts().clone());
   grown.counts()(cv::Rect(60, 20, 12, 12)) = DisparityImage::kInvalid;
   const int without_gap = scene.Judge(scene.map)(26, 66);
-  EXPECT_NEAR(scene.Judge(grown)(26, 66), without_gap - 0.2 * 255, 1);
+  EXPECT_NEAR(scene.Judge(grown)(26, 66), without_gap - 0.15 * 255, 1);
 }
 
 TEST(Confidence, IsLowerWhereTheImagesDoNotFit) {
   TwoSurfaces scene;
   const int fits = scene.Judge(scene.map)(30, 70);
   scene.right(cv::Rect(50, 20, 20, 20)) = 0;
-  EXPECT_NEAR(scene.Judge(scene.map)(30, 70), fits - 0.2 * 255, 1);
+  EXPECT_NEAR(scene.Judge(scene.map)(30, 70), fits - 0.15 * 255, 1);
+}
+
+TEST(Confidence, IsLowerInHolesOfTheToFImage) {
+  const TwoSurfaces scene;
+  std::vector<Seed> seeds = Grid();
+  std::erase_if(seeds, [](const Seed& seed) { return seed.u > 50 && seed.v > 20 && seed.v < 50; });
+  seeds.push_back({.u = -7, .v = 1e9, .u_right = 0});  // none of the image's
+  const cv::Mat1b without = scene.Judge(scene.map);
+  const cv::Mat1b with_hole = scene.Judge(scene.map, seeds);
+  EXPECT_EQ(with_hole(5, 20), without(5, 20));
+  EXPECT_NEAR(with_hole(35, 70), without(35, 70) - 0.25 * 255, 1);
+}
+
+TEST(Confidence, KnowsNoHolesWithoutSeeds) {
+  const TwoSurfaces scene;
+  const cv::Mat1b confidence = scene.Judge(scene.map, std::span<const Seed>());
+  for (int u = 42; u < 62; ++u) EXPECT_LE(confidence(30, u), confidence(30, u + 1)) << u;
 }
 
 TEST(Confidence, IsNothingWithoutADisparity) {
@@ -72,7 +102,7 @@ TEST(Confidence, IsNothingWithoutADisparity) {
 TEST(Confidence, TakesBlackImages) {
   const cv::Mat1b black(kSize, uint8_t{0});
   const DisparityImage map(cv::Mat1s(kSize, ToCounts(2)));
-  EXPECT_EQ(Confidence(black, black, map, map, kSigmaSSquared)(30, 40), 255);
+  EXPECT_EQ(Confidence(black, black, Grid(), map, map, kSigmaSSquared)(30, 40), 255);
 }
 
 }  // namespace
