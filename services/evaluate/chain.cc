@@ -10,15 +10,18 @@
 namespace sprout {
 namespace {
 
-DisparityImage RunGrow(const Scene& scene, const GrowConfig& config,
-                       const std::vector<Seed>& tof_seeds, const DisparityImage& prior,
-                       StageTimes& ms) {
+std::vector<Seed> FindGrowthSeeds(const Scene& scene, const GrowConfig& config,
+                                  const RefinedSeeds& refined, StageTimes& ms) {
+  if (config.seeds() == GrowConfig::TOF) return refined.seeds;
+  return Timed(ms.grow_ms, [&] {
+    return MatchHarrisCorners(scene.left_grey, scene.right_grey, config.harris());
+  });
+}
+
+DisparityImage RunGrow(const Scene& scene, const GrowConfig& config, const std::vector<Seed>& seeds,
+                       const DisparityImage& prior, StageTimes& ms) {
   Grower grower(config);
   return Timed(ms.grow_ms, [&] {
-    const std::vector<Seed> seeds =
-        config.seeds() == GrowConfig::TOF
-            ? tof_seeds
-            : MatchHarrisCorners(scene.left_grey, scene.right_grey, config.harris());
     return grower.Compute(scene.left_grey, scene.right_grey, seeds, prior)
         .value_or(DisparityImage(scene.size()));
   });
@@ -60,13 +63,14 @@ MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
   const RefinedSeeds refined = needs_tof ? RunRefine(scene, settings, ms) : RefinedSeeds();
   const DisparityImage prior =
       needs_prior ? RunPrior(scene, settings.config.prior(), refined, ms) : DisparityImage();
-  const DisparityImage grown = RunGrow(scene, config, refined.seeds, prior, ms);
+  const std::vector<Seed> seeds = FindGrowthSeeds(scene, config, refined, ms);
+  const DisparityImage grown = RunGrow(scene, config, seeds, prior, ms);
   const DisparityImage filled =
       Timed(ms.fill_ms, [&] { return FillGaps(grown, config.fill(), prior); });
   ms.total_ms = ms.refine_ms + ms.prior_ms + ms.grow_ms + ms.fill_ms;
   output.map_px = ToPx(filled);
-  output.confidence = Confidence(scene.left_grey, scene.right_grey, refined.seeds, grown, filled,
-                                 config.sigma_s_squared());
+  output.confidence =
+      Confidence(scene.left_grey, scene.right_grey, seeds, grown, filled, config.sigma_s_squared());
   return output;
 }
 

@@ -78,14 +78,16 @@ void ConfidenceJudge::MeasureEdges(const DisparityImage& filled) {
   cv::distanceTransform(even_, edge_px_, cv::DIST_L2, cv::DIST_MASK_3);
 }
 
-void ConfidenceJudge::MeasureSeeds(std::span<const Seed> seeds, cv::Size size) {
-  free_.create(size);
-  free_ = 1;
+void ConfidenceJudge::MeasureHoles(std::span<const Seed> seeds, cv::Size size) {
+  no_seed_.create(size);
+  no_seed_ = 1;
   for (const Seed& seed : seeds) {
     const cv::Point position(cvRound(seed.u), cvRound(seed.v));
-    if (cv::Rect({}, size).contains(position)) free_(position) = 0;
+    if (cv::Rect({}, size).contains(position)) no_seed_(position) = 0;
   }
-  cv::distanceTransform(free_, seed_px_, cv::DIST_L2, cv::DIST_MASK_3);
+  const int count = size.area() - cv::countNonZero(no_seed_);
+  spacing_px_ = std::sqrt(static_cast<float>(size.area()) / static_cast<float>(std::max(count, 1)));
+  cv::distanceTransform(no_seed_, seed_px_, cv::DIST_L2, cv::DIST_MASK_3);
 }
 
 void ConfidenceJudge::CountGaps(const DisparityImage& grown) {
@@ -111,14 +113,12 @@ cv::Mat1b ConfidenceJudge::Judge(const cv::Mat1b& left, const cv::Mat1b& right,
   RunBoth(
       [&] {
         MeasureEdges(filled);
-        MeasureSeeds(seeds, filled.size());
+        MeasureHoles(seeds, filled.size());
       },
       [&] {
         CountGaps(grown);
         Compare(left, right, filled);
       });
-  const float spacing_px = std::sqrt(static_cast<float>(filled.size().area()) /
-                                     static_cast<float>(std::max<size_t>(seeds.size(), 1)));
   Renew(result_, filled.size());
   ForEachParallel(static_cast<size_t>(filled.height()), [&](size_t row) {
     const int v = static_cast<int>(row);
@@ -129,7 +129,7 @@ cv::Mat1b ConfidenceJudge::Judge(const cv::Mat1b& left, const cv::Mat1b& right,
       }
       const double energy = sigma_s_squared * std::max(energy_(v, u), 1);
       const double misfit = difference_(v, u) / energy / kLargestExponent;  // Eq. (4)
-      const float hole = seed_px_(v, u) / spacing_px - kUsualSpacings;
+      const float hole = seed_px_(v, u) / spacing_px_ - kUsualSpacings;
       const int penalty = edge_penalty.At(edge_px_(v, u)) +
                           static_cast<int>(kHoleWeight * std::clamp(hole, 0.F, 1.F)) +
                           kGapWeight * gaps_(v, u) / (kGapWindow * kGapWindow) +

@@ -11,16 +11,17 @@ namespace sprout {
 
 /// How far a map's disparities can be trusted, from what goes wrong in practice: depth edges that
 /// are some pixels off, pixels that growth did not reach, windows that do not fit, and
-/// holes in the ToF image, which the prior closes as well as it can.
+/// holes between the seeds, which the prior closes as well as it can.
 ///
 ///   confidence = 255 · (1 − 0.45·exp(−r / 8) − 0.15·g − 0.15·min(e / 5, 1) − 0.25·h)
 ///
 /// r: distance to the next depth edge (more than 1 px within 3×3 pixels), px;
 /// g: share of the 9×9 window that growth left empty;
 /// e: exponent of eq. (4) between the 5×5 window and what the disparities make of the right image.
-/// h: how far the next seed is, in spacings of the seeds: 0 up to 0.75, which a grid never exceeds,
-///    and 1 from 1.75 on.
-/// The weights are fixed: with others, errors come in nearly the same order.
+/// h: how far the next seed is, in spacings of seeds spread evenly over the image: 0 up to 0.75,
+///    which a square grid does not exceed, and 1 from 1.75 on. What only the left camera sees is a
+///    hole, too: there is no correspondence.
+/// The weights are fixed: with others for the first three, errors come in nearly the same order.
 ///
 /// @param left, right      rectified pair, grey, of the maps' size.
 /// @param seeds            correspondences that growth started from.
@@ -45,15 +46,16 @@ class ConfidenceJudge {
 
  private:
   void MeasureEdges(const DisparityImage& filled);
-  void MeasureSeeds(std::span<const Seed> seeds, cv::Size size);
+  void MeasureHoles(std::span<const Seed> seeds, cv::Size size);
   void CountGaps(const DisparityImage& grown);
   void Compare(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& filled);
 
   cv::Mat1s most_, least_, range_;  // of the disparities around each pixel
   cv::Mat1b even_;
   cv::Mat1f edge_px_;  // distance to the next depth edge
-  cv::Mat1b free_;     // of seeds
-  cv::Mat1f seed_px_;  // distance to the next one
+  cv::Mat1b no_seed_;
+  cv::Mat1f seed_px_;  // distance to the next seed
+  float spacing_px_ = 0;
   cv::Mat1b gap_;
   cv::Mat1i gaps_;  // number of pixels in the window that have no disparity
   cv::Mat1b warped_, off_;

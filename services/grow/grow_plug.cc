@@ -1,5 +1,6 @@
 #include "services/grow/grow_plug.h"
 
+#include <string>
 #include <utility>
 
 #include "common/core/image.h"

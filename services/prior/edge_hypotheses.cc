@@ -12,7 +12,7 @@ namespace {
 int16_t NearestCounts(float disparity_px) {
   constexpr float kMost = DisparityImage::kMaxPx;
   constexpr float kOne = DisparityImage::kCountsPerPixel;
-  return static_cast<int16_t>(std::clamp(disparity_px, 0.F, kMost) * kOne + 0.5F);
+  return static_cast<int16_t>(std::min(std::max(0.F, disparity_px), kMost) * kOne + 0.5F);
 }
 
 // @param index  of the triangle.

@@ -13,7 +13,7 @@ struct EdgePixel {
   int u;
   int v;
   int near;  ///< its disparity on one of them, counts
-  int far;   ///< on the other; 0 ≤ far < near
+  int far;   ///< on the other; 0 ≤ far ≤ near
 };
 
 /// What votes of 1 count for; that of the images' differences counts for 1.
@@ -37,7 +37,8 @@ struct EdgeEvidence {
 /// Decides between two disparities of a pixel of the left image. Witnesses vote, each with −1 (far)
 /// to 1 (near), and the sum of their weighted votes decides:
 ///   the images, by the mean absolute difference, truncated, in a window of 3×3 pixels;
-///   the images, by the mean Hamming distance of their census transforms in a window of 7×7;
+///   the images, by the mean Hamming distance of their census transforms in a window of 7×7, where
+///   half of the bits is a vote of 1;
 ///   the seeds around, by their colour and by their proximity (SeedVotes).
 class EdgeJudge {
  public:
@@ -46,7 +47,7 @@ class EdgeJudge {
 
   /// Whether a pixel is rather near than far.
   /// @param edge  which of those that the evidence's seeds were looked at for: the pixel's.
-  /// The same answer on every machine. O(1), some hundred operations; thread-safe.
+  /// The same answer on every machine. O(1), about a thousand operations; thread-safe.
   bool IsNear(const EdgePixel& pixel, int edge) const;
 
  private:

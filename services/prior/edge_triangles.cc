@@ -31,13 +31,14 @@ class TriangleSplitter {
   // Whether the planes of the corners differ anywhere.
   bool IsApart() const { return edge_.near.GapPx(edge_.far, places_) >= kSmallestGapPx; }
 
-  // Seeds around lie on the surface that their planes lead closer to. What leads far beyond both is
-  // on a third one, and where the two have crossed nobody can tell.
+  // The other seeds around lie on the surface that their planes lead closer to. What leads far
+  // beyond both is on a third one, and where the two have crossed nobody can tell.
   void SplitNearby(std::span<const int> seeds) {
     const cv::Point2f centre = (places_[0] + places_[1] + places_[2]) / 3;
     const float near = edge_.near.At(centre);
     const float far = edge_.far.At(centre);
     for (int seed : seeds) {
+      if (std::find(corners_.begin(), corners_.end(), seed) != corners_.end()) continue;
       const float disparity = Plane(seed).At(origin_.x + centre.x, origin_.y + centre.y);
       const float from_middle = disparity - (near + far) / 2;
       if (std::abs(from_middle) > near - far) continue;

@@ -21,7 +21,7 @@ class PiecewiseSurface {
 
   void Clear() { count_ = 0; }
 
-  /// Adds a seed, unless one before it is closer all over the triangle.
+  /// Adds a seed, unless one before it is closer all over the triangle, or there are eight.
   /// @param place    of the seed.
   /// @param corners  places of the triangle's corners.
   void Add(const LocalPlane& plane, cv::Point2f place, const Corners& corners) {

@@ -35,7 +35,8 @@ class PriorEstimator {
 
   /// @param left   8UC1 or 8UC3 (BGR); may be empty when it is not used.
   /// @param right  of the same size, 8UC1 or 8UC3; may be empty when it is not used.
-  /// @param seeds  at least three, not all on a line; of seeds on one position the first counts.
+  /// @param seeds  at least three, finite, not all on a line; of seeds on one position the first
+  /// counts.
   /// @param size   of the left rectified image, px.
   /// @returns a map of that size. An error that says why when the seeds span no triangle that
   ///          covers a pixel, when an image that is used has another size, or when a side is longer

@@ -14,7 +14,7 @@ namespace sprout {
 class SeedNeighbours {
  public:
   /// @param seeds      how many there are.
-  /// @param triangles  of these seeds. O(triangles).
+  /// @param triangles  of these seeds. O(triangles), and O(n²) for the neighbours of one seed.
   void Find(size_t seeds, std::span<const SeedTriangle> triangles);
 
   /// Each neighbour once. Valid until the next Find().

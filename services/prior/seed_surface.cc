@@ -25,6 +25,9 @@ constexpr double kTellingPx = 1.1;
 constexpr double kOtherSurfacePerSpacing = 0.2;
 constexpr double kOtherSurfacePx = 3;
 
+// Seeds that a plane is fitted to; three steps of the triangulation are usually 37.
+constexpr size_t kMostSupport = 64;
+
 size_t Index(int i) { return static_cast<size_t>(i); }
 
 // The value that a share of the others does not reach; 0 when there are none. Reorders them.
@@ -117,9 +120,8 @@ class PlaneFitter {
 
   // @param support  of Surroundings.
   LocalPlane Fit(int seed, std::span<const int> support, double scale_px) const {
-    const Seed& centre = seeds_[Index(seed)];
     const double per_scale = 1 / scale_px;
-    Plane plane{.value = centre.disparity()};
+    Plane plane{.value = seeds_[Index(seed)].disparity()};
     for (int iteration = 0; iteration < kIterations; ++iteration) {
       // The first plane is level: a slant must not look like another surface.
       const double sharpness = iteration == 0 ? per_scale / 1.5 : per_scale;
@@ -130,20 +132,19 @@ class PlaneFitter {
       }
       plane = sums.Solve();
     }
-    return {centre.u, centre.v, static_cast<float>(plane.value),
-            static_cast<float>(plane.per_x * per_px_), static_cast<float>(plane.per_y * per_px_)};
+    return ToLocal(seed, plane);
   }
 
-  // Disparity at a seed of the plane through those of its support that differ little from it: takes
-  // the steps off in which disparities are counted.
-  float Smooth(int seed, std::span<const int> support, double scale_px) const {
+  // The plane through those of a seed's support that differ little from it: takes the steps off in
+  // which disparities are counted.
+  LocalPlane Smooth(int seed, std::span<const int> support, double scale_px) const {
     const double own = seeds_[Index(seed)].disparity();
     PlaneSums sums(1e-9, kSlopeHold);
     for (int i : support) {
       const Point point = From(seed, i);
       AddSoftly(point.disparity - own, 1 / scale_px, point, sums);
     }
-    return static_cast<float>(sums.Solve().value);
+    return ToLocal(seed, sums.Solve());
   }
 
   // Whether the support shows more than one or two steps of a seed's surface.
@@ -167,6 +168,12 @@ class PlaneFitter {
     double y;
     double disparity;
   };
+
+  LocalPlane ToLocal(int seed, const Plane& plane) const {
+    const Seed& centre = seeds_[Index(seed)];
+    return {centre.u, centre.v, static_cast<float>(plane.value),
+            static_cast<float>(plane.per_x * per_px_), static_cast<float>(plane.per_y * per_px_)};
+  }
 
   // With the Geman-McClure weight of a point that is `off` px off.
   static void AddSoftly(double off, double sharpness, const Point& point, PlaneSums& sums) {
@@ -293,17 +300,23 @@ const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
                        [&](int neighbour) { return memory_->at_edge[Index(neighbour)] != 0; });
   };
   const auto fit = [&](int i, Surroundings& around) {
-    const Seed& seed = seeds[Index(i)];
-    LocalPlane plane{.u = seed.u, .v = seed.v};
+    LocalPlane& plane = surface.planes[Index(i)];
     around.Start(std::span(&i, 1));
-    around.Widen();
-    if (noisy) around.Widen();
-    if (noisy || has_neighbour_at_edge(i)) plane = fitter.Fit(i, around.reached(), scale_px);
-    if (!noisy) {
-      if (!fitter.IsTelling(i, around.reached(), other_surface_px)) around.Widen();
-      plane.disparity = fitter.Smooth(i, around.reached(), smooth_px);
+    around.Widen(kMostSupport);
+    if (noisy) {
+      around.Widen(kMostSupport);
+      plane = fitter.Fit(i, around.reached(), scale_px);
+      return;
     }
-    surface.planes[Index(i)] = plane;
+    const bool beside_edge = has_neighbour_at_edge(i);
+    if (beside_edge) plane = fitter.Fit(i, around.reached(), scale_px);
+    if (!fitter.IsTelling(i, around.reached(), other_surface_px)) around.Widen(kMostSupport);
+    const LocalPlane smooth = fitter.Smooth(i, around.reached(), smooth_px);
+    if (beside_edge) {
+      plane.disparity = smooth.disparity;
+    } else {
+      plane = smooth;
+    }
   };
   constexpr size_t kParts = 16;  // seeds at edges, of which some parts have more, take longer
   memory_->surroundings.resize(kParts);

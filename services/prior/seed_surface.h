@@ -56,9 +56,11 @@ class SeedSurfaceFitter {
   ///                   disparity, with a level plane.
   /// @param noisy_px   > 0.
   /// @param edge_px    without noise only the neighbours of seeds of triangles whose disparities
-  ///                   differ by at least this get a slant; nobody asks for that of the others.
+  ///                   differ by at least this get the slant of the robust fit; the others that of
+  ///                   the plane that takes their steps off.
   /// @returns the surface; valid until the next call.
-  /// O(seeds); no I/O; on OpenCV's threads, with the same result for any number.
+  /// O(seeds), but O(n²) for the neighbours of one seed; no I/O; on OpenCV's threads, with the same
+  /// result for any number.
   const SeedSurface& Fit(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
                          double noisy_px, double edge_px);
 

@@ -56,8 +56,8 @@ void SeedVotes::LookAt(const LocalPlane& plane, const cv::Mat3b& left_bgr, size_
   looks.counts[lane] = kOne * plane.disparity;
   looks.per_column[lane] = kOne * plane.per_column;
   looks.per_row[lane] = kOne * plane.per_row;
-  const int u = std::clamp(cvRound(plane.u), 0, left_bgr.cols - 1);
-  const int v = std::clamp(cvRound(plane.v), 0, left_bgr.rows - 1);
+  const int u = cvRound(std::clamp(plane.u, 0.F, static_cast<float>(left_bgr.cols - 1)));
+  const int v = cvRound(std::clamp(plane.v, 0.F, static_cast<float>(left_bgr.rows - 1)));
   const cv::Vec3b& bgr = left_bgr(v, u);
   looks.blue[lane] = bgr[0];
   looks.green[lane] = bgr[1];

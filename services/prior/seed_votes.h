@@ -55,6 +55,7 @@ class SeedVotes {
     Lanes green;
     Lanes red;
   };
+  static_assert(EdgeTriangle::kMostSeeds % kLanes == 0);
   using LooksAround = std::array<Looks, EdgeTriangle::kMostSeeds / kLanes>;
 
   struct Edge {

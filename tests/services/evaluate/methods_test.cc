@@ -72,8 +72,9 @@ TEST(Methods, GiveTheSameMapEveryTimeWithAnyNumberOfThreads) {
   cv::setNumThreads(threads);
 }
 
-// The services' plugs, one after another, on the same frame.
-cv::Mat1f MapOfTheServices(const Scene& scene, const SproutConfig& config) {
+// What the services' plugs make of the scene, one after another on the same frame.
+Frame ResultOfTheServices(const Scene& scene, SproutConfig config) {
+  config.mutable_grow()->set_publish_confidence(true);
   Frame frame;
   frame.left = scene.frame.left;
   frame.right = scene.frame.right;
@@ -87,16 +88,20 @@ cv::Mat1f MapOfTheServices(const Scene& scene, const SproutConfig& config) {
       SetPart(frame, output.part, std::move(output.value));
     }
   }
-  return ToPx(*frame.disparity);
+  return frame;
 }
 
 TEST(Methods, SproutIsWhatTheServicesCompute) {
   const Scene scene = SmallScene();
   for (const char* preset : {"default", "paper"}) {
-    const ChainSettings settings = Preset(preset);
-    EXPECT_TRUE(SameMaps(SelectMethods({"sprout"}).front().run(scene, settings).map_px,
-                         MapOfTheServices(scene, settings.config)))
-        << preset;
+    for (const auto seeds : {GrowConfig::TOF, GrowConfig::HARRIS}) {
+      ChainSettings settings = Preset(preset);
+      settings.config.mutable_grow()->set_seeds(seeds);
+      const MethodOutput output = SelectMethods({"sprout"}).front().run(scene, settings);
+      const Frame expected = ResultOfTheServices(scene, settings.config);
+      EXPECT_TRUE(SameMaps(output.map_px, ToPx(*expected.disparity))) << preset;
+      EXPECT_EQ(cv::countNonZero(output.confidence != expected.confidence), 0) << preset;
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <span>
 #include <vector>
@@ -74,21 +75,26 @@ TEST(Confidence, IsLowerWhereTheImagesDoNotFit) {
   EXPECT_NEAR(scene.Judge(scene.map)(30, 70), fits - 0.15 * 255, 1);
 }
 
-TEST(Confidence, IsLowerInHolesOfTheToFImage) {
+TEST(Confidence, IsLowerInHolesBetweenTheSeeds) {
   const TwoSurfaces scene;
   std::vector<Seed> seeds = Grid();
-  std::erase_if(seeds, [](const Seed& seed) { return seed.u > 50 && seed.v > 20 && seed.v < 50; });
-  seeds.push_back({.u = -7, .v = 1e9, .u_right = 0});  // none of the image's
+  seeds.push_back({.u = -7, .v = 1e9, .u_right = 0});  // not in the image
   const cv::Mat1b without = scene.Judge(scene.map);
+  EXPECT_EQ(cv::countNonZero(scene.Judge(scene.map, seeds) != without), 0);
+  std::erase_if(seeds, [](const Seed& seed) { return seed.u > 50 && seed.v > 20 && seed.v < 50; });
   const cv::Mat1b with_hole = scene.Judge(scene.map, seeds);
   EXPECT_EQ(with_hole(5, 20), without(5, 20));
   EXPECT_NEAR(with_hole(35, 70), without(35, 70) - 0.25 * 255, 1);
+  // Between: the next seed, at (72, 17), is 6 px away.
+  const double spacing_px = std::sqrt(kSize.area() / static_cast<double>(seeds.size() - 1));
+  EXPECT_NEAR(with_hole(23, 72), without(23, 72) - 0.25 * 255 * (6 / spacing_px - 0.75), 4);
 }
 
-TEST(Confidence, KnowsNoHolesWithoutSeeds) {
+TEST(Confidence, IsLowerEverywhereWithoutSeeds) {
   const TwoSurfaces scene;
-  const cv::Mat1b confidence = scene.Judge(scene.map, std::span<const Seed>());
-  for (int u = 42; u < 62; ++u) EXPECT_LE(confidence(30, u), confidence(30, u + 1)) << u;
+  const cv::Mat1b with = scene.Judge(scene.map);
+  const cv::Mat1b without = scene.Judge(scene.map, std::span<const Seed>());
+  for (int u = 45; u < 80; ++u) EXPECT_NEAR(without(30, u), with(30, u) - 0.25 * 255, 1) << u;
 }
 
 TEST(Confidence, IsNothingWithoutADisparity) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -89,7 +90,46 @@ TEST(EdgeTriangles, OfSeedsWithThousandsOfNeighboursKnowSome) {
   EdgeTriangleFinder finder;
   const auto edges = finder.Find(surface, fan, neighbours, 1);
   ASSERT_EQ(edges.size(), fan.size());
-  for (const EdgeTriangle& edge : edges) EXPECT_EQ(edge.nearby().size(), EdgeTriangle::kMostSeeds);
+  for (size_t i = 0; i < edges.size(); ++i) {
+    EXPECT_EQ(edges[i].nearby().size(), EdgeTriangle::kMostSeeds);
+    EXPECT_THAT(edges[i].nearby(), testing::IsSupersetOf(fan[i]));
+  }
+}
+
+// As if the last seed were one that BorderExtender has added.
+TEST(EdgeTriangles, WithACornerAtTheBorderKnowTheSeedsAroundTheOthers) {
+  const Square square({5, 6, 20, 20});
+  SeedNeighbours neighbours;
+  neighbours.Find(3, std::vector<SeedTriangle>{{0, 1, 2}});
+  EdgeTriangleFinder finder;
+  const std::vector<SeedTriangle> triangles{{3, 2, 1}};
+  const auto edges = finder.Find(square.surface, triangles, neighbours, 1);
+  ASSERT_EQ(edges.size(), 1U);
+  EXPECT_THAT(edges[0].nearby(), UnorderedElementsAre(0, 1, 2));
+}
+
+// The second seed is far, but at the centre of the first triangle its plane is near.
+TEST(EdgeTriangles, LeaveEachCornerOnOneSurface) {
+  Square steep({5, 6, 20, 20});
+  steep.surface.planes[1].per_row = 4;
+  const EdgeTriangle edge = steep.Edges().front();
+  EXPECT_EQ(edge.near.At({10, 0}), 20);
+  EXPECT_EQ(edge.far.At({10, 0}), 6);
+}
+
+TEST(EdgeTriangles, ForgetTheFrameBefore) {
+  Square large({5, 6, 20, 20});
+  Square small({5, 6, 20, 20});
+  small.triangles.pop_back();
+  small.surface.planes.pop_back();
+  EdgeTriangleFinder finder;
+  for (const Square* square : {&large, &small}) {
+    SeedNeighbours neighbours;
+    neighbours.Find(square->surface.planes.size(), square->triangles);
+    const auto edges = finder.Find(square->surface, square->triangles, neighbours, 1);
+    EXPECT_EQ(edges.size(), square->triangles.size());
+    EXPECT_EQ(edges[0].nearby().size(), square->surface.planes.size());
+  }
 }
 
 TEST(EdgeTriangles, OfTheBorderKnowNone) {
@@ -106,28 +146,40 @@ TEST(EdgeTriangles, OfTheBorderKnowNone) {
 TEST(PiecewiseSurface, IsThePlaneOfTheClosestSeedAllOverTheTriangle) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> place(-10, 20);
-  std::uniform_real_distribution<float> slope(-1, 1);
+  std::uniform_real_distribution<float> number(0, 1);
   const PiecewiseSurface::Corners corners{cv::Point2f(0, 0), cv::Point2f(9, 1), cv::Point2f(2, 10)};
-  for (int round = 0; round < 100; ++round) {
+  for (int round = 0; round < 200; ++round) {
     std::vector<LocalPlane> planes;
     PiecewiseSurface surface;
-    for (int i = 0; i < 6; ++i) {
-      planes.push_back({place(random), place(random), 50, slope(random), slope(random)});
+    for (int i = 0; i < 8; ++i) {
+      planes.push_back({place(random), place(random), 50, number(random), number(random)});
       surface.Add(planes.back(), {planes.back().u, planes.back().v}, corners);
     }
-    for (float share = 0; share <= 1; share += 0.1F) {
-      for (const cv::Point2f corner : {corners[1], corners[2]}) {
-        const cv::Point2f p = share * corner + (1 - share) * (corners[1] + corners[2]) / 2;
-        const auto distance = [&](const LocalPlane& plane) {
-          return std::hypot(plane.u - p.x, plane.v - p.y);
-        };
-        const auto closest = std::min_element(
-            planes.begin(), planes.end(),
-            [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
-        EXPECT_NEAR(surface.At(p), closest->At(p.x, p.y), 1e-3);
-      }
+    for (int i = 0; i < 20; ++i) {
+      float b = number(random);
+      float c = number(random);
+      if (b + c > 1) b = 1 - b, c = 1 - c;
+      const cv::Point2f p = b * corners[1] + c * corners[2];
+      const auto distance = [&](const LocalPlane& plane) {
+        return std::hypot(plane.u - p.x, plane.v - p.y);
+      };
+      const auto closest = std::min_element(
+          planes.begin(), planes.end(),
+          [&](const auto& one, const auto& other) { return distance(one) < distance(other); });
+      EXPECT_NEAR(surface.At(p), closest->At(p.x, p.y), 1e-3);
     }
   }
+}
+
+TEST(PiecewiseSurface, HasEightSeedsAtMost) {
+  const PiecewiseSurface::Corners corners{cv::Point2f(0, 0), cv::Point2f(90, 0), cv::Point2f(0, 9)};
+  PiecewiseSurface surface;
+  for (int i = 0; i < 10; ++i) {
+    const auto u = static_cast<float>(9 * i);
+    surface.Add({.u = u, .v = 0, .disparity = u}, {u, 0}, corners);
+  }
+  EXPECT_EQ(surface.At({63, 0}), 63);
+  EXPECT_EQ(surface.At({81, 0}), 63);
 }
 
 TEST(EdgeHypotheses, AreTheSurfacesOnBothSidesOfTheGap) {

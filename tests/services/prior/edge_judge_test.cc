@@ -8,7 +8,6 @@
 #include <cmath>
 #include <initializer_list>
 #include <random>
-#include <set>
 #include <span>
 #include <vector>
 
@@ -193,43 +192,10 @@ TEST(Census, SaysWhichPixelsAroundAreDarker) {
   EXPECT_EQ(codes(0, 0), 0);
 }
 
-TEST(SeedNeighbours, AreThoseOfTheTriangles) {
-  SeedNeighbours neighbours;
-  neighbours.Find(5, std::vector<SeedTriangle>{{0, 1, 2}, {1, 3, 2}});
-  const auto of = [&](int seed) {
-    const std::span<const int> found = neighbours.Of(seed);
-    return std::set<int>(found.begin(), found.end());
-  };
-  EXPECT_EQ(of(0), (std::set<int>{1, 2}));
-  EXPECT_EQ(of(1), (std::set<int>{0, 2, 3}));
-  EXPECT_EQ(neighbours.Of(1).size(), 3U);
-  EXPECT_TRUE(of(4).empty());
-}
-
-TEST(Surroundings, GrowStepByStep) {
-  SeedNeighbours neighbours;  // a row of triangles, each seed a neighbour of the next two
-  std::vector<SeedTriangle> strip;
-  for (int i = 0; i + 2 < 20; ++i) strip.push_back({i, i + 1, i + 2});
-  neighbours.Find(20, strip);
-  Surroundings surroundings;
-  surroundings.Set(neighbours);
-  for (const int start : {10, 3}) {
-    const auto reached = [&] {
-      const std::span<const int> seeds = surroundings.reached();
-      return std::multiset<int>(seeds.begin(), seeds.end());
-    };
-    surroundings.Start(std::vector{start});
-    EXPECT_EQ(reached(), (std::multiset<int>{start}));
-    surroundings.Widen();
-    EXPECT_EQ(reached(), (std::multiset<int>{start - 2, start - 1, start, start + 1, start + 2}));
-    surroundings.Widen(6);
-    EXPECT_EQ(reached().size(), 6U);
-  }
-}
-
 TEST(ResolveEdges, FindsTheEdgeToThePixelAndLeavesTheRest) {
-  // Odd sizes, and one for which the coarse grid has no cell at all.
-  for (const cv::Size size : {cv::Size(61, 43), cv::Size(62, 42), cv::Size(3, 2), cv::Size(1, 1)}) {
+  // Odd sizes, and some for which the wide grid has no cell or hardly one.
+  for (const cv::Size size :
+       {cv::Size(61, 43), cv::Size(62, 42), cv::Size(3, 2), cv::Size(2, 2), cv::Size(1, 1)}) {
     const int edge = size.width / 2;
     Pair pair(size, 0, edge);
     pair.TakeTextureAway();
@@ -249,6 +215,23 @@ TEST(ResolveEdges, FindsTheEdgeToThePixelAndLeavesTheRest) {
       }
     }
   }
+}
+
+// Pixels of even rows and columns are asked first.
+TEST(ResolveEdges, DoesNotAskAPixelAmongOthersOnOneSurface) {
+  const cv::Size size(31, 31);
+  Pair pair(size, 0, size.width - 1);
+  pair.TakeTextureAway();
+  pair.evidence.weights.colour = 100;
+  pair.evidence.left_bgr(15, 7) = kBlue;   // unheard
+  pair.evidence.left_bgr(20, 12) = kBlue;  // heard
+  DisparityImage prior(cv::Mat1s(size, int16_t{0}));
+  const EdgeHypotheses hypotheses{DisparityImage(cv::Mat1s(size, int16_t{kNear})),
+                                  DisparityImage(cv::Mat1s(size, int16_t{kFar})),
+                                  cv::Mat1i(size, 0)};
+  ResolveEdges(hypotheses, EdgeJudge(pair.evidence), prior);
+  EXPECT_EQ(prior.Px(7, 15), 12);
+  EXPECT_EQ(prior.Px(12, 20), 3);
 }
 
 }  // namespace

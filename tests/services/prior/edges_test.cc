@@ -231,5 +231,18 @@ TEST(SeedSurface, LeavesDepthEdgesAsTheyAre) {
   }
 }
 
+// Steps of a pixel are not taken for an edge, and so nobody asks for a robust fit.
+TEST(SeedSurface, HasASlantAwayFromEdgesToo) {
+  std::vector<Seed> seeds;
+  for (int i = 0; i < 20 * 20; ++i) {
+    const auto u = static_cast<float>(10 * (i % 20));
+    const auto v = static_cast<float>(10 * (i / 20));
+    seeds.push_back({u, v, u - (20 + 0.04F * u)});
+  }
+  SeedSurfaceFitter fitter;
+  const SeedSurface& surface = fitter.Fit(seeds, TriangulateSeeds(seeds), 0.5, 1);
+  EXPECT_NEAR(surface.planes[10 * 20 + 10].per_column, 0.04, 0.005);
+}
+
 }  // namespace
 }  // namespace sprout
