@@ -10,14 +10,14 @@
 namespace sprout {
 
 /// How far a map's disparities can be trusted, from what goes wrong in practice: depth edges that
-/// are some pixels off, pixels that growth did not reach, windows that do not fit, and
-/// holes between the seeds, which the prior closes as well as it can.
+/// are some pixels off, pixels that growth did not reach, windows that do not fit, and holes
+/// between the seeds, which the prior closes as well as it can.
 ///
 ///   confidence = 255 · (1 − 0.45·exp(−r / 8) − 0.15·g − 0.15·min(e / 5, 1) − 0.25·h)
 ///
 /// r: distance to the next depth edge (more than 1 px within 3×3 pixels), px;
 /// g: share of the 9×9 window that growth left empty;
-/// e: exponent of eq. (4) between the 5×5 window and what the disparities make of the right image.
+/// e: exponent of eq. (4) between the 5×5 window and what the disparities make of the right image;
 /// h: how far the next seed is, in spacings of seeds spread evenly over the image: 0 up to 0.75,
 ///    which a square grid does not exceed, and 1 from 1.75 on. What only the left camera sees is a
 ///    hole, too: there is no correspondence.

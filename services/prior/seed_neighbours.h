@@ -2,7 +2,6 @@
 #define SPROUT_SERVICES_PRIOR_SEED_NEIGHBOURS_H_
 
 #include <cstddef>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -50,7 +49,7 @@ class Surroundings {
 
   /// ... to the neighbours of those that the last step reached, too.
   /// @param most  no more than that many seeds are reached in all.
-  void Widen(size_t most = std::numeric_limits<size_t>::max());
+  void Widen(size_t most);
 
   /// Each seed once, in the order of the steps.
   std::span<const int> reached() const { return reached_; }

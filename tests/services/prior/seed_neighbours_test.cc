@@ -37,7 +37,7 @@ TEST(Surroundings, GrowStepByStep) {
     };
     surroundings.Start(std::vector{start});
     EXPECT_EQ(reached(), (std::multiset<int>{start}));
-    surroundings.Widen();
+    surroundings.Widen(100);
     EXPECT_EQ(reached(), (std::multiset<int>{start - 2, start - 1, start, start + 1, start + 2}));
     surroundings.Widen(6);
     EXPECT_EQ(reached().size(), 6U);
