@@ -15,6 +15,17 @@ cv::Mat1b ToGrey(const cv::Mat& image, cv::Mat1b& memory) {
   return memory;
 }
 
+cv::Mat3b ToBgr(const cv::Mat& image) {
+  cv::Mat3b bgr;
+  return ToBgr(image, bgr);
+}
+
+cv::Mat3b ToBgr(const cv::Mat& image, cv::Mat3b& memory) {
+  if (image.channels() == 3) return image;
+  cv::cvtColor(image, memory, cv::COLOR_GRAY2BGR);
+  return memory;
+}
+
 std::string SizeText(cv::Size size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
 }

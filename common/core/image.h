@@ -12,6 +12,12 @@ cv::Mat1b ToGrey(const cv::Mat& image);
 /// The same for frame after frame, into memory of the caller's.
 cv::Mat1b ToGrey(const cv::Mat& image, cv::Mat1b& memory);
 
+/// Colours (BGR) of an 8-bit grey or BGR image (a BGR one is shared, not copied). O(pixels).
+cv::Mat3b ToBgr(const cv::Mat& image);
+
+/// The same for frame after frame, into memory of the caller's.
+cv::Mat3b ToBgr(const cv::Mat& image, cv::Mat3b& memory);
+
 /// "640x480", for messages to people.
 std::string SizeText(cv::Size size);
 

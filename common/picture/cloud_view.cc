@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "common/core/image.h"
 #include "common/geometry/projection.h"
 #include "common/picture/color_map.h"
 
@@ -27,8 +28,7 @@ struct ColoredPoint {
 
 std::vector<ColoredPoint> Points(const RectifiedPair& pair, const DisparityImage& disparity,
                                  const cv::Mat& left) {
-  cv::Mat3b bgr = left;
-  if (left.channels() == 1) cv::cvtColor(left, bgr, cv::COLOR_GRAY2BGR);
+  const cv::Mat3b bgr = ToBgr(left);
   std::vector<ColoredPoint> points;
   points.reserve(disparity.counts().total());
   for (int v = 0; v < disparity.height(); ++v) {

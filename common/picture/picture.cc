@@ -48,13 +48,6 @@ cv::Mat3b OnPaperWithScale(const cv::Mat3b& image, const std::string& title,
   return picture;
 }
 
-cv::Mat3b ToBgr(const cv::Mat& image) {
-  if (image.channels() == 3) return image;
-  cv::Mat3b bgr;
-  cv::cvtColor(image, bgr, cv::COLOR_GRAY2BGR);
-  return bgr;
-}
-
 /// Dots cover up to a third of the image, but are never too small to see nor larger than needed.
 double DotRadius(cv::Size image, size_t seeds) {
   const double spacing =

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/core/image.h"
 #include "common/picture/color_map.h"
 #include "common/picture/picture.h"
 #include "common/picture/write_image.h"
@@ -23,14 +24,6 @@ void Write(const std::filesystem::path& path, const cv::Mat3b& picture) {
 
 std::string CorrectText(const MethodResult& method) {
   return fmt::format("{:.1f} %", method.nonoccluded.correct_le1_percent());
-}
-
-cv::Mat3b ToBgr(const cv::Mat& image) {
-  if (image.channels() == 3) return image;
-  const cv::Mat planes[] = {image, image, image};
-  cv::Mat3b bgr;
-  cv::merge(planes, std::size(planes), bgr);
-  return bgr;
 }
 
 cv::Mat3b ErrorPicture(const cv::Mat1f& map_px, const Scene& scene) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <string>
 #include <utility>
 
@@ -15,12 +14,6 @@
 
 namespace sprout {
 namespace {
-
-cv::Mat3b ToBgr(const cv::Mat& image, cv::Mat3b& memory) {
-  if (image.channels() == 3) return image;
-  cv::cvtColor(image, memory, cv::COLOR_GRAY2BGR);
-  return memory;
-}
 
 // Of seeds that are spread evenly.
 double SpacingPx(size_t seeds, cv::Size size) {

@@ -29,6 +29,15 @@ TEST(ToGrey, KeepsTheSizeOfAViewIntoALargerImage) {
   EXPECT_EQ(grey(4, 3), 50);
 }
 
+TEST(ToBgr, SharesAColourImageAndGivesGreyThreeEqualChannels) {
+  const cv::Mat colour(3, 4, CV_8UC3, cv::Scalar(1, 2, 3));
+  EXPECT_EQ(ToBgr(colour).data, colour.data);
+  const cv::Mat grey(4, 6, CV_8UC1, cv::Scalar(17));  // as many bytes as 4 × 2 colours
+  const cv::Mat3b bgr = ToBgr(grey);
+  ASSERT_EQ(bgr.size(), cv::Size(6, 4));
+  EXPECT_EQ(bgr(3, 5), cv::Vec3b(17, 17, 17));
+}
+
 TEST(SizeText, PutsTheWidthFirst) { EXPECT_EQ(SizeText(cv::Size(640, 480)), "640x480"); }
 
 }  // namespace
