@@ -5,6 +5,8 @@
 #include <opencv2/calib3d.hpp>
 #include <utility>
 
+#include "common/core/image.h"
+
 namespace sprout {
 
 Seed ProjectToPair(const RectifiedPair& pair, const Eigen::Vector3d& point_in_left) {
@@ -20,22 +22,28 @@ Eigen::Vector3d PointFromSeed(const RectifiedPair& pair, const Seed& seed) {
   return {(seed.u - pair.cx) * z / pair.focal_px, (seed.v - pair.cy) * z / pair.focal_px, z};
 }
 
+Result<void> CheckTofSize(const Rig& rig, const TofImage& tof) {
+  const cv::Size calibrated(rig.tof.width, rig.tof.height);
+  if (tof.depth_m.size() == calibrated) return {};
+  return Fail("ToF image of " + SizeText(tof.depth_m.size()) + ": allowed is the calibrated size " +
+              SizeText(calibrated));
+}
+
 TofProjector::TofProjector(const Rig& rig) : rig_(rig) {
   const TofCamera& tof = rig.tof;
-  std::vector<cv::Point2d> pixels;
-  pixels.reserve(static_cast<size_t>(tof.width) * static_cast<size_t>(tof.height));
-  for (int v = 0; v < tof.height; ++v) {
-    for (int u = 0; u < tof.width; ++u) pixels.emplace_back(u, v);
-  }
-  std::vector<cv::Point2d> undistorted;
   const cv::Matx33d camera(tof.fx, 0, tof.cx, 0, tof.fy, tof.cy, 0, 0, 1);
+  const std::vector<double> distortion(tof.distortion.begin(), tof.distortion.end());
   // More iterations than OpenCV's five: wide lenses need them, and it is done once a calibration.
-  cv::undistortPoints(pixels, undistorted, camera,
-                      std::vector<double>(tof.distortion.begin(), tof.distortion.end()),
-                      cv::noArray(), cv::noArray(),
-                      cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-12));
-  rays_.reserve(undistorted.size());
-  for (const cv::Point2d& p : undistorted) rays_.emplace_back(p.x, p.y, 1.0);
+  const cv::TermCriteria criteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-12);
+  rays_.reserve(static_cast<size_t>(tof.width) * static_cast<size_t>(tof.height));
+  std::vector<cv::Point2d> row(static_cast<size_t>(tof.width));
+  std::vector<cv::Point2d> undistorted;
+  for (int v = 0; v < tof.height; ++v) {
+    for (size_t u = 0; u < row.size(); ++u) row[u] = {static_cast<double>(u), double(v)};
+    cv::undistortPoints(row, undistorted, camera, distortion, cv::noArray(), cv::noArray(),
+                        criteria);
+    for (const cv::Point2d& p : undistorted) rays_.emplace_back(p.x, p.y, 1.0);
+  }
 }
 
 std::vector<ProjectedPoint> TofProjector::Project(const TofImage& tof, int& behind,
@@ -49,7 +57,7 @@ std::vector<ProjectedPoint> TofProjector::Project(const TofImage& tof, int& behi
   for (int v = 0; v < tof.depth_m.rows; ++v) {
     for (int u = 0; u < tof.depth_m.cols; ++u) {
       const float depth_m = tof.depth_m(v, u);
-      if (!std::isfinite(depth_m) || depth_m <= 0) continue;
+      if (!IsReturn(depth_m)) continue;
       const Eigen::Vector3d point_in_tof = depth_m * ray(u, v);
       const Eigen::Vector3d point_in_left =
           rotation * point_in_tof + rig_.tof.left_from_tof_translation_m;

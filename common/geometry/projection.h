@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/core/result.h"
 #include "common/core/rig.h"
 #include "common/core/seed.h"
 #include "common/core/tof_image.h"
@@ -18,6 +19,10 @@ Seed ProjectToPair(const RectifiedPair& pair, const Eigen::Vector3d& point_in_le
 /// ProjectToPair().
 Eigen::Vector3d PointFromSeed(const RectifiedPair& pair, const Seed& seed);
 
+/// Whether a range image is of the calibrated ToF camera's size; the error names both. Ask before
+/// making a TofProjector, which takes the memory that the calibration asks for.
+Result<void> CheckTofSize(const Rig& rig, const TofImage& tof);
+
 /// A ToF point seen in the rectified pair.
 struct ProjectedPoint {
   int tof_u = 0;  ///< column in the ToF image
@@ -30,11 +35,11 @@ struct ProjectedPoint {
 /// Thread-compatible.
 class TofProjector {
  public:
-  /// O(ToF pixels).
+  /// O(ToF pixels), 24 bytes each.
   explicit TofProjector(const Rig& rig);
 
-  /// Every ToF pixel with a return (finite depth > 0) that lies in front of the pair, row by row.
-  /// @param tof  depth of the calibrated size.
+  /// Every ToF pixel with a return, see IsReturn(), that lies in front of the pair, row by row.
+  /// @param tof  depth of the calibrated size, see CheckTofSize().
   /// @param[out] behind  number of points with a return that lie behind the pair (z ≤ 0).
   /// @param memory  whose memory the points take.
   /// O(ToF pixels).

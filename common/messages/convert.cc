@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -157,6 +158,9 @@ Result<TofImage> FromMessage(const tof_image_t& message) {
   if (!checks.ok()) return checks.error();
   TofImage tof;
   tof.depth_m = ToMat(message.depth_m, message.height);
+  std::replace_if(
+      tof.depth_m.begin(), tof.depth_m.end(), [](float depth_m) { return !IsReturn(depth_m); },
+      std::numeric_limits<float>::quiet_NaN());
   if (message.amplitude_count > 0) {
     tof.amplitude = ToMat(message.amplitude, message.height);
   }

@@ -38,6 +38,7 @@ image_t ToMessage(const FrameId& id, const cv::Mat& image);
 Result<cv::Mat> FromMessage(const image_t& message);
 
 tof_image_t ToMessage(const FrameId& id, const TofImage& tof);
+/// @returns an image with NaN wherever there is no return, see IsReturn().
 Result<TofImage> FromMessage(const tof_image_t& message);
 
 rig_t ToMessage(const FrameId& id, const Rig& rig);

@@ -63,7 +63,10 @@ ValueRange RobustRange(std::vector<float> values) {
   const double last = static_cast<double>(values.size() - 1);
   const double low = value_at(std::floor(0.01 * last));
   const double high = value_at(std::ceil(0.99 * last));
-  if (low == high) return {low - 1, high + 1};
+  if (low == high) {
+    const double margin = std::max(1.0, 1e-3 * std::abs(low));  // 1e20 + 1 is 1e20
+    return {low - margin, high + margin};
+  }
   const double step = RoundStep((high - low) / 25);
   return {std::floor(low / step) * step, std::ceil(high / step) * step};
 }
@@ -88,7 +91,7 @@ ValueRange DepthRange(const TofImage& tof) {
 cv::Mat1f ReturnsOnly(const cv::Mat1f& depth_m) {
   cv::Mat1f returns(depth_m.size());
   std::transform(depth_m.begin(), depth_m.end(), returns.begin(), [](float depth) {
-    return std::isfinite(depth) && depth > 0 ? depth : std::numeric_limits<float>::quiet_NaN();
+    return IsReturn(depth) ? depth : std::numeric_limits<float>::quiet_NaN();
   });
   return returns;
 }

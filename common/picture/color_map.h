@@ -35,7 +35,8 @@ double RoundStep(double at_least);
 
 /// A range that shows nearly all values and is not stretched by a few wild ones: their 1st to 99th
 /// percentile, rounded outward to a round step of at most a tenth of that span. NaN and infinities
-/// do not count. Equal values give that value ± 1, no values give [0, 1]. O(n).
+/// do not count. Equal values give that value ± 1 (± a thousandth of a value beyond 1000), no
+/// values give [0, 1]. O(n).
 ValueRange RobustRange(std::vector<float> values);
 
 /// One range (px) for several disparity maps and the seeds, so that their pictures share a scale.
@@ -45,7 +46,7 @@ ValueRange DisparityRange(std::span<const DisparityImage> maps, std::span<const 
 /// Range (m) of a ToF image's returns. O(pixels).
 ValueRange DepthRange(const TofImage& tof);
 
-/// Depth in m with NaN wherever there is no return (NaN, infinite or not positive). O(pixels).
+/// Depth in m with NaN wherever there is no return, see IsReturn(). O(pixels).
 cv::Mat1f ReturnsOnly(const cv::Mat1f& depth_m);
 
 }  // namespace sprout

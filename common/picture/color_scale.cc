@@ -15,7 +15,7 @@ namespace {
 const cv::Vec3b kInk{48, 48, 48};
 
 std::string Label(double value, int decimals) {
-  char text[32];
+  char text[64];  // FLT_MAX has 39 digits
   std::snprintf(text, sizeof text, "%.*f", decimals, value);
   return text;
 }

@@ -16,10 +16,8 @@ const TofProjector& RefinePlug::ProjectorOf(const Rig& rig) {
 
 Result<SeedSet> RefinePlug::Refine(const Frame& frame) {
   // Before there are rays for a ToF camera of whatever size a message claims.
-  const cv::Size calibrated(frame.rig->tof.width, frame.rig->tof.height);
-  if (frame.tof->depth_m.size() != calibrated) {
-    return Fail("ToF image of " + SizeText(frame.tof->depth_m.size()) +
-                ": allowed is the calibrated size " + SizeText(calibrated));
+  if (auto size = CheckTofSize(*frame.rig, *frame.tof); !size) {
+    return tl::unexpected(size.error());
   }
   return refiner_.Compute(ToGrey(frame.left, left_grey_), ToGrey(frame.right, right_grey_),
                           *frame.tof, ProjectorOf(*frame.rig));

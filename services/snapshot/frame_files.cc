@@ -45,6 +45,24 @@ cv::Mat3b Overview(const std::array<cv::Mat3b, 4>& pictures) {
   return overview;
 }
 
+// The stages are other people's programs: their maps need not fit each other.
+Result<void> CheckSizes(const Frame& frame) {
+  if (auto tof = CheckTofSize(*frame.rig, *frame.tof); !tof) return tof;
+  const cv::Size calibrated = frame.rig->pair.size();
+  const std::array<std::pair<const char*, cv::Size>, 5> images = {
+      {{"left image", frame.left.size()},
+       {"prior", frame.prior->size()},
+       {"unfilled map", frame.unfilled->size()},
+       {"disparity map", frame.disparity->size()},
+       {"confidence", frame.confidence.size()}}};
+  for (const auto& [name, size] : images) {
+    if (size == calibrated) continue;
+    return Fail(std::string(name) + " of " + SizeText(size) + ": allowed is the calibrated size " +
+                SizeText(calibrated));
+  }
+  return {};
+}
+
 std::string Counted(const std::string& what, size_t count) {
   return what + " (" + std::to_string(count) + ")";
 }
@@ -52,6 +70,7 @@ std::string Counted(const std::string& what, size_t count) {
 }  // namespace
 
 Result<void> WriteFrameFiles(const Frame& frame, const std::filesystem::path& folder) {
+  if (auto sizes = CheckSizes(frame); !sizes) return sizes;
   const cv::Mat1b grey = ToGrey(frame.left);
   const std::vector<Seed> raw_seeds = RawSeeds(frame);
   const std::vector<Seed>& seeds = frame.seeds->seeds;

@@ -18,7 +18,7 @@ namespace sprout {
 /// the filled map.
 /// @param frame   with all parts.
 /// @param folder  exists already.
-/// @returns the first error, with its path.
+/// @returns the first error: an image that is not of the calibrated size, or a file with its path.
 Result<void> WriteFrameFiles(const Frame& frame, const std::filesystem::path& folder);
 
 /// The table of a run: times and counts of each stage, seeds dropped by cause, and density and

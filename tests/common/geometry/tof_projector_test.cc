@@ -167,6 +167,7 @@ TEST(TofProjector, IgnoresPixelsWithoutAReturn) {
   tof.depth_m(0, 1) = kInf;
   tof.depth_m(0, 2) = -1;
   tof.depth_m(1, 0) = -kInf;
+  tof.depth_m(1, 2) = 10'001;  // beyond kMaxTofDepthM
   tof.depth_m(1, 1) = 2;
   int behind = -1;
   const std::vector<ProjectedPoint> projected = TofProjector(rig).Project(tof, behind);

@@ -40,7 +40,7 @@ inline cv::Mat BgrImage() {
 
 inline TofImage Tof(bool amplitude) {
   TofImage tof;
-  tof.depth_m = (cv::Mat1f(2, 3) << 1.5F, 2.25F, NAN, 0.0F, -1.0F, 7.0F);
+  tof.depth_m = (cv::Mat1f(2, 3) << 1.5F, 2.25F, NAN, 0.5F, 1.0F, 7.0F);
   if (amplitude) tof.amplitude = (cv::Mat1f(2, 3) << 10.0F, 20.0F, 0.0F, 1.0F, 2.0F, 3.5F);
   return tof;
 }

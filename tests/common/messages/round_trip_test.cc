@@ -74,6 +74,20 @@ TEST(TofMessage, CarriesDepthWithNanAndNoAmplitude) {
   EXPECT_TRUE(std::isnan(tof.depth_m(0, 2)));
 }
 
+TEST(TofMessage, HasNanWhereverThereIsNoReturn) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const TofImage sent{.depth_m = (cv::Mat1f(2, 5) << 1.5F, 0.F, -1.F, kInfinity, -kInfinity,  //
+                                  10'000.F, 10'001.F, 65535.F, 1e20F, 3.4e38F),
+                      .amplitude = {}};
+  const TofImage tof = RoundTrip(Part::kTof, sent);
+  EXPECT_EQ(tof.depth_m(0, 0), 1.5F);
+  EXPECT_EQ(tof.depth_m(1, 0), kMaxTofDepthM);
+  for (const cv::Point no_return :
+       std::vector<cv::Point>{{1, 0}, {2, 0}, {3, 0}, {4, 0}, {1, 1}, {2, 1}, {3, 1}, {4, 1}}) {
+    EXPECT_TRUE(std::isnan(tof.depth_m(no_return))) << no_return;
+  }
+}
+
 TEST(TofMessage, CarriesAmplitude) {
   const TofImage tof = RoundTrip(Part::kTof, examples::Tof(true));
   ExpectSamePixels(tof.depth_m, examples::Tof(true).depth_m);

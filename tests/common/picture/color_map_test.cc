@@ -63,6 +63,16 @@ TEST(RobustRange, IsNeverEmpty) {
   EXPECT_EQ(RobustRange({7, 7, 7}), (ValueRange{6, 8}));
 }
 
+TEST(RobustRange, HasRoomAroundEqualValuesOfAnySize) {
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  for (const float value : {0.F, 1e-40F, 7.F, -7.F, 1e15F, 1e20F, kLargest, -kLargest}) {
+    const ValueRange range = RobustRange({value, value});
+    EXPECT_LT(range.min, double{value});
+    EXPECT_GT(range.max, double{value});
+    EXPECT_EQ(ColorOf(value, range), ColorOf(0, {-1, 1})) << value;
+  }
+}
+
 TEST(DisparityRange, CoversMapsAndSeedsTogether) {
   DisparityImage low(cv::Size(10, 10));
   low.counts() = ToCounts(10);
@@ -77,7 +87,7 @@ TEST(DisparityRange, CoversMapsAndSeedsTogether) {
 
 TEST(DepthRange, IgnoresPixelsWithoutReturn) {
   TofImage tof;
-  tof.depth_m = (cv::Mat1f(1, 5) << 0.F, -1.F, kNan, 1.F, 2.F);
+  tof.depth_m = (cv::Mat1f(1, 7) << 0.F, -1.F, kNan, 1.F, 2.F, 1e20F, 10'001.F);
   EXPECT_EQ(DepthRange(tof), (ValueRange{1, 2}));
 }
 

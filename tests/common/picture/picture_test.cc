@@ -55,6 +55,14 @@ TEST(DepthPicture, EnlargesEachPixelToASquareAndLeavesNoReturnDark) {
   EXPECT_GE(CountPixels(picture, ColorOf(2, {1, 3})), (144 * 176 - 2) * 8 * 8);
 }
 
+TEST(DepthPicture, ShowsNoReturnWhereDriversWriteAHugeNumber) {
+  for (const float code : {1e20F, 65535.F, std::numeric_limits<float>::max()}) {
+    const TofImage tof{.depth_m = cv::Mat1f(12, 16, code), .amplitude = {}};
+    const cv::Mat3b picture = DepthPicture(tof, {160, 120}, DepthRange(tof), "ToF");
+    EXPECT_EQ(CountPixels(picture, kNoValueColor), 160 * 120) << code;
+  }
+}
+
 TEST(SeedPicture, DrawsEachSeedWhereItIsInTheColorOfItsDisparity) {
   const cv::Mat1b left(200, 300, uchar{200});
   const std::vector<Seed> seeds{{.u = 40, .v = 30, .u_right = 20},

@@ -1,0 +1,99 @@
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <limits>
+
+#include "services/snapshot/snapshot.h"
+#include "tests/common/picture/temporary_directory.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int kFiles = 13;
+// Not divisible by three, neither side nor product.
+const cv::Size kSize(64, 40);
+
+DisparityImage Map(cv::Size size) {
+  DisparityImage map(size);
+  map.counts() = ToCounts(5);
+  return map;
+}
+
+/// A whole frame: a wall.
+Frame Wall(const cv::Mat& left) {
+  Frame frame;
+  frame.id = {.utime = 1, .seq = 2, .rig_id = "wall"};
+  frame.left = left;
+  frame.right = left;
+  frame.tof = TofImage{.depth_m = cv::Mat1f(6, 8, 1.F), .amplitude = {}};
+  frame.rig = Rig{.pair = {.width = left.cols,
+                           .height = left.rows,
+                           .focal_px = 50,
+                           .cx = 32,
+                           .cy = 20,
+                           .cx_right = 32,
+                           .baseline_m = 0.1},
+                  .tof = {.width = 8, .height = 6, .fx = 6, .fy = 6, .cx = 4, .cy = 3}};
+  frame.seeds = SeedSet{.seeds = {{.u = 12, .v = 7, .u_right = 7}}, .raw = 48};
+  frame.left_seeds = SeedSet{};
+  frame.prior = Map(left.size());
+  frame.unfilled = Map(left.size());
+  frame.disparity = Map(left.size());
+  frame.confidence = cv::Mat1b(left.size(), uchar{200});
+  return frame;
+}
+
+TEST(WriteFrameFiles, TakesAGreyAndAColourLeftImage) {
+  for (const int type : {CV_8UC1, CV_8UC3}) {
+    const TemporaryDirectory directory;
+    const auto written =
+        WriteFrameFiles(Wall(cv::Mat(kSize, type, cv::Scalar::all(90))), directory / "");
+    ASSERT_TRUE(written) << written.error().text;
+    EXPECT_EQ(directory.CountEntries(), kFiles);
+  }
+}
+
+TEST(WriteFrameFiles, TakesAToFImageWithoutAReturn) {
+  for (const float code : {std::numeric_limits<float>::quiet_NaN(), 1e20F, 3.4e38F}) {
+    const TemporaryDirectory directory;
+    Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
+    frame.tof->depth_m = code;
+    const auto written = WriteFrameFiles(frame, directory / "");
+    ASSERT_TRUE(written) << written.error().text;
+    EXPECT_EQ(directory.CountEntries(), kFiles);
+  }
+}
+
+struct Misfit {
+  const char* expected;
+  std::function<void(Frame&)> spoil;
+};
+
+TEST(WriteFrameFiles, RefusesImagesThatDoNotFitTheCalibration) {
+  const cv::Size other(63, 41);
+  const std::vector<Misfit> table = {
+      {"ToF image of 300x6: allowed is the calibrated size 8x6",
+       [](Frame& frame) { frame.tof->depth_m = cv::Mat1f(6, 300, 1.F); }},
+      {"ToF image of 8x6: allowed is the calibrated size 16384x16384",
+       [](Frame& frame) { frame.rig->tof.width = frame.rig->tof.height = 16384; }},
+      {"left image of 63x41", [&](Frame& frame) { frame.left = cv::Mat1b(other); }},
+      {"prior of 63x41", [&](Frame& frame) { frame.prior = Map(other); }},
+      {"unfilled map of 63x41", [&](Frame& frame) { frame.unfilled = Map(other); }},
+      {"disparity map of 63x41", [&](Frame& frame) { frame.disparity = Map(other); }},
+      {"confidence of 63x41", [&](Frame& frame) { frame.confidence = cv::Mat1b(other); }}};
+  for (const Misfit& misfit : table) {
+    SCOPED_TRACE(misfit.expected);
+    const TemporaryDirectory directory;
+    Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
+    misfit.spoil(frame);
+    const auto written = WriteFrameFiles(frame, directory / "");
+    ASSERT_FALSE(written);
+    EXPECT_THAT(written.error().text, HasSubstr(misfit.expected));
+    EXPECT_EQ(directory.CountEntries(), 0);
+  }
+}
+
+}  // namespace
+}  // namespace sprout
