@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "common/core/parallel.h"
 
@@ -27,6 +28,30 @@ bool CanAnyBeBehind(std::span<const Seed> seeds, double tolerance_px) {
   return IsBehind(least->disparity(), most->disparity(), tolerance_px);
 }
 
+// Of the seeds of a cell the nearest in each pixel: the others of a pixel are in the same windows,
+// so nothing is behind them that is not behind it.
+class NearestOfPixels {
+ public:
+  NearestOfPixels(std::span<const Seed> seeds, std::span<const cv::Point2f> pixels)
+      : seeds_(seeds), pixels_(pixels) {}
+
+  size_t operator()(std::span<uint32_t> cell) const {
+    std::sort(cell.begin(), cell.end(), [&](uint32_t a, uint32_t b) {
+      const auto key = [&](uint32_t i) {
+        return std::tuple(pixels_[i].y, pixels_[i].x, -seeds_[i].disparity());
+      };
+      return key(a) < key(b);
+    });
+    const auto end = std::unique(cell.begin(), cell.end(),
+                                 [&](uint32_t a, uint32_t b) { return pixels_[a] == pixels_[b]; });
+    return static_cast<size_t>(end - cell.begin());
+  }
+
+ private:
+  std::span<const Seed> seeds_;
+  std::span<const cv::Point2f> pixels_;
+};
+
 }  // namespace
 
 const std::vector<uint8_t>& BackgroundRule::Find(std::span<const Seed> seeds, cv::Size size,
@@ -48,21 +73,27 @@ const std::vector<uint8_t>& BackgroundRule::Find(std::span<const Seed> seeds, cv
   return background_;
 }
 
+// A seed is background when it lies behind the nearest one of a window that it is in.
 void BackgroundRule::Mark(std::span<const Seed> seeds, cv::Size size, double tolerance_px,
                           View& view) {
-  view.background.assign(seeds.size(), 0);
-  view.cells.Fill(view.pixels, size, kWindow);
-  for (size_t i = 0; i < seeds.size(); ++i) {
-    const cv::Point2f& centre = view.pixels[i];
+  const NearestOfPixels nearest_of_pixels(seeds, view.pixels);
+  view.cells.Fill(view.pixels, size, kWindow, kWindow * kWindow, nearest_of_pixels);
+  const auto nearest_around = [&](size_t i, const auto& disparity) {
     float nearest = seeds[i].disparity();
-    view.cells.ForNeighbours(centre, [&](size_t other) {
-      if (!IsInWindow(view.pixels[other], centre)) return;
-      nearest = std::max(nearest, seeds[other].disparity());
+    view.cells.ForNeighbours(view.pixels[i], [&](size_t other) {
+      if (!IsInWindow(view.pixels[other], view.pixels[i])) return;
+      nearest = std::max(nearest, disparity(other));
     });
-    view.cells.ForNeighbours(centre, [&](size_t other) {
-      if (!IsInWindow(view.pixels[other], centre)) return;
-      if (IsBehind(seeds[other].disparity(), nearest, tolerance_px)) view.background[other] = 1;
-    });
+    return nearest;
+  };
+  view.nearest.resize(seeds.size());
+  for (const uint32_t i : view.cells.points()) {
+    view.nearest[i] = nearest_around(i, [&](size_t other) { return seeds[other].disparity(); });
+  }
+  view.background.resize(seeds.size());
+  for (size_t i = 0; i < seeds.size(); ++i) {
+    const float nearest = nearest_around(i, [&](size_t other) { return view.nearest[other]; });
+    view.background[i] = IsBehind(seeds[i].disparity(), nearest, tolerance_px) ? 1 : 0;
   }
 }
 

@@ -25,8 +25,8 @@ class BackgroundRule {
   /// @param size   of the images, px.
   /// @returns one flag a seed, 0 or 1; valid until the next call. Does not depend on the order of
   ///          the seeds.
-  /// O(n + pixels / 25) for seeds that are spread as a sensor's, the two images on two of OpenCV's
-  /// threads; O(n) when no two seeds differ by more than the tolerance.
+  /// O(n + pixels / 25), for seeds that lie in the same pixels O(n log n), the two images on two of
+  /// OpenCV's threads; O(n) when no two seeds differ by more than the tolerance.
   const std::vector<uint8_t>& Find(std::span<const Seed> seeds, cv::Size size, double tolerance_px);
 
  private:
@@ -34,6 +34,7 @@ class BackgroundRule {
   struct View {
     std::vector<cv::Point2f> pixels;  // of the seeds
     CellLists cells;
+    std::vector<float> nearest;  // largest disparity in the windows around the seeds in cells
     std::vector<uint8_t> background;
   };
 

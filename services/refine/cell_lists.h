@@ -9,14 +9,26 @@
 
 namespace sprout {
 
-/// Points of an image by its square cells, the cells row by row in one array. Keeps its memory when
-/// it is filled again: 4 bytes a point and 4 a cell.
+/// Points of an image by its square cells, the cells row by row in one array; no more than so many
+/// a cell, so that looking around a point takes a bounded time wherever the points lie. Keeps its
+/// memory when it is filled again: 4 bytes a point and 4 a cell.
 class CellLists {
  public:
   /// @param positions  inside the image, px.
   /// @param side       of a cell, px.
-  /// O(points + cells): a counting sort.
-  void Fill(std::span<const cv::Point2f> positions, cv::Size size, double side);
+  /// @param most       points of a cell; of a fuller one some are left out.
+  /// @param thin       of a fuller one: thin(indices) puts those to keep first and returns how many
+  ///                   they are, at most `most`.
+  /// O(points + cells): a counting sort; and what thin() takes.
+  template <typename Thin>
+  void Fill(std::span<const cv::Point2f> positions, cv::Size size, double side, size_t most,
+            const Thin& thin) {
+    const size_t fullest = Sort(positions, size, side);
+    if (fullest > most) ThinOut(most, thin);
+  }
+
+  /// The indices of all points that were kept.
+  std::span<const uint32_t> points() const { return points_; }
 
   /// Whether is_one(index) holds for any point in the cell of a position or the eight around it:
   /// asks for every one within a cell's side, and some beyond, until it does.
@@ -48,6 +60,23 @@ class CellLists {
   }
 
  private:
+  // Returns how many points the fullest cell has.
+  size_t Sort(std::span<const cv::Point2f> positions, cv::Size size, double side);
+
+  template <typename Thin>
+  void ThinOut(size_t most, const Thin& thin) {
+    uint32_t next = 0;
+    for (size_t cell = 0; cell + 1 < begin_.size(); ++cell) {
+      const std::span all(points_.begin() + begin_[cell], points_.begin() + begin_[cell + 1]);
+      const size_t kept = all.size() > most ? thin(all) : all.size();
+      std::copy_n(all.begin(), kept, points_.begin() + next);
+      begin_[cell] = next;
+      next += static_cast<uint32_t>(kept);
+    }
+    begin_.back() = next;
+    points_.resize(next);
+  }
+
   int Cell(float position) const { return static_cast<int>(position / side_); }
   size_t CellIndex(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(wide_) + static_cast<size_t>(x);

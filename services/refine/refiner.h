@@ -33,7 +33,8 @@ class Refiner {
   ///          point is counted under the first of outside, dark, loose, background, hidden that
   ///          applies. Seeds keep their sub-pixel positions. An error when the images do not have
   ///          the calibrated size.
-  /// O(ToF pixels), with the background or the hidden rule also O(image pixels / 25); no I/O; on
+  /// O(ToF pixels), with the background or the hidden rule also O(image pixels / 25); where points
+  /// crowd into a few pixels, up to 20 µs a point (300 neighbours each); no I/O; on
   /// OpenCV's threads, with the same result for any number. Keeps its memory, about 120 bytes a ToF
   /// pixel, from frame to frame, so one object serves one caller at a time; with `memory` of an
   /// earlier frame it allocates nothing.

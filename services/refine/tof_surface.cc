@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <tuple>
 
 #include "common/core/parallel.h"
 #include "services/refine/window_difference.h"
@@ -13,6 +15,9 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr double kSmallestCellPx = 5;
 
+// Pieces of a cell that hide: the nearest ones. More than a sensor as fine as the images has there.
+constexpr size_t kMostPieces = 32;
+
 // How many times less the windows must differ at the piece's disparity than at the point's own.
 constexpr double kClearlyBetter = 1.25;
 
@@ -22,6 +27,14 @@ float GentlerStep(float a, float b) {
   if (std::isnan(a)) return std::isnan(b) ? 0 : b;
   if (std::isnan(b)) return a;
   return std::abs(a) <= std::abs(b) ? a : b;
+}
+
+// An order of all points of a ToF image.
+bool IsNearer(const ProjectedPoint& a, const ProjectedPoint& b) {
+  const auto key = [](const ProjectedPoint& point) {
+    return std::tuple(-point.seed.disparity(), point.tof_v, point.tof_u);
+  };
+  return key(a) < key(b);
 }
 
 }  // namespace
@@ -83,32 +96,40 @@ class TofSurface::HiddenTest {
       : surface_(surface), points_(points), left_(left), right_(right), rule_(rule) {}
 
   bool IsHiddenIn(const View& view, size_t i) const {
-    const double furthest_px = points_[i].seed.disparity() + rule_.tolerance_px;
-    return view.cells.AnyNeighbour(
-        view.positions[i], [&](size_t other) { return Hides(view, other, i, furthest_px); });
+    Point point{.index = i,
+                .furthest_px = points_[i].seed.disparity() + rule_.tolerance_px,
+                .difference = {}};
+    return view.cells.AnyNeighbour(view.positions[i],
+                                   [&](size_t other) { return Hides(view, other, point); });
   }
 
  private:
-  // Whether the piece of a point hides another one, which must not lie further than `furthest_px`.
-  bool Hides(const View& view, size_t by, size_t i, double furthest_px) const {
+  struct Point {
+    size_t index;
+    double furthest_px;                // that a piece may lie and hide nothing
+    std::optional<double> difference;  // of the images there, once it was asked for
+  };
+
+  // Whether the piece of a point hides another one.
+  bool Hides(const View& view, size_t by, Point& point) const {
     // From the one to the other, in ToF pixels.
     const cv::Point2f& from = view.positions[by];
-    const cv::Point2f& to = view.positions[i];
+    const cv::Point2f& to = view.positions[point.index];
     const double across = (double{to.x} - from.x) / surface_.column_px_;
     const double down = (double{to.y} - from.y) / surface_.row_px_;
     const double distance = std::max(std::abs(across), std::abs(down));
     if (distance > rule_.reach) return false;
     const Piece& piece = surface_.pieces_[by];
     const double piece_px = piece.disparity + across * piece.across + down * piece.down;
-    if (piece_px <= furthest_px) return false;
+    if (piece_px <= point.furthest_px) return false;
     if (distance <= rule_.core) return true;
     // The piece at this pixel: what it would be in the other image.
-    const Seed& seed = points_[i].seed;
+    const Seed& seed = points_[point.index].seed;
     const bool is_left = &view == &surface_.left_;
     const double u = is_left ? seed.u : seed.u_right + piece_px;
     const double u_right = is_left ? seed.u - piece_px : seed.u_right;
-    return kClearlyBetter * Difference(u, seed.v, u_right) <
-           Difference(seed.u, seed.v, seed.u_right);
+    if (!point.difference) point.difference = Difference(seed.u, seed.v, seed.u_right);
+    return kClearlyBetter * Difference(u, seed.v, u_right) < *point.difference;
   }
 
   double Difference(double u, double v, double u_right) const {
@@ -133,7 +154,11 @@ const std::vector<Hidden>& TofSurface::FindHidden(std::span<const ProjectedPoint
     for (const auto& [u, v, seed] : points.first(count)) {
       view.positions.emplace_back(seed.*column, seed.v);
     }
-    view.cells.Fill(view.positions, size_, cell_px);
+    view.cells.Fill(view.positions, size_, cell_px, kMostPieces, [&](std::span<uint32_t> cell) {
+      std::nth_element(cell.begin(), cell.begin() + kMostPieces, cell.end(),
+                       [&](uint32_t a, uint32_t b) { return IsNearer(points[a], points[b]); });
+      return kMostPieces;
+    });
   };
   RunBoth(
       [&] {
