@@ -22,10 +22,11 @@ void SeedNeighbours::Find(size_t seeds, std::span<const SeedTriangle> triangles)
     Add(c, a);
   }
   for (const auto& [a, b, c] : triangles) {
-    AddUnknown(a, c);
-    AddUnknown(b, a);
-    AddUnknown(c, b);
+    Add(a, c);
+    Add(b, a);
+    Add(c, b);
   }
+  KeepFirst();
 }
 
 void SeedNeighbours::Add(int seed, int neighbour) {
@@ -33,9 +34,18 @@ void SeedNeighbours::Add(int seed, int neighbour) {
   seeds_[list.begin + list.size++] = neighbour;
 }
 
-void SeedNeighbours::AddUnknown(int seed, int neighbour) {
-  const std::span<const int> known = Of(seed);
-  if (std::find(known.begin(), known.end(), neighbour) == known.end()) Add(seed, neighbour);
+// Of a neighbour that is in a list twice.
+void SeedNeighbours::KeepFirst() {
+  seen_.assign(lists_.size(), -1);
+  for (size_t seed = 0; seed < lists_.size(); ++seed) {
+    List& list = lists_[seed];
+    int* const neighbours = seeds_.data() + list.begin;
+    const auto end = std::remove_if(neighbours, neighbours + list.size, [&](int neighbour) {
+      const auto lister = static_cast<int>(seed);
+      return std::exchange(seen_[static_cast<size_t>(neighbour)], lister) == lister;
+    });
+    list.size = static_cast<size_t>(end - neighbours);
+  }
 }
 
 void Surroundings::Set(const SeedNeighbours& neighbours) {

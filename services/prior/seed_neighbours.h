@@ -13,7 +13,7 @@ namespace sprout {
 class SeedNeighbours {
  public:
   /// @param seeds      how many there are.
-  /// @param triangles  of these seeds. O(triangles), and O(n²) for the neighbours of one seed.
+  /// @param triangles  of these seeds. O(seeds + triangles).
   void Find(size_t seeds, std::span<const SeedTriangle> triangles);
 
   /// Each neighbour once. Valid until the next Find().
@@ -31,10 +31,11 @@ class SeedNeighbours {
   };
 
   void Add(int seed, int neighbour);
-  void AddUnknown(int seed, int neighbour);
+  void KeepFirst();
 
   std::vector<List> lists_;
   std::vector<int> seeds_;  // all lists, one behind the other
+  std::vector<int> seen_;   // the last seed in whose list a seed was seen
 };
 
 /// Seeds around some, step by step from neighbours to their neighbours. For one thread; keeps its

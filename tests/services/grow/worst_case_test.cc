@@ -1,0 +1,45 @@
+// Seeds that crowd must not take growth longer than those that are spread.
+#include <gtest/gtest.h>
+
+#include "services/grow/grow_plug.h"
+#include "tests/common/testing/worst_seeds.h"
+#include "tests/services/grow/grow_scenes.h"
+
+namespace sprout {
+namespace {
+
+// How much the images and the prior say.
+enum class Texture { kNone, kNoise };
+
+DisparityImage NoisyPrior(cv::Size size) {
+  DisparityImage prior(size);
+  cv::RNG(3).fill(prior.counts(), cv::RNG::UNIFORM, 0, 100 * DisparityImage::kCountsPerPixel);
+  return prior;
+}
+
+class WorstGrowth : public testing::TestWithParam<Texture> {};
+
+TEST_P(WorstGrowth, TakesATimeInProportionToSeedsAndPixels) {
+  const cv::Size size(640, 480);
+  const bool noisy = GetParam() == Texture::kNoise;
+  GrowConfig config;
+  config.set_fill(GrowConfig::UNTIL_STABLE);  // the longest one
+  config.set_publish_confidence(true);
+  Frame frame;
+  frame.left = noisy ? Noise(size, 1, 256) : cv::Mat1b(size, uint8_t{100});
+  frame.right = noisy ? Noise(size, 2, 256) : cv::Mat1b(size, uint8_t{100});
+  frame.prior = noisy ? NoisyPrior(size) : ConstantPrior(size, 20);
+  for (auto& [name, seeds] : MakeWorstSeeds(size)) {
+    frame.seeds = SeedSet{.seeds = std::move(seeds), .raw = kWorstSeedCount};
+    GrowPlug plug(config);
+    Outcome outcome;
+    const double seconds = CpuSeconds([&] { outcome = plug.Process(frame); });
+    EXPECT_LT(seconds, kWorstSeconds) << name;
+    EXPECT_FALSE(outcome.outputs.empty()) << name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Textures, WorstGrowth, testing::Values(Texture::kNone, Texture::kNoise));
+
+}  // namespace
+}  // namespace sprout
