@@ -11,6 +11,13 @@ constexpr int64_t kPeekBytes = 256;
 constexpr int64_t kMaxLookAhead = int64_t{64} << 20;
 constexpr int64_t kNumberEnd = 12;  // bytes up to the end of the number
 
+// What all searches in a file may cost, in bytes that are read: a few seconds, and so many times
+// the file.
+constexpr int64_t kBudgetBytes = int64_t{2} << 30;
+constexpr int64_t kBudgetPerByte = 16;
+// What a sync word costs that is looked at, in the time of bytes that are searched.
+constexpr int64_t kLookBytes = 128;
+
 // How far `number` is behind `before`; numbers may be damaged, so without signed overflow.
 uint64_t Distance(int64_t before, int64_t number) {
   return static_cast<uint64_t>(number) - static_cast<uint64_t>(before);
@@ -35,7 +42,11 @@ bool IsInSequence(const std::optional<EventPlace>& before, const EventPlace& pla
 }
 
 EventFinder::EventFinder(const InputFile& file, FileWindow& events)
-    : file_(file), events_(events), search_(file, kSearchBytes), peek_(file, kPeekBytes) {}
+    : file_(file),
+      events_(events),
+      search_(file, kSearchBytes),
+      peek_(file, kPeekBytes),
+      budget_(kBudgetBytes + kBudgetPerByte * file.size()) {}
 
 std::span<const uint8_t> EventFinder::Peek(int64_t offset, int64_t count) {
   return (events_.Holds(offset, count) ? events_ : peek_).View(offset, count);
@@ -77,7 +88,7 @@ bool EventFinder::HoldsOthers(const EventPlace& place, const std::optional<Event
     if (!other) continue;
     if (GoesOn(place, *other) || (numbered_wrong && IsInSequence(before, *other))) return true;
     if (may_hold_log) return false;
-    if (!followed && IsFollowed(*other)) return true;
+    if (IsOutOfBudget() || (!followed && IsFollowed(*other))) return true;
   }
   return false;
 }
@@ -89,6 +100,7 @@ bool EventFinder::EndsEarly(const EventPlace& place) {
   const int64_t limit = std::min(file_.size(), from + kMaxLookAhead);
   while (const auto sync = FindSync(from, limit)) {
     from = *sync + 1;
+    if (IsOutOfBudget()) return true;
     const auto other = DecodeHeader(Peek(*sync, kHeaderBytes));
     if (!other || !GoesOn(place, {*sync, *other})) continue;
     return Distance(place.header.number, other->number) == 1;
@@ -100,7 +112,8 @@ bool EventFinder::IsContradicted(const EventPlace& place, const std::optional<Ev
                                  bool followed) {
   const auto next = DecodeHeader(Peek(place.end(), kHeaderBytes));
   if (next && Distance(place.header.number, next->number) == 1) return false;  // nearly always
-  return HoldsOthers(place, before, followed) || (!followed && EndsEarly(place));
+  if (IsOutOfBudget()) return true;                                            // nobody knows
+  return HoldsOthers(place, before, followed) || (!followed && EndsEarly(place)) || IsOutOfBudget();
 }
 
 std::optional<EventPlace> EventFinder::EventAt(int64_t offset,
@@ -127,9 +140,9 @@ std::optional<EventPlace> EventFinder::EventBehind(int64_t offset,
     const auto place = EventAt(*sync, before);
     if (!place) continue;
     if (IsInSequence(before, *place)) return place;
-    if (out_of_sequence) continue;
-    out_of_sequence = place;
-    limit = std::min(limit, *sync + kMaxLookAhead);
+    if (!out_of_sequence) out_of_sequence = place;
+    if (IsOutOfBudget()) break;
+    limit = std::min(limit, out_of_sequence->offset + kMaxLookAhead);
   }
   return out_of_sequence;
 }
@@ -155,15 +168,19 @@ bool EventFinder::IsTorn(int64_t offset) {
 
 std::optional<int64_t> EventFinder::FindSync(int64_t from, int64_t limit) {
   constexpr auto kSyncBytes = static_cast<int64_t>(kSyncWord.size());
+  budget_ -= kLookBytes;
   while (from + kSyncBytes <= limit) {
     // The window stands still while it is searched, however many sync words it holds.
     const int64_t start = from / kSearchBytes * kSearchBytes;
+    if (!search_.Holds(start, kSearchBytes)) budget_ -= kSearchBytes;
     const auto chunk = search_.View(start, kSearchBytes + kSyncBytes - 1);
     const auto bytes = chunk.subspan(static_cast<size_t>(from - start));
     if (const void* at = memmem(bytes.data(), bytes.size(), kSyncWord.data(), kSyncWord.size())) {
       const int64_t found = from + (static_cast<const uint8_t*>(at) - bytes.data());
+      budget_ -= found - from;
       return found + kSyncBytes <= limit ? std::optional(found) : std::nullopt;
     }
+    budget_ -= std::ssize(bytes);
     from = start + kSearchBytes;
   }
   return std::nullopt;

@@ -35,6 +35,11 @@ bool IsInSequence(const std::optional<EventPlace>& before, const EventPlace& pla
 /// So of two neighbours the damaged one goes, a wrong length swallows nothing, and sync words or
 /// whole logs inside a payload do no harm. Damage to a number, a time or a payload cannot be seen
 /// here.
+///
+/// Where headers contradict each other, this is a search through what is around; a file can be made
+/// of nothing else. So all searches together have a budget, in proportion to the file and far
+/// beyond what damage takes. When it is used up, an event is only believed with the next one behind
+/// it, and the whole file is read in O(bytes).
 class EventFinder {
  public:
   /// @param events  window that the events are read through; must outlive this.
@@ -61,11 +66,13 @@ class EventFinder {
   bool HoldsOthers(const EventPlace& place, const std::optional<EventPlace>& before, bool followed);
   bool EndsEarly(const EventPlace& place);
   std::optional<int64_t> FindSync(int64_t from, int64_t limit);
+  bool IsOutOfBudget() const { return budget_ <= 0; }
 
   const InputFile& file_;
   FileWindow& events_;
   FileWindow search_;
   FileWindow peek_;
+  int64_t budget_;  // bytes that may still be searched
 };
 
 }  // namespace sprout

@@ -2,7 +2,6 @@
 #define SPROUT_TESTS_COMMON_TESTING_WORST_SEEDS_H_
 
 #include <cmath>
-#include <ctime>
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <random>
@@ -10,27 +9,9 @@
 #include <vector>
 
 #include "common/core/seed.h"
+#include "tests/common/testing/worst_case.h"
 
 namespace sprout {
-
-// Sanitizers make all of it many times slower.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr int kWorstSeedCount = 20'000;
-#else
-inline constexpr int kWorstSeedCount = 300'000;
-#endif
-
-/// What a frame of kWorstSeedCount seeds may take a stage, s of processor time: five times what the
-/// slowest takes, and still far less than a rule that is quadratic in the seeds.
-inline constexpr double kWorstSeconds = 30;
-
-/// Seconds of processor time that work() takes, those of all threads.
-template <typename Work>
-double CpuSeconds(const Work& work) {
-  const std::clock_t start = std::clock();
-  work();
-  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-}
 
 struct WorstSeeds {
   std::string name;
@@ -39,7 +20,7 @@ struct WorstSeeds {
 
 /// Seeds that crowd where a sensor has few, inside both images; their disparities are random.
 /// @param size  of the images, px; at least 100×100.
-inline std::vector<WorstSeeds> MakeWorstSeeds(cv::Size size, int count = kWorstSeedCount) {
+inline std::vector<WorstSeeds> MakeWorstSeeds(cv::Size size, int count = kWorstCount) {
   std::mt19937 random(1);
   const auto share = [&] { return static_cast<float>(random() % 65536) / 65536; };  // in [0, 1)
   const auto width = static_cast<float>(size.width - 1);

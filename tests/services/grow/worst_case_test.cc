@@ -30,7 +30,7 @@ TEST_P(WorstGrowth, TakesATimeInProportionToSeedsAndPixels) {
   frame.right = noisy ? Noise(size, 2, 256) : cv::Mat1b(size, uint8_t{100});
   frame.prior = noisy ? NoisyPrior(size) : ConstantPrior(size, 20);
   for (auto& [name, seeds] : MakeWorstSeeds(size)) {
-    frame.seeds = SeedSet{.seeds = std::move(seeds), .raw = kWorstSeedCount};
+    frame.seeds = SeedSet{.seeds = std::move(seeds), .raw = kWorstCount};
     GrowPlug plug(config);
     Outcome outcome;
     const double seconds = CpuSeconds([&] { outcome = plug.Process(frame); });

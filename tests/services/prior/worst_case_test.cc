@@ -32,11 +32,11 @@ INSTANTIATE_TEST_SUITE_P(Methods, WorstPrior,
 
 TEST(WorstCase, ASeedMayBeTheNeighbourOfAllOthers) {
   std::vector<SeedTriangle> fan;
-  for (int i = 1; i + 1 < kWorstSeedCount; ++i) fan.push_back({0, i, i + 1});
+  for (int i = 1; i + 1 < kWorstCount; ++i) fan.push_back({0, i, i + 1});
   SeedNeighbours neighbours;
-  const double seconds = CpuSeconds([&] { neighbours.Find(kWorstSeedCount, fan); });
+  const double seconds = CpuSeconds([&] { neighbours.Find(kWorstCount, fan); });
   EXPECT_LT(seconds, kWorstSeconds / 10);
-  EXPECT_EQ(neighbours.Of(0).size(), kWorstSeedCount - 1);
+  EXPECT_EQ(neighbours.Of(0).size(), kWorstCount - 1);
   EXPECT_EQ(neighbours.Of(1).size(), 2U);
   EXPECT_EQ(neighbours.Of(2).size(), 3U);
 }

@@ -19,7 +19,7 @@ const cv::Size kSize(640, 480);
 TofCamera WideTof() {
   TofCamera tof;
   tof.width = 500;
-  tof.height = kWorstSeedCount / tof.width;
+  tof.height = kWorstCount / tof.width;
   tof.cx = tof.width / 2.0;
   tof.cy = tof.height / 2.0;
   return tof;
@@ -138,7 +138,7 @@ TEST(WorstCase, AFrameWhoseToFPointsShareAPixelIsRefinedInTime) {
   Result<SeedSet> seeds;
   EXPECT_LT(CpuSeconds([&] { seeds = refiner.Compute(left, right, tof, projector); }),
             kWorstSeconds);
-  EXPECT_EQ(seeds->raw, kWorstSeedCount);
+  EXPECT_EQ(seeds->raw, kWorstCount);
 }
 
 }  // namespace

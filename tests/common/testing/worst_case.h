@@ -1,0 +1,30 @@
+#ifndef SPROUT_TESTS_COMMON_TESTING_WORST_CASE_H_
+#define SPROUT_TESTS_COMMON_TESTING_WORST_CASE_H_
+
+#include <ctime>
+
+namespace sprout {
+
+/// How many of the smallest things (seeds, points) a test of a worst
+/// case has. Sanitizers make all of it many times slower.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr int kWorstCount = 20'000;
+#else
+inline constexpr int kWorstCount = 300'000;
+#endif
+
+/// What so many may take, s of processor time: five times what the slowest takes, and still far
+/// less than what is quadratic in their number.
+inline constexpr double kWorstSeconds = 30;
+
+/// Seconds of processor time that work() takes, those of all threads.
+template <typename Work>
+double CpuSeconds(const Work& work) {
+  const std::clock_t start = std::clock();
+  work();
+  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+}
+
+}  // namespace sprout
+
+#endif  // SPROUT_TESTS_COMMON_TESTING_WORST_CASE_H_
