@@ -35,8 +35,8 @@ struct RectifiedPair {
 
 /// The ToF camera: pinhole, Brown's lens distortion, pose in the left rectified frame.
 struct TofCamera {
-  int width = 0;   ///< px
-  int height = 0;  ///< px
+  int width = 0;   ///< px; 0 = there is no ToF camera
+  int height = 0;  ///< px; 0 = there is no ToF camera
   double fx = 0;   ///< focal lengths, px
   double fy = 0;
   double cx = 0;  ///< principal point, px

@@ -30,6 +30,12 @@ class Checks {
                    "1 to " + std::to_string(kMaxSide));
   }
 
+  /// Both at least 1, or both 0 where there is nothing.
+  Checks& SidesOrNone(const char* columns, int32_t width, const char* rows, int32_t height) {
+    if (width == 0 && height == 0) return *this;
+    return Side(columns, width).Side(rows, height);
+  }
+
   Checks& Positive(const char* field, double value) {
     return Require(std::isfinite(value) && value > 0, field, value, "a finite number > 0");
   }

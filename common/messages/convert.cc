@@ -147,8 +147,7 @@ tof_image_t ToMessage(const FrameId& id, const TofImage& tof) {
 Result<TofImage> FromMessage(const tof_image_t& message) {
   const int64_t pixels = int64_t{message.width} * message.height;
   Checks checks;
-  checks.Side("width", message.width)
-      .Side("height", message.height)
+  checks.SidesOrNone("width", message.width, "height", message.height)
       .Require(message.count == pixels && message.depth_m.size() == static_cast<size_t>(pixels),
                "count", message.count, "width × height = " + std::to_string(pixels))
       .Require(message.amplitude_count == 0 || message.amplitude_count == pixels, "amplitude_count",
@@ -157,6 +156,7 @@ Result<TofImage> FromMessage(const tof_image_t& message) {
                "amplitude_count", message.amplitude_count, "the number of amplitudes");
   if (!checks.ok()) return checks.error();
   TofImage tof;
+  if (pixels == 0) return tof;
   tof.depth_m = ToMat(message.depth_m, message.height);
   std::replace_if(
       tof.depth_m.begin(), tof.depth_m.end(), [](float depth_m) { return !IsReturn(depth_m); },
@@ -205,14 +205,16 @@ Result<Rig> FromMessage(const rig_t& message) {
       .Finite("cy", message.cy)
       .Finite("cx_right", message.cx_right)
       .Positive("baseline_m", message.baseline_m)
-      .Side("tof_width", message.tof_width)
-      .Side("tof_height", message.tof_height)
-      .Positive("tof_fx", message.tof_fx)
-      .Positive("tof_fy", message.tof_fy)
+      .SidesOrNone("tof_width", message.tof_width, "tof_height", message.tof_height)
       .Finite("tof_cx", message.tof_cx)
       .Finite("tof_cy", message.tof_cy)
       .Require(std::abs(norm - 1) < 1e-6, "left_from_tof_rotation norm", norm,
                "1 (a unit quaternion)");
+  for (const auto& [field, focal_px] :
+       {std::pair{"tof_fx", message.tof_fx}, {"tof_fy", message.tof_fy}}) {
+    // A rig without a ToF camera has no lens either.
+    message.tof_width > 0 ? checks.Positive(field, focal_px) : checks.Finite(field, focal_px);
+  }
   for (double value : message.tof_distortion) checks.Finite("tof_distortion", value);
   for (double value : message.left_from_tof_translation_m) {
     checks.Finite("left_from_tof_translation_m", value);

@@ -17,13 +17,16 @@ namespace sprout {
 struct GroundTruth {
   cv::Mat1f left;   ///< d = u − u' at the pixels of the left image
   cv::Mat1f right;  ///< the same at the pixels of the right image; empty when not known
+  /// Pixels of the left image that the right camera sees too, 255, where the data set says so;
+  /// empty = to be found out from the maps.
+  cv::Mat1b nonoccluded = {};
 };
 
 /// One synchronised, rectified triplet, as a camera driver would hand it over.
 struct CapturedFrame {
-  cv::Mat left;   ///< 8UC1 or 8UC3 (BGR), rectified
-  cv::Mat right;  ///< 8UC1 or 8UC3 (BGR), rectified, of the same size
-  TofImage tof;
+  cv::Mat left;       ///< 8UC1 or 8UC3 (BGR), rectified
+  cv::Mat right;      ///< 8UC1 or 8UC3 (BGR), rectified, of the same size
+  TofImage tof;       ///< 0×0, as the rig's, without a ToF camera
   GroundTruth truth;  ///< left map empty when the source knows none
 };
 
@@ -46,9 +49,11 @@ class FrameSource {
 /// Opens the source that config.source() names.
 ///   middlebury:DIR  a Middlebury scene: view1/view5/disp1/disp5 with dmin.txt (2005, 2006), or
 ///                   im0/im1/disp0.pfm with calib.txt (2014); images as .png, .jpg or .ppm
+///   kitti:DIR/ID, kitti:DIR  a frame, or all frames, in KITTI's layout with the scan as ToF image;
+///                   ?beams=N keeps N of its 64 beams
 ///   synthetic:WxH   a moving scene with exact ground truth
 /// The ToF camera is simulated as config.tof() says, or as ?tof=grid or ?tof=sr4000 behind the
-/// source does.
+/// source does; with none there is no ToF camera. Several options are separated by '&'.
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<FrameSource> OpenFrameSource(const CaptureConfig& config);
 

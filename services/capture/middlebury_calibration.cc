@@ -1,6 +1,5 @@
 #include "services/capture/middlebury_calibration.h"
 
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "services/capture/number_text.h"
 
 namespace sprout {
 namespace {
@@ -20,22 +20,6 @@ constexpr double kBaselineM = 0.160;
 
 // Focal lengths and rows of a rectified pair may differ by the rounding of the text only.
 constexpr double kRectifiedTolerancePx = 0.01;
-
-std::string_view Trimmed(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r\n";
-  const size_t first = text.find_first_not_of(kSpace);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
-
-// A finite number and nothing else. Not std::stod, which listens to the locale.
-std::optional<double> ParseNumber(std::string_view text) {
-  text = Trimmed(text);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
-  return value;
-}
 
 // The "key=value" lines of a calib.txt.
 class CalibFile {
@@ -56,7 +40,7 @@ class CalibFile {
   bool Has(const std::string& key) const { return values_.contains(key); }
 
   double Number(const std::string& key) const {
-    const std::optional<double> number = ParseNumber(Text(key));
+    const std::optional<double> number = ParseNumber<double>(Trimmed(Text(key)));
     if (!number) throw Bad(key, "a finite number");
     return *number;
   }
@@ -73,7 +57,7 @@ class CalibFile {
     std::vector<double> numbers;
     std::istringstream words(body);
     for (std::string word; words >> word;) {
-      const std::optional<double> number = ParseNumber(word);
+      const std::optional<double> number = ParseNumber<double>(word);
       if (!number) throw Bad(key, kAllowed);
       numbers.push_back(*number);
     }
@@ -105,7 +89,7 @@ double ReadDmin(const std::filesystem::path& path) {
   std::ifstream file(path);
   std::ostringstream text;
   text << file.rdbuf();
-  const std::optional<double> dmin = ParseNumber(text.str());
+  const std::optional<double> dmin = ParseNumber<double>(Trimmed(text.str()));
   if (!dmin) {
     throw ConfigError("calibration " + path.string() +
                       ": not a number; allowed: one finite number, px at full size");

@@ -12,6 +12,7 @@
 #include "common/core/image.h"
 #include "services/capture/middlebury_calibration.h"
 #include "services/capture/pfm.h"
+#include "services/capture/read_image.h"
 #include "services/capture/sr4000.h"
 #include "services/capture/surface_renderer.h"
 #include "services/capture/tof_grid.h"
@@ -24,11 +25,6 @@ namespace fs = std::filesystem;
 constexpr const char* kImageExtensions[] = {".png", ".jpg", ".ppm"};
 constexpr int kFullSizeRows = 1110;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-
-bool IsFile(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
 
 std::optional<fs::path> FindImage(const fs::path& folder, const std::string& name) {
   for (const char* extension : kImageExtensions) {
@@ -52,28 +48,9 @@ fs::path RequireImage(const fs::path& folder, const std::string& name) {
                     " is missing; allowed: " + Candidates(name));
 }
 
-cv::Mat ReadWithOpenCv(const fs::path& path, int flags) {
-  cv::Mat image;
-  try {
-    image = cv::imread(path.string(), flags | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {  // hostile sizes; an empty image says it all
-  }
-  if (image.empty()) {
-    throw ConfigError("image " + path.string() +
-                      ": cannot be decoded; allowed: a readable PNG, JPEG or PPM file");
-  }
-  return image;
-}
-
-void RequireSize(const fs::path& path, cv::Size size, cv::Size expected) {
-  if (size == expected) return;
-  throw ConfigError("scene file " + path.string() + ": " + SizeText(size) +
-                    " px; allowed: " + SizeText(expected) + " px, as the left image has");
-}
-
 // 8-bit codes to px.
 cv::Mat1f ReadCodes(const fs::path& path, int scale) {
-  const cv::Mat image = ReadWithOpenCv(path, cv::IMREAD_UNCHANGED);
+  const cv::Mat image = ReadImage(path, cv::IMREAD_UNCHANGED);
   if (image.type() != CV_8UC1) {
     throw ConfigError("ground truth " + path.string() +
                       ": not grey with 8 bits; allowed: 8-bit grey disparity codes");
@@ -112,8 +89,8 @@ struct Scene {
 
 Scene ReadImages(const fs::path& left, const fs::path& right) {
   Scene scene;
-  scene.left = ReadWithOpenCv(left, cv::IMREAD_ANYCOLOR);
-  scene.right = ReadWithOpenCv(right, cv::IMREAD_ANYCOLOR);
+  scene.left = ReadImage(left, cv::IMREAD_ANYCOLOR);
+  scene.right = ReadImage(right, cv::IMREAD_ANYCOLOR);
   RequireSize(right, scene.right.size(), scene.left.size());
   return scene;
 }
@@ -178,7 +155,7 @@ class MiddleburySource : public FrameSource {
       frame_.tof = camera.Measure(RenderSurface({scene.pair, camera.actual()}, scene.truth,
                                                 ToGrey(scene.left), ToGrey(scene.right)),
                                   0);
-    } else {
+    } else if (config.tof() == "grid") {
       rig_.tof = TofGridCamera(scene.pair, config.tof_grid_px());
       frame_.tof = SampleTofGrid(scene.pair, config.tof_grid_px(), scene.truth.left);
     }

@@ -1,9 +1,12 @@
-#include <charconv>
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <string_view>
 
 #include "services/capture/frame_source.h"
+#include "services/capture/kitti_source.h"
 #include "services/capture/middlebury_source.h"
+#include "services/capture/number_text.h"
 #include "services/capture/synthetic_source.h"
 
 namespace sprout {
@@ -15,21 +18,14 @@ ConfigError BadSource(const CaptureConfig& config, const std::string& reason,
                      "; allowed: " + allowed);
 }
 
-std::optional<int> ParseInt(std::string_view text) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return {};
-  return value;
-}
-
 std::unique_ptr<FrameSource> OpenSyntheticText(std::string_view size_text,
                                                const CaptureConfig& config) {
   const std::string allowed = "synthetic:WxH with " + std::to_string(kMinSyntheticSide) + " to " +
                               std::to_string(kMaxSyntheticSide) + " px a side";
   const size_t cross = size_text.find('x');
   if (cross == std::string_view::npos) throw BadSource(config, "no size", allowed);
-  const std::optional<int> width = ParseInt(size_text.substr(0, cross));
-  const std::optional<int> height = ParseInt(size_text.substr(cross + 1));
+  const std::optional<int> width = ParseNumber<int>(size_text.substr(0, cross));
+  const std::optional<int> height = ParseNumber<int>(size_text.substr(cross + 1));
   if (!width || !height) throw BadSource(config, "not a size", allowed);
   for (int side : {*width, *height}) {
     if (side < kMinSyntheticSide || side > kMaxSyntheticSide) {
@@ -39,14 +35,42 @@ std::unique_ptr<FrameSource> OpenSyntheticText(std::string_view size_text,
   return OpenSynthetic({*width, *height}, config);
 }
 
-// Applies what stands behind the '?' of a source.
-void ApplyOptions(std::string_view options, CaptureConfig& config) {
-  constexpr std::string_view kTof = "tof=";
-  if (!options.starts_with(kTof)) {
-    throw BadSource(config, "no such option ?" + std::string(options),
-                    "?tof=grid, ?tof=sr4000 behind the source");
+// Applies one option behind the '?' of a source.
+void ApplyOption(std::string_view kind, std::string_view option, CaptureConfig& config) {
+  const size_t equals = std::min(option.find('='), option.size());
+  const std::string_view name = option.substr(0, equals);
+  const std::string_view value = option.substr(std::min(equals + 1, option.size()));
+  if (name == "tof") {
+    config.set_tof(std::string(value));
+  } else if (name == "beams" && kind == "kitti") {
+    config.set_beams(ParseNumber<int>(value).value_or(0));
+  } else {
+    throw BadSource(config, "no such option ?" + std::string(option),
+                    kind == "kitti" ? "?beams=64, 32, 16 or 8, ?tof=none"
+                                    : "?tof=grid, ?tof=sr4000, ?tof=none");
   }
-  config.set_tof(std::string(options.substr(kTof.size())));
+}
+
+// Applies what stands behind the '?' of a source: options with '&' between them.
+void ApplyOptions(std::string_view kind, std::string_view options, CaptureConfig& config) {
+  while (true) {
+    const size_t end = options.find('&');
+    ApplyOption(kind, options.substr(0, end), config);
+    if (end == std::string_view::npos) return;
+    options.remove_prefix(end + 1);
+  }
+}
+
+void RequireAllowed(const CaptureConfig& config) {
+  if (config.tof() != "grid" && config.tof() != "sr4000" && config.tof() != "none") {
+    throw ConfigError("capture.tof = " + config.tof() +
+                      ": no such ToF camera; allowed: grid, sr4000, none");
+  }
+  constexpr std::array kBeams = {64, 32, 16, 8};
+  if (std::ranges::find(kBeams, config.beams()) == kBeams.end()) {
+    throw ConfigError("capture.beams = " + std::to_string(config.beams()) +
+                      ": not that many beams; allowed: 64, 32, 16, 8");
+  }
 }
 
 }  // namespace
@@ -57,20 +81,19 @@ std::unique_ptr<FrameSource> OpenFrameSource(const CaptureConfig& original) {
   const std::string& source = config.source();
   // The last one, as a folder's name may hold one too.
   const size_t question = source.rfind('?');
-  if (question != std::string::npos) {
-    ApplyOptions(std::string_view(source).substr(question + 1), config);
-  }
-  if (config.tof() != "grid" && config.tof() != "sr4000") {
-    throw ConfigError("capture.tof = " + config.tof() +
-                      ": no such ToF camera; allowed: grid, sr4000");
-  }
   const std::string place = source.substr(0, question);
   const size_t colon = place.find(':');
   const std::string kind = place.substr(0, colon);
   const std::string argument = colon == std::string::npos ? "" : place.substr(colon + 1);
+  if (question != std::string::npos) {
+    ApplyOptions(kind, std::string_view(source).substr(question + 1), config);
+  }
+  RequireAllowed(config);
   if (kind == "middlebury") return OpenMiddlebury(argument, config);
+  if (kind == "kitti") return OpenKitti(argument, config);
   if (kind == "synthetic") return OpenSyntheticText(argument, config);
-  const std::string allowed = "middlebury:DIR, synthetic:WxH, and for sprout-capture log:FILE";
+  const std::string allowed =
+      "middlebury:DIR, kitti:DIR, kitti:DIR/ID, synthetic:WxH, and for sprout-capture log:FILE";
   throw BadSource(config, kind == "log" ? "only sprout-capture plays logs" : "no such source",
                   allowed);
 }

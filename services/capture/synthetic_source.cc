@@ -233,8 +233,12 @@ class SyntheticSource : public FrameSource {
       : tof_grid_px_(config.tof_grid_px()),
         rig_{.pair = PairOfSize(size), .tof = {}},
         scene_(config.seed(), kNearestFloorM * size.height / (2 * rig_.pair.focal_px)) {
-    if (config.tof() == "sr4000") sr4000_.emplace(rig_.pair, config);
-    rig_.tof = sr4000_ ? sr4000_->camera.calibrated() : TofGridCamera(rig_.pair, tof_grid_px_);
+    if (config.tof() == "sr4000") {
+      sr4000_.emplace(rig_.pair, config);
+      rig_.tof = sr4000_->camera.calibrated();
+    } else if (config.tof() == "grid") {
+      rig_.tof = TofGridCamera(rig_.pair, tof_grid_px_);
+    }
   }
 
   const Rig& rig() const override { return rig_; }
@@ -249,8 +253,11 @@ class SyntheticSource : public FrameSource {
     CapturedFrame frame;
     Renderer(pair, left, solids).Render(frame.left, frame.truth.left);
     Renderer(pair, right, solids).Render(frame.right, frame.truth.right);
-    frame.tof = sr4000_ ? sr4000_->camera.Measure(sr4000_->caster.Render(solids), index)
-                        : SampleTofGrid(pair, tof_grid_px_, frame.truth.left);
+    if (sr4000_) {
+      frame.tof = sr4000_->camera.Measure(sr4000_->caster.Render(solids), index);
+    } else if (rig_.tof.width > 0) {
+      frame.tof = SampleTofGrid(pair, tof_grid_px_, frame.truth.left);
+    }
     return frame;
   }
 
@@ -258,7 +265,7 @@ class SyntheticSource : public FrameSource {
   int tof_grid_px_;
   Rig rig_;
   SyntheticScene scene_;
-  std::optional<Sr4000View> sr4000_;  // else the grid
+  std::optional<Sr4000View> sr4000_;  // else the grid or none
 };
 
 }  // namespace

@@ -40,6 +40,7 @@ MethodResult EvaluateMethod(const Scene& scene, const Method& method, const Chai
   return {.name = method.name,
           .nonoccluded = Score(output.map_px, truth, scene.nonoccluded).value(),
           .all = Score(output.map_px, truth, everywhere).value(),
+          .away = Score(output.map_px, truth, scene.away).value(),
           .confidence = confidence,
           .ms = Medians(runs),
           .map_px = output.map_px};

@@ -18,6 +18,7 @@ struct MethodResult {
   std::string name;
   Accuracy nonoccluded;                      ///< on the pixels that both cameras see
   Accuracy all;                              ///< on all pixels with a known truth
+  Accuracy away;                             ///< on those of them that no ToF point is near
   std::optional<Sparsification> confidence;  ///< of the whole chain, on the pixels both see
   StageTimes ms;                             ///< medians, each of its own
   cv::Mat1f map_px;                          ///< NaN = none

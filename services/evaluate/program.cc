@@ -1,7 +1,9 @@
 #include "services/evaluate/program.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -26,7 +28,7 @@ struct Options {
   std::vector<std::string> methods{"all"};
   std::string preset;
   std::vector<std::string> config_files;
-  std::string tof = "grid:auto";
+  std::optional<std::string> tof;
   SeedNoise noise;
   int threads = 1;
   int repeat = 1;
@@ -47,9 +49,11 @@ Definitions (as in the Middlebury SDK)
               views and |d_left(u, v) - d_right(u - d_left, v)| <= 1. Without a right truth, the left
               one is moved into the right image, and the nearest surface is what is seen.
   all         all pixels with a known left truth.
+  away        of these, the ones at least 3 px from every ToF point.
   <= 1, < 1   per cent of pixels with an error of at most / below 1 px. "<= 1" is 100 - "total bad
               1.0". Whole-number maps gain by <= and lose by <, so tables show both.
   bad N       per cent of pixels with an error > N px, or without a disparity.
+  D1          per cent with an error > 3 px and > 5 % of the true disparity, or no disparity.
   density     per cent of pixels with a disparity; invalid: the others.
   mean, rms   absolute error, over the pixels with a disparity.
   wrong seed  more than 3 px from the truth, or on a pixel that a nearer surface hides from the right
@@ -72,8 +76,10 @@ std::string MethodsHelp() {
 void AddInputFlags(CLI::App& flags, Options& options) {
   flags
       .add_option(
-          "SCENE_DIR", options.scenes,
-          "Folders of Middlebury scenes with ground truth; or synthetic:WxH, a made-up scene")
+          "SCENE", options.scenes,
+          "Folders of Middlebury scenes with ground truth; synthetic:WxH, a made-up scene; "
+          "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N behind it "
+          "to keep 32, 16 or 8 of the scan's 64 beams")
       ->required();
   flags.add_option("--methods", options.methods, "Methods or groups of them, listed below")
       ->delimiter(',')
@@ -98,9 +104,10 @@ void AddInputFlags(CLI::App& flags, Options& options) {
       .add_option(
           "--tof", options.tof,
           "ToF camera: grid:auto (every round(rows / 111)th pixel of the truth: 10 at full "
-          "size, as in the paper), grid:auto*K (K times that), grid:N (every Nth), or sr4000 (a "
-          "camera of its own with the faults of a real one)")
-      ->capture_default_str();
+          "size, as in the paper), grid:auto*K (K times that), grid:N (every Nth), sr4000 (a "
+          "camera of its own with the faults of a real one), or none; for kitti: scan (the one "
+          "recorded), or none")
+      ->default_str("grid:auto, kitti: scan");
   flags
       .add_option("--seed-noise-px", options.noise.disparity_px,
                   "Gaussian noise on the disparity of the refined seeds, standard deviation, px")
@@ -199,11 +206,15 @@ std::vector<SceneResult> RunScenes(const Options& options, const std::vector<Sce
 // Everything that can be wrong with the flags is found out before the first method runs.
 int Run(const Options& options) {
   const std::vector<Method> methods = SelectMethods(options.methods);
-  const TofChoice tof(options.tof);
+  std::vector<std::string> names;
+  for (const std::string& scene : options.scenes)
+    std::ranges::move(ScenesOf(scene), std::back_inserter(names));
+  const bool recorded = std::ranges::all_of(names, IsKitti);
+  const TofChoice tof(options.tof.value_or(recorded ? TofChoice::kScan : "grid:auto"));
   const Preset preset = PresetOf(options);
   const ChainSettings settings{.config = LoadConfig(preset.files), .noise = options.noise};
   std::vector<Scene> scenes;
-  for (const std::string& scene : options.scenes) {
+  for (const std::string& scene : names) {
     scenes.push_back(LoadScene(scene, tof, settings.config.capture()));
   }
   if (!options.images.empty()) RequireDifferentNames(scenes);

@@ -18,7 +18,8 @@ Json AccuracyJson(const Accuracy& score) {
           {"density", score.density_percent()},
           {"mean_abs_px", score.mean_abs_px()},
           {"rms_px", score.rms_px()},
-          {"bad05", score.bad05_percent()}};
+          {"bad05", score.bad05_percent()},
+          {"d1", score.d1_percent()}};
 }
 
 Json ConfidenceJson(const Sparsification& confidence) {
@@ -60,6 +61,7 @@ Json SceneJson(const SceneResult& scene) {
     Json json = {{"name", method.name},
                  {"nonocc", AccuracyJson(method.nonoccluded)},
                  {"all", AccuracyJson(method.all)},
+                 {"away", AccuracyJson(method.away)},
                  {"ms", TimesJson(method.ms)}};
     if (method.confidence) json["confidence"] = ConfidenceJson(*method.confidence);
     methods.push_back(std::move(json));
@@ -87,7 +89,7 @@ std::string CsvLine(const RunResult& run, const SceneResult& scene, const Method
                   CsvText(scene.name), scene.size.width, scene.size.height, method.name, pixels);
   for (const double number :
        {score.correct_le1_percent(), score.correct_lt1_percent(), score.bad05_percent(),
-        score.bad2_percent(), score.bad4_percent(), score.density_percent(),
+        score.bad2_percent(), score.bad4_percent(), score.d1_percent(), score.density_percent(),
         score.invalid_percent(), score.mean_abs_px(), score.rms_px(), method.ms.refine_ms,
         method.ms.prior_ms, method.ms.grow_ms, method.ms.fill_ms, method.ms.total_ms}) {
     line += "," + CsvNumber(number);
@@ -107,12 +109,14 @@ std::string ToJson(const RunResult& run) {
 
 std::string ToCsv(const RunResult& run) {
   std::string text =
-      "preset,tof,scene,width,height,method,pixels,correct_le1,correct_lt1,bad05,bad2,bad4,density,"
+      "preset,tof,scene,width,height,method,pixels,correct_le1,correct_lt1,bad05,bad2,bad4,d1,"
+      "density,"
       "invalid,mean_abs_px,rms_px,refine_ms,prior_ms,grow_ms,fill_ms,total_ms\n";
   for (const SceneResult& scene : run.scenes) {
     for (const MethodResult& method : scene.methods) {
       text += CsvLine(run, scene, method, "nonocc", method.nonoccluded);
       text += CsvLine(run, scene, method, "all", method.all);
+      text += CsvLine(run, scene, method, "away", method.away);
     }
   }
   return text;

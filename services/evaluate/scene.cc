@@ -4,9 +4,12 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <opencv2/imgproc.hpp>
+#include <string_view>
 #include <utility>
 
 #include "common/core/image.h"
+#include "services/capture/kitti_source.h"
 #include "services/evaluate/score.h"
 
 namespace sprout {
@@ -14,18 +17,31 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view kKitti = "kitti:";
+
 bool IsSynthetic(const std::string& scene) { return scene.starts_with("synthetic:"); }
 
 std::string NameOf(const std::string& scene) {
   if (IsSynthetic(scene)) return scene;
   const fs::path path = fs::absolute(scene).lexically_normal();
+  if (IsKitti(scene)) {  // 000007?beams=16, which is no name for a file
+    std::string name = path.filename();
+    std::ranges::replace_if(
+        name, [](char c) { return c == '?' || c == '&'; }, '_');
+    return name;
+  }
   return path.has_filename() ? path.filename() : path.parent_path().filename();
 }
 
 // A grid that follows from the rows of the images needs an open source first, to know them.
 std::unique_ptr<FrameSource> Open(const std::string& scene, const TofChoice& tof,
                                   CaptureConfig& config) {
-  config.set_source(IsSynthetic(scene) ? scene : "middlebury:" + scene);
+  if (IsKitti(scene) != (tof.text() == TofChoice::kScan) && tof.text() != TofChoice::kNone) {
+    throw ConfigError("--tof " + tof.text() + ": " + scene + " has " +
+                      (IsKitti(scene) ? "a scan of its own; allowed: scan, none"
+                                      : "no scan; allowed: a simulated ToF camera, none"));
+  }
+  config.set_source(IsSynthetic(scene) || IsKitti(scene) ? scene : "middlebury:" + scene);
   config.set_tof("grid");
   config.set_tof_grid_px(1);  // fits every image
   tof.Apply(OpenFrameSource(config)->rig().pair.height, config);
@@ -45,19 +61,75 @@ cv::Mat1b Required(Result<cv::Mat1b> mask) {
   return *std::move(mask);
 }
 
+struct Visibility {
+  cv::Mat1b nonoccluded;
+  cv::Mat1b occluded;
+};
+
+Visibility VisibilityOf(const GroundTruth& truth) {
+  if (truth.nonoccluded.empty()) {
+    return {Required(NonOccludedMask(truth.left, truth.right)),
+            Required(OccludedMask(truth.left, truth.right))};
+  }
+  // Known, but not seen by the right camera, although within its image.
+  cv::Mat1b occluded(truth.left.size(), uchar{0});
+  for (int v = 0; v < occluded.rows; ++v) {
+    for (int u = 0; u < occluded.cols; ++u) {
+      const bool in_right_image = std::round(u - double{truth.left(v, u)}) >= 0;  // NaN is not
+      if (in_right_image && truth.nonoccluded(v, u) == 0) occluded(v, u) = 255;
+    }
+  }
+  return {truth.nonoccluded, occluded};
+}
+
+cv::Mat1b AwayMask(const TofProjector& projector, const TofImage& tof) {
+  const cv::Size size = projector.rig().pair.size();
+  cv::Mat1b free_of_points(size, uchar{255});
+  int behind = 0;
+  for (const ProjectedPoint& point : projector.Project(tof, behind)) {
+    const cv::Point pixel(cvRound(point.seed.u), cvRound(point.seed.v));
+    if (cv::Rect({0, 0}, size).contains(pixel)) free_of_points(pixel) = 0;
+  }
+  if (cv::countNonZero(free_of_points) == size.area()) return free_of_points;
+  cv::Mat1f distance_px;
+  cv::distanceTransform(free_of_points, distance_px, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  const cv::Mat away = distance_px >= kAwayPx;
+  return away;
+}
+
 }  // namespace
+
+bool IsKitti(const std::string& scene) { return scene.starts_with(kKitti); }
+
+std::vector<std::string> ScenesOf(const std::string& scene) {
+  if (!IsKitti(scene)) return {scene};
+  const size_t question = std::min(scene.rfind('?'), scene.size());
+  std::vector<std::string> scenes;
+  for (const std::string& place :
+       KittiPlaces(scene.substr(kKitti.size(), question - kKitti.size()))) {
+    scenes.push_back(std::string(kKitti) + place + scene.substr(question));
+  }
+  return scenes;
+}
 
 Scene LoadScene(const std::string& scene, const TofChoice& tof, CaptureConfig config) {
   const std::unique_ptr<FrameSource> source = Open(scene, tof, config);
   CapturedFrame frame = source->Get(0);
   const GroundTruth truth = frame.truth;
+  if (truth.left.empty()) {
+    throw ConfigError("scene " + scene + ": no ground truth; allowed: a scene with ground truth");
+  }
+  TofProjector projector(source->rig());
+  const cv::Mat1b away = AwayMask(projector, frame.tof);
+  const Visibility visibility = VisibilityOf(truth);
   return {.name = NameOf(scene),
           .frame = frame,
           .left_grey = ToGrey(frame.left),
           .right_grey = ToGrey(frame.right),
-          .projector = TofProjector(source->rig()),
-          .nonoccluded = Required(NonOccludedMask(truth.left, truth.right)),
-          .occluded = Required(OccludedMask(truth.left, truth.right)),
+          .projector = std::move(projector),
+          .nonoccluded = visibility.nonoccluded,
+          .occluded = visibility.occluded,
+          .away = away,
           .max_disparity_px = LargestDisparity(truth.left)};
 }
 

@@ -3,6 +3,7 @@
 
 #include <opencv2/core.hpp>
 #include <string>
+#include <vector>
 
 #include "common/geometry/projection.h"
 #include "services/capture/frame_source.h"
@@ -17,17 +18,30 @@ struct Scene {
   cv::Mat1b left_grey;  ///< the images as the stages look at them
   cv::Mat1b right_grey;
   TofProjector projector;  ///< knows the rig
-  cv::Mat1b nonoccluded;   ///< NonOccludedMask() of the truth
-  cv::Mat1b occluded;      ///< OccludedMask() of the truth
+  cv::Mat1b nonoccluded;   ///< the truth's, else NonOccludedMask() of its maps
+  cv::Mat1b occluded;      ///< what a nearer surface hides from the right camera
+  cv::Mat1b away;          ///< 255 = at least kAwayPx from every ToF point
   int max_disparity_px;    ///< largest true disparity, rounded up
 
   cv::Size size() const { return left_grey.size(); }
 };
 
+/// Where ground truth comes from the range sensor itself (KITTI), a pixel this near to one of the
+/// points that a method was given is no test of it, px.
+inline constexpr double kAwayPx = 3;
+
+/// Whether the scene is a place in KITTI's layout ("kitti:…"), which has a scan of its own.
+bool IsKitti(const std::string& scene);
+
+/// The scenes that one argument stands for: kitti:DIR for all frames there, others for themselves.
+/// @throws ConfigError when there is none.
+std::vector<std::string> ScenesOf(const std::string& scene);
+
 /// Loads frame 0 of a scene.
 ///
-/// @param scene   a Middlebury folder, or a source of capture's that starts with "synthetic:".
-/// @param config  its source and ToF spacing are replaced.
+/// @param scene   a Middlebury folder, or a source of capture's that starts with "synthetic:" or
+///                "kitti:".
+/// @param config  its source and ToF camera are replaced.
 /// @throws ConfigError naming what is missing or wrong, and where.
 Scene LoadScene(const std::string& scene, const TofChoice& tof, CaptureConfig config);
 

@@ -113,6 +113,7 @@ Result<Accuracy> Score(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
       accuracy.below_1 += error < 1;
       accuracy.within_2 += error <= 2;
       accuracy.within_4 += error <= 4;
+      accuracy.within_d1 += error <= 3 || error <= 0.05 * std::abs(double{truth(v, u)});
       accuracy.sum_abs_px += error;
       accuracy.sum_squares_px2 += error * error;
     }

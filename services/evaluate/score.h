@@ -47,7 +47,8 @@ struct Accuracy {
   int64_t below_1 = 0;         ///< with a disparity, error < 1 px
   int64_t within_2 = 0;        ///< with a disparity, error ≤ 2 px
   int64_t within_4 = 0;        ///< with a disparity, error ≤ 4 px
-  double sum_abs_px = 0;       ///< sum of errors, px
+  int64_t within_d1 = 0;  ///< with a disparity, error ≤ 3 px or ≤ 5 % of the true disparity
+  double sum_abs_px = 0;  ///< sum of errors, px
   double sum_squares_px2 = 0;  ///< sum of squared errors, px²
 
   double density_percent() const { return Percent(with_disparity); }
@@ -62,6 +63,8 @@ struct Accuracy {
   double bad2_percent() const { return Percent(scored - within_2); }
   /// Error > 4 px or no disparity ("total bad 4.0").
   double bad4_percent() const { return Percent(scored - within_4); }
+  /// KITTI's figure ("D1"): error > 3 px and > 5 % of the true disparity, or no disparity.
+  double d1_percent() const { return Percent(scored - within_d1); }
   double mean_abs_px() const;
   double rms_px() const;
 

@@ -40,24 +40,44 @@ std::string Fixed(double number, int digits) { return fmt::format("{:.{}f}", num
 // A stage that a method does not have.
 std::string Milliseconds(double ms) { return ms == 0 ? "-" : Fixed(ms, 1); }
 
-Row MetricsRow(const MethodResult& method) {
+// Whether ToF points are near some of the pixels, but not all.
+bool HasAway(const SceneResult& scene) {
+  const MethodResult& any = scene.methods.front();
+  return any.away.scored > 0 && any.away.scored < any.all.scored;
+}
+
+Row HeadRow(bool with_away) {
+  Row row{"method",    "<= 1 px %", "< 1 px %", "bad 0.5 %", "bad 2 %",    "bad 4 %", "D1 %",
+          "density %", "invalid %", "mean px",  "rms px",    "all <= 1 %", "all D1 %"};
+  if (with_away) row.insert(row.end(), {"away <= 1 %", "away D1 %"});
+  row.insert(row.end(), {"refine ms", "prior ms", "grow ms", "fill ms", "total ms"});
+  return row;
+}
+
+Row MetricsRow(const MethodResult& method, bool with_away) {
   const Accuracy& score = method.nonoccluded;
-  return {method.name,
+  Row row{method.name,
           Fixed(score.correct_le1_percent(), 2),
           Fixed(score.correct_lt1_percent(), 2),
           Fixed(score.bad05_percent(), 2),
           Fixed(score.bad2_percent(), 2),
           Fixed(score.bad4_percent(), 2),
+          Fixed(score.d1_percent(), 2),
           Fixed(score.density_percent(), 2),
           Fixed(score.invalid_percent(), 2),
           Fixed(score.mean_abs_px(), 3),
           Fixed(score.rms_px(), 3),
           Fixed(method.all.correct_le1_percent(), 2),
-          Milliseconds(method.ms.refine_ms),
-          Milliseconds(method.ms.prior_ms),
-          Milliseconds(method.ms.grow_ms),
-          Milliseconds(method.ms.fill_ms),
-          Milliseconds(method.ms.total_ms)};
+          Fixed(method.all.d1_percent(), 2)};
+  if (with_away) {
+    row.push_back(Fixed(method.away.correct_le1_percent(), 2));
+    row.push_back(Fixed(method.away.d1_percent(), 2));
+  }
+  for (const double ms : {method.ms.refine_ms, method.ms.prior_ms, method.ms.grow_ms,
+                          method.ms.fill_ms, method.ms.total_ms}) {
+    row.push_back(Milliseconds(ms));
+  }
+  return row;
 }
 
 std::string RefinementLine(const RefinementQuality& quality) {
@@ -101,10 +121,9 @@ bool HasPaperMethod(const SceneResult& scene) {
 }  // namespace
 
 std::string SceneTable(const SceneResult& scene) {
-  std::vector<Row> rows{{"method", "<= 1 px %", "< 1 px %", "bad 0.5 %", "bad 2 %", "bad 4 %",
-                         "density %", "invalid %", "mean px", "rms px", "all <= 1 %", "refine ms",
-                         "prior ms", "grow ms", "fill ms", "total ms"}};
-  for (const MethodResult& method : scene.methods) rows.push_back(MetricsRow(method));
+  const bool with_away = HasAway(scene);
+  std::vector<Row> rows{HeadRow(with_away)};
+  for (const MethodResult& method : scene.methods) rows.push_back(MetricsRow(method, with_away));
   std::string text =
       fmt::format("{} ({} x {} px)\n\n", scene.name, scene.size.width, scene.size.height) +
       Markdown(rows) + "\n" + RefinementLine(scene.refinement);

@@ -18,7 +18,7 @@ constexpr int kMaxSpacingPx = 1000;
 ConfigError BadChoice(const std::string& text, const std::string& reason) {
   return ConfigError("--tof " + text + ": " + reason +
                      "; allowed: grid:auto, grid:auto*K (K above 0, at most 100), grid:N (N from "
-                     "1 to 1000 px), sr4000");
+                     "1 to 1000 px), sr4000, none, and for kitti scan, none");
 }
 
 template <typename Number>
@@ -34,7 +34,7 @@ std::optional<Number> Parse(std::string_view text) {
 TofChoice::TofChoice(const std::string& text) : text_(text) {
   const std::string_view view = text_;
   if (view == kAuto) return;
-  if (view == kSr4000) return;
+  if (view == kSr4000 || view == kNone || view == kScan) return;
   if (view.starts_with("grid:auto*")) {
     const std::optional<double> factor = Parse<double>(view.substr(kAuto.size() + 1));
     if (!factor || !(*factor > 0 && *factor <= kMaxFactor)) throw BadChoice(text, "no such factor");
@@ -50,7 +50,7 @@ TofChoice::TofChoice(const std::string& text) : text_(text) {
 }
 
 void TofChoice::Apply(int rows, CaptureConfig& config) const {
-  if (text_ == kSr4000) {
+  if (text_ == kSr4000 || text_ == kNone) {
     config.set_tof(text_);
     return;
   }

@@ -14,8 +14,15 @@ namespace sprout {
 ///   grid:auto*K  K times that spacing, rounded
 ///   grid:N       every Nth pixel
 ///   sr4000       a camera of its own with the faults of a real one (Sr4000Config)
+///   none         no ToF camera
+/// For a scene that has a recorded scan (kitti), instead:
+///   scan         that
+///   none         leave it out
 class TofChoice {
  public:
+  static constexpr char kNone[] = "none";
+  static constexpr char kScan[] = "scan";
+
   /// @throws ConfigError naming the flag, the value and what is allowed.
   explicit TofChoice(const std::string& text);
 

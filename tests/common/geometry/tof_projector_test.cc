@@ -142,6 +142,12 @@ TEST(TofProjector, AgreesWithOpenCvOnRotationTranslationAndDistortion) {
   }
 }
 
+TEST(TofProjector, HasNoPointsWithoutATofCamera) {
+  int behind = 1;
+  EXPECT_TRUE(TofProjector({.pair = {}, .tof = {}}).Project({}, behind).empty());
+  EXPECT_EQ(behind, 0);
+}
+
 TEST(TofProjector, MatchesAnExampleByHand) {
   Rig rig = SimpleRig();
   // A quarter turn about the viewing axis: (x, y, z) of the ToF camera is (−y, x, z) of the left.

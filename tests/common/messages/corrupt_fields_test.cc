@@ -103,6 +103,12 @@ TEST(TofBorder, RefusesSizesThatDoNotFit) {
                      "width = -3", "1 to 16384"},
                     {"no row", [](M& m) { m.height = 0; }, "height = 0", "1 to 16384"},
                     {"too high", [](M& m) { m.height = 16385; }, "height = 16385", "1 to 16384"},
+                    {"depths of no image",
+                     [](M& m) {
+                       m.width = 0;
+                       m.height = 0;
+                     },
+                     "count = 6", "width × height = 0"},
                     {"other size", [](M& m) { m.height = 3; }, "count = 6", "width × height = 9"},
                     {"one value missing",
                      [](M& m) {
@@ -129,6 +135,12 @@ TEST(RigBorder, RefusesWhatNoProjectionCanWorkWith) {
       {"ToF too wide", [](M& m) { m.tof_width = 16385; }, "tof_width = 16385", "1 to 16384"},
       {"ToF no row", [](M& m) { m.tof_height = -1; }, "tof_height = -1", "1 to 16384"},
       {"ToF too high", [](M& m) { m.tof_height = 16385; }, "tof_height = 16385", "1 to 16384"},
+      {"no ToF camera, but a lens that is no number",
+       [](M& m) {
+         m.tof_width = m.tof_height = 0;
+         m.tof_fy = kNan;
+       },
+       "tof_fy = nan", "a finite number"},
       {"no rotation", [](M& m) { std::fill_n(m.left_from_tof_rotation, 4, 0.0); },
        "left_from_tof_rotation norm = 0", "unit quaternion"},
       {"long rotation", [](M& m) { m.left_from_tof_rotation[0] = 0.6; }, "left_from_tof_rotation",

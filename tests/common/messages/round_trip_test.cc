@@ -94,6 +94,12 @@ TEST(TofMessage, CarriesAmplitude) {
   ExpectSamePixels(tof.amplitude, examples::Tof(true).amplitude);
 }
 
+TEST(TofMessage, CarriesThatThereIsNoImage) {
+  const TofImage tof = RoundTrip(Part::kTof, TofImage());
+  EXPECT_TRUE(tof.depth_m.empty());
+  EXPECT_TRUE(tof.amplitude.empty());
+}
+
 TEST(TofMessage, CarriesAViewIntoALargerImage) {
   cv::Mat1f whole(4, 5, 3.0F);
   whole(2, 2) = 1.0F;
@@ -104,6 +110,11 @@ TEST(TofMessage, CarriesAViewIntoALargerImage) {
 TEST(RigMessage, CarriesEveryNumber) {
   // RigId() covers every number (see its own test).
   EXPECT_EQ(RigId(RoundTrip(Part::kRig, examples::Rig())), RigId(examples::Rig()));
+}
+
+TEST(RigMessage, CarriesThatThereIsNoTofCamera) {
+  const Rig rig{.pair = examples::Rig().pair, .tof = {}};
+  EXPECT_EQ(RigId(RoundTrip(Part::kRig, rig)), RigId(rig));
 }
 
 TEST(RigMessage, HasTheRotationInTheOrderItsTypeSays) {

@@ -73,12 +73,24 @@ TEST(OpenFrameSource, TakesTheTofCameraFromTheConfigurationOrTheSource) {
   EXPECT_EQ(OpenFrameSource(config)->rig().tof.width, 176);
 }
 
+TEST(OpenFrameSource, OpensScenesWithoutATofCamera) {
+  const SceneFolder folder;
+  folder.Write2005({40, 30});
+  for (const std::string& source : {folder.Config().source(), std::string("synthetic:64x48")}) {
+    const auto opened = OpenFrameSource(WithSource(source + "?tof=none"));
+    EXPECT_EQ(opened->rig().tof.width, 0);
+    EXPECT_EQ(opened->rig().tof.height, 0);
+    EXPECT_TRUE(opened->Get(0).tof.depth_m.empty());
+  }
+}
+
 TEST(OpenFrameSource, NamesTheTofCamerasThatExist) {
   CaptureConfig config = WithSource("synthetic:64x48");
   config.set_tof("kinect");
   EXPECT_THAT(OpenError(config),
-              AllOf(HasSubstr("capture.tof = kinect: "), HasSubstr("allowed: grid, sr4000")));
-  for (const std::string option : {"", "tof", "tof=", "tof=kinect", "tof=sr4000&x=1"}) {
+              AllOf(HasSubstr("capture.tof = kinect: "), HasSubstr("allowed: grid, sr4000, none")));
+  for (const std::string option :
+       {"", "tof", "tof=", "tof=kinect", "tof=sr4000&x=1", "tof=grid&"}) {
     EXPECT_THAT(OpenError(WithSource("synthetic:64x48?" + option)),
                 AllOf(HasSubstr("allowed: "), HasSubstr("sr4000")));
   }

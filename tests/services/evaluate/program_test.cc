@@ -9,6 +9,7 @@
 
 #include "common/config/config.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/services/capture/kitti_folder.h"
 #include "tests/services/capture/scene_folder.h"
 
 namespace sprout {
@@ -129,7 +130,51 @@ TEST(EvaluateProgram, RefusesUnknownMethodsPresetsAndTofCameras) {
   ExpectRefused({kScene, "--tof", "lidar"}, "--tof lidar");
   ExpectRefused({kScene, "--repeat", "0"}, "--repeat");
   ExpectRefused({kScene, "--seed-noise-px", "-1"}, "--seed-noise-px");
-  ExpectRefused({}, "SCENE_DIR");
+  ExpectRefused({}, "SCENE");
+}
+
+TEST(EvaluateProgram, RefusesToSimulateATofCameraBesideAScanAndTheOtherWayRound) {
+  const KittiFolder kitti;
+  kitti.WriteStereo("000007");
+  const std::string frame = kitti.Config("/000007").source();
+  ExpectRefused({frame, "--tof", "sr4000"}, "has a scan of its own; allowed: scan, none");
+  ExpectRefused({kScene, "--tof", "scan"}, "has no scan");
+  ExpectRefused({kScene, frame}, "has a scan of its own");
+  kitti.WriteObject("000008");
+  ExpectRefused({kitti.Config("/000008").source()}, "no ground truth");
+}
+
+TEST(EvaluateProgram, TakesAllFramesOfAKittiFolder) {
+  const KittiFolder kitti;
+  kitti.WriteStereo("000007");
+  kitti.WriteStereo("000014");
+  const TemporaryDirectory folder;
+  ASSERT_EQ(Evaluate({kitti.Config("?beams=16").source(), "--methods", "sgbm-3way", "--json",
+                      folder / "a.json", "--images", folder / "pictures", "--quiet"})
+                .exit_code,
+            0);
+  const nlohmann::json json = WithoutTimes(folder / "a.json");
+  EXPECT_EQ(json["tof"], "scan");
+  ASSERT_EQ(json["scenes"].size(), 2u);
+  EXPECT_EQ(json["scenes"][0]["name"], "000007_beams=16");
+  EXPECT_EQ(json["scenes"][1]["name"], "000014_beams=16");
+}
+
+TEST(EvaluateProgram, RunsWithoutATofCamera) {
+  const KittiFolder kitti;
+  kitti.WriteStereo("000007");
+  const SceneFolder middlebury;
+  middlebury.Write2005({40, 30});
+  const TemporaryDirectory folder;
+  for (const std::string& scene :
+       {std::string(kScene), middlebury.File("."), kitti.Config("/000007").source()}) {
+    const Outcome outcome = Evaluate(
+        {scene, "--tof", "none", "--methods", "sprout,sgbm-3way,fgs", "--json", folder / "a.json"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const nlohmann::json json = WithoutTimes(folder / "a.json");
+    EXPECT_EQ(json["tof"], "none");
+    EXPECT_EQ(json["scenes"][0]["refinement"]["raw"], 0);
+  }
 }
 
 TEST(EvaluateProgram, RefusesAFolderWithoutGroundTruth) {

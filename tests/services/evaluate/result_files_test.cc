@@ -19,6 +19,7 @@ Accuracy SomeAccuracy() {
           .below_1 = 140,
           .within_2 = 160,
           .within_4 = 170,
+          .within_d1 = 165,
           .sum_abs_px = 90,
           .sum_squares_px2 = 720};
 }
@@ -27,6 +28,7 @@ MethodResult SomeMethod(const std::string& name) {
   return {.name = name,
           .nonoccluded = SomeAccuracy(),
           .all = {.scored = 400},
+          .away = {},
           .confidence = {},
           .ms = {.refine_ms = 1, .prior_ms = 2, .grow_ms = 3, .fill_ms = 4, .total_ms = 10},
           .map_px = {}};
@@ -55,9 +57,14 @@ TEST(ResultFiles, JsonHasTheDocumentedShape) {
       "methods": [{
         "name": "epc",
         "nonocc": {"correct_le1": 75.0, "correct_lt1": 70.0, "bad2": 20.0, "bad4": 15.0,
-                   "density": 90.0, "mean_abs_px": 0.5, "rms_px": 2.0, "bad05": 40.0},
+                   "density": 90.0, "mean_abs_px": 0.5, "rms_px": 2.0, "bad05": 40.0,
+                   "d1": 17.5},
         "all": {"correct_le1": 0.0, "correct_lt1": 0.0, "bad2": 100.0, "bad4": 100.0,
-                "density": 0.0, "mean_abs_px": null, "rms_px": null, "bad05": 100.0},
+                "density": 0.0, "mean_abs_px": null, "rms_px": null, "bad05": 100.0,
+                "d1": 100.0},
+        "away": {"correct_le1": null, "correct_lt1": null, "bad2": null, "bad4": null,
+                 "density": null, "mean_abs_px": null, "rms_px": null, "bad05": null,
+                 "d1": null},
         "ms": {"refine": 1.0, "prior": 2.0, "grow": 3.0, "fill": 4.0, "total": 10.0}
       }],
       "refinement": {"raw": 200, "outside": 5, "dark": 10, "loose": 3, "background": 20,
@@ -95,14 +102,19 @@ TEST(ResultFiles, JsonSurvivesNamesThatAreNoText) {
 TEST(ResultFiles, CsvHasALineForEachMethodAndKindOfPixels) {
   EXPECT_EQ(
       ToCsv(SomeRun()),
-      "preset,tof,scene,width,height,method,pixels,correct_le1,correct_lt1,bad05,bad2,bad4,density,"
+      "preset,tof,scene,width,height,method,pixels,correct_le1,correct_lt1,bad05,bad2,bad4,d1,"
+      "density,"
       "invalid,mean_abs_px,rms_px,refine_ms,prior_ms,grow_ms,fill_ms,total_ms\n"
-      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,nonocc,75,70,40,20,15,90,10,0.5,2,1,2,3,4,"
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,nonocc,75,70,40,20,15,17.5,90,10,0.5,2,1,2,3,"
+      "4,"
       "10\n"
-      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,all,0,0,100,100,100,0,100,,,1,2,3,4,10\n"
-      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,nonocc,75,70,40,20,15,90,10,0.5,2,1,2,3,4,"
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,all,0,0,100,100,100,100,0,100,,,1,2,3,4,10\n"
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,away,,,,,,,,,,,1,2,3,4,10\n"
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,nonocc,75,70,40,20,15,17.5,90,10,0.5,2,1,2,3,"
+      "4,"
       "10\n"
-      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,all,0,0,100,100,100,0,100,,,1,2,3,4,10\n");
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,all,0,0,100,100,100,100,0,100,,,1,2,3,4,10\n"
+      "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,away,,,,,,,,,,,1,2,3,4,10\n");
 }
 
 TEST(Tables, PutThePapersFigureAndTheDifferenceBesideEachCell) {
@@ -116,6 +128,16 @@ TEST(Tables, LeaveOutScenesThatThePaperDoesNotHave) {
   RunResult run = SomeRun();
   run.scenes[0].name = "Baby1";
   EXPECT_EQ(PaperTable(run.scenes), "");
+}
+
+TEST(Tables, ShowWhatIsAwayFromThePointsWhereThatIsPartOfTheTruth) {
+  SceneResult scene = SomeRun().scenes[0];
+  EXPECT_THAT(SceneTable(scene), testing::Not(testing::HasSubstr("away")));
+  for (MethodResult& method : scene.methods) method.away = {.scored = 100, .within_1 = 37};
+  EXPECT_THAT(SceneTable(scene),
+              testing::AllOf(testing::HasSubstr("away <= 1 %"), testing::HasSubstr(" 37.00 |")));
+  for (MethodResult& method : scene.methods) method.away.scored = method.all.scored;
+  EXPECT_THAT(SceneTable(scene), testing::Not(testing::HasSubstr("away")));
 }
 
 TEST(Tables, ShowEveryMethodOfAScene) {

@@ -75,6 +75,18 @@ TEST(Score, CountsAnErrorAsBadOnlyAboveTheThreshold) {
   EXPECT_EQ(above_4.bad4_percent(), 100);
 }
 
+TEST(Score, CountsADisparityAsKittisOutlierAbove3PxAndAbove5PerCent) {
+  const auto d1 = [](double map_px, float truth_px) {
+    return Score(ConstantMap(map_px), ConstantTruth(truth_px), Everywhere()).value().d1_percent();
+  };
+  EXPECT_EQ(d1(13, 10), 0);  // 30 %, but 3 px
+  EXPECT_EQ(d1(13.25, 10), 100);
+  EXPECT_EQ(d1(105, 100), 0);  // 5 px, but 5 %
+  EXPECT_EQ(d1(105.25, 100), 100);
+  EXPECT_EQ(d1(94.75, 100), 100);
+  EXPECT_EQ(Score(DisparityImage(kSize), ConstantTruth(7), Everywhere()).value().d1_percent(), 100);
+}
+
 TEST(Score, CountsGapsAsWrongButKeepsThemOutOfTheMeanError) {
   DisparityImage map = ConstantMap(13);
   map.counts().rowRange(0, 5) = ToCounts(10);               // a quarter exact

@@ -31,6 +31,8 @@ TEST(TofChoice, ChoosesTheCamera) {
   CaptureConfig config;
   TofChoice("sr4000").Apply(1110, config);
   EXPECT_EQ(config.tof(), "sr4000");
+  TofChoice("none").Apply(1110, config);
+  EXPECT_EQ(config.tof(), "none");
   TofChoice("grid:7").Apply(1110, config);
   EXPECT_EQ(config.tof(), "grid");
 }
