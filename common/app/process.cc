@@ -1,37 +1,83 @@
 #include "common/app/process.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <climits>
 #include <csignal>
-#include <cstdlib>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
-#include <thread>
 
 namespace sprout {
+namespace {
+
+struct Pipe {
+  Pipe() {
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe left");
+    to_read = ends[0];
+    to_write = ends[1];
+  }
+  int to_read;
+  int to_write;
+};
+
+// Between fork() and here only what is safe there, since this program may have threads.
+[[noreturn]] void BecomeProgram(char** arguments, int output) {
+  setpgid(0, 0);
+  dup2(output, STDOUT_FILENO);
+  dup2(output, STDERR_FILENO);
+  execvp(arguments[0], arguments);
+  _exit(127);
+}
+
+// Kills a process group when the other end of a pipe closes.
+[[noreturn]] void BecomeGuard(pid_t group, int pipe) {
+  setpgid(0, 0);  // Ctrl-C is not for it
+  dup2(pipe, STDIN_FILENO);
+  close_range(STDIN_FILENO + 1, UINT_MAX, 0);
+  char nothing = 0;
+  while (read(STDIN_FILENO, &nothing, 1) != 0) continue;
+  kill(-group, SIGKILL);
+  _exit(0);
+}
+
+}  // namespace
 
 Process::Process(const std::vector<std::string>& command) {
-  std::string name = std::filesystem::temp_directory_path() / "sprout_process_XXXXXX";
-  const int output = mkstemp(name.data());
-  if (output < 0) throw std::runtime_error("no temporary file");
-  output_ = name;
   std::vector<char*> arguments;
   for (const std::string& argument : command) {
     arguments.push_back(const_cast<char*>(argument.c_str()));
   }
   arguments.push_back(nullptr);
+  const Pipe output;
+  const Pipe life;
+  output_pipe_ = output.to_read;
+  life_pipe_ = life.to_write;
   pid_ = fork();
-  if (pid_ == 0) {
-    dup2(output, STDOUT_FILENO);
-    dup2(output, STDERR_FILENO);
-    execvp(arguments[0], arguments.data());
-    _exit(127);
+  if (pid_ == 0) BecomeProgram(arguments.data(), output.to_write);
+  close(output.to_write);
+  if (pid_ > 0) {
+    setpgid(pid_, pid_);  // whoever of the two is first
+    guard_pid_ = fork();
+    if (guard_pid_ == 0) BecomeGuard(pid_, life.to_read);
   }
-  close(output);
-  if (pid_ < 0) throw std::runtime_error("fork failed");
+  close(life.to_read);
+  if (guard_pid_ < 0) {
+    if (pid_ > 0) kill(-pid_, SIGKILL);
+    throw std::runtime_error("no process left");
+  }
+  fcntl(output_pipe_, F_SETFL, O_NONBLOCK);
+  reader_ = std::jthread([this](const std::stop_token& stop) {
+    constexpr int kPollMs = 20;
+    pollfd readable{.fd = output_pipe_, .events = POLLIN, .revents = 0};
+    while (!stop.stop_requested()) {
+      if (poll(&readable, 1, kPollMs) > 0) ReadOutput();
+      if ((readable.revents & (POLLIN | POLLHUP)) == POLLHUP) return;
+    }
+  });
 }
 
 Process::~Process() {
@@ -39,8 +85,10 @@ Process::~Process() {
     Signal(SIGKILL);
     Wait();
   }
-  std::error_code ignored;
-  std::filesystem::remove(output_, ignored);
+  reader_.request_stop();
+  reader_.join();
+  close(output_pipe_);
+  close(life_pipe_);
 }
 
 void Process::Signal(int signal) {
@@ -50,9 +98,14 @@ void Process::Signal(int signal) {
 std::optional<int> Process::Wait(std::chrono::seconds timeout) {
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   while (!exit_code_) {
-    int status = 0;
-    if (waitpid(pid_, &status, WNOHANG) == pid_) {
-      exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    siginfo_t info{};
+    waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT);
+    if (info.si_pid == pid_) {
+      exit_code_ = info.si_code == CLD_EXITED ? info.si_status : 128 + info.si_status;
+      kill(-pid_, SIGKILL);  // what it started and left behind, while its number is still taken
+      kill(guard_pid_, SIGKILL);
+      waitpid(pid_, nullptr, 0);
+      waitpid(guard_pid_, nullptr, 0);
     } else if (std::chrono::steady_clock::now() > deadline) {
       return std::nullopt;
     } else {
@@ -62,10 +115,20 @@ std::optional<int> Process::Wait(std::chrono::seconds timeout) {
   return exit_code_;
 }
 
-std::string Process::Output() const {
-  std::ostringstream text;
-  text << std::ifstream(output_).rdbuf();
-  return text.str();
+// Once all that the pipe can hold, so that one who writes without end keeps nobody waiting.
+void Process::ReadOutput() {
+  const std::lock_guard lock(mutex_);
+  std::array<char, 65536> chunk;
+  const ssize_t count = read(output_pipe_, chunk.data(), chunk.size());
+  if (count <= 0) return;
+  output_.append(chunk.data(), static_cast<size_t>(count));
+  if (output_.size() > 2 * kOutputBytes) output_.erase(0, output_.size() - kOutputBytes);
+}
+
+std::string Process::Output() {
+  ReadOutput();
+  const std::lock_guard lock(mutex_);
+  return output_.size() > kOutputBytes ? output_.substr(output_.size() - kOutputBytes) : output_;
 }
 
 }  // namespace sprout

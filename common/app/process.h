@@ -4,24 +4,33 @@
 #include <sys/types.h>
 
 #include <chrono>
-#include <filesystem>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace sprout {
 
-/// A program that this one starts; its output goes to a file. Killed when the object goes.
+/// A program that this one starts. It and the programs that it starts in turn (its process group)
+/// are killed when it has ended, when the object goes, and when this program ends in whatever way,
+/// SIGKILL among them.
 class Process {
  public:
+  /// What is kept of the output, bytes.
+  static constexpr size_t kOutputBytes = size_t{1} << 20;
+
   /// @param command  program, looked for in PATH, and arguments. A program that cannot be started
   ///                 ends with exit code 127.
-  /// @throws std::runtime_error when the machine has no process or temporary file left.
+  /// @throws std::runtime_error when the machine has no process or pipe left.
   explicit Process(const std::vector<std::string>& command);
   ~Process();
 
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
+
+  /// Of the program itself.
+  pid_t pid() const { return pid_; }
 
   void Signal(int signal);
 
@@ -30,13 +39,20 @@ class Process {
   ///          `timeout`.
   std::optional<int> Wait(std::chrono::seconds timeout = std::chrono::seconds(30));
 
-  /// What it wrote to stdout and stderr so far.
-  std::string Output() const;
+  /// What it wrote to stdout and stderr so far; of much the last megabyte.
+  std::string Output();
 
  private:
+  void ReadOutput();
+
   pid_t pid_ = -1;
   std::optional<int> exit_code_;
-  std::filesystem::path output_;
+  pid_t guard_pid_ = -1;  // kills the program when life_pipe_ closes before it has ended
+  int life_pipe_ = -1;
+  int output_pipe_ = -1;
+  std::mutex mutex_;
+  std::string output_;
+  std::jthread reader_;  // last: stops before the rest is destroyed
 };
 
 }  // namespace sprout

@@ -1,8 +1,15 @@
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <array>
+#include <csignal>
 #include <sstream>
 
+#include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
 #include "tests/system/log_bytes.h"
 
@@ -113,6 +120,38 @@ TEST(CheckStageSystem, WhatCannotBeCheckedIsNoVerdict) {
   EXPECT_EQ(Check("capture", {"true"}).exit_code, 2);
   EXPECT_EQ(Check("prior", {"/nonexistent"}).exit_code, 2);
   EXPECT_EQ(Check("prior", {"true"}, {"--log", "/nonexistent"}).exit_code, 2);
+}
+
+// A stage that starts a program and waits; both hold a FIFO open.
+TEST(CheckStageSystem, LeavesNothingBehindWhenItIsKilled) {
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGKILL}) {
+    const TemporaryDirectory folder;
+    const std::string fifo = folder / "fifo";
+    ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+    const int held = open(fifo.c_str(), O_RDONLY | O_NONBLOCK);
+    const std::string script = "exec 3>" + fifo + "; sleep 1000 & echo started >&3; wait";
+    Process check({"env", "TMPDIR=" + (folder / "").string(), ProgramPath("sprout-check-stage"),
+                   "--log", kSampleLog, "prior", "--", "sh", "-c", script});
+    pollfd readable{.fd = held, .events = POLLIN, .revents = 0};
+    ASSERT_EQ(poll(&readable, 1, 30'000), 1) << check.Output();
+    std::array<char, 64> line;
+    ASSERT_GT(read(held, line.data(), line.size()), 0);
+    check.Signal(signal);
+    EXPECT_EQ(check.Wait(), 128 + signal);
+    // Its end comes when the last of them is gone.
+    ASSERT_EQ(poll(&readable, 1, 30'000), 1);
+    EXPECT_EQ(read(held, line.data(), line.size()), 0) << "signal " << signal;
+    close(held);
+    EXPECT_EQ(folder.CountEntries(), 1) << "more than the FIFO";
+  }
+}
+
+TEST(CheckStageSystem, KeepsLittleOfAnEndlessOutput) {
+  const Verdict verdict =
+      Check("prior", {"sh", "-c", "yes | tr -d '\\n'"}, {"--start-timeout", "3"});
+  EXPECT_EQ(verdict.exit_code, 1);
+  EXPECT_LT(verdict.output.size(), 10'000U);
+  EXPECT_THAT(verdict.output, HasSubstr("yyyyyyyy"));
 }
 
 }  // namespace
