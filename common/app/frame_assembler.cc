@@ -21,7 +21,9 @@ std::vector<Frame> FrameAssembler::Add(std::string_view channel, std::span<const
   for (size_t i = 0; i < parts_.size(); ++i) {
     if (channels_[i] != channel) continue;
     try {
-      Result<DecodedPart> part = DecodePart(parts_[i], bytes);
+      const Result<FrameId> id = DecodeFrameId(bytes);
+      Result<DecodedPart> part =
+          DecodePart(parts_[i], bytes, id ? joiner_.ImageSizeOf(*id) : std::nullopt);
       if (!part) {
         monitor_.BadMessage(channel, part.error().text);
         return {};

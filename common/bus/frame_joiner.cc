@@ -12,14 +12,10 @@ namespace {
 constexpr size_t kMaxRigs = 4;
 constexpr size_t kMaxAccounted = 64;
 
-// Most frame numbers that one jump counts as left out: more is a stray message or another stream,
-// and an endless count would overflow.
-constexpr int64_t kMaxGap = 1'000'000;
-
 }  // namespace
 
-FrameJoiner::FrameJoiner(PartSet needed, size_t max_pending)
-    : needed_(needed), max_pending_(max_pending) {
+FrameJoiner::FrameJoiner(PartSet needed, size_t max_pending, size_t max_bytes)
+    : needed_(needed), max_pending_(max_pending), max_bytes_(max_bytes) {
   assert(needed != PartSet{} && needed != PartSet{Part::kRig} && max_pending > 0);
 }
 
@@ -33,31 +29,47 @@ std::vector<Frame> FrameJoiner::Add(const FrameId& id, Part part, PartValue valu
     SetPart(pending.frame, part, std::move(value));
     pending.present.Add(part);
   }
-  return TakeComplete();
+  std::vector<Frame> complete = TakeComplete();
+  KeepWithinBudget();
+  return complete;
+}
+
+// Of a pending frame; their number when it is not among them.
+size_t FrameJoiner::IndexOf(const FrameId& id) const {
+  size_t i = 0;
+  while (i < pending_.size() && pending_[i].frame.id != id) ++i;
+  return i;
+}
+
+bool FrameJoiner::IsPending(const FrameId& id) const { return IndexOf(id) < pending_.size(); }
+
+std::optional<cv::Size> FrameJoiner::ImageSizeOf(const FrameId& id) const {
+  if (const std::optional<Rig> rig = FindRig(id.rig_id)) return rig->pair.size();
+  return IsPending(id) ? ImageSize(pending_[IndexOf(id)].frame) : std::nullopt;
 }
 
 FrameJoiner::Pending& FrameJoiner::FindOrStart(const FrameId& id) {
-  const auto found = std::find_if(pending_.begin(), pending_.end(),
-                                  [&](const Pending& pending) { return pending.frame.id == id; });
-  if (found != pending_.end()) return *found;
-  CountGap(id);
-  if (pending_.size() == max_pending_) {
-    Drop(pending_.front());
-    pending_.pop_front();
-  }
+  if (IsPending(id)) return pending_[IndexOf(id)];
+  // Frames of a recording that plays again have the names that they had before.
+  if (gaps_.Add(id)) accounted_.clear();
+  if (pending_.size() == max_pending_) DropOldest();
   Pending& started = pending_.emplace_back();
   started.frame.id = id;
   return started;
 }
 
-void FrameJoiner::CountGap(const FrameId& id) {
-  const bool restarted = newest_ && id.seq <= newest_->seq && id.utime > newest_->utime;
-  if (newest_ && !restarted) {
-    if (id.seq <= newest_->seq) return;  // sent again
-    // Both are at least −1, and id.seq is the larger: no difference overflows.
-    sequence_gaps_ += std::min(id.seq - 1 - newest_->seq, kMaxGap);
+void FrameJoiner::DropOldest() {
+  Drop(pending_.front());
+  pending_.pop_front();
+}
+
+void FrameJoiner::KeepWithinBudget() {
+  size_t bytes = 0;
+  for (const Pending& pending : pending_) bytes += BytesOf(pending.frame);
+  while (bytes > max_bytes_) {
+    bytes -= BytesOf(pending_.front().frame);
+    DropOldest();
   }
-  newest_ = id;
 }
 
 void FrameJoiner::Drop(const Pending& pending) {

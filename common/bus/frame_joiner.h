@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/bus/sequence_gaps.h"
 #include "common/core/frame.h"
 
 namespace sprout {
@@ -20,16 +21,29 @@ class FrameJoiner {
  public:
   static constexpr size_t kDefaultMaxPending = 16;
 
+  /// 64 frames of 2 MP with all their parts; one of 100 MP.
+  static constexpr size_t kDefaultMaxBytes = size_t{1} << 30;
+
   /// @param needed       parts that make a frame complete; at least one that is not kRig.
   /// @param max_pending  unfinished frames kept at most; the oldest is dropped and counted.
   ///                     Must exceed the frames that enter while one passes the stages before this
   ///                     one; a whole frame of 2 MP in colour takes 8 MB.
-  explicit FrameJoiner(PartSet needed, size_t max_pending = kDefaultMaxPending);
+  /// @param max_bytes    memory that unfinished frames may keep; beyond it the oldest is dropped
+  ///                     and counted.
+  explicit FrameJoiner(PartSet needed, size_t max_pending = kDefaultMaxPending,
+                       size_t max_bytes = kDefaultMaxBytes);
 
   /// Adds one part; a part that was there already is replaced.
   /// @returns the frames that are complete now, oldest first: none or one, and more only when a
   ///          late calibration completes several.
   std::vector<Frame> Add(const FrameId& id, Part part, PartValue value);
+
+  /// Size that the rectified images of a frame have: as its calibration says, or else as its first
+  /// image or map does; nothing when neither is here yet.
+  std::optional<cv::Size> ImageSizeOf(const FrameId& id) const;
+
+  /// Whether parts of an unfinished frame of this name are here.
+  bool IsPending(const FrameId& id) const;
 
   /// Drops what is unfinished, and counts it: the stream has ended.
   void DropPending();
@@ -37,9 +51,8 @@ class FrameJoiner {
   /// Frames dropped because some part never came.
   int64_t incomplete() const { return incomplete_; }
 
-  /// Frame numbers left out in the stream. A capture that starts again with smaller numbers and a
-  /// later time is no gap.
-  int64_t sequence_gaps() const { return sequence_gaps_; }
+  /// Frame numbers left out in the stream.
+  int64_t sequence_gaps() const { return gaps_.count(); }
 
  private:
   struct Pending {
@@ -47,8 +60,10 @@ class FrameJoiner {
     PartSet present;
   };
 
+  size_t IndexOf(const FrameId& id) const;
   Pending& FindOrStart(const FrameId& id);
-  void CountGap(const FrameId& id);
+  void DropOldest();
+  void KeepWithinBudget();
   void Drop(const Pending& pending);
   bool IsAccountedFor(const FrameId& id) const;
   void Account(const FrameId& id);
@@ -58,12 +73,12 @@ class FrameJoiner {
 
   PartSet needed_;
   size_t max_pending_;
+  size_t max_bytes_;
   std::deque<Pending> pending_;                   // in order of arrival
   std::deque<FrameId> accounted_;                 // completed or dropped, the newest few
   std::deque<std::pair<std::string, Rig>> rigs_;  // by rig_id, the newest few
-  std::optional<FrameId> newest_;
+  SequenceGaps gaps_;
   int64_t incomplete_ = 0;
-  int64_t sequence_gaps_ = 0;
 };
 
 }  // namespace sprout

@@ -39,4 +39,34 @@ void SetPart(Frame& frame, Part part, PartValue value) {
   }
 }
 
+size_t BytesOf(const Frame& frame) {
+  size_t bytes = 0;
+  const auto add = [&](const cv::Mat& mat) { bytes += mat.total() * mat.elemSize(); };
+  const auto add_map = [&](const auto& map) { add(map ? map->counts() : cv::Mat1s()); };
+  const auto add_seeds = [&](const auto& set) {
+    bytes += set ? set->seeds.capacity() * sizeof(Seed) : 0;
+  };
+  add(frame.left);
+  add(frame.right);
+  add(frame.tof ? frame.tof->depth_m : cv::Mat1f());
+  add(frame.tof ? frame.tof->amplitude : cv::Mat1f());
+  add_seeds(frame.seeds);
+  add_seeds(frame.left_seeds);
+  add_map(frame.prior);
+  add_map(frame.unfilled);
+  add_map(frame.disparity);
+  add(frame.confidence);
+  return bytes;
+}
+
+std::optional<cv::Size> ImageSize(const Frame& frame) {
+  for (const cv::Mat* image : {&frame.left, &frame.right, &frame.confidence}) {
+    if (!image->empty()) return image->size();
+  }
+  for (const auto* map : {&frame.prior, &frame.unfilled, &frame.disparity}) {
+    if (*map) return (*map)->size();
+  }
+  return std::nullopt;
+}
+
 }  // namespace sprout

@@ -78,6 +78,13 @@ struct Frame {
 /// @pre the alternative in `value` is the one of `part`.
 void SetPart(Frame& frame, Part part, PartValue value);
 
+/// Memory that the parts of a frame take, bytes. O(1).
+size_t BytesOf(const Frame& frame);
+
+/// Size of the rectified images of a frame as its first image or map has it; nothing when it has
+/// none yet.
+std::optional<cv::Size> ImageSize(const Frame& frame);
+
 }  // namespace sprout
 
 #endif  // SPROUT_COMMON_CORE_FRAME_H_

@@ -36,6 +36,17 @@ class Checks {
     return Side(columns, width).Side(rows, height);
   }
 
+  Checks& Pixels(const char* fields, int32_t width, int32_t height) {
+    const int64_t pixels = int64_t{width} * height;
+    return Require(pixels <= kMaxPixels, fields, pixels,
+                   "up to " + std::to_string(kMaxPixels) + " pixels");
+  }
+
+  Checks& Length(const std::string& field, const std::string& value, size_t longest) {
+    return Require(value.size() <= longest, (field + " length").c_str(), value.size(),
+                   "0 to " + std::to_string(longest));
+  }
+
   Checks& Positive(const char* field, double value) {
     return Require(std::isfinite(value) && value > 0, field, value, "a finite number > 0");
   }

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <exception>
 #include <initializer_list>
-#include <limits>
 #include <string>
+
+#include "common/core/image.h"
 
 namespace sprout {
 namespace {
@@ -122,8 +123,9 @@ Result<void> CheckLengths(std::span<const uint8_t> bytes) {
 
 template <typename Message>
 Result<Message> DecodeMessage(std::span<const uint8_t> bytes) {
-  if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) {
-    return Fail("message longer than 2 GB");
+  if (bytes.size() > kMaxMessageBytes) {
+    return Fail("message of " + std::to_string(bytes.size()) + " bytes: allowed are up to " +
+                std::to_string(kMaxMessageBytes));
   }
   if (const Result<void> fingerprint = CheckFingerprint<Message>(bytes); !fingerprint) {
     return tl::unexpected(fingerprint.error());
@@ -153,13 +155,35 @@ std::vector<uint8_t> EncodeMessage(const Message& message) {
   return bytes;
 }
 
+bool IsCompressed(const image_t& message) {
+  return message.pixel_format == image_t::PIXEL_FORMAT_MJPG;
+}
+bool IsCompressed(const disparity_image_t& message) {
+  return message.encoding == disparity_image_t::ENCODING_DELTA_ZSTD;
+}
+
 template <typename Message>
-Result<DecodedPart> Decode(std::span<const uint8_t> bytes) {
+Result<void> CheckCompressedSize(const Message& message, std::optional<cv::Size> expected) {
+  const cv::Size size(message.width, message.height);
+  if (!expected || size == *expected || !IsCompressed(message)) return {};
+  return Fail("width x height = " + SizeText(size) +
+              ": allowed for compressed data is the size of the frame's images, " +
+              SizeText(*expected));
+}
+
+template <typename Message>
+Result<DecodedPart> Decode(std::span<const uint8_t> bytes,
+                           [[maybe_unused]] std::optional<cv::Size> expected = std::nullopt) {
   const Result<Message> message = DecodeMessage<Message>(bytes);
   if (!message) return tl::unexpected(message.error());
   Result<FrameId> id = FromMessage(message->header);
   if (!id) return tl::unexpected(id.error());
   if (id->seq < 0) return Fail("header.seq = " + std::to_string(id->seq) + ": allowed is >= 0");
+  if constexpr (requires { IsCompressed(*message); }) {
+    if (const auto fits = CheckCompressedSize(*message, expected); !fits) {
+      return tl::unexpected(fits.error());
+    }
+  }
   auto value = FromMessage(*message);
   if (!value) return tl::unexpected(value.error());
   return DecodedPart{std::move(*id), std::move(*value)};
@@ -189,12 +213,13 @@ std::vector<uint8_t> EncodePart(const FrameId& id, Part part, const PartValue& v
   return {};
 }
 
-Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes) {
+Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
+                               std::optional<cv::Size> expected) {
   switch (part) {
     case Part::kLeft:
     case Part::kRight:
     case Part::kConfidence:
-      return Decode<image_t>(bytes);
+      return Decode<image_t>(bytes, expected);
     case Part::kTof:
       return Decode<tof_image_t>(bytes);
     case Part::kRig:
@@ -205,7 +230,7 @@ Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes) {
     case Part::kPrior:
     case Part::kUnfilled:
     case Part::kDisparity:
-      return Decode<disparity_image_t>(bytes);
+      return Decode<disparity_image_t>(bytes, expected);
   }
   return Fail("unknown part");
 }

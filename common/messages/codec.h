@@ -2,6 +2,8 @@
 #define SPROUT_COMMON_MESSAGES_CODEC_H_
 
 #include <cstdint>
+#include <opencv2/core/types.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,9 +23,15 @@ struct DecodedPart {
 /// Bytes of the message that carries a part, and back. The type of the message follows from the
 /// part (lcmtypes/README.md). Decoding survives any bytes: a wrong type, a size that does not fit
 /// or a hostile array count yields an error before memory is taken for it.
+///
+/// @param expected  size that the rectified images of this frame have, where it is known. A
+///                  compressed picture or map of another size is refused before it is decoded: a
+///                  few bytes could ask for a lot. One that brings all its bytes is let through,
+///                  and the stage says in its answer what does not fit together.
 std::vector<uint8_t> EncodePart(const FrameId& id, Part part, const PartValue& value,
                                 DisparityEncoding encoding);
-Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes);
+Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
+                               std::optional<cv::Size> expected = std::nullopt);
 
 /// The same for SPROUT_STATUS.
 std::vector<uint8_t> EncodeStatus(const StageStatus& status);

@@ -4,19 +4,15 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "common/core/image.h"
 #include "common/messages/checks.h"
 #include "common/messages/disparity_codec.h"
 #include "common/messages/jpeg.h"
 
 namespace sprout {
 namespace {
-
-constexpr size_t kMaxRigIdLength = 64;
 
 int BytesPerPixel(int32_t pixel_format) {
   switch (pixel_format) {
@@ -28,29 +24,6 @@ int BytesPerPixel(int32_t pixel_format) {
     default:
       return 0;
   }
-}
-
-Result<cv::Mat> DecodeJpeg(const image_t& message) {
-  // Before anything is decoded: imdecode() would read other formats as well, and a stream of a few
-  // bytes can ask for gigabytes.
-  const cv::Size size(message.width, message.height);
-  const std::optional<cv::Size> stream_size = JpegSize(message.data);
-  if (!stream_size) return Fail("data: not a whole JPEG stream");
-  if (*stream_size != size) {
-    return Fail("data: JPEG of " + SizeText(*stream_size) +
-                ", allowed is width x height = " + SizeText(size));
-  }
-  cv::Mat image;
-  try {
-    // Pixels as they are: a turned image fits no calibration.
-    image = cv::imdecode(message.data, cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception& e) {
-    return Fail("data: JPEG stream cannot be decoded (" + e.err + ")");
-  }
-  if (image.depth() != CV_8U || image.size() != size) {
-    return Fail("data: JPEG stream cannot be decoded");
-  }
-  return image;
 }
 
 cv::Mat1f ToMat(const std::vector<float>& values, int height) {
@@ -76,8 +49,7 @@ Result<FrameId> FromMessage(const header_t& message) {
   Checks checks;
   checks.NotNegative("header.utime", message.utime)
       .Require(message.seq >= -1, "header.seq", message.seq, ">= 0 (-1 in a status: no frame)")
-      .Require(message.rig_id.size() <= kMaxRigIdLength, "header.rig_id length",
-               message.rig_id.size(), "0 to " + std::to_string(kMaxRigIdLength));
+      .Length("header.rig_id", message.rig_id, kMaxNameLength);
   if (!checks.ok()) return checks.error();
   return FrameId{.utime = message.utime, .seq = message.seq, .rig_id = message.rig_id};
 }
@@ -106,12 +78,13 @@ Result<cv::Mat> FromMessage(const image_t& message) {
   Checks checks;
   checks.Side("width", message.width)
       .Side("height", message.height)
+      .Pixels("width × height", message.width, message.height)
       .Require(jpeg || bytes_per_pixel > 0, "pixel_format", message.pixel_format,
                "GREY, RGB3, BGR3 or MJPG")
       .Require(message.size >= 0 && static_cast<size_t>(message.size) == message.data.size(),
                "size", message.size, "the number of bytes in data");
   if (!checks.ok()) return checks.error();
-  if (jpeg) return DecodeJpeg(message);
+  if (jpeg) return DecodeJpeg(message.data, {message.width, message.height});
 
   const int64_t bytes = int64_t{message.row_stride} * message.height;
   checks
@@ -148,6 +121,7 @@ Result<TofImage> FromMessage(const tof_image_t& message) {
   const int64_t pixels = int64_t{message.width} * message.height;
   Checks checks;
   checks.SidesOrNone("width", message.width, "height", message.height)
+      .Pixels("width × height", message.width, message.height)
       .Require(message.count == pixels && message.depth_m.size() == static_cast<size_t>(pixels),
                "count", message.count, "width × height = " + std::to_string(pixels))
       .Require(message.amplitude_count == 0 || message.amplitude_count == pixels, "amplitude_count",
@@ -200,12 +174,14 @@ Result<Rig> FromMessage(const rig_t& message) {
   Checks checks;
   checks.Side("width", message.width)
       .Side("height", message.height)
+      .Pixels("width × height", message.width, message.height)
       .Positive("focal_px", message.focal_px)
       .Finite("cx", message.cx)
       .Finite("cy", message.cy)
       .Finite("cx_right", message.cx_right)
       .Positive("baseline_m", message.baseline_m)
       .SidesOrNone("tof_width", message.tof_width, "tof_height", message.tof_height)
+      .Pixels("tof_width × tof_height", message.tof_width, message.tof_height)
       .Finite("tof_cx", message.tof_cx)
       .Finite("tof_cy", message.tof_cy)
       .Require(std::abs(norm - 1) < 1e-6, "left_from_tof_rotation norm", norm,
@@ -323,6 +299,7 @@ Result<DisparityImage> FromMessage(const disparity_image_t& message) {
   Checks checks;
   checks.Side("width", message.width)
       .Side("height", message.height)
+      .Pixels("width × height", message.width, message.height)
       .Require(message.counts_per_px == DisparityImage::kCountsPerPixel, "counts_per_px",
                message.counts_per_px, std::to_string(DisparityImage::kCountsPerPixel))
       .Require(message.invalid == DisparityImage::kInvalid, "invalid", message.invalid,

@@ -26,8 +26,19 @@ namespace sprout {
 /// How a disparity map travels.
 enum class DisparityEncoding { kRawInt16, kDeltaZstd };
 
-/// Largest width and height of any image or map, px.
+/// Largest message, bytes: what LCM itself lets through (LCM_MAX_MESSAGE_SIZE), so that nothing can
+/// arrive by tcpq or from a log that could not have been sent by udpm.
+inline constexpr size_t kMaxMessageBytes = 1 << 28;
+
+/// Largest width and height of any image or map, px, and most pixels: as a map of 2 bytes a pixel
+/// it then fits into a message.
 inline constexpr int kMaxSide = 16384;
+inline constexpr int64_t kMaxPixels = 100'000'000;
+
+/// Longest strings, bytes: of the names of a rig and of a stage, and of all others. Senders cut
+/// what is longer, so that a long complaint does not cost the whole status.
+inline constexpr size_t kMaxNameLength = 64;
+inline constexpr size_t kMaxTextLength = 1024;
 
 header_t ToMessage(const FrameId& id);
 Result<FrameId> FromMessage(const header_t& message);

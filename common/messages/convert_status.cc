@@ -8,16 +8,24 @@ TimeSummary MakeTimes(double p50, double p95, double p99, double max) {
   return {.p50_ms = p50, .p95_ms = p95, .p99_ms = p99, .max_ms = max};
 }
 
+// The first bytes of a text, no character of UTF-8 cut in half.
+std::string Shortened(const std::string& text, size_t longest) {
+  if (text.size() <= longest) return text;
+  size_t length = longest;
+  while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xc0) == 0x80) --length;
+  return text.substr(0, length);
+}
+
 }  // namespace
 
 stage_status_t ToMessage(const StageStatus& status) {
   stage_status_t message;
   message.header = ToMessage(status.newest_frame);
-  message.stage = status.stage;
-  message.host = status.host;
-  message.version = status.version;
-  message.config_digest = status.config_digest;
-  message.last_error = status.last_error;
+  message.stage = Shortened(status.stage, kMaxNameLength);
+  message.host = Shortened(status.host, kMaxTextLength);
+  message.version = Shortened(status.version, kMaxTextLength);
+  message.config_digest = Shortened(status.config_digest, kMaxTextLength);
+  message.last_error = Shortened(status.last_error, kMaxTextLength);
   message.pid = status.pid;
   message.state = static_cast<int32_t>(status.state);
   message.frames_in = status.frames_in;
@@ -46,9 +54,15 @@ Result<StageStatus> FromMessage(const stage_status_t& message) {
   Result<FrameId> newest_frame = FromMessage(message.header);
   if (!newest_frame) return tl::unexpected(newest_frame.error());
   Checks checks;
-  checks.Require(message.state >= stage_status_t::STATE_READY &&
-                     message.state <= stage_status_t::STATE_STOPPED,
-                 "state", message.state, "READY, RUNNING or STOPPED");
+  checks
+      .Require(message.state >= stage_status_t::STATE_READY &&
+                   message.state <= stage_status_t::STATE_STOPPED,
+               "state", message.state, "READY, RUNNING or STOPPED")
+      .Length("stage", message.stage, kMaxNameLength)
+      .Length("host", message.host, kMaxTextLength)
+      .Length("version", message.version, kMaxTextLength)
+      .Length("config_digest", message.config_digest, kMaxTextLength)
+      .Length("last_error", message.last_error, kMaxTextLength);
   if (!checks.ok()) return checks.error();
   return StageStatus{
       .newest_frame = *newest_frame,

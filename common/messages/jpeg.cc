@@ -1,50 +1,67 @@
 #include "common/messages/jpeg.h"
 
+#include <turbojpeg.h>
+
+#include <memory>
+#include <string>
+
+#include "common/core/image.h"
+
 namespace sprout {
 namespace {
 
-// Markers of ITU-T T.81, table B.1; each stands behind a byte 0xff.
-constexpr uint8_t kStartOfImage = 0xd8;
-constexpr uint8_t kEndOfImage = 0xd9;
-constexpr uint8_t kStartOfScan = 0xda;
+struct DecoderDeleter {
+  void operator()(void* decoder) const { tjDestroy(decoder); }
+};
+using Decoder = std::unique_ptr<void, DecoderDeleter>;
 
-// Start of frame, of whatever coding: C0 to CF without DHT (C4), JPG (C8) and DAC (CC).
-bool IsStartOfFrame(uint8_t marker) {
-  return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+tl::unexpected<Error> Undecodable(const Decoder& decoder) {
+  return Fail(std::string("data: not a whole JPEG stream (") + tjGetErrorStr2(decoder.get()) + ")");
 }
 
-bool HasMarker(std::span<const uint8_t> data, size_t at, uint8_t marker) {
-  return at + 2 <= data.size() && data[at] == 0xff && data[at + 1] == marker;
-}
-
-size_t ReadUint16(std::span<const uint8_t> data, size_t at) {
-  return static_cast<size_t>(data[at] << 8 | data[at + 1]);
+// At least as many scans as libjpeg will find: each starts with the marker SOS, FF DA, which cannot
+// stand between entropy-coded bytes. In a comment or a thumbnail it may.
+size_t CountScanMarkers(std::span<const uint8_t> data) {
+  size_t count = 0;
+  for (size_t i = 1; i < data.size(); ++i) count += data[i - 1] == 0xff && data[i] == 0xda ? 1 : 0;
+  return count;
 }
 
 }  // namespace
 
-std::optional<cv::Size> JpegSize(std::span<const uint8_t> data) {
-  while (!data.empty() && data.back() == 0) data = data.first(data.size() - 1);
-  if (data.size() < 4 || !HasMarker(data, 0, kStartOfImage) ||
-      !HasMarker(data, data.size() - 2, kEndOfImage)) {
-    return std::nullopt;
+Result<cv::Mat> DecodeJpeg(std::span<const uint8_t> data, cv::Size size) {
+  const Decoder decoder(tjInitDecompress());
+  if (!decoder) return Fail("data: no JPEG decoder, out of memory");
+  const auto bytes = static_cast<unsigned long>(data.size());
+  int width = 0;
+  int height = 0;
+  int subsampling = 0;
+  int colour_space = 0;
+  if (tjDecompressHeader3(decoder.get(), data.data(), bytes, &width, &height, &subsampling,
+                          &colour_space) != 0) {
+    return Undecodable(decoder);
   }
-  // Segments: marker, length (itself included), content. A frame header has precision (1 byte),
-  // height and width (2 bytes each) behind its length.
-  for (size_t at = 2; at + 9 <= data.size() && data[at] == 0xff;) {
-    const uint8_t marker = data[at + 1];
-    if (marker == 0xff) {  // fill byte
-      ++at;
-      continue;
-    }
-    if (marker == kStartOfScan) return std::nullopt;
-    if (IsStartOfFrame(marker)) {
-      return cv::Size(static_cast<int>(ReadUint16(data, at + 7)),
-                      static_cast<int>(ReadUint16(data, at + 5)));
-    }
-    at += 2 + ReadUint16(data, at + 2);
+  if (cv::Size(width, height) != size) {
+    return Fail("data: JPEG of " + SizeText({width, height}) +
+                ", allowed is width x height = " + SizeText(size));
   }
-  return std::nullopt;
+  if (int64_t{width} * height / kMaxJpegPixelsPerByte > static_cast<int64_t>(data.size())) {
+    return Fail("data: JPEG of " + SizeText(size) + " in " + std::to_string(data.size()) +
+                " bytes: allowed is at least one for " + std::to_string(kMaxJpegPixelsPerByte) +
+                " pixels");
+  }
+  if (const size_t scans = CountScanMarkers(data); scans > kMaxJpegScans) {
+    return Fail("data: JPEG of " + std::to_string(scans) + " scans: allowed are up to " +
+                std::to_string(kMaxJpegScans));
+  }
+  const bool grey = colour_space == TJCS_GRAY;
+  cv::Mat image(size, grey ? CV_8UC1 : CV_8UC3);
+  if (tjDecompress2(decoder.get(), data.data(), bytes, image.data, width,
+                    static_cast<int>(image.step), height, grey ? TJPF_GRAY : TJPF_BGR,
+                    TJFLAG_STOPONWARNING) != 0) {
+    return Undecodable(decoder);
+  }
+  return image;
 }
 
 }  // namespace sprout

@@ -2,15 +2,30 @@
 #define SPROUT_COMMON_MESSAGES_JPEG_H_
 
 #include <cstdint>
-#include <opencv2/core/types.hpp>
-#include <optional>
+#include <opencv2/core.hpp>
 #include <span>
+
+#include "common/core/result.h"
 
 namespace sprout {
 
-/// Size of the picture in a JPEG stream, read from its frame header without decoding anything;
-/// nothing when the bytes are no JPEG stream from start to end marker (zeros may follow).
-std::optional<cv::Size> JpegSize(std::span<const uint8_t> data);
+/// Most scans of a JPEG stream: baseline has one to three, progressive about ten. Each costs a pass
+/// over the whole picture, however few bytes it has.
+inline constexpr size_t kMaxJpegScans = 32;
+
+/// Most pixels that a byte of a JPEG stream can stand for. A Huffman code has at least one bit, and
+/// each of its 8×8 blocks at least one code.
+inline constexpr int64_t kMaxJpegPixelsPerByte = 8 * 64;
+
+/// The picture in a JPEG stream.
+///
+/// @param size  that the picture must have. libjpeg's own header is compared with it, and the
+///              bounds above are checked, before memory is taken or anything is decoded.
+/// @returns 8UC1 for a grey stream, else 8UC3 (BGR); pixels as they are, whatever EXIF says: a
+///          turned image fits no calibration. An error also when libjpeg would only warn: it fills
+///          what is damaged with grey.
+/// O(pixels × scans); for a progressive stream it takes 6 bytes a pixel beside the picture.
+Result<cv::Mat> DecodeJpeg(std::span<const uint8_t> data, cv::Size size);
 
 }  // namespace sprout
 

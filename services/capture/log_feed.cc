@@ -74,6 +74,9 @@ class LogFeed : public CaptureFeed {
   void Rewind() {
     reader_ = std::make_unique<LogReader>(path_);
     joiner_.emplace(PartSet{Part::kLeft, Part::kRight, Part::kTof});
+    if (Result<DecodedPart> rig = DecodePart(Part::kRig, calibration_)) {
+      joiner_->Add(rig->id, Part::kRig, std::move(rig->value));
+    }
     pending_.clear();
     channels_.clear();
   }
@@ -84,10 +87,13 @@ class LogFeed : public CaptureFeed {
       ++channels_[std::string(event.channel)];
       const std::optional<Part> part = PartOf(event);
       if (!part) continue;
-      Result<DecodedPart> decoded = DecodePart(*part, event.data);
+      const Result<FrameId> id = DecodeFrameId(event.data);
+      Result<DecodedPart> decoded =
+          DecodePart(*part, event.data, id ? joiner_->ImageSizeOf(*id) : std::nullopt);
       if (!decoded) {
         monitor_.BadMessage(event.channel, decoded.error().text);
       } else if (part == Part::kRig) {
+        joiner_->Add(decoded->id, Part::kRig, std::move(decoded->value));
         calibration_.assign(event.data.begin(), event.data.end());
         calibration_is_new_ = true;
       } else {
@@ -102,10 +108,11 @@ class LogFeed : public CaptureFeed {
 
   // Beside the joiner, which keeps values: the bytes. The same frames are pending in both.
   void Keep(const FrameId& id, Part part, std::span<const uint8_t> bytes) {
+    std::erase_if(pending_,
+                  [&](const CaptureMessages& frame) { return !joiner_->IsPending(frame.id); });
     auto found = std::find_if(pending_.begin(), pending_.end(),
                               [&](const CaptureMessages& frame) { return frame.id == id; });
     if (found == pending_.end()) {
-      if (pending_.size() == FrameJoiner::kDefaultMaxPending) pending_.pop_front();
       pending_.push_back({.id = id, .messages = {}});
       found = std::prev(pending_.end());
     }

@@ -5,6 +5,7 @@
 
 #include "common/messages/codec.h"
 #include "tests/common/app/captured_log.h"
+#include "tests/common/messages/examples.h"
 
 namespace sprout {
 namespace {
@@ -31,6 +32,32 @@ class FrameAssemblerTest : public ::testing::Test {
   StageMonitor monitor_{"grow", ""};
   FrameAssembler assembler_{{Part::kSeeds, Part::kLeft}, monitor_};
 };
+
+std::vector<uint8_t> CompressedPrior(int64_t seq, cv::Size size) {
+  return EncodePart({.utime = seq, .seq = seq, .rig_id = "rig"}, Part::kPrior, DisparityImage(size),
+                    DisparityEncoding::kDeltaZstd);
+}
+
+TEST(FrameAssembler, RefusesACompressedMapThatDoesNotFitTheFramesImages) {
+  CapturedLog log;
+  StageMonitor monitor("grow", "");
+  FrameAssembler assembler({Part::kLeft, Part::kPrior}, monitor);
+  assembler.Add("SPROUT_LEFT", Image(3, 99));
+  EXPECT_THAT(assembler.Add("SPROUT_PRIOR", CompressedPrior(3, {3000, 2000})), IsEmpty());
+  EXPECT_THAT(monitor.Snapshot().last_error, HasSubstr("size of the frame's images, 3x2"));
+  EXPECT_THAT(assembler.Add("SPROUT_PRIOR", CompressedPrior(3, {3, 2})), SizeIs(1));
+}
+
+TEST(FrameAssembler, RefusesACompressedMapThatDoesNotFitTheCalibration) {
+  CapturedLog log;
+  StageMonitor monitor("view", "");
+  FrameAssembler assembler({Part::kPrior, Part::kRig}, monitor);
+  assembler.Add("SPROUT_RIG", EncodePart({.utime = 3, .seq = 3, .rig_id = "rig"}, Part::kRig,
+                                         examples::Rig(), DisparityEncoding::kRawInt16));
+  EXPECT_THAT(assembler.Add("SPROUT_PRIOR", CompressedPrior(3, {3000, 2000})), IsEmpty());
+  EXPECT_THAT(monitor.Snapshot().last_error, HasSubstr("size of the frame's images, 640x480"));
+  EXPECT_THAT(assembler.Add("SPROUT_PRIOR", CompressedPrior(3, {640, 480})), SizeIs(1));
+}
 
 TEST_F(FrameAssemblerTest, ListsTheChannelsOfItsParts) {
   EXPECT_THAT(assembler_.channels(), ElementsAre("SPROUT_LEFT", "SPROUT_SEEDS"));

@@ -114,9 +114,9 @@ TEST(DisparityBorder, RefusesDamagedZstandardFrames) {
 
 TEST(DisparityBorder, TakesNoMemoryForAHugeMapWithTinyData) {
   disparity_image_t message = Message(DisparityEncoding::kDeltaZstd);
-  message.width = message.height = 16384;
+  message.width = message.height = 10000;
   // A frame header that declares exactly the map: magic, single segment with 4 bytes of size.
-  const uint32_t declared = 2U * 16384U * 16384U;
+  const uint32_t declared = 2U * 10000U * 10000U;
   std::vector<uint8_t> data = {0x28, 0xb5, 0x2f, 0xfd, 0xa0};
   for (int shift = 0; shift < 32; shift += 8)
     data.push_back(static_cast<uint8_t>(declared >> shift));
@@ -132,13 +132,33 @@ TEST(DisparityBorder, TakesNoMemoryForAHugeMapWithTinyData) {
   const Result<DecodedPart> decoded = DecodePart(Part::kDisparity, bytes);
   EXPECT_LT(guard.largest(), 100'000U);
   ASSERT_FALSE(decoded);
-  EXPECT_THAT(decoded.error().text, HasSubstr("2 × width × height = 536870912"));
+  EXPECT_THAT(decoded.error().text, HasSubstr("2 × width × height = 200000000"));
 }
 
 TEST(DisparityBorder, TakesNoMemoryForAHugeRawMapWithTinyData) {
   disparity_image_t message = Message(DisparityEncoding::kRawInt16);
-  message.width = message.height = 16384;
-  EXPECT_EQ(ErrorOf(message), "size = 24: allowed is 2 × width × height = 536870912");
+  message.width = message.height = 10000;
+  EXPECT_EQ(ErrorOf(message), "size = 24: allowed is 2 × width × height = 200000000");
+}
+
+TEST(DisparityBorder, RefusesACompressedMapOfAnotherSizeThanTheFramesBeforeItIsDecoded) {
+  const DisparityImage map(cv::Size(4000, 3000));  // 24 MB in a few hundred bytes
+  const auto bomb = EncodePart(examples::Id(), Part::kPrior, map, DisparityEncoding::kDeltaZstd);
+  ASSERT_LT(bomb.size(), 100'000U);
+  const AllocationGuard guard;
+  const auto decoded = DecodePart(Part::kPrior, bomb, cv::Size(640, 480));
+  EXPECT_LT(guard.largest(), 200'000U);
+  ASSERT_FALSE(decoded);
+  EXPECT_EQ(decoded.error().text,
+            "width x height = 4000x3000: allowed for compressed data is the size of the frame's "
+            "images, 640x480");
+  EXPECT_TRUE(DecodePart(Part::kPrior, bomb, cv::Size(4000, 3000)));
+}
+
+TEST(DisparityBorder, LeavesAWholeMapOfAnotherSizeToTheStage) {
+  const auto bytes =
+      EncodePart(examples::Id(), Part::kPrior, examples::Disparity(), DisparityEncoding::kRawInt16);
+  EXPECT_TRUE(DecodePart(Part::kPrior, bytes, cv::Size(640, 480)));
 }
 
 }  // namespace

@@ -67,6 +67,12 @@ TEST(ImageBorder, RefusesSizesAndFormatsThatDoNotFit) {
        {"no row", [](M& m) { m.height = 0; }, "height = 0", "1 to 16384"},
        {"too high", [](M& m) { m.height = 16385; }, "height = 16385", "1 to 16384"},
        {"largest height", [](M& m) { m.height = INT32_MAX; }, "height", "1 to 16384"},
+       {"too many pixels",
+        [](M& m) {
+          m.width = 10001;
+          m.height = 10000;
+        },
+        "width × height = 100010000", "up to 100000000 pixels"},
        {"row cut short", [](M& m) { m.row_stride = 6; }, "row_stride = 6", "at least width"},
        {"no stride", [](M& m) { m.row_stride = 0; }, "row_stride = 0", "at least width"},
        {"negative stride", [](M& m) { m.row_stride = -7; }, "row_stride = -7", "at least width"},
@@ -141,6 +147,18 @@ TEST(RigBorder, RefusesWhatNoProjectionCanWorkWith) {
          m.tof_fy = kNan;
        },
        "tof_fy = nan", "a finite number"},
+      {"too many pixels",
+       [](M& m) {
+         m.width = 10001;
+         m.height = 10000;
+       },
+       "width × height = 100010000", "up to 100000000 pixels"},
+      {"too many ToF pixels",
+       [](M& m) {
+         m.tof_width = 16384;
+         m.tof_height = 16384;
+       },
+       "tof_width × tof_height = 268435456", "up to 100000000 pixels"},
       {"no rotation", [](M& m) { std::fill_n(m.left_from_tof_rotation, 4, 0.0); },
        "left_from_tof_rotation norm = 0", "unit quaternion"},
       {"long rotation", [](M& m) { m.left_from_tof_rotation[0] = 0.6; }, "left_from_tof_rotation",
@@ -198,6 +216,37 @@ TEST(SeedsBorder, RefusesPositionsAndCountsThatAreNone) {
        {"loose", [](M& m) { m.loose_count = -1; }, "loose_count = -1", ">= 0"},
        {"hidden", [](M& m) { m.hidden_count = -1; }, "hidden_count = -1", ">= 0"},
        {"background", [](M& m) { m.background_count = INT32_MIN; }, "background_count", ">= 0"}});
+}
+
+TEST(StatusBorder, RefusesStringsLongerThanAnyOfOurs) {
+  const std::pair<const char*, std::string stage_status_t::*> table[] = {
+      {"stage", &stage_status_t::stage},
+      {"host", &stage_status_t::host},
+      {"version", &stage_status_t::version},
+      {"config_digest", &stage_status_t::config_digest},
+      {"last_error", &stage_status_t::last_error}};
+  for (const auto& [name, field] : table) {
+    stage_status_t message = ToMessage(examples::Status());
+    const size_t longest = std::string(name) == "stage" ? 64 : 1024;
+    (message.*field).assign(longest, 'x');
+    EXPECT_TRUE(DecodeStatus(examples::Encode(message))) << name;
+    (message.*field).assign(longest + 1, 'x');
+    EXPECT_EQ(DecodeStatus(examples::Encode(message)).error().text,
+              std::string(name) + " length = " + std::to_string(longest + 1) +
+                  ": allowed is 0 to " + std::to_string(longest));
+  }
+}
+
+TEST(StatusBorder, CutsWhatIsTooLongToBeSentBetweenTwoCharacters) {
+  StageStatus status = examples::Status();
+  for (int i = 0; i < 1000; ++i) status.last_error += "×";  // two bytes
+  status.last_error.insert(0, "x");
+  status.stage.assign(100, 's');
+  const auto decoded = DecodeStatus(EncodeStatus(status));
+  ASSERT_TRUE(decoded) << decoded.error().text;
+  EXPECT_EQ(decoded->last_error.size(), 1023U);
+  EXPECT_TRUE(decoded->last_error.ends_with("×"));
+  EXPECT_EQ(decoded->stage.size(), 64U);
 }
 
 TEST(StatusBorder, RefusesAnUnknownStateAndABadHeader) {

@@ -18,6 +18,7 @@ class CountingAllocator : public cv::MatAllocator {
                          cv::AccessFlag flags, cv::UMatUsageFlags usage) const override {
     if (data == nullptr) ++allocations;
     cv::UMatData* memory = standard_->allocate(dims, sizes, type, data, step, flags, usage);
+    if (data == nullptr) largest_allocation = std::max(largest_allocation, memory->size);
     memory->currAllocator = memory->prevAllocator = standard_;
     return memory;
   }

@@ -19,8 +19,7 @@ class AllocationGuard {
   /// cv::Mat.
   int64_t count() const;
 
-  /// The largest piece that this thread asked operator new for, bytes. Pixels of cv::Mat do not
-  /// pass through it.
+  /// The largest such piece that this thread asked for, bytes.
   static size_t largest();
 
  private:
