@@ -2,12 +2,13 @@
 
 #include <utility>
 
+#include "common/core/image.h"
+
 namespace sprout {
 
 PartSet PriorPlug::Inputs() const {
-  PartSet inputs{Part::kSeeds, Part::kRig};
+  PartSet inputs{Part::kSeeds, Part::kRig, Part::kLeft};
   if (estimator_.uses_left_seeds()) inputs.Add(Part::kLeftSeeds);
-  if (estimator_.uses_left()) inputs.Add(Part::kLeft);
   if (estimator_.uses_right()) inputs.Add(Part::kRight);
   return inputs;
 }
@@ -18,13 +19,21 @@ std::span<const Seed> PriorPlug::SeedsOf(const Frame& frame) {
   return seeds_;
 }
 
+Result<DisparityImage> PriorPlug::Estimate(const Frame& frame) {
+  const cv::Size calibrated = frame.rig->pair.size();
+  if (frame.left.size() != calibrated) {
+    return Fail("LEFT of " + SizeText(frame.left.size()) + ": allowed is the calibrated size " +
+                SizeText(calibrated));
+  }
+  return estimator_.Compute(frame.left, frame.right, SeedsOf(frame), calibrated);
+}
+
 Outcome PriorPlug::Process(const Frame& frame) {
-  const cv::Size size = frame.rig->pair.size();
-  Result<DisparityImage> prior = estimator_.Compute(frame.left, frame.right, SeedsOf(frame), size);
+  Result<DisparityImage> prior = Estimate(frame);
   Outcome outcome;
   if (!prior) {
     outcome.degenerate = prior.error().text;
-    prior = DisparityImage(size);
+    prior = DisparityImage(frame.left.size());
   }
   outcome.outputs.push_back({Part::kPrior, std::move(*prior)});
   return outcome;

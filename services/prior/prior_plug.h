@@ -9,8 +9,9 @@
 
 namespace sprout {
 
-/// SEEDS RIG → PRIOR, with LEFT_SEEDS if the configuration says so, and LEFT and RIGHT for the
-/// methods that look at them. RIG gives the size of the left image.
+/// SEEDS LEFT RIG → PRIOR, with LEFT_SEEDS if the configuration says so, and RIGHT for the method
+/// that looks at it. LEFT is joined by methods that do not look at it, too: an answer has the
+/// pixels of an image that came, never as many as the few bytes of a calibration claim.
 class PriorPlug : public Plug {
  public:
   /// @throws ConfigError for a value out of range.
@@ -18,12 +19,14 @@ class PriorPlug : public Plug {
 
   PartSet Inputs() const override;
 
-  /// Always answers; seeds that span no triangle give a map without any disparity, and the outcome
-  /// says why.
+  /// Always answers, with a map of the size of LEFT; seeds that span no triangle, or images of
+  /// another size than the calibrated one, give one without any disparity, and the outcome says
+  /// why.
   Outcome Process(const Frame& frame) override;
 
  private:
   std::span<const Seed> SeedsOf(const Frame& frame);
+  Result<DisparityImage> Estimate(const Frame& frame);
 
   PriorEstimator estimator_;
   std::vector<Seed> seeds_;  // memory

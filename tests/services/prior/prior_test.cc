@@ -145,6 +145,7 @@ TEST(PriorPlug, AnswersADegenerateFrameWithAnEmptyMap) {
   frame.rig.emplace();
   frame.rig->pair.width = 64;
   frame.rig->pair.height = 48;
+  frame.left = cv::Mat(48, 64, CV_8UC1);
   frame.seeds = SeedSet{.seeds = {SeedAt(1, 1, 1)}, .raw = 1};
   frame.left_seeds = SeedSet();
   const Outcome outcome = PriorPlug(config).Process(frame);
@@ -156,11 +157,30 @@ TEST(PriorPlug, AnswersADegenerateFrameWithAnEmptyMap) {
   EXPECT_EQ(map.CountValid(), 0);
 }
 
+TEST(PriorPlug, AnswersWithTheSizeOfTheImagesWhateverTheCalibrationClaims) {
+  Frame frame;
+  frame.rig.emplace();
+  frame.rig->pair.width = frame.rig->pair.height = 10000;
+  frame.left = frame.right = cv::Mat(48, 64, CV_8UC1, cv::Scalar(7));
+  frame.seeds = SeedSet{.seeds = {SeedAt(0, 0, 5), SeedAt(9, 0, 5), SeedAt(1, 9, 5)}, .raw = 3};
+  frame.left_seeds = SeedSet();
+  for (const auto method : {PriorConfig::DELAUNAY, PriorConfig::FGS, PriorConfig::EDGES}) {
+    PriorConfig config;
+    config.set_method(method);
+    PriorPlug plug(config);
+    EXPECT_TRUE(plug.Inputs().Has(Part::kLeft));
+    const Outcome outcome = plug.Process(frame);
+    EXPECT_THAT(outcome.degenerate, HasSubstr("64x48: allowed is the calibrated size 10000x10000"));
+    EXPECT_EQ(std::get<DisparityImage>(outcome.outputs[0].value).size(), cv::Size(64, 48));
+  }
+}
+
 TEST(PriorPlug, TakesWhatOnlyTheLeftCameraSeesForSeedsIfToldTo) {
   Frame frame;
   frame.rig.emplace();
   frame.rig->pair.width = 64;
   frame.rig->pair.height = 48;
+  frame.left = cv::Mat(48, 64, CV_8UC1);
   frame.seeds = SeedSet{.seeds = {SeedAt(40, 0, 8), SeedAt(60, 0, 8), SeedAt(40, 47, 8)}, .raw = 3};
   frame.left_seeds = SeedSet{.seeds = {SeedAt(0, 0, 20), SeedAt(0, 47, 20)}, .raw = 2};
   PriorConfig config;
