@@ -22,9 +22,9 @@ struct Arrival {
 void Publish(const Arrival& arrival, const Answer& answer, Publisher& publisher,
              StageMonitor& monitor) {
   for (const Answer::Message& message : answer.messages) {
-    if (!publisher.Publish(message.channel, message.bytes)) {
-      monitor.Failure(std::string(message.channel) + ": could not be published");
-    }
+    if (publisher.Publish(message.channel, message.bytes)) continue;
+    return monitor.FrameFailed(arrival.frame.id,
+                               std::string(message.channel) + ": could not be published");
   }
   monitor.FrameOut(arrival.frame.id, arrival.when, answer.degenerate);
 }
@@ -37,13 +37,15 @@ void RunLive(const ServiceContext& context, Plug& plug) {
   FrameAssembler assembler(plug.Inputs(), monitor);
   Mailbox<Arrival> mailbox;
   Publisher publisher(context.lcm_url, context.prefix);
-  const Receiver receiver(context.lcm_url, context.prefix, assembler.channels(),
-                          [&](std::string_view channel, std::span<const uint8_t> bytes) {
-                            for (Frame& frame : assembler.Add(channel, bytes)) {
-                              const auto now = StageMonitor::Clock::now();
-                              monitor.FrameIn(mailbox.Put({std::move(frame), now}));
-                            }
-                          });
+  const Receiver receiver(
+      context.lcm_url, context.prefix, assembler.channels(),
+      [&](std::string_view channel, std::span<const uint8_t> bytes) {
+        for (Frame& frame : assembler.Add(channel, bytes)) {
+          const auto now = StageMonitor::Clock::now();
+          monitor.FrameIn(mailbox.Put({std::move(frame), now}));
+        }
+      },
+      [&](std::string_view channel) { monitor.MessageDropped(channel); });
   const StatusReporter reporter(context, monitor);
   while (const std::optional<Arrival> arrival = mailbox.Take(context.stop)) {
     const std::optional<Answer> answer = MakeAnswer(arrival->frame, plug, encoding, monitor);

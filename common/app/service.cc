@@ -3,10 +3,13 @@
 #include <fmt/ranges.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/time.h>
 
 #include <algorithm>
+#include <condition_variable>
 #include <csignal>
 #include <cstdlib>
+#include <mutex>
 #include <opencv2/core/utility.hpp>
 #include <thread>
 
@@ -20,8 +23,14 @@
 namespace sprout {
 namespace {
 
+// How long a process has to end by itself after SIGINT or SIGTERM. Supervisors kill after some
+// seconds; whoever sits in front of it presses Ctrl-C again.
+constexpr itimerval kGracePeriod{.it_interval = {}, .it_value = {.tv_sec = 1, .tv_usec = 500'000}};
+
 // Requests a stop when SIGINT or SIGTERM comes. The signals are blocked in every thread and taken
-// by one that waits for them, so that no code runs in a signal handler.
+// by one that waits for them, so that no code runs in a signal handler. A second signal, and
+// SIGALRM at the end of the grace period, are the kernel's: they end the process whatever its
+// threads are stuck in, a FIFO that nobody writes, a server that takes no more, a long computation.
 class SignalWatcher {
  public:
   SignalWatcher() {
@@ -34,17 +43,35 @@ class SignalWatcher {
     thread_ = std::jthread([this](const std::stop_token& stop) { Watch(stop); });
   }
 
+  ~SignalWatcher() {
+    thread_.request_stop();
+    thread_.join();
+    constexpr itimerval kNever{};
+    setitimer(ITIMER_REAL, &kNever, nullptr);
+  }
+
+  SignalWatcher(const SignalWatcher&) = delete;
+  SignalWatcher& operator=(const SignalWatcher&) = delete;
+
   std::stop_token token() const { return source_.get_token(); }
 
  private:
   void Watch(const std::stop_token& stop) {
     constexpr timespec kPoll{.tv_sec = 0, .tv_nsec = 100'000'000};
-    while (!stop.stop_requested()) {
-      if (const int signal = sigtimedwait(&signals_, nullptr, &kPoll); signal > 0) {
-        spdlog::info("{}: stopping", signal == SIGINT ? "SIGINT" : "SIGTERM");
-        source_.request_stop();
-      }
+    int signal = 0;
+    while (signal <= 0) {
+      if (stop.stop_requested()) return;
+      signal = sigtimedwait(&signals_, nullptr, &kPoll);
     }
+    setitimer(ITIMER_REAL, &kGracePeriod, nullptr);
+    pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
+    source_.request_stop();
+    spdlog::info("{}: stopping", signal == SIGINT ? "SIGINT" : "SIGTERM");
+    // Stays here for the second signal: the other threads do not take it.
+    std::mutex mutex;
+    std::condition_variable_any ended;
+    std::unique_lock lock(mutex);
+    ended.wait(lock, stop, [] { return false; });
   }
 
   sigset_t signals_;
@@ -74,6 +101,10 @@ void RequireValidPrefix(const std::string& prefix) {
     throw ConfigError("--channel-prefix '" + prefix + "': allowed are up to " +
                       std::to_string(kMaxChannelPrefix) + " letters, digits, '_' and '-'");
   }
+}
+
+void RequireValidUrl(const std::string& url) {
+  if (const auto error = LcmUrlError(url)) throw ConfigError("--lcm-url: " + *error);
 }
 
 }  // namespace
@@ -160,6 +191,7 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   if (apply_flags) apply_flags(context.config);
   RequireInRange(context.config, "");
   RequireValidPrefix(prefix_);
+  if (!context.replay) RequireValidUrl(lcm_url_);
   KeepMemory();
   SetThreads(threads_);
   LimitSimd(simd_);

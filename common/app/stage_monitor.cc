@@ -130,6 +130,10 @@ void StageMonitor::BadMessage(std::string_view channel, const std::string& reaso
   }
 }
 
+void StageMonitor::MessageDropped(std::string_view channel) {
+  BadMessage(channel, "came faster than messages can be decoded here");
+}
+
 void StageMonitor::Failure(const std::string& reason) {
   spdlog::error(reason);
   const std::lock_guard lock(mutex_);

@@ -52,6 +52,9 @@ class StageMonitor {
   /// A message did not pass the border.
   void BadMessage(std::string_view channel, const std::string& reason);
 
+  /// A message was dropped since too many wait for this process; counts as a bad one.
+  void MessageDropped(std::string_view channel);
+
   /// Something else went wrong.
   void Failure(const std::string& reason);
 

@@ -5,8 +5,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <string_view>
 
 namespace sprout {
@@ -17,58 +21,113 @@ constexpr char kTcpqScheme[] = "tcpq://";
 constexpr char kDefaultGroup[] = "239.255.76.67";
 constexpr uint16_t kDefaultPort = 7667;
 
-struct Group {
-  std::string address = kDefaultGroup;
-  uint16_t port = kDefaultPort;
+struct ParsedUrl {
+  bool is_tcpq = false;
+  std::string host;
+  std::string port;
+  std::string options;  // behind the '?'
 };
 
-// Multicast group of a udpm URL (either half may be missing); nothing for other kinds of URL.
-std::optional<Group> MulticastGroup(const std::string& url) {
-  if (!url.starts_with(kUdpmScheme)) return std::nullopt;
-  const size_t start = std::string_view(kUdpmScheme).size();
-  const std::string network = url.substr(start, url.find('?') - start);
-  Group group;
-  const size_t colon = network.find(':');
-  if (!network.substr(0, colon).empty()) group.address = network.substr(0, colon);
-  if (colon != std::string::npos) {
-    group.port = static_cast<uint16_t>(std::atoi(network.substr(colon + 1).c_str()));
+// Nothing for other kinds of URL.
+std::optional<ParsedUrl> Parse(const std::string& url) {
+  ParsedUrl parsed{.is_tcpq = url.starts_with(kTcpqScheme), .host = {}, .port = {}, .options = {}};
+  if (!parsed.is_tcpq && !url.starts_with(kUdpmScheme)) return std::nullopt;
+  const size_t start = url.find("://") + 3;
+  const size_t question = std::min(url.find('?'), url.size());
+  parsed.host = url.substr(start, question - start);
+  if (question < url.size()) parsed.options = url.substr(question + 1);
+  if (const size_t colon = parsed.host.find(':'); colon != std::string::npos) {
+    parsed.port = parsed.host.substr(colon + 1);
+    parsed.host = parsed.host.substr(0, colon);
   }
-  return group;
+  return parsed;
+}
+
+// Either half of the network may be missing.
+sockaddr_in GroupOf(const ParsedUrl& url) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  const int port = url.port.empty() ? kDefaultPort : std::atoi(url.port.c_str());
+  address.sin_port = htons(static_cast<uint16_t>(port));
+  const std::string host = url.host.empty() ? kDefaultGroup : url.host;
+  if (inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) address.sin_addr.s_addr = 0;
+  return address;
+}
+
+bool IsNumber(std::string_view text, int64_t low, int64_t high) {
+  int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && value >= low && value <= high;
+}
+
+// What is wrong with "ttl=0&recv_buf_size=1000"; LCM takes ',' for '&', too.
+std::optional<std::string> OptionsError(std::string_view options) {
+  while (!options.empty()) {
+    const size_t end = std::min(options.find_first_of("&,"), options.size());
+    const std::string_view option = options.substr(0, end);
+    options.remove_prefix(std::min(end + 1, options.size()));
+    const std::string_view value = option.substr(std::min(option.find('=') + 1, option.size()));
+    if (option.starts_with("ttl=") ? IsNumber(value, 0, 255)
+                                   : option.starts_with("recv_buf_size=") &&
+                                         IsNumber(value, 1, std::numeric_limits<int>::max())) {
+      continue;
+    }
+    return "'" + std::string(option) + "'; allowed: ttl=0 to ttl=255, recv_buf_size=BYTES";
+  }
+  return std::nullopt;
+}
+
+// What is wrong with the rest of it.
+std::optional<std::string> NetworkError(const ParsedUrl& url) {
+  if (!url.port.empty() && !IsNumber(url.port, 1, 65535)) {
+    return "port '" + url.port + "'; allowed: 1 to 65535";
+  }
+  if (url.is_tcpq) {
+    if (url.options.empty()) return std::nullopt;
+    return "'" + url.options + "'; allowed: tcpq://HOST:PORT, without options";
+  }
+  if (!IN_MULTICAST(ntohl(GroupOf(url).sin_addr.s_addr))) {
+    return "'" + url.host + "' is no multicast group; allowed: 224.0.0.0 to 239.255.255.255";
+  }
+  return OptionsError(url.options);
 }
 
 // Whether the kernel knows a way to the group. Sends nothing: connecting a datagram socket only
 // looks up the route.
-bool HasRoute(const Group& group) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(group.port);
-  if (inet_pton(AF_INET, group.address.c_str(), &address.sin_addr) != 1) {
-    throw BusError("LCM URL: '" + group.address +
-                   "' is no IPv4 address; allowed: udpm://A.B.C.D:PORT");
-  }
+bool HasRoute(const sockaddr_in& group) {
   const int fd = socket(AF_INET, SOCK_DGRAM, 0);
   if (fd < 0) throw BusError("cannot open a UDP socket");
-  const bool connected =
-      connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  const bool connected = connect(fd, reinterpret_cast<const sockaddr*>(&group), sizeof group) == 0;
   close(fd);
   return connected;
 }
 
 }  // namespace
 
+std::optional<std::string> LcmUrlError(const std::string& url) {
+  const std::optional<ParsedUrl> parsed = Parse(url);
+  const std::optional<std::string> error =
+      parsed ? NetworkError(*parsed)
+             : "no such kind; allowed: udpm://GROUP:PORT?ttl=0, tcpq://HOST:PORT";
+  if (!error) return std::nullopt;
+  return "LCM URL " + url + ": " + *error;
+}
+
 LcmPtr OpenLcm(const std::string& url) {
-  if (const std::optional<Group> group = MulticastGroup(url); group && !HasRoute(*group)) {
-    throw BusError("no multicast route to " + group->address +
-                   "; add one: ip link set lo multicast on && ip route add " + group->address +
+  if (const auto error = LcmUrlError(url)) throw BusError(*error);
+  const ParsedUrl parsed = *Parse(url);
+  if (!parsed.is_tcpq && !HasRoute(GroupOf(parsed))) {
+    const std::string group = parsed.host.empty() ? kDefaultGroup : parsed.host;
+    throw BusError("no multicast route to " + group +
+                   "; add one: ip link set lo multicast on && ip route add " + group +
                    "/32 dev lo");
   }
   LcmPtr lcm(lcm_create(url.c_str()));
   // On tcpq LCM is content without a server, and aborts the program later, when it waits for a
   // message on a connection that is none.
-  if (!lcm || (url.starts_with(kTcpqScheme) && lcm_get_fileno(lcm.get()) < 0)) {
-    throw BusError(
-        "cannot open LCM URL " + url +
-        "; allowed: udpm://GROUP:PORT?ttl=0, tcpq://HOST:PORT (with its server running)");
+  if (!lcm || (parsed.is_tcpq && lcm_get_fileno(lcm.get()) < 0)) {
+    throw BusError("cannot open LCM URL " + url +
+                   (parsed.is_tcpq ? "; is its server running?" : ""));
   }
   return lcm;
 }

@@ -26,10 +26,14 @@ struct LcmDeleter {
 };
 using LcmPtr = std::unique_ptr<lcm_t, LcmDeleter>;
 
+/// What is wrong with an LCM URL, in one line that names it and what is allowed; nothing when all
+/// is well. LCM itself takes a time to live or a host that cannot be, and then reaches nobody.
+std::optional<std::string> LcmUrlError(const std::string& url);
+
 /// Connects. Every thread needs a connection of its own: publishing on a shared one is not safe on
 /// tcpq.
-/// @throws BusError when the URL is of no known kind, no server answers, or there is no multicast
-///         route (looked for first, since LCM itself takes seconds and many lines to say so).
+/// @throws BusError when the URL has an error, no server answers, or there is no multicast route
+///         (looked for first, since LCM itself takes seconds and many lines to say so).
 LcmPtr OpenLcm(const std::string& url);
 
 /// One line of warning when the kernel will grant a smaller receive buffer than the URL asks for.

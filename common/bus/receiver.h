@@ -1,8 +1,11 @@
 #ifndef SPROUT_COMMON_BUS_RECEIVER_H_
 #define SPROUT_COMMON_BUS_RECEIVER_H_
 
+#include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
+#include <mutex>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -14,19 +17,29 @@
 
 namespace sprout {
 
-/// Receives messages on a thread and a connection of its own that always drains: LCM drops the
-/// newest message, without a word, when its queue is full.
+/// Receives messages on a connection of its own. One thread always drains it, since LCM drops the
+/// newest message, without a word, when its queue is full; another one handles the messages in
+/// their order.
 class Receiver {
  public:
-  /// Called on the receiver's thread with the channel (without prefix) and the message's bytes,
-  /// valid during the call. Must be quick and must not throw.
+  /// Called on the receiver's second thread with the channel (without prefix) and the message's
+  /// bytes, valid during the call. Must not throw.
   using Handler = std::function<void(std::string_view channel, std::span<const uint8_t> bytes)>;
+
+  /// Called on the first thread for each message that is dropped since the handler is too slow for
+  /// what comes. Must be quick and must not throw.
+  using Dropped = std::function<void(std::string_view channel)>;
+
+  /// What may wait for the handler: two of the largest messages, some 20 frames of 2 MP.
+  static constexpr size_t kMaxQueuedBytes = size_t{1} << 29;
 
   /// Subscribes and starts to receive before it returns. When a tcpq server hangs up later, calls
   /// on it again every second; what was sent in between is lost.
+  /// @param max_queued_bytes  what does not fit any more is dropped.
   /// @throws BusError, see OpenLcm().
   Receiver(const std::string& url, const std::string& prefix,
-           const std::vector<std::string_view>& channels, Handler handler);
+           const std::vector<std::string_view>& channels, Handler handler, Dropped dropped = {},
+           size_t max_queued_bytes = kMaxQueuedBytes);
 
   /// Stops within 0.1 s; the handler is not called any more.
   ~Receiver() = default;
@@ -35,14 +48,29 @@ class Receiver {
   Receiver& operator=(const Receiver&) = delete;
 
  private:
+  struct Message {
+    std::string channel;  // without prefix
+    std::vector<uint8_t> bytes;
+  };
+
   void Receive(const std::stop_token& stop);
   void Reconnect();
+  bool Enqueue(std::string_view channel, std::span<const uint8_t> bytes);
+  void Handle(const std::stop_token& stop);
   static void OnMessage(const lcm_recv_buf_t* buffer, const char* channel, void* self);
 
   size_t prefix_length_;
   Handler handler_;
+  Dropped dropped_;
+  size_t max_queued_bytes_;
+  std::mutex mutex_;
+  std::condition_variable_any filled_;
+  std::deque<Message> queue_;
+  size_t queued_bytes_ = 0;
   LcmPtr lcm_;
-  std::jthread thread_;  // last: stops before the rest is destroyed
+  // Last: stop before the rest is destroyed.
+  std::jthread handling_;
+  std::jthread receiving_;
 };
 
 }  // namespace sprout

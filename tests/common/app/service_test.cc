@@ -7,6 +7,7 @@
 #include <csignal>
 #include <mutex>
 #include <sstream>
+#include <thread>
 
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
@@ -72,6 +73,8 @@ TEST(Service, RefusesFlagsThatCannotBeUsedInOneLineThatNamesThem) {
       {{"--channel-prefix", "two words"}, "two words"},
       {{"--channel-prefix", "A.*"}, "A.*"},
       {{"--channel-prefix", std::string(kMaxChannelPrefix + 1, 'x')}, "--channel-prefix"},
+      {{"--lcm-url", "memq://"}, "--lcm-url: LCM URL memq://: no such kind"},
+      {{"--lcm-url", "udpm://239.255.76.67:7667?ttl=999"}, "ttl=999"},
       {{"--log-level", "loud"}, "loud"},
       {{"--threads", "-1"}, "--threads"},
       {{"--simd", "mmx"}, "scalar"},
@@ -103,11 +106,11 @@ TEST(Service, ShowsHelpAndVersion) {
 }
 
 TEST(Service, HandsTheFlagsToItsBodyAndReturnsWhatThatReturns) {
-  const Ended ended = RunWith({"--lcm-url", "memq://", "--channel-prefix", "A_", "--config",
-                               "paper", "--config", "default"},
+  const Ended ended = RunWith({"--lcm-url", "udpm://239.255.76.67:7668", "--channel-prefix", "A_",
+                               "--config", "paper", "--config", "default"},
                               [](const ServiceContext& context) {
                                 EXPECT_EQ(context.stage, "probe");
-                                EXPECT_EQ(context.lcm_url, "memq://");
+                                EXPECT_EQ(context.lcm_url, "udpm://239.255.76.67:7668");
                                 EXPECT_EQ(context.prefix, "A_");
                                 EXPECT_EQ(context.config.grow().fill(), GrowConfig::PRIOR);
                                 EXPECT_EQ(context.config.capture().tof_grid_px(), 10);
@@ -209,7 +212,7 @@ TEST(Service, RefusesReplayFlagsThatDoNotGoTogether) {
       {"--replay", "a"},
       {"--record", "c"},
       {"--frames", "1:2"},
-      {"--replay", "a", "--record", "c", "--lcm-url", "memq://"},
+      {"--replay", "a", "--record", "c", "--lcm-url", "udpm://"},
       {"--replay", "a", "--record", "c", "--frames", "2:1"},
       {"--replay", "a", "--record", "c", "--record", "d"},
   };
@@ -233,6 +236,33 @@ TEST(Service, StopsItsBodyOnSigtermAndSigint) {
     });
     EXPECT_EQ(ended.exit_code, 0);
   }
+}
+
+// Neither looks at its stop token: as if in a read, a send or a computation that does not return.
+[[noreturn]] void NeverReturn() {
+  while (true) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
+TEST(ServiceDeathTest, EndsWithinTwoSecondsOfASignalWhateverItsBodyIsStuckIn) {
+  const auto started = std::chrono::steady_clock::now();
+  EXPECT_EXIT(RunWith({},
+                      [](const ServiceContext&) -> int {
+                        kill(getpid(), SIGTERM);
+                        NeverReturn();
+                      }),
+              ::testing::KilledBySignal(SIGALRM), "");
+  EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(2));
+}
+
+TEST(ServiceDeathTest, EndsAtOnceOnASecondSignal) {
+  EXPECT_EXIT(RunWith({},
+                      [](const ServiceContext& context) -> int {
+                        kill(getpid(), SIGTERM);
+                        while (!context.stop.stop_requested()) std::this_thread::yield();
+                        kill(getpid(), SIGINT);
+                        NeverReturn();
+                      }),
+              ::testing::KilledBySignal(SIGINT), "");
 }
 
 }  // namespace

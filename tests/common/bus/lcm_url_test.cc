@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/bus/publisher.h"
-
 namespace sprout {
 namespace {
 
@@ -32,31 +30,55 @@ TEST(ReceiveBufferWarning, IsSilentWhenThereIsNothingToWarnOf) {
   EXPECT_FALSE(ReceiveBufferWarning("udpm://239.255.76.67:7667?recv_buf_size=1"));
   EXPECT_FALSE(ReceiveBufferWarning("udpm://239.255.76.67:7667?ttl=0"));
   EXPECT_FALSE(ReceiveBufferWarning("tcpq://localhost:7700?recv_buf_size=99999999999"));
-  EXPECT_FALSE(ReceiveBufferWarning("memq://"));
   EXPECT_FALSE(ReceiveBufferWarning(""));
 }
 
-TEST(OpenLcm, RefusesAUrlOfNoKnownKind) {
-  EXPECT_THAT(ErrorOf("nonsense"), HasSubstr("cannot open LCM URL nonsense; allowed: udpm://"));
-  EXPECT_THAT(ErrorOf("http://localhost:80"), HasSubstr("http://localhost:80; allowed: udpm://"));
+TEST(LcmUrl, IsRefusedInOneLineThatSaysWhatIsAllowed) {
+  const struct {
+    const char* url;
+    const char* error;
+  } table[] = {
+      {"", "no such kind; allowed: udpm://"},
+      {"nonsense", "LCM URL nonsense: no such kind; allowed: udpm://"},
+      {"http://localhost:80", "no such kind"},
+      {"memq://", "no such kind"},  // reaches nobody
+      {"file:///tmp/log.lcm", "no such kind"},
+      {"udpm://localhost:7667", "'localhost' is no multicast group; allowed: 224.0.0.0 to"},
+      {"udpm://239.255.76:7667?ttl=0", "'239.255.76' is no multicast group"},
+      {"udpm://127.0.0.1:7667", "'127.0.0.1' is no multicast group"},
+      {"udpm://240.0.0.1:7667", "'240.0.0.1' is no multicast group"},
+      {"udpm://239.255.76.67:0", "port '0'; allowed: 1 to 65535"},
+      {"udpm://239.255.76.67:65536", "port '65536'"},
+      {"udpm://239.255.76.67:x", "port 'x'"},
+      {"udpm://239.255.76.67:7667?ttl=-5", "'ttl=-5'; allowed: ttl=0 to ttl=255"},
+      {"udpm://239.255.76.67:7667?ttl=999", "'ttl=999'"},
+      {"udpm://239.255.76.67:7667?ttl=", "'ttl='"},
+      {"udpm://239.255.76.67:7667?ttl", "'ttl'"},
+      {"udpm://239.255.76.67:7667?ttl=0&tll=1", "'tll=1'; allowed: "},
+      {"udpm://239.255.76.67:7667?recv_buf_size=0", "'recv_buf_size=0'"},
+      {"tcpq://localhost:99999", "port '99999'"},
+      {"tcpq://localhost:7700?ttl=0", "'ttl=0'; allowed: tcpq://HOST:PORT, without options"},
+  };
+  for (const auto& [url, error] : table) {
+    ASSERT_TRUE(LcmUrlError(url)) << url;
+    EXPECT_THAT(*LcmUrlError(url), HasSubstr(error));
+    EXPECT_EQ(LcmUrlError(url)->find('\n'), std::string::npos);
+    EXPECT_EQ(ErrorOf(url), *LcmUrlError(url));
+  }
 }
 
-TEST(OpenLcm, RefusesAMulticastGroupThatIsNoAddress) {
-  EXPECT_THAT(ErrorOf("udpm://localhost:7667"), HasSubstr("'localhost' is no IPv4 address"));
-  EXPECT_THAT(ErrorOf("udpm://239.255.76:7667?ttl=0"), HasSubstr("'239.255.76' is no IPv4"));
+TEST(LcmUrl, MayLeaveOutWhatLcmKnowsByItself) {
+  for (const char* url : {kDefaultLcmUrl, "udpm://", "udpm://?ttl=1", "udpm://:7668",
+                          "udpm://239.255.76.67", "udpm://224.0.0.1:1?ttl=255,recv_buf_size=1",
+                          "tcpq://", "tcpq://localhost", "tcpq://h:1"}) {
+    EXPECT_EQ(LcmUrlError(url), std::nullopt) << url;
+  }
 }
 
 TEST(OpenLcm, SaysWhenNoServerAnswers) {
   // Port 1 of this host: nothing listens there.
-  EXPECT_THAT(ErrorOf("tcpq://127.0.0.1:1"), HasSubstr("with its server running"));
-}
-
-TEST(OpenLcm, OpensAQueueInMemory) { EXPECT_NE(OpenLcm("memq://"), nullptr); }
-
-TEST(Publisher, NeedsAConnection) {
-  const uint8_t byte = 1;
-  EXPECT_TRUE(Publisher("memq://", "A_").Publish("SPROUT_LEFT", {&byte, 1}));
-  EXPECT_THROW(Publisher("nonsense", ""), BusError);
+  EXPECT_THAT(ErrorOf("tcpq://127.0.0.1:1"),
+              HasSubstr("cannot open LCM URL tcpq://127.0.0.1:1; is its server"));
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <future>
+#include <thread>
 
 #include "common/bus/mailbox.h"
 #include "common/bus/publisher.h"
@@ -89,6 +91,40 @@ TEST_F(ReceiverTest, SurvivesAndStopsWhenTheServerIsGone) {
   EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(2));
 }
 
+TEST(Receiver, CountsWhatItDropsWhenItsHandlerIsTooSlow) {
+  FakeTcpqServer server;
+  std::promise<void> released;
+  const std::shared_future<void> release = released.get_future().share();
+  std::atomic<int> heard = 0;
+  std::atomic<int> dropped = 0;
+  std::optional<Receiver> receiver;
+  auto started = std::async(std::launch::async, [&] {
+    receiver.emplace(
+        server.url(), "", std::vector<std::string_view>{"A", "END"},
+        [&](std::string_view channel, std::span<const uint8_t>) {
+          release.wait();
+          if (channel == "A") ++heard;
+        },
+        [&](std::string_view channel) {
+          if (channel == "A")
+            ++dropped;
+          else
+            released.set_value();
+        },
+        /*max_queued_bytes=*/10'000);
+  });
+  ASSERT_TRUE(server.Accept());
+  for (int i = 0; i < 2; ++i) server.Receive();  // subscriptions
+  started.get();
+  for (int i = 0; i < 20; ++i) server.Send("A", std::string(1000, 'x'));
+  server.Send("END", std::string(20'000, 'x'));  // fits never
+  release.wait();
+  EXPECT_GE(dropped, 10);
+  const int kept = 20 - dropped;
+  while (heard < kept) std::this_thread::yield();
+  EXPECT_EQ(heard + dropped, 20);
+}
+
 TEST(Publisher, PutsThePrefixBeforeTheChannel) {
   FakeTcpqServer server;
   auto publishing = std::async(std::launch::async, [&] {
@@ -102,6 +138,8 @@ TEST(Publisher, PutsThePrefixBeforeTheChannel) {
   EXPECT_EQ(received.data, std::string("x\0y", 3));
   EXPECT_TRUE(publishing.get());
 }
+
+TEST(Publisher, NeedsAConnection) { EXPECT_THROW(Publisher("nonsense", ""), BusError); }
 
 TEST(Publisher, SaysSoWhenTheServerIsGone) {
   FakeTcpqServer server;

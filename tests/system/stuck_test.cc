@@ -1,0 +1,92 @@
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <functional>
+#include <thread>
+
+#include "common/app/process.h"
+#include "tests/common/bus/fake_tcpq_server.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/services/capture/scene_folder.h"
+#include "tests/system/graph.h"
+
+// Processes that wait for what never comes: a signal ends them all the same.
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of supervisors, which kill then.
+constexpr std::chrono::seconds kPatience{2};
+
+bool Eventually(const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
+fs::path MakeFifo(const fs::path& path) {
+  if (mkfifo(path.c_str(), 0600) != 0) throw std::runtime_error("no FIFO " + path.string());
+  return path;
+}
+
+// Opens for writing, and writes nothing; true once somebody reads there.
+bool IsRead(const fs::path& fifo) { return open(fifo.c_str(), O_WRONLY | O_NONBLOCK) >= 0; }
+
+void ExpectEndsOnSigterm(const std::vector<std::string>& command, const fs::path& fifo) {
+  Process process(command);
+  const std::chrono::seconds no_time{0};
+  ASSERT_TRUE(Eventually([&] { return IsRead(fifo) || process.Wait(no_time); }))
+      << process.Output();
+  process.Signal(SIGTERM);
+  EXPECT_TRUE(process.Wait(kPatience)) << command[0] << " " << command[1];
+}
+
+TEST(StuckSystem, ASignalEndsWhoReadsALogThatIsAFifo) {
+  const TemporaryDirectory folder;
+  const fs::path fifo = MakeFifo(folder / "fifo");
+  ExpectEndsOnSigterm(
+      {ProgramPath("sprout-grow"), "--replay", fifo, "--record", folder / "out.lcm"}, fifo);
+}
+
+TEST(StuckSystem, ASignalEndsWhoCapturesALogThatIsAFifo) {
+  const TemporaryDirectory folder;
+  const fs::path fifo = MakeFifo(folder / "fifo");
+  ExpectEndsOnSigterm({ProgramPath("sprout-capture"), "--source", "log:" + fifo.string()}, fifo);
+}
+
+TEST(StuckSystem, ASignalEndsWhoReadsASceneWithAFifoInIt) {
+  const SceneFolder scene;
+  scene.Write2005({413, 370});
+  const fs::path fifo = MakeFifo(scene.File("dmin.txt"));
+  ExpectEndsOnSigterm({ProgramPath("sprout-capture"), "--source", scene.Config().source()}, fifo);
+}
+
+TEST(StuckSystem, ASignalEndsWhoseServerTakesNoMore) {
+  FakeTcpqServer server;
+  Process capture({ProgramPath("sprout-capture"), "--lcm-url", server.url(), "--source",
+                   "synthetic:640x480", "--rate", "0", "--log-level", "debug"});
+  // The frames', the answers' and the status' connection. None of them is ever read.
+  for (int connection = 0; connection < 3; ++connection) ASSERT_TRUE(server.Accept());
+  // Until the buffers between are full: then no line says any more that a frame was sent.
+  size_t said = 0;
+  int unchanged = 0;
+  ASSERT_TRUE(Eventually([&] {
+    const size_t now = capture.Output().size();
+    unchanged = now == said ? unchanged + 1 : 0;
+    said = now;
+    return unchanged > 50;
+  }));
+  capture.Signal(SIGTERM);
+  EXPECT_TRUE(capture.Wait(kPatience)) << capture.Output();
+}
+
+}  // namespace
+}  // namespace sprout
