@@ -1,6 +1,8 @@
 #include "common/app/program.h"
 
+#include <cstdlib>
 #include <iostream>
+#include <sstream>
 
 #include "common/app/version.h"
 #include "common/config/config.h"
@@ -8,6 +10,19 @@
 namespace sprout {
 
 std::string Version() { return kVersion; }
+
+CLI::Validator NumberIn(double low, double high) {
+  std::ostringstream range;
+  range << low << " to " << high;
+  return {[=, allowed = range.str()](const std::string& text) -> std::string {
+            char* end = nullptr;
+            const double value = std::strtod(text.c_str(), &end);
+            const bool is_number = end != text.c_str() && *end == '\0';
+            if (is_number && value >= low && value <= high) return {};
+            return "'" + text + "' is not allowed: a number, " + allowed;
+          },
+          "NUMBER in " + range.str()};
+}
 
 int RunProgram(CLI::App& flags, int argc, const char* const* argv,
                const std::function<int()>& body) {

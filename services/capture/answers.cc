@@ -15,53 +15,57 @@ std::vector<std::string_view> Channels(bool disparities) {
 
 }  // namespace
 
-Answers::Answers(const ServiceContext& context, StageMonitor& monitor, bool disparities)
+Answers::Answers(const ServiceContext& context, StageMonitor& monitor,
+                 const std::vector<std::string>& stages, bool disparities)
     : monitor_(monitor),
-      receiver_(context.lcm_url, context.prefix, Channels(disparities),
-                [this](std::string_view channel, std::span<const uint8_t> bytes) {
-                  OnMessage(channel, bytes);
-                }) {}
+      silent_(stages.begin(), stages.end()),
+      receiver_(
+          context.lcm_url, context.prefix, Channels(disparities),
+          [this](std::string_view channel, std::span<const uint8_t> bytes) {
+            OnMessage(channel, bytes);
+          },
+          [this](std::string_view channel) { monitor_.MessageDropped(channel); }) {}
 
 void Answers::OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
   try {
-    if (channel == kStatusChannel) {
-      const Result<StageStatus> status = DecodeStatus(bytes);
-      if (!status) return monitor_.BadMessage(channel, status.error().text);
-      const std::lock_guard lock(mutex_);
-      stages_.insert(status->stage);
-    } else {
-      const Result<DecodedPart> part = DecodePart(Part::kDisparity, bytes);
-      if (!part) return monitor_.BadMessage(channel, part.error().text);
-      const std::lock_guard lock(mutex_);
-      missing_.erase(part->id.seq);
-    }
+    channel == kStatusChannel ? OnStatus(bytes) : OnDisparity(bytes);
   } catch (const std::exception& e) {  // out of memory: must not cross LCM's C frames
     monitor_.BadMessage(channel, e.what());
   }
   changed_.notify_all();
 }
 
-std::vector<std::string> Answers::WaitForStages(const std::vector<std::string>& stages,
-                                                Deadline deadline, const std::stop_token& stop) {
-  std::vector<std::string> missing;
+void Answers::OnStatus(std::span<const uint8_t> bytes) {
+  const Result<StageStatus> status = DecodeStatus(bytes);
+  if (!status) return monitor_.BadMessage(kStatusChannel, status.error().text);
+  const std::lock_guard lock(mutex_);
+  silent_.erase(status->stage);
+}
+
+// What was not asked for is not worth decoding.
+void Answers::OnDisparity(std::span<const uint8_t> bytes) {
+  const Result<FrameId> id = DecodeFrameId(bytes);
+  if (id && IsAnswered(*id)) return;
+  const Result<DecodedPart> part = DecodePart(Part::kDisparity, bytes);
+  if (!part) return monitor_.BadMessage(ChannelOf(Part::kDisparity), part.error().text);
+  const std::lock_guard lock(mutex_);
+  std::erase(missing_, part->id);
+}
+
+std::set<std::string> Answers::WaitForStages(Deadline deadline, const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, stop, deadline, [&] {
-    missing.clear();
-    std::copy_if(stages.begin(), stages.end(), std::back_inserter(missing),
-                 [&](const std::string& stage) { return !stages_.contains(stage); });
-    return missing.empty();
-  });
-  return missing;
+  changed_.wait_until(lock, stop, deadline, [&] { return silent_.empty(); });
+  return silent_;
 }
 
-void Answers::Expect(int64_t seq) {
+void Answers::Expect(const FrameId& id) {
   const std::lock_guard lock(mutex_);
-  missing_.insert(seq);
+  missing_.push_back(id);
 }
 
-bool Answers::IsAnswered(int64_t seq) {
+bool Answers::IsAnswered(const FrameId& id) {
   const std::lock_guard lock(mutex_);
-  return !missing_.contains(seq);
+  return std::find(missing_.begin(), missing_.end(), id) == missing_.end();
 }
 
 void Answers::WaitForRoom(size_t count, Deadline deadline, const std::stop_token& stop) {

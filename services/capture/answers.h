@@ -14,6 +14,7 @@
 #include "common/app/service.h"
 #include "common/app/stage_monitor.h"
 #include "common/bus/receiver.h"
+#include "common/core/frame_id.h"
 
 namespace sprout {
 
@@ -23,19 +24,21 @@ class Answers {
  public:
   using Deadline = StageMonitor::Clock::time_point;
 
-  /// Listens to SPROUT_STATUS and, with `disparities`, to SPROUT_DISPARITY.
+  /// Listens to SPROUT_STATUS and, with `disparities`, to SPROUT_DISPARITY. Remembers nothing that
+  /// was not asked for, whatever comes.
+  /// @param stages  to wait for.
   /// @throws BusError, see OpenLcm().
-  Answers(const ServiceContext& context, StageMonitor& monitor, bool disparities);
+  Answers(const ServiceContext& context, StageMonitor& monitor,
+          const std::vector<std::string>& stages, bool disparities);
 
-  /// Waits until every named stage has reported.
+  /// Waits until every stage has reported.
   /// @returns the stages that have not: none, unless the deadline passed or a stop was requested.
-  std::vector<std::string> WaitForStages(const std::vector<std::string>& stages, Deadline deadline,
-                                         const std::stop_token& stop);
+  std::set<std::string> WaitForStages(Deadline deadline, const std::stop_token& stop);
 
-  /// A frame is about to be sent; its answer will be waited for.
-  void Expect(int64_t seq);
+  /// A frame is about to be sent; its answer, one with the whole of this name, will be waited for.
+  void Expect(const FrameId& id);
 
-  bool IsAnswered(int64_t seq);
+  bool IsAnswered(const FrameId& id);
 
   /// Waits until at most `count` of the expected answers are missing, the deadline passes or a stop
   /// is requested.
@@ -43,13 +46,15 @@ class Answers {
 
  private:
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
+  void OnStatus(std::span<const uint8_t> bytes);
+  void OnDisparity(std::span<const uint8_t> bytes);
 
   StageMonitor& monitor_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::set<std::string> stages_;
-  std::set<int64_t> missing_;  // expected and not answered
-  Receiver receiver_;          // last: stops before the rest is destroyed
+  std::set<std::string> silent_;  // stages that have not reported
+  std::vector<FrameId> missing_;  // expected and not answered
+  Receiver receiver_;             // last: stops before the rest is destroyed
 };
 
 }  // namespace sprout

@@ -41,7 +41,7 @@ class Capture {
         feed_(OpenCaptureFeed(context.config.capture(), options.loop, monitor_)),
         pace_(PaceOf(context.config.capture(), options, *feed_)),
         publisher_(context.lcm_url, context.prefix),
-        answers_(context, monitor_, options.lockstep.has_value()),
+        answers_(context, monitor_, options.wait_for, options.lockstep.has_value()),
         reporter_(context, monitor_) {}
 
   int Run() {
@@ -66,13 +66,14 @@ class Capture {
 
   // False when the feed has ended.
   bool SendNext() {
-    WaitUntil(pace_.DueBeforeTaking(sent_));
+    WaitUntil(pace_.DueBeforeTaking());
     if (options_.lockstep) WaitForRoom(static_cast<size_t>(*options_.lockstep) - 1);
     if (stop_.stop_requested()) return true;
     const auto arrived = Clock::now();
+    pace_.Take(arrived);
     std::optional<CaptureMessages> frame = feed_->Next();
     if (!frame) return false;
-    WaitUntil(pace_.DueBeforeSending(frame->id));
+    WaitUntil(pace_.DueBeforeSending(frame->id, Clock::now()));
     if (!stop_.stop_requested()) Send(std::move(*frame), arrived);
     return true;
   }
@@ -88,13 +89,14 @@ class Capture {
           "of the log, {} frames were not sent for want of a message, {} messages were bad",
           status.frames_incomplete, status.bad_messages);
     }
-    spdlog::info("sent {} frames in {:.2f} s, {} again for want of an answer", status.frames_out,
-                 std::chrono::duration<double>(time).count(), status.frames_resent);
+    spdlog::info("sent {} frames in {:.2f} s, {} again for want of an answer; {} could not be sent",
+                 status.frames_out, std::chrono::duration<double>(time).count(),
+                 status.frames_resent, status.frames_failed);
   }
 
   bool WaitForStages() {
-    const auto missing = answers_.WaitForStages(
-        options_.wait_for, Clock::now() + ToClock(options_.wait_timeout), stop_);
+    const auto missing =
+        answers_.WaitForStages(Clock::now() + ToClock(options_.wait_timeout), stop_);
     for (const std::string& stage : missing) {
       if (!stop_.stop_requested()) {
         spdlog::error(
@@ -117,9 +119,8 @@ class Capture {
   void WaitForRoom(size_t count) {
     while (!stop_.stop_requested() && in_flight_.size() > count) {
       answers_.WaitForRoom(count, Clock::now() + std::chrono::milliseconds(200), stop_);
-      std::erase_if(in_flight_, [&](const InFlight& waiting) {
-        return answers_.IsAnswered(waiting.frame.id.seq);
-      });
+      std::erase_if(in_flight_,
+                    [&](const InFlight& waiting) { return answers_.IsAnswered(waiting.frame.id); });
       PublishCalibrationWhenDue();
       SendOverdueAgain();
     }
@@ -130,7 +131,7 @@ class Capture {
       if (Clock::now() < waiting.sent + ToClock(options_.lockstep_timeout)) continue;
       monitor_.FrameResent(waiting.frame.id);
       PublishCalibration();
-      Publish(waiting.frame);
+      static_cast<void>(Publish(waiting.frame));
       waiting.sent = Clock::now();
     }
   }
@@ -140,14 +141,20 @@ class Capture {
     ++sent_;
     monitor_.FrameIn(/*skipped=*/false);
     PublishCalibrationWhenDue();
-    if (options_.lockstep) answers_.Expect(id.seq);
-    Publish(frame);
+    if (options_.lockstep) answers_.Expect(id);
+    const bool published = Publish(frame);
     if (options_.lockstep) in_flight_.push_back({std::move(frame), Clock::now()});
-    monitor_.FrameOut(id, arrived, /*degenerate=*/"");
+    if (published) monitor_.FrameOut(id, arrived, /*degenerate=*/"");
   }
 
-  void Publish(const CaptureMessages& frame) {
-    for (const auto& [part, bytes] : frame.messages) Publish(part, bytes);
+  // False, and counted, when not all of it could be sent.
+  bool Publish(const CaptureMessages& frame) {
+    for (const auto& [part, bytes] : frame.messages) {
+      if (publisher_.Publish(ChannelOf(part), bytes)) continue;
+      monitor_.FrameFailed(frame.id, std::string(ChannelOf(part)) + ": could not be published");
+      return false;
+    }
+    return true;
   }
 
   void PublishCalibrationWhenDue() {
@@ -155,14 +162,11 @@ class Capture {
   }
 
   void PublishCalibration() {
-    Publish(Part::kRig, feed_->Calibration());
-    next_calibration_ = Clock::now() + kCalibrationPeriod;
-  }
-
-  void Publish(Part part, std::span<const uint8_t> bytes) {
-    if (!publisher_.Publish(ChannelOf(part), bytes)) {
-      monitor_.Failure(std::string(ChannelOf(part)) + ": could not be published");
+    const std::string_view channel = ChannelOf(Part::kRig);
+    if (!publisher_.Publish(channel, feed_->Calibration())) {
+      monitor_.Failure(std::string(channel) + ": could not be published");
     }
+    next_calibration_ = Clock::now() + kCalibrationPeriod;
   }
 
   const CaptureOptions& options_;

@@ -52,7 +52,7 @@ void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Tim
       ->type_name("N");
   flags
       .add_option("--lockstep-timeout", timeouts.lockstep_s, "How long to wait for that answer, s")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(NumberIn(0.1, 3600.0))
       ->capture_default_str();
   flags
       .add_option("--wait-for", options.wait_for,
@@ -60,7 +60,7 @@ void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Tim
       ->delimiter(',')
       ->type_name("STAGES");
   flags.add_option("--wait-timeout", timeouts.wait_s, "How long to wait for those stages, s")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(NumberIn(0.1, 3600.0))
       ->capture_default_str();
 }
 

@@ -3,22 +3,38 @@
 #include <algorithm>
 
 namespace sprout {
+namespace {
+
+// Between frames at the lowest rates: 30 years, which a clock can still count.
+constexpr double kLongestPeriodS = 1e9;
+
+// From when a frame is counted that was due at `due` and comes `now`.
+Pace::Clock::time_point Forgiving(Pace::Clock::time_point due, Pace::Clock::time_point now,
+                                  Pace::Clock::duration interval) {
+  return now - due > interval ? now : due;
+}
+
+}  // namespace
 
 void Pace::Start(Clock::time_point now) { due_ = now; }
 
-Pace::Clock::time_point Pace::DueBeforeTaking(int64_t sent) const {
-  if (!rate_hz_ || *rate_hz_ <= 0) return due_;
-  const std::chrono::duration<double> after(static_cast<double>(sent) / *rate_hz_);
-  return due_ + std::chrono::duration_cast<Clock::duration>(after);
+Pace::Clock::time_point Pace::DueBeforeTaking() const { return due_; }
+
+void Pace::Take(Clock::time_point now) {
+  if (!rate_hz_ || *rate_hz_ <= 0) return;
+  const std::chrono::duration<double> exact(std::min(1 / *rate_hz_, kLongestPeriodS));
+  const auto period = std::chrono::duration_cast<Clock::duration>(exact);
+  due_ = Forgiving(due_, now, period) + period;
 }
 
-Pace::Clock::time_point Pace::DueBeforeSending(const FrameId& id) {
-  if (rate_hz_) return due_;
+Pace::Clock::time_point Pace::DueBeforeSending(const FrameId& id, Clock::time_point now) {
+  if (rate_hz_) return now;
   // Neither utime is negative, so no difference overflows.
   const std::chrono::microseconds interval(id.utime - utime_.value_or(id.utime));
-  due_ += std::clamp<std::chrono::microseconds>(interval, std::chrono::microseconds::zero(),
-                                                kLongestInterval);
+  const auto waited = std::clamp<std::chrono::microseconds>(
+      interval, std::chrono::microseconds::zero(), kLongestInterval);
   utime_ = id.utime;
+  due_ = Forgiving(due_ + waited, now, waited);
   return due_;
 }
 

@@ -9,7 +9,9 @@
 
 namespace sprout {
 
-/// When a frame is due: at a fixed rate, or at the intervals at which it was once captured.
+/// When a frame is due: at a fixed rate, or at the intervals at which it was once captured. After
+/// a stall of more than one interval the rest comes that much later: no camera sends in a burst
+/// what it could not send in time.
 class Pace {
  public:
   using Clock = std::chrono::steady_clock;
@@ -20,12 +22,15 @@ class Pace {
 
   void Start(Clock::time_point now);
 
-  /// When the frame after `sent` others may be taken; a recorded one at any time.
-  Clock::time_point DueBeforeTaking(int64_t sent) const;
+  /// When the next frame may be taken; a recorded one at any time.
+  Clock::time_point DueBeforeTaking() const;
+
+  /// A frame is taken now.
+  void Take(Clock::time_point now);
 
   /// When a frame that was taken may be sent. Call once a frame. Intervals that go back, as when
   /// capture was started again, count as none, and those above kLongestInterval as that long.
-  Clock::time_point DueBeforeSending(const FrameId& id);
+  Clock::time_point DueBeforeSending(const FrameId& id, Clock::time_point now);
 
   static constexpr std::chrono::seconds kLongestInterval{10};
 
@@ -33,7 +38,7 @@ class Pace {
   explicit Pace(std::optional<double> rate_hz) : rate_hz_(rate_hz) {}
 
   std::optional<double> rate_hz_;  // nothing: as recorded
-  Clock::time_point due_{};        // of the newest frame; of the first one at any rate
+  Clock::time_point due_{};        // at a rate of the next frame, as recorded of the newest one
   std::optional<int64_t> utime_;   // of the newest frame
 };
 

@@ -33,10 +33,10 @@ int Main(int argc, char** argv) {
                   "A bus that nobody else is on; the program gets it as LCM_DEFAULT_URL")
       ->capture_default_str();
   flags.add_option("--start-timeout", start_s, "Until the first answer, s")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(NumberIn(0.1, 3600.0))
       ->capture_default_str();
   flags.add_option("--timeout", answer_s, "Until any other answer, s")
-      ->check(CLI::Range(0.01, 3600.0))
+      ->check(NumberIn(0.01, 3600.0))
       ->capture_default_str();
   flags.set_version_flag("--version", "sprout-check-stage " + Version());
   return RunProgram(flags, argc, argv, [&] {

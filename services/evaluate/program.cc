@@ -111,12 +111,12 @@ void AddInputFlags(CLI::App& flags, Options& options) {
   flags
       .add_option("--seed-noise-px", options.noise.disparity_px,
                   "Gaussian noise on the disparity of the refined seeds, standard deviation, px")
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(NumberIn(0.0, 1000.0))
       ->capture_default_str();
   flags
       .add_option("--seed-jitter-px", options.noise.jitter_px,
                   "Uniform noise on their position in u and in v, at most, px")
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(NumberIn(0.0, 1000.0))
       ->capture_default_str();
   flags.add_option("--seed", options.noise.seed, "Of the random numbers")->capture_default_str();
 }

@@ -1,6 +1,7 @@
 #include "services/snapshot/graph_listener.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,9 @@
 
 namespace sprout {
 namespace {
+
+// Stages whose status is kept; a graph has four. Names are free, so anybody could invent more.
+constexpr size_t kMaxStages = 32;
 
 // Those that it shows: a refinement stage need not publish what only the left camera sees.
 PartSet ShownParts() {
@@ -29,10 +33,12 @@ std::vector<std::string_view> WithStatus(std::vector<std::string_view> channels)
 GraphListener::GraphListener(const ServiceContext& context, StageMonitor& monitor)
     : monitor_(monitor),
       assembler_(ShownParts(), monitor),
-      receiver_(context.lcm_url, context.prefix, WithStatus(assembler_.channels()),
-                [this](std::string_view channel, std::span<const uint8_t> bytes) {
-                  OnMessage(channel, bytes);
-                }) {}
+      receiver_(
+          context.lcm_url, context.prefix, WithStatus(assembler_.channels()),
+          [this](std::string_view channel, std::span<const uint8_t> bytes) {
+            OnMessage(channel, bytes);
+          },
+          [this](std::string_view channel) { monitor_.MessageDropped(channel); }) {}
 
 void GraphListener::OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
   if (channel == kStatusChannel) return OnStatus(bytes);
@@ -51,6 +57,10 @@ void GraphListener::OnStatus(std::span<const uint8_t> bytes) {
   Result<StageStatus> status = DecodeStatus(bytes);
   if (!status) return monitor_.BadMessage(kStatusChannel, status.error().text);
   const std::lock_guard lock(mutex_);
+  if (statuses_.size() == kMaxStages && !statuses_.contains(status->stage)) {
+    return monitor_.BadMessage(
+        kStatusChannel, "from one more stage: allowed are up to " + std::to_string(kMaxStages));
+  }
   statuses_[status->stage] = std::move(*status);
   changed_.notify_all();
 }

@@ -23,7 +23,7 @@
 namespace sprout {
 
 /// Listens to everything the graph says and keeps the newest whole frame and the newest status of
-/// each stage. Thread-safe.
+/// each stage, of up to 32. Thread-safe.
 class GraphListener {
  public:
   using Deadline = StageMonitor::Clock::time_point;

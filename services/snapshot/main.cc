@@ -78,7 +78,7 @@ int Main(int argc, char** argv) {
       ->capture_default_str();
   service.flags()
       .add_option("--timeout", options.timeout_s, "How long to wait for them, s")
-      ->check(CLI::Range(0.1, 86400.0))
+      ->check(NumberIn(0.1, 86400.0))
       ->capture_default_str();
   service.flags()
       .add_option("--source", options.source,
