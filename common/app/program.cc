@@ -12,16 +12,16 @@ namespace sprout {
 std::string Version() { return kVersion; }
 
 CLI::Validator NumberIn(double low, double high) {
-  std::ostringstream range;
-  range << low << " to " << high;
-  return {[=, allowed = range.str()](const std::string& text) -> std::string {
+  std::ostringstream allowed;
+  allowed << "a number from " << low << " to " << high;
+  return {[=, text_of_allowed = allowed.str()](const std::string& text) -> std::string {
             char* end = nullptr;
             const double value = std::strtod(text.c_str(), &end);
             const bool is_number = end != text.c_str() && *end == '\0';
             if (is_number && value >= low && value <= high) return {};
-            return "'" + text + "' is not allowed: a number, " + allowed;
+            return "'" + text + "' is not allowed: " + text_of_allowed;
           },
-          "NUMBER in " + range.str()};
+          allowed.str()};
 }
 
 int RunProgram(CLI::App& flags, int argc, const char* const* argv,

@@ -63,6 +63,9 @@ class SignalWatcher {
       if (stop.stop_requested()) return;
       signal = sigtimedwait(&signals_, nullptr, &kPoll);
     }
+    // Whoever started this process may have told it to ignore or block them.
+    for (const int ending : {SIGINT, SIGTERM, SIGALRM}) std::signal(ending, SIG_DFL);
+    sigaddset(&signals_, SIGALRM);
     setitimer(ITIMER_REAL, &kGracePeriod, nullptr);
     pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
     source_.request_stop();

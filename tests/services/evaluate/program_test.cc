@@ -128,6 +128,8 @@ TEST(EvaluateProgram, RefusesUnknownMethodsPresetsAndTofCameras) {
   ExpectRefused({kScene, "--methods", "prior,elas"}, "--methods elas: no such method");
   ExpectRefused({kScene, "--preset", "turbo"}, "allowed: a file, or a preset");
   ExpectRefused({kScene, "--tof", "lidar"}, "--tof lidar");
+  ExpectRefused({kScene, "--seed-noise-px", "nan"}, "--seed-noise-px: 'nan' is not allowed");
+  ExpectRefused({kScene, "--seed-jitter-px", "nan"}, "--seed-jitter-px: 'nan' is not allowed");
   ExpectRefused({kScene, "--repeat", "0"}, "--repeat");
   ExpectRefused({kScene, "--seed-noise-px", "-1"}, "--seed-noise-px");
   ExpectRefused({}, "SCENE");

@@ -10,6 +10,7 @@ import sprout.seeds_t;
  */
 final class Border {
   private static final int MAX_SIDE = 16384; // px, as in lcmtypes
+  private static final long MAX_PIXELS = 100_000_000; // as in common/messages
   private static final int RIG_ID = 24; // behind the fingerprint, utime and seq, 8 bytes each
   private static final int MAX_RIG_ID = 64;
 
@@ -37,6 +38,8 @@ final class Border {
     requireHeader(message.header);
     require(message.width >= 1 && message.width <= MAX_SIDE, "width = " + message.width);
     require(message.height >= 1 && message.height <= MAX_SIDE, "height = " + message.height);
+    // A few bytes must not ask for gigabytes.
+    require((long) message.width * message.height <= MAX_PIXELS, "width x height");
     // Checked although this method needs only the size: who trusts half of a message is the next
     // one's problem.
     require(Double.isFinite(message.focal_px) && message.focal_px > 0, "focal_px");
