@@ -42,10 +42,7 @@ void Answers::OnStatus(std::span<const uint8_t> bytes) {
   silent_.erase(status->stage);
 }
 
-// What was not asked for is not worth decoding.
 void Answers::OnDisparity(std::span<const uint8_t> bytes) {
-  const Result<FrameId> id = DecodeFrameId(bytes);
-  if (id && IsAnswered(*id)) return;
   const Result<DecodedPart> part = DecodePart(Part::kDisparity, bytes);
   if (!part) return monitor_.BadMessage(ChannelOf(Part::kDisparity), part.error().text);
   const std::lock_guard lock(mutex_);
