@@ -1,7 +1,11 @@
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <fstream>
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
@@ -16,6 +20,17 @@ using testing::HasSubstr;
 using testing::UnorderedElementsAre;
 
 const std::string kRecord = std::string(SPROUT_SOURCE_DIR) + "/scripts/record";
+
+/// Whether a program runs that was given this argument.
+bool SomebodyHas(const std::string& argument) {
+  std::error_code gone;
+  for (const auto& process : std::filesystem::directory_iterator("/proc")) {
+    std::ifstream file(process.path() / "cmdline", std::ios::binary);
+    const std::string line{std::istreambuf_iterator<char>(file), {}};
+    if (line.find(argument) != std::string::npos) return true;
+  }
+  return false;
+}
 
 std::vector<std::string> ChannelNames(const ChannelBytes& channels) {
   std::vector<std::string> names;
@@ -68,6 +83,60 @@ TEST(RecordSystem, RefusesAboveItsQuotaAndDeletesNothing) {
   EXPECT_THAT(record.Output(), HasSubstr("old.lcm"));
   EXPECT_TRUE(std::filesystem::exists(folder / "logs/old.lcm"));
   EXPECT_FALSE(std::filesystem::exists(folder / "logs/run.lcm"));
+}
+
+TEST(RecordSystem, SaysSoWhenTheLoggerDropsMessages) {
+  const TemporaryDirectory folder;
+  Graph graph;
+  graph.Start("refine");
+  // A left image takes more than the logger may keep.
+  graph.Start("capture", {"--source", "synthetic:1280x1024", "--rate", "4"});
+  Process record(
+      {kRecord, "--dir", folder / "logs", "--seconds", "3", "--drain", "1", "--memory", "1", "run"});
+  EXPECT_EQ(record.Wait(), 1);
+  EXPECT_THAT(record.Output(), HasSubstr("lcm-logger could not write fast enough"));
+}
+
+// A terminal that is closed, and a script that is killed: neither may leave a logger behind, which
+// would write for ever.
+TEST(RecordSystem, LeavesNoLoggerBehind) {
+  for (const int signal : {SIGHUP, SIGKILL}) {
+    const TemporaryDirectory folder;
+    Graph graph;
+    graph.Start("refine");
+    Process record({kRecord, "--dir", folder / "logs", "--all", "run"});
+    const std::string log = folder / "logs/run.lcm";
+    ASSERT_TRUE(graph.WaitUntil([&](Graph&) {
+      std::error_code missing;
+      return std::filesystem::file_size(log, missing) > 0 && !missing;
+    }));
+    ASSERT_TRUE(SomebodyHas(log));
+    record.Signal(signal);
+    EXPECT_EQ(record.Wait(), signal == SIGHUP ? 0 : 128 + SIGKILL) << record.Output();
+    EXPECT_TRUE(graph.WaitUntil([&](Graph&) { return !SomebodyHas(log); }));
+    EXPECT_THAT(ChannelNames(ReadChannels(log)), UnorderedElementsAre("SPROUT_STATUS"));
+  }
+}
+
+TEST(RecordSystem, LeavesNoEmptyLogBehindWhenTheUrlIsBad) {
+  const TemporaryDirectory folder;
+  Process record({kRecord, "--dir", folder / "logs", "--lcm-url", "nonsense://", "run"});
+  EXPECT_EQ(record.Wait(), 1);
+  EXPECT_THAT(record.Output(), HasSubstr("lcm-logger ended by itself"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "logs"));
+}
+
+TEST(DemoScript, RefusesASecondOneAtATime) {
+  const std::string tree = SPROUT_SOURCE_DIR;
+  std::filesystem::create_directory(tree + "/out");
+  const std::string lock = tree + "/out/demo.lock";
+  const int descriptor = open(lock.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  ASSERT_GE(descriptor, 0);
+  flock(descriptor, LOCK_EX | LOCK_NB);  // when it fails, a demo is running: as good
+  Process demo({tree + "/scripts/demo", "--synthetic"});
+  EXPECT_EQ(demo.Wait(), 1);
+  EXPECT_THAT(demo.Output(), HasSubstr("another demo writes to"));
+  close(descriptor);
 }
 
 TEST(RecordSystem, SaysSoWhenThereIsNothingToRecord) {
