@@ -16,7 +16,7 @@
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
 #include "common/logfile/log_error.h"
-#include "common/logfile/new_log.h"
+#include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 
@@ -34,12 +34,10 @@ constexpr size_t kMaxPending = 64;
 constexpr std::chrono::milliseconds kProgressPeriod{200};
 
 void RequireOtherFile(const std::string& log, const std::string& record) {
-  for (const std::string& written : {record, record + ".part"}) {
-    std::error_code ignored;
-    if (fs::equivalent(log, written, ignored)) {
-      throw ConfigError("--record " + record + ": would overwrite --replay " + log +
-                        "; allowed: another file");
-    }
+  std::error_code ignored;
+  if (fs::equivalent(log, record, ignored)) {
+    throw ConfigError("--record " + record + ": would overwrite --replay " + log +
+                      "; allowed: another file");
   }
 }
 
@@ -51,9 +49,9 @@ ReplayInput OpenInput(const std::vector<std::string>& logs) {
   }
 }
 
-std::unique_ptr<NewLog> OpenRecording(const std::string& record) {
+std::unique_ptr<LogWriter> OpenRecording(const std::string& record) {
   try {
-    return std::make_unique<NewLog>(record, /*overwrite=*/true);
+    return std::make_unique<LogWriter>(record);
   } catch (const LogError& e) {
     throw ConfigError(std::string("--record ") + e.what());
   }
@@ -87,7 +85,7 @@ class Replay {
     progress_.Clear();
     const bool stopped = context_.stop.stop_requested();
     if (!stopped) RequireFrames();
-    recording_->Commit();
+    recording_->Close();
     return Report(stopped);
   }
 
@@ -117,8 +115,7 @@ class Replay {
       const std::optional<Answer> answer = MakeAnswer(frame, plug_, encoding_, monitor_);
       if (!answer) continue;
       for (const Answer::Message& message : answer->messages) {
-        const std::string logged = LoggedChannel(message.channel);
-        recording_->Write({.utime = event.utime, .channel = logged, .data = message.bytes});
+        recording_->Write(event.utime, LoggedChannel(message.channel), message.bytes);
       }
       monitor_.FrameOut(frame.id, arrived, answer->degenerate);
     }
@@ -201,7 +198,7 @@ class Replay {
   StageMonitor monitor_;
   FrameAssembler assembler_;
   ReplayInput input_;
-  std::unique_ptr<NewLog> recording_;
+  std::unique_ptr<LogWriter> recording_;
   Progress progress_;
   std::optional<FrameRange> seen_;  // from the smallest to the largest seq in the logs
   Clock::time_point started_ = Clock::now();

@@ -1,7 +1,6 @@
 #include "common/logfile/file_window.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -29,9 +28,6 @@ InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)) {
     throw LogError(path_, "not a file");
   }
   size_ = status.st_size;
-  // Tells LogWriter that the file is in use. Who is refused (the file is just being written, or the
-  // file system knows no locks) reads all the same.
-  flock(descriptor_, LOCK_SH | LOCK_NB);
   posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);
 }
 

@@ -2,41 +2,38 @@
 #define SPROUT_COMMON_LOGFILE_LOG_WRITER_H_
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <span>
 #include <string_view>
 
+#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
 
 namespace sprout {
 
 /// Writes an event log that every LCM tool reads. Events are numbered 0, 1, ... as lcm-logger does.
+/// The log appears whole or not at all, see OutputFile: who reads an older one meanwhile reads on.
 class LogWriter {
  public:
-  /// Overwrites an older file.
-  /// @throws LogError when the file cannot be created, or a LogReader or LogWriter, of this or of
-  ///         another process, has it open: it would lose what it reads. The file stays as it is
-  ///         then. Locks that the file system does not know do not protect it.
-  explicit LogWriter(const std::filesystem::path& path);
-  ~LogWriter();
-  LogWriter(const LogWriter&) = delete;
-  LogWriter& operator=(const LogWriter&) = delete;
+  /// @param overwrite  whether a file of that name may be replaced.
+  /// @throws LogError when it may not, or nothing can be written there.
+  explicit LogWriter(const std::filesystem::path& path, bool overwrite = true);
 
   /// @param channel  1 to 63 characters.
   /// @throws LogError when the disk is full or the like.
   void Write(int64_t utime, std::string_view channel, std::span<const uint8_t> data);
 
-  /// Flushes and closes. @throws LogError. The destructor closes without a word.
+  /// Writes what is left and gives the log its name. Without it there is none.
+  /// @throws LogError; nothing is left behind then.
   void Close();
 
   int64_t events() const { return events_; }  ///< written so far
 
  private:
-  void Put(const void* bytes, size_t count);
+  void RequireNoFailure() const;
 
   std::filesystem::path path_;
-  std::FILE* file_ = nullptr;
+  OutputFile file_;
   int64_t events_ = 0;
 };
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/picture/output_file.h"
+#include "common/core/output_file.h"
 
 namespace sprout {
 

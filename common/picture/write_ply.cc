@@ -7,9 +7,9 @@
 #include <string>
 
 #include "common/core/image.h"
+#include "common/core/output_file.h"
 #include "common/core/seed.h"
 #include "common/geometry/projection.h"
-#include "common/picture/output_file.h"
 
 namespace sprout {
 namespace {

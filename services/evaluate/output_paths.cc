@@ -1,10 +1,9 @@
 #include "services/evaluate/output_paths.h"
 
-#include <cerrno>
-#include <cstdio>
 #include <system_error>
 
 #include "common/config/config.h"
+#include "common/core/output_file.h"
 
 namespace sprout {
 namespace {
@@ -12,23 +11,14 @@ namespace {
 namespace fs = std::filesystem;
 
 ConfigError NotWritable(const std::string& flag, const fs::path& path, const std::string& reason) {
-  return ConfigError(flag + " " + path.string() + ": cannot be written (" + reason +
-                     "); allowed: a path in a folder that is there and writable");
+  return ConfigError(flag + " " + path.string() + ": cannot be written (" + reason + ")");
 }
 
 }  // namespace
 
 void RequireWritableFile(const std::string& flag, const fs::path& path) {
-  std::error_code ignored;
-  if (path.filename().empty() || fs::is_directory(path, ignored)) {
-    throw NotWritable(flag, path, "a folder");
-  }
-  fs::path probe = path;
-  probe += ".part";  // the name under which the file will grow
-  std::FILE* const file = std::fopen(probe.c_str(), "wb");
-  if (file == nullptr) throw NotWritable(flag, path, std::generic_category().message(errno));
-  std::fclose(file);
-  fs::remove(probe, ignored);
+  const OutputFile probe(path);
+  if (!probe.failure().empty()) throw NotWritable(flag, path, probe.failure());
 }
 
 void RequireWritableFolder(const std::string& flag, const fs::path& folder) {

@@ -7,7 +7,8 @@
 #include <memory>
 #include <set>
 
-#include "common/logfile/new_log.h"
+#include "common/logfile/log_reader.h"
+#include "common/logfile/log_writer.h"
 #include "common/messages/message_type.h"
 #include "services/log/channel_summary.h"
 #include "services/log/channels.h"
@@ -33,15 +34,19 @@ struct KeptEvent {
   LogEvent event() const { return {.utime = utime, .channel = channel, .data = data}; }
 };
 
+void Copy(const LogEvent& event, LogWriter& out) {
+  out.Write(event.utime, event.channel, event.data);
+}
+
 // Sees to it that the calibration of every frame that is kept is kept, too. It is sent once a
 // second, so it may stand before the first frame that is kept or behind the last one.
 class RigKeeper {
  public:
-  explicit RigKeeper(NewLog& out) : out_(out) {}
+  explicit RigKeeper(LogWriter& out) : out_(out) {}
 
   void OnRig(const LogEvent& event, const FrameId& id, bool in_range) {
     if (in_range || (needed_.contains(id.rig_id) && !written_.contains(id.rig_id))) {
-      out_.Write(event);
+      Copy(event, out_);
       written_.insert(id.rig_id);
     } else if (!written_.contains(id.rig_id)) {
       waiting_[id.rig_id] = {
@@ -54,18 +59,18 @@ class RigKeeper {
     needed_.insert(id.rig_id);
     const auto rig = waiting_.find(id.rig_id);
     if (rig == waiting_.end() || !written_.insert(id.rig_id).second) return;
-    out_.Write(rig->second.event());
+    Copy(rig->second.event(), out_);
     waiting_.erase(rig);
   }
 
  private:
-  NewLog& out_;
+  LogWriter& out_;
   std::map<std::string, KeptEvent> waiting_;  // newest of each rig_id that was not written yet
   std::set<std::string> needed_;
   std::set<std::string> written_;
 };
 
-void PrintWritten(const NewLog& out, const std::filesystem::path& path, int64_t events) {
+void PrintWritten(const LogWriter& out, const std::filesystem::path& path, int64_t events) {
   std::cout << fmt::format("{}: {} of {} events\n", path.string(), out.events(), events);
 }
 
@@ -76,7 +81,7 @@ int RunCut(const CutOptions& options) {
   const FrameRange range = by_frame ? ParseFrameRange("--frames", options.frames) : FrameRange{};
   const ChannelFilter filter(options.channels, options.prefix);
   LogReader reader(options.in);
-  NewLog out(options.out, options.force);
+  LogWriter out(options.out, options.force);
   RigKeeper rigs(out);
   ReadProgress progress("reading " + options.in.string(), reader.size());
   int64_t events = 0;
@@ -93,13 +98,13 @@ int RunCut(const CutOptions& options) {
     }
     if (!filter.Has(event.channel) || (by_frame && !in_range)) continue;
     if (id) rigs.OnFrame(*id);
-    out.Write(event);
+    Copy(event, out);
     ++kept;
   }
   progress.Clear();
   WarnOfDamage(options.in, reader.damage());
   if (kept == 0) throw LogError(options.in, "no event in these frames and channels");
-  out.Commit();
+  out.Close();
   PrintWritten(out, options.out, events);
   return 0;
 }
@@ -117,7 +122,7 @@ int RunMerge(const MergeOptions& options) {
     sources.push_back(std::make_unique<Source>(path));
     bytes += sources.back()->reader.size();
   }
-  NewLog out(options.out, options.force);
+  LogWriter out(options.out, options.force);
   ReadProgress progress("merging", bytes);
   for (;;) {
     // Each log keeps its order; of equal times the log named first comes first.
@@ -127,7 +132,7 @@ int RunMerge(const MergeOptions& options) {
     };
     Source& next = **std::min_element(sources.begin(), sources.end(), earlier);
     if (!next.there) break;
-    out.Write(next.event);
+    Copy(next.event, out);
     next.there = next.reader.Next(next.event);
     int64_t position = 0;
     for (const auto& source : sources) position += source->reader.position();
@@ -137,14 +142,14 @@ int RunMerge(const MergeOptions& options) {
   for (size_t i = 0; i < sources.size(); ++i) {
     WarnOfDamage(options.in[i], sources[i]->reader.damage());
   }
-  out.Commit();
+  out.Close();
   PrintWritten(out, options.out, out.events());
   return 0;
 }
 
 int RunRepair(const RepairOptions& options) {
   LogReader reader(options.in);
-  NewLog out(options.out, options.force);
+  LogWriter out(options.out, options.force);
   ReadProgress progress("repairing " + options.in.string(), reader.size());
   int64_t undecodable = 0;
   std::string report;
@@ -159,10 +164,10 @@ int RunRepair(const RepairOptions& options) {
       }
       if (options.drop_undecodable) continue;
     }
-    out.Write(event);
+    Copy(event, out);
   }
   progress.Clear();
-  out.Commit();
+  out.Close();
   int64_t lost_bytes = 0;
   for (const LogDamage& damage : reader.damage()) {
     lost_bytes += damage.bytes;

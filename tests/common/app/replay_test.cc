@@ -230,11 +230,16 @@ TEST_F(ReplayTest, RefusesToWriteOverItsInput) {
   EXPECT_THAT(ErrorOf(), HasSubstr("would overwrite --replay " + in_));
   out_ = in_;
   EXPECT_THAT(ErrorOf(), HasSubstr("would overwrite"));
-  out_ = folder_ / "out.lcm";
-  const std::string part = out_ + ".part";
-  std::filesystem::copy(in_, part);
-  EXPECT_THAT(ErrorOf({}, {part}), HasSubstr("would overwrite"));
   EXPECT_EQ(ReadLog(in_), before);
+}
+
+TEST_F(ReplayTest, RefusesAtOnceWhereNothingCanBeWritten) {
+  WriteLog(in_, FramesWithGrey({10}));
+  out_ = "";
+  EXPECT_THAT(ErrorOf(), HasSubstr("it names no file"));
+  out_ = folder_ / "link.lcm";
+  std::filesystem::create_symlink("nowhere", out_);
+  EXPECT_THAT(ErrorOf(), HasSubstr("a symbolic link"));
 }
 
 TEST_F(ReplayTest, NamesALogThatCannotBeReadOrWritten) {

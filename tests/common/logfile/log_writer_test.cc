@@ -43,24 +43,37 @@ TEST(LogWriter, WritesWhatLcmReads) {
   lcm_eventlog_destroy(log);
 }
 
-TEST(LogWriter, RefusesTheLogThatIsBeingRead) {
+TEST(LogWriter, LeavesAnOlderLogToItsReader) {
   const TemporaryDirectory folder;
   std::vector<Event> events = SampleEvents(5);
   const Bytes bytes = MakeLog(events);
   WriteBytes(folder / "log", bytes);
-  {
-    const LogReader reader(folder / "log");
-    EXPECT_THAT(ErrorOf([&] { LogWriter writer(folder / "log"); }), HasSubstr("in use"));
-    EXPECT_EQ(ReadBytes(folder / "log"), bytes);
-  }
-  LogWriter(folder / "log").Close();
+  LogReader reader(folder / "log");
+  LogEvent event;
+  ASSERT_TRUE(reader.Next(event));
+  LogWriter writer(folder / "log");
+  EXPECT_EQ(ReadBytes(folder / "log"), bytes) << "until it is whole";
+  writer.Close();
   EXPECT_EQ(ReadBytes(folder / "log"), Bytes());
+  int left = 0;
+  while (reader.Next(event)) ++left;
+  EXPECT_EQ(left, 4);
 }
 
-TEST(LogWriter, RefusesTheLogThatIsBeingWritten) {
+TEST(LogWriter, LeavesNothingBehindWithoutClose) {
   const TemporaryDirectory folder;
-  LogWriter writer(folder / "log");
-  EXPECT_THAT(ErrorOf([&] { LogWriter other(folder / "log"); }), HasSubstr("in use"));
+  { LogWriter(folder / "log").Write(1, "A", {}); }
+  EXPECT_EQ(folder.CountEntries(), 0);
+}
+
+TEST(LogWriter, OverwritesOnDemandOnly) {
+  const TemporaryDirectory folder;
+  WriteBytes(folder / "log", {1, 2, 3});
+  EXPECT_THAT(ErrorOf([&] { LogWriter(folder / "log", /*overwrite=*/false); }),
+              HasSubstr("exists already; --force"));
+  EXPECT_EQ(ReadBytes(folder / "log"), (Bytes{1, 2, 3}));
+  EXPECT_EQ(folder.CountEntries(), 1);
+  EXPECT_EQ(ErrorOf([&] { LogWriter("/dev/null", /*overwrite=*/false).Close(); }), "");
 }
 
 TEST(LogWriter, NamesAFileThatCannotBeCreated) {

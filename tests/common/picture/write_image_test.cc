@@ -83,7 +83,7 @@ TEST(OutputFiles, LeaveNothingBehindWhenTheyCannotGetTheirName) {
   std::filesystem::create_directory(directory / "map.pfm");
   const auto written = WritePfm(directory / "map.pfm", Ramp());
   ASSERT_FALSE(written);
-  EXPECT_THAT(written.error().text, HasSubstr("map.pfm: Is a directory"));
+  EXPECT_THAT(written.error().text, HasSubstr("map.pfm: a folder"));
   EXPECT_EQ(directory.CountEntries(), 1);
 }
 

@@ -201,6 +201,12 @@ TEST(EvaluateProgram, RefusesImagesAndTruthsOfDifferentSizes) {
   EXPECT_EQ(folder.CountEntries(), 0);
 }
 
+TEST(EvaluateProgram, RefusesImagesWiderThanAnyStageTakes) {
+  const SceneFolder scene;
+  scene.Write2005({16385, 3});
+  ExpectRefused({scene.File(".")}, "16385x3 px; allowed: 1 to 16384 px a side");
+}
+
 TEST(EvaluateProgram, RefusesOutputsThatCannotBeWritten) {
   const TemporaryDirectory folder;
   std::ofstream(folder / "file") << "kept";
@@ -208,8 +214,13 @@ TEST(EvaluateProgram, RefusesOutputsThatCannotBeWritten) {
   ExpectRefused({kScene, "--csv", folder / "missing" / "a.csv"}, "--csv");
   ExpectRefused({kScene, "--json", folder / ""}, "--json");
   ExpectRefused({kScene, "--images", folder / "file"}, "--images");
-  EXPECT_EQ(folder.CountEntries(), 1);
+  std::filesystem::create_symlink("file", folder / "link");
+  ExpectRefused({kScene, "--json", folder / "link"}, "a symbolic link");
+  std::ofstream(folder / "new.json.part") << "somebody else's";
+  ExpectRefused({kScene, "--json", folder / "new.json", "--csv", folder / "link"}, "--csv");
+  EXPECT_EQ(folder.CountEntries(), 3);
   EXPECT_EQ(Text(folder / "file"), "kept");
+  EXPECT_EQ(Text(folder / "new.json.part"), "somebody else's");
 }
 
 TEST(EvaluateProgram, KeepsAnOlderFileWhenTheRunIsRefused) {

@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include "tests/services/log/graph_log.h"
 
@@ -95,6 +96,24 @@ TEST(LogCut, OverwritesOnlyWhenForced) {
   EXPECT_EQ(RunLog({"cut", in, in, "--frames", "1", "--force"}).exit_code, 0);
   EXPECT_EQ(ReadLog(in).events.size(), 8U);
   EXPECT_EQ(folder.CountEntries(), 1);
+}
+
+TEST(LogCut, ReplacesNothingButARegularFile) {
+  const LogFolder folder;
+  const auto in = folder.Write("in", GraphEvents(3));
+  const Bytes before = ReadBytes(in);
+  std::filesystem::create_symlink(in, folder.File("link"));
+  ASSERT_EQ(mkfifo(folder.File("fifo").c_str(), 0600), 0);
+  for (const std::string flag : {"--force", "--frames=0:2"}) {
+    ExpectRefused({"cut", in, folder.File("link"), flag}, "a symbolic link; allowed: ");
+    ExpectRefused({"cut", in, folder.File("fifo"), flag}, "a FIFO; allowed: ");
+    EXPECT_EQ(RunLog({"cut", in, "/dev/null", flag}).exit_code, 0);
+  }
+  EXPECT_EQ(ReadBytes(in), before);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.File("link")));
+  EXPECT_TRUE(std::filesystem::is_fifo(folder.File("fifo")));
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+  EXPECT_EQ(folder.CountEntries(), 3);
 }
 
 TEST(LogMerge, OrdersByTimeAndKeepsTheOrderOfEachLog) {

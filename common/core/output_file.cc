@@ -1,0 +1,149 @@
+#include "common/core/output_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cerrno>
+#include <charconv>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+static_assert(std::endian::native == std::endian::little, "WriteNumber() writes memory as it is");
+
+constexpr size_t kBufferBytes = size_t{1} << 20;
+constexpr int kMaxParts = 100;  // of one name: others are at work, or were killed
+
+/// The open descriptor that a path stands for.
+std::optional<int> DescriptorOf(const fs::path& path) {
+  if (path == "/dev/stdout") return STDOUT_FILENO;
+  if (path == "/dev/stderr") return STDERR_FILENO;
+  if (path.parent_path() != "/dev/fd") return std::nullopt;
+  const std::string name = path.filename();
+  int number = -1;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (error != std::errc() || end != name.data() + name.size()) return std::nullopt;
+  return number;
+}
+
+/// Kind of what has a name, 0 when nothing has.
+mode_t KindOf(const fs::path& path) {
+  struct stat status {};
+  return lstat(path.c_str(), &status) == 0 ? status.st_mode & S_IFMT : 0;
+}
+
+/// Why no file may take the place of something of this kind; empty: it may.
+std::string Obstacle(mode_t kind) {
+  const std::string allowed = "; allowed: a new name, a regular file, /dev/stdout or /dev/null";
+  switch (kind) {
+    case 0:
+    case S_IFREG:
+      return "";
+    case S_IFDIR:
+      return "a folder" + allowed;
+    case S_IFLNK:
+      return "a symbolic link" + allowed;
+    case S_IFIFO:
+      return "a FIFO" + allowed;
+    case S_IFBLK:
+      return "a disk" + allowed;
+    default:
+      return "no regular file" + allowed;
+  }
+}
+
+}  // namespace
+
+OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
+  buffer_.reserve(kBufferBytes);
+  const mode_t kind = KindOf(path_);
+  if (path_.filename().empty()) {
+    failure_ = "it names no file";
+  } else if (const auto open_already = DescriptorOf(path_)) {
+    // Shares its position with the original, so that nothing that was written there is lost.
+    descriptor_ = fcntl(*open_already, F_DUPFD_CLOEXEC, 0);
+    if (descriptor_ < 0) FailWithErrno();
+  } else if (kind == S_IFCHR) {
+    descriptor_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    if (descriptor_ < 0) FailWithErrno();
+  } else {
+    replaces_ = kind == S_IFREG;
+    failure_ = Obstacle(kind);
+    if (failure_.empty()) OpenPart();
+  }
+}
+
+void OutputFile::OpenPart() {
+  for (int i = 1; i <= kMaxParts; ++i) {
+    fs::path part = path_;
+    part += i == 1 ? ".part" : ".part" + std::to_string(i);
+    descriptor_ = open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ >= 0) {
+      part_path_ = std::move(part);
+      return;
+    }
+    if (errno != EEXIST) break;
+  }
+  FailWithErrno();
+}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+  RemovePart();
+}
+
+void OutputFile::RemovePart() {
+  if (!part_path_.empty()) unlink(part_path_.c_str());
+  part_path_.clear();
+}
+
+void OutputFile::FailWithErrno() {
+  if (failure_.empty()) failure_ = std::generic_category().message(errno);
+}
+
+void OutputFile::Write(std::string_view bytes) {
+  if (buffer_.size() + bytes.size() > kBufferBytes) Flush();
+  if (bytes.size() > kBufferBytes) {
+    WriteOut(bytes);
+  } else if (failure_.empty()) {
+    buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+  }
+}
+
+void OutputFile::WriteOut(std::string_view bytes) {
+  while (failure_.empty() && !bytes.empty()) {
+    const ssize_t written = write(descriptor_, bytes.data(), bytes.size());
+    if (written >= 0) {
+      bytes.remove_prefix(static_cast<size_t>(written));
+    } else if (errno != EINTR) {
+      FailWithErrno();
+    }
+  }
+}
+
+void OutputFile::Flush() {
+  WriteOut({buffer_.data(), buffer_.size()});
+  buffer_.clear();
+}
+
+Result<void> OutputFile::Commit() {
+  Flush();
+  if (descriptor_ >= 0 && close(std::exchange(descriptor_, -1)) != 0) FailWithErrno();
+  if (failure_.empty() && !part_path_.empty()) {
+    failure_ = Obstacle(KindOf(path_));  // it may have come meanwhile
+    if (failure_.empty() && std::rename(part_path_.c_str(), path_.c_str()) != 0) FailWithErrno();
+    if (failure_.empty()) part_path_.clear();
+  }
+  if (failure_.empty()) return {};
+  RemovePart();
+  return Fail("cannot write " + path_.string() + ": " + failure_);
+}
+
+}  // namespace sprout

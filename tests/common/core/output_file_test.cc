@@ -1,0 +1,155 @@
+#include "common/core/output_file.h"
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+#include "tests/common/picture/temporary_directory.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+std::string Text(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string WriteAndCommit(const fs::path& path, const std::string& text) {
+  OutputFile file(path);
+  file.Write(text);
+  const auto written = file.Commit();
+  return written ? "" : written.error().text;
+}
+
+TEST(OutputFile, ReplacesARegularFileWhenItIsWhole) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "a") << "older";
+  OutputFile file(folder / "a");
+  EXPECT_TRUE(file.replaces());
+  file.Write("new");
+  EXPECT_EQ(Text(folder / "a"), "older");
+  ASSERT_TRUE(file.Commit());
+  EXPECT_EQ(Text(folder / "a"), "new");
+  EXPECT_EQ(folder.CountEntries(), 1);
+}
+
+TEST(OutputFile, LeavesNothingWithoutCommit) {
+  const TemporaryDirectory folder;
+  {
+    OutputFile file(folder / "a");
+    EXPECT_FALSE(file.replaces());
+    file.Write("new");
+  }
+  EXPECT_EQ(folder.CountEntries(), 0);
+}
+
+TEST(OutputFile, CarriesMoreThanItsBuffer) {
+  const TemporaryDirectory folder;
+  const std::string large(3 << 20, 'x');
+  OutputFile file(folder / "a");
+  std::string expected;
+  for (const std::string& piece : {std::string("ab"), large, std::string("cd"), large}) {
+    file.Write(piece);
+    expected += piece;
+  }
+  ASSERT_TRUE(file.Commit());
+  EXPECT_EQ(Text(folder / "a") == expected, true);
+}
+
+TEST(OutputFile, TouchesNobodyElsesPart) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "a.part") << "mine";
+  fs::create_symlink("nowhere", folder / "a.part2");
+  EXPECT_EQ(WriteAndCommit(folder / "a", "new"), "");
+  EXPECT_EQ(Text(folder / "a"), "new");
+  EXPECT_EQ(Text(folder / "a.part"), "mine");
+  EXPECT_TRUE(fs::is_symlink(folder / "a.part2"));
+  EXPECT_EQ(folder.CountEntries(), 3);
+}
+
+TEST(OutputFile, OfTwoWritersOfOneNameTheLastOneWins) {
+  const TemporaryDirectory folder;
+  OutputFile first(folder / "a");
+  OutputFile second(folder / "a");
+  first.Write("first");
+  second.Write("second");
+  EXPECT_TRUE(second.Commit());
+  EXPECT_TRUE(first.Commit());
+  EXPECT_EQ(Text(folder / "a"), "first");
+  EXPECT_EQ(folder.CountEntries(), 1);
+}
+
+TEST(OutputFile, RefusesWhatIsNoRegularFile) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "file") << "kept";
+  fs::create_symlink("file", folder / "link");
+  fs::create_symlink("loop", folder / "loop");
+  fs::create_directory(folder / "folder");
+  ASSERT_EQ(mkfifo((folder / "fifo").c_str(), 0600), 0);
+  const std::string allowed = "; allowed: a new name, a regular file, /dev/stdout or /dev/null";
+  for (const auto& [name, reason] : {std::pair{"link", "a symbolic link"},
+                                     {"loop", "a symbolic link"},
+                                     {"folder", "a folder"},
+                                     {"fifo", "a FIFO"}}) {
+    EXPECT_EQ(OutputFile(folder / name).failure(), reason + allowed);
+    EXPECT_EQ(WriteAndCommit(folder / name, "new"),
+              "cannot write " + (folder / name).string() + ": " + reason + allowed);
+  }
+  EXPECT_EQ(Text(folder / "link"), "kept");
+  EXPECT_TRUE(fs::is_fifo(folder / "fifo"));
+  EXPECT_EQ(folder.CountEntries(), 5);
+}
+
+TEST(OutputFile, RefusesWhatCameMeanwhile) {
+  const TemporaryDirectory folder;
+  OutputFile file(folder / "a");
+  ASSERT_EQ(mkfifo((folder / "a").c_str(), 0600), 0);
+  EXPECT_THAT(file.Commit().error().text, HasSubstr("a FIFO"));
+  EXPECT_TRUE(fs::is_fifo(folder / "a"));
+  EXPECT_EQ(folder.CountEntries(), 1);
+}
+
+TEST(OutputFile, RefusesANameThatIsNone) {
+  const TemporaryDirectory folder;
+  EXPECT_EQ(OutputFile("").failure(), "it names no file");
+  EXPECT_EQ(OutputFile(folder / "").failure(), "it names no file");
+  EXPECT_EQ(OutputFile(folder / "missing/a").failure(), "No such file or directory");
+}
+
+TEST(OutputFile, WritesThroughToDevices) {
+  EXPECT_EQ(WriteAndCommit("/dev/null", "gone"), "");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_FALSE(fs::exists("/dev/null.part"));
+  EXPECT_EQ(WriteAndCommit("/dev/full", "too much"),
+            "cannot write /dev/full: No space left on device");
+}
+
+TEST(OutputFile, WritesThroughToStdoutInOrder) {
+  testing::internal::CaptureStdout();
+  std::cout << "before " << std::flush;
+  EXPECT_EQ(WriteAndCommit("/dev/stdout", "between "), "");
+  std::cout << "behind" << std::flush;
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "before between behind");
+}
+
+TEST(OutputFile, WritesThroughToAnOpenDescriptor) {
+  int ends[2] = {-1, -1};
+  ASSERT_EQ(pipe(ends), 0);
+  EXPECT_EQ(WriteAndCommit("/dev/fd/" + std::to_string(ends[1]), "hello"), "");
+  char text[8] = {};
+  EXPECT_EQ(read(ends[0], text, sizeof text), 5);
+  EXPECT_STREQ(text, "hello");
+  close(ends[0]);
+  close(ends[1]);
+  EXPECT_EQ(OutputFile("/dev/fd/" + std::to_string(ends[1])).failure(), "Bad file descriptor");
+}
+
+}  // namespace
+}  // namespace sprout
