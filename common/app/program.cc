@@ -24,8 +24,9 @@ CLI::Validator NumberIn(double low, double high) {
           allowed.str()};
 }
 
-int RunProgram(CLI::App& flags, int argc, const char* const* argv,
-               const std::function<int()>& body) {
+namespace {
+
+int RunBody(CLI::App& flags, int argc, const char* const* argv, const std::function<int()>& body) {
   try {
     flags.parse(argc, argv);
     return body();
@@ -41,6 +42,16 @@ int RunProgram(CLI::App& flags, int argc, const char* const* argv,
     std::cerr << flags.get_name() << ": " << e.what() << "\n";
     return 1;
   }
+}
+
+}  // namespace
+
+int RunProgram(CLI::App& flags, int argc, const char* const* argv,
+               const std::function<int()>& body) {
+  const int exit_code = RunBody(flags, argc, argv, body);
+  if (std::cout.flush()) return exit_code;
+  std::cerr << flags.get_name() << ": cannot write to stdout\n";  // a full disk
+  return exit_code == 0 ? 1 : exit_code;
 }
 
 }  // namespace sprout

@@ -19,7 +19,8 @@ CLI::Validator NumberIn(double low, double high);
 ///
 /// @param flags  named as the program.
 /// @returns exit code: what `body` returned; 0 for --help and --version; 2 for a flag or
-///          configuration that cannot be used (ConfigError); 1 on any other failure.
+///          configuration that cannot be used (ConfigError); 1 on any other failure, also when
+///          something that was printed to std::cout could not be written.
 int RunProgram(CLI::App& flags, int argc, const char* const* argv,
                const std::function<int()>& body);
 

@@ -1,10 +1,16 @@
 #ifndef SPROUT_COMMON_CORE_IMAGE_H_
 #define SPROUT_COMMON_CORE_IMAGE_H_
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <string>
 
 namespace sprout {
+
+/// Largest width and height of any image or map, px, and most pixels: as a map of 2 bytes a pixel
+/// it then fits into a message.
+inline constexpr int kMaxSide = 16384;
+inline constexpr int64_t kMaxPixels = 100'000'000;
 
 /// Grey values of an 8-bit grey or BGR image (a grey one is shared, not copied). O(pixels).
 cv::Mat1b ToGrey(const cv::Mat& image);

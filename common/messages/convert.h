@@ -12,6 +12,7 @@
 
 #include "common/core/disparity_image.h"
 #include "common/core/frame_id.h"
+#include "common/core/image.h"
 #include "common/core/result.h"
 #include "common/core/rig.h"
 #include "common/core/seed.h"
@@ -29,11 +30,6 @@ enum class DisparityEncoding { kRawInt16, kDeltaZstd };
 /// Largest message, bytes: what LCM itself lets through (LCM_MAX_MESSAGE_SIZE), so that nothing can
 /// arrive by tcpq or from a log that could not have been sent by udpm.
 inline constexpr size_t kMaxMessageBytes = 1 << 28;
-
-/// Largest width and height of any image or map, px, and most pixels: as a map of 2 bytes a pixel
-/// it then fits into a message.
-inline constexpr int kMaxSide = 16384;
-inline constexpr int64_t kMaxPixels = 100'000'000;
 
 /// Longest strings, bytes: of the names of a rig and of a stage, and of all others. Senders cut
 /// what is longer, so that a long complaint does not cost the whole status.

@@ -1,7 +1,6 @@
 #include "services/capture/kitti_calibration.h"
 
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -10,7 +9,7 @@
 
 #include "common/config/config.h"
 #include "services/capture/number_text.h"
-#include "services/capture/read_image.h"
+#include "services/capture/read_text.h"
 
 namespace sprout {
 namespace {
@@ -24,13 +23,14 @@ constexpr double kRotationTolerance = 1e-4;
 class KittiCalibFile {
  public:
   explicit KittiCalibFile(const std::filesystem::path& path) : path_(path) {
-    std::ifstream file(path);
-    if (!IsFile(path) || !file) {
+    const std::optional<std::string> text = ReadText(path);
+    if (!text) {
       throw ConfigError("calibration " + path.string() +
                         ": cannot be read; allowed: a file with P2, P3, R0_rect and "
                         "Tr_velo_to_cam");
     }
-    for (std::string line; std::getline(file, line);) {
+    std::istringstream lines(*text);
+    for (std::string line; std::getline(lines, line);) {
       const size_t colon = line.find(':');
       if (colon == std::string::npos) continue;
       values_[std::string(Trimmed(line.substr(0, colon)))] = Trimmed(line.substr(colon + 1));

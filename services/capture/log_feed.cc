@@ -61,14 +61,18 @@ class LogFeed : public CaptureFeed {
   std::vector<uint8_t> FirstCalibration() {
     LogReader reader(path_);
     LogEvent event;
+    std::string refused;  // why the first one was
     while (reader.Next(event)) {
       ++channels_[std::string(event.channel)];
-      if (PartOf(event) == Part::kRig && DecodePart(Part::kRig, event.data)) {
-        return {event.data.begin(), event.data.end()};
-      }
+      if (PartOf(event) != Part::kRig) continue;
+      const Result<DecodedPart> decoded = DecodePart(Part::kRig, event.data);
+      if (decoded) return {event.data.begin(), event.data.end()};
+      if (refused.empty()) refused = decoded.error().text;
     }
-    throw ConfigError("capture.source = log:" + path_ + ": no " + prefix_ +
-                      std::string(ChannelOf(Part::kRig)) + " in it; it has " + ChannelText());
+    const std::string channel = prefix_ + std::string(ChannelOf(Part::kRig));
+    const std::string what = refused.empty() ? "no " + channel + " in it"
+                                             : "no usable " + channel + " in it (" + refused + ")";
+    throw ConfigError("capture.source = log:" + path_ + ": " + what + "; it has " + ChannelText());
   }
 
   void Rewind() {

@@ -1,7 +1,7 @@
 #include "services/capture/middlebury_calibration.h"
 
 #include <cmath>
-#include <fstream>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -11,6 +11,7 @@
 
 #include "common/config/config.h"
 #include "services/capture/number_text.h"
+#include "services/capture/read_text.h"
 
 namespace sprout {
 namespace {
@@ -25,12 +26,13 @@ constexpr double kRectifiedTolerancePx = 0.01;
 class CalibFile {
  public:
   explicit CalibFile(const std::filesystem::path& path) : path_(path) {
-    std::ifstream file(path);
-    if (!std::filesystem::is_regular_file(path) || !file) {
+    const std::optional<std::string> text = ReadText(path);
+    if (!text) {
       throw ConfigError("calibration " + path.string() +
                         ": cannot be read; allowed: a file with cam0, cam1 and baseline");
     }
-    for (std::string line; std::getline(file, line);) {
+    std::istringstream lines(*text);
+    for (std::string line; std::getline(lines, line);) {
       const size_t equals = line.find('=');
       if (equals == std::string::npos) continue;
       values_[std::string(Trimmed(line.substr(0, equals)))] = Trimmed(line.substr(equals + 1));
@@ -85,11 +87,15 @@ class CalibFile {
 };
 
 double ReadDmin(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) return 0;
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  const std::optional<double> dmin = ParseNumber<double>(Trimmed(text.str()));
+  std::error_code ignored;
+  const auto kind = std::filesystem::symlink_status(path, ignored).type();
+  if (kind == std::filesystem::file_type::not_found) return 0;
+  const std::optional<std::string> text = ReadText(path);
+  if (!text) {
+    throw ConfigError("calibration " + path.string() +
+                      ": cannot be read; allowed: a file of one finite number, px at full size");
+  }
+  const std::optional<double> dmin = ParseNumber<double>(Trimmed(*text));
   if (!dmin) {
     throw ConfigError("calibration " + path.string() +
                       ": not a number; allowed: one finite number, px at full size");

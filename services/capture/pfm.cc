@@ -8,12 +8,11 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/core/image.h"
+#include "services/capture/read_image.h"
 
 namespace sprout {
 namespace {
-
-// More than any ground truth has; keeps width · height far from overflow.
-constexpr int kMaxSide = 1 << 16;
 
 struct Header {
   int width = 0;
@@ -29,9 +28,11 @@ ConfigError BadPfm(const std::filesystem::path& path, const std::string& reason)
 Header ReadHeader(std::ifstream& file, const std::filesystem::path& path) {
   std::string magic;
   Header header;
+  file.width(3);  // what is no PFM may be one word of gigabytes
   file >> magic >> header.width >> header.height >> header.scale;
   if (!file || magic != "Pf") throw BadPfm(path, "not such a header");
-  file.get();  // the one white space that ends the header
+  // The one white space that ends the header; two where lines end as on Windows.
+  if (file.get() == '\r' && file.peek() == '\n') file.get();
   if (header.width < 1 || header.width > kMaxSide || header.height < 1 ||
       header.height > kMaxSide) {
     throw BadPfm(path, "size " + std::to_string(header.width) + "x" +
@@ -40,6 +41,16 @@ Header ReadHeader(std::ifstream& file, const std::filesystem::path& path) {
   }
   if (!std::isfinite(header.scale) || header.scale == 0) throw BadPfm(path, "scale is 0");
   return header;
+}
+
+// Before anything is allocated: the header may promise what the file does not hold. And no byte
+// more, or the samples may begin elsewhere.
+void RequireSamples(const std::filesystem::path& path, uintmax_t begin, uintmax_t bytes) {
+  std::error_code error;
+  const uintmax_t file_bytes = std::filesystem::file_size(path, error);
+  if (error || file_bytes < begin + bytes) throw BadPfm(path, "ends early");
+  if (file_bytes == begin + bytes) return;
+  throw BadPfm(path, std::to_string(file_bytes - begin - bytes) + " bytes behind the samples");
 }
 
 float SampleAt(const unsigned char* bytes, bool little_endian) {
@@ -53,17 +64,13 @@ float SampleAt(const unsigned char* bytes, bool little_endian) {
 }  // namespace
 
 cv::Mat1f ReadPfm(const std::filesystem::path& path) {
+  if (!IsFile(path)) throw BadPfm(path, "not a file");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw BadPfm(path, "cannot be read");
   const Header header = ReadHeader(file, path);
   const size_t row_bytes = sizeof(float) * static_cast<size_t>(header.width);
-
-  // Compared before anything is allocated: the header may promise what the file does not hold.
-  std::error_code error;
-  const uintmax_t file_bytes = std::filesystem::file_size(path, error);
-  if (error || file_bytes / row_bytes < static_cast<size_t>(header.height)) {
-    throw BadPfm(path, "ends early");
-  }
+  RequireSamples(path, static_cast<uintmax_t>(file.tellg()),
+                 row_bytes * static_cast<size_t>(header.height));
 
   cv::Mat1f samples(header.height, header.width);
   std::vector<unsigned char> row(row_bytes);

@@ -1,6 +1,8 @@
 #include "services/capture/read_image.h"
 
+#include <algorithm>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
 #include <system_error>
 
 #include "common/config/config.h"
@@ -22,6 +24,12 @@ cv::Mat ReadImage(const std::filesystem::path& path, int flags) {
   if (image.empty()) {
     throw ConfigError("image " + path.string() +
                       ": cannot be decoded; allowed: a readable PNG, JPEG or PPM file");
+  }
+  if (std::max(image.cols, image.rows) > kMaxSide ||
+      int64_t{image.cols} * image.rows > kMaxPixels) {
+    throw ConfigError("image " + path.string() + ": " + SizeText(image.size()) +
+                      " px; allowed: 1 to " + std::to_string(kMaxSide) + " px a side and " +
+                      std::to_string(kMaxPixels) + " pixels");
   }
   return image;
 }

@@ -9,7 +9,7 @@ namespace sprout {
 bool IsFile(const std::filesystem::path& path);
 
 /// @param flags  cv::imread()'s.
-/// @throws ConfigError naming the file: unreadable, or not an image.
+/// @throws ConfigError naming the file: unreadable, not an image, or larger than kMaxSide.
 cv::Mat ReadImage(const std::filesystem::path& path, int flags);
 
 /// @throws ConfigError naming the file and both sizes when they differ.

@@ -3,12 +3,13 @@
 
 #include <memory>
 
+#include "common/core/image.h"
 #include "services/capture/frame_source.h"
 
 namespace sprout {
 
-inline constexpr int kMinSyntheticSide = 16;     ///< px: below, objects are smaller than a pixel
-inline constexpr int kMaxSyntheticSide = 16384;  ///< px: a frame takes 16 bytes a pixel
+inline constexpr int kMinSyntheticSide = 16;        ///< px: below, objects are smaller than a pixel
+inline constexpr int kMaxSyntheticSide = kMaxSide;  ///< px: a frame takes 16 bytes a pixel
 
 /// Endless frames of SyntheticScene in colour, seen by a rectified pair whose disparities span
 /// about 2 to 15 % of the image width, with exact ground truth at the pixel centres of both views

@@ -26,6 +26,7 @@ struct LogSummary {
   int64_t last_utime = 0;
   std::map<std::string, ChannelSummary, std::less<>> channels;
   std::vector<LogDamage> damage;
+  std::string other_channel;  // one of another graph
 };
 
 LogSummary Summarize(const InfoOptions& options) {
@@ -34,7 +35,10 @@ LogSummary Summarize(const InfoOptions& options) {
   log.bytes = reader.size();
   ReadProgress progress("reading " + options.file.string(), reader.size());
   for (LogEvent event; reader.Next(event); progress.Update(reader.position())) {
-    if (!event.channel.starts_with(options.prefix)) continue;
+    if (!event.channel.starts_with(options.prefix)) {
+      if (log.other_channel.empty()) log.other_channel = event.channel;
+      continue;
+    }
     auto channel = log.channels.find(event.channel);
     if (channel == log.channels.end()) {
       channel = log.channels.emplace(event.channel, ChannelSummary()).first;
@@ -52,8 +56,13 @@ LogSummary Summarize(const InfoOptions& options) {
   return log;
 }
 
+// Whether the prefix is that of another graph than the log's: then nothing was looked at.
+bool IsOfAnotherGraph(const LogSummary& log) {
+  return log.channels.empty() && !log.other_channel.empty();
+}
+
 bool IsWhole(const LogSummary& log) {
-  if (!log.damage.empty()) return false;
+  if (!log.damage.empty() || IsOfAnotherGraph(log)) return false;
   return std::all_of(log.channels.begin(), log.channels.end(), [](const auto& entry) {
     return entry.second.undecodable() == 0 && entry.second.sequence().missing() == 0;
   });
@@ -101,6 +110,10 @@ std::string Table(const LogSummary& log) {
 
 std::string Remarks(const LogSummary& log) {
   std::string text;
+  if (IsOfAnotherGraph(log)) {
+    text += fmt::format("no channel begins with this --channel-prefix; there are channels as {}\n",
+                        log.other_channel);
+  }
   for (const auto& [name, channel] : log.channels) {
     const Sequence& sequence = channel.sequence();
     if (sequence.missing() > 0) {

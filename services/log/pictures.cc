@@ -67,6 +67,11 @@ void WritePictures(const Frame& frame, FrameFileNames& names) {
   }
 }
 
+bool HasOneSize(const Frame& frame) {
+  const cv::Size size = frame.disparity->size();
+  return frame.left.size() == size && frame.rig->pair.size() == size;
+}
+
 void Finish(const LogFrames& frames, const FrameFileNames& names, const PicturesOptions& options,
             const std::string& nothing) {
   const std::string complaint = frames.Complaint();
@@ -93,6 +98,7 @@ int RunExport(const ExportOptions& options) {
     throw ConfigError("export: nothing to do without --ply or --pfm");
   FrameFileNames names(options.folder);
   int64_t without_cloud = 0;
+  int64_t misfits = 0;
   const PartSet parts = options.ply ? PartSet{Part::kLeft, Part::kRig, Part::kPrior,
                                               Part::kUnfilled, Part::kDisparity}
                                     : PartSet{Part::kPrior, Part::kUnfilled, Part::kDisparity};
@@ -109,6 +115,16 @@ int RunExport(const ExportOptions& options) {
       ++without_cloud;
       return;
     }
+    if (!HasOneSize(frame)) {
+      if (misfits++ == 0) {
+        std::cerr << fmt::format(
+            "sprout-log: no cloud of frame {}: disparity map {}, left image {} and calibration {} "
+            "differ in size\n",
+            frame.id.seq, SizeText(frame.disparity->size()), SizeText(frame.left.size()),
+            SizeText(frame.rig->pair.size()));
+      }
+      return;
+    }
     Require(WriteCloudPly(names.Of(frame.id, "cloud.ply"), frame.rig->pair, *frame.disparity,
                           frame.left));
   });
@@ -119,8 +135,11 @@ int RunExport(const ExportOptions& options) {
         "and calibration\n",
         without_cloud);
   }
+  if (misfits > 1) {
+    std::cerr << fmt::format("sprout-log: no cloud of {} frames that differ in size\n", misfits);
+  }
   Finish(frames, names, options, "no message of these frames that can be exported");
-  return 0;
+  return misfits > 0 ? 1 : 0;
 }
 
 }  // namespace sprout

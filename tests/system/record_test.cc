@@ -91,8 +91,8 @@ TEST(RecordSystem, SaysSoWhenTheLoggerDropsMessages) {
   graph.Start("refine");
   // A left image takes more than the logger may keep.
   graph.Start("capture", {"--source", "synthetic:1280x1024", "--rate", "4"});
-  Process record(
-      {kRecord, "--dir", folder / "logs", "--seconds", "3", "--drain", "1", "--memory", "1", "run"});
+  Process record({kRecord, "--dir", folder / "logs", "--seconds", "3", "--drain", "1", "--memory",
+                  "1", "run"});
   EXPECT_EQ(record.Wait(), 1);
   EXPECT_THAT(record.Output(), HasSubstr("lcm-logger could not write fast enough"));
 }

@@ -169,6 +169,13 @@ TEST_F(LogFeedTest, NamesWhatIsMissingAndWhatIsThere) {
   EXPECT_THAT(ErrorOf({}), HasSubstr("no events"));
 }
 
+TEST_F(LogFeedTest, SaysWhyACalibrationIsUnusable) {
+  TestEvent rig = RigEvent(0);
+  rig.data.pop_back();
+  EXPECT_THAT(ErrorOf(Concat({{rig}, FrameEvents(0)})),
+              AllOf(HasSubstr("no usable SPROUT_RIG in it ("), HasSubstr("SPROUT_RIG (1)")));
+}
+
 TEST_F(LogFeedTest, NamesAFileThatIsNoLog) {
   try {
     OpenLogFeed(folder_ / "missing", "", false, monitor_);

@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <opencv2/core.hpp>
 
 #include "tests/services/capture/scene_folder.h"
@@ -175,7 +178,9 @@ TEST(MiddleburyErrors, RefusesABrokenPfm) {
                                       {"Pf\n-30 20\n-1\n", "size -30x20"},
                                       {"Pf\n30 99999999\n-1\n", "size 30x99999999"},
                                       {"Pf\n30 20\n0\n" + samples, "scale is 0"},
-                                      {"Pf\n65536 65536\n-1\n" + samples, "ends early"},
+                                      {"Pf\n16384 16384\n-1\n" + samples, "ends early"},
+                                      {"Pf\n30 20\n-1\n" + samples + "\n", "1 bytes behind"},
+                                      {std::string(1 << 20, 'P'), "header"},
                                       {"Pf\n30 20\n-1\n" + samples.substr(1), "ends early"}}) {
     const SceneFolder folder;
     folder.Write2014();
@@ -183,6 +188,48 @@ TEST(MiddleburyErrors, RefusesABrokenPfm) {
     EXPECT_THAT(OpenError(folder.Config()),
                 AllOf(HasSubstr(folder.File("disp0.pfm")), HasSubstr(message)));
   }
+}
+
+TEST(MiddleburyErrors, ReadsAPfmWithLineEndsOfWindows) {
+  const SceneFolder folder;
+  folder.Write2014();
+  const cv::Mat1f before = folder.Open()->Get(0).truth.left;
+  std::ifstream file(folder.File("disp0.pfm"), std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  for (size_t line = 0, at = 0; line < 3; ++line, at += 2) {
+    at = text.find('\n', at);
+    text.replace(at, 1, "\r\n");
+  }
+  folder.WriteText("disp0.pfm", text);
+  const cv::Mat1f after = folder.Open()->Get(0).truth.left;
+  EXPECT_EQ(after(5, 7), before(5, 7));
+  EXPECT_EQ(after(2, 3), 7.5F);
+}
+
+TEST(MiddleburyErrors, RefusesCalibrationsThatAreNoFile) {
+  for (const std::string target : {"dmin.txt", "/dev/zero", "nowhere"}) {
+    const SceneFolder folder;
+    folder.Write2005({40, 30});
+    std::filesystem::create_symlink(target, folder.File("dmin.txt"));
+    EXPECT_THAT(OpenError(folder.Config()), HasSubstr("dmin.txt: cannot be read; allowed: "));
+  }
+  const SceneFolder fifo;
+  fifo.Write2005({40, 30});
+  ASSERT_EQ(mkfifo(fifo.File("dmin.txt").c_str(), 0600), 0);
+  EXPECT_THAT(OpenError(fifo.Config()), HasSubstr("dmin.txt: cannot be read; allowed: "));
+
+  const SceneFolder scene2014;
+  scene2014.Write2014();
+  scene2014.Remove("calib.txt");
+  std::filesystem::create_symlink("calib.txt", scene2014.File("calib.txt"));
+  EXPECT_THAT(OpenError(scene2014.Config()), HasSubstr("calib.txt: cannot be read; allowed: "));
+}
+
+TEST(MiddleburyErrors, RefusesImagesWiderThanAnyMessageMayBe) {
+  const SceneFolder folder;
+  folder.Write2005({16385, 3});
+  EXPECT_THAT(OpenError(folder.Config()),
+              HasSubstr("view1.png: 16385x3 px; allowed: 1 to 16384 px a side"));
 }
 
 TEST(MiddleburyErrors, RefusesATofGridWiderThanTheImage) {

@@ -128,6 +128,16 @@ TEST(LogInfo, LooksAtOneGraphOnly) {
   EXPECT_EQ(info["channels"][0]["type"], "sprout.image_t");
 }
 
+TEST(LogInfo, SaysSoWhenThePrefixIsThatOfNoChannel) {
+  const LogFolder folder;
+  const auto file = folder.Write("log", GraphEvents(2));
+  const ProgramOutcome outcome = RunLog({"info", file, "--check", "--channel-prefix", "WRONG_"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("no channel begins with this --channel-prefix; there are "
+                                     "channels as SPROUT_"));
+  EXPECT_EQ(Info(file, {"--channel-prefix", "WRONG_"})["whole"], false);
+}
+
 TEST(LogInfo, DescribesAnEmptyLog) {
   const LogFolder folder;
   const ProgramOutcome outcome = RunLog({"info", folder.Write("log", {}), "--check"});

@@ -115,6 +115,24 @@ TEST(LogExport, SaysWhichCloudsItCannotMake) {
   EXPECT_EQ(FilesIn(folder.File("out")).size(), 2U);
 }
 
+TEST(LogExport, GoesOnBehindAFrameOfOtherSizes) {
+  const LogFolder folder;
+  auto events = GraphEvents(3);
+  EventOf(events, Part::kLeft, 1) = PartEvent(Part::kLeft, 1, cv::Mat(9, 9, CV_8UC1, cv::Scalar()));
+  const auto log = folder.Write("log", events);
+  const ProgramOutcome outcome = RunLog({"export", log, folder.File("out"), "--ply"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("no cloud of frame 1: disparity map 32x24, left image 9x9"));
+  EXPECT_THAT(outcome.out, HasSubstr("2 files of 2 frames"));
+}
+
+TEST(LogImages, ShowsAToFImageOfHugeValues) {
+  const LogFolder folder;
+  const TofImage tof{.depth_m = cv::Mat1f(6, 8, 1e20F), .amplitude = {}};
+  const auto log = folder.Write("log", {PartEvent(Part::kTof, 1, tof)});
+  EXPECT_EQ(RunLog({"images", log, folder.File("out")}).exit_code, 0);
+}
+
 TEST(LogExport, RefusesToDoNothing) {
   const LogFolder folder;
   const auto log = folder.Write("log", GraphEvents(3));

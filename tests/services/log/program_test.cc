@@ -1,7 +1,11 @@
 #include "services/log/program.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
+#include <cstdio>
+#include <iostream>
 #include <random>
 
 #include "tests/services/log/graph_log.h"
@@ -19,6 +23,25 @@ TEST(LogProgram, ExplainsItselfAndItsCommands) {
     EXPECT_THAT(outcome.out, HasSubstr(command)) << command;
   }
   EXPECT_THAT(RunLog({"--version"}).out, HasSubstr("sprout-log "));
+}
+
+TEST(LogProgram, NoticesAFullDiskBehindStdout) {
+  const LogFolder folder;
+  const auto log = folder.Write("log", GraphEvents(3));
+  const char* const argv[] = {"sprout-log", "info", log.c_str()};
+  std::fflush(stdout);
+  const int kept = dup(STDOUT_FILENO);
+  const int full = open("/dev/full", O_WRONLY | O_CLOEXEC);
+  dup2(full, STDOUT_FILENO);
+  testing::internal::CaptureStderr();
+  const int exit_code = LogMain(3, argv);
+  const std::string err = testing::internal::GetCapturedStderr();
+  dup2(kept, STDOUT_FILENO);
+  std::cout.clear();
+  close(kept);
+  close(full);
+  EXPECT_EQ(exit_code, 1);
+  EXPECT_EQ(err, "sprout-log: cannot write to stdout\n");
 }
 
 TEST(LogProgram, RefusesBadFlagsAndFiles) {
