@@ -97,6 +97,21 @@ TEST(RecordSystem, SaysSoWhenTheLoggerDropsMessages) {
   EXPECT_THAT(record.Output(), HasSubstr("lcm-logger could not write fast enough"));
 }
 
+TEST(RecordSystem, SaysSoWhenOneImageOfThePairIsMissing) {
+  const TemporaryDirectory folder;
+  Graph graph;
+  graph.Start("refine");
+  Process record({kRecord, "--dir", folder / "logs", "--seconds", "3", "--drain", "1", "run"});
+  const auto log = folder / "logs/run.lcm";
+  ASSERT_TRUE(graph.WaitUntil([&](Graph&) {
+    graph.PublishPart({.utime = 1, .seq = 1, .rig_id = "a"}, Part::kRight,
+                      cv::Mat(cv::Mat1b(9, 9)));
+    return std::filesystem::exists(log) && std::filesystem::file_size(log) > 0;
+  }));
+  EXPECT_EQ(record.Wait(), 1);
+  EXPECT_THAT(record.Output(), HasSubstr("SPROUT_LEFT is missing: every one was lost"));
+}
+
 // A terminal that is closed, and a script that is killed: neither may leave a logger behind, which
 // would write for ever.
 TEST(RecordSystem, LeavesNoLoggerBehind) {
