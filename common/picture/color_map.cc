@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 namespace sprout {
 namespace {
@@ -84,8 +85,11 @@ ValueRange DisparityRange(std::span<const DisparityImage> maps, std::span<const 
 }
 
 ValueRange DepthRange(const TofImage& tof) {
-  const cv::Mat1f returns = ReturnsOnly(tof.depth_m);
-  return RobustRange({returns.begin(), returns.end()});
+  std::vector<float> returns;  // not from begin() and end(): the image may be empty
+  for (const float depth_m : tof.depth_m) {
+    if (IsReturn(depth_m)) returns.push_back(depth_m);
+  }
+  return RobustRange(std::move(returns));
 }
 
 cv::Mat1f ReturnsOnly(const cv::Mat1f& depth_m) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "common/core/image.h"
@@ -70,9 +71,12 @@ cv::Mat3b DisparityPicture(const DisparityImage& disparity, const ValueRange& ra
 
 cv::Mat3b DepthPicture(const TofImage& tof, cv::Size camera_size, const ValueRange& range_m,
                        const std::string& title) {
-  assert(!tof.depth_m.empty());
-  const int factor = std::max(1, cvRound(MeanSide(camera_size) / MeanSide(tof.depth_m.size())));
-  const cv::Mat3b small = Colorize(ReturnsOnly(tof.depth_m), range_m);
+  assert(!camera_size.empty());
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  const cv::Mat1f depth_m =
+      tof.depth_m.empty() ? cv::Mat1f(camera_size, kNone) : ReturnsOnly(tof.depth_m);
+  const int factor = std::max(1, cvRound(MeanSide(camera_size) / MeanSide(depth_m.size())));
+  const cv::Mat3b small = Colorize(depth_m, range_m);
   cv::Mat3b large;
   cv::resize(small, large, small.size() * factor, 0, 0, cv::INTER_NEAREST);
   return OnPaperWithScale(large, title, range_m, "m");

@@ -26,7 +26,7 @@ cv::Mat3b DisparityPicture(const DisparityImage& disparity, const ValueRange& ra
 
 /// The depth of a ToF image; pixels without a return have kNoValueColor. Each ToF pixel becomes a
 /// square of the whole number of pixels (at least 1) that brings the area of the picture closest to
-/// that of the camera's images, `camera_size`.
+/// that of the camera's images, `camera_size`. Without a ToF camera (0×0) nothing has a return.
 cv::Mat3b DepthPicture(const TofImage& tof, cv::Size camera_size, const ValueRange& range_m,
                        const std::string& title);
 

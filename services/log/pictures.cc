@@ -43,7 +43,7 @@ void WritePictures(const Frame& frame, FrameFileNames& names) {
   };
   if (!frame.left.empty()) write("left.png", CameraPicture(frame.left, "Left image" + title));
   if (!frame.right.empty()) write("right.png", CameraPicture(frame.right, "Right image" + title));
-  if (frame.tof) {
+  if (frame.tof && !CameraSize(frame).empty()) {
     write("tof.png",
           DepthPicture(*frame.tof, CameraSize(frame), DepthRange(*frame.tof), "ToF depth" + title));
   }

@@ -63,6 +63,12 @@ TEST(DepthPicture, ShowsNoReturnWhereDriversWriteAHugeNumber) {
   }
 }
 
+TEST(DepthPicture, HasNoReturnWithoutATofCamera) {
+  const TofImage none;
+  const cv::Mat3b picture = DepthPicture(none, {160, 120}, DepthRange(none), "ToF");
+  EXPECT_EQ(CountPixels(picture, kNoValueColor), 160 * 120);
+}
+
 TEST(SeedPicture, DrawsEachSeedWhereItIsInTheColorOfItsDisparity) {
   const cv::Mat1b left(200, 300, uchar{200});
   const std::vector<Seed> seeds{{.u = 40, .v = 30, .u_right = 20},

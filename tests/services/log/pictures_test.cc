@@ -133,6 +133,17 @@ TEST(LogImages, ShowsAToFImageOfHugeValues) {
   EXPECT_EQ(RunLog({"images", log, folder.File("out")}).exit_code, 0);
 }
 
+TEST(LogImages, ShowsFramesWithoutATofCamera) {
+  const LogFolder folder;
+  const TofImage none;
+  const auto log =
+      folder.Write("log", {PartEvent(Part::kLeft, 1), PartEvent(Part::kTof, 1, none),
+                           PartEvent(Part::kTof, 2, none), PartEvent(Part::kRight, 2)});
+  const ProgramOutcome outcome = RunLog({"images", log, folder.File("out")});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("3 files of 2 frames"));
+}
+
 TEST(LogExport, RefusesToDoNothing) {
   const LogFolder folder;
   const auto log = folder.Write("log", GraphEvents(3));

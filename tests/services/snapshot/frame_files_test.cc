@@ -66,6 +66,16 @@ TEST(WriteFrameFiles, TakesAToFImageWithoutAReturn) {
   }
 }
 
+TEST(WriteFrameFiles, TakesAFrameWithoutATofCamera) {
+  const TemporaryDirectory directory;
+  Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
+  frame.rig->tof = {};
+  frame.tof = TofImage{};
+  const auto written = WriteFrameFiles(frame, directory / "");
+  ASSERT_TRUE(written) << written.error().text;
+  EXPECT_EQ(directory.CountEntries(), kFiles);
+}
+
 struct Misfit {
   const char* expected;
   std::function<void(Frame&)> spoil;
