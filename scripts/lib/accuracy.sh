@@ -4,7 +4,9 @@ shopt -s inherit_errexit
 
 fail() { echo "$(basename "$0"): $*" >&2; exit "${code:-1}"; }
 
-conditions=(clean sparse noise1 noise2 sr4000)
+conditions=(clean sparse noise1 noise2 sr4000 blind25 blind50 blind75 none wrapped calib3 calib6)
+# What a parameter is chosen, and a part is judged, by: each kind of damage once.
+main_conditions=(clean sparse noise1 noise2 sr4000 blind50 none)
 
 # Flags of sprout-evaluate for a condition.
 condition_flags() {
@@ -14,6 +16,11 @@ condition_flags() {
     noise1) echo "--seed-noise-px 1 --seed-jitter-px 1" ;;
     noise2) echo "--seed-noise-px 2 --seed-jitter-px 2" ;;
     sr4000) echo "--tof sr4000" ;;
+    blind*) echo "--tof sr4000?blind=${1#blind}" ;;
+    none) echo "--tof none" ;;
+    wrapped) echo "--tof sr4000?wrapped=25" ;;
+    calib*) echo "--tof sr4000?calibration=${1#calib}" ;;
+    *) fail "no condition $1" ;;
   esac
 }
 

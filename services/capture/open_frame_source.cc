@@ -7,6 +7,7 @@
 #include "services/capture/kitti_source.h"
 #include "services/capture/middlebury_source.h"
 #include "services/capture/number_text.h"
+#include "services/capture/source_options.h"
 #include "services/capture/synthetic_source.h"
 
 namespace sprout {
@@ -35,29 +36,19 @@ std::unique_ptr<FrameSource> OpenSyntheticText(std::string_view size_text,
   return OpenSynthetic({*width, *height}, config);
 }
 
-// Applies one option behind the '?' of a source.
-void ApplyOption(std::string_view kind, std::string_view option, CaptureConfig& config) {
-  const size_t equals = std::min(option.find('='), option.size());
-  const std::string_view name = option.substr(0, equals);
-  const std::string_view value = option.substr(std::min(equals + 1, option.size()));
-  if (name == "tof") {
-    config.set_tof(std::string(value));
-  } else if (name == "beams" && kind == "kitti") {
-    config.set_beams(ParseNumber<int>(value).value_or(0));
-  } else {
-    throw BadSource(config, "no such option ?" + std::string(option),
-                    kind == "kitti" ? "?beams=64, 32, 16 or 8, ?tof=none"
-                                    : "?tof=grid, ?tof=sr4000, ?tof=none");
-  }
-}
-
-// Applies what stands behind the '?' of a source: options with '&' between them.
-void ApplyOptions(std::string_view kind, std::string_view options, CaptureConfig& config) {
-  while (true) {
-    const size_t end = options.find('&');
-    ApplyOption(kind, options.substr(0, end), config);
-    if (end == std::string_view::npos) return;
-    options.remove_prefix(end + 1);
+// Applies what stands behind the '?' of a source.
+void ApplyOptions(std::string_view kind, std::string_view text, CaptureConfig& config) {
+  for (const SourceOption& option : SourceOptions(text)) {
+    if (kind == "kitti" && option.name == "beams") {
+      config.set_beams(ParseNumber<int>(option.value).value_or(0));
+    } else if (option.name == "tof") {
+      config.set_tof(std::string(option.value));
+    } else if (config.tof() != "sr4000" || !ApplySr4000Option(option, *config.mutable_sr4000())) {
+      throw BadSource(config, "no such option " + std::string(option.text),
+                      kind == "kitti" ? "?beams=64, 32, 16 or 8, ?tof=none"
+                                      : "?tof=grid, ?tof=none, ?tof=sr4000 with " +
+                                            std::string(kSr4000Options));
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "services/capture/brown_lens.h"
 #include "services/capture/solid_texture.h"
 
 namespace sprout {
@@ -14,6 +15,7 @@ namespace {
 
 constexpr int kWidth = 176;
 constexpr int kHeight = 144;
+constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
 
 // The camera looks at the middle of what both colour cameras see at this disparity, a share of the
 // image width: the middle of what stereo scenes have.
@@ -79,6 +81,28 @@ TofCamera Turned(TofCamera camera, double error_px, double focal_px) {
   return camera;
 }
 
+cv::Mat1d RangePerDepth(const TofCamera& camera) {
+  cv::Mat1d length(camera.height, camera.width);
+  for (int v = 0; v < length.rows; ++v) {
+    for (int u = 0; u < length.cols; ++u) {
+      length(v, u) = DirectionOfPixel(camera, {double(u), double(v)}).homogeneous().norm();
+    }
+  }
+  return length;
+}
+
+// Takes away the returns with the lowest amplitude, exactly that share of them; of equal ones the
+// first pixel's first.
+void DropWeakest(double percent, TofImage& tof) {
+  std::vector<int> returns;
+  for (int i = 0; i < static_cast<int>(tof.depth_m.total()); ++i) {
+    if (!std::isnan(tof.depth_m(i))) returns.push_back(i);
+  }
+  std::ranges::stable_sort(returns, {}, [&](int i) { return tof.amplitude(i); });
+  returns.resize(static_cast<size_t>(std::llround(percent / 100 * double(returns.size()))));
+  for (const int i : returns) tof.depth_m(i) = kNoReturn;
+}
+
 // A normal deviate from a key: the sum of twelve uniform numbers less its mean (Irwin and Hall).
 // Variance 1, no value beyond ±6, and no libm function that differs between machines.
 double Normal(uint64_t key) {
@@ -96,32 +120,44 @@ struct Footprint {
   double light = 0;     // mean light that comes back, in the unit of albedo / m²
   double mixed_m = 0;   // depth of all light together
   double middle_m = 0;  // depth of the surface that fills most of the pixel
+  double spread = 0;    // between the nearest and the farthest depth, a share of the nearest
+  int samples = 0;      // known or not
+
+  bool IsMostlyKnown() const { return 2 * known >= samples; }
 };
 
-Footprint FootprintOf(const TofSamples& samples, int tof_u, int tof_v) {
+// @param reach  beyond the pixel's own borders, samples.
+Footprint FootprintOf(const TofSamples& samples, int tof_u, int tof_v, int reach) {
   constexpr int kSide = TofSamples::kPerSide;
-  std::array<double, size_t{kSide} * kSide> depths;
-  Footprint footprint;
+  const cv::Rect own(tof_u * kSide, tof_v * kSide, kSide, kSide);
+  const cv::Rect area = (own - cv::Point(reach, reach) + cv::Size(2 * reach, 2 * reach)) &
+                        cv::Rect({0, 0}, samples.depth_m.size());
+  std::vector<double> depths;
+  depths.reserve(static_cast<size_t>(area.area()));
+  Footprint footprint{.samples = area.area()};
   double weighted = 0;
   double unweighted = 0;
-  for (int y = tof_v * kSide; y < (tof_v + 1) * kSide; ++y) {
-    for (int x = tof_u * kSide; x < (tof_u + 1) * kSide; ++x) {
+  for (int y = area.y; y < area.y + area.height; ++y) {
+    for (int x = area.x; x < area.x + area.width; ++x) {
       const double depth_m = samples.depth_m(y, x);
       if (!std::isfinite(depth_m)) continue;
       const double light = samples.albedo(y, x) / (depth_m * depth_m);
       footprint.light += light;
       weighted += light * depth_m;
       unweighted += depth_m;
-      depths[static_cast<size_t>(footprint.known++)] = depth_m;
+      depths.push_back(depth_m);
     }
   }
-  if (footprint.known == 0) return footprint;
+  if (depths.empty()) return footprint;
+  footprint.known = static_cast<int>(depths.size());
   footprint.mixed_m =
       footprint.light > 0 ? weighted / footprint.light : unweighted / footprint.known;
   footprint.light /= footprint.known;
   const auto middle = depths.begin() + footprint.known / 2;
-  std::nth_element(depths.begin(), middle, depths.begin() + footprint.known);
+  std::nth_element(depths.begin(), middle, depths.end());
   footprint.middle_m = *middle;
+  const auto [nearest, farthest] = std::ranges::minmax(depths);
+  footprint.spread = farthest / nearest - 1;
   return footprint;
 }
 
@@ -146,6 +182,7 @@ Sr4000::Sr4000(const RectifiedPair& pair, const Sr4000Config& config, uint32_t s
   actual_ = config.calibration_error_px() > 0
                 ? Turned(calibrated_, config.calibration_error_px(), pair.focal_px)
                 : calibrated_;
+  range_per_depth_ = RangePerDepth(calibrated_);
 }
 
 double Sr4000::NoiseM(double amplitude) const {
@@ -155,17 +192,43 @@ double Sr4000::NoiseM(double amplitude) const {
          std::sqrt((amplitude + ambient) / (reference + ambient));
 }
 
+// With wrapped_percent: half way between the ranges on either side of that share of the returns.
+double Sr4000::AmbiguityM(const cv::Mat1f& depth_m) const {
+  if (config_.wrapped_percent() <= 0) return config_.ambiguity_range_m();
+  std::vector<double> ranges_m;
+  for (int i = 0; i < static_cast<int>(depth_m.total()); ++i) {
+    if (!std::isnan(depth_m(i))) ranges_m.push_back(depth_m(i) * range_per_depth_(i));
+  }
+  const auto kept = std::llround((1 - config_.wrapped_percent() / 100) * double(ranges_m.size()));
+  if (kept < 1 || kept >= std::ssize(ranges_m)) return 0;
+  std::ranges::sort(ranges_m);
+  return (ranges_m[static_cast<size_t>(kept - 1)] + ranges_m[static_cast<size_t>(kept)]) / 2;
+}
+
+// The phase tells the range only modulo half the wavelength of the modulation.
+void Sr4000::Wrap(cv::Mat1f& depth_m) const {
+  const double ambiguity_m = AmbiguityM(depth_m);
+  if (ambiguity_m <= 0) return;
+  for (int i = 0; i < static_cast<int>(depth_m.total()); ++i) {
+    if (std::isnan(depth_m(i))) continue;
+    const double range_m = std::fmod(depth_m(i) * range_per_depth_(i), ambiguity_m);
+    depth_m(i) = range_m > 0 ? static_cast<float>(range_m / range_per_depth_(i)) : kNoReturn;
+  }
+}
+
 TofImage Sr4000::Measure(const TofSamples& samples, int64_t frame) const {
   assert(samples.depth_m.size() == cv::Size(kWidth, kHeight) * TofSamples::kPerSide);
+  const auto reach =
+      static_cast<int>(std::lround((config_.footprint_px() - 1) / 2 * TofSamples::kPerSide));
   std::vector<Footprint> footprints;
   footprints.reserve(size_t{kWidth} * kHeight);
   for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) footprints.push_back(FootprintOf(samples, u, v));
+    for (int u = 0; u < kWidth; ++u) footprints.push_back(FootprintOf(samples, u, v, reach));
   }
   const double exposure = Exposure(footprints, config_.median_amplitude());
   const uint64_t key = Scramble(Scramble(seed_) + static_cast<uint64_t>(frame));
 
-  TofImage tof{.depth_m = cv::Mat1f(kHeight, kWidth, std::numeric_limits<float>::quiet_NaN()),
+  TofImage tof{.depth_m = cv::Mat1f(kHeight, kWidth, kNoReturn),
                .amplitude = cv::Mat1f(kHeight, kWidth, 0.f)};
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
@@ -173,15 +236,22 @@ TofImage Sr4000::Measure(const TofSamples& samples, int64_t frame) const {
       const Footprint& footprint = footprints[index];
       const double amplitude = exposure * footprint.light;
       tof.amplitude(v, u) = static_cast<float>(amplitude);
-      if (2 * footprint.known < TofSamples::kPerSide * TofSamples::kPerSide) continue;
+      const bool is_mixed =
+          config_.mixed_percent() > 0 && 100 * footprint.spread > config_.mixed_percent();
+      if (!footprint.IsMostlyKnown() || is_mixed) continue;
       if (amplitude <= 0 || amplitude < config_.min_amplitude()) continue;
       const double depth_m =
           footprint.middle_m + config_.flying_pixels() * (footprint.mixed_m - footprint.middle_m);
+      if (config_.max_range_m() > 0 && depth_m * range_per_depth_(v, u) > config_.max_range_m()) {
+        continue;
+      }
       const double noise_m = NoiseM(amplitude) * Normal(Scramble(key + index));
       if (depth_m + noise_m <= 0) continue;
       tof.depth_m(v, u) = static_cast<float>(depth_m + noise_m);
     }
   }
+  Wrap(tof.depth_m);
+  DropWeakest(config_.blind_percent(), tof);
   return tof;
 }
 

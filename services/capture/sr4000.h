@@ -14,8 +14,8 @@ namespace sprout {
 /// cameras, with a lens, noise and faults of its own. The source renders what the camera looks at
 /// (TofSamples), this class makes of it what the camera says.
 ///
-/// Not simulated: multi-path, scattering in the lens, motion, wrap-around beyond the unambiguous
-/// range, distance error that depends on amplitude or temperature.
+/// Not simulated: multi-path, scattering in the lens, motion, distance error that depends on
+/// amplitude or temperature.
 class Sr4000 {
  public:
   /// @param seed  of the noise: other numbers, other noise.
@@ -30,19 +30,24 @@ class Sr4000 {
   const TofCamera& actual() const { return actual_; }
 
   /// Depth and amplitude (counts) of what the camera looks at. A pixel has no return when less
-  /// than half of its samples are known or its amplitude is below config.min_amplitude(); its
-  /// amplitude is given nevertheless. Depends on samples, configuration, seed and frame only; same
-  /// bytes on every machine.
-  /// O(samples), one thread.
+  /// than half of its samples are known, they are mixed (config.mixed_percent()), its amplitude is
+  /// below config.min_amplitude(), its surface is beyond config.max_range_m(), or it is among the
+  /// config.blind_percent() of returns with the lowest amplitude; its amplitude is given
+  /// nevertheless. A surface beyond the unambiguous range comes back modulo that range. Depends on
+  /// samples, configuration, seed and frame only; same bytes on every machine. O(samples), one
+  /// thread.
   TofImage Measure(const TofSamples& samples, int64_t frame) const;
 
  private:
   double NoiseM(double amplitude) const;
+  double AmbiguityM(const cv::Mat1f& depth_m) const;
+  void Wrap(cv::Mat1f& depth_m) const;
 
   Sr4000Config config_;
   uint32_t seed_;
   TofCamera calibrated_;
   TofCamera actual_;
+  cv::Mat1d range_per_depth_;  // of each pixel: its ray's length at z = 1
 };
 
 }  // namespace sprout

@@ -105,8 +105,10 @@ void AddInputFlags(CLI::App& flags, Options& options) {
           "--tof", options.tof,
           "ToF camera: grid:auto (every round(rows / 111)th pixel of the truth: 10 at full "
           "size, as in the paper), grid:auto*K (K times that), grid:N (every Nth), sr4000 (a "
-          "camera of its own with the faults of a real one), or none; for kitti: scan (the one "
-          "recorded), or none")
+          "camera of its own with the faults of a real one; ?blind=P behind it: without the P % of "
+          "its returns with the lowest amplitude; ?wrapped=P: P % are beyond the unambiguous "
+          "range; ?calibration=PX: its pose is off; '&' between several), or none; for kitti: "
+          "scan (the one recorded), or none")
       ->default_str("grid:auto, kitti: scan");
   flags
       .add_option("--seed-noise-px", options.noise.disparity_px,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -40,24 +41,39 @@ cv::Mat3b ErrorPicture(const cv::Mat1f& map_px, const Scene& scene) {
   return Colorize(error_px, {0, kLargest});
 }
 
+// The points of the ToF camera on the left image, and their number.
+FigureCell PointsCell(const Scene& scene, const ValueRange& range_px) {
+  constexpr double kDarkening = 0.45;  // the image stays recognisable, the points stand out
+  cv::Mat3b picture = ToBgr(scene.left_grey * kDarkening);
+  const int radius = std::max(1, picture.cols / (2 * kFigureCellWidth));  // a pixel in the figure
+  int behind = 0;
+  const std::vector<ProjectedPoint> points = scene.projector.Project(scene.frame.tof, behind);
+  for (const ProjectedPoint& point : points) {
+    cv::circle(picture, {cvRound(point.seed.u), cvRound(point.seed.v)}, radius,
+               cv::Scalar(ColorOf(point.seed.disparity(), range_px)), cv::FILLED);
+  }
+  return {FigureThumbnail(picture), fmt::format("{} points", points.size())};
+}
+
 }  // namespace
 
 void RunPictures::Add(const Scene& scene, const SceneResult& result) {
   const cv::Mat1f& truth = scene.frame.truth.left;
   const ValueRange range_px = RobustRange({truth.begin(), truth.end()});
   titles_ = {"left image"};
+  error_titles_ = {"left image", "ToF points"};
   std::vector<FigureCell> row{{FigureThumbnail(ToBgr(scene.frame.left)), scene.name}};
-  std::vector<FigureCell> error_row{row.front()};
+  std::vector<FigureCell> error_row{row.front(), PointsCell(scene, range_px)};
   for (const MethodResult& method : result.methods) {
     const std::string correct = CorrectText(method);
     Write(folder_ / (scene.name + "_" + method.name + ".png"),
           DisparityPicture(FromPx(method.map_px), range_px,
                            scene.name + ", " + method.name + ": " + correct));
     titles_.push_back(method.name);
+    error_titles_.push_back(method.name);
     row.push_back({FigureThumbnail(Colorize(method.map_px, range_px)), correct});
     error_row.push_back({FigureThumbnail(ErrorPicture(method.map_px, scene)), correct});
   }
-  error_titles_ = titles_;
   titles_.push_back("ground truth");
   row.push_back({FigureThumbnail(Colorize(truth, range_px)), ""});
   rows_.push_back(std::move(row));

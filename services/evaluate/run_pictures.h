@@ -12,9 +12,9 @@ namespace sprout {
 
 /// The pictures of a run: SCENE_METHOD.png for every map, and figure.png with the left image, all
 /// maps, ground truth and the per cent of correct non-occluded pixels below each, a row for each
-/// scene. The maps of a scene share one colour scale. errors.png has the errors of the maps
-/// instead, from 0 to kLargestErrorPx; pixels that are not scored are dark, those without a
-/// disparity have the largest error.
+/// scene. The maps of a scene share one colour scale. errors.png has the points of the ToF camera
+/// and the errors of the maps instead, from 0 to kLargestErrorPx; pixels that are not scored are
+/// dark, those without a disparity have the largest error.
 class RunPictures {
  public:
   explicit RunPictures(std::filesystem::path folder) : folder_(std::move(folder)) {}

@@ -23,14 +23,14 @@ bool IsSynthetic(const std::string& scene) { return scene.starts_with("synthetic
 
 std::string NameOf(const std::string& scene) {
   if (IsSynthetic(scene)) return scene;
-  const fs::path path = fs::absolute(scene).lexically_normal();
-  if (IsKitti(scene)) {  // 000007?beams=16, which is no name for a file
-    std::string name = path.filename();
-    std::ranges::replace_if(
-        name, [](char c) { return c == '?' || c == '&'; }, '_');
-    return name;
-  }
-  return path.has_filename() ? path.filename() : path.parent_path().filename();
+  const size_t question = std::min(scene.rfind('?'), scene.size());
+  const fs::path path = fs::absolute(scene.substr(0, question)).lexically_normal();
+  std::string name = path.has_filename() ? path.filename() : path.parent_path().filename();
+  name += scene.substr(question);
+  // 000007?beams=16 is no name for a file.
+  std::ranges::replace_if(
+      name, [](char c) { return c == '?' || c == '&'; }, '_');
+  return name;
 }
 
 // A grid that follows from the rows of the images needs an open source first, to know them.

@@ -40,7 +40,7 @@ std::vector<std::string> ScenesOf(const std::string& scene);
 /// Loads frame 0 of a scene.
 ///
 /// @param scene   a Middlebury folder, or a source of capture's that starts with "synthetic:" or
-///                "kitti:".
+///                "kitti:"; options behind a '?' (?tof=sr4000&blind=50) override `tof`.
 /// @param config  its source and ToF camera are replaced.
 /// @throws ConfigError naming what is missing or wrong, and where.
 Scene LoadScene(const std::string& scene, const TofChoice& tof, CaptureConfig config);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "services/capture/source_options.h"
+
 namespace sprout {
 namespace {
 
@@ -16,9 +18,11 @@ constexpr double kMaxFactor = 100;
 constexpr int kMaxSpacingPx = 1000;
 
 ConfigError BadChoice(const std::string& text, const std::string& reason) {
-  return ConfigError("--tof " + text + ": " + reason +
-                     "; allowed: grid:auto, grid:auto*K (K above 0, at most 100), grid:N (N from "
-                     "1 to 1000 px), sr4000, none, and for kitti scan, none");
+  return ConfigError(
+      "--tof " + text + ": " + reason +
+      "; allowed: grid:auto, grid:auto*K (K above 0, at most 100), grid:N (N from "
+      "1 to 1000 px), sr4000 (with ?blind=P, &wrapped=P, &calibration=PX), none, and for "
+      "kitti scan, none");
 }
 
 template <typename Number>
@@ -34,7 +38,15 @@ std::optional<Number> Parse(std::string_view text) {
 TofChoice::TofChoice(const std::string& text) : text_(text) {
   const std::string_view view = text_;
   if (view == kAuto) return;
-  if (view == kSr4000 || view == kNone || view == kScan) return;
+  if (view == kNone || view == kScan) return;
+  if (view.substr(0, view.find('?')) == kSr4000) {
+    sr4000_.emplace();
+    if (view == kSr4000) return;
+    for (const SourceOption& option : SourceOptions(view.substr(kSr4000.size() + 1))) {
+      if (!ApplySr4000Option(option, *sr4000_)) throw BadChoice(text, "no such option");
+    }
+    return;
+  }
   if (view.starts_with("grid:auto*")) {
     const std::optional<double> factor = Parse<double>(view.substr(kAuto.size() + 1));
     if (!factor || !(*factor > 0 && *factor <= kMaxFactor)) throw BadChoice(text, "no such factor");
@@ -50,7 +62,12 @@ TofChoice::TofChoice(const std::string& text) : text_(text) {
 }
 
 void TofChoice::Apply(int rows, CaptureConfig& config) const {
-  if (text_ == kSr4000 || text_ == kNone) {
+  if (sr4000_) {
+    config.set_tof(std::string(kSr4000));
+    config.mutable_sr4000()->MergeFrom(*sr4000_);
+    return;
+  }
+  if (text_ == kNone) {
     config.set_tof(text_);
     return;
   }

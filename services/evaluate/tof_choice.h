@@ -13,7 +13,8 @@ namespace sprout {
 ///                paper, 5 at half and 3 at third
 ///   grid:auto*K  K times that spacing, rounded
 ///   grid:N       every Nth pixel
-///   sr4000       a camera of its own with the faults of a real one (Sr4000Config)
+///   sr4000       a camera of its own with the faults of a real one (Sr4000Config); behind it
+///                ?blind=P, ?wrapped=P, ?calibration=PX, as in capture's sources
 ///   none         no ToF camera
 /// For a scene that has a recorded scan (kitti), instead:
 ///   scan         that
@@ -34,6 +35,7 @@ class TofChoice {
 
  private:
   std::string text_;
+  std::optional<Sr4000Config> sr4000_;
   std::optional<int> spacing_px_;  // nothing: from the rows
   double factor_ = 1;              // on the spacing from the rows
 };

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "tests/services/capture/scene_folder.h"
 
 namespace sprout {
@@ -73,6 +75,21 @@ TEST(OpenFrameSource, TakesTheTofCameraFromTheConfigurationOrTheSource) {
   EXPECT_EQ(OpenFrameSource(config)->rig().tof.width, 176);
 }
 
+TEST(OpenFrameSource, TakesTheFaultsOfTheSr4000FromTheSource) {
+  const auto returns = [](const std::string& options) {
+    const TofImage tof = OpenFrameSource(WithSource("synthetic:64x48" + options))->Get(0).tof;
+    return cv::countNonZero(tof.depth_m == tof.depth_m);
+  };
+  const int all = returns("?tof=sr4000");
+  EXPECT_EQ(returns("?tof=sr4000&blind=50"), all - std::lround(all / 2.0));
+  EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=sr4000&blind=120")),
+              HasSubstr("capture.sr4000.blind_percent = 120"));
+  EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=sr4000&blind=x")),
+              HasSubstr("sr4000?blind=x: not a number"));
+  EXPECT_THAT(OpenError(WithSource("synthetic:64x48?blind=50")),
+              HasSubstr("no such option blind=50"));
+}
+
 TEST(OpenFrameSource, OpensScenesWithoutATofCamera) {
   const SceneFolder folder;
   folder.Write2005({40, 30});
@@ -95,7 +112,7 @@ TEST(OpenFrameSource, NamesTheTofCamerasThatExist) {
                 AllOf(HasSubstr("allowed: "), HasSubstr("sr4000")));
   }
   EXPECT_THAT(OpenError(WithSource("middlebury:/no/folder?zoom=2")),
-              AllOf(HasSubstr("no such option ?zoom=2"), HasSubstr("?tof=sr4000")));
+              AllOf(HasSubstr("no such option zoom=2"), HasSubstr("?tof=sr4000")));
 }
 
 TEST(OpenFrameSource, ChecksTheRangesOfTheSr4000) {

@@ -45,6 +45,8 @@ TofImage Measure(const TofSamples& samples, const Sr4000Config& config = {}, uin
   return Sr4000(SomePair(), config, seed).Measure(samples, frame);
 }
 
+int Returns(const TofImage& tof) { return cv::countNonZero(tof.depth_m == tof.depth_m); }
+
 // Root mean square error in columns [first, last).
 double Deviation(const TofImage& tof, int first, int last, double truth_m) {
   double sum = 0;
@@ -131,6 +133,132 @@ TEST(Sr4000, HasFlyingPixelsAtDepthEdgesOnly) {
   EXPECT_NEAR(Measure(samples, config).depth_m(70, 100), 1.125, 1e-6);
   config.set_flying_pixels(0);
   EXPECT_NEAR(Measure(samples, config).depth_m(70, 100), 1, 1e-6);
+}
+
+TEST(Sr4000, SpreadsAnEdgeOverTheFootprintOfAPixel) {
+  TofSamples samples = Wall(2, 0.5F);
+  SetRight(samples, 88, 3, 0.5F);
+  Sr4000Config config;
+  config.set_depth_noise_m(0);
+  const auto between = [&](double footprint_px) {
+    config.set_footprint_px(footprint_px);
+    const TofImage tof = Measure(samples, config);
+    int count = 0;
+    for (int u = 0; u < 176; ++u) count += tof.depth_m(70, u) > 2.01F && tof.depth_m(70, u) < 2.99F;
+    return count;
+  };
+  EXPECT_EQ(between(1), 0);
+  EXPECT_EQ(between(3), 2);
+  EXPECT_EQ(between(5), 4);
+}
+
+TEST(Sr4000, DropsPixelsThatItCanTellToBeMixed) {
+  TofSamples samples = Wall(2, 0.5F);
+  SetRight(samples, 88, 3, 0.5F);
+  Sr4000Config config;
+  config.set_footprint_px(3);
+  config.set_mixed_percent(49);
+  EXPECT_EQ(Returns(Measure(samples, config)), 174 * 144);
+  config.set_mixed_percent(51);
+  EXPECT_EQ(Returns(Measure(samples, config)), 176 * 144);
+}
+
+// A wall that slopes away and darkens to the right, so that no two columns are alike.
+TofSamples Slope(float near_m, float far_m) {
+  TofSamples samples = Wall(near_m, 0.5F);
+  for (int x = 0; x < samples.depth_m.cols; ++x) {
+    const float share = static_cast<float>(x) / static_cast<float>(samples.depth_m.cols);
+    samples.depth_m.col(x) = near_m + share * (far_m - near_m);
+    samples.albedo.col(x) = 0.9F - 0.5F * share;
+  }
+  return samples;
+}
+
+TEST(Sr4000, IsBlindToExactlyTheShareOfReturnsWithTheLowestAmplitude) {
+  const TofSamples samples = Slope(2, 3);
+  const TofImage all = Measure(samples);
+  ASSERT_EQ(Returns(all), 176 * 144);
+  for (const double percent : {25.0, 50.0, 75.0, 100.0}) {
+    Sr4000Config config;
+    config.set_blind_percent(percent);
+    const TofImage tof = Measure(samples, config);
+    EXPECT_EQ(Returns(tof), std::lround((1 - percent / 100) * 176 * 144));
+    float weakest_kept = 1e9F;
+    float strongest_gone = 0;
+    for (int i = 0; i < 176 * 144; ++i) {
+      EXPECT_EQ(tof.amplitude(i), all.amplitude(i));
+      if (std::isnan(tof.depth_m(i))) {
+        strongest_gone = std::max(strongest_gone, tof.amplitude(i));
+      } else {
+        EXPECT_EQ(tof.depth_m(i), all.depth_m(i));
+        weakest_kept = std::min(weakest_kept, tof.amplitude(i));
+      }
+    }
+    EXPECT_GE(weakest_kept, strongest_gone);
+  }
+}
+
+TEST(Sr4000, TakesEquallyWeakReturnsInTheOrderOfThePixels) {
+  Sr4000Config config;
+  config.set_blind_percent(50);
+  const TofImage tof = Measure(Wall(2, 0.5F), config);
+  EXPECT_EQ(cv::countNonZero(tof.depth_m.rowRange(0, 72) == tof.depth_m.rowRange(0, 72)), 0);
+  EXPECT_EQ(Returns(tof), 72 * 176);
+}
+
+TEST(Sr4000, HasNoReturnBeyondItsRange) {
+  Sr4000Config config;
+  config.set_depth_noise_m(0);
+  config.set_max_range_m(3);
+  const Sr4000 camera(SomePair(), config, 1);
+  const TofProjector projector({.pair = SomePair(), .tof = camera.calibrated()});
+  const TofImage tof = camera.Measure(Slope(2, 4), 0);
+  const TofImage all = Measure(Slope(2, 4), [] {
+    Sr4000Config quiet;
+    quiet.set_depth_noise_m(0);
+    return quiet;
+  }());
+  int beyond = 0;
+  for (int v = 0; v < 144; ++v) {
+    for (int u = 0; u < 176; ++u) {
+      const double range_m = all.depth_m(v, u) * projector.ray(u, v).norm();
+      if (std::abs(range_m - 3) < 1e-5) continue;
+      EXPECT_EQ(std::isnan(tof.depth_m(v, u)), range_m > 3) << u << ", " << v;
+      beyond += range_m > 3;
+    }
+  }
+  EXPECT_GT(beyond, 1000);
+}
+
+TEST(Sr4000, TellsARangeOnlyModuloItsAmbiguity) {
+  Sr4000Config config;
+  config.set_depth_noise_m(0);
+  const TofImage all = Measure(Slope(4, 6), config);
+  config.set_ambiguity_range_m(5);
+  const Sr4000 camera(SomePair(), config, 1);
+  const TofProjector projector({.pair = SomePair(), .tof = camera.calibrated()});
+  const TofImage tof = camera.Measure(Slope(4, 6), 0);
+  for (int v = 0; v < 144; v += 9) {
+    for (int u = 0; u < 176; ++u) {
+      const double length = projector.ray(u, v).norm();
+      const double range_m = all.depth_m(v, u) * length;
+      if (std::abs(range_m - 5) < 1e-5) continue;
+      const double expected_m = range_m < 5 ? range_m : range_m - 5;
+      EXPECT_NEAR(tof.depth_m(v, u) * length, expected_m, 1e-5) << u << ", " << v;
+    }
+  }
+}
+
+TEST(Sr4000, WrapsTheStatedShareOfReturnsWhateverTheScaleOfTheScene) {
+  for (const float scale : {1.0F, 100.0F}) {
+    Sr4000Config config;
+    const TofImage all = Measure(Slope(4 * scale, 6 * scale), config);
+    config.set_wrapped_percent(25);
+    const TofImage tof = Measure(Slope(4 * scale, 6 * scale), config);
+    int wrapped = 0;
+    for (int i = 0; i < 176 * 144; ++i) wrapped += tof.depth_m(i) < all.depth_m(i);
+    EXPECT_EQ(wrapped, 176 * 144 / 4);
+  }
 }
 
 TEST(Sr4000, GivesTheSameBytesForTheSameFrameAndSeedOnly) {

@@ -170,8 +170,9 @@ TEST(EvaluateProgram, RunsWithoutATofCamera) {
   const TemporaryDirectory folder;
   for (const std::string& scene :
        {std::string(kScene), middlebury.File("."), kitti.Config("/000007").source()}) {
-    const Outcome outcome = Evaluate(
-        {scene, "--tof", "none", "--methods", "sprout,sgbm-3way,fgs", "--json", folder / "a.json"});
+    const Outcome outcome =
+        Evaluate({scene, "--tof", "none", "--methods", "sprout,sgbm-3way,fgs", "--json",
+                  folder / "a.json", "--images", folder / "pictures"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     const nlohmann::json json = WithoutTimes(folder / "a.json");
     EXPECT_EQ(json["tof"], "none");

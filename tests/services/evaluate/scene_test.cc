@@ -24,6 +24,19 @@ TEST(Scene, IsAwayWhereNoToFPointIsWithinThreePixels) {
   EXPECT_EQ(cv::countNonZero(without.away), scene.size().area());
 }
 
+TEST(Scene, CarriesATofCameraOfItsOwn) {
+  const SceneFolder folder;
+  folder.Write2005({40, 30});
+  const std::filesystem::path path = std::filesystem::path(folder.File("x")).parent_path();
+  const std::string name = path.filename();
+  for (const std::string slash : {"", "/"}) {
+    const Scene scene =
+        LoadScene(path.string() + slash + "?tof=sr4000&blind=50", TofChoice("grid:5"), {});
+    EXPECT_EQ(scene.projector.rig().tof.width, 176);
+    EXPECT_EQ(scene.name, name + "_tof=sr4000_blind=50");
+  }
+}
+
 TEST(Scene, TakesWhatBothCamerasSeeFromKittisTruth) {
   const KittiFolder folder;
   folder.WriteStereo("000007");  // 5 px everywhere but at (0, 0)

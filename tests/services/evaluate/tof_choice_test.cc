@@ -37,6 +37,24 @@ TEST(TofChoice, ChoosesTheCamera) {
   EXPECT_EQ(config.tof(), "grid");
 }
 
+TEST(TofChoice, TakesTheFaultsOfTheCamera) {
+  CaptureConfig config;
+  config.mutable_sr4000()->set_depth_noise_m(0.01);
+  TofChoice("sr4000?blind=50&wrapped=12.5&calibration=3").Apply(1110, config);
+  EXPECT_EQ(config.tof(), "sr4000");
+  EXPECT_EQ(config.sr4000().blind_percent(), 50);
+  EXPECT_EQ(config.sr4000().wrapped_percent(), 12.5);
+  EXPECT_EQ(config.sr4000().calibration_error_px(), 3);
+  EXPECT_EQ(config.sr4000().depth_noise_m(), 0.01);  // what it does not name stays
+}
+
+TEST(TofChoice, RefusesFaultsThatItDoesNotKnow) {
+  for (const char* option : {"", "blind", "blind=", "blind=x", "blind=101", "blind=-1", "blind=nan",
+                             "wrapped=100", "calibration=-1", "deaf=1", "blind=5&"}) {
+    EXPECT_THROW(TofChoice("sr4000?" + std::string(option)), ConfigError) << option;
+  }
+}
+
 TEST(TofChoice, RefusesWhatItDoesNotKnow) {
   for (const char* text :
        {"", "grid", "grid:", "grid:0", "grid:-3", "grid:1001", "grid:5x", "grid:auto*",
