@@ -62,7 +62,10 @@ std::vector<ProjectedPoint> TofProjector::Project(const TofImage& tof, int& behi
       const Eigen::Vector3d point_in_left =
           rotation * point_in_tof + rig_.tof.left_from_tof_translation_m;
       if (point_in_left.z() > 0) {
-        points.push_back({u, v, ProjectToPair(rig_.pair, point_in_left)});
+        Seed seed = ProjectToPair(rig_.pair, point_in_left);
+        seed.tof_u = static_cast<int16_t>(u);
+        seed.tof_v = static_cast<int16_t>(v);
+        points.push_back({u, v, seed});
       } else {
         ++behind;
       }

@@ -27,7 +27,7 @@ Result<void> CheckTofSize(const Rig& rig, const TofImage& tof);
 struct ProjectedPoint {
   int tof_u = 0;  ///< column in the ToF image
   int tof_v = 0;  ///< row in the ToF image
-  Seed seed;      ///< may lie outside the images
+  Seed seed;      ///< names this pixel; may lie outside the images
 };
 
 /// Moves the points of a ToF camera into the left rectified frame and projects them into the pair.

@@ -36,7 +36,8 @@ struct ArrayTable<rig_t> {
 };
 template <>
 struct ArrayTable<seeds_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {{0, 3 * sizeof(float)}};
+  static constexpr std::initializer_list<CountedArray> kArrays = {
+      {0, 4 * sizeof(float) + sizeof(int8_t) + 2 * sizeof(int16_t)}};
 };
 template <>
 struct ArrayTable<disparity_image_t> {

@@ -217,62 +217,6 @@ Result<Rig> FromMessage(const rig_t& message) {
   return rig;
 }
 
-seeds_t ToMessage(const FrameId& id, const SeedSet& seeds) {
-  seeds_t message;
-  message.header = ToMessage(id);
-  message.count = static_cast<int32_t>(seeds.seeds.size());
-  message.raw_count = seeds.raw;
-  message.outside_count = seeds.outside;
-  message.dark_count = seeds.dark;
-  message.loose_count = seeds.loose;
-  message.background_count = seeds.background;
-  message.hidden_count = seeds.hidden;
-  message.u.reserve(seeds.seeds.size());
-  message.v.reserve(seeds.seeds.size());
-  message.u_right.reserve(seeds.seeds.size());
-  for (const Seed& seed : seeds.seeds) {
-    message.u.push_back(seed.u);
-    message.v.push_back(seed.v);
-    message.u_right.push_back(seed.u_right);
-  }
-  return message;
-}
-
-Result<SeedSet> FromMessage(const seeds_t& message) {
-  const auto count = static_cast<size_t>(std::max(message.count, 0));
-  Checks checks;
-  checks.NotNegative("count", message.count)
-      .Require(
-          message.u.size() == count && message.v.size() == count && message.u_right.size() == count,
-          "count", message.count, "the number of values in u, v and u_right")
-      .NotNegative("raw_count", message.raw_count)
-      .NotNegative("outside_count", message.outside_count)
-      .NotNegative("dark_count", message.dark_count)
-      .NotNegative("loose_count", message.loose_count)
-      .NotNegative("background_count", message.background_count)
-      .NotNegative("hidden_count", message.hidden_count);
-  if (!checks.ok()) return checks.error();
-  SeedSet seeds{.seeds = {},
-                .raw = message.raw_count,
-                .outside = message.outside_count,
-                .dark = message.dark_count,
-                .loose = message.loose_count,
-                .background = message.background_count,
-                .hidden = message.hidden_count};
-  seeds.seeds.reserve(count);
-  for (size_t i = 0; i < count; ++i) {
-    const Seed seed{.u = message.u[i], .v = message.v[i], .u_right = message.u_right[i]};
-    // False for NaN as well; anything beyond the largest image is no position.
-    const auto in_bounds = [](float position) { return std::abs(position) <= kMaxSide; };
-    if (!in_bounds(seed.u) || !in_bounds(seed.v) || !in_bounds(seed.u_right)) {
-      return Fail("seed " + std::to_string(i) + ": position not finite or beyond ±" +
-                  std::to_string(kMaxSide) + " px");
-    }
-    seeds.seeds.push_back(seed);
-  }
-  return seeds;
-}
-
 disparity_image_t ToMessage(const FrameId& id, const DisparityImage& disparity,
                             DisparityEncoding encoding) {
   disparity_image_t message;

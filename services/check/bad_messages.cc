@@ -106,15 +106,30 @@ void AddSizes(Part part, std::vector<Spoiling>& ways) {
   }
 }
 
-void AddNotNumbers(Part part, std::vector<Spoiling>& ways) {
+// Writes into the first seed of a seeds_t, behind the arrays that take `bytes_before` a seed.
+void AddBadSeed(const char* name, size_t bytes_before, int32_t value, std::vector<Spoiling>& ways) {
+  ways.push_back({name, [=](const Bytes& b) {
+                    const size_t body = BodyOf(b);
+                    const auto count = static_cast<size_t>(ReadInt32(b, body));
+                    if (count == 0) return Cut(b, b.size() - 1);  // there is none to spoil
+                    constexpr size_t kCountsBytes = 8 * sizeof(int32_t);
+                    return WithInt32(b, body + kCountsBytes + count * bytes_before, value);
+                  }});
+}
+
+void AddBadValues(Part part, std::vector<Spoiling>& ways) {
   constexpr int32_t kNan = 0x7ff80000;  // as float and as the first half of a double
   if (part == Part::kRig) {
     ways.push_back(
         {"focal_px = NaN", [](const Bytes& b) { return WithInt32(b, BodyOf(b) + 2 * 4, kNan); }});
   }
   if (part == Part::kSeeds || part == Part::kLeftSeeds) {
-    ways.push_back({"u_right of the last seed = NaN",
-                    [](const Bytes& b) { return WithInt32(b, b.size() - 4, kNan); }});
+    // The arrays, one behind the other: u, v, u_right, sigma_px; origin; tof_u, tof_v.
+    AddBadSeed("u_right of the first seed = NaN", 2 * sizeof(float), kNan, ways);
+    AddBadSeed("sigma_px of the first seed = NaN", 3 * sizeof(float), kNan, ways);
+    AddBadSeed("sigma_px of the first seed = 0", 3 * sizeof(float), 0, ways);
+    AddBadSeed("origin of the first seed = 2", 4 * sizeof(float), 0x02000000, ways);
+    AddBadSeed("tof_u of the first seed = -2", 4 * sizeof(float) + 1, -2 << 16, ways);
   }
 }
 
@@ -125,7 +140,7 @@ std::vector<Spoiling> SpoilingsOf(Part part) {
   AddCuts(ways);
   AddRandomBytes(ways);
   AddSizes(part, ways);
-  AddNotNumbers(part, ways);
+  AddBadValues(part, ways);
   return ways;
 }
 

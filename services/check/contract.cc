@@ -28,10 +28,10 @@ void CheckSeeds(const SeedSet& set, cv::Size size, const std::string& what, Find
       return;
     }
   }
-  if (set.raw < std::ssize(set.seeds)) {
+  if (const int32_t from_tof = CountTofSeeds(set.seeds); set.raw < from_tof) {
     found.Add(Rule::kValues,
-              fmt::format("{}: raw_count = {} with {} seeds; allowed is at least their number",
-                          what, set.raw, set.seeds.size()));
+              fmt::format("{}: raw_count = {} with {} ToF seeds; allowed is at least their number",
+                          what, set.raw, from_tof));
   }
 }
 

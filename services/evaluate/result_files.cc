@@ -43,13 +43,16 @@ Json TimesJson(const StageTimes& ms) {
 
 Json RefinementJson(const RefinementQuality& quality) {
   const SeedSet& seeds = quality.refined;
+  const int32_t kept = CountTofSeeds(seeds.seeds);
   return {{"raw", seeds.raw},
           {"outside", seeds.outside},
           {"dark", seeds.dark},
           {"loose", seeds.loose},
           {"background", seeds.background},
           {"hidden", seeds.hidden},
-          {"kept", seeds.seeds.size()},
+          {"contradicted", seeds.contradicted},
+          {"kept", kept},
+          {"stereo", std::ssize(seeds.seeds) - kept},
           {"wrong_before", quality.wrong_before_percent()},
           {"wrong_after", quality.wrong_after_percent()},
           {"good_lost", quality.good_lost_percent()}};

@@ -38,9 +38,9 @@ std::vector<Seed> Damage(std::vector<Seed> seeds, const SeedNoise& noise) {
     const double disparity = seed.disparity() + noise.disparity_px * random.Gaussian();
     const double u = seed.u + noise.jitter_px * random.Symmetric();
     const double v = seed.v + noise.jitter_px * random.Symmetric();
-    seed = {.u = static_cast<float>(u),
-            .v = static_cast<float>(v),
-            .u_right = static_cast<float>(u - disparity)};
+    seed.u = static_cast<float>(u);
+    seed.v = static_cast<float>(v);
+    seed.u_right = static_cast<float>(u - disparity);
   }
   return seeds;
 }

@@ -82,12 +82,14 @@ Row MetricsRow(const MethodResult& method, bool with_away) {
 
 std::string RefinementLine(const RefinementQuality& quality) {
   const SeedSet& seeds = quality.refined;
+  const int32_t kept = CountTofSeeds(seeds.seeds);
   return fmt::format(
       "refinement: {} ToF points, dropped {} outside, {} dark, {} loose, {} background, {} "
-      "hidden; {} kept; wrong {:.2f} % before, {:.2f} % after; good ones lost {:.2f} %\n",
+      "hidden, {} contradicted; {} kept, {} from stereo; wrong {:.2f} % before, {:.2f} % after; "
+      "good ones lost {:.2f} %\n",
       seeds.raw, seeds.outside, seeds.dark, seeds.loose, seeds.background, seeds.hidden,
-      seeds.seeds.size(), quality.wrong_before_percent(), quality.wrong_after_percent(),
-      quality.good_lost_percent());
+      seeds.contradicted, kept, std::ssize(seeds.seeds) - kept, quality.wrong_before_percent(),
+      quality.wrong_after_percent(), quality.good_lost_percent());
 }
 
 std::string ConfidenceLine(const MethodResult& method) {

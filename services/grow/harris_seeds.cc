@@ -84,7 +84,8 @@ std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& rig
     if (best.cost > limit || best_of_right[best.partner].partner != i) continue;
     seeds.push_back({.u = static_cast<float>(left_corners[i].x),
                      .v = static_cast<float>(left_corners[i].y),
-                     .u_right = static_cast<float>(right_corners[best.partner].x)});
+                     .u_right = static_cast<float>(right_corners[best.partner].x),
+                     .origin = SeedOrigin::kStereo});
   }
   return seeds;
 }

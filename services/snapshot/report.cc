@@ -38,11 +38,12 @@ std::string StageTable(const std::map<std::string, StageStatus>& statuses) {
 }
 
 std::string SeedLine(const SeedSet& seeds) {
+  const int32_t kept = CountTofSeeds(seeds.seeds);
   return fmt::format(
-      "seeds: {} ToF points, dropped {} outside, {} dark, {} loose, {} background, {} hidden; {} "
-      "kept\n",
+      "seeds: {} ToF points, dropped {} outside, {} dark, {} loose, {} background, {} hidden, {} "
+      "contradicted; {} kept, {} from stereo\n",
       seeds.raw, seeds.outside, seeds.dark, seeds.loose, seeds.background, seeds.hidden,
-      seeds.seeds.size());
+      seeds.contradicted, kept, std::ssize(seeds.seeds) - kept);
 }
 
 Result<std::string> MapTable(const Frame& frame, const GroundTruth& truth) {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "common/bus/channels.h"
+#include "common/core/image.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 #include "services/check/bad_messages.h"
@@ -176,10 +177,16 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
       const bool crowded = Below(2) == 0;
       for (uint32_t i = Below(20'000); i > 0; --i) {
         const float u = crowded ? 5 + place(1) : place(size.width);
-        set.seeds.push_back(
-            {u, crowded ? 5 + place(1) : place(size.height), u - place(size.width)});
+        set.seeds.push_back({.u = u,
+                             .v = crowded ? 5 + place(1) : place(size.height),
+                             .u_right = u - place(size.width),
+                             .sigma_px = static_cast<float>(1 + Below(64 * 1023)) / 64,
+                             .origin = Below(4) == 0 ? SeedOrigin::kStereo : SeedOrigin::kTof});
+        if (set.seeds.back().origin == SeedOrigin::kStereo) continue;
+        set.seeds.back().tof_u = static_cast<int16_t>(Below(kMaxSide));
+        set.seeds.back().tof_v = static_cast<int16_t>(Below(kMaxSide));
       }
-      set.raw = static_cast<int32_t>(set.seeds.size());
+      set.raw = CountTofSeeds(set.seeds);
       return set;
     }
     default: {

@@ -117,6 +117,10 @@ TEST(TofProjector, AgreesWithOpenCvOnRotationTranslationAndDistortion) {
   const std::vector<ProjectedPoint> projected = projector.Project(tof, behind);
   EXPECT_EQ(behind, 0);
   ASSERT_EQ(projected.size(), tof.depth_m.total());
+  for (const ProjectedPoint& p : projected) {
+    EXPECT_EQ(cv::Point(p.seed.tof_u, p.seed.tof_v), cv::Point(p.tof_u, p.tof_v));
+    EXPECT_EQ(p.seed.origin, SeedOrigin::kTof);
+  }
 
   // From the point back into the ToF camera, by OpenCV: tof_from_left is the inverse pose.
   const Eigen::Quaterniond rotation = rig.tof.left_from_tof_rotation.conjugate();

@@ -215,7 +215,42 @@ TEST(SeedsBorder, RefusesPositionsAndCountsThatAreNone) {
        {"dark", [](M& m) { m.dark_count = -1; }, "dark_count = -1", ">= 0"},
        {"loose", [](M& m) { m.loose_count = -1; }, "loose_count = -1", ">= 0"},
        {"hidden", [](M& m) { m.hidden_count = -1; }, "hidden_count = -1", ">= 0"},
+       {"contradicted", [](M& m) { m.contradicted_count = -1; }, "contradicted_count = -1", ">= 0"},
        {"background", [](M& m) { m.background_count = INT32_MIN; }, "background_count", ">= 0"}});
+}
+
+TEST(SeedsBorder, RefusesSeedsThatSayNotHowSureOrWhereFrom) {
+  using M = seeds_t;
+  const auto nan = static_cast<float>(kNan);
+  const auto inf = static_cast<float>(kInf);
+  constexpr const char* kSigma = "allowed is above 0, up to 1023";
+  constexpr const char* kPixel = "allowed is -1 to 16383";
+  // Of the examples the second is a stereo seed.
+  ExpectRefused<M>(
+      ToMessage(examples::Id(), examples::Seeds()), Part::kSeeds,
+      {{"sigma not a number", [=](M& m) { m.sigma_px[1] = nan; }, "seed 1: sigma_px = nan", kSigma},
+       {"sigma infinite", [=](M& m) { m.sigma_px[2] = inf; }, "seed 2: sigma_px = inf", kSigma},
+       {"sigma 0", [](M& m) { m.sigma_px[0] = 0; }, "seed 0: sigma_px = 0", kSigma},
+       {"sigma negative", [](M& m) { m.sigma_px[0] = -1; }, "seed 0: sigma_px = -1", kSigma},
+       {"sigma too large", [](M& m) { m.sigma_px[0] = 1024; }, "seed 0: sigma_px = 1024", kSigma},
+       {"origin 2", [](M& m) { m.origin[0] = 2; }, "seed 0: origin = 2", "TOF (0) or STEREO (1)"},
+       {"origin -1", [](M& m) { m.origin[0] = -1; }, "seed 0: origin = -1", "TOF (0) or STEREO"},
+       {"tof_u -2", [](M& m) { m.tof_u[0] = -2; }, "seed 0: tof_u = -2", kPixel},
+       {"tof_v -2", [](M& m) { m.tof_v[0] = -2; }, "seed 0: tof_v = -2", kPixel},
+       {"tof_u large", [](M& m) { m.tof_u[0] = 16384; }, "seed 0: tof_u = 16384", kPixel},
+       {"tof_v large", [](M& m) { m.tof_v[0] = 32767; }, "seed 0: tof_v = 32767", kPixel},
+       {"column alone", [](M& m) { m.tof_v[0] = -1; }, "seed 0: tof_v = -1", "where tof_u is"},
+       {"row alone", [](M& m) { m.tof_u[2] = -1; }, "seed 2: tof_v = 16383", "where tof_u is"},
+       {"pixel of a stereo seed", [](M& m) { m.tof_u[1] = m.tof_v[1] = 3; }, "seed 1: tof_u = 3",
+        "-1 for a stereo seed"},
+       {"ToF seed made stereo", [](M& m) { m.origin[2] = 1; }, "seed 2: tof_u = 0",
+        "-1 for a stereo seed"}});
+}
+
+TEST(SeedsBorder, AcceptsTofSeedsThatDoNotNameTheirPixel) {
+  seeds_t message = ToMessage(examples::Id(), examples::Seeds());
+  message.tof_u[0] = message.tof_v[0] = -1;
+  EXPECT_TRUE(DecodePart(Part::kSeeds, examples::Encode(message)));
 }
 
 TEST(StatusBorder, RefusesStringsLongerThanAnyOfOurs) {

@@ -67,13 +67,16 @@ inline sprout::Rig Rig() {
 }
 
 inline SeedSet Seeds() {
-  return {.seeds = {{10.5F, 3, 4.25F}, {11, 4, 5}, {0, 0, 0}},
-          .raw = 21,
+  return {.seeds = {{10.5F, 3, 4.25F, 0.25F, SeedOrigin::kTof, 175, 0},
+                    {11, 4, 5, 1023, SeedOrigin::kStereo},
+                    {0, 0, 0, 0.0625F, SeedOrigin::kTof, 0, 16383}},
+          .raw = 27,
           .outside = 1,
           .dark = 2,
           .loose = 5,
           .background = 4,
-          .hidden = 6};
+          .hidden = 6,
+          .contradicted = 7};
 }
 
 inline DisparityImage Disparity() {

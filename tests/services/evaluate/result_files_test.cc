@@ -43,7 +43,9 @@ RunResult SomeRun() {
                               .dark = 10,
                               .loose = 3,
                               .background = 20,
-                              .hidden = 2};
+                              .hidden = 2,
+                              .contradicted = 4};
+  for (size_t i = 0; i < 4; ++i) scene.refinement.refined.seeds[i].origin = SeedOrigin::kStereo;
   scene.refinement.before = {.good = 150, .wrong = 40};
   scene.refinement.after = {.good = 144, .wrong = 8};
   return {.preset = "paper", .tof = "grid:auto", .scenes = {scene}};
@@ -68,7 +70,7 @@ TEST(ResultFiles, JsonHasTheDocumentedShape) {
         "ms": {"refine": 1.0, "prior": 2.0, "grow": 3.0, "fill": 4.0, "total": 10.0}
       }],
       "refinement": {"raw": 200, "outside": 5, "dark": 10, "loose": 3, "background": 20,
-                     "hidden": 2, "kept": 160,
+                     "hidden": 2, "contradicted": 4, "kept": 156, "stereo": 4,
                      "wrong_before": 20.0, "wrong_after": 5.0, "good_lost": 4.0}
     }]})");
   RunResult run = SomeRun();

@@ -20,6 +20,16 @@ TEST(SeedNoise, LeavesSeedsAloneWhenThereIsNone) {
   EXPECT_EQ(Damage(ManySeeds(), {.seed = 5}), ManySeeds());
 }
 
+TEST(SeedNoise, MovesSeedsAndLeavesTheRestOfThemAlone) {
+  const Seed seed{.u = 9, .v = 8, .u_right = 7, .sigma_px = 3, .tof_u = 5, .tof_v = 6};
+  std::vector<Seed> damaged = Damage({seed}, {.disparity_px = 1, .jitter_px = 1, .seed = 2});
+  EXPECT_NE(damaged[0].u, seed.u);
+  damaged[0].u = seed.u;
+  damaged[0].v = seed.v;
+  damaged[0].u_right = seed.u_right;
+  EXPECT_EQ(damaged[0], seed);
+}
+
 TEST(SeedNoise, RepeatsItselfForTheSameSeed) {
   const SeedNoise noise{.disparity_px = 1, .jitter_px = 2, .seed = 7};
   EXPECT_EQ(Damage(ManySeeds(), noise), Damage(ManySeeds(), noise));

@@ -70,8 +70,8 @@ TEST(SeedQuality, SeesThatRefinementDropsHiddenBackground) {
   const RefinementQuality quality = JudgeRefinement(scene, {});
   EXPECT_EQ(quality.refined.raw, quality.refined.outside + quality.refined.dark +
                                      quality.refined.loose + quality.refined.background +
-                                     quality.refined.hidden +
-                                     static_cast<int>(quality.refined.seeds.size()));
+                                     quality.refined.hidden + quality.refined.contradicted +
+                                     CountTofSeeds(quality.refined.seeds));
   EXPECT_GT(quality.before.wrong, 0);
   EXPECT_LT(quality.after.wrong, quality.before.wrong);
   EXPECT_LT(quality.good_lost_percent(), 10);

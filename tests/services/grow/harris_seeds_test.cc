@@ -29,6 +29,7 @@ TEST(HarrisSeeds, MatchesCornersAtTheTrueDisparity) {
   int correct = 0;
   for (const Seed& seed : seeds) correct += seed.disparity() == 9 ? 1 : 0;
   EXPECT_GE(correct, static_cast<int>(seeds.size()) * 95 / 100);
+  EXPECT_EQ(CountTofSeeds(seeds), 0);
 }
 
 TEST(HarrisSeeds, SearchesNoFurtherThanTheLargestDisparity) {

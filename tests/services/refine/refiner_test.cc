@@ -69,6 +69,9 @@ TEST(Refiner, ProjectsEveryReturnIntoBothImages) {
   EXPECT_NEAR(result->seeds[0].v, 20, 1e-4);
   EXPECT_NEAR(result->seeds[0].u_right, 22, 1e-4);
   EXPECT_NEAR(result->seeds[1].disparity(), 20, 1e-4);
+  EXPECT_EQ(CountTofSeeds(result->seeds), 2);
+  EXPECT_EQ(cv::Point(result->seeds[0].tof_u, result->seeds[0].tof_v), cv::Point(3, 2));
+  EXPECT_EQ(cv::Point(result->seeds[1].tof_u, result->seeds[1].tof_v), cv::Point(7, 5));
 }
 
 TEST(Refiner, DropsPointsWhoseWindowLeavesEitherImage) {

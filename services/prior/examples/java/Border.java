@@ -13,23 +13,40 @@ final class Border {
   private static final long MAX_PIXELS = 100_000_000; // as in common/messages
   private static final int RIG_ID = 24; // behind the fingerprint, utime and seq, 8 bytes each
   private static final int MAX_RIG_ID = 64;
+  // u, v, u_right and sigma_px; origin; tof_u and tof_v
+  private static final int SEED_BYTES = 4 * Float.BYTES + Byte.BYTES + 2 * Short.BYTES;
+  private static final float MAX_SIGMA_PX = 1023;
 
   private Border() {}
 
   static seeds_t seeds(byte[] bytes) throws IOException {
     int body = bodyOf(bytes);
-    int arrays = body + 7 * Integer.BYTES; // count and six others
+    int arrays = body + 8 * Integer.BYTES; // count and seven others
     require(bytes.length >= arrays, "cut short");
     long count = ByteBuffer.wrap(bytes).getInt(body);
-    require(count >= 0 && arrays + count * 3 * Float.BYTES == bytes.length, "count = " + count);
+    require(count >= 0 && arrays + count * SEED_BYTES == bytes.length, "count = " + count);
     seeds_t message = new seeds_t(bytes);
     requireHeader(message.header);
     for (int i = 0; i < message.count; ++i) {
       require(
           isPosition(message.u[i]) && isPosition(message.v[i]) && isPosition(message.u_right[i]),
           "the position of seed " + i);
+      requireOrigin(message, i);
     }
     return message;
+  }
+
+  private static void requireOrigin(seeds_t message, int i) throws IOException {
+    float sigma = message.sigma_px[i];
+    require(sigma > 0 && sigma <= MAX_SIGMA_PX, "sigma_px of seed " + i); // false for NaN as well
+    byte origin = message.origin[i];
+    boolean stereo = origin == seeds_t.ORIGIN_STEREO;
+    require(stereo || origin == seeds_t.ORIGIN_TOF, "origin of seed " + i);
+    short u = message.tof_u[i];
+    short v = message.tof_v[i];
+    boolean none = u == -1 && v == -1;
+    boolean pixel = u >= 0 && u < MAX_SIDE && v >= 0 && v < MAX_SIDE;
+    require(none || (pixel && !stereo), "the ToF pixel of seed " + i);
   }
 
   static rig_t rig(byte[] bytes) throws IOException {
