@@ -25,7 +25,7 @@ void SetPart(Frame& frame, Part part, PartValue value) {
       frame.left_seeds = std::get<SeedSet>(std::move(value));
       return;
     case Part::kPrior:
-      frame.prior = std::get<DisparityImage>(std::move(value));
+      frame.prior = std::get<PriorMap>(std::move(value));
       return;
     case Part::kUnfilled:
       frame.unfilled = std::get<DisparityImage>(std::move(value));
@@ -52,7 +52,8 @@ size_t BytesOf(const Frame& frame) {
   add(frame.tof ? frame.tof->amplitude : cv::Mat1f());
   add_seeds(frame.seeds);
   add_seeds(frame.left_seeds);
-  add_map(frame.prior);
+  add(frame.prior ? frame.prior->disparity.counts() : cv::Mat1s());
+  add(frame.prior ? frame.prior->sigma : cv::Mat1b());
   add_map(frame.unfilled);
   add_map(frame.disparity);
   add(frame.confidence);
@@ -63,7 +64,8 @@ std::optional<cv::Size> ImageSize(const Frame& frame) {
   for (const cv::Mat* image : {&frame.left, &frame.right, &frame.confidence}) {
     if (!image->empty()) return image->size();
   }
-  for (const auto* map : {&frame.prior, &frame.unfilled, &frame.disparity}) {
+  if (frame.prior) return frame.prior->size();
+  for (const auto* map : {&frame.unfilled, &frame.disparity}) {
     if (*map) return (*map)->size();
   }
   return std::nullopt;

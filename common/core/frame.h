@@ -9,6 +9,7 @@
 
 #include "common/core/disparity_image.h"
 #include "common/core/frame_id.h"
+#include "common/core/prior_map.h"
 #include "common/core/rig.h"
 #include "common/core/seed.h"
 #include "common/core/tof_image.h"
@@ -23,7 +24,7 @@ enum class Part {
   kRig,         ///< calibration; joined by rig_id, not by frame
   kSeeds,       ///< refined seeds
   kLeftSeeds,   ///< ToF points that only the left camera sees
-  kPrior,       ///< prior disparity map D_p
+  kPrior,       ///< prior disparity map D_p and how sure it is
   kUnfilled,    ///< disparity map after growth, before gap filling
   kDisparity,   ///< final disparity map
   kConfidence,  ///< how far its disparities can be trusted
@@ -56,7 +57,7 @@ inline PartSet AllParts() {
 }
 
 /// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for the confidence.
-using PartValue = std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage>;
+using PartValue = std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap>;
 
 /// Everything that one capture led to and that a stage asked for; what it did not ask for is
 /// empty.
@@ -68,7 +69,7 @@ struct Frame {
   std::optional<Rig> rig;
   std::optional<SeedSet> seeds;
   std::optional<SeedSet> left_seeds;
-  std::optional<DisparityImage> prior;
+  std::optional<PriorMap> prior;
   std::optional<DisparityImage> unfilled;
   std::optional<DisparityImage> disparity;
   cv::Mat confidence;  ///< 8UC1

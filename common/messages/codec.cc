@@ -40,6 +40,10 @@ struct ArrayTable<seeds_t> {
       {0, 4 * sizeof(float) + sizeof(int8_t) + 2 * sizeof(int16_t)}};
 };
 template <>
+struct ArrayTable<prior_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {{20, 1}, {28, 1}};
+};
+template <>
 struct ArrayTable<disparity_image_t> {
   static constexpr std::initializer_list<CountedArray> kArrays = {{20, 1}};
 };
@@ -159,6 +163,9 @@ std::vector<uint8_t> EncodeMessage(const Message& message) {
 bool IsCompressed(const image_t& message) {
   return message.pixel_format == image_t::PIXEL_FORMAT_MJPG;
 }
+bool IsCompressed(const prior_t& message) {
+  return message.encoding == prior_t::ENCODING_DELTA_ZSTD;
+}
 bool IsCompressed(const disparity_image_t& message) {
   return message.encoding == disparity_image_t::ENCODING_DELTA_ZSTD;
 }
@@ -207,6 +214,7 @@ std::vector<uint8_t> EncodePart(const FrameId& id, Part part, const PartValue& v
     case Part::kLeftSeeds:
       return EncodeMessage(ToMessage(id, std::get<SeedSet>(value)));
     case Part::kPrior:
+      return EncodeMessage(ToMessage(id, std::get<PriorMap>(value), encoding));
     case Part::kUnfilled:
     case Part::kDisparity:
       return EncodeMessage(ToMessage(id, std::get<DisparityImage>(value), encoding));
@@ -229,6 +237,7 @@ Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
     case Part::kLeftSeeds:
       return Decode<seeds_t>(bytes);
     case Part::kPrior:
+      return Decode<prior_t>(bytes, expected);
     case Part::kUnfilled:
     case Part::kDisparity:
       return Decode<disparity_image_t>(bytes, expected);

@@ -4,6 +4,7 @@
 #include <lcmtypes/sprout/disparity_image_t.hpp>
 #include <lcmtypes/sprout/header_t.hpp>
 #include <lcmtypes/sprout/image_t.hpp>
+#include <lcmtypes/sprout/prior_t.hpp>
 #include <lcmtypes/sprout/rig_t.hpp>
 #include <lcmtypes/sprout/seeds_t.hpp>
 #include <lcmtypes/sprout/stage_status_t.hpp>
@@ -13,6 +14,7 @@
 #include "common/core/disparity_image.h"
 #include "common/core/frame_id.h"
 #include "common/core/image.h"
+#include "common/core/prior_map.h"
 #include "common/core/result.h"
 #include "common/core/rig.h"
 #include "common/core/seed.h"
@@ -24,7 +26,7 @@
 // allowed. Either copies the data once.
 namespace sprout {
 
-/// How a disparity map travels.
+/// How a disparity map travels, and with it the standard deviations of a prior.
 enum class DisparityEncoding { kRawInt16, kDeltaZstd };
 
 /// Largest message, bytes: what LCM itself lets through (LCM_MAX_MESSAGE_SIZE), so that nothing can
@@ -59,6 +61,10 @@ Result<SeedSet> FromMessage(const seeds_t& message);
 disparity_image_t ToMessage(const FrameId& id, const DisparityImage& disparity,
                             DisparityEncoding encoding);
 Result<DisparityImage> FromMessage(const disparity_image_t& message);
+
+/// @pre sigma has the size of the disparities.
+prior_t ToMessage(const FrameId& id, const PriorMap& prior, DisparityEncoding encoding);
+Result<PriorMap> FromMessage(const prior_t& message);
 
 stage_status_t ToMessage(const StageStatus& status);
 Result<StageStatus> FromMessage(const stage_status_t& message);

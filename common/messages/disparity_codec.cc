@@ -1,16 +1,13 @@
 #include "common/messages/disparity_codec.h"
 
-#include <zstd.h>
-
 #include <bit>
 #include <cstring>
 #include <string>
 
+#include "common/messages/zstd_frame.h"
+
 namespace sprout {
 namespace {
-
-// Level −1 of zstd: at 2 MP level 1 takes half as long again for a tenth fewer bytes.
-constexpr int kZstdLevel = -1;
 
 static_assert(std::endian::native == std::endian::little,
               "counts are little-endian on the wire and are copied as they are");
@@ -57,35 +54,19 @@ std::vector<uint8_t> EncodeDeltaZstd(const DisparityImage& disparity) {
       left = count;
     }
   }
-  std::vector<uint8_t> data(ZSTD_compressBound(split.size()));
-  data.resize(ZSTD_compress(data.data(), data.size(), split.data(), split.size(), kZstdLevel));
-  return data;
+  return CompressZstd(split);
 }
 
 Result<DisparityImage> DecodeDeltaZstd(std::span<const uint8_t> data, cv::Size size) {
-  // Before anything is allocated: the frame must declare the map's size, and not promise more than
-  // the format can deliver (a block of 128 KiB takes at least 4 bytes).
-  const size_t pixels = MapBytes(size) / sizeof(int16_t);
-  constexpr size_t kMaxRatio = 128 * 1024 / 4;
-  if (ZSTD_getFrameContentSize(data.data(), data.size()) != MapBytes(size) ||
-      MapBytes(size) / kMaxRatio > data.size()) {
-    return Fail("data: not a Zstandard frame of 2 × width × height = " +
-                std::to_string(MapBytes(size)) + " bytes");
-  }
-  if (ZSTD_findFrameCompressedSize(data.data(), data.size()) != data.size()) {
-    return Fail("data: damaged Zstandard frame, or bytes behind it");
-  }
-  std::vector<uint8_t> split(2 * pixels);
-  const size_t decoded = ZSTD_decompress(split.data(), split.size(), data.data(), data.size());
-  if (ZSTD_isError(decoded)) {
-    return Fail(std::string("data: damaged Zstandard frame (") + ZSTD_getErrorName(decoded) + ")");
-  }
+  const auto split = DecompressZstd(data, MapBytes(size), "data", "2 × width × height");
+  if (!split) return tl::unexpected(split.error());
+  const size_t pixels = split->size() / 2;
   DisparityImage disparity{cv::Mat1s(size)};
   size_t i = 0;
   for (int v = 0; v < size.height; ++v) {
     uint16_t left = 0;
     for (int u = 0; u < size.width; ++u, ++i) {
-      left = static_cast<uint16_t>(left + (split[i] | (split[pixels + i] << 8)));
+      left = static_cast<uint16_t>(left + ((*split)[i] | ((*split)[pixels + i] << 8)));
       disparity.counts()(v, u) = static_cast<int16_t>(left);
     }
   }

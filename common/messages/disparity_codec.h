@@ -10,7 +10,8 @@
 
 namespace sprout {
 
-/// The two encodings of lcmtypes/disparity_image_t.lcm. Both lossless; O(pixels).
+/// The two encodings of disparities in lcmtypes/disparity_image_t.lcm and prior_t.lcm. Both
+/// lossless; O(pixels).
 std::vector<uint8_t> EncodeRawInt16(const DisparityImage& disparity);
 std::vector<uint8_t> EncodeDeltaZstd(const DisparityImage& disparity);
 

@@ -18,11 +18,12 @@ KnownType Known(MessageType type) {
           static_cast<uint64_t>(Message::getHash())};
 }
 
-const std::array<KnownType, 6>& KnownTypes() {
-  static const std::array<KnownType, 6> types = {Known<image_t>(MessageType::kImage),
+const std::array<KnownType, 7>& KnownTypes() {
+  static const std::array<KnownType, 7> types = {Known<image_t>(MessageType::kImage),
                                                  Known<tof_image_t>(MessageType::kTof),
                                                  Known<rig_t>(MessageType::kRig),
                                                  Known<seeds_t>(MessageType::kSeeds),
+                                                 Known<prior_t>(MessageType::kPrior),
                                                  Known<disparity_image_t>(MessageType::kDisparity),
                                                  Known<stage_status_t>(MessageType::kStatus)};
   return types;
@@ -39,6 +40,8 @@ Part PartOf(MessageType type) {
       return Part::kRig;
     case MessageType::kSeeds:
       return Part::kSeeds;
+    case MessageType::kPrior:
+      return Part::kPrior;
     case MessageType::kDisparity:
     case MessageType::kStatus:
       break;
@@ -79,6 +82,7 @@ MessageType TypeOf(Part part) {
     case Part::kLeftSeeds:
       return MessageType::kSeeds;
     case Part::kPrior:
+      return MessageType::kPrior;
     case Part::kUnfilled:
     case Part::kDisparity:
       break;

@@ -15,7 +15,7 @@
 namespace sprout {
 
 /// The types of ours that travel on channels.
-enum class MessageType { kImage, kTof, kRig, kSeeds, kDisparity, kStatus };
+enum class MessageType { kImage, kTof, kRig, kSeeds, kPrior, kDisparity, kStatus };
 
 /// "sprout.image_t", ...: as in lcmtypes.
 std::string NameOf(MessageType type);

@@ -69,6 +69,19 @@ cv::Mat3b DisparityPicture(const DisparityImage& disparity, const ValueRange& ra
   return OnPaperWithScale(Colorize(ToPx(disparity), range_px), title, range_px, "px");
 }
 
+cv::Mat3b SigmaPicture(const PriorMap& prior, const std::string& title) {
+  assert(!prior.empty());
+  constexpr ValueRange kRangePx{.min = 0, .max = 4};
+  cv::Mat1f sigma_px(prior.size());
+  for (int v = 0; v < sigma_px.rows; ++v) {
+    for (int u = 0; u < sigma_px.cols; ++u) {
+      sigma_px(v, u) = prior.disparity.IsValid(u, v) ? SigmaToPx(prior.sigma(v, u))
+                                                     : std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  return OnPaperWithScale(Colorize(sigma_px, kRangePx), title, kRangePx, "px");
+}
+
 cv::Mat3b DepthPicture(const TofImage& tof, cv::Size camera_size, const ValueRange& range_m,
                        const std::string& title) {
   assert(!camera_size.empty());

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/core/disparity_image.h"
+#include "common/core/prior_map.h"
 #include "common/core/seed.h"
 #include "common/core/tof_image.h"
 #include "common/picture/color_map.h"
@@ -23,6 +24,10 @@ cv::Mat3b CameraPicture(const cv::Mat& image, const std::string& title);
 /// A disparity map; pixels without a disparity have kNoValueColor.
 cv::Mat3b DisparityPicture(const DisparityImage& disparity, const ValueRange& range_px,
                            const std::string& title);
+
+/// The standard deviations of a prior, from 0 to 4 px, so that the pictures of all frames can be
+/// compared; what is above looks like 4 px. Pixels without a disparity have kNoValueColor.
+cv::Mat3b SigmaPicture(const PriorMap& prior, const std::string& title);
 
 /// The depth of a ToF image; pixels without a return have kNoValueColor. Each ToF pixel becomes a
 /// square of the whole number of pixels (at least 1) that brings the area of the picture closest to

@@ -58,6 +58,14 @@ std::vector<std::string> SizeFields(Part part) {
     case Part::kLeftSeeds:
       return {"count"};
     case Part::kPrior:
+      return {"width",
+              "height",
+              "encoding",
+              "counts_per_px",
+              "invalid",
+              "size",
+              "sigma_counts_per_px",
+              "sigma_size"};
     case Part::kUnfilled:
     case Part::kDisparity:
       return {"width", "height", "encoding", "counts_per_px", "invalid", "size"};
@@ -130,6 +138,12 @@ void AddBadValues(Part part, std::vector<Spoiling>& ways) {
     AddBadSeed("sigma_px of the first seed = 0", 3 * sizeof(float), 0, ways);
     AddBadSeed("origin of the first seed = 2", 4 * sizeof(float), 0x02000000, ways);
     AddBadSeed("tof_u of the first seed = -2", 4 * sizeof(float) + 1, -2 << 16, ways);
+  }
+  if (part == Part::kPrior) {
+    ways.push_back({"sigma of the last pixel = 0", [](Bytes b) {
+                      b.back() = 0;
+                      return b;
+                    }});
   }
 }
 

@@ -56,14 +56,24 @@ void CheckMap(const DisparityImage& map, cv::Size size, const std::string& what,
   }
 }
 
+// The map in an answer of prior or grow.
+const DisparityImage& MapOf(const PartValue& answer) {
+  const auto* prior = std::get_if<PriorMap>(&answer);
+  return prior != nullptr ? prior->disparity : std::get<DisparityImage>(answer);
+}
+
+bool IsSameMat(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && cv::countNonZero(a != b) == 0;
+}
+
 std::string CompareMaps(std::span<const PartValue> answers, std::span<const PartValue> recorded) {
   int64_t pixels = 0;
   int64_t valid = 0;
   int64_t compared = 0;
   double sum = 0;
   for (size_t i = 0; i < answers.size(); ++i) {
-    const auto& map = std::get<DisparityImage>(answers[i]);
-    const auto& other = std::get<DisparityImage>(recorded[i]);
+    const auto& map = MapOf(answers[i]);
+    const auto& other = MapOf(recorded[i]);
     if (map.size() != other.size()) continue;
     pixels += map.counts().total();
     valid += map.CountValid();
@@ -110,20 +120,23 @@ StageContract ContractOf(const std::string& stage) {
 }
 
 void CheckAnswer(const PartValue& answer, cv::Size size, const std::string& what, Findings& found) {
-  if (const auto* seeds = std::get_if<SeedSet>(&answer)) CheckSeeds(*seeds, size, what, found);
-  if (const auto* map = std::get_if<DisparityImage>(&answer)) CheckMap(*map, size, what, found);
+  if (const auto* seeds = std::get_if<SeedSet>(&answer)) {
+    CheckSeeds(*seeds, size, what, found);
+  } else {
+    CheckMap(MapOf(answer), size, what, found);
+  }
 }
 
 bool IsEmptyAnswer(const PartValue& answer) {
   if (const auto* seeds = std::get_if<SeedSet>(&answer)) return seeds->seeds.empty();
-  return std::get<DisparityImage>(answer).CountValid() == 0;
+  return MapOf(answer).CountValid() == 0;
 }
 
 bool IsSameAnswer(const PartValue& a, const PartValue& b) {
   if (const auto* seeds = std::get_if<SeedSet>(&a)) return *seeds == std::get<SeedSet>(b);
-  const cv::Mat1s& one = std::get<DisparityImage>(a).counts();
-  const cv::Mat1s& other = std::get<DisparityImage>(b).counts();
-  return one.size() == other.size() && cv::countNonZero(one != other) == 0;
+  if (!IsSameMat(MapOf(a).counts(), MapOf(b).counts())) return false;
+  const auto* prior = std::get_if<PriorMap>(&a);
+  return prior == nullptr || IsSameMat(prior->sigma, std::get<PriorMap>(b).sigma);
 }
 
 std::string CompareAnswers(std::span<const PartValue> answers,
@@ -131,7 +144,7 @@ std::string CompareAnswers(std::span<const PartValue> answers,
   if (answers.empty() || answers.size() != recorded.size()) {
     return "nothing to compare with the recorded answers";
   }
-  if (std::holds_alternative<DisparityImage>(answers[0])) return CompareMaps(answers, recorded);
+  if (!std::holds_alternative<SeedSet>(answers[0])) return CompareMaps(answers, recorded);
   size_t seeds = 0;
   size_t recorded_seeds = 0;
   for (const PartValue& value : answers) seeds += std::get<SeedSet>(value).seeds.size();

@@ -52,8 +52,8 @@ void KeepDepths(TestFrame& frame, const std::function<bool(int u, int v)>& keep)
 }
 
 void EmptyPrior(TestFrame& frame) {
-  if (auto* prior = Find<DisparityImage>(frame, Part::kPrior)) {
-    *prior = DisparityImage(prior->size());
+  if (auto* prior = Find<PriorMap>(frame, Part::kPrior)) {
+    *prior = PriorMap(prior->size());
   }
 }
 
@@ -124,8 +124,8 @@ TestFrame WithSeedsOutside(const TestFrame& good) {
 
 TestFrame WithSmallPrior(const TestFrame& good) {
   TestFrame frame = Variant(good, "with a PRIOR of half the size");
-  if (auto* prior = Find<DisparityImage>(frame, Part::kPrior)) {
-    *prior = DisparityImage(prior->size() / 2);
+  if (auto* prior = Find<PriorMap>(frame, Part::kPrior)) {
+    *prior = PriorMap(prior->size() / 2);
   }
   return frame;
 }

@@ -19,7 +19,7 @@ std::vector<Seed> FindGrowthSeeds(const Scene& scene, const GrowConfig& config,
 }
 
 DisparityImage RunGrow(const Scene& scene, const GrowConfig& config, const std::vector<Seed>& seeds,
-                       const DisparityImage& prior, StageTimes& ms) {
+                       const PriorMap& prior, StageTimes& ms) {
   Grower grower(config);
   return Timed(ms.grow_ms, [&] {
     return grower.Compute(scene.left_grey, scene.right_grey, seeds, prior)
@@ -43,13 +43,13 @@ RefinedSeeds RunRefine(const Scene& scene, const ChainSettings& settings, StageT
   return refined;
 }
 
-DisparityImage RunPrior(const Scene& scene, const PriorConfig& config, const RefinedSeeds& refined,
-                        StageTimes& ms) {
+PriorMap RunPrior(const Scene& scene, const PriorConfig& config, const RefinedSeeds& refined,
+                  StageTimes& ms) {
   PriorEstimator estimator(config);
   const std::vector<Seed>& seeds = estimator.uses_left_seeds() ? refined.all : refined.seeds;
   return Timed(ms.prior_ms, [&] {
     return estimator.Compute(scene.frame.left, scene.frame.right, seeds, scene.size())
-        .value_or(DisparityImage(scene.size()));
+        .value_or(PriorMap(scene.size()));
   });
 }
 
@@ -61,12 +61,12 @@ MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
   MethodOutput output;
   StageTimes& ms = output.ms;
   const RefinedSeeds refined = needs_tof ? RunRefine(scene, settings, ms) : RefinedSeeds();
-  const DisparityImage prior =
-      needs_prior ? RunPrior(scene, settings.config.prior(), refined, ms) : DisparityImage();
+  const PriorMap prior =
+      needs_prior ? RunPrior(scene, settings.config.prior(), refined, ms) : PriorMap();
   const std::vector<Seed> seeds = FindGrowthSeeds(scene, config, refined, ms);
   const DisparityImage grown = RunGrow(scene, config, seeds, prior, ms);
   const DisparityImage filled =
-      Timed(ms.fill_ms, [&] { return FillGaps(grown, config.fill(), prior); });
+      Timed(ms.fill_ms, [&] { return FillGaps(grown, config.fill(), prior.disparity); });
   ms.total_ms = ms.refine_ms + ms.prior_ms + ms.grow_ms + ms.fill_ms;
   output.map_px = ToPx(filled);
   output.confidence =

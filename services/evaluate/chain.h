@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/core/disparity_image.h"
+#include "common/core/prior_map.h"
 #include "common/core/seed.h"
 #include "services/evaluate/scene.h"
 #include "services/evaluate/seed_noise.h"
@@ -57,8 +57,8 @@ struct RefinedSeeds {
 RefinedSeeds RunRefine(const Scene& scene, const ChainSettings& settings, StageTimes& ms);
 
 /// sprout-prior.
-DisparityImage RunPrior(const Scene& scene, const PriorConfig& config, const RefinedSeeds& refined,
-                        StageTimes& ms);
+PriorMap RunPrior(const Scene& scene, const PriorConfig& config, const RefinedSeeds& refined,
+                  StageTimes& ms);
 
 /// The whole chain; stages whose results growth does not ask for are left out.
 MethodOutput RunChain(const Scene& scene, const ChainSettings& settings);

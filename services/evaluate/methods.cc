@@ -22,7 +22,7 @@ Method PriorAlone() {
             MethodOutput output;
             StageTimes& ms = output.ms;
             const RefinedSeeds refined = RunRefine(scene, settings, ms);
-            output.map_px = ToPx(RunPrior(scene, settings.config.prior(), refined, ms));
+            output.map_px = ToPx(RunPrior(scene, settings.config.prior(), refined, ms).disparity);
             ms.total_ms = ms.refine_ms + ms.prior_ms;
             return output;
           }};

@@ -34,7 +34,7 @@ cv::Mat GrowPlug::ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right,
 Outcome GrowPlug::Process(const Frame& frame) {
   const cv::Mat1b left = ToGrey(frame.left, left_grey_);
   const cv::Mat1b right = ToGrey(frame.right, right_grey_);
-  const DisparityImage prior = frame.prior.value_or(DisparityImage());
+  const PriorMap prior = frame.prior.value_or(PriorMap());
   const std::vector<Seed> seeds = SeedsOf(frame, left, right);
   Result<DisparityImage> grown = grower_.Compute(left, right, seeds, prior);
 
@@ -46,13 +46,13 @@ Outcome GrowPlug::Process(const Frame& frame) {
     fill = GrowConfig::NONE;  // images that do not fit together say nothing about the prior either
   } else if (seeds.empty()) {
     outcome.degenerate = "no seeds to grow from";
-  } else if (frame.prior && prior.CountValid() == 0) {
+  } else if (frame.prior && prior.disparity.CountValid() == 0) {
     outcome.degenerate = "the prior is empty";
   } else if (grown->CountValid() == 0) {
     outcome.degenerate = "nothing grew from " + std::to_string(seeds.size()) + " seeds";
   }
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, *grown});
-  const DisparityImage filled = filler_.Fill(*grown, fill, prior);
+  const DisparityImage filled = filler_.Fill(*grown, fill, prior.disparity);
   outcome.outputs.push_back({Part::kDisparity, filled});
   if (config_.publish_confidence()) {
     outcome.outputs.push_back(

@@ -84,7 +84,7 @@ double NoiseOfSeeds(std::span<const Seed> seeds, const DisparityImage& prior,
 Grower::Grower(const GrowConfig& config) : config_(config) { RequireInRange(config, "grow"); }
 
 Result<DisparityImage> Grower::Compute(const cv::Mat1b& left, const cv::Mat1b& right,
-                                       std::span<const Seed> seeds, const DisparityImage& prior) {
+                                       std::span<const Seed> seeds, const PriorMap& prior) {
   const cv::Size size = left.size();
   if (right.size() != size) {
     return Fail("images of " + SizeText(size) + " and " + SizeText(right.size()) +
@@ -102,10 +102,10 @@ Result<DisparityImage> Grower::Compute(const cv::Mat1b& left, const cv::Mat1b& r
     return Fail("prior of " + SizeText(prior.size()) + ": allowed is the images' size " +
                 SizeText(size));
   }
-  const GrowthRule rule = MakeGrowthRule(config_, with_prior ? SigmaP(seeds, prior) : 1);
+  const GrowthRule rule = MakeGrowthRule(config_, with_prior ? SigmaP(seeds, prior.disparity) : 1);
   PrepareScratch(size, rule);
   DistributeSeeds(seeds, size);
-  GrowBands({left, right, prior}, rule);
+  GrowBands({left, right, prior.disparity}, rule);
   Renew(map_, size);
   ForEachParallel(bands_.size(), [&](size_t i) { WriteBand(rule, bands_[i], map_); });
   return map_;

@@ -8,6 +8,7 @@
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
+#include "common/core/prior_map.h"
 #include "common/core/result.h"
 #include "common/core/seed.h"
 #include "services/grow/growth_band.h"
@@ -39,7 +40,7 @@ class Grower {
   /// About one window triple a pixel. Keeps its memory (scratch_bytes()) from frame to frame, so
   /// one object serves one caller at a time; a map that nobody else holds any more is used again.
   Result<DisparityImage> Compute(const cv::Mat1b& left, const cv::Mat1b& right,
-                                 std::span<const Seed> seeds, const DisparityImage& prior);
+                                 std::span<const Seed> seeds, const PriorMap& prior);
 
   /// Memory kept from frame to frame without the map, bytes.
   size_t scratch_bytes() const;

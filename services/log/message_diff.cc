@@ -91,6 +91,17 @@ MessageDiff CompareValue(const DisparityImage& a, const DisparityImage& b) {
   return {.equal = false, .text = Text(diff), .disparity = diff};
 }
 
+MessageDiff CompareValue(const PriorMap& a, const PriorMap& b) {
+  MessageDiff diff = CompareValue(a.disparity, b.disparity);
+  if (a.size() != b.size() || SameBits(a.sigma, b.sigma)) return diff;
+  const std::string sigma = fmt::format(
+      "{} of {} standard deviations differ, by at most {:.3f} px", CountDifferent(a.sigma, b.sigma),
+      a.sigma.total(), cv::norm(a.sigma, b.sigma, cv::NORM_INF) / kSigmaCountsPerPx);
+  diff.text = diff.equal ? "same disparities, but " + sigma : diff.text + "; " + sigma;
+  diff.equal = false;
+  return diff;
+}
+
 std::string HeaderText(const FrameId& a, const FrameId& b) {
   if (a.rig_id != b.rig_id) return "rig_id " + a.rig_id + " and " + b.rig_id;
   return "headers differ";

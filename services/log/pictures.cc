@@ -20,10 +20,15 @@ void Require(const Result<void>& written) {
   if (!written) throw std::runtime_error(written.error().text);
 }
 
+std::optional<DisparityImage> PriorOf(const Frame& frame) {
+  if (!frame.prior) return std::nullopt;
+  return frame.prior->disparity;
+}
+
 // The maps of a frame and its seeds share one scale.
 ValueRange RangeOf(const Frame& frame) {
   std::vector<DisparityImage> maps;
-  for (const auto& map : {frame.prior, frame.unfilled, frame.disparity}) {
+  for (const auto& map : {PriorOf(frame), frame.unfilled, frame.disparity}) {
     if (map) maps.push_back(*map);
   }
   return DisparityRange(maps, frame.seeds ? frame.seeds->seeds : std::vector<Seed>());
@@ -59,7 +64,10 @@ void WritePictures(const Frame& frame, FrameFileNames& names) {
                              const char* name) {
     if (map) write(what, DisparityPicture(*map, range_px, name + title));
   };
-  write_map("prior.png", frame.prior, "Prior disparity");
+  write_map("prior.png", PriorOf(frame), "Prior disparity");
+  if (frame.prior) {
+    write("prior_sigma.png", SigmaPicture(*frame.prior, "Standard deviation of the prior" + title));
+  }
   write_map("unfilled.png", frame.unfilled, "Disparity as grown");
   write_map("disparity.png", frame.disparity, "Disparity");
   if (!frame.confidence.empty()) {
@@ -107,7 +115,7 @@ int RunExport(const ExportOptions& options) {
     if (options.pfm && map) Require(WritePfm(names.Of(frame.id, what), *map));
   };
   LogFrames frames(options, parts, [&](const Frame& frame) {
-    write_pfm(frame, frame.prior, "prior.pfm");
+    write_pfm(frame, PriorOf(frame), "prior.pfm");
     write_pfm(frame, frame.unfilled, "unfilled.pfm");
     write_pfm(frame, frame.disparity, "disparity.pfm");
     if (!options.ply || !frame.disparity) return;

@@ -15,6 +15,9 @@
 namespace sprout {
 namespace {
 
+// Standard deviation of the prior, px.
+constexpr double kSigmaPx = 1;
+
 // Of seeds that are spread evenly.
 double SpacingPx(size_t seeds, cv::Size size) {
   return std::sqrt(size.area() / std::max(1.0, static_cast<double>(seeds)));
@@ -35,8 +38,17 @@ PriorEstimator::PriorEstimator(const PriorConfig& config) : config_(config) {
   RequireInRange(config, "prior");
 }
 
-Result<DisparityImage> PriorEstimator::Compute(const cv::Mat& left, const cv::Mat& right,
-                                               std::span<const Seed> seeds, cv::Size size) {
+Result<PriorMap> PriorEstimator::Compute(const cv::Mat& left, const cv::Mat& right,
+                                         std::span<const Seed> seeds, cv::Size size) {
+  const Result<DisparityImage> disparity = Disparities(left, right, seeds, size);
+  if (!disparity) return tl::unexpected(disparity.error());
+  Renew(sigma_, size);
+  SetEvenSigma(*disparity, kSigmaPx, sigma_);
+  return PriorMap(*disparity, sigma_);
+}
+
+Result<DisparityImage> PriorEstimator::Disparities(const cv::Mat& left, const cv::Mat& right,
+                                                   std::span<const Seed> seeds, cv::Size size) {
   if ((uses_left() && left.size() != size) || (uses_right() && right.size() != size)) {
     return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
                 ": allowed is the calibrated size " + SizeText(size));

@@ -8,6 +8,7 @@
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
 #include "common/core/median.h"
+#include "common/core/prior_map.h"
 #include "common/core/result.h"
 #include "common/core/seed.h"
 #include "services/prior/border.h"
@@ -20,7 +21,8 @@
 
 namespace sprout {
 
-/// The stage: a dense prior disparity map D_p of the left image from sparse seeds.
+/// The stage: a dense prior disparity map D_p of the left image from sparse seeds, and how sure it
+/// is.
 class PriorEstimator {
  public:
   /// @throws ConfigError for a value out of range.
@@ -46,8 +48,8 @@ class PriorEstimator {
   /// its memory from frame to frame (EDGES: about 16 bytes a pixel, 500 a seed and 1600 a triangle
   /// across an edge), so one object serves one caller at a time; a map that nobody else holds any
   /// more is used again. Allocates nothing in steady state.
-  Result<DisparityImage> Compute(const cv::Mat& left, const cv::Mat& right,
-                                 std::span<const Seed> seeds, cv::Size size);
+  Result<PriorMap> Compute(const cv::Mat& left, const cv::Mat& right, std::span<const Seed> seeds,
+                           cv::Size size);
 
  private:
   // The images in the forms that EdgeJudge looks at. Only what had to be converted is here.
@@ -59,6 +61,8 @@ class PriorEstimator {
     cv::Mat1b right_census;
   };
 
+  Result<DisparityImage> Disparities(const cv::Mat& left, const cv::Mat& right,
+                                     std::span<const Seed> seeds, cv::Size size);
   void SpreadOver(const cv::Mat& left, std::span<const Seed> seeds);
   Result<DisparityImage> WithEdges(const cv::Mat& left, const cv::Mat& right,
                                    std::span<const Seed> seeds, cv::Size size);
@@ -77,6 +81,7 @@ class PriorEstimator {
   DisparityImage interpolated_;
   MedianFilter median_;
   DisparityImage result_;
+  cv::Mat1b sigma_;
 };
 
 }  // namespace sprout

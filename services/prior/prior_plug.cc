@@ -19,7 +19,7 @@ std::span<const Seed> PriorPlug::SeedsOf(const Frame& frame) {
   return seeds_;
 }
 
-Result<DisparityImage> PriorPlug::Estimate(const Frame& frame) {
+Result<PriorMap> PriorPlug::Estimate(const Frame& frame) {
   const cv::Size calibrated = frame.rig->pair.size();
   if (frame.left.size() != calibrated) {
     return Fail("LEFT of " + SizeText(frame.left.size()) + ": allowed is the calibrated size " +
@@ -29,11 +29,11 @@ Result<DisparityImage> PriorPlug::Estimate(const Frame& frame) {
 }
 
 Outcome PriorPlug::Process(const Frame& frame) {
-  Result<DisparityImage> prior = Estimate(frame);
+  Result<PriorMap> prior = Estimate(frame);
   Outcome outcome;
   if (!prior) {
     outcome.degenerate = prior.error().text;
-    prior = DisparityImage(frame.left.size());
+    prior = PriorMap(frame.left.size());
   }
   outcome.outputs.push_back({Part::kPrior, std::move(*prior)});
   return outcome;

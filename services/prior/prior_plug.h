@@ -26,7 +26,7 @@ class PriorPlug : public Plug {
 
  private:
   std::span<const Seed> SeedsOf(const Frame& frame);
-  Result<DisparityImage> Estimate(const Frame& frame);
+  Result<PriorMap> Estimate(const Frame& frame);
 
   PriorEstimator estimator_;
   std::vector<Seed> seeds_;  // memory

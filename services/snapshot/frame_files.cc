@@ -75,7 +75,7 @@ Result<void> WriteFrameFiles(const Frame& frame, const std::filesystem::path& fo
   const std::vector<Seed> raw_seeds = RawSeeds(frame);
   const std::vector<Seed>& seeds = frame.seeds->seeds;
   // The maps, not the raw seeds, choose the scale: wild points should not stretch it.
-  const std::array maps = {*frame.prior, *frame.disparity};
+  const std::array maps = {frame.prior->disparity, *frame.disparity};
   const ValueRange range_px = DisparityRange(maps, seeds);
 
   const RectifiedPair& pair = frame.rig->pair;
@@ -91,7 +91,8 @@ Result<void> WriteFrameFiles(const Frame& frame, const std::filesystem::path& fo
       {"seeds_raw.png",
        SeedPicture(grey, raw_seeds, range_px, Counted("ToF points", raw_seeds.size()))},
       {"seeds.png", SeedPicture(grey, seeds, range_px, Counted("Refined seeds", seeds.size()))},
-      {"prior.png", DisparityPicture(*frame.prior, range_px, "Prior disparity")},
+      {"prior.png", DisparityPicture(frame.prior->disparity, range_px, "Prior disparity")},
+      {"prior_sigma.png", SigmaPicture(*frame.prior, "Standard deviation of the prior")},
       {"disparity.png", DisparityPicture(*frame.unfilled, range_px, "Disparity as grown")},
       {"disparity_filled.png", filled},
       {"confidence.png", CameraPicture(frame.confidence, "Confidence")},

@@ -48,7 +48,9 @@ std::string SeedLine(const SeedSet& seeds) {
 
 Result<std::string> MapTable(const Frame& frame, const GroundTruth& truth) {
   const std::array<std::pair<const char*, const DisparityImage*>, 3> maps = {
-      {{"prior", &*frame.prior}, {"grown", &*frame.unfilled}, {"filled", &*frame.disparity}}};
+      {{"prior", &frame.prior->disparity},
+       {"grown", &*frame.unfilled},
+       {"filled", &*frame.disparity}}};
   std::string text = fmt::format("{:<10}{:>10}{:>22}\n", "map", "density %", "correct <= 1 px %");
   Result<cv::Mat1b> mask = cv::Mat1b();
   if (!truth.left.empty()) {

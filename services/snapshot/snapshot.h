@@ -12,10 +12,10 @@
 
 namespace sprout {
 
-/// Writes a whole frame for people to look at: left, tof, seeds_raw, seeds, prior, disparity (as
-/// grown), disparity_filled and cloud (seen from the side) as .png with one common disparity scale,
-/// overview.png of four of them, disparity.pfm (px), and cloud.ply and mesh.ply (m, coloured) of
-/// the filled map.
+/// Writes a whole frame for people to look at: left, tof, seeds_raw, seeds, prior, prior_sigma,
+/// disparity (as grown), disparity_filled and cloud (seen from the side) as .png with one common
+/// disparity scale, overview.png of four of them, disparity.pfm (px), and cloud.ply and mesh.ply
+/// (m, coloured) of the filled map.
 /// @param frame   with all parts.
 /// @param folder  exists already.
 /// @returns the first error: an image that is not of the calibrated size, or a file with its path.

@@ -70,16 +70,16 @@ class Chain {
     Join(refined_.seeds, refiner_.left_seeds().seeds, prior_seeds_);
     return {refined_.seeds, prior_seeds_};
   }
-  DisparityImage Prior(const BenchFrame& bench, const std::vector<Seed>& seeds) {
+  PriorMap Prior(const BenchFrame& bench, const std::vector<Seed>& seeds) {
     const auto& [left, right, tof, truth] = bench.frame;
     return prior_.Compute(left, right, seeds, left.size()).value();
   }
   DisparityImage Grow(const BenchFrame& bench, const std::vector<Seed>& seeds,
-                      const DisparityImage& prior) {
+                      const PriorMap& prior) {
     return grower_.Compute(bench.left, bench.right, seeds, prior).value();
   }
-  DisparityImage Fill(const DisparityImage& grown, const DisparityImage& prior) {
-    return filler_.Fill(grown, config_.grow().fill(), prior);
+  DisparityImage Fill(const DisparityImage& grown, const PriorMap& prior) {
+    return filler_.Fill(grown, config_.grow().fill(), prior.disparity);
   }
 
  private:
@@ -98,7 +98,7 @@ struct Inputs {
   TofProjector projector;
   std::vector<Seed> seeds;
   std::vector<Seed> prior_seeds;
-  DisparityImage prior;
+  PriorMap prior;
   DisparityImage grown;
 };
 
@@ -125,7 +125,7 @@ void RunPart(Part part, Chain& chain, const Inputs& in) {
       return;
     case Part::kChain: {
       const Chain::Seeds seeds = chain.Refine(in.bench, in.projector);
-      const DisparityImage prior = chain.Prior(in.bench, seeds.prior);
+      const PriorMap prior = chain.Prior(in.bench, seeds.prior);
       benchmark::DoNotOptimize(chain.Fill(chain.Grow(in.bench, seeds.grow, prior), prior));
     }
   }

@@ -102,7 +102,7 @@ TEST(BadInputSystem, RandomBytesOnEveryChannelDoNoHarm) {
       {Part::kRig, good.rig},
       {Part::kSeeds, SeedSet{.seeds = {{30, 30, 20}}, .raw = 1}},
       {Part::kLeftSeeds, SeedSet{.seeds = {{30, 30, -20}}, .raw = 1}},
-      {Part::kPrior, DisparityImage(cv::Size(160, 120))}};
+      {Part::kPrior, PriorMap(cv::Size(160, 120))}};
   for (int i = 0; i < 50; ++i) {
     for (const auto& [part, value] : values) {
       auto bytes = EncodePart(id, part, value, DisparityEncoding::kDeltaZstd);

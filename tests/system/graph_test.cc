@@ -33,7 +33,7 @@ DisparityImage ComputeInProcess(int64_t index) {
   for (Output& output : RefinePlug(config.refine()).Process(frame).outputs) {
     SetPart(frame, output.part, std::move(output.value));
   }
-  frame.prior = std::get<DisparityImage>(PriorPlug(config.prior()).Process(frame).outputs[0].value);
+  frame.prior = std::get<PriorMap>(PriorPlug(config.prior()).Process(frame).outputs[0].value);
   return std::get<DisparityImage>(GrowPlug(config.grow()).Process(frame).outputs[0].value);
 }
 

@@ -189,6 +189,12 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
       set.raw = CountTofSeeds(set.seeds);
       return set;
     }
+    case Part::kPrior: {
+      PriorMap prior(std::get<DisparityImage>(Odd(Part::kDisparity, size)), cv::Mat1b(size));
+      cv::RNG(random_()).fill(prior.sigma, cv::RNG::UNIFORM, Below(16) == 0 ? 0 : 1, 256);
+      prior.sigma.setTo(kMaxSigmaCounts, prior.disparity.counts() == DisparityImage::kInvalid);
+      return prior;
+    }
     default: {
       DisparityImage map(size);
       const int largest = Below(2) == 0 ? INT16_MAX : 32 * size.width;

@@ -48,7 +48,9 @@ TEST_P(PaperScenes, ComeOutAsInThePaper) {
   const GroundTruth truth = OpenFrameSource(config)->Get(0).truth;
   graph.WaitUntil([&](Graph& g) {
     const auto correct = [&](Part part) {
-      return CorrectPercent(std::get<DisparityImage>(g.parts.at({part, 0})), truth);
+      const PartValue& value = g.parts.at({part, 0});
+      const auto* prior = std::get_if<PriorMap>(&value);
+      return CorrectPercent(prior ? prior->disparity : std::get<DisparityImage>(value), truth);
     };
     const double prior = correct(Part::kPrior);
     const double grown = correct(Part::kUnfilled);

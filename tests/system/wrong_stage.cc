@@ -71,7 +71,7 @@ class WrongPrior {
     if (Has("changes_utime")) id.utime += 1;
     if (Has("changes_rig_id")) id.rig_id += "x";
     std::vector<uint8_t> bytes =
-        EncodePart(id, Part::kPrior, Map(set), DisparityEncoding::kRawInt16);
+        EncodePart(id, Part::kPrior, EvenPrior(Map(set), 1), DisparityEncoding::kRawInt16);
     if (Has("other_type")) bytes = EncodePart(id, Part::kSeeds, set, DisparityEncoding::kRawInt16);
     Publish(Has("other_channel") ? Part::kDisparity : Part::kPrior, bytes);
     if (Has("answers_twice")) Publish(Part::kPrior, bytes);

@@ -34,7 +34,7 @@ class FrameAssemblerTest : public ::testing::Test {
 };
 
 std::vector<uint8_t> CompressedPrior(int64_t seq, cv::Size size) {
-  return EncodePart({.utime = seq, .seq = seq, .rig_id = "rig"}, Part::kPrior, DisparityImage(size),
+  return EncodePart({.utime = seq, .seq = seq, .rig_id = "rig"}, Part::kPrior, PriorMap(size),
                     DisparityEncoding::kDeltaZstd);
 }
 

@@ -55,7 +55,7 @@ TEST(FrameJoiner, KnowsTheSizeOfAFramesImagesFromTheCalibrationOrElseFromItsFirs
   joiner.Add(IdOf(0), Part::kLeft, cv::Mat(2, 3, CV_8UC1));
   EXPECT_EQ(joiner.ImageSizeOf(IdOf(0)), cv::Size(3, 2));
   EXPECT_EQ(joiner.ImageSizeOf(IdOf(1)), std::nullopt) << "another frame may have another size";
-  joiner.Add(IdOf(1), Part::kPrior, DisparityImage(cv::Size(5, 4)));
+  joiner.Add(IdOf(1), Part::kPrior, PriorMap(cv::Size(5, 4)));
   EXPECT_EQ(joiner.ImageSizeOf(IdOf(1)), cv::Size(5, 4));
   Rig rig;
   rig.pair.width = 7;

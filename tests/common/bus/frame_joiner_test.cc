@@ -31,7 +31,7 @@ TEST(FrameJoiner, CompletesAFrameOnceAllItsPartsAreThereInAnyOrder) {
     EXPECT_EQ(frame.rig->pair.width, 13);
     EXPECT_EQ(frame.seeds->raw, 14);
     EXPECT_EQ(frame.left_seeds->raw, 15);
-    EXPECT_EQ(frame.prior->counts()(0, 0), 16);
+    EXPECT_EQ(frame.prior->disparity.counts()(0, 0), 16);
     EXPECT_EQ(frame.unfilled->counts()(0, 0), 17);
     EXPECT_EQ(frame.disparity->counts()(0, 0), 18);
     EXPECT_EQ(frame.confidence.at<uint8_t>(0, 0), 19);

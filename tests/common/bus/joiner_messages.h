@@ -31,6 +31,8 @@ inline PartValue ValueOf(Part part, int mark) {
     case Part::kSeeds:
     case Part::kLeftSeeds:
       return SeedSet{.seeds = {}, .raw = mark};
+    case Part::kPrior:
+      return EvenPrior(DisparityImage(cv::Mat1s(1, 1, static_cast<int16_t>(mark))), 1);
     default:
       return DisparityImage(cv::Mat1s(1, 1, static_cast<int16_t>(mark)));
   }

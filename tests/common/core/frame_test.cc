@@ -47,6 +47,8 @@ PartValue ValueFor(Part part) {
     case Part::kSeeds:
     case Part::kLeftSeeds:
       return SeedSet{};
+    case Part::kPrior:
+      return PriorMap(cv::Size(3, 2));
     default:
       return DisparityImage(cv::Size(3, 2));
   }
@@ -60,6 +62,15 @@ TEST(SetPart, FillsThePlaceOfThatPartAndNoOther) {
     expected[i] = true;
     EXPECT_EQ(Filled(frame), expected) << "part " << i;
   }
+}
+
+TEST(BytesOf, CountsTheDisparitiesAndHowSureTheyAre) {
+  Frame frame;
+  EXPECT_EQ(BytesOf(frame), 0U);
+  frame.disparity = DisparityImage(cv::Size(3, 2));
+  EXPECT_EQ(BytesOf(frame), 12U);
+  frame.prior = PriorMap(cv::Size(3, 2));
+  EXPECT_EQ(BytesOf(frame), 12U + 18U);
 }
 
 TEST(SetPart, ReplacesWhatWasThere) {

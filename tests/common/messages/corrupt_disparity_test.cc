@@ -143,22 +143,22 @@ TEST(DisparityBorder, TakesNoMemoryForAHugeRawMapWithTinyData) {
 
 TEST(DisparityBorder, RefusesACompressedMapOfAnotherSizeThanTheFramesBeforeItIsDecoded) {
   const DisparityImage map(cv::Size(4000, 3000));  // 24 MB in a few hundred bytes
-  const auto bomb = EncodePart(examples::Id(), Part::kPrior, map, DisparityEncoding::kDeltaZstd);
+  const auto bomb = EncodePart(examples::Id(), Part::kUnfilled, map, DisparityEncoding::kDeltaZstd);
   ASSERT_LT(bomb.size(), 100'000U);
   const AllocationGuard guard;
-  const auto decoded = DecodePart(Part::kPrior, bomb, cv::Size(640, 480));
+  const auto decoded = DecodePart(Part::kUnfilled, bomb, cv::Size(640, 480));
   EXPECT_LT(guard.largest(), 200'000U);
   ASSERT_FALSE(decoded);
   EXPECT_EQ(decoded.error().text,
             "width x height = 4000x3000: allowed for compressed data is the size of the frame's "
             "images, 640x480");
-  EXPECT_TRUE(DecodePart(Part::kPrior, bomb, cv::Size(4000, 3000)));
+  EXPECT_TRUE(DecodePart(Part::kUnfilled, bomb, cv::Size(4000, 3000)));
 }
 
 TEST(DisparityBorder, LeavesAWholeMapOfAnotherSizeToTheStage) {
-  const auto bytes =
-      EncodePart(examples::Id(), Part::kPrior, examples::Disparity(), DisparityEncoding::kRawInt16);
-  EXPECT_TRUE(DecodePart(Part::kPrior, bytes, cv::Size(640, 480)));
+  const auto bytes = EncodePart(examples::Id(), Part::kUnfilled, examples::Disparity(),
+                                DisparityEncoding::kRawInt16);
+  EXPECT_TRUE(DecodePart(Part::kUnfilled, bytes, cv::Size(640, 480)));
 }
 
 }  // namespace

@@ -120,12 +120,26 @@ TEST(Wire, RefusesHostileCountsOfADisparityImage) {
     const std::vector<uint8_t> bytes = Encode(message);
     const size_t offset = CountOffset(message, &disparity_image_t::size);
     for (const int32_t hostile : kHostileCounts) {
-      EXPECT_THAT(DecodePart(Part::kPrior, Patched(bytes, offset, hostile)).error().text,
+      EXPECT_THAT(DecodePart(Part::kUnfilled, Patched(bytes, offset, hostile)).error().text,
                   StartsWith("array count " + std::to_string(hostile) + " does not fit"));
     }
     return;
   }
-  ExpectHostileCountsRefused(message, &disparity_image_t::size, Part::kPrior);
+  ExpectHostileCountsRefused(message, &disparity_image_t::size, Part::kUnfilled);
+}
+
+TEST(Wire, RefusesHostileCountsOfAPrior) {
+  const PriorMap prior(cv::Size(3, 1));
+  prior_t message = ToMessage(examples::Id(), prior, DisparityEncoding::kRawInt16);
+  ExpectHostileCountsRefused(message, &prior_t::sigma_size, Part::kPrior);
+  message.data.push_back(0);  // an odd count, looked at first
+  ++message.size;
+  const std::vector<uint8_t> bytes = Encode(message);
+  const size_t offset = CountOffset(message, &prior_t::size);
+  for (const int32_t hostile : kHostileCounts) {
+    EXPECT_THAT(DecodePart(Part::kPrior, Patched(bytes, offset, hostile)).error().text,
+                StartsWith("array count " + std::to_string(hostile) + " does not fit"));
+  }
 }
 
 TEST(Wire, RefusesHostileLengthsOfTheRigId) {

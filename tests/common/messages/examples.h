@@ -87,6 +87,14 @@ inline DisparityImage Disparity() {
   return DisparityImage(counts);
 }
 
+inline PriorMap Prior() {
+  cv::Mat1b sigma(3, 4);
+  sigma << 1, 255, 16, 255,  //
+      17, 200, 8, 254,       //
+      255, 1, 255, 64;
+  return {Disparity(), sigma};
+}
+
 inline StageStatus Status() {
   StageStatus status;
   status.newest_frame = Id();
@@ -169,7 +177,9 @@ inline std::vector<Wire> AllWires() {
           wire("tof with amplitude", Part::kTof, Tof(true)),
           wire("rig", Part::kRig, Rig()),
           wire("seeds", Part::kSeeds, Seeds()),
-          wire("raw disparity", Part::kPrior, Disparity()),
+          wire("raw prior", Part::kPrior, Prior()),
+          wire("zstd prior", Part::kPrior, Prior(), DisparityEncoding::kDeltaZstd),
+          wire("raw disparity", Part::kUnfilled, Disparity()),
           wire("zstd disparity", Part::kDisparity, Disparity(), DisparityEncoding::kDeltaZstd),
           Wire{"status", EncodeStatus(Status()), std::nullopt}};
 }

@@ -131,7 +131,7 @@ TEST(SeedsMessage, CarriesNoSeedAtAll) { EXPECT_EQ(RoundTrip(Part::kSeeds, SeedS
 
 TEST(DisparityMessage, CarriesExtremeCountsInEveryEncoding) {
   for (const DisparityEncoding encoding : kEncodings) {
-    ExpectSamePixels(RoundTrip(Part::kPrior, examples::Disparity(), encoding).counts(),
+    ExpectSamePixels(RoundTrip(Part::kUnfilled, examples::Disparity(), encoding).counts(),
                      examples::Disparity().counts());
   }
 }
@@ -162,9 +162,10 @@ TEST(DisparityMessage, CarriesMapsOfManySizesInEveryEncoding) {
 
 TEST(DisparityMessage, CarriesALargeEmptyMapInAFewBytes) {
   const DisparityImage empty(cv::Size(2000, 1500));  // compresses as far as the format can
-  const auto bytes = EncodePart(examples::Id(), Part::kPrior, empty, DisparityEncoding::kDeltaZstd);
+  const auto bytes =
+      EncodePart(examples::Id(), Part::kDisparity, empty, DisparityEncoding::kDeltaZstd);
   EXPECT_LT(bytes.size(), 10000U);
-  ExpectSamePixels(RoundTrip(Part::kPrior, empty, DisparityEncoding::kDeltaZstd).counts(),
+  ExpectSamePixels(RoundTrip(Part::kDisparity, empty, DisparityEncoding::kDeltaZstd).counts(),
                    empty.counts());
 }
 
@@ -173,6 +174,47 @@ TEST(DisparityMessage, IsLittleEndianOnTheWire) {
       ToMessage(examples::Id(), DisparityImage(cv::Mat1s(1, 1, int16_t{0x0102})),
                 DisparityEncoding::kRawInt16);
   EXPECT_EQ(message.data, (std::vector<uint8_t>{0x02, 0x01}));
+}
+
+void ExpectSamePrior(const PriorMap& actual, const PriorMap& expected) {
+  ExpectSamePixels(actual.disparity.counts(), expected.disparity.counts());
+  ExpectSamePixels(actual.sigma, expected.sigma);
+}
+
+TEST(PriorMessage, CarriesDisparitiesAndHowSureTheyAreInEveryEncoding) {
+  for (const DisparityEncoding encoding : kEncodings) {
+    ExpectSamePrior(RoundTrip(Part::kPrior, examples::Prior(), encoding), examples::Prior());
+  }
+}
+
+TEST(PriorMessage, CarriesViewsIntoLargerMapsInEveryEncoding) {
+  std::mt19937 random(7);
+  PriorMap whole(cv::Size(30, 20));
+  for (int16_t& count : whole.disparity.counts()) count = static_cast<int16_t>(random() % 30000);
+  for (uint8_t& count : whole.sigma) count = static_cast<uint8_t>(1 + random() % 255);
+  const cv::Rect part(3, 2, 11, 13);
+  const PriorMap view(DisparityImage(cv::Mat1s(whole.disparity.counts()(part))),
+                      cv::Mat1b(whole.sigma(part)));
+  ASSERT_FALSE(view.sigma.isContinuous());
+  for (const DisparityEncoding encoding : kEncodings) {
+    ExpectSamePrior(RoundTrip(Part::kPrior, view, encoding), view);
+  }
+}
+
+TEST(PriorMessage, CarriesALargeEmptyPriorInAFewBytes) {
+  const PriorMap empty(cv::Size(2000, 1500));
+  const auto bytes = EncodePart(examples::Id(), Part::kPrior, empty, DisparityEncoding::kDeltaZstd);
+  EXPECT_LT(bytes.size(), 15000U);
+  ExpectSamePrior(RoundTrip(Part::kPrior, empty, DisparityEncoding::kDeltaZstd), empty);
+}
+
+TEST(PriorMessage, HasTheBytesThatItsTypeSays) {
+  const PriorMap prior(DisparityImage(cv::Mat1s(1, 2, int16_t{0x0102})),
+                       (cv::Mat1b(1, 2) << 16, 20));
+  const prior_t message = ToMessage(examples::Id(), prior, DisparityEncoding::kRawInt16);
+  EXPECT_EQ(message.data, (std::vector<uint8_t>{0x02, 0x01, 0x02, 0x01}));
+  EXPECT_EQ(message.sigma, (std::vector<uint8_t>{16, 20}));
+  EXPECT_EQ(message.sigma_counts_per_px, 16);
 }
 
 TEST(StatusMessage, CarriesEveryField) {

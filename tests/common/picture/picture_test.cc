@@ -45,6 +45,17 @@ TEST(DisparityPicture, WorksOnASinglePixel) {
   EXPECT_FALSE(DisparityPicture(DisparityImage(cv::Size(1, 1)), {0, 1}, "Tiny").empty());
 }
 
+TEST(SigmaPicture, PaintsHowSureThePriorIsFrom0To4Px) {
+  PriorMap prior(cv::Size(300, 200));
+  prior.disparity.counts().colRange(0, 200) = ToCounts(20);
+  prior.sigma.colRange(0, 100) = SigmaToCounts(1);
+  prior.sigma.colRange(100, 200) = SigmaToCounts(9);
+  const cv::Mat3b picture = SigmaPicture(prior, "Sigma");
+  EXPECT_EQ(CountPixels(picture, kNoValueColor), 100 * 200);
+  EXPECT_GE(CountPixels(picture, ColorOf(1, {0, 4})), 100 * 200);
+  EXPECT_GE(CountPixels(picture, ColorOf(4, {0, 4})), 100 * 200);
+}
+
 TEST(DepthPicture, EnlargesEachPixelToASquareAndLeavesNoReturnDark) {
   TofImage tof;
   tof.depth_m = cv::Mat1f(144, 176, 2.F);

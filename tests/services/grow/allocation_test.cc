@@ -14,12 +14,12 @@ namespace sprout {
 namespace {
 
 struct Input {
-  explicit Input(cv::Size size, uint32_t seed) : left(size), right(size), prior(size) {
+  explicit Input(cv::Size size, uint32_t seed) : left(size), right(size) {
     std::mt19937 random(seed);
     for (uint8_t& value : left) value = static_cast<uint8_t>(random());
     right = 0;
     left.colRange(5, size.width).copyTo(right.colRange(0, size.width - 5));
-    prior.counts() = ToCounts(5);
+    prior = EvenPrior(DisparityImage(cv::Mat1s(size, ToCounts(5))), 1);
     for (int i = 0; i < 200; ++i) {
       const auto u = static_cast<float>(random() % static_cast<uint32_t>(size.width));
       const auto v = static_cast<float>(random() % static_cast<uint32_t>(size.height));
@@ -30,7 +30,7 @@ struct Input {
   cv::Mat1b left;
   cv::Mat1b right;
   std::vector<Seed> seeds;
-  DisparityImage prior;
+  PriorMap prior;
 };
 
 TEST(Allocation, GrowthAndFillingAllocateNothingInSteadyState) {
@@ -46,7 +46,7 @@ TEST(Allocation, GrowthAndFillingAllocateNothingInSteadyState) {
     const auto run = [&](const Input& input) {
       const auto map = grower.Compute(input.left, input.right, input.seeds, input.prior);
       for (const auto fill : {GrowConfig::ONE_PASS, GrowConfig::UNTIL_STABLE, GrowConfig::PRIOR}) {
-        const DisparityImage filled = filler.Fill(*map, fill, input.prior);
+        const DisparityImage filled = filler.Fill(*map, fill, input.prior.disparity);
         valid += cv::countNonZero(filled.counts());
       }
     };
@@ -67,7 +67,8 @@ TEST(Allocation, ConfidenceAllocatesNothingBesidesOpenCvsFilters) {
   const Input second({200, 150}, 2);
   ConfidenceJudge judge;
   const auto run = [&](const Input& input) {
-    judge.Judge(input.left, input.right, input.seeds, input.prior, input.prior, 0.1);
+    const DisparityImage& map = input.prior.disparity;
+    judge.Judge(input.left, input.right, input.seeds, map, map, 0.1);
   };
   run(first);
   run(second);

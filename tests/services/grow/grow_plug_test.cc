@@ -15,8 +15,7 @@ Frame FlatFrame(cv::Size size) {
   frame.left = cv::Mat(size, CV_8UC3, cv::Scalar(10, 120, 200));
   frame.right = cv::Mat(size, CV_8UC1, cv::Scalar(126));  // the grey value of the left one
   frame.seeds = SeedSet{.seeds = {{10, 10, 8}, {20, 10, 18}, {15, 20, 13}}, .raw = 3};
-  frame.prior = DisparityImage(size);
-  frame.prior->counts() = ToCounts(2);
+  frame.prior = EvenPrior(DisparityImage(cv::Mat1s(size, ToCounts(2))), 1);
   return frame;
 }
 
@@ -76,7 +75,7 @@ TEST(GrowPlug, SaysWhyAFrameHasNoDisparity) {
   EXPECT_THAT(plug.Process(no_seeds).degenerate, HasSubstr("no seeds"));
 
   Frame no_prior = FlatFrame({40, 30});
-  no_prior.prior = DisparityImage(cv::Size(40, 30));
+  no_prior.prior = PriorMap(cv::Size(40, 30));
   EXPECT_THAT(plug.Process(no_prior).degenerate, HasSubstr("prior is empty"));
 
   Frame tiny = FlatFrame({4, 4});

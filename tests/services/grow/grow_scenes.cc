@@ -22,10 +22,8 @@ cv::Mat1b ShiftedBy(const cv::Mat1b& left, int d) {
   return right;
 }
 
-DisparityImage ConstantPrior(cv::Size size, double disparity) {
-  DisparityImage prior(size);
-  prior.counts() = ToCounts(disparity);
-  return prior;
+PriorMap ConstantPrior(cv::Size size, double disparity) {
+  return EvenPrior(DisparityImage(cv::Mat1s(size, ToCounts(disparity))), 1);
 }
 
 void ExpectSame(const DisparityImage& fast, const DisparityImage& slow) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/core/disparity_image.h"
+#include "common/core/prior_map.h"
 #include "common/core/seed.h"
 
 // Made-up scenes for the tests of growth.
@@ -18,7 +18,7 @@ cv::Mat1b Noise(cv::Size size, uint32_t seed, int levels);
 /// The right view of a textured scene with disparity `d` everywhere: right(u − d) = left(u).
 cv::Mat1b ShiftedBy(const cv::Mat1b& left, int d);
 
-DisparityImage ConstantPrior(cv::Size size, double disparity);
+PriorMap ConstantPrior(cv::Size size, double disparity);
 
 /// Quarters of a pixel, below max_disparity.
 std::vector<Seed> RandomSeeds(cv::Size size, int count, int max_disparity, uint32_t seed);

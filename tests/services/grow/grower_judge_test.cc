@@ -71,7 +71,8 @@ TEST_P(GrowerAgainstSlowGrowth, GivesTheSamePixels) {
   const std::vector<Seed> seeds = RandomSeeds(size, 60, 9, seed);
   for (const bool sub_pixel : {false, true}) {
     config.set_sub_pixel(sub_pixel);
-    const auto fast = Grower(config).Compute(scene.left, scene.right, seeds, scene.prior);
+    const auto fast =
+        Grower(config).Compute(scene.left, scene.right, seeds, EvenPrior(scene.prior, 1));
     ASSERT_TRUE(fast.has_value());
     ExpectSame(*fast, SlowGrow(config, scene.left, scene.right, seeds, scene.prior));
     EXPECT_GT(fast->CountValid(), 50);
@@ -131,7 +132,7 @@ TEST(Grower, GivesThePixelsOfSlowGrowthOnAFullScene) {
   GrowConfig config = EpcConfig();
   for (const double sigma_p_px : {0.7, 17.4}) {
     config.set_sigma_p_px(sigma_p_px);
-    const auto fast = Grower(config).Compute(left, right, seeds, FromPx(prior));
+    const auto fast = Grower(config).Compute(left, right, seeds, EvenPrior(FromPx(prior), 1));
     ExpectSame(*fast, SlowGrow(config, left, right, seeds, FromPx(prior)));
     EXPECT_GT(fast->CountValid(), left.size().area() / 2);
   }
@@ -158,7 +159,8 @@ TEST(Grower, GivesTheSameBytesWithEveryInstructionSetAndNumberOfThreads) {
     config.set_sigma_s_squared(0.1);
     config.set_threshold(0.3);
     config.set_sub_pixel(true);
-    const auto expected = Grower(config).Compute(scene.left, scene.right, seeds, scene.prior);
+    const auto expected =
+        Grower(config).Compute(scene.left, scene.right, seeds, EvenPrior(scene.prior, 1));
     ASSERT_GT(expected->CountValid(), 1000);
     for (const int64_t set : InstructionSets()) {
       for (const int threads : {1, 2, 3, 8}) {
@@ -167,7 +169,8 @@ TEST(Grower, GivesTheSameBytesWithEveryInstructionSetAndNumberOfThreads) {
         hwy::GetChosenTarget().DeInit();  // chosen anew at the next call
         cv::setNumThreads(threads);
         Grower grower(config);
-        ExpectSame(*grower.Compute(scene.left, scene.right, seeds, scene.prior), *expected);
+        ExpectSame(*grower.Compute(scene.left, scene.right, seeds, EvenPrior(scene.prior, 1)),
+                   *expected);
       }
     }
     hwy::SetSupportedTargetsForTest(0);

@@ -40,7 +40,7 @@ TEST(Grower, UsesAMapAgainThatNobodyHolds) {
   const cv::Size size(60, 40);
   const cv::Mat1b left = Noise(size, 6, 4);
   const std::vector<Seed> seeds = RandomSeeds(size, 30, 8, 6);
-  const DisparityImage prior = ConstantPrior(size, 3);
+  const PriorMap prior = ConstantPrior(size, 3);
   Grower grower(EpcConfig());
   const auto held = grower.Compute(left, ShiftedBy(left, 3), seeds, prior);
   const cv::Mat1s kept = held->counts().clone();
@@ -74,7 +74,7 @@ TEST(Grower, FollowsASlantOneDisparityAtATime) {
   config.set_similarity(GrowConfig::EXPSSD);
   config.set_sigma_s_squared(0.2);  // a window across a step passes, a wrong one does not
   const std::vector<Seed> seeds = {{.u = 15, .v = 6, .u_right = 7}};
-  const auto map = Grower(config).Compute(left, right, seeds, DisparityImage());
+  const auto map = Grower(config).Compute(left, right, seeds, PriorMap());
   for (const int u : {25, 35, 45, 55, 65, 75}) EXPECT_EQ(map->Px(u, 6), 9 - u / 10) << u;
 }
 
@@ -133,7 +133,7 @@ TEST(Grower, SigmaPDoesNotFollowTheRoundingOfSeeds) {
   config.set_sigma_p_noise(4);
   const std::vector<Seed> seeds = {{30, 20, 25}, {20, 20, 15}, {40, 20, 35}};
   const auto grown_from = [&](double prior_px) {
-    const DisparityImage prior = ConstantPrior(size, prior_px);
+    const PriorMap prior = ConstantPrior(size, prior_px);
     return Grower(config).Compute(left, ShiftedBy(left, 5), seeds, prior)->CountValid();
   };
   EXPECT_EQ(grown_from(5.18), 0);
@@ -203,9 +203,9 @@ TEST(Grower, SaysWhatIsWrongWithSizes) {
   const cv::Mat1b tiny(4, 5, uint8_t{9});
   Grower grower(EpcConfig());
   EXPECT_THAT(grower.Compute(image, other, {}, {}).error().text, testing::HasSubstr("40x30"));
-  EXPECT_THAT(grower.Compute(tiny, tiny, {}, DisparityImage(tiny.size())).error().text,
+  EXPECT_THAT(grower.Compute(tiny, tiny, {}, PriorMap(tiny.size())).error().text,
               testing::HasSubstr("smaller than the 5x5 window"));
-  EXPECT_THAT(grower.Compute(image, image, {}, DisparityImage(cv::Size(3, 3))).error().text,
+  EXPECT_THAT(grower.Compute(image, image, {}, PriorMap(cv::Size(3, 3))).error().text,
               testing::HasSubstr("prior of 3x3"));
 }
 

@@ -11,9 +11,11 @@ namespace {
 // How much the images and the prior say.
 enum class Texture { kNone, kNoise };
 
-DisparityImage NoisyPrior(cv::Size size) {
-  DisparityImage prior(size);
-  cv::RNG(3).fill(prior.counts(), cv::RNG::UNIFORM, 0, 100 * DisparityImage::kCountsPerPixel);
+PriorMap NoisyPrior(cv::Size size) {
+  PriorMap prior(size);
+  cv::RNG(3).fill(prior.disparity.counts(), cv::RNG::UNIFORM, 0,
+                  100 * DisparityImage::kCountsPerPixel);
+  cv::RNG(4).fill(prior.sigma, cv::RNG::UNIFORM, 1, 256);
   return prior;
 }
 

@@ -114,7 +114,7 @@ TEST_F(LogDiffTest, TakesAnotherEncodingForEqualAndSaysSo) {
   std::vector<Event> other = events_;
   for (int seq = 0; seq < 12; ++seq) {
     EventOf(other, Part::kPrior, seq) =
-        PartEvent(Part::kPrior, seq, LogDisparity(seq), DisparityEncoding::kDeltaZstd);
+        PartEvent(Part::kPrior, seq, LogPrior(seq), DisparityEncoding::kDeltaZstd);
   }
   const ProgramOutcome outcome = Diff(events_, other);
   EXPECT_EQ(outcome.exit_code, 0);

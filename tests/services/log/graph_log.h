@@ -38,6 +38,8 @@ inline DisparityImage LogDisparity(int64_t seq) {
   return disparity;
 }
 
+inline PriorMap LogPrior(int64_t seq) { return EvenPrior(LogDisparity(seq), 1); }
+
 inline PartValue LogValue(Part part, int64_t seq) {
   const auto grey = static_cast<double>(10 * seq % 200);
   switch (part) {
@@ -54,6 +56,7 @@ inline PartValue LogValue(Part part, int64_t seq) {
     case Part::kLeftSeeds:
       return SeedSet{.seeds = {{10, 5, 2}, {20, 9, 9}}, .raw = 2};
     case Part::kPrior:
+      return LogPrior(seq);
     case Part::kUnfilled:
     case Part::kDisparity:
       break;

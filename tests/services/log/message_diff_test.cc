@@ -42,10 +42,12 @@ TEST(MessageDiff, DoesNotOverflowBetweenTheEndsOfTheScale) {
 }
 
 TEST(MessageDiff, TakesAnotherEncodingOfTheSameMapForEqual) {
-  const Bytes raw = Encoded(Part::kPrior, LogDisparity(1));
-  const Bytes packed = Encoded(Part::kPrior, LogDisparity(1), DisparityEncoding::kDeltaZstd);
-  EXPECT_TRUE(Compare(raw, packed).equal);
-  EXPECT_FALSE(Compare(Encoded(Part::kPrior, LogDisparity(2)), packed).equal);
+  for (const Part part : {Part::kPrior, Part::kDisparity}) {
+    const Bytes raw = Encoded(part, LogValue(part, 1));
+    const Bytes packed = Encoded(part, LogValue(part, 1), DisparityEncoding::kDeltaZstd);
+    EXPECT_TRUE(Compare(raw, packed).equal);
+    EXPECT_FALSE(Compare(Encoded(part, LogValue(part, 2)), packed).equal);
+  }
 }
 
 TEST(MessageDiff, TakesAnotherOrderOfColoursForEqual) {
@@ -78,7 +80,18 @@ TEST(MessageDiff, NamesWhatDiffers) {
   tof.depth_m(0, 0) += 1;
   EXPECT_EQ(text(Part::kTof, examples::Tof(true), tof), "1 of 6 depths differ");
   EXPECT_EQ(text(Part::kTof, examples::Tof(true), examples::Tof(false)), "amplitudes differ");
-  EXPECT_EQ(text(Part::kPrior, LogDisparity(1), DisparityImage(cv::Size(3, 3))), "32x24 and 3x3");
+  EXPECT_EQ(text(Part::kDisparity, LogDisparity(1), DisparityImage(cv::Size(3, 3))),
+            "32x24 and 3x3");
+  EXPECT_EQ(text(Part::kPrior, LogPrior(1), PriorMap(cv::Size(3, 3))), "32x24 and 3x3");
+  PriorMap prior = LogPrior(1);
+  prior.sigma(5, 6) = 24;
+  EXPECT_EQ(text(Part::kPrior, LogPrior(1), prior),
+            "same disparities, but 1 of 768 standard deviations differ, by at most 0.500 px");
+  prior.disparity.counts()(5, 6) += 32;
+  EXPECT_EQ(text(Part::kPrior, LogPrior(1), prior),
+            "1 of 768 pixels differ: 1 changed (mean 1.000 px, max 1.000 px), 0 newly valid, 0 "
+            "newly invalid; first at (6, 5); 1 of 768 standard deviations differ, by at most "
+            "0.500 px");
 }
 
 TEST(MessageDiff, ComparesHeadersAndSurvivesDamage) {

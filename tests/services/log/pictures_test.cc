@@ -25,12 +25,13 @@ TEST(LogImages, WritesEveryPartOfTheFramesAsked) {
   const auto log = folder.Write("log", GraphEvents(30));
   const ProgramOutcome outcome = RunLog({"images", log, folder.File("out"), "--frames", "4:5"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("12 files of 2 frames\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("14 files of 2 frames\n"));
   EXPECT_THAT(FilesIn(folder.File("out")),
               UnorderedElementsAre("000004_left.png", "000004_right.png", "000004_tof.png",
-                                   "000004_seeds.png", "000004_prior.png", "000004_disparity.png",
-                                   "000005_left.png", "000005_right.png", "000005_tof.png",
-                                   "000005_seeds.png", "000005_prior.png", "000005_disparity.png"));
+                                   "000004_seeds.png", "000004_prior.png", "000004_prior_sigma.png",
+                                   "000004_disparity.png", "000005_left.png", "000005_right.png",
+                                   "000005_tof.png", "000005_seeds.png", "000005_prior.png",
+                                   "000005_prior_sigma.png", "000005_disparity.png"));
   const cv::Mat left = cv::imread(folder.File("out") + "/000004_left.png");
   ASSERT_FALSE(left.empty());
   EXPECT_GE(left.cols, kLogImageSize.width);
@@ -64,7 +65,7 @@ TEST(LogImages, GoesOnBehindAnUndecodableMessage) {
   const auto log = folder.Write("log", events);
   const ProgramOutcome outcome = RunLog({"images", log, folder.File("out")});
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("17 files of 3 frames"));
+  EXPECT_THAT(outcome.out, HasSubstr("20 files of 3 frames"));
   EXPECT_THAT(outcome.err, HasSubstr("undecodable messages: 1, the first SPROUT_LEFT, event "));
 }
 

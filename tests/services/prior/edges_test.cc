@@ -77,7 +77,7 @@ DisparityImage PriorBy(PriorConfig::Method method, const Step& step,
                        const std::vector<Seed>& seeds) {
   PriorConfig config;
   config.set_method(method);
-  return PriorEstimator(config).Compute(step.left, step.right, seeds, step.size).value();
+  return PriorEstimator(config).Compute(step.left, step.right, seeds, step.size).value().disparity;
 }
 
 TEST(Edges, PutTheStepWhereTheImagesHaveIt) {
@@ -108,7 +108,7 @@ TEST(Edges, SurviveSeedsOutsideTheImageAndGreyImages) {
   cv::Mat1b grey;
   cv::cvtColor(step.left, grey, cv::COLOR_BGR2GRAY);
   const auto prior = PriorEstimator(PriorConfig()).Compute(grey, step.right, seeds, step.size);
-  EXPECT_EQ(prior->CountValid(), static_cast<int64_t>(step.size.area()));
+  EXPECT_EQ(prior->disparity.CountValid(), static_cast<int64_t>(step.size.area()));
 }
 
 bool AreSame(const DisparityImage& a, const DisparityImage& b) {
@@ -131,7 +131,9 @@ TEST(Edges, GiveTheSameBytesForAnyNumberOfThreadsAndFrameAfterFrame) {
       PriorEstimator estimator(config);
       const auto compute = [&](int threads) {
         cv::setNumThreads(threads);
-        return estimator.Compute(step.left(part), step.right(part), seeds, part.size()).value();
+        return estimator.Compute(step.left(part), step.right(part), seeds, part.size())
+            .value()
+            .disparity;
       };
       const DisparityImage expected = compute(1);
       for (const int threads : {1, 2, 3, 8}) {
@@ -149,7 +151,7 @@ TEST(Edges, SurviveTinyImages) {
         PriorEstimator(PriorConfig())
             .Compute(cv::Mat3b(size, cv::Vec3b()), cv::Mat1b(size, uint8_t{0}), seeds, size);
     ASSERT_TRUE(prior.has_value());
-    EXPECT_EQ(prior->CountValid(), static_cast<int64_t>(size.area()));
+    EXPECT_EQ(prior->disparity.CountValid(), static_cast<int64_t>(size.area()));
   }
 }
 
@@ -157,7 +159,7 @@ TEST(Edges, SayWhyThereIsNoneAndGoOn) {
   const Step step;
   PriorEstimator estimator{PriorConfig()};
   EXPECT_FALSE(estimator.Compute(step.left, step.right, {}, step.size).has_value());
-  EXPECT_TRUE(AreSame(*estimator.Compute(step.left, step.right, step.Seeds(), step.size),
+  EXPECT_TRUE(AreSame(estimator.Compute(step.left, step.right, step.Seeds(), step.size)->disparity,
                       PriorBy(PriorConfig::EDGES, step, step.Seeds())));
 }
 

@@ -152,9 +152,23 @@ TEST(PriorPlug, AnswersADegenerateFrameWithAnEmptyMap) {
   EXPECT_THAT(outcome.degenerate, HasSubstr("at least 3"));
   ASSERT_EQ(outcome.outputs.size(), 1u);
   EXPECT_EQ(outcome.outputs[0].part, Part::kPrior);
-  const auto& map = std::get<DisparityImage>(outcome.outputs[0].value);
+  const auto& map = std::get<PriorMap>(outcome.outputs[0].value);
   EXPECT_EQ(map.size(), cv::Size(64, 48));
-  EXPECT_EQ(map.CountValid(), 0);
+  EXPECT_EQ(map.disparity.CountValid(), 0);
+}
+
+TEST(Prior, SaysHowSureItIsWhereverItHasADisparity) {
+  PriorConfig config;
+  config.set_method(PriorConfig::DELAUNAY);
+  config.set_extend_to_border(false);
+  const std::vector<Seed> seeds = {SeedAt(10, 10, 5), SeedAt(50, 10, 5), SeedAt(30, 40, 5)};
+  const PriorMap prior = PriorEstimator(config).Compute({}, {}, seeds, {64, 48}).value();
+  EXPECT_GT(prior.disparity.CountValid(), 0);
+  for (int v = 0; v < 48; ++v) {
+    for (int u = 0; u < 64; ++u) {
+      EXPECT_EQ(prior.sigma(v, u) == kMaxSigmaCounts, !prior.disparity.IsValid(u, v));
+    }
+  }
 }
 
 TEST(PriorPlug, AnswersWithTheSizeOfTheImagesWhateverTheCalibrationClaims) {
@@ -171,7 +185,7 @@ TEST(PriorPlug, AnswersWithTheSizeOfTheImagesWhateverTheCalibrationClaims) {
     EXPECT_TRUE(plug.Inputs().Has(Part::kLeft));
     const Outcome outcome = plug.Process(frame);
     EXPECT_THAT(outcome.degenerate, HasSubstr("64x48: allowed is the calibrated size 10000x10000"));
-    EXPECT_EQ(std::get<DisparityImage>(outcome.outputs[0].value).size(), cv::Size(64, 48));
+    EXPECT_EQ(std::get<PriorMap>(outcome.outputs[0].value).size(), cv::Size(64, 48));
   }
 }
 
@@ -189,7 +203,7 @@ TEST(PriorPlug, TakesWhatOnlyTheLeftCameraSeesForSeedsIfToldTo) {
     config.set_left_seeds(left_seeds);
     PriorPlug plug(config);
     EXPECT_EQ(plug.Inputs().Has(Part::kLeftSeeds), left_seeds);
-    return std::get<DisparityImage>(plug.Process(frame).outputs[0].value).Px(0, 24);
+    return std::get<PriorMap>(plug.Process(frame).outputs[0].value).disparity.Px(0, 24);
   };
   EXPECT_EQ(at_the_left(true), 20);
   EXPECT_EQ(at_the_left(false), 8);
@@ -202,7 +216,7 @@ TEST(Prior, RefusesSidesForWhichItsNumbersAreTooShort) {
   const std::vector<Seed> seeds = {SeedAt(0, 0, 5), SeedAt(2, 0, 5), SeedAt(1, 16383, 5)};
   const auto map = estimator.Compute({}, {}, seeds, {3, 16384});
   ASSERT_TRUE(map.has_value());
-  EXPECT_EQ(map->CountValid(), 3 * 16384);
+  EXPECT_EQ(map->disparity.CountValid(), 3 * 16384);
   const auto too_long = estimator.Compute({}, {}, seeds, {3, 16385});
   ASSERT_FALSE(too_long.has_value());
   EXPECT_THAT(too_long.error().text, HasSubstr("3x16385: allowed are up to 16384"));

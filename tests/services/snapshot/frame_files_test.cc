@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int kFiles = 13;
+constexpr int kFiles = 14;
 // Not divisible by three, neither side nor product.
 const cv::Size kSize(64, 40);
 
@@ -38,7 +38,7 @@ Frame Wall(const cv::Mat& left) {
                   .tof = {.width = 8, .height = 6, .fx = 6, .fy = 6, .cx = 4, .cy = 3}};
   frame.seeds = SeedSet{.seeds = {{.u = 12, .v = 7, .u_right = 7}}, .raw = 48};
   frame.left_seeds = SeedSet{};
-  frame.prior = Map(left.size());
+  frame.prior = EvenPrior(Map(left.size()), 1);
   frame.unfilled = Map(left.size());
   frame.disparity = Map(left.size());
   frame.confidence = cv::Mat1b(left.size(), uchar{200});
@@ -89,7 +89,7 @@ TEST(WriteFrameFiles, RefusesImagesThatDoNotFitTheCalibration) {
       {"ToF image of 8x6: allowed is the calibrated size 16384x16384",
        [](Frame& frame) { frame.rig->tof.width = frame.rig->tof.height = 16384; }},
       {"left image of 63x41", [&](Frame& frame) { frame.left = cv::Mat1b(other); }},
-      {"prior of 63x41", [&](Frame& frame) { frame.prior = Map(other); }},
+      {"prior of 63x41", [&](Frame& frame) { frame.prior = PriorMap(other); }},
       {"unfilled map of 63x41", [&](Frame& frame) { frame.unfilled = Map(other); }},
       {"disparity map of 63x41", [&](Frame& frame) { frame.disparity = Map(other); }},
       {"confidence of 63x41", [&](Frame& frame) { frame.confidence = cv::Mat1b(other); }}};

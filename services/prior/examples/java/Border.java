@@ -1,5 +1,6 @@
 import java.io.IOException;
 import java.nio.ByteBuffer;
+import sprout.image_t;
 import sprout.rig_t;
 import sprout.seeds_t;
 
@@ -11,6 +12,7 @@ import sprout.seeds_t;
 final class Border {
   private static final int MAX_SIDE = 16384; // px, as in lcmtypes
   private static final long MAX_PIXELS = 100_000_000; // as in common/messages
+  private static final long MAX_JPEG_PIXELS_A_BYTE = 512;
   private static final int RIG_ID = 24; // behind the fingerprint, utime and seq, 8 bytes each
   private static final int MAX_RIG_ID = 64;
   // u, v, u_right and sigma_px; origin; tof_u and tof_v
@@ -49,14 +51,40 @@ final class Border {
     require(none || (pixel && !stereo), "the ToF pixel of seed " + i);
   }
 
+  /** Without its pixels, which this method does not look at. */
+  static image_t left(byte[] bytes) throws IOException {
+    int body = bodyOf(bytes);
+    int data = body + 5 * Integer.BYTES; // behind width, height, row_stride, pixel_format, size
+    require(bytes.length >= data, "cut short");
+    long size = ByteBuffer.wrap(bytes).getInt(body + 4 * Integer.BYTES);
+    require(size >= 0 && data + size == bytes.length, "size = " + size);
+    image_t message = new image_t(bytes);
+    requireHeader(message.header);
+    requireSize(message.width, message.height);
+    boolean jpeg = message.pixel_format == image_t.PIXEL_FORMAT_MJPG;
+    boolean grey = message.pixel_format == image_t.PIXEL_FORMAT_GREY;
+    boolean colour =
+        message.pixel_format == image_t.PIXEL_FORMAT_RGB3
+            || message.pixel_format == image_t.PIXEL_FORMAT_BGR3;
+    require(jpeg || grey || colour, "pixel_format = " + message.pixel_format);
+    long pixels = (long) message.width * message.height;
+    if (jpeg) {
+      // The answer is as large as the picture says that it is: no more than a JPEG can hold.
+      require(pixels <= MAX_JPEG_PIXELS_A_BYTE * size, "width x height");
+    } else {
+      long rowBytes = (long) message.width * (grey ? 1 : 3);
+      require(message.row_stride >= rowBytes, "row_stride = " + message.row_stride);
+      require((long) message.row_stride * message.height == size, "size = " + size);
+    }
+    message.data = null;
+    return message;
+  }
+
   static rig_t rig(byte[] bytes) throws IOException {
     bodyOf(bytes);
     rig_t message = new rig_t(bytes);
     requireHeader(message.header);
-    require(message.width >= 1 && message.width <= MAX_SIDE, "width = " + message.width);
-    require(message.height >= 1 && message.height <= MAX_SIDE, "height = " + message.height);
-    // A few bytes must not ask for gigabytes.
-    require((long) message.width * message.height <= MAX_PIXELS, "width x height");
+    requireSize(message.width, message.height);
     // Checked although this method needs only the size: who trusts half of a message is the next
     // one's problem.
     require(Double.isFinite(message.focal_px) && message.focal_px > 0, "focal_px");
@@ -69,6 +97,13 @@ final class Border {
     int length = ByteBuffer.wrap(bytes).getInt(RIG_ID); // with the closing zero
     require(length >= 1 && length <= MAX_RIG_ID + 1, "the length of header.rig_id");
     return RIG_ID + Integer.BYTES + length;
+  }
+
+  private static void requireSize(int width, int height) throws IOException {
+    require(width >= 1 && width <= MAX_SIDE, "width = " + width);
+    require(height >= 1 && height <= MAX_SIDE, "height = " + height);
+    // A few bytes must not ask for gigabytes.
+    require((long) width * height <= MAX_PIXELS, "width x height");
   }
 
   private static void requireHeader(sprout.header_t header) throws IOException {

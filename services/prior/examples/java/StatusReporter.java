@@ -40,9 +40,9 @@ final class StatusReporter {
     status.state = stage_status_t.STATE_RUNNING;
   }
 
-  synchronized void incomplete(header_t header) {
+  synchronized void incomplete(String reason) {
     ++status.frames_incomplete;
-    status.last_error = "frame " + header.seq + ": no calibration " + header.rig_id + " yet";
+    status.last_error = reason;
   }
 
   synchronized void badMessage(String reason) {

@@ -1,0 +1,77 @@
+#ifndef SPROUT_COMMON_CORE_PRIOR_MAP_H_
+#define SPROUT_COMMON_CORE_PRIOR_MAP_H_
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <utility>
+
+#include "common/core/disparity_image.h"
+
+namespace sprout {
+
+// Standard deviations travel and are kept as counts of 1/16 px in a byte: 1/16 px is finer than any
+// prior knows itself, 16 px as good as not knowing.
+inline constexpr int kSigmaCountsPerPx = 16;
+/// 15.94 px or more; always so where there is no disparity. The smallest count is 1.
+inline constexpr uint8_t kMaxSigmaCounts = 255;
+
+/// A standard deviation in px to counts: rounded to nearest, at least 1, at most kMaxSigmaCounts;
+/// NaN, which says nothing, becomes that, too.
+inline uint8_t SigmaToCounts(double sigma_px) {
+  constexpr double kMaxPx = static_cast<double>(kMaxSigmaCounts) / kSigmaCountsPerPx;
+  if (!(sigma_px < kMaxPx)) return kMaxSigmaCounts;
+  return static_cast<uint8_t>(std::lround(std::max(1.0, sigma_px * kSigmaCountsPerPx)));
+}
+
+/// The inverse, px; exact. Of kMaxSigmaCounts the smallest that it stands for.
+inline float SigmaToPx(uint8_t counts) { return static_cast<float>(counts) / kSigmaCountsPerPx; }
+
+/// A prior disparity map D_p of the left rectified image, and how sure it is at every pixel.
+///
+/// Copies share their pixels, as cv::Mat does.
+struct PriorMap {
+  DisparityImage disparity;
+  /// Standard deviation of the disparity, counts of 1/16 px (SigmaToPx()); of the map's size,
+  /// kMaxSigmaCounts where there is no disparity.
+  cv::Mat1b sigma;
+
+  /// A map without any pixel.
+  PriorMap() = default;
+
+  /// A map without any disparity.
+  explicit PriorMap(cv::Size size) : disparity(size), sigma(size, kMaxSigmaCounts) {}
+
+  PriorMap(DisparityImage map, cv::Mat1b counts)
+      : disparity(std::move(map)), sigma(std::move(counts)) {}
+
+  cv::Size size() const { return disparity.size(); }
+  bool empty() const { return disparity.empty(); }
+};
+
+/// Gives every disparity of a map the same standard deviation.
+/// @param sigma  memory for the counts; set to the map's size when it has another one.
+/// O(pixels).
+inline void SetEvenSigma(const DisparityImage& disparity, double sigma_px, cv::Mat1b& sigma) {
+  sigma.create(disparity.size());
+  const uint8_t counts = SigmaToCounts(sigma_px);
+  for (int v = 0; v < sigma.rows; ++v) {
+    const int16_t* const disparities = disparity.counts()[v];
+    uint8_t* const sigmas = sigma[v];
+    for (int u = 0; u < sigma.cols; ++u) {
+      sigmas[u] = disparities[u] == DisparityImage::kInvalid ? kMaxSigmaCounts : counts;
+    }
+  }
+}
+
+/// A prior that is equally sure wherever it has a disparity. O(pixels).
+inline PriorMap EvenPrior(const DisparityImage& disparity, double sigma_px) {
+  PriorMap prior{disparity, {}};
+  SetEvenSigma(disparity, sigma_px, prior.sigma);
+  return prior;
+}
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_PRIOR_MAP_H_
