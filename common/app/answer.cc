@@ -7,6 +7,18 @@
 #include "common/messages/codec.h"
 
 namespace sprout {
+namespace {
+
+float CoverageOf(const Frame& frame, const Outcome& outcome) {
+  const SeedSet* seeds = frame.seeds ? &*frame.seeds : nullptr;
+  for (const Output& output : outcome.outputs) {
+    if (output.part == Part::kSeeds) seeds = &std::get<SeedSet>(output.value);
+  }
+  const std::optional<cv::Size> size = ImageSize(frame);
+  return seeds && size ? TofCoverage(seeds->seeds, *size) : kUnknownCoverage;
+}
+
+}  // namespace
 
 DisparityEncoding EncodingOf(const BusConfig& config) {
   return config.disparity_encoding() == BusConfig::DELTA_ZSTD ? DisparityEncoding::kDeltaZstd
@@ -22,6 +34,7 @@ std::optional<Answer> MakeAnswer(const Frame& frame, Plug& plug, DisparityEncodi
       answer.messages.push_back(
           {ChannelOf(output.part), EncodePart(frame.id, output.part, output.value, encoding)});
     }
+    answer.tof_coverage = CoverageOf(frame, outcome);
     answer.degenerate = std::move(outcome.degenerate);
     return answer;
   } catch (const std::exception& e) {

@@ -22,6 +22,9 @@ struct Answer {
   };
   std::vector<Message> messages;
   std::string degenerate;  ///< as in Outcome
+  /// TofCoverage() of the seeds that the stage made or was given; kUnknownCoverage when it sees
+  /// none.
+  float tof_coverage = kUnknownCoverage;
 };
 
 /// How the configuration wants disparity maps to travel.

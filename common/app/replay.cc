@@ -117,7 +117,7 @@ class Replay {
       for (const Answer::Message& message : answer->messages) {
         recording_->Write(event.utime, LoggedChannel(message.channel), message.bytes);
       }
-      monitor_.FrameOut(frame.id, arrived, answer->degenerate);
+      monitor_.FrameOut(frame.id, arrived, answer->degenerate, answer->tof_coverage);
     }
   }
 

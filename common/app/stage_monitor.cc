@@ -85,7 +85,7 @@ void StageMonitor::FrameIn(bool skipped) {
 }
 
 void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
-                            const std::string& degenerate) {
+                            const std::string& degenerate, float tof_coverage) {
   const auto now = Clock::now();
   const Sample sample{.finished = now,
                       .latency_ms = Milliseconds(now - arrived),
@@ -94,6 +94,7 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
   const std::lock_guard lock(mutex_);
   ++status_.frames_out;
   status_.newest_frame = id;
+  status_.tof_coverage = tof_coverage;
   status_.state = StageStatus::State::kRunning;
   if (!degenerate.empty()) {
     ++status_.frames_degenerate;

@@ -41,7 +41,9 @@ class StageMonitor {
   /// A frame was answered.
   /// @param arrived     when it was complete.
   /// @param degenerate  why it has no result; empty when all is well.
-  void FrameOut(const FrameId& id, Clock::time_point arrived, const std::string& degenerate);
+  /// @param tof_coverage  see TofCoverage(); kUnknownCoverage from who sees no seeds.
+  void FrameOut(const FrameId& id, Clock::time_point arrived, const std::string& degenerate,
+                float tof_coverage = kUnknownCoverage);
 
   /// The stage failed on a frame.
   void FrameFailed(const FrameId& id, const std::string& reason);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/core/frame_id.h"
+#include "common/core/tof_coverage.h"
 
 namespace sprout {
 
@@ -41,6 +42,8 @@ struct StageStatus {
   TimeSummary latency;  ///< complete frame in hand to answer published
   TimeSummary age;      ///< capture to answer published
   int64_t rss_bytes = 0;
+  /// Of the newest frame, see TofCoverage().
+  float tof_coverage = kUnknownCoverage;
 };
 
 }  // namespace sprout

@@ -22,6 +22,12 @@ Eigen::Vector3d PointFromSeed(const RectifiedPair& pair, const Seed& seed) {
   return {(seed.u - pair.cx) * z / pair.focal_px, (seed.v - pair.cy) * z / pair.focal_px, z};
 }
 
+Rig RigOfFrame(const Rig& rig, const TofImage& tof) {
+  Rig of_frame = rig;
+  if (tof.depth_m.empty()) of_frame.tof = {};
+  return of_frame;
+}
+
 Result<void> CheckTofSize(const Rig& rig, const TofImage& tof) {
   const cv::Size calibrated(rig.tof.width, rig.tof.height);
   if (tof.depth_m.size() == calibrated) return {};

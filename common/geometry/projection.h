@@ -19,6 +19,9 @@ Seed ProjectToPair(const RectifiedPair& pair, const Eigen::Vector3d& point_in_le
 /// ProjectToPair().
 Eigen::Vector3d PointFromSeed(const RectifiedPair& pair, const Seed& seed);
 
+/// The calibration of one frame: without a ToF image (0×0) there is no ToF camera either.
+Rig RigOfFrame(const Rig& rig, const TofImage& tof);
+
 /// Whether a range image is of the calibrated ToF camera's size; the error names both. Ask before
 /// making a TofProjector, which takes the memory that the calibration asks for.
 Result<void> CheckTofSize(const Rig& rig, const TofImage& tof);

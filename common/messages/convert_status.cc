@@ -47,6 +47,7 @@ stage_status_t ToMessage(const StageStatus& status) {
   message.age_p99_ms = status.age.p99_ms;
   message.age_max_ms = status.age.max_ms;
   message.rss_bytes = status.rss_bytes;
+  message.tof_coverage = status.tof_coverage;
   return message;
 }
 
@@ -58,6 +59,9 @@ Result<StageStatus> FromMessage(const stage_status_t& message) {
       .Require(message.state >= stage_status_t::STATE_READY &&
                    message.state <= stage_status_t::STATE_STOPPED,
                "state", message.state, "READY, RUNNING or STOPPED")
+      .Require(message.tof_coverage == kUnknownCoverage ||
+                   (message.tof_coverage >= 0 && message.tof_coverage <= 1),
+               "tof_coverage", message.tof_coverage, "0 to 1, or -1 for not known")
       .Length("stage", message.stage, kMaxNameLength)
       .Length("host", message.host, kMaxTextLength)
       .Length("version", message.version, kMaxTextLength)
@@ -88,6 +92,7 @@ Result<StageStatus> FromMessage(const stage_status_t& message) {
       .age =
           MakeTimes(message.age_p50_ms, message.age_p95_ms, message.age_p99_ms, message.age_max_ms),
       .rss_bytes = message.rss_bytes,
+      .tof_coverage = message.tof_coverage,
   };
 }
 

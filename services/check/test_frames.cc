@@ -74,6 +74,14 @@ TestFrame WithoutReturn(const TestFrame& good) {
   return frame;
 }
 
+// As from a rig whose ToF camera fails. Later stages see no seeds, as without any return.
+TestFrame WithoutTofImage(const TestFrame& good) {
+  TestFrame frame = WithoutReturn(good);
+  frame.name = good.name + " without a ToF image";
+  if (auto* tof = Find<TofImage>(frame, Part::kTof)) *tof = TofImage();
+  return frame;
+}
+
 TestFrame WithTwoPoints(const TestFrame& good) {
   TestFrame frame = Variant(good, "with two ToF points");
   KeepDepths(frame, [](int u, int v) { return v == 1 && (u == 1 || u == 2); });
@@ -172,8 +180,9 @@ std::vector<TestFrame> ReadTestFrames(const std::filesystem::path& log,
 }
 
 std::vector<TestFrame> PoorFrames(const TestFrame& good) {
-  std::vector<TestFrame> frames = {WithoutReturn(good), WithTwoPoints(good),
-                                   WithPointsOnALine(good), Black(good), WithSmallRight(good)};
+  std::vector<TestFrame> frames = {WithoutReturn(good), WithoutTofImage(good),
+                                   WithTwoPoints(good), WithPointsOnALine(good),
+                                   Black(good),         WithSmallRight(good)};
   if (good.parts.contains(Part::kSeeds)) frames.push_back(WithSeedsOutside(good));
   if (good.parts.contains(Part::kPrior)) frames.push_back(WithSmallPrior(good));
   return frames;

@@ -15,12 +15,18 @@ const TofProjector& RefinePlug::ProjectorOf(const Rig& rig) {
 }
 
 Result<SeedSet> RefinePlug::Refine(const Frame& frame) {
+  const cv::Mat1b left = ToGrey(frame.left, left_grey_);
+  const cv::Mat1b right = ToGrey(frame.right, right_grey_);
+  if (frame.tof->depth_m.empty()) {
+    // Has no rays, so it is not worth keeping; the next frame may have an image again.
+    const TofProjector no_camera(RigOfFrame(*frame.rig, *frame.tof));
+    return refiner_.Compute(left, right, *frame.tof, no_camera);
+  }
   // Before there are rays for a ToF camera of whatever size a message claims.
   if (auto size = CheckTofSize(*frame.rig, *frame.tof); !size) {
     return tl::unexpected(size.error());
   }
-  return refiner_.Compute(ToGrey(frame.left, left_grey_), ToGrey(frame.right, right_grey_),
-                          *frame.tof, ProjectorOf(*frame.rig));
+  return refiner_.Compute(left, right, *frame.tof, ProjectorOf(*frame.rig));
 }
 
 Outcome RefinePlug::Process(const Frame& frame) {

@@ -18,9 +18,10 @@ namespace {
 
 // Every ToF point as a seed, before refinement.
 std::vector<Seed> RawSeeds(const Frame& frame) {
+  const TofProjector projector(RigOfFrame(*frame.rig, *frame.tof));
   int behind = 0;
   std::vector<Seed> seeds;
-  for (const ProjectedPoint& point : TofProjector(*frame.rig).Project(*frame.tof, behind)) {
+  for (const ProjectedPoint& point : projector.Project(*frame.tof, behind)) {
     seeds.push_back(point.seed);
   }
   return seeds;
@@ -47,7 +48,7 @@ cv::Mat3b Overview(const std::array<cv::Mat3b, 4>& pictures) {
 
 // The stages are other people's programs: their maps need not fit each other.
 Result<void> CheckSizes(const Frame& frame) {
-  if (auto tof = CheckTofSize(*frame.rig, *frame.tof); !tof) return tof;
+  if (auto tof = CheckTofSize(RigOfFrame(*frame.rig, *frame.tof), *frame.tof); !tof) return tof;
   const cv::Size calibrated = frame.rig->pair.size();
   const std::array<std::pair<const char*, cv::Size>, 5> images = {
       {{"left image", frame.left.size()},

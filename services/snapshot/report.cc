@@ -17,22 +17,28 @@ int OrderOf(const std::string& stage) {
   return static_cast<int>(std::find(kOrder.begin(), kOrder.end(), stage) - kOrder.begin());
 }
 
+// Share of the left image, per cent.
+std::string CoverageText(float coverage) {
+  return coverage == kUnknownCoverage ? "-" : fmt::format("{:.1f}", 100 * coverage);
+}
+
 std::string StageTable(const std::map<std::string, StageStatus>& statuses) {
   std::vector<StageStatus> stages;
   for (const auto& [name, status] : statuses) stages.push_back(status);
   std::stable_sort(stages.begin(), stages.end(), [](const StageStatus& a, const StageStatus& b) {
     return OrderOf(a.stage) < OrderOf(b.stage);
   });
-  std::string text = fmt::format("{:<10}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}{:>10}{:>8}{:>6}{:>6}{:>8}\n",
-                                 "stage", "time ms", "max ms", "age ms", "max ms", "frames",
-                                 "skipped", "no result", "failed", "gaps", "bad", "MB");
+  std::string text =
+      fmt::format("{:<10}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}{:>10}{:>8}{:>6}{:>6}{:>8}{:>8}\n", "stage",
+                  "time ms", "max ms", "age ms", "max ms", "frames", "skipped", "no result",
+                  "failed", "gaps", "bad", "MB", "ToF %");
   for (const StageStatus& status : stages) {
     text += fmt::format(
-        "{:<10}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>8}{:>8}{:>10}{:>8}{:>6}{:>6}{:>8.0f}\n",
+        "{:<10}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>8}{:>8}{:>10}{:>8}{:>6}{:>6}{:>8.0f}{:>8}\n",
         status.stage, status.latency.p50_ms, status.latency.max_ms, status.age.p50_ms,
         status.age.max_ms, status.frames_out, status.frames_skipped + status.frames_incomplete,
         status.frames_degenerate, status.frames_failed, status.sequence_gaps, status.bad_messages,
-        static_cast<double>(status.rss_bytes) / 1e6);
+        static_cast<double>(status.rss_bytes) / 1e6, CoverageText(status.tof_coverage));
   }
   return text;
 }

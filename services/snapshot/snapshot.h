@@ -21,7 +21,8 @@ namespace sprout {
 /// @returns the first error: an image that is not of the calibrated size, or a file with its path.
 Result<void> WriteFrameFiles(const Frame& frame, const std::filesystem::path& folder);
 
-/// The table of a run: times and counts of each stage, seeds dropped by cause, and density and
+/// The table of a run: times and counts of each stage and how much of the left image ToF seeds
+/// cover in its newest frame, seeds dropped by cause, and density and
 /// share of correct non-occluded pixels (≤ 1 px) of prior, growth and filled map.
 /// @param truth  of the frame's scene; without a left map the shares are left out.
 /// @returns text of several lines; an error when truth and frame differ in size.

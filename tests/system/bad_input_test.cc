@@ -117,6 +117,37 @@ TEST(BadInputSystem, RandomBytesOnEveryChannelDoNoHarm) {
   EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return HasDisparity(g, 1'000'000, true); }));
 }
 
+TEST(BadInputSystem, FramesWithoutToFPassEveryStageAndTheStatusSaysSo) {
+  Graph graph;
+  StartStages(graph);
+  const HandFrame good;
+  HandFrame no_return = good;
+  no_return.frame.tof.depth_m = cv::Mat1f(good.frame.tof.depth_m.size(), std::nanf(""));
+  HandFrame no_image = good;
+  no_image.frame.tof = TofImage();
+  HandFrame no_camera = no_image;
+  no_camera.rig.tof = {};
+  const auto covered = [&](int64_t seq, bool some) {
+    return graph.WaitUntil([&](Graph& g) {
+      if (!g.parts.contains({Part::kDisparity, seq})) return false;
+      for (const char* stage : {"refine", "prior", "grow"}) {
+        const StageStatus& status = g.statuses[stage];
+        if (status.newest_frame.seq != seq) return false;
+        if (some ? status.tof_coverage <= 0.5F : status.tof_coverage != 0) return false;
+      }
+      return true;
+    });
+  };
+  int64_t seq = 0;
+  for (const HandFrame* without : {&no_return, &no_image, &no_camera}) {
+    good.Send(graph, seq);
+    EXPECT_TRUE(covered(seq, true)) << graph.statuses["refine"].tof_coverage;
+    without->Send(graph, seq + 1);
+    EXPECT_TRUE(covered(seq + 1, false)) << graph.statuses["refine"].last_error;
+    seq += 2;
+  }
+}
+
 TEST(BadInputSystem, DegenerateFramesAreAnsweredEmptyAndTheNextOneIsWhole) {
   Graph graph;
   StartStages(graph);

@@ -72,6 +72,7 @@ HostileMessages::Bytes HostileMessages::Status() {
   status.last_error.resize(Below(4) == 0 ? Below(1 << 20) : 10, 'e');
   status.rate_hz = Extreme();
   status.age.p50_ms = Extreme();
+  status.tof_coverage = static_cast<float>(Extreme());
   status.frames_in = random_();
   return EncodeStatus(status);
 }

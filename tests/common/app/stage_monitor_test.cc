@@ -40,7 +40,19 @@ TEST_F(StageMonitorTest, StartsReadyWithItsIdentityAndNothingElse) {
   EXPECT_EQ(status.rate_hz, 0);
   EXPECT_EQ(status.latency.max_ms, 0);
   EXPECT_EQ(status.last_error, "");
+  EXPECT_EQ(status.tof_coverage, kUnknownCoverage);
   EXPECT_GT(status.rss_bytes, 1 << 20);
+}
+
+TEST_F(StageMonitorTest, KeepsTheCoverageOfTheNewestFrame) {
+  monitor_.FrameOut(IdOf(1), Ago(milliseconds(1)), "", 0.75F);
+  EXPECT_EQ(monitor_.Snapshot().tof_coverage, 0.75F);
+  monitor_.FrameOut(IdOf(2), Ago(milliseconds(1)), "no seeds", 0);
+  EXPECT_EQ(monitor_.Snapshot().tof_coverage, 0);
+  monitor_.FrameFailed(IdOf(3), "broken");
+  EXPECT_EQ(monitor_.Snapshot().tof_coverage, 0);
+  monitor_.FrameOut(IdOf(4), Ago(milliseconds(1)), "");
+  EXPECT_EQ(monitor_.Snapshot().tof_coverage, kUnknownCoverage);
 }
 
 TEST_F(StageMonitorTest, CountsEachKindOfEventByItself) {

@@ -284,6 +284,21 @@ TEST(StatusBorder, CutsWhatIsTooLongToBeSentBetweenTwoCharacters) {
   EXPECT_EQ(decoded->stage.size(), 64U);
 }
 
+TEST(StatusBorder, RefusesACoverageThatIsNoShare) {
+  stage_status_t message = ToMessage(examples::Status());
+  for (const float share : {-1.F, 0.F, 1.F}) {
+    message.tof_coverage = share;
+    EXPECT_TRUE(DecodeStatus(examples::Encode(message))) << share;
+  }
+  const std::pair<float, const char*> table[] = {
+      {-0.5F, "-0.5"}, {1.5F, "1.5"}, {static_cast<float>(kNan), "nan"}, {-2, "-2"}};
+  for (const auto& [share, text] : table) {
+    message.tof_coverage = share;
+    EXPECT_EQ(DecodeStatus(examples::Encode(message)).error().text,
+              std::string("tof_coverage = ") + text + ": allowed is 0 to 1, or -1 for not known");
+  }
+}
+
 TEST(StatusBorder, RefusesAnUnknownStateAndABadHeader) {
   stage_status_t message = ToMessage(examples::Status());
   message.state = 3;

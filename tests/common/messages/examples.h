@@ -118,6 +118,7 @@ inline StageStatus Status() {
   status.latency = {.p50_ms = 11, .p95_ms = 12, .p99_ms = 13, .max_ms = 14};
   status.age = {.p50_ms = 15, .p95_ms = 16, .p99_ms = 17, .max_ms = 18};
   status.rss_bytes = int64_t{19} << 32;
+  status.tof_coverage = 0.25F;
   return status;
 }
 

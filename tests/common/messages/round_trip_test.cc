@@ -239,12 +239,14 @@ TEST(StatusMessage, CarriesEveryField) {
                                  status->age.p95_ms, status->age.p99_ms, status->age.max_ms}),
             (std::vector<double>{10.5, 11, 12, 13, 14, 15, 16, 17, 18}));
   EXPECT_EQ(status->rss_bytes, int64_t{19} << 32);
+  EXPECT_EQ(status->tof_coverage, 0.25F);
 }
 
 TEST(StatusMessage, MayNameNoFrameYet) {
   const Result<StageStatus> status = DecodeStatus(EncodeStatus(StageStatus{}));
   ASSERT_TRUE(status) << status.error().text;
   EXPECT_EQ(status->newest_frame, FrameId{});
+  EXPECT_EQ(status->tof_coverage, kUnknownCoverage);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "common/messages/codec.h"
 #include "services/capture/frame_source.h"
+#include "tests/services/capture/kitti_folder.h"
 #include "tests/services/capture/scene_folder.h"
 
 namespace sprout {
@@ -33,6 +34,7 @@ TEST(SourceFeed, NumbersAndStampsTheFramesOfItsSource) {
     EXPECT_GT(frame->id.utime, newest_utime);
     EXPECT_EQ(frame->id.rig_id, RigId(source->rig()));
     ASSERT_EQ(frame->messages.size(), 3U);
+    EXPECT_EQ(frame->messages[2].first, Part::kTof);
     EXPECT_EQ(cv::norm(ImageOf(*frame, 0), source->Get(seq).left), 0);
     newest_utime = frame->id.utime;
   }
@@ -56,6 +58,18 @@ TEST(SourceFeed, SendsColourAsConfigured) {
   config.set_right_in_colour(true);
   EXPECT_EQ(ImageOf(*OpenSourceFeed(config, false)->Next(), 0).channels(), 1);
   EXPECT_EQ(ImageOf(*OpenSourceFeed(config, false)->Next(), 1).channels(), 3);
+}
+
+// The stages wait for the message, whether or not there is a ToF camera.
+TEST(SourceFeed, SendsAToFMessageWithoutAToFCamera) {
+  const KittiFolder kitti;
+  kitti.WriteStereo("000000");
+  const auto frame = OpenSourceFeed(kitti.Config("/000000?tof=none"), /*loop=*/false)->Next();
+  ASSERT_TRUE(frame);
+  ASSERT_EQ(frame->messages.size(), 3U);
+  const auto& [part, bytes] = frame->messages[2];
+  EXPECT_EQ(part, Part::kTof);
+  EXPECT_TRUE(std::get<TofImage>(DecodePart(part, bytes)->value).depth_m.empty());
 }
 
 TEST(SourceFeed, NamesItsCalibrationByTheNewestFrame) {

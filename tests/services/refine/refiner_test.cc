@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/core/tof_coverage.h"
 #include "services/refine/refine_plug.h"
 
 namespace sprout {
@@ -324,6 +325,28 @@ TEST(RefinePlug, AnswersAToFImageOfAnotherSizeThanCalibratedEmpty) {
   const Outcome outcome = plug.Process(FrameOf(scene));
   EXPECT_THAT(outcome.degenerate, HasSubstr("ToF image of 10x8"));
   EXPECT_EQ(outcome.outputs.size(), 2u);
+}
+
+TEST(RefinePlug, AnswersFramesWithoutToF) {
+  const Scene scene;
+  std::vector<std::pair<const char*, Frame>> frames = {
+      {"a ToF image of NaN", FrameOf(scene)},
+      {"no ToF image", FrameOf(scene)},
+      {"no image of a huge camera", FrameOf(scene)},
+      {"no ToF camera", FrameOf(scene)}};
+  for (size_t i = 1; i < frames.size(); ++i) frames[i].second.tof = TofImage();
+  // Rays would take gigabytes.
+  frames[2].second.rig->tof.width = frames[2].second.rig->tof.height = 10000;
+  frames[3].second.rig->tof = {};
+  RefinePlug plug{RefineConfig()};
+  for (const auto& [name, frame] : frames) {
+    const Outcome outcome = plug.Process(frame);
+    ASSERT_EQ(outcome.outputs.size(), 2u) << name;
+    const auto& set = std::get<SeedSet>(outcome.outputs[0].value);
+    EXPECT_EQ(TofCoverage(set.seeds, frame.left.size()), 0) << name;
+    EXPECT_EQ(set.raw, 0) << name;
+    EXPECT_THAT(outcome.degenerate, testing::Not(HasSubstr("ToF image of"))) << name;
+  }
 }
 
 TEST(RefinePlug, AnswersWithTheSeedsOfEachFrameOnly) {

@@ -76,6 +76,16 @@ TEST(WriteFrameFiles, TakesAFrameWithoutATofCamera) {
   EXPECT_EQ(directory.CountEntries(), kFiles);
 }
 
+TEST(WriteFrameFiles, TakesAFrameWhoseTofCameraSentNoImage) {
+  const TemporaryDirectory directory;
+  Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
+  frame.rig->tof.width = frame.rig->tof.height = 10000;  // rays would take gigabytes
+  frame.tof = TofImage{};
+  const auto written = WriteFrameFiles(frame, directory / "");
+  ASSERT_TRUE(written) << written.error().text;
+  EXPECT_EQ(directory.CountEntries(), kFiles);
+}
+
 struct Misfit {
   const char* expected;
   std::function<void(Frame&)> spoil;

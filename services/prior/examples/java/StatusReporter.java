@@ -21,6 +21,7 @@ final class StatusReporter {
     status.last_error = "";
     status.pid = (int) ProcessHandle.current().pid();
     status.state = stage_status_t.STATE_READY;
+    status.tof_coverage = -1; // not known: not looked for here
   }
 
   void start() {
