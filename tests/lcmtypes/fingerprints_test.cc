@@ -1,0 +1,42 @@
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <lcmtypes/sprout/disparity_image_t.hpp>
+#include <lcmtypes/sprout/header_t.hpp>
+#include <lcmtypes/sprout/image_t.hpp>
+#include <lcmtypes/sprout/prior_t.hpp>
+#include <lcmtypes/sprout/rig_t.hpp>
+#include <lcmtypes/sprout/seeds_t.hpp>
+#include <lcmtypes/sprout/stage_status_t.hpp>
+#include <lcmtypes/sprout/tof_image_t.hpp>
+
+namespace sprout {
+namespace {
+
+// Every message begins with the fingerprint of its type: a hash of its fields' names and types, in
+// their order. Whoever changes one of these numbers makes all logs that were recorded before and
+// all programs of others unreadable: a reader takes the message for one of an unknown type. So a
+// released type never changes (lcmtypes/README.md). Constants and meanings are not in the hash, and
+// must not change either.
+template <typename Type>
+void ExpectFingerprint(uint64_t expected) {
+  EXPECT_EQ(static_cast<uint64_t>(Type::getHash()), expected)
+      << Type::getTypeName() << " is 0x" << std::hex << Type::getHash()
+      << " now: a released type never changes. Undo it, and make a new type or "
+      << "channel for what is new (lcmtypes/README.md). Only a type that no tagged version has may "
+      << "get a new number here.";
+}
+
+TEST(Fingerprints, AreThoseOfTheReleasedTypes) {
+  ExpectFingerprint<header_t>(0xa45097a0cb67fa20);
+  ExpectFingerprint<image_t>(0x1763136a4e77ebbe);
+  ExpectFingerprint<tof_image_t>(0x666b2dedf6120603);
+  ExpectFingerprint<rig_t>(0x7ba6f94345940e7a);
+  ExpectFingerprint<seeds_t>(0x618da2fc0d3083af);
+  ExpectFingerprint<prior_t>(0xab68f57dfc602245);
+  ExpectFingerprint<disparity_image_t>(0x7c2bcd9fc2da90ca);
+  ExpectFingerprint<stage_status_t>(0xa3ae266af8c4255e);
+}
+
+}  // namespace
+}  // namespace sprout
