@@ -8,6 +8,11 @@
 
 #include <stdexcept>
 
+// For the leak sanitizer: LCM 1.3.1 loses the buffer of a channel's name on tcpq. Nothing of
+// ours allocates through GLib.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:g_malloc\n"; }
+
 namespace sprout {
 namespace {
 
@@ -28,7 +33,8 @@ void SendAll(int fd, const std::string& bytes) {
 
 }  // namespace
 
-FakeTcpqServer::FakeTcpqServer() : listening_(socket(AF_INET, SOCK_STREAM, 0)) {
+// No program that a test starts inherits the sockets: it would keep the server alive.
+FakeTcpqServer::FakeTcpqServer() : listening_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -48,7 +54,8 @@ std::string FakeTcpqServer::url() const { return "tcpq://127.0.0.1:" + std::to_s
 bool FakeTcpqServer::Accept() {
   pollfd waiting{.fd = listening_, .events = POLLIN, .revents = 0};
   if (poll(&waiting, 1, 10'000) != 1) return false;
-  client_ = accept(listening_, nullptr, nullptr);
+  if (client_ >= 0) earlier_clients_.push_back(client_);
+  client_ = accept4(listening_, nullptr, nullptr, SOCK_CLOEXEC);
   ReadBytes(8);  // the client's magic and version
   std::string hello;
   AppendInt32(hello, kServerMagic);
@@ -86,6 +93,8 @@ void FakeTcpqServer::Disconnect() {
 
 void FakeTcpqServer::Close() {
   Disconnect();
+  for (const int client : earlier_clients_) close(client);
+  earlier_clients_.clear();
   if (listening_ >= 0) close(listening_);
   listening_ = -1;
 }

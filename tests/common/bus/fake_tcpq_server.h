@@ -8,8 +8,9 @@
 namespace sprout {
 
 /// As much of an LCM tcpq server as one client needs: handshake, subscriptions, messages. Lives on
-/// a free port of this host; works when it is told to, on the caller's thread. Numbers on the wire
-/// are big-endian int32.
+/// a free port of this host; works when it is told to, on the caller's thread. Serves the newest
+/// client; earlier ones stay connected, and what they send is never read. Numbers on the wire are
+/// big-endian int32.
 class FakeTcpqServer {
  public:
   struct Received {
@@ -29,9 +30,9 @@ class FakeTcpqServer {
   bool Accept();
   Received Receive();
   void Send(const std::string& channel, const std::string& data);
-  /// Hangs up on the client.
+  /// Hangs up on the newest client.
   void Disconnect();
-  /// Hangs up and refuses new clients, as if the server were gone.
+  /// Hangs up on all and refuses new clients, as if the server were gone.
   void Close();
 
  private:
@@ -40,6 +41,7 @@ class FakeTcpqServer {
 
   int listening_ = -1;
   int client_ = -1;
+  std::vector<int> earlier_clients_;
   uint16_t port_ = 0;
 };
 

@@ -10,11 +10,6 @@
 #include "common/bus/publisher.h"
 #include "tests/common/bus/fake_tcpq_server.h"
 
-// For the leak sanitizer: LCM 1.3.1 loses the buffer of a channel's name on tcpq. Nothing here but
-// LCM allocates through GLib.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:g_malloc\n"; }
-
 namespace sprout {
 namespace {
 
