@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -14,7 +15,8 @@
 #include "tests/services/capture/scene_folder.h"
 #include "tests/system/graph.h"
 
-// Processes that wait for what never comes: a signal ends them all the same.
+// Processes that wait for what never comes: a signal ends them all the same. And a server that is
+// gone.
 namespace sprout {
 namespace {
 
@@ -67,6 +69,21 @@ TEST(StuckSystem, ASignalEndsWhoReadsASceneWithAFifoInIt) {
   scene.Write2005({413, 370});
   const fs::path fifo = MakeFifo(scene.File("dmin.txt"));
   ExpectEndsOnSigterm({ProgramPath("sprout-capture"), "--source", scene.Config().source()}, fifo);
+}
+
+TEST(StuckSystem, CaptureCountsAFrameThatItsServerNeverTookAsNotSent) {
+  FakeTcpqServer server;
+  Process capture({ProgramPath("sprout-capture"), "--lcm-url", server.url(), "--source",
+                   "synthetic:64x48", "--rate", "0", "--frames", "2"});
+  // The frames', the answers' and the status' connection.
+  for (int connection = 0; connection < 3; ++connection) {
+    ASSERT_TRUE(server.Accept());
+    if (connection == 0) server.Disconnect();
+  }
+  server.Close();
+  EXPECT_EQ(capture.Wait(std::chrono::seconds(30)), 0);
+  EXPECT_THAT(capture.Output(), testing::HasSubstr("sent 0 frames"));
+  EXPECT_THAT(capture.Output(), testing::HasSubstr("; 2 could not be sent"));
 }
 
 TEST(StuckSystem, ASignalEndsWhoseServerTakesNoMore) {

@@ -1,0 +1,101 @@
+#include "common/app/live.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <thread>
+
+#include "common/messages/codec.h"
+#include "tests/common/app/captured_log.h"
+#include "tests/common/bus/fake_tcpq_server.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::HasSubstr;
+
+// LEFT → SEEDS, none.
+class SeedlessPlug : public Plug {
+ public:
+  PartSet Inputs() const override { return {Part::kLeft}; }
+  Outcome Process(const Frame&) override {
+    return {.outputs = {{Part::kSeeds, SeedSet{}}}, .degenerate = ""};
+  }
+};
+
+// A stage on a server of its own, with a connection each for its answers, its frames and its
+// status, in this order.
+class LiveTest : public ::testing::Test {
+ protected:
+  // As in every service: a server that hangs up is a failed publish, not a signal.
+  LiveTest() : before_(std::signal(SIGPIPE, SIG_IGN)) {}
+  ~LiveTest() override {
+    stop_.request_stop();
+    stage_.join();
+    std::signal(SIGPIPE, before_);
+  }
+
+  void ConnectForAnswers() {
+    stage_ = std::jthread([this] { RunLive(context_, plug_); });
+    ASSERT_TRUE(server_.Accept());
+  }
+
+  void ConnectForFramesAndSendOne() {
+    ASSERT_TRUE(server_.Accept());
+    EXPECT_EQ(server_.Receive().channel, "SPROUT_LEFT");  // the subscription
+    const auto bytes = EncodePart({.utime = 3, .seq = 3, .rig_id = "rig"}, Part::kLeft,
+                                  cv::Mat(2, 3, CV_8UC1, cv::Scalar(0)), DisparityEncoding());
+    server_.Send("SPROUT_LEFT", {bytes.begin(), bytes.end()});
+  }
+
+  // The first status after the frame came in and something became of it.
+  StageStatus ConnectForStatus() {
+    StageStatus status;
+    if (!server_.Accept()) return status;
+    while (status.frames_out + status.frames_failed == 0) {
+      const std::string bytes = server_.Receive().data;
+      const auto decoded =
+          DecodeStatus({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+      if (!decoded) break;
+      status = *decoded;
+    }
+    return status;
+  }
+
+  CapturedLog log_;
+  void (*before_)(int);
+  FakeTcpqServer server_;
+  std::stop_source stop_;
+  ServiceContext context_{.stage = "seedless",
+                          .config = LoadConfig({}),
+                          .lcm_url = server_.url(),
+                          .prefix = "",
+                          .replay = {},
+                          .stop = stop_.get_token()};
+  SeedlessPlug plug_;
+  std::jthread stage_;
+};
+
+TEST_F(LiveTest, CountsAnAnswerThatWasPublishedAsOut) {
+  ConnectForAnswers();
+  ConnectForFramesAndSendOne();
+  const StageStatus status = ConnectForStatus();
+  EXPECT_EQ(status.frames_in, 1);
+  EXPECT_EQ(status.frames_out, 1);
+  EXPECT_EQ(status.frames_failed, 0);
+}
+
+TEST_F(LiveTest, CountsAnAnswerThatCouldNotBePublishedAsFailed) {
+  ConnectForAnswers();
+  server_.Disconnect();
+  ConnectForFramesAndSendOne();
+  const StageStatus status = ConnectForStatus();
+  EXPECT_EQ(status.frames_in, 1);
+  EXPECT_EQ(status.frames_out, 0);
+  EXPECT_EQ(status.frames_failed, 1);
+  EXPECT_THAT(status.last_error, HasSubstr("SPROUT_SEEDS: could not be published"));
+}
+
+}  // namespace
+}  // namespace sprout
