@@ -4,12 +4,9 @@
 #include <iostream>
 #include <sstream>
 
-#include "common/app/version.h"
 #include "common/config/config.h"
 
 namespace sprout {
-
-std::string Version() { return kVersion; }
 
 CLI::Validator NumberIn(double low, double high) {
   std::ostringstream allowed;

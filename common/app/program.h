@@ -7,9 +7,6 @@
 
 namespace sprout {
 
-/// Version of the programs, "0.1.0 (1a2b3c4)".
-std::string Version();
-
 /// For CLI::Option::check(): a number from low to high. CLI::Range would let NaN pass, which is
 /// neither below nor above.
 CLI::Validator NumberIn(double low, double high);

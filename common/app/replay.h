@@ -2,7 +2,7 @@
 #define SPROUT_COMMON_APP_REPLAY_H_
 
 #include "common/app/plug.h"
-#include "common/app/service.h"
+#include "common/app/service_context.h"
 
 namespace sprout {
 

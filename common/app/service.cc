@@ -14,8 +14,8 @@
 #include <thread>
 
 #include "common/app/compute.h"
-#include "common/app/live.h"
-#include "common/app/replay.h"
+#include "common/app/program.h"
+#include "common/app/version.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/core/digest.h"
@@ -208,18 +208,6 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   const SignalWatcher signals;
   context.stop = signals.token();
   return body(context);
-}
-
-int RunStage(int argc, char** argv, const std::string& stage, const std::string& description,
-             const MakePlug& make_plug) {
-  Service service(stage, description);
-  service.OfferReplay();
-  return service.Run(argc, argv, [&](const ServiceContext& context) {
-    const std::unique_ptr<Plug> plug = make_plug(context.config);
-    if (context.replay) return RunReplay(context, *context.replay, *plug);
-    RunLive(context, *plug);
-    return 0;
-  });
 }
 
 }  // namespace sprout

@@ -3,35 +3,13 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
-#include <memory>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <vector>
 
-#include "common/app/plug.h"
-#include "common/app/program.h"
-#include "common/config/config.h"
-#include "common/config/frame_range.h"
+#include "common/app/service_context.h"
 
 namespace sprout {
-
-/// A run over logs instead of the live bus.
-struct ReplayOptions {
-  std::vector<std::string> logs;  ///< to read, at least one
-  std::string record;             ///< log to write
-  FrameRange frames;              ///< frames to work on
-};
-
-/// What the shared main hands to a service.
-struct ServiceContext {
-  std::string stage;                    ///< "refine", ...
-  SproutConfig config;                  ///< effective: files, then flags
-  std::string lcm_url;                  ///< how to reach the bus
-  std::string prefix;                   ///< before every channel name
-  std::optional<ReplayOptions> replay;  ///< only after Service::OfferReplay()
-  std::stop_token stop;                 ///< requested by SIGINT and SIGTERM
-};
 
 /// What every service's main shares: the flags --config --lcm-url --channel-prefix --threads --simd
 /// --log-level --version --help, logging to stderr, the effective configuration printed at start,
@@ -73,14 +51,6 @@ class Service {
   std::string frames_;
   CLI::App flags_;
 };
-
-/// Creates the plug of a stage from the effective configuration.
-using MakePlug = std::function<std::unique_ptr<Plug>(const SproutConfig&)>;
-
-/// The whole main of a service that is one plug: runs it live until a signal comes, or over logs
-/// (--replay).
-int RunStage(int argc, char** argv, const std::string& stage, const std::string& description,
-             const MakePlug& make_plug);
 
 }  // namespace sprout
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/app/service.h"
+#include "common/app/version.h"
 
 namespace sprout {
 namespace {

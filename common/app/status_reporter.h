@@ -3,7 +3,7 @@
 
 #include <thread>
 
-#include "common/app/service.h"
+#include "common/app/service_context.h"
 #include "common/app/stage_monitor.h"
 #include "common/bus/publisher.h"
 

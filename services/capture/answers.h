@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/app/service.h"
+#include "common/app/service_context.h"
 #include "common/app/stage_monitor.h"
 #include "common/bus/receiver.h"
 #include "common/core/frame_id.h"

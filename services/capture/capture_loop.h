@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/app/service.h"
+#include "common/app/service_context.h"
 
 namespace sprout {
 

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <optional>
 
+#include "common/app/program.h"
 #include "common/app/service.h"
 #include "services/capture/capture_loop.h"
 

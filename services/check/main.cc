@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "common/app/program.h"
+#include "common/app/version.h"
 #include "common/bus/lcm_url.h"
 #include "common/config/config.h"
 #include "common/logfile/log_error.h"

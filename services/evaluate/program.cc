@@ -12,6 +12,7 @@
 
 #include "common/app/program.h"
 #include "common/app/progress.h"
+#include "common/app/version.h"
 #include "common/core/output_file.h"
 #include "services/evaluate/output_paths.h"
 #include "services/evaluate/result_files.h"

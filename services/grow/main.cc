@@ -1,4 +1,4 @@
-#include "common/app/service.h"
+#include "common/app/run_stage.h"
 #include "services/grow/grow_plug.h"
 
 int main(int argc, char** argv) {

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "common/app/program.h"
+#include "common/app/version.h"
 #include "common/config/config.h"
 #include "common/logfile/log_error.h"
 #include "services/log/commands.h"

@@ -14,7 +14,7 @@
 #include <string_view>
 
 #include "common/app/frame_assembler.h"
-#include "common/app/service.h"
+#include "common/app/service_context.h"
 #include "common/app/stage_monitor.h"
 #include "common/bus/receiver.h"
 #include "common/core/frame.h"

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/app/program.h"
 #include "common/app/service.h"
 #include "common/app/status_reporter.h"
 #include "common/core/digest.h"

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <thread>
 
+#include "common/app/version.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 

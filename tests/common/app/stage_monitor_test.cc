@@ -6,7 +6,7 @@
 
 #include <thread>
 
-#include "common/app/service.h"
+#include "common/app/version.h"
 #include "tests/common/app/captured_log.h"
 
 namespace sprout {

@@ -1,9 +1,12 @@
 #ifndef SPROUT_COMMON_APP_VERSION_H_
 #define SPROUT_COMMON_APP_VERSION_H_
 
+#include <string>
+
 namespace sprout {
 
-inline constexpr char kVersion[] = "@PROJECT_VERSION@ (@SPROUT_GIT_REVISION@)";
+/// Version of the programs, "0.1.0 (1a2b3c4)".
+std::string Version();
 
 }  // namespace sprout
 

@@ -1,0 +1,33 @@
+#ifndef SPROUT_COMMON_APP_SERVICE_CONTEXT_H_
+#define SPROUT_COMMON_APP_SERVICE_CONTEXT_H_
+
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/config/frame_range.h"
+
+namespace sprout {
+
+/// A run over logs instead of the live bus.
+struct ReplayOptions {
+  std::vector<std::string> logs;  ///< to read, at least one
+  std::string record;             ///< log to write
+  FrameRange frames;              ///< frames to work on
+};
+
+/// What the shared main hands to a service.
+struct ServiceContext {
+  std::string stage;                    ///< "refine", ...
+  SproutConfig config;                  ///< effective: files, then flags
+  std::string lcm_url;                  ///< how to reach the bus
+  std::string prefix;                   ///< before every channel name
+  std::optional<ReplayOptions> replay;  ///< only after Service::OfferReplay()
+  std::stop_token stop;                 ///< requested by SIGINT and SIGTERM
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_APP_SERVICE_CONTEXT_H_
