@@ -34,11 +34,16 @@ ValueRange RangeOf(const Frame& frame) {
   return DisparityRange(maps, frame.seeds ? frame.seeds->seeds : std::vector<Seed>());
 }
 
-// The size of the images that the frame was captured with, as far as it is known.
+// The size of the images that the frame was captured with, as far as it is known: a calibration may
+// claim 100 MP in a few bytes, so it is asked last. Empty when nothing says it.
 cv::Size CameraSize(const Frame& frame) {
-  if (!frame.left.empty()) return frame.left.size();
-  if (frame.rig) return frame.rig->pair.size();
-  return frame.tof->depth_m.size();
+  for (const cv::Mat& image : {frame.left, frame.right, frame.confidence}) {
+    if (!image.empty()) return image.size();
+  }
+  for (const auto& map : {frame.disparity, frame.unfilled, frame.prior}) {
+    if (map) return map->size();
+  }
+  return frame.rig ? frame.rig->pair.size() : cv::Size();
 }
 
 void WritePictures(const Frame& frame, FrameFileNames& names) {
@@ -48,15 +53,15 @@ void WritePictures(const Frame& frame, FrameFileNames& names) {
   };
   if (!frame.left.empty()) write("left.png", CameraPicture(frame.left, "Left image" + title));
   if (!frame.right.empty()) write("right.png", CameraPicture(frame.right, "Right image" + title));
-  if (frame.tof && !CameraSize(frame).empty()) {
-    write("tof.png",
-          DepthPicture(*frame.tof, CameraSize(frame), DepthRange(*frame.tof), "ToF depth" + title));
+  const cv::Size size = CameraSize(frame);
+  if (frame.tof && (!size.empty() || !frame.tof->depth_m.empty())) {
+    write("tof.png", DepthPicture(*frame.tof, size.empty() ? frame.tof->depth_m.size() : size,
+                                  DepthRange(*frame.tof), "ToF depth" + title));
   }
   const ValueRange range_px = RangeOf(frame);
-  if (frame.seeds && (!frame.left.empty() || frame.rig)) {
+  if (frame.seeds && !size.empty()) {
     // A log without images shows its seeds on black.
-    const cv::Mat left =
-        frame.left.empty() ? cv::Mat(cv::Mat1b::zeros(frame.rig->pair.size())) : frame.left;
+    const cv::Mat left = frame.left.empty() ? cv::Mat(cv::Mat1b::zeros(size)) : frame.left;
     write("seeds.png", SeedPicture(ToGrey(left), frame.seeds->seeds, range_px,
                                    fmt::format("Seeds ({}){}", frame.seeds->seeds.size(), title)));
   }

@@ -46,6 +46,20 @@ TEST(LogImages, ShowsWhatALogOfOneStageHas) {
               UnorderedElementsAre("000003_seeds.png", "000003_unfilled.png"));
 }
 
+TEST(LogImages, TakesTheSizeFromWhatIsThereBeforeTheCalibration) {
+  const LogFolder folder;
+  Rig huge = std::get<Rig>(LogValue(Part::kRig, 1));
+  huge.pair.width = huge.pair.height = 10'000;
+  const auto log = folder.Write("log", {PartEvent(Part::kRig, 1, huge), PartEvent(Part::kSeeds, 1),
+                                        PartEvent(Part::kTof, 1), PartEvent(Part::kPrior, 1)});
+  EXPECT_EQ(RunLog({"images", log, folder.File("out")}).exit_code, 0);
+  for (const char* name : {"seeds", "tof"}) {
+    const cv::Mat picture = cv::imread(folder.File("out") + "/000001_" + name + ".png");
+    EXPECT_GE(picture.cols, kLogImageSize.width) << name;
+    EXPECT_LT(picture.cols, 1000) << name;
+  }
+}
+
 TEST(LogImages, KeepsFramesOfOneNumberApart) {
   const LogFolder folder;
   Event again = PartEvent(Part::kLeft, 3);
