@@ -151,12 +151,12 @@ TEST(LogImages, ShowsAToFImageOfHugeValues) {
 TEST(LogImages, ShowsFramesWithoutATofCamera) {
   const LogFolder folder;
   const TofImage none;
-  const auto log =
-      folder.Write("log", {PartEvent(Part::kLeft, 1), PartEvent(Part::kTof, 1, none),
-                           PartEvent(Part::kTof, 2, none), PartEvent(Part::kRight, 2)});
+  const auto log = folder.Write("log", {PartEvent(Part::kLeft, 1), PartEvent(Part::kTof, 1, none),
+                                        PartEvent(Part::kTof, 2, none), PartEvent(Part::kRight, 2),
+                                        PartEvent(Part::kTof, 3, none)});
   const ProgramOutcome outcome = RunLog({"images", log, folder.File("out")});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("3 files of 2 frames"));
+  EXPECT_THAT(outcome.out, HasSubstr("4 files of 2 frames"));
 }
 
 TEST(LogExport, RefusesToDoNothing) {
