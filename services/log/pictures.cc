@@ -40,7 +40,7 @@ cv::Size CameraSize(const Frame& frame) {
   for (const cv::Mat& image : {frame.left, frame.right, frame.confidence}) {
     if (!image.empty()) return image.size();
   }
-  for (const auto& map : {frame.disparity, frame.unfilled, frame.prior}) {
+  for (const auto& map : {frame.disparity, frame.unfilled, PriorOf(frame)}) {
     if (map) return map->size();
   }
   return frame.rig ? frame.rig->pair.size() : cv::Size();
