@@ -35,6 +35,7 @@ std::vector<Seed> Damage(std::vector<Seed> seeds, const SeedNoise& noise) {
   if (noise.disparity_px == 0 && noise.jitter_px == 0) return seeds;  // not even rounded
   RandomNumbers random(noise.seed);
   for (Seed& seed : seeds) {
+    if (seed.origin != SeedOrigin::kTof) continue;
     const double disparity = seed.disparity() + noise.disparity_px * random.Gaussian();
     const double u = seed.u + noise.jitter_px * random.Symmetric();
     const double v = seed.v + noise.jitter_px * random.Symmetric();

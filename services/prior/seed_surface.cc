@@ -28,6 +28,8 @@ constexpr double kOtherSurfacePx = 3;
 // Seeds that a plane is fitted to; three steps of the triangulation are usually 37.
 constexpr size_t kMostSupport = 64;
 
+bool IsTof(const Seed& seed) { return seed.origin == SeedOrigin::kTof; }
+
 size_t Index(int i) { return static_cast<size_t>(i); }
 
 // The value that a share of the others does not reach; 0 when there are none. Reorders them.
@@ -101,7 +103,7 @@ class PlaneFitter {
   PlaneFitter(std::span<const Seed> seeds, const SeedNeighbours& neighbours, double spacing_px)
       : seeds_(seeds), neighbours_(neighbours), per_px_(1 / spacing_px) {}
 
-  // How far seeds lie from the planes through their neighbours alone.
+  // How far ToF seeds lie from the planes through their neighbours alone.
   // @param deviations  memory.
   double EstimateNoise(std::vector<double>& deviations) const {
     constexpr double kNone = -1;
@@ -109,6 +111,7 @@ class PlaneFitter {
     ForEachParallel(seeds_.size(), [&](size_t i) {
       constexpr size_t kEnough = 4;  // a plane takes three
       const int seed = static_cast<int>(i);
+      if (!IsTof(seeds_[i])) return;
       if (neighbours_.Of(seed).size() >= kEnough) deviations[i] = Deviation(seed);
     });
     std::erase(deviations, kNone);
@@ -224,8 +227,8 @@ double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> tria
   return squares.empty() ? 1 : std::sqrt(Quantile(squares, 0.5));
 }
 
-// The steps in which the seeds' disparities are counted, or a small number if they are not: hardly
-// any two neighbours on a surface differ by less, unless they are equal.
+// The steps in which the ToF seeds' disparities are counted, or a small number if they are not:
+// hardly any two neighbours on a surface differ by less, unless they are equal.
 // @param differences  memory.
 double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
               double other_surface_px, std::vector<double>& differences) {
@@ -236,6 +239,7 @@ double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangl
   for (const auto& [a, b, c] : triangles) {
     const double difference =
         std::abs(double{seeds[Index(a)].disparity()} - seeds[Index(b)].disparity());
+    if (!IsTof(seeds[Index(a)]) || !IsTof(seeds[Index(b)])) continue;
     if (difference > kEqualPx && difference < other_surface_px) differences.push_back(difference);
   }
   return Quantile(differences, kHardlyAny);
@@ -291,6 +295,10 @@ const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
   const bool noisy = surface.noise_px > noisy_px;
   const double scale_px = std::max(
       {kSmallestScalePx, kScalePerSpacing * spacing_px, kScalePerNoise * surface.noise_px});
+  const auto stereo_scale_px = [&](int i) {
+    return std::max({kSmallestScalePx, kScalePerSpacing * spacing_px,
+                     kScalePerNoise * seeds[Index(i)].sigma_px});
+  };
   const double smooth_px = std::max(
       {kSmallestSmoothPx, kScalePerStep * surface.step_px, kScalePerNoise * surface.noise_px});
   surface.planes.resize(seeds.size());
@@ -303,9 +311,11 @@ const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
     LocalPlane& plane = surface.planes[Index(i)];
     around.Start(std::span(&i, 1));
     around.Widen(kMostSupport);
-    if (noisy) {
+    // A seed of stereo errs for itself, as a noisy ToF point does; those around it know better.
+    const bool is_stereo = !IsTof(seeds[Index(i)]);
+    if (noisy || is_stereo) {
       around.Widen(kMostSupport);
-      plane = fitter.Fit(i, around.reached(), scale_px);
+      plane = fitter.Fit(i, around.reached(), is_stereo ? stereo_scale_px(i) : scale_px);
       return;
     }
     const bool beside_edge = has_neighbour_at_edge(i);

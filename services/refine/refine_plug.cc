@@ -36,10 +36,11 @@ Outcome RefinePlug::Process(const Frame& frame) {
   if (!seeds) {
     outcome.degenerate = seeds.error().text;
     seeds = SeedSet{};
-  } else if (seeds->raw == 0) {
-    outcome.degenerate = "no ToF point has a return";
   } else if (seeds->seeds.empty()) {
-    outcome.degenerate = "none of " + std::to_string(seeds->raw) + " ToF points became a seed";
+    outcome.degenerate =
+        seeds->raw == 0 ? "no ToF point has a return"
+                        : "none of " + std::to_string(seeds->raw) + " ToF points became a seed";
+    if (finds_stereo_seeds_) outcome.degenerate += ", and stereo found none";
   }
   outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, std::move(left_seeds)});

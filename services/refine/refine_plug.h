@@ -12,11 +12,13 @@ namespace sprout {
 /// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS.
 class RefinePlug : public Plug {
  public:
-  explicit RefinePlug(const RefineConfig& config) : refiner_(config) {}
+  explicit RefinePlug(const RefineConfig& config)
+      : refiner_(config), finds_stereo_seeds_(config.stereo_seeds()) {}
 
   PartSet Inputs() const override { return {Part::kLeft, Part::kRight, Part::kTof, Part::kRig}; }
 
-  /// Always answers; without a usable point both are empty and the outcome says why.
+  /// Always answers; without a usable point, and where stereo finds nothing either, both are empty
+  /// and the outcome says why.
   Outcome Process(const Frame& frame) override;
 
  private:
@@ -24,6 +26,7 @@ class RefinePlug : public Plug {
   Result<SeedSet> Refine(const Frame& frame);
 
   Refiner refiner_;
+  bool finds_stereo_seeds_;
   cv::Mat1b left_grey_;  // memory
   cv::Mat1b right_grey_;
   std::optional<TofProjector> projector_;  // of the newest calibration

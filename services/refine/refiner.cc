@@ -34,7 +34,9 @@ int WindowSum(const cv::Mat1b& image, int u, int v) {
 
 }  // namespace
 
-Refiner::Refiner(const RefineConfig& config) : config_(config) { RequireInRange(config, "refine"); }
+Refiner::Refiner(const RefineConfig& config) : config_(config), stereo_(config) {
+  RequireInRange(config, "refine");
+}
 
 Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                                  const TofProjector& projector, SeedSet memory) {
@@ -51,10 +53,29 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   result.raw = static_cast<int32_t>(points_.size()) + result.outside;
   left_seeds_.seeds.clear();
   left_seeds_.seeds.reserve(points_.size());
-  surface_.Set(rig, points_);
-  KeepReliable(left, right, tof, result);
-  KeepVisible(left, right, result);
+  result.seeds.clear();
+  if (!points_.empty()) {
+    surface_.Set(rig, points_);
+    KeepReliable(left, right, tof, result);
+    KeepVisible(left, right, result);
+  }
+  if (config_.stereo_seeds()) {
+    const std::span<const Seed> stereo = stereo_.Find(left, right, result.seeds, Covered());
+    result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
+  }
   return result;
+}
+
+// Where the ToF camera sees something. What it says of dark regions is not to be believed; of
+// points beside edges it is, since which surface they lie on the prior decides better than stereo.
+std::span<const cv::Point2f> Refiner::Covered() {
+  covered_.clear();
+  for (size_t i = 0; i < points_.size(); ++i) {
+    if (fates_[i] != Fate::kDark && fates_[i] != Fate::kOutside) {
+      covered_.emplace_back(points_[i].seed.u, points_[i].seed.v);
+    }
+  }
+  return covered_;
 }
 
 // Takes over the points that are reliable for themselves.

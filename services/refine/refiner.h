@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <span>
 #include <vector>
 
 #include "common/config/config.h"
@@ -11,12 +12,14 @@
 #include "common/core/tof_image.h"
 #include "common/geometry/projection.h"
 #include "services/refine/background.h"
+#include "services/refine/stereo_seeds.h"
 #include "services/refine/tof_surface.h"
 
 namespace sprout {
 
 /// Turns ToF points into seed correspondences and drops the unreliable ones: by the paper's rules
-/// (II-B) and by two of TofSurface, which a sensor needs that stands beside the left camera.
+/// (II-B) and by two of TofSurface, which a sensor needs that stands beside the left camera. Where
+/// the sensor gives nothing, StereoSeedFinder adds seeds from the pair.
 class Refiner {
  public:
   /// Side of the window that the paper's rules look at, px.
@@ -26,18 +29,19 @@ class Refiner {
   explicit Refiner(const RefineConfig& config);
 
   /// @param left, right  rectified pair of the calibrated size, grey.
-  /// @param tof          range image of the calibrated size (a precondition).
+  /// @param tof          range image of the calibrated size (a precondition); empty for a rig that
+  ///                     has no ToF camera.
   /// @param projector    of the calibration; worth keeping from frame to frame.
   /// @param memory       seeds that are no longer needed, whose memory the new ones take.
-  /// @returns the seeds in the order of the ToF pixels, and how many were dropped by which rule; a
-  ///          point is counted under the first of outside, dark, loose, background, hidden that
-  ///          applies. Seeds keep their sub-pixel positions. An error when the images do not have
-  ///          the calibrated size.
+  /// @returns the seeds in the order of the ToF pixels, behind them those of stereo, and how many
+  ///          points were dropped by which rule; a point is counted under the first of outside,
+  ///          dark, loose, background, hidden that applies. Seeds keep their sub-pixel positions.
+  ///          An error when the images do not have the calibrated size.
   /// O(ToF pixels), with the background or the hidden rule also O(image pixels / 25); where points
-  /// crowd into a few pixels, up to 20 µs a point (300 neighbours each); no I/O; on
-  /// OpenCV's threads, with the same result for any number. Keeps its memory, about 120 bytes a ToF
-  /// pixel, from frame to frame, so one object serves one caller at a time; with `memory` of an
-  /// earlier frame it allocates nothing.
+  /// crowd into a few pixels, up to 20 µs a point (300 neighbours each); stereo seeds O(pixels
+  /// without ToF points), about 0.3 µs each. No I/O; on OpenCV's threads, with the same result for
+  /// any number. Keeps its memory from frame to frame, about 120 bytes a ToF pixel, and with stereo
+  /// 100 a pixel of the matched image; so one object serves one caller at a time.
   Result<SeedSet> Compute(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                           const TofProjector& projector, SeedSet memory = {});
 
@@ -56,6 +60,7 @@ class Refiner {
               const TofImage& tof) const;
   void KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                     SeedSet& result);
+  std::span<const cv::Point2f> Covered();
   void KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet& result);
 
   RefineConfig config_;
@@ -67,6 +72,8 @@ class Refiner {
   size_t kept_in_both_ = 0;
   SeedSet left_seeds_;
   BackgroundRule background_;
+  std::vector<cv::Point2f> covered_;
+  StereoSeedFinder stereo_;
 };
 
 }  // namespace sprout

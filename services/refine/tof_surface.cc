@@ -39,24 +39,52 @@ bool IsNearer(const ProjectedPoint& a, const ProjectedPoint& b) {
 
 }  // namespace
 
+// Three of four returns have the next one as near as this along the columns and along the rows.
+void TofSurface::SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> points) {
+  const auto step = [&] {
+    if (gaps_.empty()) return 1;
+    const auto rank = gaps_.begin() + static_cast<std::ptrdiff_t>(gaps_.size() * 3 / 4);
+    std::nth_element(gaps_.begin(), rank, gaps_.end());
+    return *rank;
+  };
+  gaps_.clear();
+  for (size_t i = 1; i < points.size(); ++i) {  // they come row by row
+    if (points[i].tof_v == points[i - 1].tof_v) {
+      gaps_.push_back(points[i].tof_u - points[i - 1].tof_u);
+    }
+  }
+  column_step_ = step();
+  gaps_.clear();
+  last_row_.assign(static_cast<size_t>(tof.width), -1);
+  for (const ProjectedPoint& point : points) {
+    int& last = last_row_[static_cast<size_t>(point.tof_u)];
+    if (last >= 0) gaps_.push_back(point.tof_v - last);
+    last = point.tof_v;
+  }
+  row_step_ = step();
+}
+
 void TofSurface::Set(const Rig& rig, std::span<const ProjectedPoint> points) {
   size_ = rig.pair.size();
-  column_px_ = rig.pair.focal_px / rig.tof.fx;
-  row_px_ = rig.pair.focal_px / rig.tof.fy;
-  stride_ = rig.tof.width + 2;
-  disparity_.assign(static_cast<size_t>(stride_) * static_cast<size_t>(rig.tof.height + 2), kNone);
+  SetSteps(rig.tof, points);
+  column_px_ = column_step_ * rig.pair.focal_px / rig.tof.fx;
+  row_px_ = row_step_ * rig.pair.focal_px / rig.tof.fy;
+  stride_ = rig.tof.width / column_step_ + 3;
+  const int rows = rig.tof.height / row_step_ + 3;
+  disparity_.assign(static_cast<size_t>(stride_) * static_cast<size_t>(rows), kNone);
   for (const ProjectedPoint& point : points) {
-    disparity_[static_cast<size_t>(At(point.tof_u, point.tof_v) - disparity_.data())] =
-        point.seed.disparity();
+    float& cell = disparity_[IndexOf(point)];
+    if (!(cell >= point.seed.disparity())) cell = point.seed.disparity();  // the nearest of several
   }
 }
 
 bool TofSurface::IsLoose(const ProjectedPoint& point, double tolerance_px) const {
   const float here = point.seed.disparity();
-  int support = -1;  // it supports itself
+  int support = 0;
   for (int down = -1; down <= 1; ++down) {
-    const float* row = At(point.tof_u, point.tof_v + down);
+    const float* row = At(point) + down * stride_;
     for (int across = -1; across <= 1; ++across) {
+      if (down == 0 && across == 0) continue;
       support += std::abs(row[across] - here) <= tolerance_px ? 1 : 0;
     }
   }
@@ -70,7 +98,7 @@ bool TofSurface::IsConfirmed(const ProjectedPoint& point, double tolerance_px,
   const double own = kMuchBetter * WindowDifference(left, right, seed.u, seed.v, seed.u_right);
   bool compared = false;
   for (int down = -1; down <= 1; ++down) {
-    const float* row = At(point.tof_u, point.tof_v + down);
+    const float* row = At(point) + down * stride_;
     for (int across = -1; across <= 1; ++across) {
       const double elsewhere = row[across];
       if (!(std::abs(elsewhere - seed.disparity()) > tolerance_px)) continue;
@@ -82,8 +110,8 @@ bool TofSurface::IsConfirmed(const ProjectedPoint& point, double tolerance_px,
 }
 
 TofSurface::Piece TofSurface::PieceOf(const ProjectedPoint& point) const {
-  const float* at = At(point.tof_u, point.tof_v);
-  const float here = *at;
+  const float* at = At(point);
+  const float here = point.seed.disparity();
   return {point.seed.disparity(), GentlerStep(at[1] - here, here - at[-1]),
           GentlerStep(at[stride_] - here, here - at[-stride_])};
 }

@@ -14,9 +14,9 @@ namespace sprout {
 
 /// What TofSurface::FindHidden() goes by.
 struct HiddenRule {
-  double core = 0;          ///< half the side of a piece's core, ToF pixels
-  double reach = 0;         ///< half the side of the whole piece, ToF pixels; below 1 it ends
-                            ///< before the next pixel of the surface
+  double core = 0;          ///< half the side of a piece's core, cells of the ToF image
+  double reach = 0;         ///< half the side of the whole piece, cells; below 1 it ends before
+                            ///< the next cell of the surface
   double tolerance_px = 0;  ///< how much further a point may lie, px
 };
 
@@ -28,15 +28,18 @@ struct Hidden {
   bool operator==(const Hidden&) const = default;
 };
 
-/// The surface that a ToF image shows, as disparities (px) at the ToF pixels, and two tests of its
-/// points against it. Each looks at the neighbours of a point only. Keeps its memory when it is set
-/// again: about 40 bytes a ToF pixel, and 8 a cell of FindHidden().
+/// The surface that a ToF image shows, as disparities (px) at its cells, and two tests of its
+/// points against it. Each looks at the neighbours of a point only. A cell is a ToF pixel, or as
+/// many as returns lie apart: three of four have the next one, along its row and along its column,
+/// in the next cell. So the scan of a lidar, which fills few pixels of its image, is a surface as
+/// well. Keeps its memory when it is set again: about 40 bytes a ToF pixel, and 8 a cell of
+/// FindHidden().
 class TofSurface {
  public:
-  /// Fewest of a pixel's eight neighbours that must lie on its surface.
+  /// Fewest of a cell's eight neighbours that must lie on its surface.
   static constexpr int kSupport = 2;
 
-  /// Without a ToF pixel.
+  /// Without a point.
   TofSurface() = default;
 
   TofSurface(const Rig& rig, std::span<const ProjectedPoint> points) { Set(rig, points); }
@@ -45,10 +48,10 @@ class TofSurface {
   /// O(ToF pixels).
   void Set(const Rig& rig, std::span<const ProjectedPoint> points);
 
-  /// From one ToF pixel to the next in the left image, px; the longer side.
+  /// From one cell to the next in the left image, px; the longer side.
   double spacing_px() const { return std::max(column_px_, row_px_); }
 
-  /// Whether a point hangs loose: fewer than two of the eight neighbours in the ToF image have a
+  /// Whether a point hangs loose: fewer than two of the eight cells around have a
   /// disparity within `tolerance_px`. Flying pixels, whose light comes from two surfaces so that
   /// they lie on neither, and outliers of the noise. Two neighbours are enough for a slant or a
   /// thin thing: along a line of equal depth there are two.
@@ -58,7 +61,7 @@ class TofSurface {
 
   /// Whether the images speak for a point: its windows differ at most half as much at its own
   /// disparity as at that of any of the eight neighbours that lies elsewhere, and there is one. A
-  /// thing that is smaller than a ToF pixel hangs loose as a flying pixel does, but is there.
+  /// thing that is smaller than a cell hangs loose as a flying pixel does, but is there.
   /// @param left, right  the rectified pair, grey.
   /// O(1); thread-safe.
   bool IsConfirmed(const ProjectedPoint& point, double tolerance_px, const cv::Mat1b& left,
@@ -92,7 +95,7 @@ class TofSurface {
   // A point as a piece of surface.
   struct Piece {
     float disparity = 0;
-    float across = 0;  // change of disparity from one ToF pixel to the next, px
+    float across = 0;  // change of disparity from one cell to the next, px
     float down = 0;
   };
   // One of the images of the pair.
@@ -102,17 +105,24 @@ class TofSurface {
   };
   class HiddenTest;
 
-  // Of a pixel of the ToF image or one of those just around it.
-  const float* At(int tof_u, int tof_v) const {
-    return disparity_.data() + (tof_v + 1) * stride_ + tof_u + 1;
+  void SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> points);
+  // Of the cell of a point.
+  size_t IndexOf(const ProjectedPoint& point) const {
+    return static_cast<size_t>((point.tof_v / row_step_ + 1) * stride_ +
+                               point.tof_u / column_step_ + 1);
   }
+  const float* At(const ProjectedPoint& point) const { return disparity_.data() + IndexOf(point); }
   Piece PieceOf(const ProjectedPoint& point) const;
 
-  cv::Size size_;         // of the images of the pair
-  double column_px_ = 1;  // distance of ToF columns in the images of the pair, px
+  cv::Size size_;        // of the images of the pair
+  int column_step_ = 1;  // sides of a cell, ToF pixels
+  int row_step_ = 1;
+  double column_px_ = 1;  // the same in the images of the pair, px
   double row_px_ = 1;
   std::ptrdiff_t stride_ = 0;
-  std::vector<float> disparity_;  // of the ToF pixels and one more all around, NaN = none
+  std::vector<float> disparity_;  // of the cells and one more all around, NaN = none
+  std::vector<int> last_row_;     // with a return in each ToF column
+  std::vector<int> gaps_;
   std::vector<Piece> pieces_;
   View left_;
   View right_;

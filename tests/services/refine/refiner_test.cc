@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 
 #include "common/core/tof_coverage.h"
 #include "services/refine/refine_plug.h"
@@ -41,6 +42,7 @@ RefineConfig PaperRules() {
   RefineConfig config;
   config.set_loose_tolerance_px(0);
   config.set_hidden_reach(0);
+  config.set_stereo_seeds(false);
   return config;
 }
 
@@ -293,6 +295,47 @@ TEST(Refiner, RefusesAToleranceOutOfRange) {
   EXPECT_THROW(Refiner{config}, ConfigError);
 }
 
+// Texture, 12 px of disparity everywhere.
+Scene TexturedScene() {
+  Scene scene;
+  cv::RNG(3).fill(scene.left, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(scene.left, scene.left, {}, 1);
+  scene.left.colRange(12, 100).copyTo(scene.right.colRange(0, 88));
+  return scene;
+}
+
+TEST(Refiner, TakesSeedsFromThePairWhereThereIsNoReturn) {
+  Scene scene = TexturedScene();
+  const auto blind = scene.Refine(RefineConfig());
+  ASSERT_GT(blind->seeds.size(), 50U);
+  EXPECT_EQ(blind->raw, 0);
+  for (const Seed& seed : blind->seeds) {
+    EXPECT_EQ(seed.origin, SeedOrigin::kStereo);
+    EXPECT_NEAR(seed.disparity(), 12, 0.5);
+  }
+  scene.tof = {};
+  scene.rig.tof = {};  // nothing at all
+  EXPECT_EQ(*scene.Refine(RefineConfig()), *blind);
+  RefineConfig without;
+  without.set_stereo_seeds(false);
+  EXPECT_TRUE(scene.Refine(without)->seeds.empty());
+}
+
+TEST(Refiner, PutsSeedsOfThePairBehindThoseOfTheTofCamera) {
+  Scene scene = TexturedScene();
+  for (int j = 0; j < 8; ++j) {
+    for (int i = 0; i < 5; ++i) scene.SetDisparity(i, j, 12);
+  }
+  const auto both = scene.Refine(RefineConfig());
+  const auto first_of_stereo =
+      std::find_if(both->seeds.begin(), both->seeds.end(),
+                   [](const Seed& seed) { return seed.origin == SeedOrigin::kStereo; });
+  ASSERT_NE(first_of_stereo, both->seeds.begin());
+  ASSERT_NE(first_of_stereo, both->seeds.end());
+  EXPECT_EQ(first_of_stereo - both->seeds.begin(), CountTofSeeds(both->seeds));
+  for (auto seed = first_of_stereo; seed != both->seeds.end(); ++seed) EXPECT_GT(seed->u, 45);
+}
+
 Frame FrameOf(const Scene& scene) {
   Frame frame;
   frame.left = scene.left;
@@ -303,10 +346,21 @@ Frame FrameOf(const Scene& scene) {
   return frame;
 }
 
+TEST(RefinePlug, MakesNoRaysForAFrameWithoutToFImage) {
+  RefinePlug plug{RefineConfig()};
+  Scene scene = TexturedScene();
+  scene.tof = {};
+  scene.rig.tof.width = scene.rig.tof.height = 16384;  // rays would take gigabytes
+  const Outcome outcome = plug.Process(FrameOf(scene));
+  EXPECT_EQ(outcome.degenerate, "");
+  EXPECT_FALSE(std::get<SeedSet>(outcome.outputs.at(0).value).seeds.empty());
+}
+
 TEST(RefinePlug, SaysWhyAFrameHasNoSeeds) {
   RefinePlug plug{RefineConfig()};
   Scene scene;
-  EXPECT_THAT(plug.Process(FrameOf(scene)).degenerate, HasSubstr("no ToF point has a return"));
+  EXPECT_EQ(plug.Process(FrameOf(scene)).degenerate,
+            "no ToF point has a return, and stereo found none");
   scene.SetDisparity(0, 0, 5);
   EXPECT_THAT(plug.Process(FrameOf(scene)).degenerate, HasSubstr("none of 1 ToF points"));
   scene.right = cv::Mat1b(10, 10, uint8_t{0});
