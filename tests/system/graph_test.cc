@@ -9,20 +9,22 @@
 #include "services/grow/grow_plug.h"
 #include "services/prior/prior_plug.h"
 #include "services/refine/refine_plug.h"
+#include "tests/system/correct_percent.h"
 
 namespace sprout {
 namespace {
 
 constexpr char kSource[] = "synthetic:320x240";
+constexpr char kWithoutTof[] = "synthetic:320x240?tof=none";
 
 bool SamePixels(const DisparityImage& a, const DisparityImage& b) {
   return a.size() == b.size() && cv::countNonZero(a.counts() != b.counts()) == 0;
 }
 
 // What the stages compute in one process, without any message.
-DisparityImage ComputeInProcess(int64_t index) {
+DisparityImage ComputeInProcess(int64_t index, const std::string& from = kSource) {
   SproutConfig config = LoadConfig({"default"});
-  config.mutable_capture()->set_source(kSource);
+  config.mutable_capture()->set_source(from);
   const auto source = OpenFrameSource(config.capture());
   const CapturedFrame captured = source->Get(index);
   Frame frame;
@@ -67,6 +69,37 @@ TEST(GraphSystem, DeliversEveryFrameWithTheBytesOfTheStagesAlone) {
       EXPECT_EQ(status.frames_skipped, 0) << stage;
       EXPECT_EQ(status.frames_failed, 0) << stage;
       EXPECT_EQ(status.last_error, "") << stage;
+    }
+    return true;
+  });
+}
+
+TEST(GraphSystem, WithoutATofCameraStereoGivesTheMapAndTheStatusesSayNoCoverage) {
+  constexpr int kFrames = 3;
+  Graph graph;
+  StartStages(graph);
+  Process& capture = graph.StartOnly(
+      "capture", {"--source", kWithoutTof, "--frames", std::to_string(kFrames), "--lockstep", "1",
+                  "--rate", "0", "--wait-for", "refine,prior,grow"});
+  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.parts.contains({Part::kDisparity, kFrames - 1}) &&
+           g.statuses["grow"].frames_out == kFrames;
+  }));
+  CaptureConfig config;
+  config.set_source(kWithoutTof);
+  const auto source = OpenFrameSource(config);
+  graph.WaitUntil([&](Graph& g) {
+    for (int64_t seq = 0; seq < kFrames; ++seq) {
+      const auto& map = std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq}));
+      EXPECT_GT(map.CountValid(), 0.95 * map.size().area()) << "frame " << seq;
+      EXPECT_GT(CorrectPercent(map, source->Get(seq).truth), 80) << "frame " << seq;
+      EXPECT_TRUE(SamePixels(map, ComputeInProcess(seq, kWithoutTof))) << "frame " << seq;
+    }
+    for (const char* stage : {"refine", "prior", "grow"}) {
+      const StageStatus& status = g.statuses[stage];
+      EXPECT_EQ(status.tof_coverage, 0) << stage;
+      EXPECT_EQ(status.frames_degenerate, 0) << stage << ": " << status.last_error;
     }
     return true;
   });

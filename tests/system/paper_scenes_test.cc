@@ -6,18 +6,13 @@
 #include <iostream>
 
 #include "services/capture/frame_source.h"
-#include "services/evaluate/score.h"
+#include "tests/system/correct_percent.h"
 #include "tests/system/graph.h"
 
 namespace sprout {
 namespace {
 
 class PaperScenes : public testing::TestWithParam<const char*> {};
-
-double CorrectPercent(const DisparityImage& map, const GroundTruth& truth) {
-  const auto mask = NonOccludedMask(truth.left, truth.right);
-  return Score(map, truth.left, mask.value()).value().correct_le1_percent();
-}
 
 // The paper's scenes through the four processes: EPC 88.8 / 85.2 / 88.7, filled 96.4 / 95.3 / 98.2,
 // D_p 92.9 / 92.1 / 96.0 (its table; share of correct non-occluded pixels, error ≤ 1 px).

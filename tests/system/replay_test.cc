@@ -68,15 +68,15 @@ void CopyRawChannels(const std::filesystem::path& from, const std::filesystem::p
 
 // Records a live run without lockstep, so that stages may skip frames, until the last answer that
 // they gave is in the log.
-void RecordLiveRun(const std::filesystem::path& log, int frames) {
+void RecordLiveRun(const std::filesystem::path& log, const std::string& source, int frames) {
   Graph graph;
   for (const char* stage : {"refine", "prior", "grow"}) graph.Start(stage, {"--config", "default"});
   Process logger({"lcm-logger", "-m", "1000", std::string("--lcm-url=") + kDefaultLcmUrl, log});
   // A status in the log shows that the logger listens.
   ASSERT_TRUE(Eventually([&] { return HasBytes(log); })) << logger.Output();
-  Process& capture = graph.StartOnly(
-      "capture", {"--source", "synthetic:320x240", "--frames", std::to_string(frames), "--rate",
-                  "30", "--wait-for", "refine,prior,grow"});
+  Process& capture =
+      graph.StartOnly("capture", {"--source", source, "--frames", std::to_string(frames), "--rate",
+                                  "30", "--wait-for", "refine,prior,grow"});
   EXPECT_EQ(capture.Wait(), 0) << capture.Output();
   int64_t answered = 0;
   EXPECT_TRUE(graph.WaitUntil([&](Graph& g) {
@@ -90,12 +90,14 @@ void RecordLiveRun(const std::filesystem::path& log, int frames) {
   EXPECT_TRUE(logger.Wait()) << logger.Output();
 }
 
-TEST(ReplaySystem, GivesTheBytesThatTheLiveRunPublished) {
+class ReplayOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(ReplayOf, GivesTheBytesThatTheLiveRunPublished) {
   constexpr int kFrames = 30;
   const TemporaryDirectory folder;
   const auto live = folder / "live.lcm";
   const auto raw = folder / "raw.lcm";
-  RecordLiveRun(live, kFrames);
+  RecordLiveRun(live, GetParam(), kFrames);
   CopyRawChannels(live, raw);
   const auto seeds = folder / "seeds.lcm";
   const auto prior = folder / "prior.lcm";
@@ -122,7 +124,18 @@ TEST(ReplaySystem, GivesTheBytesThatTheLiveRunPublished) {
       EXPECT_EQ(replayed.at(seq), bytes) << ChannelOf(part) << " of frame " << seq;
     }
   }
+  for (const auto& [seq, bytes] : BySeq(ReadChannels(disparity), Part::kDisparity)) {
+    const auto message = DecodePart(Part::kDisparity, bytes);
+    const auto& map = std::get<DisparityImage>(message->value);
+    EXPECT_GT(map.CountValid(), 0.9 * map.size().area()) << "frame " << seq;
+  }
 }
+
+INSTANTIATE_TEST_SUITE_P(ReplaySystem, ReplayOf,
+                         testing::Values("synthetic:320x240", "synthetic:320x240?tof=none"),
+                         [](const auto& source) {
+                           return source.index == 0 ? "WithTof" : "WithoutTof";
+                         });
 
 TEST(ReplaySystem, AReplayOfARecordingWithAllChannelsGivesTheSame) {
   const TemporaryDirectory folder;
