@@ -20,7 +20,7 @@ struct Seed {
   float v = 0;        ///< row in both images
   float u_right = 0;  ///< column in the right image (u' in the paper)
   /// Standard deviation of the disparity, px; finite and > 0.
-  float sigma_px = 0.5F;
+  float sigma_px = 0.05F;
   SeedOrigin origin = SeedOrigin::kTof;
   int16_t tof_u = -1;  ///< column in the ToF image; −1: not known, or origin is not ToF
   int16_t tof_v = -1;  ///< row in the ToF image; −1 when tof_u is

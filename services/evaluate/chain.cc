@@ -65,12 +65,13 @@ MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
       needs_prior ? RunPrior(scene, settings.config.prior(), refined, ms) : PriorMap();
   const std::vector<Seed> seeds = FindGrowthSeeds(scene, config, refined, ms);
   const DisparityImage grown = RunGrow(scene, config, seeds, prior, ms);
-  const DisparityImage filled =
+  DisparityImage filled =
       Timed(ms.fill_ms, [&] { return FillGaps(grown, config.fill(), prior.disparity); });
   ms.total_ms = ms.refine_ms + ms.prior_ms + ms.grow_ms + ms.fill_ms;
-  output.map_px = ToPx(filled);
   output.confidence =
       Confidence(scene.left_grey, scene.right_grey, seeds, grown, filled, config.sigma_s_squared());
+  DropUnsure(output.confidence, config.min_confidence(), filled);
+  output.map_px = ToPx(filled);
   return output;
 }
 

@@ -42,6 +42,7 @@ std::vector<Seed> Damage(std::vector<Seed> seeds, const SeedNoise& noise) {
     seed.u = static_cast<float>(u);
     seed.v = static_cast<float>(v);
     seed.u_right = static_cast<float>(u - disparity);
+    seed.sigma_px = static_cast<float>(std::hypot(seed.sigma_px, noise.disparity_px));
   }
   return seeds;
 }

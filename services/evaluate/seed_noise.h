@@ -11,7 +11,8 @@ namespace sprout {
 /// How seeds are damaged, to see what a method makes of a bad ToF camera. It happens after
 /// refinement: it stands for what refinement cannot see.
 struct SeedNoise {
-  double disparity_px = 0;  ///< standard deviation of Gaussian noise on the disparity, px
+  double disparity_px = 0;  ///< standard deviation of Gaussian noise on the disparity, px; the
+                            ///< seeds say so
   double jitter_px = 0;     ///< the position moves uniformly by up to this in u and in v, px
   uint64_t seed = 1;        ///< of the random numbers
 };

@@ -78,7 +78,8 @@ class CandidateSweep {
       const V fraction = hn::And(prior, hn::Set(d, DisparityImage::kCountsPerPixel - 1));
       const V distance = hn::Sub(hn::ShiftLeft<5>(steps), fraction);
       const auto photo = PhotoCosts<GrowConfig::EPC>(rule_, hn::Add(left_energy, energy), cross);
-      return WholeCosts(hn::Add(photo, PriorCosts(rule_, distance)), energy, hn::Add(first, steps));
+      return WholeCosts(hn::Add(photo, PriorCosts(rule_.prior_scales[0], distance)), energy,
+                        hn::Add(first, steps));
     };
     const V cost = cost_at(hn::Zero(d), sums.energy[kBefore], sums.cross[kBefore]);
     const V cost_of_next =

@@ -140,4 +140,10 @@ cv::Mat1b ConfidenceJudge::Judge(const cv::Mat1b& left, const cv::Mat1b& right,
   return result_;
 }
 
+void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparity) {
+  if (least == 0) return;
+  disparity = DisparityImage(cv::Mat1s(disparity.counts().clone()));  // others may hold the pixels
+  disparity.counts().setTo(DisparityImage::kInvalid, confidence < least);
+}
+
 }  // namespace sprout

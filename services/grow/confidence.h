@@ -34,6 +34,10 @@ cv::Mat1b Confidence(const cv::Mat1b& left, const cv::Mat1b& right, std::span<co
                      const DisparityImage& grown, const DisparityImage& filled,
                      double sigma_s_squared);
 
+/// Takes the disparities away whose confidence is below a bound: unknown stays unknown.
+/// @param least  0 (all stay) to 255. O(pixels).
+void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparity);
+
 /// Confidence() for frame after frame: keeps its memory (some 35 bytes a pixel), and gives a map
 /// that nobody else holds any more out again; in steady state only OpenCV's filters allocate. Works
 /// on OpenCV's threads, with the same result for any number. One object serves one caller at a

@@ -52,12 +52,13 @@ Outcome GrowPlug::Process(const Frame& frame) {
     outcome.degenerate = "nothing grew from " + std::to_string(seeds.size()) + " seeds";
   }
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, *grown});
-  const DisparityImage filled = filler_.Fill(*grown, fill, prior.disparity);
-  outcome.outputs.push_back({Part::kDisparity, filled});
-  if (config_.publish_confidence()) {
-    outcome.outputs.push_back(
-        {Part::kConfidence, ConfidenceOf(left, right, seeds, *grown, filled)});
+  DisparityImage filled = filler_.Fill(*grown, fill, prior.disparity);
+  if (config_.publish_confidence() || config_.min_confidence() > 0) {
+    const cv::Mat confidence = ConfidenceOf(left, right, seeds, *grown, filled);
+    DropUnsure(confidence, config_.min_confidence(), filled);
+    if (config_.publish_confidence()) outcome.outputs.push_back({Part::kConfidence, confidence});
   }
+  outcome.outputs.push_back({Part::kDisparity, filled});
   return outcome;
 }
 

@@ -58,30 +58,26 @@ class Seams {
   size_t width_;
 };
 
-// Standard deviation of the seeds' disparities from the prior, px, from the median: what the
-// prior's smoothing took off, so an estimate of the seeds' noise. A variance such as rounding to
-// whole pixels has does not count: taking that off makes the prior better, not doubtful.
-double NoiseOfSeeds(std::span<const Seed> seeds, const DisparityImage& prior,
-                    std::vector<float>& deviations) {
-  deviations.clear();
-  for (const Seed& seed : seeds) {
-    const cv::Point pixel(static_cast<int>(std::lround(seed.u)),
-                          static_cast<int>(std::lround(seed.v)));
-    if (!cv::Rect({}, prior.size()).contains(pixel) || !prior.IsValid(pixel.x, pixel.y)) continue;
-    deviations.push_back(std::abs(seed.disparity() - prior.Px(pixel.x, pixel.y)));
+// Of a band with these rows, by how sure the prior is of its pixels.
+GrowthBand::Kind KindOf(const PriorMap& prior, const cv::Range& rows, int least_open) {
+  for (int v = rows.start; v < rows.end; ++v) {
+    const uint8_t* sigma = prior.sigma[v];
+    const int16_t* counts = prior.disparity.counts()[v];
+    for (int u = 0; u < prior.sigma.cols; ++u) {
+      if (sigma[u] >= least_open && counts[u] != DisparityImage::kInvalid) {
+        return GrowthBand::Kind::kMixed;
+      }
+    }
   }
-  if (deviations.empty()) return 0;
-  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
-  std::nth_element(deviations.begin(), middle, deviations.end());
-  constexpr double kMedianOfNormal = 0.6745;  // of the absolute value, in standard deviations
-  constexpr double kVarianceOfRounding = 1.0 / 12;
-  const double deviation = double{*middle} / kMedianOfNormal;
-  return std::sqrt(std::max(0.0, deviation * deviation - kVarianceOfRounding));
+  return GrowthBand::Kind::kTabled;
 }
 
 }  // namespace
 
-Grower::Grower(const GrowConfig& config) : config_(config) { RequireInRange(config, "grow"); }
+Grower::Grower(const GrowConfig& config) : config_(config) {
+  RequireInRange(config, "grow");
+  rule_ = MakeGrowthRule(config);
+}
 
 Result<DisparityImage> Grower::Compute(const cv::Mat1b& left, const cv::Mat1b& right,
                                        std::span<const Seed> seeds, const PriorMap& prior) {
@@ -97,26 +93,30 @@ Result<DisparityImage> Grower::Compute(const cv::Mat1b& left, const cv::Mat1b& r
     return Fail("images of " + SizeText(size) + ": allowed are up to " + std::to_string(INT16_MAX) +
                 " pixels a side");
   }
-  const bool with_prior = config_.similarity() == GrowConfig::EPC;
-  if (with_prior && prior.size() != size) {
+  const bool with_prior = rule_.similarity == GrowConfig::EPC;
+  if (with_prior && (prior.size() != size || prior.sigma.size() != size)) {
     return Fail("prior of " + SizeText(prior.size()) + ": allowed is the images' size " +
                 SizeText(size));
   }
-  const GrowthRule rule = MakeGrowthRule(config_, with_prior ? SigmaP(seeds, prior.disparity) : 1);
-  PrepareScratch(size, rule);
+  PrepareScratch(size, prior);
   DistributeSeeds(seeds, size);
-  GrowBands({left, right, prior.disparity}, rule);
+  GrowBands({left, right, prior});
   Renew(map_, size);
-  ForEachParallel(bands_.size(), [&](size_t i) { WriteBand(rule, bands_[i], map_); });
+  ForEachParallel(bands_.size(), [&](size_t i) { WriteBand(rule_, bands_[i], map_); });
   return map_;
 }
 
-void Grower::PrepareScratch(cv::Size size, const GrowthRule& rule) {
+void Grower::PrepareScratch(cv::Size size, const PriorMap& prior) {
   const int rows = GrowthBand::RowsPerBand(size.height);
   bands_.resize(static_cast<size_t>((size.height + rows - 1) / rows));
-  for (size_t i = 0; i < bands_.size(); ++i) {
-    bands_[i].Resize(size, static_cast<int>(i) * rows, rule);
-  }
+  ForEachParallel(bands_.size(), [&](size_t i) {
+    const int first = static_cast<int>(i) * rows;
+    const cv::Range band(first, std::min(first + rows, size.height));
+    const bool any_candidates = rule_.similarity == GrowConfig::EPC && rule_.least_open > 1;
+    const GrowthBand::Kind kind =
+        any_candidates ? KindOf(prior, band, rule_.least_open) : GrowthBand::Kind::kOpen;
+    bands_[i].Resize(size, first, rule_, kind);
+  });
 }
 
 // Sorts the seeds by bands, each band's in the order given.
@@ -143,12 +143,12 @@ void Grower::DistributeSeeds(std::span<const Seed> seeds, cv::Size size) {
   for (const GrowthSeed& seed : rounded_seeds_) seeds_[end[band_of(seed)]++] = seed;
 }
 
-void Grower::GrowBands(const GrowthInput& input, const GrowthRule& rule) {
+void Grower::GrowBands(const GrowthInput& input) {
   const size_t count = bands_.size();
   Seams seams(seams_, count, input.left.cols);
   ForEachParallel(count, [&](size_t i) {
-    PrepareBand(input, rule, bands_[i]);
-    GrowFromSeeds(rule, bands_[i]);
+    PrepareBand(input, rule_, bands_[i]);
+    GrowFromSeeds(rule_, bands_[i]);
     seams.Save(0, bands_[i], i);
   });
   const auto changed = [](const GrowthBand& band) { return band.changed; };
@@ -158,21 +158,15 @@ void Grower::GrowBands(const GrowthInput& input, const GrowthRule& rule) {
       band.changed = false;
       const SeamRow above = i > 0 ? seams.Row(round - 1, i - 1, /*last=*/true) : SeamRow();
       const SeamRow below = i + 1 < count ? seams.Row(round - 1, i + 1, /*last=*/false) : SeamRow();
-      GrowFromSeams(rule, above, below, band);
+      GrowFromSeams(rule_, above, below, band);
       seams.Save(round, band, i);
     });
   }
 }
 
-double Grower::SigmaP(std::span<const Seed> seeds, const DisparityImage& prior) {
-  if (config_.sigma_p_noise() == 0) return config_.sigma_p_px();
-  return std::max(config_.sigma_p_px(),
-                  config_.sigma_p_noise() * NoiseOfSeeds(seeds, prior, deviations_));
-}
-
 size_t Grower::scratch_bytes() const {
   size_t bytes = (seeds_.capacity() + rounded_seeds_.capacity()) * sizeof(GrowthSeed) +
-                 seams_.capacity() * sizeof(int16_t) + deviations_.capacity() * sizeof(float);
+                 seams_.capacity() * sizeof(int16_t);
   for (const GrowthBand& band : bands_) bytes += band.bytes();
   return bytes;
 }

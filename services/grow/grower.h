@@ -47,18 +47,17 @@ class Grower {
   size_t scratch_bytes() const;
 
  private:
-  double SigmaP(std::span<const Seed> seeds, const DisparityImage& prior);
-  void PrepareScratch(cv::Size size, const GrowthRule& rule);
+  void PrepareScratch(cv::Size size, const PriorMap& prior);
   void DistributeSeeds(std::span<const Seed> seeds, cv::Size size);
-  void GrowBands(const GrowthInput& input, const GrowthRule& rule);
+  void GrowBands(const GrowthInput& input);
 
   GrowConfig config_;
+  GrowthRule rule_;
   std::vector<GrowthBand> bands_;
   std::vector<GrowthSeed> rounded_seeds_;  // in the order given
   std::vector<GrowthSeed> seeds_;          // by bands
   std::vector<size_t> seeds_end_;          // of each band
   std::vector<int16_t> seams_;
-  std::vector<float> deviations_;
   DisparityImage map_;
 };
 

@@ -138,15 +138,21 @@ HWY_INLINE void WriteRow(const GrowthRow& row, int width, int16_t* counts) {
   sweep(hn::CappedTag<int32_t, 1>(), rest);
 }
 
-// Moves the counts of a row's matched pixels towards the least cost.
+// Moves the counts of a row's matched pixels towards the least cost. @param least_open  only those
+// of which the prior is no surer; 0: all.
 template <GrowConfig::Similarity kSimilarity>
-void RefineRow(const GrowthRule& rule, const GrowthRow& row, int width, int16_t* counts) {
+void RefineRow(const GrowthRule& rule, const GrowthRow& row, int least_open, int width,
+               int16_t* counts) {
   const auto one = [](int32_t cost) HWY_ATTR { return hn::Set(hn::CappedTag<int32_t, 1>(), cost); };
   for (int u = 0; u < width; ++u) {
-    if (counts[u] == DisparityImage::kInvalid) continue;
-    const auto costs = ToNumbers(FourCosts<kSimilarity>(rule, row, u, row.left[u].disparity));
+    if (counts[u] == DisparityImage::kInvalid || (least_open > 0 && row.sigma[u] < least_open)) {
+      continue;
+    }
+    const int disparity = row.left[u].disparity;
+    const auto costs = ToNumbers(FourCosts<kSimilarity>(rule, row, u, disparity));
     const auto step = StepsToMinimum(one(costs[2]), one(costs[1]), one(costs[0]));
-    counts[u] = static_cast<int16_t>(counts[u] + hn::GetLane(step));
+    counts[u] =
+        static_cast<int16_t>(disparity * DisparityImage::kCountsPerPixel + hn::GetLane(step));
   }
 }
 
@@ -155,9 +161,9 @@ void Write(const GrowthRule& rule, const GrowthBand& band, DisparityImage& map) 
   for (int r = 0; r < band.rows(); ++r) {
     int16_t* const counts = map.counts()[band.first_row() + r];
     WriteRow(band.row(r), band.width(), counts);
-    if (rule.sub_pixel && !rule.two_candidates()) {
-      RefineRow<kSimilarity>(rule, band.row(r), band.width(), counts);
-    }
+    if (!rule.sub_pixel || band.kind() == GrowthBand::Kind::kTabled) continue;
+    const int least_open = band.kind() == GrowthBand::Kind::kMixed ? rule.least_open : 0;
+    RefineRow<kSimilarity>(rule, band.row(r), least_open, band.width(), counts);
   }
 }
 
@@ -168,7 +174,8 @@ void GrowSeeds(const Matches& matches, GrowthBand& band) {
 }
 
 void GrowFromSeedsOnTarget(const GrowthRule& rule, GrowthBand& band) {
-  if (rule.two_candidates()) return GrowSeeds(TabledMatches(), band);
+  if (band.kind() == GrowthBand::Kind::kTabled) return GrowSeeds(TabledMatches(), band);
+  if (band.kind() == GrowthBand::Kind::kMixed) return GrowSeeds(MixedMatches(rule, band), band);
   switch (rule.similarity) {
     case GrowConfig::MNCC:
       return GrowSeeds(ComputedMatches<GrowConfig::MNCC>(rule, band), band);
@@ -180,7 +187,12 @@ void GrowFromSeedsOnTarget(const GrowthRule& rule, GrowthBand& band) {
 }
 
 void GrowFromSeamsOnTarget(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthBand& band) {
-  if (rule.two_candidates()) return GrowSeams(TabledMatches(), above, below, band);
+  if (band.kind() == GrowthBand::Kind::kTabled) {
+    return GrowSeams(TabledMatches(), above, below, band);
+  }
+  if (band.kind() == GrowthBand::Kind::kMixed) {
+    return GrowSeams(MixedMatches(rule, band), above, below, band);
+  }
   switch (rule.similarity) {
     case GrowConfig::MNCC:
       return GrowSeams(ComputedMatches<GrowConfig::MNCC>(rule, band), above, below, band);

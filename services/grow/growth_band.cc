@@ -12,17 +12,17 @@ size_t BytesOf(const std::vector<T>& values) {
 
 }  // namespace
 
-void GrowthBand::Resize(cv::Size size, int first_row, const GrowthRule& rule) {
+void GrowthBand::Resize(cv::Size size, int first_row, const GrowthRule& rule, Kind kind) {
   const bool with_sums = rule.similarity == GrowConfig::MNCC;
-  const bool by_row = rule.two_candidates();
-  const bool with_steps = by_row && rule.sub_pixel;
+  const bool by_row = kind == Kind::kTabled;
+  const bool with_steps = kind != Kind::kOpen && rule.sub_pixel;
   first_row_ = first_row;
-  if (size == size_ && by_row == by_row_ && with_sums != left_sum_.empty() &&
+  if (size == size_ && kind == kind_ && with_sums != left_sum_.empty() &&
       with_steps != sub_pixel_steps_.empty()) {
     return;
   }
   size_ = size;
-  by_row_ = by_row;
+  kind_ = kind;
   rows_ = std::min(RowsPerBand(size.height), size.height - first_row);
   pair_rows_ = by_row ? kWindow : rows_ + 2 * kWindowRadius;
   stride_ = size.width + 2 * kPadding;
@@ -50,7 +50,7 @@ void GrowthBand::MakeViews() {
   for (size_t row = 0; row < views_.size(); ++row) {
     GrowthRow& view = views_[row];
     const size_t first = row * static_cast<size_t>(stride_) + kPadding;
-    const size_t energies = kRunPixels + (by_row_ ? kPadding : first);
+    const size_t energies = kRunPixels + (kind_ == Kind::kTabled ? kPadding : first);
     view.left = left.data() + stride_ + first;
     view.left_energy = left_energy_.data() + energies;
     view.right_energy = right_energy_.data() + energies;
@@ -64,6 +64,10 @@ void GrowthBand::MakeViews() {
     view.left_sum = left_sum_.data() + first;
     view.right_sum = right_sum_.data() + first;
   }
+}
+
+void GrowthBand::SetSigma(const cv::Mat1b& sigma) {
+  for (int r = 0; r < rows_; ++r) views_[static_cast<size_t>(r)].sigma = sigma[first_row_ + r];
 }
 
 size_t GrowthBand::bytes() const {

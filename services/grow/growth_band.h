@@ -21,11 +21,14 @@ namespace sprout {
 ///   bits 0 to 7, 8 to 15   levels of their costs in the queue of seeds
 ///   bits 16 to 19          bit i: the better one among m + i − 2 to m + i; 0 for m, 1 for m + 1
 ///   bits 20, 21            whether they can be accepted
+///   bit 22                 open: the prior leaves more; nothing else counts
 class Candidates {
  public:
-  static constexpr int kBetter = 16, kAccepted = 20;
+  static constexpr int kBetter = 16, kAccepted = 20, kOpen = 22;
 
   explicit Candidates(uint32_t packed = 0) : packed_(packed) {}
+
+  bool IsOpen() const { return (packed_ >> kOpen & 1) != 0; }
 
   /// Of the three disparities around m + i − 1.
   unsigned Better(unsigned i) const { return packed_ >> (kBetter + i) & 1; }
@@ -43,7 +46,7 @@ struct LeftPixel {
 
   union {
     SeedQueue::Id next;     // matched: link of the queue of seeds
-    Candidates candidates;  // free, with rule.two_candidates()
+    Candidates candidates;  // free, unless the band is open
   };
   int16_t prior;      // counts
   int16_t disparity;  // px, or kFree or kClosed
@@ -55,9 +58,10 @@ inline int FirstCandidate(const LeftPixel& pixel) {
   return pixel.prior >> 5;
 }
 
-/// The tables of one row. With candidates only the pixels and the steps outlast PrepareBand().
+/// The tables of one row. In a tabled band only the pixels and the steps outlast PrepareBand().
 struct GrowthRow {
   LeftPixel* left;
+  const uint8_t* sigma;   // of the prior, counts; only with EPC
   int32_t* left_energy;   // Σ w² of the window, with MNCC n²·var
   int32_t* right_energy;  // the same; negative where the window does not fit
   uint16_t* left_sum;     // Σ w, only with MNCC
@@ -85,11 +89,17 @@ struct GrowthSeed {
 ///
 /// Windows are read as pairs of pixels, one above the other, in one number: the upper one in its
 /// lower 16 bits. There is a row of pairs for every row, so a 5×5 window has its pixels in three of
-/// them, which lie two rows apart; of the last only the upper pixels are the window's. With
-/// candidates there is memory for the pairs of one window and the energies of one row at a time,
-/// which stays in the cache.
+/// them, which lie two rows apart; of the last only the upper pixels are the window's.
+///
+/// Where the prior is so sure of a pixel that it has two candidates, what there is to choose from
+/// is computed before growth; where it is not, when the pixel is visited. In a tabled band all
+/// pixels have candidates. Then there is memory for the pairs of one window and the energies of one
+/// row at a time, which stays in the cache.
 class GrowthBand {
  public:
+  /// Which pixels have candidates: all, some, or none.
+  enum class Kind { kTabled, kMixed, kOpen };
+
   static constexpr int kMostRows = 64;
   static constexpr int kPadding = 4;              ///< entries on either side of a row in each table
   static constexpr int kRunPixels = 16;           ///< neighbours that are looked at together
@@ -103,7 +113,12 @@ class GrowthBand {
   }
 
   /// @param size  of the images. Allocates when it, or what the rule needs, has changed.
-  void Resize(cv::Size size, int first_row, const GrowthRule& rule);
+  void Resize(cv::Size size, int first_row, const GrowthRule& rule, Kind kind);
+
+  Kind kind() const { return kind_; }
+
+  /// @param sigma  PriorMap::sigma; is read until the band has grown and is written.
+  void SetSigma(const cv::Mat1b& sigma);
 
   /// @param row  −1 to rows().
   PixelId PixelAt(int row, int u) const {
@@ -164,7 +179,7 @@ class GrowthBand {
   // One by the stride, rounded up, in fixed point: exact for all pixels of a band.
   static constexpr int kRowFraction = 40;
   uint64_t rows_per_entry_ = 0;
-  bool by_row_ = false;  // with candidates
+  Kind kind_ = Kind::kOpen;
   int pair_rows_ = 0;
   std::vector<int32_t> left_energy_, right_energy_;
   std::vector<uint16_t> left_sum_, right_sum_;
@@ -179,7 +194,7 @@ class GrowthBand {
 struct GrowthInput {
   const cv::Mat1b& left;
   const cv::Mat1b& right;
-  const DisparityImage& prior;  ///< not looked at unless the similarity is EPC
+  const PriorMap& prior;  ///< not looked at unless the similarity is EPC
 };
 
 /// Fills the band's tables: nothing is matched. O(pixels).

@@ -1,5 +1,6 @@
 #include "services/grow/growth_rule.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "services/grow/similarity.h"
@@ -9,16 +10,25 @@ namespace {
 
 // Largest distance whose cost is within the limit.
 int ReachOf(float prior_scale, int32_t limit) {
-  int reach = 0;
-  while (reach < UINT16_MAX && PriorCost(reach + 1, prior_scale) < static_cast<float>(limit + 1)) {
-    ++reach;
+  int least = 0;
+  int beyond = UINT16_MAX + 1;
+  while (beyond - least > 1) {
+    const int middle = (least + beyond) / 2;
+    const bool within = PriorCost(middle, prior_scale) < static_cast<float>(limit + 1);
+    (within ? least : beyond) = middle;
   }
-  return reach;
+  return least;
 }
 
 }  // namespace
 
-GrowthRule MakeGrowthRule(const GrowConfig& config, double sigma_p_px) {
+double SigmaP(const GrowConfig& config, double sigma_px) {
+  const double sure = config.sigma_p_sure_px();
+  const double unsure = std::sqrt(std::max(0.0, sigma_px * sigma_px - sure * sure));
+  return std::max(config.sigma_p_px(), config.sigma_p_noise() * unsure);
+}
+
+GrowthRule MakeGrowthRule(const GrowConfig& config) {
   GrowthRule rule;
   rule.similarity = config.similarity();
   rule.sub_pixel = config.sub_pixel();
@@ -29,9 +39,20 @@ GrowthRule MakeGrowthRule(const GrowConfig& config, double sigma_p_px) {
   }
   rule.limit = CostFromExponent(-std::log(config.threshold()));
   rule.photo_scale = static_cast<float>(kCostUnit / config.sigma_s_squared());
-  const double sigma_p_counts = sigma_p_px * DisparityImage::kCountsPerPixel;
-  rule.prior_scale = static_cast<float>(kCostUnit / (2 * sigma_p_counts * sigma_p_counts));
-  rule.prior_reach = ReachOf(rule.prior_scale, rule.limit);
+  rule.least_open = kMaxSigmaCounts + 1;
+  for (size_t counts = rule.prior_scales.size(); counts-- > 0;) {
+    const double sigma_px = SigmaToPx(static_cast<uint8_t>(counts));
+    const double sigma_p_counts = SigmaP(config, sigma_px) * DisparityImage::kCountsPerPixel;
+    const auto scale = static_cast<float>(kCostUnit / (2 * sigma_p_counts * sigma_p_counts));
+    rule.prior_scales[counts] = scale;
+    rule.prior_reaches[counts] = ReachOf(scale, rule.limit);
+    if (rule.prior_reaches[counts] >= DisparityImage::kCountsPerPixel) {
+      rule.least_open = static_cast<int>(counts);
+    }
+  }
+  // Candidates all have one scale.
+  std::fill_n(rule.prior_scales.begin(), rule.least_open, rule.prior_scales[0]);
+  std::fill_n(rule.prior_reaches.begin(), rule.least_open, rule.prior_reaches[0]);
   return rule;
 }
 

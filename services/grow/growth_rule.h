@@ -1,10 +1,12 @@
 #ifndef SPROUT_SERVICES_GROW_GROWTH_RULE_H_
 #define SPROUT_SERVICES_GROW_GROWTH_RULE_H_
 
+#include <array>
 #include <cstdint>
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
+#include "common/core/prior_map.h"
 
 namespace sprout {
 
@@ -14,17 +16,25 @@ struct GrowthRule {
   int32_t limit = 0;  ///< largest accepted cost
   bool sub_pixel = false;
   float photo_scale = 0;  ///< cost of a normalised difference of 1
-  float prior_scale = 0;  ///< cost of a distance of one count from the prior; grows as its square
-  int prior_reach = 0;    ///< counts; farther from the prior its cost alone is beyond the limit
 
-  /// The prior leaves each pixel at most the two whole disparities on either side of it.
-  bool two_candidates() const {
-    return similarity == GrowConfig::EPC && prior_reach < DisparityImage::kCountsPerPixel;
-  }
+  /// By the counts of the prior's standard deviation, PriorMap::sigma: the cost of a distance of
+  /// one count from the prior, which grows as its square; and the distance, counts, beyond which
+  /// that cost alone is above the limit. The surest prior comes first.
+  std::array<float, kMaxSigmaCounts + 1> prior_scales{};
+  std::array<int, kMaxSigmaCounts + 1> prior_reaches{};
+
+  /// Least standard deviation, counts, for which the prior leaves a pixel more than the two whole
+  /// disparities on either side of it; kMaxSigmaCounts + 1 when none does. Below, σ_p is
+  /// sigma_p_px.
+  int least_open = 0;
 };
 
-/// @param sigma_p_px  σ_p, px.
-GrowthRule MakeGrowthRule(const GrowConfig& config, double sigma_p_px);
+GrowthRule MakeGrowthRule(const GrowConfig& config);
+
+/// σ_p of eq. (5) at a pixel, px: what the configuration makes of the prior's standard deviation σ
+/// there,
+///   σ_p = max(sigma_p_px, sigma_p_noise · √(max(0, σ² − sigma_p_sure_px²))).      (S1)
+double SigmaP(const GrowConfig& config, double sigma_px);
 
 }  // namespace sprout
 

@@ -174,9 +174,19 @@ class Tables {
     SumWindows<kWithSums>(right_columns_, width, row.right_energy, row.right_sum);
     SumWindows<kWithSums>(left_columns_, width, row.left_energy, row.left_sum);
     const bool with_prior = rule_.similarity == GrowConfig::EPC;
-    const int16_t* const priors = with_prior ? input_.prior.counts()[v] : nullptr;
-    if (rule_.two_candidates()) return FillCandidates(priors, row);
-    FillRow(priors, width, row.left);
+    const int16_t* const priors = with_prior ? input_.prior.disparity.counts()[v] : nullptr;
+    if (band_.kind() == GrowthBand::Kind::kOpen) return FillRow(priors, width, row.left);
+    FillCandidates(priors, row);
+    if (band_.kind() == GrowthBand::Kind::kMixed) OpenUnsure(priors, row);
+  }
+
+  // Where the prior leaves more than two candidates.
+  void OpenUnsure(const int16_t* priors, const GrowthRow& row) const {
+    for (int u = kWindowRadius; u < band_.width() - kWindowRadius; ++u) {
+      if (row.sigma[u] < rule_.least_open || priors[u] == DisparityImage::kInvalid) continue;
+      row.left[u].candidates = Candidates(1U << Candidates::kOpen);
+      row.left[u].disparity = LeftPixel::kFree;
+    }
   }
 
   void FillCandidates(const int16_t* priors, const GrowthRow& row) {
@@ -213,6 +223,7 @@ void PrepareBand(const GrowthInput& input, const GrowthRule& rule, GrowthBand& b
   band.queue.Reset(rule.limit);
   band.changed = false;
   std::fill(band.right_matched.begin(), band.right_matched.end(), uint8_t{0});
+  if (rule.similarity == GrowConfig::EPC) band.SetSigma(input.prior.sigma);
   HWY_DYNAMIC_DISPATCH(PrepareOnTarget)(input, rule, band);
 }
 

@@ -41,9 +41,10 @@ class ComputedMatches {
 
   // Of d − 1, d, d + 1 at a free pixel.
   HWY_INLINE Match Best(PixelId id, const LeftPixel& pixel, int d) const {
-    if (IsFarFromPrior(pixel, d)) return {d, kRefused};
     const GrowthRow& row = band_.row(band_.RowOf(id));
-    const Four costs = FourCosts<kSimilarity>(rule_, row, band_.ColumnOf(id), d);
+    const int u = band_.ColumnOf(id);
+    if (IsFarFromPrior(row, u, pixel, d)) return {d, kRefused};
+    const Four costs = FourCosts<kSimilarity>(rule_, row, u, d);
     return BestOf(costs, d, rule_, band_.queue);
   }
 
@@ -56,13 +57,13 @@ class ComputedMatches {
 
  private:
   // The prior alone rules out d − 1, d and d + 1.
-  bool IsFarFromPrior(const LeftPixel& pixel, int d) const {
+  bool IsFarFromPrior(const GrowthRow& row, int u, const LeftPixel& pixel, int d) const {
     constexpr int kOne = DisparityImage::kCountsPerPixel;
     return kSimilarity == GrowConfig::EPC &&
-           std::abs(d * kOne - pixel.prior) > rule_.prior_reach + kOne;
+           std::abs(d * kOne - pixel.prior) > rule_.prior_reaches[row.sigma[u]] + kOne;
   }
 
-  const GrowthRule rule_;
+  const GrowthRule& rule_;
   const GrowthBand& band_;
 };
 
@@ -84,6 +85,25 @@ class TabledMatches {
     const auto which = static_cast<unsigned>(d - FirstCandidate(pixel));
     return which < 2 ? pixel.candidates.Level(which) : SeedQueue::kLevels - 1;
   }
+};
+
+// Each pixel as its prior has it.
+class MixedMatches {
+ public:
+  MixedMatches(const GrowthRule& rule, const GrowthBand& band) : computed_(rule, band) {}
+
+  HWY_INLINE Match Best(PixelId id, const LeftPixel& pixel, int d) const {
+    return pixel.candidates.IsOpen() ? computed_.Best(id, pixel, d) : tabled_.Best(id, pixel, d);
+  }
+
+  HWY_INLINE int LevelOf(PixelId id, const LeftPixel& pixel, int d) const {
+    return pixel.candidates.IsOpen() ? computed_.LevelOf(id, pixel, d)
+                                     : tabled_.LevelOf(id, pixel, d);
+  }
+
+ private:
+  ComputedMatches<GrowConfig::EPC> computed_;
+  TabledMatches tabled_;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -41,12 +41,12 @@ HWY_INLINE FloatsOf<V> PhotoCosts(const GrowthRule& rule, V energies, V cross) {
   return hn::Mul(hn::ConvertTo(df, hn::Sub(hn::Sub(total, cross), cross)), scale);
 }
 
-// Eq. (5). @param distances  from the prior, counts.
+// Eq. (5). @param distances  from the prior, counts. @param scale  of GrowthRule::prior_scales.
 template <class V>
-HWY_INLINE FloatsOf<V> PriorCosts(const GrowthRule& rule, V distances) {
+HWY_INLINE FloatsOf<V> PriorCosts(float scale, V distances) {
   const hn::RebindToFloat<hn::DFromV<V>> df;
   const auto f = hn::ConvertTo(df, distances);
-  return hn::Mul(hn::Mul(f, f), hn::Set(df, rule.prior_scale));
+  return hn::Mul(hn::Mul(f, f), hn::Set(df, scale));
 }
 
 // Whole costs, kExcludedCost where a window does not fit. Costs beyond every limit saturate.
@@ -130,7 +130,7 @@ Four FourCosts(const GrowthRule& rule, const GrowthRow& row, int u, int d) {
     auto cost = PhotoCosts<kSimilarity>(rule, one(row.left_energy[u] + right[at]), one(cross[at]));
     if constexpr (kSimilarity == GrowConfig::EPC) {
       const int distance = disparity * DisparityImage::kCountsPerPixel - row.left[u].prior;
-      cost = hn::Add(cost, PriorCosts(rule, one(distance)));
+      cost = hn::Add(cost, PriorCosts(rule.prior_scales[row.sigma[u]], one(distance)));
     }
     costs[at] = hn::GetLane(WholeCosts(cost, one(right[at]), one(disparity)));
   }
@@ -291,7 +291,7 @@ HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthRow& row, int u, i
   if constexpr (kSimilarity == GrowConfig::EPC) {  // eq. (6)
     static_assert(DisparityImage::kCountsPerPixel == 1 << 5);
     const Four distances = hn::Sub(hn::ShiftLeft<5>(disparities), hn::Set(d4, row.left[u].prior));
-    cost = hn::Add(cost, PriorCosts(rule, distances));
+    cost = hn::Add(cost, PriorCosts(rule.prior_scales[row.sigma[u]], distances));
   }
   return WholeCosts(cost, right, disparities);
 }

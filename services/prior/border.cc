@@ -42,6 +42,9 @@ BorderExtender::Direction BorderExtender::DirectionOf(Side side) {
 int BorderExtender::AddPlane(int seed, float u, float v) {
   std::vector<LocalPlane>& planes = extended_.surface.planes;
   LocalPlane plane = PlaneOf(seed);
+  // A slant is known to about so many px a pixel; over the distance that makes a disparity.
+  constexpr float kSlantSigma = 0.05F;
+  plane.sigma_px = std::hypot(plane.sigma_px, kSlantSigma * std::hypot(u - plane.u, v - plane.v));
   plane.disparity = std::clamp(plane.At(u, v), 0.F, last_column_);  // of what two images can show
   plane.u = u;
   plane.v = v;

@@ -11,12 +11,12 @@
 #include "services/prior/edge_judge.h"
 #include "services/prior/edges.h"
 #include "services/prior/seed_spreading.h"
+#include "services/prior/sigma_map.h"
 
 namespace sprout {
 namespace {
 
 // Standard deviation of the prior, px.
-constexpr double kSigmaPx = 1;
 
 // Of seeds that are spread evenly.
 double SpacingPx(size_t seeds, cv::Size size) {
@@ -32,6 +32,29 @@ void PutSeedsOn(const SeedSurface& surface, std::vector<Seed>& seeds) {
   }
 }
 
+// Slants go on beyond the last seeds, but not to where nothing was seen: at most so far beyond the
+// farthest and the nearest seed.
+void HoldWithin(std::span<const Seed> seeds, DisparityImage& map) {
+  constexpr double kBeyondPx = 1;  // what seeds themselves are off, and no more than growth may add
+  const auto [farthest, nearest] = std::minmax_element(
+      seeds.begin(), seeds.end(),
+      [](const Seed& a, const Seed& b) { return a.disparity() < b.disparity(); });
+  const auto counts = [](double px) {
+    return static_cast<double>(ToCounts(std::clamp(px, 0.0, DisparityImage::kMaxPx)));
+  };
+  cv::max(map.counts(), counts(farthest->disparity() - kBeyondPx), map.counts());
+  cv::min(map.counts(), counts(nearest->disparity() + kBeyondPx), map.counts());
+}
+
+// The seeds as they are.
+void LevelPlanes(std::span<const Seed> seeds, std::vector<LocalPlane>& planes) {
+  planes.clear();
+  for (const Seed& seed : seeds) {
+    planes.push_back(
+        {.u = seed.u, .v = seed.v, .disparity = seed.disparity(), .sigma_px = seed.sigma_px});
+  }
+}
+
 }  // namespace
 
 PriorEstimator::PriorEstimator(const PriorConfig& config) : config_(config) {
@@ -42,8 +65,6 @@ Result<PriorMap> PriorEstimator::Compute(const cv::Mat& left, const cv::Mat& rig
                                          std::span<const Seed> seeds, cv::Size size) {
   const Result<DisparityImage> disparity = Disparities(left, right, seeds, size);
   if (!disparity) return tl::unexpected(disparity.error());
-  Renew(sigma_, size);
-  SetEvenSigma(*disparity, kSigmaPx, sigma_);
   return PriorMap(*disparity, sigma_);
 }
 
@@ -59,11 +80,16 @@ Result<DisparityImage> PriorEstimator::Disparities(const cv::Mat& left, const cv
   }
   if (config_.method() == PriorConfig::EDGES) return WithEdges(left, right, seeds, size);
   Renew(result_, size);
+  Renew(sigma_, size);
   const bool spreads = config_.method() == PriorConfig::FGS;
   DisparityImage& interpolated = spreads ? interpolated_ : result_;
+  const std::span<const SeedTriangle> triangles = triangulator_.Triangulate(seeds);
   const Result<DisparityImage> map =
-      interpolator_.Interpolate(seeds, triangulator_.Triangulate(seeds), size, interpolated);
-  if (!map || !spreads) return map;
+      interpolator_.Interpolate(seeds, triangles, size, interpolated);
+  if (!map) return map;
+  LevelPlanes(seeds, level_planes_);
+  PaintSigma(level_planes_, triangles, size, sigma_);
+  if (!spreads) return map;
   interpolated_ = *map;
   SpreadOver(left, seeds);
   return result_;
@@ -102,6 +128,8 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
       interpolator_.Interpolate(fitted_seeds_, triangles, size, interpolated_);
   if (!interpolated) return interpolated;
   interpolated_ = *interpolated;
+  Renew(sigma_, size);
+  PaintSigma(surface.planes, triangles, size, sigma_);
   const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
   const std::span<const EdgeTriangle> edges =
       edge_finder_.Find(surface, triangles, fitter_.neighbours(),
@@ -116,11 +144,12 @@ Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::
   ResolveEdges(hypotheses_, EdgeJudge(evidence), interpolated_);
   if (noise_px == 0) {
     std::swap(interpolated_, result_);
-    return result_;
+  } else {
+    // Single pixels that were judged otherwise than those around them.
+    Renew(result_, size);
+    median_.Apply(interpolated_.counts(), result_.counts());
   }
-  // Single pixels that were judged otherwise than those around them.
-  Renew(result_, size);
-  median_.Apply(interpolated_.counts(), result_.counts());
+  HoldWithin(seeds, result_);
   return result_;
 }
 

@@ -40,8 +40,8 @@ class PriorEstimator {
   /// @param seeds  at least three, finite, not all on a line; of seeds on one position the first
   /// counts.
   /// @param size   of the left rectified image, px.
-  /// @returns a map of that size; its standard deviation is 1 px at every disparity. An error
-  ///          that says why when the seeds span no triangle that covers a pixel, when an image that
+  /// @returns a map of that size, with its standard deviation by PaintSigma(). An error that says
+  /// why when the seeds span no triangle that covers a pixel, when an image that
   ///          is used has another size, or when a side is longer than kLargestSide.
   /// O(n log n + pixels); at worst, when seeds make triangles as high as the image, O(n log n +
   /// pixels + n · rows). No I/O; on OpenCV's threads, with the same result for any number. Keeps
@@ -81,6 +81,7 @@ class PriorEstimator {
   DisparityImage interpolated_;
   MedianFilter median_;
   DisparityImage result_;
+  std::vector<LocalPlane> level_planes_;
   cv::Mat1b sigma_;
 };
 

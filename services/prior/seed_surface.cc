@@ -45,7 +45,6 @@ struct Plane {
   double value = 0;
   double per_x = 0;
   double per_y = 0;
-  double variance = 0;  // of the value, in that of a disparity of weight 1
 
   double At(double x, double y) const { return value + per_x * x + per_y * y; }
 };
@@ -76,8 +75,7 @@ class PlaneSums {
     const double p = (yy_ * x_ - xy_ * y_) * per_area;
     const double q = (xx_ * y_ - xy_ * x_) * per_area;
     Plane plane;
-    plane.variance = 1 / (n_ - p * x_ - q * y_);
-    plane.value = (d_ - p * dx_ - q * dy_) * plane.variance;
+    plane.value = (d_ - p * dx_ - q * dy_) / (n_ - p * x_ - q * y_);
     const double right_x = dx_ - x_ * plane.value;
     const double right_y = dy_ - y_ * plane.value;
     plane.per_x = (yy_ * right_x - xy_ * right_y) * per_area;
@@ -100,26 +98,8 @@ class PlaneSums {
 // Fits planes around seeds, with their spacing as unit of x and y.
 class PlaneFitter {
  public:
-  PlaneFitter(std::span<const Seed> seeds, const SeedNeighbours& neighbours, double spacing_px)
-      : seeds_(seeds), neighbours_(neighbours), per_px_(1 / spacing_px) {}
-
-  // How far ToF seeds lie from the planes through their neighbours alone.
-  // @param deviations  memory.
-  double EstimateNoise(std::vector<double>& deviations) const {
-    constexpr double kNone = -1;
-    deviations.assign(seeds_.size(), kNone);
-    ForEachParallel(seeds_.size(), [&](size_t i) {
-      constexpr size_t kEnough = 4;  // a plane takes three
-      const int seed = static_cast<int>(i);
-      if (!IsTof(seeds_[i])) return;
-      if (neighbours_.Of(seed).size() >= kEnough) deviations[i] = Deviation(seed);
-    });
-    std::erase(deviations, kNone);
-    // A low quantile: curved surfaces and edges deviate as well, but not nearly all of the seeds.
-    constexpr double kShare = 0.2;
-    constexpr double kQuantileOfNormal = 0.2533;  // of the absolute value, in standard deviations
-    return Quantile(deviations, kShare) / kQuantileOfNormal;
-  }
+  PlaneFitter(std::span<const Seed> seeds, double spacing_px)
+      : seeds_(seeds), per_px_(1 / spacing_px) {}
 
   // @param support  of Surroundings.
   LocalPlane Fit(int seed, std::span<const int> support, double scale_px) const {
@@ -174,27 +154,18 @@ class PlaneFitter {
 
   LocalPlane ToLocal(int seed, const Plane& plane) const {
     const Seed& centre = seeds_[Index(seed)];
-    return {centre.u, centre.v, static_cast<float>(plane.value),
-            static_cast<float>(plane.per_x * per_px_), static_cast<float>(plane.per_y * per_px_)};
+    return {centre.u,
+            centre.v,
+            static_cast<float>(plane.value),
+            static_cast<float>(plane.per_x * per_px_),
+            static_cast<float>(plane.per_y * per_px_),
+            centre.sigma_px};
   }
 
   // With the Geman-McClure weight of a point that is `off` px off.
   static void AddSoftly(double off, double sharpness, const Point& point, PlaneSums& sums) {
     const double weight = 1 / (1 + off * off * (sharpness * sharpness));
     sums.Add(weight * weight, point.x, point.y, point.disparity);
-  }
-
-  // Of a seed from the plane through its neighbours, in what is to be expected of it for a noise of
-  // one.
-  double Deviation(int seed) const {
-    PlaneSums sums(1e-6, 1e-6);
-    for (int i : neighbours_.Of(seed)) {
-      const auto [x, y, disparity] = From(seed, i);
-      sums.Add(1, x, y, disparity);
-    }
-    const Plane plane = sums.Solve();
-    // The plane is uncertain as well.
-    return std::abs(seeds_[Index(seed)].disparity() - plane.value) / std::sqrt(1 + plane.variance);
   }
 
   Point From(int centre, int seed) const {
@@ -204,7 +175,6 @@ class PlaneFitter {
   }
 
   std::span<const Seed> seeds_;
-  const SeedNeighbours& neighbours_;
   double per_px_;  // of the unit
 };
 
@@ -245,6 +215,16 @@ double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangl
   return Quantile(differences, kHardlyAny);
 }
 
+// Of the ToF seeds, as they say: the median.
+// @param sigmas  memory.
+double NoisePx(std::span<const Seed> seeds, std::vector<double>& sigmas) {
+  sigmas.clear();
+  for (const Seed& seed : seeds) {
+    if (IsTof(seed)) sigmas.push_back(seed.sigma_px);
+  }
+  return Quantile(sigmas, 0.5);
+}
+
 // For each seed, whether it is in a triangle whose disparities differ by at least `edge_px`.
 void FindSeedsAtEdges(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
                       double edge_px, std::vector<uint8_t>& at_edge) {
@@ -265,7 +245,7 @@ struct SeedSurfaceFitter::Memory {
   SeedNeighbours neighbours;
   std::vector<double> squares;
   std::vector<double> differences;
-  std::vector<double> deviations;
+  std::vector<double> sigmas;
   std::vector<uint8_t> at_edge;
   std::vector<Surroundings> surroundings;  // one a part
   SeedSurface surface;
@@ -290,8 +270,8 @@ const SeedSurface& SeedSurfaceFitter::Fit(std::span<const Seed> seeds,
             surface.step_px = StepPx(seeds, triangles, other_surface_px, memory_->differences);
             FindSeedsAtEdges(seeds, triangles, edge_px, memory_->at_edge);
           });
-  const PlaneFitter fitter(seeds, neighbours, spacing_px);
-  surface.noise_px = fitter.EstimateNoise(memory_->deviations);
+  const PlaneFitter fitter(seeds, spacing_px);
+  surface.noise_px = NoisePx(seeds, memory_->sigmas);
   const bool noisy = surface.noise_px > noisy_px;
   const double scale_px = std::max(
       {kSmallestScalePx, kScalePerSpacing * spacing_px, kScalePerNoise * surface.noise_px});

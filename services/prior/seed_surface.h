@@ -11,14 +11,15 @@
 
 namespace sprout {
 
-/// The surface at a seed: its position in the left image, px, and disparity as a plane there, px
-/// and px of disparity a pixel.
+/// The surface at a seed: its position in the left image, px, disparity as a plane there, px and px
+/// of disparity a pixel, and the standard deviation of the disparity, px.
 struct LocalPlane {
   float u = 0;
   float v = 0;
   float disparity = 0;
   float per_column = 0;
   float per_row = 0;
+  float sigma_px = 0;
 
   /// Disparity of the plane at a pixel, px.
   float At(float at_u, float at_v) const {
@@ -29,7 +30,7 @@ struct LocalPlane {
 /// What the seeds say about the surfaces that they lie on.
 struct SeedSurface {
   std::vector<LocalPlane> planes;  ///< one a seed, in their order
-  double noise_px = 0;             ///< standard deviation of the seeds' disparities, estimated, px
+  double noise_px = 0;             ///< standard deviation of the ToF seeds' disparities: median, px
   double step_px = 0;              ///< in which they are counted; small where they are not
 };
 
@@ -37,13 +38,12 @@ struct SeedSurface {
 /// another surface are left out softly (Geman-McClure weights, iteratively reweighted least
 /// squares), and slopes are held back a little, since beside an edge they rest on few seeds.
 ///
-/// The noise is estimated from how far seeds lie from the plain planes of their neighbours, by a
-/// low quantile over all seeds, so that edges and curved surfaces do not count. Where it exceeds
-/// `noisy_px` the fit reaches the neighbours' neighbours too, and its disparity stands for the
-/// seed's own. Elsewhere a seed's disparity gives way only a little, to the plane of itself and
-/// those around it that differ by about a step or less: disparities come in steps, whose width is
-/// estimated, too, by a low quantile of the differences of neighbours. On a wide step, where the
-/// neighbours do not show which way the surface goes, theirs are asked as well.
+/// The seeds say how noisy they are. Where ToF seeds are by more than `noisy_px` (their median),
+/// and for every seed of stereo, the fit reaches the neighbours' neighbours too, and its disparity
+/// stands for the seed's own. Elsewhere a seed's disparity gives way only a little, to the plane of
+/// itself and those around it that differ by about a step or less: disparities come in steps, whose
+/// width is estimated, too, by a low quantile of the differences of neighbours. On a wide step,
+/// where the neighbours do not show which way the surface goes, theirs are asked as well.
 ///
 /// Keeps its memory from frame to frame, so one object serves one caller at a time; in steady state
 /// it allocates nothing.

@@ -11,6 +11,7 @@ namespace sprout {
 namespace {
 
 constexpr int kRadius = Refiner::kWindow / 2;
+constexpr double kLeastSigmaPx = 0.05;  // of ToF points that show no noise
 constexpr int kWindowPixels = Refiner::kWindow * Refiner::kWindow;
 
 int Pixel(float position) { return static_cast<int>(std::lround(position)); }
@@ -56,6 +57,8 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   result.seeds.clear();
   if (!points_.empty()) {
     surface_.Set(rig, points_);
+    const auto sigma_px = static_cast<float>(std::max(kLeastSigmaPx, surface_.NoisePx(points_)));
+    for (ProjectedPoint& point : points_) point.seed.sigma_px = sigma_px;
     KeepReliable(left, right, tof, result);
     KeepVisible(left, right, result);
   }

@@ -78,6 +78,26 @@ void TofSurface::Set(const Rig& rig, std::span<const ProjectedPoint> points) {
   }
 }
 
+double TofSurface::NoisePx(std::span<const ProjectedPoint> points) {
+  deviations_.clear();
+  for (const ProjectedPoint& point : points) {
+    const float* at = At(point);
+    for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, stride_}) {
+      const float off = *at - (at[step] + at[-step]) / 2;
+      if (!std::isnan(off)) deviations_.push_back(std::abs(off));
+    }
+  }
+  if (deviations_.empty()) return 0;
+  // A low quantile: curved surfaces and edges deviate as well, but not nearly all points.
+  constexpr double kShare = 0.2;
+  constexpr double kQuantileOfNormal = 0.2533;  // of the absolute value, in standard deviations
+  constexpr double kVariance = 1.5;             // of such a difference, for a noise of 1
+  const auto rank = deviations_.begin() +
+                    static_cast<std::ptrdiff_t>(kShare * static_cast<double>(deviations_.size()));
+  std::nth_element(deviations_.begin(), rank, deviations_.end());
+  return *rank / (kQuantileOfNormal * std::sqrt(kVariance));
+}
+
 bool TofSurface::IsLoose(const ProjectedPoint& point, double tolerance_px) const {
   const float here = point.seed.disparity();
   int support = 0;

@@ -51,6 +51,12 @@ class TofSurface {
   /// From one cell to the next in the left image, px; the longer side.
   double spacing_px() const { return std::max(column_px_, row_px_); }
 
+  /// Standard deviation of the points' disparities, px, by how far they lie from the middle of
+  /// those on either side. 0 when they show none.
+  /// @param points  those that this was made of.
+  /// O(ToF pixels).
+  double NoisePx(std::span<const ProjectedPoint> points);
+
   /// Whether a point hangs loose: fewer than two of the eight cells around have a
   /// disparity within `tolerance_px`. Flying pixels, whose light comes from two surfaces so that
   /// they lie on neither, and outliers of the noise. Two neighbours are enough for a slant or a
@@ -123,6 +129,7 @@ class TofSurface {
   std::vector<float> disparity_;  // of the cells and one more all around, NaN = none
   std::vector<int> last_row_;     // with a return in each ToF column
   std::vector<int> gaps_;
+  std::vector<float> deviations_;
   std::vector<Piece> pieces_;
   View left_;
   View right_;

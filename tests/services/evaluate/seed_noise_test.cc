@@ -69,6 +69,14 @@ TEST(SeedNoise, IsGaussianInDisparityOnly) {
   EXPECT_NEAR(within_one_sigma / n, 0.683, 0.02);
 }
 
+TEST(SeedNoise, IsSaidByTheSeedsAndLeavesThoseOfStereoAlone) {
+  const Seed tof{.u = 9, .v = 8, .u_right = 7, .sigma_px = 3};
+  const Seed stereo{.u = 9, .v = 8, .u_right = 7, .sigma_px = 3, .origin = SeedOrigin::kStereo};
+  const std::vector<Seed> damaged = Damage({tof, stereo}, {.disparity_px = 4, .seed = 1});
+  EXPECT_FLOAT_EQ(damaged[0].sigma_px, 5);
+  EXPECT_EQ(damaged[1], stereo);
+}
+
 TEST(SeedNoise, JittersPositionsUniformlyAndKeepsDisparities) {
   const std::vector<Seed> seeds = ManySeeds();
   const std::vector<Seed> damaged = Damage(seeds, {.jitter_px = 2, .seed = 1});

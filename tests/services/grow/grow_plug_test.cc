@@ -42,8 +42,31 @@ TEST(GrowPlug, AsksForWhatItsConfigurationNeeds) {
 TEST(GrowPlug, AnswersWithAFilledMap) {
   const Outcome outcome = GrowPlug(GrowConfig()).Process(FlatFrame({40, 30}));
   EXPECT_EQ(outcome.degenerate, "");
-  ASSERT_EQ(outcome.outputs.size(), 1u);
   EXPECT_EQ(MapOf(outcome, Part::kDisparity).CountValid(), 40 * 30);
+}
+
+TEST(GrowPlug, LeavesOutWhatItIsNotSureOf) {
+  GrowConfig config;
+  config.set_publish_unfilled(true);
+  GrowPlug keeps_all(config);
+  const Outcome all = keeps_all.Process(FlatFrame({40, 30}));
+  const cv::Mat1b confidence = std::get<cv::Mat>(all.outputs.at(1).value);
+  double least = 0;
+  double most = 0;
+  cv::minMaxLoc(confidence, &least, &most);
+  ASSERT_LT(least, most);
+  const int bound = static_cast<int>(most);
+  config.set_min_confidence(bound);
+  for (const GrowConfig::Fill fill : {GrowConfig::PRIOR, GrowConfig::NONE}) {
+    config.set_fill(fill);
+    config.set_publish_confidence(fill == GrowConfig::NONE);
+    const Outcome sure = GrowPlug(config).Process(FlatFrame({40, 30}));
+    EXPECT_EQ(sure.outputs.size(), fill == GrowConfig::NONE ? 3U : 2U);
+    EXPECT_LT(MapOf(sure, Part::kDisparity).CountValid(), 40 * 30);
+    EXPECT_EQ(MapOf(sure, Part::kUnfilled).CountValid(), MapOf(all, Part::kUnfilled).CountValid());
+    if (fill == GrowConfig::NONE) continue;
+    EXPECT_EQ(MapOf(sure, Part::kDisparity).CountValid(), cv::countNonZero(confidence >= bound));
+  }
 }
 
 TEST(GrowPlug, AddsTheUnfilledMapOnDemand) {
@@ -54,16 +77,17 @@ TEST(GrowPlug, AddsTheUnfilledMapOnDemand) {
             MapOf(outcome, Part::kDisparity).CountValid());
 }
 
-TEST(GrowPlug, AddsTheConfidenceOnDemand) {
+TEST(GrowPlug, AddsTheConfidenceUnlessTold) {
   GrowConfig config;
-  config.set_publish_confidence(true);
   const Outcome outcome = GrowPlug(config).Process(FlatFrame({40, 30}));
   ASSERT_EQ(outcome.outputs.size(), 2u);
-  EXPECT_EQ(outcome.outputs[1].part, Part::kConfidence);
-  const auto& confidence = std::get<cv::Mat>(outcome.outputs[1].value);
+  EXPECT_EQ(outcome.outputs[0].part, Part::kConfidence);
+  const auto& confidence = std::get<cv::Mat>(outcome.outputs[0].value);
   EXPECT_EQ(confidence.size(), cv::Size(40, 30));
   EXPECT_EQ(confidence.type(), CV_8UC1);
   EXPECT_GT(cv::countNonZero(confidence), 0);
+  config.set_publish_confidence(false);
+  EXPECT_EQ(GrowPlug(config).Process(FlatFrame({40, 30})).outputs.size(), 1u);
 }
 
 TEST(GrowPlug, SaysWhyAFrameHasNoDisparity) {

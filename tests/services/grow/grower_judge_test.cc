@@ -71,10 +71,10 @@ TEST_P(GrowerAgainstSlowGrowth, GivesTheSamePixels) {
   const std::vector<Seed> seeds = RandomSeeds(size, 60, 9, seed);
   for (const bool sub_pixel : {false, true}) {
     config.set_sub_pixel(sub_pixel);
-    const auto fast =
-        Grower(config).Compute(scene.left, scene.right, seeds, EvenPrior(scene.prior, 1));
+    const PriorMap prior = EvenPrior(scene.prior, 1);
+    const auto fast = Grower(config).Compute(scene.left, scene.right, seeds, prior);
     ASSERT_TRUE(fast.has_value());
-    ExpectSame(*fast, SlowGrow(config, scene.left, scene.right, seeds, scene.prior));
+    ExpectSame(*fast, SlowGrow(config, scene.left, scene.right, seeds, prior));
     EXPECT_GT(fast->CountValid(), 50);
   }
 }
@@ -99,6 +99,32 @@ std::vector<GrowCase> AllCases() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Random, GrowerAgainstSlowGrowth, testing::ValuesIn(AllCases()));
+
+// A prior that is sure of most pixels, of some less, and of others hardly: bands with candidates
+// only, and such with both kinds.
+TEST(Grower, GivesThePixelsOfSlowGrowthWherePixelsDifferInHowSureThePriorIs) {
+  for (uint32_t seed = 0; seed < 6; ++seed) {
+    const cv::Size size(83, 203);
+    const TwoSurfaces scene(size, seed, seed % 2 == 0 ? 256 : 3);
+    PriorMap prior = EvenPrior(scene.prior, 0.1);
+    cv::RNG random(seed);
+    cv::Mat1b unsure = prior.sigma.rowRange(0, size.height / (seed < 3 ? 2 : 1));
+    for (int i = 0; i < 40; ++i) {
+      const cv::Rect patch(random.uniform(0, 70), random.uniform(0, unsure.rows - 12), 12, 9);
+      unsure(patch & cv::Rect({}, unsure.size())) = SigmaToCounts(random.uniform(0.3, 4.0));
+    }
+    prior.sigma.setTo(kMaxSigmaCounts, scene.prior.counts() == DisparityImage::kInvalid);
+    GrowConfig config;
+    config.set_sigma_s_squared(0.1);
+    const std::vector<Seed> seeds = RandomSeeds(size, 60, 9, seed);
+    for (const bool sub_pixel : {false, true}) {
+      config.set_sub_pixel(sub_pixel);
+      const auto fast = Grower(config).Compute(scene.left, scene.right, seeds, prior);
+      ExpectSame(*fast, SlowGrow(config, scene.left, scene.right, seeds, prior));
+      EXPECT_GT(fast->CountValid(), 1000);
+    }
+  }
+}
 
 // A full-size scene, seeds at every 10th pixel of its ground truth, and the prior that these give
 // when they are enlarged.
@@ -132,8 +158,9 @@ TEST(Grower, GivesThePixelsOfSlowGrowthOnAFullScene) {
   GrowConfig config = EpcConfig();
   for (const double sigma_p_px : {0.7, 17.4}) {
     config.set_sigma_p_px(sigma_p_px);
-    const auto fast = Grower(config).Compute(left, right, seeds, EvenPrior(FromPx(prior), 1));
-    ExpectSame(*fast, SlowGrow(config, left, right, seeds, FromPx(prior)));
+    const PriorMap even = EvenPrior(FromPx(prior), 1);
+    const auto fast = Grower(config).Compute(left, right, seeds, even);
+    ExpectSame(*fast, SlowGrow(config, left, right, seeds, even));
     EXPECT_GT(fast->CountValid(), left.size().area() / 2);
   }
 }

@@ -108,36 +108,34 @@ TEST(Grower, FindsTheSubPixelDisparity) {
   EXPECT_NEAR(sum_px / count, 5.25, 0.1);
 }
 
-TEST(Grower, SigmaPFollowsTheNoiseOfTheSeeds) {
+TEST(Grower, SearchesAsFarAsThePriorIsUnsure) {
   const cv::Size size(60, 40);
   const cv::Mat1b left = Noise(size, 1, 256);
+  const cv::Mat1b right = ShiftedBy(left, 5);
   GrowConfig config = EpcConfig();
   config.set_sigma_p_px(0.7);
-  // The prior is 2 px off: too far for σ_p, unless the seeds are seen to be as bad.
-  const std::vector<Seed> seeds = {{30, 20, 25}, {20, 20, 15}, {40, 20, 35}};
-  EXPECT_EQ(
-      Grower(config).Compute(left, ShiftedBy(left, 5), seeds, ConstantPrior(size, 7))->CountValid(),
-      0);
   config.set_sigma_p_noise(2);
-  EXPECT_GT(
-      Grower(config).Compute(left, ShiftedBy(left, 5), seeds, ConstantPrior(size, 7))->CountValid(),
-      1000);
+  config.set_sigma_p_sure_px(0.5);
+  const std::vector<Seed> seeds = {{30, 20, 25}, {20, 20, 15}, {45, 20, 40}};
+  PriorMap prior = ConstantPrior(size, 7);  // 2 px off
+  const auto grown = [&] { return Grower(config).Compute(left, right, seeds, prior).value(); };
+  prior.sigma = SigmaToCounts(0.5);
+  EXPECT_EQ(grown().CountValid(), 0);
+  prior.sigma = SigmaToCounts(1.5);
+  EXPECT_GT(grown().CountValid(), 1000);
+  prior.sigma.colRange(0, 40) = SigmaToCounts(0.5);
+  const DisparityImage half = grown();
+  EXPECT_GT(half.CountValid(), 300);
+  EXPECT_EQ(cv::countNonZero(half.counts().colRange(0, 40) != DisparityImage::kInvalid), 0);
+  config.set_sigma_p_noise(0);
+  EXPECT_EQ(grown().CountValid(), 0);
 }
 
-// A prior that took steps of whole pixels off its seeds lies beside them, but is none the worse.
-TEST(Grower, SigmaPDoesNotFollowTheRoundingOfSeeds) {
+TEST(Grower, RefusesAPriorWithoutStandardDeviations) {
   const cv::Size size(60, 40);
   const cv::Mat1b left = Noise(size, 1, 256);
-  GrowConfig config = EpcConfig();
-  config.set_sigma_p_px(0.1);
-  config.set_sigma_p_noise(4);
-  const std::vector<Seed> seeds = {{30, 20, 25}, {20, 20, 15}, {40, 20, 35}};
-  const auto grown_from = [&](double prior_px) {
-    const PriorMap prior = ConstantPrior(size, prior_px);
-    return Grower(config).Compute(left, ShiftedBy(left, 5), seeds, prior)->CountValid();
-  };
-  EXPECT_EQ(grown_from(5.18), 0);
-  EXPECT_GT(grown_from(5.5), 1000);
+  const PriorMap prior{DisparityImage(size), cv::Mat1b()};
+  EXPECT_FALSE(Grower(EpcConfig()).Compute(left, left, {}, prior).has_value());
 }
 
 TEST(Grower, KeepsOneToOneMatching) {

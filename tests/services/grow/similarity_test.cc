@@ -33,9 +33,12 @@ class GrowthCosts {
     GrowConfig config;
     config.set_similarity(similarity);
     config.set_sigma_s_squared(0.1);
-    rule_ = MakeGrowthRule(config, /*sigma_p_px=*/2);
-    band_.Resize(left.size(), 0, rule_);
-    PrepareBand({left, right, prior}, rule_, band_);
+    config.set_sigma_p_px(2);
+    config.set_sigma_p_noise(0);
+    rule_ = MakeGrowthRule(config);
+    band_.Resize(left.size(), 0, rule_, GrowthBand::Kind::kOpen);
+    prior_ = EvenPrior(prior, 1);
+    PrepareBand({left, right, prior_}, rule_, band_);
   }
 
   CostTriple At(int u, int v, int d) const { return CostsAt(rule_, band_, u, v, d); }
@@ -44,6 +47,7 @@ class GrowthCosts {
 
  private:
   GrowthRule rule_;
+  PriorMap prior_;
   GrowthBand band_;
 };
 

@@ -75,7 +75,7 @@ int64_t Limit(const GrowConfig& config) {
 class SlowGrowth {
  public:
   SlowGrowth(const GrowConfig& config, const cv::Mat1b& left, const cv::Mat1b& right,
-             const DisparityImage& prior)
+             const PriorMap& prior)
       : config_(config),
         left_(left),
         right_(right),
@@ -119,6 +119,20 @@ class SlowGrowth {
            q.v < left_.rows - 2;
   }
 
+  // Of the square of counts. Where σ_p leaves two disparities it is sigma_p_px.
+  float PriorScale(uint8_t sigma) const {
+    const auto scale_of = [](double sigma_p_px) {
+      return static_cast<float>(kUnit / (2 * (sigma_p_px * 32) * (sigma_p_px * 32)));
+    };
+    const double sigma_px = sigma / 16.0;
+    const double sure = config_.sigma_p_sure_px();
+    const float scale = scale_of(std::max(
+        config_.sigma_p_px(),
+        config_.sigma_p_noise() * std::sqrt(std::max(0.0, sigma_px * sigma_px - sure * sure))));
+    const bool open = 32 * 32 * scale < static_cast<float>(limit_ + 1);
+    return open ? scale : scale_of(config_.sigma_p_px());
+  }
+
   // In the steps in which growth computes: whole numbers, and floats of 24 binary places.
   std::optional<int64_t> Cost(const Correspondence& q) const {
     if (config_.similarity() == GrowConfig::MNCC) {
@@ -132,10 +146,9 @@ class SlowGrowth {
         static_cast<float>(difference) * (static_cast<float>(kUnit / config_.sigma_s_squared()) /
                                           static_cast<float>(std::max<int64_t>(energy, 1)));
     if (config_.similarity() == GrowConfig::EPC) {
-      if (!prior_.IsValid(q.u, q.v)) return std::nullopt;
-      const double sigma_p = config_.sigma_p_px() * 32;
-      const auto distance = static_cast<float>(q.d * 32 - prior_.counts()(q.v, q.u));
-      cost += distance * distance * static_cast<float>(kUnit / (2 * sigma_p * sigma_p));
+      if (!prior_.disparity.IsValid(q.u, q.v)) return std::nullopt;
+      const auto distance = static_cast<float>(q.d * 32 - prior_.disparity.counts()(q.v, q.u));
+      cost += distance * distance * PriorScale(prior_.sigma(q.v, q.u));
     }
     return static_cast<int64_t>(std::min(cost, kLargest));
   }
@@ -211,7 +224,7 @@ class SlowGrowth {
   const GrowConfig& config_;
   const cv::Mat1b& left_;
   const cv::Mat1b& right_;
-  const DisparityImage& prior_;
+  const PriorMap& prior_;
   DisparityImage map_;
   cv::Mat1b right_matched_;
   int64_t limit_;
@@ -240,7 +253,7 @@ double SlowPrior(double d, double prior, double sigma_p_px) {
 }
 
 DisparityImage SlowGrow(const GrowConfig& config, const cv::Mat1b& left, const cv::Mat1b& right,
-                        std::span<const Seed> seeds, const DisparityImage& prior) {
+                        std::span<const Seed> seeds, const PriorMap& prior) {
   return SlowGrowth(config, left, right, prior).Run(seeds);
 }
 

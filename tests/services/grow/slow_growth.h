@@ -6,7 +6,7 @@
 #include <span>
 
 #include "common/config/config.h"
-#include "common/core/disparity_image.h"
+#include "common/core/prior_map.h"
 #include "common/core/seed.h"
 
 namespace sprout {
@@ -20,7 +20,7 @@ double SlowPrior(double d, double prior, double sigma_p_px);
 /// Alg. 1 in the slowest, most obvious way: every similarity from scratch, in the order and with
 /// the costs that Grower promises, whole pixels only. The judge of the fast implementation.
 DisparityImage SlowGrow(const GrowConfig& config, const cv::Mat1b& left, const cv::Mat1b& right,
-                        std::span<const Seed> seeds, const DisparityImage& prior);
+                        std::span<const Seed> seeds, const PriorMap& prior);
 
 }  // namespace sprout
 

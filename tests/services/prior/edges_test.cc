@@ -54,7 +54,10 @@ struct Step {
       for (int u = 25; u < size.width; u += 10) {
         const double d = Truth(u, v) + noise_px * normal(random);
         const auto column = static_cast<float>(u);
-        seeds.push_back({column, static_cast<float>(v), column - static_cast<float>(d)});
+        seeds.push_back({.u = column,
+                         .v = static_cast<float>(v),
+                         .u_right = column - static_cast<float>(d),
+                         .sigma_px = static_cast<float>(0.05 + noise_px)});
       }
     }
     return seeds;
@@ -185,12 +188,16 @@ TEST(SeedSurface, FindsTheSlantAndTheNoise) {
     for (int v = 0; v < 200; v += 10) {
       for (int u = 0; u < 200; u += 10) {
         const double d = 10 + 0.05 * u - 0.02 * v + noise_px * normal(random);
-        seeds.push_back({static_cast<float>(u), static_cast<float>(v), static_cast<float>(u - d)});
+        seeds.push_back({.u = static_cast<float>(u),
+                         .v = static_cast<float>(v),
+                         .u_right = static_cast<float>(u - d),
+                         .sigma_px = static_cast<float>(0.05 + noise_px)});
       }
     }
+    seeds.back().sigma_px = 50;  // one that is worse does not count
     SeedSurfaceFitter fitter;
     const SeedSurface& surface = fitter.Fit(seeds, TriangulateSeeds(seeds), 0.5, 0);
-    EXPECT_NEAR(surface.noise_px, noise_px, 0.3);
+    EXPECT_NEAR(surface.noise_px, 0.05 + noise_px, 1e-6);
     const LocalPlane& plane = surface.planes[10 * 20 + 10];  // at (100, 100)
     EXPECT_NEAR(plane.disparity, 13, 0.01 + noise_px);
     EXPECT_NEAR(plane.At(110, 100) - plane.At(100, 100), 0.5, 0.05 + noise_px / 3);

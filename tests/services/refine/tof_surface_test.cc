@@ -211,5 +211,44 @@ TEST(TofSurface, CountsPixelsWithoutAPointAsNoSupport) {
   EXPECT_TRUE(TofSurface(SomeRig(), {}).FindHidden({}, 0, {}, {}, {0.4, 0.8, 1}).empty());
 }
 
+// As a lidar's scan is in an image of the left camera's pixels: one in three columns and one in
+// four rows has points, and not all of these.
+TEST(TofSurface, IsASurfaceWhereFewPixelsHaveAPoint) {
+  Rig rig = SomeRig();
+  rig.tof.width = 120;
+  rig.tof.height = 100;
+  std::vector<ProjectedPoint> points;
+  for (int j = 0; j < 100; j += 4) {
+    for (int i = 0; i < 120; i += 3) {
+      if ((i + j) % 7 != 0) points.push_back(Point(i, j, 20));
+    }
+  }
+  points[300].seed.u_right -= 10;
+  const TofSurface surface(rig, points);
+  EXPECT_EQ(surface.spacing_px(), 4 * 8);
+  int loose = 0;
+  for (const ProjectedPoint& point : points) loose += surface.IsLoose(point, 2) ? 1 : 0;
+  EXPECT_EQ(loose, 1);
+  EXPECT_TRUE(surface.IsLoose(points[300], 2));
+}
+
+TEST(TofSurface, EstimatesTheNoiseOfItsPointsAndNotTheirShape) {
+  cv::RNG random(5);
+  for (const double noise_px : {0.0, 0.7}) {
+    Rig rig = SomeRig();
+    rig.tof.width = 60;
+    rig.tof.height = 50;
+    std::vector<ProjectedPoint> points;
+    for (int j = 0; j < 50; ++j) {
+      for (int i = 0; i < 60; ++i) {
+        const double shape = 0.5 * i + (i > 30 ? 12 : 0) - 0.2 * j;
+        points.push_back(Point(i, j, static_cast<float>(40 + shape + random.gaussian(noise_px))));
+      }
+    }
+    EXPECT_NEAR(TofSurface(rig, points).NoisePx(points), noise_px, 0.1);
+  }
+  EXPECT_EQ(TofSurface().NoisePx({}), 0);
+}
+
 }  // namespace
 }  // namespace sprout
