@@ -40,10 +40,14 @@ void HoldWithin(std::span<const Seed> seeds, DisparityImage& map) {
       seeds.begin(), seeds.end(),
       [](const Seed& a, const Seed& b) { return a.disparity() < b.disparity(); });
   const auto counts = [](double px) {
-    return static_cast<double>(ToCounts(std::clamp(px, 0.0, DisparityImage::kMaxPx)));
+    return ToCounts(std::clamp(px, 0.0, DisparityImage::kMaxPx));
   };
-  cv::max(map.counts(), counts(farthest->disparity() - kBeyondPx), map.counts());
-  cv::min(map.counts(), counts(nearest->disparity() + kBeyondPx), map.counts());
+  const int16_t least = counts(farthest->disparity() - kBeyondPx);
+  const int16_t most = counts(nearest->disparity() + kBeyondPx);
+  for (int v = 0; v < map.height(); ++v) {
+    int16_t* const row = map.counts()[v];
+    for (int u = 0; u < map.width(); ++u) row[u] = std::clamp(row[u], least, most);
+  }
 }
 
 // The seeds as they are.

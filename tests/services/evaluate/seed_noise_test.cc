@@ -27,6 +27,7 @@ TEST(SeedNoise, MovesSeedsAndLeavesTheRestOfThemAlone) {
   damaged[0].u = seed.u;
   damaged[0].v = seed.v;
   damaged[0].u_right = seed.u_right;
+  damaged[0].sigma_px = seed.sigma_px;
   EXPECT_EQ(damaged[0], seed);
 }
 

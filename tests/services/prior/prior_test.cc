@@ -168,6 +168,26 @@ TEST(Prior, SaysHowSureItIsBetweenItsSeedsAndThatItKnowsNothingBeyond) {
   EXPECT_EQ(prior.sigma(45, 2), kMaxSigmaCounts);
 }
 
+// A steep slant ends at the last seeds: beyond there is no depth that anybody saw.
+TEST(Prior, StaysWithinWhatItsSeedsSaw) {
+  const cv::Size size(400, 100);
+  std::vector<Seed> seeds;
+  for (int v = 10; v < 100; v += 10) {
+    for (int u = 100; u < 300; u += 10) {
+      seeds.push_back(
+          SeedAt(static_cast<float>(u), static_cast<float>(v), 0.2F * static_cast<float>(u - 80)));
+    }
+  }
+  const cv::Mat1b flat(size, uint8_t{100});
+  const PriorMap prior = PriorEstimator(PriorConfig()).Compute(flat, flat, seeds, size).value();
+  double least = 0;
+  double most = 0;
+  cv::minMaxLoc(prior.disparity.counts(), &least, &most);
+  EXPECT_GE(least / 32, 4 - 1);
+  EXPECT_LE(most / 32, 42 + 1);
+  EXPECT_LT(prior.disparity.Px(85, 50), 4);  // it does go on for a little
+}
+
 TEST(PriorPlug, AnswersWithTheSizeOfTheImagesWhateverTheCalibrationClaims) {
   Frame frame;
   frame.rig.emplace();
