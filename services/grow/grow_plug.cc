@@ -53,12 +53,13 @@ Outcome GrowPlug::Process(const Frame& frame) {
   }
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, *grown});
   DisparityImage filled = filler_.Fill(*grown, fill, prior.disparity);
+  cv::Mat confidence;
   if (config_.publish_confidence() || config_.min_confidence() > 0) {
-    const cv::Mat confidence = ConfidenceOf(left, right, seeds, *grown, filled);
+    confidence = ConfidenceOf(left, right, seeds, *grown, filled);
     DropUnsure(confidence, config_.min_confidence(), filled);
-    if (config_.publish_confidence()) outcome.outputs.push_back({Part::kConfidence, confidence});
   }
   outcome.outputs.push_back({Part::kDisparity, filled});
+  if (config_.publish_confidence()) outcome.outputs.push_back({Part::kConfidence, confidence});
   return outcome;
 }
 

@@ -171,7 +171,7 @@ TEST(ReplaySystem, ASignalLeavesAReadableLogOfWhatWasDone) {
     const TemporaryDirectory folder;
     WriteLongLog(folder / "in.lcm", kFrames);
     std::ofstream(folder / "slow.textproto")
-        << "grow { seeds: HARRIS similarity: MNCC fill: NONE }";
+        << "grow { seeds: HARRIS similarity: MNCC fill: NONE publish_confidence: false }";
     const auto out = folder / "out.lcm";
     Process grow({ProgramPath("sprout-grow"), "--config", folder / "slow.textproto", "--replay",
                   folder / "in.lcm", "--record", out});

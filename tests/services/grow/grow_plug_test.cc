@@ -50,7 +50,7 @@ TEST(GrowPlug, LeavesOutWhatItIsNotSureOf) {
   config.set_publish_unfilled(true);
   GrowPlug keeps_all(config);
   const Outcome all = keeps_all.Process(FlatFrame({40, 30}));
-  const cv::Mat1b confidence = std::get<cv::Mat>(all.outputs.at(1).value);
+  const cv::Mat1b confidence = std::get<cv::Mat>(all.outputs.at(2).value);
   double least = 0;
   double most = 0;
   cv::minMaxLoc(confidence, &least, &most);
@@ -81,8 +81,8 @@ TEST(GrowPlug, AddsTheConfidenceUnlessTold) {
   GrowConfig config;
   const Outcome outcome = GrowPlug(config).Process(FlatFrame({40, 30}));
   ASSERT_EQ(outcome.outputs.size(), 2u);
-  EXPECT_EQ(outcome.outputs[0].part, Part::kConfidence);
-  const auto& confidence = std::get<cv::Mat>(outcome.outputs[0].value);
+  EXPECT_EQ(outcome.outputs[1].part, Part::kConfidence);
+  const auto& confidence = std::get<cv::Mat>(outcome.outputs[1].value);
   EXPECT_EQ(confidence.size(), cv::Size(40, 30));
   EXPECT_EQ(confidence.type(), CV_8UC1);
   EXPECT_GT(cv::countNonZero(confidence), 0);
