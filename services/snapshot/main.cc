@@ -69,8 +69,8 @@ int Main(int argc, char** argv) {
   Service service(
       "snapshot",
       "Waits for whole frames of the running graph and writes the last one as pictures,\n"
-      "point cloud and mesh, with a table of the run. Needs publish_unfilled\n"
-      "and publish_confidence in grow.");
+      "point cloud and mesh, with a table of the run. Needs publish_unfilled in\n"
+      "grow.");
   Options options;
   service.flags().add_option("--out", options.folder, "Folder to write to")->required();
   service.flags()
