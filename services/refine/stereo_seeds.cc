@@ -22,9 +22,10 @@ constexpr int kWindowRadius = 2;       // of the window that must lie in both im
 
 // The matched disparities around a pixel, px of their image.
 constexpr int kReach = 2;
-constexpr float kEdgePx = 2;            // a difference that is a depth edge
-constexpr double kSurfacePx = 1;        // a difference on one surface
-constexpr int kFewest = 8;              // of 13 pairs
+constexpr float kEdgePx = 2;      // a difference that is a depth edge
+constexpr double kSurfacePx = 1;  // a difference on one surface
+constexpr int kFewest = 8;        // of 13 pairs
+constexpr double kSharing = 4;    // windows overlap: of so many disparities one is independent
 constexpr double kLeastSigmaPx = 0.05;  // matching is not more exact, whatever the spread
 
 // A disc of cells.
@@ -65,7 +66,8 @@ std::optional<Surface> SurfaceAt(const cv::Mat1f& map, int u, int v) {
     }
   }
   if (pairs < kFewest) return {};
-  return Surface{own + sum / pairs, std::max(kLeastSigmaPx, std::sqrt(squares / pairs))};
+  return Surface{own + sum / pairs,
+                 std::max(kLeastSigmaPx, std::sqrt(squares / pairs * kSharing / pairs))};
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Times of every stage and of the whole chain beside OpenCV's semi-global matching on the same
 // images, for scripts/bench. Each benchmark is called PART/PRESET/MEGAPIXELS/THREADS and gives the
-// time of one frame, the mean over the scenes.
+// time of one frame, the mean over the scenes. default-blind50 and default-none are preset default
+// with half of the ToF returns, and without any.
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>
@@ -141,12 +142,16 @@ void RunOnAllScenes(benchmark::State& state, cv::Size size, size_t scenes, const
   state.counters["pixels"] = size.area();
 }
 
-void MeasurePart(benchmark::State& state, Part part, const std::string& preset, cv::Size size,
-                 int threads) {
+// @param lost  share of the ToF returns that are taken away.
+void MeasurePart(benchmark::State& state, Part part, const std::string& preset, double lost,
+                 cv::Size size, int threads) {
   cv::setNumThreads(threads);
   Chain chain(LoadConfig({preset}));
+  std::vector<BenchFrame> frames = FramesOf(size);
   std::vector<Inputs> inputs;
-  for (const BenchFrame& bench : FramesOf(size)) {
+  for (BenchFrame& bench : frames) {
+    bench.frame.tof.depth_m = bench.frame.tof.depth_m.clone();
+    LoseDarkReturns(lost, bench);
     Inputs& in = inputs.emplace_back(Inputs{bench, TofProjector(bench.rig), {}, {}, {}, {}});
     const Chain::Seeds seeds = chain.Refine(bench, in.projector);
     in.seeds = seeds.grow;
@@ -191,9 +196,14 @@ void RegisterAll() {
       for (const std::string preset : {"fast", "default"}) {
         for (const auto& [part, name] : kParts) {
           Register(std::string(name) + "/" + preset + where, [=](benchmark::State& state) {
-            MeasurePart(state, part, preset, size, threads);
+            MeasurePart(state, part, preset, /*lost=*/0, size, threads);
           });
         }
+      }
+      for (const auto& [name, lost] : {std::pair{"blind50", 0.5}, {"none", 1.0}}) {
+        Register(std::string("chain/default-") + name + where, [=](benchmark::State& state) {
+          MeasurePart(state, Part::kChain, "default", lost, size, threads);
+        });
       }
     }
   }

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "common/core/image.h"
+#include "common/geometry/projection.h"
 #include "services/capture/tof_grid.h"
 
 namespace sprout {
@@ -62,6 +65,25 @@ BenchFrame LoadBenchFrame(const std::string& folder, cv::Size size) {
     }
   }
   return bench;
+}
+
+void LoseDarkReturns(double share, BenchFrame& bench) {
+  struct Return {
+    uint8_t grey;
+    cv::Point pixel;
+  };
+  std::vector<Return> returns;
+  cv::Mat1f& depth_m = bench.frame.tof.depth_m;
+  int behind = 0;
+  for (const ProjectedPoint& point : TofProjector(bench.rig).Project(bench.frame.tof, behind)) {
+    const cv::Point in_left(cvRound(point.seed.u), cvRound(point.seed.v));
+    const bool inside = cv::Rect({}, bench.left.size()).contains(in_left);
+    returns.push_back({inside ? bench.left(in_left) : uint8_t{0}, {point.tof_u, point.tof_v}});
+  }
+  std::stable_sort(returns.begin(), returns.end(),
+                   [](const Return& a, const Return& b) { return a.grey < b.grey; });
+  returns.resize(static_cast<size_t>(share * static_cast<double>(returns.size())));
+  for (const Return& lost : returns) depth_m(lost.pixel) = std::numeric_limits<float>::quiet_NaN();
 }
 
 }  // namespace sprout

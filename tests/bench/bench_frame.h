@@ -23,6 +23,10 @@ struct BenchFrame {
 /// @throws ConfigError when the scene cannot be read.
 BenchFrame LoadBenchFrame(const std::string& folder, cv::Size size);
 
+/// Takes the returns on the darkest surfaces away, as a real ToF camera has none there.
+/// @param share  of all returns, 0 to 1.
+void LoseDarkReturns(double share, BenchFrame& bench);
+
 }  // namespace sprout
 
 #endif  // SPROUT_TESTS_BENCH_BENCH_FRAME_H_
