@@ -84,8 +84,10 @@ Method FromRival(const Rival& rival) {
           .run = [rival](const Scene& scene, const ChainSettings& settings) {
             MethodOutput output;
             StageTimes& ms = output.ms;
+            ChainSettings tof_only = settings;  // what stereo finds is Sprout's
+            tof_only.config.mutable_refine()->set_stereo_seeds(false);
             const RefinedSeeds refined =
-                rival.uses_seeds ? RunRefine(scene, settings, ms) : RefinedSeeds();
+                rival.uses_seeds ? RunRefine(scene, tof_only, ms) : RefinedSeeds();
             const RivalInput input{.left = scene.frame.left,
                                    .right = scene.frame.right,
                                    .seeds = refined.all,

@@ -23,9 +23,8 @@ class StereoSeedFinder {
 
   /// @param left, right  rectified pair, grey, of one size.
   /// @param seeds        of the range sensor; the matching leans on them.
-  /// @param covered      positions in the left image that need no seed of stereo: of all ToF
-  /// points,
-  ///                     whether or not they became seeds, but those that are not to be believed.
+  /// @param covered      positions in the left image that need no seed of stereo: of ToF points,
+  ///                     whether or not they became seeds, but not of those on dark regions.
   /// @returns at most one seed a cell, row by row, with whole windows in both images, each with the
   ///          standard deviation that the disparities around it show; valid until the next call.
   /// O(pixels without ToF points); no I/O; on OpenCV's threads, with the same result for any
