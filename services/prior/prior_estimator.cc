@@ -16,8 +16,6 @@
 namespace sprout {
 namespace {
 
-// Standard deviation of the prior, px.
-
 // Of seeds that are spread evenly.
 double SpacingPx(size_t seeds, cv::Size size) {
   return std::sqrt(size.area() / std::max(1.0, static_cast<double>(seeds)));

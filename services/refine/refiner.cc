@@ -11,6 +11,7 @@ namespace sprout {
 namespace {
 
 constexpr int kRadius = Refiner::kWindow / 2;
+constexpr double kMostSigmaPx = 1000;   // no seed of it is worth a thing, and messages hold no more
 constexpr double kLeastSigmaPx = 0.05;  // of ToF points that show no noise
 constexpr int kWindowPixels = Refiner::kWindow * Refiner::kWindow;
 
@@ -57,7 +58,8 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   result.seeds.clear();
   if (!points_.empty()) {
     surface_.Set(rig, points_);
-    const auto sigma_px = static_cast<float>(std::max(kLeastSigmaPx, surface_.NoisePx(points_)));
+    const auto sigma_px =
+        static_cast<float>(std::clamp(surface_.NoisePx(points_), kLeastSigmaPx, kMostSigmaPx));
     for (ProjectedPoint& point : points_) point.seed.sigma_px = sigma_px;
     KeepReliable(left, right, tof, result);
     KeepVisible(left, right, result);

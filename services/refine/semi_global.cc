@@ -320,8 +320,7 @@ class SemiGlobalMatcher::RowChoice {
  private:
   static constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-  // Of the right pixel u − d, or one outside: mirrored, so that a pixel's matches follow one
-  // another.
+  // Of the right pixel u − d: mirrored, so that a pixel's matches follow one another.
   size_t RightIndex(int u, int disparity) const {
     return static_cast<size_t>(width_ - 1 - u + disparity);
   }
