@@ -50,28 +50,6 @@ struct PriorMap {
   bool empty() const { return disparity.empty(); }
 };
 
-/// Gives every disparity of a map the same standard deviation.
-/// @param sigma  memory for the counts; set to the map's size when it has another one.
-/// O(pixels).
-inline void SetEvenSigma(const DisparityImage& disparity, double sigma_px, cv::Mat1b& sigma) {
-  sigma.create(disparity.size());
-  const uint8_t counts = SigmaToCounts(sigma_px);
-  for (int v = 0; v < sigma.rows; ++v) {
-    const int16_t* const disparities = disparity.counts()[v];
-    uint8_t* const sigmas = sigma[v];
-    for (int u = 0; u < sigma.cols; ++u) {
-      sigmas[u] = disparities[u] == DisparityImage::kInvalid ? kMaxSigmaCounts : counts;
-    }
-  }
-}
-
-/// A prior that is equally sure wherever it has a disparity. O(pixels).
-inline PriorMap EvenPrior(const DisparityImage& disparity, double sigma_px) {
-  PriorMap prior{disparity, {}};
-  SetEvenSigma(disparity, sigma_px, prior.sigma);
-  return prior;
-}
-
 }  // namespace sprout
 
 #endif  // SPROUT_COMMON_CORE_PRIOR_MAP_H_

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 
+#include "common/core/disparity_image.h"
 #include "common/core/result.h"
 #include "common/messages/convert.h"
 
@@ -34,6 +35,20 @@ class Checks {
   Checks& SidesOrNone(const char* columns, int32_t width, const char* rows, int32_t height) {
     if (width == 0 && height == 0) return *this;
     return Side(columns, width).Side(rows, height);
+  }
+
+  /// The fields that every message with a disparity map has.
+  template <typename Message>
+  Checks& DisparityMap(const Message& message) {
+    return Side("width", message.width)
+        .Side("height", message.height)
+        .Pixels("width × height", message.width, message.height)
+        .Require(message.counts_per_px == DisparityImage::kCountsPerPixel, "counts_per_px",
+                 message.counts_per_px, std::to_string(DisparityImage::kCountsPerPixel))
+        .Require(message.invalid == DisparityImage::kInvalid, "invalid", message.invalid,
+                 std::to_string(DisparityImage::kInvalid))
+        .Require(message.size >= 0 && static_cast<size_t>(message.size) == message.data.size(),
+                 "size", message.size, "the number of bytes in data");
   }
 
   Checks& Pixels(const char* fields, int32_t width, int32_t height) {

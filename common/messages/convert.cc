@@ -241,15 +241,7 @@ disparity_image_t ToMessage(const FrameId& id, const DisparityImage& disparity,
 
 Result<DisparityImage> FromMessage(const disparity_image_t& message) {
   Checks checks;
-  checks.Side("width", message.width)
-      .Side("height", message.height)
-      .Pixels("width × height", message.width, message.height)
-      .Require(message.counts_per_px == DisparityImage::kCountsPerPixel, "counts_per_px",
-               message.counts_per_px, std::to_string(DisparityImage::kCountsPerPixel))
-      .Require(message.invalid == DisparityImage::kInvalid, "invalid", message.invalid,
-               std::to_string(DisparityImage::kInvalid))
-      .Require(message.size >= 0 && static_cast<size_t>(message.size) == message.data.size(),
-               "size", message.size, "the number of bytes in data");
+  checks.DisparityMap(message);
   if (!checks.ok()) return checks.error();
   const cv::Size size(message.width, message.height);
   switch (message.encoding) {

@@ -74,15 +74,7 @@ prior_t ToMessage(const FrameId& id, const PriorMap& prior, DisparityEncoding en
 
 Result<PriorMap> FromMessage(const prior_t& message) {
   Checks checks;
-  checks.Side("width", message.width)
-      .Side("height", message.height)
-      .Pixels("width × height", message.width, message.height)
-      .Require(message.counts_per_px == DisparityImage::kCountsPerPixel, "counts_per_px",
-               message.counts_per_px, std::to_string(DisparityImage::kCountsPerPixel))
-      .Require(message.invalid == DisparityImage::kInvalid, "invalid", message.invalid,
-               std::to_string(DisparityImage::kInvalid))
-      .Require(message.size >= 0 && static_cast<size_t>(message.size) == message.data.size(),
-               "size", message.size, "the number of bytes in data")
+  checks.DisparityMap(message)
       .Require(message.sigma_counts_per_px == kSigmaCountsPerPx, "sigma_counts_per_px",
                message.sigma_counts_per_px, std::to_string(kSigmaCountsPerPx))
       .Require(message.sigma_size >= 0 &&

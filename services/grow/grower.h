@@ -34,7 +34,7 @@ class Grower {
   /// @param left, right  rectified pair, grey, of one size.
   /// @param seeds        initial correspondences; those whose window leaves an image are ignored.
   /// @param prior        D_p, of the images' size; not looked at unless the similarity is EPC. Its
-  ///                     standard deviations are not looked at.
+  ///                     standard deviation says how far a pixel is searched, see SigmaP().
   /// @returns disparities, one-to-one: rounded to whole pixels, no two left pixels share a right
   ///          pixel. In whole pixels, or with sub_pixel to the counts of DisparityImage. An error
   ///          when sizes differ or the images are smaller than the window.

@@ -11,6 +11,7 @@
 #include "common/bus/publisher.h"
 #include "common/bus/receiver.h"
 #include "common/messages/codec.h"
+#include "tests/common/core/even_prior.h"
 
 namespace sprout {
 namespace {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/bus/frame_joiner.h"
+#include "tests/common/core/even_prior.h"
 
 // Short names for what the joiner is fed with.
 namespace sprout {

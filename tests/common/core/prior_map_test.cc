@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "tests/common/core/even_prior.h"
+
 namespace sprout {
 namespace {
 

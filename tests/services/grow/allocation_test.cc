@@ -8,6 +8,7 @@
 #include "services/grow/confidence.h"
 #include "services/grow/gap_filler.h"
 #include "services/grow/grower.h"
+#include "tests/common/core/even_prior.h"
 #include "tests/common/testing/allocation_guard.h"
 
 namespace sprout {

@@ -5,6 +5,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "tests/common/core/even_prior.h"
+
 namespace sprout {
 namespace {
 

@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "tests/common/core/even_prior.h"
+
 namespace sprout {
 
 cv::Mat1b Noise(cv::Size size, uint32_t seed, int levels) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "services/grow/grower.h"
+#include "tests/common/core/even_prior.h"
 #include "tests/services/grow/grow_scenes.h"
 #include "tests/services/grow/slow_growth.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "services/grow/growth_band.h"
+#include "tests/common/core/even_prior.h"
 #include "tests/services/grow/slow_growth.h"
 
 namespace sprout {

@@ -9,6 +9,7 @@
 
 #include "common/bus/channels.h"
 #include "services/log/program.h"
+#include "tests/common/core/even_prior.h"
 #include "tests/common/logfile/sample_log.h"
 #include "tests/common/messages/examples.h"
 

@@ -6,60 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 
-#include "common/core/tof_coverage.h"
-#include "services/refine/refine_plug.h"
+#include "tests/services/refine/refine_scene.h"
 
 namespace sprout {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
-
-// A ToF camera of 10×8 pixels in the left camera's place, one ToF pixel every 10 image pixels;
-// ToF pixel (i, j) looks at image pixel (10·i, 10·j).
-Rig MakeRig() {
-  Rig rig;
-  rig.pair = {.width = 100,
-              .height = 80,
-              .focal_px = 100,
-              .cx = 50,
-              .cy = 40,
-              .cx_right = 52,
-              .baseline_m = 0.1};
-  rig.tof.width = 10;
-  rig.tof.height = 8;
-  rig.tof.fx = rig.tof.fy = 10;
-  rig.tof.cx = 5;
-  rig.tof.cy = 4;
-  return rig;
-}
-
-// The paper's rules alone: the made-up ToF images hold single points, which all hang loose.
-RefineConfig PaperRules() {
-  RefineConfig config;
-  config.set_loose_tolerance_px(0);
-  config.set_hidden_reach(0);
-  config.set_stereo_seeds(false);
-  return config;
-}
-
-struct Scene {
-  Rig rig = MakeRig();
-  cv::Mat1b left = cv::Mat1b(80, 100, uint8_t{100});
-  cv::Mat1b right = cv::Mat1b(80, 100, uint8_t{100});
-  TofImage tof{.depth_m = cv::Mat1f(8, 10, kNoReturn), .amplitude = {}};
-
-  void SetDisparity(int i, int j, double disparity) {
-    tof.depth_m(j, i) = static_cast<float>(rig.pair.DepthFromDisparity(disparity));
-  }
-
-  Result<SeedSet> Refine(const RefineConfig& config = PaperRules()) const {
-    return Refiner(config).Compute(left, right, tof, TofProjector(rig));
-  }
-};
 
 TEST(Refiner, ProjectsEveryReturnIntoBothImages) {
   Scene scene;
@@ -295,15 +248,6 @@ TEST(Refiner, RefusesAToleranceOutOfRange) {
   EXPECT_THROW(Refiner{config}, ConfigError);
 }
 
-// Texture, 12 px of disparity everywhere.
-Scene TexturedScene() {
-  Scene scene;
-  cv::RNG(3).fill(scene.left, cv::RNG::UNIFORM, 0, 256);
-  cv::GaussianBlur(scene.left, scene.left, {}, 1);
-  scene.left.colRange(12, 100).copyTo(scene.right.colRange(0, 88));
-  return scene;
-}
-
 TEST(Refiner, TakesSeedsFromThePairWhereThereIsNoReturn) {
   Scene scene = TexturedScene();
   const auto blind = scene.Refine(RefineConfig());
@@ -334,98 +278,6 @@ TEST(Refiner, PutsSeedsOfThePairBehindThoseOfTheTofCamera) {
   ASSERT_NE(first_of_stereo, both->seeds.end());
   EXPECT_EQ(first_of_stereo - both->seeds.begin(), CountTofSeeds(both->seeds));
   for (auto seed = first_of_stereo; seed != both->seeds.end(); ++seed) EXPECT_GT(seed->u, 45);
-}
-
-Frame FrameOf(const Scene& scene) {
-  Frame frame;
-  frame.left = scene.left;
-  frame.right = scene.right;
-  frame.tof = scene.tof;
-  frame.rig = scene.rig;
-  frame.id.rig_id = RigId(scene.rig);
-  return frame;
-}
-
-TEST(RefinePlug, MakesNoRaysForAFrameWithoutToFImage) {
-  RefinePlug plug{RefineConfig()};
-  Scene scene = TexturedScene();
-  scene.tof = {};
-  scene.rig.tof.width = scene.rig.tof.height = 16384;  // rays would take gigabytes
-  const Outcome outcome = plug.Process(FrameOf(scene));
-  EXPECT_EQ(outcome.degenerate, "");
-  EXPECT_FALSE(std::get<SeedSet>(outcome.outputs.at(0).value).seeds.empty());
-}
-
-TEST(RefinePlug, SaysWhyAFrameHasNoSeeds) {
-  RefinePlug plug{RefineConfig()};
-  Scene scene;
-  EXPECT_EQ(plug.Process(FrameOf(scene)).degenerate,
-            "no ToF point has a return, and stereo found none");
-  scene.SetDisparity(0, 0, 5);
-  EXPECT_THAT(plug.Process(FrameOf(scene)).degenerate, HasSubstr("none of 1 ToF points"));
-  scene.right = cv::Mat1b(10, 10, uint8_t{0});
-  const Outcome outcome = plug.Process(FrameOf(scene));
-  EXPECT_THAT(outcome.degenerate, HasSubstr("10x10"));
-  ASSERT_EQ(outcome.outputs.size(), 2u);
-  for (const Output& output : outcome.outputs) {
-    EXPECT_TRUE(std::get<SeedSet>(output.value).seeds.empty());
-  }
-}
-
-TEST(RefinePlug, AnswersAToFImageOfAnotherSizeThanCalibratedEmpty) {
-  RefinePlug plug{RefineConfig()};
-  Scene scene;
-  scene.rig.tof.width = scene.rig.tof.height = 16384;  // rays would take gigabytes
-  const Outcome outcome = plug.Process(FrameOf(scene));
-  EXPECT_THAT(outcome.degenerate, HasSubstr("ToF image of 10x8"));
-  EXPECT_EQ(outcome.outputs.size(), 2u);
-}
-
-TEST(RefinePlug, AnswersFramesWithoutToF) {
-  const Scene scene;
-  std::vector<std::pair<const char*, Frame>> frames = {
-      {"a ToF image of NaN", FrameOf(scene)},
-      {"no ToF image", FrameOf(scene)},
-      {"no image of a huge camera", FrameOf(scene)},
-      {"no ToF camera", FrameOf(scene)}};
-  for (size_t i = 1; i < frames.size(); ++i) frames[i].second.tof = TofImage();
-  // Rays would take gigabytes.
-  frames[2].second.rig->tof.width = frames[2].second.rig->tof.height = 10000;
-  frames[3].second.rig->tof = {};
-  RefinePlug plug{RefineConfig()};
-  for (const auto& [name, frame] : frames) {
-    const Outcome outcome = plug.Process(frame);
-    ASSERT_EQ(outcome.outputs.size(), 2u) << name;
-    const auto& set = std::get<SeedSet>(outcome.outputs[0].value);
-    EXPECT_EQ(TofCoverage(set.seeds, frame.left.size()), 0) << name;
-    EXPECT_EQ(set.raw, 0) << name;
-    EXPECT_THAT(outcome.degenerate, testing::Not(HasSubstr("ToF image of"))) << name;
-  }
-}
-
-TEST(RefinePlug, AnswersWithTheSeedsOfEachFrameOnly) {
-  RefinePlug plug{PaperRules()};
-  Scene scene;
-  scene.SetDisparity(1, 4, 9);
-  const auto left_seeds_of = [&](const Outcome& outcome) {
-    EXPECT_EQ(outcome.outputs.at(1).part, Part::kLeftSeeds);
-    return std::get<SeedSet>(outcome.outputs.at(1).value);
-  };
-  EXPECT_EQ(left_seeds_of(plug.Process(FrameOf(scene))).seeds.size(), 1u);
-  scene.tof.depth_m = cv::Mat1f(4, 4, 1.0F);
-  EXPECT_EQ(left_seeds_of(plug.Process(FrameOf(scene))), SeedSet());
-}
-
-TEST(RefinePlug, FollowsAChangeOfCalibration) {
-  RefinePlug plug{PaperRules()};
-  Scene scene;
-  scene.SetDisparity(3, 2, 8);
-  const auto seed_of = [&](const Outcome& outcome) {
-    return std::get<SeedSet>(outcome.outputs.at(0).value).seeds.at(0);
-  };
-  EXPECT_NEAR(seed_of(plug.Process(FrameOf(scene))).v, 20, 1e-3);
-  scene.rig.pair.cy = 45;
-  EXPECT_NEAR(seed_of(plug.Process(FrameOf(scene))).v, 25, 1e-3);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "services/snapshot/snapshot.h"
+#include "tests/common/core/even_prior.h"
 #include "tests/common/picture/temporary_directory.h"
 
 namespace sprout {

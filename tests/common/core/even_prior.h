@@ -1,0 +1,17 @@
+#ifndef SPROUT_TESTS_COMMON_CORE_EVEN_PRIOR_H_
+#define SPROUT_TESTS_COMMON_CORE_EVEN_PRIOR_H_
+
+#include "common/core/prior_map.h"
+
+namespace sprout {
+
+/// A prior that is equally sure wherever it has a disparity. O(pixels).
+inline PriorMap EvenPrior(const DisparityImage& disparity, double sigma_px) {
+  PriorMap prior{disparity, cv::Mat1b(disparity.size(), SigmaToCounts(sigma_px))};
+  prior.sigma.setTo(kMaxSigmaCounts, disparity.counts() == DisparityImage::kInvalid);
+  return prior;
+}
+
+}  // namespace sprout
+
+#endif  // SPROUT_TESTS_COMMON_CORE_EVEN_PRIOR_H_

@@ -1,0 +1,68 @@
+#ifndef SPROUT_TESTS_SERVICES_REFINE_REFINE_SCENE_H_
+#define SPROUT_TESTS_SERVICES_REFINE_REFINE_SCENE_H_
+
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "services/refine/refiner.h"
+
+// What the tests of refinement look at.
+namespace sprout {
+
+inline constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
+
+// A ToF camera of 10×8 pixels in the left camera's place, one ToF pixel every 10 image pixels;
+// ToF pixel (i, j) looks at image pixel (10·i, 10·j).
+inline Rig MakeRig() {
+  Rig rig;
+  rig.pair = {.width = 100,
+              .height = 80,
+              .focal_px = 100,
+              .cx = 50,
+              .cy = 40,
+              .cx_right = 52,
+              .baseline_m = 0.1};
+  rig.tof.width = 10;
+  rig.tof.height = 8;
+  rig.tof.fx = rig.tof.fy = 10;
+  rig.tof.cx = 5;
+  rig.tof.cy = 4;
+  return rig;
+}
+
+// The paper's rules alone: the made-up ToF images hold single points, which all hang loose.
+inline RefineConfig PaperRules() {
+  RefineConfig config;
+  config.set_loose_tolerance_px(0);
+  config.set_hidden_reach(0);
+  config.set_stereo_seeds(false);
+  return config;
+}
+
+struct Scene {
+  Rig rig = MakeRig();
+  cv::Mat1b left = cv::Mat1b(80, 100, uint8_t{100});
+  cv::Mat1b right = cv::Mat1b(80, 100, uint8_t{100});
+  TofImage tof{.depth_m = cv::Mat1f(8, 10, kNoReturn), .amplitude = {}};
+
+  void SetDisparity(int i, int j, double disparity) {
+    tof.depth_m(j, i) = static_cast<float>(rig.pair.DepthFromDisparity(disparity));
+  }
+
+  Result<SeedSet> Refine(const RefineConfig& config = PaperRules()) const {
+    return Refiner(config).Compute(left, right, tof, TofProjector(rig));
+  }
+};
+
+// Texture, 12 px of disparity everywhere.
+inline Scene TexturedScene() {
+  Scene scene;
+  cv::RNG(3).fill(scene.left, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(scene.left, scene.left, {}, 1);
+  scene.left.colRange(12, 100).copyTo(scene.right.colRange(0, 88));
+  return scene;
+}
+
+}  // namespace sprout
+
+#endif  // SPROUT_TESTS_SERVICES_REFINE_REFINE_SCENE_H_
