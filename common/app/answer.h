@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "common/app/plug.h"
 #include "common/app/stage_monitor.h"
 #include "common/config/config.h"
+#include "common/core/plug.h"
 #include "common/messages/convert.h"
 
 namespace sprout {

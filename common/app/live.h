@@ -1,8 +1,8 @@
 #ifndef SPROUT_COMMON_APP_LIVE_H_
 #define SPROUT_COMMON_APP_LIVE_H_
 
-#include "common/app/plug.h"
 #include "common/app/service_context.h"
+#include "common/core/plug.h"
 
 namespace sprout {
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "common/app/plug.h"
 #include "common/config/config.h"
+#include "common/core/plug.h"
 
 namespace sprout {
 

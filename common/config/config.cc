@@ -1,8 +1,10 @@
 #include "common/config/config.h"
 
+#include <dlfcn.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
+#include <link.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -12,6 +14,7 @@
 namespace sprout {
 namespace {
 
+namespace fs = std::filesystem;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
@@ -74,15 +77,26 @@ void MakeDefaultsExplicit(Message& message) {
   }
 }
 
+// The program or the shared library that this code is in.
+fs::path ThisModule() {
+  Dl_info info{};
+  link_map* map = nullptr;
+  const bool in_library = dladdr1(reinterpret_cast<const void*>(&ThisModule), &info,
+                                  reinterpret_cast<void**>(&map), RTLD_DL_LINKMAP) != 0 &&
+                          map->l_name[0] != '\0';
+  std::error_code ignored;
+  return fs::canonical(in_library ? map->l_name : "/proc/self/exe", ignored);
+}
+
 std::string PathOf(const std::string& file) {
   if (file.find_first_of("/.") != std::string::npos) return file;
-  return std::string(SPROUT_PRESETS_DIR) + "/" + file + ".textproto";
+  return (PresetsFolder() / (file + ".textproto")).string();
 }
 
 std::string PresetNames() {
   std::vector<std::string> names;
   std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(SPROUT_PRESETS_DIR, ignored)) {
+  for (const auto& entry : fs::directory_iterator(PresetsFolder(), ignored)) {
     if (entry.path().extension() == ".textproto") names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
@@ -97,7 +111,7 @@ void MergeFile(const std::string& file, SproutConfig& config) {
   std::ostringstream text;
   if (!stream || !(text << stream.rdbuf())) {
     // An empty file makes operator<< fail as well; it is a valid configuration.
-    if (!stream.is_open() || std::filesystem::is_directory(path)) {
+    if (!stream.is_open() || fs::is_directory(path)) {
       throw ConfigError("configuration " + path +
                         ": cannot be read; allowed: a file, or a preset (" + PresetNames() + ")");
     }
@@ -113,6 +127,17 @@ void MergeFile(const std::string& file, SproutConfig& config) {
 }
 
 }  // namespace
+
+fs::path PresetsFolder() {
+  const fs::path module = ThisModule();
+  // bin/sprout-refine and lib/x86_64-linux-gnu/libsprout_pipeline.so: at most two levels.
+  for (fs::path folder = module; folder.has_relative_path(); folder = folder.parent_path()) {
+    std::error_code ignored;
+    const fs::path presets = folder.parent_path() / "share/sprout/presets";
+    if (fs::is_directory(presets, ignored)) return presets;
+  }
+  return module.parent_path() / "../share/sprout/presets";
+}
 
 void RequireInRange(const Message& config, const std::string& prefix) {
   const Reflection& reflection = *config.GetReflection();

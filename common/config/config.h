@@ -3,6 +3,7 @@
 
 #include <google/protobuf/message.h>
 
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -18,11 +19,15 @@ class ConfigError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Where the presets that ship lie: share/sprout/presets beside the bin or lib folder that the
+/// program (or the shared library) is in, so that an installed tree can be moved.
+std::filesystem::path PresetsFolder();
+
 /// Reads configuration files in protobuf text format and merges them, later ones over earlier
 /// ones; without files, all defaults.
 ///
 /// @param files  paths, or names of presets (a name without '/' and '.' stands for
-///               NAME.textproto in the presets folder that ships).
+///               NAME.textproto in PresetsFolder()).
 /// @returns the effective configuration: every field is set.
 /// @throws ConfigError for a missing file, a syntax error, an unknown key, a value out of range.
 SproutConfig LoadConfig(const std::vector<std::string>& files);

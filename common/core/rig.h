@@ -6,6 +6,8 @@
 #include <opencv2/core/types.hpp>
 #include <string>
 
+#include "common/core/result.h"
+
 namespace sprout {
 
 /// The rectified stereo pair: two pinhole cameras with one focal length, one row of the principal
@@ -33,7 +35,8 @@ struct RectifiedPair {
   }
 };
 
-/// The ToF camera: pinhole, Brown's lens distortion, pose in the left rectified frame.
+/// The ToF camera: pinhole, Brown's lens distortion, pose in the left rectified frame. Its members
+/// have one layout whatever a program lets Eigen vectorise.
 struct TofCamera {
   int width = 0;   ///< px; 0 = there is no ToF camera
   int height = 0;  ///< px; 0 = there is no ToF camera
@@ -44,7 +47,8 @@ struct TofCamera {
   std::array<double, 5> distortion{};  ///< k1, k2, p1, p2, k3 (OpenCV's order)
   /// Rotation and position (m) of the ToF camera in the left rectified frame (x right, y down,
   /// z forward): point_in_left = rotation · point_in_tof + translation.
-  Eigen::Quaterniond left_from_tof_rotation = Eigen::Quaterniond::Identity();
+  Eigen::Quaternion<double, Eigen::DontAlign> left_from_tof_rotation =
+      Eigen::Quaternion<double, Eigen::DontAlign>::Identity();
   Eigen::Vector3d left_from_tof_translation_m = Eigen::Vector3d::Zero();
 };
 
@@ -53,6 +57,11 @@ struct Rig {
   RectifiedPair pair;
   TofCamera tof;
 };
+
+/// Whether a calibration can be used: finite numbers, lengths > 0, images of at most kMaxSide and
+/// kMaxPixels, a rotation of norm 1. The error names the first field that is not so, as rig_t.lcm
+/// calls it.
+Result<void> CheckRig(const Rig& rig);
 
 /// Digest of a calibration: 16 hexadecimal digits, equal for equal numbers on every machine.
 std::string RigId(const Rig& rig);

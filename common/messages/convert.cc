@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "common/messages/checks.h"
+#include "common/core/checks.h"
 #include "common/messages/disparity_codec.h"
 #include "common/messages/jpeg.h"
 
@@ -158,7 +158,7 @@ rig_t ToMessage(const FrameId& id, const Rig& rig) {
   message.tof_cx = rig.tof.cx;
   message.tof_cy = rig.tof.cy;
   std::copy(rig.tof.distortion.begin(), rig.tof.distortion.end(), message.tof_distortion);
-  const Eigen::Quaterniond& rotation = rig.tof.left_from_tof_rotation;
+  const auto& rotation = rig.tof.left_from_tof_rotation;
   message.left_from_tof_rotation[0] = rotation.w();
   message.left_from_tof_rotation[1] = rotation.x();
   message.left_from_tof_rotation[2] = rotation.y();
@@ -170,32 +170,6 @@ rig_t ToMessage(const FrameId& id, const Rig& rig) {
 
 Result<Rig> FromMessage(const rig_t& message) {
   const double* q = message.left_from_tof_rotation;
-  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  Checks checks;
-  checks.Side("width", message.width)
-      .Side("height", message.height)
-      .Pixels("width × height", message.width, message.height)
-      .Positive("focal_px", message.focal_px)
-      .Finite("cx", message.cx)
-      .Finite("cy", message.cy)
-      .Finite("cx_right", message.cx_right)
-      .Positive("baseline_m", message.baseline_m)
-      .SidesOrNone("tof_width", message.tof_width, "tof_height", message.tof_height)
-      .Pixels("tof_width × tof_height", message.tof_width, message.tof_height)
-      .Finite("tof_cx", message.tof_cx)
-      .Finite("tof_cy", message.tof_cy)
-      .Require(std::abs(norm - 1) < 1e-6, "left_from_tof_rotation norm", norm,
-               "1 (a unit quaternion)");
-  for (const auto& [field, focal_px] :
-       {std::pair{"tof_fx", message.tof_fx}, {"tof_fy", message.tof_fy}}) {
-    // A rig without a ToF camera has no lens either.
-    message.tof_width > 0 ? checks.Positive(field, focal_px) : checks.Finite(field, focal_px);
-  }
-  for (double value : message.tof_distortion) checks.Finite("tof_distortion", value);
-  for (double value : message.left_from_tof_translation_m) {
-    checks.Finite("left_from_tof_translation_m", value);
-  }
-  if (!checks.ok()) return checks.error();
   Rig rig{
       .pair = {.width = message.width,
                .height = message.height,
@@ -214,7 +188,7 @@ Result<Rig> FromMessage(const rig_t& message) {
               .left_from_tof_translation_m = Eigen::Vector3d(message.left_from_tof_translation_m)}};
   std::copy(std::begin(message.tof_distortion), std::end(message.tof_distortion),
             rig.tof.distortion.begin());
-  return rig;
+  return CheckRig(rig).map([&] { return rig; });
 }
 
 disparity_image_t ToMessage(const FrameId& id, const DisparityImage& disparity,

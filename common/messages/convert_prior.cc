@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <string>
 
-#include "common/messages/checks.h"
+#include "common/core/checks.h"
 #include "common/messages/convert.h"
 #include "common/messages/disparity_codec.h"
 #include "common/messages/sigma_codec.h"

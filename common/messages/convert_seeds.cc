@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "common/messages/checks.h"
+#include "common/core/checks.h"
 #include "common/messages/convert.h"
 
 namespace sprout {

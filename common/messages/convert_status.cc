@@ -1,4 +1,4 @@
-#include "common/messages/checks.h"
+#include "common/core/checks.h"
 #include "common/messages/convert.h"
 
 namespace sprout {

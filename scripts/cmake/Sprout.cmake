@@ -4,6 +4,10 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+include(GNUInstallDirs)
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}")
+# What the installed shared libraries are made of is what the programs are made of.
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
 add_library(sprout_options INTERFACE)
 # Eigen and fused multiply-adds, see below; Eigen is on no hot path here.
@@ -16,7 +20,9 @@ target_compile_options(
             $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
             # Fused multiply-add rounds once where two instructions round twice: without this flag
             # the same input gives other bytes on CPUs that have it.
-            -ffp-contract=off $<$<BOOL:${SPROUT_WERROR}>:-Werror>)
+            -ffp-contract=off
+            # No function of ours is ever replaced at run time, so the compiler may inline it.
+            -fno-semantic-interposition $<$<BOOL:${SPROUT_WERROR}>:-Werror>)
 if(SPROUT_SANITIZE)
   target_compile_options(sprout_options INTERFACE -fsanitize=${SPROUT_SANITIZE}
                                                   -fno-omit-frame-pointer -fno-sanitize-recover=all)
@@ -70,6 +76,7 @@ function(sprout_service name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPS" ${ARGN})
   add_executable(sprout-${name} ${arg_SOURCES})
   target_link_libraries(sprout-${name} PRIVATE sprout_options ${arg_DEPS})
+  install(TARGETS sprout-${name} RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endfunction()
 
 # sprout_test(NAME SOURCES ... [DEPS ...]): GoogleTest program NAME_test, each TEST one ctest entry.

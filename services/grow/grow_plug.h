@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "common/app/plug.h"
+#include "common/core/plug.h"
 #include "services/grow/confidence.h"
 #include "services/grow/gap_filler.h"
 #include "services/grow/grower.h"

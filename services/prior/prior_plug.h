@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "common/app/plug.h"
+#include "common/core/plug.h"
 #include "services/prior/prior_estimator.h"
 
 namespace sprout {

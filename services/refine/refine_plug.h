@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "common/app/plug.h"
+#include "common/core/plug.h"
 #include "services/refine/refiner.h"
 
 namespace sprout {

@@ -43,7 +43,7 @@ class ConfigFiles : public ::testing::Test {
 
 std::vector<std::string> ShippedPresets() {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(SPROUT_PRESETS_DIR)) {
+  for (const auto& entry : std::filesystem::directory_iterator(PresetsFolder())) {
     names.push_back(entry.path().stem().string());
   }
   return names;
@@ -53,7 +53,7 @@ TEST_F(ConfigFiles, LoadsEveryPresetThatShipsByNameAndByPath) {
   const std::vector<std::string> names = ShippedPresets();
   ASSERT_FALSE(names.empty());
   for (const std::string& name : names) {
-    const std::string path = std::string(SPROUT_PRESETS_DIR) + "/" + name + ".textproto";
+    const std::string path = (PresetsFolder() / (name + ".textproto")).string();
     EXPECT_EQ(ConfigText(LoadConfig({name})), ConfigText(LoadConfig({path}))) << name;
   }
 }

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_APP_PLUG_H_
-#define SPROUT_COMMON_APP_PLUG_H_
+#ifndef SPROUT_COMMON_CORE_PLUG_H_
+#define SPROUT_COMMON_CORE_PLUG_H_
 
 #include <string>
 #include <vector>
@@ -38,4 +38,4 @@ class Plug {
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_APP_PLUG_H_
+#endif  // SPROUT_COMMON_CORE_PLUG_H_

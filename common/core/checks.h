@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_MESSAGES_CHECKS_H_
-#define SPROUT_COMMON_MESSAGES_CHECKS_H_
+#ifndef SPROUT_COMMON_CORE_CHECKS_H_
+#define SPROUT_COMMON_CORE_CHECKS_H_
 
 #include <cmath>
 #include <cstdint>
@@ -7,13 +7,13 @@
 #include <string>
 
 #include "common/core/disparity_image.h"
+#include "common/core/image.h"
 #include "common/core/result.h"
-#include "common/messages/convert.h"
 
 namespace sprout {
 
-/// A series of checks on the fields of a message; keeps the first complaint, which names field,
-/// value and what is allowed.
+/// A series of checks on the fields of a message or a calibration; keeps the first complaint, which
+/// names field, value and what is allowed.
 class Checks {
  public:
   template <typename Value>
@@ -83,4 +83,4 @@ class Checks {
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_MESSAGES_CHECKS_H_
+#endif  // SPROUT_COMMON_CORE_CHECKS_H_

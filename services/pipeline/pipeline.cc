@@ -1,0 +1,108 @@
+#include "services/pipeline/pipeline.h"
+
+#include <limits>
+#include <utility>
+
+#include "common/core/image.h"
+#include "common/geometry/projection.h"
+#include "services/grow/grow_plug.h"
+#include "services/prior/prior_plug.h"
+#include "services/refine/refine_plug.h"
+
+namespace sprout {
+namespace {
+
+Result<void> CheckImage(const char* name, const cv::Mat& image, cv::Size calibrated) {
+  if (image.type() != CV_8UC1 && image.type() != CV_8UC3) {
+    return Fail(std::string(name) + ": of OpenCV's type " + cv::typeToString(image.type()) +
+                "; allowed: CV_8UC1, CV_8UC3");
+  }
+  if (image.size() != calibrated) {
+    return Fail(std::string(name) + ": " + SizeText(image.size()) +
+                "; allowed: the calibrated size " + SizeText(calibrated));
+  }
+  return {};
+}
+
+Result<void> CheckTof(const TofImage& tof, const Rig& rig) {
+  if (tof.depth_m.empty()) return {};
+  if (!tof.amplitude.empty() && tof.amplitude.size() != tof.depth_m.size()) {
+    return Fail("tof.amplitude: " + SizeText(tof.amplitude.size()) + "; allowed: empty, or " +
+                SizeText(tof.depth_m.size()) + " as tof.depth_m");
+  }
+  return CheckTofSize(rig, tof);
+}
+
+Result<void> CheckInput(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
+                        const Rig& rig) {
+  return CheckRig(rig)
+      .and_then([&] { return CheckImage("left", left, rig.pair.size()); })
+      .and_then([&] { return CheckImage("right", right, rig.pair.size()); })
+      .and_then([&] { return CheckTof(tof, rig); });
+}
+
+cv::Mat1f DepthOf(const DisparityImage& disparity, const RectifiedPair& pair) {
+  const double infinity_px = pair.cx - pair.cx_right;
+  cv::Mat1f depth_m(disparity.size(), std::numeric_limits<float>::quiet_NaN());
+  for (int v = 0; v < disparity.height(); ++v) {
+    for (int u = 0; u < disparity.width(); ++u) {
+      const double px = double{disparity.Px(u, v)};
+      if (px > infinity_px) {  // false for NaN
+        depth_m(v, u) = static_cast<float>(pair.DepthFromDisparity(px));
+      }
+    }
+  }
+  return depth_m;
+}
+
+}  // namespace
+
+struct Pipeline::Stages {
+  explicit Stages(const SproutConfig& config)
+      : refine(config.refine()), prior(config.prior()), grow(config.grow()) {}
+
+  RefinePlug refine;
+  PriorPlug prior;
+  GrowPlug grow;
+};
+
+Pipeline::Pipeline(const SproutConfig& config) {
+  RequireInRange(config, "");
+  stages_ = std::make_unique<Stages>(config);
+}
+Pipeline::~Pipeline() = default;
+Pipeline::Pipeline(Pipeline&&) noexcept = default;
+Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
+
+Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
+                                     const Rig& rig) {
+  if (const Result<void> fits = CheckInput(left, right, tof, rig); !fits) {
+    return tl::unexpected(fits.error());
+  }
+  Frame frame;
+  frame.left = left;
+  frame.right = right;
+  frame.tof = tof;
+  frame.rig = rig;
+  DepthFrame result;
+  const auto run = [&](const char* name, Plug& stage) {
+    Outcome outcome = stage.Process(frame);
+    for (Output& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
+    if (!outcome.degenerate.empty()) {
+      result.warnings.push_back(std::string(name) + ": " + outcome.degenerate);
+    }
+  };
+  run("refine", stages_->refine);
+  if (stages_->grow.Inputs().Has(Part::kPrior)) run("prior", stages_->prior);
+  run("grow", stages_->grow);
+
+  result.disparity = std::move(*frame.disparity);
+  result.confidence = frame.confidence;
+  result.depth_m = DepthOf(result.disparity, rig.pair);
+  result.prior = frame.prior.value_or(PriorMap());
+  result.seeds = std::move(*frame.seeds);
+  result.left_seeds = std::move(*frame.left_seeds);
+  return result;
+}
+
+}  // namespace sprout
