@@ -40,9 +40,14 @@ cv::Mat ToMat(const sprout::image_t& message) {
       .clone();
 }
 
-sprout::TofImage ToTof(sprout::tof_image_t message) {
-  return {.depth_m = cv::Mat1f(message.depth_m, true).reshape(1, message.height),
-          .amplitude = cv::Mat1f(message.amplitude, true).reshape(1, message.height)};
+cv::Mat1f Rows(const std::vector<float>& values, int rows) {
+  if (values.empty()) return {};
+  return cv::Mat1f(values, /*copyData=*/true).reshape(1, rows);
+}
+
+sprout::TofImage ToTof(const sprout::tof_image_t& message) {
+  return {.depth_m = Rows(message.depth_m, message.height),
+          .amplitude = Rows(message.amplitude, message.height)};
 }
 
 sprout::Rig ToRig(const sprout::rig_t& m) {
