@@ -9,33 +9,10 @@
 
 namespace sprout {
 
-/// The channel of a part, without prefix. The only place that names channels.
-constexpr std::string_view ChannelOf(Part part) {
-  switch (part) {
-    case Part::kLeft:
-      return "SPROUT_LEFT";
-    case Part::kRight:
-      return "SPROUT_RIGHT";
-    case Part::kTof:
-      return "SPROUT_TOF";
-    case Part::kRig:
-      return "SPROUT_RIG";
-    case Part::kSeeds:
-      return "SPROUT_SEEDS";
-    case Part::kLeftSeeds:
-      return "SPROUT_LEFT_SEEDS";
-    case Part::kPrior:
-      return "SPROUT_PRIOR";
-    case Part::kUnfilled:
-      return "SPROUT_UNFILLED";
-    case Part::kDisparity:
-      return "SPROUT_DISPARITY";
-    case Part::kConfidence:
-      return "SPROUT_CONFIDENCE";
-  }
-  return {};
-}
+/// The channel of a part, without prefix.
+constexpr std::string_view ChannelOf(Part part) { return RowOf(part).channel; }
 
+/// Of SPROUT_STATUS, which is no part of a frame.
 inline constexpr std::string_view kStatusChannel = "SPROUT_STATUS";
 
 /// Every channel of the graph, without prefix.

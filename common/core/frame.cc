@@ -1,72 +1,64 @@
 #include "common/core/frame.h"
 
+#include <type_traits>
 #include <utility>
 
 namespace sprout {
 
+namespace {
+
+size_t Bytes(const cv::Mat& mat) { return mat.total() * mat.elemSize(); }
+size_t Bytes(const TofImage& tof) { return Bytes(tof.depth_m) + Bytes(tof.amplitude); }
+size_t Bytes(const Rig&) { return 0; }
+size_t Bytes(const SeedSet& set) { return set.seeds.capacity() * sizeof(Seed); }
+size_t Bytes(const DisparityImage& map) { return Bytes(map.counts()); }
+size_t Bytes(const PriorMap& prior) { return Bytes(prior.disparity) + Bytes(prior.sigma); }
+template <typename Value>
+size_t Bytes(const std::optional<Value>& value) {
+  return value ? Bytes(*value) : 0;
+}
+
+// 0×0 for what is no picture of the left or right camera.
+template <typename Value>
+cv::Size PictureSize(const Value&) {
+  return {};
+}
+cv::Size PictureSize(const cv::Mat& image) { return image.size(); }
+template <typename Map>
+requires requires(Map map) {
+  map.CountValid();
+} || std::is_same_v<Map, PriorMap> cv::Size PictureSize(const std::optional<Map>& map) {
+  return map ? map->size() : cv::Size();
+}
+
+}  // namespace
+
 void SetPart(Frame& frame, Part part, PartValue value) {
-  switch (part) {
-    case Part::kLeft:
-      frame.left = std::get<cv::Mat>(std::move(value));
-      return;
-    case Part::kRight:
-      frame.right = std::get<cv::Mat>(std::move(value));
-      return;
-    case Part::kTof:
-      frame.tof = std::get<TofImage>(std::move(value));
-      return;
-    case Part::kRig:
-      frame.rig = std::get<Rig>(std::move(value));
-      return;
-    case Part::kSeeds:
-      frame.seeds = std::get<SeedSet>(std::move(value));
-      return;
-    case Part::kLeftSeeds:
-      frame.left_seeds = std::get<SeedSet>(std::move(value));
-      return;
-    case Part::kPrior:
-      frame.prior = std::get<PriorMap>(std::move(value));
-      return;
-    case Part::kUnfilled:
-      frame.unfilled = std::get<DisparityImage>(std::move(value));
-      return;
-    case Part::kDisparity:
-      frame.disparity = std::get<DisparityImage>(std::move(value));
-      return;
-    case Part::kConfidence:
-      frame.confidence = std::get<cv::Mat>(std::move(value));
-      return;
-  }
+  std::visit(
+      [&](auto member) {
+        using Member = std::remove_reference_t<decltype(frame.*member)>;
+        if constexpr (std::is_same_v<Member, cv::Mat>) {
+          frame.*member = std::get<cv::Mat>(std::move(value));
+        } else {
+          frame.*member = std::get<typename Member::value_type>(std::move(value));
+        }
+      },
+      RowOf(part).member);
 }
 
 size_t BytesOf(const Frame& frame) {
   size_t bytes = 0;
-  const auto add = [&](const cv::Mat& mat) { bytes += mat.total() * mat.elemSize(); };
-  const auto add_map = [&](const auto& map) { add(map ? map->counts() : cv::Mat1s()); };
-  const auto add_seeds = [&](const auto& set) {
-    bytes += set ? set->seeds.capacity() * sizeof(Seed) : 0;
-  };
-  add(frame.left);
-  add(frame.right);
-  add(frame.tof ? frame.tof->depth_m : cv::Mat1f());
-  add(frame.tof ? frame.tof->amplitude : cv::Mat1f());
-  add_seeds(frame.seeds);
-  add_seeds(frame.left_seeds);
-  add(frame.prior ? frame.prior->disparity.counts() : cv::Mat1s());
-  add(frame.prior ? frame.prior->sigma : cv::Mat1b());
-  add_map(frame.unfilled);
-  add_map(frame.disparity);
-  add(frame.confidence);
+  for (const PartRow& row : kPartTable) {
+    bytes += std::visit([&](auto member) { return Bytes(frame.*member); }, row.member);
+  }
   return bytes;
 }
 
 std::optional<cv::Size> ImageSize(const Frame& frame) {
-  for (const cv::Mat* image : {&frame.left, &frame.right, &frame.confidence}) {
-    if (!image->empty()) return image->size();
-  }
-  if (frame.prior) return frame.prior->size();
-  for (const auto* map : {&frame.unfilled, &frame.disparity}) {
-    if (*map) return (*map)->size();
+  for (const PartRow& row : kPartTable) {
+    const cv::Size size =
+        std::visit([&](auto member) { return PictureSize(frame.*member); }, row.member);
+    if (!size.empty()) return size;
   }
   return std::nullopt;
 }

@@ -1,10 +1,13 @@
 #ifndef SPROUT_COMMON_CORE_FRAME_H_
 #define SPROUT_COMMON_CORE_FRAME_H_
 
+#include <array>
 #include <bitset>
 #include <initializer_list>
+#include <iterator>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <string_view>
 #include <variant>
 
 #include "common/core/disparity_image.h"
@@ -29,10 +32,7 @@ enum class Part {
   kDisparity,   ///< final disparity map
   kConfidence,  ///< how far its disparities can be trusted
 };
-inline constexpr int kPartCount = 10;
-inline constexpr Part kAllParts[kPartCount] = {
-    Part::kLeft,      Part::kRight, Part::kTof,      Part::kRig,       Part::kSeeds,
-    Part::kLeftSeeds, Part::kPrior, Part::kUnfilled, Part::kDisparity, Part::kConfidence};
+inline constexpr int kPartCount = static_cast<int>(Part::kConfidence) + 1;
 
 /// A set of parts.
 class PartSet {
@@ -48,13 +48,6 @@ class PartSet {
  private:
   std::bitset<kPartCount> bits_;
 };
-
-/// All of them.
-inline PartSet AllParts() {
-  PartSet parts;
-  for (const Part part : kAllParts) parts.Add(part);
-  return parts;
-}
 
 /// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for the confidence.
 using PartValue = std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap>;
@@ -74,6 +67,53 @@ struct Frame {
   std::optional<DisparityImage> disparity;
   cv::Mat confidence;  ///< 8UC1
 };
+
+/// Where a part stands in a frame. The type of the member decides which message carries the part,
+/// see TypeOf() in common/messages.
+using PartMember =
+    std::variant<cv::Mat Frame::*, std::optional<TofImage> Frame::*, std::optional<Rig> Frame::*,
+                 std::optional<SeedSet> Frame::*, std::optional<DisparityImage> Frame::*,
+                 std::optional<PriorMap> Frame::*>;
+
+/// What there is to know about a part.
+struct PartRow {
+  Part part;
+  std::string_view channel;  ///< without prefix
+  PartMember member;
+};
+
+/// The table of all parts, in the order of their numbers. A new part is a number, a member of Frame
+/// and a row here.
+inline constexpr PartRow kPartTable[] = {
+    {Part::kLeft, "SPROUT_LEFT", &Frame::left},
+    {Part::kRight, "SPROUT_RIGHT", &Frame::right},
+    {Part::kTof, "SPROUT_TOF", &Frame::tof},
+    {Part::kRig, "SPROUT_RIG", &Frame::rig},
+    {Part::kSeeds, "SPROUT_SEEDS", &Frame::seeds},
+    {Part::kLeftSeeds, "SPROUT_LEFT_SEEDS", &Frame::left_seeds},
+    {Part::kPrior, "SPROUT_PRIOR", &Frame::prior},
+    {Part::kUnfilled, "SPROUT_UNFILLED", &Frame::unfilled},
+    {Part::kDisparity, "SPROUT_DISPARITY", &Frame::disparity},
+    {Part::kConfidence, "SPROUT_CONFIDENCE", &Frame::confidence},
+};
+static_assert(std::size(kPartTable) == kPartCount);
+
+/// Row of a part.
+constexpr const PartRow& RowOf(Part part) { return kPartTable[static_cast<size_t>(part)]; }
+
+/// All parts, in the order of their numbers.
+inline constexpr std::array<Part, kPartCount> kAllParts = [] {
+  std::array<Part, kPartCount> parts{};
+  for (size_t i = 0; i < parts.size(); ++i) parts[i] = kPartTable[i].part;
+  return parts;
+}();
+
+/// The set of all parts.
+inline PartSet AllParts() {
+  PartSet parts;
+  for (const Part part : kAllParts) parts.Add(part);
+  return parts;
+}
 
 /// Puts a part into its place in the frame.
 /// @pre the alternative in `value` is the one of `part`.

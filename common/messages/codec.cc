@@ -1,6 +1,7 @@
 #include "common/messages/codec.h"
 
 #include <algorithm>
+#include <cassert>
 #include <exception>
 #include <initializer_list>
 #include <string>
@@ -181,7 +182,7 @@ Result<void> CheckCompressedSize(const Message& message, std::optional<cv::Size>
 
 template <typename Message>
 Result<DecodedPart> Decode(std::span<const uint8_t> bytes,
-                           [[maybe_unused]] std::optional<cv::Size> expected = std::nullopt) {
+                           [[maybe_unused]] std::optional<cv::Size> expected) {
   const Result<Message> message = DecodeMessage<Message>(bytes);
   if (!message) return tl::unexpected(message.error());
   Result<FrameId> id = FromMessage(message->header);
@@ -197,52 +198,57 @@ Result<DecodedPart> Decode(std::span<const uint8_t> bytes,
   return DecodedPart{std::move(*id), std::move(*value)};
 }
 
+// The message that carries a member of Frame.
+template <typename Member>
+struct MessageFor : MessageFor<typename Member::value_type> {};
+template <>
+struct MessageFor<cv::Mat> {
+  using Type = image_t;
+};
+template <>
+struct MessageFor<TofImage> {
+  using Type = tof_image_t;
+};
+template <>
+struct MessageFor<Rig> {
+  using Type = rig_t;
+};
+template <>
+struct MessageFor<SeedSet> {
+  using Type = seeds_t;
+};
+template <>
+struct MessageFor<DisparityImage> {
+  using Type = disparity_image_t;
+};
+template <>
+struct MessageFor<PriorMap> {
+  using Type = prior_t;
+};
+
 }  // namespace
 
-std::vector<uint8_t> EncodePart(const FrameId& id, Part part, const PartValue& value,
-                                DisparityEncoding encoding) {
-  switch (part) {
-    case Part::kLeft:
-    case Part::kRight:
-    case Part::kConfidence:
-      return EncodeMessage(ToMessage(id, std::get<cv::Mat>(value)));
-    case Part::kTof:
-      return EncodeMessage(ToMessage(id, std::get<TofImage>(value)));
-    case Part::kRig:
-      return EncodeMessage(ToMessage(id, std::get<Rig>(value)));
-    case Part::kSeeds:
-    case Part::kLeftSeeds:
-      return EncodeMessage(ToMessage(id, std::get<SeedSet>(value)));
-    case Part::kPrior:
-      return EncodeMessage(ToMessage(id, std::get<PriorMap>(value), encoding));
-    case Part::kUnfilled:
-    case Part::kDisparity:
-      return EncodeMessage(ToMessage(id, std::get<DisparityImage>(value), encoding));
-  }
-  return {};
+std::vector<uint8_t> EncodePart(const FrameId& id, [[maybe_unused]] Part part,
+                                const PartValue& value, DisparityEncoding encoding) {
+  assert(value.index() == RowOf(part).member.index());
+  return std::visit(
+      [&](const auto& content) {
+        if constexpr (requires { ToMessage(id, content, encoding); }) {
+          return EncodeMessage(ToMessage(id, content, encoding));
+        } else {
+          return EncodeMessage(ToMessage(id, content));
+        }
+      },
+      value);
 }
 
 Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
                                std::optional<cv::Size> expected) {
-  switch (part) {
-    case Part::kLeft:
-    case Part::kRight:
-    case Part::kConfidence:
-      return Decode<image_t>(bytes, expected);
-    case Part::kTof:
-      return Decode<tof_image_t>(bytes);
-    case Part::kRig:
-      return Decode<rig_t>(bytes);
-    case Part::kSeeds:
-    case Part::kLeftSeeds:
-      return Decode<seeds_t>(bytes);
-    case Part::kPrior:
-      return Decode<prior_t>(bytes, expected);
-    case Part::kUnfilled:
-    case Part::kDisparity:
-      return Decode<disparity_image_t>(bytes, expected);
-  }
-  return Fail("unknown part");
+  return std::visit(
+      [&]<typename Member>(Member Frame::*) {
+        return Decode<typename MessageFor<Member>::Type>(bytes, expected);
+      },
+      RowOf(part).member);
 }
 
 std::vector<uint8_t> EncodeStatus(const StageStatus& status) {

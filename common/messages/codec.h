@@ -20,9 +20,10 @@ struct DecodedPart {
   PartValue value;
 };
 
-/// Bytes of the message that carries a part, and back. The type of the message follows from the
-/// part (lcmtypes/README.md). Decoding survives any bytes: a wrong type, a size that does not fit
-/// or a hostile array count yields an error before memory is taken for it.
+/// Bytes of the message that carries a part, and back. The type of the message follows from that
+/// of the part's member in Frame (kPartTable, lcmtypes/README.md). Decoding survives any bytes: a
+/// wrong type, a size that does not fit or a hostile array count yields an error before memory is
+/// taken for it.
 ///
 /// @param expected  size that the rectified images of this frame have, where it is known. A
 ///                  compressed picture or map of another size is refused before it is decoded: a

@@ -1,5 +1,6 @@
 #include "common/messages/message_type.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -23,30 +24,10 @@ const std::array<KnownType, 7>& KnownTypes() {
                                                  Known<tof_image_t>(MessageType::kTof),
                                                  Known<rig_t>(MessageType::kRig),
                                                  Known<seeds_t>(MessageType::kSeeds),
-                                                 Known<prior_t>(MessageType::kPrior),
                                                  Known<disparity_image_t>(MessageType::kDisparity),
+                                                 Known<prior_t>(MessageType::kPrior),
                                                  Known<stage_status_t>(MessageType::kStatus)};
   return types;
-}
-
-// Any part of a type: decoding is the same for all of them.
-Part PartOf(MessageType type) {
-  switch (type) {
-    case MessageType::kImage:
-      return Part::kLeft;
-    case MessageType::kTof:
-      return Part::kTof;
-    case MessageType::kRig:
-      return Part::kRig;
-    case MessageType::kSeeds:
-      return Part::kSeeds;
-    case MessageType::kPrior:
-      return Part::kPrior;
-    case MessageType::kDisparity:
-    case MessageType::kStatus:
-      break;
-  }
-  return Part::kDisparity;
 }
 
 }  // namespace
@@ -68,27 +49,7 @@ std::optional<MessageType> TypeOf(std::span<const uint8_t> bytes) {
   return std::nullopt;
 }
 
-MessageType TypeOf(Part part) {
-  switch (part) {
-    case Part::kLeft:
-    case Part::kRight:
-    case Part::kConfidence:
-      return MessageType::kImage;
-    case Part::kTof:
-      return MessageType::kTof;
-    case Part::kRig:
-      return MessageType::kRig;
-    case Part::kSeeds:
-    case Part::kLeftSeeds:
-      return MessageType::kSeeds;
-    case Part::kPrior:
-      return MessageType::kPrior;
-    case Part::kUnfilled:
-    case Part::kDisparity:
-      break;
-  }
-  return MessageType::kDisparity;
-}
+MessageType TypeOf(Part part) { return static_cast<MessageType>(RowOf(part).member.index()); }
 
 Result<DecodedMessage> DecodeAs(MessageType type, std::span<const uint8_t> bytes) {
   if (type == MessageType::kStatus) {
@@ -96,7 +57,9 @@ Result<DecodedMessage> DecodeAs(MessageType type, std::span<const uint8_t> bytes
     if (!status) return tl::unexpected(status.error());
     return DecodedMessage{std::move(status->newest_frame), {}};
   }
-  Result<DecodedPart> part = DecodePart(PartOf(type), bytes);
+  // Any part of the type: decoding is the same for all of them.
+  const auto any = std::ranges::find(kAllParts, type, [](Part part) { return TypeOf(part); });
+  Result<DecodedPart> part = DecodePart(*any, bytes);
   if (!part) return tl::unexpected(part.error());
   return DecodedMessage{std::move(part->id), std::move(part->value)};
 }

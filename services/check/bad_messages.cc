@@ -5,6 +5,8 @@
 #include <random>
 #include <utility>
 
+#include "common/messages/message_type.h"
+
 namespace sprout {
 namespace {
 
@@ -45,19 +47,16 @@ Bytes WithRandomBytes(Bytes bytes, size_t from, unsigned seed) {
 
 // The int32 fields right behind the header of which any other value makes the message bad.
 std::vector<std::string> SizeFields(Part part) {
-  switch (part) {
-    case Part::kLeft:
-    case Part::kRight:
-    case Part::kConfidence:
+  switch (TypeOf(part)) {
+    case MessageType::kImage:
       return {"width", "height", "row_stride", "pixel_format", "size"};
-    case Part::kTof:
+    case MessageType::kTof:
       return {"width", "height", "count", "amplitude_count"};
-    case Part::kRig:
+    case MessageType::kRig:
       return {"width", "height"};
-    case Part::kSeeds:
-    case Part::kLeftSeeds:
+    case MessageType::kSeeds:
       return {"count"};
-    case Part::kPrior:
+    case MessageType::kPrior:
       return {"width",
               "height",
               "encoding",
@@ -66,9 +65,10 @@ std::vector<std::string> SizeFields(Part part) {
               "size",
               "sigma_counts_per_px",
               "sigma_size"};
-    case Part::kUnfilled:
-    case Part::kDisparity:
+    case MessageType::kDisparity:
       return {"width", "height", "encoding", "counts_per_px", "invalid", "size"};
+    case MessageType::kStatus:
+      break;
   }
   return {};
 }
@@ -131,7 +131,7 @@ void AddBadValues(Part part, std::vector<Spoiling>& ways) {
     ways.push_back(
         {"focal_px = NaN", [](const Bytes& b) { return WithInt32(b, BodyOf(b) + 2 * 4, kNan); }});
   }
-  if (part == Part::kSeeds || part == Part::kLeftSeeds) {
+  if (TypeOf(part) == MessageType::kSeeds) {
     // The arrays, one behind the other: u, v, u_right, sigma_px; origin; tof_u, tof_v.
     AddBadSeed("u_right of the first seed = NaN", 2 * sizeof(float), kNan, ways);
     AddBadSeed("sigma_px of the first seed = NaN", 3 * sizeof(float), kNan, ways);

@@ -17,26 +17,24 @@ inline FrameId IdOf(int64_t seq, const std::string& rig_id = "rig") {
 
 /// A part whose content shows what it was made from.
 inline PartValue ValueOf(Part part, int mark) {
-  switch (part) {
-    case Part::kLeft:
-    case Part::kRight:
-    case Part::kConfidence:
-      return cv::Mat(1, 1, CV_8UC1, cv::Scalar(mark));
-    case Part::kTof:
-      return TofImage{.depth_m = cv::Mat1f(1, 1, static_cast<float>(mark)), .amplitude = {}};
-    case Part::kRig: {
-      Rig rig;
-      rig.pair.width = mark;
-      return rig;
-    }
-    case Part::kSeeds:
-    case Part::kLeftSeeds:
-      return SeedSet{.seeds = {}, .raw = mark};
-    case Part::kPrior:
-      return EvenPrior(DisparityImage(cv::Mat1s(1, 1, static_cast<int16_t>(mark))), 1);
-    default:
-      return DisparityImage(cv::Mat1s(1, 1, static_cast<int16_t>(mark)));
+  const PartMember member = RowOf(part).member;
+  if (std::holds_alternative<cv::Mat Frame::*>(member)) {
+    return cv::Mat(1, 1, CV_8UC1, cv::Scalar(mark));
   }
+  if (part == Part::kTof) {
+    return TofImage{.depth_m = cv::Mat1f(1, 1, static_cast<float>(mark)), .amplitude = {}};
+  }
+  if (part == Part::kRig) {
+    Rig rig;
+    rig.pair.width = mark;
+    return rig;
+  }
+  if (std::holds_alternative<std::optional<SeedSet> Frame::*>(member)) {
+    return SeedSet{.seeds = {}, .raw = mark};
+  }
+  const DisparityImage map(cv::Mat1s(1, 1, static_cast<int16_t>(mark)));
+  if (part == Part::kPrior) return EvenPrior(map, 1);
+  return map;
 }
 
 /// Adds a part; returns the numbers of the frames that are complete now.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/bus/channels.h"
+#include "common/messages/message_type.h"
 #include "services/log/program.h"
 #include "tests/common/core/even_prior.h"
 #include "tests/common/logfile/sample_log.h"
@@ -43,23 +44,20 @@ inline PriorMap LogPrior(int64_t seq) { return EvenPrior(LogDisparity(seq), 1); 
 
 inline PartValue LogValue(Part part, int64_t seq) {
   const auto grey = static_cast<double>(10 * seq % 200);
-  switch (part) {
-    case Part::kLeft:
-      return cv::Mat(kLogImageSize, CV_8UC3, cv::Scalar(grey, 100, 200));
-    case Part::kRight:
-    case Part::kConfidence:
-      return cv::Mat(kLogImageSize, CV_8UC1, cv::Scalar(grey));
-    case Part::kTof:
+  switch (TypeOf(part)) {
+    case MessageType::kImage:
+      return part == Part::kLeft ? cv::Mat(kLogImageSize, CV_8UC3, cv::Scalar(grey, 100, 200))
+                                 : cv::Mat(kLogImageSize, CV_8UC1, cv::Scalar(grey));
+    case MessageType::kTof:
       return examples::Tof(/*amplitude=*/true);
-    case Part::kRig:
+    case MessageType::kRig:
       return LogRig();
-    case Part::kSeeds:
-    case Part::kLeftSeeds:
+    case MessageType::kSeeds:
       return SeedSet{.seeds = {{10, 5, 2}, {20, 9, 9}}, .raw = 2};
-    case Part::kPrior:
+    case MessageType::kPrior:
       return LogPrior(seq);
-    case Part::kUnfilled:
-    case Part::kDisparity:
+    case MessageType::kDisparity:
+    case MessageType::kStatus:
       break;
   }
   return LogDisparity(seq);
