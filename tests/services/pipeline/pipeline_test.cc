@@ -1,0 +1,157 @@
+#include "services/pipeline/pipeline.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "services/grow/grow_plug.h"
+#include "services/prior/prior_plug.h"
+#include "services/refine/refine_plug.h"
+#include "tests/services/evaluate/small_scene.h"
+
+namespace sprout {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Result<DepthFrame> Compute(Pipeline& pipeline, const Scene& scene) {
+  return pipeline.Compute(scene.frame.left, scene.frame.right, scene.frame.tof,
+                          scene.projector.rig());
+}
+
+std::string ErrorFor(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
+                     const Rig& rig) {
+  const auto result = Pipeline(LoadConfig({"default"})).Compute(left, right, tof, rig);
+  return result ? "no error" : result.error().text;
+}
+
+bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
+  return a.type() == b.type() && a.size() == b.size() && a.isContinuous() && b.isContinuous() &&
+         std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
+}
+
+TEST(Pipeline, GivesWhatTheServicesGive) {
+  const Scene scene = SmallScene();
+  for (const char* preset : {"default", "fast", "paper"}) {
+    const SproutConfig config = LoadConfig({preset});
+    Frame frame;
+    frame.left = scene.frame.left;
+    frame.right = scene.frame.right;
+    frame.tof = scene.frame.tof;
+    frame.rig = scene.projector.rig();
+    RefinePlug refine(config.refine());
+    PriorPlug prior(config.prior());
+    GrowPlug grow(config.grow());
+    for (Plug* plug : std::initializer_list<Plug*>{&refine, &prior, &grow}) {
+      for (Output& output : plug->Process(frame).outputs) {
+        SetPart(frame, output.part, std::move(output.value));
+      }
+    }
+    Pipeline pipeline(config);
+    const DepthFrame result = Compute(pipeline, scene).value();
+    EXPECT_GT(result.disparity.CountValid(), 0) << preset;
+    EXPECT_TRUE(SameBytes(result.disparity.counts(), frame.disparity->counts())) << preset;
+    EXPECT_TRUE(SameBytes(result.prior.sigma, frame.prior->sigma)) << preset;
+    EXPECT_EQ(result.seeds, *frame.seeds) << preset;
+    EXPECT_EQ(result.left_seeds, *frame.left_seeds) << preset;
+    EXPECT_EQ(result.confidence.empty(), !config.grow().publish_confidence()) << preset;
+    EXPECT_TRUE(result.confidence.empty() || SameBytes(result.confidence, frame.confidence));
+    EXPECT_THAT(result.warnings, IsEmpty()) << preset;
+  }
+}
+
+TEST(Pipeline, GivesTheSameBytesForAnyNumberOfThreadsAndWhateverCameBefore) {
+  const Scene scene = SmallScene();
+  const Scene other = LoadScene("synthetic:64x48", TofChoice("none"), {});
+  const int threads = cv::getNumThreads();
+  Pipeline pipeline(LoadConfig({"default"}));
+  cv::setNumThreads(1);
+  const DepthFrame once = Compute(pipeline, scene).value();
+  const cv::Mat1f kept = once.depth_m.clone();
+  ASSERT_TRUE(Compute(pipeline, other));
+  cv::setNumThreads(3);
+  Pipeline moved = std::move(pipeline);
+  const DepthFrame again = Compute(moved, scene).value();
+  cv::setNumThreads(threads);
+  EXPECT_TRUE(SameBytes(once.depth_m, again.depth_m));
+  EXPECT_TRUE(SameBytes(once.disparity.counts(), again.disparity.counts()));
+  EXPECT_TRUE(SameBytes(kept, once.depth_m)) << "a result changed after it was given out";
+}
+
+TEST(Pipeline, GivesDepthInMetresAndNaNWhereThereIsNone) {
+  const Scene scene = SmallScene();
+  SproutConfig config = LoadConfig({"default"});
+  config.mutable_grow()->set_min_confidence(160);  // takes some pixels away
+  Pipeline pipeline(config);
+  const DepthFrame result = Compute(pipeline, scene).value();
+  const RectifiedPair& pair = scene.projector.rig().pair;
+  int64_t with_depth = 0;
+  for (int v = 0; v < scene.size().height; ++v) {
+    for (int u = 0; u < scene.size().width; ++u) {
+      const float depth_m = result.depth_m(v, u);
+      EXPECT_EQ(std::isnan(depth_m), !result.disparity.IsValid(u, v));
+      if (std::isnan(depth_m)) continue;
+      ++with_depth;
+      EXPECT_FLOAT_EQ(
+          depth_m, static_cast<float>(pair.DepthFromDisparity(double{result.disparity.Px(u, v)})));
+    }
+  }
+  EXPECT_GT(with_depth, 1000);
+  EXPECT_LT(with_depth, scene.size().area());
+}
+
+TEST(Pipeline, DoesWithoutAToFImage) {
+  const Scene scene = SmallScene();
+  const SproutConfig config = LoadConfig({"default"});
+  Rig rig = scene.projector.rig();
+  Pipeline pipeline(config);
+  const auto blind = pipeline.Compute(scene.frame.left, scene.frame.right, {}, rig);
+  ASSERT_TRUE(blind);
+  EXPECT_GT(blind->disparity.CountValid(), 0);
+  rig.tof = {};
+  const auto no_camera = pipeline.Compute(scene.frame.left, scene.frame.right, {}, rig);
+  ASSERT_TRUE(no_camera);
+  EXPECT_TRUE(SameBytes(blind->depth_m, no_camera->depth_m));
+}
+
+TEST(Pipeline, WarnsOfAFrameInWhichThereIsNothing) {
+  const Scene scene = SmallScene();
+  const cv::Mat black(scene.size(), CV_8UC3, cv::Scalar());
+  Pipeline pipeline(LoadConfig({"default"}));
+  const auto result = pipeline.Compute(black, black, {}, scene.projector.rig());
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->disparity.CountValid(), 0);
+  EXPECT_EQ(result->disparity.size(), scene.size());
+  EXPECT_THAT(result->warnings, ElementsAre(HasSubstr("refine: "), HasSubstr("prior: "),
+                                            HasSubstr("grow: no seeds")));
+}
+
+TEST(Pipeline, SaysWhatDoesNotFit) {
+  const Scene scene = SmallScene();
+  const auto& [left, right, tof, truth] = scene.frame;
+  const Rig& rig = scene.projector.rig();
+  EXPECT_EQ(ErrorFor(left, right, tof, rig), "no error");
+  EXPECT_THAT(ErrorFor({}, right, tof, rig),
+              HasSubstr("left: 0x0; allowed: the calibrated size 96x72"));
+  EXPECT_THAT(ErrorFor(left, right.colRange(0, 90), tof, rig), HasSubstr("right: 90x72"));
+  EXPECT_THAT(ErrorFor(cv::Mat1f(scene.size(), 0.F), right, tof, rig),
+              HasSubstr("left: of OpenCV's type CV_32FC1; allowed: CV_8UC1, CV_8UC3"));
+  EXPECT_THAT(ErrorFor(left, right, {.depth_m = cv::Mat1f(3, 3, 1.F), .amplitude = {}}, rig),
+              HasSubstr("3x3"));
+  EXPECT_THAT(
+      ErrorFor(left, right, {.depth_m = tof.depth_m, .amplitude = cv::Mat1f(1, 1, 1.F)}, rig),
+      HasSubstr("tof.amplitude: 1x1"));
+  Rig bad = rig;
+  bad.pair.baseline_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(ErrorFor(left, right, tof, bad), HasSubstr("baseline_m"));
+  SproutConfig config = LoadConfig({"default"});
+  config.mutable_grow()->set_threshold(7);
+  EXPECT_THROW(Pipeline{config}, ConfigError);
+}
+
+}  // namespace
+}  // namespace sprout
