@@ -2,6 +2,7 @@
 #define SPROUT_COMMON_CORE_PLUG_H_
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/core/frame.h"
@@ -35,6 +36,14 @@ class Plug {
   /// the same frame may come twice; the answer depends on the frame only.
   virtual Outcome Process(const Frame& frame) = 0;
 };
+
+/// Answers a frame and adds the answer to it.
+/// @returns why the frame has no (or an empty) result; empty when all is well.
+inline std::string RunPlug(Plug& plug, Frame& frame) {
+  Outcome outcome = plug.Process(frame);
+  for (Output& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
+  return outcome.degenerate;
+}
 
 }  // namespace sprout
 

@@ -150,7 +150,7 @@ class KittiSource : public FrameSource {
   TofImage ReadTof(const fs::path& file) const {
     const std::vector<Eigen::Vector3d> points = ReadVelodyneScan(file);
     const TofImage all = TofImageFromScan(points, left_from_scanner_, rig_.pair);
-    if (cv::countNonZero(all.depth_m == all.depth_m) == 0) {
+    if (cv::countNonZero(all.depth_m > 0) == 0) {
       throw ConfigError("scan " + file.string() +
                         ": no point falls into the left image; allowed: the scan that calib/ID.txt "
                         "was made for, or ?tof=none");

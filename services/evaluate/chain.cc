@@ -1,77 +1,62 @@
 #include "services/evaluate/chain.h"
 
-#include "services/grow/confidence.h"
-#include "services/grow/gap_filler.h"
-#include "services/grow/grower.h"
-#include "services/grow/harris_seeds.h"
-#include "services/prior/prior_estimator.h"
-#include "services/refine/refiner.h"
+#include <utility>
+
+#include "services/grow/grow_plug.h"
+#include "services/prior/prior_plug.h"
+#include "services/refine/refine_plug.h"
 
 namespace sprout {
 namespace {
 
-std::vector<Seed> FindGrowthSeeds(const Scene& scene, const GrowConfig& config,
-                                  const RefinedSeeds& refined, StageTimes& ms) {
-  if (config.seeds() == GrowConfig::TOF) return refined.seeds;
-  return Timed(ms.grow_ms, [&] {
-    return MatchHarrisCorners(scene.left_grey, scene.right_grey, config.harris());
-  });
-}
-
-DisparityImage RunGrow(const Scene& scene, const GrowConfig& config, const std::vector<Seed>& seeds,
-                       const PriorMap& prior, StageTimes& ms) {
-  Grower grower(config);
-  return Timed(ms.grow_ms, [&] {
-    return grower.Compute(scene.left_grey, scene.right_grey, seeds, prior)
-        .value_or(DisparityImage(scene.size()));
-  });
+// Both lists are one for the random numbers.
+void AddNoise(const SeedNoise& noise, Frame& frame) {
+  std::vector<Seed>& seeds = frame.seeds->seeds;
+  std::vector<Seed>& left_seeds = frame.left_seeds->seeds;
+  std::vector<Seed> all;
+  Join(seeds, left_seeds, all);
+  all = Damage(std::move(all), noise);
+  const auto end_of_seeds = all.begin() + std::ssize(seeds);
+  seeds.assign(all.begin(), end_of_seeds);
+  left_seeds.assign(end_of_seeds, all.end());
 }
 
 }  // namespace
 
-RefinedSeeds RunRefine(const Scene& scene, const ChainSettings& settings, StageTimes& ms) {
-  Refiner refiner(settings.config.refine());
-  const SeedSet correspondences = Timed(ms.refine_ms, [&] {
-    return refiner.Compute(scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector)
-        .value_or(SeedSet());
-  });
-  RefinedSeeds refined;
-  Join(correspondences.seeds, refiner.left_seeds().seeds, refined.all);
-  refined.all = Damage(std::move(refined.all), settings.noise);
-  refined.seeds.assign(refined.all.begin(),
-                       refined.all.begin() + std::ssize(correspondences.seeds));
-  return refined;
+Frame FrameOf(const Scene& scene) {
+  Frame frame;
+  frame.left = scene.frame.left;
+  frame.right = scene.frame.right;
+  frame.tof = scene.frame.tof;
+  frame.rig = scene.projector.rig();
+  return frame;
 }
 
-PriorMap RunPrior(const Scene& scene, const PriorConfig& config, const RefinedSeeds& refined,
-                  StageTimes& ms) {
-  PriorEstimator estimator(config);
-  const std::vector<Seed>& seeds = estimator.uses_left_seeds() ? refined.all : refined.seeds;
-  return Timed(ms.prior_ms, [&] {
-    return estimator.Compute(scene.frame.left, scene.frame.right, seeds, scene.size())
-        .value_or(PriorMap(scene.size()));
-  });
+void RunRefine(const ChainSettings& settings, Frame& frame, StageTimes& ms) {
+  RefinePlug refine(settings.config.refine());
+  Timed(ms.refine_ms, [&] { return RunPlug(refine, frame); });
+  AddNoise(settings.noise, frame);
+}
+
+void RunPrior(const PriorConfig& config, Frame& frame, StageTimes& ms) {
+  PriorPlug prior(config);
+  Timed(ms.prior_ms, [&] { return RunPlug(prior, frame); });
 }
 
 MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
-  const GrowConfig& config = settings.config.grow();
-  const bool needs_prior =
-      config.similarity() == GrowConfig::EPC || config.fill() == GrowConfig::PRIOR;
-  const bool needs_tof = needs_prior || config.seeds() == GrowConfig::TOF;
+  GrowPlug grow(settings.config.grow());
+  Frame frame = FrameOf(scene);
   MethodOutput output;
   StageTimes& ms = output.ms;
-  const RefinedSeeds refined = needs_tof ? RunRefine(scene, settings, ms) : RefinedSeeds();
-  const PriorMap prior =
-      needs_prior ? RunPrior(scene, settings.config.prior(), refined, ms) : PriorMap();
-  const std::vector<Seed> seeds = FindGrowthSeeds(scene, config, refined, ms);
-  const DisparityImage grown = RunGrow(scene, config, seeds, prior, ms);
-  DisparityImage filled =
-      Timed(ms.fill_ms, [&] { return FillGaps(grown, config.fill(), prior.disparity); });
+  const bool needs_prior = grow.Inputs().Has(Part::kPrior);
+  if (needs_prior || grow.Inputs().Has(Part::kSeeds)) RunRefine(settings, frame, ms);
+  if (needs_prior) RunPrior(settings.config.prior(), frame, ms);
+  const GrowPlug::Growth growth = Timed(ms.grow_ms, [&] { return grow.Grow(frame); });
+  Outcome outcome = Timed(ms.fill_ms, [&] { return grow.Finish(frame, growth); });
+  for (Output& part : outcome.outputs) SetPart(frame, part.part, std::move(part.value));
   ms.total_ms = ms.refine_ms + ms.prior_ms + ms.grow_ms + ms.fill_ms;
-  output.confidence =
-      Confidence(scene.left_grey, scene.right_grey, seeds, grown, filled, config.sigma_s_squared());
-  DropUnsure(output.confidence, config.min_confidence(), filled);
-  output.map_px = ToPx(filled);
+  output.map_px = ToPx(*frame.disparity);
+  output.confidence = frame.confidence;
   return output;
 }
 

@@ -2,12 +2,9 @@
 #define SPROUT_SERVICES_EVALUATE_CHAIN_H_
 
 #include <chrono>
-#include <utility>
-#include <vector>
 
 #include "common/config/config.h"
-#include "common/core/prior_map.h"
-#include "common/core/seed.h"
+#include "common/core/frame.h"
 #include "services/evaluate/scene.h"
 #include "services/evaluate/seed_noise.h"
 
@@ -17,8 +14,8 @@ namespace sprout {
 struct StageTimes {
   double refine_ms = 0;
   double prior_ms = 0;
-  double grow_ms = 0;  ///< Harris corners included where growth starts from them
-  double fill_ms = 0;
+  double grow_ms = 0;   ///< Harris corners included where growth starts from them
+  double fill_ms = 0;   ///< gap filling, and the confidence where the configuration asks for it
   double total_ms = 0;  ///< from the images and the ToF image to the map
 };
 
@@ -44,21 +41,17 @@ auto Timed(double& ms, const Function& function) {
   return result;
 }
 
-// The stages as the services call them, in process. A stage that refuses its input gives an empty
-// result, as its service does; scored, that counts as wrong everywhere.
+// The plugs of the services on one frame. A stage that refuses its input gives an empty result;
+// scored, that counts as wrong everywhere.
 
-/// What refinement leaves.
-struct RefinedSeeds {
-  std::vector<Seed> seeds;  ///< correspondences
-  std::vector<Seed> all;    ///< and behind them those that only the left camera sees
-};
+/// A frame with the images, the ToF image and the rig of a scene.
+Frame FrameOf(const Scene& scene);
 
 /// sprout-refine, then the noise.
-RefinedSeeds RunRefine(const Scene& scene, const ChainSettings& settings, StageTimes& ms);
+void RunRefine(const ChainSettings& settings, Frame& frame, StageTimes& ms);
 
 /// sprout-prior.
-PriorMap RunPrior(const Scene& scene, const PriorConfig& config, const RefinedSeeds& refined,
-                  StageTimes& ms);
+void RunPrior(const PriorConfig& config, Frame& frame, StageTimes& ms);
 
 /// The whole chain; stages whose results growth does not ask for are left out.
 MethodOutput RunChain(const Scene& scene, const ChainSettings& settings);

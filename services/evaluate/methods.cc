@@ -21,8 +21,10 @@ Method PriorAlone() {
           .run = [](const Scene& scene, const ChainSettings& settings) {
             MethodOutput output;
             StageTimes& ms = output.ms;
-            const RefinedSeeds refined = RunRefine(scene, settings, ms);
-            output.map_px = ToPx(RunPrior(scene, settings.config.prior(), refined, ms).disparity);
+            Frame frame = FrameOf(scene);
+            RunRefine(settings, frame, ms);
+            RunPrior(settings.config.prior(), frame, ms);
+            output.map_px = ToPx(frame.prior->disparity);
             ms.total_ms = ms.refine_ms + ms.prior_ms;
             return output;
           }};
@@ -86,11 +88,15 @@ Method FromRival(const Rival& rival) {
             StageTimes& ms = output.ms;
             ChainSettings tof_only = settings;  // what stereo finds is Sprout's
             tof_only.config.mutable_refine()->set_stereo_seeds(false);
-            const RefinedSeeds refined =
-                rival.uses_seeds ? RunRefine(scene, tof_only, ms) : RefinedSeeds();
+            Frame frame = FrameOf(scene);
+            std::vector<Seed> seeds;
+            if (rival.uses_seeds) {
+              RunRefine(tof_only, frame, ms);
+              Join(frame.seeds->seeds, frame.left_seeds->seeds, seeds);
+            }
             const RivalInput input{.left = scene.frame.left,
                                    .right = scene.frame.right,
-                                   .seeds = refined.all,
+                                   .seeds = seeds,
                                    .max_disparity_px = scene.max_disparity_px,
                                    .fgs_lambda = settings.config.prior().fgs_lambda(),
                                    .fgs_sigma = settings.config.prior().fgs_sigma()};

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "common/core/image.h"
+#include "services/grow/confidence.h"
+#include "services/grow/gap_filler.h"
 #include "services/grow/harris_seeds.h"
 
 namespace sprout {
@@ -24,42 +26,49 @@ std::vector<Seed> GrowPlug::SeedsOf(const Frame& frame, const cv::Mat1b& left,
   return MatchHarrisCorners(left, right, config_.harris());
 }
 
-cv::Mat GrowPlug::ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right,
-                               std::span<const Seed> seeds, const DisparityImage& grown,
-                               const DisparityImage& filled) {
-  if (left.size() != right.size()) return cv::Mat(left.size(), CV_8UC1, cv::Scalar(0));
-  return judge_.Judge(left, right, seeds, grown, filled, config_.sigma_s_squared());
+GrowPlug::Growth GrowPlug::Grow(const Frame& frame) {
+  const cv::Mat1b left = ToGrey(frame.left);
+  const cv::Mat1b right = ToGrey(frame.right);
+  const PriorMap prior = frame.prior.value_or(PriorMap());
+  Growth growth;
+  growth.seeds = SeedsOf(frame, left, right);
+  growth.map = DisparityImage(left.size());
+  Result<DisparityImage> grown = grower_.Compute(left, right, growth.seeds, prior);
+  if (!grown) {
+    growth.refused = true;
+    growth.degenerate = grown.error().text;
+    return growth;
+  }
+  growth.map = std::move(*grown);
+  if (growth.seeds.empty()) {
+    growth.degenerate = "no seeds to grow from";
+  } else if (frame.prior && prior.disparity.CountValid() == 0) {
+    growth.degenerate = "the prior is empty";
+  } else if (growth.map.CountValid() == 0) {
+    growth.degenerate = "nothing grew from " + std::to_string(growth.seeds.size()) + " seeds";
+  }
+  return growth;
 }
 
-Outcome GrowPlug::Process(const Frame& frame) {
-  const cv::Mat1b left = ToGrey(frame.left, left_grey_);
-  const cv::Mat1b right = ToGrey(frame.right, right_grey_);
-  const PriorMap prior = frame.prior.value_or(PriorMap());
-  const std::vector<Seed> seeds = SeedsOf(frame, left, right);
-  Result<DisparityImage> grown = grower_.Compute(left, right, seeds, prior);
-
-  Outcome outcome;
-  GrowConfig::Fill fill = config_.fill();
-  if (!grown) {
-    outcome.degenerate = grown.error().text;
-    grown = DisparityImage(left.size());
-    fill = GrowConfig::NONE;  // images that do not fit together say nothing about the prior either
-  } else if (seeds.empty()) {
-    outcome.degenerate = "no seeds to grow from";
-  } else if (frame.prior && prior.disparity.CountValid() == 0) {
-    outcome.degenerate = "the prior is empty";
-  } else if (grown->CountValid() == 0) {
-    outcome.degenerate = "nothing grew from " + std::to_string(seeds.size()) + " seeds";
-  }
-  if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, *grown});
-  DisparityImage filled = filler_.Fill(*grown, fill, prior.disparity);
-  cv::Mat confidence;
+Outcome GrowPlug::Finish(const Frame& frame, const Growth& growth) const {
+  Outcome outcome{.outputs = {}, .degenerate = growth.degenerate};
+  if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, growth.map});
+  // Images that do not fit together say nothing about the prior either.
+  const auto fill = growth.refused ? GrowConfig::NONE : config_.fill();
+  DisparityImage filled =
+      FillGaps(growth.map, fill, frame.prior ? frame.prior->disparity : DisparityImage());
+  cv::Mat1b confidence(filled.size(), uint8_t{0});
   if (config_.publish_confidence() || config_.min_confidence() > 0) {
-    confidence = ConfidenceOf(left, right, seeds, *grown, filled);
+    if (!growth.refused) {
+      confidence = Confidence(ToGrey(frame.left), ToGrey(frame.right), growth.seeds, growth.map,
+                              filled, config_.sigma_s_squared());
+    }
     DropUnsure(confidence, config_.min_confidence(), filled);
   }
   outcome.outputs.push_back({Part::kDisparity, filled});
-  if (config_.publish_confidence()) outcome.outputs.push_back({Part::kConfidence, confidence});
+  if (config_.publish_confidence()) {
+    outcome.outputs.push_back({Part::kConfidence, cv::Mat(confidence)});
+  }
   return outcome;
 }
 

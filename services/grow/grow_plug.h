@@ -1,12 +1,10 @@
 #ifndef SPROUT_SERVICES_GROW_GROW_PLUG_H_
 #define SPROUT_SERVICES_GROW_GROW_PLUG_H_
 
-#include <span>
+#include <string>
 #include <vector>
 
 #include "common/core/plug.h"
-#include "services/grow/confidence.h"
-#include "services/grow/gap_filler.h"
 #include "services/grow/grower.h"
 
 namespace sprout {
@@ -20,22 +18,30 @@ class GrowPlug : public Plug {
 
   PartSet Inputs() const override;
 
-  /// Always answers; when nothing can grow the map is what gap filling makes of nothing (the prior,
-  /// or no disparity), and the outcome says why. Images that do not fit together give no disparity.
-  Outcome Process(const Frame& frame) override;
+  /// Grow() and Finish(). Always answers; when nothing can grow the map is what gap filling makes
+  /// of nothing (the prior, or no disparity), and the outcome says why. Images that do not fit
+  /// together give no disparity.
+  Outcome Process(const Frame& frame) override { return Finish(frame, Grow(frame)); }
+
+  /// What grew.
+  struct Growth {
+    std::vector<Seed> seeds;  ///< that it started from
+    DisparityImage map;       ///< of the left image's size
+    bool refused = false;     ///< the images or the prior do not fit together
+    std::string degenerate;   ///< why nothing grew; empty when something did
+  };
+  Growth Grow(const Frame& frame);
+
+  /// Fills the gaps, and takes away what the confidence says is not sure.
+  /// @param growth  of this frame.
+  Outcome Finish(const Frame& frame, const Growth& growth) const;
 
  private:
   std::vector<Seed> SeedsOf(const Frame& frame, const cv::Mat1b& left,
                             const cv::Mat1b& right) const;
-  cv::Mat ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right, std::span<const Seed> seeds,
-                       const DisparityImage& grown, const DisparityImage& filled);
 
   GrowConfig config_;
   Grower grower_;
-  GapFiller filler_;
-  ConfidenceJudge judge_;
-  cv::Mat1b left_grey_;  // memory
-  cv::Mat1b right_grey_;
 };
 
 }  // namespace sprout

@@ -85,12 +85,9 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   frame.tof = tof;
   frame.rig = rig;
   DepthFrame result;
-  const auto run = [&](const char* name, Plug& stage) {
-    Outcome outcome = stage.Process(frame);
-    for (Output& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
-    if (!outcome.degenerate.empty()) {
-      result.warnings.push_back(std::string(name) + ": " + outcome.degenerate);
-    }
+  const auto run = [&](const char* name, Plug& plug) {
+    const std::string degenerate = RunPlug(plug, frame);
+    if (!degenerate.empty()) result.warnings.push_back(std::string(name) + ": " + degenerate);
   };
   run("refine", stages_->refine);
   if (stages_->grow.Inputs().Has(Part::kPrior)) run("prior", stages_->prior);

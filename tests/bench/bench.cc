@@ -15,10 +15,9 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "services/grow/gap_filler.h"
-#include "services/grow/grower.h"
-#include "services/prior/prior_estimator.h"
-#include "services/refine/refiner.h"
+#include "services/grow/grow_plug.h"
+#include "services/prior/prior_plug.h"
+#include "services/refine/refine_plug.h"
 #include "tests/bench/bench_frame.h"
 
 namespace sprout {
@@ -49,86 +48,54 @@ const std::vector<BenchFrame>& FramesOf(cv::Size size) {
   return frames;
 }
 
-// The chain as the services run it, one object a stage for all frames.
-class Chain {
- public:
-  explicit Chain(const SproutConfig& config)
-      : config_(config),
-        refiner_(config.refine()),
-        prior_(config.prior()),
-        grower_(config.grow()) {}
+// The plugs of the services, one object a stage for all frames. Without the confidence, which
+// OpenCV's methods do not give.
+struct Chain {
+  explicit Chain(SproutConfig config)
+      : refine(config.refine()), prior(config.prior()), grow(WithoutConfidence(config.grow())) {}
 
-  // What growth and what the prior start from; valid until the next call.
-  struct Seeds {
-    const std::vector<Seed>& grow;
-    const std::vector<Seed>& prior;
-  };
-  Seeds Refine(const BenchFrame& bench, const TofProjector& projector) {
-    refined_ =
-        refiner_.Compute(bench.left, bench.right, bench.frame.tof, projector, std::move(refined_))
-            .value();
-    if (!prior_.uses_left_seeds()) return {refined_.seeds, refined_.seeds};
-    Join(refined_.seeds, refiner_.left_seeds().seeds, prior_seeds_);
-    return {refined_.seeds, prior_seeds_};
-  }
-  PriorMap Prior(const BenchFrame& bench, const std::vector<Seed>& seeds) {
-    const auto& [left, right, tof, truth] = bench.frame;
-    return prior_.Compute(left, right, seeds, left.size()).value();
-  }
-  DisparityImage Grow(const BenchFrame& bench, const std::vector<Seed>& seeds,
-                      const PriorMap& prior) {
-    return grower_.Compute(bench.left, bench.right, seeds, prior).value();
-  }
-  DisparityImage Fill(const DisparityImage& grown, const PriorMap& prior) {
-    return filler_.Fill(grown, config_.grow().fill(), prior.disparity);
+  static GrowConfig WithoutConfidence(GrowConfig config) {
+    config.set_publish_confidence(false);
+    config.set_min_confidence(0);
+    return config;
   }
 
- private:
-  SproutConfig config_;
-  Refiner refiner_;
-  SeedSet refined_;
-  std::vector<Seed> prior_seeds_;
-  PriorEstimator prior_;
-  Grower grower_;
-  GapFiller filler_;
+  RefinePlug refine;
+  PriorPlug prior;
+  GrowPlug grow;
 };
 
-// What goes into each stage.
+// What goes into each stage: a frame with what all of them made of it.
 struct Inputs {
-  const BenchFrame& bench;
-  TofProjector projector;
-  std::vector<Seed> seeds;
-  std::vector<Seed> prior_seeds;
-  PriorMap prior;
-  DisparityImage grown;
+  Frame frame;
+  GrowPlug::Growth growth;
 };
 
-enum class Part { kRefine, kPrior, kGrow, kFill, kChain };
-constexpr std::pair<Part, const char*> kParts[] = {{Part::kRefine, "refine"},
-                                                   {Part::kPrior, "prior"},
-                                                   {Part::kGrow, "grow"},
-                                                   {Part::kFill, "fill"},
-                                                   {Part::kChain, "chain"}};
+enum class BenchPart { kRefine, kPrior, kGrow, kFill, kChain };
+constexpr std::pair<BenchPart, const char*> kBenchParts[] = {{BenchPart::kRefine, "refine"},
+                                                             {BenchPart::kPrior, "prior"},
+                                                             {BenchPart::kGrow, "grow"},
+                                                             {BenchPart::kFill, "fill"},
+                                                             {BenchPart::kChain, "chain"}};
 
-void RunPart(Part part, Chain& chain, const Inputs& in) {
+void RunPart(BenchPart part, Chain& chain, Inputs& in) {
   switch (part) {
-    case Part::kRefine:
-      benchmark::DoNotOptimize(chain.Refine(in.bench, in.projector));
+    case BenchPart::kRefine:
+      benchmark::DoNotOptimize(chain.refine.Process(in.frame));
       return;
-    case Part::kPrior:
-      benchmark::DoNotOptimize(chain.Prior(in.bench, in.prior_seeds));
+    case BenchPart::kPrior:
+      benchmark::DoNotOptimize(chain.prior.Process(in.frame));
       return;
-    case Part::kGrow:
-      benchmark::DoNotOptimize(chain.Grow(in.bench, in.seeds, in.prior));
+    case BenchPart::kGrow:
+      benchmark::DoNotOptimize(chain.grow.Grow(in.frame));
       return;
-    case Part::kFill:
-      benchmark::DoNotOptimize(chain.Fill(in.grown, in.prior));
+    case BenchPart::kFill:
+      benchmark::DoNotOptimize(chain.grow.Finish(in.frame, in.growth));
       return;
-    case Part::kChain: {
-      const Chain::Seeds seeds = chain.Refine(in.bench, in.projector);
-      const PriorMap prior = chain.Prior(in.bench, seeds.prior);
-      benchmark::DoNotOptimize(chain.Fill(chain.Grow(in.bench, seeds.grow, prior), prior));
-    }
+    case BenchPart::kChain:
+      RunPlug(chain.refine, in.frame);
+      RunPlug(chain.prior, in.frame);
+      RunPlug(chain.grow, in.frame);
   }
 }
 
@@ -143,7 +110,7 @@ void RunOnAllScenes(benchmark::State& state, cv::Size size, size_t scenes, const
 }
 
 // @param lost  share of the ToF returns that are taken away.
-void MeasurePart(benchmark::State& state, Part part, const std::string& preset, double lost,
+void MeasurePart(benchmark::State& state, BenchPart part, const std::string& preset, double lost,
                  cv::Size size, int threads) {
   cv::setNumThreads(threads);
   Chain chain(LoadConfig({preset}));
@@ -152,12 +119,15 @@ void MeasurePart(benchmark::State& state, Part part, const std::string& preset, 
   for (BenchFrame& bench : frames) {
     bench.frame.tof.depth_m = bench.frame.tof.depth_m.clone();
     LoseDarkReturns(lost, bench);
-    Inputs& in = inputs.emplace_back(Inputs{bench, TofProjector(bench.rig), {}, {}, {}, {}});
-    const Chain::Seeds seeds = chain.Refine(bench, in.projector);
-    in.seeds = seeds.grow;
-    in.prior_seeds = seeds.prior;
-    in.prior = chain.Prior(bench, in.prior_seeds);
-    in.grown = chain.Grow(bench, in.seeds, in.prior);
+    Frame frame;
+    frame.left = bench.frame.left;
+    frame.right = bench.frame.right;
+    frame.tof = bench.frame.tof;
+    frame.rig = bench.rig;
+    RunPlug(chain.refine, frame);
+    RunPlug(chain.prior, frame);
+    GrowPlug::Growth growth = chain.grow.Grow(frame);
+    inputs.push_back({std::move(frame), std::move(growth)});
   }
   RunOnAllScenes(state, size, inputs.size(),
                  [&](size_t scene) { RunPart(part, chain, inputs[scene]); });
@@ -194,7 +164,7 @@ void RegisterAll() {
                  [=](benchmark::State& state) { MeasureSgbm(state, mode, size, threads); });
       }
       for (const std::string preset : {"fast", "default"}) {
-        for (const auto& [part, name] : kParts) {
+        for (const auto& [part, name] : kBenchParts) {
           Register(std::string(name) + "/" + preset + where, [=](benchmark::State& state) {
             MeasurePart(state, part, preset, /*lost=*/0, size, threads);
           });
@@ -202,7 +172,7 @@ void RegisterAll() {
       }
       for (const auto& [name, lost] : {std::pair{"blind50", 0.5}, {"none", 1.0}}) {
         Register(std::string("chain/default-") + name + where, [=](benchmark::State& state) {
-          MeasurePart(state, Part::kChain, "default", lost, size, threads);
+          MeasurePart(state, BenchPart::kChain, "default", lost, size, threads);
         });
       }
     }

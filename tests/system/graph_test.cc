@@ -6,9 +6,7 @@
 #include <csignal>
 
 #include "services/capture/frame_source.h"
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
+#include "services/pipeline/pipeline.h"
 #include "tests/system/correct_percent.h"
 
 namespace sprout {
@@ -27,16 +25,10 @@ DisparityImage ComputeInProcess(int64_t index, const std::string& from = kSource
   config.mutable_capture()->set_source(from);
   const auto source = OpenFrameSource(config.capture());
   const CapturedFrame captured = source->Get(index);
-  Frame frame;
-  frame.left = captured.left;
-  frame.right = captured.right;
-  frame.tof = captured.tof;
-  frame.rig = source->rig();
-  for (Output& output : RefinePlug(config.refine()).Process(frame).outputs) {
-    SetPart(frame, output.part, std::move(output.value));
-  }
-  frame.prior = std::get<PriorMap>(PriorPlug(config.prior()).Process(frame).outputs[0].value);
-  return std::get<DisparityImage>(GrowPlug(config.grow()).Process(frame).outputs[0].value);
+  return Pipeline(config)
+      .Compute(captured.left, captured.right, captured.tof, source->rig())
+      .value()
+      .disparity;
 }
 
 void StartStages(Graph& graph) {

@@ -6,9 +6,7 @@
 #include <cmath>
 
 #include "services/evaluate/evaluate.h"
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
+#include "services/pipeline/pipeline.h"
 #include "tests/services/evaluate/small_scene.h"
 
 namespace sprout {
@@ -72,35 +70,23 @@ TEST(Methods, GiveTheSameMapEveryTimeWithAnyNumberOfThreads) {
   cv::setNumThreads(threads);
 }
 
-// What the services' plugs make of the scene, one after another on the same frame.
-Frame ResultOfTheServices(const Scene& scene, SproutConfig config) {
-  config.mutable_grow()->set_publish_confidence(true);
-  Frame frame;
-  frame.left = scene.frame.left;
-  frame.right = scene.frame.right;
-  frame.tof = scene.frame.tof;
-  frame.rig = scene.projector.rig();
-  RefinePlug refine(config.refine());
-  PriorPlug prior(config.prior());
-  GrowPlug grow(config.grow());
-  for (Plug* plug : std::initializer_list<Plug*>{&refine, &prior, &grow}) {
-    for (Output& output : plug->Process(frame).outputs) {
-      SetPart(frame, output.part, std::move(output.value));
-    }
-  }
-  return frame;
-}
-
-TEST(Methods, SproutIsWhatTheServicesCompute) {
+TEST(Methods, SproutIsThePipeline) {
   const Scene scene = SmallScene();
   for (const char* preset : {"default", "paper"}) {
     for (const auto seeds : {GrowConfig::TOF, GrowConfig::HARRIS}) {
       ChainSettings settings = Preset(preset);
       settings.config.mutable_grow()->set_seeds(seeds);
       const MethodOutput output = SelectMethods({"sprout"}).front().run(scene, settings);
-      const Frame expected = ResultOfTheServices(scene, settings.config);
-      EXPECT_TRUE(SameMaps(output.map_px, ToPx(*expected.disparity))) << preset;
-      EXPECT_EQ(cv::countNonZero(output.confidence != expected.confidence), 0) << preset;
+      Pipeline pipeline(settings.config);
+      const DepthFrame expected =
+          pipeline
+              .Compute(scene.frame.left, scene.frame.right, scene.frame.tof, scene.projector.rig())
+              .value();
+      EXPECT_TRUE(SameMaps(output.map_px, ToPx(expected.disparity))) << preset;
+      ASSERT_EQ(output.confidence.size(), expected.confidence.size()) << preset;
+      EXPECT_TRUE(output.confidence.empty() ||
+                  cv::countNonZero(output.confidence != expected.confidence) == 0)
+          << preset;
     }
   }
 }

@@ -46,11 +46,7 @@ TEST(Pipeline, GivesWhatTheServicesGive) {
     RefinePlug refine(config.refine());
     PriorPlug prior(config.prior());
     GrowPlug grow(config.grow());
-    for (Plug* plug : std::initializer_list<Plug*>{&refine, &prior, &grow}) {
-      for (Output& output : plug->Process(frame).outputs) {
-        SetPart(frame, output.part, std::move(output.value));
-      }
-    }
+    for (Plug* plug : std::initializer_list<Plug*>{&refine, &prior, &grow}) RunPlug(*plug, frame);
     Pipeline pipeline(config);
     const DepthFrame result = Compute(pipeline, scene).value();
     EXPECT_GT(result.disparity.CountValid(), 0) << preset;
