@@ -13,10 +13,23 @@
 #include "services/grow/grower.h"
 #include "tests/common/core/even_prior.h"
 #include "tests/services/grow/grow_scenes.h"
+#include "services/grow/plain_growth.h"
 #include "tests/services/grow/slow_growth.h"
 
 namespace sprout {
 namespace {
+
+DisparityImage Plainly(const GrowConfig& config, const cv::Mat1b& left, const cv::Mat1b& right,
+                       const std::vector<Seed>& seeds, const PriorMap& prior) {
+  std::vector<Correspondence> rounded;
+  for (const Seed& seed : seeds) {
+    const Correspondence s{cvRound(seed.u),0,0};
+    const Correspondence q{static_cast<int>(std::lround(seed.u)), static_cast<int>(std::lround(seed.v)), static_cast<int>(std::lround(seed.disparity()))};
+    (void)s;
+    if (WindowsFit(q, left.size())) rounded.push_back(q);
+  }
+  return GrowPlainly(MakeGrowthRule(config), {left, right, prior}, rounded);
+}
 
 // Two textured surfaces with a step between them, and a prior that is a little off; in places it
 // jumps, and asks for what no image has.
@@ -76,6 +89,7 @@ TEST_P(GrowerAgainstSlowGrowth, GivesTheSamePixels) {
     const auto fast = Grower(config).Compute(scene.left, scene.right, seeds, prior);
     ASSERT_TRUE(fast.has_value());
     ExpectSame(*fast, SlowGrow(config, scene.left, scene.right, seeds, prior));
+    ExpectSame(*fast, Plainly(config, scene.left, scene.right, seeds, prior));
     EXPECT_GT(fast->CountValid(), 50);
   }
 }
@@ -122,6 +136,8 @@ TEST(Grower, GivesThePixelsOfSlowGrowthWherePixelsDifferInHowSureThePriorIs) {
       config.set_sub_pixel(sub_pixel);
       const auto fast = Grower(config).Compute(scene.left, scene.right, seeds, prior);
       ExpectSame(*fast, SlowGrow(config, scene.left, scene.right, seeds, prior));
+      ExpectSame(*fast, Plainly(config, scene.left, scene.right, seeds, prior));
+    ExpectSame(*fast, Plainly(config, scene.left, scene.right, seeds, prior));
       EXPECT_GT(fast->CountValid(), 1000);
     }
   }
@@ -162,6 +178,7 @@ TEST(Grower, GivesThePixelsOfSlowGrowthOnAFullScene) {
     const PriorMap even = EvenPrior(FromPx(prior), 1);
     const auto fast = Grower(config).Compute(left, right, seeds, even);
     ExpectSame(*fast, SlowGrow(config, left, right, seeds, even));
+    ExpectSame(*fast, Plainly(config, left, right, seeds, even));
     EXPECT_GT(fast->CountValid(), left.size().area() / 2);
   }
 }
