@@ -1,7 +1,7 @@
 #include "services/evaluate/chain.h"
 
-#include "services/grow/confidence.h"
-#include "services/grow/gap_filler.h"
+#include "services/finish/confidence.h"
+#include "services/finish/gap_filler.h"
 #include "services/grow/grower.h"
 #include "services/grow/harris_seeds.h"
 #include "services/prior/prior_estimator.h"

@@ -36,8 +36,9 @@ class Columns {
 
   // Σ of the products in each column. @param u  the other column that belongs to the first one.
   HWY_INLINE V Products(const WindowPairs& others, int u) const {
-    const auto sums = [&](size_t i)
-                          HWY_ATTR { return PairProducts(pairs_[i], hn::LoadU(D(), others[i] + u)); };
+    const auto sums = [&](size_t i) HWY_ATTR {
+      return PairProducts(pairs_[i], hn::LoadU(D(), others[i] + u));
+    };
     return hn::Add(hn::Add(sums(0), sums(1)), sums(2));
   }
 
@@ -266,8 +267,8 @@ class CandidateSweep {
   const int32_t* const right_energies_;
 };
 
-// Fills the tables of a band row by row: pairs of pixels and energies of one window's rows at a time
-// stay in the cache.
+// Fills the tables of a band row by row: pairs of pixels and energies of one window's rows at a
+// time stay in the cache.
 class BandTables {
  public:
   BandTables(const GrowthRule& rule, const GrowthInput& input, GrowthBand& band)

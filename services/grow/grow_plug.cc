@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "common/core/image.h"
+#include "services/finish/confidence.h"
+#include "services/finish/gap_filler.h"
 #include "services/grow/harris_seeds.h"
 
 namespace sprout {
@@ -24,16 +26,9 @@ std::vector<Seed> GrowPlug::SeedsOf(const Frame& frame, const cv::Mat1b& left,
   return MatchHarrisCorners(left, right, config_.harris());
 }
 
-cv::Mat GrowPlug::ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right,
-                               std::span<const Seed> seeds, const DisparityImage& grown,
-                               const DisparityImage& filled) {
-  if (left.size() != right.size()) return cv::Mat(left.size(), CV_8UC1, cv::Scalar(0));
-  return judge_.Judge(left, right, seeds, grown, filled, config_.sigma_s_squared());
-}
-
 Outcome GrowPlug::Process(const Frame& frame) {
-  const cv::Mat1b left = ToGrey(frame.left, left_grey_);
-  const cv::Mat1b right = ToGrey(frame.right, right_grey_);
+  const cv::Mat1b left = ToGrey(frame.left);
+  const cv::Mat1b right = ToGrey(frame.right);
   const PriorMap prior = frame.prior.value_or(PriorMap());
   const std::vector<Seed> seeds = SeedsOf(frame, left, right);
   Result<DisparityImage> grown = grower_.Compute(left, right, seeds, prior);
@@ -52,14 +47,17 @@ Outcome GrowPlug::Process(const Frame& frame) {
     outcome.degenerate = "nothing grew from " + std::to_string(seeds.size()) + " seeds";
   }
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, *grown});
-  DisparityImage filled = filler_.Fill(*grown, fill, prior.disparity);
-  cv::Mat confidence;
+  DisparityImage filled = FillGaps(*grown, fill, prior.disparity);
+  cv::Mat1b confidence;
   if (config_.publish_confidence() || config_.min_confidence() > 0) {
-    confidence = ConfidenceOf(left, right, seeds, *grown, filled);
+    confidence = left.size() == right.size()
+                     ? Confidence(left, right, seeds, *grown, filled, config_.sigma_s_squared())
+                     : cv::Mat1b(left.size(), uint8_t{0});
     DropUnsure(confidence, config_.min_confidence(), filled);
   }
   outcome.outputs.push_back({Part::kDisparity, filled});
-  if (config_.publish_confidence()) outcome.outputs.push_back({Part::kConfidence, confidence});
+  if (config_.publish_confidence())
+    outcome.outputs.push_back({Part::kConfidence, cv::Mat(confidence)});
   return outcome;
 }
 

@@ -1,12 +1,9 @@
 #ifndef SPROUT_SERVICES_GROW_GROW_PLUG_H_
 #define SPROUT_SERVICES_GROW_GROW_PLUG_H_
 
-#include <span>
 #include <vector>
 
 #include "common/app/plug.h"
-#include "services/grow/confidence.h"
-#include "services/grow/gap_filler.h"
 #include "services/grow/grower.h"
 
 namespace sprout {
@@ -27,15 +24,9 @@ class GrowPlug : public Plug {
  private:
   std::vector<Seed> SeedsOf(const Frame& frame, const cv::Mat1b& left,
                             const cv::Mat1b& right) const;
-  cv::Mat ConfidenceOf(const cv::Mat1b& left, const cv::Mat1b& right, std::span<const Seed> seeds,
-                       const DisparityImage& grown, const DisparityImage& filled);
 
   GrowConfig config_;
   Grower grower_;
-  GapFiller filler_;
-  ConfidenceJudge judge_;
-  cv::Mat1b left_grey_;  // memory
-  cv::Mat1b right_grey_;
 };
 
 }  // namespace sprout

@@ -19,8 +19,9 @@ namespace sprout {
 /// instruction set, otherwise as plain_growth.h has it, which gives the same.
 ///
 /// Where the paper leaves a choice: seeds leave the queue by level (GrowthRule::LevelOf()), of one
-/// level the last one added first; initial seeds enter it in the order given; neighbours are visited
-/// left, right, up, down; of three equally similar disparities d comes before d − 1 before d + 1.
+/// level the last one added first; initial seeds enter it in the order given; neighbours are
+/// visited left, right, up, down; of three equally similar disparities d comes before d − 1 before
+/// d + 1.
 ///
 /// The image is cut into bands of RowsPerBand() rows. Each grows from its own seeds; when all have
 /// come to rest, each grows on from the pixels of its neighbours' border rows, and so on until

@@ -115,8 +115,8 @@ struct GrowthKernel {
   /// Alg. 1 on the band's own seeds.
   void (*grow_from_seeds)(const GrowthRule& rule, GrowthBand& band);
 
-  /// Alg. 1 from the pixels beyond the band's borders, matched by its neighbours: from the row above
-  /// first, each from left to right. Empty rows are left out.
+  /// Alg. 1 from the pixels beyond the band's borders, matched by its neighbours: from the row
+  /// above first, each from left to right. Empty rows are left out.
   void (*grow_from_seams)(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthBand& band);
 
   /// Writes the disparities to the band's rows of the map; with rule.sub_pixel to the counts of

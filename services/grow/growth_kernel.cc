@@ -220,8 +220,7 @@ void RefineOpen(const GrowthRule& rule, const GrowthInput& input, const GrowthBa
     const FourNumbers costs =
         ToNumbers(FourCosts(rule, band, id, pixel.prior, sigmas[u], pixel.disparity));
     const auto step = hn::GetLane(StepsToMinimum(one(costs[2]), one(costs[1]), one(costs[0])));
-    counts[u] =
-        static_cast<int16_t>(pixel.disparity * DisparityImage::kCountsPerPixel + step);
+    counts[u] = static_cast<int16_t>(pixel.disparity * DisparityImage::kCountsPerPixel + step);
   }
 }
 

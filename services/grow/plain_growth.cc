@@ -103,10 +103,10 @@ class PlainGrowth {
   }
 
   void Grow(Seeds& seeds) {
-    while (!seeds.queue.empty()) {                       // Steps 4 and 13
-      const Correspondence s = seeds.queue.top().at;     // Step 5
+    while (!seeds.queue.empty()) {                    // Steps 4 and 13
+      const Correspondence s = seeds.queue.top().at;  // Step 5
       seeds.queue.pop();
-      VisitInBand(BandOf(s.v), {s.u - 1, s.v, s.d});     // Step 6
+      VisitInBand(BandOf(s.v), {s.u - 1, s.v, s.d});  // Step 6
       VisitInBand(BandOf(s.v), {s.u + 1, s.v, s.d});
       VisitInBand(BandOf(s.v), {s.u, s.v - 1, s.d});
       VisitInBand(BandOf(s.v), {s.u, s.v + 1, s.d});

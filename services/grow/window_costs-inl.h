@@ -141,8 +141,8 @@ HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelI
   const Four distances = hn::Sub(hn::ShiftLeft<5>(disparities), hn::Set(d4, prior));
   const hn::Rebind<uint8_t, DFour> d8;
   const Four states = hn::PromoteTo(d4, hn::LoadU(d8, band.right.data() + (id - (d + 1))));
-  const auto misfit = hn::Or(hn::Lt(disparities, hn::Zero(d4)),
-                             hn::Eq(states, hn::Set(d4, RightState::kNoWindow)));
+  const auto misfit =
+      hn::Or(hn::Lt(disparities, hn::Zero(d4)), hn::Eq(states, hn::Set(d4, RightState::kNoWindow)));
   return EpcCosts(rule, hn::Add(left_energy, right_energies), cross, distances,
                   rule.prior_scales[sigma], misfit);
 }

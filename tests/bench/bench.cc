@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "services/grow/gap_filler.h"
+#include "services/finish/gap_filler.h"
 #include "services/grow/grower.h"
 #include "services/prior/prior_estimator.h"
 #include "services/refine/refiner.h"
@@ -80,7 +80,7 @@ class Chain {
     return grower_.Compute(bench.left, bench.right, seeds, prior).value();
   }
   DisparityImage Fill(const DisparityImage& grown, const PriorMap& prior) {
-    return filler_.Fill(grown, config_.grow().fill(), prior.disparity);
+    return FillGaps(grown, config_.grow().fill(), prior.disparity);
   }
 
  private:
@@ -90,7 +90,6 @@ class Chain {
   std::vector<Seed> prior_seeds_;
   PriorEstimator prior_;
   Grower grower_;
-  GapFiller filler_;
 };
 
 // What goes into each stage.
