@@ -1,7 +1,8 @@
 #include "services/finish/gap_filler.h"
 
 #include <algorithm>
-#include <vector>
+#include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "common/core/median.h"
 #include "common/core/parallel.h"
@@ -10,62 +11,22 @@
 namespace sprout {
 namespace {
 
-constexpr int kRadius = 2;  // of the window
-
-// kFillColumns pixels of a row.
-struct Block {
-  int v;
-  int column;  // of blocks
-  FilledPixels pixels = {};
-  bool changed = false;
-};
-
-class Blocks {
- public:
-  explicit Blocks(cv::Size size)
-      : across_((size.width + kFillColumns - 1) / kFillColumns), height_(size.height) {}
-
-  std::vector<Block> All() const {
-    std::vector<Block> all;
-    for (int i = 0; i < across_ * height_; ++i) all.push_back({i / across_, i % across_});
-    return all;
-  }
-
-  // Those whose windows see one of the changed ones, each once.
-  std::vector<Block> AroundChanged(const std::vector<Block>& blocks) const {
-    std::vector<Block> around;
-    cv::Mat1b listed(height_, across_, uint8_t{0});
-    for (const Block& block : blocks) {
-      if (!block.changed) continue;
-      for (int v = std::max(block.v - kRadius, 0); v <= std::min(block.v + kRadius, height_ - 1);
-           ++v) {
-        for (int column = std::max(block.column - 1, 0);
-             column <= std::min(block.column + 1, across_ - 1); ++column) {
-          if (listed(v, column) == 0) around.push_back({v, column});
-          listed(v, column) = 1;
-        }
-      }
+// One pass over blocks of kFillColumns pixels of a row.
+// @param active  the blocks that are looked at, of which a pass fills `to`.
+// @returns the blocks in which a gap was filled.
+cv::Mat1b FillPass(const DisparityImage& from, const cv::Mat1b& active, DisparityImage& to) {
+  cv::Mat1b changed(active.size(), uint8_t{0});
+  ForEachParallel(static_cast<size_t>(from.height()), [&](size_t row) {
+    const int v = static_cast<int>(row);
+    FilledPixels pixels;
+    for (int block = 0; block < active.cols; ++block) {
+      if (active(v, block) == 0) continue;
+      const int u = block * kFillColumns;
+      changed(v, block) = FillPixels(from, v, u, pixels) ? 1 : 0;
+      std::copy_n(pixels.begin(), std::min(kFillColumns, from.width() - u), &to.counts()(v, u));
     }
-    return around;
-  }
-
- private:
-  int across_;
-  int height_;
-};
-
-// One pass over the blocks; all look at the map as it was before.
-void FillPass(std::vector<Block>& blocks, DisparityImage& map) {
-  ForEachParallel(blocks.size(), [&](size_t i) {
-    Block& block = blocks[i];
-    block.changed = FillPixels(map, block.v, block.column * kFillColumns, block.pixels);
   });
-  for (const Block& block : blocks) {
-    const int u = block.column * kFillColumns;
-    if (!block.changed) continue;
-    std::copy_n(block.pixels.begin(), std::min(kFillColumns, map.width() - u),
-                &map.counts()(block.v, u));
-  }
+  return changed;
 }
 
 DisparityImage FillFromPrior(const DisparityImage& map, const DisparityImage& prior) {
@@ -74,7 +35,7 @@ DisparityImage FillFromPrior(const DisparityImage& map, const DisparityImage& pr
     without_gaps = map.counts().clone();
     prior.counts().copyTo(without_gaps, map.counts() == DisparityImage::kInvalid);
   }
-  DisparityImage filled(map.size());
+  DisparityImage filled{cv::Mat1s(map.size())};
   MedianFilter().Apply(without_gaps, filled.counts());
   return filled;
 }
@@ -85,13 +46,19 @@ DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill,
                         const DisparityImage& prior) {
   if (fill == GrowConfig::NONE || map.empty()) return map;
   if (fill == GrowConfig::PRIOR) return FillFromPrior(map, prior);
-  DisparityImage filled(map.counts().clone());
-  const Blocks grid(map.size());
-  std::vector<Block> blocks = grid.All();
-  do {
-    FillPass(blocks, filled);
-    blocks = grid.AroundChanged(blocks);
-  } while (fill == GrowConfig::UNTIL_STABLE && !blocks.empty());
+  const int across = (map.width() + kFillColumns - 1) / kFillColumns;
+  cv::Mat1b active(map.height(), across, uint8_t{1});
+  DisparityImage filled{cv::Mat1s(map.size())};
+  cv::Mat1b changed = FillPass(map, active, filled);
+  if (fill == GrowConfig::ONE_PASS) return filled;
+  // Two maps in turn, which differ in the blocks of the last pass only: these are active again.
+  DisparityImage other(filled.counts().clone());
+  const cv::Mat1b sees_a_block(5, 3, uint8_t{1});  // a window has two rows above and below
+  while (cv::countNonZero(changed) > 0) {
+    cv::dilate(changed, active, sees_a_block);
+    std::swap(filled, other);
+    changed = FillPass(other, active, filled);
+  }
   return filled;
 }
 

@@ -97,7 +97,7 @@ DisparityImage Grower::GrowInBands(const GrowthKernel& kernel, const GrowthInput
       kernel.grow_from_seams(rule_, above, below, bands_[i]);
     });
   }
-  DisparityImage map(size);
+  DisparityImage map{cv::Mat1s(size)};
   ForEachParallel(count, [&](size_t i) { kernel.write(rule_, input, bands_[i], map); });
   return map;
 }
