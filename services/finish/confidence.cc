@@ -11,17 +11,17 @@
 namespace sprout {
 namespace {
 
-// Shares of the confidence, in whole numbers, so that its bytes are the same on every machine.
+// The numbers of formula C1, whole ones in 2⁻¹⁶, so that bytes are the same on every machine.
 constexpr int kOne = 1 << 16;
 constexpr int kEdgeWeight = kOne * 45 / 100;
 constexpr int kGapWeight = kOne * 15 / 100;
 constexpr int kPhotoWeight = kOne * 15 / 100;
 constexpr int kHoleWeight = kOne * 25 / 100;
-constexpr double kEdgeRangePx = 8;
-constexpr double kLargestExponent = 5;
-constexpr int kGapWindow = 9;
-constexpr float kUsualSpacings = 0.75;  // to the next seed
-constexpr int kPhotoWindow = 5;
+constexpr double kEdgeRangePx = 8;       // a prior's edges are a few pixels off
+constexpr double kLargestExponent = 5;   // exp(−5) < 0.01: no similarity
+constexpr int kGapWindow = 9;            // as far as a gap's 5×5 median looks, and as far again
+constexpr float kUsualSpacings = 0.75F;  // to the next seed
+constexpr int kPhotoWindow = 5;          // as growth's
 
 // The left image as the disparities make it from the right one; black where they leave it.
 cv::Mat1b Warp(const cv::Mat1b& right, const DisparityImage& map) {

@@ -83,7 +83,8 @@ struct GrowthRule {
   int least_open = 0;
 
   /// A cost's level in the queue of seeds, 0 to kLevels − 1: levels between 0 and the limit have
-  /// equal widths; what lies beyond the limit shares the last one.
+  /// equal widths; what lies beyond the limit shares the last one (S3). 22 bits of fraction are the
+  /// most for which no product exceeds 31: cost · levels_per_cost ≤ kLevels << 22.
   static constexpr int kLevelFraction = 22;
   int LevelOf(int32_t cost) const {
     return std::min(cost, limit) * levels_per_cost >> kLevelFraction;

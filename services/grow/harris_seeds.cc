@@ -9,13 +9,13 @@
 namespace sprout {
 namespace {
 
-constexpr int kRowTolerance = 1;
+constexpr int kRowTolerance = 1;  // px: the detector rounds the rows of both corners
 
 // Corners whose window lies in the image, strongest first.
 std::vector<cv::Point> HarrisCorners(const cv::Mat1b& image, const HarrisConfig& config) {
-  constexpr double kMinDistance = 3;  // px between corners
-  constexpr int kBlockSize = 3;
-  constexpr double kHarrisK = 0.04;
+  constexpr double kMinDistance = kWindowRadius + 1;  // px: windows differ by half at least
+  constexpr int kBlockSize = 3;                       // OpenCV's default
+  constexpr double kHarrisK = 0.04;                   // Harris and Stephens (1988), and everybody
   std::vector<cv::Point2f> positions;
   cv::goodFeaturesToTrack(image, positions, config.max_corners(), config.min_relative_response(),
                           kMinDistance, cv::noArray(), kBlockSize, /*useHarrisDetector=*/true,

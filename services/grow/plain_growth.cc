@@ -63,7 +63,7 @@ class PlainGrowth {
 
   // Alg. 1 in each band of rows, and from band to band until none grows any more.
   DisparityImage Run(std::span<const Correspondence> seeds) {
-    for (const Correspondence& s : seeds) AddSeed(s, CostOf(rule_, input_, s));  // Steps 2 and 3
+    for (const Correspondence& s : seeds) AddSeed(s, CostOf(rule_, input_, s));  // Step 2
     ForEachParallel(seeds_.size(), [&](size_t band) { Grow(seeds_[band]); });
     for (bool changed = true; changed;) {
       const cv::Mat1s before = map_.counts().clone();
@@ -154,7 +154,7 @@ class PlainGrowth {
   }
 
   // Each disparity d moved to the minimum of the parabola through the costs of d − 1, d and d + 1,
-  // where d has the least.
+  // where d has the least (S2).
   DisparityImage WithSubPixelSteps() const {
     DisparityImage moved(map_.counts().clone());
     for (int v = 0; v < map_.height(); ++v) {

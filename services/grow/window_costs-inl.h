@@ -148,7 +148,7 @@ HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelI
 }
 
 // Where between d − 1 and d + 1 the parabola through their costs has its minimum, from d, counts;
-// none where a cost is missing or d is not better than the two others.
+// none where a cost is missing or d is not better than the two others (S2).
 template <class V>
 HWY_INLINE V StepsToMinimum(V minus_one, V cost, V plus_one) {
   const hn::DFromV<V> d;
