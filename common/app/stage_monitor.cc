@@ -60,8 +60,7 @@ int64_t NowUtime() {
       .count();
 }
 
-std::optional<int64_t> LogLimiter::Pass() {
-  const auto now = std::chrono::steady_clock::now();
+std::optional<int64_t> LogLimiter::Pass(std::chrono::steady_clock::time_point now) {
   if (now < next_) {
     ++held_back_;
     return std::nullopt;
@@ -70,7 +69,9 @@ std::optional<int64_t> LogLimiter::Pass() {
   return std::exchange(held_back_, 0);
 }
 
-StageMonitor::StageMonitor(const std::string& stage, const std::string& config_digest) {
+StageMonitor::StageMonitor(const std::string& stage, const std::string& config_digest,
+                           std::function<Clock::time_point()> now)
+    : now_(std::move(now)) {
   status_.stage = stage;
   status_.host = HostName();
   status_.version = Version();
@@ -86,7 +87,7 @@ void StageMonitor::FrameIn(bool skipped) {
 
 void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
                             const std::string& degenerate, float tof_coverage) {
-  const auto now = Clock::now();
+  const auto now = now_();
   const Sample sample{.finished = now,
                       .latency_ms = Milliseconds(now - arrived),
                       .age_ms = static_cast<double>(NowUtime() - id.utime) / 1000};
@@ -99,7 +100,7 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
   if (!degenerate.empty()) {
     ++status_.frames_degenerate;
     status_.last_error = "frame " + std::to_string(id.seq) + ": " + degenerate;
-    if (const auto held_back = degenerate_log_.Pass()) {
+    if (const auto held_back = degenerate_log_.Pass(now)) {
       spdlog::warn("{}{}", status_.last_error, MoreText(*held_back));
     }
   }
@@ -111,7 +112,7 @@ void StageMonitor::FrameFailed(const FrameId& id, const std::string& reason) {
   const std::lock_guard lock(mutex_);
   ++status_.frames_failed;
   status_.last_error = "frame " + std::to_string(id.seq) + ": failed: " + reason;
-  if (const auto held_back = failed_log_.Pass()) {
+  if (const auto held_back = failed_log_.Pass(now_())) {
     spdlog::error("{}{}", status_.last_error, MoreText(*held_back));
   }
 }
@@ -126,7 +127,7 @@ void StageMonitor::BadMessage(std::string_view channel, const std::string& reaso
   const std::lock_guard lock(mutex_);
   ++status_.bad_messages;
   status_.last_error = std::string(channel) + ": " + reason;
-  if (const auto held_back = bad_message_log_.Pass()) {
+  if (const auto held_back = bad_message_log_.Pass(now_())) {
     spdlog::warn("{}: message dropped: {}{}", channel, reason, MoreText(*held_back));
   }
 }
@@ -163,7 +164,7 @@ StageStatus StageMonitor::Snapshot() const {
   }
   status.latency = Summarise(std::move(latencies_ms));
   status.age = Summarise(std::move(ages_ms));
-  const auto window_start = Clock::now() - kRateWindow;
+  const auto window_start = now_() - kRateWindow;
   const auto first = std::find_if(samples_.begin(), samples_.end(), [&](const Sample& sample) {
     return sample.finished >= window_start;
   });

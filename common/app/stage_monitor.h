@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -20,7 +21,7 @@ int64_t NowUtime();
 class LogLimiter {
  public:
   /// @returns how many lines were held back since the last one; nothing when this one is, too.
-  std::optional<int64_t> Pass();
+  std::optional<int64_t> Pass(std::chrono::steady_clock::time_point now);
 
  private:
   std::chrono::steady_clock::time_point next_{};
@@ -33,7 +34,9 @@ class StageMonitor {
  public:
   using Clock = std::chrono::steady_clock;
 
-  StageMonitor(const std::string& stage, const std::string& config_digest);
+  /// @param now  tells the time; tests have their own.
+  StageMonitor(const std::string& stage, const std::string& config_digest,
+               std::function<Clock::time_point()> now = Clock::now);
 
   /// A complete frame is in hand; `skipped` when it took the place of one that was not worked on.
   void FrameIn(bool skipped);
@@ -75,6 +78,7 @@ class StageMonitor {
     double age_ms;
   };
 
+  std::function<Clock::time_point()> now_;
   mutable std::mutex mutex_;
   StageStatus status_;          // without rate and times, which Snapshot() adds
   std::deque<Sample> samples_;  // of the newest frames

@@ -1,21 +1,22 @@
 #include "services/grow/growth_rule.h"
 
-#include <algorithm>
 #include <cmath>
 
-#include "services/grow/similarity.h"
+#include "services/grow/similarity-inl.h"
 
 namespace sprout {
 namespace {
 
-// Largest distance whose cost is within the limit.
+int32_t WholeCost(double exponent) { return static_cast<int32_t>(exponent * kCostUnit + 0.5); }
+
+// Largest distance, counts, whose cost is within the limit.
 int ReachOf(float prior_scale, int32_t limit) {
   int least = 0;
   int beyond = UINT16_MAX + 1;
   while (beyond - least > 1) {
     const int middle = (least + beyond) / 2;
-    const bool within = PriorCost(middle, prior_scale) < static_cast<float>(limit + 1);
-    (within ? least : beyond) = middle;
+    const float cost = HWY_NAMESPACE::PriorCost(static_cast<float>(middle), prior_scale);
+    (cost < static_cast<float>(limit + 1) ? least : beyond) = middle;
   }
   return least;
 }
@@ -29,16 +30,13 @@ double SigmaP(const GrowConfig& config, double sigma_px) {
 }
 
 GrowthRule MakeGrowthRule(const GrowConfig& config) {
+  const bool mncc = config.similarity() == GrowConfig::MNCC;
   GrowthRule rule;
   rule.similarity = config.similarity();
   rule.sub_pixel = config.sub_pixel();
-  if (config.similarity() == GrowConfig::MNCC) {
-    rule.limit = CostFromExponent(1 - config.threshold());
-    rule.photo_scale = kCostUnit;
-    return rule;
-  }
-  rule.limit = CostFromExponent(-std::log(config.threshold()));
-  rule.photo_scale = static_cast<float>(kCostUnit / config.sigma_s_squared());
+  rule.limit = WholeCost(mncc ? 1 - config.threshold() : -std::log(config.threshold()));
+  rule.levels_per_cost = (kLevels << GrowthRule::kLevelFraction) / (rule.limit + 1);
+  rule.photo_scale = static_cast<float>(kCostUnit / (mncc ? 1 : config.sigma_s_squared()));
   rule.least_open = kMaxSigmaCounts + 1;
   for (size_t counts = rule.prior_scales.size(); counts-- > 0;) {
     const double sigma_px = SigmaToPx(static_cast<uint8_t>(counts));

@@ -1,25 +1,79 @@
 #ifndef SPROUT_SERVICES_GROW_GROWTH_RULE_H_
 #define SPROUT_SERVICES_GROW_GROWTH_RULE_H_
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <opencv2/core.hpp>
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
 #include "common/core/prior_map.h"
 
+// What the plain and the fast implementation of Alg. 1 share: their input, the units in which they
+// compute, and the rules where the paper leaves a choice.
 namespace sprout {
+
+/// Side of the correlation window, px (n = 5 in the paper).
+inline constexpr int kWindow = 5;
+inline constexpr int kWindowRadius = kWindow / 2;
+
+/// Similarities are compared as costs: the exponents of eqs. (4) to (6), or 1 − MNCC, in whole
+/// steps of 2⁻²⁰ rounded down, so that comparisons are the same on every machine. 20 bits of 24 in
+/// a float leave room for costs above 1.
+inline constexpr int32_t kCostUnit = 1 << 20;
+
+/// Larger costs are cut to this one: beyond every limit, −ln 0.001 = 6.9 units.
+inline constexpr float kLargestCost = 1 << 27;
+
+/// Cost of a disparity whose window does not fit: above all others, with two bits to spare for the
+/// rank of a disparity.
+inline constexpr int32_t kExcludedCost = (1 << 29) - 1;
+
+/// Levels of the queue of seeds. With 64, results were up to 0.4 points worse (NOTES.md).
+inline constexpr int kLevels = 256;
+
+/// Rows of the bands in which an image grows; the last may have fewer. At most 64, and as even as
+/// can be, so that none of two threads has a whole band more to do than the other.
+inline int RowsPerBand(int height) {
+  constexpr int kMostRows = 64;
+  const int bands = (height + kMostRows - 1) / kMostRows;
+  return (height + bands - 1) / bands;
+}
+inline int CountBands(int height) {
+  return (height + RowsPerBand(height) - 1) / RowsPerBand(height);
+}
+
+/// Left pixel (u, v) and right pixel (u − d, v).
+struct Correspondence {
+  int u, v, d;
+};
+
+/// Whether both 5×5 windows lie in images of that size. d < 0 fits nothing.
+inline bool WindowsFit(const Correspondence& q, cv::Size size) {
+  constexpr int kRadius = kWindowRadius;
+  return q.d >= 0 && q.u - q.d >= kRadius && q.u < size.width - kRadius && q.v >= kRadius &&
+         q.v < size.height - kRadius;
+}
+
+/// One pair of images, grey, and its prior, which is not looked at unless the similarity is EPC.
+struct GrowthInput {
+  const cv::Mat1b& left;
+  const cv::Mat1b& right;
+  const PriorMap& prior;
+};
 
 /// What decides on a correspondence: the configuration in the units in which growth computes.
 struct GrowthRule {
   GrowConfig::Similarity similarity = GrowConfig::EPC;
-  int32_t limit = 0;  ///< largest accepted cost
   bool sub_pixel = false;
-  float photo_scale = 0;  ///< cost of a normalised difference of 1
+  int32_t limit = 0;            ///< largest accepted cost: −ln τ, with MNCC 1 − τ
+  int32_t levels_per_cost = 0;  ///< in fixed point, see LevelOf()
+  float photo_scale = 0;        ///< kCostUnit / σ_s² of eq. (4); kCostUnit with MNCC
 
-  /// By the counts of the prior's standard deviation, PriorMap::sigma: the cost of a distance of
-  /// one count from the prior, which grows as its square; and the distance, counts, beyond which
-  /// that cost alone is above the limit. The surest prior comes first.
+  /// By the counts of the prior's standard deviation, PriorMap::sigma: kCostUnit / (2·σ_p²) of
+  /// eq. (5), σ_p in counts of DisparityImage; and the distance, counts, beyond which eq. (5) alone
+  /// is above the limit.
   std::array<float, kMaxSigmaCounts + 1> prior_scales{};
   std::array<int, kMaxSigmaCounts + 1> prior_reaches{};
 
@@ -27,8 +81,17 @@ struct GrowthRule {
   /// disparities on either side of it; kMaxSigmaCounts + 1 when none does. Below, σ_p is
   /// sigma_p_px.
   int least_open = 0;
+
+  /// A cost's level in the queue of seeds, 0 to kLevels − 1: levels between 0 and the limit have
+  /// equal widths; what lies beyond the limit shares the last one (S3). 22 bits of fraction are the
+  /// most for which no product exceeds 31: cost · levels_per_cost ≤ kLevels << 22.
+  static constexpr int kLevelFraction = 22;
+  int LevelOf(int32_t cost) const {
+    return std::min(cost, limit) * levels_per_cost >> kLevelFraction;
+  }
 };
 
+/// @param config  with values in range.
 GrowthRule MakeGrowthRule(const GrowConfig& config);
 
 /// σ_p of eq. (5) at a pixel, px: what the configuration makes of the prior's standard deviation σ

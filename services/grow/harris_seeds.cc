@@ -4,18 +4,18 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "services/grow/similarity.h"
+#include "services/grow/plain_growth.h"
 
 namespace sprout {
 namespace {
 
-constexpr int kRowTolerance = 1;
+constexpr int kRowTolerance = 1;  // px: the detector rounds the rows of both corners
 
 // Corners whose window lies in the image, strongest first.
 std::vector<cv::Point> HarrisCorners(const cv::Mat1b& image, const HarrisConfig& config) {
-  constexpr double kMinDistance = 3;  // px between corners
-  constexpr int kBlockSize = 3;
-  constexpr double kHarrisK = 0.04;
+  constexpr double kMinDistance = kWindowRadius + 1;  // px: windows differ by half at least
+  constexpr int kBlockSize = 3;                       // OpenCV's default
+  constexpr double kHarrisK = 0.04;                   // Harris and Stephens (1988), and everybody
   std::vector<cv::Point2f> positions;
   cv::goodFeaturesToTrack(image, positions, config.max_corners(), config.min_relative_response(),
                           kMinDistance, cv::noArray(), kBlockSize, /*useHarrisDetector=*/true,
@@ -42,7 +42,7 @@ std::vector<std::vector<size_t>> ByRow(const std::vector<cv::Point>& corners, in
 // Best partner of a corner so far.
 struct Best {
   size_t partner = 0;
-  int32_t cost = kNoMatch;
+  int32_t cost = kExcludedCost;
 
   void Offer(size_t candidate, int32_t candidate_cost) {
     if (candidate_cost < cost) *this = {candidate, candidate_cost};
@@ -59,7 +59,11 @@ std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& rig
   const std::vector<cv::Point> left_corners = HarrisCorners(left, config);
   const std::vector<cv::Point> right_corners = HarrisCorners(right, config);
   const auto right_by_row = ByRow(right_corners, right.rows);
-  const MnccCost mncc(left, right);
+  GrowConfig mncc;
+  mncc.set_similarity(GrowConfig::MNCC);
+  mncc.set_threshold(config.min_mncc());
+  const GrowthRule rule = MakeGrowthRule(mncc);
+  const GrowthInput input{left, right, PriorMap()};
 
   std::vector<Best> best_of_left(left_corners.size());
   std::vector<Best> best_of_right(right_corners.size());
@@ -70,7 +74,7 @@ std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& rig
       for (const size_t j : right_by_row[static_cast<size_t>(row)]) {
         const int disparity = u - right_corners[j].x;
         if (disparity < 0 || disparity > max_disparity) continue;
-        const int32_t cost = mncc.At(u, v, disparity)[1];
+        const int32_t cost = CostOf(rule, input, {u, v, disparity});
         best_of_left[i].Offer(j, cost);
         best_of_right[j].Offer(i, cost);
       }
@@ -78,10 +82,9 @@ std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& rig
   }
 
   std::vector<Seed> seeds;
-  const int32_t limit = MnccCost::Limit(config.min_mncc());
   for (size_t i = 0; i < left_corners.size(); ++i) {
     const Best& best = best_of_left[i];
-    if (best.cost > limit || best_of_right[best.partner].partner != i) continue;
+    if (best.cost > rule.limit || best_of_right[best.partner].partner != i) continue;
     seeds.push_back({.u = static_cast<float>(left_corners[i].x),
                      .v = static_cast<float>(left_corners[i].y),
                      .u_right = static_cast<float>(right_corners[best.partner].x),

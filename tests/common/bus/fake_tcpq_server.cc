@@ -95,6 +95,23 @@ void FakeTcpqServer::Close() {
   Disconnect();
   for (const int client : earlier_clients_) close(client);
   earlier_clients_.clear();
+  StopListening();
+}
+
+bool FakeTcpqServer::CloseAndWait() {
+  StopListening();
+  shutdown(client_, SHUT_WR);
+  pollfd client{.fd = client_, .events = POLLIN, .revents = 0};
+  char byte;
+  while (poll(&client, 1, 10'000) == 1) {
+    if (recv(client_, &byte, 1, 0) > 0) continue;  // what it had sent before
+    Close();
+    return true;
+  }
+  return false;
+}
+
+void FakeTcpqServer::StopListening() {
   if (listening_ >= 0) close(listening_);
   listening_ = -1;
 }

@@ -32,10 +32,14 @@ class FakeTcpqServer {
   void Send(const std::string& channel, const std::string& data);
   /// Hangs up on the newest client.
   void Disconnect();
+  /// Hangs up on the newest client, refuses new ones, and waits (at most 10 s) until the client has
+  /// hung up, too; false when it has not.
+  bool CloseAndWait();
   /// Hangs up on all and refuses new clients, as if the server were gone.
   void Close();
 
  private:
+  void StopListening();
   std::string ReadBytes(size_t count);
   int32_t ReadInt32();
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <future>
 #include <thread>
 
@@ -79,8 +80,7 @@ TEST_F(ReceiverTest, ConnectsAgainWhenTheServerHangsUp) {
 
 TEST_F(ReceiverTest, SurvivesAndStopsWhenTheServerIsGone) {
   Start({"SPROUT_LEFT"});
-  server_.Close();
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // let it find out
+  ASSERT_TRUE(server_.CloseAndWait()) << "the receiver did not notice";
   const auto started = std::chrono::steady_clock::now();
   receiver_.reset();
   EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(2));
@@ -143,12 +143,13 @@ TEST(Publisher, SaysSoWhenTheServerIsGone) {
   Publisher publisher = connecting.get();
   server.Close();
   const uint8_t byte = 1;
-  bool all_sent = true;  // the first may still go into the socket's buffer
-  for (int i = 0; i < 5; ++i) {
-    all_sent = publisher.Publish("SPROUT_SEEDS", {&byte, 1}) && all_sent;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  // The first ones may still go into the socket's buffer.
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  bool sent = true;
+  while (sent && std::chrono::steady_clock::now() < end) {
+    sent = publisher.Publish("SPROUT_SEEDS", {&byte, 1});
   }
-  EXPECT_FALSE(all_sent);
+  EXPECT_FALSE(sent);
 }
 
 }  // namespace

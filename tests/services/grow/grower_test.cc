@@ -22,34 +22,6 @@ TEST(Grower, GrowsAcrossManyBandsFromOneSeed) {
   EXPECT_EQ(map->CountValid(), 396 * 31);
 }
 
-TEST(Grower, KeepsLessThan30BytesAPixelAnd12WithTwoCandidates) {
-  const cv::Size size(1000, 640);
-  const cv::Mat1b left = Noise(size, 1, 256);
-  const std::vector<Seed> seeds = RandomSeeds(size, 6000, 9, 3);
-  for (const auto& [sigma_p_px, bytes] : {std::pair(0.6, 12), std::pair(2.0, 30)}) {
-    GrowConfig config = EpcConfig();
-    config.set_sub_pixel(true);
-    config.set_sigma_p_px(sigma_p_px);
-    Grower grower(config);
-    ASSERT_TRUE(grower.Compute(left, ShiftedBy(left, 5), seeds, ConstantPrior(size, 5)));
-    EXPECT_LT(static_cast<double>(grower.scratch_bytes()) / size.area(), bytes);
-  }
-}
-
-TEST(Grower, UsesAMapAgainThatNobodyHolds) {
-  const cv::Size size(60, 40);
-  const cv::Mat1b left = Noise(size, 6, 4);
-  const std::vector<Seed> seeds = RandomSeeds(size, 30, 8, 6);
-  const PriorMap prior = ConstantPrior(size, 3);
-  Grower grower(EpcConfig());
-  const auto held = grower.Compute(left, ShiftedBy(left, 3), seeds, prior);
-  const cv::Mat1s kept = held->counts().clone();
-  const uint8_t* memory = grower.Compute(left, left, seeds, prior)->counts().data;
-  EXPECT_NE(memory, held->counts().data);
-  ExpectSame(*held, DisparityImage(kept));
-  EXPECT_EQ(grower.Compute(left, left, seeds, prior)->counts().data, memory);
-}
-
 TEST(Grower, CoversATexturedPlaneFromOneSeed) {
   const cv::Size size(60, 40);
   const cv::Mat1b left = Noise(size, 1, 256);
@@ -168,13 +140,14 @@ TEST(Grower, StopsWhereSimilarityFallsBelowTheThreshold) {
   EXPECT_LT(cv::countNonZero(map->counts().colRange(38, 60) != DisparityImage::kInvalid), 22);
 }
 
-TEST(Grower, GivesTheSameBytesWhenItsQueueIsUsedAgain) {
+TEST(Grower, GivesTheSameBytesWhenItsMemoryIsUsedAgain) {
   const cv::Size size(60, 40);
   const cv::Mat1b left = Noise(size, 6, 4);
   const cv::Mat1b right = ShiftedBy(left, 3);
   const std::vector<Seed> seeds = RandomSeeds(size, 30, 8, 6);
   Grower grower(EpcConfig());
   const auto first = grower.Compute(left, right, seeds, ConstantPrior(size, 3));
+  ASSERT_GT(first->CountValid(), 1000);
   const auto second = grower.Compute(left, right, seeds, ConstantPrior(size, 3));
   ExpectSame(*first, *second);
 }

@@ -7,16 +7,10 @@
 namespace sprout {
 namespace {
 
-constexpr int32_t kLimit = 25599;  // levels of 100
-
 // A queue with the links of a few seeds.
 class SeedQueueTest : public testing::Test {
  protected:
-  SeedQueueTest() { queue_.Reset(kLimit); }
-
-  void Push(SeedQueue::Id seed, int32_t cost) {
-    queue_.Push(seed, queue_.LevelOf(cost), links_.at(seed));
-  }
+  void Push(SeedQueue::Id seed, int level) { queue_.Push(seed, level, links_.at(seed)); }
 
   SeedQueue::Id Pop() {
     const SeedQueue::Id seed = queue_.Top();
@@ -28,10 +22,10 @@ class SeedQueueTest : public testing::Test {
   std::array<SeedQueue::Id, 8> links_{};
 };
 
-TEST_F(SeedQueueTest, GivesTheSmallestCostFirst) {
-  Push(1, 5000);
-  Push(2, 100);
-  Push(3, 20000);
+TEST_F(SeedQueueTest, GivesTheSmallestLevelFirst) {
+  Push(1, 70);
+  Push(2, 1);
+  Push(3, 255);
   EXPECT_EQ(Pop(), 2);
   EXPECT_EQ(Pop(), 1);
   Push(4, 0);  // better than all before
@@ -41,34 +35,21 @@ TEST_F(SeedQueueTest, GivesTheSmallestCostFirst) {
 }
 
 TEST_F(SeedQueueTest, GivesTheLastAddedFirstOnOneLevel) {
-  Push(1, 120);
-  Push(2, 199);  // same level, although the cost is larger
-  Push(3, 220);  // next level
+  Push(1, 64);
+  Push(2, 64);
+  Push(3, 65);
   EXPECT_EQ(Pop(), 2);
   EXPECT_EQ(Pop(), 1);
   EXPECT_EQ(Pop(), 3);
 }
 
-TEST_F(SeedQueueTest, TakesCostsBeyondTheLimitWithTheLastLevel) {
-  Push(1, INT32_MAX);
-  Push(2, 25500);
-  EXPECT_EQ(Pop(), 2);
-  EXPECT_EQ(Pop(), 1);
-}
-
 TEST_F(SeedQueueTest, CanTakeASeedAgain) {
   Push(1, 5);
   EXPECT_EQ(Pop(), 1);
-  Push(1, 20000);
+  Push(1, 200);
   Push(2, 5);
   EXPECT_EQ(Pop(), 2);
   EXPECT_EQ(Pop(), 1);
-}
-
-TEST_F(SeedQueueTest, IsEmptyAfterReset) {
-  Push(1, 5);
-  queue_.Reset(kLimit);
-  EXPECT_TRUE(queue_.empty());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "services/grow/confidence.h"
+#include "services/finish/confidence.h"
 
 #include <gtest/gtest.h>
 

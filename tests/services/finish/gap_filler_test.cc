@@ -1,4 +1,4 @@
-#include "services/grow/gap_filler.h"
+#include "services/finish/gap_filler.h"
 
 #include <gtest/gtest.h>
 
@@ -120,13 +120,12 @@ TEST(GapFiller, PriorFillsGapsAndTakesAwaySinglePixels) {
 
 TEST(GapFiller, BandsLeaveNoSeams) {
   const DisparityImage prior = RandomMap({31, 205}, 8, 0);
-  GapFiller filler;
   for (const uint32_t seed : {1u, 2u}) {
     const DisparityImage map = RandomMap(prior.size(), seed, 30);
     cv::Mat1s expected = map.counts().clone();
     prior.counts().copyTo(expected, expected == kGap);
     cv::medianBlur(expected, expected, 5);
-    const DisparityImage filled = filler.Fill(map, GrowConfig::PRIOR, prior);
+    const DisparityImage filled = FillGaps(map, GrowConfig::PRIOR, prior);
     EXPECT_EQ(cv::countNonZero(filled.counts() != expected), 0);
   }
 }
