@@ -92,7 +92,7 @@ GroundTruth ReadTruth(const KittiFiles& files, cv::Size size) {
   if (!has_all && !has_seen) return truth;
   truth.left = ReadTruth(has_all ? files.truth : files.seen_truth, size);
   const cv::Mat1f seen = has_seen ? ReadTruth(files.seen_truth, size) : truth.left;
-  truth.nonoccluded = seen == seen;  // known
+  truth.nonoccluded = seen > 0;  // unknown is NaN
   return truth;
 }
 

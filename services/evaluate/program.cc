@@ -217,6 +217,7 @@ int Run(const Options& options) {
   const Preset preset = PresetOf(options);
   const ChainSettings settings{.config = LoadConfig(preset.files), .noise = options.noise};
   std::vector<Scene> scenes;
+  scenes.reserve(names.size());
   for (const std::string& scene : names) {
     scenes.push_back(LoadScene(scene, tof, settings.config.capture()));
   }
