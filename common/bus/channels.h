@@ -1,6 +1,7 @@
 #ifndef SPROUT_COMMON_BUS_CHANNELS_H_
 #define SPROUT_COMMON_BUS_CHANNELS_H_
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,7 +24,11 @@ inline std::vector<std::string_view> AllChannels() {
 }
 
 /// Longest prefix, characters: LCM allows 63 for prefix and channel.
-inline constexpr size_t kMaxChannelPrefix = 63 - std::string_view("SPROUT_CONFIDENCE").size();
+inline constexpr size_t kMaxChannelPrefix = [] {
+  size_t longest = kStatusChannel.size();
+  for (const PartRow& row : kPartTable) longest = std::max(longest, row.channel.size());
+  return 63 - longest;
+}();
 
 }  // namespace sprout
 

@@ -1,11 +1,11 @@
 #include "services/capture/pfm.h"
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
-#include <vector>
 
 #include "common/config/config.h"
 #include "common/core/image.h"
@@ -43,24 +43,6 @@ Header ReadHeader(std::ifstream& file, const std::filesystem::path& path) {
   return header;
 }
 
-// Before anything is allocated: the header may promise what the file does not hold. And no byte
-// more, or the samples may begin elsewhere.
-void RequireSamples(const std::filesystem::path& path, uintmax_t begin, uintmax_t bytes) {
-  std::error_code error;
-  const uintmax_t file_bytes = std::filesystem::file_size(path, error);
-  if (error || file_bytes < begin + bytes) throw BadPfm(path, "ends early");
-  if (file_bytes == begin + bytes) return;
-  throw BadPfm(path, std::to_string(file_bytes - begin - bytes) + " bytes behind the samples");
-}
-
-float SampleAt(const unsigned char* bytes, bool little_endian) {
-  uint32_t bits = 0;
-  for (int i = 0; i < 4; ++i) {
-    bits |= uint32_t{bytes[i]} << (8 * (little_endian ? i : 3 - i));
-  }
-  return std::bit_cast<float>(bits);
-}
-
 }  // namespace
 
 cv::Mat1f ReadPfm(const std::filesystem::path& path) {
@@ -68,20 +50,25 @@ cv::Mat1f ReadPfm(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw BadPfm(path, "cannot be read");
   const Header header = ReadHeader(file, path);
-  const size_t row_bytes = sizeof(float) * static_cast<size_t>(header.width);
-  RequireSamples(path, static_cast<uintmax_t>(file.tellg()),
-                 row_bytes * static_cast<size_t>(header.height));
-
-  cv::Mat1f samples(header.height, header.width);
-  std::vector<unsigned char> row(row_bytes);
-  for (int v = header.height - 1; v >= 0; --v) {  // PFM stores the bottom row first
-    if (!file.read(reinterpret_cast<char*>(row.data()), static_cast<std::streamsize>(row_bytes))) {
-      throw BadPfm(path, "ends early");
-    }
-    for (int u = 0; u < header.width; ++u) {
-      samples(v, u) = SampleAt(&row[sizeof(float) * static_cast<size_t>(u)], header.scale < 0);
-    }
+  // Before anything is allocated: the header may promise what the file does not hold. And no byte
+  // more, or the samples may begin elsewhere.
+  const auto begin = static_cast<uintmax_t>(file.tellg());
+  const uintmax_t sample_bytes =
+      sizeof(float) * static_cast<uintmax_t>(header.width) * static_cast<uintmax_t>(header.height);
+  std::error_code error;
+  const uintmax_t file_bytes = std::filesystem::file_size(path, error);
+  if (error || file_bytes < begin + sample_bytes) throw BadPfm(path, "ends early");
+  if (file_bytes > begin + sample_bytes) {
+    throw BadPfm(path,
+                 std::to_string(file_bytes - begin - sample_bytes) + " bytes behind the samples");
   }
+  // OpenCV divides by the scale, which in Middlebury's files means nothing but the byte order.
+  std::string pfm = "Pf\n" + std::to_string(header.width) + " " + std::to_string(header.height) +
+                    (header.scale < 0 ? "\n-1\n" : "\n1\n");
+  pfm.append(std::istreambuf_iterator<char>(file), {});
+  const cv::Mat1b bytes(1, static_cast<int>(pfm.size()), reinterpret_cast<uchar*>(pfm.data()));
+  const cv::Mat samples = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  if (samples.type() != CV_32FC1) throw BadPfm(path, "cannot be decoded");
   return samples;
 }
 
