@@ -160,18 +160,24 @@ TEST(GraphSystem, GoesOnWhenAStageIsKilledAndStartedAgain) {
 TEST(GraphSystem, SkipsAndCountsFramesThatComeTooFast) {
   Graph graph;
   StartStages(graph);
-  // No lockstep, as fast as they can be made, and larger than grow can follow.
-  Process& capture = graph.StartOnly("capture", {"--source", "synthetic:640x480", "--frames", "40",
-                                                 "--rate", "0", "--wait-for", "refine,prior,grow"});
+  Process& capture = graph.StartOnly("capture", {"--source", kSource, "--frames", "40", "--rate",
+                                                 "20", "--wait-for", "refine,prior,grow"});
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.parts.contains({Part::kDisparity, 3}); }));
+  // Grow stands still, and finds the other frames waiting all at once.
+  graph.process("grow").Signal(SIGSTOP);
   EXPECT_EQ(capture.Wait(std::chrono::seconds(60)), 0) << capture.Output();
-  // Every frame that grow saw is accounted for.
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return g.parts.contains({Part::kPrior, 39}); }));
+  graph.process("grow").Signal(SIGCONT);
   EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
-    const StageStatus& refine = g.statuses["refine"];
-    return refine.newest_frame.seq == 39 && refine.frames_out + refine.frames_skipped +
-                                                    refine.frames_incomplete +
-                                                    refine.sequence_gaps ==
-                                                40;
-  })) << graph.statuses["refine"].frames_out;
+    const StageStatus& grow = g.statuses["grow"];
+    return grow.newest_frame.seq == 39 &&
+           grow.frames_out + grow.frames_skipped + grow.frames_incomplete + grow.sequence_gaps ==
+               40;
+  }));
+  graph.WaitUntil([](Graph& g) {
+    EXPECT_GT(g.statuses["grow"].frames_skipped, 0);
+    return true;
+  });
 }
 
 }  // namespace
