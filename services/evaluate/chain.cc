@@ -30,7 +30,7 @@ DisparityImage RunGrow(const Scene& scene, const GrowConfig& config, const std::
 }  // namespace
 
 RefinedSeeds RunRefine(const Scene& scene, const ChainSettings& settings, StageTimes& ms) {
-  Refiner refiner(settings.config.refine());
+  Refiner refiner(scene.WithRange(settings.config.refine()));
   const SeedSet correspondences = Timed(ms.refine_ms, [&] {
     return refiner.Compute(scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector)
         .value_or(SeedSet());

@@ -12,6 +12,7 @@
 #include "common/core/tof_image.h"
 #include "common/geometry/projection.h"
 #include "services/refine/background.h"
+#include "services/refine/range_unwrapper.h"
 #include "services/refine/stereo_seeds.h"
 #include "services/refine/tof_surface.h"
 
@@ -67,6 +68,7 @@ class Refiner {
   // Memory of the last frame, for the next.
   std::vector<ProjectedPoint> points_;
   std::vector<Fate> fates_;  // of points_
+  RangeUnwrapper unwrapper_;
   TofSurface surface_;
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images
   size_t kept_in_both_ = 0;
