@@ -13,6 +13,9 @@ constexpr int kRadius = 4;                 // of the windows that are compared, 
 constexpr double kConnected = 0.005;       // of the range: ToF pixels side by side are one surface
 constexpr double kClearly = 0.1;           // mean preference of a surface that is far
 constexpr double kUnclearly = 0.05;        // and of one that is neither
+// A surface with so much less than the median albedo would be blacker than what there is: that of
+// things is 3 to 90 %.
+const double kBlackest = -std::log(30);
 constexpr double kNoise = 4;               // variance of a grey value that is no texture
 
 struct WindowSums {
@@ -86,16 +89,20 @@ int32_t RangeUnwrapper::Apply(const cv::Mat1b& left, const cv::Mat1b& right, con
   ranges_m_.create(tof.depth_m.size());
   ranges_m_.setTo(std::numeric_limits<double>::quiet_NaN());
   preference_.create(tof.depth_m.size());
+  albedo_.create(tof.depth_m.size());
   far_.resize(points.size());
   ForEachParallel(points.size(), [&](size_t i) {
     const ProjectedPoint& point = points[i];
     const cv::Point pixel(point.tof_u, point.tof_v);
     const double depth_m = tof.depth_m(pixel);
     ranges_m_(pixel) = depth_m * projector.ray(pixel.x, pixel.y).norm();
+    const double amplitude = tof.amplitude.empty() ? 0 : double{tof.amplitude(pixel)};
+    albedo_(pixel) = static_cast<float>(std::log(amplitude * ranges_m_(pixel) * ranges_m_(pixel)));
     far_[i] = Farther(point, depth_m, ranges_m_(pixel), range_m, projector);
     preference_(pixel) = static_cast<float>(Support(left, right, far_[i].seed) -
                                             Support(left, right, point.seed));
   });
+  FindMedianAlbedo(points);
   FindSurfaces(range_m);
   size_t kept = 0;
   for (size_t i = 0; i < points.size(); ++i) {
@@ -106,6 +113,18 @@ int32_t RangeUnwrapper::Apply(const cv::Mat1b& left, const cv::Mat1b& right, con
   const auto taken = static_cast<int32_t>(points.size() - kept);
   points.resize(kept);
   return taken;
+}
+
+void RangeUnwrapper::FindMedianAlbedo(std::span<const ProjectedPoint> points) {
+  albedos_.clear();
+  for (const ProjectedPoint& point : points) {
+    const float albedo = albedo_(point.tof_v, point.tof_u);
+    if (std::isfinite(albedo)) albedos_.push_back(albedo);
+  }
+  if (albedos_.empty()) return;
+  const auto middle = albedos_.begin() + std::ssize(albedos_) / 2;
+  std::nth_element(albedos_.begin(), middle, albedos_.end());
+  median_albedo_ = *middle;
 }
 
 // Connects ToF pixels of about the same range, and judges what they make up.
@@ -138,11 +157,17 @@ void RangeUnwrapper::FindSurfaces(double range_m) {
 
 RangeUnwrapper::Verdict RangeUnwrapper::Judge(const std::vector<cv::Point>& surface) const {
   if (surface.size() < kFewest) return Verdict::kNear;
-  double sum = 0;
-  for (const cv::Point& pixel : surface) sum += double{preference_(pixel)};
-  const double mean = sum / static_cast<double>(surface.size());
-  if (mean > kClearly) return Verdict::kFar;
-  return mean > kUnclearly ? Verdict::kUnsure : Verdict::kNear;
+  double preference = 0;
+  double albedo = 0;
+  for (const cv::Point& pixel : surface) {
+    preference += double{preference_(pixel)};
+    albedo += double{albedo_(pixel)} - median_albedo_;
+  }
+  const auto points = static_cast<double>(surface.size());
+  if (preference > kClearly * points) return Verdict::kFar;
+  // Unless the images speak against it.
+  if (preference > -kUnclearly * points && albedo < kBlackest * points) return Verdict::kFar;
+  return preference > kUnclearly * points ? Verdict::kUnsure : Verdict::kNear;
 }
 
 }  // namespace sprout
