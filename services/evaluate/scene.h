@@ -25,8 +25,8 @@ struct Scene {
 
   cv::Size size() const { return left_grey.size(); }
 
-  /// Refinement as its user would configure it for the scene's camera: the unambiguous range is that
-  /// of its data sheet, unless `config` has one.
+  /// Refinement as its user would configure it for the scene's camera: the unambiguous range is
+  /// that of its data sheet, unless `config` has one.
   RefineConfig WithRange(RefineConfig config) const;
 };
 

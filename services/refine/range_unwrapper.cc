@@ -9,14 +9,12 @@
 namespace sprout {
 namespace {
 
-constexpr int kRadius = 4;                 // of the windows that are compared, px
-constexpr double kConnected = 0.005;       // of the range: ToF pixels side by side are one surface
-constexpr double kClearly = 0.1;           // mean preference of a surface that is far
-constexpr double kUnclearly = 0.05;        // and of one that is neither
-// A surface with so much less than the median albedo would be blacker than what there is: that of
-// things is 3 to 90 %.
-const double kBlackest = -std::log(30);
-constexpr double kNoise = 4;               // variance of a grey value that is no texture
+constexpr int kRadius = 4;              // of the windows that are compared, px
+constexpr double kSteepest = 2;         // tangent of the slant up to which a surface is connected
+constexpr double kClearly = 0.1;        // mean preference of a surface that is far
+constexpr double kUnclearly = 0.05;     // and of one that is neither
+constexpr double kBlackest = 1 / 30.0;  // of the median albedo: that of things is 3 to 90 %
+constexpr double kNoise = 4;            // variance of a grey value that is no texture
 
 struct WindowSums {
   int32_t left = 0, right = 0;
@@ -48,7 +46,8 @@ double Correlation(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point at_l
 
 // Whether the window around a pixel lies in the image. Compares before it converts.
 bool Fits(double u, double v, cv::Size size) {
-  return u > kRadius && u < size.width - kRadius - 1 && v > kRadius && v < size.height - kRadius - 1;
+  return u > kRadius && u < size.width - kRadius - 1 && v > kRadius &&
+         v < size.height - kRadius - 1;
 }
 
 // Best of three columns, as a ToF point is not more exact; 0, as by chance, where nothing can be
@@ -65,6 +64,9 @@ double Support(const cv::Mat1b& left, const cv::Mat1b& right, const Seed& seed) 
   }
   return best;
 }
+
+// Whatever a sensor says.
+bool IsAmplitude(float amplitude) { return amplitude > 0 && std::isfinite(amplitude); }
 
 // The same point one range farther along its ray.
 ProjectedPoint Farther(const ProjectedPoint& point, double depth_m, double range_m, double beyond_m,
@@ -96,14 +98,17 @@ int32_t RangeUnwrapper::Apply(const cv::Mat1b& left, const cv::Mat1b& right, con
     const cv::Point pixel(point.tof_u, point.tof_v);
     const double depth_m = tof.depth_m(pixel);
     ranges_m_(pixel) = depth_m * projector.ray(pixel.x, pixel.y).norm();
-    const double amplitude = tof.amplitude.empty() ? 0 : double{tof.amplitude(pixel)};
-    albedo_(pixel) = static_cast<float>(std::log(amplitude * ranges_m_(pixel) * ranges_m_(pixel)));
+    const float amplitude = tof.amplitude.empty() ? 0 : tof.amplitude(pixel);
+    albedo_(pixel) = IsAmplitude(amplitude)
+                         ? static_cast<float>(amplitude * ranges_m_(pixel) * ranges_m_(pixel))
+                         : 0;
     far_[i] = Farther(point, depth_m, ranges_m_(pixel), range_m, projector);
-    preference_(pixel) = static_cast<float>(Support(left, right, far_[i].seed) -
-                                            Support(left, right, point.seed));
+    preference_(pixel) =
+        static_cast<float>(Support(left, right, far_[i].seed) - Support(left, right, point.seed));
   });
   FindMedianAlbedo(points);
-  FindSurfaces(range_m);
+  const TofCamera& camera = projector.rig().tof;
+  FindSurfaces(kSteepest * range_m / std::min(camera.fx, camera.fy));
   size_t kept = 0;
   for (size_t i = 0; i < points.size(); ++i) {
     const auto verdict = Verdict{verdicts_(points[i].tof_v, points[i].tof_u)};
@@ -116,20 +121,19 @@ int32_t RangeUnwrapper::Apply(const cv::Mat1b& left, const cv::Mat1b& right, con
 }
 
 void RangeUnwrapper::FindMedianAlbedo(std::span<const ProjectedPoint> points) {
+  median_albedo_ = 0;
+  if (points.empty()) return;
   albedos_.clear();
   for (const ProjectedPoint& point : points) {
-    const float albedo = albedo_(point.tof_v, point.tof_u);
-    if (std::isfinite(albedo)) albedos_.push_back(albedo);
+    albedos_.push_back(albedo_(point.tof_v, point.tof_u));
   }
-  if (albedos_.empty()) return;
   const auto middle = albedos_.begin() + std::ssize(albedos_) / 2;
   std::nth_element(albedos_.begin(), middle, albedos_.end());
   median_albedo_ = *middle;
 }
 
-// Connects ToF pixels of about the same range, and judges what they make up.
-void RangeUnwrapper::FindSurfaces(double range_m) {
-  const double step_m = kConnected * range_m;
+// Connects ToF pixels side by side, and judges what they make up.
+void RangeUnwrapper::FindSurfaces(double step_m) {
   const cv::Rect image({}, ranges_m_.size());
   verdicts_.create(ranges_m_.size());
   seen_.create(ranges_m_.size());
@@ -161,12 +165,14 @@ RangeUnwrapper::Verdict RangeUnwrapper::Judge(const std::vector<cv::Point>& surf
   double albedo = 0;
   for (const cv::Point& pixel : surface) {
     preference += double{preference_(pixel)};
-    albedo += double{albedo_(pixel)} - median_albedo_;
+    albedo += double{albedo_(pixel)};
   }
   const auto points = static_cast<double>(surface.size());
   if (preference > kClearly * points) return Verdict::kFar;
   // Unless the images speak against it.
-  if (preference > -kUnclearly * points && albedo < kBlackest * points) return Verdict::kFar;
+  if (preference > -kUnclearly * points && albedo < kBlackest * median_albedo_ * points) {
+    return Verdict::kFar;
+  }
   return preference > kUnclearly * points ? Verdict::kUnsure : Verdict::kNear;
 }
 
