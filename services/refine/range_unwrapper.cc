@@ -10,7 +10,7 @@ namespace sprout {
 namespace {
 
 constexpr int kRadius = 4;              // of the windows that are compared, px
-constexpr double kSteepest = 2;         // tangent of the slant up to which a surface is connected
+constexpr double kSteepest = 2.5;       // tangent of the slant up to which a surface is connected
 constexpr double kClearly = 0.1;        // mean preference of a surface that is far
 constexpr double kUnclearly = 0.05;     // and of one that is neither
 constexpr double kBlackest = 1 / 30.0;  // of the median albedo: that of things is 3 to 90 %
