@@ -72,8 +72,8 @@ class Chain {
     return {refined_.seeds, prior_seeds_};
   }
   PriorMap Prior(const BenchFrame& bench, const std::vector<Seed>& seeds) {
-    const auto& [left, right, tof, truth] = bench.frame;
-    return prior_.Compute(left, right, seeds, left.size()).value();
+    const CapturedFrame& frame = bench.frame;
+    return prior_.Compute(frame.left, frame.right, seeds, frame.left.size()).value();
   }
   DisparityImage Grow(const BenchFrame& bench, const std::vector<Seed>& seeds,
                       const PriorMap& prior) {
