@@ -36,9 +36,9 @@ class Refiner {
   /// @param projector    of the calibration; worth keeping from frame to frame.
   /// @param memory       seeds that are no longer needed, whose memory the new ones take.
   /// @returns the seeds in the order of the ToF pixels, behind them those of stereo, and how many
-  ///          points were dropped by which rule; a point is counted under the first of contradicted,
-  ///          outside, dark, loose, background, hidden that applies. Seeds keep their sub-pixel positions.
-  ///          An error when the images do not have the calibrated size.
+  ///          points were dropped by which rule; a point is counted under the first of
+  ///          contradicted, outside, dark, loose, background, hidden that applies. Seeds keep their
+  ///          sub-pixel positions. An error when the images do not have the calibrated size.
   /// O(ToF pixels), with the background or the hidden rule also O(image pixels / 25); where points
   /// crowd into a few pixels, up to 20 µs a point (300 neighbours each); stereo seeds O(pixels
   /// without ToF points), about 0.1 µs each. No I/O; on OpenCV's threads, with the same result for

@@ -14,7 +14,8 @@ struct StereoSearch {
 
   /// Least disparity that is looked at, px, ≥ 0; kNowhere = the pixel is left out.
   cv::Mat1s first;
-  /// Disparities that are looked at from there on, the labels of the pixel; a multiple of 16.
+  /// Disparities that are looked at from there on, the labels of the pixel: 16. Or more, a multiple
+  /// of 16, when `first` is the same wherever it is not kNowhere.
   int labels = 16;
   /// Disparity that a range sensor gives for the pixel, px; kNowhere = none.
   cv::Mat1s known;
