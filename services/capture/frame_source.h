@@ -28,6 +28,9 @@ struct CapturedFrame {
   cv::Mat right;      ///< 8UC1 or 8UC3 (BGR), rectified, of the same size
   TofImage tof;       ///< 0×0, as the rig's, without a ToF camera
   GroundTruth truth;  ///< left map empty when the source knows none
+  /// Of a simulated ToF camera whose ranges are known only modulo this, m along the ray; 0 =
+  /// another.
+  double unambiguous_range_m = 0;
 };
 
 /// Where frames come from: a dataset, a simulation, a recording, a camera.

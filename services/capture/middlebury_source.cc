@@ -152,9 +152,12 @@ class MiddleburySource : public FrameSource {
     if (config.tof() == "sr4000") {
       const Sr4000 camera(scene.pair, config.sr4000(), config.seed());
       rig_.tof = camera.calibrated();
-      frame_.tof = camera.Measure(RenderSurface({scene.pair, camera.actual()}, scene.truth,
-                                                ToGrey(scene.left), ToGrey(scene.right)),
-                                  0);
+      const Sr4000Frame measured =
+          camera.Measure(RenderSurface({scene.pair, camera.actual()}, scene.truth,
+                                       ToGrey(scene.left), ToGrey(scene.right)),
+                         0);
+      frame_.tof = measured.tof;
+      frame_.unambiguous_range_m = measured.unambiguous_range_m;
     } else if (config.tof() == "grid") {
       rig_.tof = TofGridCamera(scene.pair, config.tof_grid_px());
       frame_.tof = SampleTofGrid(scene.pair, config.tof_grid_px(), scene.truth.left);
@@ -174,6 +177,7 @@ class MiddleburySource : public FrameSource {
     copy.right = frame_.right.clone();
     copy.tof = {frame_.tof.depth_m.clone(), frame_.tof.amplitude.clone()};
     copy.truth = {frame_.truth.left.clone(), frame_.truth.right.clone()};
+    copy.unambiguous_range_m = frame_.unambiguous_range_m;
     return copy;
   }
 

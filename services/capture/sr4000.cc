@@ -206,8 +206,7 @@ double Sr4000::AmbiguityM(const cv::Mat1f& depth_m) const {
 }
 
 // The phase tells the range only modulo half the wavelength of the modulation.
-void Sr4000::Wrap(cv::Mat1f& depth_m) const {
-  const double ambiguity_m = AmbiguityM(depth_m);
+void Sr4000::Wrap(double ambiguity_m, cv::Mat1f& depth_m) const {
   if (ambiguity_m <= 0) return;
   for (int i = 0; i < static_cast<int>(depth_m.total()); ++i) {
     if (std::isnan(depth_m(i))) continue;
@@ -216,7 +215,7 @@ void Sr4000::Wrap(cv::Mat1f& depth_m) const {
   }
 }
 
-TofImage Sr4000::Measure(const TofSamples& samples, int64_t frame) const {
+Sr4000Frame Sr4000::Measure(const TofSamples& samples, int64_t frame) const {
   assert(samples.depth_m.size() == cv::Size(kWidth, kHeight) * TofSamples::kPerSide);
   const auto reach =
       static_cast<int>(std::lround((config_.footprint_px() - 1) / 2 * TofSamples::kPerSide));
@@ -250,9 +249,10 @@ TofImage Sr4000::Measure(const TofSamples& samples, int64_t frame) const {
       tof.depth_m(v, u) = static_cast<float>(depth_m + noise_m);
     }
   }
-  Wrap(tof.depth_m);
+  const double ambiguity_m = AmbiguityM(tof.depth_m);
+  Wrap(ambiguity_m, tof.depth_m);
   DropWeakest(config_.blind_percent(), tof);
-  return tof;
+  return {tof, ambiguity_m};
 }
 
 }  // namespace sprout

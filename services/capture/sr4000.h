@@ -10,6 +10,12 @@
 
 namespace sprout {
 
+/// What the camera says, and the range beyond which that is wrong.
+struct Sr4000Frame {
+  TofImage tof;
+  double unambiguous_range_m = 0;  ///< m along the ray; 0 = all ranges are right
+};
+
 /// Simulation of a SwissRanger SR4000: a ToF camera of 176 × 144 pixels between the two colour
 /// cameras, with a lens, noise and faults of its own. The source renders what the camera looks at
 /// (TofSamples), this class makes of it what the camera says.
@@ -36,12 +42,12 @@ class Sr4000 {
   /// nevertheless. A surface beyond the unambiguous range comes back modulo that range. Depends on
   /// samples, configuration, seed and frame only; same bytes on every machine. O(samples), one
   /// thread.
-  TofImage Measure(const TofSamples& samples, int64_t frame) const;
+  Sr4000Frame Measure(const TofSamples& samples, int64_t frame) const;
 
  private:
   double NoiseM(double amplitude) const;
   double AmbiguityM(const cv::Mat1f& depth_m) const;
-  void Wrap(cv::Mat1f& depth_m) const;
+  void Wrap(double ambiguity_m, cv::Mat1f& depth_m) const;
 
   Sr4000Config config_;
   uint32_t seed_;

@@ -254,7 +254,9 @@ class SyntheticSource : public FrameSource {
     Renderer(pair, left, solids).Render(frame.left, frame.truth.left);
     Renderer(pair, right, solids).Render(frame.right, frame.truth.right);
     if (sr4000_) {
-      frame.tof = sr4000_->camera.Measure(sr4000_->caster.Render(solids), index);
+      const Sr4000Frame measured = sr4000_->camera.Measure(sr4000_->caster.Render(solids), index);
+      frame.tof = measured.tof;
+      frame.unambiguous_range_m = measured.unambiguous_range_m;
     } else if (rig_.tof.width > 0) {
       frame.tof = SampleTofGrid(pair, tof_grid_px_, frame.truth.left);
     }

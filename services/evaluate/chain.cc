@@ -32,8 +32,8 @@ Frame FrameOf(const Scene& scene) {
   return frame;
 }
 
-void RunRefine(const ChainSettings& settings, Frame& frame, StageTimes& ms) {
-  RefinePlug refine(settings.config.refine());
+void RunRefine(const Scene& scene, const ChainSettings& settings, Frame& frame, StageTimes& ms) {
+  RefinePlug refine(scene.WithRange(settings.config.refine()));
   Timed(ms.refine_ms, [&] { return RunPlug(refine, frame); });
   AddNoise(settings.noise, frame);
 }
@@ -49,7 +49,7 @@ MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
   MethodOutput output;
   StageTimes& ms = output.ms;
   const bool needs_prior = grow.Inputs().Has(Part::kPrior);
-  if (needs_prior || grow.Inputs().Has(Part::kSeeds)) RunRefine(settings, frame, ms);
+  if (needs_prior || grow.Inputs().Has(Part::kSeeds)) RunRefine(scene, settings, frame, ms);
   if (needs_prior) RunPrior(settings.config.prior(), frame, ms);
   const GrowPlug::Growth growth = Timed(ms.grow_ms, [&] { return grow.Grow(frame); });
   Outcome outcome = Timed(ms.fill_ms, [&] { return grow.Finish(frame, growth); });

@@ -47,8 +47,8 @@ auto Timed(double& ms, const Function& function) {
 /// A frame with the images, the ToF image and the rig of a scene.
 Frame FrameOf(const Scene& scene);
 
-/// sprout-refine, then the noise.
-void RunRefine(const ChainSettings& settings, Frame& frame, StageTimes& ms);
+/// sprout-refine with Scene::WithRange(), then the noise.
+void RunRefine(const Scene& scene, const ChainSettings& settings, Frame& frame, StageTimes& ms);
 
 /// sprout-prior.
 void RunPrior(const PriorConfig& config, Frame& frame, StageTimes& ms);

@@ -22,7 +22,7 @@ Method PriorAlone() {
             MethodOutput output;
             StageTimes& ms = output.ms;
             Frame frame = FrameOf(scene);
-            RunRefine(settings, frame, ms);
+            RunRefine(scene, settings, frame, ms);
             RunPrior(settings.config.prior(), frame, ms);
             output.map_px = ToPx(frame.prior->disparity);
             ms.total_ms = ms.refine_ms + ms.prior_ms;
@@ -91,7 +91,7 @@ Method FromRival(const Rival& rival) {
             Frame frame = FrameOf(scene);
             std::vector<Seed> seeds;
             if (rival.uses_seeds) {
-              RunRefine(tof_only, frame, ms);
+              RunRefine(scene, tof_only, frame, ms);
               Join(frame.seeds->seeds, frame.left_seeds->seeds, seeds);
             }
             const RivalInput input{.left = scene.frame.left,

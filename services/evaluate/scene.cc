@@ -112,6 +112,13 @@ std::vector<std::string> ScenesOf(const std::string& scene) {
   return scenes;
 }
 
+RefineConfig Scene::WithRange(RefineConfig config) const {
+  if (config.unambiguous_range_m() == 0) {
+    config.set_unambiguous_range_m(frame.unambiguous_range_m);
+  }
+  return config;
+}
+
 Scene LoadScene(const std::string& scene, const TofChoice& tof, CaptureConfig config) {
   const std::unique_ptr<FrameSource> source = Open(scene, tof, config);
   CapturedFrame frame = source->Get(0);

@@ -24,6 +24,10 @@ struct Scene {
   int max_disparity_px;    ///< largest true disparity, rounded up
 
   cv::Size size() const { return left_grey.size(); }
+
+  /// Refinement as its user would configure it for the scene's camera: the unambiguous range is
+  /// that of its data sheet, unless `config` has one.
+  RefineConfig WithRange(RefineConfig config) const;
 };
 
 /// Where ground truth comes from the range sensor itself (KITTI), a pixel this near to one of the

@@ -61,7 +61,7 @@ double RefinementQuality::good_lost_percent() const {
 RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config) {
   RefinementQuality quality;
   quality.refined =
-      Refiner(config)
+      Refiner(scene.WithRange(config))
           .Compute(scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector)
           .value_or(SeedSet());
   quality.before = CountSeeds(ProjectAll(scene), scene);

@@ -53,6 +53,10 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   // Projection of every ToF point to (u, u', v) (paper, II-A).
   points_ = projector.Project(tof, result.outside, std::move(points_));
   result.raw = static_cast<int32_t>(points_.size()) + result.outside;
+  if (config_.unambiguous_range_m() > 0) {
+    result.contradicted =
+        unwrapper_.Apply(left, right, tof, projector, config_.unambiguous_range_m(), points_);
+  }
   left_seeds_.seeds.clear();
   left_seeds_.seeds.reserve(points_.size());
   result.seeds.clear();

@@ -12,14 +12,16 @@
 #include "common/core/tof_image.h"
 #include "common/geometry/projection.h"
 #include "services/refine/background.h"
+#include "services/refine/range_unwrapper.h"
 #include "services/refine/stereo_seeds.h"
 #include "services/refine/tof_surface.h"
 
 namespace sprout {
 
 /// Turns ToF points into seed correspondences and drops the unreliable ones: by the paper's rules
-/// (II-B) and by two of TofSurface, which a sensor needs that stands beside the left camera. Where
-/// the sensor gives nothing, StereoSeedFinder adds seeds from the pair.
+/// (II-B) and by two of TofSurface, which a sensor needs that stands beside the left camera. Before
+/// that, RangeUnwrapper puts back what lies beyond the sensor's unambiguous range. Where the sensor
+/// gives nothing, StereoSeedFinder adds seeds from the pair.
 class Refiner {
  public:
   /// Side of the window that the paper's rules look at, px.
@@ -34,12 +36,12 @@ class Refiner {
   /// @param projector    of the calibration; worth keeping from frame to frame.
   /// @param memory       seeds that are no longer needed, whose memory the new ones take.
   /// @returns the seeds in the order of the ToF pixels, behind them those of stereo, and how many
-  ///          points were dropped by which rule; a point is counted under the first of outside,
-  ///          dark, loose, background, hidden that applies. Seeds keep their sub-pixel positions.
-  ///          An error when the images do not have the calibrated size.
+  ///          points were dropped by which rule; a point is counted under the first of
+  ///          contradicted, outside, dark, loose, background, hidden that applies. Seeds keep their
+  ///          sub-pixel positions. An error when the images do not have the calibrated size.
   /// O(ToF pixels), with the background or the hidden rule also O(image pixels / 25); where points
   /// crowd into a few pixels, up to 20 µs a point (300 neighbours each); stereo seeds O(pixels
-  /// without ToF points), about 0.3 µs each. No I/O; on OpenCV's threads, with the same result for
+  /// without ToF points), about 0.1 µs each. No I/O; on OpenCV's threads, with the same result for
   /// any number. Keeps its memory from frame to frame, about 120 bytes a ToF pixel, and with stereo
   /// 100 a pixel of the matched image; so one object serves one caller at a time.
   Result<SeedSet> Compute(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
@@ -67,6 +69,7 @@ class Refiner {
   // Memory of the last frame, for the next.
   std::vector<ProjectedPoint> points_;
   std::vector<Fate> fates_;  // of points_
+  RangeUnwrapper unwrapper_;
   TofSurface surface_;
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images
   size_t kept_in_both_ = 0;

@@ -19,21 +19,24 @@ constexpr int kCountsPerPx = 16;         // for cv::filterSpeckles, which takes 
 
 // One pixel of four: each side is divided by two, rounded up.
 cv::Mat1b Halved(const cv::Mat1b& image) {
-  cv::Mat1b even;
-  cv::copyMakeBorder(image, even, 0, image.rows % 2, 0, image.cols % 2, cv::BORDER_REPLICATE);
+  cv::Mat1b even = image;
+  if (image.rows % 2 != 0 || image.cols % 2 != 0) {
+    cv::copyMakeBorder(image, even, 0, image.rows % 2, 0, image.cols % 2, cv::BORDER_REPLICATE);
+  }
   cv::Mat1b half;
   cv::resize(even, half, even.size() / 2, 0, 0, cv::INTER_AREA);
   return half;
 }
 
-// Whether any of the four is wanted.
-cv::Mat1b HalvedMask(const cv::Mat1b& mask) {
-  cv::Mat1b half((mask.rows + 1) / 2, (mask.cols + 1) / 2, uint8_t{0});
-  for (int v = 0; v < mask.rows; ++v) {
-    for (int u = 0; u < mask.cols; ++u) half(v / 2, u / 2) |= mask(v, u);
-  }
-  return half;
+// 255 where it is not 0.
+cv::Mat1b Whole(const cv::Mat1b& mask) {
+  cv::Mat1b whole;
+  cv::compare(mask, 0, whole, cv::CMP_NE);
+  return whole;
 }
+
+// Whether any of the four is wanted. @param mask  0 or 255, so that the mean of any is not 0.
+cv::Mat1b HalvedMask(const cv::Mat1b& mask) { return Whole(Halved(mask)); }
 
 // Position in an image of one scale, of one in the original: pixel centres are whole numbers.
 int AtScale(float position, int scale) {
@@ -74,23 +77,33 @@ int16_t FirstOf(const cv::Mat1s& coarser, int u, int v) {
 
 void SearchAround(const cv::Mat1s& coarser, const cv::Mat1b& wanted, cv::Mat1s& first) {
   first.create(wanted.size());
-  ForRangesParallel(wanted.rows, wanted.rows, [&](const cv::Range& rows) {
+  ForRangesParallel(coarser.rows, coarser.rows, [&](const cv::Range& rows) {
     for (int v = rows.start; v < rows.end; ++v) {
-      for (int u = 0; u < wanted.cols; ++u) {
-        first(v, u) = wanted(v, u) != 0 ? FirstOf(coarser, u / 2, v / 2) : StereoSearch::kNowhere;
+      const int last_row = std::min(2 * v + 1, wanted.rows - 1);
+      for (int u = 0; u < coarser.cols; ++u) {
+        // Four pixels have the same range.
+        const bool any = coarser(v, u) != StereoSearch::kNowhere;
+        const int16_t range = any ? FirstOf(coarser, u, v) : StereoSearch::kNowhere;
+        const int last_column = std::min(2 * u + 1, wanted.cols - 1);
+        for (int y = 2 * v; y <= last_row; ++y) {
+          for (int x = 2 * u; x <= last_column; ++x) {
+            first(y, x) = wanted(y, x) != 0 ? range : StereoSearch::kNowhere;
+          }
+        }
       }
     }
   });
 }
 
 // Takes away what hangs together with fewer than kSmallestPatch others.
-void RemoveSmallPatches(cv::Mat1f& disparity_px) {
+void RemoveSmallPatches(cv::Mat1f disparity_px) {
   constexpr int16_t kNone = -kCountsPerPx;
   cv::Mat1s counts(disparity_px.size());
   for (int v = 0; v < counts.rows; ++v) {
+    const float* px = disparity_px[v];
+    int16_t* row = counts[v];
     for (int u = 0; u < counts.cols; ++u) {
-      const float px = disparity_px(v, u);
-      counts(v, u) = std::isnan(px) ? kNone : static_cast<int16_t>(std::lround(px * kCountsPerPx));
+      row[u] = std::isnan(px[u]) ? kNone : static_cast<int16_t>(px[u] * kCountsPerPx + 0.5);
     }
   }
   cv::filterSpeckles(counts, kNone, kSmallestPatch, kCountsPerPx);
@@ -102,7 +115,7 @@ void RemoveSmallPatches(cv::Mat1f& disparity_px) {
 void StereoMatcher::BuildLevels(const cv::Mat1b& left, const cv::Mat1b& right,
                                 const cv::Mat1b& wanted, int most_pixels) {
   levels_.clear();
-  Level level{left, right, wanted};
+  Level level{left, right, Whole(wanted)};
   const auto pixels = [&] { return level.left.total(); };
   const auto halve = [&] {
     level = {Halved(level.left), Halved(level.right), HalvedMask(level.wanted), 2 * level.scale};
@@ -139,7 +152,8 @@ const cv::Mat1f& StereoMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& ri
   }
   scale_ = levels_.front().scale;
   disparity_px_ = matches->confirmed_px;
-  RemoveSmallPatches(disparity_px_);
+  const cv::Rect matched = cv::boundingRect(levels_.front().wanted);
+  if (!matched.empty()) RemoveSmallPatches(disparity_px_(matched));
   return disparity_px_;
 }
 

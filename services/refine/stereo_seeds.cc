@@ -115,6 +115,10 @@ void StereoSeedFinder::MarkWanted(const Grid& grid, cv::Size size) {
   std::vector<int> columns;
   for (int u = 0; u < size.width; ++u) columns.push_back(grid.At(u));
   for (int v = 0; v < size.height; ++v) {
+    if (v > 0 && grid.At(v) == grid.At(v - 1)) {
+      std::copy_n(wanted_[v - 1], size.width, wanted_[v]);
+      continue;
+    }
     const uint8_t* row = cells[grid.At(v)];
     for (int u = 0; u < size.width; ++u) wanted_(v, u) = row[columns[static_cast<size_t>(u)]];
   }

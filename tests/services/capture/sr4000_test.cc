@@ -42,7 +42,7 @@ void SetRight(TofSamples& samples, double tof_column, float depth_m, float albed
 
 TofImage Measure(const TofSamples& samples, const Sr4000Config& config = {}, uint32_t seed = 1,
                  int64_t frame = 0) {
-  return Sr4000(SomePair(), config, seed).Measure(samples, frame);
+  return Sr4000(SomePair(), config, seed).Measure(samples, frame).tof;
 }
 
 int Returns(const TofImage& tof) { return cv::countNonZero(tof.depth_m == tof.depth_m); }
@@ -212,7 +212,7 @@ TEST(Sr4000, HasNoReturnBeyondItsRange) {
   config.set_max_range_m(3);
   const Sr4000 camera(SomePair(), config, 1);
   const TofProjector projector({.pair = SomePair(), .tof = camera.calibrated()});
-  const TofImage tof = camera.Measure(Slope(2, 4), 0);
+  const TofImage tof = camera.Measure(Slope(2, 4), 0).tof;
   const TofImage all = Measure(Slope(2, 4), [] {
     Sr4000Config quiet;
     quiet.set_depth_noise_m(0);
@@ -237,7 +237,7 @@ TEST(Sr4000, TellsARangeOnlyModuloItsAmbiguity) {
   config.set_ambiguity_range_m(5);
   const Sr4000 camera(SomePair(), config, 1);
   const TofProjector projector({.pair = SomePair(), .tof = camera.calibrated()});
-  const TofImage tof = camera.Measure(Slope(4, 6), 0);
+  const TofImage tof = camera.Measure(Slope(4, 6), 0).tof;
   for (int v = 0; v < 144; v += 9) {
     for (int u = 0; u < 176; ++u) {
       const double length = projector.ray(u, v).norm();

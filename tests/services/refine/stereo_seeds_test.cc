@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hwy/highway.h>
 
 #include <cmath>
 #include <functional>
@@ -161,16 +162,35 @@ TEST(StereoSeeds, HalvesLargeImages) {
   for (const Seed& seed : seeds) EXPECT_NEAR(seed.disparity(), 24, 0.6);
 }
 
-TEST(StereoSeeds, DependOnNoNumberOfThreads) {
+// With one instruction set only, chosen anew at the next call; 0 = all that this CPU has.
+void UseInstructionSet(int64_t set) {
+  hwy::SetSupportedTargetsForTest(set);
+  hwy::GetChosenTarget().DeInit();
+}
+
+TEST(StereoSeeds, DependOnNeitherTheNumberOfThreadsNorTheInstructionSet) {
   const Pair pair(Texture({701, 403}), [](int u, int v) { return 20 + 0.02 * v + 0.01 * u; });
+  std::vector<cv::Point2f> covered;  // so that parts of some rows are searched, and no others
+  for (int v = 100; v < 220; v += 5) {
+    for (int u = v; u < 500; u += 5) {
+      covered.emplace_back(static_cast<float>(u), static_cast<float>(v));
+    }
+  }
+  const std::vector<Seed> some = {{.u = 300, .v = 90, .u_right = 277}};
   const int before = cv::getNumThreads();
   cv::setNumThreads(1);
-  const std::vector<Seed> one = Find(pair);
+  const std::vector<Seed> expected = Find(pair, Config(), some, covered);
+  EXPECT_GT(expected.size(), 1000U);
   cv::setNumThreads(3);
-  const std::vector<Seed> three = Find(pair);
+  EXPECT_EQ(Find(pair, Config(), some, covered), expected);
   cv::setNumThreads(before);
-  EXPECT_GT(one.size(), 1000U);
-  EXPECT_EQ(one, three);
+  std::vector<int64_t> sets = {HWY_SCALAR};
+  for (int64_t all = hwy::SupportedTargets(); all != 0; all &= all - 1) sets.push_back(all & -all);
+  for (const int64_t set : sets) {
+    UseInstructionSet(set);
+    EXPECT_EQ(Find(pair, Config(), some, covered), expected) << hwy::TargetName(set);
+  }
+  UseInstructionSet(0);
 }
 
 TEST(StereoSeeds, TakeImagesOfAnySize) {
