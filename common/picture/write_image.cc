@@ -9,31 +9,31 @@
 
 namespace sprout {
 
-namespace {
-
-// @param extension  names the format, as OpenCV knows it.
-Result<void> Write(const std::filesystem::path& path, const cv::Mat& picture,
-                   const char* extension) {
+Result<void> WritePng(const std::filesystem::path& path, const cv::Mat& picture) {
   if (picture.empty()) return Fail("cannot write " + path.string() + ": the picture is empty");
-  std::vector<uchar> bytes;
-  if (!cv::imencode(extension, picture, bytes)) {
-    return Fail("cannot write " + path.string() + ": encoding failed");
+  std::vector<uchar> png;
+  if (!cv::imencode(".png", picture, png)) {
+    return Fail("cannot write " + path.string() + ": PNG encoding failed");
   }
   OutputFile file(path);
-  file.Write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  file.Write({reinterpret_cast<const char*>(png.data()), png.size()});
   return file.Commit();
 }
 
-}  // namespace
-
-Result<void> WritePng(const std::filesystem::path& path, const cv::Mat& picture) {
-  return Write(path, picture, ".png");
-}
-
 Result<void> WritePfm(const std::filesystem::path& path, const DisparityImage& disparity) {
-  cv::Mat1f px = ToPx(disparity);
-  px.setTo(std::numeric_limits<float>::infinity(), disparity.counts() == DisparityImage::kInvalid);
-  return Write(path, px, ".pfm");
+  if (disparity.empty()) return Fail("cannot write " + path.string() + ": the map is empty");
+  OutputFile file(path);
+  // Not by cv::imencode(), which writes PFM to a temporary file first and does not notice that the
+  // disk is full. The sign of the scale says little-endian.
+  file.Write("Pf\n" + std::to_string(disparity.width()) + " " + std::to_string(disparity.height()) +
+             "\n-1.0\n");
+  for (int v = disparity.height() - 1; v >= 0; --v) {
+    for (int u = 0; u < disparity.width(); ++u) {
+      file.WriteNumber(disparity.IsValid(u, v) ? disparity.Px(u, v)
+                                               : std::numeric_limits<float>::infinity());
+    }
+  }
+  return file.Commit();
 }
 
 }  // namespace sprout

@@ -50,7 +50,7 @@ TEST(WritePfm, PutsTheBottomRowFirst) {
   std::ifstream file(directory / "map.pfm", std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   using std::string_literals::operator""s;
-  EXPECT_EQ(bytes, "Pf\n1 2\n-1\n\0\0\0\x40\0\0\x80\x3f"s);  // 2.0 and 1.0
+  EXPECT_EQ(bytes, "Pf\n1 2\n-1.0\n\0\0\0\x40\0\0\x80\x3f"s);  // 2.0 and 1.0
 }
 
 TEST(WritePng, ReadsBackUnchanged) {

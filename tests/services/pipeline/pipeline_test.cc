@@ -128,7 +128,9 @@ TEST(Pipeline, WarnsOfAFrameInWhichThereIsNothing) {
 
 TEST(Pipeline, SaysWhatDoesNotFit) {
   const Scene scene = SmallScene();
-  const auto& [left, right, tof, truth] = scene.frame;
+  const CapturedFrame& frame = scene.frame;
+  const cv::Mat &left = frame.left, &right = frame.right;
+  const TofImage& tof = frame.tof;
   const Rig& rig = scene.projector.rig();
   EXPECT_EQ(ErrorFor(left, right, tof, rig), "no error");
   EXPECT_THAT(ErrorFor({}, right, tof, rig),
