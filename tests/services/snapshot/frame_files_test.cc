@@ -1,7 +1,10 @@
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
+#include <opencv2/imgcodecs.hpp>
 
 #include "services/snapshot/snapshot.h"
 #include "tests/common/core/even_prior.h"
@@ -54,6 +57,38 @@ TEST(WriteFrameFiles, TakesAGreyAndAColourLeftImage) {
     ASSERT_TRUE(written) << written.error().text;
     EXPECT_EQ(directory.CountEntries(), kFiles);
   }
+}
+
+// The bytes of a file up to the end of its header, as text.
+std::string PlyHeader(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string header;
+  for (std::string line; std::getline(file, line) && line != "end_header";) header += line + "\n";
+  return header;
+}
+
+TEST(WriteFrameFiles, ShowsWhatIsInTheFrame) {
+  const TemporaryDirectory directory;
+  Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
+  frame.disparity->counts().rowRange(0, 10) = DisparityImage::kInvalid;
+  frame.unfilled->counts().colRange(30, kSize.width) = DisparityImage::kInvalid;
+  ASSERT_TRUE(WriteFrameFiles(frame, directory / ""));
+
+  const cv::Mat1f px = cv::imread((directory / "disparity.pfm").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(px.size(), kSize);
+  EXPECT_EQ(cv::countNonZero(px == 5), 30 * 64);
+  EXPECT_EQ(px(0, 0), std::numeric_limits<float>::infinity());
+  EXPECT_THAT(PlyHeader(directory / "cloud.ply"), HasSubstr("element vertex 1920\n"));
+  EXPECT_THAT(PlyHeader(directory / "mesh.ply"), HasSubstr("element face "));
+
+  const auto picture = [&](const char* name) { return cv::imread((directory / name).string()); };
+  for (const char* name : {"left.png", "seeds_raw.png", "seeds.png", "prior.png", "prior_sigma.png",
+                           "disparity.png", "disparity_filled.png", "confidence.png"}) {
+    EXPECT_GE(picture(name).cols, kSize.width) << name;
+  }
+  EXPECT_GT(cv::norm(picture("disparity.png"), picture("disparity_filled.png")), 0);
+  EXPECT_GT(cv::norm(picture("seeds.png"), picture("seeds_raw.png")), 0);
+  EXPECT_GE(picture("overview.png").rows, 2 * kSize.height);
 }
 
 TEST(WriteFrameFiles, TakesAToFImageWithoutAReturn) {
