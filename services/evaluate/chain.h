@@ -8,6 +8,7 @@
 #include "common/config/config.h"
 #include "common/core/prior_map.h"
 #include "common/core/seed.h"
+#include "services/evaluate/rivals/rival.h"
 #include "services/evaluate/scene.h"
 #include "services/evaluate/seed_noise.h"
 
@@ -33,6 +34,7 @@ struct MethodOutput {
 struct ChainSettings {
   SproutConfig config;  ///< effective
   SeedNoise noise;      ///< added to the refined seeds, in no stage's time
+  FgsSettings fgs;      ///< of method fgs
 };
 
 /// Runs a function and adds the time it takes.
