@@ -124,12 +124,12 @@ void AddInputFlags(CLI::App& flags, Options& options) {
       ->capture_default_str();
   flags.add_option("--fgs-lambda", options.fgs.lambda, "Method fgs: how far seeds spread")
       ->capture_default_str()
-      ->check(CLI::Range(0.01, 1e6));
+      ->check(NumberIn(0.01, 1e6));
   flags
       .add_option("--fgs-sigma", options.fgs.sigma,
                   "Method fgs: difference of colours over which they hardly do, grey levels")
       ->capture_default_str()
-      ->check(CLI::Range(0.1, 255.0));
+      ->check(NumberIn(0.1, 255.0));
   flags.add_option("--seed", options.noise.seed, "Of the random numbers")->capture_default_str();
 }
 

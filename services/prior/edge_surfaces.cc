@@ -64,7 +64,8 @@ void SplitNearby(std::span<const Plane> planes, const Corners& corners, EdgeTria
 }
 
 EdgeTriangle MakeEdge(std::span<const Plane> planes, const SeedTriangle& triangle, Rings& rings) {
-  EdgeTriangle edge{.seeds = triangle};
+  EdgeTriangle edge;
+  edge.seeds = triangle;
   const Corners corners = CornersOf(planes, triangle);
   const std::span<const int> nearby = rings.Around(triangle, 2, EdgeTriangle::kMostSeeds);
   std::copy(nearby.begin(), nearby.end(), edge.nearby_seeds.begin());

@@ -72,7 +72,7 @@ void PaintTriangle(const Corners& corners, double edge_px, const cv::Range& rows
 // @returns false where there is none at all.
 bool FillFromNearest(DisparityImage& map) {
   cv::Mat1s& counts = map.counts();
-  const cv::Mat1b missing = counts == DisparityImage::kInvalid;
+  const cv::Mat1b missing(counts == DisparityImage::kInvalid);
   const int gaps = cv::countNonZero(missing);
   if (gaps == 0) return true;
   if (gaps == map.width() * map.height()) return false;

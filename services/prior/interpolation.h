@@ -55,7 +55,7 @@ void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const 
   // Runs reach that much beyond the sides, px: rounding never leaves a pixel between triangles.
   constexpr double kSlack = 1.0 / (1 << 16);
   // px a row. Steeper sides cross less than a row.
-  constexpr double kSteepest = 1 << 20;
+  static constexpr double kSteepest = 1 << 20;
   const Plane *top = corners.data(), *middle = top + 1, *bottom = top + 2;
   const auto order = [](const Plane*& a, const Plane*& b) {
     if (b->v < a->v) std::swap(a, b);
@@ -77,7 +77,7 @@ void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const 
                          rows.end));
   for (int v = first; v < end; ++v) {
     const double one = top->u + (v - double{top->v}) * long_slope;
-    const double other = v < middle->v ? top->u + (v - double{top->v}) * upper_slope
+    const double other = v < double{middle->v} ? top->u + (v - double{top->v}) * upper_slope
                                        : middle->u + (v - double{middle->v}) * lower_slope;
     // The next column to the right of what is given.
     const auto behind = [&](double column) {

@@ -35,7 +35,7 @@ bool AreNoisy(std::span<const Seed> seeds, const PriorConfig& config) {
   return 2 * noisy > CountTofSeeds(seeds);
 }
 
-void Renew(PriorMap& map, cv::Size size) {
+void RenewMaps(PriorMap& map, cv::Size size) {
   Renew(map.disparity, size);
   Renew(map.sigma, size);
 }
@@ -81,7 +81,7 @@ Result<PriorMap> PriorEstimator::Interpolated(std::span<const Seed> seeds, cv::S
   std::vector<Plane> planes(seeds.size());
   std::transform(seeds.begin(), seeds.end(), planes.begin(), LevelPlane);
   PriorMap& result = memory_->result;
-  Renew(result, size);
+  RenewMaps(result, size);
   const auto done = Interpolate(planes, triangulation->triangles, config_.edge_px(), result);
   if (!done) return tl::unexpected(done.error());
   return result;
@@ -110,7 +110,7 @@ Result<PriorMap> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat& r
 
   // Eqs. (P4) and (P8): the paper's interpolation, and how sure it is.
   PriorMap& result = memory_->result;
-  Renew(result, size);
+  RenewMaps(result, size);
   const double edge_px = config_.edge_px();
   const auto done = Interpolate(planes, triangles, edge_px, result);
   if (!done) return tl::unexpected(done.error());
