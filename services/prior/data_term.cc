@@ -160,7 +160,10 @@ double DataTerm::Colours(int u, int v, const NearbySeeds& seeds, int near, int f
   const cv::Vec3f bgr = images_.left_bgr(v, u);
   const auto column = static_cast<float>(u);
   const auto row = static_cast<float>(v);
+  const auto per_miss =
+      static_cast<float>(1 / (DisparityImage::kCountsPerPixel * std::max(config_.edge_px(), 0.01)));
   const float middle = 0.5F * static_cast<float>(near + far);
+  const float half_gap = 0.5F * static_cast<float>(near - far);
   Lanes support{};
   Lanes near_support{};  // less that of far
   for (const SeedLanes& lanes : std::span(seeds.lanes).first(seeds.used)) {
@@ -170,7 +173,10 @@ double DataTerm::Colours(int u, int v, const NearbySeeds& seeds, int near, int f
       const float difference = std::abs(bgr[0] - lanes.blue[i]) +
                                std::abs(bgr[1] - lanes.green[i]) +
                                std::abs(bgr[2] - lanes.red[i]);
-      const float weight = 1 / Square(1 + Square(difference * per_range));
+      // Half the weight for planes that miss both labels by edge_px.
+      const float miss = (std::abs(above) - half_gap) * per_miss;
+      const float weight =
+          1 / ((1 + Square(miss)) * Square(1 + Square(difference * per_range)));
       support[i] += weight;
       near_support[i] += std::copysign(weight, above);
     }
