@@ -224,7 +224,8 @@ int Run(const Options& options) {
   const bool recorded = std::ranges::all_of(names, IsKitti);
   const TofChoice tof(options.tof.value_or(recorded ? TofChoice::kScan : "grid:auto"));
   const Preset preset = PresetOf(options);
-  const ChainSettings settings{.config = LoadConfig(preset.files), .noise = options.noise, .fgs = options.fgs};
+  const ChainSettings settings{
+      .config = LoadConfig(preset.files), .noise = options.noise, .fgs = options.fgs};
   std::vector<Scene> scenes;
   for (const std::string& scene : names) {
     scenes.push_back(LoadScene(scene, tof, settings.config.capture()));

@@ -19,7 +19,8 @@ constexpr int kCensusRadius = 3;  // of that of the census; a row of it fits int
 constexpr int kWindow = (2 * kRadius + 1) * (2 * kRadius + 1);
 constexpr int kCensusSide = 2 * kCensusRadius + 1;
 constexpr int kCensusWindow = kCensusSide * kCensusSide;
-constexpr int kUnlikeBits = 4;  // codes of pixels that have nothing in common differ in half their 8
+constexpr int kUnlikeBits =
+    4;  // codes of pixels that have nothing in common differ in half their 8
 
 // Counts to whole pixels.
 int Rounded(int counts) {
@@ -89,8 +90,7 @@ void CensusTransform(const cv::Mat1b& image, cv::Mat1b& codes) {
 DataTerm::DataTerm(const EdgeImages& images, std::span<const EdgeTriangle> edges,
                    std::span<const Plane> planes, const PriorConfig& config)
     : images_(images), config_(config), nearby_(edges.size()) {
-  ForEachParallel(edges.size(),
-                  [&](size_t i) { nearby_[i] = Gather(edges[i].nearby(), planes); });
+  ForEachParallel(edges.size(), [&](size_t i) { nearby_[i] = Gather(edges[i].nearby(), planes); });
 }
 
 DataTerm::NearbySeeds DataTerm::Gather(std::span<const int> seeds,
@@ -121,8 +121,7 @@ DataTerm::NearbySeeds DataTerm::Gather(std::span<const int> seeds,
 
 double DataTerm::FarMinusNear(int u, int v, int triangle, int near, int far) const {
   return Images(u, v, near, far) +
-         config_.colour_weight() *
-             Colours(u, v, nearby_[static_cast<size_t>(triangle)], near, far);
+         config_.colour_weight() * Colours(u, v, nearby_[static_cast<size_t>(triangle)], near, far);
 }
 
 // Eq. (P6): C_grey and C_census. Both are equal for near and far where a window leaves an image.
@@ -171,12 +170,10 @@ double DataTerm::Colours(int u, int v, const NearbySeeds& seeds, int near, int f
       const float above = lanes.counts[i] + lanes.per_column[i] * (column - lanes.u[i]) +
                           lanes.per_row[i] * (row - lanes.v[i]) - middle;
       const float difference = std::abs(bgr[0] - lanes.blue[i]) +
-                               std::abs(bgr[1] - lanes.green[i]) +
-                               std::abs(bgr[2] - lanes.red[i]);
+                               std::abs(bgr[1] - lanes.green[i]) + std::abs(bgr[2] - lanes.red[i]);
       // Half the weight for planes that miss both labels by edge_px.
       const float miss = (std::abs(above) - half_gap) * per_miss;
-      const float weight =
-          1 / ((1 + Square(miss)) * Square(1 + Square(difference * per_range)));
+      const float weight = 1 / ((1 + Square(miss)) * Square(1 + Square(difference * per_range)));
       support[i] += weight;
       near_support[i] += std::copysign(weight, above);
     }
@@ -211,8 +208,8 @@ class Decision {
 
  private:
   // Whether the decided pixels around are all closer to the near surface, or all to the far one:
-  // two in an even row or column, otherwise four. Nothing when they do not agree, or when one is not
-  // in the image.
+  // two in an even row or column, otherwise four. Nothing when they do not agree, or when one is
+  // not in the image.
   std::optional<bool> AreNear(int u, int v, int near_plus_far) const {
     const int left = u - u % 2;
     const int right = u + u % 2;

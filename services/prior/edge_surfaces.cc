@@ -119,8 +119,8 @@ std::vector<EdgeTriangle> FindEdgeTriangles(std::span<const Plane> planes,
   return edges;
 }
 
-void PaintLabels(std::span<const EdgeTriangle> edges, std::span<const Plane> planes,
-                 double edge_px, cv::Size size, EdgeLabels& labels) {
+void PaintLabels(std::span<const EdgeTriangle> edges, std::span<const Plane> planes, double edge_px,
+                 cv::Size size, EdgeLabels& labels) {
   labels.near.create(size);
   labels.far.create(size);
   labels.triangle.create(size);

@@ -67,9 +67,9 @@ std::vector<EdgeTriangle> FindEdgeTriangles(std::span<const Plane> planes,
                                             std::span<const SeedTriangle> triangles,
                                             const Triangulation& triangulation, double edge_px);
 
-/// The candidate labels of pixels in triangles across depth edges: two disparities, counts. Both are
-/// DisparityImage::kInvalid where there is no such triangle, and where the surfaces are less than
-/// `edge_px` apart: interpolation does no harm there.
+/// The candidate labels of pixels in triangles across depth edges: two disparities, counts. Both
+/// are DisparityImage::kInvalid where there is no such triangle, and where the surfaces are less
+/// than `edge_px` apart: interpolation does no harm there.
 struct EdgeLabels {
   cv::Mat1s near;
   cv::Mat1s far;
@@ -78,8 +78,8 @@ struct EdgeLabels {
 
 /// @param labels  overwritten; memory of that size is used again.
 /// O(triangles + pixels); on OpenCV's threads, with the same result for any number.
-void PaintLabels(std::span<const EdgeTriangle> edges, std::span<const Plane> planes,
-                 double edge_px, cv::Size size, EdgeLabels& labels);
+void PaintLabels(std::span<const EdgeTriangle> edges, std::span<const Plane> planes, double edge_px,
+                 cv::Size size, EdgeLabels& labels);
 
 /// What the data term compares.
 struct EdgeImages {
@@ -132,8 +132,8 @@ class DataTerm {
 };
 
 /// Gives each pixel with labels the one of the smaller data term. Every other pixel of every other
-/// row is decided first; a pixel whose decided neighbours all have the near, or all the far, surface
-/// takes it without evaluating the data term.
+/// row is decided first; a pixel whose decided neighbours all have the near, or all the far,
+/// surface takes it without evaluating the data term.
 /// @param prior  overwritten where there are labels.
 /// O(pixels); on OpenCV's threads, with the same result for any number.
 void DecideLabels(const EdgeLabels& labels, const DataTerm& data_term, DisparityImage& prior);

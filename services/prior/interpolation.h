@@ -72,13 +72,12 @@ void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const 
   const double lower_slope = slope(*middle, *bottom);
   // Compared before they are converted: seeds may lie anywhere.
   const int first = static_cast<int>(std::ceil(std::clamp<double>(top->v, rows.start, rows.end)));
-  const int end = static_cast<int>(
-      std::clamp<double>(std::floor(std::clamp<double>(bottom->v, -2, rows.end)) + 1, first,
-                         rows.end));
+  const int end = static_cast<int>(std::clamp<double>(
+      std::floor(std::clamp<double>(bottom->v, -2, rows.end)) + 1, first, rows.end));
   for (int v = first; v < end; ++v) {
     const double one = top->u + (v - double{top->v}) * long_slope;
     const double other = v < double{middle->v} ? top->u + (v - double{top->v}) * upper_slope
-                                       : middle->u + (v - double{middle->v}) * lower_slope;
+                                               : middle->u + (v - double{middle->v}) * lower_slope;
     // The next column to the right of what is given.
     const auto behind = [&](double column) {
       return static_cast<int>(std::clamp<double>(column, -1, width - 1) + 1);

@@ -31,7 +31,8 @@ class PriorEstimator {
   /// @param seeds  at least three, finite, not all on a line; of seeds on one position the first
   ///               counts.
   /// @param size   of the left rectified image, px.
-  /// @returns a map of that size, every pixel with a disparity. An error that says why when the seeds
+  /// @returns a map of that size, every pixel with a disparity. An error that says why when the
+  /// seeds
   ///          span no triangle that covers a pixel, when an image that is used has another size, or
   ///          when a side is longer than kMaxSide.
   /// O(n log n + pixels); at worst, when seeds make triangles as high as the image, O(n log n +

@@ -95,7 +95,9 @@ Plane Refit(const Plane& plane, std::span<const Seed> seeds, std::span<const int
 
 // The step in which the ToF seeds' disparities are counted: of neighbours that are not equal hardly
 // any two (10 %) differ by less. Small where there are no steps.
-double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles) {
+// @param surface_px  what differs by as much is on two surfaces.
+double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
+              double surface_px) {
   constexpr double kEqualPx = 1e-3;  // u − u' of floats is off by as much
   constexpr double kHardlyAny = 0.1;
   std::vector<double> differences;
@@ -104,7 +106,7 @@ double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangl
     const Seed& b = seeds[static_cast<size_t>(triangle[1])];
     if (a.origin != SeedOrigin::kTof || b.origin != SeedOrigin::kTof) continue;
     const double difference = std::abs(double{a.disparity()} - b.disparity());
-    if (difference > kEqualPx) differences.push_back(difference);
+    if (difference > kEqualPx && difference < surface_px) differences.push_back(difference);
   }
   return Quantile(std::move(differences), kHardlyAny);
 }
@@ -134,7 +136,9 @@ double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> tria
 
 std::vector<Plane> FitPlanes(std::span<const Seed> seeds, const Triangulation& triangulation,
                              double spacing_px, const PriorConfig& config) {
-  const double step_scale_px = StepScalePx(StepPx(seeds, triangulation.triangles));
+  const double least_scale_px =
+      std::max(config.plane_scale_px(), config.plane_scale_per_spacing() * spacing_px);
+  const double step_scale_px = StepScalePx(StepPx(seeds, triangulation.triangles, least_scale_px));
   const double slope_weight = kSlopeWeight * Square(spacing_px);
   const auto fit = [&](int k, Rings& rings) {
     const Seed& seed = seeds[static_cast<size_t>(k)];
@@ -143,8 +147,7 @@ std::vector<Plane> FitPlanes(std::span<const Seed> seeds, const Triangulation& t
     const std::span<const int> support =
         rings.Around(std::span(&k, 1), noisy ? 2 : 1, kMostSupport);
     // Eq. (P2): the scale s.
-    const double scale_px = std::max(
-        {config.plane_scale_px(), config.plane_scale_per_spacing() * spacing_px, noise_px});
+    const double scale_px = std::max(least_scale_px, noise_px);
     // Eq. (P1), by iteratively reweighted least squares.
     Plane plane = Refit(LevelPlane(seed), seeds, support, kFirstScale * scale_px, slope_weight);
     for (int i = 1; i < kIterations; ++i) {

@@ -40,8 +40,8 @@ inline bool IsNoisy(const Seed& seed, const PriorConfig& config) {
 /// The spacing of the seeds: the median length of the triangles' sides, px; 1 without triangles.
 double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles);
 
-/// A plane at each seed, fitted to the seeds around it with an M-estimator: eqs. (P1) to (P3) of the
-/// README.
+/// A plane at each seed, fitted to the seeds around it with an M-estimator: eqs. (P1) to (P3) of
+/// the README.
 ///
 /// @param spacing_px  SpacingPx() of the seeds.
 /// @returns one plane a seed, in their order; a seed in no triangle keeps its disparity, level.
@@ -49,10 +49,10 @@ double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> tria
 std::vector<Plane> FitPlanes(std::span<const Seed> seeds, const Triangulation& triangulation,
                              double spacing_px, const PriorConfig& config);
 
-/// Continues the seeds' surface beyond their hull: a copy of each seed of the hull on its own plane,
-/// moved outwards, and two triangles for each side of the hull between them. So slanted surfaces go
-/// on slanted, and depth edges that leave the hull are resolved there as inside it. The standard
-/// deviation of a copy grows with the distance to its seed, eq. (P8).
+/// Continues the seeds' surface beyond their hull: a copy of each seed of the hull on its own
+/// plane, moved outwards, and two triangles for each side of the hull between them. So slanted
+/// surfaces go on slanted, and depth edges that leave the hull are resolved there as inside it. The
+/// standard deviation of a copy grows with the distance to its seed, eq. (P8).
 ///
 /// @param hull      of Triangulation.
 /// @param size      of the left image, px: copies do not go beyond it.

@@ -35,8 +35,8 @@ struct Triangulation {
 };
 
 /// Of seeds on one position the first counts; the others have no triangle and no neighbour. Among
-/// triangulations that are equally good (four seeds on a circle, as on a grid) the choice depends on
-/// the positions only; triangles, hull and neighbours come in an order that does, too.
+/// triangulations that are equally good (four seeds on a circle, as on a grid) the choice depends
+/// on the positions only; triangles, hull and neighbours come in an order that does, too.
 ///
 /// @param seeds  finite.
 /// @returns no triangles for fewer than three positions, or when all lie on one line.

@@ -17,8 +17,8 @@ cv::Mat1f Compute(const RivalInput& input) {
     disparity_px(pixel) = seed.disparity();
     weight(pixel) = 1;
   }
-  const auto smoother = cv::ximgproc::createFastGlobalSmootherFilter(input.left, input.fgs.lambda,
-                                                                     input.fgs.sigma);
+  const auto smoother =
+      cv::ximgproc::createFastGlobalSmootherFilter(input.left, input.fgs.lambda, input.fgs.sigma);
   cv::Mat1f spread_px;
   cv::Mat1f spread_weight;
   smoother->filter(disparity_px, spread_px);
@@ -31,8 +31,9 @@ cv::Mat1f Compute(const RivalInput& input) {
 
 Rival Fgs() {
   return {.name = "fgs",
-          .summary = "OpenCV's FastGlobalSmoother spreads the ToF seeds over the left image, with "
-                     "--fgs-lambda and --fgs-sigma; never looks at the right one",
+          .summary =
+              "OpenCV's FastGlobalSmoother spreads the ToF seeds over the left image, with "
+              "--fgs-lambda and --fgs-sigma; never looks at the right one",
           .uses_seeds = true,
           .compute = Compute};
 }

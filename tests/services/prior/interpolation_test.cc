@@ -40,8 +40,7 @@ std::vector<Plane> PlanesOf(const std::vector<Seed>& seeds) {
 
 PriorMap Interpolated(const std::vector<Seed>& seeds, cv::Size size) {
   PriorMap map(size);
-  EXPECT_TRUE(
-      Interpolate(PlanesOf(seeds), Triangulate(seeds).triangles, 0.5, map).has_value());
+  EXPECT_TRUE(Interpolate(PlanesOf(seeds), Triangulate(seeds).triangles, 0.5, map).has_value());
   return map;
 }
 
@@ -167,15 +166,14 @@ TEST(Interpolation, TakesTheNearestPixelOfAnyHull) {
 
 TEST(Interpolation, SaysWhyThereIsNone) {
   PriorMap map(cv::Size(64, 48));
-  const std::vector<Seed> between = {SeedAt(1.1, 1.1, 1), SeedAt(1.2, 1.1, 1),
-                                     SeedAt(1.1, 1.2, 1)};
+  const std::vector<Seed> between = {SeedAt(1.1, 1.1, 1), SeedAt(1.2, 1.1, 1), SeedAt(1.1, 1.2, 1)};
   const auto done = Interpolate(PlanesOf(between), Triangulate(between).triangles, 0.5, map);
   EXPECT_THAT(done.error().text, testing::HasSubstr("cover no pixel"));
 }
 
 TEST(Interpolation, SurvivesSeedsOutsideTheImage) {
-  const PriorMap map = Interpolated(
-      {SeedAt(-500, -500, 3), SeedAt(5000, -100, 3), SeedAt(100, 9000, 3)}, {64, 48});
+  const PriorMap map =
+      Interpolated({SeedAt(-500, -500, 3), SeedAt(5000, -100, 3), SeedAt(100, 9000, 3)}, {64, 48});
   EXPECT_EQ(map.disparity.CountValid(), 64 * 48);
   EXPECT_EQ(map.disparity.Px(30, 30), 3);
 }

@@ -40,9 +40,8 @@ TEST(SeedPlanes, HaveTheSlantWithAndWithoutNoise) {
   for (const double noise_px : {0.0, 1.5}) {
     std::mt19937 random(3);
     std::normal_distribution<double> normal(0, 1);
-    std::vector<Seed> seeds = Grid([&](float u, float v) {
-      return 10 + 0.05 * u - 0.02 * v + noise_px * normal(random);
-    });
+    std::vector<Seed> seeds = Grid(
+        [&](float u, float v) { return 10 + 0.05 * u - 0.02 * v + noise_px * normal(random); });
     for (Seed& seed : seeds) seed.sigma_px = static_cast<float>(0.05 + noise_px);
     const Plane plane = Fit(seeds)[10 * kSide + 10];  // at (100, 100)
     EXPECT_NEAR(plane.disparity, 13, 0.01 + 0.6 * noise_px);
@@ -90,13 +89,13 @@ TEST(SeedPlanes, KeepTheirSlantBesideADepthEdge) {
 TEST(SeedPlanes, OfStereoAndNoisySeedsTakeTheDisparityOfThoseAround) {
   std::vector<Seed> seeds = Grid([](float, float) { return 20; });
   const size_t middle = 10 * kSide + 10;
-  seeds[middle].u_right -= 5;
-  EXPECT_NEAR(Fit(seeds)[middle].disparity, 25, 0.3);
+  seeds[middle].u_right -= 2;
+  EXPECT_NEAR(Fit(seeds)[middle].disparity, 22, 0.3);
   seeds[middle].origin = SeedOrigin::kStereo;
-  EXPECT_NEAR(Fit(seeds)[middle].disparity, 20, 0.1);
+  EXPECT_NEAR(Fit(seeds)[middle].disparity, 20, 0.3);
   seeds[middle].origin = SeedOrigin::kTof;
   seeds[middle].sigma_px = 2;
-  EXPECT_NEAR(Fit(seeds)[middle].disparity, 20, 1);
+  EXPECT_NEAR(Fit(seeds)[middle].disparity, 20, 0.3);
 }
 
 TEST(SeedPlanes, OfSeedsInNoTriangleAreLevel) {
@@ -111,8 +110,12 @@ TEST(SeedPlanes, OfSeedsInNoTriangleAreLevel) {
 const cv::Size kSize(60, 40);
 
 Plane Slant(float u, float v) {
-  return {.u = u, .v = v, .disparity = 20 + 0.1F * u + 0.2F * v, .per_column = 0.1F,
-          .per_row = 0.2F, .sigma_px = 0.05F};
+  return {.u = u,
+          .v = v,
+          .disparity = 20 + 0.1F * u + 0.2F * v,
+          .per_column = 0.1F,
+          .per_row = 0.2F,
+          .sigma_px = 0.05F};
 }
 
 // Seeds on one plane, which the fit has found, and their copies.

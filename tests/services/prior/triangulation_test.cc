@@ -58,9 +58,11 @@ TEST(Triangulation, HasNoSeedInsideTheCircleOfATriangle) {
 }
 
 TEST(Triangulation, HasNoTriangleForTooFewOrCollinearSeeds) {
-  for (const std::vector<Seed>& seeds :
-       {std::vector<Seed>{}, {At(1, 1)}, {At(1, 1), At(2, 2)}, {At(1, 1), At(1, 1), At(1, 1)},
-        {At(1, 1), At(2, 2), At(5, 5), At(9, 9)}}) {
+  for (const std::vector<Seed>& seeds : {std::vector<Seed>{},
+                                         {At(1, 1)},
+                                         {At(1, 1), At(2, 2)},
+                                         {At(1, 1), At(1, 1), At(1, 1)},
+                                         {At(1, 1), At(2, 2), At(5, 5), At(9, 9)}}) {
     const Triangulation none = Triangulate(seeds);
     EXPECT_TRUE(none.triangles.empty());
     EXPECT_TRUE(none.hull.empty());
@@ -71,8 +73,8 @@ TEST(Triangulation, HasNoTriangleForTooFewOrCollinearSeeds) {
 }
 
 TEST(Triangulation, CountsSeedsOnOnePositionOnce) {
-  const Triangulation one = Triangulate(
-      std::vector<Seed>{At(0, 0), At(4, 0), At(0, 4), At(0, 0), At(4, 0)});
+  const Triangulation one =
+      Triangulate(std::vector<Seed>{At(0, 0), At(4, 0), At(0, 4), At(0, 0), At(4, 0)});
   ASSERT_EQ(one.triangles.size(), 1u);
   EXPECT_THAT(one.triangles[0], testing::UnorderedElementsAre(0, 1, 2));
   EXPECT_THAT(one.NeighboursOf(0), testing::UnorderedElementsAre(1, 2));
@@ -113,8 +115,8 @@ TEST(Triangulation, CoversTheHull) {
   std::vector<Seed> round;
   for (int i = 0; i < 500; ++i) {
     const double angle = i * 2 * M_PI / 500;
-    round.push_back(At(static_cast<float>(1000 * std::cos(angle)),
-                       static_cast<float>(1000 * std::sin(angle))));
+    round.push_back(
+        At(static_cast<float>(1000 * std::cos(angle)), static_cast<float>(1000 * std::sin(angle))));
   }
   const Triangulation circle = Triangulate(round);
   EXPECT_EQ(circle.triangles.size(), 498u);
