@@ -104,14 +104,15 @@ Result<PriorMap> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat& r
 
   // Eqs. (P1) to (P3): a plane for each seed.
   const double spacing_px = SpacingPx(seeds, triangles);
-  std::vector<Plane> planes = FitPlanes(seeds, *triangulation, spacing_px, config_);
+  const double step_px = StepPx(seeds, triangles, spacing_px, config_);
+  std::vector<Plane> planes = FitPlanes(seeds, *triangulation, spacing_px, step_px, config_);
   ExtendBeyondHull(triangulation->hull, size, config_.border_spacings() * spacing_px, config_,
                    planes, triangles);
 
   // Eqs. (P4) and (P8): the paper's interpolation, and how sure it is.
   PriorMap& result = memory_->result;
   RenewMaps(result, size);
-  const double edge_px = config_.edge_px();
+  const double edge_px = std::max(config_.edge_px(), step_px);
   const auto done = Interpolate(planes, triangles, edge_px, result);
   if (!done) return tl::unexpected(done.error());
 

@@ -93,30 +93,17 @@ Plane Refit(const Plane& plane, std::span<const Seed> seeds, std::span<const int
   return refit;
 }
 
-// The step in which the ToF seeds' disparities are counted: of neighbours that are not equal hardly
-// any two (10 %) differ by less. Small where there are no steps.
-// @param surface_px  what differs by as much is on two surfaces.
-double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
-              double surface_px) {
-  constexpr double kEqualPx = 1e-3;  // u − u' of floats is off by as much
-  constexpr double kHardlyAny = 0.1;
-  std::vector<double> differences;
-  for (const SeedTriangle& triangle : triangles) {
-    const Seed& a = seeds[static_cast<size_t>(triangle[0])];
-    const Seed& b = seeds[static_cast<size_t>(triangle[1])];
-    if (a.origin != SeedOrigin::kTof || b.origin != SeedOrigin::kTof) continue;
-    const double difference = std::abs(double{a.disparity()} - b.disparity());
-    if (difference > kEqualPx && difference < surface_px) differences.push_back(difference);
-  }
-  return Quantile(std::move(differences), kHardlyAny);
-}
-
 // Steps are taken off with seeds that differ by about one: those a step off have a weight of 0.3,
 // two steps off 0.05. Without steps by what is too fine to matter.
 double StepScalePx(double step_px) {
   constexpr double kScalePerStep = 1.1;
   constexpr double kFinePx = 0.1;
   return std::max(kScalePerStep * step_px, kFinePx);
+}
+
+// Eq. (P2) without the noise.
+double LeastScalePx(double spacing_px, const PriorConfig& config) {
+  return std::max(config.plane_scale_px(), config.plane_scale_per_spacing() * spacing_px);
 }
 
 }  // namespace
@@ -134,11 +121,27 @@ double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> tria
   return squares.empty() ? 1 : std::sqrt(Quantile(std::move(squares), 0.5));
 }
 
+double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
+              double spacing_px, const PriorConfig& config) {
+  constexpr double kEqualPx = 1e-3;  // u − u' of floats is off by as much
+  constexpr double kHardlyAny = 0.1;
+  // Seeds that far off a plane weigh less than 2 % in (P1): they are on another surface.
+  const double surface_px = 2.5 * LeastScalePx(spacing_px, config);
+  std::vector<double> differences;
+  for (const SeedTriangle& triangle : triangles) {
+    const Seed& a = seeds[static_cast<size_t>(triangle[0])];
+    const Seed& b = seeds[static_cast<size_t>(triangle[1])];
+    if (a.origin != SeedOrigin::kTof || b.origin != SeedOrigin::kTof) continue;
+    const double difference = std::abs(double{a.disparity()} - b.disparity());
+    if (difference > kEqualPx && difference < surface_px) differences.push_back(difference);
+  }
+  return Quantile(std::move(differences), kHardlyAny);
+}
+
 std::vector<Plane> FitPlanes(std::span<const Seed> seeds, const Triangulation& triangulation,
-                             double spacing_px, const PriorConfig& config) {
-  const double least_scale_px =
-      std::max(config.plane_scale_px(), config.plane_scale_per_spacing() * spacing_px);
-  const double step_scale_px = StepScalePx(StepPx(seeds, triangulation.triangles, least_scale_px));
+                             double spacing_px, double step_px, const PriorConfig& config) {
+  const double least_scale_px = LeastScalePx(spacing_px, config);
+  const double step_scale_px = StepScalePx(step_px);
   const double slope_weight = kSlopeWeight * Square(spacing_px);
   const auto fit = [&](int k, Rings& rings) {
     const Seed& seed = seeds[static_cast<size_t>(k)];

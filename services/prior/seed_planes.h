@@ -40,14 +40,20 @@ inline bool IsNoisy(const Seed& seed, const PriorConfig& config) {
 /// The spacing of the seeds: the median length of the triangles' sides, px; 1 without triangles.
 double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles);
 
+/// The step in which the ToF seeds' disparities are counted, px: of neighbours on one surface that
+/// are not equal hardly any two (10 %) differ by less. Small where there are no steps.
+double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
+              double spacing_px, const PriorConfig& config);
+
 /// A plane at each seed, fitted to the seeds around it with an M-estimator: eqs. (P1) to (P3) of
 /// the README.
 ///
 /// @param spacing_px  SpacingPx() of the seeds.
+/// @param step_px     StepPx() of the seeds.
 /// @returns one plane a seed, in their order; a seed in no triangle keeps its disparity, level.
 /// O(seeds); on OpenCV's threads, with the same result for any number.
 std::vector<Plane> FitPlanes(std::span<const Seed> seeds, const Triangulation& triangulation,
-                             double spacing_px, const PriorConfig& config);
+                             double spacing_px, double step_px, const PriorConfig& config);
 
 /// Continues the seeds' surface beyond their hull: a copy of each seed of the hull on its own
 /// plane, moved outwards, and two triangles for each side of the hull between them. So slanted

@@ -27,7 +27,9 @@ std::vector<Seed> Grid(const Disparity& disparity) {
 }
 
 std::vector<Plane> Fit(const std::vector<Seed>& seeds) {
-  return FitPlanes(seeds, Triangulate(seeds), kSpacing, PriorConfig());
+  const Triangulation triangulation = Triangulate(seeds);
+  const double step_px = StepPx(seeds, triangulation.triangles, kSpacing, PriorConfig());
+  return FitPlanes(seeds, triangulation, kSpacing, step_px, PriorConfig());
 }
 
 TEST(SeedPlanes, SpacingIsTheMedianSide) {
@@ -68,7 +70,7 @@ TEST(SeedPlanes, TakeOffTheStepsInWhichDisparitiesAreCounted) {
 
 // What differs by more than steps do is another surface.
 TEST(SeedPlanes, LeaveDepthEdgesAsTheyAre) {
-  const std::vector<Seed> seeds = Grid([](float u, float) { return u < 95 ? 12 : 15; });
+  const std::vector<Seed> seeds = Grid([](float u, float) { return u < 95 ? 12 : 16; });
   const std::vector<Plane> planes = Fit(seeds);
   for (size_t i = 0; i < seeds.size(); ++i) {
     EXPECT_NEAR(planes[i].disparity, seeds[i].disparity(), 0.05);
