@@ -1,7 +1,6 @@
 #include "services/prior/interpolation.h"
 
 #include <cstdint>
-#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "common/core/parallel.h"
@@ -68,28 +67,42 @@ void PaintTriangle(const Corners& corners, double edge_px, const cv::Range& rows
   });
 }
 
-// Gives the pixels without a disparity that of the nearest one that has one.
-// @returns false where there is none at all.
-bool FillFromNearest(DisparityImage& map) {
-  cv::Mat1s& counts = map.counts();
-  const cv::Mat1b missing(counts == DisparityImage::kInvalid);
-  const int gaps = cv::countNonZero(missing);
-  if (gaps == 0) return true;
-  if (gaps == map.width() * map.height()) return false;
-  cv::Mat1f distance;
-  cv::Mat1i label;  // of the nearest painted pixel, from 1
-  cv::distanceTransform(missing, distance, label, cv::DIST_L2, cv::DIST_MASK_5,
-                        cv::DIST_LABEL_PIXEL);
-  std::vector<int16_t> of_label(static_cast<size_t>(map.width() * map.height() - gaps) + 1);
-  for (int v = 0; v < map.height(); ++v) {
-    for (int u = 0; u < map.width(); ++u) {
-      if (!missing(v, u)) of_label[static_cast<size_t>(label(v, u))] = counts(v, u);
-    }
+// Gives the pixels of a row that have no disparity that of the nearest one that has.
+// @returns false where there is none in the row.
+bool FillRow(int16_t* row, int width) {
+  const auto find = [&](int from, bool painted) {
+    return static_cast<int>(std::find_if(row + from, row + width,
+                                         [&](int16_t counts) {
+                                           return (counts != DisparityImage::kInvalid) == painted;
+                                         }) -
+                            row);
+  };
+  int gap = find(0, false);
+  if (gap == 0 && find(0, true) == width) return false;
+  while (gap < width) {
+    const int end = find(gap, true);
+    const int middle = gap == 0 ? 0 : end == width ? width : (gap + end) / 2;
+    if (middle > gap) std::fill(row + gap, row + middle, row[gap - 1]);
+    if (end > middle) std::fill(row + middle, row + end, row[end]);
+    gap = find(end, false);
   }
-  for (int v = 0; v < map.height(); ++v) {
-    for (int u = 0; u < map.width(); ++u) {
-      if (missing(v, u)) counts(v, u) = of_label[static_cast<size_t>(label(v, u))];
-    }
+  return true;
+}
+
+// The same for all rows, and for rows without any from the nearest row that has some.
+// @returns false where there is none at all.
+bool FillGaps(cv::Mat1s& counts) {
+  std::vector<int> filled;
+  for (int v = 0; v < counts.rows; ++v) {
+    if (FillRow(counts[v], counts.cols)) filled.push_back(v);
+  }
+  if (filled.empty()) return false;
+  for (int v = 0; v < counts.rows; ++v) {
+    const auto below = std::lower_bound(filled.begin(), filled.end(), v);
+    if (below != filled.end() && *below == v) continue;
+    const bool above_is_nearer =
+        below == filled.end() || (below != filled.begin() && v - below[-1] <= *below - v);
+    std::copy_n(counts[above_is_nearer ? below[-1] : *below], counts.cols, counts[v]);
   }
   return true;
 }
@@ -107,7 +120,9 @@ Result<void> Interpolate(std::span<const Plane> planes, std::span<const SeedTria
       }
     }
   });
-  if (!FillFromNearest(map.disparity)) return Fail("the seeds' triangles cover no pixel: no prior");
+  if (!FillGaps(map.disparity.counts())) {
+    return Fail("the seeds' triangles cover no pixel: no prior");
+  }
   return {};
 }
 

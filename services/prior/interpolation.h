@@ -39,7 +39,8 @@ void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const 
 
 /// Paints a prior: linear interpolation of the planes' disparities in each triangle (paper, Alg. 1
 /// step 1), and the standard deviation of that, eq. (P8) of the README. Elsewhere the disparity of
-/// the nearest painted pixel (to within a pixel), and kMaxSigmaCounts.
+/// the nearest painted pixel of the row, in rows without any that of the nearest row, and
+/// kMaxSigmaCounts.
 ///
 /// @param planes     at the triangles' corners.
 /// @param triangles  where they overlap the last one counts.

@@ -135,7 +135,7 @@ TEST(Interpolation, TakesTheNearestHullValueOutsideTheHull) {
   EXPECT_EQ(map.disparity.Px(63, 47), 8);
 }
 
-TEST(Interpolation, TakesTheNearestPixelOfAnyHull) {
+TEST(Interpolation, TakesTheNearestPixelOfTheRowOutsideAnyHull) {
   const cv::Size size(61, 47);
   for (uint32_t seed = 0; seed < 30; ++seed) {
     std::vector<Seed> seeds = RandomSeeds({31, 21}, 4 + static_cast<int>(seed), 0, seed);
@@ -145,21 +145,23 @@ TEST(Interpolation, TakesTheNearestPixelOfAnyHull) {
       moved.u_right += 16;
     }
     const PriorMap map = Interpolated(seeds, size);
-    std::vector<cv::Point> hull;
-    cv::findNonZero(map.sigma != kMaxSigmaCounts, hull);
+    const cv::Mat1s& counts = map.disparity.counts();
+    std::vector<int> rows;  // with painted pixels
     for (int v = 0; v < size.height; ++v) {
+      std::vector<int> painted;
       for (int u = 0; u < size.width; ++u) {
-        double nearest = 1e9;
-        double taken = 1e9;  // nearest one of the value that the pixel has
-        for (const cv::Point& p : hull) {
-          const double distance = std::hypot(p.x - u, p.y - v);
-          nearest = std::min(nearest, distance);
-          if (map.disparity.counts()(p) == map.disparity.counts()(v, u)) {
-            taken = std::min(taken, distance);
-          }
-        }
-        EXPECT_LE(taken, nearest + 1) << u << ", " << v << " with seed " << seed;
+        if (map.sigma(v, u) != kMaxSigmaCounts) painted.push_back(u);
       }
+      if (painted.empty()) continue;
+      rows.push_back(v);
+      for (int u = 0; u < size.width; ++u) {
+        ASSERT_EQ(counts(v, u), counts(v, std::clamp(u, painted.front(), painted.back())));
+      }
+    }
+    ASSERT_FALSE(rows.empty());
+    for (int v = 0; v < size.height; ++v) {
+      const int nearest = std::clamp(v, rows.front(), rows.back());
+      ASSERT_EQ(cv::countNonZero(counts.row(v) != counts.row(nearest)), 0) << v;
     }
   }
 }

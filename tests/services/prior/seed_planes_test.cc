@@ -91,8 +91,9 @@ TEST(SeedPlanes, KeepTheirSlantBesideADepthEdge) {
 TEST(SeedPlanes, OfStereoAndNoisySeedsTakeTheDisparityOfThoseAround) {
   std::vector<Seed> seeds = Grid([](float, float) { return 20; });
   const size_t middle = 10 * kSide + 10;
-  seeds[middle].u_right -= 2;
-  EXPECT_NEAR(Fit(seeds)[middle].disparity, 22, 0.3);
+  seeds[middle].u_right -= 4;
+  EXPECT_NEAR(Fit(seeds)[middle].disparity, 24, 0.3);
+  seeds[middle].u_right += 2;
   seeds[middle].origin = SeedOrigin::kStereo;
   EXPECT_NEAR(Fit(seeds)[middle].disparity, 20, 0.3);
   seeds[middle].origin = SeedOrigin::kTof;
