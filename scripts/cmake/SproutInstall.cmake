@@ -59,8 +59,8 @@ endfunction()
 sprout_shared_library(
   pipeline
   OBJECTS_OF sprout_core sprout_config_proto sprout_config sprout_geometry sprout_refine
-             sprout_delaunay sprout_prior sprout_finish sprout_grow sprout_pipeline
-  PRIVATE CGAL::CGAL hwy::hwy opencv_imgproc opencv_calib3d opencv_ximgproc PkgConfig::xxhash
+             sprout_triangulation sprout_prior sprout_finish sprout_grow sprout_pipeline
+  PRIVATE CGAL::CGAL hwy::hwy opencv_imgproc opencv_calib3d PkgConfig::xxhash
   PUBLIC opencv_core Eigen3::Eigen tl::expected protobuf::libprotobuf)
 sprout_shared_library(
   log

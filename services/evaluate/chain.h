@@ -5,6 +5,7 @@
 
 #include "common/config/config.h"
 #include "common/core/frame.h"
+#include "services/evaluate/rivals/rival.h"
 #include "services/evaluate/scene.h"
 #include "services/evaluate/seed_noise.h"
 
@@ -28,8 +29,9 @@ struct MethodOutput {
 
 /// What the methods are run with.
 struct ChainSettings {
-  SproutConfig config;  ///< effective
-  SeedNoise noise;      ///< added to the refined seeds, in no stage's time
+  SproutConfig config;   ///< effective
+  SeedNoise noise;       ///< added to the refined seeds, in no stage's time
+  FgsSettings fgs = {};  ///< of method fgs
 };
 
 /// Runs a function and adds the time it takes.

@@ -98,8 +98,7 @@ Method FromRival(const Rival& rival) {
                                    .right = scene.frame.right,
                                    .seeds = seeds,
                                    .max_disparity_px = scene.max_disparity_px,
-                                   .fgs_lambda = settings.config.prior().fgs_lambda(),
-                                   .fgs_sigma = settings.config.prior().fgs_sigma()};
+                                   .fgs = settings.fgs};
             ms.total_ms = ms.refine_ms;
             output.map_px = Timed(ms.total_ms, [&] { return rival.compute(input); });
             return output;

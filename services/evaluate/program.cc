@@ -31,6 +31,7 @@ struct Options {
   std::vector<std::string> config_files;
   std::optional<std::string> tof;
   SeedNoise noise;
+  FgsSettings fgs;
   int threads = 1;
   int repeat = 1;
   std::string json;
@@ -121,6 +122,14 @@ void AddInputFlags(CLI::App& flags, Options& options) {
                   "Uniform noise on their position in u and in v, at most, px")
       ->check(NumberIn(0.0, 1000.0))
       ->capture_default_str();
+  flags.add_option("--fgs-lambda", options.fgs.lambda, "Method fgs: how far seeds spread")
+      ->capture_default_str()
+      ->check(NumberIn(0.01, 1e6));
+  flags
+      .add_option("--fgs-sigma", options.fgs.sigma,
+                  "Method fgs: difference of colours over which they hardly do, grey levels")
+      ->capture_default_str()
+      ->check(NumberIn(0.1, 255.0));
   flags.add_option("--seed", options.noise.seed, "Of the random numbers")->capture_default_str();
 }
 
@@ -215,7 +224,8 @@ int Run(const Options& options) {
   const bool recorded = std::ranges::all_of(names, IsKitti);
   const TofChoice tof(options.tof.value_or(recorded ? TofChoice::kScan : "grid:auto"));
   const Preset preset = PresetOf(options);
-  const ChainSettings settings{.config = LoadConfig(preset.files), .noise = options.noise};
+  const ChainSettings settings{
+      .config = LoadConfig(preset.files), .noise = options.noise, .fgs = options.fgs};
   std::vector<Scene> scenes;
   scenes.reserve(names.size());
   for (const std::string& scene : names) {

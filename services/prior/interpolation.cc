@@ -1,151 +1,129 @@
 #include "services/prior/interpolation.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdint>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "common/core/parallel.h"
-#include "services/prior/triangle_raster.h"
 
 namespace sprout {
 namespace {
 
-// Disparity as a plane over the image, in whole numbers: counts with kFraction more bits. Off by
-// less than a count as long as the image has fewer than 2^kFraction pixels a side.
-class FixedPlane {
- public:
-  FixedPlane(const Seed& a, const Seed& b, const Seed& c) : u_(Near(a.u)), v_(Near(a.v)) {
-    const double bu = double{b.u} - a.u;
-    const double bv = double{b.v} - a.v;
-    const double cu = double{c.u} - a.u;
-    const double cv = double{c.v} - a.v;
-    const double bd = double{b.disparity()} - a.disparity();
-    const double cd = double{c.disparity()} - a.disparity();
-    const double per_area = 1 / (bu * cv - cu * bv);
-    const double per_column = (bd * cv - cd * bv) * per_area;
-    const double per_row = (cd * bu - bd * cu) * per_area;
-    per_column_ = Fixed(per_column);
-    per_row_ = Fixed(per_row);
-    value_ = Fixed(a.disparity() + per_column * (u_ - double{a.u}) + per_row * (v_ - double{a.v})) +
-             kHalf;
-  }
-
-  // Counts at a pixel are its value without the fraction.
-  int64_t ValueAt(int u, int v) const {
-    return value_ + (u - u_) * per_column_ + (v - v_) * per_row_;
-  }
-  int64_t per_column() const { return per_column_; }
-
-  static constexpr int kFraction = 24;
-
- private:
-  static constexpr int64_t kHalf = int64_t{1} << (kFraction - 1);
-
-  static int64_t Fixed(double disparity_px) {
-    constexpr double kLargestPx = 1e5;  // steep slivers; their rows are a pixel long
-    constexpr double kScale = double{DisparityImage::kCountsPerPixel} * (int64_t{1} << kFraction);
-    return static_cast<int64_t>(std::clamp(disparity_px, -kLargestPx, kLargestPx) * kScale);
-  }
-
-  // A pixel near a corner: from there rounding errors grow.
-  static int Near(float position) { return static_cast<int>(std::clamp(position, 0.F, 32767.F)); }
-
-  int u_;
-  int v_;
-  int64_t per_column_;
-  int64_t per_row_;
-  int64_t value_;  // at (u_, v_), and a half for rounding
-};
-
-// Neighbours both paint their common edge, with the same values but for rounding.
-void PaintTriangle(const Seed& a, const Seed& b, const Seed& c, const cv::Range& rows,
-                   DisparityImage& map) {
-  const TriangleRaster raster(a, b, c, map.width(), rows);
-  if (raster.end_row() <= raster.first_row()) return;
-  const FixedPlane plane(a, b, c);
-  const auto [least, most] = std::minmax({a.disparity(), b.disparity(), c.disparity()});
-  const int64_t least_counts = ToCounts(least);
-  const int64_t most_counts = ToCounts(most);
-  for (int v = raster.first_row(); v < raster.end_row(); ++v) {
-    const PixelRun run = raster.Run(v);
-    int16_t* const counts = map.counts()[run.v];
-    const auto at = [&](int u) { return plane.ValueAt(u, run.v) >> FixedPlane::kFraction; };
-    const auto [low, high] = std::minmax({at(run.begin), at(run.end - 1)});
-    int64_t value = plane.ValueAt(run.begin, run.v);
-    if (least_counts <= low && high <= most_counts) {
-      for (int u = run.begin; u < run.end; ++u, value += plane.per_column()) {
-        counts[u] = static_cast<int16_t>(value >> FixedPlane::kFraction);
-      }
-      continue;
-    }
-    // Rounding must not carry a pixel in a sliver beyond its corners.
-    for (int u = run.begin; u < run.end; ++u, value += plane.per_column()) {
-      counts[u] = static_cast<int16_t>(
-          std::clamp(value >> FixedPlane::kFraction, least_counts, most_counts));
-    }
-  }
+// Twice the area of a triangle, px²; negative where it runs the other way round.
+double TwiceArea(const Corners& corners) {
+  const auto& [a, b, c] = corners;
+  return (double{b.u} - a.u) * (double{c.v} - a.v) - (double{c.u} - a.u) * (double{b.v} - a.v);
 }
 
-// Outside the hull: the value of the nearest pixel that has one.
-void ExtendBeyondHull(const Hull& hull, DisparityImage& map) {
-  const std::vector<PixelRun>& runs = hull.runs();
-  ForEachParallel(static_cast<size_t>(map.height()), [&](size_t index) {
-    const auto v = static_cast<int>(index);
-    const size_t row = hull.AtOrBelow(v);
-    const PixelRun own = runs[row].v == v ? runs[row] : PixelRun{v, map.width(), map.width()};
-    size_t run = row;
-    for (int u = 0; u < map.width(); ++u) {
-      if (u == own.begin) u = own.end;
-      if (u == map.width()) break;
-      run = hull.Nearest(u, v, run);
-      map.counts()(v, u) = map.counts()(runs[run].v, Hull::NearestColumn(u, runs[run]));
+// Eq. (P4): the plane through the disparities of the corners.
+Plane PlaneThrough(const Corners& corners, double twice_area) {
+  constexpr double kSteepest = 1e6;  // slivers; their pixels are held between the corners
+  const auto& [a, b, c] = corners;
+  const double bd = double{b.disparity} - a.disparity;
+  const double cd = double{c.disparity} - a.disparity;
+  const double per_column = (bd * (double{c.v} - a.v) - cd * (double{b.v} - a.v)) / twice_area;
+  const double per_row = (cd * (double{b.u} - a.u) - bd * (double{c.u} - a.u)) / twice_area;
+  Plane plane = a;
+  plane.per_column = static_cast<float>(std::clamp(per_column, -kSteepest, kSteepest));
+  plane.per_row = static_cast<float>(std::clamp(per_row, -kSteepest, kSteepest));
+  return plane;
+}
+
+// Eq. (P8).
+double SigmaPx(const Corners& corners, double edge_px) {
+  const auto& [a, b, c] = corners;
+  const float u = (a.u + b.u + c.u) / 3;
+  const float v = (a.v + b.v + c.v) / 3;
+  const float disparity = (a.disparity + b.disparity + c.disparity) / 3;
+  double squares = 0;
+  for (const Plane& corner : corners) {
+    const double off = double{corner.At(u, v)} - disparity;
+    squares += double{corner.sigma_px} * corner.sigma_px;
+    if (std::abs(off) < edge_px) squares += off * off;
+  }
+  return std::sqrt(squares / 3);
+}
+
+void PaintTriangle(const Corners& corners, double edge_px, const cv::Range& rows, PriorMap& map) {
+  constexpr double kLeastArea = 1e-3;  // px², twice; holds no pixel that others do not have
+  const double twice_area = TwiceArea(corners);
+  if (std::abs(twice_area) < kLeastArea) return;
+  constexpr float kOne = DisparityImage::kCountsPerPixel;
+  constexpr float kMost = DisparityImage::kMaxPx;
+  const auto& [a, b, c] = corners;
+  const auto [least, most] = std::minmax({a.disparity, b.disparity, c.disparity});
+  const float low = kOne * std::clamp(least, 0.F, kMost);
+  const float high = kOne * std::clamp(most, 0.F, kMost);
+  const Plane plane = PlaneThrough(corners, twice_area);
+  const float slope = kOne * plane.per_column;
+  const uint8_t sigma = SigmaToCounts(SigmaPx(corners, edge_px));
+  ForEachRun(corners, map.disparity.width(), rows, [&](int v, int begin, int end) {
+    int16_t* const counts = map.disparity.counts()[v] + begin;
+    const float first = kOne * plane.At(static_cast<float>(begin), static_cast<float>(v));
+    for (int i = 0; i < end - begin; ++i) {
+      const float value = first + slope * static_cast<float>(i);
+      counts[i] = static_cast<int16_t>(std::min(std::max(value, low), high) + 0.5F);
     }
+    std::fill(map.sigma[v] + begin, map.sigma[v] + end, sigma);
   });
+}
+
+// Gives the pixels of a row that have no disparity that of the nearest one that has.
+// @returns false where there is none in the row.
+bool FillRow(int16_t* row, int width) {
+  const auto find = [&](int from, bool painted) {
+    return static_cast<int>(std::find_if(row + from, row + width,
+                                         [&](int16_t counts) {
+                                           return (counts != DisparityImage::kInvalid) == painted;
+                                         }) -
+                            row);
+  };
+  int gap = find(0, false);
+  if (gap == 0 && find(0, true) == width) return false;
+  while (gap < width) {
+    const int end = find(gap, true);
+    const int middle = gap == 0 ? 0 : end == width ? width : (gap + end) / 2;
+    if (middle > gap) std::fill(row + gap, row + middle, row[gap - 1]);
+    if (end > middle) std::fill(row + middle, row + end, row[end]);
+    gap = find(end, false);
+  }
+  return true;
+}
+
+// The same for all rows, and for rows without any from the nearest row that has some.
+// @returns false where there is none at all.
+bool FillGaps(cv::Mat1s& counts) {
+  std::vector<int> filled;
+  for (int v = 0; v < counts.rows; ++v) {
+    if (FillRow(counts[v], counts.cols)) filled.push_back(v);
+  }
+  if (filled.empty()) return false;
+  for (int v = 0; v < counts.rows; ++v) {
+    const auto below = std::lower_bound(filled.begin(), filled.end(), v);
+    if (below != filled.end() && *below == v) continue;
+    const bool above_is_nearer =
+        below == filled.end() || (below != filled.begin() && v - below[-1] <= *below - v);
+    std::copy_n(counts[above_is_nearer ? below[-1] : *below], counts.cols, counts[v]);
+  }
+  return true;
 }
 
 }  // namespace
 
-Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
-                                        std::span<const SeedTriangle> triangles, cv::Size size,
-                                        DisparityImage map) {
-  return SeedInterpolator().Interpolate(seeds, triangles, size, std::move(map));
-}
-
-Result<DisparityImage> SeedInterpolator::Interpolate(std::span<const Seed> seeds,
-                                                     std::span<const SeedTriangle> triangles,
-                                                     cv::Size size, DisparityImage map) {
-  if (seeds.size() < 3) {
-    return Fail(std::to_string(seeds.size()) + " seeds: a prior needs at least 3");
-  }
-  if (triangles.empty()) {
-    return Fail(std::to_string(seeds.size()) + " seeds, all on one line: no prior");
-  }
-  const auto corners = [&](const SeedTriangle& triangle) {
-    const auto seed = [&](size_t i) { return seeds[static_cast<size_t>(triangle[i])]; };
-    return std::array{seed(0), seed(1), seed(2)};
-  };
-  reach_.resize(triangles.size());
-  ForEachParallel(triangles.size(), [&](size_t i) {
-    const auto [a, b, c] = corners(triangles[i]);
-    reach_[i] = ReachOf(a, b, c);
-  });
-  map.counts().create(size);
-  PaintInBands(size.height, [&](const cv::Range& rows) {
-    Clear(map, rows);
-    for (size_t i = 0; i < triangles.size(); ++i) {
-      if (!reach_[i].Meets(rows)) continue;
-      const auto [a, b, c] = corners(triangles[i]);
-      PaintTriangle(a, b, c, rows, map);
+Result<void> Interpolate(std::span<const Plane> planes, std::span<const SeedTriangle> triangles,
+                         double edge_px, PriorMap& map) {
+  PaintInBands(map.size().height, [&](const cv::Range& rows) {
+    map.disparity.counts().rowRange(rows) = DisparityImage::kInvalid;
+    map.sigma.rowRange(rows) = kMaxSigmaCounts;
+    for (const SeedTriangle& triangle : triangles) {
+      if (Meets(planes, triangle, rows)) {
+        PaintTriangle(CornersOf(planes, triangle), edge_px, rows, map);
+      }
     }
   });
-  hull_.Find(map);
-  if (hull_.runs().empty()) return Fail("the seeds' triangles cover no pixel: no prior");
-  ExtendBeyondHull(hull_, map);
-  return map;
+  if (!FillGaps(map.disparity.counts())) {
+    return Fail("the seeds' triangles cover no pixel: no prior");
+  }
+  return {};
 }
 
 }  // namespace sprout

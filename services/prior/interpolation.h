@@ -1,46 +1,94 @@
 #ifndef SPROUT_SERVICES_PRIOR_INTERPOLATION_H_
 #define SPROUT_SERVICES_PRIOR_INTERPOLATION_H_
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <span>
-#include <vector>
+#include <utility>
 
-#include "common/core/disparity_image.h"
+#include "common/core/prior_map.h"
 #include "common/core/result.h"
-#include "common/core/seed.h"
-#include "services/prior/delaunay.h"
-#include "services/prior/hull.h"
-#include "services/prior/triangle_raster.h"
+#include "services/prior/seed_planes.h"
 
 namespace sprout {
 
-/// The prior disparity map D_p (paper, Alg. 1 step 1): linear interpolation of the seeds'
-/// disparities over their Delaunay triangulation in the left image.
+/// The planes at the corners of a triangle.
+using Corners = std::array<Plane, 3>;
+
+inline Corners CornersOf(std::span<const Plane> planes, const SeedTriangle& triangle) {
+  const auto plane = [&](size_t i) { return planes[static_cast<size_t>(triangle[i])]; };
+  return {plane(0), plane(1), plane(2)};
+}
+
+/// Whether a triangle may have pixels in rows of an image: bands of rows skip the others by it.
+inline bool Meets(std::span<const Plane> planes, const SeedTriangle& triangle,
+                  const cv::Range& rows) {
+  const auto v = [&](size_t i) { return planes[static_cast<size_t>(triangle[i])].v; };
+  const auto [least, most] = std::minmax({v(0), v(1), v(2)});
+  return least < static_cast<float>(rows.end) && most >= static_cast<float>(rows.start);
+}
+
+/// Calls paint(v, begin, end) for the pixels of an image whose centre lies in a triangle or on its
+/// border: columns [begin, end) of row v. Neighbouring triangles both have the pixels of their
+/// common side, so that none between them is missed.
+/// @param rows  of the image; others are left out.
+template <typename Paint>
+void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const Paint& paint);
+
+/// Paints a prior: linear interpolation of the planes' disparities in each triangle (paper, Alg. 1
+/// step 1), and the standard deviation of that, eq. (P8) of the README. Elsewhere the disparity of
+/// the nearest painted pixel of the row, in rows without any that of the nearest row, and
+/// kMaxSigmaCounts.
 ///
-/// @param seeds      at least three.
-/// @param triangles  of TriangulateSeeds() of these seeds, or of others on the same positions.
-/// @param size       of the left rectified image, px.
-/// @param map        whose memory is used if it is of that size; its pixels are lost.
-/// @returns a map of that size without gaps: outside the hull of the seeds a pixel takes the value
-///          of the nearest pixel in the hull (to within a pixel). An error that says why when there
-///          is no triangle, or none that covers a pixel.
-/// O(n + pixels); no I/O; thread-safe.
-Result<DisparityImage> InterpolateSeeds(std::span<const Seed> seeds,
-                                        std::span<const SeedTriangle> triangles, cv::Size size,
-                                        DisparityImage map = {});
+/// @param planes     at the triangles' corners.
+/// @param triangles  where they overlap the last one counts.
+/// @param edge_px    planes that are as far apart are of two surfaces.
+/// @param map        memory of the map's size, overwritten.
+/// @returns an error that says why when no triangle covers a pixel.
+/// O(triangles + pixels); on OpenCV's threads, with the same result for any number.
+Result<void> Interpolate(std::span<const Plane> planes, std::span<const SeedTriangle> triangles,
+                         double edge_px, PriorMap& map);
 
-/// InterpolateSeeds() for frame after frame: keeps its memory, and allocates nothing once it has
-/// seen a frame, the map apart. One object serves one caller at a time.
-class SeedInterpolator {
- public:
-  Result<DisparityImage> Interpolate(std::span<const Seed> seeds,
-                                     std::span<const SeedTriangle> triangles, cv::Size size,
-                                     DisparityImage map = {});
-
- private:
-  std::vector<RowReach> reach_;  // of the triangles
-  Hull hull_;
-};
+template <typename Paint>
+void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const Paint& paint) {
+  // Runs reach that much beyond the sides, px: rounding never leaves a pixel between triangles.
+  constexpr double kSlack = 1.0 / (1 << 16);
+  // px a row. Steeper sides cross less than a row.
+  static constexpr double kSteepest = 1 << 20;
+  const Plane *top = corners.data(), *middle = top + 1, *bottom = top + 2;
+  const auto order = [](const Plane*& a, const Plane*& b) {
+    if (b->v < a->v) std::swap(a, b);
+  };
+  order(top, middle);
+  order(middle, bottom);
+  order(top, middle);
+  const auto slope = [](const Plane& a, const Plane& b) {
+    const double height = double{b.v} - a.v;
+    return height > 0 ? std::clamp((double{b.u} - a.u) / height, -kSteepest, kSteepest) : 0;
+  };
+  const double long_slope = slope(*top, *bottom);
+  const double upper_slope = slope(*top, *middle);
+  const double lower_slope = slope(*middle, *bottom);
+  // Compared before they are converted: seeds may lie anywhere.
+  const int first = static_cast<int>(std::ceil(std::clamp<double>(top->v, rows.start, rows.end)));
+  const int end = static_cast<int>(std::clamp<double>(
+      std::floor(std::clamp<double>(bottom->v, -2, rows.end)) + 1, first, rows.end));
+  for (int v = first; v < end; ++v) {
+    const double one = top->u + (v - double{top->v}) * long_slope;
+    const double other = v < double{middle->v} ? top->u + (v - double{top->v}) * upper_slope
+                                               : middle->u + (v - double{middle->v}) * lower_slope;
+    // The next column to the right of what is given.
+    const auto behind = [&](double column) {
+      return static_cast<int>(std::clamp<double>(column, -1, width - 1) + 1);
+    };
+    const auto [left, right] = std::minmax(one, other);
+    const int begin_column = behind(left - kSlack);
+    const int end_column = behind(right + kSlack);
+    if (begin_column < end_column) paint(v, begin_column, end_column);
+  }
+}
 
 }  // namespace sprout
 

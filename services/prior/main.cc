@@ -5,9 +5,10 @@ int main(int argc, char** argv) {
   return sprout::RunStage(
       argc, argv, "prior",
       "Makes the prior disparity map from the seeds: interpolated over their Delaunay\n"
-      "triangulation, and decided between near and far by the images where that spans an edge.\n"
-      "Joins SPROUT_SEEDS and SPROUT_RIG, SPROUT_LEFT_SEEDS unless left_seeds is off, SPROUT_LEFT\n"
-      "and SPROUT_RIGHT with methods that look at them; publishes SPROUT_PRIOR.",
+      "triangulation, and decided between near and far where that spans a depth edge.\n"
+      "Joins SPROUT_SEEDS and SPROUT_RIG, SPROUT_LEFT_SEEDS unless left_seeds is off, "
+      "SPROUT_LEFT,\n"
+      "and SPROUT_RIGHT with the method that looks at it; publishes SPROUT_PRIOR.",
       [](const sprout::SproutConfig& config) {
         return std::make_unique<sprout::PriorPlug>(config.prior());
       });

@@ -1,158 +1,133 @@
 #include "services/prior/prior_estimator.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/core/image.h"
+#include "common/core/median.h"
 #include "common/core/parallel.h"
-#include "services/prior/census.h"
-#include "services/prior/edge_judge.h"
-#include "services/prior/edges.h"
-#include "services/prior/seed_spreading.h"
-#include "services/prior/sigma_map.h"
+#include "services/prior/edge_surfaces.h"
+#include "services/prior/interpolation.h"
+#include "services/prior/seed_planes.h"
+#include "services/prior/triangulation.h"
 
 namespace sprout {
 namespace {
 
-// Of seeds that are spread evenly.
-double SpacingPx(size_t seeds, cv::Size size) {
-  return std::sqrt(size.area() / std::max(1.0, static_cast<double>(seeds)));
+Result<Triangulation> TriangulateOrSayWhy(std::span<const Seed> seeds) {
+  if (seeds.size() < 3) {
+    return Fail(std::to_string(seeds.size()) + " seeds: a prior needs at least 3");
+  }
+  Triangulation triangulation = Triangulate(seeds);
+  if (triangulation.triangles.empty()) {
+    return Fail(std::to_string(seeds.size()) + " seeds, all on one line: no prior");
+  }
+  return triangulation;
 }
 
-// Seeds with the disparities of the surface that was fitted to them.
-void PutSeedsOn(const SeedSurface& surface, std::vector<Seed>& seeds) {
-  seeds.clear();
-  seeds.reserve(surface.planes.size());
-  for (const LocalPlane& plane : surface.planes) {
-    seeds.push_back({.u = plane.u, .v = plane.v, .u_right = plane.u - plane.disparity});
-  }
+// Whether most of the ToF seeds are.
+bool AreNoisy(std::span<const Seed> seeds, const PriorConfig& config) {
+  const auto noisy = std::count_if(seeds.begin(), seeds.end(), [&](const Seed& seed) {
+    return seed.origin == SeedOrigin::kTof && IsNoisy(seed, config);
+  });
+  return 2 * noisy > CountTofSeeds(seeds);
 }
 
-// Slants go on beyond the last seeds, but not to where nothing was seen: at most so far beyond the
-// farthest and the nearest seed.
-void HoldWithin(std::span<const Seed> seeds, DisparityImage& map) {
-  constexpr double kBeyondPx = 1;  // what seeds themselves are off, and no more than growth may add
-  const auto [farthest, nearest] = std::minmax_element(
-      seeds.begin(), seeds.end(),
-      [](const Seed& a, const Seed& b) { return a.disparity() < b.disparity(); });
-  const auto counts = [](double px) {
-    return ToCounts(std::clamp(px, 0.0, DisparityImage::kMaxPx));
-  };
-  const int16_t least = counts(farthest->disparity() - kBeyondPx);
-  const int16_t most = counts(nearest->disparity() + kBeyondPx);
-  for (int v = 0; v < map.height(); ++v) {
-    int16_t* const row = map.counts()[v];
-    for (int u = 0; u < map.width(); ++u) row[u] = std::clamp(row[u], least, most);
-  }
-}
-
-// The seeds as they are.
-void LevelPlanes(std::span<const Seed> seeds, std::vector<LocalPlane>& planes) {
-  planes.clear();
-  for (const Seed& seed : seeds) {
-    planes.push_back(
-        {.u = seed.u, .v = seed.v, .disparity = seed.disparity(), .sigma_px = seed.sigma_px});
-  }
+void RenewMaps(PriorMap& map, cv::Size size) {
+  Renew(map.disparity, size);
+  Renew(map.sigma, size);
 }
 
 }  // namespace
 
-PriorEstimator::PriorEstimator(const PriorConfig& config) : config_(config) {
+// Of the last frame, for the next: memory of this size is slow to get.
+struct PriorEstimator::Memory {
+  cv::Mat3b left_bgr;  // where an image had to be converted
+  cv::Mat1b left_grey;
+  cv::Mat1b right_grey;
+  EdgeImages images;
+  EdgeLabels labels;
+  MedianFilter median;
+  DisparityImage unfiltered;
+  PriorMap result;
+};
+
+PriorEstimator::PriorEstimator(const PriorConfig& config)
+    : config_(config), memory_(std::make_unique<Memory>()) {
   RequireInRange(config, "prior");
 }
 
+PriorEstimator::~PriorEstimator() = default;
+
 Result<PriorMap> PriorEstimator::Compute(const cv::Mat& left, const cv::Mat& right,
                                          std::span<const Seed> seeds, cv::Size size) {
-  const Result<DisparityImage> disparity = Disparities(left, right, seeds, size);
-  if (!disparity) return tl::unexpected(disparity.error());
-  return PriorMap(*disparity, sigma_);
-}
-
-Result<DisparityImage> PriorEstimator::Disparities(const cv::Mat& left, const cv::Mat& right,
-                                                   std::span<const Seed> seeds, cv::Size size) {
-  if ((uses_left() && left.size() != size) || (uses_right() && right.size() != size)) {
+  if (uses_images() && (left.size() != size || right.size() != size)) {
     return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
                 ": allowed is the calibrated size " + SizeText(size));
   }
-  if (std::max(size.width, size.height) > kLargestSide) {
-    return Fail("a prior of " + SizeText(size) + ": allowed are up to " +
-                std::to_string(kLargestSide) + " pixels a side");
+  if (std::max(size.width, size.height) > kMaxSide) {
+    return Fail("a prior of " + SizeText(size) + ": allowed are up to " + std::to_string(kMaxSide) +
+                " pixels a side");
   }
-  if (config_.method() == PriorConfig::EDGES) return WithEdges(left, right, seeds, size);
-  Renew(result_, size);
-  Renew(sigma_, size);
-  const bool spreads = config_.method() == PriorConfig::FGS;
-  DisparityImage& interpolated = spreads ? interpolated_ : result_;
-  const std::span<const SeedTriangle> triangles = triangulator_.Triangulate(seeds);
-  const Result<DisparityImage> map =
-      interpolator_.Interpolate(seeds, triangles, size, interpolated);
-  if (!map) return map;
-  LevelPlanes(seeds, level_planes_);
-  PaintSigma(level_planes_, triangles, size, sigma_);
-  if (!spreads) return map;
-  interpolated_ = *map;
-  SpreadOver(left, seeds);
-  return result_;
+  return uses_images() ? WithEdges(left, right, seeds, size) : Interpolated(seeds, size);
 }
 
-// The result: spread seeds, and where none reaches the interpolation.
-void PriorEstimator::SpreadOver(const cv::Mat& left, std::span<const Seed> seeds) {
-  const cv::Mat1f spread_px = SpreadSeeds(seeds, left, config_.fgs_lambda(), config_.fgs_sigma());
-  for (int v = 0; v < spread_px.rows; ++v) {
-    for (int u = 0; u < spread_px.cols; ++u) {
-      const int16_t counts = ToCounts(spread_px(v, u));
-      result_.counts()(v, u) =
-          counts != DisparityImage::kInvalid ? counts : interpolated_.counts()(v, u);
-    }
-  }
+// The paper's.
+Result<PriorMap> PriorEstimator::Interpolated(std::span<const Seed> seeds, cv::Size size) {
+  const Result<Triangulation> triangulation = TriangulateOrSayWhy(seeds);
+  if (!triangulation) return tl::unexpected(triangulation.error());
+  std::vector<Plane> planes(seeds.size());
+  std::transform(seeds.begin(), seeds.end(), planes.begin(), LevelPlane);
+  PriorMap& result = memory_->result;
+  RenewMaps(result, size);
+  const auto done = Interpolate(planes, triangulation->triangles, config_.edge_px(), result);
+  if (!done) return tl::unexpected(done.error());
+  return result;
 }
 
-Result<DisparityImage> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat& right,
-                                                 std::span<const Seed> seeds, cv::Size size) {
-  EdgeEvidence evidence;
-  evidence.left_grey = ToGrey(left, images_.left_grey);
-  evidence.right_grey = ToGrey(right, images_.right_grey);
-  CensusTransform(evidence.left_grey, images_.left_census);
-  CensusTransform(evidence.right_grey, images_.right_census);
-  const std::span<const SeedTriangle> seed_triangles = triangulator_.Triangulate(seeds);
-  const std::span<const int> hull = config_.extend_to_border()
-                                        ? std::span<const int>(triangulator_.hull())
-                                        : std::span<const int>();
-  const double spacing_px = SpacingPx(seeds.size(), size);
-  const auto& [surface, triangles] =
-      extender_.Extend(fitter_.Fit(seeds, seed_triangles, config_.noisy_px(), config_.edge_px()),
-                       seed_triangles, hull, size, /*reach_px=*/2 * spacing_px);
-  PutSeedsOn(surface, fitted_seeds_);
-  Renew(interpolated_, size);
-  const Result<DisparityImage> interpolated =
-      interpolator_.Interpolate(fitted_seeds_, triangles, size, interpolated_);
-  if (!interpolated) return interpolated;
-  interpolated_ = *interpolated;
-  Renew(sigma_, size);
-  PaintSigma(surface.planes, triangles, size, sigma_);
-  const double noise_px = surface.noise_px > config_.noisy_px() ? surface.noise_px : 0;
-  const std::span<const EdgeTriangle> edges =
-      edge_finder_.Find(surface, triangles, fitter_.neighbours(),
-                        std::max(config_.edge_px() + 2 * noise_px, surface.step_px));
-  PaintEdgeHypotheses(edges, size, hypotheses_);
-  evidence.left_bgr = ToBgr(left, images_.left_bgr);
-  seed_votes_.Look(edges, surface.planes, spacing_px, evidence.left_bgr);
-  evidence.left_census = images_.left_census;
-  evidence.right_census = images_.right_census;
-  evidence.seeds = &seed_votes_;
-  evidence.weights = {config_.census_weight(), config_.colour_weight(), config_.proximity_weight()};
-  ResolveEdges(hypotheses_, EdgeJudge(evidence), interpolated_);
-  if (noise_px == 0) {
-    std::swap(interpolated_, result_);
-  } else {
-    // Single pixels that were judged otherwise than those around them.
-    Renew(result_, size);
-    median_.Apply(interpolated_.counts(), result_.counts());
+Result<PriorMap> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat& right,
+                                           std::span<const Seed> seeds, cv::Size size) {
+  EdgeImages& images = memory_->images;
+  Result<Triangulation> triangulation;
+  RunBoth([&] { triangulation = TriangulateOrSayWhy(seeds); },
+          [&] {
+            images.left_bgr = ToBgr(left, memory_->left_bgr);
+            images.left_grey = ToGrey(left, memory_->left_grey);
+            images.right_grey = ToGrey(right, memory_->right_grey);
+            CensusTransform(images.left_grey, images.left_census);
+            CensusTransform(images.right_grey, images.right_census);
+          });
+  if (!triangulation) return tl::unexpected(triangulation.error());
+  std::vector<SeedTriangle> triangles = triangulation->triangles;
+
+  // Eqs. (P1) to (P3): a plane for each seed.
+  const double spacing_px = SpacingPx(seeds, triangles);
+  const double step_px = StepPx(seeds, triangles, spacing_px, config_);
+  std::vector<Plane> planes = FitPlanes(seeds, *triangulation, spacing_px, step_px, config_);
+  ExtendBeyondHull(triangulation->hull, size, config_.border_spacings() * spacing_px, config_,
+                   planes, triangles);
+
+  // Eqs. (P4) and (P8): the paper's interpolation, and how sure it is.
+  PriorMap& result = memory_->result;
+  RenewMaps(result, size);
+  const double edge_px = std::max(config_.edge_px(), step_px);
+  const auto done = Interpolate(planes, triangles, edge_px, result);
+  if (!done) return tl::unexpected(done.error());
+
+  // Eqs. (P5) to (P7): near or far, in triangles across a depth edge.
+  const std::vector<EdgeTriangle> edges =
+      FindEdgeTriangles(planes, triangles, *triangulation, edge_px);
+  PaintLabels(edges, planes, edge_px, size, memory_->labels);
+  DecideLabels(memory_->labels, DataTerm(images, edges, planes, config_), result.disparity);
+
+  if (AreNoisy(seeds, config_)) {  // single pixels that were decided otherwise than those around
+    std::swap(result.disparity, memory_->unfiltered);
+    Renew(result.disparity, size);
+    memory_->median.Apply(memory_->unfiltered.counts(), result.disparity.counts());
   }
-  HoldWithin(seeds, result_);
-  return result_;
+  return result;
 }
 
 }  // namespace sprout

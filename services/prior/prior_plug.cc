@@ -9,7 +9,7 @@ namespace sprout {
 PartSet PriorPlug::Inputs() const {
   PartSet inputs{Part::kSeeds, Part::kRig, Part::kLeft};
   if (estimator_.uses_left_seeds()) inputs.Add(Part::kLeftSeeds);
-  if (estimator_.uses_right()) inputs.Add(Part::kRight);
+  if (estimator_.uses_images()) inputs.Add(Part::kRight);
   return inputs;
 }
 

@@ -10,8 +10,8 @@
 namespace sprout {
 
 /// SEEDS LEFT RIG → PRIOR, with LEFT_SEEDS if the configuration says so, and RIGHT for the method
-/// that looks at it. LEFT is joined by methods that do not look at it, too: an answer has the
-/// pixels of an image that came, never as many as the few bytes of a calibration claim.
+/// that looks at images. LEFT is joined by the other method, too: an answer has the pixels of an
+/// image that came, never as many as the few bytes of a calibration claim.
 class PriorPlug : public Plug {
  public:
   /// @throws ConfigError for a value out of range.

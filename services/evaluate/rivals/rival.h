@@ -10,6 +10,12 @@
 
 namespace sprout {
 
+/// How fgs smooths.
+struct FgsSettings {
+  double lambda = 10;  ///< how far seeds spread; larger: smoother, over weaker edges
+  double sigma = 3;    ///< difference of colours over which they hardly do, grey levels
+};
+
 /// What a rival may look at.
 struct RivalInput {
   cv::Mat left;                 ///< 8UC1 or 8UC3 (BGR), rectified
@@ -17,8 +23,7 @@ struct RivalInput {
   std::span<const Seed> seeds;  ///< refined ToF seeds, also those that only the left
                                 ///< camera sees, for rivals that use the ToF camera
   int max_disparity_px = 0;     ///< largest true disparity of the scene, rounded up
-  double fgs_lambda = 10;       ///< as PriorConfig's
-  double fgs_sigma = 3;         ///< as PriorConfig's
+  FgsSettings fgs;
 };
 
 /// Another system that a user might run instead of Sprout. To add one: a file in this folder with

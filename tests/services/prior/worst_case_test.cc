@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "services/prior/prior_estimator.h"
-#include "services/prior/seed_neighbours.h"
 #include "tests/common/testing/worst_seeds.h"
 
 namespace sprout {
@@ -29,17 +28,6 @@ TEST_P(WorstPrior, IsNotQuadratic) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, WorstPrior,
                          testing::Values(PriorConfig::DELAUNAY, PriorConfig::EDGES));
-
-TEST(WorstCase, ASeedMayBeTheNeighbourOfAllOthers) {
-  std::vector<SeedTriangle> fan;
-  for (int i = 1; i + 1 < kWorstCount; ++i) fan.push_back({0, i, i + 1});
-  SeedNeighbours neighbours;
-  const double seconds = CpuSeconds([&] { neighbours.Find(kWorstCount, fan); });
-  EXPECT_LT(seconds, kWorstSeconds / 10);
-  EXPECT_EQ(neighbours.Of(0).size(), kWorstCount - 1);
-  EXPECT_EQ(neighbours.Of(1).size(), 2U);
-  EXPECT_EQ(neighbours.Of(2).size(), 3U);
-}
 
 }  // namespace
 }  // namespace sprout
