@@ -32,9 +32,9 @@ struct MethodOutput {
 
 /// What the methods are run with.
 struct ChainSettings {
-  SproutConfig config;  ///< effective
-  SeedNoise noise;      ///< added to the refined seeds, in no stage's time
-  FgsSettings fgs;      ///< of method fgs
+  SproutConfig config;   ///< effective
+  SeedNoise noise;       ///< added to the refined seeds, in no stage's time
+  FgsSettings fgs = {};  ///< of method fgs
 };
 
 /// Runs a function and adds the time it takes.
