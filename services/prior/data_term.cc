@@ -160,7 +160,7 @@ double DataTerm::Colours(int u, int v, const NearbySeeds& seeds, int near, int f
   const auto column = static_cast<float>(u);
   const auto row = static_cast<float>(v);
   const auto per_miss =
-      static_cast<float>(1 / (DisparityImage::kCountsPerPixel * std::max(config_.edge_px(), 0.01)));
+      static_cast<float>(1 / (DisparityImage::kCountsPerPixel * config_.edge_px()));
   const float middle = 0.5F * static_cast<float>(near + far);
   const float half_gap = 0.5F * static_cast<float>(near - far);
   Lanes support{};

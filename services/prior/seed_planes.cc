@@ -9,7 +9,7 @@
 namespace sprout {
 namespace {
 
-constexpr int kIterations = 3;  // of reweighting; more change nothing that the images show
+constexpr int kIterations = 3;  // of reweighting; more make noisy seeds worse
 // The first plane is level, and a slant must not look like another surface: its scale is wider.
 constexpr double kFirstScale = 1.5;
 // λ in (P1), against the weight 1 of a neighbour one spacing away: slopes that rest on the seeds of

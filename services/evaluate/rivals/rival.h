@@ -23,7 +23,7 @@ struct RivalInput {
   std::span<const Seed> seeds;  ///< refined ToF seeds, also those that only the left
                                 ///< camera sees, for rivals that use the ToF camera
   int max_disparity_px = 0;     ///< largest true disparity of the scene, rounded up
-  FgsSettings fgs;
+  FgsSettings fgs = {};
 };
 
 /// Another system that a user might run instead of Sprout. To add one: a file in this folder with
