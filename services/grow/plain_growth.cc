@@ -165,7 +165,7 @@ class PlainGrowth {
         const int32_t cost = CostWhereItFits({u, v, d});
         if (std::max(less, more) == kExcludedCost || std::min(less, more) <= cost) continue;
         const auto rise = static_cast<float>((less - cost) + (more - cost));
-        const float half_px = DisparityImage::kCountsPerPixel / 2;
+        const float half_px = DisparityImage::kCountsPerPixel / 2.0F;
         const float step = half_px * static_cast<float>(less - more) / rise;
         moved.counts()(v, u) += static_cast<int16_t>(std::lrint(step));
       }

@@ -9,7 +9,8 @@
 namespace sprout {
 namespace {
 
-constexpr float kRadius = BackgroundRule::kWindow / 2;
+constexpr int kHalfWindow = BackgroundRule::kWindow / 2;
+constexpr float kRadius = kHalfWindow;
 
 bool IsInWindow(const cv::Point2f& pixel, const cv::Point2f& centre) {
   return std::abs(pixel.x - centre.x) <= kRadius && std::abs(pixel.y - centre.y) <= kRadius;

@@ -113,6 +113,7 @@ void StereoSeedFinder::MarkWanted(const Grid& grid, cv::Size size) {
   cv::dilate(uncovered_, cells, cv::Mat1b::ones(kSide, kSide));
   wanted_.create(size);
   std::vector<int> columns;
+  columns.reserve(static_cast<size_t>(size.width));
   for (int u = 0; u < size.width; ++u) columns.push_back(grid.At(u));
   for (int v = 0; v < size.height; ++v) {
     if (v > 0 && grid.At(v) == grid.At(v - 1)) {
