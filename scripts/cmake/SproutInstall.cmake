@@ -14,7 +14,11 @@ function(sprout_shared_library name)
   target_link_libraries(sprout_shared_${name} PRIVATE ${arg_PRIVATE} PUBLIC ${arg_PUBLIC})
   set(exports "${PROJECT_SOURCE_DIR}/scripts/cmake/exports.map")
   target_link_options(sprout_shared_${name} PRIVATE "LINKER:--version-script=${exports}"
-                      "LINKER:--no-undefined" "LINKER:--as-needed")
+                      "LINKER:--as-needed")
+  # A sanitizer's functions come from the program.
+  if(NOT SPROUT_SANITIZE)
+    target_link_options(sprout_shared_${name} PRIVATE "LINKER:--no-undefined")
+  endif()
   # Before 1.0 every minor version may change the interface.
   set_target_properties(
     sprout_shared_${name}
