@@ -35,6 +35,19 @@ struct RectifiedPair {
   }
 };
 
+/// A camera that is not rectified: pinhole and Brown's lens distortion.
+struct Lens {
+  int width = 0;   ///< px
+  int height = 0;  ///< px
+  double fx = 0;   ///< focal lengths, px
+  double fy = 0;
+  double cx = 0;  ///< principal point, px
+  double cy = 0;
+  std::array<double, 5> distortion{};  ///< k1, k2, p1, p2, k3 (OpenCV's order)
+
+  cv::Size size() const { return {width, height}; }
+};
+
 /// The ToF camera: pinhole, Brown's lens distortion, pose in the left rectified frame. Its members
 /// have one layout whatever a program lets Eigen vectorise.
 struct TofCamera {
@@ -50,6 +63,8 @@ struct TofCamera {
   Eigen::Quaternion<double, Eigen::DontAlign> left_from_tof_rotation =
       Eigen::Quaternion<double, Eigen::DontAlign>::Identity();
   Eigen::Vector3d left_from_tof_translation_m = Eigen::Vector3d::Zero();
+
+  Lens lens() const { return {width, height, fx, fy, cx, cy, distortion}; }
 };
 
 /// Calibration of the whole rig.

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "services/capture/brown_lens.h"
+#include "common/geometry/lens.h"
 #include "services/capture/solid_texture.h"
 
 namespace sprout {
@@ -79,16 +79,6 @@ TofCamera Turned(TofCamera camera, double error_px, double focal_px) {
   const Eigen::Quaterniond turn = Eigen::Quaterniond(1, -half, half, 0).normalized();
   camera.left_from_tof_rotation = turn * camera.left_from_tof_rotation;
   return camera;
-}
-
-cv::Mat1d RangePerDepth(const TofCamera& camera) {
-  cv::Mat1d length(camera.height, camera.width);
-  for (int v = 0; v < length.rows; ++v) {
-    for (int u = 0; u < length.cols; ++u) {
-      length(v, u) = DirectionOfPixel(camera, {double(u), double(v)}).homogeneous().norm();
-    }
-  }
-  return length;
 }
 
 // Takes away the returns with the lowest amplitude, exactly that share of them; of equal ones the
@@ -182,7 +172,7 @@ Sr4000::Sr4000(const RectifiedPair& pair, const Sr4000Config& config, uint32_t s
   actual_ = config.calibration_error_px() > 0
                 ? Turned(calibrated_, config.calibration_error_px(), pair.focal_px)
                 : calibrated_;
-  range_per_depth_ = RangePerDepth(calibrated_);
+  range_per_depth_ = RangePerDepth(calibrated_.lens());
 }
 
 double Sr4000::NoiseM(double amplitude) const {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "services/capture/brown_lens.h"
+#include "common/geometry/lens.h"
 
 namespace sprout {
 namespace {
@@ -76,12 +76,13 @@ class Surface {
     const Eigen::Vector3d in_tof = tof_from_left_ * (in_left - camera_.left_from_tof_translation_m);
     if (!(in_tof.z() > 0)) return {};
     const Eigen::Vector2d pixel =
-        PixelOfDirection(camera_, {in_tof.x() / in_tof.z(), in_tof.y() / in_tof.z()});
+        PixelOfDirection(lens_, {in_tof.x() / in_tof.z(), in_tof.y() / in_tof.z()});
     return Vertex{TofSamples::SamplePosition(pixel.x()), TofSamples::SamplePosition(pixel.y()),
                   1 / in_tof.z()};
   }
 
   const TofCamera& camera_;
+  Lens lens_ = camera_.lens();
   const RectifiedPair& pair_;
   const cv::Mat1f& disparity_;
   double shift_;

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "services/capture/brown_lens.h"
+#include "common/geometry/lens.h"
 #include "services/capture/sr4000.h"
 #include "services/capture/synthetic_scene.h"
 #include "services/capture/tof_grid.h"
@@ -175,7 +175,7 @@ class TofRayCaster {
     for (int y = 0; y < samples.height; ++y) {
       for (int x = 0; x < samples.width; ++x) {
         const Eigen::Vector2d direction =
-            DirectionOfPixel(camera, {TofSamples::TofPixel(x), TofSamples::TofPixel(y)});
+            DirectionOfPixel(camera.lens(), {TofSamples::TofPixel(x), TofSamples::TofPixel(y)});
         directions_.push_back(ToVec3(rotation * direction.homogeneous()));
       }
     }

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "common/geometry/projection.h"
-#include "services/capture/brown_lens.h"
+#include "common/geometry/lens.h"
 
 namespace sprout {
 namespace {
@@ -293,7 +293,7 @@ TEST(Sr4000, SeesEverythingThatBothCamerasSee) {
         const Eigen::Vector3d in_left = PointFromSeed(pair, {u, v, u - disparity});
         const Eigen::Vector3d in_tof = camera.left_from_tof_rotation.conjugate() *
                                        (in_left - camera.left_from_tof_translation_m);
-        const Eigen::Vector2d pixel = PixelOfDirection(camera, in_tof.hnormalized());
+        const Eigen::Vector2d pixel = PixelOfDirection(camera.lens(), in_tof.hnormalized());
         EXPECT_TRUE(pixel.x() > -0.5 && pixel.x() < 175.5 && pixel.y() > -0.5 && pixel.y() < 143.5)
             << u << " " << v << " " << disparity << ": " << pixel.transpose();
       }

@@ -1,4 +1,4 @@
-#include "services/capture/brown_lens.h"
+#include "common/geometry/lens.h"
 
 #include <gtest/gtest.h>
 
@@ -20,9 +20,9 @@ Rig RigWithLens() {
 }
 
 TEST(BrownLens, FindsThePixelOfTheDirectionOfAPixel) {
-  const TofCamera camera = RigWithLens().tof;
+  const Lens lens = RigWithLens().tof.lens();
   for (const auto& [u, v] : {std::pair{0.0, 0.0}, {39.0, 29.0}, {39.5, 0.0}, {20.0, 13.0}}) {
-    const Eigen::Vector2d again = PixelOfDirection(camera, DirectionOfPixel(camera, {u, v}));
+    const Eigen::Vector2d again = PixelOfDirection(lens, DirectionOfPixel(lens, {u, v}));
     EXPECT_NEAR(again.x(), u, 1e-9);
     EXPECT_NEAR(again.y(), v, 1e-9);
   }
@@ -33,7 +33,7 @@ TEST(BrownLens, IsTheOneThatTheProjectorUndoes) {
   const TofProjector projector(rig);
   for (const auto& [u, v] : {std::pair{0, 0}, {39, 0}, {3, 28}, {20, 13}}) {
     const Eigen::Vector2d direction =
-        DirectionOfPixel(rig.tof, {static_cast<double>(u), static_cast<double>(v)});
+        DirectionOfPixel(rig.tof.lens(), {static_cast<double>(u), static_cast<double>(v)});
     EXPECT_NEAR(direction.x(), projector.ray(u, v).x(), 1e-8);
     EXPECT_NEAR(direction.y(), projector.ray(u, v).y(), 1e-8);
   }

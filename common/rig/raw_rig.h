@@ -1,0 +1,40 @@
+#ifndef SPROUT_COMMON_RIG_RAW_RIG_H_
+#define SPROUT_COMMON_RIG_RAW_RIG_H_
+
+#include <Eigen/Geometry>
+
+#include "common/core/result.h"
+#include "common/core/rig.h"
+
+namespace sprout {
+
+/// Where one camera stands in the frame of another one:
+/// point_in_other = rotation · point_in_camera + translation_m.
+struct Pose {
+  Eigen::Quaternion<double, Eigen::DontAlign> rotation =
+      Eigen::Quaternion<double, Eigen::DontAlign>::Identity();
+  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
+};
+
+/// A rig as its cameras see: lenses that distort, a pair that is not rectified. Frames are x right,
+/// y down, z forward. Rectifier makes a Rig of it.
+struct RawRig {
+  Lens left;
+  Lens right;           ///< of the left one's size
+  Pose left_from_right; /// of the right camera in the left one's frame
+  Lens tof;             ///< 0×0 when there is no ToF camera
+  Pose left_from_tof;   ///< of the ToF camera in the (unrectified) left camera's frame
+  /// The ToF camera's bias: the range along the ray is scale · measured + offset (Hansard et al.,
+  /// "Time-of-Flight Cameras", 2012).
+  double range_scale = 1;
+  double range_offset_m = 0;
+};
+
+/// Whether a calibration can be used: finite numbers, images of one size, lengths > 0, rotations of
+/// norm 1, the right camera to the right of the left one. The error names the first field that is
+/// not so, as rig.proto calls it.
+Result<void> CheckRawRig(const RawRig& rig);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_RIG_RAW_RIG_H_

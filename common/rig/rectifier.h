@@ -1,0 +1,59 @@
+#ifndef SPROUT_COMMON_RIG_RECTIFIER_H_
+#define SPROUT_COMMON_RIG_RECTIFIER_H_
+
+#include <opencv2/core.hpp>
+
+#include "common/core/rig.h"
+#include "common/core/tof_image.h"
+#include "common/rig/raw_rig.h"
+
+namespace sprout {
+
+/// Turns what a rig's cameras see into a rectified pair and unbiased ranges. Both cameras are turned
+/// so that they look into one direction, at right angles to the baseline (Bouguet's method, as in
+/// cv::stereoRectify), with the largest common focal length that leaves no black border. The images
+/// keep their size. Thread-compatible; copies share the maps.
+class Rectifier {
+ public:
+  /// O(pixels): makes both maps, 6 bytes a pixel each.
+  /// @pre CheckRawRig(rig).
+  explicit Rectifier(const RawRig& rig);
+
+  /// The rig after rectification: what goes on SPROUT_RIG.
+  const Rig& rig() const { return rig_; }
+  const RawRig& raw() const { return raw_; }
+
+  /// An image of the left or right camera, rectified: bilinear, in fixed point, so the same bytes
+  /// everywhere. O(pixels).
+  /// @param image  8UC1 or 8UC3, of the calibrated size.
+  cv::Mat RectifyLeft(const cv::Mat& image) const { return Rectified(image, left_); }
+  cv::Mat RectifyRight(const cv::Mat& image) const { return Rectified(image, right_); }
+
+  /// Depths with the bias of the range taken away; pixels without a return stay as they are.
+  /// @param tof  of the calibrated size, or 0×0.
+  void CorrectRanges(TofImage& tof) const;
+
+  /// Pixel of the rectified left or right image at which a pixel of the unrectified one lands.
+  cv::Point2d LeftPixel(const cv::Point2d& raw_pixel) const;
+  cv::Point2d RightPixel(const cv::Point2d& raw_pixel) const;
+
+ private:
+  struct Maps {
+    cv::Mat whole;     // 16SC2: column and row of the source pixel
+    cv::Mat fraction;  // 16UC1: position in OpenCV's table of bilinear weights
+  };
+
+  static cv::Mat Rectified(const cv::Mat& image, const Maps& maps);
+
+  RawRig raw_;
+  Rig rig_;
+  cv::Matx33d left_turn_;   // from the camera's frame to the rectified one
+  cv::Matx33d right_turn_;
+  Maps left_;
+  Maps right_;
+  cv::Mat1d range_per_depth_;  // of the ToF camera
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_RIG_RECTIFIER_H_
