@@ -106,27 +106,31 @@ std::string PresetNames() {
 }
 
 void MergeFile(const std::string& file, SproutConfig& config) {
-  const std::string path = PathOf(file);
+  SproutConfig parsed;  // apart: a key that stands twice in one file is an error
+  ParseTextFile(PathOf(file), "configuration", "a file, or a preset (" + PresetNames() + ")",
+                parsed);
+  config.MergeFrom(parsed);
+}
+
+}  // namespace
+
+void ParseTextFile(const fs::path& path, const std::string& what, const std::string& allowed,
+                   Message& message) {
   std::ifstream stream(path);
   std::ostringstream text;
   if (!stream || !(text << stream.rdbuf())) {
-    // An empty file makes operator<< fail as well; it is a valid configuration.
+    // An empty file makes operator<< fail as well; it is a valid message.
     if (!stream.is_open() || fs::is_directory(path)) {
-      throw ConfigError("configuration " + path +
-                        ": cannot be read; allowed: a file, or a preset (" + PresetNames() + ")");
+      throw ConfigError(what + " " + path.string() + ": cannot be read; allowed: " + allowed);
     }
   }
   FirstError error;
   google::protobuf::TextFormat::Parser parser;
   parser.RecordErrorsTo(&error);
-  SproutConfig parsed;  // apart: a key that stands twice in one file is an error
-  if (!parser.ParseFromString(text.str(), &parsed)) {
-    throw ConfigError("configuration " + path + ":" + error.text);
+  if (!parser.ParseFromString(text.str(), &message)) {
+    throw ConfigError(what + " " + path.string() + ":" + error.text);
   }
-  config.MergeFrom(parsed);
 }
-
-}  // namespace
 
 fs::path PresetsFolder() {
   const fs::path module = ThisModule();

@@ -32,6 +32,14 @@ std::filesystem::path PresetsFolder();
 /// @throws ConfigError for a missing file, a syntax error, an unknown key, a value out of range.
 SproutConfig LoadConfig(const std::vector<std::string>& files);
 
+/// Reads a file in protobuf text format into `message`.
+///
+/// @param what     is read, for people: "configuration".
+/// @param allowed  what may stand for it, for people.
+/// @throws ConfigError for a file that cannot be read, a syntax error, an unknown key.
+void ParseTextFile(const std::filesystem::path& path, const std::string& what,
+                   const std::string& allowed, google::protobuf::Message& message);
+
 /// Checks every number of a configuration (or a part of one) against the range that its .proto
 /// states.
 /// @throws ConfigError naming the first offending key, as "PREFIX.key".

@@ -43,6 +43,7 @@ class Rectifier {
     cv::Mat fraction;  // 16UC1: position in OpenCV's table of bilinear weights
   };
 
+  Maps MapsOf(const Lens& lens, const cv::Matx33d& turn, double cx) const;
   static cv::Mat Rectified(const cv::Mat& image, const Maps& maps);
 
   RawRig raw_;

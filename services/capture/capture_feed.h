@@ -34,7 +34,7 @@ class CaptureFeed {
   virtual bool is_recorded() const = 0;
 };
 
-/// Opens what config.source() names: log:FILE, or a FrameSource.
+/// Opens what config.source() names: log:FILE, or a Dataset.
 /// @param loop     start again at the end.
 /// @param monitor  is told what cannot be sent; must outlive the feed.
 /// @throws ConfigError naming what is missing or wrong, and where.

@@ -96,9 +96,9 @@ GroundTruth ReadTruth(const KittiFiles& files, cv::Size size) {
   return truth;
 }
 
-class KittiSource : public FrameSource {
+class KittiDataset : public Dataset {
  public:
-  KittiSource(const std::string& place, const CaptureConfig& config)
+  KittiDataset(const std::string& place, const CaptureConfig& config)
       : uses_scan_(config.tof() != "none"), beams_(config.beams()) {
     for (const std::string& frame : KittiPlaces(place)) {
       const fs::path path(frame);
@@ -116,10 +116,10 @@ class KittiSource : public FrameSource {
   const Rig& rig() const override { return rig_; }
   std::optional<int64_t> frame_count() const override { return std::ssize(frames_); }
 
-  CapturedFrame Get(int64_t index) override {
+  DatasetFrame Get(int64_t index) override {
     assert(index >= 0 && index < std::ssize(frames_));
     const KittiFiles& files = frames_[static_cast<size_t>(index)];
-    CapturedFrame frame;
+    DatasetFrame frame;
     frame.left = ReadView(files.left);
     frame.right = ReadView(files.right);
     if (uses_scan_) frame.tof = ReadTof(files.scan);
@@ -181,12 +181,12 @@ std::vector<std::string> KittiPlaces(const std::string& place) {
   return places;
 }
 
-std::unique_ptr<FrameSource> OpenKitti(const std::string& place, const CaptureConfig& config) {
+std::unique_ptr<Dataset> OpenKitti(const std::string& place, const CaptureConfig& config) {
   if (config.tof() == "sr4000") {
     throw ConfigError("capture.tof = sr4000: kitti:" + place +
                       " has a scan of its own; allowed: the scan (grid, the default), none");
   }
-  return std::make_unique<KittiSource>(place, config);
+  return std::make_unique<KittiDataset>(place, config);
 }
 
 }  // namespace sprout

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 
 namespace sprout {
 
@@ -29,7 +29,7 @@ namespace sprout {
 ///               have one calibration. Files are read when their frame is asked for, those of the
 ///               first one at once, too.
 /// @throws ConfigError naming what is missing or wrong, and where; Get() does so, too.
-std::unique_ptr<FrameSource> OpenKitti(const std::string& place, const CaptureConfig& config);
+std::unique_ptr<Dataset> OpenKitti(const std::string& place, const CaptureConfig& config);
 
 /// The places (FOLDER/ID) of the frames that OpenKitti() finds at a place.
 /// @throws ConfigError when there is none.

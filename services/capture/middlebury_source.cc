@@ -145,9 +145,9 @@ Scene ReadScene(const fs::path& folder, const CaptureConfig& config) {
                     Candidates("view1") + " (2005, 2006) or " + Candidates("im0") + " (2014)");
 }
 
-class MiddleburySource : public FrameSource {
+class MiddleburyDataset : public Dataset {
  public:
-  MiddleburySource(Scene scene, const CaptureConfig& config) {
+  MiddleburyDataset(Scene scene, const CaptureConfig& config) {
     rig_.pair = scene.pair;
     if (config.tof() == "sr4000") {
       const Sr4000 camera(scene.pair, config.sr4000(), config.seed());
@@ -170,9 +170,9 @@ class MiddleburySource : public FrameSource {
   const Rig& rig() const override { return rig_; }
   std::optional<int64_t> frame_count() const override { return 1; }
 
-  CapturedFrame Get([[maybe_unused]] int64_t index) override {
+  DatasetFrame Get([[maybe_unused]] int64_t index) override {
     assert(index == 0);
-    CapturedFrame copy;
+    DatasetFrame copy;
     copy.left = frame_.left.clone();
     copy.right = frame_.right.clone();
     copy.tof = {frame_.tof.depth_m.clone(), frame_.tof.amplitude.clone()};
@@ -183,14 +183,14 @@ class MiddleburySource : public FrameSource {
 
  private:
   Rig rig_;
-  CapturedFrame frame_;
+  DatasetFrame frame_;
 };
 
 }  // namespace
 
-std::unique_ptr<FrameSource> OpenMiddlebury(const std::string& folder,
+std::unique_ptr<Dataset> OpenMiddlebury(const std::string& folder,
                                             const CaptureConfig& config) {
-  return std::make_unique<MiddleburySource>(ReadScene(folder, config), config);
+  return std::make_unique<MiddleburyDataset>(ReadScene(folder, config), config);
 }
 
 }  // namespace sprout

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 
 namespace sprout {
 
@@ -19,7 +19,7 @@ namespace sprout {
 ///
 /// Everything is read at once; Get() copies, so that nobody changes the frame that is sent again.
 /// @throws ConfigError naming what is missing or wrong, and where.
-std::unique_ptr<FrameSource> OpenMiddlebury(const std::string& folder, const CaptureConfig& config);
+std::unique_ptr<Dataset> OpenMiddlebury(const std::string& folder, const CaptureConfig& config);
 
 }  // namespace sprout
 

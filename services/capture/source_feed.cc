@@ -4,7 +4,7 @@
 
 #include "common/core/image.h"
 #include "common/messages/codec.h"
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 
 namespace sprout {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 class SourceFeed : public CaptureFeed {
  public:
   SourceFeed(const CaptureConfig& config, bool loop)
-      : config_(config), source_(OpenFrameSource(config)), loop_(loop) {
+      : config_(config), source_(OpenDataset(config)), loop_(loop) {
     newest_.rig_id = RigId(source_->rig());
   }
 
@@ -20,7 +20,7 @@ class SourceFeed : public CaptureFeed {
     const int64_t seq = newest_.seq + 1;
     const std::optional<int64_t> count = source_->frame_count();
     if (count && seq >= *count && !loop_) return std::nullopt;
-    const CapturedFrame frame = source_->Get(count ? seq % *count : seq);
+    const DatasetFrame frame = source_->Get(count ? seq % *count : seq);
     // Captures are told apart by their time even when the clock is set back.
     newest_.utime = std::max(NowUtime(), newest_.utime + 1);
     newest_.seq = seq;
@@ -44,7 +44,7 @@ class SourceFeed : public CaptureFeed {
 
  private:
   CaptureConfig config_;
-  std::unique_ptr<FrameSource> source_;
+  std::unique_ptr<Dataset> source_;
   bool loop_;
   FrameId newest_;
 };

@@ -7,9 +7,9 @@
 
 namespace sprout {
 
-/// Frames of a FrameSource, numbered from 0 and stamped with the time at which they are taken: the
+/// Frames of a Dataset, numbered from 0 and stamped with the time at which they are taken: the
 /// only place where a clock enters a payload.
-/// @throws ConfigError, see OpenFrameSource().
+/// @throws ConfigError, see OpenDataset().
 std::unique_ptr<CaptureFeed> OpenSourceFeed(const CaptureConfig& config, bool loop);
 
 }  // namespace sprout

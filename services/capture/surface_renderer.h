@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "common/core/rig.h"
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 #include "services/capture/tof_samples.h"
 
 namespace sprout {

@@ -227,9 +227,9 @@ struct Sr4000View {
   TofRayCaster caster;
 };
 
-class SyntheticSource : public FrameSource {
+class SyntheticDataset : public Dataset {
  public:
-  SyntheticSource(cv::Size size, const CaptureConfig& config)
+  SyntheticDataset(cv::Size size, const CaptureConfig& config)
       : tof_grid_px_(config.tof_grid_px()),
         rig_{.pair = PairOfSize(size), .tof = {}},
         scene_(config.seed(), kNearestFloorM * size.height / (2 * rig_.pair.focal_px)) {
@@ -244,13 +244,13 @@ class SyntheticSource : public FrameSource {
   const Rig& rig() const override { return rig_; }
   std::optional<int64_t> frame_count() const override { return {}; }
 
-  CapturedFrame Get(int64_t index) override {
+  DatasetFrame Get(int64_t index) override {
     assert(index >= 0);
     const RectifiedPair& pair = rig_.pair;
     const std::vector<Solid> solids = scene_.At(index);
     const Eye left{pair.focal_px, pair.cx, pair.cy, 0};
     const Eye right{pair.focal_px, pair.cx_right, pair.cy, pair.baseline_m};
-    CapturedFrame frame;
+    DatasetFrame frame;
     Renderer(pair, left, solids).Render(frame.left, frame.truth.left);
     Renderer(pair, right, solids).Render(frame.right, frame.truth.right);
     if (sr4000_) {
@@ -272,8 +272,8 @@ class SyntheticSource : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> OpenSynthetic(cv::Size size, const CaptureConfig& config) {
-  return std::make_unique<SyntheticSource>(size, config);
+std::unique_ptr<Dataset> OpenSynthetic(cv::Size size, const CaptureConfig& config) {
+  return std::make_unique<SyntheticDataset>(size, config);
 }
 
 }  // namespace sprout

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "common/core/image.h"
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 
 namespace sprout {
 
@@ -21,7 +21,7 @@ inline constexpr int kMaxSyntheticSide = kMaxSide;  ///< px: a frame takes 16 by
 ///
 /// @param size  of the images; each side kMinSyntheticSide to kMaxSyntheticSide px.
 /// @throws ConfigError when a grid of config.tof_grid_px() is larger than the image.
-std::unique_ptr<FrameSource> OpenSynthetic(cv::Size size, const CaptureConfig& config);
+std::unique_ptr<Dataset> OpenSynthetic(cv::Size size, const CaptureConfig& config);
 
 }  // namespace sprout
 

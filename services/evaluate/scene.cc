@@ -34,7 +34,7 @@ std::string NameOf(const std::string& scene) {
 }
 
 // A grid that follows from the rows of the images needs an open source first, to know them.
-std::unique_ptr<FrameSource> Open(const std::string& scene, const TofChoice& tof,
+std::unique_ptr<Dataset> Open(const std::string& scene, const TofChoice& tof,
                                   CaptureConfig& config) {
   if (IsKitti(scene) != (tof.text() == TofChoice::kScan) && tof.text() != TofChoice::kNone) {
     throw ConfigError("--tof " + tof.text() + ": " + scene + " has " +
@@ -44,8 +44,8 @@ std::unique_ptr<FrameSource> Open(const std::string& scene, const TofChoice& tof
   config.set_source(IsSynthetic(scene) || IsKitti(scene) ? scene : "middlebury:" + scene);
   config.set_tof("grid");
   config.set_tof_grid_px(1);  // fits every image
-  tof.Apply(OpenFrameSource(config)->rig().pair.height, config);
-  return OpenFrameSource(config);
+  tof.Apply(OpenDataset(config)->rig().pair.height, config);
+  return OpenDataset(config);
 }
 
 int LargestDisparity(const cv::Mat1f& truth) {
@@ -120,8 +120,8 @@ RefineConfig Scene::WithRange(RefineConfig config) const {
 }
 
 Scene LoadScene(const std::string& scene, const TofChoice& tof, CaptureConfig config) {
-  const std::unique_ptr<FrameSource> source = Open(scene, tof, config);
-  CapturedFrame frame = source->Get(0);
+  const std::unique_ptr<Dataset> source = Open(scene, tof, config);
+  DatasetFrame frame = source->Get(0);
   const GroundTruth truth = frame.truth;
   if (truth.left.empty()) {
     throw ConfigError("scene " + scene + ": no ground truth; allowed: a scene with ground truth");

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/geometry/projection.h"
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 #include "services/evaluate/tof_choice.h"
 
 namespace sprout {
@@ -14,7 +14,7 @@ namespace sprout {
 /// One frame with ground truth, ready to be run through methods.
 struct Scene {
   std::string name;     ///< last part of the folder's path, or the source's text
-  CapturedFrame frame;  ///< images, ToF image, truth
+  DatasetFrame frame;  ///< images, ToF image, truth
   cv::Mat1b left_grey;  ///< the images as the stages look at them
   cv::Mat1b right_grey;
   TofProjector projector;  ///< knows the rig

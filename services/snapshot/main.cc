@@ -33,13 +33,13 @@ void MakeFolder(const std::filesystem::path& folder) {
   if (error) throw ConfigError("--out " + folder.string() + ": " + error.message());
 }
 
-GroundTruth TruthOf(FrameSource* source, int64_t seq) {
+GroundTruth TruthOf(Dataset* source, int64_t seq) {
   if (source == nullptr) return {};
   const std::optional<int64_t> count = source->frame_count();
   return source->Get(count ? seq % *count : seq).truth;
 }
 
-int Listen(const ServiceContext& context, const Options& options, FrameSource* source) {
+int Listen(const ServiceContext& context, const Options& options, Dataset* source) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
   GraphListener listener(context, monitor);
   const StatusReporter reporter(context, monitor);
@@ -89,8 +89,8 @@ int Main(int argc, char** argv) {
       argc, argv,
       [&](const ServiceContext& context) {
         MakeFolder(options.folder);
-        const std::unique_ptr<FrameSource> source =
-            options.source ? OpenFrameSource(context.config.capture()) : nullptr;
+        const std::unique_ptr<Dataset> source =
+            options.source ? OpenDataset(context.config.capture()) : nullptr;
         return Listen(context, options, source.get());
       },
       [&](SproutConfig& config) {

@@ -8,7 +8,7 @@
 #include "common/core/frame.h"
 #include "common/core/result.h"
 #include "common/core/stage_status.h"
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 
 namespace sprout {
 

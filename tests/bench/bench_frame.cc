@@ -46,11 +46,11 @@ RectifiedPair ResizedPair(RectifiedPair pair, cv::Size size) {
 BenchFrame LoadBenchFrame(const std::string& folder, cv::Size size) {
   CaptureConfig config;
   config.set_source("middlebury:" + folder);
-  const auto source = OpenFrameSource(config);
+  const auto source = OpenDataset(config);
   BenchFrame bench{.rig = source->rig(), .frame = source->Get(0), .left = {}, .right = {}};
   bench.rig.pair = ResizedPair(bench.rig.pair, size);
   bench.rig.tof = TofGridCamera(bench.rig.pair, kTofSpacingPx);
-  CapturedFrame& frame = bench.frame;
+  DatasetFrame& frame = bench.frame;
   frame.left = ResizedImage(frame.left, size);
   frame.right = ResizedImage(frame.right, size);
   frame.truth.left = ResizedTruth(frame.truth.left, size);

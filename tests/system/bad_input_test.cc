@@ -8,7 +8,7 @@
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 #include "tests/system/graph.h"
 
 namespace sprout {
@@ -21,7 +21,7 @@ struct HandFrame {
   explicit HandFrame(const std::string& source = "synthetic:160x120") {
     CaptureConfig config;
     config.set_source(source);
-    const auto frames = OpenFrameSource(config);
+    const auto frames = OpenDataset(config);
     frame = frames->Get(0);
     rig = frames->rig();
   }
@@ -34,7 +34,7 @@ struct HandFrame {
     graph.PublishPart(id, Part::kTof, frame.tof);
   }
 
-  CapturedFrame frame;
+  DatasetFrame frame;
   Rig rig;
 };
 

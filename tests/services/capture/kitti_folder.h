@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 #include "tests/services/capture/scene_folder.h"
 
 namespace sprout {
@@ -38,8 +38,8 @@ class KittiFolder {
 
   /// @param rest  what follows the folder: "/000007?beams=16".
   CaptureConfig Config(const std::string& rest) const;
-  std::unique_ptr<FrameSource> Open(const std::string& rest) const {
-    return OpenFrameSource(Config(rest));
+  std::unique_ptr<Dataset> Open(const std::string& rest) const {
+    return OpenDataset(Config(rest));
   }
 
   static constexpr int kWidth = 40;

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 int Returns(const TofImage& tof) { return cv::countNonZero(tof.depth_m == tof.depth_m); }
 
-TEST(KittiSource, GivesImagesCalibrationAndTruthOfAFrame) {
+TEST(KittiDataset, GivesImagesCalibrationAndTruthOfAFrame) {
   const KittiFolder folder;
   folder.WriteStereo("000007");
   const auto source = folder.Open("/000007");
@@ -26,7 +26,7 @@ TEST(KittiSource, GivesImagesCalibrationAndTruthOfAFrame) {
   EXPECT_EQ(pair.cy, 15);
   EXPECT_EQ(pair.cx_right, 20);
   EXPECT_EQ(pair.baseline_m, 0.5);
-  const CapturedFrame frame = source->Get(0);
+  const DatasetFrame frame = source->Get(0);
   EXPECT_EQ(frame.left.type(), CV_8UC3);
   EXPECT_EQ(frame.right.size(), pair.size());
   EXPECT_EQ(frame.truth.left(4, 5), 5);
@@ -34,7 +34,7 @@ TEST(KittiSource, GivesImagesCalibrationAndTruthOfAFrame) {
   EXPECT_TRUE(frame.truth.right.empty());
 }
 
-TEST(KittiSource, MakesTheScanARangeImageOfTheLeftCamera) {
+TEST(KittiDataset, MakesTheScanARangeImageOfTheLeftCamera) {
   const KittiFolder folder;
   folder.WriteStereo("000007");
   const auto source = folder.Open("/000007");
@@ -53,14 +53,14 @@ TEST(KittiSource, MakesTheScanARangeImageOfTheLeftCamera) {
   EXPECT_TRUE(tof.amplitude.empty());
 }
 
-TEST(KittiSource, KeepsTheNearestPointOfAPixel) {
+TEST(KittiDataset, KeepsTheNearestPointOfAPixel) {
   const KittiFolder folder;
   folder.WriteStereo("000007");
   folder.WriteScan("000007", {{12, 0, 0, 0}, {10, 0, 0, 0}, {11, 0, 0, 0}});
   EXPECT_EQ(folder.Open("/000007")->Get(0).tof.depth_m(15, 20), 10);
 }
 
-TEST(KittiSource, PlacesTheScannerAsTheCalibrationSays) {
+TEST(KittiDataset, PlacesTheScannerAsTheCalibrationSays) {
   const KittiFolder folder;
   folder.WriteStereo("000007");
   // 2 m before the left camera, which stands 0.1 m to the left of, and 0.01 m behind, camera 0.
@@ -77,7 +77,7 @@ TEST(KittiSource, PlacesTheScannerAsTheCalibrationSays) {
   EXPECT_NEAR(source->Get(0).tof.depth_m(15, 20), 10, 1e-5);
 }
 
-TEST(KittiSource, KeepsEveryFourthOf64Beams) {
+TEST(KittiDataset, KeepsEveryFourthOf64Beams) {
   const KittiFolder folder;
   folder.WriteObject("000007");
   std::vector<KittiFolder::Point> points;
@@ -96,7 +96,7 @@ TEST(KittiSource, KeepsEveryFourthOf64Beams) {
   EXPECT_EQ(Returns(folder.Open("/000007?beams=8")->Get(0).tof), 3);
 }
 
-TEST(KittiSource, LeavesTheScanOutOnDemand) {
+TEST(KittiDataset, LeavesTheScanOutOnDemand) {
   const KittiFolder folder;
   folder.WriteStereo("000007");
   folder.files().Remove("velodyne/000007.bin");
@@ -106,7 +106,7 @@ TEST(KittiSource, LeavesTheScanOutOnDemand) {
   EXPECT_TRUE(source->Get(0).tof.depth_m.empty());
 }
 
-TEST(KittiSource, TakesWhatBothCamerasSeeFromItsOwnTruth) {
+TEST(KittiDataset, TakesWhatBothCamerasSeeFromItsOwnTruth) {
   const KittiFolder folder;
   folder.WriteStereo("000007");
   const cv::Mat1b all = folder.Open("/000007")->Get(0).truth.nonoccluded;
@@ -121,15 +121,15 @@ TEST(KittiSource, TakesWhatBothCamerasSeeFromItsOwnTruth) {
   EXPECT_EQ(truth.left(1, 1), 5);
 }
 
-TEST(KittiSource, ReadsTheObjectSet) {
+TEST(KittiDataset, ReadsTheObjectSet) {
   const KittiFolder folder;
   folder.WriteObject("000123");
-  const CapturedFrame frame = folder.Open("/000123")->Get(0);
+  const DatasetFrame frame = folder.Open("/000123")->Get(0);
   EXPECT_EQ(Returns(frame.tof), 2);
   EXPECT_TRUE(frame.truth.left.empty());
 }
 
-TEST(KittiSource, GivesAllFramesInTheOrderOfTheirNames) {
+TEST(KittiDataset, GivesAllFramesInTheOrderOfTheirNames) {
   const KittiFolder folder;
   folder.WriteStereo("000014");
   folder.WriteStereo("000007");
@@ -143,7 +143,7 @@ TEST(KittiSource, GivesAllFramesInTheOrderOfTheirNames) {
   }
 }
 
-TEST(KittiSource, RefusesASequenceOfTwoCalibrations) {
+TEST(KittiDataset, RefusesASequenceOfTwoCalibrations) {
   const KittiFolder folder;
   folder.WriteObject("1");
   folder.WriteObject("2");

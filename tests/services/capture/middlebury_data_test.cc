@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/geometry/projection.h"
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 
 namespace sprout {
 namespace {
@@ -59,8 +59,8 @@ TEST(MiddleburyData, OpensEveryScene) {
   for (const fs::path& scene : scenes) {
     CaptureConfig config;
     config.set_source("middlebury:" + scene.string());
-    const auto source = OpenFrameSource(config);
-    const CapturedFrame frame = source->Get(0);
+    const auto source = OpenDataset(config);
+    const DatasetFrame frame = source->Get(0);
     const RectifiedPair& pair = source->rig().pair;
     const std::string what = scene.string();
 
@@ -90,8 +90,8 @@ TEST(MiddleburyData, ShowsEverySceneToAnSr4000) {
   for (const fs::path& scene : scenes) {
     CaptureConfig config;
     config.set_source("middlebury:" + scene.string() + "?tof=sr4000");
-    const auto source = OpenFrameSource(config);
-    const CapturedFrame frame = source->Get(0);
+    const auto source = OpenDataset(config);
+    const DatasetFrame frame = source->Get(0);
     int behind = 0;
     int known = 0;
     int close = 0;

@@ -13,14 +13,14 @@ bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
   return a.type() == b.type() && a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0;
 }
 
-TEST(MiddleburySource, ReadsTheLayoutOf2005) {
+TEST(MiddleburyDataset, ReadsTheLayoutOf2005) {
   const SceneFolder folder;
   folder.Write2005({40, 1110});
   folder.WriteImage("disp5.png", cv::Mat1b(1110, 40, uchar{50}));
   const auto source = folder.Open();
   EXPECT_EQ(source->frame_count(), 1);
 
-  const CapturedFrame frame = source->Get(0);
+  const DatasetFrame frame = source->Get(0);
   EXPECT_TRUE(SameBytes(frame.left, SomePicture({40, 1110})));
   EXPECT_TRUE(SameBytes(frame.right, SomePicture({40, 1110})));
   EXPECT_TRUE(std::isnan(frame.truth.left(0, 0)));
@@ -44,7 +44,7 @@ TEST_P(MiddleburyScale, DividesCodesFocalLengthAndDmin) {
   folder.WriteText("dmin.txt", " 270\r\n");
   CaptureConfig config = folder.Config();
   config.set_gt_scale(c.configured);
-  const auto source = OpenFrameSource(config);
+  const auto source = OpenDataset(config);
 
   const RectifiedPair& pair = source->rig().pair;
   EXPECT_EQ(pair.size(), cv::Size(41, c.rows));
@@ -64,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, MiddleburyScale,
                                          ScaleCase{370, 0, 3}, ScaleCase{4000, 0, 1},
                                          ScaleCase{1110, 2, 2}, ScaleCase{20, 3, 3}));
 
-TEST(MiddleburySource, TakesAMissingDminForZeroAndAMissingDisp5ForUnknown) {
+TEST(MiddleburyDataset, TakesAMissingDminForZeroAndAMissingDisp5ForUnknown) {
   const SceneFolder folder;
   folder.Write2005({40, 555});
   const auto source = folder.Open();
@@ -72,7 +72,7 @@ TEST(MiddleburySource, TakesAMissingDminForZeroAndAMissingDisp5ForUnknown) {
   EXPECT_TRUE(source->Get(0).truth.right.empty());
 }
 
-TEST(MiddleburySource, ReadsTheLayoutOf2014) {
+TEST(MiddleburyDataset, ReadsTheLayoutOf2014) {
   const SceneFolder folder;
   folder.Write2014();
   folder.WritePfm("disp1.pfm", cv::Mat1f(20, 30, 4.125f), "-1");
@@ -86,7 +86,7 @@ TEST(MiddleburySource, ReadsTheLayoutOf2014) {
   EXPECT_EQ(pair.cx_right, 17.5);
   EXPECT_DOUBLE_EQ(pair.baseline_m, 0.1935);
 
-  const CapturedFrame frame = source->Get(0);
+  const DatasetFrame frame = source->Get(0);
   EXPECT_TRUE(SameBytes(frame.left, SomePicture({30, 20})));
   EXPECT_TRUE(std::isnan(frame.truth.left(0, 0)));  // top left: rows are the right way round
   EXPECT_EQ(frame.truth.left(2, 3), 7.5f);
@@ -94,7 +94,7 @@ TEST(MiddleburySource, ReadsTheLayoutOf2014) {
   EXPECT_EQ(frame.truth.right(7, 7), 4.125f);
 }
 
-TEST(MiddleburySource, ReadsPfmRowsInTheOrderOfOpenCv) {
+TEST(MiddleburyDataset, ReadsPfmRowsInTheOrderOfOpenCv) {
   const SceneFolder folder;
   folder.Write2014();
   const cv::Mat1f by_opencv = cv::imread(folder.File("disp0.pfm"), cv::IMREAD_UNCHANGED);
@@ -104,7 +104,7 @@ TEST(MiddleburySource, ReadsPfmRowsInTheOrderOfOpenCv) {
   EXPECT_EQ(by_opencv(17, 3), truth(17, 3));
 }
 
-TEST(MiddleburySource, TakesOnlyTheByteOrderFromThePfmScale) {
+TEST(MiddleburyDataset, TakesOnlyTheByteOrderFromThePfmScale) {
   for (const std::string scale : {"-0.003922", "-1.0", "1", "255"}) {
     const SceneFolder folder;
     folder.Write2014();
@@ -113,17 +113,17 @@ TEST(MiddleburySource, TakesOnlyTheByteOrderFromThePfmScale) {
   }
 }
 
-TEST(MiddleburySource, KeepsGreyImagesGreyAndDropsAlpha) {
+TEST(MiddleburyDataset, KeepsGreyImagesGreyAndDropsAlpha) {
   const SceneFolder folder;
   folder.Write2005({40, 30});
   folder.WriteImage("view1.png", cv::Mat1b(30, 40, uchar{77}));
   folder.WriteImage("view5.png", cv::Mat4b(30, 40, cv::Vec4b(1, 2, 3, 4)));
-  const CapturedFrame frame = folder.Open()->Get(0);
+  const DatasetFrame frame = folder.Open()->Get(0);
   EXPECT_TRUE(SameBytes(frame.left, cv::Mat1b(30, 40, uchar{77})));
   EXPECT_TRUE(SameBytes(frame.right, cv::Mat3b(30, 40, cv::Vec3b(1, 2, 3))));
 }
 
-TEST(MiddleburySource, ReadsEveryImageExtension) {
+TEST(MiddleburyDataset, ReadsEveryImageExtension) {
   for (const std::string extension : {".png", ".jpg", ".ppm"}) {
     const SceneFolder folder;
     folder.WriteImage("view1" + extension, SomePicture({40, 30}));
@@ -133,7 +133,7 @@ TEST(MiddleburySource, ReadsEveryImageExtension) {
   }
 }
 
-TEST(MiddleburySource, SimulatesTheTofCameraFromTheLeftTruth) {
+TEST(MiddleburyDataset, SimulatesTheTofCameraFromTheLeftTruth) {
   const SceneFolder folder;
   folder.Write2005({40, 1110});
   const auto source = folder.Open();
@@ -144,20 +144,20 @@ TEST(MiddleburySource, SimulatesTheTofCameraFromTheLeftTruth) {
   EXPECT_TRUE(tof.amplitude.empty());
 }
 
-TEST(MiddleburySource, GivesTheSameFrameAfterTheFirstWasChanged) {
+TEST(MiddleburyDataset, GivesTheSameFrameAfterTheFirstWasChanged) {
   const SceneFolder folder;
   folder.Write2005({40, 30});
   folder.WriteImage("disp5.png", cv::Mat1b(30, 40, uchar{50}));
   const auto source = folder.Open();
-  CapturedFrame first = source->Get(0);
-  const CapturedFrame kept{first.left.clone(),
+  DatasetFrame first = source->Get(0);
+  const DatasetFrame kept{first.left.clone(),
                            first.right.clone(),
                            {first.tof.depth_m.clone(), {}},
                            {first.truth.left.clone(), first.truth.right.clone()}};
   for (cv::Mat* image : {&first.left, &first.right}) image->setTo(0);
   for (cv::Mat1f* map : {&first.tof.depth_m, &first.truth.left, &first.truth.right}) map->setTo(1);
 
-  const CapturedFrame second = source->Get(0);
+  const DatasetFrame second = source->Get(0);
   EXPECT_TRUE(SameBytes(second.left, kept.left));
   EXPECT_TRUE(SameBytes(second.right, kept.right));
   EXPECT_EQ(second.tof.depth_m(3, 3), kept.tof.depth_m(3, 3));
@@ -165,12 +165,12 @@ TEST(MiddleburySource, GivesTheSameFrameAfterTheFirstWasChanged) {
   EXPECT_EQ(second.truth.right(3, 3), kept.truth.right(3, 3));
 }
 
-TEST(MiddleburySource, ShowsTheSceneToAnSr4000) {
+TEST(MiddleburyDataset, ShowsTheSceneToAnSr4000) {
   SceneFolder folder;
   folder.Write2005({96, 72});
   CaptureConfig config = folder.Config();
   config.set_source(config.source() + "?tof=sr4000");
-  const auto source = OpenFrameSource(config);
+  const auto source = OpenDataset(config);
   const TofImage tof = source->Get(0).tof;
   ASSERT_EQ(tof.depth_m.size(), cv::Size(176, 144));
   EXPECT_EQ(source->rig().tof.width, 176);

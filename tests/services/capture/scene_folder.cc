@@ -88,7 +88,7 @@ cv::Mat3b SomePicture(cv::Size size) {
 
 std::string OpenError(const CaptureConfig& config) {
   try {
-    OpenFrameSource(config);
+    OpenDataset(config);
   } catch (const ConfigError& error) {
     return error.what();
   }

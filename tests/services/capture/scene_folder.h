@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 
 namespace sprout {
 
@@ -33,7 +33,7 @@ class SceneFolder {
 
   /// Configuration that names this scene, with a ToF grid of 5 px.
   CaptureConfig Config() const;
-  std::unique_ptr<FrameSource> Open() const { return OpenFrameSource(Config()); }
+  std::unique_ptr<Dataset> Open() const { return OpenDataset(Config()); }
 
   std::string File(const std::string& name) const { return (path_ / name).string(); }
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/messages/codec.h"
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 #include "tests/services/capture/kitti_folder.h"
 #include "tests/services/capture/scene_folder.h"
 
@@ -24,7 +24,7 @@ cv::Mat ImageOf(const CaptureMessages& frame, size_t index) {
 
 TEST(SourceFeed, NumbersAndStampsTheFramesOfItsSource) {
   const auto feed = OpenSourceFeed(Synthetic(), /*loop=*/false);
-  const auto source = OpenFrameSource(Synthetic());
+  const auto source = OpenDataset(Synthetic());
   EXPECT_FALSE(feed->is_recorded());
   int64_t newest_utime = NowUtime() - 1;
   for (int64_t seq = 0; seq < 3; ++seq) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 
 namespace sprout {
 namespace {
@@ -85,7 +85,7 @@ TEST(SyntheticScene, IsRenderedWithTheNearestSolidInBothViews) {
     CaptureConfig config;
     config.set_source("synthetic:160x120");
     config.set_seed(seed);
-    const auto source = OpenFrameSource(config);
+    const auto source = OpenDataset(config);
     const RectifiedPair& pair = source->rig().pair;
     // The bottom row sees the floor at 1.6 m.
     const SyntheticScene scene(seed, 1.6 * pair.height / (2 * pair.focal_px));

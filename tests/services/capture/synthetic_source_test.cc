@@ -6,16 +6,16 @@
 
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 
 namespace sprout {
 namespace {
 
-std::unique_ptr<FrameSource> Open(const std::string& size, uint32_t seed = 1) {
+std::unique_ptr<Dataset> Open(const std::string& size, uint32_t seed = 1) {
   CaptureConfig config;
   config.set_source("synthetic:" + size);
   config.set_seed(seed);
-  return OpenFrameSource(config);
+  return OpenDataset(config);
 }
 
 bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
@@ -23,7 +23,7 @@ bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
          std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
 }
 
-bool SameBytes(const CapturedFrame& a, const CapturedFrame& b) {
+bool SameBytes(const DatasetFrame& a, const DatasetFrame& b) {
   return SameBytes(a.left, b.left) && SameBytes(a.right, b.right) &&
          SameBytes(a.truth.left, b.truth.left) && SameBytes(a.truth.right, b.truth.right) &&
          SameBytes(a.tof.depth_m, b.tof.depth_m);
@@ -37,33 +37,33 @@ double Between(const cv::Mat_<T>& image, int v, double u) {
   return (1 - weight) * image(v, left) + weight * image(v, left + 1);
 }
 
-TEST(SyntheticSource, GivesTheSameBytesForTheSameIndexAndSeed) {
+TEST(SyntheticDataset, GivesTheSameBytesForTheSameIndexAndSeed) {
   const auto source = Open("161x120");
-  const CapturedFrame first = source->Get(7);
+  const DatasetFrame first = source->Get(7);
   source->Get(3);
   EXPECT_TRUE(SameBytes(first, source->Get(7)));
   EXPECT_TRUE(SameBytes(first, Open("161x120")->Get(7)));
 }
 
-TEST(SyntheticSource, DoesNotDependOnTheNumberOfThreads) {
+TEST(SyntheticDataset, DoesNotDependOnTheNumberOfThreads) {
   const int threads = cv::getNumThreads();
   const auto source = Open("320x240");
   cv::setNumThreads(1);
-  const CapturedFrame alone = source->Get(11);
+  const DatasetFrame alone = source->Get(11);
   cv::setNumThreads(2);
-  const CapturedFrame together = source->Get(11);
+  const DatasetFrame together = source->Get(11);
   cv::setNumThreads(threads);
   EXPECT_TRUE(SameBytes(alone, together));
 }
 
-TEST(SyntheticSource, ShowsTheSceneToAnSr4000InItsOwnPlace) {
+TEST(SyntheticDataset, ShowsTheSceneToAnSr4000InItsOwnPlace) {
   CaptureConfig config;
   config.set_source("synthetic:320x240?tof=sr4000");
   config.mutable_sr4000()->set_depth_noise_m(0);
   config.mutable_sr4000()->set_flying_pixels(0);
   config.mutable_sr4000()->set_min_amplitude(0);
-  const auto source = OpenFrameSource(config);
-  const CapturedFrame frame = source->Get(4);
+  const auto source = OpenDataset(config);
+  const DatasetFrame frame = source->Get(4);
   ASSERT_EQ(frame.tof.depth_m.size(), cv::Size(176, 144));
   ASSERT_EQ(frame.tof.amplitude.size(), cv::Size(176, 144));
   int behind = 0;
@@ -82,29 +82,29 @@ TEST(SyntheticSource, ShowsTheSceneToAnSr4000InItsOwnPlace) {
   EXPECT_LT(nowhere, 0.02 * seen_by_left);  // positions rounded across an edge
 }
 
-TEST(SyntheticSource, GivesTheSameSr4000BytesWithAnyNumberOfThreads) {
+TEST(SyntheticDataset, GivesTheSameSr4000BytesWithAnyNumberOfThreads) {
   const int threads = cv::getNumThreads();
   const auto source = Open("160x120?tof=sr4000");
   cv::setNumThreads(1);
-  const CapturedFrame alone = source->Get(11);
+  const DatasetFrame alone = source->Get(11);
   cv::setNumThreads(2);
-  const CapturedFrame together = source->Get(11);
+  const DatasetFrame together = source->Get(11);
   cv::setNumThreads(threads);
   EXPECT_TRUE(SameBytes(alone, together));
   EXPECT_TRUE(SameBytes(alone.tof.amplitude, together.tof.amplitude));
   EXPECT_FALSE(SameBytes(alone.tof.depth_m, Open("160x120?tof=sr4000", 2)->Get(11).tof.depth_m));
 }
 
-TEST(SyntheticSource, LooksDifferentWithAnotherSeed) {
-  const CapturedFrame one = Open("160x120", 1)->Get(0);
+TEST(SyntheticDataset, LooksDifferentWithAnotherSeed) {
+  const DatasetFrame one = Open("160x120", 1)->Get(0);
   for (uint32_t seed : {0u, 2u, 4294967295u}) {
-    const CapturedFrame other = Open("160x120", seed)->Get(0);
+    const DatasetFrame other = Open("160x120", seed)->Get(0);
     EXPECT_FALSE(SameBytes(one.left, other.left)) << seed;
     EXPECT_FALSE(SameBytes(one.truth.left, other.truth.left)) << seed;
   }
 }
 
-TEST(SyntheticSource, MovesFromFrameToFrame) {
+TEST(SyntheticDataset, MovesFromFrameToFrame) {
   const auto source = Open("160x120");
   for (int64_t index : {int64_t{0}, int64_t{100}, int64_t{1} << 60}) {
     EXPECT_FALSE(SameBytes(source->Get(index).truth.left, source->Get(index + 1).truth.left));
@@ -112,7 +112,7 @@ TEST(SyntheticSource, MovesFromFrameToFrame) {
   EXPECT_EQ(source->frame_count(), std::nullopt);
 }
 
-TEST(SyntheticSource, KeepsItsDisparitiesWithinTheirRange) {
+TEST(SyntheticDataset, KeepsItsDisparitiesWithinTheirRange) {
   for (uint32_t seed = 0; seed < 20; ++seed) {
     const auto source = Open("160x120", seed);
     for (int64_t index : {0, 37, 90}) {
@@ -127,19 +127,19 @@ TEST(SyntheticSource, KeepsItsDisparitiesWithinTheirRange) {
   }
 }
 
-TEST(SyntheticSource, HasTwoPrincipalPoints) {
+TEST(SyntheticDataset, HasTwoPrincipalPoints) {
   const RectifiedPair pair = Open("640x480")->rig().pair;
   EXPECT_GT(std::abs(pair.cx_right - pair.cx), 1);
 }
 
-TEST(SyntheticSource, FitsIntoADisparityImageAtItsWidest) {
+TEST(SyntheticDataset, FitsIntoADisparityImageAtItsWidest) {
   double max_px = 0;
   cv::minMaxLoc(Open("16384x64")->Get(0).truth.left, nullptr, &max_px);
   EXPECT_LT(max_px, 1023);
 }
 
 // Where the right view has to show the same surface or something nearer, and mostly the same.
-TEST(SyntheticSource, AgreesBetweenLeftAndRightTruth) {
+TEST(SyntheticDataset, AgreesBetweenLeftAndRightTruth) {
   for (uint32_t seed : {1u, 2u, 3u}) {
     const GroundTruth truth = Open("640x480", seed)->Get(25).truth;
     int inside = 0;
@@ -163,7 +163,7 @@ TEST(SyntheticSource, AgreesBetweenLeftAndRightTruth) {
 
 // Mean difference of grey values between left and right, with `shift` px added to the true
 // disparity, over pixels that both views see and that have texture.
-double MeanDifference(const CapturedFrame& frame, double shift) {
+double MeanDifference(const DatasetFrame& frame, double shift) {
   const cv::Mat1b left = ToGrey(frame.left);
   const cv::Mat1b right = ToGrey(frame.right);
   double sum = 0;
@@ -183,9 +183,9 @@ double MeanDifference(const CapturedFrame& frame, double shift) {
   return sum / count;
 }
 
-TEST(SyntheticSource, ShowsTheSameColourInBothViews) {
+TEST(SyntheticDataset, ShowsTheSameColourInBothViews) {
   for (uint32_t seed : {1u, 2u, 3u}) {
-    const CapturedFrame frame = Open("640x480", seed)->Get(25);
+    const DatasetFrame frame = Open("640x480", seed)->Get(25);
     const double here = MeanDifference(frame, 0);
     EXPECT_LT(here, 5) << seed;
     for (double shift : {-0.5, 0.5, -3.0, 3.0}) {
@@ -194,8 +194,8 @@ TEST(SyntheticSource, ShowsTheSameColourInBothViews) {
   }
 }
 
-TEST(SyntheticSource, HasSurfacesWithoutTexture) {
-  const CapturedFrame frame = Open("640x480")->Get(0);
+TEST(SyntheticDataset, HasSurfacesWithoutTexture) {
+  const DatasetFrame frame = Open("640x480")->Get(0);
   const cv::Mat1b grey = ToGrey(frame.left);
   int smooth = 0;
   for (int v = 0; v < grey.rows; ++v) {
@@ -208,11 +208,11 @@ TEST(SyntheticSource, HasSurfacesWithoutTexture) {
   EXPECT_LT(smooth, static_cast<int>(grey.total() / 2));
 }
 
-TEST(SyntheticSource, RendersSmallAndOddSizes) {
+TEST(SyntheticDataset, RendersSmallAndOddSizes) {
   for (const cv::Size size : {cv::Size(16, 16), cv::Size(17, 31), cv::Size(333, 17),
                               cv::Size(16, 700), cv::Size(1001, 16)}) {
     const auto source = Open(std::to_string(size.width) + "x" + std::to_string(size.height));
-    const CapturedFrame frame = source->Get(5);
+    const DatasetFrame frame = source->Get(5);
     EXPECT_EQ(frame.left.size(), size);
     EXPECT_EQ(frame.right.size(), size);
     EXPECT_EQ(frame.left.type(), CV_8UC3);

@@ -128,7 +128,7 @@ TEST(Pipeline, WarnsOfAFrameInWhichThereIsNothing) {
 
 TEST(Pipeline, SaysWhatDoesNotFit) {
   const Scene scene = SmallScene();
-  const CapturedFrame& frame = scene.frame;
+  const DatasetFrame& frame = scene.frame;
   const cv::Mat &left = frame.left, &right = frame.right;
   const TofImage& tof = frame.tof;
   const Rig& rig = scene.projector.rig();

@@ -16,12 +16,12 @@ CaptureConfig WithSource(const std::string& source) {
   return config;
 }
 
-TEST(OpenFrameSource, OpensTheDefaultConfiguration) {
-  const auto source = OpenFrameSource(CaptureConfig());
+TEST(OpenDataset, OpensTheDefaultConfiguration) {
+  const auto source = OpenDataset(CaptureConfig());
   EXPECT_EQ(source->rig().pair.size(), cv::Size(640, 480));
 }
 
-TEST(OpenFrameSource, NamesTheSourcesThatExist) {
+TEST(OpenDataset, NamesTheSourcesThatExist) {
   for (const std::string text : {"", "webcam:0", "synthetic640x480", ":"}) {
     EXPECT_THAT(OpenError(WithSource(text)),
                 AllOf(HasSubstr("capture.source = " + text + ": "), HasSubstr("middlebury:DIR"),
@@ -29,11 +29,11 @@ TEST(OpenFrameSource, NamesTheSourcesThatExist) {
   }
 }
 
-TEST(OpenFrameSource, SaysWhoPlaysLogs) {
+TEST(OpenDataset, SaysWhoPlaysLogs) {
   EXPECT_THAT(OpenError(WithSource("log:run.lcm")), HasSubstr("only sprout-capture plays logs"));
 }
 
-TEST(OpenFrameSource, RefusesAFolderThatDoesNotExist) {
+TEST(OpenDataset, RefusesAFolderThatDoesNotExist) {
   for (const std::string text : {"middlebury", "middlebury:", "middlebury:/no/such/folder"}) {
     EXPECT_THAT(OpenError(WithSource(text)),
                 AllOf(HasSubstr("capture.source = middlebury:"), HasSubstr("no such folder"),
@@ -41,7 +41,7 @@ TEST(OpenFrameSource, RefusesAFolderThatDoesNotExist) {
   }
 }
 
-TEST(OpenFrameSource, RefusesATextThatIsNoSize) {
+TEST(OpenDataset, RefusesATextThatIsNoSize) {
   for (const std::string size : {"", "640", "x", "640x", "x480", "640x480x3", "640 x480", "6e2x480",
                                  "+640x480", "99999999999x480"}) {
     EXPECT_THAT(OpenError(WithSource("synthetic:" + size)),
@@ -50,34 +50,34 @@ TEST(OpenFrameSource, RefusesATextThatIsNoSize) {
   }
 }
 
-TEST(OpenFrameSource, RefusesASizeOutOfRange) {
+TEST(OpenDataset, RefusesASizeOutOfRange) {
   for (const std::string size : {"15x480", "640x15", "16385x480", "640x16385", "-640x480", "0x0"}) {
     EXPECT_THAT(OpenError(WithSource("synthetic:" + size)),
                 AllOf(HasSubstr("size out of range"), HasSubstr("16 to 16384 px a side")));
   }
 }
 
-TEST(OpenFrameSource, ChecksTheRangesOfTheConfiguration) {
+TEST(OpenDataset, ChecksTheRangesOfTheConfiguration) {
   CaptureConfig config = WithSource("synthetic:64x48");
   config.set_tof_grid_px(0);
   EXPECT_THAT(OpenError(config), HasSubstr("capture.tof_grid_px = 0"));
 }
 
-TEST(OpenFrameSource, TakesTheTofCameraFromTheConfigurationOrTheSource) {
+TEST(OpenDataset, TakesTheTofCameraFromTheConfigurationOrTheSource) {
   CaptureConfig config = WithSource("synthetic:64x48");
-  EXPECT_EQ(OpenFrameSource(config)->rig().tof.width, 6);
+  EXPECT_EQ(OpenDataset(config)->rig().tof.width, 6);
   config.set_tof("sr4000");
-  EXPECT_EQ(OpenFrameSource(config)->rig().tof.width, 176);
+  EXPECT_EQ(OpenDataset(config)->rig().tof.width, 176);
   config.set_source("synthetic:64x48?tof=grid");
-  EXPECT_EQ(OpenFrameSource(config)->rig().tof.width, 6);
+  EXPECT_EQ(OpenDataset(config)->rig().tof.width, 6);
   config.set_tof("grid");
   config.set_source("synthetic:64x48?tof=sr4000");
-  EXPECT_EQ(OpenFrameSource(config)->rig().tof.width, 176);
+  EXPECT_EQ(OpenDataset(config)->rig().tof.width, 176);
 }
 
-TEST(OpenFrameSource, TakesTheFaultsOfTheSr4000FromTheSource) {
+TEST(OpenDataset, TakesTheFaultsOfTheSr4000FromTheSource) {
   const auto returns = [](const std::string& options) {
-    const TofImage tof = OpenFrameSource(WithSource("synthetic:64x48" + options))->Get(0).tof;
+    const TofImage tof = OpenDataset(WithSource("synthetic:64x48" + options))->Get(0).tof;
     return cv::countNonZero(tof.depth_m == tof.depth_m);
   };
   const int all = returns("?tof=sr4000");
@@ -90,18 +90,18 @@ TEST(OpenFrameSource, TakesTheFaultsOfTheSr4000FromTheSource) {
               HasSubstr("no such option blind=50"));
 }
 
-TEST(OpenFrameSource, OpensScenesWithoutATofCamera) {
+TEST(OpenDataset, OpensScenesWithoutATofCamera) {
   const SceneFolder folder;
   folder.Write2005({40, 30});
   for (const std::string& source : {folder.Config().source(), std::string("synthetic:64x48")}) {
-    const auto opened = OpenFrameSource(WithSource(source + "?tof=none"));
+    const auto opened = OpenDataset(WithSource(source + "?tof=none"));
     EXPECT_EQ(opened->rig().tof.width, 0);
     EXPECT_EQ(opened->rig().tof.height, 0);
     EXPECT_TRUE(opened->Get(0).tof.depth_m.empty());
   }
 }
 
-TEST(OpenFrameSource, NamesTheTofCamerasThatExist) {
+TEST(OpenDataset, NamesTheTofCamerasThatExist) {
   CaptureConfig config = WithSource("synthetic:64x48");
   config.set_tof("kinect");
   EXPECT_THAT(OpenError(config),
@@ -115,19 +115,19 @@ TEST(OpenFrameSource, NamesTheTofCamerasThatExist) {
               AllOf(HasSubstr("no such option zoom=2"), HasSubstr("?tof=sr4000")));
 }
 
-TEST(OpenFrameSource, ChecksTheRangesOfTheSr4000) {
+TEST(OpenDataset, ChecksTheRangesOfTheSr4000) {
   CaptureConfig config = WithSource("synthetic:64x48");
   config.mutable_sr4000()->set_view_margin(0);
   EXPECT_THAT(OpenError(config), HasSubstr("capture.sr4000.view_margin = 0"));
 }
 
-TEST(OpenFrameSource, NamesTheRangeWhenTheTofGridIsWiderThanTheImage) {
+TEST(OpenDataset, NamesTheRangeWhenTheTofGridIsWiderThanTheImage) {
   CaptureConfig config = WithSource("synthetic:64x48");
   config.set_tof_grid_px(49);
   EXPECT_THAT(OpenError(config), AllOf(HasSubstr("capture.tof_grid_px = 49"), HasSubstr("64x48"),
                                        HasSubstr("allowed: 1 to 48")));
   config.set_tof_grid_px(48);
-  EXPECT_EQ(OpenFrameSource(config)->rig().tof.width, 1);
+  EXPECT_EQ(OpenDataset(config)->rig().tof.width, 1);
 }
 
 }  // namespace

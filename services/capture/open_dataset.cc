@@ -3,7 +3,7 @@
 #include <optional>
 #include <string_view>
 
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 #include "services/capture/kitti_source.h"
 #include "services/capture/middlebury_source.h"
 #include "services/capture/number_text.h"
@@ -19,7 +19,7 @@ ConfigError BadSource(const CaptureConfig& config, const std::string& reason,
                      "; allowed: " + allowed);
 }
 
-std::unique_ptr<FrameSource> OpenSyntheticText(std::string_view size_text,
+std::unique_ptr<Dataset> OpenSyntheticText(std::string_view size_text,
                                                const CaptureConfig& config) {
   const std::string allowed = "synthetic:WxH with " + std::to_string(kMinSyntheticSide) + " to " +
                               std::to_string(kMaxSyntheticSide) + " px a side";
@@ -66,7 +66,7 @@ void RequireAllowed(const CaptureConfig& config) {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> OpenFrameSource(const CaptureConfig& original) {
+std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& original) {
   RequireInRange(original, "capture");
   CaptureConfig config = original;
   const std::string& source = config.source();

@@ -1,0 +1,117 @@
+#include "common/rig/rig_file.h"
+
+#include <algorithm>
+
+#include "common/config/config.h"
+#include "common/core/output_file.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+using Numbers = google::protobuf::RepeatedField<double>;
+
+// The numbers of a repeated field; none at all leave `values` alone.
+template <typename Values>
+void Fill(const std::string& field, const Numbers& numbers, bool may_be_fewer, Values& values) {
+  const int allowed = static_cast<int>(values.size());
+  if (numbers.empty()) return;
+  if (numbers.size() > allowed || (numbers.size() < allowed && !may_be_fewer)) {
+    throw ConfigError("calibration." + field + ": " + std::to_string(numbers.size()) +
+                      " numbers; allowed: " + std::to_string(allowed));
+  }
+  std::copy(numbers.begin(), numbers.end(), values.begin());
+}
+
+Lens LensOf(const std::string& name, const LensModel& model) {
+  Lens lens{.width = model.width(),
+            .height = model.height(),
+            .fx = model.fx(),
+            .fy = model.fy(),
+            .cx = model.cx(),
+            .cy = model.cy()};
+  Fill(name + ".distortion", model.distortion(), /*may_be_fewer=*/true, lens.distortion);
+  return lens;
+}
+
+Pose PoseOf(const std::string& name, const RigPose& message) {
+  std::array<double, 4> q{1, 0, 0, 0};
+  std::array<double, 3> t{};
+  Fill(name + ".rotation", message.rotation(), /*may_be_fewer=*/false, q);
+  Fill(name + ".translation_m", message.translation_m(), /*may_be_fewer=*/false, t);
+  return {.rotation = {q[0], q[1], q[2], q[3]}, .translation_m = {t[0], t[1], t[2]}};
+}
+
+void Set(const Lens& lens, LensModel& model) {
+  model.set_width(lens.width);
+  model.set_height(lens.height);
+  model.set_fx(lens.fx);
+  model.set_fy(lens.fy);
+  model.set_cx(lens.cx);
+  model.set_cy(lens.cy);
+  for (double value : lens.distortion) model.add_distortion(value);
+}
+
+void Set(const Pose& pose, RigPose& message) {
+  const auto& q = pose.rotation;
+  for (double value : {q.w(), q.x(), q.y(), q.z()}) message.add_rotation(value);
+  for (double value : pose.translation_m) message.add_translation_m(value);
+}
+
+}  // namespace
+
+RigDescription LoadRigFile(const fs::path& path) {
+  RigDescription rig;
+  ParseTextFile(path, "rig file", "a file as sprout-calibrate writes it", rig);
+  RequireInRange(rig, "rig file " + path.string() + ": rig");
+  return rig;
+}
+
+Result<void> SaveRigFile(const fs::path& path, const RigDescription& rig) {
+  OutputFile file(path);
+  file.Write(ConfigText(rig));
+  return file.Commit();
+}
+
+std::optional<RawRig> CalibrationOf(const RigDescription& description) {
+  if (!description.has_calibration()) return std::nullopt;
+  const RigCalibration& calibration = description.calibration();
+  RawRig rig;
+  rig.left = LensOf("left", calibration.left());
+  rig.right = LensOf("right", calibration.right());
+  rig.left_from_right = PoseOf("left_from_right", calibration.left_from_right());
+  if (calibration.has_tof()) rig.tof = LensOf("tof", calibration.tof());
+  rig.left_from_tof = PoseOf("left_from_tof", calibration.left_from_tof());
+  rig.range_scale = calibration.range_scale();
+  rig.range_offset_m = calibration.range_offset_m();
+  if (const Result<void> checked = CheckRawRig(rig); !checked) {
+    throw ConfigError("calibration." + checked.error().text);
+  }
+  return rig;
+}
+
+RawRig RequireCalibration(const RigDescription& rig, const fs::path& path) {
+  const std::string file = "rig file " + path.string() + ": ";
+  try {
+    if (const std::optional<RawRig> calibration = CalibrationOf(rig)) return *calibration;
+  } catch (const ConfigError& e) {
+    throw ConfigError(file + e.what());
+  }
+  throw ConfigError(file + "no calibration in it; sprout-calibrate writes one");
+}
+
+RigCalibration ToCalibration(const RawRig& rig) {
+  RigCalibration calibration;
+  Set(rig.left, *calibration.mutable_left());
+  Set(rig.right, *calibration.mutable_right());
+  Set(rig.left_from_right, *calibration.mutable_left_from_right());
+  if (rig.tof.width > 0) {
+    Set(rig.tof, *calibration.mutable_tof());
+    Set(rig.left_from_tof, *calibration.mutable_left_from_tof());
+  }
+  calibration.set_range_scale(rig.range_scale);
+  calibration.set_range_offset_m(rig.range_offset_m);
+  return calibration;
+}
+
+}  // namespace sprout
