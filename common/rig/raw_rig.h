@@ -20,10 +20,10 @@ struct Pose {
 /// y down, z forward. Rectifier makes a Rig of it.
 struct RawRig {
   Lens left;
-  Lens right;           ///< of the left one's size
-  Pose left_from_right; /// of the right camera in the left one's frame
-  Lens tof;             ///< 0×0 when there is no ToF camera
-  Pose left_from_tof;   ///< of the ToF camera in the (unrectified) left camera's frame
+  Lens right;            ///< of the left one's size
+  Pose left_from_right;  /// of the right camera in the left one's frame
+  Lens tof;              ///< 0×0 when there is no ToF camera
+  Pose left_from_tof;    ///< of the ToF camera in the (unrectified) left camera's frame
   /// The ToF camera's bias: the range along the ray is scale · measured + offset (Hansard et al.,
   /// "Time-of-Flight Cameras", 2012).
   double range_scale = 1;

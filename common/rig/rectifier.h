@@ -9,10 +9,10 @@
 
 namespace sprout {
 
-/// Turns what a rig's cameras see into a rectified pair and unbiased ranges. Both cameras are turned
-/// so that they look into one direction, at right angles to the baseline (Bouguet's method, as in
-/// cv::stereoRectify), with the largest common focal length that leaves no black border. The images
-/// keep their size. Thread-compatible; copies share the maps.
+/// Turns what a rig's cameras see into a rectified pair and unbiased ranges. Both cameras are
+/// turned so that they look into one direction, at right angles to the baseline (Bouguet's method,
+/// as in cv::stereoRectify), with the largest common focal length that leaves no black border. The
+/// images keep their size. Thread-compatible; copies share the maps.
 class Rectifier {
  public:
   /// O(pixels): makes both maps, 6 bytes a pixel each.
@@ -48,7 +48,7 @@ class Rectifier {
 
   RawRig raw_;
   Rig rig_;
-  cv::Matx33d left_turn_;   // from the camera's frame to the rectified one
+  cv::Matx33d left_turn_;  // from the camera's frame to the rectified one
   cv::Matx33d right_turn_;
   Maps left_;
   Maps right_;

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stop_token>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,27 +21,43 @@ struct CaptureMessages {
   std::vector<std::pair<Part, std::vector<uint8_t>>> messages;  ///< in the order of sending
 };
 
+/// When frames come.
+enum class Timing {
+  kAsked,     ///< whenever they are asked for: a dataset
+  kLive,      ///< when the cameras give them
+  kRecorded,  ///< whenever they are asked for; their utime tells at what pace they once came
+};
+
 /// What capture sends: frames of a source, taken at the call, or those of a log, taken once.
 class CaptureFeed {
  public:
   virtual ~CaptureFeed() = default;
 
-  /// The next capture; nothing when there are no more.
-  virtual std::optional<CaptureMessages> Next() = 0;
+  /// The next capture; nothing when there are no more, or a stop was asked for.
+  virtual std::optional<CaptureMessages> Next(const std::stop_token& stop) = 0;
 
-  /// Message with the calibration of the newest frame; before the first, of the first.
+  /// Message with the calibration of the newest frame; before the first, of the first. Empty when
+  /// the frames are not rectified.
   virtual std::vector<uint8_t> Calibration() const = 0;
 
-  /// Whether the frames' utime tells at what pace they once came.
-  virtual bool is_recorded() const = 0;
+  virtual Timing timing() const = 0;
 };
 
-/// Opens what config.source() names: log:FILE, or a Dataset.
-/// @param loop     start again at the end.
-/// @param monitor  is told what cannot be sent; must outlive the feed.
+/// Before the channels of images as the cameras see them, behind the prefix of the graph.
+inline constexpr std::string_view kRawPrefix = "RAW_";
+
+struct FeedOptions {
+  bool loop = false;  ///< start again at the end
+  bool raw = false;   ///< frames of cameras as they see them, for channels with kRawPrefix
+};
+
+/// Opens what config.source() names: log:FILE, cameras (OpenCameras()) or a dataset
+/// (OpenDataset()). log:FILE?rig=RIG rectifies the raw images of a log with a rig file;
+/// ?prefix=TEXT is before the log's channels.
+/// @param monitor  is told what is lost and cannot be sent; must outlive the feed.
 /// @throws ConfigError naming what is missing or wrong, and where.
-std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config, bool loop,
-                                             StageMonitor& monitor);
+std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
+                                             const FeedOptions& options, StageMonitor& monitor);
 
 }  // namespace sprout
 

@@ -25,11 +25,15 @@ Clock::duration ToClock(std::chrono::duration<double> duration) {
   return std::chrono::duration_cast<Clock::duration>(duration);
 }
 
-// A log says when its frames were taken; other sources go at the rate of the configuration, which
-// a log follows only when it is asked for by a flag. With --lockstep alone answers set its pace.
+// Cameras have their own rate, and a log says when its frames were taken; datasets go at the rate
+// of the configuration, which the others follow only when it is asked for by a flag. With
+// --lockstep alone answers set its pace.
 Pace PaceOf(const CaptureConfig& config, const CaptureOptions& options, const CaptureFeed& feed) {
-  if (!feed.is_recorded() || options.rate_is_asked_for) return Pace::AtRate(config.rate_hz());
-  return options.lockstep ? Pace::AtRate(0) : Pace::AsRecorded();
+  if (feed.timing() == Timing::kAsked || options.rate_is_asked_for) {
+    return Pace::AtRate(config.rate_hz());
+  }
+  const bool at_once = options.lockstep || feed.timing() == Timing::kLive;
+  return at_once ? Pace::AtRate(0) : Pace::AsRecorded();
 }
 
 class Capture {
@@ -38,7 +42,8 @@ class Capture {
       : options_(options),
         stop_(context.stop),
         monitor_(context.stage, Digest(ConfigText(context.config))),
-        feed_(OpenCaptureFeed(context.config.capture(), options.loop, monitor_)),
+        feed_(OpenCaptureFeed(context.config.capture(), {.loop = options.loop, .raw = options.raw},
+                              monitor_)),
         pace_(PaceOf(context.config.capture(), options, *feed_)),
         publisher_(context.lcm_url, context.prefix),
         answers_(context, monitor_, options.wait_for, options.lockstep.has_value()),
@@ -71,7 +76,7 @@ class Capture {
     if (stop_.stop_requested()) return true;
     const auto arrived = Clock::now();
     pace_.Take(arrived);
-    std::optional<CaptureMessages> frame = feed_->Next();
+    std::optional<CaptureMessages> frame = feed_->Next(stop_);
     if (!frame) return false;
     WaitUntil(pace_.DueBeforeSending(frame->id, Clock::now()));
     if (!stop_.stop_requested()) Send(std::move(*frame), arrived);
@@ -147,11 +152,16 @@ class Capture {
     if (published) monitor_.FrameOut(id, arrived, /*degenerate=*/"");
   }
 
+  std::string Channel(Part part) const {
+    return std::string(options_.raw ? kRawPrefix : "") + std::string(ChannelOf(part));
+  }
+
   // False, and counted, when not all of it could be sent.
   bool Publish(const CaptureMessages& frame) {
     for (const auto& [part, bytes] : frame.messages) {
-      if (publisher_.Publish(ChannelOf(part), bytes)) continue;
-      monitor_.FrameFailed(frame.id, std::string(ChannelOf(part)) + ": could not be published");
+      const std::string channel = Channel(part);
+      if (publisher_.Publish(channel, bytes)) continue;
+      monitor_.FrameFailed(frame.id, channel + ": could not be published");
       return false;
     }
     return true;
@@ -162,9 +172,9 @@ class Capture {
   }
 
   void PublishCalibration() {
-    const std::string_view channel = ChannelOf(Part::kRig);
-    if (!publisher_.Publish(channel, feed_->Calibration())) {
-      monitor_.Failure(std::string(channel) + ": could not be published");
+    const std::vector<uint8_t> calibration = feed_->Calibration();
+    if (!calibration.empty() && !publisher_.Publish(ChannelOf(Part::kRig), calibration)) {
+      monitor_.Failure(std::string(ChannelOf(Part::kRig)) + ": could not be published");
     }
     next_calibration_ = Clock::now() + kCalibrationPeriod;
   }

@@ -15,6 +15,7 @@ namespace sprout {
 struct CaptureOptions {
   std::optional<int64_t> frames;   ///< stop after so many; nothing: when the source ends
   bool loop = false;               ///< start the source again when it ends
+  bool raw = false;                ///< see FeedOptions
   bool rate_is_asked_for = false;  ///< by a flag: a log follows no other rate
   /// Frames that may be without a SPROUT_DISPARITY answer; nothing: send without waiting.
   std::optional<int> lockstep;
@@ -23,8 +24,8 @@ struct CaptureOptions {
   std::chrono::duration<double> wait_timeout{};  ///< how long to wait for them
 };
 
-/// Sends the source's frames on LEFT, RIGHT and TOF, and the calibration on RIG at start and once
-/// a second, until the source ends or context.stop.
+/// Sends the source's frames on LEFT, RIGHT and TOF (raw ones with kRawPrefix before them), and the
+/// calibration on RIG at start and once a second, until the source ends or context.stop.
 /// @returns exit code: 0; 1 when a stage to wait for is not heard in time.
 /// @throws ConfigError when the source cannot be used; BusError when the network cannot.
 int RunCapture(const ServiceContext& context, const CaptureOptions& options);

@@ -56,7 +56,8 @@ class Dataset {
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& config);
 
-/// The frames of a dataset one after the other, as a camera gives them; without a time of their own.
+/// The frames of a dataset one after the other, as a camera gives them; without a time of their
+/// own.
 /// @param loop  start again at the end.
 std::unique_ptr<FrameSource> PlayDataset(std::unique_ptr<Dataset> dataset, bool loop);
 

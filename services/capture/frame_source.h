@@ -19,8 +19,9 @@ struct CapturedFrame {
   TofImage tof;   ///< 0×0 without a ToF camera, or when it gave nothing
   /// Middle of the exposure, µs since 1970-01-01 UTC; nothing when the source has no clock.
   std::optional<int64_t> utime = {};
-  int64_t lost = 0;   ///< captures since the frame before that could not be made whole
-  std::string trouble = {};  ///< why, one line, of the newest of them; or another thing to tell people
+  int64_t lost = 0;  ///< captures since the frame before this one that could not be made whole
+  /// What went wrong since the frame before this one, one line: of several the newest.
+  std::string trouble = {};
 };
 
 /// Where rectified frames come from, as from a camera.
@@ -30,6 +31,9 @@ class FrameSource {
 
   /// Calibration; the same for all frames.
   virtual const Rig& rig() const = 0;
+
+  /// Whether frames come when the cameras give them; otherwise when they are asked for.
+  virtual bool is_live() const = 0;
 
   /// Waits for the next frame. Nothing when there are no more, or a stop was asked for. Cameras
   /// that are gone are waited for.

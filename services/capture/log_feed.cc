@@ -11,6 +11,8 @@
 #include "common/logfile/log_error.h"
 #include "common/logfile/log_reader.h"
 #include "common/messages/codec.h"
+#include "services/capture/raw_source.h"
+#include "services/capture/source_feed.h"
 
 namespace sprout {
 namespace {
@@ -19,18 +21,17 @@ constexpr Part kCaptured[] = {Part::kLeft, Part::kRight, Part::kTof, Part::kRig}
 
 class LogFeed : public CaptureFeed {
  public:
-  LogFeed(const std::string& path, const std::string& prefix, bool loop, StageMonitor& monitor)
-      : path_(path),
-        prefix_(prefix),
-        loop_(loop),
-        monitor_(monitor),
-        calibration_(FirstCalibration()) {
+  // Without `calibrated` there is no calibration, and none is looked for.
+  LogFeed(const std::string& path, const std::string& prefix, bool calibrated, bool loop,
+          StageMonitor& monitor)
+      : path_(path), prefix_(prefix), calibrated_(calibrated), loop_(loop), monitor_(monitor) {
+    if (calibrated_) calibration_ = FirstCalibration();
     Rewind();
     first_ = Read();
     if (!first_) throw NoFrame();
   }
 
-  std::optional<CaptureMessages> Next() override {
+  std::optional<CaptureMessages> Next(const std::stop_token& /*stop*/) override {
     if (first_) return std::exchange(first_, std::nullopt);
     std::optional<CaptureMessages> next = Read();
     if (!next && loop_) {
@@ -42,13 +43,14 @@ class LogFeed : public CaptureFeed {
 
   std::vector<uint8_t> Calibration() const override { return calibration_; }
 
-  bool is_recorded() const override { return true; }
+  Timing timing() const override { return Timing::kRecorded; }
 
  private:
   // Part that an event carries; nothing for what capture does not send.
   std::optional<Part> PartOf(const LogEvent& event) const {
     for (const Part part : kCaptured) {
       const std::string_view channel = ChannelOf(part);
+      if (part == Part::kRig && !calibrated_) continue;
       if (event.channel.size() == prefix_.size() + channel.size() &&
           event.channel.starts_with(prefix_) && event.channel.ends_with(channel)) {
         return part;
@@ -78,7 +80,8 @@ class LogFeed : public CaptureFeed {
   void Rewind() {
     reader_ = std::make_unique<LogReader>(path_);
     joiner_.emplace(PartSet{Part::kLeft, Part::kRight, Part::kTof});
-    if (Result<DecodedPart> rig = DecodePart(Part::kRig, calibration_)) {
+    if (calibrated_) {
+      Result<DecodedPart> rig = DecodePart(Part::kRig, calibration_);
       joiner_->Add(rig->id, Part::kRig, std::move(rig->value));
     }
     pending_.clear();
@@ -160,6 +163,7 @@ class LogFeed : public CaptureFeed {
 
   std::string path_;
   std::string prefix_;
+  bool calibrated_;
   bool loop_;
   StageMonitor& monitor_;
   std::map<std::string, int64_t> channels_;  // what was met
@@ -171,15 +175,73 @@ class LogFeed : public CaptureFeed {
   std::optional<CaptureMessages> first_;
 };
 
+class RawLogFeed : public CaptureFeed {
+ public:
+  RawLogFeed(std::unique_ptr<CaptureFeed> log, const Rectifier& rectifier, StageMonitor& monitor)
+      : log_(std::move(log)),
+        rectifier_(rectifier),
+        rig_id_(RigId(rectifier.rig())),
+        monitor_(monitor) {}
+
+  std::optional<CaptureMessages> Next(const std::stop_token& stop) override {
+    while (const std::optional<CaptureMessages> raw = log_->Next(stop)) {
+      Result<CapturedFrame> frame = RectifyFrame(rectifier_, Decoded(*raw));
+      newest_ = {raw->id.utime, raw->id.seq, rig_id_};
+      if (frame) return Encoded(newest_, *frame);
+      monitor_.FrameFailed(newest_, frame.error().text);
+    }
+    return std::nullopt;
+  }
+
+  std::vector<uint8_t> Calibration() const override {
+    const FrameId id{newest_.utime, std::max<int64_t>(newest_.seq, 0), rig_id_};
+    return EncodePart(id, Part::kRig, rectifier_.rig(), DisparityEncoding::kRawInt16);
+  }
+
+  Timing timing() const override { return Timing::kRecorded; }
+
+ private:
+  // The log's feed has decoded every message once, so each of them can be.
+  static CapturedFrame Decoded(const CaptureMessages& raw) {
+    CapturedFrame frame;
+    for (const auto& [part, bytes] : raw.messages) {
+      PartValue value = DecodePart(part, bytes)->value;
+      if (part == Part::kLeft) frame.left = std::get<cv::Mat>(std::move(value));
+      if (part == Part::kRight) frame.right = std::get<cv::Mat>(std::move(value));
+      if (part == Part::kTof) frame.tof = std::get<TofImage>(std::move(value));
+    }
+    return frame;
+  }
+
+  std::unique_ptr<CaptureFeed> log_;
+  Rectifier rectifier_;
+  std::string rig_id_;
+  StageMonitor& monitor_;
+  FrameId newest_;
+};
+
+std::unique_ptr<CaptureFeed> Open(const std::string& path, const std::string& prefix,
+                                  bool calibrated, bool loop, StageMonitor& monitor) {
+  try {
+    return std::make_unique<LogFeed>(path, prefix, calibrated, loop, monitor);
+  } catch (const LogError& e) {
+    throw ConfigError(std::string("capture.source = log:") + e.what());
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<CaptureFeed> OpenLogFeed(const std::string& path, const std::string& prefix,
                                          bool loop, StageMonitor& monitor) {
-  try {
-    return std::make_unique<LogFeed>(path, prefix, loop, monitor);
-  } catch (const LogError& e) {
-    throw ConfigError(std::string("capture.source = log:") + e.what());
-  }
+  return Open(path, prefix, /*calibrated=*/true, loop, monitor);
+}
+
+std::unique_ptr<CaptureFeed> OpenRawLogFeed(const std::string& path, const std::string& prefix,
+                                            const Rectifier& rectifier, bool loop,
+                                            StageMonitor& monitor) {
+  return std::make_unique<RawLogFeed>(
+      Open(path, prefix + std::string(kRawPrefix), /*calibrated=*/false, loop, monitor), rectifier,
+      monitor);
 }
 
 }  // namespace sprout

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "common/rig/rectifier.h"
 #include "services/capture/capture_feed.h"
 
 namespace sprout {
@@ -16,6 +17,12 @@ namespace sprout {
 /// @throws ConfigError when the file is no log, or holds no whole frame or no calibration.
 std::unique_ptr<CaptureFeed> OpenLogFeed(const std::string& path, const std::string& prefix,
                                          bool loop, StageMonitor& monitor);
+
+/// The same of the raw images of a log (kRawPrefix behind `prefix`), rectified; a calibration in
+/// the log does not count. A frame that is not of the calibrated size is counted and not sent.
+std::unique_ptr<CaptureFeed> OpenRawLogFeed(const std::string& path, const std::string& prefix,
+                                            const Rectifier& rectifier, bool loop,
+                                            StageMonitor& monitor);
 
 }  // namespace sprout
 

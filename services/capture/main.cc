@@ -29,10 +29,13 @@ struct Timeouts {
 
 void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Timeouts& timeouts) {
   flags
-      .add_option("--source", config.source,
-                  "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), ?tof=grid or "
-                  "?tof=sr4000 behind it picks the simulated ToF camera; or log:FILE, what "
-                  "lcm-logger recorded, ?prefix=TEXT behind it when its channels have one")
+      .add_option(
+          "--source", config.source,
+          "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), ?tof=grid or "
+          "?tof=sr4000 behind it picks the simulated ToF camera; log:FILE, what lcm-logger "
+          "recorded, ?prefix=TEXT behind it when its channels have one, ?rig=RIG to rectify "
+          "raw images; cameras: opencv:LEFT,RIGHT?rig=RIG (videos, image lists, devices), "
+          "opencv:BOTH?rig=RIG and v4l2:DEVICE?rig=RIG (both views side by side)")
       ->type_name("SOURCE");
   flags
       .add_option("--rate", config.rate_hz,
@@ -45,6 +48,9 @@ void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Tim
       ->check(CLI::Range(int64_t{1}, INT64_MAX))
       ->type_name("N");
   flags.add_flag("--loop", options.loop, "Start again when the source ends");
+  flags.add_flag("--raw", options.raw,
+                 "Of cameras: send the images as they see them, on RAW_SPROUT_LEFT and so on, for "
+                 "calibration or to rectify them later (log:FILE?rig=RIG)");
   flags
       .add_option("--lockstep", options.lockstep,
                   "Have at most N frames without a SPROUT_DISPARITY answer; without one in time a "

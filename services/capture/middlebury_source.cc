@@ -188,8 +188,7 @@ class MiddleburyDataset : public Dataset {
 
 }  // namespace
 
-std::unique_ptr<Dataset> OpenMiddlebury(const std::string& folder,
-                                            const CaptureConfig& config) {
+std::unique_ptr<Dataset> OpenMiddlebury(const std::string& folder, const CaptureConfig& config) {
   return std::make_unique<MiddleburyDataset>(ReadScene(folder, config), config);
 }
 

@@ -1,28 +1,63 @@
+#include <string>
 #include <string_view>
 
+#include "common/rig/rig_file.h"
 #include "services/capture/capture_feed.h"
+#include "services/capture/dataset.h"
 #include "services/capture/log_feed.h"
+#include "services/capture/raw_source.h"
 #include "services/capture/source_feed.h"
+#include "services/capture/source_options.h"
 
 namespace sprout {
 namespace {
 
 constexpr std::string_view kLog = "log:";
-constexpr std::string_view kPrefix = "?prefix=";
+
+std::unique_ptr<CaptureFeed> OpenLog(const std::string& source, bool loop, StageMonitor& monitor) {
+  const auto [place, options] = SplitSource(source);
+  const std::string path = place.substr(kLog.size());
+  std::string prefix;
+  std::string rig;
+  for (const SourceOption& option : options) {
+    if (option.name == "prefix") {
+      prefix = option.value;
+    } else if (option.name == "rig") {
+      rig = option.value;
+    } else {
+      throw ConfigError("capture.source = " + source + ": no such option " +
+                        std::string(option.text) + "; allowed: ?prefix=TEXT, ?rig=FILE");
+    }
+  }
+  if (rig.empty()) return OpenLogFeed(path, prefix, loop, monitor);
+  const Rectifier rectifier(RequireCalibration(LoadRigFile(rig), rig));
+  return OpenRawLogFeed(path, prefix, rectifier, loop, monitor);
+}
+
+std::unique_ptr<CaptureFeed> OpenCameraFeed(const CaptureConfig& config, const FeedOptions& options,
+                                            StageMonitor& monitor) {
+  OpenedCameras opened = OpenCameras(config.source(), options.loop);
+  if (options.raw) return FeedFrom(std::move(opened.cameras), config, monitor);
+  if (!opened.calibration) {
+    throw ConfigError("capture.source = " + config.source() +
+                      ": no calibration; allowed: ?rig=FILE with one that sprout-calibrate has "
+                      "written, or --raw");
+  }
+  return FeedFrom(Rectified(std::move(opened.cameras), Rectifier(*opened.calibration)), config,
+                  monitor);
+}
 
 }  // namespace
 
-std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config, bool loop,
-                                             StageMonitor& monitor) {
-  const std::string_view source = config.source();
-  if (!source.starts_with(kLog)) return OpenSourceFeed(config, loop);
-  std::string_view path = source.substr(kLog.size());
-  std::string_view prefix;
-  if (const size_t at = path.rfind(kPrefix); at != std::string_view::npos) {
-    prefix = path.substr(at + kPrefix.size());
-    path = path.substr(0, at);
+std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
+                                             const FeedOptions& options, StageMonitor& monitor) {
+  if (NamesCameras(config.source())) return OpenCameraFeed(config, options, monitor);
+  if (options.raw) {
+    throw ConfigError("capture.source = " + config.source() +
+                      ": --raw is for cameras; allowed: opencv:, v4l2:");
   }
-  return OpenLogFeed(std::string(path), std::string(prefix), loop, monitor);
+  if (config.source().starts_with(kLog)) return OpenLog(config.source(), options.loop, monitor);
+  return FeedFrom(PlayDataset(OpenDataset(config), options.loop), config, monitor);
 }
 
 }  // namespace sprout

@@ -20,7 +20,7 @@ ConfigError BadSource(const CaptureConfig& config, const std::string& reason,
 }
 
 std::unique_ptr<Dataset> OpenSyntheticText(std::string_view size_text,
-                                               const CaptureConfig& config) {
+                                           const CaptureConfig& config) {
   const std::string allowed = "synthetic:WxH with " + std::to_string(kMinSyntheticSide) + " to " +
                               std::to_string(kMaxSyntheticSide) + " px a side";
   const size_t cross = size_text.find('x');
@@ -37,8 +37,9 @@ std::unique_ptr<Dataset> OpenSyntheticText(std::string_view size_text,
 }
 
 // Applies what stands behind the '?' of a source.
-void ApplyOptions(std::string_view kind, std::string_view text, CaptureConfig& config) {
-  for (const SourceOption& option : SourceOptions(text)) {
+void ApplyOptions(std::string_view kind, const std::vector<SourceOption>& options,
+                  CaptureConfig& config) {
+  for (const SourceOption& option : options) {
     if (kind == "kitti" && option.name == "beams") {
       config.set_beams(ParseNumber<int>(option.value).value_or(0));
     } else if (option.name == "tof") {
@@ -69,22 +70,18 @@ void RequireAllowed(const CaptureConfig& config) {
 std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& original) {
   RequireInRange(original, "capture");
   CaptureConfig config = original;
-  const std::string& source = config.source();
-  // The last one, as a folder's name may hold one too.
-  const size_t question = source.rfind('?');
-  const std::string place = source.substr(0, question);
+  const auto [place, options] = SplitSource(original.source());
   const size_t colon = place.find(':');
   const std::string kind = place.substr(0, colon);
   const std::string argument = colon == std::string::npos ? "" : place.substr(colon + 1);
-  if (question != std::string::npos) {
-    ApplyOptions(kind, std::string_view(source).substr(question + 1), config);
-  }
+  ApplyOptions(kind, options, config);
   RequireAllowed(config);
   if (kind == "middlebury") return OpenMiddlebury(argument, config);
   if (kind == "kitti") return OpenKitti(argument, config);
   if (kind == "synthetic") return OpenSyntheticText(argument, config);
   const std::string allowed =
-      "middlebury:DIR, kitti:DIR, kitti:DIR/ID, synthetic:WxH, and for sprout-capture log:FILE";
+      "middlebury:DIR, kitti:DIR, kitti:DIR/ID, synthetic:WxH, and for sprout-capture log:FILE, "
+      "opencv:LEFT,RIGHT, v4l2:DEVICE";
   throw BadSource(config, kind == "log" ? "only sprout-capture plays logs" : "no such source",
                   allowed);
 }

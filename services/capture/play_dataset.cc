@@ -11,6 +11,7 @@ class DatasetPlayer : public FrameSource {
       : dataset_(std::move(dataset)), loop_(loop) {}
 
   const Rig& rig() const override { return dataset_->rig(); }
+  bool is_live() const override { return false; }
 
   std::optional<CapturedFrame> Next(const std::stop_token& stop) override {
     const std::optional<int64_t> count = dataset_->frame_count();

@@ -17,29 +17,39 @@ class RawSource {
  public:
   virtual ~RawSource() = default;
 
+  /// Whether frames come when the cameras give them; otherwise when they are asked for (files).
+  virtual bool is_live() const = 0;
+
   /// As FrameSource::Next().
   virtual std::optional<CapturedFrame> Next(const std::stop_token& stop) = 0;
 };
 
-/// Rectifies the images of a frame and corrects its ranges. The error names an image that is not of
-/// the calibrated size. A ToF image of 0×0 stays one.
+/// Rectifies the images of a frame and corrects its ranges. A ToF image of 0×0 stays one. The error
+/// names an image that is not of the calibrated size.
 Result<CapturedFrame> RectifyFrame(const Rectifier& rectifier, CapturedFrame raw);
 
-/// Frames of cameras, rectified; one that is not of the calibrated size counts as lost.
+/// Frames of cameras, rectified. One that is not of the calibrated size counts as lost.
 std::unique_ptr<FrameSource> Rectified(std::unique_ptr<RawSource> cameras, Rectifier rectifier);
 
-/// Cameras and the calibration that belongs to them.
+/// Cameras, and the calibration that belongs to them.
 struct OpenedCameras {
   std::unique_ptr<RawSource> cameras;
-  std::optional<RawRig> calibration;  ///< nothing when the rig is not calibrated yet
+  std::optional<RawRig> calibration;  ///< nothing when there is none yet
 };
 
-/// Opens what `source` names, when it names cameras; otherwise nothing.
+/// Whether a source names cameras: genicam:, opencv: or v4l2:.
+bool NamesCameras(const std::string& source);
+
+/// Opens the cameras that a source names.
 ///   opencv:LEFT,RIGHT  two videos, image lists (left_%04d.png) or devices that OpenCV opens
-///   opencv:BOTH        one that has both views side by side, as UVC stereo cameras deliver them
+///   opencv:BOTH        one that has both views side by side
+///   v4l2:DEVICE        a UVC stereo camera, both views side by side; &width=, &height= and &fps=
+///                      behind it: the size of the whole picture
 /// ?rig=FILE behind it names the rig file with the calibration.
+///
+/// @param loop  start files again at the end.
 /// @throws ConfigError naming what is missing or wrong, and where.
-std::optional<OpenedCameras> OpenCameras(const std::string& source);
+OpenedCameras OpenCameras(const std::string& source, bool loop);
 
 }  // namespace sprout
 

@@ -1,58 +1,96 @@
 #include "services/capture/source_feed.h"
 
 #include <algorithm>
+#include <functional>
+#include <utility>
 
 #include "common/core/image.h"
 #include "common/messages/codec.h"
-#include "services/capture/dataset.h"
 
 namespace sprout {
 namespace {
 
 class SourceFeed : public CaptureFeed {
  public:
-  SourceFeed(const CaptureConfig& config, bool loop)
-      : config_(config), source_(OpenDataset(config)), loop_(loop) {
-    newest_.rig_id = RigId(source_->rig());
+  using Take = std::function<std::optional<CapturedFrame>(const std::stop_token&)>;
+
+  // Without a rig the frames are not rectified.
+  SourceFeed(Take take, bool is_live, std::optional<Rig> rig, const CaptureConfig& config,
+             StageMonitor& monitor)
+      : take_(std::move(take)),
+        is_live_(is_live),
+        rig_(std::move(rig)),
+        config_(config),
+        monitor_(monitor) {
+    if (rig_) newest_.rig_id = RigId(*rig_);
   }
 
-  std::optional<CaptureMessages> Next() override {
-    const int64_t seq = newest_.seq + 1;
-    const std::optional<int64_t> count = source_->frame_count();
-    if (count && seq >= *count && !loop_) return std::nullopt;
-    const DatasetFrame frame = source_->Get(count ? seq % *count : seq);
+  std::optional<CaptureMessages> Next(const std::stop_token& stop) override {
+    std::optional<CapturedFrame> frame = take_(stop);
+    if (!frame) return std::nullopt;
+    Tell(*frame);
     // Captures are told apart by their time even when the clock is set back.
-    newest_.utime = std::max(NowUtime(), newest_.utime + 1);
-    newest_.seq = seq;
-    CaptureMessages messages{.id = newest_, .messages = {}};
-    const auto add = [&](Part part, const PartValue& value) {
-      messages.messages.emplace_back(
-          part, EncodePart(newest_, part, value, DisparityEncoding::kRawInt16));
-    };
-    add(Part::kLeft, config_.left_in_colour() ? frame.left : cv::Mat(ToGrey(frame.left)));
-    add(Part::kRight, config_.right_in_colour() ? frame.right : cv::Mat(ToGrey(frame.right)));
-    add(Part::kTof, frame.tof);
-    return messages;
+    newest_.utime = std::max(frame->utime.value_or(NowUtime()), newest_.utime + 1);
+    ++newest_.seq;
+    if (!config_.left_in_colour()) frame->left = ToGrey(frame->left);
+    if (!config_.right_in_colour()) frame->right = ToGrey(frame->right);
+    return Encoded(newest_, *frame);
   }
 
   std::vector<uint8_t> Calibration() const override {
+    if (!rig_) return {};
     const FrameId id{newest_.utime, std::max<int64_t>(newest_.seq, 0), newest_.rig_id};
-    return EncodePart(id, Part::kRig, source_->rig(), DisparityEncoding::kRawInt16);
+    return EncodePart(id, Part::kRig, *rig_, DisparityEncoding::kRawInt16);
   }
 
-  bool is_recorded() const override { return false; }
+  Timing timing() const override { return is_live_ ? Timing::kLive : Timing::kAsked; }
 
  private:
+  void Tell(const CapturedFrame& frame) {
+    for (int64_t i = 0; i < frame.lost; ++i) monitor_.FrameFailed(newest_, frame.trouble);
+    if (frame.lost == 0 && !frame.trouble.empty()) monitor_.Failure(frame.trouble);
+  }
+
+  Take take_;
+  bool is_live_;
+  std::optional<Rig> rig_;
   CaptureConfig config_;
-  std::unique_ptr<Dataset> source_;
-  bool loop_;
+  StageMonitor& monitor_;
   FrameId newest_;
 };
 
+template <typename Source>
+SourceFeed::Take TakeFrom(std::unique_ptr<Source> source) {
+  return [source = std::shared_ptr<Source>(std::move(source))](const std::stop_token& stop) {
+    return source->Next(stop);
+  };
+}
+
 }  // namespace
 
-std::unique_ptr<CaptureFeed> OpenSourceFeed(const CaptureConfig& config, bool loop) {
-  return std::make_unique<SourceFeed>(config, loop);
+CaptureMessages Encoded(const FrameId& id, const CapturedFrame& frame) {
+  CaptureMessages messages{.id = id, .messages = {}};
+  const auto add = [&](Part part, const PartValue& value) {
+    messages.messages.emplace_back(part, EncodePart(id, part, value, DisparityEncoding::kRawInt16));
+  };
+  add(Part::kLeft, frame.left);
+  add(Part::kRight, frame.right);
+  add(Part::kTof, frame.tof);
+  return messages;
+}
+
+std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<FrameSource> source,
+                                      const CaptureConfig& config, StageMonitor& monitor) {
+  const bool is_live = source->is_live();
+  const Rig rig = source->rig();
+  return std::make_unique<SourceFeed>(TakeFrom(std::move(source)), is_live, rig, config, monitor);
+}
+
+std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
+                                      const CaptureConfig& config, StageMonitor& monitor) {
+  const bool is_live = cameras->is_live();
+  return std::make_unique<SourceFeed>(TakeFrom(std::move(cameras)), is_live, std::nullopt, config,
+                                      monitor);
 }
 
 }  // namespace sprout

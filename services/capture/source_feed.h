@@ -4,13 +4,23 @@
 #include <memory>
 
 #include "services/capture/capture_feed.h"
+#include "services/capture/frame_source.h"
+#include "services/capture/raw_source.h"
 
 namespace sprout {
 
-/// Frames of a Dataset, numbered from 0 and stamped with the time at which they are taken: the
-/// only place where a clock enters a payload.
-/// @throws ConfigError, see OpenDataset().
-std::unique_ptr<CaptureFeed> OpenSourceFeed(const CaptureConfig& config, bool loop);
+/// LEFT, RIGHT and TOF of a frame, as a feed sends them.
+CaptureMessages Encoded(const FrameId& id, const CapturedFrame& frame);
+
+/// Frames of a source, numbered from 0 and stamped with their time of exposure, or, when the source
+/// has no clock, with the time at which they are taken: the only place where a clock enters a
+/// payload. Times of frames increase, whatever the clock does.
+std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<FrameSource> source,
+                                      const CaptureConfig& config, StageMonitor& monitor);
+
+/// The same of cameras, as they see; the frames have no rig_id.
+std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
+                                      const CaptureConfig& config, StageMonitor& monitor);
 
 }  // namespace sprout
 

@@ -22,6 +22,12 @@ std::vector<SourceOption> SourceOptions(std::string_view text) {
   }
 }
 
+SplitSourceText SplitSource(std::string_view source) {
+  const size_t question = source.rfind('?');
+  if (question == std::string_view::npos) return {std::string(source), {}};
+  return {std::string(source.substr(0, question)), SourceOptions(source.substr(question + 1))};
+}
+
 bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config) {
   if (option.name != "blind" && option.name != "wrapped" && option.name != "calibration") {
     return false;

@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_CAPTURE_SOURCE_OPTIONS_H_
 #define SPROUT_SERVICES_CAPTURE_SOURCE_OPTIONS_H_
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -17,6 +18,15 @@ struct SourceOption {
 
 /// The options of "a=1&b=2"; they point into the text.
 std::vector<SourceOption> SourceOptions(std::string_view text);
+
+/// A source without its options, and those.
+struct SplitSourceText {
+  std::string place;                  ///< "log:FILE"
+  std::vector<SourceOption> options;  ///< point into the source's text
+};
+
+/// Splits at the last '?', as a file's name may hold one too.
+SplitSourceText SplitSource(std::string_view source);
 
 /// What can be said about a simulated SR4000 behind "sr4000", for messages to people.
 inline constexpr std::string_view kSr4000Options = "&blind=P (%), &wrapped=P (%), &calibration=PX";

@@ -1,0 +1,72 @@
+#include <algorithm>
+#include <ranges>
+#include <string_view>
+
+#include "common/rig/rig_file.h"
+#include "services/capture/number_text.h"
+#include "services/capture/raw_source.h"
+#include "services/capture/source_options.h"
+#include "services/capture/video_source.h"
+
+namespace sprout {
+namespace {
+
+constexpr std::string_view kOpenCv = "opencv:";
+constexpr std::string_view kV4l2 = "v4l2:";
+
+ConfigError Bad(const std::string& source, const std::string& reason, const std::string& allowed) {
+  return ConfigError("capture.source = " + source + ": " + reason + "; allowed: " + allowed);
+}
+
+int Positive(const std::string& source, const SourceOption& option) {
+  const std::optional<int> number = ParseNumber<int>(option.value);
+  if (number && *number > 0) return *number;
+  throw Bad(source, "not a number above 0: " + std::string(option.text),
+            "?width=PX&height=PX&fps=HZ");
+}
+
+// Of "opencv:" two places, separated by a comma, or one with both views; of "v4l2:" one.
+std::vector<std::string> PlacesOf(const std::string& source, const std::string& place) {
+  const bool is_device = place.starts_with(kV4l2);
+  const std::string names = place.substr((is_device ? kV4l2 : kOpenCv).size());
+  std::vector<std::string> places;
+  for (const auto part : std::views::split(names, ',')) {
+    places.emplace_back(part.begin(), part.end());
+  }
+  const size_t most = is_device ? 1 : 2;
+  if (places.empty() || places.size() > most || std::ranges::count(places, "") > 0) {
+    throw Bad(source, "not one or two places",
+              "opencv:LEFT,RIGHT, opencv:BOTH or v4l2:DEVICE, ?rig=FILE behind it");
+  }
+  return places;
+}
+
+}  // namespace
+
+bool NamesCameras(const std::string& source) {
+  return source.starts_with(kOpenCv) || source.starts_with(kV4l2);
+}
+
+OpenedCameras OpenCameras(const std::string& source, bool loop) {
+  const auto [place, options] = SplitSource(source);
+  VideoSettings settings{.places = PlacesOf(source, place), .loop = loop};
+  OpenedCameras opened;
+  for (const SourceOption& option : options) {
+    if (option.name == "rig") {
+      opened.calibration = RequireCalibration(LoadRigFile(option.value), option.value);
+    } else if (option.name == "width") {
+      settings.width = Positive(source, option);
+    } else if (option.name == "height") {
+      settings.height = Positive(source, option);
+    } else if (option.name == "fps") {
+      settings.fps = Positive(source, option);
+    } else {
+      throw Bad(source, "no such option " + std::string(option.text),
+                "?rig=FILE, &width=PX, &height=PX, &fps=HZ");
+    }
+  }
+  opened.cameras = OpenVideo(settings);
+  return opened;
+}
+
+}  // namespace sprout

@@ -1,0 +1,68 @@
+#include "services/capture/raw_source.h"
+
+#include <utility>
+
+#include "common/core/image.h"
+
+namespace sprout {
+namespace {
+
+Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrated) {
+  if (size == calibrated) return {};
+  return Fail(what + " of " + SizeText(size) + ": allowed is the calibrated size " +
+              SizeText(calibrated));
+}
+
+class RectifiedSource : public FrameSource {
+ public:
+  RectifiedSource(std::unique_ptr<RawSource> cameras, Rectifier rectifier)
+      : cameras_(std::move(cameras)), rectifier_(std::move(rectifier)) {}
+
+  const Rig& rig() const override { return rectifier_.rig(); }
+  bool is_live() const override { return cameras_->is_live(); }
+
+  std::optional<CapturedFrame> Next(const std::stop_token& stop) override {
+    int64_t lost = 0;
+    std::string trouble;
+    while (true) {
+      std::optional<CapturedFrame> raw = cameras_->Next(stop);
+      if (!raw) return std::nullopt;
+      lost += raw->lost;
+      if (!raw->trouble.empty()) trouble = raw->trouble;
+      Result<CapturedFrame> frame = RectifyFrame(rectifier_, std::move(*raw));
+      if (frame) {
+        frame->lost = lost;
+        frame->trouble = trouble;
+        return std::move(*frame);
+      }
+      ++lost;
+      trouble = frame.error().text;
+    }
+  }
+
+ private:
+  std::unique_ptr<RawSource> cameras_;
+  Rectifier rectifier_;
+};
+
+}  // namespace
+
+Result<CapturedFrame> RectifyFrame(const Rectifier& rectifier, CapturedFrame raw) {
+  const RawRig& rig = rectifier.raw();
+  Result<void> fits = CheckSize("left image", raw.left.size(), rig.left.size());
+  if (fits) fits = CheckSize("right image", raw.right.size(), rig.right.size());
+  if (fits && !raw.tof.depth_m.empty()) {
+    fits = CheckSize("ToF image", raw.tof.depth_m.size(), rig.tof.size());
+  }
+  if (!fits) return tl::unexpected<Error>(fits.error());
+  raw.left = rectifier.RectifyLeft(raw.left);
+  raw.right = rectifier.RectifyRight(raw.right);
+  rectifier.CorrectRanges(raw.tof);
+  return raw;
+}
+
+std::unique_ptr<FrameSource> Rectified(std::unique_ptr<RawSource> cameras, Rectifier rectifier) {
+  return std::make_unique<RectifiedSource>(std::move(cameras), std::move(rectifier));
+}
+
+}  // namespace sprout
