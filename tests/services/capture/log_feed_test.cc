@@ -41,7 +41,7 @@ class LogFeedTest : public ::testing::Test {
   // Numbers of all frames that are left.
   static std::vector<int64_t> Seqs(CaptureFeed& feed) {
     std::vector<int64_t> seqs;
-    while (const auto frame = feed.Next()) seqs.push_back(frame->id.seq);
+    while (const auto frame = feed.Next({})) seqs.push_back(frame->id.seq);
     return seqs;
   }
 
@@ -73,23 +73,23 @@ TEST_F(LogFeedTest, GivesEveryFrameByteByByteAsItWasRecorded) {
 
   const auto feed =
       Open(Concat({{RigEvent(0)}, FrameEvents(0), {TofEvent(1), RightEvent(1), left}}));
-  EXPECT_TRUE(feed->is_recorded());
+  EXPECT_EQ(feed->timing(), Timing::kRecorded);
   EXPECT_EQ(feed->Calibration(), RigEvent(0).data);
-  const auto first = feed->Next();
+  const auto first = feed->Next({});
   ASSERT_TRUE(first);
   EXPECT_EQ(first->id, TestId(0));
   EXPECT_EQ(first->messages, (Messages{{Part::kRig, RigEvent(0).data},
                                        {Part::kLeft, LeftEvent(0, 50).data},
                                        {Part::kRight, RightEvent(0).data},
                                        {Part::kTof, TofEvent(0).data}}));
-  const auto second = feed->Next();
+  const auto second = feed->Next({});
   ASSERT_TRUE(second);
   EXPECT_EQ(second->id, TestId(1));
   EXPECT_EQ(second->messages, (Messages{{Part::kTof, TofEvent(1).data},
                                         {Part::kRight, RightEvent(1).data},
                                         {Part::kLeft, left.data}}));
-  EXPECT_FALSE(feed->Next());
-  EXPECT_FALSE(feed->Next());
+  EXPECT_FALSE(feed->Next({}));
+  EXPECT_FALSE(feed->Next({}));
 }
 
 TEST_F(LogFeedTest, KnowsTheCalibrationThatComesLateInTheLog) {
@@ -100,9 +100,9 @@ TEST_F(LogFeedTest, KnowsTheCalibrationThatComesLateInTheLog) {
 
 TEST_F(LogFeedTest, SendsAChangedCalibrationBeforeTheFrameThatNeedsIt) {
   const auto feed = Open(Concat({{RigEvent(0)}, FrameEvents(0), {RigEvent(1)}, FrameEvents(1)}));
-  feed->Next();
+  feed->Next({});
   EXPECT_EQ(feed->Calibration(), RigEvent(0).data);
-  const auto second = feed->Next();
+  const auto second = feed->Next({});
   EXPECT_EQ(second->messages.front(), (std::pair{Part::kRig, RigEvent(1).data}));
   EXPECT_EQ(feed->Calibration(), RigEvent(1).data);
 }
@@ -140,7 +140,7 @@ TEST_F(LogFeedTest, GivesAFrameTwiceThatWasSentTwice) {
 
 TEST_F(LogFeedTest, StartsAgainAtTheEndOnDemand) {
   const auto feed = Open(Concat({{RigEvent(0)}, FrameEvents(0), FrameEvents(1)}), /*loop=*/true);
-  for (const int64_t seq : {0, 1, 0, 1, 0}) EXPECT_EQ(feed->Next()->id, TestId(seq));
+  for (const int64_t seq : {0, 1, 0, 1, 0}) EXPECT_EQ(feed->Next({})->id, TestId(seq));
 }
 
 TEST_F(LogFeedTest, ReadsChannelsWithAPrefixWhenToldTo) {

@@ -151,9 +151,9 @@ TEST(MiddleburyDataset, GivesTheSameFrameAfterTheFirstWasChanged) {
   const auto source = folder.Open();
   DatasetFrame first = source->Get(0);
   const DatasetFrame kept{first.left.clone(),
-                           first.right.clone(),
-                           {first.tof.depth_m.clone(), {}},
-                           {first.truth.left.clone(), first.truth.right.clone()}};
+                          first.right.clone(),
+                          {first.tof.depth_m.clone(), {}},
+                          {first.truth.left.clone(), first.truth.right.clone()}};
   for (cv::Mat* image : {&first.left, &first.right}) image->setTo(0);
   for (cv::Mat1f* map : {&first.tof.depth_m, &first.truth.left, &first.truth.right}) map->setTo(1);
 

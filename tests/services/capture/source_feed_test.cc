@@ -3,8 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <deque>
+
 #include "common/messages/codec.h"
 #include "services/capture/dataset.h"
+#include "tests/common/app/captured_log.h"
+#include "tests/common/messages/examples.h"
 #include "tests/services/capture/kitti_folder.h"
 #include "tests/services/capture/scene_folder.h"
 
@@ -22,13 +26,23 @@ cv::Mat ImageOf(const CaptureMessages& frame, size_t index) {
       DecodePart(frame.messages[index].first, frame.messages[index].second)->value);
 }
 
-TEST(SourceFeed, NumbersAndStampsTheFramesOfItsSource) {
-  const auto feed = OpenSourceFeed(Synthetic(), /*loop=*/false);
+class SourceFeed : public ::testing::Test {
+ protected:
+  std::unique_ptr<CaptureFeed> Open(const CaptureConfig& config, bool loop = false) {
+    return OpenCaptureFeed(config, {.loop = loop}, monitor_);
+  }
+
+  CapturedLog log_;
+  StageMonitor monitor_{"capture", ""};
+};
+
+TEST_F(SourceFeed, NumbersAndStampsTheFramesOfItsSource) {
+  const auto feed = Open(Synthetic());
   const auto source = OpenDataset(Synthetic());
-  EXPECT_FALSE(feed->is_recorded());
+  EXPECT_EQ(feed->timing(), Timing::kAsked);
   int64_t newest_utime = NowUtime() - 1;
   for (int64_t seq = 0; seq < 3; ++seq) {
-    const auto frame = feed->Next();
+    const auto frame = feed->Next({});
     ASSERT_TRUE(frame);
     EXPECT_EQ(frame->id.seq, seq);
     EXPECT_GT(frame->id.utime, newest_utime);
@@ -40,31 +54,31 @@ TEST(SourceFeed, NumbersAndStampsTheFramesOfItsSource) {
   }
 }
 
-TEST(SourceFeed, EndsWithItsSourceUnlessItLoops) {
+TEST_F(SourceFeed, EndsWithItsSourceUnlessItLoops) {
   const SceneFolder scene;
   scene.Write2005({30, 20});
-  const auto once = OpenSourceFeed(scene.Config(), /*loop=*/false);
-  EXPECT_TRUE(once->Next());
-  EXPECT_FALSE(once->Next());
-  const auto looping = OpenSourceFeed(scene.Config(), /*loop=*/true);
-  for (int64_t seq = 0; seq < 3; ++seq) EXPECT_EQ(looping->Next()->id.seq, seq);
+  const auto once = Open(scene.Config());
+  EXPECT_TRUE(once->Next({}));
+  EXPECT_FALSE(once->Next({}));
+  const auto looping = Open(scene.Config(), /*loop=*/true);
+  for (int64_t seq = 0; seq < 3; ++seq) EXPECT_EQ(looping->Next({})->id.seq, seq);
 }
 
-TEST(SourceFeed, SendsColourAsConfigured) {
+TEST_F(SourceFeed, SendsColourAsConfigured) {
   CaptureConfig config = Synthetic();
-  EXPECT_EQ(ImageOf(*OpenSourceFeed(config, false)->Next(), 0).channels(), 3);
-  EXPECT_EQ(ImageOf(*OpenSourceFeed(config, false)->Next(), 1).channels(), 1);
+  EXPECT_EQ(ImageOf(*Open(config)->Next({}), 0).channels(), 3);
+  EXPECT_EQ(ImageOf(*Open(config)->Next({}), 1).channels(), 1);
   config.set_left_in_colour(false);
   config.set_right_in_colour(true);
-  EXPECT_EQ(ImageOf(*OpenSourceFeed(config, false)->Next(), 0).channels(), 1);
-  EXPECT_EQ(ImageOf(*OpenSourceFeed(config, false)->Next(), 1).channels(), 3);
+  EXPECT_EQ(ImageOf(*Open(config)->Next({}), 0).channels(), 1);
+  EXPECT_EQ(ImageOf(*Open(config)->Next({}), 1).channels(), 3);
 }
 
 // The stages wait for the message, whether or not there is a ToF camera.
-TEST(SourceFeed, SendsAToFMessageWithoutAToFCamera) {
+TEST_F(SourceFeed, SendsAToFMessageWithoutAToFCamera) {
   const KittiFolder kitti;
   kitti.WriteStereo("000000");
-  const auto frame = OpenSourceFeed(kitti.Config("/000000?tof=none"), /*loop=*/false)->Next();
+  const auto frame = Open(kitti.Config("/000000?tof=none"))->Next({});
   ASSERT_TRUE(frame);
   ASSERT_EQ(frame->messages.size(), 3U);
   const auto& [part, bytes] = frame->messages[2];
@@ -72,16 +86,47 @@ TEST(SourceFeed, SendsAToFMessageWithoutAToFCamera) {
   EXPECT_TRUE(std::get<TofImage>(DecodePart(part, bytes)->value).depth_m.empty());
 }
 
-TEST(SourceFeed, NamesItsCalibrationByTheNewestFrame) {
-  const auto feed = OpenSourceFeed(Synthetic(), false);
+TEST_F(SourceFeed, NamesItsCalibrationByTheNewestFrame) {
+  const auto feed = Open(Synthetic());
   const auto id_of = [](const std::vector<uint8_t>& rig) {
     return DecodePart(Part::kRig, rig)->id;
   };
   EXPECT_EQ(id_of(feed->Calibration()).seq, 0) << "before the first frame";
-  const FrameId first = feed->Next()->id;
+  const FrameId first = feed->Next({})->id;
   EXPECT_EQ(id_of(feed->Calibration()), first);
-  const FrameId second = feed->Next()->id;
+  const FrameId second = feed->Next({})->id;
   EXPECT_EQ(id_of(feed->Calibration()), second);
+}
+
+// A camera that stamps its frames, and loses some.
+class Camera : public FrameSource {
+ public:
+  const Rig& rig() const override { return rig_; }
+  bool is_live() const override { return true; }
+  std::optional<CapturedFrame> Next(const std::stop_token& /*stop*/) override {
+    CapturedFrame frame;
+    frame.left = cv::Mat(2, 3, CV_8UC1, cv::Scalar(1));
+    frame.right = cv::Mat(2, 3, CV_8UC1, cv::Scalar(2));
+    frame.utime = times_.front();
+    times_.pop_front();
+    frame.lost = 2;
+    frame.trouble = "packets lost";
+    return frame;
+  }
+
+ private:
+  Rig rig_ = examples::Rig();
+  std::deque<int64_t> times_{5000, 4000, 9000};
+};
+
+TEST_F(SourceFeed, StampsFramesWithTheTimeOfTheirExposureAndCountsWhatWasLost) {
+  const auto feed = FeedFrom(std::make_unique<Camera>(), CaptureConfig(), monitor_);
+  EXPECT_EQ(feed->timing(), Timing::kLive);
+  EXPECT_EQ(feed->Next({})->id.utime, 5000);
+  EXPECT_EQ(feed->Next({})->id.utime, 5001) << "clock set back";
+  EXPECT_EQ(feed->Next({})->id.utime, 9000);
+  EXPECT_EQ(monitor_.Snapshot().frames_failed, 6);
+  EXPECT_THAT(monitor_.Snapshot().last_error, ::testing::HasSubstr("packets lost"));
 }
 
 }  // namespace

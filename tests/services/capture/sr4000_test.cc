@@ -7,8 +7,8 @@
 #include <cstring>
 #include <limits>
 
-#include "common/geometry/projection.h"
 #include "common/geometry/lens.h"
+#include "common/geometry/projection.h"
 
 namespace sprout {
 namespace {

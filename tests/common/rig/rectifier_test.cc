@@ -1,0 +1,135 @@
+#include "common/rig/rectifier.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "common/geometry/lens.h"
+#include "common/geometry/projection.h"
+#include "tests/common/rig/tilted_rig.h"
+
+namespace sprout {
+namespace {
+
+const std::vector<Eigen::Vector3d> kPointsInLeft = {
+    {0, 0, 1}, {-0.4, -0.3, 1.1}, {0.5, 0.3, 1.5}, {-1, 0.9, 3}, {1.5, -1, 4}, {0.2, 2, 8}};
+
+// Pixel at which an unrectified camera sees a point of the left one's frame.
+cv::Point2d RawPixel(const Lens& lens, const Pose& left_from_camera,
+                     const Eigen::Vector3d& in_left) {
+  const Eigen::Vector3d in_camera = left_from_camera.rotation.toRotationMatrix().transpose() *
+                                    (in_left - left_from_camera.translation_m);
+  const Eigen::Vector2d pixel = PixelOfDirection(lens, in_camera.hnormalized());
+  return {pixel.x(), pixel.y()};
+}
+
+TEST(Rectifier, PutsBothImagesOfAPointOnOneRow) {
+  const RawRig raw = TiltedRig();
+  const Rectifier rectifier(raw);
+  for (const Eigen::Vector3d& point : kPointsInLeft) {
+    const cv::Point2d left = rectifier.LeftPixel(RawPixel(raw.left, {}, point));
+    const cv::Point2d right = rectifier.RightPixel(RawPixel(raw.right, raw.left_from_right, point));
+    EXPECT_NEAR(left.y, right.y, 1e-6);
+    EXPECT_GT(left.x - right.x, 0);
+  }
+}
+
+TEST(Rectifier, GivesTheRigThatSeesThePointsWhereTheImagesHaveThem) {
+  const RawRig raw = TiltedRig();
+  const Rectifier rectifier(raw);
+  const Rig& rig = rectifier.rig();
+  EXPECT_TRUE(CheckRig(rig));
+  EXPECT_NEAR(rig.pair.baseline_m, raw.left_from_right.translation_m.norm(), 1e-12);
+  for (const Eigen::Vector3d& point : kPointsInLeft) {
+    const cv::Point2d left = rectifier.LeftPixel(RawPixel(raw.left, {}, point));
+    const cv::Point2d right = rectifier.RightPixel(RawPixel(raw.right, raw.left_from_right, point));
+    // The turn of the left camera keeps distances.
+    const Eigen::Vector3d again = PointFromSeed(
+        rig.pair, {.u = float(left.x), .v = float(left.y), .u_right = float(right.x)});
+    EXPECT_NEAR(again.norm(), point.norm(), 1e-4 * point.norm());
+  }
+}
+
+TEST(Rectifier, TurnsThePoseOfTheToFCameraWithTheLeftOne) {
+  const RawRig raw = TiltedRig();
+  const Rectifier rectifier(raw);
+  const TofCamera& tof = rectifier.rig().tof;
+  EXPECT_EQ(tof.lens().size(), raw.tof.size());
+  for (const Eigen::Vector3d& in_tof : kPointsInLeft) {
+    const Eigen::Vector3d in_left =
+        raw.left_from_tof.rotation.toRotationMatrix() * in_tof + raw.left_from_tof.translation_m;
+    const Eigen::Vector3d in_rectified =
+        tof.left_from_tof_rotation.toRotationMatrix() * in_tof + tof.left_from_tof_translation_m;
+    const Seed seed = ProjectToPair(rectifier.rig().pair, in_rectified);
+    const cv::Point2d left = rectifier.LeftPixel(RawPixel(raw.left, {}, in_left));
+    EXPECT_NEAR(seed.u, left.x, 1e-3);
+    EXPECT_NEAR(seed.v, left.y, 1e-3);
+  }
+}
+
+// A picture whose grey value tells the column or the row, smooth enough for bilinear weights.
+cv::Mat1b Ramp(cv::Size size, bool along_row) {
+  cv::Mat1b ramp(size);
+  for (int v = 0; v < ramp.rows; ++v) {
+    for (int u = 0; u < ramp.cols; ++u) {
+      ramp(v, u) = static_cast<uchar>(along_row ? u * 250 / size.width : v * 250 / size.height);
+    }
+  }
+  return ramp;
+}
+
+TEST(Rectifier, FillsEveryPixelFromWhereTheCameraSawIt) {
+  const RawRig raw = TiltedRig();
+  const Rectifier rectifier(raw);
+  for (const bool along_row : {false, true}) {
+    const cv::Mat1b left = Ramp(raw.left.size(), along_row);
+    const cv::Mat1b rectified = rectifier.RectifyLeft(left);
+    ASSERT_EQ(rectified.size(), rectifier.rig().pair.size());
+    for (const auto& [u, v] : {std::pair{20, 30}, {320, 240}, {600, 20}, {100, 450}}) {
+      const cv::Point2d lands = rectifier.LeftPixel({double(u), double(v)});
+      if (lands.x < 0 || lands.y < 0 || lands.x > 638 || lands.y > 478) continue;
+      EXPECT_NEAR(rectified(cvRound(lands.y), cvRound(lands.x)), left(v, u), 1);
+    }
+  }
+}
+
+TEST(Rectifier, LeavesNoBlackBorder) {
+  const RawRig raw = TiltedRig();
+  const Rectifier rectifier(raw);
+  const cv::Mat1b white(raw.left.size(), uchar{255});
+  EXPECT_EQ(cv::countNonZero(rectifier.RectifyLeft(white) < 255), 0);
+  EXPECT_EQ(cv::countNonZero(rectifier.RectifyRight(white) < 255), 0);
+  const cv::Mat coloured(raw.left.size(), CV_8UC3, cv::Scalar(1, 2, 3));
+  EXPECT_EQ(rectifier.RectifyLeft(coloured).type(), CV_8UC3);
+}
+
+TEST(Rectifier, TakesTheBiasOutOfTheRangeAlongTheRay) {
+  const RawRig raw = TiltedRig();
+  const Rectifier rectifier(raw);
+  TofImage tof{.depth_m = cv::Mat1f(raw.tof.size(), 2.f), .amplitude = {}};
+  tof.depth_m(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  const cv::Mat1f measured = tof.depth_m;
+  rectifier.CorrectRanges(tof);
+  EXPECT_TRUE(std::isnan(tof.depth_m(0, 0)));
+  EXPECT_EQ(measured(1, 1), 2) << "the caller's image";
+  for (const auto& [u, v] : {std::pair{88, 71}, {3, 140}, {175, 0}}) {
+    const double length = DirectionOfPixel(raw.tof, {double(u), double(v)}).homogeneous().norm();
+    EXPECT_NEAR(tof.depth_m(v, u) * length, 1.01 * 2 * length - 0.02, 1e-6);
+  }
+  TofImage none;
+  rectifier.CorrectRanges(none);
+  EXPECT_TRUE(none.depth_m.empty());
+}
+
+TEST(Rectifier, ServesARigWithoutAToFCamera) {
+  RawRig raw = TiltedRig();
+  raw.tof = {};
+  EXPECT_TRUE(CheckRawRig(raw));
+  EXPECT_EQ(Rectifier(raw).rig().tof.width, 0);
+}
+
+}  // namespace
+}  // namespace sprout

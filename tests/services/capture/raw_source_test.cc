@@ -1,0 +1,267 @@
+#include "services/capture/raw_source.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "common/rig/rig_file.h"
+#include "services/capture/capture_feed.h"
+#include "tests/common/app/captured_log.h"
+#include "tests/common/app/log_files.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/common/rig/tilted_rig.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+cv::Mat Picture(cv::Size size, int grey) { return {size, CV_8UC3, cv::Scalar::all(grey)}; }
+
+CapturedFrame RawFrame(int grey) {
+  const RawRig rig = TiltedRig();
+  CapturedFrame frame;
+  frame.left = Picture(rig.left.size(), grey);
+  frame.right = Picture(rig.right.size(), grey);
+  frame.tof.depth_m = cv::Mat1f(rig.tof.size(), 2.f);
+  return frame;
+}
+
+// Cameras that give what they are told.
+class TestCameras : public RawSource {
+ public:
+  explicit TestCameras(std::deque<CapturedFrame> frames) : frames_(std::move(frames)) {}
+  bool is_live() const override { return true; }
+  std::optional<CapturedFrame> Next(const std::stop_token& /*stop*/) override {
+    if (frames_.empty()) return std::nullopt;
+    CapturedFrame frame = frames_.front();
+    frames_.pop_front();
+    return frame;
+  }
+
+ private:
+  std::deque<CapturedFrame> frames_;
+};
+
+TEST(RawSource, RectifiesImagesAndRanges) {
+  const Rectifier rectifier(TiltedRig());
+  const Result<CapturedFrame> frame = RectifyFrame(rectifier, RawFrame(77));
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->left.size(), rectifier.rig().pair.size());
+  EXPECT_EQ(frame->right.at<cv::Vec3b>(240, 320)[1], 77);
+  EXPECT_NEAR(frame->tof.depth_m(71, 88), 1.01 * 2 - 0.02, 1e-3);
+}
+
+TEST(RawSource, TakesAFrameWhoseToFCameraGaveNothing) {
+  CapturedFrame raw = RawFrame(77);
+  raw.tof = {};
+  const Result<CapturedFrame> frame = RectifyFrame(Rectifier(TiltedRig()), raw);
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(frame->tof.depth_m.empty());
+}
+
+TEST(RawSource, NamesTheImageThatIsNotOfTheCalibratedSize) {
+  const Rectifier rectifier(TiltedRig());
+  CapturedFrame raw = RawFrame(1);
+  raw.right = Picture({64, 48}, 1);
+  EXPECT_THAT(RectifyFrame(rectifier, raw).error().text,
+              AllOf(HasSubstr("right image of 64x48"), HasSubstr("640x480")));
+  raw = RawFrame(1);
+  raw.tof.depth_m = cv::Mat1f(3, 4, 1.f);
+  EXPECT_THAT(RectifyFrame(rectifier, raw).error().text, HasSubstr("ToF image of 4x3"));
+}
+
+TEST(RawSource, CountsFramesThatCannotBeRectifiedAsLost) {
+  CapturedFrame small = RawFrame(2);
+  small.left = Picture({64, 48}, 2);
+  CapturedFrame late = RawFrame(3);
+  late.lost = 2;
+  const auto source =
+      Rectified(std::make_unique<TestCameras>(std::deque{RawFrame(1), small, small, late}),
+                Rectifier(TiltedRig()));
+  EXPECT_TRUE(source->is_live());
+  EXPECT_EQ(source->Next({})->lost, 0);
+  const auto second = source->Next({});
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->lost, 4);
+  EXPECT_THAT(second->trouble, HasSubstr("left image of 64x48"));
+  EXPECT_FALSE(source->Next({}));
+}
+
+// Pictures and rig files.
+class VideoTest : public ::testing::Test {
+ protected:
+  VideoTest() {
+    RigDescription description;
+    *description.mutable_calibration() = ToCalibration(TiltedRig());
+    EXPECT_TRUE(SaveRigFile(rig_, description));
+  }
+
+  std::string Path(const char* name) const { return (folder_ / name).string(); }
+
+  // `count` pictures NAME00.png, NAME01.png and so on of a grey value that tells the number.
+  std::string WriteList(const std::string& name, int count, cv::Size size = {640, 480}) const {
+    for (int i = 0; i < count; ++i) {
+      cv::imwrite(Path((name + "0" + std::to_string(i) + ".png").c_str()),
+                  Picture(size, 10 * (i + 1)));
+    }
+    return Path((name + "%02d.png").c_str());
+  }
+
+  CaptureConfig Config(const std::string& source) const {
+    CaptureConfig config;
+    config.set_source(source);
+    return config;
+  }
+
+  std::string ErrorOf(const std::string& source, const FeedOptions& options = {}) {
+    try {
+      OpenCaptureFeed(Config(source), options, monitor_);
+      return "no error";
+    } catch (const ConfigError& e) {
+      return e.what();
+    }
+  }
+
+  static cv::Mat ImageOf(const CaptureMessages& frame, Part part) {
+    for (const auto& [its, bytes] : frame.messages) {
+      if (its == part) return std::get<cv::Mat>(DecodePart(part, bytes)->value);
+    }
+    return {};
+  }
+
+  CapturedLog log_;
+  TemporaryDirectory folder_;
+  std::string rig_ = Path("rig.textproto");
+  StageMonitor monitor_{"capture", ""};
+};
+
+TEST_F(VideoTest, PlaysTwoImageListsAndEndsWithTheShorterOne) {
+  const std::string source = "opencv:" + WriteList("left", 3) + "," + WriteList("right", 2);
+  const auto opened = OpenCameras(source, /*loop=*/false);
+  EXPECT_FALSE(opened.cameras->is_live());
+  EXPECT_FALSE(opened.calibration);
+  for (int i = 0; i < 2; ++i) {
+    const auto frame = opened.cameras->Next({});
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->left.at<cv::Vec3b>(0, 0)[0], 10 * (i + 1));
+    EXPECT_EQ(frame->right.at<cv::Vec3b>(479, 639)[0], 10 * (i + 1));
+    EXPECT_TRUE(frame->tof.depth_m.empty());
+  }
+  EXPECT_FALSE(opened.cameras->Next({}));
+}
+
+TEST_F(VideoTest, StartsAgainWhenAskedTo) {
+  const auto opened =
+      OpenCameras("opencv:" + WriteList("left", 2) + "," + WriteList("right", 2), /*loop=*/true);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(opened.cameras->Next({})->left.at<cv::Vec3b>(0, 0)[0], 10 * (i % 2 + 1));
+  }
+}
+
+TEST_F(VideoTest, TakesBothViewsFromOnePicture) {
+  cv::Mat both = Picture({1280, 480}, 20);
+  both.colRange(640, 1280).setTo(cv::Scalar::all(90));
+  cv::imwrite(Path("both00.png"), both);
+  const auto opened = OpenCameras("opencv:" + Path("both%02d.png") + "?rig=" + rig_, false);
+  ASSERT_TRUE(opened.calibration);
+  const auto frame = opened.cameras->Next({});
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->left.size(), cv::Size(640, 480));
+  EXPECT_EQ(frame->left.at<cv::Vec3b>(0, 639)[0], 20);
+  EXPECT_EQ(frame->right.at<cv::Vec3b>(0, 0)[0], 90);
+}
+
+TEST_F(VideoTest, RectifiesForTheGraph) {
+  const std::string source =
+      "opencv:" + WriteList("left", 2) + "," + WriteList("right", 2) + "?rig=" + rig_;
+  const auto feed = OpenCaptureFeed(Config(source), {}, monitor_);
+  const Rig& rig = Rectifier(TiltedRig()).rig();
+  EXPECT_EQ(DecodePart(Part::kRig, feed->Calibration())->id.rig_id, RigId(rig));
+  const auto frame = feed->Next({});
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->id.rig_id, RigId(rig));
+  EXPECT_EQ(ImageOf(*frame, Part::kLeft).size(), rig.pair.size());
+  EXPECT_TRUE(feed->Next({}));
+  EXPECT_FALSE(feed->Next({}));
+}
+
+TEST_F(VideoTest, SendsRawImagesWithoutACalibration) {
+  const std::string source = "opencv:" + WriteList("left", 1) + "," + WriteList("right", 1);
+  const auto feed = OpenCaptureFeed(Config(source), {.raw = true}, monitor_);
+  EXPECT_TRUE(feed->Calibration().empty());
+  const auto frame = feed->Next({});
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->id.rig_id, "");
+  EXPECT_EQ(ImageOf(*frame, Part::kRight).at<uchar>(3, 3), 10);
+}
+
+TEST_F(VideoTest, SaysWhatCannotBeUsed) {
+  const std::string lists = "opencv:" + WriteList("left", 1) + "," + WriteList("right", 1);
+  EXPECT_THAT(ErrorOf(lists), AllOf(HasSubstr("no calibration"), HasSubstr("--raw")));
+  EXPECT_THAT(ErrorOf(lists + "?rig=" + Path("none")), HasSubstr("cannot be read"));
+  EXPECT_THAT(ErrorOf(lists + "?rug=x"), HasSubstr("no such option rug=x"));
+  EXPECT_THAT(ErrorOf(lists + "?width=-3"), HasSubstr("width=-3"));
+  EXPECT_THAT(ErrorOf("opencv:"), HasSubstr("not one or two places"));
+  EXPECT_THAT(ErrorOf("opencv:a,b,c"), HasSubstr("not one or two places"));
+  EXPECT_THAT(ErrorOf("v4l2:a,b"), HasSubstr("not one or two places"));
+  EXPECT_THAT(ErrorOf("opencv:" + Path("no.avi"), {.raw = true}),
+              AllOf(HasSubstr("no.avi"), HasSubstr("cannot be opened")));
+  EXPECT_THAT(ErrorOf("synthetic:64x48", {.raw = true}), HasSubstr("--raw is for cameras"));
+}
+
+TEST_F(VideoTest, EndsWhenTheSizesOfTheTwoDiffer) {
+  const std::string source =
+      "opencv:" + WriteList("left", 1) + "," + WriteList("right", 1, {320, 240});
+  const auto opened = OpenCameras(source, false);
+  EXPECT_THROW(opened.cameras->Next({}), ConfigError);
+}
+
+// A log of raw images.
+class RawLogTest : public VideoTest {
+ protected:
+  static TestEvent Raw(int64_t seq, Part part, const PartValue& value) {
+    return EventOf(seq, part, value, 10, "RAW_" + std::string(ChannelOf(part)));
+  }
+
+  std::unique_ptr<CaptureFeed> Open(const std::vector<TestEvent>& events) {
+    WriteLog(Path("raw.lcm"), events);
+    return OpenCaptureFeed(Config("log:" + Path("raw.lcm") + "?rig=" + rig_), {}, monitor_);
+  }
+
+  std::vector<TestEvent> Frame(int64_t seq, cv::Size right = {640, 480}) const {
+    const CapturedFrame frame = RawFrame(50);
+    return {Raw(seq, Part::kLeft, frame.left), Raw(seq, Part::kRight, Picture(right, 50)),
+            Raw(seq, Part::kTof, frame.tof)};
+  }
+};
+
+TEST_F(RawLogTest, IsRectifiedWithTheGivenRigAndKeepsItsNumbersAndTimes) {
+  const auto feed = Open(Frame(4));
+  EXPECT_EQ(feed->timing(), Timing::kRecorded);
+  const auto frame = feed->Next({});
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->id.seq, 4);
+  EXPECT_EQ(frame->id.utime, TestId(4).utime);
+  EXPECT_EQ(frame->id.rig_id, RigId(Rectifier(TiltedRig()).rig()));
+  EXPECT_EQ(DecodePart(Part::kRig, feed->Calibration())->id, frame->id);
+  EXPECT_EQ(ImageOf(*frame, Part::kLeft).at<cv::Vec3b>(9, 9)[0], 50);
+  EXPECT_FALSE(feed->Next({}));
+}
+
+TEST_F(RawLogTest, CountsFramesOfAnotherSize) {
+  std::vector<TestEvent> events = Frame(0, {64, 48});
+  const std::vector<TestEvent> good = Frame(1);
+  events.insert(events.end(), good.begin(), good.end());
+  const auto feed = Open(events);
+  EXPECT_EQ(feed->Next({})->id.seq, 1);
+  EXPECT_EQ(monitor_.Snapshot().frames_failed, 1);
+  EXPECT_THAT(monitor_.Snapshot().last_error, HasSubstr("right image of 64x48"));
+}
+
+}  // namespace
+}  // namespace sprout
