@@ -1,7 +1,7 @@
 // Times of every stage and of the whole chain beside OpenCV's semi-global matching on the same
 // images, for scripts/bench. Each benchmark is called PART/PRESET/MEGAPIXELS/THREADS and gives the
 // time of one frame, the mean over the scenes. default-blind50 and default-none are preset default
-// with half of the ToF returns, and without any.
+// with half of the ToF returns, and without any. rectify/colour has a coloured left image.
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/rig/rectifier.h"
 #include "services/grow/grow_plug.h"
 #include "services/prior/prior_plug.h"
 #include "services/refine/refine_plug.h"
@@ -146,6 +147,33 @@ void MeasureSgbm(benchmark::State& state, int mode, cv::Size size, int threads) 
   });
 }
 
+// A pair of cameras of that size as they come: lenses that distort, a right camera that is turned.
+RawRig RigOf(cv::Size size) {
+  RawRig rig;
+  rig.left = {.width = size.width,
+              .height = size.height,
+              .fx = 0.9 * size.width,
+              .fy = 0.9 * size.width,
+              .cx = size.width / 2.0,
+              .cy = size.height / 2.0,
+              .distortion = {-0.12, 0.03, 0.0005, -0.0008, 0.001}};
+  rig.right = rig.left;
+  rig.left_from_right.rotation = Eigen::Quaterniond(1, 0.012, -0.02, 0.015).normalized();
+  rig.left_from_right.translation_m = {0.1, 0.004, -0.003};
+  return rig;
+}
+
+void MeasureRectification(benchmark::State& state, bool colour, cv::Size size, int threads) {
+  cv::setNumThreads(threads);
+  const Rectifier rectifier(RigOf(size));
+  const std::vector<BenchFrame>& frames = FramesOf(size);
+  RunOnAllScenes(state, size, frames.size(), [&](size_t scene) {
+    const BenchFrame& bench = frames[scene];
+    benchmark::DoNotOptimize(rectifier.RectifyLeft(colour ? bench.frame.left : bench.left));
+    benchmark::DoNotOptimize(rectifier.RectifyRight(bench.right));
+  });
+}
+
 void Register(const std::string& name, const std::function<void(benchmark::State&)>& measure) {
   benchmark::RegisterBenchmark(name.c_str(), [measure](benchmark::State& state) { measure(state); })
       ->Unit(benchmark::kMillisecond)
@@ -162,6 +190,11 @@ void RegisterAll() {
                                        {cv::StereoSGBM::MODE_SGBM, "sgbm-5way"}}) {
         Register(std::string(name) + "/opencv" + where,
                  [=](benchmark::State& state) { MeasureSgbm(state, mode, size, threads); });
+      }
+      for (const auto& [colour, name] : {std::pair{false, "grey"}, {true, "colour"}}) {
+        Register(std::string("rectify/") + name + where, [=](benchmark::State& state) {
+          MeasureRectification(state, colour, size, threads);
+        });
       }
       for (const std::string preset : {"fast", "default"}) {
         for (const auto& [part, name] : kBenchParts) {
