@@ -189,7 +189,7 @@ TEST_F(LogFeedTest, OpensFromTheConfiguration) {
   WriteLog(path_, Concat({{RigEvent(0, "A_")}, FrameEvents(0, "A_")}));
   CaptureConfig config;
   config.set_source("log:" + path_ + "?prefix=A_");
-  EXPECT_THAT(Seqs(*OpenCaptureFeed(config, false, monitor_)), ElementsAre(0));
+  EXPECT_THAT(Seqs(*OpenCaptureFeed(config, {}, monitor_)), ElementsAre(0));
 }
 
 }  // namespace

@@ -150,10 +150,11 @@ TEST(MiddleburyDataset, GivesTheSameFrameAfterTheFirstWasChanged) {
   folder.WriteImage("disp5.png", cv::Mat1b(30, 40, uchar{50}));
   const auto source = folder.Open();
   DatasetFrame first = source->Get(0);
-  const DatasetFrame kept{first.left.clone(),
-                          first.right.clone(),
-                          {first.tof.depth_m.clone(), {}},
-                          {first.truth.left.clone(), first.truth.right.clone()}};
+  DatasetFrame kept;
+  kept.left = first.left.clone();
+  kept.right = first.right.clone();
+  kept.tof.depth_m = first.tof.depth_m.clone();
+  kept.truth = {first.truth.left.clone(), first.truth.right.clone()};
   for (cv::Mat* image : {&first.left, &first.right}) image->setTo(0);
   for (cv::Mat1f* map : {&first.tof.depth_m, &first.truth.left, &first.truth.right}) map->setTo(1);
 
