@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/bus/channels.h"
 #include "common/rig/rig_file.h"
 #include "services/capture/capture_feed.h"
 #include "tests/common/app/captured_log.h"
@@ -180,7 +181,8 @@ TEST_F(VideoTest, RectifiesForTheGraph) {
   const std::string source =
       "opencv:" + WriteList("left", 2) + "," + WriteList("right", 2) + "?rig=" + rig_;
   const auto feed = OpenCaptureFeed(Config(source), {}, monitor_);
-  const Rig& rig = Rectifier(TiltedRig()).rig();
+  const Rectifier rectifier(TiltedRig());
+  const Rig& rig = rectifier.rig();
   EXPECT_EQ(DecodePart(Part::kRig, feed->Calibration())->id.rig_id, RigId(rig));
   const auto frame = feed->Next({});
   ASSERT_TRUE(frame);
