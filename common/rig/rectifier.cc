@@ -97,8 +97,7 @@ Rectifier::Maps Rectifier::MapsOf(const Lens& lens, const cv::Matx33d& turn, dou
 cv::Mat Rectifier::Rectified(const cv::Mat& image, const Maps& maps) {
   assert(image.size() == maps.whole.size());
   cv::Mat rectified;
-  cv::remap(image, rectified, maps.whole, maps.fraction, cv::INTER_LINEAR,
-            cv::BORDER_REPLICATE);
+  cv::remap(image, rectified, maps.whole, maps.fraction, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return rectified;
 }
 

@@ -12,7 +12,8 @@ namespace sprout {
 /// Turns what a rig's cameras see into a rectified pair and unbiased ranges. Both cameras are
 /// turned so that they look into one direction, at right angles to the baseline (Bouguet's method,
 /// as in cv::stereoRectify), with a common focal length that leaves no border without a picture; at
-/// the edge a pixel may be repeated. The images keep their size. Thread-compatible; copies share the maps.
+/// the edge a pixel may be repeated. The images keep their size. Thread-compatible; copies share
+/// the maps.
 class Rectifier {
  public:
   /// O(pixels): makes both maps, 6 bytes a pixel each.

@@ -14,7 +14,7 @@ namespace sprout {
 /// One frame with ground truth, ready to be run through methods.
 struct Scene {
   std::string name;     ///< last part of the folder's path, or the source's text
-  DatasetFrame frame;  ///< images, ToF image, truth
+  DatasetFrame frame;   ///< images, ToF image, truth
   cv::Mat1b left_grey;  ///< the images as the stages look at them
   cv::Mat1b right_grey;
   TofProjector projector;  ///< knows the rig

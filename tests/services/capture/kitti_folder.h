@@ -38,9 +38,7 @@ class KittiFolder {
 
   /// @param rest  what follows the folder: "/000007?beams=16".
   CaptureConfig Config(const std::string& rest) const;
-  std::unique_ptr<Dataset> Open(const std::string& rest) const {
-    return OpenDataset(Config(rest));
-  }
+  std::unique_ptr<Dataset> Open(const std::string& rest) const { return OpenDataset(Config(rest)); }
 
   static constexpr int kWidth = 40;
   static constexpr int kHeight = 30;
