@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <ranges>
+#include <sstream>
 #include <string_view>
 
 #include "common/rig/rig_file.h"
@@ -30,11 +30,10 @@ std::vector<std::string> PlacesOf(const std::string& source, const std::string& 
   const bool is_device = place.starts_with(kV4l2);
   const std::string names = place.substr((is_device ? kV4l2 : kOpenCv).size());
   std::vector<std::string> places;
-  for (const auto part : std::views::split(names, ',')) {
-    places.emplace_back(part.begin(), part.end());
-  }
+  std::istringstream text(names + ',');  // so that an empty one at the end counts
+  for (std::string name; std::getline(text, name, ',');) places.push_back(name);
   const size_t most = is_device ? 1 : 2;
-  if (places.empty() || places.size() > most || std::ranges::count(places, "") > 0) {
+  if (places.empty() || places.size() > most || std::ranges::count(places, std::string()) > 0) {
     throw Bad(source, "not one or two places",
               "opencv:LEFT,RIGHT, opencv:BOTH or v4l2:DEVICE, ?rig=FILE behind it");
   }
