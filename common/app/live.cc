@@ -1,11 +1,14 @@
 #include "common/app/live.h"
 
 #include <utility>
+#include <vector>
 
 #include "common/app/answer.h"
 #include "common/app/frame_assembler.h"
+#include "common/app/silence_watch.h"
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
+#include "common/bus/channels.h"
 #include "common/bus/mailbox.h"
 #include "common/bus/publisher.h"
 #include "common/bus/receiver.h"
@@ -37,10 +40,16 @@ void RunLive(const ServiceContext& context, Plug& plug) {
   FrameAssembler assembler(plug.Inputs(), monitor);
   Mailbox<Arrival> mailbox;
   Publisher publisher(context.lcm_url, context.prefix);
+  SilenceWatch silence(context, assembler.channels(), monitor);
+  std::vector<std::string_view> channels = assembler.channels();
+  channels.push_back(kStatusChannel);
   const Receiver receiver(
-      context.lcm_url, context.prefix, assembler.channels(),
+      context.lcm_url, context.prefix, channels,
       [&](std::string_view channel, std::span<const uint8_t> bytes) {
+        if (channel == kStatusChannel) return silence.HeardStatus(bytes);
+        silence.Heard(channel);
         for (Frame& frame : assembler.Add(channel, bytes)) {
+          silence.HeardFrame();
           const auto now = StageMonitor::Clock::now();
           monitor.FrameIn(mailbox.Put({std::move(frame), now}));
         }
