@@ -7,7 +7,6 @@
 #include <condition_variable>
 
 #include "common/bus/receiver.h"
-#include "common/messages/codec.h"
 
 namespace sprout {
 namespace {
@@ -17,9 +16,6 @@ constexpr std::chrono::milliseconds kSurveyTime{1200};
 
 // Channels that are named; anybody can invent more.
 constexpr size_t kMaxNamed = 20;
-
-// Twins that are remembered.
-constexpr size_t kMaxTwins = 32;
 
 // False when a stop was asked for.
 bool Sleep(const std::stop_token& stop, std::chrono::milliseconds time) {
@@ -93,8 +89,7 @@ std::string SilenceText(const std::vector<std::string>& needed, const ChannelCou
 
 SilenceWatch::SilenceWatch(const ServiceContext& context, std::vector<std::string_view> channels,
                            StageMonitor& monitor, std::chrono::milliseconds patience)
-    : stage_(context.stage),
-      url_(context.lcm_url),
+    : url_(context.lcm_url),
       prefix_length_(context.prefix.size()),
       monitor_(monitor),
       patience_(patience) {
@@ -116,24 +111,6 @@ void SilenceWatch::HeardFrame() {
   counts_.clear();
   last_frame_ = Clock::now();
   warned_ = false;
-}
-
-void SilenceWatch::HeardStatus(std::span<const uint8_t> bytes) {
-  const Result<StageStatus> status = DecodeStatus(bytes);
-  if (!status) return monitor_.BadMessage("SPROUT_STATUS", status.error().text);
-  const StageStatus own = monitor_.Snapshot();
-  if (status->stage != stage_ || status->state == StageStatus::State::kStopped ||
-      (status->pid == own.pid && status->host == own.host)) {
-    return;
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    if (twins_.size() == kMaxTwins || !twins_.insert({status->host, status->pid}).second) return;
-  }
-  monitor_.Warn(
-      fmt::format("another sprout-{} works on these channels, process {} on {}: frames are "
-                  "answered twice; stop one of them, or give it another --channel-prefix",
-                  stage_, status->pid, status->host));
 }
 
 void SilenceWatch::Watch(const std::stop_token& stop) {

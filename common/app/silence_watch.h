@@ -4,12 +4,9 @@
 #include <chrono>
 #include <map>
 #include <mutex>
-#include <set>
-#include <span>
 #include <string>
 #include <string_view>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "common/app/service_context.h"
@@ -46,16 +43,12 @@ class SilenceWatch {
   /// A whole frame came.
   void HeardFrame();
 
-  /// A status came, of whatever process.
-  void HeardStatus(std::span<const uint8_t> bytes);
-
  private:
   using Clock = std::chrono::steady_clock;
 
   void Watch(const std::stop_token& stop);
   void Warn();
 
-  std::string stage_;
   std::string url_;
   std::vector<std::string> needed_;  // with prefix
   size_t prefix_length_;
@@ -65,8 +58,7 @@ class SilenceWatch {
   ChannelCounts counts_;
   Clock::time_point last_frame_ = Clock::now();
   bool warned_ = false;
-  std::set<std::pair<std::string, int32_t>> twins_;  // host and process, warned of
-  std::jthread thread_;                              // last: stops before the rest is destroyed
+  std::jthread thread_;  // last: stops before the rest is destroyed
 };
 
 }  // namespace sprout
