@@ -77,7 +77,7 @@ class Capture {
     if (options_.lockstep) WaitForRoom(static_cast<size_t>(*options_.lockstep) - 1);
     if (stop_.stop_requested()) return true;
     const auto arrived = Clock::now();
-    if (pace_.IsLate(arrived)) SayLate(arrived);
+    if (!options_.lockstep && pace_.IsLate(arrived)) SayLate(arrived);
     pace_.Take(arrived);
     std::optional<CaptureMessages> frame = feed_->Next(stop_);
     if (!frame) return false;

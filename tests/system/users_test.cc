@@ -90,5 +90,39 @@ TEST_F(TopSystem, SaysWhoFellSilent) {
   graph_.process("refine").Signal(SIGCONT);
 }
 
+class SilenceSystem : public ::testing::Test {
+ protected:
+  // Whether the newest complaint of a stage has this in it, soon.
+  bool Says(const std::string& stage, const std::string& text) {
+    return graph_.WaitUntil(
+        [&](Graph& g) { return g.statuses[stage].last_error.find(text) != std::string::npos; });
+  }
+
+  Graph graph_;
+};
+
+TEST_F(SilenceSystem, NamesTheChannelThatIsMissingAndThePrefixThatHasIt) {
+  graph_.Start("refine");
+  graph_.Start("prior");
+  graph_.StartOnly("capture", {"--source", kSource, "--rate", "5", "--channel-prefix", "B_"});
+  EXPECT_TRUE(Says("refine", "nothing heard on SPROUT_LEFT, SPROUT_RIGHT, SPROUT_TOF, SPROUT_RIG"));
+  EXPECT_TRUE(Says("refine", "with another --channel-prefix: B_SPROUT_LEFT"));
+  EXPECT_TRUE(Says("prior", "SPROUT_SEEDS"));
+}
+
+TEST_F(SilenceSystem, TellsBothOfTwoProcessesOfOneStage) {
+  graph_.Start("grow");
+  Process second({ProgramPath("sprout-grow")});
+  EXPECT_TRUE(Says("grow", "another sprout-grow works on these channels"));
+  EXPECT_THAT(second.Output(), HasSubstr("another sprout-grow"));
+}
+
+TEST_F(SilenceSystem, CaptureSaysThatItCannotKeepItsRate) {
+  Process& capture = graph_.StartOnly(
+      "capture", {"--source", "synthetic:1280x960", "--rate", "100", "--frames", "20"});
+  EXPECT_EQ(capture.Wait(std::chrono::seconds(60)), 0);
+  EXPECT_THAT(capture.Output(), HasSubstr("the rate of 100 Hz is not reached"));
+}
+
 }  // namespace
 }  // namespace sprout
