@@ -200,8 +200,9 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   LimitSimd(simd_);
 
   const std::string text = ConfigText(context.config);
-  spdlog::info("sprout-{} {}, effective configuration (digest {}):\n{}", stage_, Version(),
-               Digest(text), text);
+  spdlog::info("sprout-{} {}, configuration {} (--log-level debug prints it)", stage_, Version(),
+               Digest(text));
+  spdlog::debug("effective configuration:\n{}", text);
   if (!context.replay) {
     if (const auto warning = ReceiveBufferWarning(lcm_url_)) spdlog::warn(*warning);
   }

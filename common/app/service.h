@@ -12,8 +12,9 @@
 namespace sprout {
 
 /// What every service's main shares: the flags --config --lcm-url --channel-prefix --threads --simd
-/// --log-level --version --help, logging to stderr, the effective configuration printed at start,
-/// signals, and errors turned into one line and an exit code.
+/// --log-level --version --help, logging to stderr, the effective configuration logged at start
+/// (its digest, or all of it at level debug), signals, and errors turned into one line and an exit
+/// code.
 class Service {
  public:
   /// @param stage        name of the service; the program is sprout-STAGE.

@@ -142,6 +142,12 @@ void StageMonitor::Failure(const std::string& reason) {
   status_.last_error = reason;
 }
 
+void StageMonitor::Warn(const std::string& reason) {
+  spdlog::warn(reason);
+  const std::lock_guard lock(mutex_);
+  status_.last_error = reason;
+}
+
 void StageMonitor::SetJoinerCounts(int64_t incomplete, int64_t sequence_gaps) {
   const std::lock_guard lock(mutex_);
   status_.frames_incomplete = incomplete;

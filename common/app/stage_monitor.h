@@ -63,6 +63,9 @@ class StageMonitor {
   /// Something else went wrong.
   void Failure(const std::string& reason);
 
+  /// Nothing went wrong here, but people should know.
+  void Warn(const std::string& reason);
+
   /// Counts of the joiner, which keeps them itself.
   void SetJoinerCounts(int64_t incomplete, int64_t sequence_gaps);
 

@@ -12,6 +12,8 @@ size_t Bytes(const TofImage& tof) { return Bytes(tof.depth_m) + Bytes(tof.amplit
 size_t Bytes(const Rig&) { return 0; }
 size_t Bytes(const SeedSet& set) { return set.seeds.capacity() * sizeof(Seed); }
 size_t Bytes(const DisparityImage& map) { return Bytes(map.counts()); }
+size_t Bytes(const DepthImage& depth) { return Bytes(depth.counts); }
+size_t Bytes(const PointCloud& cloud) { return cloud.points.capacity() * sizeof(CloudPoint); }
 size_t Bytes(const PriorMap& prior) { return Bytes(prior.disparity) + Bytes(prior.sigma); }
 template <typename Value>
 size_t Bytes(const std::optional<Value>& value) {

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <variant>
 
+#include "common/core/depth_image.h"
 #include "common/core/disparity_image.h"
 #include "common/core/frame_id.h"
 #include "common/core/prior_map.h"
@@ -31,8 +32,10 @@ enum class Part {
   kUnfilled,    ///< disparity map after growth, before gap filling
   kDisparity,   ///< final disparity map
   kConfidence,  ///< how far its disparities can be trusted
+  kDepth,       ///< depth of the left image, with its intrinsics
+  kCloud,       ///< its points
 };
-inline constexpr int kPartCount = static_cast<int>(Part::kConfidence) + 1;
+inline constexpr int kPartCount = static_cast<int>(Part::kCloud) + 1;
 
 /// A set of parts.
 class PartSet {
@@ -50,7 +53,8 @@ class PartSet {
 };
 
 /// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for the confidence.
-using PartValue = std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap>;
+using PartValue =
+    std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap, DepthImage, PointCloud>;
 
 /// Everything that one capture led to and that a stage asked for; what it did not ask for is
 /// empty.
@@ -66,6 +70,8 @@ struct Frame {
   std::optional<DisparityImage> unfilled;
   std::optional<DisparityImage> disparity;
   cv::Mat confidence;  ///< 8UC1
+  std::optional<DepthImage> depth;
+  std::optional<PointCloud> cloud;
 };
 
 /// Where a part stands in a frame. The type of the member decides which message carries the part,
@@ -73,7 +79,8 @@ struct Frame {
 using PartMember =
     std::variant<cv::Mat Frame::*, std::optional<TofImage> Frame::*, std::optional<Rig> Frame::*,
                  std::optional<SeedSet> Frame::*, std::optional<DisparityImage> Frame::*,
-                 std::optional<PriorMap> Frame::*>;
+                 std::optional<PriorMap> Frame::*, std::optional<DepthImage> Frame::*,
+                 std::optional<PointCloud> Frame::*>;
 
 /// What there is to know about a part.
 struct PartRow {
@@ -95,6 +102,8 @@ inline constexpr PartRow kPartTable[] = {
     {Part::kUnfilled, "SPROUT_UNFILLED", &Frame::unfilled},
     {Part::kDisparity, "SPROUT_DISPARITY", &Frame::disparity},
     {Part::kConfidence, "SPROUT_CONFIDENCE", &Frame::confidence},
+    {Part::kDepth, "SPROUT_DEPTH", &Frame::depth},
+    {Part::kCloud, "SPROUT_CLOUD", &Frame::cloud},
 };
 static_assert(std::size(kPartTable) == kPartCount);
 

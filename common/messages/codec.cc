@@ -49,6 +49,14 @@ struct ArrayTable<disparity_image_t> {
   static constexpr std::initializer_list<CountedArray> kArrays = {{20, 1}};
 };
 template <>
+struct ArrayTable<depth_image_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {{40, 1}};
+};
+template <>
+struct ArrayTable<point_cloud_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {{0, 3 * sizeof(float) + 4}};
+};
+template <>
 struct ArrayTable<stage_status_t> {
   static constexpr std::initializer_list<CountedArray> kArrays = {};
 };
@@ -224,6 +232,14 @@ struct MessageFor<DisparityImage> {
 template <>
 struct MessageFor<PriorMap> {
   using Type = prior_t;
+};
+template <>
+struct MessageFor<DepthImage> {
+  using Type = depth_image_t;
+};
+template <>
+struct MessageFor<PointCloud> {
+  using Type = point_cloud_t;
 };
 
 }  // namespace

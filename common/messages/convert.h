@@ -1,9 +1,11 @@
 #ifndef SPROUT_COMMON_MESSAGES_CONVERT_H_
 #define SPROUT_COMMON_MESSAGES_CONVERT_H_
 
+#include <lcmtypes/sprout/depth_image_t.hpp>
 #include <lcmtypes/sprout/disparity_image_t.hpp>
 #include <lcmtypes/sprout/header_t.hpp>
 #include <lcmtypes/sprout/image_t.hpp>
+#include <lcmtypes/sprout/point_cloud_t.hpp>
 #include <lcmtypes/sprout/prior_t.hpp>
 #include <lcmtypes/sprout/rig_t.hpp>
 #include <lcmtypes/sprout/seeds_t.hpp>
@@ -11,6 +13,7 @@
 #include <lcmtypes/sprout/tof_image_t.hpp>
 #include <opencv2/core.hpp>
 
+#include "common/core/depth_image.h"
 #include "common/core/disparity_image.h"
 #include "common/core/frame_id.h"
 #include "common/core/image.h"
@@ -65,6 +68,12 @@ Result<DisparityImage> FromMessage(const disparity_image_t& message);
 /// @pre sigma has the size of the disparities.
 prior_t ToMessage(const FrameId& id, const PriorMap& prior, DisparityEncoding encoding);
 Result<PriorMap> FromMessage(const prior_t& message);
+
+depth_image_t ToMessage(const FrameId& id, const DepthImage& depth);
+Result<DepthImage> FromMessage(const depth_image_t& message);
+
+point_cloud_t ToMessage(const FrameId& id, const PointCloud& cloud);
+Result<PointCloud> FromMessage(const point_cloud_t& message);
 
 stage_status_t ToMessage(const StageStatus& status);
 Result<StageStatus> FromMessage(const stage_status_t& message);

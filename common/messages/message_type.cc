@@ -19,13 +19,15 @@ KnownType Known(MessageType type) {
           static_cast<uint64_t>(Message::getHash())};
 }
 
-const std::array<KnownType, 7>& KnownTypes() {
-  static const std::array<KnownType, 7> types = {Known<image_t>(MessageType::kImage),
+const std::array<KnownType, 9>& KnownTypes() {
+  static const std::array<KnownType, 9> types = {Known<image_t>(MessageType::kImage),
                                                  Known<tof_image_t>(MessageType::kTof),
                                                  Known<rig_t>(MessageType::kRig),
                                                  Known<seeds_t>(MessageType::kSeeds),
                                                  Known<disparity_image_t>(MessageType::kDisparity),
                                                  Known<prior_t>(MessageType::kPrior),
+                                                 Known<depth_image_t>(MessageType::kDepth),
+                                                 Known<point_cloud_t>(MessageType::kCloud),
                                                  Known<stage_status_t>(MessageType::kStatus)};
   return types;
 }

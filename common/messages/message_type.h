@@ -16,7 +16,7 @@ namespace sprout {
 
 /// The types of ours that travel on channels: first those that carry parts, in the order of the
 /// alternatives of PartMember.
-enum class MessageType { kImage, kTof, kRig, kSeeds, kDisparity, kPrior, kStatus };
+enum class MessageType { kImage, kTof, kRig, kSeeds, kDisparity, kPrior, kDepth, kCloud, kStatus };
 
 /// "sprout.image_t", ...: as in lcmtypes.
 std::string NameOf(MessageType type);

@@ -13,6 +13,7 @@
 
 #include "common/app/service_context.h"
 #include "common/app/stage_monitor.h"
+#include "common/app/twin_watch.h"
 #include "common/bus/receiver.h"
 #include "common/core/frame_id.h"
 
@@ -50,6 +51,7 @@ class Answers {
   void OnDisparity(std::span<const uint8_t> bytes);
 
   StageMonitor& monitor_;
+  TwinWatch twins_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::set<std::string> silent_;  // stages that have not reported

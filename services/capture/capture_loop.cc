@@ -1,5 +1,6 @@
 #include "services/capture/capture_loop.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -47,7 +48,8 @@ class Capture {
         pace_(PaceOf(context.config.capture(), options, *feed_)),
         publisher_(context.lcm_url, context.prefix),
         answers_(context, monitor_, options.wait_for, options.lockstep.has_value()),
-        reporter_(context, monitor_) {}
+        reporter_(context, monitor_),
+        rate_hz_(context.config.capture().rate_hz()) {}
 
   int Run() {
     if (!WaitForStages()) return stop_.stop_requested() ? 0 : 1;
@@ -75,12 +77,24 @@ class Capture {
     if (options_.lockstep) WaitForRoom(static_cast<size_t>(*options_.lockstep) - 1);
     if (stop_.stop_requested()) return true;
     const auto arrived = Clock::now();
+    if (!options_.lockstep && pace_.IsLate(arrived)) SayLate(arrived);
     pace_.Take(arrived);
     std::optional<CaptureMessages> frame = feed_->Next(stop_);
     if (!frame) return false;
     WaitUntil(pace_.DueBeforeSending(frame->id, Clock::now()));
     if (!stop_.stop_requested()) Send(std::move(*frame), arrived);
     return true;
+  }
+
+  // Once every ten seconds.
+  void SayLate(Clock::time_point now) {
+    ++late_;
+    if (now < next_late_) return;
+    const StageStatus status = monitor_.Snapshot();
+    monitor_.Warn(fmt::format(
+        "the rate of {} Hz is not reached: {} of {} frames came late, {:.2g} frames a second now",
+        rate_hz_, late_, status.frames_in, status.rate_hz));
+    next_late_ = now + std::chrono::seconds(10);
   }
 
   void Report(Clock::duration time) const {
@@ -188,6 +202,9 @@ class Capture {
   Answers answers_;
   StatusReporter reporter_;
   int64_t sent_ = 0;
+  double rate_hz_;
+  int64_t late_ = 0;  // frames that were taken more than an interval too late
+  Clock::time_point next_late_ = Clock::now() + std::chrono::seconds(2);  // rates need some frames
   Clock::time_point next_calibration_{};
   std::vector<InFlight> in_flight_;
 };

@@ -20,11 +20,20 @@ void Pace::Start(Clock::time_point now) { due_ = now; }
 
 Pace::Clock::time_point Pace::DueBeforeTaking() const { return due_; }
 
-void Pace::Take(Clock::time_point now) {
-  if (!rate_hz_ || *rate_hz_ <= 0) return;
+std::optional<Pace::Clock::duration> Pace::Period() const {
+  if (!rate_hz_ || *rate_hz_ <= 0) return std::nullopt;
   const std::chrono::duration<double> exact(std::min(1 / *rate_hz_, kLongestPeriodS));
-  const auto period = std::chrono::duration_cast<Clock::duration>(exact);
-  due_ = Forgiving(due_, now, period) + period;
+  return std::chrono::duration_cast<Clock::duration>(exact);
+}
+
+bool Pace::IsLate(Clock::time_point now) const {
+  const std::optional<Clock::duration> period = Period();
+  return period && now - due_ > *period;
+}
+
+void Pace::Take(Clock::time_point now) {
+  const std::optional<Clock::duration> period = Period();
+  if (period) due_ = Forgiving(due_, now, *period) + *period;
 }
 
 Pace::Clock::time_point Pace::DueBeforeSending(const FrameId& id, Clock::time_point now) {

@@ -25,6 +25,9 @@ class Pace {
   /// When the next frame may be taken; a recorded one at any time.
   Clock::time_point DueBeforeTaking() const;
 
+  /// Whether a frame that is taken now, at a rate, comes more than an interval after its time.
+  bool IsLate(Clock::time_point now) const;
+
   /// A frame is taken now.
   void Take(Clock::time_point now);
 
@@ -36,6 +39,9 @@ class Pace {
 
  private:
   explicit Pace(std::optional<double> rate_hz) : rate_hz_(rate_hz) {}
+
+  // Between frames at a rate above 0.
+  std::optional<Clock::duration> Period() const;
 
   std::optional<double> rate_hz_;  // nothing: as recorded
   Clock::time_point due_{};        // at a rate of the next frame, as recorded of the newest one

@@ -67,6 +67,10 @@ std::vector<std::string> SizeFields(Part part) {
               "sigma_size"};
     case MessageType::kDisparity:
       return {"width", "height", "encoding", "counts_per_px", "invalid", "size"};
+    case MessageType::kDepth:
+      return {"width", "height"};
+    case MessageType::kCloud:
+      return {"count"};
     case MessageType::kStatus:
       break;
   }

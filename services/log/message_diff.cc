@@ -102,6 +102,25 @@ MessageDiff CompareValue(const PriorMap& a, const PriorMap& b) {
   return diff;
 }
 
+MessageDiff CompareValue(const DepthImage& a, const DepthImage& b) {
+  if (a.size() != b.size()) return Different(SizeText(a.size()) + " and " + SizeText(b.size()));
+  if (a.metres_per_count != b.metres_per_count || a.focal_px != b.focal_px || a.cx != b.cx ||
+      a.cy != b.cy) {
+    return Different("intrinsics or units differ");
+  }
+  if (SameBits(a.counts, b.counts)) return Equal();
+  return Different(fmt::format("{} of {} depths differ", CountDifferent(a.counts, b.counts),
+                               a.counts.total()));
+}
+
+MessageDiff CompareValue(const PointCloud& a, const PointCloud& b) {
+  if (a == b) return Equal();
+  const auto [in_a, in_b] =
+      std::mismatch(a.points.begin(), a.points.end(), b.points.begin(), b.points.end());
+  return Different(fmt::format("{} and {} points, first difference at number {}", a.points.size(),
+                               b.points.size(), in_a - a.points.begin()));
+}
+
 std::string HeaderText(const FrameId& a, const FrameId& b) {
   if (a.rig_id != b.rig_id) return "rig_id " + a.rig_id + " and " + b.rig_id;
   return "headers differ";

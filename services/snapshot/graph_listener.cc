@@ -14,14 +14,10 @@ namespace {
 // Stages whose status is kept; a graph has four. Names are free, so anybody could invent more.
 constexpr size_t kMaxStages = 32;
 
-// Those that it shows: a refinement stage need not publish what only the left camera sees.
-PartSet ShownParts() {
-  PartSet parts;
-  for (const Part part : kAllParts) {
-    if (part != Part::kLeftSeeds) parts.Add(part);
-  }
-  return parts;
-}
+// What it shows.
+const PartSet kShownParts{Part::kLeft,     Part::kRight,     Part::kTof,
+                          Part::kRig,      Part::kSeeds,     Part::kPrior,
+                          Part::kUnfilled, Part::kDisparity, Part::kConfidence};
 
 std::vector<std::string_view> WithStatus(std::vector<std::string_view> channels) {
   channels.push_back(kStatusChannel);
@@ -32,7 +28,7 @@ std::vector<std::string_view> WithStatus(std::vector<std::string_view> channels)
 
 GraphListener::GraphListener(const ServiceContext& context, StageMonitor& monitor)
     : monitor_(monitor),
-      assembler_(ShownParts(), monitor),
+      assembler_(kShownParts, monitor),
       receiver_(
           context.lcm_url, context.prefix, WithStatus(assembler_.channels()),
           [this](std::string_view channel, std::span<const uint8_t> bytes) {

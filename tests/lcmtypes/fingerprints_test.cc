@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <lcmtypes/sprout/depth_image_t.hpp>
 #include <lcmtypes/sprout/disparity_image_t.hpp>
 #include <lcmtypes/sprout/header_t.hpp>
 #include <lcmtypes/sprout/image_t.hpp>
+#include <lcmtypes/sprout/point_cloud_t.hpp>
 #include <lcmtypes/sprout/prior_t.hpp>
 #include <lcmtypes/sprout/rig_t.hpp>
 #include <lcmtypes/sprout/seeds_t.hpp>
@@ -35,6 +37,8 @@ TEST(Fingerprints, AreThoseOfTheReleasedTypes) {
   ExpectFingerprint<seeds_t>(0x618da2fc0d3083af);
   ExpectFingerprint<prior_t>(0xab68f57dfc602245);
   ExpectFingerprint<disparity_image_t>(0x7c2bcd9fc2da90ca);
+  ExpectFingerprint<depth_image_t>(0x1);
+  ExpectFingerprint<point_cloud_t>(0x1);
   ExpectFingerprint<stage_status_t>(0xa3ae266af8c4255e);
 }
 

@@ -19,12 +19,18 @@ constexpr size_t kMostColumns = 2000;
 constexpr size_t kMostRows = 1500;
 constexpr size_t kMostTofSide = 500;
 
+DepthImage DepthOf(const cv::Mat1w& counts) {
+  return {.counts = counts, .metres_per_count = 0.001, .focal_px = 500, .cx = 1, .cy = 1};
+}
+
 }  // namespace
 
 HostileMessages::HostileMessages(const TestFrame& good, uint32_t seed)
     : good_(good), values_(good.parts), random_(seed) {
   values_[Part::kDisparity] = good.recorded.value();
   values_[Part::kUnfilled] = good.recorded.value();
+  values_[Part::kDepth] = DepthOf(cv::Mat1w(good.rig().pair.size(), uint16_t{1500}));
+  values_[Part::kCloud] = PointCloud{{{.position_m = {0, 0, 1}, .bgr = {}}}};
   values_[Part::kConfidence] = cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(200));
 }
 
@@ -195,6 +201,16 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
       cv::RNG(random_()).fill(prior.sigma, cv::RNG::UNIFORM, Below(16) == 0 ? 0 : 1, 256);
       prior.sigma.setTo(kMaxSigmaCounts, prior.disparity.counts() == DisparityImage::kInvalid);
       return prior;
+    }
+    case Part::kDepth: {
+      cv::Mat1w counts(size);
+      cv::RNG(random_()).fill(counts, cv::RNG::UNIFORM, 0, 65536);
+      return DepthOf(counts);
+    }
+    case Part::kCloud: {
+      PointCloud cloud;
+      cloud.points.resize(Below(20'000), {.position_m = {0, 0, 1}, .bgr = {}});
+      return cloud;
     }
     default: {
       DisparityImage map(size);

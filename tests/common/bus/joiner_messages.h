@@ -32,6 +32,10 @@ inline PartValue ValueOf(Part part, int mark) {
   if (std::holds_alternative<std::optional<SeedSet> Frame::*>(member)) {
     return SeedSet{.seeds = {}, .raw = mark};
   }
+  if (part == Part::kDepth) {
+    return DepthImage{.counts = cv::Mat1w(1, 1, static_cast<uint16_t>(mark))};
+  }
+  if (part == Part::kCloud) return PointCloud{};
   const DisparityImage map(cv::Mat1s(1, 1, static_cast<int16_t>(mark)));
   if (part == Part::kPrior) return EvenPrior(map, 1);
   return map;

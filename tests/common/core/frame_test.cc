@@ -31,7 +31,7 @@ std::vector<bool> Filled(const Frame& frame) {
   return {!frame.left.empty(),      !frame.right.empty(),       frame.tof.has_value(),
           frame.rig.has_value(),    frame.seeds.has_value(),    frame.left_seeds.has_value(),
           frame.prior.has_value(),  frame.unfilled.has_value(), frame.disparity.has_value(),
-          !frame.confidence.empty()};
+          !frame.confidence.empty(), frame.depth.has_value(),     frame.cloud.has_value()};
 }
 
 PartValue ValueFor(Part part) {
@@ -49,6 +49,10 @@ PartValue ValueFor(Part part) {
       return SeedSet{};
     case Part::kPrior:
       return PriorMap(cv::Size(3, 2));
+    case Part::kDepth:
+      return DepthImage{.counts = cv::Mat1w(2, 3)};
+    case Part::kCloud:
+      return PointCloud{};
     default:
       return DisparityImage(cv::Size(3, 2));
   }

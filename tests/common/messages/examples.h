@@ -95,6 +95,18 @@ inline PriorMap Prior() {
   return {Disparity(), sigma};
 }
 
+inline DepthImage Depth() {
+  return {.counts = (cv::Mat1w(2, 3) << 0, 1, 255, 256, 65534, 65535),
+          .metres_per_count = 0.001,
+          .focal_px = 250,
+          .cx = 1.25,
+          .cy = 0.5};
+}
+
+inline PointCloud Cloud() {
+  return {.points = {{{0.5F, -0.25F, 2}, {10, 20, 30}, 200}, {{-3, 0, 7.5F}, {255, 0, 1}, 0}}};
+}
+
 inline StageStatus Status() {
   StageStatus status;
   status.newest_frame = Id();
@@ -182,6 +194,8 @@ inline std::vector<Wire> AllWires() {
           wire("zstd prior", Part::kPrior, Prior(), DisparityEncoding::kDeltaZstd),
           wire("raw disparity", Part::kUnfilled, Disparity()),
           wire("zstd disparity", Part::kDisparity, Disparity(), DisparityEncoding::kDeltaZstd),
+          wire("depth", Part::kDepth, Depth()),
+          wire("cloud", Part::kCloud, Cloud()),
           Wire{"status", EncodeStatus(Status()), std::nullopt}};
 }
 

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
@@ -6,6 +7,8 @@
 
 namespace sprout {
 namespace {
+
+using ::testing::HasSubstr;
 
 constexpr DisparityEncoding kEncodings[] = {DisparityEncoding::kRawInt16,
                                             DisparityEncoding::kDeltaZstd};
@@ -179,6 +182,52 @@ TEST(DisparityMessage, IsLittleEndianOnTheWire) {
 void ExpectSamePrior(const PriorMap& actual, const PriorMap& expected) {
   ExpectSamePixels(actual.disparity.counts(), expected.disparity.counts());
   ExpectSamePixels(actual.sigma, expected.sigma);
+}
+
+TEST(DepthMessage, CarriesDepthAndIntrinsics) {
+  const DepthImage sent = examples::Depth();
+  const DepthImage depth = RoundTrip(Part::kDepth, sent);
+  ExpectSamePixels(depth.counts, sent.counts);
+  EXPECT_EQ(depth.metres_per_count, sent.metres_per_count);
+  EXPECT_EQ(depth.focal_px, sent.focal_px);
+  EXPECT_EQ(depth.cx, sent.cx);
+  EXPECT_EQ(depth.cy, sent.cy);
+}
+
+TEST(DepthMessage, HasTheBytesThatItsTypeSays) {
+  const depth_image_t message = ToMessage(examples::Id(), examples::Depth());
+  EXPECT_EQ(message.depth, (std::vector<uint8_t>{0, 0, 1, 0, 255, 0, 0, 1, 254, 255, 255, 255}));
+}
+
+TEST(CloudMessage, CarriesEveryPoint) {
+  EXPECT_EQ(RoundTrip(Part::kCloud, examples::Cloud()), examples::Cloud());
+  EXPECT_EQ(RoundTrip(Part::kCloud, PointCloud()), PointCloud());
+}
+
+TEST(DepthMessage, IsRefusedWhenItsFieldsDoNotFit) {
+  const auto error = [](const auto& change) {
+    depth_image_t message = ToMessage(examples::Id(), examples::Depth());
+    change(message);
+    return FromMessage(message).error().text;
+  };
+  EXPECT_THAT(error([](auto& m) { m.width = 0; }), HasSubstr("width = 0"));
+  EXPECT_THAT(error([](auto& m) { m.height = 3; }), HasSubstr("size = 12"));
+  EXPECT_THAT(error([](auto& m) { m.focal_px = 0; }), HasSubstr("focal_px = 0"));
+  EXPECT_THAT(error([](auto& m) { m.metres_per_count = -1; }), HasSubstr("metres_per_count = -1"));
+  EXPECT_THAT(error([](auto& m) { m.depth.pop_back(); }), HasSubstr("size = 12"));
+}
+
+TEST(CloudMessage, IsRefusedWhenItsFieldsDoNotFit) {
+  const auto error = [](const auto& change) {
+    point_cloud_t message = ToMessage(examples::Id(), examples::Cloud());
+    change(message);
+    return FromMessage(message).error().text;
+  };
+  EXPECT_THAT(error([](auto& m) { m.count = -1; }), HasSubstr("count = -1"));
+  EXPECT_THAT(error([](auto& m) { m.red.pop_back(); }), HasSubstr("the number of colours"));
+  EXPECT_THAT(error([](auto& m) { m.y.pop_back(); }), HasSubstr("the number of coordinates"));
+  EXPECT_THAT(error([](auto& m) { m.x[1] = NAN; }), HasSubstr("point 1 at (nan"));
+  EXPECT_THAT(error([](auto& m) { m.z[0] = 0; }), HasSubstr("point 0 at"));
 }
 
 TEST(PriorMessage, CarriesDisparitiesAndHowSureTheyAreInEveryEncoding) {

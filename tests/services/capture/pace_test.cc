@@ -87,5 +87,17 @@ TEST_F(PaceTest, TakesAStepBackAsNoneAndALongPauseAsTenSeconds) {
   EXPECT_EQ(due(0), start_ + milliseconds(100) + seconds(10));
 }
 
+TEST(PaceTest, SaysWhenAFrameComesMoreThanAnIntervalLate) {
+  Pace pace = Pace::AtRate(10);
+  const Pace::Clock::time_point start{};
+  pace.Start(start);
+  EXPECT_FALSE(pace.IsLate(start + std::chrono::milliseconds(90)));
+  EXPECT_TRUE(pace.IsLate(start + std::chrono::milliseconds(110)));
+  pace.Take(start + std::chrono::milliseconds(110));
+  EXPECT_FALSE(pace.IsLate(start + std::chrono::milliseconds(300)));
+  EXPECT_FALSE(Pace::AtRate(0).IsLate(start + std::chrono::hours(1)));
+  EXPECT_FALSE(Pace::AsRecorded().IsLate(start + std::chrono::hours(1)));
+}
+
 }  // namespace
 }  // namespace sprout

@@ -56,6 +56,10 @@ inline PartValue LogValue(Part part, int64_t seq) {
       return SeedSet{.seeds = {{10, 5, 2}, {20, 9, 9}}, .raw = 2};
     case MessageType::kPrior:
       return LogPrior(seq);
+    case MessageType::kDepth:
+      return examples::Depth();
+    case MessageType::kCloud:
+      return examples::Cloud();
     case MessageType::kDisparity:
     case MessageType::kStatus:
       break;

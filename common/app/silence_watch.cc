@@ -1,0 +1,142 @@
+#include "common/app/silence_watch.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <condition_variable>
+
+#include "common/bus/receiver.h"
+
+namespace sprout {
+namespace {
+
+// How long all channels are listened to: capture sends RIG, and everybody STATUS, once a second.
+constexpr std::chrono::milliseconds kSurveyTime{1200};
+
+// Channels that are named; anybody can invent more.
+constexpr size_t kMaxNamed = 20;
+
+// False when a stop was asked for.
+bool Sleep(const std::stop_token& stop, std::chrono::milliseconds time) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  never.wait_for(lock, stop, time, [] { return false; });
+  return !stop.stop_requested();
+}
+
+ChannelCounts Survey(const std::string& url) {
+  std::mutex mutex;
+  ChannelCounts counts;
+  const auto count = [&](std::string_view channel) {
+    const std::lock_guard lock(mutex);
+    if (counts.size() < kMaxNamed || counts.contains(std::string(channel))) {
+      ++counts[std::string(channel)];
+    }
+  };
+  {
+    // Bytes are of no interest: none are kept.
+    const Receiver receiver(
+        url, "", {".*"}, [](std::string_view, std::span<const uint8_t>) {}, count,
+        /*max_queued_bytes=*/0);
+    std::this_thread::sleep_for(kSurveyTime);
+  }
+  return counts;
+}
+
+// Channels of the same name behind other prefixes.
+std::vector<std::string> OtherPrefixes(const std::string& missing, const ChannelCounts& present) {
+  std::vector<std::string> others;
+  const std::string name = missing.substr(std::min(missing.find("SPROUT_"), missing.size()));
+  for (const auto& [channel, unused] : present) {
+    if (!name.empty() && channel != missing && channel.ends_with(name)) others.push_back(channel);
+  }
+  return others;
+}
+
+std::string CountsText(const ChannelCounts& counts) {
+  std::vector<std::string> texts;
+  for (const auto& [channel, count] : counts)
+    texts.push_back(fmt::format("{} ({})", channel, count));
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+}  // namespace
+
+std::string SilenceText(const std::vector<std::string>& needed, const ChannelCounts& counts,
+                        const ChannelCounts& present) {
+  std::vector<std::string> missing;
+  std::vector<std::string> elsewhere;
+  for (const std::string& channel : needed) {
+    if (counts.contains(channel)) continue;
+    missing.push_back(channel);
+    for (std::string& other : OtherPrefixes(channel, present))
+      elsewhere.push_back(std::move(other));
+  }
+  std::string text =
+      missing.empty()
+          ? "no frame has all its messages, though every channel is heard; do they come from one "
+            "capture?"
+          : fmt::format("no whole frame, nothing heard on {}", fmt::join(missing, ", "));
+  text += present.empty() ? "; nothing else is heard either"
+                          : "; heard in a second: " + CountsText(present);
+  if (!elsewhere.empty()) {
+    text += fmt::format("; with another --channel-prefix: {}", fmt::join(elsewhere, ", "));
+  }
+  return text;
+}
+
+SilenceWatch::SilenceWatch(const ServiceContext& context, std::vector<std::string_view> channels,
+                           StageMonitor& monitor, std::chrono::milliseconds patience)
+    : url_(context.lcm_url),
+      prefix_length_(context.prefix.size()),
+      monitor_(monitor),
+      patience_(patience) {
+  for (const std::string_view channel : channels) {
+    needed_.push_back(context.prefix + std::string(channel));
+  }
+  thread_ = std::jthread([this](const std::stop_token& stop) { Watch(stop); });
+}
+
+void SilenceWatch::Heard(std::string_view channel) {
+  const std::lock_guard lock(mutex_);
+  for (const std::string& needed : needed_) {
+    if (std::string_view(needed).substr(prefix_length_) == channel) ++counts_[needed];
+  }
+}
+
+void SilenceWatch::HeardFrame() {
+  const std::lock_guard lock(mutex_);
+  counts_.clear();
+  last_frame_ = Clock::now();
+  warned_ = false;
+}
+
+void SilenceWatch::Watch(const std::stop_token& stop) {
+  while (Sleep(stop, patience_ / 10)) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (warned_ || Clock::now() - last_frame_ < patience_) continue;
+      warned_ = true;
+    }
+    Warn();
+  }
+}
+
+void SilenceWatch::Warn() {
+  try {
+    const ChannelCounts present = Survey(url_);
+    std::string text;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!warned_) return;  // a frame has come meanwhile
+      text = SilenceText(needed_, counts_, present);
+    }
+    monitor_.Warn(text);
+  } catch (const BusError& e) {
+    monitor_.Warn(std::string("no whole frame, and nothing can be heard: ") + e.what());
+  }
+}
+
+}  // namespace sprout

@@ -1,0 +1,29 @@
+#ifndef SPROUT_COMMON_APP_TWIN_WATCH_H_
+#define SPROUT_COMMON_APP_TWIN_WATCH_H_
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "common/app/stage_monitor.h"
+
+namespace sprout {
+
+/// Warns of a second process of the same stage on the same channels, of each once. For one thread.
+class TwinWatch {
+ public:
+  /// @param monitor  knows the name of this process, and is told.
+  explicit TwinWatch(StageMonitor& monitor) : monitor_(monitor) {}
+
+  /// A status came, of whatever process.
+  void Heard(const StageStatus& status);
+
+ private:
+  StageMonitor& monitor_;
+  std::set<std::pair<std::string, int32_t>> told_;  // host and process
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_APP_TWIN_WATCH_H_

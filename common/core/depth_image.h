@@ -1,0 +1,43 @@
+#ifndef SPROUT_COMMON_CORE_DEPTH_IMAGE_H_
+#define SPROUT_COMMON_CORE_DEPTH_IMAGE_H_
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace sprout {
+
+/// Depth z along the optical axis, seen from the left camera, with the intrinsics of this image.
+struct DepthImage {
+  cv::Mat1w counts;             ///< depth in units of metres_per_count; 0 = none
+  double metres_per_count = 0;  ///< > 0
+  double focal_px = 0;          ///< focal length, px
+  double cx = 0;                ///< principal point, px
+  double cy = 0;
+
+  cv::Size size() const { return counts.size(); }
+  double Metres(int u, int v) const { return counts(v, u) * metres_per_count; }
+};
+
+/// Most points of a cloud: with 16 bytes each they still fit into a message, with room to spare.
+inline constexpr int kMaxCloudPoints = 12'000'000;
+
+/// Point of a cloud.
+struct CloudPoint {
+  cv::Point3f position_m;    ///< in the left rectified frame (x right, y down, z forward), m; z > 0
+  cv::Vec3b bgr;             ///< colour
+  uint8_t confidence = 255;  ///< 0 (least) to 255
+
+  bool operator==(const CloudPoint&) const = default;
+};
+
+/// Points of one frame.
+struct PointCloud {
+  std::vector<CloudPoint> points;
+
+  bool operator==(const PointCloud&) const = default;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_DEPTH_IMAGE_H_

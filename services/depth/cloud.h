@@ -1,0 +1,29 @@
+#ifndef SPROUT_SERVICES_DEPTH_CLOUD_H_
+#define SPROUT_SERVICES_DEPTH_CLOUD_H_
+
+#include <opencv2/core.hpp>
+
+#include "common/core/depth_image.h"
+#include "common/core/disparity_image.h"
+#include "common/core/rig.h"
+
+namespace sprout {
+
+/// How a cloud is thinned.
+struct CloudThinning {
+  int stride = 1;      ///< every so manieth pixel of every so manieth row
+  double voxel_m = 0;  ///< of the points in a cube of this side the first one; 0 = all
+};
+
+/// Points of a disparity map, row by row, with the colours of the left image. Pixels without a
+/// disparity, and those that stand for no finite positive depth, give none. At most
+/// kMaxCloudPoints. O(pixels / stride²).
+///
+/// @param left        8UC1 or 8UC3 (BGR), of the map's size.
+/// @param confidence  8UC1 of the map's size, or empty: 255 everywhere.
+PointCloud CloudOf(const DisparityImage& disparity, const RectifiedPair& pair, const cv::Mat& left,
+                   const cv::Mat& confidence, const CloudThinning& thinning);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_DEPTH_CLOUD_H_

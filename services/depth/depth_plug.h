@@ -1,0 +1,28 @@
+#ifndef SPROUT_SERVICES_DEPTH_DEPTH_PLUG_H_
+#define SPROUT_SERVICES_DEPTH_DEPTH_PLUG_H_
+
+#include "common/config/config.h"
+#include "common/core/plug.h"
+
+namespace sprout {
+
+/// DISPARITY LEFT RIG → DEPTH, CLOUD as the configuration says; CONFIDENCE is joined for the cloud
+/// if the configuration says so.
+class DepthPlug : public Plug {
+ public:
+  /// @throws ConfigError for a value out of range, and when nothing is to be published.
+  explicit DepthPlug(const DepthConfig& config);
+
+  PartSet Inputs() const override;
+
+  /// Answers nothing for a frame that `every` leaves out, and for one whose images, map and
+  /// calibration are not of one size; the outcome says why.
+  Outcome Process(const Frame& frame) override;
+
+ private:
+  DepthConfig config_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_DEPTH_DEPTH_PLUG_H_

@@ -1,0 +1,13 @@
+#include "common/app/run_stage.h"
+#include "services/depth/depth_plug.h"
+
+int main(int argc, char** argv) {
+  return sprout::RunStage(
+      argc, argv, "depth",
+      "Turns the final disparity map into depth in metres and into points.\n"
+      "Joins SPROUT_DISPARITY, SPROUT_LEFT and SPROUT_RIG, and SPROUT_CONFIDENCE unless\n"
+      "depth { confidence: false }; publishes SPROUT_DEPTH and SPROUT_CLOUD.",
+      [](const sprout::SproutConfig& config) {
+        return std::make_unique<sprout::DepthPlug>(config.depth());
+      });
+}

@@ -1,0 +1,117 @@
+#include "services/top/board_text.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace sprout {
+namespace {
+
+std::string_view ColourOf(Health health) {
+  switch (health) {
+    case Health::kGood:
+      return "\x1b[32m";
+    case Health::kLosing:
+      return "\x1b[33m";
+    case Health::kStopped:
+      return "\x1b[2m";
+    case Health::kTwice:
+    case Health::kStale:
+    case Health::kMissing:
+      break;
+  }
+  return "\x1b[31m";
+}
+
+std::string HealthText(Health health, bool colour) {
+  const std::string text = fmt::format("{:<8}", NameOf(health));
+  return colour ? fmt::format("{}{}\x1b[0m", ColourOf(health), text) : text;
+}
+
+std::string RowText(const BoardRow& row, bool colour) {
+  const StageStatus& s = row.status;
+  const std::string start = fmt::format("{:<10.10} {}", s.stage, HealthText(row.health, colour));
+  if (row.health == Health::kMissing) return start + "\n";
+  const std::string cover =
+      s.tof_coverage < 0 ? "-" : fmt::format("{:.0f} %", 100 * s.tof_coverage);
+  return start +
+         fmt::format(
+             "{:>6} {:>6.1f} {:>8} {:>6.0f} {:>6.0f} {:>6.0f} {:>6.0f} {:>6} {:>6} {:>5} {:>5} "
+             "{:>5} {:>6.0f} {:>5}  {}:{}\n",
+             s.newest_frame.seq, s.rate_hz, s.frames_out, s.latency.p50_ms, s.latency.p99_ms,
+             s.age.p50_ms, s.age.p99_ms, s.frames_skipped, s.frames_incomplete, s.sequence_gaps,
+             s.frames_failed + s.frames_degenerate, s.bad_messages,
+             static_cast<double>(s.rss_bytes) / (1 << 20), cover, s.host, s.pid);
+}
+
+}  // namespace
+
+std::string_view NameOf(Health health) {
+  switch (health) {
+    case Health::kGood:
+      return "good";
+    case Health::kLosing:
+      return "losing";
+    case Health::kTwice:
+      return "twice";
+    case Health::kStale:
+      return "stale";
+    case Health::kStopped:
+      return "stopped";
+    case Health::kMissing:
+      break;
+  }
+  return "missing";
+}
+
+std::string BoardText(const std::vector<BoardRow>& rows, bool colour) {
+  std::string text =
+      "stage      health    frame     Hz answered   time    p99    age    p99   skip  incpl  gaps  "
+      "fail   bad  MB/rss   ToF  host:pid\n";
+  for (const BoardRow& row : rows) text += RowText(row, colour);
+  for (const BoardRow& row : rows) {
+    if (row.health == Health::kMissing || row.status.last_error.empty()) continue;
+    text += fmt::format("{}: {}\n", row.status.stage, row.status.last_error);
+  }
+  return text;
+}
+
+std::string BoardJson(const std::vector<BoardRow>& rows) {
+  nlohmann::ordered_json stages = nlohmann::ordered_json::array();
+  for (const BoardRow& row : rows) {
+    const StageStatus& s = row.status;
+    nlohmann::ordered_json stage{{"stage", s.stage}, {"health", NameOf(row.health)}};
+    if (row.health != Health::kMissing) {
+      stage.update({{"host", s.host},
+                    {"pid", s.pid},
+                    {"version", s.version},
+                    {"config_digest", s.config_digest},
+                    {"silent_s", row.silent_s},
+                    {"newest_seq", s.newest_frame.seq},
+                    {"newest_utime", s.newest_frame.utime},
+                    {"frames_in", s.frames_in},
+                    {"frames_out", s.frames_out},
+                    {"frames_skipped", s.frames_skipped},
+                    {"frames_incomplete", s.frames_incomplete},
+                    {"frames_degenerate", s.frames_degenerate},
+                    {"frames_failed", s.frames_failed},
+                    {"frames_resent", s.frames_resent},
+                    {"bad_messages", s.bad_messages},
+                    {"sequence_gaps", s.sequence_gaps},
+                    {"rate_hz", s.rate_hz},
+                    {"latency_p50_ms", s.latency.p50_ms},
+                    {"latency_p99_ms", s.latency.p99_ms},
+                    {"age_p50_ms", s.age.p50_ms},
+                    {"age_p99_ms", s.age.p99_ms},
+                    {"rss_bytes", s.rss_bytes},
+                    {"tof_coverage", s.tof_coverage},
+                    {"last_error", s.last_error}});
+    }
+    stages.push_back(std::move(stage));
+  }
+  const nlohmann::ordered_json board{{"whole", IsWhole(rows)}, {"stages", std::move(stages)}};
+  // Names come from the network and need not be UTF-8.
+  return board.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace sprout

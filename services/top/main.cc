@@ -1,0 +1,114 @@
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <condition_variable>
+#include <iostream>
+#include <mutex>
+
+#include "common/app/program.h"
+#include "common/app/service.h"
+#include "common/bus/channels.h"
+#include "common/bus/receiver.h"
+#include "common/messages/codec.h"
+#include "services/top/board_text.h"
+
+namespace sprout {
+namespace {
+
+using Clock = StatusBoard::Clock;
+
+struct Options {
+  std::vector<std::string> stages = {"capture", "refine", "prior", "grow"};
+  bool once = false;
+  bool json = false;
+  double listen_s = 2.5;
+};
+
+// What the statuses on the bus say.
+class Listener {
+ public:
+  Listener(const ServiceContext& context, const std::vector<std::string>& stages)
+      : board_(stages),
+        receiver_(context.lcm_url, context.prefix, {kStatusChannel},
+                  [this](std::string_view, std::span<const uint8_t> bytes) { OnStatus(bytes); }) {}
+
+  std::vector<BoardRow> Rows() const {
+    const std::lock_guard lock(mutex_);
+    return board_.Rows(Clock::now());
+  }
+
+  int64_t bad() const {
+    const std::lock_guard lock(mutex_);
+    return board_.bad();
+  }
+
+ private:
+  void OnStatus(std::span<const uint8_t> bytes) {
+    const Result<StageStatus> status = DecodeStatus(bytes);
+    const std::lock_guard lock(mutex_);
+    status ? static_cast<void>(board_.Add(*status, Clock::now())) : board_.AddBad();
+  }
+
+  mutable std::mutex mutex_;
+  StatusBoard board_;
+  Receiver receiver_;  // last: stops before the rest is destroyed
+};
+
+void Sleep(const std::stop_token& stop, double seconds) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  never.wait_for(lock, stop, std::chrono::duration<double>(seconds), [] { return false; });
+}
+
+void Show(const Listener& listener, const Options& options, bool screen) {
+  const std::vector<BoardRow> rows = listener.Rows();
+  if (options.json) {
+    std::cout << BoardJson(rows) << std::endl;
+    return;
+  }
+  constexpr std::string_view kHome = "\x1b[H\x1b[J";  // cursor to the corner, rest of screen empty
+  std::string text = BoardText(rows, screen);
+  if (listener.bad() > 0) text += std::to_string(listener.bad()) + " statuses could not be read\n";
+  std::cout << (screen ? kHome : "") << text << std::flush;
+}
+
+int Watch(const ServiceContext& context, const Options& options) {
+  const Listener listener(context, options.stages);
+  const bool screen = !options.once && !options.json && isatty(STDOUT_FILENO) != 0;
+  if (screen) spdlog::set_level(spdlog::level::off);  // the screen is the table's
+  Sleep(context.stop, options.once ? options.listen_s : 1);
+  do {
+    Show(listener, options, screen);
+    if (options.once) break;
+    Sleep(context.stop, 1);
+  } while (!context.stop.stop_requested());
+  return IsWhole(listener.Rows()) ? 0 : 1;
+}
+
+int Main(int argc, char** argv) {
+  Service service(
+      "top",
+      "Shows how every process of the running graph fares, once a second: newest frame, rate,\n"
+      "frames answered, time a frame and age of the answer (ms, median and 99 %), what was\n"
+      "skipped, incomplete, missing, failed and bad, memory, and how much of the image ToF\n"
+      "seeds cover. Exit code 1 when a stage is missing, stale, stopped, or there twice.");
+  Options options;
+  service.flags()
+      .add_option("--stages", options.stages, "Stages that must be there")
+      ->delimiter(',')
+      ->capture_default_str();
+  service.flags().add_flag("--once", options.once, "Look once and end");
+  service.flags().add_flag("--json", options.json, "One line of JSON a second, for scripts");
+  service.flags()
+      .add_option("--listen", options.listen_s, "How long --once listens, s")
+      ->check(NumberIn(0.1, 3600.0))
+      ->capture_default_str();
+  return service.Run(argc, argv,
+                     [&](const ServiceContext& context) { return Watch(context, options); });
+}
+
+}  // namespace
+}  // namespace sprout
+
+int main(int argc, char** argv) { return sprout::Main(argc, argv); }

@@ -1,0 +1,84 @@
+#include "services/top/status_board.h"
+
+#include <algorithm>
+
+namespace sprout {
+namespace {
+
+// Frames and messages that a process did not use.
+int64_t Losses(const StageStatus& status) {
+  return status.frames_skipped + status.frames_incomplete + status.frames_failed +
+         status.frames_degenerate + status.bad_messages + status.sequence_gaps;
+}
+
+}  // namespace
+
+bool StatusBoard::Add(const StageStatus& status, Clock::time_point now) {
+  const Process process{status.stage, status.host, status.pid};
+  const auto found = heard_.find(process);
+  if (found != heard_.end()) {
+    found->second.newest = status;
+    found->second.when = now;
+    return true;
+  }
+  if (heard_.size() == kMaxProcesses) {
+    ++bad_;
+    return false;
+  }
+  heard_.emplace(process, Heard{status, status, now});
+  return true;
+}
+
+size_t StatusBoard::RankOf(const std::string& stage) const {
+  return static_cast<size_t>(std::find(expected_.begin(), expected_.end(), stage) -
+                             expected_.begin());
+}
+
+std::vector<BoardRow> StatusBoard::Rows(Clock::time_point now) const {
+  std::vector<BoardRow> rows;
+  std::map<std::string, int> alive;  // processes of each stage
+  for (const auto& [process, heard] : heard_) {
+    BoardRow row{
+        .status = heard.newest,
+        .health = Losses(heard.newest) > Losses(heard.first) ? Health::kLosing : Health::kGood,
+        .silent_s = std::chrono::duration<double>(now - heard.when).count()};
+    if (heard.newest.state == StageStatus::State::kStopped) {
+      row.health = Health::kStopped;
+    } else if (now - heard.when > kStaleAfter) {
+      row.health = Health::kStale;
+    } else {
+      ++alive[heard.newest.stage];
+    }
+    rows.push_back(std::move(row));
+  }
+  // A process that was replaced is of no interest any more.
+  std::erase_if(rows, [&](const BoardRow& row) {
+    const bool gone = row.health == Health::kStopped || row.health == Health::kStale;
+    return gone && alive.contains(row.status.stage);
+  });
+  for (BoardRow& row : rows) {
+    if (const auto found = alive.find(row.status.stage);
+        found != alive.end() && found->second > 1) {
+      row.health = Health::kTwice;
+    }
+  }
+  for (const std::string& stage : expected_) {
+    const bool heard = std::any_of(rows.begin(), rows.end(),
+                                   [&](const BoardRow& row) { return row.status.stage == stage; });
+    if (heard) continue;
+    rows.emplace_back().status.stage = stage;
+  }
+  std::stable_sort(rows.begin(), rows.end(), [this](const BoardRow& a, const BoardRow& b) {
+    const auto rank = [this](const BoardRow& row) { return RankOf(row.status.stage); };
+    return std::pair(rank(a), a.status.stage) < std::pair(rank(b), b.status.stage);
+  });
+  return rows;
+}
+
+bool IsWhole(const std::vector<BoardRow>& rows) {
+  return std::all_of(rows.begin(), rows.end(), [](const BoardRow& row) {
+    return row.health == Health::kGood || row.health == Health::kLosing;
+  });
+}
+
+}  // namespace sprout

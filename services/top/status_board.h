@@ -1,0 +1,80 @@
+#ifndef SPROUT_SERVICES_TOP_STATUS_BOARD_H_
+#define SPROUT_SERVICES_TOP_STATUS_BOARD_H_
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "common/core/stage_status.h"
+
+namespace sprout {
+
+/// How a process of the graph fares, as far as its statuses tell.
+enum class Health {
+  kGood,     ///< reports, and loses nothing
+  kLosing,   ///< reports, and lost or refused something since the board was opened
+  kTwice,    ///< reports, and so does another process of the same stage
+  kStale,    ///< has not reported for kStaleAfter
+  kStopped,  ///< has ended
+  kMissing,  ///< expected, and never heard
+};
+
+/// One process, or an expected stage that nobody has heard.
+struct BoardRow {
+  StageStatus status;  ///< of a missing stage the name only
+  Health health = Health::kMissing;
+  double silent_s = 0;  ///< since its newest status
+};
+
+/// Keeps the newest status of every process that reports, and judges them. Not thread-safe.
+class StatusBoard {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Statuses come once a second: one that is late is not yet gone.
+  static constexpr std::chrono::milliseconds kStaleAfter{3500};
+
+  /// Most processes that are kept. Names are free, so anybody could invent more.
+  static constexpr size_t kMaxProcesses = 64;
+
+  /// @param expected  stages that must be there.
+  explicit StatusBoard(std::vector<std::string> expected) : expected_(std::move(expected)) {}
+
+  /// @returns whether there was room for it.
+  bool Add(const StageStatus& status, Clock::time_point now);
+
+  /// A status could not be read.
+  void AddBad() { ++bad_; }
+
+  /// Expected stages first and in their order, then the others by name; of one stage the oldest
+  /// process first.
+  std::vector<BoardRow> Rows(Clock::time_point now) const;
+
+  /// Statuses that could not be read, or found no room.
+  int64_t bad() const { return bad_; }
+
+ private:
+  using Process = std::tuple<std::string, std::string, int32_t>;  // stage, host, pid
+
+  struct Heard {
+    StageStatus first;
+    StageStatus newest;
+    Clock::time_point when;
+  };
+
+  size_t RankOf(const std::string& stage) const;
+
+  std::vector<std::string> expected_;
+  std::map<Process, Heard> heard_;
+  int64_t bad_ = 0;
+};
+
+/// Whether every row is good or losing: all expected stages there, once each, and reporting.
+bool IsWhole(const std::vector<BoardRow>& rows);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_TOP_STATUS_BOARD_H_

@@ -1,0 +1,72 @@
+#include "common/app/silence_watch.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/app/twin_watch.h"
+#include "tests/common/app/captured_log.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+TEST(SilenceText, NamesWhatIsMissingAndWhatIsHeardInstead) {
+  const std::string text = SilenceText({"SPROUT_SEEDS", "SPROUT_RIG"}, {{"SPROUT_RIG", 5}},
+                                       {{"SPROUT_LEFT", 10}, {"SPROUT_RIG", 1}});
+  EXPECT_THAT(text, AllOf(HasSubstr("nothing heard on SPROUT_SEEDS;"),
+                          HasSubstr("heard in a second: SPROUT_LEFT (10), SPROUT_RIG (1)"),
+                          Not(HasSubstr("prefix"))));
+}
+
+TEST(SilenceText, PointsToChannelsWithAnotherPrefix) {
+  EXPECT_THAT(SilenceText({"SPROUT_SEEDS"}, {}, {{"B_SPROUT_SEEDS", 3}, {"B_SPROUT_LEFT", 3}}),
+              HasSubstr("with another --channel-prefix: B_SPROUT_SEEDS"));
+  EXPECT_THAT(SilenceText({"A_SPROUT_SEEDS"}, {}, {{"SPROUT_SEEDS", 3}}),
+              HasSubstr("with another --channel-prefix: SPROUT_SEEDS"));
+}
+
+TEST(SilenceText, SaysSoWhenNothingIsHeardOrNothingIsMissing) {
+  EXPECT_THAT(SilenceText({"SPROUT_LEFT"}, {}, {}), HasSubstr("nothing else is heard either"));
+  EXPECT_THAT(SilenceText({"SPROUT_LEFT"}, {{"SPROUT_LEFT", 2}}, {{"SPROUT_LEFT", 2}}),
+              HasSubstr("every channel is heard; do they come from one capture?"));
+}
+
+class TwinWatchTest : public ::testing::Test {
+ protected:
+  StageStatus Other(int32_t pid) const {
+    StageStatus status = monitor_.Snapshot();
+    status.pid = pid;
+    return status;
+  }
+
+  CapturedLog log_;
+  StageMonitor monitor_{"grow", ""};
+  TwinWatch twins_{monitor_};
+};
+
+TEST_F(TwinWatchTest, TellsOfEveryTwinOnce) {
+  const int32_t other = monitor_.Snapshot().pid + 1;
+  for (int i = 0; i < 3; ++i) twins_.Heard(Other(other));
+  EXPECT_THAT(log_.Lines(), ElementsAre(AllOf(HasSubstr("another sprout-grow"),
+                                              HasSubstr(std::to_string(other)))));
+  EXPECT_THAT(monitor_.Snapshot().last_error, HasSubstr("another sprout-grow"));
+}
+
+TEST_F(TwinWatchTest, LeavesItselfOtherStagesAndTheOneThatEndedAlone) {
+  twins_.Heard(monitor_.Snapshot());
+  StageStatus prior = Other(1);
+  prior.stage = "prior";
+  twins_.Heard(prior);
+  StageStatus ended = Other(2);
+  ended.state = StageStatus::State::kStopped;
+  twins_.Heard(ended);
+  EXPECT_THAT(log_.Lines(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace sprout

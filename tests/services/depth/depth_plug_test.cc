@@ -1,0 +1,99 @@
+#include "services/depth/depth_plug.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sprout {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+Frame FrameOf(int64_t seq, cv::Size size = {8, 6}) {
+  Frame frame;
+  frame.id.seq = seq;
+  frame.disparity = DisparityImage(cv::Mat1s(size, int16_t{320}));
+  frame.left = cv::Mat(size, CV_8UC1, cv::Scalar(9));
+  frame.confidence = cv::Mat(size, CV_8UC1, cv::Scalar(100));
+  frame.rig = Rig{.pair = {.width = size.width,
+                           .height = size.height,
+                           .focal_px = 100,
+                           .cx = 4,
+                           .cy = 3,
+                           .cx_right = 4,
+                           .baseline_m = 0.1},
+                  .tof = {}};
+  return frame;
+}
+
+std::string ErrorOf(const DepthConfig& config) {
+  try {
+    DepthPlug plug(config);
+    return "no error";
+  } catch (const ConfigError& e) {
+    return e.what();
+  }
+}
+
+TEST(DepthPlug, AnswersWithDepthAndCloud) {
+  DepthConfig config;
+  config.set_scale(2);
+  config.set_cloud_stride(2);
+  DepthPlug plug(config);
+  Frame frame = FrameOf(7);
+  EXPECT_EQ(RunPlug(plug, frame), "");
+  ASSERT_TRUE(frame.depth && frame.cloud);
+  EXPECT_EQ(frame.depth->size(), cv::Size(4, 3));
+  EXPECT_EQ(frame.depth->Metres(0, 0), 1);
+  EXPECT_EQ(frame.cloud->points.size(), 12U);
+  EXPECT_EQ(frame.cloud->points[0].confidence, 100);
+}
+
+TEST(DepthPlug, JoinsWhatItNeeds) {
+  DepthConfig config;
+  EXPECT_EQ(DepthPlug(config).Inputs(),
+            (PartSet{Part::kDisparity, Part::kRig, Part::kLeft, Part::kConfidence}));
+  config.set_confidence(false);
+  EXPECT_EQ(DepthPlug(config).Inputs(), (PartSet{Part::kDisparity, Part::kRig, Part::kLeft}));
+}
+
+TEST(DepthPlug, LeavesOutWhatIsNotAskedFor) {
+  DepthConfig config;
+  config.set_publish_cloud(false);
+  config.set_every(3);
+  DepthPlug plug(config);
+  EXPECT_THAT(plug.Process(FrameOf(4)).outputs, IsEmpty());
+  const Outcome outcome = plug.Process(FrameOf(6));
+  ASSERT_EQ(outcome.outputs.size(), 1U);
+  EXPECT_EQ(outcome.outputs[0].part, Part::kDepth);
+}
+
+TEST(DepthPlug, SaysWhichSizesDoNotFitTogether) {
+  DepthPlug plug{DepthConfig()};
+  Frame frame = FrameOf(0);
+  frame.left = cv::Mat(5, 8, CV_8UC1, cv::Scalar(0));
+  EXPECT_THAT(plug.Process(frame).degenerate, HasSubstr("LEFT of 8x5"));
+  frame = FrameOf(0);
+  frame.confidence = cv::Mat(5, 8, CV_8UC1, cv::Scalar(0));
+  EXPECT_THAT(plug.Process(frame).degenerate, HasSubstr("CONFIDENCE of 8x5"));
+  frame = FrameOf(0);
+  frame.rig->pair.width = 9;
+  EXPECT_THAT(plug.Process(frame).degenerate, HasSubstr("DISPARITY of 8x6"));
+  EXPECT_THAT(plug.Process(frame).outputs, IsEmpty());
+}
+
+TEST(DepthPlug, RefusesValuesThatItCannotUse) {
+  DepthConfig config;
+  config.set_scale(3);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.scale = 3: allowed: 1, 2, 4"));
+  config = {};
+  config.set_mm_per_count(0);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.mm_per_count = 0"));
+  config = {};
+  config.set_publish_cloud(false);
+  config.set_publish_depth(false);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("nothing to publish"));
+}
+
+}  // namespace
+}  // namespace sprout

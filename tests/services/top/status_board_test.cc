@@ -1,0 +1,123 @@
+#include "services/top/status_board.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "services/top/board_text.h"
+
+namespace sprout {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class StatusBoardTest : public ::testing::Test {
+ protected:
+  static StageStatus Status(const std::string& stage, int32_t pid = 1) {
+    StageStatus status;
+    status.stage = stage;
+    status.host = "robot";
+    status.pid = pid;
+    status.state = StageStatus::State::kRunning;
+    return status;
+  }
+
+  std::vector<std::string> Seen(milliseconds after = milliseconds(0)) const {
+    std::vector<std::string> seen;
+    for (const BoardRow& row : board_.Rows(start_ + after)) {
+      seen.push_back(row.status.stage + " " + std::string(NameOf(row.health)));
+    }
+    return seen;
+  }
+
+  bool Whole(milliseconds after = milliseconds(0)) const {
+    return IsWhole(board_.Rows(start_ + after));
+  }
+
+  StatusBoard::Clock::time_point start_{};
+  StatusBoard board_{{"capture", "grow"}};
+};
+
+TEST_F(StatusBoardTest, MissesTheStagesThatNobodyHeard) {
+  EXPECT_THAT(Seen(), ElementsAre("capture missing", "grow missing"));
+  board_.Add(Status("grow"), start_);
+  EXPECT_THAT(Seen(), ElementsAre("capture missing", "grow good"));
+  EXPECT_FALSE(Whole());
+  board_.Add(Status("capture"), start_);
+  EXPECT_TRUE(Whole());
+}
+
+TEST_F(StatusBoardTest, ListsOthersBehindTheExpectedOnes) {
+  for (const char* stage : {"view", "grow", "depth", "capture"}) board_.Add(Status(stage), start_);
+  EXPECT_THAT(Seen(), ElementsAre("capture good", "grow good", "depth good", "view good"));
+}
+
+TEST_F(StatusBoardTest, SaysWhoFellSilentAndWhoStopped) {
+  board_.Add(Status("capture"), start_);
+  board_.Add(Status("grow"), start_);
+  EXPECT_TRUE(Whole(milliseconds(3400)));
+  board_.Add(Status("grow"), start_ + milliseconds(3000));
+  EXPECT_THAT(Seen(milliseconds(3600)), ElementsAre("capture stale", "grow good"));
+  StageStatus stopped = Status("grow");
+  stopped.state = StageStatus::State::kStopped;
+  board_.Add(stopped, start_ + milliseconds(4000));
+  EXPECT_THAT(Seen(milliseconds(4000)), ElementsAre("capture stale", "grow stopped"));
+  EXPECT_FALSE(Whole(milliseconds(4000)));
+}
+
+TEST_F(StatusBoardTest, NoticesTwoProcessesOfOneStageButNotASuccessor) {
+  board_.Add(Status("capture"), start_);
+  board_.Add(Status("grow", 1), start_);
+  board_.Add(Status("grow", 2), start_);
+  EXPECT_THAT(Seen(), ElementsAre("capture good", "grow twice", "grow twice"));
+  EXPECT_FALSE(Whole());
+  board_.Add(Status("capture"), start_ + milliseconds(3600));
+  board_.Add(Status("grow", 2), start_ + milliseconds(3600));
+  EXPECT_THAT(Seen(milliseconds(3600)), ElementsAre("capture good", "grow good"));
+}
+
+TEST_F(StatusBoardTest, SaysWhoLosesSinceItWasOpened) {
+  StageStatus status = Status("grow");
+  status.frames_skipped = 5;
+  board_.Add(status, start_);
+  EXPECT_THAT(Seen(), ElementsAre("capture missing", "grow good"));
+  ++status.frames_skipped;
+  board_.Add(status, start_);
+  EXPECT_THAT(Seen(), ElementsAre("capture missing", "grow losing"));
+}
+
+TEST_F(StatusBoardTest, KeepsNoMoreThan64Processes) {
+  for (int pid = 0; pid < 64; ++pid) EXPECT_TRUE(board_.Add(Status("grow", pid), start_));
+  EXPECT_FALSE(board_.Add(Status("grow", 64), start_));
+  EXPECT_TRUE(board_.Add(Status("grow", 63), start_));
+  EXPECT_EQ(board_.bad(), 1);
+}
+
+TEST_F(StatusBoardTest, IsWrittenForPeopleAndForScripts) {
+  StageStatus status = Status("grow", 77);
+  status.newest_frame.seq = 412;
+  status.rate_hz = 9.96;
+  status.last_error = "frame 3: failed: no \xff seeds";
+  board_.Add(status, start_);
+  const auto rows = board_.Rows(start_);
+  const std::string text = BoardText(rows, /*colour=*/false);
+  EXPECT_THAT(text, HasSubstr("capture    missing"));
+  EXPECT_THAT(text, HasSubstr("grow       good       412   10.0"));
+  EXPECT_THAT(text, HasSubstr("robot:77"));
+  EXPECT_THAT(text, HasSubstr("grow: frame 3: failed"));
+  EXPECT_THAT(text, Not(HasSubstr("\x1b")));
+  EXPECT_THAT(BoardText(rows, /*colour=*/true), HasSubstr("\x1b[31mmissing"));
+
+  const auto json = nlohmann::json::parse(BoardJson(rows));
+  EXPECT_FALSE(json["whole"]);
+  EXPECT_EQ(json["stages"][0]["health"], "missing");
+  EXPECT_EQ(json["stages"][1]["newest_seq"], 412);
+  EXPECT_EQ(json["stages"][1]["pid"], 77);
+}
+
+}  // namespace
+}  // namespace sprout

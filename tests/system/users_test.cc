@@ -1,0 +1,128 @@
+// What people use beside the stages: depth and clouds as messages, the board of statuses.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "services/capture/dataset.h"
+#include "services/depth/depth_map.h"
+#include "tests/system/graph.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr char kSource[] = "synthetic:320x240";
+
+void StartStages(Graph& graph) {
+  for (const char* stage : {"refine", "prior", "grow"}) graph.Start(stage, {"--config", "default"});
+}
+
+TEST(DepthSystem, TurnsEveryMapIntoDepthAndPoints) {
+  Graph graph;
+  StartStages(graph);
+  graph.Start("depth", {"--config", "default"});
+  Process& capture = graph.StartOnly("capture", {"--source", kSource, "--frames", "3", "--lockstep",
+                                                 "1", "--wait-for", "refine,prior,grow,depth"});
+  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  CaptureConfig config;
+  config.set_source(kSource);
+  const auto source = OpenDataset(config);
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.parts.contains({Part::kCloud, 2}); }));
+  graph.WaitUntil([&](Graph& g) {
+    for (int64_t seq = 0; seq < 3; ++seq) {
+      const auto& map = std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq}));
+      const auto& depth = std::get<DepthImage>(g.parts.at({Part::kDepth, seq}));
+      const DepthImage expected = DepthOf(map, source->rig().pair, 0.001, 1);
+      EXPECT_EQ(cv::countNonZero(depth.counts != expected.counts), 0);
+      EXPECT_GT(cv::countNonZero(depth.counts), 320 * 240 / 2);
+      EXPECT_GT(std::get<PointCloud>(g.parts.at({Part::kCloud, seq})).points.size(), 80 * 60 / 2U);
+    }
+    return true;
+  });
+}
+
+class TopSystem : public ::testing::Test {
+ protected:
+  // Exit code of sprout-top and what it says, as one object.
+  std::pair<int, nlohmann::json> Look(const std::string& stages) {
+    Process top({ProgramPath("sprout-top"), "--once", "--json", "--log-level", "error", "--stages",
+                 stages});
+    const int code = top.Wait().value_or(-1);
+    const std::string output = top.Output();
+    const size_t start = output.find('{');
+    EXPECT_NE(start, std::string::npos) << output;
+    return {code, nlohmann::json::parse(output.substr(std::min(start, output.size())), nullptr,
+                                        /*allow_exceptions=*/false)};
+  }
+
+  Graph graph_;
+};
+
+TEST_F(TopSystem, SaysWhetherEveryStageIsThereOnce) {
+  StartStages(graph_);
+  const auto [good, board] = Look("refine,prior,grow");
+  EXPECT_EQ(good, 0) << board;
+  EXPECT_TRUE(board["whole"]);
+  EXPECT_EQ(board["stages"][2]["pid"], graph_.process("grow").pid());
+
+  const auto [missing, without] = Look("capture,refine");
+  EXPECT_EQ(missing, 1);
+  EXPECT_EQ(without["stages"][0]["health"], "missing");
+
+  const Process second({ProgramPath("sprout-grow"), "--config", "default"});
+  ASSERT_TRUE(graph_.WaitUntil([&](Graph& g) { return g.statuses["grow"].pid == second.pid(); }));
+  const auto [twice, both] = Look("refine,prior,grow");
+  EXPECT_EQ(twice, 1);
+  EXPECT_EQ(both["stages"][2]["health"], "twice") << both;
+}
+
+TEST_F(TopSystem, SaysWhoFellSilent) {
+  StartStages(graph_);
+  Process top({ProgramPath("sprout-top"), "--once", "--listen", "7", "--stages", "refine"});
+  ASSERT_TRUE(graph_.WaitUntil([](Graph& g) { return g.statuses.contains("refine"); }));
+  std::this_thread::sleep_for(std::chrono::seconds(2));  // it has heard refine
+  graph_.process("refine").Signal(SIGSTOP);
+  EXPECT_EQ(top.Wait(), 1);
+  EXPECT_THAT(top.Output(), HasSubstr("refine     stale"));
+  graph_.process("refine").Signal(SIGCONT);
+}
+
+class SilenceSystem : public ::testing::Test {
+ protected:
+  // Whether the newest complaint of a stage has this in it, soon.
+  bool Says(const std::string& stage, const std::string& text) {
+    return graph_.WaitUntil(
+        [&](Graph& g) { return g.statuses[stage].last_error.find(text) != std::string::npos; });
+  }
+
+  Graph graph_;
+};
+
+TEST_F(SilenceSystem, NamesTheChannelThatIsMissingAndThePrefixThatHasIt) {
+  graph_.Start("refine");
+  graph_.Start("prior");
+  graph_.StartOnly("capture", {"--source", kSource, "--rate", "5", "--channel-prefix", "B_"});
+  EXPECT_TRUE(Says("refine", "nothing heard on SPROUT_LEFT, SPROUT_RIGHT, SPROUT_TOF, SPROUT_RIG"));
+  EXPECT_TRUE(Says("refine", "with another --channel-prefix: B_SPROUT_LEFT"));
+  EXPECT_TRUE(Says("prior", "SPROUT_SEEDS"));
+}
+
+TEST_F(SilenceSystem, TellsBothOfTwoProcessesOfOneStage) {
+  graph_.Start("grow");
+  Process second({ProgramPath("sprout-grow")});
+  EXPECT_TRUE(Says("grow", "another sprout-grow works on these channels"));
+  EXPECT_THAT(second.Output(), HasSubstr("another sprout-grow"));
+}
+
+TEST_F(SilenceSystem, CaptureSaysThatItCannotKeepItsRate) {
+  Process& capture = graph_.StartOnly(
+      "capture", {"--source", "synthetic:1280x960", "--rate", "100", "--frames", "20"});
+  EXPECT_EQ(capture.Wait(std::chrono::seconds(60)), 0);
+  EXPECT_THAT(capture.Output(), HasSubstr("the rate of 100 Hz is not reached"));
+}
+
+}  // namespace
+}  // namespace sprout
