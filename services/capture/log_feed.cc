@@ -205,10 +205,10 @@ class RawLogFeed : public CaptureFeed {
   static CapturedFrame Decoded(const CaptureMessages& raw) {
     CapturedFrame frame;
     for (const auto& [part, bytes] : raw.messages) {
-      PartValue value = DecodePart(part, bytes)->value;
-      if (part == Part::kLeft) frame.left = std::get<cv::Mat>(std::move(value));
-      if (part == Part::kRight) frame.right = std::get<cv::Mat>(std::move(value));
-      if (part == Part::kTof) frame.tof = std::get<TofImage>(std::move(value));
+      const PartValue value = DecodePart(part, bytes)->value;
+      if (part == Part::kLeft) frame.left = std::get<cv::Mat>(value);
+      if (part == Part::kRight) frame.right = std::get<cv::Mat>(value);
+      if (part == Part::kTof) frame.tof = std::get<TofImage>(value);
     }
     return frame;
   }
