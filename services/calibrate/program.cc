@@ -1,6 +1,7 @@
 #include "services/calibrate/program.h"
 
 #include <fmt/format.h>
+#include <glog/logging.h>
 
 #include <charconv>
 #include <filesystem>
@@ -196,6 +197,7 @@ int RunChosen(const Options& options) {
 }  // namespace
 
 int CalibrateMain(int argc, const char* const* argv) {
+  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' remarks; what they mean is said in our words
   CLI::App flags(kDescription, "sprout-calibrate");
   Options options;
   flags.require_subcommand(1);

@@ -55,7 +55,10 @@ Result<SingleCamera> CalibrateAlone(const Board& board, CameraIndex camera, cv::
     return Fail("the " + std::string(kCameraNames[camera]) + " camera sees " +
                 std::to_string(kMinCorners) + " corners of the board in " +
                 std::to_string(used.size()) + " views: " + std::to_string(kMinViews) +
-                " are needed at least, 20 are good");
+                " are needed at least, 20 are good" +
+                (camera == kTof ? "; there a square has to be 12 px wide: come nearer, or print "
+                                  "larger squares"
+                                : ""));
   }
   cv::Mat matrix;
   cv::Mat1d distortion;
