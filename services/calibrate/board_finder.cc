@@ -7,7 +7,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <tuple>
+#include <utility>
 
 namespace sprout {
 namespace {
@@ -98,58 +98,50 @@ BoardCorners Refined(const BoardCorners& corners, int columns, const cv::Mat1f& 
   return refined;
 }
 
-// To a pixel or so: OpenCV's corners are half a pixel off, and badly placed where few markers are.
+using Quad = std::vector<cv::Point2f>;  // the corners of a marker
+
+// Whether markers lie as on the board: up to the lens's distortion, one homography takes most of
+// them from there to the image.
+bool LieAsOn(const cv::aruco::CharucoBoard& board, const std::vector<Quad>& markers,
+             const std::vector<int>& ids) {
+  constexpr double kMaxOffPerSide = 0.5;  // of a marker; on another board they are whole squares off
+  std::vector<cv::Point2f> on_board;
+  std::vector<cv::Point2f> in_image;
+  double side = 0;
+  for (size_t i = 0; i < ids.size(); ++i) {
+    if (std::cmp_greater_equal(ids[i], board.objPoints.size())) continue;
+    for (const cv::Point3f& corner : board.objPoints[static_cast<size_t>(ids[i])]) {
+      on_board.emplace_back(corner.x, corner.y);
+    }
+    in_image.insert(in_image.end(), markers[i].begin(), markers[i].end());
+    side += cv::norm(markers[i][1] - markers[i][0]);
+  }
+  if (in_image.empty()) return false;
+  side /= static_cast<double>(in_image.size() / 4);
+  std::vector<uchar> fits;
+  cv::findHomography(on_board, in_image, fits, cv::RANSAC, kMaxOffPerSide * side);
+  return 2 * std::ranges::count(fits, 1) >= std::ssize(ids) * 4;
+}
+
+// The corners to a pixel or so; none when it is another board. OpenCV's corners are half a pixel off, and badly placed where few markers are.
 BoardCorners Read(const Board& board, const cv::Mat1b& image) {
-  std::vector<std::vector<cv::Point2f>> markers;
+  std::vector<Quad> markers;
   std::vector<int> marker_ids;
   const cv::Ptr<cv::aruco::CharucoBoard>& charuco = board.charuco();
   cv::aruco::detectMarkers(image, charuco->dictionary, markers, marker_ids);
   if (marker_ids.empty()) return {};
+  BoardCorners corners{.markers = static_cast<int>(marker_ids.size())};
+  if (!LieAsOn(*charuco, markers, marker_ids)) return corners;
   std::vector<cv::Point2f> pixels;
   std::vector<int> ids;
   cv::aruco::interpolateCornersCharuco(markers, marker_ids, image, charuco, pixels, ids);
   std::map<int, cv::Point2d> sorted;
   for (size_t i = 0; i < ids.size(); ++i) sorted[ids[i]] = pixels[i];
-  BoardCorners corners{.markers = static_cast<int>(marker_ids.size())};
   for (const auto& [id, pixel] : sorted) {
     corners.ids.push_back(id);
     corners.pixels.push_back(pixel);
   }
   return corners;
-}
-
-// Whether corners lie as on the board: up to the lens's distortion, one homography takes all of
-// them from there to the image. Those of another board are whole squares off.
-bool LieAsOn(const Board& board, const BoardCorners& corners) {
-  constexpr double kMaxOffPerSquare = 0.5;
-  constexpr int kMinCorners = 4;  // fewer have a homography always, or never
-  if (corners.size() < kMinCorners) return true;
-  std::vector<cv::Point2f> on_board;
-  std::vector<cv::Point2f> in_image;
-  for (size_t i = 0; i < corners.ids.size(); ++i) {
-    const Eigen::Vector3d& corner = board.corner(corners.ids[i]);
-    on_board.emplace_back(cv::Point2d(corner.x(), corner.y()));
-    in_image.emplace_back(corners.pixels[i]);
-  }
-  const cv::Mat homography = cv::findHomography(on_board, in_image);
-  if (homography.empty()) return true;  // all on a line
-  std::vector<cv::Point2f> there;
-  cv::perspectiveTransform(on_board, there, homography);
-  const auto sides = SquareSides(corners, board.size().columns - 1);
-  int off = 0;
-  for (size_t i = 0; i < there.size(); ++i) {
-    if (sides[i] && cv::norm(there[i] - in_image[i]) > kMaxOffPerSquare * *sides[i]) ++off;
-  }
-  return 2 * off <= corners.size();
-}
-
-// The corners as they are in the image; none when it is another board.
-BoardCorners RefinedOrForeign(const Board& board, const BoardCorners& read, const cv::Mat1f& image,
-                              double window_per_square) {
-  if (read.ids.empty()) return read;
-  BoardCorners refined = Refined(read, board.size().columns - 1, image, window_per_square);
-  if (!LieAsOn(board, refined)) return {.markers = read.markers};
-  return refined;
 }
 
 // A pixel of an image and of one that has kUpscale times as many a side.
@@ -203,14 +195,14 @@ cv::Mat1b Rounded(const cv::Mat1f& levels) {
 BoardCorners FindBoard(const Board& board, const cv::Mat1b& image) {
   cv::Mat1f levels;
   image.convertTo(levels, CV_32F);
-  return RefinedOrForeign(board, Read(board, image), levels, kWindowPerSquare);
+  return Refined(Read(board, image), board.size().columns - 1, levels, kWindowPerSquare);
 }
 
 BoardCorners FindBoardInAmplitude(const Board& board, const cv::Mat1f& amplitude) {
   if (amplitude.empty()) return {};
   const cv::Mat1f large = Upscaled(Levels(amplitude));
-  BoardCorners corners = RefinedOrForeign(board, Read(board, Rounded(large)), Smoothed(large),
-                                          kSmallWindowPerSquare);
+  BoardCorners corners = Refined(Read(board, Rounded(large)), board.size().columns - 1,
+                                 Smoothed(large), kSmallWindowPerSquare);
   for (cv::Point2d& pixel : corners.pixels) pixel = Down(pixel);
   return corners;
 }

@@ -91,7 +91,7 @@ int RunBoard(const Options& options) {
   const Board board = BoardOf(options.board);
   Write(options.out, BoardSvg(board));
   const Eigen::Vector2d extent_mm = 1000 * board.extent_m();
-  std::cout << fmt::format("{}: {} x {} mm; print at 100 % and measure the line below it\n",
+  std::cout << fmt::format("{}: {:g} x {:g} mm; print at 100 % and measure the line below it\n",
                            options.out.string(), extent_mm.x(), extent_mm.y());
   return 0;
 }
@@ -124,17 +124,19 @@ ViewCollector Collect(const Board& board, const Options& options) {
   return collector;
 }
 
-// Why there is nothing to calibrate from.
-std::string NoViews(const ViewCounts& counts, const BoardOptions& board) {
-  std::string text = "the board is in none of " + std::to_string(counts.images) + " images";
+// Why there is no calibration, and what may be wrong with the images.
+std::runtime_error NoCalibration(const std::string& why, const ViewCounts& counts, size_t views,
+                                 const BoardOptions& board) {
+  std::string text = fmt::format("{} ({})", why, CountsText(counts, views));
   if (counts.foreign > 0) {
-    text += fmt::format("; {} show markers that do not lie as on a board of {}: is that what was "
-                        "printed (--squares)?",
+    text += fmt::format("; {} images show markers that do not lie as on a board of {}: is that "
+                        "what was printed (--squares)?",
                         counts.foreign, board.squares);
-  } else if (counts.moving > 0) {
-    text = "the board moves in all images: hold it still for a second at each place";
   }
-  return text;
+  if (counts.moving > counts.images / 2) {
+    text += "; hold the board still for a second at each place";
+  }
+  return std::runtime_error(text);
 }
 
 int RunEstimate(const Options& options) {
@@ -143,12 +145,13 @@ int RunEstimate(const Options& options) {
   if (!options.rig.empty()) rig = LoadRigFile(options.rig);
   const ViewCollector collector = Collect(board, options);
   const ViewCounts& counts = collector.counts();
-  if (collector.views().empty()) throw std::runtime_error(NoViews(counts, options.board));
+  const size_t views = collector.views().size();
+  if (views == 0) throw NoCalibration("no image can be used", counts, views, options.board);
   const Result<Calibration> calibration =
       Calibrate(board, collector.sizes(), collector.views());
-  const std::string counts_text = CountsText(counts, collector.views().size());
-  if (!calibration) throw std::runtime_error(calibration.error().text + " (" + counts_text + ")");
+  if (!calibration) throw NoCalibration(calibration.error().text, counts, views, options.board);
 
+  const std::string counts_text = CountsText(counts, views);
   *rig.mutable_calibration() = ToCalibration(calibration->rig);
   if (const Result<void> saved = SaveRigFile(options.out, rig); !saved) {
     throw std::runtime_error(saved.error().text);

@@ -239,7 +239,7 @@ class Refinement {
     options.num_threads = 1;
     options.linear_solver_type = ceres::DENSE_SCHUR;
     options.logging_type = ceres::SILENT;
-    options.max_num_iterations = 200;
+    options.max_num_iterations = 100;
     options.function_tolerance = 1e-10;
     options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
     for (PoseBlock& board : boards_) options.linear_solver_ordering->AddElementToGroup(board.data(), 0);

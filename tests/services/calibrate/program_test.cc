@@ -25,7 +25,7 @@ struct Outcome {
   std::string err;
 };
 
-Outcome Run(const std::vector<std::string>& arguments) {
+Outcome RunCalibrate(const std::vector<std::string>& arguments) {
   std::vector<const char*> argv{"sprout-calibrate"};
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   testing::internal::CaptureStdout();
@@ -71,7 +71,7 @@ class CalibrateProgram : public testing::Test {
   // Exit code, nothing on stdout, one line on stderr that holds `reason`.
   void ExpectRefused(const std::vector<std::string>& arguments, int exit_code,
                      const std::string& reason) const {
-    const Outcome outcome = Run(arguments);
+    const Outcome outcome = RunCalibrate(arguments);
     EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
     EXPECT_EQ(outcome.out, "");
     EXPECT_THAT(outcome.err, StartsWith("sprout-calibrate: "));
@@ -88,7 +88,7 @@ class CalibrateProgram : public testing::Test {
 
 TEST_F(CalibrateProgram, WritesABoard) {
   const Outcome outcome =
-      Run({"board", "--squares", "11x8", "--square-mm", "30", "--out", File("board.svg")});
+      RunCalibrate({"board", "--squares", "11x8", "--square-mm", "30", "--out", File("board.svg")});
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("330 x 240 mm"));
@@ -101,7 +101,7 @@ TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {
   ASSERT_TRUE(SaveRigFile(folder_ / "devices.textproto", devices));
 
   const Outcome outcome =
-      Run({"estimate", WriteLog("raw.lcm", 10), "--rig", File("devices.textproto"), "--out",
+      RunCalibrate({"estimate", WriteLog("raw.lcm", 10), "--rig", File("devices.textproto"), "--out",
            File("rig.textproto"), "--report", File("report.html")});
 
   // Ten views are few, which is said; the result is there.
@@ -140,7 +140,7 @@ TEST_F(CalibrateProgram, TakesFoldersOfImages) {
     cv::imwrite(File(("tof_depth_" + name + ".png").c_str()), depth_mm);
   }
   const Outcome outcome =
-      Run({"estimate", folder_ / "", "--out", File("rig.textproto")});
+      RunCalibrate({"estimate", folder_ / "", "--out", File("rig.textproto")});
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("8 images: 8 views used"));
@@ -190,7 +190,7 @@ TEST_F(CalibrateProgram, SaysThatTheBoardIsNotThereOrAnotherOne) {
   Append(images, 0, events);
   WriteBytes(folder_ / "wall.lcm", MakeLog(events));
   ExpectRefused({"estimate", File("wall.lcm"), "--out", File("out.textproto")}, 1,
-                "the board is in none of 1 images");
+                "no image can be used (1 images: 0 views used, 1 without the board)");
 
   const std::string log = WriteLog("raw.lcm", 3);
   ExpectRefused({"estimate", log, "--squares", "5x7", "--out", File("out.textproto")}, 1,
