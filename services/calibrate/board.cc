@@ -117,9 +117,9 @@ std::string BoardSvg(const Board& board) {
       << "\" font-family=\"sans-serif\" font-size=\"" << kTextMm << "\">this line is " << ruler_mm
       << " mm long: print at 100 %</text>\n"
       << "<text x=\"" << kMarginMm << "\" y=\"" << ruler_y_mm + 2 + 2.5 * kTextMm
-      << "\" font-family=\"sans-serif\" font-size=\"" << kTextMm
-      << "\">sprout-calibrate --squares " << board.size().columns << "x" << board.size().rows
-      << " --square-mm " << square_mm << "</text>\n</svg>\n";
+      << "\" font-family=\"sans-serif\" font-size=\"" << kTextMm << "\">sprout-calibrate --squares "
+      << board.size().columns << "x" << board.size().rows << " --square-mm " << square_mm
+      << "</text>\n</svg>\n";
   return svg.str();
 }
 

@@ -104,7 +104,8 @@ using Quad = std::vector<cv::Point2f>;  // the corners of a marker
 // them from there to the image.
 bool LieAsOn(const cv::aruco::CharucoBoard& board, const std::vector<Quad>& markers,
              const std::vector<int>& ids) {
-  constexpr double kMaxOffPerSide = 0.5;  // of a marker; on another board they are whole squares off
+  constexpr double kMaxOffPerSide =
+      0.5;  // of a marker; on another board they are whole squares off
   std::vector<cv::Point2f> on_board;
   std::vector<cv::Point2f> in_image;
   double side = 0;
@@ -123,7 +124,8 @@ bool LieAsOn(const cv::aruco::CharucoBoard& board, const std::vector<Quad>& mark
   return 2 * std::ranges::count(fits, 1) >= std::ssize(ids) * 4;
 }
 
-// The corners to a pixel or so; none when it is another board. OpenCV's corners are half a pixel off, and badly placed where few markers are.
+// The corners to a pixel or so; none when it is another board. OpenCV's corners are half a pixel
+// off, and badly placed where few markers are.
 BoardCorners Read(const Board& board, const cv::Mat1b& image) {
   std::vector<Quad> markers;
   std::vector<int> marker_ids;

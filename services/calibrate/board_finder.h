@@ -12,7 +12,7 @@ namespace sprout {
 struct BoardCorners {
   std::vector<int> ids = {};             ///< as Board::corner() counts; ascending
   std::vector<cv::Point2d> pixels = {};  ///< where each one is, px
-  int markers = 0;                  ///< that were read, of this board or of another one
+  int markers = 0;                       ///< that were read, of this board or of another one
 
   int size() const { return static_cast<int>(ids.size()); }
 };

@@ -22,7 +22,8 @@ void DropPoor(const Board& board, std::vector<BoardView>& views) {
     }
   }
   std::erase_if(views, [](const BoardView& view) {
-    return std::ranges::all_of(view.corners, [](const auto& corners) { return corners.ids.empty(); });
+    return std::ranges::all_of(view.corners,
+                               [](const auto& corners) { return corners.ids.empty(); });
   });
 }
 
@@ -61,8 +62,7 @@ RawRig ToRawRig(const RigModel& model) {
 
 }  // namespace
 
-Result<Calibration> Calibrate(const Board& board,
-                              const std::array<cv::Size, kCameraCount>& sizes,
+Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCameraCount>& sizes,
                               std::vector<BoardView> views) {
   DropPoor(board, views);
   Result<RigModel> first = InitialModel(board, sizes, views);
@@ -72,7 +72,8 @@ Result<Calibration> Calibrate(const Board& board,
   if (!sizes[kTof].empty()) {
     const RigModel corners_only = refined->model;
     FindMoreInTof(board, corners_only, views);
-    refined = RefineModel(board, views, CollectRangePoints(board, views, corners_only), corners_only);
+    refined =
+        RefineModel(board, views, CollectRangePoints(board, views, corners_only), corners_only);
     if (!refined) return tl::unexpected(refined.error());
   }
   Calibration calibration{.rig = ToRawRig(refined->model), .quality = {}};

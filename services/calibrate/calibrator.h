@@ -29,8 +29,7 @@ struct Calibration {
 /// @param sizes  of the images, px; ToF 0×0: there is none.
 /// @returns an error, with what to do, when the views do not suffice for any calibration; one that
 ///          is poor says so in its quality.
-Result<Calibration> Calibrate(const Board& board,
-                              const std::array<cv::Size, kCameraCount>& sizes,
+Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCameraCount>& sizes,
                               std::vector<BoardView> views);
 
 }  // namespace sprout

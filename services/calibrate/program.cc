@@ -62,8 +62,7 @@ void AddBoardFlags(CLI::App& flags, BoardOptions& board) {
   flags.add_option("--squares", board.squares, "Columns and rows of the board")
       ->type_name("CxR")
       ->capture_default_str();
-  flags
-      .add_option("--square-mm", board.square_mm, "Side of a square as measured on the print, mm")
+  flags.add_option("--square-mm", board.square_mm, "Side of a square as measured on the print, mm")
       ->check(NumberIn(1, 10000))
       ->capture_default_str();
 }
@@ -129,9 +128,10 @@ std::runtime_error NoCalibration(const std::string& why, const ViewCounts& count
                                  const BoardOptions& board) {
   std::string text = fmt::format("{} ({})", why, CountsText(counts, views));
   if (counts.foreign > 0) {
-    text += fmt::format("; {} images show markers that do not lie as on a board of {}: is that "
-                        "what was printed (--squares)?",
-                        counts.foreign, board.squares);
+    text += fmt::format(
+        "; {} images show markers that do not lie as on a board of {}: is that "
+        "what was printed (--squares)?",
+        counts.foreign, board.squares);
   }
   if (counts.moving > counts.images / 2) {
     text += "; hold the board still for a second at each place";
@@ -147,8 +147,7 @@ int RunEstimate(const Options& options) {
   const ViewCounts& counts = collector.counts();
   const size_t views = collector.views().size();
   if (views == 0) throw NoCalibration("no image can be used", counts, views, options.board);
-  const Result<Calibration> calibration =
-      Calibrate(board, collector.sizes(), collector.views());
+  const Result<Calibration> calibration = Calibrate(board, collector.sizes(), collector.views());
   if (!calibration) throw NoCalibration(calibration.error().text, counts, views, options.board);
 
   const std::string counts_text = CountsText(counts, views);
@@ -172,8 +171,8 @@ void AddBoard(CLI::App& program, Options& options) {
 }
 
 void AddEstimate(CLI::App& program, Options& options) {
-  CLI::App& flags = *program.add_subcommand(
-      "estimate", "Estimates a rig's calibration from images of the board");
+  CLI::App& flags =
+      *program.add_subcommand("estimate", "Estimates a rig's calibration from images of the board");
   flags
       .add_option("LOG", options.inputs,
                   "Logs of unrectified images (RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF), "

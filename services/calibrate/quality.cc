@@ -19,7 +19,7 @@ constexpr double kOutlierSigmas = 4;
 constexpr int kFewViews = 15;
 constexpr int kMinCornersInNinth = 8;
 constexpr double kMaxRmsPx = 0.5;
-constexpr double kMaxOutlierShare = 0.15;  // small windows on slants have some
+constexpr double kMaxOutlierShare = 0.15;     // small windows on slants have some
 constexpr double kMaxEpipolarPx = 0.5;        // of 95 % of the corners
 constexpr double kMaxFocalDeviation = 0.001;  // of the focal length of left and right
 constexpr double kMaxTofLandingPx = 0.5;
@@ -99,7 +99,7 @@ Eigen::Vector2d Landing(const Eigen::Vector<double, kLandingNumbers>& numbers, c
 
 // Σ = J C Jᵀ over a grid of ToF pixels at a depth; root of the mean variance of both coordinates.
 double LandingSigmaPx(const RefinedModel& refined, double depth_m) {
-  constexpr int kGrid = 5;       // pixels a side
+  constexpr int kGrid = 5;        // pixels a side
   constexpr double kStep = 1e-6;  // of the numerical derivatives: relative where numbers are large
   const Lens& left = refined.model.lenses[kLeft];
   const Lens& tof = refined.model.lenses[kTof];
@@ -148,8 +148,8 @@ void AddRanges(const RefinedModel& refined, const RawRig& rig, CalibrationQualit
   quality.farthest_m = Percentile(ranges, 0.98);
   for (const double range_m : {quality.nearest_m, quality.farthest_m}) {
     const Eigen::Vector2d by((range_m - rig.range_offset_m) / rig.range_scale, 1);
-    quality.range_sigma_m = std::max(quality.range_sigma_m,
-                                     std::sqrt(by.dot(refined.range_covariance * by)));
+    quality.range_sigma_m =
+        std::max(quality.range_sigma_m, std::sqrt(by.dot(refined.range_covariance * by)));
   }
   for (const double range_m : {quality.nearest_m, quality.farthest_m}) {
     quality.tof_landing_px = std::max(quality.tof_landing_px, LandingSigmaPx(refined, range_m));
@@ -201,8 +201,8 @@ class Verdict {
           camera.outliers, camera.residuals.size(), name);
     }
     if (index == kTof) return;
-    const double deviation = std::max(camera.deviation.lens[0] / lens.fx,
-                                      camera.deviation.lens[1] / lens.fy);
+    const double deviation =
+        std::max(camera.deviation.lens[0] / lens.fx, camera.deviation.lens[1] / lens.fy);
     if (deviation > kMaxFocalDeviation) {
       Add("the {} focal length is known to {:.2f} % only ({} % are allowed): tilt the board more, "
           "in different directions",
@@ -212,8 +212,8 @@ class Verdict {
 
   void Coverage(const CameraQuality& camera, const char* name) {
     static constexpr std::array<const char*, 9> kNinths = {
-        "upper left", "upper middle", "upper right", "middle left", "middle",
-        "middle right", "lower left", "lower middle", "lower right"};
+        "upper left",   "upper middle", "upper right",  "middle left", "middle",
+        "middle right", "lower left",   "lower middle", "lower right"};
     for (size_t i = 0; i < kNinths.size(); ++i) {
       const int corners = camera.corners_in_ninth[i];
       if (corners >= kMinCornersInNinth) continue;

@@ -30,9 +30,9 @@ struct CalibrationQuality {
   /// calibration, px: mean over the ToF image, at the worse of nearest_m and farthest_m. 0 without
   /// ToF camera.
   double tof_landing_px = 0;
-  int ranges = 0;            ///< squares of the board whose range was measured
-  double range_rms_m = 0;    ///< corrected range of a square less that of the board
-  double nearest_m = 0;      ///< among the ranges
+  int ranges = 0;          ///< squares of the board whose range was measured
+  double range_rms_m = 0;  ///< corrected range of a square less that of the board
+  double nearest_m = 0;    ///< among the ranges
   double farthest_m = 0;
   double range_sigma_m = 0;  ///< standard deviation of the correction, at the worse of the two
   /// Why it is not good enough, one line each, with what to do; empty: it is good.

@@ -58,10 +58,10 @@ std::string ReadRawLog(const std::filesystem::path& path, const std::string& pre
   }
   joiner.DropPending();
   if (triplets == 0) {
-    throw ConfigError(fmt::format("{}: no whole triplet on {}SPROUT_LEFT, {}SPROUT_RIGHT and "
-                                  "{}SPROUT_TOF in it; it has {}",
-                                  path.string(), raw_prefix, raw_prefix, raw_prefix,
-                                  ChannelText(channels)));
+    throw ConfigError(
+        fmt::format("{}: no whole triplet on {}SPROUT_LEFT, {}SPROUT_RIGHT and "
+                    "{}SPROUT_TOF in it; it has {}",
+                    path.string(), raw_prefix, raw_prefix, raw_prefix, ChannelText(channels)));
   }
   std::string complaint;
   const auto add = [&](const std::string& text) {

@@ -14,9 +14,8 @@
 namespace sprout {
 namespace {
 
-constexpr std::array<const char*, kLensNumbers> kLensNames = {"fx (px)", "fy (px)", "cx (px)",
-                                                              "cy (px)", "k1",      "k2",
-                                                              "p1",      "p2",      "k3"};
+constexpr std::array<const char*, kLensNumbers> kLensNames = {
+    "fx (px)", "fy (px)", "cx (px)", "cy (px)", "k1", "k2", "p1", "p2", "k3"};
 
 std::array<double, kLensNumbers> NumbersOf(const Lens& lens) {
   const auto& k = lens.distortion;
@@ -52,10 +51,17 @@ std::string Escaped(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
     switch (c) {
-      case '&': escaped += "&amp;"; break;
-      case '<': escaped += "&lt;"; break;
-      case '>': escaped += "&gt;"; break;
-      default: escaped += c;
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      default:
+        escaped += c;
     }
   }
   return escaped;
@@ -80,26 +86,27 @@ std::vector<Row> RigRows(const Calibration& calibration) {
   for (const CameraIndex camera : {kLeft, kRight, kTof}) {
     if (camera == kTof && !HasTof(calibration)) continue;
     const CameraQuality& of_camera = quality.cameras[camera];
-    rows.push_back({fmt::format("{}: reprojection error", kCameraNames[camera]),
-                    fmt::format("{:.3f} px rms, {} corners in {} views, {} outliers",
-                                of_camera.rms_px, of_camera.residuals.size(), of_camera.views,
-                                of_camera.outliers)});
+    rows.push_back(
+        {fmt::format("{}: reprojection error", kCameraNames[camera]),
+         fmt::format("{:.3f} px rms, {} corners in {} views, {} outliers", of_camera.rms_px,
+                     of_camera.residuals.size(), of_camera.views, of_camera.outliers)});
   }
-  rows.push_back({"baseline", fmt::format("{:.2f} mm", 1000 * rig.left_from_right.translation_m.norm())});
+  rows.push_back(
+      {"baseline", fmt::format("{:.2f} mm", 1000 * rig.left_from_right.translation_m.norm())});
   rows.push_back({"rows of the rectified pair",
                   fmt::format("{:.3f} px apart in the median, 95 % below {:.3f} px",
                               quality.epipolar_median_px, quality.epipolar_95_px)});
   if (!HasTof(calibration)) return rows;
-  rows.push_back({"ToF points in the left image",
-                  fmt::format("± {:.2f} px", quality.tof_landing_px)});
-  rows.push_back({"ToF ranges",
-                  fmt::format("{:.5f} · measured {:+.1f} mm, ± {:.1f} mm from {:.2f} to {:.2f} m",
-                              rig.range_scale, 1000 * rig.range_offset_m,
-                              1000 * quality.range_sigma_m, quality.nearest_m,
-                              quality.farthest_m)});
-  rows.push_back({"ToF ranges against the board",
-                  fmt::format("{:.1f} mm rms, {} squares", 1000 * quality.range_rms_m,
-                              quality.ranges)});
+  rows.push_back(
+      {"ToF points in the left image", fmt::format("± {:.2f} px", quality.tof_landing_px)});
+  rows.push_back(
+      {"ToF ranges",
+       fmt::format("{:.5f} · measured {:+.1f} mm, ± {:.1f} mm from {:.2f} to {:.2f} m",
+                   rig.range_scale, 1000 * rig.range_offset_m, 1000 * quality.range_sigma_m,
+                   quality.nearest_m, quality.farthest_m)});
+  rows.push_back(
+      {"ToF ranges against the board",
+       fmt::format("{:.1f} mm rms, {} squares", 1000 * quality.range_rms_m, quality.ranges)});
   return rows;
 }
 
@@ -124,9 +131,9 @@ std::string LensTable(const Calibration& calibration) {
     for (const CameraIndex camera : {kLeft, kRight, kTof}) {
       if (camera == kTof && !HasTof(calibration)) continue;
       const Lens& lens = camera == kLeft ? rig.left : camera == kRight ? rig.right : rig.tof;
-      rows.back().push_back(
-          fmt::format("{:.{}f} ± {:.{}f}", NumbersOf(lens)[i], i < 4 ? 2 : 5,
-                      calibration.quality.cameras[camera].deviation.lens[i], i < 4 ? 2 : 5));
+      rows.back().push_back(fmt::format("{:.{}f} ± {:.{}f}", NumbersOf(lens)[i], i < 4 ? 2 : 5,
+                                        calibration.quality.cameras[camera].deviation.lens[i],
+                                        i < 4 ? 2 : 5));
     }
   }
   return HtmlTable(rows);
@@ -134,9 +141,9 @@ std::string LensTable(const Calibration& calibration) {
 
 std::string PoseTable(const Calibration& calibration) {
   const RawRig& rig = calibration.rig;
-  std::vector<std::vector<std::string>> rows = {
-      {"in the left camera's frame", "x (mm)", "y (mm)", "z (mm)", "turn x (°)", "turn y (°)",
-       "turn z (°)"}};
+  std::vector<std::vector<std::string>> rows = {{"in the left camera's frame", "x (mm)", "y (mm)",
+                                                 "z (mm)", "turn x (°)", "turn y (°)",
+                                                 "turn z (°)"}};
   const auto add = [&](const char* name, const Pose& pose, CameraIndex camera) {
     const Eigen::AngleAxisd turn(pose.rotation);
     const auto& deviation = calibration.quality.cameras[camera].deviation.pose;
@@ -210,11 +217,13 @@ std::string ReportHtml(const Calibration& calibration, const RigImages& images,
   std::vector<std::vector<std::string>> rows = {{"what", "how good"}};
   for (const Row& row : RigRows(calibration)) rows.push_back({row.name, row.value});
   html += HtmlTable(rows);
-  html += "<h2>Lenses</h2>\n<p>± is a standard deviation, from the scatter and the number of the "
-          "corners.</p>\n" +
-          LensTable(calibration) + "<h2>Poses</h2>\n" + PoseTable(calibration);
-  html += "<h2>Where the corners were</h2>\n<p>A dot each, from blue (no error) to red (4 standard "
-          "deviations). No part of an image should be empty.</p>\n";
+  html +=
+      "<h2>Lenses</h2>\n<p>± is a standard deviation, from the scatter and the number of the "
+      "corners.</p>\n" +
+      LensTable(calibration) + "<h2>Poses</h2>\n" + PoseTable(calibration);
+  html +=
+      "<h2>Where the corners were</h2>\n<p>A dot each, from blue (no error) to red (4 standard "
+      "deviations). No part of an image should be empty.</p>\n";
   html += Figure(CoveragePicture(quality.cameras[kLeft], rig.left.size()), "left");
   html += Figure(CoveragePicture(quality.cameras[kRight], rig.right.size()), "right");
   if (HasTof(calibration)) {
@@ -224,8 +233,9 @@ std::string ReportHtml(const Calibration& calibration, const RigImages& images,
           Figure(PairPicture(rig, images), "A thing lies on the same row in both images.");
   if (HasTof(calibration) && !images.tof.depth_m.empty()) {
     html += "<h2>ToF points on the left image</h2>\n" +
-            Figure(TofPicture(rig, images), "Colours change where the board ends: from blue (near) "
-                                            "to red (far).");
+            Figure(TofPicture(rig, images),
+                   "Colours change where the board ends: from blue (near) "
+                   "to red (far).");
   }
   return html + "</body></html>\n";
 }

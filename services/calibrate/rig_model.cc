@@ -46,8 +46,8 @@ Result<SingleCamera> CalibrateAlone(const Board& board, CameraIndex camera, cv::
     points.emplace_back();
     pixels.emplace_back();
     for (size_t j = 0; j < corners.ids.size(); ++j) {
-      points.back().emplace_back(cv::Point3d(board.corner(corners.ids[j]).x(),
-                                             board.corner(corners.ids[j]).y(), 0));
+      points.back().emplace_back(
+          cv::Point3d(board.corner(corners.ids[j]).x(), board.corner(corners.ids[j]).y(), 0));
       pixels.back().emplace_back(corners.pixels[j]);
     }
   }
@@ -65,8 +65,9 @@ Result<SingleCamera> CalibrateAlone(const Board& board, CameraIndex camera, cv::
   std::vector<cv::Mat> rotations;
   std::vector<cv::Mat> translations;
   // Few corners cannot tell the coefficients apart; the refinement can, with what others see.
-  const int flags = camera == kTof ? cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST
-                                   : cv::CALIB_FIX_K3;
+  const int flags = camera == kTof
+                        ? cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST
+                        : cv::CALIB_FIX_K3;
   try {
     cv::calibrateCamera(points, pixels, size, matrix, distortion, rotations, translations, flags,
                         kFirstSteps);
@@ -74,10 +75,10 @@ Result<SingleCamera> CalibrateAlone(const Board& board, CameraIndex camera, cv::
     return Fail("the views of the " + std::string(kCameraNames[camera]) +
                 " camera do not determine its lens: tilt the board in different directions");
   }
-  SingleCamera result{.lens = {size.width, size.height, matrix.at<double>(0, 0),
-                               matrix.at<double>(1, 1), matrix.at<double>(0, 2),
-                               matrix.at<double>(1, 2)},
-                      .camera_from_board = BoardPoses(views.size())};
+  SingleCamera result{
+      .lens = {size.width, size.height, matrix.at<double>(0, 0), matrix.at<double>(1, 1),
+               matrix.at<double>(0, 2), matrix.at<double>(1, 2)},
+      .camera_from_board = BoardPoses(views.size())};
   std::copy_n(distortion.begin(), result.lens.distortion.size(), result.lens.distortion.begin());
   for (size_t i = 0; i < used.size(); ++i) {
     result.camera_from_board[used[i]] = ToTransform(rotations[i], translations[i]);
@@ -144,7 +145,8 @@ Pose ToPose(const Eigen::Isometry3d& transform) {
 Eigen::Vector2d PixelOfCorner(const RigModel& model, CameraIndex camera, size_t view,
                               const Eigen::Vector3d& corner) {
   const Eigen::Vector3d point_in_left = ToTransform(model.left_from_board[view]) * corner;
-  const Eigen::Vector3d point = ToTransform(model.left_from_camera[camera]).inverse() * point_in_left;
+  const Eigen::Vector3d point =
+      ToTransform(model.left_from_camera[camera]).inverse() * point_in_left;
   return PixelOfDirection(model.lenses[camera], point.hnormalized());
 }
 
@@ -173,8 +175,8 @@ Result<RigModel> InitialModel(const Board& board, const std::array<cv::Size, kCa
       if (cameras[camera].camera_from_board.empty() || !cameras[camera].camera_from_board[i]) {
         continue;
       }
-      left_from_board = ToTransform(model.left_from_camera[camera]) *
-                        *cameras[camera].camera_from_board[i];
+      left_from_board =
+          ToTransform(model.left_from_camera[camera]) * *cameras[camera].camera_from_board[i];
     }
     model.left_from_board.push_back(ToPose(left_from_board));
   }

@@ -18,7 +18,7 @@ struct RigModel {
   std::array<Lens, kCameraCount> lenses;            ///< ToF 0×0: there is none
   std::array<Pose, kCameraCount> left_from_camera;  ///< of the left one: none
   std::vector<Pose> left_from_board;                ///< for each view
-  double range_scale = 1;     ///< range along the ray = range_scale · measured + range_offset_m
+  double range_scale = 1;  ///< range along the ray = range_scale · measured + range_offset_m
   double range_offset_m = 0;
 };
 

@@ -140,7 +140,12 @@ LensBlock ToBlock(const Lens& lens) {
 }
 
 Lens ToLens(const LensBlock& block, cv::Size size) {
-  return {size.width, size.height, block[0], block[1], block[2], block[3],
+  return {size.width,
+          size.height,
+          block[0],
+          block[1],
+          block[2],
+          block[3],
           {block[4], block[5], block[6], block[7], block[8]}};
 }
 
@@ -242,7 +247,8 @@ class Refinement {
     options.max_num_iterations = 100;
     options.function_tolerance = 1e-10;
     options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-    for (PoseBlock& board : boards_) options.linear_solver_ordering->AddElementToGroup(board.data(), 0);
+    for (PoseBlock& board : boards_)
+      options.linear_solver_ordering->AddElementToGroup(board.data(), 0);
     for (size_t camera = 0; camera < kCameraCount; ++camera) {
       if (!IsThere(camera)) continue;
       options.linear_solver_ordering->AddElementToGroup(lenses_[camera].data(), 1);
@@ -274,9 +280,10 @@ class Refinement {
         for (size_t i = 0; i < corners.ids.size(); ++i) {
           const Eigen::Vector2d there = PixelOfCorner(model_, static_cast<CameraIndex>(camera),
                                                       view, board_.corner(corners.ids[i]));
-          residuals[camera].push_back({.view = view,
-                                       .pixel = corners.pixels[i],
-                                       .error = corners.pixels[i] - cv::Point2d(there.x(), there.y())});
+          residuals[camera].push_back(
+              {.view = view,
+               .pixel = corners.pixels[i],
+               .error = corners.pixels[i] - cv::Point2d(there.x(), there.y())});
         }
       }
     }
@@ -292,8 +299,8 @@ class Refinement {
             &residual.error_m);
       const Eigen::Vector2d direction =
           DirectionOfPixel(model_.lenses[kTof], {point.pixel.x, point.pixel.y});
-      residual.range_m = bias_[0] * point.depth_m * direction.homogeneous().norm() + bias_[1] -
-                         residual.error_m;
+      residual.range_m =
+          bias_[0] * point.depth_m * direction.homogeneous().norm() + bias_[1] - residual.error_m;
       residuals.push_back(residual);
     }
     return residuals;
@@ -393,8 +400,9 @@ class Refinement {
   }
 
   static tl::unexpected<Error> Undetermined() {
-    return Fail("the views do not determine the calibration: show the board near and far, in all "
-                "parts of the images, and tilted in different directions");
+    return Fail(
+        "the views do not determine the calibration: show the board near and far, in all "
+        "parts of the images, and tilted in different directions");
   }
 
   const Board& board_;

@@ -43,7 +43,7 @@ struct RefinedModel {
   RigModel model;
   std::array<CameraDeviation, kCameraCount> deviations;
   LandingCovariance landing_covariance = LandingCovariance::Zero();  ///< 0 without ToF camera
-  Eigen::Matrix2d range_covariance = Eigen::Matrix2d::Zero();  ///< of scale and offset (m)
+  Eigen::Matrix2d range_covariance = Eigen::Matrix2d::Zero();        ///< of scale and offset (m)
   std::array<double, kCameraCount> corner_sigma_px{};  ///< scatter of a coordinate, robust
   double range_sigma_m = 0;                            ///< scatter of a square's range, robust
   std::array<std::vector<CornerResidual>, kCameraCount> residuals;

@@ -66,9 +66,8 @@ void ViewCollector::Add(const RigImages& images, std::optional<int64_t> utime) {
     for (const BoardCorners& of_camera : views_.back().corners) corners += of_camera.size();
     if (corners <= best_corners_) return;
     best_corners_ = corners;
-    best_images_ = {.left = images.left.clone(),
-                    .right = images.right.clone(),
-                    .tof = views_.back().tof};
+    best_images_ = {
+        .left = images.left.clone(), .right = images.right.clone(), .tof = views_.back().tof};
   }
 }
 

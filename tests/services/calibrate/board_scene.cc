@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kTexelsPerModule = 16;
 constexpr double kPaperMarginM = 0.02;
-constexpr double kInk = 25;     // grey levels
+constexpr double kInk = 25;  // grey levels
 constexpr double kPaper = 215;
 constexpr double kWall = 110;
 
@@ -47,11 +47,19 @@ float Bilinear(const cv::Mat1b& image, double x, double y, float outside) {
 RawRig SceneRig(cv::Size size) {
   const double f = 0.95 * size.width;
   RawRig rig;
-  rig.left = {size.width, size.height, f,
-              f * 1.001,  0.507 * size.width, 0.493 * size.height,
+  rig.left = {size.width,
+              size.height,
+              f,
+              f * 1.001,
+              0.507 * size.width,
+              0.493 * size.height,
               {-0.17, 0.09, 0.0006, -0.0004, -0.02}};
-  rig.right = {size.width, size.height, f * 1.004,
-               f * 1.003,  0.491 * size.width, 0.508 * size.height,
+  rig.right = {size.width,
+               size.height,
+               f * 1.004,
+               f * 1.003,
+               0.491 * size.width,
+               0.508 * size.height,
                {-0.165, 0.08, -0.0005, 0.0007, -0.01}};
   rig.left_from_right = Turned(0.7, -1.2, 0.9, {0.12, 0.0015, -0.002});
   rig.tof = {176, 144, 220, 220.3, 88.8, 70.6, {-0.22, 0.08, 0.0006, -0.0004, -0.01}};
@@ -87,8 +95,7 @@ cv::Mat1f BoardScene::Brightness(const Camera& camera, const Eigen::Isometry3d& 
   const Eigen::Isometry3d board_from_camera = left_from_board.inverse() * camera.left_from_camera;
   const Eigen::Matrix3d turn = board_from_camera.linear();
   const Eigen::Vector3d from = board_from_camera.translation();
-  const double texels_per_m =
-      kTexelsPerModule * Board::kModulesPerSquare / board_.size().square_m;
+  const double texels_per_m = kTexelsPerModule * Board::kModulesPerSquare / board_.size().square_m;
   const int margin = static_cast<int>(kPaperMarginM * texels_per_m);
   cv::Mat1f image(camera.lens.size());
   for (int v = 0; v < image.rows; ++v) {
@@ -144,8 +151,8 @@ TofImage BoardScene::RenderTof(const Eigen::Isometry3d& left_from_board, int ray
                             point.y() < extent.y() + kPaperMarginM;
       const double range_m = (is_paper ? to_plane : kWallM) * range_per_depth(v, u);
       const double measured_m = (range_m - rig_.range_offset_m) / rig_.range_scale;
-      tof.depth_m(v, u) = static_cast<float>(measured_m / range_per_depth(v, u) +
-                                             noise.gaussian(kDepthNoiseM));
+      tof.depth_m(v, u) =
+          static_cast<float>(measured_m / range_per_depth(v, u) + noise.gaussian(kDepthNoiseM));
       tof.amplitude(v, u) = static_cast<float>(
           10000 * (light(v, u) / kPaper / (range_m * range_m) + noise.gaussian(kAmplitudeNoise)));
     }
@@ -176,8 +183,7 @@ BoardView BoardScene::Project(const Pose& left_from_board, double noise_px, uint
   for (size_t i = 0; i < kCameraCount; ++i) {
     const Camera& camera = cameras_[i];
     for (int id = 0; id < board_.corner_count(); ++id) {
-      const Eigen::Vector3d point =
-          camera.left_from_camera.inverse() * (pose * board_.corner(id));
+      const Eigen::Vector3d point = camera.left_from_camera.inverse() * (pose * board_.corner(id));
       const Eigen::Vector2d pixel = PixelOfDirection(camera.lens, point.hnormalized());
       if (!cv::Rect2d({0, 0}, cv::Size2d(camera.lens.size())).contains({pixel.x(), pixel.y()})) {
         continue;
@@ -201,10 +207,9 @@ std::vector<Pose> BoardPoses(const Board& board, int count) {
     const double reach = i % 3 == 0 ? random.uniform(0., 0.1) : random.uniform(0.2, 0.38);
     const Eigen::Vector3d centre(depth_m * reach * std::cos(angle) + 0.05,
                                  depth_m * reach * std::sin(angle) * 0.75 - 0.01, depth_m);
-    Pose pose = Turned(random.uniform(-35., 35.), random.uniform(-35., 35.),
-                       random.uniform(-25., 25.), {});
-    pose.translation_m =
-        centre - pose.rotation * Eigen::Vector3d(middle.x(), middle.y(), 0);
+    Pose pose =
+        Turned(random.uniform(-35., 35.), random.uniform(-35., 35.), random.uniform(-25., 25.), {});
+    pose.translation_m = centre - pose.rotation * Eigen::Vector3d(middle.x(), middle.y(), 0);
     poses.push_back(pose);
   }
   return poses;

@@ -38,9 +38,10 @@ double Epipolar95(const RawRig& truth, const RawRig& estimate) {
   cv::RNG random(3);
   std::vector<double> errors;
   for (int i = 0; i < 2000; ++i) {
-    const Eigen::Vector2d left_pixel(random.uniform(0., image.width), random.uniform(0., image.height));
-    const Eigen::Vector3d point = random.uniform(0.5, 4.) *
-                                  DirectionOfPixel(truth.left, left_pixel).homogeneous();
+    const Eigen::Vector2d left_pixel(random.uniform(0., image.width),
+                                     random.uniform(0., image.height));
+    const Eigen::Vector3d point =
+        random.uniform(0.5, 4.) * DirectionOfPixel(truth.left, left_pixel).homogeneous();
     const Eigen::Vector3d in_right =
         truth.left_from_right.rotation.conjugate() * (point - truth.left_from_right.translation_m);
     const Eigen::Vector2d right_pixel = PixelOfDirection(truth.right, in_right.hnormalized());
@@ -99,8 +100,7 @@ TEST_F(Calibrator, FindsTheRigFromTwentyFiveTriplets) {
   }
   ASSERT_GE(collector.views().size(), 24);
 
-  const Result<Calibration> calibration =
-      Calibrate(board_, collector.sizes(), collector.views());
+  const Result<Calibration> calibration = Calibrate(board_, collector.sizes(), collector.views());
 
   ASSERT_TRUE(calibration) << calibration.error().text;
   ExpectWithinGoals(rig, calibration->rig);
@@ -196,7 +196,8 @@ TEST_F(Calibrator, SaysWhereTheBoardWasNotShown) {
     BoardCorners kept;
     const BoardCorners& all = view.corners[kRight];
     for (size_t i = 0; i < all.ids.size(); ++i) {
-      if (all.pixels[i].x < kImageSize.width / 3 + 2 && all.pixels[i].y < kImageSize.height / 3 + 2) continue;
+      if (all.pixels[i].x < kImageSize.width / 3 + 2 && all.pixels[i].y < kImageSize.height / 3 + 2)
+        continue;
       kept.ids.push_back(all.ids[i]);
       kept.pixels.push_back(all.pixels[i]);
     }
@@ -218,20 +219,21 @@ TEST_F(Calibrator, SaysWhyFewOrBadViewsAreNotGoodEnough) {
 
   const Result<Calibration> blurred = Calibrate(board_, SizesOf(rig_), Views(16, 0.8));
   ASSERT_TRUE(blurred) << blurred.error().text;
-  EXPECT_THAT(blurred->quality.reasons,
-              Contains(HasSubstr("corners of the left image are 1.1")));
+  EXPECT_THAT(blurred->quality.reasons, Contains(HasSubstr("corners of the left image are 1.1")));
 }
 
 TEST_F(Calibrator, RefusesTooFewViews) {
   const Result<Calibration> none = Calibrate(board_, SizesOf(rig_), {});
   ASSERT_FALSE(none);
-  EXPECT_THAT(none.error().text, HasSubstr("the left camera sees 6 corners of the board in 0 views"));
+  EXPECT_THAT(none.error().text,
+              HasSubstr("the left camera sees 6 corners of the board in 0 views"));
 
   std::vector<BoardView> views = Views(16);
   for (size_t i = 0; i < 13; ++i) views[i].corners[kTof] = {};
   const Result<Calibration> blind = Calibrate(board_, SizesOf(rig_), views);
   ASSERT_FALSE(blind);
-  EXPECT_THAT(blind.error().text, HasSubstr("the ToF camera sees 6 corners of the board in 3 views"));
+  EXPECT_THAT(blind.error().text,
+              HasSubstr("the ToF camera sees 6 corners of the board in 3 views"));
 }
 
 TEST_F(Calibrator, RefusesViewsThatLeaveTheLensOpen) {

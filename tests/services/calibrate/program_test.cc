@@ -101,8 +101,8 @@ TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {
   ASSERT_TRUE(SaveRigFile(folder_ / "devices.textproto", devices));
 
   const Outcome outcome =
-      RunCalibrate({"estimate", WriteLog("raw.lcm", 10), "--rig", File("devices.textproto"), "--out",
-           File("rig.textproto"), "--report", File("report.html")});
+      RunCalibrate({"estimate", WriteLog("raw.lcm", 10), "--rig", File("devices.textproto"),
+                    "--out", File("rig.textproto"), "--report", File("report.html")});
 
   // Ten views are few, which is said; the result is there.
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
@@ -117,8 +117,8 @@ TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {
   EXPECT_NEAR(found->left.fx / rig_.left.fx, 1, 0.003);
   EXPECT_NEAR(found->left_from_right.translation_m.x(), rig_.left_from_right.translation_m.x(),
               0.0005);
-  EXPECT_NEAR(found->range_scale + found->range_offset_m,
-              rig_.range_scale + rig_.range_offset_m, 0.001);  // at 1 m
+  EXPECT_NEAR(found->range_scale + found->range_offset_m, rig_.range_scale + rig_.range_offset_m,
+              0.001);  // at 1 m
 
   const std::string report = ReadText(folder_ / "report.html");
   EXPECT_THAT(report, HasSubstr("not good enough</span></h1>\n<ul>\n<li>"));
@@ -139,8 +139,7 @@ TEST_F(CalibrateProgram, TakesFoldersOfImages) {
     images.tof.depth_m.convertTo(depth_mm, CV_16U, 1000);
     cv::imwrite(File(("tof_depth_" + name + ".png").c_str()), depth_mm);
   }
-  const Outcome outcome =
-      RunCalibrate({"estimate", folder_ / "", "--out", File("rig.textproto")});
+  const Outcome outcome = RunCalibrate({"estimate", folder_ / "", "--out", File("rig.textproto")});
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("8 images: 8 views used"));
