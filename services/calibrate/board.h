@@ -1,0 +1,62 @@
+#ifndef SPROUT_SERVICES_CALIBRATE_BOARD_H_
+#define SPROUT_SERVICES_CALIBRATE_BOARD_H_
+
+#include <Eigen/Core>
+#include <opencv2/aruco/charuco.hpp>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace sprout {
+
+/// What is printed: a chessboard with a marker in each white square, so that a part of it tells
+/// which part it is.
+struct BoardSize {
+  int columns = 9;          ///< squares
+  int rows = 6;             ///< squares
+  double square_m = 0.060;  ///< side of a square as measured on the print
+};
+
+/// A ChArUco board: markers of 4 × 4 bits (OpenCV's dictionary DICT_4X4_250) and a border of one
+/// bit, three quarters of a square wide, so that a square is 8 × 8 modules of one size.
+class Board {
+ public:
+  static constexpr int kModulesPerSquare = 8;
+  static constexpr int kMaxMarkers = 250;
+
+  /// @throws ConfigError when there are fewer than 3 × 3 squares, more markers than the dictionary
+  ///         has, or no length.
+  explicit Board(const BoardSize& size);
+
+  const BoardSize& size() const { return size_; }
+
+  /// Inner corners of the chessboard, numbered as OpenCV does.
+  int corner_count() const { return static_cast<int>(corners_.size()); }
+
+  /// Position of a corner on the board, m: x right, y down from the pattern's upper left corner
+  /// as it is printed, z = 0 (away from who looks at it).
+  const Eigen::Vector3d& corner(int id) const { return corners_[static_cast<size_t>(id)]; }
+
+  /// Width and height of the pattern, m.
+  Eigen::Vector2d extent_m() const {
+    return {size_.columns * size_.square_m, size_.rows * size_.square_m};
+  }
+
+  /// The pattern, one pixel a module: 0 or 255.
+  cv::Mat1b Modules() const;
+
+  const cv::Ptr<cv::aruco::CharucoBoard>& charuco() const { return charuco_; }
+
+ private:
+  BoardSize size_;
+  cv::Ptr<cv::aruco::CharucoBoard> charuco_;
+  std::vector<Eigen::Vector3d> corners_;
+};
+
+/// The board as an SVG page at true scale: the pattern, a line of a round length to check the print
+/// with, and what was printed.
+std::string BoardSvg(const Board& board);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CALIBRATE_BOARD_H_

@@ -1,0 +1,40 @@
+#ifndef SPROUT_SERVICES_CALIBRATE_BOARD_FINDER_H_
+#define SPROUT_SERVICES_CALIBRATE_BOARD_FINDER_H_
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "services/calibrate/board.h"
+
+namespace sprout {
+
+/// Corners of the board that were found in an image.
+struct BoardCorners {
+  std::vector<int> ids = {};             ///< as Board::corner() counts; ascending
+  std::vector<cv::Point2d> pixels = {};  ///< where each one is, px
+  int markers = 0;                       ///< that were read, of this board or of another one
+
+  int size() const { return static_cast<int>(ids.size()); }
+};
+
+/// Finds the corners of the board whose markers can be read, to some hundredths of a pixel.
+/// @param image  8-bit grey. Nothing when there is no board. O(pixels).
+BoardCorners FindBoard(const Board& board, const cv::Mat1b& image);
+
+/// The same in an image of few pixels, such as the amplitudes of a ToF camera: a module has to be
+/// 2 px wide or more.
+/// @param amplitude  of any unit; empty: nothing is found.
+BoardCorners FindBoardInAmplitude(const Board& board, const cv::Mat1f& amplitude);
+
+/// Corners in an image of few pixels, where they are expected: also those whose markers are too
+/// small to be read. What is not at its place, or looks not like a corner, is left out.
+/// @param expected  where they should be, to a quarter of a square.
+BoardCorners FindCornersNear(const Board& board, const BoardCorners& expected,
+                             const cv::Mat1f& amplitude);
+
+/// Amplitudes as grey levels: their 1st to 99th percentile from black to white.
+cv::Mat1b AmplitudeImage(const cv::Mat1f& amplitude);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CALIBRATE_BOARD_FINDER_H_

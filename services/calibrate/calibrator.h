@@ -1,0 +1,37 @@
+#ifndef SPROUT_SERVICES_CALIBRATE_CALIBRATOR_H_
+#define SPROUT_SERVICES_CALIBRATE_CALIBRATOR_H_
+
+#include <array>
+#include <vector>
+
+#include "common/core/result.h"
+#include "common/rig/raw_rig.h"
+#include "services/calibrate/board.h"
+#include "services/calibrate/board_view.h"
+#include "services/calibrate/quality.h"
+
+namespace sprout {
+
+/// A rig's calibration and how good it is.
+struct Calibration {
+  RawRig rig;
+  CalibrationQuality quality;
+};
+
+/// Calibrates a rig from views of a board:
+///   1. each camera by itself, and the poses between them from the views that two of them see;
+///   2. all of that together, from all corners;
+///   3. the corners that the ToF camera has too few pixels to read, where 2 says they are, and the
+///      ranges on the board's squares;
+///   4. all of it together again.
+/// Seconds for a hundred views; same input, same bytes.
+///
+/// @param sizes  of the images, px; ToF 0×0: there is none.
+/// @returns an error, with what to do, when the views do not suffice for any calibration; one that
+///          is poor says so in its quality.
+Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCameraCount>& sizes,
+                              std::vector<BoardView> views);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CALIBRATE_CALIBRATOR_H_

@@ -1,0 +1,81 @@
+#include "services/calibrate/image_folder.h"
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "common/config/config.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The file whose name, without extension, is `stem`; empty: there is none.
+fs::path FileOf(const std::vector<fs::path>& files, const std::string& stem) {
+  const auto found =
+      std::ranges::find_if(files, [&](const fs::path& file) { return file.stem() == stem; });
+  return found == files.end() ? fs::path() : *found;
+}
+
+cv::Mat Read(const fs::path& file, int flags) {
+  cv::Mat image = cv::imread(file.string(), flags);
+  if (image.empty()) throw ConfigError(file.string() + ": cannot be read as an image");
+  return image;
+}
+
+cv::Mat1f ReadNumbers(const fs::path& file, double scale_of_16_bits) {
+  const cv::Mat image = Read(file, cv::IMREAD_UNCHANGED);
+  const int type = image.type();
+  if (type != CV_8UC1 && type != CV_16UC1 && type != CV_32FC1) {
+    throw ConfigError(file.string() +
+                      ": allowed is one channel of 8 or 16 bits or of 32-bit floating point");
+  }
+  cv::Mat1f numbers;
+  image.convertTo(numbers, CV_32F, type == CV_32FC1 ? 1 : scale_of_16_bits);
+  return numbers;
+}
+
+TofImage ReadTof(const std::vector<fs::path>& files, const std::string& name) {
+  const fs::path amplitude = FileOf(files, "tof_amplitude_" + name);
+  const fs::path depth = FileOf(files, "tof_depth_" + name);
+  if (amplitude.empty() && depth.empty()) return {};
+  if (amplitude.empty() || depth.empty()) {
+    throw ConfigError((amplitude.empty() ? depth : amplitude).string() + ": there is no " +
+                      (amplitude.empty() ? "tof_amplitude_" : "tof_depth_") + name);
+  }
+  constexpr double kMPerMm = 0.001;
+  TofImage tof{.depth_m = ReadNumbers(depth, kMPerMm), .amplitude = ReadNumbers(amplitude, 1)};
+  if (tof.depth_m.size() != tof.amplitude.size()) {
+    throw ConfigError(depth.string() + ": is not of the size of " + amplitude.string());
+  }
+  return tof;
+}
+
+}  // namespace
+
+void ReadImageFolder(const std::filesystem::path& folder,
+                     const std::function<void(const RigImages&)>& visit) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  std::ranges::sort(files);
+  int triplets = 0;
+  for (const fs::path& file : files) {
+    const std::string stem = file.stem().string();
+    const std::string prefix = "left_";
+    if (!stem.starts_with(prefix)) continue;
+    const std::string name = stem.substr(prefix.size());
+    const fs::path right = FileOf(files, "right_" + name);
+    if (right.empty()) throw ConfigError(file.string() + ": there is no right_" + name);
+    visit({.left = Read(file, cv::IMREAD_GRAYSCALE),
+           .right = Read(right, cv::IMREAD_GRAYSCALE),
+           .tof = ReadTof(files, name)});
+    ++triplets;
+  }
+  if (triplets == 0) {
+    throw ConfigError(folder.string() + ": no left_NAME.png with a right_NAME.png in it");
+  }
+}
+
+}  // namespace sprout

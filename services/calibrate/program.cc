@@ -1,0 +1,213 @@
+#include "services/calibrate/program.h"
+
+#include <fmt/format.h>
+#include <glog/logging.h>
+
+#include <charconv>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/app/program.h"
+#include "common/app/progress.h"
+#include "common/app/version.h"
+#include "common/config/config.h"
+#include "common/core/output_file.h"
+#include "common/logfile/log_error.h"
+#include "common/rig/rig_file.h"
+#include "services/calibrate/board.h"
+#include "services/calibrate/calibrator.h"
+#include "services/calibrate/image_folder.h"
+#include "services/calibrate/raw_log.h"
+#include "services/calibrate/report.h"
+#include "services/calibrate/view_collector.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kDescription[] =
+    "Calibrates a rig: both cameras, the ToF camera, where they stand, and the bias of the ranges.";
+
+constexpr char kFooter[] = R"(
+Examples
+  sprout-calibrate board --out board.svg                   print it at 100 %, glue it to a flat board
+  sprout-capture --source ... --raw   and   lcm-logger raw.lcm   while you show it to the cameras
+  sprout-calibrate estimate raw.lcm --rig rig.textproto --out rig.textproto --report report.html
+
+`sprout-calibrate COMMAND --help` explains a command. Exit codes: 0; 1 the calibration is not good
+enough, or there is none; 2 a flag or a file that cannot be used.
+)";
+
+struct BoardOptions {
+  std::string squares = "9x6";
+  double square_mm = 60;
+};
+
+struct Options {
+  BoardOptions board;
+  fs::path out;
+  std::vector<fs::path> inputs;
+  fs::path rig;
+  fs::path report;
+  std::string prefix;
+  std::function<int()> chosen;
+};
+
+void AddBoardFlags(CLI::App& flags, BoardOptions& board) {
+  flags.add_option("--squares", board.squares, "Columns and rows of the board")
+      ->type_name("CxR")
+      ->capture_default_str();
+  flags.add_option("--square-mm", board.square_mm, "Side of a square as measured on the print, mm")
+      ->check(NumberIn(1, 10000))
+      ->capture_default_str();
+}
+
+Board BoardOf(const BoardOptions& options) {
+  BoardSize size{.square_m = options.square_mm / 1000};
+  const char* const end = options.squares.data() + options.squares.size();
+  const auto columns = std::from_chars(options.squares.data(), end, size.columns);
+  if (columns.ec == std::errc() && columns.ptr != end && *columns.ptr == 'x') {
+    const auto rows = std::from_chars(columns.ptr + 1, end, size.rows);
+    if (rows.ec == std::errc() && rows.ptr == end) return Board(size);
+  }
+  throw ConfigError("--squares " + options.squares + ": allowed is COLUMNSxROWS, such as 9x6");
+}
+
+void Write(const fs::path& path, const std::string& text) {
+  OutputFile file(path);
+  file.Write(text);
+  if (const Result<void> written = file.Commit(); !written) {
+    throw std::runtime_error(written.error().text);
+  }
+}
+
+int RunBoard(const Options& options) {
+  const Board board = BoardOf(options.board);
+  Write(options.out, BoardSvg(board));
+  const Eigen::Vector2d extent_mm = 1000 * board.extent_m();
+  std::cout << fmt::format("{}: {:g} x {:g} mm; print at 100 % and measure the line below it\n",
+                           options.out.string(), extent_mm.x(), extent_mm.y());
+  return 0;
+}
+
+// Shows the board's views, file by file.
+ViewCollector Collect(const Board& board, const Options& options) {
+  ViewCollector collector(board);
+  Progress progress(/*quiet=*/false);
+  const auto show = [&](const fs::path& input) {
+    progress.Show(fmt::format("{}: {}", input.string(),
+                              CountsText(collector.counts(), collector.views().size())));
+  };
+  for (const fs::path& input : options.inputs) {
+    if (fs::is_directory(input)) {
+      ReadImageFolder(input, [&](const RigImages& images) {
+        collector.Add(images, std::nullopt);
+        show(input);
+      });
+    } else {
+      const std::string complaint =
+          ReadRawLog(input, options.prefix, [&](const RigImages& images, int64_t utime) {
+            collector.Add(images, utime);
+            show(input);
+          });
+      progress.Clear();
+      if (!complaint.empty()) std::cerr << "sprout-calibrate: " << complaint << "\n";
+    }
+    collector.EndRecording();
+  }
+  return collector;
+}
+
+// Why there is no calibration, and what may be wrong with the images.
+std::runtime_error NoCalibration(const std::string& why, const ViewCounts& counts, size_t views,
+                                 const BoardOptions& board) {
+  std::string text = fmt::format("{} ({})", why, CountsText(counts, views));
+  if (counts.foreign > 0) {
+    text += fmt::format(
+        "; {} images show markers that do not lie as on a board of {}: is that "
+        "what was printed (--squares)?",
+        counts.foreign, board.squares);
+  }
+  if (counts.moving > counts.images / 2) {
+    text += "; hold the board still for a second at each place";
+  }
+  return std::runtime_error(text);
+}
+
+int RunEstimate(const Options& options) {
+  const Board board = BoardOf(options.board);
+  RigDescription rig;
+  if (!options.rig.empty()) rig = LoadRigFile(options.rig);
+  const ViewCollector collector = Collect(board, options);
+  const ViewCounts& counts = collector.counts();
+  const size_t views = collector.views().size();
+  if (views == 0) throw NoCalibration("no image can be used", counts, views, options.board);
+  const Result<Calibration> calibration = Calibrate(board, collector.sizes(), collector.views());
+  if (!calibration) throw NoCalibration(calibration.error().text, counts, views, options.board);
+
+  const std::string counts_text = CountsText(counts, views);
+  *rig.mutable_calibration() = ToCalibration(calibration->rig);
+  if (const Result<void> saved = SaveRigFile(options.out, rig); !saved) {
+    throw std::runtime_error(saved.error().text);
+  }
+  if (!options.report.empty()) {
+    Write(options.report, ReportHtml(*calibration, collector.best_images(), counts_text));
+  }
+  std::cout << counts_text << "\n" << SummaryText(*calibration);
+  return calibration->quality.is_good() ? 0 : 1;
+}
+
+void AddBoard(CLI::App& program, Options& options) {
+  CLI::App& flags =
+      *program.add_subcommand("board", "Writes a ChArUco board at true scale, to be printed");
+  AddBoardFlags(flags, options.board);
+  flags.add_option("--out", options.out, "SVG file")->required()->type_name("FILE");
+  flags.callback([&] { options.chosen = [&] { return RunBoard(options); }; });
+}
+
+void AddEstimate(CLI::App& program, Options& options) {
+  CLI::App& flags =
+      *program.add_subcommand("estimate", "Estimates a rig's calibration from images of the board");
+  flags
+      .add_option("LOG", options.inputs,
+                  "Logs of unrectified images (RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF), "
+                  "or folders of left_NAME.png, right_NAME.png, tof_amplitude_NAME, tof_depth_NAME")
+      ->required()
+      ->check(CLI::ExistingPath);
+  AddBoardFlags(flags, options.board);
+  flags.add_option("--rig", options.rig, "Rig file whose devices are kept")->type_name("FILE");
+  flags.add_option("--out", options.out, "Rig file to write")->required()->type_name("FILE");
+  flags.add_option("--report", options.report, "HTML page to write")->type_name("FILE");
+  flags.add_option("--channel-prefix", options.prefix, "Before the channels in the log")
+      ->type_name("TEXT");
+  flags.callback([&] { options.chosen = [&] { return RunEstimate(options); }; });
+}
+
+int RunChosen(const Options& options) {
+  try {
+    return options.chosen();
+  } catch (const LogError& e) {
+    throw ConfigError(e.what());  // exit code 2
+  }
+}
+
+}  // namespace
+
+int CalibrateMain(int argc, const char* const* argv) {
+  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' remarks; what they mean is said in our words
+  CLI::App flags(kDescription, "sprout-calibrate");
+  Options options;
+  flags.require_subcommand(1);
+  AddBoard(flags, options);
+  AddEstimate(flags, options);
+  flags.set_version_flag("--version", "sprout-calibrate " + Version());
+  flags.footer(kFooter);
+  return RunProgram(flags, argc, argv, [&] { return RunChosen(options); });
+}
+
+}  // namespace sprout

@@ -1,0 +1,243 @@
+#include "services/calibrate/report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+#include <span>
+#include <vector>
+
+#include "services/calibrate/report_pictures.h"
+
+namespace sprout {
+namespace {
+
+constexpr std::array<const char*, kLensNumbers> kLensNames = {
+    "fx (px)", "fy (px)", "cx (px)", "cy (px)", "k1", "k2", "p1", "p2", "k3"};
+
+std::array<double, kLensNumbers> NumbersOf(const Lens& lens) {
+  const auto& k = lens.distortion;
+  return {lens.fx, lens.fy, lens.cx, lens.cy, k[0], k[1], k[2], k[3], k[4]};
+}
+
+std::string Base64(std::span<const uint8_t> bytes) {
+  static constexpr char kDigits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](size_t k) { return i + k < bytes.size() ? uint32_t{bytes[i + k]} : 0U; };
+    const uint32_t triple = byte(0) << 16 | byte(1) << 8 | byte(2);
+    for (uint32_t digit = 0; digit < 4; ++digit) {
+      const bool is_there = i + digit <= bytes.size();
+      text += is_there ? kDigits[triple >> (18 - 6 * digit) & 63] : '=';
+    }
+  }
+  return text;
+}
+
+std::string Figure(const cv::Mat3b& picture, const std::string& caption) {
+  std::vector<uint8_t> png;
+  cv::imencode(".png", picture, png);
+  return fmt::format(
+      "<figure><img alt=\"\" src=\"data:image/png;base64,{}\"><figcaption>{}</figcaption>"
+      "</figure>\n",
+      Base64(png), caption);
+}
+
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string VerdictText(const CalibrationQuality& quality) {
+  return quality.is_good() ? "good" : "not good enough";
+}
+
+bool HasTof(const Calibration& calibration) { return calibration.rig.tof.width > 0; }
+
+struct Row {
+  std::string name;
+  std::string value;
+};
+
+// What is to be known about the whole rig.
+std::vector<Row> RigRows(const Calibration& calibration) {
+  const CalibrationQuality& quality = calibration.quality;
+  const RawRig& rig = calibration.rig;
+  std::vector<Row> rows;
+  for (const CameraIndex camera : {kLeft, kRight, kTof}) {
+    if (camera == kTof && !HasTof(calibration)) continue;
+    const CameraQuality& of_camera = quality.cameras[camera];
+    rows.push_back(
+        {fmt::format("{}: reprojection error", kCameraNames[camera]),
+         fmt::format("{:.3f} px rms, {} corners in {} views, {} outliers", of_camera.rms_px,
+                     of_camera.residuals.size(), of_camera.views, of_camera.outliers)});
+  }
+  rows.push_back(
+      {"baseline", fmt::format("{:.2f} mm", 1000 * rig.left_from_right.translation_m.norm())});
+  rows.push_back({"rows of the rectified pair",
+                  fmt::format("{:.3f} px apart in the median, 95 % below {:.3f} px",
+                              quality.epipolar_median_px, quality.epipolar_95_px)});
+  if (!HasTof(calibration)) return rows;
+  rows.push_back(
+      {"ToF points in the left image", fmt::format("± {:.2f} px", quality.tof_landing_px)});
+  rows.push_back(
+      {"ToF ranges",
+       fmt::format("{:.5f} · measured {:+.1f} mm, ± {:.1f} mm from {:.2f} to {:.2f} m",
+                   rig.range_scale, 1000 * rig.range_offset_m, 1000 * quality.range_sigma_m,
+                   quality.nearest_m, quality.farthest_m)});
+  rows.push_back(
+      {"ToF ranges against the board",
+       fmt::format("{:.1f} mm rms, {} squares", 1000 * quality.range_rms_m, quality.ranges)});
+  return rows;
+}
+
+std::string HtmlTable(const std::vector<std::vector<std::string>>& rows) {
+  std::string html = "<table>\n";
+  for (size_t i = 0; i < rows.size(); ++i) {
+    html += "<tr>";
+    for (const std::string& cell : rows[i]) {
+      html += fmt::format("<{0}>{1}</{0}>", i == 0 ? "th" : "td", Escaped(cell));
+    }
+    html += "</tr>\n";
+  }
+  return html + "</table>\n";
+}
+
+std::string LensTable(const Calibration& calibration) {
+  const RawRig& rig = calibration.rig;
+  std::vector<std::vector<std::string>> rows = {{"", "left", "right"}};
+  if (HasTof(calibration)) rows[0].emplace_back("ToF");
+  for (size_t i = 0; i < kLensNumbers; ++i) {
+    rows.push_back({kLensNames[i]});
+    for (const CameraIndex camera : {kLeft, kRight, kTof}) {
+      if (camera == kTof && !HasTof(calibration)) continue;
+      const Lens& lens = camera == kLeft ? rig.left : camera == kRight ? rig.right : rig.tof;
+      rows.back().push_back(fmt::format("{:.{}f} ± {:.{}f}", NumbersOf(lens)[i], i < 4 ? 2 : 5,
+                                        calibration.quality.cameras[camera].deviation.lens[i],
+                                        i < 4 ? 2 : 5));
+    }
+  }
+  return HtmlTable(rows);
+}
+
+std::string PoseTable(const Calibration& calibration) {
+  const RawRig& rig = calibration.rig;
+  std::vector<std::vector<std::string>> rows = {{"in the left camera's frame", "x (mm)", "y (mm)",
+                                                 "z (mm)", "turn x (°)", "turn y (°)",
+                                                 "turn z (°)"}};
+  const auto add = [&](const char* name, const Pose& pose, CameraIndex camera) {
+    const Eigen::AngleAxisd turn(pose.rotation);
+    const auto& deviation = calibration.quality.cameras[camera].deviation.pose;
+    rows.push_back({name});
+    for (size_t i = 0; i < 3; ++i) {
+      rows.back().push_back(fmt::format("{:.2f} ± {:.2f}",
+                                        1000 * pose.translation_m[static_cast<Eigen::Index>(i)],
+                                        1000 * deviation[3 + i]));
+    }
+    constexpr double kDegrees = 180 / std::numbers::pi;
+    for (size_t i = 0; i < 3; ++i) {
+      const double angle = turn.angle() * turn.axis()[static_cast<Eigen::Index>(i)];
+      rows.back().push_back(
+          fmt::format("{:.3f} ± {:.3f}", kDegrees * angle, kDegrees * deviation[i]));
+    }
+  };
+  add("right", rig.left_from_right, kRight);
+  if (HasTof(calibration)) add("ToF", rig.left_from_tof, kTof);
+  return HtmlTable(rows);
+}
+
+constexpr char kHead[] = R"(<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>Calibration of the rig</title>
+<style>
+body { font: 15px/1.45 sans-serif; max-width: 1440px; margin: 2em auto; padding: 0 1em; }
+table { border-collapse: collapse; margin: 1em 0; }
+th, td { border-bottom: 1px solid #ccc; padding: .25em .9em .25em 0; text-align: left; }
+figure { display: inline-block; margin: .5em 1em .5em 0; vertical-align: top; }
+img { max-width: 100%; border: 1px solid #ccc; }
+.good { color: #176117; } .bad { color: #a31515; }
+</style></head><body>
+)";
+
+}  // namespace
+
+std::string CountsText(const ViewCounts& counts, size_t views) {
+  std::string text = fmt::format("{} images: {} views used", counts.images, views);
+  const auto add = [&](int count, const char* what) {
+    if (count > 0) text += fmt::format(", {} {}", count, what);
+  };
+  add(counts.similar, "like another one");
+  add(counts.moving, "with a moving board");
+  add(counts.no_board, "without the board");
+  add(counts.other_size, "of another size");
+  add(counts.too_many, "beyond what is needed");
+  return text;
+}
+
+std::string SummaryText(const Calibration& calibration) {
+  std::string text = "calibration: " + VerdictText(calibration.quality) + "\n";
+  for (const std::string& reason : calibration.quality.reasons) text += "  * " + reason + "\n";
+  for (const Row& row : RigRows(calibration)) {
+    text += fmt::format("{:<30} {}\n", row.name, row.value);
+  }
+  return text;
+}
+
+std::string ReportHtml(const Calibration& calibration, const RigImages& images,
+                       const std::string& counts_text) {
+  const CalibrationQuality& quality = calibration.quality;
+  const RawRig& rig = calibration.rig;
+  std::string html = kHead;
+  html += fmt::format("<h1>Calibration: <span class=\"{}\">{}</span></h1>\n",
+                      quality.is_good() ? "good" : "bad", VerdictText(quality));
+  if (!quality.is_good()) {
+    html += "<ul>\n";
+    for (const std::string& reason : quality.reasons) html += "<li>" + Escaped(reason) + "</li>\n";
+    html += "</ul>\n";
+  }
+  html += "<p>" + Escaped(counts_text) + ".</p>\n";
+  std::vector<std::vector<std::string>> rows = {{"what", "how good"}};
+  for (const Row& row : RigRows(calibration)) rows.push_back({row.name, row.value});
+  html += HtmlTable(rows);
+  html +=
+      "<h2>Lenses</h2>\n<p>± is a standard deviation, from the scatter and the number of the "
+      "corners.</p>\n" +
+      LensTable(calibration) + "<h2>Poses</h2>\n" + PoseTable(calibration);
+  html +=
+      "<h2>Where the corners were</h2>\n<p>A dot each, from blue (no error) to red (4 standard "
+      "deviations). No part of an image should be empty.</p>\n";
+  html += Figure(CoveragePicture(quality.cameras[kLeft], rig.left.size()), "left");
+  html += Figure(CoveragePicture(quality.cameras[kRight], rig.right.size()), "right");
+  if (HasTof(calibration)) {
+    html += Figure(CoveragePicture(quality.cameras[kTof], rig.tof.size()), "ToF");
+  }
+  html += "<h2>The rectified pair</h2>\n" +
+          Figure(PairPicture(rig, images), "A thing lies on the same row in both images.");
+  if (HasTof(calibration) && !images.tof.depth_m.empty()) {
+    html += "<h2>ToF points on the left image</h2>\n" +
+            Figure(TofPicture(rig, images),
+                   "Colours change where the board ends: from blue (near) "
+                   "to red (far).");
+  }
+  return html + "</body></html>\n";
+}
+
+}  // namespace sprout

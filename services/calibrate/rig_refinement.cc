@@ -1,0 +1,427 @@
+#include "services/calibrate/rig_refinement.h"
+
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "common/geometry/lens.h"
+
+namespace sprout {
+namespace {
+
+using LensBlock = std::array<double, kLensNumbers>;
+using PoseBlock = std::array<double, kPoseNumbers>;
+
+// Before the first solution corners are some pixels from where the model has them.
+constexpr double kFirstSigmaPx = 2;
+// What no corner finder falls below; keeps an artificial input without noise from dividing by 0.
+constexpr double kLeastSigmaPx = 0.002;
+// The same of ranges.
+constexpr double kFirstSigmaM = 0.05;
+constexpr double kLeastSigmaM = 1e-5;
+// Solutions until the sigmas stand still, to a percent.
+constexpr int kRounds = 4;
+// Errors beyond so many sigmas lose weight: a tenth of the efficiency on Gaussian noise.
+constexpr double kCauchySigmas = 2;
+
+// A lens of any focal length has k3 about 0, give or take this. Corners that stay away from the
+// image's own would leave it, and with it the distortion there, open.
+constexpr double kK3Sigma = 0.1;
+
+// Brown's distortion as in common/geometry/lens.h, of (x, y, 1).
+template <typename T>
+struct Distorted {
+  T radial;
+  T tangential[2];
+
+  Distorted(const T* lens, const T& x, const T& y) {
+    const T& k1 = lens[4];
+    const T& k2 = lens[5];
+    const T& p1 = lens[6];
+    const T& p2 = lens[7];
+    const T& k3 = lens[8];
+    const T r2 = x * x + y * y;
+    radial = T(1) + r2 * (k1 + r2 * (k2 + r2 * k3));
+    tangential[0] = T(2) * p1 * x * y + p2 * (r2 + T(2) * x * x);
+    tangential[1] = p1 * (r2 + T(2) * y * y) + T(2) * p2 * x * y;
+  }
+};
+
+// Rotates into the frame whose pose in the other one is given by its rotation vector.
+template <typename T>
+void RotateBack(const T* rotation, const T* vector, T* result) {
+  const T inverse[3] = {-rotation[0], -rotation[1], -rotation[2]};
+  ceres::AngleAxisRotatePoint(inverse, vector, result);
+}
+
+// (measured − π(lens, camera⁻¹ · board · X)) / σ, px/px.
+struct CornerError {
+  Eigen::Vector3d corner;
+  cv::Point2d pixel;
+  double sigma_px;
+
+  template <typename T>
+  bool operator()(const T* lens, const T* left_from_camera, const T* left_from_board,
+                  T* residual) const {
+    const T on_board[3] = {T(corner.x()), T(corner.y()), T(corner.z())};
+    T p[3];
+    ceres::AngleAxisRotatePoint(left_from_board, on_board, p);
+    for (int i = 0; i < 3; ++i) p[i] += left_from_board[3 + i] - left_from_camera[3 + i];
+    T in_camera[3];
+    RotateBack(left_from_camera, p, in_camera);
+    if (in_camera[2] <= T(0)) return false;
+    const T x = in_camera[0] / in_camera[2];
+    const T y = in_camera[1] / in_camera[2];
+    const Distorted<T> distorted(lens, x, y);
+    const T u = x * distorted.radial + distorted.tangential[0];
+    const T v = y * distorted.radial + distorted.tangential[1];
+    residual[0] = (T(pixel.x) - lens[0] * u - lens[2]) / T(sigma_px);
+    residual[1] = (T(pixel.y) - lens[1] * v - lens[3]) / T(sigma_px);
+    return true;
+  }
+};
+
+// (k3 − 0) / σ.
+struct K3Prior {
+  template <typename T>
+  bool operator()(const T* lens, T* residual) const {
+    residual[0] = lens[8] / T(kK3Sigma);
+    return true;
+  }
+};
+
+// (scale · measured + offset − range of the board's plane along the pixel's ray) / σ, m/m.
+struct RangeError {
+  RangePoint point;
+  double sigma_m;
+
+  template <typename T>
+  bool operator()(const T* lens, const T* left_from_tof, const T* left_from_board, const T* bias,
+                  T* residual) const {
+    // Direction of the pixel: fixed-point steps as in DirectionOfPixel(), each of which gains more
+    // than a digit of some pixels.
+    constexpr int kSteps = 8;
+    const T u = (T(point.pixel.x) - lens[2]) / lens[0];
+    const T v = (T(point.pixel.y) - lens[3]) / lens[1];
+    T ray[3] = {u, v, T(1)};
+    for (int step = 0; step < kSteps; ++step) {
+      const Distorted<T> distorted(lens, ray[0], ray[1]);
+      ray[0] = (u - distorted.tangential[0]) / distorted.radial;
+      ray[1] = (v - distorted.tangential[1]) / distorted.radial;
+    }
+    const T per_depth = ceres::sqrt(ray[0] * ray[0] + ray[1] * ray[1] + T(1));
+
+    // The plane: normal, and a point on it, in the ToF camera's frame.
+    const T axis[3] = {T(0), T(0), T(1)};
+    T normal_in_left[3];
+    ceres::AngleAxisRotatePoint(left_from_board, axis, normal_in_left);
+    T normal[3];
+    RotateBack(left_from_tof, normal_in_left, normal);
+    const T origin_in_left[3] = {left_from_board[3] - left_from_tof[3],
+                                 left_from_board[4] - left_from_tof[4],
+                                 left_from_board[5] - left_from_tof[5]};
+    T origin[3];
+    RotateBack(left_from_tof, origin_in_left, origin);
+    const T depth = ceres::DotProduct(normal, origin) / ceres::DotProduct(normal, ray);
+    const T measured = T(point.depth_m) * per_depth;
+    residual[0] = (bias[0] * measured + bias[1] - depth * per_depth) / T(sigma_m);
+    return true;
+  }
+};
+
+LensBlock ToBlock(const Lens& lens) {
+  LensBlock block = {lens.fx, lens.fy, lens.cx, lens.cy};
+  std::ranges::copy(lens.distortion, block.begin() + 4);
+  return block;
+}
+
+Lens ToLens(const LensBlock& block, cv::Size size) {
+  return {size.width,
+          size.height,
+          block[0],
+          block[1],
+          block[2],
+          block[3],
+          {block[4], block[5], block[6], block[7], block[8]}};
+}
+
+PoseBlock ToBlock(const Pose& pose) {
+  const Eigen::Quaterniond& q = pose.rotation;
+  const double wxyz[4] = {q.w(), q.x(), q.y(), q.z()};
+  PoseBlock block;
+  ceres::QuaternionToAngleAxis(wxyz, block.data());
+  for (int i = 0; i < 3; ++i) block[static_cast<size_t>(3 + i)] = pose.translation_m[i];
+  return block;
+}
+
+Pose ToPose(const PoseBlock& block) {
+  double wxyz[4];
+  ceres::AngleAxisToQuaternion(block.data(), wxyz);
+  return {.rotation = Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]),
+          .translation_m = {block[3], block[4], block[5]}};
+}
+
+class Refinement {
+ public:
+  Refinement(const Board& board, const std::vector<BoardView>& views,
+             const std::vector<RangePoint>& ranges, const RigModel& first)
+      : board_(board),
+        views_(views),
+        ranges_(ranges),
+        model_(first),
+        bias_{first.range_scale, first.range_offset_m} {
+    for (size_t camera = 0; camera < kCameraCount; ++camera) {
+      lenses_[camera] = ToBlock(first.lenses[camera]);
+      cameras_[camera] = ToBlock(first.left_from_camera[camera]);
+    }
+    for (const Pose& pose : first.left_from_board) boards_.push_back(ToBlock(pose));
+    sigmas_.fill(kFirstSigmaPx);
+  }
+
+  Result<RefinedModel> Run() {
+    RefinedModel refined;
+    for (int round = 0; round < kRounds; ++round) {
+      ceres::Problem problem;
+      Build(problem);
+      if (!Solve(problem)) return Undetermined();
+      Update();
+      refined.residuals = Residuals();
+      refined.range_residuals = RangeResiduals();
+      if (round + 1 == kRounds) {
+        if (!AddDeviations(problem, refined)) return Undetermined();
+      } else {
+        for (size_t camera = 0; camera < kCameraCount; ++camera) {
+          sigmas_[camera] = CornerSigma(refined.residuals[camera]);
+        }
+        range_sigma_m_ = RangeSigma(refined.range_residuals);
+      }
+    }
+    refined.model = model_;
+    refined.corner_sigma_px = sigmas_;
+    refined.range_sigma_m = range_sigma_m_;
+    return refined;
+  }
+
+ private:
+  bool IsThere(size_t camera) const { return !model_.lenses[camera].size().empty(); }
+
+  void Build(ceres::Problem& problem) {
+    for (size_t view = 0; view < views_.size(); ++view) {
+      for (size_t camera = 0; camera < kCameraCount; ++camera) {
+        const BoardCorners& corners = views_[view].corners[camera];
+        for (size_t i = 0; i < corners.ids.size(); ++i) {
+          problem.AddResidualBlock(
+              new ceres::AutoDiffCostFunction<CornerError, 2, kLensNumbers, kPoseNumbers,
+                                              kPoseNumbers>(new CornerError{
+                  board_.corner(corners.ids[i]), corners.pixels[i], sigmas_[camera]}),
+              new ceres::CauchyLoss(kCauchySigmas), lenses_[camera].data(), cameras_[camera].data(),
+              boards_[view].data());
+        }
+      }
+    }
+    for (size_t camera = 0; camera < kCameraCount; ++camera) {
+      if (!IsThere(camera)) continue;
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<K3Prior, 1, kLensNumbers>(new K3Prior), nullptr,
+          lenses_[camera].data());
+    }
+    problem.SetParameterBlockConstant(cameras_[kLeft].data());
+    for (const RangePoint& point : ranges_) {
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<RangeError, 1, kLensNumbers, kPoseNumbers, kPoseNumbers,
+                                          2>(new RangeError{point, range_sigma_m_}),
+          new ceres::CauchyLoss(kCauchySigmas), lenses_[kTof].data(), cameras_[kTof].data(),
+          boards_[point.view].data(), bias_.data());
+    }
+  }
+
+  bool Solve(ceres::Problem& problem) {
+    ceres::Solver::Options options;
+    options.num_threads = 1;
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.logging_type = ceres::SILENT;
+    options.max_num_iterations = 100;
+    options.function_tolerance = 1e-10;
+    options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    for (PoseBlock& board : boards_)
+      options.linear_solver_ordering->AddElementToGroup(board.data(), 0);
+    for (size_t camera = 0; camera < kCameraCount; ++camera) {
+      if (!IsThere(camera)) continue;
+      options.linear_solver_ordering->AddElementToGroup(lenses_[camera].data(), 1);
+      options.linear_solver_ordering->AddElementToGroup(cameras_[camera].data(), 1);
+    }
+    if (!ranges_.empty()) options.linear_solver_ordering->AddElementToGroup(bias_.data(), 1);
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    return summary.IsSolutionUsable();
+  }
+
+  void Update() {
+    for (size_t camera = 0; camera < kCameraCount; ++camera) {
+      model_.lenses[camera] = ToLens(lenses_[camera], model_.lenses[camera].size());
+      if (camera != kLeft) model_.left_from_camera[camera] = ToPose(cameras_[camera]);
+    }
+    for (size_t view = 0; view < boards_.size(); ++view) {
+      model_.left_from_board[view] = ToPose(boards_[view]);
+    }
+    model_.range_scale = bias_[0];
+    model_.range_offset_m = bias_[1];
+  }
+
+  std::array<std::vector<CornerResidual>, kCameraCount> Residuals() const {
+    std::array<std::vector<CornerResidual>, kCameraCount> residuals;
+    for (size_t camera = 0; camera < kCameraCount; ++camera) {
+      for (size_t view = 0; view < views_.size(); ++view) {
+        const BoardCorners& corners = views_[view].corners[camera];
+        for (size_t i = 0; i < corners.ids.size(); ++i) {
+          const Eigen::Vector2d there = PixelOfCorner(model_, static_cast<CameraIndex>(camera),
+                                                      view, board_.corner(corners.ids[i]));
+          residuals[camera].push_back(
+              {.view = view,
+               .pixel = corners.pixels[i],
+               .error = corners.pixels[i] - cv::Point2d(there.x(), there.y())});
+        }
+      }
+    }
+    return residuals;
+  }
+
+  std::vector<RangeResidual> RangeResiduals() const {
+    std::vector<RangeResidual> residuals;
+    for (const RangePoint& point : ranges_) {
+      const RangeError error{point, 1};
+      RangeResidual residual;
+      error(lenses_[kTof].data(), cameras_[kTof].data(), boards_[point.view].data(), bias_.data(),
+            &residual.error_m);
+      const Eigen::Vector2d direction =
+          DirectionOfPixel(model_.lenses[kTof], {point.pixel.x, point.pixel.y});
+      residual.range_m =
+          bias_[0] * point.depth_m * direction.homogeneous().norm() + bias_[1] - residual.error_m;
+      residuals.push_back(residual);
+    }
+    return residuals;
+  }
+
+  // Standard deviation of a Gaussian with the same median of |error|.
+  static double Sigma(std::vector<double> errors, double least, double without) {
+    if (errors.empty()) return without;
+    for (double& error : errors) error = std::abs(error);
+    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+    std::nth_element(errors.begin(), middle, errors.end());
+    return std::max(least, 1.4826 * *middle);
+  }
+
+  static double CornerSigma(const std::vector<CornerResidual>& residuals) {
+    std::vector<double> errors;
+    for (const CornerResidual& residual : residuals) {
+      errors.push_back(residual.error.x);
+      errors.push_back(residual.error.y);
+    }
+    return Sigma(std::move(errors), kLeastSigmaPx, kFirstSigmaPx);
+  }
+
+  static double RangeSigma(const std::vector<RangeResidual>& residuals) {
+    std::vector<double> errors;
+    for (const RangeResidual& residual : residuals) errors.push_back(residual.error_m);
+    return Sigma(std::move(errors), kLeastSigmaM, kFirstSigmaM);
+  }
+
+  bool AddDeviations(ceres::Problem& problem, RefinedModel& refined) {
+    ceres::Covariance::Options options;
+    options.num_threads = 1;
+    options.algorithm_type = ceres::SPARSE_QR;
+    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+    ceres::Covariance covariance(options);
+    std::vector<std::pair<const double*, const double*>> blocks;
+    for (size_t camera = 0; camera < kCameraCount; ++camera) {
+      if (!IsThere(camera)) continue;
+      blocks.emplace_back(lenses_[camera].data(), lenses_[camera].data());
+      if (camera != kLeft) blocks.emplace_back(cameras_[camera].data(), cameras_[camera].data());
+    }
+    const auto landing = LandingBlocks();
+    for (size_t row = 0; row < landing.size(); ++row) {
+      for (size_t column = 0; column < row; ++column) {
+        blocks.emplace_back(landing[column].first, landing[row].first);
+      }
+    }
+    if (!ranges_.empty()) blocks.emplace_back(bias_.data(), bias_.data());
+    if (!covariance.Compute(blocks, &problem)) return false;
+    for (size_t camera = 0; camera < kCameraCount; ++camera) {
+      if (!IsThere(camera)) continue;
+      CameraDeviation& deviation = refined.deviations[camera];
+      deviation.lens = DeviationOf(covariance, lenses_[camera]);
+      if (camera != kLeft) deviation.pose = DeviationOf(covariance, cameras_[camera]);
+    }
+    if (!ranges_.empty()) {
+      covariance.GetCovarianceBlock(bias_.data(), bias_.data(), refined.range_covariance.data());
+    }
+    if (!landing.empty()) refined.landing_covariance = Joint(covariance, landing);
+    return true;
+  }
+
+  using Block = std::pair<const double*, Eigen::Index>;  // and its size
+
+  std::vector<Block> LandingBlocks() const {
+    if (!IsThere(kTof)) return {};
+    return {{lenses_[kLeft].data(), kLensNumbers},
+            {lenses_[kTof].data(), kLensNumbers},
+            {cameras_[kTof].data(), kPoseNumbers}};
+  }
+
+  static LandingCovariance Joint(const ceres::Covariance& covariance,
+                                 const std::vector<Block>& blocks) {
+    LandingCovariance joint;
+    Eigen::Index top = 0;
+    for (const auto& [row, rows] : blocks) {
+      Eigen::Index left = 0;
+      for (const auto& [column, columns] : blocks) {
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> part(rows, columns);
+        covariance.GetCovarianceBlock(row, column, part.data());
+        joint.block(top, left, rows, columns) = part;
+        left += columns;
+      }
+      top += rows;
+    }
+    return joint;
+  }
+
+  template <size_t kSize>
+  static std::array<double, kSize> DeviationOf(const ceres::Covariance& covariance,
+                                               const std::array<double, kSize>& block) {
+    std::array<double, kSize * kSize> matrix;
+    covariance.GetCovarianceBlock(block.data(), block.data(), matrix.data());
+    std::array<double, kSize> deviations;
+    for (size_t i = 0; i < kSize; ++i) deviations[i] = std::sqrt(matrix[i * kSize + i]);
+    return deviations;
+  }
+
+  static tl::unexpected<Error> Undetermined() {
+    return Fail(
+        "the views do not determine the calibration: show the board near and far, in all "
+        "parts of the images, and tilted in different directions");
+  }
+
+  const Board& board_;
+  const std::vector<BoardView>& views_;
+  const std::vector<RangePoint>& ranges_;
+  RigModel model_;
+  std::array<LensBlock, kCameraCount> lenses_;
+  std::array<PoseBlock, kCameraCount> cameras_;
+  std::vector<PoseBlock> boards_;
+  std::array<double, 2> bias_;  // scale and offset
+  std::array<double, kCameraCount> sigmas_;
+  double range_sigma_m_ = kFirstSigmaM;
+};
+
+}  // namespace
+
+Result<RefinedModel> RefineModel(const Board& board, const std::vector<BoardView>& views,
+                                 const std::vector<RangePoint>& ranges, const RigModel& model) {
+  return Refinement(board, views, ranges, model).Run();
+}
+
+}  // namespace sprout

@@ -1,0 +1,202 @@
+#include "services/calibrate/program.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "common/bus/channels.h"
+#include "common/messages/codec.h"
+#include "common/rig/rig_file.h"
+#include "tests/common/logfile/sample_log.h"
+#include "tests/services/calibrate/board_scene.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+struct Outcome {
+  int exit_code;
+  std::string out;
+  std::string err;
+};
+
+Outcome RunCalibrate(const std::vector<std::string>& arguments) {
+  std::vector<const char*> argv{"sprout-calibrate"};
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int exit_code = CalibrateMain(static_cast<int>(argv.size()), argv.data());
+  return {exit_code, testing::internal::GetCapturedStdout(),
+          testing::internal::GetCapturedStderr()};
+}
+
+std::string ReadText(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+class CalibrateProgram : public testing::Test {
+ protected:
+  std::string File(const char* name) const { return folder_ / name; }
+
+  static void Append(const RigImages& images, int64_t seq, std::vector<Event>& events) {
+    const FrameId id{.utime = 1'700'000'000'000'000 + 1'000'000 * seq, .seq = seq, .rig_id = ""};
+    const auto add = [&](Part part, const PartValue& value) {
+      Event event;
+      event.utime = id.utime;
+      event.channel = "RAW_" + std::string(ChannelOf(part));
+      event.data = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
+      events.push_back(event);
+    };
+    add(Part::kLeft, images.left);
+    add(Part::kRight, images.right);
+    add(Part::kTof, images.tof);
+  }
+
+  // A log of a board shown to a rig.
+  std::string WriteLog(const char* name, int views) const {
+    std::vector<Event> events;
+    const std::vector<Pose> poses = BoardPoses(board_, views);
+    for (uint32_t i = 0; i < poses.size(); ++i) Append(scene_.Render(poses[i], i), i, events);
+    WriteBytes(folder_ / name, MakeLog(events));
+    return File(name);
+  }
+
+  // Exit code, nothing on stdout, one line on stderr that holds `reason`.
+  void ExpectRefused(const std::vector<std::string>& arguments, int exit_code,
+                     const std::string& reason) const {
+    const Outcome outcome = RunCalibrate(arguments);
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_THAT(outcome.err, StartsWith("sprout-calibrate: "));
+    EXPECT_THAT(outcome.err, HasSubstr(reason));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out.textproto"));
+  }
+
+  const Board board_{BoardSize{}};
+  const RawRig rig_ = SceneRig({640, 480});
+  const BoardScene scene_{board_, rig_};
+  const TemporaryDirectory folder_;
+};
+
+TEST_F(CalibrateProgram, WritesABoard) {
+  const Outcome outcome =
+      RunCalibrate({"board", "--squares", "11x8", "--square-mm", "30", "--out", File("board.svg")});
+
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("330 x 240 mm"));
+  EXPECT_THAT(ReadText(folder_ / "board.svg"), HasSubstr("width=\"360mm\""));
+}
+
+TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {
+  RigDescription devices;
+  devices.mutable_left()->set_serial("42");
+  ASSERT_TRUE(SaveRigFile(folder_ / "devices.textproto", devices));
+
+  const Outcome outcome =
+      RunCalibrate({"estimate", WriteLog("raw.lcm", 10), "--rig", File("devices.textproto"),
+                    "--out", File("rig.textproto"), "--report", File("report.html")});
+
+  // Ten views are few, which is said; the result is there.
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, HasSubstr("10 images: 10 views used"));
+  EXPECT_THAT(outcome.out, HasSubstr("calibration: not good enough"));
+  EXPECT_THAT(outcome.out, HasSubstr("the left camera sees the board in 10 views only"));
+  const RigDescription rig = LoadRigFile(folder_ / "rig.textproto");
+  EXPECT_EQ(rig.left().serial(), "42");
+  const std::optional<RawRig> found = CalibrationOf(rig);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->left.fx / rig_.left.fx, 1, 0.003);
+  EXPECT_NEAR(found->left_from_right.translation_m.x(), rig_.left_from_right.translation_m.x(),
+              0.0005);
+  EXPECT_NEAR(found->range_scale + found->range_offset_m, rig_.range_scale + rig_.range_offset_m,
+              0.001);  // at 1 m
+
+  const std::string report = ReadText(folder_ / "report.html");
+  EXPECT_THAT(report, HasSubstr("not good enough</span></h1>\n<ul>\n<li>"));
+  EXPECT_THAT(report, HasSubstr("<h2>The rectified pair</h2>\n<figure><img"));
+  EXPECT_THAT(report, HasSubstr("<h2>ToF points on the left image</h2>\n<figure><img"));
+  EXPECT_THAT(report, Not(HasSubstr("src=\"http")));
+}
+
+TEST_F(CalibrateProgram, TakesFoldersOfImages) {
+  const std::vector<Pose> poses = BoardPoses(board_, 8);
+  for (uint32_t i = 0; i < poses.size(); ++i) {
+    const RigImages images = scene_.Render(poses[i], i);
+    const std::string name = std::to_string(i);
+    cv::imwrite(File(("left_" + name + ".png").c_str()), images.left);
+    cv::imwrite(File(("right_" + name + ".png").c_str()), images.right);
+    cv::imwrite(File(("tof_amplitude_" + name + ".tiff").c_str()), images.tof.amplitude);
+    cv::Mat depth_mm;
+    images.tof.depth_m.convertTo(depth_mm, CV_16U, 1000);
+    cv::imwrite(File(("tof_depth_" + name + ".png").c_str()), depth_mm);
+  }
+  const Outcome outcome = RunCalibrate({"estimate", folder_ / "", "--out", File("rig.textproto")});
+
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("8 images: 8 views used"));
+  const RawRig found = RequireCalibration(LoadRigFile(folder_ / "rig.textproto"), "rig.textproto");
+  EXPECT_NEAR(found.left.fx / rig_.left.fx, 1, 0.003);
+  EXPECT_EQ(found.tof.width, 176);
+
+  std::filesystem::remove(folder_ / "right_3.png");
+  ExpectRefused({"estimate", folder_ / "", "--out", File("out.textproto")}, 2,
+                "left_3.png: there is no right_3");
+}
+
+TEST_F(CalibrateProgram, RefusesFlagsThatMakeNoSense) {
+  ExpectRefused({}, 2, "subcommand");
+  ExpectRefused({"board", "--squares", "11", "--out", File("board.svg")}, 2,
+                "--squares 11: allowed is COLUMNSxROWS");
+  ExpectRefused({"board", "--squares", "11x8x", "--out", File("board.svg")}, 2, "COLUMNSxROWS");
+  ExpectRefused({"board", "--squares", "99x99", "--out", File("board.svg")}, 2,
+                "up to 500 squares");
+  ExpectRefused({"board", "--square-mm", "nan", "--out", File("board.svg")}, 2, "--square-mm");
+  ExpectRefused({"board", "--out", File("no/folder/board.svg")}, 1, "no/folder/board.svg");
+  ExpectRefused({"estimate", File("none.lcm"), "--out", File("out.textproto")}, 2, "none.lcm");
+}
+
+TEST_F(CalibrateProgram, RefusesLogsWithoutRawImages) {
+  std::vector<Event> events;
+  WriteBytes(folder_ / "empty.lcm", MakeLog(events));
+  ExpectRefused({"estimate", File("empty.lcm"), "--out", File("out.textproto")}, 2,
+                "no whole triplet on RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT and RAW_SPROUT_TOF in it; "
+                "it has no events");
+
+  Append(scene_.Render(BoardPoses(board_, 1)[0], 0), 0, events);
+  for (Event& event : events) event.channel = event.channel.substr(4);
+  WriteBytes(folder_ / "rectified.lcm", MakeLog(events));
+  ExpectRefused({"estimate", File("rectified.lcm"), "--out", File("out.textproto")}, 2,
+                "it has SPROUT_LEFT (1), SPROUT_RIGHT (1), SPROUT_TOF (1)");
+
+  WriteBytes(folder_ / "text.lcm", Bytes(1000, 'a'));
+  ExpectRefused({"estimate", File("text.lcm"), "--out", File("out.textproto")}, 2, "text.lcm");
+}
+
+TEST_F(CalibrateProgram, SaysThatTheBoardIsNotThereOrAnotherOne) {
+  std::vector<Event> events;
+  RigImages images = scene_.Render(BoardPoses(board_, 1)[0], 0);
+  images.left.setTo(100);
+  images.right.setTo(100);
+  Append(images, 0, events);
+  WriteBytes(folder_ / "wall.lcm", MakeLog(events));
+  ExpectRefused({"estimate", File("wall.lcm"), "--out", File("out.textproto")}, 1,
+                "no image can be used (1 images: 0 views used, 1 without the board)");
+
+  const std::string log = WriteLog("raw.lcm", 3);
+  ExpectRefused({"estimate", log, "--squares", "5x7", "--out", File("out.textproto")}, 1,
+                "markers that do not lie as on a board of 5x7");
+  ExpectRefused({"estimate", log, "--out", File("out.textproto")}, 1,
+                "the left camera sees 6 corners of the board in 3 views: 5 are needed at least");
+}
+
+}  // namespace
+}  // namespace sprout
