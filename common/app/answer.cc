@@ -35,6 +35,7 @@ std::optional<Answer> MakeAnswer(const Frame& frame, Plug& plug, DisparityEncodi
           {ChannelOf(output.part), EncodePart(frame.id, output.part, output.value, encoding)});
     }
     answer.tof_coverage = CoverageOf(frame, outcome);
+    answer.tof_offset = outcome.tof_offset;
     answer.degenerate = std::move(outcome.degenerate);
     return answer;
   } catch (const std::exception& e) {

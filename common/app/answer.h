@@ -25,6 +25,7 @@ struct Answer {
   /// TofCoverage() of the seeds that the stage made or was given; kUnknownCoverage when it sees
   /// none.
   float tof_coverage = kUnknownCoverage;
+  TofOffsetStatus tof_offset = {};
 };
 
 /// How the configuration wants disparity maps to travel.

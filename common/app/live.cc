@@ -31,6 +31,7 @@ void Publish(const Arrival& arrival, const Answer& answer, Publisher& publisher,
     return monitor.FrameFailed(arrival.frame.id,
                                std::string(message.channel) + ": could not be published");
   }
+  monitor.SetTofOffset(answer.tof_offset);
   monitor.FrameOut(arrival.frame.id, arrival.when, answer.degenerate, answer.tof_coverage);
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <utility>
 #include <vector>
@@ -146,6 +147,27 @@ void StageMonitor::Warn(const std::string& reason) {
   spdlog::warn(reason);
   const std::lock_guard lock(mutex_);
   status_.last_error = reason;
+}
+
+void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
+  constexpr std::chrono::minutes kWarningPeriod{1};
+  if (offset.sigma_px < 0) return;
+  const std::lock_guard lock(mutex_);
+  status_.tof_offset = offset;
+  if (!offset.is_off || now_() < next_offset_warning_) return;
+  next_offset_warning_ = now_() + kWarningPeriod;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the ToF camera's points are off by (%.1f, %.1f) px in the left image: calibrate "
+                "again, or refine { align_tof: true }",
+                -static_cast<double>(offset.u_px), -static_cast<double>(offset.v_px));
+  status_.last_error = text;
+  spdlog::warn(text);
+}
+
+void StageMonitor::SetSpread(double spread_ms) {
+  const std::lock_guard lock(mutex_);
+  status_.spread_ms = static_cast<float>(spread_ms);
 }
 
 void StageMonitor::SetJoinerCounts(int64_t incomplete, int64_t sequence_gaps) {

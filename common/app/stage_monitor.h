@@ -66,6 +66,13 @@ class StageMonitor {
   /// Nothing went wrong here, but people should know.
   void Warn(const std::string& reason);
 
+  /// How far the ToF camera's points are off; one that is not known leaves the newest that was.
+  /// Warns once a minute of one that is beyond doubt.
+  void SetTofOffset(const TofOffsetStatus& offset);
+
+  /// Between the exposures of the newest frame, ms.
+  void SetSpread(double spread_ms);
+
   /// Counts of the joiner, which keeps them itself.
   void SetJoinerCounts(int64_t incomplete, int64_t sequence_gaps);
 
@@ -88,6 +95,7 @@ class StageMonitor {
   LogLimiter bad_message_log_;
   LogLimiter degenerate_log_;
   LogLimiter failed_log_;
+  Clock::time_point next_offset_warning_{};
 };
 
 }  // namespace sprout

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/core/frame.h"
+#include "common/core/stage_status.h"
 
 namespace sprout {
 
@@ -21,6 +22,8 @@ struct Outcome {
   /// Why the frame has no (or an empty) result; empty when all is well. One line, shown in the
   /// status.
   std::string degenerate;
+  /// Where the stage looked for it in this frame.
+  TofOffsetStatus tof_offset = {};
 };
 
 /// What makes a stage a service: which parts it joins and what it answers. Knows neither network

@@ -17,6 +17,15 @@ struct TimeSummary {
   double max_ms = 0;
 };
 
+/// How far the ToF camera's points are off in the middle of the left image; what has to be added to
+/// them.
+struct TofOffsetStatus {
+  float u_px = 0;
+  float v_px = 0;
+  float sigma_px = -1;  ///< standard deviation; −1 = not known
+  bool is_off = false;  ///< beyond doubt; not sent
+};
+
 /// How one process fares; field by field as in lcmtypes/stage_status_t.lcm.
 struct StageStatus {
   enum class State { kReady = 0, kRunning = 1, kStopped = 2 };
@@ -44,6 +53,9 @@ struct StageStatus {
   int64_t rss_bytes = 0;
   /// Of the newest frame, see TofCoverage().
   float tof_coverage = kUnknownCoverage;
+  /// Of the newest frame of cameras; −1 = not known.
+  float spread_ms = -1;
+  TofOffsetStatus tof_offset;
 };
 
 }  // namespace sprout

@@ -48,6 +48,10 @@ stage_status_t ToMessage(const StageStatus& status) {
   message.age_max_ms = status.age.max_ms;
   message.rss_bytes = status.rss_bytes;
   message.tof_coverage = status.tof_coverage;
+  message.spread_ms = status.spread_ms;
+  message.tof_offset_u_px = status.tof_offset.u_px;
+  message.tof_offset_v_px = status.tof_offset.v_px;
+  message.tof_offset_sigma_px = status.tof_offset.sigma_px;
   return message;
 }
 
@@ -62,6 +66,10 @@ Result<StageStatus> FromMessage(const stage_status_t& message) {
       .Require(message.tof_coverage == kUnknownCoverage ||
                    (message.tof_coverage >= 0 && message.tof_coverage <= 1),
                "tof_coverage", message.tof_coverage, "0 to 1, or -1 for not known")
+      .Finite("spread_ms", message.spread_ms)
+      .Finite("tof_offset_u_px", message.tof_offset_u_px)
+      .Finite("tof_offset_v_px", message.tof_offset_v_px)
+      .Finite("tof_offset_sigma_px", message.tof_offset_sigma_px)
       .Length("stage", message.stage, kMaxNameLength)
       .Length("host", message.host, kMaxTextLength)
       .Length("version", message.version, kMaxTextLength)
@@ -93,6 +101,10 @@ Result<StageStatus> FromMessage(const stage_status_t& message) {
           MakeTimes(message.age_p50_ms, message.age_p95_ms, message.age_p99_ms, message.age_max_ms),
       .rss_bytes = message.rss_bytes,
       .tof_coverage = message.tof_coverage,
+      .spread_ms = message.spread_ms,
+      .tof_offset = {.u_px = message.tof_offset_u_px,
+                     .v_px = message.tof_offset_v_px,
+                     .sigma_px = message.tof_offset_sigma_px},
   };
 }
 

@@ -29,6 +29,7 @@ class SourceFeed : public CaptureFeed {
     std::optional<CapturedFrame> frame = take_(stop);
     if (!frame) return std::nullopt;
     Tell(*frame);
+    if (is_live_) monitor_.SetSpread(frame->spread_ms);
     // Captures are told apart by their time even when the clock is set back.
     newest_.utime = std::max(frame->utime.value_or(NowUtime()), newest_.utime + 1);
     ++newest_.seq;

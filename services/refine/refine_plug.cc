@@ -1,5 +1,8 @@
 #include "services/refine/refine_plug.h"
 
+#include <cmath>
+#include <vector>
+
 #include "common/core/image.h"
 
 namespace sprout {
@@ -29,6 +32,26 @@ Result<SeedSet> RefinePlug::Refine(const Frame& frame) {
   return refiner_.Compute(left, right, *frame.tof, ProjectorOf(*frame.rig));
 }
 
+// What align_tof found, or else what there is to find in a frame that is looked at.
+TofOffsetStatus RefinePlug::OffsetOf(const Frame& frame, bool refined) {
+  if (!refined || frame.tof->depth_m.empty()) return {};
+  TofOffset offset = refiner_.tof_offset();
+  if (!aligns_tof_) {
+    if (check_tof_every_ == 0 || frame.id.seq % check_tof_every_ != 0) return {};
+    const TofProjector& projector = ProjectorOf(*frame.rig);
+    int behind = 0;
+    const std::vector<ProjectedPoint> points = projector.Project(*frame.tof, behind);
+    const cv::Mat1b left = ToGrey(frame.left, left_grey_);
+    const cv::Mat1b right = ToGrey(frame.right, right_grey_);
+    offset = aligner_.Estimate(left, right, points, *frame.tof, projector);
+  }
+  if (!offset.sure) return {};
+  return {.u_px = static_cast<float>(offset.du_px),
+          .v_px = static_cast<float>(offset.dv_px),
+          .sigma_px = static_cast<float>(std::hypot(offset.sigma_u_px, offset.sigma_v_px)),
+          .is_off = !aligns_tof_ && offset.IsOff()};
+}
+
 Outcome RefinePlug::Process(const Frame& frame) {
   Result<SeedSet> seeds = Refine(frame);
   SeedSet left_seeds = seeds ? refiner_.left_seeds() : SeedSet{};
@@ -42,6 +65,7 @@ Outcome RefinePlug::Process(const Frame& frame) {
                         : "none of " + std::to_string(seeds->raw) + " ToF points became a seed";
     if (finds_stereo_seeds_) outcome.degenerate += ", and stereo found none";
   }
+  outcome.tof_offset = OffsetOf(frame, seeds.has_value());
   outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, std::move(left_seeds)});
   return outcome;

@@ -13,7 +13,10 @@ namespace sprout {
 class RefinePlug : public Plug {
  public:
   explicit RefinePlug(const RefineConfig& config)
-      : refiner_(config), finds_stereo_seeds_(config.stereo_seeds()) {}
+      : refiner_(config),
+        finds_stereo_seeds_(config.stereo_seeds()),
+        aligns_tof_(config.align_tof()),
+        check_tof_every_(config.check_tof_every()) {}
 
   PartSet Inputs() const override { return {Part::kLeft, Part::kRight, Part::kTof, Part::kRig}; }
 
@@ -24,9 +27,13 @@ class RefinePlug : public Plug {
  private:
   const TofProjector& ProjectorOf(const Rig& rig);
   Result<SeedSet> Refine(const Frame& frame);
+  TofOffsetStatus OffsetOf(const Frame& frame, bool refined);
 
   Refiner refiner_;
+  TofAligner aligner_;  // for frames that are only looked at
   bool finds_stereo_seeds_;
+  bool aligns_tof_;
+  int64_t check_tof_every_;
   cv::Mat1b left_grey_;  // memory
   cv::Mat1b right_grey_;
   std::optional<TofProjector> projector_;  // of the newest calibration

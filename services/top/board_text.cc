@@ -44,6 +44,19 @@ std::string RowText(const BoardRow& row, bool colour) {
              static_cast<double>(s.rss_bytes) / (1 << 20), cover, s.host, s.pid);
 }
 
+// What capture and refine know about the cameras.
+std::string CameraText(const StageStatus& s) {
+  std::string text;
+  if (s.spread_ms >= 0) {
+    text = fmt::format("{}: exposures of a frame within {:.2f} ms\n", s.stage, s.spread_ms);
+  }
+  if (s.tof_offset.sigma_px >= 0) {
+    text += fmt::format("{}: ToF points off by ({:.1f}, {:.1f}) ± {:.1f} px\n", s.stage,
+                        -s.tof_offset.u_px, -s.tof_offset.v_px, s.tof_offset.sigma_px);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string_view NameOf(Health health) {
@@ -70,7 +83,9 @@ std::string BoardText(const std::vector<BoardRow>& rows, bool colour) {
       "fail   bad  MB/rss   ToF  host:pid\n";
   for (const BoardRow& row : rows) text += RowText(row, colour);
   for (const BoardRow& row : rows) {
-    if (row.health == Health::kMissing || row.status.last_error.empty()) continue;
+    if (row.health == Health::kMissing) continue;
+    text += CameraText(row.status);
+    if (row.status.last_error.empty()) continue;
     text += fmt::format("{}: {}\n", row.status.stage, row.status.last_error);
   }
   return text;
@@ -105,6 +120,10 @@ std::string BoardJson(const std::vector<BoardRow>& rows) {
                     {"age_p99_ms", s.age.p99_ms},
                     {"rss_bytes", s.rss_bytes},
                     {"tof_coverage", s.tof_coverage},
+                    {"spread_ms", s.spread_ms},
+                    {"tof_offset_u_px", s.tof_offset.u_px},
+                    {"tof_offset_v_px", s.tof_offset.v_px},
+                    {"tof_offset_sigma_px", s.tof_offset.sigma_px},
                     {"last_error", s.last_error}});
     }
     stages.push_back(std::move(stage));

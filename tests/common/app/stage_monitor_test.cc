@@ -208,5 +208,17 @@ TEST_F(StageMonitorTest, CountsFromSeveralThreads) {
   EXPECT_EQ(status.bad_messages, 2000);
 }
 
+TEST_F(StageMonitorTest, WarnsOnceAMinuteOfAToFCameraThatIsOff) {
+  monitor_.SetTofOffset({});
+  EXPECT_EQ(monitor_.Snapshot().tof_offset.sigma_px, -1);
+  monitor_.SetTofOffset({.u_px = 1, .v_px = 0, .sigma_px = 0.5F, .is_off = false});
+  EXPECT_EQ(monitor_.Snapshot().last_error, "");
+  const TofOffsetStatus off{.u_px = 2.5F, .v_px = -1, .sigma_px = 0.25F, .is_off = true};
+  for (int i = 0; i < 3; ++i) monitor_.SetTofOffset(off);
+  EXPECT_THAT(monitor_.Snapshot().last_error, testing::HasSubstr("off by (-2.5, 1.0) px"));
+  monitor_.SetTofOffset({});
+  EXPECT_EQ(monitor_.Snapshot().tof_offset.u_px, 2.5F) << "the newest that is known";
+}
+
 }  // namespace
 }  // namespace sprout

@@ -131,6 +131,8 @@ inline StageStatus Status() {
   status.age = {.p50_ms = 15, .p95_ms = 16, .p99_ms = 17, .max_ms = 18};
   status.rss_bytes = int64_t{19} << 32;
   status.tof_coverage = 0.25F;
+  status.spread_ms = 1.5F;
+  status.tof_offset = {.u_px = 2.25F, .v_px = -0.5F, .sigma_px = 0.125F};
   return status;
 }
 

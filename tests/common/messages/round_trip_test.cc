@@ -289,6 +289,10 @@ TEST(StatusMessage, CarriesEveryField) {
             (std::vector<double>{10.5, 11, 12, 13, 14, 15, 16, 17, 18}));
   EXPECT_EQ(status->rss_bytes, int64_t{19} << 32);
   EXPECT_EQ(status->tof_coverage, 0.25F);
+  EXPECT_EQ(status->spread_ms, 1.5F);
+  EXPECT_EQ(status->tof_offset.u_px, 2.25F);
+  EXPECT_EQ(status->tof_offset.v_px, -0.5F);
+  EXPECT_EQ(status->tof_offset.sigma_px, 0.125F);
 }
 
 TEST(StatusMessage, MayNameNoFrameYet) {

@@ -22,6 +22,8 @@ final class StatusReporter {
     status.pid = (int) ProcessHandle.current().pid();
     status.state = stage_status_t.STATE_READY;
     status.tof_coverage = -1; // not known: not looked for here
+    status.spread_ms = -1;
+    status.tof_offset_sigma_px = -1;
   }
 
   void start() {
