@@ -28,6 +28,7 @@ constexpr double kMostSigmaCells = 0.25;
 constexpr double kBlockCells = 16;  // edges in one block may share their errors
 // Standard deviation of what shifts all edges on one side of things: round rims, shadows, blur.
 constexpr double kSideSigmaCells = 0.08;
+constexpr double kSideSigmaOutwards = 1 / 3.0;  // more where all look shifted: of that shift
 
 cv::Mat1b Halved(const cv::Mat1b& image) {
   cv::Mat1b half;
@@ -157,8 +158,9 @@ void TofAligner::FindErrors(double step_px, double cell_px, Fit& fit) const {
   }
   Eigen::Matrix3d middle = Eigen::Matrix3d::Zero();
   for (const auto& [block, sum] : blocks) middle += sum * sum.transpose();
-  const double side_sigma = kSideSigmaCells * cell_px;
-  middle += side_sigma * side_sigma * sides * sides.transpose();
+  const double usual_px = kSideSigmaCells * cell_px;
+  const double outwards_px = kSideSigmaOutwards * fit.place.z();
+  middle += (usual_px * usual_px + outwards_px * outwards_px) * sides * sides.transpose();
   fit.covariance = (fit.inverse * middle * fit.inverse).topLeftCorner<2, 2>();
 }
 
