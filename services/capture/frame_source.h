@@ -22,6 +22,8 @@ struct CapturedFrame {
   int64_t lost = 0;  ///< captures since the frame before this one that could not be made whole
   /// What went wrong since the frame before this one, one line: of several the newest.
   std::string trouble = {};
+  /// Between the earliest and the latest exposure of its images, ms; 0 when that is not known.
+  double spread_ms = 0;
 };
 
 /// Where rectified frames come from, as from a camera.

@@ -1,0 +1,67 @@
+#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_CAMERA_H_
+#define SPROUT_SERVICES_CAPTURE_GENICAM_CAMERA_H_
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+#include "services/capture/genicam/device.h"
+
+namespace sprout {
+
+/// What happened at a camera.
+struct CameraEvent {
+  enum class Kind {
+    kOpened,  ///< it sends; text: what it is
+    kImage,   ///< image: one came, whole or not
+    kClock,   ///< clock: its clock was read
+    kGone,    ///< it does not send; text: why. Told again only for another reason
+  };
+  Kind kind = Kind::kImage;
+  std::string text;
+  DeviceImage image = {};
+  ClockReading clock = {};
+};
+
+/// One camera of a rig, in a thread of its own: opened, and opened anew for as long as it takes
+/// whenever it is lost, cannot be opened or is held by another program; after 0.5 s at first, then
+/// each time after twice as long, at most 8 s.
+class Camera {
+ public:
+  /// @param tell  is called from the camera's thread, also before the constructor returns.
+  Camera(const DeviceSettings& settings, std::function<void(CameraEvent)> tell);
+
+  Camera(const Camera&) = delete;
+  Camera& operator=(const Camera&) = delete;
+  /// Stops the camera.
+  ~Camera() = default;
+
+  /// Starts an exposure, if the camera is there (RigDescription::SOFTWARE). Thread-safe.
+  void Trigger();
+
+  /// Starts an exposure at a time of its clock, if it is there (RigDescription::PTP). Thread-safe.
+  void TriggerAt(int64_t device_ns);
+
+  /// Its clock; nothing when it is not there, or does not tell. Thread-safe.
+  std::optional<ClockReading> ReadClock();
+
+ private:
+  void Run(const std::stop_token& stop);
+  std::string Read(const std::stop_token& stop);
+  void Ask();
+
+  DeviceSettings settings_;
+  std::function<void(CameraEvent)> tell_;
+  std::mutex mutex_;  // of device_ as such, and of commands to it
+  std::condition_variable_any stopped_;
+  std::unique_ptr<Device> device_;
+  std::jthread thread_;  // the last one: it uses all others
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_CAMERA_H_

@@ -1,0 +1,102 @@
+#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_H_
+#define SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_H_
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "common/core/result.h"
+#include "common/core/rig.h"
+#include "common/core/tof_image.h"
+#include "common/rig/rig.pb.h"
+#include "services/capture/genicam/device_setup.h"
+#include "services/capture/genicam/discovery.h"
+#include "services/capture/genicam/scan3d.h"
+
+namespace sprout {
+
+/// An image as a device gave it, or that there is none.
+struct DeviceImage {
+  int64_t device_ns = 0;      ///< the device's stamp of the start of the exposure, its clock
+  int64_t exposure_ns = 0;    ///< how long it was exposed; 0 = unknown
+  int64_t arrived_utime = 0;  ///< when its first packet was here, host's clock, µs
+  cv::Mat image;              ///< of a stereo camera; empty when it cannot be used
+  TofImage tof;               ///< of a ToF camera; empty when it cannot be used
+  int64_t lost = 0;           ///< images that did not come, and this one if it cannot be used
+  std::string trouble;        ///< why, of the newest of them
+};
+
+/// What a device's clock said at a time of the host.
+struct ClockReading {
+  int64_t device_ns = 0;
+  int64_t utime = 0;  ///< halfway between question and answer, µs
+};
+
+/// A camera that is open, set up and sending. Next() and is_lost() are for one thread, the others
+/// for any, one call at a time.
+class Device {
+ public:
+  /// Finds the camera, sets it up as asked for and starts it. The error is one line that names what
+  /// cannot be done and what the camera allows.
+  static Result<std::unique_ptr<Device>> Open(const DeviceSettings& settings);
+
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device();
+
+  /// What it is and gives: "Lucid HLT003S 213700123 at 192.168.0.7: 640x480 Coord3D_C16".
+  const std::string& text() const { return text_; }
+
+  /// The next image; nothing when none came in time.
+  std::optional<DeviceImage> Next(int64_t timeout_us);
+
+  /// Whether it does not answer any more. Aravis' heartbeat finds out within some 7 s.
+  bool is_lost() const { return is_lost_; }
+
+  /// Takes it for lost: it will not be waited for.
+  void GiveUp() { is_lost_ = true; }
+
+  /// Starts an exposure: what RigDescription::SOFTWARE means.
+  void Trigger();
+
+  /// Starts an exposure at a time of its clock, ns: what RigDescription::PTP means.
+  void TriggerAt(int64_t device_ns);
+
+  /// Reads its clock; nothing when it cannot be read. Takes two or three packets' ways.
+  std::optional<ClockReading> ReadClock();
+
+  /// Reads the time of exposure anew: a camera that chooses it changes it.
+  void ReadExposure();
+
+ private:
+  Device(OpenedCamera opened, const DeviceSettings& settings);
+
+  Result<void> SetUp();
+  Result<void> Start();
+  DeviceImage Converted(ArvBuffer* buffer);
+  Result<void> Fill(ArvBuffer* buffer, DeviceImage& image);
+  int64_t CountMissing(uint64_t id);
+
+  DeviceSettings settings_;
+  FoundCamera found_;
+  std::string text_;
+  std::atomic<bool> is_lost_ = false;
+  ArvObject<ArvCamera> camera_;
+  ArvObject<ArvStream> stream_;
+  unsigned long lost_handler_ = 0;
+  Scan3d scan3d_;
+  cv::Mat1d range_per_depth_;  // empty unless the device gives ranges along the ray
+  std::optional<ClockReader> clock_reader_;
+  int64_t exposure_ns_ = 0;
+  uint16_t action_id_ = 0;
+  uint64_t newest_id_ = 0;
+  std::set<uint64_t> missing_ids_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_H_

@@ -1,0 +1,46 @@
+#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_DISCOVERY_H_
+#define SPROUT_SERVICES_CAPTURE_GENICAM_DISCOVERY_H_
+
+#include <string>
+#include <vector>
+
+#include "common/core/result.h"
+#include "services/capture/genicam/arv_object.h"
+
+namespace sprout {
+
+/// A camera that answers on the network (GigE Vision) or on a bus (USB3 Vision).
+struct FoundCamera {
+  std::string id;  ///< Aravis' name of it
+  std::string vendor;
+  std::string model;
+  std::string serial;
+  std::string address;   ///< IP address, or that on the bus
+  std::string protocol;  ///< "GigEVision", "USB3Vision"
+
+  /// "Lucid HLT003S 213700123 at 192.168.0.7", for messages.
+  std::string Text() const;
+};
+
+/// Asks every network interface and bus; takes about 1 s. In the order of serial numbers.
+/// Thread-safe.
+std::vector<FoundCamera> FindCameras();
+
+/// A camera that this process alone controls.
+struct OpenedCamera {
+  FoundCamera found;
+  ArvObject<ArvCamera> camera;
+};
+
+/// Opens the camera with a serial number. Several threads may look for theirs at the same time: the
+/// network is asked once for all of them. The error says that it does not answer, that another
+/// program holds it, or what else is wrong. Thread-safe.
+Result<OpenedCamera> OpenBySerial(const std::string& serial);
+
+/// For people, a line a camera: vendor, model, serial number, address, size and pixel formats, or
+/// why that is not known. Opens each for a moment.
+std::string ListCameras();
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_DISCOVERY_H_

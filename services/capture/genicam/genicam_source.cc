@@ -1,0 +1,221 @@
+#include "services/capture/genicam/genicam_source.h"
+
+#include <spdlog/spdlog.h>
+
+#include <array>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/rig/rig_file.h"
+#include "services/capture/genicam/frame_former.h"
+#include "services/capture/genicam/pixels.h"
+
+namespace sprout {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+// Images that wait to be formed into triplets, of one camera: what comes while nobody asks is old.
+constexpr size_t kMaxWaiting = 16;
+// How often a pair is asked whether it has waited long enough for its ToF image.
+constexpr milliseconds kPoll(10);
+// Without a frame for so long, people are told why.
+constexpr milliseconds kSilence(2000);
+constexpr milliseconds kReminder(10'000);
+// How long before an exposure the cameras are told of it: much more than a packet's way.
+constexpr int64_t kLeadNs = 50'000'000;
+
+int64_t NowUs() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+// Events of all cameras, in the order of their coming. Thread-safe.
+class Inbox {
+ public:
+  using Event = std::pair<RigPlace, CameraEvent>;
+
+  void Push(RigPlace place, CameraEvent event) {
+    const std::lock_guard lock(mutex_);
+    const bool is_image = event.kind == CameraEvent::Kind::kImage;
+    if (is_image && ++images_[static_cast<size_t>(place)] > kMaxWaiting) SpoilOldest(place);
+    events_.emplace_back(place, std::move(event));
+    changed_.notify_one();
+  }
+
+  // All that is there, after waiting for a moment if there is nothing.
+  std::deque<Event> Take(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, stop, kPoll, [&] { return !events_.empty(); });
+    images_ = {};
+    return std::exchange(events_, {});
+  }
+
+ private:
+  // It stays as an image that is lost.
+  void SpoilOldest(RigPlace place) {
+    for (auto& [from, event] : events_) {
+      DeviceImage& image = event.image;
+      if (from != place || (image.image.empty() && image.tof.depth_m.empty())) continue;
+      image.image.release();
+      image.tof = {};
+      ++image.lost;
+      image.trouble = "images come faster than they are taken";
+      return;
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::deque<Event> events_;
+  std::array<size_t, kRigPlaces.size()> images_{};
+};
+
+class GenicamSource : public RawSource {
+ public:
+  explicit GenicamSource(const RigDescription& rig) : rig_(rig), former_(rig) {
+    const std::optional<RawRig> calibration = CalibrationOf(rig);
+    for (const RigPlace place : kRigPlaces) {
+      const bool is_tof = place == RigPlace::kTof;
+      if (is_tof && !rig.has_tof()) continue;
+      DeviceSettings settings{.device = DeviceOf(place, rig),
+                              .trigger = rig.trigger(),
+                              .frame_rate_hz = rig.frame_rate_hz(),
+                              .is_tof = is_tof,
+                              .lens = std::nullopt};
+      if (calibration && calibration->tof.width > 0) settings.lens = calibration->tof;
+      cameras_[static_cast<size_t>(place)] = std::make_unique<Camera>(
+          settings, [this, place](CameraEvent event) { Tell(place, std::move(event)); });
+    }
+    if (rig.trigger() == RigDescription::SOFTWARE) StartTriggers();
+    if (rig.trigger() == RigDescription::PTP) {
+      triggers_.emplace_back([this](const std::stop_token& stop) { Schedule(stop); });
+    }
+  }
+
+  bool is_live() const override { return true; }
+
+  std::optional<CapturedFrame> Next(const std::stop_token& stop) override {
+    Clock::time_point next_word = Clock::now() + kSilence;
+    while (!stop.stop_requested()) {
+      if (std::optional<CapturedFrame> frame = former_.Next(NowUs())) return frame;
+      for (auto& [place, event] : inbox_.Take(stop)) former_.Add(place, std::move(event));
+      if (Clock::now() < next_word) continue;
+      next_word = Clock::now() + kReminder;
+      // Frames tell it otherwise, but there are none.
+      if (const std::string trouble = former_.NewTrouble(); !trouble.empty()) {
+        spdlog::warn("waiting for the cameras: {}", trouble);
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  void Tell(RigPlace place, CameraEvent event) {
+    if (event.kind == CameraEvent::Kind::kOpened) {
+      spdlog::info("{}: {}", PlaceText(place, rig_), event.text);
+    }
+    inbox_.Push(place, std::move(event));
+  }
+
+  void StartTriggers() {
+    const Clock::time_point first = Clock::now();
+    for (const auto& camera : cameras_) {
+      if (!camera) continue;
+      // A thread each: one that does not answer is waited for, which the others must not be.
+      triggers_.emplace_back([this, first, camera = camera.get()](const std::stop_token& stop) {
+        Trigger(*camera, first, stop);
+      });
+    }
+  }
+
+  // At the same times for all cameras.
+  void Trigger(Camera& camera, Clock::time_point first, const std::stop_token& stop) const {
+    const Clock::duration period = Period();
+    while (!stop.stop_requested()) {
+      camera.Trigger();
+      SleepUntil(first + ((Clock::now() - first) / period + 1) * period, stop);
+    }
+  }
+
+  // Tells all cameras the times of the next exposures, in the clock that they share: whole
+  // multiples of the period.
+  void Schedule(const std::stop_token& stop) const {
+    const int64_t period_ns = std::chrono::nanoseconds(Period()).count();
+    int64_t newest_ns = 0;
+    while (!stop.stop_requested()) {
+      const auto clock = cameras_[static_cast<size_t>(RigPlace::kLeft)]->ReadClock();
+      const int64_t begin_ns = clock ? clock->device_ns + kLeadNs : 0;
+      if (newest_ns > begin_ns + 2 * period_ns) newest_ns = 0;  // the clock was set back
+      for (int64_t time_ns = (begin_ns / period_ns + 1) * period_ns;
+           clock && time_ns <= begin_ns + 2 * period_ns; time_ns += period_ns) {
+        if (time_ns <= newest_ns) continue;
+        newest_ns = time_ns;
+        for (const auto& camera : cameras_) {
+          if (camera) camera->TriggerAt(time_ns);
+        }
+      }
+      SleepUntil(Clock::now() + Period(), stop);
+    }
+  }
+
+  Clock::duration Period() const {
+    return std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(1 / rig_.frame_rate_hz()));
+  }
+
+  static void SleepUntil(Clock::time_point time, const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any stopped;
+    std::unique_lock lock(mutex);
+    stopped.wait_until(lock, stop, time, [] { return false; });
+  }
+
+  RigDescription rig_;
+  FrameFormer former_;
+  Inbox inbox_;
+  std::array<std::unique_ptr<Camera>, kRigPlaces.size()> cameras_;
+  std::vector<std::jthread> triggers_;  // the last ones: they use the cameras
+};
+
+void RequireDevice(RigPlace place, const RigDescription& rig, const std::string& path,
+                   std::set<std::string>& serials) {
+  constexpr std::array kFields = {"left", "right", "tof"};
+  const std::string field = path + ": " + kFields[static_cast<size_t>(place)];
+  const CameraDevice& device = DeviceOf(place, rig);
+  if (device.serial().empty()) {
+    throw ConfigError(field + ".serial is missing; sprout-capture --list shows the cameras");
+  }
+  if (!serials.insert(device.serial()).second) {
+    throw ConfigError(field + ".serial = " + device.serial() + " is that of another camera, too");
+  }
+  if (device.pixel_format().empty()) return;
+  const auto format = PixelFormatNamed(device.pixel_format());
+  const bool is_tof = place == RigPlace::kTof;
+  if (format && (is_tof ? IsTofFormat(*format) : IsStereoFormat(*format))) return;
+  throw ConfigError(field + ".pixel_format = " + device.pixel_format() +
+                    "; allowed: " + (is_tof ? TofFormatNames() : StereoFormatNames()));
+}
+
+}  // namespace
+
+std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::string& path) {
+  RequireInRange(rig, path);
+  std::set<std::string> serials;
+  for (const RigPlace place : kRigPlaces) {
+    if (place == RigPlace::kTof && !rig.has_tof()) continue;
+    RequireDevice(place, rig, path, serials);
+  }
+  return std::make_unique<GenicamSource>(rig);
+}
+
+}  // namespace sprout

@@ -1,0 +1,25 @@
+#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_GENICAM_SOURCE_H_
+#define SPROUT_SERVICES_CAPTURE_GENICAM_GENICAM_SOURCE_H_
+
+#include <memory>
+#include <string>
+
+#include "common/rig/rig.pb.h"
+#include "services/capture/raw_source.h"
+
+namespace sprout {
+
+/// The cameras of a rig file, by GenICam: GigE Vision and USB3 Vision, through Aravis. Each camera
+/// has a thread; Next() forms triplets by the time of exposure. utime is the middle of the
+/// exposures of left and right, in the host's time (DeviceClock). Cameras may come and go: without
+/// left or right Next() waits, without the ToF camera frames go on with an empty ToF image.
+///
+/// @param path  of the rig file, for messages.
+/// @throws ConfigError when the rig file names no cameras, or asks for what is not known here. What
+/// a
+///         camera refuses is told in CapturedFrame::trouble and tried again.
+std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::string& path);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_GENICAM_SOURCE_H_

@@ -1,0 +1,41 @@
+#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_SCAN3D_H_
+#define SPROUT_SERVICES_CAPTURE_GENICAM_SCAN3D_H_
+
+#include <opencv2/core.hpp>
+#include <optional>
+#include <span>
+
+#include "common/core/result.h"
+#include "common/core/tof_image.h"
+#include "services/capture/genicam/pixels.h"
+
+namespace sprout {
+
+/// How a device's numbers become metres (GenICam SFNC, 3D Scan Control): the coordinate C is
+///   (number · scale + offset) · unit_m.
+struct Scan3d {
+  double scale = 1;      ///< Scan3dCoordinateScale of coordinate C
+  double offset = 0;     ///< Scan3dCoordinateOffset of coordinate C
+  double unit_m = 1e-3;  ///< of Scan3dDistanceUnit, m
+  /// The number that says "no return" (Scan3dInvalidDataValue), where Scan3dInvalidDataFlag is set.
+  std::optional<double> invalid;
+  /// C is the range along the ray (Scan3dCoordinateSystem = Spherical), not z.
+  bool is_range = false;
+};
+
+/// What a ToF camera delivers, as it measured it: C of every pixel, 0 where there is no return, and
+/// the amplitude. RangesToDepths() has to follow when scan3d.is_range. A copy: the payload may go.
+///
+/// One part holds C: Coord3D_C16, _C32f, _ABC16 or _ABC32f, or Mono16 when nothing else can hold
+/// it. The amplitude is a part with an image (Mono16, Mono8), else the confidence, else empty; a
+/// confidence of 0 is no return. The error names what is missing or does not fit together.
+/// O(pixels).
+Result<TofImage> ToTofImage(std::span<const PayloadPart> parts, const Scan3d& scan3d);
+
+/// Ranges along the ray become z.
+/// @param range_per_depth  RangePerDepth() of the camera's lens, of the image's size.
+void RangesToDepths(TofImage& image, const cv::Mat1d& range_per_depth);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_SCAN3D_H_

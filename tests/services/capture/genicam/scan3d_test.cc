@@ -1,0 +1,130 @@
+#include "services/capture/genicam/scan3d.h"
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "common/geometry/lens.h"
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+
+template <typename T>
+std::vector<uint8_t> Bytes(const std::vector<T>& numbers) {
+  std::vector<uint8_t> bytes(numbers.size() * sizeof(T));
+  std::memcpy(bytes.data(), numbers.data(), bytes.size());
+  return bytes;
+}
+
+PayloadPart Part(PixelFormat format, int width, int height, const std::vector<uint8_t>& bytes,
+                 PartContent content = PartContent::kUnknown) {
+  return {.format = static_cast<uint32_t>(format),
+          .width = width,
+          .height = height,
+          .row_padding = 0,
+          .bytes = bytes,
+          .content = content};
+}
+
+TEST(Scan3d, NumbersBecomeMetres) {
+  const auto bytes = Bytes<uint16_t>({0, 4000, 8000, 65535});
+  const Scan3d scan3d{.scale = 0.25, .offset = 10, .unit_m = 1e-3, .invalid = 65535};
+  const Result<TofImage> image =
+      ToTofImage(std::vector{Part(PixelFormat::kCoord3dC16, 2, 2, bytes)}, scan3d);
+  ASSERT_TRUE(image);
+  EXPECT_EQ(image->depth_m(0, 0), 0.01F);
+  EXPECT_EQ(image->depth_m(0, 1), 1.01F);
+  EXPECT_EQ(image->depth_m(1, 0), 2.01F);
+  EXPECT_EQ(image->depth_m(1, 1), 0.0F);
+  EXPECT_TRUE(image->amplitude.empty());
+}
+
+TEST(Scan3d, CIsTheLastOfThreeCoordinates) {
+  const auto integers = Bytes<uint16_t>({1, 2, 3000, 4, 5, 6000});
+  const auto floats = Bytes<float>({1, 2, 3000, 4, 5, std::numeric_limits<float>::quiet_NaN()});
+  const Result<TofImage> first =
+      ToTofImage(std::vector{Part(PixelFormat::kCoord3dAbc16, 2, 1, integers)}, {});
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->depth_m(0, 0), 3.0F);
+  EXPECT_EQ(first->depth_m(0, 1), 6.0F);
+  const Result<TofImage> second =
+      ToTofImage(std::vector{Part(PixelFormat::kCoord3dAbc32f, 2, 1, floats)}, {});
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->depth_m(0, 0), 3.0F);
+  EXPECT_EQ(second->depth_m(0, 1), 0.0F);
+}
+
+TEST(Scan3d, PartsOfAMultipartPayloadAreToldApart) {
+  const auto range = Bytes<uint16_t>({1000, 2000, 3000, 4000});
+  const auto amplitude = Bytes<uint16_t>({10, 20, 30, 40});
+  const auto confidence = Bytes<uint16_t>({7, 0, 9, 9});
+  const auto confidence8 = Bytes<uint8_t>({7, 0, 9, 9});
+  // In any order; the amplitude counts before the confidence.
+  const Result<TofImage> all = ToTofImage(
+      std::vector{Part(PixelFormat::kMono16, 2, 2, amplitude, PartContent::kImage),
+                  Part(PixelFormat::kConfidence16, 2, 2, confidence, PartContent::kConfidence),
+                  Part(PixelFormat::kCoord3dC16, 2, 2, range, PartContent::kRange)},
+      {});
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->depth_m(0, 0), 1.0F);
+  EXPECT_EQ(all->depth_m(0, 1), 0.0F) << "confidence 0";
+  EXPECT_EQ(all->amplitude(1, 1), 40.0F);
+  const Result<TofImage> two =
+      ToTofImage(std::vector{Part(PixelFormat::kCoord3dC16, 2, 2, range),
+                             Part(PixelFormat::kConfidence8, 2, 2, confidence8)},
+                 {});
+  ASSERT_TRUE(two);
+  EXPECT_EQ(two->amplitude(0, 0), 7.0F);
+}
+
+TEST(Scan3d, Mono16HoldsRangesWhenNothingElseDoes) {
+  const auto range = Bytes<uint16_t>({1000, 2000});
+  const auto confidence = Bytes<uint16_t>({1, 1});
+  const Result<TofImage> alone =
+      ToTofImage(std::vector{Part(PixelFormat::kMono16, 2, 1, range)}, {});
+  ASSERT_TRUE(alone);
+  EXPECT_EQ(alone->depth_m(0, 1), 2.0F);
+  const Result<TofImage> two = ToTofImage(
+      std::vector{Part(PixelFormat::kMono16, 2, 1, range, PartContent::kRange),
+                  Part(PixelFormat::kMono16, 2, 1, confidence, PartContent::kConfidence)},
+      {});
+  ASSERT_TRUE(two);
+  EXPECT_EQ(two->depth_m(0, 0), 1.0F);
+  EXPECT_EQ(two->amplitude(0, 0), 1.0F);
+  EXPECT_THAT(
+      ToTofImage(std::vector{Part(PixelFormat::kMono16, 2, 1, range, PartContent::kImage)}, {})
+          .error()
+          .text,
+      HasSubstr("no range in the payload's Mono16; allowed: Coord3D_C16"));
+}
+
+TEST(Scan3d, SaysWhatIsWrongWithAPayload) {
+  const auto range = Bytes<uint16_t>({1000, 2000});
+  const auto error = [](const std::vector<PayloadPart>& parts) {
+    return ToTofImage(parts, {}).error().text;
+  };
+  EXPECT_THAT(error({}), HasSubstr("no range"));
+  EXPECT_THAT(error({Part(PixelFormat::kCoord3dC16, 2, 2, range)}), HasSubstr("needed: 8"));
+  EXPECT_EQ(error({Part(PixelFormat::kCoord3dC16, 2, 1, range),
+                   Part(PixelFormat::kConfidence16, 1, 2, range)}),
+            "Confidence16 is 1x2, Coord3D_C16 is 2x1; allowed: one size");
+}
+
+TEST(Scan3d, RangesBecomeDepths) {
+  const Lens lens{.width = 4, .height = 3, .fx = 2, .fy = 2, .cx = 0, .cy = 0, .distortion = {}};
+  TofImage image;
+  image.depth_m = cv::Mat1f(3, 4, 3.0F);
+  image.depth_m(1, 1) = 0;
+  RangesToDepths(image, RangePerDepth(lens));
+  EXPECT_EQ(image.depth_m(0, 0), 3.0F);
+  EXPECT_EQ(image.depth_m(1, 1), 0.0F);
+  // Pixel (2, 2) looks into (1, 1, 1).
+  EXPECT_NEAR(image.depth_m(2, 2), 3 / std::sqrt(3.0), 1e-6);
+}
+
+}  // namespace
+}  // namespace sprout
