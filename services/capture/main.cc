@@ -1,9 +1,11 @@
 #include <chrono>
+#include <iostream>
 #include <optional>
 
 #include "common/app/program.h"
 #include "common/app/service.h"
 #include "services/capture/capture_loop.h"
+#include "services/capture/genicam/discovery.h"
 
 namespace sprout {
 namespace {
@@ -34,7 +36,8 @@ void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Tim
           "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), ?tof=grid or "
           "?tof=sr4000 behind it picks the simulated ToF camera; log:FILE, what lcm-logger "
           "recorded, ?prefix=TEXT behind it when its channels have one, ?rig=RIG to rectify "
-          "raw images; cameras: opencv:LEFT,RIGHT?rig=RIG (videos, image lists, devices), "
+          "raw images; cameras: genicam:RIG (GigE Vision, USB3 Vision), opencv:LEFT,RIGHT?rig=RIG "
+          "(videos, image lists, devices), "
           "opencv:BOTH?rig=RIG and v4l2:DEVICE?rig=RIG (both views side by side)")
       ->type_name("SOURCE");
   flags
@@ -48,6 +51,13 @@ void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Tim
       ->check(CLI::Range(int64_t{1}, INT64_MAX))
       ->type_name("N");
   flags.add_flag("--loop", options.loop, "Start again when the source ends");
+  flags.add_flag_callback(
+      "--list",
+      [] {
+        std::cout << ListCameras();
+        throw CLI::Success();
+      },
+      "Show the GigE Vision and USB3 Vision cameras that answer, and end");
   flags.add_flag("--raw", options.raw,
                  "Of cameras: send the images as they see them, on RAW_SPROUT_LEFT and so on, for "
                  "calibration or to rectify them later (log:FILE?rig=RIG)");

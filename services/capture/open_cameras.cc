@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "common/rig/rig_file.h"
+#include "services/capture/genicam/genicam_source.h"
 #include "services/capture/number_text.h"
 #include "services/capture/raw_source.h"
 #include "services/capture/source_options.h"
@@ -11,6 +12,7 @@
 namespace sprout {
 namespace {
 
+constexpr std::string_view kGenicam = "genicam:";
 constexpr std::string_view kOpenCv = "opencv:";
 constexpr std::string_view kV4l2 = "v4l2:";
 
@@ -43,10 +45,15 @@ std::vector<std::string> PlacesOf(const std::string& source, const std::string& 
 }  // namespace
 
 bool NamesCameras(const std::string& source) {
-  return source.starts_with(kOpenCv) || source.starts_with(kV4l2);
+  return source.starts_with(kGenicam) || source.starts_with(kOpenCv) || source.starts_with(kV4l2);
 }
 
 OpenedCameras OpenCameras(const std::string& source, bool loop) {
+  if (source.starts_with(kGenicam)) {
+    const std::string path = source.substr(kGenicam.size());
+    const RigDescription rig = LoadRigFile(path);
+    return {.cameras = OpenGenicam(rig, path), .calibration = CalibrationOf(rig)};
+  }
   const auto [place, options] = SplitSource(source);
   VideoSettings settings{.places = PlacesOf(source, place), .loop = loop};
   OpenedCameras opened;

@@ -54,7 +54,7 @@ std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
   if (NamesCameras(config.source())) return OpenCameraFeed(config, options, monitor);
   if (options.raw) {
     throw ConfigError("capture.source = " + config.source() +
-                      ": --raw is for cameras; allowed: opencv:, v4l2:");
+                      ": --raw is for cameras; allowed: genicam:, opencv:, v4l2:");
   }
   if (config.source().starts_with(kLog)) return OpenLog(config.source(), options.loop, monitor);
   return FeedFrom(PlayDataset(OpenDataset(config), options.loop), config, monitor);

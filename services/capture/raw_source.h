@@ -41,11 +41,12 @@ struct OpenedCameras {
 bool NamesCameras(const std::string& source);
 
 /// Opens the cameras that a source names.
+///   genicam:RIG        GigE Vision and USB3 Vision cameras: those of a rig file (OpenGenicam())
 ///   opencv:LEFT,RIGHT  two videos, image lists (left_%04d.png) or devices that OpenCV opens
 ///   opencv:BOTH        one that has both views side by side
 ///   v4l2:DEVICE        a UVC stereo camera, both views side by side; &width=, &height= and &fps=
 ///                      behind it: the size of the whole picture
-/// ?rig=FILE behind it names the rig file with the calibration.
+/// ?rig=FILE behind it, other than genicam:, names the rig file with the calibration.
 ///
 /// @param loop  start files again at the end.
 /// @throws ConfigError naming what is missing or wrong, and where.
