@@ -228,10 +228,24 @@ void Device::TriggerAt(int64_t device_ns) {
 }
 
 std::optional<ClockReading> Device::ReadClock() {
-  const int64_t asked_us = g_get_real_time();
-  const std::optional<int64_t> device_ns = clock_reader_->Read(camera_.get());
-  if (!device_ns) return std::nullopt;
-  return ClockReading{*device_ns, asked_us + (g_get_real_time() - asked_us) / 2};
+  // An answer that was quick tells the time best.
+  constexpr int kTries = 5;
+  constexpr int64_t kQuickUs = 5000;
+  std::optional<ClockReading> best;
+  int64_t best_took_us = 0;
+  for (int i = 0; i < kTries; ++i) {
+    const int64_t asked_us = g_get_real_time();
+    const std::optional<int64_t> device_ns = clock_reader_->Read(camera_.get());
+    if (!device_ns) return best;
+    const int64_t answered_us = g_get_real_time();
+    const int64_t took_us = answered_us - asked_us;
+    if (!best || took_us < best_took_us) {
+      best = ClockReading{*device_ns, answered_us};
+      best_took_us = took_us;
+    }
+    if (best_took_us <= kQuickUs) break;
+  }
+  return best;
 }
 
 void Device::ReadExposure() {

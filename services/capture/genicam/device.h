@@ -33,7 +33,7 @@ struct DeviceImage {
 /// What a device's clock said at a time of the host.
 struct ClockReading {
   int64_t device_ns = 0;
-  int64_t utime = 0;  ///< halfway between question and answer, µs
+  int64_t utime = 0;  ///< when the answer was here, µs
 };
 
 /// A camera that is open, set up and sending. Next() and is_lost() are for one thread, the others
@@ -66,7 +66,7 @@ class Device {
   /// Starts an exposure at a time of its clock, ns: what RigDescription::PTP means.
   void TriggerAt(int64_t device_ns);
 
-  /// Reads its clock; nothing when it cannot be read. Takes two or three packets' ways.
+  /// Reads its clock; nothing when it cannot be read. Takes some packets' ways.
   std::optional<ClockReading> ReadClock();
 
   /// Reads the time of exposure anew: a camera that chooses it changes it.
