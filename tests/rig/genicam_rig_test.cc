@@ -246,6 +246,24 @@ TEST_F(GenicamRig, SaysWhatACameraRefusesAndTriesAgain) {
   EXPECT_EQ(Take(*OpenGenicam(rig, "rig"), 10).troubles, "");
 }
 
+TEST_F(GenicamRig, GivesDepthsOfACameraThatMeasuresAlongTheRay) {
+  StartCameras();
+  StartTof({"--spherical", "--focal", "200", "--unit", "0.5"});
+  RigDescription rig = Description(RigDescription::FREE_RUN);
+  rig.mutable_tof()->set_pixel_format("Mono16");
+  std::optional<CapturedFrame> newest;
+  const auto source = OpenGenicam(rig, "rig");
+  Take(*source, 1, [&](const CapturedFrame& frame) {
+    if (HasTof(frame)) newest = frame;
+    return HasTof(frame);
+  });
+  ASSERT_TRUE(newest);
+  // The picture is 1000 + u + v; the principal point is in the middle.
+  const double slope = 101.5 / 200;
+  EXPECT_NEAR(newest->tof.depth_m(203, 203), 0.5e-3 * 1406 / std::sqrt(1 + 2 * slope * slope), 1e-6);
+  EXPECT_NEAR(newest->tof.depth_m(102, 101), 0.5e-3 * 1203, 1e-5);
+}
+
 // By hand: --gtest_also_run_disabled_tests. Its figures are in services/capture/NOTES.md.
 TEST_F(GenicamRig, DISABLED_GivesTwoMegapixelsTenTimesASecond) {
   StartCameras({}, "1600");
