@@ -36,8 +36,9 @@ Result<void> CheckRange(const char* field, double value, double min, double max)
 // The parts of a ToF camera's payload: ranges, and what tells how good they are.
 Result<void> SetParts(ArvCamera* camera) {
   ArvError error;
-  if (arv_camera_is_gv_device(camera) &&
-      arv_camera_gv_is_multipart_supported(camera, error.out()) && !error) {
+  if (arv_camera_is_gv_device(camera)) {
+    // Without it components come one after the other, in payloads of their own.
+    if (!arv_camera_gv_is_multipart_supported(camera, error.out()) || error) return {};
     arv_camera_gv_set_multipart(camera, TRUE, error.out());
     if (error) return Done(error, "multipart payload");
   }
@@ -144,6 +145,14 @@ Result<void> SetTriggerSource(ArvCamera* camera, const char* source, const std::
                           sources ? Names(sources.get(), count) : "none"));
 }
 
+// Some cameras count lines and actions from 0, some from 1: the source that this one has.
+const char* FirstSource(ArvCamera* camera, const char* source, const char* otherwise) {
+  ArvError error;
+  const bool has_it =
+      arv_camera_is_enumeration_entry_available(camera, "TriggerSource", source, error.out());
+  return has_it && !error ? source : otherwise;
+}
+
 Result<void> SetInteger(ArvCamera* camera, const char* feature, int64_t value) {
   ArvError error;
   arv_camera_set_integer(camera, feature, value, error.out());
@@ -159,18 +168,15 @@ Result<void> SetPtp(ArvCamera* camera) {
   ArvError error;
   arv_camera_set_boolean(camera, enable, TRUE, error.out());
   if (error) return Done(error, "trigger = PTP: " + std::string(enable));
-  // Some count from 0, some from 1.
-  const int number =
-      arv_camera_is_enumeration_entry_available(camera, "TriggerSource", "Action1", error.out())
-          ? 1
-          : 0;
+  const char* source = FirstSource(camera, "Action0", "Action1");
+  const int number = source[std::string_view("Action").size()] - '0';
   Result<void> done;
   if (Has(camera, "ActionSelector")) done = SetInteger(camera, "ActionSelector", number);
   if (done) done = SetInteger(camera, "ActionDeviceKey", kActionDeviceKey);
   if (done) done = SetInteger(camera, "ActionGroupKey", kActionGroupKey);
   if (done) done = SetInteger(camera, "ActionGroupMask", kActionGroupMask);
   if (!done) return done;
-  return SetTriggerSource(camera, number == 1 ? "Action1" : "Action0", "trigger = PTP");
+  return SetTriggerSource(camera, source, "trigger = PTP");
 }
 
 Result<void> SetTrigger(ArvCamera* camera, const DeviceSettings& settings) {
@@ -180,7 +186,7 @@ Result<void> SetTrigger(ArvCamera* camera, const DeviceSettings& settings) {
     case RigDescription::SOFTWARE:
       return SetTriggerSource(camera, "Software", "trigger = SOFTWARE");
     case RigDescription::LINE:
-      return SetTriggerSource(camera, "Line0", "trigger = LINE");
+      return SetTriggerSource(camera, FirstSource(camera, "Line0", "Line1"), "trigger = LINE");
     case RigDescription::PTP:
       break;
   }

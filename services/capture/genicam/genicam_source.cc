@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <condition_variable>
@@ -24,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 // Images that wait to be formed into triplets, of one camera: what comes while nobody asks is old.
-constexpr size_t kMaxWaiting = 16;
+constexpr std::ptrdiff_t kMaxWaiting = 16;
 // How often a pair is asked whether it has waited long enough for its ToF image.
 constexpr milliseconds kPoll(10);
 // Without a frame for so long, people are told why.
@@ -39,15 +40,15 @@ int64_t NowUs() {
       .count();
 }
 
-// Events of all cameras, in the order of their coming. Thread-safe.
+// Events of all cameras, in the order of their coming. Thread-safe, and bounded: cameras are seldom
+// opened or lost, and of the rest only the newest stays.
 class Inbox {
  public:
   using Event = std::pair<RigPlace, CameraEvent>;
 
   void Push(RigPlace place, CameraEvent event) {
     const std::lock_guard lock(mutex_);
-    const bool is_image = event.kind == CameraEvent::Kind::kImage;
-    if (is_image && ++images_[static_cast<size_t>(place)] > kMaxWaiting) SpoilOldest(place);
+    MakeRoom(place, event);
     events_.emplace_back(place, std::move(event));
     changed_.notify_one();
   }
@@ -56,28 +57,32 @@ class Inbox {
   std::deque<Event> Take(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, stop, kPoll, [&] { return !events_.empty(); });
-    images_ = {};
     return std::exchange(events_, {});
   }
 
  private:
-  // It stays as an image that is lost.
-  void SpoilOldest(RigPlace place) {
-    for (auto& [from, event] : events_) {
-      DeviceImage& image = event.image;
-      if (from != place || (image.image.empty() && image.tof.depth_m.empty())) continue;
-      image.image.release();
-      image.tof = {};
-      ++image.lost;
-      image.trouble = "images come faster than they are taken";
-      return;
+  // Drops the oldest event of a camera and a kind, if there are too many. An image counts as lost
+  // with the newest one.
+  void MakeRoom(RigPlace place, CameraEvent& newest) {
+    using Kind = CameraEvent::Kind;
+    if (newest.kind != Kind::kImage && newest.kind != Kind::kClock) return;
+    const auto is_alike = [&](const Event& event) {
+      return event.first == place && event.second.kind == newest.kind;
+    };
+    if (std::ranges::count_if(events_, is_alike) < kMaxWaiting) return;
+    const auto oldest = std::ranges::find_if(events_, is_alike);
+    if (newest.kind == Kind::kImage) {
+      const DeviceImage& image = oldest->second.image;
+      const bool is_good = !image.image.empty() || !image.tof.depth_m.empty();
+      newest.image.lost += image.lost + (is_good ? 1 : 0);
+      newest.image.trouble = "images come faster than they are taken";
     }
+    events_.erase(oldest);
   }
 
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::deque<Event> events_;
-  std::array<size_t, kRigPlaces.size()> images_{};
 };
 
 class GenicamSource : public RawSource {
