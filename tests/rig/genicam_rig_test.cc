@@ -82,8 +82,8 @@ class GenicamRig : public testing::Test {
     }
     rig.set_trigger(trigger);
     rig.set_frame_rate_hz(10);
-    // Much below the period, much above what a busy machine delays the simulator by.
-    rig.set_max_spread_ms(20);
+    // Less than half the period; as a busy machine delays the simulator.
+    rig.set_max_spread_ms(40);
     return rig;
   }
 
