@@ -20,6 +20,7 @@ condition_flags() {
     none) echo "--tof none" ;;
     wrapped) echo "--tof sr4000?wrapped=25" ;;
     calib*) echo "--tof sr4000?calibration=${1#calib}" ;;
+    align*) echo "--tof sr4000?calibration=${1#align} --config scripts/lib/align_tof.textproto" ;;
     *) fail "no condition $1" ;;
   esac
 }

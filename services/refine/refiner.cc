@@ -57,6 +57,11 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     result.contradicted =
         unwrapper_.Apply(left, right, tof, projector, config_.unambiguous_range_m(), points_);
   }
+  tof_offset_ = {};
+  if (config_.align_tof() && !points_.empty()) {
+    tof_offset_ = aligner_.Estimate(left, right, points_, tof, projector);
+    if (tof_offset_.IsOff()) ApplyOffset(tof_offset_, rig, points_);
+  }
   left_seeds_.seeds.clear();
   left_seeds_.seeds.reserve(points_.size());
   result.seeds.clear();

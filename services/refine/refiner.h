@@ -14,14 +14,16 @@
 #include "services/refine/background.h"
 #include "services/refine/range_unwrapper.h"
 #include "services/refine/stereo_seeds.h"
+#include "services/refine/tof_alignment.h"
 #include "services/refine/tof_surface.h"
 
 namespace sprout {
 
 /// Turns ToF points into seed correspondences and drops the unreliable ones: by the paper's rules
 /// (II-B) and by two of TofSurface, which a sensor needs that stands beside the left camera. Before
-/// that, RangeUnwrapper puts back what lies beyond the sensor's unambiguous range. Where the sensor
-/// gives nothing, StereoSeedFinder adds seeds from the pair.
+/// that, RangeUnwrapper puts back what lies beyond the sensor's unambiguous range, and TofAligner
+/// puts right a calibration that is a little wrong. Where the sensor gives nothing,
+/// StereoSeedFinder adds seeds from the pair.
 class Refiner {
  public:
   /// Side of the window that the paper's rules look at, px.
@@ -54,6 +56,10 @@ class Refiner {
   /// seeds have all of them as outside or hidden.
   const SeedSet& left_seeds() const { return left_seeds_; }
 
+  /// Of the last call, with config.align_tof(): how far off the ToF points were projected; where
+  /// IsOff(), they were moved before all rules. Not sure when it was not looked for.
+  const TofOffset& tof_offset() const { return tof_offset_; }
+
  private:
   // What becomes of a point, whether or not the right camera sees it.
   enum class Fate : uint8_t { kKept, kOutside, kDark, kLoose };
@@ -70,6 +76,8 @@ class Refiner {
   std::vector<ProjectedPoint> points_;
   std::vector<Fate> fates_;  // of points_
   RangeUnwrapper unwrapper_;
+  TofAligner aligner_;
+  TofOffset tof_offset_;
   TofSurface surface_;
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images
   size_t kept_in_both_ = 0;
