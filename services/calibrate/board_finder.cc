@@ -109,6 +109,7 @@ bool LieAsOn(const cv::aruco::CharucoBoard& board, const std::vector<Quad>& mark
   std::vector<cv::Point2f> on_board;
   std::vector<cv::Point2f> in_image;
   double side = 0;
+  int of_board = 0;
   for (size_t i = 0; i < ids.size(); ++i) {
     if (std::cmp_greater_equal(ids[i], board.objPoints.size())) continue;
     for (const cv::Point3f& corner : board.objPoints[static_cast<size_t>(ids[i])]) {
@@ -116,9 +117,10 @@ bool LieAsOn(const cv::aruco::CharucoBoard& board, const std::vector<Quad>& mark
     }
     in_image.insert(in_image.end(), markers[i].begin(), markers[i].end());
     side += cv::norm(markers[i][1] - markers[i][0]);
+    ++of_board;
   }
-  if (in_image.empty()) return false;
-  side /= static_cast<double>(in_image.size() / 4);
+  if (of_board == 0) return false;
+  side /= of_board;
   std::vector<uchar> fits;
   cv::findHomography(on_board, in_image, fits, cv::RANSAC, kMaxOffPerSide * side);
   return 2 * std::ranges::count(fits, 1) >= std::ssize(ids) * 4;

@@ -20,8 +20,8 @@
 #include "common/rig/rig_file.h"
 #include "services/calibrate/board.h"
 #include "services/calibrate/calibrator.h"
+#include "services/calibrate/frame_log.h"
 #include "services/calibrate/image_folder.h"
-#include "services/calibrate/raw_log.h"
 #include "services/calibrate/report.h"
 #include "services/calibrate/view_collector.h"
 
@@ -110,9 +110,11 @@ ViewCollector Collect(const Board& board, const Options& options) {
         show(input);
       });
     } else {
-      const std::string complaint =
-          ReadRawLog(input, options.prefix, [&](const RigImages& images, int64_t utime) {
-            collector.Add(images, utime);
+      const std::string complaint = ReadFrameLog(
+          input, options.prefix + kRawPrefix, {Part::kLeft, Part::kRight, Part::kTof},
+          [&](const Frame& frame) {
+            collector.Add({.left = frame.left, .right = frame.right, .tof = *frame.tof},
+                          frame.id.utime);
             show(input);
           });
       progress.Clear();

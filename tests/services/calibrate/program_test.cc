@@ -168,8 +168,8 @@ TEST_F(CalibrateProgram, RefusesLogsWithoutRawImages) {
   std::vector<Event> events;
   WriteBytes(folder_ / "empty.lcm", MakeLog(events));
   ExpectRefused({"estimate", File("empty.lcm"), "--out", File("out.textproto")}, 2,
-                "no whole triplet on RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT and RAW_SPROUT_TOF in it; "
-                "it has no events");
+                "no whole frame of RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF in it; it "
+                "has no events");
 
   Append(scene_.Render(BoardPoses(board_, 1)[0], 0), 0, events);
   for (Event& event : events) event.channel = event.channel.substr(4);
