@@ -48,7 +48,7 @@ cv::Mat1f StereoDisparity(const cv::Mat1b& left, const cv::Mat1b& right, int fir
   cv::Mat1s counts;
   matcher->compute(left, right, counts);
   cv::Mat1f disparity;
-  counts.convertTo(disparity, CV_32F, 1.0 / cv::StereoMatcher::DISP_SCALE);
+  counts.convertTo(disparity, CV_32F, 1.0 / int{cv::StereoMatcher::DISP_SCALE});
   return disparity;
 }
 

@@ -9,6 +9,7 @@
 namespace sprout {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -64,14 +65,14 @@ class CalibrateCheck : public testing::Test {
 };
 
 TEST_F(CalibrateCheck, FindsNothingWrongWithAGoodRig) {
-  const Outcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000", 6, 0));
+  const Outcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000", 4, 0));
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("6 frames: good\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("4 frames: good\n"));
 }
 
 TEST_F(CalibrateCheck, NoticesAToFCameraThatWasKnocked) {
-  const Outcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000&calibration=5", 6, 0));
+  const Outcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000&calibration=5", 4, 0));
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("was the ToF camera knocked?"));
@@ -81,7 +82,7 @@ TEST_F(CalibrateCheck, NoticesRowsThatDoNotAgree) {
   const Outcome outcome = Check(WriteLog("synthetic:640x480?tof=none", 2, 2));
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("rows of the right image lie +2.0"));
+  EXPECT_THAT(outcome.out, ContainsRegex("rows of the right image lie .(1.9|2.0)"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("ToF")));
 }
 
