@@ -20,6 +20,7 @@
 #include "common/rig/rig_file.h"
 #include "services/calibrate/board.h"
 #include "services/calibrate/calibrator.h"
+#include "services/calibrate/check.h"
 #include "services/calibrate/frame_log.h"
 #include "services/calibrate/image_folder.h"
 #include "services/calibrate/report.h"
@@ -38,9 +39,10 @@ Examples
   sprout-calibrate board --out board.svg                   print it at 100 %, glue it to a flat board
   sprout-capture --source ... --raw   and   lcm-logger raw.lcm   while you show it to the cameras
   sprout-calibrate estimate raw.lcm --rig rig.textproto --out rig.textproto --report report.html
+  sprout-calibrate check run.lcm                           weeks later: is it still right
 
 `sprout-calibrate COMMAND --help` explains a command. Exit codes: 0; 1 the calibration is not good
-enough, or there is none; 2 a flag or a file that cannot be used.
+(any more), or there is none; 2 a flag or a file that cannot be used.
 )";
 
 struct BoardOptions {
@@ -55,6 +57,7 @@ struct Options {
   fs::path rig;
   fs::path report;
   std::string prefix;
+  CheckOptions check;
   std::function<int()> chosen;
 };
 
@@ -190,6 +193,26 @@ void AddEstimate(CLI::App& program, Options& options) {
   flags.callback([&] { options.chosen = [&] { return RunEstimate(options); }; });
 }
 
+void AddCheck(CLI::App& program, Options& options) {
+  CLI::App& flags = *program.add_subcommand(
+      "check",
+      "Says from frames without a board whether a rig was knocked: whether rows agree, and "
+      "whether\n"
+      "ToF points land where they belong. Exit code 0 good, 1 has to be calibrated again");
+  flags
+      .add_option("LOG", options.check.log,
+                  "Log of rectified frames, as a running graph sends them")
+      ->required()
+      ->check(CLI::ExistingFile);
+  flags
+      .add_option("--rig", options.check.rig,
+                  "Rig file; the log has unrectified images, which are rectified with it")
+      ->type_name("FILE");
+  flags.add_option("--channel-prefix", options.check.prefix, "Before the channels in the log")
+      ->type_name("TEXT");
+  flags.callback([&] { options.chosen = [&] { return RunCheck(options.check); }; });
+}
+
 int RunChosen(const Options& options) {
   try {
     return options.chosen();
@@ -207,6 +230,7 @@ int CalibrateMain(int argc, const char* const* argv) {
   flags.require_subcommand(1);
   AddBoard(flags, options);
   AddEstimate(flags, options);
+  AddCheck(flags, options);
   flags.set_version_flag("--version", "sprout-calibrate " + Version());
   flags.footer(kFooter);
   return RunProgram(flags, argc, argv, [&] { return RunChosen(options); });

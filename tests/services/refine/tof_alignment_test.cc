@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/core/image.h"
-#include "services/capture/frame_source.h"
+#include "services/capture/dataset.h"
 #include "services/refine/refiner.h"
 
 namespace sprout {
@@ -18,8 +18,8 @@ namespace {
 
 // A frame as TofAligner looks at it.
 struct AlignScene {
-  explicit AlignScene(FrameSource& source, int64_t index = 0) : projector(source.rig()) {
-    const CapturedFrame frame = source.Get(index);
+  explicit AlignScene(Dataset& source, int64_t index = 0) : projector(source.rig()) {
+    const DatasetFrame frame = source.Get(index);
     left = ToGrey(frame.left);
     right = ToGrey(frame.right);
     tof = frame.tof;
@@ -38,12 +38,12 @@ struct AlignScene {
 };
 
 // The simulated room, whose ToF camera is turned by so much.
-std::unique_ptr<FrameSource> Room(double calibration_error_px) {
+std::unique_ptr<Dataset> Room(double calibration_error_px) {
   CaptureConfig config;
   config.set_source("synthetic:640x480");
   config.set_tof("sr4000");
   config.mutable_sr4000()->set_calibration_error_px(calibration_error_px);
-  return OpenFrameSource(config);
+  return OpenDataset(config);
 }
 
 double Median(std::vector<double> values) {

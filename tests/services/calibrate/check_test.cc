@@ -1,0 +1,90 @@
+#include <gmock/gmock.h>
+
+#include "common/bus/channels.h"
+#include "common/messages/codec.h"
+#include "services/calibrate/program.h"
+#include "services/capture/dataset.h"
+#include "tests/common/logfile/sample_log.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+struct Outcome {
+  int exit_code;
+  std::string out;
+  std::string err;
+};
+
+class CalibrateCheck : public testing::Test {
+ protected:
+  // A log of a dataset whose right images are moved down by some rows.
+  std::string WriteLog(const std::string& source, int frames, int rows_down) const {
+    CaptureConfig config;
+    config.set_source(source);
+    const std::unique_ptr<Dataset> dataset = OpenDataset(config);
+    std::vector<Event> events;
+    for (int i = 0; i < frames; ++i) {
+      const DatasetFrame frame = dataset->Get(i);
+      cv::Mat right = frame.right.clone();
+      if (rows_down > 0) {
+        frame.right.rowRange(0, right.rows - rows_down)
+            .copyTo(right.rowRange(rows_down, right.rows));
+      }
+      const FrameId id{
+          .utime = 1'700'000'000'000'000 + 100'000 * i, .seq = i, .rig_id = RigId(dataset->rig())};
+      const auto add = [&](Part part, const PartValue& value) {
+        Event event;
+        event.utime = id.utime;
+        event.channel = ChannelOf(part);
+        event.data = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
+        events.push_back(event);
+      };
+      add(Part::kRig, dataset->rig());
+      add(Part::kLeft, frame.left);
+      add(Part::kRight, right);
+      add(Part::kTof, frame.tof);
+    }
+    WriteBytes(folder_ / "run.lcm", MakeLog(events));
+    return folder_ / "run.lcm";
+  }
+
+  static Outcome Check(const std::string& log) {
+    const char* argv[] = {"sprout-calibrate", "check", log.c_str()};
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const int exit_code = CalibrateMain(3, argv);
+    return {exit_code, testing::internal::GetCapturedStdout(),
+            testing::internal::GetCapturedStderr()};
+  }
+
+  const TemporaryDirectory folder_;
+};
+
+TEST_F(CalibrateCheck, FindsNothingWrongWithAGoodRig) {
+  const Outcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000", 4, 0));
+
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("4 frames: good\n"));
+}
+
+TEST_F(CalibrateCheck, NoticesAToFCameraThatWasKnocked) {
+  const Outcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000&calibration=5", 4, 0));
+
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("was the ToF camera knocked?"));
+}
+
+TEST_F(CalibrateCheck, NoticesRowsThatDoNotAgree) {
+  const Outcome outcome = Check(WriteLog("synthetic:640x480?tof=none", 2, 2));
+
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("rows of the right image lie .(1.9|2.0)"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("ToF")));
+}
+
+}  // namespace
+}  // namespace sprout
