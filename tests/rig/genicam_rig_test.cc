@@ -260,7 +260,8 @@ TEST_F(GenicamRig, GivesDepthsOfACameraThatMeasuresAlongTheRay) {
   ASSERT_TRUE(newest);
   // The picture is 1000 + u + v; the principal point is in the middle.
   const double slope = 101.5 / 200;
-  EXPECT_NEAR(newest->tof.depth_m(203, 203), 0.5e-3 * 1406 / std::sqrt(1 + 2 * slope * slope), 1e-6);
+  EXPECT_NEAR(newest->tof.depth_m(203, 203), 0.5e-3 * 1406 / std::sqrt(1 + 2 * slope * slope),
+              1e-6);
   EXPECT_NEAR(newest->tof.depth_m(102, 101), 0.5e-3 * 1203, 1e-5);
 }
 
