@@ -37,9 +37,9 @@ TEST(Fingerprints, AreThoseOfTheReleasedTypes) {
   ExpectFingerprint<seeds_t>(0x618da2fc0d3083af);
   ExpectFingerprint<prior_t>(0xab68f57dfc602245);
   ExpectFingerprint<disparity_image_t>(0x7c2bcd9fc2da90ca);
-  ExpectFingerprint<depth_image_t>(0x1);
-  ExpectFingerprint<point_cloud_t>(0x1);
-  ExpectFingerprint<stage_status_t>(0xa3ae266af8c4255e);
+  ExpectFingerprint<depth_image_t>(0x1eda51eb5050532f);
+  ExpectFingerprint<point_cloud_t>(0x3a56f4aa266bfe61);
+  ExpectFingerprint<stage_status_t>(0x70764dd093aba24e);
 }
 
 }  // namespace

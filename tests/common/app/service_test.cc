@@ -126,8 +126,8 @@ TEST(Service, AcceptsTheLongestPrefix) {
   EXPECT_EQ(RunWith({"--channel-prefix", std::string(kMaxChannelPrefix, 'x')}).exit_code, 0);
 }
 
-TEST(Service, PrintsTheEffectiveConfiguration) {
-  const Ended ended = RunWith({"--config", "paper"});
+TEST(Service, PrintsTheEffectiveConfigurationWhenAsked) {
+  const Ended ended = RunWith({"--config", "paper", "--log-level", "debug"});
   EXPECT_EQ(ended.exit_code, 0);
   std::string err;
   for (const std::string& line : ended.err) err += line + "\n";

@@ -87,7 +87,7 @@ TEST_F(PaceTest, TakesAStepBackAsNoneAndALongPauseAsTenSeconds) {
   EXPECT_EQ(due(0), start_ + milliseconds(100) + seconds(10));
 }
 
-TEST(PaceTest, SaysWhenAFrameComesMoreThanAnIntervalLate) {
+TEST_F(PaceTest, SaysWhenAFrameComesMoreThanAnIntervalLate) {
   Pace pace = Pace::AtRate(10);
   const Pace::Clock::time_point start{};
   pace.Start(start);
