@@ -109,8 +109,8 @@ MessageDiff CompareValue(const DepthImage& a, const DepthImage& b) {
     return Different("intrinsics or units differ");
   }
   if (SameBits(a.counts, b.counts)) return Equal();
-  return Different(fmt::format("{} of {} depths differ", CountDifferent(a.counts, b.counts),
-                               a.counts.total()));
+  return Different(
+      fmt::format("{} of {} depths differ", CountDifferent(a.counts, b.counts), a.counts.total()));
 }
 
 MessageDiff CompareValue(const PointCloud& a, const PointCloud& b) {
