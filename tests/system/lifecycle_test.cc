@@ -25,9 +25,9 @@ TEST(LifecycleSystem, SignalsEndEveryServiceCleanly) {
   }
 }
 
-TEST(LifecycleSystem, EffectiveConfigurationIsPrintedAtStart) {
+TEST(LifecycleSystem, EffectiveConfigurationIsPrintedAtStartWhenAskedFor) {
   Graph graph;
-  Process& grow = graph.Start("grow", {"--config", "paper"});
+  Process& grow = graph.Start("grow", {"--config", "paper", "--log-level", "debug"});
   EXPECT_THAT(grow.Output(), HasSubstr("sigma_p_px: 17.4"));
   EXPECT_THAT(grow.Output(), HasSubstr("sigma_s_squared: 0.1"));
   EXPECT_THAT(grow.Output(), HasSubstr(graph.statuses["grow"].config_digest));
