@@ -21,6 +21,17 @@ bool IsDevice(const std::string& place) {
   return ParseNumber<int>(place).has_value() || place.starts_with("/dev/");
 }
 
+// With the backend that is for it: OpenCV's others try what they cannot open, and one of them looks
+// through all USB devices and keeps what it found.
+bool OpenPlace(const std::string& place, cv::VideoCapture& video) {
+  if (const std::optional<int> number = ParseNumber<int>(place)) {
+    return video.open(*number, cv::CAP_V4L2);
+  }
+  if (IsDevice(place)) return video.open(place, cv::CAP_V4L2);
+  if (place.find('%') != std::string::npos) return video.open(place, cv::CAP_IMAGES);
+  return video.open(place, cv::CAP_FFMPEG);
+}
+
 // Sleeps until the time is over or a stop is asked for.
 void Wait(const std::stop_token& stop, std::chrono::seconds time) {
   std::mutex mutex;
@@ -69,9 +80,7 @@ class VideoSource : public RawSource {
     videos_.clear();
     for (const std::string& place : settings_.places) {
       cv::VideoCapture& video = videos_.emplace_back();
-      const std::optional<int> number = ParseNumber<int>(place);
-      const bool opened = number ? video.open(*number) : video.open(place);
-      if (!opened) return place;
+      if (!OpenPlace(place, video)) return place;
       if (settings_.width > 0) video.set(cv::CAP_PROP_FRAME_WIDTH, settings_.width);
       if (settings_.height > 0) video.set(cv::CAP_PROP_FRAME_HEIGHT, settings_.height);
       if (settings_.fps > 0) video.set(cv::CAP_PROP_FPS, settings_.fps);
