@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <lcmtypes/bot_core/image_metadata_t.hpp>
+#include <lcmtypes/bot_core/image_t.hpp>
 #include <lcmtypes/sprout/depth_image_t.hpp>
 #include <lcmtypes/sprout/disparity_image_t.hpp>
 #include <lcmtypes/sprout/header_t.hpp>
 #include <lcmtypes/sprout/image_t.hpp>
 #include <lcmtypes/sprout/point_cloud_t.hpp>
 #include <lcmtypes/sprout/prior_t.hpp>
+#include <lcmtypes/sprout/process_info_t.hpp>
 #include <lcmtypes/sprout/rig_t.hpp>
 #include <lcmtypes/sprout/seeds_t.hpp>
 #include <lcmtypes/sprout/stage_status_t.hpp>
@@ -40,6 +43,15 @@ TEST(Fingerprints, AreThoseOfTheReleasedTypes) {
   ExpectFingerprint<depth_image_t>(0x1eda51eb5050532f);
   ExpectFingerprint<point_cloud_t>(0x3a56f4aa266bfe61);
   ExpectFingerprint<stage_status_t>(0x70764dd093aba24e);
+  ExpectFingerprint<process_info_t>(0x2462780294b2d3dd);
+}
+
+// lcm-gen gives these for libbot2's own bot_core_image_t.lcm and bot_core_image_metadata_t.lcm:
+// with others no program would show the pictures.
+TEST(Fingerprints, AreThoseOfLibbot2) {
+  ExpectFingerprint<bot_core::image_t>(0x14739ffe13d5f5f0);
+  ExpectFingerprint<bot_core::image_metadata_t>(0x9a4b634d0577fb8e);
+  EXPECT_EQ(bot_core::image_t::PIXEL_FORMAT_MJPEG, 0x47504a4d);
 }
 
 }  // namespace
