@@ -38,6 +38,8 @@ Result<void> CheckRawRig(const RawRig& rig) {
   CheckLens(checks, "right", rig.right);
   checks.Require(rig.right.size() == rig.left.size(), "right.width × height",
                  SizeText(rig.right.size()), "the left camera's " + SizeText(rig.left.size()));
+  checks.Require(rig.left.width >= 2 && rig.left.height >= 2, "left.width × height",
+                 SizeText(rig.left.size()), "2x2 or more");
   CheckPose(checks, "left_from_right", rig.left_from_right);
   checks.Positive("left_from_right.translation_m x", rig.left_from_right.translation_m.x());
   if (rig.tof.width > 0 || rig.tof.height > 0) {

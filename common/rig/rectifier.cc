@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <cassert>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "common/core/image.h"
@@ -59,8 +58,8 @@ Rectifier::Rectifier(const RawRig& raw) : raw_(raw) {
                .cy = left_projection(1, 2),
                .cx_right = right_projection(0, 2),
                .baseline_m = raw.left_from_right.translation_m.norm()};
-  left_ = MapsOf(raw.left, left_turn_, rig_.pair.cx);
-  right_ = MapsOf(raw.right, right_turn_, rig_.pair.cx_right);
+  left_ = RemapOf(raw.left, left_turn_, rig_.pair.cx);
+  right_ = RemapOf(raw.right, right_turn_, rig_.pair.cx_right);
   if (raw.tof.width == 0) return;
   const Eigen::Matrix3d turn = ToEigen(left_turn_);
   rig_.tof = {.width = raw.tof.width,
@@ -77,7 +76,7 @@ Rectifier::Rectifier(const RawRig& raw) : raw_(raw) {
 }
 
 // cv::initUndistortRectifyMap() rounds differently from CPU to CPU.
-Rectifier::Maps Rectifier::MapsOf(const Lens& lens, const cv::Matx33d& turn, double cx) const {
+BilinearRemap Rectifier::RemapOf(const Lens& lens, const cv::Matx33d& turn, double cx) const {
   cv::Mat2f map(rig_.pair.size());
   const Eigen::Matrix3d back = ToEigen(turn.t());
   for (int v = 0; v < map.rows; ++v) {
@@ -89,16 +88,7 @@ Rectifier::Maps Rectifier::MapsOf(const Lens& lens, const cv::Matx33d& turn, dou
       map(v, u) = {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
     }
   }
-  Maps maps;
-  cv::convertMaps(map, cv::noArray(), maps.whole, maps.fraction, CV_16SC2);
-  return maps;
-}
-
-cv::Mat Rectifier::Rectified(const cv::Mat& image, const Maps& maps) {
-  assert(image.size() == maps.whole.size());
-  cv::Mat rectified;
-  cv::remap(image, rectified, maps.whole, maps.fraction, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  return rectified;
+  return {map, lens.size()};
 }
 
 void Rectifier::CorrectRanges(TofImage& tof) const {

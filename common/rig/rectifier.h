@@ -5,6 +5,7 @@
 
 #include "common/core/rig.h"
 #include "common/core/tof_image.h"
+#include "common/rig/bilinear_remap.h"
 #include "common/rig/raw_rig.h"
 
 namespace sprout {
@@ -27,8 +28,8 @@ class Rectifier {
   /// An image of the left or right camera, rectified: bilinear, in fixed point, so the same bytes
   /// everywhere. O(pixels).
   /// @param image  8UC1 or 8UC3, of the calibrated size.
-  cv::Mat RectifyLeft(const cv::Mat& image) const { return Rectified(image, left_); }
-  cv::Mat RectifyRight(const cv::Mat& image) const { return Rectified(image, right_); }
+  cv::Mat RectifyLeft(const cv::Mat& image) const { return left_.Apply(image); }
+  cv::Mat RectifyRight(const cv::Mat& image) const { return right_.Apply(image); }
 
   /// Depths with the bias of the range taken away; pixels without a return stay as they are.
   /// @param tof  of the calibrated size, or 0×0.
@@ -39,20 +40,14 @@ class Rectifier {
   cv::Point2d RightPixel(const cv::Point2d& raw_pixel) const;
 
  private:
-  struct Maps {
-    cv::Mat whole;     // 16SC2: column and row of the source pixel
-    cv::Mat fraction;  // 16UC1: position in OpenCV's table of bilinear weights
-  };
-
-  Maps MapsOf(const Lens& lens, const cv::Matx33d& turn, double cx) const;
-  static cv::Mat Rectified(const cv::Mat& image, const Maps& maps);
+  BilinearRemap RemapOf(const Lens& lens, const cv::Matx33d& turn, double cx) const;
 
   RawRig raw_;
   Rig rig_;
   cv::Matx33d left_turn_;  // from the camera's frame to the rectified one
   cv::Matx33d right_turn_;
-  Maps left_;
-  Maps right_;
+  BilinearRemap left_;
+  BilinearRemap right_;
   cv::Mat1d range_per_depth_;  // of the ToF camera
 };
 
