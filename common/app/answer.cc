@@ -5,6 +5,7 @@
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
+#include "common/messages/preview.h"
 
 namespace sprout {
 namespace {
@@ -33,6 +34,9 @@ std::optional<Answer> MakeAnswer(const Frame& frame, Plug& plug, DisparityEncodi
     for (const Output& output : outcome.outputs) {
       answer.messages.push_back(
           {ChannelOf(output.part), EncodePart(frame.id, output.part, output.value, encoding)});
+    }
+    if (!outcome.preview.empty()) {
+      answer.messages.push_back({kPreviewChannel, EncodePreview(frame.id, outcome.preview)});
     }
     answer.tof_coverage = CoverageOf(frame, outcome);
     answer.tof_offset = outcome.tof_offset;

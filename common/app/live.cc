@@ -1,5 +1,9 @@
 #include "common/app/live.h"
 
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -8,6 +12,7 @@
 #include "common/app/silence_watch.h"
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
+#include "common/app/supervision.h"
 #include "common/app/twin_watch.h"
 #include "common/bus/channels.h"
 #include "common/bus/mailbox.h"
@@ -40,6 +45,22 @@ void OnStatus(std::span<const uint8_t> bytes, StageMonitor& monitor, TwinWatch& 
   status ? twins.Heard(*status) : monitor.BadMessage(kStatusChannel, status.error().text);
 }
 
+// What went wrong is named only where something did.
+std::string CountsText(const StageStatus& status) {
+  std::string text = fmt::format("{} frames in, {} out", status.frames_in, status.frames_out);
+  const std::pair<int64_t, const char*> counts[] = {{status.frames_skipped, "skipped"},
+                                                    {status.frames_incomplete, "incomplete"},
+                                                    {status.frames_degenerate, "without a result"},
+                                                    {status.frames_failed, "failed"},
+                                                    {status.frames_resent, "sent again"},
+                                                    {status.sequence_gaps, "left out"},
+                                                    {status.bad_messages, "bad messages"}};
+  for (const auto& [count, what] : counts) {
+    if (count > 0) text += fmt::format(", {} {}", count, what);
+  }
+  return text;
+}
+
 }  // namespace
 
 void RunLive(const ServiceContext& context, Plug& plug) {
@@ -65,10 +86,17 @@ void RunLive(const ServiceContext& context, Plug& plug) {
       },
       [&](std::string_view channel) { monitor.MessageDropped(channel); });
   const StatusReporter reporter(context, monitor);
-  while (const std::optional<Arrival> arrival = mailbox.Take(context.stop)) {
+  TellReady();
+  Watchdog watchdog;
+  while (!context.stop.stop_requested()) {
+    const auto arrival = mailbox.TakeWithin(Watchdog::kIdlePeriod, context.stop);
+    watchdog.Idle();
+    if (!arrival) continue;
     const std::optional<Answer> answer = MakeAnswer(arrival->frame, plug, encoding, monitor);
     if (answer) Publish(*arrival, *answer, publisher, monitor);
+    watchdog.FrameDone();
   }
+  spdlog::info(CountsText(monitor.Snapshot()));
 }
 
 }  // namespace sprout

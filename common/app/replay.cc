@@ -1,15 +1,20 @@
 #include "common/app/replay.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
+#include <utility>
 
 #include "common/app/answer.h"
 #include "common/app/frame_assembler.h"
+#include "common/app/process_info.h"
 #include "common/app/progress.h"
 #include "common/app/replay_input.h"
 #include "common/app/stage_monitor.h"
@@ -27,9 +32,8 @@ namespace fs = std::filesystem;
 
 using Clock = StageMonitor::Clock;
 
-// Unfinished frames that may be kept: a log of a graph that lags far behind its capture has the
-// last message of a frame long after the first. Live, where memory is short, it is fewer.
-constexpr size_t kMaxPending = 64;
+// Recorded configurations that are compared; a log can hold any number.
+constexpr size_t kMaxCompared = 16;
 
 constexpr std::chrono::milliseconds kProgressPeriod{200};
 
@@ -41,9 +45,9 @@ void RequireOtherFile(const std::string& log, const std::string& record) {
   }
 }
 
-ReplayInput OpenInput(const std::vector<std::string>& logs) {
+ReplayInput OpenInput(const std::vector<std::string>& logs, const std::string& shared) {
   try {
-    return ReplayInput(logs);
+    return ReplayInput(logs, shared);
   } catch (const LogError& e) {
     throw ConfigError(std::string("--replay ") + e.what());
   }
@@ -69,8 +73,8 @@ class Replay {
         plug_(plug),
         encoding_(EncodingOf(context.config.bus())),
         monitor_(context.stage, Digest(ConfigText(context.config))),
-        assembler_(plug.Inputs(), monitor_, kMaxPending),
-        input_(OpenInput(options.logs)),
+        assembler_(plug.Inputs(), monitor_, kReplayMaxPending),
+        input_(OpenInput(options.logs, LoggedChannel(kProcessChannel))),
         recording_(OpenRecording(options.record)),
         progress_(/*quiet=*/false) {}
 
@@ -105,11 +109,21 @@ class Replay {
     }
   }
 
+  // What the log was made with, before any answer. Its time is that of the first frame, whatever
+  // else stands before it in the log, so that a part of a log has the time that the whole has.
+  void WriteInfoOnce(int64_t utime) {
+    if (std::exchange(info_written_, true)) return;
+    recording_->Write(utime, LoggedChannel(kProcessChannel),
+                      EncodeProcessInfo(ReplayProcessInfo(context_, std::max<int64_t>(utime, 0))));
+  }
+
   void Take(const LogEvent& event) {
     if (!event.channel.starts_with(context_.prefix)) return;
     const std::string_view channel = event.channel.substr(context_.prefix.size());
+    if (channel == kProcessChannel) return CompareWithRecorded(event.data);
     if (!IsWanted(channel, event.data)) return;
     for (const Frame& frame : assembler_.Add(channel, event.data)) {
+      WriteInfoOnce(event.utime);
       const auto arrived = Clock::now();
       monitor_.FrameIn(/*skipped=*/false);
       const std::optional<Answer> answer = MakeAnswer(frame, plug_, encoding_, monitor_);
@@ -118,6 +132,18 @@ class Replay {
         recording_->Write(event.utime, LoggedChannel(message.channel), message.bytes);
       }
       monitor_.FrameOut(frame.id, arrived, answer->degenerate, answer->tof_coverage);
+    }
+  }
+
+  // Warns of each recorded configuration of this stage that is another one, once.
+  void CompareWithRecorded(std::span<const uint8_t> bytes) {
+    const Result<ProcessInfo> recorded = DecodeProcessInfo(bytes);
+    if (!recorded) return monitor_.BadMessage(kProcessChannel, recorded.error().text);
+    if (recorded->stage != context_.stage) return;
+    if (compared_.size() == kMaxCompared || !compared_.insert(recorded->config_text).second) return;
+    if (const auto change = ConfigChangeText(context_, *recorded)) {
+      progress_.Clear();
+      spdlog::warn(*change);
     }
   }
 
@@ -200,7 +226,9 @@ class Replay {
   ReplayInput input_;
   std::unique_ptr<LogWriter> recording_;
   Progress progress_;
+  bool info_written_ = false;
   std::optional<FrameRange> seen_;  // from the smallest to the largest seq in the logs
+  std::set<std::string> compared_;  // recorded configurations of this stage
   Clock::time_point started_ = Clock::now();
   Clock::time_point next_progress_{};
 };

@@ -1,10 +1,16 @@
 #ifndef SPROUT_COMMON_APP_REPLAY_H_
 #define SPROUT_COMMON_APP_REPLAY_H_
 
+#include <cstddef>
+
 #include "common/app/service_context.h"
 #include "common/core/plug.h"
 
 namespace sprout {
+
+/// Unfinished frames that a replay keeps: a log of a graph that lags far behind its capture has the
+/// last message of a frame long after the first. Live, where memory is short, it is fewer.
+inline constexpr size_t kReplayMaxPending = 64;
 
 /// Runs a plug over logs, on this thread and without a network: every event in order, no frame
 /// skipped. Its answers become the events of `options.record`, with the time of the event that

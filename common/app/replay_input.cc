@@ -17,7 +17,7 @@ std::set<std::string, std::less<>> ChannelsOf(const std::string& path) {
 
 }  // namespace
 
-ReplayInput::ReplayInput(const std::vector<std::string>& logs) {
+ReplayInput::ReplayInput(const std::vector<std::string>& logs, std::string_view shared) {
   for (const std::string& path : logs) {
     logs_.push_back({.path = path,
                      .reader = std::make_unique<LogReader>(path),
@@ -26,7 +26,8 @@ ReplayInput::ReplayInput(const std::vector<std::string>& logs) {
                      .damage_seen = 0});
   }
   for (size_t later = 1; later < logs_.size(); ++later) {
-    const auto channels = ChannelsOf(logs_[later].path);
+    auto channels = ChannelsOf(logs_[later].path);
+    channels.erase(std::string(shared));
     for (size_t i = 0; i < later; ++i) logs_[i].hidden.insert(channels.begin(), channels.end());
   }
   for (Log& log : logs_) Advance(log);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/logfile/log_reader.h"
@@ -22,9 +23,10 @@ namespace sprout {
 /// Constant memory: one event a log. Logs after the first are read twice.
 class ReplayInput {
  public:
-  /// @param logs  paths, at least one.
+  /// @param logs    paths, at least one.
+  /// @param shared  a channel that is taken from all logs that have it; empty: none.
   /// @throws LogError when one cannot be opened or is no log.
-  explicit ReplayInput(const std::vector<std::string>& logs);
+  explicit ReplayInput(const std::vector<std::string>& logs, std::string_view shared = {});
 
   /// @returns false at the end of all logs. Views in `event` are valid until the next call.
   /// @throws LogError when reading fails.

@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/sinks/systemd_sink.h>
 #include <spdlog/spdlog.h>
 #include <sys/time.h>
 
@@ -15,6 +16,7 @@
 
 #include "common/app/compute.h"
 #include "common/app/program.h"
+#include "common/app/supervision.h"
 #include "common/app/version.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
@@ -89,9 +91,15 @@ std::string DefaultLcmUrl() {
 }
 
 void SetUpLogging(const std::string& stage, const std::string& level) {
+  // The journal is told the level of each line, and knows the time and the process itself.
+  spdlog::sink_ptr sink;
+  if (LogsToJournal()) {
+    sink = std::make_shared<spdlog::sinks::systemd_sink_mt>("sprout-" + stage);
+  } else {
+    sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
+  }
   // Not spdlog::stderr_color_mt(), which throws when a logger of that name exists.
-  auto logger = std::make_shared<spdlog::logger>(
-      stage, std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+  auto logger = std::make_shared<spdlog::logger>(stage, std::move(sink));
   logger->set_level(spdlog::level::from_str(level));
   logger->set_pattern("%H:%M:%S.%e %^%L%$ [%n] %v");
   spdlog::set_default_logger(std::move(logger));

@@ -38,7 +38,7 @@ ChannelCounts Survey(const std::string& url) {
   {
     // Bytes are of no interest: none are kept.
     const Receiver receiver(
-        url, "", {".*"}, [](std::string_view, std::span<const uint8_t>) {}, count,
+        url, "", {Receiver::kAllChannels}, [](std::string_view, std::span<const uint8_t>) {}, count,
         /*max_queued_bytes=*/0);
     std::this_thread::sleep_for(kSurveyTime);
   }

@@ -18,6 +18,7 @@ namespace {
 
 constexpr size_t kMaxSamples = 1024;  // as lcmtypes/stage_status_t.lcm says
 constexpr std::chrono::seconds kRateWindow{10};
+constexpr double kClockSlackMs = 1;  // within one host a clock may be set by so much at a time
 
 double Milliseconds(StageMonitor::Clock::duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
@@ -51,6 +52,16 @@ TimeSummary Summarise(std::vector<double> times_ms) {
 
 std::string MoreText(int64_t held_back) {
   return held_back == 0 ? "" : " (" + std::to_string(held_back) + " more since the last such line)";
+}
+
+std::string FutureText(int64_t seq, double age_ms) {
+  char text[160];
+  std::snprintf(
+      text, sizeof text,
+      "frame %lld was captured %.3f s in the future by this host's clock: set the clocks of "
+      "both hosts alike (NTP, PTP); until then no age is true",
+      static_cast<long long>(seq), -age_ms / 1000);
+  return text;
 }
 
 }  // namespace
@@ -105,6 +116,12 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
       spdlog::warn("{}{}", status_.last_error, MoreText(*held_back));
     }
   }
+  if (sample.age_ms < -kClockSlackMs) {
+    status_.last_error = FutureText(id.seq, sample.age_ms);
+    if (const auto held_back = clock_log_.Pass(now)) {
+      spdlog::warn("{}{}", status_.last_error, MoreText(*held_back));
+    }
+  }
   samples_.push_back(sample);
   if (samples_.size() > kMaxSamples) samples_.pop_front();
 }
@@ -145,6 +162,11 @@ void StageMonitor::Failure(const std::string& reason) {
 
 void StageMonitor::Warn(const std::string& reason) {
   spdlog::warn(reason);
+  const std::lock_guard lock(mutex_);
+  status_.last_error = reason;
+}
+
+void StageMonitor::Remember(const std::string& reason) {
   const std::lock_guard lock(mutex_);
   status_.last_error = reason;
 }

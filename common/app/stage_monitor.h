@@ -41,7 +41,8 @@ class StageMonitor {
   /// A complete frame is in hand; `skipped` when it took the place of one that was not worked on.
   void FrameIn(bool skipped);
 
-  /// A frame was answered.
+  /// A frame was answered. Warns of one that was captured in the future: then the clock of this
+  /// host and that of the capture's differ, and no age is true.
   /// @param arrived     when it was complete.
   /// @param degenerate  why it has no result; empty when all is well.
   /// @param tof_coverage  see TofCoverage(); kUnknownCoverage from who sees no seeds.
@@ -65,6 +66,9 @@ class StageMonitor {
 
   /// Nothing went wrong here, but people should know.
   void Warn(const std::string& reason);
+
+  /// As Warn(), without a line of log.
+  void Remember(const std::string& reason);
 
   /// How far the ToF camera's points are off; one that is not known leaves the newest that was.
   /// Warns once a minute of one that is beyond doubt.
@@ -95,6 +99,7 @@ class StageMonitor {
   LogLimiter bad_message_log_;
   LogLimiter degenerate_log_;
   LogLimiter failed_log_;
+  LogLimiter clock_log_;
   Clock::time_point next_offset_warning_{};
 };
 

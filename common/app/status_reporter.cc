@@ -5,19 +5,30 @@
 #include <condition_variable>
 #include <mutex>
 
+#include "common/app/process_info.h"
+#include "common/app/supervision.h"
 #include "common/bus/channels.h"
+#include "common/bus/lcm_url.h"
 #include "common/messages/codec.h"
 
 namespace sprout {
 
 StatusReporter::StatusReporter(const ServiceContext& context, StageMonitor& monitor)
-    : monitor_(monitor), publisher_(context.lcm_url, context.prefix) {
+    : monitor_(monitor),
+      publisher_(context.lcm_url, context.prefix),
+      info_(EncodeProcessInfo(LiveProcessInfo(monitor.Snapshot(), context.config))) {
+  if (const auto warning = ReceiveBufferWarning(context.lcm_url)) monitor.Remember(*warning);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     std::mutex mutex;
     std::condition_variable_any stopped;
     std::unique_lock lock(mutex);
+    StageMonitor::Clock::time_point next_info{};
     do {
-      Publish();
+      PublishStatus();
+      if (StageMonitor::Clock::now() >= next_info) {
+        Publish(kProcessChannel, info_);
+        next_info = StageMonitor::Clock::now() + kInfoPeriod;
+      }
       stopped.wait_for(lock, stop, std::chrono::seconds(1), [] { return false; });
     } while (!stop.stop_requested());
   });
@@ -27,13 +38,17 @@ StatusReporter::~StatusReporter() {
   thread_.request_stop();
   thread_.join();
   monitor_.SetStopped();
-  Publish();
+  PublishStatus();
 }
 
-void StatusReporter::Publish() {
-  if (!publisher_.Publish(kStatusChannel, EncodeStatus(monitor_.Snapshot()))) {
-    spdlog::warn("status could not be published");
-  }
+void StatusReporter::PublishStatus() {
+  const StageStatus status = monitor_.Snapshot();
+  TellStatus(status);
+  Publish(kStatusChannel, EncodeStatus(status));
+}
+
+void StatusReporter::Publish(std::string_view channel, std::span<const uint8_t> bytes) {
+  if (!publisher_.Publish(channel, bytes)) spdlog::warn("{}: could not be published", channel);
 }
 
 }  // namespace sprout

@@ -1,7 +1,12 @@
 #ifndef SPROUT_COMMON_APP_STATUS_REPORTER_H_
 #define SPROUT_COMMON_APP_STATUS_REPORTER_H_
 
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "common/app/service_context.h"
 #include "common/app/stage_monitor.h"
@@ -9,10 +14,14 @@
 
 namespace sprout {
 
-/// Publishes SPROUT_STATUS at once, every second, and a last time when it is destroyed; on a
-/// thread and a connection of its own, so that a busy or stuck stage still reports.
+/// Publishes SPROUT_STATUS at once, every second, and a last time when it is destroyed, and
+/// SPROUT_PROCESS at once and every kInfoPeriod; on a thread and a connection of its own, so that a
+/// busy or stuck stage still reports.
 class StatusReporter {
  public:
+  /// Some 6 kB then, so that even a short recording has it.
+  static constexpr std::chrono::seconds kInfoPeriod{2};
+
   /// @throws BusError, see OpenLcm().
   StatusReporter(const ServiceContext& context, StageMonitor& monitor);
   ~StatusReporter();
@@ -21,10 +30,12 @@ class StatusReporter {
   StatusReporter& operator=(const StatusReporter&) = delete;
 
  private:
-  void Publish();
+  void Publish(std::string_view channel, std::span<const uint8_t> bytes);
+  void PublishStatus();
 
   StageMonitor& monitor_;
   Publisher publisher_;
+  std::vector<uint8_t> info_;  // SPROUT_PROCESS
   std::jthread thread_;
 };
 

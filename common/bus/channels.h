@@ -16,16 +16,24 @@ constexpr std::string_view ChannelOf(Part part) { return RowOf(part).channel; }
 /// Of SPROUT_STATUS, which is no part of a frame.
 inline constexpr std::string_view kStatusChannel = "SPROUT_STATUS";
 
-/// Every channel of the graph, without prefix.
+/// Of what a process is and how it is configured.
+inline constexpr std::string_view kProcessChannel = "SPROUT_PROCESS";
+
+/// Of pictures for people, in a type that is not ours.
+inline constexpr std::string_view kPreviewChannel = "SPROUT_PREVIEW";
+
+/// Every channel of the graph, without prefix, but for kPreviewChannel: no program of ours listens
+/// to that.
 inline std::vector<std::string_view> AllChannels() {
-  std::vector<std::string_view> channels = {kStatusChannel};
+  std::vector<std::string_view> channels = {kStatusChannel, kProcessChannel};
   for (const Part part : kAllParts) channels.push_back(ChannelOf(part));
   return channels;
 }
 
 /// Longest prefix, characters: LCM allows 63 for prefix and channel.
 inline constexpr size_t kMaxChannelPrefix = [] {
-  size_t longest = kStatusChannel.size();
+  size_t longest =
+      std::max({kStatusChannel.size(), kProcessChannel.size(), kPreviewChannel.size()});
   for (const PartRow& row : kPartTable) longest = std::max(longest, row.channel.size());
   return 63 - longest;
 }();

@@ -50,8 +50,12 @@ std::optional<cv::Size> FrameJoiner::ImageSizeOf(const FrameId& id) const {
 
 FrameJoiner::Pending& FrameJoiner::FindOrStart(const FrameId& id) {
   if (IsPending(id)) return pending_[IndexOf(id)];
-  // Frames of a recording that plays again have the names that they had before.
-  if (gaps_.Add(id)) accounted_.clear();
+  // Frames of a recording that plays again have the names that they had before. Those of a capture
+  // that was started again have new ones, and leftovers of the old ones may still be here.
+  const auto is_later = [&](const FrameId& other) { return other.utime >= id.utime; };
+  if (gaps_.Add(id) && std::any_of(accounted_.begin(), accounted_.end(), is_later)) {
+    accounted_.clear();
+  }
   if (pending_.size() == max_pending_) DropOldest();
   Pending& started = pending_.emplace_back();
   started.frame.id = id;

@@ -9,7 +9,6 @@
 #include <charconv>
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <string_view>
 
@@ -92,6 +91,26 @@ std::optional<std::string> NetworkError(const ParsedUrl& url) {
   return OptionsError(url.options);
 }
 
+// 0 = none.
+long long AskedBuffer(const std::string& url) {
+  const std::string key = "recv_buf_size=";
+  const size_t at = url.find(key);
+  return at == std::string::npos ? 0 : std::atoll(url.c_str() + at + key.size());
+}
+
+// Asks the kernel: in a network namespace its limit cannot be read.
+long long GrantedBuffer(long long asked) {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  if (fd < 0) throw BusError("cannot open a UDP socket");
+  const int bytes = static_cast<int>(std::min<long long>(asked, std::numeric_limits<int>::max()));
+  int doubled = 0;  // the kernel counts what it needs itself, too
+  socklen_t size = sizeof doubled;
+  setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+  getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &doubled, &size);
+  close(fd);
+  return doubled / 2;
+}
+
 // Whether the kernel knows a way to the group. Sends nothing: connecting a datagram socket only
 // looks up the route.
 bool HasRoute(const sockaddr_in& group) {
@@ -113,15 +132,26 @@ std::optional<std::string> LcmUrlError(const std::string& url) {
   return "LCM URL " + url + ": " + *error;
 }
 
-LcmPtr OpenLcm(const std::string& url) {
+bool IsUdpm(const std::string& url) { return url.starts_with(kUdpmScheme); }
+
+UdpmAddress RequireUdpmRoute(const std::string& url) {
   if (const auto error = LcmUrlError(url)) throw BusError(*error);
   const ParsedUrl parsed = *Parse(url);
-  if (!parsed.is_tcpq && !HasRoute(GroupOf(parsed))) {
+  const UdpmAddress address{.group = GroupOf(parsed),
+                            .receive_buffer = static_cast<int>(AskedBuffer(url))};
+  if (!HasRoute(address.group)) {
     const std::string group = parsed.host.empty() ? kDefaultGroup : parsed.host;
     throw BusError("no multicast route to " + group +
                    "; add one: ip link set lo multicast on && ip route add " + group +
                    "/32 dev lo");
   }
+  return address;
+}
+
+LcmPtr OpenLcm(const std::string& url) {
+  if (const auto error = LcmUrlError(url)) throw BusError(*error);
+  const ParsedUrl parsed = *Parse(url);
+  if (!parsed.is_tcpq) RequireUdpmRoute(url);
   LcmPtr lcm(lcm_create(url.c_str()));
   // On tcpq LCM is content without a server, and aborts the program later, when it waits for a
   // message on a connection that is none.
@@ -133,14 +163,10 @@ LcmPtr OpenLcm(const std::string& url) {
 }
 
 std::optional<std::string> ReceiveBufferWarning(const std::string& url) {
-  const std::string key = "recv_buf_size=";
-  const size_t at = url.find(key);
-  if (!url.starts_with(kUdpmScheme) || at == std::string::npos) return std::nullopt;
-  const long long asked = std::atoll(url.c_str() + at + key.size());
-  long long granted = 0;
-  if (!(std::ifstream("/proc/sys/net/core/rmem_max") >> granted) || granted >= asked) {
-    return std::nullopt;
-  }
+  const long long asked = AskedBuffer(url);
+  if (!IsUdpm(url) || asked == 0) return std::nullopt;
+  const long long granted = GrantedBuffer(asked);
+  if (granted >= asked) return std::nullopt;
   return "the kernel grants a receive buffer of " + std::to_string(granted) + " of " +
          std::to_string(asked) +
          " bytes: large frames may be lost; raise it: sysctl -w net.core.rmem_max=" +

@@ -2,6 +2,7 @@
 #define SPROUT_COMMON_BUS_LCM_URL_H_
 
 #include <lcm/lcm.h>
+#include <netinet/in.h>
 
 #include <memory>
 #include <optional>
@@ -29,6 +30,19 @@ using LcmPtr = std::unique_ptr<lcm_t, LcmDeleter>;
 /// What is wrong with an LCM URL, in one line that names it and what is allowed; nothing when all
 /// is well. LCM itself takes a time to live or a host that cannot be, and then reaches nobody.
 std::optional<std::string> LcmUrlError(const std::string& url);
+
+/// Whether it is udpm://...: multicast, in contrast to tcpq.
+bool IsUdpm(const std::string& url);
+
+/// Where an udpm URL listens, and with which buffer, bytes; 0 = the kernel's default.
+struct UdpmAddress {
+  sockaddr_in group;
+  int receive_buffer = 0;
+};
+
+/// @param url  udpm.
+/// @throws BusError when the URL has an error, or there is no multicast route.
+UdpmAddress RequireUdpmRoute(const std::string& url);
 
 /// Connects. Every thread needs a connection of its own: publishing on a shared one is not safe on
 /// tcpq.

@@ -1,6 +1,7 @@
 #ifndef SPROUT_COMMON_BUS_MAILBOX_H_
 #define SPROUT_COMMON_BUS_MAILBOX_H_
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
@@ -31,6 +32,14 @@ class Mailbox {
   std::optional<T> Take(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     filled_.wait(lock, stop, [this] { return value_.has_value(); });
+    if (stop.stop_requested()) return std::nullopt;
+    return std::exchange(value_, std::nullopt);
+  }
+
+  /// As Take(), but nothing, too, when none came in time.
+  std::optional<T> TakeWithin(std::chrono::milliseconds time, const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    filled_.wait_for(lock, stop, time, [this] { return value_.has_value(); });
     if (stop.stop_requested()) return std::nullopt;
     return std::exchange(value_, std::nullopt);
   }

@@ -1,6 +1,9 @@
 #include "common/bus/receiver.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cstring>
+#include <memory>
 #include <new>
 #include <utility>
 
@@ -36,24 +39,42 @@ Receiver::Receiver(const std::string& url, const std::string& prefix,
     : prefix_length_(prefix.size()),
       handler_(std::move(handler)),
       dropped_(std::move(dropped)),
-      max_queued_bytes_(max_queued_bytes),
-      lcm_(OpenLcm(url)) {
-  for (const std::string_view channel : channels) {
-    const std::string name = prefix + std::string(channel);
-    lcm_subscription_t* subscription = lcm_subscribe(lcm_.get(), name.c_str(), &OnMessage, this);
+      max_queued_bytes_(max_queued_bytes) {
+  std::vector<std::string> names;
+  for (const std::string_view channel : channels) names.push_back(prefix + std::string(channel));
+  if (IsUdpm(url)) {
+    udpm_.emplace(url, [names](std::string_view name) {
+      return std::any_of(names.begin(), names.end(), [&](const std::string& wanted) {
+        return wanted == name || wanted == kAllChannels;
+      });
+    });
+  } else {
+    Subscribe(names, url);
+  }
+  handling_ = std::jthread([this](const std::stop_token& stop) { Handle(stop); });
+  receiving_ = std::jthread([this](const std::stop_token& stop) {
+    if (!udpm_) return ReceiveTcpq(stop);
+    udpm_->Receive(stop, [this](DatagramJoiner::Message message) {
+      Enqueue(message.channel, std::move(message.bytes));
+    });
+  });
+}
+
+void Receiver::Subscribe(const std::vector<std::string>& names, const std::string& url) {
+  tcpq_ = OpenLcm(url);
+  for (const std::string& name : names) {
+    lcm_subscription_t* subscription = lcm_subscribe(tcpq_.get(), name.c_str(), &OnMessage, this);
     if (subscription == nullptr) throw BusError("cannot subscribe to " + name + " on " + url);
     lcm_subscription_set_queue_capacity(subscription, kQueueCapacity);
   }
-  handling_ = std::jthread([this](const std::stop_token& stop) { Handle(stop); });
-  receiving_ = std::jthread([this](const std::stop_token& stop) { Receive(stop); });
 }
 
-void Receiver::Receive(const std::stop_token& stop) {
+void Receiver::ReceiveTcpq(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     // A tcpq server that hung up leaves no connection; LCM would abort the program on it.
-    if (lcm_get_fileno(lcm_.get()) < 0) {
+    if (lcm_get_fileno(tcpq_.get()) < 0) {
       if (Sleep(kReconnectPeriod, stop)) Reconnect();
-    } else if (lcm_handle_timeout(lcm_.get(), kPollMs) < 0) {
+    } else if (lcm_handle_timeout(tcpq_.get(), kPollMs) < 0) {
       Sleep(std::chrono::milliseconds(kPollMs), stop);
     }
   }
@@ -62,29 +83,39 @@ void Receiver::Receive(const std::stop_token& stop) {
 // On tcpq any subscription connects again first, and renews those that were there; nothing is ever
 // sent on this channel.
 void Receiver::Reconnect() {
-  lcm_subscription_t* probe = lcm_subscribe(lcm_.get(), "SPROUT_RECONNECT", &OnMessage, this);
-  if (probe != nullptr) lcm_unsubscribe(lcm_.get(), probe);
+  lcm_subscription_t* probe = lcm_subscribe(tcpq_.get(), "SPROUT_RECONNECT", &OnMessage, this);
+  if (probe != nullptr) lcm_unsubscribe(tcpq_.get(), probe);
 }
 
 void Receiver::OnMessage(const lcm_recv_buf_t* buffer, const char* channel, void* self) {
   auto* receiver = static_cast<Receiver*>(self);
-  const std::string_view name = std::string_view(channel).substr(receiver->prefix_length_);
-  const std::span bytes{static_cast<const uint8_t*>(buffer->data), size_t{buffer->data_size}};
-  if (!receiver->Enqueue(name, bytes) && receiver->dropped_) receiver->dropped_(name);
+  try {
+    MessageBytes bytes{.data = std::make_unique_for_overwrite<uint8_t[]>(buffer->data_size),
+                       .size = buffer->data_size};
+    std::memcpy(bytes.data.get(), buffer->data, buffer->data_size);
+    receiver->Enqueue(channel, std::move(bytes));
+  } catch (const std::bad_alloc&) {  // must not cross LCM's C frames
+    if (receiver->dropped_) {
+      receiver->dropped_(std::string_view(channel).substr(receiver->prefix_length_));
+    }
+  }
 }
 
-bool Receiver::Enqueue(std::string_view channel, std::span<const uint8_t> bytes) {
+void Receiver::Enqueue(std::string_view name, MessageBytes bytes) {
+  const std::string_view channel = name.substr(prefix_length_);
+  const size_t taken = bytes.size + kOverheadBytes;
   try {
-    Message message{.channel = std::string(channel), .bytes = {bytes.begin(), bytes.end()}};
+    Message message{.channel = std::string(channel), .bytes = std::move(bytes)};
     const std::lock_guard lock(mutex_);
-    if (queued_bytes_ + bytes.size() + kOverheadBytes > max_queued_bytes_) return false;
-    queue_.push_back(std::move(message));
-    queued_bytes_ += bytes.size() + kOverheadBytes;
-  } catch (const std::bad_alloc&) {  // must not cross LCM's C frames
-    return false;
+    if (queued_bytes_ + taken <= max_queued_bytes_) {
+      queue_.push_back(std::move(message));
+      queued_bytes_ += taken;
+      filled_.notify_one();
+      return;
+    }
+  } catch (const std::bad_alloc&) {  // counts as dropped
   }
-  filled_.notify_one();
-  return true;
+  if (dropped_) dropped_(channel);
 }
 
 void Receiver::Handle(const std::stop_token& stop) {
@@ -94,9 +125,9 @@ void Receiver::Handle(const std::stop_token& stop) {
     if (stop.stop_requested()) return;
     const Message message = std::move(queue_.front());
     queue_.pop_front();
-    queued_bytes_ -= message.bytes.size() + kOverheadBytes;
+    queued_bytes_ -= message.bytes.size + kOverheadBytes;
     lock.unlock();
-    handler_(message.channel, message.bytes);
+    handler_(message.channel, message.bytes.span());
   }
 }
 

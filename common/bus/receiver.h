@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -13,13 +14,15 @@
 #include <thread>
 #include <vector>
 
+#include "common/bus/datagram_joiner.h"
 #include "common/bus/lcm_url.h"
+#include "common/bus/udpm_socket.h"
 
 namespace sprout {
 
-/// Receives messages on a connection of its own. One thread always drains it, since LCM drops the
-/// newest message, without a word, when its queue is full; another one handles the messages in
-/// their order.
+/// Receives messages on a connection of its own: of udpm from our own socket (DatagramJoiner says
+/// why), of tcpq from LCM. One thread always drains it, since what does not fit into the queues
+/// below is lost without a word; another one handles the messages in their order.
 class Receiver {
  public:
   /// Called on the receiver's second thread with the channel (without prefix) and the message's
@@ -30,10 +33,14 @@ class Receiver {
   /// what comes. Must be quick and must not throw.
   using Dropped = std::function<void(std::string_view channel)>;
 
+  /// In place of channels: every one.
+  static constexpr std::string_view kAllChannels = ".*";
+
   /// What may wait for the handler: two of the largest messages, some 20 frames of 2 MP.
   static constexpr size_t kMaxQueuedBytes = size_t{1} << 29;
 
-  /// Subscribes and starts to receive before it returns. When a tcpq server hangs up later, calls
+  /// Subscribes to the channels, or to all of them (kAllChannels), and starts to receive before it
+  /// returns. When a tcpq server hangs up later, calls
   /// on it again every second; what was sent in between is lost.
   /// @param max_queued_bytes  what does not fit any more is dropped.
   /// @throws BusError, see OpenLcm().
@@ -50,12 +57,13 @@ class Receiver {
  private:
   struct Message {
     std::string channel;  // without prefix
-    std::vector<uint8_t> bytes;
+    MessageBytes bytes;
   };
 
-  void Receive(const std::stop_token& stop);
+  void Subscribe(const std::vector<std::string>& names, const std::string& url);
+  void ReceiveTcpq(const std::stop_token& stop);
   void Reconnect();
-  bool Enqueue(std::string_view channel, std::span<const uint8_t> bytes);
+  void Enqueue(std::string_view name, MessageBytes bytes);
   void Handle(const std::stop_token& stop);
   static void OnMessage(const lcm_recv_buf_t* buffer, const char* channel, void* self);
 
@@ -67,7 +75,8 @@ class Receiver {
   std::condition_variable_any filled_;
   std::deque<Message> queue_;
   size_t queued_bytes_ = 0;
-  LcmPtr lcm_;
+  std::optional<UdpmSocket> udpm_;  // one of the two
+  LcmPtr tcpq_;
   // Last: stop before the rest is destroyed.
   std::jthread handling_;
   std::jthread receiving_;

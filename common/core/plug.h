@@ -24,6 +24,9 @@ struct Outcome {
   std::string degenerate;
   /// Where the stage looked for it in this frame.
   TofOffsetStatus tof_offset = {};
+  /// A picture of the frame for people, 8UC3 (BGR), at most 16384 px a side; empty: none. No part
+  /// of a frame: no stage works on it.
+  cv::Mat preview = {};
 };
 
 /// What makes a stage a service: which parts it joins and what it answers. Knows neither network

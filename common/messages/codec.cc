@@ -60,6 +60,10 @@ template <>
 struct ArrayTable<stage_status_t> {
   static constexpr std::initializer_list<CountedArray> kArrays = {};
 };
+template <>
+struct ArrayTable<process_info_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {};
+};
 
 // Strings right behind the header, in their order; no type has others.
 template <typename Message>
@@ -70,6 +74,11 @@ template <>
 struct StringTable<stage_status_t> {
   static constexpr std::initializer_list<const char*> kStrings = {"stage", "host", "version",
                                                                   "config_digest", "last_error"};
+};
+template <>
+struct StringTable<process_info_t> {
+  static constexpr std::initializer_list<const char*> kStrings = {"stage", "host", "version",
+                                                                  "config_digest", "config_text"};
 };
 
 // Big-endian int32 at `offset`.
@@ -182,7 +191,12 @@ bool IsCompressed(const disparity_image_t& message) {
 template <typename Message>
 Result<void> CheckCompressedSize(const Message& message, std::optional<cv::Size> expected) {
   const cv::Size size(message.width, message.height);
-  if (!expected || size == *expected || !IsCompressed(message)) return {};
+  if (!IsCompressed(message)) return {};
+  if (int64_t{size.width} * size.height > kMaxCompressedPixels) {
+    return Fail("width x height = " + SizeText(size) + ": allowed for compressed data are up to " +
+                std::to_string(kMaxCompressedPixels) + " pixels");
+  }
+  if (!expected || size == *expected) return {};
   return Fail("width x height = " + SizeText(size) +
               ": allowed for compressed data is the size of the frame's images, " +
               SizeText(*expected));
@@ -273,6 +287,16 @@ std::vector<uint8_t> EncodeStatus(const StageStatus& status) {
 
 Result<StageStatus> DecodeStatus(std::span<const uint8_t> bytes) {
   const Result<stage_status_t> message = DecodeMessage<stage_status_t>(bytes);
+  if (!message) return tl::unexpected(message.error());
+  return FromMessage(*message);
+}
+
+std::vector<uint8_t> EncodeProcessInfo(const ProcessInfo& info) {
+  return EncodeMessage(ToMessage(info));
+}
+
+Result<ProcessInfo> DecodeProcessInfo(std::span<const uint8_t> bytes) {
+  const Result<process_info_t> message = DecodeMessage<process_info_t>(bytes);
   if (!message) return tl::unexpected(message.error());
   return FromMessage(*message);
 }

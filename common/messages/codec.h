@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/core/frame.h"
+#include "common/core/process_info.h"
 #include "common/core/result.h"
 #include "common/core/stage_status.h"
 #include "common/messages/convert.h"
@@ -37,6 +38,10 @@ Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
 /// The same for SPROUT_STATUS.
 std::vector<uint8_t> EncodeStatus(const StageStatus& status);
 Result<StageStatus> DecodeStatus(std::span<const uint8_t> bytes);
+
+/// The same for SPROUT_PROCESS.
+std::vector<uint8_t> EncodeProcessInfo(const ProcessInfo& info);
+Result<ProcessInfo> DecodeProcessInfo(std::span<const uint8_t> bytes);
 
 /// The header alone, which every type of ours begins with; whatever type the bytes claim to be, so
 /// look at the type first (message_type.h). Takes no more than the header, O(1).

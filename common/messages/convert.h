@@ -7,6 +7,7 @@
 #include <lcmtypes/sprout/image_t.hpp>
 #include <lcmtypes/sprout/point_cloud_t.hpp>
 #include <lcmtypes/sprout/prior_t.hpp>
+#include <lcmtypes/sprout/process_info_t.hpp>
 #include <lcmtypes/sprout/rig_t.hpp>
 #include <lcmtypes/sprout/seeds_t.hpp>
 #include <lcmtypes/sprout/stage_status_t.hpp>
@@ -18,6 +19,7 @@
 #include "common/core/frame_id.h"
 #include "common/core/image.h"
 #include "common/core/prior_map.h"
+#include "common/core/process_info.h"
 #include "common/core/result.h"
 #include "common/core/rig.h"
 #include "common/core/seed.h"
@@ -36,9 +38,14 @@ enum class DisparityEncoding { kRawInt16, kDeltaZstd };
 /// arrive by tcpq or from a log that could not have been sent by udpm.
 inline constexpr size_t kMaxMessageBytes = 1 << 28;
 
-/// Longest strings, bytes: of the names of a rig and of a stage, and of all others. Senders cut
-/// what is longer, so that a long complaint does not cost the whole status.
+/// Most pixels of a compressed picture or map, whatever the calibration says: some 60 kB can ask
+/// for so many, and decoding takes up to 9 bytes of memory for each. Larger ones travel raw.
+inline constexpr int64_t kMaxCompressedPixels = 32'000'000;
+
+/// Longest strings, bytes: of the names of a rig and of a stage, of configurations, and of all
+/// others. Senders cut what is longer, so that a long complaint does not cost the whole status.
 inline constexpr size_t kMaxNameLength = 64;
+inline constexpr size_t kMaxConfigLength = 65536;
 inline constexpr size_t kMaxTextLength = 1024;
 
 header_t ToMessage(const FrameId& id);
@@ -77,6 +84,9 @@ Result<PointCloud> FromMessage(const point_cloud_t& message);
 
 stage_status_t ToMessage(const StageStatus& status);
 Result<StageStatus> FromMessage(const stage_status_t& message);
+
+process_info_t ToMessage(const ProcessInfo& info);
+Result<ProcessInfo> FromMessage(const process_info_t& message);
 
 }  // namespace sprout
 

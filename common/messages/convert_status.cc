@@ -1,19 +1,12 @@
 #include "common/core/checks.h"
 #include "common/messages/convert.h"
+#include "common/messages/shortened.h"
 
 namespace sprout {
 namespace {
 
 TimeSummary MakeTimes(double p50, double p95, double p99, double max) {
   return {.p50_ms = p50, .p95_ms = p95, .p99_ms = p99, .max_ms = max};
-}
-
-// The first bytes of a text, no character of UTF-8 cut in half.
-std::string Shortened(const std::string& text, size_t longest) {
-  if (text.size() <= longest) return text;
-  size_t length = longest;
-  while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xc0) == 0x80) --length;
-  return text.substr(0, length);
 }
 
 }  // namespace

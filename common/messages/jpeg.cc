@@ -3,6 +3,7 @@
 #include <turbojpeg.h>
 
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include "common/core/image.h"
@@ -10,12 +11,15 @@
 namespace sprout {
 namespace {
 
-struct DecoderDeleter {
-  void operator()(void* decoder) const { tjDestroy(decoder); }
-};
-using Decoder = std::unique_ptr<void, DecoderDeleter>;
+// Of what is written: good enough for the eye.
+constexpr int kQuality = 85;
 
-tl::unexpected<Error> Undecodable(const Decoder& decoder) {
+struct HandleDeleter {
+  void operator()(void* handle) const { tjDestroy(handle); }
+};
+using Handle = std::unique_ptr<void, HandleDeleter>;
+
+tl::unexpected<Error> Undecodable(const Handle& decoder) {
   return Fail(std::string("data: not a whole JPEG stream (") + tjGetErrorStr2(decoder.get()) + ")");
 }
 
@@ -30,7 +34,7 @@ size_t CountScanMarkers(std::span<const uint8_t> data) {
 }  // namespace
 
 Result<cv::Mat> DecodeJpeg(std::span<const uint8_t> data, cv::Size size) {
-  const Decoder decoder(tjInitDecompress());
+  const Handle decoder(tjInitDecompress());
   if (!decoder) return Fail("data: no JPEG decoder, out of memory");
   const auto bytes = static_cast<unsigned long>(data.size());
   int width = 0;
@@ -62,6 +66,23 @@ Result<cv::Mat> DecodeJpeg(std::span<const uint8_t> data, cv::Size size) {
     return Undecodable(decoder);
   }
   return image;
+}
+
+std::string WriteJpeg(const cv::Mat& picture, JpegColors colors) {
+  const Handle handle(tjInitCompress());
+  if (!handle) throw std::runtime_error("JPEG: no compressor");
+  const bool grey = picture.channels() == 1;
+  const int sampling = grey ? TJSAMP_GRAY : colors == JpegColors::kFull ? TJSAMP_444 : TJSAMP_420;
+  std::string stream(tjBufSize(picture.cols, picture.rows, sampling), '\0');
+  auto* data = reinterpret_cast<unsigned char*>(stream.data());
+  unsigned long size = stream.size();  // NOLINT: as libjpeg-turbo has it
+  if (tjCompress2(handle.get(), picture.data, picture.cols, static_cast<int>(picture.step),
+                  picture.rows, grey ? TJPF_GRAY : TJPF_BGR, &data, &size, sampling, kQuality,
+                  TJFLAG_NOREALLOC | TJFLAG_FASTDCT) != 0) {
+    throw std::runtime_error(std::string("JPEG: ") + tjGetErrorStr2(handle.get()));
+  }
+  stream.resize(size);
+  return stream;
 }
 
 }  // namespace sprout

@@ -19,16 +19,17 @@ KnownType Known(MessageType type) {
           static_cast<uint64_t>(Message::getHash())};
 }
 
-const std::array<KnownType, 9>& KnownTypes() {
-  static const std::array<KnownType, 9> types = {Known<image_t>(MessageType::kImage),
-                                                 Known<tof_image_t>(MessageType::kTof),
-                                                 Known<rig_t>(MessageType::kRig),
-                                                 Known<seeds_t>(MessageType::kSeeds),
-                                                 Known<disparity_image_t>(MessageType::kDisparity),
-                                                 Known<prior_t>(MessageType::kPrior),
-                                                 Known<depth_image_t>(MessageType::kDepth),
-                                                 Known<point_cloud_t>(MessageType::kCloud),
-                                                 Known<stage_status_t>(MessageType::kStatus)};
+const std::array<KnownType, 10>& KnownTypes() {
+  static const std::array<KnownType, 10> types = {Known<image_t>(MessageType::kImage),
+                                                  Known<tof_image_t>(MessageType::kTof),
+                                                  Known<rig_t>(MessageType::kRig),
+                                                  Known<seeds_t>(MessageType::kSeeds),
+                                                  Known<disparity_image_t>(MessageType::kDisparity),
+                                                  Known<prior_t>(MessageType::kPrior),
+                                                  Known<depth_image_t>(MessageType::kDepth),
+                                                  Known<point_cloud_t>(MessageType::kCloud),
+                                                  Known<stage_status_t>(MessageType::kStatus),
+                                                  Known<process_info_t>(MessageType::kProcess)};
   return types;
 }
 
@@ -58,6 +59,11 @@ Result<DecodedMessage> DecodeAs(MessageType type, std::span<const uint8_t> bytes
     Result<StageStatus> status = DecodeStatus(bytes);
     if (!status) return tl::unexpected(status.error());
     return DecodedMessage{std::move(status->newest_frame), {}};
+  }
+  if (type == MessageType::kProcess) {
+    Result<ProcessInfo> info = DecodeProcessInfo(bytes);
+    if (!info) return tl::unexpected(info.error());
+    return DecodedMessage{std::move(info->header), {}};
   }
   // Any part of the type: decoding is the same for all of them.
   const auto any = std::ranges::find(kAllParts, type, [](Part part) { return TypeOf(part); });

@@ -16,7 +16,18 @@ namespace sprout {
 
 /// The types of ours that travel on channels: first those that carry parts, in the order of the
 /// alternatives of PartMember.
-enum class MessageType { kImage, kTof, kRig, kSeeds, kDisparity, kPrior, kDepth, kCloud, kStatus };
+enum class MessageType {
+  kImage,
+  kTof,
+  kRig,
+  kSeeds,
+  kDisparity,
+  kPrior,
+  kDepth,
+  kCloud,
+  kStatus,
+  kProcess
+};
 
 /// "sprout.image_t", ...: as in lcmtypes.
 std::string NameOf(MessageType type);
@@ -30,9 +41,9 @@ std::optional<MessageType> TypeOf(std::span<const uint8_t> bytes);
 /// The type that carries a part.
 MessageType TypeOf(Part part);
 
-/// Decodes a message of one of our types without knowing its part; with the checks of DecodePart()
-/// and DecodeStatus().
-/// @returns the value of a part, or nothing (std::monostate) for a status.
+/// Decodes a message of one of our types without knowing its part; with the checks of DecodePart(),
+/// DecodeStatus() and DecodeProcessInfo().
+/// @returns the value of a part, or nothing (std::monostate) for what is no part of a frame.
 struct DecodedMessage {
   FrameId id;
   std::variant<std::monostate, PartValue> value;

@@ -44,6 +44,23 @@ cv::Mat3b Colorize(const cv::Mat1f& values, const ValueRange& range) {
   return colors;
 }
 
+double ShareOfDepth(double depth_m, const ValueRange& range_m) {
+  const double far = 1 / range_m.max;
+  return (1 / depth_m - far) / (1 / range_m.min - far);
+}
+
+cv::Vec3b ColorOfDepth(double depth_m, const ValueRange& range_m) {
+  if (!std::isfinite(depth_m) || depth_m <= 0) return kNoValueColor;
+  return ColorOf(ShareOfDepth(depth_m, range_m), {0, 1});
+}
+
+cv::Mat3b ColorizeDepth(const cv::Mat1f& depth_m, const ValueRange& range_m) {
+  cv::Mat3b colors(depth_m.size());
+  std::transform(depth_m.begin(), depth_m.end(), colors.begin(),
+                 [&range_m](float depth) { return ColorOfDepth(depth, range_m); });
+  return colors;
+}
+
 double RoundStep(double at_least) {
   const double power = std::pow(10.0, std::floor(std::log10(at_least)));
   for (double factor : {1.0, 2.0, 5.0}) {
@@ -84,12 +101,34 @@ ValueRange DisparityRange(std::span<const DisparityImage> maps, std::span<const 
   return RobustRange(std::move(values));
 }
 
+std::optional<ValueRange> InFront(const RectifiedPair& pair, const ValueRange& range_px) {
+  const double infinity_px = pair.cx - pair.cx_right;
+  if (range_px.max <= infinity_px) return std::nullopt;
+  return ValueRange{std::max(range_px.min, infinity_px), range_px.max};
+}
+
+ValueRange DepthRange(const RectifiedPair& pair, const ValueRange& range_px) {
+  const auto depth_m = [&pair](double disparity_px) {
+    const double px = disparity_px + pair.cx_right - pair.cx;
+    return px > 0 ? pair.focal_px * pair.baseline_m / px : std::numeric_limits<double>::infinity();
+  };
+  return {depth_m(range_px.max), depth_m(range_px.min)};
+}
+
 ValueRange DepthRange(const TofImage& tof) {
   std::vector<float> returns;  // not from begin() and end(): the image may be empty
   for (const float depth_m : tof.depth_m) {
     if (IsReturn(depth_m)) returns.push_back(depth_m);
   }
-  return RobustRange(std::move(returns));
+  ValueRange range = RobustRange(returns);
+  if (range.min > 0) return range;
+  // Rounded down to 0 or below, where no depth is: down to 1, 2 or 5 times a power of ten instead.
+  if (returns.empty()) return {0.1, 1};
+  const auto low =
+      returns.begin() + static_cast<std::ptrdiff_t>(0.01 * static_cast<double>(returns.size() - 1));
+  std::nth_element(returns.begin(), low, returns.end());
+  range.min = 1 / RoundStep(1.001 / *low);
+  return range;
 }
 
 cv::Mat1f ReturnsOnly(const cv::Mat1f& depth_m) {

@@ -2,10 +2,12 @@
 #define SPROUT_COMMON_PICTURE_COLOR_MAP_H_
 
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/core/disparity_image.h"
+#include "common/core/rig.h"
 #include "common/core/seed.h"
 #include "common/core/tof_image.h"
 
@@ -30,6 +32,19 @@ cv::Vec3b ColorOf(double value, const ValueRange& range);
 /// ColorOf() for every pixel. O(pixels).
 cv::Mat3b Colorize(const cv::Mat1f& values, const ValueRange& range);
 
+/// Where a depth stands between the far end of the range (0) and the near one (1): linear in
+/// 1/depth, as disparity is. Outside [0, 1] beyond the range.
+/// @param range_m  0 < min < max; max may be infinite.
+double ShareOfDepth(double depth_m, const ValueRange& range_m);
+
+/// Colour (BGR) of a depth: near is red and far is blue, as a large and a small disparity are. With
+/// the DepthRange() of a disparity range it is the very colour of the disparity. NaN, infinities
+/// and depths ≤ 0 get kNoValueColor. O(1).
+cv::Vec3b ColorOfDepth(double depth_m, const ValueRange& range_m);
+
+/// ColorOfDepth() for every pixel. O(pixels).
+cv::Mat3b ColorizeDepth(const cv::Mat1f& depth_m, const ValueRange& range_m);
+
 /// The smallest of 1, 2 and 5 times a power of ten that is not below `at_least` > 0.
 double RoundStep(double at_least);
 
@@ -43,7 +58,16 @@ ValueRange RobustRange(std::vector<float> values);
 /// O(pixels).
 ValueRange DisparityRange(std::span<const DisparityImage> maps, std::span<const Seed> seeds);
 
-/// Range (m) of a ToF image's returns. O(pixels).
+/// Depths (m) of a range of disparities (px); max is infinite when disparities of the range are at
+/// infinity or beyond.
+/// @pre range_px.max lies in front of the cameras, see InFront().
+ValueRange DepthRange(const RectifiedPair& pair, const ValueRange& range_px);
+
+/// The part of a range of disparities (px) that has a depth, so that disparities and depths can
+/// share colours; nothing when no disparity of it has one.
+std::optional<ValueRange> InFront(const RectifiedPair& pair, const ValueRange& range_px);
+
+/// Range (m) of a ToF image's returns, min > 0. O(pixels).
 ValueRange DepthRange(const TofImage& tof);
 
 /// Depth in m with NaN wherever there is no return, see IsReturn(). O(pixels).

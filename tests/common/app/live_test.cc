@@ -2,10 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <optional>
+#include <span>
 #include <thread>
 
+#include "common/core/digest.h"
 #include "common/messages/codec.h"
 #include "tests/common/app/captured_log.h"
 #include "tests/common/bus/fake_tcpq_server.h"
@@ -13,6 +17,7 @@
 namespace sprout {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 // LEFT → SEEDS, none.
@@ -32,7 +37,7 @@ class LiveTest : public ::testing::Test {
   LiveTest() : before_(std::signal(SIGPIPE, SIG_IGN)) {}
   ~LiveTest() override {
     stop_.request_stop();
-    stage_.join();
+    if (stage_.joinable()) stage_.join();
     std::signal(SIGPIPE, before_);
   }
 
@@ -54,7 +59,9 @@ class LiveTest : public ::testing::Test {
     StageStatus status;
     if (!server_.Accept()) return status;
     while (status.frames_out + status.frames_failed == 0) {
-      const std::string bytes = server_.Receive().data;
+      const auto [type, channel, bytes] = server_.Receive();
+      if (type == 0) break;
+      if (channel != "SPROUT_STATUS") continue;
       const auto decoded =
           DecodeStatus({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
       if (!decoded) break;
@@ -95,6 +102,28 @@ TEST_F(LiveTest, CountsAnAnswerThatCouldNotBePublishedAsFailed) {
   EXPECT_EQ(status.frames_out, 0);
   EXPECT_EQ(status.frames_failed, 1);
   EXPECT_THAT(status.last_error, HasSubstr("SPROUT_SEEDS: could not be published"));
+}
+
+TEST_F(LiveTest, SaysWhatItIsAndLogsItsCountsAtTheEnd) {
+  ConnectForAnswers();
+  ConnectForFramesAndSendOne();
+  ASSERT_TRUE(server_.Accept());
+  std::optional<ProcessInfo> info;
+  int64_t frames_out = 0;
+  while (!info || frames_out == 0) {
+    const auto [type, channel, data] = server_.Receive();
+    ASSERT_NE(type, 0) << "the stage is gone";
+    const std::span bytes(reinterpret_cast<const uint8_t*>(data.data()), data.size());
+    if (channel == "SPROUT_PROCESS") info = DecodeProcessInfo(bytes).value();
+    if (channel == "SPROUT_STATUS") frames_out = DecodeStatus(bytes)->frames_out;
+  }
+  EXPECT_EQ(info->stage, "seedless");
+  EXPECT_EQ(info->pid, getpid());
+  EXPECT_EQ(info->config_text, ConfigText(context_.config));
+  EXPECT_EQ(info->config_digest, Digest(info->config_text));
+  stop_.request_stop();
+  stage_.join();
+  EXPECT_THAT(log_.Lines(), Contains(HasSubstr("1 frames in, 1 out")));
 }
 
 }  // namespace

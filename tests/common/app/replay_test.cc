@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "common/app/version.h"
+#include "common/core/digest.h"
 #include "tests/common/app/captured_log.h"
 #include "tests/common/app/log_files.h"
 #include "tests/common/picture/temporary_directory.h"
@@ -60,6 +62,17 @@ class ReplayTest : public ::testing::Test {
     }
   }
 
+  // The answers, which stand behind what the process says of itself.
+  std::vector<TestEvent> Answers() const {
+    std::vector<TestEvent> events = ReadLog(out_);
+    if (events.empty() || !DecodeProcessInfo(events.front().data)) {
+      ADD_FAILURE() << "the log does not begin with SPROUT_PROCESS";
+      return events;
+    }
+    events.erase(events.begin());
+    return events;
+  }
+
   // What a run that cannot be done says; it must leave nothing behind.
   std::string ErrorOf(FrameRange frames = {}, const std::vector<std::string>& logs = {}) {
     const auto before = folder_.CountEntries();
@@ -101,7 +114,7 @@ TestEvent AnswerTo(int64_t seq, int grey, const TestEvent& last) {
 TEST_F(ReplayTest, AnswersEveryFrameWithTheTimeOfTheEventThatCompletedIt) {
   WriteLog(in_, {RigEvent(0), LeftEvent(0, 10), TofEvent(0), TofEvent(1), LeftEvent(1, 11)});
   EXPECT_EQ(Run(), 0);
-  EXPECT_THAT(ReadLog(out_),
+  EXPECT_THAT(Answers(),
               ElementsAre(AnswerTo(0, 10, TofEvent(0)), AnswerTo(1, 11, LeftEvent(1, 11))));
   EXPECT_THAT(report_, HasSubstr("grey: 5 events; frames: 2 in, 2 out (0 degenerate), 0 failed, 0 "
                                  "incomplete, 0 left out; 0 bad messages, 0 damaged bytes"));
@@ -120,22 +133,21 @@ TEST_F(ReplayTest, GivesEqualFilesTwice) {
 TEST_F(ReplayTest, AnswersADegenerateFrameAndGoesOnBehindAFailedOne) {
   WriteLog(in_, FramesWithGrey({0, 255, 7}));
   EXPECT_EQ(Run(), 1);
-  EXPECT_THAT(ReadLog(out_), ElementsAre(AnswerTo(0, 0, TofEvent(0)), AnswerTo(2, 7, TofEvent(2))));
+  EXPECT_THAT(Answers(), ElementsAre(AnswerTo(0, 0, TofEvent(0)), AnswerTo(2, 7, TofEvent(2))));
   EXPECT_THAT(report_, HasSubstr("3 in, 2 out (1 degenerate), 1 failed"));
 }
 
 TEST_F(ReplayTest, KnowsTheCalibrationFromTheStart) {
   WriteLog(in_, {LeftEvent(0, 10), TofEvent(0), LeftEvent(1, 11), RigEvent(1), TofEvent(1)});
   EXPECT_EQ(Run(), 0);
-  EXPECT_THAT(ReadLog(out_),
-              ElementsAre(AnswerTo(0, 10, TofEvent(0)), AnswerTo(1, 11, TofEvent(1))));
+  EXPECT_THAT(Answers(), ElementsAre(AnswerTo(0, 10, TofEvent(0)), AnswerTo(1, 11, TofEvent(1))));
 }
 
 TEST_F(ReplayTest, WorksOnTheFramesInRangeOnlyAndMissesNoOther) {
   WriteLog(in_, FramesWithGrey({10, 11, 12, 13, 14}));
   EXPECT_EQ(Run({.first = 1, .last = 3}), 0);
-  EXPECT_THAT(ReadLog(out_), ElementsAre(AnswerTo(1, 11, TofEvent(1)), AnswerTo(2, 12, TofEvent(2)),
-                                         AnswerTo(3, 13, TofEvent(3))));
+  EXPECT_THAT(Answers(), ElementsAre(AnswerTo(1, 11, TofEvent(1)), AnswerTo(2, 12, TofEvent(2)),
+                                     AnswerTo(3, 13, TofEvent(3))));
   EXPECT_THAT(report_, HasSubstr("11 events; frames: 3 in, 3 out (0 degenerate), 0 failed, 0 "
                                  "incomplete, 0 left out"));
 }
@@ -152,9 +164,9 @@ TEST_F(ReplayTest, ReadsAndWritesUnderThePrefix) {
   WriteLog(in_, {RigEvent(0, "A_"), LeftEvent(0, 99), LeftEvent(0, 10, "A_"), TofEvent(0, "A_"),
                  TofEvent(0, "B_A_")});
   EXPECT_EQ(Run(), 0);
-  ASSERT_THAT(ReadLog(out_), SizeIs(1));
-  EXPECT_EQ(ReadLog(out_)[0].channel, "A_SPROUT_SEEDS");
-  EXPECT_EQ(ReadLog(out_)[0].data, SeedsEvent(0, 10).data);
+  ASSERT_THAT(Answers(), SizeIs(1));
+  EXPECT_EQ(Answers()[0].channel, "A_SPROUT_SEEDS");
+  EXPECT_EQ(Answers()[0].data, SeedsEvent(0, 10).data);
 }
 
 TEST_F(ReplayTest, TakesThePartsFromSeveralLogs) {
@@ -162,7 +174,7 @@ TEST_F(ReplayTest, TakesThePartsFromSeveralLogs) {
   WriteLog(in_, {RigEvent(0), LeftEvent(0, 10), LeftEvent(1, 11), TofEvent(1)});
   WriteLog(second, {TofEvent(0)});
   EXPECT_EQ(Run({}, {in_, second}), 0);
-  EXPECT_THAT(ReadLog(out_), ElementsAre(AnswerTo(0, 10, TofEvent(0))))
+  EXPECT_THAT(Answers(), ElementsAre(AnswerTo(0, 10, TofEvent(0))))
       << "TOF comes from the second log only";
 }
 
@@ -172,7 +184,7 @@ TEST_F(ReplayTest, SkipsABadMessageAndSaysSoInItsExitCode) {
   WriteLog(in_, {RigEvent(0), LeftEvent(0, 10), TofEvent(0), bad, TofEvent(1), LeftEvent(2, 12),
                  TofEvent(2)});
   EXPECT_EQ(Run(), 1);
-  EXPECT_THAT(ReadLog(out_), SizeIs(2));
+  EXPECT_THAT(Answers(), SizeIs(2));
   EXPECT_THAT(report_, HasSubstr("1 incomplete, 0 left out; 1 bad messages"));
 }
 
@@ -180,7 +192,7 @@ TEST_F(ReplayTest, WorksOnWhatIsLeftOfADamagedLogAndSaysSoInItsExitCode) {
   WriteLog(in_, FramesWithGrey({10, 11, 12}));
   std::filesystem::resize_file(in_, std::filesystem::file_size(in_) - 1);
   EXPECT_EQ(Run(), 1);
-  EXPECT_THAT(ReadLog(out_), SizeIs(2));
+  EXPECT_THAT(Answers(), SizeIs(2));
   EXPECT_THAT(report_, Not(HasSubstr(" 0 damaged bytes")));
 }
 
@@ -191,8 +203,7 @@ TEST_F(ReplayTest, KeepsWhatItAnsweredWhenItIsStopped) {
     if (++frames == 2) stop_.request_stop();
   };
   EXPECT_EQ(Run(), 1);
-  EXPECT_THAT(ReadLog(out_),
-              ElementsAre(AnswerTo(0, 10, TofEvent(0)), AnswerTo(1, 11, TofEvent(1))));
+  EXPECT_THAT(Answers(), ElementsAre(AnswerTo(0, 10, TofEvent(0)), AnswerTo(1, 11, TofEvent(1))));
   EXPECT_THAT(report_, HasSubstr("stopped after 5 events"));
   EXPECT_EQ(folder_.CountEntries(), 2) << "no other file is left";
 }
@@ -214,6 +225,58 @@ TEST_F(ReplayTest, NamesTheFramesThatAreThereWhenNoneIsInRange) {
 TEST_F(ReplayTest, SaysSoWhenNoFrameIsComplete) {
   WriteLog(in_, {RigEvent(0), LeftEvent(0, 10), TofEvent(1)});
   EXPECT_THAT(ErrorOf(), HasSubstr("no frame is complete (2 lack a message, 0 bad messages)"));
+}
+
+TestEvent InfoEvent(const std::string& stage, const SproutConfig& config,
+                    const std::string& prefix = "") {
+  return {1, prefix + "SPROUT_PROCESS",
+          EncodeProcessInfo({.header = {},
+                             .stage = stage,
+                             .host = "robot",
+                             .version = "0.1.0",
+                             .config_digest = "",
+                             .config_text = ConfigText(config),
+                             .pid = 7})};
+}
+
+TEST_F(ReplayTest, BeginsWithVersionAndConfigurationAndNothingOfTheMachine) {
+  prefix_ = "A_";
+  WriteLog(in_, {LeftEvent(0, 10, "A_"), RigEvent(0, "A_"), TofEvent(0, "A_")});
+  Run();
+  const TestEvent event = ReadLog(out_).front();
+  EXPECT_EQ(event.channel, "A_SPROUT_PROCESS");
+  EXPECT_EQ(event.utime, TofEvent(0).utime);  // which completes the first frame
+  const Result<ProcessInfo> info = DecodeProcessInfo(event.data);
+  ASSERT_TRUE(info) << info.error().text;
+  EXPECT_EQ(info->header, (FrameId{.utime = event.utime, .seq = -1, .rig_id = ""}));
+  EXPECT_EQ(info->stage, "grey");
+  EXPECT_EQ(info->version, Version());
+  EXPECT_EQ(info->config_text, ConfigText(LoadConfig({})));
+  EXPECT_EQ(info->config_digest, Digest(info->config_text));
+  EXPECT_EQ(info->host, "");
+  EXPECT_EQ(info->pid, 0);
+}
+
+TEST_F(ReplayTest, SaysWhichKeysDifferFromTheRecordedConfiguration) {
+  SproutConfig other = LoadConfig({});
+  other.mutable_grow()->set_sigma_p_px(2);
+  const std::string second = folder_ / "second.lcm";
+  WriteLog(in_, {InfoEvent("grey", other), InfoEvent("capture", other), InfoEvent("grey", other),
+                 RigEvent(0), LeftEvent(0, 10)});
+  WriteLog(second, {TofEvent(0), InfoEvent("prior", other)});
+  EXPECT_EQ(Run({}, {in_, second}), 0);
+  ASSERT_THAT(log_.Lines(), SizeIs(1));
+  EXPECT_THAT(log_.Lines()[0],
+              HasSubstr("grey was recorded with another configuration: grow.sigma_p_px = 2, now "));
+}
+
+TEST_F(ReplayTest, IsQuietWhenTheConfigurationIsTheRecordedOne) {
+  WriteLog(in_, {InfoEvent("grey", LoadConfig({})), RigEvent(0), LeftEvent(0, 10), TofEvent(0)});
+  EXPECT_EQ(Run(), 0);
+  const std::string again = folder_ / "again.lcm";
+  std::filesystem::rename(out_, again);
+  EXPECT_EQ(Run({}, {in_, again}), 0);
+  EXPECT_THAT(log_.Lines(), IsEmpty());
 }
 
 TEST_F(ReplayTest, LeavesAnOlderFileAloneWhenItCannotWork) {

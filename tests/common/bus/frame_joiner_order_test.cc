@@ -7,7 +7,7 @@
 namespace sprout {
 namespace {
 
-const PartSet kPair = {Part::kLeft, Part::kRight};
+const PartSet kStereo = {Part::kLeft, Part::kRight};
 
 void AddPair(FrameJoiner& joiner, int64_t seq) {
   AddTo(joiner, IdOf(seq), Part::kLeft);
@@ -15,7 +15,7 @@ void AddPair(FrameJoiner& joiner, int64_t seq) {
 }
 
 TEST(FrameJoiner, DropsUnfinishedFramesOlderThanACompleteOne) {
-  FrameJoiner joiner(kPair);
+  FrameJoiner joiner(kStereo);
   for (const int64_t seq : {0, 1, 2}) AddTo(joiner, IdOf(seq), Part::kLeft);
   EXPECT_EQ(AddTo(joiner, IdOf(1), Part::kRight), Seqs{1});
   EXPECT_EQ(joiner.incomplete(), 1) << "frame 0";
@@ -25,17 +25,32 @@ TEST(FrameJoiner, DropsUnfinishedFramesOlderThanACompleteOne) {
 }
 
 TEST(FrameJoiner, DropsTheOldestWhenTooManyWait) {
-  FrameJoiner joiner(kPair, 3);
+  FrameJoiner joiner(kStereo, 3);
   for (int64_t seq = 0; seq < 5; ++seq) AddTo(joiner, IdOf(seq), Part::kLeft);
   EXPECT_EQ(joiner.incomplete(), 2);
   EXPECT_EQ(AddTo(joiner, IdOf(2), Part::kRight), Seqs{2}) << "three are kept";
   EXPECT_EQ(joiner.incomplete(), 2);
 }
 
+// A stage that was stopped answers, when it goes on, a frame that was given up long ago.
+TEST(FrameJoiner, CountsLeftoversOnceWhenCaptureIsStartedAgain) {
+  FrameJoiner joiner(kPair, 3);
+  for (int64_t seq = 0; seq < 4; ++seq) AddTo(joiner, IdOf(seq), Part::kLeft);
+  EXPECT_EQ(joiner.incomplete(), 1) << "frame 0";
+  AddTo(joiner, IdOf(0), Part::kRight);
+  EXPECT_EQ(AddTo(joiner, IdOf(3), Part::kRight), Seqs{3});
+  EXPECT_EQ(joiner.incomplete(), 3) << "frames 1 and 2";
+  for (const Part part : {Part::kLeft, Part::kRight}) {
+    AddTo(joiner, {.utime = 9'000'000, .seq = 0, .rig_id = "rig"}, part);
+  }
+  joiner.DropPending();
+  EXPECT_EQ(joiner.incomplete(), 3);
+}
+
 PartValue ImageOf(size_t bytes) { return cv::Mat(1, static_cast<int>(bytes), CV_8UC1); }
 
 TEST(FrameJoiner, DropsTheOldestWhenTheUnfinishedTakeTooMuchMemory) {
-  FrameJoiner joiner(kPair, 16, /*max_bytes=*/1000);
+  FrameJoiner joiner(kStereo, 16, /*max_bytes=*/1000);
   for (int64_t seq = 0; seq < 3; ++seq) joiner.Add(IdOf(seq), Part::kLeft, ImageOf(300));
   EXPECT_EQ(joiner.incomplete(), 0);
   joiner.Add(IdOf(2), Part::kLeft, ImageOf(400));  // instead of the one that it has
@@ -66,7 +81,7 @@ TEST(FrameJoiner, KnowsTheSizeOfAFramesImagesFromTheCalibrationOrElseFromItsFirs
 }
 
 TEST(FrameJoiner, CountsAFrameThatWasDroppedOnce) {
-  FrameJoiner joiner(kPair, 1);
+  FrameJoiner joiner(kStereo, 1);
   AddTo(joiner, IdOf(0), Part::kLeft);
   AddTo(joiner, IdOf(1), Part::kLeft);   // drops frame 0 ...
   AddTo(joiner, IdOf(0), Part::kRight);  // ... whose other part comes late, and drops frame 1
@@ -75,7 +90,7 @@ TEST(FrameJoiner, CountsAFrameThatWasDroppedOnce) {
 }
 
 TEST(FrameJoiner, CountsTheFrameNumbersThatAreLeftOut) {
-  FrameJoiner joiner(kPair);
+  FrameJoiner joiner(kStereo);
   AddPair(joiner, 7);
   EXPECT_EQ(joiner.sequence_gaps(), 0) << "a stream may start anywhere";
   AddPair(joiner, 8);
@@ -88,7 +103,7 @@ TEST(FrameJoiner, CountsTheFrameNumbersThatAreLeftOut) {
 }
 
 TEST(FrameJoiner, SeesNoGapWhenCaptureStartsAgain) {
-  FrameJoiner joiner(kPair);
+  FrameJoiner joiner(kStereo);
   AddPair(joiner, 100);
   for (int64_t seq = 0; seq < 3; ++seq) {
     FrameId id = IdOf(seq);
@@ -104,7 +119,7 @@ TEST(FrameJoiner, SeesNoGapWhenCaptureStartsAgain) {
 }
 
 TEST(FrameJoiner, JoinsAFrameThatIsSentTwiceTwice) {
-  FrameJoiner joiner(kPair);
+  FrameJoiner joiner(kStereo);
   AddPair(joiner, 0);
   AddPair(joiner, 0);
   EXPECT_EQ(joiner.incomplete(), 0);
@@ -112,7 +127,7 @@ TEST(FrameJoiner, JoinsAFrameThatIsSentTwiceTwice) {
 }
 
 TEST(FrameJoiner, DoesNotMissTheLeftoversOfAFrameThatWasSentTwice) {
-  FrameJoiner joiner(kPair);
+  FrameJoiner joiner(kStereo);
   AddPair(joiner, 0);
   AddTo(joiner, IdOf(0), Part::kLeft);  // the second copy of RIGHT is lost
   AddPair(joiner, 1);
@@ -123,7 +138,7 @@ TEST(FrameJoiner, DoesNotMissTheLeftoversOfAFrameThatWasSentTwice) {
 }
 
 TEST(FrameJoiner, JoinsAnOlderFrameThatIsSentAgain) {
-  FrameJoiner joiner(kPair);
+  FrameJoiner joiner(kStereo);
   AddTo(joiner, IdOf(0), Part::kLeft);
   AddPair(joiner, 1);
   EXPECT_EQ(joiner.incomplete(), 1);
@@ -135,7 +150,7 @@ TEST(FrameJoiner, JoinsAnOlderFrameThatIsSentAgain) {
 }
 
 TEST(FrameJoiner, CountsAnUnfinishedFrameWhenARecordingPlaysAgain) {
-  FrameJoiner joiner(kPair);
+  FrameJoiner joiner(kStereo);
   for (int pass = 0; pass < 2; ++pass) {
     for (int64_t seq = 0; seq < 20; ++seq) {
       AddTo(joiner, IdOf(seq), Part::kLeft);
@@ -148,7 +163,7 @@ TEST(FrameJoiner, CountsAnUnfinishedFrameWhenARecordingPlaysAgain) {
 }
 
 TEST(FrameJoiner, KeepsCountingOverManyFrames) {
-  FrameJoiner joiner(kPair);
+  FrameJoiner joiner(kStereo);
   for (int64_t seq = 0; seq < 1000; ++seq) {
     AddTo(joiner, IdOf(seq), Part::kLeft);
     if (seq % 10 != 5) {

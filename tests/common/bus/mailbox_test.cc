@@ -24,6 +24,13 @@ TEST(Mailbox, KeepsTheNewestAndSaysThatOneWasReplaced) {
   EXPECT_FALSE(mailbox.Put(4)) << "the mailbox was empty again";
 }
 
+TEST(Mailbox, GivesNothingWhenNoneCameInTime) {
+  Mailbox<int> mailbox;
+  EXPECT_EQ(mailbox.TakeWithin(std::chrono::milliseconds(1), std::stop_token()), std::nullopt);
+  mailbox.Put(1);
+  EXPECT_EQ(mailbox.TakeWithin(std::chrono::milliseconds(0), std::stop_token()), 1);
+}
+
 TEST(Mailbox, TakesMoveOnlyValues) {
   Mailbox<std::unique_ptr<int>> mailbox;
   mailbox.Put(std::make_unique<int>(5));

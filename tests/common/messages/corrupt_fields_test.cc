@@ -311,5 +311,34 @@ TEST(StatusBorder, RefusesAnUnknownStateAndABadHeader) {
   EXPECT_THAT(DecodeStatus(examples::Encode(message)).error().text, HasSubstr("header.seq = -2"));
 }
 
+TEST(ProcessBorder, RefusesStringsLongerThanAnyOfOurs) {
+  const struct {
+    const char* name;
+    std::string process_info_t::*field;
+    size_t longest;
+  } table[] = {{"stage", &process_info_t::stage, 64},
+               {"host", &process_info_t::host, 1024},
+               {"version", &process_info_t::version, 1024},
+               {"config_digest", &process_info_t::config_digest, 1024},
+               {"config_text", &process_info_t::config_text, 65536}};
+  for (const auto& [name, field, longest] : table) {
+    process_info_t message = ToMessage(examples::Process());
+    (message.*field).assign(longest, 'x');
+    EXPECT_TRUE(DecodeProcessInfo(examples::Encode(message))) << name;
+    (message.*field).assign(longest + 1, 'x');
+    EXPECT_EQ(DecodeProcessInfo(examples::Encode(message)).error().text,
+              std::string(name) + " length = " + std::to_string(longest + 1) +
+                  ": allowed is 0 to " + std::to_string(longest));
+  }
+}
+
+TEST(ProcessBorder, SendsWhatIsTooLongCut) {
+  ProcessInfo info = examples::Process();
+  info.config_text.assign(100'000, 'x');
+  const auto decoded = DecodeProcessInfo(EncodeProcessInfo(info));
+  ASSERT_TRUE(decoded) << decoded.error().text;
+  EXPECT_EQ(decoded->config_text.size(), 65536U);
+}
+
 }  // namespace
 }  // namespace sprout

@@ -13,10 +13,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr DisparityEncoding kEncodings[] = {DisparityEncoding::kRawInt16,
-                                            DisparityEncoding::kDeltaZstd};
+constexpr DisparityEncoding kPriorEncodings[] = {DisparityEncoding::kRawInt16,
+                                                 DisparityEncoding::kDeltaZstd};
 
-prior_t Message(DisparityEncoding encoding) {
+prior_t PriorMessage(DisparityEncoding encoding) {
   return ToMessage(examples::Id(), examples::Prior(), encoding);
 }
 
@@ -44,25 +44,33 @@ TEST(PriorBorder, RefusesFieldsThatDoNotFitAndNamesThem) {
   } table[] = {
       {[](M& m) { m.width = 0; }, "width = 0: allowed is 1 to 16384"},
       {[](M& m) { m.height = 16385; }, "height = 16385: allowed is 1 to 16384"},
-      {[](M& m) { m.width = m.height = 16384; },
-       "width × height = 268435456: allowed is up to 100000000 pixels"},
       {[](M& m) { m.counts_per_px = 16; }, "counts_per_px = 16: allowed is 32"},
       {[](M& m) { m.invalid = 0; }, "invalid = 0: allowed is -32768"},
       {[](M& m) { m.sigma_counts_per_px = 32; }, "sigma_counts_per_px = 32: allowed is 16"},
       {[](M& m) { m.encoding = 2; }, "encoding = 2: allowed is RAW or DELTA_ZSTD"},
       {[](M& m) { m.encoding = -1; }, "encoding = -1: allowed is RAW or DELTA_ZSTD"},
   };
-  for (const DisparityEncoding encoding : kEncodings) {
+  for (const DisparityEncoding encoding : kPriorEncodings) {
     for (const auto& corruption : table) {
-      prior_t message = Message(encoding);
+      prior_t message = PriorMessage(encoding);
       corruption.apply(message);
       EXPECT_EQ(ErrorOf(message), corruption.error);
     }
   }
 }
 
+TEST(PriorBorder, RefusesMorePixelsThanItsEncodingMayHave) {
+  prior_t message = PriorMessage(DisparityEncoding::kRawInt16);
+  message.width = message.height = 16384;
+  EXPECT_EQ(ErrorOf(message), "width × height = 268435456: allowed is up to 100000000 pixels");
+  message = PriorMessage(DisparityEncoding::kDeltaZstd);
+  message.width = message.height = 16384;
+  EXPECT_EQ(ErrorOf(message),
+            "width x height = 16384x16384: allowed for compressed data are up to 32000000 pixels");
+}
+
 TEST(PriorBorder, RefusesRawSigmaOfAnotherSize) {
-  prior_t message = Message(DisparityEncoding::kRawInt16);
+  prior_t message = PriorMessage(DisparityEncoding::kRawInt16);
   for (const size_t size : {0, 11, 13, 24}) {
     SetSigma(message, std::vector<uint8_t>(size, 255));
     EXPECT_EQ(ErrorOf(message),
@@ -71,7 +79,7 @@ TEST(PriorBorder, RefusesRawSigmaOfAnotherSize) {
 }
 
 TEST(PriorBorder, RefusesCompressedSigmaOfAnotherSize) {
-  prior_t message = Message(DisparityEncoding::kDeltaZstd);
+  prior_t message = PriorMessage(DisparityEncoding::kDeltaZstd);
   for (const size_t size : {0, 11, 13, 24}) {
     SetSigma(message, Compressed(std::vector<uint8_t>(size, 7)));
     EXPECT_EQ(ErrorOf(message), "sigma: not a Zstandard frame of width × height = 12 bytes");
@@ -95,7 +103,7 @@ TEST(PriorBorder, RefusesCompressedSigmaThatIsDamagedOrHasMoreBehindIt) {
 }
 
 TEST(PriorBorder, RefusesSigmaThatSaysMoreOrLessThanItCan) {
-  for (const DisparityEncoding encoding : kEncodings) {
+  for (const DisparityEncoding encoding : kPriorEncodings) {
     PriorMap certain(examples::Prior().disparity, examples::Prior().sigma.clone());
     certain.sigma(1, 2) = 0;
     EXPECT_EQ(ErrorOf(ToMessage(examples::Id(), certain, encoding)),
@@ -124,8 +132,8 @@ TEST(PriorBorder, RefusesACompressedPriorOfAnotherSizeThanTheFramesBeforeItIsDec
 TEST(PriorBorder, TakesNoMemoryForAHugeSigmaWithTinyData) {
   prior_t message =
       ToMessage(examples::Id(), PriorMap(cv::Size(1, 1)), DisparityEncoding::kDeltaZstd);
-  message.width = message.height = 10000;
-  EXPECT_THAT(ErrorOf(message), HasSubstr("2 × width × height = 200000000"));
+  message.width = message.height = 5000;
+  EXPECT_THAT(ErrorOf(message), HasSubstr("2 × width × height = 50000000"));
   // Disparities of that size are there; the standard deviations are one byte.
   message =
       ToMessage(examples::Id(), PriorMap(cv::Size(3000, 2000)), DisparityEncoding::kDeltaZstd);

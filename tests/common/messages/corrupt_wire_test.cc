@@ -202,5 +202,26 @@ TEST(Wire, RefusesStringsThatDoNotEndWhereTheirLengthSays) {
   }
 }
 
+TEST(Wire, RefusesHostileLengthsOfTheStringsOfAProcess) {
+  const ProcessInfo info = examples::Process();
+  const std::vector<uint8_t> good = EncodeProcessInfo(info);
+  size_t offset = examples::kRigIdLengthOffset + 4 + info.header.rig_id.size() + 1;
+  const std::pair<const char*, std::string> fields[] = {{"stage", info.stage},
+                                                        {"host", info.host},
+                                                        {"version", info.version},
+                                                        {"config_digest", info.config_digest},
+                                                        {"config_text", info.config_text}};
+  for (const auto& [name, text] : fields) {
+    for (const int32_t length : {0, -1, -5, INT32_MIN, 1 << 20, INT32_MAX}) {
+      const std::vector<uint8_t> bytes = Patched(good, offset, length);
+      const AllocationGuard guard;
+      EXPECT_EQ(DecodeProcessInfo(bytes).error().text,
+                std::string(name) + ": length " + std::to_string(length) + " does not fit");
+      EXPECT_LT(guard.largest(), 100'000U);
+    }
+    offset += 4 + text.size() + 1;
+  }
+}
+
 }  // namespace
 }  // namespace sprout

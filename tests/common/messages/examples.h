@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/messages/codec.h"
+#include "common/messages/message_type.h"
 
 // One small valid value of each kind, and how to bend its bytes.
 namespace sprout::examples {
@@ -147,6 +148,16 @@ inline image_t Jpeg() {
   return message;
 }
 
+inline ProcessInfo Process() {
+  return {.header = Id(),
+          .stage = "grow",
+          .host = "robot",
+          .version = "0.1.0 (test)",
+          .config_digest = "fedcba9876543210",
+          .config_text = "grow {\n  sigma_p_px: 0.8\n}\n",
+          .pid = 78};
+}
+
 template <typename Message>
 std::vector<uint8_t> Encode(const Message& message) {
   std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
@@ -167,14 +178,15 @@ inline std::vector<uint8_t> Patched(std::vector<uint8_t> bytes, size_t offset, i
 struct Wire {
   std::string name;
   std::vector<uint8_t> bytes;
-  std::optional<Part> part;  ///< nothing: a status
+  std::optional<Part> part;                  ///< nothing: a message that carries none
+  MessageType other = MessageType::kStatus;  ///< its type then
 
-  std::string ErrorOf(std::span<const uint8_t> other) const {
+  std::string ErrorOf(std::span<const uint8_t> as_one) const {
     if (!part) {
-      const Result<StageStatus> status = DecodeStatus(other);
-      return status ? "" : status.error().text;
+      const Result<DecodedMessage> decoded = DecodeAs(other, as_one);
+      return decoded ? "" : decoded.error().text;
     }
-    const Result<DecodedPart> decoded = DecodePart(*part, other);
+    const Result<DecodedPart> decoded = DecodePart(*part, as_one);
     return decoded ? "" : decoded.error().text;
   }
 };
@@ -198,6 +210,7 @@ inline std::vector<Wire> AllWires() {
           wire("zstd disparity", Part::kDisparity, Disparity(), DisparityEncoding::kDeltaZstd),
           wire("depth", Part::kDepth, Depth()),
           wire("cloud", Part::kCloud, Cloud()),
+          Wire{"process", EncodeProcessInfo(Process()), std::nullopt, MessageType::kProcess},
           Wire{"status", EncodeStatus(Status()), std::nullopt}};
 }
 

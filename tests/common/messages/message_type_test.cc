@@ -11,7 +11,7 @@ TEST(MessageType, IsToldByTheFingerprint) {
   for (const examples::Wire& wire : examples::AllWires()) {
     const std::optional<MessageType> type = TypeOf(wire.bytes);
     ASSERT_TRUE(type.has_value()) << wire.name;
-    EXPECT_EQ(*type, wire.part ? TypeOf(*wire.part) : MessageType::kStatus) << wire.name;
+    EXPECT_EQ(*type, wire.part ? TypeOf(*wire.part) : wire.other) << wire.name;
     EXPECT_TRUE(DecodeAs(*type, wire.bytes).has_value()) << wire.name;
   }
   EXPECT_EQ(TypeOf(std::vector<uint8_t>(100)), std::nullopt);

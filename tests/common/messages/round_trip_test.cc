@@ -302,5 +302,17 @@ TEST(StatusMessage, MayNameNoFrameYet) {
   EXPECT_EQ(status->tof_coverage, kUnknownCoverage);
 }
 
+TEST(ProcessMessage, CarriesEveryField) {
+  const Result<ProcessInfo> info = DecodeProcessInfo(EncodeProcessInfo(examples::Process()));
+  ASSERT_TRUE(info) << info.error().text;
+  EXPECT_EQ(*info, examples::Process());
+}
+
+TEST(ProcessMessage, MayBeEmpty) {
+  const Result<ProcessInfo> info = DecodeProcessInfo(EncodeProcessInfo(ProcessInfo{}));
+  ASSERT_TRUE(info) << info.error().text;
+  EXPECT_EQ(*info, ProcessInfo{});
+}
+
 }  // namespace
 }  // namespace sprout

@@ -38,6 +38,52 @@ TEST(ColorMap, PaintsNanAndInfinityAsNoValue) {
   EXPECT_EQ(colors(0, 2), kNoValueColor);
 }
 
+constexpr RectifiedPair kPair{.width = 640,
+                              .height = 480,
+                              .focal_px = 500,
+                              .cx = 320,
+                              .cy = 240,
+                              .cx_right = 325,
+                              .baseline_m = 0.1};
+
+TEST(ColorOfDepth, IsTheColorOfTheDisparity) {
+  const ValueRange range_px{8, 64};
+  const ValueRange range_m = DepthRange(kPair, range_px);
+  EXPECT_DOUBLE_EQ(range_m.min, kPair.DepthFromDisparity(64));
+  for (const double px : {7.0, 8.0, 20.0, 35.5, 64.0, 90.0}) {
+    EXPECT_EQ(ColorOfDepth(kPair.DepthFromDisparity(px), range_m), ColorOf(px, range_px)) << px;
+  }
+}
+
+TEST(ColorOfDepth, IsRedNearAndBlueFarAndNothingWithoutADepth) {
+  EXPECT_EQ(ColorOfDepth(1, {1, 5}), ColorOf(1, {0, 1}));
+  EXPECT_EQ(ColorOfDepth(5, {1, 5}), ColorOf(0, {0, 1}));
+  for (const float none : {0.F, -1.F, kNan, kInfinity}) {
+    EXPECT_EQ(ColorOfDepth(none, {1, 5}), kNoValueColor) << none;
+  }
+}
+
+TEST(DepthRange, ReachesToInfinityWhereDisparitiesDo) {
+  EXPECT_EQ(InFront(kPair, {-20, 64}), (ValueRange{-5, 64}));
+  EXPECT_EQ(InFront(kPair, {-20, -6}), std::nullopt);
+  const ValueRange range_m = DepthRange(kPair, {-5, 64});
+  EXPECT_EQ(range_m.max, kInfinity);
+  EXPECT_EQ(ColorOfDepth(kPair.DepthFromDisparity(20), range_m), ColorOf(20, {-5, 64}));
+}
+
+TEST(DepthRange, BeginsInFrontOfTheCamera) {
+  TofImage tof;
+  for (const float near_m : {1e-6F, 0.03F, 0.3F, 0.5F}) {
+    for (const float far_m : {near_m, 8.F, 9'000.F}) {
+      tof.depth_m = (cv::Mat1f(1, 2) << near_m, far_m);
+      const ValueRange range = DepthRange(tof);
+      EXPECT_GT(range.min, 0) << near_m << " to " << far_m;
+      EXPECT_LE(range.min, double{near_m});
+      EXPECT_GE(range.max, double{far_m});
+    }
+  }
+}
+
 TEST(RoundStep, IsTheNextOneTwoOrFive) {
   EXPECT_DOUBLE_EQ(RoundStep(0.13), 0.2);
   EXPECT_DOUBLE_EQ(RoundStep(0.2), 0.2);

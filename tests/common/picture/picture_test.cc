@@ -41,6 +41,47 @@ TEST(DisparityPicture, GrowsItsMarginsWithTheImage) {
   EXPECT_GT(margin({1300, 1110}), 2 * margin({300, 200}));
 }
 
+TEST(DisparityPicture, MarksWhatItsScaleDoesNotReach) {
+  DisparityImage disparity(cv::Size(300, 200));
+  disparity.counts() = ToCounts(20);
+  const int unclipped = DisparityPicture(disparity, {0, 64}, "").cols;
+  disparity.counts()(3, 3) = ToCounts(65);
+  EXPECT_GT(DisparityPicture(disparity, {0, 64}, "").cols, unclipped) << "no room for '>'";
+}
+
+TEST(DisparityPicture, HasDepthsBesideDisparitiesWithAPair) {
+  const RectifiedPair pair{.width = 300,
+                           .height = 200,
+                           .focal_px = 500,
+                           .cx = 150,
+                           .cy = 100,
+                           .cx_right = 150,
+                           .baseline_m = 0.1};
+  const DisparityImage disparity(cv::Size(300, 200));
+  EXPECT_GT(DisparityPicture(disparity, {8, 64}, "", &pair).cols,
+            DisparityPicture(disparity, {8, 64}, "").cols);
+  // Beyond infinity there is no depth.
+  EXPECT_EQ(DisparityPicture(disparity, {-8, 64}, "", &pair).cols,
+            DisparityPicture(disparity, {-8, 64}, "").cols);
+}
+
+TEST(ConfidencePicture, HasAScaleFromBlackToWhite) {
+  const cv::Mat1b confidence(200, 300, uchar{77});
+  const cv::Mat3b picture = ConfidencePicture(confidence, "Confidence");
+  EXPECT_GE(CountPixels(picture, {77, 77, 77}), 200 * 300);
+  EXPECT_GT(picture.cols, CameraPicture(confidence, "Confidence").cols);
+}
+
+TEST(ErrorPicture, TellsUnscoredPixelsFromThoseWithoutADisparity) {
+  cv::Mat1f error_px(200, 300, std::numeric_limits<float>::quiet_NaN());
+  error_px.colRange(0, 100) = 1;
+  error_px.colRange(100, 150) = std::numeric_limits<float>::infinity();
+  const cv::Mat3b picture = ErrorPicture(error_px, "Error");
+  EXPECT_EQ(CountPixels(picture, kNoValueColor), 150 * 200);
+  EXPECT_GE(CountPixels(picture, ColorOf(1, {0, kLargestErrorPx})), 100 * 200);
+  EXPECT_GE(CountPixels(picture, ColorOf(4, {0, kLargestErrorPx})), 50 * 200);
+}
+
 TEST(DisparityPicture, WorksOnASinglePixel) {
   EXPECT_FALSE(DisparityPicture(DisparityImage(cv::Size(1, 1)), {0, 1}, "Tiny").empty());
 }
@@ -63,7 +104,7 @@ TEST(DepthPicture, EnlargesEachPixelToASquareAndLeavesNoReturnDark) {
   tof.depth_m(100, 150) = 0;
   const cv::Mat3b picture = DepthPicture(tof, {1300, 1110}, {1, 3}, "ToF");
   EXPECT_EQ(CountPixels(picture, kNoValueColor), 2 * 8 * 8);  // 1300·1110 / (176·144) = 7.5²
-  EXPECT_GE(CountPixels(picture, ColorOf(2, {1, 3})), (144 * 176 - 2) * 8 * 8);
+  EXPECT_GE(CountPixels(picture, ColorOfDepth(2, {1, 3})), (144 * 176 - 2) * 8 * 8);
 }
 
 TEST(DepthPicture, ShowsNoReturnWhereDriversWriteAHugeNumber) {
@@ -119,6 +160,13 @@ TEST(CameraPicture, ShowsTheImageUnchangedBelowItsTitle) {
   EXPECT_EQ(CountPixels(picture, {10, 90, 170}), 200 * 300);
   EXPECT_EQ(CountPixels(CameraPicture(cv::Mat1b(200, 300, uchar{3}), "Left"), {3, 3, 3}),
             200 * 300);
+}
+
+TEST(CameraPicture, MakesThePaperWiderForATitleThatWouldBecomeTooSmall) {
+  const cv::Mat3b picture = CameraPicture(cv::Mat1b(20, 30, uchar{90}), "A title of some length");
+  EXPECT_GT(picture.cols, 120);
+  const cv::Mat3b right_margin = picture.colRange(picture.cols - 5, picture.cols);
+  EXPECT_EQ(CountPixels(right_margin, {255, 255, 255}), right_margin.rows * right_margin.cols);
 }
 
 TEST(CameraPicture, WritesALongTitleSmallerInsteadOfCuttingIt) {

@@ -1,0 +1,71 @@
+#include "common/bus/udpm_socket.h"
+
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <new>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/bus/lcm_url.h"
+
+namespace sprout {
+namespace {
+
+constexpr int kPollMs = 100;
+constexpr size_t kLargestDatagram = 65536;
+
+// On the group's address, or whatever is sent to this host would come, too. Shared with all other
+// processes that listen there.
+bool Listen(int fd, const UdpmAddress& address) {
+  ip_mreq group{};
+  group.imr_multiaddr = address.group.sin_addr;
+  const int yes = 1;
+  if (address.receive_buffer > 0) {
+    setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &address.receive_buffer, sizeof address.receive_buffer);
+  }
+  return setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) == 0 &&
+         bind(fd, reinterpret_cast<const sockaddr*>(&address.group), sizeof address.group) == 0 &&
+         setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) == 0;
+}
+
+int Open(const std::string& url) {
+  const UdpmAddress address = RequireUdpmRoute(url);
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd >= 0 && Listen(fd, address)) return fd;
+  if (fd >= 0) close(fd);
+  throw BusError("cannot listen on LCM URL " + url + "; is its port in use?");
+}
+
+}  // namespace
+
+UdpmSocket::UdpmSocket(const std::string& url, std::function<bool(std::string_view)> is_wanted)
+    : socket_(Open(url)), joiner_(std::move(is_wanted)) {}
+
+UdpmSocket::~UdpmSocket() { close(socket_); }
+
+void UdpmSocket::Receive(const std::stop_token& stop,
+                         const std::function<void(DatagramJoiner::Message)>& on_message) {
+  std::vector<uint8_t> datagram(kLargestDatagram);
+  pollfd readable{.fd = socket_, .events = POLLIN, .revents = 0};
+  while (!stop.stop_requested()) {
+    if (poll(&readable, 1, kPollMs) <= 0) continue;
+    sockaddr_in sender{};
+    socklen_t sender_bytes = sizeof sender;
+    const ssize_t bytes = recvfrom(socket_, datagram.data(), datagram.size(), MSG_DONTWAIT,
+                                   reinterpret_cast<sockaddr*>(&sender), &sender_bytes);
+    if (bytes <= 0) continue;
+    try {
+      auto message = joiner_.Add({sender.sin_addr.s_addr, sender.sin_port},
+                                 std::span(datagram).first(static_cast<size_t>(bytes)),
+                                 std::chrono::steady_clock::now());
+      if (message) on_message(std::move(*message));
+    } catch (const std::bad_alloc&) {  // as if it had been lost on the way
+    }
+  }
+}
+
+}  // namespace sprout

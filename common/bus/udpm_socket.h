@@ -1,0 +1,36 @@
+#ifndef SPROUT_COMMON_BUS_UDPM_SOCKET_H_
+#define SPROUT_COMMON_BUS_UDPM_SOCKET_H_
+
+#include <functional>
+#include <stop_token>
+#include <string>
+
+#include "common/bus/datagram_joiner.h"
+
+namespace sprout {
+
+/// Receives the messages of LCM's multicast protocol. Takes what is sent to the group of the URL
+/// alone: neither what is sent to this host, nor other groups on the same port. For one thread.
+class UdpmSocket {
+ public:
+  /// Listens from here on.
+  /// @param url        udpm, without errors, see LcmUrlError().
+  /// @param is_wanted  whether messages of a channel are of interest.
+  /// @throws BusError when there is no multicast route, or the port cannot be had.
+  UdpmSocket(const std::string& url, std::function<bool(std::string_view)> is_wanted);
+  ~UdpmSocket();
+  UdpmSocket(const UdpmSocket&) = delete;
+  UdpmSocket& operator=(const UdpmSocket&) = delete;
+
+  /// Hands over messages until a stop is requested, and 0.1 s longer at most.
+  void Receive(const std::stop_token& stop,
+               const std::function<void(DatagramJoiner::Message)>& on_message);
+
+ private:
+  int socket_;
+  DatagramJoiner joiner_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_BUS_UDPM_SOCKET_H_

@@ -1,0 +1,28 @@
+#ifndef SPROUT_COMMON_MESSAGES_PREVIEW_H_
+#define SPROUT_COMMON_MESSAGES_PREVIEW_H_
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <span>
+#include <vector>
+
+#include "common/core/frame_id.h"
+
+namespace sprout {
+
+/// The message of SPROUT_PREVIEW: a picture as bot_core.image_t, which programs of others show. It
+/// has the frame's utime, and no header of ours.
+///
+/// @param picture  8UC3 (BGR), not empty; sent as a JPEG stream.
+/// @throws std::runtime_error when libjpeg refuses.
+std::vector<uint8_t> EncodePreview(const FrameId& id, const cv::Mat& picture);
+
+/// Whether a message has the type of SPROUT_PREVIEW, by its fingerprint.
+bool IsPreview(std::span<const uint8_t> bytes);
+
+/// What that type is called.
+inline constexpr const char* kPreviewType = "bot_core.image_t";
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_MESSAGES_PREVIEW_H_

@@ -1,0 +1,53 @@
+#include "common/picture/html.h"
+
+#include <cstddef>
+
+namespace sprout {
+namespace {
+
+std::string Base64(std::span<const uint8_t> bytes) {
+  static constexpr char kDigits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](size_t k) { return i + k < bytes.size() ? uint32_t{bytes[i + k]} : 0U; };
+    const uint32_t triple = byte(0) << 16 | byte(1) << 8 | byte(2);
+    for (uint32_t digit = 0; digit < 4; ++digit) {
+      const bool is_there = i + digit <= bytes.size();
+      text += is_there ? kDigits[triple >> (18 - 6 * digit) & 63] : '=';
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string EscapedHtml(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string DataUrl(std::string_view type, std::span<const uint8_t> bytes) {
+  return "data:" + std::string(type) + ";base64," + Base64(bytes);
+}
+
+}  // namespace sprout
