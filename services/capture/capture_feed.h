@@ -12,6 +12,7 @@
 #include "common/app/stage_monitor.h"
 #include "common/config/config.h"
 #include "common/core/frame.h"
+#include "services/capture/frame_source.h"
 
 namespace sprout {
 
@@ -47,8 +48,9 @@ class CaptureFeed {
 inline constexpr std::string_view kRawPrefix = "RAW_";
 
 struct FeedOptions {
-  bool loop = false;  ///< start again at the end
-  bool raw = false;   ///< frames of cameras as they see them, for channels with kRawPrefix
+  bool loop = false;     ///< start again at the end
+  bool raw = false;      ///< frames of cameras as they see them, for channels with kRawPrefix
+  Waiting waiting = {};  ///< called while Next() waits for cameras
 };
 
 /// Opens what config.source() names: log:FILE, cameras (OpenCameras()) or a dataset

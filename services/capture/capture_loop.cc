@@ -8,6 +8,7 @@
 
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
+#include "common/app/supervision.h"
 #include "common/bus/channels.h"
 #include "common/bus/publisher.h"
 #include "common/core/digest.h"
@@ -43,8 +44,10 @@ class Capture {
       : options_(options),
         stop_(context.stop),
         monitor_(context.stage, Digest(ConfigText(context.config))),
-        feed_(OpenCaptureFeed(context.config.capture(), {.loop = options.loop, .raw = options.raw},
-                              monitor_)),
+        feed_(OpenCaptureFeed(
+            context.config.capture(),
+            {.loop = options.loop, .raw = options.raw, .waiting = [this] { watchdog_.Idle(); }},
+            monitor_)),
         pace_(PaceOf(context.config.capture(), options, *feed_)),
         publisher_(context.lcm_url, context.prefix),
         answers_(context, monitor_, options.wait_for, options.lockstep.has_value()),
@@ -53,6 +56,7 @@ class Capture {
 
   int Run() {
     if (!WaitForStages()) return stop_.stop_requested() ? 0 : 1;
+    TellReady();
     PublishCalibration();
     const auto started = Clock::now();
     pace_.Start(started);
@@ -83,6 +87,7 @@ class Capture {
     if (!frame) return false;
     WaitUntil(pace_.DueBeforeSending(frame->id, Clock::now()));
     if (!stop_.stop_requested()) Send(std::move(*frame), arrived);
+    watchdog_.FrameDone();
     return true;
   }
 
@@ -129,6 +134,7 @@ class Capture {
   // Sleeps, but keeps sending the calibration.
   void WaitUntil(Clock::time_point due) {
     while (!stop_.stop_requested() && Clock::now() < due) {
+      watchdog_.Idle();
       PublishCalibrationWhenDue();
       std::this_thread::sleep_until(std::min(due, Clock::now() + std::chrono::milliseconds(50)));
     }
@@ -137,6 +143,7 @@ class Capture {
   // Waits until at most `count` frames are without an answer; sends those again that wait too long.
   void WaitForRoom(size_t count) {
     while (!stop_.stop_requested() && in_flight_.size() > count) {
+      watchdog_.Idle();
       answers_.WaitForRoom(count, Clock::now() + std::chrono::milliseconds(200), stop_);
       std::erase_if(in_flight_,
                     [&](const InFlight& waiting) { return answers_.IsAnswered(waiting.frame.id); });
@@ -196,6 +203,7 @@ class Capture {
   const CaptureOptions& options_;
   std::stop_token stop_;
   StageMonitor monitor_;
+  Watchdog watchdog_;
   std::unique_ptr<CaptureFeed> feed_;
   Pace pace_;
   Publisher publisher_;

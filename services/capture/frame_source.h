@@ -2,6 +2,7 @@
 #define SPROUT_SERVICES_CAPTURE_FRAME_SOURCE_H_
 
 #include <cstdint>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <stop_token>
@@ -25,6 +26,10 @@ struct CapturedFrame {
   /// Between the earliest and the latest exposure of its images, ms; 0 when that is not known.
   double spread_ms = 0;
 };
+
+/// Called by Next() now and then, at least ten times a second, while it waits for cameras: shows
+/// that it is not stuck. May be empty.
+using Waiting = std::function<void()>;
 
 /// Where rectified frames come from, as from a camera.
 class FrameSource {

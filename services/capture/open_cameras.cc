@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "common/rig/rig_file.h"
 #include "services/capture/genicam/genicam_source.h"
@@ -48,11 +49,12 @@ bool NamesCameras(const std::string& source) {
   return source.starts_with(kGenicam) || source.starts_with(kOpenCv) || source.starts_with(kV4l2);
 }
 
-OpenedCameras OpenCameras(const std::string& source, bool loop) {
+OpenedCameras OpenCameras(const std::string& source, bool loop, Waiting waiting) {
   if (source.starts_with(kGenicam)) {
     const std::string path = source.substr(kGenicam.size());
     const RigDescription rig = LoadRigFile(path);
-    return {.cameras = OpenGenicam(rig, path), .calibration = CalibrationOf(rig)};
+    return {.cameras = OpenGenicam(rig, path, std::move(waiting)),
+            .calibration = CalibrationOf(rig)};
   }
   const auto [place, options] = SplitSource(source);
   VideoSettings settings{.places = PlacesOf(source, place), .loop = loop};

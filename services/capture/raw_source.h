@@ -48,9 +48,11 @@ bool NamesCameras(const std::string& source);
 ///                      behind it: the size of the whole picture
 /// ?rig=FILE behind it, other than genicam:, names the rig file with the calibration.
 ///
-/// @param loop  start files again at the end.
+/// @param loop     start files again at the end.
+/// @param waiting  called while cameras of genicam: are waited for; what OpenCV opens waits by
+///                 itself.
 /// @throws ConfigError naming what is missing or wrong, and where.
-OpenedCameras OpenCameras(const std::string& source, bool loop);
+OpenedCameras OpenCameras(const std::string& source, bool loop, Waiting waiting = {});
 
 }  // namespace sprout
 

@@ -1,14 +1,32 @@
 #include "services/capture/read_image.h"
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "common/config/config.h"
 #include "common/core/image.h"
 
 namespace sprout {
+namespace {
+
+// OpenCV would try every decoder that it was built with, and all libraries behind these; which one,
+// the first bytes of the file decide.
+bool IsOfAllowedFormat(const std::filesystem::path& path) {
+  using namespace std::string_view_literals;
+  std::string begin(8, '\0');
+  std::ifstream(path, std::ios::binary)
+      .read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return std::ranges::any_of(
+      std::array{"\x89PNG\r\n\x1a\n"sv, "\xff\xd8\xff"sv, "P2"sv, "P3"sv, "P5"sv, "P6"sv},
+      [&](std::string_view magic) { return begin.starts_with(magic); });
+}
+
+}  // namespace
 
 bool IsFile(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -18,7 +36,9 @@ bool IsFile(const std::filesystem::path& path) {
 cv::Mat ReadImage(const std::filesystem::path& path, int flags) {
   cv::Mat image;
   try {
-    image = cv::imread(path.string(), flags | cv::IMREAD_IGNORE_ORIENTATION);
+    if (IsOfAllowedFormat(path)) {
+      image = cv::imread(path.string(), flags | cv::IMREAD_IGNORE_ORIENTATION);
+    }
   } catch (const cv::Exception&) {  // hostile sizes; an empty image says it all
   }
   if (image.empty()) {

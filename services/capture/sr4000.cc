@@ -166,13 +166,17 @@ double Exposure(const std::vector<Footprint>& footprints, double median_amplitud
 }  // namespace
 
 Sr4000::Sr4000(const RectifiedPair& pair, const Sr4000Config& config, uint32_t seed)
-    : config_(config), seed_(seed) {
+    : Sr4000(CalibratedCamera(pair, config), config, seed) {
+  if (config.calibration_error_px() > 0) {
+    actual_ = Turned(calibrated_, config.calibration_error_px(), pair.focal_px);
+  }
+}
+
+Sr4000::Sr4000(const TofCamera& camera, const Sr4000Config& config, uint32_t seed)
+    : config_(config), seed_(seed), calibrated_(camera), actual_(camera) {
   RequireInRange(config, "capture.sr4000");
-  calibrated_ = CalibratedCamera(pair, config);
-  actual_ = config.calibration_error_px() > 0
-                ? Turned(calibrated_, config.calibration_error_px(), pair.focal_px)
-                : calibrated_;
-  range_per_depth_ = RangePerDepth(calibrated_.lens());
+  assert(camera.width == kWidth && camera.height == kHeight);
+  range_per_depth_ = RangePerDepth(camera.lens());
 }
 
 double Sr4000::NoiseM(double amplitude) const {

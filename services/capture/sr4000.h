@@ -28,6 +28,10 @@ class Sr4000 {
   /// @throws ConfigError when a value is out of range.
   Sr4000(const RectifiedPair& pair, const Sr4000Config& config, uint32_t seed);
 
+  /// A camera that stands elsewhere, or has another lens.
+  /// @param camera  of 176 × 144 pixels; config's focal length and calibration error do not count.
+  Sr4000(const TofCamera& camera, const Sr4000Config& config, uint32_t seed);
+
   /// As the calibration says.
   const TofCamera& calibrated() const { return calibrated_; }
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/geometry/lens.h"
+#include "services/capture/lens_view.h"
 #include "services/capture/sr4000.h"
 #include "services/capture/synthetic_scene.h"
 #include "services/capture/tof_grid.h"
@@ -162,69 +162,15 @@ class Renderer {
   std::vector<Bounds> bounds_;
 };
 
-// What a ToF camera among the solids looks at: one ray for every sample.
-class TofRayCaster {
- public:
-  TofRayCaster(const RectifiedPair& pair, const TofCamera& camera)
-      : focal_px_(pair.focal_px),
-        size_(camera.width, camera.height),
-        origin_(ToVec3(camera.left_from_tof_translation_m)) {
-    const Eigen::Matrix3d rotation = camera.left_from_tof_rotation.toRotationMatrix();
-    const cv::Size samples = size_ * TofSamples::kPerSide;
-    directions_.reserve(static_cast<size_t>(samples.area()));
-    for (int y = 0; y < samples.height; ++y) {
-      for (int x = 0; x < samples.width; ++x) {
-        const Eigen::Vector2d direction =
-            DirectionOfPixel(camera.lens(), {TofSamples::TofPixel(x), TofSamples::TofPixel(y)});
-        directions_.push_back(ToVec3(rotation * direction.homogeneous()));
-      }
-    }
-  }
-
-  TofSamples Render(const std::vector<Solid>& solids) const {
-    TofSamples samples(size_);
-    cv::parallel_for_({0, samples.depth_m.rows}, [&](const cv::Range& part) {
-      for (int y = part.start; y < part.end; ++y) RenderRow(y, solids, samples);
-    });
-    return samples;
-  }
-
- private:
-  static Vec3 ToVec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-  void RenderRow(int y, const std::vector<Solid>& solids, TofSamples& samples) const {
-    const auto width = static_cast<size_t>(samples.depth_m.cols);
-    for (int x = 0; x < samples.depth_m.cols; ++x) {
-      // The direction has z = 1 in the ToF camera's frame, so the parameter is the depth there.
-      const Ray ray{origin_, directions_[static_cast<size_t>(y) * width + static_cast<size_t>(x)]};
-      double depth_m = kHuge;
-      const Solid* nearest = nullptr;
-      for (const Solid& solid : solids) {
-        const double candidate_m = Intersect(solid, ray);
-        if (candidate_m >= depth_m) continue;
-        depth_m = candidate_m;
-        nearest = &solid;
-      }
-      if (nearest == nullptr) continue;
-      const Vec3 bgr = ColourAt(*nearest, ray.origin + depth_m * ray.direction, focal_px_);
-      samples.depth_m(y, x) = static_cast<float>(depth_m);
-      samples.albedo(y, x) = static_cast<float>(Dot({0.114, 0.587, 0.299}, bgr) / 255);
-    }
-  }
-
-  double focal_px_;  // of the colour cameras: textures are as fine as these resolve
-  cv::Size size_;
-  Vec3 origin_;
-  std::vector<Vec3> directions_;
-};
-
 // The simulated SR4000 with its view of the scene.
 struct Sr4000View {
   Sr4000View(const RectifiedPair& pair, const CaptureConfig& config)
-      : camera(pair, config.sr4000(), config.seed()), caster(pair, camera.actual()) {}
+      : camera(pair, config.sr4000(), config.seed()),
+        view(camera.actual().lens(), camera.actual().left_from_tof_rotation,
+             camera.actual().left_from_tof_translation_m, TofSamples::kPerSide) {}
 
   Sr4000 camera;
-  TofRayCaster caster;
+  LensView view;
 };
 
 class SyntheticDataset : public Dataset {
@@ -254,7 +200,8 @@ class SyntheticDataset : public Dataset {
     Renderer(pair, left, solids).Render(frame.left, frame.truth.left);
     Renderer(pair, right, solids).Render(frame.right, frame.truth.right);
     if (sr4000_) {
-      const Sr4000Frame measured = sr4000_->camera.Measure(sr4000_->caster.Render(solids), index);
+      const Sr4000Frame measured =
+          sr4000_->camera.Measure(RenderTof(sr4000_->view, solids, pair.focal_px), index);
       frame.tof = measured.tof;
       frame.unambiguous_range_m = measured.unambiguous_range_m;
     } else if (rig_.tof.width > 0) {

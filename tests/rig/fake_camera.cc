@@ -5,6 +5,7 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstring>
@@ -37,6 +38,7 @@ struct Options {
   bool stamp = false;
   double clock_offset_s = 0;
   double drift_ppm = 0;
+  double jump_s = 1000;
   double lost_ratio = 0;
   double latency_ms = 0;
   double unit_mm = 1;
@@ -147,6 +149,9 @@ class FakeCamera {
     });
   }
 
+  // Its clock is another one from now on.
+  void JumpClock() { jump_s_ = jump_s_ + options_.jump_s; }
+
  private:
   static PixelFormat Format(const std::string& name) {
     const std::optional<PixelFormat> format = PixelFormatNamed(name);
@@ -162,8 +167,8 @@ class FakeCamera {
 
   uint64_t DeviceNs(int64_t utime) const {
     const auto passed_us = static_cast<double>(utime - started_us_);
-    const double ns =
-        1e12 + options_.clock_offset_s * 1e9 + passed_us * 1e3 * (1 + options_.drift_ppm * 1e-6);
+    const double ns = 1e12 + (options_.clock_offset_s + jump_s_) * 1e9 +
+                      passed_us * 1e3 * (1 + options_.drift_ppm * 1e-6);
     return static_cast<uint64_t>(ns);
   }
 
@@ -213,6 +218,7 @@ class FakeCamera {
 
   Options options_;
   int64_t started_us_;
+  std::atomic<double> jump_s_ = 0;
   std::vector<cv::Mat> pictures_;
   std::map<std::pair<size_t, PixelFormat>, std::vector<uint8_t>> payloads_;
   ArvObject<ArvGvFakeCamera> camera_;  // its thread uses those above
@@ -235,18 +241,16 @@ bool IsUp(const std::string& name) {
 int Run(const Options& options) {
   sigset_t ends;
   sigemptyset(&ends);
-  sigaddset(&ends, SIGINT);
-  sigaddset(&ends, SIGTERM);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&ends, signal);
   pthread_sigmask(SIG_BLOCK, &ends, nullptr);
   // Who moves the interface here has to start this program first.
   for (int i = 0; i < 1000 && !IsUp(options.interface); ++i) {
     std::this_thread::sleep_for(milliseconds(10));
   }
   {
-    const FakeCamera camera(options);
+    FakeCamera camera(options);
     std::cout << "running" << std::endl;
-    int signal = 0;
-    sigwait(&ends, &signal);
+    for (int signal = 0; sigwait(&ends, &signal) == 0 && signal == SIGUSR1;) camera.JumpClock();
   }
   arv_shutdown();
   return 0;
@@ -268,6 +272,7 @@ int Main(int argc, char** argv) {
                  "Write the time of exposure into the first pixels (time_stamp.h)");
   flags.add_option("--clock-offset", options.clock_offset_s, "Of its clock, s");
   flags.add_option("--drift", options.drift_ppm, "How much too fast its clock runs, ppm");
+  flags.add_option("--jump", options.jump_s, "By how much its clock jumps at SIGUSR1, s");
   flags.add_option("--lost-ratio", options.lost_ratio, "Of packets that are not sent")
       ->check(NumberIn(0, 1));
   flags.add_option("--latency", options.latency_ms, "What it needs before it sends an image, ms");

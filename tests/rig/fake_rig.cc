@@ -75,6 +75,8 @@ void FakeRig::Kill(const std::string& serial) {
   WaitFor([&] { return !std::filesystem::exists("/sys/class/net/at_" + serial); });
 }
 
+void FakeRig::JumpClock(const std::string& serial) { cameras_.at(serial).process->Signal(SIGUSR1); }
+
 void FakeRig::Unplug(const std::string& serial) { Do("ip link set at_" + serial + " down"); }
 
 void FakeRig::Plug(const std::string& serial) { Do("ip link set at_" + serial + " up"); }

@@ -30,6 +30,9 @@ class FakeRig {
   /// The camera is gone from one moment to the next.
   void Kill(const std::string& serial);
 
+  /// Its clock jumps, as its flag --jump says.
+  void JumpClock(const std::string& serial);
+
   /// Pulls its cable and puts it back.
   void Unplug(const std::string& serial);
   void Plug(const std::string& serial);

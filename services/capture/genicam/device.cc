@@ -147,6 +147,12 @@ std::optional<DeviceImage> Device::Next(int64_t timeout_us) {
   ArvBuffer* buffer =
       arv_stream_timeout_pop_buffer(stream_.get(), static_cast<uint64_t>(timeout_us));
   if (!buffer) return std::nullopt;
+  // Aravis gives some back unused when a stream begins amid what a camera still sends for an older
+  // one. They hold no image and no number; one that is really missing leaves a gap in the numbers.
+  if (arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_CLEARED) {
+    arv_stream_push_buffer(stream_.get(), buffer);
+    return std::nullopt;
+  }
   DeviceImage image = Converted(buffer);
   arv_stream_push_buffer(stream_.get(), buffer);
   return image;

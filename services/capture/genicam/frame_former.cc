@@ -57,7 +57,7 @@ void FrameFormer::Add(RigPlace place, CameraEvent event) {
       return;
     case CameraEvent::Kind::kGone:
       if (place == RigPlace::kTof) former_.SetTofIsThere(false);
-      trouble_ = PlaceText(place, rig_) + ": " + event.text;
+      Complain(place, event.text);
       return;
     case CameraEvent::Kind::kClock:
       if (At(place).is_distrusted) return;
@@ -72,7 +72,7 @@ void FrameFormer::Add(RigPlace place, CameraEvent event) {
 
 void FrameFormer::AddImage(RigPlace place, DeviceImage image) {
   At(place).lost += image.lost;
-  if (!image.trouble.empty()) trouble_ = PlaceText(place, rig_) + ": " + image.trouble;
+  if (!image.trouble.empty()) Complain(place, image.trouble);
   if (image.image.empty() && image.tof.depth_m.empty()) return;
   ++At(place).images;
   const int64_t end_ns = image.device_ns + image.exposure_ns;
@@ -94,7 +94,7 @@ void FrameFormer::AddImage(RigPlace place, DeviceImage image) {
 void FrameFormer::AddTime(RigPlace place, int64_t device_ns, int64_t utime) {
   const std::optional<std::string> jump = At(place).clock.Add(device_ns, utime);
   if (!jump) return;
-  trouble_ = PlaceText(place, rig_) + ": " + *jump;
+  Complain(place, *jump);
   former_.Drop(place);
 }
 
@@ -112,14 +112,20 @@ void FrameFormer::CheckReading(RigPlace place, int64_t end_ns, int64_t arrived_u
   if (camera.misfits % kMisfits != 0) return;
   camera.clock.Restart();
   former_.Drop(place);
-  trouble_ = PlaceText(place, rig_) + ": its clock does not fit its images; ";
   if (camera.misfits == kMisfits) {
-    trouble_ += "read anew";
+    Complain(place, "its clock does not fit its images; read anew");
     return;
   }
   camera.is_distrusted = true;
   camera.is_read = false;
-  trouble_ += "from now on their arrival tells the time";
+  Complain(place, "its clock does not fit its images; from now on their arrival tells the time");
+}
+
+void FrameFormer::Complain(RigPlace place, const std::string& text) {
+  constexpr size_t kMaxLength = 500;  // of all that happens between two frames
+  const std::string trouble = PlaceText(place, rig_) + ": " + text;
+  if (trouble_.size() > kMaxLength || trouble_.find(trouble) != std::string::npos) return;
+  trouble_ += (trouble_.empty() ? "" : "; ") + trouble;
 }
 
 int64_t FrameFormer::LostOf(RigPlace place) const {

@@ -51,6 +51,8 @@ class FrameFormer {
   void AddImage(RigPlace place, DeviceImage image);
   void AddTime(RigPlace place, int64_t device_ns, int64_t utime);
   void CheckReading(RigPlace place, int64_t sent_ns, int64_t arrived_utime);
+  // What happened is told with the next frame; a later trouble does not hide an earlier one.
+  void Complain(RigPlace place, const std::string& text);
   int64_t LostOf(RigPlace place) const;
   int64_t LostSince(RigPlace place) const;
   int64_t Lost() const;

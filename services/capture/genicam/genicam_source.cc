@@ -87,7 +87,8 @@ class Inbox {
 
 class GenicamSource : public RawSource {
  public:
-  explicit GenicamSource(const RigDescription& rig) : rig_(rig), former_(rig) {
+  GenicamSource(const RigDescription& rig, Waiting waiting)
+      : rig_(rig), waiting_(std::move(waiting)), former_(rig) {
     const std::optional<RawRig> calibration = CalibrationOf(rig);
     for (const RigPlace place : kRigPlaces) {
       const bool is_tof = place == RigPlace::kTof;
@@ -113,6 +114,7 @@ class GenicamSource : public RawSource {
     Clock::time_point next_word = Clock::now() + kSilence;
     while (!stop.stop_requested()) {
       if (std::optional<CapturedFrame> frame = former_.Next(NowUs())) return frame;
+      if (waiting_) waiting_();
       for (auto& [place, event] : inbox_.Take(stop)) former_.Add(place, std::move(event));
       if (Clock::now() < next_word) continue;
       next_word = Clock::now() + kReminder;
@@ -186,6 +188,7 @@ class GenicamSource : public RawSource {
   }
 
   RigDescription rig_;
+  Waiting waiting_;
   FrameFormer former_;
   Inbox inbox_;
   std::array<std::unique_ptr<Camera>, kRigPlaces.size()> cameras_;
@@ -213,14 +216,15 @@ void RequireDevice(RigPlace place, const RigDescription& rig, const std::string&
 
 }  // namespace
 
-std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::string& path) {
+std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::string& path,
+                                       Waiting waiting) {
   RequireInRange(rig, path);
   std::set<std::string> serials;
   for (const RigPlace place : kRigPlaces) {
     if (place == RigPlace::kTof && !rig.has_tof()) continue;
     RequireDevice(place, rig, path, serials);
   }
-  return std::make_unique<GenicamSource>(rig);
+  return std::make_unique<GenicamSource>(rig, std::move(waiting));
 }
 
 }  // namespace sprout

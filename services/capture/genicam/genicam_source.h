@@ -14,11 +14,13 @@ namespace sprout {
 /// exposures of left and right, in the host's time (DeviceClock). Cameras may come and go: without
 /// left or right Next() waits, without the ToF camera frames go on with an empty ToF image.
 ///
-/// @param path  of the rig file, for messages.
+/// @param path     of the rig file, for messages.
+/// @param waiting  called while Next() waits.
 /// @throws ConfigError when the rig file names no cameras, or asks for what is not known here. What
 /// a
 ///         camera refuses is told in CapturedFrame::trouble and tried again.
-std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::string& path);
+std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::string& path,
+                                       Waiting waiting = {});
 
 }  // namespace sprout
 

@@ -31,6 +31,7 @@ constexpr std::array kFormats = {
     FormatRow{PixelFormat::kCoord3dC32f, "Coord3D_C32f", Use::kTof},
     FormatRow{PixelFormat::kCoord3dAbc16, "Coord3D_ABC16", Use::kTof},
     FormatRow{PixelFormat::kCoord3dAbc32f, "Coord3D_ABC32f", Use::kTof},
+    FormatRow{PixelFormat::kCoord3dAbcy16, "Coord3D_ABCY16", Use::kTof},
     FormatRow{PixelFormat::kMono16, "Mono16", Use::kTof},
     FormatRow{PixelFormat::kConfidence8, "Confidence8", Use::kTofExtra},
     FormatRow{PixelFormat::kConfidence16, "Confidence16", Use::kTofExtra},

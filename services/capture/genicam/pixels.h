@@ -13,8 +13,8 @@
 
 namespace sprout {
 
-/// Pixel formats that are understood, by the numbers that GenICam's Pixel Format Naming Convention
-/// gives them; 16-bit ones are little endian.
+/// Pixel formats that are understood, by the numbers that GenICam's Pixel Format Naming Convention,
+/// or the maker, gives them; 16-bit ones are little endian.
 enum class PixelFormat : uint32_t {
   kMono8 = 0x01080001,
   kMono16 = 0x01100007,
@@ -30,6 +30,7 @@ enum class PixelFormat : uint32_t {
   kCoord3dC32f = 0x012000BF,
   kConfidence8 = 0x010800C6,
   kConfidence16 = 0x011000C7,
+  kCoord3dAbcy16 = 0x82400403,  // Lucid's own: A, B, C and the intensity
 };
 
 /// The format of GenICam's name ("BayerRG8"), if it is understood.

@@ -15,7 +15,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "payloads are little endian");
 
-// Which of a pixel's numbers is wanted: coordinate C is the last of A, B, C.
+// Which of a pixel's numbers is wanted: coordinate C is behind A and B.
 struct Numbers {
   bool is_float = false;
   int count = 1;
@@ -23,19 +23,28 @@ struct Numbers {
   size_t bytes = 2;
 };
 
-Numbers NumbersOf(PixelFormat format) {
+constexpr int kIntensity = 3;  // of A, B, C, Y
+
+// Nothing for formats of colour: a device may say of any image that it shows ranges.
+std::optional<Numbers> NumbersOf(PixelFormat format) {
   switch (format) {
     case PixelFormat::kCoord3dAbc16:
-      return {.is_float = false, .count = 3, .wanted = 2, .bytes = 2};
+      return Numbers{.is_float = false, .count = 3, .wanted = 2, .bytes = 2};
+    case PixelFormat::kCoord3dAbcy16:
+      return Numbers{.is_float = false, .count = 4, .wanted = 2, .bytes = 2};
     case PixelFormat::kCoord3dAbc32f:
-      return {.is_float = true, .count = 3, .wanted = 2, .bytes = 4};
+      return Numbers{.is_float = true, .count = 3, .wanted = 2, .bytes = 4};
     case PixelFormat::kCoord3dC32f:
-      return {.is_float = true, .count = 1, .wanted = 0, .bytes = 4};
+      return Numbers{.is_float = true, .count = 1, .wanted = 0, .bytes = 4};
     case PixelFormat::kMono8:
     case PixelFormat::kConfidence8:
-      return {.is_float = false, .count = 1, .wanted = 0, .bytes = 1};
+      return Numbers{.is_float = false, .count = 1, .wanted = 0, .bytes = 1};
+    case PixelFormat::kCoord3dC16:
+    case PixelFormat::kMono16:
+    case PixelFormat::kConfidence16:
+      return Numbers{};
     default:
-      return {};
+      return std::nullopt;
   }
 }
 
@@ -51,17 +60,22 @@ double ReadNumber(const uint8_t* bytes, const Numbers& numbers) {
   return value;
 }
 
-// The wanted number of every pixel.
-Result<cv::Mat1d> ReadPart(const PayloadPart& part) {
+// One number of every pixel: the wanted one, or else that which was asked for.
+Result<cv::Mat1d> ReadPart(const PayloadPart& part, std::optional<int> wanted = {}) {
   const Result<size_t> stride = RowBytes(part);
   if (!stride) return Fail(stride.error().text);
-  const Numbers numbers = NumbersOf(static_cast<PixelFormat>(part.format));
-  const size_t pixel = numbers.bytes * static_cast<size_t>(numbers.count);
+  std::optional<Numbers> numbers = NumbersOf(static_cast<PixelFormat>(part.format));
+  if (!numbers) {
+    return Fail("pixel format " + PixelFormatName(part.format) +
+                " holds no ranges and no confidence; allowed: " + TofFormatNames());
+  }
+  numbers->wanted = wanted.value_or(numbers->wanted);
+  const size_t pixel = numbers->bytes * static_cast<size_t>(numbers->count);
   cv::Mat1d values(part.height, part.width);
   for (int v = 0; v < part.height; ++v) {
     const uint8_t* bytes = part.bytes.data() + static_cast<size_t>(v) * *stride +
-                           numbers.bytes * static_cast<size_t>(numbers.wanted);
-    for (int u = 0; u < part.width; ++u, bytes += pixel) values(v, u) = ReadNumber(bytes, numbers);
+                           numbers->bytes * static_cast<size_t>(numbers->wanted);
+    for (int u = 0; u < part.width; ++u, bytes += pixel) values(v, u) = ReadNumber(bytes, *numbers);
   }
   return values;
 }
@@ -72,6 +86,7 @@ bool IsCoordinate(const PayloadPart& part) {
     case PixelFormat::kCoord3dC32f:
     case PixelFormat::kCoord3dAbc16:
     case PixelFormat::kCoord3dAbc32f:
+    case PixelFormat::kCoord3dAbcy16:
       return true;
     default:
       return part.content == PartContent::kRange;
@@ -150,6 +165,9 @@ Result<TofImage> ToTofImage(std::span<const PayloadPart> parts, const Scan3d& sc
     if (!confidence) return Fail(confidence.error().text);
     image.depth_m.setTo(0, *confidence == 0);
     confidence->convertTo(image.amplitude, CV_32F);
+  }
+  if (roles.range->format == static_cast<uint32_t>(PixelFormat::kCoord3dAbcy16)) {
+    ReadPart(*roles.range, kIntensity)->convertTo(image.amplitude, CV_32F);
   }
   if (roles.amplitude) {
     const Result<cv::Mat1d> amplitude = ReadPart(*roles.amplitude);

@@ -12,7 +12,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-int Returns(const TofImage& tof) { return cv::countNonZero(tof.depth_m == tof.depth_m); }
+int ScanReturns(const TofImage& tof) { return cv::countNonZero(tof.depth_m == tof.depth_m); }
 
 TEST(KittiDataset, GivesImagesCalibrationAndTruthOfAFrame) {
   const KittiFolder folder;
@@ -47,7 +47,7 @@ TEST(KittiDataset, MakesTheScanARangeImageOfTheLeftCamera) {
   EXPECT_TRUE(camera.left_from_tof_rotation.isApprox(Eigen::Quaterniond::Identity()));
   EXPECT_EQ(camera.left_from_tof_translation_m, Eigen::Vector3d::Zero());
   const TofImage tof = source->Get(0).tof;
-  EXPECT_EQ(Returns(tof), 2);
+  EXPECT_EQ(ScanReturns(tof), 2);
   EXPECT_EQ(tof.depth_m(15, 20), 10);
   EXPECT_EQ(tof.depth_m(25, 15), 20);
   EXPECT_TRUE(tof.amplitude.empty());
@@ -89,11 +89,11 @@ TEST(KittiDataset, KeepsEveryFourthOf64Beams) {
   }
   folder.WriteScan("000007", points);
   // The camera sees beams 0 to 23.
-  EXPECT_EQ(Returns(folder.Open("/000007")->Get(0).tof), 24);
-  EXPECT_EQ(Returns(folder.Open("/000007?beams=64")->Get(0).tof), 24);
-  EXPECT_EQ(Returns(folder.Open("/000007?beams=32")->Get(0).tof), 12);
-  EXPECT_EQ(Returns(folder.Open("/000007?beams=16")->Get(0).tof), 6);
-  EXPECT_EQ(Returns(folder.Open("/000007?beams=8")->Get(0).tof), 3);
+  EXPECT_EQ(ScanReturns(folder.Open("/000007")->Get(0).tof), 24);
+  EXPECT_EQ(ScanReturns(folder.Open("/000007?beams=64")->Get(0).tof), 24);
+  EXPECT_EQ(ScanReturns(folder.Open("/000007?beams=32")->Get(0).tof), 12);
+  EXPECT_EQ(ScanReturns(folder.Open("/000007?beams=16")->Get(0).tof), 6);
+  EXPECT_EQ(ScanReturns(folder.Open("/000007?beams=8")->Get(0).tof), 3);
 }
 
 TEST(KittiDataset, LeavesTheScanOutOnDemand) {
@@ -125,7 +125,7 @@ TEST(KittiDataset, ReadsTheObjectSet) {
   const KittiFolder folder;
   folder.WriteObject("000123");
   const DatasetFrame frame = folder.Open("/000123")->Get(0);
-  EXPECT_EQ(Returns(frame.tof), 2);
+  EXPECT_EQ(ScanReturns(frame.tof), 2);
   EXPECT_TRUE(frame.truth.left.empty());
 }
 
@@ -223,16 +223,16 @@ TEST(KittiErrors, RefusesOptionsThatItDoesNotHave) {
   EXPECT_THAT(OpenError(middlebury), HasSubstr("no such option beams=16"));
 }
 
-struct CalibCase {
+struct KittiCalibCase {
   std::string key;
   std::string value;
   std::string message;
 };
 
-class KittiCalib : public testing::TestWithParam<CalibCase> {};
+class KittiCalib : public testing::TestWithParam<KittiCalibCase> {};
 
 TEST_P(KittiCalib, IsRefusedWithKeyAndReason) {
-  const CalibCase& c = GetParam();
+  const KittiCalibCase& c = GetParam();
   const KittiFolder folder;
   folder.WriteStereo("000007");
   folder.WriteCalibration("000007", c.key, c.value);
@@ -242,19 +242,20 @@ TEST_P(KittiCalib, IsRefusedWithKeyAndReason) {
 
 INSTANTIATE_TEST_SUITE_P(
     Broken, KittiCalib,
-    testing::Values(CalibCase{"P2", "", "P2 is missing"}, CalibCase{"P3", "", "P3 is missing"},
-                    CalibCase{"R0_rect", "", "R0_rect is missing"},
-                    CalibCase{"Tr_velo_to_cam", "", "Tr_velo_to_cam is missing"},
-                    CalibCase{"P2", "100 0 20 0 0 100 15 0 0 0 1", "12 finite numbers"},
-                    CalibCase{"P2", "100 0 20 0 0 100 15 0 0 0 1 0 0", "12 finite numbers"},
-                    CalibCase{"P2", "x 0 20 0 0 100 15 0 0 0 1 0", "12 finite numbers"},
-                    CalibCase{"P2", "100 0 nan 0 0 100 15 0 0 0 1 0", "12 finite numbers"},
-                    CalibCase{"P2", "0 0 20 0 0 0 15 0 0 0 1 0", "a focal length above 0"},
-                    CalibCase{"P3", "101 0 20 -50 0 101 15 0 0 0 1 0", "one focal length"},
-                    CalibCase{"P3", "100 0 20 -50 0 100 16 0 0 0 1 0", "P2's row"},
-                    CalibCase{"P3", "100 0 20 0 0 100 15 0 0 0 1 0", "to the right"},
-                    CalibCase{"R0_rect", "1 0 0 0 1 0 0 0 2", "a rotation"},
-                    CalibCase{"Tr_velo_to_cam", "1 0 0 0 0 1 0 0 0 0 -1 0", "a rotation"}));
+    testing::Values(KittiCalibCase{"P2", "", "P2 is missing"},
+                    KittiCalibCase{"P3", "", "P3 is missing"},
+                    KittiCalibCase{"R0_rect", "", "R0_rect is missing"},
+                    KittiCalibCase{"Tr_velo_to_cam", "", "Tr_velo_to_cam is missing"},
+                    KittiCalibCase{"P2", "100 0 20 0 0 100 15 0 0 0 1", "12 finite numbers"},
+                    KittiCalibCase{"P2", "100 0 20 0 0 100 15 0 0 0 1 0 0", "12 finite numbers"},
+                    KittiCalibCase{"P2", "x 0 20 0 0 100 15 0 0 0 1 0", "12 finite numbers"},
+                    KittiCalibCase{"P2", "100 0 nan 0 0 100 15 0 0 0 1 0", "12 finite numbers"},
+                    KittiCalibCase{"P2", "0 0 20 0 0 0 15 0 0 0 1 0", "a focal length above 0"},
+                    KittiCalibCase{"P3", "101 0 20 -50 0 101 15 0 0 0 1 0", "one focal length"},
+                    KittiCalibCase{"P3", "100 0 20 -50 0 100 16 0 0 0 1 0", "P2's row"},
+                    KittiCalibCase{"P3", "100 0 20 0 0 100 15 0 0 0 1 0", "to the right"},
+                    KittiCalibCase{"R0_rect", "1 0 0 0 1 0 0 0 2", "a rotation"},
+                    KittiCalibCase{"Tr_velo_to_cam", "1 0 0 0 0 1 0 0 0 0 -1 0", "a rotation"}));
 
 }  // namespace
 }  // namespace sprout

@@ -9,7 +9,7 @@
 namespace sprout {
 namespace {
 
-bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
+bool EqualBytes(const cv::Mat& a, const cv::Mat& b) {
   return a.type() == b.type() && a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0;
 }
 
@@ -21,8 +21,8 @@ TEST(MiddleburyDataset, ReadsTheLayoutOf2005) {
   EXPECT_EQ(source->frame_count(), 1);
 
   const DatasetFrame frame = source->Get(0);
-  EXPECT_TRUE(SameBytes(frame.left, SomePicture({40, 1110})));
-  EXPECT_TRUE(SameBytes(frame.right, SomePicture({40, 1110})));
+  EXPECT_TRUE(EqualBytes(frame.left, SomePicture({40, 1110})));
+  EXPECT_TRUE(EqualBytes(frame.right, SomePicture({40, 1110})));
   EXPECT_TRUE(std::isnan(frame.truth.left(0, 0)));
   EXPECT_EQ(frame.truth.left(2, 3), 60.0f);
   EXPECT_EQ(frame.truth.left(1109, 39), 40.0f);
@@ -87,7 +87,7 @@ TEST(MiddleburyDataset, ReadsTheLayoutOf2014) {
   EXPECT_DOUBLE_EQ(pair.baseline_m, 0.1935);
 
   const DatasetFrame frame = source->Get(0);
-  EXPECT_TRUE(SameBytes(frame.left, SomePicture({30, 20})));
+  EXPECT_TRUE(EqualBytes(frame.left, SomePicture({30, 20})));
   EXPECT_TRUE(std::isnan(frame.truth.left(0, 0)));  // top left: rows are the right way round
   EXPECT_EQ(frame.truth.left(2, 3), 7.5f);
   EXPECT_EQ(frame.truth.left(19, 29), 5.25f);
@@ -119,8 +119,8 @@ TEST(MiddleburyDataset, KeepsGreyImagesGreyAndDropsAlpha) {
   folder.WriteImage("view1.png", cv::Mat1b(30, 40, uchar{77}));
   folder.WriteImage("view5.png", cv::Mat4b(30, 40, cv::Vec4b(1, 2, 3, 4)));
   const DatasetFrame frame = folder.Open()->Get(0);
-  EXPECT_TRUE(SameBytes(frame.left, cv::Mat1b(30, 40, uchar{77})));
-  EXPECT_TRUE(SameBytes(frame.right, cv::Mat3b(30, 40, cv::Vec3b(1, 2, 3))));
+  EXPECT_TRUE(EqualBytes(frame.left, cv::Mat1b(30, 40, uchar{77})));
+  EXPECT_TRUE(EqualBytes(frame.right, cv::Mat3b(30, 40, cv::Vec3b(1, 2, 3))));
 }
 
 TEST(MiddleburyDataset, ReadsEveryImageExtension) {
@@ -159,8 +159,8 @@ TEST(MiddleburyDataset, GivesTheSameFrameAfterTheFirstWasChanged) {
   for (cv::Mat1f* map : {&first.tof.depth_m, &first.truth.left, &first.truth.right}) map->setTo(1);
 
   const DatasetFrame second = source->Get(0);
-  EXPECT_TRUE(SameBytes(second.left, kept.left));
-  EXPECT_TRUE(SameBytes(second.right, kept.right));
+  EXPECT_TRUE(EqualBytes(second.left, kept.left));
+  EXPECT_TRUE(EqualBytes(second.right, kept.right));
   EXPECT_EQ(second.tof.depth_m(3, 3), kept.tof.depth_m(3, 3));
   EXPECT_EQ(second.truth.left(3, 3), kept.truth.left(3, 3));
   EXPECT_EQ(second.truth.right(3, 3), kept.truth.right(3, 3));

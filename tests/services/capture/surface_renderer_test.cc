@@ -8,7 +8,7 @@
 namespace sprout {
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFarPx = 10;
 constexpr float kNearPx = 30;
 constexpr float kFarM = 1;  // f·b / 10 px
@@ -87,8 +87,8 @@ TEST(SurfaceRenderer, PutsWhatOnlyTheRightCameraSeesInFront) {
 
 TEST(SurfaceRenderer, LeavesWhatNobodyKnowsUnknown) {
   TwoPlanes scene;
-  scene.truth.left(cv::Rect(0, 0, 100, 15)) = kUnknown;
-  scene.truth.right(cv::Rect(0, 0, 100, 15)) = kUnknown;
+  scene.truth.left(cv::Rect(0, 0, 100, 15)) = kNoDepth;
+  scene.truth.right(cv::Rect(0, 0, 100, 15)) = kNoDepth;
   const TofSamples samples = scene.Render();
   EXPECT_TRUE(std::isnan(DepthAt(samples, 50, 5)));
   EXPECT_EQ(AlbedoAt(samples, 50, 5), 0);

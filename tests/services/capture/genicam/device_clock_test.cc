@@ -13,9 +13,9 @@ constexpr int64_t kHourNs = 3'600'000'000'000;
 
 // A device whose clock is an hour ahead and runs too fast, 10 images a second; each is here 3 ms
 // after its exposure and up to 2 ms more, every 7th 100 ms more.
-class Device {
+class DriftingDevice {
  public:
-  explicit Device(double drift_ppm) : drift_ppm_(drift_ppm) {}
+  explicit DriftingDevice(double drift_ppm) : drift_ppm_(drift_ppm) {}
 
   int64_t DeviceNs(int64_t host_us) const {
     const auto passed_us = static_cast<double>(host_us - kStartUs);
@@ -48,17 +48,17 @@ class Device {
 
 TEST(DeviceClock, FindsAnHourOfOffsetAndAHundredPpmOfDrift) {
   for (const double drift_ppm : {100.0, -100.0, 0.0}) {
-    Device device(drift_ppm);
+    DriftingDevice device(drift_ppm);
     DeviceClock clock;
     for (int64_t i = 0; i < 3000; ++i) {
       const int64_t exposed_us = device.Expose(i, clock);
       const int64_t error_us = clock.HostUs(device.DeviceNs(exposed_us)) - exposed_us;
       // The first ones may have come late; an offset alone drifts by 1 ms in 10 s.
       if (i >= 10) {
-        EXPECT_NEAR(static_cast<double>(error_us), Device::kDelayUs, 2100) << i;
+        EXPECT_NEAR(static_cast<double>(error_us), DriftingDevice::kDelayUs, 2100) << i;
       }
       if (i >= 600) {
-        EXPECT_NEAR(static_cast<double>(error_us), Device::kDelayUs, 500) << i;
+        EXPECT_NEAR(static_cast<double>(error_us), DriftingDevice::kDelayUs, 500) << i;
       }
     }
     EXPECT_NEAR(clock.drift_ppm(), -drift_ppm, 5);
@@ -68,7 +68,7 @@ TEST(DeviceClock, FindsAnHourOfOffsetAndAHundredPpmOfDrift) {
 
 TEST(DeviceClock, StartsAgainWhenTheClockJumps) {
   for (const int64_t jump_ns : {int64_t{500'000'000}, int64_t{-50'000'000}, kHourNs / 2}) {
-    Device device(20);
+    DriftingDevice device(20);
     DeviceClock clock;
     for (int64_t i = 0; i < 300; ++i) device.Expose(i, clock);
     device.Jump(jump_ns);
@@ -76,7 +76,7 @@ TEST(DeviceClock, StartsAgainWhenTheClockJumps) {
     for (int64_t i = 300; i < 400; ++i) exposed_us = device.Expose(i, clock);
     EXPECT_EQ(device.told_count(), 1) << jump_ns;
     EXPECT_NEAR(static_cast<double>(clock.HostUs(device.DeviceNs(exposed_us)) - exposed_us),
-                Device::kDelayUs, 2100);
+                DriftingDevice::kDelayUs, 2100);
   }
 }
 
@@ -98,7 +98,7 @@ TEST(DeviceClock, StartsAgainAtOnceWhenTheClockRunsBackwards) {
 }
 
 TEST(DeviceClock, BearsPacketsThatAHostHadToWaitFor) {
-  Device device(0);
+  DriftingDevice device(0);
   DeviceClock clock;
   for (int64_t i = 0; i < 100; ++i) device.Expose(i, clock);
   // A second in which nothing was read; all of it is here at the end of it.
@@ -108,7 +108,7 @@ TEST(DeviceClock, BearsPacketsThatAHostHadToWaitFor) {
   }
   const int64_t exposed_us = device.Expose(112, clock);
   EXPECT_NEAR(static_cast<double>(clock.HostUs(device.DeviceNs(exposed_us)) - exposed_us),
-              Device::kDelayUs, 1000);
+              DriftingDevice::kDelayUs, 1000);
 }
 
 TEST(DeviceClock, KnowsATimeFromTheFirstPairOn) {

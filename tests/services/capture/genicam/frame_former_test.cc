@@ -7,7 +7,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr int64_t kStart = 1'700'000'000'000'000;
+constexpr int64_t kStartUtime = 1'700'000'000'000'000;
 constexpr int64_t kPeriodUs = 100'000;
 
 RigDescription SomeRig() {
@@ -21,10 +21,10 @@ RigDescription SomeRig() {
 // Image `index` of a camera whose clock is `place` hours ahead, 8 ms of exposure and 1 ms on the
 // way.
 CameraEvent Image(RigPlace place, int64_t index) {
-  const int64_t begin_us = kStart + index * kPeriodUs;
+  const int64_t begin_us = kStartUtime + index * kPeriodUs;
   const int64_t ahead_ns = static_cast<int64_t>(place) * 3'600'000'000'000;
   CameraEvent event;
-  event.image.device_ns = (begin_us - kStart) * 1000 + ahead_ns;
+  event.image.device_ns = (begin_us - kStartUtime) * 1000 + ahead_ns;
   event.image.exposure_ns = 8'000'000;
   event.image.arrived_utime = begin_us + 9000;
   if (place == RigPlace::kTof) {
@@ -45,10 +45,10 @@ CameraEvent Broken() {
 // Its clock, asked for at a time after the start.
 CameraEvent Reading(RigPlace place, int64_t after_us, int64_t wrong_by_ns = 0) {
   const int64_t ahead_ns = static_cast<int64_t>(place) * 3'600'000'000'000;
-  return {
-      .kind = CameraEvent::Kind::kClock,
-      .text = "",
-      .clock = {.device_ns = after_us * 1000 + ahead_ns + wrong_by_ns, .utime = kStart + after_us}};
+  return {.kind = CameraEvent::Kind::kClock,
+          .text = "",
+          .clock = {.device_ns = after_us * 1000 + ahead_ns + wrong_by_ns,
+                    .utime = kStartUtime + after_us}};
 }
 
 CameraEvent Opened() { return {.kind = CameraEvent::Kind::kOpened, .text = "it"}; }
@@ -62,7 +62,7 @@ class Former : public testing::Test {
   std::optional<CapturedFrame> Take(int64_t index, const std::vector<RigPlace>& places = {
                                                        kRigPlaces.begin(), kRigPlaces.end()}) {
     for (const RigPlace place : places) former_.Add(place, Image(place, index));
-    return former_.Next(kStart + index * kPeriodUs + 10'000);
+    return former_.Next(kStartUtime + index * kPeriodUs + 10'000);
   }
 
   FrameFormer former_{SomeRig()};
@@ -71,7 +71,7 @@ class Former : public testing::Test {
 TEST_F(Former, GivesTheMiddleOfTheExposureInTheHostsTime) {
   const std::optional<CapturedFrame> frame = Take(0);
   ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->utime, kStart + 4000 + 1000);  // and the way, which nobody can know
+  EXPECT_EQ(frame->utime, kStartUtime + 4000 + 1000);  // and the way, which nobody can know
   EXPECT_EQ(frame->spread_ms, 0);
   EXPECT_EQ(frame->tof.depth_m.size(), cv::Size(3, 2));
   EXPECT_EQ(frame->left.size(), cv::Size(5, 4));
@@ -91,7 +91,10 @@ TEST_F(Former, CountsACaptureOnceWhicheverOfItsImagesIsLost) {
   const std::optional<CapturedFrame> frame = Take(4);
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->lost, 3);
-  EXPECT_EQ(frame->trouble, "right camera (serial 2): image 7 has missing packets");
+  EXPECT_EQ(
+      frame->trouble,
+      "left camera (serial 1): image 7 has missing packets; right camera (serial 2): image 7 has "
+      "missing packets");
   EXPECT_EQ(Take(5)->lost, 0);
 }
 
@@ -123,7 +126,7 @@ TEST_F(Former, SaysWhyThereIsNoFrame) {
   CameraEvent late = Image(RigPlace::kRight, 0);
   late.image.arrived_utime += 50'000;
   former_.Add(RigPlace::kRight, std::move(late));
-  EXPECT_FALSE(former_.Next(kStart + 60'000));
+  EXPECT_FALSE(former_.Next(kStartUtime + 60'000));
   EXPECT_THAT(former_.NewTrouble(),
               HasSubstr("left camera's 1 images and the right one's 1 are within max_spread_ms = "
                         "5; trigger = SOFTWARE"));
@@ -151,9 +154,9 @@ TEST_F(Former, TakesTheTimeFromTheDevicesClockWhereItCanBeRead) {
       if (place == RigPlace::kTof) event.image.arrived_utime += 150'000;
       former_.Add(place, std::move(event));
     }
-    const auto frame = former_.Next(kStart + i * kPeriodUs + 200'000);
+    const auto frame = former_.Next(kStartUtime + i * kPeriodUs + 200'000);
     ASSERT_TRUE(frame);
-    EXPECT_EQ(frame->utime, kStart + i * kPeriodUs + 4000);
+    EXPECT_EQ(frame->utime, kStartUtime + i * kPeriodUs + 4000);
     EXPECT_EQ(frame->spread_ms, 0);
     EXPECT_FALSE(frame->tof.depth_m.empty());
   }
@@ -205,7 +208,7 @@ TEST(FormerWithPtp, HasOneClockForAllCameras) {
     if (place == RigPlace::kTof) event.image.arrived_utime += 40'000;
     former.Add(place, std::move(event));
   }
-  const std::optional<CapturedFrame> frame = former.Next(kStart + 60'000);
+  const std::optional<CapturedFrame> frame = former.Next(kStartUtime + 60'000);
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->spread_ms, 0);
   EXPECT_FALSE(frame->tof.depth_m.empty());

@@ -9,7 +9,7 @@ namespace {
 
 using testing::HasSubstr;
 
-PayloadPart Part(PixelFormat format, int width, int height, const std::vector<uint8_t>& bytes) {
+PayloadPart PartOf(PixelFormat format, int width, int height, const std::vector<uint8_t>& bytes) {
   return {.format = static_cast<uint32_t>(format),
           .width = width,
           .height = height,
@@ -20,7 +20,7 @@ PayloadPart Part(PixelFormat format, int width, int height, const std::vector<ui
 
 TEST(Pixels, GreyIsCopied) {
   std::vector<uint8_t> bytes = {1, 2, 3, 4, 5, 6};
-  const Result<cv::Mat> image = ToImage(Part(PixelFormat::kMono8, 3, 2, bytes));
+  const Result<cv::Mat> image = ToImage(PartOf(PixelFormat::kMono8, 3, 2, bytes));
   ASSERT_TRUE(image);
   bytes.assign(6, 0);
   EXPECT_EQ(image->type(), CV_8UC1);
@@ -29,7 +29,7 @@ TEST(Pixels, GreyIsCopied) {
 
 TEST(Pixels, PaddingBehindRowsIsLeftOut) {
   const std::vector<uint8_t> bytes = {1, 2, 3, 99, 4, 5, 6};
-  PayloadPart part = Part(PixelFormat::kMono8, 3, 2, bytes);
+  PayloadPart part = PartOf(PixelFormat::kMono8, 3, 2, bytes);
   part.row_padding = 1;
   const Result<cv::Mat> image = ToImage(part);
   ASSERT_TRUE(image);
@@ -38,9 +38,9 @@ TEST(Pixels, PaddingBehindRowsIsLeftOut) {
 
 TEST(Pixels, ColoursBecomeBgr) {
   const std::vector<uint8_t> bytes = {200, 100, 50};
-  EXPECT_EQ(ToImage(Part(PixelFormat::kRGB8, 1, 1, bytes))->at<cv::Vec3b>(0, 0),
+  EXPECT_EQ(ToImage(PartOf(PixelFormat::kRGB8, 1, 1, bytes))->at<cv::Vec3b>(0, 0),
             cv::Vec3b(50, 100, 200));
-  EXPECT_EQ(ToImage(Part(PixelFormat::kBGR8, 1, 1, bytes))->at<cv::Vec3b>(0, 0),
+  EXPECT_EQ(ToImage(PartOf(PixelFormat::kBGR8, 1, 1, bytes))->at<cv::Vec3b>(0, 0),
             cv::Vec3b(200, 100, 50));
 }
 
@@ -58,7 +58,7 @@ TEST(Pixels, BayerPatternsOfOneColourBecomeThatColour) {
     for (size_t v = 0; v < 8; ++v) {
       for (size_t u = 0; u < 10; ++u) bytes.push_back(order[v % 2 * 2 + u % 2]);
     }
-    const Result<cv::Mat> image = ToImage(Part(format, 10, 8, bytes));
+    const Result<cv::Mat> image = ToImage(PartOf(format, 10, 8, bytes));
     ASSERT_TRUE(image);
     for (int v = 0; v < 8; ++v) {
       for (int u = 0; u < 10; ++u) {
@@ -72,16 +72,16 @@ TEST(Pixels, BayerPatternsOfOneColourBecomeThatColour) {
 TEST(Pixels, SayWhatIsWrongWithAPayload) {
   const std::vector<uint8_t> bytes(12);
   const auto error = [&](const PayloadPart& part) { return ToImage(part).error().text; };
-  EXPECT_EQ(error(Part(PixelFormat::kMono8, 4, 4, bytes)),
+  EXPECT_EQ(error(PartOf(PixelFormat::kMono8, 4, 4, bytes)),
             "12 bytes for 4x4 pixels of Mono8; needed: 16");
-  EXPECT_THAT(error(Part(PixelFormat::kMono8, 0, 4, bytes)), HasSubstr("0x4 pixels"));
-  EXPECT_THAT(error(Part(PixelFormat::kMono8, -3, -4, bytes)), HasSubstr("-3x-4 pixels"));
-  EXPECT_THAT(error(Part(PixelFormat::kMono8, 1 << 30, 1 << 30, bytes)), HasSubstr("pixels"));
-  EXPECT_THAT(error(Part(PixelFormat::kCoord3dC16, 2, 2, bytes)),
+  EXPECT_THAT(error(PartOf(PixelFormat::kMono8, 0, 4, bytes)), HasSubstr("0x4 pixels"));
+  EXPECT_THAT(error(PartOf(PixelFormat::kMono8, -3, -4, bytes)), HasSubstr("-3x-4 pixels"));
+  EXPECT_THAT(error(PartOf(PixelFormat::kMono8, 1 << 30, 1 << 30, bytes)), HasSubstr("pixels"));
+  EXPECT_THAT(error(PartOf(PixelFormat::kCoord3dC16, 2, 2, bytes)),
               HasSubstr("Coord3D_C16 is none of a stereo camera; allowed: Mono8, BayerRG8"));
-  EXPECT_THAT(error(Part(static_cast<PixelFormat>(0x010C0006), 2, 2, bytes)),
+  EXPECT_THAT(error(PartOf(static_cast<PixelFormat>(0x010C0006), 2, 2, bytes)),
               HasSubstr("pixel format 0x010C0006 is not understood; allowed: Mono8"));
-  PayloadPart padded = Part(PixelFormat::kMono8, 3, 2, bytes);
+  PayloadPart padded = PartOf(PixelFormat::kMono8, 3, 2, bytes);
   padded.row_padding = SIZE_MAX;
   EXPECT_THAT(error(padded), HasSubstr("needed"));
 }

@@ -43,6 +43,18 @@ TEST(Scan3d, NumbersBecomeMetres) {
   EXPECT_TRUE(image->amplitude.empty());
 }
 
+TEST(Scan3d, TheIntensityBesideCIsTheAmplitude) {
+  const auto bytes = Bytes<uint16_t>({1, 2, 3000, 700, 4, 5, 65535, 65535});
+  const Result<TofImage> image =
+      ToTofImage(std::vector{Part(PixelFormat::kCoord3dAbcy16, 2, 1, bytes)},
+                 {.scale = 0.5, .invalid = 65535});
+  ASSERT_TRUE(image);
+  EXPECT_EQ(image->depth_m(0, 0), 1.5F);
+  EXPECT_EQ(image->depth_m(0, 1), 0.0F);
+  EXPECT_EQ(image->amplitude(0, 0), 700.0F);
+  EXPECT_EQ(image->amplitude(0, 1), 65535.0F);
+}
+
 TEST(Scan3d, CIsTheLastOfThreeCoordinates) {
   const auto integers = Bytes<uint16_t>({1, 2, 3000, 4, 5, 6000});
   const auto floats = Bytes<float>({1, 2, 3000, 4, 5, std::numeric_limits<float>::quiet_NaN()});
@@ -112,6 +124,24 @@ TEST(Scan3d, SaysWhatIsWrongWithAPayload) {
   EXPECT_EQ(error({Part(PixelFormat::kCoord3dC16, 2, 1, range),
                    Part(PixelFormat::kConfidence16, 1, 2, range)}),
             "Confidence16 is 1x2, Coord3D_C16 is 2x1; allowed: one size");
+}
+
+TEST(Scan3d, RefusesRangesAndConfidencesInAFormatOfColours) {
+  const auto range = Bytes<uint16_t>({1000, 2000});
+  const auto bytes =
+      Bytes<uint8_t>({1, 2});  // as 16-bit numbers they would be read beyond their end
+  for (const PixelFormat format : {PixelFormat::kBayerRG8, PixelFormat::kBayerBG8}) {
+    const PayloadPart as_range = Part(format, 2, 1, bytes, PartContent::kRange);
+    const PayloadPart as_confidence = Part(format, 2, 1, bytes, PartContent::kConfidence);
+    const std::string error =
+        "pixel format " + PixelFormatName(static_cast<uint32_t>(format)) + " holds no ranges";
+    EXPECT_THAT(ToTofImage(std::vector{as_range}, {}).error().text, HasSubstr(error));
+    EXPECT_THAT(
+        ToTofImage(std::vector{Part(PixelFormat::kCoord3dC16, 2, 1, range), as_confidence}, {})
+            .error()
+            .text,
+        HasSubstr(error));
+  }
 }
 
 TEST(Scan3d, RangesBecomeDepths) {

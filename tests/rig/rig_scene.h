@@ -1,0 +1,49 @@
+#ifndef SPROUT_TESTS_RIG_RIG_SCENE_H_
+#define SPROUT_TESTS_RIG_RIG_SCENE_H_
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "common/rig/rectifier.h"
+#include "services/calibrate/board_view.h"
+#include "services/capture/lens_view.h"
+#include "services/capture/sr4000.h"
+#include "services/capture/synthetic_scene.h"
+
+namespace sprout {
+
+/// Sprout's synthetic scene as a rig sees it that is not rectified: through the lenses, from the
+/// places and with the bias of the ranges that `rig` has. Same bytes at every call.
+class RigScene {
+ public:
+  /// @param rig   with a ToF camera of the SR4000's size.
+  /// @param seed  of the scene and of the noise.
+  RigScene(const RawRig& rig, uint32_t seed);
+
+  /// In colour, with a noise of 2 grey levels; the ToF image is the simulated SR4000's.
+  /// @param step   of the scene.
+  /// @param noise  other numbers, other noise.
+  RigImages Render(int64_t step, uint32_t noise) const;
+
+  /// What the left image, once rectified by somebody's calibration, should have: at each pixel the
+  /// disparity that the true depth has for that calibration's pair; NaN where the right camera
+  /// does not see the surface. So an error of the calibration is one of the map.
+  cv::Mat1f Truth(int64_t step, const Rectifier& rectifier) const;
+
+ private:
+  /// The image of a camera from its rays' colours.
+  cv::Mat RenderImage(const LensView& view, const std::vector<Solid>& solids, uint32_t noise) const;
+
+  RawRig rig_;
+  SyntheticScene scene_;
+  LensView left_;
+  LensView right_;
+  LensView tof_;
+  Sr4000 sr4000_;
+  cv::Mat1d range_per_depth_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_TESTS_RIG_RIG_SCENE_H_
