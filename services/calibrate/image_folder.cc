@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,26 @@ void ReadImageFolder(const std::filesystem::path& folder,
   if (triplets == 0) {
     throw ConfigError(folder.string() + ": no left_NAME.png with a right_NAME.png in it");
   }
+}
+
+void WriteImages(const std::filesystem::path& folder, const std::string& name,
+                 const RigImages& images) {
+  const auto write = [&](const std::string& what, const char* extension, const cv::Mat& image) {
+    const fs::path file = folder / (what + "_" + name + extension);
+    bool written = false;
+    try {
+      written = cv::imwrite(file.string(), image);
+    } catch (const cv::Exception&) {
+      // OpenCV's text is about its source.
+    }
+    if (!written) throw std::runtime_error(file.string() + ": cannot be written");
+  };
+  if (!images.tof.amplitude.empty()) {  // without it there are no corners in the ToF image
+    write("tof_depth", ".tiff", images.tof.depth_m);
+    write("tof_amplitude", ".tiff", images.tof.amplitude);
+  }
+  write("right", ".png", images.right);
+  write("left", ".png", images.left);  // the last one: with it the triplet is there
 }
 
 }  // namespace sprout

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 
 #include "services/calibrate/board_view.h"
 
@@ -14,6 +15,11 @@ namespace sprout {
 /// @throws ConfigError naming a file that cannot be used, or the folder when there is no triplet.
 void ReadImageFolder(const std::filesystem::path& folder,
                      const std::function<void(const RigImages&)>& visit);
+
+/// Writes a triplet as ReadImageFolder() reads it: left and right as .png, ToF as .tiff.
+/// @throws std::runtime_error naming a file that cannot be written.
+void WriteImages(const std::filesystem::path& folder, const std::string& name,
+                 const RigImages& images);
 
 }  // namespace sprout
 

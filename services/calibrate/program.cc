@@ -14,6 +14,7 @@
 #include "common/app/program.h"
 #include "common/app/progress.h"
 #include "common/app/version.h"
+#include "common/bus/lcm_url.h"
 #include "common/config/config.h"
 #include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
@@ -25,6 +26,7 @@
 #include "services/calibrate/image_folder.h"
 #include "services/calibrate/report.h"
 #include "services/calibrate/view_collector.h"
+#include "services/calibrate/watch.h"
 
 namespace sprout {
 namespace {
@@ -37,8 +39,8 @@ constexpr char kDescription[] =
 constexpr char kFooter[] = R"(
 Examples
   sprout-calibrate board --out board.svg                   print it at 100 %, glue it to a flat board
-  sprout-capture --source ... --raw   and   lcm-logger raw.lcm   while you show it to the cameras
-  sprout-calibrate estimate raw.lcm --rig rig.textproto --out rig.textproto --report report.html
+  sprout-capture --source ... --raw   and   sprout-calibrate watch --out views   while you show it
+  sprout-calibrate estimate views --rig rig.textproto --out rig.textproto --report report.html
   sprout-calibrate check run.lcm                           weeks later: is it still right
 
 `sprout-calibrate COMMAND --help` explains a command. Exit codes: 0; 1 the calibration is not good
@@ -58,6 +60,7 @@ struct Options {
   fs::path report;
   std::string prefix;
   CheckOptions check;
+  WatchOptions watch{.out = {}, .prefix = {}, .lcm_url = kDefaultLcmUrl};
   std::function<int()> chosen;
 };
 
@@ -193,6 +196,30 @@ void AddEstimate(CLI::App& program, Options& options) {
   flags.callback([&] { options.chosen = [&] { return RunEstimate(options); }; });
 }
 
+void AddWatch(CLI::App& program, Options& options) {
+  CLI::App& flags = *program.add_subcommand(
+      "watch",
+      "Keeps the views of the board that say something new, while it is shown to the cameras\n"
+      "(sprout-capture --raw); says what is still missing. Ends when nothing is, or with Ctrl-C.\n"
+      "Exit code 0 nothing is missing, 1 something is");
+  AddBoardFlags(flags, options.board);
+  flags
+      .add_option("--out", options.watch.out,
+                  "Folder for the views, which estimate takes; those that are in it count")
+      ->required()
+      ->type_name("FOLDER");
+  flags
+      .add_option("--lcm-url", options.watch.lcm_url,
+                  "Where the messages travel: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
+      ->type_name("URL")
+      ->envname("LCM_DEFAULT_URL")
+      ->capture_default_str();
+  flags.add_option("--channel-prefix", options.watch.prefix, "Before the channels of the graph")
+      ->type_name("TEXT");
+  flags.callback(
+      [&] { options.chosen = [&] { return RunWatch(BoardOf(options.board), options.watch); }; });
+}
+
 void AddCheck(CLI::App& program, Options& options) {
   CLI::App& flags = *program.add_subcommand(
       "check",
@@ -229,6 +256,7 @@ int CalibrateMain(int argc, const char* const* argv) {
   Options options;
   flags.require_subcommand(1);
   AddBoard(flags, options);
+  AddWatch(flags, options);
   AddEstimate(flags, options);
   AddCheck(flags, options);
   flags.set_version_flag("--version", "sprout-calibrate " + Version());

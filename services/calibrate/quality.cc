@@ -7,6 +7,7 @@
 
 #include "common/geometry/lens.h"
 #include "common/rig/rectifier.h"
+#include "services/calibrate/coverage.h"
 
 namespace sprout {
 namespace {
@@ -16,8 +17,6 @@ constexpr double kOutlierSigmas = 4;
 // What a good calibration keeps. Of 2 px of vertical error Sprout loses less than a percent of its
 // pixels, of 3 px of ToF points that land elsewhere some three (services/refine/NOTES.md): the
 // limits stay well below.
-constexpr int kFewViews = 15;
-constexpr int kMinCornersInNinth = 8;
 constexpr double kMaxRmsPx = 0.5;
 constexpr double kMaxOutlierShare = 0.15;     // small windows on slants have some
 constexpr double kMaxEpipolarPx = 0.5;        // of 95 % of the corners
@@ -25,7 +24,6 @@ constexpr double kMaxFocalDeviation = 0.001;  // of the focal length of left and
 constexpr double kMaxTofLandingPx = 0.5;
 constexpr double kMaxRangeRmsM = 0.02;
 constexpr double kMaxRangeSigmaM = 0.005;
-constexpr double kMinRangeRatio = 1.25;  // of farthest and nearest range
 
 double Percentile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
@@ -51,11 +49,7 @@ CameraQuality QualityOfCamera(const RefinedModel& refined, CameraIndex camera,
       continue;
     }
     sum += error * error;
-    const auto part = [](double position, int length) {
-      return std::clamp(static_cast<int>(3 * (position + 0.5) / length), 0, 2);
-    };
-    ++quality.corners_in_ninth[static_cast<size_t>(3 * part(residual.pixel.y, size.height) +
-                                                   part(residual.pixel.x, size.width))];
+    ++quality.corners_in_ninth[NinthOf(residual.pixel, size)];
   }
   const auto inliers = static_cast<double>(quality.residuals.size()) - quality.outliers;
   if (inliers > 0) quality.rms_px = std::sqrt(sum / inliers);
@@ -188,7 +182,9 @@ class Verdict {
       Add("the {} camera sees the board in {} views only: show it in {} or more", name,
           camera.views, kFewViews);
     }
-    Coverage(camera, name);
+    for (std::string& line : MissingNinths(name, camera.corners_in_ninth)) {
+      reasons_.push_back(std::move(line));
+    }
     if (camera.rms_px > kMaxRmsPx) {
       Add("corners of the {} image are {:.2f} px from where the calibration has them ({} are "
           "allowed): is the board flat, and was it held still?",
@@ -207,18 +203,6 @@ class Verdict {
       Add("the {} focal length is known to {:.2f} % only ({} % are allowed): tilt the board more, "
           "in different directions",
           name, 100 * deviation, 100 * kMaxFocalDeviation);
-    }
-  }
-
-  void Coverage(const CameraQuality& camera, const char* name) {
-    static constexpr std::array<const char*, 9> kNinths = {
-        "upper left",   "upper middle", "upper right",  "middle left", "middle",
-        "middle right", "lower left",   "lower middle", "lower right"};
-    for (size_t i = 0; i < kNinths.size(); ++i) {
-      const int corners = camera.corners_in_ninth[i];
-      if (corners >= kMinCornersInNinth) continue;
-      Add("the {} image's {} ninth has {}: show the board there", name, kNinths[i],
-          corners == 0 ? "no corner" : fmt::format("{} corners only", corners));
     }
   }
 

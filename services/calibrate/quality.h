@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/rig/raw_rig.h"
+#include "services/calibrate/coverage.h"
 #include "services/calibrate/rig_refinement.h"
 
 namespace sprout {
@@ -17,7 +18,7 @@ struct CameraQuality {
   int outliers = 0;   ///< corners further off than 4 standard deviations, left out of rms_px
   CameraDeviation deviation;
   std::vector<CornerResidual> residuals;
-  std::array<int, 9> corners_in_ninth{};  ///< row by row, from the upper left ninth of the image
+  Ninths corners_in_ninth{};
 };
 
 /// How good a calibration is.

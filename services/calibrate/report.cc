@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
-#include <span>
 #include <vector>
 
+#include "common/picture/html.h"
 #include "services/calibrate/report_pictures.h"
 
 namespace sprout {
@@ -22,49 +22,11 @@ std::array<double, kLensNumbers> NumbersOf(const Lens& lens) {
   return {lens.fx, lens.fy, lens.cx, lens.cy, k[0], k[1], k[2], k[3], k[4]};
 }
 
-std::string Base64(std::span<const uint8_t> bytes) {
-  static constexpr char kDigits[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](size_t k) { return i + k < bytes.size() ? uint32_t{bytes[i + k]} : 0U; };
-    const uint32_t triple = byte(0) << 16 | byte(1) << 8 | byte(2);
-    for (uint32_t digit = 0; digit < 4; ++digit) {
-      const bool is_there = i + digit <= bytes.size();
-      text += is_there ? kDigits[triple >> (18 - 6 * digit) & 63] : '=';
-    }
-  }
-  return text;
-}
-
 std::string Figure(const cv::Mat3b& picture, const std::string& caption) {
   std::vector<uint8_t> png;
   cv::imencode(".png", picture, png);
-  return fmt::format(
-      "<figure><img alt=\"\" src=\"data:image/png;base64,{}\"><figcaption>{}</figcaption>"
-      "</figure>\n",
-      Base64(png), caption);
-}
-
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
+  return fmt::format("<figure><img alt=\"\" src=\"{}\"><figcaption>{}</figcaption></figure>\n",
+                     DataUrl("image/png", png), caption);
 }
 
 std::string VerdictText(const CalibrationQuality& quality) {
@@ -115,7 +77,7 @@ std::string HtmlTable(const std::vector<std::vector<std::string>>& rows) {
   for (size_t i = 0; i < rows.size(); ++i) {
     html += "<tr>";
     for (const std::string& cell : rows[i]) {
-      html += fmt::format("<{0}>{1}</{0}>", i == 0 ? "th" : "td", Escaped(cell));
+      html += fmt::format("<{0}>{1}</{0}>", i == 0 ? "th" : "td", EscapedHtml(cell));
     }
     html += "</tr>\n";
   }
@@ -210,10 +172,11 @@ std::string ReportHtml(const Calibration& calibration, const RigImages& images,
                       quality.is_good() ? "good" : "bad", VerdictText(quality));
   if (!quality.is_good()) {
     html += "<ul>\n";
-    for (const std::string& reason : quality.reasons) html += "<li>" + Escaped(reason) + "</li>\n";
+    for (const std::string& reason : quality.reasons)
+      html += "<li>" + EscapedHtml(reason) + "</li>\n";
     html += "</ul>\n";
   }
-  html += "<p>" + Escaped(counts_text) + ".</p>\n";
+  html += "<p>" + EscapedHtml(counts_text) + ".</p>\n";
   std::vector<std::vector<std::string>> rows = {{"what", "how good"}};
   for (const Row& row : RigRows(calibration)) rows.push_back({row.name, row.value});
   html += HtmlTable(rows);

@@ -7,6 +7,7 @@
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
 #include "common/picture/color_map.h"
+#include "common/picture/picture.h"
 #include "common/rig/rectifier.h"
 
 namespace sprout {
@@ -55,13 +56,15 @@ cv::Mat3b CoveragePicture(const CameraQuality& quality, cv::Size size) {
   cv::rectangle(picture, cv::Rect({0, 0}, picture.size()), kGridColor);
   // rms_px is of both coordinates together.
   const ValueRange range_px{0, std::max(1e-6, 4 * quality.rms_px / std::sqrt(2.0))};
+  bool clipped = false;
   for (const CornerResidual& residual : quality.residuals) {
+    clipped = clipped || cv::norm(residual.error) > range_px.max;
     const cv::Vec3b color = ColorOf(cv::norm(residual.error), range_px);
     const cv::Point2d centre = (residual.pixel + cv::Point2d(0.5, 0.5)) * scale;
     cv::circle(picture, Fixed(centre), 2 << kShift, cv::Scalar(color[0], color[1], color[2]),
                cv::FILLED, cv::LINE_AA, kShift);
   }
-  return picture;
+  return ScaledPicture(picture, "", {.axes = {{range_px, "px"}}, .above = clipped});
 }
 
 cv::Mat3b PairPicture(const RawRig& rig, const RigImages& images) {
@@ -86,15 +89,19 @@ cv::Mat3b TofPicture(const RawRig& rig, const RigImages& images) {
   TofImage tof{.depth_m = images.tof.depth_m.clone(), .amplitude = {}};
   rectifier.CorrectRanges(tof);
   const ValueRange range_m = DepthRange(tof);
+  ScaleContent content{.axes = {{range_m, "m", /*is_depth=*/true}}};
   int behind = 0;
   for (const ProjectedPoint& point : TofProjector(rectifier.rig()).Project(tof, behind)) {
-    const cv::Vec3b color = ColorOf(tof.depth_m(point.tof_v, point.tof_u), range_m);
+    const float depth_m = tof.depth_m(point.tof_v, point.tof_u);
+    const cv::Vec3b color = ColorOfDepth(depth_m, range_m);
     const cv::Point2d pixel(point.seed.u, point.seed.v);
     if (!cv::Rect2d({0, 0}, cv::Size2d(left.size())).contains(pixel)) continue;
+    content.above = content.above || depth_m < range_m.min;  // near is up
+    content.below = content.below || depth_m > range_m.max;
     cv::circle(picture, Fixed((pixel + cv::Point2d(0.5, 0.5)) * scale), 3 << (kShift - 1),
                cv::Scalar(color[0], color[1], color[2]), cv::FILLED, cv::LINE_AA, kShift);
   }
-  return picture;
+  return ScaledPicture(picture, "", content);
 }
 
 }  // namespace sprout

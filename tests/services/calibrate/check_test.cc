@@ -13,7 +13,7 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-struct Outcome {
+struct CheckOutcome {
   int exit_code;
   std::string out;
   std::string err;
@@ -52,7 +52,7 @@ class CalibrateCheck : public testing::Test {
     return folder_ / "run.lcm";
   }
 
-  static Outcome Check(const std::string& log) {
+  static CheckOutcome Check(const std::string& log) {
     const char* argv[] = {"sprout-calibrate", "check", log.c_str()};
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
@@ -65,21 +65,21 @@ class CalibrateCheck : public testing::Test {
 };
 
 TEST_F(CalibrateCheck, FindsNothingWrongWithAGoodRig) {
-  const Outcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000", 4, 0));
+  const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000", 4, 0));
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("4 frames: good\n"));
 }
 
 TEST_F(CalibrateCheck, NoticesAToFCameraThatWasKnocked) {
-  const Outcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000&calibration=5", 4, 0));
+  const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000&calibration=5", 4, 0));
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("was the ToF camera knocked?"));
 }
 
 TEST_F(CalibrateCheck, NoticesRowsThatDoNotAgree) {
-  const Outcome outcome = Check(WriteLog("synthetic:640x480?tof=none", 2, 2));
+  const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=none", 2, 2));
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, ContainsRegex("rows of the right image lie .(1.9|2.0)"));

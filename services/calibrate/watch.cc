@@ -1,0 +1,186 @@
+#include "services/calibrate/watch.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <exception>
+#include <iostream>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include "common/app/progress.h"
+#include "common/bus/channels.h"
+#include "common/bus/frame_joiner.h"
+#include "common/bus/mailbox.h"
+#include "common/bus/receiver.h"
+#include "common/config/config.h"
+#include "common/messages/codec.h"
+#include "services/calibrate/coverage.h"
+#include "services/calibrate/frame_log.h"
+#include "services/calibrate/image_folder.h"
+#include "services/calibrate/report.h"
+#include "services/calibrate/view_collector.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array kParts = {Part::kLeft, Part::kRight, Part::kTof};
+
+// Views of a board, what they cover, and the folder that they are in. For one thread.
+class ViewFolder {
+ public:
+  ViewFolder(const Board& board, const fs::path& folder)
+      : folder_(folder), collector_(board), coverage_(board) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) throw ConfigError("--out " + folder.string() + ": " + error.message());
+    if (!fs::is_empty(folder)) {
+      ReadImageFolder(folder, [&](const RigImages& images) { Add(images, std::nullopt); });
+      collector_.EndRecording();
+    }
+  }
+
+  // Whether the view is a new one; then it is in the folder.
+  bool AddAndWrite(const Frame& frame) {
+    const RigImages images{.left = frame.left, .right = frame.right, .tof = *frame.tof};
+    if (!Add(images, frame.id.utime)) return false;
+    fs::path free;
+    do {
+      free = folder_ / fmt::format("left_{:04}.png", ++number_);
+    } while (fs::exists(free));
+    WriteImages(folder_, fmt::format("{:04}", number_), images);
+    return true;
+  }
+
+  bool IsComplete() const { return coverage_.Missing().empty(); }
+
+  std::string CountsLine() const {
+    return CountsText(collector_.counts(), collector_.views().size());
+  }
+
+  std::string Text() const {
+    std::string text = coverage_.Text();
+    const std::vector<std::string> missing = coverage_.Missing();
+    text += missing.empty() ? "nothing is missing\n" : "still missing:\n";
+    for (const std::string& line : missing) text += "  * " + line + "\n";
+    return text;
+  }
+
+  size_t views() const { return collector_.views().size(); }
+
+ private:
+  bool Add(const RigImages& images, std::optional<int64_t> utime) {
+    const size_t before = collector_.views().size();
+    collector_.Add(images, utime);
+    if (collector_.views().size() == before) return false;
+    coverage_.Add(collector_.views().back(), collector_.sizes());
+    return true;
+  }
+
+  fs::path folder_;
+  ViewCollector collector_;
+  Coverage coverage_;
+  int number_ = 0;
+};
+
+// Frames of the unrectified images on the bus; of those that come faster than they are taken the
+// newest.
+class RawFrames {
+ public:
+  explicit RawFrames(const WatchOptions& options)
+      : receiver_(options.lcm_url, options.prefix + kRawPrefix, Channels(),
+                  [this](std::string_view channel, std::span<const uint8_t> bytes) {
+                    OnMessage(channel, bytes);
+                  }) {}
+
+  std::optional<Frame> Take(const std::stop_token& stop) { return mailbox_.Take(stop); }
+
+ private:
+  static std::vector<std::string_view> Channels() {
+    std::vector<std::string_view> channels;
+    for (const Part part : kParts) channels.push_back(ChannelOf(part));
+    return channels;
+  }
+
+  void OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
+    for (const Part part : kParts) {
+      if (channel != ChannelOf(part)) continue;
+      Result<DecodedPart> decoded = DecodePart(part, bytes);
+      if (!decoded) {
+        // Frames without it do not complete, which the silence tells; why, is told once.
+        if (!complained_) std::cerr << "sprout-calibrate: " << decoded.error().text << std::endl;
+        complained_ = true;
+        return;
+      }
+      for (Frame& frame : joiner_.Add(decoded->id, part, std::move(decoded->value))) {
+        mailbox_.Put(std::move(frame));
+      }
+    }
+  }
+
+  FrameJoiner joiner_{PartSet{Part::kLeft, Part::kRight, Part::kTof}};
+  bool complained_ = false;
+  Mailbox<Frame> mailbox_;
+  Receiver receiver_;  // last: stops before the rest is destroyed
+};
+
+void Show(const ViewFolder& views) {
+  constexpr std::string_view kHome = "\x1b[H\x1b[J";  // cursor to the corner, rest of screen empty
+  std::cout << (isatty(STDOUT_FILENO) != 0 ? kHome : "\n") << "view " << views.views() << "\n"
+            << views.Text() << std::flush;
+}
+
+// Until nothing is missing or a stop.
+void Watch(RawFrames& frames, ViewFolder& views, const std::stop_token& stop) {
+  Progress progress(/*quiet=*/false);
+  Show(views);
+  progress.Show("waiting for images (sprout-capture --raw)");
+  while (!views.IsComplete()) {
+    const std::optional<Frame> frame = frames.Take(stop);
+    if (!frame) break;
+    if (views.AddAndWrite(*frame)) {
+      progress.Clear();
+      Show(views);
+    }
+    progress.Show(views.CountsLine());
+  }
+}
+
+}  // namespace
+
+int RunWatch(const Board& board, const WatchOptions& options) {
+  if (const auto error = LcmUrlError(options.lcm_url)) throw ConfigError("--lcm-url: " + *error);
+  sigset_t ends;
+  sigemptyset(&ends);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&ends, signal);
+  pthread_sigmask(SIG_BLOCK, &ends, nullptr);  // in all threads to come
+  ViewFolder views(board, options.out);
+  RawFrames frames(options);
+  std::exception_ptr failure;
+  {
+    std::jthread watching([&](const std::stop_token& stop) {
+      try {
+        Watch(frames, views, stop);
+      } catch (...) {
+        failure = std::current_exception();
+      }
+      kill(getpid(), SIGUSR1);  // wakes the main thread
+    });
+    int signal = 0;
+    sigwait(&ends, &signal);
+  }
+  if (failure) std::rethrow_exception(failure);
+  std::cout << fmt::format("{}: {}\n", options.out.string(), views.CountsLine());
+  if (views.views() > 0) {
+    std::cout << "next: sprout-calibrate estimate " << options.out.string()
+              << " --rig rig.textproto --out rig.textproto --report report.html\n";
+  }
+  return views.IsComplete() ? 0 : 1;
+}
+
+}  // namespace sprout
