@@ -6,6 +6,7 @@
 #include "common/core/image.h"
 #include "services/depth/cloud.h"
 #include "services/depth/depth_map.h"
+#include "services/depth/preview.h"
 
 namespace sprout {
 namespace {
@@ -29,10 +30,10 @@ std::string SizeComplaint(const Frame& frame) {
 DepthPlug::DepthPlug(const DepthConfig& config) : config_(config) {
   RequireInRange(config, "depth");
   if (config.scale() == 3) throw ConfigError("depth.scale = 3: allowed: 1, 2, 4");
-  if (!config.publish_depth() && !config.publish_cloud()) {
+  if (!config.publish_depth() && !config.publish_cloud() && !config.publish_preview()) {
     throw ConfigError(
-        "depth.publish_depth, depth.publish_cloud = false: nothing to publish; "
-        "allowed: at least one of them true");
+        "depth.publish_depth, depth.publish_cloud, depth.publish_preview = false: nothing to "
+        "publish; allowed: at least one of them true");
   }
 }
 
@@ -57,6 +58,9 @@ Outcome DepthPlug::Process(const Frame& frame) {
     const CloudThinning thinning{config_.cloud_stride(), config_.cloud_voxel_m()};
     outcome.outputs.push_back(
         {Part::kCloud, CloudOf(*frame.disparity, pair, frame.left, frame.confidence, thinning)});
+  }
+  if (config_.publish_preview()) {
+    outcome.preview = PreviewOf(frame.left, *frame.disparity, pair);
   }
   return outcome;
 }

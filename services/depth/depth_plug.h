@@ -6,8 +6,8 @@
 
 namespace sprout {
 
-/// DISPARITY LEFT RIG → DEPTH, CLOUD as the configuration says; CONFIDENCE is joined for the cloud
-/// if the configuration says so.
+/// DISPARITY LEFT RIG → DEPTH, CLOUD, a preview, as the configuration says; CONFIDENCE is joined
+/// for the cloud if the configuration says so.
 class DepthPlug : public Plug {
  public:
   /// @throws ConfigError for a value out of range, and when nothing is to be published.

@@ -6,7 +6,8 @@ int main(int argc, char** argv) {
       argc, argv, "depth",
       "Turns the final disparity map into depth in metres and into points.\n"
       "Joins SPROUT_DISPARITY, SPROUT_LEFT and SPROUT_RIG, and SPROUT_CONFIDENCE unless\n"
-      "depth { confidence: false }; publishes SPROUT_DEPTH and SPROUT_CLOUD.",
+      "depth { confidence: false }; publishes SPROUT_DEPTH and SPROUT_CLOUD, and with\n"
+      "depth { publish_preview: true } SPROUT_PREVIEW, a picture for lcm-spy and its like.",
       [](const sprout::SproutConfig& config) {
         return std::make_unique<sprout::DepthPlug>(config.depth());
       });

@@ -68,6 +68,19 @@ TEST(DepthPlug, LeavesOutWhatIsNotAskedFor) {
   EXPECT_EQ(outcome.outputs[0].part, Part::kDepth);
 }
 
+TEST(DepthPlug, MakesAPreviewWhenAskedTo) {
+  DepthConfig config;
+  EXPECT_TRUE(DepthPlug(config).Process(FrameOf(0)).preview.empty());
+  config.set_publish_depth(false);
+  config.set_publish_cloud(false);
+  config.set_publish_preview(true);
+  DepthPlug plug(config);
+  EXPECT_EQ(plug.Inputs(), (PartSet{Part::kDisparity, Part::kRig, Part::kLeft}));
+  const Outcome outcome = plug.Process(FrameOf(0));
+  EXPECT_THAT(outcome.outputs, IsEmpty());
+  EXPECT_EQ(outcome.preview.type(), CV_8UC3);
+}
+
 TEST(DepthPlug, SaysWhichSizesDoNotFitTogether) {
   DepthPlug plug{DepthConfig()};
   Frame frame = FrameOf(0);

@@ -1,0 +1,26 @@
+#ifndef SPROUT_SERVICES_DEPTH_PREVIEW_H_
+#define SPROUT_SERVICES_DEPTH_PREVIEW_H_
+
+#include <opencv2/core.hpp>
+
+#include "common/core/disparity_image.h"
+#include "common/core/rig.h"
+
+namespace sprout {
+
+/// Longest side of either image in a preview, px.
+inline constexpr int kMaxPreviewSide = 640;
+
+/// The left image and, to its right, the disparity map in colours with a scale in px and m; either
+/// under a title, on white. Both are made smaller by the same whole number, so that neither side
+/// is longer than kMaxPreviewSide: of the image each pixel is the mean of a block, of the map the
+/// disparity in its middle. The colours cover the values of this frame. O(pixels).
+///
+/// @param left  8UC1 or 8UC3 (BGR), of the map's size, not empty.
+/// @param pair  of the map's size.
+cv::Mat3b PreviewOf(const cv::Mat& left, const DisparityImage& disparity,
+                    const RectifiedPair& pair);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_DEPTH_PREVIEW_H_
