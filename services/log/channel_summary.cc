@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/messages/message_type.h"
+#include "common/messages/preview.h"
 #include "services/log/channels.h"
 
 namespace sprout {
@@ -13,12 +14,13 @@ namespace {
 
 std::string TypeText(std::span<const uint8_t> bytes) {
   if (const auto type = TypeOf(bytes)) return NameOf(*type);
+  if (IsPreview(bytes)) return kPreviewType;
   const auto fingerprint = FingerprintOf(bytes);
   return fingerprint ? fmt::format("0x{:016x}", *fingerprint) : "no type";
 }
 
 bool CarriesFrames(MessageType type) {
-  return type != MessageType::kRig && type != MessageType::kStatus;
+  return type != MessageType::kRig && type != MessageType::kStatus && type != MessageType::kProcess;
 }
 
 Result<FrameId> Check(const LogEvent& event, const std::optional<MessageType>& type) {

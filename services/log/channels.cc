@@ -16,6 +16,7 @@ std::optional<Part> PartOfChannel(std::string_view channel, std::string_view pre
 
 std::optional<MessageType> TypeOfChannel(std::string_view channel) {
   if (channel.ends_with(kStatusChannel)) return MessageType::kStatus;
+  if (channel.ends_with(kProcessChannel)) return MessageType::kProcess;
   for (const Part part : kAllParts) {
     if (channel.ends_with(ChannelOf(part))) return TypeOf(part);
   }

@@ -16,17 +16,20 @@ struct InfoOptions {
   std::filesystem::path file;
   std::string prefix;
   bool json = false;
-  bool check = false;  ///< exit code 1 when anything is damaged, undecodable or missing
+  bool config = false;  ///< also the effective configurations
+  bool check = false;   ///< exit code 1 when anything is damaged, undecodable or missing
 };
 int RunInfo(const InfoOptions& options);
 
 struct DiffOptions {
   std::filesystem::path a;
   std::filesystem::path b;
-  std::vector<std::string> channels;  ///< without prefix; none: all but the statuses
+  std::vector<std::string>
+      channels;  ///< without prefix; none: all but SPROUT_STATUS and SPROUT_PROCESS
   std::string prefix;
-  bool common = false;  ///< what only one log has is counted, but no difference
-  bool all = false;     ///< a line for every frame, also for equal ones
+  bool common = false;           ///< what only one log has is counted, but no difference
+  bool all = false;              ///< a line for every frame, also for equal ones
+  std::filesystem::path images;  ///< folder for pictures of what differs; empty: none
 };
 /// @returns 0 equal, 1 different. @throws LogError also when there is nothing to compare.
 int RunDiff(const DiffOptions& options);
@@ -63,6 +66,15 @@ struct PicturesOptions {
   std::string prefix;
 };
 int RunImages(const PicturesOptions& options);
+
+/// @pre `folder` is for the pictures of the worst frames; empty: none.
+struct RankOptions : PicturesOptions {
+  std::string by = "score";  ///< name of a QualityColumn
+  int top = 0;               ///< only so many; 0: 20 in the table and as pictures, all in files
+  bool csv = false;
+  bool json = false;
+};
+int RunRank(const RankOptions& options);
 
 struct ExportOptions : PicturesOptions {
   bool ply = false;

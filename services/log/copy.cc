@@ -70,6 +70,33 @@ class RigKeeper {
   std::set<std::string> written_;
 };
 
+// Sees to it that frames that are cut out keep what the processes say of themselves, each text
+// once: what was said before the first frame stands before it.
+class ProcessKeeper {
+ public:
+  explicit ProcessKeeper(LogWriter& out) : out_(out) {}
+
+  void OnProcess(const LogEvent& event) {
+    if (!known_.emplace(event.data.begin(), event.data.end()).second) return;
+    if (frame_seen_) return Copy(event, out_);
+    waiting_.push_back(
+        {event.utime, std::string(event.channel), {event.data.begin(), event.data.end()}});
+  }
+
+  // Before a frame is written.
+  void OnFrame() {
+    frame_seen_ = true;
+    for (const KeptEvent& process : waiting_) Copy(process.event(), out_);
+    waiting_.clear();
+  }
+
+ private:
+  LogWriter& out_;
+  bool frame_seen_ = false;
+  std::vector<KeptEvent> waiting_;
+  std::set<std::vector<uint8_t>> known_;
+};
+
 void PrintWritten(const LogWriter& out, const std::filesystem::path& path, int64_t events) {
   std::cout << fmt::format("{}: {} of {} events\n", path.string(), out.events(), events);
 }
@@ -83,6 +110,7 @@ int RunCut(const CutOptions& options) {
   LogReader reader(options.in);
   LogWriter out(options.out, options.force);
   RigKeeper rigs(out);
+  ProcessKeeper processes(out);
   ReadProgress progress("reading " + options.in.string(), reader.size());
   int64_t events = 0;
   int64_t kept = 0;  // without calibrations that nobody asked for
@@ -96,7 +124,13 @@ int RunCut(const CutOptions& options) {
       if (filter.names().contains(event.channel) && (in_range || !by_frame)) ++kept;
       continue;
     }
-    if (!filter.Has(event.channel) || (by_frame && !in_range)) continue;
+    if (!filter.Has(event.channel)) continue;
+    if (by_frame && TypeOf(event.data) == MessageType::kProcess) {
+      processes.OnProcess(event);
+      continue;
+    }
+    if (by_frame && !in_range) continue;
+    if (by_frame) processes.OnFrame();
     if (id) rigs.OnFrame(*id);
     Copy(event, out);
     ++kept;

@@ -10,6 +10,7 @@
 #include "services/log/commands.h"
 #include "services/log/damage_text.h"
 #include "services/log/event_stream.h"
+#include "services/log/frame_pictures.h"
 #include "services/log/message_diff.h"
 #include "services/log/read_progress.h"
 
@@ -51,6 +52,7 @@ class LogDiff {
         filter_(options.channels, options.prefix),
         streams_{EventStream(options.a, filter_), EventStream(options.b, filter_)},
         fetchers_{EventFetcher(options.a), EventFetcher(options.b)},
+        names_(options.images),
         progress_("comparing", streams_[0].reader().size() + streams_[1].reader().size()) {}
 
   // Prints the differences as they come.
@@ -83,6 +85,7 @@ class LogDiff {
   std::map<std::string, ChannelDiff> channels_;
   std::optional<Difference> first_;
   int64_t differences_ = 0;
+  FrameFileNames names_;  // of --images
   ReadProgress progress_;
 };
 
@@ -152,6 +155,9 @@ void LogDiff::CompareWith(size_t side, const EventDigest& other) {
     AddSums(channel, *diff.disparity);
   }
   AddDifference(key, diff.text);
+  if (options_.images.empty() || (!options_.all && differences_ > kShownDifferences)) return;
+  WriteDifferencePictures(fetchers_[0].Fetch(offsets[0]).data, fetchers_[1].Fetch(offsets[1]).data,
+                          key.channel, names_);
 }
 
 void LogDiff::AddSums(ChannelDiff& channel, const DisparityDiff& diff) const {
@@ -166,7 +172,8 @@ void LogDiff::AddSums(ChannelDiff& channel, const DisparityDiff& diff) const {
 }
 
 void LogDiff::AddDifference(const EventKey& key, const std::string& text) {
-  if (options_.all || ++differences_ <= kShownDifferences) {
+  ++differences_;
+  if (options_.all || differences_ <= kShownDifferences) {
     Print(FrameText(key) + ": " + text);
   } else if (differences_ == kShownDifferences + 1) {
     Print("... (--all shows every frame)");
@@ -207,6 +214,10 @@ std::string LogDiff::Report() const {
     remarks +=
         fmt::format("in {}, messages that came again with the same bytes and count once: {}\n",
                     side == 0 ? "A" : "B", streams_[side].repeated());
+  }
+  remarks += ConfigDiffText(streams_[0].processes(), streams_[1].processes());
+  if (names_.files() > 0) {
+    remarks += fmt::format("{}: {} pictures\n", options_.images.string(), names_.files());
   }
   text += remarks.empty() ? "" : "\n" + remarks;
   if (IsEqual()) return text + (options_.common ? "equal in what both have\n" : "equal\n");

@@ -15,8 +15,11 @@ uint64_t HashOf(std::span<const uint8_t> bytes) {
   return Hash({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
+bool IsProcess(const LogEvent& event) { return TypeOf(event.data) == MessageType::kProcess; }
+
 bool IsChatter(const LogEvent& event) {
-  return event.channel == "LCM_SELF_TEST" || TypeOf(event.data) == MessageType::kStatus;
+  return event.channel == "LCM_SELF_TEST" || TypeOf(event.data) == MessageType::kStatus ||
+         IsProcess(event);
 }
 
 }  // namespace
@@ -26,6 +29,7 @@ EventStream::EventStream(const std::filesystem::path& path, const ChannelFilter&
 
 bool EventStream::Next() {
   for (LogEvent event; reader_.Next(event);) {
+    if (event.channel.starts_with(filter_.prefix()) && IsProcess(event)) processes_.Add(event.data);
     if (!filter_.Has(event.channel)) continue;
     if (filter_.names().empty() && IsChatter(event)) continue;
     SetKey(event);

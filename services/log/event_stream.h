@@ -10,6 +10,7 @@
 
 #include "common/logfile/log_reader.h"
 #include "services/log/channels.h"
+#include "services/log/process_summary.h"
 
 namespace sprout {
 
@@ -36,9 +37,9 @@ struct EventDigest {
 };
 
 /// The events of a log that a diff compares, each with its key. Left out are, unless their channel
-/// is asked for, statuses (they tell of the clock and the machine) and what LCM says to itself when
-/// a program connects; and always messages that were recorded again with the same bytes, as happens
-/// when capture sends a frame again.
+/// is asked for, statuses (they tell of the clock and the machine), what processes say of
+/// themselves and what LCM says to itself when a program connects; and always messages that were
+/// recorded again with the same bytes, as happens when capture sends a frame again.
 class EventStream {
  public:
   /// @throws LogError.
@@ -51,7 +52,9 @@ class EventStream {
   const EventDigest& digest() const { return digest_; }
   int64_t utime() const { return utime_; }  ///< by which two streams are kept abreast, µs
 
-  int64_t events() const { return events_; }      ///< compared so far
+  int64_t events() const { return events_; }  ///< compared so far
+  /// Of the events that were read, left out or not.
+  const ProcessSummary& processes() const { return processes_; }
   int64_t repeated() const { return repeated_; }  ///< left out as repeated; without calibrations
   const LogReader& reader() const { return reader_; }
 
@@ -71,6 +74,7 @@ class EventStream {
   int64_t utime_ = 0;
   int64_t events_ = 0;
   int64_t repeated_ = 0;
+  ProcessSummary processes_;
   std::map<std::string, int64_t> headerless_;         // messages without header, by channel
   std::map<std::string, std::deque<Recent>> recent_;  // the newest few, by channel
 };

@@ -6,10 +6,13 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "common/messages/message_type.h"
 #include "services/log/channel_summary.h"
 #include "services/log/commands.h"
 #include "services/log/damage_text.h"
+#include "services/log/process_summary.h"
 #include "services/log/read_progress.h"
 
 namespace sprout {
@@ -25,6 +28,7 @@ struct LogSummary {
   int64_t first_utime = 0;
   int64_t last_utime = 0;
   std::map<std::string, ChannelSummary, std::less<>> channels;
+  ProcessSummary processes;
   std::vector<LogDamage> damage;
   std::string other_channel;  // one of another graph
 };
@@ -44,6 +48,7 @@ LogSummary Summarize(const InfoOptions& options) {
       channel = log.channels.emplace(event.channel, ChannelSummary()).first;
     }
     channel->second.Add(event);
+    if (TypeOf(event.data) == MessageType::kProcess) log.processes.Add(event.data);
   }
   log.damage = reader.damage();
   for (const auto& [name, channel] : log.channels) {
@@ -135,18 +140,44 @@ std::string Remarks(const LogSummary& log) {
   return text;
 }
 
-std::string Text(const LogSummary& log, const std::filesystem::path& file) {
+// A process that ran on no host is one of a replay.
+std::string ProcessTable(const LogSummary& log) {
+  if (log.processes.processes().empty()) return "";
+  std::string text =
+      fmt::format("\n{:<12} {:<22} {:<18} host\n", "process", "version", "configuration");
+  for (const ProcessInfo& process : log.processes.processes()) {
+    text += fmt::format("{:<12} {:<22} {:<18} {}\n", process.stage, process.version,
+                        process.config_digest, process.host.empty() ? "(replay)" : process.host);
+  }
+  return text;
+}
+
+std::string ConfigTexts(const LogSummary& log) {
+  std::string text;
+  std::set<std::string> printed;
+  for (const ProcessInfo& process : log.processes.processes()) {
+    if (!printed.insert(process.config_digest).second) continue;
+    text += fmt::format("\nconfiguration {} of {}:\n{}", process.config_digest, process.stage,
+                        process.config_text);
+  }
+  return text.empty() ? "\nno configuration is in the log (SPROUT_PROCESS)\n" : text;
+}
+
+std::string Text(const LogSummary& log, const InfoOptions& options) {
+  const std::filesystem::path& file = options.file;
   std::string text = fmt::format("{}: {:.2f} MB, {} events", file.string(),
                                  static_cast<double>(log.bytes) / 1e6, log.events);
   if (log.events > 0) {
     text += fmt::format(" in {:.3f} s\nfirst {}\nlast  {}\n\n{}", Seconds(log, log.last_utime),
-                        TimeText(log.first_utime), TimeText(log.last_utime), Table(log));
+                        TimeText(log.first_utime), TimeText(log.last_utime), Table(log)) +
+            ProcessTable(log);
   } else {
     text += "\n";
   }
   const std::string remarks = Remarks(log);
   text += remarks.empty() ? "" : "\n" + remarks;
-  return text + (log.damage.empty() ? "no damage\n" : "");
+  return text + (log.damage.empty() ? "no damage\n" : "") +
+         (options.config ? ConfigTexts(log) : "");
 }
 
 Json ChannelJson(const std::string& name, const ChannelSummary& channel) {
@@ -172,16 +203,25 @@ Json ChannelJson(const std::string& name, const ChannelSummary& channel) {
 std::string JsonText(const LogSummary& log, const std::filesystem::path& file) {
   Json channels = Json::array();
   for (const auto& [name, channel] : log.channels) channels.push_back(ChannelJson(name, channel));
+  Json processes = Json::array();
+  for (const ProcessInfo& process : log.processes.processes()) {
+    processes.push_back({{"stage", process.stage},
+                         {"host", process.host},
+                         {"pid", process.pid},
+                         {"version", process.version},
+                         {"config_digest", process.config_digest},
+                         {"config_text", process.config_text}});
+  }
   Json damage = Json::array();
   for (const LogDamage& stretch : log.damage) {
     Json entry = {{"offset", stretch.offset}, {"bytes", stretch.bytes}, {"tail", stretch.tail}};
     entry["events"] = stretch.events ? Json(*stretch.events) : Json(nullptr);
     damage.push_back(std::move(entry));
   }
-  const Json json = {{"file", file.string()},        {"bytes", log.bytes},
-                     {"events", log.events},         {"first_utime", log.first_utime},
-                     {"last_utime", log.last_utime}, {"whole", IsWhole(log)},
-                     {"channels", channels},         {"damage", damage}};
+  const Json json = {
+      {"file", file.string()},          {"bytes", log.bytes},           {"events", log.events},
+      {"first_utime", log.first_utime}, {"last_utime", log.last_utime}, {"whole", IsWhole(log)},
+      {"channels", channels},           {"processes", processes},       {"damage", damage}};
   // Paths and channels may hold any bytes; JSON may not.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -190,7 +230,7 @@ std::string JsonText(const LogSummary& log, const std::filesystem::path& file) {
 
 int RunInfo(const InfoOptions& options) {
   const LogSummary log = Summarize(options);
-  std::cout << (options.json ? JsonText(log, options.file) : Text(log, options.file));
+  std::cout << (options.json ? JsonText(log, options.file) : Text(log, options));
   return options.check && !IsWhole(log) ? 1 : 0;
 }
 

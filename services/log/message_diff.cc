@@ -166,7 +166,7 @@ MessageDiff Compare(std::span<const uint8_t> a, std::span<const uint8_t> b) {
   if (!message_b) return Different("undecodable in B: " + message_b.error().text);
   const PartValue* const value_a = std::get_if<PartValue>(&message_a->value);
   const PartValue* const value_b = std::get_if<PartValue>(&message_b->value);
-  if (value_a == nullptr || value_b == nullptr) return Different("statuses differ");
+  if (value_a == nullptr || value_b == nullptr) return Different(NameOf(*type_a) + " differs");
   MessageDiff diff = std::visit(
       [&](const auto& value) {
         return CompareValue(value, std::get<std::decay_t<decltype(value)>>(*value_b));

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -11,7 +12,7 @@
 #include "common/picture/picture.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
-#include "services/log/log_frames.h"
+#include "services/log/frame_pictures.h"
 
 namespace sprout {
 namespace {
@@ -34,6 +35,16 @@ ValueRange RangeOf(const Frame& frame) {
   return DisparityRange(maps, frame.seeds ? frame.seeds->seeds : std::vector<Seed>());
 }
 
+// The depths of those disparities, so that near has one colour in all pictures; that of the ToF
+// image alone where nothing says which disparity a depth has.
+ValueRange RangeOfDepth(const Frame& frame, const ValueRange& range_px) {
+  if (!frame.rig || !(frame.seeds || frame.prior || frame.disparity || frame.unfilled)) {
+    return DepthRange(*frame.tof);
+  }
+  const std::optional<ValueRange> in_front = InFront(frame.rig->pair, range_px);
+  return in_front ? DepthRange(frame.rig->pair, *in_front) : DepthRange(*frame.tof);
+}
+
 // The size of the images that the frame was captured with, as far as it is known: a calibration may
 // claim 100 MP in a few bytes, so it is asked last. Empty when nothing says it.
 cv::Size CameraSize(const Frame& frame) {
@@ -46,7 +57,9 @@ cv::Size CameraSize(const Frame& frame) {
   return frame.rig ? frame.rig->pair.size() : cv::Size();
 }
 
-void WritePictures(const Frame& frame, FrameFileNames& names) {
+}  // namespace
+
+void WriteFramePictures(const Frame& frame, FrameFileNames& names) {
   const std::string title = fmt::format(", frame {}", frame.id.seq);
   const auto write = [&](const char* what, const cv::Mat& picture) {
     Require(WritePng(names.Of(frame.id, what), picture));
@@ -54,20 +67,22 @@ void WritePictures(const Frame& frame, FrameFileNames& names) {
   if (!frame.left.empty()) write("left.png", CameraPicture(frame.left, "Left image" + title));
   if (!frame.right.empty()) write("right.png", CameraPicture(frame.right, "Right image" + title));
   const cv::Size size = CameraSize(frame);
+  const ValueRange range_px = RangeOf(frame);
+  const RectifiedPair* pair = frame.rig ? &frame.rig->pair : nullptr;
   if (frame.tof && (!size.empty() || !frame.tof->depth_m.empty())) {
     write("tof.png", DepthPicture(*frame.tof, size.empty() ? frame.tof->depth_m.size() : size,
-                                  DepthRange(*frame.tof), "ToF depth" + title));
+                                  RangeOfDepth(frame, range_px), "ToF depth" + title));
   }
-  const ValueRange range_px = RangeOf(frame);
   if (frame.seeds && !size.empty()) {
     // A log without images shows its seeds on black.
     const cv::Mat left = frame.left.empty() ? cv::Mat(cv::Mat1b::zeros(size)) : frame.left;
-    write("seeds.png", SeedPicture(ToGrey(left), frame.seeds->seeds, range_px,
-                                   fmt::format("Seeds ({}){}", frame.seeds->seeds.size(), title)));
+    write("seeds.png",
+          SeedPicture(ToGrey(left), frame.seeds->seeds, range_px,
+                      fmt::format("Seeds ({}){}", frame.seeds->seeds.size(), title), pair));
   }
   const auto write_map = [&](const char* what, const std::optional<DisparityImage>& map,
                              const char* name) {
-    if (map) write(what, DisparityPicture(*map, range_px, name + title));
+    if (map) write(what, DisparityPicture(*map, range_px, name + title, pair));
   };
   write_map("prior.png", PriorOf(frame), "Prior disparity");
   if (frame.prior) {
@@ -76,9 +91,11 @@ void WritePictures(const Frame& frame, FrameFileNames& names) {
   write_map("unfilled.png", frame.unfilled, "Disparity as grown");
   write_map("disparity.png", frame.disparity, "Disparity");
   if (!frame.confidence.empty()) {
-    write("confidence.png", CameraPicture(frame.confidence, "Confidence" + title));
+    write("confidence.png", ConfidencePicture(frame.confidence, "Confidence" + title));
   }
 }
+
+namespace {
 
 bool HasOneSize(const Frame& frame) {
   const cv::Size size = frame.disparity->size();
@@ -100,7 +117,8 @@ void Finish(const LogFrames& frames, const FrameFileNames& names, const Pictures
 
 int RunImages(const PicturesOptions& options) {
   FrameFileNames names(options.folder);
-  LogFrames frames(options, AllParts(), [&](const Frame& frame) { WritePictures(frame, names); });
+  LogFrames frames(options, AllParts(),
+                   [&](const Frame& frame) { WriteFramePictures(frame, names); });
   frames.Read();
   Finish(frames, names, options, "no message of these frames that can be shown");
   return 0;

@@ -1,5 +1,7 @@
 #include "services/log/program.h"
 
+#include <fmt/format.h>
+
 #include <functional>
 #include <iostream>
 
@@ -9,19 +11,22 @@
 #include "common/logfile/log_error.h"
 #include "services/log/commands.h"
 #include "services/log/read_progress.h"
+#include "services/quality/frame_quality.h"
 
 namespace sprout {
 namespace {
 
 constexpr char kDescription[] =
-    "Looks into, compares, cuts and repairs the logs that lcm-logger or a replay writes. Logs may "
+    "Looks into, compares, ranks, cuts and repairs the logs that lcm-logger or a replay writes. "
+    "Logs may "
     "be\n"
     "larger than memory, and damaged: every good event is found.";
 
 constexpr char kFooter[] = R"(
 Examples
   sprout-log info run.lcm                                    what is in it, and is it whole
-  sprout-log diff run.lcm new.lcm --channel SPROUT_SEEDS     did my change change anything
+  sprout-log rank run.lcm                                    where are the bad frames
+  sprout-log diff run.lcm new.lcm --channels SPROUT_SEEDS    did my change change anything
   sprout-log cut run.lcm one.lcm --frames 40:50              the frames that matter
   sprout-log images one.lcm pictures                         look at them
 
@@ -39,6 +44,7 @@ struct Commands {
   RepairOptions repair;
   PicturesOptions images;
   ExportOptions export_;
+  RankOptions rank;
   Command chosen;
 };
 
@@ -56,6 +62,15 @@ void AddFrames(CLI::App& flags, std::string& frames) {
       ->type_name("A:B");
 }
 
+void AddChannels(CLI::App& flags, std::vector<std::string>& channels) {
+  flags
+      .add_option("--channels", channels, "Only these (without prefix); may be given several times")
+      ->type_name("NAME,NAME,...")
+      ->delimiter(',')
+      ->expected(1)
+      ->take_all();
+}
+
 void AddForce(CLI::App& flags, bool& force) {
   flags.add_flag("--force", force, "Overwrite OUT if it exists");
 }
@@ -68,7 +83,8 @@ void AddInfo(CLI::App& program, Commands& commands) {
   InfoOptions& options = commands.info;
   flags.add_option("FILE", options.file, "Log")->required();
   AddPrefix(flags, options.prefix);
-  flags.add_flag("--json", options.json, "For programs");
+  flags.add_flag("--json", options.json, "For programs; has the configurations, too");
+  flags.add_flag("--config", options.config, "Also the effective configuration of each process");
   flags.add_flag("--check", options.check,
                  "Exit code 1 when something is damaged or undecodable, or frame numbers are left "
                  "out");
@@ -83,23 +99,24 @@ void AddDiff(CLI::App& program, Commands& commands) {
   flags.footer(R"(
 Messages with the same bytes are equal; so are messages that decode to the same values, such as a
 map sent raw and compressed, with a remark. Calibrations are matched by rig_id. A message that came
-again with the same bytes counts once. Statuses, which tell of the clock and the machine, and LCM's
-own channels are compared only when named by --channel.)");
+again with the same bytes counts once. Statuses, which tell of the clock and the machine, what
+processes say of themselves (SPROUT_PROCESS) and LCM's own channels are compared only when named by
+--channels; configurations that differ are shown, but are no difference of the answers.)");
   DiffOptions& options = commands.diff;
   flags.add_option("A", options.a, "Log, such as a recorded one")->required();
   flags.add_option("B", options.b, "Log, such as a replayed one")->required();
-  flags
-      .add_option("--channel", options.channels,
-                  "Only this one (without prefix); may be given several times")
-      ->type_name("NAME")
-      ->delimiter(',')
-      ->expected(1)
-      ->take_all();
+  AddChannels(flags, options.channels);
   AddPrefix(flags, options.prefix);
   flags.add_flag("--common", options.common,
                  "What only one log has is no difference: a live run skips frames that a replay "
                  "does not");
   flags.add_flag("--all", options.all, "A line for every frame, also for equal ones");
+  flags
+      .add_option(
+          "--images", options.images,
+          "Write pictures of A, B and their difference, of the maps and images that differ; "
+          "without --all of the first 10")
+      ->type_name("DIR");
   flags.callback([&] { commands.chosen = [&] { return RunDiff(commands.diff); }; });
 }
 
@@ -107,16 +124,13 @@ void AddCut(CLI::App& program, Commands& commands) {
   CLI::App& flags = *program.add_subcommand(
       "cut",
       "Writes some frames or channels of a log to a new one. Calibrations (RIG) of the frames are\n"
-      "kept always, so that the log explains itself; messages without frame only without --frames");
+      "kept always, so that the log explains itself, and with --frames what the processes say of\n"
+      "themselves (SPROUT_PROCESS), once each; other messages without frame only without --frames");
   CutOptions& options = commands.cut;
   flags.add_option("IN", options.in, "Log")->required();
   flags.add_option("OUT", options.out, "New log")->required();
   AddFrames(flags, options.frames);
-  flags.add_option("--channels", options.channels, "Channels to keep, without prefix")
-      ->type_name("NAME,NAME,...")
-      ->delimiter(',')
-      ->expected(1)
-      ->take_all();
+  AddChannels(flags, options.channels);
   AddPrefix(flags, options.prefix);
   AddForce(flags, options.force);
   flags.callback([&] { commands.chosen = [&] { return RunCut(commands.cut); }; });
@@ -175,6 +189,37 @@ void AddExport(CLI::App& program, Commands& commands) {
   flags.callback([&] { commands.chosen = [&] { return RunExport(commands.export_); }; });
 }
 
+void AddRank(CLI::App& program, Commands& commands) {
+  CLI::App& flags = *program.add_subcommand(
+      "rank",
+      "Finds the bad frames of a log by figures that need no ground truth, the worst first. The "
+      "log\n"
+      "has the images and the answers: `sprout-log merge` puts a recording and a replay together");
+  RankOptions& options = commands.rank;
+  flags.add_option("LOG", options.file, "Log")->required();
+  flags
+      .add_option("--top", options.top,
+                  "Only the N worst frames. Without it the table and --images have 20, --csv and "
+                  "--json all of the log")
+      ->check(CLI::Range(1, 1'000'000))
+      ->type_name("N");
+  flags.add_option("--by", options.by, "What to rank by, a column below")
+      ->type_name("COLUMN")
+      ->capture_default_str();
+  CLI::Option* csv = flags.add_flag("--csv", options.csv, "For spreadsheets, all digits");
+  flags.add_flag("--json", options.json, "For programs, all digits")->excludes(csv);
+  flags.add_option("--images", options.folder, "Write the pictures of the worst frames")
+      ->type_name("DIR");
+  AddFrames(flags, options.frames);
+  AddPrefix(flags, options.prefix);
+  std::string columns = "Columns\n";
+  for (const QualityColumn& column : QualityColumns()) {
+    columns += fmt::format("  {:<14}{}\n", column.name, column.meaning);
+  }
+  flags.footer(columns);
+  flags.callback([&] { commands.chosen = [&] { return RunRank(commands.rank); }; });
+}
+
 int RunChosen(const Command& command) {
   try {
     return command();
@@ -199,6 +244,7 @@ int LogMain(int argc, const char* const* argv) {
   AddRepair(flags, commands);
   AddImages(flags, commands);
   AddExport(flags, commands);
+  AddRank(flags, commands);
   flags.set_version_flag("--version", "sprout-log " + Version());
   flags.footer(kFooter);
   return RunProgram(flags, argc, argv, [&] { return RunChosen(commands.chosen); });

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <opencv2/imgcodecs.hpp>
+
 #include "tests/services/log/graph_log.h"
 
 namespace sprout {
@@ -38,7 +40,7 @@ TEST_F(LogDiffTest, LooksAtNeitherTimeOfRecordingNorOrderNorStatuses) {
     if (event.channel == kStatusChannel) event.data = StatusEvent(999).data;
   }
   EXPECT_EQ(Diff(events_, other).exit_code, 0);
-  EXPECT_EQ(Diff(events_, other, {"--channel", "SPROUT_STATUS"}).exit_code, 1);
+  EXPECT_EQ(Diff(events_, other, {"--channels", "SPROUT_STATUS"}).exit_code, 1);
 }
 
 TEST_F(LogDiffTest, SaysWhichPixelsOfWhichFrameDiffer) {
@@ -71,9 +73,10 @@ TEST_F(LogDiffTest, NamesTheFirstDifferenceByFrameAndNotByChannel) {
 TEST_F(LogDiffTest, ComparesTheNamedChannelsOnly) {
   std::vector<Event> other = events_;
   EventOf(other, Part::kSeeds, 5) = PartEvent(Part::kSeeds, 5, SeedSet());
-  EXPECT_EQ(Diff(events_, other, {"--channel", "SPROUT_SEEDS"}).exit_code, 1);
+  EXPECT_EQ(Diff(events_, other, {"--channels", "SPROUT_SEEDS"}).exit_code, 1);
   EXPECT_EQ(
-      Diff(events_, other, {"--channel", "SPROUT_PRIOR", "--channel", "SPROUT_LEFT"}).exit_code, 0);
+      Diff(events_, other, {"--channels", "SPROUT_PRIOR", "--channels", "SPROUT_LEFT"}).exit_code,
+      0);
 }
 
 TEST_F(LogDiffTest, NamesWhatOnlyOneLogHas) {
@@ -187,6 +190,49 @@ TEST_F(LogDiffTest, ShowsSomeDifferencesOrAll) {
   EXPECT_EQ(count(all, ": equal\n"), 4 * 12 + 1);
 }
 
+TEST_F(LogDiffTest, WritesPicturesOfWhatDiffers) {
+  std::vector<Event> other = events_;
+  DisparityImage changed = LogDisparity(7);
+  changed.counts().row(3) += 64;
+  EventOf(other, Part::kDisparity, 7) = PartEvent(Part::kDisparity, 7, changed);
+  EventOf(other, Part::kLeft, 7) =
+      PartEvent(Part::kLeft, 7, cv::Mat(kLogImageSize, CV_8UC3, cv::Scalar(1, 2, 3)));
+  EventOf(other, Part::kSeeds, 8) = PartEvent(Part::kSeeds, 8, SeedSet());
+  const std::string pictures = folder_.File("pictures");
+  const ProgramOutcome outcome = Diff(events_, other, {"--images", pictures});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr(pictures + ": 6 pictures\n"));
+  const auto picture = [&](const std::string& name) {
+    return cv::imread(pictures + "/000007_SPROUT_" + name + ".png");
+  };
+  for (const std::string channel : {"DISPARITY", "LEFT"}) {
+    for (const char* what : {"_a", "_b", "_difference"}) {
+      EXPECT_FALSE(picture(channel + what).empty()) << channel << what;
+    }
+  }
+  // Equal rows have the colour of 0, others another.
+  const cv::Mat difference = picture("DISPARITY_difference");
+  const cv::Point corner(9, 45);  // of the map in the picture, below two rows of title
+  const auto color = [&](int u, int v) {
+    return difference.at<cv::Vec3b>(corner + cv::Point(u, v));
+  };
+  EXPECT_EQ(color(10, 2), color(20, 4));
+  EXPECT_NE(color(10, 3), color(10, 2));
+}
+
+TEST_F(LogDiffTest, WritesPicturesOfTheFirstDifferencesOnly) {
+  std::vector<Event> other = events_;
+  for (int seq = 0; seq < 12; ++seq) {
+    EventOf(other, Part::kDisparity, seq) =
+        PartEvent(Part::kDisparity, seq, DisparityImage(kLogImageSize));
+  }
+  const std::string pictures = folder_.File("pictures");
+  EXPECT_THAT(Diff(events_, other, {"--images", pictures}).out, HasSubstr(": 30 pictures"));
+  EXPECT_THAT(Diff(events_, other, {"--images", pictures, "--all"}).out,
+              HasSubstr(": 36 pictures"));
+  EXPECT_THAT(Diff(events_, events_, {"--images", pictures}).out, Not(HasSubstr("pictures")));
+}
+
 TEST_F(LogDiffTest, SurvivesADamagedLog) {
   std::vector<Event> events = events_;
   Bytes bytes = MakeLog(events);
@@ -203,7 +249,7 @@ TEST_F(LogDiffTest, SurvivesADamagedLog) {
 TEST_F(LogDiffTest, IsUnusableWithoutAnythingToCompare) {
   const auto a = folder_.Write("a", events_);
   const auto empty = folder_.Write("empty", {});
-  ExpectRefused({"diff", a, a, "--channel", "SPROUT_LEFTT"}, "nothing to compare");
+  ExpectRefused({"diff", a, a, "--channels", "SPROUT_LEFTT"}, "nothing to compare");
   ExpectRefused({"diff", empty, empty}, "nothing to compare");
   ExpectRefused({"diff", a, folder_.File("none")}, "No such file");
   ExpectRefused({"diff", a}, "B is required");

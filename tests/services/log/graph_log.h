@@ -62,6 +62,7 @@ inline PartValue LogValue(Part part, int64_t seq) {
       return examples::Cloud();
     case MessageType::kDisparity:
     case MessageType::kStatus:
+    case MessageType::kProcess:
       break;
   }
   return LogDisparity(seq);
