@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kGap = 10;
 constexpr int kCapHeight = 13;
+constexpr int kScaleCapHeight = 9;
 constexpr int kTextLine = 3 * kCapHeight;  // a line of text and the space around it
 constexpr int kColumn = kFigureCellWidth + kGap;
 const cv::Vec3b kPaper{255, 255, 255};
@@ -27,16 +28,23 @@ void DrawCentred(cv::Mat3b& sheet, const std::string& text, size_t column, int t
 }
 
 // A row's pictures and their captions.
-int RowHeight(const std::vector<FigureCell>& row) {
-  return FigureThumbnail(row.front().image).rows + kTextLine;
+int RowHeight(const FigureRow& row) {
+  return FigureThumbnail(row.cells.front().image).rows + kTextLine;
 }
 
-void DrawRow(cv::Mat3b& sheet, const std::vector<FigureCell>& row, int top) {
-  for (size_t i = 0; i < row.size(); ++i) {
-    const cv::Mat3b thumbnail = FigureThumbnail(row[i].image);
+ColorScale ScaleOf(const FigureRow& row) {
+  const int height = RowHeight(row) - kTextLine;
+  const int cap_height = std::clamp(height / ColorScale::MinHeight(1), 1, kScaleCapHeight);
+  return {row.scale, std::max(height, ColorScale::MinHeight(cap_height)), cap_height};
+}
+
+void DrawRow(cv::Mat3b& sheet, const FigureRow& row, int top) {
+  for (size_t i = 0; i < row.cells.size(); ++i) {
+    const cv::Mat3b thumbnail = FigureThumbnail(row.cells[i].image);
     thumbnail.copyTo(sheet(cv::Rect({ColumnLeft(i), top}, thumbnail.size())));
-    DrawCentred(sheet, row[i].caption, i, top + thumbnail.rows);
+    DrawCentred(sheet, row.cells[i].caption, i, top + thumbnail.rows);
   }
+  ScaleOf(row).Draw(sheet, {ColumnLeft(row.cells.size()), top}, top - kScaleCapHeight);
 }
 
 }  // namespace
@@ -50,14 +58,17 @@ cv::Mat3b FigureThumbnail(const cv::Mat3b& image) {
   return thumbnail;
 }
 
-cv::Mat3b Figure(const std::vector<std::string>& titles,
-                 const std::vector<std::vector<FigureCell>>& rows) {
+cv::Mat3b Figure(const std::vector<std::string>& titles, const std::vector<FigureRow>& rows) {
   int height = kTextLine;
-  for (const auto& row : rows) height += RowHeight(row);
-  cv::Mat3b sheet(height, ColumnLeft(titles.size()), kPaper);
+  int scale_width = 0;
+  for (const FigureRow& row : rows) {
+    height += RowHeight(row);
+    scale_width = std::max(scale_width, ScaleOf(row).width());
+  }
+  cv::Mat3b sheet(height, ColumnLeft(titles.size()) + scale_width + kGap, kPaper);
   for (size_t i = 0; i < titles.size(); ++i) DrawCentred(sheet, titles[i], i, 0);
   int top = kTextLine;
-  for (const auto& row : rows) {
+  for (const FigureRow& row : rows) {
     DrawRow(sheet, row, top);
     top += RowHeight(row);
   }

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "common/picture/color_scale.h"
+
 namespace sprout {
 
 /// A picture in a figure, with a line of text below it.
@@ -13,14 +15,19 @@ struct FigureCell {
   std::string caption;  ///< ASCII
 };
 
+/// A row of pictures, whose colours one scale explains.
+struct FigureRow {
+  std::vector<FigureCell> cells;
+  ScaleContent scale;
+};
+
 /// Many small pictures on one white sheet, as the paper's figure: a title above each column, a row
-/// for each scene.
+/// for each scene, its scale at the end.
 ///
 /// @param titles  one a column, ASCII; written smaller when wider than the column.
 /// @param rows    each with as many cells as titles; the images of a row have one size.
 /// @returns pictures scaled to kFigureCellWidth. O(pixels).
-cv::Mat3b Figure(const std::vector<std::string>& titles,
-                 const std::vector<std::vector<FigureCell>>& rows);
+cv::Mat3b Figure(const std::vector<std::string>& titles, const std::vector<FigureRow>& rows);
 
 inline constexpr int kFigureCellWidth = 320;  ///< px
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -14,6 +15,7 @@
 #include "common/app/progress.h"
 #include "common/app/version.h"
 #include "common/core/output_file.h"
+#include "services/evaluate/log_evaluation.h"
 #include "services/evaluate/output_paths.h"
 #include "services/evaluate/result_files.h"
 #include "services/evaluate/run_pictures.h"
@@ -26,6 +28,8 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::vector<std::string> scenes;
+  LogChoice log;
+  std::string truth;
   std::vector<std::string> methods{"all"};
   std::string preset;
   std::vector<std::string> config_files;
@@ -76,13 +80,11 @@ std::string MethodsHelp() {
 }
 
 void AddInputFlags(CLI::App& flags, Options& options) {
-  flags
-      .add_option(
-          "SCENE", options.scenes,
-          "Folders of Middlebury scenes with ground truth; synthetic:WxH, a made-up scene; "
-          "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N behind it "
-          "to keep 32, 16 or 8 of the scan's 64 beams")
-      ->required();
+  flags.add_option(
+      "SCENE", options.scenes,
+      "Folders of Middlebury scenes with ground truth; synthetic:WxH, a made-up scene; "
+      "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N behind it "
+      "to keep 32, 16 or 8 of the scan's 64 beams");
   flags.add_option("--methods", options.methods, "Methods or groups of them, listed below")
       ->delimiter(',')
       ->expected(1)
@@ -149,6 +151,34 @@ void AddRunFlags(CLI::App& flags, Options& options) {
   flags.add_flag("--quiet", options.quiet, "No tables, no progress: only files and errors");
 }
 
+void AddLogFlags(CLI::App& flags, Options& options) {
+  CLI::Option* log =
+      flags
+          .add_option("--log", options.log.file,
+                      "Instead of scenes: how good the recorded answers of a log are, by --truth "
+                      "where there is one, and without truth as sprout-log rank does")
+          ->type_name("LOG");
+  // What belongs to the methods that are run on scenes.
+  for (const char* other : {"SCENE", "--methods", "--preset", "--config", "--tof",
+                            "--seed-noise-px", "--seed-jitter-px", "--repeat", "--images"}) {
+    log->excludes(flags.get_option(other));
+  }
+  flags
+      .add_option("--truth", options.truth,
+                  "Source that --log was captured from, with the ground truth of its frames: "
+                  "middlebury:DIR, kitti:DIR, synthetic:WxH")
+      ->type_name("SOURCE")
+      ->needs(log);
+  flags.add_option("--frames", options.log.frames, "Frames of --log by number, both included")
+      ->type_name("A:B")
+      ->needs(log);
+  flags
+      .add_option("--channel-prefix", options.log.prefix,
+                  "The graph of --log whose channels begin with this")
+      ->type_name("TEXT")
+      ->needs(log);
+}
+
 // What to load and what to call it in the results.
 struct Preset {
   std::vector<std::string> files;
@@ -193,7 +223,7 @@ void WriteWhole(const std::string& path, const std::string& text) {
   }
 }
 
-std::vector<SceneResult> RunScenes(const Options& options, const std::vector<Scene>& scenes,
+std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Scene>& scenes,
                                    const std::vector<Method>& methods,
                                    const ChainSettings& settings) {
   std::vector<SceneResult> results;
@@ -216,7 +246,8 @@ std::vector<SceneResult> RunScenes(const Options& options, const std::vector<Sce
 }
 
 // Everything that can be wrong with the flags is found out before the first method runs.
-int Run(const Options& options) {
+int RunScenes(const Options& options) {
+  if (options.scenes.empty()) throw ConfigError("no SCENE; allowed: scenes, or --log LOG");
   const std::vector<Method> methods = SelectMethods(options.methods);
   std::vector<std::string> names;
   for (const std::string& scene : options.scenes)
@@ -237,23 +268,46 @@ int Run(const Options& options) {
   cv::setNumThreads(options.threads);
   const RunResult run{.preset = preset.name,
                       .tof = tof.text(),
-                      .scenes = RunScenes(options, scenes, methods, settings)};
+                      .scenes = ResultsOf(options, scenes, methods, settings)};
   if (!options.json.empty()) WriteWhole(options.json, ToJson(run));
   if (!options.csv.empty()) WriteWhole(options.csv, ToCsv(run));
   if (!options.quiet && options.preset == "paper") std::cout << PaperTable(run.scenes);
   return 0;
 }
 
+int RunLog(const Options& options, const ReadLog& read_log) {
+  RequireWritable(options);
+  std::unique_ptr<Dataset> truth;
+  if (!options.truth.empty()) {
+    CaptureConfig capture = LoadConfig({}).capture();
+    capture.set_source(options.truth);
+    truth = OpenDataset(capture);
+  }
+  LogEvaluation evaluation(std::move(truth));
+  read_log(options.log, [&](const Frame& frame) { evaluation.Add(frame); });
+  if (evaluation.answered() == 0) {
+    throw ConfigError("--log " + options.log.file +
+                      ": no frame with SPROUT_DISPARITY; allowed: a log with the answers of grow");
+  }
+  if (!options.json.empty()) WriteWhole(options.json, evaluation.Json());
+  if (!options.csv.empty()) WriteWhole(options.csv, evaluation.Csv());
+  if (!options.quiet) std::cout << evaluation.Table();
+  return 0;
+}
+
 }  // namespace
 
-int EvaluateMain(int argc, const char* const* argv) {
+int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log) {
   CLI::App flags(kDescription, "sprout-evaluate");
   Options options;
   AddInputFlags(flags, options);
   AddRunFlags(flags, options);
+  AddLogFlags(flags, options);
   flags.set_version_flag("--version", "sprout-evaluate " + Version());
   flags.footer([] { return MethodsHelp() + kDefinitions; });
-  return RunProgram(flags, argc, argv, [&] { return Run(options); });
+  return RunProgram(flags, argc, argv, [&] {
+    return options.log.file.empty() ? RunScenes(options) : RunLog(options, read_log);
+  });
 }
 
 }  // namespace sprout

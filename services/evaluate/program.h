@@ -1,6 +1,8 @@
 #ifndef SPROUT_SERVICES_EVALUATE_PROGRAM_H_
 #define SPROUT_SERVICES_EVALUATE_PROGRAM_H_
 
+#include "services/evaluate/log_evaluation.h"
+
 namespace sprout {
 
 /// The main of sprout-evaluate: flags in, tables on stdout, files where the flags say.
@@ -8,7 +10,8 @@ namespace sprout {
 /// which
 ///          is found out before anything is run; 1 for any other failure. Both with one line on
 ///          stderr.
-int EvaluateMain(int argc, const char* const* argv);
+/// @param read_log  for --log.
+int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log);
 
 }  // namespace sprout
 

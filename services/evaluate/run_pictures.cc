@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
@@ -27,20 +25,6 @@ std::string CorrectText(const MethodResult& method) {
   return fmt::format("{:.1f} %", method.nonoccluded.correct_le1_percent());
 }
 
-cv::Mat3b ErrorPicture(const cv::Mat1f& map_px, const Scene& scene) {
-  constexpr float kLargest = RunPictures::kLargestErrorPx;
-  const cv::Mat1f& truth = scene.frame.truth.left;
-  cv::Mat1f error_px(map_px.size(), std::numeric_limits<float>::quiet_NaN());
-  for (int v = 0; v < map_px.rows; ++v) {
-    for (int u = 0; u < map_px.cols; ++u) {
-      if (scene.nonoccluded(v, u) == 0 || !std::isfinite(truth(v, u))) continue;
-      const float error = std::abs(map_px(v, u) - truth(v, u));
-      error_px(v, u) = std::isfinite(error) ? std::min(error, kLargest) : kLargest;
-    }
-  }
-  return Colorize(error_px, {0, kLargest});
-}
-
 // The points of the ToF camera on the left image, and their number.
 FigureCell PointsCell(const Scene& scene, const ValueRange& range_px) {
   constexpr double kDarkening = 0.45;  // the image stays recognisable, the points stand out
@@ -60,6 +44,7 @@ FigureCell PointsCell(const Scene& scene, const ValueRange& range_px) {
 void RunPictures::Add(const Scene& scene, const SceneResult& result) {
   const cv::Mat1f& truth = scene.frame.truth.left;
   const ValueRange range_px = RobustRange({truth.begin(), truth.end()});
+  const RectifiedPair& pair = scene.projector.rig().pair;
   titles_ = {"left image"};
   error_titles_ = {"left image", "ToF points"};
   std::vector<FigureCell> row{{FigureThumbnail(ToBgr(scene.frame.left)), scene.name}};
@@ -68,16 +53,23 @@ void RunPictures::Add(const Scene& scene, const SceneResult& result) {
     const std::string correct = CorrectText(method);
     Write(folder_ / (scene.name + "_" + method.name + ".png"),
           DisparityPicture(FromPx(method.map_px), range_px,
-                           scene.name + ", " + method.name + ": " + correct));
+                           scene.name + ", " + method.name + ": " + correct, &pair));
     titles_.push_back(method.name);
     error_titles_.push_back(method.name);
     row.push_back({FigureThumbnail(Colorize(method.map_px, range_px)), correct});
-    error_row.push_back({FigureThumbnail(ErrorPicture(method.map_px, scene)), correct});
+    error_row.push_back(
+        {FigureThumbnail(ColorizeErrors(ErrorMap(method.map_px, truth, scene.nonoccluded))),
+         correct});
   }
   titles_.push_back("ground truth");
   row.push_back({FigureThumbnail(Colorize(truth, range_px)), ""});
-  rows_.push_back(std::move(row));
-  error_rows_.push_back(std::move(error_row));
+  // What lies beyond a scale has the colour of its end: there may be such pixels in any of the
+  // maps.
+  ScaleContent scale = DisparityScale(range_px, &pair);
+  scale.above = scale.below = true;
+  rows_.push_back({std::move(row), std::move(scale)});
+  error_rows_.push_back(
+      {std::move(error_row), {.axes = {{{0, kLargestErrorPx}, "px"}}, .above = true}});
 }
 
 void RunPictures::WriteFigures() const {

@@ -26,14 +26,12 @@ class RunPictures {
   /// @throws std::runtime_error naming path and reason.
   void WriteFigures() const;
 
-  static constexpr double kLargestErrorPx = 4;
-
  private:
   std::filesystem::path folder_;
   std::vector<std::string> titles_;
   std::vector<std::string> error_titles_;
-  std::vector<std::vector<FigureCell>> rows_;
-  std::vector<std::vector<FigureCell>> error_rows_;
+  std::vector<FigureRow> rows_;
+  std::vector<FigureRow> error_rows_;
 };
 
 }  // namespace sprout

@@ -10,7 +10,7 @@
 
 #include "common/core/image.h"
 #include "services/capture/kitti_source.h"
-#include "services/evaluate/score.h"
+#include "services/evaluate/visibility.h"
 
 namespace sprout {
 namespace {
@@ -54,32 +54,6 @@ int LargestDisparity(const cv::Mat1f& truth) {
     if (std::isfinite(disparity)) largest = std::max(largest, disparity);
   }
   return static_cast<int>(std::ceil(largest));
-}
-
-cv::Mat1b Required(Result<cv::Mat1b> mask) {
-  if (!mask) throw ConfigError(mask.error().text);
-  return *std::move(mask);
-}
-
-struct Visibility {
-  cv::Mat1b nonoccluded;
-  cv::Mat1b occluded;
-};
-
-Visibility VisibilityOf(const GroundTruth& truth) {
-  if (truth.nonoccluded.empty()) {
-    return {Required(NonOccludedMask(truth.left, truth.right)),
-            Required(OccludedMask(truth.left, truth.right))};
-  }
-  // Known, but not seen by the right camera, although within its image.
-  cv::Mat1b occluded(truth.left.size(), uchar{0});
-  for (int v = 0; v < occluded.rows; ++v) {
-    for (int u = 0; u < occluded.cols; ++u) {
-      const bool in_right_image = std::round(u - double{truth.left(v, u)}) >= 0;  // NaN is not
-      if (in_right_image && truth.nonoccluded(v, u) == 0) occluded(v, u) = 255;
-    }
-  }
-  return {truth.nonoccluded, occluded};
 }
 
 cv::Mat1b AwayMask(const TofProjector& projector, const TofImage& tof) {

@@ -1,6 +1,7 @@
 #include "services/evaluate/score.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -91,6 +92,19 @@ double Accuracy::mean_abs_px() const {
 double Accuracy::rms_px() const {
   if (with_disparity == 0) return std::numeric_limits<double>::quiet_NaN();
   return std::sqrt(sum_squares_px2 / static_cast<double>(with_disparity));
+}
+
+cv::Mat1f ErrorMap(const cv::Mat1f& disparity_px, const cv::Mat1f& truth, const cv::Mat1b& mask) {
+  assert(disparity_px.size() == truth.size() && mask.size() == truth.size());
+  cv::Mat1f error_px(truth.size(), std::numeric_limits<float>::quiet_NaN());
+  for (int v = 0; v < truth.rows; ++v) {
+    for (int u = 0; u < truth.cols; ++u) {
+      if (mask(v, u) == 0 || !std::isfinite(truth(v, u))) continue;
+      const float error = std::abs(disparity_px(v, u) - truth(v, u));
+      error_px(v, u) = std::isfinite(error) ? error : std::numeric_limits<float>::infinity();
+    }
+  }
+  return error_px;
 }
 
 Result<Accuracy> Score(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,

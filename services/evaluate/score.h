@@ -36,6 +36,12 @@ Result<cv::Mat1b> NonOccludedMask(const cv::Mat1f& left_truth, const cv::Mat1f& 
 /// @returns an error when both maps are given and differ in size. O(pixels).
 Result<cv::Mat1b> OccludedMask(const cv::Mat1f& left_truth, const cv::Mat1f& right_truth);
 
+/// Errors |d − d_gt| of a map, px: NaN where nothing is scored (`mask` is 0 or the truth unknown),
+/// infinite where there is no disparity.
+/// @param disparity_px  px, NaN or infinite = none.
+/// @pre the three have one size. O(pixels).
+cv::Mat1f ErrorMap(const cv::Mat1f& disparity_px, const cv::Mat1f& truth, const cv::Mat1b& mask);
+
 /// How well a disparity map matches ground truth: counts of pixels, and figures made of them.
 /// Shares are per cent of `scored` pixels and NaN when there are none; mean and root mean square
 /// are over `with_disparity` pixels and NaN when there are none.

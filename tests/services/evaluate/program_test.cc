@@ -24,12 +24,32 @@ struct Outcome {
   std::string err;
 };
 
+// A log of three frames of kScene: frame 1 has the truth, frame 2 is 2 px off, frame 3 was not
+// answered.
+void ReadSyntheticLog(const LogChoice& log, const std::function<void(const Frame&)>& visit) {
+  if (log.file != "run.lcm") throw ConfigError("--log " + log.file + ": no such log");
+  CaptureConfig config;
+  config.set_source("synthetic:96x72");
+  const auto source = OpenDataset(config);
+  for (const int64_t seq : {1, 2, 3}) {
+    const DatasetFrame captured = source->Get(seq);
+    Frame frame;
+    frame.id = {.utime = 1000 * seq, .seq = seq, .rig_id = "rig"};
+    frame.left = captured.left;
+    frame.right = captured.right;
+    cv::Mat1f map_px = captured.truth.left.clone();
+    if (seq == 2) map_px += 2;
+    if (seq < 3) frame.disparity = FromPx(map_px);
+    visit(frame);
+  }
+}
+
 Outcome Evaluate(std::vector<std::string> arguments) {
   std::vector<const char*> argv{"sprout-evaluate"};
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
-  const int exit_code = EvaluateMain(static_cast<int>(argv.size()), argv.data());
+  const int exit_code = EvaluateMain(static_cast<int>(argv.size()), argv.data(), ReadSyntheticLog);
   return {exit_code, testing::internal::GetCapturedStdout(),
           testing::internal::GetCapturedStderr()};
 }
@@ -237,6 +257,41 @@ TEST(EvaluateProgram, RefusesPicturesOfTwoScenesOfOneName) {
   const TemporaryDirectory folder;
   ExpectRefused({kScene, kScene, "--images", folder / "new"}, "two scenes are called");
   EXPECT_EQ(folder.CountEntries(), 0);
+}
+
+TEST(EvaluateProgram, ScoresTheAnswersOfALogAgainstTheTruthOfItsSource) {
+  const TemporaryDirectory folder;
+  const auto json_file = folder / "log.json";
+  const Outcome outcome = Evaluate(
+      {"--log", "run.lcm", "--truth", kScene, "--json", json_file, "--csv", folder / "log.csv"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("3 frames, 2 with a disparity map, 2 with ground truth"));
+  EXPECT_THAT(outcome.out, HasSubstr("\n| disparity |"));
+  const auto frames = nlohmann::json::parse(Text(json_file))["frames"];
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_EQ(frames[0]["maps"]["disparity"]["correct_le1"], 100);
+  EXPECT_EQ(frames[1]["maps"]["disparity"]["correct_le1"], 0);
+  EXPECT_NEAR(frames[1]["maps"]["disparity"]["mean_abs_px"], 2, 0.02);
+  EXPECT_GT(frames[0]["score"], frames[1]["score"]);
+  EXPECT_TRUE(frames[2]["score"].is_null());
+  EXPECT_THAT(Text(folder / "log.csv"), StartsWith("seq,utime,score,valid_share,"));
+}
+
+TEST(EvaluateProgram, JudgesALogWithoutTruthByItsQuality) {
+  const Outcome outcome = Evaluate({"--log", "run.lcm"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("3 frames, 2 with a disparity map, 0 with ground truth"));
+  EXPECT_THAT(outcome.out, HasSubstr("| misfit "));
+  EXPECT_THAT(outcome.out, testing::Not(HasSubstr("<= 1 px")));
+}
+
+TEST(EvaluateProgram, RefusesWhatDoesNotGoWithALog) {
+  ExpectRefused({"--log", "gone.lcm"}, "--log gone.lcm: no such log");
+  ExpectRefused({"--log", "run.lcm", "--truth", "synthetic:48x36"}, "--truth: frame 1, score: ");
+  ExpectRefused({"--log", "run.lcm", kScene}, "SCENE excludes --log");
+  ExpectRefused({"--log", "run.lcm", "--images", "x"}, "--images excludes --log");
+  ExpectRefused({kScene, "--truth", kScene}, "--truth requires --log");
+  ExpectRefused({}, "no SCENE; allowed: scenes, or --log LOG");
 }
 
 }  // namespace

@@ -1,0 +1,23 @@
+#ifndef SPROUT_SERVICES_EVALUATE_VISIBILITY_H_
+#define SPROUT_SERVICES_EVALUATE_VISIBILITY_H_
+
+#include <opencv2/core.hpp>
+
+#include "services/capture/dataset.h"
+
+namespace sprout {
+
+/// Which pixels of the left image with a known truth the right camera sees, and which a nearer
+/// surface hides from it: 255, else 0.
+struct Visibility {
+  cv::Mat1b nonoccluded;
+  cv::Mat1b occluded;
+};
+
+/// As the truth says it, or by NonOccludedMask() and OccludedMask().
+/// @throws ConfigError when its maps differ in size.
+Visibility VisibilityOf(const GroundTruth& truth);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_EVALUATE_VISIBILITY_H_
