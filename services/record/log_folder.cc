@@ -1,0 +1,176 @@
+#include "services/record/log_folder.h"
+
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <ctime>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kNameBegin = "record_";
+constexpr std::string_view kNameEnd = ".lcm";
+
+/// Of all files in it and below.
+int64_t BytesIn(const fs::path& folder) {
+  int64_t bytes = 0;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code gone;  // others may delete meanwhile
+    const bool regular = fs::is_regular_file(entry->symlink_status(gone));
+    const auto size = regular ? entry->file_size(gone) : 0;
+    if (!gone) bytes += static_cast<int64_t>(size);
+  }
+  if (error) throw LogError(folder, "cannot be read (" + error.message() + ")");
+  return bytes;
+}
+
+struct OwnLog {
+  fs::path path;
+  int64_t number;
+};
+
+std::vector<OwnLog> OwnLogs(const fs::path& folder) {
+  std::vector<OwnLog> logs;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (const auto number = RecordingNumber(entry->path()))
+      logs.push_back({entry->path(), *number});
+  }
+  if (error) throw LogError(folder, "cannot be read (" + error.message() + ")");
+  std::ranges::sort(logs, {}, &OwnLog::number);
+  return logs;
+}
+
+int Lock(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  const int descriptor = error ? -1 : open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) {
+    throw LogError(folder,
+                   "cannot be used (" +
+                       (error ? error : std::error_code(errno, std::generic_category())).message() +
+                       ")");
+  }
+  // Some network file systems have no locks; two recorders there are the user's care.
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    close(descriptor);
+    throw LogError(folder, "another process records there; allowed is a folder of its own");
+  }
+  return descriptor;
+}
+
+std::string MbText(int64_t bytes) {
+  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+}
+
+}  // namespace
+
+std::optional<int64_t> RecordingNumber(const fs::path& path) {
+  const std::string name = path.filename();
+  if (!name.starts_with(kNameBegin) || !name.ends_with(kNameEnd)) return std::nullopt;
+  int64_t number = 0;
+  const char* const begin = name.data() + kNameBegin.size();
+  const auto [end, error] = std::from_chars(begin, name.data() + name.size(), number);
+  if (error != std::errc() || *begin == '-' || *end != '_') return std::nullopt;
+  return number;
+}
+
+LogFolder::LogFolder(LogFolderOptions options, LastWords last_words)
+    : options_(std::move(options)),
+      last_words_(std::move(last_words)),
+      lock_(Lock(options_.folder)) {
+  const std::vector<OwnLog> logs = OwnLogs(options_.folder);
+  if (!logs.empty()) next_number_ = logs.back().number + 1;
+  held_bytes_ = BytesIn(options_.folder);
+}
+
+LogFolder::~LogFolder() { close(lock_); }
+
+void LogFolder::Write(const RecordedEvent& event) {
+  const int64_t bytes = RecordingFile::BytesOf(event);
+  if (file_ && file_->events() > 0 && file_->bytes() + bytes > options_.max_file_bytes) Close();
+  if (!file_) held_bytes_ = BytesIn(options_.folder);
+  MakeRoom(bytes);
+  if (!file_) Open(event.utime);
+  Append(event);
+}
+
+void LogFolder::Append(const RecordedEvent& event) {
+  file_->Write(event);
+  const int64_t bytes = RecordingFile::BytesOf(event);
+  held_bytes_ += bytes;
+  bytes_ += bytes;
+  ++events_;
+}
+
+void LogFolder::Open(int64_t utime) {
+  const auto seconds = static_cast<std::time_t>(utime / 1'000'000);
+  file_ = std::make_unique<RecordingFile>(
+      options_.folder / fmt::format("{}{:06}_{:%Y%m%d_%H%M%S}Z{}", kNameBegin, next_number_,
+                                    fmt::gmtime(seconds), kNameEnd));
+  ++next_number_;
+  ++files_;
+}
+
+void LogFolder::Close() {
+  if (!file_) return;
+  std::string failure;
+  try {
+    Append(last_words_());
+  } catch (const LogError& error) {
+    failure = error.what();
+  }
+  const std::unique_ptr<RecordingFile> file = std::move(file_);
+  file->Close();
+  if (!failure.empty()) throw LogError(file->path(), "has no last status: " + failure);
+}
+
+// The last words may exceed the quota, by less than 2 kB.
+void LogFolder::MakeRoom(int64_t bytes) {
+  if (held_bytes_ + bytes <= options_.quota_bytes) return;
+  held_bytes_ = BytesIn(options_.folder);  // somebody may have made room
+  while (held_bytes_ + bytes > options_.quota_bytes) {
+    if (options_.delete_oldest && DeleteOldest()) continue;
+    throw LogError(options_.folder,
+                   fmt::format("holds {}, and its quota is {}{}", MbText(held_bytes_),
+                               MbText(options_.quota_bytes),
+                               options_.delete_oldest ? "; no older log of ours is left to delete"
+                                                      : "; nothing was deleted"));
+  }
+}
+
+bool LogFolder::DeleteOldest() {
+  for (const OwnLog& log : OwnLogs(options_.folder)) {
+    if (file_ && log.path == file_->path()) continue;
+    std::error_code error;
+    const auto size = fs::file_size(log.path, error);
+    if (error || !fs::remove(log.path, error)) continue;
+    held_bytes_ -= static_cast<int64_t>(size);
+    ++deleted_;
+    return true;
+  }
+  return false;
+}
+
+void LogFolder::RequireThere() const {
+  std::error_code error;
+  if (!fs::is_directory(options_.folder, error)) throw LogError(options_.folder, "has vanished");
+  if (file_ && !file_->IsThere()) throw LogError(file_->path(), "has vanished");
+}
+
+}  // namespace sprout

@@ -1,0 +1,81 @@
+#ifndef SPROUT_SERVICES_RECORD_LOG_FOLDER_H_
+#define SPROUT_SERVICES_RECORD_LOG_FOLDER_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "common/logfile/log_error.h"
+#include "services/record/recorded_event.h"
+#include "services/record/recording_file.h"
+
+namespace sprout {
+
+struct LogFolderOptions {
+  std::filesystem::path folder;
+  int64_t max_file_bytes = 0;  ///< a log that would grow beyond it is closed, the next one begins
+  int64_t quota_bytes = 0;     ///< what the folder may hold, whosever the files are
+  bool delete_oldest = false;  ///< of our own logs, rather than end at the quota
+};
+
+/// The logs of a folder, record_NUMBER_DATE_TIME.lcm. Numbers go on from the largest one that is
+/// there, so their order is that of the recordings whatever the clock did. Not thread-safe.
+class LogFolder {
+ public:
+  using LastWords = std::function<RecordedEvent()>;
+
+  /// Makes the folder where there is none, and locks it until the end of this object.
+  /// @param last_words  the last event of every log: what was lost up to there.
+  /// @throws LogError when the folder cannot be used, or another process records there.
+  LogFolder(LogFolderOptions options, LastWords last_words);
+  ~LogFolder();
+  LogFolder(const LogFolder&) = delete;
+  LogFolder& operator=(const LogFolder&) = delete;
+
+  /// Appends to the open log; begins one where there is none or it is full.
+  /// @throws LogError when it cannot be written or the quota is reached. The log is whole up to the
+  ///         event before, and open.
+  void Write(const RecordedEvent& event);
+
+  /// Ends the open log, if there is one, with the last words.
+  /// @throws LogError; the log is closed then, too.
+  void Close();
+
+  /// @throws LogError when the folder or the open log has vanished.
+  void RequireThere() const;
+
+  bool is_open() const { return file_ != nullptr; }
+  /// Of the open log.
+  const std::filesystem::path& path() const { return file_->path(); }
+
+  int64_t files() const { return files_; }      ///< begun so far
+  int64_t events() const { return events_; }    ///< written so far
+  int64_t bytes() const { return bytes_; }      ///< written so far
+  int64_t deleted() const { return deleted_; }  ///< logs deleted so far
+
+ private:
+  void Append(const RecordedEvent& event);
+  void Open(int64_t utime);
+  void MakeRoom(int64_t bytes);
+  bool DeleteOldest();
+
+  LogFolderOptions options_;
+  LastWords last_words_;
+  int lock_;
+  int64_t next_number_ = 1;
+  int64_t held_bytes_ = 0;  // by the folder; looked up with each new log
+  std::unique_ptr<RecordingFile> file_;
+  int64_t files_ = 0;
+  int64_t events_ = 0;
+  int64_t bytes_ = 0;
+  int64_t deleted_ = 0;
+};
+
+/// Number of a log that a LogFolder has named; nothing for other files.
+std::optional<int64_t> RecordingNumber(const std::filesystem::path& path);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_RECORD_LOG_FOLDER_H_

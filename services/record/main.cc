@@ -1,0 +1,187 @@
+#include <fmt/format.h>
+#include <pthread.h>
+#include <spdlog/spdlog.h>
+#include <sys/time.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+
+#include "common/app/program.h"
+#include "common/app/service.h"
+#include "common/app/status_reporter.h"
+#include "common/app/supervision.h"
+#include "common/bus/channels.h"
+#include "common/core/digest.h"
+#include "services/record/recording.h"
+
+namespace sprout {
+namespace {
+
+struct Flags {
+  std::string folder;
+  std::vector<std::string> channels;
+  double max_mb = 1000;
+  double quota_gb = 20;
+  bool delete_oldest = false;
+  std::optional<double> ring_s;
+  double ring_mb = 500;
+  double after_s = 10;
+  std::optional<std::string> trigger_channel;
+  std::optional<double> trigger_confidence;
+};
+
+constexpr char kDescription[] =
+    "Records the running graph to LCM logs, record_NUMBER_DATE_TIME.lcm in a folder.\n"
+    "\n"
+    "  sprout-record --dir /data                                    everything, until Ctrl-C\n"
+    "  sprout-record --dir /data --quota-gb 50 --delete-oldest      the last 50 GB\n"
+    "  sprout-record --dir /data --ring 20 --trigger-confidence 0.3 20 s before trouble, 10 s "
+    "after\n"
+    "  kill -USR1 PID                                               that was interesting: keep it\n"
+    "\n"
+    "Exit codes: 0; 1 when it had to stop (quota, disk) or lost messages; 2 a flag that cannot be\n"
+    "used.";
+
+RecordedEvent::Clock::duration Seconds(double seconds) {
+  return std::chrono::duration_cast<RecordedEvent::Clock::duration>(
+      std::chrono::duration<double>(seconds));
+}
+
+void RequireChannel(const std::string& flag, const std::string& channel) {
+  constexpr char kAllowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+  // With the longest prefix it may still be too long for LCM; then nothing can come on it.
+  if (!channel.empty() && channel.size() <= 63 &&
+      channel.find_first_not_of(kAllowed) == std::string::npos) {
+    return;
+  }
+  throw ConfigError(flag + " '" + channel +
+                    "': allowed are 1 to 63 letters, digits, '_' and '-', without prefix");
+}
+
+RecordingOptions OptionsOf(const Flags& flags) {
+  RecordingOptions options;
+  options.channels = flags.channels;
+  if (options.channels.empty()) {
+    for (const std::string_view channel : AllChannels()) options.channels.emplace_back(channel);
+  }
+  for (const std::string& channel : options.channels) RequireChannel("--channels", channel);
+  options.folder = {.folder = flags.folder,
+                    .max_file_bytes = std::llround(flags.max_mb * 1e6),
+                    .quota_bytes = std::llround(flags.quota_gb * 1e9),
+                    .delete_oldest = flags.delete_oldest};
+  if (flags.delete_oldest && flags.max_mb > flags.quota_gb * 1000 / 2) {
+    throw ConfigError(
+        fmt::format("--max-mb {}: allowed with --delete-oldest is up to half of "
+                    "--quota-gb, {} MB",
+                    flags.max_mb, flags.quota_gb * 1000 / 2));
+  }
+  if (flags.ring_s) {
+    options.ring = {.length = Seconds(*flags.ring_s),
+                    .max_bytes = static_cast<size_t>(flags.ring_mb * 1e6),
+                    .after = Seconds(flags.after_s)};
+  }
+  if (flags.trigger_channel) RequireChannel("--trigger-channel", *flags.trigger_channel);
+  options.trigger_channel = flags.trigger_channel;
+  options.trigger_confidence = flags.trigger_confidence;
+  return options;
+}
+
+// SIGUSR1, which is blocked in every thread, within 0.1 s.
+bool WaitForTrigger() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGUSR1);
+  constexpr timespec kPoll{.tv_sec = 0, .tv_nsec = 100'000'000};
+  return sigtimedwait(&signals, nullptr, &kPoll) == SIGUSR1;
+}
+
+// A second signal still ends the process at once.
+void TakeTimeToFinish(const Recording& recording) {
+  constexpr itimerval kNever{};
+  setitimer(ITIMER_REAL, &kNever, nullptr);
+  const double waiting_mb = static_cast<double>(recording.waiting_bytes()) / 1e6;
+  if (waiting_mb > 1) spdlog::info("writing the {:.0f} MB that wait", waiting_mb);
+}
+
+int Record(const ServiceContext& context, const RecordingOptions& options) {
+  StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
+  Recording recording(context, options, monitor);
+  {
+    const StatusReporter reporter(context, monitor);
+    TellReady();
+    auto next_status = RecordedEvent::Clock::now();
+    while (!context.stop.stop_requested() && !recording.has_failed()) {
+      if (WaitForTrigger()) recording.Trigger("SIGUSR1");
+      if (RecordedEvent::Clock::now() < next_status) continue;
+      recording.PutStatus();
+      next_status += std::chrono::seconds(1);
+    }
+    if (context.stop.stop_requested()) TakeTimeToFinish(recording);
+    recording.Finish();
+  }
+  const bool whole = recording.IsWhole();
+  spdlog::log(whole ? spdlog::level::info : spdlog::level::warn, recording.Summary());
+  return whole ? 0 : 1;
+}
+
+void AddFlags(CLI::App& app, Flags& flags) {
+  app.add_option("--dir", flags.folder, "Folder to write to; made where there is none")
+      ->type_name("DIR")
+      ->required();
+  app.add_option("--channels", flags.channels,
+                 "Only these (without prefix), also some of your own; may be given several times; "
+                 "default: every channel of the graph")
+      ->type_name("NAME,NAME,...")
+      ->delimiter(',')
+      ->expected(1)
+      ->take_all();
+  app.add_option("--max-mb", flags.max_mb, "Size of a log at which the next one begins, MB")
+      ->check(NumberIn(0.1, 1e6))
+      ->capture_default_str();
+  app.add_option("--quota-gb", flags.quota_gb, "What the folder may hold with all its files, GB")
+      ->check(NumberIn(0.001, 1e6))
+      ->capture_default_str();
+  app.add_flag("--delete-oldest", flags.delete_oldest,
+               "At the quota delete the oldest log record_*.lcm instead of stopping");
+  CLI::Option* ring =
+      app.add_option("--ring", flags.ring_s,
+                     "Keep the last seconds in memory and write nothing until a trigger")
+          ->type_name("SECONDS")
+          ->check(NumberIn(1.0, 3600.0));
+  app.add_option("--ring-mb", flags.ring_mb, "Memory that --ring may take, MB")
+      ->check(NumberIn(0.1, 1e6))
+      ->capture_default_str()
+      ->needs(ring);
+  app.add_option("--after", flags.after_s, "How long to write after a trigger, s")
+      ->check(NumberIn(0.0, 3600.0))
+      ->capture_default_str()
+      ->needs(ring);
+  app.add_option("--trigger-channel", flags.trigger_channel,
+                 "Any message on this channel (without prefix) is a trigger")
+      ->type_name("NAME")
+      ->needs(ring);
+  app.add_option("--trigger-confidence", flags.trigger_confidence,
+                 "A SPROUT_CONFIDENCE with a mean below this is a trigger; 0 to 1, pixels without "
+                 "disparity count as 0")
+      ->check(NumberIn(0.0, 1.0))
+      ->needs(ring);
+}
+
+int Main(int argc, char** argv) {
+  // Before any thread begins, so that it is blocked in all of them.
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGUSR1);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  Service service("record", kDescription);
+  Flags flags;
+  AddFlags(service.flags(), flags);
+  return service.Run(
+      argc, argv, [&](const ServiceContext& context) { return Record(context, OptionsOf(flags)); });
+}
+
+}  // namespace
+}  // namespace sprout
+
+int main(int argc, char** argv) { return sprout::Main(argc, argv); }

@@ -1,0 +1,229 @@
+#include "services/record/recording.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <new>
+#include <opencv2/core.hpp>
+#include <utility>
+
+#include "common/app/supervision.h"
+#include "common/bus/channels.h"
+#include "common/messages/codec.h"
+
+namespace sprout {
+namespace {
+
+constexpr size_t kMaxQueuedBytes = size_t{1} << 29;
+
+std::optional<Part> PartOf(std::string_view channel) {
+  for (const PartRow& row : kPartTable) {
+    if (row.channel == channel) return row.part;
+  }
+  return std::nullopt;
+}
+
+// The first one that every frame has; RIG comes once a second.
+std::optional<Part> CountedPart(const std::vector<std::string>& channels) {
+  for (const PartRow& row : kPartTable) {
+    if (row.part != Part::kRig && std::ranges::find(channels, row.channel) != channels.end()) {
+      return row.part;
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string_view> Subscriptions(const RecordingOptions& options) {
+  std::vector<std::string_view> channels(options.channels.begin(), options.channels.end());
+  if (options.trigger_channel) channels.emplace_back(*options.trigger_channel);
+  if (options.trigger_confidence) channels.push_back(ChannelOf(Part::kConfidence));
+  std::ranges::sort(channels);
+  const auto twice = std::ranges::unique(channels);
+  channels.erase(twice.begin(), twice.end());
+  return channels;
+}
+
+}  // namespace
+
+Recording::Recording(const ServiceContext& context, RecordingOptions options, StageMonitor& monitor)
+    : options_(std::move(options)),
+      prefix_(context.prefix),
+      monitor_(monitor),
+      counted_part_(CountedPart(options_.channels)),
+      queue_(kMaxQueuedBytes),
+      folder_(options_.folder, [this] { return StatusEvent(); }),
+      recorder_(options_.ring, folder_) {
+  receiver_.emplace(
+      context.lcm_url, prefix_, Subscriptions(options_),
+      [this](std::string_view channel, std::span<const uint8_t> bytes) { Receive(channel, bytes); },
+      [this](std::string_view channel) { Drop(channel); });
+  writing_ = std::jthread([this] { WriteAll(); });
+}
+
+RecordedEvent Recording::MakeEvent(std::string channel, std::span<const uint8_t> bytes) const {
+  return {.utime = NowUtime(),
+          .arrived = RecordedEvent::Clock::now(),
+          .channel = prefix_ + std::move(channel),
+          .data = {bytes.begin(), bytes.end()}};
+}
+
+RecordedEvent Recording::StatusEvent() const {
+  return MakeEvent(std::string(kStatusChannel), EncodeStatus(monitor_.Snapshot()));
+}
+
+// Its status is put into the log when it is made: on the bus it could be lost. What it says of
+// itself tells nothing about the graph.
+bool Recording::IsOwn(std::string_view channel, std::span<const uint8_t> bytes) const {
+  const StageStatus own = monitor_.Snapshot();
+  const auto is_own = [&own](const auto& said) {
+    return said && said->stage == own.stage && said->host == own.host && said->pid == own.pid;
+  };
+  if (channel == kStatusChannel) return is_own(DecodeStatus(bytes));
+  return channel == kProcessChannel && is_own(DecodeProcessInfo(bytes));
+}
+
+bool Recording::IsRecorded(std::string_view channel) const {
+  return std::ranges::find(options_.channels, channel) != options_.channels.end();
+}
+
+void Recording::Receive(std::string_view channel, std::span<const uint8_t> bytes) try {
+  const bool record = IsRecorded(channel);
+  if (IsOwn(channel, bytes)) return;
+  if (const auto part = PartOf(channel); part && record) CountFrame(*part, bytes);
+  if (record || channel == ChannelOf(Part::kConfidence)) {
+    const auto kind = record ? QueuedEvent::Kind::kMessage : QueuedEvent::Kind::kLookAt;
+    if (!queue_.Put({.kind = kind, .event = MakeEvent(std::string(channel), bytes)})) {
+      Drop(channel);
+    }
+  }
+  if (channel == options_.trigger_channel) Trigger("a message on " + std::string(channel));
+} catch (const std::bad_alloc&) {
+  Drop(channel);
+}
+
+void Recording::Drop(std::string_view channel) {
+  ++dropped_;
+  monitor_.BadMessage(channel, "came faster than the disk takes messages");
+}
+
+void Recording::CountFrame(Part part, std::span<const uint8_t> bytes) {
+  if (part == Part::kRig) return;
+  const Result<FrameId> id = DecodeFrameId(bytes);
+  if (!id) return;  // recorded as it is; whoever replays it will refuse it
+  gaps_[part].Add(*id);
+  int64_t gaps = 0;
+  for (const auto& [of_part, seen] : gaps_) gaps += seen.count();
+  monitor_.SetJoinerCounts(/*incomplete=*/0, gaps);
+  if (part != counted_part_) return;
+  monitor_.FrameIn(/*skipped=*/false);
+  monitor_.FrameOut(*id, StageMonitor::Clock::now(), /*degenerate=*/"");
+}
+
+void Recording::Trigger(const std::string& who) {
+  static_cast<void>(
+      queue_.Put({.kind = QueuedEvent::Kind::kTrigger,
+                  .event = {.arrived = RecordedEvent::Clock::now(), .channel = {}, .data = {}},
+                  .trigger = who}));
+}
+
+void Recording::PutStatus() {
+  if (!queue_.Put({.kind = QueuedEvent::Kind::kOwnStatus, .event = StatusEvent()})) {
+    Drop(kStatusChannel);
+  }
+}
+
+void Recording::WriteAll() {
+  Watchdog watchdog;
+  try {
+    while (!queue_.IsFinished()) {
+      watchdog.Idle();
+      if (auto item = queue_.TakeWithin(Watchdog::kIdlePeriod / 2)) Handle(std::move(*item));
+    }
+    monitor_.SetStopped();
+    recorder_.Finish();
+  } catch (const std::exception& error) {  // LogError, or no memory
+    Fail(error.what());
+  }
+}
+
+void Recording::Handle(QueuedEvent item) {
+  if (item.kind == QueuedEvent::Kind::kTrigger) {
+    return PullTrigger(item.event.arrived, item.trigger);
+  }
+  if (item.kind == QueuedEvent::Kind::kOwnStatus) {
+    folder_.RequireThere();
+    return recorder_.AddStatus(std::move(item.event));
+  }
+  if (options_.trigger_confidence &&
+      item.event.channel == prefix_ + std::string(ChannelOf(Part::kConfidence))) {
+    LookAtConfidence(item.event);
+  }
+  if (item.kind == QueuedEvent::Kind::kMessage) recorder_.Add(std::move(item.event));
+}
+
+void Recording::PullTrigger(RecordedEvent::Clock::time_point now, const std::string& who) {
+  if (!options_.ring)
+    return spdlog::info("trigger ({}): without --ring all is written anyway", who);
+  ++triggers_;
+  const int64_t before = folder_.events();
+  if (!recorder_.Trigger(now)) return spdlog::debug("trigger ({}): prolongs the log", who);
+  const auto& events = recorder_.ring()->events();
+  const double held_s =
+      events.empty() ? 0 : std::chrono::duration<double>(now - events.front().arrived).count();
+  monitor_.Warn(fmt::format("trigger ({}): the {} messages of the last {:.1f} s are written", who,
+                            folder_.events() - before, held_s));
+}
+
+void Recording::LookAtConfidence(const RecordedEvent& event) {
+  const Result<DecodedPart> decoded = DecodePart(Part::kConfidence, event.data);
+  if (!decoded) return monitor_.BadMessage(event.channel, decoded.error().text);
+  const auto& image = std::get<cv::Mat>(decoded->value);
+  const double mean = cv::mean(image)[0] / 255;
+  if (mean >= *options_.trigger_confidence) return;
+  PullTrigger(event.arrived,
+              fmt::format("frame {}: mean confidence {:.3f}", decoded->id.seq, mean));
+}
+
+void Recording::Fail(const std::string& reason) {
+  monitor_.Failure(reason);
+  try {
+    recorder_.Finish();  // a status of 500 bytes often fits where an image did not
+  } catch (const std::exception&) {
+    spdlog::debug("the log has no last status");
+  }
+  failed_ = true;
+}
+
+void Recording::Finish() {
+  receiver_.reset();
+  queue_.Close();
+  writing_.join();
+  unwritten_ = static_cast<int64_t>(queue_.size()) + (failed_ ? 1 : 0);
+  if (!options_.ring && !failed_ && folder_.events() == 0) {
+    monitor_.Warn("nothing came; is the graph running with this --lcm-url and --channel-prefix?");
+  }
+}
+
+bool Recording::IsWhole() const {
+  return !failed_ && dropped_ == 0 && (options_.ring || folder_.events() > 0);
+}
+
+std::string Recording::Summary() const {
+  std::string gaps;
+  for (const auto& [part, seen] : gaps_) {
+    if (seen.count() > 0) gaps += fmt::format(" {} {}", ChannelOf(part), seen.count());
+  }
+  std::string text = fmt::format(
+      "{} messages, {:.1f} MB in {} logs; lost: {} dropped, {} unwritten; frame numbers missing:{}",
+      folder_.events(), static_cast<double>(folder_.bytes()) / 1e6, folder_.files(),
+      dropped_.load(), unwritten_, gaps.empty() ? " none" : gaps);
+  if (const EventRing* ring = recorder_.ring()) {
+    text += fmt::format("; {} triggers, {} messages did not fit into the ring", triggers_,
+                        ring->not_fitted());
+  }
+  if (folder_.deleted() > 0) text += fmt::format("; {} older logs deleted", folder_.deleted());
+  return text;
+}
+
+}  // namespace sprout

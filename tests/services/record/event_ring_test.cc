@@ -1,0 +1,53 @@
+#include "services/record/event_ring.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/services/record/make_event.h"
+
+namespace sprout {
+namespace {
+
+using std::chrono::seconds;
+
+constexpr size_t kEnoughBytes = 1'000'000;
+
+TEST(EventRing, KeepsTheLastSeconds) {
+  EventRing ring(seconds(3), kEnoughBytes);
+  for (int i = 0; i <= 10; ++i) ring.Add(MakeRecorded(i));
+  ASSERT_EQ(ring.events().size(), 4U);
+  EXPECT_EQ(ring.events().front().utime, 7'000'000);
+  EXPECT_EQ(ring.events().back().utime, 10'000'000);
+  EXPECT_EQ(ring.not_fitted(), 0);
+}
+
+TEST(EventRing, CountsWhatDoesNotFit) {
+  const size_t one = MakeRecorded(0).memory();
+  EventRing ring(seconds(100), 3 * one);
+  for (int i = 0; i < 10; ++i) ring.Add(MakeRecorded(i));
+  ASSERT_EQ(ring.events().size(), 3U);
+  EXPECT_EQ(ring.events().front().utime, 7'000'000);
+  EXPECT_EQ(ring.not_fitted(), 7);
+}
+
+TEST(EventRing, SurvivesAMessageLargerThanItself) {
+  EventRing ring(seconds(3), 1000);
+  ring.Add(MakeRecorded(0));
+  ring.Add(MakeRecorded(1, 5000));
+  EXPECT_TRUE(ring.events().empty());
+  EXPECT_EQ(ring.not_fitted(), 2);
+  ring.Add(MakeRecorded(2));
+  EXPECT_EQ(ring.events().size(), 1U);
+}
+
+TEST(EventRing, GoesByTheClockThatNobodySets) {
+  EventRing ring(seconds(3), kEnoughBytes);
+  for (int i = 0; i <= 10; ++i) {
+    RecordedEvent event = MakeRecorded(i);
+    event.utime = i < 5 ? 3'600'000'000 + i : i;  // set back by an hour meanwhile
+    ring.Add(std::move(event));
+  }
+  EXPECT_EQ(ring.events().size(), 4U);
+}
+
+}  // namespace
+}  // namespace sprout

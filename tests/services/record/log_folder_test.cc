@@ -1,0 +1,158 @@
+#include "services/record/log_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/services/record/make_event.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr int64_t kPlenty = 1'000'000'000;
+
+RecordedEvent LastWords() { return MakeRecorded(99, 10, "STATUS"); }
+
+std::vector<fs::path> Logs(const fs::path& folder) {
+  std::vector<fs::path> logs;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (RecordingNumber(entry.path())) logs.push_back(entry.path());
+  }
+  std::ranges::sort(logs);
+  return logs;
+}
+
+std::string FailureOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const LogError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(LogFolder, NamesItsLogs) {
+  EXPECT_EQ(RecordingNumber("/a/record_000012_20260101_000000Z.lcm"), 12);
+  EXPECT_EQ(RecordingNumber("record_1000000_20260101_000000Z.lcm"), 1'000'000);
+  for (const char* name : {"record_.lcm", "record_12.lcm", "record_-1_a.lcm", "run_000001_a.lcm",
+                           "record_000001_a.lcm.part", "record_99999999999999999999_a.lcm"}) {
+    EXPECT_EQ(RecordingNumber(name), std::nullopt) << name;
+  }
+}
+
+TEST(LogFolder, BeginsTheNextLogWhenOneIsFull) {
+  const TemporaryDirectory folder;
+  LogFolder logs({.folder = folder / "new/logs", .max_file_bytes = 1000, .quota_bytes = kPlenty},
+                 LastWords);
+  for (int i = 0; i < 7; ++i) logs.Write(MakeRecorded(i, 300));  // three fit
+  logs.Close();
+  const std::vector<fs::path> paths = Logs(folder / "new/logs");
+  ASSERT_EQ(paths.size(), 3U);
+  EXPECT_EQ(paths[0].filename(), "record_000001_19700101_000000Z.lcm");
+  EXPECT_EQ(paths[1].filename(), "record_000002_19700101_000003Z.lcm");
+  EXPECT_THAT(ReadLog(paths[0]).seconds, ElementsAre(0, 1, 2, 99));
+  EXPECT_THAT(ReadLog(paths[0]).channels, ElementsAre("A", "A", "A", "STATUS"));
+  EXPECT_THAT(ReadLog(paths[2]).seconds, ElementsAre(6, 99));
+  EXPECT_EQ(logs.files(), 3);
+  EXPECT_EQ(logs.events(), 10);
+}
+
+TEST(LogFolder, CanBeReadWhileItGrows) {
+  const TemporaryDirectory folder;
+  LogFolder logs({.folder = folder / "", .max_file_bytes = kPlenty, .quota_bytes = kPlenty},
+                 LastWords);
+  logs.Write(MakeRecorded(1));
+  EXPECT_THAT(ReadLog(logs.path()).seconds, ElementsAre(1));
+}
+
+TEST(LogFolder, GoesOnFromTheLargestNumber) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "record_000041_20990101_000000Z.lcm");
+  LogFolder logs({.folder = folder / "", .max_file_bytes = kPlenty, .quota_bytes = kPlenty},
+                 LastWords);
+  logs.Write(MakeRecorded(1));
+  EXPECT_EQ(RecordingNumber(logs.path()), 42);
+}
+
+TEST(LogFolder, StopsAtTheQuotaAndDeletesNothing) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "notes.txt") << std::string(500, 'x');
+  LogFolder logs({.folder = folder / "", .max_file_bytes = kPlenty, .quota_bytes = 1500},
+                 LastWords);
+  logs.Write(MakeRecorded(1, 400));
+  logs.Write(MakeRecorded(2, 400));
+  const std::string failure = FailureOf([&] { logs.Write(MakeRecorded(3, 400)); });
+  EXPECT_THAT(failure, HasSubstr("its quota is 0.0 MB; nothing was deleted"));
+  logs.Close();
+  EXPECT_THAT(ReadLog(Logs(folder / "")[0]).seconds, ElementsAre(1, 2, 99));
+  EXPECT_TRUE(fs::exists(folder / "notes.txt"));
+}
+
+TEST(LogFolder, DeletesItsOwnOldestOnDemand) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "a.lcm") << std::string(500, 'x');
+  std::ofstream(folder / "record_000007_20990101_000000Z.lcm") << std::string(500, 'x');
+  LogFolder logs(
+      {.folder = folder / "", .max_file_bytes = 500, .quota_bytes = 2000, .delete_oldest = true},
+      LastWords);
+  for (int i = 0; i < 5; ++i) logs.Write(MakeRecorded(i, 400));
+  logs.Close();
+  std::vector<int64_t> numbers;
+  for (const fs::path& log : Logs(folder / "")) numbers.push_back(*RecordingNumber(log));
+  EXPECT_THAT(numbers, ElementsAre(10, 11, 12));
+  EXPECT_EQ(logs.deleted(), 3);
+  EXPECT_TRUE(fs::exists(folder / "a.lcm"));
+}
+
+TEST(LogFolder, NeverDeletesTheLogThatItWrites) {
+  const TemporaryDirectory folder;
+  LogFolder logs({.folder = folder / "",
+                  .max_file_bytes = kPlenty,
+                  .quota_bytes = 1000,
+                  .delete_oldest = true},
+                 LastWords);
+  logs.Write(MakeRecorded(1, 800));
+  EXPECT_THAT(FailureOf([&] { logs.Write(MakeRecorded(2, 800)); }),
+              HasSubstr("no older log of ours is left to delete"));
+}
+
+TEST(LogFolder, BelongsToOneProcess) {
+  const TemporaryDirectory folder;
+  const LogFolderOptions options{
+      .folder = folder / "", .max_file_bytes = kPlenty, .quota_bytes = kPlenty};
+  {
+    const LogFolder first(options, LastWords);
+    EXPECT_THAT(FailureOf([&] { LogFolder(options, LastWords); }),
+                HasSubstr("another process records there"));
+  }
+  EXPECT_EQ(FailureOf([&] { LogFolder(options, LastWords); }), "");
+}
+
+TEST(LogFolder, NoticesThatItHasVanished) {
+  const TemporaryDirectory folder;
+  LogFolder logs({.folder = folder / "logs", .max_file_bytes = kPlenty, .quota_bytes = kPlenty},
+                 LastWords);
+  logs.Write(MakeRecorded(1));
+  logs.RequireThere();
+  fs::rename(logs.path(), folder / "elsewhere.lcm");
+  EXPECT_THAT(FailureOf([&] { logs.RequireThere(); }), HasSubstr(".lcm: has vanished"));
+  fs::remove_all(folder / "logs");
+  EXPECT_THAT(FailureOf([&] { logs.RequireThere(); }), HasSubstr("logs: has vanished"));
+}
+
+TEST(LogFolder, RefusesWhatIsNoFolder) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "file");
+  EXPECT_THAT(
+      FailureOf([&] { LogFolder({.folder = folder / "file", .quota_bytes = kPlenty}, LastWords); }),
+      HasSubstr("file: cannot be used ("));
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,114 @@
+#include "services/record/recorder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/services/record/make_event.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::seconds;
+using testing::ElementsAre;
+
+// A recorder with a ring of 3 s that goes on for 2 s, or without one.
+class RecorderTest : public testing::Test {
+ protected:
+  static constexpr RingOptions kRing{
+      .length = seconds(3), .max_bytes = 1'000'000, .after = seconds(2)};
+
+  void AddFromTo(Recorder& recorder, int first, int last) {
+    for (int i = first; i <= last; ++i) recorder.Add(MakeRecorded(i));
+  }
+
+  static bool TriggerAt(Recorder& recorder, double time) {
+    return recorder.Trigger(MakeRecorded(time).arrived);
+  }
+
+  std::vector<double> Seconds(int number) {
+    for (const auto& entry : fs::directory_iterator(directory_ / "")) {
+      if (RecordingNumber(entry.path()) == number) return ReadLog(entry.path()).seconds;
+    }
+    return {};
+  }
+
+  TemporaryDirectory directory_;
+  LogFolder folder_{
+      {.folder = directory_ / "", .max_file_bytes = 1'000'000, .quota_bytes = 1'000'000},
+      [] { return MakeRecorded(99); }};
+};
+
+TEST_F(RecorderTest, WritesEverythingWithoutARing) {
+  Recorder recorder(std::nullopt, folder_);
+  recorder.AddStatus(MakeRecorded(0));  // begins no log
+  EXPECT_FALSE(folder_.is_open());
+  AddFromTo(recorder, 1, 3);
+  recorder.AddStatus(MakeRecorded(4));
+  EXPECT_FALSE(TriggerAt(recorder, 4));
+  recorder.Finish();
+  EXPECT_THAT(Seconds(1), ElementsAre(1, 2, 3, 4, 99));
+}
+
+TEST_F(RecorderTest, WritesNothingUntilATrigger) {
+  Recorder recorder(kRing, folder_);
+  AddFromTo(recorder, 1, 10);
+  recorder.AddStatus(MakeRecorded(10));
+  recorder.Finish();
+  EXPECT_EQ(folder_.files(), 0);
+}
+
+TEST_F(RecorderTest, WritesTheRingAndWhatFollows) {
+  Recorder recorder(kRing, folder_);
+  AddFromTo(recorder, 1, 10);
+  EXPECT_TRUE(TriggerAt(recorder, 10.5));
+  AddFromTo(recorder, 11, 20);
+  EXPECT_FALSE(folder_.is_open());
+  EXPECT_THAT(Seconds(1), ElementsAre(8, 9, 10, 11, 12, 99));
+}
+
+TEST_F(RecorderTest, IsProlongedByTriggersMeanwhile) {
+  Recorder recorder(kRing, folder_);
+  AddFromTo(recorder, 1, 10);
+  EXPECT_TRUE(TriggerAt(recorder, 10.5));
+  AddFromTo(recorder, 11, 12);
+  EXPECT_FALSE(TriggerAt(recorder, 12.2));
+  AddFromTo(recorder, 13, 20);
+  EXPECT_THAT(Seconds(1), ElementsAre(8, 9, 10, 11, 12, 13, 14, 99));
+  EXPECT_EQ(folder_.files(), 1);
+}
+
+TEST_F(RecorderTest, GivesEveryLogAllOfItsPast) {
+  Recorder recorder(kRing, folder_);
+  AddFromTo(recorder, 1, 10);
+  TriggerAt(recorder, 10.5);
+  AddFromTo(recorder, 11, 13);
+  EXPECT_TRUE(TriggerAt(recorder, 13.5));
+  AddFromTo(recorder, 14, 20);
+  EXPECT_THAT(Seconds(1), ElementsAre(8, 9, 10, 11, 12, 99));
+  EXPECT_THAT(Seconds(2), ElementsAre(11, 12, 13, 14, 15, 99));
+}
+
+TEST_F(RecorderTest, BeginsANewLogAfterSilence) {
+  Recorder recorder(kRing, folder_);
+  AddFromTo(recorder, 1, 2);
+  TriggerAt(recorder, 2.5);
+  EXPECT_TRUE(TriggerAt(recorder, 50));
+  AddFromTo(recorder, 51, 51);
+  recorder.Finish();
+  EXPECT_THAT(Seconds(1), ElementsAre(1, 2, 99));
+  EXPECT_THAT(Seconds(2), ElementsAre(51, 99));
+}
+
+TEST_F(RecorderTest, EndsTheLogWhenItIsStopped) {
+  Recorder recorder(kRing, folder_);
+  AddFromTo(recorder, 1, 2);
+  TriggerAt(recorder, 2.5);
+  recorder.AddStatus(MakeRecorded(3));
+  recorder.Finish();
+  EXPECT_THAT(Seconds(1), ElementsAre(1, 2, 3, 99));
+}
+
+}  // namespace
+}  // namespace sprout
