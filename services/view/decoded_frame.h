@@ -1,0 +1,56 @@
+#ifndef SPROUT_SERVICES_VIEW_DECODED_FRAME_H_
+#define SPROUT_SERVICES_VIEW_DECODED_FRAME_H_
+
+#include <array>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "common/core/frame.h"
+#include "common/core/result.h"
+#include "services/view/stored_frame.h"
+
+namespace sprout {
+
+/// A stored frame whose parts are decoded when they are asked for, each once. Thread-safe.
+class DecodedFrame {
+ public:
+  /// Is told once of each part that cannot be decoded.
+  using Complain = std::function<void(Part part, const std::string& why)>;
+
+  DecodedFrame(StoredFramePtr stored, Complain complain)
+      : stored_(std::move(stored)), complain_(std::move(complain)) {}
+
+  const StoredFrame& stored() const { return *stored_; }
+
+  /// The value of a part, T as in PartValue; null when it is not there or cannot be decoded. Valid
+  /// as long as this.
+  template <typename T>
+  const T* Get(Part part) {
+    const PartValue* value = Decode(part);
+    return value == nullptr ? nullptr : std::get_if<T>(value);
+  }
+
+  /// Size that the rectified images of this frame should have: the calibration's, or else the left
+  /// image's or the disparity map's; nothing without any.
+  std::optional<cv::Size> size();
+
+  /// All that is there.
+  Frame ToFrame();
+
+ private:
+  const PartValue* Decode(Part part);
+  std::optional<cv::Size> CalibratedSize();
+
+  StoredFramePtr stored_;
+  Complain complain_;
+  std::recursive_mutex mutex_;
+  std::array<std::optional<PartValue>, kPartCount> values_;
+  std::array<bool, kPartCount> tried_{};
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_VIEW_DECODED_FRAME_H_

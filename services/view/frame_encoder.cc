@@ -1,0 +1,234 @@
+#include "services/view/frame_encoder.h"
+
+#include <algorithm>
+#include <array>
+#include <opencv2/imgproc.hpp>
+
+#include "common/core/image.h"
+#include "common/messages/jpeg.h"
+#include "services/view/points.h"
+
+namespace sprout {
+namespace {
+
+// One for the page that follows the graph, others for pages that stopped to look.
+constexpr size_t kMaxDecoded = 3;
+constexpr size_t kMaxCacheBytes = size_t{64} << 20;
+
+// Standard deviations of a prior, px: the same scale for all frames.
+constexpr ValueRange kSigmaRange{0, 4};
+
+constexpr std::array<std::string_view, kPictureCount> kPictureNames = {
+    "left", "tof", "disparity", "depth", "prior", "sigma", "confidence"};
+
+nlohmann::json ScaleJson(const ValueRange& range, const char* unit, const char* near) {
+  return {{"min", range.min}, {"max", range.max}, {"unit", unit}, {"near", near}};
+}
+
+cv::Mat Shrink(const cv::Mat& image, int width) {
+  if (image.cols <= width) return image;
+  const int height = std::max(1, cvRound(static_cast<double>(image.rows) * width / image.cols));
+  cv::Mat small;
+  // Averages over areas only where pixels would be left out otherwise.
+  cv::resize(image, small, {width, height}, 0, 0,
+             image.cols >= 2 * width ? cv::INTER_AREA : cv::INTER_LINEAR);
+  return small;
+}
+
+cv::Mat3b PaintTof(const TofImage& tof, const ValueRange& range_m) {
+  cv::Mat3b picture(tof.depth_m.size(), kNoValueColor);
+  for (int v = 0; v < picture.rows; ++v) {
+    for (int u = 0; u < picture.cols; ++u) {
+      const float depth_m = tof.depth_m(v, u);
+      if (IsReturn(depth_m)) picture(v, u) = ColorOfDepth(depth_m, range_m);
+    }
+  }
+  return picture;
+}
+
+cv::Mat3b PaintSigma(const PriorMap& prior, int width) {
+  std::array<cv::Vec3b, 256> table;
+  for (size_t i = 0; i < table.size(); ++i) {
+    table[i] = ColorOf(SigmaToPx(static_cast<uint8_t>(i)), kSigmaRange);
+  }
+  const cv::Mat1b sigma = Thin(prior.sigma, width);
+  const cv::Mat1s counts = Thin(prior.disparity.counts(), width);
+  cv::Mat3b picture(sigma.size(), kNoValueColor);
+  for (int v = 0; v < picture.rows; ++v) {
+    for (int u = 0; u < picture.cols; ++u) {
+      if (counts(v, u) != DisparityImage::kInvalid) picture(v, u) = table[sigma(v, u)];
+    }
+  }
+  return picture;
+}
+
+// Where a stage gives a map, but no disparity in it, the prior's are what there is.
+const DisparityImage* MapOf(DecodedFrame& frame) {
+  const auto* map = frame.Get<DisparityImage>(Part::kDisparity);
+  if (map != nullptr && !map->empty()) return map;
+  const auto* prior = frame.Get<PriorMap>(Part::kPrior);
+  return prior == nullptr || prior->empty() ? nullptr : &prior->disparity;
+}
+
+}  // namespace
+
+std::string_view NameOf(Picture picture) { return kPictureNames[static_cast<size_t>(picture)]; }
+
+std::optional<Picture> PictureOf(std::string_view name) {
+  const auto found = std::find(kPictureNames.begin(), kPictureNames.end(), name);
+  if (found == kPictureNames.end()) return std::nullopt;
+  return static_cast<Picture>(found - kPictureNames.begin());
+}
+
+std::shared_ptr<DecodedFrame> FrameEncoder::Decode(const StoredFramePtr& frame) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(decoded_.begin(), decoded_.end(), [&](const auto& decoded) {
+    return decoded->stored().key == frame->key && decoded->stored().version == frame->version;
+  });
+  if (found != decoded_.end()) return *found;
+  if (decoded_.size() == kMaxDecoded) decoded_.pop_front();
+  decoded_.push_back(std::make_shared<DecodedFrame>(frame, complain_));
+  return decoded_.back();
+}
+
+template <typename Make>
+EncodedPartPtr FrameEncoder::Cached(const StoredFrame& frame, const std::string& what,
+                                    const Make& make) {
+  const auto found = std::find_if(cache_.begin(), cache_.end(), [&](const CachedPart& entry) {
+    return entry.key == frame.key && entry.version == frame.version && entry.what == what;
+  });
+  if (found != cache_.end()) return found->part;
+  EncodedPartPtr part = make();
+  if (!part) return nullptr;
+  cache_bytes_ += part->body.size();
+  cache_.push_back({frame.key, frame.version, what, part});
+  while (cache_bytes_ > kMaxCacheBytes) {
+    cache_bytes_ -= cache_.front().part->body.size();
+    cache_.pop_front();
+  }
+  return part;
+}
+
+void FrameEncoder::FollowRanges(DecodedFrame& frame) {
+  const DisparityImage* map = MapOf(frame);
+  const auto* rig = frame.Get<Rig>(Part::kRig);
+  const auto* tof = frame.Get<TofImage>(Part::kTof);
+  if (map != nullptr) disparity_px_ = calm_disparity_.Follow(DisparityRangeOf(*map));
+  if (map != nullptr && rig != nullptr) {
+    depth_m_ = calm_depth_.Follow(DepthRangeOf(*map, rig->pair));
+  } else if (map == nullptr && tof != nullptr && !tof->depth_m.empty()) {
+    depth_m_ = calm_depth_.Follow(DepthRange(*tof));
+  }
+}
+
+EncodedPartPtr FrameEncoder::MakePicture(DecodedFrame& frame, Picture picture, int width) {
+  cv::Size full;
+  std::string body;
+  cv::Size shown;
+  const auto photograph = [&](const cv::Mat& image) {
+    const cv::Mat small = Shrink(image, width);
+    full = image.size();
+    shown = small.size();
+    body = WriteJpeg(small, JpegColors::kHalf);
+  };
+  const auto painted = [&](cv::Size map, const cv::Mat3b& paint) {
+    full = map;
+    shown = paint.size();
+    body = WriteJpeg(paint, JpegColors::kFull);
+  };
+  const auto counts = [&](const DisparityImage* map, const CountColors& colors) {
+    if (map != nullptr && !map->empty()) {
+      painted(map->size(), colors.Paint(Thin(map->counts(), width)));
+    }
+  };
+  const auto* prior = frame.Get<PriorMap>(Part::kPrior);
+  switch (picture) {
+    case Picture::kLeft:
+      if (const auto* left = frame.Get<cv::Mat>(Part::kLeft)) photograph(*left);
+      break;
+    case Picture::kConfidence:
+      if (const auto* confidence = frame.Get<cv::Mat>(Part::kConfidence)) photograph(*confidence);
+      break;
+    case Picture::kTof: {
+      const auto* tof = frame.Get<TofImage>(Part::kTof);
+      if (tof != nullptr && !tof->depth_m.empty()) {
+        painted(tof->depth_m.size(), PaintTof({Thin(tof->depth_m, width), {}}, depth_m_));
+      }
+      break;
+    }
+    case Picture::kDisparity:
+      counts(frame.Get<DisparityImage>(Part::kDisparity), CountColors::OfDisparity(disparity_px_));
+      break;
+    case Picture::kDepth:
+      if (const auto* rig = frame.Get<Rig>(Part::kRig)) {
+        counts(frame.Get<DisparityImage>(Part::kDisparity),
+               CountColors::OfDepth(rig->pair, depth_m_));
+      }
+      break;
+    case Picture::kPrior:
+      if (prior != nullptr) counts(&prior->disparity, CountColors::OfDisparity(disparity_px_));
+      break;
+    case Picture::kSigma:
+      if (prior != nullptr && !prior->empty()) painted(prior->size(), PaintSigma(*prior, width));
+      break;
+  }
+  if (body.empty()) return nullptr;
+  auto part = std::make_shared<EncodedPart>();
+  part->head = {{"name", NameOf(picture)},
+                {"width", shown.width},
+                {"height", shown.height},
+                {"full_width", full.width},
+                {"full_height", full.height}};
+  part->body = std::move(body);
+  return part;
+}
+
+EncodedPartPtr FrameEncoder::EncodePicture(const StoredFramePtr& frame, Picture picture,
+                                           int width) {
+  const std::shared_ptr<DecodedFrame> decoded = Decode(frame);
+  const std::lock_guard lock(mutex_);
+  return Cached(*frame, std::string(NameOf(picture)) + std::to_string(width), [&] {
+    FollowRanges(*decoded);
+    return MakePicture(*decoded, picture, width);
+  });
+}
+
+std::string FrameEncoder::Encode(const StoredFramePtr& frame, const Wish& wish,
+                                 const KeyRange& keys) {
+  const std::shared_ptr<DecodedFrame> decoded = Decode(frame);
+  const std::lock_guard lock(mutex_);
+  FollowRanges(*decoded);
+  std::vector<EncodedPartPtr> parts;
+  const auto add = [&](const std::string& what, const auto& make) {
+    if (EncodedPartPtr part = Cached(*frame, what, make)) parts.push_back(std::move(part));
+  };
+  for (const auto& [picture, width] : wish.pictures) {
+    add(std::string(NameOf(picture)) + std::to_string(width),
+        [&, picture = picture, width = width] { return MakePicture(*decoded, picture, width); });
+  }
+  if (wish.seeds) add("seeds", [&] { return EncodeSeeds(*decoded); });
+  if (wish.cloud) add("cloud", [&] { return EncodeCloud(*decoded); });
+  nlohmann::json head{{"type", "frame"},
+                      {"key", frame->key},
+                      {"version", frame->version},
+                      {"seq", frame->id.seq},
+                      {"utime", frame->id.utime},
+                      {"rig_id", frame->id.rig_id},
+                      {"keys", {keys.first, keys.last}},
+                      {"scales",
+                       {{"disparity", ScaleJson(disparity_px_, "px", "max")},
+                        {"depth", ScaleJson(depth_m_, "m", "min")},
+                        {"sigma", ScaleJson(kSigmaRange, "px", "none")},
+                        {"confidence", ScaleJson({0, 1}, "", "none")}}}};
+  if (const auto size = decoded->size()) {
+    head["width"] = size->width;
+    head["height"] = size->height;
+  }
+  return MakePacket(std::move(head), parts);
+}
+
+nlohmann::json FrameEncoder::Probe(const StoredFramePtr& frame, int u, int v) {
+  return ProbeJson(*Decode(frame), u, v);
+}
+
+}  // namespace sprout

@@ -1,0 +1,82 @@
+#ifndef SPROUT_SERVICES_VIEW_FRAME_ENCODER_H_
+#define SPROUT_SERVICES_VIEW_FRAME_ENCODER_H_
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "services/view/decoded_frame.h"
+#include "services/view/frame_source.h"
+#include "services/view/map_colors.h"
+#include "services/view/packet.h"
+
+namespace sprout {
+
+/// Pictures of a frame.
+enum class Picture { kLeft, kTof, kDisparity, kDepth, kPrior, kSigma, kConfidence };
+inline constexpr int kPictureCount = static_cast<int>(Picture::kConfidence) + 1;
+
+/// As the page calls them: "left", "tof", ...; nothing for another name.
+std::string_view NameOf(Picture picture);
+std::optional<Picture> PictureOf(std::string_view name);
+
+/// What a page shows of a frame.
+struct Wish {
+  std::vector<std::pair<Picture, int>> pictures;  ///< with the most columns, px
+  bool cloud = false;
+  bool seeds = false;
+};
+
+/// Turns stored frames into what travels to pages. Does nothing until a page asks, and what several
+/// pages ask for once: decoded frames and finished pictures are kept, the newest few of them.
+/// Thread-safe; one frame is worked on at a time.
+class FrameEncoder {
+ public:
+  /// @param complain  is told of parts that cannot be decoded.
+  explicit FrameEncoder(DecodedFrame::Complain complain) : complain_(std::move(complain)) {}
+
+  /// The packet of a frame: head {type: "frame", key, version, seq, utime, width, height, scales:
+  /// {disparity: {min, max}, ...}, keys, parts}. Parts that are not there are left out.
+  /// @param keys  that the page can look at; goes into the head.
+  std::string Encode(const StoredFramePtr& frame, const Wish& wish, const KeyRange& keys);
+
+  /// A picture alone; null when the frame has none.
+  EncodedPartPtr EncodePicture(const StoredFramePtr& frame, Picture picture, int width);
+
+  nlohmann::json Probe(const StoredFramePtr& frame, int u, int v);
+
+  /// A frame decoded, for who saves it.
+  std::shared_ptr<DecodedFrame> Decode(const StoredFramePtr& frame);
+
+ private:
+  struct CachedPart {
+    int64_t key;
+    int64_t version;
+    std::string what;
+    EncodedPartPtr part;
+  };
+
+  template <typename Make>
+  EncodedPartPtr Cached(const StoredFrame& frame, const std::string& what, const Make& make);
+  EncodedPartPtr MakePicture(DecodedFrame& frame, Picture picture, int width);
+  void FollowRanges(DecodedFrame& frame);
+
+  DecodedFrame::Complain complain_;
+  std::mutex mutex_;
+  std::deque<std::shared_ptr<DecodedFrame>> decoded_;  // newest last
+  std::deque<CachedPart> cache_;                       // newest last
+  size_t cache_bytes_ = 0;
+  CalmRange calm_disparity_;
+  CalmRange calm_depth_;
+  ValueRange disparity_px_;
+  ValueRange depth_m_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_VIEW_FRAME_ENCODER_H_

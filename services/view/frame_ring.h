@@ -1,0 +1,96 @@
+#ifndef SPROUT_SERVICES_VIEW_FRAME_RING_H_
+#define SPROUT_SERVICES_VIEW_FRAME_RING_H_
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/core/result.h"
+#include "services/view/frame_source.h"
+
+namespace sprout {
+
+/// The newest frames of the running graph, and every message that came with them, so that the last
+/// seconds can be saved as a log. Thread-safe.
+///
+/// A frame is shown once it has every part that the graph gives at this time: pictures of one frame
+/// belong together, and stages are swapped, start late and end.
+class FrameRing : public FrameSource {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  static constexpr size_t kMaxFrames = 100;
+
+  /// @param max_bytes  of messages; beyond it the oldest frames go, but for the newest one.
+  explicit FrameRing(size_t max_bytes) : max_bytes_(max_bytes) {}
+
+  /// Takes one message.
+  /// @param channel  without prefix.
+  /// @param utime    when it came, µs, for the log.
+  /// @returns whether Newest() is another frame now, or one with more; an error for a message that
+  ///          is not of the channel's type. The rest of it is looked at when somebody wants to see
+  ///          it.
+  Result<bool> Add(std::string_view channel, std::span<const uint8_t> bytes, int64_t utime,
+                   Clock::time_point now);
+
+  StoredFramePtr Newest() const override;
+  StoredFramePtr Get(int64_t key) const override;
+  KeyRange keys() const override;
+  std::vector<StoredFramePtr> Snapshot() const override;
+
+  size_t bytes() const;
+
+  /// Whether frames went early, before there were kMaxFrames, for want of memory.
+  bool is_short() const;
+
+  /// Writes the messages of the last `seconds` as an LCM log, channels with `prefix` before them.
+  /// @returns how many messages it has. @throws LogError.
+  int64_t WriteLog(const std::filesystem::path& path, const std::string& prefix,
+                   double seconds) const;
+
+ private:
+  struct Event {
+    int64_t utime;
+    std::string channel;
+    StoredBytes bytes;
+  };
+
+  // How often a part comes, to know whether a frame without it is still to get it.
+  struct Pace {
+    std::optional<Clock::time_point> last;
+    Clock::duration interval{};
+  };
+
+  void AddRig(const FrameId& id, const StoredBytes& bytes);
+  StoredFramePtr& FindOrStart(const FrameId& id);
+  bool IsComplete(const StoredFrame& frame, Clock::time_point now) const;
+  bool IsExpected(Part part, Clock::time_point now) const;
+  bool Announce(const StoredFramePtr& frame, Clock::time_point now);
+  void Forget();
+  void DropFrontEvent();
+
+  const size_t max_bytes_;
+  mutable std::mutex mutex_;
+  std::deque<Event> events_;  // in order of arrival
+  size_t event_bytes_ = 0;
+  std::deque<StoredFramePtr> frames_;  // by key, without gaps
+  std::deque<int64_t> started_;        // utime of the first message of each of them
+  std::deque<std::pair<std::string, StoredBytes>> rigs_;  // by rig_id, the newest few
+  std::array<Pace, kPartCount> paces_;
+  StoredFramePtr newest_;
+  Clock::time_point newest_since_{};
+  int64_t next_key_ = 0;
+  bool short_ = false;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_VIEW_FRAME_RING_H_

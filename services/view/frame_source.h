@@ -1,0 +1,42 @@
+#ifndef SPROUT_SERVICES_VIEW_FRAME_SOURCE_H_
+#define SPROUT_SERVICES_VIEW_FRAME_SOURCE_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "services/view/stored_frame.h"
+
+namespace sprout {
+
+/// Keys of the frames that can be had.
+struct KeyRange {
+  int64_t first = 0;
+  int64_t last = -1;  ///< < first: none
+
+  bool operator==(const KeyRange&) const = default;
+};
+
+/// Where frames come from: the running graph, or a log. Thread-safe.
+class FrameSource {
+ public:
+  FrameSource() = default;
+  virtual ~FrameSource() = default;
+  FrameSource(const FrameSource&) = delete;
+  FrameSource& operator=(const FrameSource&) = delete;
+
+  /// The newest frame to look at; null: none yet.
+  virtual StoredFramePtr Newest() const = 0;
+
+  /// A frame by its key; null when it is not, or no longer, there.
+  virtual StoredFramePtr Get(int64_t key) const = 0;
+
+  virtual KeyRange keys() const = 0;
+
+  /// Frames of the running graph vanish one by one: what Get() gives now, to be kept by somebody
+  /// who stopped to look. Of a log, which stays, nothing.
+  virtual std::vector<StoredFramePtr> Snapshot() const = 0;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_VIEW_FRAME_SOURCE_H_

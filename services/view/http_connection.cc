@@ -1,0 +1,159 @@
+#include "services/view/http_connection.h"
+
+#include <boost/asio/post.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "services/view/http_request.h"
+#include "services/view/page_connection.h"
+
+namespace sprout {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+
+constexpr uint32_t kMaxHeaderBytes = 8192;
+
+// How long a browser may take for a request, or leave a connection unused; and how long for an
+// answer, which may be a log of a gigabyte.
+constexpr std::chrono::seconds kReadTime{30};
+constexpr std::chrono::seconds kWriteTime{120};
+
+HttpRequest View(const http::request<http::empty_body>& request) {
+  const auto text = [](beast::string_view view) {
+    return std::string_view(view.data(), view.size());
+  };
+  return {.method = text(request.method_string()),
+          .target = text(request.target()),
+          .host = text(request[http::field::host]),
+          .origin = text(request[http::field::origin])};
+}
+
+// The page is made of its own files alone, is shown in no frame, and read by no other page.
+template <typename Body>
+void SetHeaders(http::response<Body>& response, const HttpReply& reply, const std::string& host) {
+  response.set(http::field::content_type, reply.type);
+  response.set(http::field::cache_control, "no-cache");
+  response.set("Content-Security-Policy",
+               "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; "
+               "connect-src 'self' ws://" +
+                   host + "; frame-ancestors 'none'; base-uri 'none'");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Cross-Origin-Resource-Policy", "same-origin");
+  response.set("Referrer-Policy", "no-referrer");
+  if (reply.file_name.empty()) return;
+  response.set(http::field::content_disposition,
+               "attachment; filename=\"" + reply.file_name + "\"");
+}
+
+class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
+ public:
+  HttpConnection(ServerState& state, boost::asio::ip::tcp::socket socket)
+      : state_(state), count_(state), stream_(std::move(socket)) {}
+
+  void Read() {
+    parser_.emplace();
+    parser_->header_limit(kMaxHeaderBytes);
+    parser_->body_limit(0);
+    stream_.expires_after(kReadTime);
+    http::async_read(
+        stream_, buffer_, *parser_,
+        [self = shared_from_this()](beast::error_code error, size_t) { self->OnRead(error); });
+  }
+
+ private:
+  void OnRead(beast::error_code error) {
+    if (error == http::error::header_limit || error == http::error::body_limit ||
+        error == http::error::unexpected_body) {
+      keep_alive_ = false;
+      return Write(
+          {.status = 413, .body = "the request is too large\n", .file = {}, .file_name = {}});
+    }
+    if (error) return Close();
+    request_ = parser_->release();
+    keep_alive_ = request_.keep_alive();
+    const HttpRequest request = View(request_);
+    host_ = IsOwnHost(request.host) ? std::string(request.host) : std::string();
+    if (beast::websocket::is_upgrade(request_)) return Upgrade(request);
+    // Making the answer may take a second: not here, where everybody would wait.
+    boost::asio::post(state_.requests, [self = shared_from_this()] {
+      auto reply =
+          std::make_shared<HttpReply>(self->state_.parts.handler->Handle(View(self->request_)));
+      boost::asio::post(self->stream_.get_executor(),
+                        [self, reply] { self->Write(std::move(*reply)); });
+    });
+  }
+
+  void Upgrade(const HttpRequest& request) {
+    const auto refuse = [this](int status, const char* text) {
+      keep_alive_ = false;
+      Write({.status = status, .body = text, .file = {}, .file_name = {}});
+    };
+    if (request.target != "/ws") return refuse(404, "the WebSocket is at /ws\n");
+    if (host_.empty() || !IsOwnOrigin(request.origin, request.host)) {
+      return refuse(403, "pages from elsewhere are not served\n");
+    }
+    if (state_.pages.size() >= Server::kMaxPages) {
+      return refuse(503, "too many pages are open: allowed are 16\n");
+    }
+    stream_.expires_never();
+    ServePage(state_, std::move(count_), stream_.release_socket(), std::move(request_));
+  }
+
+  void Write(HttpReply reply) {
+    stream_.expires_after(kWriteTime);
+    if (!reply.file) {
+      auto response = std::make_shared<http::response<http::string_body>>();
+      response->body() = std::move(reply.body);
+      return Send(std::move(response), reply);
+    }
+    auto response = std::make_shared<http::response<http::file_body>>();
+    beast::file_posix file;
+    file.native_handle(reply.file->OpenForReading());
+    beast::error_code error;
+    response->body().reset(std::move(file), error);
+    if (error) return Close();
+    Send(std::move(response), reply);
+  }
+
+  template <typename Body>
+  void Send(std::shared_ptr<http::response<Body>> response, const HttpReply& reply) {
+    response->version(11);
+    response->result(static_cast<unsigned>(reply.status));
+    response->keep_alive(keep_alive_);
+    SetHeaders(*response, reply, host_);
+    response->prepare_payload();
+    http::async_write(stream_, *response,
+                      [self = shared_from_this(), response](beast::error_code error, size_t) {
+                        if (error || !self->keep_alive_) return self->Close();
+                        self->Read();
+                      });
+  }
+
+  void Close() {
+    beast::error_code ignored;
+    stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);
+  }
+
+  ServerState& state_;
+  ConnectionCount count_;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_{kMaxHeaderBytes * 2};
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  http::request<http::empty_body> request_;
+  std::string host_;  // checked
+  bool keep_alive_ = true;
+};
+
+}  // namespace
+
+void ServeHttp(ServerState& state, boost::asio::ip::tcp::socket socket) {
+  std::make_shared<HttpConnection>(state, std::move(socket))->Read();
+}
+
+}  // namespace sprout

@@ -1,0 +1,110 @@
+#include "services/view/http_handler.h"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <limits>
+
+#include "services/view/frame_ring.h"
+#include "services/view/log_file.h"
+#include "services/view/page_files.h"
+#include "services/view/save_frame.h"
+
+namespace sprout {
+namespace {
+
+constexpr int kThumbnailWidth = 240;
+constexpr int64_t kMaxKey = std::numeric_limits<int64_t>::max();
+constexpr int64_t kMaxSeconds = 3600;
+constexpr int64_t kMaxBuckets = 2000;
+
+HttpReply Refusal(int status, std::string text) {
+  return {.status = status, .body = std::move(text) + "\n", .file = {}, .file_name = {}};
+}
+
+HttpReply Gone() { return Refusal(404, "no such frame, or it is no longer there"); }
+
+}  // namespace
+
+HttpReply HttpHandler::Handle(const HttpRequest& request) const {
+  try {
+    if (!IsOwnHost(request.host)) {
+      return Refusal(403,
+                     "the Host header names another host: allowed are localhost, this machine's "
+                     "name, and addresses in numbers");
+    }
+    if (request.method != "GET") return Refusal(405, "allowed is GET");
+    return Answer(ParseTarget(request.target));
+  } catch (const std::exception& e) {
+    return Refusal(500, e.what());
+  }
+}
+
+HttpReply HttpHandler::Answer(const HttpTarget& target) const {
+  if (target.path == "/thumb") return Thumbnail(target);
+  if (target.path == "/save") return Save(target);
+  if (target.path == "/save-log") return SaveLog(target);
+  if (target.path == "/timeline") return TimeLine(target);
+  const std::string_view path = target.path == "/" ? "/index.html" : std::string_view(target.path);
+  for (const PageFile& file : PageFiles()) {
+    if (file.path != path) continue;
+    return {.type = std::string(file.type),
+            .body = std::string(file.bytes),
+            .file = {},
+            .file_name = {}};
+  }
+  return Refusal(404, "no such page");
+}
+
+HttpReply HttpHandler::Thumbnail(const HttpTarget& target) const {
+  const auto key = target.Number("key", 0, kMaxKey);
+  if (!key) return Refusal(400, "key: a whole number is needed");
+  const StoredFramePtr frame = source_.Get(*key);
+  if (!frame) return Gone();
+  EncodedPartPtr picture = encoder_.EncodePicture(frame, Picture::kLeft, kThumbnailWidth);
+  if (!picture) picture = encoder_.EncodePicture(frame, Picture::kDisparity, kThumbnailWidth);
+  if (!picture) return Refusal(404, "the frame has no picture");
+  return {.type = "image/jpeg", .body = picture->body, .file = {}, .file_name = {}};
+}
+
+HttpReply HttpHandler::Save(const HttpTarget& target) const {
+  const auto key = target.Number("key", 0, kMaxKey);
+  if (!key) return Refusal(400, "key: a whole number is needed");
+  const auto what = target.query.find("what");
+  if (what == target.query.end()) return Refusal(400, "what: the name of a file is needed");
+  const StoredFramePtr frame = source_.Get(*key);
+  if (!frame) return Gone();
+  MemoryFile file;
+  if (auto saved = SaveFrame(encoder_.Decode(frame)->ToFrame(), what->second, file.path());
+      !saved) {
+    return Refusal(404, saved.error().text);
+  }
+  return {.type = "application/octet-stream",
+          .body = {},
+          .file = std::move(file),
+          .file_name = fmt::format("{:06}_{}", frame->id.seq, what->second)};
+}
+
+HttpReply HttpHandler::SaveLog(const HttpTarget& target) const {
+  if (ring_ == nullptr) return Refusal(404, "a log is shown; sprout-log cut takes a part of it");
+  const auto seconds = target.Number("seconds", 1, kMaxSeconds);
+  if (!seconds) return Refusal(400, fmt::format("seconds: allowed are 1 to {}", kMaxSeconds));
+  MemoryFile file;
+  ring_->WriteLog(file.path(), prefix_, static_cast<double>(*seconds));
+  return {.type = "application/octet-stream",
+          .body = {},
+          .file = std::move(file),
+          .file_name = "sprout.lcm"};
+}
+
+HttpReply HttpHandler::TimeLine(const HttpTarget& target) const {
+  if (log_ == nullptr) return Refusal(404, "only a log has a time line");
+  const auto buckets = target.Number("buckets", 1, kMaxBuckets);
+  if (!buckets) return Refusal(400, fmt::format("buckets: allowed are 1 to {}", kMaxBuckets));
+  return {.type = "application/json",
+          .body = log_->TimeLineText(static_cast<int>(*buckets)),
+          .file = {},
+          .file_name = {}};
+}
+
+}  // namespace sprout

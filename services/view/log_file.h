@@ -1,0 +1,91 @@
+#ifndef SPROUT_SERVICES_VIEW_LOG_FILE_H_
+#define SPROUT_SERVICES_VIEW_LOG_FILE_H_
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/logfile/event_fetcher.h"
+#include "common/logfile/log_reader.h"
+#include "services/view/frame_source.h"
+#include "services/view/status_book.h"
+
+namespace sprout {
+
+/// How good a frame is, without truth.
+struct Quality {
+  double value = 0;  ///< 0 (look here) to 1
+  std::string why;   ///< what is worst about it; may be empty
+};
+
+/// The frames of a log. Only where its messages stand is kept, so the length of the log does not
+/// matter; they are read when somebody looks. Thread-safe.
+class LogFile : public FrameSource {
+ public:
+  /// Begins to read. @param statuses  takes those of the log.
+  /// @param changed  is called, on another thread, when there are more frames.
+  /// @throws LogError when it is no log.
+  LogFile(const std::filesystem::path& path, std::string prefix, StatusBook& statuses,
+          std::function<void()> changed);
+
+  StoredFramePtr Newest() const override;
+  StoredFramePtr Get(int64_t key) const override;
+  KeyRange keys() const override;
+  std::vector<StoredFramePtr> Snapshot() const override { return {}; }
+
+  void SetQuality(int64_t key, Quality quality);
+
+  /// No more qualities will come.
+  void Settle() { settled_ = true; }
+
+  /// For the time line: {first, last, complete, settled, complaint, buckets: [{key, seq, utime,
+  /// quality, why}]}. Of a bucket the worst frame whose quality is known, or else its first.
+  std::string TimeLineText(int buckets) const;
+
+  /// Share that is read, 0 to 1; 1: all.
+  double progress() const;
+
+  /// What is wrong with the log, in one line; empty: nothing.
+  std::string complaint() const;
+
+ private:
+  struct Entry {
+    FrameId id;
+    int64_t utime = 0;                          // of the event that came first
+    std::array<int64_t, kPartCount> offsets{};  // −1: not there
+    std::optional<Quality> quality;
+  };
+
+  void Read(const std::stop_token& stop);
+  void Add(const LogEvent& event);
+  Entry& FindOrStart(const FrameId& id, int64_t utime);
+  StoredBytes Fetch(int64_t offset) const;
+
+  std::filesystem::path path_;
+  std::string prefix_;
+  StatusBook& statuses_;
+  std::function<void()> changed_;
+  LogReader reader_;
+  mutable std::mutex fetch_mutex_;
+  mutable EventFetcher fetcher_;
+  mutable std::mutex mutex_;
+  std::vector<Entry> entries_;
+  std::map<std::string, int64_t> rigs_;  // offsets by rig_id
+  std::string other_channel_;            // of another prefix
+  std::string complaint_;
+  std::atomic<double> progress_ = 0;
+  std::atomic<bool> settled_ = false;
+  std::jthread thread_;  // last: stops before the rest is destroyed
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_VIEW_LOG_FILE_H_

@@ -1,0 +1,193 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <condition_variable>
+#include <filesystem>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "common/app/program.h"
+#include "common/app/service.h"
+#include "common/app/status_reporter.h"
+#include "common/app/version.h"
+#include "common/bus/channels.h"
+#include "common/core/digest.h"
+#include "services/view/bus_listener.h"
+#include "services/view/frame_encoder.h"
+#include "services/view/http_handler.h"
+#include "services/view/log_file.h"
+#include "services/view/log_quality.h"
+#include "services/view/map_colors.h"
+#include "services/view/server.h"
+
+namespace sprout {
+namespace {
+
+const std::vector<std::string> kStages = {"capture", "refine", "prior", "grow"};
+
+struct Options {
+  std::string address = "127.0.0.1";
+  int port = 8420;
+  std::string log;
+  int memory_mb = 1024;
+};
+
+void WaitForStop(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any stopped;
+  std::unique_lock lock(mutex);
+  stopped.wait(lock, stop, [] { return false; });
+}
+
+void WarnOfStrangers(const std::string& address) {
+  if (address.starts_with("127.") || address == "::1") return;
+  spdlog::warn(
+      "--address {}: whoever reaches this address sees what the cameras see; there is no password",
+      address);
+}
+
+// Says where the page is, and serves it until a stop is requested.
+void Serve(const ServiceContext& context, const Server& server, const Options& options) {
+  const bool any = options.address == "0.0.0.0" || options.address == "::";
+  const std::string host = any ? "127.0.0.1" : options.address;
+  spdlog::info("look at http://{}:{}/",
+               host.find(':') == std::string::npos ? host : "[" + host + "]", server.port());
+  WaitForStop(context.stop);
+}
+
+// What a page is told first, and what once a second; board and history are JSON already.
+std::string Hello(nlohmann::json facts, const StatusBook& book) {
+  facts["type"] = "hello";
+  facts["version"] = Version();
+  facts["colors"] = ScaleColors();
+  std::string text = JsonText(facts);
+  text.pop_back();
+  return text + R"(,"history":)" + book.HistoryText() + "}";
+}
+
+std::string Status(nlohmann::json facts, const StatusBook& book,
+                   StatusBoard::Clock::time_point now) {
+  facts["type"] = "status";
+  std::string text = JsonText(facts);
+  text.pop_back();
+  return text + R"(,"board":)" + book.BoardText(now) + "}";
+}
+
+nlohmann::json KeysOf(const FrameSource& source) {
+  const KeyRange keys = source.keys();
+  return {keys.first, keys.last};
+}
+
+int ShowGraph(const ServiceContext& context, const Options& options) {
+  StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
+  const size_t max_bytes = static_cast<size_t>(options.memory_mb) << 20;
+  FrameRing ring(max_bytes);
+  StatusBook book(kStages, /*keep_all=*/false);
+  FrameEncoder encoder(
+      [&](Part part, const std::string& why) { monitor.BadMessage(ChannelOf(part), why); });
+  const HttpHandler handler(ring, encoder, &ring, nullptr, context.prefix);
+  Server server(options.address, static_cast<uint16_t>(options.port),
+                {.source = &ring,
+                 .encoder = &encoder,
+                 .handler = &handler,
+                 .hello =
+                     [&] {
+                       return Hello(
+                           {{"mode", "live"}, {"url", context.lcm_url}, {"prefix", context.prefix}},
+                           book);
+                     },
+                 .status =
+                     [&] {
+                       return Status({{"utime", NowUtime()},
+                                      {"keys", KeysOf(ring)},
+                                      {"kept_mb", static_cast<double>(ring.bytes()) / (1 << 20)},
+                                      {"short", ring.is_short()},
+                                      {"complaint", monitor.Snapshot().last_error}},
+                                     book, StatusBoard::Clock::now());
+                     },
+                 .keep_bytes = max_bytes});
+  const BusListener listener(context, ring, book, monitor, [&] { server.FrameChanged(); });
+  const StatusReporter reporter(context, monitor);
+  Serve(context, server, options);
+  return 0;
+}
+
+int ShowLog(const ServiceContext& context, const Options& options) {
+  StatusBook book({}, /*keep_all=*/true);
+  std::mutex mutex;
+  Server* told = nullptr;
+  LogFile log(options.log, context.prefix, book, [&] {
+    const std::lock_guard lock(mutex);
+    if (told != nullptr) told->FrameChanged();
+  });
+  FrameEncoder encoder(
+      [&](Part part, const std::string& why) { spdlog::warn("{}: {}", ChannelOf(part), why); });
+  const HttpHandler handler(log, encoder, nullptr, &log, context.prefix);
+  Server server(
+      options.address, static_cast<uint16_t>(options.port),
+      {.source = &log,
+       .encoder = &encoder,
+       .handler = &handler,
+       .hello =
+           [&] {
+             return Hello({{"mode", "log"},
+                           {"file", std::filesystem::path(options.log).filename().string()},
+                           {"prefix", context.prefix}},
+                          book);
+           },
+       .status =
+           [&] {
+             return Status(
+                 {{"keys", KeysOf(log)}, {"read", log.progress()}, {"complaint", log.complaint()}},
+                 book, book.newest());
+           },
+       .keep_bytes = 0});
+  const auto tell = [&](Server* whom) {
+    const std::lock_guard lock(mutex);
+    told = whom;
+  };
+  tell(&server);
+  const LogQuality quality(log);
+  Serve(context, server, options);
+  tell(nullptr);
+  return 0;
+}
+
+int Main(int argc, char** argv) {
+  Service service(
+      "view",
+      "Shows in a browser what the running graph does, or what a log holds: left image, ToF,\n"
+      "disparity or depth, confidence, prior, seeds, a point cloud to turn, and how every process\n"
+      "fares. Open http://127.0.0.1:8420/; the keys are listed there with '?'.\n"
+      "Hears every channel and needs none: what is missing is not shown.");
+  Options options;
+  service.flags()
+      .add_option("--log", options.log, "Shows a log instead of the running graph")
+      ->type_name("FILE");
+  service.flags()
+      .add_option("--address", options.address,
+                  "Address to serve on; another than the loopback's lets others look, too")
+      ->capture_default_str();
+  service.flags()
+      .add_option("--port", options.port, "0: any that is free")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  service.flags()
+      .add_option("--memory", options.memory_mb,
+                  "What the last 100 frames may take, MB; once more as much for pages that pause")
+      ->check(CLI::Range(16, 1 << 20))
+      ->capture_default_str();
+  return service.Run(argc, argv, [&](const ServiceContext& context) {
+    WarnOfStrangers(options.address);
+    try {
+      return options.log.empty() ? ShowGraph(context, options) : ShowLog(context, options);
+    } catch (const ListenError& e) {
+      throw ConfigError(e.what());
+    }
+  });
+}
+
+}  // namespace
+}  // namespace sprout
+
+int main(int argc, char** argv) { return sprout::Main(argc, argv); }

@@ -1,0 +1,47 @@
+// The WebSocket: says what the page wants, takes frames apart, and comes back by itself.
+
+const kFirstWait = 300;  // ms until it is tried again; doubled up to the longest
+const kLongestWait = 3000;
+
+/// A packet as packet.h makes it: head, and the body of each part.
+export function readPacket(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  const start = 4 + length;
+  for (const part of head.parts) {
+    part.buffer = buffer;
+    part.start = start + part.offset;
+  }
+  return head;
+}
+
+/// Calls handlers.open(), .closed(), .frame(head), and .text(message) for everything else.
+export class Connection {
+  constructor(handlers) {
+    this.handlers = handlers;
+    this.wait = kFirstWait;
+    this.open();
+  }
+
+  open() {
+    this.socket = new WebSocket(`ws://${location.host}/ws`);
+    this.socket.binaryType = 'arraybuffer';
+    this.socket.onopen = () => {
+      this.wait = kFirstWait;
+      this.handlers.open();
+    };
+    this.socket.onmessage = ({data}) => {
+      if (typeof data === 'string') this.handlers.text(JSON.parse(data));
+      else this.handlers.frame(readPacket(data));
+    };
+    this.socket.onclose = () => {
+      this.handlers.closed();
+      setTimeout(() => this.open(), this.wait);
+      this.wait = Math.min(2 * this.wait, kLongestWait);
+    };
+  }
+
+  send(message) {
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+}

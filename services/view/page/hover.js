@@ -1,0 +1,51 @@
+// What is known of the pixel under the mouse: asked for one pixel at a time, the newest.
+
+const text = (value, digits, unit) =>
+  value === undefined ? '–' : `${value.toFixed(digits)}${unit ? ` ${unit}` : ''}`;
+
+export class Hover {
+  constructor(root, panes, connection) {
+    [this.root, this.panes, this.connection] = [root, panes, connection];
+    this.hint = root.innerHTML;
+  }
+
+  /// The mouse is at a pixel, or at none.
+  at(u, v) {
+    this.pixel = u === undefined ? undefined : [u, v];
+    this.panes.mark(this.pixel);
+    if (this.pixel) this.ask();
+  }
+
+  /// There is another frame.
+  ask() {
+    if (!this.pixel) return;
+    this.panes.mark(this.pixel);
+    this.connection().send({type: 'probe', u: this.pixel[0], v: this.pixel[1]});
+  }
+
+  show(probe) {
+    const facts = [
+      ['u, v', `${probe.u}, ${probe.v}`],
+      ['disparity', text(probe.disparity_px, 2, 'px')],
+      ['depth', text(probe.depth_m, 3, 'm')],
+      ['confidence', text(probe.confidence, 2)],
+      ['prior', text(probe.prior_px, 2, 'px')],
+      ['σ', text(probe.sigma_px, 2, 'px')],
+    ];
+    const seed = probe.seed;
+    if (seed) {
+      facts.push(['nearest seed', `${seed.origin}, ${seed.distance_px.toFixed(1)} px away`]);
+      facts.push(['its disparity', `${seed.disparity_px.toFixed(2)} ± ${seed.sigma_px.toFixed(2)} px`]);
+    }
+    this.root.replaceChildren(...facts.map(([name, value]) => {
+      const span = document.createElement('span');
+      const label = document.createElement('small');
+      label.textContent = `${name} `;
+      const number = document.createElement('b');
+      number.textContent = value;
+      span.append(label, number);
+      return span;
+    }));
+    this.shown = probe;
+  }
+}

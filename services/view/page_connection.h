@@ -1,0 +1,66 @@
+#ifndef SPROUT_SERVICES_VIEW_PAGE_CONNECTION_H_
+#define SPROUT_SERVICES_VIEW_PAGE_CONNECTION_H_
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <deque>
+#include <memory>
+#include <string>
+
+#include "services/view/server_state.h"
+
+namespace sprout {
+
+/// A page that is open: its session on a WebSocket. On the thread of the sockets.
+class PageConnection : public std::enable_shared_from_this<PageConnection> {
+ public:
+  PageConnection(ServerState& state, ConnectionCount count, boost::asio::ip::tcp::socket socket);
+  ~PageConnection();
+
+  void Accept(boost::beast::http::request<boost::beast::http::empty_body> request);
+
+  /// Sends what there is to send: a frame, once the page has drawn the last one. Nothing while
+  /// something is on its way, whatever the page says: one that does not read takes no memory.
+  void Pump();
+
+  /// Sends a status, unless one is still waiting.
+  void SendStatus(const std::string& status);
+
+ private:
+  struct Message {
+    std::string bytes;
+    bool is_text;
+    bool is_status;
+  };
+
+  void Read();
+  void OnRead(boost::beast::error_code error);
+  void PumpProbe();
+  void Send(Message message);
+  void Write();
+
+  /// Does work on the thread for pictures, and sends what it gives.
+  template <typename Work>
+  void SendLater(Work work, bool is_text);
+
+  ServerState& state_;
+  ConnectionCount count_;
+  ViewSession session_;
+  boost::beast::websocket::stream<boost::beast::tcp_stream> stream_;
+  boost::beast::flat_buffer buffer_;
+  std::deque<Message> outbox_;  // the first is on its way
+  bool status_waits_ = false;
+  bool encoding_ = false;
+  bool probing_ = false;
+  bool open_ = false;
+};
+
+/// Makes a WebSocket of a connection on which `request` asked for it.
+void ServePage(ServerState& state, ConnectionCount count, boost::asio::ip::tcp::socket socket,
+               boost::beast::http::request<boost::beast::http::empty_body> request);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_VIEW_PAGE_CONNECTION_H_

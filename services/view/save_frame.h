@@ -1,0 +1,20 @@
+#ifndef SPROUT_SERVICES_VIEW_SAVE_FRAME_H_
+#define SPROUT_SERVICES_VIEW_SAVE_FRAME_H_
+
+#include <filesystem>
+#include <string>
+
+#include "common/core/frame.h"
+#include "common/core/result.h"
+
+namespace sprout {
+
+/// Writes something of a frame to a file. What: left.png, right.png, confidence.png,
+/// disparity.png and prior.png (with a scale), disparity.pfm, prior.pfm (px), cloud.ply (m).
+/// @returns an error for another name, a part that the frame has not, or sizes that differ.
+Result<void> SaveFrame(const Frame& frame, const std::string& what,
+                       const std::filesystem::path& path);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_VIEW_SAVE_FRAME_H_

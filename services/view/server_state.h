@@ -1,0 +1,46 @@
+#ifndef SPROUT_SERVICES_VIEW_SERVER_STATE_H_
+#define SPROUT_SERVICES_VIEW_SERVER_STATE_H_
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <memory>
+#include <set>
+
+#include "services/view/server.h"
+#include "services/view/view_session.h"
+
+namespace sprout {
+
+class PageConnection;
+
+/// What the connections of a server share. Used on the thread of the sockets only.
+struct ServerState {
+  explicit ServerState(ServerParts what) : parts(std::move(what)), budget(parts.keep_bytes) {}
+
+  ServerParts parts;
+  KeepBudget budget;
+  int connections = 0;
+  std::set<PageConnection*> pages;
+  boost::asio::io_context sockets{1};
+  boost::asio::thread_pool pictures{1};
+  boost::asio::thread_pool requests{1};
+};
+
+/// Counts a connection as long as it lives.
+class ConnectionCount {
+ public:
+  explicit ConnectionCount(ServerState& state) : state_(&state) { ++state_->connections; }
+  ConnectionCount(ConnectionCount&& other) noexcept
+      : state_(std::exchange(other.state_, nullptr)) {}
+  ConnectionCount& operator=(ConnectionCount&&) = delete;
+  ~ConnectionCount() {
+    if (state_ != nullptr) --state_->connections;
+  }
+
+ private:
+  ServerState* state_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_VIEW_SERVER_STATE_H_

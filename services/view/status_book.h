@@ -1,0 +1,62 @@
+#ifndef SPROUT_SERVICES_VIEW_STATUS_BOOK_H_
+#define SPROUT_SERVICES_VIEW_STATUS_BOOK_H_
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/core/stage_status.h"
+#include "services/top/status_board.h"
+
+namespace sprout {
+
+/// What the statuses say: of every process the newest, as sprout-top has it, and of every stage the
+/// course of the last minutes for the plots. Thread-safe.
+class StatusBook {
+ public:
+  /// Samples kept of a stage. Of a log, which has more, every second one goes when it is full.
+  static constexpr size_t kMaxSamples = 900;
+
+  /// @param expected   stages that must be there.
+  /// @param keep_all   thin out what is old (a log), instead of forgetting it (a running graph).
+  StatusBook(std::vector<std::string> expected, bool keep_all)
+      : board_(std::move(expected)), keep_all_(keep_all) {}
+
+  /// @param utime  when it came, µs.
+  void Add(const StageStatus& status, int64_t utime, StatusBoard::Clock::time_point now);
+
+  /// The board as BoardJson() has it.
+  std::string BoardText(StatusBoard::Clock::time_point now) const;
+
+  /// {stage: {t, rate_hz, age_p50_ms, age_p99_ms, lost, bad, rss_mb}}: arrays of equal length, t in
+  /// s since 1970; lost and bad are counts since the start of the process.
+  std::string HistoryText() const;
+
+  /// When the newest status came, as Add() was told.
+  StatusBoard::Clock::time_point newest() const;
+
+ private:
+  struct Sample {
+    int64_t utime;
+    int64_t seen;  // how many came before
+    StageStatus status;
+  };
+  struct Course {
+    std::deque<Sample> samples;
+    int64_t seen = 0;
+    int64_t step = 1;
+  };
+
+  mutable std::mutex mutex_;
+  StatusBoard board_;
+  bool keep_all_;
+  StatusBoard::Clock::time_point newest_{};
+  std::map<std::string, Course> courses_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_VIEW_STATUS_BOOK_H_

@@ -1,0 +1,137 @@
+#include "services/view/view_session.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "common/core/image.h"
+
+namespace sprout {
+namespace {
+
+constexpr int kMinWidth = 16;
+constexpr int kMaxWidth = 4096;
+
+// A whole number; JSON has others, too.
+std::optional<int64_t> NumberOf(const nlohmann::json& message, const char* name) {
+  const auto found = message.find(name);
+  if (found == message.end() || !found->is_number_integer()) return std::nullopt;
+  return found->get<int64_t>();
+}
+
+bool FlagOf(const nlohmann::json& message, const char* name) {
+  const auto found = message.find(name);
+  return found != message.end() && found->is_boolean() && found->get<bool>();
+}
+
+Result<Wish> WishOf(const nlohmann::json& message) {
+  Wish wish{.pictures = {}, .cloud = FlagOf(message, "cloud"), .seeds = FlagOf(message, "seeds")};
+  const auto pictures = message.find("pictures");
+  if (pictures == message.end() || !pictures->is_object() || pictures->size() > kPictureCount) {
+    return Fail("wish: pictures are missing");
+  }
+  for (const auto& [name, width] : pictures->items()) {
+    const std::optional<Picture> picture = PictureOf(name);
+    if (!picture || !width.is_number_integer()) return Fail("wish: no picture is called that");
+    const auto columns = std::clamp<int64_t>(width.get<int64_t>(), kMinWidth, kMaxWidth);
+    wish.pictures.emplace_back(*picture, static_cast<int>(columns));
+  }
+  return wish;
+}
+
+}  // namespace
+
+Result<void> ViewSession::OnMessage(std::string_view text) {
+  const auto message = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!message.is_object()) return Fail("a message that is no JSON object");
+  const auto type_field = message.find("type");
+  const std::string type = type_field != message.end() && type_field->is_string()
+                               ? type_field->get<std::string>()
+                               : std::string();
+  if (type == "drawn") {
+    drawing_ = false;
+  } else if (type == "wish") {
+    Result<Wish> wish = WishOf(message);
+    if (!wish) return tl::unexpected(wish.error());
+    wish_ = std::move(*wish);
+    wish_changed_ = true;
+  } else if (type == "live") {
+    Release();
+    live_ = true;
+    look_.reset();
+  } else if (type == "pause") {
+    Keep();
+  } else if (type == "look") {
+    const auto key = NumberOf(message, "key");
+    if (!key) return Fail("look: key is missing");
+    Keep();
+    look_ = *key;
+  } else if (type == "probe") {
+    const auto u = NumberOf(message, "u");
+    const auto v = NumberOf(message, "v");
+    if (!u || !v || *u < 0 || *v < 0 || *u >= kMaxSide || *v >= kMaxSide) {
+      return Fail("probe: u and v: allowed are the pixels of an image");
+    }
+    probe_ = {static_cast<int>(*u), static_cast<int>(*v)};
+  } else {
+    return Fail("a message of an unknown type");
+  }
+  return {};
+}
+
+StoredFramePtr ViewSession::Find(int64_t key) const {
+  const auto kept = std::find_if(kept_.begin(), kept_.end(),
+                                 [key](const StoredFramePtr& frame) { return frame->key == key; });
+  return kept != kept_.end() ? *kept : source_.Get(key);
+}
+
+StoredFramePtr ViewSession::Wanted() {
+  if (live_) return source_.Newest();
+  if (!look_) return shown_;
+  // While a log is still being read a frame may get more parts.
+  StoredFramePtr frame = Find(*look_);
+  if (!frame) gone_ = std::exchange(look_, std::nullopt);
+  return frame;
+}
+
+std::optional<ViewSession::Show> ViewSession::TakeFrame() {
+  if (drawing_) return std::nullopt;
+  StoredFramePtr frame = Wanted();
+  if (!frame) return std::nullopt;
+  const bool same = shown_ && shown_->key == frame->key && shown_->version == frame->version;
+  if (same && !wish_changed_) return std::nullopt;
+  wish_changed_ = false;
+  drawing_ = true;
+  shown_ = std::move(frame);
+  return Show{shown_, wish_};
+}
+
+std::optional<ViewSession::Probe> ViewSession::TakeProbe() {
+  if (!probe_ || !shown_) return std::nullopt;
+  const auto [u, v] = *std::exchange(probe_, std::nullopt);
+  return Probe{shown_, u, v};
+}
+
+KeyRange ViewSession::keys() const {
+  return kept_.empty() ? source_.keys() : KeyRange{kept_.front()->key, kept_.back()->key};
+}
+
+void ViewSession::Keep() {
+  if (!live_) return;
+  live_ = false;
+  std::vector<StoredFramePtr> frames = source_.Snapshot();
+  // The newest first: what does not fit any more is the oldest.
+  for (auto frame = frames.rbegin(); frame != frames.rend(); ++frame) {
+    if (!budget_.Take((*frame)->bytes())) break;
+    kept_bytes_ += (*frame)->bytes();
+    kept_.push_back(std::move(*frame));
+  }
+  std::reverse(kept_.begin(), kept_.end());
+}
+
+void ViewSession::Release() {
+  budget_.Give(kept_bytes_);
+  kept_bytes_ = 0;
+  kept_.clear();
+}
+
+}  // namespace sprout

@@ -1,0 +1,98 @@
+#ifndef SPROUT_SERVICES_VIEW_VIEW_SESSION_H_
+#define SPROUT_SERVICES_VIEW_VIEW_SESSION_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/core/result.h"
+#include "services/view/frame_encoder.h"
+#include "services/view/frame_source.h"
+
+namespace sprout {
+
+/// Memory that pages which stopped to look may keep from vanishing, together. For one thread.
+class KeepBudget {
+ public:
+  explicit KeepBudget(size_t bytes) : left_(bytes) {}
+
+  bool Take(size_t bytes) {
+    if (bytes > left_) return false;
+    left_ -= bytes;
+    return true;
+  }
+  void Give(size_t bytes) { left_ += bytes; }
+
+ private:
+  size_t left_;
+};
+
+/// What one page sees, without a socket. The page says what it wants to see, follows the graph or
+/// looks at single frames, and says when it has drawn one; until then it gets no other, and then
+/// the newest. So a slow page gets fewer frames, and nothing waits for it. For one thread.
+///
+/// Messages of the page, JSON:
+///   {"type": "wish", "pictures": {"left": 640, ...}, "cloud": true, "seeds": true}
+///   {"type": "live"}           follow the graph (of a log: look at its last frame)
+///   {"type": "pause"}          keep what is there, and stay
+///   {"type": "look", "key": K} look at frame K, and stay
+///   {"type": "drawn"}          ready for another frame
+///   {"type": "probe", "u": U, "v": V}  what is known of a pixel of the frame on show
+class ViewSession {
+ public:
+  ViewSession(const FrameSource& source, KeepBudget& budget) : source_(source), budget_(budget) {}
+  ~ViewSession() { Release(); }
+  ViewSession(const ViewSession&) = delete;
+  ViewSession& operator=(const ViewSession&) = delete;
+
+  /// @returns an error for a message that is none of the above; such a page is hung up on.
+  Result<void> OnMessage(std::string_view text);
+
+  /// The frame to send now, if there is one; the page then has to draw it first.
+  struct Show {
+    StoredFramePtr frame;
+    Wish wish;
+  };
+  std::optional<Show> TakeFrame();
+
+  /// The pixel to tell of now, if one was asked for: of several the last.
+  struct Probe {
+    StoredFramePtr frame;
+    int u;
+    int v;
+  };
+  std::optional<Probe> TakeProbe();
+
+  /// A frame that the page asked for and that is no longer there, once.
+  std::optional<int64_t> TakeGone() { return std::exchange(gone_, std::nullopt); }
+
+  /// Frames that the page can look at.
+  KeyRange keys() const;
+
+ private:
+  StoredFramePtr Wanted();
+  StoredFramePtr Find(int64_t key) const;
+  void Keep();
+  void Release();
+
+  const FrameSource& source_;
+  KeepBudget& budget_;
+  Wish wish_;
+  bool wish_changed_ = false;
+  bool live_ = true;
+  std::optional<int64_t> look_;  // key
+  bool drawing_ = false;
+  StoredFramePtr shown_;
+  std::optional<std::pair<int, int>> probe_;
+  std::optional<int64_t> gone_;
+  std::vector<StoredFramePtr> kept_;  // by key
+  size_t kept_bytes_ = 0;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_VIEW_VIEW_SESSION_H_

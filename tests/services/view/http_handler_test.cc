@@ -1,0 +1,128 @@
+#include "services/view/http_handler.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "services/view/page_files.h"
+#include "tests/services/view/view_frames.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class HttpHandlerTest : public ::testing::Test {
+ protected:
+  HttpHandlerTest() {
+    for (int64_t seq = 0; seq < 3; ++seq) AddWhole(input_, seq);
+  }
+
+  HttpReply Get(std::string_view target, std::string_view host = "127.0.0.1:8420") const {
+    return handler_.Handle({.method = "GET", .target = target, .host = host, .origin = {}});
+  }
+
+  static std::string Text(const HttpReply& reply) {
+    if (!reply.file) return reply.body;
+    const int descriptor = reply.file->OpenForReading();
+    struct stat status {};
+    fstat(descriptor, &status);
+    std::string text(static_cast<size_t>(status.st_size), '\0');
+    EXPECT_EQ(read(descriptor, text.data(), text.size()), status.st_size);
+    close(descriptor);
+    return text;
+  }
+
+  RingInput input_;
+  FrameEncoder encoder_{[](Part, const std::string& why) { ADD_FAILURE() << why; }};
+  HttpHandler handler_{input_.ring, encoder_, &input_.ring, nullptr, "A_"};
+};
+
+TEST_F(HttpHandlerTest, GivesThePageAndWhatItAsksFor) {
+  EXPECT_THAT(Get("/").body, StartsWith("<!doctype html>"));
+  EXPECT_EQ(Get("/").type, "text/html; charset=utf-8");
+  for (const PageFile& file : PageFiles()) {
+    EXPECT_EQ(Get(file.path).status, 200) << file.path;
+    EXPECT_EQ(Get(file.path).body, file.bytes);
+    EXPECT_GT(file.bytes.size(), 100U) << file.path;
+    // Nothing comes from anywhere else, see also the Content-Security-Policy.
+    if (!file.path.starts_with("/lib/")) {
+      EXPECT_THAT(std::string(file.bytes), ::testing::Not(HasSubstr("https://")));
+    }
+  }
+}
+
+TEST_F(HttpHandlerTest, HasNoOtherFiles) {
+  for (const char* target : {"/etc/passwd", "/../../etc/passwd", "//etc/passwd", "/%2e%2e/main.cc",
+                             "/index.html/", "index.html", "", "*", "/page/app.js", "/lib/"}) {
+    EXPECT_EQ(Get(target).status, 404) << target;
+  }
+}
+
+TEST_F(HttpHandlerTest, ServesOnlyWhoCallsItByItsOwnName) {
+  for (const char* host :
+       {"localhost", "localhost:8420", "127.0.0.1", "[::1]:8420", "10.0.0.7:80"}) {
+    EXPECT_EQ(Get("/", host).status, 200) << host;
+  }
+  for (const char* host : {"", "evil.example", "evil.example:8420", "127.0.0.1.evil.example",
+                           "localhost.evil.example", "[", "[]"}) {
+    EXPECT_EQ(Get("/", host).status, 403) << host;
+  }
+}
+
+TEST_F(HttpHandlerTest, KnowsItsOwnPages) {
+  EXPECT_TRUE(IsOwnOrigin("", "127.0.0.1:8420"));
+  EXPECT_TRUE(IsOwnOrigin("http://127.0.0.1:8420", "127.0.0.1:8420"));
+  EXPECT_FALSE(IsOwnOrigin("http://evil.example", "127.0.0.1:8420"));
+  EXPECT_FALSE(IsOwnOrigin("http://127.0.0.1:8421", "127.0.0.1:8420"));
+  EXPECT_FALSE(IsOwnOrigin("null", "127.0.0.1:8420"));
+}
+
+TEST_F(HttpHandlerTest, TakesGetAlone) {
+  for (const char* method : {"POST", "PUT", "DELETE", "HEAD", "", "GETGET"}) {
+    EXPECT_EQ(handler_.Handle({.method = method, .target = "/", .host = "localhost", .origin = {}})
+                  .status,
+              405);
+  }
+}
+
+TEST_F(HttpHandlerTest, SavesAFrame) {
+  EXPECT_THAT(Text(Get("/save?key=1&what=left.png")), StartsWith("\x89PNG"));
+  EXPECT_THAT(Text(Get("/save?key=1&what=disparity.png")), StartsWith("\x89PNG"));
+  EXPECT_THAT(Text(Get("/save?key=1&what=disparity.pfm")), StartsWith("Pf\n64 48\n"));
+  const HttpReply cloud = Get("/save?key=1&what=cloud.ply");
+  EXPECT_THAT(Text(cloud), StartsWith("ply\n"));
+  EXPECT_EQ(cloud.file_name, "000001_cloud.ply");
+}
+
+TEST_F(HttpHandlerTest, SaysWhatCannotBeSaved) {
+  EXPECT_EQ(Get("/save?key=77&what=left.png").status, 404);
+  EXPECT_EQ(Get("/save?key=1&what=prior.pfm").body, "the frame has no such map\n");
+  EXPECT_THAT(Get("/save?key=1&what=../x").body, StartsWith("what: allowed are"));
+  for (const char* target :
+       {"/save", "/save?key=1", "/save?key=x&what=left.png", "/save?key=-1&what=left.png",
+        "/save?key=99999999999999999999&what=a", "/thumb", "/thumb?key=", "/save-log",
+        "/save-log?seconds=0", "/save-log?seconds=1e9"}) {
+    EXPECT_EQ(Get(target).status, 400) << target;
+  }
+}
+
+TEST_F(HttpHandlerTest, SavesTheLastSeconds) {
+  const HttpReply log = Get("/save-log?seconds=10");
+  EXPECT_EQ(log.file_name, "sprout.lcm");
+  EXPECT_THAT(Text(log), StartsWith("\xED\xA1\xDA\x01"));
+  EXPECT_THAT(Text(log), HasSubstr("A_SPROUT_DISPARITY"));
+}
+
+TEST_F(HttpHandlerTest, HasThumbnails) {
+  const HttpReply thumbnail = Get("/thumb?key=2");
+  EXPECT_EQ(thumbnail.type, "image/jpeg");
+  EXPECT_THAT(thumbnail.body, StartsWith("\xFF\xD8"));
+  EXPECT_EQ(Get("/thumb?key=3").status, 404);
+  EXPECT_EQ(Get("/timeline?buckets=10").status, 404);  // no log
+}
+
+}  // namespace
+}  // namespace sprout

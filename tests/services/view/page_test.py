@@ -1,0 +1,233 @@
+#!/usr/bin/env python3
+"""The page of sprout-view in a real browser, with a real graph: on a network of its own only (see
+in_private_network). Exit code 0 when all is as it should be, 77 where there is no Chromium."""
+
+import argparse
+import json
+import pathlib
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.request
+
+import web_driver
+
+PORT = 8420
+URL = f"http://127.0.0.1:{PORT}/"
+failures = []
+
+
+def check(what, passed, detail=""):
+    print(("ok     " if passed else "FAILED ") + what + (f" ({detail})" if detail else ""), flush=True)
+    if not passed:
+        failures.append(what)
+
+
+class Programs:
+    """Programs of ours, ended when the test ends."""
+
+    def __init__(self, folder, logs):
+        self.folder, self.logs, self.running = folder, logs, {}
+
+    def start(self, name, *flags):
+        with open(self.logs / f"{name}.log", "a") as log:
+            self.running[name] = subprocess.Popen([self.folder / f"sprout-{name}", *flags],
+                                                  stderr=log, stdout=log)
+
+    def stop(self, name):
+        program = self.running.pop(name)
+        program.send_signal(signal.SIGINT)
+        return program.wait(timeout=20)
+
+    def stop_all(self):
+        for name in list(self.running):
+            self.stop(name)
+
+
+def get(path):
+    with urllib.request.urlopen(URL + path, timeout=20) as answer:
+        return answer.read()
+
+
+def start_graph(programs, source="synthetic:320x240"):
+    for stage in ("refine", "prior", "grow"):
+        programs.start(stage)
+    programs.start("view")
+    programs.start("capture", "--source", source, "--rate", "4", "--wait-for", "refine,prior,grow,view")
+
+
+def wait_for_server():
+    end = time.monotonic() + 20
+    while time.monotonic() < end:
+        try:
+            return get("")
+        except OSError:
+            time.sleep(0.05)
+    raise RuntimeError("sprout-view does not answer")
+
+
+def picture(browser, pane):
+    """What a pane shows, as a text that changes with it."""
+    return browser.run("return document.querySelector(arguments[0]).toDataURL()", f".{pane} canvas")
+
+
+def check_pictures(browser):
+    start = time.monotonic()
+    browser.open(URL)
+    shown = browser.wait("window.sprout && sprout.frames > 0")
+    check("a first picture", shown, f"{time.monotonic() - start:.2f} s after opening")
+    check("every pane has its picture", browser.wait(
+        "sprout.head.parts.map(part => part.name).sort().join() == "
+        "'cloud,confidence,disparity,left,prior,seeds,tof'"),
+        browser.run("return sprout.head.parts.map(part => part.name).join()"))
+    before = picture(browser, "left")
+    frames = browser.run("return sprout.frames")
+    check("frames follow each other", browser.wait(f"sprout.frames > {frames + 3}"))
+    check("pictures change", picture(browser, "left") != before)
+    check("the cloud has points", browser.wait("sprout.cloud.points > 10000"),
+          browser.run("return sprout.cloud.points"))
+    colors = browser.run("""
+        sprout.cloud.render();
+        const canvas = document.createElement('canvas');
+        [canvas.width, canvas.height] = [64, 64];
+        const context = canvas.getContext('2d');
+        context.drawImage(sprout.cloud.renderer.domElement, 0, 0, 64, 64);
+        return new Set(new Uint32Array(context.getImageData(0, 0, 64, 64).data.buffer)).size;""")
+    check("the cloud is drawn", colors > 100, f"{colors} colours")
+
+
+def check_looking(browser):
+    browser.press(" ")
+    browser.wait("!sprout.playing")
+    time.sleep(0.5)
+    key, frames = browser.run("return [sprout.key, sprout.frames]")
+    time.sleep(1.5)
+    check("pausing stops the pictures", browser.run("return sprout.frames") == frames)
+    for _ in range(2):
+        browser.press("ArrowLeft")
+    check("a step goes one frame back", browser.wait(f"sprout.key == {key - 2}"))
+    browser.press("ArrowRight")
+    check("and one on", browser.wait(f"sprout.key == {key - 1}"))
+    return key - 1
+
+
+def check_pixel(browser, key):
+    box = browser.run("""
+        const box = document.querySelector('.disparity .view').getBoundingClientRect();
+        return [box.left, box.top, box.width, box.height];""")
+    browser.point(box[0] + box[2] / 2, box[1] + box[3] / 2)
+    probe = browser.wait("sprout.hover.shown && sprout.hover.shown.key == sprout.key && sprout.hover.shown")
+    check("the pixel under the mouse is told", bool(probe) and "disparity_px" in probe and
+          "seed" in probe and "sigma_px" in probe and "confidence" in probe, json.dumps(probe))
+    header, size, _, pixels = get(f"save?key={key}&what=disparity.pfm").split(b"\n", 3)
+    width, height = map(int, size.split())
+    row = height - 1 - probe["v"]
+    expected = struct.unpack_from("<f", pixels, 4 * (row * width + probe["u"]))[0]
+    check("with the disparity that is saved", header == b"Pf" and expected == probe["disparity_px"], expected)
+
+
+def check_saving(programs, folder):
+    log = folder / "saved.lcm"
+    log.write_bytes(get("save-log?seconds=3"))
+    info = subprocess.run([programs.folder / "sprout-log", "info", "--check", log], capture_output=True, text=True)
+    check("the last seconds are a good log", info.returncode == 0 and "SPROUT_DISPARITY" in info.stdout,
+          info.stderr.strip())
+
+
+def check_numbers(browser, programs):
+    """The table against sprout-top, once the graph stands still."""
+    browser.press("End")
+    check("the graph is followed again", browser.wait("sprout.playing"))
+    programs.stop("capture")
+    time.sleep(2.5)
+    top = subprocess.run([programs.folder / "sprout-top", "--once", "--json", "--log-level", "error"],
+                         capture_output=True, text=True)
+    board = {stage["stage"]: stage for stage in json.loads(top.stdout)["stages"]}
+    for stage in ("refine", "prior", "grow", "view"):
+        row = browser.run("""
+            const row = document.querySelector(`#stages tr[data-stage=${arguments[0]}]`);
+            const text = (name) => row.querySelector(name).textContent;
+            return [text('.frames'), ...[...row.querySelectorAll('.plot span')].map((span) => span.textContent)];
+            """, stage)
+        status = board[stage]
+        lost = sum(status[f"frames_{kind}"] for kind in ("skipped", "incomplete", "failed", "degenerate"))
+        expected = [str(status["frames_out"]), f"{status['rate_hz']:.1f}",
+                    f"{status['age_p50_ms']:.0f} / {status['age_p99_ms']:.0f}", str(lost),
+                    str(status["bad_messages"]), f"{status['rss_bytes'] / 2 ** 20:.0f}"]
+        # Memory may change by a page from one second to the next.
+        check(f"the numbers of {stage} are those of its status", row[:5] == expected[:5] and
+              abs(int(row[5]) - int(expected[5])) <= 2, f"{row} and {expected}")
+
+
+def check_coming_back(browser, programs):
+    programs.start("capture", "--source", "synthetic:320x240", "--rate", "4")
+    check("sprout-view ends when it is told to", programs.stop("view") == 0)
+    check("the page says that nobody answers",
+          browser.wait("document.body.classList.contains('stale') && !document.getElementById('banner').hidden"))
+    programs.start("view")
+    frames = browser.run("return sprout.frames")
+    check("the page comes back by itself", browser.wait(f"sprout.frames > {frames + 3}"))
+
+
+def check_page(browser):
+    foreign = browser.run("""
+        return performance.getEntriesByType('resource').map((entry) => entry.name)
+            .filter((name) => !name.startsWith(location.origin) && !name.startsWith('blob:'));""")
+    check("nothing comes from elsewhere", foreign == [], foreign)
+    complaints = browser.complaints()
+    check("nothing to complain of in the console", complaints == [], complaints)
+
+
+def check_log(browser, programs, log):
+    programs.stop("view")
+    programs.start("view", "--log", log)
+    wait_for_server()
+    browser.open(URL)
+    check("a log shows its first frame", browser.wait("window.sprout && sprout.isLog && sprout.key == 0 && sprout.frames > 0"))
+    check("its time line is rated", browser.wait("sprout.timeLine.line && sprout.timeLine.line.settled"))
+    buckets = browser.run("return sprout.timeLine.line.buckets")
+    check("every stretch has a quality", len(buckets) > 1 and all("quality" in bucket for bucket in buckets))
+    check("thumbnails are there", browser.wait("[...sprout.timeLine.images.values()].some((i) => i.naturalWidth > 0)"))
+    browser.press("ArrowRight")
+    check("a step goes on", browser.wait("sprout.key == 1"))
+    browser.press(" ")
+    check("it plays to its end", browser.wait("sprout.key == sprout.keys[1] && !sprout.playing"))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--bin", type=pathlib.Path, required=True, help="folder of the programs")
+    parser.add_argument("--log", type=pathlib.Path, required=True, help="a log with whole frames")
+    options = parser.parse_args()
+    lacking = web_driver.missing()
+    if lacking:
+        print(f"skipped: {lacking} is missing (scripts/setup --tests installs it)")
+        return 77
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        programs = Programs(options.bin.resolve(), folder)
+        try:
+            start_graph(programs)
+            wait_for_server()
+            with web_driver.Browser() as browser:
+                check_pictures(browser)
+                check_pixel(browser, check_looking(browser))
+                check_saving(programs, folder)
+                check_numbers(browser, programs)
+                check_coming_back(browser, programs)
+                check_page(browser)
+                check_log(browser, programs, options.log.resolve())
+                check_page(browser)
+        finally:
+            programs.stop_all()
+        if failures:
+            for log in sorted(folder.glob("*.log")):
+                print(f"--- {log.name}\n{log.read_text()[-3000:]}")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,213 @@
+#include "services/view/server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <list>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/services/view/view_frames.h"
+
+namespace sprout {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+using asio::ip::tcp;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+using Page = beast::websocket::stream<tcp::socket>;
+
+class ServerTest : public ::testing::Test {
+ protected:
+  ServerTest() { AddWhole(input_, 0); }
+
+  tcp::socket Connect() {
+    tcp::socket socket(io_);
+    socket.connect({asio::ip::address_v4::loopback(), server_.port()});
+    // A test that waits in vain should fail, not hang.
+    const timeval patience{.tv_sec = 20, .tv_usec = 0};
+    setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    return socket;
+  }
+
+  // Sends bytes and reads until the server hangs up.
+  std::string Ask(const std::string& bytes) {
+    tcp::socket socket = Connect();
+    boost::system::error_code error;
+    asio::write(socket, asio::buffer(bytes), error);
+    std::string answer;
+    asio::read(socket, asio::dynamic_buffer(answer), error);
+    return answer;
+  }
+
+  Page Open(const std::string& origin = "") {
+    Page page(Connect());
+    const std::string host = "127.0.0.1:" + std::to_string(server_.port());
+    page.set_option(
+        beast::websocket::stream_base::decorator([&](beast::websocket::request_type& request) {
+          if (!origin.empty()) request.set(beast::http::field::origin, origin);
+        }));
+    page.handshake(host, "/ws");
+    return page;
+  }
+
+  // The next frame, without statuses.
+  static int64_t ReadFrame(Page& page) {
+    while (true) {
+      beast::flat_buffer buffer;
+      page.read(buffer);
+      if (page.got_text()) continue;
+      const std::string bytes = beast::buffers_to_string(buffer.data());
+      const size_t place = bytes.find("\"seq\":");
+      return std::stoll(bytes.substr(place + 6));
+    }
+  }
+
+  static nlohmann::json ReadText(Page& page, const std::string& type) {
+    while (true) {
+      beast::flat_buffer buffer;
+      page.read(buffer);
+      if (!page.got_text()) continue;
+      auto message = nlohmann::json::parse(beast::buffers_to_string(buffer.data()));
+      if (message["type"] == type) return message;
+    }
+  }
+
+  static void Say(Page& page, const std::string& text) { page.write(asio::buffer(text)); }
+
+  RingInput input_;
+  FrameEncoder encoder_{[](Part, const std::string& why) { ADD_FAILURE() << why; }};
+  HttpHandler handler_{input_.ring, encoder_, &input_.ring, nullptr, ""};
+  Server server_{"127.0.0.1",
+                 0,
+                 {.source = &input_.ring,
+                  .encoder = &encoder_,
+                  .handler = &handler_,
+                  .hello = [] { return R"({"type":"hello"})"; },
+                  .status = [] { return R"({"type":"status"})"; },
+                  .keep_bytes = 1 << 20}};
+  asio::io_context io_;
+};
+
+constexpr char kWish[] = R"({"type":"wish","pictures":{"left":64,"disparity":64},"cloud":true})";
+constexpr char kDrawn[] = R"({"type":"drawn"})";
+
+TEST_F(ServerTest, AnswersRequestsOnOneConnectionAfterAnother) {
+  const std::string request = "GET /style.css HTTP/1.1\r\nHost: localhost\r\n";
+  const std::string answer = Ask(request + "\r\n" + request + "Connection: close\r\n\r\n");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 200"));
+  EXPECT_NE(answer.find("HTTP/1.1 200", 10), std::string::npos);
+  EXPECT_THAT(answer, HasSubstr("Content-Security-Policy: default-src 'none'"));
+  EXPECT_THAT(Ask("GET /save?key=0&what=disparity.pfm HTTP/1.1\r\nHost: localhost\r\n"
+                  "Connection: close\r\n\r\n"),
+              HasSubstr("filename=\"000000_disparity.pfm\""));
+}
+
+TEST_F(ServerTest, RefusesWhatIsTooLargeOrNoRequest) {
+  const std::string huge =
+      "GET /" + std::string(100'000, 'a') + " HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  EXPECT_THAT(Ask(huge), ::testing::AnyOf(StartsWith("HTTP/1.1 413"), ""));
+  EXPECT_THAT(Ask("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 999999999\r\n\r\n"),
+              StartsWith("HTTP/1.1 413"));
+  EXPECT_EQ(Ask("\x16\x03\x01\r\n\r\n"), "");  // TLS
+  EXPECT_THAT(Ask("GET / HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n"),
+              StartsWith("HTTP/1.1 403"));
+}
+
+TEST_F(ServerTest, SendsAFrameOnlyAfterTheLastIsDrawn) {
+  Page page = Open();
+  Say(page, kWish);
+  EXPECT_EQ(ReadFrame(page), 0);
+  for (int64_t seq = 1; seq <= 20; ++seq) {
+    AddWhole(input_, seq);
+    server_.FrameChanged();
+  }
+  Say(page, kDrawn);
+  EXPECT_EQ(ReadFrame(page), 20);
+  Say(page, R"({"type":"look","key":5})");
+  Say(page, kDrawn);
+  EXPECT_EQ(ReadFrame(page), 5);
+  Say(page, R"({"type":"probe","u":40,"v":20})");
+  EXPECT_EQ(ReadText(page, "probe")["disparity_px"], 10);
+  Say(page, R"({"type":"look","key":500})");
+  Say(page, kDrawn);
+  EXPECT_EQ(ReadText(page, "gone")["key"], 500);
+}
+
+TEST_F(ServerTest, HangsUpOnWhoIsNoPageOfItsOwn) {
+  Page page = Open();
+  Say(page, R"({"type":"format"})");
+  boost::system::error_code error;
+  for (beast::flat_buffer buffer; !error; buffer.clear()) page.read(buffer, error);
+  EXPECT_NE(error, boost::system::error_code());
+  EXPECT_THROW(Open("http://evil.example"), std::exception);
+  EXPECT_NO_THROW(Open("http://127.0.0.1:" + std::to_string(server_.port())));
+}
+
+TEST_F(ServerTest, ServesOthersWhileOneNeverReads) {
+  Page deaf = Open();
+  Say(deaf, kWish);
+  Page page = Open();
+  Say(page, kWish);
+  for (int64_t seq = 1; seq < 40; ++seq) {
+    EXPECT_GE(ReadFrame(page), seq - 1);
+    AddWhole(input_, seq);
+    server_.FrameChanged();
+    Say(page, kDrawn);
+    // Pretends to have drawn, and reads nothing.
+    Say(deaf, kDrawn);
+  }
+}
+
+TEST_F(ServerTest, Holds50ConnectionsAnd16PagesAndStillAnswers) {
+  std::list<tcp::socket> idle;
+  for (int i = 0; i < 50; ++i) idle.push_back(Connect());
+  std::list<Page> pages;
+  for (int i = 0; i < Server::kMaxPages; ++i) {
+    pages.push_back(Open());
+    Say(pages.back(), kWish);
+  }
+  EXPECT_THROW(Open(), std::exception);
+  for (Page& page : pages) EXPECT_EQ(ReadFrame(page), 0);
+  EXPECT_THAT(Ask("GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"),
+              StartsWith("HTTP/1.1 200"));
+  // Those who go make room for others.
+  pages.clear();
+  const auto opens = [&] {
+    try {
+      Open();
+      return true;
+    } catch (const std::exception&) {
+      return false;
+    }
+  };
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  bool open = opens();
+  while (!open && std::chrono::steady_clock::now() < deadline) open = opens();
+  EXPECT_TRUE(open);
+}
+
+TEST_F(ServerTest, SaysThatItsPortIsTaken) {
+  try {
+    const Server second("127.0.0.1", server_.port(), {});
+    FAIL();
+  } catch (const ListenError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("Address already in use; another sprout-view?"));
+  }
+  EXPECT_THROW(Server("localhost", 0, {}), ListenError);
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,115 @@
+#include "services/view/view_session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/services/view/view_frames.h"
+
+namespace sprout {
+namespace {
+
+class ViewSessionTest : public ::testing::Test {
+ protected:
+  ViewSessionTest() {
+    for (int64_t seq = 0; seq < 10; ++seq) AddWhole(input_, seq);
+  }
+
+  void Say(const std::string& message) {
+    const auto understood = session_.OnMessage(message);
+    EXPECT_TRUE(understood) << understood.error().text;
+  }
+
+  // Sequence number of the frame that is sent now; −1: none.
+  int64_t Sent() {
+    const auto show = session_.TakeFrame();
+    return show ? show->frame->id.seq : -1;
+  }
+
+  RingInput input_;
+  KeepBudget budget_{size_t{64} << 20};
+  ViewSession session_{input_.ring, budget_};
+};
+
+TEST_F(ViewSessionTest, GetsTheNewestFrameWheneverItHasDrawnTheLast) {
+  EXPECT_EQ(Sent(), 9);
+  AddWhole(input_, 10);
+  AddWhole(input_, 11);
+  EXPECT_EQ(Sent(), -1);
+  Say(R"({"type":"drawn"})");
+  EXPECT_EQ(Sent(), 11);
+  Say(R"({"type":"drawn"})");
+  EXPECT_EQ(Sent(), -1);
+}
+
+TEST_F(ViewSessionTest, KeepsItsFramesWhileItLooks) {
+  EXPECT_EQ(Sent(), 9);
+  Say(R"({"type":"drawn"})");
+  Say(R"({"type":"pause"})");
+  for (int64_t seq = 10; seq < 200; ++seq) AddWhole(input_, seq);
+  EXPECT_EQ(Sent(), -1);
+  EXPECT_EQ(session_.keys(), (KeyRange{0, 9}));
+  EXPECT_EQ(input_.ring.Get(3), nullptr);
+  Say(R"({"type":"look","key":3})");
+  EXPECT_EQ(Sent(), 3);
+  Say(R"({"type":"drawn"})");
+  Say(R"({"type":"live"})");
+  EXPECT_EQ(Sent(), 199);
+}
+
+TEST_F(ViewSessionTest, KeepsNoMoreThanTheBudgetOfAllPages) {
+  KeepBudget small(3 * input_.ring.Newest()->bytes());
+  ViewSession first(input_.ring, small);
+  ViewSession second(input_.ring, small);
+  ASSERT_TRUE(first.OnMessage(R"({"type":"pause"})"));
+  ASSERT_TRUE(second.OnMessage(R"({"type":"pause"})"));
+  EXPECT_EQ(first.keys(), (KeyRange{7, 9}));
+  EXPECT_EQ(second.keys(), (KeyRange{0, 9}));  // those of the ring, as long as it has them
+  ASSERT_TRUE(first.OnMessage(R"({"type":"live"})"));
+  ASSERT_TRUE(second.OnMessage(R"({"type":"live"})"));
+  ASSERT_TRUE(second.OnMessage(R"({"type":"pause"})"));
+  EXPECT_EQ(second.keys(), (KeyRange{7, 9}));
+}
+
+TEST_F(ViewSessionTest, SaysThatAFrameIsGone) {
+  Say(R"({"type":"look","key":77})");
+  EXPECT_EQ(Sent(), -1);
+  EXPECT_EQ(session_.TakeGone(), 77);
+  EXPECT_EQ(session_.TakeGone(), std::nullopt);
+}
+
+TEST_F(ViewSessionTest, SendsTheFrameAgainForAnotherWish) {
+  EXPECT_EQ(Sent(), 9);
+  Say(R"({"type":"drawn"})");
+  Say(R"({"type":"wish","pictures":{"left":99999,"depth":64},"cloud":true})");
+  const auto show = session_.TakeFrame();
+  ASSERT_TRUE(show);
+  EXPECT_THAT(show->wish.pictures, ::testing::UnorderedElementsAre(std::pair(Picture::kLeft, 4096),
+                                                                   std::pair(Picture::kDepth, 64)));
+  EXPECT_TRUE(show->wish.cloud);
+  EXPECT_FALSE(show->wish.seeds);
+}
+
+TEST_F(ViewSessionTest, TellsOfThePixelThatWasAskedForLast) {
+  Say(R"({"type":"probe","u":1,"v":2})");
+  EXPECT_FALSE(session_.TakeProbe());  // no frame was sent yet
+  EXPECT_EQ(Sent(), 9);
+  Say(R"({"type":"probe","u":3,"v":4})");
+  const auto probe = session_.TakeProbe();
+  ASSERT_TRUE(probe);
+  EXPECT_EQ(probe->u, 3);
+  EXPECT_EQ(probe->frame->id.seq, 9);
+  EXPECT_FALSE(session_.TakeProbe());
+}
+
+TEST_F(ViewSessionTest, RefusesWhatNoPageOfOursSays) {
+  for (const char* bad :
+       {"", "{", "[]", "7", R"({"type":"fly"})", R"({"type":7})", R"({"type":"look"})",
+        R"({"type":"look","key":"x"})", R"({"type":"look","key":1.5})", R"({"type":"wish"})",
+        R"({"type":"wish","pictures":{"secret":64}})", R"({"type":"wish","pictures":{"left":"x"}})",
+        R"({"type":"probe","u":-1,"v":0})", R"({"type":"probe","u":0,"v":99999})", "\xff\xfe"}) {
+    EXPECT_FALSE(session_.OnMessage(bad)) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace sprout
