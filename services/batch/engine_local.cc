@@ -1,0 +1,120 @@
+#include <fmt/format.h>
+
+#include <atomic>
+#include <csignal>
+#include <deque>
+#include <iostream>
+#include <mutex>
+#include <thread>
+
+#include "common/app/process.h"
+#include "common/app/progress.h"
+#include "services/batch/engines.h"
+#include "services/batch/interrupt.h"
+
+namespace sprout {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Shards waiting for a worker.
+class Queue {
+ public:
+  Queue(const Manifest& manifest, const BatchState& state, int retries) : retries_(retries) {
+    for (size_t i = 0; i < state.done.size(); ++i) {
+      if (state.done[i]) continue;
+      waiting_.push_back({i, 0});
+      frames_to_do_ += manifest.shards[i].frames;
+    }
+    missing_ = std::ssize(waiting_);
+  }
+
+  struct Item {
+    size_t shard;
+    int failures;
+  };
+
+  std::optional<Item> Take() {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.empty() || Interrupt::requested()) return std::nullopt;
+    const Item item = waiting_.front();
+    waiting_.pop_front();
+    return item;
+  }
+
+  void Done(int64_t frames) {
+    const std::lock_guard lock(mutex_);
+    --missing_;
+    frames_done_ += frames;
+  }
+
+  void Failed(Item item, const std::string& output, Progress& progress) {
+    const std::lock_guard lock(mutex_);
+    progress.Clear();
+    const bool again = item.failures < retries_;
+    std::cerr << output << (output.ends_with('\n') ? "" : "\n")
+              << fmt::format("sprout-batch: shard {} failed{}\n", item.shard,
+                             again ? ", will be tried again" : " for the last time");
+    if (again) waiting_.push_back({item.shard, item.failures + 1});
+  }
+
+  void Show(Progress& progress) {
+    const std::lock_guard lock(mutex_);
+    const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+    const double rate = static_cast<double>(frames_done_) / seconds;
+    std::string text =
+        fmt::format("{} shards and {} frames to go", missing_, frames_to_do_ - frames_done_);
+    if (frames_done_ > 0) {
+      text += fmt::format(", {:.1f} frames/s, {:.0f} min left", rate,
+                          static_cast<double>(frames_to_do_ - frames_done_) / rate / 60);
+    }
+    progress.Show(text);
+  }
+
+  int64_t missing() const { return missing_; }
+
+ private:
+  std::mutex mutex_;
+  std::deque<Item> waiting_;
+  int retries_;
+  int64_t missing_ = 0;
+  int64_t frames_to_do_ = 0;
+  int64_t frames_done_ = 0;
+  Clock::time_point start_ = Clock::now();
+};
+
+}  // namespace
+
+int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Manifest& manifest,
+                 const BatchState& state, const LocalOptions& options) {
+  Queue queue(manifest, state, options.retries);
+  Progress progress(/*quiet=*/false);
+  const Interrupt interrupt;
+  const auto work = [&] {
+    while (const auto item = queue.Take()) {
+      queue.Show(progress);
+      Process process({program, "run-shard", folder.root(), std::to_string(item->shard)});
+      std::optional<int> code;
+      while (!(code = process.Wait(std::chrono::seconds(1)))) {
+        if (Interrupt::requested()) process.Signal(SIGTERM);
+      }
+      if (code == 0) {
+        queue.Done(manifest.shards[item->shard].frames);
+      } else if (!Interrupt::requested()) {
+        queue.Failed(*item, process.Output(), progress);
+      }
+    }
+  };
+  const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+  {
+    std::vector<std::jthread> workers;
+    for (int i = 0; i < (options.jobs > 0 ? options.jobs : static_cast<int>(cores)); ++i) {
+      workers.emplace_back(work);
+    }
+  }
+  progress.Clear();
+  if (Interrupt::requested()) throw Interrupted();
+  return queue.missing();
+}
+
+}  // namespace sprout

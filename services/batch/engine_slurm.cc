@@ -1,0 +1,151 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/app/process.h"
+#include "common/config/config.h"
+#include "common/core/output_file.h"
+#include "common/logfile/log_error.h"
+#include "services/batch/engines.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path SlurmFolder(const BatchFolder& folder) { return folder.root() / "slurm"; }
+
+void WriteText(const fs::path& path, const std::string& text) {
+  OutputFile file(path);
+  file.Write(text);
+  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
+}
+
+// For a shell.
+std::string Quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+// Lines of shard numbers, one a task; shards are dealt out like cards, so that tasks are alike.
+int WriteTasks(const fs::path& path, const BatchState& state, int array_size) {
+  std::vector<std::string> tasks;
+  tasks.resize(static_cast<size_t>(std::min<int64_t>(state.missing, array_size)));
+  size_t next = 0;
+  for (size_t i = 0; i < state.done.size(); ++i) {
+    if (!state.done[i]) tasks[next++ % tasks.size()] += fmt::format("{} ", i);
+  }
+  std::string text;
+  for (const std::string& task : tasks) text += task + "\n";
+  WriteText(path, text);
+  return static_cast<int>(tasks.size());
+}
+
+std::string Sbatch(const fs::path& script, const std::vector<std::string>& flags) {
+  std::vector<std::string> command = {"sbatch", "--parsable"};
+  command.insert(command.end(), flags.begin(), flags.end());
+  command.push_back(script);
+  Process process(command);
+  const auto code = process.Wait(std::chrono::seconds(120));
+  std::string id = process.Output();
+  if (code != 0) {
+    throw ConfigError("sbatch: " + (code == 127 ? "not found; is Slurm installed here?" : id));
+  }
+  return id.substr(0, id.find_first_not_of("0123456789"));  // "12;cluster"
+}
+
+std::vector<std::string> Flags(const BatchFolder& folder, const SlurmOptions& options,
+                               const std::string& name) {
+  std::vector<std::string> flags = {"--job-name=sprout-batch-" + name,
+                                    "--ntasks=1",
+                                    "--cpus-per-task=1",
+                                    "--mem=" + options.memory,
+                                    "--time=" + options.time,
+                                    "--requeue",
+                                    "--open-mode=append",
+                                    "--chdir=" + folder.root().string()};
+  if (!options.partition.empty()) flags.push_back("--partition=" + options.partition);
+  return flags;
+}
+
+}  // namespace
+
+std::string ActiveJobs(const BatchFolder& folder) {
+  std::ifstream file(SlurmFolder(folder) / "jobs");
+  std::string jobs;
+  if (!std::getline(file, jobs) || jobs.empty()) return "";
+  std::string active;
+  for (size_t at = 0; at < jobs.size();) {
+    const std::string job = jobs.substr(at, jobs.find(',', at) - at);
+    at += job.size() + 1;
+    Process process({"squeue", "--noheader", "--format=%i", "--jobs=" + job});
+    const bool known = process.Wait(std::chrono::seconds(60)) == 0;  // not when it is long over
+    const std::string output = process.Output();
+    if (known && std::any_of(output.begin(), output.end(),
+                             [](unsigned char c) { return std::isdigit(c) != 0; })) {
+      active += (active.empty() ? "" : ",") + job;
+    }
+  }
+  return active;
+}
+
+std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,
+                        const BatchState& state, const SlurmOptions& options, int round) {
+  const fs::path slurm = SlurmFolder(folder);
+  fs::create_directories(slurm);
+  const std::string root = Quoted(folder.root().string());
+  const fs::path tasks = slurm / fmt::format("tasks{}", round);
+  const int count = WriteTasks(tasks, state, options.array_size);
+  const std::string run = "#!/bin/sh\nexec " + Quoted(program);
+
+  const fs::path shards = slurm / fmt::format("shards{}.sh", round);
+  WriteText(shards, fmt::format("{} run-shard {} $(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" {})\n",
+                                run, root, Quoted(tasks.string())));
+  const fs::path merge = slurm / fmt::format("merge{}.sh", round);
+  WriteText(
+      merge,
+      fmt::format("{} merge {} --round {} --retries {} --memory={} --time={} "
+                  "--array-size={}{}\n",
+                  run, root, round, options.retries, Quoted(options.memory), Quoted(options.time),
+                  options.array_size,
+                  options.partition.empty() ? "" : " --partition=" + Quoted(options.partition)));
+  const fs::path report = slurm / "report.sh";
+  WriteText(report, fmt::format("{} report {}\n", run, root));
+
+  auto flags = Flags(folder, options, "shards");
+  flags.push_back(fmt::format("--array=0-{}", count - 1));
+  flags.push_back("--output=" + (slurm / "shards_%A_%a.txt").string());
+  const std::string array_job = Sbatch(shards, flags);
+  flags = Flags(folder, options, "merge");
+  flags.push_back("--dependency=afterany:" + array_job);
+  flags.push_back("--output=" + (slurm / "merge_%j.txt").string());
+  const std::string merge_job = Sbatch(merge, flags);
+  flags = Flags(folder, options, "report");
+  flags.push_back("--dependency=afterany:" + merge_job);
+  flags.push_back("--output=" + (slurm / "report_%j.txt").string());
+  const std::string report_job = Sbatch(report, flags);
+  WriteText(slurm / "jobs", array_job + "," + merge_job + "," + report_job + "\n");
+  return fmt::format(
+      "submitted: {} shards in the {} tasks of job {}, then merge ({}) and report ({})",
+      state.missing, count, array_job, merge_job, report_job);
+}
+
+void RemoveParts(const BatchFolder& folder) {
+  const fs::path results = folder.root() / "results";
+  if (!fs::exists(results)) return;
+  std::vector<fs::path> parts;
+  for (const auto& group : fs::directory_iterator(results)) {
+    for (const auto& result : fs::directory_iterator(group)) {
+      if (result.path().filename().string().find(".part-") != std::string::npos) {
+        parts.push_back(result.path());
+      }
+    }
+  }
+  for (const fs::path& part : parts) fs::remove_all(part);
+}
+
+}  // namespace sprout

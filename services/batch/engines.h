@@ -1,0 +1,49 @@
+#ifndef SPROUT_SERVICES_BATCH_ENGINES_H_
+#define SPROUT_SERVICES_BATCH_ENGINES_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "services/batch/merge.h"
+
+namespace sprout {
+
+/// What computes the shards on this machine.
+struct LocalOptions {
+  int jobs = 0;     ///< shards at a time; 0 = one a core
+  int retries = 2;  ///< of a shard that failed
+};
+
+/// Runs `PROGRAM run-shard` for every missing shard, `jobs` at a time, until all are done or have
+/// failed too often, or Ctrl-C. Says how far it is on a terminal, and what failed on stderr.
+/// @returns shards that are still missing. @throws Interrupted after Ctrl-C, when all ended.
+int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Manifest& manifest,
+                 const BatchState& state, const LocalOptions& options);
+
+/// What is asked of Slurm.
+struct SlurmOptions {
+  std::string partition;          ///< empty: the cluster's default
+  std::string memory = "2G";      ///< of a task
+  std::string time = "04:00:00";  ///< a task at most
+  int array_size = 1000;          ///< tasks at most; Slurm's MaxArraySize bounds it
+  int retries = 2;                ///< rounds for what failed
+};
+
+/// Submits one job array for the missing shards, each task one core and its share of the shards; a
+/// job for the merge, which submits what is then missing once more; and a job for the report. Does
+/// not wait for them.
+/// @returns one line for people. @throws ConfigError when Slurm refuses, or when jobs of this batch
+///          are still at work.
+std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,
+                        const BatchState& state, const SlurmOptions& options, int round);
+
+/// Jobs of the batch that Slurm still has, "12,13"; empty: none, or no Slurm here.
+std::string ActiveJobs(const BatchFolder& folder);
+
+/// What is left over from processes that were killed: folders without a name of their own.
+void RemoveParts(const BatchFolder& folder);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_BATCH_ENGINES_H_

@@ -1,0 +1,21 @@
+#include "services/batch/interrupt.h"
+
+namespace sprout {
+namespace {
+
+volatile std::sig_atomic_t came = 0;
+
+}  // namespace
+
+Interrupt::Interrupt() {
+  came = 0;
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { came = 1; });
+}
+
+Interrupt::~Interrupt() {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+}
+
+bool Interrupt::requested() { return came != 0; }
+
+}  // namespace sprout

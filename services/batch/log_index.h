@@ -1,0 +1,86 @@
+#ifndef SPROUT_SERVICES_BATCH_LOG_INDEX_H_
+#define SPROUT_SERVICES_BATCH_LOG_INDEX_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/core/frame_id.h"
+
+namespace sprout {
+
+/// A message of a log that belongs to a frame, or a calibration.
+struct IndexedEvent {
+  int64_t line = 0;      ///< byte in the index file where its line begins
+  int64_t line_end = 0;  ///< where the next one does
+  int64_t offset = 0;    ///< byte in the log where the event begins
+  int64_t bytes = 0;     ///< of the event, its header included
+  int64_t utime = 0;     ///< µs, when the recorder got it
+  std::string channel;
+  FrameId id;
+  uint64_t hash = 0;  ///< of the message
+};
+
+/// What a log is on the disk: tells whether an index or a manifest is still about the same one.
+struct FileStamp {
+  int64_t bytes = 0;
+  int64_t mtime_ns = 0;
+
+  bool operator==(const FileStamp&) const = default;
+};
+
+/// @throws LogError when there is no such file.
+FileStamp StampOf(const std::filesystem::path& log);
+
+/// What an index says about its log as a whole.
+struct IndexSummary {
+  FileStamp stamp;
+  int64_t events = 0;         ///< indexed
+  int64_t other_events = 0;   ///< of channels that are no part of a frame
+  int64_t undecodable = 0;    ///< on channels of the graph, but no stage would take them
+  int64_t damaged_bytes = 0;  ///< hold no readable event
+  bool goes_back = false;     ///< the recorder's time jumped back somewhere
+};
+
+/// The frames' messages of a log with their places and digests: one line of text each behind one
+/// line of JSON. Made by reading the log once, kept beside it as `LOG.index`, or in another folder
+/// where the log's own cannot be written. Some 80 bytes a message.
+class LogIndex {
+ public:
+  /// Reads the index of a log; makes it when there is none, or it is of an older state of the log.
+  /// @param fallback  folder for indexes that cannot be kept beside their logs; is created.
+  /// @throws LogError when the log cannot be read, or the index can be written nowhere.
+  static LogIndex Ensure(const std::filesystem::path& log, const std::filesystem::path& fallback);
+
+  /// Reads an index file. @throws LogError when it is none.
+  static LogIndex Read(const std::filesystem::path& index);
+
+  const std::filesystem::path& path() const { return path_; }
+  const IndexSummary& summary() const { return summary_; }
+  const std::vector<IndexedEvent>& events() const { return events_; }
+
+ private:
+  std::filesystem::path path_;
+  IndexSummary summary_;
+  std::vector<IndexedEvent> events_;
+};
+
+/// Writes an index as Read() reads it. @throws LogError.
+void WriteIndex(const std::filesystem::path& path, const IndexSummary& summary,
+                const std::vector<IndexedEvent>& events);
+
+/// The events of an index file from byte `begin` to `end` (places of lines, see IndexedEvent),
+/// without reading the rest. @throws LogError.
+std::vector<IndexedEvent> ReadIndexLines(const std::filesystem::path& path, int64_t begin,
+                                         int64_t end);
+
+/// The one whose line begins at `line`. @throws LogError.
+IndexedEvent ReadIndexLine(const std::filesystem::path& path, int64_t line);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_BATCH_LOG_INDEX_H_

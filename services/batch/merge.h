@@ -1,0 +1,32 @@
+#ifndef SPROUT_SERVICES_BATCH_MERGE_H_
+#define SPROUT_SERVICES_BATCH_MERGE_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "services/batch/manifest.h"
+
+namespace sprout {
+
+/// What became of a batch.
+struct BatchState {
+  std::vector<bool> done;  ///< by shard
+  int64_t missing = 0;
+};
+
+/// Looks at every shard. O(shards), a few look-ups of names each.
+BatchState StateOf(const BatchFolder& folder, const Manifest& manifest);
+
+/// Puts the answers of each log whose shards are all done into one log a variant, logs/NAME_a.lcm
+/// and NAME_b.lcm: the bytes that a replay of the whole log on one machine records (of several
+/// stages: their logs merged by `sprout-log merge`). What is up to date stays.
+/// @returns how many logs were written. @throws LogError.
+int64_t MergeLogs(const BatchFolder& folder, const Manifest& manifest, const BatchState& state);
+
+/// Writes frames.csv: a row for each frame of each shard that is done. @throws LogError.
+void WriteFrameTable(const BatchFolder& folder, const Manifest& manifest, const BatchState& state);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_BATCH_MERGE_H_

@@ -1,0 +1,42 @@
+#ifndef SPROUT_SERVICES_BATCH_PLANNING_H_
+#define SPROUT_SERVICES_BATCH_PLANNING_H_
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "services/batch/manifest.h"
+
+namespace sprout {
+
+/// What a person asks for.
+struct BatchRequest {
+  std::vector<std::string> inputs;  ///< logs, folders of logs (*.lcm), @LIST files
+  std::string out;
+  std::vector<std::string> stages = {"refine", "prior", "grow"};
+  std::vector<std::string> keep;      ///< empty: the last stage
+  std::vector<std::string> config_a;  ///< as --config of the services
+  std::vector<std::string> config_b;  ///< empty: that of A, if there is a B
+  std::string programs_a;             ///< folder of the programs
+  std::string programs_b;             ///< empty: that of A, if there is a B
+  std::string truth;
+  std::string prefix;
+  int64_t shard_megabytes = 192;
+};
+
+/// The logs that `inputs` name, absolute, without doubles, in order: folders are searched for
+/// *.lcm, also below. @throws ConfigError for what is not there.
+std::vector<std::string> FindLogs(const std::vector<std::string>& inputs);
+
+/// Indexes the logs that have no index, several at a time. @throws LogError.
+void IndexLogs(const std::vector<std::string>& logs, const std::filesystem::path& fallback);
+
+/// The manifest of a request, written to its folder with the effective configurations. When the one
+/// that is there says the same about the same logs, it is taken as it is.
+/// @param program  path of sprout-batch.
+/// @throws ConfigError, LogError.
+Manifest Plan(const BatchRequest& request, const std::string& program);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_BATCH_PLANNING_H_

@@ -1,0 +1,307 @@
+#include "services/batch/program.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <functional>
+#include <iostream>
+
+#include "common/app/program.h"
+#include "common/app/version.h"
+#include "common/core/digest.h"
+#include "common/core/output_file.h"
+#include "common/logfile/log_error.h"
+#include "services/batch/engines.h"
+#include "services/batch/interrupt.h"
+#include "services/batch/planning.h"
+#include "services/batch/report.h"
+#include "services/batch/shard_run.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kDescription[] =
+    "Replays stages over many logs, on all cores or with Slurm, compares two configurations or "
+    "two\n"
+    "builds frame by frame, and writes a table and a report.";
+
+constexpr char kFooter[] = R"(
+Examples
+  sprout-batch run logs/ --out out/fast --config fast           one configuration
+  sprout-batch run logs/ --out out/ab --config default --config-b default --config-b try.textproto
+  sprout-batch run logs/ --out out/new --programs-b ../new/build/release/bin     two builds
+  sprout-batch run @list.txt --out /shared/ab --engine slurm --partition short   on a cluster
+  sprout-batch status /shared/ab
+
+The same command again does what is missing and nothing else. `sprout-batch COMMAND --help` explains
+a command. Exit codes: 0; 1 something is missing; 2 a flag or log that cannot be used; 130 Ctrl-C.
+)";
+
+struct Options {
+  BatchRequest request;
+  std::string engine = "local";
+  LocalOptions local;
+  SlurmOptions slurm;
+  std::string out;
+  std::vector<size_t> shards;
+  std::vector<std::string> logs;
+  int round = 0;
+};
+
+std::string OwnPath() { return fs::read_symlink("/proc/self/exe"); }
+
+// Two runs at once on one folder would only take work from each other.
+class FolderLock {
+ public:
+  explicit FolderLock(const BatchFolder& folder) {
+    std::error_code error;
+    fs::create_directories(folder.root(), error);
+    const fs::path path = folder.root() / "lock";
+    descriptor_ = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
+    if (descriptor_ < 0)
+      throw ConfigError("--out " + folder.root().string() + ": cannot be written");
+    if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+    close(descriptor_);
+    throw ConfigError("--out " + folder.root().string() + ": another sprout-batch works there");
+  }
+  ~FolderLock() { close(descriptor_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+// Of all that the report is made from.
+std::string ReportSource(const BatchFolder& folder, const BatchState& state) {
+  std::string text = FileDigest(folder.manifest());
+  for (const bool done : state.done) text += done ? '1' : '0';
+  return Digest(text);
+}
+
+bool IsUpToDate(const BatchFolder& folder, const BatchState& state) {
+  std::ifstream file(folder.report().string() + ".source");
+  std::string source;
+  std::getline(file, source);
+  return source == ReportSource(folder, state) && fs::exists(folder.report()) &&
+         fs::exists(folder.table());
+}
+
+void Report(const BatchFolder& folder, const Manifest& manifest, const BatchState& state) {
+  WriteFrameTable(folder, manifest, state);
+  WriteReport(folder, manifest, state, OwnPath());
+  OutputFile stamp(folder.report().string() + ".source");
+  stamp.Write(ReportSource(folder, state) + "\n");
+  if (const auto written = stamp.Commit(); !written) {
+    throw LogError(folder.report(), written.error().text);
+  }
+  std::cout << fmt::format("table  {}\nreport {}\n", folder.table().string(),
+                           folder.report().string());
+}
+
+int Finish(const BatchFolder& folder, const Manifest& manifest) {
+  const BatchState state = StateOf(folder, manifest);
+  MergeLogs(folder, manifest, state);
+  if (IsUpToDate(folder, state)) {
+    std::cout << fmt::format("all {} shards were done already; report {}\n",
+                             manifest.shards.size() - static_cast<size_t>(state.missing),
+                             folder.report().string());
+  } else {
+    Report(folder, manifest, state);
+  }
+  if (state.missing == 0) return 0;
+  std::cerr << fmt::format("sprout-batch: {} of {} shards are missing; why: {}\n", state.missing,
+                           manifest.shards.size(), folder.failures().string());
+  return 1;
+}
+
+int RunRun(Options& options) {
+  options.request.out = fs::absolute(options.request.out).lexically_normal();
+  if (options.request.programs_a.empty()) {
+    options.request.programs_a = fs::path(OwnPath()).parent_path();
+  }
+  const BatchFolder folder(options.request.out);
+  const FolderLock lock(folder);
+  if (const std::string jobs = ActiveJobs(folder); !jobs.empty()) {
+    throw ConfigError(fmt::format("--out {}: Slurm's jobs {} work there; wait, or scancel {}",
+                                  folder.root().string(), jobs, jobs));
+  }
+  RemoveParts(folder);
+  const Manifest manifest = Plan(options.request, OwnPath());
+  const BatchState state = StateOf(folder, manifest);
+  int64_t frames = 0;
+  for (const Shard& shard : manifest.shards) frames += shard.frames;
+  std::cout << fmt::format("{} logs, {} frames, {} shards, {} of them to do\n",
+                           manifest.logs.size(), frames, manifest.shards.size(), state.missing);
+  if (state.missing == 0) return Finish(folder, manifest);
+  if (options.engine == "slurm") {
+    std::cout << SubmitSlurm(OwnPath(), folder, state, options.slurm, 0) << "\n"
+              << "sprout-batch status " << folder.root().string() << " says how far it is\n";
+    return 0;
+  }
+  RunLocal(OwnPath(), folder, manifest, state, options.local);
+  return Finish(folder, manifest);
+}
+
+int RunMergeJob(const Options& options) {
+  const BatchFolder folder(options.out);
+  const Manifest manifest = ReadManifest(folder.manifest());
+  const BatchState state = StateOf(folder, manifest);
+  if (state.missing > 0 && options.round < options.slurm.retries) {
+    std::cout << SubmitSlurm(OwnPath(), folder, state, options.slurm, options.round + 1) << "\n";
+  }
+  MergeLogs(folder, manifest, state);
+  return state.missing == 0 ? 0 : 1;
+}
+
+int RunShards(const Options& options) {
+  const BatchFolder folder(options.out);
+  int exit_code = 0;
+  for (const size_t shard : options.shards) {
+    try {
+      RunShard(folder, shard);
+    } catch (const ShardError& e) {  // the others are still worth doing
+      std::cerr << "sprout-batch: " << e.what() << "\n";
+      exit_code = 1;
+    }
+  }
+  return exit_code;
+}
+
+int RunStatus(const Options& options) {
+  const BatchFolder folder(fs::absolute(options.out).lexically_normal());
+  const Manifest manifest = ReadManifest(folder.manifest());
+  const BatchState state = StateOf(folder, manifest);
+  std::cout << fmt::format("{} of {} shards are done\n",
+                           manifest.shards.size() - static_cast<size_t>(state.missing),
+                           manifest.shards.size());
+  for (size_t i = 0; i < state.done.size(); ++i) {
+    const fs::path why = folder.failures() / fmt::format("{}.txt", i);
+    if (!state.done[i] && fs::exists(why)) {
+      std::cout << fmt::format("shard {} failed: {}\n", i, why.string());
+    }
+  }
+  const std::string jobs = ActiveJobs(folder);
+  if (!jobs.empty()) std::cout << "Slurm's jobs " << jobs << " are at work\n";
+  return state.missing == 0 ? 0 : 1;
+}
+
+int RunReport(const Options& options) {
+  const BatchFolder folder(fs::absolute(options.out).lexically_normal());
+  return Finish(folder, ReadManifest(folder.manifest()));
+}
+
+CLI::Option* AddList(CLI::App& flags, const char* name, std::vector<std::string>& list,
+                     const char* text) {
+  return flags.add_option(name, list, text)->expected(1)->take_all();
+}
+
+void AddSlurm(CLI::App& flags, SlurmOptions& slurm) {
+  flags.add_option("--partition", slurm.partition, "Slurm: partition (default: the cluster's)");
+  flags.add_option("--memory", slurm.memory, "Slurm: memory of a task")->capture_default_str();
+  flags.add_option("--time", slurm.time, "Slurm: time that a task may take")->capture_default_str();
+  flags.add_option("--array-size", slurm.array_size, "Slurm: tasks of the job array at most")
+      ->check(CLI::Range(1, 4'000'000))
+      ->capture_default_str();
+}
+
+void AddRun(CLI::App& program, Options& options, std::function<int()>& chosen) {
+  CLI::App& flags = *program.add_subcommand(
+      "run", "Computes what is missing of a batch, or all of a new one, then table and report");
+  BatchRequest& request = options.request;
+  flags.add_option("LOG", request.inputs, "Logs, folders of logs (*.lcm), or @LIST: a log a line")
+      ->required();
+  flags.add_option("--out", request.out, "Folder of the batch; results are kept in it")->required();
+  AddList(flags, "--stages", request.stages, "Stages to run, of refine,prior,grow")
+      ->delimiter(',')
+      ->capture_default_str();
+  AddList(flags, "--keep", request.keep,
+          "Stages whose answers are results, beside those of the last")
+      ->delimiter(',');
+  AddList(flags, "--config", request.config_a, "Configuration A, as of the services; several merge")
+      ->type_name("FILE|PRESET");
+  AddList(flags, "--config-b", request.config_b, "Configuration B, to compare with A")
+      ->type_name("FILE|PRESET");
+  flags.add_option("--programs-a", request.programs_a,
+                   "Folder of the stages' programs (default: that of sprout-batch)");
+  flags.add_option("--programs-b", request.programs_b,
+                   "Those of B, another build, to compare with");
+  flags.add_option("--truth", request.truth,
+                   "Folder with LOGNAME/NNNNNN_disparity.pfm, true disparities of frames");
+  flags.add_option("--channel-prefix", request.prefix, "Before every channel of the logs");
+  flags.add_option("--shard-megabytes", request.shard_megabytes, "About so much of a log a shard")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  flags.add_option("--engine", options.engine, "Who computes")
+      ->check(CLI::IsMember({"local", "slurm"}))
+      ->capture_default_str();
+  flags.add_option("--jobs", options.local.jobs, "local: shards at a time, 0 = one a core")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  flags.add_option("--retries", options.local.retries, "How often what failed is tried again")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  AddSlurm(flags, options.slurm);
+  flags.callback([&] {
+    options.slurm.retries = options.local.retries;
+    chosen = [&] { return RunRun(options); };
+  });
+}
+
+void AddOthers(CLI::App& program, Options& options, std::function<int()>& chosen) {
+  const auto add = [&](const char* name, const char* text, int (*run)(const Options&)) {
+    CLI::App& flags = *program.add_subcommand(name, text);
+    flags.add_option("OUT", options.out, "Folder of the batch")->required();
+    flags.callback([&, run] { chosen = [&, run] { return run(options); }; });
+    return &flags;
+  };
+  add("status", "How far a batch is", RunStatus);
+  add("report", "Merged logs, table and report of what is done", RunReport);
+  CLI::App* shard = add("run-shard", "Computes shards; what both engines call", RunShards);
+  shard->add_option("SHARD", options.shards, "Numbers of shards")->required();
+  CLI::App* merge = add(
+      "merge", "Merged logs; Slurm's merge job: submits what is missing once more", RunMergeJob);
+  merge->add_option("--round", options.round, "Of the submission")->capture_default_str();
+  merge->add_option("--retries", options.slurm.retries, "Rounds at most")->capture_default_str();
+  AddSlurm(*merge, options.slurm);
+  CLI::App& index = *program.add_subcommand("index", "Makes the indexes of logs, beside them");
+  index.add_option("LOG", options.logs, "As of run")->required();
+  index.callback([&] {
+    chosen = [&] {
+      const auto logs = FindLogs(options.logs);
+      IndexLogs(logs, fs::temp_directory_path() / "sprout-indexes");
+      std::cout << fmt::format("{} logs have an index\n", logs.size());
+      return 0;
+    };
+  });
+}
+
+}  // namespace
+
+int BatchMain(int argc, const char* const* argv) {
+  CLI::App program(kDescription, "sprout-batch");
+  program.footer(kFooter);
+  program.set_version_flag("--version", "sprout-batch " + Version());
+  program.require_subcommand(1);
+  Options options;
+  std::function<int()> chosen;
+  AddRun(program, options, chosen);
+  AddOthers(program, options, chosen);
+  return RunProgram(program, argc, argv, [&] {
+    try {
+      return chosen();
+    } catch (const Interrupted& e) {
+      std::cerr << "sprout-batch: " << e.what() << "\n";
+      return 130;
+    } catch (const LogError& e) {
+      throw ConfigError(e.what());
+    }
+  });
+}
+
+}  // namespace sprout

@@ -1,0 +1,20 @@
+#ifndef SPROUT_SERVICES_BATCH_REPORT_H_
+#define SPROUT_SERVICES_BATCH_REPORT_H_
+
+#include <string>
+
+#include "services/batch/merge.h"
+
+namespace sprout {
+
+/// Writes report.html from frames.csv and the results: one page that opens offline. What changed,
+/// in which logs, distributions, the most changed and the worst frames with pictures, and for each
+/// the commands that show and compute it again.
+/// @param program  path of sprout-batch; its folder has the programs that the commands name.
+/// O(frames); pictures of some 20 frames are read from the results. @throws LogError.
+void WriteReport(const BatchFolder& folder, const Manifest& manifest, const BatchState& state,
+                 const std::string& program);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_BATCH_REPORT_H_

@@ -1,0 +1,58 @@
+#ifndef SPROUT_SERVICES_BATCH_SHARD_PLAN_H_
+#define SPROUT_SERVICES_BATCH_SHARD_PLAN_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "services/batch/log_index.h"
+#include "services/batch/stage_chain.h"
+
+namespace sprout {
+
+/// A stretch of a log that can be replayed on its own.
+///
+/// A replay holds little at any moment: the calibrations that it has seen, and the parts of frames
+/// that are not complete yet. A shard begins with the messages of those (`carried`), so that the
+/// replay of the shard is in the state in which the replay of the whole log would be there; then
+/// come the messages of its own stretch. So the answers of all shards, one behind the other, are
+/// those of the whole log, whatever straddles a cut. Cuts lie where a frame has just been
+/// completed.
+struct Shard {
+  int64_t log = 0;               ///< number of its log in the manifest
+  int64_t begin = 0;             ///< its lines in the index, bytes (IndexedEvent::line)
+  int64_t end = 0;               ///< behind the last one
+  std::vector<int64_t> carried;  ///< lines of what the replay holds at its beginning
+  int64_t frames = 0;            ///< that are complete in it
+  int64_t first_seq = 0;         ///< number of the first of them
+  int64_t last_seq = 0;          ///< number of the last of them
+  int64_t bytes = 0;             ///< of all its events
+  std::string input;             ///< digest of all its events: channels, times and messages
+
+  bool operator==(const Shard&) const = default;
+};
+
+/// How a log is cut.
+struct PlanOptions {
+  ChainInputs inputs;
+  std::string prefix;       ///< before every channel
+  int64_t shard_bytes = 0;  ///< about so many a shard; > 0
+};
+
+/// The shards of a log; none when it has no complete frame. A log is left whole when its recorder's
+/// time goes back, since then a replay may mix up frames far from each other, or when the first
+/// stage does not wait for all that later ones take from it.
+/// O(events · log(unfinished frames)).
+std::vector<Shard> PlanShards(const LogIndex& index, const PlanOptions& options);
+
+/// The digest in Shard::input.
+/// @param carried, own  the events of the shard, of the channels that its stages take.
+std::string InputDigest(const std::vector<IndexedEvent>& carried,
+                        const std::vector<IndexedEvent>& own);
+
+/// The channels that a chain takes from a log.
+std::vector<std::string> ChannelsOf(const ChainInputs& inputs, const std::string& prefix);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_BATCH_SHARD_PLAN_H_

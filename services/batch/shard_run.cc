@@ -1,0 +1,315 @@
+#include "services/batch/shard_run.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cinttypes>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/app/process.h"
+#include "common/core/digest.h"
+#include "common/core/output_file.h"
+#include "common/logfile/event_fetcher.h"
+#include "common/logfile/file_window.h"
+#include "common/logfile/log_writer.h"
+#include "services/batch/scratch_file.h"
+#include "services/batch/tables.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::chrono::hours kPatience{24};
+
+std::string HostName() {
+  char name[256] = "?";
+  gethostname(name, sizeof name - 1);
+  return name;
+}
+
+// What the last stage always answers.
+Part AnswerOf(const std::string& stage) {
+  if (stage == "refine") return Part::kSeeds;
+  return stage == "prior" ? Part::kPrior : Part::kDisparity;
+}
+
+bool IsTaken(const IndexedEvent& event, const std::vector<std::string>& channels) {
+  return std::find(channels.begin(), channels.end(), event.channel) != channels.end();
+}
+
+// Cuts a shard's events out of its log and proves that they are those of the manifest.
+class ShardCutter {
+ public:
+  ShardCutter(const ShardOfBatch& work, const std::vector<std::string>& channels)
+      : work_(work), fetcher_(work.log.path) {
+    for (const int64_t line : work.shard.carried) {
+      carried_.push_back(ReadIndexLine(work.log.index, line));
+    }
+    for (IndexedEvent& event : ReadIndexLines(work.log.index, work.shard.begin, work.shard.end)) {
+      if (IsTaken(event, channels)) own_.push_back(std::move(event));
+    }
+    if (InputDigest(carried_, own_) != work.shard.input) Changed();
+  }
+
+  void Write(const std::string& path) {
+    LogWriter writer(path);
+    for (const auto* events : {&carried_, &own_}) {
+      for (const IndexedEvent& event : *events) Copy(event, writer);
+    }
+    writer.Close();
+  }
+
+ private:
+  [[noreturn]] void Changed() const {
+    throw LogError(work_.log.path,
+                   "it or its index has changed since the batch was planned; run "
+                   "sprout-batch run again");
+  }
+
+  void Copy(const IndexedEvent& event, LogWriter& writer) {
+    const LogEvent found = fetcher_.Fetch(event.offset);
+    const std::string_view bytes(reinterpret_cast<const char*>(found.data.data()),
+                                 found.data.size());
+    if (found.channel != event.channel || Hash(bytes) != event.hash) Changed();
+    // The first calibration may come from further behind; times in a log go forward.
+    const bool is_ahead = &event >= carried_.data() && &event < carried_.data() + carried_.size();
+    writer.Write(is_ahead ? std::min(event.utime, own_.front().utime) : event.utime, event.channel,
+                 found.data);
+  }
+
+  const ShardOfBatch& work_;
+  EventFetcher fetcher_;
+  std::vector<IndexedEvent> carried_;
+  std::vector<IndexedEvent> own_;
+};
+
+// A folder that gets its name when all in it is written.
+class ResultFolder {
+ public:
+  explicit ResultFolder(fs::path path) : path_(std::move(path)) {
+    part_ = path_;
+    part_ += fmt::format(".part-{}-{}", HostName(), getpid());
+    fs::create_directories(part_);
+  }
+  ~ResultFolder() {
+    std::error_code ignored;
+    if (!part_.empty()) fs::remove_all(part_, ignored);
+  }
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
+
+  fs::path operator/(const std::string& name) const { return part_ / name; }
+
+  void Commit() {
+    std::error_code error;
+    fs::rename(part_, path_, error);
+    if (!error) part_.clear();
+    // Another process may have been faster, with the same bytes.
+    else if (!fs::exists(path_))
+      throw LogError(path_, error.message());
+  }
+
+ private:
+  fs::path path_;
+  fs::path part_;
+};
+
+class ShardRun {
+ public:
+  ShardRun(const BatchFolder& folder, size_t number)
+      : folder_(folder),
+        number_(number),
+        work_(ReadShard(folder.manifest(), number)),
+        channels_(Channels()) {}
+
+  void Run() {
+    for (const Variant& variant : work_.head.variants) {
+      if (!fs::exists(folder_.result(KeyOf(variant)))) RunVariant(variant);
+    }
+    if (Compares(work_.head)) Compare();
+    std::error_code ignored;
+    fs::remove(FailurePath(), ignored);
+  }
+
+ private:
+  std::vector<std::string> Channels() const {
+    return ChannelsOf(InputsOf(work_.head.stages, LoadConfig({folder_.config("a")})),
+                      work_.head.prefix);
+  }
+
+  std::string KeyOf(const Variant& variant) const {
+    return ResultKey(work_.head, variant, work_.shard);
+  }
+  fs::path FailurePath() const { return folder_.failures() / fmt::format("{}.txt", number_); }
+
+  const std::string& Input() {
+    if (!input_) {
+      input_ = std::make_unique<ScratchFile>();
+      ShardCutter(work_, channels_).Write(input_path_ = input_->path());
+    }
+    return input_path_;
+  }
+
+  void RunVariant(const Variant& variant) {
+    RequirePrograms(variant);
+    ResultFolder result(folder_.result(KeyOf(variant)));
+    std::vector<std::string> logs = {Input()};
+    std::vector<std::unique_ptr<ScratchFile>> scratch;
+    nlohmann::json runs = {{"host", HostName()}, {"stages", nlohmann::json::object()}};
+    for (const std::string& stage : work_.head.stages) {
+      const auto& keep = work_.head.keep;
+      std::string record = result / (stage + ".lcm");
+      if (std::find(keep.begin(), keep.end(), stage) == keep.end()) {
+        record = scratch.emplace_back(std::make_unique<ScratchFile>())->path();
+      }
+      const StageRun run = RunStageProgram(variant, stage, logs, record);
+      runs["stages"][stage] = {{"in", run.frames_in},          {"out", run.frames_out},
+                               {"degenerate", run.degenerate}, {"failed", run.failed},
+                               {"bad", run.bad_messages},      {"seconds", run.seconds}};
+      logs.push_back(record);
+    }
+    FrameLookup frames(work_.head.prefix);
+    for (const std::string& log : logs) frames.Add(log);
+    WriteTable(result / "measures.csv", MeasureFrames(frames, AnswerOf(work_.head.stages.back())));
+    WriteText(result / "run.json", runs.dump() + "\n");
+    result.Commit();
+  }
+
+  void RequirePrograms(const Variant& variant) const {
+    for (const auto& [stage, program] : variant.programs) {
+      if (FileDigest(program.path) == program.digest) continue;
+      throw ConfigError(program.path +
+                        ": not the program that the batch was planned with; run sprout-batch run "
+                        "again");
+    }
+  }
+
+  StageRun RunStageProgram(const Variant& variant, const std::string& stage,
+                           const std::vector<std::string>& logs, const std::string& record) {
+    std::vector<std::string> command = {variant.programs.at(stage).path,
+                                        "--config",
+                                        folder_.config(variant.name),
+                                        "--threads",
+                                        "1",
+                                        "--log-level",
+                                        "warning",
+                                        "--record",
+                                        record};
+    for (const std::string& log : logs) command.insert(command.end(), {"--replay", log});
+    if (!work_.head.prefix.empty()) {
+      command.insert(command.end(), {"--channel-prefix", work_.head.prefix});
+    }
+    const auto start = std::chrono::steady_clock::now();
+    Process process(command);
+    const int code = process.Wait(kPatience).value_or(124);
+    const std::string output = process.Output();
+    // 1: all that can be answered is, as in a replay of the whole log; how much was not is counted.
+    if (code > 1 || output.find("stopped after") != std::string::npos) Fail(command, code, output);
+    try {
+      StageRun run = ParseReplayReport(output);
+      run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      return run;
+    } catch (const ShardError&) {
+      Fail(command, code, output);
+    }
+  }
+
+  [[noreturn]] void Fail(const std::vector<std::string>& command, int code,
+                         const std::string& output) const {
+    std::string text;
+    for (const std::string& word : command) text += word + " ";
+    text += fmt::format("\nexit code {}\n{}", code, output);
+    fs::create_directories(folder_.failures());
+    WriteText(FailurePath(), text);
+    throw ShardError(fmt::format("shard {}, frames {}:{} of {}: {} ended with exit code {}; see {}",
+                                 number_, work_.shard.first_seq, work_.shard.last_seq,
+                                 work_.log.path, fs::path(command[0]).filename().string(), code,
+                                 FailurePath().string()));
+  }
+
+  void Compare() {
+    const fs::path path = folder_.comparison(ComparisonKey(work_.head, work_.log, work_.shard));
+    if (fs::exists(path)) return;
+    std::vector<std::unique_ptr<FrameLookup>> lookups;
+    for (const Variant& variant : work_.head.variants) {
+      lookups.push_back(std::make_unique<FrameLookup>(work_.head.prefix));
+      lookups.back()->Add(folder_.result(KeyOf(variant)) / "grow.lcm");
+    }
+    fs::create_directories(path.parent_path());
+    WriteTable(path, CompareFrames(*lookups[0], lookups.size() > 1 ? lookups[1].get() : nullptr,
+                                   work_.head.truth.empty()
+                                       ? fs::path()
+                                       : fs::path(work_.head.truth) / work_.log.name));
+  }
+
+  static void WriteText(const fs::path& path, const std::string& text) {
+    OutputFile file(path);
+    file.Write(text);
+    if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
+  }
+
+  const BatchFolder& folder_;
+  size_t number_;
+  ShardOfBatch work_;
+  std::vector<std::string> channels_;
+  std::unique_ptr<ScratchFile> input_;
+  std::string input_path_;
+};
+
+}  // namespace
+
+bool IsDone(const BatchFolder& folder, const BatchHead& head, const BatchLog& log,
+            const Shard& shard) {
+  const auto is_there = [&](const Variant& variant) {
+    return access(folder.result(ResultKey(head, variant, shard)).c_str(), F_OK) == 0;
+  };
+  return std::all_of(head.variants.begin(), head.variants.end(), is_there) &&
+         (!Compares(head) ||
+          access(folder.comparison(ComparisonKey(head, log, shard)).c_str(), F_OK) == 0);
+}
+
+StageRun ParseReplayReport(const std::string& output) {
+  StageRun run;
+  const size_t at = output.find(" events; frames: ");
+  if (at == std::string::npos ||
+      std::sscanf(
+          output.c_str() + at,
+          " events; frames: %" SCNd64 " in, %" SCNd64 " out (%" SCNd64 " degenerate), %" SCNd64
+          " failed, %*d incomplete, %*d left out; %" SCNd64 " bad messages",
+          &run.frames_in, &run.frames_out, &run.degenerate, &run.failed, &run.bad_messages) != 5) {
+    throw ShardError("a stage did not report its replay");
+  }
+  return run;
+}
+
+std::string FileDigest(const fs::path& path) {
+  try {
+    const InputFile file(path);
+    std::string bytes(static_cast<size_t>(file.size()), '\0');
+    file.Read(0, {reinterpret_cast<uint8_t*>(bytes.data()), bytes.size()});
+    return Digest(bytes);
+  } catch (const LogError& e) {
+    throw ConfigError(e.what());
+  }
+}
+
+StageProgram DescribeProgram(const std::string& path) {
+  Process process({path, "--version"});
+  if (process.Wait() != 0) throw ConfigError(path + ": cannot be run");
+  std::string version = process.Output();
+  while (!version.empty() && std::isspace(static_cast<unsigned char>(version.back())) != 0) {
+    version.pop_back();
+  }
+  return {.path = path, .digest = FileDigest(path), .version = version};
+}
+
+void RunShard(const BatchFolder& folder, size_t number) { ShardRun(folder, number).Run(); }
+
+}  // namespace sprout

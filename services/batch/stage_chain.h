@@ -1,0 +1,40 @@
+#ifndef SPROUT_SERVICES_BATCH_STAGE_CHAIN_H_
+#define SPROUT_SERVICES_BATCH_STAGE_CHAIN_H_
+
+#include <string>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/core/frame.h"
+
+namespace sprout {
+
+/// The stages of a batch, in the order of the graph: "refine", "prior", "grow", without a gap.
+using StageNames = std::vector<std::string>;
+
+/// Reads "refine,prior,grow", "grow", ...
+/// @throws ConfigError for other names, a gap or another order.
+StageNames ParseStages(const std::string& flag, const std::vector<std::string>& names);
+
+/// Parts that a stage joins with this configuration; as its plug says. Here once more, since
+/// linking the prior's plug would put every user of this library under CGAL's licence.
+PartSet InputsOf(const std::string& stage, const SproutConfig& config);
+
+/// Parts that a stage may answer.
+PartSet OutputsOf(const std::string& stage);
+
+/// What a chain of stages takes from a log.
+struct ChainInputs {
+  PartSet first;  ///< what the first stage joins: a frame is answered when these are together
+  PartSet all;    ///< what any of them takes from the log
+  /// Whether the first stage waits for all that the later ones take from the log, too. Only then
+  /// does a frame leave nothing behind when the first stage has answered it.
+  bool first_has_all = false;
+
+  bool operator==(const ChainInputs&) const = default;
+};
+ChainInputs InputsOf(const StageNames& stages, const SproutConfig& config);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_BATCH_STAGE_CHAIN_H_

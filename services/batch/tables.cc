@@ -1,0 +1,205 @@
+#include "services/batch/tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <set>
+
+#include "common/core/output_file.h"
+#include "common/logfile/log_error.h"
+#include "services/quality/frame_quality.h"
+
+namespace sprout {
+namespace {
+
+using Cell = std::optional<double>;
+
+std::vector<std::string> Split(const std::string& line) {
+  std::vector<std::string> cells(1);
+  for (const char c : line) {
+    if (c == ',') {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+Cell ParseCell(const std::filesystem::path& path, const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    throw LogError(path, "'" + text + "' is no number");
+  }
+  return value;
+}
+
+std::vector<Cell> RowStart(const FrameId& id) {
+  return {static_cast<double>(id.seq), static_cast<double>(id.utime)};
+}
+
+// The frames that any of the two has, those of A in their order first.
+std::vector<FrameId> AllFrames(const FrameLookup& a, const FrameLookup* b) {
+  std::vector<FrameId> frames = a.FramesWith(Part::kDisparity);
+  if (b == nullptr) return frames;
+  std::set<std::pair<int64_t, int64_t>> seen;
+  for (const FrameId& id : frames) seen.emplace(id.utime, id.seq);
+  for (const FrameId& id : b->FramesWith(Part::kDisparity)) {
+    if (!seen.contains({id.utime, id.seq})) frames.push_back(id);
+  }
+  return frames;
+}
+
+std::vector<std::string> WithFrame(const std::vector<std::string>& columns) {
+  std::vector<std::string> all = {"seq", "utime"};
+  all.insert(all.end(), columns.begin(), columns.end());
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::string> MeasureColumns() {
+  std::vector<std::string> columns;
+  for (const QualityColumn& column : QualityColumns()) columns.emplace_back(column.name);
+  return columns;
+}
+
+std::vector<std::string> ComparisonColumns() {
+  return {"changed",  "moved",    "mean_change_px", "max_change_px",
+          "appeared", "vanished", "a_bad1",         "b_bad1"};
+}
+
+std::optional<size_t> Table::Find(const std::string& column) const {
+  const auto found = std::find(columns.begin(), columns.end(), column);
+  if (found == columns.end()) return std::nullopt;
+  return static_cast<size_t>(found - columns.begin());
+}
+
+std::string TableHead(const Table& table) {
+  std::string line;
+  for (const std::string& column : table.columns) line += (line.empty() ? "" : ",") + column;
+  return line + "\n";
+}
+
+std::string TableRow(const std::vector<Cell>& row) {
+  std::string line;
+  for (size_t i = 0; i < row.size(); ++i) {
+    if (i > 0) line += ',';
+    if (!row[i]) continue;
+    // Whole numbers without an exponent: utime and seq are exact up to 2^53.
+    line += *row[i] == std::floor(*row[i]) && std::abs(*row[i]) < 1e15 * 8
+                ? fmt::format("{:.0f}", *row[i])
+                : fmt::format("{:.6g}", *row[i]);
+  }
+  return line + "\n";
+}
+
+void WriteTable(const std::filesystem::path& path, const Table& table) {
+  OutputFile file(path);
+  file.Write(TableHead(table));
+  for (const auto& row : table.rows) file.Write(TableRow(row));
+  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
+}
+
+Table ReadTable(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  if (!std::getline(file, line)) throw LogError(path, "cannot be read");
+  Table table{.columns = Split(line), .rows = {}};
+  while (std::getline(file, line)) {
+    std::vector<Cell>& row = table.rows.emplace_back();
+    for (const std::string& cell : Split(line)) row.push_back(ParseCell(path, cell));
+    if (row.size() != table.columns.size()) throw LogError(path, "a row has missing cells");
+  }
+  return table;
+}
+
+Table MeasureFrames(FrameLookup& frames, Part answer) {
+  Table table{.columns = WithFrame(MeasureColumns()), .rows = {}};
+  const PartSet parts{Part::kLeft, Part::kRight, Part::kSeeds, Part::kDisparity, Part::kConfidence};
+  for (const FrameId& id : frames.FramesWith(answer)) {
+    const FrameQuality quality = QualityOf(frames.Get(id, parts));
+    std::vector<Cell>& row = table.rows.emplace_back(RowStart(id));
+    for (const QualityColumn& column : QualityColumns()) row.push_back(column.value(quality));
+  }
+  return table;
+}
+
+MapChange ChangeOf(const DisparityImage& a, const DisparityImage& b) {
+  MapChange change;
+  double sum = 0;
+  int64_t both = 0;
+  for (int v = 0; v < a.height(); ++v) {
+    for (int u = 0; u < a.width(); ++u) {
+      const bool in_a = a.IsValid(u, v);
+      const bool in_b = b.IsValid(u, v);
+      if (in_a && in_b) {
+        const double px =
+            std::abs(a.counts()(v, u) - b.counts()(v, u)) / double{DisparityImage::kCountsPerPixel};
+        sum += px;
+        ++both;
+        change.max_px = std::max(change.max_px, px);
+        change.changed += px > 0 ? 1 : 0;
+        change.moved += px > 1 ? 1 : 0;
+      } else {
+        change.appeared += in_b ? 1 : 0;
+        change.vanished += in_a ? 1 : 0;
+      }
+    }
+  }
+  change.mean_px = both > 0 ? sum / static_cast<double>(both) : 0;
+  change.changed += change.appeared + change.vanished;
+  change.moved += change.appeared + change.vanished;
+  const auto pixels = static_cast<double>(a.counts().total());
+  for (double* share : {&change.changed, &change.moved, &change.appeared, &change.vanished}) {
+    *share /= pixels;
+  }
+  return change;
+}
+
+std::optional<double> BadShare(const DisparityImage& map, const cv::Mat1f& truth_px) {
+  if (truth_px.size() != map.size()) return std::nullopt;
+  int64_t known = 0;
+  int64_t bad = 0;
+  for (int v = 0; v < map.height(); ++v) {
+    for (int u = 0; u < map.width(); ++u) {
+      if (!std::isfinite(truth_px(v, u))) continue;
+      ++known;
+      if (!(std::abs(map.Px(u, v) - truth_px(v, u)) <= 1)) ++bad;
+    }
+  }
+  if (known == 0) return std::nullopt;
+  return static_cast<double>(bad) / static_cast<double>(known);
+}
+
+Table CompareFrames(FrameLookup& a, FrameLookup* b, const std::filesystem::path& truth) {
+  Table table{.columns = WithFrame(ComparisonColumns()), .rows = {}};
+  for (const FrameId& id : AllFrames(a, b)) {
+    const std::optional<DisparityImage> map_a = a.Get(id, {Part::kDisparity}).disparity;
+    std::optional<DisparityImage> map_b;
+    if (b != nullptr) map_b = b->Get(id, {Part::kDisparity}).disparity;
+    std::vector<Cell>& row = table.rows.emplace_back(RowStart(id));
+    row.resize(table.columns.size());
+    if (map_a && map_b && !map_a->empty() && map_a->size() == map_b->size()) {
+      const MapChange change = ChangeOf(*map_a, *map_b);
+      const double cells[] = {change.changed, change.moved,    change.mean_px,
+                              change.max_px,  change.appeared, change.vanished};
+      std::copy(std::begin(cells), std::end(cells), row.begin() + 2);
+    }
+    if (truth.empty()) continue;
+    const auto file = truth / fmt::format("{:06}_disparity.pfm", id.seq);
+    const cv::Mat truth_px = cv::imread(file, cv::IMREAD_UNCHANGED);
+    if (truth_px.type() != CV_32FC1) continue;
+    if (map_a) row[8] = BadShare(*map_a, truth_px);
+    if (map_b) row[9] = BadShare(*map_b, truth_px);
+  }
+  return table;
+}
+
+}  // namespace sprout
