@@ -72,6 +72,7 @@ std::vector<std::string> SizeFields(Part part) {
     case MessageType::kCloud:
       return {"count"};
     case MessageType::kStatus:
+    case MessageType::kProcess:
       break;
   }
   return {};

@@ -162,6 +162,11 @@ void Conversation::TakeOther(const Heard& heard) {
     if (!status) found_.Add(Rule::kChannels, heard.channel + ": " + status.error().text);
     return;
   }
+  if (heard.channel == kProcessChannel) {
+    const Result<ProcessInfo> info = DecodeProcessInfo(heard.bytes);
+    if (!info) found_.Add(Rule::kChannels, heard.channel + ": " + info.error().text);
+    return;
+  }
   for (const Part part : kAllParts) {
     if (heard.channel != ChannelOf(part)) continue;
     if (contract_.may_publish.Has(part)) return TakeExtra(part, heard);

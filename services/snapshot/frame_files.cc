@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <opencv2/imgproc.hpp>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "common/picture/picture.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
+#include "services/evaluate/score.h"
 #include "services/snapshot/snapshot.h"
 
 namespace sprout {
@@ -47,15 +50,16 @@ cv::Mat3b Overview(const std::array<cv::Mat3b, 4>& pictures) {
 }
 
 // The stages are other people's programs: their maps need not fit each other.
-Result<void> CheckSizes(const Frame& frame) {
+Result<void> CheckSizes(const Frame& frame, const GroundTruth& truth) {
   if (auto tof = CheckTofSize(RigOfFrame(*frame.rig, *frame.tof), *frame.tof); !tof) return tof;
   const cv::Size calibrated = frame.rig->pair.size();
-  const std::array<std::pair<const char*, cv::Size>, 5> images = {
-      {{"left image", frame.left.size()},
-       {"prior", frame.prior->size()},
-       {"unfilled map", frame.unfilled->size()},
-       {"disparity map", frame.disparity->size()},
-       {"confidence", frame.confidence.size()}}};
+  std::vector<std::pair<const char*, cv::Size>> images = {
+      {"left image", frame.left.size()},
+      {"prior", frame.prior->size()},
+      {"disparity map", frame.disparity->size()}};
+  if (frame.unfilled) images.emplace_back("unfilled map", frame.unfilled->size());
+  if (!frame.confidence.empty()) images.emplace_back("confidence", frame.confidence.size());
+  if (!truth.left.empty()) images.emplace_back("truth", truth.left.size());
   for (const auto& [name, size] : images) {
     if (size == calibrated) continue;
     return Fail(std::string(name) + " of " + SizeText(size) + ": allowed is the calibrated size " +
@@ -68,10 +72,16 @@ std::string Counted(const std::string& what, size_t count) {
   return what + " (" + std::to_string(count) + ")";
 }
 
-}  // namespace
+// The range of the ToF picture: depths of the disparity pictures' range, so that near and far have
+// the same colours there.
+ValueRange TofRange(const Frame& frame, const ValueRange& range_px) {
+  const std::optional<ValueRange> in_front = InFront(frame.rig->pair, range_px);
+  return in_front ? DepthRange(frame.rig->pair, *in_front) : DepthRange(*frame.tof);
+}
 
-Result<void> WriteFrameFiles(const Frame& frame, const std::filesystem::path& folder) {
-  if (auto sizes = CheckSizes(frame); !sizes) return sizes;
+using NamedPictures = std::vector<std::pair<const char*, cv::Mat3b>>;
+
+NamedPictures Pictures(const Frame& frame) {
   const cv::Mat1b grey = ToGrey(frame.left);
   const std::vector<Seed> raw_seeds = RawSeeds(frame);
   const std::vector<Seed>& seeds = frame.seeds->seeds;
@@ -82,27 +92,65 @@ Result<void> WriteFrameFiles(const Frame& frame, const std::filesystem::path& fo
   const RectifiedPair& pair = frame.rig->pair;
   const cv::Mat3b left = CameraPicture(frame.left, "Left image");
   const cv::Mat3b tof =
-      DepthPicture(*frame.tof, frame.left.size(), DepthRange(*frame.tof), "ToF depth");
-  const cv::Mat3b filled = DisparityPicture(*frame.disparity, range_px, "Disparity, gaps filled");
+      DepthPicture(*frame.tof, frame.left.size(), TofRange(frame, range_px), "ToF depth");
+  const cv::Mat3b filled =
+      DisparityPicture(*frame.disparity, range_px, "Disparity and depth", &pair);
   const cv::Mat3b cloud =
       CameraPicture(CloudView(pair, *frame.disparity, frame.left), "Point cloud from the side");
-  const std::vector<std::pair<const char*, cv::Mat3b>> pictures = {
+  NamedPictures pictures = {
       {"left.png", left},
       {"tof.png", tof},
       {"seeds_raw.png",
-       SeedPicture(grey, raw_seeds, range_px, Counted("ToF points", raw_seeds.size()))},
-      {"seeds.png", SeedPicture(grey, seeds, range_px, Counted("Refined seeds", seeds.size()))},
-      {"prior.png", DisparityPicture(frame.prior->disparity, range_px, "Prior disparity")},
+       SeedPicture(grey, raw_seeds, range_px, Counted("ToF points", raw_seeds.size()), &pair)},
+      {"seeds.png",
+       SeedPicture(grey, seeds, range_px, Counted("Refined seeds", seeds.size()), &pair)},
+      {"prior.png", DisparityPicture(frame.prior->disparity, range_px, "Prior disparity", &pair)},
       {"prior_sigma.png", SigmaPicture(*frame.prior, "Standard deviation of the prior")},
-      {"disparity.png", DisparityPicture(*frame.unfilled, range_px, "Disparity as grown")},
       {"disparity_filled.png", filled},
-      {"confidence.png", CameraPicture(frame.confidence, "Confidence")},
       {"cloud.png", cloud},
       {"overview.png", Overview({left, tof, filled, cloud})},
   };
+  if (frame.unfilled) {
+    pictures.emplace_back("disparity.png",
+                          DisparityPicture(*frame.unfilled, range_px, "Disparity as grown", &pair));
+  }
+  if (!frame.confidence.empty()) {
+    pictures.emplace_back("confidence.png", ConfidencePicture(frame.confidence, "Confidence"));
+  }
+  return pictures;
+}
+
+}  // namespace
+
+std::vector<std::string> MissingParts(const Frame& frame) {
+  std::vector<std::string> missing;
+  if (!frame.unfilled) {
+    missing.emplace_back(
+        "no SPROUT_UNFILLED, so no disparity.png (sprout-grow: grow { publish_unfilled: true })");
+  }
+  if (frame.confidence.empty()) {
+    missing.emplace_back(
+        "no SPROUT_CONFIDENCE, so no confidence.png (sprout-grow: grow { publish_confidence: true "
+        "})");
+  }
+  return missing;
+}
+
+Result<void> WriteFrameFiles(const Frame& frame, const GroundTruth& truth,
+                             const std::filesystem::path& folder) {
+  if (auto sizes = CheckSizes(frame, truth); !sizes) return sizes;
+  NamedPictures pictures = Pictures(frame);
+  if (!truth.left.empty()) {
+    const Result<cv::Mat1b> mask = NonOccludedMask(truth.left, truth.right);
+    if (!mask) return tl::unexpected(mask.error());
+    pictures.emplace_back("errors.png",
+                          ErrorPicture(ErrorMap(ToPx(*frame.disparity), truth.left, *mask),
+                                       "Error of the disparity"));
+  }
   for (const auto& [name, picture] : pictures) {
     if (auto written = WritePng(folder / name, picture); !written) return written;
   }
+  const RectifiedPair& pair = frame.rig->pair;
   if (auto written = WritePfm(folder / "disparity.pfm", *frame.disparity); !written) {
     return written;
   }

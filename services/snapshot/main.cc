@@ -1,9 +1,12 @@
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "common/app/program.h"
 #include "common/app/service.h"
@@ -46,17 +49,20 @@ int Listen(const ServiceContext& context, const Options& options, Dataset* sourc
   const int64_t arrived =
       listener.WaitForFrames(options.frames, After(options.timeout_s), context.stop);
   if (arrived < options.frames) {
-    spdlog::error("{} of {} frames arrived with all their parts in {} s", arrived, options.frames,
-                  options.timeout_s);
+    const std::vector<std::string> silent = listener.SilentChannels();
+    spdlog::error("{} of {} frames arrived with all their parts in {} s{}", arrived, options.frames,
+                  options.timeout_s,
+                  silent.empty() ? "" : fmt::format("; nothing on {}", fmt::join(silent, ", ")));
     return context.stop.stop_requested() ? 0 : 1;
   }
-  const Frame frame = *listener.newest_frame();
+  const Frame frame = *listener.TakeNewest(After(1), context.stop);
+  for (const std::string& missing : MissingParts(frame)) spdlog::warn(missing);
   // Statuses come once a second, so the last frame may take two to show in all of them.
   const auto statuses = listener.WaitForStatuses(frame.id.seq, After(3), context.stop);
-  const Result<void> written = WriteFrameFiles(frame, options.folder);
+  const GroundTruth truth = TruthOf(source, frame.id.seq);
+  const Result<void> written = WriteFrameFiles(frame, truth, options.folder);
   const Result<std::string> report =
-      written ? ReportText(frame, statuses, TruthOf(source, frame.id.seq))
-              : tl::unexpected(written.error());
+      written ? ReportText(frame, statuses, truth) : tl::unexpected(written.error());
   if (!report) {
     spdlog::error(report.error().text);
     return 1;
@@ -69,8 +75,7 @@ int Main(int argc, char** argv) {
   Service service(
       "snapshot",
       "Waits for whole frames of the running graph and writes the last one as pictures,\n"
-      "point cloud and mesh, with a table of the run. Needs publish_unfilled in\n"
-      "grow.");
+      "point cloud and mesh, with a table of the run.");
   Options options;
   service.flags().add_option("--out", options.folder, "Folder to write to")->required();
   service.flags()

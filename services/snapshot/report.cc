@@ -53,10 +53,10 @@ std::string SeedLine(const SeedSet& seeds) {
 }
 
 Result<std::string> MapTable(const Frame& frame, const GroundTruth& truth) {
-  const std::array<std::pair<const char*, const DisparityImage*>, 3> maps = {
-      {{"prior", &frame.prior->disparity},
-       {"grown", &*frame.unfilled},
-       {"filled", &*frame.disparity}}};
+  std::vector<std::pair<const char*, const DisparityImage*>> maps = {
+      {"prior", &frame.prior->disparity}};
+  if (frame.unfilled) maps.emplace_back("grown", &*frame.unfilled);
+  maps.emplace_back("filled", &*frame.disparity);
   std::string text = fmt::format("{:<10}{:>10}{:>22}\n", "map", "density %", "correct <= 1 px %");
   Result<cv::Mat1b> mask = cv::Mat1b();
   if (!truth.left.empty()) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "common/core/frame.h"
 #include "common/core/result.h"
@@ -12,14 +13,20 @@
 
 namespace sprout {
 
-/// Writes a whole frame for people to look at: left, tof, seeds_raw, seeds, prior, prior_sigma,
-/// disparity (as grown), disparity_filled and cloud (seen from the side) as .png with one common
-/// disparity scale, overview.png of four of them, disparity.pfm (px), and cloud.ply and mesh.ply
-/// (m, coloured) of the filled map.
-/// @param frame   with all parts.
+/// Writes a frame for people to look at: left, tof, seeds_raw, seeds, prior, prior_sigma,
+/// disparity (as grown), disparity_filled, confidence and cloud (seen from the side) as .png with
+/// one common scale of disparity and depth, overview.png of four of them, disparity.pfm (px), and
+/// cloud.ply and mesh.ply (m, coloured) of the filled map. With a truth also errors.png. Pictures
+/// of parts that the frame does not have are left out, see MissingParts().
+/// @param frame   with all parts but `unfilled` and `confidence`, which are optional.
+/// @param truth   of the frame's scene; may be empty.
 /// @param folder  exists already.
 /// @returns the first error: an image that is not of the calibrated size, or a file with its path.
-Result<void> WriteFrameFiles(const Frame& frame, const std::filesystem::path& folder);
+Result<void> WriteFrameFiles(const Frame& frame, const GroundTruth& truth,
+                             const std::filesystem::path& folder);
+
+/// A line for each optional part that is not there: what is not shown and how to get it.
+std::vector<std::string> MissingParts(const Frame& frame);
 
 /// The table of a run: times and counts of each stage and how much of the left image ToF seeds
 /// cover in its newest frame, seeds dropped by cause, and density and

@@ -28,20 +28,60 @@ std::string HealthText(Health health, bool colour) {
   return colour ? fmt::format("{}{}\x1b[0m", ColourOf(health), text) : text;
 }
 
-std::string RowText(const BoardRow& row, bool colour) {
+bool IsHeard(const BoardRow& row) { return row.health != Health::kMissing; }
+
+// Which clocks tell the age of what a process answers: "one", as the capture runs on the same host,
+// or it is not known where; "two", right as far as those of the two hosts agree; "wrong", as frames
+// come from the future.
+std::string_view ClocksOf(const BoardRow& row, const std::vector<BoardRow>& rows) {
+  if (row.status.age.p50_ms < 0) return "wrong";
+  for (const BoardRow& other : rows) {
+    if (other.status.stage != "capture" || !IsHeard(other)) continue;
+    if (other.status.host != row.status.host) return "two";
+  }
+  return "one";
+}
+
+std::string AgeText(double age_ms, std::string_view clocks) {
+  if (clocks == "wrong") return "?";
+  return fmt::format("{}{:.0f}", clocks == "two" ? "~" : "", age_ms);
+}
+
+std::string RowText(const BoardRow& row, const std::vector<BoardRow>& rows, bool colour) {
   const StageStatus& s = row.status;
   const std::string start = fmt::format("{:<10.10} {}", s.stage, HealthText(row.health, colour));
-  if (row.health == Health::kMissing) return start + "\n";
+  if (!IsHeard(row)) return start + "\n";
+  const std::string_view clocks = ClocksOf(row, rows);
   const std::string cover =
       s.tof_coverage < 0 ? "-" : fmt::format("{:.0f} %", 100 * s.tof_coverage);
-  return start +
-         fmt::format(
-             "{:>6} {:>6.1f} {:>8} {:>6.0f} {:>6.0f} {:>6.0f} {:>6.0f} {:>6} {:>6} {:>5} {:>5} "
-             "{:>5} {:>6.0f} {:>5}  {}:{}\n",
-             s.newest_frame.seq, s.rate_hz, s.frames_out, s.latency.p50_ms, s.latency.p99_ms,
-             s.age.p50_ms, s.age.p99_ms, s.frames_skipped, s.frames_incomplete, s.sequence_gaps,
-             s.frames_failed + s.frames_degenerate, s.bad_messages,
-             static_cast<double>(s.rss_bytes) / (1 << 20), cover, s.host, s.pid);
+  return start + fmt::format(
+                     "{:>6} {:>6.1f} {:>8} {:>6.0f} {:>6.0f} {:>6} {:>6} {:>6} {:>6} {:>5} {:>5} "
+                     "{:>5} {:>6.0f} {:>5}  {}:{}\n",
+                     s.newest_frame.seq, s.rate_hz, s.frames_out, s.latency.p50_ms,
+                     s.latency.p99_ms, AgeText(s.age.p50_ms, clocks), AgeText(s.age.p99_ms, clocks),
+                     s.frames_skipped, s.frames_incomplete, s.sequence_gaps,
+                     s.frames_failed + s.frames_degenerate, s.bad_messages,
+                     static_cast<double>(s.rss_bytes) / (1 << 20), cover, s.host, s.pid);
+}
+
+// What two hosts need.
+std::string HostsText(const std::vector<BoardRow>& rows) {
+  std::string missing;
+  bool heard = false;
+  bool two_clocks = false;
+  for (const BoardRow& row : rows) {
+    heard = heard || IsHeard(row);
+    if (!IsHeard(row)) missing += (missing.empty() ? "" : ", ") + row.status.stage;
+    two_clocks = two_clocks || (IsHeard(row) && ClocksOf(row, rows) == "two");
+  }
+  std::string text;
+  if (heard && !missing.empty()) {
+    text = missing +
+           ": not heard here; if on another host: ttl=1 in every --lcm-url, no route of the group "
+           "over lo\n";
+  }
+  if (two_clocks) text += "~: by the clocks of two hosts, true as far as these agree (NTP, PTP)\n";
+  return text;
 }
 
 // What capture and refine know about the cameras.
@@ -81,9 +121,10 @@ std::string BoardText(const std::vector<BoardRow>& rows, bool colour) {
   std::string text =
       "stage      health    frame     Hz answered   time    p99    age    p99   skip  incpl  gaps  "
       "fail   bad  MB/rss   ToF  host:pid\n";
-  for (const BoardRow& row : rows) text += RowText(row, colour);
+  for (const BoardRow& row : rows) text += RowText(row, rows, colour);
+  text += HostsText(rows);
   for (const BoardRow& row : rows) {
-    if (row.health == Health::kMissing) continue;
+    if (!IsHeard(row)) continue;
     text += CameraText(row.status);
     if (row.status.last_error.empty()) continue;
     text += fmt::format("{}: {}\n", row.status.stage, row.status.last_error);
@@ -96,7 +137,7 @@ std::string BoardJson(const std::vector<BoardRow>& rows) {
   for (const BoardRow& row : rows) {
     const StageStatus& s = row.status;
     nlohmann::ordered_json stage{{"stage", s.stage}, {"health", NameOf(row.health)}};
-    if (row.health != Health::kMissing) {
+    if (IsHeard(row)) {
       stage.update({{"host", s.host},
                     {"pid", s.pid},
                     {"version", s.version},
@@ -118,6 +159,7 @@ std::string BoardJson(const std::vector<BoardRow>& rows) {
                     {"latency_p99_ms", s.latency.p99_ms},
                     {"age_p50_ms", s.age.p50_ms},
                     {"age_p99_ms", s.age.p99_ms},
+                    {"age_clocks", ClocksOf(row, rows)},
                     {"rss_bytes", s.rss_bytes},
                     {"tof_coverage", s.tof_coverage},
                     {"spread_ms", s.spread_ms},

@@ -9,9 +9,9 @@
 namespace sprout {
 namespace {
 
-constexpr int kOne = DisparityImage::kCountsPerPixel;
-constexpr int kNear = 12 * kOne;
-constexpr int kFar = 3 * kOne;
+constexpr int kOnePx = DisparityImage::kCountsPerPixel;
+constexpr int kNearCounts = 12 * kOnePx;
+constexpr int kFarCounts = 3 * kOnePx;
 const cv::Vec3b kRed(20, 30, 200);
 const cv::Vec3b kBlue(200, 30, 20);
 
@@ -66,8 +66,8 @@ class Pair {
     CensusTransform(images.right_grey, images.right_census);
   }
 
-  double FarMinusNear(int u, int v, const PriorConfig& config, int near = kNear,
-                      int far = kFar) const {
+  double FarMinusNear(int u, int v, const PriorConfig& config, int near = kNearCounts,
+                      int far = kFarCounts) const {
     return DataTerm(images, edges, planes, config).FarMinusNear(u, v, 0, near, far);
   }
 
@@ -114,7 +114,7 @@ TEST(DataTerm, SeesTheSameInACameraOfAnotherExposure) {
 TEST(DataTerm, OfTheImagesIsEqualWhereAWindowLeavesThem) {
   const Pair pair({51, 33}, 3, 20);
   for (int u = 0; u < 51; ++u) {
-    EXPECT_EQ(pair.FarMinusNear(u, 16, Weights(1.2, 0), 1023 * kOne), 0);
+    EXPECT_EQ(pair.FarMinusNear(u, 16, Weights(1.2, 0), 1023 * kOnePx), 0);
     EXPECT_EQ(pair.FarMinusNear(u, 2, Weights(1.2, 0)), 0);
   }
 }
@@ -135,7 +135,7 @@ TEST(DataTerm, CountsSharesOfSeeds) {
   for (const size_t seeds : {1, 3, 4, 5}) {
     pair.edges[0] = EdgeOf(seeds);
     EXPECT_NEAR(pair.FarMinusNear(1, 1, Weights(0, 1)), 1, 0.01);
-    EXPECT_NEAR(pair.FarMinusNear(1, 1, Weights(0, 1), 22 * kOne, kNear), -1, 0.01);
+    EXPECT_NEAR(pair.FarMinusNear(1, 1, Weights(0, 1), 22 * kOnePx, kNearCounts), -1, 0.01);
   }
   pair.edges[0] = EdgeOf(0);
   EXPECT_EQ(pair.FarMinusNear(1, 1, Weights(0, 1)), 0);
@@ -146,8 +146,8 @@ TEST(DataTerm, CountsSharesOfSeeds) {
 TEST(DataTerm, ComparesTheLabelsToWhereASeedsPlaneLeads) {
   Pair pair({51, 33}, 3, 51);
   pair.planes.assign(3, {.u = 5, .v = 5, .disparity = 12, .per_row = 1});
-  EXPECT_NEAR(pair.FarMinusNear(5, 15, Weights(0, 1), 22 * kOne, kNear), 1, 0.01);
-  EXPECT_NEAR(pair.FarMinusNear(5, 5, Weights(0, 1), 22 * kOne, kNear), -1, 0.01);
+  EXPECT_NEAR(pair.FarMinusNear(5, 15, Weights(0, 1), 22 * kOnePx, kNearCounts), 1, 0.01);
+  EXPECT_NEAR(pair.FarMinusNear(5, 5, Weights(0, 1), 22 * kOnePx, kNearCounts), -1, 0.01);
 }
 
 TEST(Census, SaysWhichPixelsAroundAreDarker) {
@@ -162,7 +162,8 @@ TEST(Census, SaysWhichPixelsAroundAreDarker) {
 }
 
 EdgeLabels LabelsEverywhere(cv::Size size) {
-  return {cv::Mat1s(size, int16_t{kNear}), cv::Mat1s(size, int16_t{kFar}), cv::Mat1i(size, 0)};
+  return {cv::Mat1s(size, int16_t{kNearCounts}), cv::Mat1s(size, int16_t{kFarCounts}),
+          cv::Mat1i(size, 0)};
 }
 
 TEST(Decision, FindsTheEdgeToThePixelAndLeavesTheRest) {
@@ -174,7 +175,7 @@ TEST(Decision, FindsTheEdgeToThePixelAndLeavesTheRest) {
     EdgeLabels labels = LabelsEverywhere(size);
     const int without = size.height > 4 ? 0 : -1;  // row
     if (without == 0) labels.near.row(0) = DisparityImage::kInvalid;
-    DisparityImage prior(cv::Mat1s(size, int16_t{7 * kOne}));
+    DisparityImage prior(cv::Mat1s(size, int16_t{7 * kOnePx}));
     const PriorConfig config = Weights(0, 100);
     DecideLabels(labels, DataTerm(pair.images, pair.edges, pair.planes, config), prior);
     for (int v = 0; v < size.height; ++v) {

@@ -11,7 +11,7 @@
 namespace sprout {
 namespace {
 
-Seed SeedAt(double u, double v, double disparity) {
+Seed MeshSeed(double u, double v, double disparity) {
   const auto left = static_cast<float>(u);
   return {.u = left, .v = static_cast<float>(v), .u_right = left - static_cast<float>(disparity)};
 }
@@ -27,7 +27,7 @@ std::vector<Seed> RandomSeeds(cv::Size size, int count, double grid, uint32_t se
   for (int i = 0; i < count; ++i) {
     const double u = position(size.width);
     const double v = position(size.height);
-    seeds.push_back(SeedAt(u, v, static_cast<double>(random() % 60)));
+    seeds.push_back(MeshSeed(u, v, static_cast<double>(random() % 60)));
   }
   return seeds;
 }
@@ -114,7 +114,7 @@ TEST(Interpolation, ReproducesAPlaneExactly) {
   const auto plane = [](double u, double v) { return 10 + u / 8 + v / 16; };
   std::vector<Seed> seeds;
   for (int v = 0; v < 48; v += 8) {
-    for (int u = 0; u < 64; u += 8) seeds.push_back(SeedAt(u, v, plane(u, v)));
+    for (int u = 0; u < 64; u += 8) seeds.push_back(MeshSeed(u, v, plane(u, v)));
   }
   const PriorMap map = Interpolated(seeds, {64, 48});
   for (int v = 0; v <= 40; ++v) {
@@ -126,7 +126,8 @@ TEST(Interpolation, ReproducesAPlaneExactly) {
 
 TEST(Interpolation, TakesTheNearestHullValueOutsideTheHull) {
   const PriorMap map = Interpolated(
-      {SeedAt(20, 10, 4), SeedAt(40, 10, 8), SeedAt(40, 30, 8), SeedAt(20, 30, 4)}, {64, 48});
+      {MeshSeed(20, 10, 4), MeshSeed(40, 10, 8), MeshSeed(40, 30, 8), MeshSeed(20, 30, 4)},
+      {64, 48});
   EXPECT_EQ(map.disparity.CountValid(), 64 * 48);
   EXPECT_EQ(map.disparity.Px(0, 20), 4);
   EXPECT_EQ(map.disparity.Px(0, 0), 4);
@@ -168,28 +169,29 @@ TEST(Interpolation, TakesTheNearestPixelOfTheRowOutsideAnyHull) {
 
 TEST(Interpolation, SaysWhyThereIsNone) {
   PriorMap map(cv::Size(64, 48));
-  const std::vector<Seed> between = {SeedAt(1.1, 1.1, 1), SeedAt(1.2, 1.1, 1), SeedAt(1.1, 1.2, 1)};
+  const std::vector<Seed> between = {MeshSeed(1.1, 1.1, 1), MeshSeed(1.2, 1.1, 1),
+                                     MeshSeed(1.1, 1.2, 1)};
   const auto done = Interpolate(PlanesOf(between), Triangulate(between).triangles, 0.5, map);
   EXPECT_THAT(done.error().text, testing::HasSubstr("cover no pixel"));
 }
 
 TEST(Interpolation, SurvivesSeedsOutsideTheImage) {
-  const PriorMap map =
-      Interpolated({SeedAt(-500, -500, 3), SeedAt(5000, -100, 3), SeedAt(100, 9000, 3)}, {64, 48});
+  const PriorMap map = Interpolated(
+      {MeshSeed(-500, -500, 3), MeshSeed(5000, -100, 3), MeshSeed(100, 9000, 3)}, {64, 48});
   EXPECT_EQ(map.disparity.CountValid(), 64 * 48);
   EXPECT_EQ(map.disparity.Px(30, 30), 3);
 }
 
 // The standard deviation.
 
-constexpr int kSide = 40;
+constexpr int kSidePx = 40;
 
-// Two triangles that make a square of kSide px with its corners on whole pixels.
-struct Square {
+// Two triangles that make a square of kSidePx px with its corners on whole pixels.
+struct SquareMap {
   std::vector<Plane> planes{{.u = 0, .v = 0, .disparity = 10, .sigma_px = 0.5F},
-                            {.u = kSide, .v = 0, .disparity = 10, .sigma_px = 0.5F},
-                            {.u = 0, .v = kSide, .disparity = 10, .sigma_px = 0.5F},
-                            {.u = kSide, .v = kSide, .disparity = 10, .sigma_px = 0.5F}};
+                            {.u = kSidePx, .v = 0, .disparity = 10, .sigma_px = 0.5F},
+                            {.u = 0, .v = kSidePx, .disparity = 10, .sigma_px = 0.5F},
+                            {.u = kSidePx, .v = kSidePx, .disparity = 10, .sigma_px = 0.5F}};
 
   cv::Mat1b Sigma() const {
     PriorMap map(cv::Size(60, 60));
@@ -199,7 +201,7 @@ struct Square {
 };
 
 TEST(Sigma, IsThatOfSeedsThatAgree) {
-  Square square;
+  SquareMap square;
   EXPECT_EQ(square.Sigma()(20, 20), SigmaToCounts(0.5));
   for (Plane& plane : square.planes) {  // one slant
     plane.per_column = 0.25F;
@@ -209,7 +211,7 @@ TEST(Sigma, IsThatOfSeedsThatAgree) {
 }
 
 TEST(Sigma, TakesTheMeanVarianceOfTheCorners) {
-  Square square;
+  SquareMap square;
   square.planes[0].sigma_px = 3;
   const cv::Mat1b sigma = square.Sigma();
   EXPECT_EQ(sigma(5, 5), SigmaToCounts(std::sqrt((9 + 0.25 + 0.25) / 3)));
@@ -217,20 +219,20 @@ TEST(Sigma, TakesTheMeanVarianceOfTheCorners) {
 }
 
 TEST(Sigma, GrowsWherePlanesDoNotLeadIntoEachOther) {
-  Square square;
+  SquareMap square;
   for (Plane& plane : square.planes) plane.sigma_px = 0.05F;
   square.planes[0].per_column = 0.036F;  // 0.48 px off at the centroid, 40/3 px away
   EXPECT_EQ(square.Sigma()(5, 5), SigmaToCounts(std::sqrt(0.0025 + 0.48 * 0.48 / 3)));
 }
 
 TEST(Sigma, DoesNotCountTheStepOfADepthEdge) {
-  Square square;
+  SquareMap square;
   square.planes[0].disparity = 50;
   EXPECT_EQ(square.Sigma()(5, 5), SigmaToCounts(0.5));
 }
 
 TEST(Sigma, KnowsNothingOutsideTheTriangles) {
-  const cv::Mat1b sigma = Square().Sigma();
+  const cv::Mat1b sigma = SquareMap().Sigma();
   EXPECT_EQ(sigma(50, 20), kMaxSigmaCounts);
   EXPECT_EQ(sigma(20, 50), kMaxSigmaCounts);
 }

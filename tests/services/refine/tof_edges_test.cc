@@ -13,7 +13,7 @@ constexpr double kNearPx = 40;
 constexpr double kFarPx = 20;
 
 // A ToF camera of 40×30 pixels in the left camera's place, a ToF pixel every 10 px.
-Rig SomeRig() {
+Rig EdgeRig() {
   Rig rig;
   rig.pair = {.width = 400,
               .height = 300,
@@ -31,7 +31,7 @@ Rig SomeRig() {
 }
 
 float Depth(double disparity_px) {
-  return static_cast<float>(SomeRig().pair.DepthFromDisparity(disparity_px));
+  return static_cast<float>(EdgeRig().pair.DepthFromDisparity(disparity_px));
 }
 
 // A near surface in the columns [first, end) of the ToF image.
@@ -42,7 +42,7 @@ TofImage Strip(int first, int end) {
 }
 
 std::vector<TofEdge> Find(const TofImage& tof, double least_px = 5) {
-  const TofProjector projector(SomeRig());
+  const TofProjector projector(EdgeRig());
   int behind = 0;
   TofEdgeFinder finder;
   const auto edges = finder.Find(projector.Project(tof, behind), tof, projector, least_px);

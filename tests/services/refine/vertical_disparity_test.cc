@@ -11,14 +11,14 @@ namespace {
 
 constexpr float kDisparityPx = 20;
 
-struct Pair {
+struct ShiftedPair {
   cv::Mat1b left, right;
   std::vector<Seed> seeds;
 };
 
 // Texture, whose right picture is turned about its middle (slope) and lies lower.
-Pair MakePair(double lower_px, double slope = 0) {
-  Pair pair;
+ShiftedPair MakePair(double lower_px, double slope = 0) {
+  ShiftedPair pair;
   pair.left.create(300, 400);
   cv::RNG(5).fill(pair.left, cv::RNG::UNIFORM, 0, 256);
   cv::GaussianBlur(pair.left, pair.left, {}, 1.5);
@@ -38,7 +38,7 @@ Pair MakePair(double lower_px, double slope = 0) {
 
 TEST(VerticalDisparity, IsFoundToAFractionOfARow) {
   for (const double lower_px : {0.0, 0.4, -1.3, 2.5}) {
-    const Pair pair = MakePair(lower_px);
+    const ShiftedPair pair = MakePair(lower_px);
     const VerticalDisparity found = MeasureVerticalDisparity(pair.left, pair.right, pair.seeds);
     EXPECT_NEAR(found.median_px, lower_px, 0.05);
     EXPECT_GT(found.windows, 400);
@@ -47,7 +47,7 @@ TEST(VerticalDisparity, IsFoundToAFractionOfARow) {
 }
 
 TEST(VerticalDisparity, TheCellsShowARoll) {
-  const Pair pair = MakePair(0, 0.005);
+  const ShiftedPair pair = MakePair(0, 0.005);
   const VerticalDisparity found = MeasureVerticalDisparity(pair.left, pair.right, pair.seeds);
   ASSERT_EQ(found.cells_px.size(), cv::Size(4, 3));
   EXPECT_NEAR(found.median_px, 0, 0.1);
@@ -58,11 +58,11 @@ TEST(VerticalDisparity, TheCellsShowARoll) {
 }
 
 TEST(VerticalDisparity, IsUnknownWithoutTextureSeedsOrAMatch) {
-  const Pair pair = MakePair(0);
+  const ShiftedPair pair = MakePair(0);
   const cv::Mat1b grey(pair.left.size(), uint8_t{100});
   EXPECT_TRUE(std::isnan(MeasureVerticalDisparity(grey, grey, pair.seeds).median_px));
   EXPECT_TRUE(std::isnan(MeasureVerticalDisparity(pair.left, pair.right, {}).median_px));
-  const Pair too_far = MakePair(8);
+  const ShiftedPair too_far = MakePair(8);
   const VerticalDisparity found =
       MeasureVerticalDisparity(too_far.left, too_far.right, too_far.seeds);
   EXPECT_LT(found.windows, 20);

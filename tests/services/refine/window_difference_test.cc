@@ -10,8 +10,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Texture, and the same 6 px further left.
-struct Pair {
-  Pair() {
+struct WindowPair {
+  WindowPair() {
     cv::theRNG().state = 7;
     cv::randu(left, 0, 255);
     left.colRange(6, 40).copyTo(right.colRange(0, 34));
@@ -21,7 +21,7 @@ struct Pair {
 };
 
 TEST(WindowDifference, IsZeroAtTheDisparityAndOnePixelBesideIt) {
-  const Pair pair;
+  const WindowPair pair;
   for (const double off : {-1.4, 0.0, 0.4, 1.4}) {
     EXPECT_EQ(WindowDifference(pair.left, pair.right, 20.3, 9.6, 14 + off), 0) << off;
   }
@@ -38,7 +38,7 @@ TEST(WindowDifference, IsAShareOfTheSquares) {
 }
 
 TEST(WindowDifference, IsInfiniteWhereNoWindowFits) {
-  const Pair pair;
+  const WindowPair pair;
   EXPECT_EQ(WindowDifference(pair.left, pair.right, 1.4, 10, 10), kInfinity);
   EXPECT_EQ(WindowDifference(pair.left, pair.right, 20, 17.6, 10), kInfinity);
   EXPECT_EQ(WindowDifference(pair.left, pair.right, 20, 10, 0.4), kInfinity);

@@ -13,7 +13,7 @@
 namespace sprout {
 namespace {
 
-const cv::Size kSize(640, 480);
+const cv::Size kWorstSize(640, 480);
 
 // As many ToF pixels as there are seeds.
 TofCamera WideTof() {
@@ -25,10 +25,10 @@ TofCamera WideTof() {
   return tof;
 }
 
-Rig SomeRig() {
+Rig WorstRig() {
   Rig rig;
-  rig.pair = {.width = kSize.width,
-              .height = kSize.height,
+  rig.pair = {.width = kWorstSize.width,
+              .height = kWorstSize.height,
               .focal_px = 500,
               .cx = 320,
               .cy = 240,
@@ -39,15 +39,15 @@ Rig SomeRig() {
 }
 
 cv::Mat1b Noise(int seed) {
-  cv::Mat1b noise(kSize);
+  cv::Mat1b noise(kWorstSize);
   cv::RNG(static_cast<uint64_t>(seed)).fill(noise, cv::RNG::UNIFORM, 1, 255);
   return noise;
 }
 
 TEST(WorstCase, TheBackgroundRuleIsNotQuadratic) {
-  for (const auto& [name, seeds] : MakeWorstSeeds(kSize)) {
+  for (const auto& [name, seeds] : MakeWorstSeeds(kWorstSize)) {
     BackgroundRule rule;
-    EXPECT_LT(CpuSeconds([&] { rule.Find(seeds, kSize, 1); }), kWorstSeconds) << name;
+    EXPECT_LT(CpuSeconds([&] { rule.Find(seeds, kWorstSize, 1); }), kWorstSeconds) << name;
   }
 }
 
@@ -86,11 +86,11 @@ TEST(WorstCase, TheBackgroundRuleFindsTheSameAmongSeedsInTheSamePixels) {
 // ToF pixels 10 px apart in the images, and all points on a few pixels: each is in reach of every
 // other, and the images agree with none.
 TEST(WorstCase, TheHiddenRuleIsNotQuadratic) {
-  Rig rig = SomeRig();
+  Rig rig = WorstRig();
   rig.tof.fx = rig.tof.fy = 50;
   const cv::Mat1b left = Noise(1);
   const cv::Mat1b right = Noise(2);
-  for (const auto& [name, seeds] : MakeWorstSeeds(kSize)) {
+  for (const auto& [name, seeds] : MakeWorstSeeds(kWorstSize)) {
     if (name != "one pixel" && name != "everywhere") continue;  // the two that take longest
     std::vector<ProjectedPoint> points;
     for (size_t i = 0; i < seeds.size(); ++i) {
@@ -106,8 +106,8 @@ TEST(WorstCase, TheHiddenRuleIsNotQuadratic) {
 }
 
 TEST(WorstCase, AmongPointsThatCrowdTheNearestHide) {
-  const Rig rig = SomeRig();
-  const cv::Mat1b grey(kSize, uint8_t{100});
+  const Rig rig = WorstRig();
+  const cv::Mat1b grey(kWorstSize, uint8_t{100});
   std::vector<ProjectedPoint> points;
   for (int i = 0; i < 400; ++i) {
     points.push_back({i, 0, {320, 240, 320 - static_cast<float>(i) / 4}});
@@ -124,7 +124,7 @@ TEST(WorstCase, AmongPointsThatCrowdTheNearestHide) {
 
 // A calibration whose ToF camera sees a single pixel of the images with all of its own.
 TEST(WorstCase, AFrameWhoseToFPointsShareAPixelIsRefinedInTime) {
-  Rig rig = SomeRig();
+  Rig rig = WorstRig();
   rig.tof.fx = rig.tof.fy = 1e6;
   TofImage tof{.depth_m = cv::Mat1f(rig.tof.height, rig.tof.width), .amplitude = {}};
   cv::RNG(3).fill(tof.depth_m, cv::RNG::UNIFORM, 0.5F, 5.F);

@@ -1,11 +1,13 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/picture/color_map.h"
 #include "services/snapshot/snapshot.h"
 #include "tests/common/core/even_prior.h"
 #include "tests/common/picture/temporary_directory.h"
@@ -53,7 +55,7 @@ TEST(WriteFrameFiles, TakesAGreyAndAColourLeftImage) {
   for (const int type : {CV_8UC1, CV_8UC3}) {
     const TemporaryDirectory directory;
     const auto written =
-        WriteFrameFiles(Wall(cv::Mat(kSize, type, cv::Scalar::all(90))), directory / "");
+        WriteFrameFiles(Wall(cv::Mat(kSize, type, cv::Scalar::all(90))), {}, directory / "");
     ASSERT_TRUE(written) << written.error().text;
     EXPECT_EQ(directory.CountEntries(), kFiles);
   }
@@ -72,7 +74,7 @@ TEST(WriteFrameFiles, ShowsWhatIsInTheFrame) {
   Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
   frame.disparity->counts().rowRange(0, 10) = DisparityImage::kInvalid;
   frame.unfilled->counts().colRange(30, kSize.width) = DisparityImage::kInvalid;
-  ASSERT_TRUE(WriteFrameFiles(frame, directory / ""));
+  ASSERT_TRUE(WriteFrameFiles(frame, {}, directory / ""));
 
   const cv::Mat1f px = cv::imread((directory / "disparity.pfm").string(), cv::IMREAD_UNCHANGED);
   ASSERT_EQ(px.size(), kSize);
@@ -96,7 +98,7 @@ TEST(WriteFrameFiles, TakesAToFImageWithoutAReturn) {
     const TemporaryDirectory directory;
     Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
     frame.tof->depth_m = code;
-    const auto written = WriteFrameFiles(frame, directory / "");
+    const auto written = WriteFrameFiles(frame, {}, directory / "");
     ASSERT_TRUE(written) << written.error().text;
     EXPECT_EQ(directory.CountEntries(), kFiles);
   }
@@ -107,7 +109,7 @@ TEST(WriteFrameFiles, TakesAFrameWithoutATofCamera) {
   Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
   frame.rig->tof = {};
   frame.tof = TofImage{};
-  const auto written = WriteFrameFiles(frame, directory / "");
+  const auto written = WriteFrameFiles(frame, {}, directory / "");
   ASSERT_TRUE(written) << written.error().text;
   EXPECT_EQ(directory.CountEntries(), kFiles);
 }
@@ -117,9 +119,58 @@ TEST(WriteFrameFiles, TakesAFrameWhoseTofCameraSentNoImage) {
   Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
   frame.rig->tof.width = frame.rig->tof.height = 10000;  // rays would take gigabytes
   frame.tof = TofImage{};
-  const auto written = WriteFrameFiles(frame, directory / "");
+  const auto written = WriteFrameFiles(frame, {}, directory / "");
   ASSERT_TRUE(written) << written.error().text;
   EXPECT_EQ(directory.CountEntries(), kFiles);
+}
+
+TEST(WriteFrameFiles, LeavesOutWhatAGrowerDoesNotSayAndNamesIt) {
+  const TemporaryDirectory directory;
+  Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
+  EXPECT_THAT(MissingParts(frame), testing::IsEmpty());
+  frame.unfilled.reset();
+  frame.confidence = cv::Mat();
+  const auto written = WriteFrameFiles(frame, {}, directory / "");
+  ASSERT_TRUE(written) << written.error().text;
+  EXPECT_EQ(directory.CountEntries(), kFiles - 2);
+  EXPECT_THAT(MissingParts(frame), testing::ElementsAre(HasSubstr("no SPROUT_UNFILLED"),
+                                                        HasSubstr("no SPROUT_CONFIDENCE")));
+}
+
+TEST(WriteFrameFiles, PaintsTheErrorsWhereTheTruthIsKnown) {
+  const TemporaryDirectory directory;
+  const Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
+  GroundTruth truth;
+  truth.left = cv::Mat1f(kSize, 7.F);
+  truth.left.rowRange(0, 20) = std::numeric_limits<float>::quiet_NaN();
+  ASSERT_TRUE(WriteFrameFiles(frame, truth, directory / ""));
+  const cv::Mat3b errors = cv::imread((directory / "errors.png").string());
+  const auto count = [&](const cv::Vec3b& color) {
+    return std::count(errors.begin(), errors.end(), color);
+  };
+  EXPECT_GE(count(ColorOf(2, {0, 4})), 20 * (64 - 7));  // the map has 5 px everywhere
+  EXPECT_GE(count(kNoValueColor), 20 * 64);
+}
+
+TEST(WriteFrameFiles, GivesNearAndFarTheSameColorsInToFAndDisparityPictures) {
+  const TemporaryDirectory directory;
+  Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
+  frame.disparity->counts().colRange(0, 32) = ToCounts(10);
+  for (DisparityImage* map : {&frame.prior->disparity, &*frame.unfilled}) {
+    map->counts() = frame.disparity->counts().clone();
+  }
+  const RectifiedPair& pair = frame.rig->pair;
+  frame.tof->depth_m = static_cast<float>(pair.DepthFromDisparity(5));
+  frame.tof->depth_m.colRange(0, 4) = static_cast<float>(pair.DepthFromDisparity(10));
+  ASSERT_TRUE(WriteFrameFiles(frame, {}, directory / ""));
+  const cv::Mat3b tof = cv::imread((directory / "tof.png").string());
+  const cv::Mat3b disparity = cv::imread((directory / "disparity_filled.png").string());
+  for (const double px : {5, 10}) {
+    const cv::Vec3b color = ColorOf(px, {5, 10});
+    for (const cv::Mat3b& picture : {tof, disparity}) {
+      EXPECT_GE(std::count(picture.begin(), picture.end(), color), 900) << px;
+    }
+  }
 }
 
 struct Misfit {
@@ -144,7 +195,7 @@ TEST(WriteFrameFiles, RefusesImagesThatDoNotFitTheCalibration) {
     const TemporaryDirectory directory;
     Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
     misfit.spoil(frame);
-    const auto written = WriteFrameFiles(frame, directory / "");
+    const auto written = WriteFrameFiles(frame, {}, directory / "");
     ASSERT_FALSE(written);
     EXPECT_THAT(written.error().text, HasSubstr(misfit.expected));
     EXPECT_EQ(directory.CountEntries(), 0);

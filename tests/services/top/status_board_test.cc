@@ -119,5 +119,32 @@ TEST_F(StatusBoardTest, IsWrittenForPeopleAndForScripts) {
   EXPECT_EQ(json["stages"][1]["pid"], 77);
 }
 
+TEST_F(StatusBoardTest, SaysWhichClocksTellAnAge) {
+  StageStatus capture = Status("capture");
+  capture.host = "eyes";
+  StageStatus grow = Status("grow");
+  grow.host = "brain";
+  grow.age.p50_ms = 120;
+  board_.Add(capture, start_);
+  board_.Add(grow, start_);
+  auto rows = board_.Rows(start_);
+  EXPECT_THAT(BoardText(rows, false), HasSubstr(" ~120 "));
+  EXPECT_THAT(BoardText(rows, false), HasSubstr("~: by the clocks of two hosts"));
+  EXPECT_EQ(nlohmann::json::parse(BoardJson(rows))["stages"][0]["age_clocks"], "one");
+  EXPECT_EQ(nlohmann::json::parse(BoardJson(rows))["stages"][1]["age_clocks"], "two");
+  grow.age.p50_ms = -3'600'000;
+  board_.Add(grow, start_);
+  rows = board_.Rows(start_);
+  EXPECT_THAT(BoardText(rows, false), HasSubstr(" ? "));
+  EXPECT_EQ(nlohmann::json::parse(BoardJson(rows))["stages"][1]["age_clocks"], "wrong");
+}
+
+TEST_F(StatusBoardTest, SaysWhatTwoHostsNeedWhenAStageIsMissing) {
+  EXPECT_THAT(BoardText(board_.Rows(start_), false), Not(HasSubstr("ttl=1"))) << "nobody is there";
+  board_.Add(Status("grow"), start_);
+  EXPECT_THAT(BoardText(board_.Rows(start_), false),
+              HasSubstr("capture: not heard here; if on another host: ttl=1"));
+}
+
 }  // namespace
 }  // namespace sprout
