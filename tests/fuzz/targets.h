@@ -1,0 +1,42 @@
+#ifndef SPROUT_TESTS_FUZZ_TARGETS_H_
+#define SPROUT_TESTS_FUZZ_TARGETS_H_
+
+#include "tests/fuzz/target.h"
+
+namespace sprout::fuzz {
+
+// messages.cc
+void DecodeMessage(std::span<const uint8_t> bytes);
+std::vector<Bytes> MessageSeeds();
+void JoinMessages(std::span<const uint8_t> bytes);
+std::vector<Bytes> FrameSeeds();
+
+// log.cc
+void ReadWholeLog(std::span<const uint8_t> bytes);
+std::vector<Bytes> LogSeeds();
+
+// settings.cc
+void ReadConfig(std::span<const uint8_t> bytes);
+std::vector<Bytes> ConfigSeeds();
+void ReadRig(std::span<const uint8_t> bytes);
+std::vector<Bytes> RigSeeds();
+
+// datasets.cc
+void ReadMiddleburyCalibration(std::span<const uint8_t> bytes);
+std::vector<Bytes> MiddleburySeeds();
+void ReadKitti(std::span<const uint8_t> bytes);
+std::vector<Bytes> KittiSeeds();
+void ReadScan(std::span<const uint8_t> bytes);
+std::vector<Bytes> ScanSeeds();
+
+// images.cc
+void ReadPfmFile(std::span<const uint8_t> bytes);
+std::vector<Bytes> PfmSeeds();
+void ReadImageFile(std::span<const uint8_t> bytes);
+std::vector<Bytes> ImageSeeds();
+void ReadPayload(std::span<const uint8_t> bytes);
+std::vector<Bytes> PayloadSeeds();
+
+}  // namespace sprout::fuzz
+
+#endif  // SPROUT_TESTS_FUZZ_TARGETS_H_
