@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <map>
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
@@ -16,7 +17,10 @@
 namespace sprout {
 namespace {
 
+using testing::AllOf;
+using testing::Contains;
 using testing::HasSubstr;
+using testing::IsSubsetOf;
 using testing::UnorderedElementsAre;
 
 const std::string kRecord = std::string(SPROUT_SOURCE_DIR) + "/scripts/record";
@@ -47,7 +51,8 @@ TEST(RecordSystem, WritesTheRawChannelsWithoutAGap) {
   EXPECT_TRUE(record.Wait()) << record.Output();
   const ChannelBytes channels = ReadChannels(folder / "logs/run.lcm");
   EXPECT_THAT(ChannelNames(channels),
-              UnorderedElementsAre("SPROUT_LEFT", "SPROUT_RIG", "SPROUT_RIGHT", "SPROUT_TOF"))
+              UnorderedElementsAre("SPROUT_LEFT", "SPROUT_PROCESS", "SPROUT_RIG", "SPROUT_RIGHT",
+                                   "SPROUT_TOF"))
       << record.Output();
   const auto& left = channels.at("SPROUT_LEFT");
   EXPECT_GE(left.size(), 20U);
@@ -55,6 +60,27 @@ TEST(RecordSystem, WritesTheRawChannelsWithoutAGap) {
   for (const auto& bytes : left) {
     EXPECT_EQ(DecodePart(Part::kLeft, bytes)->id.seq, expected++) << record.Output();
   }
+}
+
+TEST(RecordSystem, HasWhatEveryProcessIsAlthoughItBeginsLater) {
+  const TemporaryDirectory folder;
+  Graph graph;
+  graph.Start("refine");
+  graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "20"});
+  ASSERT_TRUE(graph.WaitUntil([&](Graph& g) { return g.statuses["refine"].frames_out > 10; }));
+  Process record({kRecord, "--dir", folder / "logs", "--seconds", "4", "--drain", "1", "run"});
+  EXPECT_TRUE(record.Wait()) << record.Output();
+  std::map<std::string, ProcessInfo> processes;
+  const ChannelBytes channels = ReadChannels(folder / "logs/run.lcm");
+  for (const auto& bytes : channels.at("SPROUT_PROCESS")) {
+    const auto info = DecodeProcessInfo(bytes);
+    ASSERT_TRUE(info) << info.error().text;
+    processes[info->stage] = *info;
+  }
+  ASSERT_EQ(processes.size(), 2U) << record.Output();
+  EXPECT_THAT(processes["capture"].config_text, HasSubstr("source: \"synthetic:160x120\""));
+  EXPECT_EQ(processes["refine"].config_digest, graph.statuses["refine"].config_digest);
+  EXPECT_EQ(processes["refine"].version, graph.statuses["refine"].version);
 }
 
 TEST(RecordSystem, EndsWithASignalAndTakesAllChannelsOnDemand) {
@@ -70,7 +96,9 @@ TEST(RecordSystem, EndsWithASignalAndTakesAllChannelsOnDemand) {
   }));
   record.Signal(SIGINT);
   EXPECT_TRUE(record.Wait()) << record.Output();
-  EXPECT_THAT(ChannelNames(ReadChannels(log)), UnorderedElementsAre("A_SPROUT_STATUS"));
+  EXPECT_THAT(
+      ChannelNames(ReadChannels(log)),
+      AllOf(Contains("A_SPROUT_STATUS"), IsSubsetOf({"A_SPROUT_PROCESS", "A_SPROUT_STATUS"})));
 }
 
 TEST(RecordSystem, RefusesAboveItsQuotaAndDeletesNothing) {
@@ -127,9 +155,11 @@ TEST(RecordSystem, LeavesNoLoggerBehind) {
     }));
     ASSERT_TRUE(SomebodyHas(log));
     record.Signal(signal);
-    EXPECT_EQ(record.Wait(), signal == SIGHUP ? 0 : 128 + SIGKILL) << record.Output();
+    // 1: there was no capture, so it has no frame.
+    EXPECT_EQ(record.Wait(), signal == SIGHUP ? 1 : 128 + SIGKILL) << record.Output();
     EXPECT_TRUE(graph.WaitUntil([&](Graph&) { return !SomebodyHas(log); }));
-    EXPECT_THAT(ChannelNames(ReadChannels(log)), UnorderedElementsAre("SPROUT_STATUS"));
+    EXPECT_THAT(ChannelNames(ReadChannels(log)),
+                AllOf(Contains("SPROUT_STATUS"), IsSubsetOf({"SPROUT_PROCESS", "SPROUT_STATUS"})));
   }
 }
 
@@ -152,6 +182,15 @@ TEST(DemoScript, RefusesASecondOneAtATime) {
   EXPECT_EQ(demo.Wait(), 1);
   EXPECT_THAT(demo.Output(), HasSubstr("another demo writes to"));
   close(descriptor);
+}
+
+TEST(RecordSystem, SaysSoWhenNoFrameCame) {
+  const TemporaryDirectory folder;
+  Graph graph;
+  graph.Start("refine");
+  Process record({kRecord, "--dir", folder / "logs", "--seconds", "4", "--drain", "1", "run"});
+  EXPECT_EQ(record.Wait(), 1);
+  EXPECT_THAT(record.Output(), HasSubstr("no frame was recorded; is capture running"));
 }
 
 TEST(RecordSystem, SaysSoWhenThereIsNothingToRecord) {

@@ -184,6 +184,8 @@ TEST(ReplaySystem, ASignalLeavesAReadableLogOfWhatWasDone) {
 
     LogReader reader(out);
     LogEvent event;
+    ASSERT_TRUE(reader.Next(event));
+    EXPECT_EQ(event.channel, kProcessChannel);
     int64_t seq = 0;
     for (; reader.Next(event); ++seq) {
       EXPECT_EQ(DecodePart(Part::kDisparity, event.data)->id.seq, seq);

@@ -41,12 +41,26 @@ TEST(SnapshotSystem, WritesTheLastFrameOfTheRunningGraph) {
     return true;
   });
   for (const char* file : {"left.png", "tof.png", "seeds.png", "prior.png", "disparity_filled.png",
-                           "confidence.png", "overview.png"}) {
+                           "confidence.png", "errors.png", "overview.png"}) {
     EXPECT_FALSE(cv::imread(out + "/" + file).empty()) << file;
   }
   for (const char* file : {"cloud.ply", "mesh.ply"}) {
     EXPECT_GT(std::filesystem::file_size(out + "/" + file), 10'000U) << file;
   }
+}
+
+TEST(SnapshotSystem, WorksWithAGrowerThatSendsTheMapAlone) {
+  const TemporaryDirectory directory;
+  const std::string out = (directory / "out").string();
+  Graph graph;
+  for (const char* stage : {"refine", "prior", "grow"}) graph.Start(stage, {"--config", "fast"});
+  Process& snapshot = graph.Start("snapshot", {"--out", out, "--timeout", "30"});
+  graph.StartOnly("capture", {"--source", kSource, "--frames", "1", "--lockstep", "1", "--wait-for",
+                              "refine,prior,grow,snapshot"});
+  ASSERT_EQ(snapshot.Wait(std::chrono::seconds(60)), 0) << snapshot.Output();
+  EXPECT_THAT(snapshot.Output(),
+              AllOf(HasSubstr("no SPROUT_UNFILLED"), HasSubstr("no SPROUT_CONFIDENCE")));
+  EXPECT_FALSE(cv::imread(out + "/overview.png").empty());
 }
 
 TEST(SnapshotSystem, SaysHowManyFramesCameWhenTheGraphIsSilent) {
@@ -55,7 +69,9 @@ TEST(SnapshotSystem, SaysHowManyFramesCameWhenTheGraphIsSilent) {
   Process& snapshot =
       graph.StartOnly("snapshot", {"--out", (directory / "out").string(), "--timeout", "0.5"});
   EXPECT_EQ(snapshot.Wait(std::chrono::seconds(20)), 1);
-  EXPECT_THAT(snapshot.Output(), HasSubstr("0 of 1 frames arrived with all their parts in 0.5 s"));
+  EXPECT_THAT(snapshot.Output(),
+              AllOf(HasSubstr("0 of 1 frames arrived with all their parts in 0.5 s"),
+                    HasSubstr("nothing on SPROUT_LEFT, SPROUT_RIGHT, SPROUT_TOF, SPROUT_RIG")));
 }
 
 }  // namespace

@@ -1,0 +1,286 @@
+// What happens to a robot that nobody looks after, one thing a test. Stages that are killed and
+// stopped: faults.cc. A bad network: network_faults_test.cc.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <thread>
+
+#include "common/bus/lcm_url.h"
+#include "common/logfile/log_reader.h"
+#include "services/capture/dataset.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/system/graph.h"
+#include "tests/system/graph_record.h"
+#include "tests/system/slope.h"
+
+namespace sprout {
+namespace {
+
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+constexpr const char* kStages[] = {"refine", "prior", "grow"};
+constexpr int64_t kHourUs = 3'600'000'000;
+
+void StartStages(Graph& graph, const std::vector<std::string>& flags = {"--config", "default"}) {
+  for (const char* stage : kStages) graph.Start(stage, flags);
+}
+
+std::map<GraphRecord::Key, GraphRecord::Heard> FramesOf(GraphRecord& record) {
+  std::map<GraphRecord::Key, GraphRecord::Heard> frames;
+  record.WaitUntil([&](GraphRecord& r) {
+    frames = r.frames;
+    return true;
+  });
+  return frames;
+}
+
+void ExpectNoneWrong(GraphRecord& record, int64_t least) {
+  const Comparison comparison = CompareWithPipeline(FramesOf(record), LoadConfig({"default"}));
+  EXPECT_GE(comparison.maps, least);
+  EXPECT_EQ(comparison.wrong, 0) << comparison.first_wrong;
+  EXPECT_EQ(comparison.unknown, 0);
+}
+
+// No clock can be set here, so frames are sent as a capture sends them whose clock is set on and
+// back in the middle of the run, and which is started again.
+TEST(ClockSystem, AnHourOffEitherWayLosesNothingAndIsSaid) {
+  Graph graph;
+  GraphRecord record(kDefaultLcmUrl);
+  StartStages(graph);
+  CaptureConfig config;
+  config.set_source("synthetic:160x120");
+  const auto source = OpenDataset(config);
+  const std::string rig_id = RigId(source->rig());
+  int64_t sent = 0;
+  const auto send = [&](int64_t seq, int64_t offset_us) {
+    const DatasetFrame frame = source->Get(seq);
+    const auto now = std::chrono::duration_cast<std::chrono::microseconds>(
+        std::chrono::system_clock::now().time_since_epoch());
+    const FrameId id{.utime = now.count() + offset_us, .seq = seq, .rig_id = rig_id};
+    graph.PublishPart(id, Part::kRig, source->rig());
+    graph.PublishPart(id, Part::kLeft, frame.left);
+    graph.PublishPart(id, Part::kRight, frame.right);
+    graph.PublishPart(id, Part::kTof, frame.tof);
+    ++sent;
+    EXPECT_TRUE(record.WaitUntil([&](GraphRecord& r) {
+      const auto heard = r.frames.find({id.utime, id.seq});
+      return heard != r.frames.end() && heard->second.at.contains(Part::kDisparity);
+    })) << "frame "
+        << seq << ", clock off by " << offset_us;
+  };
+  for (int64_t seq = 0; seq < 5; ++seq) send(seq, 0);
+  for (int64_t seq = 5; seq < 10; ++seq) send(seq, kHourUs);
+  EXPECT_TRUE(graph.WaitUntil(
+      [](Graph& g) { return g.statuses["grow"].last_error.find("clock") != std::string::npos; }));
+  for (int64_t seq = 10; seq < 15; ++seq) send(seq, -kHourUs);
+  for (int64_t seq = 0; seq < 15; ++seq) send(seq, 0);             // started again, later
+  for (int64_t seq = 0; seq < 15; ++seq) send(seq, -2 * kHourUs);  // and earlier
+  EXPECT_TRUE(graph.WaitUntil([&](Graph& g) { return g.statuses["grow"].frames_out == sent; }));
+  graph.WaitUntil([](Graph& g) {
+    for (const char* stage : kStages) {
+      EXPECT_EQ(CountedLost(g.statuses[stage]), 0) << stage;
+      EXPECT_LT(g.statuses[stage].age.p50_ms, 3.0 * 3'600'000) << stage;
+    }
+    return true;
+  });
+  ExpectNoneWrong(record, sent);
+}
+
+TEST(TwoCapturesSystem, AreReportedAndNotMixed) {
+  Graph graph;
+  GraphRecord record(kDefaultLcmUrl);
+  StartStages(graph);
+  graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "7"});
+  // Another scene: a mixture would give other maps.
+  Process second({ProgramPath("sprout-capture"), "--source", "synthetic:160x120?tof=sr4000",
+                  "--rate", "5", "--config", "default"});
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["capture"].last_error.find(
+               "another sprout-capture works on these channels") != std::string::npos;
+  }));
+  EXPECT_TRUE(record.WaitUntil([](GraphRecord& r) {
+    int64_t maps = 0;
+    for (const auto& [key, heard] : r.frames) maps += heard.at.contains(Part::kDisparity);
+    return maps >= 20;
+  }));
+  for (Process* capture : {&graph.process("capture"), &second}) {
+    capture->Signal(SIGTERM);
+    EXPECT_EQ(capture->Wait(), 0) << capture->Output();
+    EXPECT_THAT(capture->Output(), HasSubstr("another sprout-capture works on these channels"));
+  }
+  ExpectNoneWrong(record, 20);
+}
+
+TEST(SleepingSubscriberSystem, HoldsNobodyUpAndGoesOn) {
+  Graph graph;
+  StartStages(graph);
+  graph.Start("depth", {"--config", "default"});
+  Process& depth = graph.process("depth");
+  depth.Signal(SIGSTOP);
+  Process& capture =
+      graph.StartOnly("capture", {"--source", "synthetic:160x120", "--frames", "40", "--lockstep",
+                                  "1", "--wait-for", "refine,prior,grow"});
+  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  EXPECT_THAT(capture.Output(), HasSubstr("sent 40 frames"));
+  EXPECT_THAT(capture.Output(), HasSubstr(", 0 again"));
+  depth.Signal(SIGCONT);
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    const StageStatus& status = g.statuses["depth"];
+    return status.newest_frame.seq == 39 && AccountedFor(status) == 40;
+  }));
+}
+
+/// A file system of so many bytes that goes with the object.
+class SmallDisk {
+ public:
+  SmallDisk(const std::filesystem::path& at, const std::string& size) : at_(at) {
+    std::filesystem::create_directory(at);
+    mounted_ = Run({"mount", "-t", "tmpfs", "-o", "size=" + size, "none", at_.string()});
+  }
+  ~SmallDisk() {
+    if (mounted_) Run({"umount", "-l", at_.string()});
+  }
+  bool mounted() const { return mounted_; }
+
+ private:
+  static bool Run(const std::vector<std::string>& command) { return Process(command).Wait() == 0; }
+  std::filesystem::path at_;
+  bool mounted_ = false;
+};
+
+int64_t EventsIn(const std::filesystem::path& log) {
+  LogReader reader(log);
+  LogEvent event;
+  int64_t events = 0;
+  while (reader.Next(event)) ++events;
+  return events;
+}
+
+TEST(FullDiskSystem, RecordStopsBeforeItAndKeepsTheLog) {
+  const TemporaryDirectory folder;
+  const SmallDisk disk(folder / "disk", "1030m");  // record leaves 1 GB free
+  if (!disk.mounted()) GTEST_SKIP() << "no file system can be mounted here";
+  Graph graph;
+  graph.Start("capture", {"--source", "synthetic:640x480", "--rate", "10"});
+  Process record({std::string(SPROUT_SOURCE_DIR) + "/scripts/record", "--dir", folder / "disk",
+                  "--drain", "1", "run"});
+  EXPECT_EQ(record.Wait(seconds(60)), 1);
+  EXPECT_THAT(record.Output(), HasSubstr("stopped: the disk of"));
+  EXPECT_GT(EventsIn(folder / "disk/run.lcm"), 20);
+}
+
+TEST(FullDiskSystem, RecordSaysSoWhenSomebodyElseFillsIt) {
+  const TemporaryDirectory folder;
+  const SmallDisk disk(folder / "disk", "1200m");
+  if (!disk.mounted()) GTEST_SKIP() << "no file system can be mounted here";
+  Graph graph;
+  graph.Start("capture", {"--source", "synthetic:640x480", "--rate", "10"});
+  Process record({std::string(SPROUT_SOURCE_DIR) + "/scripts/record", "--dir", folder / "disk",
+                  "--drain", "1", "run"});
+  const auto log = folder / "disk/run.lcm";
+  ASSERT_TRUE(graph.WaitUntil([&](Graph&) {
+    std::error_code missing;
+    return std::filesystem::file_size(log, missing) > 5'000'000 && !missing;
+  }));
+  Process filler({"sh", "-c", "head -c 2G /dev/zero > '" + (folder / "disk/other").string() + "'"});
+  filler.Wait();
+  EXPECT_EQ(record.Wait(seconds(60)), 1) << record.Output();
+  EXPECT_GT(EventsIn(log), 3);
+}
+
+TEST(FullDiskSystem, AReplaySaysSoAndKeepsNothingUnderTheNameOfTheLog) {
+  const TemporaryDirectory folder;
+  const SmallDisk disk(folder / "disk", "4k");
+  if (!disk.mounted()) GTEST_SKIP() << "no file system can be mounted here";
+  const std::string sample = std::string(SPROUT_SOURCE_DIR) + "/logs/sample.lcm";
+  Process replay(
+      {ProgramPath("sprout-refine"), "--replay", sample, "--record", folder / "disk/answers.lcm"});
+  EXPECT_EQ(replay.Wait(), 1);
+  EXPECT_THAT(replay.Output(), HasSubstr("cannot be written (No space left on device)"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "disk/answers.lcm"));
+}
+
+// stuck_test.cc has what one signal does.
+TEST(StuckSystem, ASecondCtrlCEndsAtOnceWhoHangs) {
+  const TemporaryDirectory folder;
+  const std::filesystem::path fifo = folder / "fifo";
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  Process capture({ProgramPath("sprout-capture"), "--source", "log:" + fifo.string()});
+  const auto deadline = std::chrono::steady_clock::now() + seconds(30);
+  while (capture.Output().find("configuration") == std::string::npos &&
+         std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  capture.Signal(SIGINT);
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  EXPECT_FALSE(capture.Wait(seconds(0))) << "it hangs until 1.5 s have passed";
+  const auto second = std::chrono::steady_clock::now();
+  capture.Signal(SIGINT);
+  EXPECT_EQ(capture.Wait(), 128 + SIGINT) << capture.Output();
+  EXPECT_LT(std::chrono::steady_clock::now() - second, seconds(1));
+}
+
+// What scripts/soak judges memory by.
+TEST(Slope, IsThatOfALeakAndNotThatOfNoise) {
+  std::vector<double> times_s;
+  std::vector<double> leaking;
+  std::vector<double> noisy;
+  for (int i = 0; i < 45; ++i) {
+    times_s.push_back(15 + i);
+    leaking.push_back(1e8 + 1e5 * i + (i % 2) * 4096);
+    noisy.push_back(1e8 + (i % 3) * 40'960);
+  }
+  EXPECT_NEAR(SlopeOf(times_s, leaking), 1e5, 100);
+  EXPECT_NEAR(SlopeOf(times_s, noisy), 0, 1000);
+}
+
+// Local ports of the sockets in a table of /proc/net, in this network; of tcp those that listen.
+std::vector<int> PortsIn(const std::string& table) {
+  constexpr int kListening = 0x0a;
+  std::ifstream file("/proc/self/net/" + table);
+  std::string line;
+  std::getline(file, line);
+  std::vector<int> ports;
+  while (std::getline(file, line)) {
+    std::istringstream words(line);
+    std::string number, local, remote, state;
+    words >> number >> local >> remote >> state;
+    if (table.starts_with("tcp") && std::stoi(state, nullptr, 16) != kListening) continue;
+    ports.push_back(std::stoi(local.substr(local.rfind(':') + 1), nullptr, 16));
+  }
+  return ports;
+}
+
+TEST(TrustSystem, NothingListensOnTcpAndNothingLeavesTheHost) {
+  Graph graph;
+  StartStages(graph);
+  graph.Start("depth");
+  graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "5"});
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.statuses["depth"].frames_out > 0; }));
+  EXPECT_THAT(PortsIn("tcp"), testing::IsEmpty());
+  EXPECT_THAT(PortsIn("tcp6"), testing::IsEmpty());
+  EXPECT_THAT(PortsIn("udp6"), testing::IsEmpty());
+  constexpr int kFirstOfSenders = 32768;  // what the kernel gives who sends
+  int listeners = 0;
+  for (const int port : PortsIn("udp")) {
+    if (port == 7667) {
+      ++listeners;
+    } else {
+      EXPECT_GE(port, kFirstOfSenders);
+    }
+  }
+  EXPECT_GE(listeners, 5);
+  EXPECT_THAT(kDefaultLcmUrl, HasSubstr("?ttl=0&"));
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,262 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <opencv2/core.hpp>
+#include <thread>
+
+#include "common/app/stage_monitor.h"
+#include "common/messages/codec.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/system/graph.h"
+#include "tests/system/log_bytes.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const std::vector<std::string> kCamera = {"--source", "synthetic:160x120", "--rate", "20"};
+
+std::vector<fs::path> Logs(const fs::path& folder) {
+  std::vector<fs::path> logs;
+  std::error_code missing;
+  for (const auto& entry : fs::directory_iterator(folder, missing)) logs.push_back(entry.path());
+  std::ranges::sort(logs);
+  return logs;
+}
+
+int64_t BytesOfAll(const std::vector<fs::path>& logs) {
+  int64_t bytes = 0;
+  for (const fs::path& log : logs) bytes += static_cast<int64_t>(fs::file_size(log));
+  return bytes;
+}
+
+std::vector<int64_t> SeqsOf(const ChannelBytes& channels, Part part,
+                            const std::string& prefix = "") {
+  std::vector<int64_t> seqs;
+  const auto found = channels.find(prefix + std::string(RowOf(part).channel));
+  if (found == channels.end()) return seqs;
+  for (const auto& bytes : found->second) seqs.push_back(DecodeFrameId(bytes)->seq);
+  return seqs;
+}
+
+bool AreConsecutive(const std::vector<int64_t>& seqs) {
+  return std::ranges::adjacent_find(seqs, [](int64_t a, int64_t b) { return b != a + 1; }) ==
+         seqs.end();
+}
+
+/// Times of the first and the last event, s, and the newest status of the recorder.
+struct LogSummary {
+  double first_s = 0;
+  double last_s = 0;
+  StageStatus status;
+  bool ends_with_it = false;
+};
+
+LogSummary Summarise(const fs::path& log) {
+  LogSummary summary;
+  LogReader reader(log);
+  LogEvent event;
+  while (reader.Next(event)) {
+    summary.last_s = static_cast<double>(event.utime) / 1e6;
+    if (summary.first_s == 0) summary.first_s = summary.last_s;
+    const auto status = DecodeStatus(event.data);
+    summary.ends_with_it = status && status->stage == "record";
+    if (summary.ends_with_it) summary.status = *status;
+  }
+  EXPECT_TRUE(reader.damage().empty()) << log;
+  return summary;
+}
+
+bool HasRecorded(Graph& graph, int64_t frames) {
+  return graph.WaitUntil([&](Graph& g) { return g.statuses["record"].frames_out >= frames; });
+}
+
+void SleepSeconds(int seconds) { std::this_thread::sleep_for(std::chrono::seconds(seconds)); }
+
+TEST(RecordRobot, KeepsTheSecondsBeforeASignal) {
+  const TemporaryDirectory folder;
+  const fs::path logs = folder / "logs";
+  Graph graph;
+  Process& record = graph.Start("record", {"--dir", logs, "--ring", "2", "--after", "1"});
+  graph.Start("capture", kCamera);
+  ASSERT_TRUE(HasRecorded(graph, 80));
+  EXPECT_TRUE(Logs(logs).empty());
+  const double signal_s = static_cast<double>(NowUtime()) / 1e6;
+  record.Signal(SIGUSR1);
+  SleepSeconds(3);
+  record.Signal(SIGINT);
+  ASSERT_EQ(record.Wait(), 0) << record.Output();
+  ASSERT_EQ(Logs(logs).size(), 1U) << record.Output();
+  const fs::path log = Logs(logs)[0];
+  const LogSummary summary = Summarise(log);
+  EXPECT_NEAR(summary.first_s, signal_s - 2, 0.5);
+  EXPECT_NEAR(summary.last_s, signal_s + 1, 0.7);
+  EXPECT_TRUE(summary.ends_with_it);
+  EXPECT_THAT(summary.status.last_error, HasSubstr("trigger (SIGUSR1)"));
+  const ChannelBytes channels = ReadChannels(log);
+  const std::vector<int64_t> seqs = SeqsOf(channels, Part::kLeft);
+  EXPECT_GE(seqs.size(), 40U);
+  EXPECT_TRUE(AreConsecutive(seqs));
+
+  const fs::path answers = folder / "answers.lcm";
+  Process refine({ProgramPath("sprout-refine"), "--replay", log, "--record", answers});
+  ASSERT_EQ(refine.Wait(std::chrono::seconds(60)), 0) << refine.Output();
+  EXPECT_GE(SeqsOf(ReadChannels(answers), Part::kSeeds).size(), 35U);
+}
+
+TEST(RecordRobot, KeepsWhatAMessageOrALowConfidenceAsksFor) {
+  const TemporaryDirectory folder;
+  const fs::path logs = folder / "logs";
+  Graph graph("A_");
+  Process& record =
+      graph.Start("record", {"--dir", logs, "--channels", "SPROUT_LEFT", "--ring", "5", "--after",
+                             "0", "--trigger-channel", "BUMPER", "--trigger-confidence", "0.5"});
+  const FrameId id{.utime = NowUtime(), .seq = 1, .rig_id = "a"};
+  graph.PublishPart(id, Part::kLeft, cv::Mat(cv::Mat1b(9, 9)));
+  graph.PublishPart(id, Part::kConfidence, cv::Mat(cv::Mat1b(9, 9, 200)));
+  ASSERT_TRUE(HasRecorded(graph, 1));
+  SleepSeconds(1);
+  EXPECT_TRUE(Logs(logs).empty());
+  graph.Publish("BUMPER", std::vector<uint8_t>{1});
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["record"].last_error.starts_with("trigger (a message on BUMPER)");
+  }));
+  graph.PublishPart(id, Part::kConfidence, cv::Mat(cv::Mat1b(9, 9, 100)));
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["record"].last_error.starts_with("trigger (frame 1: mean confidence 0.392)");
+  }));
+  record.Signal(SIGTERM);
+  ASSERT_EQ(record.Wait(), 0) << record.Output();
+  ASSERT_EQ(Logs(logs).size(), 2U) << record.Output();
+  for (const fs::path& log : Logs(logs)) {
+    const ChannelBytes channels = ReadChannels(log);
+    EXPECT_EQ(SeqsOf(channels, Part::kLeft, "A_").size(), 1U);
+    EXPECT_EQ(channels.size(), 2U);  // and our own status
+    EXPECT_TRUE(channels.contains("A_SPROUT_STATUS"));
+  }
+}
+
+TEST(RecordRobot, GoesOnInTheNextLogWithoutAGap) {
+  const TemporaryDirectory folder;
+  const fs::path logs = folder / "logs";
+  Graph graph("A_");
+  Process& record = graph.Start("record", {"--dir", logs, "--max-mb", "1"});
+  graph.Start("capture", kCamera);
+  ASSERT_TRUE(HasRecorded(graph, 80));
+  record.Signal(SIGTERM);
+  ASSERT_EQ(record.Wait(), 0) << record.Output();
+  EXPECT_THAT(record.Output(),
+              HasSubstr("lost: 0 dropped, 0 unwritten; frame numbers missing: none"));
+  EXPECT_GE(Logs(logs).size(), 3U);
+  std::vector<int64_t> seqs;
+  for (const fs::path& log : Logs(logs)) {
+    EXPECT_LE(fs::file_size(log), 1'010'000U);
+    EXPECT_TRUE(Summarise(log).ends_with_it);
+    const std::vector<int64_t> more = SeqsOf(ReadChannels(log), Part::kRight, "A_");
+    seqs.insert(seqs.end(), more.begin(), more.end());
+  }
+  EXPECT_GE(seqs.size(), 80U);
+  EXPECT_TRUE(AreConsecutive(seqs));
+  EXPECT_EQ(Summarise(Logs(logs).back()).status.state, StageStatus::State::kStopped);
+}
+
+TEST(RecordRobot, StopsAtItsQuota) {
+  const TemporaryDirectory folder;
+  const fs::path logs = folder / "logs";
+  Graph graph;
+  Process& record = graph.Start("record", {"--dir", logs, "--quota-gb", "0.002"});
+  graph.Start("capture", kCamera);
+  ASSERT_EQ(record.Wait(), 1) << record.Output();
+  EXPECT_THAT(record.Output(), HasSubstr("its quota is 2.0 MB; nothing was deleted"));
+  EXPECT_LE(BytesOfAll(Logs(logs)), 2'010'000);
+  EXPECT_THAT(Summarise(Logs(logs).back()).status.last_error, HasSubstr("its quota is 2.0 MB"));
+}
+
+TEST(RecordRobot, KeepsTheNewestWithinItsQuota) {
+  const TemporaryDirectory folder;
+  const fs::path logs = folder / "logs";
+  Graph graph;
+  Process& record = graph.Start(
+      "record", {"--dir", logs, "--quota-gb", "0.002", "--max-mb", "0.5", "--delete-oldest"});
+  graph.Start("capture", kCamera);
+  ASSERT_TRUE(HasRecorded(graph, 120));
+  record.Signal(SIGINT);
+  ASSERT_EQ(record.Wait(), 0) << record.Output();
+  EXPECT_THAT(record.Output(), HasSubstr("older logs deleted"));
+  EXPECT_LE(BytesOfAll(Logs(logs)), 2'010'000);
+  EXPECT_GE(BytesOfAll(Logs(logs)), 1'000'000);
+  EXPECT_FALSE(Logs(logs).front().filename().string().starts_with("record_000001_"));
+  EXPECT_EQ(Summarise(Logs(logs).back()).status.state, StageStatus::State::kStopped);
+}
+
+TEST(RecordRobot, SaysThatTheDiskIsFullAndLeavesAReadableLog) {
+  if (Process({"unshare", "--mount", "mount", "-t", "tmpfs", "tmpfs", "/mnt"}).Wait() != 0) {
+    GTEST_SKIP() << "skipped: this kernel allows no private mount namespace";
+  }
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "disk");
+  Graph graph;
+  // What is on that disk is gone with the process, so it is copied before.
+  Process record({"unshare", "--mount", "sh", "-c",
+                  "cd $1 && mount -t tmpfs -o size=3m tmpfs disk && $2 --dir disk; code=$?; "
+                  "cp -r disk kept; exit $code",
+                  "sh", folder / "", ProgramPath("sprout-record")});
+  graph.Start("capture", kCamera);
+  ASSERT_EQ(record.Wait(), 1) << record.Output();
+  EXPECT_THAT(record.Output(), HasSubstr(".lcm: cannot be written (No space left on device)"));
+  ASSERT_EQ(Logs(folder / "kept").size(), 1U) << record.Output();
+  const fs::path log = Logs(folder / "kept")[0];
+  EXPECT_THAT(Summarise(log).status.last_error, HasSubstr("No space left on device"));
+  const std::vector<int64_t> seqs = SeqsOf(ReadChannels(log), Part::kLeft);
+  EXPECT_GE(seqs.size(), 20U);
+  EXPECT_TRUE(AreConsecutive(seqs));
+}
+
+TEST(RecordRobot, SaysThatTheFolderHasVanished) {
+  const TemporaryDirectory folder;
+  const fs::path logs = folder / "logs";
+  Graph graph;
+  Process& record = graph.Start("record", {"--dir", logs});
+  graph.Start("capture", kCamera);
+  ASSERT_TRUE(HasRecorded(graph, 20));
+  fs::rename(logs, folder / "elsewhere");
+  ASSERT_EQ(record.Wait(), 1) << record.Output();
+  EXPECT_THAT(record.Output(), HasSubstr("logs: has vanished"));
+  EXPECT_THAT(Summarise(Logs(folder / "elsewhere")[0]).status.last_error, HasSubstr("vanished"));
+}
+
+TEST(RecordRobot, SaysThatNothingCame) {
+  const TemporaryDirectory folder;
+  const fs::path logs = folder / "logs";
+  Graph graph;
+  Process& record = graph.Start("record", {"--dir", logs});
+  record.Signal(SIGINT);
+  EXPECT_EQ(record.Wait(), 1);
+  EXPECT_THAT(record.Output(), HasSubstr("nothing came; is the graph running"));
+  EXPECT_TRUE(fs::is_empty(logs));
+}
+
+TEST(RecordRobot, RefusesFlagsThatCannotWork) {
+  const TemporaryDirectory folder;
+  const fs::path logs = folder / "logs";
+  const auto output_of = [&](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {ProgramPath("sprout-record"), "--dir", logs});
+    Process record(flags);
+    EXPECT_EQ(record.Wait(), 2) << record.Output();
+    return record.Output();
+  };
+  EXPECT_THAT(output_of({"--after", "3"}), HasSubstr("--after requires --ring"));
+  EXPECT_THAT(output_of({"--channels", "SPROUT_.*"}), HasSubstr("--channels 'SPROUT_.*': allowed"));
+  EXPECT_THAT(output_of({"--quota-gb", "1", "--delete-oldest"}),
+              HasSubstr("--max-mb 1000: allowed with --delete-oldest is up to half"));
+  EXPECT_THAT(output_of({"--ring", "nan"}), HasSubstr("--ring"));
+  EXPECT_FALSE(fs::exists(logs));
+}
+
+}  // namespace
+}  // namespace sprout
