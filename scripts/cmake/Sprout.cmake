@@ -4,7 +4,13 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+# Debian's place of libraries, which its linker knows below /usr/local, too.
+if(CMAKE_LIBRARY_ARCHITECTURE AND EXISTS /etc/debian_version)
+  set(CMAKE_INSTALL_LIBDIR "lib/${CMAKE_LIBRARY_ARCHITECTURE}" CACHE PATH "Object code libraries")
+endif()
 include(GNUInstallDirs)
+# The Debian package of whatever does not say otherwise; others: libsprout, dev, doc.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME sprout)
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}")
 # What the installed shared libraries are made of is what the programs are made of.
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
@@ -15,7 +21,9 @@ target_compile_definitions(sprout_options INTERFACE EIGEN_DONT_VECTORIZE)
 target_include_directories(sprout_options INTERFACE "${PROJECT_SOURCE_DIR}")
 target_compile_options(
   sprout_options
-  INTERFACE -Wall -Wextra -Wconversion -Wshadow
+  INTERFACE -Wall -Wextra -Wconversion
+            # Files compiled as one: what one calls kNan may be a local name of another.
+            $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow>
             # GCC 12 sees uninitialised members in every move of a std::variant.
             $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
             # Fused multiply-add rounds once where two instructions round twice: without this flag
@@ -24,8 +32,18 @@ target_compile_options(
             # No function of ours is ever replaced at run time, so the compiler may inline it.
             -fno-semantic-interposition $<$<BOOL:${SPROUT_WERROR}>:-Werror>)
 if(SPROUT_SANITIZE)
-  target_compile_options(sprout_options INTERFACE -fsanitize=${SPROUT_SANITIZE}
-                                                  -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  # Test programs without UndefinedBehaviorSanitizer, which doubles the time to compile them: it
+  # looks at what the tests call, not at the tests.
+  string(REPLACE "," ";" sanitizers "${SPROUT_SANITIZE}")
+  list(REMOVE_ITEM sanitizers undefined)
+  if(SPROUT_SANITIZE MATCHES undefined)
+    target_compile_options(
+      sprout_options
+      INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:SPROUT_IS_TEST>>>:-fsanitize=undefined>)
+  endif()
+  list(TRANSFORM sanitizers PREPEND -fsanitize=)
+  target_compile_options(sprout_options INTERFACE ${sanitizers} -fno-omit-frame-pointer
+                                                  -fno-sanitize-recover=all)
   target_link_options(sprout_options INTERFACE -fsanitize=${SPROUT_SANITIZE})
 endif()
 
@@ -52,11 +70,22 @@ function(sprout_link_closure target result)
   set(${result} "${seen}" PARENT_SCOPE)
 endfunction()
 
-# sprout_library(NAME SOURCES ... [DEPS ...]): static library sprout_NAME.
+function(sprout_compile_as_one target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+endfunction()
+
+# sprout_library(NAME SOURCES ... [APART ...] [DEPS ...]): static library sprout_NAME. APART: sources
+# that have names in common with others, or are compiled once an instruction set; never as one with
+# others.
 function(sprout_library name)
-  cmake_parse_arguments(arg "" "" "SOURCES;DEPS" ${ARGN})
-  add_library(sprout_${name} STATIC ${arg_SOURCES})
+  cmake_parse_arguments(arg "" "" "SOURCES;APART;DEPS" ${ARGN})
+  add_library(sprout_${name} STATIC ${arg_SOURCES} ${arg_APART})
   target_link_libraries(sprout_${name} PUBLIC sprout_options ${arg_DEPS})
+  set_source_files_properties(${arg_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  # Without sanitizers each file shows that it includes what it needs.
+  if(SPROUT_UNITY AND SPROUT_SANITIZE)
+    sprout_compile_as_one(sprout_${name})
+  endif()
 endfunction()
 
 # sprout_stage_library(NAME ...): as sprout_library, for a stage. A stage knows no messaging: the
@@ -71,19 +100,41 @@ function(sprout_stage_library name)
   endforeach()
 endfunction()
 
-# sprout_service(NAME SOURCES ... [DEPS ...]): program sprout-NAME in bin/.
+# sprout_service(NAME [STAGE] SOURCES ... [DEPS ...]): program sprout-NAME in bin/, with a man page and
+# completion. STAGE: it is a part of the running graph, and systemd looks after it (sprout.target).
 function(sprout_service name)
-  cmake_parse_arguments(arg "" "" "SOURCES;DEPS" ${ARGN})
+  cmake_parse_arguments(arg "STAGE" "" "SOURCES;DEPS" ${ARGN})
   add_executable(sprout-${name} ${arg_SOURCES})
   target_link_libraries(sprout-${name} PRIVATE sprout_options ${arg_DEPS})
   install(TARGETS sprout-${name} RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  set_property(GLOBAL APPEND PROPERTY SPROUT_PROGRAMS sprout-${name})
+  if(arg_STAGE)
+    set_property(GLOBAL APPEND PROPERTY SPROUT_STAGES ${name})
+  endif()
 endfunction()
 
-# sprout_test(NAME SOURCES ... [DEPS ...]): GoogleTest program NAME_test, each TEST one ctest entry.
+# sprout_test(NAME SOURCES ... [DEPS ...] [LABELS ...]): GoogleTest program NAME_test, each TEST one ctest
+# entry; with sanitizers, under which a program takes seconds to load, each program. Labels, each with a
+# target LABEL_tests: threads, for programs with threads of ours (ThreadSanitizer); border, for those that
+# read foreign bytes (AddressSanitizer in CI).
 function(sprout_test name)
-  cmake_parse_arguments(arg "" "" "SOURCES;DEPS" ${ARGN})
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPS;LABELS" ${ARGN})
   add_executable(${name}_test ${arg_SOURCES})
   target_link_libraries(${name}_test PRIVATE sprout_options ${arg_DEPS} GTest::gmock_main)
-  gtest_discover_tests(${name}_test PROPERTIES LABELS unit DISCOVERY_TIMEOUT 60)
-  set_property(GLOBAL APPEND PROPERTY SPROUT_UNIT_TESTS ${name}_test)
+  set_target_properties(${name}_test PROPERTIES SPROUT_IS_TEST ON)
+  if(SPROUT_UNITY)
+    sprout_compile_as_one(${name}_test)
+  endif()
+  set(labels unit ${arg_LABELS})
+  if(SPROUT_SANITIZE)
+    add_test(NAME ${name}_test COMMAND ${name}_test)
+    set_tests_properties(
+      ${name}_test PROPERTIES LABELS "${labels}" TIMEOUT 900 ENVIRONMENT
+      "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")
+  else()
+    gtest_discover_tests(${name}_test PROPERTIES LABELS unit DISCOVERY_TIMEOUT 60)
+  endif()
+  foreach(label IN LISTS labels)
+    set_property(GLOBAL APPEND PROPERTY SPROUT_TESTS_${label} ${name}_test)
+  endforeach()
 endfunction()

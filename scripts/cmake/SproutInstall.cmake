@@ -28,7 +28,8 @@ function(sprout_shared_library name)
   target_include_directories(sprout_shared_${name}
                              INTERFACE "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
   target_compile_features(sprout_shared_${name} INTERFACE cxx_std_20)
-  install(TARGETS sprout_shared_${name} EXPORT sprout LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+  install(TARGETS sprout_shared_${name} EXPORT sprout
+          LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT libsprout NAMELINK_COMPONENT dev)
 endfunction()
 
 # Installs headers of the source tree and all of ours that they include as <sprout/NAME.h>.
@@ -57,7 +58,7 @@ function(sprout_install_headers)
     file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/include/sprout/${name}" CONTENT "${text}" @ONLY)
   endwhile()
   install(DIRECTORY "${PROJECT_BINARY_DIR}/include/sprout"
-          DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+          DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT dev)
 endfunction()
 
 sprout_shared_library(
@@ -75,18 +76,20 @@ sprout_install_headers(
   services/pipeline/pipeline.h common/geometry/projection.h common/logfile/log_reader.h
   common/logfile/log_writer.h)
 install(FILES "${PROJECT_BINARY_DIR}/common/generated/common/config/sprout.pb.h"
-        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/sprout")
+        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/sprout" COMPONENT dev)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/sprout")
-install(EXPORT sprout NAMESPACE sprout:: FILE sproutTargets.cmake DESTINATION "${package_dir}")
+install(EXPORT sprout NAMESPACE sprout:: FILE sproutTargets.cmake DESTINATION "${package_dir}"
+        COMPONENT dev)
 include(CMakePackageConfigHelpers)
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/sproutConfigVersion.cmake"
                                  COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_SOURCE_DIR}/scripts/cmake/sproutConfig.cmake"
               "${PROJECT_SOURCE_DIR}/scripts/cmake/FindLCM.cmake"
               "${PROJECT_BINARY_DIR}/sproutConfigVersion.cmake"
-        DESTINATION "${package_dir}")
+        DESTINATION "${package_dir}" COMPONENT dev)
 file(RELATIVE_PATH prefix_from_pkgconfig "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 configure_file("${PROJECT_SOURCE_DIR}/scripts/cmake/sprout.pc.in" "${PROJECT_BINARY_DIR}/sprout.pc"
                @ONLY)
-install(FILES "${PROJECT_BINARY_DIR}/sprout.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+install(FILES "${PROJECT_BINARY_DIR}/sprout.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
+        COMPONENT dev)
