@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "common/bus/channels.h"
 #include "common/config/config.h"
 #include "common/core/image.h"
 
@@ -95,6 +96,13 @@ std::string CompareMaps(std::span<const PartValue> answers, std::span<const Part
 
 }  // namespace
 
+std::optional<Part> PartOf(std::string_view channel) {
+  for (const Part part : kAllParts) {
+    if (channel == ChannelOf(part)) return part;
+  }
+  return std::nullopt;
+}
+
 StageContract ContractOf(const std::string& stage) {
   if (stage == "refine") {
     return {.stage = stage,
@@ -116,7 +124,7 @@ StageContract ContractOf(const std::string& stage) {
             .answer = Part::kDisparity,
             .may_publish = {Part::kUnfilled, Part::kConfidence}};
   }
-  throw ConfigError("STAGE '" + stage + "': allowed are refine, prior and grow");
+  throw ConfigError("STAGE '" + stage + "': allowed are capture, refine, prior and grow");
 }
 
 void CheckAnswer(const PartValue& answer, cv::Size size, const std::string& what, Findings& found) {

@@ -2,14 +2,25 @@
 #define SPROUT_SERVICES_CHECK_CONTRACT_H_
 
 #include <opencv2/core/types.hpp>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/core/frame.h"
 #include "services/check/findings.h"
 
 namespace sprout {
+
+/// The part that a channel carries; nothing for other channels.
+std::optional<Part> PartOf(std::string_view channel);
+
+/// What is looked at in a stage.
+inline constexpr Rule kStageRules[] = {
+    Rule::kStart,      Rule::kOneAnswer,  Rule::kHeader,      Rule::kForm,     Rule::kValues,
+    Rule::kRepeatable, Rule::kDegenerate, Rule::kBadMessages, Rule::kChannels, Rule::kEnd,
+};
 
 /// What goes into a stage and what comes out of it.
 struct StageContract {

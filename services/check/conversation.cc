@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/bus/channels.h"
+#include "services/check/program_check.h"
 
 namespace sprout {
 namespace {
@@ -82,13 +83,10 @@ void Conversation::Listen(milliseconds time) {
 }
 
 void Conversation::NoticeEnd(Rule rule, const std::string& when) {
-  const std::optional<int> code = process_.Wait(std::chrono::seconds(0));
-  if (!code || ended_) return;
+  const std::optional<std::string> how = HowItEnded(process_);
+  if (!how || ended_) return;
   ended_ = true;
-  const std::string how = *code > 128    ? fmt::format("was killed by signal {}", *code - 128)
-                          : *code == 127 ? "could not be started"
-                                         : fmt::format("ended with exit code {}", *code);
-  found_.Add(rule, fmt::format("{}: the program {}", when, how));
+  found_.Add(rule, fmt::format("{}: the program {}", when, *how));
 }
 
 void Conversation::Take(const Heard& heard) {
@@ -157,16 +155,7 @@ void Conversation::TakeExtra(Part part, const Heard& heard) {
 }
 
 void Conversation::TakeOther(const Heard& heard) {
-  if (heard.channel == kStatusChannel) {
-    const Result<StageStatus> status = DecodeStatus(heard.bytes);
-    if (!status) found_.Add(Rule::kChannels, heard.channel + ": " + status.error().text);
-    return;
-  }
-  if (heard.channel == kProcessChannel) {
-    const Result<ProcessInfo> info = DecodeProcessInfo(heard.bytes);
-    if (!info) found_.Add(Rule::kChannels, heard.channel + ": " + info.error().text);
-    return;
-  }
+  if (CheckReport(heard, found_)) return;
   for (const Part part : kAllParts) {
     if (heard.channel != ChannelOf(part)) continue;
     if (contract_.may_publish.Has(part)) return TakeExtra(part, heard);

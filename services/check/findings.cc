@@ -2,17 +2,46 @@
 
 #include <algorithm>
 #include <ostream>
+#include <string_view>
 
 namespace sprout {
 namespace {
 
-constexpr std::pair<Rule, const char*> kRuleTexts[] = {
-    {Rule::kStart, "starts and answers"},        {Rule::kOneAnswer, "one answer a frame"},
-    {Rule::kHeader, "header passed on"},         {Rule::kForm, "type, size and encoding"},
-    {Rule::kValues, "values in range"},          {Rule::kRepeatable, "same frame, same answer"},
-    {Rule::kDegenerate, "poor frames answered"}, {Rule::kBadMessages, "bad messages survived"},
-    {Rule::kChannels, "keeps to its channels"},  {Rule::kEnd, "ends on SIGTERM"},
-};
+std::string_view TextOf(Rule rule) {
+  switch (rule) {
+    case Rule::kStart:
+      return "starts and answers";
+    case Rule::kSends:
+      return "starts and sends frames";
+    case Rule::kOneAnswer:
+      return "one answer a frame";
+    case Rule::kHeader:
+      return "header passed on";
+    case Rule::kWhole:
+      return "LEFT, RIGHT and TOF of every frame, once";
+    case Rule::kSameHeader:
+      return "one header on all three";
+    case Rule::kRising:
+      return "utime rises, seq by one";
+    case Rule::kCalibration:
+      return "RIG before the frames, and again";
+    case Rule::kForm:
+      return "type, size and encoding";
+    case Rule::kValues:
+      return "values in range";
+    case Rule::kRepeatable:
+      return "same frame, same answer";
+    case Rule::kDegenerate:
+      return "poor frames answered";
+    case Rule::kBadMessages:
+      return "bad messages survived";
+    case Rule::kChannels:
+      return "keeps to its channels";
+    case Rule::kEnd:
+      return "ends on SIGTERM";
+  }
+  return "";
+}
 
 }  // namespace
 
@@ -26,8 +55,9 @@ bool Findings::empty() const {
                      [](const auto& entry) { return entry.second.count == 0; });
 }
 
-void Findings::Print(std::ostream& out) const {
-  for (const auto& [rule, text] : kRuleTexts) {
+void Findings::Print(std::span<const Rule> rules, std::ostream& out) const {
+  for (const Rule rule : rules) {
+    const std::string_view text = TextOf(rule);
     const auto found = found_.find(rule);
     if (found == found_.end()) {
       out << "-      " << text << ": not checked\n";

@@ -3,15 +3,22 @@
 
 #include <iosfwd>
 #include <map>
+#include <span>
 #include <string>
 
 namespace sprout {
 
-/// What a program must keep to stand in for a stage. Their words are in RuleText().
+/// What a program must keep to stand in for a stage or for capture, in the order in which it is
+/// printed. Its words are in findings.cc.
 enum class Rule {
   kStart,
+  kSends,
   kOneAnswer,
   kHeader,
+  kWhole,
+  kSameHeader,
+  kRising,
+  kCalibration,
   kForm,
   kValues,
   kRepeatable,
@@ -32,8 +39,8 @@ class Findings {
 
   bool empty() const;
 
-  /// One line a rule: "ok", "WRONG" with what was found first, or "not checked".
-  void Print(std::ostream& out) const;
+  /// One line for each of `rules`: "ok", "WRONG" with what was found first, or "not checked".
+  void Print(std::span<const Rule> rules, std::ostream& out) const;
 
  private:
   struct Found {

@@ -6,6 +6,7 @@
 #include "common/bus/lcm_url.h"
 #include "common/config/config.h"
 #include "common/logfile/log_error.h"
+#include "services/check/capture_check.h"
 #include "services/check/stage_check.h"
 
 namespace sprout {
@@ -14,7 +15,8 @@ namespace {
 constexpr char kDescription[] =
     "Checks whether a program can stand in for a stage: starts it, sends it the frames of a log, "
     "and\n"
-    "looks at every answer. scripts/check_stage calls it on a network of its own.";
+    "looks at every answer; or for capture: starts it and looks at what it sends.\n"
+    "scripts/check_stage calls it on a network of its own.";
 
 std::chrono::milliseconds Milliseconds(double seconds) {
   return std::chrono::milliseconds(static_cast<int64_t>(seconds * 1000));
@@ -26,17 +28,18 @@ int Main(int argc, char** argv) {
   options.lcm_url = kDefaultLcmUrl;
   double start_s = 30;
   double answer_s = 10;
-  flags.add_option("STAGE", options.stage, "refine, prior or grow")->required();
+  flags.add_option("STAGE", options.stage, "capture, refine, prior or grow")->required();
   flags.add_option("COMMAND", options.command, "Program and its arguments, behind --")->required();
-  flags.add_option("--log", options.log, "Log with every channel of the graph")->required();
+  flags.add_option("--log", options.log,
+                   "Log with every channel of the graph; needed unless STAGE is capture");
   flags
       .add_option("--lcm-url", options.lcm_url,
                   "A bus that nobody else is on; the program gets it as LCM_DEFAULT_URL")
       ->capture_default_str();
-  flags.add_option("--start-timeout", start_s, "Until the first answer, s")
+  flags.add_option("--start-timeout", start_s, "Until the first answer, or frame of capture, s")
       ->check(NumberIn(0.1, 3600.0))
       ->capture_default_str();
-  flags.add_option("--timeout", answer_s, "Until any other answer, s")
+  flags.add_option("--timeout", answer_s, "Until any other, s")
       ->check(NumberIn(0.01, 3600.0))
       ->capture_default_str();
   flags.set_version_flag("--version", "sprout-check-stage " + Version());
@@ -44,6 +47,7 @@ int Main(int argc, char** argv) {
     options.start_timeout = Milliseconds(start_s);
     options.answer_timeout = Milliseconds(answer_s);
     try {
+      if (options.stage == "capture") return CheckCapture(options, std::cout);
       return CheckStage(options, std::cout);
     } catch (const LogError& e) {
       throw ConfigError(e.what());  // exit code 2

@@ -3,16 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <csignal>
-#include <cstdlib>
-#include <opencv2/imgproc.hpp>
-#include <ostream>
 #include <utility>
 
 #include "common/bus/channels.h"
 #include "common/config/config.h"
 #include "common/core/image.h"
 #include "services/check/conversation.h"
+#include "services/check/program_check.h"
 
 namespace sprout {
 namespace {
@@ -21,7 +18,6 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kStartPeriod{300};  // a program that is not yet subscribed is asked again
 constexpr milliseconds kSettle{300};       // for answers that should not come
-constexpr std::chrono::seconds kEndTimeout{5};
 
 constexpr auto kRaw = DisparityEncoding::kRawInt16;
 constexpr auto kCompressed = DisparityEncoding::kDeltaZstd;
@@ -52,21 +48,22 @@ class StageCheck {
     if (started_) End();
   }
 
-  void PrintFigures(std::ostream& out) const {
+  std::string Figures() const {
     std::vector<double> times = talk_.times_ms();
-    if (times.empty()) return;
+    if (times.empty()) return "";
     std::sort(times.begin(), times.end());
-    out << fmt::format(
-        "{}: {:.1f} ms a frame in the median, {:.1f} ms at most, over {} frames of {}\n",
+    std::string figures = fmt::format(
+        "{0}: {1:.1f} ms a frame in the median, {2:.1f} ms at most, over {3} frames of {4}\n"
+        "{0}: {5}\n",
         contract_.stage, times[times.size() / 2], times.back(), times.size(),
-        SizeText(frames_[0].rig().pair.size()));
-    out << contract_.stage << ": " << CompareAnswers(comparable_, recorded_) << "\n";
+        SizeText(frames_[0].rig().pair.size()), CompareAnswers(comparable_, recorded_));
     if (contract_.may_publish.Has(Part::kLeftSeeds) &&
         !talk_.extras_heard().Has(Part::kLeftSeeds)) {
-      out << fmt::format(
-          "{}: nothing on {}: give the prior behind it prior {{ left_seeds: false }}\n",
-          contract_.stage, ChannelOf(Part::kLeftSeeds));
+      figures +=
+          fmt::format("{}: nothing on {}: give the prior behind it prior {{ left_seeds: false }}\n",
+                      contract_.stage, ChannelOf(Part::kLeftSeeds));
     }
+    return figures;
   }
 
  private:
@@ -156,12 +153,7 @@ class StageCheck {
 
   void End() {
     talk_.NoticeEnd(Rule::kEnd, "before it was told to");
-    if (talk_.ended()) return;
-    found_.Checked(Rule::kEnd);
-    process_.Signal(SIGTERM);
-    if (!process_.Wait(kEndTimeout)) {
-      found_.Add(Rule::kEnd, fmt::format("still there after {} s", kEndTimeout.count()));
-    }
+    if (!talk_.ended()) CheckEnd(process_, found_);
   }
 
   const StageCheckOptions& options_;
@@ -177,39 +169,21 @@ class StageCheck {
   std::vector<PartValue> recorded_;
 };
 
-// The last lines that the program wrote.
-std::string LastLines(const std::string& output) {
-  constexpr int kLines = 8;
-  constexpr size_t kMostBytes = 8000;  // it may have written a line without end
-  if (output.size() > kMostBytes) return LastLines(output.substr(output.size() - kMostBytes));
-  size_t begin = output.size();
-  for (int line = 0; line <= kLines && begin != std::string::npos && begin > 0; ++line) {
-    begin = output.rfind('\n', begin - 1);
-  }
-  return begin == std::string::npos || begin == 0 ? output : output.substr(begin + 1);
-}
-
 }  // namespace
 
 int CheckStage(const StageCheckOptions& options, std::ostream& out) {
   const StageContract contract = ContractOf(options.stage);
+  if (options.log.empty()) throw ConfigError("--log: a log is needed for " + options.stage);
   const std::vector<TestFrame> frames = ReadTestFrames(options.log, contract);
-  Findings found;
   Wire wire(options.lcm_url);
-  setenv("LCM_DEFAULT_URL", options.lcm_url.c_str(), 1);  // for the program
-  Process process(options.command);
-  StageCheck check(options, contract, frames, wire, process, found);
-  check.Run();
-  if (process.Wait(std::chrono::seconds(0)) == 127) {
-    throw ConfigError("'" + options.command[0] + "' cannot be started");
-  }
-  found.Print(out);
-  check.PrintFigures(out);
-  if (found.empty()) return 0;
-  if (const std::string said = LastLines(process.Output()); !said.empty()) {
-    out << "what the program wrote last:\n" << said;
-  }
-  return 1;
+  return CheckProgram(
+      options.command, options.lcm_url, kStageRules,
+      [&](Process& process, Findings& found) {
+        StageCheck check(options, contract, frames, wire, process, found);
+        check.Run();
+        return check.Figures();
+      },
+      out);
 }
 
 }  // namespace sprout

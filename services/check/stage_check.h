@@ -10,11 +10,11 @@ namespace sprout {
 
 /// What sprout-check-stage is asked for.
 struct StageCheckOptions {
-  std::string stage;                           ///< "refine", "prior" or "grow"
+  std::string stage;                           ///< "capture", "refine", "prior" or "grow"
   std::vector<std::string> command;            ///< program and arguments that claim to be it
-  std::string log;                             ///< whose frames it gets
+  std::string log;                             ///< whose frames it gets; not for capture
   std::string lcm_url;                         ///< a bus that nobody else is on
-  std::chrono::milliseconds start_timeout{};   ///< until the first answer
+  std::chrono::milliseconds start_timeout{};   ///< until the first answer or frame
   std::chrono::milliseconds answer_timeout{};  ///< until any other
 };
 

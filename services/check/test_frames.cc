@@ -13,13 +13,6 @@
 namespace sprout {
 namespace {
 
-std::optional<Part> PartOf(std::string_view channel) {
-  for (const Part part : kAllParts) {
-    if (channel == ChannelOf(part)) return part;
-  }
-  return std::nullopt;
-}
-
 // Copies of images and maps share their pixels: replaced here, never written to.
 template <typename Value>
 Value* Find(TestFrame& frame, Part part) {

@@ -1,13 +1,10 @@
 #include "services/check/wire.h"
 
-#include "common/bus/channels.h"
-#include "common/core/frame.h"
-
 namespace sprout {
 
-Wire::Wire(const std::string& url)
+Wire::Wire(const std::string& url, const std::vector<std::string_view>& channels)
     : publisher_(url, ""),
-      receiver_(url, "", AllChannels(),
+      receiver_(url, "", channels,
                 [this](std::string_view channel, std::span<const uint8_t> bytes) {
                   const auto now = std::chrono::steady_clock::now();
                   {

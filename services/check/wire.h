@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/bus/channels.h"
 #include "common/bus/publisher.h"
 #include "common/bus/receiver.h"
 
@@ -24,11 +25,13 @@ struct Heard {
   std::chrono::steady_clock::time_point when;
 };
 
-/// Sends on the bus, and hears every channel of the graph, its own messages too. For one thread.
+/// Sends on the bus, and hears its own messages too. For one thread.
 class Wire {
  public:
+  /// @param channels  that are heard; Receiver::kAllChannels for all.
   /// @throws BusError, see OpenLcm().
-  explicit Wire(const std::string& url);
+  explicit Wire(const std::string& url,
+                const std::vector<std::string_view>& channels = AllChannels());
 
   /// @throws BusError when LCM refuses the message.
   void Send(std::string_view channel, std::span<const uint8_t> bytes);

@@ -7,11 +7,9 @@
 
 #include <array>
 #include <csignal>
-#include <sstream>
 
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/system/graph.h"
-#include "tests/system/log_bytes.h"
+#include "tests/system/check_verdict.h"
 
 namespace sprout {
 namespace {
@@ -20,39 +18,24 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// What sprout-check-stage says about a program, on the network that the test runs in.
-struct Verdict {
-  int exit_code;
-  std::vector<std::string> wrong;  // its lines that begin with WRONG
-  std::string output;
-};
-
-Verdict Check(const std::string& stage, const std::vector<std::string>& command,
-              const std::vector<std::string>& flags = {}) {
-  std::vector<std::string> check = {ProgramPath("sprout-check-stage"), "--log", kSampleLog};
-  check.insert(check.end(), flags.begin(), flags.end());
-  check.insert(check.end(), {stage, "--"});
-  check.insert(check.end(), command.begin(), command.end());
-  Process process(check);
-  Verdict verdict{.exit_code = process.Wait(std::chrono::seconds(240)).value_or(-1),
-                  .wrong = {},
-                  .output = process.Output()};
-  std::istringstream lines(verdict.output);
-  for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with("WRONG")) verdict.wrong.push_back(line);
-  }
-  return verdict;
+Verdict CheckStage(const std::string& stage, const std::vector<std::string>& command,
+                   const std::vector<std::string>& flags = {}) {
+  std::vector<std::string> arguments = {"--log", kSampleLog};
+  arguments.insert(arguments.end(), flags.begin(), flags.end());
+  arguments.push_back(stage);
+  return Check(arguments, command);
 }
 
 Verdict CheckWrongPrior(const std::string& fault) {
-  return Check("prior", {ProgramPath("wrong_stage"), fault},
-               {"--timeout", "1", "--start-timeout", "5"});
+  return CheckStage("prior", {ProgramPath("wrong_stage"), fault},
+                    {"--timeout", "1", "--start-timeout", "5"});
 }
 
 TEST(CheckStageSystem, PassesOurStages) {
   for (const char* config : {"default", "paper"}) {
     for (const std::string stage : {"refine", "prior", "grow"}) {
-      const Verdict verdict = Check(stage, {ProgramPath("sprout-" + stage), "--config", config});
+      const Verdict verdict =
+          CheckStage(stage, {ProgramPath("sprout-" + stage), "--config", config});
       EXPECT_EQ(verdict.exit_code, 0) << stage << " " << config << "\n" << verdict.output;
       EXPECT_THAT(verdict.output, HasSubstr("ms a frame in the median"));
       EXPECT_THAT(verdict.output, testing::Not(HasSubstr("not checked")));
@@ -117,9 +100,9 @@ TEST(CheckStageSystem, FindsAnAnswerOnAnotherChannel) {
 }
 
 TEST(CheckStageSystem, WhatCannotBeCheckedIsNoVerdict) {
-  EXPECT_EQ(Check("capture", {"true"}).exit_code, 2);
-  EXPECT_EQ(Check("prior", {"/nonexistent"}).exit_code, 2);
-  EXPECT_EQ(Check("prior", {"true"}, {"--log", "/nonexistent"}).exit_code, 2);
+  EXPECT_EQ(CheckStage("depth", {"true"}).exit_code, 2);
+  EXPECT_EQ(CheckStage("prior", {"/nonexistent"}).exit_code, 2);
+  EXPECT_EQ(CheckStage("prior", {"true"}, {"--log", "/nonexistent"}).exit_code, 2);
 }
 
 // A stage that starts a program and waits; both hold a FIFO open.
@@ -148,7 +131,7 @@ TEST(CheckStageSystem, LeavesNothingBehindWhenItIsKilled) {
 
 TEST(CheckStageSystem, KeepsLittleOfAnEndlessOutput) {
   const Verdict verdict =
-      Check("prior", {"sh", "-c", "yes | tr -d '\\n'"}, {"--start-timeout", "3"});
+      CheckStage("prior", {"sh", "-c", "yes | tr -d '\\n'"}, {"--start-timeout", "3"});
   EXPECT_EQ(verdict.exit_code, 1);
   EXPECT_LT(verdict.output.size(), 10'000U);
   EXPECT_THAT(verdict.output, HasSubstr("yyyyyyyy"));

@@ -1,0 +1,18 @@
+#ifndef SPROUT_SERVICES_CHECK_CAPTURE_CHECK_H_
+#define SPROUT_SERVICES_CHECK_CAPTURE_CHECK_H_
+
+#include <iosfwd>
+
+#include "services/check/stage_check.h"
+
+namespace sprout {
+
+/// Starts a capture process, listens to it for some seconds, ends it, and writes what was found.
+/// Needs no log.
+/// @returns exit code: 0; 1 when something is wrong with the program.
+/// @throws ConfigError when it cannot be started; BusError.
+int CheckCapture(const StageCheckOptions& options, std::ostream& out);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CHECK_CAPTURE_CHECK_H_

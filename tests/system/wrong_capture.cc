@@ -1,0 +1,96 @@
+// A small capture process with one fault at choice, to see that check_stage finds it; with "none"
+// it has none. usage: wrong_capture FAULT
+#include <csignal>
+#include <cstdlib>
+#include <iostream>
+#include <set>
+#include <string>
+#include <thread>
+
+#include "common/bus/channels.h"
+#include "common/bus/publisher.h"
+#include "common/messages/codec.h"
+
+namespace sprout {
+namespace {
+
+const std::set<std::string> kFaults = {
+    "none",      "silent",       "no_tof",     "stops",          "right_is_earlier",
+    "skips",     "no_rig",       "rig_once",   "half_size",      "one_picture",
+    "sends_map", "ends_at_once", "ends_early", "ignores_sigterm"};
+
+const cv::Size kSize(64, 48);
+constexpr std::chrono::milliseconds kPeriod{100};
+constexpr int kLastFrame = 4;  // of "stops" and "ends_early"
+
+Rig SmallRig() {
+  Rig rig;
+  rig.pair = {.width = kSize.width,
+              .height = kSize.height,
+              .focal_px = 60,
+              .cx = 31.5,
+              .cy = 23.5,
+              .cx_right = 31.5,
+              .baseline_m = 0.1};
+  return rig;  // without a ToF camera
+}
+
+class WrongCapture {
+ public:
+  WrongCapture(const std::string& url, std::string fault)
+      : fault_(std::move(fault)), publisher_(url, "") {}
+
+  [[noreturn]] void Run() {
+    for (int64_t i = 0;; ++i) {
+      if (Has("stops") && i > kLastFrame) std::this_thread::sleep_for(std::chrono::hours(1));
+      if (Has("ends_early") && i > kLastFrame) std::_Exit(0);
+      const int64_t seq = Has("skips") && i > kLastFrame ? i + 1 : i;
+      Send({.utime = 1'700'000'000'000'000 + i * 100'000, .seq = seq, .rig_id = RigId(rig_)});
+      std::this_thread::sleep_for(kPeriod);
+    }
+  }
+
+ private:
+  bool Has(const char* fault) const { return fault_ == fault; }
+
+  void Send(const FrameId& id) {
+    if (Has("silent")) return;
+    if (!Has("no_rig") && (id.seq == 0 || (id.seq % 10 == 0 && !Has("rig_once")))) {
+      Publish(id, Part::kRig, rig_);
+    }
+    Publish(id, Part::kLeft, Picture(100, Has("half_size") ? kSize / 2 : kSize));
+    FrameId right = id;
+    if (Has("right_is_earlier")) --right.utime;
+    Publish(right, Part::kRight, Picture(Has("one_picture") ? 100 : 110, kSize));
+    if (!Has("no_tof")) Publish(id, Part::kTof, TofImage());
+    if (Has("sends_map")) Publish(id, Part::kDisparity, DisparityImage(kSize));
+  }
+
+  static PartValue Picture(uint8_t grey, cv::Size size) {
+    return cv::Mat(size, CV_8UC1, cv::Scalar(grey));
+  }
+
+  void Publish(const FrameId& id, Part part, const PartValue& value) {
+    const auto bytes = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
+    if (!publisher_.Publish(ChannelOf(part), bytes)) std::abort();
+  }
+
+  std::string fault_;
+  Rig rig_ = SmallRig();
+  Publisher publisher_;
+};
+
+int Main(const std::string& fault) {
+  if (!kFaults.contains(fault)) {
+    std::cerr << "wrong_capture: no fault '" << fault << "'\n";
+    return 2;
+  }
+  if (fault == "ends_at_once") return 3;
+  if (fault == "ignores_sigterm") std::signal(SIGTERM, SIG_IGN);
+  WrongCapture(std::getenv("LCM_DEFAULT_URL"), fault).Run();
+}
+
+}  // namespace
+}  // namespace sprout
+
+int main(int argc, char** argv) { return sprout::Main(argc == 2 ? argv[1] : ""); }
