@@ -323,16 +323,18 @@ class ReportWriter {
   std::string CommandsOf(const FrameRow& row) const {
     const Shard& shard = manifest_.shards[row.shard];
     const std::string log = Word(manifest_.logs[static_cast<size_t>(shard.log)].path);
-    std::string text = fmt::format("{} --log {}  # frame {}\n",
-                                   Word((programs_ / "sprout-view").string()), log, row.seq);
+    const std::string prefix =
+        manifest_.head.prefix.empty() ? "" : " --channel-prefix " + manifest_.head.prefix;
+    std::string text =
+        fmt::format("{} --log {} --frame {}{}\n", Word((programs_ / "sprout-view").string()), log,
+                    row.seq, prefix);
     for (const Variant& variant : manifest_.head.variants) {
       std::string inputs = "--replay " + log;
       for (const std::string& stage : manifest_.head.stages) {
         const std::string record = fmt::format("{}_{}.lcm", stage, variant.name);
         text += fmt::format(
             "{} --config {} --frames {} {} --record {}{}\n", Word(variant.programs.at(stage).path),
-            Word(folder_.config(variant.name).string()), row.seq, inputs, record,
-            manifest_.head.prefix.empty() ? "" : " --channel-prefix " + manifest_.head.prefix);
+            Word(folder_.config(variant.name).string()), row.seq, inputs, record, prefix);
         inputs += " --replay " + record;
       }
     }

@@ -148,6 +148,14 @@ KeyRange LogFile::keys() const {
   return {0, static_cast<int64_t>(entries_.size()) - 1};
 }
 
+std::optional<int64_t> LogFile::KeyOf(int64_t seq) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const Entry& entry) { return entry.id.seq == seq; });
+  if (found == entries_.end()) return std::nullopt;
+  return found - entries_.begin();
+}
+
 double LogFile::progress() const { return progress_; }
 
 std::string LogFile::complaint() const {

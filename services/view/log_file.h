@@ -41,6 +41,9 @@ class LogFile : public FrameSource {
   KeyRange keys() const override;
   std::vector<StoredFramePtr> Snapshot() const override { return {}; }
 
+  /// The first frame with this number; nothing when there is none, or it is not read yet.
+  std::optional<int64_t> KeyOf(int64_t seq) const;
+
   void SetQuality(int64_t key, Quality quality);
 
   /// No more qualities will come.

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "common/app/program.h"
 #include "common/app/service.h"
@@ -29,6 +30,7 @@ struct Options {
   std::string address = "127.0.0.1";
   int port = 8420;
   std::string log;
+  std::optional<int64_t> frame;
   int memory_mb = 1024;
 };
 
@@ -112,6 +114,19 @@ int ShowGraph(const ServiceContext& context, const Options& options) {
   return 0;
 }
 
+// Where a page of the log starts, when that is known; and what the matter is.
+nlohmann::json StartOf(const LogFile& log, std::optional<int64_t> frame) {
+  nlohmann::json facts{{"keys", KeysOf(log)}, {"complaint", log.complaint()}};
+  if (!frame) return facts;
+  const bool is_read = log.progress() >= 1;  // before it is looked for
+  if (const std::optional<int64_t> key = log.KeyOf(*frame)) {
+    facts["start"] = *key;
+  } else if (is_read) {
+    facts["complaint"] = fmt::format("the log has no frame {}", *frame);
+  }
+  return facts;
+}
+
 int ShowLog(const ServiceContext& context, const Options& options) {
   StatusBook book({}, /*keep_all=*/true);
   std::mutex mutex;
@@ -130,16 +145,17 @@ int ShowLog(const ServiceContext& context, const Options& options) {
        .handler = &handler,
        .hello =
            [&] {
-             return Hello({{"mode", "log"},
+             nlohmann::json facts = StartOf(log, options.frame);
+             facts.update({{"mode", "log"},
                            {"file", std::filesystem::path(options.log).filename().string()},
-                           {"prefix", context.prefix}},
-                          book);
+                           {"prefix", context.prefix}});
+             return Hello(std::move(facts), book);
            },
        .status =
            [&] {
-             return Status(
-                 {{"keys", KeysOf(log)}, {"read", log.progress()}, {"complaint", log.complaint()}},
-                 book, book.newest());
+             nlohmann::json facts = StartOf(log, options.frame);
+             facts["read"] = log.progress();
+             return Status(std::move(facts), book, book.newest());
            },
        .keep_bytes = 0});
   const auto tell = [&](Server* whom) {
@@ -161,9 +177,16 @@ int Main(int argc, char** argv) {
       "fares. Open http://127.0.0.1:8420/; the keys are listed there with '?'.\n"
       "Hears every channel and needs none: what is missing is not shown.");
   Options options;
+  CLI::Option* const log =
+      service.flags()
+          .add_option("--log", options.log, "Shows a log instead of the running graph")
+          ->type_name("FILE");
   service.flags()
-      .add_option("--log", options.log, "Shows a log instead of the running graph")
-      ->type_name("FILE");
+      .add_option("--frame", options.frame,
+                  "Of a log: opens at the first frame with this number (header.seq)")
+      ->check(CLI::Range(int64_t{0}, INT64_MAX))
+      ->needs(log)
+      ->type_name("N");
   service.flags()
       .add_option("--address", options.address,
                   "Address to serve on; another than the loopback's lets others look, too")

@@ -44,6 +44,28 @@ TEST(DepthSystem, TurnsEveryMapIntoDepthAndPoints) {
   });
 }
 
+// What a capture process of somebody else's, with LCM's own library, leads to.
+TEST(CaptureExampleSystem, LeadsToADepthMapOfItsWall) {
+  Graph graph;
+  StartStages(graph);
+  const Process camera({ProgramPath("camera_example")});
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.statuses["grow"].frames_out >= 3; }));
+  graph.WaitUntil([](Graph& g) {
+    for (const auto& [key, value] : g.parts) {
+      if (key.first != Part::kDisparity) continue;
+      const auto& map = std::get<DisparityImage>(value);
+      int close = 0;
+      for (int v = 0; v < map.height(); ++v) {
+        for (int u = 0; u < map.width(); ++u) {
+          close += map.IsValid(u, v) && std::abs(map.Px(u, v) - 15) < 0.1F;
+        }
+      }
+      EXPECT_GT(close, 0.9 * map.width() * map.height()) << "frame " << key.second;
+    }
+    return true;
+  });
+}
+
 class TopSystem : public ::testing::Test {
  protected:
   // Exit code of sprout-top and what it says, as one object.

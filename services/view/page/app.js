@@ -67,17 +67,27 @@ class App {
     if (this.isLog) {
       this.playing = false;
       this.timeLine.follow();
-      this.look(this.key);
+      if (!this.start(message)) this.look(this.key);
     } else {
       this.newest();
     }
     this.say('', false);
   }
 
+  // Once, as soon as it is known where the frame stands that the log was to be opened at.
+  start(message) {
+    if (this.started || message.start === undefined) return false;
+    this.started = true;
+    this.keys = message.keys;
+    this.look(message.start);
+    return true;
+  }
+
   status(message) {
     this.board = message.board;
     this.statusMessage = message;
     if (this.playing || this.isLog) this.keys = message.keys;
+    if (this.isLog) this.start(message);
     this.plots.update(message.board, (message.utime ?? 0) * 1e-6);
     this.timeLine.set(this.keys, this.key, this.playing);
     const none = message.keys[1] < message.keys[0];
@@ -86,7 +96,7 @@ class App {
           (this.greeting.prefix ? ` with the prefix ${this.greeting.prefix}` : '') + `. ${message.complaint}`, false);
     } else if (this.isLog && message.read < 1) {
       this.say(`Reading the log: ${(100 * message.read).toFixed(0)} %`, false);
-      if (this.frames === 0) this.look(0);
+      if (this.frames === 0 && this.wanted === undefined) this.look(0);
     } else {
       this.say(this.isLog ? message.complaint : '', false);
     }

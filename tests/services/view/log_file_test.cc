@@ -24,16 +24,16 @@ class ViewLogTest : public ::testing::Test {
   ViewLogTest() { std::filesystem::create_directories(folder_); }
   ~ViewLogTest() override { std::filesystem::remove_all(folder_); }
 
-  // A log of three frames; the calibration stands behind the first.
-  void Write(const std::string& prefix) {
+  // A log of three frames; the calibration stands behind the first's left image.
+  void Write(const std::string& prefix, int64_t first = 0) {
     LogWriter writer(path_);
     const auto write = [&](int64_t seq, Part part, const PartValue& value) {
       writer.Write(ViewId(seq).utime, prefix + std::string(ChannelOf(part)),
                    Encoded(seq, part, value));
     };
-    for (int64_t seq = 0; seq < 3; ++seq) {
+    for (int64_t seq = first; seq < first + 3; ++seq) {
       write(seq, Part::kLeft, ViewImage(static_cast<int>(seq)));
-      if (seq == 0) write(seq, Part::kRig, ViewRig());
+      if (seq == first) write(seq, Part::kRig, ViewRig());
       write(seq, Part::kDisparity, ViewMap());
     }
     StageStatus status;
@@ -80,6 +80,14 @@ TEST_F(ViewLogTest, HasEveryFrameWithItsCalibration) {
   EXPECT_EQ(log->Get(-1), nullptr);
   const auto board = nlohmann::json::parse(book_.BoardText(book_.newest()));
   EXPECT_EQ(board["stages"][0]["frames_out"], 3);
+}
+
+TEST_F(ViewLogTest, FindsAFrameByItsNumber) {
+  Write("", 40);
+  const auto log = Open();
+  EXPECT_EQ(log->KeyOf(40), 0);
+  EXPECT_EQ(log->KeyOf(42), 2);
+  EXPECT_EQ(log->KeyOf(0), std::nullopt);
 }
 
 TEST_F(ViewLogTest, ShowsOfEachStretchTheWorstFrame) {

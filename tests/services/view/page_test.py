@@ -197,6 +197,22 @@ def check_log(browser, programs, log):
     check("it plays to its end", browser.wait("sprout.key == sprout.keys[1] && !sprout.playing"))
 
 
+def check_log_at_frame(browser, programs, log, seq):
+    programs.stop("view")
+    programs.start("view", "--log", log, "--frame", str(seq))
+    wait_for_server()
+    browser.open(URL)
+    check("a log opens at the frame that is asked for", browser.wait(f"window.sprout && sprout.frames > 0 && sprout.head.seq == {seq}"))
+    browser.press("ArrowLeft")
+    check("and stays a log to step through", browser.wait(f"sprout.head.seq == {seq - 1}"))
+    programs.stop("view")
+    programs.start("view", "--log", log, "--frame", "987654")
+    wait_for_server()
+    browser.open(URL)
+    check("a frame that is not there is said to be missing", browser.wait(
+        "document.getElementById('banner').textContent.includes('no frame 987654')"))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--bin", type=pathlib.Path, required=True, help="folder of the programs")
@@ -220,6 +236,7 @@ def main():
                 check_coming_back(browser, programs)
                 check_page(browser)
                 check_log(browser, programs, options.log.resolve())
+                check_log_at_frame(browser, programs, options.log.resolve(), seq=3)
                 check_page(browser)
         finally:
             programs.stop_all()
