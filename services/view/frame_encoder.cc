@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "common/core/image.h"
@@ -70,6 +71,15 @@ const DisparityImage* MapOf(DecodedFrame& frame) {
   return prior == nullptr || prior->empty() ? nullptr : &prior->disparity;
 }
 
+// The depths of a range of disparities, so that a surface has one colour in all pictures; nothing
+// when the range reaches to infinity.
+std::optional<ValueRange> FiniteDepths(const RectifiedPair& pair, const ValueRange& range_px) {
+  const std::optional<ValueRange> in_front = InFront(pair, range_px);
+  if (!in_front) return std::nullopt;
+  const ValueRange range_m = DepthRange(pair, *in_front);
+  return std::isfinite(range_m.max) ? std::optional(range_m) : std::nullopt;
+}
+
 }  // namespace
 
 std::string_view NameOf(Picture picture) { return kPictureNames[static_cast<size_t>(picture)]; }
@@ -115,8 +125,9 @@ void FrameEncoder::FollowRanges(DecodedFrame& frame) {
   const auto* tof = frame.Get<TofImage>(Part::kTof);
   if (map != nullptr) disparity_px_ = calm_disparity_.Follow(DisparityRangeOf(*map));
   if (map != nullptr && rig != nullptr) {
-    depth_m_ = calm_depth_.Follow(DepthRangeOf(*map, rig->pair));
-  } else if (map == nullptr && tof != nullptr && !tof->depth_m.empty()) {
+    const std::optional<ValueRange> depths_m = FiniteDepths(rig->pair, disparity_px_);
+    depth_m_ = depths_m ? *depths_m : calm_depth_.Follow(DepthRangeOf(*map, rig->pair));
+  } else if (tof != nullptr && !tof->depth_m.empty()) {
     depth_m_ = calm_depth_.Follow(DepthRange(*tof));
   }
 }

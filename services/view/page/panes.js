@@ -97,6 +97,9 @@ export class Panes {
     seeds.textContent = 'seeds';
     seeds.title = 'Seeds on the image (E)';
     seeds.onclick = () => this.toggleSeeds();
+    // Large or small stays the last button.
+    prior.tools.prepend(this.sigmaButton);
+    left.tools.prepend(seeds);
   }
 
   toggleSigma() {
@@ -156,8 +159,10 @@ export class Panes {
     const seeds = byName.get('seeds');
     if (seeds && this.seeds) {
       drawSeeds(this.panes.get('left').seeds, seeds, this.size, head.scales.disparity, colors);
-      this.panes.get('left').note.textContent =
-          `${seeds.tof} ToF seeds, ${seeds.stereo} stereo` + (seeds.left_only ? `, ${seeds.left_only} left only` : '');
+      const {note} = this.panes.get('left');
+      note.textContent = `${seeds.tof} ToF` + (seeds.stereo ? `, ${seeds.stereo} stereo` : '');
+      note.title = `${seeds.tof} seeds of the ToF camera, ${seeds.stereo} of stereo; ` +
+          `${seeds.left_only} points that the left camera sees alone`;
     } else {
       const canvas = this.panes.get('left').seeds;
       canvas.getContext('2d').clearRect(0, 0, canvas.width, canvas.height);
@@ -231,9 +236,8 @@ export class Panes {
 }
 
 function drawScale({low, bar, high}, scale, colors) {
-  const digits = scale.max - scale.min < 10 ? 1 : 0;
-  low.textContent = `${scale.min.toFixed(digits)} ${scale.unit}`;
-  high.textContent = `${scale.max.toFixed(digits)} ${scale.unit}`;
+  const text = (value) => `${value.toFixed(Math.abs(value) < 10 ? 1 : 0)} ${scale.unit}`;
+  [low.textContent, high.textContent] = [text(scale.min), text(scale.max)];
   [bar.width, bar.height] = [256, 1];
   const context = bar.getContext('2d');
   const image = context.createImageData(256, 1);

@@ -13,8 +13,8 @@ export function drawSeeds(canvas, part, [width, height], scale, colors) {
   const vs = new Int16Array(buffer, start + 2 * count, count);
   const disparities = new Int16Array(buffer, start + 4 * count, count);
   const kinds = new Uint8Array(buffer, start + 6 * count, count);
-  // Few seeds get large dots, many get small ones.
-  const side = Math.max(2, Math.min(7, Math.round(0.35 * Math.sqrt(canvas.width * canvas.height / (count + 1)))));
+  // Few seeds get large dots, many get small ones, so that the image stays visible.
+  const side = Math.max(1, Math.min(7, Math.round(0.35 * Math.sqrt(canvas.width * canvas.height / (count + 1)))));
   const context = canvas.getContext('2d');
   const image = context.createImageData(canvas.width, canvas.height);
   const pixels = new Uint32Array(image.data.buffer);

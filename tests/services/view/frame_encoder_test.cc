@@ -78,6 +78,40 @@ TEST_F(FrameEncoderTest, PaintsNearAndFarAlikeInDisparityAndDepth) {
   }
 }
 
+TEST(FrameEncoderScales, GiveASurfaceOneColourInAllPictures) {
+  RingInput input;
+  input.Add(1, Part::kRig, ViewRig());
+  input.Add(1, Part::kLeft, ViewImage(1));
+  DisparityImage map(kViewSize);
+  for (int u = 0; u < map.width(); ++u) map.counts().col(u) = ToCounts(10 + u / 4.0);
+  input.Add(1, Part::kDisparity, map);
+  FrameEncoder encoder([](Part, const std::string&) {});
+  const auto scales =
+      Packet(encoder.Encode(input.ring.Newest(), {}, input.ring.keys())).head["scales"];
+  const RectifiedPair pair = ViewRig().pair;
+  EXPECT_DOUBLE_EQ(scales["depth"]["min"], pair.DepthFromDisparity(scales["disparity"]["max"]));
+  EXPECT_DOUBLE_EQ(scales["depth"]["max"], pair.DepthFromDisparity(scales["disparity"]["min"]));
+}
+
+// What a page that comes back in the middle of a frame gets.
+TEST(FrameEncoderScales, CoverDepthsWithoutACalibration) {
+  FrameEncoder encoder([](Part, const std::string&) {});
+  RingInput input;
+  input.Add(1, Part::kLeft, ViewImage(1));
+  input.Add(1, Part::kDisparity, ViewMap());
+  const auto bare =
+      Packet(encoder.Encode(input.ring.Newest(), {}, input.ring.keys())).head["scales"];
+  EXPECT_GT(bare["depth"]["min"], 0);
+  EXPECT_LT(bare["depth"]["min"], bare["depth"]["max"]);
+  input.Add(2, Part::kLeft, ViewImage(1));
+  input.Add(2, Part::kTof, TofImage{.depth_m = cv::Mat1f(6, 8, 5.0F), .amplitude = {}});
+  input.Add(2, Part::kDisparity, ViewMap());
+  const auto tof =
+      Packet(encoder.Encode(input.ring.Newest(), {}, input.ring.keys())).head["scales"];
+  EXPECT_LT(tof["depth"]["min"], 5);
+  EXPECT_GT(tof["depth"]["max"], 5);
+}
+
 TEST_F(FrameEncoderTest, SendsPointsWithoutLoss) {
   const Packet packet = Encode({.pictures = {}, .cloud = true});
   const auto& head = packet.head["parts"][0];
