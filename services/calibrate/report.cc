@@ -197,8 +197,7 @@ std::string ReportHtml(const Calibration& calibration, const RigImages& images,
   if (HasTof(calibration) && !images.tof.depth_m.empty()) {
     html += "<h2>ToF points on the left image</h2>\n" +
             Figure(TofPicture(rig, images),
-                   "Colours change where the board ends: from blue (near) "
-                   "to red (far).");
+                   "Colours change where the board ends: red is near, blue is far.");
   }
   return html + "</body></html>\n";
 }

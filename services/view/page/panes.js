@@ -93,13 +93,13 @@ export class Panes {
     this.sigmaButton.textContent = 'σ';
     this.sigmaButton.title = 'Its standard deviation (P)';
     const left = this.panes.get('left');
-    const seeds = make('button', '', left.tools);
-    seeds.textContent = 'seeds';
-    seeds.title = 'Seeds on the image (E)';
-    seeds.onclick = () => this.toggleSeeds();
+    this.seedsButton = make('button', '', left.tools);
+    this.seedsButton.onclick = () => this.toggleSeeds();
+    this.seedsButton.textContent = 'hide';
+    this.seedsButton.title = 'Seeds on the image (E)';
     // Large or small stays the last button.
     prior.tools.prepend(this.sigmaButton);
-    left.tools.prepend(seeds);
+    left.tools.prepend(this.seedsButton);
   }
 
   toggleSigma() {
@@ -111,6 +111,7 @@ export class Panes {
   toggleSeeds() {
     this.seeds = !this.seeds;
     this.panes.get('left').seeds.hidden = !this.seeds;
+    this.seedsButton.textContent = this.seeds ? 'hide' : 'seeds';
     this.changed();
   }
 
@@ -160,10 +161,11 @@ export class Panes {
     if (seeds && this.seeds) {
       drawSeeds(this.panes.get('left').seeds, seeds, this.size, head.scales.disparity, colors);
       const {note} = this.panes.get('left');
-      note.textContent = `${seeds.tof} ToF` + (seeds.stereo ? `, ${seeds.stereo} stereo` : '');
+      note.textContent = `${seeds.tof + seeds.stereo} seeds`;
       note.title = `${seeds.tof} seeds of the ToF camera, ${seeds.stereo} of stereo; ` +
           `${seeds.left_only} points that the left camera sees alone`;
     } else {
+      this.panes.get('left').note.textContent = '';
       const canvas = this.panes.get('left').seeds;
       canvas.getContext('2d').clearRect(0, 0, canvas.width, canvas.height);
     }
@@ -236,7 +238,8 @@ export class Panes {
 }
 
 function drawScale({low, bar, high}, scale, colors) {
-  const text = (value) => `${value.toFixed(Math.abs(value) < 10 ? 1 : 0)} ${scale.unit}`;
+  const span = scale.max - scale.min;
+  const text = (value) => `${value.toFixed(span < 1 ? 2 : span < 20 ? 1 : 0)} ${scale.unit}`;
   [low.textContent, high.textContent] = [text(scale.min), text(scale.max)];
   [bar.width, bar.height] = [256, 1];
   const context = bar.getContext('2d');
