@@ -20,7 +20,7 @@ import page_test
 import web_driver
 
 SIZE = "1624x1224"
-FLAGS = ["--log-level", "warn"]
+FLAGS = ["--log-level", "warning"]
 
 
 def cpu_seconds(pid):
