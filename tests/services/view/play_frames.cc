@@ -36,7 +36,8 @@ std::vector<std::vector<Message>> ReadFrames(const std::string& path) {
   LogReader reader(path);
   for (LogEvent event; reader.Next(event);) {
     const auto id = DecodeFrameId(event.data);
-    if (!id || event.channel == kStatusChannel) continue;
+    const bool is_report = event.channel == kStatusChannel || event.channel == kProcessChannel;
+    if (!id || is_report) continue;  // no part of a frame
     Message message{std::string(event.channel), {event.data.begin(), event.data.end()}};
     if (event.channel == ChannelOf(Part::kRig)) {
       rigs.push_back(std::move(message));
