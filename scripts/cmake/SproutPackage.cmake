@@ -41,20 +41,21 @@ foreach(target ${programs} sprout_shared_pipeline sprout_shared_log sprout_lcmty
 endforeach()
 add_custom_target(package_files DEPENDS ${packaged})
 
-# Units: one of each stage, the target that wants them all, and the route of the messages.
+# Units: one of each stage, the target that wants them all, the recorder for who enables it, and the
+# route of the messages. What is special about one stands in NAME.unit and NAME.service.
 function(sprout_unit name)
-  set(private_devices yes)
   set(unit_lines)
   set(service_lines)
-  if(EXISTS "${debian}/sprout-${name}.service")
+  if(EXISTS "${debian}/sprout-${name}.unit")
     file(READ "${debian}/sprout-${name}.unit" unit_lines)
+  endif()
+  if(EXISTS "${debian}/sprout-${name}.service")
     file(READ "${debian}/sprout-${name}.service" service_lines)
-    set(private_devices no)
   endif()
   configure_file("${debian}/sprout-stage.service.in" "${generated}/units/sprout-${name}.service" @ONLY)
 endfunction()
-foreach(stage IN LISTS stages)
-  sprout_unit(${stage})
+foreach(name IN LISTS stages ITEMS record)
+  sprout_unit(${name})
 endforeach()
 list(TRANSFORM stages PREPEND "sprout-" OUTPUT_VARIABLE units)
 list(TRANSFORM units APPEND ".service")
