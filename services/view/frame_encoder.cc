@@ -116,7 +116,7 @@ void FrameEncoder::FollowRanges(DecodedFrame& frame) {
   if (map != nullptr) disparity_px_ = calm_disparity_.Follow(DisparityRangeOf(*map));
   if (map != nullptr && rig != nullptr) {
     depth_m_ = calm_depth_.Follow(DepthRangeOf(*map, rig->pair));
-  } else if (map == nullptr && tof != nullptr && !tof->depth_m.empty()) {
+  } else if (tof != nullptr && !tof->depth_m.empty()) {
     depth_m_ = calm_depth_.Follow(DepthRange(*tof));
   }
 }

@@ -72,7 +72,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     // Making the answer may take a second: not here, where everybody would wait.
     boost::asio::post(state_.requests, [self = shared_from_this()] {
       auto reply =
-          std::make_shared<HttpReply>(self->state_.parts.handler->Handle(View(self->request_)));
+          std::make_shared<HttpReply>(self->state_.parts.handler->Handle(ViewOf(self->request_)));
       boost::asio::post(self->stream_.get_executor(),
                         [self, reply] { self->Write(std::move(*reply)); });
     });
