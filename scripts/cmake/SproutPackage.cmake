@@ -41,20 +41,21 @@ foreach(target ${programs} sprout_shared_pipeline sprout_shared_log sprout_lcmty
 endforeach()
 add_custom_target(package_files DEPENDS ${packaged})
 
-# Units: one of each stage, the target that wants them all, and the route of the messages.
+# Units: one of each stage, the target that wants them all, the recorder for who enables it, and the
+# route of the messages. What is special about one stands in NAME.unit and NAME.service.
 function(sprout_unit name)
-  set(private_devices yes)
   set(unit_lines)
   set(service_lines)
-  if(EXISTS "${debian}/sprout-${name}.service")
+  if(EXISTS "${debian}/sprout-${name}.unit")
     file(READ "${debian}/sprout-${name}.unit" unit_lines)
+  endif()
+  if(EXISTS "${debian}/sprout-${name}.service")
     file(READ "${debian}/sprout-${name}.service" service_lines)
-    set(private_devices no)
   endif()
   configure_file("${debian}/sprout-stage.service.in" "${generated}/units/sprout-${name}.service" @ONLY)
 endfunction()
-foreach(stage IN LISTS stages)
-  sprout_unit(${stage})
+foreach(name IN LISTS stages ITEMS record)
+  sprout_unit(${name})
 endforeach()
 list(TRANSFORM stages PREPEND "sprout-" OUTPUT_VARIABLE units)
 list(TRANSFORM units APPEND ".service")
@@ -138,14 +139,18 @@ set(CPACK_DEBIAN_SPROUT_PACKAGE_SUGGESTS "sprout-doc")
 set(CPACK_DEBIAN_SPROUT_PACKAGE_CONTROL_EXTRA
     "${generated}/postinst;${generated}/prerm;${generated}/postrm;${debian}/conffiles")
 set(CPACK_COMPONENT_SPROUT_DESCRIPTION
-    "What a range sensor (time-of-flight camera or lidar) and a rectified stereo pair see becomes one depth map of the stereo pair's resolution: a graph of small processes that talk over LCM, kept running by systemd (sprout.target), and tools to calibrate, record, replay and evaluate.")
+    "What a range sensor (time-of-flight camera or lidar) and a rectified stereo
+pair see becomes one depth map of the stereo pair's resolution: a graph of
+small processes that talk over LCM, kept running by systemd (sprout.target),
+and tools to calibrate, record, replay and evaluate.")
 
 set(CPACK_DEBIAN_LIBSPROUT_PACKAGE_NAME libsprout${soversion})
 set(CPACK_DEBIAN_LIBSPROUT_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBSPROUT_PACKAGE_CONTROL_EXTRA "${debian}/libsprout/triggers")
 set(CPACK_DEBIAN_LIBSPROUT_PACKAGE_DEPENDS "sprout ${this_version}")
 set(CPACK_COMPONENT_LIBSPROUT_DESCRIPTION
-    "Shared libraries: the processing chain as one class, and a reader and writer of LCM logs. The presets that they read are in package sprout.")
+    "Shared libraries: the processing chain as one class, and a reader and writer
+of LCM logs. The presets that they read are in package sprout.")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libsprout-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
@@ -156,12 +161,14 @@ set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "liblcm-java, python3")
 set(CPACK_DEBIAN_DEV_PACKAGE_CONTROL_EXTRA "${debian}/dev/prerm")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
-    "Development files: headers, find_package(sprout), pkg-config, and the LCM message types with their bindings for C++, C, Java and Python.")
+    "Development files: headers, find_package(sprout), pkg-config, and the LCM
+message types with their bindings for C++, C, Java and Python.")
 
 set(CPACK_DEBIAN_DOC_PACKAGE_NAME sprout-doc)
 set(CPACK_DEBIAN_DOC_PACKAGE_SECTION doc)
 set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DOC_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_COMPONENT_DOC_DESCRIPTION
-    "Documents: what each program does, its messages, parameters and limits, what was measured, and example programs.")
+    "Documents: what each program does, its messages, parameters and limits, what
+was measured, and example programs.")
 include(CPack)

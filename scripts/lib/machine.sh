@@ -1,6 +1,6 @@
 # A Debian 12 that boots, for scripts that test what needs one. Source it, set `work` (a folder that
 # keeps what is downloaded) and call, as root: machine_can, machine_make, machine_boot, machine_run,
-# machine_end.
+# machine_end. Who needs several sets `machine` and `machine_pid` to those of the one that is meant.
 
 machine=$work/machine
 machine_pid= # of systemd-nspawn
@@ -48,10 +48,11 @@ machine_fetch() {
 
 # machine_boot FOLDER: boots it, without network, with FOLDER as /test; waits until it is up.
 machine_boot() {
+  echo "${machine##*/}" > "$machine/etc/hostname"
   machine_test=$1
   systemd-nspawn --quiet --boot --directory="$machine" --private-network --register=no --keep-unit \
     --bind-ro="$1:/test" --bind="$work/archives:/var/cache/apt/archives" \
-    > "$work/console" 2>&1 < /dev/null &
+    > "$machine.console" 2>&1 < /dev/null &
   machine_pid=$!
   machine_wait
 }
@@ -59,7 +60,7 @@ machine_boot() {
 machine_wait() {
   local try
   for try in $(seq 300); do
-    kill -0 $machine_pid 2> /dev/null || { tail -n 5 "$work/console"; return 1; }
+    kill -0 $machine_pid 2> /dev/null || { tail -n 5 "$machine.console"; return 1; }
     case "$(machine_run systemctl is-system-running 2> /dev/null)" in
       running | degraded) return 0 ;;
     esac
@@ -91,12 +92,16 @@ machine_reboot() {
   machine_boot "$machine_test"
 }
 
-machine_end() {
+machine_stop() {
   [ -n "$machine_pid" ] || return 0
   machine_run systemctl poweroff 2> /dev/null || true
   ( sleep 20; kill -KILL $machine_pid ) 2> /dev/null &
   wait $machine_pid 2> /dev/null || true
   kill $! 2> /dev/null || true
   machine_pid=
-  rm -rf "$machine"
+}
+
+machine_end() {
+  machine_stop
+  rm -rf "$machine" "$machine.console"
 }

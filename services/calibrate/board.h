@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <opencv2/aruco/charuco.hpp>
 #include <opencv2/core.hpp>
-#include <string>
 #include <vector>
 
 namespace sprout {
@@ -52,10 +51,6 @@ class Board {
   cv::Ptr<cv::aruco::CharucoBoard> charuco_;
   std::vector<Eigen::Vector3d> corners_;
 };
-
-/// The board as an SVG page at true scale: the pattern, a line of a round length to check the print
-/// with, and what was printed.
-std::string BoardSvg(const Board& board);
 
 }  // namespace sprout
 

@@ -20,6 +20,7 @@
 #include "common/logfile/log_error.h"
 #include "common/rig/rig_file.h"
 #include "services/calibrate/board.h"
+#include "services/calibrate/board_page.h"
 #include "services/calibrate/calibrator.h"
 #include "services/calibrate/check.h"
 #include "services/calibrate/frame_log.h"
@@ -38,7 +39,7 @@ constexpr char kDescription[] =
 
 constexpr char kFooter[] = R"(
 Examples
-  sprout-calibrate board --out board.svg                   print it at 100 %, glue it to a flat board
+  sprout-calibrate board --out board.pdf                   print it at 100 %, glue it to a flat board
   sprout-capture --source ... --raw   and   sprout-calibrate watch --out views   while you show it
   sprout-calibrate estimate views --rig rig.textproto --out rig.textproto --report report.html
   sprout-calibrate check run.lcm                           weeks later: is it still right
@@ -94,7 +95,7 @@ void Write(const fs::path& path, const std::string& text) {
 
 int RunBoard(const Options& options) {
   const Board board = BoardOf(options.board);
-  Write(options.out, BoardSvg(board));
+  Write(options.out, BoardPage(board, options.out));
   const Eigen::Vector2d extent_mm = 1000 * board.extent_m();
   std::cout << fmt::format("{}: {:g} x {:g} mm; print at 100 % and measure the line below it\n",
                            options.out.string(), extent_mm.x(), extent_mm.y());
@@ -174,7 +175,9 @@ void AddBoard(CLI::App& program, Options& options) {
   CLI::App& flags =
       *program.add_subcommand("board", "Writes a ChArUco board at true scale, to be printed");
   AddBoardFlags(flags, options.board);
-  flags.add_option("--out", options.out, "SVG file")->required()->type_name("FILE");
+  flags.add_option("--out", options.out, "Page to print: .pdf or .svg")
+      ->required()
+      ->type_name("FILE");
   flags.callback([&] { options.chosen = [&] { return RunBoard(options); }; });
 }
 

@@ -74,7 +74,7 @@ class FrameEncoder {
   CalmRange calm_disparity_;
   CalmRange calm_depth_;
   ValueRange disparity_px_;
-  ValueRange depth_m_{0.1, 1};
+  ValueRange depth_m_{.min = 0.1, .max = 1};  // coloured by 1/depth, so never from 0
 };
 
 }  // namespace sprout

@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "services/view/http_request.h"
 #include "services/view/page_connection.h"
 
 namespace sprout {
@@ -23,16 +22,6 @@ constexpr uint32_t kMaxHeaderBytes = 8192;
 // answer, which may be a log of a gigabyte.
 constexpr std::chrono::seconds kReadTime{30};
 constexpr std::chrono::seconds kWriteTime{120};
-
-HttpRequest View(const http::request<http::empty_body>& request) {
-  const auto text = [](beast::string_view view) {
-    return std::string_view(view.data(), view.size());
-  };
-  return {.method = text(request.method_string()),
-          .target = text(request.target()),
-          .host = text(request[http::field::host]),
-          .origin = text(request[http::field::origin])};
-}
 
 // The page is made of its own files alone, is shown in no frame, and read by no other page.
 template <typename Body>
@@ -77,13 +66,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (error) return Close();
     request_ = parser_->release();
     keep_alive_ = request_.keep_alive();
-    const HttpRequest request = View(request_);
+    const HttpRequest request = ViewOf(request_);
     host_ = IsOwnHost(request.host) ? std::string(request.host) : std::string();
     if (beast::websocket::is_upgrade(request_)) return Upgrade(request);
     // Making the answer may take a second: not here, where everybody would wait.
     boost::asio::post(state_.requests, [self = shared_from_this()] {
       auto reply =
-          std::make_shared<HttpReply>(self->state_.parts.handler->Handle(View(self->request_)));
+          std::make_shared<HttpReply>(self->state_.parts.handler->Handle(ViewOf(self->request_)));
       boost::asio::post(self->stream_.get_executor(),
                         [self, reply] { self->Write(std::move(*reply)); });
     });
@@ -145,12 +134,22 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_{kMaxHeaderBytes * 2};
   std::optional<http::request_parser<http::empty_body>> parser_;
-  http::request<http::empty_body> request_;
+  ParsedRequest request_;
   std::string host_;  // checked
   bool keep_alive_ = true;
 };
 
 }  // namespace
+
+HttpRequest ViewOf(const ParsedRequest& request) {
+  const auto text = [](beast::string_view view) {
+    return std::string_view(view.data(), view.size());
+  };
+  return {.method = text(request.method_string()),
+          .target = text(request.target()),
+          .host = text(request[http::field::host]),
+          .origin = text(request[http::field::origin])};
+}
 
 void ServeHttp(ServerState& state, boost::asio::ip::tcp::socket socket) {
   std::make_shared<HttpConnection>(state, std::move(socket))->Read();

@@ -2,10 +2,18 @@
 #define SPROUT_SERVICES_VIEW_HTTP_CONNECTION_H_
 
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
 
+#include "services/view/http_request.h"
 #include "services/view/server_state.h"
 
 namespace sprout {
+
+using ParsedRequest = boost::beast::http::request<boost::beast::http::empty_body>;
+
+/// What matters of a parsed request; valid as long as that is.
+HttpRequest ViewOf(const ParsedRequest& request);
 
 /// Answers what comes on a connection until it ends, or until it becomes a WebSocket. Lives as long
 /// as it needs. On the thread of the sockets.

@@ -3,19 +3,25 @@
 #include <arpa/inet.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 
 namespace sprout {
 namespace {
 
-// The name or address in "name:port" or "[::1]:port".
-std::string NameOf(std::string_view host) {
-  if (host.starts_with('[')) {
-    const size_t end = host.find(']');
-    return std::string(end == std::string_view::npos ? "" : host.substr(1, end - 1));
-  }
-  return std::string(host.substr(0, host.find(':')));
+// The name or address in "name:port" or "[::1]:port"; nothing when it is neither.
+std::optional<std::string> NameOf(std::string_view host) {
+  const bool brackets = host.starts_with('[');
+  if (brackets) host.remove_prefix(1);
+  const size_t end = std::min(host.find(brackets ? ']' : ':'), host.size());
+  std::string_view port = host.substr(end);
+  if (brackets) port.remove_prefix(std::min<size_t>(port.size(), 1));
+  const bool is_port = port.starts_with(':') && std::ranges::all_of(port.substr(1), [](char c) {
+                         return c >= '0' && c <= '9';
+                       });
+  if (!port.empty() && !is_port) return std::nullopt;
+  return std::string(host.substr(0, end));
 }
 
 bool IsAddress(const std::string& name) {
@@ -56,10 +62,11 @@ std::optional<int64_t> HttpTarget::Number(const std::string& name, int64_t low,
 }
 
 bool IsOwnHost(std::string_view host) {
-  const std::string name = NameOf(host);
-  if (name == "localhost" || IsAddress(name)) return true;
+  const std::optional<std::string> name = NameOf(host);
+  if (!name || name->empty()) return false;
+  if (*name == "localhost" || IsAddress(*name)) return true;
   std::array<char, 256> own{};
-  return gethostname(own.data(), own.size() - 1) == 0 && !name.empty() && name == own.data();
+  return gethostname(own.data(), own.size() - 1) == 0 && *name == own.data();
 }
 
 bool IsOwnOrigin(std::string_view origin, std::string_view host) {

@@ -37,6 +37,12 @@ std::vector<Bytes> ImageSeeds();
 void ReadPayload(std::span<const uint8_t> bytes);
 std::vector<Bytes> PayloadSeeds();
 
+// page.cc
+void AnswerHttp(std::span<const uint8_t> bytes);
+std::vector<Bytes> HttpSeeds();
+void AnswerPage(std::span<const uint8_t> bytes);
+std::vector<Bytes> PageSeeds();
+
 }  // namespace sprout::fuzz
 
 #endif  // SPROUT_TESTS_FUZZ_TARGETS_H_

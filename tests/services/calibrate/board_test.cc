@@ -1,13 +1,11 @@
 #include "services/calibrate/board.h"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "common/config/config.h"
 
 namespace sprout {
 namespace {
-
-using ::testing::HasSubstr;
 
 TEST(Board, HasACornerWhereFourSquaresMeet) {
   const Board board({.columns = 6, .rows = 4, .square_m = 0.05});
@@ -31,17 +29,6 @@ TEST(Board, RefusesWhatCannotBePrintedOrFound) {
                ConfigError);
   EXPECT_THROW(Board({.columns = 9, .rows = 6, .square_m = 0}), ConfigError);
   EXPECT_THROW(Board({.columns = 9, .rows = 6, .square_m = std::nan("")}), ConfigError);
-}
-
-TEST(BoardSvg, IsAtTrueScale) {
-  const std::string svg = BoardSvg(Board({.columns = 9, .rows = 6, .square_m = 0.06}));
-
-  // 9 and 6 squares and the margins; a module is an eighth of a square.
-  EXPECT_THAT(svg, HasSubstr("width=\"570mm\" height=\"405mm\" viewBox=\"0 0 570 405\""));
-  EXPECT_THAT(svg, HasSubstr("scale(7.5)"));
-  EXPECT_THAT(svg, HasSubstr("M0 0h8v1h-8z"));  // the first black square begins
-  EXPECT_THAT(svg, HasSubstr("h500m"));
-  EXPECT_THAT(svg, HasSubstr("this line is 500 mm long"));
 }
 
 }  // namespace

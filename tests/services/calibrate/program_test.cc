@@ -92,7 +92,7 @@ TEST_F(CalibrateProgram, WritesABoard) {
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("330 x 240 mm"));
-  EXPECT_THAT(ReadText(folder_ / "board.svg"), HasSubstr("width=\"360mm\""));
+  EXPECT_THAT(ReadText(folder_ / "board.svg"), HasSubstr("viewBox=\"0 0 1020.472441 "));
 }
 
 TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {

@@ -66,8 +66,9 @@ TEST_F(HttpHandlerTest, ServesOnlyWhoCallsItByItsOwnName) {
        {"localhost", "localhost:8420", "127.0.0.1", "[::1]:8420", "10.0.0.7:80"}) {
     EXPECT_EQ(Get("/", host).status, 200) << host;
   }
-  for (const char* host : {"", "evil.example", "evil.example:8420", "127.0.0.1.evil.example",
-                           "localhost.evil.example", "[", "[]"}) {
+  for (const char* host :
+       {"", "evil.example", "evil.example:8420", "127.0.0.1.evil.example", "localhost.evil.example",
+        "[", "[]", "[::1]8420", "localhost:84a20", "127.0.0.1:8420; script-src *"}) {
     EXPECT_EQ(Get("/", host).status, 403) << host;
   }
 }

@@ -1,0 +1,22 @@
+#ifndef SPROUT_SERVICES_CALIBRATE_BOARD_PAGE_H_
+#define SPROUT_SERVICES_CALIBRATE_BOARD_PAGE_H_
+
+#include <filesystem>
+#include <string>
+
+#include "services/calibrate/board.h"
+
+namespace sprout {
+
+/// The board as a page at true scale: the pattern, a line of a round length to check the print
+/// with, and the flags that tell `sprout-calibrate` of this board. The same board gives the same
+/// bytes.
+///
+/// @param path tells the format by its suffix; nothing is written there
+/// @return     a PDF or SVG file's content
+/// @throws ConfigError for another suffix than .pdf or .svg
+std::string BoardPage(const Board& board, const std::filesystem::path& path);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_CALIBRATE_BOARD_PAGE_H_
