@@ -32,11 +32,12 @@ constexpr double kUnitMm = 0.25;  // of the ToF camera's numbers
 
 struct Story {
   cv::Size size;
-  int views;           // of the board
-  double view_ms;      // how long each is shown
-  uint32_t scene;      // its seed
-  int frames;          // of the graph, with either calibration
-  double rate_hz = 5;  // of the cameras while the graph runs
+  int views;            // of the board
+  double view_ms;       // how long each is shown
+  uint32_t scene;       // its seed
+  int frames;           // of the graph, with either calibration
+  double rate_hz = 5;   // of the cameras while the graph runs
+  double tof_mm = 0.3;  // that the ToF camera's place may be off by
 };
 
 // A ToF image as the camera's numbers: A, B, C and the intensity.
@@ -180,7 +181,7 @@ class Newcomer : public testing::Test {
     return sum / static_cast<double>(run.maps.size());
   }
 
-  void ExpectNear(const RawRig& found) const {
+  void ExpectNear(const RawRig& found, double tof_mm) const {
     const auto turn_deg = [](const Pose& a, const Pose& b) {
       return a.rotation.angularDistance(b.rotation) * 180 / std::numbers::pi;
     };
@@ -204,7 +205,7 @@ class Newcomer : public testing::Test {
     EXPECT_LT(turn_deg(found.left_from_right, rig_.left_from_right), 0.05);
     EXPECT_LT(shift_mm(found.left_from_right, rig_.left_from_right), 0.3);
     EXPECT_LT(turn_deg(found.left_from_tof, rig_.left_from_tof), 0.05);
-    EXPECT_LT(shift_mm(found.left_from_tof, rig_.left_from_tof), 0.4);
+    EXPECT_LT(shift_mm(found.left_from_tof, rig_.left_from_tof), tof_mm);
     EXPECT_LT(std::abs(range_mm), 1);
   }
 
@@ -218,7 +219,7 @@ class Newcomer : public testing::Test {
     const auto code = estimate.Wait(seconds(120));
     ASSERT_TRUE(code == 0 || code == 1) << estimate.Output();
     std::cout << estimate.Output();
-    ExpectNear(RequireCalibration(LoadRigFile(estimated), estimated));
+    ExpectNear(RequireCalibration(LoadRigFile(estimated), estimated), story.tof_mm);
 
     const std::string perfect = File("perfect.textproto");
     RigDescription rig = LoadRigFile(devices);
@@ -243,7 +244,8 @@ class Newcomer : public testing::Test {
 };
 
 TEST_F(Newcomer, GetsFromAPrintedBoardToADepthMapAsGoodAsWithTheTrueCalibration) {
-  Tell({.size = {640, 480}, .views = 16, .view_ms = 500, .scene = 1, .frames = 4});
+  // So few and small views tell its place to 0.2 to 0.3 mm (standard deviation).
+  Tell({.size = {640, 480}, .views = 16, .view_ms = 500, .scene = 1, .frames = 4, .tof_mm = 0.4});
 }
 
 // By hand: --gtest_also_run_disabled_tests. Its figures are in README.md.
