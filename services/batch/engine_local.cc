@@ -1,16 +1,19 @@
 #include <fmt/format.h>
 
-#include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <deque>
 #include <iostream>
 #include <mutex>
+#include <system_error>
 #include <thread>
+#include <utility>
 
 #include "common/app/process.h"
 #include "common/app/progress.h"
 #include "services/batch/engines.h"
 #include "services/batch/interrupt.h"
+#include "services/batch/shard_try.h"
 
 namespace sprout {
 namespace {
@@ -36,7 +39,7 @@ class Queue {
 
   std::optional<Item> Take() {
     const std::lock_guard lock(mutex_);
-    if (waiting_.empty() || Interrupt::requested()) return std::nullopt;
+    if (waiting_.empty() || stopped_ || Interrupt::requested()) return std::nullopt;
     const Item item = waiting_.front();
     waiting_.pop_front();
     return item;
@@ -52,10 +55,17 @@ class Queue {
     const std::lock_guard lock(mutex_);
     progress.Clear();
     const bool again = item.failures < retries_;
-    std::cerr << output << (output.ends_with('\n') ? "" : "\n")
-              << fmt::format("sprout-batch: shard {} failed{}\n", item.shard,
-                             again ? ", will be tried again" : " for the last time");
+    Tell(output, again ? "; will be tried again" : "; that was the last try");
     if (again) waiting_.push_back({item.shard, item.failures + 1});
+  }
+
+  // What failed for a reason that every other shard would meet, too.
+  void Stop(const std::string& output, Progress& progress) {
+    const std::lock_guard lock(mutex_);
+    progress.Clear();
+    if (!std::exchange(stopped_, true)) {
+      Tell(output, "; stopped, the same command goes on from here");
+    }
   }
 
   void Show(Progress& progress) {
@@ -74,14 +84,25 @@ class Queue {
   int64_t missing() const { return missing_; }
 
  private:
+  static void Tell(std::string output, const char* what_now) {
+    while (output.ends_with('\n')) output.pop_back();
+    std::cerr << output << what_now << "\n";
+  }
+
   std::mutex mutex_;
   std::deque<Item> waiting_;
   int retries_;
+  bool stopped_ = false;
   int64_t missing_ = 0;
   int64_t frames_to_do_ = 0;
   int64_t frames_done_ = 0;
   Clock::time_point start_ = Clock::now();
 };
+
+// A program that was exchanged, or a full disk.
+bool IsHopeless(int code, const std::string& output) {
+  return code == 2 || output.find(std::generic_category().message(ENOSPC)) != std::string::npos;
+}
 
 }  // namespace
 
@@ -89,7 +110,6 @@ int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Ma
                  const BatchState& state, const LocalOptions& options) {
   Queue queue(manifest, state, options.retries);
   Progress progress(/*quiet=*/false);
-  const Interrupt interrupt;
   const auto work = [&] {
     while (const auto item = queue.Take()) {
       queue.Show(progress);
@@ -100,7 +120,11 @@ int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Ma
       }
       if (code == 0) {
         queue.Done(manifest.shards[item->shard].frames);
-      } else if (!Interrupt::requested()) {
+      } else if (Interrupt::requested()) {
+        ForgetTry(folder, item->shard);
+      } else if (IsHopeless(*code, process.Output())) {
+        queue.Stop(process.Output(), progress);
+      } else {
         queue.Failed(*item, process.Output(), progress);
       }
     }
@@ -113,7 +137,7 @@ int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Ma
     }
   }
   progress.Clear();
-  if (Interrupt::requested()) throw Interrupted();
+  Interrupt::Check();
   return queue.missing();
 }
 

@@ -6,14 +6,15 @@
 #include <fstream>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
 #include "common/core/output_file.h"
 #include "common/logfile/log_reader.h"
 #include "common/logfile/log_writer.h"
+#include "services/batch/interrupt.h"
 #include "services/batch/shard_run.h"
+#include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
 
 namespace sprout {
@@ -51,6 +52,7 @@ class AnswerStream {
 // By time; each stream keeps its order, of equal times the stage named first comes first.
 void MergeStreams(std::vector<AnswerStream>& streams, LogWriter& writer) {
   for (;;) {
+    Interrupt::Check();
     AnswerStream* next = nullptr;
     for (AnswerStream& stream : streams) {
       if (stream.there() && (next == nullptr || stream.event().utime < next->event().utime)) {
@@ -109,14 +111,12 @@ using Cells = std::vector<std::optional<double>>;
 
 // Mean wall time a frame of each stage over a shard, ms.
 Cells TimesOf(const fs::path& run_json, const StageNames& stages) {
-  std::ifstream file(run_json);
-  const auto run = nlohmann::json::parse(file, nullptr, /*allow_exceptions=*/false);
+  StageRuns runs = ReadStageRuns(run_json);
   Cells times;
   for (const std::string& stage : stages) {
-    const auto of_stage = run.at("stages").at(stage);
-    const double frames = of_stage.value("out", 0.0);
-    times.push_back(frames > 0 ? std::optional(1000 * of_stage.value("seconds", 0.0) / frames)
-                               : std::nullopt);
+    const StageRun& run = runs[stage];
+    const auto frames = static_cast<double>(run.frames_out);
+    times.push_back(frames > 0 ? std::optional(1000 * run.seconds / frames) : std::nullopt);
   }
   return times;
 }
@@ -217,6 +217,7 @@ void WriteFrameTable(const BatchFolder& folder, const Manifest& manifest, const 
   file.Write(first + "\n");
   for (size_t i = 0; i < manifest.shards.size(); ++i) {
     if (!state.done[i]) continue;
+    Interrupt::Check();
     const Shard& shard = manifest.shards[i];
     const std::string start =
         fmt::format("{},{},", manifest.logs[static_cast<size_t>(shard.log)].name, i);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <fstream>
+#include <iostream>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -13,6 +14,7 @@
 #include "common/core/digest.h"
 #include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
+#include "services/batch/interrupt.h"
 #include "services/batch/shard_run.h"
 
 namespace sprout {
@@ -126,6 +128,7 @@ bool IsSame(const Manifest& manifest, const BatchHead& head, const std::vector<s
   for (size_t i = 0; i < logs.size(); ++i) {
     if (manifest.logs[i].path != logs[i]) return false;
     if (!(manifest.logs[i].summary.stamp == StampOf(logs[i]))) return false;
+    if (!fs::exists(manifest.logs[i].index)) return false;
   }
   return true;
 }
@@ -149,15 +152,17 @@ std::vector<std::string> FindLogs(const std::vector<std::string>& inputs) {
   return logs;
 }
 
-void IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback) {
+int64_t IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback) {
   Progress progress(/*quiet=*/false);
   std::atomic<size_t> next = 0;
+  std::atomic<int64_t> elsewhere = 0;
   std::mutex mutex;
   std::string failure;
   const auto work = [&] {
-    for (size_t i = next++; i < logs.size(); i = next++) {
+    for (size_t i = next++; i < logs.size() && !Interrupt::requested(); i = next++) {
       try {
-        LogIndex::Ensure(logs[i], fallback);
+        const LogIndex index = LogIndex::Ensure(logs[i], fallback);
+        if (index.path().parent_path() == fallback) ++elsewhere;
         const std::lock_guard lock(mutex);
         progress.Show(fmt::format("indexed {} of {} logs", i + 1, logs.size()));
       } catch (const std::exception& e) {
@@ -173,7 +178,9 @@ void IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback) {
     }
   }
   progress.Clear();
+  Interrupt::Check();
   if (!failure.empty()) throw ConfigError(failure);
+  return elsewhere;
 }
 
 Manifest Plan(const BatchRequest& request, const std::string& program) {
@@ -184,7 +191,11 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
     Manifest manifest = ReadManifest(folder.manifest());
     if (IsSame(manifest, wanted.head, logs)) return manifest;
   }
-  IndexLogs(logs, folder.indexes());
+  if (const int64_t elsewhere = IndexLogs(logs, folder.indexes()); elsewhere > 0) {
+    std::cout << fmt::format(
+        "the indexes of {} logs are kept in {}: they cannot be written beside the logs\n",
+        elsewhere, folder.indexes().string());
+  }
   Manifest manifest{.head = wanted.head, .logs = {}, .shards = {}};
   const PlanOptions options{.inputs = InputsOf(wanted.head.stages, wanted.configs[0]),
                             .prefix = wanted.head.prefix,
@@ -192,14 +203,17 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
   std::set<std::string> names;
   for (const std::string& log : logs) {
     const LogIndex index = LogIndex::Ensure(log, folder.indexes());
-    for (Shard& shard : PlanShards(index, options)) {
+    LogPlan plan = PlanShards(index, options);
+    for (Shard& shard : plan.shards) {
       shard.log = std::ssize(manifest.logs);
       manifest.shards.push_back(std::move(shard));
     }
     manifest.logs.push_back({.path = log,
                              .name = NameOf(log, names),
                              .index = Absolute(index.path()),
-                             .summary = index.summary()});
+                             .summary = index.summary(),
+                             .incomplete = plan.incomplete,
+                             .left_out = plan.left_out});
   }
   if (manifest.shards.empty()) {
     throw ConfigError(
@@ -210,6 +224,7 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
   for (size_t i = 0; i < wanted.configs.size(); ++i) {
     WriteConfig(folder.config(wanted.head.variants[i].name), wanted.configs[i]);
   }
+  fs::remove_all(folder.failures());  // its shards had other numbers
   WriteManifest(folder.manifest(), manifest);
   return manifest;
 }

@@ -19,6 +19,7 @@
 #include "services/batch/planning.h"
 #include "services/batch/report.h"
 #include "services/batch/shard_run.h"
+#include "services/batch/shard_try.h"
 
 namespace sprout {
 namespace {
@@ -127,6 +128,7 @@ int RunRun(Options& options) {
   }
   const BatchFolder folder(options.request.out);
   const FolderLock lock(folder);
+  const Interrupt interrupt;
   if (const std::string jobs = ActiveJobs(folder); !jobs.empty()) {
     throw ConfigError(fmt::format("--out {}: Slurm's jobs {} work there; wait, or scancel {}",
                                   folder.root().string(), jobs, jobs));
@@ -165,7 +167,9 @@ int RunShards(const Options& options) {
   for (const size_t shard : options.shards) {
     try {
       RunShard(folder, shard);
-    } catch (const ShardError& e) {  // the others are still worth doing
+    } catch (const ConfigError&) {
+      throw;
+    } catch (const std::runtime_error& e) {  // the others are still worth doing
       std::cerr << "sprout-batch: " << e.what() << "\n";
       exit_code = 1;
     }
@@ -180,11 +184,11 @@ int RunStatus(const Options& options) {
   std::cout << fmt::format("{} of {} shards are done\n",
                            manifest.shards.size() - static_cast<size_t>(state.missing),
                            manifest.shards.size());
-  for (size_t i = 0; i < state.done.size(); ++i) {
-    const fs::path why = folder.failures() / fmt::format("{}.txt", i);
-    if (!state.done[i] && fs::exists(why)) {
-      std::cout << fmt::format("shard {} failed: {}\n", i, why.string());
-    }
+  for (const auto& [shard, tries] : FailedTries(folder)) {
+    if (shard >= state.done.size()) continue;
+    std::cout << fmt::format("shard {} {}: {}\n", shard,
+                             state.done[shard] ? "is done after a failure" : "failed or is at work",
+                             TryPath(folder, shard, tries).string());
   }
   const std::string jobs = ActiveJobs(folder);
   if (!jobs.empty()) std::cout << "Slurm's jobs " << jobs << " are at work\n";
@@ -273,8 +277,9 @@ void AddOthers(CLI::App& program, Options& options, std::function<int()>& chosen
   index.add_option("LOG", options.logs, "As of run")->required();
   index.callback([&] {
     chosen = [&] {
+      const Interrupt interrupt;
       const auto logs = FindLogs(options.logs);
-      IndexLogs(logs, fs::temp_directory_path() / "sprout-indexes");
+      IndexLogs(logs, /*fallback=*/"");
       std::cout << fmt::format("{} logs have an index\n", logs.size());
       return 0;
     };

@@ -13,6 +13,7 @@
 #include "common/picture/html.h"
 #include "services/batch/frame_rows.h"
 #include "services/batch/report_charts.h"
+#include "services/batch/report_losses.h"
 #include "services/batch/report_pictures.h"
 #include "services/batch/tables.h"
 #include "services/quality/frame_quality.h"
@@ -90,8 +91,6 @@ class ReportWriter {
 
  private:
   std::string Summary() const {
-    int64_t planned = 0;
-    for (const Shard& shard : manifest_.shards) planned += shard.frames;
     std::string html =
         fmt::format("<h1>{} log{}, {} frames: {}</h1>\n", manifest_.logs.size(),
                     manifest_.logs.size() == 1 ? "" : "s", rows_.rows().size(), Verdict());
@@ -107,32 +106,16 @@ class ReportWriter {
     }
     if (state_.missing > 0) {
       html += fmt::format(
-          "<p class=\"bad\">{} of {} shards are missing: this is a part of the batch. Why: "
-          "{}</p>\n",
-          state_.missing, manifest_.shards.size(), EscapedHtml(folder_.failures().string()));
+          "<p class=\"bad\">{} of {} shards are missing: this is a part of the batch.</p>\n",
+          state_.missing, manifest_.shards.size());
     }
-    const auto answered = static_cast<int64_t>(rows_.rows().size());
-    if (state_.missing == 0 && answered < planned) {
-      html += fmt::format("<p class=\"bad\">{} of {} complete frames have no answer.</p>\n",
-                          planned - answered, planned);
+    const auto whole = std::count_if(manifest_.logs.begin(), manifest_.logs.end(),
+                                     [](const BatchLog& log) { return log.summary.goes_back; });
+    if (whole > 0) {
+      html += fmt::format(
+          "<p class=\"bad\">{} logs whose time goes back were not cut into shards.</p>\n", whole);
     }
-    return html + Losses();
-  }
-
-  std::string Losses() const {
-    int64_t damaged = 0;
-    int64_t undecodable = 0;
-    int64_t whole = 0;
-    for (const BatchLog& log : manifest_.logs) {
-      damaged += log.summary.damaged_bytes;
-      undecodable += log.summary.undecodable;
-      whole += log.summary.goes_back ? 1 : 0;
-    }
-    if (damaged + undecodable + whole == 0) return "";
-    return fmt::format(
-        "<p class=\"bad\">In the logs: {} damaged bytes, {} messages that no stage "
-        "would take, {} logs whose time goes back (not cut into shards).</p>\n",
-        damaged, undecodable, whole);
+    return html + LossesHtml(folder_, manifest_, state_);
   }
 
   std::string Verdict() const {

@@ -1,16 +1,14 @@
 #include "services/batch/shard_run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <chrono>
-#include <cinttypes>
-#include <cstdio>
 #include <fstream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "common/app/process.h"
 #include "common/core/digest.h"
@@ -18,7 +16,10 @@
 #include "common/logfile/event_fetcher.h"
 #include "common/logfile/file_window.h"
 #include "common/logfile/log_writer.h"
+#include "services/batch/host_name.h"
 #include "services/batch/scratch_file.h"
+#include "services/batch/shard_try.h"
+#include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
 
 namespace sprout {
@@ -27,12 +28,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::hours kPatience{24};
-
-std::string HostName() {
-  char name[256] = "?";
-  gethostname(name, sizeof name - 1);
-  return name;
-}
 
 // What the last stage always answers.
 Part AnswerOf(const std::string& stage) {
@@ -121,11 +116,21 @@ class ResultFolder {
   fs::path part_;
 };
 
+// Behind a colon; a program says last why it ends.
+std::string LastLineOf(const std::string& output) {
+  const size_t end = output.find_last_not_of('\n');
+  if (end == std::string::npos) return "";
+  const size_t before = output.find_last_of('\n', end);
+  const size_t begin = before == std::string::npos ? 0 : before + 1;
+  return ": " + output.substr(begin, end + 1 - begin);
+}
+
 class ShardRun {
  public:
-  ShardRun(const BatchFolder& folder, size_t number)
+  ShardRun(const BatchFolder& folder, size_t number, ShardTry& attempt)
       : folder_(folder),
         number_(number),
+        attempt_(attempt),
         work_(ReadShard(folder.manifest(), number)),
         channels_(Channels()) {}
 
@@ -134,8 +139,6 @@ class ShardRun {
       if (!fs::exists(folder_.result(KeyOf(variant)))) RunVariant(variant);
     }
     if (Compares(work_.head)) Compare();
-    std::error_code ignored;
-    fs::remove(FailurePath(), ignored);
   }
 
  private:
@@ -147,7 +150,6 @@ class ShardRun {
   std::string KeyOf(const Variant& variant) const {
     return ResultKey(work_.head, variant, work_.shard);
   }
-  fs::path FailurePath() const { return folder_.failures() / fmt::format("{}.txt", number_); }
 
   const std::string& Input() {
     if (!input_) {
@@ -162,23 +164,20 @@ class ShardRun {
     ResultFolder result(folder_.result(KeyOf(variant)));
     std::vector<std::string> logs = {Input()};
     std::vector<std::unique_ptr<ScratchFile>> scratch;
-    nlohmann::json runs = {{"host", HostName()}, {"stages", nlohmann::json::object()}};
+    StageRuns runs;
     for (const std::string& stage : work_.head.stages) {
       const auto& keep = work_.head.keep;
       std::string record = result / (stage + ".lcm");
       if (std::find(keep.begin(), keep.end(), stage) == keep.end()) {
         record = scratch.emplace_back(std::make_unique<ScratchFile>())->path();
       }
-      const StageRun run = RunStageProgram(variant, stage, logs, record);
-      runs["stages"][stage] = {{"in", run.frames_in},          {"out", run.frames_out},
-                               {"degenerate", run.degenerate}, {"failed", run.failed},
-                               {"bad", run.bad_messages},      {"seconds", run.seconds}};
+      runs[stage] = RunStageProgram(variant, stage, logs, record);
       logs.push_back(record);
     }
     FrameLookup frames(work_.head.prefix);
     for (const std::string& log : logs) frames.Add(log);
     WriteTable(result / "measures.csv", MeasureFrames(frames, AnswerOf(work_.head.stages.back())));
-    WriteText(result / "run.json", runs.dump() + "\n");
+    WriteStageRuns(result / "run.json", runs);
     result.Commit();
   }
 
@@ -212,26 +211,20 @@ class ShardRun {
     const std::string output = process.Output();
     // 1: all that can be answered is, as in a replay of the whole log; how much was not is counted.
     if (code > 1 || output.find("stopped after") != std::string::npos) Fail(command, code, output);
-    try {
-      StageRun run = ParseReplayReport(output);
-      run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      return run;
-    } catch (const ShardError&) {
-      Fail(command, code, output);
-    }
+    std::optional<StageRun> run = ParseReplayReport(output);
+    if (!run) Fail(command, code, output);
+    run->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return *run;
   }
 
   [[noreturn]] void Fail(const std::vector<std::string>& command, int code,
                          const std::string& output) const {
-    std::string text;
-    for (const std::string& word : command) text += word + " ";
-    text += fmt::format("\nexit code {}\n{}", code, output);
-    fs::create_directories(folder_.failures());
-    WriteText(FailurePath(), text);
-    throw ShardError(fmt::format("shard {}, frames {}:{} of {}: {} ended with exit code {}; see {}",
-                                 number_, work_.shard.first_seq, work_.shard.last_seq,
-                                 work_.log.path, fs::path(command[0]).filename().string(), code,
-                                 FailurePath().string()));
+    const std::string what =
+        fmt::format("shard {}, frames {}:{} of {}: {} ended with exit code {}{}", number_,
+                    work_.shard.first_seq, work_.shard.last_seq, work_.log.path,
+                    fs::path(command[0]).filename().string(), code, LastLineOf(output));
+    attempt_.Fail(fmt::format("{}\n{}\n{}", what, fmt::join(command, " "), output));
+    throw ShardError(what);
   }
 
   void Compare() {
@@ -249,14 +242,9 @@ class ShardRun {
                                        : fs::path(work_.head.truth) / work_.log.name));
   }
 
-  static void WriteText(const fs::path& path, const std::string& text) {
-    OutputFile file(path);
-    file.Write(text);
-    if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
-  }
-
   const BatchFolder& folder_;
   size_t number_;
+  ShardTry& attempt_;
   ShardOfBatch work_;
   std::vector<std::string> channels_;
   std::unique_ptr<ScratchFile> input_;
@@ -273,20 +261,6 @@ bool IsDone(const BatchFolder& folder, const BatchHead& head, const BatchLog& lo
   return std::all_of(head.variants.begin(), head.variants.end(), is_there) &&
          (!Compares(head) ||
           access(folder.comparison(ComparisonKey(head, log, shard)).c_str(), F_OK) == 0);
-}
-
-StageRun ParseReplayReport(const std::string& output) {
-  StageRun run;
-  const size_t at = output.find(" events; frames: ");
-  if (at == std::string::npos ||
-      std::sscanf(
-          output.c_str() + at,
-          " events; frames: %" SCNd64 " in, %" SCNd64 " out (%" SCNd64 " degenerate), %" SCNd64
-          " failed, %*d incomplete, %*d left out; %" SCNd64 " bad messages",
-          &run.frames_in, &run.frames_out, &run.degenerate, &run.failed, &run.bad_messages) != 5) {
-    throw ShardError("a stage did not report its replay");
-  }
-  return run;
 }
 
 std::string FileDigest(const fs::path& path) {
@@ -310,6 +284,14 @@ StageProgram DescribeProgram(const std::string& path) {
   return {.path = path, .digest = FileDigest(path), .version = version};
 }
 
-void RunShard(const BatchFolder& folder, size_t number) { ShardRun(folder, number).Run(); }
+void RunShard(const BatchFolder& folder, size_t number) {
+  ShardTry attempt(folder, number);
+  try {
+    ShardRun(folder, number, attempt).Run();
+  } catch (const std::exception& e) {
+    attempt.Fail(e.what());
+    throw;
+  }
+}
 
 }  // namespace sprout
