@@ -182,9 +182,8 @@ TEST(BatchSystem, ATruthSaysWhichOfTheTwoIsNearerToIt) {
   // A's own maps are the truth, so A has no error; of frame 3 none is known.
   const fs::path truth = folder / "truth";
   fs::create_directory(truth);
-  const Outcome exported =
-      RunProgramOf({"sprout-log", "export", folder / "out" / "logs" / "run_a.lcm", "--pfm", "--out",
-                    truth / "run"});
+  const Outcome exported = RunProgramOf(
+      {"sprout-log", "export", "--pfm", folder / "out" / "logs" / "run_a.lcm", truth / "run"});
   ASSERT_EQ(exported.exit_code, 0) << exported.output;
   ASSERT_TRUE(fs::remove(truth / "run" / "000003_disparity.pfm"));
   std::ofstream(folder / "b.textproto") << "grow { sigma_p_px: 9.0 fill: NONE }\n";
