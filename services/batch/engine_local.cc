@@ -5,9 +5,10 @@
 #include <deque>
 #include <iostream>
 #include <mutex>
+#include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <thread>
-#include <utility>
 
 #include "common/app/process.h"
 #include "common/app/progress.h"
@@ -39,7 +40,7 @@ class Queue {
 
   std::optional<Item> Take() {
     const std::lock_guard lock(mutex_);
-    if (waiting_.empty() || stopped_ || Interrupt::requested()) return std::nullopt;
+    if (waiting_.empty() || !stopped_.empty() || Interrupt::requested()) return std::nullopt;
     const Item item = waiting_.front();
     waiting_.pop_front();
     return item;
@@ -55,17 +56,15 @@ class Queue {
     const std::lock_guard lock(mutex_);
     progress.Clear();
     const bool again = item.failures < retries_;
-    Tell(output, again ? "; will be tried again" : "; that was the last try");
+    std::cerr << "sprout-batch: " << output
+              << (again ? "; will be tried again\n" : "; that was the last try\n");
     if (again) waiting_.push_back({item.shard, item.failures + 1});
   }
 
   // What failed for a reason that every other shard would meet, too.
-  void Stop(const std::string& output, Progress& progress) {
+  void Stop(const std::string& output) {
     const std::lock_guard lock(mutex_);
-    progress.Clear();
-    if (!std::exchange(stopped_, true)) {
-      Tell(output, "; stopped, the same command goes on from here");
-    }
+    if (stopped_.empty()) stopped_ = output;
   }
 
   void Show(Progress& progress) {
@@ -82,26 +81,30 @@ class Queue {
   }
 
   int64_t missing() const { return missing_; }
+  const std::string& stopped() const { return stopped_; }  // why; empty: it was not
 
  private:
-  static void Tell(std::string output, const char* what_now) {
-    while (output.ends_with('\n')) output.pop_back();
-    std::cerr << output << what_now << "\n";
-  }
-
   std::mutex mutex_;
   std::deque<Item> waiting_;
   int retries_;
-  bool stopped_ = false;
+  std::string stopped_;
   int64_t missing_ = 0;
   int64_t frames_to_do_ = 0;
   int64_t frames_done_ = 0;
   Clock::time_point start_ = Clock::now();
 };
 
+// The line in which a shard's process says why it failed.
+std::string ReasonIn(std::string output) {
+  constexpr std::string_view kName = "sprout-batch: ";
+  while (output.ends_with('\n')) output.pop_back();
+  if (output.starts_with(kName)) output.erase(0, kName.size());
+  return output;
+}
+
 // A program that was exchanged, or a full disk.
-bool IsHopeless(int code, const std::string& output) {
-  return code == 2 || output.find(std::generic_category().message(ENOSPC)) != std::string::npos;
+bool IsHopeless(int code, const std::string& why) {
+  return code == 2 || why.find(std::generic_category().message(ENOSPC)) != std::string::npos;
 }
 
 }  // namespace
@@ -122,10 +125,10 @@ int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Ma
         queue.Done(manifest.shards[item->shard].frames);
       } else if (Interrupt::requested()) {
         ForgetTry(folder, item->shard);
-      } else if (IsHopeless(*code, process.Output())) {
-        queue.Stop(process.Output(), progress);
+      } else if (const std::string why = ReasonIn(process.Output()); IsHopeless(*code, why)) {
+        queue.Stop(why);
       } else {
-        queue.Failed(*item, process.Output(), progress);
+        queue.Failed(*item, why, progress);
       }
     }
   };
@@ -138,6 +141,9 @@ int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Ma
   }
   progress.Clear();
   Interrupt::Check();
+  if (!queue.stopped().empty()) {
+    throw std::runtime_error(queue.stopped() + "; the same command goes on from here");
+  }
   return queue.missing();
 }
 

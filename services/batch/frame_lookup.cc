@@ -15,13 +15,25 @@ void FrameLookup::Add(const std::string& log) {
       if (event.channel != prefix_ + std::string(ChannelOf(part))) continue;
       auto id = DecodeFrameId(event.data);
       if (!id || TypeOf(event.data) != TypeOf(part)) continue;
-      const bool is_new =
-          places_[part]
-              .insert_or_assign(Key(id->utime, id->seq), Place{number, event.offset})
-              .second;
-      if (is_new) frames_[part].push_back(std::move(*id));
+      Put(part, std::move(*id), {number, event.offset});
     }
   }
+}
+
+void FrameLookup::Add(const std::string& log, std::span<const IndexedEvent> events) {
+  const size_t number = fetchers_.size();
+  fetchers_.emplace_back(log);
+  for (const IndexedEvent& event : events) {
+    for (const Part part : kAllParts) {
+      if (event.channel != prefix_ + std::string(ChannelOf(part))) continue;
+      Put(part, event.id, {number, event.offset});
+    }
+  }
+}
+
+void FrameLookup::Put(Part part, FrameId id, Place place) {
+  const bool is_new = places_[part].insert_or_assign(Key(id.utime, id.seq), place).second;
+  if (is_new) frames_[part].push_back(std::move(id));
 }
 
 const std::vector<FrameId>& FrameLookup::FramesWith(Part part) const {

@@ -5,12 +5,14 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/core/frame.h"
 #include "common/logfile/event_fetcher.h"
+#include "services/batch/log_index.h"
 
 namespace sprout {
 
@@ -23,6 +25,9 @@ class FrameLookup {
   /// @throws LogError.
   void Add(const std::string& log);
 
+  /// The same with events that an index tells of, which are not read for it.
+  void Add(const std::string& log, std::span<const IndexedEvent> events);
+
   /// Frames that have a part, in the order of the log.
   const std::vector<FrameId>& FramesWith(Part part) const;
 
@@ -34,6 +39,8 @@ class FrameLookup {
     size_t log;
     int64_t offset;
   };
+  void Put(Part part, FrameId id, Place place);
+
   using Key = std::pair<int64_t, int64_t>;  // utime, seq
 
   std::string prefix_;

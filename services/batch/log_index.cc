@@ -8,13 +8,13 @@
 
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
-#include "common/core/output_file.h"
 #include "common/logfile/event_format.h"
 #include "common/logfile/file_window.h"
 #include "common/logfile/log_reader.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 #include "services/batch/interrupt.h"
+#include "services/batch/text_file.h"
 
 namespace sprout {
 namespace {
@@ -207,7 +207,7 @@ void WriteIndex(const fs::path& path, const IndexSummary& summary,
   OutputFile file(path);
   file.Write(HeadLine(summary));
   for (const IndexedEvent& event : events) file.Write(LineOf(event));
-  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
+  CommitFile(path, file);
 }
 
 LogIndex LogIndex::Ensure(const fs::path& log, const fs::path& fallback) {

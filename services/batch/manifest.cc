@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "common/core/digest.h"
-#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
+#include "services/batch/text_file.h"
 
 namespace sprout {
 namespace {
@@ -183,7 +183,7 @@ void WriteManifest(const fs::path& path, const Manifest& manifest) {
   for (size_t i = 0; i < manifest.shards.size(); ++i) {
     file.Write(ToJson(manifest.shards[i], i).dump() + "\n");
   }
-  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
+  CommitFile(path, file);
 }
 
 Manifest ReadManifest(const fs::path& path) {

@@ -9,13 +9,13 @@
 
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
-#include "common/core/output_file.h"
 #include "common/logfile/log_reader.h"
 #include "common/logfile/log_writer.h"
 #include "services/batch/interrupt.h"
 #include "services/batch/shard_run.h"
 #include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
+#include "services/batch/text_file.h"
 
 namespace sprout {
 namespace {
@@ -70,12 +70,6 @@ std::string FirstLine(const fs::path& path) {
   std::string line;
   std::getline(file, line);
   return line;
-}
-
-void WriteText(const fs::path& path, const std::string& text) {
-  OutputFile file(path);
-  file.Write(text);
-  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
 }
 
 // A merged log has its source's digest beside it, written behind it.
@@ -223,9 +217,7 @@ void WriteFrameTable(const BatchFolder& folder, const Manifest& manifest, const 
         fmt::format("{},{},", manifest.logs[static_cast<size_t>(shard.log)].name, i);
     file.Write(ShardRows(folder, manifest, shard).Text(start, widths));
   }
-  if (const auto written = file.Commit(); !written) {
-    throw LogError(folder.table(), written.error().text);
-  }
+  CommitFile(folder.table(), file);
 }
 
 }  // namespace sprout

@@ -1,6 +1,7 @@
 #include "services/batch/planning.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <atomic>
@@ -12,10 +13,10 @@
 
 #include "common/app/progress.h"
 #include "common/core/digest.h"
-#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/interrupt.h"
 #include "services/batch/shard_run.h"
+#include "services/batch/text_file.h"
 
 namespace sprout {
 namespace {
@@ -97,7 +98,7 @@ Wanted Understand(const BatchRequest& request, const std::string& program) {
   head.tables = FileDigest(program);
   if (!request.truth.empty()) {
     if (!fs::is_directory(request.truth)) {
-      throw ConfigError("--truth " + request.truth + ": no such folder");
+      throw ConfigError(fmt::format("--truth {}: no such folder", request.truth));
     }
     head.truth = Absolute(request.truth);
   }
@@ -110,7 +111,7 @@ Wanted Understand(const BatchRequest& request, const std::string& program) {
       MakeVariant("b", head.stages, wanted.configs[1],
                   request.programs_b.empty() ? request.programs_a : request.programs_b));
   Variant as_a = head.variants[1];
-  as_a.name = "a";
+  as_a.name = head.variants[0].name;
   for (auto& [stage, b] : as_a.programs) b.path = head.variants[0].programs[stage].path;
   if (as_a == head.variants[0]) {
     throw ConfigError("--config-b, --programs-b: B is the same as A, there is nothing to compare");
@@ -133,12 +134,6 @@ bool IsSame(const Manifest& manifest, const BatchHead& head, const std::vector<s
   return true;
 }
 
-void WriteConfig(const fs::path& path, const SproutConfig& config) {
-  OutputFile file(path);
-  file.Write(ConfigText(config));
-  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
-}
-
 }  // namespace
 
 std::vector<std::string> FindLogs(const std::vector<std::string>& inputs) {
@@ -157,7 +152,7 @@ int64_t IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback
   std::atomic<size_t> next = 0;
   std::atomic<int64_t> elsewhere = 0;
   std::mutex mutex;
-  std::string failure;
+  std::vector<std::string> failures;
   const auto work = [&] {
     for (size_t i = next++; i < logs.size() && !Interrupt::requested(); i = next++) {
       try {
@@ -167,7 +162,7 @@ int64_t IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback
         progress.Show(fmt::format("indexed {} of {} logs", i + 1, logs.size()));
       } catch (const std::exception& e) {
         const std::lock_guard lock(mutex);
-        if (failure.empty()) failure = e.what();
+        failures.emplace_back(e.what());
       }
     }
   };
@@ -179,8 +174,10 @@ int64_t IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback
   }
   progress.Clear();
   Interrupt::Check();
-  if (!failure.empty()) throw ConfigError(failure);
-  return elsewhere;
+  if (failures.empty()) return elsewhere;
+  throw ConfigError(failures.size() == 1 ? failures[0]
+                                         : fmt::format("{} logs cannot be used:\n{}",
+                                                       failures.size(), fmt::join(failures, "\n")));
 }
 
 Manifest Plan(const BatchRequest& request, const std::string& program) {
@@ -216,13 +213,13 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
                              .left_out = plan.left_out});
   }
   if (manifest.shards.empty()) {
-    throw ConfigError(
-        fmt::format("no frame is complete in these logs; stage {} joins other "
-                    "channels, see sprout-log info and --channel-prefix",
-                    wanted.head.stages.front()));
+    throw ConfigError(fmt::format(
+        "no frame is complete in these logs; {} needs {}; see sprout-log info, "
+        "--channel-prefix and --stages",
+        wanted.head.stages.front(), fmt::join(ChannelsOf(options.inputs, options.prefix), ", ")));
   }
   for (size_t i = 0; i < wanted.configs.size(); ++i) {
-    WriteConfig(folder.config(wanted.head.variants[i].name), wanted.configs[i]);
+    WriteText(folder.config(wanted.head.variants[i].name), ConfigText(wanted.configs[i]));
   }
   fs::remove_all(folder.failures());  // its shards had other numbers
   WriteManifest(folder.manifest(), manifest);

@@ -5,6 +5,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <functional>
 #include <iostream>
@@ -12,7 +13,6 @@
 #include "common/app/program.h"
 #include "common/app/version.h"
 #include "common/core/digest.h"
-#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/engines.h"
 #include "services/batch/interrupt.h"
@@ -20,6 +20,7 @@
 #include "services/batch/report.h"
 #include "services/batch/shard_run.h"
 #include "services/batch/shard_try.h"
+#include "services/batch/text_file.h"
 
 namespace sprout {
 namespace {
@@ -96,13 +97,34 @@ bool IsUpToDate(const BatchFolder& folder, const BatchState& state) {
 void Report(const BatchFolder& folder, const Manifest& manifest, const BatchState& state) {
   WriteFrameTable(folder, manifest, state);
   WriteReport(folder, manifest, state, OwnPath());
-  OutputFile stamp(folder.report().string() + ".source");
-  stamp.Write(ReportSource(folder, state) + "\n");
-  if (const auto written = stamp.Commit(); !written) {
-    throw LogError(folder.report(), written.error().text);
-  }
+  WriteText(folder.report().string() + ".source", ReportSource(folder, state) + "\n");
   std::cout << fmt::format("table  {}\nreport {}\n", folder.table().string(),
                            folder.report().string());
+}
+
+// What of the logs no shard has, in one line; nothing when that is nothing.
+std::string InputLosses(const Manifest& manifest) {
+  const std::vector<size_t> shards_of_log = [&] {
+    std::vector<size_t> count(manifest.logs.size(), 0);
+    for (const Shard& shard : manifest.shards) ++count[static_cast<size_t>(shard.log)];
+    return count;
+  }();
+  int64_t incomplete = 0;
+  int64_t left_out = 0;
+  int64_t unreadable = 0;
+  int64_t damaged = 0;
+  for (const BatchLog& log : manifest.logs) {
+    incomplete += log.incomplete;
+    left_out += log.left_out;
+    unreadable += log.summary.undecodable;
+    damaged += log.summary.damaged_bytes;
+  }
+  const auto without = std::count(shards_of_log.begin(), shards_of_log.end(), 0U);
+  if (without + incomplete + left_out + unreadable + damaged == 0) return "";
+  return fmt::format(
+      "in the logs: {} incomplete frames, {} frame numbers left out, {} unreadable messages, {} "
+      "damaged bytes; {} logs without a complete frame\n",
+      incomplete, left_out, unreadable, damaged, without);
 }
 
 int Finish(const BatchFolder& folder, const Manifest& manifest) {
@@ -139,7 +161,8 @@ int RunRun(Options& options) {
   int64_t frames = 0;
   for (const Shard& shard : manifest.shards) frames += shard.frames;
   std::cout << fmt::format("{} logs, {} frames, {} shards, {} of them to do\n",
-                           manifest.logs.size(), frames, manifest.shards.size(), state.missing);
+                           manifest.logs.size(), frames, manifest.shards.size(), state.missing)
+            << InputLosses(manifest);
   if (state.missing == 0) return Finish(folder, manifest);
   if (options.engine == "slurm") {
     std::cout << SubmitSlurm(OwnPath(), folder, state, options.slurm, 0) << "\n"

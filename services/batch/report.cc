@@ -9,13 +9,13 @@
 #include <set>
 #include <sstream>
 
-#include "common/core/output_file.h"
 #include "common/picture/html.h"
 #include "services/batch/frame_rows.h"
 #include "services/batch/report_charts.h"
 #include "services/batch/report_losses.h"
 #include "services/batch/report_pictures.h"
 #include "services/batch/tables.h"
+#include "services/batch/text_file.h"
 #include "services/quality/frame_quality.h"
 
 namespace sprout {
@@ -343,9 +343,7 @@ void WriteReport(const BatchFolder& folder, const Manifest& manifest, const Batc
                  const std::string& program) {
   OutputFile file(folder.report());
   file.Write(ReportWriter(folder, manifest, state, program).Html());
-  if (const auto written = file.Commit(); !written) {
-    throw LogError(folder.report(), written.error().text);
-  }
+  CommitFile(folder.report(), file);
 }
 
 }  // namespace sprout

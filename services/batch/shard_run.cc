@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <fstream>
+#include <limits>
 #include <memory>
+#include <regex>
 
 #include "common/app/process.h"
 #include "common/core/digest.h"
@@ -59,6 +62,11 @@ class ShardCutter {
       for (const IndexedEvent& event : *events) Copy(event, writer);
     }
     writer.Close();
+  }
+
+  // Where the shard's messages are in its log.
+  void AddTo(FrameLookup& frames) const {
+    for (const auto* events : {&carried_, &own_}) frames.Add(work_.log.path, *events);
   }
 
  private:
@@ -116,6 +124,13 @@ class ResultFolder {
   fs::path part_;
 };
 
+// Scratch files have names that say nothing.
+std::string WithFolderOfScratch(const std::string& text) {
+  static const std::regex kScratch("/dev/fd/[0-9]+");
+  return std::regex_replace(text, kScratch,
+                            "scratch file in " + fs::temp_directory_path().string());
+}
+
 // Behind a colon; a program says last why it ends.
 std::string LastLineOf(const std::string& output) {
   const size_t end = output.find_last_not_of('\n');
@@ -154,7 +169,11 @@ class ShardRun {
   const std::string& Input() {
     if (!input_) {
       input_ = std::make_unique<ScratchFile>();
-      ShardCutter(work_, channels_).Write(input_path_ = input_->path());
+      try {
+        cutter_.emplace(work_, channels_).Write(input_path_ = input_->path());
+      } catch (const LogError& e) {
+        throw ShardError(WithFolderOfScratch(e.what()));
+      }
     }
     return input_path_;
   }
@@ -175,7 +194,8 @@ class ShardRun {
       logs.push_back(record);
     }
     FrameLookup frames(work_.head.prefix);
-    for (const std::string& log : logs) frames.Add(log);
+    cutter_->AddTo(frames);
+    for (size_t i = 1; i < logs.size(); ++i) frames.Add(logs[i]);
     WriteTable(result / "measures.csv", MeasureFrames(frames, AnswerOf(work_.head.stages.back())));
     WriteStageRuns(result / "run.json", runs);
     result.Commit();
@@ -219,10 +239,10 @@ class ShardRun {
 
   [[noreturn]] void Fail(const std::vector<std::string>& command, int code,
                          const std::string& output) const {
-    const std::string what =
-        fmt::format("shard {}, frames {}:{} of {}: {} ended with exit code {}{}", number_,
-                    work_.shard.first_seq, work_.shard.last_seq, work_.log.path,
-                    fs::path(command[0]).filename().string(), code, LastLineOf(output));
+    const std::string what = fmt::format(
+        "shard {}, frames {}:{} of {}: {} ended with exit code {}{}", number_,
+        work_.shard.first_seq, work_.shard.last_seq, work_.log.path,
+        fs::path(command[0]).filename().string(), code, WithFolderOfScratch(LastLineOf(output)));
     attempt_.Fail(fmt::format("{}\n{}\n{}", what, fmt::join(command, " "), output));
     throw ShardError(what);
   }
@@ -247,6 +267,7 @@ class ShardRun {
   ShardTry& attempt_;
   ShardOfBatch work_;
   std::vector<std::string> channels_;
+  std::optional<ShardCutter> cutter_;
   std::unique_ptr<ScratchFile> input_;
   std::string input_path_;
 };
@@ -285,6 +306,9 @@ StageProgram DescribeProgram(const std::string& path) {
 }
 
 void RunShard(const BatchFolder& folder, size_t number) {
+  // Images are allocated and freed frame by frame; the kernel need not clear their pages each time.
+  mallopt(M_MMAP_THRESHOLD, std::numeric_limits<int>::max());
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   ShardTry attempt(folder, number);
   try {
     ShardRun(folder, number, attempt).Run();

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/host_name.h"
+#include "services/batch/text_file.h"
 
 namespace sprout {
 
@@ -36,7 +36,7 @@ void WriteStageRuns(const std::filesystem::path& path, const StageRuns& runs) {
   }
   OutputFile file(path);
   file.Write(Json{{"host", HostName()}, {"stages", stages}}.dump() + "\n");
-  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
+  CommitFile(path, file);
 }
 
 StageRuns ReadStageRuns(const std::filesystem::path& path) {

@@ -9,8 +9,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
-#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
+#include "services/batch/text_file.h"
 #include "services/quality/frame_quality.h"
 
 namespace sprout {
@@ -104,7 +104,7 @@ void WriteTable(const std::filesystem::path& path, const Table& table) {
   OutputFile file(path);
   file.Write(TableHead(table));
   for (const auto& row : table.rows) file.Write(TableRow(row));
-  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
+  CommitFile(path, file);
 }
 
 Table ReadTable(const std::filesystem::path& path) {

@@ -263,7 +263,7 @@ TEST(BatchSystem, AFolderThatCannotBeWrittenIsGoodEnoughForLogs) {
   EXPECT_THAT(RunProgramOf(command, without_rights).output, HasSubstr("shards were done already"));
   const Outcome index = RunProgramOf({"sprout-batch", "index", logs}, without_rights);
   EXPECT_EQ(index.exit_code, 2);
-  EXPECT_THAT(index.output, HasSubstr("run.lcm.index: cannot write"));
+  EXPECT_THAT(index.output, HasSubstr("run.lcm.index: cannot be written"));
   fs::permissions(logs, fs::perms::owner_all);
 }
 
