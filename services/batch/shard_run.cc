@@ -2,17 +2,16 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <fstream>
-#include <limits>
 #include <memory>
 #include <regex>
 
+#include "common/app/compute.h"
 #include "common/app/process.h"
 #include "common/core/digest.h"
 #include "common/core/output_file.h"
@@ -42,11 +41,10 @@ bool IsTaken(const IndexedEvent& event, const std::vector<std::string>& channels
   return std::find(channels.begin(), channels.end(), event.channel) != channels.end();
 }
 
-// Cuts a shard's events out of its log and proves that they are those of the manifest.
+// Cuts a shard's events out of its log, as long as log and index are those of the manifest.
 class ShardCutter {
  public:
-  ShardCutter(const ShardOfBatch& work, const std::vector<std::string>& channels)
-      : work_(work), fetcher_(work.log.path) {
+  ShardCutter(const ShardOfBatch& work, const std::vector<std::string>& channels) : work_(work) {
     for (const int64_t line : work.shard.carried) {
       carried_.push_back(ReadIndexLine(work.log.index, line));
     }
@@ -56,12 +54,17 @@ class ShardCutter {
     if (InputDigest(carried_, own_) != work.shard.input) Changed();
   }
 
-  void Write(const std::string& path) {
-    LogWriter writer(path);
-    for (const auto* events : {&carried_, &own_}) {
-      for (const IndexedEvent& event : *events) Copy(event, writer);
+  void Write(ScratchFile& to) const {
+    RequireUnchanged();
+    WriteCarried(to);
+    const InputFile log(work_.log.path);
+    for (size_t i = 0; i < own_.size();) {
+      const int64_t begin = own_[i].offset;
+      int64_t end = begin;
+      for (; i < own_.size() && own_[i].offset == end; ++i) end += own_[i].bytes;
+      to.Append(log, begin, end - begin);
     }
-    writer.Close();
+    RequireUnchanged();
   }
 
   // Where the shard's messages are in its log.
@@ -76,19 +79,22 @@ class ShardCutter {
                    "sprout-batch run again");
   }
 
-  void Copy(const IndexedEvent& event, LogWriter& writer) {
-    const LogEvent found = fetcher_.Fetch(event.offset);
-    const std::string_view bytes(reinterpret_cast<const char*>(found.data.data()),
-                                 found.data.size());
-    if (found.channel != event.channel || Hash(bytes) != event.hash) Changed();
-    // The first calibration may come from further behind; times in a log go forward.
-    const bool is_ahead = &event >= carried_.data() && &event < carried_.data() + carried_.size();
-    writer.Write(is_ahead ? std::min(event.utime, own_.front().utime) : event.utime, event.channel,
-                 found.data);
+  void RequireUnchanged() const {
+    if (!(StampOf(work_.log.path) == work_.log.summary.stamp)) Changed();
+  }
+
+  // The first calibration may come from further behind; times in a log go forward.
+  void WriteCarried(const ScratchFile& to) const {
+    EventFetcher fetcher(work_.log.path);
+    LogWriter writer(to.path());
+    for (const IndexedEvent& event : carried_) {
+      const LogEvent found = fetcher.Fetch(event.offset);
+      writer.Write(std::min(event.utime, own_.front().utime), event.channel, found.data);
+    }
+    writer.Close();
   }
 
   const ShardOfBatch& work_;
-  EventFetcher fetcher_;
   std::vector<IndexedEvent> carried_;
   std::vector<IndexedEvent> own_;
 };
@@ -166,22 +172,22 @@ class ShardRun {
     return ResultKey(work_.head, variant, work_.shard);
   }
 
-  const std::string& Input() {
+  const ScratchFile& Input() {
     if (!input_) {
       input_ = std::make_unique<ScratchFile>();
       try {
-        cutter_.emplace(work_, channels_).Write(input_path_ = input_->path());
+        cutter_.emplace(work_, channels_).Write(*input_);
       } catch (const LogError& e) {
         throw ShardError(WithFolderOfScratch(e.what()));
       }
     }
-    return input_path_;
+    return *input_;
   }
 
   void RunVariant(const Variant& variant) {
     RequirePrograms(variant);
     ResultFolder result(folder_.result(KeyOf(variant)));
-    std::vector<std::string> logs = {Input()};
+    std::vector<std::string> logs = {Input().path()};
     std::vector<std::unique_ptr<ScratchFile>> scratch;
     StageRuns runs;
     for (const std::string& stage : work_.head.stages) {
@@ -269,7 +275,6 @@ class ShardRun {
   std::vector<std::string> channels_;
   std::optional<ShardCutter> cutter_;
   std::unique_ptr<ScratchFile> input_;
-  std::string input_path_;
 };
 
 }  // namespace
@@ -306,9 +311,8 @@ StageProgram DescribeProgram(const std::string& path) {
 }
 
 void RunShard(const BatchFolder& folder, size_t number) {
-  // Images are allocated and freed frame by frame; the kernel need not clear their pages each time.
-  mallopt(M_MMAP_THRESHOLD, std::numeric_limits<int>::max());
-  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  SetThreads(1);  // other shards have the other cores
+  KeepMemory();
   ShardTry attempt(folder, number);
   try {
     ShardRun(folder, number, attempt).Run();

@@ -16,6 +16,8 @@
 namespace sprout {
 namespace {
 
+constexpr int kMisfitOneIn = 8;  // bands of rows; all of them take as long as half a stage
+
 using Cell = std::optional<double>;
 
 std::vector<std::string> Split(const std::string& line) {
@@ -124,7 +126,7 @@ Table MeasureFrames(FrameLookup& frames, Part answer) {
   Table table{.columns = WithFrame(MeasureColumns()), .rows = {}};
   const PartSet parts{Part::kLeft, Part::kRight, Part::kSeeds, Part::kDisparity, Part::kConfidence};
   for (const FrameId& id : frames.FramesWith(answer)) {
-    const FrameQuality quality = QualityOf(frames.Get(id, parts));
+    const FrameQuality quality = QualityOf(frames.Get(id, parts), kMisfitOneIn);
     std::vector<Cell>& row = table.rows.emplace_back(RowStart(id));
     for (const QualityColumn& column : QualityColumns()) row.push_back(column.value(quality));
   }

@@ -13,8 +13,9 @@
 namespace sprout {
 namespace {
 
-constexpr int kWindow = 5;    // side, px
-constexpr double kNoise = 2;  // s of (Q1), grey levels
+constexpr int kWindow = 5;     // side, px
+constexpr int kBandRows = 16;  // of a sample
+constexpr double kNoise = 2;   // s of (Q1), grey levels
 
 // The right image as the left camera would see it, and where that is known.
 struct Warped {
@@ -52,13 +53,75 @@ double Moment(double count, double product, double one, double other) {
   return count * product - one * other;
 }
 
+// Sum of (Q1) over the pixels where it is known.
+struct MisfitSum {
+  double sum = 0;
+  int64_t pixels = 0;
+
+  std::optional<double> Mean() const {
+    return pixels > 0 ? std::optional(sum / static_cast<double>(pixels)) : std::nullopt;
+  }
+};
+
+MisfitSum SumMisfit(const cv::Mat1b& left, const cv::Mat1b& right,
+                    const DisparityImage& disparity) {
+  const Warped warped = Warp(right, disparity);
+  // All sums are whole numbers below 2^24, so floats are exact.
+  const cv::Mat1f& known = warped.known;
+  cv::Mat1f grey_left;
+  cv::Mat1f grey_right;
+  cv::multiply(left, known, grey_left, 1, CV_32F);
+  cv::multiply(warped.right, known, grey_right, 1, CV_32F);
+  const cv::Mat1f count = WindowSum(known, known);
+  const cv::Mat1f sum_left = WindowSum(grey_left, known);
+  const cv::Mat1f sum_right = WindowSum(grey_right, known);
+  const cv::Mat1f sum_left_left = WindowSum(grey_left, grey_left);
+  const cv::Mat1f sum_right_right = WindowSum(grey_right, grey_right);
+  const cv::Mat1f sum_left_right = WindowSum(grey_left, grey_right);
+
+  MisfitSum misfit;
+  for (int v = 0; v < count.rows; ++v) {
+    for (int u = 0; u < count.cols; ++u) {
+      if (known(v, u) == 0) continue;
+      const double n = count(v, u);
+      const double l = sum_left(v, u);
+      const double r = sum_right(v, u);
+      const double contrast =
+          std::sqrt(Moment(n, sum_left_left(v, u), l, l) * Moment(n, sum_right_right(v, u), r, r));
+      const double covariance = Moment(n, sum_left_right(v, u), l, r);
+      misfit.sum += 0.5 * (contrast - covariance) / (contrast + kNoise * kNoise * n * n);  // (Q1)
+      ++misfit.pixels;
+    }
+  }
+  return misfit;
+}
+
+// Over one of `one_in` bands of rows.
+std::optional<double> SampledMisfit(const Frame& frame, int one_in) {
+  const int rows = frame.disparity->height();
+  const int step = kBandRows * one_in;
+  if (one_in == 1 || rows < step) {
+    return Misfit(ToGrey(frame.left), ToGrey(frame.right), *frame.disparity);
+  }
+  MisfitSum all;
+  for (int v = step / 2; v + kBandRows <= rows; v += step) {
+    const cv::Range band(v, v + kBandRows);
+    const MisfitSum misfit =
+        SumMisfit(ToGrey(frame.left.rowRange(band)), ToGrey(frame.right.rowRange(band)),
+                  DisparityImage(frame.disparity->counts().rowRange(band)));
+    all.sum += misfit.sum;
+    all.pixels += misfit.pixels;
+  }
+  return all.Mean();
+}
+
 std::optional<double> MeanConfidence(const cv::Mat1b& confidence, const DisparityImage& disparity) {
   const cv::Mat valid = disparity.counts() != DisparityImage::kInvalid;
   if (cv::countNonZero(valid) == 0) return std::nullopt;
   return cv::mean(confidence, valid)[0] / 255;
 }
 
-void AddMap(const Frame& frame, FrameQuality& quality) {
+void AddMap(const Frame& frame, int misfit_one_in, FrameQuality& quality) {
   const DisparityImage& disparity = *frame.disparity;
   quality.valid_share =
       static_cast<double>(disparity.CountValid()) / static_cast<double>(disparity.counts().total());
@@ -66,7 +129,7 @@ void AddMap(const Frame& frame, FrameQuality& quality) {
     quality.confidence = MeanConfidence(frame.confidence, disparity);
   }
   if (frame.left.size() == disparity.size() && frame.right.size() == disparity.size()) {
-    quality.misfit = Misfit(ToGrey(frame.left), ToGrey(frame.right), disparity);
+    quality.misfit = SampledMisfit(frame, misfit_one_in);
   }
 }
 
@@ -106,46 +169,16 @@ std::optional<double> FrameQuality::score() const {
   return *valid_share * confidence.value_or(1) * (1 - misfit.value_or(0));  // (Q2)
 }
 
-FrameQuality QualityOf(const Frame& frame) {
+FrameQuality QualityOf(const Frame& frame, int misfit_one_in) {
   FrameQuality quality;
-  if (frame.disparity && !frame.disparity->empty()) AddMap(frame, quality);
+  if (frame.disparity && !frame.disparity->empty()) AddMap(frame, misfit_one_in, quality);
   if (frame.seeds) AddSeeds(frame, quality);
   return quality;
 }
 
 std::optional<double> Misfit(const cv::Mat1b& left, const cv::Mat1b& right,
                              const DisparityImage& disparity) {
-  const Warped warped = Warp(right, disparity);
-  // All sums are whole numbers below 2^24, so floats are exact.
-  const cv::Mat1f& known = warped.known;
-  cv::Mat1f grey_left;
-  cv::Mat1f grey_right;
-  cv::multiply(left, known, grey_left, 1, CV_32F);
-  cv::multiply(warped.right, known, grey_right, 1, CV_32F);
-  const cv::Mat1f count = WindowSum(known, known);
-  const cv::Mat1f sum_left = WindowSum(grey_left, known);
-  const cv::Mat1f sum_right = WindowSum(grey_right, known);
-  const cv::Mat1f sum_left_left = WindowSum(grey_left, grey_left);
-  const cv::Mat1f sum_right_right = WindowSum(grey_right, grey_right);
-  const cv::Mat1f sum_left_right = WindowSum(grey_left, grey_right);
-
-  double sum = 0;
-  int64_t pixels = 0;
-  for (int v = 0; v < count.rows; ++v) {
-    for (int u = 0; u < count.cols; ++u) {
-      if (known(v, u) == 0) continue;
-      const double n = count(v, u);
-      const double l = sum_left(v, u);
-      const double r = sum_right(v, u);
-      const double contrast =
-          std::sqrt(Moment(n, sum_left_left(v, u), l, l) * Moment(n, sum_right_right(v, u), r, r));
-      const double covariance = Moment(n, sum_left_right(v, u), l, r);
-      sum += 0.5 * (contrast - covariance) / (contrast + kNoise * kNoise * n * n);  // (Q1)
-      ++pixels;
-    }
-  }
-  if (pixels == 0) return std::nullopt;
-  return sum / static_cast<double>(pixels);
+  return SumMisfit(left, right, disparity).Mean();
 }
 
 std::span<const QualityColumn> QualityColumns() { return kColumns; }
