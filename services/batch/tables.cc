@@ -16,7 +16,7 @@
 namespace sprout {
 namespace {
 
-constexpr int kMisfitOneIn = 8;  // bands of rows; all of them take as long as half a stage
+constexpr int kMisfitOneIn = 16;  // bands of rows; all would take as long as half a stage
 
 using Cell = std::optional<double>;
 

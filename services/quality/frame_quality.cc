@@ -13,9 +13,9 @@
 namespace sprout {
 namespace {
 
-constexpr int kWindow = 5;     // side, px
-constexpr int kBandRows = 16;  // of a sample
-constexpr double kNoise = 2;   // s of (Q1), grey levels
+constexpr int kWindow = 5;    // side, px
+constexpr int kBandRows = 8;  // of a sample
+constexpr double kNoise = 2;  // s of (Q1), grey levels
 
 // The right image as the left camera would see it, and where that is known.
 struct Warped {

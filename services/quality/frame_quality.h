@@ -35,7 +35,7 @@ struct FrameQuality {
 
 /// @param frame  any of left, right, disparity, confidence, seeds; parts whose sizes do not go
 ///               together count as missing.
-/// @param misfit_one_in  samples the misfit: takes one of so many bands of 16 rows; 1 = all rows.
+/// @param misfit_one_in  samples the misfit: takes one of so many bands of 8 rows; 1 = all rows.
 /// O(pixels); with all parts and all rows about as long as two conversions of the images to grey
 /// and ten box filters take.
 FrameQuality QualityOf(const Frame& frame, int misfit_one_in = 1);
