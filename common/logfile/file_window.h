@@ -22,7 +22,6 @@ class InputFile {
 
   const std::filesystem::path& path() const { return path_; }
   int64_t size() const { return size_; }
-  int descriptor() const { return descriptor_; }  ///< for the kernel's own copying
 
   /// Fills `bytes` from `offset` on. @throws LogError when that fails.
   void Read(int64_t offset, std::span<uint8_t> bytes) const;

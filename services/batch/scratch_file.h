@@ -1,10 +1,7 @@
 #ifndef SPROUT_SERVICES_BATCH_SCRATCH_FILE_H_
 #define SPROUT_SERVICES_BATCH_SCRATCH_FILE_H_
 
-#include <cstdint>
 #include <string>
-
-#include "common/logfile/file_window.h"
 
 namespace sprout {
 
@@ -18,9 +15,6 @@ class ScratchFile {
   ~ScratchFile();
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
-
-  /// Adds bytes of a file, without reading them into this process. @throws LogError.
-  void Append(const InputFile& from, int64_t offset, int64_t bytes);
 
   /// "/dev/fd/7": OutputFile writes through it, LogReader reads it from its beginning.
   std::string path() const { return "/dev/fd/" + std::to_string(descriptor_); }

@@ -15,11 +15,10 @@
 #include "common/app/process.h"
 #include "common/core/digest.h"
 #include "common/core/output_file.h"
-#include "common/logfile/event_fetcher.h"
 #include "common/logfile/file_window.h"
-#include "common/logfile/log_writer.h"
 #include "services/batch/host_name.h"
 #include "services/batch/scratch_file.h"
+#include "services/batch/shard_input.h"
 #include "services/batch/shard_try.h"
 #include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
@@ -31,73 +30,22 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::hours kPatience{24};
 
+std::string BytesOf(const fs::path& path) {
+  try {
+    const InputFile file(path);
+    std::string bytes(static_cast<size_t>(file.size()), '\0');
+    file.Read(0, {reinterpret_cast<uint8_t*>(bytes.data()), bytes.size()});
+    return bytes;
+  } catch (const LogError& e) {
+    throw ConfigError(e.what());
+  }
+}
+
 // What the last stage always answers.
 Part AnswerOf(const std::string& stage) {
   if (stage == "refine") return Part::kSeeds;
   return stage == "prior" ? Part::kPrior : Part::kDisparity;
 }
-
-bool IsTaken(const IndexedEvent& event, const std::vector<std::string>& channels) {
-  return std::find(channels.begin(), channels.end(), event.channel) != channels.end();
-}
-
-// Cuts a shard's events out of its log, as long as log and index are those of the manifest.
-class ShardCutter {
- public:
-  ShardCutter(const ShardOfBatch& work, const std::vector<std::string>& channels) : work_(work) {
-    for (const int64_t line : work.shard.carried) {
-      carried_.push_back(ReadIndexLine(work.log.index, line));
-    }
-    for (IndexedEvent& event : ReadIndexLines(work.log.index, work.shard.begin, work.shard.end)) {
-      if (IsTaken(event, channels)) own_.push_back(std::move(event));
-    }
-    if (InputDigest(carried_, own_) != work.shard.input) Changed();
-  }
-
-  void Write(ScratchFile& to) const {
-    RequireUnchanged();
-    WriteCarried(to);
-    const InputFile log(work_.log.path);
-    for (size_t i = 0; i < own_.size();) {
-      const int64_t begin = own_[i].offset;
-      int64_t end = begin;
-      for (; i < own_.size() && own_[i].offset == end; ++i) end += own_[i].bytes;
-      to.Append(log, begin, end - begin);
-    }
-    RequireUnchanged();
-  }
-
-  // Where the shard's messages are in its log.
-  void AddTo(FrameLookup& frames) const {
-    for (const auto* events : {&carried_, &own_}) frames.Add(work_.log.path, *events);
-  }
-
- private:
-  [[noreturn]] void Changed() const {
-    throw LogError(work_.log.path,
-                   "it or its index has changed since the batch was planned; run "
-                   "sprout-batch run again");
-  }
-
-  void RequireUnchanged() const {
-    if (!(StampOf(work_.log.path) == work_.log.summary.stamp)) Changed();
-  }
-
-  // The first calibration may come from further behind; times in a log go forward.
-  void WriteCarried(const ScratchFile& to) const {
-    EventFetcher fetcher(work_.log.path);
-    LogWriter writer(to.path());
-    for (const IndexedEvent& event : carried_) {
-      const LogEvent found = fetcher.Fetch(event.offset);
-      writer.Write(std::min(event.utime, own_.front().utime), event.channel, found.data);
-    }
-    writer.Close();
-  }
-
-  const ShardOfBatch& work_;
-  std::vector<IndexedEvent> carried_;
-  std::vector<IndexedEvent> own_;
-};
 
 // A folder that gets its name when all in it is written.
 class ResultFolder {
@@ -172,22 +120,23 @@ class ShardRun {
     return ResultKey(work_.head, variant, work_.shard);
   }
 
-  const ScratchFile& Input() {
-    if (!input_) {
-      input_ = std::make_unique<ScratchFile>();
-      try {
-        cutter_.emplace(work_, channels_).Write(*input_);
-      } catch (const LogError& e) {
-        throw ShardError(WithFolderOfScratch(e.what()));
-      }
-    }
+  ShardInput& Input() {
+    if (!input_) input_.emplace(work_, channels_);
     return *input_;
   }
 
+  std::string InputPath(bool as_list) {
+    try {
+      return Input().Path(as_list);
+    } catch (const LogError& e) {
+      throw ShardError(WithFolderOfScratch(e.what()));
+    }
+  }
+
   void RunVariant(const Variant& variant) {
-    RequirePrograms(variant);
+    const bool as_list = RequirePrograms(variant);
     ResultFolder result(folder_.result(KeyOf(variant)));
-    std::vector<std::string> logs = {Input().path()};
+    std::vector<std::string> logs = {InputPath(as_list)};
     std::vector<std::unique_ptr<ScratchFile>> scratch;
     StageRuns runs;
     for (const std::string& stage : work_.head.stages) {
@@ -200,20 +149,27 @@ class ShardRun {
       logs.push_back(record);
     }
     FrameLookup frames(work_.head.prefix);
-    cutter_->AddTo(frames);
+    input_->AddTo(frames);
     for (size_t i = 1; i < logs.size(); ++i) frames.Add(logs[i]);
     WriteTable(result / "measures.csv", MeasureFrames(frames, AnswerOf(work_.head.stages.back())));
+    input_->RequireUnchanged();
     WriteStageRuns(result / "run.json", runs);
     result.Commit();
   }
 
-  void RequirePrograms(const Variant& variant) const {
+  // @returns whether all of them can read a list of events.
+  bool RequirePrograms(const Variant& variant) const {
+    bool read_lists = true;
     for (const auto& [stage, program] : variant.programs) {
-      if (FileDigest(program.path) == program.digest) continue;
-      throw ConfigError(program.path +
-                        ": not the program that the batch was planned with; run sprout-batch run "
-                        "again");
+      const std::string bytes = BytesOf(program.path);
+      if (Digest(bytes) != program.digest) {
+        throw ConfigError(program.path +
+                          ": not the program that the batch was planned with; run sprout-batch run "
+                          "again");
+      }
+      read_lists = read_lists && ShardInput::ReadsLists(bytes);
     }
+    return read_lists;
   }
 
   StageRun RunStageProgram(const Variant& variant, const std::string& stage,
@@ -273,8 +229,7 @@ class ShardRun {
   ShardTry& attempt_;
   ShardOfBatch work_;
   std::vector<std::string> channels_;
-  std::optional<ShardCutter> cutter_;
-  std::unique_ptr<ScratchFile> input_;
+  std::optional<ShardInput> input_;
 };
 
 }  // namespace
@@ -289,16 +244,7 @@ bool IsDone(const BatchFolder& folder, const BatchHead& head, const BatchLog& lo
           access(folder.comparison(ComparisonKey(head, log, shard)).c_str(), F_OK) == 0);
 }
 
-std::string FileDigest(const fs::path& path) {
-  try {
-    const InputFile file(path);
-    std::string bytes(static_cast<size_t>(file.size()), '\0');
-    file.Read(0, {reinterpret_cast<uint8_t*>(bytes.data()), bytes.size()});
-    return Digest(bytes);
-  } catch (const LogError& e) {
-    throw ConfigError(e.what());
-  }
-}
+std::string FileDigest(const fs::path& path) { return Digest(BytesOf(path)); }
 
 StageProgram DescribeProgram(const std::string& path) {
   Process process({path, "--version"});

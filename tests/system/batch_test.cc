@@ -97,6 +97,11 @@ std::vector<std::string> RunCommand(const fs::path& logs, const fs::path& out) {
           "1"};
 }
 
+void WriteProgram(const fs::path& path, const std::string& lines) {
+  std::ofstream(path) << "#!/bin/sh\n" << lines;
+  fs::permissions(path, fs::perms::owner_all);
+}
+
 TEST(BatchSystem, MergedAnswersAreTheBytesOfAReplayOfTheWholeLog) {
   const TemporaryDirectory folder;
   fs::create_directory(folder / "logs");
@@ -109,6 +114,18 @@ TEST(BatchSystem, MergedAnswersAreTheBytesOfAReplayOfTheWholeLog) {
   const std::string merged = BytesOfFile(folder / "out" / "logs" / "run_a.lcm");
   EXPECT_GT(merged.size(), 1000U);
   EXPECT_TRUE(merged == WholeReplay(folder / "", folder / "logs" / "run.lcm"));
+
+  // Programs of an older build, which cannot read a list of events, get a copy.
+  fs::create_directory(folder / "bin");
+  for (const std::string stage : {"sprout-refine", "sprout-prior", "sprout-grow"}) {
+    WriteProgram(folder / "bin" / stage.c_str(), "exec " + ProgramPath(stage) + " \"$@\"\n");
+  }
+  auto command = RunCommand(folder / "logs", folder / "out");
+  command.insert(command.end(), {"--programs-b", folder / "bin"});
+  const Outcome compared = RunProgramOf(command);
+  EXPECT_EQ(compared.exit_code, 0) << compared.output;
+  EXPECT_TRUE(merged == BytesOfFile(folder / "out" / "logs" / "run_b.lcm"));
+  EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("A and B give the same maps"));
 }
 
 TEST(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
@@ -205,11 +222,6 @@ TEST(BatchSystem, ATruthSaysWhichOfTheTwoIsNearerToIt) {
   EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("against the truth"));
   command.back() = folder / "none";
   EXPECT_EQ(RunProgramOf(command).exit_code, 2);
-}
-
-void WriteProgram(const fs::path& path, const std::string& lines) {
-  std::ofstream(path) << "#!/bin/sh\n" << lines;
-  fs::permissions(path, fs::perms::owner_all);
 }
 
 TEST(BatchSystem, AnotherBuildIsComparedAndItsFailuresAreReported) {
