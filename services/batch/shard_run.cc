@@ -150,8 +150,11 @@ class ShardRun {
     }
     FrameLookup frames(work_.head.prefix);
     input_->AddTo(frames);
-    for (size_t i = 1; i < logs.size(); ++i) frames.Add(logs[i]);
-    WriteTable(result / "measures.csv", MeasureFrames(frames, AnswerOf(work_.head.stages.back())));
+    const Part answer = AnswerOf(work_.head.stages.back());
+    for (size_t i = 0; i < work_.head.stages.size(); ++i) {
+      if (IsMeasured(OutputsOf(work_.head.stages[i]), answer)) frames.Add(logs[i + 1]);
+    }
+    WriteTable(result / "measures.csv", MeasureFrames(frames, answer));
     input_->RequireUnchanged();
     WriteStageRuns(result / "run.json", runs);
     result.Commit();

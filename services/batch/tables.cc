@@ -16,6 +16,9 @@
 namespace sprout {
 namespace {
 
+const PartSet kMeasured{Part::kLeft, Part::kRight, Part::kSeeds, Part::kDisparity,
+                        Part::kConfidence};
+
 constexpr int kMisfitOneIn = 16;  // bands of rows; all would take as long as half a stage
 
 using Cell = std::optional<double>;
@@ -122,11 +125,16 @@ Table ReadTable(const std::filesystem::path& path) {
   return table;
 }
 
+bool IsMeasured(const PartSet& parts, Part answer) {
+  return std::any_of(kAllParts.begin(), kAllParts.end(), [&](Part part) {
+    return parts.Has(part) && (part == answer || kMeasured.Has(part));
+  });
+}
+
 Table MeasureFrames(FrameLookup& frames, Part answer) {
   Table table{.columns = WithFrame(MeasureColumns()), .rows = {}};
-  const PartSet parts{Part::kLeft, Part::kRight, Part::kSeeds, Part::kDisparity, Part::kConfidence};
   for (const FrameId& id : frames.FramesWith(answer)) {
-    const FrameQuality quality = QualityOf(frames.Get(id, parts), kMisfitOneIn);
+    const FrameQuality quality = QualityOf(frames.Get(id, kMeasured), kMisfitOneIn);
     std::vector<Cell>& row = table.rows.emplace_back(RowStart(id));
     for (const QualityColumn& column : QualityColumns()) row.push_back(column.value(quality));
   }

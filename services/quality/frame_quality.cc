@@ -53,66 +53,27 @@ double Moment(double count, double product, double one, double other) {
   return count * product - one * other;
 }
 
-// Sum of (Q1) over the pixels where it is known.
-struct MisfitSum {
-  double sum = 0;
-  int64_t pixels = 0;
-
-  std::optional<double> Mean() const {
-    return pixels > 0 ? std::optional(sum / static_cast<double>(pixels)) : std::nullopt;
-  }
-};
-
-MisfitSum SumMisfit(const cv::Mat1b& left, const cv::Mat1b& right,
-                    const DisparityImage& disparity) {
-  const Warped warped = Warp(right, disparity);
-  // All sums are whole numbers below 2^24, so floats are exact.
-  const cv::Mat1f& known = warped.known;
-  cv::Mat1f grey_left;
-  cv::Mat1f grey_right;
-  cv::multiply(left, known, grey_left, 1, CV_32F);
-  cv::multiply(warped.right, known, grey_right, 1, CV_32F);
-  const cv::Mat1f count = WindowSum(known, known);
-  const cv::Mat1f sum_left = WindowSum(grey_left, known);
-  const cv::Mat1f sum_right = WindowSum(grey_right, known);
-  const cv::Mat1f sum_left_left = WindowSum(grey_left, grey_left);
-  const cv::Mat1f sum_right_right = WindowSum(grey_right, grey_right);
-  const cv::Mat1f sum_left_right = WindowSum(grey_left, grey_right);
-
-  MisfitSum misfit;
-  for (int v = 0; v < count.rows; ++v) {
-    for (int u = 0; u < count.cols; ++u) {
-      if (known(v, u) == 0) continue;
-      const double n = count(v, u);
-      const double l = sum_left(v, u);
-      const double r = sum_right(v, u);
-      const double contrast =
-          std::sqrt(Moment(n, sum_left_left(v, u), l, l) * Moment(n, sum_right_right(v, u), r, r));
-      const double covariance = Moment(n, sum_left_right(v, u), l, r);
-      misfit.sum += 0.5 * (contrast - covariance) / (contrast + kNoise * kNoise * n * n);  // (Q1)
-      ++misfit.pixels;
-    }
-  }
-  return misfit;
-}
-
-// Over one of `one_in` bands of rows.
+// One of `one_in` bands of rows, one below the other. No window sees two of them, since the rows
+// between have no disparity.
 std::optional<double> SampledMisfit(const Frame& frame, int one_in) {
   const int rows = frame.disparity->height();
   const int step = kBandRows * one_in;
   if (one_in == 1 || rows < step) {
     return Misfit(ToGrey(frame.left), ToGrey(frame.right), *frame.disparity);
   }
-  MisfitSum all;
+  std::array<std::vector<cv::Mat>, 3> stacks;
+  const std::array<cv::Mat, 3> maps = {frame.left, frame.right, frame.disparity->counts()};
+  const cv::Mat no_disparity(kWindow / 2, frame.disparity->width(), CV_16SC1,
+                             cv::Scalar(DisparityImage::kInvalid));
   for (int v = step / 2; v + kBandRows <= rows; v += step) {
-    const cv::Range band(v, v + kBandRows);
-    const MisfitSum misfit =
-        SumMisfit(ToGrey(frame.left.rowRange(band)), ToGrey(frame.right.rowRange(band)),
-                  DisparityImage(frame.disparity->counts().rowRange(band)));
-    all.sum += misfit.sum;
-    all.pixels += misfit.pixels;
+    for (size_t i = 0; i < maps.size(); ++i) {
+      stacks[i].push_back(maps[i].rowRange(v, v + kBandRows));
+      stacks[i].push_back(i == 2 ? no_disparity : maps[i].rowRange(0, kWindow / 2));
+    }
   }
-  return all.Mean();
+  std::array<cv::Mat, 3> bands;
+  for (size_t i = 0; i < maps.size(); ++i) cv::vconcat(stacks[i], bands[i]);
+  return Misfit(ToGrey(bands[0]), ToGrey(bands[1]), DisparityImage(cv::Mat1s(bands[2])));
 }
 
 std::optional<double> MeanConfidence(const cv::Mat1b& confidence, const DisparityImage& disparity) {
@@ -178,7 +139,37 @@ FrameQuality QualityOf(const Frame& frame, int misfit_one_in) {
 
 std::optional<double> Misfit(const cv::Mat1b& left, const cv::Mat1b& right,
                              const DisparityImage& disparity) {
-  return SumMisfit(left, right, disparity).Mean();
+  const Warped warped = Warp(right, disparity);
+  // All sums are whole numbers below 2^24, so floats are exact.
+  const cv::Mat1f& known = warped.known;
+  cv::Mat1f grey_left;
+  cv::Mat1f grey_right;
+  cv::multiply(left, known, grey_left, 1, CV_32F);
+  cv::multiply(warped.right, known, grey_right, 1, CV_32F);
+  const cv::Mat1f count = WindowSum(known, known);
+  const cv::Mat1f sum_left = WindowSum(grey_left, known);
+  const cv::Mat1f sum_right = WindowSum(grey_right, known);
+  const cv::Mat1f sum_left_left = WindowSum(grey_left, grey_left);
+  const cv::Mat1f sum_right_right = WindowSum(grey_right, grey_right);
+  const cv::Mat1f sum_left_right = WindowSum(grey_left, grey_right);
+
+  double sum = 0;
+  int64_t pixels = 0;
+  for (int v = 0; v < count.rows; ++v) {
+    for (int u = 0; u < count.cols; ++u) {
+      if (known(v, u) == 0) continue;
+      const double n = count(v, u);
+      const double l = sum_left(v, u);
+      const double r = sum_right(v, u);
+      const double contrast =
+          std::sqrt(Moment(n, sum_left_left(v, u), l, l) * Moment(n, sum_right_right(v, u), r, r));
+      const double covariance = Moment(n, sum_left_right(v, u), l, r);
+      sum += 0.5 * (contrast - covariance) / (contrast + kNoise * kNoise * n * n);  // (Q1)
+      ++pixels;
+    }
+  }
+  if (pixels == 0) return std::nullopt;
+  return sum / static_cast<double>(pixels);
 }
 
 std::span<const QualityColumn> QualityColumns() { return kColumns; }
