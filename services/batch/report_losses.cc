@@ -47,8 +47,10 @@ constexpr char kLegend[] =
     "<b>Left out</b>: no message has this frame number. Columns A and B count only shards that are "
     "done.</p>\n";
 
+// A log without shards or frames is bad, too.
 std::string Cell(int64_t count, bool is_bad) {
-  return fmt::format("<td{}>{}</td>", is_bad && count > 0 ? " class=\"bad\"" : "", count);
+  const char* kind = (count > 0) == is_bad ? " class=\"bad\"" : count == 0 ? " class=\"none\"" : "";
+  return fmt::format("<td{}>{}</td>", kind, count);
 }
 
 std::string Head(const BatchHead& head) {

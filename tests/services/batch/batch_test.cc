@@ -265,12 +265,13 @@ TEST_F(LossesOfABatch, AreCountedPerLog) {
 TEST_F(LossesOfABatch, StandInTheReportPerLogAndInAll) {
   const std::string html = LossesHtml(batch_, manifest_, state_);
   EXPECT_THAT(html, HasSubstr("<tr><td>all 2 logs</td><td>3</td><td class=\"bad\">1</td>"
-                              "<td class=\"bad\">1</td><td>0</td><td>30</td>"
+                              "<td class=\"bad\">1</td><td class=\"none\">0</td><td>30</td>"
                               "<td class=\"bad\">2</td><td class=\"bad\">1</td>"
                               "<td class=\"bad\">2</td><td class=\"bad\">3</td>"
                               "<td class=\"bad\">4</td><td class=\"bad\">5</td>"
                               "<td class=\"bad\">600</td></tr>"));
-  EXPECT_THAT(html, HasSubstr("<tr><td>y</td><td>1</td><td>0</td><td class=\"bad\">1</td>"));
+  EXPECT_THAT(
+      html, HasSubstr("<tr><td>y</td><td>1</td><td class=\"none\">0</td><td class=\"bad\">1</td>"));
   EXPECT_THAT(html, HasSubstr("missing after 2 failed tries"));
   EXPECT_THAT(html, HasSubstr("failed/1.1.txt\">out of &lt;luck&gt;<"));
 }
