@@ -54,7 +54,7 @@ IndexSummary IndexSummaryFrom(const nlohmann::json& json);
 
 /// The frames' messages of a log with their places and digests: one line of text each behind one
 /// line of JSON. Made by reading the log once, kept beside it as `LOG.index`, or in another folder
-/// where the log's own cannot be written. Some 80 bytes a message.
+/// where the log's own cannot be written. Some 100 bytes a message.
 class LogIndex {
  public:
   /// Reads the index of a log; makes it when there is none, or it is of an older state of the log.
