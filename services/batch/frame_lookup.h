@@ -16,13 +16,13 @@
 
 namespace sprout {
 
-/// Finds the parts of frames in small logs, in any order. Opening reads each log once.
+/// Finds the parts of frames in small logs, in any order. Opening reads where each message begins.
 class FrameLookup {
  public:
   explicit FrameLookup(std::string prefix) : prefix_(std::move(prefix)) {}
 
-  /// Adds the parts that a log has. Of a part that comes again, the newest counts.
-  /// @throws LogError.
+  /// Adds the parts that a log has, which is one that a stage wrote, and so is whole. Of a part
+  /// that comes again, the newest counts. @throws LogError.
   void Add(const std::string& log);
 
   /// The same with events that an index tells of, which are not read for it.
