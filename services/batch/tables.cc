@@ -19,7 +19,7 @@ namespace {
 const PartSet kMeasured{Part::kLeft, Part::kRight, Part::kSeeds, Part::kDisparity,
                         Part::kConfidence};
 
-constexpr int kMisfitOneIn = 16;  // bands of rows; all would take as long as half a stage
+constexpr int kMisfitOneIn = 8;  // bands of rows; all would take 10 ms a frame
 
 using Cell = std::optional<double>;
 
