@@ -1,16 +1,20 @@
 #include <fmt/format.h>
 
-#include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <deque>
 #include <iostream>
 #include <mutex>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
 #include <thread>
 
 #include "common/app/process.h"
 #include "common/app/progress.h"
 #include "services/batch/engines.h"
 #include "services/batch/interrupt.h"
+#include "services/batch/shard_try.h"
 
 namespace sprout {
 namespace {
@@ -36,7 +40,7 @@ class Queue {
 
   std::optional<Item> Take() {
     const std::lock_guard lock(mutex_);
-    if (waiting_.empty() || Interrupt::requested()) return std::nullopt;
+    if (waiting_.empty() || !stopped_.empty() || Interrupt::requested()) return std::nullopt;
     const Item item = waiting_.front();
     waiting_.pop_front();
     return item;
@@ -52,10 +56,15 @@ class Queue {
     const std::lock_guard lock(mutex_);
     progress.Clear();
     const bool again = item.failures < retries_;
-    std::cerr << output << (output.ends_with('\n') ? "" : "\n")
-              << fmt::format("sprout-batch: shard {} failed{}\n", item.shard,
-                             again ? ", will be tried again" : " for the last time");
+    std::cerr << "sprout-batch: " << output
+              << (again ? "; will be tried again\n" : "; that was the last try\n");
     if (again) waiting_.push_back({item.shard, item.failures + 1});
+  }
+
+  // What failed for a reason that every other shard would meet, too.
+  void Stop(const std::string& output) {
+    const std::lock_guard lock(mutex_);
+    if (stopped_.empty()) stopped_ = output;
   }
 
   void Show(Progress& progress) {
@@ -72,16 +81,31 @@ class Queue {
   }
 
   int64_t missing() const { return missing_; }
+  const std::string& stopped() const { return stopped_; }  // why; empty: it was not
 
  private:
   std::mutex mutex_;
   std::deque<Item> waiting_;
   int retries_;
+  std::string stopped_;
   int64_t missing_ = 0;
   int64_t frames_to_do_ = 0;
   int64_t frames_done_ = 0;
   Clock::time_point start_ = Clock::now();
 };
+
+// The line in which a shard's process says why it failed.
+std::string ReasonIn(std::string output) {
+  constexpr std::string_view kName = "sprout-batch: ";
+  while (output.ends_with('\n')) output.pop_back();
+  if (output.starts_with(kName)) output.erase(0, kName.size());
+  return output;
+}
+
+// A program that was exchanged, or a full disk.
+bool IsHopeless(int code, const std::string& why) {
+  return code == 2 || why.find(std::generic_category().message(ENOSPC)) != std::string::npos;
+}
 
 }  // namespace
 
@@ -89,7 +113,6 @@ int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Ma
                  const BatchState& state, const LocalOptions& options) {
   Queue queue(manifest, state, options.retries);
   Progress progress(/*quiet=*/false);
-  const Interrupt interrupt;
   const auto work = [&] {
     while (const auto item = queue.Take()) {
       queue.Show(progress);
@@ -100,8 +123,12 @@ int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Ma
       }
       if (code == 0) {
         queue.Done(manifest.shards[item->shard].frames);
-      } else if (!Interrupt::requested()) {
-        queue.Failed(*item, process.Output(), progress);
+      } else if (Interrupt::requested()) {
+        ForgetTry(folder, item->shard);
+      } else if (const std::string why = ReasonIn(process.Output()); IsHopeless(*code, why)) {
+        queue.Stop(why);
+      } else {
+        queue.Failed(*item, why, progress);
       }
     }
   };
@@ -113,7 +140,10 @@ int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Ma
     }
   }
   progress.Clear();
-  if (Interrupt::requested()) throw Interrupted();
+  Interrupt::Check();
+  if (!queue.stopped().empty()) {
+    throw std::runtime_error(queue.stopped() + "; the same command goes on from here");
+  }
   return queue.missing();
 }
 

@@ -7,9 +7,9 @@
 
 #include "common/app/process.h"
 #include "common/config/config.h"
-#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/engines.h"
+#include "services/batch/text_file.h"
 
 namespace sprout {
 namespace {
@@ -17,12 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path SlurmFolder(const BatchFolder& folder) { return folder.root() / "slurm"; }
-
-void WriteText(const fs::path& path, const std::string& text) {
-  OutputFile file(path);
-  file.Write(text);
-  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
-}
 
 // For a shell.
 std::string Quoted(const std::string& text) {

@@ -17,7 +17,9 @@ struct LocalOptions {
 
 /// Runs `PROGRAM run-shard` for every missing shard, `jobs` at a time, until all are done or have
 /// failed too often, or Ctrl-C. Says how far it is on a terminal, and what failed on stderr.
-/// @returns shards that are still missing. @throws Interrupted after Ctrl-C, when all ended.
+/// @returns shards that are still missing. @throws Interrupted after Ctrl-C, when all ended;
+///          std::runtime_error when a shard failed as all others would: full disk, exchanged
+///          program.
 int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Manifest& manifest,
                  const BatchState& state, const LocalOptions& options);
 

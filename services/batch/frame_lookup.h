@@ -5,23 +5,28 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/core/frame.h"
 #include "common/logfile/event_fetcher.h"
+#include "services/batch/log_index.h"
 
 namespace sprout {
 
-/// Finds the parts of frames in small logs, in any order. Opening reads each log once.
+/// Finds the parts of frames in small logs, in any order. Opening reads where each message begins.
 class FrameLookup {
  public:
   explicit FrameLookup(std::string prefix) : prefix_(std::move(prefix)) {}
 
-  /// Adds the parts that a log has. Of a part that comes again, the newest counts.
-  /// @throws LogError.
+  /// Adds the parts that a log has, which is one that a stage wrote, and so is whole. Of a part
+  /// that comes again, the newest counts. @throws LogError.
   void Add(const std::string& log);
+
+  /// The same with events that an index tells of, which are not read for it.
+  void Add(const std::string& log, std::span<const IndexedEvent> events);
 
   /// Frames that have a part, in the order of the log.
   const std::vector<FrameId>& FramesWith(Part part) const;
@@ -34,6 +39,8 @@ class FrameLookup {
     size_t log;
     int64_t offset;
   };
+  void Put(Part part, FrameId id, Place place);
+
   using Key = std::pair<int64_t, int64_t>;  // utime, seq
 
   std::string prefix_;

@@ -9,7 +9,12 @@ volatile std::sig_atomic_t came = 0;
 
 Interrupt::Interrupt() {
   came = 0;
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { came = 1; });
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::signal(signal, [](int number) {
+      came = 1;
+      std::signal(number, SIG_DFL);
+    });
+  }
 }
 
 Interrupt::~Interrupt() {

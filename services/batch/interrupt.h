@@ -12,7 +12,8 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("interrupted; the same command goes on from here") {}
 };
 
-/// Takes note of SIGINT and SIGTERM while it lives. One at a time.
+/// Takes note of SIGINT and SIGTERM while it lives; a second one ends the program at once. One at a
+/// time.
 class Interrupt {
  public:
   Interrupt();
@@ -21,6 +22,12 @@ class Interrupt {
   Interrupt& operator=(const Interrupt&) = delete;
 
   static bool requested();
+
+  /// For long loops: what is half done is removed on the way out. @throws Interrupted when
+  /// requested.
+  static void Check() {
+    if (requested()) throw Interrupted();
+  }
 };
 
 }  // namespace sprout

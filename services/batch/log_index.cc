@@ -2,19 +2,19 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
-#include "common/core/output_file.h"
 #include "common/logfile/event_format.h"
 #include "common/logfile/file_window.h"
 #include "common/logfile/log_reader.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
+#include "services/batch/interrupt.h"
+#include "services/batch/text_file.h"
 
 namespace sprout {
 namespace {
@@ -60,30 +60,18 @@ std::optional<IndexedEvent> Describe(const LogEvent& event) {
 }
 
 std::string HeadLine(const IndexSummary& summary) {
-  return nlohmann::json{{"sprout_index", kFormat},
-                        {"bytes", summary.stamp.bytes},
-                        {"mtime_ns", summary.stamp.mtime_ns},
-                        {"events", summary.events},
-                        {"other_events", summary.other_events},
-                        {"undecodable", summary.undecodable},
-                        {"damaged_bytes", summary.damaged_bytes},
-                        {"goes_back", summary.goes_back}}
-             .dump() +
-         "\n";
+  nlohmann::json head = ToJson(summary);
+  head["sprout_index"] = kFormat;
+  return head.dump() + "\n";
 }
 
 IndexSummary ParseHead(const fs::path& path, std::string_view line) {
-  const auto head = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
-  if (!head.is_object() || head.value("sprout_index", 0) != kFormat) {
-    throw LogError(path, "not an index of this version");
+  try {
+    const auto head = nlohmann::json::parse(line);
+    if (head.at("sprout_index") == kFormat) return IndexSummaryFrom(head);
+  } catch (const nlohmann::json::exception&) {  // says more about JSON than about the file
   }
-  return {.stamp = {.bytes = head.value("bytes", int64_t{0}),
-                    .mtime_ns = head.value("mtime_ns", int64_t{0})},
-          .events = head.value("events", int64_t{0}),
-          .other_events = head.value("other_events", int64_t{0}),
-          .undecodable = head.value("undecodable", int64_t{0}),
-          .damaged_bytes = head.value("damaged_bytes", int64_t{0}),
-          .goes_back = head.value("goes_back", false)};
+  throw LogError(path, "not an index of this version");
 }
 
 std::string LineOf(const IndexedEvent& event) {
@@ -158,6 +146,7 @@ Scan ScanLog(const fs::path& log) {
   LogReader reader(log);
   int64_t newest = std::numeric_limits<int64_t>::min();
   for (LogEvent event; reader.Next(event);) {
+    Interrupt::Check();
     scan.summary.goes_back |= event.utime < newest;
     newest = std::max(newest, event.utime);
     if (auto indexed = Describe(event)) {
@@ -188,6 +177,22 @@ bool IsOf(const fs::path& index, const FileStamp& stamp) {
 
 }  // namespace
 
+nlohmann::json ToJson(const IndexSummary& summary) {
+  return {{"bytes", summary.stamp.bytes},       {"mtime_ns", summary.stamp.mtime_ns},
+          {"events", summary.events},           {"other_events", summary.other_events},
+          {"undecodable", summary.undecodable}, {"damaged_bytes", summary.damaged_bytes},
+          {"goes_back", summary.goes_back}};
+}
+
+IndexSummary IndexSummaryFrom(const nlohmann::json& json) {
+  return {.stamp = {.bytes = json.at("bytes"), .mtime_ns = json.at("mtime_ns")},
+          .events = json.at("events"),
+          .other_events = json.at("other_events"),
+          .undecodable = json.at("undecodable"),
+          .damaged_bytes = json.at("damaged_bytes"),
+          .goes_back = json.at("goes_back")};
+}
+
 FileStamp StampOf(const fs::path& log) {
   struct stat status {};
   if (stat(log.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) {
@@ -202,7 +207,7 @@ void WriteIndex(const fs::path& path, const IndexSummary& summary,
   OutputFile file(path);
   file.Write(HeadLine(summary));
   for (const IndexedEvent& event : events) file.Write(LineOf(event));
-  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
+  CommitFile(path, file);
 }
 
 LogIndex LogIndex::Ensure(const fs::path& log, const fs::path& fallback) {
@@ -216,9 +221,11 @@ LogIndex LogIndex::Ensure(const fs::path& log, const fs::path& fallback) {
   }
   const Scan scan = ScanLog(log);
   if (!(StampOf(log) == stamp)) throw LogError(log, "changed while it was read");
-  if (access(absolute.parent_path().c_str(), W_OK) == 0) {
+  try {
     WriteIndex(beside, scan.summary, scan.events);
     return Read(beside);
+  } catch (const LogError&) {  // the folder cannot be written
+    if (fallback.empty()) throw;
   }
   fs::create_directories(fallback);
   WriteIndex(elsewhere, scan.summary, scan.events);

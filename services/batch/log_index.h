@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -46,13 +46,20 @@ struct IndexSummary {
   bool goes_back = false;     ///< the recorder's time jumped back somewhere
 };
 
+/// Members of the lines of JSON that begin an index, and that describe a log in a manifest.
+nlohmann::json ToJson(const IndexSummary& summary);
+
+/// @throws nlohmann::json::exception when a member is missing or of another type.
+IndexSummary IndexSummaryFrom(const nlohmann::json& json);
+
 /// The frames' messages of a log with their places and digests: one line of text each behind one
 /// line of JSON. Made by reading the log once, kept beside it as `LOG.index`, or in another folder
-/// where the log's own cannot be written. Some 80 bytes a message.
+/// where the log's own cannot be written. Some 100 bytes a message.
 class LogIndex {
  public:
   /// Reads the index of a log; makes it when there is none, or it is of an older state of the log.
-  /// @param fallback  folder for indexes that cannot be kept beside their logs; is created.
+  /// @param fallback  folder for indexes that cannot be kept beside their logs; is created. Empty:
+  ///                  none.
   /// @throws LogError when the log cannot be read, or the index can be written nowhere.
   static LogIndex Ensure(const std::filesystem::path& log, const std::filesystem::path& fallback);
 

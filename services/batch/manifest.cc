@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "common/core/digest.h"
-#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
+#include "services/batch/text_file.h"
 
 namespace sprout {
 namespace {
@@ -60,29 +60,22 @@ BatchHead HeadFrom(const Json& json) {
 }
 
 Json ToJson(const BatchLog& log) {
-  const IndexSummary& summary = log.summary;
-  return {{"log", log.path},
-          {"name", log.name},
-          {"index", log.index},
-          {"bytes", summary.stamp.bytes},
-          {"mtime_ns", summary.stamp.mtime_ns},
-          {"events", summary.events},
-          {"other_events", summary.other_events},
-          {"undecodable", summary.undecodable},
-          {"damaged_bytes", summary.damaged_bytes},
-          {"goes_back", summary.goes_back}};
+  Json json = ToJson(log.summary);
+  json["log"] = log.path;
+  json["name"] = log.name;
+  json["index"] = log.index;
+  json["incomplete"] = log.incomplete;
+  json["left_out"] = log.left_out;
+  return json;
 }
 
 BatchLog LogFrom(const Json& json) {
   return {.path = json.at("log"),
           .name = json.at("name"),
           .index = json.at("index"),
-          .summary = {.stamp = {.bytes = json.at("bytes"), .mtime_ns = json.at("mtime_ns")},
-                      .events = json.at("events"),
-                      .other_events = json.at("other_events"),
-                      .undecodable = json.at("undecodable"),
-                      .damaged_bytes = json.at("damaged_bytes"),
-                      .goes_back = json.at("goes_back")}};
+          .summary = IndexSummaryFrom(json),
+          .incomplete = json.at("incomplete"),
+          .left_out = json.at("left_out")};
 }
 
 Json ToJson(const Shard& shard, size_t number) {
@@ -190,7 +183,7 @@ void WriteManifest(const fs::path& path, const Manifest& manifest) {
   for (size_t i = 0; i < manifest.shards.size(); ++i) {
     file.Write(ToJson(manifest.shards[i], i).dump() + "\n");
   }
-  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
+  CommitFile(path, file);
 }
 
 Manifest ReadManifest(const fs::path& path) {

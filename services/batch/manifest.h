@@ -36,6 +36,8 @@ struct BatchLog {
   std::string name;   ///< of its results; no two logs have the same
   std::string index;  ///< path of its index
   IndexSummary summary;
+  int64_t incomplete = 0;  ///< frames of which a message never came
+  int64_t left_out = 0;    ///< frame numbers that the first stage's messages leave out
 };
 
 /// All that decides what is computed. Logs' own contents apart, an equal head gives equal results.

@@ -6,15 +6,16 @@
 #include <fstream>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
-#include "common/core/output_file.h"
 #include "common/logfile/log_reader.h"
 #include "common/logfile/log_writer.h"
+#include "services/batch/interrupt.h"
 #include "services/batch/shard_run.h"
+#include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
+#include "services/batch/text_file.h"
 
 namespace sprout {
 namespace {
@@ -51,6 +52,7 @@ class AnswerStream {
 // By time; each stream keeps its order, of equal times the stage named first comes first.
 void MergeStreams(std::vector<AnswerStream>& streams, LogWriter& writer) {
   for (;;) {
+    Interrupt::Check();
     AnswerStream* next = nullptr;
     for (AnswerStream& stream : streams) {
       if (stream.there() && (next == nullptr || stream.event().utime < next->event().utime)) {
@@ -68,12 +70,6 @@ std::string FirstLine(const fs::path& path) {
   std::string line;
   std::getline(file, line);
   return line;
-}
-
-void WriteText(const fs::path& path, const std::string& text) {
-  OutputFile file(path);
-  file.Write(text);
-  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
 }
 
 // A merged log has its source's digest beside it, written behind it.
@@ -109,14 +105,12 @@ using Cells = std::vector<std::optional<double>>;
 
 // Mean wall time a frame of each stage over a shard, ms.
 Cells TimesOf(const fs::path& run_json, const StageNames& stages) {
-  std::ifstream file(run_json);
-  const auto run = nlohmann::json::parse(file, nullptr, /*allow_exceptions=*/false);
+  StageRuns runs = ReadStageRuns(run_json);
   Cells times;
   for (const std::string& stage : stages) {
-    const auto of_stage = run.at("stages").at(stage);
-    const double frames = of_stage.value("out", 0.0);
-    times.push_back(frames > 0 ? std::optional(1000 * of_stage.value("seconds", 0.0) / frames)
-                               : std::nullopt);
+    const StageRun& run = runs[stage];
+    const auto frames = static_cast<double>(run.frames_out);
+    times.push_back(frames > 0 ? std::optional(1000 * run.seconds / frames) : std::nullopt);
   }
   return times;
 }
@@ -217,14 +211,13 @@ void WriteFrameTable(const BatchFolder& folder, const Manifest& manifest, const 
   file.Write(first + "\n");
   for (size_t i = 0; i < manifest.shards.size(); ++i) {
     if (!state.done[i]) continue;
+    Interrupt::Check();
     const Shard& shard = manifest.shards[i];
     const std::string start =
         fmt::format("{},{},", manifest.logs[static_cast<size_t>(shard.log)].name, i);
     file.Write(ShardRows(folder, manifest, shard).Text(start, widths));
   }
-  if (const auto written = file.Commit(); !written) {
-    throw LogError(folder.table(), written.error().text);
-  }
+  CommitFile(folder.table(), file);
 }
 
 }  // namespace sprout

@@ -1,19 +1,22 @@
 #include "services/batch/planning.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <atomic>
 #include <fstream>
+#include <iostream>
 #include <mutex>
 #include <set>
 #include <thread>
 
 #include "common/app/progress.h"
 #include "common/core/digest.h"
-#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
+#include "services/batch/interrupt.h"
 #include "services/batch/shard_run.h"
+#include "services/batch/text_file.h"
 
 namespace sprout {
 namespace {
@@ -95,7 +98,7 @@ Wanted Understand(const BatchRequest& request, const std::string& program) {
   head.tables = FileDigest(program);
   if (!request.truth.empty()) {
     if (!fs::is_directory(request.truth)) {
-      throw ConfigError("--truth " + request.truth + ": no such folder");
+      throw ConfigError(fmt::format("--truth {}: no such folder", request.truth));
     }
     head.truth = Absolute(request.truth);
   }
@@ -108,7 +111,7 @@ Wanted Understand(const BatchRequest& request, const std::string& program) {
       MakeVariant("b", head.stages, wanted.configs[1],
                   request.programs_b.empty() ? request.programs_a : request.programs_b));
   Variant as_a = head.variants[1];
-  as_a.name = "a";
+  as_a.name = head.variants[0].name;
   for (auto& [stage, b] : as_a.programs) b.path = head.variants[0].programs[stage].path;
   if (as_a == head.variants[0]) {
     throw ConfigError("--config-b, --programs-b: B is the same as A, there is nothing to compare");
@@ -126,14 +129,9 @@ bool IsSame(const Manifest& manifest, const BatchHead& head, const std::vector<s
   for (size_t i = 0; i < logs.size(); ++i) {
     if (manifest.logs[i].path != logs[i]) return false;
     if (!(manifest.logs[i].summary.stamp == StampOf(logs[i]))) return false;
+    if (!fs::exists(manifest.logs[i].index)) return false;
   }
   return true;
-}
-
-void WriteConfig(const fs::path& path, const SproutConfig& config) {
-  OutputFile file(path);
-  file.Write(ConfigText(config));
-  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
 }
 
 }  // namespace
@@ -149,20 +147,22 @@ std::vector<std::string> FindLogs(const std::vector<std::string>& inputs) {
   return logs;
 }
 
-void IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback) {
+int64_t IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback) {
   Progress progress(/*quiet=*/false);
   std::atomic<size_t> next = 0;
+  std::atomic<int64_t> elsewhere = 0;
   std::mutex mutex;
-  std::string failure;
+  std::vector<std::string> failures;
   const auto work = [&] {
-    for (size_t i = next++; i < logs.size(); i = next++) {
+    for (size_t i = next++; i < logs.size() && !Interrupt::requested(); i = next++) {
       try {
-        LogIndex::Ensure(logs[i], fallback);
+        const LogIndex index = LogIndex::Ensure(logs[i], fallback);
+        if (index.path().parent_path() == fallback) ++elsewhere;
         const std::lock_guard lock(mutex);
         progress.Show(fmt::format("indexed {} of {} logs", i + 1, logs.size()));
       } catch (const std::exception& e) {
         const std::lock_guard lock(mutex);
-        if (failure.empty()) failure = e.what();
+        failures.emplace_back(e.what());
       }
     }
   };
@@ -173,7 +173,11 @@ void IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback) {
     }
   }
   progress.Clear();
-  if (!failure.empty()) throw ConfigError(failure);
+  Interrupt::Check();
+  if (failures.empty()) return elsewhere;
+  throw ConfigError(failures.size() == 1 ? failures[0]
+                                         : fmt::format("{} logs cannot be used:\n{}",
+                                                       failures.size(), fmt::join(failures, "\n")));
 }
 
 Manifest Plan(const BatchRequest& request, const std::string& program) {
@@ -184,7 +188,11 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
     Manifest manifest = ReadManifest(folder.manifest());
     if (IsSame(manifest, wanted.head, logs)) return manifest;
   }
-  IndexLogs(logs, folder.indexes());
+  if (const int64_t elsewhere = IndexLogs(logs, folder.indexes()); elsewhere > 0) {
+    std::cout << fmt::format(
+        "the indexes of {} logs are kept in {}: they cannot be written beside the logs\n",
+        elsewhere, folder.indexes().string());
+  }
   Manifest manifest{.head = wanted.head, .logs = {}, .shards = {}};
   const PlanOptions options{.inputs = InputsOf(wanted.head.stages, wanted.configs[0]),
                             .prefix = wanted.head.prefix,
@@ -192,24 +200,28 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
   std::set<std::string> names;
   for (const std::string& log : logs) {
     const LogIndex index = LogIndex::Ensure(log, folder.indexes());
-    for (Shard& shard : PlanShards(index, options)) {
+    LogPlan plan = PlanShards(index, options);
+    for (Shard& shard : plan.shards) {
       shard.log = std::ssize(manifest.logs);
       manifest.shards.push_back(std::move(shard));
     }
     manifest.logs.push_back({.path = log,
                              .name = NameOf(log, names),
                              .index = Absolute(index.path()),
-                             .summary = index.summary()});
+                             .summary = index.summary(),
+                             .incomplete = plan.incomplete,
+                             .left_out = plan.left_out});
   }
   if (manifest.shards.empty()) {
-    throw ConfigError(
-        fmt::format("no frame is complete in these logs; stage {} joins other "
-                    "channels, see sprout-log info and --channel-prefix",
-                    wanted.head.stages.front()));
+    throw ConfigError(fmt::format(
+        "no frame is complete in these logs; {} needs {}; see sprout-log info, "
+        "--channel-prefix and --stages",
+        wanted.head.stages.front(), fmt::join(ChannelsOf(options.inputs, options.prefix), ", ")));
   }
   for (size_t i = 0; i < wanted.configs.size(); ++i) {
-    WriteConfig(folder.config(wanted.head.variants[i].name), wanted.configs[i]);
+    WriteText(folder.config(wanted.head.variants[i].name), ConfigText(wanted.configs[i]));
   }
+  fs::remove_all(folder.failures());  // its shards had other numbers
   WriteManifest(folder.manifest(), manifest);
   return manifest;
 }

@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_BATCH_PLANNING_H_
 #define SPROUT_SERVICES_BATCH_PLANNING_H_
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -28,8 +29,10 @@ struct BatchRequest {
 /// *.lcm, also below. @throws ConfigError for what is not there.
 std::vector<std::string> FindLogs(const std::vector<std::string>& inputs);
 
-/// Indexes the logs that have no index, several at a time. @throws LogError.
-void IndexLogs(const std::vector<std::string>& logs, const std::filesystem::path& fallback);
+/// Indexes the logs that have no index, several at a time.
+/// @param fallback  folder for indexes that cannot be kept beside their logs; empty: none.
+/// @returns how many indexes are in `fallback`. @throws ConfigError, Interrupted.
+int64_t IndexLogs(const std::vector<std::string>& logs, const std::filesystem::path& fallback);
 
 /// The manifest of a request, written to its folder with the effective configurations. When the one
 /// that is there says the same about the same logs, it is taken as it is.

@@ -5,6 +5,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <functional>
 #include <iostream>
@@ -12,13 +13,14 @@
 #include "common/app/program.h"
 #include "common/app/version.h"
 #include "common/core/digest.h"
-#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/engines.h"
 #include "services/batch/interrupt.h"
 #include "services/batch/planning.h"
 #include "services/batch/report.h"
 #include "services/batch/shard_run.h"
+#include "services/batch/shard_try.h"
+#include "services/batch/text_file.h"
 
 namespace sprout {
 namespace {
@@ -95,13 +97,34 @@ bool IsUpToDate(const BatchFolder& folder, const BatchState& state) {
 void Report(const BatchFolder& folder, const Manifest& manifest, const BatchState& state) {
   WriteFrameTable(folder, manifest, state);
   WriteReport(folder, manifest, state, OwnPath());
-  OutputFile stamp(folder.report().string() + ".source");
-  stamp.Write(ReportSource(folder, state) + "\n");
-  if (const auto written = stamp.Commit(); !written) {
-    throw LogError(folder.report(), written.error().text);
-  }
+  WriteText(folder.report().string() + ".source", ReportSource(folder, state) + "\n");
   std::cout << fmt::format("table  {}\nreport {}\n", folder.table().string(),
                            folder.report().string());
+}
+
+// What of the logs no shard has, in one line; nothing when that is nothing.
+std::string InputLosses(const Manifest& manifest) {
+  const std::vector<size_t> shards_of_log = [&] {
+    std::vector<size_t> count(manifest.logs.size(), 0);
+    for (const Shard& shard : manifest.shards) ++count[static_cast<size_t>(shard.log)];
+    return count;
+  }();
+  int64_t incomplete = 0;
+  int64_t left_out = 0;
+  int64_t unreadable = 0;
+  int64_t damaged = 0;
+  for (const BatchLog& log : manifest.logs) {
+    incomplete += log.incomplete;
+    left_out += log.left_out;
+    unreadable += log.summary.undecodable;
+    damaged += log.summary.damaged_bytes;
+  }
+  const auto without = std::count(shards_of_log.begin(), shards_of_log.end(), 0U);
+  if (without + incomplete + left_out + unreadable + damaged == 0) return "";
+  return fmt::format(
+      "in the logs: {} incomplete frames, {} frame numbers left out, {} unreadable messages, {} "
+      "damaged bytes; {} logs without a complete frame\n",
+      incomplete, left_out, unreadable, damaged, without);
 }
 
 int Finish(const BatchFolder& folder, const Manifest& manifest) {
@@ -127,6 +150,7 @@ int RunRun(Options& options) {
   }
   const BatchFolder folder(options.request.out);
   const FolderLock lock(folder);
+  const Interrupt interrupt;
   if (const std::string jobs = ActiveJobs(folder); !jobs.empty()) {
     throw ConfigError(fmt::format("--out {}: Slurm's jobs {} work there; wait, or scancel {}",
                                   folder.root().string(), jobs, jobs));
@@ -137,7 +161,8 @@ int RunRun(Options& options) {
   int64_t frames = 0;
   for (const Shard& shard : manifest.shards) frames += shard.frames;
   std::cout << fmt::format("{} logs, {} frames, {} shards, {} of them to do\n",
-                           manifest.logs.size(), frames, manifest.shards.size(), state.missing);
+                           manifest.logs.size(), frames, manifest.shards.size(), state.missing)
+            << InputLosses(manifest);
   if (state.missing == 0) return Finish(folder, manifest);
   if (options.engine == "slurm") {
     std::cout << SubmitSlurm(OwnPath(), folder, state, options.slurm, 0) << "\n"
@@ -165,7 +190,9 @@ int RunShards(const Options& options) {
   for (const size_t shard : options.shards) {
     try {
       RunShard(folder, shard);
-    } catch (const ShardError& e) {  // the others are still worth doing
+    } catch (const ConfigError&) {
+      throw;
+    } catch (const std::runtime_error& e) {  // the others are still worth doing
       std::cerr << "sprout-batch: " << e.what() << "\n";
       exit_code = 1;
     }
@@ -180,11 +207,11 @@ int RunStatus(const Options& options) {
   std::cout << fmt::format("{} of {} shards are done\n",
                            manifest.shards.size() - static_cast<size_t>(state.missing),
                            manifest.shards.size());
-  for (size_t i = 0; i < state.done.size(); ++i) {
-    const fs::path why = folder.failures() / fmt::format("{}.txt", i);
-    if (!state.done[i] && fs::exists(why)) {
-      std::cout << fmt::format("shard {} failed: {}\n", i, why.string());
-    }
+  for (const auto& [shard, tries] : FailedTries(folder)) {
+    if (shard >= state.done.size()) continue;
+    std::cout << fmt::format("shard {} {}: {}\n", shard,
+                             state.done[shard] ? "is done after a failure" : "failed or is at work",
+                             TryPath(folder, shard, tries).string());
   }
   const std::string jobs = ActiveJobs(folder);
   if (!jobs.empty()) std::cout << "Slurm's jobs " << jobs << " are at work\n";
@@ -273,8 +300,9 @@ void AddOthers(CLI::App& program, Options& options, std::function<int()>& chosen
   index.add_option("LOG", options.logs, "As of run")->required();
   index.callback([&] {
     chosen = [&] {
+      const Interrupt interrupt;
       const auto logs = FindLogs(options.logs);
-      IndexLogs(logs, fs::temp_directory_path() / "sprout-indexes");
+      IndexLogs(logs, /*fallback=*/"");
       std::cout << fmt::format("{} logs have an index\n", logs.size());
       return 0;
     };

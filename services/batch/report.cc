@@ -9,12 +9,13 @@
 #include <set>
 #include <sstream>
 
-#include "common/core/output_file.h"
 #include "common/picture/html.h"
 #include "services/batch/frame_rows.h"
 #include "services/batch/report_charts.h"
+#include "services/batch/report_losses.h"
 #include "services/batch/report_pictures.h"
 #include "services/batch/tables.h"
+#include "services/batch/text_file.h"
 #include "services/quality/frame_quality.h"
 
 namespace sprout {
@@ -34,13 +35,14 @@ h3 { font-size: 1em; margin: 1.4em 0 .2em; }
 table { border-collapse: collapse; margin: .6em 0; }
 th, td { border-bottom: 1px solid #e2e2e2; padding: .22em .9em .22em 0; text-align: right; }
 th { color: #555; font-weight: normal; } th:first-child, td:first-child { text-align: left; }
-td.strip { text-align: left; }
+td.strip { text-align: left; } td:first-child { white-space: nowrap; } td.none { color: #bbb; }
 .better { color: #176117; } .worse, .bad { color: #a31515; }
 .chart { display: inline-block; margin: .4em 1.6em .8em 0; } .chart figcaption { color: #444; }
 .chart text { font: 11px sans-serif; fill: #555; } .axis { stroke: #999; }
 .a { fill: #9dbbd8; } .b { fill: none; stroke: #c2540a; stroke-width: 1.8; }
 .strip polygon { fill: #c2540a; } svg.strip { background: #f4f1ee; vertical-align: middle; }
-.pictures img { margin: 0 8px 4px 0; border: 1px solid #ddd; width: calc(25% - 14px); }
+.both { fill: #a9a49c; }
+.pictures img { vertical-align: top; margin: 0 8px 4px 0; border: 1px solid #ddd; width: calc(25% - 14px); }
 pre { background: #f5f5f3; padding: .5em .8em; overflow-x: auto; font-size: 12.5px; }
 details { margin: .2em 0 1em; } summary { cursor: pointer; color: #444; }
 .key { display: inline-block; width: 1em; height: .7em; margin: 0 .3em 0 1em; }
@@ -79,7 +81,7 @@ class ReportWriter {
   std::string Html() {
     std::string html = kHead + Summary() + Means();
     if (has_b_) html += ConfigChange();
-    html += Distributions() + Logs();
+    html += LossesHtml(folder_, manifest_, state_) + Distributions() + Logs();
     if (has_b_) html += Frames("The most changed frames", "moved", /*lowest=*/false);
     const std::string last = has_b_ ? "b_" : "a_";
     const bool has_truth = !std::isnan(MeanOf(rows_.Column(last + "bad1")));
@@ -90,8 +92,6 @@ class ReportWriter {
 
  private:
   std::string Summary() const {
-    int64_t planned = 0;
-    for (const Shard& shard : manifest_.shards) planned += shard.frames;
     std::string html =
         fmt::format("<h1>{} log{}, {} frames: {}</h1>\n", manifest_.logs.size(),
                     manifest_.logs.size() == 1 ? "" : "s", rows_.rows().size(), Verdict());
@@ -107,32 +107,16 @@ class ReportWriter {
     }
     if (state_.missing > 0) {
       html += fmt::format(
-          "<p class=\"bad\">{} of {} shards are missing: this is a part of the batch. Why: "
-          "{}</p>\n",
-          state_.missing, manifest_.shards.size(), EscapedHtml(folder_.failures().string()));
+          "<p class=\"bad\">{} of {} shards are missing: this is a part of the batch.</p>\n",
+          state_.missing, manifest_.shards.size());
     }
-    const auto answered = static_cast<int64_t>(rows_.rows().size());
-    if (state_.missing == 0 && answered < planned) {
-      html += fmt::format("<p class=\"bad\">{} of {} complete frames have no answer.</p>\n",
-                          planned - answered, planned);
+    const auto whole = std::count_if(manifest_.logs.begin(), manifest_.logs.end(),
+                                     [](const BatchLog& log) { return log.summary.goes_back; });
+    if (whole > 0) {
+      html += fmt::format(
+          "<p class=\"bad\">{} logs whose time goes back were not cut into shards.</p>\n", whole);
     }
-    return html + Losses();
-  }
-
-  std::string Losses() const {
-    int64_t damaged = 0;
-    int64_t undecodable = 0;
-    int64_t whole = 0;
-    for (const BatchLog& log : manifest_.logs) {
-      damaged += log.summary.damaged_bytes;
-      undecodable += log.summary.undecodable;
-      whole += log.summary.goes_back ? 1 : 0;
-    }
-    if (damaged + undecodable + whole == 0) return "";
-    return fmt::format(
-        "<p class=\"bad\">In the logs: {} damaged bytes, {} messages that no stage "
-        "would take, {} logs whose time goes back (not cut into shards).</p>\n",
-        damaged, undecodable, whole);
+    return html;
   }
 
   std::string Verdict() const {
@@ -160,9 +144,21 @@ class ReportWriter {
 
   static std::string Meaning(const std::string& measure) {
     if (measure == "bad1") return "share of true pixels off by more than 1 px or without disparity";
-    if (measure.ends_with("_ms")) return "wall time a frame, mean of its shard";
+    if (measure.ends_with("_ms")) {
+      return "time a frame, mean of its shard; depends on what else the machine did";
+    }
     const QualityColumn* column = FindQualityColumn(measure);
     return column == nullptr ? "" : std::string(column->meaning);
+  }
+
+  // Times are not coloured: they depend on what else the machines did.
+  static std::string Difference(const std::string& measure, double a, double b) {
+    if (std::isnan(b - a)) return "<td>-</td>";
+    if (std::abs(b - a) < 1e-9) return "<td class=\"none\">0</td>";
+    const char* kind = measure.ends_with("_ms")               ? ""
+                       : MoreIsBetter(measure) == (b - a > 0) ? "better"
+                                                              : "worse";
+    return fmt::format("<td class=\"{}\">{:+.3g}</td>", kind, b - a);
   }
 
   std::string Means() const {
@@ -175,12 +171,7 @@ class ReportWriter {
       if (std::isnan(a) && std::isnan(b)) continue;
       html += fmt::format("<tr><td>{}</td><td>{}</td>", measure, Number(a));
       if (has_b_) {
-        const bool better = MoreIsBetter(measure) == (b > a);
-        html += fmt::format("<td>{}</td><td class=\"{}\">{}</td>", Number(b),
-                            std::abs(b - a) < 1e-9 ? ""
-                            : better               ? "better"
-                                                   : "worse",
-                            std::isnan(b - a) ? "-" : fmt::format("{:+.3g}", b - a));
+        html += fmt::format("<td>{}</td>", Number(b)) + Difference(measure, a, b);
       }
       html += fmt::format("<td style=\"text-align:left;color:#666\">{}</td></tr>\n",
                           EscapedHtml(Meaning(measure)));
@@ -215,9 +206,9 @@ class ReportWriter {
     if (has_b_) html += "<span class=\"key\" style=\"background:#c2540a;height:.2em\"></span>B";
     html += "</p>\n";
     if (has_b_) {
-      html +=
-          HistogramSvg("share of pixels that move by more than 1 px", rows_.Column("moved"), {});
-      html += HistogramSvg("mean change, px", rows_.Column("mean_change_px"), {});
+      html += HistogramSvg("share of pixels that move by more than 1 px", rows_.Column("moved"), {},
+                           "both");
+      html += HistogramSvg("mean change, px", rows_.Column("mean_change_px"), {}, "both");
     }
     for (const std::string& measure : Measures()) {
       html += HistogramSvg(measure, rows_.Column("a_" + measure), rows_.Column("b_" + measure));
@@ -247,7 +238,9 @@ class ReportWriter {
     }
     std::stable_sort(lines.begin(), lines.end(),
                      [](const LogLine& x, const LogLine& y) { return x.key > y.key; });
-    std::string html = "<h2>Where</h2>\n<table><tr><th>log</th><th>frames</th>";
+    std::string html = "<h2>Where</h2>\n";
+    if (has_b_) html += "<p>Moved: share of the pixels that move by more than 1 px.</p>\n";
+    html += "<table><tr><th>log</th><th>frames</th>";
     if (has_b_) html += "<th>moved</th><th>score A</th>";
     html += fmt::format("<th>score {}</th><th>{} along the log</th></tr>\n", has_b_ ? "B" : "A",
                         has_b_ ? "moved" : "1 &minus; score");
@@ -290,6 +283,17 @@ class ReportWriter {
                    values.begin() + static_cast<std::ptrdiff_t>(to)});
   }
 
+  static std::string InWords(const std::string& column, double value) {
+    if (column == "moved") {
+      return fmt::format("{:.2f} % of the pixels move by more than 1 px", 100 * value);
+    }
+    if (column.ends_with("bad1")) {
+      return fmt::format("{:.2f} % of the true pixels are off by more than 1 px or missing",
+                         100 * value);
+    }
+    return fmt::format("score {:.3f}", value);
+  }
+
   std::string Frames(const std::string& title, const std::string& column, bool lowest) {
     const std::vector<float> values = rows_.Column(column);
     std::vector<size_t> order;
@@ -311,8 +315,8 @@ class ReportWriter {
     }
     for (size_t i = 0; i < shown; ++i) {
       const FrameRow& row = rows_.rows()[order[i]];
-      html += fmt::format("<h3>{}, frame {}: {} {}</h3>\n", EscapedHtml(rows_.logs()[row.log]),
-                          row.seq, column, Number(values[order[i]]));
+      html += fmt::format("<h3>{}, frame {}: {}</h3>\n", EscapedHtml(rows_.logs()[row.log]),
+                          row.seq, InWords(column, values[order[i]]));
       html += pictures_.HtmlOf(row.shard, row.seq, row.utime);
       html += "<details><summary>look at it, compute it again</summary><pre>" +
               EscapedHtml(CommandsOf(row)) + "</pre></details>\n";
@@ -362,9 +366,7 @@ void WriteReport(const BatchFolder& folder, const Manifest& manifest, const Batc
                  const std::string& program) {
   OutputFile file(folder.report());
   file.Write(ReportWriter(folder, manifest, state, program).Html());
-  if (const auto written = file.Commit(); !written) {
-    throw LogError(folder.report(), written.error().text);
-  }
+  CommitFile(folder.report(), file);
 }
 
 }  // namespace sprout

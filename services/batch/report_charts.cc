@@ -47,7 +47,7 @@ std::vector<double> SharesOf(const std::vector<float>& values, const Bounds& bou
 }  // namespace
 
 std::string HistogramSvg(const std::string& title, const std::vector<float>& a,
-                         const std::vector<float>& b) {
+                         const std::vector<float>& b, const std::string& bars) {
   const std::vector<float> in_a = Present(a);
   const std::vector<float> in_b = Present(b);
   if (in_a.empty() && in_b.empty()) return "";
@@ -68,8 +68,8 @@ std::string HistogramSvg(const std::string& title, const std::vector<float>& a,
     const double x = static_cast<double>(i) * bar;
     const double height = shares_a[i] / top * (kHeight - 4);
     svg += fmt::format(
-        "<rect class=\"a\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>", x,
-        kHeight - height, bar - 1, height);
+        "<rect class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>", bars,
+        x, kHeight - height, bar - 1, height);
     const double y = kHeight - shares_b[i] / top * (kHeight - 4);
     line += fmt::format("{}{:.1f},{:.1f} {:.1f},{:.1f}", i == 0 ? "" : " ", x, y, x + bar, y);
   }

@@ -65,6 +65,13 @@ class ReplayFollower {
     return complete;
   }
 
+  // The log has ended.
+  void Count(LogPlan& plan) {
+    joiner_.DropPending();
+    plan.incomplete = joiner_.incomplete();
+    plan.left_out = joiner_.sequence_gaps();
+  }
+
   // Lines of what is held, in the order of the log.
   std::vector<int64_t> Held() const {
     std::vector<int64_t> lines;
@@ -127,7 +134,7 @@ class Planner {
     share_ = (total + count - 1) / std::max<int64_t>(count, 1);
   }
 
-  std::vector<Shard> Plan() {
+  LogPlan Plan() {
     const auto first_rig = std::find_if(
         taken_.begin(), taken_.end(), [](const Taken& taken) { return taken.part == Part::kRig; });
     if (first_rig != taken_.end()) follower_.AddFirstRig(*first_rig->event);
@@ -137,7 +144,7 @@ class Planner {
       bytes += taken_[i].event->bytes;
       const std::vector<Frame> complete = follower_.Add(*taken_[i].event, taken_[i].part);
       for (const Frame& frame : complete) Count(frame.id);
-      const bool full = bytes >= share_ * (std::ssize(shards_) + 1);
+      const bool full = bytes >= share_ * (std::ssize(plan_.shards) + 1);
       if (!complete.empty() && full) {
         Finish(i + 1);
         Begin(i + 1);
@@ -145,7 +152,8 @@ class Planner {
     }
     // What is left without a complete frame has no answer.
     if (shard_.frames > 0) Finish(taken_.size());
-    return std::move(shards_);
+    follower_.Count(plan_);
+    return std::move(plan_);
   }
 
  private:
@@ -177,14 +185,14 @@ class Planner {
     }
     shard_.end = own.back().line_end;
     shard_.input = InputDigest(carried, own);
-    shards_.push_back(std::move(shard_));
+    plan_.shards.push_back(std::move(shard_));
     shard_ = Shard{};
   }
 
   std::vector<Taken> taken_;
   ReplayFollower follower_;
   int64_t share_ = 0;  // bytes of a shard
-  std::vector<Shard> shards_;
+  LogPlan plan_;
   Shard shard_;
   size_t first_ = 0;  // of taken_ in shard_
 };
@@ -211,7 +219,7 @@ std::string InputDigest(const std::vector<IndexedEvent>& carried,
   return Digest(text);
 }
 
-std::vector<Shard> PlanShards(const LogIndex& index, const PlanOptions& options) {
+LogPlan PlanShards(const LogIndex& index, const PlanOptions& options) {
   return Planner(index, options).Plan();
 }
 

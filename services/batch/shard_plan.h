@@ -39,11 +39,18 @@ struct PlanOptions {
   int64_t shard_bytes = 0;  ///< about so many a shard; > 0
 };
 
-/// The shards of a log; none when it has no complete frame. A log is left whole when its recorder's
-/// time goes back, since then a replay may mix up frames far from each other, or when the first
-/// stage does not wait for all that later ones take from it.
-/// O(events · log(unfinished frames)).
-std::vector<Shard> PlanShards(const LogIndex& index, const PlanOptions& options);
+/// How a log is cut, and what of it no shard has.
+struct LogPlan {
+  std::vector<Shard> shards;  ///< none when no frame is complete
+  int64_t incomplete = 0;     ///< frames of which a message never came
+  int64_t left_out = 0;       ///< frame numbers that the first stage's messages leave out
+};
+
+/// The shards of a log, and the counts that a replay of the first stage would report. A log is left
+/// whole when its recorder's time goes back, since then a replay may mix up frames far from each
+/// other, or when the first stage does not wait for all that later ones take from it. O(events ·
+/// log(unfinished frames)).
+LogPlan PlanShards(const LogIndex& index, const PlanOptions& options);
 
 /// The digest in Shard::input.
 /// @param carried, own  the events of the shard, of the channels that its stages take.

@@ -1,24 +1,26 @@
 #include "services/batch/shard_run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <chrono>
-#include <cinttypes>
-#include <cstdio>
 #include <fstream>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <regex>
 
+#include "common/app/compute.h"
 #include "common/app/process.h"
 #include "common/core/digest.h"
 #include "common/core/output_file.h"
-#include "common/logfile/event_fetcher.h"
 #include "common/logfile/file_window.h"
-#include "common/logfile/log_writer.h"
+#include "services/batch/host_name.h"
 #include "services/batch/scratch_file.h"
+#include "services/batch/shard_input.h"
+#include "services/batch/shard_try.h"
+#include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
 
 namespace sprout {
@@ -28,10 +30,15 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::hours kPatience{24};
 
-std::string HostName() {
-  char name[256] = "?";
-  gethostname(name, sizeof name - 1);
-  return name;
+std::string BytesOf(const fs::path& path) {
+  try {
+    const InputFile file(path);
+    std::string bytes(static_cast<size_t>(file.size()), '\0');
+    file.Read(0, {reinterpret_cast<uint8_t*>(bytes.data()), bytes.size()});
+    return bytes;
+  } catch (const LogError& e) {
+    throw ConfigError(e.what());
+  }
 }
 
 // What the last stage always answers.
@@ -39,56 +46,6 @@ Part AnswerOf(const std::string& stage) {
   if (stage == "refine") return Part::kSeeds;
   return stage == "prior" ? Part::kPrior : Part::kDisparity;
 }
-
-bool IsTaken(const IndexedEvent& event, const std::vector<std::string>& channels) {
-  return std::find(channels.begin(), channels.end(), event.channel) != channels.end();
-}
-
-// Cuts a shard's events out of its log and proves that they are those of the manifest.
-class ShardCutter {
- public:
-  ShardCutter(const ShardOfBatch& work, const std::vector<std::string>& channels)
-      : work_(work), fetcher_(work.log.path) {
-    for (const int64_t line : work.shard.carried) {
-      carried_.push_back(ReadIndexLine(work.log.index, line));
-    }
-    for (IndexedEvent& event : ReadIndexLines(work.log.index, work.shard.begin, work.shard.end)) {
-      if (IsTaken(event, channels)) own_.push_back(std::move(event));
-    }
-    if (InputDigest(carried_, own_) != work.shard.input) Changed();
-  }
-
-  void Write(const std::string& path) {
-    LogWriter writer(path);
-    for (const auto* events : {&carried_, &own_}) {
-      for (const IndexedEvent& event : *events) Copy(event, writer);
-    }
-    writer.Close();
-  }
-
- private:
-  [[noreturn]] void Changed() const {
-    throw LogError(work_.log.path,
-                   "it or its index has changed since the batch was planned; run "
-                   "sprout-batch run again");
-  }
-
-  void Copy(const IndexedEvent& event, LogWriter& writer) {
-    const LogEvent found = fetcher_.Fetch(event.offset);
-    const std::string_view bytes(reinterpret_cast<const char*>(found.data.data()),
-                                 found.data.size());
-    if (found.channel != event.channel || Hash(bytes) != event.hash) Changed();
-    // The first calibration may come from further behind; times in a log go forward.
-    const bool is_ahead = &event >= carried_.data() && &event < carried_.data() + carried_.size();
-    writer.Write(is_ahead ? std::min(event.utime, own_.front().utime) : event.utime, event.channel,
-                 found.data);
-  }
-
-  const ShardOfBatch& work_;
-  EventFetcher fetcher_;
-  std::vector<IndexedEvent> carried_;
-  std::vector<IndexedEvent> own_;
-};
 
 // A folder that gets its name when all in it is written.
 class ResultFolder {
@@ -121,11 +78,28 @@ class ResultFolder {
   fs::path part_;
 };
 
+// Scratch files have names that say nothing.
+std::string WithFolderOfScratch(const std::string& text) {
+  static const std::regex kScratch("/dev/fd/[0-9]+");
+  return std::regex_replace(text, kScratch,
+                            "scratch file in " + fs::temp_directory_path().string());
+}
+
+// Behind a colon; a program says last why it ends.
+std::string LastLineOf(const std::string& output) {
+  const size_t end = output.find_last_not_of('\n');
+  if (end == std::string::npos) return "";
+  const size_t before = output.find_last_of('\n', end);
+  const size_t begin = before == std::string::npos ? 0 : before + 1;
+  return ": " + output.substr(begin, end + 1 - begin);
+}
+
 class ShardRun {
  public:
-  ShardRun(const BatchFolder& folder, size_t number)
+  ShardRun(const BatchFolder& folder, size_t number, ShardTry& attempt)
       : folder_(folder),
         number_(number),
+        attempt_(attempt),
         work_(ReadShard(folder.manifest(), number)),
         channels_(Channels()) {}
 
@@ -134,8 +108,6 @@ class ShardRun {
       if (!fs::exists(folder_.result(KeyOf(variant)))) RunVariant(variant);
     }
     if (Compares(work_.head)) Compare();
-    std::error_code ignored;
-    fs::remove(FailurePath(), ignored);
   }
 
  private:
@@ -147,48 +119,60 @@ class ShardRun {
   std::string KeyOf(const Variant& variant) const {
     return ResultKey(work_.head, variant, work_.shard);
   }
-  fs::path FailurePath() const { return folder_.failures() / fmt::format("{}.txt", number_); }
 
-  const std::string& Input() {
-    if (!input_) {
-      input_ = std::make_unique<ScratchFile>();
-      ShardCutter(work_, channels_).Write(input_path_ = input_->path());
+  ShardInput& Input() {
+    if (!input_) input_.emplace(work_, channels_);
+    return *input_;
+  }
+
+  std::string InputPath(bool as_list) {
+    try {
+      return Input().Path(as_list);
+    } catch (const LogError& e) {
+      throw ShardError(WithFolderOfScratch(e.what()));
     }
-    return input_path_;
   }
 
   void RunVariant(const Variant& variant) {
-    RequirePrograms(variant);
+    const bool as_list = RequirePrograms(variant);
     ResultFolder result(folder_.result(KeyOf(variant)));
-    std::vector<std::string> logs = {Input()};
+    std::vector<std::string> logs = {InputPath(as_list)};
     std::vector<std::unique_ptr<ScratchFile>> scratch;
-    nlohmann::json runs = {{"host", HostName()}, {"stages", nlohmann::json::object()}};
+    StageRuns runs;
     for (const std::string& stage : work_.head.stages) {
       const auto& keep = work_.head.keep;
       std::string record = result / (stage + ".lcm");
       if (std::find(keep.begin(), keep.end(), stage) == keep.end()) {
         record = scratch.emplace_back(std::make_unique<ScratchFile>())->path();
       }
-      const StageRun run = RunStageProgram(variant, stage, logs, record);
-      runs["stages"][stage] = {{"in", run.frames_in},          {"out", run.frames_out},
-                               {"degenerate", run.degenerate}, {"failed", run.failed},
-                               {"bad", run.bad_messages},      {"seconds", run.seconds}};
+      runs[stage] = RunStageProgram(variant, stage, logs, record);
       logs.push_back(record);
     }
     FrameLookup frames(work_.head.prefix);
-    for (const std::string& log : logs) frames.Add(log);
-    WriteTable(result / "measures.csv", MeasureFrames(frames, AnswerOf(work_.head.stages.back())));
-    WriteText(result / "run.json", runs.dump() + "\n");
+    input_->AddTo(frames);
+    const Part answer = AnswerOf(work_.head.stages.back());
+    for (size_t i = 0; i < work_.head.stages.size(); ++i) {
+      if (IsMeasured(OutputsOf(work_.head.stages[i]), answer)) frames.Add(logs[i + 1]);
+    }
+    WriteTable(result / "measures.csv", MeasureFrames(frames, answer));
+    input_->RequireUnchanged();
+    WriteStageRuns(result / "run.json", runs);
     result.Commit();
   }
 
-  void RequirePrograms(const Variant& variant) const {
+  // @returns whether all of them can read a list of events.
+  bool RequirePrograms(const Variant& variant) const {
+    bool read_lists = true;
     for (const auto& [stage, program] : variant.programs) {
-      if (FileDigest(program.path) == program.digest) continue;
-      throw ConfigError(program.path +
-                        ": not the program that the batch was planned with; run sprout-batch run "
-                        "again");
+      const std::string bytes = BytesOf(program.path);
+      if (Digest(bytes) != program.digest) {
+        throw ConfigError(program.path +
+                          ": not the program that the batch was planned with; run sprout-batch run "
+                          "again");
+      }
+      read_lists = read_lists && ShardInput::ReadsLists(bytes);
     }
+    return read_lists;
   }
 
   StageRun RunStageProgram(const Variant& variant, const std::string& stage,
@@ -212,26 +196,20 @@ class ShardRun {
     const std::string output = process.Output();
     // 1: all that can be answered is, as in a replay of the whole log; how much was not is counted.
     if (code > 1 || output.find("stopped after") != std::string::npos) Fail(command, code, output);
-    try {
-      StageRun run = ParseReplayReport(output);
-      run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      return run;
-    } catch (const ShardError&) {
-      Fail(command, code, output);
-    }
+    std::optional<StageRun> run = ParseReplayReport(output);
+    if (!run) Fail(command, code, output);
+    run->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return *run;
   }
 
   [[noreturn]] void Fail(const std::vector<std::string>& command, int code,
                          const std::string& output) const {
-    std::string text;
-    for (const std::string& word : command) text += word + " ";
-    text += fmt::format("\nexit code {}\n{}", code, output);
-    fs::create_directories(folder_.failures());
-    WriteText(FailurePath(), text);
-    throw ShardError(fmt::format("shard {}, frames {}:{} of {}: {} ended with exit code {}; see {}",
-                                 number_, work_.shard.first_seq, work_.shard.last_seq,
-                                 work_.log.path, fs::path(command[0]).filename().string(), code,
-                                 FailurePath().string()));
+    const std::string what = fmt::format(
+        "shard {}, frames {}:{} of {}: {} ended with exit code {}{}", number_,
+        work_.shard.first_seq, work_.shard.last_seq, work_.log.path,
+        fs::path(command[0]).filename().string(), code, WithFolderOfScratch(LastLineOf(output)));
+    attempt_.Fail(fmt::format("{}\n{}\n{}", what, fmt::join(command, " "), output));
+    throw ShardError(what);
   }
 
   void Compare() {
@@ -249,18 +227,12 @@ class ShardRun {
                                        : fs::path(work_.head.truth) / work_.log.name));
   }
 
-  static void WriteText(const fs::path& path, const std::string& text) {
-    OutputFile file(path);
-    file.Write(text);
-    if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
-  }
-
   const BatchFolder& folder_;
   size_t number_;
+  ShardTry& attempt_;
   ShardOfBatch work_;
   std::vector<std::string> channels_;
-  std::unique_ptr<ScratchFile> input_;
-  std::string input_path_;
+  std::optional<ShardInput> input_;
 };
 
 }  // namespace
@@ -275,30 +247,7 @@ bool IsDone(const BatchFolder& folder, const BatchHead& head, const BatchLog& lo
           access(folder.comparison(ComparisonKey(head, log, shard)).c_str(), F_OK) == 0);
 }
 
-StageRun ParseReplayReport(const std::string& output) {
-  StageRun run;
-  const size_t at = output.find(" events; frames: ");
-  if (at == std::string::npos ||
-      std::sscanf(
-          output.c_str() + at,
-          " events; frames: %" SCNd64 " in, %" SCNd64 " out (%" SCNd64 " degenerate), %" SCNd64
-          " failed, %*d incomplete, %*d left out; %" SCNd64 " bad messages",
-          &run.frames_in, &run.frames_out, &run.degenerate, &run.failed, &run.bad_messages) != 5) {
-    throw ShardError("a stage did not report its replay");
-  }
-  return run;
-}
-
-std::string FileDigest(const fs::path& path) {
-  try {
-    const InputFile file(path);
-    std::string bytes(static_cast<size_t>(file.size()), '\0');
-    file.Read(0, {reinterpret_cast<uint8_t*>(bytes.data()), bytes.size()});
-    return Digest(bytes);
-  } catch (const LogError& e) {
-    throw ConfigError(e.what());
-  }
-}
+std::string FileDigest(const fs::path& path) { return Digest(BytesOf(path)); }
 
 StageProgram DescribeProgram(const std::string& path) {
   Process process({path, "--version"});
@@ -310,6 +259,16 @@ StageProgram DescribeProgram(const std::string& path) {
   return {.path = path, .digest = FileDigest(path), .version = version};
 }
 
-void RunShard(const BatchFolder& folder, size_t number) { ShardRun(folder, number).Run(); }
+void RunShard(const BatchFolder& folder, size_t number) {
+  SetThreads(1);  // other shards have the other cores
+  KeepMemory();
+  ShardTry attempt(folder, number);
+  try {
+    ShardRun(folder, number, attempt).Run();
+  } catch (const std::exception& e) {
+    attempt.Fail(e.what());
+    throw;
+  }
+}
 
 }  // namespace sprout

@@ -1,7 +1,6 @@
 #ifndef SPROUT_SERVICES_BATCH_SHARD_RUN_H_
 #define SPROUT_SERVICES_BATCH_SHARD_RUN_H_
 
-#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -9,8 +8,7 @@
 
 namespace sprout {
 
-/// A shard that could not be computed. what() is one line; the output of the program that failed is
-/// in failed/SHARD.txt of the batch.
+/// A stage that failed over a shard. what() is one line; its output is in failed/ of the batch.
 class ShardError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -31,20 +29,6 @@ StageProgram DescribeProgram(const std::string& path);
 
 /// Digest of a file's bytes. @throws ConfigError when it cannot be read.
 std::string FileDigest(const std::filesystem::path& path);
-
-/// Counts and times of the stages over one shard, kept beside its answers.
-struct StageRun {
-  int64_t frames_in = 0;
-  int64_t frames_out = 0;
-  int64_t degenerate = 0;  ///< answered, with an empty map
-  int64_t failed = 0;      ///< not answered
-  int64_t bad_messages = 0;
-  double seconds = 0;  ///< wall time of the program, its start included
-};
-
-/// What a stage said at the end of a replay.
-/// @throws ShardError when it did not say it.
-StageRun ParseReplayReport(const std::string& output);
 
 }  // namespace sprout
 

@@ -9,12 +9,17 @@
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
-#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
+#include "services/batch/text_file.h"
 #include "services/quality/frame_quality.h"
 
 namespace sprout {
 namespace {
+
+const PartSet kMeasured{Part::kLeft, Part::kRight, Part::kSeeds, Part::kDisparity,
+                        Part::kConfidence};
+
+constexpr int kMisfitOneIn = 8;  // bands of rows; all would take 10 ms a frame
 
 using Cell = std::optional<double>;
 
@@ -104,7 +109,7 @@ void WriteTable(const std::filesystem::path& path, const Table& table) {
   OutputFile file(path);
   file.Write(TableHead(table));
   for (const auto& row : table.rows) file.Write(TableRow(row));
-  if (const auto written = file.Commit(); !written) throw LogError(path, written.error().text);
+  CommitFile(path, file);
 }
 
 Table ReadTable(const std::filesystem::path& path) {
@@ -120,11 +125,16 @@ Table ReadTable(const std::filesystem::path& path) {
   return table;
 }
 
+bool IsMeasured(const PartSet& parts, Part answer) {
+  return std::any_of(kAllParts.begin(), kAllParts.end(), [&](Part part) {
+    return parts.Has(part) && (part == answer || kMeasured.Has(part));
+  });
+}
+
 Table MeasureFrames(FrameLookup& frames, Part answer) {
   Table table{.columns = WithFrame(MeasureColumns()), .rows = {}};
-  const PartSet parts{Part::kLeft, Part::kRight, Part::kSeeds, Part::kDisparity, Part::kConfidence};
   for (const FrameId& id : frames.FramesWith(answer)) {
-    const FrameQuality quality = QualityOf(frames.Get(id, parts));
+    const FrameQuality quality = QualityOf(frames.Get(id, kMeasured), kMisfitOneIn);
     std::vector<Cell>& row = table.rows.emplace_back(RowStart(id));
     for (const QualityColumn& column : QualityColumns()) row.push_back(column.value(quality));
   }

@@ -33,6 +33,9 @@ Table ReadTable(const std::filesystem::path& path);
 std::vector<std::string> MeasureColumns();
 std::vector<std::string> ComparisonColumns();
 
+/// Whether MeasureFrames() looks at any of these parts.
+bool IsMeasured(const PartSet& parts, Part answer);
+
 /// A row for each answered frame: seq, utime and what QualityOf() sees.
 /// @param frames  has the input, and the answers of all stages.
 /// @param answer  what the last stage always answers.

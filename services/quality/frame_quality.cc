@@ -14,6 +14,7 @@ namespace sprout {
 namespace {
 
 constexpr int kWindow = 5;    // side, px
+constexpr int kBandRows = 8;  // of a sample
 constexpr double kNoise = 2;  // s of (Q1), grey levels
 
 // The right image as the left camera would see it, and where that is known.
@@ -52,13 +53,36 @@ double Moment(double count, double product, double one, double other) {
   return count * product - one * other;
 }
 
+// One of `one_in` bands of rows, one below the other. No window sees two of them, since the rows
+// between have no disparity.
+std::optional<double> SampledMisfit(const Frame& frame, int one_in) {
+  const int rows = frame.disparity->height();
+  const int step = kBandRows * one_in;
+  if (one_in == 1 || rows < step) {
+    return Misfit(ToGrey(frame.left), ToGrey(frame.right), *frame.disparity);
+  }
+  std::array<std::vector<cv::Mat>, 3> stacks;
+  const std::array<cv::Mat, 3> maps = {frame.left, frame.right, frame.disparity->counts()};
+  const cv::Mat no_disparity(kWindow / 2, frame.disparity->width(), CV_16SC1,
+                             cv::Scalar(DisparityImage::kInvalid));
+  for (int v = step / 2; v + kBandRows <= rows; v += step) {
+    for (size_t i = 0; i < maps.size(); ++i) {
+      stacks[i].push_back(maps[i].rowRange(v, v + kBandRows));
+      stacks[i].push_back(i == 2 ? no_disparity : maps[i].rowRange(0, kWindow / 2));
+    }
+  }
+  std::array<cv::Mat, 3> bands;
+  for (size_t i = 0; i < maps.size(); ++i) cv::vconcat(stacks[i], bands[i]);
+  return Misfit(ToGrey(bands[0]), ToGrey(bands[1]), DisparityImage(cv::Mat1s(bands[2])));
+}
+
 std::optional<double> MeanConfidence(const cv::Mat1b& confidence, const DisparityImage& disparity) {
   const cv::Mat valid = disparity.counts() != DisparityImage::kInvalid;
   if (cv::countNonZero(valid) == 0) return std::nullopt;
   return cv::mean(confidence, valid)[0] / 255;
 }
 
-void AddMap(const Frame& frame, FrameQuality& quality) {
+void AddMap(const Frame& frame, int misfit_one_in, FrameQuality& quality) {
   const DisparityImage& disparity = *frame.disparity;
   quality.valid_share =
       static_cast<double>(disparity.CountValid()) / static_cast<double>(disparity.counts().total());
@@ -66,7 +90,7 @@ void AddMap(const Frame& frame, FrameQuality& quality) {
     quality.confidence = MeanConfidence(frame.confidence, disparity);
   }
   if (frame.left.size() == disparity.size() && frame.right.size() == disparity.size()) {
-    quality.misfit = Misfit(ToGrey(frame.left), ToGrey(frame.right), disparity);
+    quality.misfit = SampledMisfit(frame, misfit_one_in);
   }
 }
 
@@ -106,9 +130,9 @@ std::optional<double> FrameQuality::score() const {
   return *valid_share * confidence.value_or(1) * (1 - misfit.value_or(0));  // (Q2)
 }
 
-FrameQuality QualityOf(const Frame& frame) {
+FrameQuality QualityOf(const Frame& frame, int misfit_one_in) {
   FrameQuality quality;
-  if (frame.disparity && !frame.disparity->empty()) AddMap(frame, quality);
+  if (frame.disparity && !frame.disparity->empty()) AddMap(frame, misfit_one_in, quality);
   if (frame.seeds) AddSeeds(frame, quality);
   return quality;
 }

@@ -35,9 +35,10 @@ struct FrameQuality {
 
 /// @param frame  any of left, right, disparity, confidence, seeds; parts whose sizes do not go
 ///               together count as missing.
-/// O(pixels); with all parts about as long as two conversions of the images to grey and ten box
-/// filters take.
-FrameQuality QualityOf(const Frame& frame);
+/// @param misfit_one_in  samples the misfit: takes one of so many bands of 8 rows; 1 = all rows.
+/// O(pixels); with all parts and all rows about as long as two conversions of the images to grey
+/// and ten box filters take.
+FrameQuality QualityOf(const Frame& frame, int misfit_one_in = 1);
 
 /// How badly the right image, moved to the left one by the disparities, fits it: the mean of m(p)
 /// over the pixels p of a map that have a disparity and a match within the right image.

@@ -1,14 +1,17 @@
 // sprout-batch with the real stages, on this machine and with a real Slurm (slurm_cluster).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <functional>
 #include <thread>
 
 #include "common/logfile/log_reader.h"
+#include "services/batch/frame_rows.h"
 #include "services/batch/manifest.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/batch_logs.h"
@@ -28,9 +31,12 @@ struct Outcome {
   std::string output;
 };
 
-Outcome RunProgramOf(const std::vector<std::string>& words) {
-  std::vector<std::string> command = words;
-  command[0] = ProgramPath(words[0]);
+// @param before  what starts the program, with arguments.
+Outcome RunProgramOf(const std::vector<std::string>& words,
+                     const std::vector<std::string>& before = {}) {
+  std::vector<std::string> command = before;
+  command.insert(command.end(), words.begin(), words.end());
+  command[before.size()] = ProgramPath(words[0]);
   Process process(command);
   const int code = process.Wait(std::chrono::seconds(240)).value_or(-1);
   return {code, process.Output()};
@@ -91,6 +97,11 @@ std::vector<std::string> RunCommand(const fs::path& logs, const fs::path& out) {
           "1"};
 }
 
+void WriteProgram(const fs::path& path, const std::string& lines) {
+  std::ofstream(path) << "#!/bin/sh\n" << lines;
+  fs::permissions(path, fs::perms::owner_all);
+}
+
 TEST(BatchSystem, MergedAnswersAreTheBytesOfAReplayOfTheWholeLog) {
   const TemporaryDirectory folder;
   fs::create_directory(folder / "logs");
@@ -103,6 +114,18 @@ TEST(BatchSystem, MergedAnswersAreTheBytesOfAReplayOfTheWholeLog) {
   const std::string merged = BytesOfFile(folder / "out" / "logs" / "run_a.lcm");
   EXPECT_GT(merged.size(), 1000U);
   EXPECT_TRUE(merged == WholeReplay(folder / "", folder / "logs" / "run.lcm"));
+
+  // Programs of an older build, which cannot read a list of events, get a copy.
+  fs::create_directory(folder / "bin");
+  for (const std::string stage : {"sprout-refine", "sprout-prior", "sprout-grow"}) {
+    WriteProgram(folder / "bin" / stage.c_str(), "exec " + ProgramPath(stage) + " \"$@\"\n");
+  }
+  auto command = RunCommand(folder / "logs", folder / "out");
+  command.insert(command.end(), {"--programs-b", folder / "bin"});
+  const Outcome compared = RunProgramOf(command);
+  EXPECT_EQ(compared.exit_code, 0) << compared.output;
+  EXPECT_TRUE(merged == BytesOfFile(folder / "out" / "logs" / "run_b.lcm"));
+  EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("A and B give the same maps"));
 }
 
 TEST(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
@@ -159,6 +182,101 @@ TEST(BatchSystem, CtrlCLeavesWhatIsWholeAndTheSameCommandGoesOn) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_TRUE(BytesOfFile(folder / "out" / "logs" / "run_a.lcm") ==
               WholeReplay(folder / "", folder / "logs" / "run.lcm"));
+}
+
+// Shares of bad pixels in frames.csv, by column.
+std::vector<double> ColumnOf(const fs::path& out, const std::string& name) {
+  const std::vector<float> column = FrameRows(out / "frames.csv").Column(name);
+  return {column.begin(), column.end()};
+}
+
+TEST(BatchSystem, ATruthSaysWhichOfTheTwoIsNearerToIt) {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "logs");
+  WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 12);
+  auto command = RunCommand(folder / "logs", folder / "out");
+  ASSERT_EQ(RunProgramOf(command).exit_code, 0);
+  // A's own maps are the truth, so A has no error; of frame 3 none is known.
+  const fs::path truth = folder / "truth";
+  fs::create_directory(truth);
+  const Outcome exported = RunProgramOf(
+      {"sprout-log", "export", "--pfm", folder / "out" / "logs" / "run_a.lcm", truth / "run"});
+  ASSERT_EQ(exported.exit_code, 0) << exported.output;
+  ASSERT_TRUE(fs::remove(truth / "run" / "000003_disparity.pfm"));
+  std::ofstream(folder / "b.textproto") << "grow { sigma_p_px: 9.0 fill: NONE }\n";
+  command.insert(command.end(),
+                 {"--config-b", "fast", "--config-b", folder / "b.textproto", "--truth", truth});
+  const Outcome compared = RunProgramOf(command);
+  ASSERT_EQ(compared.exit_code, 0) << compared.output;
+  const std::vector<double> a = ColumnOf(folder / "out", "a_bad1");
+  const std::vector<double> b = ColumnOf(folder / "out", "b_bad1");
+  ASSERT_EQ(a.size(), 11U);  // frame 5 is incomplete
+  for (size_t i = 0; i < a.size(); ++i) {
+    if (i == 3) {
+      EXPECT_TRUE(std::isnan(a[i]) && std::isnan(b[i]));
+    } else {
+      EXPECT_EQ(a[i], 0);
+      EXPECT_GT(b[i], 0);
+    }
+  }
+  EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("against the truth"));
+  command.back() = folder / "none";
+  EXPECT_EQ(RunProgramOf(command).exit_code, 2);
+}
+
+TEST(BatchSystem, AnotherBuildIsComparedAndItsFailuresAreReported) {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "logs");
+  WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 16);
+  auto command = RunCommand(folder / "logs", folder / "out");
+  command.insert(command.end(), {"--programs-b", folder / "bin"});
+  const Outcome without = RunProgramOf(command);
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_THAT(without.output, HasSubstr("sprout-refine: cannot be run"));
+
+  // Another grow; and a prior that fails once.
+  fs::create_directory(folder / "bin");
+  fs::copy_file(ProgramPath("sprout-refine"), folder / "bin" / "sprout-refine");
+  std::ofstream(folder / "b.textproto") << "grow { sigma_p_px: 9.0 }\n";
+  WriteProgram(folder / "bin" / "sprout-grow", "exec " + ProgramPath("sprout-grow") +
+                                                   " \"$@\" --config " +
+                                                   (folder / "b.textproto").string() + "\n");
+  WriteProgram(folder / "bin" / "sprout-prior",
+               "if [ \"$1\" != --version ] && mkdir " + (folder / "failed").string() +
+                   " 2> /dev/null; then echo no luck today; exit 3; fi\nexec " +
+                   ProgramPath("sprout-prior") + " \"$@\"\n");
+  const Outcome outcome = RunProgramOf(command);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output,
+              HasSubstr("sprout-prior ended with exit code 3: no luck today; will be "
+                        "tried again"));
+  for (const double moved : ColumnOf(folder / "out", "moved")) EXPECT_GT(moved, 0);
+  const std::string report = BytesOfFile(folder / "out" / "report.html");
+  EXPECT_THAT(report, HasSubstr("The configurations are the same; the programs differ."));
+  EXPECT_THAT(report, HasSubstr((folder / "bin" / "sprout-grow").string() + " --config"));
+  EXPECT_THAT(report, HasSubstr("done after 1 failed try"));
+  EXPECT_THAT(report, HasSubstr("no luck today"));
+}
+
+TEST(BatchSystem, AFolderThatCannotBeWrittenIsGoodEnoughForLogs) {
+  const TemporaryDirectory folder;
+  const fs::path logs = folder / "logs";
+  fs::create_directory(logs);
+  WriteStraddlingLog(logs / "run.lcm", "320x240", 0, 8);
+  fs::permissions(logs, fs::perms::owner_read | fs::perms::owner_exec);
+  // Permissions do not stop root, unless it gives this right away.
+  std::vector<std::string> without_rights;
+  if (geteuid() == 0) without_rights = {"setpriv", "--bounding-set", "-dac_override"};
+  const auto command = RunCommand(logs, folder / "out");
+  const Outcome outcome = RunProgramOf(command, without_rights);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("cannot be written beside the logs"));
+  EXPECT_FALSE(fs::exists(logs / "run.lcm.index"));
+  EXPECT_THAT(RunProgramOf(command, without_rights).output, HasSubstr("shards were done already"));
+  const Outcome index = RunProgramOf({"sprout-batch", "index", logs}, without_rights);
+  EXPECT_EQ(index.exit_code, 2);
+  EXPECT_THAT(index.output, HasSubstr("run.lcm.index: cannot be written"));
+  fs::permissions(logs, fs::perms::owner_all);
 }
 
 // Run inside slurm_cluster, which kills nothing by itself.

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
-#include <fstream>
 #include <iostream>
 
 #include "common/bus/channels.h"
@@ -17,7 +16,7 @@
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
 #include "services/batch/report.h"
-#include "services/batch/shard_run.h"
+#include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
 
 namespace sprout {
@@ -77,7 +76,8 @@ class Simulation {
                               .shard_bytes = kFrames * 900'000};
     for (int64_t log = 0; log < shards_ / kShardsPerLog; ++log) {
       const LogIndex index = LogIndex::Read(IndexPath(log));
-      for (Shard& shard : PlanShards(index, options)) {
+      LogPlan plan = PlanShards(index, options);
+      for (Shard& shard : plan.shards) {
         shard.log = log;
         manifest_.shards.push_back(std::move(shard));
       }
@@ -142,9 +142,8 @@ class Simulation {
     const fs::path result = folder_.result(ResultKey(manifest_.head, variant, shard));
     fs::create_directories(result);
     WriteTable(result / "measures.csv", MadeUp(number, MeasureColumns()));
-    std::ofstream(result / "run.json")
-        << R"({"stages":{"grow":{"out":10,"seconds":1},"prior":{"out":10,"seconds":1},)"
-        << R"("refine":{"out":10,"seconds":1}}})";
+    const StageRun run{.frames_in = kFrames, .frames_out = kFrames, .seconds = 1};
+    WriteStageRuns(result / "run.json", {{"refine", run}, {"prior", run}, {"grow", run}});
     LogWriter log(result / "grow.lcm");
     const DisparityImage map(cv::Size(8, 6));
     for (int64_t i = 0; i < kFrames; ++i) {

@@ -9,7 +9,9 @@
 #include "services/batch/frame_rows.h"
 #include "services/batch/planning.h"
 #include "services/batch/report_charts.h"
-#include "services/batch/shard_run.h"
+#include "services/batch/report_losses.h"
+#include "services/batch/shard_try.h"
+#include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
 #include "services/grow/grow_plug.h"
 #include "services/prior/prior_plug.h"
@@ -86,7 +88,7 @@ TEST(ShardPlan, CutsAreAboutEvenAndLoseNoFrame) {
   const LogFolder folder;
   const LogIndex index =
       LogIndex::Ensure(folder.Write("run.lcm", InOrder(GraphEvents(40))), folder.File("indexes"));
-  const std::vector<Shard> shards = PlanShards(index, RefineOptions(20'000));
+  const std::vector<Shard> shards = PlanShards(index, RefineOptions(20'000)).shards;
   ASSERT_GT(shards.size(), 3U);
   int64_t frames = 0;
   for (const Shard& shard : shards) {
@@ -99,13 +101,26 @@ TEST(ShardPlan, CutsAreAboutEvenAndLoseNoFrame) {
   EXPECT_EQ(frames, 40);
 }
 
+TEST(ShardPlan, CountsFramesThatAreIncompleteOrLeftOut) {
+  const LogFolder folder;
+  std::vector<Event> events = InOrder(GraphEvents(40));
+  std::erase_if(events, [](const Event& event) {
+    const auto seq = (event.utime - LogFrameId(0).utime) / 100'000;
+    return (seq == 5 && event.channel == ChannelOf(Part::kTof)) || seq == 11 || seq == 12;
+  });
+  const LogIndex index = LogIndex::Ensure(folder.Write("run.lcm", events), folder.File("indexes"));
+  const LogPlan plan = PlanShards(index, RefineOptions(20'000));
+  EXPECT_EQ(plan.incomplete, 1);
+  EXPECT_EQ(plan.left_out, 2);
+}
+
 TEST(ShardPlan, ALogWhoseTimeGoesBackIsLeftWhole) {
   const LogFolder folder;
   std::vector<Event> events = InOrder(GraphEvents(40));
   events[100].utime -= 10'000'000;
   const LogIndex index = LogIndex::Ensure(folder.Write("run.lcm", events), folder.File("indexes"));
   EXPECT_TRUE(index.summary().goes_back);
-  EXPECT_THAT(PlanShards(index, RefineOptions(20'000)), SizeIs(1));
+  EXPECT_THAT(PlanShards(index, RefineOptions(20'000)).shards, SizeIs(1));
 }
 
 TEST(ShardPlan, AnotherMessageGivesAnotherDigest) {
@@ -113,7 +128,7 @@ TEST(ShardPlan, AnotherMessageGivesAnotherDigest) {
   std::vector<Event> events = GraphEvents(10);
   const auto digest = [&](const char* name) {
     const LogIndex index = LogIndex::Ensure(folder.Write(name, events), folder.File("indexes"));
-    return PlanShards(index, RefineOptions(1'000'000)).at(0).input;
+    return PlanShards(index, RefineOptions(1'000'000)).shards.at(0).input;
   };
   const std::string before = digest("a.lcm");
   EXPECT_EQ(digest("b.lcm"), before);
@@ -157,15 +172,108 @@ TEST(Tables, AMissingDisparityIsWrongWhereTheTruthIsKnown) {
 }
 
 TEST(ShardRun, ReadsWhatAReplayReports) {
-  const StageRun run = ParseReplayReport(
+  const std::optional<StageRun> run = ParseReplayReport(
       "warning\ngrow: 414 events; frames: 45 in, 44 out (2 degenerate), 1 failed, 3 incomplete, 0 "
       "left out; 5 bad messages, 0 damaged bytes; 1.49 s, 30.2 frames/s\n");
-  EXPECT_EQ(run.frames_in, 45);
-  EXPECT_EQ(run.frames_out, 44);
-  EXPECT_EQ(run.degenerate, 2);
-  EXPECT_EQ(run.failed, 1);
-  EXPECT_EQ(run.bad_messages, 5);
-  EXPECT_THROW(ParseReplayReport("no report"), ShardError);
+  ASSERT_TRUE(run);
+  EXPECT_EQ(run->frames_in, 45);
+  EXPECT_EQ(run->frames_out, 44);
+  EXPECT_EQ(run->degenerate, 2);
+  EXPECT_EQ(run->failed, 1);
+  EXPECT_EQ(run->bad_messages, 5);
+  EXPECT_EQ(ParseReplayReport("no report"), std::nullopt);
+}
+
+TEST(ShardTry, LeavesAFileOfEachTryThatDidNotSucceed) {
+  const TemporaryDirectory folder;
+  const BatchFolder batch(folder / "");
+  { const ShardTry attempt(batch, 7); }
+  EXPECT_THAT(FailedTries(batch), IsEmpty());
+  {
+    ShardTry attempt(batch, 7);
+    attempt.Fail("first");
+    attempt.Fail("a consequence");
+  }
+  const ShardTry at_work(batch, 7);
+  EXPECT_EQ(FailedTries(batch), (std::map<size_t, int64_t>{{7, 2}}));
+  std::string line;
+  std::getline(std::ifstream(TryPath(batch, 7, 1)) >> std::ws, line);
+  EXPECT_EQ(line, "first");
+  ForgetTry(batch, 7);
+  EXPECT_EQ(FailedTries(batch), (std::map<size_t, int64_t>{{7, 1}}));
+}
+
+// Two logs; the first of two shards, one of which was done at the second try, the second of a shard
+// that failed for good.
+class LossesOfABatch : public testing::Test {
+ protected:
+  void SetUp() override {
+    manifest_.head.stages = {"prior", "grow"};
+    manifest_.head.keep = {"grow"};
+    Variant a{.name = "a", .config_digest = "c", .programs = {}};
+    for (const std::string& stage : manifest_.head.stages) a.programs[stage] = {"p", "d", "v"};
+    manifest_.head.variants = {a};
+    BatchLog log{.path = "/x.lcm", .name = "x", .index = "", .summary = {}};
+    log.incomplete = 3;
+    log.left_out = 4;
+    log.summary.undecodable = 5;
+    log.summary.damaged_bytes = 600;
+    manifest_.logs = {log, {.path = "/y.lcm", .name = "y", .index = "", .summary = {}}};
+    for (const int64_t of_log : {0, 0, 1}) {
+      Shard shard;
+      shard.log = of_log;
+      shard.frames = 10;
+      shard.input = std::to_string(manifest_.shards.size());
+      manifest_.shards.push_back(shard);
+    }
+    Write(0, {{"prior", {.frames_in = 10, .frames_out = 10, .bad_messages = 2}},
+              {"grow", {.frames_in = 10, .frames_out = 8, .degenerate = 1, .bad_messages = 2}}});
+    Write(1, {{"prior", {.frames_out = 10}}, {"grow", {.frames_out = 10}}});
+    ShardTry(batch_, 1).Fail("out of <luck>");
+    for (int i = 0; i < 2; ++i) ShardTry(batch_, 2).Fail("broken");
+    state_ = StateOf(batch_, manifest_);
+  }
+
+  void Write(size_t shard, const StageRuns& runs) const {
+    const auto result = batch_.result(
+        ResultKey(manifest_.head, manifest_.head.variants[0], manifest_.shards[shard]));
+    std::filesystem::create_directories(result);
+    WriteStageRuns(result / "run.json", runs);
+  }
+
+  TemporaryDirectory folder_;
+  BatchFolder batch_{folder_ / ""};
+  Manifest manifest_;
+  BatchState state_;
+};
+
+TEST_F(LossesOfABatch, AreCountedPerLog) {
+  const std::vector<Losses> logs = LossesOf(batch_, manifest_, state_);
+  ASSERT_THAT(logs, SizeIs(2));
+  EXPECT_EQ(logs[0].shards, 2);
+  EXPECT_EQ(logs[0].retried, 1);
+  EXPECT_EQ(logs[0].failed, 0);
+  EXPECT_EQ(logs[0].frames, 20);
+  EXPECT_EQ(logs[0].variants.at(0).unanswered, 2);
+  EXPECT_EQ(logs[0].variants.at(0).empty, 1);
+  EXPECT_EQ(logs[0].variants.at(0).refused, 2);
+  EXPECT_EQ(logs[1].failed, 1);
+  EXPECT_EQ(logs[1].retried, 0);
+  EXPECT_TRUE(logs[0].Any() && logs[1].Any());
+}
+
+TEST_F(LossesOfABatch, StandInTheReportPerLogAndInAll) {
+  const std::string html = LossesHtml(batch_, manifest_, state_);
+  EXPECT_THAT(html, HasSubstr("<tr><td>all 2 logs</td><td>3</td><td class=\"bad\">1</td>"
+                              "<td class=\"bad\">1</td><td class=\"none\">0</td><td>30</td>"
+                              "<td class=\"bad\">2</td><td class=\"bad\">1</td>"
+                              "<td class=\"bad\">2</td><td class=\"bad\">3</td>"
+                              "<td class=\"bad\">4</td><td class=\"bad\">5</td>"
+                              "<td class=\"bad\">600</td></tr>"));
+  EXPECT_THAT(
+      html, HasSubstr("<tr><td>y</td><td>1</td><td class=\"none\">0</td><td class=\"bad\">1</td>"));
+  EXPECT_THAT(html, HasSubstr("missing after 2 failed tries"));
+  EXPECT_THAT(html, HasSubstr("failed/1.1.txt\">out of &lt;luck&gt;<"));
 }
 
 TEST(Planning, RefusesWhatIsNotThere) {

@@ -61,6 +61,23 @@ TEST(FrameQuality, OfATrueFrameIsTheBest) {
   EXPECT_DOUBLE_EQ(quality.score().value(), 1);
 }
 
+TEST(FrameQuality, SampledMisfitIsNearThatOfAllRows) {
+  // 480 rows, of which every third band of 40 is off by 3 px.
+  const cv::Mat1b texture = Texture({200, 480});
+  Frame frame;
+  frame.left = texture.colRange(0, 160);
+  frame.right = texture.colRange(kDisparity, 160 + kDisparity);
+  frame.disparity = DisparityImage(cv::Mat1s(480, 160, static_cast<int16_t>(kDisparity * 32)));
+  for (int v = 0; v < 480; v += 120) {
+    DisparityImage wrong(cv::Mat1s(frame.disparity->counts().rowRange(v, v + 40)));
+    Shift(wrong, 3);
+  }
+  const double all = QualityOf(frame).misfit.value();
+  EXPECT_GT(all, 0.1);
+  EXPECT_NEAR(QualityOf(frame, 4).misfit.value(), all, 0.1 * all);
+  EXPECT_NE(QualityOf(frame, 4).misfit.value(), all);
+}
+
 TEST(FrameQuality, IsWorseTheMoreOfTheMapIsWrong) {
   double before = 1;
   for (const int wrong_columns : {40, 80, 120}) {

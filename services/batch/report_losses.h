@@ -1,0 +1,17 @@
+#ifndef SPROUT_SERVICES_BATCH_REPORT_LOSSES_H_
+#define SPROUT_SERVICES_BATCH_REPORT_LOSSES_H_
+
+#include <string>
+
+#include "services/batch/losses.h"
+
+namespace sprout {
+
+/// Section of the report: shards that failed or were tried again, frames that are missing or bad,
+/// in all and for each log that has some, and why shards failed. @throws LogError.
+std::string LossesHtml(const BatchFolder& folder, const Manifest& manifest,
+                       const BatchState& state);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_BATCH_REPORT_LOSSES_H_

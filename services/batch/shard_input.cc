@@ -1,0 +1,74 @@
+#include "services/batch/shard_input.h"
+
+#include <algorithm>
+
+#include "common/logfile/event_fetcher.h"
+#include "common/logfile/event_list.h"
+#include "common/logfile/log_writer.h"
+#include "services/batch/text_file.h"
+
+namespace sprout {
+
+ShardInput::ShardInput(const ShardOfBatch& work, const std::vector<std::string>& channels)
+    : work_(work) {
+  std::vector<IndexedEvent> own;
+  for (IndexedEvent& event : ReadIndexLines(work.log.index, work.shard.begin, work.shard.end)) {
+    const bool is_taken =
+        std::find(channels.begin(), channels.end(), event.channel) != channels.end();
+    if (is_taken) own.push_back(std::move(event));
+  }
+  for (const int64_t line : work.shard.carried) {
+    events_.push_back(ReadIndexLine(work.log.index, line));
+  }
+  if (own.empty() || InputDigest(events_, own) != work.shard.input) Changed();
+  RequireUnchanged();
+  // The first calibration may come from further behind; times in a log go forward.
+  for (IndexedEvent& event : events_) event.utime = std::min(event.utime, own.front().utime);
+  events_.insert(events_.end(), own.begin(), own.end());
+}
+
+std::string ShardInput::Path(bool as_list) {
+  std::unique_ptr<ScratchFile>& file = as_list ? list_ : copy_;
+  if (!file) {
+    file = std::make_unique<ScratchFile>();
+    if (as_list) {
+      WriteList(file->path());
+    } else {
+      WriteCopy(file->path());
+    }
+  }
+  return file->path();
+}
+
+bool ShardInput::ReadsLists(std::string_view program_bytes) {
+  return program_bytes.find(EventList::kMagic) != std::string_view::npos;
+}
+
+void ShardInput::AddTo(FrameLookup& frames) const { frames.Add(work_.log.path, events_); }
+
+void ShardInput::RequireUnchanged() const {
+  if (!(StampOf(work_.log.path) == work_.log.summary.stamp)) Changed();
+}
+
+void ShardInput::Changed() const {
+  throw LogError(work_.log.path,
+                 "it or its index has changed since the batch was planned; run sprout-batch run "
+                 "again");
+}
+
+void ShardInput::WriteList(const std::string& path) const {
+  std::vector<EventList::Entry> entries;
+  for (const IndexedEvent& event : events_) entries.push_back({event.offset, event.utime});
+  WriteText(path, EventList::Text(work_.log.path, entries));
+}
+
+void ShardInput::WriteCopy(const std::string& path) const {
+  EventFetcher fetcher(work_.log.path);
+  LogWriter writer(path);
+  for (const IndexedEvent& event : events_) {
+    writer.Write(event.utime, event.channel, fetcher.Fetch(event.offset).data);
+  }
+  writer.Close();
+}
+
+}  // namespace sprout

@@ -1,0 +1,45 @@
+#ifndef SPROUT_SERVICES_BATCH_SHARD_TRY_H_
+#define SPROUT_SERVICES_BATCH_SHARD_TRY_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "services/batch/manifest.h"
+
+namespace sprout {
+
+/// One try to compute a shard, which has a file failed/SHARD.TRY.txt while it lasts. The file goes
+/// when the try succeeds, and says why when it fails. Of a process that is killed, or dies with its
+/// machine, it stays as it is, so such tries are counted, too.
+class ShardTry {
+ public:
+  ShardTry(const BatchFolder& folder, size_t shard);
+  ~ShardTry();
+  ShardTry(const ShardTry&) = delete;
+  ShardTry& operator=(const ShardTry&) = delete;
+
+  /// The file stays, with this text. The first reason counts.
+  void Fail(const std::string& why);
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  bool failed_ = false;
+};
+
+/// Number of tries that did not succeed, by shard; shards without such a try are left out. Tries
+/// that are under way are among them. O(tries).
+std::map<size_t, int64_t> FailedTries(const BatchFolder& folder);
+
+/// File of the last of them. @pre `tries` > 0, as FailedTries() says.
+std::filesystem::path TryPath(const BatchFolder& folder, size_t shard, int64_t tries);
+
+/// Takes back the last try of a shard: it was ended by Ctrl-C.
+void ForgetTry(const BatchFolder& folder, size_t shard);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_BATCH_SHARD_TRY_H_

@@ -1,0 +1,61 @@
+#include "services/batch/stage_run.h"
+
+#include <cinttypes>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/logfile/log_error.h"
+#include "services/batch/host_name.h"
+#include "services/batch/text_file.h"
+
+namespace sprout {
+
+using Json = nlohmann::json;
+
+std::optional<StageRun> ParseReplayReport(const std::string& output) {
+  StageRun run;
+  const size_t at = output.find(" events; frames: ");
+  if (at == std::string::npos ||
+      std::sscanf(
+          output.c_str() + at,
+          " events; frames: %" SCNd64 " in, %" SCNd64 " out (%" SCNd64 " degenerate), %" SCNd64
+          " failed, %*d incomplete, %*d left out; %" SCNd64 " bad messages",
+          &run.frames_in, &run.frames_out, &run.degenerate, &run.failed, &run.bad_messages) != 5) {
+    return std::nullopt;
+  }
+  return run;
+}
+
+void WriteStageRuns(const std::filesystem::path& path, const StageRuns& runs) {
+  Json stages = Json::object();
+  for (const auto& [stage, run] : runs) {
+    stages[stage] = {{"in", run.frames_in},          {"out", run.frames_out},
+                     {"degenerate", run.degenerate}, {"failed", run.failed},
+                     {"bad", run.bad_messages},      {"seconds", run.seconds}};
+  }
+  OutputFile file(path);
+  file.Write(Json{{"host", HostName()}, {"stages", stages}}.dump() + "\n");
+  CommitFile(path, file);
+}
+
+StageRuns ReadStageRuns(const std::filesystem::path& path) {
+  StageRuns runs;
+  std::ifstream file(path);
+  try {
+    const Json json = Json::parse(file);
+    for (const auto& [stage, run] : json.at("stages").items()) {
+      runs[stage] = {.frames_in = run.at("in"),
+                     .frames_out = run.at("out"),
+                     .degenerate = run.at("degenerate"),
+                     .failed = run.at("failed"),
+                     .bad_messages = run.at("bad"),
+                     .seconds = run.at("seconds")};
+    }
+  } catch (const Json::exception&) {
+    throw LogError(path, "cannot be read; remove its folder, and the shard is computed again");
+  }
+  return runs;
+}
+
+}  // namespace sprout

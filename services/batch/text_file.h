@@ -1,0 +1,26 @@
+#ifndef SPROUT_SERVICES_BATCH_TEXT_FILE_H_
+#define SPROUT_SERVICES_BATCH_TEXT_FILE_H_
+
+#include <filesystem>
+#include <string>
+
+#include "common/core/output_file.h"
+#include "common/logfile/log_error.h"
+
+namespace sprout {
+
+/// Gives a file its name. @throws LogError, one line with the reason.
+inline void CommitFile(const std::filesystem::path& path, OutputFile& file) {
+  if (!file.Commit()) throw LogError(path, "cannot be written (" + file.failure() + ")");
+}
+
+/// Writes a file, whole or not at all. @throws LogError.
+inline void WriteText(const std::filesystem::path& path, const std::string& text) {
+  OutputFile file(path);
+  file.Write(text);
+  CommitFile(path, file);
+}
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_BATCH_TEXT_FILE_H_
