@@ -114,7 +114,7 @@ function(sprout_service name)
 endfunction()
 
 # sprout_test(NAME SOURCES ... [DEPS ...] [LABELS ...]): GoogleTest program NAME_test, each TEST one ctest
-# entry; with sanitizers, under which a program takes seconds to load, each program. Labels, each with a
+# entry; with sanitizers or an emulator, under which a program takes seconds to load, each program. Labels, each with a
 # target LABEL_tests: threads, for programs with threads of ours (ThreadSanitizer); border, for those that
 # read foreign bytes (AddressSanitizer in CI).
 function(sprout_test name)
@@ -126,7 +126,7 @@ function(sprout_test name)
     sprout_compile_as_one(${name}_test)
   endif()
   set(labels unit ${arg_LABELS})
-  if(SPROUT_SANITIZE)
+  if(SPROUT_SANITIZE OR CMAKE_CROSSCOMPILING)
     add_test(NAME ${name}_test COMMAND ${name}_test)
     set_tests_properties(
       ${name}_test PROPERTIES LABELS "${labels}" TIMEOUT 900 ENVIRONMENT
