@@ -31,6 +31,11 @@ target_compile_options(
             -ffp-contract=off
             # No function of ours is ever replaced at run time, so the compiler may inline it.
             -fno-semantic-interposition $<$<BOOL:${SPROUT_WERROR}>:-Werror>)
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+  # Makes Highway build for NEON alone, which every 64-bit Arm has. Its choice at run time takes NEON
+  # only with AES, which a Raspberry Pi 4 lacks, and SVE, whose vectors cannot be elements of arrays.
+  target_compile_definitions(sprout_options INTERFACE TOOLCHAIN_MISS_SYS_AUXV_H)
+endif()
 if(SPROUT_SANITIZE)
   # Test programs without UndefinedBehaviorSanitizer, which doubles the time to compile them: it
   # looks at what the tests call, not at the tests.
