@@ -12,8 +12,8 @@ namespace sprout {
 void SetThreads(int count);
 
 /// Instruction sets that growth and gap filling were built for and this CPU has, best first. Names
-/// as Highway's, in small letters: on x86-64 "avx3", "avx2", "sse4", "ssse3" and always "scalar", on
-/// Arm "neon" alone.
+/// as Highway's, in small letters: on x86-64 "avx3", "avx2", "sse4", "ssse3" and always "scalar",
+/// on Arm "neon" alone.
 std::vector<std::string> SimdLevels();
 
 /// Lets growth and gap filling use nothing better than this instruction set, for the life of the
