@@ -26,6 +26,8 @@ std::string NameOf(int64_t target) {
 
 // Best first: Highway gives better instruction sets lower bits.
 std::vector<int64_t> Targets() {
+  constexpr bool kOne = (HWY_TARGETS & (HWY_TARGETS - 1)) == 0;
+  if (kOne) return {HWY_TARGETS};  // nothing is chosen when the program runs
   std::vector<int64_t> targets;
   for (int64_t rest = hwy::SupportedTargets() & HWY_TARGETS & ~kScalar; rest != 0;
        rest &= rest - 1) {

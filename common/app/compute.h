@@ -11,9 +11,9 @@ namespace sprout {
 /// @param count  0 = as many as there are cores.
 void SetThreads(int count);
 
-/// Instruction sets that growth and gap filling were built for and this CPU has, best first;
-/// "scalar" is always the last. Names as Highway's, in small letters: "avx3", "avx2", "sse4",
-/// "ssse3", "neon".
+/// Instruction sets that growth and gap filling were built for and this CPU has, best first. Names
+/// as Highway's, in small letters: on x86-64 "avx3", "avx2", "sse4", "ssse3" and always "scalar",
+/// on Arm "neon" alone.
 std::vector<std::string> SimdLevels();
 
 /// Lets growth and gap filling use nothing better than this instruction set, for the life of the

@@ -31,6 +31,11 @@ target_compile_options(
             -ffp-contract=off
             # No function of ours is ever replaced at run time, so the compiler may inline it.
             -fno-semantic-interposition $<$<BOOL:${SPROUT_WERROR}>:-Werror>)
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+  # Makes Highway build for NEON alone, which every 64-bit Arm has. Its choice at run time takes NEON
+  # only with AES, which a Raspberry Pi 4 lacks, and SVE, whose vectors cannot be elements of arrays.
+  target_compile_definitions(sprout_options INTERFACE TOOLCHAIN_MISS_SYS_AUXV_H)
+endif()
 if(SPROUT_SANITIZE)
   # Test programs without UndefinedBehaviorSanitizer, which doubles the time to compile them: it
   # looks at what the tests call, not at the tests.
@@ -114,7 +119,7 @@ function(sprout_service name)
 endfunction()
 
 # sprout_test(NAME SOURCES ... [DEPS ...] [LABELS ...]): GoogleTest program NAME_test, each TEST one ctest
-# entry; with sanitizers, under which a program takes seconds to load, each program. Labels, each with a
+# entry; with sanitizers or an emulator, under which a program takes seconds to load, each program. Labels, each with a
 # target LABEL_tests: threads, for programs with threads of ours (ThreadSanitizer); border, for those that
 # read foreign bytes (AddressSanitizer in CI).
 function(sprout_test name)
@@ -126,7 +131,7 @@ function(sprout_test name)
     sprout_compile_as_one(${name}_test)
   endif()
   set(labels unit ${arg_LABELS})
-  if(SPROUT_SANITIZE)
+  if(SPROUT_SANITIZE OR CMAKE_CROSSCOMPILING)
     add_test(NAME ${name}_test COMMAND ${name}_test)
     set_tests_properties(
       ${name}_test PROPERTIES LABELS "${labels}" TIMEOUT 900 ENVIRONMENT
