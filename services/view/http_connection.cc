@@ -69,12 +69,14 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     const HttpRequest request = ViewOf(request_);
     host_ = IsOwnHost(request.host) ? std::string(request.host) : std::string();
     if (beast::websocket::is_upgrade(request_)) return Upgrade(request);
-    // Making the answer may take a second: not here, where everybody would wait.
-    boost::asio::post(state_.requests, [self = shared_from_this()] {
-      auto reply =
-          std::make_shared<HttpReply>(self->state_.parts.handler->Handle(ViewOf(self->request_)));
-      boost::asio::post(self->stream_.get_executor(),
-                        [self, reply] { self->Write(std::move(*reply)); });
+    // Making the answer may take a second: not here, where everybody would wait. The connection
+    // goes back to the thread of the sockets, which alone may end it.
+    boost::asio::post(state_.requests, [self = shared_from_this()]() mutable {
+      HttpConnection& connection = *self;
+      auto reply = std::make_shared<HttpReply>(
+          connection.state_.parts.handler->Handle(ViewOf(connection.request_)));
+      boost::asio::post(connection.stream_.get_executor(),
+                        [self = std::move(self), reply] { self->Write(std::move(*reply)); });
     });
   }
 

@@ -15,7 +15,7 @@ namespace {
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 
-constexpr size_t kMaxMessageBytes = 4096;
+constexpr size_t kMaxWishBytes = 4096;
 
 // A page that neither takes nor sends anything for so long is gone.
 constexpr std::chrono::seconds kIdleTime{60};
@@ -32,7 +32,7 @@ PageConnection::PageConnection(ServerState& state, ConnectionCount count,
   stream_.set_option(websocket::stream_base::timeout{.handshake_timeout = std::chrono::seconds(10),
                                                      .idle_timeout = kIdleTime,
                                                      .keep_alive_pings = true});
-  stream_.read_message_max(kMaxMessageBytes);
+  stream_.read_message_max(kMaxWishBytes);
   stream_.auto_fragment(false);
 }
 
@@ -75,9 +75,10 @@ void PageConnection::OnRead(beast::error_code error) {
   Read();
 }
 
+// The connection goes back to the thread of the sockets, which alone may end it.
 template <typename Work>
 void PageConnection::SendLater(Work work, bool is_text) {
-  boost::asio::post(state_.pictures, [self = shared_from_this(), work = std::move(work), is_text] {
+  auto make = [self = shared_from_this(), work = std::move(work), is_text]() mutable {
     auto message = std::make_shared<Message>(Message{{}, is_text, false});
     try {
       message->bytes = work();
@@ -85,11 +86,13 @@ void PageConnection::SendLater(Work work, bool is_text) {
       message->bytes = JsonText({{"type", "error"}, {"text", e.what()}});
       message->is_text = true;
     }
-    boost::asio::post(self->stream_.get_executor(), [self, message, is_text] {
+    PageConnection& page = *self;
+    boost::asio::post(page.stream_.get_executor(), [self = std::move(self), message, is_text] {
       (is_text ? self->probing_ : self->encoding_) = false;
       self->Send(std::move(*message));
     });
-  });
+  };
+  boost::asio::post(state_.pictures, std::move(make));
 }
 
 void PageConnection::Pump() {
