@@ -31,7 +31,7 @@ void Append(Bytes& bytes, std::span<const uint8_t> more) {
   bytes.insert(bytes.end(), more.begin(), more.end());
 }
 
-size_t BytesOf(const PartValue& value, Part part) {
+size_t DecodedBytesOf(const PartValue& value, Part part) {
   Frame frame;
   SetPart(frame, part, value);
   return sprout::BytesOf(frame);
@@ -39,7 +39,7 @@ size_t BytesOf(const PartValue& value, Part part) {
 
 // What passes the border is a good value: a stage may send it on, and it passes again.
 void CheckSentOn(Part part, const DecodedPart& decoded) {
-  if (BytesOf(decoded.value, part) > kMaxResentBytes) return;
+  if (DecodedBytesOf(decoded.value, part) > kMaxResentBytes) return;
   for (const auto encoding : {DisparityEncoding::kRawInt16, DisparityEncoding::kDeltaZstd}) {
     const Result<DecodedPart> again =
         DecodePart(part, EncodePart(decoded.id, part, decoded.value, encoding));
