@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ranges>
 #include <set>
 
 #include "common/config/config_difference.h"
@@ -19,9 +18,9 @@ void ProcessSummary::Add(std::span<const uint8_t> bytes) {
 }
 
 const ProcessInfo* ProcessSummary::NewestOf(const std::string& stage) const {
-  const auto backwards = std::views::reverse(processes_);
-  const auto found = std::ranges::find(backwards, stage, &ProcessInfo::stage);
-  return found == backwards.end() ? nullptr : &*found;
+  const auto found = std::find_if(processes_.rbegin(), processes_.rend(),
+                                  [&](const ProcessInfo& info) { return info.stage == stage; });
+  return found == processes_.rend() ? nullptr : &*found;
 }
 
 std::string ConfigDiffText(const ProcessSummary& a, const ProcessSummary& b) {

@@ -4,8 +4,8 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <ranges>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -112,7 +112,7 @@ std::string Ranking::Table() const {
   std::string text = fmt::format("{:>8} {:>9}", "frame", "s");
   for (const QualityColumn& column : QualityColumns()) text += fmt::format("  {:>8}", column.name);
   text += "\n";
-  for (const Row& row : rows_ | std::views::take(shown)) {
+  for (const Row& row : std::span(rows_).first(shown)) {
     text += fmt::format("{:>8} {:>9.3f}", row.key.second,
                         static_cast<double>(row.key.first - first_utime) / 1e6);
     for (const QualityColumn& column : QualityColumns()) {
@@ -136,7 +136,7 @@ std::string Ranking::Csv() const {
   for (const QualityColumn& column : QualityColumns()) text += fmt::format(",{}", column.name);
   text += "\n";
   const size_t shown = options_.top > 0 ? CountShown(kShown) : rows_.size();
-  for (const Row& row : rows_ | std::views::take(shown)) {
+  for (const Row& row : std::span(rows_).first(shown)) {
     text += fmt::format("{},{}", row.key.second, row.key.first);
     for (const QualityColumn& column : QualityColumns()) {
       const auto value = column.value(row.quality);
@@ -150,7 +150,7 @@ std::string Ranking::Csv() const {
 std::string Ranking::Json() const {
   nlohmann::ordered_json frames = nlohmann::ordered_json::array();
   const size_t shown = options_.top > 0 ? CountShown(kShown) : rows_.size();
-  for (const Row& row : rows_ | std::views::take(shown)) {
+  for (const Row& row : std::span(rows_).first(shown)) {
     nlohmann::ordered_json frame = {{"seq", row.key.second}, {"utime", row.key.first}};
     for (const QualityColumn& column : QualityColumns()) {
       const auto value = column.value(row.quality);
@@ -168,7 +168,7 @@ std::string Ranking::Json() const {
 
 void Ranking::WritePictures() const {
   std::set<Key> worst;
-  for (const Row& row : rows_ | std::views::take(CountShown(kShown))) worst.insert(row.key);
+  for (const Row& row : std::span(rows_).first(CountShown(kShown))) worst.insert(row.key);
   FrameFileNames names(options_.folder);
   LogFrames frames(options_, AllParts(), [&](const Frame& frame) {
     if (worst.contains({frame.id.utime, frame.id.seq})) WriteFramePictures(frame, names);

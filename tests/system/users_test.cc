@@ -136,7 +136,10 @@ TEST_F(SilenceSystem, TellsBothOfTwoProcessesOfOneStage) {
   graph_.Start("grow");
   Process second({ProgramPath("sprout-grow")});
   EXPECT_TRUE(Says("grow", "another sprout-grow works on these channels"));
-  EXPECT_THAT(second.Output(), HasSubstr("another sprout-grow"));
+  EXPECT_TRUE(graph_.WaitUntil(
+      [&](Graph&) { return second.Output().find("another sprout-grow") != std::string::npos; },
+      std::chrono::seconds(20)))
+      << second.Output();
 }
 
 TEST_F(SilenceSystem, CaptureSaysThatItCannotKeepItsRate) {
