@@ -90,10 +90,11 @@ void Ranking::Read() {
 }
 
 void Ranking::Sort() {
-  const auto unranked = std::ranges::stable_partition(
-      rows_, [&](const Row& row) { return by_.value(row.quality).has_value(); });
-  ranked_ = static_cast<size_t>(unranked.begin() - rows_.begin());
-  std::ranges::stable_sort(rows_.begin(), unranked.begin(), [&](const Row& a, const Row& b) {
+  const auto unranked = std::stable_partition(rows_.begin(), rows_.end(), [&](const Row& row) {
+    return by_.value(row.quality).has_value();
+  });
+  ranked_ = static_cast<size_t>(unranked - rows_.begin());
+  std::stable_sort(rows_.begin(), unranked, [&](const Row& a, const Row& b) {
     const double value_a = *by_.value(a.quality);
     const double value_b = *by_.value(b.quality);
     return by_.more_is_better ? value_a < value_b : value_a > value_b;
