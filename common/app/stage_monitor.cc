@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "common/app/version.h"
+#include "common/core/host_name.h"
 
 namespace sprout {
 namespace {
@@ -22,12 +22,6 @@ constexpr double kClockSlackMs = 1;  // within one host a clock may be set by so
 
 double Milliseconds(StageMonitor::Clock::duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
-}
-
-std::string HostName() {
-  std::array<char, 256> name{};
-  gethostname(name.data(), name.size() - 1);
-  return name.data();
 }
 
 // Second number of statm: resident pages.

@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "services/batch/host_name.h"
+#include "common/core/host_name.h"
 
 namespace sprout {
 

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "common/core/host_name.h"
 #include "common/logfile/log_error.h"
-#include "services/batch/host_name.h"
 #include "services/batch/text_file.h"
 
 namespace sprout {

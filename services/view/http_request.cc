@@ -1,11 +1,11 @@
 #include "services/view/http_request.h"
 
 #include <arpa/inet.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
+
+#include "common/core/host_name.h"
 
 namespace sprout {
 namespace {
@@ -64,9 +64,7 @@ std::optional<int64_t> HttpTarget::Number(const std::string& name, int64_t low,
 bool IsOwnHost(std::string_view host) {
   const std::optional<std::string> name = NameOf(host);
   if (!name || name->empty()) return false;
-  if (*name == "localhost" || IsAddress(*name)) return true;
-  std::array<char, 256> own{};
-  return gethostname(own.data(), own.size() - 1) == 0 && *name == own.data();
+  return *name == "localhost" || IsAddress(*name) || *name == HostName();
 }
 
 bool IsOwnOrigin(std::string_view origin, std::string_view host) {
