@@ -34,7 +34,7 @@ TEST(FrameJoiner, DropsTheOldestWhenTooManyWait) {
 
 // A stage that was stopped answers, when it goes on, a frame that was given up long ago.
 TEST(FrameJoiner, CountsLeftoversOnceWhenCaptureIsStartedAgain) {
-  FrameJoiner joiner(kPair, 3);
+  FrameJoiner joiner(kStereo, 3);
   for (int64_t seq = 0; seq < 4; ++seq) AddTo(joiner, IdOf(seq), Part::kLeft);
   EXPECT_EQ(joiner.incomplete(), 1) << "frame 0";
   AddTo(joiner, IdOf(0), Part::kRight);
