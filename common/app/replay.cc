@@ -45,9 +45,14 @@ void RequireOtherFile(const std::string& log, const std::string& record) {
   }
 }
 
-ReplayInput OpenInput(const std::vector<std::string>& logs, const std::string& shared) {
+ReplayInput OpenInput(const std::vector<std::string>& logs, const std::string& prefix,
+                      PartSet inputs) {
+  std::set<std::string, std::less<>> ordering;
+  for (const Part part : kAllParts) {
+    if (inputs.Has(part)) ordering.insert(prefix + std::string(ChannelOf(part)));
+  }
   try {
-    return ReplayInput(logs, shared);
+    return ReplayInput(logs, prefix + std::string(kProcessChannel), std::move(ordering));
   } catch (const LogError& e) {
     throw ConfigError(std::string("--replay ") + e.what());
   }
@@ -74,7 +79,7 @@ class Replay {
         encoding_(EncodingOf(context.config.bus())),
         monitor_(context.stage, Digest(ConfigText(context.config))),
         assembler_(plug.Inputs(), monitor_, kReplayMaxPending),
-        input_(OpenInput(options.logs, LoggedChannel(kProcessChannel))),
+        input_(OpenInput(options.logs, context.prefix, plug.Inputs())),
         recording_(OpenRecording(options.record)),
         progress_(/*quiet=*/false) {}
 

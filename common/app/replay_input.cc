@@ -2,6 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace sprout {
 namespace {
 
@@ -17,7 +20,9 @@ std::set<std::string, std::less<>> ChannelsOf(const std::string& path) {
 
 }  // namespace
 
-ReplayInput::ReplayInput(const std::vector<std::string>& logs, std::string_view shared) {
+ReplayInput::ReplayInput(const std::vector<std::string>& logs, std::string_view shared,
+                         std::set<std::string, std::less<>> ordering)
+    : ordering_(std::move(ordering)) {
   for (const std::string& path : logs) {
     logs_.push_back({.path = path,
                      .reader = std::make_unique<LogReader>(path),
@@ -37,7 +42,7 @@ bool ReplayInput::Next(LogEvent& event) {
   if (taken_ != nullptr) Advance(*taken_);
   taken_ = nullptr;
   for (Log& log : logs_) {
-    if (log.head && (taken_ == nullptr || log.head->utime < taken_->head->utime)) taken_ = &log;
+    if (log.head && (taken_ == nullptr || log.time < taken_->time)) taken_ = &log;
   }
   if (taken_ == nullptr) return false;
   event = *taken_->head;
@@ -56,6 +61,9 @@ void ReplayInput::Advance(Log& log) {
   log.head.reset();
   while (!log.head && log.reader->Next(event)) {
     if (!log.hidden.contains(event.channel)) log.head = event;
+  }
+  if (log.head && (ordering_.empty() || ordering_.contains(log.head->channel))) {
+    log.time = std::max(log.time, log.head->utime);
   }
   ReportDamage(log);
 }

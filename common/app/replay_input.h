@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,16 +18,21 @@ namespace sprout {
 
 /// The events of one or more logs as one stream in order of time, damage skipped and logged.
 ///
-/// Events of one log keep their order, whatever their times; of events with one time, those of the
-/// log that was named first come first. A channel that several logs have is taken from the last of
+/// Events of one log keep their order: one that is older than an event before it counts as being of
+/// that one's time. Of events with one time, those of the log that was named first come first. A
+/// channel that several logs have is taken from the last of
 /// them, so that what one stage answered in a replay stands in for what was recorded.
 /// Constant memory: one event a log. Logs after the first are read twice.
 class ReplayInput {
  public:
-  /// @param logs    paths, at least one.
-  /// @param shared  a channel that is taken from all logs that have it; empty: none.
+  /// @param logs      paths, at least one.
+  /// @param shared    a channel that is taken from all logs that have it; empty: none.
+  /// @param ordering  the channels whose events order the logs; those of others come as soon as
+  ///                  those before them in their log have come, so that what nobody takes changes
+  ///                  nothing. Empty: all.
   /// @throws LogError when one cannot be opened or is no log.
-  explicit ReplayInput(const std::vector<std::string>& logs, std::string_view shared = {});
+  explicit ReplayInput(const std::vector<std::string>& logs, std::string_view shared = {},
+                       std::set<std::string, std::less<>> ordering = {});
 
   /// @returns false at the end of all logs. Views in `event` are valid until the next call.
   /// @throws LogError when reading fails.
@@ -45,14 +51,16 @@ class ReplayInput {
   struct Log {
     std::string path;
     std::unique_ptr<LogReader> reader;
-    std::set<std::string, std::less<>> hidden;  // channels that a later log has
-    std::optional<LogEvent> head;               // next event
+    std::set<std::string, std::less<>> hidden;           // channels that a later log has
+    std::optional<LogEvent> head;                        // next event
+    int64_t time = std::numeric_limits<int64_t>::min();  // of the newest so far, head included
     size_t damage_seen = 0;
   };
 
   void Advance(Log& log);
   void ReportDamage(Log& log);
 
+  std::set<std::string, std::less<>> ordering_;
   std::vector<Log> logs_;
   Log* taken_ = nullptr;  // whose head the caller has
   std::map<std::string, int64_t, std::less<>> channels_;

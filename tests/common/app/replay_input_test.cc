@@ -28,8 +28,9 @@ class ReplayInputTest : public ::testing::Test {
   }
 
   // "channel@utime" of every event.
-  static std::vector<std::string> Names(const std::vector<std::string>& logs) {
-    ReplayInput input(logs);
+  static std::vector<std::string> Names(const std::vector<std::string>& logs,
+                                        std::set<std::string, std::less<>> ordering = {}) {
+    ReplayInput input(logs, "", std::move(ordering));
     std::vector<std::string> names;
     LogEvent event;
     while (input.Next(event)) {
@@ -52,6 +53,14 @@ TEST_F(ReplayInputTest, MergesByTimeAndAtOneTimeInTheOrderOfTheLogs) {
   const std::string b = Write("b", {{1, "B", {}}, {5, "B", {}}, {7, "B", {}}});
   EXPECT_THAT(Names({a, b}), ElementsAre("A@1", "B@1", "A@5", "B@5", "B@7", "A@9"));
   EXPECT_THAT(Names({b, a}), ElementsAre("B@1", "A@1", "B@5", "A@5", "B@7", "A@9"));
+}
+
+TEST_F(ReplayInputTest, ALateEventWaitsForThoseBeforeItButNotForOnesThatNobodyTakes) {
+  const std::string a = Write("a", {{1, "A", {}}, {9, "X", {}}, {5, "A", {}}, {3, "A", {}}});
+  const std::string b = Write("b", {{4, "B", {}}, {6, "B", {}}, {7, "B", {}}});
+  EXPECT_THAT(Names({a, b}), ElementsAre("A@1", "B@4", "B@6", "B@7", "X@9", "A@5", "A@3"));
+  EXPECT_THAT(Names({a, b}, {"A", "B"}),
+              ElementsAre("A@1", "X@9", "B@4", "A@5", "A@3", "B@6", "B@7"));
 }
 
 TEST_F(ReplayInputTest, TakesAChannelFromTheLastLogThatHasIt) {
