@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 constexpr int64_t kMaxLine = 512;  // channel 63, rig_id and seven numbers; longer ids are refused
 constexpr size_t kMaxRigId = 128;
 
@@ -144,15 +144,15 @@ Scan ScanLog(const fs::path& log) {
   Scan scan;
   scan.summary.stamp = StampOf(log);
   LogReader reader(log);
-  int64_t newest = std::numeric_limits<int64_t>::min();
+  int64_t newest_undecodable = std::numeric_limits<int64_t>::min();
   for (LogEvent event; reader.Next(event);) {
     Interrupt::Check();
-    scan.summary.goes_back |= event.utime < newest;
-    newest = std::max(newest, event.utime);
     if (auto indexed = Describe(event)) {
+      scan.summary.cuttable &= event.utime >= newest_undecodable;
       scan.events.push_back(std::move(*indexed));
     } else if (NamesPart(event.channel)) {
       ++scan.summary.undecodable;
+      newest_undecodable = std::max(newest_undecodable, event.utime);
     } else {
       ++scan.summary.other_events;
     }
@@ -181,7 +181,7 @@ nlohmann::json ToJson(const IndexSummary& summary) {
   return {{"bytes", summary.stamp.bytes},       {"mtime_ns", summary.stamp.mtime_ns},
           {"events", summary.events},           {"other_events", summary.other_events},
           {"undecodable", summary.undecodable}, {"damaged_bytes", summary.damaged_bytes},
-          {"goes_back", summary.goes_back}};
+          {"cuttable", summary.cuttable}};
 }
 
 IndexSummary IndexSummaryFrom(const nlohmann::json& json) {
@@ -190,7 +190,7 @@ IndexSummary IndexSummaryFrom(const nlohmann::json& json) {
           .other_events = json.at("other_events"),
           .undecodable = json.at("undecodable"),
           .damaged_bytes = json.at("damaged_bytes"),
-          .goes_back = json.at("goes_back")};
+          .cuttable = json.at("cuttable")};
 }
 
 FileStamp StampOf(const fs::path& log) {

@@ -43,7 +43,7 @@ struct IndexSummary {
   int64_t other_events = 0;   ///< of channels that are no part of a frame
   int64_t undecodable = 0;    ///< on channels of the graph, but no stage would take them
   int64_t damaged_bytes = 0;  ///< hold no readable event
-  bool goes_back = false;     ///< the recorder's time jumped back somewhere
+  bool cuttable = true;       ///< no event is older than an undecodable one before it
 };
 
 /// Members of the lines of JSON that begin an index, and that describe a log in a manifest.

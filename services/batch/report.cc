@@ -110,12 +110,6 @@ class ReportWriter {
           "<p class=\"bad\">{} of {} shards are missing: this is a part of the batch.</p>\n",
           state_.missing, manifest_.shards.size());
     }
-    const auto whole = std::count_if(manifest_.logs.begin(), manifest_.logs.end(),
-                                     [](const BatchLog& log) { return log.summary.goes_back; });
-    if (whole > 0) {
-      html += fmt::format(
-          "<p class=\"bad\">{} logs whose time goes back were not cut into shards.</p>\n", whole);
-    }
     return html;
   }
 

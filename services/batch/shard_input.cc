@@ -22,8 +22,11 @@ ShardInput::ShardInput(const ShardOfBatch& work, const std::vector<std::string>&
   }
   if (own.empty() || InputDigest(events_, own) != work.shard.input) Changed();
   RequireUnchanged();
-  // The first calibration may come from further behind; times in a log go forward.
-  for (IndexedEvent& event : events_) event.utime = std::min(event.utime, own.front().utime);
+  // The first calibration may come from further behind, and would hold back what follows it.
+  const auto oldest = std::min_element(
+      own.begin(), own.end(),
+      [](const IndexedEvent& x, const IndexedEvent& y) { return x.utime < y.utime; });
+  for (IndexedEvent& event : events_) event.utime = std::min(event.utime, oldest->utime);
   events_.insert(events_.end(), own.begin(), own.end());
 }
 

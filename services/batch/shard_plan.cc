@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
 #include <type_traits>
@@ -128,24 +129,26 @@ class Planner {
     for (const Taken& taken : taken_) {
       total += taken.event->bytes;
     }
-    const bool whole = index.summary().goes_back || !options.inputs.first_has_all;
+    const bool whole = !index.summary().cuttable || !options.inputs.first_has_all;
     const int64_t count =
         whole ? 1 : std::max<int64_t>(1, (total + options.shard_bytes / 2) / options.shard_bytes);
     share_ = (total + count - 1) / std::max<int64_t>(count, 1);
   }
 
   LogPlan Plan() {
+    const std::vector<bool> in_order_behind = InOrderBehind();
     const auto first_rig = std::find_if(
         taken_.begin(), taken_.end(), [](const Taken& taken) { return taken.part == Part::kRig; });
     if (first_rig != taken_.end()) follower_.AddFirstRig(*first_rig->event);
     Begin(0);
     int64_t bytes = 0;
+    int64_t wanted = share_;  // the next multiple of a share
     for (size_t i = 0; i < taken_.size(); ++i) {
       bytes += taken_[i].event->bytes;
       const std::vector<Frame> complete = follower_.Add(*taken_[i].event, taken_[i].part);
       for (const Frame& frame : complete) Count(frame.id);
-      const bool full = bytes >= share_ * (std::ssize(plan_.shards) + 1);
-      if (!complete.empty() && full) {
+      if (!complete.empty() && bytes >= wanted && in_order_behind[i]) {
+        wanted = (bytes / share_ + 1) * share_;
         Finish(i + 1);
         Begin(i + 1);
       }
@@ -157,6 +160,25 @@ class Planner {
   }
 
  private:
+  // Behind which messages nothing is older than anything before. Only there may a shard end: a
+  // stage merges the log with the answers of others by time, and a late message waits for those
+  // before it.
+  std::vector<bool> InOrderBehind() const {
+    std::vector<bool> in_order(taken_.size());
+    std::vector<int64_t> oldest_behind(taken_.size());
+    int64_t oldest = std::numeric_limits<int64_t>::max();
+    for (size_t i = taken_.size(); i-- > 0;) {
+      oldest_behind[i] = oldest;
+      oldest = std::min(oldest, taken_[i].event->utime);
+    }
+    int64_t newest = std::numeric_limits<int64_t>::min();
+    for (size_t i = 0; i < taken_.size(); ++i) {
+      newest = std::max(newest, taken_[i].event->utime);
+      in_order[i] = newest <= oldest_behind[i];
+    }
+    return in_order;
+  }
+
   void Begin(size_t at) {
     shard_ = Shard{};
     first_ = at;

@@ -21,7 +21,8 @@ inline std::string BytesOfFile(const std::filesystem::path& path) {
 
 /// A log of a moving scene as a slow recorder sees it: RIGHT and TOF of a frame come when LEFT of
 /// the next two frames is there already, TOF of frames 5 and 13 never comes, and the
-/// calibration comes behind the first frames.
+/// calibration comes behind the first frames. As with lcm-logger, an event may be older than the
+/// one before it: every third is, and whatever follows one that no stage takes.
 inline void WriteStraddlingLog(const std::filesystem::path& path, const std::string& size,
                                int64_t first, int64_t frames) {
   SproutConfig config = LoadConfig({"default"});
@@ -29,9 +30,13 @@ inline void WriteStraddlingLog(const std::filesystem::path& path, const std::str
   const auto scene = OpenDataset(config.capture());
   const std::string rig_id = RigId(scene->rig());
   LogWriter writer(path);
+  const auto time = [&] {
+    return 1'700'000'000'000'000 + 100'000 * writer.events() -
+           (writer.events() % 3 == 0 ? 150'000 : 0);
+  };
   const auto write = [&](Part part, int64_t i, const PartValue& value) {
     const FrameId id{.utime = 1'700'000'000'000'000 + 100'000 * i, .seq = i, .rig_id = rig_id};
-    writer.Write(1'700'000'000'000'000 + 100'000 * writer.events(), ChannelOf(part),
+    writer.Write(time(), ChannelOf(part),
                  EncodePart(id, part, value, DisparityEncoding::kRawInt16));
   };
   std::vector<DatasetFrame> late;
@@ -39,7 +44,7 @@ inline void WriteStraddlingLog(const std::filesystem::path& path, const std::str
     if (i < frames) {
       late.push_back(scene->Get(first + i));
       write(Part::kLeft, i, late.back().left);
-      writer.Write(1'700'000'000'000'000 + 100'000 * writer.events(), "OTHER", {});
+      writer.Write(time() + 350'000, "OTHER", {});
     }
     if (i == 3) write(Part::kRig, i, scene->rig());
     if (i < 2) continue;

@@ -22,6 +22,7 @@
 namespace sprout {
 namespace {
 
+using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -71,7 +72,7 @@ TEST(LogIndex, IsReadAgainAndMadeAgainWhenTheLogChanged) {
   EXPECT_GT(LogIndex::Ensure(log, folder.File("indexes")).events().size(), made.events().size());
 }
 
-// As a recorder gives them, which never go back in time.
+// As a recorder gives them.
 std::vector<Event> InOrder(std::vector<Event> events) {
   std::stable_sort(events.begin(), events.end(),
                    [](const Event& x, const Event& y) { return x.utime < y.utime; });
@@ -114,13 +115,38 @@ TEST(ShardPlan, CountsFramesThatAreIncompleteOrLeftOut) {
   EXPECT_EQ(plan.left_out, 2);
 }
 
-TEST(ShardPlan, ALogWhoseTimeGoesBackIsLeftWhole) {
+TEST(ShardPlan, CutsNowhereBeforeAnEventThatIsOlderThanWhatIsThereAlready) {
   const LogFolder folder;
   std::vector<Event> events = InOrder(GraphEvents(40));
-  events[100].utime -= 10'000'000;
-  const LogIndex index = LogIndex::Ensure(folder.Write("run.lcm", events), folder.File("indexes"));
-  EXPECT_TRUE(index.summary().goes_back);
-  EXPECT_THAT(PlanShards(index, RefineOptions(20'000)).shards, SizeIs(1));
+  const auto shards = [&](const char* name) {
+    const LogIndex index = LogIndex::Ensure(folder.Write(name, events), folder.File("indexes"));
+    return PlanShards(index, RefineOptions(20'000)).shards;
+  };
+  const size_t in_order = shards("in_order.lcm").size();
+  // Each frame's last message 20 ms late: older than the next frame's first only.
+  for (size_t i = 7; i < events.size(); i += 7) std::swap(events[i], events[i + 1]);
+  EXPECT_EQ(shards("jitter.lcm").size(), in_order);
+  // The clock is set back by 1 s in frame 20: the frames whose times come twice stay together.
+  for (size_t i = events.size() / 2; i < events.size(); ++i) events[i].utime -= 1'000'000;
+  const std::vector<Shard> set_back = shards("set_back.lcm");
+  EXPECT_LT(set_back.size(), in_order);
+  EXPECT_GT(set_back.size(), 1U);
+  EXPECT_THAT(set_back, Contains(testing::Field(&Shard::frames, testing::Gt(18))));
+  EventOf(events, Part::kLeft, 0).utime += 100'000'000;
+  EXPECT_THAT(shards("first_is_ahead.lcm"), SizeIs(1));
+}
+
+TEST(ShardPlan, LeavesALogWholeWhereAMessageThatNobodyTakesDisturbsTheOrder) {
+  const LogFolder folder;
+  std::vector<Event> events = InOrder(GraphEvents(40));
+  Event& bad = EventOf(events, Part::kLeft, 14);
+  bad.data.resize(4);
+  const auto cuttable = [&](const char* name) {
+    return LogIndex::Ensure(folder.Write(name, events), folder.File("indexes")).summary().cuttable;
+  };
+  EXPECT_TRUE(cuttable("damaged.lcm"));
+  bad.utime += 1'000'000;
+  EXPECT_FALSE(cuttable("ahead.lcm"));
 }
 
 TEST(ShardPlan, AnotherMessageGivesAnotherDigest) {
