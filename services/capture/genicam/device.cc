@@ -135,6 +135,12 @@ Result<void> Device::Start() {
   if (error || !stream_) return Fail("no stream: " + error.text());
   const unsigned payload = arv_camera_get_payload(camera_.get(), error.out());
   if (error) return Fail("size of the payload: " + error.text());
+  // Without the right to a packet socket an image waits in the socket, whose default of 208 KiB is
+  // full long before a busy host looks. Two images; the kernel doubles that for its own needs.
+  if (ARV_IS_GV_STREAM(stream_.get())) {
+    g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
+                 "socket-buffer-size", static_cast<gint>(std::min(2 * payload, 1U << 29)), nullptr);
+  }
   for (int i = 0; i < kBuffers; ++i) {
     arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
   }
