@@ -1,0 +1,121 @@
+// The whole graph over LCM's own tcpq server, which is killed and started again.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "common/bus/lcm_url.h"
+#include "tests/system/graph.h"
+#include "tests/system/graph_record.h"
+
+namespace sprout {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr const char* kUrl = "tcpq://127.0.0.1:7700";
+constexpr const char* kStages[] = {"refine", "prior", "grow"};
+
+class TcpqSystem : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(LCM_JAR)) GTEST_SKIP() << "no tcpq server: no " << LCM_JAR;
+    StartServer();
+    record_ = std::make_unique<GraphRecord>(kUrl);
+    for (const char* stage : kStages) {
+      Process& process = Start(stage, {});
+      EXPECT_TRUE(Heard([&](GraphRecord& r) { return r.statuses.contains(process.pid()); }))
+          << process.Output();
+    }
+  }
+
+  void StartServer() {
+    server_ = std::make_unique<Process>(
+        std::vector<std::string>{"java", "-cp", LCM_JAR, "lcm.lcm.TCPService", "7700"});
+    for (int i = 0; i < 200; ++i) {
+      try {
+        OpenLcm(kUrl);
+        return;
+      } catch (const BusError&) {
+        std::this_thread::sleep_for(milliseconds(50));
+      }
+    }
+    FAIL() << server_->Output();
+  }
+
+  void KillServer() {
+    server_->Signal(SIGKILL);
+    server_->Wait();
+  }
+
+  Process& Start(const std::string& stage, const std::vector<std::string>& flags) {
+    std::vector<std::string> command = {ProgramPath("sprout-" + stage), "--lcm-url", kUrl,
+                                        "--config", "default"};
+    command.insert(command.end(), flags.begin(), flags.end());
+    return *(processes_[stage] = std::make_unique<Process>(command));
+  }
+
+  bool Heard(const std::function<bool(GraphRecord&)>& condition) {
+    return record_->WaitUntil(condition);
+  }
+
+  int64_t MapsSince(GraphRecord& record, size_t first) {
+    int64_t maps = 0;
+    for (size_t i = first; i < record.sent.size(); ++i) {
+      maps += record.frames[record.sent[i]].at.contains(Part::kDisparity);
+    }
+    return maps;
+  }
+
+  // Waits for so many maps of frames that are sent from now on.
+  void ExpectMaps(int64_t count) {
+    std::optional<size_t> first;
+    EXPECT_TRUE(Heard([&](GraphRecord& r) {
+      if (!first) first = r.sent.size();
+      return MapsSince(r, *first) >= count;
+    }));
+  }
+
+  std::unique_ptr<Process> server_;
+  std::map<std::string, std::unique_ptr<Process>> processes_;
+  std::unique_ptr<GraphRecord> record_;
+};
+
+TEST_F(TcpqSystem, TheGraphGoesOnWhenTheServerIsBackAndCountsWhatWasLost) {
+  Process& capture = Start("capture", {"--source", "synthetic:160x120", "--rate", "10"});
+  ExpectMaps(10);
+  KillServer();
+  std::this_thread::sleep_for(seconds(2));
+  StartServer();
+  ExpectMaps(10);
+  capture.Signal(SIGTERM);
+  capture.Wait();
+  EXPECT_THAT(capture.Output(), testing::ContainsRegex("cannot publish|could not be sent"))
+      << "what was not sent is said";
+  std::map<GraphRecord::Key, GraphRecord::Heard> frames;
+  // The last frame that was sent comes through all stages, and each has accounted for all since its
+  // first.
+  EXPECT_TRUE(Heard([&](GraphRecord& r) {
+    frames = r.frames;
+    return std::all_of(std::begin(kStages), std::end(kStages), [&](const char* stage) {
+      const StageStatus& status = r.statuses[processes_.at(stage)->pid()];
+      const int64_t last = frames.rbegin()->first.second;
+      const int64_t first = frames.begin()->first.second;
+      return status.newest_frame.seq == last && AccountedFor(status) == last - first + 1;
+    });
+  }));
+  const Comparison comparison = CompareWithPipeline(frames, LoadConfig({"default"}));
+  EXPECT_GE(comparison.maps, 20);
+  EXPECT_EQ(comparison.wrong, 0) << comparison.first_wrong;
+}
+
+}  // namespace
+}  // namespace sprout
