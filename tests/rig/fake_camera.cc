@@ -9,6 +9,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -36,6 +37,7 @@ struct Options {
   std::vector<std::string> pictures;
   double period_ms = 100;
   bool stamp = false;
+  std::string exposures;
   double clock_offset_s = 0;
   double drift_ppm = 0;
   double jump_s = 1000;
@@ -105,6 +107,7 @@ class FakeCamera {
   explicit FakeCamera(const Options& options)
       : options_(options),
         started_us_(g_get_real_time()),
+        exposures_(options.exposures, std::ios::app),
         camera_(arv_gv_fake_camera_new_full(options.interface.c_str(), options.serial.c_str(),
                                             SPROUT_SOURCE_DIR "/tests/rig/fake_camera.xml")) {
     if (!arv_gv_fake_camera_is_running(camera_.get())) {
@@ -185,8 +188,9 @@ class FakeCamera {
     auto* bytes =
         const_cast<uint8_t*>(static_cast<const uint8_t*>(arv_buffer_get_data(buffer, &size)));
     std::memcpy(bytes, payload.data(), payload.size());
-    if (!options_.stamp) return;
     const int64_t middle_us = begin_us + exposure_us / 2;
+    if (exposures_.is_open()) exposures_ << middle_us << std::endl;
+    if (!options_.stamp) return;
     const bool is_wide = format == PixelFormat::kMono16 || format == PixelFormat::kCoord3dC16;
     is_wide ? WriteStamp16(middle_us, {bytes, payload.size()})
             : WriteStamp8(middle_us, {bytes, payload.size()});
@@ -219,6 +223,7 @@ class FakeCamera {
   Options options_;
   int64_t started_us_;
   std::atomic<double> jump_s_ = 0;
+  std::ofstream exposures_;
   std::vector<cv::Mat> pictures_;
   std::map<std::pair<size_t, PixelFormat>, std::vector<uint8_t>> payloads_;
   ArvObject<ArvGvFakeCamera> camera_;  // its thread uses those above
@@ -270,6 +275,8 @@ int Main(int argc, char** argv) {
   flags.add_option("--period", options.period_ms, "How long a picture stands, ms");
   flags.add_flag("--stamp", options.stamp,
                  "Write the time of exposure into the first pixels (time_stamp.h)");
+  flags.add_option("--exposures", options.exposures,
+                   "File that gets the time of each exposure, µs since 1970, a line each");
   flags.add_option("--clock-offset", options.clock_offset_s, "Of its clock, s");
   flags.add_option("--drift", options.drift_ppm, "How much too fast its clock runs, ppm");
   flags.add_option("--jump", options.jump_s, "By how much its clock jumps at SIGUSR1, s");
