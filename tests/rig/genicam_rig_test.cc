@@ -63,11 +63,11 @@ class GenicamRig : public testing::Test {
     };
     const std::vector<std::string> sides = {"--width", size, "--height", height};
     std::vector<std::string> left = sides;
-    left.insert(left.end(), {"--clock-offset", "3600", "--drift", "50", "--exposures",
-                             folder_ / "LEFT"});
+    left.insert(left.end(),
+                {"--clock-offset", "3600", "--drift", "50", "--exposures", folder_ / "LEFT"});
     std::vector<std::string> right = sides;
-    right.insert(right.end(), {"--clock-offset", "7200", "--drift", "-50", "--exposures",
-                               folder_ / "RIGHT"});
+    right.insert(right.end(),
+                 {"--clock-offset", "7200", "--drift", "-50", "--exposures", folder_ / "RIGHT"});
     start("LEFT", left);
     start("RIGHT", right);
     StartTof(flags);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <vector>
 
 #include "common/core/image.h"
@@ -36,6 +37,16 @@ const char* StatusText(ArvBufferStatus status) {
     default:
       return "is not whole";
   }
+}
+
+// Why packets may be missing; empty when the kernel lets a socket hold what it is asked for.
+std::string BufferHint(unsigned asked) {
+  int64_t most = 0;
+  std::ifstream("/proc/sys/net/core/rmem_max") >> most;
+  if (most == 0 || most >= asked) return "";
+  return fmt::format(
+      "; a socket may hold {} bytes of two images' {}; raise it: sysctl -w net.core.rmem_max={}",
+      most, asked, asked);
 }
 
 PartContent ContentOf(ArvBuffer* buffer, unsigned part) {
@@ -138,8 +149,10 @@ Result<void> Device::Start() {
   // Without the right to a packet socket an image waits in the socket, whose default of 208 KiB is
   // full long before a busy host looks. Two images; the kernel doubles that for its own needs.
   if (ARV_IS_GV_STREAM(stream_.get())) {
+    const unsigned two_images = 2 * std::min(payload, 1U << 28);
     g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
-                 "socket-buffer-size", static_cast<gint>(std::min(2 * payload, 1U << 29)), nullptr);
+                 "socket-buffer-size", static_cast<gint>(two_images), nullptr);
+    buffer_hint_ = BufferHint(two_images);
   }
   for (int i = 0; i < kBuffers; ++i) {
     arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
@@ -191,7 +204,9 @@ DeviceImage Device::Converted(ArvBuffer* buffer) {
   const ArvBufferStatus status = arv_buffer_get_status(buffer);
   Result<void> filled;
   if (status != ARV_BUFFER_STATUS_SUCCESS) {
-    filled = Fail(StatusText(status));
+    const bool lacks_packets =
+        status == ARV_BUFFER_STATUS_TIMEOUT || status == ARV_BUFFER_STATUS_MISSING_PACKETS;
+    filled = Fail(StatusText(status) + (lacks_packets ? buffer_hint_ : ""));
   } else {
     filled = Fill(buffer, image);
   }

@@ -92,6 +92,7 @@ class Device {
   cv::Mat1d range_per_depth_;  // empty unless the device gives ranges along the ray
   std::optional<ClockReader> clock_reader_;
   int64_t exposure_ns_ = 0;
+  std::string buffer_hint_;  // of a receive buffer that is too small
   uint16_t action_id_ = 0;
   uint64_t newest_id_ = 0;
   std::set<uint64_t> missing_ids_;
