@@ -39,6 +39,7 @@ class SignalWatcher {
     sigemptyset(&signals_);
     sigaddset(&signals_, SIGINT);
     sigaddset(&signals_, SIGTERM);
+    sigaddset(&signals_, kWake);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
     // A tcpq server that hangs up shows as a failed publish, not as the end of the process.
     std::signal(SIGPIPE, SIG_IGN);
@@ -47,6 +48,7 @@ class SignalWatcher {
 
   ~SignalWatcher() {
     thread_.request_stop();
+    pthread_kill(thread_.native_handle(), kWake);
     thread_.join();
     constexpr itimerval kNever{};
     setitimer(ITIMER_REAL, &kNever, nullptr);
@@ -58,12 +60,15 @@ class SignalWatcher {
   std::stop_token token() const { return source_.get_token(); }
 
  private:
+  // Makes the thread look whether it is over. Nobody else sends it, and where it is not waited for
+  // it does nothing.
+  static constexpr int kWake = SIGURG;
+
   void Watch(const std::stop_token& stop) {
-    constexpr timespec kPoll{.tv_sec = 0, .tv_nsec = 100'000'000};
-    int signal = 0;
-    while (signal <= 0) {
+    int signal = kWake;
+    while (signal == kWake) {
       if (stop.stop_requested()) return;
-      signal = sigtimedwait(&signals_, nullptr, &kPoll);
+      sigwait(&signals_, &signal);
     }
     // Whoever started this process may have told it to ignore or block them.
     for (const int ending : {SIGINT, SIGTERM, SIGALRM}) std::signal(ending, SIG_DFL);
