@@ -11,6 +11,23 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#ifndef SPROUT_COMMON_RIG_REMAP_ROW_
+#define SPROUT_COMMON_RIG_REMAP_ROW_
+namespace sprout {
+
+// What a row of the result is made of: the members of BilinearRemap.
+struct RemapRow {
+  const uint8_t* image;
+  ptrdiff_t width;  // of the image, px
+  const int32_t* windows;
+  const uint8_t* places;
+  const uint16_t* weights;
+  const std::array<int32_t, BilinearRemap::kGroup>* apart;
+};
+
+}  // namespace sprout
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace sprout {
 namespace HWY_NAMESPACE {
@@ -21,7 +38,58 @@ using D = hn::ScalableTag<int32_t>;
 using V = hn::Vec<D>;
 using Bytes = hn::Rebind<uint8_t, D>;
 
-constexpr size_t kBlock = 64;  // a multiple of all numbers of lanes
+constexpr size_t kGroup = BilinearRemap::kGroup;
+constexpr size_t kBlock = 64;  // pixels, which the cache holds; a multiple of all numbers of lanes
+
+template <typename Number>
+HWY_INLINE Number Read(const uint8_t* from) {
+  Number number;
+  std::memcpy(&number, from, sizeof number);
+  return number;
+}
+
+// First ones of the four pixels of each of a group, from the first one of the image.
+HWY_INLINE void OffsetsOf(const RemapRow& row, size_t group, int32_t* offsets) {
+  const int32_t window = row.windows[group];
+  if (window < 0) {
+    std::copy_n(row.apart[-1 - window].data(), kGroup, offsets);
+    return;
+  }
+  const uint8_t* const places = row.places + group * kGroup;
+  for (size_t i = 0; i < kGroup; ++i) {
+    offsets[i] = window + (places[i] & 15) + (places[i] >> 4) * static_cast<int32_t>(row.width);
+  }
+}
+
+// Of a group of grey pixels the two above and the two below. Three loads hold them all; they are
+// picked out of 16 bytes by a table lookup, which is as fast as a load of one of them.
+HWY_INLINE void CollectGrey(const RemapRow& row, size_t group, uint16_t* above, uint16_t* below) {
+#if HWY_TARGET != HWY_SCALAR
+  if (row.windows[group] >= 0) {
+    const hn::FixedTag<uint8_t, 16> d;
+    const hn::FixedTag<uint16_t, 8> d16;
+    const auto word = Read<uint64_t>(row.places + group * kGroup);
+    const auto left = hn::BitCast(d, hn::Set(hn::FixedTag<uint64_t, 2>(), word));
+    const auto places = hn::InterleaveLower(d, left, hn::Add(left, hn::Set(d, 1)));
+    const auto columns = hn::And(places, hn::Set(d, 15));
+    const auto is_lower = hn::TestBit(places, hn::Set(d, 16));
+    const auto pairs = [&](int v) {
+      const uint8_t* const at = row.image + row.windows[group] + v * row.width;
+      return hn::TableLookupBytes(hn::LoadU(d, at), columns);
+    };
+    const auto middle = pairs(1);
+    hn::Store(hn::BitCast(d16, hn::IfThenElse(is_lower, middle, pairs(0))), d16, above);
+    hn::Store(hn::BitCast(d16, hn::IfThenElse(is_lower, pairs(2), middle)), d16, below);
+    return;
+  }
+#endif
+  int32_t offsets[kGroup];
+  OffsetsOf(row, group, offsets);
+  for (size_t i = 0; i < kGroup; ++i) {
+    above[i] = Read<uint16_t>(row.image + offsets[i]);
+    below[i] = Read<uint16_t>(row.image + offsets[i] + row.width);
+  }
+}
 
 template <int kShift>
 HWY_INLINE V ByteAt(V bits) {
@@ -40,68 +108,68 @@ HWY_INLINE hn::Vec<Bytes> Mean(V a, V b, V c, V d, V weight) {
   return hn::DemoteTo(Bytes(), hn::ShiftRight<10>(hn::Add(sum, hn::Set(D(), 512))));
 }
 
-template <typename Number>
-HWY_INLINE uint32_t Read(const uint8_t* from) {
-  Number number;
-  std::memcpy(&number, from, sizeof number);
-  return number;
+HWY_INLINE V Load16(const uint16_t* from) {
+  return hn::PromoteTo(D(), hn::Load(hn::Rebind<uint16_t, D>(), from));
 }
 
-// A row, in blocks that the cache holds. Pixels are collected one by one: instructions that gather
-// them are slower on the CPU that this was tried on (services/capture/NOTES.md). A word has of a
-// grey image two pixels above and two below, of a colour image the left or right four bytes of six,
-// above or below, so that none is read beyond the image.
-template <bool kColour>
-HWY_INLINE void RemapRow(const uint8_t* image, ptrdiff_t stride, const int32_t* offsets,
-                         const uint16_t* weights, size_t width, uint8_t* to) {
-  const D d;
-  HWY_ALIGN uint32_t words[kColour ? 4 : 1][kBlock] = {};
-  HWY_ALIGN uint16_t both[kBlock] = {};
-  HWY_ALIGN uint8_t means[(kColour ? 3 : 1) * kBlock];
+// Rows are made in blocks; the last one is filled up with whatever was there before.
+void RemapGreyRow(const RemapRow& row, size_t width, uint8_t* to) {
+  HWY_ALIGN uint16_t above[kBlock] = {};
+  HWY_ALIGN uint16_t below[kBlock] = {};
+  HWY_ALIGN uint16_t weights[kBlock] = {};
+  HWY_ALIGN uint8_t means[kBlock];
   for (size_t u = 0; u < width; u += kBlock) {
     const size_t count = std::min(kBlock, width - u);
-    for (size_t i = 0; i < count; ++i) {
-      const uint8_t* const at = image + ptrdiff_t{offsets[u + i]} * (kColour ? 3 : 1);
-      if constexpr (kColour) {
-        words[0][i] = Read<uint32_t>(at);      // B G R B
-        words[1][i] = Read<uint32_t>(at + 2);  // R B G R
-        words[2][i] = Read<uint32_t>(at + stride);
-        words[3][i] = Read<uint32_t>(at + stride + 2);
-      } else {
-        words[0][i] = Read<uint16_t>(at) | Read<uint16_t>(at + stride) << 16;
-      }
+    for (size_t i = 0; i < count; i += kGroup) {
+      CollectGrey(row, (u + i) / kGroup, above + i, below + i);
     }
-    std::copy_n(weights + u, count, both);
-    const auto load = [&](size_t word, size_t i) {
-      return hn::BitCast(d, hn::Load(hn::RebindToUnsigned<D>(), words[word] + i));
-    };
-    for (size_t i = 0; i < kBlock; i += hn::Lanes(d)) {
-      const V weight = hn::PromoteTo(d, hn::Load(hn::Rebind<uint16_t, D>(), both + i));
-      const V first = load(0, i);
-      if constexpr (kColour) {
-        const V second = load(1, i), third = load(2, i), fourth = load(3, i);
-        hn::StoreInterleaved3(
-            Mean(ByteAt<0>(first), ByteAt<24>(first), ByteAt<0>(third), ByteAt<24>(third), weight),
-            Mean(ByteAt<8>(first), ByteAt<16>(second), ByteAt<8>(third), ByteAt<16>(fourth),
-                 weight),
-            Mean(ByteAt<16>(first), ByteAt<24>(second), ByteAt<16>(third), ByteAt<24>(fourth),
-                 weight),
-            Bytes(), means + 3 * i);
-      } else {
-        hn::Store(
-            Mean(ByteAt<0>(first), ByteAt<8>(first), ByteAt<16>(first), ByteAt<24>(first), weight),
-            Bytes(), means + i);
-      }
+    std::copy_n(row.weights + u, count, weights);
+    for (size_t i = 0; i < kBlock; i += hn::Lanes(D())) {
+      const V first = Load16(above + i);
+      const V second = Load16(below + i);
+      hn::Store(Mean(ByteAt<0>(first), ByteAt<8>(first), ByteAt<0>(second), ByteAt<8>(second),
+                     Load16(weights + i)),
+                Bytes(), means + i);
     }
-    constexpr size_t kChannels = kColour ? 3 : 1;
-    std::copy_n(means, count * kChannels, to + u * kChannels);
+    std::copy_n(means, count, to + u);
   }
 }
 
-void RemapRowOnTarget(const uint8_t* image, ptrdiff_t stride, int channels, const int32_t* offsets,
-                      const uint16_t* weights, size_t width, uint8_t* to) {
-  channels == 1 ? RemapRow<false>(image, stride, offsets, weights, width, to)
-                : RemapRow<true>(image, stride, offsets, weights, width, to);
+// Words have the left or right four bytes of six, above or below, so that none is read beyond the
+// image.
+void RemapColourRow(const RemapRow& row, size_t width, uint8_t* to) {
+  HWY_ALIGN int32_t words[4][kBlock] = {};
+  HWY_ALIGN uint16_t weights[kBlock] = {};
+  HWY_ALIGN uint8_t means[3 * kBlock];
+  int32_t offsets[kBlock];
+  for (size_t u = 0; u < width; u += kBlock) {
+    const size_t count = std::min(kBlock, width - u);
+    for (size_t i = 0; i < count; i += kGroup) OffsetsOf(row, (u + i) / kGroup, offsets + i);
+    for (size_t i = 0; i < count; ++i) {
+      const uint8_t* const at = row.image + 3 * ptrdiff_t{offsets[i]};
+      words[0][i] = Read<int32_t>(at);      // B G R B
+      words[1][i] = Read<int32_t>(at + 2);  // R B G R
+      words[2][i] = Read<int32_t>(at + 3 * row.width);
+      words[3][i] = Read<int32_t>(at + 3 * row.width + 2);
+    }
+    std::copy_n(row.weights + u, count, weights);
+    for (size_t i = 0; i < kBlock; i += hn::Lanes(D())) {
+      const V weight = Load16(weights + i);
+      const auto load = [&](size_t word) { return hn::Load(D(), words[word] + i); };
+      const V first = load(0), second = load(1), third = load(2), fourth = load(3);
+      hn::StoreInterleaved3(
+          Mean(ByteAt<0>(first), ByteAt<24>(first), ByteAt<0>(third), ByteAt<24>(third), weight),
+          Mean(ByteAt<8>(first), ByteAt<16>(second), ByteAt<8>(third), ByteAt<16>(fourth), weight),
+          Mean(ByteAt<16>(first), ByteAt<24>(second), ByteAt<16>(third), ByteAt<24>(fourth),
+               weight),
+          Bytes(), means + 3 * i);
+    }
+    std::copy_n(means, 3 * count, to + 3 * u);
+  }
+}
+
+void RemapRowOnTarget(const RemapRow& row, int channels, size_t width, uint8_t* to) {
+  channels == 1 ? RemapGreyRow(row, width, to) : RemapColourRow(row, width, to);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -114,7 +182,7 @@ namespace sprout {
 HWY_EXPORT(RemapRowOnTarget);
 
 BilinearRemap::BilinearRemap(const cv::Mat2f& places, cv::Size source)
-    : source_(source), offsets_(places.size()), weights_(places.size()) {
+    : source_(source), size_(places.size()) {
   assert(source.width >= 2 && source.height >= 2);
   constexpr int kParts = 32;  // of a pixel
   // The upper or left one of two pixels, and the other one's weight; the last pixel has no other.
@@ -123,12 +191,45 @@ BilinearRemap::BilinearRemap(const cv::Mat2f& places, cv::Size source)
     const int first = std::min(parts / kParts, length - 2);
     return std::pair(first, parts - first * kParts);
   };
-  for (int v = 0; v < places.rows; ++v) {
-    for (int u = 0; u < places.cols; ++u) {
-      const auto [column, right] = split(places(v, u)[0], source.width);
-      const auto [row, below] = split(places(v, u)[1], source.height);
-      offsets_(v, u) = row * source.width + column;
-      weights_(v, u) = static_cast<uint16_t>(right + 256 * below);
+  const int groups = (size_.width + kGroup - 1) / kGroup;
+  windows_.create(size_.height, groups);
+  places_.create(size_.height, groups * kGroup);
+  weights_.create(size_.height, groups * kGroup);
+  for (int v = 0; v < size_.height; ++v) {
+    for (int group = 0; group < groups; ++group) {
+      std::array<cv::Point, kGroup> pixels;
+      for (int i = 0; i < kGroup; ++i) {
+        const int u = std::min(group * kGroup + i, size_.width - 1);
+        const auto [column, right] = split(places(v, u)[0], source.width);
+        const auto [row, below] = split(places(v, u)[1], source.height);
+        pixels[static_cast<size_t>(i)] = {column, row};
+        weights_(v, group * kGroup + i) = static_cast<uint16_t>(right + 256 * below);
+      }
+      AddGroup(v, group, pixels);
+    }
+  }
+}
+
+void BilinearRemap::AddGroup(int v, int group, const std::array<cv::Point, kGroup>& pixels) {
+  // A window has three rows of so many pixels.
+  constexpr int kColumns = 16;
+  const auto [left, right] = std::ranges::minmax(pixels, {}, &cv::Point::x);
+  const auto [top, bottom] = std::ranges::minmax(pixels, {}, &cv::Point::y);
+  const bool fits = right.x - left.x < kColumns - 1 && bottom.y - top.y < 2 &&
+                    source_.width >= kColumns && source_.height >= 3;
+  // No window goes beyond the end of the image.
+  const cv::Point first(std::min(left.x, source_.width - kColumns),
+                        std::min(top.y, source_.height - 3));
+  const auto offset = [&](cv::Point pixel) { return pixel.y * source_.width + pixel.x; };
+  windows_(v, group) = fits ? offset(first) : -1 - static_cast<int>(apart_.size());
+  if (!fits) apart_.emplace_back();
+  for (int i = 0; i < kGroup; ++i) {
+    const cv::Point pixel = pixels[static_cast<size_t>(i)];
+    const cv::Point place = pixel - first;
+    if (fits) {
+      places_(v, group * kGroup + i) = static_cast<uint8_t>(place.x + 16 * place.y);
+    } else {
+      apart_.back()[static_cast<size_t>(i)] = offset(pixel);
     }
   }
 }
@@ -136,14 +237,13 @@ BilinearRemap::BilinearRemap(const cv::Mat2f& places, cv::Size source)
 cv::Mat BilinearRemap::Apply(const cv::Mat& source) const {
   assert(source.size() == source_);
   const cv::Mat image = source.isContinuous() ? source : source.clone();
-  const int channels = image.channels();
-  const ptrdiff_t stride = ptrdiff_t{image.cols} * channels;
-  cv::Mat result(offsets_.size(), image.type());
+  cv::Mat result(size_, image.type());
   cv::parallel_for_({0, result.rows}, [&](const cv::Range& rows) {
     for (int v = rows.start; v < rows.end; ++v) {
+      const RemapRow row{image.data, image.cols,  windows_[v],
+                         places_[v], weights_[v], apart_.data()};
       HWY_DYNAMIC_DISPATCH(RemapRowOnTarget)
-      (image.data, stride, channels, offsets_[v], weights_[v], static_cast<size_t>(result.cols),
-       result.ptr(v));
+      (row, image.channels(), static_cast<size_t>(result.cols), result.ptr(v));
     }
   });
   return result;

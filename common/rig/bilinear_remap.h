@@ -1,21 +1,27 @@
 #ifndef SPROUT_COMMON_RIG_BILINEAR_REMAP_H_
 #define SPROUT_COMMON_RIG_BILINEAR_REMAP_H_
 
+#include <array>
+#include <cstdint>
 #include <opencv2/core.hpp>
+#include <vector>
 
 namespace sprout {
 
 /// For each pixel of a rectified image the place in the source image that it comes from, to 1/32
 /// px. Places beyond the image are those on its border. The same bytes as cv::remap with
-/// INTER_LINEAR and BORDER_REPLICATE, in a third to a half of its time. Thread-compatible; copies
-/// share the memory.
+/// INTER_LINEAR and BORDER_REPLICATE, in a fraction of its time (services/capture/NOTES.md).
+/// Thread-compatible; copies share the memory but for groups with a place each.
 class BilinearRemap {
  public:
+  /// So many pixels of a row come from a window of two rows of the source, as a rule.
+  static constexpr int kGroup = 8;
+
   BilinearRemap() = default;
 
   /// @param places  column and row of the source, px; the result has its size.
   /// @param source  size of the source images, px.
-  /// 6 bytes a pixel are kept.
+  /// 3.5 bytes a pixel are kept.
   BilinearRemap(const cv::Mat2f& places, cv::Size source);
 
   cv::Size source_size() const { return source_; }
@@ -25,9 +31,18 @@ class BilinearRemap {
   cv::Mat Apply(const cv::Mat& image) const;
 
  private:
+  void AddGroup(int v, int group, const std::array<cv::Point, kGroup>& pixels);
+
   cv::Size source_;
-  cv::Mat1i offsets_;  // of the upper left one of four pixels, in pixels from the first one
+  cv::Size size_;
+  // Of each group the first pixel of its window, in pixels from the first one of the image; or −1 −
+  // its place in `apart_`.
+  cv::Mat1i windows_;
+  // Of each pixel the upper left one of four in the window: column, and 16 · row.
+  cv::Mat1b places_;
   cv::Mat1w weights_;  // of the right ones, and 256 · of the lower ones, in 1/32
+  // Groups that no window holds: the upper left pixels, from the first one of the image.
+  std::vector<std::array<int32_t, kGroup>> apart_;
 };
 
 }  // namespace sprout
