@@ -1,6 +1,7 @@
 #include "tests/rig/fake_rig.h"
 
 #include <fmt/format.h>
+#include <net/if.h>
 
 #include <csignal>
 #include <filesystem>
@@ -71,8 +72,9 @@ void FakeRig::Kill(const std::string& serial) {
   camera->second.process->Signal(SIGKILL);
   camera->second.process->Wait();
   camera->second.process.reset();
-  // The kernel takes the network down a moment later.
-  WaitFor([&] { return !std::filesystem::exists("/sys/class/net/at_" + serial); });
+  // The kernel takes the network down a moment later. Not asked of /sys, which shows the network
+  // that it was mounted in.
+  WaitFor([&] { return if_nametoindex(("at_" + serial).c_str()) == 0; });
 }
 
 void FakeRig::JumpClock(const std::string& serial) { cameras_.at(serial).process->Signal(SIGUSR1); }
