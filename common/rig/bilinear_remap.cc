@@ -55,9 +55,14 @@ HWY_INLINE void OffsetsOf(const RemapRow& row, size_t group, int32_t* offsets) {
     std::copy_n(row.apart[-1 - window].data(), kGroup, offsets);
     return;
   }
-  const uint8_t* const places = row.places + group * kGroup;
-  for (size_t i = 0; i < kGroup; ++i) {
-    offsets[i] = window + (places[i] & 15) + (places[i] >> 4) * static_cast<int32_t>(row.width);
+  const hn::CappedTag<int32_t, kGroup> d;
+  const auto next_row = hn::Set(d, static_cast<int32_t>(row.width));
+  for (size_t i = 0; i < kGroup; i += hn::Lanes(d)) {
+    const hn::Rebind<uint8_t, decltype(d)> bytes;
+    const auto place = hn::PromoteTo(d, hn::LoadU(bytes, row.places + group * kGroup + i));
+    const auto column = hn::Add(hn::Set(d, window), hn::And(place, hn::Set(d, 15)));
+    const auto is_lower = hn::TestBit(place, hn::Set(d, 16));
+    hn::StoreU(hn::Add(column, hn::IfThenElseZero(is_lower, next_row)), d, offsets + i);
   }
 }
 
