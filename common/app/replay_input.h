@@ -20,8 +20,8 @@ namespace sprout {
 ///
 /// Events of one log keep their order: one that is older than an event before it counts as being of
 /// that one's time. Of events with one time, those of the log that was named first come first. A
-/// channel that several logs have is taken from the last of
-/// them, so that what one stage answered in a replay stands in for what was recorded.
+/// channel that several logs have is taken from the last of them, so that what one stage answered
+/// in a replay stands in for what was recorded.
 /// Constant memory: one event a log. Logs after the first are read twice.
 class ReplayInput {
  public:

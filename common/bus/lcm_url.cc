@@ -12,6 +12,8 @@
 #include <limits>
 #include <string_view>
 
+#include "common/core/receive_buffer.h"
+
 namespace sprout {
 namespace {
 
@@ -98,19 +100,6 @@ long long AskedBuffer(const std::string& url) {
   return at == std::string::npos ? 0 : std::atoll(url.c_str() + at + key.size());
 }
 
-// Asks the kernel: in a network namespace its limit cannot be read.
-long long GrantedBuffer(long long asked) {
-  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
-  if (fd < 0) throw BusError("cannot open a UDP socket");
-  const int bytes = static_cast<int>(std::min<long long>(asked, std::numeric_limits<int>::max()));
-  int doubled = 0;  // the kernel counts what it needs itself, too
-  socklen_t size = sizeof doubled;
-  setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
-  getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &doubled, &size);
-  close(fd);
-  return doubled / 2;
-}
-
 // Whether the kernel knows a way to the group. Sends nothing: connecting a datagram socket only
 // looks up the route.
 bool HasRoute(const sockaddr_in& group) {
@@ -165,12 +154,7 @@ LcmPtr OpenLcm(const std::string& url) {
 std::optional<std::string> ReceiveBufferWarning(const std::string& url) {
   const long long asked = AskedBuffer(url);
   if (!IsUdpm(url) || asked == 0) return std::nullopt;
-  const long long granted = GrantedBuffer(asked);
-  if (granted >= asked) return std::nullopt;
-  return "the kernel grants a receive buffer of " + std::to_string(granted) + " of " +
-         std::to_string(asked) +
-         " bytes: large frames may be lost; raise it: sysctl -w net.core.rmem_max=" +
-         std::to_string(asked) + " (scripts/setup does it)";
+  return ReceiveBufferShortage(asked);
 }
 
 }  // namespace sprout

@@ -11,17 +11,18 @@ namespace sprout {
 /// For each pixel of a rectified image the place in the source image that it comes from, to 1/32
 /// px. Places beyond the image are those on its border. The same bytes as cv::remap with
 /// INTER_LINEAR and BORDER_REPLICATE, in a fraction of its time (services/capture/NOTES.md).
-/// Thread-compatible; copies share the memory but for groups with a place each.
+/// Thread-compatible; copies share the maps, but not groups that no window holds.
 class BilinearRemap {
  public:
-  /// So many pixels of a row come from a window of two rows of the source, as a rule.
+  /// So many pixels of a row come from one window of the source, three rows of 16 pixels, as a
+  /// rule.
   static constexpr int kGroup = 8;
 
   BilinearRemap() = default;
 
   /// @param places  column and row of the source, px; the result has its size.
   /// @param source  size of the source images, px.
-  /// 3.5 bytes a pixel are kept.
+  /// 3.5 bytes a pixel are kept, and 4 more of each in a group that no window holds.
   BilinearRemap(const cv::Mat2f& places, cv::Size source);
 
   cv::Size source_size() const { return source_; }

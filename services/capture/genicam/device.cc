@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <vector>
 
 #include "common/core/image.h"
+#include "common/core/receive_buffer.h"
 #include "common/geometry/lens.h"
 #include "services/capture/genicam/action_command.h"
 #include "services/capture/genicam/pixels.h"
@@ -37,16 +37,6 @@ const char* StatusText(ArvBufferStatus status) {
     default:
       return "is not whole";
   }
-}
-
-// Why packets may be missing; empty when the kernel lets a socket hold what it is asked for.
-std::string BufferHint(unsigned asked) {
-  int64_t most = 0;
-  std::ifstream("/proc/sys/net/core/rmem_max") >> most;
-  if (most == 0 || most >= asked) return "";
-  return fmt::format(
-      "; a socket may hold {} bytes of two images' {}; raise it: sysctl -w net.core.rmem_max={}",
-      most, asked, asked);
 }
 
 PartContent ContentOf(ArvBuffer* buffer, unsigned part) {
@@ -152,7 +142,7 @@ Result<void> Device::Start() {
     const unsigned two_images = 2 * std::min(payload, 1U << 28);
     g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
                  "socket-buffer-size", static_cast<gint>(two_images), nullptr);
-    buffer_hint_ = BufferHint(two_images);
+    if (const auto shortage = ReceiveBufferShortage(two_images)) buffer_hint_ = ": " + *shortage;
   }
   for (int i = 0; i < kBuffers; ++i) {
     arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
