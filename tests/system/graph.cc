@@ -7,10 +7,11 @@
 
 namespace sprout {
 
-Graph::Graph(std::string prefix)
+Graph::Graph(std::string prefix, std::string url)
     : prefix_(std::move(prefix)),
-      publisher_(kDefaultLcmUrl, prefix_),
-      receiver_(kDefaultLcmUrl, prefix_, AllChannels(),
+      url_(std::move(url)),
+      publisher_(url_, prefix_),
+      receiver_(url_, prefix_, AllChannels(),
                 [this](std::string_view channel, std::span<const uint8_t> bytes) {
                   OnMessage(channel, bytes);
                 }) {}
@@ -31,7 +32,7 @@ void Graph::OnMessage(std::string_view channel, std::span<const uint8_t> bytes) 
 }
 
 Process& Graph::StartOnly(const std::string& stage, std::vector<std::string> flags) {
-  std::vector<std::string> command = {ProgramPath("sprout-" + stage), "--lcm-url", kDefaultLcmUrl};
+  std::vector<std::string> command = {ProgramPath("sprout-" + stage), "--lcm-url", url_};
   if (!prefix_.empty()) command.insert(command.end(), {"--channel-prefix", prefix_});
   command.insert(command.end(), flags.begin(), flags.end());
   auto& process = processes_[stage];

@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "common/app/process.h"
+#include "common/bus/channels.h"
+#include "common/bus/lcm_url.h"
 #include "common/bus/publisher.h"
 #include "common/bus/receiver.h"
 #include "common/core/frame.h"
@@ -29,7 +31,8 @@ inline std::string ProgramPath(const std::string& name) {
 /// The processes of a graph and what they say, on the network that the test runs in.
 class Graph {
  public:
-  explicit Graph(std::string prefix = "");
+  /// @param url  where the graph's messages travel.
+  explicit Graph(std::string prefix = "", std::string url = kDefaultLcmUrl);
 
   /// Starts sprout-STAGE and waits for its first status.
   Process& Start(const std::string& stage, std::vector<std::string> flags = {});
@@ -56,6 +59,7 @@ class Graph {
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
 
   std::string prefix_;
+  std::string url_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<std::string, std::unique_ptr<Process>> processes_;

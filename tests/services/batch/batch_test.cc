@@ -123,7 +123,7 @@ TEST(ShardPlan, CutsNowhereBeforeAnEventThatIsOlderThanWhatIsThereAlready) {
     return PlanShards(index, RefineOptions(20'000)).shards;
   };
   const size_t in_order = shards("in_order.lcm").size();
-  // Each frame's last message 20 ms late: older than the next frame's first only.
+  // Here and there two messages that follow each other have changed places.
   for (size_t i = 7; i < events.size(); i += 7) std::swap(events[i], events[i + 1]);
   EXPECT_EQ(shards("jitter.lcm").size(), in_order);
   // The clock is set back by 1 s in frame 20: the frames whose times come twice stay together.
