@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "common/core/image.h"
-#include "services/finish/confidence.h"
-#include "services/finish/gap_filler.h"
+#include "services/grow/confidence.h"
+#include "services/grow/gap_filler.h"
 #include "services/grow/harris_seeds.h"
 
 namespace sprout {

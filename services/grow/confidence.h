@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_FINISH_CONFIDENCE_H_
-#define SPROUT_SERVICES_FINISH_CONFIDENCE_H_
+#ifndef SPROUT_SERVICES_GROW_CONFIDENCE_H_
+#define SPROUT_SERVICES_GROW_CONFIDENCE_H_
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -42,4 +42,4 @@ void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparit
 
 }  // namespace sprout
 
-#endif  // SPROUT_SERVICES_FINISH_CONFIDENCE_H_
+#endif  // SPROUT_SERVICES_GROW_CONFIDENCE_H_

@@ -1,4 +1,4 @@
-#include "services/finish/confidence.h"
+#include "services/grow/confidence.h"
 
 #include <gtest/gtest.h>
 

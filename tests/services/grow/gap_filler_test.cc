@@ -1,4 +1,4 @@
-#include "services/finish/gap_filler.h"
+#include "services/grow/gap_filler.h"
 
 #include <gtest/gtest.h>
 

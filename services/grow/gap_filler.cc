@@ -1,4 +1,4 @@
-#include "services/finish/gap_filler.h"
+#include "services/grow/gap_filler.h"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
@@ -6,7 +6,7 @@
 
 #include "common/core/median.h"
 #include "common/core/parallel.h"
-#include "services/finish/gap_medians.h"
+#include "services/grow/gap_medians.h"
 
 namespace sprout {
 namespace {

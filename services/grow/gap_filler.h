@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_FINISH_GAP_FILLER_H_
-#define SPROUT_SERVICES_FINISH_GAP_FILLER_H_
+#ifndef SPROUT_SERVICES_GROW_GAP_FILLER_H_
+#define SPROUT_SERVICES_GROW_GAP_FILLER_H_
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
@@ -20,4 +20,4 @@ DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill,
 
 }  // namespace sprout
 
-#endif  // SPROUT_SERVICES_FINISH_GAP_FILLER_H_
+#endif  // SPROUT_SERVICES_GROW_GAP_FILLER_H_
