@@ -6,6 +6,7 @@
 
 #include "common/core/disparity_image.h"
 #include "common/core/seed.h"
+#include "services/grow/confidence_kernel.h"
 
 namespace sprout {
 
@@ -24,17 +25,33 @@ namespace sprout {
 /// The weights add up to 1. They are fixed: with others for the first three, errors come in nearly
 /// the same order.
 ///
-/// @param left, right      rectified pair, grey, of the maps' size.
-/// @param seeds            correspondences that growth started from.
-/// @param grown            map before gap filling.
-/// @param filled           map after gap filling, which is judged.
-/// @param sigma_s_squared  σ_s² of eq. (4).
-/// @returns 0 (least) to 255 for each pixel of the left image; 0 where `filled` has no disparity.
-///          Sorting by it is what it is made for; it is no probability. O(pixels), on OpenCV's
-///          threads with the same result for any number.
-cv::Mat1b Confidence(const cv::Mat1b& left, const cv::Mat1b& right, std::span<const Seed> seeds,
-                     const DisparityImage& grown, const DisparityImage& filled,
-                     double sigma_s_squared);
+class ConfidenceEstimator {
+ public:
+  /// @param sigma_s_squared  σ_s² of eq. (4).
+  explicit ConfidenceEstimator(double sigma_s_squared)
+      : photo_scale_(static_cast<float>(1 / sigma_s_squared)) {}
+
+  /// @param left, right  rectified pair, grey, of the maps' size.
+  /// @param seeds        correspondences that growth started from.
+  /// @param grown        map before gap filling.
+  /// @param filled       map after gap filling, which is judged.
+  /// @returns 0 (least) to 255 for each pixel of the left image; 0 where `filled` has no disparity.
+  ///          Sorting by it is what it is made for; it is no probability. O(pixels), on OpenCV's
+  ///          threads with the same result for any number. Keeps 6 bytes a pixel from frame to
+  ///          frame, so one object serves one caller at a time.
+  cv::Mat1b Compute(const cv::Mat1b& left, const cv::Mat1b& right, std::span<const Seed> seeds,
+                    const DisparityImage& grown, const DisparityImage& filled);
+
+ private:
+  // @returns how far apart as many seeds would be if they were spread evenly, px.
+  float MarkSeeds(std::span<const Seed> seeds, cv::Size size);
+
+  float photo_scale_;
+  cv::Mat1b no_seed_;  // 0 where one is
+  DistanceMemory edge_memory_, hole_memory_;
+  cv::Mat1w edge_penalties_, hole_penalties_;
+  cv::Mat1b confidence_;
+};
 
 /// Takes the disparities away whose confidence is below a bound: unknown stays unknown.
 /// @param least  0 (all stay) to 255. O(pixels).
