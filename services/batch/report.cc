@@ -10,13 +10,13 @@
 #include <sstream>
 
 #include "common/picture/html.h"
+#include "common/quality/frame_quality.h"
 #include "services/batch/frame_rows.h"
 #include "services/batch/report_charts.h"
 #include "services/batch/report_losses.h"
 #include "services/batch/report_pictures.h"
 #include "services/batch/tables.h"
 #include "services/batch/text_file.h"
-#include "services/quality/frame_quality.h"
 
 namespace sprout {
 namespace {

@@ -10,8 +10,8 @@
 #include <set>
 
 #include "common/logfile/log_error.h"
+#include "common/quality/frame_quality.h"
 #include "services/batch/text_file.h"
-#include "services/quality/frame_quality.h"
 
 namespace sprout {
 namespace {

@@ -12,7 +12,7 @@
 #include "common/app/stage_monitor.h"
 #include "common/config/config.h"
 #include "common/core/frame.h"
-#include "services/capture/frame_source.h"
+#include "services/datasets/frame_source.h"
 
 namespace sprout {
 

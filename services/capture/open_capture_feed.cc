@@ -3,11 +3,11 @@
 
 #include "common/rig/rig_file.h"
 #include "services/capture/capture_feed.h"
-#include "services/capture/dataset.h"
 #include "services/capture/log_feed.h"
 #include "services/capture/raw_source.h"
 #include "services/capture/source_feed.h"
-#include "services/capture/source_options.h"
+#include "services/datasets/dataset.h"
+#include "services/datasets/source_options.h"
 
 namespace sprout {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "common/core/result.h"
 #include "common/rig/rectifier.h"
-#include "services/capture/frame_source.h"
+#include "services/datasets/frame_source.h"
 
 namespace sprout {
 

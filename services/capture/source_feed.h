@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "services/capture/capture_feed.h"
-#include "services/capture/frame_source.h"
 #include "services/capture/raw_source.h"
+#include "services/datasets/frame_source.h"
 
 namespace sprout {
 

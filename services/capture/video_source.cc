@@ -10,7 +10,7 @@
 
 #include "common/config/config.h"
 #include "common/core/image.h"
-#include "services/capture/number_text.h"
+#include "common/core/number_text.h"
 
 namespace sprout {
 namespace {

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "common/core/frame.h"
-#include "services/capture/dataset.h"
+#include "common/quality/frame_quality.h"
+#include "services/datasets/dataset.h"
 #include "services/evaluate/score.h"
-#include "services/quality/frame_quality.h"
 
 namespace sprout {
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "common/core/image.h"
-#include "services/capture/kitti_source.h"
+#include "services/datasets/kitti_source.h"
 #include "services/evaluate/visibility.h"
 
 namespace sprout {

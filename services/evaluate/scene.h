@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/geometry/projection.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "services/evaluate/tof_choice.h"
 
 namespace sprout {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "services/capture/source_options.h"
+#include "services/datasets/source_options.h"
 
 namespace sprout {
 namespace {

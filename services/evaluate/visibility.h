@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 
 namespace sprout {
 

@@ -9,9 +9,9 @@
 #include "common/app/version.h"
 #include "common/config/config.h"
 #include "common/logfile/log_error.h"
+#include "common/quality/frame_quality.h"
 #include "services/log/commands.h"
 #include "services/log/read_progress.h"
-#include "services/quality/frame_quality.h"
 
 namespace sprout {
 namespace {

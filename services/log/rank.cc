@@ -11,10 +11,10 @@
 
 #include "common/config/config.h"
 #include "common/logfile/log_error.h"
+#include "common/quality/frame_quality.h"
 #include "services/log/commands.h"
 #include "services/log/frame_pictures.h"
 #include "services/log/log_frames.h"
-#include "services/quality/frame_quality.h"
 
 namespace sprout {
 namespace {

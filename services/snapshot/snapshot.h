@@ -9,7 +9,7 @@
 #include "common/core/frame.h"
 #include "common/core/result.h"
 #include "common/core/stage_status.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 
 namespace sprout {
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "services/quality/frame_quality.h"
+#include "common/quality/frame_quality.h"
 #include "services/view/decoded_frame.h"
 #include "services/view/low_priority.h"
 

@@ -8,7 +8,7 @@
 
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
-#include "services/capture/tof_grid.h"
+#include "services/datasets/tof_grid.h"
 
 namespace sprout {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/core/rig.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 
 namespace sprout {
 

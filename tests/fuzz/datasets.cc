@@ -2,9 +2,9 @@
 #include <cstring>
 
 #include "common/config/config.h"
-#include "services/capture/kitti_calibration.h"
-#include "services/capture/middlebury_calibration.h"
-#include "services/capture/velodyne_scan.h"
+#include "services/datasets/kitti_calibration.h"
+#include "services/datasets/middlebury_calibration.h"
+#include "services/datasets/velodyne_scan.h"
 #include "tests/fuzz/targets.h"
 
 namespace sprout::fuzz {

@@ -4,8 +4,8 @@
 #include "common/config/config.h"
 #include "services/capture/genicam/pixels.h"
 #include "services/capture/genicam/scan3d.h"
-#include "services/capture/pfm.h"
-#include "services/capture/read_image.h"
+#include "services/datasets/pfm.h"
+#include "services/datasets/read_image.h"
 #include "tests/fuzz/targets.h"
 
 namespace sprout::fuzz {

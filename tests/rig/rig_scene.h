@@ -7,9 +7,9 @@
 
 #include "common/rig/rectifier.h"
 #include "services/calibrate/board_view.h"
-#include "services/capture/lens_view.h"
-#include "services/capture/sr4000.h"
-#include "services/capture/synthetic_scene.h"
+#include "services/datasets/lens_view.h"
+#include "services/datasets/sr4000.h"
+#include "services/datasets/synthetic_scene.h"
 
 namespace sprout {
 

@@ -8,7 +8,7 @@
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "tests/system/graph.h"
 
 namespace sprout {

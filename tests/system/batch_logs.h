@@ -10,7 +10,7 @@
 #include "common/bus/channels.h"
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 
 namespace sprout {
 

@@ -2,7 +2,7 @@
 #define SPROUT_TESTS_SYSTEM_CORRECT_PERCENT_H_
 
 #include "common/core/disparity_image.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "services/evaluate/score.h"
 
 namespace sprout {

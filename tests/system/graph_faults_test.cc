@@ -14,7 +14,7 @@
 
 #include "common/bus/lcm_url.h"
 #include "common/logfile/log_reader.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
 #include "tests/system/graph_record.h"

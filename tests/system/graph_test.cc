@@ -5,7 +5,7 @@
 
 #include <csignal>
 
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "services/pipeline/pipeline.h"
 #include "tests/system/correct_percent.h"
 

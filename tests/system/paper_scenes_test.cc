@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iostream>
 
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "tests/system/correct_percent.h"
 #include "tests/system/graph.h"
 

@@ -7,7 +7,7 @@
 #include "common/bus/channels.h"
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
 #include "tests/system/log_bytes.h"

@@ -5,7 +5,7 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "services/depth/depth_map.h"
 #include "tests/system/graph.h"
 

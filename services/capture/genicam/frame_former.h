@@ -7,10 +7,10 @@
 #include <string>
 
 #include "common/rig/rig.pb.h"
-#include "services/capture/frame_source.h"
 #include "services/capture/genicam/camera.h"
 #include "services/capture/genicam/device_clock.h"
 #include "services/capture/genicam/triplet_former.h"
+#include "services/datasets/frame_source.h"
 
 namespace sprout {
 

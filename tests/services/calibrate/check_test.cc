@@ -3,7 +3,7 @@
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 #include "services/calibrate/program.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "tests/common/logfile/sample_log.h"
 
 namespace sprout {

@@ -6,11 +6,11 @@
 #include <deque>
 
 #include "common/messages/codec.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "tests/common/app/captured_log.h"
 #include "tests/common/messages/examples.h"
-#include "tests/services/capture/kitti_folder.h"
-#include "tests/services/capture/scene_folder.h"
+#include "tests/services/datasets/kitti_folder.h"
+#include "tests/services/datasets/scene_folder.h"
 
 namespace sprout {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "common/config/config.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/services/capture/kitti_folder.h"
-#include "tests/services/capture/scene_folder.h"
+#include "tests/services/datasets/kitti_folder.h"
+#include "tests/services/datasets/scene_folder.h"
 
 namespace sprout {
 namespace {

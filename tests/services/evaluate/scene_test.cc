@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/services/capture/kitti_folder.h"
+#include "tests/services/datasets/kitti_folder.h"
 
 namespace sprout {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "services/capture/pfm.h"
+#include "services/datasets/pfm.h"
 #include "tests/services/log/graph_log.h"
 
 // images and export.

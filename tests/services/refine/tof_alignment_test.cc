@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/core/image.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "services/refine/refiner.h"
 
 namespace sprout {
