@@ -18,7 +18,7 @@
 #include "services/batch/tables.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -363,4 +363,4 @@ void WriteReport(const BatchFolder& folder, const Manifest& manifest, const Batc
   CommitFile(folder.report(), file);
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

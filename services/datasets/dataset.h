@@ -9,7 +9,7 @@
 #include "common/config/config.h"
 #include "services/datasets/frame_source.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// True disparities, px of the image they belong to; NaN = unknown.
 struct GroundTruth {
@@ -61,6 +61,6 @@ std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& config);
 /// @param loop  start again at the end.
 std::unique_ptr<FrameSource> PlayDataset(std::unique_ptr<Dataset> dataset, bool loop);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_DATASET_H_

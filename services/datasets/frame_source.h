@@ -11,7 +11,7 @@
 #include "common/core/rig.h"
 #include "common/core/tof_image.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// One synchronised triplet. Of a FrameSource it is rectified, of a RawSource as the cameras see.
 struct CapturedFrame {
@@ -48,6 +48,6 @@ class FrameSource {
   virtual std::optional<CapturedFrame> Next(const std::stop_token& stop) = 0;
 };
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_FRAME_SOURCE_H_

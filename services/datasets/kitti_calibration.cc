@@ -11,7 +11,7 @@
 #include "common/core/number_text.h"
 #include "services/datasets/read_text.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 // Focal lengths and rows of a rectified pair may differ by the rounding of the text only.
@@ -115,4 +115,4 @@ KittiCalibration ReadKittiCalibration(const std::filesystem::path& path, cv::Siz
   return calibration;
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

@@ -7,7 +7,7 @@
 
 #include "common/core/rig.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// What calib/ID.txt of KITTI's object set says about the colour cameras and the scanner.
 struct KittiCalibration {
@@ -25,6 +25,6 @@ struct KittiCalibration {
 /// not rectified, a rotation that is none.
 KittiCalibration ReadKittiCalibration(const std::filesystem::path& file, cv::Size size);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_KITTI_CALIBRATION_H_

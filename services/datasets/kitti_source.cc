@@ -16,7 +16,7 @@
 #include "services/datasets/tof_grid.h"
 #include "services/datasets/velodyne_scan.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 namespace fs = std::filesystem;
@@ -189,4 +189,4 @@ std::unique_ptr<Dataset> OpenKitti(const std::string& place, const CaptureConfig
   return std::make_unique<KittiDataset>(place, config);
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

@@ -7,7 +7,7 @@
 
 #include "services/datasets/dataset.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// Frames in KITTI's own layout, real stereo with a real scan of a Velodyne HDL-64E (Geiger et al.,
 /// IJRR 2013; Menze and Geiger, CVPR 2015):
@@ -35,6 +35,6 @@ std::unique_ptr<Dataset> OpenKitti(const std::string& place, const CaptureConfig
 /// @throws ConfigError when there is none.
 std::vector<std::string> KittiPlaces(const std::string& place);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_KITTI_SOURCE_H_

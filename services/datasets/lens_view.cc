@@ -4,7 +4,7 @@
 
 #include "common/geometry/lens.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 Vec3 ToVec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -57,4 +57,4 @@ TofSamples RenderTof(const LensView& view, const std::vector<Solid>& solids, dou
   return samples;
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

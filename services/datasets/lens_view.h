@@ -10,7 +10,7 @@
 #include "services/datasets/synthetic_scene.h"
 #include "services/datasets/tof_samples.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// A camera with a real lens, anywhere among the solids of a synthetic scene: rays through its
 /// pixels, several each.
@@ -44,6 +44,6 @@ class LensView {
 /// What a ToF camera looks at. @pre view has TofSamples::kPerSide rays per side.
 TofSamples RenderTof(const LensView& view, const std::vector<Solid>& solids, double focal_px);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_LENS_VIEW_H_

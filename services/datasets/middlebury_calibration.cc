@@ -13,7 +13,7 @@
 #include "common/core/number_text.h"
 #include "services/datasets/read_text.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 constexpr double kFullSizeFocalPx = 3740;  // 2005 and 2006, as Middlebury publishes them
@@ -146,4 +146,4 @@ RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::
   return pair;
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

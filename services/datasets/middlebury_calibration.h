@@ -6,7 +6,7 @@
 
 #include "common/core/rig.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// Calibration of a 2005 or 2006 scene: f = 3740 px and b = 0.160 m at full size, the principal
 /// point, which Middlebury does not give, in the centre of the image.
@@ -26,6 +26,6 @@ RectifiedPair CalibrationFromDmin(const std::filesystem::path& dmin_file, cv::Si
 /// @throws ConfigError for a missing file or key, a bad number, cameras that are not rectified.
 RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::Size size);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_MIDDLEBURY_CALIBRATION_H_

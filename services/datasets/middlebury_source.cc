@@ -17,7 +17,7 @@
 #include "services/datasets/surface_renderer.h"
 #include "services/datasets/tof_grid.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 namespace fs = std::filesystem;
@@ -192,4 +192,4 @@ std::unique_ptr<Dataset> OpenMiddlebury(const std::string& folder, const Capture
   return std::make_unique<MiddleburyDataset>(ReadScene(folder, config), config);
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

@@ -6,7 +6,7 @@
 
 #include "services/datasets/dataset.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// One frame from a folder in Middlebury's layout, with the ToF camera simulated from the ground
 /// truth: config.tof() = grid from the left one, sr4000 from both.
@@ -21,6 +21,6 @@ namespace sprout {
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<Dataset> OpenMiddlebury(const std::string& folder, const CaptureConfig& config);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_MIDDLEBURY_SOURCE_H_

@@ -10,7 +10,7 @@
 #include "services/datasets/source_options.h"
 #include "services/datasets/synthetic_source.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 ConfigError BadSource(const CaptureConfig& config, const std::string& reason,
@@ -86,4 +86,4 @@ std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& original) {
                   allowed);
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

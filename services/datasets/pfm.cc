@@ -11,7 +11,7 @@
 #include "common/core/image.h"
 #include "services/datasets/read_image.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 struct Header {
@@ -72,4 +72,4 @@ cv::Mat1f ReadPfm(const std::filesystem::path& path) {
   return samples;
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// Reads a one-channel PFM file ("Pf"), top row first, samples as stored.
 ///
@@ -16,6 +16,6 @@ namespace sprout {
 /// @throws ConfigError naming the file: unreadable, another format, larger than the file holds.
 cv::Mat1f ReadPfm(const std::filesystem::path& path);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_PFM_H_

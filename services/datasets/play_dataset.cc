@@ -2,7 +2,7 @@
 
 #include "services/datasets/dataset.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 class DatasetPlayer : public FrameSource {
@@ -32,4 +32,4 @@ std::unique_ptr<FrameSource> PlayDataset(std::unique_ptr<Dataset> dataset, bool 
   return std::make_unique<DatasetPlayer>(std::move(dataset), loop);
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

@@ -11,7 +11,7 @@
 #include "common/config/config.h"
 #include "common/core/image.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 // OpenCV would try every decoder that it was built with, and all libraries behind these; which one,
@@ -60,4 +60,4 @@ void RequireSize(const std::filesystem::path& path, cv::Size size, cv::Size expe
                     " px; allowed: " + SizeText(expected) + " px, as the left image has");
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 
-namespace sprout {
+namespace sprout::datasets {
 
 bool IsFile(const std::filesystem::path& path);
 
@@ -17,6 +17,6 @@ cv::Mat ReadImage(const std::filesystem::path& path, int flags);
 /// @param expected  of the left image.
 void RequireSize(const std::filesystem::path& path, cv::Size size, cv::Size expected);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_READ_IMAGE_H_

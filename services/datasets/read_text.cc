@@ -7,7 +7,7 @@
 
 #include "services/datasets/read_image.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 std::optional<std::string> ReadText(const std::filesystem::path& path) {
   constexpr uintmax_t kMaxBytes = 1 << 20;
@@ -19,4 +19,4 @@ std::optional<std::string> ReadText(const std::filesystem::path& path) {
   return std::string{std::istreambuf_iterator<char>(file), {}};
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

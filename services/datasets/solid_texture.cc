@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 // Odd 64-bit numbers without a pattern: fractions of the roots of 2, 3 and 5.
@@ -82,4 +82,4 @@ double SolidNoise(const Vec3& point, double pixel_m, uint64_t key) {
   return std::clamp(0.5 + kContrast * sum / 2, 0.0, 1.0);
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

@@ -5,7 +5,7 @@
 
 #include "services/datasets/vec3.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// Scrambles a number: equal in, equal out, on every machine; neighbours come out unrelated.
 uint64_t Scramble(uint64_t value);
@@ -22,6 +22,6 @@ uint64_t Scramble(uint64_t value);
 /// O(1), no libm function that rounds differently between machines.
 double SolidNoise(const Vec3& point, double pixel_m, uint64_t key);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_SOLID_TEXTURE_H_

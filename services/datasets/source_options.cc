@@ -6,7 +6,7 @@
 
 #include "common/core/number_text.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 std::vector<SourceOption> SourceOptions(std::string_view text) {
   std::vector<SourceOption> options;
@@ -44,4 +44,4 @@ bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config) {
   return true;
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

@@ -7,7 +7,7 @@
 
 #include "common/config/config.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// One "name=value" behind the '?' of a source.
 struct SourceOption {
@@ -36,6 +36,6 @@ inline constexpr std::string_view kSr4000Options = "&blind=P (%), &wrapped=P (%)
 /// @throws ConfigError when the value is no number or out of range.
 bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_SOURCE_OPTIONS_H_

@@ -10,7 +10,7 @@
 #include "common/geometry/lens.h"
 #include "services/datasets/solid_texture.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 constexpr int kWidth = 176;
@@ -249,4 +249,4 @@ Sr4000Frame Sr4000::Measure(const TofSamples& samples, int64_t frame) const {
   return {tof, ambiguity_m};
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

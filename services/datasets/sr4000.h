@@ -8,7 +8,7 @@
 #include "common/core/tof_image.h"
 #include "services/datasets/tof_samples.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// What the camera says, and the range beyond which that is wrong.
 struct Sr4000Frame {
@@ -60,6 +60,6 @@ class Sr4000 {
   cv::Mat1d range_per_depth_;  // of each pixel: its ray's length at z = 1
 };
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_SR4000_H_

@@ -8,7 +8,7 @@
 
 #include "common/geometry/lens.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 constexpr double kSameSurfacePx = 1;
@@ -163,4 +163,4 @@ TofSamples RenderSurface(const Rig& rig, const GroundTruth& truth, const cv::Mat
   return samples;
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

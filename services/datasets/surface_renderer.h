@@ -7,7 +7,7 @@
 #include "services/datasets/dataset.h"
 #include "services/datasets/tof_samples.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// Renders the surface that ground truth describes as a ToF camera elsewhere sees it.
 ///
@@ -26,6 +26,6 @@ namespace sprout {
 TofSamples RenderSurface(const Rig& rig, const GroundTruth& truth, const cv::Mat1b& left,
                          const cv::Mat1b& right);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_SURFACE_RENDERER_H_

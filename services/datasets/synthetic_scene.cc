@@ -7,7 +7,7 @@
 
 #include "services/datasets/solid_texture.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();
@@ -248,4 +248,4 @@ std::vector<Solid> SyntheticScene::At(int64_t index) const {
   return solids;
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

@@ -7,7 +7,7 @@
 
 #include "services/datasets/vec3.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// How a surface looks. It is matt: its colour does not depend on who looks.
 struct Material {
@@ -80,6 +80,6 @@ class SyntheticScene {
   std::vector<Actor> actors_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_SYNTHETIC_SCENE_H_

@@ -12,7 +12,7 @@
 #include "services/datasets/synthetic_scene.h"
 #include "services/datasets/tof_grid.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 constexpr double kFocalPerWidth = 0.9;    // 58° from left to right
@@ -223,4 +223,4 @@ std::unique_ptr<Dataset> OpenSynthetic(cv::Size size, const CaptureConfig& confi
   return std::make_unique<SyntheticDataset>(size, config);
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

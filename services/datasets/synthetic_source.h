@@ -6,7 +6,7 @@
 #include "common/core/image.h"
 #include "services/datasets/dataset.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 inline constexpr int kMinSyntheticSide = 16;        ///< px: below, objects are smaller than a pixel
 inline constexpr int kMaxSyntheticSide = kMaxSide;  ///< px: a frame takes 16 bytes a pixel
@@ -23,6 +23,6 @@ inline constexpr int kMaxSyntheticSide = kMaxSide;  ///< px: a frame takes 16 by
 /// @throws ConfigError when a grid of config.tof_grid_px() is larger than the image.
 std::unique_ptr<Dataset> OpenSynthetic(cv::Size size, const CaptureConfig& config);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_SYNTHETIC_SOURCE_H_

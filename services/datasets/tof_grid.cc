@@ -8,7 +8,7 @@
 
 #include "common/config/config.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 // Left pixel that column or row `index` of the grid looks through.
@@ -50,4 +50,4 @@ TofImage SampleTofGrid(const RectifiedPair& pair, int step_px, const cv::Mat1f& 
   return tof;
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

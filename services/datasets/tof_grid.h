@@ -6,7 +6,7 @@
 #include "common/core/rig.h"
 #include "common/core/tof_image.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// A ToF camera that stands where the left camera stands and whose pixel (i, j) looks exactly
 /// through left pixel (i·step + step/2, j·step + step/2), integer division: the paper's simulated
@@ -25,6 +25,6 @@ TofCamera TofGridCamera(const RectifiedPair& pair, int step_px);
 /// O(ToF pixels).
 TofImage SampleTofGrid(const RectifiedPair& pair, int step_px, const cv::Mat1f& left_disparity);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_TOF_GRID_H_

@@ -4,7 +4,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// What a ToF camera looks at, finer than its pixels: kPerSide × kPerSide samples a ToF pixel.
 struct TofSamples {
@@ -24,6 +24,6 @@ struct TofSamples {
   cv::Mat1f albedo;   ///< 0 to 1; 0 where the depth is unknown
 };
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_TOF_SAMPLES_H_

@@ -1,7 +1,7 @@
 #ifndef SPROUT_SERVICES_DATASETS_VEC3_H_
 #define SPROUT_SERVICES_DATASETS_VEC3_H_
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// Three numbers: a point (m) or a BGR colour (0 to 255). Not Eigen or cv::Vec: the synthetic
 /// scene promises equal bytes everywhere, so the order of every sum is written down here.
@@ -16,6 +16,6 @@ inline Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b
 inline Vec3 operator*(double s, const Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
 inline double Dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_VEC3_H_

@@ -14,7 +14,7 @@
 #include "common/config/config.h"
 #include "services/datasets/read_image.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 constexpr double kTopDegrees = 2;
@@ -97,4 +97,4 @@ TofImage TofImageFromScan(const std::vector<Eigen::Vector3d>& points,
   return tof;
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

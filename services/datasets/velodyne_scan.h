@@ -8,7 +8,7 @@
 #include "common/core/rig.h"
 #include "common/core/tof_image.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// Beams of the scanner, a Velodyne HDL-64E.
 inline constexpr int kVelodyneBeams = 64;
@@ -37,6 +37,6 @@ std::vector<Eigen::Vector3d> KeepBeams(const std::vector<Eigen::Vector3d>& point
 TofImage TofImageFromScan(const std::vector<Eigen::Vector3d>& points,
                           const Eigen::Isometry3d& left_from_scanner, const RectifiedPair& pair);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_SERVICES_DATASETS_VELODYNE_SCAN_H_

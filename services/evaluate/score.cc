@@ -9,7 +9,7 @@
 
 #include "common/core/image.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 constexpr double kMaxDisagreementPx = 1;
@@ -140,4 +140,4 @@ Result<Accuracy> Score(const DisparityImage& disparity, const cv::Mat1f& truth,
   return Score(ToPx(disparity), truth, mask);
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -7,7 +7,7 @@
 #include "common/core/disparity_image.h"
 #include "common/core/result.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 // How a disparity map is scored against ground truth.
 //
@@ -93,6 +93,6 @@ Result<Accuracy> Score(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
 Result<Accuracy> Score(const DisparityImage& disparity, const cv::Mat1f& truth,
                        const cv::Mat1b& mask);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_SCORE_H_

@@ -10,7 +10,7 @@
 // The subcommands of sprout-log. Each reads whole logs in constant memory, prints to stdout, and
 // returns the program's exit code. @throws LogError for a log that cannot be used, ConfigError for
 // flags that cannot, Interrupted after Ctrl-C. Output files appear whole or not at all.
-namespace sprout {
+namespace sprout::log {
 
 struct InfoOptions {
   std::filesystem::path file;
@@ -82,6 +82,6 @@ struct ExportOptions : PicturesOptions {
 };
 int RunExport(const ExportOptions& options);
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_COMMANDS_H_

@@ -8,7 +8,7 @@
 #include "common/core/frame.h"
 #include "services/log/log_frames.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// Writes a picture of every part that the frame has and that can be shown.
 /// @throws std::runtime_error naming path and reason; ConfigError when the folder cannot be made.
@@ -21,6 +21,6 @@ void WriteFramePictures(const Frame& frame, FrameFileNames& names);
 void WriteDifferencePictures(std::span<const uint8_t> a, std::span<const uint8_t> b,
                              const std::string& channel, FrameFileNames& names);
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_FRAME_PICTURES_H_

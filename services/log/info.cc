@@ -15,7 +15,7 @@
 #include "services/log/process_summary.h"
 #include "services/log/read_progress.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -234,4 +234,4 @@ int RunInfo(const InfoOptions& options) {
   return options.check && !IsWhole(log) ? 1 : 0;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

@@ -14,7 +14,7 @@
 #include "common/picture/write_ply.h"
 #include "services/log/frame_pictures.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 void Require(const Result<void>& written) {
@@ -173,4 +173,4 @@ int RunExport(const ExportOptions& options) {
   return misfits > 0 ? 1 : 0;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

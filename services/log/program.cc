@@ -13,7 +13,7 @@
 #include "services/log/commands.h"
 #include "services/log/read_progress.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 constexpr char kDescription[] =
@@ -250,4 +250,4 @@ int LogMain(int argc, const char* const* argv) {
   return RunProgram(flags, argc, argv, [&] { return RunChosen(commands.chosen); });
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

@@ -16,7 +16,7 @@
 #include "services/log/frame_pictures.h"
 #include "services/log/log_frames.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 // What the table shows without --top; files have all frames.
@@ -189,4 +189,4 @@ int RunRank(const RankOptions& options) {
   return 0;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

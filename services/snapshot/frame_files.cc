@@ -16,7 +16,7 @@
 #include "services/evaluate/score.h"
 #include "services/snapshot/snapshot.h"
 
-namespace sprout {
+namespace sprout::snapshot {
 namespace {
 
 // Every ToF point as a seed, before refinement.
@@ -50,7 +50,7 @@ cv::Mat3b Overview(const std::array<cv::Mat3b, 4>& pictures) {
 }
 
 // The stages are other people's programs: their maps need not fit each other.
-Result<void> CheckSizes(const Frame& frame, const GroundTruth& truth) {
+Result<void> CheckSizes(const Frame& frame, const datasets::GroundTruth& truth) {
   if (auto tof = CheckTofSize(RigOfFrame(*frame.rig, *frame.tof), *frame.tof); !tof) return tof;
   const cv::Size calibrated = frame.rig->pair.size();
   std::vector<std::pair<const char*, cv::Size>> images = {
@@ -136,15 +136,15 @@ std::vector<std::string> MissingParts(const Frame& frame) {
   return missing;
 }
 
-Result<void> WriteFrameFiles(const Frame& frame, const GroundTruth& truth,
+Result<void> WriteFrameFiles(const Frame& frame, const datasets::GroundTruth& truth,
                              const std::filesystem::path& folder) {
   if (auto sizes = CheckSizes(frame, truth); !sizes) return sizes;
   NamedPictures pictures = Pictures(frame);
   if (!truth.left.empty()) {
-    const Result<cv::Mat1b> mask = NonOccludedMask(truth.left, truth.right);
+    const Result<cv::Mat1b> mask = evaluate::NonOccludedMask(truth.left, truth.right);
     if (!mask) return tl::unexpected(mask.error());
     pictures.emplace_back("errors.png",
-                          ErrorPicture(ErrorMap(ToPx(*frame.disparity), truth.left, *mask),
+                          ErrorPicture(evaluate::ErrorMap(ToPx(*frame.disparity), truth.left, *mask),
                                        "Error of the disparity"));
   }
   for (const auto& [name, picture] : pictures) {
@@ -161,4 +161,4 @@ Result<void> WriteFrameFiles(const Frame& frame, const GroundTruth& truth,
   return WriteMeshPly(folder / "mesh.ply", pair, *frame.disparity, frame.left);
 }
 
-}  // namespace sprout
+}  // namespace sprout::snapshot

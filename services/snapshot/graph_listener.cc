@@ -10,7 +10,7 @@
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::snapshot {
 namespace {
 
 // Stages whose status is kept; a graph has four. Names are free, so anybody could invent more.
@@ -141,4 +141,4 @@ std::map<std::string, StageStatus> GraphListener::WaitForStatuses(int64_t seq, D
   return statuses_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::snapshot

@@ -24,7 +24,7 @@
 #include "common/core/stage_status.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::snapshot {
 
 /// Listens to everything the graph says and keeps the newest whole frame and the newest status of
 /// each stage, of up to 32. Thread-safe.
@@ -69,6 +69,6 @@ class GraphListener {
   Receiver receiver_;  // last: stops before the rest is destroyed
 };
 
-}  // namespace sprout
+}  // namespace sprout::snapshot
 
 #endif  // SPROUT_SERVICES_SNAPSHOT_GRAPH_LISTENER_H_

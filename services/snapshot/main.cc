@@ -15,7 +15,7 @@
 #include "services/snapshot/graph_listener.h"
 #include "services/snapshot/snapshot.h"
 
-namespace sprout {
+namespace sprout::snapshot {
 namespace {
 
 struct Options {
@@ -36,13 +36,13 @@ void MakeFolder(const std::filesystem::path& folder) {
   if (error) throw ConfigError("--out " + folder.string() + ": " + error.message());
 }
 
-GroundTruth TruthOf(Dataset* source, int64_t seq) {
+datasets::GroundTruth TruthOf(datasets::Dataset* source, int64_t seq) {
   if (source == nullptr) return {};
   const std::optional<int64_t> count = source->frame_count();
   return source->Get(count ? seq % *count : seq).truth;
 }
 
-int Listen(const ServiceContext& context, const Options& options, Dataset* source) {
+int Listen(const ServiceContext& context, const Options& options, datasets::Dataset* source) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
   GraphListener listener(context, monitor);
   const StatusReporter reporter(context, monitor);
@@ -59,7 +59,7 @@ int Listen(const ServiceContext& context, const Options& options, Dataset* sourc
   for (const std::string& missing : MissingParts(frame)) spdlog::warn(missing);
   // Statuses come once a second, so the last frame may take two to show in all of them.
   const auto statuses = listener.WaitForStatuses(frame.id.seq, After(3), context.stop);
-  const GroundTruth truth = TruthOf(source, frame.id.seq);
+  const datasets::GroundTruth truth = TruthOf(source, frame.id.seq);
   const Result<void> written = WriteFrameFiles(frame, truth, options.folder);
   const Result<std::string> report =
       written ? ReportText(frame, statuses, truth) : tl::unexpected(written.error());
@@ -94,8 +94,8 @@ int Main(int argc, char** argv) {
       argc, argv,
       [&](const ServiceContext& context) {
         MakeFolder(options.folder);
-        const std::unique_ptr<Dataset> source =
-            options.source ? OpenDataset(context.config.capture()) : nullptr;
+        const std::unique_ptr<datasets::Dataset> source =
+            options.source ? datasets::OpenDataset(context.config.capture()) : nullptr;
         return Listen(context, options, source.get());
       },
       [&](SproutConfig& config) {
@@ -104,6 +104,6 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::snapshot
 
 int main(int argc, char** argv) { return sprout::Main(argc, argv); }

@@ -8,7 +8,7 @@
 #include "services/evaluate/score.h"
 #include "services/snapshot/snapshot.h"
 
-namespace sprout {
+namespace sprout::snapshot {
 namespace {
 
 // Stages in the order of the graph; others follow by name.
@@ -52,7 +52,7 @@ std::string SeedLine(const SeedSet& seeds) {
       seeds.contradicted, kept, std::ssize(seeds.seeds) - kept);
 }
 
-Result<std::string> MapTable(const Frame& frame, const GroundTruth& truth) {
+Result<std::string> MapTable(const Frame& frame, const datasets::GroundTruth& truth) {
   std::vector<std::pair<const char*, const DisparityImage*>> maps = {
       {"prior", &frame.prior->disparity}};
   if (frame.unfilled) maps.emplace_back("grown", &*frame.unfilled);
@@ -60,7 +60,7 @@ Result<std::string> MapTable(const Frame& frame, const GroundTruth& truth) {
   std::string text = fmt::format("{:<10}{:>10}{:>22}\n", "map", "density %", "correct <= 1 px %");
   Result<cv::Mat1b> mask = cv::Mat1b();
   if (!truth.left.empty()) {
-    mask = NonOccludedMask(truth.left, truth.right);
+    mask = evaluate::NonOccludedMask(truth.left, truth.right);
     if (!mask) return tl::unexpected(mask.error());
   }
   for (const auto& [name, map] : maps) {
@@ -68,7 +68,7 @@ Result<std::string> MapTable(const Frame& frame, const GroundTruth& truth) {
         100.0 * static_cast<double>(map->CountValid()) / static_cast<double>(map->counts().total());
     std::string correct = "unknown";
     if (!truth.left.empty()) {
-      const Result<Accuracy> accuracy = Score(*map, truth.left, *mask);
+      const Result<evaluate::Accuracy> accuracy = evaluate::Score(*map, truth.left, *mask);
       if (!accuracy) return tl::unexpected(accuracy.error());
       correct = fmt::format("{:.2f}", accuracy->correct_le1_percent());
     }
@@ -81,10 +81,10 @@ Result<std::string> MapTable(const Frame& frame, const GroundTruth& truth) {
 
 Result<std::string> ReportText(const Frame& frame,
                                const std::map<std::string, StageStatus>& statuses,
-                               const GroundTruth& truth) {
+                               const datasets::GroundTruth& truth) {
   const Result<std::string> maps = MapTable(frame, truth);
   if (!maps) return maps;
   return StageTable(statuses) + "\n" + SeedLine(*frame.seeds) + "\n" + *maps;
 }
 
-}  // namespace sprout
+}  // namespace sprout::snapshot

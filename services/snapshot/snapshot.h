@@ -11,7 +11,7 @@
 #include "common/core/stage_status.h"
 #include "services/datasets/dataset.h"
 
-namespace sprout {
+namespace sprout::snapshot {
 
 /// Writes a frame for people to look at: left, tof, seeds_raw, seeds, prior, prior_sigma,
 /// disparity (as grown), disparity_filled, confidence and cloud (seen from the side) as .png with
@@ -22,7 +22,7 @@ namespace sprout {
 /// @param truth   of the frame's scene; may be empty.
 /// @param folder  exists already.
 /// @returns the first error: an image that is not of the calibrated size, or a file with its path.
-Result<void> WriteFrameFiles(const Frame& frame, const GroundTruth& truth,
+Result<void> WriteFrameFiles(const Frame& frame, const datasets::GroundTruth& truth,
                              const std::filesystem::path& folder);
 
 /// A line for each optional part that is not there: what is not shown and how to get it.
@@ -35,8 +35,8 @@ std::vector<std::string> MissingParts(const Frame& frame);
 /// @returns text of several lines; an error when truth and frame differ in size.
 Result<std::string> ReportText(const Frame& frame,
                                const std::map<std::string, StageStatus>& statuses,
-                               const GroundTruth& truth);
+                               const datasets::GroundTruth& truth);
 
-}  // namespace sprout
+}  // namespace sprout::snapshot
 
 #endif  // SPROUT_SERVICES_SNAPSHOT_SNAPSHOT_H_

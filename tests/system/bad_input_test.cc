@@ -21,7 +21,7 @@ struct HandFrame {
   explicit HandFrame(const std::string& source = "synthetic:160x120") {
     CaptureConfig config;
     config.set_source(source);
-    const auto frames = OpenDataset(config);
+    const auto frames = datasets::OpenDataset(config);
     frame = frames->Get(0);
     rig = frames->rig();
   }
@@ -34,7 +34,7 @@ struct HandFrame {
     graph.PublishPart(id, Part::kTof, frame.tof);
   }
 
-  DatasetFrame frame;
+  datasets::DatasetFrame frame;
   Rig rig;
 };
 

@@ -8,9 +8,9 @@
 namespace sprout {
 
 /// Share of the pixels that both cameras see whose disparity is within 1 px of the truth.
-inline double CorrectPercent(const DisparityImage& map, const GroundTruth& truth) {
-  const auto mask = NonOccludedMask(truth.left, truth.right);
-  return Score(map, truth.left, mask.value()).value().correct_le1_percent();
+inline double CorrectPercent(const DisparityImage& map, const datasets::GroundTruth& truth) {
+  const auto mask = evaluate::NonOccludedMask(truth.left, truth.right);
+  return evaluate::Score(map, truth.left, mask.value()).value().correct_le1_percent();
 }
 
 }  // namespace sprout

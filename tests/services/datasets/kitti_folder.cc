@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace sprout {
+namespace sprout::datasets {
 
 KittiFolder::KittiFolder() {
   for (const char* name : {"image_2", "image_3", "disp_occ_0", "disp_noc_0", "calib", "velodyne"}) {
@@ -60,4 +60,4 @@ CaptureConfig KittiFolder::Config(const std::string& rest) const {
   return config;
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

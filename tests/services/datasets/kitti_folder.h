@@ -11,7 +11,7 @@
 #include "services/datasets/dataset.h"
 #include "tests/services/datasets/scene_folder.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// Made-up frames of 40×30 px in KITTI's layout, in a temporary folder. The scanner stands in the
 /// left camera, its x forward and its z up; f = 100 px, cx = 20, cy = 15, b = 0.5 m, so a point
@@ -49,6 +49,6 @@ class KittiFolder {
   SceneFolder files_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_TESTS_SERVICES_DATASETS_KITTI_FOLDER_H_

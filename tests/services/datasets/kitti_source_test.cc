@@ -6,7 +6,7 @@
 
 #include "tests/services/datasets/kitti_folder.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 using testing::AllOf;
@@ -258,4 +258,4 @@ INSTANTIATE_TEST_SUITE_P(
                     KittiCalibCase{"Tr_velo_to_cam", "1 0 0 0 0 1 0 0 0 0 -1 0", "a rotation"}));
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::datasets

@@ -12,7 +12,7 @@
 #include "common/geometry/projection.h"
 #include "services/datasets/dataset.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 namespace fs = std::filesystem;
@@ -111,4 +111,4 @@ TEST(MiddleburyData, ShowsEverySceneToAnSr4000) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::datasets

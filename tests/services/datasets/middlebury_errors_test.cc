@@ -8,7 +8,7 @@
 
 #include "tests/services/datasets/scene_folder.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 using testing::AllOf;
@@ -241,4 +241,4 @@ TEST(MiddleburyErrors, RefusesATofGridWiderThanTheImage) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::datasets

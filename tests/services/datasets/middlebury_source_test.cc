@@ -6,7 +6,7 @@
 
 #include "tests/services/datasets/scene_folder.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 bool EqualBytes(const cv::Mat& a, const cv::Mat& b) {
@@ -181,4 +181,4 @@ TEST(MiddleburyDataset, ShowsTheSceneToAnSr4000) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::datasets

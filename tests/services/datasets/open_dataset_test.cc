@@ -4,7 +4,7 @@
 
 #include "tests/services/datasets/scene_folder.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 using testing::AllOf;
@@ -131,4 +131,4 @@ TEST(OpenDataset, NamesTheRangeWhenTheTofGridIsWiderThanTheImage) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::datasets

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-namespace sprout {
+namespace sprout::datasets {
 
 SceneFolder::SceneFolder() {
   std::string name = (std::filesystem::temp_directory_path() / "sprout-scene-XXXXXX").string();
@@ -96,4 +96,4 @@ std::string OpenError(const CaptureConfig& config) {
   return "";
 }
 
-}  // namespace sprout
+}  // namespace sprout::datasets

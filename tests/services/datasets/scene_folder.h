@@ -7,7 +7,7 @@
 
 #include "services/datasets/dataset.h"
 
-namespace sprout {
+namespace sprout::datasets {
 
 /// A scene in a temporary folder that goes away with the object.
 class SceneFolder {
@@ -47,6 +47,6 @@ cv::Mat3b SomePicture(cv::Size size);
 /// what() of the ConfigError that opening throws; fails the test when there is none.
 std::string OpenError(const CaptureConfig& config);
 
-}  // namespace sprout
+}  // namespace sprout::datasets
 
 #endif  // SPROUT_TESTS_SERVICES_DATASETS_SCENE_FOLDER_H_

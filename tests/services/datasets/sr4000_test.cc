@@ -10,7 +10,7 @@
 #include "common/geometry/lens.h"
 #include "common/geometry/projection.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
@@ -334,4 +334,4 @@ TEST(Sr4000, RefusesParametersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::datasets

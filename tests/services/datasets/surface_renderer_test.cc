@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
@@ -124,4 +124,4 @@ TEST(SurfaceRenderer, LooksFromThePoseOfTheCameraThroughItsLens) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::datasets

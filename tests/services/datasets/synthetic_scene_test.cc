@@ -7,7 +7,7 @@
 
 #include "services/datasets/dataset.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 constexpr double kFocalPx = 500;
@@ -110,4 +110,4 @@ TEST(SyntheticScene, IsRenderedWithTheNearestSolidInBothViews) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::datasets

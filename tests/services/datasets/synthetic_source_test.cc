@@ -8,7 +8,7 @@
 #include "common/geometry/projection.h"
 #include "services/datasets/dataset.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 std::unique_ptr<Dataset> Open(const std::string& size, uint32_t seed = 1) {
@@ -225,4 +225,4 @@ TEST(SyntheticDataset, RendersSmallAndOddSizes) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::datasets

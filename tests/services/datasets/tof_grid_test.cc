@@ -8,7 +8,7 @@
 #include "common/config/config.h"
 #include "common/geometry/projection.h"
 
-namespace sprout {
+namespace sprout::datasets {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -91,4 +91,4 @@ TEST(TofGrid, RefusesAStepThatLeavesNoPoint) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::datasets

@@ -9,7 +9,7 @@
 #include "services/evaluate/rivals/rival.h"
 #include "services/evaluate/score.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 constexpr int kDisparity = 20;
@@ -112,4 +112,4 @@ TEST(Rivals, LandNearTheirReferenceFiguresOnMonopoly) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

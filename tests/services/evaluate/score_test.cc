@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
@@ -233,4 +233,4 @@ TEST(NonOccludedMask, RefusesViewsOfDifferentSize) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -12,7 +12,7 @@
 #include "tests/common/core/even_prior.h"
 #include "tests/common/picture/temporary_directory.h"
 
-namespace sprout {
+namespace sprout::snapshot {
 namespace {
 
 using ::testing::HasSubstr;
@@ -140,7 +140,7 @@ TEST(WriteFrameFiles, LeavesOutWhatAGrowerDoesNotSayAndNamesIt) {
 TEST(WriteFrameFiles, PaintsTheErrorsWhereTheTruthIsKnown) {
   const TemporaryDirectory directory;
   const Frame frame = Wall(cv::Mat1b(kSize, uchar{90}));
-  GroundTruth truth;
+  datasets::GroundTruth truth;
   truth.left = cv::Mat1f(kSize, 7.F);
   truth.left.rowRange(0, 20) = std::numeric_limits<float>::quiet_NaN();
   ASSERT_TRUE(WriteFrameFiles(frame, truth, directory / ""));
@@ -203,4 +203,4 @@ TEST(WriteFrameFiles, RefusesImagesThatDoNotFitTheCalibration) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::snapshot

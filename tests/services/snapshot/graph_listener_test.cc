@@ -8,7 +8,7 @@
 #include "tests/common/app/captured_log.h"
 #include "tests/common/bus/fake_tcpq_server.h"
 
-namespace sprout {
+namespace sprout::snapshot {
 namespace {
 
 // Listens to a server of its own, which hands over in order what is sent.
@@ -62,4 +62,4 @@ TEST_F(GraphListenerTest, KeepsNoMoreThan32StagesAndCountsTheOthersAsBad) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::snapshot

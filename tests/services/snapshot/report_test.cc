@@ -3,7 +3,7 @@
 
 #include "services/snapshot/snapshot.h"
 
-namespace sprout {
+namespace sprout::snapshot {
 namespace {
 
 using ::testing::ContainsRegex;
@@ -50,4 +50,4 @@ TEST(Report, TellsToFSeedsFromStereoSeeds) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::snapshot
