@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/quality/score.h"
 #include "services/evaluate/methods.h"
-#include "services/evaluate/score.h"
 #include "services/evaluate/seed_quality.h"
 #include "services/evaluate/sparsification.h"
 

@@ -10,8 +10,8 @@
 
 #include "common/core/frame.h"
 #include "common/quality/frame_quality.h"
+#include "common/quality/score.h"
 #include "services/datasets/dataset.h"
-#include "services/evaluate/score.h"
 
 namespace sprout::evaluate {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "common/config/config.h"
-#include "services/evaluate/score.h"
+#include "common/quality/score.h"
 
 namespace sprout::evaluate {
 namespace {

@@ -65,7 +65,11 @@ struct PicturesOptions {
   std::string frames;  ///< see ParseFrameRange(); empty: all
   std::string prefix;
 };
-int RunImages(const PicturesOptions& options);
+
+struct ImagesOptions : PicturesOptions {
+  std::string truth;  ///< the source that capture sent, for its ground truth; empty: none
+};
+int RunImages(const ImagesOptions& options);
 
 /// @pre `folder` is for the pictures of the worst frames; empty: none.
 struct RankOptions : PicturesOptions {
@@ -77,8 +81,9 @@ struct RankOptions : PicturesOptions {
 int RunRank(const RankOptions& options);
 
 struct ExportOptions : PicturesOptions {
-  bool ply = false;
-  bool pfm = false;
+  bool ply = false;   ///< point clouds
+  bool mesh = false;  ///< surfaces
+  bool pfm = false;   ///< maps
 };
 int RunExport(const ExportOptions& options);
 

@@ -172,7 +172,7 @@ void Ranking::WritePictures() const {
   for (const Row& row : std::span(rows_).first(CountShown(kShown))) worst.insert(row.key);
   FrameFileNames names(options_.folder);
   LogFrames frames(options_, AllParts(), [&](const Frame& frame) {
-    if (worst.contains({frame.id.utime, frame.id.seq})) WriteFramePictures(frame, names);
+    if (worst.contains({frame.id.utime, frame.id.seq})) WriteFramePictures(frame, {}, names);
   });
   frames.Read();
   std::cerr << fmt::format("{}: {} pictures of the {} worst frames\n", options_.folder.string(),

@@ -13,9 +13,9 @@
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/quality/score.h"
 #include "common/rig/rig_file.h"
 #include "services/calibrate/board.h"
-#include "services/evaluate/score.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/rig/fake_rig.h"
 #include "tests/rig/rig_scene.h"
@@ -65,7 +65,8 @@ class Newcomer : public testing::Test {
   std::string File(const std::string& name) const { return folder_ / name.c_str(); }
 
   // The cameras show these pictures from now on, one after the other.
-  void Show(const std::string& what, const std::vector<calibrate::RigImages>& pictures, double period_ms) {
+  void Show(const std::string& what, const std::vector<calibrate::RigImages>& pictures,
+            double period_ms) {
     std::vector<std::string> left, right, tof;
     for (size_t i = 0; i < pictures.size(); ++i) {
       const auto write = [&](const char* camera, const cv::Mat& image,
@@ -172,7 +173,7 @@ class Newcomer : public testing::Test {
     EXPECT_GE(std::ssize(run.maps), frames) << run.said;
     double sum = 0;
     for (const DisparityImage& map : run.maps) {
-      const Result<evaluate::Accuracy> accuracy = evaluate::Score(map, truth, mask);
+      const Result<Accuracy> accuracy = Score(map, truth, mask);
       EXPECT_TRUE(accuracy) << accuracy.error().text;
       if (!accuracy) continue;
       sum += accuracy->correct_le1_percent();

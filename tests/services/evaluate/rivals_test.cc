@@ -4,10 +4,10 @@
 #include <cstdlib>
 #include <map>
 
+#include "common/quality/score.h"
 #include "services/evaluate/methods.h"
 #include "services/evaluate/rivals/padded_pair.h"
 #include "services/evaluate/rivals/rival.h"
-#include "services/evaluate/score.h"
 
 namespace sprout::evaluate {
 namespace {

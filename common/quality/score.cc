@@ -1,4 +1,4 @@
-#include "services/evaluate/score.h"
+#include "common/quality/score.h"
 
 #include <algorithm>
 #include <cassert>
@@ -9,7 +9,7 @@
 
 #include "common/core/image.h"
 
-namespace sprout::evaluate {
+namespace sprout {
 namespace {
 
 constexpr double kMaxDisagreementPx = 1;
@@ -140,4 +140,4 @@ Result<Accuracy> Score(const DisparityImage& disparity, const cv::Mat1f& truth,
   return Score(ToPx(disparity), truth, mask);
 }
 
-}  // namespace sprout::evaluate
+}  // namespace sprout

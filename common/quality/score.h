@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_SCORE_H_
-#define SPROUT_SERVICES_EVALUATE_SCORE_H_
+#ifndef SPROUT_COMMON_QUALITY_SCORE_H_
+#define SPROUT_COMMON_QUALITY_SCORE_H_
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -7,7 +7,7 @@
 #include "common/core/disparity_image.h"
 #include "common/core/result.h"
 
-namespace sprout::evaluate {
+namespace sprout {
 
 // How a disparity map is scored against ground truth.
 //
@@ -93,6 +93,6 @@ Result<Accuracy> Score(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
 Result<Accuracy> Score(const DisparityImage& disparity, const cv::Mat1f& truth,
                        const cv::Mat1b& mask);
 
-}  // namespace sprout::evaluate
+}  // namespace sprout
 
-#endif  // SPROUT_SERVICES_EVALUATE_SCORE_H_
+#endif  // SPROUT_COMMON_QUALITY_SCORE_H_

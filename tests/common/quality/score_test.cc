@@ -1,11 +1,11 @@
-#include "services/evaluate/score.h"
+#include "common/quality/score.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-namespace sprout::evaluate {
+namespace sprout {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
@@ -233,4 +233,4 @@ TEST(NonOccludedMask, RefusesViewsOfDifferentSize) {
 }
 
 }  // namespace
-}  // namespace sprout::evaluate
+}  // namespace sprout
