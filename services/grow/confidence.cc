@@ -6,7 +6,7 @@
 #include "common/core/parallel.h"
 #include "services/grow/growth_rule.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 EdgePenalties EdgePenaltiesByDistance() {
@@ -62,4 +62,4 @@ void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparit
   disparity.counts().setTo(DisparityImage::kInvalid, confidence < least);
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

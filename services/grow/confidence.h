@@ -8,7 +8,7 @@
 #include "common/core/seed.h"
 #include "services/grow/confidence_kernel.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// How far a map's disparities can be trusted, from what goes wrong in practice: depth edges that
 /// are some pixels off, pixels that growth did not reach, windows that do not fit, and holes
@@ -57,6 +57,6 @@ class ConfidenceEstimator {
 /// @param least  0 (all stay) to 255. O(pixels).
 void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparity);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_CONFIDENCE_H_

@@ -12,7 +12,7 @@
 #include "services/grow/similarity-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::grow {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -452,11 +452,11 @@ void RateRowsOnTarget(const ConfidenceInput& input, const cv::Range& rows, cv::M
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::grow
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sprout {
+namespace sprout::grow {
 
 HWY_EXPORT(PenaliseEdgesOnTarget);
 HWY_EXPORT(PenaliseHolesOnTarget);
@@ -478,5 +478,5 @@ void RateRows(const ConfidenceInput& input, const cv::Range& rows, cv::Mat1b& co
   HWY_DYNAMIC_DISPATCH(RateRowsOnTarget)(input, rows, confidence);
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow
 #endif  // HWY_ONCE

@@ -10,7 +10,7 @@
 #include "common/core/disparity_image.h"
 
 // The terms of formula C1 (confidence.h) in vectors; the same bytes on every CPU.
-namespace sprout {
+namespace sprout::grow {
 
 /// Penalties are whole numbers of 2⁻¹⁶.
 inline constexpr int kFullPenalty = 1 << 16;
@@ -67,6 +67,6 @@ struct ConfidenceInput {
 /// Writes the rows of the confidence. O(pixels).
 void RateRows(const ConfidenceInput& input, const cv::Range& rows, cv::Mat1b& confidence);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_CONFIDENCE_KERNEL_H_

@@ -8,7 +8,7 @@
 #include "common/core/parallel.h"
 #include "services/grow/gap_medians.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // One pass over blocks of kFillColumns pixels of a row.
@@ -69,4 +69,4 @@ void GapFiller::FillFromWindows(const DisparityImage& map, bool until_stable) {
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

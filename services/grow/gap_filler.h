@@ -4,7 +4,7 @@
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// Gap filling (paper, III): a pixel without disparity takes the median of the valid ones in its
 /// 5×5 window (the lower one of two in the middle; the window ends at the image's border).
@@ -30,6 +30,6 @@ class GapFiller {
   cv::Mat1b is_gap_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_GAP_FILLER_H_

@@ -6,7 +6,7 @@
 #include "common/core/image.h"
 #include "services/grow/harris_seeds.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 PartSet GrowPlug::Inputs() const {
   PartSet inputs{Part::kLeft, Part::kRight};
@@ -69,4 +69,4 @@ Outcome GrowPlug::Finish(const Frame& frame, const Growth& growth) {
   return outcome;
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

@@ -9,7 +9,7 @@
 #include "services/grow/gap_filler.h"
 #include "services/grow/grower.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// LEFT RIGHT [SEEDS] [PRIOR] → DISPARITY [UNFILLED] [CONFIDENCE]: SEEDS when growth starts from
 /// ToF seeds, PRIOR when the similarity is EPC or gaps take its disparities, UNFILLED and
@@ -49,6 +49,6 @@ class GrowPlug : public Plug {
   ConfidenceEstimator confidence_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_GROW_PLUG_H_

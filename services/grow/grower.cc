@@ -8,7 +8,7 @@
 #include "common/core/parallel.h"
 #include "services/grow/plain_growth.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // Whole pixels; without those whose windows leave an image.
@@ -160,4 +160,4 @@ void Grower::GrowOpen(const GrowthKernel& kernel, const GrowthInput& input,
   for_each_open([&](size_t i) { kernel.write(rule_, input, bands_[i], map_); });
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

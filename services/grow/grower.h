@@ -15,7 +15,7 @@
 #include "services/grow/segments.h"
 #include "services/grow/sweep_band.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// Grows correspondences from seeds: for EPC with kernels for each instruction set, otherwise as
 /// plain_growth.h has it, which gives the same.
@@ -65,6 +65,6 @@ class Grower {
   DisparityImage map_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_GROWER_H_

@@ -11,7 +11,7 @@
 
 // The fast growth of open pixels for EPC. One-to-one matching couples the pixels of a row only, so
 // a band of rows has all it needs, and bands grow at the same time.
-namespace sprout {
+namespace sprout::grow {
 
 /// What growth touches of a left pixel, in one place.
 struct LeftPixel {
@@ -94,6 +94,6 @@ struct GrowthKernel {
 /// That of the instruction set in use (--simd); null when that has no vectors of 16 bytes.
 const GrowthKernel* FindGrowthKernel();
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_GROWTH_BAND_H_

@@ -5,7 +5,7 @@
 
 #include "services/grow/similarity-inl.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // Over a 5×5 window of the left image, wL, and one of the right image, wR.
@@ -77,4 +77,4 @@ int SubPixelStep(const GrowthRule& rule, const GrowthInput& input, const Corresp
   return std::min(static_cast<int>(std::lrint(step)), kMostStep);
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

@@ -6,7 +6,7 @@
 #include "services/grow/growth_rule.h"
 
 // What a correspondence costs, from scratch: what the kernels compute for many at once.
-namespace sprout {
+namespace sprout::grow {
 
 /// Costs of eq. (1), 1 − MNCC, and of eqs. (4) and (6), exponents, for a rule's similarity.
 /// @param q  of which both windows lie in the images. kExcludedCost where EPC finds no prior.
@@ -19,6 +19,6 @@ int32_t CostWhereItFits(const GrowthRule& rule, const GrowthInput& input, const 
 /// kMostStep; 0 where d has not the least of the three, or one is missing (S2).
 int SubPixelStep(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_PLAIN_COSTS_H_

@@ -8,7 +8,7 @@
 #include "services/grow/plain_costs.h"
 #include "services/grow/plain_sweep.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 class PlainGrowth {
@@ -179,4 +179,4 @@ DisparityImage GrowPlainly(const GrowthRule& rule, const GrowthInput& input,
   return PlainGrowth(rule, input).Run(seeds, SweepPlainly(rule, input, seeds));
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

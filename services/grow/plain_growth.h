@@ -5,7 +5,7 @@
 
 #include "services/grow/growth_rule.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// Growth with every similarity from scratch: what the fast growth for EPC must give pixel by
 /// pixel, and what runs for MNCC and EXPSSD. Pixels to which the prior leaves two disparities are
@@ -17,6 +17,6 @@ namespace sprout {
 DisparityImage GrowPlainly(const GrowthRule& rule, const GrowthInput& input,
                            std::span<const Correspondence> seeds);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_PLAIN_GROWTH_H_

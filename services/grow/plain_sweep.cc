@@ -8,7 +8,7 @@
 
 #include "services/grow/plain_costs.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 constexpr int kNone = -(1 << 14);  // px, where a pixel has no disparity
@@ -157,4 +157,4 @@ DisparityImage SweepPlainly(const GrowthRule& rule, const GrowthInput& input,
   return PlainSweep(rule, input).Run(seeds);
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

@@ -5,7 +5,7 @@
 
 #include "services/grow/growth_rule.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// Matches the pixels to which the prior leaves two candidates: the rule of the sweeps, step by
 /// step as the README numbers them. The fast sweep must give the same to the byte.
@@ -15,6 +15,6 @@ namespace sprout {
 DisparityImage SweepPlainly(const GrowthRule& rule, const GrowthInput& input,
                             std::span<const Correspondence> seeds);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_PLAIN_SWEEP_H_

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdlib>
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 bool AreLinked(int16_t one, int16_t other) {
@@ -254,4 +254,4 @@ void EraseUnreached(const SweepBand& band, DisparityImage& map) {
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

@@ -9,7 +9,7 @@
 #include "services/grow/sweep_band.h"
 
 // Steps 3 to 5 of the sweep: what seeds reach, by segments instead of pixels.
-namespace sprout {
+namespace sprout::grow {
 
 /// Seeds in the order of their rows.
 class SeedsByRow {
@@ -35,6 +35,6 @@ void LinkBands(const DisparityImage& map, std::span<SweepBand> bands);
 /// Steps 4 and 5 in the band's rows of the map.
 void EraseUnreached(const SweepBand& band, DisparityImage& map);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_SEGMENTS_H_

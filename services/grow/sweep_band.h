@@ -9,7 +9,7 @@
 
 // The fast sweep, steps as the README numbers them: 1 and 2 in vectors, row by row; 3 to 5 on
 // segments of rows, which are far fewer than pixels. Bands of rows are worked on at the same time.
-namespace sprout {
+namespace sprout::grow {
 
 /// A claim that lost its right pixel to another one.
 struct LostClaim {
@@ -61,6 +61,6 @@ struct SweepKernel {
 /// That of the instruction set in use (--simd); null when that has no vectors of 16 bytes.
 const SweepKernel* FindSweepKernel();
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_SWEEP_BAND_H_

@@ -17,7 +17,7 @@
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::grow {
 namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
@@ -255,15 +255,15 @@ const SweepKernel* SweepOnTarget() {
 #endif
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::grow
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sprout {
+namespace sprout::grow {
 
 HWY_EXPORT(SweepOnTarget);
 
 const SweepKernel* FindSweepKernel() { return HWY_DYNAMIC_DISPATCH(SweepOnTarget)(); }
 
-}  // namespace sprout
+}  // namespace sprout::grow
 #endif  // HWY_ONCE

@@ -7,7 +7,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::prior {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -58,11 +58,11 @@ double ColourTermOnTarget(const ColourSeeds& seeds, const ColourPixel& pixel) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::prior
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sprout {
+namespace sprout::prior {
 
 HWY_EXPORT(ColourTermOnTarget);
 
@@ -70,5 +70,5 @@ double ColourTerm(const ColourSeeds& seeds, const ColourPixel& pixel) {
   return HWY_DYNAMIC_DISPATCH(ColourTermOnTarget)(seeds, pixel);
 }
 
-}  // namespace sprout
+}  // namespace sprout::prior
 #endif  // HWY_ONCE

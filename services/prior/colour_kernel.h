@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-namespace sprout {
+namespace sprout::prior {
 
 /// The seeds around a triangle across a depth edge side by side, for vectors: planes, in counts
 /// instead of px, and the left image's colour there. Behind the last one come, up to a multiple of
@@ -31,6 +31,6 @@ struct ColourPixel {
 /// same on every CPU.
 double ColourTerm(const ColourSeeds& seeds, const ColourPixel& pixel);
 
-}  // namespace sprout
+}  // namespace sprout::prior
 
 #endif  // SPROUT_SERVICES_PRIOR_COLOUR_KERNEL_H_

@@ -6,7 +6,7 @@
 #include "common/core/parallel.h"
 #include "services/prior/paint_kernel.h"
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 // Gives the pixels of a row that have no disparity that of the nearest one that has.
@@ -66,4 +66,4 @@ Result<void> Interpolate(std::span<const Plane> planes, std::span<const SeedTria
   return {};
 }
 
-}  // namespace sprout
+}  // namespace sprout::prior

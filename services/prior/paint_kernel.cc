@@ -11,7 +11,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::prior {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -198,11 +198,11 @@ void PaintOnTarget(std::span<const Plane> planes, std::span<const SeedTriangle> 
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::prior
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sprout {
+namespace sprout::prior {
 
 HWY_EXPORT(PaintOnTarget);
 
@@ -211,5 +211,5 @@ void PaintTriangles(std::span<const Plane> planes, std::span<const SeedTriangle>
   HWY_DYNAMIC_DISPATCH(PaintOnTarget)(planes, triangles, edge_px, rows, map);
 }
 
-}  // namespace sprout
+}  // namespace sprout::prior
 #endif  // HWY_ONCE

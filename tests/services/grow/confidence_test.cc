@@ -12,7 +12,7 @@
 #include "tests/services/grow/instruction_sets.h"
 #include "tests/services/grow/plain_confidence.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 constexpr double kSigmaSSquared = 0.1;
@@ -164,4 +164,4 @@ TEST(Confidence, GivesTheBytesOfThePlainOneWithEveryInstructionSetAndNumberOfThr
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

@@ -19,7 +19,7 @@
 #include "tests/services/grow/grow_scenes.h"
 #include "tests/services/grow/instruction_sets.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // Both ways to grow. @returns what the fast one gives.
@@ -238,4 +238,4 @@ TEST(Grower, GivesTheSameBytesWithEveryInstructionSetAndNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

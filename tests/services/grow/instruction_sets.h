@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace sprout {
+namespace sprout::grow {
 
 /// Calls run(name) with every instruction set that this CPU has, and with none.
 template <typename Run>
@@ -23,6 +23,6 @@ void ForEachInstructionSet(const Run& run) {
   hwy::GetChosenTarget().DeInit();
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_TESTS_SERVICES_GROW_INSTRUCTION_SETS_H_

@@ -9,7 +9,7 @@
 #include "services/grow/confidence_kernel.h"
 #include "services/grow/similarity-inl.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 constexpr double kEdgeRangePx = 8;
@@ -134,4 +134,4 @@ cv::Mat1b PlainConfidence(const cv::Mat1b& left, const cv::Mat1b& right,
   return confidence;
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

@@ -8,7 +8,7 @@
 #include "tests/common/core/even_prior.h"
 #include "tests/services/grow/grow_scenes.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // Everything fits everywhere, so that costs are the distances from the prior alone, which is empty
@@ -117,4 +117,4 @@ TEST_F(Sweep, TakesTheLowerOneOfTwoEqualCandidates) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

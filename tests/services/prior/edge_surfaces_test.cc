@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 using testing::UnorderedElementsAre;
@@ -215,4 +215,4 @@ TEST(EdgeLabels, ForgetTheFrameBefore) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::prior
