@@ -148,10 +148,14 @@ class Paint {
       const auto held = hn::Min(hn::Max(plane, hn::Set(d, low_)), hn::Set(d, high_));
       const auto whole = hn::ConvertTo(d32, hn::Add(held, hn::Set(d, 0.5F)));
       const auto values = hn::DemoteTo(d16, whole);
-      if (u + kLanes <= width_) {  // behind it lie pixels of the row
+      if (u + kLanes <= width_) {  // behind the run lie pixels of the row, which stay
         const auto count = static_cast<size_t>(std::min(end - u, kLanes));
-        hn::BlendedStore(values, hn::FirstN(d16, count), d16, counts + u);
-        hn::BlendedStore(hn::Set(d8, sigma_), hn::FirstN(d8, count), d8, sigmas + u);
+        const auto blend = [count](auto value, auto d_narrow, auto* row) HWY_ATTR {
+          const auto mask = hn::FirstN(d_narrow, count);
+          hn::StoreU(hn::IfThenElse(mask, value, hn::LoadU(d_narrow, row)), d_narrow, row);
+        };
+        blend(values, d16, counts + u);
+        blend(hn::Set(d8, sigma_), d8, sigmas + u);
       } else {
         int16_t run[kLanes];
         hn::StoreU(values, d16, run);
