@@ -4,8 +4,6 @@
 #include <utility>
 
 #include "common/core/image.h"
-#include "services/finish/confidence.h"
-#include "services/finish/gap_filler.h"
 #include "services/grow/harris_seeds.h"
 
 namespace sprout::grow {
@@ -32,37 +30,36 @@ GrowPlug::Growth GrowPlug::Grow(const Frame& frame) {
   const PriorMap prior = frame.prior.value_or(PriorMap());
   Growth growth;
   growth.seeds = SeedsOf(frame, left, right);
-  growth.map = DisparityImage(left.size());
   Result<DisparityImage> grown = grower_.Compute(left, right, growth.seeds, prior);
   if (!grown) {
     growth.refused = true;
+    growth.map = DisparityImage(left.size());
     growth.degenerate = grown.error().text;
     return growth;
   }
   growth.map = std::move(*grown);
   if (growth.seeds.empty()) {
     growth.degenerate = "no seeds to grow from";
-  } else if (frame.prior && prior.disparity.CountValid() == 0) {
+  } else if (frame.prior && !prior.disparity.AnyValid()) {
     growth.degenerate = "the prior is empty";
-  } else if (growth.map.CountValid() == 0) {
+  } else if (!growth.map.AnyValid()) {
     growth.degenerate = "nothing grew from " + std::to_string(growth.seeds.size()) + " seeds";
   }
   return growth;
 }
 
-Outcome GrowPlug::Finish(const Frame& frame, const Growth& growth) const {
+Outcome GrowPlug::Finish(const Frame& frame, const Growth& growth) {
   Outcome outcome{.outputs = {}, .degenerate = growth.degenerate};
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, growth.map});
   // Images that do not fit together say nothing about the prior either.
   const auto fill = growth.refused ? GrowConfig::NONE : config_.fill();
   DisparityImage filled =
-      FillGaps(growth.map, fill, frame.prior ? frame.prior->disparity : DisparityImage());
-  cv::Mat1b confidence(filled.size(), uint8_t{0});
+      gap_filler_.Fill(growth.map, fill, frame.prior ? frame.prior->disparity : DisparityImage());
+  cv::Mat1b confidence;
   if (config_.publish_confidence() || config_.min_confidence() > 0) {
-    if (!growth.refused) {
-      confidence = Confidence(ToGrey(frame.left), ToGrey(frame.right), growth.seeds, growth.map,
-                              filled, config_.sigma_s_squared());
-    }
+    confidence = growth.refused ? cv::Mat1b(filled.size(), uint8_t{0})
+                                : confidence_.Compute(ToGrey(frame.left), ToGrey(frame.right),
+                                                      growth.seeds, growth.map, filled);
     DropUnsure(confidence, config_.min_confidence(), filled);
   }
   outcome.outputs.push_back({Part::kDisparity, filled});

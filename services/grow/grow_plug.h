@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "common/core/plug.h"
+#include "services/grow/confidence.h"
+#include "services/grow/gap_filler.h"
 #include "services/grow/grower.h"
 
 namespace sprout::grow {
@@ -14,7 +16,8 @@ namespace sprout::grow {
 /// CONFIDENCE when the configuration asks for them.
 class GrowPlug : public Plug {
  public:
-  explicit GrowPlug(const GrowConfig& config) : config_(config), grower_(config) {}
+  explicit GrowPlug(const GrowConfig& config)
+      : config_(config), grower_(config), confidence_(config.sigma_s_squared()) {}
 
   PartSet Inputs() const override;
 
@@ -34,7 +37,7 @@ class GrowPlug : public Plug {
 
   /// Fills the gaps, and takes away what the confidence says is not sure.
   /// @param growth  of this frame.
-  Outcome Finish(const Frame& frame, const Growth& growth) const;
+  Outcome Finish(const Frame& frame, const Growth& growth);
 
  private:
   std::vector<Seed> SeedsOf(const Frame& frame, const cv::Mat1b& left,
@@ -42,6 +45,8 @@ class GrowPlug : public Plug {
 
   GrowConfig config_;
   Grower grower_;
+  GapFiller gap_filler_;
+  ConfidenceEstimator confidence_;
 };
 
 }  // namespace sprout::grow

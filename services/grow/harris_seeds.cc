@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "services/grow/plain_growth.h"
+#include "services/grow/plain_costs.h"
 
 namespace sprout::grow {
 namespace {

@@ -1,7 +1,6 @@
 // The fast growth for EPC against the plain one, on every instruction set and with any number of
 // threads.
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -18,11 +17,12 @@
 #include "services/grow/plain_growth.h"
 #include "tests/common/core/even_prior.h"
 #include "tests/services/grow/grow_scenes.h"
+#include "tests/services/grow/instruction_sets.h"
 
 namespace sprout::grow {
 namespace {
 
-// Both ways of Alg. 1. @returns what the fast one gives.
+// Both ways to grow. @returns what the fast one gives.
 DisparityImage ExpectFastEqualsPlain(const GrowConfig& config, const cv::Mat1b& left,
                                      const cv::Mat1b& right, const std::vector<Seed>& seeds,
                                      const PriorMap& prior) {
@@ -207,13 +207,6 @@ TEST(Grower, GivesThePixelsOfPlainGrowthOnAloe) {
   EXPECT_GT(fast.CountValid(), left.size().area() / 2);
 }
 
-// Every instruction set that this CPU has, and none.
-std::vector<int64_t> InstructionSets() {
-  std::vector<int64_t> sets = {HWY_SCALAR};
-  for (int64_t all = hwy::SupportedTargets(); all != 0; all &= all - 1) sets.push_back(all & -all);
-  return sets;
-}
-
 TEST(Grower, GivesTheSameBytesWithEveryInstructionSetAndNumberOfThreads) {
   const cv::Size size(131, 330);
   const TwoSurfaces scene(size, 3, 5);
@@ -231,19 +224,15 @@ TEST(Grower, GivesTheSameBytesWithEveryInstructionSetAndNumberOfThreads) {
     const auto expected =
         Grower(config).Compute(scene.left, scene.right, seeds, EvenPrior(scene.prior, 1));
     ASSERT_GT(expected->CountValid(), 1000);
-    for (const int64_t set : InstructionSets()) {
+    ForEachInstructionSet([&](const std::string& name) {
       for (const int threads : {1, 2, 3, 8}) {
-        SCOPED_TRACE(std::string(hwy::TargetName(set)) + ", threads: " + std::to_string(threads));
-        hwy::SetSupportedTargetsForTest(set);
-        hwy::GetChosenTarget().DeInit();  // chosen anew at the next call
+        SCOPED_TRACE(name + ", threads: " + std::to_string(threads));
         cv::setNumThreads(threads);
         Grower grower(config);
         ExpectSame(*grower.Compute(scene.left, scene.right, seeds, EvenPrior(scene.prior, 1)),
                    *expected);
       }
-    }
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().DeInit();
+    });
     cv::setNumThreads(-1);
   }
 }

@@ -1,11 +1,16 @@
-#include "services/finish/confidence.h"
+#include "services/grow/confidence.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 #include <span>
+#include <string>
 #include <vector>
+
+#include "tests/services/grow/grow_scenes.h"
+#include "tests/services/grow/instruction_sets.h"
+#include "tests/services/grow/plain_confidence.h"
 
 namespace sprout::grow {
 namespace {
@@ -48,7 +53,7 @@ struct TwoSurfaces {
     }
   }
   cv::Mat1b Judge(const DisparityImage& grown, std::span<const Seed> seeds = Grid()) const {
-    return Confidence(left, right, seeds, grown, map, kSigmaSSquared);
+    return ConfidenceEstimator(kSigmaSSquared).Compute(left, right, seeds, grown, map);
   }
 };
 
@@ -108,7 +113,54 @@ TEST(Confidence, IsNothingWithoutADisparity) {
 TEST(Confidence, TakesBlackImages) {
   const cv::Mat1b black(kSize, uint8_t{0});
   const DisparityImage map(cv::Mat1s(kSize, ToCounts(2)));
-  EXPECT_EQ(Confidence(black, black, Grid(), map, map, kSigmaSSquared)(30, 40), 255);
+  const cv::Mat1b confidence =
+      ConfidenceEstimator(kSigmaSSquared).Compute(black, black, Grid(), map, map);
+  EXPECT_EQ(confidence(30, 40), 255);
+}
+
+// Surfaces with edges and gaps, some of their disparities out of the image or below zero.
+DisparityImage Patches(cv::Size size, cv::RNG& random) {
+  DisparityImage map(size);
+  map.counts() = static_cast<int16_t>(random.uniform(-100, 600));
+  for (int i = 0; i < 12; ++i) {
+    const cv::Rect patch(random.uniform(0, size.width), random.uniform(0, size.height),
+                         random.uniform(1, 60), random.uniform(1, 40));
+    map.counts()(patch & cv::Rect({}, size)) = static_cast<int16_t>(random.uniform(-3000, 3000));
+  }
+  for (int i = 0; i < size.area() / 20; ++i) {
+    map.counts()(random.uniform(0, size.height), random.uniform(0, size.width)) =
+        random.uniform(0, 3) == 0 ? DisparityImage::kInvalid
+                                  : static_cast<int16_t>(random.uniform(-200, 2000));
+  }
+  return map;
+}
+
+TEST(Confidence, GivesTheBytesOfThePlainOneWithEveryInstructionSetAndNumberOfThreads) {
+  cv::RNG random(5);
+  for (const cv::Size size :
+       {cv::Size(5, 5), {37, 9}, {131, 70}, {64, 203}, {250, 32}, {33, 33}, {200, 129}}) {
+    const cv::Mat1b left = Noise(size, 1, 256);
+    const cv::Mat1b right = Noise(size, 2, 256);
+    const DisparityImage filled = Patches(size, random);
+    const DisparityImage grown = Patches(size, random);
+    for (const int count : {0, 1, 40}) {
+      const std::vector<Seed> seeds = RandomSeeds(size, count, 9, 3);
+      const cv::Mat1b plain = PlainConfidence(left, right, seeds, grown, filled, kSigmaSSquared);
+      ForEachInstructionSet([&](const std::string& name) {
+        for (const int threads : {1, 2, 8}) {
+          cv::setNumThreads(threads);
+          ConfidenceEstimator fast(kSigmaSSquared);
+          for (const char* run : {"first", "second"}) {
+            const cv::Mat1b confidence = fast.Compute(left, right, seeds, grown, filled);
+            EXPECT_EQ(cv::countNonZero(confidence != plain), 0)
+                << name << ", threads " << threads << ", " << size << ", seeds " << count << ", "
+                << run;
+          }
+        }
+      });
+      cv::setNumThreads(-1);
+    }
+  }
 }
 
 }  // namespace

@@ -1,17 +1,17 @@
 // Compiled by Highway once for each instruction set; one of them is picked when the program runs.
-#include "services/finish/gap_medians.h"
+#include "services/grow/gap_medians.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "services/finish/gap_medians.cc"
+#define HWY_TARGET_INCLUDE "services/grow/gap_medians.cc"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#ifndef SPROUT_SERVICES_FINISH_GAP_MEDIANS_SHARED_
-#define SPROUT_SERVICES_FINISH_GAP_MEDIANS_SHARED_
+#ifndef SPROUT_SERVICES_GROW_GAP_MEDIANS_SHARED_
+#define SPROUT_SERVICES_GROW_GAP_MEDIANS_SHARED_
 namespace sprout::grow {
 namespace {
 

@@ -1,4 +1,4 @@
-#include "services/finish/confidence.h"
+#include "tests/services/grow/plain_confidence.h"
 
 #include <algorithm>
 #include <array>
@@ -6,22 +6,13 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/core/parallel.h"
+#include "services/grow/confidence_kernel.h"
 #include "services/grow/similarity-inl.h"
 
 namespace sprout::grow {
 namespace {
 
-// The numbers of formula C1, whole ones in 2⁻¹⁶, so that bytes are the same on every machine.
-constexpr int kOne = 1 << 16;
-constexpr int kEdgeWeight = kOne * 45 / 100;
-constexpr int kGapWeight = kOne * 15 / 100;
-constexpr int kPhotoWeight = kOne * 15 / 100;
-constexpr int kHoleWeight = kOne * 25 / 100;
-constexpr double kEdgeRangePx = 8;       // a prior's edges are a few pixels off
-constexpr double kLargestExponent = 5;   // exp(−5) < 0.01: no similarity
-constexpr int kGapWindow = 9;            // as far as a gap's 5×5 median looks, and as far again
-constexpr float kUsualSpacings = 0.75F;  // to the next seed
-constexpr int kPhotoWindow = 5;          // as growth's
+constexpr double kEdgeRangePx = 8;
 
 // The left image as the disparities make it from the right one; black where they leave it.
 cv::Mat1b Warp(const cv::Mat1b& right, const DisparityImage& map) {
@@ -30,7 +21,7 @@ cv::Mat1b Warp(const cv::Mat1b& right, const DisparityImage& map) {
   for (int v = 0; v < map.height(); ++v) {
     const int16_t* counts = map.counts()[v];
     for (int u = 0; u < map.width(); ++u) {
-      const int u_right = u - (counts[u] + kCounts / 2) / kCounts;
+      const int u_right = u - std::min(counts[u] + kCounts / 2, INT16_MAX) / kCounts;
       const bool inside =
           counts[u] != DisparityImage::kInvalid && u_right >= 0 && u_right < right.cols;
       warped(v, u) = inside ? right(v, u_right) : uint8_t{0};
@@ -103,9 +94,9 @@ cv::Mat1i CountGaps(const DisparityImage& grown) {
 
 }  // namespace
 
-cv::Mat1b Confidence(const cv::Mat1b& left, const cv::Mat1b& right, std::span<const Seed> seeds,
-                     const DisparityImage& grown, const DisparityImage& filled,
-                     double sigma_s_squared) {
+cv::Mat1b PlainConfidence(const cv::Mat1b& left, const cv::Mat1b& right,
+                          std::span<const Seed> seeds, const DisparityImage& grown,
+                          const DisparityImage& filled, double sigma_s_squared) {
   static const EdgePenalty edge_penalty;
   cv::Mat1f edge_px, seed_spacings;
   cv::Mat1i gaps, difference, energy;
@@ -127,23 +118,20 @@ cv::Mat1b Confidence(const cv::Mat1b& left, const cv::Mat1b& right, std::span<co
     const int v = static_cast<int>(row);
     for (int u = 0; u < filled.width(); ++u) {
       if (!filled.IsValid(u, v)) continue;
-      const double exponent = HWY_NAMESPACE::PhotoCost<double>(
-          difference(v, u), std::max(energy(v, u), 1), 1 / sigma_s_squared);
+      const float exponent = HWY_NAMESPACE::PhotoCost(static_cast<float>(difference(v, u)),
+                                                      static_cast<float>(std::max(energy(v, u), 1)),
+                                                      static_cast<float>(1 / sigma_s_squared));
+      const float photo =
+          std::min(exponent * (kPhotoWeight / kLargestExponent), float{kPhotoWeight});
       const float hole = std::clamp(seed_spacings(v, u) - kUsualSpacings, 0.F, 1.F);
-      const int penalty =
-          edge_penalty.At(edge_px(v, u)) + static_cast<int>(kHoleWeight * hole) +
-          kGapWeight * gaps(v, u) / (kGapWindow * kGapWindow) +
-          static_cast<int>(kPhotoWeight * std::min(exponent / kLargestExponent, 1.0));
-      confidence(v, u) = static_cast<uint8_t>((255 * (kOne - penalty) + kOne / 2) / kOne);
+      const int penalty = edge_penalty.At(edge_px(v, u)) + static_cast<int>(kHoleWeight * hole) +
+                          kGapWeight * gaps(v, u) / (kGapWindow * kGapWindow) +
+                          static_cast<int>(photo);
+      confidence(v, u) =
+          static_cast<uint8_t>((255 * (kFullPenalty - penalty) + kFullPenalty / 2) / kFullPenalty);
     }
   });
   return confidence;
-}
-
-void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparity) {
-  if (least == 0) return;
-  disparity = DisparityImage(cv::Mat1s(disparity.counts().clone()));  // others may hold the pixels
-  disparity.counts().setTo(DisparityImage::kInvalid, confidence < least);
 }
 
 }  // namespace sprout::grow

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_FINISH_GAP_MEDIANS_H_
-#define SPROUT_SERVICES_FINISH_GAP_MEDIANS_H_
+#ifndef SPROUT_SERVICES_GROW_GAP_MEDIANS_H_
+#define SPROUT_SERVICES_GROW_GAP_MEDIANS_H_
 
 #include <array>
 #include <cstdint>
@@ -23,4 +23,4 @@ bool FillPixels(const DisparityImage& map, int v, int u, FilledPixels& filled);
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_FINISH_GAP_MEDIANS_H_
+#endif  // SPROUT_SERVICES_GROW_GAP_MEDIANS_H_

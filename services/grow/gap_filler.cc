@@ -1,4 +1,4 @@
-#include "services/finish/gap_filler.h"
+#include "services/grow/gap_filler.h"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
@@ -6,7 +6,7 @@
 
 #include "common/core/median.h"
 #include "common/core/parallel.h"
-#include "services/finish/gap_medians.h"
+#include "services/grow/gap_medians.h"
 
 namespace sprout::grow {
 namespace {
@@ -29,37 +29,44 @@ cv::Mat1b FillPass(const DisparityImage& from, const cv::Mat1b& active, Disparit
   return changed;
 }
 
-DisparityImage FillFromPrior(const DisparityImage& map, const DisparityImage& prior) {
-  cv::Mat1s without_gaps = map.counts();
-  if (prior.size() == map.size()) {
-    without_gaps = map.counts().clone();
-    prior.counts().copyTo(without_gaps, map.counts() == DisparityImage::kInvalid);
-  }
-  DisparityImage filled{cv::Mat1s(map.size())};
-  MedianFilter().Apply(without_gaps, filled.counts());
-  return filled;
-}
-
 }  // namespace
 
-DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill,
-                        const DisparityImage& prior) {
+DisparityImage GapFiller::Fill(const DisparityImage& map, GrowConfig::Fill fill,
+                               const DisparityImage& prior) {
   if (fill == GrowConfig::NONE || map.empty()) return map;
-  if (fill == GrowConfig::PRIOR) return FillFromPrior(map, prior);
+  Renew(filled_, map.size());
+  if (fill == GrowConfig::PRIOR) {
+    FillFromPrior(map, prior);
+  } else {
+    FillFromWindows(map, fill == GrowConfig::UNTIL_STABLE);
+  }
+  return filled_;
+}
+
+void GapFiller::FillFromPrior(const DisparityImage& map, const DisparityImage& prior) {
+  const bool has_prior = prior.size() == map.size();
+  if (has_prior) {
+    map.counts().copyTo(other_.counts());
+    cv::compare(map.counts(), DisparityImage::kInvalid, is_gap_, cv::CMP_EQ);
+    prior.counts().copyTo(other_.counts(), is_gap_);
+  }
+  MedianFilter().Apply(has_prior ? other_.counts() : map.counts(), filled_.counts());
+}
+
+void GapFiller::FillFromWindows(const DisparityImage& map, bool until_stable) {
   const int across = (map.width() + kFillColumns - 1) / kFillColumns;
   cv::Mat1b active(map.height(), across, uint8_t{1});
-  DisparityImage filled{cv::Mat1s(map.size())};
-  cv::Mat1b changed = FillPass(map, active, filled);
-  if (fill == GrowConfig::ONE_PASS) return filled;
+  cv::Mat1b changed = FillPass(map, active, filled_);
+  if (!until_stable) return;
   // Two maps in turn, which differ in the blocks of the last pass only: these are active again.
-  DisparityImage other(filled.counts().clone());
+  Renew(other_, map.size());
+  filled_.counts().copyTo(other_.counts());
   const cv::Mat1b sees_a_block(5, 3, uint8_t{1});  // a window has two rows above and below
   while (cv::countNonZero(changed) > 0) {
     cv::dilate(changed, active, sees_a_block);
-    std::swap(filled, other);
-    changed = FillPass(other, active, filled);
+    std::swap(filled_, other_);
+    changed = FillPass(other_, active, filled_);
   }
-  return filled;
 }
 
 }  // namespace sprout::grow
