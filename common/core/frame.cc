@@ -48,6 +48,19 @@ void SetPart(Frame& frame, Part part, PartValue value) {
       RowOf(part).member);
 }
 
+PartValue GetPart(const Frame& frame, Part part) {
+  return std::visit(
+      [&](auto member) -> PartValue {
+        using Member = std::remove_cvref_t<decltype(frame.*member)>;
+        if constexpr (std::is_same_v<Member, cv::Mat>) {
+          return frame.*member;
+        } else {
+          return (frame.*member).value();
+        }
+      },
+      RowOf(part).member);
+}
+
 size_t BytesOf(const Frame& frame) {
   size_t bytes = 0;
   for (const PartRow& row : kPartTable) {

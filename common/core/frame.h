@@ -128,6 +128,10 @@ inline PartSet AllParts() {
 /// @pre the alternative in `value` is the one of `part`.
 void SetPart(Frame& frame, Part part, PartValue value);
 
+/// The part of a frame, as SetPart() takes it; images share their pixels.
+/// @pre the frame has it.
+PartValue GetPart(const Frame& frame, Part part);
+
 /// Memory that the parts of a frame take, bytes. O(1).
 size_t BytesOf(const Frame& frame);
 

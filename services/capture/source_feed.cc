@@ -34,7 +34,7 @@ class SourceFeed : public CaptureFeed {
     newest_.utime = std::max(frame->utime.value_or(NowUtime()), newest_.utime + 1);
     ++newest_.seq;
     if (!config_.left_in_colour()) frame->left = ToGrey(frame->left);
-    if (!config_.right_in_colour()) frame->right = ToGrey(frame->right);
+    frame->right = ToGrey(frame->right);
     return Encoded(newest_, *frame);
   }
 

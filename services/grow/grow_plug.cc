@@ -4,32 +4,15 @@
 #include <utility>
 
 #include "common/core/image.h"
-#include "services/grow/harris_seeds.h"
 
 namespace sprout::grow {
-
-PartSet GrowPlug::Inputs() const {
-  PartSet inputs{Part::kLeft, Part::kRight};
-  if (config_.seeds() == GrowConfig::TOF) inputs.Add(Part::kSeeds);
-  if (config_.similarity() == GrowConfig::EPC || config_.fill() == GrowConfig::PRIOR) {
-    inputs.Add(Part::kPrior);
-  }
-  return inputs;
-}
-
-std::vector<Seed> GrowPlug::SeedsOf(const Frame& frame, const cv::Mat1b& left,
-                                    const cv::Mat1b& right) const {
-  if (config_.seeds() == GrowConfig::TOF) return frame.seeds->seeds;
-  if (left.size() != right.size()) return {};  // the grower says what is wrong
-  return MatchHarrisCorners(left, right, config_.harris());
-}
 
 GrowPlug::Growth GrowPlug::Grow(const Frame& frame) {
   const cv::Mat1b left = ToGrey(frame.left);
   const cv::Mat1b right = ToGrey(frame.right);
   const PriorMap prior = frame.prior.value_or(PriorMap());
   Growth growth;
-  growth.seeds = SeedsOf(frame, left, right);
+  growth.seeds = frame.seeds->seeds;
   Result<DisparityImage> grown = grower_.Compute(left, right, growth.seeds, prior);
   if (!grown) {
     growth.refused = true;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/config/stage_parts.h"
 #include "common/core/plug.h"
 #include "services/grow/confidence.h"
 #include "services/grow/gap_filler.h"
@@ -11,15 +12,14 @@
 
 namespace sprout::grow {
 
-/// LEFT RIGHT [SEEDS] [PRIOR] → DISPARITY [UNFILLED] [CONFIDENCE]: SEEDS when growth starts from
-/// ToF seeds, PRIOR when the similarity is EPC or gaps take its disparities, UNFILLED and
-/// CONFIDENCE when the configuration asks for them.
+/// LEFT RIGHT SEEDS [PRIOR] → DISPARITY [UNFILLED] [CONFIDENCE]: PRIOR when the similarity is EPC
+/// or gaps take its disparities, UNFILLED and CONFIDENCE when the configuration asks for them.
 class GrowPlug : public Plug {
  public:
   explicit GrowPlug(const GrowConfig& config)
       : config_(config), grower_(config), confidence_(config.sigma_s_squared()) {}
 
-  PartSet Inputs() const override;
+  PartSet Inputs() const override { return InputsOf(config_); }
 
   /// Grow() and Finish(). Always answers; when nothing can grow the map is what gap filling makes
   /// of nothing (the prior, or no disparity), and the outcome says why. Images that do not fit
@@ -40,9 +40,6 @@ class GrowPlug : public Plug {
   Outcome Finish(const Frame& frame, const Growth& growth);
 
  private:
-  std::vector<Seed> SeedsOf(const Frame& frame, const cv::Mat1b& left,
-                            const cv::Mat1b& right) const;
-
   GrowConfig config_;
   Grower grower_;
   GapFiller gap_filler_;

@@ -6,13 +6,6 @@
 
 namespace sprout::prior {
 
-PartSet PriorPlug::Inputs() const {
-  PartSet inputs{Part::kSeeds, Part::kRig, Part::kLeft};
-  if (estimator_.uses_left_seeds()) inputs.Add(Part::kLeftSeeds);
-  if (estimator_.uses_images()) inputs.Add(Part::kRight);
-  return inputs;
-}
-
 std::span<const Seed> PriorPlug::SeedsOf(const Frame& frame) {
   if (!estimator_.uses_left_seeds()) return frame.seeds->seeds;
   Join(frame.seeds->seeds, frame.left_seeds->seeds, seeds_);

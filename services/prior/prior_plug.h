@@ -4,20 +4,20 @@
 #include <span>
 #include <vector>
 
+#include "common/config/stage_parts.h"
 #include "common/core/plug.h"
 #include "services/prior/prior_estimator.h"
 
 namespace sprout::prior {
 
 /// SEEDS LEFT RIG → PRIOR, with LEFT_SEEDS if the configuration says so, and RIGHT for the method
-/// that looks at images. LEFT is joined by the other method, too: an answer has the pixels of an
-/// image that came, never as many as the few bytes of a calibration claim.
+/// that looks at images.
 class PriorPlug : public Plug {
  public:
   /// @throws ConfigError for a value out of range.
-  explicit PriorPlug(const PriorConfig& config) : estimator_(config) {}
+  explicit PriorPlug(const PriorConfig& config) : inputs_(InputsOf(config)), estimator_(config) {}
 
-  PartSet Inputs() const override;
+  PartSet Inputs() const override { return inputs_; }
 
   /// Always answers, with a map of the size of LEFT; seeds that span no triangle, or images of
   /// another size than the calibrated one, give one without any disparity, and the outcome says
@@ -28,6 +28,7 @@ class PriorPlug : public Plug {
   std::span<const Seed> SeedsOf(const Frame& frame);
   Result<PriorMap> Estimate(const Frame& frame);
 
+  PartSet inputs_;
   PriorEstimator estimator_;
   std::vector<Seed> seeds_;  // memory
 };

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "common/config/stage_parts.h"
 #include "common/core/plug.h"
 #include "services/refine/refiner.h"
 
@@ -18,7 +19,7 @@ class RefinePlug : public Plug {
         aligns_tof_(config.align_tof()),
         check_tof_every_(config.check_tof_every()) {}
 
-  PartSet Inputs() const override { return {Part::kLeft, Part::kRight, Part::kTof, Part::kRig}; }
+  PartSet Inputs() const override { return InputsOf(RefineConfig()); }
 
   /// Always answers; without a usable point, and where stereo finds nothing either, both are empty
   /// and the outcome says why.

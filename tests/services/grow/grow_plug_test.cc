@@ -37,8 +37,6 @@ TEST(GrowPlug, AsksForWhatItsConfigurationNeeds) {
             (PartSet{Part::kLeft, Part::kRight, Part::kSeeds, Part::kPrior}));
   config.set_fill(GrowConfig::NONE);
   EXPECT_EQ(GrowPlug(config).Inputs(), (PartSet{Part::kLeft, Part::kRight, Part::kSeeds}));
-  config.set_seeds(GrowConfig::HARRIS);
-  EXPECT_EQ(GrowPlug(config).Inputs(), (PartSet{Part::kLeft, Part::kRight}));
 }
 
 TEST(GrowPlug, AnswersWithAFilledMap) {
@@ -127,12 +125,10 @@ TEST(GrowPlug, GoesOnAfterADegenerateFrame) {
             0);
 }
 
-TEST(GrowPlug, HarrisSeedsSurviveImagesOfTwoSizes) {
-  GrowConfig config;
-  config.set_seeds(GrowConfig::HARRIS);
+TEST(GrowPlug, SaysWhenTheImagesHaveTwoSizes) {
   Frame frame = FlatFrame({40, 30});
   frame.right = cv::Mat(8, 8, CV_8UC1, cv::Scalar(0));
-  EXPECT_THAT(GrowPlug(config).Process(frame).degenerate, HasSubstr("two of one size"));
+  EXPECT_THAT(GrowPlug(GrowConfig()).Process(frame).degenerate, HasSubstr("two of one size"));
 }
 
 }  // namespace

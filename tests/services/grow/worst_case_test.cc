@@ -25,7 +25,7 @@ TEST_P(WorstGrowth, TakesATimeInProportionToSeedsAndPixels) {
   const cv::Size size(640, 480);
   const bool noisy = GetParam() == Texture::kNoise;
   GrowConfig config;
-  config.set_fill(GrowConfig::UNTIL_STABLE);  // the longest one
+  config.set_fill(GrowConfig::ONE_PASS);  // the longest one
   config.set_publish_confidence(true);
   Frame frame;
   frame.left = noisy ? Noise(size, 1, 256) : cv::Mat1b(size, uint8_t{100});

@@ -1,4 +1,4 @@
-#include "services/grow/harris_seeds.h"
+#include "services/evaluate/rivals/harris_seeds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,18 +6,18 @@
 
 #include "services/grow/plain_costs.h"
 
-namespace sprout::grow {
+namespace sprout::evaluate {
 namespace {
 
 constexpr int kRowTolerance = 1;  // px: the detector rounds the rows of both corners
 
 // Corners whose window lies in the image, strongest first.
-std::vector<cv::Point> HarrisCorners(const cv::Mat1b& image, const HarrisConfig& config) {
+std::vector<cv::Point> HarrisCorners(const cv::Mat1b& image, const HarrisSettings& settings) {
   constexpr double kMinDistance = kWindowRadius + 1;  // px: windows differ by half at least
   constexpr int kBlockSize = 3;                       // OpenCV's default
   constexpr double kHarrisK = 0.04;                   // Harris and Stephens (1988), and everybody
   std::vector<cv::Point2f> positions;
-  cv::goodFeaturesToTrack(image, positions, config.max_corners(), config.min_relative_response(),
+  cv::goodFeaturesToTrack(image, positions, settings.max_corners, settings.min_relative_response,
                           kMinDistance, cv::noArray(), kBlockSize, /*useHarrisDetector=*/true,
                           kHarrisK);
   const cv::Rect centres(kWindowRadius, kWindowRadius, image.cols - 2 * kWindowRadius,
@@ -52,16 +52,15 @@ struct Best {
 }  // namespace
 
 std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& right,
-                                     const HarrisConfig& config) {
-  RequireInRange(config, "grow.harris");
+                                     const HarrisSettings& settings) {
   const int max_disparity =
-      config.max_disparity_px() > 0 ? config.max_disparity_px() : left.cols / 4;
-  const std::vector<cv::Point> left_corners = HarrisCorners(left, config);
-  const std::vector<cv::Point> right_corners = HarrisCorners(right, config);
+      settings.max_disparity_px > 0 ? settings.max_disparity_px : left.cols / 4;
+  const std::vector<cv::Point> left_corners = HarrisCorners(left, settings);
+  const std::vector<cv::Point> right_corners = HarrisCorners(right, settings);
   const auto right_by_row = ByRow(right_corners, right.rows);
   GrowConfig mncc;
   mncc.set_similarity(GrowConfig::MNCC);
-  mncc.set_threshold(config.min_mncc());
+  mncc.set_threshold(settings.min_mncc);
   const GrowthRule rule = MakeGrowthRule(mncc);
   const GrowthInput input{left, right, PriorMap()};
 
@@ -93,4 +92,4 @@ std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& rig
   return seeds;
 }
 
-}  // namespace sprout::grow
+}  // namespace sprout::evaluate

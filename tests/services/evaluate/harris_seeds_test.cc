@@ -1,11 +1,11 @@
-#include "services/grow/harris_seeds.h"
+#include "services/evaluate/rivals/harris_seeds.h"
 
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-namespace sprout::grow {
+namespace sprout::evaluate {
 namespace {
 
 cv::Mat1b Squares(cv::Size size, uint32_t seed) {
@@ -24,7 +24,7 @@ TEST(HarrisSeeds, MatchesCornersAtTheTrueDisparity) {
   const cv::Mat1b left = Squares({200, 120}, 1);
   cv::Mat1b right(left.size(), uint8_t{0});
   left.colRange(9, 200).copyTo(right.colRange(0, 191));
-  const std::vector<Seed> seeds = MatchHarrisCorners(left, right, HarrisConfig());
+  const std::vector<Seed> seeds = MatchHarrisCorners(left, right, HarrisSettings());
   ASSERT_GT(seeds.size(), 40u);
   int correct = 0;
   for (const Seed& seed : seeds) correct += seed.disparity() == 9 ? 1 : 0;
@@ -36,8 +36,8 @@ TEST(HarrisSeeds, SearchesNoFurtherThanTheLargestDisparity) {
   const cv::Mat1b left = Squares({200, 120}, 1);
   cv::Mat1b right(left.size(), uint8_t{0});
   left.colRange(9, 200).copyTo(right.colRange(0, 191));
-  HarrisConfig config;
-  config.set_max_disparity_px(8);
+  HarrisSettings config;
+  config.max_disparity_px = 8;
   for (const Seed& seed : MatchHarrisCorners(left, right, config)) {
     EXPECT_GE(seed.disparity(), 0);
     EXPECT_LE(seed.disparity(), 8);
@@ -46,10 +46,10 @@ TEST(HarrisSeeds, SearchesNoFurtherThanTheLargestDisparity) {
 
 TEST(HarrisSeeds, FindsNothingInAFlatOrTinyImage) {
   const cv::Mat1b flat(60, 80, uint8_t{100});
-  EXPECT_TRUE(MatchHarrisCorners(flat, flat, HarrisConfig()).empty());
+  EXPECT_TRUE(MatchHarrisCorners(flat, flat, HarrisSettings()).empty());
   const cv::Mat1b tiny(1, 1, uint8_t{100});
-  EXPECT_TRUE(MatchHarrisCorners(tiny, tiny, HarrisConfig()).empty());
+  EXPECT_TRUE(MatchHarrisCorners(tiny, tiny, HarrisSettings()).empty());
 }
 
 }  // namespace
-}  // namespace sprout::grow
+}  // namespace sprout::evaluate
