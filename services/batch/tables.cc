@@ -39,8 +39,8 @@ Cell ParseCell(const std::filesystem::path& path, const std::string& text) {
   if (text.empty()) return std::nullopt;
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    throw LogError(path, "'" + text + "' is no number");
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    throw LogError(path, "'" + text + "' is no finite number");
   }
   return value;
 }
@@ -112,15 +112,17 @@ void WriteTable(const std::filesystem::path& path, const Table& table) {
   CommitFile(path, file);
 }
 
-Table ReadTable(const std::filesystem::path& path) {
+Table ReadTable(const std::filesystem::path& path, const std::vector<std::string>& columns) {
   std::ifstream file(path);
   std::string line;
   if (!std::getline(file, line)) throw LogError(path, "cannot be read");
   Table table{.columns = Split(line), .rows = {}};
+  if (table.columns != WithFrame(columns)) throw LogError(path, "has other columns");
   while (std::getline(file, line)) {
     std::vector<Cell>& row = table.rows.emplace_back();
     for (const std::string& cell : Split(line)) row.push_back(ParseCell(path, cell));
     if (row.size() != table.columns.size()) throw LogError(path, "a row has missing cells");
+    if (!row[0] || !row[1]) throw LogError(path, "a row has no seq or utime");
   }
   return table;
 }

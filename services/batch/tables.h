@@ -26,12 +26,13 @@ void WriteTable(const std::filesystem::path& path, const Table& table);
 std::string TableHead(const Table& table);
 std::string TableRow(const std::vector<std::optional<double>>& row);
 
-/// @throws LogError when it is no table of numbers.
-Table ReadTable(const std::filesystem::path& path);
-
 /// Columns behind seq and utime in the tables of MeasureFrames() and CompareFrames().
 std::vector<std::string> MeasureColumns();
 std::vector<std::string> ComparisonColumns();
+
+/// A table of frames: seq, utime, then these columns.
+/// @throws LogError when it is another one, or a cell is no finite number, or a frame has no name.
+Table ReadTable(const std::filesystem::path& path, const std::vector<std::string>& columns);
 
 /// Whether MeasureFrames() looks at any of these parts.
 bool IsMeasured(const PartSet& parts, Part answer);

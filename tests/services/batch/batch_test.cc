@@ -10,6 +10,7 @@
 #include "services/batch/planning.h"
 #include "services/batch/report_charts.h"
 #include "services/batch/report_losses.h"
+#include "services/batch/shard_run.h"
 #include "services/batch/shard_try.h"
 #include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
@@ -164,9 +165,10 @@ TEST(ShardPlan, AnotherMessageGivesAnotherDigest) {
 
 TEST(Tables, AreReadAsTheyWereWritten) {
   const TemporaryDirectory folder;
-  const Table table{.columns = {"seq", "x"}, .rows = {{1700000000123456, std::nullopt}, {2, 0.25}}};
+  const Table table{.columns = {"seq", "utime", "x"},
+                    .rows = {{1, 1700000000123456, std::nullopt}, {2, 3, 0.25}}};
   WriteTable(folder / "t.csv", table);
-  const Table read = ReadTable(folder / "t.csv");
+  const Table read = ReadTable(folder / "t.csv", {"x"});
   EXPECT_EQ(read.columns, table.columns);
   EXPECT_EQ(read.rows, table.rows);
 }
@@ -261,10 +263,10 @@ class LossesOfABatch : public testing::Test {
   }
 
   void Write(size_t shard, const StageRuns& runs) const {
-    const auto result = batch_.result(
-        ResultKey(manifest_.head, manifest_.head.variants[0], manifest_.shards[shard]));
-    std::filesystem::create_directories(result);
-    WriteStageRuns(result / "run.json", runs);
+    ResultFolder result(batch_.result(
+        ResultKey(manifest_.head, manifest_.head.variants[0], manifest_.shards[shard])));
+    WriteStageRuns(result / kRuns, runs);
+    result.Commit();
   }
 
   TemporaryDirectory folder_;
@@ -307,7 +309,7 @@ TEST(Planning, RefusesWhatIsNotThere) {
   EXPECT_THROW(FindLogs({folder / "none.lcm"}), ConfigError);
   EXPECT_THROW(FindLogs({folder / ""}), ConfigError);  // a folder without logs
   std::ofstream(folder / "a.lcm") << "x";
-  EXPECT_THAT(FindLogs({folder / "", folder / "a.lcm"}), SizeIs(1));
+  EXPECT_THAT(FindLogs({folder / "", folder / "a.lcm"}).logs, SizeIs(1));
 }
 
 TEST(ReportCharts, EscapeTextAndLeaveOutWhatIsNotThere) {
