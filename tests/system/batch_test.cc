@@ -15,32 +15,13 @@
 #include "services/batch/manifest.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/batch_logs.h"
+#include "tests/system/batch_run.h"
 
 namespace sprout {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-std::string ProgramPath(const std::string& name) {
-  return (fs::path(SPROUT_BINARY_DIR) / name).string();
-}
-
-struct Outcome {
-  int exit_code;
-  std::string output;
-};
-
-// @param before  what starts the program, with arguments.
-Outcome RunProgramOf(const std::vector<std::string>& words,
-                     const std::vector<std::string>& before = {}) {
-  std::vector<std::string> command = before;
-  command.insert(command.end(), words.begin(), words.end());
-  command[before.size()] = ProgramPath(words[0]);
-  Process process(command);
-  const int code = process.Wait(std::chrono::seconds(240)).value_or(-1);
-  return {code, process.Output()};
-}
 
 bool Eventually(const std::function<bool()>& condition, std::chrono::seconds timeout) {
   const auto deadline = std::chrono::steady_clock::now() + timeout;
@@ -81,20 +62,6 @@ int64_t CountResults(const fs::path& out) {
     }
   }
   return count;
-}
-
-std::vector<std::string> RunCommand(const fs::path& logs, const fs::path& out) {
-  return {"sprout-batch",
-          "run",
-          logs,
-          "--out",
-          out,
-          "--config",
-          "fast",
-          "--keep",
-          "refine,prior,grow",
-          "--shard-megabytes",
-          "1"};
 }
 
 void WriteProgram(const fs::path& path, const std::string& lines) {
