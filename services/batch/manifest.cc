@@ -44,6 +44,7 @@ Json ToJson(const BatchHead& head) {
           {"tables", head.tables},
           {"shard_bytes", head.shard_bytes},
           {"left_out_logs", head.left_out},
+          {"measured", head.measured},
           {"variants", variants}};
 }
 
@@ -94,6 +95,7 @@ BatchHead HeadFrom(const Json& json) {
   RequireField(IsChannelPrefix(head.prefix), "channel_prefix", head.prefix, AllowedChannelPrefix());
   head.shard_bytes = CountIn(json, "shard_bytes");
   RequireField(head.shard_bytes > 0, "shard_bytes", "0", "1 or more");
+  head.measured = FlagIn(json, "measured");
   head.truth = TextIn(json, "truth");
   head.tables = DigestIn(json, "tables");
   head.left_out = TextsIn(json, "left_out_logs");
@@ -228,8 +230,8 @@ fs::path BatchFolder::comparison(const std::string& key) const {
 
 std::string ResultKey(const BatchHead& head, const Variant& variant, const Shard& shard) {
   std::string text =
-      fmt::format("result {} {} {} {} {} {}", kFormat, shard.input, variant.config_digest,
-                  fmt::join(head.keep, ","), head.prefix, head.tables);
+      fmt::format("result {} {} {} {} {} {} {}", kFormat, shard.input, variant.config_digest,
+                  fmt::join(head.keep, ","), head.prefix, head.tables, head.measured);
   for (const std::string& stage : head.stages) {
     text += " " + stage + " " + variant.programs.at(stage).digest;
   }

@@ -46,6 +46,7 @@ struct BatchHead {
   StageNames keep;          ///< stages whose answers are results; the last stage is one of them
   std::string prefix;       ///< of the channels
   int64_t shard_bytes = 0;  ///< about so many a shard
+  bool measured = true;     ///< whether the quality of each frame is measured for the table
   std::string truth;        ///< folder of true disparities; empty: none
   std::string tables;       ///< digest of sprout-batch, which computes the tables
   std::vector<std::string> left_out;  ///< logs that were asked for, but whose names cannot be used

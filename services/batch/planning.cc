@@ -124,6 +124,7 @@ Wanted Understand(const BatchRequest& request, const std::string& program) {
   }
   head.prefix = request.prefix;
   head.shard_bytes = request.shard_megabytes * 1'000'000;
+  head.measured = request.measured;
   head.tables = FileDigest(program);
   if (!request.truth.empty()) {
     if (!fs::is_directory(request.truth)) {

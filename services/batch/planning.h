@@ -21,6 +21,7 @@ struct BatchRequest {
   std::string programs_a;             ///< folder of the programs
   std::string programs_b;             ///< empty: that of A, if there is a B
   std::string truth;
+  bool measured = true;  ///< see BatchHead
   std::string prefix;
   int64_t shard_megabytes = 192;
 };

@@ -12,8 +12,7 @@
 
 #include "common/app/compute.h"
 #include "common/app/process.h"
-#include "common/core/digest.h"
-#include "common/logfile/file_window.h"
+#include "common/logfile/log_error.h"
 #include "services/batch/names.h"
 #include "services/batch/result_folder.h"
 #include "services/batch/scratch_file.h"
@@ -28,17 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::hours kPatience{24};
-
-std::string BytesOf(const fs::path& path) {
-  try {
-    const InputFile file(path);
-    std::string bytes(static_cast<size_t>(file.size()), '\0');
-    file.Read(0, {reinterpret_cast<uint8_t*>(bytes.data()), bytes.size()});
-    return bytes;
-  } catch (const LogError& e) {
-    throw ConfigError(e.what());
-  }
-}
 
 // What the last stage always answers.
 Part AnswerOf(const std::string& stage) {
@@ -89,22 +77,18 @@ class ShardRun {
   }
 
   ShardInput& Input() {
-    if (!input_) input_.emplace(work_, channels_);
-    return *input_;
-  }
-
-  std::string InputPath(bool as_list) {
     try {
-      return Input().Path(as_list);
+      if (!input_) input_.emplace(work_, channels_);
+      return *input_;
     } catch (const LogError& e) {
       throw ShardError(WithFolderOfScratch(e.what()));
     }
   }
 
   void RunVariant(const Variant& variant) {
-    const bool as_list = RequirePrograms(variant);
+    RequirePrograms(variant);
     ResultFolder result(folder_.result(KeyOf(variant)));
-    std::vector<std::string> logs = {InputPath(as_list)};
+    std::vector<std::string> logs = {Input().path()};
     std::vector<std::unique_ptr<ScratchFile>> scratch;
     StageRuns runs;
     for (const std::string& stage : work_.head.stages) {
@@ -116,31 +100,35 @@ class ShardRun {
       runs[stage] = RunStageProgram(variant, stage, logs, record);
       logs.push_back(record);
     }
-    FrameLookup frames(work_.head.prefix);
-    input_->AddTo(frames);
-    const Part answer = AnswerOf(work_.head.stages.back());
-    for (size_t i = 0; i < work_.head.stages.size(); ++i) {
-      if (IsMeasured(OutputsOf(work_.head.stages[i]), answer)) frames.Add(logs[i + 1]);
-    }
-    WriteTable(result / kMeasures, MeasureFrames(frames, answer));
+    WriteTable(result / kMeasures, MeasuresOf(logs));
     input_->RequireUnchanged();
     WriteStageRuns(result / kRuns, runs);
     result.Commit();
   }
 
-  // @returns whether all of them can read a list of events.
-  bool RequirePrograms(const Variant& variant) const {
-    bool read_lists = true;
-    for (const auto& [stage, program] : variant.programs) {
-      const std::string bytes = BytesOf(program.path);
-      if (Digest(bytes) != program.digest) {
-        throw ConfigError(program.path +
-                          ": not the program that the batch was planned with; run sprout-batch run "
-                          "again");
-      }
-      read_lists = read_lists && ShardInput::ReadsLists(bytes);
+  // @param logs  the shard, and what each stage answered.
+  Table MeasuresOf(const std::vector<std::string>& logs) {
+    const BatchHead& head = work_.head;
+    const Part answer = AnswerOf(head.stages.back());
+    FrameLookup frames(head.prefix);
+    if (!head.measured) {
+      frames.Add(logs.back());
+      return ListFrames(frames, answer);
     }
-    return read_lists;
+    input_->AddTo(frames);
+    for (size_t i = 0; i < head.stages.size(); ++i) {
+      if (IsMeasured(OutputsOf(head.stages[i]), answer)) frames.Add(logs[i + 1]);
+    }
+    return MeasureFrames(frames, answer);
+  }
+
+  static void RequirePrograms(const Variant& variant) {
+    for (const auto& [stage, program] : variant.programs) {
+      if (FileDigest(program.path) == program.digest) continue;
+      throw ConfigError(program.path +
+                        ": not the program that the batch was planned with; run sprout-batch run "
+                        "again");
+    }
   }
 
   StageRun RunStageProgram(const Variant& variant, const std::string& stage,

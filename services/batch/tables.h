@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "common/core/disparity_image.h"
 #include "services/batch/frame_lookup.h"
 
 namespace sprout {
@@ -42,22 +41,8 @@ bool IsMeasured(const PartSet& parts, Part answer);
 /// @param answer  what the last stage always answers.
 Table MeasureFrames(FrameLookup& frames, Part answer);
 
-/// What differs between two maps. Shares are of all pixels.
-struct MapChange {
-  double changed = 0;   ///< has another disparity, or one in one map only
-  double moved = 0;     ///< the same by more than 1 px, or in one map only
-  double mean_px = 0;   ///< mean |difference| where both have a disparity
-  double max_px = 0;    ///< largest
-  double appeared = 0;  ///< only B has one
-  double vanished = 0;  ///< only A has one
-};
-
-/// @pre both have the same size, not empty. O(pixels).
-MapChange ChangeOf(const DisparityImage& a, const DisparityImage& b);
-
-/// Share of the pixels with a true disparity where the map is off by more than 1 px or has none;
-/// nothing when there is no true one or the sizes differ. O(pixels).
-std::optional<double> BadShare(const DisparityImage& map, const cv::Mat1f& truth_px);
+/// The same rows with nothing in them; reads no image.
+Table ListFrames(const FrameLookup& frames, Part answer);
 
 /// A row for each frame that A or B answered: seq, utime, changed, moved, mean_change_px,
 /// max_change_px, appeared, vanished, and with a truth a_bad1 and b_bad1.

@@ -82,7 +82,7 @@ TEST(BatchSystem, MergedAnswersAreTheBytesOfAReplayOfTheWholeLog) {
   EXPECT_GT(merged.size(), 1000U);
   EXPECT_TRUE(merged == WholeReplay(folder / "", folder / "logs" / "run.lcm"));
 
-  // Programs of an older build, which cannot read a list of events, get a copy.
+  // Other programs that answer the same.
   fs::create_directory(folder / "bin");
   for (const std::string stage : {"sprout-refine", "sprout-prior", "sprout-grow"}) {
     WriteProgram(folder / "bin" / stage.c_str(), "exec " + ProgramPath(stage) + " \"$@\"\n");
@@ -189,6 +189,27 @@ TEST(BatchSystem, ATruthSaysWhichOfTheTwoIsNearerToIt) {
   EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("against the truth"));
   command.back() = folder / "none";
   EXPECT_EQ(RunProgramOf(command).exit_code, 2);
+}
+
+TEST(BatchSystem, FramesAreComparedWithoutBeingMeasured) {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "logs");
+  WriteStraddlingLog(folder / "logs" / "run.lcm", "160x120", 0, 5);
+  std::ofstream(folder / "b.textproto") << "grow { sigma_p_px: 9.0 }\n";
+  auto command = RunCommand(folder / "logs", folder / "out");
+  command.insert(command.end(), {"--config-b", "fast", "--config-b", folder / "b.textproto"});
+  ASSERT_EQ(RunProgramOf(command).exit_code, 0);
+  const auto moved = ColumnOf(folder / "out", "moved");
+  EXPECT_EQ(moved.size(), 5U);
+  EXPECT_FALSE(std::isnan(ColumnOf(folder / "out", "a_score").at(0)));
+  command.emplace_back("--no-measures");
+  const Outcome outcome = RunProgramOf(command);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_EQ(ColumnOf(folder / "out", "moved"), moved);
+  for (const double score : ColumnOf(folder / "out", "a_score")) EXPECT_TRUE(std::isnan(score));
+  const std::string report = BytesOfFile(folder / "out" / "report.html");
+  EXPECT_THAT(report, HasSubstr("The most changed frames"));
+  EXPECT_THAT(report, testing::Not(HasSubstr("The worst frames")));
 }
 
 TEST(BatchSystem, AnotherBuildIsComparedAndItsFailuresAreReported) {
