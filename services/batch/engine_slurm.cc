@@ -12,7 +12,7 @@
 #include "services/batch/names.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -137,4 +137,4 @@ void RemoveParts(const BatchFolder& folder) {
   for (const fs::path& part : parts) fs::remove_all(part);
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

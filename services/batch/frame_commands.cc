@@ -6,7 +6,7 @@
 
 #include "services/batch/names.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 std::string CommandLine(const std::vector<std::string>& words) {
@@ -43,4 +43,4 @@ std::string FrameCommands(const BatchFolder& folder, const BatchHead& head, cons
   return text;
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -7,7 +7,7 @@
 
 #include "services/batch/manifest.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// Lines for a shell that show a frame of a log in sprout-view, and that compute it again with each
 /// variant. Each word stands for itself, whatever is in the names.
@@ -15,6 +15,6 @@ namespace sprout {
 std::string FrameCommands(const BatchFolder& folder, const BatchHead& head, const BatchLog& log,
                           int64_t seq, const std::filesystem::path& programs);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_FRAME_COMMANDS_H_

@@ -11,7 +11,7 @@
 #include "common/messages/shortened.h"
 #include "services/batch/names.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 using Json = nlohmann::json;
@@ -120,4 +120,4 @@ Json ParseObject(const std::string& line) {
   return json;
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

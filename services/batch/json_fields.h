@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace sprout {
+namespace sprout::batch {
 
 // Members of a JSON object from a file that may come from anywhere. All throw ConfigError that
 // names field, value and what is allowed.
@@ -46,6 +46,6 @@ const nlohmann::json& ObjectIn(const nlohmann::json& json, const std::string& fi
 /// A line of JSON that is an object. @throws ConfigError.
 nlohmann::json ParseObject(const std::string& line);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_JSON_FIELDS_H_

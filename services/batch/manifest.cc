@@ -17,7 +17,7 @@
 #include "services/batch/names.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -283,4 +283,4 @@ ShardOfBatch ReadShard(const fs::path& path, size_t number) {
           .shard = std::move(*shard)};
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -18,7 +18,7 @@
 #include "services/batch/tables.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -243,4 +243,4 @@ void WriteFrameTable(const BatchFolder& folder, const Manifest& manifest, const 
   CommitFile(folder.table(), file);
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -8,7 +8,7 @@
 #include "common/config/config.h"
 #include "common/messages/shortened.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 constexpr size_t kLongestName = 200;  // a file name has 255 bytes, and endings come behind it
@@ -77,4 +77,4 @@ std::string ShellWord(const std::string& text) {
   return word + "'";
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

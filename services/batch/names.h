@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace sprout {
+namespace sprout::batch {
 
 /// Whether a text can stand in a manifest, in a table and on a page: UTF-8 without control
 /// characters. File names may hold any bytes.
@@ -31,6 +31,6 @@ std::string ResultNameOf(const std::filesystem::path& log, std::set<std::string>
 /// One word of a shell's command line that stands for exactly this text.
 std::string ShellWord(const std::string& text);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_NAMES_H_

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "common/picture/html.h"
+#include "common/quality/frame_quality.h"
 #include "services/batch/frame_commands.h"
 #include "services/batch/frame_rows.h"
 #include "services/batch/report_charts.h"
@@ -17,9 +18,8 @@
 #include "services/batch/report_pictures.h"
 #include "services/batch/tables.h"
 #include "services/batch/text_file.h"
-#include "services/quality/frame_quality.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -346,4 +346,4 @@ void WriteReport(const BatchFolder& folder, const Manifest& manifest, const Batc
   CommitFile(folder.report(), file);
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

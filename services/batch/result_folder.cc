@@ -14,7 +14,7 @@
 #include "common/logfile/file_window.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -135,4 +135,4 @@ void UnmarkMadeFrom(const fs::path& path) {
   fs::remove(SourceOf(path), ignored);
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

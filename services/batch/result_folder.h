@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace sprout {
+namespace sprout::batch {
 
 /// Digest of a file's bytes. @throws ConfigError when it cannot be read.
 std::string FileDigest(const std::filesystem::path& path);
@@ -51,6 +51,6 @@ void MarkMadeFrom(const std::filesystem::path& path, const std::string& source);
 /// The file is not whole until MarkMadeFrom() says so again.
 void UnmarkMadeFrom(const std::filesystem::path& path);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_RESULT_FOLDER_H_

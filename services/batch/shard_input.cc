@@ -5,7 +5,7 @@
 #include "common/logfile/event_fetcher.h"
 #include "common/logfile/log_writer.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 ShardInput::ShardInput(const ShardOfBatch& work, const std::vector<std::string>& channels)
     : work_(work) {
@@ -50,4 +50,4 @@ void ShardInput::WriteCopy() const {
   writer.Close();
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

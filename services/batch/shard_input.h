@@ -8,7 +8,7 @@
 #include "services/batch/manifest.h"
 #include "services/batch/scratch_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// A copy of the messages of a shard, as a log that stages can replay.
 class ShardInput {
@@ -35,6 +35,6 @@ class ShardInput {
   ScratchFile copy_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_SHARD_INPUT_H_

@@ -7,7 +7,7 @@
 #include "services/batch/manifest.h"
 #include "services/batch/result_folder.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// A stage that failed over a shard. what() is one line; its output is in failed/ of the batch.
 class ShardError : public std::runtime_error {
@@ -33,6 +33,6 @@ void RunShard(const BatchFolder& folder, size_t number);
 /// Program and what --version says. @throws ConfigError when it cannot be started.
 StageProgram DescribeProgram(const std::string& path);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_SHARD_RUN_H_

@@ -11,7 +11,7 @@
 #include "services/batch/names.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 using Json = nlohmann::json;
 
@@ -64,4 +64,4 @@ StageRuns ReadStageRuns(const std::filesystem::path& path, const StageNames& sta
   return runs;
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

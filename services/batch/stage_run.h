@@ -9,7 +9,7 @@
 
 #include "services/batch/stage_chain.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// Counts and times of a stage over one shard.
 struct StageRun {
@@ -33,6 +33,6 @@ void WriteStageRuns(const std::filesystem::path& path, const StageRuns& runs);
 /// @throws LogError when it cannot be read, or lacks one of the stages.
 StageRuns ReadStageRuns(const std::filesystem::path& path, const StageNames& stages);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_STAGE_RUN_H_

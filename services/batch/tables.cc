@@ -11,11 +11,11 @@
 
 #include "common/core/disparity_diff.h"
 #include "common/logfile/log_error.h"
+#include "common/quality/frame_quality.h"
+#include "common/quality/score.h"
 #include "services/batch/text_file.h"
-#include "services/evaluate/score.h"
-#include "services/quality/frame_quality.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 const PartSet kMeasured{Part::kLeft, Part::kRight, Part::kSeeds, Part::kDisparity,
@@ -192,4 +192,4 @@ Table CompareFrames(FrameLookup& a, FrameLookup* b, const std::filesystem::path&
   return table;
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -9,7 +9,7 @@
 
 #include "services/batch/frame_lookup.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// A small table: the columns' names, then a row of numbers each, with gaps.
 struct Table {
@@ -50,6 +50,6 @@ Table ListFrames(const FrameLookup& frames, Part answer);
 ///               none.
 Table CompareFrames(FrameLookup& a, FrameLookup* b, const std::filesystem::path& truth);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_TABLES_H_

@@ -8,7 +8,7 @@
 
 #include "common/core/disparity_diff.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// What came out when two messages with different bytes were compared.
 struct MessageDiff {
@@ -20,6 +20,6 @@ struct MessageDiff {
 /// Compares by content where both decode as one type of ours. O(bytes).
 MessageDiff Compare(std::span<const uint8_t> a, std::span<const uint8_t> b);
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_MESSAGE_DIFF_H_

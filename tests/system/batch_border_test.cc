@@ -43,7 +43,7 @@ TEST(BatchBorder, LogsWithAlikeNamesKeepAllTheirFrames) {
   WriteStraddlingLog(folder / "logs/run,1.lcm", "160x120", 5, 4);
   const Outcome outcome = RunProgramOf(RunCommand(folder / "logs", folder / "out"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_THAT(FrameRows(folder / "out" / "frames.csv").rows(), SizeIs(9));
+  EXPECT_THAT(batch::FrameRows(folder / "out" / "frames.csv").rows(), SizeIs(9));
   EXPECT_GT(fs::file_size(folder / "out/logs/run_1_a.lcm"), 1000U);
   EXPECT_GT(fs::file_size(folder / "out/logs/run_1-2_a.lcm"), 1000U);
 }
@@ -99,9 +99,9 @@ class DamagedBatch : public testing::Test {
     const Outcome outcome = RunProgramOf(Command());
     ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
     merged_ = BytesOfFile(Merged());
-    const Manifest manifest = ReadManifest(out_ / "manifest.jsonl");
-    result_ = BatchFolder(out_).result(
-        ResultKey(manifest.head, manifest.head.variants[0], manifest.shards[0]));
+    const batch::Manifest manifest = batch::ReadManifest(out_ / "manifest.jsonl");
+    result_ = batch::BatchFolder(out_).result(
+        batch::ResultKey(manifest.head, manifest.head.variants[0], manifest.shards[0]));
   }
 
   std::vector<std::string> Command() const { return RunCommand(folder_ / "logs", out_); }

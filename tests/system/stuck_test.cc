@@ -12,7 +12,7 @@
 #include "common/app/process.h"
 #include "tests/common/bus/fake_tcpq_server.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/services/capture/scene_folder.h"
+#include "tests/services/datasets/scene_folder.h"
 #include "tests/system/graph.h"
 
 // Processes that wait for what never comes: a signal ends them all the same. And a server that is
@@ -65,7 +65,7 @@ TEST(StuckSystem, ASignalEndsWhoCapturesALogThatIsAFifo) {
 }
 
 TEST(StuckSystem, ASignalEndsWhoReadsASceneWithAFifoInIt) {
-  const SceneFolder scene;
+  const datasets::SceneFolder scene;
   scene.Write2005({413, 370});
   const fs::path fifo = MakeFifo(scene.File("dmin.txt"));
   ExpectEndsOnSigterm({ProgramPath("sprout-capture"), "--source", scene.Config().source()}, fifo);

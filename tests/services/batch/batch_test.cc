@@ -22,7 +22,7 @@
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/log/graph_log.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 using testing::Contains;
@@ -34,12 +34,12 @@ using testing::SizeIs;
 
 TEST(StageChain, TakesWhatThePlugsJoin) {
   SproutConfig config = LoadConfig({"default"});
-  EXPECT_EQ(InputsOf("refine", config), RefinePlug(config.refine()).Inputs());
+  EXPECT_EQ(InputsOf("refine", config), refine::RefinePlug(config.refine()).Inputs());
   for (const auto method : {PriorConfig::DELAUNAY, PriorConfig::EDGES}) {
     for (const bool left_seeds : {false, true}) {
       config.mutable_prior()->set_method(method);
       config.mutable_prior()->set_left_seeds(left_seeds);
-      EXPECT_EQ(InputsOf("prior", config), PriorPlug(config.prior()).Inputs());
+      EXPECT_EQ(InputsOf("prior", config), prior::PriorPlug(config.prior()).Inputs());
     }
   }
   for (const auto similarity : {GrowConfig::MNCC, GrowConfig::EPC}) {
@@ -48,7 +48,7 @@ TEST(StageChain, TakesWhatThePlugsJoin) {
         config.mutable_grow()->set_similarity(similarity);
         config.mutable_grow()->set_fill(fill);
         config.mutable_grow()->set_seeds(seeds);
-        EXPECT_EQ(InputsOf("grow", config), GrowPlug(config.grow()).Inputs());
+        EXPECT_EQ(InputsOf("grow", config), grow::GrowPlug(config.grow()).Inputs());
       }
     }
   }
@@ -61,8 +61,8 @@ TEST(StageChain, RefusesGapsAndUnknownStages) {
 }
 
 TEST(LogIndex, IsReadAgainAndMadeAgainWhenTheLogChanged) {
-  const LogFolder folder;
-  const std::string log = folder.Write("run.lcm", GraphEvents(4));
+  const log::LogFolder folder;
+  const std::string log = folder.Write("run.lcm", log::GraphEvents(4));
   const LogIndex made = LogIndex::Ensure(log, folder.File("indexes"));
   EXPECT_EQ(made.path(), log + ".index");
   EXPECT_THAT(made.events(), SizeIs(4 * 6 + 1));
@@ -72,7 +72,7 @@ TEST(LogIndex, IsReadAgainAndMadeAgainWhenTheLogChanged) {
   const IndexedEvent line = ReadIndexLine(made.path(), made.events()[3].line);
   EXPECT_EQ(line.hash, made.events()[3].hash);
   EXPECT_EQ(line.line_end, made.events()[4].line);
-  folder.Write("run.lcm", GraphEvents(7));
+  folder.Write("run.lcm", log::GraphEvents(7));
   EXPECT_GT(LogIndex::Ensure(log, folder.File("indexes")).events().size(), made.events().size());
 }
 
@@ -90,9 +90,9 @@ PlanOptions RefineOptions(int64_t shard_bytes) {
 }
 
 TEST(ShardPlan, CutsAreAboutEvenAndLoseNoFrame) {
-  const LogFolder folder;
-  const LogIndex index =
-      LogIndex::Ensure(folder.Write("run.lcm", InOrder(GraphEvents(40))), folder.File("indexes"));
+  const log::LogFolder folder;
+  const LogIndex index = LogIndex::Ensure(folder.Write("run.lcm", InOrder(log::GraphEvents(40))),
+                                          folder.File("indexes"));
   const std::vector<Shard> shards = PlanShards(index, RefineOptions(20'000)).shards;
   ASSERT_GT(shards.size(), 3U);
   int64_t frames = 0;
@@ -107,10 +107,10 @@ TEST(ShardPlan, CutsAreAboutEvenAndLoseNoFrame) {
 }
 
 TEST(ShardPlan, CountsFramesThatAreIncompleteOrLeftOut) {
-  const LogFolder folder;
-  std::vector<Event> events = InOrder(GraphEvents(40));
+  const log::LogFolder folder;
+  std::vector<Event> events = InOrder(log::GraphEvents(40));
   std::erase_if(events, [](const Event& event) {
-    const auto seq = (event.utime - LogFrameId(0).utime) / 100'000;
+    const auto seq = (event.utime - log::LogFrameId(0).utime) / 100'000;
     return (seq == 5 && event.channel == ChannelOf(Part::kTof)) || seq == 11 || seq == 12;
   });
   const LogIndex index = LogIndex::Ensure(folder.Write("run.lcm", events), folder.File("indexes"));
@@ -120,8 +120,8 @@ TEST(ShardPlan, CountsFramesThatAreIncompleteOrLeftOut) {
 }
 
 TEST(ShardPlan, CutsNowhereBeforeAnEventThatIsOlderThanWhatIsThereAlready) {
-  const LogFolder folder;
-  std::vector<Event> events = InOrder(GraphEvents(40));
+  const log::LogFolder folder;
+  std::vector<Event> events = InOrder(log::GraphEvents(40));
   const auto shards = [&](const char* name) {
     const LogIndex index = LogIndex::Ensure(folder.Write(name, events), folder.File("indexes"));
     return PlanShards(index, RefineOptions(20'000)).shards;
@@ -136,14 +136,14 @@ TEST(ShardPlan, CutsNowhereBeforeAnEventThatIsOlderThanWhatIsThereAlready) {
   EXPECT_LT(set_back.size(), in_order);
   EXPECT_GT(set_back.size(), 1U);
   EXPECT_THAT(set_back, Contains(testing::Field(&Shard::frames, testing::Gt(18))));
-  EventOf(events, Part::kLeft, 0).utime += 100'000'000;
+  log::EventOf(events, Part::kLeft, 0).utime += 100'000'000;
   EXPECT_THAT(shards("first_is_ahead.lcm"), SizeIs(1));
 }
 
 TEST(ShardPlan, LeavesALogWholeWhereAMessageThatNobodyTakesDisturbsTheOrder) {
-  const LogFolder folder;
-  std::vector<Event> events = InOrder(GraphEvents(40));
-  Event& bad = EventOf(events, Part::kLeft, 14);
+  const log::LogFolder folder;
+  std::vector<Event> events = InOrder(log::GraphEvents(40));
+  Event& bad = log::EventOf(events, Part::kLeft, 14);
   bad.data.resize(4);
   const auto cuttable = [&](const char* name) {
     return LogIndex::Ensure(folder.Write(name, events), folder.File("indexes")).summary().cuttable;
@@ -154,15 +154,15 @@ TEST(ShardPlan, LeavesALogWholeWhereAMessageThatNobodyTakesDisturbsTheOrder) {
 }
 
 TEST(ShardPlan, AnotherMessageGivesAnotherDigest) {
-  const LogFolder folder;
-  std::vector<Event> events = GraphEvents(10);
+  const log::LogFolder folder;
+  std::vector<Event> events = log::GraphEvents(10);
   const auto digest = [&](const char* name) {
     const LogIndex index = LogIndex::Ensure(folder.Write(name, events), folder.File("indexes"));
     return PlanShards(index, RefineOptions(1'000'000)).shards.at(0).input;
   };
   const std::string before = digest("a.lcm");
   EXPECT_EQ(digest("b.lcm"), before);
-  EventOf(events, Part::kLeft, 5).data.back() = 77;
+  log::EventOf(events, Part::kLeft, 5).data.back() = 77;
   EXPECT_NE(digest("c.lcm"), before);
 }
 
@@ -180,7 +180,7 @@ TEST(Tables, AreReadAsTheyWereWritten) {
 std::unique_ptr<FrameLookup> Answers(const std::filesystem::path& log, const DisparityImage& map) {
   LogWriter writer(log);
   writer.Write(1, ChannelOf(Part::kDisparity),
-               EncodePart(LogFrameId(7), Part::kDisparity, map, DisparityEncoding::kRawInt16));
+               EncodePart(log::LogFrameId(7), Part::kDisparity, map, DisparityEncoding::kRawInt16));
   writer.Close();
   auto lookup = std::make_unique<FrameLookup>("");
   lookup->Add(log);
@@ -199,7 +199,7 @@ TEST(Tables, SayHowFarMapsDiffer) {
   const Table table =
       CompareFrames(*Answers(folder / "a", a), Answers(folder / "b", b).get(), /*truth=*/"");
   ASSERT_THAT(table.rows, SizeIs(1));
-  EXPECT_THAT(table.rows[0], ElementsAre(7, LogFrameId(7).utime, 0.4, 0.2, 1.5, 3, 0, 0.1,
+  EXPECT_THAT(table.rows[0], ElementsAre(7, log::LogFrameId(7).utime, 0.4, 0.2, 1.5, 3, 0, 0.1,
                                          std::nullopt, std::nullopt));
 }
 
@@ -229,7 +229,7 @@ TEST(Tables, HaveARowForEachFrameThatIsNotMeasured) {
   ASSERT_THAT(table.rows, SizeIs(1));
   std::vector<std::optional<double>> row(table.columns.size());
   row[0] = 7;
-  row[1] = static_cast<double>(LogFrameId(7).utime);
+  row[1] = static_cast<double>(log::LogFrameId(7).utime);
   EXPECT_EQ(table.rows[0], row);
 }
 
@@ -354,4 +354,4 @@ TEST(ReportCharts, EscapeTextAndLeaveOutWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::batch

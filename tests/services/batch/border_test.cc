@@ -17,7 +17,7 @@
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/log/graph_log.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,8 +154,8 @@ TEST(FindLogs, RefusesAListThatContainsItself) {
 }
 
 TEST(LogIndex, IsMadeAgainWhenItIsDamaged) {
-  const LogFolder folder;
-  const std::string log = folder.Write("run.lcm", GraphEvents(4));
+  const log::LogFolder folder;
+  const std::string log = folder.Write("run.lcm", log::GraphEvents(4));
   const std::string index = log + ".index";
   EXPECT_EQ(LogIndex::Ensure(log, "").replaced(), "");
   const std::string whole = TextOf(index);
@@ -173,8 +173,8 @@ TEST(LogIndex, IsMadeAgainWhenItIsDamaged) {
 }
 
 TEST(LogIndex, KnowsFromItsFirstLineThatItIsCut) {
-  const LogFolder folder;
-  const std::string log = folder.Write("run.lcm", GraphEvents(4));
+  const log::LogFolder folder;
+  const std::string log = folder.Write("run.lcm", log::GraphEvents(4));
   const std::string index = LogIndex::Ensure(log, "").path();
   EXPECT_TRUE(LogIndex::IsOf(index, StampOf(log)));
   fs::resize_file(index, fs::file_size(index) - 3);
@@ -420,4 +420,4 @@ TEST(StageRuns, AreRefusedWhenAStageIsMissingOrACountCannotBe) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -9,10 +9,10 @@
 
 #include "common/config/config.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/services/capture/kitti_folder.h"
-#include "tests/services/capture/scene_folder.h"
+#include "tests/services/datasets/kitti_folder.h"
+#include "tests/services/datasets/scene_folder.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 using testing::HasSubstr;
@@ -30,9 +30,9 @@ void ReadSyntheticLog(const LogChoice& log, const std::function<void(const Frame
   if (log.file != "run.lcm") throw ConfigError("--log " + log.file + ": no such log");
   CaptureConfig config;
   config.set_source("synthetic:96x72");
-  const auto source = OpenDataset(config);
+  const auto source = datasets::OpenDataset(config);
   for (const int64_t seq : {1, 2, 3}) {
-    const DatasetFrame captured = source->Get(seq);
+    const datasets::DatasetFrame captured = source->Get(seq);
     Frame frame;
     frame.id = {.utime = 1000 * seq, .seq = seq, .rig_id = "rig"};
     frame.left = captured.left;
@@ -156,7 +156,7 @@ TEST(EvaluateProgram, RefusesUnknownMethodsPresetsAndTofCameras) {
 }
 
 TEST(EvaluateProgram, RefusesToSimulateATofCameraBesideAScanAndTheOtherWayRound) {
-  const KittiFolder kitti;
+  const datasets::KittiFolder kitti;
   kitti.WriteStereo("000007");
   const std::string frame = kitti.Config("/000007").source();
   ExpectRefused({frame, "--tof", "sr4000"}, "has a scan of its own; allowed: scan, none");
@@ -167,7 +167,7 @@ TEST(EvaluateProgram, RefusesToSimulateATofCameraBesideAScanAndTheOtherWayRound)
 }
 
 TEST(EvaluateProgram, TakesAllFramesOfAKittiFolder) {
-  const KittiFolder kitti;
+  const datasets::KittiFolder kitti;
   kitti.WriteStereo("000007");
   kitti.WriteStereo("000014");
   const TemporaryDirectory folder;
@@ -183,9 +183,9 @@ TEST(EvaluateProgram, TakesAllFramesOfAKittiFolder) {
 }
 
 TEST(EvaluateProgram, RunsWithoutATofCamera) {
-  const KittiFolder kitti;
+  const datasets::KittiFolder kitti;
   kitti.WriteStereo("000007");
-  const SceneFolder middlebury;
+  const datasets::SceneFolder middlebury;
   middlebury.Write2005({40, 30});
   const TemporaryDirectory folder;
   for (const std::string& scene :
@@ -201,7 +201,7 @@ TEST(EvaluateProgram, RunsWithoutATofCamera) {
 }
 
 TEST(EvaluateProgram, RefusesAFolderWithoutGroundTruth) {
-  const SceneFolder scene;
+  const datasets::SceneFolder scene;
   scene.Write2005({40, 30});
   scene.Remove("disp1.png");
   const TemporaryDirectory folder;
@@ -213,7 +213,7 @@ TEST(EvaluateProgram, RefusesAFolderWithoutGroundTruth) {
 TEST(EvaluateProgram, RefusesImagesAndTruthsOfDifferentSizes) {
   const TemporaryDirectory folder;
   for (const char* name : {"view5.png", "disp1.png", "disp5.png"}) {
-    const SceneFolder scene;
+    const datasets::SceneFolder scene;
     scene.Write2005({40, 30});
     scene.WriteImage(name, cv::Mat1b(31, 40, uchar{40}));
     // A good scene before it is not run either.
@@ -223,7 +223,7 @@ TEST(EvaluateProgram, RefusesImagesAndTruthsOfDifferentSizes) {
 }
 
 TEST(EvaluateProgram, RefusesImagesWiderThanAnyStageTakes) {
-  const SceneFolder scene;
+  const datasets::SceneFolder scene;
   scene.Write2005({16385, 3});
   ExpectRefused({scene.File(".")}, "16385x3 px; allowed: 1 to 16384 px a side");
 }
@@ -295,4 +295,4 @@ TEST(EvaluateProgram, RefusesWhatDoesNotGoWithALog) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

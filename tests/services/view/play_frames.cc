@@ -14,7 +14,7 @@
 #include "common/logfile/log_reader.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 struct Message {
@@ -71,12 +71,12 @@ int Main(const std::string& path, double rate_hz, double seconds) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::view
 
 int main(int argc, char** argv) {
   if (argc != 4) {
     std::cerr << "usage: play_frames LOG RATE_HZ SECONDS\n";
     return 2;
   }
-  return sprout::Main(argv[1], std::stod(argv[2]), std::stod(argv[3]));
+  return sprout::view::Main(argv[1], std::stod(argv[2]), std::stod(argv[3]));
 }
