@@ -55,16 +55,12 @@ StageNames StagesIn(const Json& json) {
 }
 
 StageNames KeepIn(const Json& json, const StageNames& stages) {
-  StageNames keep = TextsIn(json, "keep");
-  auto from = stages.begin();
-  for (const std::string& stage : keep) {
-    from = std::find(from, stages.end(), stage);
-    if (from != stages.end())
-      ++from;
-    else
-      break;
+  const StageNames keep = TextsIn(json, "keep");
+  StageNames in_order;
+  for (const std::string& stage : stages) {
+    if (std::find(keep.begin(), keep.end(), stage) != keep.end()) in_order.push_back(stage);
   }
-  const bool holds = !keep.empty() && keep.back() == stages.back() && from == stages.end();
+  const bool holds = !keep.empty() && keep == in_order && keep.back() == stages.back();
   RequireField(holds, "keep", fmt::format("[{}]", fmt::join(keep, ",")),
                "stages of the batch in their order, the last one among them");
   return keep;

@@ -264,6 +264,7 @@ TEST_F(ForeignManifest, IsRefusedWithTheFieldItsValueAndWhatIsAllowed) {
       {0, "/keep", {"refine", "grow"}, "keep = [refine,grow]: allowed is stages of the batch"},
       {0, "/keep", {"prior"}, "keep = [prior]: allowed is stages of the batch"},
       {0, "/keep", {"grow", "prior"}, "keep = [grow,prior]: allowed is stages of the batch"},
+      {0, "/keep", {"prior", "../x", "grow"}, "keep = [prior,../x,grow]: allowed is stages"},
       {0, "/keep", {1}, "keep = 1: allowed is a text"},
       {0, "/channel_prefix", "'; x", "channel_prefix = '; x: allowed is up to "},
       {0, "/shard_bytes", 0, "shard_bytes = 0: allowed is 1 or more"},
