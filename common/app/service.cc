@@ -111,12 +111,8 @@ void SetUpLogging(const std::string& stage, const std::string& level) {
 }
 
 void RequireValidPrefix(const std::string& prefix) {
-  constexpr char kAllowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
-  if (prefix.size() > kMaxChannelPrefix ||
-      prefix.find_first_not_of(kAllowed) != std::string::npos) {
-    throw ConfigError("--channel-prefix '" + prefix + "': allowed are up to " +
-                      std::to_string(kMaxChannelPrefix) + " letters, digits, '_' and '-'");
-  }
+  if (IsChannelPrefix(prefix)) return;
+  throw ConfigError("--channel-prefix '" + prefix + "': allowed are " + AllowedChannelPrefix());
 }
 
 void RequireValidUrl(const std::string& url) {

@@ -38,6 +38,18 @@ inline constexpr size_t kMaxChannelPrefix = [] {
   return 63 - longest;
 }();
 
+/// Whether a text may stand before every channel.
+inline bool IsChannelPrefix(std::string_view prefix) {
+  constexpr char kAllowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+  return prefix.size() <= kMaxChannelPrefix &&
+         prefix.find_first_not_of(kAllowed) == std::string_view::npos;
+}
+
+/// In words.
+inline std::string AllowedChannelPrefix() {
+  return "up to " + std::to_string(kMaxChannelPrefix) + " letters, digits, '_' and '-'";
+}
+
 }  // namespace sprout
 
 #endif  // SPROUT_COMMON_BUS_CHANNELS_H_
