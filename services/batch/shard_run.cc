@@ -116,8 +116,9 @@ class ShardRun {
       return ListFrames(frames, answer);
     }
     input_->AddTo(frames);
+    const SproutConfig config = LoadConfig({folder_.config("a")});
     for (size_t i = 0; i < head.stages.size(); ++i) {
-      if (IsMeasured(OutputsOf(head.stages[i]), answer)) frames.Add(logs[i + 1]);
+      if (IsMeasured(OutputsOf(head.stages[i], config), answer)) frames.Add(logs[i + 1]);
     }
     return MeasureFrames(frames, answer);
   }
