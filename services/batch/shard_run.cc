@@ -12,6 +12,7 @@
 
 #include "common/app/compute.h"
 #include "common/app/process.h"
+#include "common/config/stage_parts.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/names.h"
 #include "services/batch/result_folder.h"
