@@ -1,7 +1,6 @@
 #include "common/app/live.h"
 
-#include <fmt/format.h>
-#include <spdlog/spdlog.h>
+#include <fmt/core.h>
 
 #include <string>
 #include <utility>
@@ -9,6 +8,7 @@
 
 #include "common/app/answer.h"
 #include "common/app/frame_assembler.h"
+#include "common/app/log.h"
 #include "common/app/silence_watch.h"
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
@@ -96,7 +96,7 @@ void RunLive(const ServiceContext& context, Plug& plug) {
     if (answer) Publish(*arrival, *answer, publisher, monitor);
     watchdog.FrameDone();
   }
-  spdlog::info(CountsText(monitor.Snapshot()));
+  LogLine(LogLevel::kInfo, CountsText(monitor.Snapshot()));
 }
 
 }  // namespace sprout

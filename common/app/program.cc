@@ -1,10 +1,11 @@
 #include "common/app/program.h"
 
+#include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <iostream>
 #include <sstream>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 
 namespace sprout {
 

@@ -1,9 +1,13 @@
 #ifndef SPROUT_COMMON_APP_PROGRAM_H_
 #define SPROUT_COMMON_APP_PROGRAM_H_
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
+
+namespace CLI {
+class App;  // <CLI/CLI.hpp> takes seconds to compile: for those who add flags
+class Validator;
+}  // namespace CLI
 
 namespace sprout {
 

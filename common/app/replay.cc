@@ -1,7 +1,6 @@
 #include "common/app/replay.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -14,6 +13,7 @@
 
 #include "common/app/answer.h"
 #include "common/app/frame_assembler.h"
+#include "common/app/log.h"
 #include "common/app/process_info.h"
 #include "common/app/progress.h"
 #include "common/app/replay_input.h"
@@ -148,7 +148,7 @@ class Replay {
     if (compared_.size() == kMaxCompared || !compared_.insert(recorded->config_text).second) return;
     if (const auto change = ConfigChangeText(context_, *recorded)) {
       progress_.Clear();
-      spdlog::warn(*change);
+      LogLine(LogLevel::kWarning, *change);
     }
   }
 

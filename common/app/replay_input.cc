@@ -1,9 +1,9 @@
 #include "common/app/replay_input.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <utility>
+
+#include "common/app/log.h"
 
 namespace sprout {
 namespace {
@@ -73,8 +73,8 @@ void ReplayInput::ReportDamage(Log& log) {
   for (; log.damage_seen < damage.size(); ++log.damage_seen) {
     const LogDamage& stretch = damage[log.damage_seen];
     damaged_bytes_ += stretch.bytes;
-    spdlog::warn("{}: {} unreadable bytes at byte {}{}", log.path, stretch.bytes, stretch.offset,
-                 stretch.tail ? ": it ends inside an event" : ", skipped");
+    LogLine(LogLevel::kWarning, "{}: {} unreadable bytes at byte {}{}", log.path, stretch.bytes,
+            stretch.offset, stretch.tail ? ": it ends inside an event" : ", skipped");
   }
 }
 

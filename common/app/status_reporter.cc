@@ -1,10 +1,9 @@
 #include "common/app/status_reporter.h"
 
-#include <spdlog/spdlog.h>
-
 #include <condition_variable>
 #include <mutex>
 
+#include "common/app/log.h"
 #include "common/app/process_info.h"
 #include "common/app/supervision.h"
 #include "common/bus/channels.h"
@@ -48,7 +47,8 @@ void StatusReporter::PublishStatus() {
 }
 
 void StatusReporter::Publish(std::string_view channel, std::span<const uint8_t> bytes) {
-  if (!publisher_.Publish(channel, bytes)) spdlog::warn("{}: could not be published", channel);
+  if (!publisher_.Publish(channel, bytes))
+    LogLine(LogLevel::kWarning, "{}: could not be published", channel);
 }
 
 }  // namespace sprout

@@ -3,7 +3,7 @@
 #include <charconv>
 #include <string_view>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 
 namespace sprout {
 namespace {

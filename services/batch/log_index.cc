@@ -1,6 +1,6 @@
 #include "services/batch/log_index.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 
 #include <charconv>

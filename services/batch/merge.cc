@@ -1,6 +1,6 @@
 #include "services/batch/merge.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <array>
 #include <iostream>

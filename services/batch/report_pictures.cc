@@ -1,6 +1,6 @@
 #include "services/batch/report_pictures.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>

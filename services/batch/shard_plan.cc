@@ -1,6 +1,6 @@
 #include "services/batch/shard_plan.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <limits>

@@ -1,13 +1,13 @@
 #include "services/calibrate/frame_log.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <map>
 #include <optional>
 
 #include "common/bus/channels.h"
 #include "common/bus/frame_joiner.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/logfile/log_reader.h"
 #include "common/messages/codec.h"
 

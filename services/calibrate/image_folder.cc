@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 
 namespace sprout::calibrate {
 namespace {

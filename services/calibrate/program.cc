@@ -1,8 +1,9 @@
 #include "services/calibrate/program.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <glog/logging.h>
 
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <filesystem>
 #include <functional>

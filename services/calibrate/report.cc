@@ -1,6 +1,6 @@
 #include "services/calibrate/report.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #include "services/calibrate/rig_checker.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -114,7 +114,8 @@ Result<void> RigChecker::Add(const cv::Mat& left, const cv::Mat& right, const To
   has_tof_ = true;
   int behind = 0;
   const std::vector<ProjectedPoint> points = projector_->Project(tof, behind);
-  const refine::TofOffset offset = aligner_.Estimate(left_grey, right_grey, points, tof, *projector_);
+  const refine::TofOffset offset =
+      aligner_.Estimate(left_grey, right_grey, points, tof, *projector_);
   if (offset.sure) offsets_px_.emplace_back(offset.du_px, offset.dv_px);
   CompareRanges(left_grey, right_grey, points, rig.pair);
   return {};

@@ -1,6 +1,6 @@
 #include "services/calibrate/watch.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <array>
@@ -10,13 +10,14 @@
 #include <optional>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include "common/app/progress.h"
 #include "common/bus/channels.h"
 #include "common/bus/frame_joiner.h"
 #include "common/bus/mailbox.h"
 #include "common/bus/receiver.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/messages/codec.h"
 #include "services/calibrate/coverage.h"
 #include "services/calibrate/frame_log.h"

@@ -1,11 +1,11 @@
 #include "services/capture/capture_loop.h"
 
-#include <fmt/format.h>
-#include <spdlog/spdlog.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <thread>
 
+#include "common/app/log.h"
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
 #include "common/app/supervision.h"
@@ -104,18 +104,19 @@ class Capture {
 
   void Report(Clock::duration time) const {
     if (options_.frames && sent_ < *options_.frames && !stop_.stop_requested()) {
-      spdlog::warn("the source has {} of {} frames; --loop starts it again", sent_,
-                   *options_.frames);
+      LogLine(LogLevel::kWarning, "the source has {} of {} frames; --loop starts it again", sent_,
+              *options_.frames);
     }
     const StageStatus status = monitor_.Snapshot();
     if (status.frames_incomplete > 0 || status.bad_messages > 0) {
-      spdlog::warn(
-          "of the log, {} frames were not sent for want of a message, {} messages were bad",
-          status.frames_incomplete, status.bad_messages);
+      LogLine(LogLevel::kWarning,
+              "of the log, {} frames were not sent for want of a message, {} messages were bad",
+              status.frames_incomplete, status.bad_messages);
     }
-    spdlog::info("sent {} frames in {:.2f} s, {} again for want of an answer; {} could not be sent",
-                 status.frames_out, std::chrono::duration<double>(time).count(),
-                 status.frames_resent, status.frames_failed);
+    LogLine(LogLevel::kInfo,
+            "sent {} frames in {:.2f} s, {} again for want of an answer; {} could not be sent",
+            status.frames_out, std::chrono::duration<double>(time).count(), status.frames_resent,
+            status.frames_failed);
   }
 
   bool WaitForStages() {
@@ -123,9 +124,9 @@ class Capture {
         answers_.WaitForStages(Clock::now() + ToClock(options_.wait_timeout), stop_);
     for (const std::string& stage : missing) {
       if (!stop_.stop_requested()) {
-        spdlog::error(
-            "no status from stage '{}' in {} s; is it running on this LCM URL and prefix?", stage,
-            options_.wait_timeout.count());
+        LogLine(LogLevel::kError,
+                "no status from stage '{}' in {} s; is it running on this LCM URL and prefix?",
+                stage, options_.wait_timeout.count());
       }
     }
     return missing.empty();

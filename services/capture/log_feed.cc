@@ -1,11 +1,10 @@
 #include "services/capture/log_feed.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <deque>
 #include <map>
 
+#include "common/app/log.h"
 #include "common/bus/channels.h"
 #include "common/bus/frame_joiner.h"
 #include "common/logfile/log_error.h"
@@ -143,8 +142,8 @@ class LogFeed : public CaptureFeed {
     joiner_->DropPending();
     monitor_.SetJoinerCounts(joiner_->incomplete(), joiner_->sequence_gaps());
     for (const LogDamage& stretch : reader_->damage()) {
-      spdlog::warn("{}: {} unreadable bytes at byte {}{}", path_, stretch.bytes, stretch.offset,
-                   stretch.tail ? ": it ends inside an event" : ", skipped");
+      LogLine(LogLevel::kWarning, "{}: {} unreadable bytes at byte {}{}", path_, stretch.bytes,
+              stretch.offset, stretch.tail ? ": it ends inside an event" : ", skipped");
     }
   }
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "common/core/number_text.h"
 

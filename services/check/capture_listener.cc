@@ -1,6 +1,6 @@
 #include "services/check/capture_listener.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <opencv2/core.hpp>

@@ -1,11 +1,11 @@
 #include "services/check/contract.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 
 #include "common/bus/channels.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/image.h"
 
 namespace sprout::check {

@@ -1,12 +1,12 @@
 #include "services/check/stage_check.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <utility>
 
 #include "common/bus/channels.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "services/check/conversation.h"
 #include "services/check/program_check.h"

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/bus/channels.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/logfile/log_reader.h"
 #include "common/messages/codec.h"
 

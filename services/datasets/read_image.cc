@@ -8,7 +8,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/image.h"
 
 namespace sprout::datasets {

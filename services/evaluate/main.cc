@@ -2,7 +2,7 @@
 #include <iostream>
 #include <string>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
 #include "services/evaluate/program.h"
 #include "services/log/log_frames.h"

@@ -1,12 +1,12 @@
 #include "services/log/log_frames.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <system_error>
 #include <utility>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/messages/codec.h"
 #include "services/log/channels.h"
 #include "services/log/damage_text.h"

@@ -1,10 +1,11 @@
 // The subcommands that write the frames of a log as files: images and export.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <iostream>
 #include <stdexcept>
+#include <string>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"

@@ -1,4 +1,4 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <iostream>
@@ -6,10 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
 #include "common/quality/frame_quality.h"
 #include "services/log/commands.h"

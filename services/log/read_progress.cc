@@ -1,6 +1,6 @@
 #include "services/log/read_progress.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <csignal>

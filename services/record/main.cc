@@ -1,12 +1,13 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <pthread.h>
-#include <spdlog/spdlog.h>
 #include <sys/time.h>
 
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 
+#include "common/app/log.h"
 #include "common/app/program.h"
 #include "common/app/service.h"
 #include "common/app/status_reporter.h"
@@ -101,7 +102,7 @@ void TakeTimeToFinish(const Recording& recording) {
   constexpr itimerval kNever{};
   setitimer(ITIMER_REAL, &kNever, nullptr);
   const double waiting_mb = static_cast<double>(recording.waiting_bytes()) / 1e6;
-  if (waiting_mb > 1) spdlog::info("writing the {:.0f} MB that wait", waiting_mb);
+  if (waiting_mb > 1) LogLine(LogLevel::kInfo, "writing the {:.0f} MB that wait", waiting_mb);
 }
 
 int Record(const ServiceContext& context, const RecordingOptions& options) {
@@ -121,7 +122,7 @@ int Record(const ServiceContext& context, const RecordingOptions& options) {
     recording.Finish();
   }
   const bool whole = recording.IsWhole();
-  spdlog::log(whole ? spdlog::level::info : spdlog::level::warn, recording.Summary());
+  LogLine(whole ? LogLevel::kInfo : LogLevel::kWarning, recording.Summary());
   return whole ? 0 : 1;
 }
 

@@ -1,13 +1,13 @@
 #include "services/record/recording.h"
 
-#include <fmt/format.h>
-#include <spdlog/spdlog.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <new>
 #include <opencv2/core.hpp>
 #include <utility>
 
+#include "common/app/log.h"
 #include "common/app/supervision.h"
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
@@ -164,10 +164,11 @@ void Recording::Handle(QueuedEvent item) {
 
 void Recording::PullTrigger(RecordedEvent::Clock::time_point now, const std::string& who) {
   if (!options_.ring)
-    return spdlog::info("trigger ({}): without --ring all is written anyway", who);
+    return LogLine(LogLevel::kInfo, "trigger ({}): without --ring all is written anyway", who);
   ++triggers_;
   const int64_t before = folder_.events();
-  if (!recorder_.Trigger(now)) return spdlog::debug("trigger ({}): prolongs the log", who);
+  if (!recorder_.Trigger(now))
+    return LogLine(LogLevel::kDebug, "trigger ({}): prolongs the log", who);
   const auto& events = recorder_.ring()->events();
   const double held_s =
       events.empty() ? 0 : std::chrono::duration<double>(now - events.front().arrived).count();
@@ -190,7 +191,7 @@ void Recording::Fail(const std::string& reason) {
   try {
     recorder_.Finish();  // a status of 500 bytes often fits where an image did not
   } catch (const std::exception&) {
-    spdlog::debug("the log has no last status");
+    LogLine(LogLevel::kDebug, "the log has no last status");
   }
   failed_ = true;
 }

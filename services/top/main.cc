@@ -1,10 +1,11 @@
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <condition_variable>
 #include <iostream>
 #include <mutex>
 
+#include "common/app/log.h"
 #include "common/app/program.h"
 #include "common/app/service.h"
 #include "common/bus/channels.h"
@@ -76,7 +77,7 @@ void Show(const Listener& listener, const Options& options, bool screen) {
 int Watch(const ServiceContext& context, const Options& options) {
   const Listener listener(context, options.stages);
   const bool screen = !options.once && !options.json && isatty(STDOUT_FILENO) != 0;
-  if (screen) spdlog::set_level(spdlog::level::off);  // the screen is the table's
+  if (screen) SetLogLevel(LogLevel::kNone);  // the screen is the table's
   Sleep(context.stop, options.once ? options.listen_s : 1);
   do {
     Show(listener, options, screen);

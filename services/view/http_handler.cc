@@ -1,6 +1,6 @@
 #include "services/view/http_handler.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <exception>
 #include <limits>

@@ -1,7 +1,6 @@
 #include "services/view/log_file.h"
 
-#include <fmt/format.h>
-#include <spdlog/spdlog.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/app/log.h"
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 #include "services/log/channels.h"
@@ -54,7 +54,7 @@ void LogFile::Read(const std::stop_token& stop) {
       changed_();
     }
   } catch (const std::exception& e) {
-    spdlog::error(e.what());
+    LogLine(LogLevel::kError, e.what());
     const std::lock_guard lock(mutex_);
     complaint_ = e.what();
   }
@@ -69,7 +69,7 @@ void LogFile::Read(const std::stop_token& stop) {
         complaint_ += "; there are channels as " + other_channel_ + ", see --channel-prefix";
       }
     }
-    if (!complaint_.empty()) spdlog::warn(complaint_);
+    if (!complaint_.empty()) LogLine(LogLevel::kWarning, complaint_);
   }
   progress_ = 1;
   if (!stop.stop_requested()) changed_();
@@ -137,7 +137,7 @@ StoredFramePtr LogFile::Get(int64_t key) const {
       ++frame->version;
     }
   } catch (const LogError& e) {  // the file was changed meanwhile
-    spdlog::warn(e.what());
+    LogLine(LogLevel::kWarning, e.what());
     return nullptr;
   }
   return frame;

@@ -1,6 +1,6 @@
 #include "tests/rig/fake_rig.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <net/if.h>
 
 #include <csignal>

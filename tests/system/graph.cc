@@ -1,11 +1,21 @@
 #include "tests/system/graph.h"
 
 #include <stdexcept>
+#include <thread>
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 
 namespace sprout {
+
+bool Eventually(const std::function<bool()>& condition, std::chrono::seconds timeout) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
 
 Graph::Graph(std::string prefix, std::string url)
     : prefix_(std::move(prefix)),
@@ -50,6 +60,10 @@ Process& Graph::Start(const std::string& stage, std::vector<std::string> flags) 
     throw std::runtime_error("no status from " + stage + ":\n" + process.Output());
   }
   return process;
+}
+
+void Graph::StartChain() {
+  for (const char* stage : kChain) Start(stage, {"--config", "default"});
 }
 
 bool Graph::WaitUntil(const std::function<bool(Graph&)>& condition, std::chrono::seconds timeout) {

@@ -1,6 +1,6 @@
 #include "tests/system/graph_record.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <opencv2/core.hpp>
 
@@ -28,8 +28,9 @@ std::string Difference(const Frame& heard, const DepthFrame& computed, const Spr
     return "another confidence";
   }
   if (!heard.depth) return "";
-  const DepthImage depth = depth::DepthOf(computed.disparity, heard.rig->pair,
-                                   config.depth().mm_per_count() / 1000, config.depth().scale());
+  const DepthImage depth =
+      depth::DepthOf(computed.disparity, heard.rig->pair, config.depth().mm_per_count() / 1000,
+                     config.depth().scale());
   return SamePixels(heard.depth->counts, depth.counts) ? "" : "another depth";
 }
 

@@ -22,7 +22,6 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr const char* kUrl = "tcpq://127.0.0.1:7700";
-constexpr const char* kStages[] = {"refine", "prior", "grow"};
 
 class TcpqSystem : public ::testing::Test {
  protected:
@@ -31,7 +30,7 @@ class TcpqSystem : public ::testing::Test {
     StartServer();
     record_ = std::make_unique<GraphRecord>(kUrl);
     graph_ = std::make_unique<Graph>("", kUrl);
-    for (const char* stage : kStages) graph_->Start(stage, {"--config", "default"});
+    graph_->StartChain();
   }
 
   void StartServer() {
@@ -92,7 +91,7 @@ TEST_F(TcpqSystem, TheGraphGoesOnWhenTheServerIsBackAndCountsWhatWasLost) {
   // first.
   EXPECT_TRUE(record_->WaitUntil([&](GraphRecord& r) {
     frames = r.frames;
-    return std::all_of(std::begin(kStages), std::end(kStages), [&](const char* stage) {
+    return std::all_of(std::begin(kChain), std::end(kChain), [&](const char* stage) {
       const StageStatus& status = r.statuses[graph_->process(stage).pid()];
       const int64_t last = frames.rbegin()->first.second;
       const int64_t first = frames.begin()->first.second;

@@ -1,7 +1,5 @@
 #include "services/capture/genicam/genicam_source.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -13,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/app/log.h"
 #include "common/config/config.h"
 #include "common/rig/rig_file.h"
 #include "services/capture/genicam/frame_former.h"
@@ -120,7 +119,7 @@ class GenicamSource : public RawSource {
       next_word = Clock::now() + kReminder;
       // Frames tell it otherwise, but there are none.
       if (const std::string trouble = former_.NewTrouble(); !trouble.empty()) {
-        spdlog::warn("waiting for the cameras: {}", trouble);
+        LogLine(LogLevel::kWarning, "waiting for the cameras: {}", trouble);
       }
     }
     return std::nullopt;
@@ -129,7 +128,7 @@ class GenicamSource : public RawSource {
  private:
   void Tell(RigPlace place, CameraEvent event) {
     if (event.kind == CameraEvent::Kind::kOpened) {
-      spdlog::info("{}: {}", PlaceText(place, rig_), event.text);
+      LogLine(LogLevel::kInfo, "{}: {}", PlaceText(place, rig_), event.text);
     }
     inbox_.Push(place, std::move(event));
   }

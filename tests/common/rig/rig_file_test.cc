@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/rig/rectifier.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/rig/tilted_rig.h"
