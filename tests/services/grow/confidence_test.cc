@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/common/testing/instruction_sets.h"
 #include "tests/services/grow/grow_scenes.h"
-#include "tests/services/grow/instruction_sets.h"
 #include "tests/services/grow/plain_confidence.h"
 
 namespace sprout::grow {

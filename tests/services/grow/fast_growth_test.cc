@@ -15,8 +15,8 @@
 #include "services/grow/grower.h"
 #include "services/grow/plain_growth.h"
 #include "tests/common/core/even_prior.h"
+#include "tests/common/testing/instruction_sets.h"
 #include "tests/services/grow/grow_scenes.h"
-#include "tests/services/grow/instruction_sets.h"
 
 namespace sprout::grow {
 namespace {

@@ -1,5 +1,5 @@
-#ifndef SPROUT_TESTS_SERVICES_GROW_INSTRUCTION_SETS_H_
-#define SPROUT_TESTS_SERVICES_GROW_INSTRUCTION_SETS_H_
+#ifndef SPROUT_TESTS_COMMON_TESTING_INSTRUCTION_SETS_H_
+#define SPROUT_TESTS_COMMON_TESTING_INSTRUCTION_SETS_H_
 
 #include <hwy/highway.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace sprout::grow {
+namespace sprout {
 
 /// Calls run(name) with every instruction set that this CPU has, and with none.
 template <typename Run>
@@ -23,6 +23,6 @@ void ForEachInstructionSet(const Run& run) {
   hwy::GetChosenTarget().DeInit();
 }
 
-}  // namespace sprout::grow
+}  // namespace sprout
 
-#endif  // SPROUT_TESTS_SERVICES_GROW_INSTRUCTION_SETS_H_
+#endif  // SPROUT_TESTS_COMMON_TESTING_INSTRUCTION_SETS_H_
