@@ -13,8 +13,8 @@
 
 #include "common/app/progress.h"
 #include "common/core/digest.h"
+#include "common/core/interrupt.h"
 #include "common/logfile/log_error.h"
-#include "services/batch/interrupt.h"
 #include "services/batch/shard_run.h"
 #include "services/batch/text_file.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "common/config/config.h"
-#include "services/capture/number_text.h"
+#include "common/core/number_text.h"
 #include "services/capture/read_text.h"
 
 namespace sprout {

@@ -3,9 +3,9 @@
 #include <string_view>
 #include <utility>
 
+#include "common/core/number_text.h"
 #include "common/rig/rig_file.h"
 #include "services/capture/genicam/genicam_source.h"
-#include "services/capture/number_text.h"
 #include "services/capture/raw_source.h"
 #include "services/capture/source_options.h"
 #include "services/capture/video_source.h"

@@ -3,10 +3,10 @@
 #include <optional>
 #include <string_view>
 
+#include "common/core/number_text.h"
 #include "services/capture/dataset.h"
 #include "services/capture/kitti_source.h"
 #include "services/capture/middlebury_source.h"
-#include "services/capture/number_text.h"
 #include "services/capture/source_options.h"
 #include "services/capture/synthetic_source.h"
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "services/capture/number_text.h"
+#include "common/core/number_text.h"
 
 namespace sprout {
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "common/core/sleep.h"
 #include "services/quality/frame_quality.h"
 #include "services/view/decoded_frame.h"
 #include "services/view/low_priority.h"
@@ -60,8 +61,7 @@ LogQuality::LogQuality(LogFile& log)
 void LogQuality::Run(const std::stop_token& stop) {
   LowerPriority();
   while (log_.progress() < 1) {
-    if (stop.stop_requested()) return;
-    std::this_thread::sleep_for(kPoll);
+    if (!SleepFor(kPoll, stop)) return;
   }
   for (const int64_t key : SpreadOrder(log_.keys().last + 1, kMostFrames)) {
     if (stop.stop_requested()) return;

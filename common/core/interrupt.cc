@@ -1,4 +1,4 @@
-#include "services/batch/interrupt.h"
+#include "common/core/interrupt.h"
 
 namespace sprout {
 namespace {

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CAPTURE_NUMBER_TEXT_H_
-#define SPROUT_SERVICES_CAPTURE_NUMBER_TEXT_H_
+#ifndef SPROUT_COMMON_CORE_NUMBER_TEXT_H_
+#define SPROUT_COMMON_CORE_NUMBER_TEXT_H_
 
 #include <charconv>
 #include <cmath>
@@ -29,4 +29,4 @@ std::optional<Number> ParseNumber(std::string_view text) {
 
 }  // namespace sprout
 
-#endif  // SPROUT_SERVICES_CAPTURE_NUMBER_TEXT_H_
+#endif  // SPROUT_COMMON_CORE_NUMBER_TEXT_H_

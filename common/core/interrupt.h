@@ -1,15 +1,15 @@
-#ifndef SPROUT_SERVICES_BATCH_INTERRUPT_H_
-#define SPROUT_SERVICES_BATCH_INTERRUPT_H_
+#ifndef SPROUT_COMMON_CORE_INTERRUPT_H_
+#define SPROUT_COMMON_CORE_INTERRUPT_H_
 
 #include <csignal>
 #include <stdexcept>
 
 namespace sprout {
 
-/// Ctrl-C. What is whole stays.
+/// Ctrl-C: what is half written is removed on the way out, what is whole stays.
 class Interrupted : public std::runtime_error {
  public:
-  Interrupted() : std::runtime_error("interrupted; the same command goes on from here") {}
+  Interrupted() : std::runtime_error("interrupted") {}
 };
 
 /// Takes note of SIGINT and SIGTERM while it lives; a second one ends the program at once. One at a
@@ -32,4 +32,4 @@ class Interrupt {
 
 }  // namespace sprout
 
-#endif  // SPROUT_SERVICES_BATCH_INTERRUPT_H_
+#endif  // SPROUT_COMMON_CORE_INTERRUPT_H_
