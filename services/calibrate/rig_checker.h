@@ -11,9 +11,9 @@
 #include "common/core/rig.h"
 #include "common/core/tof_image.h"
 #include "common/geometry/projection.h"
+#include "services/calibrate/vertical_disparity.h"
+#include "services/refine/alignment/tof_alignment.h"
 #include "services/refine/refiner.h"
-#include "services/refine/tof_alignment.h"
-#include "services/refine/vertical_disparity.h"
 
 namespace sprout {
 
