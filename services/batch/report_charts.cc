@@ -8,7 +8,7 @@
 #include "common/core/quantile.h"
 #include "common/picture/html.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 constexpr int kBins = 40;
@@ -103,4 +103,4 @@ std::string StripSvg(const std::vector<float>& values, double top) {
       kSteps, kStripHeight, points);
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -12,7 +12,7 @@
 #include "common/core/host_name.h"
 #include "common/core/number_text.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 namespace fs = std::filesystem;
 
@@ -64,4 +64,4 @@ void ForgetTry(const BatchFolder& folder, size_t shard) {
   if (found != tries.end()) fs::remove(TryPath(folder, shard, found->second));
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

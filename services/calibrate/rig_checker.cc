@@ -10,7 +10,7 @@
 #include "common/core/image.h"
 #include "common/core/quantile.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -113,7 +113,8 @@ Result<void> RigChecker::Add(const cv::Mat& left, const cv::Mat& right, const To
   has_tof_ = true;
   int behind = 0;
   const std::vector<ProjectedPoint> points = projector_->Project(tof, behind);
-  const TofOffset offset = aligner_.Estimate(left_grey, right_grey, points, tof, *projector_);
+  const refine::TofOffset offset =
+      aligner_.Estimate(left_grey, right_grey, points, tof, *projector_);
   if (offset.sure) offsets_px_.emplace_back(offset.du_px, offset.dv_px);
   CompareRanges(left_grey, right_grey, points, rig.pair);
   return {};
@@ -201,4 +202,4 @@ std::string CheckText(const RigCheck& check) {
   return text;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

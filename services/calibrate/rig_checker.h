@@ -15,7 +15,7 @@
 #include "services/refine/alignment/tof_alignment.h"
 #include "services/refine/refiner.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// What frames without any board tell about a calibration. Medians over all frames; NaN: nothing
 /// was found out.
@@ -48,8 +48,8 @@ class RigChecker {
   void CompareRanges(const cv::Mat1b& left, const cv::Mat1b& right,
                      const std::vector<ProjectedPoint>& points, const RectifiedPair& pair);
 
-  Refiner refiner_;
-  TofAligner aligner_;
+  refine::Refiner refiner_;
+  refine::TofAligner aligner_;
   std::optional<TofProjector> projector_;  // of the newest calibration
   std::string projector_rig_id_;
   int frames_ = 0;
@@ -63,6 +63,6 @@ class RigChecker {
 /// The result as text for a terminal: verdict and reasons, then the figures.
 std::string CheckText(const RigCheck& check);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_RIG_CHECKER_H_

@@ -9,7 +9,7 @@
 #include "common/core/quantile.h"
 #include "common/core/window_sums.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 struct VerticalRules {
@@ -106,4 +106,4 @@ VerticalDisparity MeasureVerticalDisparity(const cv::Mat1b& left, const cv::Mat1
   return result;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -10,7 +10,7 @@
 
 #include "common/core/quantile.h"
 
-namespace sprout {
+namespace sprout::depth {
 namespace {
 
 // Counts of every disparity that a map can have: at 2 MP the division would be done 2 million times
@@ -72,4 +72,4 @@ DepthImage DepthOf(const DisparityImage& disparity, const RectifiedPair& pair,
   return depth;
 }
 
-}  // namespace sprout
+}  // namespace sprout::depth

@@ -4,7 +4,7 @@
 
 #include "common/core/quantile.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 double MedianOf(const std::vector<StageTimes>& runs, double StageTimes::*stage) {
@@ -61,4 +61,4 @@ SceneResult EvaluateScene(const Scene& scene, const std::vector<Method>& methods
   return result;
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 constexpr std::chrono::milliseconds kPeriod{200};
@@ -25,4 +25,4 @@ void ReadProgress::Update(int64_t position) {
                          static_cast<double>(bytes_) / 1e9));
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

@@ -8,7 +8,7 @@
 #include "common/app/progress.h"
 #include "common/core/interrupt.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// Shows how much of the logs has been read, on a terminal only and a few times a second, and ends
 /// the work on Ctrl-C. One at a time.
@@ -32,6 +32,6 @@ class ReadProgress {
   Progress line_{/*quiet=*/false};
 };
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_READ_PROGRESS_H_

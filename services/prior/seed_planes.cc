@@ -7,7 +7,7 @@
 #include "common/core/parallel.h"
 #include "common/core/quantile.h"
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 constexpr int kIterations = 3;  // of reweighting; more make noisy seeds worse
@@ -215,4 +215,4 @@ void ExtendBeyondHull(std::span<const int> hull, cv::Size size, double reach_px,
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::prior

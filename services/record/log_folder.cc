@@ -16,7 +16,7 @@
 
 #include "common/core/number_text.h"
 
-namespace sprout {
+namespace sprout::record {
 namespace {
 
 namespace fs = std::filesystem;
@@ -172,4 +172,4 @@ void LogFolder::RequireThere() const {
   if (file_ && !file_->IsThere()) throw LogError(file_->path(), "has vanished");
 }
 
-}  // namespace sprout
+}  // namespace sprout::record

@@ -9,7 +9,7 @@
 #include "common/core/window_sums.h"
 #include "services/refine/surface/surface_rules.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr int kWindow = SurfaceRules::kWindow;
@@ -167,4 +167,4 @@ void Refiner::KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

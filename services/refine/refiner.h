@@ -17,7 +17,7 @@
 #include "services/refine/surface/tof_surface.h"
 #include "services/refine/unwrapping/range_unwrapper.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// Turns ToF points into seed correspondences and drops the unreliable ones: by the paper's rules
 /// (II-B) and by two of TofSurface, which a sensor needs that stands beside the left camera. Before
@@ -84,6 +84,6 @@ class Refiner {
   StereoSeedFinder stereo_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_REFINER_H_

@@ -6,7 +6,7 @@
 
 #include "common/core/sleep.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -115,4 +115,4 @@ void Camera::Ask() {
   if (clock) tell_({.kind = CameraEvent::Kind::kClock, .text = "", .clock = *clock});
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace sprout {
+namespace sprout::refine {
 
 /// The numbers of the alignment of the ToF camera. A cell is a ToF pixel as it shows in the images
 /// that are looked at. Measured: NOTES.md, "Alignment" and "Numbers".
@@ -61,6 +61,6 @@ struct AlignmentRules {
   static constexpr double kSignificant = 4;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_ALIGNMENT_ALIGNMENT_RULES_H_

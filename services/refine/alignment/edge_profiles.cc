@@ -7,7 +7,7 @@
 #include "common/core/parallel.h"
 #include "services/refine/alignment/alignment_rules.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 using Rules = AlignmentRules;
@@ -127,4 +127,4 @@ void EdgeProfiles::Set(const cv::Mat1b& left, const cv::Mat1b& right,
   });
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

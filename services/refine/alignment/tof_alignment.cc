@@ -11,7 +11,7 @@
 #include "common/core/parallel.h"
 #include "services/refine/alignment/alignment_rules.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 using Rules = AlignmentRules;
@@ -214,4 +214,4 @@ void ApplyOffset(const TofOffset& offset, const Rig& rig, std::vector<ProjectedP
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -7,7 +7,7 @@
 
 #include "services/refine/alignment/alignment_rules.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 using Rules = AlignmentRules;
@@ -181,4 +181,4 @@ std::span<const TofEdge> TofEdgeFinder::Find(std::span<const ProjectedPoint> poi
   return edges_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

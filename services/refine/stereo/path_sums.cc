@@ -14,7 +14,7 @@
 
 #ifndef SPROUT_SERVICES_REFINE_PATH_SUMS_SHARED_
 #define SPROUT_SERVICES_REFINE_PATH_SUMS_SHARED_
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr int kMostPath = StereoRules::kMostPath;
@@ -68,11 +68,11 @@ struct Row {
 };
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine
 #endif  // once
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::refine {
 namespace HWY_NAMESPACE {
 
 // The lanes from 8 · kHalf on.
@@ -243,11 +243,11 @@ void RowOnTarget(const Row& row) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::refine
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sprout {
+namespace sprout::refine {
 
 HWY_EXPORT(RowOnTarget);
 
@@ -276,5 +276,5 @@ void AddUpPaths(const cv::Mat1b& left, const StereoSearch& search, const SearchR
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine
 #endif  // HWY_ONCE

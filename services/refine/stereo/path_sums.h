@@ -7,7 +7,7 @@
 
 #include "services/refine/stereo/stereo_search.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// Four of the eight directions of semi-global matching: for each label of a pixel the costs of the
 /// cheapest paths that end there (eq. 2 of the README), added up. The paths come from the pixel
@@ -20,6 +20,6 @@ namespace sprout {
 void AddUpPaths(const cv::Mat1b& left, const StereoSearch& search, const SearchRows& rows,
                 const std::vector<uint8_t>& costs, int step, std::vector<uint16_t>& sums);
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_STEREO_PATH_SUMS_H_

@@ -8,7 +8,7 @@
 
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr int kLabels = StereoRules::kLabels;
@@ -154,4 +154,4 @@ const cv::Mat1f& StereoMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& ri
   return disparity_px_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace sprout {
+namespace sprout::refine {
 
 /// The numbers of stereo seeds. Measured: NOTES.md, "Numbers", has what half and twice as much make
 /// of the map.
@@ -76,6 +76,6 @@ struct StereoRules {
   static constexpr int kMostPathSums = 8 * kMostPath;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_STEREO_STEREO_RULES_H_

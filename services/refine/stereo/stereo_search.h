@@ -8,7 +8,7 @@
 
 #include "services/refine/stereo/stereo_rules.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// Where semi-global matching looks, and what is known before.
 struct StereoSearch {
@@ -49,6 +49,6 @@ class SearchRows {
   std::vector<size_t> begin_;  // index of the rows' first pixels, and the end of the last
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_STEREO_STEREO_SEARCH_H_

@@ -8,7 +8,7 @@
 
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 // A disc of cells.
@@ -178,4 +178,4 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
   return seeds_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -7,7 +7,7 @@
 #include "common/core/parallel.h"
 #include "services/refine/surface/surface_rules.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 bool IsInWindow(const cv::Point2f& pixel, const cv::Point2f& centre) {
@@ -98,4 +98,4 @@ void BackgroundRule::Mark(std::span<const Seed> seeds, cv::Size size, double tol
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

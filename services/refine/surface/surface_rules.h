@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace sprout {
+namespace sprout::refine {
 
 /// The numbers of the rules for ToF points that are no parameters. Measured: NOTES.md, "Numbers",
 /// has what half and twice as much make of the map.
@@ -49,6 +49,6 @@ struct SurfaceRules {
   static constexpr size_t kMostPieces = 32;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_SURFACE_SURFACE_RULES_H_

@@ -11,7 +11,7 @@
 #include "services/refine/surface/surface_rules.h"
 #include "services/refine/surface/window_difference.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
@@ -213,4 +213,4 @@ const std::vector<Hidden>& TofSurface::FindHidden(std::span<const ProjectedPoint
   return hidden_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

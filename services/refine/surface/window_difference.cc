@@ -7,7 +7,7 @@
 #include "common/core/window_sums.h"
 #include "services/refine/surface/surface_rules.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 double Difference(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point at_left,
@@ -34,4 +34,4 @@ double WindowDifference(const cv::Mat1b& left, const cv::Mat1b& right, double u,
   return best;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

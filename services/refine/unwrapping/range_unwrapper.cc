@@ -8,7 +8,7 @@
 #include "common/core/quantile.h"
 #include "common/core/window_sums.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 // Moravec's normalised cross-correlation of two windows, up to 1.
@@ -149,4 +149,4 @@ RangeUnwrapper::Verdict RangeUnwrapper::Judge(const std::vector<cv::Point>& surf
   return preference > UnwrappingRules::kUnclearly * points ? Verdict::kUnsure : Verdict::kNear;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

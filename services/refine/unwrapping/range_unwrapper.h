@@ -9,7 +9,7 @@
 #include "common/core/tof_image.h"
 #include "common/geometry/projection.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// The numbers of RangeUnwrapper. Measured: NOTES.md, "Beyond the unambiguous range" and "Numbers".
 struct UnwrappingRules {
@@ -71,6 +71,6 @@ class RangeUnwrapper {
   std::vector<ProjectedPoint> far_;  // the points, if they are far
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_UNWRAPPING_RANGE_UNWRAPPER_H_
