@@ -4,7 +4,7 @@
 #include <csignal>
 #include <stdexcept>
 
-namespace sprout::batch {
+namespace sprout {
 
 /// Ctrl-C: what is half written is removed on the way out, what is whole stays.
 class Interrupted : public std::runtime_error {
@@ -30,6 +30,6 @@ class Interrupt {
   }
 };
 
-}  // namespace sprout::batch
+}  // namespace sprout
 
 #endif  // SPROUT_COMMON_CORE_INTERRUPT_H_
