@@ -33,12 +33,11 @@ struct AlignmentRules {
   static constexpr float kContrastWeight = 0.5F;  ///< measured: 0, ½, 1 and 2
 
   // The offset, eq. (A5).
-  static constexpr double kMostCells = 2;     ///< an offset that is looked for, cells
-  static constexpr size_t kMostEdges = 1000;  ///< measured: 2000 cost half as much again
-  static constexpr double kVotesPerCell = 3;  ///< along either side: profiles are a cell wide
-  static constexpr double kStepCells =
-      0.3;                               ///< of the differences that stand for derivatives, cells
-  static constexpr int kMostSteps = 30;  ///< of Newton's method
+  static constexpr double kMostCells = 2;           ///< an offset that is looked for, cells
+  static constexpr size_t kMostEdges = 1000;        ///< more cost time and do not help
+  static constexpr double kVotesPerCell = 3;        ///< along either side: profiles are a cell wide
+  static constexpr double kStepCells = 0.3;         ///< of the differences for derivatives, cells
+  static constexpr int kMostSteps = 30;             ///< of Newton's method
   static constexpr double kSmallestStepPx = 0.002;  ///< ends it: below what anybody sees
 
   // Standard deviations, eq. (A6).
@@ -50,8 +49,8 @@ struct AlignmentRules {
 
   // When it is sure.
   static constexpr int kFewestEdges = 50;
-  static constexpr float kClearEdge =
-      0.1F;  ///< evidence of an edge that counts as one, of up to 1.5
+  /// Evidence of an edge that counts as one, of up to 1.5.
+  static constexpr float kClearEdge = 0.1F;
   /// The second-best offset's votes above the mean, by the best one's.
   static constexpr double kMostDoubt = 0.7;
   static constexpr double kElsewhereCells = 1.5;  ///< from there on it is another offset
