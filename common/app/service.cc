@@ -1,17 +1,14 @@
 #include "common/app/service.h"
 
 #include <fmt/ranges.h>
-#include <sys/time.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <condition_variable>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <map>
-#include <mutex>
 #include <opencv2/core/utility.hpp>
-#include <thread>
 
 #include "common/app/compute.h"
 #include "common/app/log.h"
@@ -21,73 +18,14 @@
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/core/digest.h"
+#include "common/core/signal_watcher.h"
 
 namespace sprout {
 namespace {
 
 // How long a process has to end by itself after SIGINT or SIGTERM. Supervisors kill after some
 // seconds; whoever sits in front of it presses Ctrl-C again.
-constexpr itimerval kGracePeriod{.it_interval = {}, .it_value = {.tv_sec = 1, .tv_usec = 500'000}};
-
-// Requests a stop when SIGINT or SIGTERM comes. The signals are blocked in every thread and taken
-// by one that waits for them, so that no code runs in a signal handler. A second signal, and
-// SIGALRM at the end of the grace period, are the kernel's: they end the process whatever its
-// threads are stuck in, a FIFO that nobody writes, a server that takes no more, a long computation.
-class SignalWatcher {
- public:
-  SignalWatcher() {
-    sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
-    sigaddset(&signals_, kWake);
-    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-    // A tcpq server that hangs up shows as a failed publish, not as the end of the process.
-    std::signal(SIGPIPE, SIG_IGN);
-    thread_ = std::jthread([this](const std::stop_token& stop) { Watch(stop); });
-  }
-
-  ~SignalWatcher() {
-    thread_.request_stop();
-    pthread_kill(thread_.native_handle(), kWake);
-    thread_.join();
-    constexpr itimerval kNever{};
-    setitimer(ITIMER_REAL, &kNever, nullptr);
-  }
-
-  SignalWatcher(const SignalWatcher&) = delete;
-  SignalWatcher& operator=(const SignalWatcher&) = delete;
-
-  std::stop_token token() const { return source_.get_token(); }
-
- private:
-  // Makes the thread look whether it is over. Nobody else sends it, and where it is not waited for
-  // it does nothing.
-  static constexpr int kWake = SIGURG;
-
-  void Watch(const std::stop_token& stop) {
-    int signal = kWake;
-    while (signal == kWake) {
-      if (stop.stop_requested()) return;
-      sigwait(&signals_, &signal);
-    }
-    // Whoever started this process may have told it to ignore or block them.
-    for (const int ending : {SIGINT, SIGTERM, SIGALRM}) std::signal(ending, SIG_DFL);
-    sigaddset(&signals_, SIGALRM);
-    setitimer(ITIMER_REAL, &kGracePeriod, nullptr);
-    pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
-    source_.request_stop();
-    LogLine(LogLevel::kInfo, "{}: stopping", signal == SIGINT ? "SIGINT" : "SIGTERM");
-    // Stays here for the second signal: the other threads do not take it.
-    std::mutex mutex;
-    std::condition_variable_any ended;
-    std::unique_lock lock(mutex);
-    ended.wait(lock, stop, [] { return false; });
-  }
-
-  sigset_t signals_;
-  std::stop_source source_;
-  std::jthread thread_;
-};
+constexpr std::chrono::milliseconds kGracePeriod{1500};
 
 std::string DefaultLcmUrl() {
   const char* from_environment = std::getenv("LCM_DEFAULT_URL");
@@ -212,7 +150,11 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   if (!context.replay) {
     if (const auto warning = ReceiveBufferWarning(lcm_url_)) LogLine(LogLevel::kWarning, *warning);
   }
-  const SignalWatcher signals;
+  const SignalWatcher signals(kGracePeriod, [](int signal) {
+    LogLine(LogLevel::kInfo, "{}: stopping", signal == SIGINT ? "SIGINT" : "SIGTERM");
+  });
+  // A tcpq server that hangs up shows as a failed publish, not as the end of the process.
+  std::signal(SIGPIPE, SIG_IGN);
   context.stop = signals.token();
   return body(context);
 }

@@ -4,7 +4,6 @@
 #include <glog/logging.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -17,6 +16,7 @@
 #include "common/app/version.h"
 #include "common/bus/lcm_url.h"
 #include "common/config/config.h"
+#include "common/core/number_text.h"
 #include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
 #include "common/rig/rig_file.h"
@@ -77,11 +77,14 @@ void AddBoardFlags(CLI::App& flags, BoardOptions& board) {
 
 Board BoardOf(const BoardOptions& options) {
   BoardSize size{.square_m = options.square_mm / 1000};
-  const char* const end = options.squares.data() + options.squares.size();
-  const auto columns = std::from_chars(options.squares.data(), end, size.columns);
-  if (columns.ec == std::errc() && columns.ptr != end && *columns.ptr == 'x') {
-    const auto rows = std::from_chars(columns.ptr + 1, end, size.rows);
-    if (rows.ec == std::errc() && rows.ptr == end) return Board(size);
+  const std::string_view text = options.squares;
+  const size_t cross = std::min(text.find('x'), text.size());
+  const auto columns = ParseNumber<int>(text.substr(0, cross));
+  const auto rows = ParseNumber<int>(text.substr(std::min(cross + 1, text.size())));
+  if (columns && rows) {
+    size.columns = *columns;
+    size.rows = *rows;
+    return Board(size);
   }
   throw ConfigError("--squares " + options.squares + ": allowed is COLUMNSxROWS, such as 9x6");
 }

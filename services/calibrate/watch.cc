@@ -4,12 +4,10 @@
 #include <unistd.h>
 
 #include <array>
-#include <csignal>
-#include <exception>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
-#include <thread>
+#include <stop_token>
 #include <vector>
 
 #include "common/app/progress.h"
@@ -18,6 +16,7 @@
 #include "common/bus/mailbox.h"
 #include "common/bus/receiver.h"
 #include "common/config/config_error.h"
+#include "common/core/signal_watcher.h"
 #include "common/messages/codec.h"
 #include "services/calibrate/coverage.h"
 #include "services/calibrate/frame_log.h"
@@ -156,26 +155,10 @@ void Watch(RawFrames& frames, ViewFolder& views, const std::stop_token& stop) {
 
 int RunWatch(const Board& board, const WatchOptions& options) {
   if (const auto error = LcmUrlError(options.lcm_url)) throw ConfigError("--lcm-url: " + *error);
-  sigset_t ends;
-  sigemptyset(&ends);
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&ends, signal);
-  pthread_sigmask(SIG_BLOCK, &ends, nullptr);  // in all threads to come
+  const SignalWatcher signals;
   ViewFolder views(board, options.out);
   RawFrames frames(options);
-  std::exception_ptr failure;
-  {
-    std::jthread watching([&](const std::stop_token& stop) {
-      try {
-        Watch(frames, views, stop);
-      } catch (...) {
-        failure = std::current_exception();
-      }
-      kill(getpid(), SIGUSR1);  // wakes the main thread
-    });
-    int signal = 0;
-    sigwait(&ends, &signal);
-  }
-  if (failure) std::rethrow_exception(failure);
+  Watch(frames, views, signals.token());
   std::cout << fmt::format("{}: {}\n", options.out.string(), views.CountsLine());
   if (views.views() > 0) {
     std::cout << "next: sprout-calibrate estimate " << options.out.string()

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
 #include <opencv2/videoio.hpp>
 #include <optional>
 #include <utility>
@@ -11,6 +9,7 @@
 #include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "common/core/number_text.h"
+#include "common/core/sleep.h"
 
 namespace sprout::capture {
 namespace {
@@ -30,14 +29,6 @@ bool OpenPlace(const std::string& place, cv::VideoCapture& video) {
   if (IsDevice(place)) return video.open(place, cv::CAP_V4L2);
   if (place.find('%') != std::string::npos) return video.open(place, cv::CAP_IMAGES);
   return video.open(place, cv::CAP_FFMPEG);
-}
-
-// Sleeps until the time is over or a stop is asked for.
-void Wait(const std::stop_token& stop, std::chrono::seconds time) {
-  std::mutex mutex;
-  std::condition_variable_any never;
-  std::unique_lock lock(mutex);
-  never.wait_for(lock, stop, time, [] { return false; });
 }
 
 class VideoSource : public RawSource {
@@ -65,7 +56,7 @@ class VideoSource : public RawSource {
       }
       if (is_live_) {
         trouble = settings_.places.front() + ": no picture, opened again";
-        Wait(stop, kRetryPeriod);
+        SleepFor(kRetryPeriod, stop);
       } else if (!settings_.loop || std::exchange(opened_again, true)) {
         return std::nullopt;
       }

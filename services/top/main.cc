@@ -1,7 +1,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <condition_variable>
 #include <iostream>
 #include <mutex>
 
@@ -10,6 +9,7 @@
 #include "common/app/service.h"
 #include "common/bus/channels.h"
 #include "common/bus/receiver.h"
+#include "common/core/sleep.h"
 #include "common/messages/codec.h"
 #include "services/top/board_text.h"
 
@@ -55,13 +55,6 @@ class Listener {
   Receiver receiver_;  // last: stops before the rest is destroyed
 };
 
-void Sleep(const std::stop_token& stop, double seconds) {
-  std::mutex mutex;
-  std::condition_variable_any never;
-  std::unique_lock lock(mutex);
-  never.wait_for(lock, stop, std::chrono::duration<double>(seconds), [] { return false; });
-}
-
 void Show(const Listener& listener, const Options& options, bool screen) {
   const std::vector<BoardRow> rows = listener.Rows();
   if (options.json) {
@@ -78,12 +71,11 @@ int Watch(const ServiceContext& context, const Options& options) {
   const Listener listener(context, options.stages);
   const bool screen = !options.once && !options.json && isatty(STDOUT_FILENO) != 0;
   if (screen) SetLogLevel(LogLevel::kNone);  // the screen is the table's
-  Sleep(context.stop, options.once ? options.listen_s : 1);
+  SleepFor(std::chrono::duration<double>(options.once ? options.listen_s : 1), context.stop);
   do {
     Show(listener, options, screen);
     if (options.once) break;
-    Sleep(context.stop, 1);
-  } while (!context.stop.stop_requested());
+  } while (SleepFor(std::chrono::seconds(1), context.stop));
   return IsWhole(listener.Rows()) ? 0 : 1;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/app/log.h"
+#include "common/core/sleep.h"
 #include "common/quality/frame_quality.h"
 #include "services/view/decoded_frame.h"
 #include "services/view/low_priority.h"
@@ -59,8 +60,7 @@ LogQuality::LogQuality(LogFile& log)
 void LogQuality::Run(const std::stop_token& stop) {
   LowerPriority();
   while (log_.progress() < 1) {
-    if (stop.stop_requested()) return;
-    std::this_thread::sleep_for(kPoll);
+    if (!SleepFor(kPoll, stop)) return;
   }
   for (const int64_t key : SpreadOrder(log_.keys().last + 1, kMostFrames)) {
     if (stop.stop_requested()) return;

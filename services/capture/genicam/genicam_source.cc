@@ -13,6 +13,7 @@
 
 #include "common/app/log.h"
 #include "common/config/config.h"
+#include "common/core/sleep.h"
 #include "common/rig/rig_file.h"
 #include "services/capture/genicam/frame_former.h"
 #include "services/capture/genicam/pixels.h"
@@ -170,20 +171,13 @@ class GenicamSource : public RawSource {
           if (camera) camera->TriggerAt(time_ns);
         }
       }
-      SleepUntil(Clock::now() + Period(), stop);
+      SleepFor(Period(), stop);
     }
   }
 
   Clock::duration Period() const {
     return std::chrono::duration_cast<Clock::duration>(
         std::chrono::duration<double>(1 / rig_.frame_rate_hz()));
-  }
-
-  static void SleepUntil(Clock::time_point time, const std::stop_token& stop) {
-    std::mutex mutex;
-    std::condition_variable_any stopped;
-    std::unique_lock lock(mutex);
-    stopped.wait_until(lock, stop, time, [] { return false; });
   }
 
   RigDescription rig_;
