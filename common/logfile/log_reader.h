@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -37,6 +38,9 @@ struct LogDamage {
 
   bool operator==(const LogDamage&) const = default;
 };
+
+/// "64 unreadable bytes at byte 100, skipped", for a line of a log.
+std::string SkippedText(const LogDamage& damage);
 
 class EventList;
 

@@ -10,14 +10,12 @@
 namespace sprout {
 namespace {
 
-void ReadFrames(const LogChoice& log, const std::function<void(const Frame&)>& visit) {
+void ReadLog(const LogChoice& log, const std::function<void(const Frame&)>& visit) {
   try {
-    LogFrames frames({.file = log.file, .folder = {}, .frames = log.frames, .prefix = log.prefix},
-                     AllParts(), visit);
-    frames.Read();
-    if (const std::string complaint = frames.Complaint(); !complaint.empty()) {
-      std::cerr << "sprout-evaluate: " << complaint << "\n";
-    }
+    const std::string complaint =
+        ReadFrames({.file = log.file, .folder = {}, .frames = log.frames, .prefix = log.prefix},
+                   AllParts(), visit);
+    if (!complaint.empty()) std::cerr << "sprout-evaluate: " << complaint << "\n";
   } catch (const LogError& e) {
     throw ConfigError(std::string("--log ") + e.what());
   }
@@ -26,4 +24,4 @@ void ReadFrames(const LogChoice& log, const std::function<void(const Frame&)>& v
 }  // namespace
 }  // namespace sprout
 
-int main(int argc, char** argv) { return sprout::EvaluateMain(argc, argv, sprout::ReadFrames); }
+int main(int argc, char** argv) { return sprout::EvaluateMain(argc, argv, sprout::ReadLog); }

@@ -102,9 +102,8 @@ bool HasOneSize(const Frame& frame) {
   return frame.left.size() == size && frame.rig->pair.size() == size;
 }
 
-void Finish(const LogFrames& frames, const FrameFileNames& names, const PicturesOptions& options,
-            const std::string& nothing) {
-  const std::string complaint = frames.Complaint();
+void Finish(const std::string& complaint, const FrameFileNames& names,
+            const PicturesOptions& options, const std::string& nothing) {
   if (names.files() == 0) {
     throw LogError(options.file, nothing + (complaint.empty() ? "" : "; " + complaint));
   }
@@ -117,10 +116,9 @@ void Finish(const LogFrames& frames, const FrameFileNames& names, const Pictures
 
 int RunImages(const PicturesOptions& options) {
   FrameFileNames names(options.folder);
-  LogFrames frames(options, AllParts(),
-                   [&](const Frame& frame) { WriteFramePictures(frame, names); });
-  frames.Read();
-  Finish(frames, names, options, "no message of these frames that can be shown");
+  const std::string complaint = ReadFrames(
+      options, AllParts(), [&](const Frame& frame) { WriteFramePictures(frame, names); });
+  Finish(complaint, names, options, "no message of these frames that can be shown");
   return 0;
 }
 
@@ -137,7 +135,7 @@ int RunExport(const ExportOptions& options) {
                              const char* what) {
     if (options.pfm && map) Require(WritePfm(names.Of(frame.id, what), *map));
   };
-  LogFrames frames(options, parts, [&](const Frame& frame) {
+  const std::string complaint = ReadFrames(options, parts, [&](const Frame& frame) {
     write_pfm(frame, PriorOf(frame), "prior.pfm");
     write_pfm(frame, frame.unfilled, "unfilled.pfm");
     write_pfm(frame, frame.disparity, "disparity.pfm");
@@ -159,7 +157,6 @@ int RunExport(const ExportOptions& options) {
     Require(WriteCloudPly(names.Of(frame.id, "cloud.ply"), frame.rig->pair, *frame.disparity,
                           frame.left));
   });
-  frames.Read();
   if (without_cloud > 0) {
     std::cerr << fmt::format(
         "sprout-log: no cloud of {} frames: a cloud needs disparity, left image "
@@ -169,7 +166,7 @@ int RunExport(const ExportOptions& options) {
   if (misfits > 1) {
     std::cerr << fmt::format("sprout-log: no cloud of {} frames that differ in size\n", misfits);
   }
-  Finish(frames, names, options, "no message of these frames that can be exported");
+  Finish(complaint, names, options, "no message of these frames that can be exported");
   return misfits > 0 ? 1 : 0;
 }
 
