@@ -8,7 +8,7 @@
 #include "common/logfile/event_format.h"
 #include "common/logfile/file_window.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 // Of a message, enough to know its frame; images need not be read for it.
@@ -69,4 +69,4 @@ Frame FrameLookup::Get(const FrameId& id, const PartSet& parts) {
   return frame;
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

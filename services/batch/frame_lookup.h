@@ -12,7 +12,7 @@
 #include "common/logfile/event_fetcher.h"
 #include "services/batch/log_index.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// Finds the parts of frames in small logs, in any order: those of a frame are together whatever
 /// log they stand in. Opening reads where each message begins.
@@ -47,6 +47,6 @@ class FrameLookup {
   std::deque<Log> logs_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_FRAME_LOOKUP_H_

@@ -12,7 +12,7 @@
 #include "common/core/digest.h"
 #include "common/frames/frame_joiner.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 // More than a joiner remembers; the newest.
@@ -231,4 +231,4 @@ LogPlan PlanShards(const LogIndex& index, const PlanOptions& options) {
   return Planner(index, options).Plan();
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

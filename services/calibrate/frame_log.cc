@@ -8,7 +8,7 @@
 #include "common/config/config.h"
 #include "common/frames/whole_frames.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 ConfigError NoFrame(const std::filesystem::path& path, const std::string& prefix, PartSet parts,
@@ -45,4 +45,4 @@ std::string ReadFrameLog(const std::filesystem::path& path, const std::string& p
   return fmt::format("{}: {}", path.string(), fmt::join(complaints, "; "));
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

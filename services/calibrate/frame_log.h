@@ -7,7 +7,7 @@
 
 #include "common/core/frame.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// Reads the frames of a log that have all of `parts`, see WholeFrames.
 /// @param prefix  before SPROUT_LEFT and so on.
@@ -17,6 +17,6 @@ namespace sprout {
 std::string ReadFrameLog(const std::filesystem::path& path, const std::string& prefix,
                          PartSet parts, const std::function<void(const Frame&)>& visit);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_FRAME_LOG_H_

@@ -11,7 +11,7 @@
 #include "common/core/frame.h"
 #include "services/check/findings.h"
 
-namespace sprout {
+namespace sprout::check {
 
 /// What is looked at in a stage.
 inline constexpr Rule kStageRules[] = {
@@ -46,6 +46,6 @@ bool IsSameAnswer(const PartValue& a, const PartValue& b);
 /// One line for people on how far answers are from those that were recorded.
 std::string CompareAnswers(std::span<const PartValue> answers, std::span<const PartValue> recorded);
 
-}  // namespace sprout
+}  // namespace sprout::check
 
 #endif  // SPROUT_SERVICES_CHECK_CONTRACT_H_

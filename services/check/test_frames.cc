@@ -9,7 +9,7 @@
 #include "common/config/config.h"
 #include "common/frames/log_frames.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 // Copies of images and maps share their pixels: replaced here, never written to.
@@ -172,4 +172,4 @@ std::vector<TestFrame> PoorFrames(const TestFrame& good) {
   return frames;
 }
 
-}  // namespace sprout
+}  // namespace sprout::check

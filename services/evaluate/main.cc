@@ -7,14 +7,14 @@
 #include "services/evaluate/program.h"
 #include "services/log/log_frames.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
-void ReadLog(const LogChoice& log, const std::function<void(const Frame&)>& visit) {
+void ReadFrames(const LogChoice& log, const std::function<void(const Frame&)>& visit) {
   try {
-    const std::string complaint =
-        ReadFrames({.file = log.file, .folder = {}, .frames = log.frames, .prefix = log.prefix},
-                   AllParts(), visit);
+    const std::string complaint = log::ReadFrames(
+        {.file = log.file, .folder = {}, .frames = log.frames, .prefix = log.prefix}, AllParts(),
+        visit);
     if (!complaint.empty()) std::cerr << "sprout-evaluate: " << complaint << "\n";
   } catch (const LogError& e) {
     throw ConfigError(std::string("--log ") + e.what());
@@ -22,6 +22,8 @@ void ReadLog(const LogChoice& log, const std::function<void(const Frame&)>& visi
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
-int main(int argc, char** argv) { return sprout::EvaluateMain(argc, argv, sprout::ReadLog); }
+int main(int argc, char** argv) {
+  return sprout::evaluate::EvaluateMain(argc, argv, sprout::evaluate::ReadFrames);
+}

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace sprout {
+namespace sprout::log {
 
 ChannelFilter::ChannelFilter(const std::vector<std::string>& names, std::string prefix)
     : prefix_(std::move(prefix)) {
@@ -13,4 +13,4 @@ bool ChannelFilter::Has(std::string_view channel) const {
   return names_.empty() ? channel.starts_with(prefix_) : names_.contains(channel);
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sprout {
+namespace sprout::log {
 
 /// Which channels a subcommand looks at: those named, or all whose name begins with the prefix.
 class ChannelFilter {
@@ -24,6 +24,6 @@ class ChannelFilter {
   std::string prefix_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_CHANNELS_H_

@@ -7,11 +7,11 @@
 
 #include "common/config/frame_range.h"
 
-// The subcommands of sprout-log. Each reads whole logs in constant memory (but for some
-// hundred bytes a frame or message, see README.md), prints to stdout, and returns the program's exit
-// code. @throws LogError for a log that cannot be used, ConfigError for flags that cannot,
-// Interrupted after Ctrl-C. Output files appear whole or not at all.
-namespace sprout {
+// The subcommands of sprout-log. Each reads whole logs in constant memory (but for some hundred
+// bytes a frame or message, see README.md), prints to stdout, and returns the program's exit code.
+// @throws LogError for a log that cannot be used, ConfigError for flags that cannot, Interrupted
+// after Ctrl-C. Output files appear whole or not at all.
+namespace sprout::log {
 
 struct InfoOptions {
   std::filesystem::path file;
@@ -66,7 +66,11 @@ struct PicturesOptions {
   std::string frames;  ///< see ParseFrameRange(); empty: all
   std::string prefix;
 };
-int RunImages(const PicturesOptions& options);
+
+struct ImagesOptions : PicturesOptions {
+  std::string truth;  ///< the source that capture sent, for its ground truth; empty: none
+};
+int RunImages(const ImagesOptions& options);
 
 /// @pre `folder` is for the pictures of the worst frames; empty: none.
 struct RankOptions : PicturesOptions {
@@ -78,11 +82,12 @@ struct RankOptions : PicturesOptions {
 int RunRank(const RankOptions& options);
 
 struct ExportOptions : PicturesOptions {
-  bool ply = false;
-  bool pfm = false;
+  bool ply = false;   ///< point clouds
+  bool mesh = false;  ///< surfaces
+  bool pfm = false;   ///< maps
 };
 int RunExport(const ExportOptions& options);
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_COMMANDS_H_

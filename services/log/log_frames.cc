@@ -10,7 +10,7 @@
 #include "services/log/damage_text.h"
 #include "services/log/read_progress.h"
 
-namespace sprout {
+namespace sprout::log {
 
 std::string ReadFrames(const PicturesOptions& options, PartSet parts,
                        const std::function<void(const Frame&)>& visit) {
@@ -50,4 +50,4 @@ std::filesystem::path FrameFileNames::Of(const FrameId& id, const std::string& w
   return folder_ / (number + (other ? fmt::format("_{}", id.utime) : "") + "_" + what);
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

@@ -11,7 +11,7 @@
 #include "common/core/frame.h"
 #include "services/log/commands.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// Reads the frames of a log that are asked for, each with what the log holds of `parts`; what a
 /// frame is, see FrameIndex. Shows how far it is and warns of damage.
@@ -39,6 +39,6 @@ class FrameFileNames {
   int64_t files_ = 0;
 };
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_LOG_FRAMES_H_

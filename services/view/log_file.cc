@@ -12,14 +12,14 @@
 #include "common/messages/codec.h"
 #include "services/view/packet.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 // Whoever looks is told of new frames this often.
 constexpr std::chrono::milliseconds kTell{200};
 
-StatusBoard::Clock::time_point AsTime(int64_t utime) {
-  return StatusBoard::Clock::time_point(std::chrono::microseconds(utime));
+top::StatusBoard::Clock::time_point AsTime(int64_t utime) {
+  return top::StatusBoard::Clock::time_point(std::chrono::microseconds(utime));
 }
 
 }  // namespace
@@ -159,4 +159,4 @@ std::string LogFile::TimeLineText(int buckets) const {
                    {"buckets", std::move(list)}});
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

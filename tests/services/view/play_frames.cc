@@ -13,7 +13,7 @@
 #include "common/frames/frame_index.h"
 #include "common/logfile/event_fetcher.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 struct Message {
@@ -67,7 +67,7 @@ int Main(const std::string& path, double rate_hz, double seconds) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::view
 
 int main(int argc, char** argv) {
   if (argc != 4) {
