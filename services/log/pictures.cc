@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "common/config/config.h"
+#include "common/logfile/log_error.h"
 #include "common/core/image.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
