@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "common/config/config.h"
-#include "common/logfile/log_error.h"
 #include "common/core/image.h"
+#include "common/logfile/log_error.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
 #include "services/log/frame_pictures.h"
