@@ -154,17 +154,15 @@ class Replay {
 
   // False for messages of frames out of range, which are then neither decoded nor missed.
   bool IsWanted(std::string_view channel, std::span<const uint8_t> bytes) {
-    for (const Part part : kAllParts) {
-      if (ChannelOf(part) != channel || part == Part::kRig || !plug_.Inputs().Has(part)) continue;
-      const Result<FrameId> id = DecodeFrameId(bytes);
-      // What names no frame is left to the border, which counts it as a bad message.
-      if (TypeOf(bytes) != TypeOf(part) || !id || id->seq < 0) return true;
-      if (!seen_) seen_ = FrameRange{.first = id->seq, .last = id->seq};
-      seen_->first = std::min(seen_->first, id->seq);
-      seen_->last = std::max(seen_->last, id->seq);
-      return options_.frames.Has(id->seq);
-    }
-    return true;
+    const std::optional<Part> part = PartOf(channel);
+    if (!part || part == Part::kRig || !plug_.Inputs().Has(*part)) return true;
+    const Result<FrameId> id = DecodeFrameId(bytes);
+    // What names no frame is left to the border, which counts it as a bad message.
+    if (TypeOf(bytes) != TypeOf(*part) || !id || id->seq < 0) return true;
+    if (!seen_) seen_ = FrameRange{.first = id->seq, .last = id->seq};
+    seen_->first = std::min(seen_->first, id->seq);
+    seen_->last = std::max(seen_->last, id->seq);
+    return options_.frames.Has(id->seq);
   }
 
   void ShowProgress() {
@@ -184,11 +182,11 @@ class Replay {
     std::vector<std::string> missing;
     for (const std::string_view channel : assembler_.channels()) {
       const std::string name = LoggedChannel(channel);
-      if (!input_.channels().contains(name)) missing.push_back(name);
+      if (!input_.channels().Has(name)) missing.push_back(name);
     }
     if (!missing.empty()) {
-      throw ConfigError(
-          fmt::format("--replay {}: no {}; it has {}", logs, JoinText(missing), ChannelCounts()));
+      throw ConfigError(fmt::format("--replay {}: no {}; it has {}", logs, JoinText(missing),
+                                    input_.channels().Text()));
     }
     if (seen_ && (seen_->first > options_.frames.last || seen_->last < options_.frames.first)) {
       throw ConfigError(fmt::format("--frames: none of them in {}; it has {}:{}", logs,
@@ -196,15 +194,7 @@ class Replay {
     }
     throw ConfigError(fmt::format(
         "--replay {}: no frame is complete ({} lack a message, {} bad messages); it has {}", logs,
-        status.frames_incomplete, status.bad_messages, ChannelCounts()));
-  }
-
-  std::string ChannelCounts() const {
-    std::vector<std::string> counts;
-    for (const auto& [channel, count] : input_.channels()) {
-      counts.push_back(fmt::format("{} ({})", channel, count));
-    }
-    return counts.empty() ? "no events" : JoinText(counts);
+        status.frames_incomplete, status.bad_messages, input_.channels().Text()));
   }
 
   int Report(bool stopped) const {

@@ -35,6 +35,15 @@ requires requires(Map map) {
 
 }  // namespace
 
+std::optional<Part> PartOf(std::string_view channel, std::string_view prefix) {
+  if (!channel.starts_with(prefix)) return std::nullopt;
+  channel.remove_prefix(prefix.size());
+  for (const PartRow& row : kPartTable) {
+    if (row.channel == channel) return row.part;
+  }
+  return std::nullopt;
+}
+
 void SetPart(Frame& frame, Part part, PartValue value) {
   std::visit(
       [&](auto member) {

@@ -47,9 +47,9 @@ Result<void> AddRectified(const Rectifier& rectifier, const Frame& frame, RigChe
 int RunCheck(const CheckOptions& options) {
   std::optional<Rectifier> rectifier;
   std::string prefix = options.prefix;
-  std::vector<Part> parts = {Part::kLeft, Part::kRight, Part::kTof};
+  PartSet parts = {Part::kLeft, Part::kRight, Part::kTof};
   if (options.rig.empty()) {
-    parts.push_back(Part::kRig);
+    parts.Add(Part::kRig);
   } else {
     rectifier.emplace(RequireCalibration(LoadRigFile(options.rig), options.rig));
     prefix += kRawPrefix;

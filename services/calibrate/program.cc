@@ -14,6 +14,7 @@
 #include "common/app/program.h"
 #include "common/app/progress.h"
 #include "common/app/version.h"
+#include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/config/config.h"
 #include "common/core/number_text.h"
@@ -122,7 +123,7 @@ ViewCollector Collect(const Board& board, const Options& options) {
       });
     } else {
       const std::string complaint = ReadFrameLog(
-          input, options.prefix + kRawPrefix, {Part::kLeft, Part::kRight, Part::kTof},
+          input, options.prefix + std::string(kRawPrefix), {Part::kLeft, Part::kRight, Part::kTof},
           [&](const Frame& frame) {
             collector.Add({.left = frame.left, .right = frame.right, .tof = *frame.tof},
                           frame.id.utime);

@@ -12,14 +12,13 @@
 
 #include "common/app/progress.h"
 #include "common/bus/channels.h"
-#include "common/bus/frame_joiner.h"
 #include "common/bus/mailbox.h"
 #include "common/bus/receiver.h"
 #include "common/config/config_error.h"
 #include "common/core/signal_watcher.h"
+#include "common/frames/frame_joiner.h"
 #include "common/messages/codec.h"
 #include "services/calibrate/coverage.h"
-#include "services/calibrate/frame_log.h"
 #include "services/calibrate/image_folder.h"
 #include "services/calibrate/report.h"
 #include "services/calibrate/view_collector.h"
@@ -93,7 +92,7 @@ class ViewFolder {
 class RawFrames {
  public:
   explicit RawFrames(const WatchOptions& options)
-      : receiver_(options.lcm_url, options.prefix + kRawPrefix, Channels(),
+      : receiver_(options.lcm_url, options.prefix + std::string(kRawPrefix), Channels(),
                   [this](std::string_view channel, std::span<const uint8_t> bytes) {
                     OnMessage(channel, bytes);
                   }) {}
@@ -108,19 +107,16 @@ class RawFrames {
   }
 
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
-    for (const Part part : kParts) {
-      if (channel != ChannelOf(part)) continue;
-      Result<DecodedPart> decoded = DecodePart(part, bytes);
-      if (!decoded) {
-        // Frames without it do not complete, which the silence tells; why, is told once.
-        if (!complained_) std::cerr << "sprout-calibrate: " << decoded.error().text << std::endl;
-        complained_ = true;
-        return;
-      }
-      for (Frame& frame : joiner_.Add(decoded->id, part, std::move(decoded->value))) {
-        mailbox_.Put(std::move(frame));
-      }
+    const std::optional<Part> part = PartOf(channel);
+    if (!part) return;
+    Result<std::vector<Frame>> frames = joiner_.AddMessage(*part, bytes);
+    if (!frames) {
+      // Frames without it do not complete, which the silence tells; why, is told once.
+      if (!complained_) std::cerr << "sprout-calibrate: " << frames.error().text << std::endl;
+      complained_ = true;
+      return;
     }
+    for (Frame& frame : *frames) mailbox_.Put(std::move(frame));
   }
 
   FrameJoiner joiner_{PartSet{Part::kLeft, Part::kRight, Part::kTof}};

@@ -96,13 +96,6 @@ std::string CompareMaps(std::span<const PartValue> answers, std::span<const Part
 
 }  // namespace
 
-std::optional<Part> PartOf(std::string_view channel) {
-  for (const Part part : kAllParts) {
-    if (channel == ChannelOf(part)) return part;
-  }
-  return std::nullopt;
-}
-
 StageContract ContractOf(const std::string& stage) {
   if (stage == "refine") {
     return {.stage = stage,

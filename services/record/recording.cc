@@ -17,13 +17,6 @@ namespace {
 
 constexpr size_t kMaxQueuedBytes = size_t{1} << 29;
 
-std::optional<Part> PartOf(std::string_view channel) {
-  for (const PartRow& row : kPartTable) {
-    if (row.channel == channel) return row.part;
-  }
-  return std::nullopt;
-}
-
 // The first one that every frame has; RIG comes once a second.
 std::optional<Part> CountedPart(const std::vector<std::string>& channels) {
   for (const PartRow& row : kPartTable) {

@@ -30,13 +30,6 @@ constexpr int64_t kIdleUtime = 300'000'000;
 
 constexpr size_t kMaxRigs = 16;
 
-std::optional<Part> PartOf(std::string_view channel) {
-  for (const PartRow& row : kPartTable) {
-    if (row.channel == channel) return row.part;
-  }
-  return std::nullopt;
-}
-
 bool IsShown(Part part) {
   return part == Part::kLeftSeeds ||
          std::find(kShownParts.begin(), kShownParts.end(), part) != kShownParts.end();

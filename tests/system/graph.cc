@@ -31,12 +31,12 @@ void Graph::OnMessage(std::string_view channel, std::span<const uint8_t> bytes) 
   if (channel == kStatusChannel) {
     if (const Result<StageStatus> status = DecodeStatus(bytes)) statuses[status->stage] = *status;
   }
-  for (const Part part : kAllParts) {
-    if (channel != ChannelOf(part)) continue;
-    Result<DecodedPart> decoded = DecodePart(part, bytes);
-    if (!decoded) continue;  // tests send bad ones, too
-    parts[{part, decoded->id.seq}] = std::move(decoded->value);
-    ++part_counts[{part, decoded->id.seq}];
+  if (const std::optional<Part> part = PartOf(channel)) {
+    Result<DecodedPart> decoded = DecodePart(*part, bytes);
+    if (decoded) {  // tests send bad ones, too
+      parts[{*part, decoded->id.seq}] = std::move(decoded->value);
+      ++part_counts[{*part, decoded->id.seq}];
+    }
   }
   changed_.notify_all();
 }

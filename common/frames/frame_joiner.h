@@ -1,17 +1,23 @@
-#ifndef SPROUT_COMMON_BUS_FRAME_JOINER_H_
-#define SPROUT_COMMON_BUS_FRAME_JOINER_H_
+#ifndef SPROUT_COMMON_FRAMES_FRAME_JOINER_H_
+#define SPROUT_COMMON_FRAMES_FRAME_JOINER_H_
 
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
-#include "common/bus/sequence_gaps.h"
 #include "common/core/frame.h"
+#include "common/core/result.h"
+#include "common/frames/sequence_gaps.h"
 
 namespace sprout {
 
-/// Puts the messages of one capture together again.
+/// Puts the messages of one capture together again: the rule of all who need whole frames, live and
+/// from logs (stages, replays, capture's log feed, calibrate). Who looks into a log for what is
+/// there, whole or not, has that of FrameIndex.
 ///
 /// Parts belong together when their whole FrameId is equal. The calibration travels apart, once a
 /// second: it joins every frame that names its rig_id. A frame that completes makes older
@@ -37,6 +43,11 @@ class FrameJoiner {
   /// @returns the frames that are complete now, oldest first: none or one, and more only when a
   ///          late calibration completes several.
   std::vector<Frame> Add(const FrameId& id, Part part, PartValue value);
+
+  /// Decodes the message of a part, of which a compressed picture or map must have the size that is
+  /// known of its frame (ImageSizeOf()), and adds it.
+  /// @returns as Add(); an error for a message that is refused at the border, see DecodePart().
+  Result<std::vector<Frame>> AddMessage(Part part, std::span<const uint8_t> bytes);
 
   /// Size that the rectified images of a frame have: as its calibration says, or else as its first
   /// image or map does; nothing when neither is here yet.
@@ -83,4 +94,4 @@ class FrameJoiner {
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_BUS_FRAME_JOINER_H_
+#endif  // SPROUT_COMMON_FRAMES_FRAME_JOINER_H_

@@ -1,4 +1,4 @@
-#include "common/bus/sequence_gaps.h"
+#include "common/frames/sequence_gaps.h"
 
 #include <gtest/gtest.h>
 

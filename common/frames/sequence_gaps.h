@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_BUS_SEQUENCE_GAPS_H_
-#define SPROUT_COMMON_BUS_SEQUENCE_GAPS_H_
+#ifndef SPROUT_COMMON_FRAMES_SEQUENCE_GAPS_H_
+#define SPROUT_COMMON_FRAMES_SEQUENCE_GAPS_H_
 
 #include <cstdint>
 #include <optional>
@@ -43,4 +43,4 @@ class SequenceGaps {
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_BUS_SEQUENCE_GAPS_H_
+#endif  // SPROUT_COMMON_FRAMES_SEQUENCE_GAPS_H_

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "common/bus/frame_joiner.h"
-#include "tests/common/bus/joiner_messages.h"
+#include "common/frames/frame_joiner.h"
+#include "tests/common/frames/joiner_messages.h"
 
 // What is dropped, left out, or sent again; and that each is counted once.
 namespace sprout {

@@ -1,10 +1,10 @@
-#ifndef SPROUT_TESTS_COMMON_BUS_JOINER_MESSAGES_H_
-#define SPROUT_TESTS_COMMON_BUS_JOINER_MESSAGES_H_
+#ifndef SPROUT_TESTS_COMMON_FRAMES_JOINER_MESSAGES_H_
+#define SPROUT_TESTS_COMMON_FRAMES_JOINER_MESSAGES_H_
 
 #include <string>
 #include <vector>
 
-#include "common/bus/frame_joiner.h"
+#include "common/frames/frame_joiner.h"
 #include "tests/common/core/even_prior.h"
 
 // Short names for what the joiner is fed with.
@@ -54,4 +54,4 @@ using Seqs = std::vector<int64_t>;
 
 }  // namespace sprout
 
-#endif  // SPROUT_TESTS_COMMON_BUS_JOINER_MESSAGES_H_
+#endif  // SPROUT_TESTS_COMMON_FRAMES_JOINER_MESSAGES_H_

@@ -1,8 +1,10 @@
-#include "common/bus/frame_joiner.h"
+#include "common/frames/frame_joiner.h"
 
 #include <algorithm>
 #include <cassert>
 #include <utility>
+
+#include "common/messages/codec.h"
 
 namespace sprout {
 namespace {
@@ -32,6 +34,13 @@ std::vector<Frame> FrameJoiner::Add(const FrameId& id, Part part, PartValue valu
   std::vector<Frame> complete = TakeComplete();
   KeepWithinBudget();
   return complete;
+}
+
+Result<std::vector<Frame>> FrameJoiner::AddMessage(Part part, std::span<const uint8_t> bytes) {
+  const Result<FrameId> id = DecodeFrameId(bytes);
+  Result<DecodedPart> decoded = DecodePart(part, bytes, id ? ImageSizeOf(*id) : std::nullopt);
+  if (!decoded) return tl::unexpected(decoded.error());
+  return Add(decoded->id, part, std::move(decoded->value));
 }
 
 // Of a pending frame; their number when it is not among them.

@@ -1,10 +1,10 @@
-#include "common/bus/frame_joiner.h"
+#include "common/frames/frame_joiner.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "tests/common/bus/joiner_messages.h"
+#include "tests/common/frames/joiner_messages.h"
 
 // What belongs together.
 namespace sprout {
