@@ -15,6 +15,7 @@
 #include "common/core/digest.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/interrupt.h"
+#include "services/batch/logs_below.h"
 #include "services/batch/shard_run.h"
 #include "services/batch/text_file.h"
 
@@ -33,14 +34,7 @@ void AddInput(const std::string& input, std::vector<std::string>& logs) {
       if (!line.empty()) AddInput(line, logs);
     }
   } else if (fs::is_directory(input)) {
-    std::vector<std::string> found;
-    for (const auto& entry : fs::recursive_directory_iterator(input)) {
-      if (entry.is_regular_file() && entry.path().extension() == ".lcm") {
-        found.push_back(Absolute(entry.path()));
-      }
-    }
-    if (found.empty()) throw ConfigError(input + ": no log (*.lcm) in this folder");
-    std::sort(found.begin(), found.end());
+    const std::vector<std::string> found = LogsBelow(input);
     logs.insert(logs.end(), found.begin(), found.end());
   } else if (fs::is_regular_file(input)) {
     logs.push_back(Absolute(input));
