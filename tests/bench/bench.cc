@@ -1,7 +1,9 @@
 // Times of every stage and of the whole chain beside OpenCV's semi-global matching on the same
 // images, for scripts/bench. Each benchmark is called PART/PRESET/MEGAPIXELS/THREADS and gives the
 // time of one frame, the mean over the scenes. default-blind50 and default-none are preset default
-// with half of the ToF returns, and without any. rectify/colour has a coloured left image.
+// with half of the ToF returns, and without any; default-confidence is the preset as it stands,
+// with the confidence that it publishes. rectify/colour has a coloured left image. Memory is that
+// of a plain process: a service would keep it from frame to frame, see Service.
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>
@@ -49,11 +51,19 @@ const std::vector<BenchFrame>& FramesOf(cv::Size size) {
   return frames;
 }
 
-// The plugs of the services, one object a stage for all frames. Without the confidence, which
-// OpenCV's methods do not give.
+// What is measured of the chain.
+struct Variant {
+  std::string preset;
+  double lost = 0;          // share of the ToF returns that are taken away
+  bool confidence = false;  // OpenCV's methods give none
+};
+
+// The plugs of the services, one object a stage for all frames.
 struct Chain {
-  explicit Chain(SproutConfig config)
-      : refine(config.refine()), prior(config.prior()), grow(WithoutConfidence(config.grow())) {}
+  Chain(const SproutConfig& config, bool confidence)
+      : refine(config.refine()),
+        prior(config.prior()),
+        grow(confidence ? config.grow() : WithoutConfidence(config.grow())) {}
 
   static GrowConfig WithoutConfidence(GrowConfig config) {
     config.set_publish_confidence(false);
@@ -110,16 +120,15 @@ void RunOnAllScenes(benchmark::State& state, cv::Size size, size_t scenes, const
   state.counters["pixels"] = size.area();
 }
 
-// @param lost  share of the ToF returns that are taken away.
-void MeasurePart(benchmark::State& state, BenchPart part, const std::string& preset, double lost,
-                 cv::Size size, int threads) {
+void MeasurePart(benchmark::State& state, BenchPart part, const Variant& variant, cv::Size size,
+                 int threads) {
   cv::setNumThreads(threads);
-  Chain chain(LoadConfig({preset}));
+  Chain chain(LoadConfig({variant.preset}), variant.confidence);
   std::vector<BenchFrame> frames = FramesOf(size);
   std::vector<Inputs> inputs;
   for (BenchFrame& bench : frames) {
     bench.frame.tof.depth_m = bench.frame.tof.depth_m.clone();
-    LoseDarkReturns(lost, bench);
+    LoseDarkReturns(variant.lost, bench);
     Frame frame;
     frame.left = bench.frame.left;
     frame.right = bench.frame.right;
@@ -199,13 +208,16 @@ void RegisterAll() {
       for (const std::string preset : {"fast", "default"}) {
         for (const auto& [part, name] : kBenchParts) {
           Register(std::string(name) + "/" + preset + where, [=](benchmark::State& state) {
-            MeasurePart(state, part, preset, /*lost=*/0, size, threads);
+            MeasurePart(state, part, {.preset = preset}, size, threads);
           });
         }
       }
-      for (const auto& [name, lost] : {std::pair{"blind50", 0.5}, {"none", 1.0}}) {
+      for (const auto& [name, variant] :
+           {std::pair<const char*, Variant>{"blind50", {.preset = "default", .lost = 0.5}},
+            {"none", {.preset = "default", .lost = 1}},
+            {"confidence", {.preset = "default", .confidence = true}}}) {
         Register(std::string("chain/default-") + name + where, [=](benchmark::State& state) {
-          MeasurePart(state, BenchPart::kChain, "default", lost, size, threads);
+          MeasurePart(state, BenchPart::kChain, variant, size, threads);
         });
       }
     }
