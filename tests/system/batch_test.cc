@@ -7,14 +7,13 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
-#include <functional>
-#include <thread>
 
 #include "common/logfile/log_reader.h"
 #include "services/batch/frame_rows.h"
 #include "services/batch/manifest.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/batch_logs.h"
+#include "tests/system/eventually.h"
 
 namespace sprout {
 namespace {
@@ -40,15 +39,6 @@ Outcome RunProgramOf(const std::vector<std::string>& words,
   Process process(command);
   const int code = process.Wait(std::chrono::seconds(240)).value_or(-1);
   return {code, process.Output()};
-}
-
-bool Eventually(const std::function<bool()>& condition, std::chrono::seconds timeout) {
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
-  return true;
 }
 
 // What the three stages record over a whole log on one machine, merged.
