@@ -8,7 +8,7 @@
 
 #include "common/config/config.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 std::vector<std::string> LogsBelow(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
@@ -31,4 +31,4 @@ std::vector<std::string> LogsBelow(const std::filesystem::path& folder) {
   return logs;
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

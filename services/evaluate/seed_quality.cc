@@ -9,7 +9,7 @@
 
 #include "services/refine/refiner.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 double Percent(int64_t part, int64_t whole) {
@@ -79,7 +79,7 @@ double RefinementQuality::good_lost_percent() const { return Percent(good_lost, 
 RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config) {
   RefinementQuality quality;
   quality.refined =
-      Refiner(scene.WithRange(config))
+      refine::Refiner(scene.WithRange(config))
           .Compute(scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector)
           .value_or(SeedSet());
   const std::vector<Seed> points = ProjectAll(scene);
@@ -89,4 +89,4 @@ RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config
   return quality;
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

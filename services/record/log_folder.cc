@@ -17,7 +17,7 @@
 
 #include "common/config/config.h"
 
-namespace sprout {
+namespace sprout::record {
 namespace {
 
 namespace fs = std::filesystem;
@@ -186,4 +186,4 @@ void LogFolder::RequireThere() const {
   if (file_ && !file_->IsThere()) throw LogError(file_->path(), "has vanished");
 }
 
-}  // namespace sprout
+}  // namespace sprout::record

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace sprout {
+namespace sprout::record {
 
 Recorder::Recorder(const std::optional<RingOptions>& ring, LogFolder& folder) : folder_(folder) {
   if (!ring) return;
@@ -51,4 +51,4 @@ void Recorder::CloseIfApart() {
   folder_.Close();
 }
 
-}  // namespace sprout
+}  // namespace sprout::record

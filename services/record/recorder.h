@@ -9,7 +9,7 @@
 #include "services/record/log_folder.h"
 #include "services/record/recorded_event.h"
 
-namespace sprout {
+namespace sprout::record {
 
 struct RingOptions {
   RecordedEvent::Clock::duration length{};  ///< what is kept of the time before a trigger
@@ -56,6 +56,6 @@ class Recorder {
   size_t missing_ = 0;         // newest messages of the ring that are not in the open log
 };
 
-}  // namespace sprout
+}  // namespace sprout::record
 
 #endif  // SPROUT_SERVICES_RECORD_RECORDER_H_

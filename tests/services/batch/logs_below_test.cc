@@ -8,7 +8,7 @@
 #include "common/config/config.h"
 #include "tests/common/picture/temporary_directory.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -47,4 +47,4 @@ TEST(LogsBelow, GivesALogWithSeveralNamesOnce) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::batch
