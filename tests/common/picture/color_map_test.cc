@@ -18,7 +18,7 @@ TEST(ColorMap, KeepsPixelsWithoutValueFarFromEveryColorOfTheScale) {
   }
 }
 
-// Entries 18, 75, 132, 170 and 246 of the table that Mikhailov published (Turbo, 2019), RGB, 0
+// Entries 18, 75, 132, 188 and 246 of the table that Mikhailov published (Turbo, 2019), RGB, 0
 // to 1.
 TEST(ColorMap, GoesFromBlueToRed) {
   struct Entry {
@@ -27,7 +27,7 @@ TEST(ColorMap, GoesFromBlueToRed) {
   };
   for (const auto& [value, rgb] :
        {Entry{10, {0.25618, 0.27412, 0.67381}}, Entry{12.5, {0.10026, 0.82955, 0.81389}},
-        Entry{15, {0.68494, 0.97941, 0.21602}}, Entry{17.5, {0.98000, 0.73000, 0.22161}},
+        Entry{15, {0.68494, 0.97941, 0.21602}}, Entry{17.5, {0.99153, 0.54036, 0.14910}},
         Entry{20, {0.59550, 0.05399, 0.00453}}}) {
     const cv::Vec3b color = ColorOf(value, {10, 20});
     for (int i = 0; i < 3; ++i) {

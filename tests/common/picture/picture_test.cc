@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <string>
 
 #include "common/picture/text.h"
 
@@ -64,8 +65,11 @@ TEST(DisparityPicture, MarksWhatItsScaleDoesNotReach) {
   };
   const int cols = arrows_with(64).cols;
   EXPECT_EQ(arrows_with(64), (Arrows{0, 0, cols}));
-  EXPECT_EQ(arrows_with(64.25), (Arrows{48, 0, cols + TextWidth(">64", 9) - TextWidth("64", 9)}));
-  EXPECT_EQ(arrows_with(-0.25), (Arrows{0, 48, cols})) << "'<0' is not wider than '64'";
+  const auto wider_than_64 = [](const std::string& text) {
+    return TextWidth(text, 9) - TextWidth("64", 9);
+  };
+  EXPECT_EQ(arrows_with(64.25), (Arrows{48, 0, cols + wider_than_64(">64")}));
+  EXPECT_EQ(arrows_with(-0.25), (Arrows{0, 48, cols + wider_than_64("<0")}));
 }
 
 TEST(DisparityPicture, HasDepthsBesideDisparitiesWithAPair) {
