@@ -93,7 +93,8 @@ TEST(Grower, SearchesAsFarAsThePriorIsUnsure) {
   // Pixels that got a disparity, and those that got the right one.
   const auto grown = [&] {
     const DisparityImage map = Grower(config).Compute(left, right, seeds, prior).value();
-    return std::pair{map.CountValid(), cv::countNonZero(map.counts() == ToCounts(5))};
+    return std::pair{static_cast<int>(map.CountValid()),
+                     cv::countNonZero(map.counts() == ToCounts(5))};
   };
   // Both windows must lie in the images, which rows 2 to 37 and columns 7 to 57 do.
   const std::pair nothing{0, 0}, everything{36 * 51, 36 * 51};
