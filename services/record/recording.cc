@@ -160,8 +160,10 @@ void Recording::PullTrigger(RecordedEvent::Clock::time_point now, const std::str
     return LogLine(LogLevel::kInfo, "trigger ({}): without --ring all is written anyway", who);
   ++triggers_;
   const int64_t before = folder_.events();
-  if (!recorder_.Trigger(now))
-    return LogLine(LogLevel::kDebug, "trigger ({}): prolongs the log", who);
+  if (!recorder_.Trigger(now)) {  // which may happen with every message
+    LogLine(LogLevel::kDebug, "trigger ({}): the log goes on", who);
+    return monitor_.Remember(fmt::format("trigger ({}): the log goes on", who));
+  }
   const auto& events = recorder_.ring()->events();
   const double held_s =
       events.empty() ? 0 : std::chrono::duration<double>(now - events.front().arrived).count();

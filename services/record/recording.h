@@ -35,7 +35,7 @@ struct RecordingOptions {
 class Recording {
  public:
   /// @param monitor  is told what is lost; its status goes into the log.
-  /// @throws LogError for a folder that cannot be used, BusError, see OpenLcm().
+  /// @throws ConfigError for a folder that cannot be used, BusError, see OpenLcm().
   Recording(const ServiceContext& context, RecordingOptions options, StageMonitor& monitor);
 
   ~Recording() { queue_.Close(); }

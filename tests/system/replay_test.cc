@@ -9,6 +9,7 @@
 #include "common/messages/codec.h"
 #include "services/datasets/dataset.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/system/eventually.h"
 #include "tests/system/graph.h"
 #include "tests/system/log_bytes.h"
 
