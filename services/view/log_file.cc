@@ -137,7 +137,7 @@ StoredFramePtr LogFile::Get(int64_t key) const {
       ++frame->version;
     }
   } catch (const LogError& e) {  // the file was changed meanwhile
-    spdlog::warn(e.what());
+    unreadable_.Warn(e.what());
     return nullptr;
   }
   return frame;

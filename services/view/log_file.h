@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/app/log_limiter.h"
 #include "common/logfile/event_fetcher.h"
 #include "common/logfile/log_reader.h"
 #include "services/view/frame_source.h"
@@ -79,6 +80,7 @@ class LogFile : public FrameSource {
   LogReader reader_;
   mutable std::mutex fetch_mutex_;
   mutable EventFetcher fetcher_;
+  mutable LimitedWarnings unreadable_;
   mutable std::mutex mutex_;
   std::vector<Entry> entries_;
   std::map<std::string, int64_t> rigs_;  // offsets by rig_id
