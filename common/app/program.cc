@@ -1,9 +1,12 @@
 #include "common/app/program.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <sstream>
 
+#include "common/app/help_text.h"
+#include "common/app/limits_text.h"
 #include "common/config/config.h"
 
 namespace sprout {
@@ -23,9 +26,24 @@ CLI::Validator NumberIn(double low, double high) {
 
 namespace {
 
+// An empty text means what no flag means, and that is not what `--log "$FILE"` asks for when FILE
+// is not set. No prefix is a prefix like others.
+void RequireNoEmptyText(const CLI::App& flags) {
+  for (const CLI::Option* option : flags.get_options()) {
+    if (option->get_positional() || option->get_name() == "--channel-prefix") continue;
+    const std::vector<std::string>& texts = option->results();
+    if (std::find(texts.begin(), texts.end(), "") != texts.end()) {
+      throw ConfigError(option->get_name() + " '': allowed is a text that is not empty");
+    }
+  }
+  for (const CLI::App* subcommand : flags.get_subcommands()) RequireNoEmptyText(*subcommand);
+}
+
 int RunBody(CLI::App& flags, int argc, const char* const* argv, const std::function<int()>& body) {
   try {
+    WrapHelp(flags);
     flags.parse(argc, argv);
+    RequireNoEmptyText(flags);
     return body();
   } catch (const CLI::Success& e) {  // --help, --version
     return flags.exit(e);
@@ -36,7 +54,7 @@ int RunBody(CLI::App& flags, int argc, const char* const* argv, const std::funct
     std::cerr << flags.get_name() << ": " << e.what() << "\n";
     return 2;
   } catch (const std::exception& e) {
-    std::cerr << flags.get_name() << ": " << e.what() << "\n";
+    std::cerr << flags.get_name() << ": " << e.what() << ReachedLimitText(e) << "\n";
     return 1;
   }
 }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/app/log_limiter.h"
 #include "common/app/program.h"
 #include "common/app/service.h"
 #include "common/app/status_reporter.h"
@@ -135,8 +136,10 @@ int ShowLog(const ServiceContext& context, const Options& options) {
     const std::lock_guard lock(mutex);
     if (told != nullptr) told->FrameChanged();
   });
-  FrameEncoder encoder(
-      [&](Part part, const std::string& why) { spdlog::warn("{}: {}", ChannelOf(part), why); });
+  LimitedWarnings undecodable;
+  FrameEncoder encoder([&](Part part, const std::string& why) {
+    undecodable.Warn(fmt::format("{}: {}", ChannelOf(part), why));
+  });
   const HttpHandler handler(log, encoder, nullptr, &log, context.prefix);
   Server server(
       options.address, static_cast<uint16_t>(options.port),
@@ -206,6 +209,8 @@ int Main(int argc, char** argv) {
       return options.log.empty() ? ShowGraph(context, options) : ShowLog(context, options);
     } catch (const ListenError& e) {
       throw ConfigError(e.what());
+    } catch (const LogError& e) {
+      throw ConfigError(std::string("--log: ") + e.what());
     }
   });
 }
