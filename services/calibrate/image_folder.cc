@@ -8,7 +8,7 @@
 
 #include "common/config/config.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ void WriteImages(const std::filesystem::path& folder, const std::string& name,
   write("left", ".png", images.left);  // the last one: with it the triplet is there
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

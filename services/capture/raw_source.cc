@@ -4,7 +4,7 @@
 
 #include "common/core/image.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrated) {
@@ -13,7 +13,7 @@ Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrat
               SizeText(calibrated));
 }
 
-class RectifiedSource : public FrameSource {
+class RectifiedSource : public datasets::FrameSource {
  public:
   RectifiedSource(std::unique_ptr<RawSource> cameras, Rectifier rectifier)
       : cameras_(std::move(cameras)), rectifier_(std::move(rectifier)) {}
@@ -21,15 +21,15 @@ class RectifiedSource : public FrameSource {
   const Rig& rig() const override { return rectifier_.rig(); }
   bool is_live() const override { return cameras_->is_live(); }
 
-  std::optional<CapturedFrame> Next(const std::stop_token& stop) override {
+  std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) override {
     int64_t lost = 0;
     std::string trouble;
     while (true) {
-      std::optional<CapturedFrame> raw = cameras_->Next(stop);
+      std::optional<datasets::CapturedFrame> raw = cameras_->Next(stop);
       if (!raw) return std::nullopt;
       lost += raw->lost;
       if (!raw->trouble.empty()) trouble = raw->trouble;
-      Result<CapturedFrame> frame = RectifyFrame(rectifier_, std::move(*raw));
+      Result<datasets::CapturedFrame> frame = RectifyFrame(rectifier_, std::move(*raw));
       if (frame) {
         frame->lost = lost;
         frame->trouble = trouble;
@@ -47,7 +47,7 @@ class RectifiedSource : public FrameSource {
 
 }  // namespace
 
-Result<CapturedFrame> RectifyFrame(const Rectifier& rectifier, CapturedFrame raw) {
+Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier, datasets::CapturedFrame raw) {
   const RawRig& rig = rectifier.raw();
   Result<void> fits = CheckSize("left image", raw.left.size(), rig.left.size());
   if (fits) fits = CheckSize("right image", raw.right.size(), rig.right.size());
@@ -61,8 +61,8 @@ Result<CapturedFrame> RectifyFrame(const Rectifier& rectifier, CapturedFrame raw
   return raw;
 }
 
-std::unique_ptr<FrameSource> Rectified(std::unique_ptr<RawSource> cameras, Rectifier rectifier) {
+std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras, Rectifier rectifier) {
   return std::make_unique<RectifiedSource>(std::move(cameras), std::move(rectifier));
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

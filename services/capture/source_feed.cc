@@ -7,12 +7,12 @@
 #include "common/core/image.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 class SourceFeed : public CaptureFeed {
  public:
-  using Take = std::function<std::optional<CapturedFrame>(const std::stop_token&)>;
+  using Take = std::function<std::optional<datasets::CapturedFrame>(const std::stop_token&)>;
 
   // Without a rig the frames are not rectified.
   SourceFeed(Take take, bool is_live, std::optional<Rig> rig, const CaptureConfig& config,
@@ -26,7 +26,7 @@ class SourceFeed : public CaptureFeed {
   }
 
   std::optional<CaptureMessages> Next(const std::stop_token& stop) override {
-    std::optional<CapturedFrame> frame = take_(stop);
+    std::optional<datasets::CapturedFrame> frame = take_(stop);
     if (!frame) return std::nullopt;
     Tell(*frame);
     if (is_live_) monitor_.SetSpread(frame->spread_ms);
@@ -47,7 +47,7 @@ class SourceFeed : public CaptureFeed {
   Timing timing() const override { return is_live_ ? Timing::kLive : Timing::kAsked; }
 
  private:
-  void Tell(const CapturedFrame& frame) {
+  void Tell(const datasets::CapturedFrame& frame) {
     for (int64_t i = 0; i < frame.lost; ++i) monitor_.FrameFailed(newest_, frame.trouble);
     if (frame.lost == 0 && !frame.trouble.empty()) monitor_.Failure(frame.trouble);
   }
@@ -69,7 +69,7 @@ SourceFeed::Take TakeFrom(std::unique_ptr<Source> source) {
 
 }  // namespace
 
-CaptureMessages Encoded(const FrameId& id, const CapturedFrame& frame) {
+CaptureMessages Encoded(const FrameId& id, const datasets::CapturedFrame& frame) {
   CaptureMessages messages{.id = id, .messages = {}};
   const auto add = [&](Part part, const PartValue& value) {
     messages.messages.emplace_back(part, EncodePart(id, part, value, DisparityEncoding::kRawInt16));
@@ -80,7 +80,7 @@ CaptureMessages Encoded(const FrameId& id, const CapturedFrame& frame) {
   return messages;
 }
 
-std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<FrameSource> source,
+std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<datasets::FrameSource> source,
                                       const CaptureConfig& config, StageMonitor& monitor) {
   const bool is_live = source->is_live();
   const Rig rig = source->rig();
@@ -94,4 +94,4 @@ std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
                                       monitor);
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

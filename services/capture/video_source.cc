@@ -10,9 +10,9 @@
 
 #include "common/config/config.h"
 #include "common/core/image.h"
-#include "services/capture/number_text.h"
+#include "common/core/number_text.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 constexpr std::chrono::seconds kRetryPeriod{1};
@@ -54,11 +54,11 @@ class VideoSource : public RawSource {
 
   bool is_live() const override { return is_live_; }
 
-  std::optional<CapturedFrame> Next(const std::stop_token& stop) override {
+  std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) override {
     std::string trouble;
     bool opened_again = false;
     while (!stop.stop_requested()) {
-      if (std::optional<CapturedFrame> frame = Grab()) {
+      if (std::optional<datasets::CapturedFrame> frame = Grab()) {
         Require(*frame);
         frame->trouble = trouble;
         return frame;
@@ -89,7 +89,7 @@ class VideoSource : public RawSource {
   }
 
   // Takes both pictures before it decodes either, so that they are of one time.
-  std::optional<CapturedFrame> Grab() {
+  std::optional<datasets::CapturedFrame> Grab() {
     for (cv::VideoCapture& video : videos_) {
       if (!video.grab()) return std::nullopt;
     }
@@ -99,7 +99,7 @@ class VideoSource : public RawSource {
       if (!video.retrieve(picture) || picture.empty()) return std::nullopt;
       pictures.push_back(picture.clone());  // the next one may take its memory
     }
-    CapturedFrame frame;
+    datasets::CapturedFrame frame;
     if (pictures.size() == 2) {
       frame.left = pictures[0];
       frame.right = pictures[1];
@@ -111,7 +111,7 @@ class VideoSource : public RawSource {
     return frame;
   }
 
-  static void Require(const CapturedFrame& frame) {
+  static void Require(const datasets::CapturedFrame& frame) {
     if (frame.left.size() != frame.right.size()) {
       throw ConfigError("video: the left picture has " + SizeText(frame.left.size()) +
                         ", the right one " + SizeText(frame.right.size()) + "; allowed: one size");
@@ -134,4 +134,4 @@ std::unique_ptr<RawSource> OpenVideo(const VideoSettings& settings) {
   return std::make_unique<VideoSource>(settings);
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace sprout {
+namespace sprout::view {
 
 Result<FileShelf::File> FileShelf::Take(const std::string& name, Clock::time_point now,
                                         const Write& write) {
@@ -22,4 +22,4 @@ Result<FileShelf::File> FileShelf::Take(const std::string& name, Clock::time_poi
   return file;
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -12,7 +12,7 @@
 #include "common/core/result.h"
 #include "services/view/memory_file.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// Files on their way to browsers. Each takes memory as long as somebody reads it, and who asks and
 /// does not read holds it for minutes: so there are few of them. Thread-safe.
@@ -48,6 +48,6 @@ class FileShelf {
   std::vector<Entry> entries_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_FILE_SHELF_H_

@@ -8,7 +8,7 @@
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 using std::chrono::seconds;
@@ -225,4 +225,4 @@ int64_t FrameRing::WriteLog(const std::filesystem::path& path, const std::string
   return writer.events();
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -8,7 +8,7 @@
 #include "services/view/frame_source.h"
 #include "services/view/http_request.h"
 
-namespace sprout {
+namespace sprout::view {
 
 class FrameRing;
 class LogFile;
@@ -61,6 +61,6 @@ class HttpHandler {
   mutable FileShelf logs_{1};
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_HTTP_HANDLER_H_

@@ -7,7 +7,7 @@
 
 #include "common/core/host_name.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 // The name or address in "name:port" or "[::1]:port"; nothing when it is neither.
@@ -78,4 +78,4 @@ bool IsFromElsewhere(const HttpRequest& request) {
   return !is_own || !IsOwnOrigin(request.origin, request.host);
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace sprout {
+namespace sprout::view {
 
 /// What matters of a request; nothing of it is trusted.
 struct HttpRequest {
@@ -44,6 +44,6 @@ bool IsOwnOrigin(std::string_view origin, std::string_view host);
 /// say. Browsers tell only servers on their own machine or behind TLS; programs do not tell.
 bool IsFromElsewhere(const HttpRequest& request);
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_HTTP_REQUEST_H_

@@ -7,7 +7,7 @@
 
 #include "services/view/packet.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 namespace beast = boost::beast;
@@ -158,4 +158,4 @@ void ServePage(ServerState& state, ConnectionCount count, boost::asio::ip::tcp::
       ->Accept(std::move(request));
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -10,7 +10,7 @@
 #include "services/view/server.h"
 #include "services/view/view_session.h"
 
-namespace sprout {
+namespace sprout::view {
 
 class PageConnection;
 
@@ -43,6 +43,6 @@ class ConnectionCount {
   ServerState* state_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_SERVER_STATE_H_

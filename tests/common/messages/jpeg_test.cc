@@ -1,10 +1,11 @@
+#include "common/messages/jpeg.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
 
-#include "common/messages/jpeg.h"
 #include "tests/common/messages/examples.h"
 #include "tests/common/testing/allocation_guard.h"
 

@@ -10,7 +10,7 @@
 #include "services/view/points.h"
 #include "tests/services/view/view_frames.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 // A packet taken apart as the page does it.
@@ -231,4 +231,4 @@ TEST(CalmRange, MovesOnlyWhenItMust) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::view

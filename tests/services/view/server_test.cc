@@ -23,7 +23,7 @@
 
 #include "tests/services/view/view_frames.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 namespace asio = boost::asio;
@@ -274,4 +274,4 @@ TEST_F(ServerTest, SaysThatItsPortIsTaken) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::view
