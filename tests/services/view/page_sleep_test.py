@@ -18,6 +18,7 @@ import web_driver
 from page_test import PORT, URL, Programs, check, failures, wait_for_server
 
 RELAY_PORT = 8421
+SOON = 2  # s; one on a quiet machine
 
 
 class Relay:
@@ -61,22 +62,21 @@ def family_of(pid):
     return family
 
 
-def check_sleep(what, browser, programs, sleep, asleep_and_awake):
-    """@param asleep_and_awake  functions that begin and end the sleep."""
+def check_sleep(what, browser, programs, sleep, asleep, awake):
+    """@param asleep, awake  functions that begin and end the sleep."""
     view = programs.running["view"].pid
     browser.wait("sprout.frames > 5")
-    before, shown = resident_mb(view), browser.run("return sprout.head.seq")
-    heap = browser.heap_mb()
-    asleep, awake = asleep_and_awake
+    before, heap = resident_mb(view), browser.heap_mb()
     asleep()
     time.sleep(sleep)
     during = resident_mb(view)
     awake()
     start = time.monotonic()
-    # At 10 Hz the last frame is one of the last second.
-    back = browser.wait(f"sprout.head.seq > {shown + 5 * sleep} && Date.now() - sprout.head.utime / 1000 < 1000")
+    # One that was captured when the page was awake again.
+    woken = time.time()
+    back = browser.wait(f"sprout.head.utime > {int(1e6 * woken)}", seconds=20)
     took = time.monotonic() - start
-    check(f"{what}: the newest frame is back within a second", back and took < 1, f"{took:.2f} s")
+    check(f"{what}: the newest frame is back at once", back and took < SOON, f"{took:.2f} s")
     frames = browser.run("return sprout.frames")
     check(f"{what}: and others follow", browser.wait(f"sprout.frames > {frames + 10}", seconds=10))
     # The ring of sprout-view grows until it has 100 frames; what a page leaves unread comes beside it.
@@ -101,18 +101,18 @@ def run(browser, programs, sleep):
     browser.wait("window.sprout && sprout.frames > 0")
     # The ring is full, and every picture was painted: what comes now is what sleep costs.
     browser.wait("sprout.keys[1] - sprout.keys[0] >= 99", seconds=60)
-    state = "Page.setWebLifecycleState"
-    check_sleep("a frozen page", browser, programs, sleep,
-                (lambda: browser.devtools(state, state="frozen"), lambda: browser.devtools(state, state="active")))
+    check_sleep("a frozen page", browser, programs, sleep, browser.freeze, browser.thaw)
     family = family_of(browser.driver.pid)[1:]
 
     def send(number):
         for pid in family:
             os.kill(pid, number)
     check_sleep("a stopped browser", browser, programs, sleep,
-                (lambda: send(signal.SIGSTOP), lambda: send(signal.SIGCONT)))
+                lambda: send(signal.SIGSTOP), lambda: send(signal.SIGCONT))
     check_cut(browser, Relay())
-    check("nothing to complain of in the console", browser.complaints() == [])
+    # That a page which is stopped loses its connection is as it should be.
+    complaints = [text for text in browser.complaints() if "Back-Forward Cache" not in text]
+    check("nothing to complain of in the console", complaints == [], complaints)
 
 
 def main():

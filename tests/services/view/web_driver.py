@@ -101,6 +101,16 @@ class Browser:
         return self._call("POST", self.session + "/goog/cdp/execute",
                           {"cmd": command, "params": parameters})
 
+    def freeze(self):
+        """Behind other windows for long: the browser stops the page, as it does to save power."""
+        self._call("POST", self.session + "/window/minimize")
+        self.devtools("Page.setWebLifecycleState", state="frozen")
+
+    def thaw(self):
+        """Before them again."""
+        self.devtools("Page.setWebLifecycleState", state="active")
+        self._call("POST", self.session + "/window/rect", dict(zip(("width", "height"), self.size)))
+
     def heap_mb(self):
         """What the page's scripts hold, without what nobody needs any more."""
         self.devtools("HeapProfiler.collectGarbage")
