@@ -19,15 +19,15 @@ namespace {
 using ::testing::ExitedWithCode;
 using ::testing::HasSubstr;
 
-struct Ended {
-  int exit_code;
-  bool body_ran;
-  std::string out;
-  std::string err;
-};
-
 class ProgramTest : public ::testing::Test {
  protected:
+  struct Ended {
+    int exit_code;
+    bool body_ran;
+    std::string out;
+    std::string err;
+  };
+
   ProgramTest() {
     flags_.add_option("--file", file_, "Of one");
     flags_.add_option("--list", list_, "Of several")->delimiter(',');
@@ -103,30 +103,26 @@ TEST(HelpText, BreaksLinesAtSpacesAndCountsCharacters) {
   EXPECT_EQ(WrapLines(hundred + "\n", 30), hundred + "\n");
 }
 
-// Where the system only says that it is unavailable.
-TEST(LimitsText, SaysWhichLimitIsReached) {
+// Says on stderr what a failing thread is put down to when a limit is so low.
+[[noreturn]] void SayWithLimit(decltype(RLIMIT_AS) which, rlim_t value) {
+  const rlimit limit{.rlim_cur = value, .rlim_max = value};
+  setrlimit(which, &limit);
   const std::system_error no_thread(
       std::make_error_code(std::errc::resource_unavailable_try_again));
+  std::cerr << no_thread.what() << ReachedLimitText(no_thread);
+  std::_Exit(0);
+}
+
+// Where the system only says that it is unavailable.
+TEST(LimitsText, SaysWhichLimitIsReached) {
+  rlim_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const rlim_t bytes = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
   EXPECT_EXIT(
-      {
-        uint64_t pages = 0;
-        std::ifstream("/proc/self/statm") >> pages;
-        const rlim_t bytes = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + (8 << 20);
-        const rlimit limit{.rlim_cur = bytes, .rlim_max = bytes};
-        setrlimit(RLIMIT_AS, &limit);
-        std::cerr << no_thread.what() << ReachedLimitText(no_thread);
-        std::exit(0);
-      },
-      ExitedWithCode(0),
+      SayWithLimit(RLIMIT_AS, bytes + (8 << 20)), ExitedWithCode(0),
       "Resource temporarily unavailable: its address space is limited to [0-9]+ MB .ulimit -v.");
-  EXPECT_EXIT(
-      {
-        const rlimit limit{.rlim_cur = 77, .rlim_max = 77};
-        setrlimit(RLIMIT_NPROC, &limit);
-        std::cerr << ReachedLimitText(no_thread);
-        std::exit(0);
-      },
-      ExitedWithCode(0), "no thread can be started: allowed are 77 of this user");
+  EXPECT_EXIT(SayWithLimit(RLIMIT_NPROC, 77), ExitedWithCode(0),
+              "no thread can be started: allowed are 77 of this user");
   EXPECT_EQ(ReachedLimitText(std::bad_alloc()), ": out of memory");
   EXPECT_EQ(ReachedLimitText(std::runtime_error("another")), "");
 }
