@@ -1,7 +1,6 @@
 #include "common/app/limits_text.h"
 
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <cstdint>
 #include <fstream>
@@ -23,19 +22,22 @@ std::optional<uint64_t> LimitOf(decltype(RLIMIT_AS) which) {
   return limit.rlim_cur;
 }
 
-// First number of statm: pages of the address space.
-uint64_t AddressSpaceBytes() {
-  uint64_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+// The most that it ever had: by now the threads and pictures of what failed are gone.
+uint64_t MostAddressSpaceBytes() {
+  std::ifstream status("/proc/self/status");
+  std::string name;
+  while (status >> name && name != "VmPeak:") status.ignore(1 << 10, '\n');
+  uint64_t kilobytes = 0;
+  status >> kilobytes;
+  return kilobytes << 10;
 }
 
 std::optional<std::string> AddressSpaceText() {
   const std::optional<uint64_t> limit = LimitOf(RLIMIT_AS);
-  const uint64_t used = AddressSpaceBytes();
+  const uint64_t used = MostAddressSpaceBytes();
   if (!limit || used + kLargePiece < *limit) return std::nullopt;
   return ": its address space is limited to " + std::to_string(*limit / kMegabyte) +
-         " MB (ulimit -v), of which it has " + std::to_string(used / kMegabyte);
+         " MB (ulimit -v), of which it had " + std::to_string(used / kMegabyte);
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 #include "common/app/program.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <iostream>
 #include <sstream>
+#include <string_view>
 
 #include "common/app/help_text.h"
 #include "common/app/limits_text.h"
@@ -26,15 +28,18 @@ CLI::Validator NumberIn(double low, double high) {
 
 namespace {
 
+// No prefix is a prefix like others; COMMAND is another program's.
+constexpr std::array<std::string_view, 2> kMayBeEmpty = {"--channel-prefix", "COMMAND"};
+
 // An empty text means what no flag means, and that is not what `--log "$FILE"` asks for when FILE
-// is not set. No prefix is a prefix like others.
+// is not set.
 void RequireNoEmptyText(const CLI::App& flags) {
   for (const CLI::Option* option : flags.get_options()) {
-    if (option->get_positional() || option->get_name() == "--channel-prefix") continue;
+    const std::string name = option->get_name();
     const std::vector<std::string>& texts = option->results();
-    if (std::find(texts.begin(), texts.end(), "") != texts.end()) {
-      throw ConfigError(option->get_name() + " '': allowed is a text that is not empty");
-    }
+    if (std::find(texts.begin(), texts.end(), "") == texts.end()) continue;
+    if (std::find(kMayBeEmpty.begin(), kMayBeEmpty.end(), name) != kMayBeEmpty.end()) continue;
+    throw ConfigError(name + " '': allowed is a text that is not empty");
   }
   for (const CLI::App* subcommand : flags.get_subcommands()) RequireNoEmptyText(*subcommand);
 }

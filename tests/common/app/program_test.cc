@@ -34,7 +34,8 @@ class ProgramTest : public ::testing::Test {
     flags_.add_option("--channel-prefix", prefix_, "Before each channel");
     CLI::App& sub = *flags_.add_subcommand("sub", "With flags of its own");
     sub.add_option("--inner", file_, std::string(60, 'a') + " " + std::string(60, 'b'));
-    sub.add_option("REST", list_, "Whatever there is");
+    sub.add_option("FILE", file_, "Of one");
+    sub.add_option("COMMAND", list_, "Of another program");
   }
 
   Ended Run(std::vector<std::string> arguments) {
@@ -66,7 +67,8 @@ TEST_F(ProgramTest, RefusesAnEmptyTextInsteadOfTakingItForNoFlag) {
   } table[] = {{{"--file", ""}, "--file ''"},
                {{"--list", ""}, "--list ''"},
                {{"--list", "a,,b"}, "--list ''"},
-               {{"sub", "--inner", ""}, "--inner ''"}};
+               {{"sub", "--inner", ""}, "--inner ''"},
+               {{"sub", ""}, "FILE ''"}};
   for (const auto& [arguments, named] : table) {
     const Ended ended = Run(arguments);
     EXPECT_EQ(ended.exit_code, 2) << named;
@@ -76,7 +78,7 @@ TEST_F(ProgramTest, RefusesAnEmptyTextInsteadOfTakingItForNoFlag) {
   }
 }
 
-TEST_F(ProgramTest, TakesAnEmptyPrefixAndEmptyArguments) {
+TEST_F(ProgramTest, TakesAnEmptyPrefixAndWhatAnotherProgramTakes) {
   EXPECT_EQ(Run({"--channel-prefix", ""}).exit_code, 0);
   EXPECT_EQ(Run({"sub", "a", ""}).exit_code, 0);
   EXPECT_EQ(Run({"--file", "x", "--list", "a,b"}).exit_code, 0);
