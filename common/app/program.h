@@ -18,6 +18,8 @@ CLI::Validator NumberIn(double low, double high);
 /// What every program's main shares, with or without a bus: parses the flags, runs `body`, and
 /// turns errors into one line on stderr that starts with the program's name.
 ///
+/// An empty text is refused, but for --channel-prefix and for a COMMAND. Help is wrapped.
+///
 /// @param flags  named as the program.
 /// @returns exit code: what `body` returned; 0 for --help and --version; 2 for a flag or
 ///          configuration that cannot be used (ConfigError); 1 on any other failure, also when

@@ -44,10 +44,6 @@ TimeSummary Summarise(std::vector<double> times_ms) {
       .p50_ms = rank(0.50), .p95_ms = rank(0.95), .p99_ms = rank(0.99), .max_ms = times_ms.back()};
 }
 
-std::string MoreText(int64_t held_back) {
-  return held_back == 0 ? "" : " (" + std::to_string(held_back) + " more since the last such line)";
-}
-
 std::string FutureText(int64_t seq, double age_ms) {
   char text[160];
   std::snprintf(
@@ -64,15 +60,6 @@ int64_t NowUtime() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
-}
-
-std::optional<int64_t> LogLimiter::Pass(std::chrono::steady_clock::time_point now) {
-  if (now < next_) {
-    ++held_back_;
-    return std::nullopt;
-  }
-  next_ = now + std::chrono::seconds(1);
-  return std::exchange(held_back_, 0);
 }
 
 StageMonitor::StageMonitor(const std::string& stage, const std::string& config_digest,

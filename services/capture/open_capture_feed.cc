@@ -1,3 +1,4 @@
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,19 +19,19 @@ std::unique_ptr<CaptureFeed> OpenLog(const std::string& source, bool loop, Stage
   const auto [place, options] = datasets::SplitSource(source);
   const std::string path = place.substr(kLog.size());
   std::string prefix;
-  std::string rig;
+  std::optional<std::string> rig;
   for (const datasets::SourceOption& option : options) {
     if (option.name == "prefix") {
       prefix = option.value;
     } else if (option.name == "rig") {
-      rig = option.value;
+      rig = std::string(option.value);
     } else {
       throw ConfigError("capture.source = " + source + ": no such option " +
                         std::string(option.text) + "; allowed: ?prefix=TEXT, ?rig=FILE");
     }
   }
-  if (rig.empty()) return OpenLogFeed(path, prefix, loop, monitor);
-  const Rectifier rectifier(RequireCalibration(LoadRigFile(rig), rig));
+  if (!rig) return OpenLogFeed(path, prefix, loop, monitor);
+  const Rectifier rectifier(RequireCalibration(LoadRigFile(*rig), *rig));
   return OpenRawLogFeed(path, prefix, rectifier, loop, monitor);
 }
 
@@ -57,7 +58,8 @@ std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
                       ": --raw is for cameras; allowed: genicam:, opencv:, v4l2:");
   }
   if (config.source().starts_with(kLog)) return OpenLog(config.source(), options.loop, monitor);
-  return FeedFrom(datasets::PlayDataset(datasets::OpenDataset(config), options.loop), config, monitor);
+  return FeedFrom(datasets::PlayDataset(datasets::OpenDataset(config), options.loop), config,
+                  monitor);
 }
 
 }  // namespace sprout::capture

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <memory>
 
 #include "common/app/log.h"
 #include "common/app/program.h"
@@ -105,9 +106,20 @@ void TakeTimeToFinish(const Recording& recording) {
   if (waiting_mb > 1) LogLine(LogLevel::kInfo, "writing the {:.0f} MB that wait", waiting_mb);
 }
 
+// A folder that cannot be written from the start is a flag that cannot be used.
+std::unique_ptr<Recording> Begin(const ServiceContext& context, const RecordingOptions& options,
+                                 StageMonitor& monitor) {
+  try {
+    return std::make_unique<Recording>(context, options, monitor);
+  } catch (const LogError& e) {
+    throw ConfigError(std::string("--dir: ") + e.what());
+  }
+}
+
 int Record(const ServiceContext& context, const RecordingOptions& options) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
-  Recording recording(context, options, monitor);
+  const std::unique_ptr<Recording> begun = Begin(context, options, monitor);
+  Recording& recording = *begun;
   {
     const StatusReporter reporter(context, monitor);
     TellReady();

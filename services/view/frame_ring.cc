@@ -5,6 +5,7 @@
 
 #include "common/bus/channels.h"
 #include "common/logfile/log_writer.h"
+#include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 
 namespace sprout::view {
@@ -50,6 +51,10 @@ Result<bool> FrameRing::Add(std::string_view channel, std::span<const uint8_t> b
     if (TypeOf(bytes) != TypeOf(*part)) return Fail("not of type " + NameOf(TypeOf(*part)));
     id = DecodeFrameId(bytes);
     if (!id) return tl::unexpected(id.error());
+    // A calibration is kept beyond its event, and not counted: a whole one is small.
+    if (part == Part::kRig) {
+      if (const auto rig = DecodePart(*part, bytes); !rig) return tl::unexpected(rig.error());
+    }
   }
   const std::lock_guard lock(mutex_);
   events_.push_back({utime, std::string(channel), message});

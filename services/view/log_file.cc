@@ -102,7 +102,7 @@ StoredFramePtr LogFile::Get(int64_t key) const {
       ++frame->version;
     }
   } catch (const LogError& e) {  // the file was changed meanwhile
-    LogLine(LogLevel::kWarning, e.what());
+    unreadable_.Warn(e.what());
     return nullptr;
   }
   return frame;

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/app/log_limiter.h"
 #include "common/frames/frame_index.h"
 #include "common/logfile/event_fetcher.h"
 #include "common/logfile/log_reader.h"
@@ -71,6 +72,7 @@ class LogFile : public FrameSource {
   LogReader reader_;
   mutable std::mutex fetch_mutex_;
   mutable EventFetcher fetcher_;
+  mutable LimitedWarnings unreadable_;
   mutable std::mutex mutex_;
   FrameIndex index_;
   std::map<int64_t, Quality> qualities_;  // by key

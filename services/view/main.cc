@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/app/log.h"
+#include "common/app/log_limiter.h"
 #include "common/app/program.h"
 #include "common/app/service.h"
 #include "common/app/status_reporter.h"
@@ -137,8 +138,9 @@ int ShowLog(const ServiceContext& context, const Options& options) {
     const std::lock_guard lock(mutex);
     if (told != nullptr) told->FrameChanged();
   });
+  LimitedWarnings undecodable;
   FrameEncoder encoder([&](Part part, const std::string& why) {
-    LogLine(LogLevel::kWarning, "{}: {}", ChannelOf(part), why);
+    undecodable.Warn(fmt::format("{}: {}", ChannelOf(part), why));
   });
   const HttpHandler handler(log, encoder, nullptr, &log, context.prefix);
   Server server(
@@ -209,6 +211,8 @@ int Main(int argc, char** argv) {
       return options.log.empty() ? ShowGraph(context, options) : ShowLog(context, options);
     } catch (const ListenError& e) {
       throw ConfigError(e.what());
+    } catch (const LogError& e) {
+      throw ConfigError(std::string("--log: ") + e.what());
     }
   });
 }

@@ -64,7 +64,7 @@ void PageConnection::OnRead(beast::error_code error) {
       session_.OnMessage({static_cast<const char*>(data.data()), data.size()});
   buffer_.consume(buffer_.size());
   if (!understood) {
-    LogLine(LogLevel::kWarning, "a page sent {}; it is hung up on", understood.error().text);
+    state_.bad_pages.Warn("a page sent " + understood.error().text + "; it is hung up on");
     open_ = false;
     beast::error_code ignored;
     beast::get_lowest_layer(stream_).socket().close(ignored);

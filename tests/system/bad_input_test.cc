@@ -251,6 +251,12 @@ TEST(BadInputSystem, WrongFlagsEndWithExitCode2AndOneLine) {
       {"prior", {"--nonsense"}, "--nonsense"},
       {"grow", {"--channel-prefix", "a b"}, "--channel-prefix"},
       {"grow", {"--log-level", "loud"}, "--log-level"},
+      {"grow", {"--config", ""}, "--config '': allowed is a text that is not empty"},
+      {"capture", {"--source", "log:/dev/null?rig="}, "rig"},
+      {"capture", {"--wait-for", ""}, "--wait-for ''"},
+      {"record", {"--dir", "/dev/null/logs"}, "--dir: /dev/null/logs: cannot be used"},
+      {"view", {"--log", ""}, "--log ''"},
+      {"view", {"--log", "/etc/passwd"}, "--log: /etc/passwd"},
   };
   for (const BadFlags& bad : cases) {
     std::vector<std::string> command = {ProgramPath("sprout-" + bad.stage)};
