@@ -25,7 +25,9 @@ class FrameLog {
     ++channels_[std::string(event.channel)];
     const std::optional<Part> part = PartOf(event.channel);
     if (!part) return;
-    Result<DecodedPart> decoded = DecodePart(*part, event.data);
+    const Result<FrameId> id = DecodeFrameId(event.data);
+    Result<DecodedPart> decoded =
+        DecodePart(*part, event.data, id ? joiner_.ImageSizeOf(*id) : std::nullopt);
     if (!decoded) {
       if (refused_++ == 0) first_refusal_ = decoded.error().text;
       return;

@@ -148,6 +148,13 @@ std::runtime_error NoCalibration(const std::string& why, const ViewCounts& count
   return std::runtime_error(text);
 }
 
+// A calibration that is not good must not take the place of one that may be.
+fs::path FileFor(const Calibration& calibration, const fs::path& out) {
+  if (calibration.quality.is_good()) return out;
+  fs::path beside = out;
+  return beside.replace_filename(out.stem().string() + ".not_good" + out.extension().string());
+}
+
 int RunEstimate(const Options& options) {
   const Board board = BoardOf(options.board);
   RigDescription rig;
@@ -161,13 +168,17 @@ int RunEstimate(const Options& options) {
 
   const std::string counts_text = CountsText(counts, views);
   *rig.mutable_calibration() = ToCalibration(calibration->rig);
-  if (const Result<void> saved = SaveRigFile(options.out, rig); !saved) {
+  const fs::path file = FileFor(*calibration, options.out);
+  if (const Result<void> saved = SaveRigFile(file, rig); !saved) {
     throw std::runtime_error(saved.error().text);
   }
   if (!options.report.empty()) {
     Write(options.report, ReportHtml(*calibration, collector.best_images(), counts_text));
   }
   std::cout << counts_text << "\n" << SummaryText(*calibration);
+  if (file != options.out) {
+    std::cout << fmt::format("not written to {}, but to {}\n", options.out.string(), file.string());
+  }
   return calibration->quality.is_good() ? 0 : 1;
 }
 

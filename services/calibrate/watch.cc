@@ -110,7 +110,9 @@ class RawFrames {
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
     for (const Part part : kParts) {
       if (channel != ChannelOf(part)) continue;
-      Result<DecodedPart> decoded = DecodePart(part, bytes);
+      const Result<FrameId> id = DecodeFrameId(bytes);
+      Result<DecodedPart> decoded =
+          DecodePart(part, bytes, id ? joiner_.ImageSizeOf(*id) : std::nullopt);
       if (!decoded) {
         // Frames without it do not complete, which the silence tells; why, is told once.
         if (!complained_) std::cerr << "sprout-calibrate: " << decoded.error().text << std::endl;

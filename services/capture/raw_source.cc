@@ -22,27 +22,29 @@ class RectifiedSource : public FrameSource {
   bool is_live() const override { return cameras_->is_live(); }
 
   std::optional<CapturedFrame> Next(const std::stop_token& stop) override {
-    int64_t lost = 0;
-    std::string trouble;
+    lost_ = {};
     while (true) {
       std::optional<CapturedFrame> raw = cameras_->Next(stop);
       if (!raw) return std::nullopt;
-      lost += raw->lost;
-      if (!raw->trouble.empty()) trouble = raw->trouble;
+      lost_.count += raw->lost;
+      if (!raw->trouble.empty()) lost_.trouble = raw->trouble;
       Result<CapturedFrame> frame = RectifyFrame(rectifier_, std::move(*raw));
       if (frame) {
-        frame->lost = lost;
-        frame->trouble = trouble;
+        frame->lost = lost_.count;
+        frame->trouble = lost_.trouble;
         return std::move(*frame);
       }
-      ++lost;
-      trouble = frame.error().text;
+      ++lost_.count;
+      lost_.trouble = frame.error().text;
     }
   }
+
+  LostFrames lost_at_end() const override { return lost_; }
 
  private:
   std::unique_ptr<RawSource> cameras_;
   Rectifier rectifier_;
+  LostFrames lost_;  // since the newest frame
 };
 
 }  // namespace
