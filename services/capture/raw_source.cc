@@ -25,7 +25,7 @@ class RectifiedSource : public FrameSource {
     lost_ = {};
     while (true) {
       std::optional<CapturedFrame> raw = cameras_->Next(stop);
-      if (!raw) return std::nullopt;
+      if (!raw) return AtEnd();
       lost_.count += raw->lost;
       if (!raw->trouble.empty()) lost_.trouble = raw->trouble;
       Result<CapturedFrame> frame = RectifyFrame(rectifier_, std::move(*raw));
@@ -42,6 +42,13 @@ class RectifiedSource : public FrameSource {
   LostFrames lost_at_end() const override { return lost_; }
 
  private:
+  std::optional<CapturedFrame> AtEnd() {
+    const LostFrames of_cameras = cameras_->lost_at_end();
+    lost_.count += of_cameras.count;
+    if (!of_cameras.trouble.empty()) lost_.trouble = of_cameras.trouble;
+    return std::nullopt;
+  }
+
   std::unique_ptr<RawSource> cameras_;
   Rectifier rectifier_;
   LostFrames lost_;  // since the newest frame

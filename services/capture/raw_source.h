@@ -22,6 +22,9 @@ class RawSource {
 
   /// As FrameSource::Next().
   virtual std::optional<CapturedFrame> Next(const std::stop_token& stop) = 0;
+
+  /// As FrameSource::lost_at_end().
+  virtual LostFrames lost_at_end() const { return {}; }
 };
 
 /// Rectifies the images of a frame and corrects its ranges. A ToF image of 0×0 stays one. The error

@@ -95,7 +95,7 @@ std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
   const std::shared_ptr<RawSource> shared = std::move(cameras);
   return std::make_unique<SourceFeed>(
       [shared](const std::stop_token& stop) { return shared->Next(stop); },
-      [] { return LostFrames(); }, is_live, std::nullopt, config, monitor);
+      [shared] { return shared->lost_at_end(); }, is_live, std::nullopt, config, monitor);
 }
 
 }  // namespace sprout

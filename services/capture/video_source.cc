@@ -31,6 +31,7 @@ class Pictures {
   virtual ~Pictures() = default;
   virtual bool Grab() = 0;         // whether there is one more
   virtual cv::Mat Retrieve() = 0;  // the one that was grabbed; empty when it cannot be decoded
+  virtual std::string EndText() const { return {}; }  // what is wrong with its end
 };
 
 class ListedPictures : public Pictures {
@@ -58,7 +59,20 @@ class VideoPictures : public Pictures {
     return true;
   }
 
-  bool Grab() override { return video_.grab(); }
+  bool Grab() override {
+    has_ended_ = !video_.grab();
+    taken_ += has_ended_ ? 0 : 1;
+    return !has_ended_;
+  }
+
+  // A frame that cannot be decoded ends a video like the end of its file. How many there are, is
+  // estimated from the length where the header does not say.
+  std::string EndText() const override {
+    const double claimed = video_.get(cv::CAP_PROP_FRAME_COUNT);
+    if (!has_ended_ || static_cast<double>(taken_) >= 0.95 * claimed - 1) return {};
+    return fmt::format("video {}: {} frames could be read; {:.0f} are in it by its header", place_,
+                       taken_, claimed);
+  }
 
   cv::Mat Retrieve() override {
     RequireSize();  // before OpenCV takes memory for it; a stream may change its size
@@ -85,6 +99,8 @@ class VideoPictures : public Pictures {
 
   std::string place_;
   cv::VideoCapture video_;
+  int64_t taken_ = 0;
+  bool has_ended_ = false;
 };
 
 // Nothing when it cannot be opened.
@@ -137,6 +153,14 @@ class VideoSource : public RawSource {
       Open();
     }
     return std::nullopt;
+  }
+
+  LostFrames lost_at_end() const override {
+    if (is_live_) return {};
+    for (const auto& video : videos_) {
+      if (std::string text = video->EndText(); !text.empty()) return {.trouble = std::move(text)};
+    }
+    return {};
   }
 
  private:
