@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "common/core/checks.h"
+#include "common/core/check_lens.h"
 #include "common/core/digest.h"
 
 namespace sprout {

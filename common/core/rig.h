@@ -73,22 +73,10 @@ struct Rig {
   TofCamera tof;
 };
 
-/// Whether a calibration can be used: finite numbers that a camera may have (CheckLens()), images
-/// of at most kMaxSide and kMaxPixels, a rotation of norm 1. The error names the first field that
-/// is not so, as rig_t.lcm calls it.
+/// Whether a calibration can be used: finite numbers, lengths > 0, images of at most kMaxSide and
+/// kMaxPixels, a rotation of norm 1. The error names the first field that is not so, as rig_t.lcm
+/// calls it.
 Result<void> CheckRig(const Rig& rig);
-
-class Checks;
-
-/// Whether a camera may have these numbers: a focal length of 0.05 to 50 times its longest side
-/// (fields of view of 169° and 1°), a principal point within ten sides, distortion that moves no
-/// pixel by more than ten times its distance from there. All are bounds of what can be computed
-/// with, far beyond real cameras.
-/// @param prefix  before the names of the fields, "tof_" or "left.".
-void CheckLens(Checks& checks, const std::string& prefix, const Lens& lens);
-
-/// Whether the distance between two cameras can be: at most 1 km.
-void CheckDistance(Checks& checks, const std::string& field, const Eigen::Vector3d& metres);
 
 /// Digest of a calibration: 16 hexadecimal digits, equal for equal numbers on every machine.
 std::string RigId(const Rig& rig);

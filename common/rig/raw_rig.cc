@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "common/core/checks.h"
+#include "common/core/check_lens.h"
 #include "common/geometry/lens.h"
 #include "common/rig/rectification.h"
 
@@ -32,7 +32,8 @@ double WorstReturn(const Lens& lens) {
                                   (lens.height - 1.0) * row / kSteps);
       const Eigen::Vector2d again = PixelOfDirection(lens, DirectionOfPixel(lens, pixel));
       const double off_px = (again - pixel).norm();
-      if (!(off_px <= worst_px)) worst_px = off_px;  // NaN, too
+      if (!std::isfinite(off_px)) return off_px;
+      worst_px = std::max(worst_px, off_px);
     }
   }
   return worst_px;
@@ -41,7 +42,7 @@ double WorstReturn(const Lens& lens) {
 void CheckCamera(Checks& checks, const std::string& name, const Lens& lens) {
   CheckLens(checks, name + ".", lens);
   if (!checks.ok()) return;
-  const double allowed_px = 0.01 * std::max(lens.width, lens.height);
+  const double allowed_px = std::max(1.0, 0.01 * std::max(lens.width, lens.height));
   const double off_px = WorstReturn(lens);
   checks.Require(
       off_px <= allowed_px,

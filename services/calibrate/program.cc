@@ -203,7 +203,9 @@ void AddEstimate(CLI::App& program, Options& options) {
       ->check(CLI::ExistingPath);
   AddBoardFlags(flags, options.board);
   flags.add_option("--rig", options.rig, "Rig file whose devices are kept")->type_name("FILE");
-  flags.add_option("--out", options.out, "Rig file to write")->required()->type_name("FILE");
+  flags.add_option("--out", options.out, "Rig file to write; what is not good goes beside it")
+      ->required()
+      ->type_name("FILE");
   flags.add_option("--report", options.report, "HTML page to write")->type_name("FILE");
   flags.add_option("--channel-prefix", options.prefix, "Before the channels in the log")
       ->type_name("TEXT");
