@@ -16,7 +16,7 @@
 #include "services/batch/interrupt.h"
 #include "services/batch/shard_try.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -147,4 +147,4 @@ int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Ma
   return queue.missing();
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -11,7 +11,7 @@
 #include "services/batch/engines.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -142,4 +142,4 @@ void RemoveParts(const BatchFolder& folder) {
   for (const fs::path& part : parts) fs::remove_all(part);
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -7,7 +7,7 @@
 
 #include "services/batch/merge.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// What computes the shards on this machine.
 struct LocalOptions {
@@ -46,6 +46,6 @@ std::string ActiveJobs(const BatchFolder& folder);
 /// What is left over from processes that were killed: folders without a name of their own.
 void RemoveParts(const BatchFolder& folder);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_ENGINES_H_

@@ -8,7 +8,7 @@
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 // Of a message, enough to know its frame; images need not be read for it.
@@ -76,4 +76,4 @@ Frame FrameLookup::Get(const FrameId& id, const PartSet& parts) {
   return frame;
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

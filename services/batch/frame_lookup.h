@@ -14,7 +14,7 @@
 #include "common/logfile/event_fetcher.h"
 #include "services/batch/log_index.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// Finds the parts of frames in small logs, in any order. Opening reads where each message begins.
 class FrameLookup {
@@ -49,6 +49,6 @@ class FrameLookup {
   std::map<Part, std::vector<FrameId>> frames_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_FRAME_LOOKUP_H_

@@ -9,7 +9,7 @@
 
 #include "common/logfile/log_error.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 constexpr size_t kFixedColumns = 4;  // log, shard, seq, utime
@@ -76,4 +76,4 @@ double MeanOf(const std::vector<float>& values) {
   return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::quiet_NaN();
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

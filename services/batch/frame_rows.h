@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace sprout {
+namespace sprout::batch {
 
 /// A row of frames.csv.
 struct FrameRow {
@@ -39,6 +39,6 @@ class FrameRows {
 /// Mean of the values that are there; NaN when none is.
 double MeanOf(const std::vector<float>& values);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_FRAME_ROWS_H_

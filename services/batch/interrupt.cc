@@ -1,6 +1,6 @@
 #include "services/batch/interrupt.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 volatile std::sig_atomic_t came = 0;
@@ -23,4 +23,4 @@ Interrupt::~Interrupt() {
 
 bool Interrupt::requested() { return came != 0; }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -4,7 +4,7 @@
 #include <csignal>
 #include <stdexcept>
 
-namespace sprout {
+namespace sprout::batch {
 
 /// Ctrl-C. What is whole stays.
 class Interrupted : public std::runtime_error {
@@ -30,6 +30,6 @@ class Interrupt {
   }
 };
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_INTERRUPT_H_

@@ -16,7 +16,7 @@
 #include "services/batch/interrupt.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -264,4 +264,4 @@ IndexedEvent ReadIndexLine(const fs::path& path, int64_t line) {
   return ParseLine(path, line, text.substr(0, text.find('\n')));
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -11,7 +11,7 @@
 
 #include "common/core/frame_id.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// A message of a log that belongs to a frame, or a calibration.
 struct IndexedEvent {
@@ -88,6 +88,6 @@ std::vector<IndexedEvent> ReadIndexLines(const std::filesystem::path& path, int6
 /// The one whose line begins at `line`. @throws LogError.
 IndexedEvent ReadIndexLine(const std::filesystem::path& path, int64_t line);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_LOG_INDEX_H_

@@ -6,7 +6,7 @@
 #include "services/batch/shard_try.h"
 #include "services/batch/stage_run.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 Losses::OfVariant LossesOf(const StageRuns& runs, const StageNames& stages, const Shard& shard) {
@@ -44,7 +44,7 @@ void Losses::Add(const Losses& other) {
     this->*member += other.*member;
   }
   variants.resize(std::max(variants.size(), other.variants.size()));
-  for (size_t i = 0; i < other.variants.size(); ++i) sprout::Add(variants[i], other.variants[i]);
+  for (size_t i = 0; i < other.variants.size(); ++i) batch::Add(variants[i], other.variants[i]);
 }
 
 bool Losses::Any() const {
@@ -79,4 +79,4 @@ std::vector<Losses> LossesOf(const BatchFolder& folder, const Manifest& manifest
   return losses;
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -6,7 +6,7 @@
 
 #include "services/batch/merge.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// What did not go through, of a log or of all. Counts of frames and messages are of the log;
 /// `variants` knows only the shards that are done.
@@ -40,6 +40,6 @@ struct Losses {
 std::vector<Losses> LossesOf(const BatchFolder& folder, const Manifest& manifest,
                              const BatchState& state);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_LOSSES_H_

@@ -1,3 +1,3 @@
 #include "services/batch/program.h"
 
-int main(int argc, char** argv) { return sprout::BatchMain(argc, argv); }
+int main(int argc, char** argv) { return sprout::batch::BatchMain(argc, argv); }

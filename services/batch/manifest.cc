@@ -13,7 +13,7 @@
 #include "common/logfile/log_error.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -208,4 +208,4 @@ ShardOfBatch ReadShard(const fs::path& path, size_t number) {
           .shard = std::move(*shard)};
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

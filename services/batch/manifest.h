@@ -10,7 +10,7 @@
 #include "services/batch/log_index.h"
 #include "services/batch/shard_plan.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// A program that a stage is run with.
 struct StageProgram {
@@ -117,6 +117,6 @@ struct ShardOfBatch {
 };
 ShardOfBatch ReadShard(const std::filesystem::path& path, size_t number);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_MANIFEST_H_

@@ -17,7 +17,7 @@
 #include "services/batch/tables.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -220,4 +220,4 @@ void WriteFrameTable(const BatchFolder& folder, const Manifest& manifest, const 
   CommitFile(folder.table(), file);
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -7,7 +7,7 @@
 
 #include "services/batch/manifest.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// What became of a batch.
 struct BatchState {
@@ -27,6 +27,6 @@ int64_t MergeLogs(const BatchFolder& folder, const Manifest& manifest, const Bat
 /// Writes frames.csv: a row for each frame of each shard that is done. @throws LogError.
 void WriteFrameTable(const BatchFolder& folder, const Manifest& manifest, const BatchState& state);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_MERGE_H_

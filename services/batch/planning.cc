@@ -18,7 +18,7 @@
 #include "services/batch/shard_run.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -226,4 +226,4 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
   return manifest;
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

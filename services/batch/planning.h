@@ -8,7 +8,7 @@
 
 #include "services/batch/manifest.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// What a person asks for.
 struct BatchRequest {
@@ -40,6 +40,6 @@ int64_t IndexLogs(const std::vector<std::string>& logs, const std::filesystem::p
 /// @throws ConfigError, LogError.
 Manifest Plan(const BatchRequest& request, const std::string& program);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_PLANNING_H_

@@ -22,7 +22,7 @@
 #include "services/batch/shard_try.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -332,4 +332,4 @@ int BatchMain(int argc, const char* const* argv) {
   });
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

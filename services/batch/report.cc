@@ -10,15 +10,15 @@
 #include <sstream>
 
 #include "common/picture/html.h"
+#include "common/quality/frame_quality.h"
 #include "services/batch/frame_rows.h"
 #include "services/batch/report_charts.h"
 #include "services/batch/report_losses.h"
 #include "services/batch/report_pictures.h"
 #include "services/batch/tables.h"
 #include "services/batch/text_file.h"
-#include "services/quality/frame_quality.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -363,4 +363,4 @@ void WriteReport(const BatchFolder& folder, const Manifest& manifest, const Batc
   CommitFile(folder.report(), file);
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

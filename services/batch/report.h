@@ -5,7 +5,7 @@
 
 #include "services/batch/merge.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// Writes report.html from frames.csv and the results: one page that opens offline. What changed,
 /// in which logs, distributions, the most changed and the worst frames with pictures, and for each
@@ -15,6 +15,6 @@ namespace sprout {
 void WriteReport(const BatchFolder& folder, const Manifest& manifest, const BatchState& state,
                  const std::string& program);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_REPORT_H_

@@ -7,7 +7,7 @@
 
 #include "common/picture/html.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 constexpr int kBins = 40;
@@ -102,4 +102,4 @@ std::string StripSvg(const std::vector<float>& values, double top) {
       kSteps, kStripHeight, points);
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

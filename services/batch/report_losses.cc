@@ -8,7 +8,7 @@
 #include "common/picture/html.h"
 #include "services/batch/shard_try.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 constexpr size_t kShownLogs = 200;
@@ -141,4 +141,4 @@ std::string LossesHtml(const BatchFolder& folder, const Manifest& manifest,
   return html + Failures(folder, manifest, state);
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -5,13 +5,13 @@
 
 #include "services/batch/losses.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// Section of the report: shards that failed or were tried again, frames that are missing or bad,
 /// in all and for each log that has some, and why shards failed. @throws LogError.
 std::string LossesHtml(const BatchFolder& folder, const Manifest& manifest,
                        const BatchState& state);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_REPORT_LOSSES_H_

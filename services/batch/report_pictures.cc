@@ -13,7 +13,7 @@
 #include "common/picture/picture.h"
 #include "services/batch/report_charts.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 constexpr int kPictureWidth = 420;  // px; the report has dozens
@@ -112,4 +112,4 @@ std::string ReportPictures::HtmlOf(size_t shard, int64_t seq, int64_t utime) {
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -9,7 +9,7 @@
 #include "services/batch/frame_lookup.h"
 #include "services/batch/manifest.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// The pictures of single frames for the report, from the logs and the results of their shards.
 class ReportPictures {
@@ -30,6 +30,6 @@ class ReportPictures {
   std::map<std::pair<size_t, size_t>, std::unique_ptr<FrameLookup>> results_;  // variant, shard
 };
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_REPORT_PICTURES_H_

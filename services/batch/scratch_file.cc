@@ -9,7 +9,7 @@
 
 #include "common/logfile/log_error.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 ScratchFile::ScratchFile() {
   const std::filesystem::path folder = std::filesystem::temp_directory_path();
@@ -21,4 +21,4 @@ ScratchFile::ScratchFile() {
 
 ScratchFile::~ScratchFile() { close(descriptor_); }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace sprout {
+namespace sprout::batch {
 
 /// A file without a name in the folder for temporary files ($TMPDIR, /tmp). It goes when the last
 /// program that has it open ends, in whatever way, so nothing is left behind. Programs that this
@@ -23,6 +23,6 @@ class ScratchFile {
   int descriptor_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_SCRATCH_FILE_H_

@@ -7,7 +7,7 @@
 #include "common/logfile/log_writer.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 ShardInput::ShardInput(const ShardOfBatch& work, const std::vector<std::string>& channels)
     : work_(work) {
@@ -74,4 +74,4 @@ void ShardInput::WriteCopy(const std::string& path) const {
   writer.Close();
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

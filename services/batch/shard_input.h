@@ -10,7 +10,7 @@
 #include "services/batch/manifest.h"
 #include "services/batch/scratch_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// The messages of a shard, as a log that stages can replay.
 class ShardInput {
@@ -43,6 +43,6 @@ class ShardInput {
   std::unique_ptr<ScratchFile> copy_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_SHARD_INPUT_H_

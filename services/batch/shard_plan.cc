@@ -13,7 +13,7 @@
 #include "common/bus/frame_joiner.h"
 #include "common/core/digest.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 // More than a joiner remembers; the newest.
@@ -245,4 +245,4 @@ LogPlan PlanShards(const LogIndex& index, const PlanOptions& options) {
   return Planner(index, options).Plan();
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -8,7 +8,7 @@
 #include "services/batch/log_index.h"
 #include "services/batch/stage_chain.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// A stretch of a log that can be replayed on its own.
 ///
@@ -60,6 +60,6 @@ std::string InputDigest(const std::vector<IndexedEvent>& carried,
 /// The channels that a chain takes from a log.
 std::vector<std::string> ChannelsOf(const ChainInputs& inputs, const std::string& prefix);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_SHARD_PLAN_H_

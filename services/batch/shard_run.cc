@@ -23,7 +23,7 @@
 #include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -271,4 +271,4 @@ void RunShard(const BatchFolder& folder, size_t number) {
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -6,7 +6,7 @@
 
 #include "services/batch/manifest.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// A stage that failed over a shard. what() is one line; its output is in failed/ of the batch.
 class ShardError : public std::runtime_error {
@@ -30,6 +30,6 @@ StageProgram DescribeProgram(const std::string& path);
 /// Digest of a file's bytes. @throws ConfigError when it cannot be read.
 std::string FileDigest(const std::filesystem::path& path);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_SHARD_RUN_H_

@@ -12,7 +12,7 @@
 
 #include "common/core/host_name.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 namespace fs = std::filesystem;
 
@@ -63,4 +63,4 @@ void ForgetTry(const BatchFolder& folder, size_t shard) {
   if (found != tries.end()) fs::remove(TryPath(folder, shard, found->second));
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

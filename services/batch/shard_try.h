@@ -8,7 +8,7 @@
 
 #include "services/batch/manifest.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// One try to compute a shard, which has a file failed/SHARD.TRY.txt while it lasts. The file goes
 /// when the try succeeds, and says why when it fails. Of a process that is killed, or dies with its
@@ -40,6 +40,6 @@ std::filesystem::path TryPath(const BatchFolder& folder, size_t shard, int64_t t
 /// Takes back the last try of a shard: it was ended by Ctrl-C.
 void ForgetTry(const BatchFolder& folder, size_t shard);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_SHARD_TRY_H_

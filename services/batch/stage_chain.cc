@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 const StageNames kGraph = {"refine", "prior", "grow"};
@@ -65,4 +65,4 @@ ChainInputs InputsOf(const StageNames& stages, const SproutConfig& config) {
   return inputs;
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -7,7 +7,7 @@
 #include "common/config/config.h"
 #include "common/core/frame.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// The stages of a batch, in the order of the graph: "refine", "prior", "grow", without a gap.
 using StageNames = std::vector<std::string>;
@@ -35,6 +35,6 @@ struct ChainInputs {
 };
 ChainInputs InputsOf(const StageNames& stages, const SproutConfig& config);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_STAGE_CHAIN_H_

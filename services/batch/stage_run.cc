@@ -9,7 +9,7 @@
 #include "common/logfile/log_error.h"
 #include "services/batch/text_file.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 using Json = nlohmann::json;
 
@@ -58,4 +58,4 @@ StageRuns ReadStageRuns(const std::filesystem::path& path) {
   return runs;
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace sprout {
+namespace sprout::batch {
 
 /// Counts and times of a stage over one shard.
 struct StageRun {
@@ -31,6 +31,6 @@ void WriteStageRuns(const std::filesystem::path& path, const StageRuns& runs);
 /// @throws LogError when it cannot be read.
 StageRuns ReadStageRuns(const std::filesystem::path& path);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_STAGE_RUN_H_

@@ -10,10 +10,10 @@
 #include <set>
 
 #include "common/logfile/log_error.h"
+#include "common/quality/frame_quality.h"
 #include "services/batch/text_file.h"
-#include "services/quality/frame_quality.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 const PartSet kMeasured{Part::kLeft, Part::kRight, Part::kSeeds, Part::kDisparity,
@@ -212,4 +212,4 @@ Table CompareFrames(FrameLookup& a, FrameLookup* b, const std::filesystem::path&
   return table;
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch

@@ -10,7 +10,7 @@
 #include "common/core/disparity_image.h"
 #include "services/batch/frame_lookup.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// A small table: the columns' names, then a row of numbers each, with gaps.
 struct Table {
@@ -64,6 +64,6 @@ std::optional<double> BadShare(const DisparityImage& map, const cv::Mat1f& truth
 ///               none.
 Table CompareFrames(FrameLookup& a, FrameLookup* b, const std::filesystem::path& truth);
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_TABLES_H_

@@ -7,7 +7,7 @@
 #include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
 
-namespace sprout {
+namespace sprout::batch {
 
 /// Gives a file its name. @throws LogError, one line with the reason.
 inline void CommitFile(const std::filesystem::path& path, OutputFile& file) {
@@ -21,6 +21,6 @@ inline void WriteText(const std::filesystem::path& path, const std::string& text
   CommitFile(path, file);
 }
 
-}  // namespace sprout
+}  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_TEXT_FILE_H_

@@ -6,7 +6,7 @@
 
 #include "common/config/config.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 // Of a square: 4 bits and a border on either side, and half of what is left on either side again.
@@ -57,4 +57,4 @@ cv::Mat1b Board::Modules() const {
   return modules;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// What is printed: a chessboard with a marker in each white square, so that a part of it tells
 /// which part it is.
@@ -52,6 +52,6 @@ class Board {
   std::vector<Eigen::Vector3d> corners_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_BOARD_H_

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 // OpenCV's detector wants markers of some 20 px and edges of several.
@@ -224,4 +224,4 @@ BoardCorners FindCornersNear(const Board& board, const BoardCorners& expected,
 
 cv::Mat1b AmplitudeImage(const cv::Mat1f& amplitude) { return Rounded(Levels(amplitude)); }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -6,7 +6,7 @@
 
 #include "services/calibrate/board.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// Corners of the board that were found in an image.
 struct BoardCorners {
@@ -35,6 +35,6 @@ BoardCorners FindCornersNear(const Board& board, const BoardCorners& expected,
 /// Amplitudes as grey levels: their 1st to 99th percentile from black to white.
 cv::Mat1b AmplitudeImage(const cv::Mat1f& amplitude);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_BOARD_FINDER_H_

@@ -9,7 +9,7 @@
 
 #include "common/config/config.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 // White paper around the pattern: a marker that ends at the edge of a dark table is not found.
@@ -115,4 +115,4 @@ std::string BoardPage(const Board& board, const std::filesystem::path& path) {
   return bytes;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -6,7 +6,7 @@
 
 #include "services/calibrate/board.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// The board as a page at true scale: the pattern, a line of a round length to check the print
 /// with, and the flags that tell `sprout-calibrate` of this board. The same board gives the same
@@ -17,6 +17,6 @@ namespace sprout {
 /// @throws ConfigError for another suffix than .pdf or .svg
 std::string BoardPage(const Board& board, const std::filesystem::path& path);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_BOARD_PAGE_H_

@@ -9,7 +9,7 @@
 #include "services/calibrate/board.h"
 #include "services/calibrate/board_finder.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// The cameras of a rig, as an index.
 enum CameraIndex : size_t { kLeft = 0, kRight = 1, kTof = 2 };
@@ -29,6 +29,6 @@ struct BoardView {
   TofImage tof;
 };
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_BOARD_VIEW_H_

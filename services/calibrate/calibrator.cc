@@ -7,7 +7,7 @@
 #include "services/calibrate/rig_model.h"
 #include "services/calibrate/rig_refinement.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 bool IsUsable(const Board& board, const BoardCorners& corners) {
@@ -86,4 +86,4 @@ Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCa
   return calibration;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

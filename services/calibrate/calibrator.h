@@ -10,7 +10,7 @@
 #include "services/calibrate/board_view.h"
 #include "services/calibrate/quality.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// A rig's calibration and how good it is.
 struct Calibration {
@@ -32,6 +32,6 @@ struct Calibration {
 Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCameraCount>& sizes,
                               std::vector<BoardView> views);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_CALIBRATOR_H_

@@ -14,7 +14,7 @@
 #include "services/calibrate/frame_log.h"
 #include "services/calibrate/rig_checker.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 // So many frames, evenly over the log, tell what all of them do.
@@ -78,4 +78,4 @@ int RunCheck(const CheckOptions& options) {
   return check.reasons.empty() ? 0 : 1;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace sprout {
+namespace sprout::calibrate {
 
 struct CheckOptions {
   std::filesystem::path log;
@@ -18,6 +18,6 @@ struct CheckOptions {
 /// @throws LogError, ConfigError for files that cannot be used.
 int RunCheck(const CheckOptions& options);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_CHECK_H_

@@ -8,7 +8,7 @@
 
 #include "services/calibrate/rig_model.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 constexpr double kTiltedSine = 0.26;  // 15°
@@ -156,4 +156,4 @@ std::string Coverage::Text() const {
   return text;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -10,7 +10,7 @@
 #include "services/calibrate/board.h"
 #include "services/calibrate/board_view.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 // What a good calibration needs of its views.
 inline constexpr int kFewViews = 15;  ///< of each camera, at least
@@ -70,6 +70,6 @@ class Coverage {
   double farthest_ = 0;
 };
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_COVERAGE_H_

@@ -11,7 +11,7 @@
 #include "common/logfile/log_reader.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 using ChannelCounts = std::map<std::string, int64_t>;
@@ -102,4 +102,4 @@ std::string ReadFrameLog(const std::filesystem::path& path, const std::string& p
   return complaint.empty() ? "" : path.string() + ": " + complaint;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

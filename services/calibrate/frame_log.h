@@ -8,7 +8,7 @@
 
 #include "common/core/frame.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// Before the channels of unrectified images, as sprout-capture --raw sends them; behind the prefix
 /// of the graph.
@@ -23,6 +23,6 @@ std::string ReadFrameLog(const std::filesystem::path& path, const std::string& p
                          const std::vector<Part>& parts,
                          const std::function<void(const Frame&)>& visit);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_FRAME_LOG_H_

@@ -9,7 +9,7 @@
 #include "common/config/config.h"
 #include "common/picture/read_image.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,4 +100,4 @@ void WriteImages(const std::filesystem::path& folder, const std::string& name,
   write("left", ".png", images.left);  // the last one: with it the triplet is there
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

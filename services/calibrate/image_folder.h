@@ -7,7 +7,7 @@
 
 #include "services/calibrate/board_view.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// Reads the triplets of a folder, in the order of their names: left_NAME.png and right_NAME.png
 /// (or any other format that OpenCV reads), and if there is a ToF camera tof_amplitude_NAME.png (or
@@ -21,6 +21,6 @@ void ReadImageFolder(const std::filesystem::path& folder,
 void WriteImages(const std::filesystem::path& folder, const std::string& name,
                  const RigImages& images);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_IMAGE_FOLDER_H_

@@ -1,3 +1,3 @@
 #include "services/calibrate/program.h"
 
-int main(int argc, char** argv) { return sprout::CalibrateMain(argc, argv); }
+int main(int argc, char** argv) { return sprout::calibrate::CalibrateMain(argc, argv); }

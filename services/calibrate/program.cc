@@ -29,7 +29,7 @@
 #include "services/calibrate/view_collector.h"
 #include "services/calibrate/watch.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -280,4 +280,4 @@ int CalibrateMain(int argc, const char* const* argv) {
   return RunProgram(flags, argc, argv, [&] { return RunChosen(options); });
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

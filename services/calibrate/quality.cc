@@ -9,7 +9,7 @@
 #include "common/rig/rectifier.h"
 #include "services/calibrate/coverage.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 constexpr double kOutlierSigmas = 4;
@@ -255,4 +255,4 @@ CalibrationQuality QualityOf(const RefinedModel& refined, const RawRig& rig,
   return quality;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

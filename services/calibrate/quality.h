@@ -10,7 +10,7 @@
 #include "services/calibrate/coverage.h"
 #include "services/calibrate/rig_refinement.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// How well one camera is calibrated.
 struct CameraQuality {
@@ -48,6 +48,6 @@ struct CalibrationQuality {
 CalibrationQuality QualityOf(const RefinedModel& refined, const RawRig& rig,
                              const std::vector<BoardView>& views);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_QUALITY_H_

@@ -4,7 +4,7 @@
 
 #include "common/geometry/lens.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 // At the rim of a square a pixel sees two colours, and at that of the board what is behind it.
@@ -81,4 +81,4 @@ std::vector<RangePoint> CollectRangePoints(const Board& board, const std::vector
   return points;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -5,7 +5,7 @@
 
 #include "services/calibrate/rig_model.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// What the ToF camera measures on one square of the board: the mean of its pixels there.
 struct RangePoint {
@@ -19,6 +19,6 @@ struct RangePoint {
 std::vector<RangePoint> CollectRangePoints(const Board& board, const std::vector<BoardView>& views,
                                            const RigModel& model);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_RANGE_POINTS_H_

@@ -11,7 +11,7 @@
 #include "common/picture/html.h"
 #include "services/calibrate/report_pictures.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 constexpr std::array<const char*, kLensNumbers> kLensNames = {
@@ -204,4 +204,4 @@ std::string ReportHtml(const Calibration& calibration, const RigImages& images,
   return html + "</body></html>\n";
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -7,7 +7,7 @@
 #include "services/calibrate/calibrator.h"
 #include "services/calibrate/view_collector.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// The result as text for a terminal: verdict and reasons, then a table.
 std::string SummaryText(const Calibration& calibration);
@@ -22,6 +22,6 @@ std::string CountsText(const ViewCounts& counts, size_t views);
 std::string ReportHtml(const Calibration& calibration, const RigImages& images,
                        const std::string& counts_text);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_REPORT_H_

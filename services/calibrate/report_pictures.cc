@@ -10,7 +10,7 @@
 #include "common/picture/picture.h"
 #include "common/rig/rectifier.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 constexpr int kCoverageWidth = 480;
@@ -104,4 +104,4 @@ cv::Mat3b TofPicture(const RawRig& rig, const RigImages& images) {
   return ScaledPicture(picture, "", content);
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -6,7 +6,7 @@
 #include "services/calibrate/board_view.h"
 #include "services/calibrate/quality.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// Where a camera saw corners: a dot each, from blue (no error) to red (4 standard deviations and
 /// more), over the nine parts of the image, with a scale. O(corners).
@@ -19,6 +19,6 @@ cv::Mat3b PairPicture(const RawRig& rig, const RigImages& images);
 /// near red, with a scale. O(pixels).
 cv::Mat3b TofPicture(const RawRig& rig, const RigImages& images);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_REPORT_PICTURES_H_

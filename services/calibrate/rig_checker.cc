@@ -9,7 +9,7 @@
 
 #include "common/core/image.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -108,13 +108,13 @@ Result<void> RigChecker::Add(const cv::Mat& left, const cv::Mat& right, const To
   const Result<SeedSet> seeds = refiner_.Compute(left_grey, right_grey, tof, *projector_);
   if (!seeds) return tl::unexpected(seeds.error());
   ++frames_;
-  vertical_.push_back(MeasureVerticalDisparity(left_grey, right_grey, seeds->seeds));
+  vertical_.push_back(refine::MeasureVerticalDisparity(left_grey, right_grey, seeds->seeds));
   if (tof.depth_m.empty()) return {};
 
   has_tof_ = true;
   int behind = 0;
   const std::vector<ProjectedPoint> points = projector_->Project(tof, behind);
-  const TofOffset offset = aligner_.Estimate(left_grey, right_grey, points, tof, *projector_);
+  const refine::TofOffset offset = aligner_.Estimate(left_grey, right_grey, points, tof, *projector_);
   if (offset.sure) offsets_px_.emplace_back(offset.du_px, offset.dv_px);
   CompareRanges(left_grey, right_grey, points, rig.pair);
   return {};
@@ -201,4 +201,4 @@ std::string CheckText(const RigCheck& check) {
   return text;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

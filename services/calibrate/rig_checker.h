@@ -15,7 +15,7 @@
 #include "services/refine/tof_alignment.h"
 #include "services/refine/vertical_disparity.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// What frames without any board tell about a calibration. Medians over all frames; NaN: nothing
 /// was found out.
@@ -48,13 +48,13 @@ class RigChecker {
   void CompareRanges(const cv::Mat1b& left, const cv::Mat1b& right,
                      const std::vector<ProjectedPoint>& points, const RectifiedPair& pair);
 
-  Refiner refiner_;
-  TofAligner aligner_;
+  refine::Refiner refiner_;
+  refine::TofAligner aligner_;
   std::optional<TofProjector> projector_;  // of the newest calibration
   std::string projector_rig_id_;
   int frames_ = 0;
   bool has_tof_ = false;
-  std::vector<VerticalDisparity> vertical_;  // of each frame
+  std::vector<refine::VerticalDisparity> vertical_;  // of each frame
   std::vector<cv::Point2d> offsets_px_;      // of those that are sure
   std::vector<double> disparities_px_;       // of points
   std::vector<double> ranges_m_;
@@ -63,6 +63,6 @@ class RigChecker {
 /// The result as text for a terminal: verdict and reasons, then the figures.
 std::string CheckText(const RigCheck& check);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_RIG_CHECKER_H_

@@ -8,7 +8,7 @@
 
 #include "common/geometry/lens.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 // What follows starts from here, and moves on by more than this.
@@ -183,4 +183,4 @@ Result<RigModel> InitialModel(const Board& board, const std::array<cv::Size, kCa
   return model;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

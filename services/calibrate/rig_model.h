@@ -10,7 +10,7 @@
 #include "services/calibrate/board.h"
 #include "services/calibrate/board_view.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// All that the corners' positions depend on: a corner X of board view i is seen by camera c at
 /// π_c(left_from_camera_c⁻¹ · left_from_board_i · X).
@@ -46,6 +46,6 @@ Eigen::Vector2d PixelOfCorner(const RigModel& model, CameraIndex camera, size_t 
 Result<RigModel> InitialModel(const Board& board, const std::array<cv::Size, kCameraCount>& sizes,
                               const std::vector<BoardView>& views);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_RIG_MODEL_H_

@@ -11,7 +11,7 @@
 #include "common/geometry/lens.h"
 #include "services/calibrate/rig_residuals.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 using LensBlock = std::array<double, kLensNumbers>;
@@ -320,4 +320,4 @@ Result<RefinedModel> RefineModel(const Board& board, const std::vector<BoardView
   return Refinement(board, views, ranges, model).Run();
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -8,7 +8,7 @@
 #include "services/calibrate/range_points.h"
 #include "services/calibrate/rig_model.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// A lens's numbers in the order of the refinement: fx, fy, cx, cy, k1, k2, p1, p2, k3.
 inline constexpr size_t kLensNumbers = 9;
@@ -61,6 +61,6 @@ struct RefinedModel {
 Result<RefinedModel> RefineModel(const Board& board, const std::vector<BoardView>& views,
                                  const std::vector<RangePoint>& ranges, const RigModel& model);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_RIG_REFINEMENT_H_

@@ -9,7 +9,7 @@
 
 #include "services/calibrate/range_points.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 // What RefineModel() makes small, as Ceres takes it. A lens is fx, fy, cx, cy, k1, k2, p1, p2, k3;
 // a pose in the left camera's frame is a rotation vector and a translation, m.
@@ -119,6 +119,6 @@ struct RangeError {
   }
 };
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_RIG_RESIDUALS_H_

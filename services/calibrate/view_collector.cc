@@ -6,7 +6,7 @@
 #include "common/core/image.h"
 #include "services/calibrate/rig_model.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 // Of the image's width: 1 cm at 1 m for a lens of 53°. Nearer views tell little more.
@@ -104,4 +104,4 @@ std::optional<double> ViewCollector::Shift(const Pair& a, const Pair& b) {
   return left ? left : MeanShift(a.right, b.right);
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -9,7 +9,7 @@
 #include "services/calibrate/board.h"
 #include "services/calibrate/board_view.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// What became of the images of a calibration.
 struct ViewCounts {
@@ -72,6 +72,6 @@ class ViewCollector {
   int best_corners_ = 0;
 };
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_VIEW_COLLECTOR_H_

@@ -24,7 +24,7 @@
 #include "services/calibrate/report.h"
 #include "services/calibrate/view_collector.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -185,4 +185,4 @@ int RunWatch(const Board& board, const WatchOptions& options) {
   return views.IsComplete() ? 0 : 1;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

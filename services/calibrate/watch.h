@@ -6,7 +6,7 @@
 
 #include "services/calibrate/board.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 struct WatchOptions {
   std::filesystem::path out;  ///< folder; views that are in it already count
@@ -21,6 +21,6 @@ struct WatchOptions {
 /// @throws ConfigError for a URL or a folder that cannot be used, BusError.
 int RunWatch(const Board& board, const WatchOptions& options);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_WATCH_H_

@@ -5,7 +5,7 @@
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 std::vector<std::string_view> Channels(bool disparities) {
@@ -72,4 +72,4 @@ void Answers::WaitForRoom(size_t count, Deadline deadline, const std::stop_token
   changed_.wait_until(lock, stop, deadline, [&] { return missing_.size() <= count; });
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -17,7 +17,7 @@
 #include "common/bus/receiver.h"
 #include "common/core/frame_id.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// What the rest of the graph says back to capture: which stages are there, and which frames have
 /// a disparity. Thread-safe.
@@ -59,6 +59,6 @@ class Answers {
   Receiver receiver_;             // last: stops before the rest is destroyed
 };
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_ANSWERS_H_

@@ -12,9 +12,9 @@
 #include "common/app/stage_monitor.h"
 #include "common/config/config.h"
 #include "common/core/frame.h"
-#include "services/capture/frame_source.h"
+#include "services/datasets/frame_source.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// One capture as it goes on the bus.
 struct CaptureMessages {
@@ -48,9 +48,9 @@ class CaptureFeed {
 inline constexpr std::string_view kRawPrefix = "RAW_";
 
 struct FeedOptions {
-  bool loop = false;     ///< start again at the end
-  bool raw = false;      ///< frames of cameras as they see them, for channels with kRawPrefix
-  Waiting waiting = {};  ///< called while Next() waits for cameras
+  bool loop = false;  ///< start again at the end
+  bool raw = false;   ///< frames of cameras as they see them, for channels with kRawPrefix
+  datasets::Waiting waiting = {};  ///< called while Next() waits for cameras
 };
 
 /// Opens what config.source() names: log:FILE, cameras (OpenCameras()) or a dataset
@@ -61,6 +61,6 @@ struct FeedOptions {
 std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
                                              const FeedOptions& options, StageMonitor& monitor);
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_CAPTURE_FEED_H_

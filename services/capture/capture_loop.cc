@@ -16,7 +16,7 @@
 #include "services/capture/capture_feed.h"
 #include "services/capture/pace.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 using Clock = StageMonitor::Clock;
@@ -233,4 +233,4 @@ int RunCapture(const ServiceContext& context, const CaptureOptions& options) {
   return Capture(context, options).Run();
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -9,7 +9,7 @@
 
 #include "common/app/service_context.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// How frames are sent; the source and its settings are in CaptureConfig.
 struct CaptureOptions {
@@ -30,6 +30,6 @@ struct CaptureOptions {
 /// @throws ConfigError when the source cannot be used; BusError when the network cannot.
 int RunCapture(const ServiceContext& context, const CaptureOptions& options);
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_CAPTURE_LOOP_H_

@@ -3,11 +3,11 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "common/config/config.h"
+#include "common/core/number_text.h"
 #include "common/picture/read_image.h"
-#include "services/capture/number_text.h"
-#include "services/capture/read_image.h"
+#include "services/datasets/read_image.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 ImageList::ImageList(const std::string& pattern) {
   const auto refuse = [&](const std::string& why) {
@@ -31,7 +31,7 @@ ImageList::ImageList(const std::string& pattern) {
   }
 }
 
-bool ImageList::HasNext() const { return IsFile(File(next_)); }
+bool ImageList::HasNext() const { return datasets::IsFile(File(next_)); }
 
 cv::Mat ImageList::Next() {
   Result<cv::Mat> image = DecodeImageFile(File(next_), cv::IMREAD_UNCHANGED, kCameraFormats);
@@ -46,4 +46,4 @@ std::filesystem::path ImageList::File(int number) const {
   return before_ + std::string(zeros, '0') + text + after_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-namespace sprout {
+namespace sprout::capture {
 
 /// Images whose names have a number, such as left_%04d.png. The first one is the first that is
 /// there of 0 to 10, the last one that before the first number that is missing.
@@ -30,6 +30,6 @@ class ImageList {
   int next_ = 0;
 };
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_IMAGE_LIST_H_

@@ -14,7 +14,7 @@
 #include "services/capture/raw_source.h"
 #include "services/capture/source_feed.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 constexpr Part kCaptured[] = {Part::kLeft, Part::kRight, Part::kTof, Part::kRig};
@@ -185,7 +185,7 @@ class RawLogFeed : public CaptureFeed {
 
   std::optional<CaptureMessages> Next(const std::stop_token& stop) override {
     while (const std::optional<CaptureMessages> raw = log_->Next(stop)) {
-      Result<CapturedFrame> frame = RectifyFrame(rectifier_, Decoded(*raw));
+      Result<datasets::CapturedFrame> frame = RectifyFrame(rectifier_, Decoded(*raw));
       newest_ = {raw->id.utime, raw->id.seq, rig_id_};
       if (frame) return Encoded(newest_, *frame);
       monitor_.FrameFailed(newest_, frame.error().text);
@@ -202,8 +202,8 @@ class RawLogFeed : public CaptureFeed {
 
  private:
   // The log's feed has decoded every message once, so each of them can be.
-  static CapturedFrame Decoded(const CaptureMessages& raw) {
-    CapturedFrame frame;
+  static datasets::CapturedFrame Decoded(const CaptureMessages& raw) {
+    datasets::CapturedFrame frame;
     for (const auto& [part, bytes] : raw.messages) {
       const PartValue value = DecodePart(part, bytes)->value;
       if (part == Part::kLeft) frame.left = std::get<cv::Mat>(value);
@@ -244,4 +244,4 @@ std::unique_ptr<CaptureFeed> OpenRawLogFeed(const std::string& path, const std::
       monitor);
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -7,7 +7,7 @@
 #include "common/rig/rectifier.h"
 #include "services/capture/capture_feed.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// LEFT, RIGHT, TOF and RIG of a log, byte by byte as they were recorded, with their own utime and
 /// seq. A frame of which a message is missing in the log or is refused at the border is counted and
@@ -24,6 +24,6 @@ std::unique_ptr<CaptureFeed> OpenRawLogFeed(const std::string& path, const std::
                                             const Rectifier& rectifier, bool loop,
                                             StageMonitor& monitor);
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_LOG_FEED_H_

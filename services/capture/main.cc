@@ -7,7 +7,7 @@
 #include "services/capture/capture_loop.h"
 #include "services/capture/genicam/discovery.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 // Flags that stand for configuration values; unset ones leave the configuration alone.
@@ -101,6 +101,6 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::capture
 
-int main(int argc, char** argv) { return sprout::Main(argc, argv); }
+int main(int argc, char** argv) { return sprout::capture::Main(argc, argv); }

@@ -3,14 +3,14 @@
 #include <string_view>
 #include <utility>
 
+#include "common/core/number_text.h"
 #include "common/rig/rig_file.h"
 #include "services/capture/genicam/genicam_source.h"
-#include "services/capture/number_text.h"
 #include "services/capture/raw_source.h"
-#include "services/capture/source_options.h"
 #include "services/capture/video_source.h"
+#include "services/datasets/source_options.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 constexpr std::string_view kGenicam = "genicam:";
@@ -21,7 +21,7 @@ ConfigError Bad(const std::string& source, const std::string& reason, const std:
   return ConfigError("capture.source = " + source + ": " + reason + "; allowed: " + allowed);
 }
 
-int Positive(const std::string& source, const SourceOption& option) {
+int Positive(const std::string& source, const datasets::SourceOption& option) {
   const std::optional<int> number = ParseNumber<int>(option.value);
   if (number && *number > 0) return *number;
   throw Bad(source, "not a number above 0: " + std::string(option.text),
@@ -49,17 +49,17 @@ bool NamesCameras(const std::string& source) {
   return source.starts_with(kGenicam) || source.starts_with(kOpenCv) || source.starts_with(kV4l2);
 }
 
-OpenedCameras OpenCameras(const std::string& source, bool loop, Waiting waiting) {
+OpenedCameras OpenCameras(const std::string& source, bool loop, datasets::Waiting waiting) {
   if (source.starts_with(kGenicam)) {
     const std::string path = source.substr(kGenicam.size());
     const RigDescription rig = LoadRigFile(path);
     return {.cameras = OpenGenicam(rig, path, std::move(waiting)),
             .calibration = CalibrationOf(rig)};
   }
-  const auto [place, options] = SplitSource(source);
+  const auto [place, options] = datasets::SplitSource(source);
   VideoSettings settings{.places = PlacesOf(source, place), .loop = loop};
   OpenedCameras opened;
-  for (const SourceOption& option : options) {
+  for (const datasets::SourceOption& option : options) {
     if (option.name == "rig") {
       opened.calibration = RequireCalibration(LoadRigFile(option.value), option.value);
     } else if (option.name == "width") {
@@ -77,4 +77,4 @@ OpenedCameras OpenCameras(const std::string& source, bool loop, Waiting waiting)
   return opened;
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -3,13 +3,13 @@
 
 #include "common/rig/rig_file.h"
 #include "services/capture/capture_feed.h"
-#include "services/capture/dataset.h"
 #include "services/capture/log_feed.h"
 #include "services/capture/raw_source.h"
 #include "services/capture/source_feed.h"
-#include "services/capture/source_options.h"
+#include "services/datasets/dataset.h"
+#include "services/datasets/source_options.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 constexpr std::string_view kLog = "log:";
@@ -22,11 +22,11 @@ Rectifier OpenRectifier(const RawRig& rig, StageMonitor& monitor) {
 }
 
 std::unique_ptr<CaptureFeed> OpenLog(const std::string& source, bool loop, StageMonitor& monitor) {
-  const auto [place, options] = SplitSource(source);
+  const auto [place, options] = datasets::SplitSource(source);
   const std::string path = place.substr(kLog.size());
   std::string prefix;
   std::string rig;
-  for (const SourceOption& option : options) {
+  for (const datasets::SourceOption& option : options) {
     if (option.name == "prefix") {
       prefix = option.value;
     } else if (option.name == "rig") {
@@ -64,7 +64,8 @@ std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
                       ": --raw is for cameras; allowed: genicam:, opencv:, v4l2:");
   }
   if (config.source().starts_with(kLog)) return OpenLog(config.source(), options.loop, monitor);
-  return FeedFrom(PlayDataset(OpenDataset(config), options.loop), config, monitor);
+  return FeedFrom(datasets::PlayDataset(datasets::OpenDataset(config), options.loop), config,
+                  monitor);
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

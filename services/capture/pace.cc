@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 // Between frames at the lowest rates: 30 years, which a clock can still count.
@@ -47,4 +47,4 @@ Pace::Clock::time_point Pace::DueBeforeSending(const FrameId& id, Clock::time_po
   return due_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

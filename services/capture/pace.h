@@ -7,7 +7,7 @@
 
 #include "common/core/frame_id.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// When a frame is due: at a fixed rate, or at the intervals at which it was once captured. After
 /// a stall of more than one interval the rest comes that much later: no camera sends in a burst
@@ -48,6 +48,6 @@ class Pace {
   std::optional<int64_t> utime_;   // of the newest frame
 };
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_PACE_H_

@@ -4,7 +4,7 @@
 
 #include "common/core/image.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrated) {
@@ -13,7 +13,7 @@ Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrat
               SizeText(calibrated));
 }
 
-class RectifiedSource : public FrameSource {
+class RectifiedSource : public datasets::FrameSource {
  public:
   RectifiedSource(std::unique_ptr<RawSource> cameras, Rectifier rectifier)
       : cameras_(std::move(cameras)), rectifier_(std::move(rectifier)) {}
@@ -21,14 +21,14 @@ class RectifiedSource : public FrameSource {
   const Rig& rig() const override { return rectifier_.rig(); }
   bool is_live() const override { return cameras_->is_live(); }
 
-  std::optional<CapturedFrame> Next(const std::stop_token& stop) override {
+  std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) override {
     lost_ = {};
     while (true) {
-      std::optional<CapturedFrame> raw = cameras_->Next(stop);
+      std::optional<datasets::CapturedFrame> raw = cameras_->Next(stop);
       if (!raw) return AtEnd();
       lost_.count += raw->lost;
       if (!raw->trouble.empty()) lost_.trouble = raw->trouble;
-      Result<CapturedFrame> frame = RectifyFrame(rectifier_, std::move(*raw));
+      Result<datasets::CapturedFrame> frame = RectifyFrame(rectifier_, std::move(*raw));
       if (frame) {
         frame->lost = lost_.count;
         frame->trouble = lost_.trouble;
@@ -39,11 +39,11 @@ class RectifiedSource : public FrameSource {
     }
   }
 
-  LostFrames lost_at_end() const override { return lost_; }
+  datasets::LostFrames lost_at_end() const override { return lost_; }
 
  private:
-  std::optional<CapturedFrame> AtEnd() {
-    const LostFrames of_cameras = cameras_->lost_at_end();
+  std::optional<datasets::CapturedFrame> AtEnd() {
+    const datasets::LostFrames of_cameras = cameras_->lost_at_end();
     lost_.count += of_cameras.count;
     if (!of_cameras.trouble.empty()) lost_.trouble = of_cameras.trouble;
     return std::nullopt;
@@ -51,12 +51,13 @@ class RectifiedSource : public FrameSource {
 
   std::unique_ptr<RawSource> cameras_;
   Rectifier rectifier_;
-  LostFrames lost_;  // since the newest frame
+  datasets::LostFrames lost_;  // since the newest frame
 };
 
 }  // namespace
 
-Result<CapturedFrame> RectifyFrame(const Rectifier& rectifier, CapturedFrame raw) {
+Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier,
+                                             datasets::CapturedFrame raw) {
   const RawRig& rig = rectifier.raw();
   Result<void> fits = CheckSize("left image", raw.left.size(), rig.left.size());
   if (fits) fits = CheckSize("right image", raw.right.size(), rig.right.size());
@@ -70,8 +71,9 @@ Result<CapturedFrame> RectifyFrame(const Rectifier& rectifier, CapturedFrame raw
   return raw;
 }
 
-std::unique_ptr<FrameSource> Rectified(std::unique_ptr<RawSource> cameras, Rectifier rectifier) {
+std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
+                                                 Rectifier rectifier) {
   return std::make_unique<RectifiedSource>(std::move(cameras), std::move(rectifier));
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

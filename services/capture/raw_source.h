@@ -8,9 +8,9 @@
 
 #include "common/core/result.h"
 #include "common/rig/rectifier.h"
-#include "services/capture/frame_source.h"
+#include "services/datasets/frame_source.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// Cameras: triplets as they see them, neither rectified nor with corrected ranges.
 class RawSource {
@@ -21,18 +21,20 @@ class RawSource {
   virtual bool is_live() const = 0;
 
   /// As FrameSource::Next().
-  virtual std::optional<CapturedFrame> Next(const std::stop_token& stop) = 0;
+  virtual std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) = 0;
 
   /// As FrameSource::lost_at_end().
-  virtual LostFrames lost_at_end() const { return {}; }
+  virtual datasets::LostFrames lost_at_end() const { return {}; }
 };
 
 /// Rectifies the images of a frame and corrects its ranges. A ToF image of 0×0 stays one. The error
 /// names an image that is not of the calibrated size.
-Result<CapturedFrame> RectifyFrame(const Rectifier& rectifier, CapturedFrame raw);
+Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier,
+                                             datasets::CapturedFrame raw);
 
 /// Frames of cameras, rectified. One that is not of the calibrated size counts as lost.
-std::unique_ptr<FrameSource> Rectified(std::unique_ptr<RawSource> cameras, Rectifier rectifier);
+std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
+                                                 Rectifier rectifier);
 
 /// Cameras, and the calibration that belongs to them.
 struct OpenedCameras {
@@ -55,8 +57,8 @@ bool NamesCameras(const std::string& source);
 /// @param waiting  called while cameras of genicam: are waited for; what OpenCV opens waits by
 ///                 itself.
 /// @throws ConfigError naming what is missing or wrong, and where.
-OpenedCameras OpenCameras(const std::string& source, bool loop, Waiting waiting = {});
+OpenedCameras OpenCameras(const std::string& source, bool loop, datasets::Waiting waiting = {});
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_RAW_SOURCE_H_

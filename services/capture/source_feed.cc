@@ -7,13 +7,13 @@
 #include "common/core/image.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 class SourceFeed : public CaptureFeed {
  public:
-  using Take = std::function<std::optional<CapturedFrame>(const std::stop_token&)>;
-  using LostAtEnd = std::function<LostFrames()>;
+  using Take = std::function<std::optional<datasets::CapturedFrame>(const std::stop_token&)>;
+  using LostAtEnd = std::function<datasets::LostFrames()>;
 
   // Without a rig the frames are not rectified.
   SourceFeed(Take take, LostAtEnd lost_at_end, bool is_live, std::optional<Rig> rig,
@@ -28,7 +28,7 @@ class SourceFeed : public CaptureFeed {
   }
 
   std::optional<CaptureMessages> Next(const std::stop_token& stop) override {
-    std::optional<CapturedFrame> frame = take_(stop);
+    std::optional<datasets::CapturedFrame> frame = take_(stop);
     if (!frame) {
       Tell(lost_at_end_());
       return std::nullopt;
@@ -52,7 +52,7 @@ class SourceFeed : public CaptureFeed {
   Timing timing() const override { return is_live_ ? Timing::kLive : Timing::kAsked; }
 
  private:
-  void Tell(const LostFrames& lost) {
+  void Tell(const datasets::LostFrames& lost) {
     for (int64_t i = 0; i < lost.count; ++i) monitor_.FrameFailed(newest_, lost.trouble);
     if (lost.count == 0 && !lost.trouble.empty()) monitor_.Failure(lost.trouble);
   }
@@ -68,7 +68,7 @@ class SourceFeed : public CaptureFeed {
 
 }  // namespace
 
-CaptureMessages Encoded(const FrameId& id, const CapturedFrame& frame) {
+CaptureMessages Encoded(const FrameId& id, const datasets::CapturedFrame& frame) {
   CaptureMessages messages{.id = id, .messages = {}};
   const auto add = [&](Part part, const PartValue& value) {
     messages.messages.emplace_back(part, EncodePart(id, part, value, DisparityEncoding::kRawInt16));
@@ -79,11 +79,11 @@ CaptureMessages Encoded(const FrameId& id, const CapturedFrame& frame) {
   return messages;
 }
 
-std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<FrameSource> source,
+std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<datasets::FrameSource> source,
                                       const CaptureConfig& config, StageMonitor& monitor) {
   const bool is_live = source->is_live();
   const Rig rig = source->rig();
-  const std::shared_ptr<FrameSource> shared = std::move(source);
+  const std::shared_ptr<datasets::FrameSource> shared = std::move(source);
   return std::make_unique<SourceFeed>(
       [shared](const std::stop_token& stop) { return shared->Next(stop); },
       [shared] { return shared->lost_at_end(); }, is_live, rig, config, monitor);
@@ -98,4 +98,4 @@ std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
       [shared] { return shared->lost_at_end(); }, is_live, std::nullopt, config, monitor);
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

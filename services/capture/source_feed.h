@@ -4,24 +4,24 @@
 #include <memory>
 
 #include "services/capture/capture_feed.h"
-#include "services/capture/frame_source.h"
 #include "services/capture/raw_source.h"
+#include "services/datasets/frame_source.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// LEFT, RIGHT and TOF of a frame, as a feed sends them.
-CaptureMessages Encoded(const FrameId& id, const CapturedFrame& frame);
+CaptureMessages Encoded(const FrameId& id, const datasets::CapturedFrame& frame);
 
 /// Frames of a source, numbered from 0 and stamped with their time of exposure, or, when the source
 /// has no clock, with the time at which they are taken: the only place where a clock enters a
 /// payload. Times of frames increase, whatever the clock does.
-std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<FrameSource> source,
+std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<datasets::FrameSource> source,
                                       const CaptureConfig& config, StageMonitor& monitor);
 
 /// The same of cameras, as they see; the frames have no rig_id.
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
                                       const CaptureConfig& config, StageMonitor& monitor);
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_SOURCE_FEED_H_

@@ -13,10 +13,10 @@
 
 #include "common/config/config.h"
 #include "common/core/image.h"
+#include "common/core/number_text.h"
 #include "services/capture/image_list.h"
-#include "services/capture/number_text.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 constexpr std::chrono::seconds kRetryPeriod{1};
@@ -135,11 +135,11 @@ class VideoSource : public RawSource {
 
   bool is_live() const override { return is_live_; }
 
-  std::optional<CapturedFrame> Next(const std::stop_token& stop) override {
+  std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) override {
     std::string trouble;
     bool opened_again = false;
     while (!stop.stop_requested()) {
-      if (std::optional<CapturedFrame> frame = Grab()) {
+      if (std::optional<datasets::CapturedFrame> frame = Grab()) {
         Require(*frame);
         frame->trouble = trouble;
         return frame;
@@ -155,7 +155,7 @@ class VideoSource : public RawSource {
     return std::nullopt;
   }
 
-  LostFrames lost_at_end() const override {
+  datasets::LostFrames lost_at_end() const override {
     if (is_live_) return {};
     for (const auto& video : videos_) {
       if (std::string text = video->EndText(); !text.empty()) return {.trouble = std::move(text)};
@@ -176,7 +176,7 @@ class VideoSource : public RawSource {
   }
 
   // Takes both pictures before it decodes either, so that they are of one time.
-  std::optional<CapturedFrame> Grab() {
+  std::optional<datasets::CapturedFrame> Grab() {
     for (const auto& video : videos_) {
       if (!video->Grab()) return std::nullopt;
     }
@@ -185,7 +185,7 @@ class VideoSource : public RawSource {
       pictures.push_back(video->Retrieve());
       if (pictures.back().empty()) return std::nullopt;
     }
-    CapturedFrame frame;
+    datasets::CapturedFrame frame;
     if (pictures.size() == 2) {
       frame.left = pictures[0];
       frame.right = pictures[1];
@@ -197,7 +197,7 @@ class VideoSource : public RawSource {
     return frame;
   }
 
-  static void Require(const CapturedFrame& frame) {
+  static void Require(const datasets::CapturedFrame& frame) {
     if (frame.left.size() != frame.right.size()) {
       throw ConfigError("video: the left picture has " + SizeText(frame.left.size()) +
                         ", the right one " + SizeText(frame.right.size()) + "; allowed: one size");
@@ -220,4 +220,4 @@ std::unique_ptr<RawSource> OpenVideo(const VideoSettings& settings) {
   return std::make_unique<VideoSource>(settings);
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -7,7 +7,7 @@
 
 #include "services/capture/raw_source.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// What OpenCV's VideoCapture opens.
 struct VideoSettings {
@@ -26,6 +26,6 @@ struct VideoSettings {
 /// @throws ConfigError naming what cannot be opened.
 std::unique_ptr<RawSource> OpenVideo(const VideoSettings& settings);
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_VIDEO_SOURCE_H_

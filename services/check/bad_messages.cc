@@ -7,7 +7,7 @@
 
 #include "common/messages/message_type.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 using Bytes = std::vector<uint8_t>;
@@ -163,4 +163,4 @@ std::vector<Spoiling> SpoilingsOf(Part part) {
   return ways;
 }
 
-}  // namespace sprout
+}  // namespace sprout::check

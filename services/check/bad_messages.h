@@ -8,7 +8,7 @@
 
 #include "common/core/frame.h"
 
-namespace sprout {
+namespace sprout::check {
 
 /// A way to turn a good message into one that no program must take for good.
 struct Spoiling {
@@ -21,6 +21,6 @@ struct Spoiling {
 /// that do not fit, numbers that are none. The same ones every time.
 std::vector<Spoiling> SpoilingsOf(Part part);
 
-}  // namespace sprout
+}  // namespace sprout::check
 
 #endif  // SPROUT_SERVICES_CHECK_BAD_MESSAGES_H_

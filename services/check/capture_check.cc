@@ -8,7 +8,7 @@
 #include "services/check/capture_listener.h"
 #include "services/check/program_check.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 using Clock = CaptureListener::Clock;
@@ -103,4 +103,4 @@ int CheckCapture(const StageCheckOptions& options, std::ostream& out) {
       out);
 }
 
-}  // namespace sprout
+}  // namespace sprout::check

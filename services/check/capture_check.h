@@ -5,7 +5,7 @@
 
 #include "services/check/stage_check.h"
 
-namespace sprout {
+namespace sprout::check {
 
 /// Starts a capture process, listens to it for some seconds, ends it, and writes what was found.
 /// Needs no log.
@@ -13,6 +13,6 @@ namespace sprout {
 /// @throws ConfigError when it cannot be started; BusError.
 int CheckCapture(const StageCheckOptions& options, std::ostream& out);
 
-}  // namespace sprout
+}  // namespace sprout::check
 
 #endif  // SPROUT_SERVICES_CHECK_CAPTURE_CHECK_H_

@@ -12,7 +12,7 @@
 #include "services/check/contract.h"
 #include "services/check/program_check.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 constexpr Part kFrameParts[] = {Part::kLeft, Part::kRight, Part::kTof};
@@ -294,4 +294,4 @@ std::string CaptureListener::Figures() const {
   return text;
 }
 
-}  // namespace sprout
+}  // namespace sprout::check

@@ -13,7 +13,7 @@
 #include "services/check/findings.h"
 #include "services/check/wire.h"
 
-namespace sprout {
+namespace sprout::check {
 
 /// What is looked at in a capture process.
 inline constexpr Rule kCaptureRules[] = {
@@ -97,6 +97,6 @@ class CaptureListener {
   int64_t last_utime_ = 0;
 };
 
-}  // namespace sprout
+}  // namespace sprout::check
 
 #endif  // SPROUT_SERVICES_CHECK_CAPTURE_LISTENER_H_

@@ -8,7 +8,7 @@
 #include "common/config/config.h"
 #include "common/core/image.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 bool InImage(float u, float v, cv::Size size) {
@@ -160,4 +160,4 @@ std::string CompareAnswers(std::span<const PartValue> answers,
   return fmt::format("{} seeds in all; the recorded answers have {}", seeds, recorded_seeds);
 }
 
-}  // namespace sprout
+}  // namespace sprout::check

@@ -11,7 +11,7 @@
 #include "common/core/frame.h"
 #include "services/check/findings.h"
 
-namespace sprout {
+namespace sprout::check {
 
 /// The part that a channel carries; nothing for other channels.
 std::optional<Part> PartOf(std::string_view channel);
@@ -49,6 +49,6 @@ bool IsSameAnswer(const PartValue& a, const PartValue& b);
 /// One line for people on how far answers are from those that were recorded.
 std::string CompareAnswers(std::span<const PartValue> answers, std::span<const PartValue> recorded);
 
-}  // namespace sprout
+}  // namespace sprout::check
 
 #endif  // SPROUT_SERVICES_CHECK_CONTRACT_H_

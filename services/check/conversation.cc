@@ -7,7 +7,7 @@
 #include "common/bus/channels.h"
 #include "services/check/program_check.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 using std::chrono::milliseconds;
@@ -165,4 +165,4 @@ void Conversation::TakeOther(const Heard& heard) {
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::check

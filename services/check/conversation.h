@@ -17,7 +17,7 @@
 #include "services/check/test_frames.h"
 #include "services/check/wire.h"
 
-namespace sprout {
+namespace sprout::check {
 
 /// What one may look at in the answer to a frame.
 enum class Look {
@@ -115,6 +115,6 @@ class Conversation {
   std::vector<double> times_ms_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::check
 
 #endif  // SPROUT_SERVICES_CHECK_CONVERSATION_H_

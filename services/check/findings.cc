@@ -4,7 +4,7 @@
 #include <ostream>
 #include <string_view>
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 std::string_view TextOf(Rule rule) {
@@ -71,4 +71,4 @@ void Findings::Print(std::span<const Rule> rules, std::ostream& out) const {
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::check

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-namespace sprout {
+namespace sprout::check {
 
 /// What a program must keep to stand in for a stage or for capture, in the order in which it is
 /// printed. Its words are in findings.cc.
@@ -51,6 +51,6 @@ class Findings {
   std::map<Rule, Found> found_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::check
 
 #endif  // SPROUT_SERVICES_CHECK_FINDINGS_H_

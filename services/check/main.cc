@@ -9,7 +9,7 @@
 #include "services/check/capture_check.h"
 #include "services/check/stage_check.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 constexpr char kDescription[] =
@@ -58,6 +58,6 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::check
 
-int main(int argc, char** argv) { return sprout::Main(argc, argv); }
+int main(int argc, char** argv) { return sprout::check::Main(argc, argv); }

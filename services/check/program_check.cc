@@ -10,7 +10,7 @@
 #include "common/config/config.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 constexpr std::chrono::seconds kEndTimeout{5};
@@ -78,4 +78,4 @@ bool CheckReport(const Heard& heard, Findings& found) {
   return false;
 }
 
-}  // namespace sprout
+}  // namespace sprout::check

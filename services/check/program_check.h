@@ -12,7 +12,7 @@
 #include "services/check/findings.h"
 #include "services/check/wire.h"
 
-namespace sprout {
+namespace sprout::check {
 
 /// Looks at a running program, and ends it.
 /// @returns figures about it for people, whole lines; may be empty.
@@ -38,6 +38,6 @@ void CheckEnd(Process& process, Findings& found);
 /// @returns whether it was one.
 bool CheckReport(const Heard& heard, Findings& found);
 
-}  // namespace sprout
+}  // namespace sprout::check
 
 #endif  // SPROUT_SERVICES_CHECK_PROGRAM_CHECK_H_

@@ -11,7 +11,7 @@
 #include "services/check/conversation.h"
 #include "services/check/program_check.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 using std::chrono::milliseconds;
@@ -186,4 +186,4 @@ int CheckStage(const StageCheckOptions& options, std::ostream& out) {
       out);
 }
 
-}  // namespace sprout
+}  // namespace sprout::check

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace sprout {
+namespace sprout::check {
 
 /// What sprout-check-stage is asked for.
 struct StageCheckOptions {
@@ -23,6 +23,6 @@ struct StageCheckOptions {
 /// @throws ConfigError for an unknown stage or a log without its frames; LogError; BusError.
 int CheckStage(const StageCheckOptions& options, std::ostream& out);
 
-}  // namespace sprout
+}  // namespace sprout::check
 
 #endif  // SPROUT_SERVICES_CHECK_STAGE_CHECK_H_

@@ -10,7 +10,7 @@
 #include "common/logfile/log_reader.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 // Copies of images and maps share their pixels: replaced here, never written to.
@@ -181,4 +181,4 @@ std::vector<TestFrame> PoorFrames(const TestFrame& good) {
   return frames;
 }
 
-}  // namespace sprout
+}  // namespace sprout::check

@@ -10,7 +10,7 @@
 #include "common/core/frame.h"
 #include "services/check/contract.h"
 
-namespace sprout {
+namespace sprout::check {
 
 /// A frame to be sent, without utime and seq: it is sent as a new capture each time.
 struct TestFrame {
@@ -31,6 +31,6 @@ std::vector<TestFrame> ReadTestFrames(const std::filesystem::path& log,
 /// ToF camera, too few seeds, seeds on a line, black images, sizes that contradict each other.
 std::vector<TestFrame> PoorFrames(const TestFrame& good);
 
-}  // namespace sprout
+}  // namespace sprout::check
 
 #endif  // SPROUT_SERVICES_CHECK_TEST_FRAMES_H_

@@ -1,6 +1,6 @@
 #include "services/check/wire.h"
 
-namespace sprout {
+namespace sprout::check {
 
 Wire::Wire(const std::string& url, const std::vector<std::string_view>& channels)
     : publisher_(url, ""),
@@ -28,4 +28,4 @@ std::optional<Heard> Wire::Next(std::chrono::steady_clock::time_point deadline) 
   return first;
 }
 
-}  // namespace sprout
+}  // namespace sprout::check

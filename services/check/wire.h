@@ -16,7 +16,7 @@
 #include "common/bus/publisher.h"
 #include "common/bus/receiver.h"
 
-namespace sprout {
+namespace sprout::check {
 
 /// A message of the graph, as it was heard.
 struct Heard {
@@ -47,6 +47,6 @@ class Wire {
   Receiver receiver_;  // last: stops before the rest is destroyed
 };
 
-}  // namespace sprout
+}  // namespace sprout::check
 
 #endif  // SPROUT_SERVICES_CHECK_WIRE_H_

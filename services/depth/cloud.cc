@@ -7,7 +7,7 @@
 
 #include "common/geometry/projection.h"
 
-namespace sprout {
+namespace sprout::depth {
 namespace {
 
 // Remembers which cubes have a point; says so of one point after the other.
@@ -75,4 +75,4 @@ PointCloud CloudOf(const DisparityImage& disparity, const RectifiedPair& pair, c
   return cloud;
 }
 
-}  // namespace sprout
+}  // namespace sprout::depth

@@ -7,7 +7,7 @@
 #include "common/core/disparity_image.h"
 #include "common/core/rig.h"
 
-namespace sprout {
+namespace sprout::depth {
 
 /// How a cloud is thinned.
 struct CloudThinning {
@@ -24,6 +24,6 @@ struct CloudThinning {
 PointCloud CloudOf(const DisparityImage& disparity, const RectifiedPair& pair, const cv::Mat& left,
                    const cv::Mat& confidence, const CloudThinning& thinning);
 
-}  // namespace sprout
+}  // namespace sprout::depth
 
 #endif  // SPROUT_SERVICES_DEPTH_CLOUD_H_

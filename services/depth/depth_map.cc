@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-namespace sprout {
+namespace sprout::depth {
 namespace {
 
 // Counts of every disparity that a map can have: at 2 MP the division would be done 2 million times
@@ -71,4 +71,4 @@ DepthImage DepthOf(const DisparityImage& disparity, const RectifiedPair& pair,
   return depth;
 }
 
-}  // namespace sprout
+}  // namespace sprout::depth

@@ -5,7 +5,7 @@
 #include "common/core/disparity_image.h"
 #include "common/core/rig.h"
 
-namespace sprout {
+namespace sprout::depth {
 
 /// Depth of a disparity map, z = f·b / (d + cx_right − cx), in counts, rounded to nearest. No depth
 /// where there is no disparity, behind infinity, and beyond 65535 counts. A smaller image has in
@@ -18,6 +18,6 @@ namespace sprout {
 DepthImage DepthOf(const DisparityImage& disparity, const RectifiedPair& pair,
                    double metres_per_count, int scale);
 
-}  // namespace sprout
+}  // namespace sprout::depth
 
 #endif  // SPROUT_SERVICES_DEPTH_DEPTH_MAP_H_

@@ -8,7 +8,7 @@
 #include "services/depth/depth_map.h"
 #include "services/depth/preview.h"
 
-namespace sprout {
+namespace sprout::depth {
 namespace {
 
 std::string SizeComplaint(const Frame& frame) {
@@ -65,4 +65,4 @@ Outcome DepthPlug::Process(const Frame& frame) {
   return outcome;
 }
 
-}  // namespace sprout
+}  // namespace sprout::depth

@@ -4,7 +4,7 @@
 #include "common/config/config.h"
 #include "common/core/plug.h"
 
-namespace sprout {
+namespace sprout::depth {
 
 /// DISPARITY LEFT RIG → DEPTH, CLOUD, a preview, as the configuration says; CONFIDENCE is joined
 /// for the cloud if the configuration says so.
@@ -23,6 +23,6 @@ class DepthPlug : public Plug {
   DepthConfig config_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::depth
 
 #endif  // SPROUT_SERVICES_DEPTH_DEPTH_PLUG_H_

@@ -9,6 +9,6 @@ int main(int argc, char** argv) {
       "depth { confidence: false }; publishes SPROUT_DEPTH and SPROUT_CLOUD, and with\n"
       "depth { publish_preview: true } SPROUT_PREVIEW, a picture for lcm-spy and its like.",
       [](const sprout::SproutConfig& config) {
-        return std::make_unique<sprout::DepthPlug>(config.depth());
+        return std::make_unique<sprout::depth::DepthPlug>(config.depth());
       });
 }

@@ -7,7 +7,7 @@
 
 #include "common/picture/picture.h"
 
-namespace sprout {
+namespace sprout::depth {
 namespace {
 
 cv::Size Shrunk(cv::Size size, int factor) {
@@ -56,4 +56,4 @@ cv::Mat3b PreviewOf(const cv::Mat& left, const DisparityImage& disparity,
                 DisparityPicture(maps[0], range_px, "depth", &pair));
 }
 
-}  // namespace sprout
+}  // namespace sprout::depth

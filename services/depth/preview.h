@@ -6,7 +6,7 @@
 #include "common/core/disparity_image.h"
 #include "common/core/rig.h"
 
-namespace sprout {
+namespace sprout::depth {
 
 /// Longest side of either image in a preview, px.
 inline constexpr int kMaxPreviewSide = 640;
@@ -21,6 +21,6 @@ inline constexpr int kMaxPreviewSide = 640;
 cv::Mat3b PreviewOf(const cv::Mat& left, const DisparityImage& disparity,
                     const RectifiedPair& pair);
 
-}  // namespace sprout
+}  // namespace sprout::depth
 
 #endif  // SPROUT_SERVICES_DEPTH_PREVIEW_H_

@@ -6,7 +6,7 @@
 #include "services/prior/prior_plug.h"
 #include "services/refine/refine_plug.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 // Both lists are one for the random numbers.
@@ -33,25 +33,25 @@ Frame FrameOf(const Scene& scene) {
 }
 
 void RunRefine(const Scene& scene, const ChainSettings& settings, Frame& frame, StageTimes& ms) {
-  RefinePlug refine(scene.WithRange(settings.config.refine()));
+  refine::RefinePlug refine(scene.WithRange(settings.config.refine()));
   Timed(ms.refine_ms, [&] { return RunPlug(refine, frame); });
   AddNoise(settings.noise, frame);
 }
 
 void RunPrior(const PriorConfig& config, Frame& frame, StageTimes& ms) {
-  PriorPlug prior(config);
+  prior::PriorPlug prior(config);
   Timed(ms.prior_ms, [&] { return RunPlug(prior, frame); });
 }
 
 MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
-  GrowPlug grow(settings.config.grow());
+  grow::GrowPlug grow(settings.config.grow());
   Frame frame = FrameOf(scene);
   MethodOutput output;
   StageTimes& ms = output.ms;
   const bool needs_prior = grow.Inputs().Has(Part::kPrior);
   if (needs_prior || grow.Inputs().Has(Part::kSeeds)) RunRefine(scene, settings, frame, ms);
   if (needs_prior) RunPrior(settings.config.prior(), frame, ms);
-  const GrowPlug::Growth growth = Timed(ms.grow_ms, [&] { return grow.Grow(frame); });
+  const grow::GrowPlug::Growth growth = Timed(ms.grow_ms, [&] { return grow.Grow(frame); });
   Outcome outcome = Timed(ms.fill_ms, [&] { return grow.Finish(frame, growth); });
   for (Output& part : outcome.outputs) SetPart(frame, part.part, std::move(part.value));
   ms.total_ms = ms.refine_ms + ms.prior_ms + ms.grow_ms + ms.fill_ms;
@@ -60,4 +60,4 @@ MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
   return output;
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -9,7 +9,7 @@
 #include "services/evaluate/scene.h"
 #include "services/evaluate/seed_noise.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// How long the stages took, ms; 0 = the method has no such stage.
 struct StageTimes {
@@ -58,6 +58,6 @@ void RunPrior(const PriorConfig& config, Frame& frame, StageTimes& ms);
 /// The whole chain; stages whose results growth does not ask for are left out.
 MethodOutput RunChain(const Scene& scene, const ChainSettings& settings);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_CHAIN_H_

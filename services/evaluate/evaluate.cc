@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 double Median(const std::vector<StageTimes>& runs, double StageTimes::*stage) {
@@ -61,4 +61,4 @@ SceneResult EvaluateScene(const Scene& scene, const std::vector<Method>& methods
   return result;
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "common/quality/score.h"
 #include "services/evaluate/methods.h"
-#include "services/evaluate/score.h"
 #include "services/evaluate/seed_quality.h"
 #include "services/evaluate/sparsification.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// One method on one scene.
 struct MethodResult {
@@ -39,6 +39,6 @@ using OnMethod = std::function<void(const Method&)>;
 SceneResult EvaluateScene(const Scene& scene, const std::vector<Method>& methods,
                           const ChainSettings& settings, int repeat, const OnMethod& on_method);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_EVALUATE_H_

@@ -6,7 +6,7 @@
 
 #include "common/picture/text.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 constexpr int kGap = 10;
@@ -75,4 +75,4 @@ cv::Mat3b Figure(const std::vector<std::string>& titles, const std::vector<Figur
   return sheet;
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -7,7 +7,7 @@
 
 #include "common/picture/color_scale.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// A picture in a figure, with a line of text below it.
 struct FigureCell {
@@ -34,6 +34,6 @@ inline constexpr int kFigureCellWidth = 320;  ///< px
 /// The image as it stands in a figure: worth keeping instead of the whole one.
 cv::Mat3b FigureThumbnail(const cv::Mat3b& image);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_FIGURE_H_

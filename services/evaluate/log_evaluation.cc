@@ -10,7 +10,7 @@
 #include "common/config/config.h"
 #include "services/evaluate/visibility.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 constexpr const char* kFinalMap = "disparity";
@@ -49,7 +49,7 @@ LogEvaluation::Row LogEvaluation::Evaluate(const Frame& frame) const {
   Row row{.quality = QualityOf(frame), .maps = {}};
   if (truth_ == nullptr || !frame.disparity || frame.id.seq < 0) return row;
   const std::optional<int64_t> count = truth_->frame_count();
-  const GroundTruth truth = truth_->Get(count ? frame.id.seq % *count : frame.id.seq).truth;
+  const datasets::GroundTruth truth = truth_->Get(count ? frame.id.seq % *count : frame.id.seq).truth;
   if (truth.left.empty()) return row;
   const cv::Mat1b seen = VisibilityOf(truth).nonoccluded;
   const auto score = [&](const char* name, const DisparityImage& map) {
@@ -164,4 +164,4 @@ std::string LogEvaluation::Json() const {
   return OrderedJson{{"frames", std::move(frames)}}.dump(2) + "\n";
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "common/core/frame.h"
-#include "services/capture/dataset.h"
-#include "services/evaluate/score.h"
-#include "services/quality/frame_quality.h"
+#include "common/quality/frame_quality.h"
+#include "common/quality/score.h"
+#include "services/datasets/dataset.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// Which frames of a log.
 struct LogChoice {
@@ -32,7 +32,7 @@ class LogEvaluation {
  public:
   /// @param truth  frame `seq` of the log is its frame seq, counted on from its start when it has
   ///               fewer; null: no ground truth.
-  explicit LogEvaluation(std::unique_ptr<Dataset> truth) : truth_(std::move(truth)) {}
+  explicit LogEvaluation(std::unique_ptr<datasets::Dataset> truth) : truth_(std::move(truth)) {}
 
   /// Takes a frame; one without a disparity map is counted as unanswered. A frame that comes again
   /// replaces the earlier one when it has as many parts.
@@ -58,10 +58,10 @@ class LogEvaluation {
 
   Row Evaluate(const Frame& frame) const;
 
-  std::unique_ptr<Dataset> truth_;
+  std::unique_ptr<datasets::Dataset> truth_;
   std::map<std::pair<int64_t, int64_t>, Row> rows_;  // by utime and seq
 };
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_LOG_EVALUATION_H_

@@ -7,13 +7,14 @@
 #include "services/evaluate/program.h"
 #include "services/log/log_frames.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 void ReadFrames(const LogChoice& log, const std::function<void(const Frame&)>& visit) {
   try {
-    LogFrames frames({.file = log.file, .folder = {}, .frames = log.frames, .prefix = log.prefix},
-                     AllParts(), visit);
+    log::LogFrames frames(
+        {.file = log.file, .folder = {}, .frames = log.frames, .prefix = log.prefix}, AllParts(),
+        visit);
     frames.Read();
     if (const std::string complaint = frames.Complaint(); !complaint.empty()) {
       std::cerr << "sprout-evaluate: " << complaint << "\n";
@@ -24,6 +25,8 @@ void ReadFrames(const LogChoice& log, const std::function<void(const Frame&)>& v
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
-int main(int argc, char** argv) { return sprout::EvaluateMain(argc, argv, sprout::ReadFrames); }
+int main(int argc, char** argv) {
+  return sprout::evaluate::EvaluateMain(argc, argv, sprout::evaluate::ReadFrames);
+}

@@ -6,7 +6,7 @@
 
 #include "services/evaluate/rivals/rival.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 Method WholeChain() {
@@ -145,4 +145,4 @@ std::vector<Method> SelectMethods(const std::vector<std::string>& names) {
   return selected;
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -8,7 +8,7 @@
 #include "services/evaluate/chain.h"
 #include "services/evaluate/scene.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// One row of the tables: a way to a disparity map.
 struct Method {
@@ -25,6 +25,6 @@ std::vector<Method> AllMethods();
 /// @throws ConfigError for an unknown name, listing those that exist.
 std::vector<Method> SelectMethods(const std::vector<std::string>& names);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_METHODS_H_

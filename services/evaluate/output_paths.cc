@@ -5,7 +5,7 @@
 #include "common/config/config.h"
 #include "common/core/output_file.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,4 +29,4 @@ void RequireWritableFolder(const std::string& flag, const fs::path& folder) {
   RequireWritableFile(flag, folder / "errors.png");
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

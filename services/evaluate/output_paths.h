@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace sprout {
+namespace sprout::evaluate {
 
 // Looked at before a long run, so that it does not end with nowhere to write to.
 
@@ -17,6 +17,6 @@ void RequireWritableFile(const std::string& flag, const std::filesystem::path& p
 /// @throws ConfigError naming flag, path and the system's reason.
 void RequireWritableFolder(const std::string& flag, const std::filesystem::path& folder);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_OUTPUT_PATHS_H_

@@ -2,7 +2,7 @@
 
 #include <iterator>
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 constexpr const char* kScenes[] = {"Lampshade1", "Monopoly", "Plastic"};
@@ -32,4 +32,4 @@ std::optional<double> PaperPercent(const std::string& scene, const std::string& 
   return std::nullopt;
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

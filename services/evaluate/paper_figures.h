@@ -4,13 +4,13 @@
 #include <optional>
 #include <string>
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// What the paper reports for a method of this name on a scene of this name: per cent of
 /// non-occluded pixels with an error ≤ 1 px, the ToF camera simulated by every 10th ground-truth
 /// pixel. Nothing when the paper has no such figure.
 std::optional<double> PaperPercent(const std::string& scene, const std::string& method);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_PAPER_FIGURES_H_

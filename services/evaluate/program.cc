@@ -21,7 +21,7 @@
 #include "services/evaluate/run_pictures.h"
 #include "services/evaluate/tables.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -277,11 +277,11 @@ int RunScenes(const Options& options) {
 
 int RunLog(const Options& options, const ReadLog& read_log) {
   RequireWritable(options);
-  std::unique_ptr<Dataset> truth;
+  std::unique_ptr<datasets::Dataset> truth;
   if (!options.truth.empty()) {
     CaptureConfig capture = LoadConfig({}).capture();
     capture.set_source(options.truth);
-    truth = OpenDataset(capture);
+    truth = datasets::OpenDataset(capture);
   }
   LogEvaluation evaluation(std::move(truth));
   read_log(options.log, [&](const Frame& frame) { evaluation.Add(frame); });
@@ -310,4 +310,4 @@ int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log) {
   });
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

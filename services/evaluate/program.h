@@ -3,7 +3,7 @@
 
 #include "services/evaluate/log_evaluation.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// The main of sprout-evaluate: flags in, tables on stdout, files where the flags say.
 /// @returns exit code: 0; 2 for flags, scenes, configurations and outputs that cannot be used,
@@ -13,6 +13,6 @@ namespace sprout {
 /// @param read_log  for --log.
 int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_PROGRAM_H_

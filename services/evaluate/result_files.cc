@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -125,4 +125,4 @@ std::string ToCsv(const RunResult& run) {
   return text;
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -6,7 +6,7 @@
 
 #include "services/evaluate/evaluate.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// What a whole run found, and with what.
 struct RunResult {
@@ -22,6 +22,6 @@ struct RunResult {
 std::string ToJson(const RunResult& run);
 std::string ToCsv(const RunResult& run);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_RESULT_FILES_H_

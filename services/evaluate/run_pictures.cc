@@ -12,7 +12,7 @@
 #include "common/picture/picture.h"
 #include "common/picture/write_image.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 void Write(const std::filesystem::path& path, const cv::Mat3b& picture) {
@@ -77,4 +77,4 @@ void RunPictures::WriteFigures() const {
   Write(folder_ / "errors.png", Figure(error_titles_, error_rows_));
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -8,7 +8,7 @@
 #include "services/evaluate/evaluate.h"
 #include "services/evaluate/figure.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// The pictures of a run: SCENE_METHOD.png for every map, and figure.png with the left image, all
 /// maps, ground truth and the per cent of correct non-occluded pixels below each, a row for each
@@ -34,6 +34,6 @@ class RunPictures {
   std::vector<FigureRow> error_rows_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_RUN_PICTURES_H_

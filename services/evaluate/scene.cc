@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "common/core/image.h"
-#include "services/capture/kitti_source.h"
+#include "services/datasets/kitti_source.h"
 #include "services/evaluate/visibility.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,7 +34,7 @@ std::string NameOf(const std::string& scene) {
 }
 
 // A grid that follows from the rows of the images needs an open source first, to know them.
-std::unique_ptr<Dataset> Open(const std::string& scene, const TofChoice& tof,
+std::unique_ptr<datasets::Dataset> Open(const std::string& scene, const TofChoice& tof,
                               CaptureConfig& config) {
   if (IsKitti(scene) != (tof.text() == TofChoice::kScan) && tof.text() != TofChoice::kNone) {
     throw ConfigError("--tof " + tof.text() + ": " + scene + " has " +
@@ -44,8 +44,8 @@ std::unique_ptr<Dataset> Open(const std::string& scene, const TofChoice& tof,
   config.set_source(IsSynthetic(scene) || IsKitti(scene) ? scene : "middlebury:" + scene);
   config.set_tof("grid");
   config.set_tof_grid_px(1);  // fits every image
-  tof.Apply(OpenDataset(config)->rig().pair.height, config);
-  return OpenDataset(config);
+  tof.Apply(datasets::OpenDataset(config)->rig().pair.height, config);
+  return datasets::OpenDataset(config);
 }
 
 int LargestDisparity(const cv::Mat1f& truth) {
@@ -80,7 +80,7 @@ std::vector<std::string> ScenesOf(const std::string& scene) {
   const size_t question = std::min(scene.rfind('?'), scene.size());
   std::vector<std::string> scenes;
   for (const std::string& place :
-       KittiPlaces(scene.substr(kKitti.size(), question - kKitti.size()))) {
+       datasets::KittiPlaces(scene.substr(kKitti.size(), question - kKitti.size()))) {
     scenes.push_back(std::string(kKitti) + place + scene.substr(question));
   }
   return scenes;
@@ -94,9 +94,9 @@ RefineConfig Scene::WithRange(RefineConfig config) const {
 }
 
 Scene LoadScene(const std::string& scene, const TofChoice& tof, CaptureConfig config) {
-  const std::unique_ptr<Dataset> source = Open(scene, tof, config);
-  DatasetFrame frame = source->Get(0);
-  const GroundTruth truth = frame.truth;
+  const std::unique_ptr<datasets::Dataset> source = Open(scene, tof, config);
+  datasets::DatasetFrame frame = source->Get(0);
+  const datasets::GroundTruth truth = frame.truth;
   if (truth.left.empty()) {
     throw ConfigError("scene " + scene + ": no ground truth; allowed: a scene with ground truth");
   }
@@ -114,4 +114,4 @@ Scene LoadScene(const std::string& scene, const TofChoice& tof, CaptureConfig co
           .max_disparity_px = LargestDisparity(truth.left)};
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "common/geometry/projection.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "services/evaluate/tof_choice.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// One frame with ground truth, ready to be run through methods.
 struct Scene {
   std::string name;     ///< last part of the folder's path, or the source's text
-  DatasetFrame frame;   ///< images, ToF image, truth
+  datasets::DatasetFrame frame;   ///< images, ToF image, truth
   cv::Mat1b left_grey;  ///< the images as the stages look at them
   cv::Mat1b right_grey;
   TofProjector projector;  ///< knows the rig
@@ -49,6 +49,6 @@ std::vector<std::string> ScenesOf(const std::string& scene);
 /// @throws ConfigError naming what is missing or wrong, and where.
 Scene LoadScene(const std::string& scene, const TofChoice& tof, CaptureConfig config);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_SCENE_H_

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <random>
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 // Standard C++ fixes the numbers of the engine but not those of its distributions, which differ
@@ -47,4 +47,4 @@ std::vector<Seed> Damage(std::vector<Seed> seeds, const SeedNoise& noise) {
   return seeds;
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

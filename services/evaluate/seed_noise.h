@@ -6,7 +6,7 @@
 
 #include "common/core/seed.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// How seeds are damaged, to see what a method makes of a bad ToF camera. It happens after
 /// refinement: it stands for what refinement cannot see.
@@ -23,6 +23,6 @@ struct SeedNoise {
 /// amounts: more of the one noise leaves the other as it was. Seeds may leave the image. O(n).
 std::vector<Seed> Damage(std::vector<Seed> seeds, const SeedNoise& noise);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_SEED_NOISE_H_

@@ -6,7 +6,7 @@
 
 #include "services/refine/refiner.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 double Percent(int64_t part, int64_t whole) {
@@ -61,7 +61,7 @@ double RefinementQuality::good_lost_percent() const {
 RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config) {
   RefinementQuality quality;
   quality.refined =
-      Refiner(scene.WithRange(config))
+      refine::Refiner(scene.WithRange(config))
           .Compute(scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector)
           .value_or(SeedSet());
   quality.before = CountSeeds(ProjectAll(scene), scene);
@@ -69,4 +69,4 @@ RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config
   return quality;
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

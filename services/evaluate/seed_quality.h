@@ -8,7 +8,7 @@
 #include "common/core/seed.h"
 #include "services/evaluate/scene.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// Error above which a seed is wrong, px.
 inline constexpr double kWrongSeedPx = 3;
@@ -40,6 +40,6 @@ struct RefinementQuality {
 /// Runs refinement on a scene and judges it. Shares of nothing are NaN.
 RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_SEED_QUALITY_H_

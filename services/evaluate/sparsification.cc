@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 constexpr int kFineSteps = 100;
@@ -65,4 +65,4 @@ Sparsification Sparsify(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
   return result;
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -4,7 +4,7 @@
 #include <array>
 #include <opencv2/core.hpp>
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// What a confidence is worth: bad 1 (error > 1 px or no disparity, per cent) of the pixels that it
 /// puts first. Pixels of one confidence count as evenly mixed. NaN when no pixel is scored.
@@ -28,6 +28,6 @@ struct Sparsification {
 Sparsification Sparsify(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
                         const cv::Mat1b& mask, const cv::Mat1b& confidence);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_SPARSIFICATION_H_

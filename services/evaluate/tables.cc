@@ -7,7 +7,7 @@
 
 #include "services/evaluate/paper_figures.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 using Row = std::vector<std::string>;
@@ -157,4 +157,4 @@ std::string PaperTable(std::vector<SceneResult> scenes) {
          Markdown(rows);
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -6,7 +6,7 @@
 
 #include "services/evaluate/evaluate.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 // Tables for people: Markdown, with columns aligned so that a terminal shows them well, too.
 
@@ -18,6 +18,6 @@ std::string SceneTable(const SceneResult& scene);
 /// @returns nothing when none is left.
 std::string PaperTable(std::vector<SceneResult> scenes);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_TABLES_H_

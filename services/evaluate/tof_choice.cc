@@ -5,9 +5,9 @@
 #include <cmath>
 #include <string_view>
 
-#include "services/capture/source_options.h"
+#include "services/datasets/source_options.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 constexpr std::string_view kAuto = "grid:auto";
@@ -42,8 +42,8 @@ TofChoice::TofChoice(const std::string& text) : text_(text) {
   if (view.substr(0, view.find('?')) == kSr4000) {
     sr4000_.emplace();
     if (view == kSr4000) return;
-    for (const SourceOption& option : SourceOptions(view.substr(kSr4000.size() + 1))) {
-      if (!ApplySr4000Option(option, *sr4000_)) throw BadChoice(text, "no such option");
+    for (const datasets::SourceOption& option : datasets::SourceOptions(view.substr(kSr4000.size() + 1))) {
+      if (!datasets::ApplySr4000Option(option, *sr4000_)) throw BadChoice(text, "no such option");
     }
     return;
   }
@@ -78,4 +78,4 @@ void TofChoice::Apply(int rows, CaptureConfig& config) const {
   config.set_tof_grid_px(spacing_px);
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -6,7 +6,7 @@
 
 #include "common/config/config.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// Which ToF camera is simulated, as --tof names it.
 ///   grid:auto    every round(rows / 111)th pixel of the ground truth: 10 at full size, as in the
@@ -40,6 +40,6 @@ class TofChoice {
   double factor_ = 1;              // on the spacing from the rows
 };
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_TOF_CHOICE_H_

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "common/config/config.h"
-#include "services/evaluate/score.h"
+#include "common/quality/score.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 cv::Mat1b Required(Result<cv::Mat1b> mask) {
@@ -15,7 +15,7 @@ cv::Mat1b Required(Result<cv::Mat1b> mask) {
 
 }  // namespace
 
-Visibility VisibilityOf(const GroundTruth& truth) {
+Visibility VisibilityOf(const datasets::GroundTruth& truth) {
   if (truth.nonoccluded.empty()) {
     return {Required(NonOccludedMask(truth.left, truth.right)),
             Required(OccludedMask(truth.left, truth.right))};
@@ -31,4 +31,4 @@ Visibility VisibilityOf(const GroundTruth& truth) {
   return {truth.nonoccluded, occluded};
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

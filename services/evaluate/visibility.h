@@ -3,9 +3,9 @@
 
 #include <opencv2/core.hpp>
 
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// Which pixels of the left image with a known truth the right camera sees, and which a nearer
 /// surface hides from it: 255, else 0.
@@ -16,8 +16,8 @@ struct Visibility {
 
 /// As the truth says it, or by NonOccludedMask() and OccludedMask().
 /// @throws ConfigError when its maps differ in size.
-Visibility VisibilityOf(const GroundTruth& truth);
+Visibility VisibilityOf(const datasets::GroundTruth& truth);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_VISIBILITY_H_

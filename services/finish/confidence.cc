@@ -8,7 +8,7 @@
 #include "common/core/parallel.h"
 #include "services/grow/similarity-inl.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // The numbers of formula C1, whole ones in 2⁻¹⁶, so that bytes are the same on every machine.
@@ -146,4 +146,4 @@ void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparit
   disparity.counts().setTo(DisparityImage::kInvalid, confidence < least);
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

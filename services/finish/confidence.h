@@ -7,7 +7,7 @@
 #include "common/core/disparity_image.h"
 #include "common/core/seed.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// How far a map's disparities can be trusted, from what goes wrong in practice: depth edges that
 /// are some pixels off, pixels that growth did not reach, windows that do not fit, and holes
@@ -40,6 +40,6 @@ cv::Mat1b Confidence(const cv::Mat1b& left, const cv::Mat1b& right, std::span<co
 /// @param least  0 (all stay) to 255. O(pixels).
 void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparity);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_FINISH_CONFIDENCE_H_

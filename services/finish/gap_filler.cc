@@ -8,7 +8,7 @@
 #include "common/core/parallel.h"
 #include "services/finish/gap_medians.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // One pass over blocks of kFillColumns pixels of a row.
@@ -62,4 +62,4 @@ DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill,
   return filled;
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

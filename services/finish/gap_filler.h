@@ -4,7 +4,7 @@
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// Gap filling (paper, III): a pixel without disparity takes the median of the valid ones in its
 /// 5×5 window (the lower one of two in the middle; the window ends at the image's border).
@@ -18,6 +18,6 @@ namespace sprout {
 DisparityImage FillGaps(const DisparityImage& map, GrowConfig::Fill fill,
                         const DisparityImage& prior);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_FINISH_GAP_FILLER_H_

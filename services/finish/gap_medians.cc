@@ -12,7 +12,7 @@
 
 #ifndef SPROUT_SERVICES_FINISH_GAP_MEDIANS_SHARED_
 #define SPROUT_SERVICES_FINISH_GAP_MEDIANS_SHARED_
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 constexpr int kRadius = 2;
@@ -85,11 +85,11 @@ class Surroundings {
 };
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow
 #endif  // once
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::grow {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -158,11 +158,11 @@ bool FillPixelsOnTarget(const DisparityImage& map, int v, int u, FilledPixels& f
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::grow
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sprout {
+namespace sprout::grow {
 
 HWY_EXPORT(FillPixelsOnTarget);
 
@@ -170,5 +170,5 @@ bool FillPixels(const DisparityImage& map, int v, int u, FilledPixels& filled) {
   return HWY_DYNAMIC_DISPATCH(FillPixelsOnTarget)(map, v, u, filled);
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow
 #endif  // HWY_ONCE

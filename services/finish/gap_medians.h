@@ -6,7 +6,7 @@
 
 #include "common/core/disparity_image.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// Pixels of a row that are filled in one go.
 inline constexpr int kFillColumns = 32;
@@ -21,6 +21,6 @@ using FilledPixels = std::array<int16_t, kFillColumns>;
 /// is a gap among them; the same result on every CPU. O(1); takes no memory.
 bool FillPixels(const DisparityImage& map, int v, int u, FilledPixels& filled);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_FINISH_GAP_MEDIANS_H_

@@ -16,7 +16,7 @@
 #include "services/grow/window_costs-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::grow {
 namespace HWY_NAMESPACE {
 
 // Rows of pairs (PairProducts()) that hold the five rows of a window: its rows 0 and 1, 2 and 3, 4.
@@ -352,7 +352,7 @@ class BandTables {
 };
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::grow
 HWY_AFTER_NAMESPACE();
 
 #endif  // per-target include guard

@@ -8,7 +8,7 @@
 #include "services/finish/gap_filler.h"
 #include "services/grow/harris_seeds.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 PartSet GrowPlug::Inputs() const {
   PartSet inputs{Part::kLeft, Part::kRight};
@@ -72,4 +72,4 @@ Outcome GrowPlug::Finish(const Frame& frame, const Growth& growth) const {
   return outcome;
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

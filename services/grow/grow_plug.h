@@ -7,7 +7,7 @@
 #include "common/core/plug.h"
 #include "services/grow/grower.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// LEFT RIGHT [SEEDS] [PRIOR] → DISPARITY [UNFILLED] [CONFIDENCE]: SEEDS when growth starts from
 /// ToF seeds, PRIOR when the similarity is EPC or gaps take its disparities, UNFILLED and
@@ -44,6 +44,6 @@ class GrowPlug : public Plug {
   Grower grower_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_GROW_PLUG_H_

@@ -8,7 +8,7 @@
 #include "common/core/parallel.h"
 #include "services/grow/plain_growth.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // Whole pixels; without those whose windows leave an image.
@@ -102,4 +102,4 @@ DisparityImage Grower::GrowInBands(const GrowthKernel& kernel, const GrowthInput
   return map;
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

@@ -13,7 +13,7 @@
 #include "services/grow/growth_band.h"
 #include "services/grow/growth_rule.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// Grows correspondences best first from seeds (paper, Alg. 1): for EPC with a kernel for each
 /// instruction set, otherwise as plain_growth.h has it, which gives the same.
@@ -53,6 +53,6 @@ class Grower {
   std::vector<GrowthBand> bands_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_GROWER_H_

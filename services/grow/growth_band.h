@@ -11,7 +11,7 @@
 
 // The fast growth for EPC. One-to-one matching couples the pixels of a row only, so a band of rows
 // has all it needs, and bands grow at the same time.
-namespace sprout {
+namespace sprout::grow {
 
 /// What growth may match a left pixel to, in one number. Where the prior leaves it the two whole
 /// disparities on either side, m = ⌊D_p⌋ and m + 1, and nothing else, their costs are known before
@@ -128,6 +128,6 @@ struct GrowthKernel {
 /// That of the instruction set in use (--simd); null when that has no vectors of 16 bytes.
 const GrowthKernel* FindGrowthKernel();
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_GROWTH_BAND_H_

@@ -17,7 +17,7 @@
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::grow {
 namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
@@ -245,11 +245,11 @@ const GrowthKernel* KernelOnTarget() {
 #endif
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::grow
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sprout {
+namespace sprout::grow {
 
 void GrowthBand::Resize(cv::Size size, int first) {
   if (size == image_size && first == first_row) return;
@@ -272,5 +272,5 @@ HWY_EXPORT(KernelOnTarget);
 
 const GrowthKernel* FindGrowthKernel() { return HWY_DYNAMIC_DISPATCH(KernelOnTarget)(); }
 
-}  // namespace sprout
+}  // namespace sprout::grow
 #endif  // HWY_ONCE

@@ -4,7 +4,7 @@
 
 #include "services/grow/similarity-inl.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 int32_t WholeCost(double exponent) { return static_cast<int32_t>(exponent * kCostUnit + 0.5); }
@@ -54,4 +54,4 @@ GrowthRule MakeGrowthRule(const GrowConfig& config) {
   return rule;
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

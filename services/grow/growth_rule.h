@@ -12,7 +12,7 @@
 
 // What the plain and the fast implementation of Alg. 1 share: their input, the units in which they
 // compute, and the rules where the paper leaves a choice.
-namespace sprout {
+namespace sprout::grow {
 
 /// Side of the correlation window, px (n = 5 in the paper).
 inline constexpr int kWindow = 5;
@@ -99,6 +99,6 @@ GrowthRule MakeGrowthRule(const GrowConfig& config);
 ///   σ_p = max(sigma_p_px, sigma_p_noise · √(max(0, σ² − sigma_p_sure_px²))).      (S1)
 double SigmaP(const GrowConfig& config, double sigma_px);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_GROWTH_RULE_H_

@@ -6,7 +6,7 @@
 
 #include "services/grow/plain_growth.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 constexpr int kRowTolerance = 1;  // px: the detector rounds the rows of both corners
@@ -93,4 +93,4 @@ std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& rig
   return seeds;
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

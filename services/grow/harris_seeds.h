@@ -7,7 +7,7 @@
 #include "common/config/config.h"
 #include "common/core/seed.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// Seeds without a ToF camera, the paper's comparison: Harris corners of both images, matched
 /// along rows by MNCC, eq. (1). A match is kept when each corner is the other's best and their
@@ -20,6 +20,6 @@ namespace sprout {
 std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& right,
                                      const HarrisConfig& config);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_HARRIS_SEEDS_H_

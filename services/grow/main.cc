@@ -8,6 +8,6 @@ int main(int argc, char** argv) {
       "Joins SPROUT_LEFT, SPROUT_RIGHT, SPROUT_SEEDS and SPROUT_PRIOR (the last two as the\n"
       "configuration needs them); publishes SPROUT_DISPARITY.",
       [](const sprout::SproutConfig& config) {
-        return std::make_unique<sprout::GrowPlug>(config.grow());
+        return std::make_unique<sprout::grow::GrowPlug>(config.grow());
       });
 }

@@ -8,7 +8,7 @@
 #include "common/core/parallel.h"
 #include "services/grow/similarity-inl.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // Over a 5×5 window of the left image, wL, and one of the right image, wR.
@@ -200,4 +200,4 @@ DisparityImage GrowPlainly(const GrowthRule& rule, const GrowthInput& input,
   return PlainGrowth(rule, input).Run(seeds);
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

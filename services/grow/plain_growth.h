@@ -5,7 +5,7 @@
 
 #include "services/grow/growth_rule.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// Alg. 1 as the paper prints it, every similarity from scratch: what runs for MNCC and EXPSSD, and
 /// what the fast growth for EPC must give pixel by pixel. See Grower.
@@ -19,6 +19,6 @@ DisparityImage GrowPlainly(const GrowthRule& rule, const GrowthInput& input,
 /// @param q  of which both windows lie in the images. kExcludedCost where EPC finds no prior.
 int32_t CostOf(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_PLAIN_GROWTH_H_

@@ -7,7 +7,7 @@
 
 #include "services/grow/growth_rule.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 /// Queue of seeds in the order of the growth's rule: the smaller level first, and on one level the
 /// seed that was added last.
@@ -55,6 +55,6 @@ class SeedQueue {
   uint32_t occupied_words_ = 0;                    // bit w: word w is not zero
 };
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_SERVICES_GROW_SEED_QUEUE_H_

@@ -10,7 +10,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::grow {
 namespace HWY_NAMESPACE {
 
 // Exponent of eq. (4), exp(−Σ(wL − wR)² / (σ_s²·Σ(wL² + wR²))), times the scale's unit.
@@ -31,7 +31,7 @@ HWY_INLINE Number PriorCost(Number distance, Number scale) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::grow
 HWY_AFTER_NAMESPACE();
 
 #endif  // per-target include guard

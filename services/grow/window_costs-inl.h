@@ -18,7 +18,7 @@
 #include "services/grow/similarity-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::grow {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -205,7 +205,7 @@ class LeftPixels {
 };
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::grow
 HWY_AFTER_NAMESPACE();
 
 #endif  // per-target include guard

@@ -9,7 +9,7 @@
 #include "common/messages/preview.h"
 #include "services/log/channels.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 std::string TypeText(std::span<const uint8_t> bytes) {
@@ -72,4 +72,4 @@ double ChannelSummary::rate_hz() const {
                      : std::numeric_limits<double>::quiet_NaN();
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

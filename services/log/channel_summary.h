@@ -7,7 +7,7 @@
 #include "common/logfile/log_reader.h"
 #include "services/log/sequence.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// What one channel of a log holds.
 class ChannelSummary {
@@ -47,6 +47,6 @@ class ChannelSummary {
 /// channel. Empty when nothing is wrong or the type is none of ours.
 std::string WhyUndecodable(const LogEvent& event);
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_CHANNEL_SUMMARY_H_

@@ -4,7 +4,7 @@
 
 #include "common/bus/channels.h"
 
-namespace sprout {
+namespace sprout::log {
 
 std::optional<Part> PartOfChannel(std::string_view channel, std::string_view prefix) {
   if (!channel.starts_with(prefix)) return std::nullopt;
@@ -32,4 +32,4 @@ bool ChannelFilter::Has(std::string_view channel) const {
   return names_.empty() ? channel.starts_with(prefix_) : names_.contains(channel);
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

@@ -10,7 +10,7 @@
 #include "common/core/frame.h"
 #include "common/messages/message_type.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// The part that a channel of the graph with this prefix carries; nothing for other channels.
 std::optional<Part> PartOfChannel(std::string_view channel, std::string_view prefix);
@@ -35,6 +35,6 @@ class ChannelFilter {
   std::string prefix_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_CHANNELS_H_

@@ -10,7 +10,7 @@
 // The subcommands of sprout-log. Each reads whole logs in constant memory, prints to stdout, and
 // returns the program's exit code. @throws LogError for a log that cannot be used, ConfigError for
 // flags that cannot, Interrupted after Ctrl-C. Output files appear whole or not at all.
-namespace sprout {
+namespace sprout::log {
 
 struct InfoOptions {
   std::filesystem::path file;
@@ -65,7 +65,11 @@ struct PicturesOptions {
   std::string frames;  ///< see ParseFrameRange(); empty: all
   std::string prefix;
 };
-int RunImages(const PicturesOptions& options);
+
+struct ImagesOptions : PicturesOptions {
+  std::string truth;  ///< the source that capture sent, for its ground truth; empty: none
+};
+int RunImages(const ImagesOptions& options);
 
 /// @pre `folder` is for the pictures of the worst frames; empty: none.
 struct RankOptions : PicturesOptions {
@@ -77,11 +81,12 @@ struct RankOptions : PicturesOptions {
 int RunRank(const RankOptions& options);
 
 struct ExportOptions : PicturesOptions {
-  bool ply = false;
-  bool pfm = false;
+  bool ply = false;   ///< point clouds
+  bool mesh = false;  ///< surfaces
+  bool pfm = false;   ///< maps
 };
 int RunExport(const ExportOptions& options);
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_COMMANDS_H_

@@ -16,7 +16,7 @@
 #include "services/log/damage_text.h"
 #include "services/log/read_progress.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 std::optional<FrameId> IdOf(const LogEvent& event) {
@@ -215,4 +215,4 @@ int RunRepair(const RepairOptions& options) {
   return 0;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

@@ -4,7 +4,7 @@
 
 #include <iostream>
 
-namespace sprout {
+namespace sprout::log {
 
 std::string DamageText(const LogDamage& damage) {
   std::string text = fmt::format("bytes {}-{} ({}): ", damage.offset,
@@ -24,4 +24,4 @@ void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage
       path.string(), damage.size(), damage.size() == 1 ? "" : "s", bytes);
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

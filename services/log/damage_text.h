@@ -7,7 +7,7 @@
 
 #include "common/logfile/log_reader.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// One line for a stretch of damage: "bytes 100-163 (64): 1 event lost".
 std::string DamageText(const LogDamage& damage);
@@ -15,6 +15,6 @@ std::string DamageText(const LogDamage& damage);
 /// Warns on stderr, in one line, when a log was damaged: for subcommands that go on all the same.
 void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage>& damage);
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_DAMAGE_TEXT_H_

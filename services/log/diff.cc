@@ -14,7 +14,7 @@
 #include "services/log/message_diff.h"
 #include "services/log/read_progress.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 constexpr int kShownDifferences = 10;
@@ -258,4 +258,4 @@ int RunDiff(const DiffOptions& options) {
   return diff.IsEqual() ? 0 : 1;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

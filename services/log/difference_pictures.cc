@@ -12,7 +12,7 @@
 #include "services/log/frame_pictures.h"
 #include "services/log/message_diff.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 struct Pictures {
@@ -117,4 +117,4 @@ void WriteDifferencePictures(std::span<const uint8_t> a, std::span<const uint8_t
   Write(names.Of(id, channel + "_difference.png"), pictures->difference);
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

@@ -6,7 +6,7 @@
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 constexpr size_t kRecent = 64;  // as far back a message may come again
@@ -82,4 +82,4 @@ bool EventStream::IsRepeated() {
   return false;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

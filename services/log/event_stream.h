@@ -12,7 +12,7 @@
 #include "services/log/channels.h"
 #include "services/log/process_summary.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// What makes two events of two logs counterparts.
 struct EventKey {
@@ -79,6 +79,6 @@ class EventStream {
   std::map<std::string, std::deque<Recent>> recent_;  // the newest few, by channel
 };
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_EVENT_STREAM_H_

@@ -8,14 +8,16 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 #include "services/log/channel_summary.h"
 #include "services/log/commands.h"
 #include "services/log/damage_text.h"
 #include "services/log/process_summary.h"
 #include "services/log/read_progress.h"
+#include "services/top/board_text.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -29,9 +31,20 @@ struct LogSummary {
   int64_t last_utime = 0;
   std::map<std::string, ChannelSummary, std::less<>> channels;
   ProcessSummary processes;
+  top::StatusBoard statuses{{}};
   std::vector<LogDamage> damage;
   std::string other_channel;  // one of another graph
 };
+
+// The clock of the board is that of the log.
+top::StatusBoard::Clock::time_point TimeOf(int64_t utime) {
+  return top::StatusBoard::Clock::time_point(std::chrono::microseconds(utime));
+}
+
+void AddStatus(const LogEvent& event, top::StatusBoard& statuses) {
+  const Result<StageStatus> status = DecodeStatus(event.data);
+  if (status) statuses.Add(*status, TimeOf(event.utime));
+}
 
 LogSummary Summarize(const InfoOptions& options) {
   LogReader reader(options.file);
@@ -48,7 +61,9 @@ LogSummary Summarize(const InfoOptions& options) {
       channel = log.channels.emplace(event.channel, ChannelSummary()).first;
     }
     channel->second.Add(event);
-    if (TypeOf(event.data) == MessageType::kProcess) log.processes.Add(event.data);
+    const std::optional<MessageType> type = TypeOf(event.data);
+    if (type == MessageType::kProcess) log.processes.Add(event.data);
+    if (type == MessageType::kStatus) AddStatus(event, log.statuses);
   }
   log.damage = reader.damage();
   for (const auto& [name, channel] : log.channels) {
@@ -152,6 +167,12 @@ std::string ProcessTable(const LogSummary& log) {
   return text;
 }
 
+// The newest status of every process, as sprout-top shows them.
+std::string StatusTable(const LogSummary& log) {
+  const std::vector<top::BoardRow> rows = log.statuses.Rows(TimeOf(log.last_utime));
+  return rows.empty() ? "" : "\n" + top::BoardText(rows, false);
+}
+
 std::string ConfigTexts(const LogSummary& log) {
   std::string text;
   std::set<std::string> printed;
@@ -170,7 +191,7 @@ std::string Text(const LogSummary& log, const InfoOptions& options) {
   if (log.events > 0) {
     text += fmt::format(" in {:.3f} s\nfirst {}\nlast  {}\n\n{}", Seconds(log, log.last_utime),
                         TimeText(log.first_utime), TimeText(log.last_utime), Table(log)) +
-            ProcessTable(log);
+            ProcessTable(log) + StatusTable(log);
   } else {
     text += "\n";
   }
@@ -234,4 +255,4 @@ int RunInfo(const InfoOptions& options) {
   return options.check && !IsWhole(log) ? 1 : 0;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

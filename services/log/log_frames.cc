@@ -12,7 +12,7 @@
 #include "services/log/damage_text.h"
 #include "services/log/read_progress.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 // As many as a recorder sees in flight when the stages are slow.
@@ -116,4 +116,4 @@ std::filesystem::path FrameFileNames::Of(const FrameId& id, const std::string& w
   return folder_ / (number + (other ? fmt::format("_{}", id.utime) : "") + "_" + what);
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

@@ -13,7 +13,7 @@
 #include "common/logfile/log_reader.h"
 #include "services/log/commands.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// The frames of a log, each put together from those of its messages that are there.
 class LogFrames {
@@ -70,6 +70,6 @@ class FrameFileNames {
   int64_t files_ = 0;
 };
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_LOG_FRAMES_H_

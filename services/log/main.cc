@@ -1,3 +1,3 @@
 #include "services/log/program.h"
 
-int main(int argc, char** argv) { return sprout::LogMain(argc, argv); }
+int main(int argc, char** argv) { return sprout::log::LogMain(argc, argv); }

@@ -9,7 +9,7 @@
 #include "common/core/image.h"
 #include "common/messages/message_type.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 // Bit by bit: NaN is equal to itself.
@@ -178,4 +178,4 @@ MessageDiff Compare(std::span<const uint8_t> a, std::span<const uint8_t> b) {
   return diff;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

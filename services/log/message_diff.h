@@ -8,7 +8,7 @@
 
 #include "common/core/disparity_image.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// How two disparity maps of one size differ.
 struct DisparityDiff {
@@ -37,6 +37,6 @@ struct MessageDiff {
 /// Compares by content where both decode as one type of ours. O(bytes).
 MessageDiff Compare(std::span<const uint8_t> a, std::span<const uint8_t> b);
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_MESSAGE_DIFF_H_

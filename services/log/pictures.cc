@@ -2,104 +2,19 @@
 #include <fmt/format.h>
 
 #include <iostream>
-#include <optional>
 #include <stdexcept>
-#include <vector>
 
 #include "common/config/config.h"
 #include "common/core/image.h"
-#include "common/picture/color_map.h"
-#include "common/picture/picture.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
 #include "services/log/frame_pictures.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 void Require(const Result<void>& written) {
   if (!written) throw std::runtime_error(written.error().text);
-}
-
-std::optional<DisparityImage> PriorOf(const Frame& frame) {
-  if (!frame.prior) return std::nullopt;
-  return frame.prior->disparity;
-}
-
-// The maps of a frame and its seeds share one scale.
-ValueRange RangeOf(const Frame& frame) {
-  std::vector<DisparityImage> maps;
-  for (const auto& map : {PriorOf(frame), frame.unfilled, frame.disparity}) {
-    if (map) maps.push_back(*map);
-  }
-  return DisparityRange(maps, frame.seeds ? frame.seeds->seeds : std::vector<Seed>());
-}
-
-// The depths of those disparities, so that near has one colour in all pictures; that of the ToF
-// image alone where nothing says which disparity a depth has.
-ValueRange RangeOfDepth(const Frame& frame, const ValueRange& range_px) {
-  if (!frame.rig || !(frame.seeds || frame.prior || frame.disparity || frame.unfilled)) {
-    return DepthRange(*frame.tof);
-  }
-  const std::optional<ValueRange> in_front = InFront(frame.rig->pair, range_px);
-  return in_front ? DepthRange(frame.rig->pair, *in_front) : DepthRange(*frame.tof);
-}
-
-// The size of the images that the frame was captured with, as far as it is known: a calibration may
-// claim 100 MP in a few bytes, so it is asked last. Empty when nothing says it.
-cv::Size CameraSize(const Frame& frame) {
-  for (const cv::Mat& image : {frame.left, frame.right, frame.confidence}) {
-    if (!image.empty()) return image.size();
-  }
-  for (const auto& map : {frame.disparity, frame.unfilled, PriorOf(frame)}) {
-    if (map) return map->size();
-  }
-  return frame.rig ? frame.rig->pair.size() : cv::Size();
-}
-
-}  // namespace
-
-void WriteFramePictures(const Frame& frame, FrameFileNames& names) {
-  const std::string title = fmt::format(", frame {}", frame.id.seq);
-  const auto write = [&](const char* what, const cv::Mat& picture) {
-    Require(WritePng(names.Of(frame.id, what), picture));
-  };
-  if (!frame.left.empty()) write("left.png", CameraPicture(frame.left, "Left image" + title));
-  if (!frame.right.empty()) write("right.png", CameraPicture(frame.right, "Right image" + title));
-  const cv::Size size = CameraSize(frame);
-  const ValueRange range_px = RangeOf(frame);
-  const RectifiedPair* pair = frame.rig ? &frame.rig->pair : nullptr;
-  if (frame.tof && (!size.empty() || !frame.tof->depth_m.empty())) {
-    write("tof.png", DepthPicture(*frame.tof, size.empty() ? frame.tof->depth_m.size() : size,
-                                  RangeOfDepth(frame, range_px), "ToF depth" + title));
-  }
-  if (frame.seeds && !size.empty()) {
-    // A log without images shows its seeds on black.
-    const cv::Mat left = frame.left.empty() ? cv::Mat(cv::Mat1b::zeros(size)) : frame.left;
-    write("seeds.png",
-          SeedPicture(ToGrey(left), frame.seeds->seeds, range_px,
-                      fmt::format("Seeds ({}){}", frame.seeds->seeds.size(), title), pair));
-  }
-  const auto write_map = [&](const char* what, const std::optional<DisparityImage>& map,
-                             const char* name) {
-    if (map) write(what, DisparityPicture(*map, range_px, name + title, pair));
-  };
-  write_map("prior.png", PriorOf(frame), "Prior disparity");
-  if (frame.prior) {
-    write("prior_sigma.png", SigmaPicture(*frame.prior, "Standard deviation of the prior" + title));
-  }
-  write_map("unfilled.png", frame.unfilled, "Disparity as grown");
-  write_map("disparity.png", frame.disparity, "Disparity");
-  if (!frame.confidence.empty()) {
-    write("confidence.png", ConfidencePicture(frame.confidence, "Confidence" + title));
-  }
-}
-
-namespace {
-
-bool HasOneSize(const Frame& frame) {
-  const cv::Size size = frame.disparity->size();
-  return frame.left.size() == size && frame.rig->pair.size() == size;
 }
 
 void Finish(const LogFrames& frames, const FrameFileNames& names, const PicturesOptions& options,
@@ -115,62 +30,106 @@ void Finish(const LogFrames& frames, const FrameFileNames& names, const Pictures
 
 }  // namespace
 
-int RunImages(const PicturesOptions& options) {
+int RunImages(const ImagesOptions& options) {
+  LogTruth truth(options.truth);
   FrameFileNames names(options.folder);
   LogFrames frames(options, AllParts(),
-                   [&](const Frame& frame) { WriteFramePictures(frame, names); });
+                   [&](const Frame& frame) { WriteFramePictures(frame, truth.Add(frame), names); });
   frames.Read();
   Finish(frames, names, options, "no message of these frames that can be shown");
+  std::cout << truth.Text();
   return 0;
 }
 
-int RunExport(const ExportOptions& options) {
-  if (!options.ply && !options.pfm)
-    throw ConfigError("export: nothing to do without --ply or --pfm");
-  FrameFileNames names(options.folder);
-  int64_t without_cloud = 0;
-  int64_t misfits = 0;
-  const PartSet parts = options.ply ? PartSet{Part::kLeft, Part::kRig, Part::kPrior,
-                                              Part::kUnfilled, Part::kDisparity}
-                                    : PartSet{Part::kPrior, Part::kUnfilled, Part::kDisparity};
-  const auto write_pfm = [&](const Frame& frame, const std::optional<DisparityImage>& map,
-                             const char* what) {
-    if (options.pfm && map) Require(WritePfm(names.Of(frame.id, what), *map));
-  };
-  LogFrames frames(options, parts, [&](const Frame& frame) {
-    write_pfm(frame, PriorOf(frame), "prior.pfm");
-    write_pfm(frame, frame.unfilled, "unfilled.pfm");
-    write_pfm(frame, frame.disparity, "disparity.pfm");
-    if (!options.ply || !frame.disparity) return;
+namespace {
+
+// Writes what export was asked for, and counts the frames that have no cloud.
+class Exporter {
+ public:
+  explicit Exporter(const ExportOptions& options) : options_(options), names_(options.folder) {}
+
+  const FrameFileNames& names() const { return names_; }
+
+  PartSet Parts() const {
+    PartSet parts{Part::kPrior, Part::kUnfilled, Part::kDisparity};
+    if (WantsCloud()) {
+      parts.Add(Part::kLeft);
+      parts.Add(Part::kRig);
+    }
+    return parts;
+  }
+
+  void Write(const Frame& frame) {
+    if (options_.pfm) {
+      if (frame.prior) WriteMap(frame, frame.prior->disparity, "prior.pfm");
+      if (frame.unfilled) WriteMap(frame, *frame.unfilled, "unfilled.pfm");
+      if (frame.disparity) WriteMap(frame, *frame.disparity, "disparity.pfm");
+    }
+    if (WantsCloud() && frame.disparity) WriteCloud(frame);
+  }
+
+  // @returns whether all frames that could have a cloud have one.
+  bool Complain() const {
+    if (without_cloud_ > 0) {
+      std::cerr << fmt::format(
+          "sprout-log: no cloud of {} frames: a cloud needs disparity, left image "
+          "and calibration\n",
+          without_cloud_);
+    }
+    if (misfits_ > 1) {
+      std::cerr << fmt::format("sprout-log: no cloud of {} frames that differ in size\n", misfits_);
+    }
+    return misfits_ == 0;
+  }
+
+ private:
+  bool WantsCloud() const { return options_.ply || options_.mesh; }
+
+  void WriteMap(const Frame& frame, const DisparityImage& map, const char* what) {
+    Require(WritePfm(names_.Of(frame.id, what), map));
+  }
+
+  void WriteCloud(const Frame& frame) {
     if (frame.left.empty() || !frame.rig) {
-      ++without_cloud;
+      ++without_cloud_;
       return;
     }
-    if (!HasOneSize(frame)) {
-      if (misfits++ == 0) {
-        std::cerr << fmt::format(
-            "sprout-log: no cloud of frame {}: disparity map {}, left image {} and calibration {} "
-            "differ in size\n",
-            frame.id.seq, SizeText(frame.disparity->size()), SizeText(frame.left.size()),
-            SizeText(frame.rig->pair.size()));
-      }
+    const RectifiedPair& pair = frame.rig->pair;
+    if (!HasCloud(frame)) {
+      if (misfits_++ > 0) return;
+      std::cerr << fmt::format(
+          "sprout-log: no cloud of frame {}: disparity map {}, left image {} and calibration {} "
+          "differ in size\n",
+          frame.id.seq, SizeText(frame.disparity->size()), SizeText(frame.left.size()),
+          SizeText(pair.size()));
       return;
     }
-    Require(WriteCloudPly(names.Of(frame.id, "cloud.ply"), frame.rig->pair, *frame.disparity,
-                          frame.left));
-  });
+    if (options_.ply) {
+      Require(WriteCloudPly(names_.Of(frame.id, "cloud.ply"), pair, *frame.disparity, frame.left));
+    }
+    if (options_.mesh) {
+      Require(WriteMeshPly(names_.Of(frame.id, "mesh.ply"), pair, *frame.disparity, frame.left));
+    }
+  }
+
+  const ExportOptions& options_;
+  FrameFileNames names_;
+  int64_t without_cloud_ = 0;
+  int64_t misfits_ = 0;
+};
+
+}  // namespace
+
+int RunExport(const ExportOptions& options) {
+  if (!options.ply && !options.mesh && !options.pfm) {
+    throw ConfigError("export: nothing to do without --ply, --mesh or --pfm");
+  }
+  Exporter exporter(options);
+  LogFrames frames(options, exporter.Parts(), [&](const Frame& frame) { exporter.Write(frame); });
   frames.Read();
-  if (without_cloud > 0) {
-    std::cerr << fmt::format(
-        "sprout-log: no cloud of {} frames: a cloud needs disparity, left image "
-        "and calibration\n",
-        without_cloud);
-  }
-  if (misfits > 1) {
-    std::cerr << fmt::format("sprout-log: no cloud of {} frames that differ in size\n", misfits);
-  }
-  Finish(frames, names, options, "no message of these frames that can be exported");
-  return misfits > 0 ? 1 : 0;
+  const bool whole = exporter.Complain();
+  Finish(frames, exporter.names(), options, "no message of these frames that can be exported");
+  return whole ? 0 : 1;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

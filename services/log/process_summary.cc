@@ -8,7 +8,7 @@
 #include "common/config/config_difference.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::log {
 
 void ProcessSummary::Add(std::span<const uint8_t> bytes) {
   Result<ProcessInfo> info = DecodeProcessInfo(bytes);
@@ -42,4 +42,4 @@ std::string ConfigDiffText(const ProcessSummary& a, const ProcessSummary& b) {
   return text;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

@@ -7,7 +7,7 @@
 
 #include "common/core/process_info.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// The processes that a log tells of (SPROUT_PROCESS), each once although it says so every few
 /// seconds.
@@ -32,6 +32,6 @@ class ProcessSummary {
 /// for versions that differ; empty when all is the same.
 std::string ConfigDiffText(const ProcessSummary& a, const ProcessSummary& b);
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_PROCESS_SUMMARY_H_

@@ -9,11 +9,11 @@
 #include "common/app/version.h"
 #include "common/config/config.h"
 #include "common/logfile/log_error.h"
+#include "common/quality/frame_quality.h"
 #include "services/log/commands.h"
 #include "services/log/read_progress.h"
-#include "services/quality/frame_quality.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 constexpr char kDescription[] =
@@ -42,7 +42,7 @@ struct Commands {
   CutOptions cut;
   MergeOptions merge;
   RepairOptions repair;
-  PicturesOptions images;
+  ImagesOptions images;
   ExportOptions export_;
   RankOptions rank;
   Command chosen;
@@ -165,11 +165,19 @@ void AddRepair(CLI::App& program, Commands& commands) {
 void AddImages(CLI::App& program, Commands& commands) {
   CLI::App& flags = *program.add_subcommand(
       "images",
-      "Writes left and right image, ToF depth, seeds, prior and disparity of each frame as PNG,\n"
-      "as far as the log has them; colours of a frame share one scale");
-  PicturesOptions& options = commands.images;
+      "Writes left and right image, ToF depth, seeds, prior, disparity, the cloud from the side "
+      "and\n"
+      "an overview of each frame as PNG, as far as the log has them; colours of a frame share one\n"
+      "scale. Prints how many seeds and pixels there are");
+  ImagesOptions& options = commands.images;
   flags.add_option("FILE", options.file, "Log")->required();
   flags.add_option("DIR", options.folder, "Folder to write to: 000042_left.png, ...")->required();
+  flags
+      .add_option(
+          "--truth", options.truth,
+          "The source that capture sent, for its ground truth: a picture of the errors, and "
+          "the share of correct pixels")
+      ->type_name("SOURCE");
   AddFrames(flags, options.frames);
   AddPrefix(flags, options.prefix);
   flags.callback([&] { commands.chosen = [&] { return RunImages(commands.images); }; });
@@ -183,6 +191,8 @@ void AddExport(CLI::App& program, Commands& commands) {
       ->required();
   flags.add_flag("--ply", options.ply,
                  "Coloured point cloud of the disparity map, m in the left rectified frame");
+  flags.add_flag("--mesh", options.mesh,
+                 "Coloured surface of the disparity map, cut at depth edges, m");
   flags.add_flag("--pfm", options.pfm, "Prior and disparity maps, px; +inf: no disparity");
   AddFrames(flags, options.frames);
   AddPrefix(flags, options.prefix);
@@ -250,4 +260,4 @@ int LogMain(int argc, const char* const* argv) {
   return RunProgram(flags, argc, argv, [&] { return RunChosen(commands.chosen); });
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

@@ -1,7 +1,7 @@
 #ifndef SPROUT_SERVICES_LOG_PROGRAM_H_
 #define SPROUT_SERVICES_LOG_PROGRAM_H_
 
-namespace sprout {
+namespace sprout::log {
 
 /// The main of sprout-log.
 /// @returns exit code: 0; 1 when a diff finds differences or info --check something wrong, and for
@@ -9,6 +9,6 @@ namespace sprout {
 ///          130 after Ctrl-C.
 int LogMain(int argc, const char* const* argv);
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_PROGRAM_H_

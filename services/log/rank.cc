@@ -11,12 +11,12 @@
 
 #include "common/config/config.h"
 #include "common/logfile/log_error.h"
+#include "common/quality/frame_quality.h"
 #include "services/log/commands.h"
 #include "services/log/frame_pictures.h"
 #include "services/log/log_frames.h"
-#include "services/quality/frame_quality.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 // What the table shows without --top; files have all frames.
@@ -172,7 +172,7 @@ void Ranking::WritePictures() const {
   for (const Row& row : std::span(rows_).first(CountShown(kShown))) worst.insert(row.key);
   FrameFileNames names(options_.folder);
   LogFrames frames(options_, AllParts(), [&](const Frame& frame) {
-    if (worst.contains({frame.id.utime, frame.id.seq})) WriteFramePictures(frame, names);
+    if (worst.contains({frame.id.utime, frame.id.seq})) WriteFramePictures(frame, {}, names);
   });
   frames.Read();
   std::cerr << fmt::format("{}: {} pictures of the {} worst frames\n", options_.folder.string(),
@@ -189,4 +189,4 @@ int RunRank(const RankOptions& options) {
   return 0;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

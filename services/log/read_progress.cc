@@ -6,7 +6,7 @@
 #include <csignal>
 #include <utility>
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 constexpr std::chrono::milliseconds kPeriod{200};
@@ -33,4 +33,4 @@ void ReadProgress::Update(int64_t position) {
                          static_cast<double>(bytes_) / 1e9));
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

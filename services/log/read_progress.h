@@ -8,7 +8,7 @@
 
 #include "common/app/progress.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// The user pressed Ctrl-C. What was written so far is removed on the way out.
 class Interrupted : public std::runtime_error {
@@ -40,6 +40,6 @@ class ReadProgress {
   Progress line_{/*quiet=*/false};
 };
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_READ_PROGRESS_H_

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 constexpr size_t kRecent = 64;  // as far back a frame may come again
@@ -48,4 +48,4 @@ std::string Sequence::GapText() const {
   return gap_count_ > static_cast<int64_t>(gaps_.size()) ? text + ", ..." : text;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log

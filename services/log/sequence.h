@@ -10,7 +10,7 @@
 
 #include "common/core/frame_id.h"
 
-namespace sprout {
+namespace sprout::log {
 
 /// Follows the frame numbers on one channel.
 class Sequence {
@@ -43,6 +43,6 @@ class Sequence {
   int64_t restarts_ = 0;
 };
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_SEQUENCE_H_

@@ -61,9 +61,9 @@ struct Pipeline::Stages {
   explicit Stages(const SproutConfig& config)
       : refine(config.refine()), prior(config.prior()), grow(config.grow()) {}
 
-  RefinePlug refine;
-  PriorPlug prior;
-  GrowPlug grow;
+  refine::RefinePlug refine;
+  prior::PriorPlug prior;
+  grow::GrowPlug grow;
 };
 
 Pipeline::Pipeline(const SproutConfig& config) {

@@ -11,7 +11,7 @@
 #include "common/core/parallel.h"
 #include "services/prior/edge_surfaces.h"
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 constexpr int kRadius = 1;        // of the window of grey differences, px: sharp at edges
@@ -244,4 +244,4 @@ void DecideLabels(const EdgeLabels& labels, const DataTerm& data_term, Disparity
   decide(prior.height(), 1, true);
 }
 
-}  // namespace sprout
+}  // namespace sprout::prior

@@ -6,7 +6,7 @@
 
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 // The disparity in the middle of the widest gap between the corners' disparities.
@@ -147,4 +147,4 @@ void PaintLabels(std::span<const EdgeTriangle> edges, std::span<const Plane> pla
   });
 }
 
-}  // namespace sprout
+}  // namespace sprout::prior

@@ -11,7 +11,7 @@
 #include "common/core/disparity_image.h"
 #include "services/prior/interpolation.h"
 
-namespace sprout {
+namespace sprout::prior {
 
 /// The surface that some seeds lie on, in a triangle: at each pixel the plane of the closest seed.
 class NearestPlanes {
@@ -138,6 +138,6 @@ class DataTerm {
 /// O(pixels); on OpenCV's threads, with the same result for any number.
 void DecideLabels(const EdgeLabels& labels, const DataTerm& data_term, DisparityImage& prior);
 
-}  // namespace sprout
+}  // namespace sprout::prior
 
 #endif  // SPROUT_SERVICES_PRIOR_EDGE_SURFACES_H_

@@ -5,7 +5,7 @@
 
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 // Twice the area of a triangle, px²; negative where it runs the other way round.
@@ -126,4 +126,4 @@ Result<void> Interpolate(std::span<const Plane> planes, std::span<const SeedTria
   return {};
 }
 
-}  // namespace sprout
+}  // namespace sprout::prior

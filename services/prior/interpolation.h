@@ -12,7 +12,7 @@
 #include "common/core/result.h"
 #include "services/prior/seed_planes.h"
 
-namespace sprout {
+namespace sprout::prior {
 
 /// The planes at the corners of a triangle.
 using Corners = std::array<Plane, 3>;
@@ -90,6 +90,6 @@ void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const 
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::prior
 
 #endif  // SPROUT_SERVICES_PRIOR_INTERPOLATION_H_

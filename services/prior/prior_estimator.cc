@@ -13,7 +13,7 @@
 #include "services/prior/seed_planes.h"
 #include "services/prior/triangulation.h"
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 Result<Triangulation> TriangulateOrSayWhy(std::span<const Seed> seeds) {
@@ -130,4 +130,4 @@ Result<PriorMap> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat& r
   return result;
 }
 
-}  // namespace sprout
+}  // namespace sprout::prior

@@ -10,7 +10,7 @@
 #include "common/core/result.h"
 #include "common/core/seed.h"
 
-namespace sprout {
+namespace sprout::prior {
 
 /// The stage: a dense prior disparity map D_p of the left image from sparse seeds, and how sure it
 /// is. The README states the method.
@@ -53,6 +53,6 @@ class PriorEstimator {
   std::unique_ptr<Memory> memory_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::prior
 
 #endif  // SPROUT_SERVICES_PRIOR_PRIOR_ESTIMATOR_H_

@@ -4,7 +4,7 @@
 
 #include "common/core/image.h"
 
-namespace sprout {
+namespace sprout::prior {
 
 PartSet PriorPlug::Inputs() const {
   PartSet inputs{Part::kSeeds, Part::kRig, Part::kLeft};
@@ -39,4 +39,4 @@ Outcome PriorPlug::Process(const Frame& frame) {
   return outcome;
 }
 
-}  // namespace sprout
+}  // namespace sprout::prior

@@ -7,7 +7,7 @@
 #include "common/core/plug.h"
 #include "services/prior/prior_estimator.h"
 
-namespace sprout {
+namespace sprout::prior {
 
 /// SEEDS LEFT RIG → PRIOR, with LEFT_SEEDS if the configuration says so, and RIGHT for the method
 /// that looks at images. LEFT is joined by the other method, too: an answer has the pixels of an
@@ -32,6 +32,6 @@ class PriorPlug : public Plug {
   std::vector<Seed> seeds_;  // memory
 };
 
-}  // namespace sprout
+}  // namespace sprout::prior
 
 #endif  // SPROUT_SERVICES_PRIOR_PRIOR_PLUG_H_

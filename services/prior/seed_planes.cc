@@ -6,7 +6,7 @@
 
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 constexpr int kIterations = 3;  // of reweighting; more make noisy seeds worse
@@ -222,4 +222,4 @@ void ExtendBeyondHull(std::span<const int> hull, cv::Size size, double reach_px,
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::prior

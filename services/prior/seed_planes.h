@@ -9,7 +9,7 @@
 #include "common/core/seed.h"
 #include "services/prior/triangulation.h"
 
-namespace sprout {
+namespace sprout::prior {
 
 /// A plane of disparity over the left image.
 struct Plane {
@@ -70,6 +70,6 @@ void ExtendBeyondHull(std::span<const int> hull, cv::Size size, double reach_px,
                       const PriorConfig& config, std::vector<Plane>& planes,
                       std::vector<SeedTriangle>& triangles);
 
-}  // namespace sprout
+}  // namespace sprout::prior
 
 #endif  // SPROUT_SERVICES_PRIOR_SEED_PLANES_H_

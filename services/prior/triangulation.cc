@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -116,4 +116,4 @@ void Rings::Add(int seed) {
   if (std::exchange(found_in, call_) != call_) found_.push_back(seed);
 }
 
-}  // namespace sprout
+}  // namespace sprout::prior

@@ -8,7 +8,7 @@
 
 #include "common/core/seed.h"
 
-namespace sprout {
+namespace sprout::prior {
 
 /// A triangle of seeds: three indices, counter-clockwise in a frame with v upwards.
 using SeedTriangle = std::array<int, 3>;
@@ -65,6 +65,6 @@ class Rings {
   std::vector<int> found_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::prior
 
 #endif  // SPROUT_SERVICES_PRIOR_TRIANGULATION_H_

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace sprout {
+namespace sprout::record {
 
 bool EventQueue::Put(QueuedEvent event) {
   const size_t memory = event.event.memory();
@@ -45,4 +45,4 @@ size_t EventQueue::bytes() const {
   return bytes_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::record

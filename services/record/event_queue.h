@@ -10,7 +10,7 @@
 
 #include "services/record/recorded_event.h"
 
-namespace sprout {
+namespace sprout::record {
 
 /// What waits to be written.
 struct QueuedEvent {
@@ -57,6 +57,6 @@ class EventQueue {
   bool closed_ = false;
 };
 
-}  // namespace sprout
+}  // namespace sprout::record
 
 #endif  // SPROUT_SERVICES_RECORD_EVENT_QUEUE_H_

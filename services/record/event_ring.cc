@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace sprout {
+namespace sprout::record {
 
 void EventRing::Add(RecordedEvent event) {
   Forget(event.arrived);
@@ -23,4 +23,4 @@ void EventRing::DropOldest() {
   events_.pop_front();
 }
 
-}  // namespace sprout
+}  // namespace sprout::record

@@ -7,7 +7,7 @@
 
 #include "services/record/recorded_event.h"
 
-namespace sprout {
+namespace sprout::record {
 
 /// The messages of the last seconds, in memory. Not thread-safe.
 class EventRing {
@@ -40,6 +40,6 @@ class EventRing {
   int64_t not_fitted_ = 0;
 };
 
-}  // namespace sprout
+}  // namespace sprout::record
 
 #endif  // SPROUT_SERVICES_RECORD_EVENT_RING_H_

@@ -15,7 +15,7 @@
 #include <system_error>
 #include <utility>
 
-namespace sprout {
+namespace sprout::record {
 namespace {
 
 namespace fs = std::filesystem;
@@ -173,4 +173,4 @@ void LogFolder::RequireThere() const {
   if (file_ && !file_->IsThere()) throw LogError(file_->path(), "has vanished");
 }
 
-}  // namespace sprout
+}  // namespace sprout::record

@@ -11,7 +11,7 @@
 #include "services/record/recorded_event.h"
 #include "services/record/recording_file.h"
 
-namespace sprout {
+namespace sprout::record {
 
 struct LogFolderOptions {
   std::filesystem::path folder;
@@ -76,6 +76,6 @@ class LogFolder {
 /// Number of a log that a LogFolder has named; nothing for other files.
 std::optional<int64_t> RecordingNumber(const std::filesystem::path& path);
 
-}  // namespace sprout
+}  // namespace sprout::record
 
 #endif  // SPROUT_SERVICES_RECORD_LOG_FOLDER_H_

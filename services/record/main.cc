@@ -15,7 +15,7 @@
 #include "common/core/digest.h"
 #include "services/record/recording.h"
 
-namespace sprout {
+namespace sprout::record {
 namespace {
 
 struct Flags {
@@ -182,6 +182,6 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::record
 
-int main(int argc, char** argv) { return sprout::Main(argc, argv); }
+int main(int argc, char** argv) { return sprout::record::Main(argc, argv); }

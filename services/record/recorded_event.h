@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace sprout {
+namespace sprout::record {
 
 /// A message as it came.
 struct RecordedEvent {
@@ -21,6 +21,6 @@ struct RecordedEvent {
   size_t memory() const { return sizeof *this + channel.size() + data.size(); }
 };
 
-}  // namespace sprout
+}  // namespace sprout::record
 
 #endif  // SPROUT_SERVICES_RECORD_RECORDED_EVENT_H_

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace sprout {
+namespace sprout::record {
 
 Recorder::Recorder(const std::optional<RingOptions>& ring, LogFolder& folder) : folder_(folder) {
   if (!ring) return;
@@ -37,4 +37,4 @@ bool Recorder::Trigger(Time now) {
   return begins;
 }
 
-}  // namespace sprout
+}  // namespace sprout::record

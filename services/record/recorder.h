@@ -9,7 +9,7 @@
 #include "services/record/log_folder.h"
 #include "services/record/recorded_event.h"
 
-namespace sprout {
+namespace sprout::record {
 
 struct RingOptions {
   RecordedEvent::Clock::duration length{};  ///< what is kept of the time before a trigger
@@ -52,6 +52,6 @@ class Recorder {
   std::optional<Time> until_;  // a log of the ring is being written
 };
 
-}  // namespace sprout
+}  // namespace sprout::record
 
 #endif  // SPROUT_SERVICES_RECORD_RECORDER_H_

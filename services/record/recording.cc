@@ -12,7 +12,7 @@
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::record {
 namespace {
 
 constexpr size_t kMaxQueuedBytes = size_t{1} << 29;
@@ -226,4 +226,4 @@ std::string Recording::Summary() const {
   return text;
 }
 
-}  // namespace sprout
+}  // namespace sprout::record

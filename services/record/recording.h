@@ -20,7 +20,7 @@
 #include "services/record/log_folder.h"
 #include "services/record/recorder.h"
 
-namespace sprout {
+namespace sprout::record {
 
 struct RecordingOptions {
   std::vector<std::string> channels;  ///< without prefix
@@ -94,6 +94,6 @@ class Recording {
   std::optional<Receiver> receiver_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::record
 
 #endif  // SPROUT_SERVICES_RECORD_RECORDING_H_

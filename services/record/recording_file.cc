@@ -11,7 +11,7 @@
 
 #include "common/logfile/event_format.h"
 
-namespace sprout {
+namespace sprout::record {
 namespace {
 
 /// 0, or the errno of what went wrong.
@@ -79,4 +79,4 @@ bool RecordingFile::IsThere() const {
          own.st_dev == found.st_dev && own.st_ino == found.st_ino;
 }
 
-}  // namespace sprout
+}  // namespace sprout::record

@@ -7,7 +7,7 @@
 #include "common/logfile/log_error.h"
 #include "services/record/recorded_event.h"
 
-namespace sprout {
+namespace sprout::record {
 
 /// An LCM log that is readable up to its last whole event at any time, whatever happens to this
 /// process or to the disk. That is the opposite of LogWriter, whose log appears whole or not at
@@ -47,6 +47,6 @@ class RecordingFile {
   int64_t events_ = 0;
 };
 
-}  // namespace sprout
+}  // namespace sprout::record
 
 #endif  // SPROUT_SERVICES_RECORD_RECORDING_FILE_H_

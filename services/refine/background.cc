@@ -6,7 +6,7 @@
 
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr int kHalfWindow = BackgroundRule::kWindow / 2;
@@ -98,4 +98,4 @@ void BackgroundRule::Mark(std::span<const Seed> seeds, cv::Size size, double tol
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -10,7 +10,7 @@
 #include "common/core/seed.h"
 #include "services/refine/cell_lists.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// The background rule alone (paper, II-B): which seeds are background beside a nearer one. Keeps
 /// its memory from frame to frame, so one object serves one caller at a time.
@@ -45,6 +45,6 @@ class BackgroundRule {
   std::vector<uint8_t> background_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_BACKGROUND_H_

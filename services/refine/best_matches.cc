@@ -18,7 +18,7 @@
 
 #ifndef SPROUT_SERVICES_REFINE_BEST_MATCHES_SHARED_
 #define SPROUT_SERVICES_REFINE_BEST_MATCHES_SHARED_
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr uint16_t kNoSum = UINT16_MAX;
@@ -42,11 +42,11 @@ struct MatchRow {
 };
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine
 #endif  // once
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::refine {
 namespace HWY_NAMESPACE {
 
 constexpr Words kWord = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -124,11 +124,11 @@ void MatchRowOnTarget(const MatchRow& row) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::refine
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sprout {
+namespace sprout::refine {
 
 HWY_EXPORT(MatchRowOnTarget);
 
@@ -153,5 +153,5 @@ void BestMatches::Choose(const StereoSearch& search, int v, const cv::Range& col
     .right_best = right_best_.data()});
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine
 #endif  // HWY_ONCE

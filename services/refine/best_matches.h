@@ -7,7 +7,7 @@
 
 #include "services/refine/stereo_search.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// The best matches of the pixels of a row, by the sums of both sweeps. Keeps its memory from row
 /// to row.
@@ -27,6 +27,6 @@ class BestMatches {
   std::vector<uint16_t> right_sums_, right_best_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_BEST_MATCHES_H_

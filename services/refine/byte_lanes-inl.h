@@ -14,7 +14,7 @@
 #include <cstring>
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::refine {
 namespace HWY_NAMESPACE {
 
 using Bytes = uint8_t __attribute__((vector_size(16)));
@@ -47,7 +47,7 @@ HWY_INLINE uint16_t LeastLane(Words x) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::refine
 HWY_AFTER_NAMESPACE();
 
 #endif  // once for each instruction set

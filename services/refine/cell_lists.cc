@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sprout {
+namespace sprout::refine {
 
 size_t CellLists::Sort(std::span<const cv::Point2f> positions, cv::Size size, double side) {
   side_ = side;
@@ -21,4 +21,4 @@ size_t CellLists::Sort(std::span<const cv::Point2f> positions, cv::Size size, do
   return fullest;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace sprout {
+namespace sprout::refine {
 
 /// Points of an image by its square cells, the cells row by row in one array; no more than so many
 /// a cell, so that looking around a point takes a bounded time wherever the points lie. Keeps its
@@ -92,6 +92,6 @@ class CellLists {
   std::vector<uint32_t> points_;  // by their index
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_CELL_LISTS_H_

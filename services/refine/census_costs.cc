@@ -15,7 +15,7 @@
 
 #ifndef SPROUT_SERVICES_REFINE_CENSUS_COSTS_SHARED_
 #define SPROUT_SERVICES_REFINE_CENSUS_COSTS_SHARED_
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr int kRadius = 2;
@@ -40,11 +40,11 @@ struct CostRow {
 };
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine
 #endif  // once
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::refine {
 namespace HWY_NAMESPACE {
 
 // A bit for each pixel of the 5×5 windows but their centres: whether it is darker.
@@ -109,11 +109,11 @@ void CostsOnTarget(const CostRow& row) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::refine
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 HWY_EXPORT(CensusOnTarget);
@@ -170,5 +170,5 @@ const std::vector<uint8_t>& CensusCosts::Compute(const cv::Mat1b& left, const cv
   return costs_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine
 #endif  // HWY_ONCE

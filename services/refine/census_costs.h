@@ -8,7 +8,7 @@
 
 #include "services/refine/stereo_search.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// The data term C(p, d) of semi-global matching: the Hamming distance of the census transforms
 /// (5×5, 24 bits) of a left pixel and its match. Keeps its memory: a byte a label, and 8 a pixel of
@@ -35,6 +35,6 @@ class CensusCosts {
   std::vector<uint8_t> costs_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_CENSUS_COSTS_H_

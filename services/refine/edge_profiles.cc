@@ -6,7 +6,7 @@
 
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 // Eqs. (A3) and (A4).
@@ -129,4 +129,4 @@ void EdgeProfiles::Set(const cv::Mat1b& left, const cv::Mat1b& right,
   });
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

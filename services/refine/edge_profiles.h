@@ -9,7 +9,7 @@
 
 #include "services/refine/tof_edges.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// How far EdgeProfiles looks, px of the images.
 struct ProfileSizes {
@@ -49,6 +49,6 @@ class EdgeProfiles {
   std::vector<float> profiles_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_EDGE_PROFILES_H_

@@ -8,6 +8,6 @@ int main(int argc, char** argv) {
       "Joins SPROUT_LEFT, SPROUT_RIGHT, SPROUT_TOF and SPROUT_RIG; publishes SPROUT_SEEDS, and\n"
       "SPROUT_LEFT_SEEDS: the points that only the left camera sees.",
       [](const sprout::SproutConfig& config) {
-        return std::make_unique<sprout::RefinePlug>(config.refine());
+        return std::make_unique<sprout::refine::RefinePlug>(config.refine());
       });
 }

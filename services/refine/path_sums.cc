@@ -16,7 +16,7 @@
 
 #ifndef SPROUT_SERVICES_REFINE_PATH_SUMS_SHARED_
 #define SPROUT_SERVICES_REFINE_PATH_SUMS_SHARED_
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 // Penalties in census bits; those that measured best, none is sensitive.
@@ -73,11 +73,11 @@ struct Row {
 };
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine
 #endif  // once
 
 HWY_BEFORE_NAMESPACE();
-namespace sprout {
+namespace sprout::refine {
 namespace HWY_NAMESPACE {
 
 // The lanes from 8 · kHalf on.
@@ -248,11 +248,11 @@ void RowOnTarget(const Row& row) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sprout
+}  // namespace sprout::refine
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sprout {
+namespace sprout::refine {
 
 HWY_EXPORT(RowOnTarget);
 
@@ -282,5 +282,5 @@ void AddUpPaths(const cv::Mat1b& left, const StereoSearch& search, const SearchR
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine
 #endif  // HWY_ONCE

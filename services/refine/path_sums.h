@@ -7,7 +7,7 @@
 
 #include "services/refine/stereo_search.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// No sum over all eight directions is larger.
 constexpr int kMostPathSums = 800;
@@ -23,6 +23,6 @@ constexpr int kMostPathSums = 800;
 void AddUpPaths(const cv::Mat1b& left, const StereoSearch& search, const SearchRows& rows,
                 const std::vector<uint8_t>& costs, int step, std::vector<uint16_t>& sums);
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_PATH_SUMS_H_

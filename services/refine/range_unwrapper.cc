@@ -6,7 +6,7 @@
 
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr int kRadius = 4;              // of the windows that are compared, px
@@ -176,4 +176,4 @@ RangeUnwrapper::Verdict RangeUnwrapper::Judge(const std::vector<cv::Point>& surf
   return preference > kUnclearly * points ? Verdict::kUnsure : Verdict::kNear;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

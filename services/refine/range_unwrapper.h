@@ -9,7 +9,7 @@
 #include "common/core/tof_image.h"
 #include "common/geometry/projection.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// Finds surfaces beyond the unambiguous range of a phase camera, which come back that range too
 /// near. A surface of the ToF image lies either where it says or one range farther. The images
@@ -54,6 +54,6 @@ class RangeUnwrapper {
   std::vector<ProjectedPoint> far_;  // the points, if they are far
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_RANGE_UNWRAPPER_H_

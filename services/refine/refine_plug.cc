@@ -5,7 +5,7 @@
 
 #include "common/core/image.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 // Rays are computed once a calibration.
 const TofProjector& RefinePlug::ProjectorOf(const Rig& rig) {
@@ -71,4 +71,4 @@ Outcome RefinePlug::Process(const Frame& frame) {
   return outcome;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

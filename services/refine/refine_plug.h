@@ -7,7 +7,7 @@
 #include "common/core/plug.h"
 #include "services/refine/refiner.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS.
 class RefinePlug : public Plug {
@@ -40,6 +40,6 @@ class RefinePlug : public Plug {
   std::string projector_rig_id_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_REFINE_PLUG_H_

@@ -7,7 +7,7 @@
 #include "common/core/image.h"
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr int kRadius = Refiner::kWindow / 2;
@@ -172,4 +172,4 @@ void Refiner::KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

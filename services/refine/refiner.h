@@ -17,7 +17,7 @@
 #include "services/refine/tof_alignment.h"
 #include "services/refine/tof_surface.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// Turns ToF points into seed correspondences and drops the unreliable ones: by the paper's rules
 /// (II-B) and by two of TofSurface, which a sensor needs that stands beside the left camera. Before
@@ -87,6 +87,6 @@ class Refiner {
   StereoSeedFinder stereo_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_REFINER_H_

@@ -6,7 +6,7 @@
 #include "services/refine/best_matches.h"
 #include "services/refine/path_sums.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 const StereoMatches& SemiGlobalMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& right,
                                               const StereoSearch& search) {
@@ -30,4 +30,4 @@ const StereoMatches& SemiGlobalMatcher::Match(const cv::Mat1b& left, const cv::M
   return matches_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -9,7 +9,7 @@
 #include "services/refine/census_costs.h"
 #include "services/refine/stereo_search.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// What semi-global matching found.
 struct StereoMatches {
@@ -43,6 +43,6 @@ class SemiGlobalMatcher {
   StereoMatches matches_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_SEMI_GLOBAL_H_

@@ -8,7 +8,7 @@
 
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr int kLabels = 16;              // of a pixel, but on the coarsest image
@@ -157,4 +157,4 @@ const cv::Mat1f& StereoMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& ri
   return disparity_px_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -8,7 +8,7 @@
 #include "common/core/seed.h"
 #include "services/refine/semi_global.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// What StereoMatcher goes by.
 struct StereoMatcherSettings {
@@ -51,6 +51,6 @@ class StereoMatcher {
   int scale_ = 1;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_STEREO_MATCHER_H_

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sprout {
+namespace sprout::refine {
 
 void SearchRows::Set(const StereoSearch& search) {
   const auto is_searched = [](int16_t first) { return first != StereoSearch::kNowhere; };
@@ -19,4 +19,4 @@ void SearchRows::Set(const StereoSearch& search) {
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace sprout {
+namespace sprout::refine {
 
 /// Where semi-global matching looks, and what is known before.
 struct StereoSearch {
@@ -47,6 +47,6 @@ class SearchRows {
   std::vector<size_t> begin_;  // index of the rows' first pixels, and the end of the last
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_STEREO_SEARCH_H_

@@ -8,7 +8,7 @@
 
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 // For parameters that are 0: about as many columns as a ToF camera has in the left image; and
@@ -189,4 +189,4 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
   return seeds_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -9,7 +9,7 @@
 #include "common/core/seed.h"
 #include "services/refine/stereo_matcher.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// Finds seeds in the pair itself where the range sensor says nothing: on a grid of the wanted
 /// spacing, in every cell that has no ToF point near, the disparity that StereoMatcher gives.
@@ -47,6 +47,6 @@ class StereoSeedFinder {
   std::vector<Seed> seeds_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_STEREO_SEEDS_H_

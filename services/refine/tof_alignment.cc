@@ -10,7 +10,7 @@
 
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr double kLargestCellPx = 6;  // images are halved until a ToF pixel is no larger
@@ -229,4 +229,4 @@ void ApplyOffset(const TofOffset& offset, const Rig& rig, std::vector<ProjectedP
   }
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -10,7 +10,7 @@
 #include "services/refine/edge_profiles.h"
 #include "services/refine/tof_edges.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// How far off the points of a ToF camera are projected, as the images show it. The model is a turn
 /// of the ToF camera about its own place without any about its axis: nearly the same shift of all
@@ -69,6 +69,6 @@ class TofAligner {
 /// Turns the ToF camera about its own place such that its points move by the offset.
 void ApplyOffset(const TofOffset& offset, const Rig& rig, std::vector<ProjectedPoint>& points);
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_TOF_ALIGNMENT_H_

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr int kMostMixed = 3;          // pixels that see both surfaces: lens blur, filters
@@ -180,4 +180,4 @@ std::span<const TofEdge> TofEdgeFinder::Find(std::span<const ProjectedPoint> poi
   return edges_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

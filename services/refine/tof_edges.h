@@ -10,7 +10,7 @@
 #include "common/core/tof_image.h"
 #include "common/geometry/projection.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// A place where the ToF image steps from a near surface to a far one: the near one ends there.
 struct TofEdge {
@@ -53,6 +53,6 @@ class TofEdgeFinder {
   std::vector<TofEdge> edges_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_TOF_EDGES_H_

@@ -9,7 +9,7 @@
 #include "common/core/parallel.h"
 #include "services/refine/window_difference.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
@@ -226,4 +226,4 @@ const std::vector<Hidden>& TofSurface::FindHidden(std::span<const ProjectedPoint
   return hidden_;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -10,7 +10,7 @@
 #include "common/geometry/projection.h"
 #include "services/refine/cell_lists.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// What TofSurface::FindHidden() goes by.
 struct HiddenRule {
@@ -136,6 +136,6 @@ class TofSurface {
   std::vector<Hidden> hidden_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_TOF_SURFACE_H_

@@ -8,7 +8,7 @@
 
 #include "common/core/parallel.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr int kRadius = 4;             // of the windows, px
@@ -114,4 +114,4 @@ VerticalDisparity MeasureVerticalDisparity(const cv::Mat1b& left, const cv::Mat1
   return result;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

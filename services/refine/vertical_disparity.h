@@ -7,7 +7,7 @@
 
 #include "common/core/seed.h"
 
-namespace sprout {
+namespace sprout::refine {
 
 /// How far rows of the right image lie off those of the left one: 0 for a pair that is rectified.
 struct VerticalDisparity {
@@ -29,6 +29,6 @@ struct VerticalDisparity {
 VerticalDisparity MeasureVerticalDisparity(const cv::Mat1b& left, const cv::Mat1b& right,
                                            std::span<const Seed> seeds);
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_VERTICAL_DISPARITY_H_

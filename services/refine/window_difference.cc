@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr int kRadius = 2;
@@ -47,4 +47,4 @@ double WindowDifference(const cv::Mat1b& left, const cv::Mat1b& right, double u,
   return best;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine

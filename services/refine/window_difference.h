@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace sprout {
+namespace sprout::refine {
 
 /// How much the 5×5 windows around two corresponding pixels differ: the sum of squared differences
 /// over the sum of squares, 0 (equal) to 1. The right column may be one pixel off either way, as a
@@ -15,6 +15,6 @@ namespace sprout {
 double WindowDifference(const cv::Mat1b& left, const cv::Mat1b& right, double u, double v,
                         double u_right);
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_SERVICES_REFINE_WINDOW_DIFFERENCE_H_

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace sprout {
+namespace sprout::top {
 namespace {
 
 std::string_view ColourOf(Health health) {
@@ -175,4 +175,4 @@ std::string BoardJson(const std::vector<BoardRow>& rows) {
   return board.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-}  // namespace sprout
+}  // namespace sprout::top

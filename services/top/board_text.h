@@ -6,7 +6,7 @@
 
 #include "services/top/status_board.h"
 
-namespace sprout {
+namespace sprout::top {
 
 /// "good", "losing", "twice", "stale", "stopped", "missing".
 std::string_view NameOf(Health health);
@@ -20,6 +20,6 @@ std::string BoardText(const std::vector<BoardRow>& rows, bool colour);
 /// fields of stage_status_t that are numbers or texts}]}.
 std::string BoardJson(const std::vector<BoardRow>& rows);
 
-}  // namespace sprout
+}  // namespace sprout::top
 
 #endif  // SPROUT_SERVICES_TOP_BOARD_TEXT_H_

@@ -12,7 +12,7 @@
 #include "common/messages/codec.h"
 #include "services/top/board_text.h"
 
-namespace sprout {
+namespace sprout::top {
 namespace {
 
 using Clock = StatusBoard::Clock;
@@ -109,6 +109,6 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::top
 
-int main(int argc, char** argv) { return sprout::Main(argc, argv); }
+int main(int argc, char** argv) { return sprout::top::Main(argc, argv); }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sprout {
+namespace sprout::top {
 namespace {
 
 // Frames and messages that a process did not use.
@@ -81,4 +81,4 @@ bool IsWhole(const std::vector<BoardRow>& rows) {
   });
 }
 
-}  // namespace sprout
+}  // namespace sprout::top

@@ -10,7 +10,7 @@
 
 #include "common/core/stage_status.h"
 
-namespace sprout {
+namespace sprout::top {
 
 /// How a process of the graph fares, as far as its statuses tell.
 enum class Health {
@@ -75,6 +75,6 @@ class StatusBoard {
 /// Whether every row is good or losing: all expected stages there, once each, and reporting.
 bool IsWhole(const std::vector<BoardRow>& rows);
 
-}  // namespace sprout
+}  // namespace sprout::top
 
 #endif  // SPROUT_SERVICES_TOP_STATUS_BOARD_H_

@@ -6,7 +6,7 @@
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::view {
 
 BusListener::BusListener(const ServiceContext& context, FrameRing& ring, StatusBook& book,
                          StageMonitor& monitor, std::function<void()> changed)
@@ -57,4 +57,4 @@ void BusListener::OnNewest(StageMonitor::Clock::time_point now) {
   changed_();
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

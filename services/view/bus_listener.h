@@ -16,7 +16,7 @@
 #include "services/view/frame_ring.h"
 #include "services/view/status_book.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// Hears everything the graph says, and puts it into ring and book.
 class BusListener {
@@ -42,6 +42,6 @@ class BusListener {
   Receiver receiver_;  // last: stops before the rest is destroyed
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_BUS_LISTENER_H_

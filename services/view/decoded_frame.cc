@@ -5,7 +5,7 @@
 
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::view {
 
 const PartValue* DecodedFrame::Decode(Part part) {
   const std::lock_guard lock(mutex_);
@@ -48,4 +48,4 @@ Frame DecodedFrame::ToFrame() {
   return frame;
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

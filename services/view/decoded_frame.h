@@ -12,7 +12,7 @@
 #include "common/core/result.h"
 #include "services/view/stored_frame.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// A stored frame whose parts are decoded when they are asked for, each once. Thread-safe.
 class DecodedFrame {
@@ -51,6 +51,6 @@ class DecodedFrame {
   std::array<bool, kPartCount> tried_{};
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_DECODED_FRAME_H_

@@ -9,7 +9,7 @@
 #include "common/messages/jpeg.h"
 #include "services/view/points.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 // One for the page that follows the graph, others for pages that stopped to look.
@@ -242,4 +242,4 @@ nlohmann::json FrameEncoder::Probe(const StoredFramePtr& frame, int u, int v) {
   return ProbeJson(*Decode(frame), u, v);
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

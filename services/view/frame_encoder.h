@@ -15,7 +15,7 @@
 #include "services/view/map_colors.h"
 #include "services/view/packet.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// Pictures of a frame.
 enum class Picture { kLeft, kTof, kDisparity, kDepth, kPrior, kSigma, kConfidence };
@@ -77,6 +77,6 @@ class FrameEncoder {
   ValueRange depth_m_{.min = 0.1, .max = 1};  // coloured by 1/depth, so never from 0
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_FRAME_ENCODER_H_

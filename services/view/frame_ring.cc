@@ -7,7 +7,7 @@
 #include "common/logfile/log_writer.h"
 #include "common/messages/message_type.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 using std::chrono::seconds;
@@ -220,4 +220,4 @@ int64_t FrameRing::WriteLog(const std::filesystem::path& path, const std::string
   return writer.events();
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -16,7 +16,7 @@
 #include "common/core/result.h"
 #include "services/view/frame_source.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// The newest frames of the running graph, and every message that came with them, so that the last
 /// seconds can be saved as a log. Thread-safe.
@@ -91,6 +91,6 @@ class FrameRing : public FrameSource {
   bool short_ = false;
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_FRAME_RING_H_

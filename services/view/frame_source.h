@@ -6,7 +6,7 @@
 
 #include "services/view/stored_frame.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// Keys of the frames that can be had.
 struct KeyRange {
@@ -37,6 +37,6 @@ class FrameSource {
   virtual std::vector<StoredFramePtr> Snapshot() const = 0;
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_FRAME_SOURCE_H_

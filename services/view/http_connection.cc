@@ -10,7 +10,7 @@
 
 #include "services/view/page_connection.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 namespace beast = boost::beast;
@@ -157,4 +157,4 @@ void ServeHttp(ServerState& state, boost::asio::ip::tcp::socket socket) {
   std::make_shared<HttpConnection>(state, std::move(socket))->Read();
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

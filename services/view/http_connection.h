@@ -8,7 +8,7 @@
 #include "services/view/http_request.h"
 #include "services/view/server_state.h"
 
-namespace sprout {
+namespace sprout::view {
 
 using ParsedRequest = boost::beast::http::request<boost::beast::http::empty_body>;
 
@@ -19,6 +19,6 @@ HttpRequest ViewOf(const ParsedRequest& request);
 /// as it needs. On the thread of the sockets.
 void ServeHttp(ServerState& state, boost::asio::ip::tcp::socket socket);
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_HTTP_CONNECTION_H_

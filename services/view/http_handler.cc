@@ -10,7 +10,7 @@
 #include "services/view/page_files.h"
 #include "services/view/save_frame.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 constexpr int kThumbnailWidth = 240;
@@ -107,4 +107,4 @@ HttpReply HttpHandler::TimeLine(const HttpTarget& target) const {
           .file_name = {}};
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

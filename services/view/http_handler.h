@@ -9,7 +9,7 @@
 #include "services/view/http_request.h"
 #include "services/view/memory_file.h"
 
-namespace sprout {
+namespace sprout::view {
 
 class FrameRing;
 class LogFile;
@@ -56,6 +56,6 @@ class HttpHandler {
   std::string prefix_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_HTTP_HANDLER_H_

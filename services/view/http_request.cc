@@ -7,7 +7,7 @@
 
 #include "common/core/host_name.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 // The name or address in "name:port" or "[::1]:port"; nothing when it is neither.
@@ -72,4 +72,4 @@ bool IsOwnOrigin(std::string_view origin, std::string_view host) {
   return origin.starts_with("http://") && origin.substr(7) == host;
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace sprout {
+namespace sprout::view {
 
 /// What matters of a request; nothing of it is trusted.
 struct HttpRequest {
@@ -39,6 +39,6 @@ bool IsOwnHost(std::string_view host);
 /// browser and so names no origin.
 bool IsOwnOrigin(std::string_view origin, std::string_view host);
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_HTTP_REQUEST_H_

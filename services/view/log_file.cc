@@ -14,7 +14,7 @@
 #include "services/log/channels.h"
 #include "services/view/packet.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 // Parts of one frame stand close together in a log.
@@ -26,8 +26,8 @@ constexpr std::chrono::milliseconds kTell{200};
 constexpr int64_t kNowhere = -1;
 constexpr size_t kMaxRigs = 1000;
 
-StatusBoard::Clock::time_point AsTime(int64_t utime) {
-  return StatusBoard::Clock::time_point(std::chrono::microseconds(utime));
+top::StatusBoard::Clock::time_point AsTime(int64_t utime) {
+  return top::StatusBoard::Clock::time_point(std::chrono::microseconds(utime));
 }
 
 }  // namespace
@@ -82,10 +82,10 @@ void LogFile::Add(const LogEvent& event) {
     }
     return;
   }
-  const std::optional<Part> part = PartOfChannel(event.channel, prefix_);
+  const std::optional<Part> part = log::PartOfChannel(event.channel, prefix_);
   const std::lock_guard lock(mutex_);
   if (!part) {
-    if (TypeOfChannel(event.channel)) other_channel_ = event.channel;
+    if (log::TypeOfChannel(event.channel)) other_channel_ = event.channel;
     return;
   }
   const Result<FrameId> id = DecodeFrameId(event.data);
@@ -197,4 +197,4 @@ std::string LogFile::TimeLineText(int buckets) const {
                    {"buckets", std::move(list)}});
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -18,7 +18,7 @@
 #include "services/view/frame_source.h"
 #include "services/view/status_book.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// How good a frame is, without truth.
 struct Quality {
@@ -89,6 +89,6 @@ class LogFile : public FrameSource {
   std::jthread thread_;  // last: stops before the rest is destroyed
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_LOG_FILE_H_

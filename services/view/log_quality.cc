@@ -8,11 +8,11 @@
 #include <memory>
 #include <string>
 
-#include "services/quality/frame_quality.h"
+#include "common/quality/frame_quality.h"
 #include "services/view/decoded_frame.h"
 #include "services/view/low_priority.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{50};
@@ -81,4 +81,4 @@ void LogQuality::Run(const std::stop_token& stop) {
   log_.Settle();
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

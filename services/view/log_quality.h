@@ -8,7 +8,7 @@
 
 #include "services/view/log_file.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// The order in which frames are rated: at any moment those that were are spread evenly, so that a
 /// time line shows all of a log at once, and more and more of it. At most `most` of `count` frames.
@@ -30,6 +30,6 @@ class LogQuality {
   std::jthread thread_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_LOG_QUALITY_H_

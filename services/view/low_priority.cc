@@ -5,7 +5,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-namespace sprout {
+namespace sprout::view {
 
 void LowerPriority() {
   constexpr int kNice = 10;
@@ -13,4 +13,4 @@ void LowerPriority() {
   if (setpriority(PRIO_PROCESS, thread, kNice) != 0) spdlog::debug("the priority stays as it is");
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

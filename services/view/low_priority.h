@@ -1,11 +1,11 @@
 #ifndef SPROUT_SERVICES_VIEW_LOW_PRIORITY_H_
 #define SPROUT_SERVICES_VIEW_LOW_PRIORITY_H_
 
-namespace sprout {
+namespace sprout::view {
 
 /// Of the thread that calls: looking at the graph must not slow it down.
 void LowerPriority();
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_LOW_PRIORITY_H_

@@ -21,7 +21,7 @@
 #include "services/view/map_colors.h"
 #include "services/view/server.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 const std::vector<std::string> kStages = {"capture", "refine", "prior", "grow"};
@@ -68,7 +68,7 @@ std::string Hello(nlohmann::json facts, const StatusBook& book) {
 }
 
 std::string Status(nlohmann::json facts, const StatusBook& book,
-                   StatusBoard::Clock::time_point now) {
+                   top::StatusBoard::Clock::time_point now) {
   facts["type"] = "status";
   std::string text = JsonText(facts);
   text.pop_back();
@@ -105,7 +105,7 @@ int ShowGraph(const ServiceContext& context, const Options& options) {
                                       {"kept_mb", static_cast<double>(ring.bytes()) / (1 << 20)},
                                       {"short", ring.is_short()},
                                       {"complaint", monitor.Snapshot().last_error}},
-                                     book, StatusBoard::Clock::now());
+                                     book, top::StatusBoard::Clock::now());
                      },
                  .keep_bytes = max_bytes});
   const BusListener listener(context, ring, book, monitor, [&] { server.FrameChanged(); });
@@ -211,6 +211,6 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::view
 
-int main(int argc, char** argv) { return sprout::Main(argc, argv); }
+int main(int argc, char** argv) { return sprout::view::Main(argc, argv); }

@@ -6,7 +6,7 @@
 #include <array>
 #include <limits>
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 constexpr int kSampleColumns = 160;
@@ -122,4 +122,4 @@ ValueRange DepthRangeOf(const DisparityImage& map, const RectifiedPair& pair) {
   return range;
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -11,7 +11,7 @@
 #include "common/core/rig.h"
 #include "common/picture/color_map.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// The colours of the scale, 256 times "rrggbb", from the smallest disparity to the largest one.
 std::string ScaleColors();
@@ -72,6 +72,6 @@ class CalmRange {
 ValueRange DisparityRangeOf(const DisparityImage& map);
 ValueRange DepthRangeOf(const DisparityImage& map, const RectifiedPair& pair);
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_MAP_COLORS_H_

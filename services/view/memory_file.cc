@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-namespace sprout {
+namespace sprout::view {
 
 MemoryFile::MemoryFile() : descriptor_(memfd_create("sprout-view", MFD_CLOEXEC)) {
   if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "memory file");
@@ -31,4 +31,4 @@ int MemoryFile::OpenForReading() const {
   return descriptor;
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-namespace sprout {
+namespace sprout::view {
 
 /// A file without a name, in memory: what writes files can write what is sent to a browser.
 class MemoryFile {
@@ -24,6 +24,6 @@ class MemoryFile {
   int descriptor_ = -1;
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_MEMORY_FILE_H_

@@ -2,7 +2,7 @@
 
 #include <bit>
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are sent as they lie in memory");
@@ -38,4 +38,4 @@ std::string MakePacket(nlohmann::json head, const std::vector<EncodedPartPtr>& p
   return packet;
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

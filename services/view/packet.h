@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sprout {
+namespace sprout::view {
 
 /// JSON for the page. Texts from the network need not be UTF-8.
 inline std::string JsonText(const nlohmann::json& json) {
@@ -34,6 +34,6 @@ void AppendNumbers(std::string& body, const std::vector<T>& numbers) {
   body.append(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(T));
 }
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_PACKET_H_

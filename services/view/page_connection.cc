@@ -9,7 +9,7 @@
 
 #include "services/view/packet.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 namespace beast = boost::beast;
@@ -160,4 +160,4 @@ void ServePage(ServerState& state, ConnectionCount count, boost::asio::ip::tcp::
       ->Accept(std::move(request));
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

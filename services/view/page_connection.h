@@ -11,7 +11,7 @@
 
 #include "services/view/server_state.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// A page that is open: its session on a WebSocket. On the thread of the sockets.
 class PageConnection : public std::enable_shared_from_this<PageConnection> {
@@ -61,6 +61,6 @@ class PageConnection : public std::enable_shared_from_this<PageConnection> {
 void ServePage(ServerState& state, ConnectionCount count, boost::asio::ip::tcp::socket socket,
                boost::beast::http::request<boost::beast::http::empty_body> request);
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_PAGE_CONNECTION_H_

@@ -7,7 +7,7 @@
 
 #include "common/core/image.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 enum class SeedKind : uint8_t { kTof = 0, kStereo = 1, kLeftOnly = 2 };
@@ -196,4 +196,4 @@ nlohmann::json ProbeJson(DecodedFrame& frame, int u, int v) {
   return json;
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -4,7 +4,7 @@
 #include "services/view/decoded_frame.h"
 #include "services/view/packet.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// Most points of a cloud, and most seeds, that travel to a page.
 inline constexpr int kMaxShownPoints = 150'000;
@@ -26,6 +26,6 @@ EncodedPartPtr EncodeSeeds(DecodedFrame& frame);
 /// not known is left out. O(seeds).
 nlohmann::json ProbeJson(DecodedFrame& frame, int u, int v);
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_POINTS_H_

@@ -7,7 +7,7 @@
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 Result<void> SaveImage(const cv::Mat& image, const std::filesystem::path& path) {
@@ -51,4 +51,4 @@ Result<void> SaveFrame(const Frame& frame, const std::string& what,
   return WriteCloudPly(path, frame.rig->pair, *map, frame.left);
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -7,7 +7,7 @@
 #include "common/core/frame.h"
 #include "common/core/result.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// Writes something of a frame to a file. What: left.png, right.png, confidence.png,
 /// disparity.png and prior.png (with a scale), disparity.pfm, prior.pfm (px), cloud.ply (m).
@@ -15,6 +15,6 @@ namespace sprout {
 Result<void> SaveFrame(const Frame& frame, const std::string& what,
                        const std::filesystem::path& path);
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_SAVE_FRAME_H_

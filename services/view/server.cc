@@ -12,7 +12,7 @@
 #include "services/view/page_connection.h"
 #include "services/view/server_state.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 namespace asio = boost::asio;
@@ -116,4 +116,4 @@ uint16_t Server::port() const { return impl_->port(); }
 
 void Server::FrameChanged() { impl_->FrameChanged(); }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -11,7 +11,7 @@
 #include "services/view/frame_source.h"
 #include "services/view/http_handler.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// The address cannot be listened on. what() is one line.
 class ListenError : public std::runtime_error {
@@ -59,6 +59,6 @@ class Server {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_SERVER_H_

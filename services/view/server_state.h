@@ -9,7 +9,7 @@
 #include "services/view/server.h"
 #include "services/view/view_session.h"
 
-namespace sprout {
+namespace sprout::view {
 
 class PageConnection;
 
@@ -41,6 +41,6 @@ class ConnectionCount {
   ServerState* state_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_SERVER_STATE_H_

@@ -5,7 +5,7 @@
 #include "services/top/board_text.h"
 #include "services/view/packet.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 // Names are free, so anybody could invent more.
@@ -18,7 +18,7 @@ int64_t LostOf(const StageStatus& status) {
 
 }  // namespace
 
-void StatusBook::Add(const StageStatus& status, int64_t utime, StatusBoard::Clock::time_point now) {
+void StatusBook::Add(const StageStatus& status, int64_t utime, top::StatusBoard::Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   board_.Add(status, now);
   newest_ = now;
@@ -36,12 +36,12 @@ void StatusBook::Add(const StageStatus& status, int64_t utime, StatusBoard::Cloc
   }
 }
 
-std::string StatusBook::BoardText(StatusBoard::Clock::time_point now) const {
+std::string StatusBook::BoardText(top::StatusBoard::Clock::time_point now) const {
   const std::lock_guard lock(mutex_);
-  return BoardJson(board_.Rows(now));
+  return top::BoardJson(board_.Rows(now));
 }
 
-StatusBoard::Clock::time_point StatusBook::newest() const {
+top::StatusBoard::Clock::time_point StatusBook::newest() const {
   const std::lock_guard lock(mutex_);
   return newest_;
 }
@@ -69,4 +69,4 @@ std::string StatusBook::HistoryText() const {
   return JsonText(stages);
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -11,7 +11,7 @@
 #include "common/core/stage_status.h"
 #include "services/top/status_board.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// What the statuses say: of every process the newest, as sprout-top has it, and of every stage the
 /// course of the last minutes for the plots. Thread-safe.
@@ -26,17 +26,17 @@ class StatusBook {
       : board_(std::move(expected)), keep_all_(keep_all) {}
 
   /// @param utime  when it came, µs.
-  void Add(const StageStatus& status, int64_t utime, StatusBoard::Clock::time_point now);
+  void Add(const StageStatus& status, int64_t utime, top::StatusBoard::Clock::time_point now);
 
   /// The board as BoardJson() has it.
-  std::string BoardText(StatusBoard::Clock::time_point now) const;
+  std::string BoardText(top::StatusBoard::Clock::time_point now) const;
 
   /// {stage: {t, rate_hz, age_p50_ms, age_p99_ms, lost, bad, rss_mb}}: arrays of equal length, t in
   /// s since 1970; lost and bad are counts since the start of the process.
   std::string HistoryText() const;
 
   /// When the newest status came, as Add() was told.
-  StatusBoard::Clock::time_point newest() const;
+  top::StatusBoard::Clock::time_point newest() const;
 
  private:
   struct Sample {
@@ -51,12 +51,12 @@ class StatusBook {
   };
 
   mutable std::mutex mutex_;
-  StatusBoard board_;
+  top::StatusBoard board_;
   bool keep_all_;
-  StatusBoard::Clock::time_point newest_{};
+  top::StatusBoard::Clock::time_point newest_{};
   std::map<std::string, Course> courses_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_STATUS_BOOK_H_

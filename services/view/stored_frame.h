@@ -8,7 +8,7 @@
 
 #include "common/core/frame.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// A message as it came; shared, never changed.
 using StoredBytes = std::shared_ptr<const std::vector<uint8_t>>;
@@ -35,6 +35,6 @@ struct StoredFrame {
 
 using StoredFramePtr = std::shared_ptr<const StoredFrame>;
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_STORED_FRAME_H_

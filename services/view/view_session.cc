@@ -5,7 +5,7 @@
 
 #include "common/core/image.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 constexpr int kMinWidth = 16;
@@ -134,4 +134,4 @@ void ViewSession::Release() {
   kept_.clear();
 }
 
-}  // namespace sprout
+}  // namespace sprout::view

@@ -13,7 +13,7 @@
 #include "services/view/frame_encoder.h"
 #include "services/view/frame_source.h"
 
-namespace sprout {
+namespace sprout::view {
 
 /// Memory that pages which stopped to look may keep from vanishing, together. For one thread.
 class KeepBudget {
@@ -93,6 +93,6 @@ class ViewSession {
   size_t kept_bytes_ = 0;
 };
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_SERVICES_VIEW_VIEW_SESSION_H_

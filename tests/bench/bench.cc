@@ -61,15 +61,15 @@ struct Chain {
     return config;
   }
 
-  RefinePlug refine;
-  PriorPlug prior;
-  GrowPlug grow;
+  refine::RefinePlug refine;
+  prior::PriorPlug prior;
+  grow::GrowPlug grow;
 };
 
 // What goes into each stage: a frame with what all of them made of it.
 struct Inputs {
   Frame frame;
-  GrowPlug::Growth growth;
+  grow::GrowPlug::Growth growth;
 };
 
 enum class BenchPart { kRefine, kPrior, kGrow, kFill, kChain };
@@ -127,7 +127,7 @@ void MeasurePart(benchmark::State& state, BenchPart part, const std::string& pre
     frame.rig = bench.rig;
     RunPlug(chain.refine, frame);
     RunPlug(chain.prior, frame);
-    GrowPlug::Growth growth = chain.grow.Grow(frame);
+    grow::GrowPlug::Growth growth = chain.grow.Grow(frame);
     inputs.push_back({std::move(frame), std::move(growth)});
   }
   RunOnAllScenes(state, size, inputs.size(),

@@ -8,7 +8,7 @@
 
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
-#include "services/capture/tof_grid.h"
+#include "services/datasets/tof_grid.h"
 
 namespace sprout {
 namespace {
@@ -46,16 +46,16 @@ RectifiedPair ResizedPair(RectifiedPair pair, cv::Size size) {
 BenchFrame LoadBenchFrame(const std::string& folder, cv::Size size) {
   CaptureConfig config;
   config.set_source("middlebury:" + folder);
-  const auto source = OpenDataset(config);
+  const auto source = datasets::OpenDataset(config);
   BenchFrame bench{.rig = source->rig(), .frame = source->Get(0), .left = {}, .right = {}};
   bench.rig.pair = ResizedPair(bench.rig.pair, size);
-  bench.rig.tof = TofGridCamera(bench.rig.pair, kTofSpacingPx);
-  DatasetFrame& frame = bench.frame;
+  bench.rig.tof = datasets::TofGridCamera(bench.rig.pair, kTofSpacingPx);
+  datasets::DatasetFrame& frame = bench.frame;
   frame.left = ResizedImage(frame.left, size);
   frame.right = ResizedImage(frame.right, size);
   frame.truth.left = ResizedTruth(frame.truth.left, size);
   frame.truth.right = {};
-  frame.tof = SampleTofGrid(bench.rig.pair, kTofSpacingPx, frame.truth.left);
+  frame.tof = datasets::SampleTofGrid(bench.rig.pair, kTofSpacingPx, frame.truth.left);
   bench.left = ToGrey(frame.left);
   bench.right = ToGrey(frame.right);
   for (const float disparity : frame.truth.left) {

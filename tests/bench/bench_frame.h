@@ -5,14 +5,14 @@
 #include <string>
 
 #include "common/core/rig.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 
 namespace sprout {
 
 /// One frame to measure on.
 struct BenchFrame {
   Rig rig;
-  DatasetFrame frame;  ///< images as captured, colour on the left
+  datasets::DatasetFrame frame;  ///< images as captured, colour on the left
   cv::Mat1b left;      ///< grey, as the stages look at them
   cv::Mat1b right;
   int max_disparity_px = 0;

@@ -2,9 +2,9 @@
 #include <cstring>
 
 #include "common/config/config.h"
-#include "services/capture/kitti_calibration.h"
-#include "services/capture/middlebury_calibration.h"
-#include "services/capture/velodyne_scan.h"
+#include "services/datasets/kitti_calibration.h"
+#include "services/datasets/middlebury_calibration.h"
+#include "services/datasets/velodyne_scan.h"
 #include "tests/fuzz/targets.h"
 
 namespace sprout::fuzz {
@@ -19,9 +19,9 @@ constexpr char kKittiText[] =
     "R0_rect: 1 0 0 0 1 0 0 0 1\n"
     "Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n";
 
-KittiCalibration GoodKitti() {
+datasets::KittiCalibration GoodKitti() {
   const MemoryFile file(BytesOf(kKittiText));
-  return ReadKittiCalibration(file.path(), kImages);
+  return datasets::ReadKittiCalibration(file.path(), kImages);
 }
 
 }  // namespace
@@ -29,12 +29,12 @@ KittiCalibration GoodKitti() {
 void ReadMiddleburyCalibration(std::span<const uint8_t> bytes) {
   const MemoryFile file(bytes);
   try {
-    const RectifiedPair pair = CalibrationFromCalib(file.path(), kImages);
+    const RectifiedPair pair = datasets::CalibrationFromCalib(file.path(), kImages);
     Check(pair.focal_px > 0 && pair.baseline_m > 0, "a camera without extent");
   } catch (const ConfigError&) {
   }
   try {
-    CalibrationFromDmin(file.path(), kImages, 3);
+    datasets::CalibrationFromDmin(file.path(), kImages, 3);
   } catch (const ConfigError&) {
   }
 }
@@ -48,8 +48,8 @@ std::vector<Bytes> MiddleburySeeds() {
 void ReadKitti(std::span<const uint8_t> bytes) {
   const MemoryFile file(bytes);
   try {
-    const KittiCalibration calibration = ReadKittiCalibration(file.path(), kImages);
-    TofImageFromScan({{10, 0, 0}, {20, 1, -2}, {-5, 0, 0}}, calibration.left_from_scanner,
+    const datasets::KittiCalibration calibration = datasets::ReadKittiCalibration(file.path(), kImages);
+    datasets::TofImageFromScan({{10, 0, 0}, {20, 1, -2}, {-5, 0, 0}}, calibration.left_from_scanner,
                      calibration.pair);
   } catch (const ConfigError&) {
   }
@@ -58,12 +58,12 @@ void ReadKitti(std::span<const uint8_t> bytes) {
 std::vector<Bytes> KittiSeeds() { return {BytesOf(kKittiText)}; }
 
 void ReadScan(std::span<const uint8_t> bytes) {
-  static const KittiCalibration calibration = GoodKitti();
+  static const datasets::KittiCalibration calibration = GoodKitti();
   const MemoryFile file(bytes);
   try {
-    const std::vector<Eigen::Vector3d> points = ReadVelodyneScan(file.path());
+    const std::vector<Eigen::Vector3d> points = datasets::ReadVelodyneScan(file.path());
     const TofImage tof =
-        TofImageFromScan(KeepBeams(points, 16), calibration.left_from_scanner, calibration.pair);
+        datasets::TofImageFromScan(datasets::KeepBeams(points, 16), calibration.left_from_scanner, calibration.pair);
     Check(tof.depth_m.size() == kImages, "a range image of another size");
   } catch (const ConfigError&) {
   }

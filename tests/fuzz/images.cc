@@ -4,33 +4,33 @@
 #include "common/config/config.h"
 #include "services/capture/genicam/pixels.h"
 #include "services/capture/genicam/scan3d.h"
-#include "services/capture/pfm.h"
-#include "services/capture/read_image.h"
+#include "services/datasets/pfm.h"
+#include "services/datasets/read_image.h"
 #include "tests/fuzz/targets.h"
 
 namespace sprout::fuzz {
 namespace {
 
-constexpr PixelFormat kFormats[] = {
-    PixelFormat::kMono8,         PixelFormat::kMono16,      PixelFormat::kBayerGR8,
-    PixelFormat::kBayerRG8,      PixelFormat::kBayerGB8,    PixelFormat::kBayerBG8,
-    PixelFormat::kRGB8,          PixelFormat::kBGR8,        PixelFormat::kCoord3dAbc16,
-    PixelFormat::kCoord3dAbc32f, PixelFormat::kCoord3dC16,  PixelFormat::kCoord3dC32f,
-    PixelFormat::kConfidence8,   PixelFormat::kConfidence16};
+constexpr capture::PixelFormat kFormats[] = {
+    capture::PixelFormat::kMono8,         capture::PixelFormat::kMono16,      capture::PixelFormat::kBayerGR8,
+    capture::PixelFormat::kBayerRG8,      capture::PixelFormat::kBayerGB8,    capture::PixelFormat::kBayerBG8,
+    capture::PixelFormat::kRGB8,          capture::PixelFormat::kBGR8,        capture::PixelFormat::kCoord3dAbc16,
+    capture::PixelFormat::kCoord3dAbc32f, capture::PixelFormat::kCoord3dC16,  capture::PixelFormat::kCoord3dC32f,
+    capture::PixelFormat::kConfidence8,   capture::PixelFormat::kConfidence16};
 
-PayloadPart PartFrom(Reader& reader) {
-  PayloadPart part;
+capture::PayloadPart PartFrom(Reader& reader) {
+  capture::PayloadPart part;
   const size_t format = reader.Byte();
   part.format = format < std::size(kFormats) ? static_cast<uint32_t>(kFormats[format]) : 1;
   part.width = static_cast<int16_t>(reader.Short());
   part.height = static_cast<int16_t>(reader.Short());
   part.row_padding = reader.Byte();
-  part.content = static_cast<PartContent>(reader.Byte() % 4);
+  part.content = static_cast<capture::PartContent>(reader.Byte() % 4);
   part.bytes = reader.Take(reader.Short());
   return part;
 }
 
-Bytes PayloadOf(size_t format, int width, int height, PartContent content, size_t bytes) {
+Bytes PayloadOf(size_t format, int width, int height, capture::PartContent content, size_t bytes) {
   Bytes payload = {static_cast<uint8_t>(format),
                    static_cast<uint8_t>(width),
                    0,
@@ -49,7 +49,7 @@ Bytes PayloadOf(size_t format, int width, int height, PartContent content, size_
 void ReadPfmFile(std::span<const uint8_t> bytes) {
   const MemoryFile file(bytes);
   try {
-    const cv::Mat1f samples = ReadPfm(file.path());
+    const cv::Mat1f samples = datasets::ReadPfm(file.path());
     Check(4 * samples.total() <= bytes.size(), "more samples than bytes");
   } catch (const ConfigError&) {
   }
@@ -64,7 +64,7 @@ void ReadImageFile(std::span<const uint8_t> bytes) {
   const MemoryFile file(bytes);
   for (const int flags : {cv::IMREAD_COLOR, cv::IMREAD_UNCHANGED}) {
     try {
-      Check(!ReadImage(file.path(), flags).empty(), "an image without a pixel");
+      Check(!datasets::ReadImage(file.path(), flags).empty(), "an image without a pixel");
     } catch (const ConfigError&) {
     }
   }
@@ -93,13 +93,13 @@ std::vector<Bytes> ImageSeeds() {
 
 void ReadPayload(std::span<const uint8_t> bytes) {
   Reader reader(bytes);
-  const PayloadPart parts[] = {PartFrom(reader), PartFrom(reader)};
-  if (const Result<cv::Mat> image = ToImage(parts[0])) {
+  const capture::PayloadPart parts[] = {PartFrom(reader), PartFrom(reader)};
+  if (const Result<cv::Mat> image = capture::ToImage(parts[0])) {
     Check(image->size() == cv::Size(parts[0].width, parts[0].height), "an image of another size");
   }
   for (const size_t count : {size_t{1}, size_t{2}}) {
     const Result<TofImage> tof =
-        ToTofImage(std::span(parts).first(count), {.invalid = 0, .is_range = true});
+        capture::ToTofImage(std::span(parts).first(count), {.invalid = 0, .is_range = true});
     if (tof && !tof->amplitude.empty()) {
       Check(tof->amplitude.size() == tof->depth_m.size(), "an amplitude of another size");
     }
@@ -111,9 +111,9 @@ std::vector<Bytes> PayloadSeeds() {
   std::vector<Bytes> seeds;
   for (size_t format = 0; format < std::size(kFormats); ++format) {
     const auto bytes = static_cast<size_t>(4 * 3 * kBytesPerPixel[format]);
-    seeds.push_back(PayloadOf(format, 4, 3, PartContent::kUnknown, bytes));
-    Bytes range = PayloadOf(10, 4, 3, PartContent::kRange, 24);
-    const Bytes other = PayloadOf(format, 4, 3, PartContent::kConfidence, bytes);
+    seeds.push_back(PayloadOf(format, 4, 3, capture::PartContent::kUnknown, bytes));
+    Bytes range = PayloadOf(10, 4, 3, capture::PartContent::kRange, 24);
+    const Bytes other = PayloadOf(format, 4, 3, capture::PartContent::kConfidence, bytes);
     range.insert(range.end(), other.begin(), other.end());
     seeds.push_back(range);
   }

@@ -24,8 +24,8 @@ struct Viewer {
   }
 
   RingInput input;
-  FrameEncoder encoder{[](Part, const std::string& why) { Check(false, "encoder: " + why); }};
-  HttpHandler handler{input.ring, encoder, &input.ring, nullptr, ""};
+  view::FrameEncoder encoder{[](Part, const std::string& why) { Check(false, "encoder: " + why); }};
+  view::HttpHandler handler{input.ring, encoder, &input.ring, nullptr, ""};
 };
 
 Viewer& TheViewer() {
@@ -53,14 +53,14 @@ void AnswerHttp(std::span<const uint8_t> bytes) {
   boost::system::error_code error;
   parser.put(boost::asio::buffer(bytes.data(), bytes.size()), error);
   if (error || !parser.is_done()) return;
-  const HttpRequest request = ViewOf(parser.get());
-  const HttpReply reply = TheViewer().handler.Handle(request);
+  const view::HttpRequest request = view::ViewOf(parser.get());
+  const view::HttpReply reply = TheViewer().handler.Handle(request);
   Check(reply.status >= 200 && reply.status < 600, "a status that HTTP does not have");
   Check(IsHarmlessInHeader(reply.file_name), "a file's name with more than a name");
-  const bool is_own = IsOwnHost(request.host);
+  const bool is_own = view::IsOwnHost(request.host);
   Check(!is_own || IsHarmlessInHeader(request.host), "a host with more than a name and a port");
   Check(is_own || reply.status == 403, "another host's page got an answer");
-  if (IsOwnOrigin(request.origin, request.host)) {
+  if (view::IsOwnOrigin(request.origin, request.host)) {
     Check(request.origin.empty() || request.origin.ends_with(request.host), "a foreign origin");
   }
 }
@@ -79,8 +79,8 @@ std::vector<Bytes> HttpSeeds() {
 // A line a message; between them the page gets what it may see.
 void AnswerPage(std::span<const uint8_t> bytes) {
   Viewer& viewer = TheViewer();
-  KeepBudget budget(size_t{1} << 20);
-  ViewSession session(viewer.input.ring, budget);
+  view::KeepBudget budget(size_t{1} << 20);
+  view::ViewSession session(viewer.input.ring, budget);
   std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   while (!rest.empty()) {
     const size_t end = std::min(rest.find('\n'), rest.size());

@@ -74,21 +74,21 @@ void WriteDouble(ArvFakeCamera* camera, uint32_t address, double value) {
 }
 
 // A picture as the sensor sees it.
-std::vector<uint8_t> Payload(const cv::Mat& picture, PixelFormat format) {
+std::vector<uint8_t> Payload(const cv::Mat& picture, capture::PixelFormat format) {
   cv::Mat pixels;
-  if (format == PixelFormat::kMono8) {
+  if (format == capture::PixelFormat::kMono8) {
     pixels = ToGrey(picture);
-  } else if (format == PixelFormat::kRGB8) {
+  } else if (format == capture::PixelFormat::kRGB8) {
     cv::cvtColor(ToBgr(picture), pixels, cv::COLOR_BGR2RGB);
   } else if (picture.depth() == CV_16U) {
     pixels = picture;
   } else {
     // Channel (B, G, R) that lies under the filter, first two of even rows, of odd rows.
-    static const std::map<PixelFormat, std::array<int, 4>> kFilters = {
-        {PixelFormat::kBayerRG8, {2, 1, 1, 0}},
-        {PixelFormat::kBayerGR8, {1, 2, 0, 1}},
-        {PixelFormat::kBayerGB8, {1, 0, 2, 1}},
-        {PixelFormat::kBayerBG8, {0, 1, 1, 2}}};
+    static const std::map<capture::PixelFormat, std::array<int, 4>> kFilters = {
+        {capture::PixelFormat::kBayerRG8, {2, 1, 1, 0}},
+        {capture::PixelFormat::kBayerGR8, {1, 2, 0, 1}},
+        {capture::PixelFormat::kBayerGB8, {1, 0, 2, 1}},
+        {capture::PixelFormat::kBayerBG8, {0, 1, 1, 2}}};
     const auto& filter = kFilters.at(format);
     const cv::Mat3b colours = ToBgr(picture);
     pixels.create(colours.size(), CV_8UC1);
@@ -156,8 +156,8 @@ class FakeCamera {
   void JumpClock() { jump_s_ = jump_s_ + options_.jump_s; }
 
  private:
-  static PixelFormat Format(const std::string& name) {
-    const std::optional<PixelFormat> format = PixelFormatNamed(name);
+  static capture::PixelFormat Format(const std::string& name) {
+    const std::optional<capture::PixelFormat> format = capture::PixelFormatNamed(name);
     if (!format) throw ConfigError("--format " + name + ": no such format");
     return *format;
   }
@@ -165,7 +165,7 @@ class FakeCamera {
   // The simulator's thread: an exposure has just ended.
   static void Fill(ArvBuffer* buffer, void* self, uint32_t exposure_us, uint32_t /*gain*/,
                    uint32_t format) {
-    static_cast<FakeCamera*>(self)->Expose(buffer, exposure_us, static_cast<PixelFormat>(format));
+    static_cast<FakeCamera*>(self)->Expose(buffer, exposure_us, static_cast<capture::PixelFormat>(format));
   }
 
   uint64_t DeviceNs(int64_t utime) const {
@@ -175,7 +175,7 @@ class FakeCamera {
     return static_cast<uint64_t>(ns);
   }
 
-  void Expose(ArvBuffer* buffer, int64_t exposure_us, PixelFormat format) {
+  void Expose(ArvBuffer* buffer, int64_t exposure_us, capture::PixelFormat format) {
     // A ToF camera computes before it sends.
     const int64_t begin_us = g_get_real_time() - exposure_us;
     std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(options_.latency_ms));
@@ -191,12 +191,12 @@ class FakeCamera {
     const int64_t middle_us = begin_us + exposure_us / 2;
     if (exposures_.is_open()) exposures_ << middle_us << std::endl;
     if (!options_.stamp) return;
-    const bool is_wide = format == PixelFormat::kMono16 || format == PixelFormat::kCoord3dC16;
+    const bool is_wide = format == capture::PixelFormat::kMono16 || format == capture::PixelFormat::kCoord3dC16;
     is_wide ? WriteStamp16(middle_us, {bytes, payload.size()})
             : WriteStamp8(middle_us, {bytes, payload.size()});
   }
 
-  const std::vector<uint8_t>& PayloadOf(int64_t number, PixelFormat format) {
+  const std::vector<uint8_t>& PayloadOf(int64_t number, capture::PixelFormat format) {
     const size_t count = std::max<size_t>(pictures_.size(), 1);
     const size_t index = static_cast<size_t>(number) % count;
     std::vector<uint8_t>& payload = payloads_[{index, format}];
@@ -204,9 +204,9 @@ class FakeCamera {
     return payload;
   }
 
-  cv::Mat Picture(size_t index, PixelFormat format) const {
+  cv::Mat Picture(size_t index, capture::PixelFormat format) const {
     if (!pictures_.empty()) return pictures_[index];
-    const bool is_wide = format == PixelFormat::kMono16 || format == PixelFormat::kCoord3dC16;
+    const bool is_wide = format == capture::PixelFormat::kMono16 || format == capture::PixelFormat::kCoord3dC16;
     cv::Mat ramp(options_.height, options_.width, is_wide ? CV_16UC1 : CV_8UC1);
     for (int v = 0; v < ramp.rows; ++v) {
       for (int u = 0; u < ramp.cols; ++u) {
@@ -225,8 +225,8 @@ class FakeCamera {
   std::atomic<double> jump_s_ = 0;
   std::ofstream exposures_;
   std::vector<cv::Mat> pictures_;
-  std::map<std::pair<size_t, PixelFormat>, std::vector<uint8_t>> payloads_;
-  ArvObject<ArvGvFakeCamera> camera_;  // its thread uses those above
+  std::map<std::pair<size_t, capture::PixelFormat>, std::vector<uint8_t>> payloads_;
+  capture::ArvObject<ArvGvFakeCamera> camera_;  // its thread uses those above
   std::jthread clock_;                 // the last one: it uses all others
 };
 

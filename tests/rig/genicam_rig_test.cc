@@ -97,8 +97,8 @@ class GenicamRig : public testing::Test {
   }
 
   // Takes frames until there are `count` that a condition holds for, or a limit of time.
-  Tally Take(RawSource& source, int64_t count,
-             const std::function<bool(const CapturedFrame&)>& counts = {},
+  Tally Take(capture::RawSource& source, int64_t count,
+             const std::function<bool(const datasets::CapturedFrame&)>& counts = {},
              seconds limit = seconds(30)) {
     std::stop_source stop;
     const std::jthread timer([&](const std::stop_token& done) {
@@ -111,7 +111,7 @@ class GenicamRig : public testing::Test {
     Tally tally;
     int64_t counted = 0;
     while (counted < count) {
-      const std::optional<CapturedFrame> frame = source.Next(stop.get_token());
+      const std::optional<datasets::CapturedFrame> frame = source.Next(stop.get_token());
       if (!frame) break;
       Add(*frame, tally);
       if (!counts || counts(*frame)) ++counted;
@@ -155,7 +155,7 @@ class GenicamRig : public testing::Test {
     return nearest;
   }
 
-  static void Add(const CapturedFrame& frame, Tally& tally) {
+  static void Add(const datasets::CapturedFrame& frame, Tally& tally) {
     ++tally.frames;
     tally.lost += frame.lost;
     tally.worst_spread_ms = std::max(tally.worst_spread_ms, frame.spread_ms);
@@ -178,14 +178,14 @@ class GenicamRig : public testing::Test {
 
 TEST_F(GenicamRig, IsDiscoveredAndOpenedOnce) {
   StartCameras();
-  EXPECT_THAT(ListCameras(),
+  EXPECT_THAT(capture::ListCameras(),
               AllOf(HasSubstr("serial LEFT  GigEVision 10.77.1.2  640x480 Mono8"),
                     HasSubstr("serial RIGHT  GigEVision 10.77.2.2"),
                     HasSubstr("serial TOF  GigEVision 10.77.3.2  204x204 Mono8 BayerGR8")));
-  EXPECT_THAT(OpenBySerial("MIDDLE").error().text, HasSubstr("does not answer"));
-  const Result<OpenedCamera> opened = OpenBySerial("TOF");
+  EXPECT_THAT(capture::OpenBySerial("MIDDLE").error().text, HasSubstr("does not answer"));
+  const Result<capture::OpenedCamera> opened = capture::OpenBySerial("TOF");
   ASSERT_TRUE(opened);
-  EXPECT_EQ(OpenBySerial("TOF").error().text,
+  EXPECT_EQ(capture::OpenBySerial("TOF").error().text,
             "Aravis Fake TOF at 10.77.3.2: another program holds it");
 }
 
@@ -210,9 +210,9 @@ TEST_F(GenicamRig, IsASourceOfCapture) {
 TEST_F(GenicamRig, GivesTripletsThatWereTakenTogether) {
   StartCameras();
   for (const auto trigger : {RigDescription::FREE_RUN, RigDescription::SOFTWARE}) {
-    const auto source = OpenGenicam(Description(trigger), "rig");
+    const auto source = capture::OpenGenicam(Description(trigger), "rig");
     // The cameras start one after the other.
-    Take(*source, 3, [](const CapturedFrame& frame) { return !frame.tof.depth_m.empty(); });
+    Take(*source, 3, [](const datasets::CapturedFrame& frame) { return !frame.tof.depth_m.empty(); });
     const Tally tally = Take(*source, 20);
     std::cout << tally << "\n";
     EXPECT_EQ(PairsNotDelivered(tally), 0);
@@ -223,12 +223,12 @@ TEST_F(GenicamRig, GivesTripletsThatWereTakenTogether) {
   }
 }
 
-bool HasTof(const CapturedFrame& frame) { return !frame.tof.depth_m.empty(); }
-bool HasNoTof(const CapturedFrame& frame) { return frame.tof.depth_m.empty(); }
+bool HasTof(const datasets::CapturedFrame& frame) { return !frame.tof.depth_m.empty(); }
+bool HasNoTof(const datasets::CapturedFrame& frame) { return frame.tof.depth_m.empty(); }
 
 TEST_F(GenicamRig, GoesOnWithoutTheTofCameraAndTakesItBack) {
   StartCameras();
-  const auto source = OpenGenicam(Description(RigDescription::SOFTWARE), "rig");
+  const auto source = capture::OpenGenicam(Description(RigDescription::SOFTWARE), "rig");
   Take(*source, 3, HasTof);
   rig_.Kill("TOF");
   const Tally without = Take(*source, 50, HasNoTof);
@@ -242,7 +242,7 @@ TEST_F(GenicamRig, GoesOnWithoutTheTofCameraAndTakesItBack) {
 
 TEST_F(GenicamRig, WaitsForACameraWhoseCableIsPulled) {
   StartCameras();
-  const auto source = OpenGenicam(Description(RigDescription::FREE_RUN), "rig");
+  const auto source = capture::OpenGenicam(Description(RigDescription::FREE_RUN), "rig");
   Take(*source, 3, HasTof);
   const std::jthread somebody([&] {
     rig_.Unplug("RIGHT");
@@ -259,7 +259,7 @@ TEST_F(GenicamRig, WaitsForACameraWhoseCableIsPulled) {
 TEST_F(GenicamRig, SaysThatAClockJumpedAndGoesOnWithIt) {
   // Backwards, which is told at once; forwards it takes ten readings of the clock, 5 s.
   StartCameras({"--jump", "-1000"});
-  const auto source = OpenGenicam(Description(RigDescription::FREE_RUN), "rig");
+  const auto source = capture::OpenGenicam(Description(RigDescription::FREE_RUN), "rig");
   Take(*source, 3, HasTof);
   rig_.JumpClock("RIGHT");
   const Tally tally = Take(*source, 30);
@@ -270,13 +270,13 @@ TEST_F(GenicamRig, SaysThatAClockJumpedAndGoesOnWithIt) {
 
 TEST_F(GenicamRig, WaitsForACameraThatAnotherProgramHolds) {
   StartCameras();
-  Result<OpenedCamera> held = OpenBySerial("RIGHT");
+  Result<capture::OpenedCamera> held = capture::OpenBySerial("RIGHT");
   ASSERT_TRUE(held) << held.error().text;
   const std::jthread somebody([&] {
     std::this_thread::sleep_for(seconds(4));
     held->camera.reset();
   });
-  const auto source = OpenGenicam(Description(RigDescription::FREE_RUN), "rig");
+  const auto source = capture::OpenGenicam(Description(RigDescription::FREE_RUN), "rig");
   const Tally tally = Take(*source, 10);
   std::cout << tally << "\n";
   EXPECT_THAT(tally.troubles, HasSubstr("right camera (serial RIGHT): Aravis Fake RIGHT at "
@@ -286,7 +286,7 @@ TEST_F(GenicamRig, WaitsForACameraThatAnotherProgramHolds) {
 TEST_F(GenicamRig, CountsImagesThatPacketsAreMissingOf) {
   // An image has 41 packets, so 1 in 500 spoils 8 % of them. The simulator sends none again.
   StartCameras({"--lost-ratio", "0.002"});
-  const auto source = OpenGenicam(Description(RigDescription::FREE_RUN), "rig");
+  const auto source = capture::OpenGenicam(Description(RigDescription::FREE_RUN), "rig");
   Take(*source, 3);
   const Tally tally = Take(*source, 40);
   std::cout << tally << "\n";
@@ -301,13 +301,13 @@ TEST_F(GenicamRig, SaysWhatACameraRefusesAndTriesAgain) {
   StartCameras();
   RigDescription rig = Description(RigDescription::FREE_RUN);
   rig.mutable_tof()->set_pixel_format("Coord3D_ABC16");
-  const auto refused = Take(*OpenGenicam(rig, "rig"), 10);
+  const auto refused = Take(*capture::OpenGenicam(rig, "rig"), 10);
   EXPECT_THAT(refused.troubles,
               HasSubstr("ToF camera (serial TOF): Aravis Fake TOF at 10.77.3.2: pixel_format = "
                         "Coord3D_ABC16: this camera allows Mono8, BayerGR8"));
   rig.mutable_tof()->clear_pixel_format();
   rig.mutable_tof()->set_exposure_us(5e6);
-  EXPECT_THAT(Take(*OpenGenicam(rig, "rig"), 10).troubles,
+  EXPECT_THAT(Take(*capture::OpenGenicam(rig, "rig"), 10).troubles,
               HasSubstr("exposure_us = 5000000: this camera allows 10 to 1000000"));
   rig.clear_tof();
   rig.mutable_right()->set_pixel_format("BayerRG8");
@@ -315,7 +315,7 @@ TEST_F(GenicamRig, SaysWhatACameraRefusesAndTriesAgain) {
   rig.mutable_right()->set_exposure_us(2000);
   rig.mutable_right()->set_gain_db(6);
   // Nothing but what a busy machine does to the simulators: one exposes too late for a pair.
-  EXPECT_THAT(Take(*OpenGenicam(rig, "rig"), 10).troubles,
+  EXPECT_THAT(Take(*capture::OpenGenicam(rig, "rig"), 10).troubles,
               MatchesRegex("(images without a partner [^;]*; )*"));
 }
 
@@ -324,9 +324,9 @@ TEST_F(GenicamRig, GivesDepthsOfACameraThatMeasuresAlongTheRay) {
   StartTof({"--spherical", "--focal", "200", "--unit", "0.5"});
   RigDescription rig = Description(RigDescription::FREE_RUN);
   rig.mutable_tof()->set_pixel_format("Mono16");
-  std::optional<CapturedFrame> newest;
-  const auto source = OpenGenicam(rig, "rig");
-  Take(*source, 1, [&](const CapturedFrame& frame) {
+  std::optional<datasets::CapturedFrame> newest;
+  const auto source = capture::OpenGenicam(rig, "rig");
+  Take(*source, 1, [&](const datasets::CapturedFrame& frame) {
     if (HasTof(frame)) newest = frame;
     return HasTof(frame);
   });
@@ -342,7 +342,7 @@ TEST_F(GenicamRig, GivesDepthsOfACameraThatMeasuresAlongTheRay) {
 TEST_F(GenicamRig, DISABLED_GivesTwoMegapixelsTenTimesASecond) {
   StartCameras({}, "1600");
   for (const auto trigger : {RigDescription::FREE_RUN, RigDescription::SOFTWARE}) {
-    const auto source = OpenGenicam(Description(trigger), "rig");
+    const auto source = capture::OpenGenicam(Description(trigger), "rig");
     Take(*source, 3, HasTof);
     const Tally tally = Take(*source, 600, {}, seconds(120));
     std::cout << RigDescription::Trigger_Name(trigger) << ": " << tally << "\n";

@@ -13,9 +13,9 @@
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/quality/score.h"
 #include "common/rig/rig_file.h"
 #include "services/calibrate/board.h"
-#include "services/evaluate/score.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/rig/fake_rig.h"
 #include "tests/rig/rig_scene.h"
@@ -65,7 +65,8 @@ class Newcomer : public testing::Test {
   std::string File(const std::string& name) const { return folder_ / name.c_str(); }
 
   // The cameras show these pictures from now on, one after the other.
-  void Show(const std::string& what, const std::vector<RigImages>& pictures, double period_ms) {
+  void Show(const std::string& what, const std::vector<calibrate::RigImages>& pictures,
+            double period_ms) {
     std::vector<std::string> left, right, tof;
     for (size_t i = 0; i < pictures.size(); ++i) {
       const auto write = [&](const char* camera, const cv::Mat& image,
@@ -85,7 +86,7 @@ class Newcomer : public testing::Test {
       flags.insert(flags.end(), files.begin(), files.end());
       cameras_.Start(serial, flags);
     };
-    const RigImages& first = pictures.front();
+    const calibrate::RigImages& first = pictures.front();
     start("LEFT", first.left, left,
           {"--format", "BayerRG8", "--clock-offset", "3600", "--drift", "50"});
     start("RIGHT", first.right, right,
@@ -108,9 +109,9 @@ class Newcomer : public testing::Test {
 
   // Shows the board and lets sprout-calibrate watch until it has so many views.
   void WatchBoard(const Story& story) {
-    const Board board{BoardSize{}};
+    const calibrate::Board board{calibrate::BoardSize{}};
     const BoardScene scene(board, rig_);
-    std::vector<RigImages> pictures;
+    std::vector<calibrate::RigImages> pictures;
     const std::vector<Pose> poses = BoardPoses(board, story.views);
     for (uint32_t i = 0; i < poses.size(); ++i) pictures.push_back(scene.Render(poses[i], i));
     Show("board", pictures, story.view_ms);
@@ -227,7 +228,7 @@ class Newcomer : public testing::Test {
     *rig.mutable_calibration() = ToCalibration(rig_);
     ASSERT_TRUE(SaveRigFile(perfect, rig));
     const RigScene scene(rig_, story.scene);
-    std::vector<RigImages> pictures;
+    std::vector<calibrate::RigImages> pictures;
     for (uint32_t noise = 0; noise < 3; ++noise) pictures.push_back(scene.Render(0, noise));
     Show("scene", pictures, 333);
     const double ours = CorrectPercent(scene, estimated, story.frames);

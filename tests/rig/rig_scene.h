@@ -7,9 +7,9 @@
 
 #include "common/rig/rectifier.h"
 #include "services/calibrate/board_view.h"
-#include "services/capture/lens_view.h"
-#include "services/capture/sr4000.h"
-#include "services/capture/synthetic_scene.h"
+#include "services/datasets/lens_view.h"
+#include "services/datasets/sr4000.h"
+#include "services/datasets/synthetic_scene.h"
 
 namespace sprout {
 
@@ -24,7 +24,7 @@ class RigScene {
   /// In colour, with a noise of 2 grey levels; the ToF image is the simulated SR4000's.
   /// @param step   of the scene.
   /// @param noise  other numbers, other noise.
-  RigImages Render(int64_t step, uint32_t noise) const;
+  calibrate::RigImages Render(int64_t step, uint32_t noise) const;
 
   /// What the left image, once rectified by somebody's calibration, should have: at each pixel the
   /// disparity that the true depth has for that calibration's pair; NaN where the right camera
@@ -33,14 +33,14 @@ class RigScene {
 
  private:
   /// The image of a camera from its rays' colours.
-  cv::Mat RenderImage(const LensView& view, const std::vector<Solid>& solids, uint32_t noise) const;
+  cv::Mat RenderImage(const datasets::LensView& view, const std::vector<datasets::Solid>& solids, uint32_t noise) const;
 
   RawRig rig_;
-  SyntheticScene scene_;
-  LensView left_;
-  LensView right_;
-  LensView tof_;
-  Sr4000 sr4000_;
+  datasets::SyntheticScene scene_;
+  datasets::LensView left_;
+  datasets::LensView right_;
+  datasets::LensView tof_;
+  datasets::Sr4000 sr4000_;
   cv::Mat1d range_per_depth_;
 };
 

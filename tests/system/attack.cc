@@ -116,14 +116,10 @@ struct Target {
 
 class Attack {
  public:
-  Attack(const TestFrame& good, uint32_t seed) : hostile_(good, seed), random_(seed) {
+  Attack(const check::TestFrame& good, uint32_t seed) : hostile_(good, seed), random_(seed) {
     Start("refine", {}, {Part::kLeft, Part::kRight, Part::kTof, Part::kRig});
     Start("prior", {}, {Part::kLeft, Part::kRight, Part::kSeeds, Part::kLeftSeeds});
     Start("grow", {}, {Part::kLeft, Part::kRight, Part::kSeeds, Part::kPrior});
-    Start("snapshot",
-          {"--out", (folder_.path / "snapshot").string(), "--frames", "1000000000", "--timeout",
-           "86400"},
-          AllParts());
     Start("capture",
           {"--source", "synthetic:64x48", "--rate", "0", "--lockstep", "2", "--wait-for",
            "attacker", "--wait-timeout", "3600", "--channel-prefix", kCapturePrefix},
@@ -345,7 +341,8 @@ int Main(int argc, char** argv) {
   }
   const auto time = seconds(std::atol(argv[1]));
   const auto seed = static_cast<uint32_t>(argc > 2 ? std::atol(argv[2]) : 1);
-  const std::vector<TestFrame> frames = ReadTestFrames(kSampleLog, ContractOf("grow"));
+  const std::vector<check::TestFrame> frames =
+      check::ReadTestFrames(kSampleLog, check::ContractOf("grow"));
   Attack attack(frames.at(0), seed);
   std::string failure;
   try {

@@ -108,7 +108,7 @@ TEST(BatchSystem, MergedAnswersAreTheBytesOfAReplayOfTheWholeLog) {
   WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 24);
   const Outcome outcome = RunProgramOf(RunCommand(folder / "logs", folder / "out"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  const Manifest manifest = ReadManifest(folder / "out" / "manifest.jsonl");
+  const batch::Manifest manifest = batch::ReadManifest(folder / "out" / "manifest.jsonl");
   EXPECT_GE(manifest.shards.size(), 3U);
   EXPECT_THAT(manifest.shards[1].carried, testing::Not(testing::IsEmpty()));
   const std::string merged = BytesOfFile(folder / "out" / "logs" / "run_a.lcm");
@@ -137,10 +137,10 @@ TEST(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
   const auto whole = BytesOfFile(folder / "out" / "logs" / "run_a.lcm");
   EXPECT_THAT(RunProgramOf(command).output, HasSubstr("shards were done already"));
 
-  const Manifest manifest = ReadManifest(folder / "out" / "manifest.jsonl");
-  const BatchFolder batch(folder / "out");
+  const batch::Manifest manifest = batch::ReadManifest(folder / "out" / "manifest.jsonl");
+  const batch::BatchFolder batch(folder / "out");
   fs::remove_all(
-      batch.result(ResultKey(manifest.head, manifest.head.variants[0], manifest.shards[1])));
+      batch.result(batch::ResultKey(manifest.head, manifest.head.variants[0], manifest.shards[1])));
   const int64_t before = CountResults(folder / "out");
   const Outcome again = RunProgramOf(command);
   EXPECT_THAT(again.output, HasSubstr(", 1 of them to do"));
@@ -186,7 +186,7 @@ TEST(BatchSystem, CtrlCLeavesWhatIsWholeAndTheSameCommandGoesOn) {
 
 // Shares of bad pixels in frames.csv, by column.
 std::vector<double> ColumnOf(const fs::path& out, const std::string& name) {
-  const std::vector<float> column = FrameRows(out / "frames.csv").Column(name);
+  const std::vector<float> column = batch::FrameRows(out / "frames.csv").Column(name);
   return {column.begin(), column.end()};
 }
 

@@ -28,7 +28,7 @@ std::string Difference(const Frame& heard, const DepthFrame& computed, const Spr
     return "another confidence";
   }
   if (!heard.depth) return "";
-  const DepthImage depth = DepthOf(computed.disparity, heard.rig->pair,
+  const DepthImage depth = depth::DepthOf(computed.disparity, heard.rig->pair,
                                    config.depth().mm_per_count() / 1000, config.depth().scale());
   return SamePixels(heard.depth->counts, depth.counts) ? "" : "another depth";
 }

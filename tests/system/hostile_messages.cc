@@ -25,7 +25,7 @@ DepthImage DepthOf(const cv::Mat1w& counts) {
 
 }  // namespace
 
-HostileMessages::HostileMessages(const TestFrame& good, uint32_t seed)
+HostileMessages::HostileMessages(const check::TestFrame& good, uint32_t seed)
     : good_(good), values_(good.parts), random_(seed) {
   values_[Part::kDisparity] = good.recorded.value();
   values_[Part::kUnfilled] = good.recorded.value();
@@ -223,7 +223,7 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
 }
 
 HostileMessage HostileMessages::Spoiled(Part part) {
-  const std::vector<Spoiling> ways = SpoilingsOf(part);
+  const std::vector<check::Spoiling> ways = check::SpoilingsOf(part);
   const Bytes bytes = EncodePart(RandomId(), part, values_.at(part), DisparityEncoding::kRawInt16);
   return {"spoiled field by field", std::string(ChannelOf(part)),
           ways[Below(ways.size())].apply(bytes), true};

@@ -24,7 +24,7 @@ struct HostileMessage {
 class HostileMessages {
  public:
   /// @param good  a frame with all parts that grow gets and with a recorded answer.
-  HostileMessages(const TestFrame& good, uint32_t seed);
+  HostileMessages(const check::TestFrame& good, uint32_t seed);
 
   /// For the channels of the parts, all of them: usually one; more where a way takes a whole frame
   /// or repeats itself.
@@ -52,7 +52,7 @@ class HostileMessages {
   HostileMessage OnWrongChannel(Part part);
   std::vector<HostileMessage> OddFrame();
 
-  TestFrame good_;
+  check::TestFrame good_;
   std::map<Part, PartValue> values_;  // of all parts
   std::mt19937 random_;
 };

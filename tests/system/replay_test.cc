@@ -7,7 +7,7 @@
 #include "common/bus/channels.h"
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
 #include "tests/system/log_bytes.h"
@@ -150,8 +150,8 @@ TEST(ReplaySystem, AReplayOfARecordingWithAllChannelsGivesTheSame) {
 void WriteLongLog(const std::filesystem::path& path, int frames) {
   CaptureConfig config;
   config.set_source("synthetic:320x240");
-  const auto source = OpenDataset(config);
-  const DatasetFrame captured = source->Get(0);
+  const auto source = datasets::OpenDataset(config);
+  const datasets::DatasetFrame captured = source->Get(0);
   LogWriter writer(path);
   for (int64_t seq = 0; seq < frames; ++seq) {
     const FrameId id{.utime = 1000 * seq, .seq = seq, .rig_id = RigId(source->rig())};

@@ -143,7 +143,7 @@ TEST_F(RigProgramsSystem, AnImageThatClaimsALotTakesNeitherMemoryNorTime) {
 TEST_F(RigProgramsSystem, WatchSurvivesAHostileSenderAndStillKeepsViews) {
   const std::string views = File("views");
   Process watch({ProgramPath("sprout-calibrate"), "watch", "--out", views});
-  HostileMessages hostile(ReadTestFrames(kSampleLog, ContractOf("grow")).at(0), 7);
+  HostileMessages hostile(check::ReadTestFrames(kSampleLog, check::ContractOf("grow")).at(0), 7);
   Publisher publisher(kDefaultLcmUrl, "RAW_");
   const auto until = std::chrono::steady_clock::now() + seconds(10);
   int sent = 0;
@@ -156,9 +156,9 @@ TEST_F(RigProgramsSystem, WatchSurvivesAHostileSenderAndStillKeepsViews) {
   EXPECT_GT(sent, 300);
   ASSERT_EQ(watch.Wait(seconds(0)), std::nullopt) << watch.Output();
 
-  const Board board{BoardSize{}};
-  const BoardScene scene(board, SceneRig({640, 480}));
-  const RigImages images = scene.Render(BoardPoses(board, 1)[0], 0);
+  const calibrate::Board board{calibrate::BoardSize{}};
+  const calibrate::BoardScene scene(board, calibrate::SceneRig({640, 480}));
+  const calibrate::RigImages images = scene.Render(calibrate::BoardPoses(board, 1)[0], 0);
   const auto has_view = [&] { return std::filesystem::exists(views + "/left_0001.png"); };
   for (int64_t seq = 0; seq < 30 && !has_view(); ++seq) {
     const FrameId id{.utime = NowUtime(), .seq = 1'000'000 + seq, .rig_id = ""};

@@ -12,7 +12,7 @@
 #include "common/app/process.h"
 #include "tests/common/bus/fake_tcpq_server.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/services/capture/scene_folder.h"
+#include "tests/services/datasets/scene_folder.h"
 #include "tests/system/graph.h"
 
 // Processes that wait for what never comes: a signal ends them all the same. And a server that is

@@ -5,7 +5,7 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "services/depth/depth_map.h"
 #include "tests/system/graph.h"
 
@@ -29,13 +29,13 @@ TEST(DepthSystem, TurnsEveryMapIntoDepthAndPoints) {
   EXPECT_EQ(capture.Wait(), 0) << capture.Output();
   CaptureConfig config;
   config.set_source(kSource);
-  const auto source = OpenDataset(config);
+  const auto source = datasets::OpenDataset(config);
   ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.parts.contains({Part::kCloud, 2}); }));
   graph.WaitUntil([&](Graph& g) {
     for (int64_t seq = 0; seq < 3; ++seq) {
       const auto& map = std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq}));
       const auto& depth = std::get<DepthImage>(g.parts.at({Part::kDepth, seq}));
-      const DepthImage expected = DepthOf(map, source->rig().pair, 0.001, 1);
+      const DepthImage expected = depth::DepthOf(map, source->rig().pair, 0.001, 1);
       EXPECT_EQ(cv::countNonZero(depth.counts != expected.counts), 0);
       EXPECT_GT(cv::countNonZero(depth.counts), 320 * 240 / 2);
       EXPECT_GT(std::get<PointCloud>(g.parts.at({Part::kCloud, seq})).points.size(), 80 * 60 / 2U);

@@ -1,6 +1,6 @@
 #include "services/capture/genicam/action_command.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 constexpr uint8_t kGvcpKey = 0x42;
@@ -39,4 +39,4 @@ Result<void> SendScheduledAction(ArvGvDevice* device, uint16_t request_id, uint6
   return {};
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

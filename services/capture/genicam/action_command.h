@@ -7,7 +7,7 @@
 #include "common/core/result.h"
 #include "services/capture/genicam/arv_object.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// What a camera compares an action command with (ActionDeviceKey, ActionGroupKey,
 /// ActionGroupMask).
@@ -23,6 +23,6 @@ std::array<uint8_t, 28> ScheduledAction(uint16_t request_id, uint64_t time_ns);
 /// Sends it to one camera, which Aravis' interface has no call for.
 Result<void> SendScheduledAction(ArvGvDevice* device, uint16_t request_id, uint64_t time_ns);
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_ACTION_COMMAND_H_

@@ -8,7 +8,7 @@
 
 #include "common/core/result.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// Owns one reference of a GObject.
 template <typename T>
@@ -50,6 +50,6 @@ class ArvError {
 /// Text of Aravis, which may be null.
 inline std::string ArvText(const char* text) { return text ? text : ""; }
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_ARV_OBJECT_H_

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -114,4 +114,4 @@ void Camera::Ask() {
   if (clock) tell_({.kind = CameraEvent::Kind::kClock, .text = "", .clock = *clock});
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -11,7 +11,7 @@
 
 #include "services/capture/genicam/device.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// What happened at a camera.
 struct CameraEvent {
@@ -62,6 +62,6 @@ class Camera {
   std::jthread thread_;  // the last one: it uses all others
 };
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_CAMERA_H_

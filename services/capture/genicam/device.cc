@@ -12,7 +12,7 @@
 #include "services/capture/genicam/action_command.h"
 #include "services/capture/genicam/pixels.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 // Enough for what arrives while one image is converted, also when the host is busy for a moment.
@@ -273,4 +273,4 @@ void Device::ReadExposure() {
   if (!error) exposure_ns_ = std::llround(exposure_us * 1e3);
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

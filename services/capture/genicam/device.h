@@ -17,7 +17,7 @@
 #include "services/capture/genicam/discovery.h"
 #include "services/capture/genicam/scan3d.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// An image as a device gave it, or that there is none.
 struct DeviceImage {
@@ -98,6 +98,6 @@ class Device {
   std::set<uint64_t> missing_ids_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_H_

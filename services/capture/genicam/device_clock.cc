@@ -6,7 +6,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 // A quartz drifts by less than 100 ppm: 0.2 ms in a bin, far below what delays vary by.
@@ -121,4 +121,4 @@ int64_t DeviceClock::HostUs(int64_t device_ns) const {
   return first_host_us_ + std::llround(device_us + offset_us_ + slope_ * device_us);
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace sprout {
+namespace sprout::capture {
 
 /// The host's time of what a device stamps with its own clock. Model:
 ///
@@ -72,6 +72,6 @@ class DeviceClock {
   std::vector<Suspect> suspects_;
 };
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_CLOCK_H_

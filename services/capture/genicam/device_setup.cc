@@ -8,7 +8,7 @@
 
 #include "services/capture/genicam/action_command.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 // Whether the camera has a feature and can use it now.
@@ -292,4 +292,4 @@ std::optional<Lens> ReadLens(ArvCamera* camera) {
   return lens;
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

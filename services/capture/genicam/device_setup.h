@@ -10,7 +10,7 @@
 #include "services/capture/genicam/arv_object.h"
 #include "services/capture/genicam/scan3d.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// How a camera of a rig is driven.
 struct DeviceSettings {
@@ -49,6 +49,6 @@ Scan3d ReadScan3d(ArvCamera* camera);
 /// distortion; nothing when it does not say.
 std::optional<Lens> ReadLens(ArvCamera* camera);
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_SETUP_H_

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <optional>
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -99,4 +99,4 @@ std::string ListCameras() {
   return text;
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

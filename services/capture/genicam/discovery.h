@@ -7,7 +7,7 @@
 #include "common/core/result.h"
 #include "services/capture/genicam/arv_object.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// A camera that answers on the network (GigE Vision) or on a bus (USB3 Vision).
 struct FoundCamera {
@@ -41,6 +41,6 @@ Result<OpenedCamera> OpenBySerial(const std::string& serial);
 /// why that is not known. Opens each for a moment.
 std::string ListCameras();
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_DISCOVERY_H_

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 constexpr std::array kStereo = {RigPlace::kLeft, RigPlace::kRight};
@@ -145,10 +145,10 @@ int64_t FrameFormer::Lost() const {
   return has_frames_ ? lost : 0;
 }
 
-std::optional<CapturedFrame> FrameFormer::Next(int64_t now_utime) {
+std::optional<datasets::CapturedFrame> FrameFormer::Next(int64_t now_utime) {
   std::optional<Triplet> triplet = former_.Next(now_utime);
   if (!triplet) return std::nullopt;
-  CapturedFrame frame;
+  datasets::CapturedFrame frame;
   frame.utime = triplet->utime();
   frame.spread_ms = triplet->spread_ms();
   frame.left = std::move(triplet->left.image);
@@ -184,4 +184,4 @@ std::string FrameFormer::NewTrouble() {
       left, right, rig_.max_spread_ms(), RigDescription::Trigger_Name(rig_.trigger()));
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

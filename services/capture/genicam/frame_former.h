@@ -7,12 +7,12 @@
 #include <string>
 
 #include "common/rig/rig.pb.h"
-#include "services/capture/frame_source.h"
 #include "services/capture/genicam/camera.h"
 #include "services/capture/genicam/device_clock.h"
 #include "services/capture/genicam/triplet_former.h"
+#include "services/datasets/frame_source.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// "left camera (serial 123)", for messages.
 std::string PlaceText(RigPlace place, const RigDescription& rig);
@@ -31,7 +31,7 @@ class FrameFormer {
 
   /// The next frame, if it is settled; call again, there may be more.
   /// @param now_utime  host's time, µs.
-  std::optional<CapturedFrame> Next(int64_t now_utime);
+  std::optional<datasets::CapturedFrame> Next(int64_t now_utime);
 
   /// What to tell people while no frame comes: the newest trouble, which goes with the next frame,
   /// too, or which images came and do not fit. Empty when there is nothing new.
@@ -66,6 +66,6 @@ class FrameFormer {
   std::string told_;  // of it
 };
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_FRAME_FORMER_H_

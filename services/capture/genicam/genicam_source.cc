@@ -18,7 +18,7 @@
 #include "services/capture/genicam/frame_former.h"
 #include "services/capture/genicam/pixels.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -87,7 +87,7 @@ class Inbox {
 
 class GenicamSource : public RawSource {
  public:
-  GenicamSource(const RigDescription& rig, Waiting waiting)
+  GenicamSource(const RigDescription& rig, datasets::Waiting waiting)
       : rig_(rig), waiting_(std::move(waiting)), former_(rig) {
     const std::optional<RawRig> calibration = CalibrationOf(rig);
     for (const RigPlace place : kRigPlaces) {
@@ -110,10 +110,10 @@ class GenicamSource : public RawSource {
 
   bool is_live() const override { return true; }
 
-  std::optional<CapturedFrame> Next(const std::stop_token& stop) override {
+  std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) override {
     Clock::time_point next_word = Clock::now() + kSilence;
     while (!stop.stop_requested()) {
-      if (std::optional<CapturedFrame> frame = former_.Next(NowUs())) return frame;
+      if (std::optional<datasets::CapturedFrame> frame = former_.Next(NowUs())) return frame;
       if (waiting_) waiting_();
       for (auto& [place, event] : inbox_.Take(stop)) former_.Add(place, std::move(event));
       if (Clock::now() < next_word) continue;
@@ -188,7 +188,7 @@ class GenicamSource : public RawSource {
   }
 
   RigDescription rig_;
-  Waiting waiting_;
+  datasets::Waiting waiting_;
   FrameFormer former_;
   Inbox inbox_;
   std::array<std::unique_ptr<Camera>, kRigPlaces.size()> cameras_;
@@ -217,7 +217,7 @@ void RequireDevice(RigPlace place, const RigDescription& rig, const std::string&
 }  // namespace
 
 std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::string& path,
-                                       Waiting waiting) {
+                                       datasets::Waiting waiting) {
   RequireInRange(rig, path);
   std::set<std::string> serials;
   for (const RigPlace place : kRigPlaces) {
@@ -227,4 +227,4 @@ std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::str
   return std::make_unique<GenicamSource>(rig, std::move(waiting));
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

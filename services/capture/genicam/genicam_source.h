@@ -7,7 +7,7 @@
 #include "common/rig/rig.pb.h"
 #include "services/capture/raw_source.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// The cameras of a rig file, by GenICam: GigE Vision and USB3 Vision, through Aravis. Each camera
 /// has a thread; Next() forms triplets by the time of exposure. utime is the middle of the
@@ -20,8 +20,8 @@ namespace sprout {
 /// a
 ///         camera refuses is told in CapturedFrame::trouble and tried again.
 std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::string& path,
-                                       Waiting waiting = {});
+                                       datasets::Waiting waiting = {});
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_GENICAM_SOURCE_H_

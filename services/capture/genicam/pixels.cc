@@ -8,7 +8,7 @@
 
 #include "common/core/image.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 enum class Use { kStereo, kTof, kTofExtra };
@@ -140,4 +140,4 @@ Result<cv::Mat> ToImage(const PayloadPart& part) {
   return image;
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

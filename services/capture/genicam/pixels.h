@@ -11,7 +11,7 @@
 
 #include "common/core/result.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// Pixel formats that are understood, by the numbers that GenICam's Pixel Format Naming Convention,
 /// or the maker, gives them; 16-bit ones are little endian.
@@ -68,6 +68,6 @@ Result<size_t> RowBytes(const PayloadPart& part);
 /// interpolated bilinearly (cv::demosaicing). A copy: the payload may go. O(pixels).
 Result<cv::Mat> ToImage(const PayloadPart& part);
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_PIXELS_H_

@@ -10,7 +10,7 @@
 
 #include "common/core/image.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "payloads are little endian");
@@ -185,4 +185,4 @@ void RangesToDepths(TofImage& image, const cv::Mat1d& range_per_depth) {
                  });
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

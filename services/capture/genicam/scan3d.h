@@ -9,7 +9,7 @@
 #include "common/core/tof_image.h"
 #include "services/capture/genicam/pixels.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// How a device's numbers become metres (GenICam SFNC, 3D Scan Control): the coordinate C is
 ///   (number · scale + offset) · unit_m.
@@ -36,6 +36,6 @@ Result<TofImage> ToTofImage(std::span<const PayloadPart> parts, const Scan3d& sc
 /// @param range_per_depth  RangePerDepth() of the camera's lens, of the image's size.
 void RangesToDepths(TofImage& image, const cv::Mat1d& range_per_depth);
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_SCAN3D_H_

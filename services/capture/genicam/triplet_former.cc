@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 // Memory: at most so many images of a camera wait, whatever their times say.
@@ -117,4 +117,4 @@ TripletFormer::Search TripletFormer::FindTof(int64_t now_utime) {
   return tof_is_there_ && !tof_is_silent_ ? Search::kWait : Search::kNone;
 }
 
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -9,7 +9,7 @@
 
 #include "common/core/tof_image.h"
 
-namespace sprout {
+namespace sprout::capture {
 
 /// Place of a camera in a rig.
 enum class RigPlace { kLeft, kRight, kTof };
@@ -83,6 +83,6 @@ class TripletFormer {
   std::array<int64_t, kRigPlaces.size()> unpaired_{};
 };
 
-}  // namespace sprout
+}  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_FORMER_H_

@@ -4,7 +4,7 @@
 #include "services/evaluate/rivals/padded_pair.h"
 #include "services/evaluate/rivals/rival.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 // OpenCV's defaults, which drop what is not unique or has no texture.
@@ -23,4 +23,4 @@ Rival Bm() {
           .compute = Compute};
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -5,7 +5,7 @@
 #include "services/evaluate/rivals/padded_pair.h"
 #include "services/evaluate/rivals/rival.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 // As OpenCV's own example: both views matched, then weighted least squares with their agreement as
@@ -41,4 +41,4 @@ Rival BmWls() {
           .compute = Compute};
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

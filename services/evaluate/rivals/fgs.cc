@@ -2,7 +2,7 @@
 
 #include "services/evaluate/rivals/rival.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 // Min et al., "Fast Global Image Smoothing Based on Weighted Least Squares", TIP 2014, IV-B:
@@ -38,4 +38,4 @@ Rival Fgs() {
           .compute = Compute};
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 constexpr int kStep = 16;  // OpenCV searches multiples of this many disparities
@@ -44,4 +44,4 @@ cv::Mat1f MatchPadded(cv::StereoMatcher& matcher, const PaddedPair& pair) {
   return pair.Crop(map);
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -4,7 +4,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// OpenCV's matchers give no disparity to a band at the border, although most of its pixels are
 /// seen by both cameras: as many columns as they search disparities on the left (matched from the
@@ -46,6 +46,6 @@ class PaddedPair {
 /// @param matcher  set to pair.disparities(), from 0 on.
 cv::Mat1f MatchPadded(cv::StereoMatcher& matcher, const PaddedPair& pair);
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_RIVALS_PADDED_PAIR_H_

@@ -8,7 +8,7 @@
 
 #include "common/core/seed.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// How fgs smooths.
 struct FgsSettings {
@@ -44,6 +44,6 @@ Rival Fgs();       ///< fgs.cc
 
 std::vector<Rival> AllRivals();
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_EVALUATE_RIVALS_RIVAL_H_

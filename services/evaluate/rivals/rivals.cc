@@ -1,7 +1,7 @@
 #include "services/evaluate/rivals/rival.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 std::vector<Rival> AllRivals() { return {Sgbm3Way(), Sgbm5Way(), Bm(), BmWls(), Fgs()}; }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

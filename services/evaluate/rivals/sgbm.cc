@@ -4,7 +4,7 @@
 #include "services/evaluate/rivals/padded_pair.h"
 #include "services/evaluate/rivals/rival.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 // Parameters as OpenCV's documentation advises: penalties of 8 and 32 times the block's area.
@@ -48,4 +48,4 @@ Rival Sgbm5Way() {
           .compute = Compute5Way};
 }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -19,7 +19,7 @@
 #include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -193,6 +193,6 @@ int Main(int64_t shards) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::batch
 
 int main(int argc, char** argv) { return sprout::Main(argc > 1 ? std::atoll(argv[1]) : 10'000); }

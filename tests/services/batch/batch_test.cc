@@ -19,7 +19,7 @@
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/log/graph_log.h"
 
-namespace sprout {
+namespace sprout::batch {
 namespace {
 
 using testing::Contains;
@@ -30,12 +30,12 @@ using testing::SizeIs;
 
 TEST(StageChain, TakesWhatThePlugsJoin) {
   SproutConfig config = LoadConfig({"default"});
-  EXPECT_EQ(InputsOf("refine", config), RefinePlug(config.refine()).Inputs());
+  EXPECT_EQ(InputsOf("refine", config), refine::RefinePlug(config.refine()).Inputs());
   for (const auto method : {PriorConfig::DELAUNAY, PriorConfig::EDGES}) {
     for (const bool left_seeds : {false, true}) {
       config.mutable_prior()->set_method(method);
       config.mutable_prior()->set_left_seeds(left_seeds);
-      EXPECT_EQ(InputsOf("prior", config), PriorPlug(config.prior()).Inputs());
+      EXPECT_EQ(InputsOf("prior", config), prior::PriorPlug(config.prior()).Inputs());
     }
   }
   for (const auto similarity : {GrowConfig::MNCC, GrowConfig::EPC}) {
@@ -44,7 +44,7 @@ TEST(StageChain, TakesWhatThePlugsJoin) {
         config.mutable_grow()->set_similarity(similarity);
         config.mutable_grow()->set_fill(fill);
         config.mutable_grow()->set_seeds(seeds);
-        EXPECT_EQ(InputsOf("grow", config), GrowPlug(config.grow()).Inputs());
+        EXPECT_EQ(InputsOf("grow", config), grow::GrowPlug(config.grow()).Inputs());
       }
     }
   }
@@ -318,4 +318,4 @@ TEST(ReportCharts, EscapeTextAndLeaveOutWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::batch

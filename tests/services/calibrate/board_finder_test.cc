@@ -6,7 +6,7 @@
 
 #include "tests/services/calibrate/board_scene.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 class BoardFinder : public testing::Test {
@@ -91,4 +91,4 @@ TEST_F(BoardFinder, KnowsWhichCornersItSeesOfAPart) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::calibrate

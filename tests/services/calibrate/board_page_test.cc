@@ -10,7 +10,7 @@
 #include "common/config/config.h"
 #include "tests/common/picture/temporary_directory.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 using ::testing::HasSubstr;
@@ -52,4 +52,4 @@ TEST(BoardPage, IsAPdfOrSvgFileOfTheSameBytes) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -7,7 +7,7 @@
 
 #include "common/geometry/lens.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 constexpr int kTexelsPerModule = 16;
@@ -215,4 +215,4 @@ std::vector<Pose> BoardPoses(const Board& board, int count) {
   return poses;
 }
 
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -11,7 +11,7 @@
 #include "services/calibrate/board.h"
 #include "services/calibrate/board_view.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 
 /// A rig as it could be bought: lenses with barrel distortion, cameras turned against each other, a
 /// ToF camera like the SR4000 whose ranges are 1 % and 12 mm off.
@@ -52,6 +52,6 @@ class BoardScene {
 /// tilted each way.
 std::vector<Pose> BoardPoses(const Board& board, int count);
 
-}  // namespace sprout
+}  // namespace sprout::calibrate
 
 #endif  // SPROUT_TESTS_SERVICES_CALIBRATE_BOARD_SCENE_H_

@@ -4,7 +4,7 @@
 
 #include "common/config/config.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 TEST(Board, HasACornerWhereFourSquaresMeet) {
@@ -32,4 +32,4 @@ TEST(Board, RefusesWhatCannotBePrintedOrFound) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -9,7 +9,7 @@
 #include "services/calibrate/view_collector.h"
 #include "tests/services/calibrate/board_scene.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 using ::testing::Contains;
@@ -262,4 +262,4 @@ TEST_F(Calibrator, NoticesSwappedCameras) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::calibrate

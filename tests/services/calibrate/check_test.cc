@@ -3,10 +3,10 @@
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 #include "services/calibrate/program.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "tests/common/logfile/sample_log.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 using ::testing::ContainsRegex;
@@ -25,10 +25,10 @@ class CalibrateCheck : public testing::Test {
   std::string WriteLog(const std::string& source, int frames, int rows_down) const {
     CaptureConfig config;
     config.set_source(source);
-    const std::unique_ptr<Dataset> dataset = OpenDataset(config);
+    const std::unique_ptr<datasets::Dataset> dataset = datasets::OpenDataset(config);
     std::vector<Event> events;
     for (int i = 0; i < frames; ++i) {
-      const DatasetFrame frame = dataset->Get(i);
+      const datasets::DatasetFrame frame = dataset->Get(i);
       cv::Mat right = frame.right.clone();
       if (rows_down > 0) {
         frame.right.rowRange(0, right.rows - rows_down)
@@ -87,4 +87,4 @@ TEST_F(CalibrateCheck, NoticesRowsThatDoNotAgree) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::calibrate

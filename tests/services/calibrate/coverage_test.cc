@@ -6,7 +6,7 @@
 
 #include "tests/services/calibrate/board_scene.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 using testing::Contains;
@@ -89,4 +89,4 @@ TEST_F(CoverageTest, AsksForNoToFCameraThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -12,7 +12,7 @@
 #include "tests/common/logfile/sample_log.h"
 #include "tests/services/calibrate/board_scene.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 using ::testing::HasSubstr;
@@ -226,4 +226,4 @@ TEST_F(CalibrateProgram, SaysThatTheBoardIsNotThereOrAnotherOne) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::calibrate

@@ -4,7 +4,7 @@
 
 #include "tests/services/calibrate/board_scene.h"
 
-namespace sprout {
+namespace sprout::calibrate {
 namespace {
 
 constexpr int64_t kFrameUs = 100'000;
@@ -86,4 +86,4 @@ TEST_F(ViewCollectorTest, NoticesThatItIsAnotherBoard) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::calibrate

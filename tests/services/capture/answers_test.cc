@@ -9,7 +9,7 @@
 #include "tests/common/app/captured_log.h"
 #include "tests/common/bus/fake_tcpq_server.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 using testing::ElementsAre;
@@ -95,4 +95,4 @@ TEST_F(AnswersTest, NamesTheStagesThatHaveNotReported) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -9,7 +9,7 @@
 #include "tests/common/app/log_files.h"
 #include "tests/common/picture/temporary_directory.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 using ::testing::AllOf;
@@ -193,4 +193,4 @@ TEST_F(LogFeedTest, OpensFromTheConfiguration) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 using std::chrono::milliseconds;
@@ -100,4 +100,4 @@ TEST_F(PaceTest, SaysWhenAFrameComesMoreThanAnIntervalLate) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::capture

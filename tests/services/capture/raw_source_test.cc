@@ -16,7 +16,7 @@
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/rig/tilted_rig.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 using ::testing::AllOf;
@@ -24,9 +24,9 @@ using ::testing::HasSubstr;
 
 cv::Mat Picture(cv::Size size, int grey) { return {size, CV_8UC3, cv::Scalar::all(grey)}; }
 
-CapturedFrame RawFrame(int grey) {
+datasets::CapturedFrame RawFrame(int grey) {
   const RawRig rig = TiltedRig();
-  CapturedFrame frame;
+  datasets::CapturedFrame frame;
   frame.left = Picture(rig.left.size(), grey);
   frame.right = Picture(rig.right.size(), grey);
   frame.tof.depth_m = cv::Mat1f(rig.tof.size(), 2.f);
@@ -36,22 +36,22 @@ CapturedFrame RawFrame(int grey) {
 // Cameras that give what they are told.
 class TestCameras : public RawSource {
  public:
-  explicit TestCameras(std::deque<CapturedFrame> frames) : frames_(std::move(frames)) {}
+  explicit TestCameras(std::deque<datasets::CapturedFrame> frames) : frames_(std::move(frames)) {}
   bool is_live() const override { return true; }
-  std::optional<CapturedFrame> Next(const std::stop_token& /*stop*/) override {
+  std::optional<datasets::CapturedFrame> Next(const std::stop_token& /*stop*/) override {
     if (frames_.empty()) return std::nullopt;
-    CapturedFrame frame = frames_.front();
+    datasets::CapturedFrame frame = frames_.front();
     frames_.pop_front();
     return frame;
   }
 
  private:
-  std::deque<CapturedFrame> frames_;
+  std::deque<datasets::CapturedFrame> frames_;
 };
 
 TEST(RawSource, RectifiesImagesAndRanges) {
   const Rectifier rectifier(TiltedRig());
-  const Result<CapturedFrame> frame = RectifyFrame(rectifier, RawFrame(77));
+  const Result<datasets::CapturedFrame> frame = RectifyFrame(rectifier, RawFrame(77));
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->left.size(), rectifier.rig().pair.size());
   EXPECT_EQ(frame->right.at<cv::Vec3b>(240, 320)[1], 77);
@@ -59,16 +59,16 @@ TEST(RawSource, RectifiesImagesAndRanges) {
 }
 
 TEST(RawSource, TakesAFrameWhoseToFCameraGaveNothing) {
-  CapturedFrame raw = RawFrame(77);
+  datasets::CapturedFrame raw = RawFrame(77);
   raw.tof = {};
-  const Result<CapturedFrame> frame = RectifyFrame(Rectifier(TiltedRig()), raw);
+  const Result<datasets::CapturedFrame> frame = RectifyFrame(Rectifier(TiltedRig()), raw);
   ASSERT_TRUE(frame);
   EXPECT_TRUE(frame->tof.depth_m.empty());
 }
 
 TEST(RawSource, NamesTheImageThatIsNotOfTheCalibratedSize) {
   const Rectifier rectifier(TiltedRig());
-  CapturedFrame raw = RawFrame(1);
+  datasets::CapturedFrame raw = RawFrame(1);
   raw.right = Picture({64, 48}, 1);
   EXPECT_THAT(RectifyFrame(rectifier, raw).error().text,
               AllOf(HasSubstr("right image of 64x48"), HasSubstr("640x480")));
@@ -78,9 +78,9 @@ TEST(RawSource, NamesTheImageThatIsNotOfTheCalibratedSize) {
 }
 
 TEST(RawSource, CountsFramesThatCannotBeRectifiedAsLost) {
-  CapturedFrame small = RawFrame(2);
+  datasets::CapturedFrame small = RawFrame(2);
   small.left = Picture({64, 48}, 2);
-  CapturedFrame late = RawFrame(3);
+  datasets::CapturedFrame late = RawFrame(3);
   late.lost = 2;
   const auto source =
       Rectified(std::make_unique<TestCameras>(std::deque{RawFrame(1), small, small, late}),
@@ -293,7 +293,7 @@ class RawLogTest : public VideoTest {
   }
 
   std::vector<TestEvent> Frame(int64_t seq, cv::Size right = {640, 480}) const {
-    const CapturedFrame frame = RawFrame(50);
+    const datasets::CapturedFrame frame = RawFrame(50);
     return {Raw(seq, Part::kLeft, frame.left), Raw(seq, Part::kRight, Picture(right, 50)),
             Raw(seq, Part::kTof, frame.tof)};
   }
@@ -323,4 +323,4 @@ TEST_F(RawLogTest, CountsFramesOfAnotherSize) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -6,13 +6,13 @@
 #include <deque>
 
 #include "common/messages/codec.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "tests/common/app/captured_log.h"
 #include "tests/common/messages/examples.h"
-#include "tests/services/capture/kitti_folder.h"
-#include "tests/services/capture/scene_folder.h"
+#include "tests/services/datasets/kitti_folder.h"
+#include "tests/services/datasets/scene_folder.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 CaptureConfig Synthetic() {
@@ -38,7 +38,7 @@ class SourceFeed : public ::testing::Test {
 
 TEST_F(SourceFeed, NumbersAndStampsTheFramesOfItsSource) {
   const auto feed = Open(Synthetic());
-  const auto source = OpenDataset(Synthetic());
+  const auto source = datasets::OpenDataset(Synthetic());
   EXPECT_EQ(feed->timing(), Timing::kAsked);
   int64_t newest_utime = NowUtime() - 1;
   for (int64_t seq = 0; seq < 3; ++seq) {
@@ -99,12 +99,12 @@ TEST_F(SourceFeed, NamesItsCalibrationByTheNewestFrame) {
 }
 
 // A camera that stamps its frames, and loses some.
-class Camera : public FrameSource {
+class Camera : public datasets::FrameSource {
  public:
   const Rig& rig() const override { return rig_; }
   bool is_live() const override { return true; }
-  std::optional<CapturedFrame> Next(const std::stop_token& /*stop*/) override {
-    CapturedFrame frame;
+  std::optional<datasets::CapturedFrame> Next(const std::stop_token& /*stop*/) override {
+    datasets::CapturedFrame frame;
     frame.left = cv::Mat(2, 3, CV_8UC1, cv::Scalar(1));
     frame.right = cv::Mat(2, 3, CV_8UC1, cv::Scalar(2));
     frame.utime = times_.front();
@@ -130,4 +130,4 @@ TEST_F(SourceFeed, StampsFramesWithTheTimeOfTheirExposureAndCountsWhatWasLost) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -7,7 +7,7 @@
 #include "common/messages/codec.h"
 #include "services/check/test_frames.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 TEST(BadMessages, AreAllRefusedAtTheBorder) {
@@ -26,4 +26,4 @@ TEST(BadMessages, AreAllRefusedAtTheBorder) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::check

@@ -10,7 +10,7 @@
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 using testing::ElementsAre;
@@ -299,4 +299,4 @@ TEST(CaptureListener, CaresForTheChannelsOfTheGraphOnly) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::check

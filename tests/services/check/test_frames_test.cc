@@ -7,7 +7,7 @@
 #include "common/config/config.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::check {
 namespace {
 
 using testing::HasSubstr;
@@ -59,4 +59,4 @@ TEST(TestFrames, ALogWithoutThemIsRefused) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::check

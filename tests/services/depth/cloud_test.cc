@@ -4,7 +4,7 @@
 
 #include "common/geometry/projection.h"
 
-namespace sprout {
+namespace sprout::depth {
 namespace {
 
 class CloudTest : public ::testing::Test {
@@ -63,4 +63,4 @@ TEST_F(CloudTest, IsThinnedByStrideAndByVoxels) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::depth

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace sprout {
+namespace sprout::depth {
 namespace {
 
 RectifiedPair Pair(cv::Size size) {
@@ -65,4 +65,4 @@ TEST(DepthMap, KeepsTheViewWhenItIsSmaller) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::depth

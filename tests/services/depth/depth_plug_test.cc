@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sprout {
+namespace sprout::depth {
 namespace {
 
 using ::testing::HasSubstr;
@@ -109,4 +109,4 @@ TEST(DepthPlug, RefusesValuesThatItCannotUse) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::depth

@@ -6,7 +6,7 @@
 
 #include "common/picture/color_map.h"
 
-namespace sprout {
+namespace sprout::depth {
 namespace {
 
 RectifiedPair PairOf(cv::Size size) {
@@ -82,4 +82,4 @@ TEST(Preview, OfAMapWithoutDisparitiesIsDark) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::depth

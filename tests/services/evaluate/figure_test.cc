@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 cv::Mat3b Filled(cv::Size size, const cv::Vec3b& color) { return cv::Mat3b(size, color); }
@@ -42,4 +42,4 @@ TEST(Figure, WritesTitlesAndCaptions) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -9,7 +9,7 @@
 #include "services/pipeline/pipeline.h"
 #include "tests/services/evaluate/small_scene.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 std::vector<std::string> Names(const std::vector<Method>& methods) {
@@ -131,4 +131,4 @@ TEST(EvaluateScene, ScoresBothKindsOfPixelsAndTellsWhatRuns) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

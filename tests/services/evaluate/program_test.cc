@@ -9,10 +9,10 @@
 
 #include "common/config/config.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/services/capture/kitti_folder.h"
-#include "tests/services/capture/scene_folder.h"
+#include "tests/services/datasets/kitti_folder.h"
+#include "tests/services/datasets/scene_folder.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 using testing::HasSubstr;
@@ -30,9 +30,9 @@ void ReadSyntheticLog(const LogChoice& log, const std::function<void(const Frame
   if (log.file != "run.lcm") throw ConfigError("--log " + log.file + ": no such log");
   CaptureConfig config;
   config.set_source("synthetic:96x72");
-  const auto source = OpenDataset(config);
+  const auto source = datasets::OpenDataset(config);
   for (const int64_t seq : {1, 2, 3}) {
-    const DatasetFrame captured = source->Get(seq);
+    const datasets::DatasetFrame captured = source->Get(seq);
     Frame frame;
     frame.id = {.utime = 1000 * seq, .seq = seq, .rig_id = "rig"};
     frame.left = captured.left;
@@ -295,4 +295,4 @@ TEST(EvaluateProgram, RefusesWhatDoesNotGoWithALog) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

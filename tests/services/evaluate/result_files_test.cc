@@ -6,7 +6,7 @@
 
 #include "services/evaluate/tables.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -151,4 +151,4 @@ TEST(Tables, ShowEveryMethodOfAScene) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

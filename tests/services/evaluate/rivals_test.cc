@@ -4,12 +4,12 @@
 #include <cstdlib>
 #include <map>
 
+#include "common/quality/score.h"
 #include "services/evaluate/methods.h"
 #include "services/evaluate/rivals/padded_pair.h"
 #include "services/evaluate/rivals/rival.h"
-#include "services/evaluate/score.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 constexpr int kDisparity = 20;
@@ -112,4 +112,4 @@ TEST(Rivals, LandNearTheirReferenceFiguresOnMonopoly) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

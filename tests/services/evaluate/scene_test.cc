@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "tests/services/capture/kitti_folder.h"
+#include "tests/services/datasets/kitti_folder.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 TEST(Scene, IsAwayWhereNoToFPointIsWithinThreePixels) {
@@ -52,4 +52,4 @@ TEST(Scene, TakesWhatBothCamerasSeeFromKittisTruth) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

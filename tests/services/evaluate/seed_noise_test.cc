@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 std::vector<Seed> ManySeeds() {
@@ -101,4 +101,4 @@ TEST(SeedNoise, OfOneKindDoesNotChangeWithTheAmountOfTheOther) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

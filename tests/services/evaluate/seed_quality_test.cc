@@ -7,7 +7,7 @@
 
 #include "tests/services/evaluate/small_scene.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
@@ -78,4 +78,4 @@ TEST(SeedQuality, SeesThatRefinementDropsHiddenBackground) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

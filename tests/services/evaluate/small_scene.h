@@ -3,11 +3,11 @@
 
 #include "services/evaluate/scene.h"
 
-namespace sprout {
+namespace sprout::evaluate {
 
 /// A made-up scene that every method gets through in milliseconds.
 inline Scene SmallScene() { return LoadScene("synthetic:96x72", TofChoice("grid:4"), {}); }
 
-}  // namespace sprout
+}  // namespace sprout::evaluate
 
 #endif  // SPROUT_TESTS_SERVICES_EVALUATE_SMALL_SCENE_H_

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 // 100 pixels in a row whose true disparity is 5; the last `wrong` ones are 3 px off.
@@ -63,4 +63,4 @@ TEST(Sparsify, HasNothingToSayOfNoPixels) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sprout {
+namespace sprout::evaluate {
 namespace {
 
 int Spacing(const std::string& text, int rows) {
@@ -70,4 +70,4 @@ TEST(TofChoice, RefusesWhatItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::evaluate

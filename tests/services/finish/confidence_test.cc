@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 constexpr double kSigmaSSquared = 0.1;
@@ -112,4 +112,4 @@ TEST(Confidence, TakesBlackImages) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

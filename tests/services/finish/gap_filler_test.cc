@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 constexpr int16_t kGap = DisparityImage::kInvalid;
@@ -137,4 +137,4 @@ TEST(GapFiller, AnEmptyPriorFillsNothing) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

@@ -19,7 +19,7 @@
 #include "tests/common/core/even_prior.h"
 #include "tests/services/grow/grow_scenes.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // Both ways of Alg. 1. @returns what the fast one gives.
@@ -249,4 +249,4 @@ TEST(Grower, GivesTheSameBytesWithEveryInstructionSetAndNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

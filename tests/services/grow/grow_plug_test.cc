@@ -7,7 +7,7 @@
 
 #include "tests/common/core/even_prior.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 using testing::HasSubstr;
@@ -136,4 +136,4 @@ TEST(GrowPlug, HarrisSeedsSurviveImagesOfTwoSizes) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

@@ -6,7 +6,7 @@
 
 #include "tests/common/core/even_prior.h"
 
-namespace sprout {
+namespace sprout::grow {
 
 cv::Mat1b Noise(cv::Size size, uint32_t seed, int levels) {
   std::mt19937 random(seed);
@@ -59,4 +59,4 @@ GrowConfig EpcConfig() {
   return config;
 }
 
-}  // namespace sprout
+}  // namespace sprout::grow

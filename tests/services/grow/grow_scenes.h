@@ -10,7 +10,7 @@
 #include "common/core/seed.h"
 
 // Made-up scenes for the tests of growth.
-namespace sprout {
+namespace sprout::grow {
 
 /// @param levels  grey levels: with 2 there are many ties, with 256 few.
 cv::Mat1b Noise(cv::Size size, uint32_t seed, int levels);
@@ -29,6 +29,6 @@ GrowConfig EpcConfig();
 /// Fails the test at the first pixel that differs.
 void ExpectSame(const DisparityImage& fast, const DisparityImage& slow);
 
-}  // namespace sprout
+}  // namespace sprout::grow
 
 #endif  // SPROUT_TESTS_SERVICES_GROW_GROW_SCENES_H_

@@ -10,7 +10,7 @@
 
 #include "tests/services/grow/grow_scenes.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 TEST(Grower, GrowsAcrossManyBandsFromOneSeed) {
@@ -194,4 +194,4 @@ TEST(Grower, RefusesAThresholdOutOfRange) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

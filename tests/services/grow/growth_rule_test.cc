@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 TEST(GrowthRule, LimitIsTheCostOfTheThreshold) {
@@ -62,4 +62,4 @@ TEST(GrowthRule, APixelIsOpenWhereThePriorAlonePassesADistanceOfAPixel) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 cv::Mat1b Squares(cv::Size size, uint32_t seed) {
@@ -52,4 +52,4 @@ TEST(HarrisSeeds, FindsNothingInAFlatOrTinyImage) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

@@ -9,7 +9,7 @@
 #include "tests/common/core/even_prior.h"
 #include "tests/services/grow/grow_scenes.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // Images of 8 × 5 that are easy to sum by hand: 10 everywhere but for one brighter column, 20 in
@@ -129,4 +129,4 @@ TEST(PlainGrowth, TakesTheBetterSeedFirstAndARightPixelOnce) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

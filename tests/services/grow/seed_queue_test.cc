@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // A queue with the links of a few seeds.
@@ -53,4 +53,4 @@ TEST_F(SeedQueueTest, CanTakeASeedAgain) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

@@ -5,7 +5,7 @@
 #include "tests/common/testing/worst_seeds.h"
 #include "tests/services/grow/grow_scenes.h"
 
-namespace sprout {
+namespace sprout::grow {
 namespace {
 
 // How much the images and the prior say.
@@ -44,4 +44,4 @@ TEST_P(WorstGrowth, TakesATimeInProportionToSeedsAndPixels) {
 INSTANTIATE_TEST_SUITE_P(Textures, WorstGrowth, testing::Values(Texture::kNone, Texture::kNoise));
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::grow

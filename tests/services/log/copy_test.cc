@@ -4,7 +4,7 @@
 #include "tests/services/log/graph_log.h"
 
 // cut, merge and repair.
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 using testing::HasSubstr;
@@ -196,4 +196,4 @@ TEST(LogRepair, KeepsUndecodableMessagesUnlessTold) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::log

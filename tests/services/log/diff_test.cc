@@ -4,7 +4,7 @@
 
 #include "tests/services/log/graph_log.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 using testing::EndsWith;
@@ -256,4 +256,4 @@ TEST_F(LogDiffTest, IsUnusableWithoutAnythingToCompare) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::log

@@ -14,7 +14,7 @@
 #include "tests/common/logfile/sample_log.h"
 #include "tests/common/messages/examples.h"
 
-namespace sprout {
+namespace sprout::log {
 
 inline const cv::Size kLogImageSize(32, 24);
 
@@ -171,6 +171,6 @@ inline std::vector<std::tuple<int64_t, std::string, Bytes>> Contents(
   return contents;
 }
 
-}  // namespace sprout
+}  // namespace sprout::log
 
 #endif  // SPROUT_TESTS_SERVICES_LOG_GRAPH_LOG_H_

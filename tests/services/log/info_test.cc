@@ -4,7 +4,7 @@
 
 #include "tests/services/log/graph_log.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 using testing::ElementsAre;
@@ -146,4 +146,4 @@ TEST(LogInfo, DescribesAnEmptyLog) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::log

@@ -4,7 +4,7 @@
 
 #include "tests/services/log/graph_log.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 using testing::HasSubstr;
@@ -110,4 +110,4 @@ TEST(MessageDiff, ComparesHeadersAndSurvivesDamage) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::log

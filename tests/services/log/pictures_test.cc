@@ -2,11 +2,11 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "services/capture/pfm.h"
+#include "services/datasets/pfm.h"
 #include "tests/services/log/graph_log.h"
 
 // images and export.
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 using testing::HasSubstr;
@@ -99,7 +99,7 @@ TEST(LogExport, WritesTheMapsAsPfm) {
   ASSERT_EQ(RunLog({"export", log, folder.File("out"), "--pfm", "--frames", "7"}).exit_code, 0);
   EXPECT_THAT(FilesIn(folder.File("out")),
               UnorderedElementsAre("000007_prior.pfm", "000007_disparity.pfm"));
-  const cv::Mat1f px = ReadPfm(folder.File("out") + "/000007_disparity.pfm");
+  const cv::Mat1f px = datasets::ReadPfm(folder.File("out") + "/000007_disparity.pfm");
   ASSERT_EQ(px.size(), kLogImageSize);
   EXPECT_EQ(px(3, 8), LogDisparity(7).Px(8, 3));
   EXPECT_TRUE(std::isinf(px(3, 0)));
@@ -169,4 +169,4 @@ TEST(LogExport, RefusesToDoNothing) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::log

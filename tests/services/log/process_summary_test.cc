@@ -4,7 +4,7 @@
 
 #include "tests/services/log/graph_log.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 using testing::HasSubstr;
@@ -92,4 +92,4 @@ TEST(ProcessesOfALog, DoNotGrowWithoutEnd) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::log

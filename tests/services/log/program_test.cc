@@ -10,7 +10,7 @@
 
 #include "tests/services/log/graph_log.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 using testing::HasSubstr;
@@ -77,4 +77,4 @@ TEST(LogProgram, SurvivesAnyDamage) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::log

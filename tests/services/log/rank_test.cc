@@ -2,7 +2,7 @@
 
 #include "tests/services/log/graph_log.h"
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 using testing::HasSubstr;
@@ -109,4 +109,4 @@ TEST_F(RankTest, RefusesALogWithoutAnswers) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::log

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sprout {
+namespace sprout::log {
 namespace {
 
 FrameId Id(int64_t seq, int64_t start = 0) {
@@ -53,4 +53,4 @@ TEST(Sequence, SurvivesNumbersThatAreDamaged) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::log

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/quality/score.h"
 #include "services/evaluate/scene.h"
-#include "services/evaluate/score.h"
 #include "services/pipeline/pipeline.h"
 
 namespace sprout {
@@ -19,7 +19,8 @@ constexpr double kMarginPoints = 0.3;
 
 // Correct non-occluded pixels, error <= 1 px, per cent.
 double CorrectPercent(const std::string& folder, const std::string& tof) {
-  const Scene scene = LoadScene(folder, TofChoice(tof), LoadConfig({"default"}).capture());
+  const evaluate::Scene scene =
+      evaluate::LoadScene(folder, evaluate::TofChoice(tof), LoadConfig({"default"}).capture());
   Pipeline pipeline(LoadConfig({"default"}));
   const auto result =
       pipeline.Compute(scene.frame.left, scene.frame.right, scene.frame.tof, scene.projector.rig());

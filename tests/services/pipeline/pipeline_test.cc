@@ -18,7 +18,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-Result<DepthFrame> Compute(Pipeline& pipeline, const Scene& scene) {
+Result<DepthFrame> Compute(Pipeline& pipeline, const evaluate::Scene& scene) {
   return pipeline.Compute(scene.frame.left, scene.frame.right, scene.frame.tof,
                           scene.projector.rig());
 }
@@ -35,7 +35,7 @@ bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
 }
 
 TEST(Pipeline, GivesWhatTheServicesGive) {
-  const Scene scene = SmallScene();
+  const evaluate::Scene scene = SmallScene();
   for (const char* preset : {"default", "fast", "paper"}) {
     const SproutConfig config = LoadConfig({preset});
     Frame frame;
@@ -43,9 +43,9 @@ TEST(Pipeline, GivesWhatTheServicesGive) {
     frame.right = scene.frame.right;
     frame.tof = scene.frame.tof;
     frame.rig = scene.projector.rig();
-    RefinePlug refine(config.refine());
-    PriorPlug prior(config.prior());
-    GrowPlug grow(config.grow());
+    refine::RefinePlug refine(config.refine());
+    prior::PriorPlug prior(config.prior());
+    grow::GrowPlug grow(config.grow());
     for (Plug* plug : std::initializer_list<Plug*>{&refine, &prior, &grow}) RunPlug(*plug, frame);
     Pipeline pipeline(config);
     const DepthFrame result = Compute(pipeline, scene).value();
@@ -61,8 +61,8 @@ TEST(Pipeline, GivesWhatTheServicesGive) {
 }
 
 TEST(Pipeline, GivesTheSameBytesForAnyNumberOfThreadsAndWhateverCameBefore) {
-  const Scene scene = SmallScene();
-  const Scene other = LoadScene("synthetic:64x48", TofChoice("none"), {});
+  const evaluate::Scene scene = SmallScene();
+  const evaluate::Scene other = evaluate::LoadScene("synthetic:64x48", evaluate::TofChoice("none"), {});
   const int threads = cv::getNumThreads();
   Pipeline pipeline(LoadConfig({"default"}));
   cv::setNumThreads(1);
@@ -79,7 +79,7 @@ TEST(Pipeline, GivesTheSameBytesForAnyNumberOfThreadsAndWhateverCameBefore) {
 }
 
 TEST(Pipeline, GivesDepthInMetresAndNaNWhereThereIsNone) {
-  const Scene scene = SmallScene();
+  const evaluate::Scene scene = SmallScene();
   SproutConfig config = LoadConfig({"default"});
   config.mutable_grow()->set_min_confidence(160);  // takes some pixels away
   Pipeline pipeline(config);
@@ -101,7 +101,7 @@ TEST(Pipeline, GivesDepthInMetresAndNaNWhereThereIsNone) {
 }
 
 TEST(Pipeline, DoesWithoutAToFImage) {
-  const Scene scene = SmallScene();
+  const evaluate::Scene scene = SmallScene();
   const SproutConfig config = LoadConfig({"default"});
   Rig rig = scene.projector.rig();
   Pipeline pipeline(config);
@@ -115,7 +115,7 @@ TEST(Pipeline, DoesWithoutAToFImage) {
 }
 
 TEST(Pipeline, WarnsOfAFrameInWhichThereIsNothing) {
-  const Scene scene = SmallScene();
+  const evaluate::Scene scene = SmallScene();
   const cv::Mat black(scene.size(), CV_8UC3, cv::Scalar());
   Pipeline pipeline(LoadConfig({"default"}));
   const auto result = pipeline.Compute(black, black, {}, scene.projector.rig());
@@ -127,8 +127,8 @@ TEST(Pipeline, WarnsOfAFrameInWhichThereIsNothing) {
 }
 
 TEST(Pipeline, SaysWhatDoesNotFit) {
-  const Scene scene = SmallScene();
-  const DatasetFrame& frame = scene.frame;
+  const evaluate::Scene scene = SmallScene();
+  const datasets::DatasetFrame& frame = scene.frame;
   const cv::Mat &left = frame.left, &right = frame.right;
   const TofImage& tof = frame.tof;
   const Rig& rig = scene.projector.rig();

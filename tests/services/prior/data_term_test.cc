@@ -6,7 +6,7 @@
 
 #include "services/prior/edge_surfaces.h"
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 constexpr int kOnePx = DisparityImage::kCountsPerPixel;
@@ -202,4 +202,4 @@ TEST(Decision, GivesAPixelAmongOthersOnOneSurfaceThatOne) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::prior

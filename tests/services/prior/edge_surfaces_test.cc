@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 using testing::UnorderedElementsAre;
@@ -217,4 +217,4 @@ TEST(EdgeLabels, ForgetTheFrameBefore) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::prior

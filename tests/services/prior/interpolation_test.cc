@@ -8,7 +8,7 @@
 #include <optional>
 #include <random>
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 Seed MeshSeed(double u, double v, double disparity) {
@@ -238,4 +238,4 @@ TEST(Sigma, KnowsNothingOutsideTheTriangles) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::prior

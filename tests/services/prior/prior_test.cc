@@ -10,7 +10,7 @@
 #include "services/prior/prior_estimator.h"
 #include "services/prior/prior_plug.h"
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 using testing::HasSubstr;
@@ -271,4 +271,4 @@ TEST(PriorPlug, TakesWhatOnlyTheLeftCameraSeesForSeedsIfToldTo) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::prior

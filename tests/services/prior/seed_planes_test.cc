@@ -9,7 +9,7 @@
 #include "common/core/prior_map.h"
 #include "services/prior/interpolation.h"
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 constexpr int kSide = 20;  // seeds
@@ -219,4 +219,4 @@ TEST(BeyondHull, NeverLiesBeyondInfinityNorNearerThanTheImagesShow) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::prior

@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 Seed At(float u, float v) { return {.u = u, .v = v, .u_right = u - 1}; }
@@ -161,4 +161,4 @@ TEST(Rings, GoFromNeighboursToTheirNeighbours) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::prior

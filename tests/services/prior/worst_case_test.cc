@@ -5,7 +5,7 @@
 #include "services/prior/prior_estimator.h"
 #include "tests/common/testing/worst_seeds.h"
 
-namespace sprout {
+namespace sprout::prior {
 namespace {
 
 class WorstPrior : public testing::TestWithParam<PriorConfig::Method> {};
@@ -30,4 +30,4 @@ INSTANTIATE_TEST_SUITE_P(Methods, WorstPrior,
                          testing::Values(PriorConfig::DELAUNAY, PriorConfig::EDGES));
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::prior

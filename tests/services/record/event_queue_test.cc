@@ -4,7 +4,7 @@
 
 #include "tests/services/record/make_event.h"
 
-namespace sprout {
+namespace sprout::record {
 namespace {
 
 using std::chrono::milliseconds;
@@ -36,4 +36,4 @@ TEST(EventQueue, GivesOutWhatIsLeftWhenItIsClosed) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::record

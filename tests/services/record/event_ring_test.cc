@@ -4,7 +4,7 @@
 
 #include "tests/services/record/make_event.h"
 
-namespace sprout {
+namespace sprout::record {
 namespace {
 
 using std::chrono::seconds;
@@ -50,4 +50,4 @@ TEST(EventRing, GoesByTheClockThatNobodySets) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::record

@@ -8,7 +8,7 @@
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/record/make_event.h"
 
-namespace sprout {
+namespace sprout::record {
 namespace {
 
 namespace fs = std::filesystem;
@@ -155,4 +155,4 @@ TEST(LogFolder, RefusesWhatIsNoFolder) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::record

@@ -8,7 +8,7 @@
 #include "common/logfile/log_reader.h"
 #include "services/record/recorded_event.h"
 
-namespace sprout {
+namespace sprout::record {
 
 /// A message that came at that time, as its utime says, too.
 inline RecordedEvent MakeRecorded(double seconds, size_t data_bytes = 100,
@@ -38,6 +38,6 @@ inline LogContent ReadLog(const std::filesystem::path& path) {
   return content;
 }
 
-}  // namespace sprout
+}  // namespace sprout::record
 
 #endif  // SPROUT_TESTS_SERVICES_RECORD_MAKE_EVENT_H_

@@ -6,7 +6,7 @@
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/record/make_event.h"
 
-namespace sprout {
+namespace sprout::record {
 namespace {
 
 namespace fs = std::filesystem;
@@ -111,4 +111,4 @@ TEST_F(RecorderTest, EndsTheLogWhenItIsStopped) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::record

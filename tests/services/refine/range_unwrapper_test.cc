@@ -6,7 +6,7 @@
 
 #include "tests/services/refine/refine_scene.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr double kDisparity = 12;  // of the wall that the images show, px
@@ -145,4 +145,4 @@ TEST(RangeUnwrapper, DropsASurfaceOnWhichTheImagesAreUnclear) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine

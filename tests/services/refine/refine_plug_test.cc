@@ -9,7 +9,7 @@
 #include "common/core/tof_coverage.h"
 #include "tests/services/refine/refine_scene.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 using testing::HasSubstr;
@@ -107,4 +107,4 @@ TEST(RefinePlug, FollowsAChangeOfCalibration) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine

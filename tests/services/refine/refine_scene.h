@@ -7,7 +7,7 @@
 #include "services/refine/refiner.h"
 
 // What the tests of refinement look at.
-namespace sprout {
+namespace sprout::refine {
 
 inline constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
 
@@ -63,6 +63,6 @@ inline Scene TexturedScene() {
   return scene;
 }
 
-}  // namespace sprout
+}  // namespace sprout::refine
 
 #endif  // SPROUT_TESTS_SERVICES_REFINE_REFINE_SCENE_H_

@@ -9,7 +9,7 @@
 
 #include "tests/services/refine/refine_scene.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 using testing::HasSubstr;
@@ -281,4 +281,4 @@ TEST(Refiner, PutsSeedsOfThePairBehindThoseOfTheTofCamera) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine

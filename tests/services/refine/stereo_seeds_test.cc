@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 const cv::Size kSize(280, 200);
@@ -211,4 +211,4 @@ TEST(StereoSeeds, RefuseParametersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine

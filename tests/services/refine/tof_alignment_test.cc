@@ -10,16 +10,16 @@
 #include <vector>
 
 #include "common/core/image.h"
-#include "services/capture/dataset.h"
+#include "services/datasets/dataset.h"
 #include "services/refine/refiner.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 // A frame as TofAligner looks at it.
 struct AlignScene {
-  explicit AlignScene(Dataset& source, int64_t index = 0) : projector(source.rig()) {
-    const DatasetFrame frame = source.Get(index);
+  explicit AlignScene(datasets::Dataset& source, int64_t index = 0) : projector(source.rig()) {
+    const datasets::DatasetFrame frame = source.Get(index);
     left = ToGrey(frame.left);
     right = ToGrey(frame.right);
     tof = frame.tof;
@@ -38,12 +38,12 @@ struct AlignScene {
 };
 
 // The simulated room, whose ToF camera is turned by so much.
-std::unique_ptr<Dataset> Room(double calibration_error_px) {
+std::unique_ptr<datasets::Dataset> Room(double calibration_error_px) {
   CaptureConfig config;
   config.set_source("synthetic:640x480");
   config.set_tof("sr4000");
   config.mutable_sr4000()->set_calibration_error_px(calibration_error_px);
-  return OpenDataset(config);
+  return datasets::OpenDataset(config);
 }
 
 double Median(std::vector<double> values) {
@@ -211,4 +211,4 @@ TEST(Refiner, MovesThePointsOfATofCameraThatIsOff) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr double kNearPx = 40;
@@ -121,4 +121,4 @@ TEST(TofEdgeFinder, NeitherHolesNorMissingReturnsAreEdges) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine

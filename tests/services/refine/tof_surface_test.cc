@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 // A ToF camera of 12×10 pixels; its columns and rows lie 8 px apart in the images.
@@ -251,4 +251,4 @@ TEST(TofSurface, EstimatesTheNoiseOfItsPointsAndNotTheirShape) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr float kDisparityPx = 20;
@@ -70,4 +70,4 @@ TEST(VerticalDisparity, IsUnknownWithoutTextureSeedsOrAMatch) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -47,4 +47,4 @@ TEST(WindowDifference, IsInfiniteWhereNoWindowFits) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine

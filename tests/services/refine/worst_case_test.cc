@@ -10,7 +10,7 @@
 #include "services/refine/tof_surface.h"
 #include "tests/common/testing/worst_seeds.h"
 
-namespace sprout {
+namespace sprout::refine {
 namespace {
 
 const cv::Size kWorstSize(640, 480);
@@ -142,4 +142,4 @@ TEST(WorstCase, AFrameWhoseToFPointsShareAPixelIsRefinedInTime) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::refine

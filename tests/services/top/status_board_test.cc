@@ -7,7 +7,7 @@
 
 #include "services/top/board_text.h"
 
-namespace sprout {
+namespace sprout::top {
 namespace {
 
 using std::chrono::milliseconds;
@@ -147,4 +147,4 @@ TEST_F(StatusBoardTest, SaysWhatTwoHostsNeedWhenAStageIsMissing) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::top

@@ -9,7 +9,7 @@
 #include "services/view/points.h"
 #include "tests/services/view/view_frames.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 // A packet taken apart as the page does it.
@@ -202,4 +202,4 @@ TEST(CalmRange, MovesOnlyWhenItMust) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::view

@@ -8,7 +8,7 @@
 #include "common/logfile/log_reader.h"
 #include "tests/services/view/view_frames.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 using std::chrono::milliseconds;
@@ -117,4 +117,4 @@ TEST(FrameRing, SavesTheLastSecondsAsALogWithItsCalibration) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::view

@@ -8,7 +8,7 @@
 #include "services/view/page_files.h"
 #include "tests/services/view/view_frames.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 using ::testing::HasSubstr;
@@ -126,4 +126,4 @@ TEST_F(HttpHandlerTest, HasThumbnails) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::view

@@ -12,7 +12,7 @@
 #include "services/view/log_quality.h"
 #include "tests/services/view/view_frames.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 using ::testing::ElementsAre;
@@ -144,4 +144,4 @@ TEST(SpreadOrder, GoesOverAllOfALogAtOnce) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::view

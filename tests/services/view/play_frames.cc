@@ -14,7 +14,7 @@
 #include "common/logfile/log_reader.h"
 #include "common/messages/codec.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 struct Message {
@@ -71,7 +71,7 @@ int Main(const std::string& path, double rate_hz, double seconds) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::view
 
 int main(int argc, char** argv) {
   if (argc != 4) {

@@ -18,7 +18,7 @@
 
 #include "tests/services/view/view_frames.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 namespace asio = boost::asio;
@@ -210,4 +210,4 @@ TEST_F(ServerTest, SaysThatItsPortIsTaken) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::view

@@ -10,7 +10,7 @@
 #include "common/messages/codec.h"
 #include "services/view/frame_ring.h"
 
-namespace sprout {
+namespace sprout::view {
 
 inline const cv::Size kViewSize{64, 48};
 
@@ -70,6 +70,6 @@ inline void AddWhole(RingInput& input, int64_t seq) {
   input.Add(seq, Part::kDisparity, ViewMap());
 }
 
-}  // namespace sprout
+}  // namespace sprout::view
 
 #endif  // SPROUT_TESTS_SERVICES_VIEW_VIEW_FRAMES_H_

@@ -5,7 +5,7 @@
 
 #include "tests/services/view/view_frames.h"
 
-namespace sprout {
+namespace sprout::view {
 namespace {
 
 class ViewSessionTest : public ::testing::Test {
@@ -112,4 +112,4 @@ TEST_F(ViewSessionTest, RefusesWhatNoPageOfOursSays) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::view

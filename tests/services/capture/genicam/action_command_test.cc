@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 // Byte by byte as the standard's table of ACTION_CMD has it; no camera was asked.
@@ -14,4 +14,4 @@ TEST(ActionCommand, IsTheStandardsPacket) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::capture

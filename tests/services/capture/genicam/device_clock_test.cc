@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 constexpr int64_t kStartUs = 1'700'000'000'000'000;
@@ -120,4 +120,4 @@ TEST(DeviceClock, KnowsATimeFromTheFirstPairOn) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 using testing::HasSubstr;
@@ -95,4 +95,4 @@ TEST(Pixels, FormatsAreKnownByName) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::capture

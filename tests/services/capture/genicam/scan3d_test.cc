@@ -8,7 +8,7 @@
 
 #include "common/geometry/lens.h"
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 using testing::HasSubstr;
@@ -157,4 +157,4 @@ TEST(Scan3d, RangesBecomeDepths) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace sprout {
+namespace sprout::capture {
 namespace {
 
 constexpr int64_t kStart = 1'700'000'000'000'000;
@@ -178,4 +178,4 @@ TEST(TripletFormer, PairsCamerasThatDriftUntilTheyArePartedTooFar) {
 }
 
 }  // namespace
-}  // namespace sprout
+}  // namespace sprout::capture

@@ -1,0 +1,66 @@
+#ifndef SPROUT_SERVICES_DATASETS_DATASET_H_
+#define SPROUT_SERVICES_DATASETS_DATASET_H_
+
+#include <cstdint>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+
+#include "common/config/config.h"
+#include "services/datasets/frame_source.h"
+
+namespace sprout::datasets {
+
+/// True disparities, px of the image they belong to; NaN = unknown.
+struct GroundTruth {
+  cv::Mat1f left;   ///< d = u − u' at the pixels of the left image
+  cv::Mat1f right;  ///< the same at the pixels of the right image; empty when not known
+  /// Pixels of the left image that the right camera sees too, 255, where the data set says so;
+  /// empty = to be found out from the maps.
+  cv::Mat1b nonoccluded = {};
+};
+
+/// A frame of a dataset or a simulation: what a camera would give, and what it does not know.
+struct DatasetFrame : CapturedFrame {
+  GroundTruth truth;  ///< left map empty when the dataset knows none
+  /// Of a simulated ToF camera whose ranges are known only modulo this, m along the ray; 0 =
+  /// another.
+  double unambiguous_range_m = 0;
+};
+
+/// Frames that can be had again in any order: files, a simulation.
+class Dataset {
+ public:
+  virtual ~Dataset() = default;
+
+  /// Calibration; the same for all frames.
+  virtual const Rig& rig() const = 0;
+
+  /// Number of frames; nothing = endless.
+  virtual std::optional<int64_t> frame_count() const = 0;
+
+  /// Frame `index` (from 0, below frame_count()). The same index gives the same bytes at every
+  /// call.
+  virtual DatasetFrame Get(int64_t index) = 0;
+};
+
+/// Opens the dataset that config.source() names.
+///   middlebury:DIR  a Middlebury scene: view1/view5/disp1/disp5 with dmin.txt (2005, 2006), or
+///                   im0/im1/disp0.pfm with calib.txt (2014); images as .png, .jpg or .ppm
+///   kitti:DIR/ID, kitti:DIR  a frame, or all frames, in KITTI's layout with the scan as ToF image;
+///                   ?beams=N keeps N of its 64 beams
+///   synthetic:WxH   a moving scene with exact ground truth
+/// The ToF camera is simulated as config.tof() says, or as ?tof=grid or ?tof=sr4000 behind the
+/// source does; with none there is no ToF camera. Several options are separated by '&': behind
+/// ?tof=sr4000 &blind=P, &wrapped=P and &calibration=PX, see Sr4000Config.
+/// @throws ConfigError naming what is missing or wrong, and where.
+std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& config);
+
+/// The frames of a dataset one after the other, as a camera gives them; without a time of their
+/// own.
+/// @param loop  start again at the end.
+std::unique_ptr<FrameSource> PlayDataset(std::unique_ptr<Dataset> dataset, bool loop);
+
+}  // namespace sprout::datasets
+
+#endif  // SPROUT_SERVICES_DATASETS_DATASET_H_

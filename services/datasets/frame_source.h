@@ -1,0 +1,62 @@
+#ifndef SPROUT_SERVICES_DATASETS_FRAME_SOURCE_H_
+#define SPROUT_SERVICES_DATASETS_FRAME_SOURCE_H_
+
+#include <cstdint>
+#include <functional>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "common/core/rig.h"
+#include "common/core/tof_image.h"
+
+namespace sprout::datasets {
+
+/// One synchronised triplet. Of a FrameSource it is rectified, of a RawSource as the cameras see.
+struct CapturedFrame {
+  cv::Mat left;   ///< 8UC1 or 8UC3 (BGR)
+  cv::Mat right;  ///< 8UC1 or 8UC3 (BGR), of the same size
+  TofImage tof;   ///< 0×0 without a ToF camera, or when it gave nothing
+  /// Middle of the exposure, µs since 1970-01-01 UTC; nothing when the source has no clock.
+  std::optional<int64_t> utime = {};
+  int64_t lost = 0;  ///< captures since the frame before this one that could not be made whole
+  /// What went wrong since the frame before this one, one line: of several the newest.
+  std::string trouble = {};
+  /// Between the earliest and the latest exposure of its images, ms; 0 when that is not known.
+  double spread_ms = 0;
+};
+
+/// Captures behind the last frame that could not be made whole.
+struct LostFrames {
+  int64_t count = 0;
+  std::string trouble = {};  ///< why, of the newest
+};
+
+/// Called by Next() now and then, at least ten times a second, while it waits for cameras: shows
+/// that it is not stuck. May be empty.
+using Waiting = std::function<void()>;
+
+/// Where rectified frames come from, as from a camera.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  /// Calibration; the same for all frames.
+  virtual const Rig& rig() const = 0;
+
+  /// Whether frames come when the cameras give them; otherwise when they are asked for.
+  virtual bool is_live() const = 0;
+
+  /// Waits for the next frame. Nothing when there are no more, or a stop was asked for. Cameras
+  /// that are gone are waited for.
+  /// @throws ConfigError when a file of a dataset cannot be used.
+  virtual std::optional<CapturedFrame> Next(const std::stop_token& stop) = 0;
+
+  /// What was lost behind the last frame, when Next() has given nothing.
+  virtual LostFrames lost_at_end() const { return {}; }
+};
+
+}  // namespace sprout::datasets
+
+#endif  // SPROUT_SERVICES_DATASETS_FRAME_SOURCE_H_

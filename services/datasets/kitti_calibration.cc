@@ -1,0 +1,118 @@
+#include "services/datasets/kitti_calibration.h"
+
+#include <cmath>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "common/config/config.h"
+#include "common/core/number_text.h"
+#include "services/datasets/read_text.h"
+
+namespace sprout::datasets {
+namespace {
+
+// Focal lengths and rows of a rectified pair may differ by the rounding of the text only.
+constexpr double kRectifiedTolerancePx = 0.01;
+// Seven digits are written; more than their rounding is no rotation.
+constexpr double kRotationTolerance = 1e-4;
+
+// The "key: numbers" lines of a calibration.
+class KittiCalibFile {
+ public:
+  explicit KittiCalibFile(const std::filesystem::path& path) : path_(path) {
+    const std::optional<std::string> text = ReadText(path);
+    if (!text) {
+      throw ConfigError("calibration " + path.string() +
+                        ": cannot be read; allowed: a file with P2, P3, R0_rect and "
+                        "Tr_velo_to_cam");
+    }
+    std::istringstream lines(*text);
+    for (std::string line; std::getline(lines, line);) {
+      const size_t colon = line.find(':');
+      if (colon == std::string::npos) continue;
+      values_[std::string(Trimmed(line.substr(0, colon)))] = Trimmed(line.substr(colon + 1));
+    }
+  }
+
+  template <int kRows, int kCols>
+  Eigen::Matrix<double, kRows, kCols> Matrix(const std::string& key) const {
+    Eigen::Matrix<double, kRows, kCols> matrix;
+    std::istringstream words(Text(key));
+    int count = 0;
+    for (std::string word; words >> word; ++count) {
+      const std::optional<double> number = ParseNumber<double>(word);
+      if (!number || count == kRows * kCols) throw Bad(key, Numbers(kRows * kCols));
+      matrix(count / kCols, count % kCols) = *number;
+    }
+    if (count < kRows * kCols) throw Bad(key, Numbers(kRows * kCols));
+    return matrix;
+  }
+
+  ConfigError Bad(const std::string& key, const std::string& allowed) const {
+    return ConfigError("calibration " + path_.string() + ": " + key + ": " + Text(key) +
+                       ": allowed: " + allowed);
+  }
+
+ private:
+  static std::string Numbers(int count) { return std::to_string(count) + " finite numbers"; }
+
+  const std::string& Text(const std::string& key) const {
+    const auto found = values_.find(key);
+    if (found != values_.end()) return found->second;
+    throw ConfigError("calibration " + path_.string() + ": " + key +
+                      " is missing; allowed: a file with P2, P3, R0_rect and Tr_velo_to_cam");
+  }
+
+  std::filesystem::path path_;
+  std::map<std::string, std::string> values_;
+};
+
+Eigen::Matrix3d Rotation(const KittiCalibFile& file, const std::string& key,
+                         const Eigen::Matrix3d& matrix) {
+  const double off = (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).norm();
+  if (off < kRotationTolerance && matrix.determinant() > 0) return matrix;
+  throw file.Bad(key, "a rotation");
+}
+
+}  // namespace
+
+KittiCalibration ReadKittiCalibration(const std::filesystem::path& path, cv::Size size) {
+  const KittiCalibFile file(path);
+  const auto left = file.Matrix<3, 4>("P2");
+  const auto right = file.Matrix<3, 4>("P3");
+  if (!(left(0, 0) > 0)) throw file.Bad("P2", "a focal length above 0");
+  for (const auto& [a, b] : {std::pair{left(0, 0), left(1, 1)},
+                             {left(0, 0), right(0, 0)},
+                             {left(0, 0), right(1, 1)},
+                             {left(1, 2), right(1, 2)}}) {
+    if (!(std::abs(a - b) <= kRectifiedTolerancePx)) {
+      throw file.Bad("P3", "one focal length for both cameras and axes, and P2's row");
+    }
+  }
+  if (!(left(0, 3) > right(0, 3))) throw file.Bad("P3", "a camera to the right of P2's");
+
+  KittiCalibration calibration;
+  RectifiedPair& pair = calibration.pair;
+  pair = {.width = size.width, .height = size.height};
+  pair.focal_px = left(0, 0);
+  pair.cx = left(0, 2);
+  pair.cy = left(1, 2);
+  pair.cx_right = right(0, 2);
+  pair.baseline_m = (left(0, 3) - right(0, 3)) / pair.focal_px;
+
+  const Eigen::Matrix3d rectification = Rotation(file, "R0_rect", file.Matrix<3, 3>("R0_rect"));
+  const auto pose = file.Matrix<3, 4>("Tr_velo_to_cam");
+  // P2 = K · [I | t].
+  const double z = left(2, 3);
+  const Eigen::Vector3d t((left(0, 3) - pair.cx * z) / pair.focal_px,
+                          (left(1, 3) - pair.cy * z) / pair.focal_px, z);
+  calibration.left_from_scanner.linear() =
+      rectification * Rotation(file, "Tr_velo_to_cam", pose.leftCols<3>());
+  calibration.left_from_scanner.translation() = rectification * pose.col(3) + t;
+  return calibration;
+}
+
+}  // namespace sprout::datasets

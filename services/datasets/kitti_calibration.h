@@ -1,0 +1,30 @@
+#ifndef SPROUT_SERVICES_DATASETS_KITTI_CALIBRATION_H_
+#define SPROUT_SERVICES_DATASETS_KITTI_CALIBRATION_H_
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <opencv2/core/types.hpp>
+
+#include "common/core/rig.h"
+
+namespace sprout::datasets {
+
+/// What calib/ID.txt of KITTI's object set says about the colour cameras and the scanner.
+struct KittiCalibration {
+  RectifiedPair pair;
+  /// Takes points of the scanner (m; x forward, y left, z up) to the left rectified frame.
+  Eigen::Isometry3d left_from_scanner = Eigen::Isometry3d::Identity();
+};
+
+/// Reads P2, P3, R0_rect and Tr_velo_to_cam; other keys are ignored. P = K · [I | t] places the
+/// cameras in the frame of camera 0, so a point is R0_rect · Tr_velo_to_cam · x + t of P2 in the
+/// left one, and the baseline is (P2[0, 3] − P3[0, 3]) / f.
+///
+/// @param size  of the images, px.
+/// @throws ConfigError naming file and key: missing, not so many finite numbers, cameras that are
+/// not rectified, a rotation that is none.
+KittiCalibration ReadKittiCalibration(const std::filesystem::path& file, cv::Size size);
+
+}  // namespace sprout::datasets
+
+#endif  // SPROUT_SERVICES_DATASETS_KITTI_CALIBRATION_H_

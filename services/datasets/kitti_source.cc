@@ -1,0 +1,192 @@
+#include "services/datasets/kitti_source.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "services/datasets/kitti_calibration.h"
+#include "services/datasets/read_image.h"
+#include "services/datasets/tof_grid.h"
+#include "services/datasets/velodyne_scan.h"
+
+namespace sprout::datasets {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kPng = ".png";
+constexpr std::string_view kStereoPng = "_10.png";  // the stereo set: image 10 of a sequence of 21
+constexpr double kCodesPerPx = 256;
+
+// The files of one frame.
+struct KittiFiles {
+  KittiFiles(const fs::path& folder, const std::string& id)
+      : image_name(id + std::string(IsFile(folder / "image_2" / (id + std::string(kStereoPng)))
+                                        ? kStereoPng
+                                        : kPng)),
+        left(folder / "image_2" / image_name),
+        right(folder / "image_3" / image_name),
+        truth(folder / "disp_occ_0" / image_name),
+        seen_truth(folder / "disp_noc_0" / image_name),
+        calibration(folder / "calib" / (id + ".txt")),
+        scan(folder / "velodyne" / (id + ".bin")) {}
+
+  std::string image_name;
+  fs::path left, right;
+  fs::path truth;       // also of what only the left camera sees
+  fs::path seen_truth;  // of what both see
+  fs::path calibration;
+  fs::path scan;
+};
+
+ConfigError BadPlace(const std::string& place, const std::string& reason) {
+  return ConfigError("capture.source = kitti:" + place + ": " + reason +
+                     "; allowed: FOLDER or FOLDER/ID with image_2/ID_10.png or image_2/ID.png, as "
+                     "KITTI has it");
+}
+
+bool IsFolder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
+// In the stereo set the neighbours in time, ID_11.png, are no frames of their own.
+std::set<std::string> FrameIds(const fs::path& images) {
+  std::set<std::string> all;
+  std::set<std::string> stereo;
+  for (const fs::directory_entry& entry : fs::directory_iterator(images)) {
+    const std::string name = entry.path().filename();
+    if (name.ends_with(kStereoPng)) stereo.insert(name.substr(0, name.size() - kStereoPng.size()));
+    if (name.ends_with(kPng)) all.insert(name.substr(0, name.size() - kPng.size()));
+  }
+  return stereo.empty() ? all : stereo;
+}
+
+cv::Mat1f ReadTruth(const fs::path& path, cv::Size expected) {
+  const cv::Mat image = ReadImage(path, cv::IMREAD_UNCHANGED);
+  if (image.type() != CV_16UC1) {
+    throw ConfigError("ground truth " + path.string() +
+                      ": not grey with 16 bits; allowed: 16-bit grey disparities, 256 codes a px");
+  }
+  RequireSize(path, image.size(), expected);
+  cv::Mat1f disparity(image.size());
+  std::transform(image.begin<uint16_t>(), image.end<uint16_t>(), disparity.begin(),
+                 [](uint16_t code) {
+                   return code == 0 ? std::numeric_limits<float>::quiet_NaN()
+                                    : static_cast<float>(code / kCodesPerPx);
+                 });
+  return disparity;
+}
+
+GroundTruth ReadTruth(const KittiFiles& files, cv::Size size) {
+  const bool has_all = IsFile(files.truth);
+  const bool has_seen = IsFile(files.seen_truth);
+  GroundTruth truth;
+  if (!has_all && !has_seen) return truth;
+  truth.left = ReadTruth(has_all ? files.truth : files.seen_truth, size);
+  const cv::Mat1f seen = has_seen ? ReadTruth(files.seen_truth, size) : truth.left;
+  truth.nonoccluded = seen > 0;  // unknown is NaN
+  return truth;
+}
+
+class KittiDataset : public Dataset {
+ public:
+  KittiDataset(const std::string& place, const CaptureConfig& config)
+      : uses_scan_(config.tof() != "none"), beams_(config.beams()) {
+    for (const std::string& frame : KittiPlaces(place)) {
+      const fs::path path(frame);
+      frames_.emplace_back(path.parent_path(), path.filename());
+    }
+    const cv::Size size = ReadImage(frames_.front().left, cv::IMREAD_ANYCOLOR).size();
+    const KittiCalibration calibration = ReadKittiCalibration(frames_.front().calibration, size);
+    rig_.pair = calibration.pair;
+    if (uses_scan_) rig_.tof = TofGridCamera(rig_.pair, 1);
+    left_from_scanner_ = calibration.left_from_scanner;
+    for (const KittiFiles& files : frames_) RequireThisCalibration(files.calibration);
+    Get(0);
+  }
+
+  const Rig& rig() const override { return rig_; }
+  std::optional<int64_t> frame_count() const override { return std::ssize(frames_); }
+
+  DatasetFrame Get(int64_t index) override {
+    assert(index >= 0 && index < std::ssize(frames_));
+    const KittiFiles& files = frames_[static_cast<size_t>(index)];
+    DatasetFrame frame;
+    frame.left = ReadView(files.left);
+    frame.right = ReadView(files.right);
+    if (uses_scan_) frame.tof = ReadTof(files.scan);
+    frame.truth = ReadTruth(files, rig_.pair.size());
+    return frame;
+  }
+
+ private:
+  // A rig has one calibration, and KITTI's recordings have several.
+  void RequireThisCalibration(const fs::path& file) const {
+    const KittiCalibration other = ReadKittiCalibration(file, rig_.pair.size());
+    const Rig rig{.pair = other.pair, .tof = rig_.tof};
+    if (RigId(rig) == RigId(rig_) &&
+        other.left_from_scanner.matrix() == left_from_scanner_.matrix()) {
+      return;
+    }
+    throw ConfigError("calibration " + file.string() + ": not that of " +
+                      frames_.front().calibration.string() +
+                      "; allowed: frames of one calibration, or one frame (kitti:FOLDER/ID)");
+  }
+
+  cv::Mat ReadView(const fs::path& path) const {
+    cv::Mat image = ReadImage(path, cv::IMREAD_ANYCOLOR);
+    RequireSize(path, image.size(), rig_.pair.size());
+    return image;
+  }
+
+  TofImage ReadTof(const fs::path& file) const {
+    const std::vector<Eigen::Vector3d> points = ReadVelodyneScan(file);
+    const TofImage all = TofImageFromScan(points, left_from_scanner_, rig_.pair);
+    if (cv::countNonZero(all.depth_m > 0) == 0) {
+      throw ConfigError("scan " + file.string() +
+                        ": no point falls into the left image; allowed: the scan that calib/ID.txt "
+                        "was made for, or ?tof=none");
+    }
+    return TofImageFromScan(KeepBeams(points, beams_), left_from_scanner_, rig_.pair);
+  }
+
+  bool uses_scan_;
+  int beams_;
+  std::vector<KittiFiles> frames_;
+  Rig rig_;
+  Eigen::Isometry3d left_from_scanner_ = Eigen::Isometry3d::Identity();
+};
+
+}  // namespace
+
+std::vector<std::string> KittiPlaces(const std::string& place) {
+  fs::path path = place;
+  if (!path.has_filename()) path = path.parent_path();  // FOLDER/
+  if (!IsFolder(path / "image_2")) {
+    const KittiFiles files(path.parent_path(), path.filename());
+    if (!IsFile(files.left)) throw BadPlace(place, "no such frame");
+    return {path.string()};
+  }
+  std::vector<std::string> places;
+  for (const std::string& id : FrameIds(path / "image_2")) places.push_back(path / id);
+  if (places.empty()) throw BadPlace(place, "no frame");
+  return places;
+}
+
+std::unique_ptr<Dataset> OpenKitti(const std::string& place, const CaptureConfig& config) {
+  if (config.tof() == "sr4000") {
+    throw ConfigError("capture.tof = sr4000: kitti:" + place +
+                      " has a scan of its own; allowed: the scan (grid, the default), none");
+  }
+  return std::make_unique<KittiDataset>(place, config);
+}
+
+}  // namespace sprout::datasets

@@ -1,0 +1,49 @@
+#ifndef SPROUT_SERVICES_DATASETS_LENS_VIEW_H_
+#define SPROUT_SERVICES_DATASETS_LENS_VIEW_H_
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "common/core/rig.h"
+#include "services/datasets/synthetic_scene.h"
+#include "services/datasets/tof_samples.h"
+
+namespace sprout::datasets {
+
+/// A camera with a real lens, anywhere among the solids of a synthetic scene: rays through its
+/// pixels, several each.
+class LensView {
+ public:
+  using Rotation = Eigen::Quaternion<double, Eigen::DontAlign>;
+
+  /// @param left_from_camera, position_m  pose in the frame of the scene.
+  /// @param rays_per_side  a pixel has the square of it.
+  LensView(const Lens& lens, const Rotation& left_from_camera, const Eigen::Vector3d& position_m,
+           int rays_per_side);
+
+  /// Of all rays: the image, rays_per_side times finer.
+  cv::Size size() const { return size_; }
+
+  /// Called for each ray that meets a solid.
+  /// @param x, y     of the ray, in an image of size().
+  /// @param depth_m  of the nearest solid, along the camera's axis.
+  using Visit = std::function<void(int x, int y, double depth_m, const Vec3& bgr)>;
+
+  /// Casts all rays, rows in parallel.
+  /// @param focal_px  textures are as fine as a camera of that focal length resolves.
+  void Cast(const std::vector<Solid>& solids, double focal_px, const Visit& visit) const;
+
+ private:
+  cv::Size size_;
+  Vec3 origin_;
+  std::vector<Vec3> directions_;
+};
+
+/// What a ToF camera looks at. @pre view has TofSamples::kPerSide rays per side.
+TofSamples RenderTof(const LensView& view, const std::vector<Solid>& solids, double focal_px);
+
+}  // namespace sprout::datasets
+
+#endif  // SPROUT_SERVICES_DATASETS_LENS_VIEW_H_

@@ -1,0 +1,195 @@
+#include "services/datasets/middlebury_source.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <utility>
+
+#include "common/core/image.h"
+#include "services/datasets/middlebury_calibration.h"
+#include "services/datasets/pfm.h"
+#include "services/datasets/read_image.h"
+#include "services/datasets/sr4000.h"
+#include "services/datasets/surface_renderer.h"
+#include "services/datasets/tof_grid.h"
+
+namespace sprout::datasets {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kImageExtensions[] = {".png", ".jpg", ".ppm"};
+constexpr int kFullSizeRows = 1110;
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+std::optional<fs::path> FindImage(const fs::path& folder, const std::string& name) {
+  for (const char* extension : kImageExtensions) {
+    if (fs::path path = folder / (name + extension); IsFile(path)) return path;
+  }
+  return {};
+}
+
+// "view1.png, view1.jpg, view1.ppm"
+std::string Candidates(const std::string& name) {
+  std::string list;
+  for (const char* extension : kImageExtensions) {
+    list += (list.empty() ? "" : ", ") + name + extension;
+  }
+  return list;
+}
+
+fs::path RequireImage(const fs::path& folder, const std::string& name) {
+  if (std::optional<fs::path> path = FindImage(folder, name)) return *path;
+  throw ConfigError("scene " + folder.string() + ": " + name +
+                    " is missing; allowed: " + Candidates(name));
+}
+
+// 8-bit codes to px.
+cv::Mat1f ReadCodes(const fs::path& path, int scale) {
+  const cv::Mat image = ReadImage(path, cv::IMREAD_UNCHANGED);
+  if (image.type() != CV_8UC1) {
+    throw ConfigError("ground truth " + path.string() +
+                      ": not grey with 8 bits; allowed: 8-bit grey disparity codes");
+  }
+  cv::Mat1f disparity(image.size());
+  std::transform(image.begin<uchar>(), image.end<uchar>(), disparity.begin(), [scale](uchar code) {
+    return code == 0 ? kUnknown : static_cast<float>(code) / static_cast<float>(scale);
+  });
+  return disparity;
+}
+
+cv::Mat1f ReadPfmDisparity(const fs::path& path) {
+  cv::Mat1f disparity = ReadPfm(path);
+  for (float& d : disparity) {
+    if (!std::isfinite(d)) d = kUnknown;
+  }
+  return disparity;
+}
+
+void RequireLeftTruth(const fs::path& path, const cv::Mat1f& disparity, cv::Size expected) {
+  RequireSize(path, disparity.size(), expected);
+  if (std::any_of(disparity.begin(), disparity.end(), [](float d) { return !std::isnan(d); })) {
+    return;
+  }
+  throw ConfigError("ground truth " + path.string() +
+                    ": no disparity is known; allowed: at least one, the ToF camera is simulated "
+                    "from them");
+}
+
+struct Scene {
+  RectifiedPair pair;
+  cv::Mat left;
+  cv::Mat right;
+  GroundTruth truth;
+};
+
+Scene ReadImages(const fs::path& left, const fs::path& right) {
+  Scene scene;
+  scene.left = ReadImage(left, cv::IMREAD_ANYCOLOR);
+  scene.right = ReadImage(right, cv::IMREAD_ANYCOLOR);
+  RequireSize(right, scene.right.size(), scene.left.size());
+  return scene;
+}
+
+int ScaleFromRows(int rows) {
+  return std::max(1, static_cast<int>(std::lround(kFullSizeRows / double(rows))));
+}
+
+Scene Read2005(const fs::path& folder, const CaptureConfig& config) {
+  Scene scene = ReadImages(RequireImage(folder, "view1"), RequireImage(folder, "view5"));
+  const cv::Size size = scene.left.size();
+  const int scale = config.gt_scale() > 0 ? config.gt_scale() : ScaleFromRows(size.height);
+  scene.pair = CalibrationFromDmin(folder / "dmin.txt", size, scale);
+
+  const fs::path left = RequireImage(folder, "disp1");
+  scene.truth.left = ReadCodes(left, scale);
+  RequireLeftTruth(left, scene.truth.left, size);
+  if (const std::optional<fs::path> right = FindImage(folder, "disp5")) {
+    scene.truth.right = ReadCodes(*right, scale);
+    RequireSize(*right, scene.truth.right.size(), size);
+  }
+  return scene;
+}
+
+Scene Read2014(const fs::path& folder) {
+  Scene scene = ReadImages(RequireImage(folder, "im0"), RequireImage(folder, "im1"));
+  const cv::Size size = scene.left.size();
+  scene.pair = CalibrationFromCalib(folder / "calib.txt", size);
+
+  const fs::path left = folder / "disp0.pfm";
+  if (!IsFile(left)) {
+    throw ConfigError("scene " + folder.string() + ": disp0 is missing; allowed: disp0.pfm");
+  }
+  scene.truth.left = ReadPfmDisparity(left);
+  RequireLeftTruth(left, scene.truth.left, size);
+  if (const fs::path right = folder / "disp1.pfm"; IsFile(right)) {
+    scene.truth.right = ReadPfmDisparity(right);
+    RequireSize(right, scene.truth.right.size(), size);
+  }
+  return scene;
+}
+
+Scene ReadScene(const fs::path& folder, const CaptureConfig& config) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) {
+    throw ConfigError("capture.source = middlebury:" + folder.string() +
+                      ": no such folder; allowed: the folder of a Middlebury scene");
+  }
+  if (FindImage(folder, "view1")) return Read2005(folder, config);
+  if (FindImage(folder, "im0")) return Read2014(folder);
+  throw ConfigError("scene " + folder.string() + ": no left image; allowed: " +
+                    Candidates("view1") + " (2005, 2006) or " + Candidates("im0") + " (2014)");
+}
+
+class MiddleburyDataset : public Dataset {
+ public:
+  MiddleburyDataset(Scene scene, const CaptureConfig& config) {
+    rig_.pair = scene.pair;
+    if (config.tof() == "sr4000") {
+      const Sr4000 camera(scene.pair, config.sr4000(), config.seed());
+      rig_.tof = camera.calibrated();
+      const Sr4000Frame measured =
+          camera.Measure(RenderSurface({scene.pair, camera.actual()}, scene.truth,
+                                       ToGrey(scene.left), ToGrey(scene.right)),
+                         0);
+      frame_.tof = measured.tof;
+      frame_.unambiguous_range_m = measured.unambiguous_range_m;
+    } else if (config.tof() == "grid") {
+      rig_.tof = TofGridCamera(scene.pair, config.tof_grid_px());
+      frame_.tof = SampleTofGrid(scene.pair, config.tof_grid_px(), scene.truth.left);
+    }
+    frame_.left = std::move(scene.left);
+    frame_.right = std::move(scene.right);
+    frame_.truth = std::move(scene.truth);
+  }
+
+  const Rig& rig() const override { return rig_; }
+  std::optional<int64_t> frame_count() const override { return 1; }
+
+  DatasetFrame Get([[maybe_unused]] int64_t index) override {
+    assert(index == 0);
+    DatasetFrame copy;
+    copy.left = frame_.left.clone();
+    copy.right = frame_.right.clone();
+    copy.tof = {frame_.tof.depth_m.clone(), frame_.tof.amplitude.clone()};
+    copy.truth = {frame_.truth.left.clone(), frame_.truth.right.clone()};
+    copy.unambiguous_range_m = frame_.unambiguous_range_m;
+    return copy;
+  }
+
+ private:
+  Rig rig_;
+  DatasetFrame frame_;
+};
+
+}  // namespace
+
+std::unique_ptr<Dataset> OpenMiddlebury(const std::string& folder, const CaptureConfig& config) {
+  return std::make_unique<MiddleburyDataset>(ReadScene(folder, config), config);
+}
+
+}  // namespace sprout::datasets

@@ -1,0 +1,26 @@
+#ifndef SPROUT_SERVICES_DATASETS_MIDDLEBURY_SOURCE_H_
+#define SPROUT_SERVICES_DATASETS_MIDDLEBURY_SOURCE_H_
+
+#include <memory>
+#include <string>
+
+#include "services/datasets/dataset.h"
+
+namespace sprout::datasets {
+
+/// One frame from a folder in Middlebury's layout, with the ToF camera simulated from the ground
+/// truth: config.tof() = grid from the left one, sr4000 from both.
+///
+/// 2005 and 2006: view1 and view5 (left and right), disp1 (and disp5): 8-bit codes, disparity in
+/// px = code / scale, 0 = unknown; dmin.txt may be missing. The scale is config.gt_scale(), or
+/// follows from the height of the image (1110 rows = 1).
+/// 2014: im0 and im1, disp0.pfm (and disp1.pfm): px, inf = unknown; calib.txt.
+/// Images end in .png, .jpg or .ppm, the first that exists counts; alpha is dropped.
+///
+/// Everything is read at once; Get() copies, so that nobody changes the frame that is sent again.
+/// @throws ConfigError naming what is missing or wrong, and where.
+std::unique_ptr<Dataset> OpenMiddlebury(const std::string& folder, const CaptureConfig& config);
+
+}  // namespace sprout::datasets
+
+#endif  // SPROUT_SERVICES_DATASETS_MIDDLEBURY_SOURCE_H_

@@ -1,0 +1,47 @@
+#include "services/datasets/source_options.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "common/core/number_text.h"
+
+namespace sprout::datasets {
+
+std::vector<SourceOption> SourceOptions(std::string_view text) {
+  std::vector<SourceOption> options;
+  while (true) {
+    const size_t end = std::min(text.find('&'), text.size());
+    const std::string_view option = text.substr(0, end);
+    const size_t equals = std::min(option.find('='), option.size());
+    options.push_back({.text = option,
+                       .name = option.substr(0, equals),
+                       .value = option.substr(std::min(equals + 1, option.size()))});
+    if (end == text.size()) return options;
+    text.remove_prefix(end + 1);
+  }
+}
+
+SplitSourceText SplitSource(std::string_view source) {
+  const size_t question = source.rfind('?');
+  if (question == std::string_view::npos) return {std::string(source), {}};
+  return {std::string(source.substr(0, question)), SourceOptions(source.substr(question + 1))};
+}
+
+bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config) {
+  if (option.name != "blind" && option.name != "wrapped" && option.name != "calibration") {
+    return false;
+  }
+  const std::optional<double> number = ParseNumber<double>(option.value);
+  if (!number) {
+    throw ConfigError("sr4000?" + std::string(option.text) +
+                      ": not a number; allowed: " + std::string(kSr4000Options));
+  }
+  if (option.name == "blind") config.set_blind_percent(*number);
+  if (option.name == "wrapped") config.set_wrapped_percent(*number);
+  if (option.name == "calibration") config.set_calibration_error_px(*number);
+  RequireInRange(config, "capture.sr4000");
+  return true;
+}
+
+}  // namespace sprout::datasets

@@ -1,0 +1,41 @@
+#ifndef SPROUT_SERVICES_DATASETS_SOURCE_OPTIONS_H_
+#define SPROUT_SERVICES_DATASETS_SOURCE_OPTIONS_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/config/config.h"
+
+namespace sprout::datasets {
+
+/// One "name=value" behind the '?' of a source.
+struct SourceOption {
+  std::string_view text;  ///< all of it
+  std::string_view name;
+  std::string_view value;  ///< empty when there is no '='
+};
+
+/// The options of "a=1&b=2"; they point into the text.
+std::vector<SourceOption> SourceOptions(std::string_view text);
+
+/// A source without its options, and those.
+struct SplitSourceText {
+  std::string place;                  ///< "log:FILE"
+  std::vector<SourceOption> options;  ///< point into the source's text
+};
+
+/// Splits at the last '?', as a file's name may hold one too.
+SplitSourceText SplitSource(std::string_view source);
+
+/// What can be said about a simulated SR4000 behind "sr4000", for messages to people.
+inline constexpr std::string_view kSr4000Options = "&blind=P (%), &wrapped=P (%), &calibration=PX";
+
+/// Applies blind=P (blind_percent), wrapped=P (wrapped_percent) or calibration=PX
+/// (calibration_error_px). @returns whether the option is one of them.
+/// @throws ConfigError when the value is no number or out of range.
+bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config);
+
+}  // namespace sprout::datasets
+
+#endif  // SPROUT_SERVICES_DATASETS_SOURCE_OPTIONS_H_

@@ -1,0 +1,29 @@
+#ifndef SPROUT_SERVICES_DATASETS_TOF_SAMPLES_H_
+#define SPROUT_SERVICES_DATASETS_TOF_SAMPLES_H_
+
+#include <limits>
+#include <opencv2/core.hpp>
+
+namespace sprout::datasets {
+
+/// What a ToF camera looks at, finer than its pixels: kPerSide × kPerSide samples a ToF pixel.
+struct TofSamples {
+  static constexpr int kPerSide = 4;
+
+  /// Nothing known anywhere.
+  explicit TofSamples(cv::Size tof_size)
+      : depth_m(tof_size * kPerSide, std::numeric_limits<float>::quiet_NaN()),
+        albedo(tof_size * kPerSide, 0.f) {}
+
+  /// Column (row) of the ToF image, px, that column (row) `index` of the samples lies at.
+  static double TofPixel(int index) { return (index + 0.5) / kPerSide - 0.5; }
+  /// The inverse, for any position.
+  static double SamplePosition(double tof_px) { return (tof_px + 0.5) * kPerSide - 0.5; }
+
+  cv::Mat1f depth_m;  ///< z along the ToF axis, m; NaN = unknown
+  cv::Mat1f albedo;   ///< 0 to 1; 0 where the depth is unknown
+};
+
+}  // namespace sprout::datasets
+
+#endif  // SPROUT_SERVICES_DATASETS_TOF_SAMPLES_H_

@@ -1,0 +1,63 @@
+#ifndef SPROUT_SERVICES_LOG_FRAME_TRUTH_H_
+#define SPROUT_SERVICES_LOG_FRAME_TRUTH_H_
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+
+#include "common/core/frame.h"
+#include "services/datasets/dataset.h"
+
+namespace sprout::log {
+
+/// The true disparity of a frame's left image.
+struct FrameTruth {
+  cv::Mat1f disparity_px;  ///< NaN or infinite = unknown; empty without ground truth
+  cv::Mat1b non_occluded;  ///< see NonOccludedMask(); empty without ground truth
+};
+
+/// The ground truth of the frames of a log that capture sent from a scene, and how right their maps
+/// are.
+class LogTruth {
+ public:
+  /// @param source  capture's, such as "middlebury:DIR"; empty: nothing is known.
+  /// @throws ConfigError when it cannot be opened.
+  explicit LogTruth(const std::string& source);
+  ~LogTruth();
+
+  /// Takes note of the frame's seeds and scores its maps.
+  /// @returns the truth of frame `seq`: of a scene that capture repeated, of its frame `seq` modulo
+  /// the number of frames. Empty without a source.
+  /// @throws ConfigError when a map of the frame has another size.
+  const FrameTruth& Add(const Frame& frame);
+
+  /// What became of the newest frame's seeds, and a table of density and share of correct pixels
+  /// (≤ 1 px, of those that both cameras see) of each map, means over the frames; nothing without
+  /// seeds and maps.
+  std::string Text() const;
+
+ private:
+  struct MapSum {
+    int64_t frames = 0;
+    double density_percent = 0;
+    double correct_percent = 0;
+  };
+
+  void AddMap(MapSum& sum, const DisparityImage& map);
+  void Load(int64_t seq);
+
+  std::string source_;
+  std::unique_ptr<datasets::Dataset> dataset_;
+  std::optional<int64_t> loaded_;  // the frame of the dataset in truth_
+  FrameTruth truth_;
+  std::array<MapSum, 3> maps_;  // in the order of kMapNames
+  std::optional<SeedSet> newest_seeds_;
+  int64_t newest_seq_ = 0;
+};
+
+}  // namespace sprout::log
+
+#endif  // SPROUT_SERVICES_LOG_FRAME_TRUTH_H_
