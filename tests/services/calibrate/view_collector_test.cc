@@ -64,8 +64,8 @@ TEST_F(ViewCollectorTest, LeavesOutImagesOfAnotherSizeAndWithoutBoard) {
 }
 
 TEST_F(ViewCollectorTest, TakesTheSizeOfTheFirstViewNotOfAStrayFrame) {
-  const RigImages stray{.left = cv::Mat1b(16, 20, uchar{80}),
-                        .right = cv::Mat1b(16, 20, uchar{80})};
+  const cv::Mat1b wall(16, 20, uchar{80});
+  const RigImages stray{.left = wall, .right = wall, .tof = {}};
   collector_.Add(stray, std::nullopt);
   collector_.Add(At(0), std::nullopt);
   collector_.Add(stray, std::nullopt);
