@@ -1,6 +1,6 @@
 #include "common/app/log_limiter.h"
 
-#include <spdlog/spdlog.h>
+#include "common/app/log.h"
 
 #include <utility>
 
@@ -22,7 +22,7 @@ std::string MoreText(int64_t held_back) {
 void LimitedWarnings::Warn(const std::string& text) {
   const std::lock_guard lock(mutex_);
   if (const auto held_back = limiter_.Pass(std::chrono::steady_clock::now())) {
-    spdlog::warn("{}{}", text, MoreText(*held_back));
+    LogLine(LogLevel::kWarning, "{}{}", text, MoreText(*held_back));
   }
 }
 

@@ -52,6 +52,8 @@ int RunCheck(const CheckOptions& options) {
     parts.Add(Part::kRig);
   } else {
     rectifier.emplace(RequireCalibration(LoadRigFile(options.rig), options.rig));
+    const std::string warning = ViewsWarning(rectifier->views());
+    if (!warning.empty()) std::cerr << "sprout-calibrate: " << warning << "\n";
     prefix += kRawPrefix;
   }
   const int64_t frames = CountEvents(options.log, prefix + std::string(ChannelOf(Part::kLeft)));

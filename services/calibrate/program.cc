@@ -153,6 +153,13 @@ std::runtime_error NoCalibration(const std::string& why, const ViewCounts& count
   return std::runtime_error(text);
 }
 
+// A calibration that is not good must not take the place of one that may be.
+fs::path FileFor(const Calibration& calibration, const fs::path& out) {
+  if (calibration.quality.is_good()) return out;
+  fs::path beside = out;
+  return beside.replace_filename(out.stem().string() + ".not_good" + out.extension().string());
+}
+
 int RunEstimate(const Options& options) {
   const Board board = BoardOf(options.board);
   RigDescription rig;
@@ -166,13 +173,17 @@ int RunEstimate(const Options& options) {
 
   const std::string counts_text = CountsText(counts, views);
   *rig.mutable_calibration() = ToCalibration(calibration->rig);
-  if (const Result<void> saved = SaveRigFile(options.out, rig); !saved) {
+  const fs::path file = FileFor(*calibration, options.out);
+  if (const Result<void> saved = SaveRigFile(file, rig); !saved) {
     throw std::runtime_error(saved.error().text);
   }
   if (!options.report.empty()) {
     Write(options.report, ReportHtml(*calibration, collector.best_images(), counts_text));
   }
   std::cout << counts_text << "\n" << SummaryText(*calibration);
+  if (file != options.out) {
+    std::cout << fmt::format("not written to {}, but to {}\n", options.out.string(), file.string());
+  }
   return calibration->quality.is_good() ? 0 : 1;
 }
 
@@ -197,7 +208,9 @@ void AddEstimate(CLI::App& program, Options& options) {
       ->check(CLI::ExistingPath);
   AddBoardFlags(flags, options.board);
   flags.add_option("--rig", options.rig, "Rig file whose devices are kept")->type_name("FILE");
-  flags.add_option("--out", options.out, "Rig file to write")->required()->type_name("FILE");
+  flags.add_option("--out", options.out, "Rig file to write; what is not good goes beside it")
+      ->required()
+      ->type_name("FILE");
   flags.add_option("--report", options.report, "HTML page to write")->type_name("FILE");
   flags.add_option("--channel-prefix", options.prefix, "Before the channels in the log")
       ->type_name("TEXT");

@@ -58,6 +58,7 @@ CameraQuality QualityOfCamera(const RefinedModel& refined, CameraIndex camera,
 void AddEpipolar(const RawRig& rig, const std::vector<BoardView>& views,
                  CalibrationQuality& quality) {
   const Rectifier rectifier(rig);
+  quality.views = rectifier.views();
   std::vector<double> errors;
   for (const BoardView& view : views) {
     const BoardCorners& left = view.corners[kLeft];

@@ -45,8 +45,8 @@ class CaptureFeed {
 };
 
 struct FeedOptions {
-  bool loop = false;     ///< start again at the end
-  bool raw = false;      ///< frames of cameras as they see them, for channels with kRawPrefix
+  bool loop = false;  ///< start again at the end
+  bool raw = false;   ///< frames of cameras as they see them, for channels with kRawPrefix
   datasets::Waiting waiting = {};  ///< called while Next() waits for cameras
 };
 

@@ -52,6 +52,7 @@ class Capture {
         publisher_(context.lcm_url, context.prefix),
         answers_(context, monitor_, options.wait_for, options.lockstep.has_value()),
         reporter_(context, monitor_),
+        source_(context.config.capture().source()),
         rate_hz_(context.config.capture().rate_hz()) {}
 
   int Run() {
@@ -65,7 +66,7 @@ class Capture {
     }
     WaitForRoom(0);
     Report(Clock::now() - started);
-    return 0;
+    return sent_ > 0 || stop_.stop_requested() ? 0 : SayNothingCame();
   }
 
  private:
@@ -117,6 +118,14 @@ class Capture {
             "sent {} frames in {:.2f} s, {} again for want of an answer; {} could not be sent",
             status.frames_out, std::chrono::duration<double>(time).count(), status.frames_resent,
             status.frames_failed);
+  }
+
+  // The exit code.
+  int SayNothingCame() const {
+    const std::string why = monitor_.Snapshot().last_error;
+    spdlog::error("capture.source = {}: it gave no frame{}", source_,
+                  why.empty() ? "" : " (" + why + ")");
+    return 1;
   }
 
   bool WaitForStages() {
@@ -211,6 +220,7 @@ class Capture {
   Answers answers_;
   StatusReporter reporter_;
   int64_t sent_ = 0;
+  std::string source_;
   double rate_hz_;
   int64_t late_ = 0;  // frames that were taken more than an interval too late
   Clock::time_point next_late_ = Clock::now() + std::chrono::seconds(2);  // rates need some frames

@@ -15,6 +15,13 @@ namespace {
 
 constexpr std::string_view kLog = "log:";
 
+Rectifier OpenRectifier(const RawRig& rig, StageMonitor& monitor) {
+  Rectifier rectifier(rig);
+  const std::string warning = ViewsWarning(rectifier.views());
+  if (!warning.empty()) monitor.Warn(warning);
+  return rectifier;
+}
+
 std::unique_ptr<CaptureFeed> OpenLog(const std::string& source, bool loop, StageMonitor& monitor) {
   const auto [place, options] = datasets::SplitSource(source);
   const std::string path = place.substr(kLog.size());
@@ -31,7 +38,7 @@ std::unique_ptr<CaptureFeed> OpenLog(const std::string& source, bool loop, Stage
     }
   }
   if (!rig) return OpenLogFeed(path, prefix, loop, monitor);
-  const Rectifier rectifier(RequireCalibration(LoadRigFile(*rig), *rig));
+  const Rectifier rectifier = OpenRectifier(RequireCalibration(LoadRigFile(*rig), *rig), monitor);
   return OpenRawLogFeed(path, prefix, rectifier, loop, monitor);
 }
 
@@ -44,8 +51,8 @@ std::unique_ptr<CaptureFeed> OpenCameraFeed(const CaptureConfig& config, const F
                       ": no calibration; allowed: ?rig=FILE with one that sprout-calibrate has "
                       "written, or --raw");
   }
-  return FeedFrom(Rectified(std::move(opened.cameras), Rectifier(*opened.calibration)), config,
-                  monitor);
+  Rectifier rectifier = OpenRectifier(*opened.calibration, monitor);
+  return FeedFrom(Rectified(std::move(opened.cameras), std::move(rectifier)), config, monitor);
 }
 
 }  // namespace
