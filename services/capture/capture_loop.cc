@@ -123,8 +123,8 @@ class Capture {
   // The exit code.
   int SayNothingCame() const {
     const std::string why = monitor_.Snapshot().last_error;
-    spdlog::error("capture.source = {}: it gave no frame{}", source_,
-                  why.empty() ? "" : " (" + why + ")");
+    LogLine(LogLevel::kError, "capture.source = {}: it gave no frame{}", source_,
+            why.empty() ? "" : " (" + why + ")");
     return 1;
   }
 
