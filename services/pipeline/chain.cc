@@ -12,8 +12,8 @@ const SproutConfig& InRange(const SproutConfig& config) {
   return config;
 }
 
-void AddTo(Frame& frame, Outcome&& outcome, const char* stage, ChainReport& report) {
-  for (Output& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
+void AddTo(Frame& frame, StageResult&& outcome, const char* stage, ChainReport& report) {
+  for (PartOutput& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
   if (outcome.degenerate.empty()) return;
   report.warnings.push_back(std::string(stage) + ": " + outcome.degenerate);
 }
@@ -35,7 +35,7 @@ ChainReport Chain::Run(Frame& frame, ChainObserver& observer, ChainStep last) {
     return result;
   };
   if (!frame.seeds) {
-    Outcome outcome = run(ChainStep::kRefine, [&] { return refine_.Process(frame); });
+    StageResult outcome = run(ChainStep::kRefine, [&] { return refine_.Process(frame); });
     report.tof_offset = outcome.tof_offset;
     AddTo(frame, std::move(outcome), "refine", report);
     observer.Refined(*frame.seeds, *frame.left_seeds);

@@ -6,9 +6,9 @@
 
 #include "common/config/config.h"
 #include "common/core/frame.h"
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
+#include "services/grow/grow_adapter.h"
+#include "services/prior/prior_adapter.h"
+#include "services/refine/refine_adapter.h"
 
 namespace sprout {
 
@@ -31,7 +31,7 @@ struct ChainReport {
   /// Why a stage had nothing to give ("refine: no ToF point has a return"), one line each; empty
   /// when all is well.
   std::vector<std::string> warnings;
-  TofOffsetStatus tof_offset;  ///< see Outcome
+  TofOffsetStatus tof_offset;  ///< see StageResult
 };
 
 /// refine, prior and grow on one frame, as the services of these names compute it, to the byte. The
@@ -51,9 +51,9 @@ class Chain {
 
  private:
   bool grows_with_prior_;
-  refine::RefinePlug refine_;
-  prior::PriorPlug prior_;
-  grow::GrowPlug grow_;
+  refine::RefineAdapter refine_;
+  prior::PriorAdapter prior_;
+  grow::GrowAdapter grow_;
 };
 
 }  // namespace sprout
