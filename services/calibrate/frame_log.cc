@@ -1,6 +1,6 @@
 #include "services/calibrate/frame_log.h"
 
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <cstdint>
 #include <vector>
