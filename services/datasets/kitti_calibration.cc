@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/number_text.h"
 #include "common/core/read_text.h"
 

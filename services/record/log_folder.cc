@@ -8,14 +8,14 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <ctime>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
+#include "common/core/number_text.h"
 
 namespace sprout::record {
 namespace {
@@ -95,11 +95,9 @@ std::string MbText(int64_t bytes) {
 std::optional<int64_t> RecordingNumber(const fs::path& path) {
   const std::string name = path.filename();
   if (!name.starts_with(kNameBegin) || !name.ends_with(kNameEnd)) return std::nullopt;
-  int64_t number = 0;
-  const char* const begin = name.data() + kNameBegin.size();
-  const auto [end, error] = std::from_chars(begin, name.data() + name.size(), number);
-  if (error != std::errc() || *begin == '-' || *end != '_') return std::nullopt;
-  return number;
+  const std::string_view rest = std::string_view(name).substr(kNameBegin.size());
+  if (rest.starts_with('-') || rest.find('_') == std::string_view::npos) return std::nullopt;
+  return ParseNumber<int64_t>(rest.substr(0, rest.find('_')));
 }
 
 LogFolder::LogFolder(LogFolderOptions options, LastWords last_words)

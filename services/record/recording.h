@@ -14,7 +14,7 @@
 #include "common/app/service_context.h"
 #include "common/app/stage_monitor.h"
 #include "common/bus/receiver.h"
-#include "common/bus/sequence_gaps.h"
+#include "common/frames/sequence_gaps.h"
 #include "common/core/frame.h"
 #include "services/record/event_queue.h"
 #include "services/record/log_folder.h"

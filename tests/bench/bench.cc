@@ -1,9 +1,7 @@
 // Times of every stage and of the whole chain beside OpenCV's semi-global matching on the same
 // images, for scripts/bench. Each benchmark is called PART/PRESET/MEGAPIXELS/THREADS and gives the
 // time of one frame, the mean over the scenes. default-blind50 and default-none are preset default
-// with half of the ToF returns, and without any; default-confidence is the preset as it stands,
-// with the confidence that it publishes. rectify/colour has a coloured left image. Memory is that
-// of a plain process: a service would keep it from frame to frame, see Service.
+// with half of the ToF returns, and without any. rectify/colour has a coloured left image.
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>
@@ -18,9 +16,9 @@
 
 #include "common/config/config.h"
 #include "common/rig/rectifier.h"
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
+#include "services/grow/grow_adapter.h"
+#include "services/prior/prior_adapter.h"
+#include "services/refine/refine_adapter.h"
 #include "tests/bench/bench_frame.h"
 
 namespace sprout {
@@ -51,19 +49,14 @@ const std::vector<BenchFrame>& FramesOf(cv::Size size) {
   return frames;
 }
 
-// What is measured of the chain.
-struct Variant {
-  std::string preset;
-  double lost = 0;          // share of the ToF returns that are taken away
-  bool confidence = false;  // OpenCV's methods give none
-};
-
-// The plugs of the services, one object a stage for all frames.
+// The adapters of the services, one object a stage for all frames; the chain with everything that
+// the preset publishes.
 struct Chain {
-  Chain(const SproutConfig& config, bool confidence)
+  explicit Chain(const SproutConfig& config)
       : refine(config.refine()),
         prior(config.prior()),
-        grow(confidence ? config.grow() : WithoutConfidence(config.grow())) {}
+        grow(config.grow()),
+        fill(WithoutConfidence(config.grow())) {}
 
   static GrowConfig WithoutConfidence(GrowConfig config) {
     config.set_publish_confidence(false);
@@ -71,23 +64,22 @@ struct Chain {
     return config;
   }
 
-  refine::RefinePlug refine;
-  prior::PriorPlug prior;
-  grow::GrowPlug grow;
+  refine::RefineAdapter refine;
+  prior::PriorAdapter prior;
+  grow::GrowAdapter grow;
+  grow::GrowAdapter fill;  // finishes without the confidence
 };
 
 // What goes into each stage: a frame with what all of them made of it.
 struct Inputs {
   Frame frame;
-  grow::GrowPlug::Growth growth;
+  grow::GrowAdapter::Growth growth;
 };
 
-enum class BenchPart { kRefine, kPrior, kGrow, kFill, kChain };
-constexpr std::pair<BenchPart, const char*> kBenchParts[] = {{BenchPart::kRefine, "refine"},
-                                                             {BenchPart::kPrior, "prior"},
-                                                             {BenchPart::kGrow, "grow"},
-                                                             {BenchPart::kFill, "fill"},
-                                                             {BenchPart::kChain, "chain"}};
+enum class BenchPart { kRefine, kPrior, kGrow, kFill, kFinish, kChain };
+constexpr std::pair<BenchPart, const char*> kBenchParts[] = {
+    {BenchPart::kRefine, "refine"}, {BenchPart::kPrior, "prior"},   {BenchPart::kGrow, "grow"},
+    {BenchPart::kFill, "fill"},     {BenchPart::kFinish, "finish"}, {BenchPart::kChain, "chain"}};
 
 void RunPart(BenchPart part, Chain& chain, Inputs& in) {
   switch (part) {
@@ -101,12 +93,15 @@ void RunPart(BenchPart part, Chain& chain, Inputs& in) {
       benchmark::DoNotOptimize(chain.grow.Grow(in.frame));
       return;
     case BenchPart::kFill:
+      benchmark::DoNotOptimize(chain.fill.Finish(in.frame, in.growth));
+      return;
+    case BenchPart::kFinish:
       benchmark::DoNotOptimize(chain.grow.Finish(in.frame, in.growth));
       return;
     case BenchPart::kChain:
-      RunPlug(chain.refine, in.frame);
-      RunPlug(chain.prior, in.frame);
-      RunPlug(chain.grow, in.frame);
+      AddAnswer(chain.refine, in.frame);
+      AddAnswer(chain.prior, in.frame);
+      AddAnswer(chain.grow, in.frame);
   }
 }
 
@@ -120,23 +115,24 @@ void RunOnAllScenes(benchmark::State& state, cv::Size size, size_t scenes, const
   state.counters["pixels"] = size.area();
 }
 
-void MeasurePart(benchmark::State& state, BenchPart part, const Variant& variant, cv::Size size,
-                 int threads) {
+// @param lost  share of the ToF returns that are taken away.
+void MeasurePart(benchmark::State& state, BenchPart part, const std::string& preset, double lost,
+                 cv::Size size, int threads) {
   cv::setNumThreads(threads);
-  Chain chain(LoadConfig({variant.preset}), variant.confidence);
+  Chain chain(LoadConfig({preset}));
   std::vector<BenchFrame> frames = FramesOf(size);
   std::vector<Inputs> inputs;
   for (BenchFrame& bench : frames) {
     bench.frame.tof.depth_m = bench.frame.tof.depth_m.clone();
-    LoseDarkReturns(variant.lost, bench);
+    LoseDarkReturns(lost, bench);
     Frame frame;
     frame.left = bench.frame.left;
     frame.right = bench.frame.right;
     frame.tof = bench.frame.tof;
     frame.rig = bench.rig;
-    RunPlug(chain.refine, frame);
-    RunPlug(chain.prior, frame);
-    grow::GrowPlug::Growth growth = chain.grow.Grow(frame);
+    AddAnswer(chain.refine, frame);
+    AddAnswer(chain.prior, frame);
+    grow::GrowAdapter::Growth growth = chain.grow.Grow(frame);
     inputs.push_back({std::move(frame), std::move(growth)});
   }
   RunOnAllScenes(state, size, inputs.size(),
@@ -208,16 +204,13 @@ void RegisterAll() {
       for (const std::string preset : {"fast", "default"}) {
         for (const auto& [part, name] : kBenchParts) {
           Register(std::string(name) + "/" + preset + where, [=](benchmark::State& state) {
-            MeasurePart(state, part, {.preset = preset}, size, threads);
+            MeasurePart(state, part, preset, /*lost=*/0, size, threads);
           });
         }
       }
-      for (const auto& [name, variant] :
-           {std::pair<const char*, Variant>{"blind50", {.preset = "default", .lost = 0.5}},
-            {"none", {.preset = "default", .lost = 1}},
-            {"confidence", {.preset = "default", .confidence = true}}}) {
+      for (const auto& [name, lost] : {std::pair{"blind50", 0.5}, {"none", 1.0}}) {
         Register(std::string("chain/default-") + name + where, [=](benchmark::State& state) {
-          MeasurePart(state, BenchPart::kChain, variant, size, threads);
+          MeasurePart(state, BenchPart::kChain, "default", lost, size, threads);
         });
       }
     }

@@ -1,6 +1,6 @@
 // Reads what sprout_bench measured, and prints and writes what it comes to: ratios first.
 //   sprout_bench_summary TIMES.json GRAPH.json|- BASELINE.json|- SUMMARY.json
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <fstream>
@@ -82,7 +82,7 @@ void PrintSummary(const ordered_json& summary) {
   for (const auto& [preset, sizes] : summary.at("chain_vs_sgbm_3way").items()) {
     for (const auto& [megapixels, threads] : sizes.items()) {
       for (const auto& [count, ratio] : threads.items()) {
-        fmt::print("  {:18} {:>5} MP, {} thread(s): {:5.2f}\n", preset, megapixels, count,
+        fmt::print("  {:8} {:>5} MP, {} thread(s): {:5.2f}\n", preset, megapixels, count,
                    ratio.get<double>());
       }
     }
@@ -91,7 +91,7 @@ void PrintSummary(const ordered_json& summary) {
   for (const auto& [preset, sizes] : summary.at("grow_ns_per_px").items()) {
     for (const auto& [megapixels, threads] : sizes.items()) {
       for (const auto& [count, ns] : threads.items()) {
-        fmt::print("  {:18} {:>5} MP, {} thread(s): {:5.1f}\n", preset, megapixels, count,
+        fmt::print("  {:8} {:>5} MP, {} thread(s): {:5.1f}\n", preset, megapixels, count,
                    ns.get<double>());
       }
     }
@@ -99,13 +99,13 @@ void PrintSummary(const ordered_json& summary) {
 }
 
 void PrintTimes(const std::vector<Measured>& all, const std::vector<Measured>& baseline) {
-  fmt::print("{:10} {:18} {:>5} {:>7} {:>10} {:>10} {:>12}\n", "part", "preset", "MP", "threads",
+  fmt::print("{:10} {:8} {:>5} {:>7} {:>10} {:>10} {:>12}\n", "part", "preset", "MP", "threads",
              "ms", "CPU ms", "vs baseline");
   for (const Measured& one : all) {
     const Measured* before = Find(baseline, one.part, one.preset, one);
     const std::string change =
         before == nullptr ? "" : fmt::format("{:+.1f} %", (one.cpu_ms / before->cpu_ms - 1) * 100);
-    fmt::print("{:10} {:18} {:>5} {:>7} {:10.2f} {:10.2f} {:>12}\n", one.part, one.preset,
+    fmt::print("{:10} {:8} {:>5} {:>7} {:10.2f} {:10.2f} {:>12}\n", one.part, one.preset,
                one.megapixels, one.threads, one.ms, one.cpu_ms, change);
   }
 }

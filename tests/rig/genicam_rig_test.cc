@@ -18,6 +18,7 @@
 #include <set>
 #include <thread>
 
+#include "common/core/sleep.h"
 #include "common/rig/rig_file.h"
 #include "services/capture/genicam/discovery.h"
 #include "services/capture/genicam/genicam_source.h"
@@ -151,10 +152,7 @@ class GenicamRig : public testing::Test {
              seconds limit = seconds(30)) {
     std::stop_source stop;
     const std::jthread timer([&](const std::stop_token& done) {
-      std::mutex mutex;
-      std::condition_variable_any wait;
-      std::unique_lock lock(mutex);
-      wait.wait_for(lock, done, limit, [] { return false; });
+      SleepFor(limit, done);
       stop.request_stop();
     });
     Tally tally;
@@ -262,7 +260,8 @@ TEST_F(GenicamRig, GivesTripletsThatWereTakenTogether) {
   for (const auto trigger : {RigDescription::FREE_RUN, RigDescription::SOFTWARE}) {
     const auto source = capture::OpenGenicam(Description(trigger), "rig");
     // The cameras start one after the other.
-    Take(*source, 3, [](const datasets::CapturedFrame& frame) { return !frame.tof.depth_m.empty(); });
+    Take(*source, 3,
+         [](const datasets::CapturedFrame& frame) { return !frame.tof.depth_m.empty(); });
     const Tally tally = Take(*source, 20);
     std::cout << tally << "\n";
     EXPECT_EQ(PairsNotDelivered(tally), 0);
@@ -298,7 +297,7 @@ TEST_F(GenicamRig, WaitsForACameraWhoseCableIsPulled) {
   std::jthread somebody([&] {
     rig_.Unplug("RIGHT");
     EXPECT_TRUE(log_.Says("waiting for the cameras: right camera (serial RIGHT): "));
-    rig_.Plug("RIGHT");
+    rig_.StageAdapter("RIGHT");
   });
   const Tally back = Take(*source, 20);
   somebody.join();

@@ -27,11 +27,10 @@ namespace {
 using std::chrono::seconds;
 using testing::HasSubstr;
 
-constexpr const char* kStages[] = {"refine", "prior", "grow"};
 constexpr int64_t kHourUs = 3'600'000'000;
 
 void StartStages(Graph& graph, const std::vector<std::string>& flags = {"--config", "default"}) {
-  for (const char* stage : kStages) graph.Start(stage, flags);
+  for (const char* stage : kChain) graph.Start(stage, flags);
 }
 
 std::map<GraphRecord::Key, GraphRecord::Heard> FramesOf(GraphRecord& record) {
@@ -86,7 +85,7 @@ TEST(ClockSystem, AnHourOffEitherWayLosesNothingAndIsSaid) {
   for (int64_t seq = 0; seq < 15; ++seq) send(seq, -2 * kHourUs);  // and earlier
   EXPECT_TRUE(graph.WaitUntil([&](Graph& g) { return g.statuses["grow"].frames_out == sent; }));
   graph.WaitUntil([](Graph& g) {
-    for (const char* stage : kStages) {
+    for (const char* stage : kChain) {
       EXPECT_EQ(CountedLost(g.statuses[stage]), 0) << stage;
       EXPECT_LT(g.statuses[stage].age.p50_ms, 3.0 * 3'600'000) << stage;
     }

@@ -60,7 +60,7 @@ void CopyRawChannels(const std::filesystem::path& from, const std::filesystem::p
 // they gave is in the log.
 void RecordLiveRun(const std::filesystem::path& log, const std::string& source, int frames) {
   Graph graph;
-  for (const char* stage : {"refine", "prior", "grow"}) graph.Start(stage, {"--config", "default"});
+  graph.StartChain();
   Process logger({"lcm-logger", "-m", "1000", std::string("--lcm-url=") + kDefaultLcmUrl, log});
   // A status in the log shows that the logger listens.
   ASSERT_TRUE(Eventually([&] { return HasBytes(log); })) << logger.Output();

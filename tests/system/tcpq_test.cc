@@ -19,7 +19,6 @@ namespace sprout {
 namespace {
 
 constexpr const char* kUrl = "tcpq://127.0.0.1:7700";
-constexpr const char* kStages[] = {"refine", "prior", "grow"};
 
 class TcpqSystem : public ::testing::Test {
  protected:
@@ -28,7 +27,7 @@ class TcpqSystem : public ::testing::Test {
     StartServer();
     record_ = std::make_unique<GraphRecord>(kUrl);
     graph_ = std::make_unique<Graph>("", kUrl);
-    for (const char* stage : kStages) graph_->Start(stage, {"--config", "default"});
+    graph_->StartChain();
   }
 
   void StartServer() {
@@ -88,7 +87,7 @@ TEST_F(TcpqSystem, TheGraphGoesOnWhenTheServerIsBackAndCountsWhatWasLost) {
   // first.
   EXPECT_TRUE(record_->WaitUntil([&](GraphRecord& r) {
     frames = r.frames;
-    return std::all_of(std::begin(kStages), std::end(kStages), [&](const char* stage) {
+    return std::all_of(std::begin(kChain), std::end(kChain), [&](const char* stage) {
       const StageStatus& status = r.statuses[graph_->process(stage).pid()];
       const int64_t last = frames.rbegin()->first.second;
       const int64_t first = frames.begin()->first.second;
