@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -66,9 +65,7 @@ std::vector<std::string> Flags(const BatchFolder& folder, const SlurmOptions& op
 }  // namespace
 
 std::string ActiveJobs(const BatchFolder& folder) {
-  std::ifstream file(SlurmFolder(folder) / "jobs");
-  std::string jobs;
-  if (!std::getline(file, jobs) || jobs.empty()) return "";
+  const std::string jobs = FirstLineOf(SlurmFolder(folder) / "jobs");
   std::string active;
   for (size_t at = 0; at < jobs.size();) {
     const std::string job = jobs.substr(at, jobs.find(',', at) - at);

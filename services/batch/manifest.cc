@@ -4,14 +4,15 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
+#include "common/core/read_text.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/json_fields.h"
 #include "services/batch/names.h"
@@ -173,8 +174,12 @@ void AddLog(const std::string& line, Manifest& manifest, std::set<std::string>& 
 
 // Reads a manifest, which may come from anywhere, until `take` says to stop.
 Manifest ReadLines(const fs::path& path, const TakeShard& take) {
-  std::ifstream file(path);
-  if (!file) throw ConfigError(path.string() + ": no batch here; sprout-batch run begins one");
+  const Result<std::string> text = ReadText(path, kMaxListBytes);
+  if (!text) {
+    throw ConfigError(path.string() + ": " + text.error().text +
+                      ": no batch here; sprout-batch run begins one");
+  }
+  std::istringstream file(*text);
   Manifest manifest;
   std::set<std::string> names;
   std::string line;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numeric>
 #include <set>
 #include <sstream>
@@ -53,7 +52,7 @@ details { margin: .2em 0 1em; } summary { cursor: pointer; color: #444; }
 std::string Number(double value) { return std::isnan(value) ? "-" : fmt::format("{:.4g}", value); }
 
 std::vector<std::string> LinesOf(const fs::path& path) {
-  std::ifstream file(path);
+  std::istringstream file(ReadText(path).value_or(""));
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) lines.push_back(line);
   return lines;

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 #include <sstream>
 #include <vector>
 
@@ -22,10 +21,7 @@ namespace fs = std::filesystem;
 // "DIGEST" of what follows, then "DIGEST BYTES NAME" a line.
 constexpr char kList[] = "files.txt";
 
-std::string TextOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+std::string TextOf(const fs::path& path) { return ReadText(path, kMaxListBytes).value_or(""); }
 
 std::string ListOf(const fs::path& folder) {
   std::vector<fs::path> files;

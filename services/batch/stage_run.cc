@@ -2,7 +2,6 @@
 
 #include <cinttypes>
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "common/core/host_name.h"
@@ -43,11 +42,8 @@ void WriteStageRuns(const std::filesystem::path& path, const StageRuns& runs) {
 
 StageRuns ReadStageRuns(const std::filesystem::path& path, const StageNames& stages) {
   StageRuns runs;
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
   try {
-    const Json json = ParseObject(line);
+    const Json json = ParseObject(FirstLineOf(path));
     for (const std::string& stage : stages) {
       const Json& run = ObjectIn(ObjectIn(json, "stages"), stage);
       runs[stage] = {.frames_in = CountIn(run, "in"),

@@ -305,6 +305,14 @@ TEST_F(ForeignManifest, IsRefusedWithTheFieldItsValueAndWhatIsAllowed) {
   }
 }
 
+TEST(Manifest, IsARegularFile) {
+  const TemporaryDirectory folder;
+  for (const fs::path& path : {folder / "", fs::path("/dev/zero")}) {
+    EXPECT_THAT(ErrorOf<ConfigError>([&] { ReadManifest(path); }),
+                HasSubstr(path.string() + ": cannot be read (no regular file): no batch here"));
+  }
+}
+
 TEST_F(ForeignManifest, SaysWhichShardItLacks) {
   EXPECT_EQ(ReadShard(path_, 1).log.name, "y");
   EXPECT_THAT(ErrorOf<ConfigError>([&] { ReadShard(path_, 2); }), HasSubstr("has no shard 2"));
