@@ -35,9 +35,7 @@ std::vector<ColoredPoint> Points(const RectifiedPair& pair, const DisparityImage
   for (int v = 0; v < disparity.height(); ++v) {
     for (int u = 0; u < disparity.width(); ++u) {
       if (!disparity.IsValid(u, v)) continue;
-      const auto column = static_cast<float>(u);
-      const Eigen::Vector3d point = PointFromSeed(
-          pair, {.u = column, .v = static_cast<float>(v), .u_right = column - disparity.Px(u, v)});
+      const Eigen::Vector3d point = PointAt(pair, disparity, u, v);
       if (point.z() > 0 && point.allFinite()) points.push_back({point, bgr(v, u)});
     }
   }

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "common/core/image.h"
 #include "common/core/parallel.h"
 #include "services/refine/alignment/alignment_rules.h"
 
@@ -15,12 +15,6 @@ namespace sprout::refine {
 namespace {
 
 using Rules = AlignmentRules;
-
-cv::Mat1b Halved(const cv::Mat1b& image) {
-  cv::Mat1b half;
-  cv::resize(image, half, image.size() / 2, 0, 0, cv::INTER_AREA);
-  return half;
-}
 
 // In an image `scale` times smaller: pixel centres are whole numbers.
 TofEdge AtScale(TofEdge edge, double scale) {

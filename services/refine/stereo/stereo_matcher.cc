@@ -6,23 +6,13 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/core/image.h"
 #include "common/core/parallel.h"
 
 namespace sprout::refine {
 namespace {
 
 constexpr int kLabels = StereoRules::kLabels;
-
-// One pixel of four: each side is divided by two, rounded up.
-cv::Mat1b Halved(const cv::Mat1b& image) {
-  cv::Mat1b even = image;
-  if (image.rows % 2 != 0 || image.cols % 2 != 0) {
-    cv::copyMakeBorder(image, even, 0, image.rows % 2, 0, image.cols % 2, cv::BORDER_REPLICATE);
-  }
-  cv::Mat1b half;
-  cv::resize(even, half, even.size() / 2, 0, 0, cv::INTER_AREA);
-  return half;
-}
 
 // 255 where it is not 0.
 cv::Mat1b Whole(const cv::Mat1b& mask) {
