@@ -20,10 +20,10 @@ constexpr int64_t kFrames = 2;
 // A viewer of a graph that gave two frames.
 struct Viewer {
   Viewer() {
-    for (int64_t seq = 0; seq < kFrames; ++seq) AddWhole(input, seq);
+    for (int64_t seq = 0; seq < kFrames; ++seq) view::AddWhole(input, seq);
   }
 
-  RingInput input;
+  view::RingInput input;
   view::FrameEncoder encoder{[](Part, const std::string& why) { Check(false, "encoder: " + why); }};
   view::HttpHandler handler{input.ring, encoder, &input.ring, nullptr, ""};
 };

@@ -110,9 +110,9 @@ class Newcomer : public testing::Test {
   // Shows the board and lets sprout-calibrate watch until it has so many views.
   void WatchBoard(const Story& story) {
     const calibrate::Board board{calibrate::BoardSize{}};
-    const BoardScene scene(board, rig_);
+    const calibrate::BoardScene scene(board, rig_);
     std::vector<calibrate::RigImages> pictures;
-    const std::vector<Pose> poses = BoardPoses(board, story.views);
+    const std::vector<Pose> poses = calibrate::BoardPoses(board, story.views);
     for (uint32_t i = 0; i < poses.size(); ++i) pictures.push_back(scene.Render(poses[i], i));
     Show("board", pictures, story.view_ms);
     Process watch({ProgramPath("sprout-calibrate"), "watch", "--out", File("views")});
@@ -211,7 +211,7 @@ class Newcomer : public testing::Test {
   }
 
   void Tell(const Story& story) {
-    rig_ = SceneRig(story.size);
+    rig_ = calibrate::SceneRig(story.size);
     WatchBoard(story);
     const std::string devices = WriteDevices(story.rate_hz);
     const std::string estimated = File("rig.textproto");

@@ -65,7 +65,7 @@ TEST(StuckSystem, ASignalEndsWhoCapturesALogThatIsAFifo) {
 }
 
 TEST(StuckSystem, ASignalEndsWhoReadsASceneWithAFifoInIt) {
-  const SceneFolder scene;
+  const datasets::SceneFolder scene;
   scene.Write2005({413, 370});
   const fs::path fifo = MakeFifo(scene.File("dmin.txt"));
   ExpectEndsOnSigterm({ProgramPath("sprout-capture"), "--source", scene.Config().source()}, fifo);

@@ -195,4 +195,6 @@ int Main(int64_t shards) {
 }  // namespace
 }  // namespace sprout::batch
 
-int main(int argc, char** argv) { return sprout::Main(argc > 1 ? std::atoll(argv[1]) : 10'000); }
+int main(int argc, char** argv) {
+  return sprout::batch::Main(argc > 1 ? std::atoll(argv[1]) : 10'000);
+}

@@ -57,8 +57,8 @@ TEST(StageChain, RefusesGapsAndUnknownStages) {
 }
 
 TEST(LogIndex, IsReadAgainAndMadeAgainWhenTheLogChanged) {
-  const LogFolder folder;
-  const std::string log = folder.Write("run.lcm", GraphEvents(4));
+  const log::LogFolder folder;
+  const std::string log = folder.Write("run.lcm", log::GraphEvents(4));
   const LogIndex made = LogIndex::Ensure(log, folder.File("indexes"));
   EXPECT_EQ(made.path(), log + ".index");
   EXPECT_THAT(made.events(), SizeIs(4 * 6 + 1));
@@ -68,7 +68,7 @@ TEST(LogIndex, IsReadAgainAndMadeAgainWhenTheLogChanged) {
   const IndexedEvent line = ReadIndexLine(made.path(), made.events()[3].line);
   EXPECT_EQ(line.hash, made.events()[3].hash);
   EXPECT_EQ(line.line_end, made.events()[4].line);
-  folder.Write("run.lcm", GraphEvents(7));
+  folder.Write("run.lcm", log::GraphEvents(7));
   EXPECT_GT(LogIndex::Ensure(log, folder.File("indexes")).events().size(), made.events().size());
 }
 
@@ -86,9 +86,9 @@ PlanOptions RefineOptions(int64_t shard_bytes) {
 }
 
 TEST(ShardPlan, CutsAreAboutEvenAndLoseNoFrame) {
-  const LogFolder folder;
-  const LogIndex index =
-      LogIndex::Ensure(folder.Write("run.lcm", InOrder(GraphEvents(40))), folder.File("indexes"));
+  const log::LogFolder folder;
+  const LogIndex index = LogIndex::Ensure(folder.Write("run.lcm", InOrder(log::GraphEvents(40))),
+                                          folder.File("indexes"));
   const std::vector<Shard> shards = PlanShards(index, RefineOptions(20'000)).shards;
   ASSERT_GT(shards.size(), 3U);
   int64_t frames = 0;
@@ -103,10 +103,10 @@ TEST(ShardPlan, CutsAreAboutEvenAndLoseNoFrame) {
 }
 
 TEST(ShardPlan, CountsFramesThatAreIncompleteOrLeftOut) {
-  const LogFolder folder;
-  std::vector<Event> events = InOrder(GraphEvents(40));
+  const log::LogFolder folder;
+  std::vector<Event> events = InOrder(log::GraphEvents(40));
   std::erase_if(events, [](const Event& event) {
-    const auto seq = (event.utime - LogFrameId(0).utime) / 100'000;
+    const auto seq = (event.utime - log::LogFrameId(0).utime) / 100'000;
     return (seq == 5 && event.channel == ChannelOf(Part::kTof)) || seq == 11 || seq == 12;
   });
   const LogIndex index = LogIndex::Ensure(folder.Write("run.lcm", events), folder.File("indexes"));
@@ -116,8 +116,8 @@ TEST(ShardPlan, CountsFramesThatAreIncompleteOrLeftOut) {
 }
 
 TEST(ShardPlan, CutsNowhereBeforeAnEventThatIsOlderThanWhatIsThereAlready) {
-  const LogFolder folder;
-  std::vector<Event> events = InOrder(GraphEvents(40));
+  const log::LogFolder folder;
+  std::vector<Event> events = InOrder(log::GraphEvents(40));
   const auto shards = [&](const char* name) {
     const LogIndex index = LogIndex::Ensure(folder.Write(name, events), folder.File("indexes"));
     return PlanShards(index, RefineOptions(20'000)).shards;
@@ -132,14 +132,14 @@ TEST(ShardPlan, CutsNowhereBeforeAnEventThatIsOlderThanWhatIsThereAlready) {
   EXPECT_LT(set_back.size(), in_order);
   EXPECT_GT(set_back.size(), 1U);
   EXPECT_THAT(set_back, Contains(testing::Field(&Shard::frames, testing::Gt(18))));
-  EventOf(events, Part::kLeft, 0).utime += 100'000'000;
+  log::EventOf(events, Part::kLeft, 0).utime += 100'000'000;
   EXPECT_THAT(shards("first_is_ahead.lcm"), SizeIs(1));
 }
 
 TEST(ShardPlan, LeavesALogWholeWhereAMessageThatNobodyTakesDisturbsTheOrder) {
-  const LogFolder folder;
-  std::vector<Event> events = InOrder(GraphEvents(40));
-  Event& bad = EventOf(events, Part::kLeft, 14);
+  const log::LogFolder folder;
+  std::vector<Event> events = InOrder(log::GraphEvents(40));
+  Event& bad = log::EventOf(events, Part::kLeft, 14);
   bad.data.resize(4);
   const auto cuttable = [&](const char* name) {
     return LogIndex::Ensure(folder.Write(name, events), folder.File("indexes")).summary().cuttable;
@@ -150,15 +150,15 @@ TEST(ShardPlan, LeavesALogWholeWhereAMessageThatNobodyTakesDisturbsTheOrder) {
 }
 
 TEST(ShardPlan, AnotherMessageGivesAnotherDigest) {
-  const LogFolder folder;
-  std::vector<Event> events = GraphEvents(10);
+  const log::LogFolder folder;
+  std::vector<Event> events = log::GraphEvents(10);
   const auto digest = [&](const char* name) {
     const LogIndex index = LogIndex::Ensure(folder.Write(name, events), folder.File("indexes"));
     return PlanShards(index, RefineOptions(1'000'000)).shards.at(0).input;
   };
   const std::string before = digest("a.lcm");
   EXPECT_EQ(digest("b.lcm"), before);
-  EventOf(events, Part::kLeft, 5).data.back() = 77;
+  log::EventOf(events, Part::kLeft, 5).data.back() = 77;
   EXPECT_NE(digest("c.lcm"), before);
 }
 

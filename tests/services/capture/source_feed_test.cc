@@ -55,7 +55,7 @@ TEST_F(SourceFeed, NumbersAndStampsTheFramesOfItsSource) {
 }
 
 TEST_F(SourceFeed, EndsWithItsSourceUnlessItLoops) {
-  const SceneFolder scene;
+  const datasets::SceneFolder scene;
   scene.Write2005({30, 20});
   const auto once = Open(scene.Config());
   EXPECT_TRUE(once->Next({}));
@@ -76,7 +76,7 @@ TEST_F(SourceFeed, SendsColourAsConfigured) {
 
 // The stages wait for the message, whether or not there is a ToF camera.
 TEST_F(SourceFeed, SendsAToFMessageWithoutAToFCamera) {
-  const KittiFolder kitti;
+  const datasets::KittiFolder kitti;
   kitti.WriteStereo("000000");
   const auto frame = Open(kitti.Config("/000000?tof=none"))->Next({});
   ASSERT_TRUE(frame);

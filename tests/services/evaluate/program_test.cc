@@ -156,7 +156,7 @@ TEST(EvaluateProgram, RefusesUnknownMethodsPresetsAndTofCameras) {
 }
 
 TEST(EvaluateProgram, RefusesToSimulateATofCameraBesideAScanAndTheOtherWayRound) {
-  const KittiFolder kitti;
+  const datasets::KittiFolder kitti;
   kitti.WriteStereo("000007");
   const std::string frame = kitti.Config("/000007").source();
   ExpectRefused({frame, "--tof", "sr4000"}, "has a scan of its own; allowed: scan, none");
@@ -167,7 +167,7 @@ TEST(EvaluateProgram, RefusesToSimulateATofCameraBesideAScanAndTheOtherWayRound)
 }
 
 TEST(EvaluateProgram, TakesAllFramesOfAKittiFolder) {
-  const KittiFolder kitti;
+  const datasets::KittiFolder kitti;
   kitti.WriteStereo("000007");
   kitti.WriteStereo("000014");
   const TemporaryDirectory folder;
@@ -183,9 +183,9 @@ TEST(EvaluateProgram, TakesAllFramesOfAKittiFolder) {
 }
 
 TEST(EvaluateProgram, RunsWithoutATofCamera) {
-  const KittiFolder kitti;
+  const datasets::KittiFolder kitti;
   kitti.WriteStereo("000007");
-  const SceneFolder middlebury;
+  const datasets::SceneFolder middlebury;
   middlebury.Write2005({40, 30});
   const TemporaryDirectory folder;
   for (const std::string& scene :
@@ -201,7 +201,7 @@ TEST(EvaluateProgram, RunsWithoutATofCamera) {
 }
 
 TEST(EvaluateProgram, RefusesAFolderWithoutGroundTruth) {
-  const SceneFolder scene;
+  const datasets::SceneFolder scene;
   scene.Write2005({40, 30});
   scene.Remove("disp1.png");
   const TemporaryDirectory folder;
@@ -213,7 +213,7 @@ TEST(EvaluateProgram, RefusesAFolderWithoutGroundTruth) {
 TEST(EvaluateProgram, RefusesImagesAndTruthsOfDifferentSizes) {
   const TemporaryDirectory folder;
   for (const char* name : {"view5.png", "disp1.png", "disp5.png"}) {
-    const SceneFolder scene;
+    const datasets::SceneFolder scene;
     scene.Write2005({40, 30});
     scene.WriteImage(name, cv::Mat1b(31, 40, uchar{40}));
     // A good scene before it is not run either.
@@ -223,7 +223,7 @@ TEST(EvaluateProgram, RefusesImagesAndTruthsOfDifferentSizes) {
 }
 
 TEST(EvaluateProgram, RefusesImagesWiderThanAnyStageTakes) {
-  const SceneFolder scene;
+  const datasets::SceneFolder scene;
   scene.Write2005({16385, 3});
   ExpectRefused({scene.File(".")}, "16385x3 px; allowed: 1 to 16384 px a side");
 }

@@ -10,7 +10,7 @@ namespace sprout::evaluate {
 namespace {
 
 TEST(Scene, IsAwayWhereNoToFPointIsWithinThreePixels) {
-  const KittiFolder folder;
+  const datasets::KittiFolder folder;
   folder.WriteStereo("000007");  // points at (20, 15) and (15, 25)
   const std::string frame = folder.Config("/000007").source();
   const Scene scene = LoadScene(frame, TofChoice("scan"), {});
@@ -25,7 +25,7 @@ TEST(Scene, IsAwayWhereNoToFPointIsWithinThreePixels) {
 }
 
 TEST(Scene, CarriesATofCameraOfItsOwn) {
-  const SceneFolder folder;
+  const datasets::SceneFolder folder;
   folder.Write2005({40, 30});
   const std::filesystem::path path = std::filesystem::path(folder.File("x")).parent_path();
   const std::string name = path.filename();
@@ -38,7 +38,7 @@ TEST(Scene, CarriesATofCameraOfItsOwn) {
 }
 
 TEST(Scene, TakesWhatBothCamerasSeeFromKittisTruth) {
-  const KittiFolder folder;
+  const datasets::KittiFolder folder;
   folder.WriteStereo("000007");  // 5 px everywhere but at (0, 0)
   cv::Mat1w seen(30, 40, uint16_t{5 * 256});
   seen(cv::Rect(0, 0, 40, 1)) = 0;

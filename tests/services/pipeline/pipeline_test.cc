@@ -35,7 +35,7 @@ bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
 }
 
 TEST(Pipeline, GivesWhatTheServicesGive) {
-  const evaluate::Scene scene = SmallScene();
+  const evaluate::Scene scene = evaluate::SmallScene();
   for (const char* preset : {"default", "fast", "paper"}) {
     const SproutConfig config = LoadConfig({preset});
     Frame frame;
@@ -61,8 +61,9 @@ TEST(Pipeline, GivesWhatTheServicesGive) {
 }
 
 TEST(Pipeline, GivesTheSameBytesForAnyNumberOfThreadsAndWhateverCameBefore) {
-  const evaluate::Scene scene = SmallScene();
-  const evaluate::Scene other = evaluate::LoadScene("synthetic:64x48", evaluate::TofChoice("none"), {});
+  const evaluate::Scene scene = evaluate::SmallScene();
+  const evaluate::Scene other =
+      evaluate::LoadScene("synthetic:64x48", evaluate::TofChoice("none"), {});
   const int threads = cv::getNumThreads();
   Pipeline pipeline(LoadConfig({"default"}));
   cv::setNumThreads(1);
@@ -79,7 +80,7 @@ TEST(Pipeline, GivesTheSameBytesForAnyNumberOfThreadsAndWhateverCameBefore) {
 }
 
 TEST(Pipeline, GivesDepthInMetresAndNaNWhereThereIsNone) {
-  const evaluate::Scene scene = SmallScene();
+  const evaluate::Scene scene = evaluate::SmallScene();
   SproutConfig config = LoadConfig({"default"});
   config.mutable_grow()->set_min_confidence(160);  // takes some pixels away
   Pipeline pipeline(config);
@@ -101,7 +102,7 @@ TEST(Pipeline, GivesDepthInMetresAndNaNWhereThereIsNone) {
 }
 
 TEST(Pipeline, DoesWithoutAToFImage) {
-  const evaluate::Scene scene = SmallScene();
+  const evaluate::Scene scene = evaluate::SmallScene();
   const SproutConfig config = LoadConfig({"default"});
   Rig rig = scene.projector.rig();
   Pipeline pipeline(config);
@@ -115,7 +116,7 @@ TEST(Pipeline, DoesWithoutAToFImage) {
 }
 
 TEST(Pipeline, WarnsOfAFrameInWhichThereIsNothing) {
-  const evaluate::Scene scene = SmallScene();
+  const evaluate::Scene scene = evaluate::SmallScene();
   const cv::Mat black(scene.size(), CV_8UC3, cv::Scalar());
   Pipeline pipeline(LoadConfig({"default"}));
   const auto result = pipeline.Compute(black, black, {}, scene.projector.rig());
@@ -127,7 +128,7 @@ TEST(Pipeline, WarnsOfAFrameInWhichThereIsNothing) {
 }
 
 TEST(Pipeline, SaysWhatDoesNotFit) {
-  const evaluate::Scene scene = SmallScene();
+  const evaluate::Scene scene = evaluate::SmallScene();
   const datasets::DatasetFrame& frame = scene.frame;
   const cv::Mat &left = frame.left, &right = frame.right;
   const TofImage& tof = frame.tof;

@@ -74,5 +74,5 @@ int main(int argc, char** argv) {
     std::cerr << "usage: play_frames LOG RATE_HZ SECONDS\n";
     return 2;
   }
-  return sprout::Main(argv[1], std::stod(argv[2]), std::stod(argv[3]));
+  return sprout::view::Main(argv[1], std::stod(argv[2]), std::stod(argv[3]));
 }
