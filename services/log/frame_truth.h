@@ -34,9 +34,9 @@ class LogTruth {
   /// @throws ConfigError when a map of the frame has another size.
   const FrameTruth& Add(const Frame& frame);
 
-  /// What became of the newest frame's seeds, and a table of density and share of correct pixels
-  /// (≤ 1 px, of those that both cameras see) of each map, means over the frames; nothing without
-  /// seeds and maps.
+  /// What became of the newest frame's seeds, and a table of each map's density and, with a source,
+  /// share of correct pixels (≤ 1 px, of those that both cameras see), means over the frames;
+  /// nothing without seeds and maps.
   std::string Text() const;
 
  private:
