@@ -10,8 +10,8 @@
 
 namespace sprout {
 
-/// The channel of a part, without prefix.
-constexpr std::string_view ChannelOf(Part part) { return RowOf(part).channel; }
+/// Before the channels of images as the cameras see them, behind the prefix of the graph.
+inline constexpr std::string_view kRawPrefix = "RAW_";
 
 /// Of SPROUT_STATUS, which is no part of a frame.
 inline constexpr std::string_view kStatusChannel = "SPROUT_STATUS";

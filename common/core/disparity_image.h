@@ -1,6 +1,7 @@
 #ifndef SPROUT_COMMON_CORE_DISPARITY_IMAGE_H_
 #define SPROUT_COMMON_CORE_DISPARITY_IMAGE_H_
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -40,6 +41,11 @@ class DisparityImage {
   float Px(int u, int v) const {
     return IsValid(u, v) ? static_cast<float>(counts_(v, u)) / kCountsPerPixel
                          : std::numeric_limits<float>::quiet_NaN();
+  }
+
+  /// Whether a pixel has a disparity. Stops at the first one.
+  bool AnyValid() const {
+    return std::any_of(counts_.begin(), counts_.end(), [](int16_t c) { return c != kInvalid; });
   }
 
   /// Number of pixels with a disparity.

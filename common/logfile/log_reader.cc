@@ -20,6 +20,11 @@ LogEvent MakeEvent(const EventHeader& header, int64_t offset, std::span<const ui
           .data = bytes.subspan(kHeaderBytes + channel.size())};
 }
 
+std::string SkippedText(const LogDamage& damage) {
+  return std::to_string(damage.bytes) + " unreadable bytes at byte " +
+         std::to_string(damage.offset) + (damage.tail ? ": it ends inside an event" : ", skipped");
+}
+
 LogReader::LogReader(const std::filesystem::path& path)
     : file_(path), window_(file_, kChunkBytes), finder_(file_, window_), ahead_(FindNext()) {
   const bool begins_like_a_log = BeginsWithSync(window_.View(0, kMinEventBytes));

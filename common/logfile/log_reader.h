@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -36,6 +37,9 @@ struct LogDamage {
 
   bool operator==(const LogDamage&) const = default;
 };
+
+/// "64 unreadable bytes at byte 100, skipped", for a line of a log.
+std::string SkippedText(const LogDamage& damage);
 
 /// Reads the events of an lcm-logger file in order, in constant memory (the largest event and a
 /// megabyte), and goes on behind damage; how an event is told from damage: see EventFinder. Not

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/core/image.h"
+#include "common/core/quantile.h"
 #include "common/geometry/projection.h"
 #include "common/picture/color_map.h"
 
@@ -43,11 +44,10 @@ std::vector<ColoredPoint> Points(const RectifiedPair& pair, const DisparityImage
   return points;
 }
 
-double MedianDepth(std::vector<ColoredPoint> points) {
-  const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
-  std::nth_element(points.begin(), middle, points.end(),
-                   [](const auto& a, const auto& b) { return a.in_left.z() < b.in_left.z(); });
-  return middle->in_left.z();
+double MedianDepth(const std::vector<ColoredPoint>& points) {
+  std::vector<double> depths;
+  for (const ColoredPoint& point : points) depths.push_back(point.in_left.z());
+  return Median(depths);
 }
 
 }  // namespace

@@ -1,12 +1,15 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "common/app/process.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/engines.h"
 #include "services/batch/names.h"

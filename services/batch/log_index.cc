@@ -1,6 +1,6 @@
 #include "services/batch/log_index.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 
 #include <charconv>
@@ -9,12 +9,12 @@
 #include "common/bus/channels.h"
 #include "common/config/config.h"
 #include "common/core/digest.h"
+#include "common/core/interrupt.h"
 #include "common/logfile/event_format.h"
 #include "common/logfile/file_window.h"
 #include "common/logfile/log_reader.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
-#include "services/batch/interrupt.h"
 #include "services/batch/json_fields.h"
 #include "services/batch/text_file.h"
 

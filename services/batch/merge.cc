@@ -1,6 +1,6 @@
 #include "services/batch/merge.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <array>
 #include <iostream>
@@ -9,9 +9,9 @@
 
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
+#include "common/core/interrupt.h"
 #include "common/logfile/log_reader.h"
 #include "common/logfile/log_writer.h"
-#include "services/batch/interrupt.h"
 #include "services/batch/result_folder.h"
 #include "services/batch/shard_run.h"
 #include "services/batch/stage_run.h"

@@ -14,8 +14,9 @@
 #include "common/app/progress.h"
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
+#include "common/core/interrupt.h"
 #include "common/logfile/log_error.h"
-#include "services/batch/interrupt.h"
+#include "services/batch/logs_below.h"
 #include "services/batch/names.h"
 #include "services/batch/result_folder.h"
 #include "services/batch/shard_run.h"
@@ -30,18 +31,6 @@ constexpr char kBadName[] =
     ": cannot stand in the manifest; allowed are names in UTF-8 without control characters";
 
 std::string Absolute(const fs::path& path) { return fs::absolute(path).lexically_normal(); }
-
-std::vector<std::string> LogsBelow(const std::string& folder) {
-  std::vector<std::string> found;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file() && entry.path().extension() == ".lcm") {
-      found.push_back(Absolute(entry.path()));
-    }
-  }
-  if (found.empty()) throw ConfigError(folder + ": no log (*.lcm) in this folder");
-  std::sort(found.begin(), found.end());
-  return found;
-}
 
 // Follows what was asked for, lists in lists too.
 class Inputs {

@@ -1,10 +1,11 @@
 #include "services/batch/program.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <functional>
 #include <iostream>
@@ -12,9 +13,9 @@
 #include "common/app/program.h"
 #include "common/app/version.h"
 #include "common/core/digest.h"
+#include "common/core/interrupt.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/engines.h"
-#include "services/batch/interrupt.h"
 #include "services/batch/planning.h"
 #include "services/batch/report.h"
 #include "services/batch/shard_run.h"
@@ -325,7 +326,7 @@ int BatchMain(int argc, const char* const* argv) {
     try {
       return chosen();
     } catch (const Interrupted& e) {
-      std::cerr << "sprout-batch: " << e.what() << "\n";
+      std::cerr << "sprout-batch: " << e.what() << "; the same command goes on from here\n";
       return 130;
     } catch (const LogError& e) {
       throw ConfigError(e.what());

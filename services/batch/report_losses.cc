@@ -1,6 +1,6 @@
 #include "services/batch/report_losses.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <fstream>

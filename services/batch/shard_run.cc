@@ -12,6 +12,7 @@
 
 #include "common/app/compute.h"
 #include "common/app/process.h"
+#include "common/config/stage_parts.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/names.h"
 #include "services/batch/result_folder.h"
@@ -116,8 +117,9 @@ class ShardRun {
       return ListFrames(frames, answer);
     }
     input_->AddTo(frames);
+    const SproutConfig config = LoadConfig({folder_.config("a")});
     for (size_t i = 0; i < head.stages.size(); ++i) {
-      if (IsMeasured(OutputsOf(head.stages[i]), answer)) frames.Add(logs[i + 1]);
+      if (IsMeasured(OutputsOf(head.stages[i], config), answer)) frames.Add(logs[i + 1]);
     }
     return MeasureFrames(frames, answer);
   }

@@ -1,6 +1,6 @@
 #include "services/batch/tables.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>

@@ -1,11 +1,11 @@
 #include "services/check/contract.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 
 #include "common/bus/channels.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/image.h"
 
 namespace sprout::check {
@@ -95,13 +95,6 @@ std::string CompareMaps(std::span<const PartValue> answers, std::span<const Part
 }
 
 }  // namespace
-
-std::optional<Part> PartOf(std::string_view channel) {
-  for (const Part part : kAllParts) {
-    if (channel == ChannelOf(part)) return part;
-  }
-  return std::nullopt;
-}
 
 StageContract ContractOf(const std::string& stage) {
   if (stage == "refine") {

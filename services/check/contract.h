@@ -13,9 +13,6 @@
 
 namespace sprout::check {
 
-/// The part that a channel carries; nothing for other channels.
-std::optional<Part> PartOf(std::string_view channel);
-
 /// What is looked at in a stage.
 inline constexpr Rule kStageRules[] = {
     Rule::kStart,      Rule::kOneAnswer,  Rule::kHeader,      Rule::kForm,     Rule::kValues,

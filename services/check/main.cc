@@ -4,7 +4,7 @@
 #include "common/app/program.h"
 #include "common/app/version.h"
 #include "common/bus/lcm_url.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
 #include "services/check/capture_check.h"
 #include "services/check/stage_check.h"

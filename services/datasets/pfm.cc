@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "services/datasets/read_image.h"
 

@@ -24,19 +24,38 @@ std::vector<Correspondence> Rounded(std::span<const Seed> seeds, cv::Size size) 
   return rounded;
 }
 
-// The disparities of a band's first and last row.
+// Disparities of a band's first and last row, as in LeftPixel.
 struct Seams {
   std::vector<int16_t> first, last;
 
+  // Of a band with open pixels.
   explicit Seams(const GrowthBand& band) {
-    first.reserve(static_cast<size_t>(band.image_size.width));
-    last.reserve(static_cast<size_t>(band.image_size.width));
-    for (int u = 0; u < band.image_size.width; ++u) {
-      first.push_back(band.left[band.PixelAt(0, u)].disparity);
-      last.push_back(band.left[band.PixelAt(band.rows - 1, u)].disparity);
-    }
+    const auto row = [&](int r, std::vector<int16_t>& seam) {
+      for (int u = 0; u < band.image_size.width; ++u) {
+        seam.push_back(band.left[band.PixelAt(r, u)].disparity);
+      }
+    };
+    row(0, first);
+    row(band.rows - 1, last);
+  }
+
+  // Of one without.
+  Seams(const SweepBand& band, const DisparityImage& map) {
+    const auto row = [&](int v, std::vector<int16_t>& seam) {
+      for (int u = 0; u < map.width(); ++u) {
+        seam.push_back(map.IsValid(u, v) ? static_cast<int16_t>(WholeDisparity(map.counts()(v, u)))
+                                         : LeftPixel::kClosed);
+      }
+    };
+    row(band.first_row, first);
+    row(band.first_row + band.rows - 1, last);
   }
 };
+
+bool HasOpen(const SweepBand& band) {
+  return std::any_of(band.has_open.begin(), band.has_open.end(),
+                     [](uint8_t row) { return row != 0; });
+}
 
 }  // namespace
 
@@ -66,40 +85,79 @@ Result<DisparityImage> Grower::Compute(const cv::Mat1b& left, const cv::Mat1b& r
   }
   const GrowthInput input{left, right, prior};
   const std::vector<Correspondence> rounded = Rounded(seeds, size);
-  const GrowthKernel* const kernel = with_prior ? FindGrowthKernel() : nullptr;
-  if (kernel == nullptr) return GrowPlainly(rule_, input, rounded);
-  return GrowInBands(*kernel, input, rounded);
+  const SweepKernel* const sweep = with_prior ? FindSweepKernel() : nullptr;
+  if (sweep == nullptr) return GrowPlainly(rule_, input, rounded);
+  Renew(map_, size);
+  CutIntoBands(size.height);
+  if (rule_.least_open > 0) {
+    Sweep(*sweep, input, rounded);
+  } else {  // all pixels are open
+    map_.counts() = DisparityImage::kInvalid;
+    for (SweepBand& band : sweeps_) band.has_open.assign(static_cast<size_t>(band.rows), 1);
+  }
+  if (std::any_of(sweeps_.begin(), sweeps_.end(), HasOpen)) {
+    GrowOpen(*FindGrowthKernel(), input, rounded);
+  }
+  return map_;
 }
 
-DisparityImage Grower::GrowInBands(const GrowthKernel& kernel, const GrowthInput& input,
-                                   std::span<const Correspondence> seeds) {
+void Grower::CutIntoBands(int height) {
+  const int rows = RowsPerBand(height);
+  sweeps_.resize(static_cast<size_t>(CountBands(height)));
+  for (size_t i = 0; i < sweeps_.size(); ++i) {
+    sweeps_[i].first_row = static_cast<int>(i) * rows;
+    sweeps_[i].rows = std::min(rows, height - sweeps_[i].first_row);
+  }
+}
+
+void Grower::Sweep(const SweepKernel& kernel, const GrowthInput& input,
+                   std::span<const Correspondence> seeds) {
+  seeds_by_row_.Sort(seeds, input.left.rows);
+  ForEachParallel(sweeps_.size(), [&](size_t i) {
+    kernel.sweep(rule_, input, sweeps_[i], map_);  // Steps 1, 2
+    LinkRows(map_, seeds_by_row_, sweeps_[i]);     // Step 3
+  });
+  LinkBands(map_, sweeps_);
+  ForEachParallel(sweeps_.size(), [&](size_t i) { EraseUnreached(sweeps_[i], map_); });  // 4, 5
+}
+
+void Grower::GrowOpen(const GrowthKernel& kernel, const GrowthInput& input,
+                      std::span<const Correspondence> seeds) {
   const cv::Size size = input.left.size();
-  const int rows = RowsPerBand(size.height);
-  const auto count = static_cast<size_t>(CountBands(size.height));
+  const size_t count = sweeps_.size();
+  const auto rows = static_cast<size_t>(RowsPerBand(size.height));
   bands_.resize(count);
   for (GrowthBand& band : bands_) band.seeds.clear();
   for (const Correspondence& seed : seeds) {
-    bands_[static_cast<size_t>(seed.v / rows)].seeds.push_back(seed);
+    bands_[static_cast<size_t>(seed.v) / rows].seeds.push_back(seed);
   }
-  ForEachParallel(count, [&](size_t i) {
+  const auto for_each_open = [&](const auto& act) {
+    ForEachParallel(count, [&](size_t i) {
+      if (HasOpen(sweeps_[i])) act(i);
+    });
+  };
+  for_each_open([&](size_t i) {
     GrowthBand& band = bands_[i];
-    band.Resize(size, static_cast<int>(i) * rows);
-    kernel.prepare(rule_, input, band);
+    band.Resize(size, sweeps_[i].first_row);
+    band.has_open = sweeps_[i].has_open;
+    kernel.prepare(rule_, input, map_, band);
     kernel.grow_from_seeds(rule_, band);
   });
-  const auto changed = [](const GrowthBand& band) { return band.changed; };
-  while (std::any_of(bands_.begin(), bands_.end(), changed)) {
-    const std::vector<Seams> before(bands_.begin(), bands_.end());
-    ForEachParallel(count, [&](size_t i) {
-      bands_[i].changed = false;
+  for (bool changed = true; changed;) {
+    std::vector<Seams> before;
+    for (size_t i = 0; i < count; ++i) {
+      before.push_back(HasOpen(sweeps_[i]) ? Seams(bands_[i]) : Seams(sweeps_[i], map_));
+    }
+    for (GrowthBand& band : bands_) band.changed = false;
+    for_each_open([&](size_t i) {
       const SeamRow above = i > 0 ? SeamRow(before[i - 1].last) : SeamRow();
       const SeamRow below = i + 1 < count ? SeamRow(before[i + 1].first) : SeamRow();
       kernel.grow_from_seams(rule_, above, below, bands_[i]);
     });
+    changed = std::any_of(bands_.begin(), bands_.end(),
+                          [](const GrowthBand& band) { return band.changed; });
   }
-  DisparityImage map{cv::Mat1s(size)};
-  ForEachParallel(count, [&](size_t i) { kernel.write(rule_, input, bands_[i], map); });
-  return map;
+  for_each_open([&](size_t i) { kernel.write(rule_, input, bands_[i], map_); });
 }
 
 }  // namespace sprout::grow

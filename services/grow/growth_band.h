@@ -9,55 +9,22 @@
 #include "services/grow/growth_rule.h"
 #include "services/grow/seed_queue.h"
 
-// The fast growth for EPC. One-to-one matching couples the pixels of a row only, so a band of rows
-// has all it needs, and bands grow at the same time.
+// The fast growth of open pixels for EPC. One-to-one matching couples the pixels of a row only, so
+// a band of rows has all it needs, and bands grow at the same time.
 namespace sprout::grow {
-
-/// What growth may match a left pixel to, in one number. Where the prior leaves it the two whole
-/// disparities on either side, m = ⌊D_p⌋ and m + 1, and nothing else, their costs are known before
-/// growth begins:
-///   bits 0 to 7, 8 to 15   levels of their costs in the queue of seeds
-///   bits 16 to 19          bit i: the better one among m + i − 2 to m + i; 0 for m, 1 for m + 1
-///   bits 20, 21            whether they can be accepted
-/// Where the prior leaves more, costs are computed when the pixel is visited:
-///   bit 22                 open
-///   bits 0 to 7            PriorMap::sigma
-class Candidates {
- public:
-  static constexpr int kBetter = 16, kAccepted = 20, kOpen = 22;
-
-  explicit Candidates(uint32_t packed = 0) : packed_(packed) {}
-
-  bool IsOpen() const { return (packed_ >> kOpen & 1) != 0; }
-  uint8_t Sigma() const { return static_cast<uint8_t>(packed_); }
-
-  /// Of the three disparities around m + i − 1.
-  unsigned Better(unsigned i) const { return packed_ >> (kBetter + i) & 1; }
-  bool IsAccepted(unsigned which) const { return (packed_ >> (kAccepted + which) & 1) != 0; }
-  int Level(unsigned which) const { return static_cast<int>(packed_ >> (8 * which) & 0xff); }
-
- private:
-  uint32_t packed_;
-};
 
 /// What growth touches of a left pixel, in one place.
 struct LeftPixel {
-  static constexpr int16_t kFree = DisparityImage::kInvalid;  // not matched yet
-  static constexpr int16_t kClosed = kFree + 1;               // can never be matched
+  static constexpr int16_t kFree = DisparityImage::kInvalid;  // open, and not matched yet
+  static constexpr int16_t kClosed = kFree + 1;               // not open, and not matched
 
   union {
-    SeedQueue::Id next;     // matched: link of the queue of seeds
-    Candidates candidates;  // free
+    SeedQueue::Id next;  // open and matched: link of the queue of seeds
+    uint32_t sigma;      // otherwise: PriorMap::sigma
   };
   int16_t prior;      // counts
   int16_t disparity;  // px, or kFree or kClosed
 };
-
-/// m of Candidates, px.
-inline int FirstCandidate(const LeftPixel& pixel) {
-  static_assert(DisparityImage::kCountsPerPixel == 1 << 5);
-  return pixel.prior >> 5;
-}
 
 /// Of a right pixel. Of one with kNoWindow the window leaves the image.
 enum RightState : uint8_t { kUnmatched, kMatched, kNoWindow };
@@ -68,9 +35,8 @@ using PixelId = SeedQueue::Id;
 
 /// A band of rows of one pair of images, with everything that growth looks at.
 struct GrowthBand {
-  static constexpr int kRunPixels = 16;  ///< neighbours that are looked at together
-  static constexpr int kPadding = 4;     ///< entries on either side of a row in each table
-  static constexpr int kMargin = 2;      ///< rows above and below the band in each table
+  static constexpr int kPadding = 4;  ///< entries on either side of a row in each table
+  static constexpr int kMargin = 2;   ///< rows above and below the band in each table
   static_assert(kPadding > kWindowRadius && kMargin == kWindowRadius);
 
   /// Allocates when the size has changed. @param size  of the images.
@@ -93,9 +59,6 @@ struct GrowthBand {
   std::vector<uint8_t> right;  ///< RightState
   std::vector<uint8_t> left_grey, right_grey;
 
-  /// Of pixels with candidates, only with sub-pixel steps. Bit 0: the better candidate, 0 for m, 1
-  /// for m + 1; above it, counts from its disparity to the least cost.
-  std::vector<int8_t> steps;
   std::vector<uint8_t> has_open;  ///< by row: whether a pixel is open
 
   /// Initial seeds, and their links in the queue.
@@ -109,18 +72,21 @@ using SeamRow = std::span<const int16_t>;
 /// What there is for each instruction set. All give the same bytes: they compute in whole numbers,
 /// and in single operations of floating point that IEEE 754 defines to the last bit.
 struct GrowthKernel {
-  /// Fills the band's tables, besides the seeds: nothing is matched. O(pixels).
-  void (*prepare)(const GrowthRule& rule, const GrowthInput& input, GrowthBand& band);
+  /// Fills the band's tables, besides the seeds: matched is what the map has, pixels that are not
+  /// open. O(pixels).
+  /// @param band  has_open is set.
+  void (*prepare)(const GrowthRule& rule, const GrowthInput& input, const DisparityImage& map,
+                  GrowthBand& band);
 
-  /// Alg. 1 on the band's own seeds.
+  /// Alg. 1 on the band's own seeds, and on what is matched beside open pixels, row by row.
   void (*grow_from_seeds)(const GrowthRule& rule, GrowthBand& band);
 
   /// Alg. 1 from the pixels beyond the band's borders, matched by its neighbours: from the row
   /// above first, each from left to right. Empty rows are left out.
   void (*grow_from_seams)(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthBand& band);
 
-  /// Writes the disparities to the band's rows of the map; with rule.sub_pixel to the counts of
-  /// DisparityImage, from the parabola through the costs of d − 1, d and d + 1.
+  /// Writes the disparities of open pixels to the band's rows of the map; with rule.sub_pixel to
+  /// the counts of DisparityImage, from the parabola through the costs of d − 1, d and d + 1.
   void (*write)(const GrowthRule& rule, const GrowthInput& input, const GrowthBand& band,
                 DisparityImage& map);
 };

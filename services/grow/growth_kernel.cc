@@ -1,5 +1,5 @@
-// Alg. 1 for EPC on a band of rows. Highway compiles this file once for each instruction set and
-// picks one when the program runs.
+// Alg. 1 for EPC on the open pixels of a band of rows. Highway compiles this file once for each
+// instruction set and picks one when the program runs.
 #include <algorithm>
 #include <cstdlib>
 #include <vector>
@@ -12,7 +12,6 @@
 #include <hwy/highway.h>
 
 #if HWY_TARGET != HWY_SCALAR
-#include "services/grow/candidates-inl.h"
 #include "services/grow/window_costs-inl.h"
 #endif
 
@@ -51,8 +50,24 @@ class Growth {
     for (size_t i = 0; i < band_.seeds.size(); ++i) {
       const Correspondence& seed = band_.seeds[i];
       const PixelId id = band_.PixelAt(seed.v - band_.first_row, seed.u);
+      if (!HasOpenNeighbour(id)) continue;  // leads nowhere
       queue_.Push(kInitial | static_cast<SeedQueue::Id>(i), LevelOf(id, seed.d),
                   band_.seed_links[i]);
+    }
+  }
+
+  // From what has been matched beside open pixels.
+  void StartBesideMatched(int r) {
+    for (int u = kWindowRadius; u < band_.image_size.width - kWindowRadius; ++u) {
+      const PixelId id = band_.PixelAt(r, u);
+      if (left_[id].disparity != LeftPixel::kFree) continue;
+      const auto visit_from = [&](PixelId from) HWY_ATTR {
+        if (left_[from].disparity > LeftPixel::kClosed) Visit(id, left_[from].disparity);
+      };
+      visit_from(id - 1);
+      visit_from(id + 1);
+      visit_from(id - stride_);
+      visit_from(id + stride_);
     }
   }
 
@@ -70,7 +85,7 @@ class Growth {
   HWY_INLINE void Visit(PixelId id, int d) {
     LeftPixel& pixel = left_[id];
     if (pixel.disparity != LeftPixel::kFree) return;
-    const Match best = pixel.candidates.IsOpen() ? BestOfOpen(id, d) : BestOfTwo(pixel, d);
+    const Match best = BestOfThree(id, d);
     if (best.level == kRefused) return;  // Step 7
     uint8_t& right = right_[static_cast<ptrdiff_t>(id) - best.disparity];
     if (right != kUnmatched) return;                         // Step 8
@@ -98,21 +113,11 @@ class Growth {
     return {id, pixel.disparity};
   }
 
-  static HWY_INLINE Match BestOfTwo(const LeftPixel& pixel, int d) {
-    const int m = FirstCandidate(pixel);
-    const auto near = static_cast<unsigned>(d - m + 1);
-    if (near > 3) return {d, kRefused};
-    const Candidates candidates = pixel.candidates;
-    const unsigned which = candidates.Better(near);
-    return {m + static_cast<int>(which),
-            candidates.IsAccepted(which) ? candidates.Level(which) : kRefused};
-  }
-
   // The best of three; of equals d comes before d − 1 before d + 1.
-  Match BestOfOpen(PixelId id, int d) const {
+  Match BestOfThree(PixelId id, int d) const {
     constexpr int kOne = DisparityImage::kCountsPerPixel;
     const LeftPixel& pixel = left_[id];
-    const uint8_t sigma = pixel.candidates.Sigma();
+    const auto sigma = static_cast<uint8_t>(pixel.sigma);
     if (std::abs(d * kOne - pixel.prior) > rule_.prior_reaches[sigma] + kOne) {
       return {d, kRefused};  // eq. (5) alone rules out d − 1, d and d + 1
     }
@@ -125,15 +130,18 @@ class Growth {
     return best;
   }
 
+  // Those beyond the band's border rows are kClosed.
+  bool HasOpenNeighbour(PixelId id) const {
+    const auto is_open = [&](PixelId at)
+                             HWY_ATTR { return left_[at].disparity == LeftPixel::kFree; };
+    return is_open(id - 1) || is_open(id + 1) || is_open(id - stride_) || is_open(id + stride_);
+  }
+
   int LevelOf(PixelId id, int d) const {
     const LeftPixel& pixel = left_[id];
-    if (pixel.disparity == LeftPixel::kClosed) return kLevels - 1;
-    if (pixel.candidates.IsOpen()) {
-      const auto sigma = pixel.candidates.Sigma();
-      return rule_.LevelOf(ToNumbers(FourCosts(rule_, band_, id, pixel.prior, sigma, d))[1]);
-    }
-    const auto which = static_cast<unsigned>(d - FirstCandidate(pixel));
-    return which < 2 ? pixel.candidates.Level(which) : kLevels - 1;
+    if (pixel.prior == DisparityImage::kInvalid) return kLevels - 1;
+    const auto sigma = static_cast<uint8_t>(pixel.sigma);
+    return rule_.LevelOf(ToNumbers(FourCosts(rule_, band_, id, pixel.prior, sigma, d))[1]);
   }
 
   const GrowthRule& rule_;
@@ -144,8 +152,77 @@ class Growth {
   const PixelId stride_;
 };
 
-void Prepare(const GrowthRule& rule, const GrowthInput& input, GrowthBand& band) {
+// The left pixels of a row of the band, and the right ones that they match.
+class RowTable {
+ public:
+  RowTable(const GrowthRule& rule, const GrowthInput& input, const DisparityImage& map,
+           GrowthBand& band)
+      : rule_(rule),
+        input_(input),
+        map_(map),
+        band_(band),
+        counts_(RowSize()),
+        priors_(RowSize()),
+        sigmas_(RowSize()) {}
+
+  void Fill(int r) {
+    using D = hn::CappedTag<int32_t, kRunPixels>;
+    constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
+    const D d;
+    const hn::Rebind<int16_t, D> d16;
+    const hn::Rebind<uint8_t, D> d8;
+    const int v = band_.first_row + r;
+    std::copy_n(map_.counts()[v], width(), counts_.data());
+    std::copy_n(input_.prior.disparity.counts()[v], width(), priors_.data());
+    std::copy_n(input_.prior.sigma[v], width(), sigmas_.data());
+    const bool windows_fit = v >= kWindowRadius && v < band_.image_size.height - kWindowRadius;
+    const int end = windows_fit ? width() - kWindowRadius : 0;
+    LeftPixel* const left = band_.left.data() + band_.PixelAt(r, 0);
+    for (int u = 0; u < width(); u += kLanes) {
+      const auto counts = hn::PromoteTo(d, hn::LoadU(d16, counts_.data() + u));
+      const auto prior = hn::PromoteTo(d, hn::LoadU(d16, priors_.data() + u));
+      const auto sigma = hn::PromoteTo(d, hn::LoadU(d8, sigmas_.data() + u));
+      const auto columns = hn::Iota(d, u);
+      const auto inside =
+          hn::And(hn::Gt(columns, hn::Set(d, kWindowRadius - 1)), hn::Lt(columns, hn::Set(d, end)));
+      const auto open = hn::And(hn::And(inside, hn::Gt(sigma, hn::Set(d, rule_.least_open - 1))),
+                                hn::Ne(prior, hn::Set(d, DisparityImage::kInvalid)));
+      static_assert(DisparityImage::kCountsPerPixel == 1 << 5);
+      const auto whole = hn::ShiftRight<5>(hn::Add(counts, hn::Set(d, 1 << 4)));
+      const auto matched = hn::And(hn::Ne(counts, hn::Set(d, DisparityImage::kInvalid)),
+                                   hn::Lt(columns, hn::Set(d, width())));
+      auto state = hn::IfThenElse(matched, whole, hn::Set(d, LeftPixel::kClosed));
+      state = hn::IfThenElse(open, hn::Set(d, LeftPixel::kFree), state);
+      LeftPixels<D>(sigma, prior, state).Store(left + u);
+    }
+    MatchRight(r);
+  }
+
+ private:
+  int width() const { return band_.image_size.width; }
+  size_t RowSize() const { return static_cast<size_t>(width() + kRunPixels); }
+
+  void MatchRight(int r) {
+    if (band_.has_open[static_cast<size_t>(r)] == 0) return;  // nobody asks
+    uint8_t* const right = band_.right.data() + band_.PixelAt(r, 0);
+    for (int u = kWindowRadius; u < width() - kWindowRadius; ++u) {
+      const int16_t counts = counts_[static_cast<size_t>(u)];
+      if (counts != DisparityImage::kInvalid) right[u - WholeDisparity(counts)] = kMatched;
+    }
+  }
+
+  const GrowthRule& rule_;
+  const GrowthInput& input_;
+  const DisparityImage& map_;
+  GrowthBand& band_;
+  std::vector<int16_t> counts_, priors_;  // of a row; a run longer
+  std::vector<uint8_t> sigmas_;
+};
+
+void Prepare(const GrowthRule& rule, const GrowthInput& input, const DisparityImage& map,
+             GrowthBand& band) {
   const int width = band.image_size.width;
+  RowTable table(rule, input, map, band);
   for (int r = -GrowthBand::kMargin; r < band.rows + GrowthBand::kMargin; ++r) {
     const int v = band.first_row + r;
     if (v < 0 || v >= band.image_size.height) continue;
@@ -154,16 +231,18 @@ void Prepare(const GrowthRule& rule, const GrowthInput& input, GrowthBand& band)
     std::copy_n(input.right[v], width, band.right_grey.data() + first);
     std::fill_n(band.right.data() + first + kWindowRadius, width - 2 * kWindowRadius,
                 uint8_t{kUnmatched});
+    if (r >= 0 && r < band.rows) table.Fill(r);
   }
   band.queue = SeedQueue();
   band.seed_links.resize(band.seeds.size());
-  band.changed = false;
-  BandTables(rule, input, band).Fill();
 }
 
 void GrowFromSeeds(const GrowthRule& rule, GrowthBand& band) {
   Growth growth(rule, band);
   growth.AddSeeds();
+  for (int r = 0; r < band.rows; ++r) {
+    if (band.has_open[static_cast<size_t>(r)] != 0) growth.StartBesideMatched(r);
+  }
   growth.Run();
 }
 
@@ -179,47 +258,21 @@ void GrowFromSeams(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthB
   growth.Run();
 }
 
-// Steps from the disparity of each pixel towards the least cost, where there are two candidates.
-template <class D>
-HWY_INLINE hn::Vec<D> StepsOfCandidates(const int8_t* steps, const LeftPixels<D>& pixels) {
-  const D d;
-  const hn::Rebind<int8_t, D> d8;
-  const auto packed = hn::PromoteTo(d, hn::LoadU(d8, steps));
-  const auto better = hn::Add(hn::ShiftRight<5>(pixels.priors()), hn::And(packed, hn::Set(d, 1)));
-  return hn::IfThenElseZero(hn::Eq(pixels.disparities(), better), hn::ShiftRight<1>(packed));
-}
-
-// Writes a row's counts, from whole disparities and the steps that are known of candidates.
-HWY_INLINE void WriteRow(const LeftPixel* left, const int8_t* steps, int width, int16_t* counts) {
-  using D = hn::CappedTag<int32_t, GrowthBand::kRunPixels>;
-  constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
-  const D d;
-  const hn::Rebind<int16_t, D> d16;
-  for (int u = 0; u < width; u += kLanes) {
-    const LeftPixels<D> pixels(left + u);
-    const auto disparities = pixels.disparities();
-    auto values = hn::ShiftLeft<5>(disparities);
-    if (steps != nullptr) values = hn::Add(values, StepsOfCandidates(steps + u, pixels));
-    const auto matched = hn::Gt(disparities, hn::Set(d, LeftPixel::kClosed));
-    values = hn::IfThenElse(matched, values, hn::Set(d, DisparityImage::kInvalid));
-    int16_t run[kLanes];
-    hn::StoreU(hn::DemoteTo(d16, values), d16, run);
-    std::copy_n(run, std::min(kLanes, width - u), counts + u);
-  }
-}
-
-// Moves the counts of a row's matched open pixels towards the least cost.
-void RefineOpen(const GrowthRule& rule, const GrowthInput& input, const GrowthBand& band, int r,
-                int16_t* counts) {
+// The counts of a row's matched open pixels.
+void WriteRow(const GrowthRule& rule, const GrowthInput& input, const GrowthBand& band, int r,
+              int16_t* counts) {
   const auto one = [](int32_t cost) HWY_ATTR { return hn::Set(DFour(), cost); };
   const uint8_t* const sigmas = input.prior.sigma[band.first_row + r];
-  for (int u = 0; u < band.image_size.width; ++u) {
-    if (counts[u] == DisparityImage::kInvalid || sigmas[u] < rule.least_open) continue;
+  for (int u = kWindowRadius; u < band.image_size.width - kWindowRadius; ++u) {
     const PixelId id = band.PixelAt(r, u);
     const LeftPixel& pixel = band.left[id];
-    const FourNumbers costs =
-        ToNumbers(FourCosts(rule, band, id, pixel.prior, sigmas[u], pixel.disparity));
-    const auto step = hn::GetLane(StepsToMinimum(one(costs[2]), one(costs[1]), one(costs[0])));
+    if (!rule.IsOpen(sigmas[u]) || pixel.disparity <= LeftPixel::kClosed) continue;
+    int step = 0;
+    if (rule.sub_pixel) {
+      const FourNumbers costs =
+          ToNumbers(FourCosts(rule, band, id, pixel.prior, sigmas[u], pixel.disparity));
+      step = hn::GetLane(StepsToMinimum(one(costs[2]), one(costs[1]), one(costs[0])));
+    }
     counts[u] = static_cast<int16_t>(pixel.disparity * DisparityImage::kCountsPerPixel + step);
   }
 }
@@ -227,13 +280,8 @@ void RefineOpen(const GrowthRule& rule, const GrowthInput& input, const GrowthBa
 void Write(const GrowthRule& rule, const GrowthInput& input, const GrowthBand& band,
            DisparityImage& map) {
   for (int r = 0; r < band.rows; ++r) {
-    const PixelId first = band.PixelAt(r, 0);
-    int16_t* const counts = map.counts()[band.first_row + r];
-    const int8_t* const steps = rule.sub_pixel ? band.steps.data() + first : nullptr;
-    WriteRow(band.left.data() + first, steps, band.image_size.width, counts);
-    if (rule.sub_pixel && band.has_open[static_cast<size_t>(r)] != 0) {
-      RefineOpen(rule, input, band, r, counts);
-    }
+    if (band.has_open[static_cast<size_t>(r)] == 0) continue;
+    WriteRow(rule, input, band, r, map.counts()[band.first_row + r]);
   }
 }
 
@@ -260,12 +308,10 @@ void GrowthBand::Resize(cv::Size size, int first) {
   // The last row is read and written up to a run behind its end.
   const auto row = static_cast<size_t>(stride);
   const size_t pixels = static_cast<size_t>(rows + 2 * kMargin) * row + 2 * kRunPixels;
-  left.assign(pixels, {{SeedQueue::kNone}, 0, LeftPixel::kClosed});
+  left.assign(pixels, {{0}, 0, LeftPixel::kClosed});
   right.assign(pixels, kNoWindow);
   left_grey.assign(pixels, 0);
   right_grey.assign(pixels, 0);
-  steps.assign(pixels, 0);
-  has_open.assign(static_cast<size_t>(rows), 0);
 }
 
 HWY_EXPORT(KernelOnTarget);

@@ -35,6 +35,7 @@ GrowthRule MakeGrowthRule(const GrowConfig& config) {
   rule.similarity = config.similarity();
   rule.sub_pixel = config.sub_pixel();
   rule.limit = WholeCost(mncc ? 1 - config.threshold() : -std::log(config.threshold()));
+  while (rule.KeyOf(rule.limit) >= kKeys) ++rule.key_shift;
   rule.levels_per_cost = (kLevels << GrowthRule::kLevelFraction) / (rule.limit + 1);
   rule.photo_scale = static_cast<float>(kCostUnit / (mncc ? 1 : config.sigma_s_squared()));
   rule.least_open = kMaxSigmaCounts + 1;
@@ -48,7 +49,8 @@ GrowthRule MakeGrowthRule(const GrowConfig& config) {
       rule.least_open = static_cast<int>(counts);
     }
   }
-  // Candidates all have one scale.
+  if (rule.similarity != GrowConfig::EPC) rule.least_open = 0;
+  // Pixels with two candidates all have one scale.
   std::fill_n(rule.prior_scales.begin(), rule.least_open, rule.prior_scales[0]);
   std::fill_n(rule.prior_reaches.begin(), rule.least_open, rule.prior_reaches[0]);
   return rule;

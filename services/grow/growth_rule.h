@@ -10,7 +10,7 @@
 #include "common/core/disparity_image.h"
 #include "common/core/prior_map.h"
 
-// What the plain and the fast implementation of Alg. 1 share: their input, the units in which they
+// What the plain and the fast implementation of growth share: their input, the units in which they
 // compute, and the rules where the paper leaves a choice.
 namespace sprout::grow {
 
@@ -30,8 +30,25 @@ inline constexpr float kLargestCost = 1 << 27;
 /// rank of a disparity.
 inline constexpr int32_t kExcludedCost = (1 << 29) - 1;
 
+/// Largest step from a whole disparity, counts: half a pixel less one, so that rounding a disparity
+/// leads back to the whole one (WholeDisparity()).
+inline constexpr int kMostStep = DisparityImage::kCountsPerPixel / 2 - 1;
+
+/// Counts of a matched pixel rounded to whole pixels.
+inline int WholeDisparity(int counts) {
+  static_assert(DisparityImage::kCountsPerPixel == 1 << 5);
+  return (counts + DisparityImage::kCountsPerPixel / 2) >> 5;
+}
+
 /// Levels of the queue of seeds. With 64, results were up to 0.4 points worse (NOTES.md).
 inline constexpr int kLevels = 256;
+
+/// Keys by which claims on a right pixel are compared in a sweep: costs up to the limit with their
+/// lowest bits cut off, so that twice a key, and one more, fit into 15 bits.
+inline constexpr int kKeys = (1 << 14) - 1;
+
+/// Pixels of a row that the fast sweep looks at together, at most.
+inline constexpr int kRunPixels = 16;
 
 /// Rows of the bands in which an image grows; the last may have fewer. At most 64, and as even as
 /// can be, so that none of two threads has a whole band more to do than the other.
@@ -78,9 +95,14 @@ struct GrowthRule {
   std::array<int, kMaxSigmaCounts + 1> prior_reaches{};
 
   /// Least standard deviation, counts, for which the prior leaves a pixel more than the two whole
-  /// disparities on either side of it; kMaxSigmaCounts + 1 when none does. Below, σ_p is
-  /// sigma_p_px.
+  /// disparities on either side of it, an open pixel; kMaxSigmaCounts + 1 when none does. Below,
+  /// σ_p is sigma_p_px. 0 without a prior: every pixel is open.
   int least_open = 0;
+  bool IsOpen(uint8_t sigma) const { return sigma >= least_open; }
+
+  /// A cost's key, 0 to kKeys − 1. @param cost  not above the limit.
+  int32_t KeyOf(int32_t cost) const { return cost >> key_shift; }
+  int key_shift = 0;
 
   /// A cost's level in the queue of seeds, 0 to kLevels − 1: levels between 0 and the limit have
   /// equal widths; what lies beyond the limit shares the last one (S3). 22 bits of fraction are the

@@ -1,55 +1,15 @@
 #include "services/grow/plain_growth.h"
 
 #include <algorithm>
-#include <cmath>
 #include <queue>
 #include <vector>
 
 #include "common/core/parallel.h"
-#include "services/grow/similarity-inl.h"
+#include "services/grow/plain_costs.h"
+#include "services/grow/plain_sweep.h"
 
 namespace sprout::grow {
 namespace {
-
-// Over a 5×5 window of the left image, wL, and one of the right image, wR.
-struct WindowSums {
-  int left = 0, right = 0;                  // Σ wL, Σ wR
-  int left_squares = 0, right_squares = 0;  // Σ wL², Σ wR²
-  int products = 0;                         // Σ wL·wR
-};
-
-WindowSums SumWindows(const GrowthInput& input, const Correspondence& q) {
-  WindowSums sums;
-  for (int y = q.v - kWindowRadius; y <= q.v + kWindowRadius; ++y) {
-    const uint8_t* left = input.left[y] + q.u - kWindowRadius;
-    const uint8_t* right = input.right[y] + q.u - q.d - kWindowRadius;
-    for (int x = 0; x < kWindow; ++x) {
-      sums.left += left[x];
-      sums.right += right[x];
-      sums.left_squares += left[x] * left[x];
-      sums.right_squares += right[x] * right[x];
-      sums.products += left[x] * right[x];
-    }
-  }
-  return sums;
-}
-
-// Before it is made whole.
-float PhotoCostOf(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q) {
-  const WindowSums sums = SumWindows(input, q);
-  int energy = sums.left_squares + sums.right_squares;
-  int difference = energy - 2 * sums.products;
-  if (rule.similarity == GrowConfig::MNCC) {  // covariance and variances of eq. (1), times n⁴
-    constexpr int kPixels = kWindow * kWindow;
-    const int covariance = kPixels * sums.products - sums.left * sums.right;
-    energy = kPixels * energy - sums.left * sums.left - sums.right * sums.right;
-    energy = std::max(energy, 1);  // without variance no correlation
-    difference = energy - 2 * covariance;
-  }
-  energy = std::max(energy, 1);  // without energy no difference
-  return HWY_NAMESPACE::PhotoCost(static_cast<float>(difference), static_cast<float>(energy),
-                                  rule.photo_scale);
-}
 
 class PlainGrowth {
  public:
@@ -62,21 +22,25 @@ class PlainGrowth {
         seeds_(static_cast<size_t>(CountBands(input.left.rows))) {}
 
   // Alg. 1 in each band of rows, and from band to band until none grows any more.
-  DisparityImage Run(std::span<const Correspondence> seeds) {
+  // @param swept  the pixels that are not open.
+  DisparityImage Run(std::span<const Correspondence> seeds, const DisparityImage& swept) {
+    TakeOver(swept);
     for (const Correspondence& s : seeds) AddSeed(s, CostOf(rule_, input_, s));  // Step 2
-    ForEachParallel(seeds_.size(), [&](size_t band) { Grow(seeds_[band]); });
+    ForEachParallel(seeds_.size(), [&](size_t band) {
+      StartBesideSwept(band);
+      Grow(seeds_[band]);
+    });
     for (bool changed = true; changed;) {
       const cv::Mat1s before = map_.counts().clone();
       ForEachParallel(seeds_.size(), [&](size_t band) {
-        const int top = static_cast<int>(band) * band_rows_;
-        const int end = std::min(top + band_rows_, map_.height());
-        CrossFrom(before, top - 1, top);
-        CrossFrom(before, end, end - 1);
+        const cv::Range rows = RowsOf(band);
+        CrossFrom(before, rows.start - 1, rows.start);
+        CrossFrom(before, rows.end, rows.end - 1);
         Grow(seeds_[band]);
       });
       changed = cv::countNonZero(before != map_.counts()) > 0;
     }
-    return rule_.sub_pixel ? WithSubPixelSteps() : map_;
+    return WithSubPixelSteps(swept);
   }
 
  private:
@@ -96,6 +60,42 @@ class PlainGrowth {
   };
 
   size_t BandOf(int v) const { return static_cast<size_t>(v / band_rows_); }
+  cv::Range RowsOf(size_t band) const {
+    const int top = static_cast<int>(band) * band_rows_;
+    return {top, std::min(top + band_rows_, map_.height())};
+  }
+
+  bool IsOpen(int u, int v) const {
+    return rule_.least_open == 0 || rule_.IsOpen(input_.prior.sigma(v, u));
+  }
+
+  // Whole disparities; their right pixels are matched.
+  void TakeOver(const DisparityImage& swept) {
+    for (int v = 0; v < map_.height(); ++v) {
+      for (int u = 0; u < map_.width(); ++u) {
+        if (!swept.IsValid(u, v)) continue;
+        const int d = WholeDisparity(swept.counts()(v, u));
+        map_.counts()(v, u) = static_cast<int16_t>(d * DisparityImage::kCountsPerPixel);
+        right_matched_(v, u - d) = 1;
+      }
+    }
+  }
+
+  // Open pixels from those matched around them, in the order of rows.
+  void StartBesideSwept(size_t band) {
+    const cv::Range rows = RowsOf(band);
+    for (int v = rows.start; v < rows.end; ++v) {
+      for (int u = 0; u < map_.width(); ++u) {
+        for (const cv::Point from : {cv::Point(u - 1, v), {u + 1, v}, {u, v - 1}, {u, v + 1}}) {
+          if (from.x < 0 || from.x >= map_.width() || from.y < rows.start || from.y >= rows.end ||
+              !map_.IsValid(from.x, from.y)) {
+            continue;
+          }
+          Visit({u, v, map_.counts()(from) / DisparityImage::kCountsPerPixel});
+        }
+      }
+    }
+  }
 
   void AddSeed(const Correspondence& s, int32_t cost) {
     Seeds& seeds = seeds_[BandOf(s.v)];
@@ -119,11 +119,12 @@ class PlainGrowth {
 
   // The best of three disparities; of equals d comes before d − 1 before d + 1.
   void Visit(const Correspondence& near) {
+    if (!cv::Rect({}, map_.size()).contains({near.u, near.v}) || !IsOpen(near.u, near.v)) return;
     Correspondence best = near;
     int32_t best_cost = kExcludedCost;
     for (const int step : {0, -1, 1}) {
       const Correspondence q{near.u, near.v, near.d + step};
-      const int32_t cost = CostWhereItFits(q);
+      const int32_t cost = CostWhereItFits(rule_, input_, q);
       if (cost < best_cost) {
         best = q;
         best_cost = cost;
@@ -139,10 +140,6 @@ class PlainGrowth {
     right_matched = 1;
   }
 
-  int32_t CostWhereItFits(const Correspondence& q) const {
-    return WindowsFit(q, map_.size()) ? CostOf(rule_, input_, q) : kExcludedCost;
-  }
-
   // From the pixels of a neighbouring band, from left to right, as the last round has left them.
   void CrossFrom(const cv::Mat1s& before, int from, int to) {
     if (from < 0 || from >= before.rows) return;
@@ -153,21 +150,15 @@ class PlainGrowth {
     }
   }
 
-  // Each disparity d moved to the minimum of the parabola through the costs of d − 1, d and d + 1,
-  // where d has the least (S2).
-  DisparityImage WithSubPixelSteps() const {
+  DisparityImage WithSubPixelSteps(const DisparityImage& swept) const {
+    if (!rule_.sub_pixel) return map_;
     DisparityImage moved(map_.counts().clone());
+    swept.counts().copyTo(moved.counts(), swept.counts() != DisparityImage::kInvalid);  // have them
     for (int v = 0; v < map_.height(); ++v) {
       for (int u = 0; u < map_.width(); ++u) {
-        if (!map_.IsValid(u, v)) continue;
+        if (!map_.IsValid(u, v) || swept.IsValid(u, v)) continue;
         const int d = map_.counts()(v, u) / DisparityImage::kCountsPerPixel;
-        const int32_t less = CostWhereItFits({u, v, d - 1}), more = CostWhereItFits({u, v, d + 1});
-        const int32_t cost = CostWhereItFits({u, v, d});
-        if (std::max(less, more) == kExcludedCost || std::min(less, more) <= cost) continue;
-        const auto rise = static_cast<float>((less - cost) + (more - cost));
-        const float half_px = DisparityImage::kCountsPerPixel / 2.0F;
-        const float step = half_px * static_cast<float>(less - more) / rise;
-        moved.counts()(v, u) += static_cast<int16_t>(std::lrint(step));
+        moved.counts()(v, u) += static_cast<int16_t>(SubPixelStep(rule_, input_, {u, v, d}));
       }
     }
     return moved;
@@ -183,21 +174,9 @@ class PlainGrowth {
 
 }  // namespace
 
-int32_t CostOf(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q) {
-  float cost = PhotoCostOf(rule, input, q);
-  if (rule.similarity == GrowConfig::EPC) {  // Eq. (6)
-    const int16_t prior = input.prior.disparity.counts()(q.v, q.u);
-    if (prior == DisparityImage::kInvalid) return kExcludedCost;
-    const int distance = q.d * DisparityImage::kCountsPerPixel - prior;
-    const float scale = rule.prior_scales[input.prior.sigma(q.v, q.u)];
-    cost += HWY_NAMESPACE::PriorCost(static_cast<float>(distance), scale);
-  }
-  return static_cast<int32_t>(std::min(cost, kLargestCost));
-}
-
 DisparityImage GrowPlainly(const GrowthRule& rule, const GrowthInput& input,
                            std::span<const Correspondence> seeds) {
-  return PlainGrowth(rule, input).Run(seeds);
+  return PlainGrowth(rule, input).Run(seeds, SweepPlainly(rule, input, seeds));
 }
 
 }  // namespace sprout::grow

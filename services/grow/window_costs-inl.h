@@ -148,7 +148,8 @@ HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelI
 }
 
 // Where between d − 1 and d + 1 the parabola through their costs has its minimum, from d, counts;
-// none where a cost is missing or d is not better than the two others (S2).
+// none where a cost is missing or d is not better than the two others (S2). At most 15 counts up,
+// so that rounding leads back to d.
 template <class V>
 HWY_INLINE V StepsToMinimum(V minus_one, V cost, V plus_one) {
   const hn::DFromV<V> d;
@@ -166,7 +167,8 @@ HWY_INLINE V StepsToMinimum(V minus_one, V cost, V plus_one) {
   const auto step = hn::Div(hn::Mul(hn::Set(df, kHalf), hn::ConvertTo(df, difference)),
                             hn::ConvertTo(df, divisor));
   const auto large = hn::Set(df, 3 << 22);
-  return hn::Sub(hn::BitCast(d, hn::Add(step, large)), hn::BitCast(d, large));
+  const V steps = hn::Sub(hn::BitCast(d, hn::Add(step, large)), hn::BitCast(d, large));
+  return hn::Min(steps, hn::Set(d, kMostStep));
 }
 
 // Neighbouring pixels of a band's table, as many as D, a tag of int32_t, has lanes.
@@ -175,16 +177,9 @@ class LeftPixels {
  public:
   using V = hn::Vec<D>;
 
-  HWY_INLINE LeftPixels(V candidates, V priors, V disparities)
-      : numbers_(candidates),
+  HWY_INLINE LeftPixels(V sigmas, V priors, V disparities)
+      : numbers_(sigmas),
         places_(hn::Or(hn::And(priors, hn::Set(D(), 0xffff)), hn::ShiftLeft<16>(disparities))) {}
-
-  // Those from `first` on.
-  explicit HWY_INLINE LeftPixels(const LeftPixel* first) {
-    Memory memory;
-    std::memcpy(memory.data(), first, sizeof(Memory));
-    hn::LoadInterleaved2(D(), memory.data(), numbers_, places_);
-  }
 
   HWY_INLINE void Store(LeftPixel* first) const {
     Memory memory;
@@ -192,11 +187,8 @@ class LeftPixels {
     std::memcpy(static_cast<void*>(first), memory.data(), sizeof(Memory));
   }
 
-  HWY_INLINE V priors() const { return hn::ShiftRight<16>(hn::ShiftLeft<16>(places_)); }
-  HWY_INLINE V disparities() const { return hn::ShiftRight<16>(places_); }
-
  private:
-  // A pixel is two numbers: candidates or a link, and prior with the disparity above it.
+  // A pixel is two numbers: σ or a link, and prior with the disparity above it.
   static_assert(sizeof(LeftPixel) == 2 * sizeof(int32_t) &&
                 std::endian::native == std::endian::little);
   using Memory = std::array<int32_t, 2 * hn::MaxLanes(D())>;

@@ -1,6 +1,6 @@
 #include "services/log/frame_pictures.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "services/log/frame_truth.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "common/config/config.h"
 #include "common/core/image.h"

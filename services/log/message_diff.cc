@@ -1,6 +1,6 @@
 #include "services/log/message_diff.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cstring>

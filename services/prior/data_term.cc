@@ -57,8 +57,6 @@ int HammingDistance(const CensusWindow& a, const CensusWindow& b) {
          4 * std::popcount(carried.twos);
 }
 
-float Square(float x) { return x * x; }
-
 // The build asks the compiler to make vectors of this loop: 1 ms for a pair of 2 MP instead of 9.
 void TransformRow(const uint8_t* above, const uint8_t* row, const uint8_t* below, int columns,
                   uint8_t* codes) {
@@ -93,28 +91,26 @@ DataTerm::DataTerm(const EdgeImages& images, std::span<const EdgeTriangle> edges
   ForEachParallel(edges.size(), [&](size_t i) { nearby_[i] = Gather(edges[i].nearby(), planes); });
 }
 
-DataTerm::NearbySeeds DataTerm::Gather(std::span<const int> seeds,
-                                       std::span<const Plane> planes) const {
+ColourSeeds DataTerm::Gather(std::span<const int> seeds, std::span<const Plane> planes) const {
   constexpr float kOne = DisparityImage::kCountsPerPixel;
   constexpr float kNoColour = 1e6;  // of lanes without a seed: nothing is like it
-  NearbySeeds nearby;
-  nearby.used = (seeds.size() + kLanes - 1) / kLanes;
-  for (size_t k = 0; k < nearby.used * kLanes; ++k) {
-    const Plane& plane = planes[static_cast<size_t>(seeds[std::min(k, seeds.size() - 1)])];
-    SeedLanes& lanes = nearby.lanes[k / kLanes];
-    const size_t i = k % kLanes;
-    lanes.u[i] = plane.u;
-    lanes.v[i] = plane.v;
-    lanes.counts[i] = kOne * plane.disparity;
-    lanes.per_column[i] = kOne * plane.per_column;
-    lanes.per_row[i] = kOne * plane.per_row;
+  const auto padded = [&](size_t to) { return (seeds.size() + to - 1) / to * to; };
+  ColourSeeds nearby;
+  nearby.count = padded(4);
+  for (size_t i = 0; i < padded(ColourSeeds::kAtOnce); ++i) {
+    const Plane& plane = planes[static_cast<size_t>(seeds[std::min(i, seeds.size() - 1)])];
+    nearby.u[i] = plane.u;
+    nearby.v[i] = plane.v;
+    nearby.counts[i] = kOne * plane.disparity;
+    nearby.per_column[i] = kOne * plane.per_column;
+    nearby.per_row[i] = kOne * plane.per_row;
     const cv::Mat3b& image = images_.left_bgr;
     const int u = cvRound(std::clamp(plane.u, 0.F, static_cast<float>(image.cols - 1)));
     const int v = cvRound(std::clamp(plane.v, 0.F, static_cast<float>(image.rows - 1)));
     const cv::Vec3b& bgr = image(v, u);
-    lanes.blue[i] = k < seeds.size() ? bgr[0] : kNoColour;
-    lanes.green[i] = bgr[1];
-    lanes.red[i] = bgr[2];
+    nearby.blue[i] = i < seeds.size() ? bgr[0] : kNoColour;
+    nearby.green[i] = bgr[1];
+    nearby.red[i] = bgr[2];
   }
   return nearby;
 }
@@ -152,34 +148,19 @@ double DataTerm::Images(int u, int v, int near, int far) const {
 }
 
 // Eq. (P7).
-double DataTerm::Colours(int u, int v, const NearbySeeds& seeds, int near, int far) const {
-  // Of a seed whose colour is three ranges off: where all are, colours hardly tell.
-  constexpr float kNoSupport = 0.01F;
-  const auto per_range = static_cast<float>(1 / config_.colour_range());
+double DataTerm::Colours(int u, int v, const ColourSeeds& seeds, int near, int far) const {
   const cv::Vec3f bgr = images_.left_bgr(v, u);
-  const auto column = static_cast<float>(u);
-  const auto row = static_cast<float>(v);
-  const auto per_miss =
-      static_cast<float>(1 / (DisparityImage::kCountsPerPixel * config_.edge_px()));
-  const float middle = 0.5F * static_cast<float>(near + far);
-  const float half_gap = 0.5F * static_cast<float>(near - far);
-  Lanes support{};
-  Lanes near_support{};  // less that of far
-  for (const SeedLanes& lanes : std::span(seeds.lanes).first(seeds.used)) {
-    for (size_t i = 0; i < kLanes; ++i) {
-      const float above = lanes.counts[i] + lanes.per_column[i] * (column - lanes.u[i]) +
-                          lanes.per_row[i] * (row - lanes.v[i]) - middle;
-      const float difference = std::abs(bgr[0] - lanes.blue[i]) +
-                               std::abs(bgr[1] - lanes.green[i]) + std::abs(bgr[2] - lanes.red[i]);
-      // Half the weight for planes that miss both labels by edge_px.
-      const float miss = (std::abs(above) - half_gap) * per_miss;
-      const float weight = 1 / ((1 + Square(miss)) * Square(1 + Square(difference * per_range)));
-      support[i] += weight;
-      near_support[i] += std::copysign(weight, above);
-    }
-  }
-  const auto sum = [](const Lanes& lanes) { return lanes[0] + lanes[1] + lanes[2] + lanes[3]; };
-  return double{sum(near_support)} / (kNoSupport + sum(support));
+  return ColourTerm(
+      seeds,
+      {.u = static_cast<float>(u),
+       .v = static_cast<float>(v),
+       .blue = bgr[0],
+       .green = bgr[1],
+       .red = bgr[2],
+       .middle = 0.5F * static_cast<float>(near + far),
+       .half_gap = 0.5F * static_cast<float>(near - far),
+       .per_miss = static_cast<float>(1 / (DisparityImage::kCountsPerPixel * config_.edge_px())),
+       .per_range = static_cast<float>(1 / config_.colour_range())});
 }
 
 namespace {
@@ -193,8 +174,11 @@ class Decision {
   void DecideRow(int v, bool second_pass) {
     const bool even_row = v % 2 == 0;
     const int first = second_pass && even_row ? 1 : 0;
+    const int16_t* const labels = labels_.near[v];
     for (int u = first; u < prior_.cols; u += even_row ? 2 : 1) {
-      const int16_t near = labels_.near(v, u);
+      while (u + 8 <= prior_.cols && NoneOfEight(labels + u)) u += 8;
+      if (u >= prior_.cols) break;
+      const int16_t near = labels[u];
       if (near == DisparityImage::kInvalid) continue;
       const int16_t far = labels_.far(v, u);
       const std::optional<bool> as_neighbours =
@@ -207,6 +191,15 @@ class Decision {
   }
 
  private:
+  // Whether eight columns have no labels, as most have none.
+  static bool NoneOfEight(const int16_t* labels) {
+    constexpr uint64_t kFourInvalid = 0x8000'8000'8000'8000;
+    static_assert(DisparityImage::kInvalid == INT16_MIN);
+    std::array<uint64_t, 2> columns;
+    std::memcpy(columns.data(), labels, sizeof(columns));
+    return columns[0] == kFourInvalid && columns[1] == kFourInvalid;
+  }
+
   // Whether the decided pixels around are all closer to the near surface, or all to the far one:
   // two in an even row or column, otherwise four. Nothing when they do not agree, or when one is
   // not in the image.

@@ -126,8 +126,9 @@ void PaintLabels(std::span<const EdgeTriangle> edges, std::span<const Plane> pla
   labels.triangle.create(size);
   const auto least_gap = static_cast<float>(edge_px);
   PaintInBands(size.height, [&](const cv::Range& rows) {
-    labels.near.rowRange(rows) = DisparityImage::kInvalid;
-    labels.far.rowRange(rows) = DisparityImage::kInvalid;
+    for (int v = rows.start; v < rows.end; ++v) {
+      std::fill_n(labels.near[v], size.width, DisparityImage::kInvalid);
+    }
     for (size_t i = 0; i < edges.size(); ++i) {
       const EdgeTriangle& edge = edges[i];
       if (!Meets(planes, edge.seeds, rows)) continue;

@@ -9,6 +9,7 @@
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
+#include "services/prior/colour_kernel.h"
 #include "services/prior/interpolation.h"
 
 namespace sprout::prior {
@@ -45,7 +46,8 @@ class NearestPlanes {
 
 /// A triangle across a depth edge: each of its pixels is on one of two surfaces, eq. (P5).
 struct EdgeTriangle {
-  static constexpr size_t kMostSeeds = 32;  ///< two rings around a triangle are usually 27
+  /// Two rings around a triangle are usually 27.
+  static constexpr size_t kMostSeeds = ColourSeeds::kMost;
 
   SeedTriangle seeds;
   NearestPlanes near;
@@ -67,13 +69,13 @@ std::vector<EdgeTriangle> FindEdgeTriangles(std::span<const Plane> planes,
                                             std::span<const SeedTriangle> triangles,
                                             const Triangulation& triangulation, double edge_px);
 
-/// The candidate labels of pixels in triangles across depth edges: two disparities, counts. Both
-/// are DisparityImage::kInvalid where there is no such triangle, and where the surfaces are less
-/// than `edge_px` apart: interpolation does no harm there.
+/// The candidate labels of pixels in triangles across depth edges: two disparities, counts. The
+/// near one is DisparityImage::kInvalid where there is no such triangle, and where the surfaces are
+/// less than `edge_px` apart: interpolation does no harm there. There the others are undefined.
 struct EdgeLabels {
   cv::Mat1s near;
   cv::Mat1s far;
-  cv::Mat1i triangle;  ///< of a pixel with labels: the index of its triangle
+  cv::Mat1i triangle;  ///< index of the pixel's triangle
 };
 
 /// @param labels  overwritten; memory of that size is used again.
@@ -110,25 +112,13 @@ class DataTerm {
   double FarMinusNear(int u, int v, int triangle, int near, int far) const;
 
  private:
-  static constexpr size_t kLanes = 4;
-  using Lanes = std::array<float, kLanes>;
-  // Some seeds side by side, for the machine's vectors.
-  struct SeedLanes {
-    Lanes u, v, counts, per_column, per_row;  // planes, counts instead of px
-    Lanes blue, green, red;                   // of the left image there
-  };
-  struct NearbySeeds {
-    std::array<SeedLanes, EdgeTriangle::kMostSeeds / kLanes> lanes;
-    size_t used = 0;  // of these
-  };
-
-  NearbySeeds Gather(std::span<const int> seeds, std::span<const Plane> planes) const;
+  ColourSeeds Gather(std::span<const int> seeds, std::span<const Plane> planes) const;
   double Images(int u, int v, int near, int far) const;
-  double Colours(int u, int v, const NearbySeeds& seeds, int near, int far) const;
+  double Colours(int u, int v, const ColourSeeds& seeds, int near, int far) const;
 
   const EdgeImages& images_;
   const PriorConfig& config_;
-  std::vector<NearbySeeds> nearby_;  // one an edge
+  std::vector<ColourSeeds> nearby_;  // one an edge
 };
 
 /// Gives each pixel with labels the one of the smaller data term. Every other pixel of every other

@@ -4,68 +4,10 @@
 #include <vector>
 
 #include "common/core/parallel.h"
+#include "services/prior/paint_kernel.h"
 
 namespace sprout::prior {
 namespace {
-
-// Twice the area of a triangle, px²; negative where it runs the other way round.
-double TwiceArea(const Corners& corners) {
-  const auto& [a, b, c] = corners;
-  return (double{b.u} - a.u) * (double{c.v} - a.v) - (double{c.u} - a.u) * (double{b.v} - a.v);
-}
-
-// Eq. (P4): the plane through the disparities of the corners.
-Plane PlaneThrough(const Corners& corners, double twice_area) {
-  constexpr double kSteepest = 1e6;  // slivers; their pixels are held between the corners
-  const auto& [a, b, c] = corners;
-  const double bd = double{b.disparity} - a.disparity;
-  const double cd = double{c.disparity} - a.disparity;
-  const double per_column = (bd * (double{c.v} - a.v) - cd * (double{b.v} - a.v)) / twice_area;
-  const double per_row = (cd * (double{b.u} - a.u) - bd * (double{c.u} - a.u)) / twice_area;
-  Plane plane = a;
-  plane.per_column = static_cast<float>(std::clamp(per_column, -kSteepest, kSteepest));
-  plane.per_row = static_cast<float>(std::clamp(per_row, -kSteepest, kSteepest));
-  return plane;
-}
-
-// Eq. (P8).
-double SigmaPx(const Corners& corners, double edge_px) {
-  const auto& [a, b, c] = corners;
-  const float u = (a.u + b.u + c.u) / 3;
-  const float v = (a.v + b.v + c.v) / 3;
-  const float disparity = (a.disparity + b.disparity + c.disparity) / 3;
-  double squares = 0;
-  for (const Plane& corner : corners) {
-    const double off = double{corner.At(u, v)} - disparity;
-    squares += double{corner.sigma_px} * corner.sigma_px;
-    if (std::abs(off) < edge_px) squares += off * off;
-  }
-  return std::sqrt(squares / 3);
-}
-
-void PaintTriangle(const Corners& corners, double edge_px, const cv::Range& rows, PriorMap& map) {
-  constexpr double kLeastArea = 1e-3;  // px², twice; holds no pixel that others do not have
-  const double twice_area = TwiceArea(corners);
-  if (std::abs(twice_area) < kLeastArea) return;
-  constexpr float kOne = DisparityImage::kCountsPerPixel;
-  constexpr float kMost = DisparityImage::kMaxPx;
-  const auto& [a, b, c] = corners;
-  const auto [least, most] = std::minmax({a.disparity, b.disparity, c.disparity});
-  const float low = kOne * std::clamp(least, 0.F, kMost);
-  const float high = kOne * std::clamp(most, 0.F, kMost);
-  const Plane plane = PlaneThrough(corners, twice_area);
-  const float slope = kOne * plane.per_column;
-  const uint8_t sigma = SigmaToCounts(SigmaPx(corners, edge_px));
-  ForEachRun(corners, map.disparity.width(), rows, [&](int v, int begin, int end) {
-    int16_t* const counts = map.disparity.counts()[v] + begin;
-    const float first = kOne * plane.At(static_cast<float>(begin), static_cast<float>(v));
-    for (int i = 0; i < end - begin; ++i) {
-      const float value = first + slope * static_cast<float>(i);
-      counts[i] = static_cast<int16_t>(std::min(std::max(value, low), high) + 0.5F);
-    }
-    std::fill(map.sigma[v] + begin, map.sigma[v] + end, sigma);
-  });
-}
 
 // Gives the pixels of a row that have no disparity that of the nearest one that has.
 // @returns false where there is none in the row.
@@ -112,13 +54,11 @@ bool FillGaps(cv::Mat1s& counts) {
 Result<void> Interpolate(std::span<const Plane> planes, std::span<const SeedTriangle> triangles,
                          double edge_px, PriorMap& map) {
   PaintInBands(map.size().height, [&](const cv::Range& rows) {
-    map.disparity.counts().rowRange(rows) = DisparityImage::kInvalid;
-    map.sigma.rowRange(rows) = kMaxSigmaCounts;
-    for (const SeedTriangle& triangle : triangles) {
-      if (Meets(planes, triangle, rows)) {
-        PaintTriangle(CornersOf(planes, triangle), edge_px, rows, map);
-      }
+    for (int v = rows.start; v < rows.end; ++v) {
+      std::fill_n(map.disparity.counts()[v], map.size().width, DisparityImage::kInvalid);
+      std::fill_n(map.sigma[v], map.size().width, kMaxSigmaCounts);
     }
+    PaintTriangles(planes, triangles, edge_px, rows, map);
   });
   if (!FillGaps(map.disparity.counts())) {
     return Fail("the seeds' triangles cover no pixel: no prior");

@@ -30,6 +30,12 @@ inline bool Meets(std::span<const Plane> planes, const SeedTriangle& triangle,
   return least < static_cast<float>(rows.end) && most >= static_cast<float>(rows.start);
 }
 
+/// Runs reach that much beyond a triangle's sides, px: rounding never leaves a pixel between
+/// triangles.
+inline constexpr double kSideSlack = 1.0 / (1 << 16);
+/// px a row. Steeper sides cross less than a row.
+inline constexpr double kSteepestSide = 1 << 20;
+
 /// Calls paint(v, begin, end) for the pixels of an image whose centre lies in a triangle or on its
 /// border: columns [begin, end) of row v. Neighbouring triangles both have the pixels of their
 /// common side, so that none between them is missed.
@@ -53,10 +59,6 @@ Result<void> Interpolate(std::span<const Plane> planes, std::span<const SeedTria
 
 template <typename Paint>
 void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const Paint& paint) {
-  // Runs reach that much beyond the sides, px: rounding never leaves a pixel between triangles.
-  constexpr double kSlack = 1.0 / (1 << 16);
-  // px a row. Steeper sides cross less than a row.
-  static constexpr double kSteepest = 1 << 20;
   const Plane *top = corners.data(), *middle = top + 1, *bottom = top + 2;
   const auto order = [](const Plane*& a, const Plane*& b) {
     if (b->v < a->v) std::swap(a, b);
@@ -66,7 +68,7 @@ void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const 
   order(top, middle);
   const auto slope = [](const Plane& a, const Plane& b) {
     const double height = double{b.v} - a.v;
-    return height > 0 ? std::clamp((double{b.u} - a.u) / height, -kSteepest, kSteepest) : 0;
+    return height > 0 ? std::clamp((double{b.u} - a.u) / height, -kSteepestSide, kSteepestSide) : 0;
   };
   const double long_slope = slope(*top, *bottom);
   const double upper_slope = slope(*top, *middle);
@@ -84,8 +86,8 @@ void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const 
       return static_cast<int>(std::clamp<double>(column, -1, width - 1) + 1);
     };
     const auto [left, right] = std::minmax(one, other);
-    const int begin_column = behind(left - kSlack);
-    const int end_column = behind(right + kSlack);
+    const int begin_column = behind(left - kSideSlack);
+    const int end_column = behind(right + kSideSlack);
     if (begin_column < end_column) paint(v, begin_column, end_column);
   }
 }

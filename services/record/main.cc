@@ -1,12 +1,14 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <pthread.h>
-#include <spdlog/spdlog.h>
 #include <sys/time.h>
 
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <memory>
 
+#include "common/app/log.h"
 #include "common/app/program.h"
 #include "common/app/service.h"
 #include "common/app/status_reporter.h"
@@ -101,12 +103,23 @@ void TakeTimeToFinish(const Recording& recording) {
   constexpr itimerval kNever{};
   setitimer(ITIMER_REAL, &kNever, nullptr);
   const double waiting_mb = static_cast<double>(recording.waiting_bytes()) / 1e6;
-  if (waiting_mb > 1) spdlog::info("writing the {:.0f} MB that wait", waiting_mb);
+  if (waiting_mb > 1) LogLine(LogLevel::kInfo, "writing the {:.0f} MB that wait", waiting_mb);
+}
+
+// A folder that cannot be written from the start is a flag that cannot be used.
+std::unique_ptr<Recording> Begin(const ServiceContext& context, const RecordingOptions& options,
+                                 StageMonitor& monitor) {
+  try {
+    return std::make_unique<Recording>(context, options, monitor);
+  } catch (const LogError& e) {
+    throw ConfigError(std::string("--dir: ") + e.what());
+  }
 }
 
 int Record(const ServiceContext& context, const RecordingOptions& options) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
-  Recording recording(context, options, monitor);
+  const std::unique_ptr<Recording> begun = Begin(context, options, monitor);
+  Recording& recording = *begun;
   {
     const StatusReporter reporter(context, monitor);
     TellReady();
@@ -121,7 +134,7 @@ int Record(const ServiceContext& context, const RecordingOptions& options) {
     recording.Finish();
   }
   const bool whole = recording.IsWhole();
-  spdlog::log(whole ? spdlog::level::info : spdlog::level::warn, recording.Summary());
+  LogLine(whole ? LogLevel::kInfo : LogLevel::kWarning, recording.Summary());
   return whole ? 0 : 1;
 }
 

@@ -16,9 +16,9 @@
 
 #include "common/config/config.h"
 #include "common/rig/rectifier.h"
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
+#include "services/grow/grow_adapter.h"
+#include "services/prior/prior_adapter.h"
+#include "services/refine/refine_adapter.h"
 #include "tests/bench/bench_frame.h"
 
 namespace sprout {
@@ -49,11 +49,14 @@ const std::vector<BenchFrame>& FramesOf(cv::Size size) {
   return frames;
 }
 
-// The plugs of the services, one object a stage for all frames. Without the confidence, which
-// OpenCV's methods do not give.
+// The adapters of the services, one object a stage for all frames; the chain with everything that
+// the preset publishes.
 struct Chain {
-  explicit Chain(SproutConfig config)
-      : refine(config.refine()), prior(config.prior()), grow(WithoutConfidence(config.grow())) {}
+  explicit Chain(const SproutConfig& config)
+      : refine(config.refine()),
+        prior(config.prior()),
+        grow(config.grow()),
+        fill(WithoutConfidence(config.grow())) {}
 
   static GrowConfig WithoutConfidence(GrowConfig config) {
     config.set_publish_confidence(false);
@@ -61,23 +64,22 @@ struct Chain {
     return config;
   }
 
-  refine::RefinePlug refine;
-  prior::PriorPlug prior;
-  grow::GrowPlug grow;
+  refine::RefineAdapter refine;
+  prior::PriorAdapter prior;
+  grow::GrowAdapter grow;
+  grow::GrowAdapter fill;  // finishes without the confidence
 };
 
 // What goes into each stage: a frame with what all of them made of it.
 struct Inputs {
   Frame frame;
-  grow::GrowPlug::Growth growth;
+  grow::GrowAdapter::Growth growth;
 };
 
-enum class BenchPart { kRefine, kPrior, kGrow, kFill, kChain };
-constexpr std::pair<BenchPart, const char*> kBenchParts[] = {{BenchPart::kRefine, "refine"},
-                                                             {BenchPart::kPrior, "prior"},
-                                                             {BenchPart::kGrow, "grow"},
-                                                             {BenchPart::kFill, "fill"},
-                                                             {BenchPart::kChain, "chain"}};
+enum class BenchPart { kRefine, kPrior, kGrow, kFill, kFinish, kChain };
+constexpr std::pair<BenchPart, const char*> kBenchParts[] = {
+    {BenchPart::kRefine, "refine"}, {BenchPart::kPrior, "prior"},   {BenchPart::kGrow, "grow"},
+    {BenchPart::kFill, "fill"},     {BenchPart::kFinish, "finish"}, {BenchPart::kChain, "chain"}};
 
 void RunPart(BenchPart part, Chain& chain, Inputs& in) {
   switch (part) {
@@ -91,12 +93,15 @@ void RunPart(BenchPart part, Chain& chain, Inputs& in) {
       benchmark::DoNotOptimize(chain.grow.Grow(in.frame));
       return;
     case BenchPart::kFill:
+      benchmark::DoNotOptimize(chain.fill.Finish(in.frame, in.growth));
+      return;
+    case BenchPart::kFinish:
       benchmark::DoNotOptimize(chain.grow.Finish(in.frame, in.growth));
       return;
     case BenchPart::kChain:
-      RunPlug(chain.refine, in.frame);
-      RunPlug(chain.prior, in.frame);
-      RunPlug(chain.grow, in.frame);
+      AddAnswer(chain.refine, in.frame);
+      AddAnswer(chain.prior, in.frame);
+      AddAnswer(chain.grow, in.frame);
   }
 }
 
@@ -125,9 +130,9 @@ void MeasurePart(benchmark::State& state, BenchPart part, const std::string& pre
     frame.right = bench.frame.right;
     frame.tof = bench.frame.tof;
     frame.rig = bench.rig;
-    RunPlug(chain.refine, frame);
-    RunPlug(chain.prior, frame);
-    grow::GrowPlug::Growth growth = chain.grow.Grow(frame);
+    AddAnswer(chain.refine, frame);
+    AddAnswer(chain.prior, frame);
+    grow::GrowAdapter::Growth growth = chain.grow.Grow(frame);
     inputs.push_back({std::move(frame), std::move(growth)});
   }
   RunOnAllScenes(state, size, inputs.size(),

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
-#include <functional>
-#include <thread>
 
 #include "common/logfile/log_reader.h"
 #include "services/batch/frame_rows.h"
@@ -16,21 +14,13 @@
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/batch_logs.h"
 #include "tests/system/batch_run.h"
+#include "tests/system/eventually.h"
 
 namespace sprout {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-bool Eventually(const std::function<bool()>& condition, std::chrono::seconds timeout) {
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
-  return true;
-}
 
 // What the three stages record over a whole log on one machine, merged.
 std::string WholeReplay(const fs::path& folder, const fs::path& log) {

@@ -2,7 +2,7 @@
 // and how much memory. Exit code 1 when one takes more than a minute or all more than a gigabyte.
 //
 //     batch_scale [SHARDS]         10 frames a shard, 10 shards a log
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <sys/resource.h>
 
 #include <chrono>

@@ -16,9 +16,6 @@
 #include "services/batch/shard_try.h"
 #include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/log/graph_log.h"
 
@@ -31,28 +28,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 using testing::SizeIs;
-
-TEST(StageChain, TakesWhatThePlugsJoin) {
-  SproutConfig config = LoadConfig({"default"});
-  EXPECT_EQ(InputsOf("refine", config), refine::RefinePlug(config.refine()).Inputs());
-  for (const auto method : {PriorConfig::DELAUNAY, PriorConfig::EDGES}) {
-    for (const bool left_seeds : {false, true}) {
-      config.mutable_prior()->set_method(method);
-      config.mutable_prior()->set_left_seeds(left_seeds);
-      EXPECT_EQ(InputsOf("prior", config), prior::PriorPlug(config.prior()).Inputs());
-    }
-  }
-  for (const auto similarity : {GrowConfig::MNCC, GrowConfig::EPC}) {
-    for (const auto fill : {GrowConfig::NONE, GrowConfig::PRIOR}) {
-      for (const auto seeds : {GrowConfig::TOF, GrowConfig::HARRIS}) {
-        config.mutable_grow()->set_similarity(similarity);
-        config.mutable_grow()->set_fill(fill);
-        config.mutable_grow()->set_seeds(seeds);
-        EXPECT_EQ(InputsOf("grow", config), grow::GrowPlug(config.grow()).Inputs());
-      }
-    }
-  }
-}
 
 TEST(StageChain, RefusesGapsAndUnknownStages) {
   EXPECT_THROW(ParseStages("--stages", {"refine", "grow"}), ConfigError);

@@ -30,6 +30,25 @@ TEST(GrowthRule, LevelsHaveEqualWidthsUpToTheLimit) {
   EXPECT_EQ(rule.LevelOf(kExcludedCost), kLevels - 1);
 }
 
+TEST(GrowthRule, KeysOfAcceptedCostsFitInto15Bits) {
+  for (const double threshold : {0.001, 0.5, 0.98, 0.999}) {
+    GrowConfig config;
+    config.set_threshold(threshold);
+    const GrowthRule rule = MakeGrowthRule(config);
+    EXPECT_LT(rule.KeyOf(rule.limit), kKeys) << threshold;
+    EXPECT_TRUE(rule.key_shift == 0 || rule.limit >> (rule.key_shift - 1) >= kKeys) << threshold;
+    EXPECT_EQ(rule.KeyOf(0), 0);
+  }
+  EXPECT_LT(2 * (kKeys - 1) + 1, INT16_MAX);
+}
+
+TEST(GrowthRule, WithoutAPriorEveryPixelIsOpen) {
+  GrowConfig config;
+  config.set_sigma_p_px(0.7);
+  config.set_similarity(GrowConfig::EXPSSD);
+  EXPECT_EQ(MakeGrowthRule(config).least_open, 0);
+}
+
 TEST(GrowthRule, SigmaPFollowsFormulaS1) {
   GrowConfig config;
   config.set_sigma_p_px(0.8);

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "services/grow/plain_costs.h"
 #include "tests/common/core/even_prior.h"
 #include "tests/services/grow/grow_scenes.h"
 

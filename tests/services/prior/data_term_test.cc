@@ -2,9 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
+#include <string>
 
+#include "services/prior/colour_kernel.h"
 #include "services/prior/edge_surfaces.h"
+#include "tests/common/testing/instruction_sets.h"
 
 namespace sprout::prior {
 namespace {
@@ -164,6 +168,43 @@ TEST(Census, SaysWhichPixelsAroundAreDarker) {
 EdgeLabels LabelsEverywhere(cv::Size size) {
   return {cv::Mat1s(size, int16_t{kNearCounts}), cv::Mat1s(size, int16_t{kFarCounts}),
           cv::Mat1i(size, 0)};
+}
+
+TEST(DataTerm, IsTheSameWithEveryInstructionSet) {
+  std::mt19937 random(4);
+  const auto number = [&](double scale) {
+    return static_cast<float>(scale * (static_cast<double>(random() % 65536) / 65536 - 0.5));
+  };
+  for (const size_t count : {size_t{4}, size_t{16}, size_t{28}, size_t{32}}) {
+    ColourSeeds seeds{};
+    seeds.count = count;
+    for (size_t i = 0; i < ColourSeeds::kMost; ++i) {
+      seeds.u[i] = number(50), seeds.v[i] = number(50), seeds.counts[i] = number(400);
+      seeds.per_column[i] = number(9), seeds.per_row[i] = number(9);
+      seeds.blue[i] = number(255), seeds.green[i] = number(255), seeds.red[i] = number(255);
+    }
+    const ColourPixel pixel{1, 2, 30, 20, 10, 5, 40, 0.02F, 0.05F};
+    // Eq. (P7), added up by fours.
+    float support[4] = {}, near_support[4] = {};
+    for (size_t i = 0; i < count; ++i) {
+      const float above = seeds.counts[i] + seeds.per_column[i] * (pixel.u - seeds.u[i]) +
+                          seeds.per_row[i] * (pixel.v - seeds.v[i]) - pixel.middle;
+      const float difference = std::abs(pixel.blue - seeds.blue[i]) +
+                               std::abs(pixel.green - seeds.green[i]) +
+                               std::abs(pixel.red - seeds.red[i]);
+      const auto square = [](float x) { return x * x; };
+      const float miss = (std::abs(above) - pixel.half_gap) * pixel.per_miss;
+      const float weight =
+          1 / ((1 + square(miss)) * square(1 + square(difference * pixel.per_range)));
+      support[i % 4] += weight;
+      near_support[i % 4] += std::copysign(weight, above);
+    }
+    const auto sum = [](const float* x) { return x[0] + x[1] + x[2] + x[3]; };
+    const double expected = double{sum(near_support)} / (0.01F + sum(support));
+    ForEachInstructionSet([&](const std::string& name) {
+      EXPECT_EQ(ColourTerm(seeds, pixel), expected) << name << ", " << count << " seeds";
+    });
+  }
 }
 
 TEST(Decision, FindsTheEdgeToThePixelAndLeavesTheRest) {

@@ -1,0 +1,34 @@
+#ifndef SPROUT_SERVICES_GROW_GAP_FILLER_H_
+#define SPROUT_SERVICES_GROW_GAP_FILLER_H_
+
+#include "common/config/config.h"
+#include "common/core/disparity_image.h"
+
+namespace sprout::grow {
+
+/// Gap filling (paper, III): a pixel without disparity takes the median of the valid ones in its
+/// 5×5 window (the lower one of two in the middle; the window ends at the image's border).
+///
+/// Keeps the memory of a frame for the next one, and its result as long as nobody else holds it, so
+/// one object serves one caller at a time.
+class GapFiller {
+ public:
+  /// @param fill  NONE: returns the map; ONE_PASS: gaps look at the given map only; PRIOR: gaps
+  /// take
+  ///              the prior's disparity instead, then every pixel the median of its 5×5 window.
+  /// @param prior  of the map's size; only looked at by PRIOR. An empty one fills nothing.
+  /// @returns another map (with NONE the given one); the given one is not changed. O(pixels), on
+  ///          OpenCV's threads with the same result for any number.
+  DisparityImage Fill(const DisparityImage& map, GrowConfig::Fill fill,
+                      const DisparityImage& prior);
+
+ private:
+  void FillFromPrior(const DisparityImage& map, const DisparityImage& prior);
+
+  DisparityImage filled_, other_;
+  cv::Mat1b is_gap_;
+};
+
+}  // namespace sprout::grow
+
+#endif  // SPROUT_SERVICES_GROW_GAP_FILLER_H_

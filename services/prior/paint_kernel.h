@@ -1,0 +1,19 @@
+#ifndef SPROUT_SERVICES_PRIOR_PAINT_KERNEL_H_
+#define SPROUT_SERVICES_PRIOR_PAINT_KERNEL_H_
+
+#include <opencv2/core.hpp>
+#include <span>
+
+#include "services/prior/interpolation.h"
+
+namespace sprout::prior {
+
+/// Paints triangles into some rows of a prior, one over the other: eqs. (P4) and (P8) at the pixels
+/// of ForEachRun(). Several rows of a triangle, and several pixels of a run, at once; the same
+/// bytes on every CPU. O(triangles + pixels).
+void PaintTriangles(std::span<const Plane> planes, std::span<const SeedTriangle> triangles,
+                    double edge_px, const cv::Range& rows, PriorMap& map);
+
+}  // namespace sprout::prior
+
+#endif  // SPROUT_SERVICES_PRIOR_PAINT_KERNEL_H_
