@@ -258,8 +258,8 @@ void AddRun(CLI::App& program, Options& options, std::function<int()>& chosen) {
                    "Those of B, another build, to compare with");
   flags.add_option("--truth", request.truth,
                    "Folder with LOGNAME/NNNNNN_disparity.pfm, true disparities of frames");
-  flags.add_flag(
-      "!--no-measures", request.measured,
+  flags.add_flag_callback(
+      "--no-measures", [&request] { request.measured = false; },
       "Do not look at the frames: no score and no other measures of quality in the table");
   flags.add_option("--channel-prefix", request.prefix, "Before every channel of the logs");
   flags.add_option("--shard-megabytes", request.shard_megabytes, "About so much of a log a shard")
