@@ -34,16 +34,16 @@ bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
          std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
 }
 
-struct Outcome {
+struct Ended {
   int exit_code = 0;
   std::string out;
   std::string err;
 };
 
-Outcome Run(const FilesOptions& options, const std::stop_token& stop = {}) {
+Ended Run(const FilesOptions& options, const std::stop_token& stop = {}) {
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
-  Outcome outcome;
+  Ended outcome;
   outcome.exit_code = RunFiles(options, LoadConfig({"default"}), stop);
   outcome.out = testing::internal::GetCapturedStdout();
   outcome.err = testing::internal::GetCapturedStderr();
@@ -158,7 +158,7 @@ TEST_F(Files, HoldWhatThePipelineComputesOfAPairAndADepthImage) {
   ASSERT_GT(expected.disparity.CountValid(), 0.9 * pair_.size().area());
   for (const char* tof : {"tof.pfm", "tof.png"}) {
     options_.tof = folder_ / tof;
-    const Outcome outcome = Run(options_);
+    const Ended outcome = Run(options_);
     EXPECT_EQ(outcome.exit_code, 0) << tof;
     EXPECT_THAT(outcome.err, IsEmpty()) << tof;
     EXPECT_THAT(outcome.out, HasSubstr("out/: 160x120, " +
@@ -207,7 +207,7 @@ TEST_F(Files, OfManyPairsAreComputedButForTheOnesThatCannotBe) {
   std::ofstream(folder_ / "l" / "notes.txt") << "no image\n";
   options_.left = folder_ / "l";
   options_.right = folder_ / "r/?.png";
-  const Outcome outcome = Run(options_);
+  const Ended outcome = Run(options_);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err,
               HasSubstr("l/b.png: right: 80x60; allowed: the calibrated size 160x120"));
@@ -233,7 +233,7 @@ TEST_F(Files, OfOneNameInSeveralFoldersGoToFoldersOfTheirOwn) {
 TEST_F(Files, StopBetweenTwoPairs) {
   std::stop_source stop;
   stop.request_stop();
-  const Outcome outcome = Run(options_, stop.get_token());
+  const Ended outcome = Run(options_, stop.get_token());
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("stopped after 0 of 1 pairs\n"));
 }
@@ -284,7 +284,7 @@ TEST_F(Files, WhoseContentCannotBeUsedGetOneLine) {
   for (const auto& [change, text] : table) {
     FilesOptions options = options_;
     change(options);
-    const Outcome outcome = Run(options);
+    const Ended outcome = Run(options);
     EXPECT_EQ(outcome.exit_code, 1) << text;
     EXPECT_THAT(outcome.err, HasSubstr(text));
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
