@@ -64,10 +64,10 @@ std::string CountsText(const StageStatus& status) {
 
 }  // namespace
 
-void RunLive(const ServiceContext& context, Plug& plug, std::span<StageMonitor> steps) {
+void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<StageMonitor> steps) {
   const DisparityEncoding encoding = EncodingOf(context.config.bus());
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
-  FrameAssembler assembler(plug.Inputs(), monitor);
+  FrameAssembler assembler(adapter.Inputs(), monitor);
   Mailbox<Arrival> mailbox;
   Publisher publisher(context.lcm_url, context.prefix);
   TwinWatch twins(monitor);
@@ -96,7 +96,7 @@ void RunLive(const ServiceContext& context, Plug& plug, std::span<StageMonitor> 
     const auto arrival = mailbox.TakeWithin(Watchdog::kIdlePeriod, context.stop);
     watchdog.Idle();
     if (!arrival) continue;
-    const std::optional<Answer> answer = MakeAnswer(arrival->frame, plug, encoding, monitor);
+    const std::optional<Answer> answer = MakeAnswer(arrival->frame, adapter, encoding, monitor);
     if (answer) Publish(*arrival, *answer, publisher, monitor);
     watchdog.FrameDone();
   }

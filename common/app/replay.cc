@@ -72,19 +72,19 @@ std::string JoinText(const std::vector<std::string>& words) {
 
 class Replay {
  public:
-  Replay(const ServiceContext& context, const ReplayOptions& options, Plug& plug)
+  Replay(const ServiceContext& context, const ReplayOptions& options, StageAdapter& adapter)
       : context_(context),
         options_(options),
-        plug_(plug),
+        adapter_(adapter),
         encoding_(EncodingOf(context.config.bus())),
         monitor_(context.stage, Digest(ConfigText(context.config))),
-        assembler_(plug.Inputs(), monitor_, kReplayMaxPending),
-        input_(OpenInput(options.logs, context.prefix, plug.Inputs())),
+        assembler_(adapter.Inputs(), monitor_, kReplayMaxPending),
+        input_(OpenInput(options.logs, context.prefix, adapter.Inputs())),
         recording_(OpenRecording(options.record)),
         progress_(/*quiet=*/false) {}
 
   int Run() {
-    if (plug_.Inputs().Has(Part::kRig)) AddFirstCalibration();
+    if (adapter_.Inputs().Has(Part::kRig)) AddFirstCalibration();
     LogEvent event;
     while (!context_.stop.stop_requested() && input_.Next(event)) {
       Take(event);
@@ -131,7 +131,7 @@ class Replay {
       WriteInfoOnce(event.utime);
       const auto arrived = Clock::now();
       monitor_.FrameIn(/*skipped=*/false);
-      const std::optional<Answer> answer = MakeAnswer(frame, plug_, encoding_, monitor_);
+      const std::optional<Answer> answer = MakeAnswer(frame, adapter_, encoding_, monitor_);
       if (!answer) continue;
       for (const Answer::Message& message : answer->messages) {
         recording_->Write(event.utime, LoggedChannel(message.channel), message.bytes);
@@ -155,7 +155,7 @@ class Replay {
   // False for messages of frames out of range, which are then neither decoded nor missed.
   bool IsWanted(std::string_view channel, std::span<const uint8_t> bytes) {
     const std::optional<Part> part = PartOf(channel);
-    if (!part || part == Part::kRig || !plug_.Inputs().Has(*part)) return true;
+    if (!part || part == Part::kRig || !adapter_.Inputs().Has(*part)) return true;
     const Result<FrameId> id = DecodeFrameId(bytes);
     // What names no frame is left to the border, which counts it as a bad message.
     if (TypeOf(bytes) != TypeOf(*part) || !id || id->seq < 0) return true;
@@ -214,7 +214,7 @@ class Replay {
 
   const ServiceContext& context_;
   const ReplayOptions& options_;
-  Plug& plug_;
+  StageAdapter& adapter_;
   DisparityEncoding encoding_;
   StageMonitor monitor_;
   FrameAssembler assembler_;
@@ -230,9 +230,9 @@ class Replay {
 
 }  // namespace
 
-int RunReplay(const ServiceContext& context, const ReplayOptions& options, Plug& plug) {
+int RunReplay(const ServiceContext& context, const ReplayOptions& options, StageAdapter& adapter) {
   for (const std::string& log : options.logs) RequireOtherFile(log, options.record);
-  return Replay(context, options, plug).Run();
+  return Replay(context, options, adapter).Run();
 }
 
 }  // namespace sprout

@@ -12,7 +12,7 @@
 #include "common/bus/channels.h"
 #include "common/bus/publisher.h"
 #include "common/core/digest.h"
-#include "services/capture/answers.h"
+#include "services/capture/answer_tracker.h"
 #include "services/capture/capture_feed.h"
 #include "services/capture/pace.h"
 
@@ -123,8 +123,8 @@ class Capture {
   // The exit code.
   int SayNothingCame() const {
     const std::string why = monitor_.Snapshot().last_error;
-    spdlog::error("capture.source = {}: it gave no frame{}", source_,
-                  why.empty() ? "" : " (" + why + ")");
+    LogLine(LogLevel::kError, "capture.source = {}: it gave no frame{}", source_,
+            why.empty() ? "" : " (" + why + ")");
     return 1;
   }
 
@@ -217,7 +217,7 @@ class Capture {
   std::unique_ptr<CaptureFeed> feed_;
   Pace pace_;
   Publisher publisher_;
-  Answers answers_;
+  AnswerTracker answers_;
   StatusReporter reporter_;
   int64_t sent_ = 0;
   std::string source_;

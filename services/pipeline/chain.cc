@@ -28,15 +28,15 @@ ChainReport Chain::Run(Frame& frame, ChainObserver& observer, ChainStep last) {
     observer.Ended(step);
     return result;
   };
-  const auto add = [&](const char* stage, Outcome outcome) {
-    for (Output& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
+  const auto add = [&](const char* stage, StageResult outcome) {
+    for (PartOutput& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
     if (!outcome.degenerate.empty()) {
       report.warnings.push_back(std::string(stage) + ": " + outcome.degenerate);
     }
     observer.Answered(stage, frame, outcome);
   };
   if (!frame.seeds) {
-    Outcome outcome = run(ChainStep::kRefine, [&] { return refine_.Process(frame); });
+    StageResult outcome = run(ChainStep::kRefine, [&] { return refine_.Process(frame); });
     report.tof_offset = outcome.tof_offset;
     add("refine", std::move(outcome));
     observer.Refined(*frame.seeds, *frame.left_seeds);

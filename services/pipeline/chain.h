@@ -7,9 +7,9 @@
 
 #include "common/config/config.h"
 #include "common/core/frame.h"
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
+#include "services/grow/grow_adapter.h"
+#include "services/prior/prior_adapter.h"
+#include "services/refine/refine_adapter.h"
 
 namespace sprout {
 
@@ -26,7 +26,7 @@ class ChainObserver {
   /// The stage "refine", "prior" or "grow" has answered, and the frame has what it gave.
   /// @param outcome  what it says beside its parts, which are moved away.
   virtual void Answered(std::string_view /*stage*/, const Frame& /*frame*/,
-                        const Outcome& /*outcome*/) {}
+                        const StageResult& /*outcome*/) {}
   /// The frame's seeds, before prior and growth use them; they may be changed.
   virtual void Refined(SeedSet& /*seeds*/, SeedSet& /*left_seeds*/) {}
 };
@@ -36,7 +36,7 @@ struct ChainReport {
   /// Why a stage had nothing to give ("refine: no ToF point has a return"), one line each; empty
   /// when all is well.
   std::vector<std::string> warnings;
-  TofOffsetStatus tof_offset;  ///< see Outcome
+  TofOffsetStatus tof_offset;  ///< see StageResult
 };
 
 /// refine, prior and grow on one frame, as the services of these names compute it, to the byte. The
@@ -56,9 +56,9 @@ class Chain {
 
  private:
   bool grows_with_prior_;
-  refine::RefinePlug refine_;
-  prior::PriorPlug prior_;
-  grow::GrowPlug grow_;
+  refine::RefineAdapter refine_;
+  prior::PriorAdapter prior_;
+  grow::GrowAdapter grow_;
 };
 
 }  // namespace sprout

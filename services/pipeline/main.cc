@@ -6,7 +6,7 @@
 #include "common/core/digest.h"
 #include "services/pipeline/files/files.h"
 #include "services/pipeline/files/flags.h"
-#include "services/pipeline/pipeline_plug.h"
+#include "services/pipeline/pipeline_adapter.h"
 #include "services/pipeline/step_monitors.h"
 
 namespace sprout {
@@ -29,9 +29,9 @@ int Main(int argc, char** argv) {
   return service.Run(argc, argv, [&](const ServiceContext& context) {
     if (files_command) return RunFiles(files, context.config, context.stop);
     StepMonitors steps(Digest(ConfigText(context.config)));
-    PipelinePlug plug(context.config, steps);
-    if (context.replay) return RunReplay(context, *context.replay, plug);
-    RunLive(context, plug, steps.all());
+    PipelineAdapter adapter(context.config, steps);
+    if (context.replay) return RunReplay(context, *context.replay, adapter);
+    RunLive(context, adapter, steps.all());
     return 0;
   });
 }

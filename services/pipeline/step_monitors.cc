@@ -13,7 +13,8 @@ void StepMonitors::Begins(ChainStep step) {
   if (step != ChainStep::kFinish) begun_ = StageMonitor::Clock::now();
 }
 
-void StepMonitors::Answered(std::string_view stage, const Frame& frame, const Outcome& outcome) {
+void StepMonitors::Answered(std::string_view stage, const Frame& frame,
+                            const StageResult& outcome) {
   StageMonitor& monitor = monitors_[stage == "refine" ? 0 : stage == "prior" ? 1 : 2];
   monitor.FrameIn(/*skipped=*/false);
   monitor.SetTofOffset(outcome.tof_offset);

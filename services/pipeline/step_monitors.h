@@ -21,7 +21,7 @@ class StepMonitors : public ChainObserver {
   std::span<StageMonitor> all() { return monitors_; }
 
   void Begins(ChainStep step) override;
-  void Answered(std::string_view stage, const Frame& frame, const Outcome& outcome) override;
+  void Answered(std::string_view stage, const Frame& frame, const StageResult& outcome) override;
 
  private:
   std::array<StageMonitor, 3> monitors_;

@@ -125,7 +125,7 @@ Refiner::Fate Refiner::FateOf(const ProjectedPoint& point, const cv::Mat1b& left
   // Over a wide spacing a slant alone puts neighbours further off than the tolerance.
   const double tolerance_px =
       std::max(config_.loose_tolerance_px(), SurfaceRules::kSteepest * surface_.spacing_px());
-  const bool loose = config_.loose_tolerance_px() > 0 && surface_.IsLoose(point, tolerance_px) &&
+  const bool loose = config_.loose_tolerance_px() > 0 && surface_.IsIsolated(point, tolerance_px) &&
                      !surface_.IsConfirmed(point, tolerance_px, left, right);
   return loose ? Fate::kLoose : Fate::kKept;
 }

@@ -297,7 +297,7 @@ TEST_F(GenicamRig, WaitsForACameraWhoseCableIsPulled) {
   std::jthread somebody([&] {
     rig_.Unplug("RIGHT");
     EXPECT_TRUE(log_.Says("waiting for the cameras: right camera (serial RIGHT): "));
-    rig_.Plug("RIGHT");
+    rig_.StageAdapter("RIGHT");
   });
   const Tally back = Take(*source, 20);
   somebody.join();

@@ -15,7 +15,7 @@
 #include "common/config/config.h"
 #include "common/core/sleep.h"
 #include "common/rig/rig_file.h"
-#include "services/capture/genicam/frame_former.h"
+#include "services/capture/genicam/frame_builder.h"
 #include "services/capture/genicam/pixels.h"
 
 namespace sprout::capture {
@@ -182,7 +182,7 @@ class GenicamSource : public RawSource {
 
   RigDescription rig_;
   datasets::Waiting waiting_;
-  FrameFormer former_;
+  FrameBuilder former_;
   Inbox inbox_;
   std::array<std::unique_ptr<Camera>, kRigPlaces.size()> cameras_;
   std::vector<std::jthread> triggers_;  // the last ones: they use the cameras

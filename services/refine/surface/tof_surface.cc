@@ -84,7 +84,7 @@ double TofSurface::NoisePx(std::span<const ProjectedPoint> points) {
          (Rules::kNoiseQuantile * std::sqrt(Rules::kNoiseVariance));
 }
 
-bool TofSurface::IsLoose(const ProjectedPoint& point, double tolerance_px) const {
+bool TofSurface::IsIsolated(const ProjectedPoint& point, double tolerance_px) const {
   const float here = point.seed.disparity();
   int support = 0;
   for (int down = -1; down <= 1; ++down) {

@@ -54,16 +54,16 @@ class TofSurface {
   /// O(ToF pixels).
   double NoisePx(std::span<const ProjectedPoint> points);
 
-  /// Whether a point hangs loose: fewer than two of the eight cells around have a
+  /// Whether a point is isolated: fewer than two of the eight cells around have a
   /// disparity within `tolerance_px`. Flying pixels, whose light comes from two surfaces so that
   /// they lie on neither, and outliers of the noise.
   /// @param point  one of those that this was made of.
   /// O(1); thread-safe.
-  bool IsLoose(const ProjectedPoint& point, double tolerance_px) const;
+  bool IsIsolated(const ProjectedPoint& point, double tolerance_px) const;
 
   /// Whether the images speak for a point: its windows differ at most half as much at its own
   /// disparity as at that of any of the eight neighbours that lies elsewhere, and there is one. A
-  /// thing that is smaller than a cell hangs loose as a flying pixel does, but is there.
+  /// thing that is smaller than a cell is isolated as a flying pixel is, but is there.
   /// @param left, right  the rectified pair, grey.
   /// O(1); thread-safe.
   bool IsConfirmed(const ProjectedPoint& point, double tolerance_px, const cv::Mat1b& left,

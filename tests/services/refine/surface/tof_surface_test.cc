@@ -60,7 +60,8 @@ std::vector<int> HiddenColumns(const std::vector<ProjectedPoint>& points, double
 std::vector<uint8_t> FindLoose(const std::vector<ProjectedPoint>& points, double tolerance_px) {
   const TofSurface surface(SomeRig(), points);
   std::vector<uint8_t> loose;
-  for (const ProjectedPoint& point : points) loose.push_back(surface.IsLoose(point, tolerance_px));
+  for (const ProjectedPoint& point : points)
+    loose.push_back(surface.IsIsolated(point, tolerance_px));
   return loose;
 }
 
@@ -168,7 +169,7 @@ TEST(TofSurface, TheImagesConfirmALoosePointOrDoNot) {
   ProjectedPoint& thin = points[5 * 12 + 5];
   thin = Point(5, 5, 26);
   const TofSurface surface(SomeRig(), points);
-  ASSERT_TRUE(surface.IsLoose(thin, 2));
+  ASSERT_TRUE(surface.IsIsolated(thin, 2));
 
   cv::Mat1b left(120, 200);
   cv::randu(left, 0, 255);
@@ -227,9 +228,9 @@ TEST(TofSurface, IsASurfaceWhereFewPixelsHaveAPoint) {
   const TofSurface surface(rig, points);
   EXPECT_EQ(surface.spacing_px(), 4 * 8);
   int loose = 0;
-  for (const ProjectedPoint& point : points) loose += surface.IsLoose(point, 2) ? 1 : 0;
+  for (const ProjectedPoint& point : points) loose += surface.IsIsolated(point, 2) ? 1 : 0;
   EXPECT_EQ(loose, 1);
-  EXPECT_TRUE(surface.IsLoose(points[300], 2));
+  EXPECT_TRUE(surface.IsIsolated(points[300], 2));
 }
 
 TEST(TofSurface, EstimatesTheNoiseOfItsPointsAndNotTheirShape) {

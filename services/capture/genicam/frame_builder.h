@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_FRAME_FORMER_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_FRAME_FORMER_H_
+#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_FRAME_BUILDER_H_
+#define SPROUT_SERVICES_CAPTURE_GENICAM_FRAME_BUILDER_H_
 
 #include <array>
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include "common/rig/rig.pb.h"
 #include "services/capture/genicam/camera.h"
 #include "services/capture/genicam/device_clock.h"
-#include "services/capture/genicam/triplet_former.h"
+#include "services/capture/genicam/triplet_synchronizer.h"
 #include "services/datasets/frame_source.h"
 
 namespace sprout::capture {
@@ -22,9 +22,9 @@ const CameraDevice& DeviceOf(RigPlace place, const RigDescription& rig);
 
 /// Frames from what happens at a rig's cameras: times become the host's, images triplets, and what
 /// is lost is counted. Deterministic, no clock inside.
-class FrameFormer {
+class FrameBuilder {
  public:
-  explicit FrameFormer(const RigDescription& rig);
+  explicit FrameBuilder(const RigDescription& rig);
 
   /// Takes in what happened at a camera.
   void Add(RigPlace place, CameraEvent event);
@@ -58,7 +58,7 @@ class FrameFormer {
   int64_t Lost() const;
 
   RigDescription rig_;
-  TripletFormer former_;
+  TripletSynchronizer former_;
   std::array<Place, kRigPlaces.size()> places_;
   bool has_frames_ = false;
   std::array<int64_t, 2> lost_before_{};  // left, right: at the last frame
@@ -68,4 +68,4 @@ class FrameFormer {
 
 }  // namespace sprout::capture
 
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_FRAME_FORMER_H_
+#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_FRAME_BUILDER_H_

@@ -1,4 +1,4 @@
-#include "services/grow/grow_plug.h"
+#include "services/grow/grow_adapter.h"
 
 #include <string>
 #include <utility>
@@ -7,7 +7,7 @@
 
 namespace sprout::grow {
 
-GrowPlug::Growth GrowPlug::Grow(const Frame& frame) {
+GrowAdapter::Growth GrowAdapter::Grow(const Frame& frame) {
   const cv::Mat1b left = ToGrey(frame.left);
   const cv::Mat1b right = ToGrey(frame.right);
   const PriorMap prior = frame.prior.value_or(PriorMap());
@@ -31,8 +31,8 @@ GrowPlug::Growth GrowPlug::Grow(const Frame& frame) {
   return growth;
 }
 
-Outcome GrowPlug::Finish(const Frame& frame, const Growth& growth) {
-  Outcome outcome{.outputs = {}, .degenerate = growth.degenerate};
+StageResult GrowAdapter::Finish(const Frame& frame, const Growth& growth) {
+  StageResult outcome{.outputs = {}, .degenerate = growth.degenerate};
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, growth.map});
   // Images that do not fit together say nothing about the prior either.
   const auto fill = growth.refused ? GrowConfig::NONE : config_.fill();

@@ -1,4 +1,4 @@
-#include "services/depth/depth_plug.h"
+#include "services/depth/depth_adapter.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,20 +28,20 @@ Frame FrameOf(int64_t seq, cv::Size size = {8, 6}) {
 
 std::string ErrorOf(const DepthConfig& config) {
   try {
-    DepthPlug plug(config);
+    DepthAdapter adapter(config);
     return "no error";
   } catch (const ConfigError& e) {
     return e.what();
   }
 }
 
-TEST(DepthPlug, AnswersWithDepthAndCloud) {
+TEST(DepthAdapter, AnswersWithDepthAndCloud) {
   DepthConfig config;
   config.set_scale(2);
   config.set_cloud_stride(2);
-  DepthPlug plug(config);
+  DepthAdapter adapter(config);
   Frame frame = FrameOf(7);
-  EXPECT_EQ(RunPlug(plug, frame), "");
+  EXPECT_EQ(AddAnswer(adapter, frame), "");
   ASSERT_TRUE(frame.depth && frame.cloud);
   EXPECT_EQ(frame.depth->size(), cv::Size(4, 3));
   EXPECT_EQ(frame.depth->Metres(0, 0), 1);
@@ -49,53 +49,53 @@ TEST(DepthPlug, AnswersWithDepthAndCloud) {
   EXPECT_EQ(frame.cloud->points[0].confidence, 100);
 }
 
-TEST(DepthPlug, JoinsWhatItNeeds) {
+TEST(DepthAdapter, JoinsWhatItNeeds) {
   DepthConfig config;
-  EXPECT_EQ(DepthPlug(config).Inputs(),
+  EXPECT_EQ(DepthAdapter(config).Inputs(),
             (PartSet{Part::kDisparity, Part::kRig, Part::kLeft, Part::kConfidence}));
   config.set_confidence(false);
-  EXPECT_EQ(DepthPlug(config).Inputs(), (PartSet{Part::kDisparity, Part::kRig, Part::kLeft}));
+  EXPECT_EQ(DepthAdapter(config).Inputs(), (PartSet{Part::kDisparity, Part::kRig, Part::kLeft}));
 }
 
-TEST(DepthPlug, LeavesOutWhatIsNotAskedFor) {
+TEST(DepthAdapter, LeavesOutWhatIsNotAskedFor) {
   DepthConfig config;
   config.set_publish_cloud(false);
   config.set_every(3);
-  DepthPlug plug(config);
-  EXPECT_THAT(plug.Process(FrameOf(4)).outputs, IsEmpty());
-  const Outcome outcome = plug.Process(FrameOf(6));
+  DepthAdapter adapter(config);
+  EXPECT_THAT(adapter.Process(FrameOf(4)).outputs, IsEmpty());
+  const StageResult outcome = adapter.Process(FrameOf(6));
   ASSERT_EQ(outcome.outputs.size(), 1U);
   EXPECT_EQ(outcome.outputs[0].part, Part::kDepth);
 }
 
-TEST(DepthPlug, MakesAPreviewWhenAskedTo) {
+TEST(DepthAdapter, MakesAPreviewWhenAskedTo) {
   DepthConfig config;
-  EXPECT_TRUE(DepthPlug(config).Process(FrameOf(0)).preview.empty());
+  EXPECT_TRUE(DepthAdapter(config).Process(FrameOf(0)).preview.empty());
   config.set_publish_depth(false);
   config.set_publish_cloud(false);
   config.set_publish_preview(true);
-  DepthPlug plug(config);
-  EXPECT_EQ(plug.Inputs(), (PartSet{Part::kDisparity, Part::kRig, Part::kLeft}));
-  const Outcome outcome = plug.Process(FrameOf(0));
+  DepthAdapter adapter(config);
+  EXPECT_EQ(adapter.Inputs(), (PartSet{Part::kDisparity, Part::kRig, Part::kLeft}));
+  const StageResult outcome = adapter.Process(FrameOf(0));
   EXPECT_THAT(outcome.outputs, IsEmpty());
   EXPECT_EQ(outcome.preview.type(), CV_8UC3);
 }
 
-TEST(DepthPlug, SaysWhichSizesDoNotFitTogether) {
-  DepthPlug plug{DepthConfig()};
+TEST(DepthAdapter, SaysWhichSizesDoNotFitTogether) {
+  DepthAdapter adapter{DepthConfig()};
   Frame frame = FrameOf(0);
   frame.left = cv::Mat(5, 8, CV_8UC1, cv::Scalar(0));
-  EXPECT_THAT(plug.Process(frame).degenerate, HasSubstr("LEFT of 8x5"));
+  EXPECT_THAT(adapter.Process(frame).degenerate, HasSubstr("LEFT of 8x5"));
   frame = FrameOf(0);
   frame.confidence = cv::Mat(5, 8, CV_8UC1, cv::Scalar(0));
-  EXPECT_THAT(plug.Process(frame).degenerate, HasSubstr("CONFIDENCE of 8x5"));
+  EXPECT_THAT(adapter.Process(frame).degenerate, HasSubstr("CONFIDENCE of 8x5"));
   frame = FrameOf(0);
   frame.rig->pair.width = 9;
-  EXPECT_THAT(plug.Process(frame).degenerate, HasSubstr("DISPARITY of 8x6"));
-  EXPECT_THAT(plug.Process(frame).outputs, IsEmpty());
+  EXPECT_THAT(adapter.Process(frame).degenerate, HasSubstr("DISPARITY of 8x6"));
+  EXPECT_THAT(adapter.Process(frame).outputs, IsEmpty());
 }
 
-TEST(DepthPlug, RefusesValuesThatItCannotUse) {
+TEST(DepthAdapter, RefusesValuesThatItCannotUse) {
   DepthConfig config;
   config.set_scale(3);
   EXPECT_THAT(ErrorOf(config), HasSubstr("depth.scale = 3: allowed: 1, 2, 4"));

@@ -1,4 +1,4 @@
-#include "services/pipeline/pipeline_plug.h"
+#include "services/pipeline/pipeline_adapter.h"
 
 #include <string>
 #include <vector>
@@ -27,15 +27,15 @@ std::string InOneLine(const std::vector<std::string>& warnings) {
 
 }  // namespace
 
-PipelinePlug::PipelinePlug(const SproutConfig& config, ChainObserver& steps)
+PipelineAdapter::PipelineAdapter(const SproutConfig& config, ChainObserver& steps)
     : steps_(steps),
       outputs_(AllOutputs(config)),
       grows_with_prior_(InputsOf(config.grow()).Has(Part::kPrior)),
       chain_(config) {}
 
-PartSet PipelinePlug::Inputs() const { return InputsOf(RefineConfig()); }
+PartSet PipelineAdapter::Inputs() const { return InputsOf(RefineConfig()); }
 
-Outcome PipelinePlug::Process(const Frame& frame) {
+StageResult PipelineAdapter::Process(const Frame& frame) {
   Frame work = frame;  // shares the images' pixels
   std::vector<std::string> warnings = chain_.Run(work, steps_).warnings;
   if (!grows_with_prior_) {
@@ -43,7 +43,7 @@ Outcome PipelinePlug::Process(const Frame& frame) {
     const ChainReport prior = chain_.Run(work, steps_, ChainStep::kPrior);
     warnings.insert(warnings.end(), prior.warnings.begin(), prior.warnings.end());
   }
-  Outcome outcome{.outputs = {}, .degenerate = InOneLine(warnings)};
+  StageResult outcome{.outputs = {}, .degenerate = InOneLine(warnings)};
   for (const Part part : kAllParts) {
     if (outputs_.Has(part)) outcome.outputs.push_back({part, GetPart(work, part)});
   }

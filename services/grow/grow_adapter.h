@@ -1,11 +1,11 @@
-#ifndef SPROUT_SERVICES_GROW_GROW_PLUG_H_
-#define SPROUT_SERVICES_GROW_GROW_PLUG_H_
+#ifndef SPROUT_SERVICES_GROW_GROW_ADAPTER_H_
+#define SPROUT_SERVICES_GROW_GROW_ADAPTER_H_
 
 #include <string>
 #include <vector>
 
 #include "common/config/stage_parts.h"
-#include "common/core/plug.h"
+#include "common/core/stage_adapter.h"
 #include "services/grow/confidence.h"
 #include "services/grow/gap_filler.h"
 #include "services/grow/grower.h"
@@ -14,9 +14,9 @@ namespace sprout::grow {
 
 /// LEFT RIGHT SEEDS [PRIOR] → DISPARITY [UNFILLED] [CONFIDENCE]: PRIOR when the similarity is EPC
 /// or gaps take its disparities, UNFILLED and CONFIDENCE when the configuration asks for them.
-class GrowPlug : public Plug {
+class GrowAdapter : public StageAdapter {
  public:
-  explicit GrowPlug(const GrowConfig& config)
+  explicit GrowAdapter(const GrowConfig& config)
       : config_(config), grower_(config), confidence_(config.sigma_s_squared()) {}
 
   PartSet Inputs() const override { return InputsOf(config_); }
@@ -24,7 +24,7 @@ class GrowPlug : public Plug {
   /// Grow() and Finish(). Always answers; when nothing can grow the map is what gap filling makes
   /// of nothing (the prior, or no disparity), and the outcome says why. Images that do not fit
   /// together give no disparity.
-  Outcome Process(const Frame& frame) override { return Finish(frame, Grow(frame)); }
+  StageResult Process(const Frame& frame) override { return Finish(frame, Grow(frame)); }
 
   /// What grew.
   struct Growth {
@@ -37,7 +37,7 @@ class GrowPlug : public Plug {
 
   /// Fills the gaps, and takes away what the confidence says is not sure.
   /// @param growth  of this frame.
-  Outcome Finish(const Frame& frame, const Growth& growth);
+  StageResult Finish(const Frame& frame, const Growth& growth);
 
  private:
   GrowConfig config_;
@@ -48,4 +48,4 @@ class GrowPlug : public Plug {
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_GROW_PLUG_H_
+#endif  // SPROUT_SERVICES_GROW_GROW_ADAPTER_H_

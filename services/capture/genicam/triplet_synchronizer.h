@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_FORMER_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_FORMER_H_
+#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_SYNCHRONIZER_H_
+#define SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_SYNCHRONIZER_H_
 
 #include <array>
 #include <cstdint>
@@ -44,9 +44,9 @@ struct TripletConfig {
 
 /// Puts together images by the time of their exposure. Images of one camera come in the order of
 /// their exposure; those of different cameras in any order. Deterministic, no clock inside.
-class TripletFormer {
+class TripletSynchronizer {
  public:
-  explicit TripletFormer(const TripletConfig& config) : config_(config) {}
+  explicit TripletSynchronizer(const TripletConfig& config) : config_(config) {}
 
   /// Takes an image. One that is older than the newest of its camera (its clock jumped) counts all
   /// images of that camera which wait as unpaired.
@@ -85,4 +85,4 @@ class TripletFormer {
 
 }  // namespace sprout::capture
 
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_FORMER_H_
+#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_SYNCHRONIZER_H_

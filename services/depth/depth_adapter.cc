@@ -1,4 +1,4 @@
-#include "services/depth/depth_plug.h"
+#include "services/depth/depth_adapter.h"
 
 #include <algorithm>
 #include <string>
@@ -27,7 +27,7 @@ std::string SizeComplaint(const Frame& frame) {
 
 }  // namespace
 
-DepthPlug::DepthPlug(const DepthConfig& config) : config_(config) {
+DepthAdapter::DepthAdapter(const DepthConfig& config) : config_(config) {
   RequireInRange(config, "depth");
   if (config.scale() == 3) throw ConfigError("depth.scale = 3: allowed: 1, 2, 4");
   if (!config.publish_depth() && !config.publish_cloud() && !config.publish_preview()) {
@@ -37,14 +37,14 @@ DepthPlug::DepthPlug(const DepthConfig& config) : config_(config) {
   }
 }
 
-PartSet DepthPlug::Inputs() const {
+PartSet DepthAdapter::Inputs() const {
   PartSet inputs{Part::kDisparity, Part::kRig, Part::kLeft};
   if (config_.publish_cloud() && config_.confidence()) inputs.Add(Part::kConfidence);
   return inputs;
 }
 
-Outcome DepthPlug::Process(const Frame& frame) {
-  Outcome outcome;
+StageResult DepthAdapter::Process(const Frame& frame) {
+  StageResult outcome;
   if (frame.id.seq % config_.every() != 0) return outcome;
   outcome.degenerate = SizeComplaint(frame);
   if (!outcome.degenerate.empty()) return outcome;

@@ -1,4 +1,4 @@
-#include "services/capture/answers.h"
+#include "services/capture/answer_tracker.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,13 +41,15 @@ class AnswersTest : public ::testing::Test {
     server_.Send("SPROUT_STATUS", Text(EncodeStatus(status)));
   }
 
-  static Answers::Deadline Soon() { return StageMonitor::Clock::now() + std::chrono::seconds(20); }
+  static AnswerTracker::Deadline Soon() {
+    return StageMonitor::Clock::now() + std::chrono::seconds(20);
+  }
 
   CapturedLog log_;
   FakeTcpqServer server_;
   ServiceContext context_;
   StageMonitor monitor_{"capture", ""};
-  std::optional<Answers> answers_;
+  std::optional<AnswerTracker> answers_;
 };
 
 TEST_F(AnswersTest, TakesAnAnswerToAnotherCaptureForNone) {

@@ -1,4 +1,4 @@
-#include "services/capture/genicam/triplet_former.h"
+#include "services/capture/genicam/triplet_synchronizer.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -33,16 +33,16 @@ double Triplet::spread_ms() const {
   return static_cast<double>(last - first) * 1e-3;
 }
 
-void TripletFormer::DropFront(RigPlace place) {
+void TripletSynchronizer::DropFront(RigPlace place) {
   QueueOf(place).pop_front();
   ++unpaired_[Index(place)];
 }
 
-void TripletFormer::Drop(RigPlace place) {
+void TripletSynchronizer::Drop(RigPlace place) {
   while (!QueueOf(place).empty()) DropFront(place);
 }
 
-void TripletFormer::Push(RigPlace place, TimedImage image) {
+void TripletSynchronizer::Push(RigPlace place, TimedImage image) {
   Queue& queue = QueueOf(place);
   if (place == RigPlace::kTof) tof_is_silent_ = false;
   if (!queue.empty() && image.utime < queue.back().utime) Drop(place);
@@ -50,7 +50,7 @@ void TripletFormer::Push(RigPlace place, TimedImage image) {
   queue.push_back(std::move(image));
 }
 
-std::optional<Triplet> TripletFormer::Next(int64_t now_utime) {
+std::optional<Triplet> TripletSynchronizer::Next(int64_t now_utime) {
   if (FindPair()) {
     Queue& tofs = QueueOf(RigPlace::kTof);
     switch (FindTof(now_utime)) {
@@ -70,7 +70,7 @@ std::optional<Triplet> TripletFormer::Next(int64_t now_utime) {
   return std::nullopt;
 }
 
-void TripletFormer::DropOverdue(int64_t now_utime) {
+void TripletSynchronizer::DropOverdue(int64_t now_utime) {
   for (const RigPlace place : kRigPlaces) {
     const Queue& queue = QueueOf(place);
     while (!queue.empty() && queue.front().utime + config_.max_wait_us < now_utime) {
@@ -80,7 +80,7 @@ void TripletFormer::DropOverdue(int64_t now_utime) {
 }
 
 // True when the fronts of both queues belong together. Drops what has no partner on the way.
-bool TripletFormer::FindPair() {
+bool TripletSynchronizer::FindPair() {
   const Queue& lefts = QueueOf(RigPlace::kLeft);
   const Queue& rights = QueueOf(RigPlace::kRight);
   while (!lefts.empty() && !rights.empty()) {
@@ -99,7 +99,7 @@ bool TripletFormer::FindPair() {
 }
 
 // Whether the front of the ToF queue belongs to the pair in front of the others.
-TripletFormer::Search TripletFormer::FindTof(int64_t now_utime) {
+TripletSynchronizer::Search TripletSynchronizer::FindTof(int64_t now_utime) {
   if (!config_.has_tof) return Search::kNone;
   const int64_t left = QueueOf(RigPlace::kLeft).front().utime;
   const int64_t right = QueueOf(RigPlace::kRight).front().utime;

@@ -1,4 +1,4 @@
-#include "services/capture/genicam/triplet_former.h"
+#include "services/capture/genicam/triplet_synchronizer.h"
 
 #include <gmock/gmock.h>
 
@@ -12,14 +12,14 @@ constexpr int64_t kPeriod = 100'000;
 
 TimedImage At(int64_t utime) { return {.utime = utime, .image = {}, .tof = {}}; }
 
-std::vector<Triplet> All(TripletFormer& former, int64_t now) {
+std::vector<Triplet> All(TripletSynchronizer& former, int64_t now) {
   std::vector<Triplet> triplets;
   while (std::optional<Triplet> triplet = former.Next(now)) triplets.push_back(std::move(*triplet));
   return triplets;
 }
 
-TEST(TripletFormer, PairsByTimeWhateverTheOrderOfArrival) {
-  TripletFormer former({});
+TEST(TripletSynchronizer, PairsByTimeWhateverTheOrderOfArrival) {
+  TripletSynchronizer former({});
   former.Push(RigPlace::kTof, At(kStart + 2000));
   former.Push(RigPlace::kTof, At(kStart + kPeriod + 2000));
   former.Push(RigPlace::kRight, At(kStart + 1000));
@@ -36,8 +36,8 @@ TEST(TripletFormer, PairsByTimeWhateverTheOrderOfArrival) {
   EXPECT_EQ(triplets[1].spread_ms(), 3.0);
 }
 
-TEST(TripletFormer, CountsImagesWhosePartnerWasLost) {
-  TripletFormer former({});
+TEST(TripletSynchronizer, CountsImagesWhosePartnerWasLost) {
+  TripletSynchronizer former({});
   int64_t formed = 0;
   int64_t without_tof = 0;
   for (int64_t i = 0; i < 100; ++i) {
@@ -57,8 +57,8 @@ TEST(TripletFormer, CountsImagesWhosePartnerWasLost) {
   EXPECT_EQ(former.unpaired(RigPlace::kTof), 20);
 }
 
-TEST(TripletFormer, WaitsForTheTofImageForALimitedTime) {
-  TripletFormer former({.max_spread_us = 5000, .has_tof = true, .max_wait_us = 300'000});
+TEST(TripletSynchronizer, WaitsForTheTofImageForALimitedTime) {
+  TripletSynchronizer former({.max_spread_us = 5000, .has_tof = true, .max_wait_us = 300'000});
   former.Push(RigPlace::kLeft, At(kStart));
   former.Push(RigPlace::kRight, At(kStart));
   EXPECT_FALSE(former.Next(kStart + 300'000));
@@ -67,8 +67,8 @@ TEST(TripletFormer, WaitsForTheTofImageForALimitedTime) {
   EXPECT_FALSE(triplet->tof);
 }
 
-TEST(TripletFormer, WaitsNoMoreForATofCameraThatIsSilentUntilItGivesAnImage) {
-  TripletFormer former({.max_spread_us = 5000, .has_tof = true, .max_wait_us = 300'000});
+TEST(TripletSynchronizer, WaitsNoMoreForATofCameraThatIsSilentUntilItGivesAnImage) {
+  TripletSynchronizer former({.max_spread_us = 5000, .has_tof = true, .max_wait_us = 300'000});
   const auto push_pair = [&](int64_t index) {
     former.Push(RigPlace::kLeft, At(kStart + index * kPeriod));
     former.Push(RigPlace::kRight, At(kStart + index * kPeriod));
@@ -84,19 +84,19 @@ TEST(TripletFormer, WaitsNoMoreForATofCameraThatIsSilentUntilItGivesAnImage) {
   EXPECT_TRUE(former.Next(kStart + 2 * kPeriod)->tof);
 }
 
-TEST(TripletFormer, DoesNotWaitForATofCameraThatIsGoneOrMissing) {
-  TripletFormer without({.max_spread_us = 5000, .has_tof = false, .max_wait_us = 300'000});
-  TripletFormer gone({});
+TEST(TripletSynchronizer, DoesNotWaitForATofCameraThatIsGoneOrMissing) {
+  TripletSynchronizer without({.max_spread_us = 5000, .has_tof = false, .max_wait_us = 300'000});
+  TripletSynchronizer gone({});
   gone.SetTofIsThere(false);
-  for (TripletFormer* former : {&without, &gone}) {
+  for (TripletSynchronizer* former : {&without, &gone}) {
     former->Push(RigPlace::kLeft, At(kStart));
     former->Push(RigPlace::kRight, At(kStart));
     EXPECT_TRUE(former->Next(kStart));
   }
 }
 
-TEST(TripletFormer, DoesNotWaitOnceALaterTofImageIsThere) {
-  TripletFormer former({});
+TEST(TripletSynchronizer, DoesNotWaitOnceALaterTofImageIsThere) {
+  TripletSynchronizer former({});
   former.Push(RigPlace::kLeft, At(kStart));
   former.Push(RigPlace::kRight, At(kStart));
   former.Push(RigPlace::kTof, At(kStart + kPeriod));
@@ -106,8 +106,8 @@ TEST(TripletFormer, DoesNotWaitOnceALaterTofImageIsThere) {
   EXPECT_EQ(former.unpaired(RigPlace::kTof), 0);
 }
 
-TEST(TripletFormer, BearsACameraThatIsLate) {
-  TripletFormer former({});
+TEST(TripletSynchronizer, BearsACameraThatIsLate) {
+  TripletSynchronizer former({});
   int64_t formed = 0;
   for (int64_t i = 0; i < 50; ++i) {
     former.Push(RigPlace::kLeft, At(kStart + i * kPeriod));
@@ -123,8 +123,8 @@ TEST(TripletFormer, BearsACameraThatIsLate) {
   EXPECT_EQ(former.unpaired(RigPlace::kLeft), 0);
 }
 
-TEST(TripletFormer, GivesUpOnImagesOfOneCameraWithoutTheOther) {
-  TripletFormer former({.max_spread_us = 5000, .has_tof = true, .max_wait_us = 500'000});
+TEST(TripletSynchronizer, GivesUpOnImagesOfOneCameraWithoutTheOther) {
+  TripletSynchronizer former({.max_spread_us = 5000, .has_tof = true, .max_wait_us = 500'000});
   for (int64_t i = 0; i < 100; ++i) {
     former.Push(RigPlace::kLeft, At(kStart + i * kPeriod));
     former.Push(RigPlace::kTof, At(kStart + i * kPeriod));
@@ -134,9 +134,9 @@ TEST(TripletFormer, GivesUpOnImagesOfOneCameraWithoutTheOther) {
   EXPECT_EQ(former.unpaired(RigPlace::kTof), 94);
 }
 
-TEST(TripletFormer, TakesTheCloserOfTwoPartners) {
+TEST(TripletSynchronizer, TakesTheCloserOfTwoPartners) {
   // A right camera that is twice as fast, with a tolerance as long as its period.
-  TripletFormer former({.max_spread_us = 50'000, .has_tof = false, .max_wait_us = 500'000});
+  TripletSynchronizer former({.max_spread_us = 50'000, .has_tof = false, .max_wait_us = 500'000});
   for (int64_t i = 0; i < 20; ++i) {
     former.Push(RigPlace::kRight, At(kStart + i * kPeriod / 2));
   }
@@ -147,8 +147,8 @@ TEST(TripletFormer, TakesTheCloserOfTwoPartners) {
   EXPECT_EQ(former.unpaired(RigPlace::kRight), 9);
 }
 
-TEST(TripletFormer, FollowsACameraWhoseTimesStartAgain) {
-  TripletFormer former({.max_spread_us = 5000, .has_tof = false, .max_wait_us = 500'000});
+TEST(TripletSynchronizer, FollowsACameraWhoseTimesStartAgain) {
+  TripletSynchronizer former({.max_spread_us = 5000, .has_tof = false, .max_wait_us = 500'000});
   former.Push(RigPlace::kLeft, At(kStart + 10 * kPeriod));
   former.Push(RigPlace::kLeft, At(kStart));  // its clock jumped back
   EXPECT_EQ(former.unpaired(RigPlace::kLeft), 1);
@@ -161,9 +161,9 @@ TEST(TripletFormer, FollowsACameraWhoseTimesStartAgain) {
   EXPECT_FALSE(former.Next(kStart + kPeriod));
 }
 
-TEST(TripletFormer, PairsCamerasThatDriftUntilTheyArePartedTooFar) {
+TEST(TripletSynchronizer, PairsCamerasThatDriftUntilTheyArePartedTooFar) {
   // 1 % faster: after 5 images the right one is 5 ms ahead.
-  TripletFormer former({.max_spread_us = 5000, .has_tof = false, .max_wait_us = 500'000});
+  TripletSynchronizer former({.max_spread_us = 5000, .has_tof = false, .max_wait_us = 500'000});
   // 0 to 5 with 0 to 5; once the right one is a whole period ahead, 94 to 100 with 95 to 101.
   int64_t formed = 0;
   for (int64_t i = 0; i < 102; ++i) {

@@ -1,4 +1,4 @@
-#include "services/grow/grow_plug.h"
+#include "services/grow/grow_adapter.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,35 +21,35 @@ Frame FlatFrame(cv::Size size) {
   return frame;
 }
 
-const DisparityImage& MapOf(const Outcome& outcome, Part part) {
-  for (const Output& output : outcome.outputs) {
+const DisparityImage& MapOf(const StageResult& outcome, Part part) {
+  for (const PartOutput& output : outcome.outputs) {
     if (output.part == part) return std::get<DisparityImage>(output.value);
   }
   throw std::runtime_error("part is missing");
 }
 
-TEST(GrowPlug, AsksForWhatItsConfigurationNeeds) {
+TEST(GrowAdapter, AsksForWhatItsConfigurationNeeds) {
   GrowConfig config;
-  EXPECT_EQ(GrowPlug(config).Inputs(),
+  EXPECT_EQ(GrowAdapter(config).Inputs(),
             (PartSet{Part::kLeft, Part::kRight, Part::kSeeds, Part::kPrior}));
   config.set_similarity(GrowConfig::MNCC);
-  EXPECT_EQ(GrowPlug(config).Inputs(),
+  EXPECT_EQ(GrowAdapter(config).Inputs(),
             (PartSet{Part::kLeft, Part::kRight, Part::kSeeds, Part::kPrior}));
   config.set_fill(GrowConfig::NONE);
-  EXPECT_EQ(GrowPlug(config).Inputs(), (PartSet{Part::kLeft, Part::kRight, Part::kSeeds}));
+  EXPECT_EQ(GrowAdapter(config).Inputs(), (PartSet{Part::kLeft, Part::kRight, Part::kSeeds}));
 }
 
-TEST(GrowPlug, AnswersWithAFilledMap) {
-  const Outcome outcome = GrowPlug(GrowConfig()).Process(FlatFrame({40, 30}));
+TEST(GrowAdapter, AnswersWithAFilledMap) {
+  const StageResult outcome = GrowAdapter(GrowConfig()).Process(FlatFrame({40, 30}));
   EXPECT_EQ(outcome.degenerate, "");
   EXPECT_EQ(MapOf(outcome, Part::kDisparity).CountValid(), 40 * 30);
 }
 
-TEST(GrowPlug, LeavesOutWhatItIsNotSureOf) {
+TEST(GrowAdapter, LeavesOutWhatItIsNotSureOf) {
   GrowConfig config;
   config.set_publish_unfilled(true);
-  GrowPlug keeps_all(config);
-  const Outcome all = keeps_all.Process(FlatFrame({40, 30}));
+  GrowAdapter keeps_all(config);
+  const StageResult all = keeps_all.Process(FlatFrame({40, 30}));
   const cv::Mat1b confidence = std::get<cv::Mat>(all.outputs.at(2).value);
   double least = 0;
   double most = 0;
@@ -60,7 +60,7 @@ TEST(GrowPlug, LeavesOutWhatItIsNotSureOf) {
   for (const GrowConfig::Fill fill : {GrowConfig::PRIOR, GrowConfig::NONE}) {
     config.set_fill(fill);
     config.set_publish_confidence(fill == GrowConfig::NONE);
-    const Outcome sure = GrowPlug(config).Process(FlatFrame({40, 30}));
+    const StageResult sure = GrowAdapter(config).Process(FlatFrame({40, 30}));
     EXPECT_EQ(sure.outputs.size(), fill == GrowConfig::NONE ? 3U : 2U);
     EXPECT_LT(MapOf(sure, Part::kDisparity).CountValid(), 40 * 30);
     EXPECT_EQ(MapOf(sure, Part::kUnfilled).CountValid(), MapOf(all, Part::kUnfilled).CountValid());
@@ -69,17 +69,17 @@ TEST(GrowPlug, LeavesOutWhatItIsNotSureOf) {
   }
 }
 
-TEST(GrowPlug, AddsTheUnfilledMapOnDemand) {
+TEST(GrowAdapter, AddsTheUnfilledMapOnDemand) {
   GrowConfig config;
   config.set_publish_unfilled(true);
-  const Outcome outcome = GrowPlug(config).Process(FlatFrame({40, 30}));
+  const StageResult outcome = GrowAdapter(config).Process(FlatFrame({40, 30}));
   EXPECT_LT(MapOf(outcome, Part::kUnfilled).CountValid(),
             MapOf(outcome, Part::kDisparity).CountValid());
 }
 
-TEST(GrowPlug, AddsTheConfidenceUnlessTold) {
+TEST(GrowAdapter, AddsTheConfidenceUnlessTold) {
   GrowConfig config;
-  const Outcome outcome = GrowPlug(config).Process(FlatFrame({40, 30}));
+  const StageResult outcome = GrowAdapter(config).Process(FlatFrame({40, 30}));
   ASSERT_EQ(outcome.outputs.size(), 2u);
   EXPECT_EQ(outcome.outputs[1].part, Part::kConfidence);
   const auto& confidence = std::get<cv::Mat>(outcome.outputs[1].value);
@@ -87,48 +87,48 @@ TEST(GrowPlug, AddsTheConfidenceUnlessTold) {
   EXPECT_EQ(confidence.type(), CV_8UC1);
   EXPECT_GT(cv::countNonZero(confidence), 0);
   config.set_publish_confidence(false);
-  EXPECT_EQ(GrowPlug(config).Process(FlatFrame({40, 30})).outputs.size(), 1u);
+  EXPECT_EQ(GrowAdapter(config).Process(FlatFrame({40, 30})).outputs.size(), 1u);
 }
 
-TEST(GrowPlug, SaysWhyAFrameHasNoDisparity) {
+TEST(GrowAdapter, SaysWhyAFrameHasNoDisparity) {
   GrowConfig config;
   config.set_publish_confidence(true);
-  GrowPlug plug(config);
+  GrowAdapter adapter(config);
   Frame no_seeds = FlatFrame({40, 30});
   no_seeds.seeds->seeds.clear();
-  EXPECT_THAT(plug.Process(no_seeds).degenerate, HasSubstr("no seeds"));
+  EXPECT_THAT(adapter.Process(no_seeds).degenerate, HasSubstr("no seeds"));
 
   Frame no_prior = FlatFrame({40, 30});
   no_prior.prior = PriorMap(cv::Size(40, 30));
-  EXPECT_THAT(plug.Process(no_prior).degenerate, HasSubstr("prior is empty"));
+  EXPECT_THAT(adapter.Process(no_prior).degenerate, HasSubstr("prior is empty"));
 
   Frame tiny = FlatFrame({4, 4});
-  EXPECT_THAT(plug.Process(tiny).degenerate, HasSubstr("smaller than the 5x5 window"));
+  EXPECT_THAT(adapter.Process(tiny).degenerate, HasSubstr("smaller than the 5x5 window"));
 
   Frame sizes_differ = FlatFrame({40, 30});
   sizes_differ.right = cv::Mat(31, 40, CV_8UC1, cv::Scalar(0));
-  const Outcome outcome = plug.Process(sizes_differ);
+  const StageResult outcome = adapter.Process(sizes_differ);
   EXPECT_THAT(outcome.degenerate, HasSubstr("allowed are two of one size"));
   EXPECT_EQ(MapOf(outcome, Part::kDisparity).size(), cv::Size(40, 30));
   EXPECT_EQ(MapOf(outcome, Part::kDisparity).CountValid(), 0);
 }
 
-TEST(GrowPlug, GoesOnAfterADegenerateFrame) {
-  GrowPlug plug{GrowConfig()};
-  const Outcome before = plug.Process(FlatFrame({40, 30}));
+TEST(GrowAdapter, GoesOnAfterADegenerateFrame) {
+  GrowAdapter adapter{GrowConfig()};
+  const StageResult before = adapter.Process(FlatFrame({40, 30}));
   Frame no_seeds = FlatFrame({40, 30});
   no_seeds.seeds->seeds.clear();
-  plug.Process(no_seeds);
-  const Outcome after = plug.Process(FlatFrame({40, 30}));
+  adapter.Process(no_seeds);
+  const StageResult after = adapter.Process(FlatFrame({40, 30}));
   EXPECT_EQ(cv::countNonZero(MapOf(before, Part::kDisparity).counts() !=
                              MapOf(after, Part::kDisparity).counts()),
             0);
 }
 
-TEST(GrowPlug, SaysWhenTheImagesHaveTwoSizes) {
+TEST(GrowAdapter, SaysWhenTheImagesHaveTwoSizes) {
   Frame frame = FlatFrame({40, 30});
   frame.right = cv::Mat(8, 8, CV_8UC1, cv::Scalar(0));
-  EXPECT_THAT(GrowPlug(GrowConfig()).Process(frame).degenerate, HasSubstr("two of one size"));
+  EXPECT_THAT(GrowAdapter(GrowConfig()).Process(frame).degenerate, HasSubstr("two of one size"));
 }
 
 }  // namespace

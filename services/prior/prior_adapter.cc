@@ -1,4 +1,4 @@
-#include "services/prior/prior_plug.h"
+#include "services/prior/prior_adapter.h"
 
 #include <utility>
 
@@ -6,13 +6,13 @@
 
 namespace sprout::prior {
 
-std::span<const Seed> PriorPlug::SeedsOf(const Frame& frame) {
+std::span<const Seed> PriorAdapter::SeedsOf(const Frame& frame) {
   if (!estimator_.uses_left_seeds()) return frame.seeds->seeds;
   Join(frame.seeds->seeds, frame.left_seeds->seeds, seeds_);
   return seeds_;
 }
 
-Result<PriorMap> PriorPlug::Estimate(const Frame& frame) {
+Result<PriorMap> PriorAdapter::Estimate(const Frame& frame) {
   const cv::Size calibrated = frame.rig->pair.size();
   if (frame.left.size() != calibrated) {
     return Fail("LEFT of " + SizeText(frame.left.size()) + ": allowed is the calibrated size " +
@@ -21,9 +21,9 @@ Result<PriorMap> PriorPlug::Estimate(const Frame& frame) {
   return estimator_.Compute(frame.left, frame.right, SeedsOf(frame), calibrated);
 }
 
-Outcome PriorPlug::Process(const Frame& frame) {
+StageResult PriorAdapter::Process(const Frame& frame) {
   Result<PriorMap> prior = Estimate(frame);
-  Outcome outcome;
+  StageResult outcome;
   if (!prior) {
     outcome.degenerate = prior.error().text;
     prior = PriorMap(frame.left.size());

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_CORE_PLUG_H_
-#define SPROUT_COMMON_CORE_PLUG_H_
+#ifndef SPROUT_COMMON_CORE_STAGE_ADAPTER_H_
+#define SPROUT_COMMON_CORE_STAGE_ADAPTER_H_
 
 #include <string>
 #include <utility>
@@ -11,14 +11,14 @@
 namespace sprout {
 
 /// One part that a stage adds to a frame.
-struct Output {
+struct PartOutput {
   Part part;
   PartValue value;
 };
 
 /// What became of a frame.
-struct Outcome {
-  std::vector<Output> outputs;
+struct StageResult {
+  std::vector<PartOutput> outputs;
   /// Why the frame has no (or an empty) result; empty when all is well. One line, shown in the
   /// status.
   std::string degenerate;
@@ -31,26 +31,26 @@ struct Outcome {
 
 /// What makes a stage a service: which parts it joins and what it answers. Knows neither network
 /// nor log nor clock, so that it runs the same way live and replayed.
-class Plug {
+class StageAdapter {
  public:
-  virtual ~Plug() = default;
+  virtual ~StageAdapter() = default;
 
   /// Parts that must be together before Process() is called.
   virtual PartSet Inputs() const = 0;
 
   /// Answers one frame that has all Inputs(). Frames come one at a time, in any order of seq, and
   /// the same frame may come twice; the answer depends on the frame only.
-  virtual Outcome Process(const Frame& frame) = 0;
+  virtual StageResult Process(const Frame& frame) = 0;
 };
 
 /// Answers a frame and adds the answer to it.
 /// @returns why the frame has no (or an empty) result; empty when all is well.
-inline std::string RunPlug(Plug& plug, Frame& frame) {
-  Outcome outcome = plug.Process(frame);
-  for (Output& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
+inline std::string AddAnswer(StageAdapter& adapter, Frame& frame) {
+  StageResult outcome = adapter.Process(frame);
+  for (PartOutput& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
   return outcome.degenerate;
 }
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_CORE_PLUG_H_
+#endif  // SPROUT_COMMON_CORE_STAGE_ADAPTER_H_

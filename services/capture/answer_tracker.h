@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CAPTURE_ANSWERS_H_
-#define SPROUT_SERVICES_CAPTURE_ANSWERS_H_
+#ifndef SPROUT_SERVICES_CAPTURE_ANSWER_TRACKER_H_
+#define SPROUT_SERVICES_CAPTURE_ANSWER_TRACKER_H_
 
 #include <condition_variable>
 #include <cstdint>
@@ -21,7 +21,7 @@ namespace sprout::capture {
 
 /// What the rest of the graph says back to capture: which stages are there, and which frames have
 /// a disparity. Thread-safe.
-class Answers {
+class AnswerTracker {
  public:
   using Deadline = StageMonitor::Clock::time_point;
 
@@ -29,8 +29,8 @@ class Answers {
   /// was not asked for, whatever comes.
   /// @param stages  to wait for.
   /// @throws BusError, see OpenLcm().
-  Answers(const ServiceContext& context, StageMonitor& monitor,
-          const std::vector<std::string>& stages, bool disparities);
+  AnswerTracker(const ServiceContext& context, StageMonitor& monitor,
+                const std::vector<std::string>& stages, bool disparities);
 
   /// Waits until every stage has reported.
   /// @returns the stages that have not: none, unless the deadline passed or a stop was requested.
@@ -61,4 +61,4 @@ class Answers {
 
 }  // namespace sprout::capture
 
-#endif  // SPROUT_SERVICES_CAPTURE_ANSWERS_H_
+#endif  // SPROUT_SERVICES_CAPTURE_ANSWER_TRACKER_H_

@@ -1,4 +1,4 @@
-#include "services/refine/refine_plug.h"
+#include "services/refine/refine_adapter.h"
 
 #include <cmath>
 #include <vector>
@@ -8,7 +8,7 @@
 namespace sprout::refine {
 
 // Rays are computed once a calibration.
-const TofProjector& RefinePlug::ProjectorOf(const Rig& rig) {
+const TofProjector& RefineAdapter::ProjectorOf(const Rig& rig) {
   const std::string rig_id = RigId(rig);
   if (!projector_ || projector_rig_id_ != rig_id) {
     projector_.emplace(rig);
@@ -17,7 +17,7 @@ const TofProjector& RefinePlug::ProjectorOf(const Rig& rig) {
   return *projector_;
 }
 
-Result<SeedSet> RefinePlug::Refine(const Frame& frame) {
+Result<SeedSet> RefineAdapter::Refine(const Frame& frame) {
   const cv::Mat1b left = ToGrey(frame.left, left_grey_);
   const cv::Mat1b right = ToGrey(frame.right, right_grey_);
   if (frame.tof->depth_m.empty()) {
@@ -33,7 +33,7 @@ Result<SeedSet> RefinePlug::Refine(const Frame& frame) {
 }
 
 // What align_tof found, or else what there is to find in a frame that is looked at.
-TofOffsetStatus RefinePlug::OffsetOf(const Frame& frame, bool refined) {
+TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame, bool refined) {
   if (!refined || frame.tof->depth_m.empty()) return {};
   TofOffset offset = refiner_.tof_offset();
   if (!aligns_tof_) {
@@ -52,10 +52,10 @@ TofOffsetStatus RefinePlug::OffsetOf(const Frame& frame, bool refined) {
           .is_off = !aligns_tof_ && offset.IsOff()};
 }
 
-Outcome RefinePlug::Process(const Frame& frame) {
+StageResult RefineAdapter::Process(const Frame& frame) {
   Result<SeedSet> seeds = Refine(frame);
   SeedSet left_seeds = seeds ? refiner_.left_seeds() : SeedSet{};
-  Outcome outcome;
+  StageResult outcome;
   if (!seeds) {
     outcome.degenerate = seeds.error().text;
     seeds = SeedSet{};

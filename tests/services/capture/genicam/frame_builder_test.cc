@@ -1,4 +1,4 @@
-#include "services/capture/genicam/frame_former.h"
+#include "services/capture/genicam/frame_builder.h"
 
 #include <gmock/gmock.h>
 
@@ -59,13 +59,14 @@ class Former : public testing::Test {
     for (const RigPlace place : kRigPlaces) former_.Add(place, Opened());
   }
 
-  std::optional<datasets::CapturedFrame> Take(int64_t index, const std::vector<RigPlace>& places = {
-                                                       kRigPlaces.begin(), kRigPlaces.end()}) {
+  std::optional<datasets::CapturedFrame> Take(int64_t index,
+                                              const std::vector<RigPlace>& places = {
+                                                  kRigPlaces.begin(), kRigPlaces.end()}) {
     for (const RigPlace place : places) former_.Add(place, Image(place, index));
     return former_.Next(kStartUtime + index * kPeriodUs + 10'000);
   }
 
-  FrameFormer former_{SomeRig()};
+  FrameBuilder former_{SomeRig()};
 };
 
 TEST_F(Former, GivesTheMiddleOfTheExposureInTheHostsTime) {
@@ -199,7 +200,7 @@ TEST_F(Former, DoesNotBelieveAClockThatIsNotThatOfTheImages) {
 TEST(FormerWithPtp, HasOneClockForAllCameras) {
   RigDescription rig = SomeRig();
   rig.set_trigger(RigDescription::PTP);
-  FrameFormer former(rig);
+  FrameBuilder former(rig);
   for (const RigPlace place : kRigPlaces) former.Add(place, Opened());
   for (const RigPlace place : kRigPlaces) {
     CameraEvent event = Image(place, 0);

@@ -1,4 +1,4 @@
-#include "services/refine/refine_plug.h"
+#include "services/refine/refine_adapter.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,42 +24,42 @@ Frame FrameOf(const Scene& scene) {
   return frame;
 }
 
-TEST(RefinePlug, MakesNoRaysForAFrameWithoutToFImage) {
-  RefinePlug plug{RefineConfig()};
+TEST(RefineAdapter, MakesNoRaysForAFrameWithoutToFImage) {
+  RefineAdapter adapter{RefineConfig()};
   Scene scene = TexturedScene();
   scene.tof = {};
   scene.rig.tof.width = scene.rig.tof.height = 16384;  // rays would take gigabytes
-  const Outcome outcome = plug.Process(FrameOf(scene));
+  const StageResult outcome = adapter.Process(FrameOf(scene));
   EXPECT_EQ(outcome.degenerate, "");
   EXPECT_FALSE(std::get<SeedSet>(outcome.outputs.at(0).value).seeds.empty());
 }
 
-TEST(RefinePlug, SaysWhyAFrameHasNoSeeds) {
-  RefinePlug plug{RefineConfig()};
+TEST(RefineAdapter, SaysWhyAFrameHasNoSeeds) {
+  RefineAdapter adapter{RefineConfig()};
   Scene scene;
-  EXPECT_EQ(plug.Process(FrameOf(scene)).degenerate,
+  EXPECT_EQ(adapter.Process(FrameOf(scene)).degenerate,
             "no ToF point has a return, and stereo found none");
   scene.SetDisparity(0, 0, 5);
-  EXPECT_THAT(plug.Process(FrameOf(scene)).degenerate, HasSubstr("none of 1 ToF points"));
+  EXPECT_THAT(adapter.Process(FrameOf(scene)).degenerate, HasSubstr("none of 1 ToF points"));
   scene.right = cv::Mat1b(10, 10, uint8_t{0});
-  const Outcome outcome = plug.Process(FrameOf(scene));
+  const StageResult outcome = adapter.Process(FrameOf(scene));
   EXPECT_THAT(outcome.degenerate, HasSubstr("10x10"));
   ASSERT_EQ(outcome.outputs.size(), 2u);
-  for (const Output& output : outcome.outputs) {
+  for (const PartOutput& output : outcome.outputs) {
     EXPECT_TRUE(std::get<SeedSet>(output.value).seeds.empty());
   }
 }
 
-TEST(RefinePlug, AnswersAToFImageOfAnotherSizeThanCalibratedEmpty) {
-  RefinePlug plug{RefineConfig()};
+TEST(RefineAdapter, AnswersAToFImageOfAnotherSizeThanCalibratedEmpty) {
+  RefineAdapter adapter{RefineConfig()};
   Scene scene;
   scene.rig.tof.width = scene.rig.tof.height = 16384;  // rays would take gigabytes
-  const Outcome outcome = plug.Process(FrameOf(scene));
+  const StageResult outcome = adapter.Process(FrameOf(scene));
   EXPECT_THAT(outcome.degenerate, HasSubstr("ToF image of 10x8"));
   EXPECT_EQ(outcome.outputs.size(), 2u);
 }
 
-TEST(RefinePlug, AnswersFramesWithoutToF) {
+TEST(RefineAdapter, AnswersFramesWithoutToF) {
   const Scene scene;
   std::vector<std::pair<const char*, Frame>> frames = {
       {"a ToF image of NaN", FrameOf(scene)},
@@ -70,9 +70,9 @@ TEST(RefinePlug, AnswersFramesWithoutToF) {
   // Rays would take gigabytes.
   frames[2].second.rig->tof.width = frames[2].second.rig->tof.height = 10000;
   frames[3].second.rig->tof = {};
-  RefinePlug plug{RefineConfig()};
+  RefineAdapter adapter{RefineConfig()};
   for (const auto& [name, frame] : frames) {
-    const Outcome outcome = plug.Process(frame);
+    const StageResult outcome = adapter.Process(frame);
     ASSERT_EQ(outcome.outputs.size(), 2u) << name;
     const auto& set = std::get<SeedSet>(outcome.outputs[0].value);
     EXPECT_EQ(TofCoverage(set.seeds, frame.left.size()), 0) << name;
@@ -81,29 +81,29 @@ TEST(RefinePlug, AnswersFramesWithoutToF) {
   }
 }
 
-TEST(RefinePlug, AnswersWithTheSeedsOfEachFrameOnly) {
-  RefinePlug plug{PaperRules()};
+TEST(RefineAdapter, AnswersWithTheSeedsOfEachFrameOnly) {
+  RefineAdapter adapter{PaperRules()};
   Scene scene;
   scene.SetDisparity(1, 4, 9);
-  const auto left_seeds_of = [&](const Outcome& outcome) {
+  const auto left_seeds_of = [&](const StageResult& outcome) {
     EXPECT_EQ(outcome.outputs.at(1).part, Part::kLeftSeeds);
     return std::get<SeedSet>(outcome.outputs.at(1).value);
   };
-  EXPECT_EQ(left_seeds_of(plug.Process(FrameOf(scene))).seeds.size(), 1u);
+  EXPECT_EQ(left_seeds_of(adapter.Process(FrameOf(scene))).seeds.size(), 1u);
   scene.tof.depth_m = cv::Mat1f(4, 4, 1.0F);
-  EXPECT_EQ(left_seeds_of(plug.Process(FrameOf(scene))), SeedSet());
+  EXPECT_EQ(left_seeds_of(adapter.Process(FrameOf(scene))), SeedSet());
 }
 
-TEST(RefinePlug, FollowsAChangeOfCalibration) {
-  RefinePlug plug{PaperRules()};
+TEST(RefineAdapter, FollowsAChangeOfCalibration) {
+  RefineAdapter adapter{PaperRules()};
   Scene scene;
   scene.SetDisparity(3, 2, 8);
-  const auto seed_of = [&](const Outcome& outcome) {
+  const auto seed_of = [&](const StageResult& outcome) {
     return std::get<SeedSet>(outcome.outputs.at(0).value).seeds.at(0);
   };
-  EXPECT_NEAR(seed_of(plug.Process(FrameOf(scene))).v, 20, 1e-3);
+  EXPECT_NEAR(seed_of(adapter.Process(FrameOf(scene))).v, 20, 1e-3);
   scene.rig.pair.cy = 45;
-  EXPECT_NEAR(seed_of(plug.Process(FrameOf(scene))).v, 25, 1e-3);
+  EXPECT_NEAR(seed_of(adapter.Process(FrameOf(scene))).v, 25, 1e-3);
 }
 
 }  // namespace

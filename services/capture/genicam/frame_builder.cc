@@ -1,4 +1,4 @@
-#include "services/capture/genicam/frame_former.h"
+#include "services/capture/genicam/frame_builder.h"
 
 #include <fmt/core.h>
 
@@ -41,11 +41,11 @@ std::string PlaceText(RigPlace place, const RigDescription& rig) {
                      DeviceOf(place, rig).serial());
 }
 
-FrameFormer::FrameFormer(const RigDescription& rig) : rig_(rig), former_(ConfigOf(rig)) {
+FrameBuilder::FrameBuilder(const RigDescription& rig) : rig_(rig), former_(ConfigOf(rig)) {
   former_.SetTofIsThere(false);  // until it is opened
 }
 
-void FrameFormer::Add(RigPlace place, CameraEvent event) {
+void FrameBuilder::Add(RigPlace place, CameraEvent event) {
   switch (event.kind) {
     case CameraEvent::Kind::kOpened:
       At(place).clock.Restart();
@@ -70,7 +70,7 @@ void FrameFormer::Add(RigPlace place, CameraEvent event) {
   }
 }
 
-void FrameFormer::AddImage(RigPlace place, DeviceImage image) {
+void FrameBuilder::AddImage(RigPlace place, DeviceImage image) {
   At(place).lost += image.lost;
   if (!image.trouble.empty()) Complain(place, image.trouble);
   if (image.image.empty() && image.tof.depth_m.empty()) return;
@@ -91,7 +91,7 @@ void FrameFormer::AddImage(RigPlace place, DeviceImage image) {
                        .tof = std::move(image.tof)});
 }
 
-void FrameFormer::AddTime(RigPlace place, int64_t device_ns, int64_t utime) {
+void FrameBuilder::AddTime(RigPlace place, int64_t device_ns, int64_t utime) {
   const std::optional<std::string> jump = At(place).clock.Add(device_ns, utime);
   if (!jump) return;
   Complain(place, *jump);
@@ -100,7 +100,7 @@ void FrameFormer::AddTime(RigPlace place, int64_t device_ns, int64_t utime) {
 
 // Images come after they were exposed, and soon. Otherwise the clock has jumped since it was read,
 // or what is read is not what images are stamped with.
-void FrameFormer::CheckReading(RigPlace place, int64_t end_ns, int64_t arrived_utime) {
+void FrameBuilder::CheckReading(RigPlace place, int64_t end_ns, int64_t arrived_utime) {
   Place& camera = At(place);
   if (!camera.clock.is_set()) return;
   const int64_t delay_us = arrived_utime - camera.clock.HostUs(end_ns);
@@ -121,31 +121,31 @@ void FrameFormer::CheckReading(RigPlace place, int64_t end_ns, int64_t arrived_u
   Complain(place, "its clock does not fit its images; from now on their arrival tells the time");
 }
 
-void FrameFormer::Complain(RigPlace place, const std::string& text) {
+void FrameBuilder::Complain(RigPlace place, const std::string& text) {
   constexpr size_t kMaxLength = 500;  // of all that happens between two frames
   const std::string trouble = PlaceText(place, rig_) + ": " + text;
   if (trouble_.size() > kMaxLength || trouble_.find(trouble) != std::string::npos) return;
   trouble_ += (trouble_.empty() ? "" : "; ") + trouble;
 }
 
-int64_t FrameFormer::LostOf(RigPlace place) const {
+int64_t FrameBuilder::LostOf(RigPlace place) const {
   return places_[static_cast<size_t>(place)].lost + former_.unpaired(place);
 }
 
-int64_t FrameFormer::LostSince(RigPlace place) const {
+int64_t FrameBuilder::LostSince(RigPlace place) const {
   return LostOf(place) - lost_before_[static_cast<size_t>(place)];
 }
 
 // Captures that are missing since the last frame. One that left lost leaves right's image without a
 // partner, so both have counted it.
-int64_t FrameFormer::Lost() const {
+int64_t FrameBuilder::Lost() const {
   int64_t lost = 0;
   for (const RigPlace place : kStereo) lost = std::max(lost, LostSince(place));
   // Before the first frame the cameras start one after the other.
   return has_frames_ ? lost : 0;
 }
 
-std::optional<datasets::CapturedFrame> FrameFormer::Next(int64_t now_utime) {
+std::optional<datasets::CapturedFrame> FrameBuilder::Next(int64_t now_utime) {
   std::optional<Triplet> triplet = former_.Next(now_utime);
   if (!triplet) return std::nullopt;
   datasets::CapturedFrame frame;
@@ -170,7 +170,7 @@ std::optional<datasets::CapturedFrame> FrameFormer::Next(int64_t now_utime) {
   return frame;
 }
 
-std::string FrameFormer::NewTrouble() {
+std::string FrameBuilder::NewTrouble() {
   if (trouble_ != told_) {
     told_ = trouble_;
     return trouble_;

@@ -1,4 +1,4 @@
-#include "services/capture/answers.h"
+#include "services/capture/answer_tracker.h"
 
 #include <algorithm>
 
@@ -15,8 +15,8 @@ std::vector<std::string_view> Channels(bool disparities) {
 
 }  // namespace
 
-Answers::Answers(const ServiceContext& context, StageMonitor& monitor,
-                 const std::vector<std::string>& stages, bool disparities)
+AnswerTracker::AnswerTracker(const ServiceContext& context, StageMonitor& monitor,
+                             const std::vector<std::string>& stages, bool disparities)
     : monitor_(monitor),
       twins_(monitor),
       silent_(stages.begin(), stages.end()),
@@ -27,7 +27,7 @@ Answers::Answers(const ServiceContext& context, StageMonitor& monitor,
           },
           [this](std::string_view channel) { monitor_.MessageDropped(channel); }) {}
 
-void Answers::OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
+void AnswerTracker::OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
   try {
     channel == kStatusChannel ? OnStatus(bytes) : OnDisparity(bytes);
   } catch (const std::exception& e) {  // out of memory: must not cross LCM's C frames
@@ -36,7 +36,7 @@ void Answers::OnMessage(std::string_view channel, std::span<const uint8_t> bytes
   changed_.notify_all();
 }
 
-void Answers::OnStatus(std::span<const uint8_t> bytes) {
+void AnswerTracker::OnStatus(std::span<const uint8_t> bytes) {
   const Result<StageStatus> status = DecodeStatus(bytes);
   if (!status) return monitor_.BadMessage(kStatusChannel, status.error().text);
   twins_.Heard(*status);
@@ -44,30 +44,30 @@ void Answers::OnStatus(std::span<const uint8_t> bytes) {
   silent_.erase(status->stage);
 }
 
-void Answers::OnDisparity(std::span<const uint8_t> bytes) {
+void AnswerTracker::OnDisparity(std::span<const uint8_t> bytes) {
   const Result<DecodedPart> part = DecodePart(Part::kDisparity, bytes);
   if (!part) return monitor_.BadMessage(ChannelOf(Part::kDisparity), part.error().text);
   const std::lock_guard lock(mutex_);
   std::erase(missing_, part->id);
 }
 
-std::set<std::string> Answers::WaitForStages(Deadline deadline, const std::stop_token& stop) {
+std::set<std::string> AnswerTracker::WaitForStages(Deadline deadline, const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   changed_.wait_until(lock, stop, deadline, [&] { return silent_.empty(); });
   return silent_;
 }
 
-void Answers::Expect(const FrameId& id) {
+void AnswerTracker::Expect(const FrameId& id) {
   const std::lock_guard lock(mutex_);
   missing_.push_back(id);
 }
 
-bool Answers::IsAnswered(const FrameId& id) {
+bool AnswerTracker::IsAnswered(const FrameId& id) {
   const std::lock_guard lock(mutex_);
   return std::find(missing_.begin(), missing_.end(), id) == missing_.end();
 }
 
-void Answers::WaitForRoom(size_t count, Deadline deadline, const std::stop_token& stop) {
+void AnswerTracker::WaitForRoom(size_t count, Deadline deadline, const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   changed_.wait_until(lock, stop, deadline, [&] { return missing_.size() <= count; });
 }

@@ -1,19 +1,19 @@
-#ifndef SPROUT_SERVICES_REFINE_REFINE_PLUG_H_
-#define SPROUT_SERVICES_REFINE_REFINE_PLUG_H_
+#ifndef SPROUT_SERVICES_REFINE_REFINE_ADAPTER_H_
+#define SPROUT_SERVICES_REFINE_REFINE_ADAPTER_H_
 
 #include <optional>
 #include <string>
 
 #include "common/config/stage_parts.h"
-#include "common/core/plug.h"
+#include "common/core/stage_adapter.h"
 #include "services/refine/refiner.h"
 
 namespace sprout::refine {
 
 /// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS.
-class RefinePlug : public Plug {
+class RefineAdapter : public StageAdapter {
  public:
-  explicit RefinePlug(const RefineConfig& config)
+  explicit RefineAdapter(const RefineConfig& config)
       : refiner_(config),
         finds_stereo_seeds_(config.stereo_seeds()),
         aligns_tof_(config.align_tof()),
@@ -23,7 +23,7 @@ class RefinePlug : public Plug {
 
   /// Always answers; without a usable point, and where stereo finds nothing either, both are empty
   /// and the outcome says why.
-  Outcome Process(const Frame& frame) override;
+  StageResult Process(const Frame& frame) override;
 
  private:
   const TofProjector& ProjectorOf(const Rig& rig);
@@ -43,4 +43,4 @@ class RefinePlug : public Plug {
 
 }  // namespace sprout::refine
 
-#endif  // SPROUT_SERVICES_REFINE_REFINE_PLUG_H_
+#endif  // SPROUT_SERVICES_REFINE_REFINE_ADAPTER_H_
