@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <list>
 #include <string>
 #include <utility>
 #include <vector>
@@ -63,7 +64,7 @@ std::string CountsText(const StageStatus& status) {
 
 }  // namespace
 
-void RunLive(const ServiceContext& context, StageAdapter& adapter) {
+void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<StageMonitor> steps) {
   const DisparityEncoding encoding = EncodingOf(context.config.bus());
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
   FrameAssembler assembler(adapter.Inputs(), monitor);
@@ -85,7 +86,10 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter) {
         }
       },
       [&](std::string_view channel) { monitor.MessageDropped(channel); });
+  // Behind the receiver: whoever waits for a status may send at once.
   const StatusReporter reporter(context, monitor);
+  std::list<StatusReporter> step_reporters;
+  for (StageMonitor& step : steps) step_reporters.emplace_back(context, step);
   TellReady();
   Watchdog watchdog;
   while (!context.stop.stop_requested()) {

@@ -1,7 +1,10 @@
 #ifndef SPROUT_COMMON_APP_LIVE_H_
 #define SPROUT_COMMON_APP_LIVE_H_
 
+#include <span>
+
 #include "common/app/service_context.h"
+#include "common/app/stage_monitor.h"
 #include "common/core/stage_adapter.h"
 
 namespace sprout {
@@ -10,8 +13,12 @@ namespace sprout {
 /// one works on the newest complete frame and publishes the answer; a third reports the status
 /// once a second. Frames that come while the adapter is busy are skipped but for the newest, and
 /// counted.
+/// @param steps  of a adapter that is several stages in one: it counts their frames in them, and
+/// their
+///               statuses go out beside its own.
 /// @throws BusError when the network cannot be used.
-void RunLive(const ServiceContext& context, StageAdapter& adapter);
+void RunLive(const ServiceContext& context, StageAdapter& adapter,
+             std::span<StageMonitor> steps = {});
 
 }  // namespace sprout
 

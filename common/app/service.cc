@@ -138,7 +138,8 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   if (apply_flags) apply_flags(context.config);
   RequireInRange(context.config, "");
   RequireValidPrefix(prefix_);
-  if (!context.replay) RequireValidUrl(lcm_url_);
+  const bool is_live = !context.replay && flags_->get_subcommands().empty();
+  if (is_live) RequireValidUrl(lcm_url_);
   KeepMemory();
   SetThreads(threads_);
   LimitSimd(simd_);
@@ -147,7 +148,7 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   LogLine(LogLevel::kInfo, "sprout-{} {}, configuration {} (--log-level debug prints it)", stage_,
           Version(), Digest(text));
   LogLine(LogLevel::kDebug, "effective configuration:\n{}", text);
-  if (!context.replay) {
+  if (is_live) {
     if (const auto warning = ReceiveBufferWarning(lcm_url_)) LogLine(LogLevel::kWarning, *warning);
   }
   const SignalWatcher signals(kGracePeriod, [](int signal) {

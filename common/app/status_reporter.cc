@@ -11,7 +11,8 @@
 namespace sprout {
 
 StatusReporter::StatusReporter(const ServiceContext& context, StageMonitor& monitor)
-    : monitor_(monitor),
+    : process_(context.stage),
+      monitor_(monitor),
       publisher_(context.lcm_url, context.prefix),
       info_(EncodeProcessInfo(LiveProcessInfo(monitor.Snapshot(), context.config))) {
   if (const auto warning = ReceiveBufferWarning(context.lcm_url)) monitor.Remember(*warning);
@@ -36,7 +37,7 @@ StatusReporter::~StatusReporter() {
 
 void StatusReporter::PublishStatus() {
   const StageStatus status = monitor_.Snapshot();
-  TellStatus(status);
+  if (status.stage == process_) TellStatus(status);
   Publish(kStatusChannel, EncodeStatus(status));
 }
 

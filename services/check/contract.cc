@@ -117,7 +117,14 @@ StageContract ContractOf(const std::string& stage) {
             .answer = Part::kDisparity,
             .may_publish = {Part::kUnfilled, Part::kConfidence}};
   }
-  throw ConfigError("STAGE '" + stage + "': allowed are capture, refine, prior and grow");
+  if (stage == "pipeline") {
+    return {.stage = stage,
+            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof},
+            .answer = Part::kDisparity,
+            .may_publish = {Part::kSeeds, Part::kLeftSeeds, Part::kPrior, Part::kUnfilled,
+                            Part::kConfidence}};
+  }
+  throw ConfigError("STAGE '" + stage + "': allowed are capture, refine, prior, grow and pipeline");
 }
 
 void CheckAnswer(const PartValue& answer, cv::Size size, const std::string& what, Findings& found) {

@@ -21,7 +21,7 @@ inline constexpr Rule kStageRules[] = {
 
 /// What goes into a stage and what comes out of it.
 struct StageContract {
-  std::string stage;         ///< "refine", "prior" or "grow"
+  std::string stage;         ///< "refine", "prior", "grow", or "pipeline": all three
   std::vector<Part> inputs;  ///< all that the graph has upstream of it, in the graph's order
   Part answer;               ///< one for each frame
   PartSet may_publish;       ///< besides

@@ -21,7 +21,7 @@ struct Header {
 };
 
 ConfigError BadPfm(const std::filesystem::path& path, const std::string& reason) {
-  return ConfigError("ground truth " + path.string() + ": " + reason +
+  return ConfigError(path.string() + ": " + reason +
                      "; allowed: a one-channel PFM file (Pf, width, height, scale, samples)");
 }
 

@@ -9,15 +9,10 @@
 #include <string>
 
 #include "common/core/frame.h"
+#include "common/picture/frame_pictures.h"
 #include "services/datasets/dataset.h"
 
 namespace sprout::log {
-
-/// The true disparity of a frame's left image.
-struct FrameTruth {
-  cv::Mat1f disparity_px;  ///< NaN or infinite = unknown; empty without ground truth
-  cv::Mat1b non_occluded;  ///< see NonOccludedMask(); empty without ground truth
-};
 
 /// The ground truth of the frames of a log that capture sent from a scene, and how right their maps
 /// are.

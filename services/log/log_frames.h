@@ -30,6 +30,11 @@ class FrameFileNames {
   /// @throws ConfigError when the folder cannot be created.
   std::filesystem::path Of(const FrameId& id, const std::string& what);
 
+  /// The names of one frame's files.
+  auto For(const FrameId& id) {
+    return [this, id](const std::string& what) { return Of(id, what); };
+  }
+
   int64_t frames() const { return static_cast<int64_t>(utimes_.size()); }
   int64_t files() const { return files_; }
 

@@ -8,9 +8,9 @@
 #include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "common/logfile/log_error.h"
+#include "common/picture/frame_pictures.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
-#include "services/log/frame_pictures.h"
 
 namespace sprout::log {
 namespace {
@@ -35,7 +35,7 @@ int RunImages(const ImagesOptions& options) {
   LogTruth truth(options.truth);
   FrameFileNames names(options.folder);
   const std::string complaint = ReadFrames(options, AllParts(), [&](const Frame& frame) {
-    WriteFramePictures(frame, truth.Add(frame), names);
+    WriteFramePictures(frame, truth.Add(frame), names.For(frame.id));
   });
   Finish(complaint, names, options, "no message of these frames that can be shown");
   std::cout << truth.Text();

@@ -12,9 +12,9 @@
 
 #include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
+#include "common/picture/frame_pictures.h"
 #include "common/quality/frame_quality.h"
 #include "services/log/commands.h"
-#include "services/log/frame_pictures.h"
 #include "services/log/log_frames.h"
 
 namespace sprout::log {
@@ -171,7 +171,8 @@ void Ranking::WritePictures() const {
   for (const Row& row : std::span(rows_).first(CountShown(kShown))) worst.insert(row.key);
   FrameFileNames names(options_.folder);
   ReadFrames(options_, AllParts(), [&](const Frame& frame) {
-    if (worst.contains({frame.id.utime, frame.id.seq})) WriteFramePictures(frame, {}, names);
+    if (worst.contains({frame.id.utime, frame.id.seq}))
+      WriteFramePictures(frame, {}, names.For(frame.id));
   });
   std::cerr << fmt::format("{}: {} pictures of the {} worst frames\n", options_.folder.string(),
                            names.files(), names.frames());

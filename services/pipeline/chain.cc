@@ -12,12 +12,6 @@ const SproutConfig& InRange(const SproutConfig& config) {
   return config;
 }
 
-void AddTo(Frame& frame, StageResult&& outcome, const char* stage, ChainReport& report) {
-  for (PartOutput& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
-  if (outcome.degenerate.empty()) return;
-  report.warnings.push_back(std::string(stage) + ": " + outcome.degenerate);
-}
-
 }  // namespace
 
 Chain::Chain(const SproutConfig& config)
@@ -34,19 +28,25 @@ ChainReport Chain::Run(Frame& frame, ChainObserver& observer, ChainStep last) {
     observer.Ended(step);
     return result;
   };
+  const auto add = [&](const char* stage, StageResult outcome) {
+    for (PartOutput& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
+    if (!outcome.degenerate.empty()) {
+      report.warnings.push_back(std::string(stage) + ": " + outcome.degenerate);
+    }
+    observer.Answered(stage, frame, outcome);
+  };
   if (!frame.seeds) {
     StageResult outcome = run(ChainStep::kRefine, [&] { return refine_.Process(frame); });
     report.tof_offset = outcome.tof_offset;
-    AddTo(frame, std::move(outcome), "refine", report);
+    add("refine", std::move(outcome));
     observer.Refined(*frame.seeds, *frame.left_seeds);
   }
   if (last == ChainStep::kPrior || (grows_with_prior_ && last > ChainStep::kPrior)) {
-    AddTo(frame, run(ChainStep::kPrior, [&] { return prior_.Process(frame); }), "prior", report);
+    add("prior", run(ChainStep::kPrior, [&] { return prior_.Process(frame); }));
   }
   if (last < ChainStep::kGrow) return report;
   const auto growth = run(ChainStep::kGrow, [&] { return grow_.Grow(frame); });
-  AddTo(frame, run(ChainStep::kFinish, [&] { return grow_.Finish(frame, growth); }), "grow",
-        report);
+  add("grow", run(ChainStep::kFinish, [&] { return grow_.Finish(frame, growth); }));
   return report;
 }
 

@@ -2,6 +2,7 @@
 #define SPROUT_SERVICES_PIPELINE_CHAIN_H_
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/config/config.h"
@@ -22,6 +23,10 @@ class ChainObserver {
   virtual ~ChainObserver() = default;
   virtual void Begins(ChainStep /*step*/) {}
   virtual void Ended(ChainStep /*step*/) {}
+  /// The stage "refine", "prior" or "grow" has answered, and the frame has what it gave.
+  /// @param outcome  what it says beside its parts, which are moved away.
+  virtual void Answered(std::string_view /*stage*/, const Frame& /*frame*/,
+                        const StageResult& /*outcome*/) {}
   /// The frame's seeds, before prior and growth use them; they may be changed.
   virtual void Refined(SeedSet& /*seeds*/, SeedSet& /*left_seeds*/) {}
 };

@@ -1,4 +1,4 @@
-#include "services/log/frame_pictures.h"
+#include "common/picture/frame_pictures.h"
 
 #include <fmt/core.h>
 
@@ -7,6 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "common/core/image.h"
@@ -17,7 +19,7 @@
 #include "common/picture/write_image.h"
 #include "common/quality/score.h"
 
-namespace sprout::log {
+namespace sprout {
 namespace {
 
 std::optional<DisparityImage> PriorOf(const Frame& frame) {
@@ -71,7 +73,7 @@ std::optional<std::vector<Seed>> RawSeeds(const Frame& frame) {
 }
 
 // Four pictures in two rows, all as high as the first; wide ones keep their shape.
-cv::Mat3b Overview(const std::array<cv::Mat3b, 4>& pictures) {
+cv::Mat3b FourOf(const std::array<cv::Mat3b, 4>& pictures) {
   const int height = pictures[0].rows;
   std::array<cv::Mat3b, 4> scaled;
   for (size_t i = 0; i < pictures.size(); ++i) {
@@ -89,66 +91,67 @@ cv::Mat3b Overview(const std::array<cv::Mat3b, 4>& pictures) {
   return overview;
 }
 
-// The pictures of one frame, each written as soon as it is made.
+// The pictures of one frame, each shown as soon as it is made.
 class FramePictures {
  public:
-  FramePictures(const Frame& frame, FrameFileNames& names)
+  using Show = std::function<void(const char* what, const cv::Mat3b& picture)>;
+
+  FramePictures(const Frame& frame, Show show)
       : frame_(frame),
-        names_(names),
-        title_(fmt::format(", frame {}", frame.id.seq)),
+        show_(std::move(show)),
+        title_(frame.id.seq < 0 ? "" : fmt::format(", frame {}", frame.id.seq)),
         size_(CameraSize(frame)),
         range_px_(RangeOf(frame)),
         pair_(frame.rig ? &frame.rig->pair : nullptr) {}
 
-  void WriteCameras() {
-    if (!frame_.left.empty())
-      left_ = Write("left.png", CameraPicture(frame_.left, T("Left image")));
-    if (!frame_.right.empty()) Write("right.png", CameraPicture(frame_.right, T("Right image")));
+  void ShowCameras() {
+    if (!frame_.left.empty()) left_ = Made("left.png", Left());
+    if (!frame_.right.empty()) Made("right.png", CameraPicture(frame_.right, T("Right image")));
     if (frame_.tof && (!size_.empty() || !frame_.tof->depth_m.empty())) {
-      tof_ = Write("tof.png",
-                   DepthPicture(*frame_.tof, size_.empty() ? frame_.tof->depth_m.size() : size_,
-                                RangeOfDepth(frame_, range_px_), T("ToF depth")));
+      tof_ = Made("tof.png", Tof());
     }
   }
 
-  void WriteSeeds() {
+  void ShowSeeds() {
     if (size_.empty()) return;
-    if (const auto raw = RawSeeds(frame_)) Write("seeds_raw.png", Seeds(*raw, "ToF points"));
-    if (frame_.seeds) Write("seeds.png", Seeds(frame_.seeds->seeds, "Seeds"));
+    if (const auto raw = RawSeeds(frame_)) Made("seeds_raw.png", Seeds(*raw, "ToF points"));
+    if (frame_.seeds) Made("seeds.png", Seeds(frame_.seeds->seeds, "Seeds"));
   }
 
-  void WriteMaps() {
+  void ShowMaps() {
     const auto map = [&](const char* what, const std::optional<DisparityImage>& disparity,
                          const char* name) -> cv::Mat3b {
       if (!disparity) return {};
-      return Write(what, DisparityPicture(*disparity, range_px_, T(name), pair_));
+      return Made(what, Disparity(*disparity, name));
     };
     map("prior.png", PriorOf(frame_), "Prior disparity");
     if (frame_.prior) {
-      Write("prior_sigma.png", SigmaPicture(*frame_.prior, T("Standard deviation of the prior")));
+      Made("prior_sigma.png", SigmaPicture(*frame_.prior, T("Standard deviation of the prior")));
     }
     map("unfilled.png", frame_.unfilled, "Disparity as grown");
     disparity_ = map("disparity.png", frame_.disparity, "Disparity");
     if (!frame_.confidence.empty()) {
-      Write("confidence.png", ConfidencePicture(frame_.confidence, T("Confidence")));
+      Made("confidence.png", ConfidencePicture(frame_.confidence, T("Confidence")));
     }
   }
 
   // What needs several parts.
-  void WriteScene() {
+  void ShowScene() {
     if (!HasCloud(frame_)) return;
-    const cv::Mat3b cloud =
-        Write("cloud.png", CameraPicture(CloudView(*pair_, *frame_.disparity, frame_.left),
-                                         T("Point cloud from the side")));
+    const cv::Mat3b cloud = Made("cloud.png", Cloud());
     if (tof_.empty()) return;
-    Write("overview.png", Overview({left_, tof_, disparity_, cloud}));
+    Made("overview.png", FourOf({left_, tof_, disparity_, cloud}));
   }
 
-  void WriteErrors(const FrameTruth& truth) {
+  cv::Mat3b Overview() const {
+    return FourOf({Left(), Tof(), Disparity(*frame_.disparity, "Disparity"), Cloud()});
+  }
+
+  void ShowErrors(const FrameTruth& truth) {
     if (truth.disparity_px.empty() || !frame_.disparity) return;
-    Write("errors.png",
-          ErrorPicture(ErrorMap(ToPx(*frame_.disparity), truth.disparity_px, truth.non_occluded),
-                       T("Error of the disparity")));
+    Made("errors.png",
+         ErrorPicture(ErrorMap(ToPx(*frame_.disparity), truth.disparity_px, truth.non_occluded),
+                      T("Error of the disparity")));
   }
 
  private:
@@ -161,14 +164,29 @@ class FramePictures {
                        fmt::format("{} ({}){}", name, seeds.size(), title_), pair_);
   }
 
-  cv::Mat3b Write(const char* what, cv::Mat3b picture) {
-    const Result<void> written = WritePng(names_.Of(frame_.id, what), picture);
-    if (!written) throw std::runtime_error(written.error().text);
+  cv::Mat3b Left() const { return CameraPicture(frame_.left, T("Left image")); }
+
+  cv::Mat3b Tof() const {
+    return DepthPicture(*frame_.tof, size_.empty() ? frame_.tof->depth_m.size() : size_,
+                        RangeOfDepth(frame_, range_px_), T("ToF depth"));
+  }
+
+  cv::Mat3b Disparity(const DisparityImage& map, const char* name) const {
+    return DisparityPicture(map, range_px_, T(name), pair_);
+  }
+
+  cv::Mat3b Cloud() const {
+    return CameraPicture(CloudView(*pair_, *frame_.disparity, frame_.left),
+                         T("Point cloud from the side"));
+  }
+
+  cv::Mat3b Made(const char* what, cv::Mat3b picture) const {
+    show_(what, picture);
     return picture;
   }
 
   const Frame& frame_;
-  FrameFileNames& names_;
+  Show show_;
   std::string title_;
   cv::Size size_;
   ValueRange range_px_;
@@ -184,13 +202,21 @@ bool HasCloud(const Frame& frame) {
   return frame.left.size() == size && frame.rig->pair.size() == size;
 }
 
-void WriteFramePictures(const Frame& frame, const FrameTruth& truth, FrameFileNames& names) {
-  FramePictures pictures(frame, names);
-  pictures.WriteCameras();
-  pictures.WriteSeeds();
-  pictures.WriteMaps();
-  pictures.WriteScene();
-  pictures.WriteErrors(truth);
+void WriteFramePictures(const Frame& frame, const FrameTruth& truth,
+                        const std::function<std::filesystem::path(const char* what)>& path_of) {
+  FramePictures pictures(frame, [&](const char* what, const cv::Mat3b& picture) {
+    const Result<void> written = WritePng(path_of(what), picture);
+    if (!written) throw std::runtime_error(written.error().text);
+  });
+  pictures.ShowCameras();
+  pictures.ShowSeeds();
+  pictures.ShowMaps();
+  pictures.ShowScene();
+  pictures.ShowErrors(truth);
 }
 
-}  // namespace sprout::log
+cv::Mat3b OverviewOf(const Frame& frame) {
+  return FramePictures(frame, [](const char*, const cv::Mat3b&) {}).Overview();
+}
+
+}  // namespace sprout
