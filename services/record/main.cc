@@ -31,6 +31,7 @@ struct Flags {
   double after_s = 10;
   std::optional<std::string> trigger_channel;
   std::optional<double> trigger_confidence;
+  std::optional<double> seconds;
 };
 
 constexpr char kDescription[] =
@@ -116,15 +117,19 @@ std::unique_ptr<Recording> Begin(const ServiceContext& context, const RecordingO
   }
 }
 
-int Record(const ServiceContext& context, const RecordingOptions& options) {
+// @param length  nothing: until a stop is requested.
+int Record(const ServiceContext& context, const RecordingOptions& options,
+           const std::optional<double>& length_s) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
   const std::unique_ptr<Recording> begun = Begin(context, options, monitor);
   Recording& recording = *begun;
   {
     const StatusReporter reporter(context, monitor);
     TellReady();
-    auto next_status = RecordedEvent::Clock::now();
+    const auto begin = RecordedEvent::Clock::now();
+    auto next_status = begin;
     while (!context.stop.stop_requested() && !recording.has_failed()) {
+      if (length_s && RecordedEvent::Clock::now() >= begin + Seconds(*length_s)) break;
       if (WaitForTrigger()) recording.Trigger("SIGUSR1");
       if (RecordedEvent::Clock::now() < next_status) continue;
       recording.PutStatus();
@@ -149,6 +154,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->delimiter(',')
       ->expected(1)
       ->take_all();
+  app.add_option("--seconds", flags.seconds, "Stop after so many seconds")
+      ->type_name("SECONDS")
+      ->check(NumberIn(0.1, 1e9));
   app.add_option("--max-mb", flags.max_mb, "Size of a log at which the next one begins, MB")
       ->check(NumberIn(0.1, 1e6))
       ->capture_default_str();
@@ -190,8 +198,9 @@ int Main(int argc, char** argv) {
   Service service("record", kDescription);
   Flags flags;
   AddFlags(service.flags(), flags);
-  return service.Run(
-      argc, argv, [&](const ServiceContext& context) { return Record(context, OptionsOf(flags)); });
+  return service.Run(argc, argv, [&](const ServiceContext& context) {
+    return Record(context, OptionsOf(flags), flags.seconds);
+  });
 }
 
 }  // namespace

@@ -164,36 +164,17 @@ int64_t EventsIn(const std::filesystem::path& log) {
   return events;
 }
 
-TEST(FullDiskSystem, RecordStopsBeforeItAndKeepsTheLog) {
+TEST(FullDiskSystem, RecordSaysSoAndKeepsTheLog) {
   const TemporaryDirectory folder;
-  const SmallDisk disk(folder / "disk", "1030m");  // record leaves 1 GB free
+  const SmallDisk disk(folder / "disk", "30m");
   if (!disk.mounted()) GTEST_SKIP() << "no file system can be mounted here";
   Graph graph;
   graph.Start("capture", {"--source", "synthetic:640x480", "--rate", "10"});
-  Process record({std::string(SPROUT_SOURCE_DIR) + "/scripts/record", "--dir", folder / "disk",
-                  "--drain", "1", "run"});
+  Process record(
+      {std::string(SPROUT_SOURCE_DIR) + "/scripts/record", "--dir", folder / "disk", "run"});
   EXPECT_EQ(record.Wait(seconds(60)), 1);
-  EXPECT_THAT(record.Output(), HasSubstr("stopped: the disk of"));
+  EXPECT_THAT(record.Output(), HasSubstr("No space left on device"));
   EXPECT_GT(EventsIn(folder / "disk/run.lcm"), 20);
-}
-
-TEST(FullDiskSystem, RecordSaysSoWhenSomebodyElseFillsIt) {
-  const TemporaryDirectory folder;
-  const SmallDisk disk(folder / "disk", "1200m");
-  if (!disk.mounted()) GTEST_SKIP() << "no file system can be mounted here";
-  Graph graph;
-  graph.Start("capture", {"--source", "synthetic:640x480", "--rate", "10"});
-  Process record({std::string(SPROUT_SOURCE_DIR) + "/scripts/record", "--dir", folder / "disk",
-                  "--drain", "1", "run"});
-  const auto log = folder / "disk/run.lcm";
-  ASSERT_TRUE(graph.WaitUntil([&](Graph&) {
-    std::error_code missing;
-    return std::filesystem::file_size(log, missing) > 5'000'000 && !missing;
-  }));
-  Process filler({"sh", "-c", "head -c 2G /dev/zero > '" + (folder / "disk/other").string() + "'"});
-  filler.Wait();
-  EXPECT_EQ(record.Wait(seconds(60)), 1) << record.Output();
-  EXPECT_GT(EventsIn(log), 3);
 }
 
 TEST(FullDiskSystem, AReplaySaysSoAndKeepsNothingUnderTheNameOfTheLog) {
