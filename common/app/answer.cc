@@ -10,9 +10,9 @@
 namespace sprout {
 namespace {
 
-float CoverageOf(const Frame& frame, const Outcome& outcome) {
+float CoverageOf(const Frame& frame, const StageResult& outcome) {
   const SeedSet* seeds = frame.seeds ? &*frame.seeds : nullptr;
-  for (const Output& output : outcome.outputs) {
+  for (const PartOutput& output : outcome.outputs) {
     if (output.part == Part::kSeeds) seeds = &std::get<SeedSet>(output.value);
   }
   const std::optional<cv::Size> size = ImageSize(frame);
@@ -26,12 +26,12 @@ DisparityEncoding EncodingOf(const BusConfig& config) {
                                                               : DisparityEncoding::kRawInt16;
 }
 
-std::optional<Answer> MakeAnswer(const Frame& frame, Plug& plug, DisparityEncoding encoding,
-                                 StageMonitor& monitor) {
+std::optional<Answer> MakeAnswer(const Frame& frame, StageAdapter& adapter,
+                                 DisparityEncoding encoding, StageMonitor& monitor) {
   try {
-    Outcome outcome = plug.Process(frame);
+    StageResult outcome = adapter.Process(frame);
     Answer answer;
-    for (const Output& output : outcome.outputs) {
+    for (const PartOutput& output : outcome.outputs) {
       answer.messages.push_back(
           {ChannelOf(output.part), EncodePart(frame.id, output.part, output.value, encoding)});
     }

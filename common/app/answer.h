@@ -9,7 +9,7 @@
 
 #include "common/app/stage_monitor.h"
 #include "common/config/config.h"
-#include "common/core/plug.h"
+#include "common/core/stage_adapter.h"
 #include "common/messages/convert.h"
 
 namespace sprout {
@@ -21,7 +21,7 @@ struct Answer {
     std::vector<uint8_t> bytes;
   };
   std::vector<Message> messages;
-  std::string degenerate;  ///< as in Outcome
+  std::string degenerate;  ///< as in StageResult
   /// TofCoverage() of the seeds that the stage made or was given; kUnknownCoverage when it sees
   /// none.
   float tof_coverage = kUnknownCoverage;
@@ -31,10 +31,10 @@ struct Answer {
 /// How the configuration wants disparity maps to travel.
 DisparityEncoding EncodingOf(const BusConfig& config);
 
-/// Has the plug work on one frame; the same step live and replayed.
-/// @returns nothing when the plug failed (threw); that is counted, and the stage goes on.
-std::optional<Answer> MakeAnswer(const Frame& frame, Plug& plug, DisparityEncoding encoding,
-                                 StageMonitor& monitor);
+/// Has the adapter work on one frame; the same step live and replayed.
+/// @returns nothing when the adapter failed (threw); that is counted, and the stage goes on.
+std::optional<Answer> MakeAnswer(const Frame& frame, StageAdapter& adapter,
+                                 DisparityEncoding encoding, StageMonitor& monitor);
 
 }  // namespace sprout
 

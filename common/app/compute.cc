@@ -8,7 +8,7 @@
 #include <limits>
 #include <opencv2/core/utility.hpp>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 
 namespace sprout {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/app/stage_monitor.h"
-#include "common/bus/frame_joiner.h"
 #include "common/core/frame.h"
+#include "common/frames/frame_joiner.h"
 
 namespace sprout {
 
@@ -32,8 +32,8 @@ class FrameAssembler {
 
  private:
   StageMonitor& monitor_;
-  std::vector<Part> parts_;                 // needed ones
-  std::vector<std::string_view> channels_;  // theirs, in the same order
+  PartSet needed_;
+  std::vector<std::string_view> channels_;
   FrameJoiner joiner_;
 };
 

@@ -1,14 +1,15 @@
 #include "common/app/live.h"
 
-#include <fmt/format.h>
-#include <spdlog/spdlog.h>
+#include <fmt/core.h>
 
+#include <list>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/app/answer.h"
 #include "common/app/frame_assembler.h"
+#include "common/app/log.h"
 #include "common/app/silence_watch.h"
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
@@ -63,10 +64,10 @@ std::string CountsText(const StageStatus& status) {
 
 }  // namespace
 
-void RunLive(const ServiceContext& context, Plug& plug) {
+void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<StageMonitor> steps) {
   const DisparityEncoding encoding = EncodingOf(context.config.bus());
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
-  FrameAssembler assembler(plug.Inputs(), monitor);
+  FrameAssembler assembler(adapter.Inputs(), monitor);
   Mailbox<Arrival> mailbox;
   Publisher publisher(context.lcm_url, context.prefix);
   TwinWatch twins(monitor);
@@ -85,18 +86,21 @@ void RunLive(const ServiceContext& context, Plug& plug) {
         }
       },
       [&](std::string_view channel) { monitor.MessageDropped(channel); });
+  // Behind the receiver: whoever waits for a status may send at once.
   const StatusReporter reporter(context, monitor);
+  std::list<StatusReporter> step_reporters;
+  for (StageMonitor& step : steps) step_reporters.emplace_back(context, step);
   TellReady();
   Watchdog watchdog;
   while (!context.stop.stop_requested()) {
     const auto arrival = mailbox.TakeWithin(Watchdog::kIdlePeriod, context.stop);
     watchdog.Idle();
     if (!arrival) continue;
-    const std::optional<Answer> answer = MakeAnswer(arrival->frame, plug, encoding, monitor);
+    const std::optional<Answer> answer = MakeAnswer(arrival->frame, adapter, encoding, monitor);
     if (answer) Publish(*arrival, *answer, publisher, monitor);
     watchdog.FrameDone();
   }
-  spdlog::info(CountsText(monitor.Snapshot()));
+  LogLine(LogLevel::kInfo, CountsText(monitor.Snapshot()));
 }
 
 }  // namespace sprout

@@ -1,17 +1,24 @@
 #ifndef SPROUT_COMMON_APP_LIVE_H_
 #define SPROUT_COMMON_APP_LIVE_H_
 
+#include <span>
+
 #include "common/app/service_context.h"
-#include "common/core/plug.h"
+#include "common/app/stage_monitor.h"
+#include "common/core/stage_adapter.h"
 
 namespace sprout {
 
-/// Runs a plug on the live bus until context.stop: one thread receives, decodes and joins; this
+/// Runs an adapter on the live bus until context.stop: one thread receives, decodes and joins; this
 /// one works on the newest complete frame and publishes the answer; a third reports the status
-/// once a second. Frames that come while the plug is busy are skipped but for the newest, and
+/// once a second. Frames that come while the adapter is busy are skipped but for the newest, and
 /// counted.
+/// @param steps  of a adapter that is several stages in one: it counts their frames in them, and
+/// their
+///               statuses go out beside its own.
 /// @throws BusError when the network cannot be used.
-void RunLive(const ServiceContext& context, Plug& plug);
+void RunLive(const ServiceContext& context, StageAdapter& adapter,
+             std::span<StageMonitor> steps = {});
 
 }  // namespace sprout
 

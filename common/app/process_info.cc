@@ -1,6 +1,6 @@
 #include "common/app/process_info.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <vector>

@@ -1,10 +1,16 @@
 #include "common/app/program.h"
 
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <iostream>
 #include <sstream>
+#include <string_view>
 
-#include "common/config/config.h"
+#include "common/app/help_text.h"
+#include "common/app/limits_text.h"
+#include "common/config/config_error.h"
 
 namespace sprout {
 
@@ -23,9 +29,27 @@ CLI::Validator NumberIn(double low, double high) {
 
 namespace {
 
+// No prefix is a prefix like others; COMMAND is another program's.
+constexpr std::array<std::string_view, 2> kMayBeEmpty = {"--channel-prefix", "COMMAND"};
+
+// An empty text means what no flag means, and that is not what `--log "$FILE"` asks for when FILE
+// is not set.
+void RequireNoEmptyText(const CLI::App& flags) {
+  for (const CLI::Option* option : flags.get_options()) {
+    const std::string name = option->get_name();
+    const std::vector<std::string>& texts = option->results();
+    if (std::find(texts.begin(), texts.end(), "") == texts.end()) continue;
+    if (std::find(kMayBeEmpty.begin(), kMayBeEmpty.end(), name) != kMayBeEmpty.end()) continue;
+    throw ConfigError(name + " '': allowed is a text that is not empty");
+  }
+  for (const CLI::App* subcommand : flags.get_subcommands()) RequireNoEmptyText(*subcommand);
+}
+
 int RunBody(CLI::App& flags, int argc, const char* const* argv, const std::function<int()>& body) {
   try {
+    WrapHelp(flags);
     flags.parse(argc, argv);
+    RequireNoEmptyText(flags);
     return body();
   } catch (const CLI::Success& e) {  // --help, --version
     return flags.exit(e);
@@ -36,7 +60,7 @@ int RunBody(CLI::App& flags, int argc, const char* const* argv, const std::funct
     std::cerr << flags.get_name() << ": " << e.what() << "\n";
     return 2;
   } catch (const std::exception& e) {
-    std::cerr << flags.get_name() << ": " << e.what() << "\n";
+    std::cerr << flags.get_name() << ": " << e.what() << ReachedLimitText(e) << "\n";
     return 1;
   }
 }

@@ -1,9 +1,13 @@
 #ifndef SPROUT_COMMON_APP_PROGRAM_H_
 #define SPROUT_COMMON_APP_PROGRAM_H_
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
+
+namespace CLI {
+class App;  // <CLI/CLI.hpp> takes seconds to compile: for those who add flags
+class Validator;
+}  // namespace CLI
 
 namespace sprout {
 
@@ -13,6 +17,8 @@ CLI::Validator NumberIn(double low, double high);
 
 /// What every program's main shares, with or without a bus: parses the flags, runs `body`, and
 /// turns errors into one line on stderr that starts with the program's name.
+///
+/// An empty text is refused, but for --channel-prefix and for a COMMAND. Help is wrapped.
 ///
 /// @param flags  named as the program.
 /// @returns exit code: what `body` returned; 0 for --help and --version; 2 for a flag or

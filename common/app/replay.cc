@@ -1,7 +1,6 @@
 #include "common/app/replay.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -14,6 +13,7 @@
 
 #include "common/app/answer.h"
 #include "common/app/frame_assembler.h"
+#include "common/app/log.h"
 #include "common/app/process_info.h"
 #include "common/app/progress.h"
 #include "common/app/replay_input.h"
@@ -72,19 +72,19 @@ std::string JoinText(const std::vector<std::string>& words) {
 
 class Replay {
  public:
-  Replay(const ServiceContext& context, const ReplayOptions& options, Plug& plug)
+  Replay(const ServiceContext& context, const ReplayOptions& options, StageAdapter& adapter)
       : context_(context),
         options_(options),
-        plug_(plug),
+        adapter_(adapter),
         encoding_(EncodingOf(context.config.bus())),
         monitor_(context.stage, Digest(ConfigText(context.config))),
-        assembler_(plug.Inputs(), monitor_, kReplayMaxPending),
-        input_(OpenInput(options.logs, context.prefix, plug.Inputs())),
+        assembler_(adapter.Inputs(), monitor_, kReplayMaxPending),
+        input_(OpenInput(options.logs, context.prefix, adapter.Inputs())),
         recording_(OpenRecording(options.record)),
         progress_(/*quiet=*/false) {}
 
   int Run() {
-    if (plug_.Inputs().Has(Part::kRig)) AddFirstCalibration();
+    if (adapter_.Inputs().Has(Part::kRig)) AddFirstCalibration();
     LogEvent event;
     while (!context_.stop.stop_requested() && input_.Next(event)) {
       Take(event);
@@ -131,7 +131,7 @@ class Replay {
       WriteInfoOnce(event.utime);
       const auto arrived = Clock::now();
       monitor_.FrameIn(/*skipped=*/false);
-      const std::optional<Answer> answer = MakeAnswer(frame, plug_, encoding_, monitor_);
+      const std::optional<Answer> answer = MakeAnswer(frame, adapter_, encoding_, monitor_);
       if (!answer) continue;
       for (const Answer::Message& message : answer->messages) {
         recording_->Write(event.utime, LoggedChannel(message.channel), message.bytes);
@@ -148,23 +148,21 @@ class Replay {
     if (compared_.size() == kMaxCompared || !compared_.insert(recorded->config_text).second) return;
     if (const auto change = ConfigChangeText(context_, *recorded)) {
       progress_.Clear();
-      spdlog::warn(*change);
+      LogLine(LogLevel::kWarning, *change);
     }
   }
 
   // False for messages of frames out of range, which are then neither decoded nor missed.
   bool IsWanted(std::string_view channel, std::span<const uint8_t> bytes) {
-    for (const Part part : kAllParts) {
-      if (ChannelOf(part) != channel || part == Part::kRig || !plug_.Inputs().Has(part)) continue;
-      const Result<FrameId> id = DecodeFrameId(bytes);
-      // What names no frame is left to the border, which counts it as a bad message.
-      if (TypeOf(bytes) != TypeOf(part) || !id || id->seq < 0) return true;
-      if (!seen_) seen_ = FrameRange{.first = id->seq, .last = id->seq};
-      seen_->first = std::min(seen_->first, id->seq);
-      seen_->last = std::max(seen_->last, id->seq);
-      return options_.frames.Has(id->seq);
-    }
-    return true;
+    const std::optional<Part> part = PartOf(channel);
+    if (!part || part == Part::kRig || !adapter_.Inputs().Has(*part)) return true;
+    const Result<FrameId> id = DecodeFrameId(bytes);
+    // What names no frame is left to the border, which counts it as a bad message.
+    if (TypeOf(bytes) != TypeOf(*part) || !id || id->seq < 0) return true;
+    if (!seen_) seen_ = FrameRange{.first = id->seq, .last = id->seq};
+    seen_->first = std::min(seen_->first, id->seq);
+    seen_->last = std::max(seen_->last, id->seq);
+    return options_.frames.Has(id->seq);
   }
 
   void ShowProgress() {
@@ -184,11 +182,11 @@ class Replay {
     std::vector<std::string> missing;
     for (const std::string_view channel : assembler_.channels()) {
       const std::string name = LoggedChannel(channel);
-      if (!input_.channels().contains(name)) missing.push_back(name);
+      if (!input_.channels().Has(name)) missing.push_back(name);
     }
     if (!missing.empty()) {
-      throw ConfigError(
-          fmt::format("--replay {}: no {}; it has {}", logs, JoinText(missing), ChannelCounts()));
+      throw ConfigError(fmt::format("--replay {}: no {}; it has {}", logs, JoinText(missing),
+                                    input_.channels().Text()));
     }
     if (seen_ && (seen_->first > options_.frames.last || seen_->last < options_.frames.first)) {
       throw ConfigError(fmt::format("--frames: none of them in {}; it has {}:{}", logs,
@@ -196,15 +194,7 @@ class Replay {
     }
     throw ConfigError(fmt::format(
         "--replay {}: no frame is complete ({} lack a message, {} bad messages); it has {}", logs,
-        status.frames_incomplete, status.bad_messages, ChannelCounts()));
-  }
-
-  std::string ChannelCounts() const {
-    std::vector<std::string> counts;
-    for (const auto& [channel, count] : input_.channels()) {
-      counts.push_back(fmt::format("{} ({})", channel, count));
-    }
-    return counts.empty() ? "no events" : JoinText(counts);
+        status.frames_incomplete, status.bad_messages, input_.channels().Text()));
   }
 
   int Report(bool stopped) const {
@@ -224,7 +214,7 @@ class Replay {
 
   const ServiceContext& context_;
   const ReplayOptions& options_;
-  Plug& plug_;
+  StageAdapter& adapter_;
   DisparityEncoding encoding_;
   StageMonitor monitor_;
   FrameAssembler assembler_;
@@ -240,9 +230,9 @@ class Replay {
 
 }  // namespace
 
-int RunReplay(const ServiceContext& context, const ReplayOptions& options, Plug& plug) {
+int RunReplay(const ServiceContext& context, const ReplayOptions& options, StageAdapter& adapter) {
   for (const std::string& log : options.logs) RequireOtherFile(log, options.record);
-  return Replay(context, options, plug).Run();
+  return Replay(context, options, adapter).Run();
 }
 
 }  // namespace sprout

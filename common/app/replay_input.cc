@@ -1,9 +1,9 @@
 #include "common/app/replay_input.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <utility>
+
+#include "common/app/log.h"
 
 namespace sprout {
 namespace {
@@ -47,12 +47,7 @@ bool ReplayInput::Next(LogEvent& event) {
   if (taken_ == nullptr) return false;
   event = *taken_->head;
   ++events_;
-  const auto known = channels_.find(event.channel);
-  if (known != channels_.end()) {
-    ++known->second;
-  } else {
-    channels_.emplace(event.channel, 1);
-  }
+  channels_.Add(event.channel);
   return true;
 }
 
@@ -71,10 +66,8 @@ void ReplayInput::Advance(Log& log) {
 void ReplayInput::ReportDamage(Log& log) {
   const std::vector<LogDamage>& damage = log.reader->damage();
   for (; log.damage_seen < damage.size(); ++log.damage_seen) {
-    const LogDamage& stretch = damage[log.damage_seen];
-    damaged_bytes_ += stretch.bytes;
-    spdlog::warn("{}: {} unreadable bytes at byte {}{}", log.path, stretch.bytes, stretch.offset,
-                 stretch.tail ? ": it ends inside an event" : ", skipped");
+    damaged_bytes_ += damage[log.damage_seen].bytes;
+    LogLine(LogLevel::kWarning, "{}: {}", log.path, SkippedText(damage[log.damage_seen]));
   }
 }
 

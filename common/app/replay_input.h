@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -12,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/logfile/channel_counts.h"
 #include "common/logfile/log_reader.h"
 
 namespace sprout {
@@ -41,8 +41,7 @@ class ReplayInput {
   int64_t events() const { return events_; }  ///< taken so far
   int64_t damaged_bytes() const { return damaged_bytes_; }
 
-  /// Channels met so far, with how many events.
-  const std::map<std::string, int64_t, std::less<>>& channels() const { return channels_; }
+  const ChannelCounts& channels() const { return channels_; }  ///< met so far
 
   /// Share of the bytes read so far, 0 to 1.
   double progress() const;
@@ -63,7 +62,7 @@ class ReplayInput {
   std::set<std::string, std::less<>> ordering_;
   std::vector<Log> logs_;
   Log* taken_ = nullptr;  // whose head the caller has
-  std::map<std::string, int64_t, std::less<>> channels_;
+  ChannelCounts channels_;
   int64_t events_ = 0;
   int64_t damaged_bytes_ = 0;
 };

@@ -7,13 +7,13 @@
 namespace sprout {
 
 int RunStage(int argc, char** argv, const std::string& stage, const std::string& description,
-             const MakePlug& make_plug) {
+             const MakeAdapter& make_adapter) {
   Service service(stage, description);
   service.OfferReplay();
   return service.Run(argc, argv, [&](const ServiceContext& context) {
-    const std::unique_ptr<Plug> plug = make_plug(context.config);
-    if (context.replay) return RunReplay(context, *context.replay, *plug);
-    RunLive(context, *plug);
+    const std::unique_ptr<StageAdapter> adapter = make_adapter(context.config);
+    if (context.replay) return RunReplay(context, *context.replay, *adapter);
+    RunLive(context, *adapter);
     return 0;
   });
 }

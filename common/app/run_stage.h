@@ -6,17 +6,17 @@
 #include <string>
 
 #include "common/config/config.h"
-#include "common/core/plug.h"
+#include "common/core/stage_adapter.h"
 
 namespace sprout {
 
-/// Creates the plug of a stage from the effective configuration.
-using MakePlug = std::function<std::unique_ptr<Plug>(const SproutConfig&)>;
+/// Creates the adapter of a stage from the effective configuration.
+using MakeAdapter = std::function<std::unique_ptr<StageAdapter>(const SproutConfig&)>;
 
-/// The whole main of a service that is one plug: runs it live until a signal comes, or over logs
+/// The whole main of a service that is one adapter: runs it live until a signal comes, or over logs
 /// (--replay).
 int RunStage(int argc, char** argv, const std::string& stage, const std::string& description,
-             const MakePlug& make_plug);
+             const MakeAdapter& make_adapter);
 
 }  // namespace sprout
 

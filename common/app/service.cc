@@ -1,93 +1,31 @@
 #include "common/app/service.h"
 
 #include <fmt/ranges.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/sinks/systemd_sink.h>
-#include <spdlog/spdlog.h>
-#include <sys/time.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <condition_variable>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <mutex>
+#include <map>
 #include <opencv2/core/utility.hpp>
-#include <thread>
 
 #include "common/app/compute.h"
+#include "common/app/log.h"
 #include "common/app/program.h"
 #include "common/app/supervision.h"
 #include "common/app/version.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/core/digest.h"
+#include "common/core/signal_watcher.h"
 
 namespace sprout {
 namespace {
 
 // How long a process has to end by itself after SIGINT or SIGTERM. Supervisors kill after some
 // seconds; whoever sits in front of it presses Ctrl-C again.
-constexpr itimerval kGracePeriod{.it_interval = {}, .it_value = {.tv_sec = 1, .tv_usec = 500'000}};
-
-// Requests a stop when SIGINT or SIGTERM comes. The signals are blocked in every thread and taken
-// by one that waits for them, so that no code runs in a signal handler. A second signal, and
-// SIGALRM at the end of the grace period, are the kernel's: they end the process whatever its
-// threads are stuck in, a FIFO that nobody writes, a server that takes no more, a long computation.
-class SignalWatcher {
- public:
-  SignalWatcher() {
-    sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
-    sigaddset(&signals_, kWake);
-    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-    // A tcpq server that hangs up shows as a failed publish, not as the end of the process.
-    std::signal(SIGPIPE, SIG_IGN);
-    thread_ = std::jthread([this](const std::stop_token& stop) { Watch(stop); });
-  }
-
-  ~SignalWatcher() {
-    thread_.request_stop();
-    pthread_kill(thread_.native_handle(), kWake);
-    thread_.join();
-    constexpr itimerval kNever{};
-    setitimer(ITIMER_REAL, &kNever, nullptr);
-  }
-
-  SignalWatcher(const SignalWatcher&) = delete;
-  SignalWatcher& operator=(const SignalWatcher&) = delete;
-
-  std::stop_token token() const { return source_.get_token(); }
-
- private:
-  // Makes the thread look whether it is over. Nobody else sends it, and where it is not waited for
-  // it does nothing.
-  static constexpr int kWake = SIGURG;
-
-  void Watch(const std::stop_token& stop) {
-    int signal = kWake;
-    while (signal == kWake) {
-      if (stop.stop_requested()) return;
-      sigwait(&signals_, &signal);
-    }
-    // Whoever started this process may have told it to ignore or block them.
-    for (const int ending : {SIGINT, SIGTERM, SIGALRM}) std::signal(ending, SIG_DFL);
-    sigaddset(&signals_, SIGALRM);
-    setitimer(ITIMER_REAL, &kGracePeriod, nullptr);
-    pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
-    source_.request_stop();
-    spdlog::info("{}: stopping", signal == SIGINT ? "SIGINT" : "SIGTERM");
-    // Stays here for the second signal: the other threads do not take it.
-    std::mutex mutex;
-    std::condition_variable_any ended;
-    std::unique_lock lock(mutex);
-    ended.wait(lock, stop, [] { return false; });
-  }
-
-  sigset_t signals_;
-  std::stop_source source_;
-  std::jthread thread_;
-};
+constexpr std::chrono::milliseconds kGracePeriod{1500};
 
 std::string DefaultLcmUrl() {
   const char* from_environment = std::getenv("LCM_DEFAULT_URL");
@@ -95,28 +33,15 @@ std::string DefaultLcmUrl() {
                                                                   : kDefaultLcmUrl;
 }
 
-void SetUpLogging(const std::string& stage, const std::string& level) {
-  // The journal is told the level of each line, and knows the time and the process itself.
-  spdlog::sink_ptr sink;
-  if (LogsToJournal()) {
-    sink = std::make_shared<spdlog::sinks::systemd_sink_mt>("sprout-" + stage);
-  } else {
-    sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
-  }
-  // Not spdlog::stderr_color_mt(), which throws when a logger of that name exists.
-  auto logger = std::make_shared<spdlog::logger>(stage, std::move(sink));
-  logger->set_level(spdlog::level::from_str(level));
-  logger->set_pattern("%H:%M:%S.%e %^%L%$ [%n] %v");
-  spdlog::set_default_logger(std::move(logger));
-}
+// Of --log-level.
+const std::map<std::string, LogLevel> kLogLevels = {{"debug", LogLevel::kDebug},
+                                                    {"info", LogLevel::kInfo},
+                                                    {"warning", LogLevel::kWarning},
+                                                    {"error", LogLevel::kError}};
 
 void RequireValidPrefix(const std::string& prefix) {
-  constexpr char kAllowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
-  if (prefix.size() > kMaxChannelPrefix ||
-      prefix.find_first_not_of(kAllowed) != std::string::npos) {
-    throw ConfigError("--channel-prefix '" + prefix + "': allowed are up to " +
-                      std::to_string(kMaxChannelPrefix) + " letters, digits, '_' and '-'");
-  }
+  if (IsChannelPrefix(prefix)) return;
+  throw ConfigError("--channel-prefix '" + prefix + "': allowed are " + AllowedChannelPrefix());
 }
 
 void RequireValidUrl(const std::string& url) {
@@ -126,43 +51,49 @@ void RequireValidUrl(const std::string& url) {
 }  // namespace
 
 Service::Service(std::string stage, const std::string& description)
-    : stage_(std::move(stage)), lcm_url_(DefaultLcmUrl()), flags_(description, "sprout-" + stage_) {
-  flags_
+    : stage_(std::move(stage)),
+      lcm_url_(DefaultLcmUrl()),
+      flags_(std::make_unique<CLI::App>(description, "sprout-" + stage_)) {
+  CLI::App& flags = *flags_;
+  flags
       .add_option("--config", config_files_,
                   "Configuration file in protobuf text format, or the name of a preset; may be "
                   "given several times, later files override earlier ones")
       ->type_name("FILE|PRESET")
       ->expected(1)
       ->take_all();
-  flags_
+  flags
       .add_option("--lcm-url", lcm_url_,
                   "Where the messages travel: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
       ->type_name("URL")
       ->capture_default_str();
-  flags_
+  flags
       .add_option("--channel-prefix", prefix_,
                   "Put before every channel: runs two graphs side by side")
       ->type_name("TEXT");
-  flags_.add_option("--log-level", log_level_, "What to log to stderr")
+  flags.add_option("--log-level", log_level_, "What to log to stderr")
       ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
       ->capture_default_str();
-  flags_
+  flags
       .add_option("--threads", threads_,
                   "Threads to compute with, 0 = one a core; results do not depend on it")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  flags_
+  flags
       .add_option("--simd", simd_,
                   "Instruction set that growth and gap filling may use at most; results do not "
                   "depend on it")
       ->type_name("best|" + fmt::format("{}", fmt::join(SimdLevels(), "|")))
       ->capture_default_str();
-  flags_.set_version_flag("--version", "sprout-" + stage_ + " " + Version());
+  flags.set_version_flag("--version", "sprout-" + stage_ + " " + Version());
 }
 
+Service::~Service() = default;
+
 void Service::OfferReplay() {
+  CLI::App& flags = *flags_;
   CLI::Option* replay =
-      flags_
+      flags
           .add_option("--replay", replay_,
                       "Work on the frames of this log instead of the live ones, every one, as fast "
                       "as it goes; may be given several times: events are merged by time, and a "
@@ -171,14 +102,14 @@ void Service::OfferReplay() {
           ->expected(1)
           ->take_all();
   CLI::Option* record =
-      flags_.add_option("--record", record_, "Log to write the answers of --replay to")
+      flags.add_option("--record", record_, "Log to write the answers of --replay to")
           ->type_name("LOG");
-  CLI::Option* frames = flags_
+  CLI::Option* frames = flags
                             .add_option("--frames", frames_,
                                         "Work on frames A to B of --replay only, both included; "
                                         "A:, :B and A work, too")
                             ->type_name("A:B");
-  replay->needs(record)->excludes(flags_.get_option("--lcm-url"));
+  replay->needs(record)->excludes(flags.get_option("--lcm-url"));
   record->needs(replay);
   frames->needs(replay);
 }
@@ -191,8 +122,8 @@ std::optional<ReplayOptions> Service::Replay() const {
 }
 
 int Service::Run(int argc, char** argv, const Body& body, const ApplyFlags& apply_flags) {
-  return RunProgram(flags_, argc, argv, [&] {
-    SetUpLogging(stage_, log_level_);
+  return RunProgram(*flags_, argc, argv, [&] {
+    SetUpLog(stage_, kLogLevels.at(log_level_), LogsToJournal());
     return RunChecked(body, apply_flags);
   });
 }
@@ -207,19 +138,24 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   if (apply_flags) apply_flags(context.config);
   RequireInRange(context.config, "");
   RequireValidPrefix(prefix_);
-  if (!context.replay) RequireValidUrl(lcm_url_);
+  const bool is_live = !context.replay && flags_->get_subcommands().empty();
+  if (is_live) RequireValidUrl(lcm_url_);
   KeepMemory();
   SetThreads(threads_);
   LimitSimd(simd_);
 
   const std::string text = ConfigText(context.config);
-  spdlog::info("sprout-{} {}, configuration {} (--log-level debug prints it)", stage_, Version(),
-               Digest(text));
-  spdlog::debug("effective configuration:\n{}", text);
-  if (!context.replay) {
-    if (const auto warning = ReceiveBufferWarning(lcm_url_)) spdlog::warn(*warning);
+  LogLine(LogLevel::kInfo, "sprout-{} {}, configuration {} (--log-level debug prints it)", stage_,
+          Version(), Digest(text));
+  LogLine(LogLevel::kDebug, "effective configuration:\n{}", text);
+  if (is_live) {
+    if (const auto warning = ReceiveBufferWarning(lcm_url_)) LogLine(LogLevel::kWarning, *warning);
   }
-  const SignalWatcher signals;
+  const SignalWatcher signals(kGracePeriod, [](int signal) {
+    LogLine(LogLevel::kInfo, "{}: stopping", signal == SIGINT ? "SIGINT" : "SIGTERM");
+  });
+  // A tcpq server that hangs up shows as a failed publish, not as the end of the process.
+  std::signal(SIGPIPE, SIG_IGN);
   context.stop = signals.token();
   return body(context);
 }

@@ -1,13 +1,17 @@
 #ifndef SPROUT_COMMON_APP_SERVICE_H_
 #define SPROUT_COMMON_APP_SERVICE_H_
 
-#include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/app/service_context.h"
+
+namespace CLI {
+class App;  // <CLI/CLI.hpp> takes seconds to compile: for those who add flags
+}
 
 namespace sprout {
 
@@ -20,9 +24,10 @@ class Service {
   /// @param stage        name of the service; the program is sprout-STAGE.
   /// @param description  what --help says first.
   Service(std::string stage, const std::string& description);
+  ~Service();
 
-  /// To add flags of the service's own.
-  CLI::App& flags() { return flags_; }
+  /// To add flags of the service's own, and commands: one that is given works without the bus.
+  CLI::App& flags() { return *flags_; }
 
   /// Adds the flags --replay, --record and --frames.
   void OfferReplay();
@@ -50,7 +55,7 @@ class Service {
   std::vector<std::string> replay_;
   std::string record_;
   std::string frames_;
-  CLI::App flags_;
+  std::unique_ptr<CLI::App> flags_;
 };
 
 }  // namespace sprout

@@ -4,9 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <condition_variable>
 
 #include "common/bus/receiver.h"
+#include "common/core/sleep.h"
 
 namespace sprout {
 namespace {
@@ -16,15 +16,6 @@ constexpr std::chrono::milliseconds kSurveyTime{1200};
 
 // Channels that are named; anybody can invent more.
 constexpr size_t kMaxNamed = 20;
-
-// False when a stop was asked for.
-bool Sleep(const std::stop_token& stop, std::chrono::milliseconds time) {
-  std::mutex mutex;
-  std::condition_variable_any never;
-  std::unique_lock lock(mutex);
-  never.wait_for(lock, stop, time, [] { return false; });
-  return !stop.stop_requested();
-}
 
 ChannelCounts Survey(const std::string& url) {
   std::mutex mutex;
@@ -114,7 +105,7 @@ void SilenceWatch::HeardFrame() {
 }
 
 void SilenceWatch::Watch(const std::stop_token& stop) {
-  while (Sleep(stop, patience_ / 10)) {
+  while (SleepFor(patience_ / 10, stop)) {
     {
       const std::lock_guard lock(mutex_);
       if (warned_ || Clock::now() - last_frame_ < patience_) continue;

@@ -1,6 +1,5 @@
 #include "common/app/stage_monitor.h"
 
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/app/log.h"
 #include "common/app/version.h"
 #include "common/core/host_name.h"
 
@@ -44,10 +44,6 @@ TimeSummary Summarise(std::vector<double> times_ms) {
       .p50_ms = rank(0.50), .p95_ms = rank(0.95), .p99_ms = rank(0.99), .max_ms = times_ms.back()};
 }
 
-std::string MoreText(int64_t held_back) {
-  return held_back == 0 ? "" : " (" + std::to_string(held_back) + " more since the last such line)";
-}
-
 std::string FutureText(int64_t seq, double age_ms) {
   char text[160];
   std::snprintf(
@@ -64,15 +60,6 @@ int64_t NowUtime() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
-}
-
-std::optional<int64_t> LogLimiter::Pass(std::chrono::steady_clock::time_point now) {
-  if (now < next_) {
-    ++held_back_;
-    return std::nullopt;
-  }
-  next_ = now + std::chrono::seconds(1);
-  return std::exchange(held_back_, 0);
 }
 
 StageMonitor::StageMonitor(const std::string& stage, const std::string& config_digest,
@@ -97,7 +84,8 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
   const Sample sample{.finished = now,
                       .latency_ms = Milliseconds(now - arrived),
                       .age_ms = static_cast<double>(NowUtime() - id.utime) / 1000};
-  spdlog::debug("frame {}: {:.1f} ms, age {:.1f} ms", id.seq, sample.latency_ms, sample.age_ms);
+  LogLine(LogLevel::kDebug, "frame {}: {:.1f} ms, age {:.1f} ms", id.seq, sample.latency_ms,
+          sample.age_ms);
   const std::lock_guard lock(mutex_);
   ++status_.frames_out;
   status_.newest_frame = id;
@@ -107,13 +95,13 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
     ++status_.frames_degenerate;
     status_.last_error = "frame " + std::to_string(id.seq) + ": " + degenerate;
     if (const auto held_back = degenerate_log_.Pass(now)) {
-      spdlog::warn("{}{}", status_.last_error, MoreText(*held_back));
+      LogLine(LogLevel::kWarning, "{}{}", status_.last_error, MoreText(*held_back));
     }
   }
   if (sample.age_ms < -kClockSlackMs) {
     status_.last_error = FutureText(id.seq, sample.age_ms);
     if (const auto held_back = clock_log_.Pass(now)) {
-      spdlog::warn("{}{}", status_.last_error, MoreText(*held_back));
+      LogLine(LogLevel::kWarning, "{}{}", status_.last_error, MoreText(*held_back));
     }
   }
   samples_.push_back(sample);
@@ -125,12 +113,12 @@ void StageMonitor::FrameFailed(const FrameId& id, const std::string& reason) {
   ++status_.frames_failed;
   status_.last_error = "frame " + std::to_string(id.seq) + ": failed: " + reason;
   if (const auto held_back = failed_log_.Pass(now_())) {
-    spdlog::error("{}{}", status_.last_error, MoreText(*held_back));
+    LogLine(LogLevel::kError, "{}{}", status_.last_error, MoreText(*held_back));
   }
 }
 
 void StageMonitor::FrameResent(const FrameId& id) {
-  spdlog::warn("frame {}: no answer in time, sent again", id.seq);
+  LogLine(LogLevel::kWarning, "frame {}: no answer in time, sent again", id.seq);
   const std::lock_guard lock(mutex_);
   ++status_.frames_resent;
 }
@@ -140,7 +128,7 @@ void StageMonitor::BadMessage(std::string_view channel, const std::string& reaso
   ++status_.bad_messages;
   status_.last_error = std::string(channel) + ": " + reason;
   if (const auto held_back = bad_message_log_.Pass(now_())) {
-    spdlog::warn("{}: message dropped: {}{}", channel, reason, MoreText(*held_back));
+    LogLine(LogLevel::kWarning, "{}: message dropped: {}{}", channel, reason, MoreText(*held_back));
   }
 }
 
@@ -149,13 +137,13 @@ void StageMonitor::MessageDropped(std::string_view channel) {
 }
 
 void StageMonitor::Failure(const std::string& reason) {
-  spdlog::error(reason);
+  LogLine(LogLevel::kError, reason);
   const std::lock_guard lock(mutex_);
   status_.last_error = reason;
 }
 
 void StageMonitor::Warn(const std::string& reason) {
-  spdlog::warn(reason);
+  LogLine(LogLevel::kWarning, reason);
   const std::lock_guard lock(mutex_);
   status_.last_error = reason;
 }
@@ -178,7 +166,7 @@ void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
                 "again, or refine { align_tof: true }",
                 -static_cast<double>(offset.u_px), -static_cast<double>(offset.v_px));
   status_.last_error = text;
-  spdlog::warn(text);
+  LogLine(LogLevel::kWarning, text);
 }
 
 void StageMonitor::SetSpread(double spread_ms) {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "common/app/log_limiter.h"
 #include "common/core/frame_id.h"
 #include "common/core/stage_status.h"
 
@@ -16,17 +17,6 @@ namespace sprout {
 
 /// Time since 1970-01-01 UTC, µs: the clock of header.utime.
 int64_t NowUtime();
-
-/// Lets one log line a second through and counts the others. For one thread at a time.
-class LogLimiter {
- public:
-  /// @returns how many lines were held back since the last one; nothing when this one is, too.
-  std::optional<int64_t> Pass(std::chrono::steady_clock::time_point now);
-
- private:
-  std::chrono::steady_clock::time_point next_{};
-  int64_t held_back_ = 0;
-};
 
 /// Counts what happens in one process, for its status, and logs what goes wrong, each kind at most
 /// once a second. Nothing is lost without a count here. Thread-safe.

@@ -1,27 +1,22 @@
 #include "common/app/status_reporter.h"
 
-#include <spdlog/spdlog.h>
-
-#include <condition_variable>
-#include <mutex>
-
+#include "common/app/log.h"
 #include "common/app/process_info.h"
 #include "common/app/supervision.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
+#include "common/core/sleep.h"
 #include "common/messages/codec.h"
 
 namespace sprout {
 
 StatusReporter::StatusReporter(const ServiceContext& context, StageMonitor& monitor)
-    : monitor_(monitor),
+    : process_(context.stage),
+      monitor_(monitor),
       publisher_(context.lcm_url, context.prefix),
       info_(EncodeProcessInfo(LiveProcessInfo(monitor.Snapshot(), context.config))) {
   if (const auto warning = ReceiveBufferWarning(context.lcm_url)) monitor.Remember(*warning);
   thread_ = std::jthread([this](const std::stop_token& stop) {
-    std::mutex mutex;
-    std::condition_variable_any stopped;
-    std::unique_lock lock(mutex);
     StageMonitor::Clock::time_point next_info{};
     do {
       PublishStatus();
@@ -29,8 +24,7 @@ StatusReporter::StatusReporter(const ServiceContext& context, StageMonitor& moni
         Publish(kProcessChannel, info_);
         next_info = StageMonitor::Clock::now() + kInfoPeriod;
       }
-      stopped.wait_for(lock, stop, std::chrono::seconds(1), [] { return false; });
-    } while (!stop.stop_requested());
+    } while (SleepFor(std::chrono::seconds(1), stop));
   });
 }
 
@@ -43,12 +37,13 @@ StatusReporter::~StatusReporter() {
 
 void StatusReporter::PublishStatus() {
   const StageStatus status = monitor_.Snapshot();
-  TellStatus(status);
+  if (status.stage == process_) TellStatus(status);
   Publish(kStatusChannel, EncodeStatus(status));
 }
 
 void StatusReporter::Publish(std::string_view channel, std::span<const uint8_t> bytes) {
-  if (!publisher_.Publish(channel, bytes)) spdlog::warn("{}: could not be published", channel);
+  if (!publisher_.Publish(channel, bytes))
+    LogLine(LogLevel::kWarning, "{}: could not be published", channel);
 }
 
 }  // namespace sprout

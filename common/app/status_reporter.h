@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -16,7 +17,8 @@ namespace sprout {
 
 /// Publishes SPROUT_STATUS at once, every second, and a last time when it is destroyed, and
 /// SPROUT_PROCESS at once and every kInfoPeriod; on a thread and a connection of its own, so that a
-/// busy or stuck stage still reports.
+/// busy or stuck stage still reports. The service manager hears of the stage that the process is
+/// named after, not of the steps of one that is several.
 class StatusReporter {
  public:
   /// Some 6 kB then, so that even a short recording has it.
@@ -33,6 +35,7 @@ class StatusReporter {
   void Publish(std::string_view channel, std::span<const uint8_t> bytes);
   void PublishStatus();
 
+  std::string process_;  // its stage
   StageMonitor& monitor_;
   Publisher publisher_;
   std::vector<uint8_t> info_;  // SPROUT_PROCESS

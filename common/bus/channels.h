@@ -10,8 +10,8 @@
 
 namespace sprout {
 
-/// The channel of a part, without prefix.
-constexpr std::string_view ChannelOf(Part part) { return RowOf(part).channel; }
+/// Before the channels of images as the cameras see them, behind the prefix of the graph.
+inline constexpr std::string_view kRawPrefix = "RAW_";
 
 /// Of SPROUT_STATUS, which is no part of a frame.
 inline constexpr std::string_view kStatusChannel = "SPROUT_STATUS";
@@ -37,6 +37,18 @@ inline constexpr size_t kMaxChannelPrefix = [] {
   for (const PartRow& row : kPartTable) longest = std::max(longest, row.channel.size());
   return 63 - longest;
 }();
+
+/// Whether a text may stand before every channel.
+inline bool IsChannelPrefix(std::string_view prefix) {
+  constexpr char kAllowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+  return prefix.size() <= kMaxChannelPrefix &&
+         prefix.find_first_not_of(kAllowed) == std::string_view::npos;
+}
+
+/// In words.
+inline std::string AllowedChannelPrefix() {
+  return "up to " + std::to_string(kMaxChannelPrefix) + " letters, digits, '_' and '-'";
+}
 
 }  // namespace sprout
 

@@ -6,12 +6,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
 #include <string_view>
 
+#include "common/core/number_text.h"
 #include "common/core/receive_buffer.h"
 
 namespace sprout {
@@ -56,9 +56,8 @@ sockaddr_in GroupOf(const ParsedUrl& url) {
 }
 
 bool IsNumber(std::string_view text, int64_t low, int64_t high) {
-  int64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && value >= low && value <= high;
+  const auto number = ParseNumber<int64_t>(text);
+  return number && *number >= low && *number <= high;
 }
 
 // What is wrong with "ttl=0&recv_buf_size=1000"; LCM takes ',' for '&', too.

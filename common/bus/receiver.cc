@@ -7,6 +7,8 @@
 #include <new>
 #include <utility>
 
+#include "common/core/sleep.h"
+
 namespace sprout {
 namespace {
 
@@ -21,15 +23,6 @@ constexpr int kPollMs = 100;
 
 // How long it waits before it calls on a server again that hung up.
 constexpr std::chrono::seconds kReconnectPeriod{1};
-
-// False as soon as a stop is requested.
-bool Sleep(std::chrono::milliseconds time, const std::stop_token& stop) {
-  std::mutex mutex;
-  std::condition_variable_any stopped;
-  std::unique_lock lock(mutex);
-  stopped.wait_for(lock, stop, time, [] { return false; });
-  return !stop.stop_requested();
-}
 
 }  // namespace
 
@@ -73,9 +66,9 @@ void Receiver::ReceiveTcpq(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     // A tcpq server that hung up leaves no connection; LCM would abort the program on it.
     if (lcm_get_fileno(tcpq_.get()) < 0) {
-      if (Sleep(kReconnectPeriod, stop)) Reconnect();
+      if (SleepFor(kReconnectPeriod, stop)) Reconnect();
     } else if (lcm_handle_timeout(tcpq_.get(), kPollMs) < 0) {
-      Sleep(std::chrono::milliseconds(kPollMs), stop);
+      SleepFor(std::chrono::milliseconds(kPollMs), stop);
     }
   }
 }

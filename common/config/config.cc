@@ -8,8 +8,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
+
+#include "common/core/read_text.h"
 
 namespace sprout {
 namespace {
@@ -116,18 +117,15 @@ void MergeFile(const std::string& file, SproutConfig& config) {
 
 void ParseTextFile(const fs::path& path, const std::string& what, const std::string& allowed,
                    Message& message) {
-  std::ifstream stream(path);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf())) {
-    // An empty file makes operator<< fail as well; it is a valid message.
-    if (!stream.is_open() || fs::is_directory(path)) {
-      throw ConfigError(what + " " + path.string() + ": cannot be read; allowed: " + allowed);
-    }
+  const Result<std::string> text = ReadText(path);
+  if (!text) {
+    throw ConfigError(what + " " + path.string() + ": " + text.error().text +
+                      "; allowed: " + allowed);
   }
   FirstError error;
   google::protobuf::TextFormat::Parser parser;
   parser.RecordErrorsTo(&error);
-  if (!parser.ParseFromString(text.str(), &message)) {
+  if (!parser.ParseFromString(*text, &message)) {
     throw ConfigError(what + " " + path.string() + ":" + error.text);
   }
 }

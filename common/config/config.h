@@ -4,20 +4,13 @@
 #include <google/protobuf/message.h>
 
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "common/config/config_error.h"
 #include "common/config/sprout.pb.h"
 
 namespace sprout {
-
-/// A flag, file or configuration value that cannot be used. what() is one line that names key,
-/// value and what is allowed. Programs end with exit code 2.
-class ConfigError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// Where the presets that ship lie: share/sprout/presets beside the bin or lib folder that the
 /// program (or the shared library) is in, so that an installed tree can be moved.

@@ -1,17 +1,17 @@
 #include "common/config/frame_range.h"
 
-#include <charconv>
 #include <string_view>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
+#include "common/core/number_text.h"
 
 namespace sprout {
 namespace {
 
-bool ParseNumber(std::string_view text, int64_t& number) {
-  const char* const end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(text.data(), end, number);
-  return error == std::errc() && stopped == end && number >= 0;
+bool Read(std::string_view text, int64_t& number) {
+  const auto read = ParseNumber<int64_t>(text);
+  if (read) number = *read;
+  return read && number >= 0;
 }
 
 }  // namespace
@@ -23,8 +23,8 @@ FrameRange ParseFrameRange(const std::string& flag, const std::string& text) {
   const std::string_view first = all.substr(0, colon);
   const std::string_view last = colon == std::string_view::npos ? first : all.substr(colon + 1);
   const bool open = colon != std::string_view::npos;
-  const bool understood = ((open && first.empty()) || ParseNumber(first, frames.first)) &&
-                          ((open && last.empty()) || ParseNumber(last, frames.last));
+  const bool understood = ((open && first.empty()) || Read(first, frames.first)) &&
+                          ((open && last.empty()) || Read(last, frames.last));
   if (!understood || frames.first > frames.last) {
     throw ConfigError(
         flag + " " + text +

@@ -70,6 +70,13 @@ class Checks {
     return Require(std::isfinite(value), field, value, "a finite number");
   }
 
+  Checks& Within(const std::string& field, double value, double low, double high,
+                 const char* unit) {
+    std::ostringstream allowed;
+    allowed << low << " to " << high << ' ' << unit;
+    return Require(value >= low && value <= high, field.c_str(), value, allowed.str());
+  }
+
   Checks& NotNegative(const char* field, int64_t value) {
     return Require(value >= 0, field, value, ">= 0");
   }

@@ -2,6 +2,7 @@
 #define SPROUT_COMMON_CORE_DIGEST_H_
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -13,6 +14,24 @@ uint64_t Hash(std::string_view bytes);
 /// Hash() as 16 hexadecimal digits. Tells apart configurations and calibrations; no protection
 /// against forgery.
 std::string Digest(std::string_view bytes);
+
+/// Digest() of bytes that come in pieces.
+class DigestStream {
+ public:
+  DigestStream();
+  ~DigestStream();
+  DigestStream(const DigestStream&) = delete;
+  DigestStream& operator=(const DigestStream&) = delete;
+
+  void Add(std::string_view bytes);
+
+  /// Of all bytes so far.
+  std::string Text() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace sprout
 

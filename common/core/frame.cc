@@ -35,6 +35,15 @@ requires requires(Map map) {
 
 }  // namespace
 
+std::optional<Part> PartOf(std::string_view channel, std::string_view prefix) {
+  if (!channel.starts_with(prefix)) return std::nullopt;
+  channel.remove_prefix(prefix.size());
+  for (const PartRow& row : kPartTable) {
+    if (row.channel == channel) return row.part;
+  }
+  return std::nullopt;
+}
+
 void SetPart(Frame& frame, Part part, PartValue value) {
   std::visit(
       [&](auto member) {
@@ -43,6 +52,19 @@ void SetPart(Frame& frame, Part part, PartValue value) {
           frame.*member = std::get<cv::Mat>(std::move(value));
         } else {
           frame.*member = std::get<typename Member::value_type>(std::move(value));
+        }
+      },
+      RowOf(part).member);
+}
+
+PartValue GetPart(const Frame& frame, Part part) {
+  return std::visit(
+      [&](auto member) -> PartValue {
+        using Member = std::remove_cvref_t<decltype(frame.*member)>;
+        if constexpr (std::is_same_v<Member, cv::Mat>) {
+          return frame.*member;
+        } else {
+          return (frame.*member).value();
         }
       },
       RowOf(part).member);

@@ -110,6 +110,14 @@ static_assert(std::size(kPartTable) == kPartCount);
 /// Row of a part.
 constexpr const PartRow& RowOf(Part part) { return kPartTable[static_cast<size_t>(part)]; }
 
+/// The channel of a part, without prefix.
+constexpr std::string_view ChannelOf(Part part) { return RowOf(part).channel; }
+
+/// The part that a channel carries: the inverse of ChannelOf().
+/// @param prefix  of the graph. A channel that does not begin with it is another graph's.
+/// @returns nothing for a channel that carries no part of a frame.
+std::optional<Part> PartOf(std::string_view channel, std::string_view prefix = {});
+
 /// All parts, in the order of their numbers.
 inline constexpr std::array<Part, kPartCount> kAllParts = [] {
   std::array<Part, kPartCount> parts{};
@@ -127,6 +135,10 @@ inline PartSet AllParts() {
 /// Puts a part into its place in the frame.
 /// @pre the alternative in `value` is the one of `part`.
 void SetPart(Frame& frame, Part part, PartValue value);
+
+/// The part of a frame, as SetPart() takes it; images share their pixels.
+/// @pre the frame has it.
+PartValue GetPart(const Frame& frame, Part part);
 
 /// Memory that the parts of a frame take, bytes. O(1).
 size_t BytesOf(const Frame& frame);

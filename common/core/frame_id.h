@@ -1,6 +1,7 @@
 #ifndef SPROUT_COMMON_CORE_FRAME_ID_H_
 #define SPROUT_COMMON_CORE_FRAME_ID_H_
 
+#include <compare>
 #include <cstdint>
 #include <string>
 
@@ -12,7 +13,7 @@ struct FrameId {
   int64_t seq = -1;    ///< frame number from capture, +1 each; −1: no frame
   std::string rig_id;  ///< digest of the calibration, see RigId()
 
-  bool operator==(const FrameId&) const = default;
+  auto operator<=>(const FrameId&) const = default;
 };
 
 }  // namespace sprout

@@ -26,6 +26,16 @@ cv::Mat3b ToBgr(const cv::Mat& image, cv::Mat3b& memory) {
   return memory;
 }
 
+cv::Mat1b Halved(const cv::Mat1b& image) {
+  cv::Mat1b even = image;
+  if (image.rows % 2 != 0 || image.cols % 2 != 0) {
+    cv::copyMakeBorder(image, even, 0, image.rows % 2, 0, image.cols % 2, cv::BORDER_REPLICATE);
+  }
+  cv::Mat1b half;
+  cv::resize(even, half, even.size() / 2, 0, 0, cv::INTER_AREA);
+  return half;
+}
+
 std::string SizeText(cv::Size size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
 }

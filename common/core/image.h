@@ -24,6 +24,9 @@ cv::Mat3b ToBgr(const cv::Mat& image);
 /// The same for frame after frame, into memory of the caller's.
 cv::Mat3b ToBgr(const cv::Mat& image, cv::Mat3b& memory);
 
+/// The mean of every 2×2 pixels; an image of odd width or height goes on as its last column or row.
+cv::Mat1b Halved(const cv::Mat1b& image);
+
 /// "640x480", for messages to people.
 std::string SizeText(cv::Size size);
 

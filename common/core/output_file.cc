@@ -6,10 +6,11 @@
 
 #include <bit>
 #include <cerrno>
-#include <charconv>
 #include <optional>
 #include <system_error>
 #include <utility>
+
+#include "common/core/number_text.h"
 
 namespace sprout {
 namespace {
@@ -26,11 +27,7 @@ std::optional<int> DescriptorOf(const fs::path& path) {
   if (path == "/dev/stdout") return STDOUT_FILENO;
   if (path == "/dev/stderr") return STDERR_FILENO;
   if (path.parent_path() != "/dev/fd") return std::nullopt;
-  const std::string name = path.filename();
-  int number = -1;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-  if (error != std::errc() || end != name.data() + name.size()) return std::nullopt;
-  return number;
+  return ParseNumber<int>(path.filename().native());
 }
 
 /// Kind of what has a name, 0 when nothing has.

@@ -11,8 +11,8 @@
 
 namespace sprout {
 
-// Work for OpenCV's threads (cv::setNumThreads). OpenCV gives what runs in one of its threads no
-// others. Nothing here allocates, as the std::function of cv::parallel_for_ would; OpenCV itself
+// Work for OpenCV's threads (cv::setNumThreads). Nested calls run serially, as nested parallel_for_
+// does. Nothing here allocates, as the std::function of cv::parallel_for_ would; OpenCV itself
 // does so once a call when it has more than one thread.
 
 /// Runs work(part) for ranges that make up [0, count), in any order. A thread that has finished one

@@ -22,6 +22,12 @@ Eigen::Vector3d PointFromSeed(const RectifiedPair& pair, const Seed& seed) {
   return {(seed.u - pair.cx) * z / pair.focal_px, (seed.v - pair.cy) * z / pair.focal_px, z};
 }
 
+Eigen::Vector3d PointAt(const RectifiedPair& pair, const DisparityImage& map, int u, int v) {
+  const auto column = static_cast<float>(u);
+  return PointFromSeed(pair,
+                       {.u = column, .v = static_cast<float>(v), .u_right = column - map.Px(u, v)});
+}
+
 Rig RigOfFrame(const Rig& rig, const TofImage& tof) {
   Rig of_frame = rig;
   if (tof.depth_m.empty()) of_frame.tof = {};

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/core/disparity_image.h"
 #include "common/core/result.h"
 #include "common/core/rig.h"
 #include "common/core/seed.h"
@@ -18,6 +19,9 @@ Seed ProjectToPair(const RectifiedPair& pair, const Eigen::Vector3d& point_in_le
 /// The point of the left rectified frame (m) that a correspondence stands for: the inverse of
 /// ProjectToPair().
 Eigen::Vector3d PointFromSeed(const RectifiedPair& pair, const Seed& seed);
+
+/// The same for a pixel with a disparity. @pre map.IsValid(u, v).
+Eigen::Vector3d PointAt(const RectifiedPair& pair, const DisparityImage& map, int u, int v);
 
 /// The calibration of one frame: without a ToF image (0×0) there is no ToF camera either.
 Rig RigOfFrame(const Rig& rig, const TofImage& tof);

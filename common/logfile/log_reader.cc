@@ -1,7 +1,5 @@
 #include "common/logfile/log_reader.h"
 
-#include "common/logfile/event_list.h"
-
 namespace sprout {
 namespace {
 
@@ -22,18 +20,16 @@ LogEvent MakeEvent(const EventHeader& header, int64_t offset, std::span<const ui
           .data = bytes.subspan(kHeaderBytes + channel.size())};
 }
 
+std::string SkippedText(const LogDamage& damage) {
+  return std::to_string(damage.bytes) + " unreadable bytes at byte " +
+         std::to_string(damage.offset) + (damage.tail ? ": it ends inside an event" : ", skipped");
+}
+
 LogReader::LogReader(const std::filesystem::path& path)
-    : file_(path),
-      window_(file_, kChunkBytes),
-      finder_(file_, window_),
-      list_(EventList::Open(file_)),
-      ahead_(list_ ? std::nullopt : FindNext()) {
-  if (list_) return;
+    : file_(path), window_(file_, kChunkBytes), finder_(file_, window_), ahead_(FindNext()) {
   const bool begins_like_a_log = BeginsWithSync(window_.View(0, kMinEventBytes));
   if (!ahead_ && !begins_like_a_log) throw LogError(path, "not an LCM log");
 }
-
-LogReader::~LogReader() = default;
 
 std::optional<EventPlace> LogReader::FindNext() {
   if (position_ >= file_.size()) return std::nullopt;
@@ -61,11 +57,6 @@ void LogReader::Skip(const std::optional<EventPlace>& next) {
 }
 
 bool LogReader::Next(LogEvent& event) {
-  if (list_) {
-    const bool there = list_->Next(event);
-    position_ = static_cast<int64_t>(list_->progress() * static_cast<double>(size()));
-    return there;
-  }
   const std::optional<EventPlace> next = ahead_ ? ahead_ : FindNext();
   ahead_.reset();
   Skip(next);

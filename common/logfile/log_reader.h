@@ -3,9 +3,9 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -38,18 +38,17 @@ struct LogDamage {
   bool operator==(const LogDamage&) const = default;
 };
 
-class EventList;
+/// "64 unreadable bytes at byte 100, skipped", for a line of a log.
+std::string SkippedText(const LogDamage& damage);
 
 /// Reads the events of an lcm-logger file in order, in constant memory (the largest event and a
-/// megabyte), and goes on behind damage; how an event is told from damage: see EventFinder. Takes
-/// an EventList for the log of its events. Not liblcm's reader, which takes a damaged length for
-/// the end of the file or jumps over good events.
+/// megabyte), and goes on behind damage; how an event is told from damage: see EventFinder. Not
+/// liblcm's reader, which takes a damaged length for the end of the file or jumps over good events.
 class LogReader {
  public:
   /// @throws LogError when the file cannot be opened or is no LCM log at all: it has bytes, but no
   ///         event, whole or torn. A file without a byte is a log without events.
   explicit LogReader(const std::filesystem::path& path);
-  ~LogReader();
 
   /// @returns false at the end of the file.
   /// @throws LogError when the file cannot be read on.
@@ -69,7 +68,6 @@ class LogReader {
   InputFile file_;
   FileWindow window_;
   EventFinder finder_;
-  std::unique_ptr<EventList> list_;  // when the file is one
   int64_t position_ = 0;
   std::optional<EventPlace> last_;     // the event read last
   std::optional<EventPlace> trusted_;  // the last one whose number is confirmed by another

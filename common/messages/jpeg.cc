@@ -82,6 +82,7 @@ std::string WriteJpeg(const cv::Mat& picture, JpegColors colors) {
     throw std::runtime_error(std::string("JPEG: ") + tjGetErrorStr2(handle.get()));
   }
   stream.resize(size);
+  stream.shrink_to_fit();  // libjpeg asks for room for the worst of pictures, often 20 times this
   return stream;
 }
 

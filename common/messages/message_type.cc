@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "common/bus/channels.h"
+
 namespace sprout {
 namespace {
 
@@ -53,6 +55,15 @@ std::optional<MessageType> TypeOf(std::span<const uint8_t> bytes) {
 }
 
 MessageType TypeOf(Part part) { return static_cast<MessageType>(RowOf(part).member.index()); }
+
+std::optional<MessageType> TypeOfChannel(std::string_view channel) {
+  if (channel.ends_with(kStatusChannel)) return MessageType::kStatus;
+  if (channel.ends_with(kProcessChannel)) return MessageType::kProcess;
+  for (const Part part : kAllParts) {
+    if (channel.ends_with(ChannelOf(part))) return TypeOf(part);
+  }
+  return std::nullopt;
+}
 
 Result<DecodedMessage> DecodeAs(MessageType type, std::span<const uint8_t> bytes) {
   if (type == MessageType::kStatus) {

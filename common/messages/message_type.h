@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "common/core/frame.h"
@@ -40,6 +41,10 @@ std::optional<MessageType> TypeOf(std::span<const uint8_t> bytes);
 
 /// The type that carries a part.
 MessageType TypeOf(Part part);
+
+/// The type that a channel of ours must carry, whatever its prefix; nothing when the channel is
+/// none of ours.
+std::optional<MessageType> TypeOfChannel(std::string_view channel);
 
 /// Decodes a message of one of our types without knowing its part; with the checks of DecodePart(),
 /// DecodeStatus() and DecodeProcessInfo().

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/core/image.h"
+#include "common/core/quantile.h"
 #include "common/geometry/projection.h"
 #include "common/picture/color_map.h"
 
@@ -34,20 +35,17 @@ std::vector<ColoredPoint> Points(const RectifiedPair& pair, const DisparityImage
   for (int v = 0; v < disparity.height(); ++v) {
     for (int u = 0; u < disparity.width(); ++u) {
       if (!disparity.IsValid(u, v)) continue;
-      const auto column = static_cast<float>(u);
-      const Eigen::Vector3d point = PointFromSeed(
-          pair, {.u = column, .v = static_cast<float>(v), .u_right = column - disparity.Px(u, v)});
+      const Eigen::Vector3d point = PointAt(pair, disparity, u, v);
       if (point.z() > 0 && point.allFinite()) points.push_back({point, bgr(v, u)});
     }
   }
   return points;
 }
 
-double MedianDepth(std::vector<ColoredPoint> points) {
-  const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
-  std::nth_element(points.begin(), middle, points.end(),
-                   [](const auto& a, const auto& b) { return a.in_left.z() < b.in_left.z(); });
-  return middle->in_left.z();
+double MedianDepth(const std::vector<ColoredPoint>& points) {
+  std::vector<double> depths;
+  for (const ColoredPoint& point : points) depths.push_back(point.in_left.z());
+  return Median(depths);
 }
 
 }  // namespace

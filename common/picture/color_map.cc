@@ -7,6 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "common/core/quantile.h"
+
 namespace sprout {
 namespace {
 
@@ -74,9 +76,7 @@ ValueRange RobustRange(std::vector<float> values) {
   std::erase_if(values, [](float value) { return !std::isfinite(value); });
   if (values.empty()) return {};
   const auto value_at = [&values](double index) {
-    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(index);
-    std::nth_element(values.begin(), nth, values.end());
-    return double{*nth};
+    return double{OrderStatistic(values, static_cast<size_t>(index))};
   };
   const double last = static_cast<double>(values.size() - 1);
   const double low = value_at(std::floor(0.01 * last));
@@ -124,10 +124,9 @@ ValueRange DepthRange(const TofImage& tof) {
   if (range.min > 0) return range;
   // Rounded down to 0 or below, where no depth is: down to 1, 2 or 5 times a power of ten instead.
   if (returns.empty()) return {0.1, 1};
-  const auto low =
-      returns.begin() + static_cast<std::ptrdiff_t>(0.01 * static_cast<double>(returns.size() - 1));
-  std::nth_element(returns.begin(), low, returns.end());
-  range.min = 1 / RoundStep(1.001 / *low);
+  const float low =
+      OrderStatistic(returns, static_cast<size_t>(0.01 * static_cast<double>(returns.size() - 1)));
+  range.min = 1 / RoundStep(1.001 / low);
   return range;
 }
 

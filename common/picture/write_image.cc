@@ -20,20 +20,26 @@ Result<void> WritePng(const std::filesystem::path& path, const cv::Mat& picture)
   return file.Commit();
 }
 
-Result<void> WritePfm(const std::filesystem::path& path, const DisparityImage& disparity) {
-  if (disparity.empty()) return Fail("cannot write " + path.string() + ": the map is empty");
+Result<void> WritePfm(const std::filesystem::path& path, const cv::Mat1f& values) {
+  if (values.empty()) return Fail("cannot write " + path.string() + ": the map is empty");
   OutputFile file(path);
   // Not by cv::imencode(), which writes PFM to a temporary file first and does not notice that the
   // disk is full. The sign of the scale says little-endian.
-  file.Write("Pf\n" + std::to_string(disparity.width()) + " " + std::to_string(disparity.height()) +
-             "\n-1.0\n");
-  for (int v = disparity.height() - 1; v >= 0; --v) {
-    for (int u = 0; u < disparity.width(); ++u) {
-      file.WriteNumber(disparity.IsValid(u, v) ? disparity.Px(u, v)
-                                               : std::numeric_limits<float>::infinity());
-    }
+  file.Write("Pf\n" + std::to_string(values.cols) + " " + std::to_string(values.rows) + "\n-1.0\n");
+  for (int v = values.rows - 1; v >= 0; --v) {
+    for (int u = 0; u < values.cols; ++u) file.WriteNumber(values(v, u));
   }
   return file.Commit();
+}
+
+Result<void> WritePfm(const std::filesystem::path& path, const DisparityImage& disparity) {
+  cv::Mat1f px(disparity.size(), std::numeric_limits<float>::infinity());
+  for (int v = 0; v < disparity.height(); ++v) {
+    for (int u = 0; u < disparity.width(); ++u) {
+      if (disparity.IsValid(u, v)) px(v, u) = disparity.Px(u, v);
+    }
+  }
+  return WritePfm(path, px);
 }
 
 }  // namespace sprout

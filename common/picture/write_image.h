@@ -14,8 +14,11 @@ namespace sprout {
 /// Writes a picture (8UC1 grey or 8UC3 BGR) as PNG.
 [[nodiscard]] Result<void> WritePng(const std::filesystem::path& path, const cv::Mat& picture);
 
-/// Writes disparities as PFM, the format of Middlebury's ground truth: one channel, 32-bit float,
-/// little-endian, bottom row first; px, +inf where there is no disparity.
+/// Writes numbers as PFM: one channel, 32-bit float, little-endian, bottom row first.
+[[nodiscard]] Result<void> WritePfm(const std::filesystem::path& path, const cv::Mat1f& values);
+
+/// Writes disparities as PFM, the format of Middlebury's ground truth: px, +inf where there is no
+/// disparity.
 [[nodiscard]] Result<void> WritePfm(const std::filesystem::path& path,
                                     const DisparityImage& disparity);
 

@@ -8,7 +8,6 @@
 
 #include "common/core/image.h"
 #include "common/core/output_file.h"
-#include "common/core/seed.h"
 #include "common/geometry/projection.h"
 
 namespace sprout {
@@ -66,10 +65,7 @@ void WriteVertices(OutputFile& file, const Surface& surface, const cv::Mat1i& nu
   for (int v = 0; v < numbers.rows; ++v) {
     for (int u = 0; u < numbers.cols; ++u) {
       if (numbers(v, u) < 0) continue;
-      const Seed seed{.u = static_cast<float>(u),
-                      .v = static_cast<float>(v),
-                      .u_right = static_cast<float>(u) - surface.disparity.Px(u, v)};
-      const Eigen::Vector3f point = PointFromSeed(surface.pair, seed).cast<float>();
+      const Eigen::Vector3f point = PointAt(surface.pair, surface.disparity, u, v).cast<float>();
       for (float coordinate : point) file.WriteNumber(coordinate);
       const cv::Vec3b bgr =
           grey ? cv::Vec3b::all(surface.left.at<uchar>(v, u)) : surface.left.at<cv::Vec3b>(v, u);

@@ -1,6 +1,6 @@
 #include "common/quality/frame_quality.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

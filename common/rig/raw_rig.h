@@ -30,9 +30,10 @@ struct RawRig {
   double range_offset_m = 0;
 };
 
-/// Whether a calibration can be used: finite numbers, images of one size, 2×2 px or more, lengths
-/// > 0, rotations of norm 1, the right camera to the right of the left one. The error names the
-/// first field that is not so, as rig.proto calls it.
+/// Whether a calibration can be used: numbers that cameras may have (CheckLens()), distortion that
+/// can be undone, images of one size, 2×2 px or more, rotations of norm 1, the right camera to the
+/// right of the left one; and whether the rectified images show what both cameras see. The error
+/// names the first field that is not so, as rig.proto calls it. O(1).
 Result<void> CheckRawRig(const RawRig& rig);
 
 }  // namespace sprout

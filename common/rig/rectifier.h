@@ -7,14 +7,15 @@
 #include "common/core/tof_image.h"
 #include "common/rig/bilinear_remap.h"
 #include "common/rig/raw_rig.h"
+#include "common/rig/rectification.h"
 
 namespace sprout {
 
 /// Turns what a rig's cameras see into a rectified pair and unbiased ranges. Both cameras are
-/// turned so that they look into one direction, at right angles to the baseline (Bouguet's method,
-/// as in cv::stereoRectify), with a common focal length that leaves no border without a picture; at
-/// the edge a pixel may be repeated. The images keep their size. Thread-compatible; copies share
-/// the maps.
+/// turned so that they look into one direction, at right angles to the baseline
+/// (RectificationOf()), with a common focal length that leaves no border without a picture; at the
+/// edge a pixel may be repeated. The images keep their size. Thread-compatible; copies share the
+/// maps.
 class Rectifier {
  public:
   /// O(pixels): makes both maps, 6 bytes a pixel each.
@@ -24,6 +25,7 @@ class Rectifier {
   /// The rig after rectification: what goes on SPROUT_RIG.
   const Rig& rig() const { return rig_; }
   const RawRig& raw() const { return raw_; }
+  const RectifiedViews& views() const { return views_; }
 
   /// An image of the left or right camera, rectified: bilinear, in fixed point, so the same bytes
   /// everywhere. O(pixels).
@@ -44,6 +46,7 @@ class Rectifier {
 
   RawRig raw_;
   Rig rig_;
+  RectifiedViews views_;
   cv::Matx33d left_turn_;  // from the camera's frame to the rectified one
   cv::Matx33d right_turn_;
   BilinearRemap left_;

@@ -22,6 +22,8 @@ target_include_directories(sprout_options INTERFACE "${PROJECT_SOURCE_DIR}")
 target_compile_options(
   sprout_options
   INTERFACE -Wall -Wextra -Wconversion
+            # What GLib asks for: one set of flags for all, as precompiled headers must have.
+            -pthread
             # Files compiled as one: what one calls kNan may be a local name of another.
             $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow>
             # GCC 12 sees uninitialised members in every move of a std::variant.
@@ -81,6 +83,22 @@ function(sprout_compile_as_one target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
 endfunction()
 
+# With SPROUT_UNITY=ALL, what most files include is parsed once for all libraries and once for all test
+# programs, which are compiled with -fPIE. A sanitizer's flags are not the same everywhere.
+set(SPROUT_PRECOMPILE OFF)
+if(SPROUT_UNITY STREQUAL ALL AND NOT SPROUT_SANITIZE)
+  set(SPROUT_PRECOMPILE ON)
+endif()
+function(sprout_precompiled_headers name pic)
+  file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/nothing.cc" CONTENT "")
+  add_library(${name} OBJECT EXCLUDE_FROM_ALL "${PROJECT_BINARY_DIR}/nothing.cc")
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+  target_compile_options(${name} PRIVATE ${pic})
+  target_link_libraries(${name} PRIVATE sprout_options opencv_core opencv_imgproc Eigen3::Eigen
+                                        tl::expected protobuf::libprotobuf)
+  target_precompile_headers(${name} PRIVATE "${PROJECT_SOURCE_DIR}/scripts/cmake/precompiled.h" ${ARGN})
+endfunction()
+
 # sprout_library(NAME SOURCES ... [APART ...] [DEPS ...]): static library sprout_NAME. APART: sources
 # that have names in common with others, or are compiled once an instruction set; never as one with
 # others.
@@ -89,9 +107,11 @@ function(sprout_library name)
   add_library(sprout_${name} STATIC ${arg_SOURCES} ${arg_APART})
   target_link_libraries(sprout_${name} PUBLIC sprout_options ${arg_DEPS})
   set_source_files_properties(${arg_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  # Without sanitizers each file shows that it includes what it needs.
-  if(SPROUT_UNITY AND SPROUT_SANITIZE)
+  if(SPROUT_UNITY STREQUAL ALL)
     sprout_compile_as_one(sprout_${name})
+  endif()
+  if(SPROUT_PRECOMPILE)
+    target_precompile_headers(sprout_${name} REUSE_FROM sprout_library_headers)
   endif()
 endfunction()
 
@@ -113,10 +133,27 @@ function(sprout_service name)
   cmake_parse_arguments(arg "STAGE" "" "SOURCES;DEPS" ${ARGN})
   add_executable(sprout-${name} ${arg_SOURCES})
   target_link_libraries(sprout-${name} PRIVATE sprout_options ${arg_DEPS})
+  if(SPROUT_UNITY STREQUAL ALL)
+    sprout_compile_as_one(sprout-${name})
+  endif()
   install(TARGETS sprout-${name} RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
   set_property(GLOBAL APPEND PROPERTY SPROUT_PROGRAMS sprout-${name})
   if(arg_STAGE)
     set_property(GLOBAL APPEND PROPERTY SPROUT_STAGES ${name})
+  endif()
+endfunction()
+
+# sprout_test_program(NAME SOURCES ... [DEPS ...]): program NAME of the tests, with GoogleTest.
+function(sprout_test_program name)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPS" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE sprout_options ${arg_DEPS} GTest::gmock_main)
+  set_target_properties(${name} PROPERTIES SPROUT_IS_TEST ON)
+  if(SPROUT_UNITY)
+    sprout_compile_as_one(${name})
+  endif()
+  if(SPROUT_PRECOMPILE)
+    target_precompile_headers(${name} REUSE_FROM sprout_test_headers)
   endif()
 endfunction()
 
@@ -126,12 +163,7 @@ endfunction()
 # read foreign bytes (AddressSanitizer in CI).
 function(sprout_test name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPS;LABELS" ${ARGN})
-  add_executable(${name}_test ${arg_SOURCES})
-  target_link_libraries(${name}_test PRIVATE sprout_options ${arg_DEPS} GTest::gmock_main)
-  set_target_properties(${name}_test PROPERTIES SPROUT_IS_TEST ON)
-  if(SPROUT_UNITY)
-    sprout_compile_as_one(${name}_test)
-  endif()
+  sprout_test_program(${name}_test SOURCES ${arg_SOURCES} DEPS ${arg_DEPS})
   set(labels unit ${arg_LABELS})
   if(SPROUT_SANITIZE OR CMAKE_CROSSCOMPILING)
     add_test(NAME ${name}_test COMMAND ${name}_test)

@@ -1,6 +1,7 @@
 # Sourced by the scripts that measure accuracy: the ToF conditions, and means over scenes.
 # shellcheck shell=bash
 shopt -s inherit_errexit
+export LC_ALL=C.UTF-8  # where commas are decimal, awk reads 1.5 as 1
 
 fail() { echo "$(basename "$0"): $*" >&2; exit "${code:-1}"; }
 

@@ -1,4 +1,4 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cerrno>
 #include <csignal>
@@ -12,8 +12,8 @@
 
 #include "common/app/process.h"
 #include "common/app/progress.h"
+#include "common/core/interrupt.h"
 #include "services/batch/engines.h"
-#include "services/batch/interrupt.h"
 #include "services/batch/shard_try.h"
 
 namespace sprout::batch {

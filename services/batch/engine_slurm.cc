@@ -1,14 +1,17 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "common/app/process.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/engines.h"
+#include "services/batch/names.h"
 #include "services/batch/text_file.h"
 
 namespace sprout::batch {
@@ -17,13 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path SlurmFolder(const BatchFolder& folder) { return folder.root() / "slurm"; }
-
-// For a shell.
-std::string Quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
 
 // Lines of shard numbers, one a task; shards are dealt out like cards, so that tasks are alike.
 int WriteTasks(const fs::path& path, const BatchState& state, int array_size) {
@@ -69,9 +65,7 @@ std::vector<std::string> Flags(const BatchFolder& folder, const SlurmOptions& op
 }  // namespace
 
 std::string ActiveJobs(const BatchFolder& folder) {
-  std::ifstream file(SlurmFolder(folder) / "jobs");
-  std::string jobs;
-  if (!std::getline(file, jobs) || jobs.empty()) return "";
+  const std::string jobs = FirstLineOf(SlurmFolder(folder) / "jobs");
   std::string active;
   for (size_t at = 0; at < jobs.size();) {
     const std::string job = jobs.substr(at, jobs.find(',', at) - at);
@@ -91,22 +85,22 @@ std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,
                         const BatchState& state, const SlurmOptions& options, int round) {
   const fs::path slurm = SlurmFolder(folder);
   fs::create_directories(slurm);
-  const std::string root = Quoted(folder.root().string());
+  const std::string root = ShellWord(folder.root().string());
   const fs::path tasks = slurm / fmt::format("tasks{}", round);
   const int count = WriteTasks(tasks, state, options.array_size);
-  const std::string run = "#!/bin/sh\nexec " + Quoted(program);
+  const std::string run = "#!/bin/sh\nexec " + ShellWord(program);
 
   const fs::path shards = slurm / fmt::format("shards{}.sh", round);
   WriteText(shards, fmt::format("{} run-shard {} $(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" {})\n",
-                                run, root, Quoted(tasks.string())));
+                                run, root, ShellWord(tasks.string())));
   const fs::path merge = slurm / fmt::format("merge{}.sh", round);
   WriteText(
       merge,
       fmt::format("{} merge {} --round {} --retries {} --memory={} --time={} "
                   "--array-size={}{}\n",
-                  run, root, round, options.retries, Quoted(options.memory), Quoted(options.time),
-                  options.array_size,
-                  options.partition.empty() ? "" : " --partition=" + Quoted(options.partition)));
+                  run, root, round, options.retries, ShellWord(options.memory),
+                  ShellWord(options.time), options.array_size,
+                  options.partition.empty() ? "" : " --partition=" + ShellWord(options.partition)));
   const fs::path report = slurm / "report.sh";
   WriteText(report, fmt::format("{} report {}\n", run, root));
 
@@ -129,13 +123,14 @@ std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,
 }
 
 void RemoveParts(const BatchFolder& folder) {
-  const fs::path results = folder.root() / "results";
-  if (!fs::exists(results)) return;
   std::vector<fs::path> parts;
-  for (const auto& group : fs::directory_iterator(results)) {
-    for (const auto& result : fs::directory_iterator(group)) {
-      if (result.path().filename().string().find(".part-") != std::string::npos) {
-        parts.push_back(result.path());
+  for (const char* const kind : {"results", "comparisons"}) {
+    if (!fs::exists(folder.root() / kind)) continue;
+    for (const auto& group : fs::directory_iterator(folder.root() / kind)) {
+      for (const auto& result : fs::directory_iterator(group)) {
+        if (result.path().filename().string().find(".part-") != std::string::npos) {
+          parts.push_back(result.path());
+        }
       }
     }
   }

@@ -1,12 +1,12 @@
 #include "services/batch/frame_lookup.h"
 
 #include <algorithm>
+#include <optional>
+#include <set>
 
-#include "common/bus/channels.h"
+#include "common/frames/log_frames.h"
 #include "common/logfile/event_format.h"
 #include "common/logfile/file_window.h"
-#include "common/messages/codec.h"
-#include "common/messages/message_type.h"
 
 namespace sprout::batch {
 namespace {
@@ -16,9 +16,13 @@ constexpr int64_t kHeadBytes = 1024;
 
 }  // namespace
 
+FrameLookup::Log& FrameLookup::Open(const std::string& log) {
+  const FrameChoice choice{.prefix = prefix_, .look_back = FrameChoice::kWholeLog};
+  return logs_.emplace_back(log, choice);
+}
+
 void FrameLookup::Add(const std::string& log) {
-  const size_t number = fetchers_.size();
-  fetchers_.emplace_back(log);
+  FrameIndex& index = Open(log).index;
   const InputFile file(log);
   FileWindow window(file, kHeadBytes);
   for (int64_t offset = 0; offset < file.size();) {
@@ -28,49 +32,38 @@ void FrameLookup::Add(const std::string& log) {
       throw LogError(log, "damaged; remove its folder, and the shard is computed again");
     }
     const auto bytes = std::min(header->event_bytes(), std::ssize(head));
-    const LogEvent event = MakeEvent(*header, offset, head.first(static_cast<size_t>(bytes)));
+    index.Add(MakeEvent(*header, offset, head.first(static_cast<size_t>(bytes))));
     offset += header->event_bytes();
-    for (const Part part : kAllParts) {
-      if (event.channel != prefix_ + std::string(ChannelOf(part))) continue;
-      auto id = DecodeFrameId(event.data);
-      if (!id || TypeOf(event.data) != TypeOf(part)) continue;
-      Put(part, std::move(*id), {number, event.offset});
-    }
   }
 }
 
 void FrameLookup::Add(const std::string& log, std::span<const IndexedEvent> events) {
-  const size_t number = fetchers_.size();
-  fetchers_.emplace_back(log);
+  FrameIndex& index = Open(log).index;
   for (const IndexedEvent& event : events) {
-    for (const Part part : kAllParts) {
-      if (event.channel != prefix_ + std::string(ChannelOf(part))) continue;
-      Put(part, event.id, {number, event.offset});
-    }
+    const std::optional<Part> part = PartOf(event.channel, prefix_);
+    if (part && part != Part::kRig) index.Add(*part, event.id, event.offset);
   }
 }
 
-void FrameLookup::Put(Part part, FrameId id, Place place) {
-  const bool is_new = places_[part].insert_or_assign(Key(id.utime, id.seq), place).second;
-  if (is_new) frames_[part].push_back(std::move(id));
-}
-
-const std::vector<FrameId>& FrameLookup::FramesWith(Part part) const {
-  static const std::vector<FrameId> kNone;
-  const auto found = frames_.find(part);
-  return found == frames_.end() ? kNone : found->second;
+std::vector<FrameId> FrameLookup::FramesWith(Part part) const {
+  std::vector<FrameId> frames;
+  std::set<FrameId> seen;
+  for (const Log& log : logs_) {
+    for (const IndexedFrame& frame : log.index.frames()) {
+      if (frame.Has(part) && seen.insert(frame.id).second) frames.push_back(frame.id);
+    }
+  }
+  return frames;
 }
 
 Frame FrameLookup::Get(const FrameId& id, const PartSet& parts) {
   Frame frame;
   frame.id = id;
-  for (const Part part : kAllParts) {
-    if (!parts.Has(part) || !places_.contains(part)) continue;
-    const auto found = places_.at(part).find(Key(id.utime, id.seq));
-    if (found == places_.at(part).end()) continue;
-    const LogEvent event = fetchers_[found->second.log].Fetch(found->second.offset);
-    if (auto decoded = DecodePart(part, event.data)) {
-      SetPart(frame, part, std::move(decoded->value));
+  for (Log& log : logs_) {
+    const IndexedFrame* const places = log.index.Find(id);
+    if (places == nullptr) continue;
+    for (auto& [part, value] : FetchParts(log.fetcher, *places, parts)) {
+      SetPart(frame, part, std::move(value));
     }
   }
   return frame;

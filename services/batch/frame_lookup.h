@@ -1,52 +1,50 @@
 #ifndef SPROUT_SERVICES_BATCH_FRAME_LOOKUP_H_
 #define SPROUT_SERVICES_BATCH_FRAME_LOOKUP_H_
 
-#include <cstdint>
 #include <deque>
-#include <map>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/core/frame.h"
+#include "common/frames/frame_index.h"
 #include "common/logfile/event_fetcher.h"
 #include "services/batch/log_index.h"
 
 namespace sprout::batch {
 
-/// Finds the parts of frames in small logs, in any order. Opening reads where each message begins.
+/// Finds the parts of frames in small logs, in any order: those of a frame are together whatever
+/// log they stand in. Opening reads where each message begins.
 class FrameLookup {
  public:
   explicit FrameLookup(std::string prefix) : prefix_(std::move(prefix)) {}
 
-  /// Adds the parts that a log has, which is one that a stage wrote, and so is whole. Of a part
-  /// that comes again, the newest counts. @throws LogError.
+  /// Adds the parts that a log has, which is one that a stage wrote, and so is whole. @throws
+  /// LogError.
   void Add(const std::string& log);
 
   /// The same with events that an index tells of, which are not read for it.
   void Add(const std::string& log, std::span<const IndexedEvent> events);
 
-  /// Frames that have a part, in the order of the log.
-  const std::vector<FrameId>& FramesWith(Part part) const;
+  /// Frames that have a part, in the order of the logs.
+  std::vector<FrameId> FramesWith(Part part) const;
 
-  /// The parts of a frame that are there and can be decoded.
+  /// The parts of a frame that are there and can be decoded; of one that several logs have, the
+  /// last one's counts. An empty rig_id stands for any.
   Frame Get(const FrameId& id, const PartSet& parts);
 
  private:
-  struct Place {
-    size_t log;
-    int64_t offset;
-  };
-  void Put(Part part, FrameId id, Place place);
+  struct Log {
+    Log(const std::string& path, const FrameChoice& choice) : fetcher(path), index(choice) {}
 
-  using Key = std::pair<int64_t, int64_t>;  // utime, seq
+    EventFetcher fetcher;
+    FrameIndex index;
+  };
+  Log& Open(const std::string& log);
 
   std::string prefix_;
-  std::deque<EventFetcher> fetchers_;
-  std::map<Part, std::map<Key, Place>> places_;
-  std::map<Part, std::vector<FrameId>> frames_;
+  std::deque<Log> logs_;
 };
 
 }  // namespace sprout::batch

@@ -1,19 +1,21 @@
 #include "services/batch/log_index.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 
 #include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "common/bus/channels.h"
+#include "common/config/config.h"
 #include "common/core/digest.h"
+#include "common/core/interrupt.h"
 #include "common/logfile/event_format.h"
 #include "common/logfile/file_window.h"
 #include "common/logfile/log_reader.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
-#include "services/batch/interrupt.h"
+#include "services/batch/json_fields.h"
 #include "services/batch/text_file.h"
 
 namespace sprout::batch {
@@ -21,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFormat = 2;
+constexpr int kFormat = 3;
 constexpr int64_t kMaxLine = 512;  // channel 63, rig_id and seven numbers; longer ids are refused
 constexpr size_t kMaxRigId = 128;
 
@@ -59,17 +61,31 @@ std::optional<IndexedEvent> Describe(const LogEvent& event) {
                       .hash = Hash(AsText(event.data))};
 }
 
-std::string HeadLine(const IndexSummary& summary) {
-  nlohmann::json head = ToJson(summary);
+// What the first line says of the others.
+struct IndexHead {
+  IndexSummary summary;
+  int64_t bytes = 0;  // of all other lines
+  std::string digest;
+};
+
+std::string HeadLine(const IndexHead& of) {
+  nlohmann::json head = ToJson(of.summary);
   head["sprout_index"] = kFormat;
+  head["lines_bytes"] = of.bytes;
+  head["lines_digest"] = of.digest;
   return head.dump() + "\n";
 }
 
-IndexSummary ParseHead(const fs::path& path, std::string_view line) {
+IndexHead ParseHead(const fs::path& path, std::string_view line) {
   try {
-    const auto head = nlohmann::json::parse(line);
-    if (head.at("sprout_index") == kFormat) return IndexSummaryFrom(head);
-  } catch (const nlohmann::json::exception&) {  // says more about JSON than about the file
+    const auto head = ParseObject(std::string(line));
+    if (head.value("sprout_index", nlohmann::json()) == kFormat) {
+      return {.summary = IndexSummaryFrom(head),
+              .bytes = CountIn(head, "lines_bytes"),
+              .digest = DigestIn(head, "lines_digest")};
+    }
+  } catch (const ConfigError& e) {
+    throw LogError(path, e.what());
   }
   throw LogError(path, "not an index of this version");
 }
@@ -97,7 +113,7 @@ class Words {
     T number{};
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number, base);
     if (error != std::errc() || end != word.data() + word.size()) {
-      throw LogError(path_, "a line of the index is damaged; remove the file");
+      throw LogError(path_, "a line of the index is damaged");
     }
     return number;
   }
@@ -120,6 +136,11 @@ IndexedEvent ParseLine(const fs::path& path, int64_t place, std::string_view lin
   event.id.utime = words.Number<int64_t>();
   event.id.rig_id = words.Text();
   event.hash = words.Number<uint64_t>(16);
+  for (const int64_t number : {event.offset, event.bytes}) {
+    if (number < 0 || number > kMostOfAnything) {
+      throw LogError(path, "a line of the index has a place or a size that cannot be");
+    }
+  }
   return event;
 }
 
@@ -162,19 +183,6 @@ Scan ScanLog(const fs::path& log) {
   return scan;
 }
 
-bool IsOf(const fs::path& index, const FileStamp& stamp) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(index, ignored)) return false;
-  const InputFile file(index);
-  FileWindow window(file, kMaxLine);
-  const std::string_view start = AsText(window.View(0, kMaxLine));
-  try {
-    return ParseHead(index, start.substr(0, start.find('\n'))).stamp == stamp;
-  } catch (const LogError&) {
-    return false;
-  }
-}
-
 }  // namespace
 
 nlohmann::json ToJson(const IndexSummary& summary) {
@@ -185,12 +193,12 @@ nlohmann::json ToJson(const IndexSummary& summary) {
 }
 
 IndexSummary IndexSummaryFrom(const nlohmann::json& json) {
-  return {.stamp = {.bytes = json.at("bytes"), .mtime_ns = json.at("mtime_ns")},
-          .events = json.at("events"),
-          .other_events = json.at("other_events"),
-          .undecodable = json.at("undecodable"),
-          .damaged_bytes = json.at("damaged_bytes"),
-          .cuttable = json.at("cuttable")};
+  return {.stamp = {.bytes = CountIn(json, "bytes"), .mtime_ns = IntegerIn(json, "mtime_ns")},
+          .events = CountIn(json, "events"),
+          .other_events = CountIn(json, "other_events"),
+          .undecodable = CountIn(json, "undecodable"),
+          .damaged_bytes = CountIn(json, "damaged_bytes"),
+          .cuttable = FlagIn(json, "cuttable")};
 }
 
 FileStamp StampOf(const fs::path& log) {
@@ -204,10 +212,25 @@ FileStamp StampOf(const fs::path& log) {
 
 void WriteIndex(const fs::path& path, const IndexSummary& summary,
                 const std::vector<IndexedEvent>& events) {
+  std::string lines;
+  for (const IndexedEvent& event : events) lines += LineOf(event);
   OutputFile file(path);
-  file.Write(HeadLine(summary));
-  for (const IndexedEvent& event : events) file.Write(LineOf(event));
+  file.Write(HeadLine({.summary = summary, .bytes = std::ssize(lines), .digest = Digest(lines)}));
+  file.Write(lines);
   CommitFile(path, file);
+}
+
+bool LogIndex::IsOf(const fs::path& index, const FileStamp& stamp) {
+  try {
+    const InputFile file(index);
+    FileWindow window(file, kMaxLine);
+    const std::string_view start = AsText(window.View(0, kMaxLine));
+    const std::string_view line = start.substr(0, start.find('\n'));
+    const IndexHead head = ParseHead(index, line);
+    return head.summary.stamp == stamp && file.size() == std::ssize(line) + 1 + head.bytes;
+  } catch (const LogError&) {
+    return false;
+  }
 }
 
 LogIndex LogIndex::Ensure(const fs::path& log, const fs::path& fallback) {
@@ -216,20 +239,32 @@ LogIndex LogIndex::Ensure(const fs::path& log, const fs::path& fallback) {
   beside += ".index";
   const fs::path absolute = fs::absolute(log).lexically_normal();
   const fs::path elsewhere = fallback / (Digest(absolute.string()) + ".index");
+  std::string replaced;
   for (const fs::path& path : {beside, elsewhere}) {
-    if (IsOf(path, stamp)) return Read(path);
+    std::error_code ignored;
+    if (!fs::is_regular_file(path, ignored)) continue;
+    try {
+      LogIndex index = Read(path);
+      if (index.summary().stamp == stamp) return index;
+    } catch (const LogError& e) {
+      replaced = e.what();
+    }
   }
   const Scan scan = ScanLog(log);
   if (!(StampOf(log) == stamp)) throw LogError(log, "changed while it was read");
+  const auto write = [&](const fs::path& path) {
+    WriteIndex(path, scan.summary, scan.events);
+    LogIndex index = Read(path);
+    index.replaced_ = replaced;
+    return index;
+  };
   try {
-    WriteIndex(beside, scan.summary, scan.events);
-    return Read(beside);
+    return write(beside);
   } catch (const LogError&) {  // the folder cannot be written
     if (fallback.empty()) throw;
   }
   fs::create_directories(fallback);
-  WriteIndex(elsewhere, scan.summary, scan.events);
-  return Read(elsewhere);
+  return write(elsewhere);
 }
 
 LogIndex LogIndex::Read(const fs::path& path) {
@@ -237,14 +272,16 @@ LogIndex LogIndex::Read(const fs::path& path) {
   std::string text(static_cast<size_t>(file.size()), '\0');
   file.Read(0, {reinterpret_cast<uint8_t*>(text.data()), text.size()});
   const size_t end = std::min(text.find('\n'), text.size());
+  const IndexHead head = ParseHead(path, std::string_view(text).substr(0, end));
+  const size_t begin = std::min(end + 1, text.size());
+  const std::string_view lines = std::string_view(text).substr(begin);
+  if (Digest(lines) != head.digest) throw LogError(path, "the index is damaged or cut off");
   LogIndex index;
   index.path_ = path;
-  index.summary_ = ParseHead(path, std::string_view(text).substr(0, end));
-  const size_t begin = std::min(end + 1, text.size());
-  index.events_ =
-      ParseLines(path, static_cast<int64_t>(begin), std::string_view(text).substr(begin));
+  index.summary_ = head.summary;
+  index.events_ = ParseLines(path, static_cast<int64_t>(begin), lines);
   if (std::ssize(index.events_) != index.summary_.events) {
-    throw LogError(path, "the index is cut off; remove the file");
+    throw LogError(path, "the index has another number of events than it says");
   }
   return index;
 }

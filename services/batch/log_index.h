@@ -49,7 +49,7 @@ struct IndexSummary {
 /// Members of the lines of JSON that begin an index, and that describe a log in a manifest.
 nlohmann::json ToJson(const IndexSummary& summary);
 
-/// @throws nlohmann::json::exception when a member is missing or of another type.
+/// @throws ConfigError when a member is missing or cannot be.
 IndexSummary IndexSummaryFrom(const nlohmann::json& json);
 
 /// The frames' messages of a log with their places and digests: one line of text each behind one
@@ -57,23 +57,32 @@ IndexSummary IndexSummaryFrom(const nlohmann::json& json);
 /// where the log's own cannot be written. Some 100 bytes a message.
 class LogIndex {
  public:
-  /// Reads the index of a log; makes it when there is none, or it is of an older state of the log.
+  /// Reads the index of a log; makes it when there is none, when it is of an older state of the
+  /// log, or damaged.
   /// @param fallback  folder for indexes that cannot be kept beside their logs; is created. Empty:
   ///                  none.
   /// @throws LogError when the log cannot be read, or the index can be written nowhere.
   static LogIndex Ensure(const std::filesystem::path& log, const std::filesystem::path& fallback);
 
-  /// Reads an index file. @throws LogError when it is none.
+  /// Reads an index file. @throws LogError when it is none, or damaged.
   static LogIndex Read(const std::filesystem::path& index);
+
+  /// Whether a file is the index of a log in this state, and as long as it was written. Reads its
+  /// first line only.
+  static bool IsOf(const std::filesystem::path& index, const FileStamp& stamp);
 
   const std::filesystem::path& path() const { return path_; }
   const IndexSummary& summary() const { return summary_; }
   const std::vector<IndexedEvent>& events() const { return events_; }
 
+  /// Why Ensure() did not take the index that was there; empty: there was none, or it was good.
+  const std::string& replaced() const { return replaced_; }
+
  private:
   std::filesystem::path path_;
   IndexSummary summary_;
   std::vector<IndexedEvent> events_;
+  std::string replaced_;
 };
 
 /// Writes an index as Read() reads it. @throws LogError.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "services/batch/shard_run.h"
 #include "services/batch/shard_try.h"
 #include "services/batch/stage_run.h"
 
@@ -72,8 +73,8 @@ std::vector<Losses> LossesOf(const BatchFolder& folder, const Manifest& manifest
     }
     if (tries.contains(i)) ++of_log.retried;
     for (size_t v = 0; v < head.variants.size(); ++v) {
-      const auto run = folder.result(ResultKey(head, head.variants[v], shard)) / "run.json";
-      Add(of_log.variants[v], LossesOf(ReadStageRuns(run), head.stages, shard));
+      const auto run = folder.result(ResultKey(head, head.variants[v], shard)) / kRuns;
+      Add(of_log.variants[v], LossesOf(ReadStageRuns(run, head.stages), head.stages, shard));
     }
   }
   return losses;

@@ -4,13 +4,18 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
+#include <sstream>
 
+#include "common/bus/channels.h"
 #include "common/core/digest.h"
+#include "common/core/read_text.h"
 #include "common/logfile/log_error.h"
+#include "services/batch/json_fields.h"
+#include "services/batch/names.h"
 #include "services/batch/text_file.h"
 
 namespace sprout::batch {
@@ -32,29 +37,70 @@ Json ToJson(const BatchHead& head) {
     variants.push_back(
         {{"name", variant.name}, {"config_digest", variant.config_digest}, {"programs", programs}});
   }
-  return {{"sprout_batch", kFormat},         {"stages", head.stages}, {"keep", head.keep},
-          {"channel_prefix", head.prefix},   {"truth", head.truth},   {"tables", head.tables},
-          {"shard_bytes", head.shard_bytes}, {"variants", variants}};
+  return {{"sprout_batch", kFormat},
+          {"stages", head.stages},
+          {"keep", head.keep},
+          {"channel_prefix", head.prefix},
+          {"truth", head.truth},
+          {"tables", head.tables},
+          {"shard_bytes", head.shard_bytes},
+          {"left_out_logs", head.left_out},
+          {"measured", head.measured},
+          {"variants", variants}};
+}
+
+StageNames StagesIn(const Json& json) {
+  StageNames stages = TextsIn(json, "stages");
+  (void)ParseStages("stages", stages);
+  return stages;
+}
+
+StageNames KeepIn(const Json& json, const StageNames& stages) {
+  const StageNames keep = TextsIn(json, "keep");
+  StageNames in_order;
+  for (const std::string& stage : stages) {
+    if (std::find(keep.begin(), keep.end(), stage) != keep.end()) in_order.push_back(stage);
+  }
+  const bool holds = !keep.empty() && keep == in_order && keep.back() == stages.back();
+  RequireField(holds, "keep", fmt::format("[{}]", fmt::join(keep, ",")),
+               "stages of the batch in their order, the last one among them");
+  return keep;
+}
+
+Variant VariantFrom(const Json& json, const std::string& name, const StageNames& stages) {
+  if (!json.is_object()) throw ConfigError("variants: allowed are objects");
+  Variant variant{.name = TextIn(json, "name"),
+                  .config_digest = DigestIn(json, "config_digest"),
+                  .programs = {}};
+  RequireField(variant.name == name, "name", variant.name, name + " here");
+  const Json& programs = ObjectIn(json, "programs");
+  for (const std::string& stage : stages) {
+    const Json& program = ObjectIn(programs, stage);
+    variant.programs[stage] = {.path = PathIn(program, "path"),
+                               .digest = DigestIn(program, "digest"),
+                               .version = TextIn(program, "version")};
+  }
+  return variant;
 }
 
 BatchHead HeadFrom(const Json& json) {
-  if (json.value("sprout_batch", 0) != kFormat) throw ConfigError("not of this version");
-  BatchHead head{.stages = json.at("stages"),
-                 .keep = json.at("keep"),
-                 .prefix = json.at("channel_prefix"),
-                 .shard_bytes = json.at("shard_bytes"),
-                 .truth = json.at("truth"),
-                 .tables = json.at("tables"),
-                 .variants = {}};
-  for (const Json& item : json.at("variants")) {
-    Variant variant{
-        .name = item.at("name"), .config_digest = item.at("config_digest"), .programs = {}};
-    for (const auto& [stage, program] : item.at("programs").items()) {
-      variant.programs[stage] = {.path = program.at("path"),
-                                 .digest = program.at("digest"),
-                                 .version = program.at("version")};
-    }
-    head.variants.push_back(std::move(variant));
+  if (json.value("sprout_batch", Json()) != kFormat) throw ConfigError("not of this version");
+  BatchHead head;
+  head.stages = StagesIn(json);
+  head.keep = KeepIn(json, head.stages);
+  head.prefix = TextIn(json, "channel_prefix");
+  RequireField(IsChannelPrefix(head.prefix), "channel_prefix", head.prefix, AllowedChannelPrefix());
+  head.shard_bytes = CountIn(json, "shard_bytes");
+  RequireField(head.shard_bytes > 0, "shard_bytes", "0", "1 or more");
+  head.measured = FlagIn(json, "measured");
+  head.truth = TextIn(json, "truth");
+  head.tables = DigestIn(json, "tables");
+  head.left_out = TextsIn(json, "left_out_logs");
+  const Json& variants = ArrayIn(json, "variants");
+  RequireField(variants.size() == 1 || variants.size() == 2, "variants",
+               std::to_string(variants.size()), "one or two");
+  for (size_t i = 0; i < variants.size(); ++i) {
+    head.variants.push_back(VariantFrom(variants[i], i == 0 ? "a" : "b", head.stages));
   }
   return head;
 }
@@ -70,12 +116,15 @@ Json ToJson(const BatchLog& log) {
 }
 
 BatchLog LogFrom(const Json& json) {
-  return {.path = json.at("log"),
-          .name = json.at("name"),
-          .index = json.at("index"),
-          .summary = IndexSummaryFrom(json),
-          .incomplete = json.at("incomplete"),
-          .left_out = json.at("left_out")};
+  BatchLog log{.path = PathIn(json, "log"),
+               .name = TextIn(json, "name"),
+               .index = PathIn(json, "index"),
+               .summary = IndexSummaryFrom(json),
+               .incomplete = CountIn(json, "incomplete"),
+               .left_out = CountIn(json, "left_out")};
+  RequireField(IsResultName(log.name), "name", log.name,
+               "a file name of up to 200 bytes without comma or quote");
+  return log;
 }
 
 Json ToJson(const Shard& shard, size_t number) {
@@ -91,39 +140,64 @@ Json ToJson(const Shard& shard, size_t number) {
           {"input", shard.input}};
 }
 
-Shard ShardFrom(const Json& json) {
-  return {.log = json.at("of_log"),
-          .begin = json.at("index_begin"),
-          .end = json.at("index_end"),
-          .carried = json.at("carried"),
-          .frames = json.at("frames"),
-          .first_seq = json.at("first_seq"),
-          .last_seq = json.at("last_seq"),
-          .bytes = json.at("bytes"),
-          .input = json.at("input")};
+// @param logs  number of logs of the manifest. @param last_log  of the shard before.
+Shard ShardFrom(const Json& json, size_t logs, int64_t last_log) {
+  Shard shard{.log = CountIn(json, "of_log"),
+              .begin = CountIn(json, "index_begin"),
+              .end = CountIn(json, "index_end"),
+              .carried = {},
+              .frames = CountIn(json, "frames"),
+              .first_seq = IntegerIn(json, "first_seq"),
+              .last_seq = IntegerIn(json, "last_seq"),
+              .bytes = CountIn(json, "bytes"),
+              .input = DigestIn(json, "input")};
+  RequireField(
+      shard.log >= last_log && shard.log < static_cast<int64_t>(logs), "of_log",
+      std::to_string(shard.log),
+      fmt::format("the number of a log, {} to {}", last_log, static_cast<int64_t>(logs) - 1));
+  RequireField(shard.begin < shard.end, "index_end", std::to_string(shard.end),
+               fmt::format("more than index_begin, {}", shard.begin));
+  for (const Json& line : ArrayIn(json, "carried")) {
+    shard.carried.push_back(CountIn({{"carried", line}}, "carried"));
+  }
+  return shard;
 }
 
-// Reads a manifest until `wants_shard`, which gets each shard's number and line, says to stop.
-Manifest ReadLines(const fs::path& path,
-                   const std::function<bool(size_t, const std::string&)>& wants_shard) {
-  std::ifstream file(path);
-  if (!file) throw ConfigError(path.string() + ": no batch here; sprout-batch run begins one");
+// Gets each shard's line, and its number. @returns whether to go on.
+using TakeShard = std::function<bool(const Manifest&, size_t, const std::string&)>;
+
+void AddLog(const std::string& line, Manifest& manifest, std::set<std::string>& names) {
+  BatchLog log = LogFrom(ParseObject(line));
+  RequireField(names.insert(log.name).second, "name", log.name, "one that no other log has");
+  manifest.logs.push_back(std::move(log));
+}
+
+// Reads a manifest, which may come from anywhere, until `take` says to stop.
+Manifest ReadLines(const fs::path& path, const TakeShard& take) {
+  const Result<std::string> text = ReadText(path, kMaxListBytes);
+  if (!text) {
+    throw ConfigError(path.string() + ": " + text.error().text +
+                      ": no batch here; sprout-batch run begins one");
+  }
+  std::istringstream file(*text);
   Manifest manifest;
+  std::set<std::string> names;
   std::string line;
-  size_t shards = 0;
+  size_t number = 0;  // of the line
   try {
     std::getline(file, line);
-    manifest.head = HeadFrom(Json::parse(line));
-    while (std::getline(file, line)) {
+    manifest.head = HeadFrom(ParseObject(line));
+    for (size_t shards = 0; ++number, std::getline(file, line);) {
       if (line.find("\"log\":") != std::string::npos) {
-        manifest.logs.push_back(LogFrom(Json::parse(line)));
-      } else if (!wants_shard(shards++, line)) {
+        AddLog(line, manifest, names);
+      } else if (!take(manifest, shards++, line)) {
         break;
       }
     }
   } catch (const std::exception& e) {
-    throw ConfigError(path.string() + ": the manifest cannot be used (" + e.what() +
-                      "); remove it, results are kept");
+    throw ConfigError(
+        fmt::format("{}: the manifest cannot be used (line {}: {}); remove it, results are kept",
+                    path.string(), number + 1, e.what()));
   }
   return manifest;
 }
@@ -152,13 +226,13 @@ fs::path BatchFolder::result(const std::string& key) const {
 }
 
 fs::path BatchFolder::comparison(const std::string& key) const {
-  return Sharded(root_ / "comparisons", key) + ".csv";
+  return Sharded(root_ / "comparisons", key);
 }
 
 std::string ResultKey(const BatchHead& head, const Variant& variant, const Shard& shard) {
   std::string text =
-      fmt::format("result {} {} {} {} {} {}", kFormat, shard.input, variant.config_digest,
-                  fmt::join(head.keep, ","), head.prefix, head.tables);
+      fmt::format("result {} {} {} {} {} {} {}", kFormat, shard.input, variant.config_digest,
+                  fmt::join(head.keep, ","), head.prefix, head.tables, head.measured);
   for (const std::string& stage : head.stages) {
     text += " " + stage + " " + variant.programs.at(stage).digest;
   }
@@ -188,8 +262,9 @@ void WriteManifest(const fs::path& path, const Manifest& manifest) {
 
 Manifest ReadManifest(const fs::path& path) {
   std::vector<Shard> shards;
-  Manifest manifest = ReadLines(path, [&](size_t, const std::string& line) {
-    shards.push_back(ShardFrom(Json::parse(line)));
+  Manifest manifest = ReadLines(path, [&](const Manifest& head, size_t, const std::string& line) {
+    const int64_t last_log = shards.empty() ? 0 : shards.back().log;
+    shards.push_back(ShardFrom(ParseObject(line), head.logs.size(), last_log));
     return true;
   });
   manifest.shards = std::move(shards);
@@ -198,10 +273,11 @@ Manifest ReadManifest(const fs::path& path) {
 
 ShardOfBatch ReadShard(const fs::path& path, size_t number) {
   std::optional<Shard> shard;
-  Manifest manifest = ReadLines(path, [&](size_t at, const std::string& line) {
-    if (at == number) shard = ShardFrom(Json::parse(line));
-    return at != number;
-  });
+  Manifest manifest =
+      ReadLines(path, [&](const Manifest& head, size_t at, const std::string& line) {
+        if (at == number) shard = ShardFrom(ParseObject(line), head.logs.size(), 0);
+        return at != number;
+      });
   if (!shard) throw ConfigError(fmt::format("{}: has no shard {}", path.string(), number));
   return {.head = std::move(manifest.head),
           .log = manifest.logs.at(static_cast<size_t>(shard->log)),

@@ -33,7 +33,7 @@ struct Variant {
 /// A log of the batch.
 struct BatchLog {
   std::string path;   ///< absolute
-  std::string name;   ///< of its results; no two logs have the same
+  std::string name;   ///< of its results, see IsResultName(); no two logs have the same
   std::string index;  ///< path of its index
   IndexSummary summary;
   int64_t incomplete = 0;  ///< frames of which a message never came
@@ -46,9 +46,11 @@ struct BatchHead {
   StageNames keep;          ///< stages whose answers are results; the last stage is one of them
   std::string prefix;       ///< of the channels
   int64_t shard_bytes = 0;  ///< about so many a shard
+  bool measured = true;     ///< whether the quality of each frame is measured for the table
   std::string truth;        ///< folder of true disparities; empty: none
   std::string tables;       ///< digest of sprout-batch, which computes the tables
-  std::vector<Variant> variants;  ///< one or two
+  std::vector<std::string> left_out;  ///< logs that were asked for, but whose names cannot be used
+  std::vector<Variant> variants;      ///< one or two
 
   bool operator==(const BatchHead&) const = default;
 };
@@ -85,7 +87,8 @@ class BatchFolder {
   /// Folder of the answers of a shard with a variant, by its key.
   std::filesystem::path result(const std::string& key) const;
 
-  /// Table of what differs in a shard between the variants, or from the truth, by its key.
+  /// Folder with the table of what differs in a shard between the variants, or from the truth, by
+  /// its key.
   std::filesystem::path comparison(const std::string& key) const;
 
  private:
@@ -105,7 +108,9 @@ bool Compares(const BatchHead& head);
 /// @throws LogError when it cannot be written.
 void WriteManifest(const std::filesystem::path& path, const Manifest& manifest);
 
-/// @throws ConfigError when there is none, or it is damaged or of another version.
+/// Checks every field, since a manifest may come from anywhere.
+/// @throws ConfigError when there is none, or it is damaged or of another version: one line that
+///         names field, value and what is allowed.
 Manifest ReadManifest(const std::filesystem::path& path);
 
 /// One shard with its log, without keeping the others. @throws ConfigError as above, also for a

@@ -1,17 +1,18 @@
 #include "services/batch/merge.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <array>
-#include <fstream>
+#include <iostream>
 #include <map>
 #include <memory>
 
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
+#include "common/core/interrupt.h"
 #include "common/logfile/log_reader.h"
 #include "common/logfile/log_writer.h"
-#include "services/batch/interrupt.h"
+#include "services/batch/result_folder.h"
 #include "services/batch/shard_run.h"
 #include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
@@ -65,24 +66,22 @@ void MergeStreams(std::vector<AnswerStream>& streams, LogWriter& writer) {
   }
 }
 
-std::string FirstLine(const fs::path& path) {
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
-  return line;
-}
-
-// A merged log has its source's digest beside it, written behind it.
-bool MergeOne(const BatchFolder& folder, const Manifest& manifest, size_t log,
-              const std::vector<size_t>& shards, const Variant& variant) {
-  const fs::path path = folder.merged(manifest.logs[log], variant.name);
-  const fs::path stamp = path.string() + ".source";
+// What a merged log is made from.
+std::string SourceOf(const Manifest& manifest, const std::vector<size_t>& shards,
+                     const Variant& variant) {
   std::string keys;
   for (const size_t number : shards) {
     keys += ResultKey(manifest.head, variant, manifest.shards[number]);
   }
-  const std::string source = Digest(keys);
-  if (FirstLine(stamp) == source && fs::exists(path)) return false;
+  return Digest(keys);
+}
+
+// A merged log says beside it what it is made from, written behind it.
+bool MergeOne(const BatchFolder& folder, const Manifest& manifest, size_t log,
+              const std::vector<size_t>& shards, const Variant& variant) {
+  const fs::path path = folder.merged(manifest.logs[log], variant.name);
+  const std::string source = SourceOf(manifest, shards, variant);
+  if (IsMadeFrom(path, source)) return false;
   std::vector<AnswerStream> streams;
   for (const std::string& stage : manifest.head.keep) {
     std::vector<std::string> logs;
@@ -92,12 +91,11 @@ bool MergeOne(const BatchFolder& folder, const Manifest& manifest, size_t log,
     }
     streams.emplace_back(std::move(logs));
   }
-  std::error_code ignored;
-  fs::remove(stamp, ignored);
+  UnmarkMadeFrom(path);
   LogWriter writer(path);
   MergeStreams(streams, writer);
   writer.Close();
-  WriteText(stamp, source + "\n");
+  MarkMadeFrom(path, source);
   return true;
 }
 
@@ -105,7 +103,7 @@ using Cells = std::vector<std::optional<double>>;
 
 // Mean wall time a frame of each stage over a shard, ms.
 Cells TimesOf(const fs::path& run_json, const StageNames& stages) {
-  StageRuns runs = ReadStageRuns(run_json);
+  StageRuns runs = ReadStageRuns(run_json, stages);
   Cells times;
   for (const std::string& stage : stages) {
     const StageRun& run = runs[stage];
@@ -124,8 +122,8 @@ class ShardRows {
     const BatchHead& head = manifest.head;
     for (size_t v = 0; v < head.variants.size(); ++v) {
       const fs::path result = folder.result(ResultKey(head, head.variants[v], shard));
-      const Table table = ReadTable(result / "measures.csv");
-      const Cells times = TimesOf(result / "run.json", head.stages);
+      const Table table = ReadTable(result / kMeasures, MeasureColumns());
+      const Cells times = TimesOf(result / kRuns, head.stages);
       for (const Cells& row : table.rows) {
         Cells cells(row.begin() + 2, row.end());
         cells.insert(cells.end(), times.begin(), times.end());
@@ -134,7 +132,8 @@ class ShardRows {
     }
     if (!Compares(head)) return;
     const BatchLog& log = manifest.logs[static_cast<size_t>(shard.log)];
-    const Table table = ReadTable(folder.comparison(ComparisonKey(head, log, shard)));
+    const Table table = ReadTable(folder.comparison(ComparisonKey(head, log, shard)) / kChanges,
+                                  ComparisonColumns());
     for (const Cells& row : table.rows) Put(row, 2, Cells(row.begin() + 2, row.end()));
   }
 
@@ -170,8 +169,32 @@ BatchState StateOf(const BatchFolder& folder, const Manifest& manifest) {
   BatchState state;
   for (const Shard& shard : manifest.shards) {
     const BatchLog& log = manifest.logs[static_cast<size_t>(shard.log)];
-    state.done.push_back(IsDone(folder, manifest.head, log, shard));
+    state.done.push_back(IsDone(folder, manifest.head, log, shard, ResultCheck::kQuick));
     if (!state.done.back()) ++state.missing;
+  }
+  return state;
+}
+
+BatchState CheckedStateOf(const BatchFolder& folder, const Manifest& manifest) {
+  BatchState state = StateOf(folder, manifest);
+  for (size_t log = 0; log < manifest.logs.size(); ++log) {
+    const std::vector<size_t> shards = manifest.ShardsOf(log);
+    for (const Variant& variant : manifest.head.variants) {
+      const fs::path merged = folder.merged(manifest.logs[log], variant.name);
+      if (IsMadeFrom(merged, SourceOf(manifest, shards, variant))) continue;
+      for (const size_t number : shards) {
+        if (!state.done[number]) continue;
+        Interrupt::Check();
+        const fs::path result =
+            folder.result(ResultKey(manifest.head, variant, manifest.shards[number]));
+        if (IsWhole(result, ResultCheck::kAll)) continue;
+        std::cerr << fmt::format("sprout-batch: {}: damaged; shard {} is computed again\n",
+                                 result.string(), number);
+        MarkDamaged(result);
+        state.done[number] = false;
+        ++state.missing;
+      }
+    }
   }
   return state;
 }

@@ -15,8 +15,14 @@ struct BatchState {
   int64_t missing = 0;
 };
 
-/// Looks at every shard. O(shards), a few look-ups of names each.
+/// Looks at every shard: whether its results are there, and as long as they were written.
+/// O(shards).
 BatchState StateOf(const BatchFolder& folder, const Manifest& manifest);
+
+/// The same, but reads every byte of the results that MergeLogs() would take. What is damaged does
+/// not count as done, and loses its list of files, so that it is computed again; one line on stderr
+/// each.
+BatchState CheckedStateOf(const BatchFolder& folder, const Manifest& manifest);
 
 /// Puts the answers of each log whose shards are all done into one log a variant, logs/NAME_a.lcm
 /// and NAME_b.lcm: the bytes that a replay of the whole log on one machine records (of several

@@ -12,9 +12,13 @@
 #include <thread>
 
 #include "common/app/progress.h"
+#include "common/bus/channels.h"
 #include "common/core/digest.h"
+#include "common/core/interrupt.h"
 #include "common/logfile/log_error.h"
-#include "services/batch/interrupt.h"
+#include "services/batch/logs_below.h"
+#include "services/batch/names.h"
+#include "services/batch/result_folder.h"
 #include "services/batch/shard_run.h"
 #include "services/batch/text_file.h"
 
@@ -23,40 +27,50 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr char kBadName[] =
+    ": cannot stand in the manifest; allowed are names in UTF-8 without control characters";
+
 std::string Absolute(const fs::path& path) { return fs::absolute(path).lexically_normal(); }
 
-void AddInput(const std::string& input, std::vector<std::string>& logs) {
-  if (input.starts_with('@')) {
-    std::ifstream list(input.substr(1));
-    if (!list) throw ConfigError(input + ": no such list; allowed: a text file, a log a line");
-    for (std::string line; std::getline(list, line);) {
-      if (!line.empty()) AddInput(line, logs);
+// Follows what was asked for, lists in lists too.
+class Inputs {
+ public:
+  void Add(const std::string& input) {
+    if (input.starts_with('@')) {
+      AddList(input.substr(1));
+    } else if (fs::is_directory(input)) {
+      const std::vector<std::string> found = LogsBelow(input);
+      logs_.insert(logs_.end(), found.begin(), found.end());
+    } else if (fs::is_regular_file(input)) {
+      logs_.push_back(Absolute(input));
+    } else {
+      throw ConfigError(Escaped(input) + ": no such log or folder");
     }
-  } else if (fs::is_directory(input)) {
-    std::vector<std::string> found;
-    for (const auto& entry : fs::recursive_directory_iterator(input)) {
-      if (entry.is_regular_file() && entry.path().extension() == ".lcm") {
-        found.push_back(Absolute(entry.path()));
-      }
-    }
-    if (found.empty()) throw ConfigError(input + ": no log (*.lcm) in this folder");
-    std::sort(found.begin(), found.end());
-    logs.insert(logs.end(), found.begin(), found.end());
-  } else if (fs::is_regular_file(input)) {
-    logs.push_back(Absolute(input));
-  } else {
-    throw ConfigError(input + ": no such log or folder");
   }
-}
 
-// The file's name, and a number behind it when another log has it already.
-std::string NameOf(const std::string& log, std::set<std::string>& taken) {
-  const std::string stem = fs::path(log).stem();
-  std::string name = stem;
-  for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}-{}", stem, i);
-  std::replace(name.begin(), name.end(), ',', '_');  // it stands in a table
-  return name;
-}
+  const std::vector<std::string>& logs() const { return logs_; }
+
+ private:
+  void AddList(const std::string& path) {
+    std::ifstream list(path);
+    // A pipe is as good as a file; others, such as /dev/zero, may never end.
+    if (!list || !(fs::is_regular_file(path) || fs::is_fifo(path))) {
+      throw ConfigError("@" + Escaped(path) + ": no such list; allowed: a text file, a log a line");
+    }
+    const fs::path canonical = fs::canonical(path);
+    if (std::find(open_.begin(), open_.end(), canonical) != open_.end()) {
+      throw ConfigError("@" + Escaped(path) + ": the list contains itself");
+    }
+    open_.push_back(canonical);
+    for (std::string line; std::getline(list, line);) {
+      if (!line.empty()) Add(line);
+    }
+    open_.pop_back();
+  }
+
+  std::vector<std::string> logs_;
+  std::vector<fs::path> open_;  // lists being read, each inside the one before
+};
 
 Variant MakeVariant(const std::string& name, const StageNames& stages, const SproutConfig& config,
                     const std::string& programs) {
@@ -93,8 +107,13 @@ Wanted Understand(const BatchRequest& request, const std::string& program) {
   BatchHead& head = wanted.head;
   head.stages = ParseStages("--stages", request.stages);
   head.keep = KeepOf(request, head.stages);
+  if (!IsChannelPrefix(request.prefix)) {
+    throw ConfigError(fmt::format("--channel-prefix '{}': allowed are {}", Escaped(request.prefix),
+                                  AllowedChannelPrefix()));
+  }
   head.prefix = request.prefix;
   head.shard_bytes = request.shard_megabytes * 1'000'000;
+  head.measured = request.measured;
   head.tables = FileDigest(program);
   if (!request.truth.empty()) {
     if (!fs::is_directory(request.truth)) {
@@ -124,27 +143,51 @@ Wanted Understand(const BatchRequest& request, const std::string& program) {
   return wanted;
 }
 
+// What goes into the manifest.
+void RequirePlainTexts(const BatchRequest& request) {
+  RequirePlainText("--out", request.out);
+  RequirePlainText("--programs-a", request.programs_a);
+  RequirePlainText("--programs-b", request.programs_b);
+  RequirePlainText("--truth", request.truth);
+}
+
 bool IsSame(const Manifest& manifest, const BatchHead& head, const std::vector<std::string>& logs) {
   if (!(manifest.head == head) || manifest.logs.size() != logs.size()) return false;
   for (size_t i = 0; i < logs.size(); ++i) {
     if (manifest.logs[i].path != logs[i]) return false;
-    if (!(manifest.logs[i].summary.stamp == StampOf(logs[i]))) return false;
-    if (!fs::exists(manifest.logs[i].index)) return false;
+    const FileStamp& stamp = manifest.logs[i].summary.stamp;
+    if (!(stamp == StampOf(logs[i])) || !LogIndex::IsOf(manifest.logs[i].index, stamp)) {
+      return false;
+    }
   }
   return true;
 }
 
 }  // namespace
 
-std::vector<std::string> FindLogs(const std::vector<std::string>& inputs) {
-  std::vector<std::string> found;
-  for (const std::string& input : inputs) AddInput(input, found);
-  std::vector<std::string> logs;
+FoundLogs FindLogs(const std::vector<std::string>& inputs) {
+  Inputs all;
+  for (const std::string& input : inputs) all.Add(input);
+  FoundLogs found;
   std::set<std::string> seen;
-  for (std::string& log : found) {
-    if (seen.insert(log).second) logs.push_back(std::move(log));
+  for (const std::string& log : all.logs()) {
+    if (!seen.insert(log).second) continue;
+    if (IsPlainText(log)) {
+      found.logs.push_back(log);
+    } else {
+      found.left_out.push_back(Escaped(log));
+    }
   }
-  return logs;
+  if (found.logs.empty() && !found.left_out.empty()) {
+    throw ConfigError(found.left_out.front() + kBadName);
+  }
+  return found;
+}
+
+void SayLeftOut(const std::vector<std::string>& left_out) {
+  for (const std::string& log : left_out) {
+    std::cerr << "sprout-batch: left out: " << log << kBadName << "\n";
+  }
 }
 
 int64_t IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback) {
@@ -153,12 +196,14 @@ int64_t IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback
   std::atomic<int64_t> elsewhere = 0;
   std::mutex mutex;
   std::vector<std::string> failures;
+  std::vector<std::string> replaced;
   const auto work = [&] {
     for (size_t i = next++; i < logs.size() && !Interrupt::requested(); i = next++) {
       try {
         const LogIndex index = LogIndex::Ensure(logs[i], fallback);
         if (index.path().parent_path() == fallback) ++elsewhere;
         const std::lock_guard lock(mutex);
+        if (!index.replaced().empty()) replaced.push_back(index.replaced());
         progress.Show(fmt::format("indexed {} of {} logs", i + 1, logs.size()));
       } catch (const std::exception& e) {
         const std::lock_guard lock(mutex);
@@ -173,6 +218,10 @@ int64_t IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback
     }
   }
   progress.Clear();
+  std::sort(replaced.begin(), replaced.end());
+  for (const std::string& why : replaced) {
+    std::cerr << "sprout-batch: " << why << "; the log was indexed again\n";
+  }
   Interrupt::Check();
   if (failures.empty()) return elsewhere;
   throw ConfigError(failures.size() == 1 ? failures[0]
@@ -182,8 +231,12 @@ int64_t IndexLogs(const std::vector<std::string>& logs, const fs::path& fallback
 
 Manifest Plan(const BatchRequest& request, const std::string& program) {
   const BatchFolder folder(Absolute(request.out));
-  const std::vector<std::string> logs = FindLogs(request.inputs);
-  const Wanted wanted = Understand(request, program);
+  RequirePlainTexts(request);
+  const FoundLogs found = FindLogs(request.inputs);
+  const std::vector<std::string>& logs = found.logs;
+  SayLeftOut(found.left_out);
+  Wanted wanted = Understand(request, program);
+  wanted.head.left_out = found.left_out;
   if (fs::exists(folder.manifest())) {
     Manifest manifest = ReadManifest(folder.manifest());
     if (IsSame(manifest, wanted.head, logs)) return manifest;
@@ -206,7 +259,7 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
       manifest.shards.push_back(std::move(shard));
     }
     manifest.logs.push_back({.path = log,
-                             .name = NameOf(log, names),
+                             .name = ResultNameOf(log, names),
                              .index = Absolute(index.path()),
                              .summary = index.summary(),
                              .incomplete = plan.incomplete,

@@ -21,15 +21,26 @@ struct BatchRequest {
   std::string programs_a;             ///< folder of the programs
   std::string programs_b;             ///< empty: that of A, if there is a B
   std::string truth;
+  bool measured = true;  ///< see BatchHead
   std::string prefix;
   int64_t shard_megabytes = 192;
 };
 
-/// The logs that `inputs` name, absolute, without doubles, in order: folders are searched for
-/// *.lcm, also below. @throws ConfigError for what is not there.
-std::vector<std::string> FindLogs(const std::vector<std::string>& inputs);
+/// The logs that were asked for, absolute, without doubles, in order.
+struct FoundLogs {
+  std::vector<std::string> logs;
+  /// Those whose paths cannot stand in a manifest, as text for people (Escaped()).
+  std::vector<std::string> left_out;
+};
 
-/// Indexes the logs that have no index, several at a time.
+/// Folders are searched for *.lcm, also below. @throws ConfigError for what is not there, a list
+/// that contains itself, and when nothing is left.
+FoundLogs FindLogs(const std::vector<std::string>& inputs);
+
+/// One line on stderr for each log that is left out.
+void SayLeftOut(const std::vector<std::string>& left_out);
+
+/// Indexes the logs that have no index, several at a time. Says on stderr which ones were damaged.
 /// @param fallback  folder for indexes that cannot be kept beside their logs; empty: none.
 /// @returns how many indexes are in `fallback`. @throws ConfigError, Interrupted.
 int64_t IndexLogs(const std::vector<std::string>& logs, const std::filesystem::path& fallback);

@@ -1,21 +1,21 @@
 #include "services/batch/program.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <iostream>
 
 #include "common/app/program.h"
 #include "common/app/version.h"
 #include "common/core/digest.h"
+#include "common/core/interrupt.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/engines.h"
-#include "services/batch/interrupt.h"
 #include "services/batch/planning.h"
 #include "services/batch/report.h"
 #include "services/batch/shard_run.h"
@@ -86,18 +86,12 @@ std::string ReportSource(const BatchFolder& folder, const BatchState& state) {
   return Digest(text);
 }
 
-bool IsUpToDate(const BatchFolder& folder, const BatchState& state) {
-  std::ifstream file(folder.report().string() + ".source");
-  std::string source;
-  std::getline(file, source);
-  return source == ReportSource(folder, state) && fs::exists(folder.report()) &&
-         fs::exists(folder.table());
-}
-
 void Report(const BatchFolder& folder, const Manifest& manifest, const BatchState& state) {
   WriteFrameTable(folder, manifest, state);
   WriteReport(folder, manifest, state, OwnPath());
-  WriteText(folder.report().string() + ".source", ReportSource(folder, state) + "\n");
+  const std::string source = ReportSource(folder, state);
+  MarkMadeFrom(folder.table(), source);
+  MarkMadeFrom(folder.report(), source);
   std::cout << fmt::format("table  {}\nreport {}\n", folder.table().string(),
                            folder.report().string());
 }
@@ -127,20 +121,22 @@ std::string InputLosses(const Manifest& manifest) {
       incomplete, left_out, unreadable, damaged, without);
 }
 
-int Finish(const BatchFolder& folder, const Manifest& manifest) {
-  const BatchState state = StateOf(folder, manifest);
+// Merges, and reports when there is something new.
+int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState& state) {
   MergeLogs(folder, manifest, state);
-  if (IsUpToDate(folder, state)) {
+  const std::string source = ReportSource(folder, state);
+  if (IsMadeFrom(folder.table(), source) && IsMadeFrom(folder.report(), source)) {
     std::cout << fmt::format("all {} shards were done already; report {}\n",
                              manifest.shards.size() - static_cast<size_t>(state.missing),
                              folder.report().string());
   } else {
     Report(folder, manifest, state);
   }
-  if (state.missing == 0) return 0;
-  std::cerr << fmt::format("sprout-batch: {} of {} shards are missing; why: {}\n", state.missing,
-                           manifest.shards.size(), folder.failures().string());
-  return 1;
+  if (state.missing > 0) {
+    std::cerr << fmt::format("sprout-batch: {} of {} shards are missing; why: {}\n", state.missing,
+                             manifest.shards.size(), folder.failures().string());
+  }
+  return state.missing == 0 && manifest.head.left_out.empty() ? 0 : 1;
 }
 
 int RunRun(Options& options) {
@@ -157,26 +153,26 @@ int RunRun(Options& options) {
   }
   RemoveParts(folder);
   const Manifest manifest = Plan(options.request, OwnPath());
-  const BatchState state = StateOf(folder, manifest);
+  const BatchState state = CheckedStateOf(folder, manifest);
   int64_t frames = 0;
   for (const Shard& shard : manifest.shards) frames += shard.frames;
   std::cout << fmt::format("{} logs, {} frames, {} shards, {} of them to do\n",
                            manifest.logs.size(), frames, manifest.shards.size(), state.missing)
             << InputLosses(manifest);
-  if (state.missing == 0) return Finish(folder, manifest);
+  if (state.missing == 0) return Finish(folder, manifest, state);
   if (options.engine == "slurm") {
     std::cout << SubmitSlurm(OwnPath(), folder, state, options.slurm, 0) << "\n"
               << "sprout-batch status " << folder.root().string() << " says how far it is\n";
     return 0;
   }
   RunLocal(OwnPath(), folder, manifest, state, options.local);
-  return Finish(folder, manifest);
+  return Finish(folder, manifest, StateOf(folder, manifest));
 }
 
 int RunMergeJob(const Options& options) {
   const BatchFolder folder(options.out);
   const Manifest manifest = ReadManifest(folder.manifest());
-  const BatchState state = StateOf(folder, manifest);
+  const BatchState state = CheckedStateOf(folder, manifest);
   if (state.missing > 0 && options.round < options.slurm.retries) {
     std::cout << SubmitSlurm(OwnPath(), folder, state, options.slurm, options.round + 1) << "\n";
   }
@@ -213,14 +209,16 @@ int RunStatus(const Options& options) {
                              state.done[shard] ? "is done after a failure" : "failed or is at work",
                              TryPath(folder, shard, tries).string());
   }
+  SayLeftOut(manifest.head.left_out);
   const std::string jobs = ActiveJobs(folder);
   if (!jobs.empty()) std::cout << "Slurm's jobs " << jobs << " are at work\n";
-  return state.missing == 0 ? 0 : 1;
+  return state.missing == 0 && manifest.head.left_out.empty() ? 0 : 1;
 }
 
 int RunReport(const Options& options) {
   const BatchFolder folder(fs::absolute(options.out).lexically_normal());
-  return Finish(folder, ReadManifest(folder.manifest()));
+  const Manifest manifest = ReadManifest(folder.manifest());
+  return Finish(folder, manifest, CheckedStateOf(folder, manifest));
 }
 
 CLI::Option* AddList(CLI::App& flags, const char* name, std::vector<std::string>& list,
@@ -260,6 +258,9 @@ void AddRun(CLI::App& program, Options& options, std::function<int()>& chosen) {
                    "Those of B, another build, to compare with");
   flags.add_option("--truth", request.truth,
                    "Folder with LOGNAME/NNNNNN_disparity.pfm, true disparities of frames");
+  flags.add_flag_callback(
+      "--no-measures", [&request] { request.measured = false; },
+      "Do not look at the frames: no score and no other measures of quality in the table");
   flags.add_option("--channel-prefix", request.prefix, "Before every channel of the logs");
   flags.add_option("--shard-megabytes", request.shard_megabytes, "About so much of a log a shard")
       ->check(CLI::Range(1, 1'000'000))
@@ -301,10 +302,11 @@ void AddOthers(CLI::App& program, Options& options, std::function<int()>& chosen
   index.callback([&] {
     chosen = [&] {
       const Interrupt interrupt;
-      const auto logs = FindLogs(options.logs);
-      IndexLogs(logs, /*fallback=*/"");
-      std::cout << fmt::format("{} logs have an index\n", logs.size());
-      return 0;
+      const FoundLogs found = FindLogs(options.logs);
+      SayLeftOut(found.left_out);
+      IndexLogs(found.logs, /*fallback=*/"");
+      std::cout << fmt::format("{} logs have an index\n", found.logs.size());
+      return found.left_out.empty() ? 0 : 1;
     };
   });
 }
@@ -324,7 +326,7 @@ int BatchMain(int argc, const char* const* argv) {
     try {
       return chosen();
     } catch (const Interrupted& e) {
-      std::cerr << "sprout-batch: " << e.what() << "\n";
+      std::cerr << "sprout-batch: " << e.what() << "; the same command goes on from here\n";
       return 130;
     } catch (const LogError& e) {
       throw ConfigError(e.what());

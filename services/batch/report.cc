@@ -1,16 +1,16 @@
 #include "services/batch/report.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numeric>
 #include <set>
 #include <sstream>
 
 #include "common/picture/html.h"
 #include "common/quality/frame_quality.h"
+#include "services/batch/frame_commands.h"
 #include "services/batch/frame_rows.h"
 #include "services/batch/report_charts.h"
 #include "services/batch/report_losses.h"
@@ -51,16 +51,8 @@ details { margin: .2em 0 1em; } summary { cursor: pointer; color: #444; }
 
 std::string Number(double value) { return std::isnan(value) ? "-" : fmt::format("{:.4g}", value); }
 
-// For a shell.
-std::string Word(const std::string& text) {
-  const bool plain = text.find_first_not_of(
-                         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
-                         "0123456789_-./:=") == std::string::npos;
-  return plain ? text : "'" + text + "'";
-}
-
 std::vector<std::string> LinesOf(const fs::path& path) {
-  std::ifstream file(path);
+  std::istringstream file(ReadText(path).value_or(""));
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) lines.push_back(line);
   return lines;
@@ -103,12 +95,17 @@ class ReportWriter {
       html += fmt::format(
           "<div><b>{}</b>: configuration {} (<a href=\"config_{}.textproto\">all of it</a>), "
           "{}</div>\n",
-          variant.name == "a" ? "A" : "B", variant.config_digest, variant.name, EscapedHtml(text));
+          variant.name == "a" ? "A" : "B", EscapedHtml(variant.config_digest),
+          EscapedHtml(variant.name), EscapedHtml(text));
     }
     if (state_.missing > 0) {
       html += fmt::format(
           "<p class=\"bad\">{} of {} shards are missing: this is a part of the batch.</p>\n",
           state_.missing, manifest_.shards.size());
+    }
+    for (const std::string& log : manifest_.head.left_out) {
+      html +=
+          fmt::format("<p class=\"bad\">Left out, because of its name: {}</p>\n", EscapedHtml(log));
     }
     return html;
   }
@@ -320,23 +317,8 @@ class ReportWriter {
 
   std::string CommandsOf(const FrameRow& row) const {
     const Shard& shard = manifest_.shards[row.shard];
-    const std::string log = Word(manifest_.logs[static_cast<size_t>(shard.log)].path);
-    const std::string prefix =
-        manifest_.head.prefix.empty() ? "" : " --channel-prefix " + manifest_.head.prefix;
-    std::string text =
-        fmt::format("{} --log {} --frame {}{}\n", Word((programs_ / "sprout-view").string()), log,
-                    row.seq, prefix);
-    for (const Variant& variant : manifest_.head.variants) {
-      std::string inputs = "--replay " + log;
-      for (const std::string& stage : manifest_.head.stages) {
-        const std::string record = fmt::format("{}_{}.lcm", stage, variant.name);
-        text += fmt::format(
-            "{} --config {} --frames {} {} --record {}{}\n", Word(variant.programs.at(stage).path),
-            Word(folder_.config(variant.name).string()), row.seq, inputs, record, prefix);
-        inputs += " --replay " + record;
-      }
-    }
-    return text;
+    return FrameCommands(folder_, manifest_.head, manifest_.logs[static_cast<size_t>(shard.log)],
+                         row.seq, programs_);
   }
 
   std::string Commands() const {

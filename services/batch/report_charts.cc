@@ -1,10 +1,11 @@
 #include "services/batch/report_charts.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "common/core/quantile.h"
 #include "common/picture/html.h"
 
 namespace sprout::batch {
@@ -28,9 +29,9 @@ struct Bounds {
 };
 
 Bounds BoundsOf(std::vector<float> values) {
-  std::sort(values.begin(), values.end());
-  const double low = values[values.size() / 100];
-  const double high = values[values.size() - 1 - values.size() / 100];
+  const size_t rank = values.size() / 100;
+  const double low = OrderStatistic(values, rank);
+  const double high = OrderStatistic(values, values.size() - 1 - rank);
   return high > low ? Bounds{low, high} : Bounds{low - 0.5, low + 0.5};
 }
 

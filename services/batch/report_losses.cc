@@ -1,12 +1,12 @@
 #include "services/batch/report_losses.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
-#include <fstream>
 
 #include "common/picture/html.h"
 #include "services/batch/shard_try.h"
+#include "services/batch/text_file.h"
 
 namespace sprout::batch {
 namespace {
@@ -76,13 +76,6 @@ std::string Row(const std::string& name, const Losses& losses) {
   }
   for (const Column& column : kInputColumns) html += Cell(losses.*column.count, column.is_bad);
   return html + "</tr>\n";
-}
-
-std::string FirstLineOf(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
-  return line;
 }
 
 // Shards that failed first, then those that were tried again.

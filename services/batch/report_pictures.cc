@@ -1,13 +1,11 @@
 #include "services/batch/report_pictures.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "common/bus/channels.h"
-#include "common/messages/codec.h"
 #include "common/picture/color_map.h"
 #include "common/picture/html.h"
 #include "common/picture/picture.h"
@@ -79,14 +77,9 @@ cv::Mat ReportPictures::LeftOf(size_t shard, const FrameId& id) const {
   const BatchLog& log = manifest_.logs[static_cast<size_t>(of_shard.log)];
   std::vector<IndexedEvent> events = ReadIndexLines(log.index, of_shard.begin, of_shard.end);
   for (const int64_t line : of_shard.carried) events.push_back(ReadIndexLine(log.index, line));
-  const std::string channel = manifest_.head.prefix + std::string(ChannelOf(Part::kLeft));
-  for (const IndexedEvent& event : events) {
-    if (event.channel != channel || event.id.seq != id.seq || event.id.utime != id.utime) continue;
-    EventFetcher fetcher(log.path);
-    auto decoded = DecodePart(Part::kLeft, fetcher.Fetch(event.offset).data);
-    if (decoded) return std::get<cv::Mat>(std::move(decoded->value));
-  }
-  return {};
+  FrameLookup input(manifest_.head.prefix);
+  input.Add(log.path, events);
+  return input.Get(id, {Part::kLeft}).left;
 }
 
 std::string ReportPictures::HtmlOf(size_t shard, int64_t seq, int64_t utime) {

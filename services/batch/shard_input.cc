@@ -3,9 +3,7 @@
 #include <algorithm>
 
 #include "common/logfile/event_fetcher.h"
-#include "common/logfile/event_list.h"
 #include "common/logfile/log_writer.h"
-#include "services/batch/text_file.h"
 
 namespace sprout::batch {
 
@@ -28,23 +26,7 @@ ShardInput::ShardInput(const ShardOfBatch& work, const std::vector<std::string>&
       [](const IndexedEvent& x, const IndexedEvent& y) { return x.utime < y.utime; });
   for (IndexedEvent& event : events_) event.utime = std::min(event.utime, oldest->utime);
   events_.insert(events_.end(), own.begin(), own.end());
-}
-
-std::string ShardInput::Path(bool as_list) {
-  std::unique_ptr<ScratchFile>& file = as_list ? list_ : copy_;
-  if (!file) {
-    file = std::make_unique<ScratchFile>();
-    if (as_list) {
-      WriteList(file->path());
-    } else {
-      WriteCopy(file->path());
-    }
-  }
-  return file->path();
-}
-
-bool ShardInput::ReadsLists(std::string_view program_bytes) {
-  return program_bytes.find(EventList::kMagic) != std::string_view::npos;
+  WriteCopy();
 }
 
 void ShardInput::AddTo(FrameLookup& frames) const { frames.Add(work_.log.path, events_); }
@@ -59,15 +41,9 @@ void ShardInput::Changed() const {
                  "again");
 }
 
-void ShardInput::WriteList(const std::string& path) const {
-  std::vector<EventList::Entry> entries;
-  for (const IndexedEvent& event : events_) entries.push_back({event.offset, event.utime});
-  WriteText(path, EventList::Text(work_.log.path, entries));
-}
-
-void ShardInput::WriteCopy(const std::string& path) const {
+void ShardInput::WriteCopy() const {
   EventFetcher fetcher(work_.log.path);
-  LogWriter writer(path);
+  LogWriter writer(path());
   for (const IndexedEvent& event : events_) {
     writer.Write(event.utime, event.channel, fetcher.Fetch(event.offset).data);
   }

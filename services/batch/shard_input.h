@@ -1,9 +1,7 @@
 #ifndef SPROUT_SERVICES_BATCH_SHARD_INPUT_H_
 #define SPROUT_SERVICES_BATCH_SHARD_INPUT_H_
 
-#include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "services/batch/frame_lookup.h"
@@ -12,19 +10,15 @@
 
 namespace sprout::batch {
 
-/// The messages of a shard, as a log that stages can replay.
+/// A copy of the messages of a shard, as a log that stages can replay.
 class ShardInput {
  public:
   /// @param channels  that the stages take.
-  /// @throws LogError when log or index are not those of the manifest any more.
+  /// @throws LogError when log or index are not those of the manifest any more, or there is no room
+  ///         for the copy.
   ShardInput(const ShardOfBatch& work, const std::vector<std::string>& channels);
 
-  /// A list of the events for programs that can read one (EventList), which then read the log
-  /// itself; a copy of the events for others, of older builds. @throws LogError, no room for it.
-  std::string Path(bool as_list);
-
-  /// Whether a program can read a list: it then has the word that begins one among its bytes.
-  static bool ReadsLists(std::string_view program_bytes);
+  std::string path() const { return copy_.path(); }
 
   /// Adds the places of the messages.
   void AddTo(FrameLookup& frames) const;
@@ -34,13 +28,11 @@ class ShardInput {
 
  private:
   [[noreturn]] void Changed() const;
-  void WriteList(const std::string& path) const;
-  void WriteCopy(const std::string& path) const;
+  void WriteCopy() const;
 
   const ShardOfBatch& work_;
   std::vector<IndexedEvent> events_;  // in order; times go forward
-  std::unique_ptr<ScratchFile> list_;
-  std::unique_ptr<ScratchFile> copy_;
+  ScratchFile copy_;
 };
 
 }  // namespace sprout::batch

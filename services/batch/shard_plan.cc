@@ -1,17 +1,16 @@
 #include "services/batch/shard_plan.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <optional>
 #include <type_traits>
 
 #include "common/app/replay.h"
 #include "common/bus/channels.h"
-#include "common/bus/frame_joiner.h"
 #include "common/core/digest.h"
+#include "common/frames/frame_joiner.h"
 
 namespace sprout::batch {
 namespace {
@@ -31,15 +30,6 @@ PartValue EmptyValue(Part part) {
         }
       },
       RowOf(part).member);
-}
-
-std::optional<Part> PartOf(const std::string& channel, const PlanOptions& options) {
-  for (const Part part : kAllParts) {
-    if (options.inputs.all.Has(part) && channel == options.prefix + std::string(ChannelOf(part))) {
-      return part;
-    }
-  }
-  return std::nullopt;
 }
 
 // Follows what the first stage's replay would hold and answer, message by message, with the joiner
@@ -109,14 +99,10 @@ struct Taken {
 };
 
 std::vector<Taken> TakenOf(const LogIndex& index, const PlanOptions& options) {
-  std::map<std::string, std::optional<Part>> parts;
   std::vector<Taken> taken;
   for (const IndexedEvent& event : index.events()) {
-    auto known = parts.find(event.channel);
-    if (known == parts.end()) {
-      known = parts.emplace(event.channel, PartOf(event.channel, options)).first;
-    }
-    if (known->second) taken.push_back({&event, *known->second});
+    const std::optional<Part> part = PartOf(event.channel, options.prefix);
+    if (part && options.inputs.all.Has(*part)) taken.push_back({&event, *part});
   }
   return taken;
 }

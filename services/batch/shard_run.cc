@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -13,10 +12,10 @@
 
 #include "common/app/compute.h"
 #include "common/app/process.h"
-#include "common/core/digest.h"
-#include "common/core/host_name.h"
-#include "common/core/output_file.h"
-#include "common/logfile/file_window.h"
+#include "common/config/stage_parts.h"
+#include "common/logfile/log_error.h"
+#include "services/batch/names.h"
+#include "services/batch/result_folder.h"
 #include "services/batch/scratch_file.h"
 #include "services/batch/shard_input.h"
 #include "services/batch/shard_try.h"
@@ -30,53 +29,11 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::hours kPatience{24};
 
-std::string BytesOf(const fs::path& path) {
-  try {
-    const InputFile file(path);
-    std::string bytes(static_cast<size_t>(file.size()), '\0');
-    file.Read(0, {reinterpret_cast<uint8_t*>(bytes.data()), bytes.size()});
-    return bytes;
-  } catch (const LogError& e) {
-    throw ConfigError(e.what());
-  }
-}
-
 // What the last stage always answers.
 Part AnswerOf(const std::string& stage) {
   if (stage == "refine") return Part::kSeeds;
   return stage == "prior" ? Part::kPrior : Part::kDisparity;
 }
-
-// A folder that gets its name when all in it is written.
-class ResultFolder {
- public:
-  explicit ResultFolder(fs::path path) : path_(std::move(path)) {
-    part_ = path_;
-    part_ += fmt::format(".part-{}-{}", HostName(), getpid());
-    fs::create_directories(part_);
-  }
-  ~ResultFolder() {
-    std::error_code ignored;
-    if (!part_.empty()) fs::remove_all(part_, ignored);
-  }
-  ResultFolder(const ResultFolder&) = delete;
-  ResultFolder& operator=(const ResultFolder&) = delete;
-
-  fs::path operator/(const std::string& name) const { return part_ / name; }
-
-  void Commit() {
-    std::error_code error;
-    fs::rename(part_, path_, error);
-    if (!error) part_.clear();
-    // Another process may have been faster, with the same bytes.
-    else if (!fs::exists(path_))
-      throw LogError(path_, error.message());
-  }
-
- private:
-  fs::path path_;
-  fs::path part_;
-};
 
 // Scratch files have names that say nothing.
 std::string WithFolderOfScratch(const std::string& text) {
@@ -105,7 +62,7 @@ class ShardRun {
 
   void Run() {
     for (const Variant& variant : work_.head.variants) {
-      if (!fs::exists(folder_.result(KeyOf(variant)))) RunVariant(variant);
+      if (!IsWhole(folder_.result(KeyOf(variant)), ResultCheck::kQuick)) RunVariant(variant);
     }
     if (Compares(work_.head)) Compare();
   }
@@ -121,22 +78,18 @@ class ShardRun {
   }
 
   ShardInput& Input() {
-    if (!input_) input_.emplace(work_, channels_);
-    return *input_;
-  }
-
-  std::string InputPath(bool as_list) {
     try {
-      return Input().Path(as_list);
+      if (!input_) input_.emplace(work_, channels_);
+      return *input_;
     } catch (const LogError& e) {
       throw ShardError(WithFolderOfScratch(e.what()));
     }
   }
 
   void RunVariant(const Variant& variant) {
-    const bool as_list = RequirePrograms(variant);
+    RequirePrograms(variant);
     ResultFolder result(folder_.result(KeyOf(variant)));
-    std::vector<std::string> logs = {InputPath(as_list)};
+    std::vector<std::string> logs = {Input().path()};
     std::vector<std::unique_ptr<ScratchFile>> scratch;
     StageRuns runs;
     for (const std::string& stage : work_.head.stages) {
@@ -148,31 +101,36 @@ class ShardRun {
       runs[stage] = RunStageProgram(variant, stage, logs, record);
       logs.push_back(record);
     }
-    FrameLookup frames(work_.head.prefix);
-    input_->AddTo(frames);
-    const Part answer = AnswerOf(work_.head.stages.back());
-    for (size_t i = 0; i < work_.head.stages.size(); ++i) {
-      if (IsMeasured(OutputsOf(work_.head.stages[i]), answer)) frames.Add(logs[i + 1]);
-    }
-    WriteTable(result / "measures.csv", MeasureFrames(frames, answer));
+    WriteTable(result / kMeasures, MeasuresOf(logs));
     input_->RequireUnchanged();
-    WriteStageRuns(result / "run.json", runs);
+    WriteStageRuns(result / kRuns, runs);
     result.Commit();
   }
 
-  // @returns whether all of them can read a list of events.
-  bool RequirePrograms(const Variant& variant) const {
-    bool read_lists = true;
-    for (const auto& [stage, program] : variant.programs) {
-      const std::string bytes = BytesOf(program.path);
-      if (Digest(bytes) != program.digest) {
-        throw ConfigError(program.path +
-                          ": not the program that the batch was planned with; run sprout-batch run "
-                          "again");
-      }
-      read_lists = read_lists && ShardInput::ReadsLists(bytes);
+  // @param logs  the shard, and what each stage answered.
+  Table MeasuresOf(const std::vector<std::string>& logs) {
+    const BatchHead& head = work_.head;
+    const Part answer = AnswerOf(head.stages.back());
+    FrameLookup frames(head.prefix);
+    if (!head.measured) {
+      frames.Add(logs.back());
+      return ListFrames(frames, answer);
     }
-    return read_lists;
+    input_->AddTo(frames);
+    const SproutConfig config = LoadConfig({folder_.config("a")});
+    for (size_t i = 0; i < head.stages.size(); ++i) {
+      if (IsMeasured(OutputsOf(head.stages[i], config), answer)) frames.Add(logs[i + 1]);
+    }
+    return MeasureFrames(frames, answer);
+  }
+
+  static void RequirePrograms(const Variant& variant) {
+    for (const auto& [stage, program] : variant.programs) {
+      if (FileDigest(program.path) == program.digest) continue;
+      throw ConfigError(program.path +
+                        ": not the program that the batch was planned with; run sprout-batch run "
+                        "again");
+    }
   }
 
   StageRun RunStageProgram(const Variant& variant, const std::string& stage,
@@ -214,17 +172,19 @@ class ShardRun {
 
   void Compare() {
     const fs::path path = folder_.comparison(ComparisonKey(work_.head, work_.log, work_.shard));
-    if (fs::exists(path)) return;
+    if (IsWhole(path, ResultCheck::kQuick)) return;
     std::vector<std::unique_ptr<FrameLookup>> lookups;
     for (const Variant& variant : work_.head.variants) {
       lookups.push_back(std::make_unique<FrameLookup>(work_.head.prefix));
       lookups.back()->Add(folder_.result(KeyOf(variant)) / "grow.lcm");
     }
-    fs::create_directories(path.parent_path());
-    WriteTable(path, CompareFrames(*lookups[0], lookups.size() > 1 ? lookups[1].get() : nullptr,
-                                   work_.head.truth.empty()
-                                       ? fs::path()
-                                       : fs::path(work_.head.truth) / work_.log.name));
+    ResultFolder result(path);
+    WriteTable(
+        result / kChanges,
+        CompareFrames(
+            *lookups[0], lookups.size() > 1 ? lookups[1].get() : nullptr,
+            work_.head.truth.empty() ? fs::path() : fs::path(work_.head.truth) / work_.log.name));
+    result.Commit();
   }
 
   const BatchFolder& folder_;
@@ -238,16 +198,13 @@ class ShardRun {
 }  // namespace
 
 bool IsDone(const BatchFolder& folder, const BatchHead& head, const BatchLog& log,
-            const Shard& shard) {
+            const Shard& shard, ResultCheck check) {
   const auto is_there = [&](const Variant& variant) {
-    return access(folder.result(ResultKey(head, variant, shard)).c_str(), F_OK) == 0;
+    return IsWhole(folder.result(ResultKey(head, variant, shard)), check);
   };
   return std::all_of(head.variants.begin(), head.variants.end(), is_there) &&
-         (!Compares(head) ||
-          access(folder.comparison(ComparisonKey(head, log, shard)).c_str(), F_OK) == 0);
+         (!Compares(head) || IsWhole(folder.comparison(ComparisonKey(head, log, shard)), check));
 }
-
-std::string FileDigest(const fs::path& path) { return Digest(BytesOf(path)); }
 
 StageProgram DescribeProgram(const std::string& path) {
   Process process({path, "--version"});
@@ -256,6 +213,7 @@ StageProgram DescribeProgram(const std::string& path) {
   while (!version.empty() && std::isspace(static_cast<unsigned char>(version.back())) != 0) {
     version.pop_back();
   }
+  version = Escaped(version);
   return {.path = path, .digest = FileDigest(path), .version = version};
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "services/batch/manifest.h"
+#include "services/batch/result_folder.h"
 
 namespace sprout::batch {
 
@@ -14,9 +15,14 @@ class ShardError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Whether all results of a shard are there. A few look-ups of names, no reading.
+/// Files of a result, beside the stages' logs, and of a comparison.
+inline constexpr char kMeasures[] = "measures.csv";
+inline constexpr char kRuns[] = "run.json";
+inline constexpr char kChanges[] = "changes.csv";
+
+/// Whether all results of a shard are there, and whole as far as `check` looks.
 bool IsDone(const BatchFolder& folder, const BatchHead& head, const BatchLog& log,
-            const Shard& shard);
+            const Shard& shard, ResultCheck check);
 
 /// Computes what is missing of a shard: cuts its frames out of the log, runs the stages over them
 /// (one thread each), measures what they answered, compares the variants. Results appear whole or
@@ -26,9 +32,6 @@ void RunShard(const BatchFolder& folder, size_t number);
 
 /// Program and what --version says. @throws ConfigError when it cannot be started.
 StageProgram DescribeProgram(const std::string& path);
-
-/// Digest of a file's bytes. @throws ConfigError when it cannot be read.
-std::string FileDigest(const std::filesystem::path& path);
 
 }  // namespace sprout::batch
 

@@ -1,16 +1,16 @@
 #include "services/batch/shard_try.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <charconv>
 #include <fstream>
 #include <system_error>
 #include <utility>
 
 #include "common/core/host_name.h"
+#include "common/core/number_text.h"
 
 namespace sprout::batch {
 
@@ -50,9 +50,10 @@ std::map<size_t, int64_t> FailedTries(const BatchFolder& folder) {
   std::error_code none;
   for (const auto& file : fs::directory_iterator(folder.failures(), none)) {
     const std::string name = file.path().filename();
-    size_t shard = 0;
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), shard);
-    if (error == std::errc() && *end == '.') ++tries[shard];
+    const size_t dot = name.find('.');
+    if (dot == std::string::npos) continue;
+    const auto shard = ParseNumber<size_t>(std::string_view(name).substr(0, dot));
+    if (shard) ++tries[*shard];
   }
   return tries;
 }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "common/config/stage_parts.h"
+
 namespace sprout::batch {
 namespace {
 
@@ -22,34 +24,11 @@ StageNames ParseStages(const std::string& flag, const std::vector<std::string>& 
       fmt::join(names, ",")));
 }
 
-PartSet InputsOf(const std::string& stage, const SproutConfig& config) {
-  if (stage == "refine") return {Part::kLeft, Part::kRight, Part::kTof, Part::kRig};
-  if (stage == "prior") {
-    PartSet inputs{Part::kSeeds, Part::kRig, Part::kLeft};
-    if (config.prior().left_seeds()) inputs.Add(Part::kLeftSeeds);
-    if (config.prior().method() == PriorConfig::EDGES) inputs.Add(Part::kRight);
-    return inputs;
-  }
-  PartSet inputs{Part::kLeft, Part::kRight};
-  const GrowConfig& grow = config.grow();
-  if (grow.seeds() == GrowConfig::TOF) inputs.Add(Part::kSeeds);
-  if (grow.similarity() == GrowConfig::EPC || grow.fill() == GrowConfig::PRIOR) {
-    inputs.Add(Part::kPrior);
-  }
-  return inputs;
-}
-
-PartSet OutputsOf(const std::string& stage) {
-  if (stage == "refine") return {Part::kSeeds, Part::kLeftSeeds};
-  if (stage == "prior") return {Part::kPrior};
-  return {Part::kUnfilled, Part::kDisparity, Part::kConfidence};
-}
-
 ChainInputs InputsOf(const StageNames& stages, const SproutConfig& config) {
   ChainInputs inputs{.first = InputsOf(stages.front(), config),
                      .all = InputsOf(stages.front(), config),
                      .first_has_all = true};
-  PartSet answered = OutputsOf(stages.front());
+  PartSet answered = OutputsOf(stages.front(), config);
   for (size_t i = 1; i < stages.size(); ++i) {
     const PartSet needed = InputsOf(stages[i], config);
     for (const Part part : kAllParts) {
@@ -57,7 +36,7 @@ ChainInputs InputsOf(const StageNames& stages, const SproutConfig& config) {
       inputs.all.Add(part);
       inputs.first_has_all &= inputs.first.Has(part);
     }
-    const PartSet outputs = OutputsOf(stages[i]);
+    const PartSet outputs = OutputsOf(stages[i], config);
     for (const Part part : kAllParts) {
       if (outputs.Has(part)) answered.Add(part);
     }

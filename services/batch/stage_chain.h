@@ -16,13 +16,6 @@ using StageNames = std::vector<std::string>;
 /// @throws ConfigError for other names, a gap or another order.
 StageNames ParseStages(const std::string& flag, const std::vector<std::string>& names);
 
-/// Parts that a stage joins with this configuration; as its plug says. Here once more, since
-/// linking the prior's plug would put every user of this library under CGAL's licence.
-PartSet InputsOf(const std::string& stage, const SproutConfig& config);
-
-/// Parts that a stage may answer.
-PartSet OutputsOf(const std::string& stage);
-
 /// What a chain of stages takes from a log.
 struct ChainInputs {
   PartSet first;  ///< what the first stage joins: a frame is answered when these are together

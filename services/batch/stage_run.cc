@@ -2,11 +2,12 @@
 
 #include <cinttypes>
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "common/core/host_name.h"
 #include "common/logfile/log_error.h"
+#include "services/batch/json_fields.h"
+#include "services/batch/names.h"
 #include "services/batch/text_file.h"
 
 namespace sprout::batch {
@@ -35,25 +36,26 @@ void WriteStageRuns(const std::filesystem::path& path, const StageRuns& runs) {
                      {"bad", run.bad_messages},      {"seconds", run.seconds}};
   }
   OutputFile file(path);
-  file.Write(Json{{"host", HostName()}, {"stages", stages}}.dump() + "\n");
+  file.Write(Json{{"host", Escaped(HostName())}, {"stages", stages}}.dump() + "\n");
   CommitFile(path, file);
 }
 
-StageRuns ReadStageRuns(const std::filesystem::path& path) {
+StageRuns ReadStageRuns(const std::filesystem::path& path, const StageNames& stages) {
   StageRuns runs;
-  std::ifstream file(path);
   try {
-    const Json json = Json::parse(file);
-    for (const auto& [stage, run] : json.at("stages").items()) {
-      runs[stage] = {.frames_in = run.at("in"),
-                     .frames_out = run.at("out"),
-                     .degenerate = run.at("degenerate"),
-                     .failed = run.at("failed"),
-                     .bad_messages = run.at("bad"),
-                     .seconds = run.at("seconds")};
+    const Json json = ParseObject(FirstLineOf(path));
+    for (const std::string& stage : stages) {
+      const Json& run = ObjectIn(ObjectIn(json, "stages"), stage);
+      runs[stage] = {.frames_in = CountIn(run, "in"),
+                     .frames_out = CountIn(run, "out"),
+                     .degenerate = CountIn(run, "degenerate"),
+                     .failed = CountIn(run, "failed"),
+                     .bad_messages = CountIn(run, "bad"),
+                     .seconds = DurationIn(run, "seconds")};
     }
-  } catch (const Json::exception&) {
-    throw LogError(path, "cannot be read; remove its folder, and the shard is computed again");
+  } catch (const ConfigError& e) {
+    throw LogError(path, e.what() + std::string("; remove its folder, and the shard is computed "
+                                                "again"));
   }
   return runs;
 }

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "services/batch/stage_chain.h"
+
 namespace sprout::batch {
 
 /// Counts and times of a stage over one shard.
@@ -28,8 +30,8 @@ std::optional<StageRun> ParseReplayReport(const std::string& output);
 /// run.json: kept beside the answers of a shard, with the name of this machine. @throws LogError.
 void WriteStageRuns(const std::filesystem::path& path, const StageRuns& runs);
 
-/// @throws LogError when it cannot be read.
-StageRuns ReadStageRuns(const std::filesystem::path& path);
+/// @throws LogError when it cannot be read, or lacks one of the stages.
+StageRuns ReadStageRuns(const std::filesystem::path& path, const StageNames& stages);
 
 }  // namespace sprout::batch
 

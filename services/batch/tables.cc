@@ -1,6 +1,6 @@
 #include "services/batch/tables.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>
@@ -9,8 +9,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
+#include "common/core/disparity_diff.h"
 #include "common/logfile/log_error.h"
 #include "common/quality/frame_quality.h"
+#include "common/quality/score.h"
 #include "services/batch/text_file.h"
 
 namespace sprout::batch {
@@ -39,8 +41,8 @@ Cell ParseCell(const std::filesystem::path& path, const std::string& text) {
   if (text.empty()) return std::nullopt;
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    throw LogError(path, "'" + text + "' is no number");
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    throw LogError(path, "'" + text + "' is no finite number");
   }
   return value;
 }
@@ -65,6 +67,23 @@ std::vector<std::string> WithFrame(const std::vector<std::string>& columns) {
   std::vector<std::string> all = {"seq", "utime"};
   all.insert(all.end(), columns.begin(), columns.end());
   return all;
+}
+
+// As ComparisonColumns() begins.
+std::vector<Cell> CellsOf(const DisparityDiff& diff) {
+  const auto share = [&](int64_t count) {
+    return static_cast<double>(count) / static_cast<double>(diff.pixels);
+  };
+  const int64_t in_one = diff.newly_valid + diff.newly_invalid;
+  return {share(diff.differing), share(diff.moved + in_one), diff.mean_px(),
+          diff.max_px,           share(diff.newly_valid),    share(diff.newly_invalid)};
+}
+
+// Share of the pixels with a true disparity where the map is off by more than 1 px or has none.
+Cell BadShare(const DisparityImage& map, const cv::Mat1f& truth_px) {
+  const Result<Accuracy> accuracy = Score(map, truth_px, cv::Mat1b(truth_px.size(), uchar{255}));
+  if (!accuracy || accuracy->scored == 0) return std::nullopt;
+  return 1 - accuracy->correct_le1_percent() / 100;
 }
 
 }  // namespace
@@ -112,15 +131,17 @@ void WriteTable(const std::filesystem::path& path, const Table& table) {
   CommitFile(path, file);
 }
 
-Table ReadTable(const std::filesystem::path& path) {
+Table ReadTable(const std::filesystem::path& path, const std::vector<std::string>& columns) {
   std::ifstream file(path);
   std::string line;
   if (!std::getline(file, line)) throw LogError(path, "cannot be read");
   Table table{.columns = Split(line), .rows = {}};
+  if (table.columns != WithFrame(columns)) throw LogError(path, "has other columns");
   while (std::getline(file, line)) {
     std::vector<Cell>& row = table.rows.emplace_back();
     for (const std::string& cell : Split(line)) row.push_back(ParseCell(path, cell));
     if (row.size() != table.columns.size()) throw LogError(path, "a row has missing cells");
+    if (!row[0] || !row[1]) throw LogError(path, "a row has no seq or utime");
   }
   return table;
 }
@@ -141,51 +162,12 @@ Table MeasureFrames(FrameLookup& frames, Part answer) {
   return table;
 }
 
-MapChange ChangeOf(const DisparityImage& a, const DisparityImage& b) {
-  MapChange change;
-  double sum = 0;
-  int64_t both = 0;
-  for (int v = 0; v < a.height(); ++v) {
-    for (int u = 0; u < a.width(); ++u) {
-      const bool in_a = a.IsValid(u, v);
-      const bool in_b = b.IsValid(u, v);
-      if (in_a && in_b) {
-        const double px =
-            std::abs(a.counts()(v, u) - b.counts()(v, u)) / double{DisparityImage::kCountsPerPixel};
-        sum += px;
-        ++both;
-        change.max_px = std::max(change.max_px, px);
-        change.changed += px > 0 ? 1 : 0;
-        change.moved += px > 1 ? 1 : 0;
-      } else {
-        change.appeared += in_b ? 1 : 0;
-        change.vanished += in_a ? 1 : 0;
-      }
-    }
+Table ListFrames(const FrameLookup& frames, Part answer) {
+  Table table{.columns = WithFrame(MeasureColumns()), .rows = {}};
+  for (const FrameId& id : frames.FramesWith(answer)) {
+    table.rows.emplace_back(RowStart(id)).resize(table.columns.size());
   }
-  change.mean_px = both > 0 ? sum / static_cast<double>(both) : 0;
-  change.changed += change.appeared + change.vanished;
-  change.moved += change.appeared + change.vanished;
-  const auto pixels = static_cast<double>(a.counts().total());
-  for (double* share : {&change.changed, &change.moved, &change.appeared, &change.vanished}) {
-    *share /= pixels;
-  }
-  return change;
-}
-
-std::optional<double> BadShare(const DisparityImage& map, const cv::Mat1f& truth_px) {
-  if (truth_px.size() != map.size()) return std::nullopt;
-  int64_t known = 0;
-  int64_t bad = 0;
-  for (int v = 0; v < map.height(); ++v) {
-    for (int u = 0; u < map.width(); ++u) {
-      if (!std::isfinite(truth_px(v, u))) continue;
-      ++known;
-      if (!(std::abs(map.Px(u, v) - truth_px(v, u)) <= 1)) ++bad;
-    }
-  }
-  if (known == 0) return std::nullopt;
-  return static_cast<double>(bad) / static_cast<double>(known);
+  return table;
 }
 
 Table CompareFrames(FrameLookup& a, FrameLookup* b, const std::filesystem::path& truth) {
@@ -197,10 +179,8 @@ Table CompareFrames(FrameLookup& a, FrameLookup* b, const std::filesystem::path&
     std::vector<Cell>& row = table.rows.emplace_back(RowStart(id));
     row.resize(table.columns.size());
     if (map_a && map_b && !map_a->empty() && map_a->size() == map_b->size()) {
-      const MapChange change = ChangeOf(*map_a, *map_b);
-      const double cells[] = {change.changed, change.moved,    change.mean_px,
-                              change.max_px,  change.appeared, change.vanished};
-      std::copy(std::begin(cells), std::end(cells), row.begin() + 2);
+      const std::vector<Cell> cells = CellsOf(Compare(*map_a, *map_b));
+      std::copy(cells.begin(), cells.end(), row.begin() + 2);
     }
     if (truth.empty()) continue;
     const auto file = truth / fmt::format("{:06}_disparity.pfm", id.seq);

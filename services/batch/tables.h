@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "common/core/disparity_image.h"
 #include "services/batch/frame_lookup.h"
 
 namespace sprout::batch {
@@ -26,12 +25,13 @@ void WriteTable(const std::filesystem::path& path, const Table& table);
 std::string TableHead(const Table& table);
 std::string TableRow(const std::vector<std::optional<double>>& row);
 
-/// @throws LogError when it is no table of numbers.
-Table ReadTable(const std::filesystem::path& path);
-
 /// Columns behind seq and utime in the tables of MeasureFrames() and CompareFrames().
 std::vector<std::string> MeasureColumns();
 std::vector<std::string> ComparisonColumns();
+
+/// A table of frames: seq, utime, then these columns.
+/// @throws LogError when it is another one, or a cell is no finite number, or a frame has no name.
+Table ReadTable(const std::filesystem::path& path, const std::vector<std::string>& columns);
 
 /// Whether MeasureFrames() looks at any of these parts.
 bool IsMeasured(const PartSet& parts, Part answer);
@@ -41,22 +41,8 @@ bool IsMeasured(const PartSet& parts, Part answer);
 /// @param answer  what the last stage always answers.
 Table MeasureFrames(FrameLookup& frames, Part answer);
 
-/// What differs between two maps. Shares are of all pixels.
-struct MapChange {
-  double changed = 0;   ///< has another disparity, or one in one map only
-  double moved = 0;     ///< the same by more than 1 px, or in one map only
-  double mean_px = 0;   ///< mean |difference| where both have a disparity
-  double max_px = 0;    ///< largest
-  double appeared = 0;  ///< only B has one
-  double vanished = 0;  ///< only A has one
-};
-
-/// @pre both have the same size, not empty. O(pixels).
-MapChange ChangeOf(const DisparityImage& a, const DisparityImage& b);
-
-/// Share of the pixels with a true disparity where the map is off by more than 1 px or has none;
-/// nothing when there is no true one or the sizes differ. O(pixels).
-std::optional<double> BadShare(const DisparityImage& map, const cv::Mat1f& truth_px);
+/// The same rows with nothing in them; reads no image.
+Table ListFrames(const FrameLookup& frames, Part answer);
 
 /// A row for each frame that A or B answered: seq, utime, changed, moved, mean_change_px,
 /// max_change_px, appeared, vanished, and with a truth a_bad1 and b_bad1.

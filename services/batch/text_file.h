@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/core/output_file.h"
+#include "common/core/read_text.h"
 #include "common/logfile/log_error.h"
 
 namespace sprout::batch {
@@ -19,6 +20,12 @@ inline void WriteText(const std::filesystem::path& path, const std::string& text
   OutputFile file(path);
   file.Write(text);
   CommitFile(path, file);
+}
+
+/// Empty where there is no such file.
+inline std::string FirstLineOf(const std::filesystem::path& path) {
+  const std::string text = ReadText(path, kMaxListBytes).value_or("");
+  return text.substr(0, text.find('\n'));
 }
 
 }  // namespace sprout::batch

@@ -3,8 +3,9 @@
 #include <cstdint>
 #include <opencv2/aruco.hpp>
 #include <sstream>
+#include <string>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 
 namespace sprout::calibrate {
 namespace {

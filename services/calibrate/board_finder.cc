@@ -9,6 +9,8 @@
 #include <optional>
 #include <utility>
 
+#include "common/core/quantile.h"
+
 namespace sprout::calibrate {
 namespace {
 
@@ -174,9 +176,7 @@ cv::Mat1f Levels(const cv::Mat1f& amplitude) {
   std::erase_if(values, [](float value) { return !std::isfinite(value); });
   if (values.empty()) return cv::Mat1f(amplitude.size(), 0.f);
   const auto percentile = [&](size_t percent) {
-    const auto place = values.begin() + static_cast<std::ptrdiff_t>(values.size() * percent / 100);
-    std::nth_element(values.begin(), place, values.end());
-    return *place;
+    return OrderStatistic(values, values.size() * percent / 100);
   };
   const float low = percentile(1);
   const float high = percentile(99);

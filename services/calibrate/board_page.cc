@@ -2,12 +2,12 @@
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <memory>
 #include <stdexcept>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 
 namespace sprout::calibrate {
 namespace {

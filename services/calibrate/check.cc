@@ -47,11 +47,13 @@ Result<void> AddRectified(const Rectifier& rectifier, const Frame& frame, RigChe
 int RunCheck(const CheckOptions& options) {
   std::optional<Rectifier> rectifier;
   std::string prefix = options.prefix;
-  std::vector<Part> parts = {Part::kLeft, Part::kRight, Part::kTof};
+  PartSet parts = {Part::kLeft, Part::kRight, Part::kTof};
   if (options.rig.empty()) {
-    parts.push_back(Part::kRig);
+    parts.Add(Part::kRig);
   } else {
     rectifier.emplace(RequireCalibration(LoadRigFile(options.rig), options.rig));
+    const std::string warning = ViewsWarning(rectifier->views());
+    if (!warning.empty()) std::cerr << "sprout-calibrate: " << warning << "\n";
     prefix += kRawPrefix;
   }
   const int64_t frames = CountEvents(options.log, prefix + std::string(ChannelOf(Part::kLeft)));

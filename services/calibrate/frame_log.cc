@@ -1,103 +1,48 @@
 #include "services/calibrate/frame_log.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <map>
-#include <optional>
+#include <cstdint>
+#include <vector>
 
-#include "common/bus/channels.h"
-#include "common/bus/frame_joiner.h"
-#include "common/config/config.h"
-#include "common/logfile/log_reader.h"
-#include "common/messages/codec.h"
+#include "common/config/config_error.h"
+#include "common/frames/whole_frames.h"
 
 namespace sprout::calibrate {
 namespace {
 
-using ChannelCounts = std::map<std::string, int64_t>;
-
-class FrameLog {
- public:
-  FrameLog(std::string prefix, const std::vector<Part>& parts)
-      : prefix_(std::move(prefix)), parts_(parts), joiner_(SetOf(parts)) {}
-
-  void Add(const LogEvent& event, const std::function<void(const Frame&)>& visit) {
-    ++channels_[std::string(event.channel)];
-    const std::optional<Part> part = PartOf(event.channel);
-    if (!part) return;
-    Result<DecodedPart> decoded = DecodePart(*part, event.data);
-    if (!decoded) {
-      if (refused_++ == 0) first_refusal_ = decoded.error().text;
-      return;
-    }
-    for (const Frame& frame : joiner_.Add(decoded->id, *part, std::move(decoded->value))) {
-      ++frames_;
-      visit(frame);
-    }
+ConfigError NoFrame(const std::filesystem::path& path, const std::string& prefix, PartSet parts,
+                    const ChannelCounts& channels) {
+  std::vector<std::string> wanted;
+  for (const Part part : kAllParts) {
+    if (parts.Has(part)) wanted.push_back(prefix + std::string(ChannelOf(part)));
   }
-
-  void End() { joiner_.DropPending(); }
-
-  int64_t frames() const { return frames_; }
-
-  // What the log has instead of whole frames.
-  std::string NoFrameText() const {
-    std::string wanted;
-    for (const Part part : parts_) {
-      wanted += fmt::format("{}{}{}", wanted.empty() ? "" : ", ", prefix_, ChannelOf(part));
-    }
-    std::string there;
-    for (const auto& [channel, count] : channels_) {
-      there += fmt::format("{}{} ({})", there.empty() ? "" : ", ", channel, count);
-    }
-    return fmt::format("no whole frame of {} in it; it has {}", wanted,
-                       there.empty() ? "no events" : there);
-  }
-
-  std::string Complaint(const std::vector<LogDamage>& damage) const {
-    std::string text;
-    const auto add = [&](const std::string& what) { text += (text.empty() ? "" : "; ") + what; };
-    if (refused_ > 0) add(fmt::format("{} messages cannot be read ({})", refused_, first_refusal_));
-    if (joiner_.incomplete() > 0) add(fmt::format("{} frames are not whole", joiner_.incomplete()));
-    if (!damage.empty()) add(fmt::format("damaged in {} places", damage.size()));
-    return text;
-  }
-
- private:
-  static PartSet SetOf(const std::vector<Part>& parts) {
-    PartSet set;
-    for (const Part part : parts) set.Add(part);
-    return set;
-  }
-
-  std::optional<Part> PartOf(std::string_view channel) const {
-    for (const Part part : parts_) {
-      if (channel == prefix_ + std::string(ChannelOf(part))) return part;
-    }
-    return std::nullopt;
-  }
-
-  std::string prefix_;
-  std::vector<Part> parts_;
-  FrameJoiner joiner_;
-  ChannelCounts channels_;
-  int64_t frames_ = 0;
-  int64_t refused_ = 0;
-  std::string first_refusal_;
-};
+  return ConfigError(fmt::format("{}: no whole frame of {} in it; it has {}", path.string(),
+                                 fmt::join(wanted, ", "), channels.Text()));
+}
 
 }  // namespace
 
 std::string ReadFrameLog(const std::filesystem::path& path, const std::string& prefix,
-                         const std::vector<Part>& parts,
-                         const std::function<void(const Frame&)>& visit) {
-  LogReader reader(path);
-  FrameLog log(prefix, parts);
-  for (LogEvent event; reader.Next(event);) log.Add(event, visit);
-  log.End();
-  if (log.frames() == 0) throw ConfigError(path.string() + ": " + log.NoFrameText());
-  const std::string complaint = log.Complaint(reader.damage());
-  return complaint.empty() ? "" : path.string() + ": " + complaint;
+                         PartSet parts, const std::function<void(const Frame&)>& visit) {
+  int64_t refused = 0;
+  std::string first_refusal;
+  WholeFrames log(path, prefix, parts, [&](const LogEvent&, const std::string& why) {
+    if (refused++ == 0) first_refusal = why;
+  });
+  int64_t frames = 0;
+  for (; const auto next = log.Next(); ++frames) visit(next->frame);
+  if (frames == 0) throw NoFrame(path, prefix, parts, log.channels());
+  const int64_t incomplete = log.joiner().incomplete();
+  const size_t damaged = log.log().damage().size();
+  std::vector<std::string> complaints;
+  if (refused > 0) {
+    complaints.push_back(fmt::format("{} messages cannot be read ({})", refused, first_refusal));
+  }
+  if (incomplete > 0) complaints.push_back(fmt::format("{} frames are not whole", incomplete));
+  if (damaged > 0) complaints.push_back(fmt::format("damaged in {} places", damaged));
+  if (complaints.empty()) return "";
+  return fmt::format("{}: {}", path.string(), fmt::join(complaints, "; "));
 }
 
 }  // namespace sprout::calibrate

@@ -4,24 +4,18 @@
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "common/core/frame.h"
 
 namespace sprout::calibrate {
 
-/// Before the channels of unrectified images, as sprout-capture --raw sends them; behind the prefix
-/// of the graph.
-inline constexpr const char* kRawPrefix = "RAW_";
-
-/// Reads the frames of a log that have all of `parts`, in constant memory.
+/// Reads the frames of a log that have all of `parts`, see WholeFrames.
 /// @param prefix  before SPROUT_LEFT and so on.
 /// @returns what could not be read, one line, or nothing.
 /// @throws LogError for a file that is no log; ConfigError for one without a whole frame, which
 ///         says what it has.
 std::string ReadFrameLog(const std::filesystem::path& path, const std::string& prefix,
-                         const std::vector<Part>& parts,
-                         const std::function<void(const Frame&)>& visit);
+                         PartSet parts, const std::function<void(const Frame&)>& visit);
 
 }  // namespace sprout::calibrate
 

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
+#include "common/picture/read_image.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -21,9 +22,9 @@ fs::path FileOf(const std::vector<fs::path>& files, const std::string& stem) {
 }
 
 cv::Mat Read(const fs::path& file, int flags) {
-  cv::Mat image = cv::imread(file.string(), flags);
-  if (image.empty()) throw ConfigError(file.string() + ": cannot be read as an image");
-  return image;
+  Result<cv::Mat> image = DecodeImageFile(file, flags, kCameraFormats);
+  if (!image) throw ConfigError(image.error().text);
+  return *image;
 }
 
 cv::Mat1f ReadNumbers(const fs::path& file, double scale_of_16_bits) {

@@ -1,9 +1,9 @@
 #include "services/calibrate/program.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <glog/logging.h>
 
-#include <charconv>
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -14,8 +14,10 @@
 #include "common/app/program.h"
 #include "common/app/progress.h"
 #include "common/app/version.h"
+#include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/config/config.h"
+#include "common/core/number_text.h"
 #include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
 #include "common/rig/rig_file.h"
@@ -76,11 +78,14 @@ void AddBoardFlags(CLI::App& flags, BoardOptions& board) {
 
 Board BoardOf(const BoardOptions& options) {
   BoardSize size{.square_m = options.square_mm / 1000};
-  const char* const end = options.squares.data() + options.squares.size();
-  const auto columns = std::from_chars(options.squares.data(), end, size.columns);
-  if (columns.ec == std::errc() && columns.ptr != end && *columns.ptr == 'x') {
-    const auto rows = std::from_chars(columns.ptr + 1, end, size.rows);
-    if (rows.ec == std::errc() && rows.ptr == end) return Board(size);
+  const std::string_view text = options.squares;
+  const size_t cross = std::min(text.find('x'), text.size());
+  const auto columns = ParseNumber<int>(text.substr(0, cross));
+  const auto rows = ParseNumber<int>(text.substr(std::min(cross + 1, text.size())));
+  if (columns && rows) {
+    size.columns = *columns;
+    size.rows = *rows;
+    return Board(size);
   }
   throw ConfigError("--squares " + options.squares + ": allowed is COLUMNSxROWS, such as 9x6");
 }
@@ -118,7 +123,7 @@ ViewCollector Collect(const Board& board, const Options& options) {
       });
     } else {
       const std::string complaint = ReadFrameLog(
-          input, options.prefix + kRawPrefix, {Part::kLeft, Part::kRight, Part::kTof},
+          input, options.prefix + std::string(kRawPrefix), {Part::kLeft, Part::kRight, Part::kTof},
           [&](const Frame& frame) {
             collector.Add({.left = frame.left, .right = frame.right, .tof = *frame.tof},
                           frame.id.utime);
@@ -148,6 +153,13 @@ std::runtime_error NoCalibration(const std::string& why, const ViewCounts& count
   return std::runtime_error(text);
 }
 
+// A calibration that is not good must not take the place of one that may be.
+fs::path FileFor(const Calibration& calibration, const fs::path& out) {
+  if (calibration.quality.is_good()) return out;
+  fs::path beside = out;
+  return beside.replace_filename(out.stem().string() + ".not_good" + out.extension().string());
+}
+
 int RunEstimate(const Options& options) {
   const Board board = BoardOf(options.board);
   RigDescription rig;
@@ -161,13 +173,17 @@ int RunEstimate(const Options& options) {
 
   const std::string counts_text = CountsText(counts, views);
   *rig.mutable_calibration() = ToCalibration(calibration->rig);
-  if (const Result<void> saved = SaveRigFile(options.out, rig); !saved) {
+  const fs::path file = FileFor(*calibration, options.out);
+  if (const Result<void> saved = SaveRigFile(file, rig); !saved) {
     throw std::runtime_error(saved.error().text);
   }
   if (!options.report.empty()) {
     Write(options.report, ReportHtml(*calibration, collector.best_images(), counts_text));
   }
   std::cout << counts_text << "\n" << SummaryText(*calibration);
+  if (file != options.out) {
+    std::cout << fmt::format("not written to {}, but to {}\n", options.out.string(), file.string());
+  }
   return calibration->quality.is_good() ? 0 : 1;
 }
 
@@ -192,7 +208,9 @@ void AddEstimate(CLI::App& program, Options& options) {
       ->check(CLI::ExistingPath);
   AddBoardFlags(flags, options.board);
   flags.add_option("--rig", options.rig, "Rig file whose devices are kept")->type_name("FILE");
-  flags.add_option("--out", options.out, "Rig file to write")->required()->type_name("FILE");
+  flags.add_option("--out", options.out, "Rig file to write; what is not good goes beside it")
+      ->required()
+      ->type_name("FILE");
   flags.add_option("--report", options.report, "HTML page to write")->type_name("FILE");
   flags.add_option("--channel-prefix", options.prefix, "Before the channels in the log")
       ->type_name("TEXT");

@@ -1,10 +1,11 @@
 #include "services/calibrate/quality.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "common/core/quantile.h"
 #include "common/geometry/lens.h"
 #include "common/rig/rectifier.h"
 #include "services/calibrate/coverage.h"
@@ -27,10 +28,8 @@ constexpr double kMaxRangeSigmaM = 0.005;
 
 double Percentile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(
-                                          share * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
+  return OrderStatistic(values,
+                        static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5));
 }
 
 CameraQuality QualityOfCamera(const RefinedModel& refined, CameraIndex camera,
@@ -59,6 +58,7 @@ CameraQuality QualityOfCamera(const RefinedModel& refined, CameraIndex camera,
 void AddEpipolar(const RawRig& rig, const std::vector<BoardView>& views,
                  CalibrationQuality& quality) {
   const Rectifier rectifier(rig);
+  quality.views = rectifier.views();
   std::vector<double> errors;
   for (const BoardView& view : views) {
     const BoardCorners& left = view.corners[kLeft];

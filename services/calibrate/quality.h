@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/rig/raw_rig.h"
+#include "common/rig/rectification.h"
 #include "services/calibrate/coverage.h"
 #include "services/calibrate/rig_refinement.h"
 
@@ -27,6 +28,7 @@ struct CalibrationQuality {
   /// Difference of the rows on which both images of the rectified pair have a corner, px.
   double epipolar_median_px = 0;
   double epipolar_95_px = 0;  ///< 95 % are below
+  RectifiedViews views;       ///< what the rectified pair shows
   /// Standard deviation of where ToF points land in the left image, as far as it comes from the
   /// calibration, px: mean over the ToF image, at the worse of nearest_m and farthest_m. 0 without
   /// ToF camera.

@@ -1,6 +1,6 @@
 #include "services/calibrate/report.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <cstdint>
@@ -58,6 +58,8 @@ std::vector<Row> RigRows(const Calibration& calibration) {
   rows.push_back({"rows of the rectified pair",
                   fmt::format("{:.3f} px apart in the median, 95 % below {:.3f} px",
                               quality.epipolar_median_px, quality.epipolar_95_px)});
+  rows.push_back({"rectified images",
+                  fmt::format("show {:.0f} % of what a camera sees", 100 * quality.views.kept)});
   if (!HasTof(calibration)) return rows;
   rows.push_back(
       {"ToF points in the left image", fmt::format("± {:.2f} px", quality.tof_landing_px)});

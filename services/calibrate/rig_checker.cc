@@ -1,6 +1,6 @@
 #include "services/calibrate/rig_checker.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "common/core/image.h"
+#include "common/core/quantile.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -23,19 +24,17 @@ constexpr double kMaxTofDisparityPx = 1;
 constexpr int kFewTofFrames = 3;
 constexpr size_t kFewRanges = 200;
 
-double Median(std::vector<double> values) {
+// Of the values that are known.
+double MedianOf(std::vector<double> values) {
   std::erase_if(values, [](double value) { return std::isnan(value); });
-  if (values.empty()) return kUnknown;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? kUnknown : Median(values);
 }
 
 template <typename Items, typename Get>
 double MedianOf(const Items& items, Get get) {
   std::vector<double> values;
   for (const auto& item : items) values.push_back(get(item));
-  return Median(std::move(values));
+  return MedianOf(std::move(values));
 }
 
 // As OpenCV's own example sets it.
@@ -108,13 +107,14 @@ Result<void> RigChecker::Add(const cv::Mat& left, const cv::Mat& right, const To
   const Result<SeedSet> seeds = refiner_.Compute(left_grey, right_grey, tof, *projector_);
   if (!seeds) return tl::unexpected(seeds.error());
   ++frames_;
-  vertical_.push_back(refine::MeasureVerticalDisparity(left_grey, right_grey, seeds->seeds));
+  vertical_.push_back(MeasureVerticalDisparity(left_grey, right_grey, seeds->seeds));
   if (tof.depth_m.empty()) return {};
 
   has_tof_ = true;
   int behind = 0;
   const std::vector<ProjectedPoint> points = projector_->Project(tof, behind);
-  const refine::TofOffset offset = aligner_.Estimate(left_grey, right_grey, points, tof, *projector_);
+  const refine::TofOffset offset =
+      aligner_.Estimate(left_grey, right_grey, points, tof, *projector_);
   if (offset.sure) offsets_px_.emplace_back(offset.du_px, offset.dv_px);
   CompareRanges(left_grey, right_grey, points, rig.pair);
   return {};
@@ -126,15 +126,16 @@ void RigChecker::CompareRanges(const cv::Mat1b& left, const cv::Mat1b& right,
   std::vector<double> disparities;
   for (const ProjectedPoint& point : points) disparities.push_back(point.seed.disparity());
   if (disparities.empty()) return;
-  std::ranges::sort(disparities);
   // Disparities that occur, and as many pixels again that a wrong range would lead to. SGBM wants
   // multiples of 16, and fewer than the image has columns.
   constexpr int kAround = 16;
   constexpr int kStep = 16;
   const double nearly_all = 0.98 * static_cast<double>(disparities.size() - 1);
-  const int first = static_cast<int>(std::floor(disparities[disparities.size() / 50])) - kAround;
+  const int first =
+      static_cast<int>(std::floor(OrderStatistic(disparities, disparities.size() / 50))) - kAround;
   const int last =
-      static_cast<int>(std::ceil(disparities[static_cast<size_t>(nearly_all)])) + kAround;
+      static_cast<int>(std::ceil(OrderStatistic(disparities, static_cast<size_t>(nearly_all)))) +
+      kAround;
   const int count = std::min((last - first) / kStep + 1, left.cols / 2 / kStep) * kStep;
   if (count < kStep) return;
   const cv::Mat1f stereo = StereoDisparity(left, right, first, count);
@@ -171,8 +172,8 @@ RigCheck RigChecker::Summary() const {
     }
   }
   if (disparities_px_.size() >= kFewRanges) {
-    check.tof_disparity_px = Median(disparities_px_);
-    check.tof_range_m = Median(ranges_m_);
+    check.tof_disparity_px = MedianOf(disparities_px_);
+    check.tof_range_m = MedianOf(ranges_m_);
   }
   check.reasons = ReasonsOf(check);
   return check;

@@ -11,9 +11,9 @@
 #include "common/core/rig.h"
 #include "common/core/tof_image.h"
 #include "common/geometry/projection.h"
+#include "services/calibrate/vertical_disparity.h"
+#include "services/refine/alignment/tof_alignment.h"
 #include "services/refine/refiner.h"
-#include "services/refine/tof_alignment.h"
-#include "services/refine/vertical_disparity.h"
 
 namespace sprout::calibrate {
 
@@ -54,7 +54,7 @@ class RigChecker {
   std::string projector_rig_id_;
   int frames_ = 0;
   bool has_tof_ = false;
-  std::vector<refine::VerticalDisparity> vertical_;  // of each frame
+  std::vector<VerticalDisparity> vertical_;  // of each frame
   std::vector<cv::Point2d> offsets_px_;      // of those that are sure
   std::vector<double> disparities_px_;       // of points
   std::vector<double> ranges_m_;

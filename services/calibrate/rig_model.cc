@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "common/core/quantile.h"
 #include "common/geometry/lens.h"
 
 namespace sprout::calibrate {
@@ -84,12 +85,6 @@ Result<SingleCamera> CalibrateAlone(const Board& board, CameraIndex camera, cv::
     result.camera_from_board[used[i]] = ToTransform(rotations[i], translations[i]);
   }
   return result;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Of the views that both see: the rotation that is nearest to all of them, and the median of the

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "common/core/quantile.h"
 #include "common/geometry/lens.h"
 #include "services/calibrate/rig_residuals.h"
 
@@ -206,9 +207,7 @@ class Refinement {
   static double Sigma(std::vector<double> errors, double least, double without) {
     if (errors.empty()) return without;
     for (double& error : errors) error = std::abs(error);
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    return std::max(least, 1.4826 * *middle);
+    return std::max(least, 1.4826 * Median(errors));
   }
 
   static double CornerSigma(const std::vector<CornerResidual>& residuals) {

@@ -41,13 +41,15 @@ std::optional<double> MeanShift(const BoardCorners& a, const BoardCorners& b) {
 
 void ViewCollector::Add(const RigImages& images, std::optional<int64_t> utime) {
   ++counts_.images;
-  if (!HasFirstSizes(images)) {
+  const std::array<cv::Size, kCameraCount> sizes = {images.left.size(), images.right.size(),
+                                                    images.tof.depth_m.size()};
+  if (!FitsTheViews(sizes)) {
     ++counts_.other_size;
     return;
   }
   Pair pair{.left = FindBoard(board_, ToGrey(images.left)),
             .right = FindBoard(board_, ToGrey(images.right))};
-  const bool moves = Moves(pair, utime);
+  const bool moves = Moves(pair, utime, sizes[kLeft].width);
   if (std::max(pair.left.size(), pair.right.size()) < kMinCorners) {
     ++counts_.no_board;
     if (std::max(pair.left.markers, pair.right.markers) >= kMinCorners) ++counts_.foreign;
@@ -58,6 +60,9 @@ void ViewCollector::Add(const RigImages& images, std::optional<int64_t> utime) {
   } else if (std::ssize(views_) == kMaxViews) {
     ++counts_.too_many;
   } else {
+    if (views_.empty()) sizes_ = sizes;
+    // A ToF camera may be silent for a while.
+    if (sizes_[kTof].empty()) sizes_[kTof] = sizes[kTof];
     views_.push_back({.corners = {std::move(pair.left), std::move(pair.right),
                                   FindBoardInAmplitude(board_, images.tof.amplitude)},
                       .tof = {.depth_m = images.tof.depth_m.clone(),
@@ -71,23 +76,20 @@ void ViewCollector::Add(const RigImages& images, std::optional<int64_t> utime) {
   }
 }
 
-bool ViewCollector::HasFirstSizes(const RigImages& images) {
-  const std::array<cv::Size, kCameraCount> sizes = {images.left.size(), images.right.size(),
-                                                    images.tof.depth_m.size()};
-  if (images.left.size() != images.right.size()) return false;
-  if (sizes_[kLeft].empty()) sizes_ = sizes;
-  // A ToF camera may be silent for a while.
-  if (sizes_[kTof].empty()) sizes_[kTof] = sizes[kTof];
-  return sizes[kLeft] == sizes_[kLeft] && (sizes[kTof].empty() || sizes[kTof] == sizes_[kTof]);
+bool ViewCollector::FitsTheViews(const std::array<cv::Size, kCameraCount>& sizes) const {
+  if (sizes[kLeft] != sizes[kRight]) return false;
+  if (views_.empty()) return true;
+  const bool has_both_tof = !sizes[kTof].empty() && !sizes_[kTof].empty();
+  return sizes[kLeft] == sizes_[kLeft] && (!has_both_tof || sizes[kTof] == sizes_[kTof]);
 }
 
-bool ViewCollector::Moves(const Pair& pair, std::optional<int64_t> utime) {
+bool ViewCollector::Moves(const Pair& pair, std::optional<int64_t> utime, int width) {
   if (!utime) return false;
   const std::optional<Timed> before = std::exchange(newest_, Timed{*utime, pair});
   if (!before || *utime - before->utime > kMotionUs || *utime <= before->utime) return false;
   const std::optional<double> shift_px = Shift(pair, before->pair);
   const double seconds = static_cast<double>(*utime - before->utime) / 1e6;
-  return !shift_px || *shift_px > kStillShiftPerS * seconds * sizes_[kLeft].width;
+  return !shift_px || *shift_px > kStillShiftPerS * seconds * width;
 }
 
 bool ViewCollector::IsSimilar(const Pair& pair) const {

@@ -18,7 +18,7 @@ struct ViewCounts {
   int foreign = 0;     ///< of these: markers are there, but they do not lie as on the board
   int moving = 0;      ///< the board moved
   int similar = 0;     ///< the board was there before
-  int other_size = 0;  ///< not of the first triplet's size
+  int other_size = 0;  ///< not of the first view's size
   int too_many = 0;    ///< beyond kMaxViews
 };
 
@@ -41,7 +41,8 @@ class ViewCollector {
   const ViewCounts& counts() const { return counts_; }
   const std::vector<BoardView>& views() const { return views_; }
 
-  /// Sizes of the images, px; ToF 0×0: there is none.
+  /// Sizes of the views' images, px; ToF 0×0: there is none. What has no board in it sets none, so
+  /// that one stray frame does not keep all others out.
   const std::array<cv::Size, kCameraCount>& sizes() const { return sizes_; }
 
   /// The triplet in which the cameras see most of the board, to look at. Empty without views.
@@ -57,8 +58,8 @@ class ViewCollector {
     Pair pair;
   };
 
-  bool HasFirstSizes(const RigImages& images);
-  bool Moves(const Pair& pair, std::optional<int64_t> utime);
+  bool FitsTheViews(const std::array<cv::Size, kCameraCount>& sizes) const;
+  bool Moves(const Pair& pair, std::optional<int64_t> utime, int width);
   bool IsSimilar(const Pair& pair) const;
   static std::optional<double> Shift(const Pair& a, const Pair& b);
 

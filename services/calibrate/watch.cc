@@ -1,25 +1,24 @@
 #include "services/calibrate/watch.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <array>
-#include <csignal>
-#include <exception>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
-#include <thread>
+#include <stop_token>
+#include <vector>
 
 #include "common/app/progress.h"
 #include "common/bus/channels.h"
-#include "common/bus/frame_joiner.h"
 #include "common/bus/mailbox.h"
 #include "common/bus/receiver.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
+#include "common/core/signal_watcher.h"
+#include "common/frames/frame_joiner.h"
 #include "common/messages/codec.h"
 #include "services/calibrate/coverage.h"
-#include "services/calibrate/frame_log.h"
 #include "services/calibrate/image_folder.h"
 #include "services/calibrate/report.h"
 #include "services/calibrate/view_collector.h"
@@ -93,7 +92,7 @@ class ViewFolder {
 class RawFrames {
  public:
   explicit RawFrames(const WatchOptions& options)
-      : receiver_(options.lcm_url, options.prefix + kRawPrefix, Channels(),
+      : receiver_(options.lcm_url, options.prefix + std::string(kRawPrefix), Channels(),
                   [this](std::string_view channel, std::span<const uint8_t> bytes) {
                     OnMessage(channel, bytes);
                   }) {}
@@ -108,19 +107,16 @@ class RawFrames {
   }
 
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
-    for (const Part part : kParts) {
-      if (channel != ChannelOf(part)) continue;
-      Result<DecodedPart> decoded = DecodePart(part, bytes);
-      if (!decoded) {
-        // Frames without it do not complete, which the silence tells; why, is told once.
-        if (!complained_) std::cerr << "sprout-calibrate: " << decoded.error().text << std::endl;
-        complained_ = true;
-        return;
-      }
-      for (Frame& frame : joiner_.Add(decoded->id, part, std::move(decoded->value))) {
-        mailbox_.Put(std::move(frame));
-      }
+    const std::optional<Part> part = PartOf(channel);
+    if (!part) return;
+    Result<std::vector<Frame>> frames = joiner_.AddMessage(*part, bytes);
+    if (!frames) {
+      // Frames without it do not complete, which the silence tells; why, is told once.
+      if (!complained_) std::cerr << "sprout-calibrate: " << frames.error().text << std::endl;
+      complained_ = true;
+      return;
     }
+    for (Frame& frame : *frames) mailbox_.Put(std::move(frame));
   }
 
   FrameJoiner joiner_{PartSet{Part::kLeft, Part::kRight, Part::kTof}};
@@ -155,26 +151,10 @@ void Watch(RawFrames& frames, ViewFolder& views, const std::stop_token& stop) {
 
 int RunWatch(const Board& board, const WatchOptions& options) {
   if (const auto error = LcmUrlError(options.lcm_url)) throw ConfigError("--lcm-url: " + *error);
-  sigset_t ends;
-  sigemptyset(&ends);
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&ends, signal);
-  pthread_sigmask(SIG_BLOCK, &ends, nullptr);  // in all threads to come
+  const SignalWatcher signals;
   ViewFolder views(board, options.out);
   RawFrames frames(options);
-  std::exception_ptr failure;
-  {
-    std::jthread watching([&](const std::stop_token& stop) {
-      try {
-        Watch(frames, views, stop);
-      } catch (...) {
-        failure = std::current_exception();
-      }
-      kill(getpid(), SIGUSR1);  // wakes the main thread
-    });
-    int signal = 0;
-    sigwait(&ends, &signal);
-  }
-  if (failure) std::rethrow_exception(failure);
+  Watch(frames, views, signals.token());
   std::cout << fmt::format("{}: {}\n", options.out.string(), views.CountsLine());
   if (views.views() > 0) {
     std::cout << "next: sprout-calibrate estimate " << options.out.string()

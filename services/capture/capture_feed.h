@@ -44,12 +44,9 @@ class CaptureFeed {
   virtual Timing timing() const = 0;
 };
 
-/// Before the channels of images as the cameras see them, behind the prefix of the graph.
-inline constexpr std::string_view kRawPrefix = "RAW_";
-
 struct FeedOptions {
-  bool loop = false;     ///< start again at the end
-  bool raw = false;      ///< frames of cameras as they see them, for channels with kRawPrefix
+  bool loop = false;  ///< start again at the end
+  bool raw = false;   ///< frames of cameras as they see them, for channels with kRawPrefix
   datasets::Waiting waiting = {};  ///< called while Next() waits for cameras
 };
 

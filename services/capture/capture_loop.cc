@@ -1,18 +1,18 @@
 #include "services/capture/capture_loop.h"
 
-#include <fmt/format.h>
-#include <spdlog/spdlog.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <thread>
 
+#include "common/app/log.h"
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
 #include "common/app/supervision.h"
 #include "common/bus/channels.h"
 #include "common/bus/publisher.h"
 #include "common/core/digest.h"
-#include "services/capture/answers.h"
+#include "services/capture/answer_tracker.h"
 #include "services/capture/capture_feed.h"
 #include "services/capture/pace.h"
 
@@ -52,6 +52,7 @@ class Capture {
         publisher_(context.lcm_url, context.prefix),
         answers_(context, monitor_, options.wait_for, options.lockstep.has_value()),
         reporter_(context, monitor_),
+        source_(context.config.capture().source()),
         rate_hz_(context.config.capture().rate_hz()) {}
 
   int Run() {
@@ -65,7 +66,7 @@ class Capture {
     }
     WaitForRoom(0);
     Report(Clock::now() - started);
-    return 0;
+    return sent_ > 0 || stop_.stop_requested() ? 0 : SayNothingCame();
   }
 
  private:
@@ -104,18 +105,27 @@ class Capture {
 
   void Report(Clock::duration time) const {
     if (options_.frames && sent_ < *options_.frames && !stop_.stop_requested()) {
-      spdlog::warn("the source has {} of {} frames; --loop starts it again", sent_,
-                   *options_.frames);
+      LogLine(LogLevel::kWarning, "the source has {} of {} frames; --loop starts it again", sent_,
+              *options_.frames);
     }
     const StageStatus status = monitor_.Snapshot();
     if (status.frames_incomplete > 0 || status.bad_messages > 0) {
-      spdlog::warn(
-          "of the log, {} frames were not sent for want of a message, {} messages were bad",
-          status.frames_incomplete, status.bad_messages);
+      LogLine(LogLevel::kWarning,
+              "of the log, {} frames were not sent for want of a message, {} messages were bad",
+              status.frames_incomplete, status.bad_messages);
     }
-    spdlog::info("sent {} frames in {:.2f} s, {} again for want of an answer; {} could not be sent",
-                 status.frames_out, std::chrono::duration<double>(time).count(),
-                 status.frames_resent, status.frames_failed);
+    LogLine(LogLevel::kInfo,
+            "sent {} frames in {:.2f} s, {} again for want of an answer; {} could not be sent",
+            status.frames_out, std::chrono::duration<double>(time).count(), status.frames_resent,
+            status.frames_failed);
+  }
+
+  // The exit code.
+  int SayNothingCame() const {
+    const std::string why = monitor_.Snapshot().last_error;
+    LogLine(LogLevel::kError, "capture.source = {}: it gave no frame{}", source_,
+            why.empty() ? "" : " (" + why + ")");
+    return 1;
   }
 
   bool WaitForStages() {
@@ -123,9 +133,9 @@ class Capture {
         answers_.WaitForStages(Clock::now() + ToClock(options_.wait_timeout), stop_);
     for (const std::string& stage : missing) {
       if (!stop_.stop_requested()) {
-        spdlog::error(
-            "no status from stage '{}' in {} s; is it running on this LCM URL and prefix?", stage,
-            options_.wait_timeout.count());
+        LogLine(LogLevel::kError,
+                "no status from stage '{}' in {} s; is it running on this LCM URL and prefix?",
+                stage, options_.wait_timeout.count());
       }
     }
     return missing.empty();
@@ -207,9 +217,10 @@ class Capture {
   std::unique_ptr<CaptureFeed> feed_;
   Pace pace_;
   Publisher publisher_;
-  Answers answers_;
+  AnswerTracker answers_;
   StatusReporter reporter_;
   int64_t sent_ = 0;
+  std::string source_;
   double rate_hz_;
   int64_t late_ = 0;  // frames that were taken more than an interval too late
   Clock::time_point next_late_ = Clock::now() + std::chrono::seconds(2);  // rates need some frames

@@ -1,15 +1,13 @@
 #include "services/capture/log_feed.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
-#include <deque>
-#include <map>
+#include <utility>
 
+#include "common/app/log.h"
 #include "common/bus/channels.h"
-#include "common/bus/frame_joiner.h"
+#include "common/frames/whole_frames.h"
+#include "common/logfile/event_fetcher.h"
 #include "common/logfile/log_error.h"
-#include "common/logfile/log_reader.h"
 #include "common/messages/codec.h"
 #include "services/capture/raw_source.h"
 #include "services/capture/source_feed.h"
@@ -17,18 +15,27 @@
 namespace sprout::capture {
 namespace {
 
-constexpr Part kCaptured[] = {Part::kLeft, Part::kRight, Part::kTof, Part::kRig};
+const PartSet kCaptured{Part::kLeft, Part::kRight, Part::kTof};
 
 class LogFeed : public CaptureFeed {
  public:
   // Without `calibrated` there is no calibration, and none is looked for.
   LogFeed(const std::string& path, const std::string& prefix, bool calibrated, bool loop,
           StageMonitor& monitor)
-      : path_(path), prefix_(prefix), calibrated_(calibrated), loop_(loop), monitor_(monitor) {
+      : path_(path),
+        prefix_(prefix),
+        calibrated_(calibrated),
+        loop_(loop),
+        monitor_(monitor),
+        fetcher_(path) {
     if (calibrated_) calibration_ = FirstCalibration();
     Rewind();
     first_ = Read();
-    if (!first_) throw NoFrame();
+    if (!first_) {
+      throw Unusable(
+          "no whole frame on " + prefix_ + "SPROUT_LEFT, SPROUT_RIGHT and SPROUT_TOF in it",
+          frames_->channels());
+    }
   }
 
   std::optional<CaptureMessages> Next(const std::stop_token& /*stop*/) override {
@@ -46,119 +53,70 @@ class LogFeed : public CaptureFeed {
   Timing timing() const override { return Timing::kRecorded; }
 
  private:
-  // Part that an event carries; nothing for what capture does not send.
-  std::optional<Part> PartOf(const LogEvent& event) const {
-    for (const Part part : kCaptured) {
-      const std::string_view channel = ChannelOf(part);
-      if (part == Part::kRig && !calibrated_) continue;
-      if (event.channel.size() == prefix_.size() + channel.size() &&
-          event.channel.starts_with(prefix_) && event.channel.ends_with(channel)) {
-        return part;
-      }
-    }
-    return std::nullopt;
-  }
-
   // Recorded once a second only, so the first frames of a log may come before it.
-  std::vector<uint8_t> FirstCalibration() {
+  std::vector<uint8_t> FirstCalibration() const {
     LogReader reader(path_);
-    LogEvent event;
+    ChannelCounts channels;
     std::string refused;  // why the first one was
-    while (reader.Next(event)) {
-      ++channels_[std::string(event.channel)];
-      if (PartOf(event) != Part::kRig) continue;
+    for (LogEvent event; reader.Next(event);) {
+      channels.Add(event.channel);
+      if (PartOf(event.channel, prefix_) != Part::kRig) continue;
       const Result<DecodedPart> decoded = DecodePart(Part::kRig, event.data);
       if (decoded) return {event.data.begin(), event.data.end()};
       if (refused.empty()) refused = decoded.error().text;
     }
     const std::string channel = prefix_ + std::string(ChannelOf(Part::kRig));
-    const std::string what = refused.empty() ? "no " + channel + " in it"
-                                             : "no usable " + channel + " in it (" + refused + ")";
-    throw ConfigError("capture.source = log:" + path_ + ": " + what + "; it has " + ChannelText());
+    throw Unusable(refused.empty() ? "no " + channel + " in it"
+                                   : "no usable " + channel + " in it (" + refused + ")",
+                   channels);
+  }
+
+  ConfigError Unusable(const std::string& what, const ChannelCounts& channels) const {
+    return ConfigError("capture.source = log:" + path_ + ": " + what + "; it has " +
+                       channels.Text());
   }
 
   void Rewind() {
-    reader_ = std::make_unique<LogReader>(path_);
-    joiner_.emplace(PartSet{Part::kLeft, Part::kRight, Part::kTof});
-    if (calibrated_) {
-      Result<DecodedPart> rig = DecodePart(Part::kRig, calibration_);
-      joiner_->Add(rig->id, Part::kRig, std::move(rig->value));
-    }
-    pending_.clear();
-    channels_.clear();
+    frames_.emplace(path_, prefix_, kCaptured, [this](const LogEvent& event, const auto& why) {
+      monitor_.BadMessage(event.channel, why);
+    });
+    if (calibrated_) frames_->AddRig(calibration_);
+    rig_.reset();
   }
 
   std::optional<CaptureMessages> Read() {
-    LogEvent event;
-    while (reader_->Next(event)) {
-      ++channels_[std::string(event.channel)];
-      const std::optional<Part> part = PartOf(event);
-      if (!part) continue;
-      const Result<FrameId> id = DecodeFrameId(event.data);
-      Result<DecodedPart> decoded =
-          DecodePart(*part, event.data, id ? joiner_->ImageSizeOf(*id) : std::nullopt);
-      if (!decoded) {
-        monitor_.BadMessage(event.channel, decoded.error().text);
-      } else if (part == Part::kRig) {
-        joiner_->Add(decoded->id, Part::kRig, std::move(decoded->value));
-        calibration_.assign(event.data.begin(), event.data.end());
-        calibration_is_new_ = true;
-      } else {
-        Keep(decoded->id, *part, event.data);
-        const auto whole = joiner_->Add(decoded->id, *part, std::move(decoded->value));
-        if (!whole.empty()) return TakePending(decoded->id);
-      }
+    const std::optional<WholeFrame> next = frames_->Next();
+    monitor_.SetJoinerCounts(frames_->joiner().incomplete(), frames_->joiner().sequence_gaps());
+    if (calibrated_ && rig_ != frames_->newest_rig()) {
+      rig_ = frames_->newest_rig();
+      calibration_ = Bytes(*rig_);
+      calibration_is_new_ = true;
     }
-    EndOfLog();
+    if (next) return MessagesOf(next->places);
+    for (const LogDamage& stretch : frames_->log().damage()) {
+      LogLine(LogLevel::kWarning, "{}: {}", path_, SkippedText(stretch));
+    }
     return std::nullopt;
   }
 
-  // Beside the joiner, which keeps values: the bytes. The same frames are pending in both.
-  void Keep(const FrameId& id, Part part, std::span<const uint8_t> bytes) {
-    std::erase_if(pending_,
-                  [&](const CaptureMessages& frame) { return !joiner_->IsPending(frame.id); });
-    auto found = std::find_if(pending_.begin(), pending_.end(),
-                              [&](const CaptureMessages& frame) { return frame.id == id; });
-    if (found == pending_.end()) {
-      pending_.push_back({.id = id, .messages = {}});
-      found = std::prev(pending_.end());
-    }
-    std::erase_if(found->messages, [&](const auto& message) { return message.first == part; });
-    found->messages.emplace_back(part, std::vector<uint8_t>(bytes.begin(), bytes.end()));
-  }
-
-  // The whole frame, behind the calibration when one came with it; older ones stay unfinished.
-  CaptureMessages TakePending(const FrameId& id) {
-    while (pending_.front().id != id) pending_.pop_front();
-    monitor_.SetJoinerCounts(joiner_->incomplete(), joiner_->sequence_gaps());
-    CaptureMessages frame = std::move(pending_.front());
-    pending_.pop_front();
+  // The frame's messages in the order of the log, behind the calibration when one came with them.
+  CaptureMessages MessagesOf(const IndexedFrame& places) {
+    CaptureMessages messages{.id = places.id, .messages = {}};
     if (std::exchange(calibration_is_new_, false)) {
-      frame.messages.emplace(frame.messages.begin(), Part::kRig, calibration_);
+      messages.messages.emplace_back(Part::kRig, calibration_);
     }
-    return frame;
+    std::vector<std::pair<int64_t, Part>> in_order;
+    for (const Part part : kAllParts) {
+      if (places.Has(part)) in_order.emplace_back(places.offset(part), part);
+    }
+    std::ranges::sort(in_order);
+    for (const auto& [offset, part] : in_order) messages.messages.emplace_back(part, Bytes(offset));
+    return messages;
   }
 
-  void EndOfLog() {
-    joiner_->DropPending();
-    monitor_.SetJoinerCounts(joiner_->incomplete(), joiner_->sequence_gaps());
-    for (const LogDamage& stretch : reader_->damage()) {
-      spdlog::warn("{}: {} unreadable bytes at byte {}{}", path_, stretch.bytes, stretch.offset,
-                   stretch.tail ? ": it ends inside an event" : ", skipped");
-    }
-  }
-
-  std::string ChannelText() const {
-    std::string text;
-    for (const auto& [channel, count] : channels_) {
-      text += (text.empty() ? "" : ", ") + channel + " (" + std::to_string(count) + ")";
-    }
-    return text.empty() ? "no events" : text;
-  }
-
-  ConfigError NoFrame() const {
-    return ConfigError("capture.source = log:" + path_ + ": no whole frame on " + prefix_ +
-                       "SPROUT_LEFT, SPROUT_RIGHT and SPROUT_TOF in it; it has " + ChannelText());
+  std::vector<uint8_t> Bytes(int64_t offset) {
+    const LogEvent event = fetcher_.Fetch(offset);
+    return {event.data.begin(), event.data.end()};
   }
 
   std::string path_;
@@ -166,12 +124,11 @@ class LogFeed : public CaptureFeed {
   bool calibrated_;
   bool loop_;
   StageMonitor& monitor_;
-  std::map<std::string, int64_t> channels_;  // what was met
-  std::vector<uint8_t> calibration_;         // newest
+  EventFetcher fetcher_;
+  std::vector<uint8_t> calibration_;  // newest
+  std::optional<int64_t> rig_;        // where it stands
   bool calibration_is_new_ = false;
-  std::unique_ptr<LogReader> reader_;
-  std::optional<FrameJoiner> joiner_;
-  std::deque<CaptureMessages> pending_;  // unfinished, in order of arrival
+  std::optional<WholeFrames> frames_;
   std::optional<CaptureMessages> first_;
 };
 

@@ -1,3 +1,4 @@
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -14,23 +15,30 @@ namespace {
 
 constexpr std::string_view kLog = "log:";
 
+Rectifier OpenRectifier(const RawRig& rig, StageMonitor& monitor) {
+  Rectifier rectifier(rig);
+  const std::string warning = ViewsWarning(rectifier.views());
+  if (!warning.empty()) monitor.Warn(warning);
+  return rectifier;
+}
+
 std::unique_ptr<CaptureFeed> OpenLog(const std::string& source, bool loop, StageMonitor& monitor) {
   const auto [place, options] = datasets::SplitSource(source);
   const std::string path = place.substr(kLog.size());
   std::string prefix;
-  std::string rig;
+  std::optional<std::string> rig;
   for (const datasets::SourceOption& option : options) {
     if (option.name == "prefix") {
       prefix = option.value;
     } else if (option.name == "rig") {
-      rig = option.value;
+      rig = std::string(option.value);
     } else {
       throw ConfigError("capture.source = " + source + ": no such option " +
                         std::string(option.text) + "; allowed: ?prefix=TEXT, ?rig=FILE");
     }
   }
-  if (rig.empty()) return OpenLogFeed(path, prefix, loop, monitor);
-  const Rectifier rectifier(RequireCalibration(LoadRigFile(rig), rig));
+  if (!rig) return OpenLogFeed(path, prefix, loop, monitor);
+  const Rectifier rectifier = OpenRectifier(RequireCalibration(LoadRigFile(*rig), *rig), monitor);
   return OpenRawLogFeed(path, prefix, rectifier, loop, monitor);
 }
 
@@ -43,8 +51,8 @@ std::unique_ptr<CaptureFeed> OpenCameraFeed(const CaptureConfig& config, const F
                       ": no calibration; allowed: ?rig=FILE with one that sprout-calibrate has "
                       "written, or --raw");
   }
-  return FeedFrom(Rectified(std::move(opened.cameras), Rectifier(*opened.calibration)), config,
-                  monitor);
+  Rectifier rectifier = OpenRectifier(*opened.calibration, monitor);
+  return FeedFrom(Rectified(std::move(opened.cameras), std::move(rectifier)), config, monitor);
 }
 
 }  // namespace
@@ -57,7 +65,8 @@ std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
                       ": --raw is for cameras; allowed: genicam:, opencv:, v4l2:");
   }
   if (config.source().starts_with(kLog)) return OpenLog(config.source(), options.loop, monitor);
-  return FeedFrom(datasets::PlayDataset(datasets::OpenDataset(config), options.loop), config, monitor);
+  return FeedFrom(datasets::PlayDataset(datasets::OpenDataset(config), options.loop), config,
+                  monitor);
 }
 
 }  // namespace sprout::capture

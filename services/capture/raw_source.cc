@@ -22,32 +22,42 @@ class RectifiedSource : public datasets::FrameSource {
   bool is_live() const override { return cameras_->is_live(); }
 
   std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) override {
-    int64_t lost = 0;
-    std::string trouble;
+    lost_ = {};
     while (true) {
       std::optional<datasets::CapturedFrame> raw = cameras_->Next(stop);
-      if (!raw) return std::nullopt;
-      lost += raw->lost;
-      if (!raw->trouble.empty()) trouble = raw->trouble;
+      if (!raw) return AtEnd();
+      lost_.count += raw->lost;
+      if (!raw->trouble.empty()) lost_.trouble = raw->trouble;
       Result<datasets::CapturedFrame> frame = RectifyFrame(rectifier_, std::move(*raw));
       if (frame) {
-        frame->lost = lost;
-        frame->trouble = trouble;
+        frame->lost = lost_.count;
+        frame->trouble = lost_.trouble;
         return std::move(*frame);
       }
-      ++lost;
-      trouble = frame.error().text;
+      ++lost_.count;
+      lost_.trouble = frame.error().text;
     }
   }
 
+  datasets::LostFrames lost_at_end() const override { return lost_; }
+
  private:
+  std::optional<datasets::CapturedFrame> AtEnd() {
+    const datasets::LostFrames of_cameras = cameras_->lost_at_end();
+    lost_.count += of_cameras.count;
+    if (!of_cameras.trouble.empty()) lost_.trouble = of_cameras.trouble;
+    return std::nullopt;
+  }
+
   std::unique_ptr<RawSource> cameras_;
   Rectifier rectifier_;
+  datasets::LostFrames lost_;  // since the newest frame
 };
 
 }  // namespace
 
-Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier, datasets::CapturedFrame raw) {
+Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier,
+                                             datasets::CapturedFrame raw) {
   const RawRig& rig = rectifier.raw();
   Result<void> fits = CheckSize("left image", raw.left.size(), rig.left.size());
   if (fits) fits = CheckSize("right image", raw.right.size(), rig.right.size());
@@ -61,7 +71,8 @@ Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier, dataset
   return raw;
 }
 
-std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras, Rectifier rectifier) {
+std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
+                                                 Rectifier rectifier) {
   return std::make_unique<RectifiedSource>(std::move(cameras), std::move(rectifier));
 }
 

@@ -22,14 +22,19 @@ class RawSource {
 
   /// As FrameSource::Next().
   virtual std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) = 0;
+
+  /// As FrameSource::lost_at_end().
+  virtual datasets::LostFrames lost_at_end() const { return {}; }
 };
 
 /// Rectifies the images of a frame and corrects its ranges. A ToF image of 0×0 stays one. The error
 /// names an image that is not of the calibrated size.
-Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier, datasets::CapturedFrame raw);
+Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier,
+                                             datasets::CapturedFrame raw);
 
 /// Frames of cameras, rectified. One that is not of the calibrated size counts as lost.
-std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras, Rectifier rectifier);
+std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
+                                                 Rectifier rectifier);
 
 /// Cameras, and the calibration that belongs to them.
 struct OpenedCameras {

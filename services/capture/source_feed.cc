@@ -13,11 +13,13 @@ namespace {
 class SourceFeed : public CaptureFeed {
  public:
   using Take = std::function<std::optional<datasets::CapturedFrame>(const std::stop_token&)>;
+  using LostAtEnd = std::function<datasets::LostFrames()>;
 
   // Without a rig the frames are not rectified.
-  SourceFeed(Take take, bool is_live, std::optional<Rig> rig, const CaptureConfig& config,
-             StageMonitor& monitor)
+  SourceFeed(Take take, LostAtEnd lost_at_end, bool is_live, std::optional<Rig> rig,
+             const CaptureConfig& config, StageMonitor& monitor)
       : take_(std::move(take)),
+        lost_at_end_(std::move(lost_at_end)),
         is_live_(is_live),
         rig_(std::move(rig)),
         config_(config),
@@ -27,14 +29,17 @@ class SourceFeed : public CaptureFeed {
 
   std::optional<CaptureMessages> Next(const std::stop_token& stop) override {
     std::optional<datasets::CapturedFrame> frame = take_(stop);
-    if (!frame) return std::nullopt;
-    Tell(*frame);
+    if (!frame) {
+      Tell(lost_at_end_());
+      return std::nullopt;
+    }
+    Tell({.count = frame->lost, .trouble = frame->trouble});
     if (is_live_) monitor_.SetSpread(frame->spread_ms);
     // Captures are told apart by their time even when the clock is set back.
     newest_.utime = std::max(frame->utime.value_or(NowUtime()), newest_.utime + 1);
     ++newest_.seq;
     if (!config_.left_in_colour()) frame->left = ToGrey(frame->left);
-    if (!config_.right_in_colour()) frame->right = ToGrey(frame->right);
+    frame->right = ToGrey(frame->right);
     return Encoded(newest_, *frame);
   }
 
@@ -47,25 +52,19 @@ class SourceFeed : public CaptureFeed {
   Timing timing() const override { return is_live_ ? Timing::kLive : Timing::kAsked; }
 
  private:
-  void Tell(const datasets::CapturedFrame& frame) {
-    for (int64_t i = 0; i < frame.lost; ++i) monitor_.FrameFailed(newest_, frame.trouble);
-    if (frame.lost == 0 && !frame.trouble.empty()) monitor_.Failure(frame.trouble);
+  void Tell(const datasets::LostFrames& lost) {
+    for (int64_t i = 0; i < lost.count; ++i) monitor_.FrameFailed(newest_, lost.trouble);
+    if (lost.count == 0 && !lost.trouble.empty()) monitor_.Failure(lost.trouble);
   }
 
   Take take_;
+  LostAtEnd lost_at_end_;
   bool is_live_;
   std::optional<Rig> rig_;
   CaptureConfig config_;
   StageMonitor& monitor_;
   FrameId newest_;
 };
-
-template <typename Source>
-SourceFeed::Take TakeFrom(std::unique_ptr<Source> source) {
-  return [source = std::shared_ptr<Source>(std::move(source))](const std::stop_token& stop) {
-    return source->Next(stop);
-  };
-}
 
 }  // namespace
 
@@ -84,14 +83,19 @@ std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<datasets::FrameSource> sou
                                       const CaptureConfig& config, StageMonitor& monitor) {
   const bool is_live = source->is_live();
   const Rig rig = source->rig();
-  return std::make_unique<SourceFeed>(TakeFrom(std::move(source)), is_live, rig, config, monitor);
+  const std::shared_ptr<datasets::FrameSource> shared = std::move(source);
+  return std::make_unique<SourceFeed>(
+      [shared](const std::stop_token& stop) { return shared->Next(stop); },
+      [shared] { return shared->lost_at_end(); }, is_live, rig, config, monitor);
 }
 
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
                                       const CaptureConfig& config, StageMonitor& monitor) {
   const bool is_live = cameras->is_live();
-  return std::make_unique<SourceFeed>(TakeFrom(std::move(cameras)), is_live, std::nullopt, config,
-                                      monitor);
+  const std::shared_ptr<RawSource> shared = std::move(cameras);
+  return std::make_unique<SourceFeed>(
+      [shared](const std::stop_token& stop) { return shared->Next(stop); },
+      [shared] { return shared->lost_at_end(); }, is_live, std::nullopt, config, monitor);
 }
 
 }  // namespace sprout::capture

@@ -1,6 +1,6 @@
 #include "services/check/capture_check.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

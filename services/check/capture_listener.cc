@@ -1,6 +1,6 @@
 #include "services/check/capture_listener.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <opencv2/core.hpp>
@@ -8,6 +8,7 @@
 
 #include "common/bus/channels.h"
 #include "common/core/image.h"
+#include "common/core/quantile.h"
 #include "common/messages/codec.h"
 #include "services/check/contract.h"
 #include "services/check/program_check.h"
@@ -27,12 +28,6 @@ bool IsPartOfFrame(Part part) {
 }
 
 std::string NameOf(int64_t seq) { return fmt::format("frame {}", seq); }
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double SecondsSinceEpoch() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -207,7 +202,7 @@ void CaptureListener::CheckTof(const Frame& frame) {
   tof_pixels_ += static_cast<int64_t>(tof->depth_m.total());
   tof_returns_ += std::ssize(depths_m);
   if (depths_m.empty()) return;
-  tof_depths_m_.push_back(Median(std::move(depths_m)));
+  tof_depths_m_.push_back(Median(depths_m));
   if (tof_depths_m_.back() > kMaxMedianDepthM) {
     found_.Add(Rule::kValues,
                fmt::format("{}, {}: the median of depth_m is {:.4g}; it must be in metres",
@@ -274,8 +269,8 @@ std::string CaptureListener::Figures() const {
       "capture: {} frames of {}, {:.1f} a second; by their utime {:.1f} a second\n"
       "capture: {:.1f} ms from a frame's first message to its last in the median; the first comes "
       "{:.3g} s after utime\n",
-      whole_frames_, SizeText(size_), rate(time_s), rate(utime_s), Median(spreads_ms_),
-      Median(ages_s_));
+      whole_frames_, SizeText(size_), rate(time_s), rate(utime_s), Median(std::vector(spreads_ms_)),
+      Median(std::vector(ages_s_)));
   if (tof_pixels_ == 0) {
     text += "capture: no ToF image\n";
   } else {
@@ -284,7 +279,7 @@ std::string CaptureListener::Figures() const {
                     100.0 * static_cast<double>(tof_returns_) / static_cast<double>(tof_pixels_));
     text += tof_depths_m_.empty()
                 ? "\n"
-                : fmt::format(", at {:.3g} m in the median\n", Median(tof_depths_m_));
+                : fmt::format(", at {:.3g} m in the median\n", Median(std::vector(tof_depths_m_)));
   }
   if (!rigs_.empty()) {
     const RectifiedPair& pair = rigs_.begin()->second.rig.pair;

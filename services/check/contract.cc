@@ -1,11 +1,11 @@
 #include "services/check/contract.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 
 #include "common/bus/channels.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/image.h"
 
 namespace sprout::check {
@@ -96,13 +96,6 @@ std::string CompareMaps(std::span<const PartValue> answers, std::span<const Part
 
 }  // namespace
 
-std::optional<Part> PartOf(std::string_view channel) {
-  for (const Part part : kAllParts) {
-    if (channel == ChannelOf(part)) return part;
-  }
-  return std::nullopt;
-}
-
 StageContract ContractOf(const std::string& stage) {
   if (stage == "refine") {
     return {.stage = stage,
@@ -124,7 +117,14 @@ StageContract ContractOf(const std::string& stage) {
             .answer = Part::kDisparity,
             .may_publish = {Part::kUnfilled, Part::kConfidence}};
   }
-  throw ConfigError("STAGE '" + stage + "': allowed are capture, refine, prior and grow");
+  if (stage == "pipeline") {
+    return {.stage = stage,
+            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof},
+            .answer = Part::kDisparity,
+            .may_publish = {Part::kSeeds, Part::kLeftSeeds, Part::kPrior, Part::kUnfilled,
+                            Part::kConfidence}};
+  }
+  throw ConfigError("STAGE '" + stage + "': allowed are capture, refine, prior, grow and pipeline");
 }
 
 void CheckAnswer(const PartValue& answer, cv::Size size, const std::string& what, Findings& found) {

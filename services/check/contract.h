@@ -13,9 +13,6 @@
 
 namespace sprout::check {
 
-/// The part that a channel carries; nothing for other channels.
-std::optional<Part> PartOf(std::string_view channel);
-
 /// What is looked at in a stage.
 inline constexpr Rule kStageRules[] = {
     Rule::kStart,      Rule::kOneAnswer,  Rule::kHeader,      Rule::kForm,     Rule::kValues,
@@ -24,7 +21,7 @@ inline constexpr Rule kStageRules[] = {
 
 /// What goes into a stage and what comes out of it.
 struct StageContract {
-  std::string stage;         ///< "refine", "prior" or "grow"
+  std::string stage;         ///< "refine", "prior", "grow", or "pipeline": all three
   std::vector<Part> inputs;  ///< all that the graph has upstream of it, in the graph's order
   Part answer;               ///< one for each frame
   PartSet may_publish;       ///< besides

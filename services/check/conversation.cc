@@ -1,6 +1,6 @@
 #include "services/check/conversation.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

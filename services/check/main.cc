@@ -4,7 +4,7 @@
 #include "common/app/program.h"
 #include "common/app/version.h"
 #include "common/bus/lcm_url.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
 #include "services/check/capture_check.h"
 #include "services/check/stage_check.h"
@@ -28,7 +28,7 @@ int Main(int argc, char** argv) {
   options.lcm_url = kDefaultLcmUrl;
   double start_s = 30;
   double answer_s = 10;
-  flags.add_option("STAGE", options.stage, "capture, refine, prior or grow")->required();
+  flags.add_option("STAGE", options.stage, "capture, refine, prior, grow or pipeline")->required();
   flags.add_option("COMMAND", options.command, "Program and its arguments, behind --")->required();
   flags.add_option("--log", options.log,
                    "Log with every channel of the graph; needed unless STAGE is capture");

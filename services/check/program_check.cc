@@ -1,13 +1,13 @@
 #include "services/check/program_check.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <csignal>
 #include <cstdlib>
 #include <ostream>
 
 #include "common/bus/channels.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/messages/codec.h"
 
 namespace sprout::check {

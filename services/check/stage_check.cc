@@ -1,13 +1,14 @@
 #include "services/check/stage_check.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <utility>
 
 #include "common/bus/channels.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/image.h"
+#include "common/core/quantile.h"
 #include "services/check/conversation.h"
 #include "services/check/program_check.h"
 
@@ -51,11 +52,10 @@ class StageCheck {
   std::string Figures() const {
     std::vector<double> times = talk_.times_ms();
     if (times.empty()) return "";
-    std::sort(times.begin(), times.end());
     std::string figures = fmt::format(
         "{0}: {1:.1f} ms a frame in the median, {2:.1f} ms at most, over {3} frames of {4}\n"
         "{0}: {5}\n",
-        contract_.stage, times[times.size() / 2], times.back(), times.size(),
+        contract_.stage, Median(times), *std::ranges::max_element(times), times.size(),
         SizeText(frames_[0].rig().pair.size()), CompareAnswers(comparable_, recorded_));
     if (contract_.may_publish.Has(Part::kLeftSeeds) &&
         !talk_.extras_heard().Has(Part::kLeftSeeds)) {

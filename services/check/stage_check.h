@@ -10,7 +10,7 @@ namespace sprout::check {
 
 /// What sprout-check-stage is asked for.
 struct StageCheckOptions {
-  std::string stage;                           ///< "capture", "refine", "prior" or "grow"
+  std::string stage;                           ///< "capture", or that of a StageContract
   std::vector<std::string> command;            ///< program and arguments that claim to be it
   std::string log;                             ///< whose frames it gets; not for capture
   std::string lcm_url;                         ///< a bus that nobody else is on

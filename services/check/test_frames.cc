@@ -6,9 +6,8 @@
 #include <utility>
 
 #include "common/bus/channels.h"
-#include "common/config/config.h"
-#include "common/logfile/log_reader.h"
-#include "common/messages/codec.h"
+#include "common/config/config_error.h"
+#include "common/frames/log_frames.h"
 
 namespace sprout::check {
 namespace {
@@ -135,35 +134,27 @@ TestFrame WithSmallPrior(const TestFrame& good) {
 
 std::vector<TestFrame> ReadTestFrames(const std::filesystem::path& log,
                                       const StageContract& contract) {
-  std::map<std::pair<int64_t, int64_t>, TestFrame> by_time;  // utime, seq
-  std::map<std::string, Rig> rigs;
+  FrameIndex index({.look_back = FrameChoice::kWholeLog});
   LogReader reader(log);
-  LogEvent event;
-  while (reader.Next(event)) {
-    const std::optional<Part> part = PartOf(event.channel);
-    if (!part) continue;
-    Result<DecodedPart> decoded = DecodePart(*part, event.data);
-    if (!decoded) continue;
-    if (*part == Part::kRig) {
-      rigs[decoded->id.rig_id] = std::get<Rig>(decoded->value);
-      continue;
+  for (LogEvent event; reader.Next(event);) index.Add(event);
+  PartSet inputs;
+  for (const Part part : contract.inputs) inputs.Add(part);
+  EventFetcher fetcher(log);
+  std::map<FrameId, TestFrame> by_time;
+  for (size_t i = 0; i < index.frames().size(); ++i) {
+    const IndexedFrame places = index.At(i);
+    TestFrame frame{.name = "frame " + std::to_string(places.id.seq),
+                    .rig_id = places.id.rig_id,
+                    .parts = {},
+                    .recorded = {}};
+    for (auto& part : FetchParts(fetcher, places, inputs)) frame.parts.insert(std::move(part));
+    for (auto& [part, value] : FetchParts(fetcher, places, {contract.answer})) {
+      frame.recorded = std::move(value);
     }
-    TestFrame& frame = by_time[{decoded->id.utime, decoded->id.seq}];
-    frame.name = "frame " + std::to_string(decoded->id.seq);
-    frame.rig_id = decoded->id.rig_id;
-    if (*part == contract.answer) {
-      frame.recorded = std::move(decoded->value);
-    } else if (std::find(contract.inputs.begin(), contract.inputs.end(), *part) !=
-               contract.inputs.end()) {
-      frame.parts[*part] = std::move(decoded->value);
-    }
+    if (frame.parts.size() == contract.inputs.size()) by_time.emplace(places.id, std::move(frame));
   }
   std::vector<TestFrame> frames;
-  for (auto& [time, frame] : by_time) {
-    if (!rigs.contains(frame.rig_id)) continue;
-    frame.parts[Part::kRig] = rigs.at(frame.rig_id);
-    if (frame.parts.size() == contract.inputs.size()) frames.push_back(std::move(frame));
-  }
+  for (auto& [id, frame] : by_time) frames.push_back(std::move(frame));
   if (frames.empty()) {
     std::string channels;
     for (const Part part : contract.inputs) channels += " " + std::string(ChannelOf(part));

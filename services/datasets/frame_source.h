@@ -27,6 +27,12 @@ struct CapturedFrame {
   double spread_ms = 0;
 };
 
+/// Captures behind the last frame that could not be made whole.
+struct LostFrames {
+  int64_t count = 0;
+  std::string trouble = {};  ///< why, of the newest
+};
+
 /// Called by Next() now and then, at least ten times a second, while it waits for cameras: shows
 /// that it is not stuck. May be empty.
 using Waiting = std::function<void()>;
@@ -46,6 +52,9 @@ class FrameSource {
   /// that are gone are waited for.
   /// @throws ConfigError when a file of a dataset cannot be used.
   virtual std::optional<CapturedFrame> Next(const std::stop_token& stop) = 0;
+
+  /// What was lost behind the last frame, when Next() has given nothing.
+  virtual LostFrames lost_at_end() const { return {}; }
 };
 
 }  // namespace sprout::datasets

@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/number_text.h"
-#include "services/datasets/read_text.h"
+#include "common/core/read_text.h"
 
 namespace sprout::datasets {
 namespace {
@@ -23,10 +23,10 @@ constexpr double kRotationTolerance = 1e-4;
 class KittiCalibFile {
  public:
   explicit KittiCalibFile(const std::filesystem::path& path) : path_(path) {
-    const std::optional<std::string> text = ReadText(path);
+    const Result<std::string> text = ReadText(path);
     if (!text) {
-      throw ConfigError("calibration " + path.string() +
-                        ": cannot be read; allowed: a file with P2, P3, R0_rect and "
+      throw ConfigError("calibration " + path.string() + ": " + text.error().text +
+                        "; allowed: a file with P2, P3, R0_rect and "
                         "Tr_velo_to_cam");
     }
     std::istringstream lines(*text);

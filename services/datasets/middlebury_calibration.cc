@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/number_text.h"
-#include "services/datasets/read_text.h"
+#include "common/core/read_text.h"
 
 namespace sprout::datasets {
 namespace {
@@ -26,10 +26,10 @@ constexpr double kRectifiedTolerancePx = 0.01;
 class CalibFile {
  public:
   explicit CalibFile(const std::filesystem::path& path) : path_(path) {
-    const std::optional<std::string> text = ReadText(path);
+    const Result<std::string> text = ReadText(path);
     if (!text) {
-      throw ConfigError("calibration " + path.string() +
-                        ": cannot be read; allowed: a file with cam0, cam1 and baseline");
+      throw ConfigError("calibration " + path.string() + ": " + text.error().text +
+                        "; allowed: a file with cam0, cam1 and baseline");
     }
     std::istringstream lines(*text);
     for (std::string line; std::getline(lines, line);) {
@@ -90,10 +90,10 @@ double ReadDmin(const std::filesystem::path& path) {
   std::error_code ignored;
   const auto kind = std::filesystem::symlink_status(path, ignored).type();
   if (kind == std::filesystem::file_type::not_found) return 0;
-  const std::optional<std::string> text = ReadText(path);
+  const Result<std::string> text = ReadText(path);
   if (!text) {
-    throw ConfigError("calibration " + path.string() +
-                      ": cannot be read; allowed: a file of one finite number, px at full size");
+    throw ConfigError("calibration " + path.string() + ": " + text.error().text +
+                      "; allowed: a file of one finite number, px at full size");
   }
   const std::optional<double> dmin = ParseNumber<double>(Trimmed(*text));
   if (!dmin) {

@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "services/datasets/read_image.h"
 
@@ -21,7 +21,7 @@ struct Header {
 };
 
 ConfigError BadPfm(const std::filesystem::path& path, const std::string& reason) {
-  return ConfigError("ground truth " + path.string() + ": " + reason +
+  return ConfigError(path.string() + ": " + reason +
                      "; allowed: a one-channel PFM file (Pf, width, height, scale, samples)");
 }
 

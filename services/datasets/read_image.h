@@ -10,7 +10,7 @@ bool IsFile(const std::filesystem::path& path);
 
 /// Reads a PNG, JPEG, PGM or PPM file.
 /// @param flags  cv::imread()'s.
-/// @throws ConfigError naming the file: unreadable, not such an image, or larger than kMaxSide.
+/// @throws ConfigError as DecodeImageFile() says it.
 cv::Mat ReadImage(const std::filesystem::path& path, int flags);
 
 /// @throws ConfigError naming the file and both sizes when they differ.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "common/core/quantile.h"
 #include "common/geometry/lens.h"
 #include "services/datasets/solid_texture.h"
 
@@ -143,9 +144,7 @@ Footprint FootprintOf(const TofSamples& samples, int tof_u, int tof_v, int reach
   footprint.mixed_m =
       footprint.light > 0 ? weighted / footprint.light : unweighted / footprint.known;
   footprint.light /= footprint.known;
-  const auto middle = depths.begin() + footprint.known / 2;
-  std::nth_element(depths.begin(), middle, depths.end());
-  footprint.middle_m = *middle;
+  footprint.middle_m = Median(depths);
   const auto [nearest, farthest] = std::ranges::minmax(depths);
   footprint.spread = farthest / nearest - 1;
   return footprint;
@@ -158,9 +157,7 @@ double Exposure(const std::vector<Footprint>& footprints, double median_amplitud
     if (footprint.light > 0) lights.push_back(footprint.light);
   }
   if (lights.empty()) return 0;
-  const auto middle = lights.begin() + static_cast<std::ptrdiff_t>(lights.size() / 2);
-  std::nth_element(lights.begin(), middle, lights.end());
-  return median_amplitude / *middle;
+  return median_amplitude / Median(lights);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 
 namespace sprout::datasets {
 namespace {

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <string>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "services/datasets/read_image.h"
 
 namespace sprout::datasets {

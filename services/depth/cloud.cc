@@ -59,10 +59,7 @@ PointCloud CloudOf(const DisparityImage& disparity, const RectifiedPair& pair, c
   for (int v = 0; v < disparity.height(); v += thinning.stride) {
     for (int u = 0; u < disparity.width(); u += thinning.stride) {
       if (!disparity.IsValid(u, v)) continue;
-      const Seed seed{.u = static_cast<float>(u),
-                      .v = static_cast<float>(v),
-                      .u_right = static_cast<float>(u) - disparity.Px(u, v)};
-      const Eigen::Vector3d point = PointFromSeed(pair, seed);
+      const Eigen::Vector3d point = PointAt(pair, disparity, u, v);
       if (!(point.z() > 0) || !(point.norm() < kFarthestM) || !filter.IsFirst(point)) continue;
       if (cloud.points.size() == kMaxCloudPoints) return cloud;
       cloud.points.push_back(

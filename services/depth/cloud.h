@@ -11,7 +11,7 @@ namespace sprout::depth {
 
 /// How a cloud is thinned.
 struct CloudThinning {
-  int stride = 1;      ///< every so manieth pixel of every so manieth row
+  int stride = 1;      ///< N: every N-th pixel of every N-th row
   double voxel_m = 0;  ///< of the points in a cube of this side the first one; 0 = all
 };
 

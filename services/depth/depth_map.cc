@@ -5,7 +5,10 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
+
+#include "common/core/quantile.h"
 
 namespace sprout::depth {
 namespace {
@@ -35,9 +38,7 @@ uint16_t MedianOfBlock(const cv::Mat1w& counts, int u, int v, int scale) {
     }
   }
   if (2 * found < static_cast<size_t>(scale * scale)) return 0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>((found - 1) / 2);
-  std::nth_element(depths.begin(), middle, depths.begin() + static_cast<std::ptrdiff_t>(found));
-  return *middle;
+  return OrderStatistic(std::span(depths).first(found), (found - 1) / 2);
 }
 
 }  // namespace

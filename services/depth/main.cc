@@ -1,5 +1,5 @@
 #include "common/app/run_stage.h"
-#include "services/depth/depth_plug.h"
+#include "services/depth/depth_adapter.h"
 
 int main(int argc, char** argv) {
   return sprout::RunStage(
@@ -9,6 +9,6 @@ int main(int argc, char** argv) {
       "depth { confidence: false }; publishes SPROUT_DEPTH and SPROUT_CLOUD, and with\n"
       "depth { publish_preview: true } SPROUT_PREVIEW, a picture for lcm-spy and its like.",
       [](const sprout::SproutConfig& config) {
-        return std::make_unique<sprout::depth::DepthPlug>(config.depth());
+        return std::make_unique<sprout::depth::DepthAdapter>(config.depth());
       });
 }

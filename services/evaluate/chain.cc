@@ -1,25 +1,55 @@
 #include "services/evaluate/chain.h"
 
+#include <chrono>
 #include <utility>
-
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
 
 namespace sprout::evaluate {
 namespace {
 
-// Both lists are one for the random numbers.
-void AddNoise(const SeedNoise& noise, Frame& frame) {
-  std::vector<Seed>& seeds = frame.seeds->seeds;
-  std::vector<Seed>& left_seeds = frame.left_seeds->seeds;
-  std::vector<Seed> all;
-  Join(seeds, left_seeds, all);
-  all = Damage(std::move(all), noise);
-  const auto end_of_seeds = all.begin() + std::ssize(seeds);
-  seeds.assign(all.begin(), end_of_seeds);
-  left_seeds.assign(end_of_seeds, all.end());
-}
+// Times the steps, and damages the seeds, in no step's time.
+class Watch : public ChainObserver {
+ public:
+  Watch(const SeedNoise& noise, StageTimes& ms) : noise_(noise), ms_(ms) {}
+
+  void Begins(ChainStep /*step*/) override { begin_ = Clock::now(); }
+
+  void Ended(ChainStep step) override {
+    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - begin_).count();
+    TimeOf(step) += ms;
+    ms_.total_ms += ms;
+  }
+
+  // Both lists are one for the random numbers.
+  void Refined(SeedSet& seeds, SeedSet& left_seeds) override {
+    std::vector<Seed> all;
+    Join(seeds.seeds, left_seeds.seeds, all);
+    all = Damage(std::move(all), noise_);
+    const auto end_of_seeds = all.begin() + std::ssize(seeds.seeds);
+    seeds.seeds.assign(all.begin(), end_of_seeds);
+    left_seeds.seeds.assign(end_of_seeds, all.end());
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  double& TimeOf(ChainStep step) {
+    switch (step) {
+      case ChainStep::kRefine:
+        return ms_.refine_ms;
+      case ChainStep::kPrior:
+        return ms_.prior_ms;
+      case ChainStep::kGrow:
+        return ms_.grow_ms;
+      case ChainStep::kFinish:
+        break;
+    }
+    return ms_.fill_ms;
+  }
+
+  const SeedNoise& noise_;
+  StageTimes& ms_;
+  Clock::time_point begin_;
+};
 
 }  // namespace
 
@@ -32,29 +62,17 @@ Frame FrameOf(const Scene& scene) {
   return frame;
 }
 
-void RunRefine(const Scene& scene, const ChainSettings& settings, Frame& frame, StageTimes& ms) {
-  refine::RefinePlug refine(scene.WithRange(settings.config.refine()));
-  Timed(ms.refine_ms, [&] { return RunPlug(refine, frame); });
-  AddNoise(settings.noise, frame);
+void RunSteps(const Scene& scene, const ChainSettings& settings, ChainStep last, Frame& frame,
+              StageTimes& ms) {
+  SproutConfig config = settings.config;
+  *config.mutable_refine() = scene.WithRange(config.refine());
+  Watch watch(settings.noise, ms);
+  Chain(config).Run(frame, watch, last);
 }
 
-void RunPrior(const PriorConfig& config, Frame& frame, StageTimes& ms) {
-  prior::PriorPlug prior(config);
-  Timed(ms.prior_ms, [&] { return RunPlug(prior, frame); });
-}
-
-MethodOutput RunChain(const Scene& scene, const ChainSettings& settings) {
-  grow::GrowPlug grow(settings.config.grow());
-  Frame frame = FrameOf(scene);
+MethodOutput RunChain(const Scene& scene, const ChainSettings& settings, Frame frame) {
   MethodOutput output;
-  StageTimes& ms = output.ms;
-  const bool needs_prior = grow.Inputs().Has(Part::kPrior);
-  if (needs_prior || grow.Inputs().Has(Part::kSeeds)) RunRefine(scene, settings, frame, ms);
-  if (needs_prior) RunPrior(settings.config.prior(), frame, ms);
-  const grow::GrowPlug::Growth growth = Timed(ms.grow_ms, [&] { return grow.Grow(frame); });
-  Outcome outcome = Timed(ms.fill_ms, [&] { return grow.Finish(frame, growth); });
-  for (Output& part : outcome.outputs) SetPart(frame, part.part, std::move(part.value));
-  ms.total_ms = ms.refine_ms + ms.prior_ms + ms.grow_ms + ms.fill_ms;
+  RunSteps(scene, settings, ChainStep::kFinish, frame, output.ms);
   output.map_px = ToPx(*frame.disparity);
   output.confidence = frame.confidence;
   return output;

@@ -1,13 +1,12 @@
 #ifndef SPROUT_SERVICES_EVALUATE_CHAIN_H_
 #define SPROUT_SERVICES_EVALUATE_CHAIN_H_
 
-#include <chrono>
-
 #include "common/config/config.h"
 #include "common/core/frame.h"
 #include "services/evaluate/rivals/rival.h"
 #include "services/evaluate/scene.h"
 #include "services/evaluate/seed_noise.h"
+#include "services/pipeline/chain.h"
 
 namespace sprout::evaluate {
 
@@ -15,7 +14,7 @@ namespace sprout::evaluate {
 struct StageTimes {
   double refine_ms = 0;
   double prior_ms = 0;
-  double grow_ms = 0;   ///< Harris corners included where growth starts from them
+  double grow_ms = 0;
   double fill_ms = 0;   ///< gap filling, and the confidence where the configuration asks for it
   double total_ms = 0;  ///< from the images and the ToF image to the map
 };
@@ -34,29 +33,17 @@ struct ChainSettings {
   FgsSettings fgs = {};  ///< of method fgs
 };
 
-/// Runs a function and adds the time it takes.
-template <typename Function>
-auto Timed(double& ms, const Function& function) {
-  const auto begin = std::chrono::steady_clock::now();
-  auto result = function();
-  ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  return result;
-}
-
-// The plugs of the services on one frame. A stage that refuses its input gives an empty result;
-// scored, that counts as wrong everywhere.
-
 /// A frame with the images, the ToF image and the rig of a scene.
 Frame FrameOf(const Scene& scene);
 
-/// sprout-refine with Scene::WithRange(), then the noise.
-void RunRefine(const Scene& scene, const ChainSettings& settings, Frame& frame, StageTimes& ms);
+/// The chain on a frame of the scene, with Scene::WithRange() and the noise; see Chain::Run(). A
+/// stage that refuses its input gives an empty result; scored, that counts as wrong everywhere.
+void RunSteps(const Scene& scene, const ChainSettings& settings, ChainStep last, Frame& frame,
+              StageTimes& ms);
 
-/// sprout-prior.
-void RunPrior(const PriorConfig& config, Frame& frame, StageTimes& ms);
-
-/// The whole chain; stages whose results growth does not ask for are left out.
-MethodOutput RunChain(const Scene& scene, const ChainSettings& settings);
+/// The whole chain.
+/// @param frame  of the scene; may have seeds already.
+MethodOutput RunChain(const Scene& scene, const ChainSettings& settings, Frame frame);
 
 }  // namespace sprout::evaluate
 

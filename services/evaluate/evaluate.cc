@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
+#include "common/core/quantile.h"
+
 namespace sprout::evaluate {
 namespace {
 
-double Median(const std::vector<StageTimes>& runs, double StageTimes::*stage) {
+double MedianOf(const std::vector<StageTimes>& runs, double StageTimes::*stage) {
   std::vector<double> times;
   for (const StageTimes& run : runs) times.push_back(run.*stage);
-  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
-  std::nth_element(times.begin(), middle, times.end());
-  return *middle;
+  return Median(times);
 }
 
 StageTimes Medians(const std::vector<StageTimes>& runs) {
@@ -18,7 +18,7 @@ StageTimes Medians(const std::vector<StageTimes>& runs) {
   for (double StageTimes::*stage :
        {&StageTimes::refine_ms, &StageTimes::prior_ms, &StageTimes::grow_ms, &StageTimes::fill_ms,
         &StageTimes::total_ms}) {
-    median.*stage = Median(runs, stage);
+    median.*stage = MedianOf(runs, stage);
   }
   return median;
 }

@@ -1,13 +1,13 @@
 #include "services/evaluate/log_evaluation.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "services/evaluate/visibility.h"
 
 namespace sprout::evaluate {
@@ -49,7 +49,8 @@ LogEvaluation::Row LogEvaluation::Evaluate(const Frame& frame) const {
   Row row{.quality = QualityOf(frame), .maps = {}};
   if (truth_ == nullptr || !frame.disparity || frame.id.seq < 0) return row;
   const std::optional<int64_t> count = truth_->frame_count();
-  const datasets::GroundTruth truth = truth_->Get(count ? frame.id.seq % *count : frame.id.seq).truth;
+  const datasets::GroundTruth truth =
+      truth_->Get(count ? frame.id.seq % *count : frame.id.seq).truth;
   if (truth.left.empty()) return row;
   const cv::Mat1b seen = VisibilityOf(truth).nonoccluded;
   const auto score = [&](const char* name, const DisparityImage& map) {

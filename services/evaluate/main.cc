@@ -2,7 +2,7 @@
 #include <iostream>
 #include <string>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
 #include "services/evaluate/program.h"
 #include "services/log/log_frames.h"
@@ -12,13 +12,10 @@ namespace {
 
 void ReadFrames(const LogChoice& log, const std::function<void(const Frame&)>& visit) {
   try {
-    log::LogFrames frames(
+    const std::string complaint = log::ReadFrames(
         {.file = log.file, .folder = {}, .frames = log.frames, .prefix = log.prefix}, AllParts(),
         visit);
-    frames.Read();
-    if (const std::string complaint = frames.Complaint(); !complaint.empty()) {
-      std::cerr << "sprout-evaluate: " << complaint << "\n";
-    }
+    if (!complaint.empty()) std::cerr << "sprout-evaluate: " << complaint << "\n";
   } catch (const LogError& e) {
     throw ConfigError(std::string("--log ") + e.what());
   }

@@ -1,18 +1,31 @@
 #include "services/evaluate/methods.h"
 
 #include <algorithm>
+#include <chrono>
 #include <iterator>
 #include <utility>
 
+#include "services/evaluate/rivals/harris_seeds.h"
 #include "services/evaluate/rivals/rival.h"
 
 namespace sprout::evaluate {
 namespace {
 
+// Runs a function and adds the time it takes.
+template <typename Function>
+auto Timed(double& ms, const Function& function) {
+  const auto begin = std::chrono::steady_clock::now();
+  auto result = function();
+  ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
 Method WholeChain() {
   return {.name = "sprout",
           .summary = "the whole chain as the services run it, its final map",
-          .run = RunChain};
+          .run = [](const Scene& scene, const ChainSettings& settings) {
+            return RunChain(scene, settings, FrameOf(scene));
+          }};
 }
 
 Method PriorAlone() {
@@ -20,27 +33,43 @@ Method PriorAlone() {
           .summary = "D_p alone, as the preset's method makes it",
           .run = [](const Scene& scene, const ChainSettings& settings) {
             MethodOutput output;
-            StageTimes& ms = output.ms;
             Frame frame = FrameOf(scene);
-            RunRefine(scene, settings, frame, ms);
-            RunPrior(settings.config.prior(), frame, ms);
+            RunSteps(scene, settings, ChainStep::kPrior, frame, output.ms);
             output.map_px = ToPx(frame.prior->disparity);
-            ms.total_ms = ms.refine_ms + ms.prior_ms;
             return output;
           }};
 }
 
+// Where growth starts.
+enum class StartFrom { kTof, kHarris };
+
+// A frame whose seeds are Harris corners, in the time of growth.
+Frame WithHarrisSeeds(const Scene& scene, StageTimes& ms) {
+  Frame frame = FrameOf(scene);
+  frame.seeds = SeedSet();
+  frame.left_seeds = SeedSet();
+  frame.seeds->seeds = Timed(ms.grow_ms, [&] {
+    return MatchHarrisCorners(scene.left_grey, scene.right_grey, HarrisSettings());
+  });
+  ms.total_ms = ms.grow_ms;
+  return frame;
+}
+
 // The chain with another similarity, other seeds and without gap filling.
 Method Variant(std::string name, std::string summary, GrowConfig::Similarity similarity,
-               GrowConfig::Seeds seeds) {
+               StartFrom start) {
   return {.name = std::move(name),
           .summary = std::move(summary),
           .run = [=](const Scene& scene, ChainSettings settings) {
             GrowConfig& grow = *settings.config.mutable_grow();
             grow.set_similarity(similarity);
-            grow.set_seeds(seeds);
             grow.set_fill(GrowConfig::NONE);
-            return RunChain(scene, settings);
+            StageTimes ms;
+            Frame frame = start == StartFrom::kHarris ? WithHarrisSeeds(scene, ms) : FrameOf(scene);
+            MethodOutput output = RunChain(scene, settings, std::move(frame));
+            output.ms.grow_ms += ms.grow_ms;
+            output.ms.total_ms += ms.total_ms;
+            return output;
           }};
 }
 
@@ -50,22 +79,21 @@ Method EpcFilled() {
           .run = [](const Scene& scene, ChainSettings settings) {
             GrowConfig& grow = *settings.config.mutable_grow();
             grow.set_similarity(GrowConfig::EPC);
-            grow.set_seeds(GrowConfig::TOF);
             if (grow.fill() == GrowConfig::NONE) grow.set_fill(GrowConfig::ONE_PASS);
-            return RunChain(scene, settings);
+            return RunChain(scene, settings, FrameOf(scene));
           }};
 }
 
 std::vector<Method> PaperMethods() {
   return {
       Variant("mncc-harris", "growth by MNCC, eq. (1), from Harris corners", GrowConfig::MNCC,
-              GrowConfig::HARRIS),
-      Variant("mncc-tof", "growth by MNCC from ToF seeds", GrowConfig::MNCC, GrowConfig::TOF),
+              StartFrom::kHarris),
+      Variant("mncc-tof", "growth by MNCC from ToF seeds", GrowConfig::MNCC, StartFrom::kTof),
       Variant("expssd-harris", "growth by EXPSSD, eq. (4), from Harris corners", GrowConfig::EXPSSD,
-              GrowConfig::HARRIS),
-      Variant("expssd-tof", "growth by EXPSSD from ToF seeds", GrowConfig::EXPSSD, GrowConfig::TOF),
+              StartFrom::kHarris),
+      Variant("expssd-tof", "growth by EXPSSD from ToF seeds", GrowConfig::EXPSSD, StartFrom::kTof),
       Variant("epc", "growth by EPC, eq. (6): EXPSSD and the prior, from ToF seeds",
-              GrowConfig::EPC, GrowConfig::TOF),
+              GrowConfig::EPC, StartFrom::kTof),
       EpcFilled(),
       PriorAlone()};
 }
@@ -76,7 +104,7 @@ Method PaperFilled() {
           .summary = "epc-filled of preset paper, whatever the preset of this run",
           .run = [](const Scene& scene, ChainSettings settings) {
             settings.config = LoadConfig({"paper"});
-            return RunChain(scene, settings);
+            return RunChain(scene, settings, FrameOf(scene));
           }};
 }
 
@@ -91,7 +119,7 @@ Method FromRival(const Rival& rival) {
             Frame frame = FrameOf(scene);
             std::vector<Seed> seeds;
             if (rival.uses_seeds) {
-              RunRefine(scene, tof_only, frame, ms);
+              RunSteps(scene, tof_only, ChainStep::kRefine, frame, ms);
               Join(frame.seeds->seeds, frame.left_seeds->seeds, seeds);
             }
             const RivalInput input{.left = scene.frame.left,
@@ -99,7 +127,6 @@ Method FromRival(const Rival& rival) {
                                    .seeds = seeds,
                                    .max_disparity_px = scene.max_disparity_px,
                                    .fgs = settings.fgs};
-            ms.total_ms = ms.refine_ms;
             output.map_px = Timed(ms.total_ms, [&] { return rival.compute(input); });
             return output;
           }};

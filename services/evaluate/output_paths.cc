@@ -2,7 +2,7 @@
 
 #include <system_error>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/output_file.h"
 
 namespace sprout::evaluate {

@@ -1,5 +1,6 @@
 #include "services/evaluate/program.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iostream>

@@ -1,6 +1,6 @@
 #include "services/evaluate/result_files.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 #include "services/evaluate/run_pictures.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>

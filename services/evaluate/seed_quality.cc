@@ -1,7 +1,10 @@
 #include "services/evaluate/seed_quality.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "services/refine/refiner.h"
@@ -29,21 +32,38 @@ std::vector<Seed> ProjectAll(const Scene& scene) {
   return seeds;
 }
 
+enum class Verdict { kGood, kWrong, kUnknown };
+
+Verdict Judge(const Seed& seed, const Scene& scene) {
+  if (!InImage(seed, scene.size())) return Verdict::kUnknown;
+  const cv::Point pixel(cvRound(seed.u), cvRound(seed.v));
+  const double error = std::abs(double{seed.disparity()} - scene.frame.truth.left(pixel));
+  if (error > kWrongSeedPx || scene.occluded(pixel) != 0) return Verdict::kWrong;
+  return scene.nonoccluded(pixel) != 0 ? Verdict::kGood : Verdict::kUnknown;
+}
+
 }  // namespace
 
 SeedCounts CountSeeds(std::span<const Seed> seeds, const Scene& scene) {
   SeedCounts counts;
   for (const Seed& seed : seeds) {
-    if (!InImage(seed, scene.size())) continue;
-    const cv::Point pixel(cvRound(seed.u), cvRound(seed.v));
-    const double error = std::abs(double{seed.disparity()} - scene.frame.truth.left(pixel));
-    if (error > kWrongSeedPx || scene.occluded(pixel) != 0) {
-      ++counts.wrong;
-    } else if (scene.nonoccluded(pixel) != 0) {
-      ++counts.good;
-    }
+    const Verdict verdict = Judge(seed, scene);
+    counts.good += verdict == Verdict::kGood;
+    counts.wrong += verdict == Verdict::kWrong;
   }
   return counts;
+}
+
+int64_t CountGoodLost(std::span<const Seed> points, std::span<const Seed> kept,
+                      const Scene& scene) {
+  std::set<std::pair<int16_t, int16_t>> kept_pixels;
+  for (const Seed& seed : kept) {
+    if (seed.origin == SeedOrigin::kTof) kept_pixels.emplace(seed.tof_u, seed.tof_v);
+  }
+  return std::ranges::count_if(points, [&](const Seed& point) {
+    return Judge(point, scene) == Verdict::kGood &&
+           !kept_pixels.contains({point.tof_u, point.tof_v});
+  });
 }
 
 double RefinementQuality::wrong_before_percent() const {
@@ -54,9 +74,7 @@ double RefinementQuality::wrong_after_percent() const {
   return Percent(after.wrong, static_cast<int64_t>(refined.seeds.size()));
 }
 
-double RefinementQuality::good_lost_percent() const {
-  return Percent(before.good - after.good, before.good);
-}
+double RefinementQuality::good_lost_percent() const { return Percent(good_lost, before.good); }
 
 RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config) {
   RefinementQuality quality;
@@ -64,8 +82,10 @@ RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config
       refine::Refiner(scene.WithRange(config))
           .Compute(scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector)
           .value_or(SeedSet());
-  quality.before = CountSeeds(ProjectAll(scene), scene);
+  const std::vector<Seed> points = ProjectAll(scene);
+  quality.before = CountSeeds(points, scene);
   quality.after = CountSeeds(quality.refined.seeds, scene);
+  quality.good_lost = CountGoodLost(points, quality.refined.seeds, scene);
   return quality;
 }
 

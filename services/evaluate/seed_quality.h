@@ -26,15 +26,21 @@ struct SeedCounts {
 /// O(n).
 SeedCounts CountSeeds(std::span<const Seed> seeds, const Scene& scene);
 
+/// How many good ToF points have no seed any more. Seeds from stereo make up for none, and a point
+/// that refinement moved is not lost.
+/// @param points  all ToF points. @param kept  what refinement made of them. O(n log n).
+int64_t CountGoodLost(std::span<const Seed> points, std::span<const Seed> kept, const Scene& scene);
+
 /// What refinement did to the seeds of a scene, before any noise.
 struct RefinementQuality {
-  SeedSet refined;    ///< the seeds kept, and how many points each rule dropped
-  SeedCounts before;  ///< of all ToF points
-  SeedCounts after;   ///< of the seeds kept
+  SeedSet refined;        ///< the seeds kept, and how many points each rule dropped
+  SeedCounts before;      ///< of all ToF points
+  SeedCounts after;       ///< of the seeds kept and those from stereo
+  int64_t good_lost = 0;  ///< CountGoodLost()
 
   double wrong_before_percent() const;  ///< wrong ones among all ToF points
-  double wrong_after_percent() const;   ///< wrong ones among the seeds kept
-  double good_lost_percent() const;     ///< share of the good ones that was dropped
+  double wrong_after_percent() const;   ///< wrong ones among the seeds kept and those from stereo
+  double good_lost_percent() const;     ///< share of the good ToF points that was dropped
 };
 
 /// Runs refinement on a scene and judges it. Shares of nothing are NaN.

@@ -1,10 +1,10 @@
 #include "services/evaluate/tof_choice.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 
+#include "common/core/number_text.h"
 #include "services/datasets/source_options.h"
 
 namespace sprout::evaluate {
@@ -25,14 +25,6 @@ ConfigError BadChoice(const std::string& text, const std::string& reason) {
       "kitti scan, none");
 }
 
-template <typename Number>
-std::optional<Number> Parse(std::string_view text) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return {};
-  return number;
-}
-
 }  // namespace
 
 TofChoice::TofChoice(const std::string& text) : text_(text) {
@@ -42,17 +34,18 @@ TofChoice::TofChoice(const std::string& text) : text_(text) {
   if (view.substr(0, view.find('?')) == kSr4000) {
     sr4000_.emplace();
     if (view == kSr4000) return;
-    for (const datasets::SourceOption& option : datasets::SourceOptions(view.substr(kSr4000.size() + 1))) {
+    for (const datasets::SourceOption& option :
+         datasets::SourceOptions(view.substr(kSr4000.size() + 1))) {
       if (!datasets::ApplySr4000Option(option, *sr4000_)) throw BadChoice(text, "no such option");
     }
     return;
   }
   if (view.starts_with("grid:auto*")) {
-    const std::optional<double> factor = Parse<double>(view.substr(kAuto.size() + 1));
+    const std::optional<double> factor = ParseNumber<double>(view.substr(kAuto.size() + 1));
     if (!factor || !(*factor > 0 && *factor <= kMaxFactor)) throw BadChoice(text, "no such factor");
     factor_ = *factor;
   } else if (view.starts_with(kGrid)) {
-    spacing_px_ = Parse<int>(view.substr(kGrid.size()));
+    spacing_px_ = ParseNumber<int>(view.substr(kGrid.size()));
     if (!spacing_px_ || *spacing_px_ < 1 || *spacing_px_ > kMaxSpacingPx) {
       throw BadChoice(text, "no such spacing");
     }

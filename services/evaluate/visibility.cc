@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/quality/score.h"
 
 namespace sprout::evaluate {

@@ -11,22 +11,16 @@
 namespace sprout::grow {
 namespace {
 
-// One pass over blocks of kFillColumns pixels of a row.
-// @param active  the blocks that are looked at, of which a pass fills `to`.
-// @returns the blocks in which a gap was filled.
-cv::Mat1b FillPass(const DisparityImage& from, const cv::Mat1b& active, DisparityImage& to) {
-  cv::Mat1b changed(active.size(), uint8_t{0});
+// Every gap takes the median of its window in the map as it was.
+void FillFromWindows(const DisparityImage& from, DisparityImage& to) {
   ForEachParallel(static_cast<size_t>(from.height()), [&](size_t row) {
     const int v = static_cast<int>(row);
     FilledPixels pixels;
-    for (int block = 0; block < active.cols; ++block) {
-      if (active(v, block) == 0) continue;
-      const int u = block * kFillColumns;
-      changed(v, block) = FillPixels(from, v, u, pixels) ? 1 : 0;
+    for (int u = 0; u < from.width(); u += kFillColumns) {
+      FillPixels(from, v, u, pixels);
       std::copy_n(pixels.begin(), std::min(kFillColumns, from.width() - u), &to.counts()(v, u));
     }
   });
-  return changed;
 }
 
 }  // namespace
@@ -38,7 +32,7 @@ DisparityImage GapFiller::Fill(const DisparityImage& map, GrowConfig::Fill fill,
   if (fill == GrowConfig::PRIOR) {
     FillFromPrior(map, prior);
   } else {
-    FillFromWindows(map, fill == GrowConfig::UNTIL_STABLE);
+    FillFromWindows(map, filled_);
   }
   return filled_;
 }
@@ -51,22 +45,6 @@ void GapFiller::FillFromPrior(const DisparityImage& map, const DisparityImage& p
     prior.counts().copyTo(other_.counts(), is_gap_);
   }
   MedianFilter().Apply(has_prior ? other_.counts() : map.counts(), filled_.counts());
-}
-
-void GapFiller::FillFromWindows(const DisparityImage& map, bool until_stable) {
-  const int across = (map.width() + kFillColumns - 1) / kFillColumns;
-  cv::Mat1b active(map.height(), across, uint8_t{1});
-  cv::Mat1b changed = FillPass(map, active, filled_);
-  if (!until_stable) return;
-  // Two maps in turn, which differ in the blocks of the last pass only: these are active again.
-  Renew(other_, map.size());
-  filled_.counts().copyTo(other_.counts());
-  const cv::Mat1b sees_a_block(5, 3, uint8_t{1});  // a window has two rows above and below
-  while (cv::countNonZero(changed) > 0) {
-    cv::dilate(changed, active, sees_a_block);
-    std::swap(filled_, other_);
-    changed = FillPass(other_, active, filled_);
-  }
 }
 
 }  // namespace sprout::grow

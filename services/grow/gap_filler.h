@@ -13,8 +13,8 @@ namespace sprout::grow {
 /// one object serves one caller at a time.
 class GapFiller {
  public:
-  /// @param fill  NONE: returns the map; ONE_PASS: gaps look at the given map only; UNTIL_STABLE:
-  ///              passes until nothing changes, so only an empty map keeps gaps. PRIOR: gaps take
+  /// @param fill  NONE: returns the map; ONE_PASS: gaps look at the given map only; PRIOR: gaps
+  /// take
   ///              the prior's disparity instead, then every pixel the median of its 5×5 window.
   /// @param prior  of the map's size; only looked at by PRIOR. An empty one fills nothing.
   /// @returns another map (with NONE the given one); the given one is not changed. O(pixels), on
@@ -24,7 +24,6 @@ class GapFiller {
 
  private:
   void FillFromPrior(const DisparityImage& map, const DisparityImage& prior);
-  void FillFromWindows(const DisparityImage& map, bool until_stable);
 
   DisparityImage filled_, other_;
   cv::Mat1b is_gap_;

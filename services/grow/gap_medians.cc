@@ -140,21 +140,18 @@ HWY_INLINE V Medians(const Surroundings& around, int column) {
   return hn::IfThenElse(hn::Eq(valid, hn::Zero(d)), hn::Set(d, kGap), median);
 }
 
-bool FillPixelsOnTarget(const DisparityImage& map, int v, int u, FilledPixels& filled) {
+void FillPixelsOnTarget(const DisparityImage& map, int v, int u, FilledPixels& filled) {
   const D d;
   const Surroundings around(map, v, u);
-  bool changed = false;
   for (int column = 0; column < kFillColumns; column += static_cast<int>(hn::MaxLanes(d))) {
     V values = hn::LoadU(d, around.row(kRadius) + kRadius + column);
     const auto in_map = hn::FirstN(d, static_cast<size_t>(std::max(map.width() - u - column, 0)));
     const auto gaps = hn::And(hn::Eq(values, hn::Set(d, kGap)), in_map);
     if (!hn::AllFalse(d, gaps)) {
       values = hn::IfThenElse(gaps, Medians(around, column), values);
-      changed |= !hn::AllFalse(d, hn::AndNot(hn::Eq(values, hn::Set(d, kGap)), gaps));
     }
     hn::StoreU(values, d, filled.data() + column);
   }
-  return changed;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -166,8 +163,8 @@ namespace sprout::grow {
 
 HWY_EXPORT(FillPixelsOnTarget);
 
-bool FillPixels(const DisparityImage& map, int v, int u, FilledPixels& filled) {
-  return HWY_DYNAMIC_DISPATCH(FillPixelsOnTarget)(map, v, u, filled);
+void FillPixels(const DisparityImage& map, int v, int u, FilledPixels& filled) {
+  HWY_DYNAMIC_DISPATCH(FillPixelsOnTarget)(map, v, u, filled);
 }
 
 }  // namespace sprout::grow

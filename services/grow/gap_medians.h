@@ -16,10 +16,9 @@ using FilledPixels = std::array<int16_t, kFillColumns>;
 /// 5×5 windows (the lower one of two in the middle; windows end at the map's border). Gaps without
 /// a valid count around them stay gaps, as do columns beyond the map.
 ///
-/// @returns whether a gap was filled.
 /// Sorts as many windows at once as a register has lanes (Batcher's odd-even merge sort), if there
 /// is a gap among them; the same result on every CPU. O(1); takes no memory.
-bool FillPixels(const DisparityImage& map, int v, int u, FilledPixels& filled);
+void FillPixels(const DisparityImage& map, int v, int u, FilledPixels& filled);
 
 }  // namespace sprout::grow
 

@@ -1,5 +1,5 @@
 #include "common/app/run_stage.h"
-#include "services/grow/grow_plug.h"
+#include "services/grow/grow_adapter.h"
 
 int main(int argc, char** argv) {
   return sprout::RunStage(
@@ -8,6 +8,6 @@ int main(int argc, char** argv) {
       "Joins SPROUT_LEFT, SPROUT_RIGHT, SPROUT_SEEDS and SPROUT_PRIOR (the last two as the\n"
       "configuration needs them); publishes SPROUT_DISPARITY.",
       [](const sprout::SproutConfig& config) {
-        return std::make_unique<sprout::grow::GrowPlug>(config.grow());
+        return std::make_unique<sprout::grow::GrowAdapter>(config.grow());
       });
 }

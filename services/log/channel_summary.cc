@@ -1,6 +1,6 @@
 #include "services/log/channel_summary.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <limits>

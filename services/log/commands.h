@@ -7,9 +7,10 @@
 
 #include "common/config/frame_range.h"
 
-// The subcommands of sprout-log. Each reads whole logs in constant memory, prints to stdout, and
-// returns the program's exit code. @throws LogError for a log that cannot be used, ConfigError for
-// flags that cannot, Interrupted after Ctrl-C. Output files appear whole or not at all.
+// The subcommands of sprout-log. Each reads whole logs in constant memory (but for some hundred
+// bytes a frame or message, see README.md), prints to stdout, and returns the program's exit code.
+// @throws LogError for a log that cannot be used, ConfigError for flags that cannot, Interrupted
+// after Ctrl-C. Output files appear whole or not at all.
 namespace sprout::log {
 
 struct InfoOptions {

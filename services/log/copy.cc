@@ -1,5 +1,5 @@
 // The subcommands that write a log: cut, merge and repair.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <iostream>

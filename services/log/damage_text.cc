@@ -1,6 +1,6 @@
 #include "services/log/damage_text.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <iostream>
 

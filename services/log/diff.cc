@@ -1,4 +1,4 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 #include "common/logfile/event_fetcher.h"
 #include "services/log/commands.h"
 #include "services/log/damage_text.h"
+#include "services/log/difference_pictures.h"
 #include "services/log/event_stream.h"
-#include "services/log/frame_pictures.h"
 #include "services/log/message_diff.h"
 #include "services/log/read_progress.h"
 

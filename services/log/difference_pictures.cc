@@ -1,4 +1,4 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cstdlib>
 #include <opencv2/core.hpp>
@@ -9,7 +9,7 @@
 #include "common/picture/color_map.h"
 #include "common/picture/picture.h"
 #include "common/picture/write_image.h"
-#include "services/log/frame_pictures.h"
+#include "services/log/difference_pictures.h"
 #include "services/log/message_diff.h"
 
 namespace sprout::log {

@@ -1,6 +1,6 @@
 #include "services/log/frame_truth.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "common/config/config.h"
 #include "common/core/image.h"
@@ -73,16 +73,18 @@ std::string LogTruth::Text() const {
         seeds.hidden, seeds.contradicted, kept, std::ssize(seeds.seeds) - kept);
   }
   if (maps_[0].frames + maps_[1].frames + maps_[2].frames == 0) return text;
-  text +=
-      fmt::format("{:<10}{:>8}{:>12}{:>22}\n", "map", "frames", "density %", "correct <= 1 px %");
+  const bool scored = dataset_ != nullptr;
+  text += fmt::format("{:<10}{:>8}{:>12}{}\n", "map", "frames", "density %",
+                      scored ? "     correct <= 1 px %" : "");
   for (size_t i = 0; i < maps_.size(); ++i) {
     const MapSum& sum = maps_[i];
     if (sum.frames == 0) continue;
     const auto frames = static_cast<double>(sum.frames);
-    text += fmt::format(
-        "{:<10}{:>8}{:>12.2f}{:>22}\n", kMapNames[i], sum.frames, sum.density_percent / frames,
-        dataset_ == nullptr ? "unknown" : fmt::format("{:.2f}", sum.correct_percent / frames));
+    text +=
+        fmt::format("{:<10}{:>8}{:>12.2f}", kMapNames[i], sum.frames, sum.density_percent / frames);
+    text += scored ? fmt::format("{:>22.2f}\n", sum.correct_percent / frames) : "\n";
   }
+  if (!scored) return text;
   return text + "(correct: of the pixels that both cameras see; no disparity counts as wrong)\n";
 }
 

@@ -9,15 +9,10 @@
 #include <string>
 
 #include "common/core/frame.h"
+#include "common/picture/frame_pictures.h"
 #include "services/datasets/dataset.h"
 
 namespace sprout::log {
-
-/// The true disparity of a frame's left image.
-struct FrameTruth {
-  cv::Mat1f disparity_px;  ///< NaN or infinite = unknown; empty without ground truth
-  cv::Mat1b non_occluded;  ///< see NonOccludedMask(); empty without ground truth
-};
 
 /// The ground truth of the frames of a log that capture sent from a scene, and how right their maps
 /// are.
@@ -34,9 +29,9 @@ class LogTruth {
   /// @throws ConfigError when a map of the frame has another size.
   const FrameTruth& Add(const Frame& frame);
 
-  /// What became of the newest frame's seeds, and a table of density and share of correct pixels
-  /// (≤ 1 px, of those that both cameras see) of each map, means over the frames; nothing without
-  /// seeds and maps.
+  /// What became of the newest frame's seeds, and a table of each map's density and, with a source,
+  /// share of correct pixels (≤ 1 px, of those that both cameras see), means over the frames;
+  /// nothing without seeds and maps.
   std::string Text() const;
 
  private:

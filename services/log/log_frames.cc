@@ -1,105 +1,39 @@
 #include "services/log/log_frames.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
-#include <algorithm>
+#include <optional>
 #include <system_error>
-#include <utility>
 
-#include "common/config/config.h"
-#include "common/messages/codec.h"
-#include "services/log/channels.h"
+#include "common/config/config_error.h"
+#include "common/frames/log_frames.h"
 #include "services/log/damage_text.h"
 #include "services/log/read_progress.h"
 
 namespace sprout::log {
-namespace {
 
-// As many as a recorder sees in flight when the stages are slow.
-constexpr size_t kMaxPending = 16;
-
-}  // namespace
-
-LogFrames::LogFrames(const PicturesOptions& options, PartSet parts, Visit visit)
-    : options_(options), parts_(parts), visit_(std::move(visit)) {
-  if (!options_.frames.empty()) range_ = ParseFrameRange("--frames", options_.frames);
-}
-
-void LogFrames::Read() {
-  LogReader reader(options_.file);
-  ReadProgress progress("reading " + options_.file.string(), reader.size());
-  for (LogEvent event; reader.Next(event); progress.Update(reader.position())) Add(event);
-  for (Frame& frame : pending_) Emit(std::move(frame));
-  pending_.clear();
-  progress.Clear();
-  WarnOfDamage(options_.file, reader.damage());
-}
-
-void LogFrames::Add(const LogEvent& event) {
-  const auto part = PartOfChannel(event.channel, options_.prefix);
-  if (!part) {
-    if (TypeOfChannel(event.channel)) other_channel_ = event.channel;
-    return;
+std::string ReadFrames(const PicturesOptions& options, PartSet parts,
+                       const std::function<void(const Frame&)>& visit) {
+  FrameChoice choice{.prefix = options.prefix, .parts = parts};
+  if (!options.frames.empty()) choice.frames = ParseFrameRange("--frames", options.frames);
+  int64_t undecodable = 0;
+  std::string first_error;
+  int64_t first_offset = 0;
+  LogFrames frames(options.file, choice, [&](const LogEvent& event, const std::string& why) {
+    if (undecodable++ > 0 && event.offset > first_offset) return;
+    first_offset = event.offset;
+    first_error =
+        fmt::format("{}, event {} at byte {}: {}", event.channel, event.number, event.offset, why);
+  });
+  {
+    ReadProgress progress("reading " + options.file.string(), frames.log().size());
+    const auto show = [&](int64_t position) { progress.Update(position); };
+    while (const std::optional<Frame> frame = frames.Next(show)) visit(*frame);
+    progress.Clear();
   }
-  channel_seen_ = true;
-  if (*part != Part::kRig) {
-    const auto id = DecodeFrameId(event.data);
-    if (!parts_.Has(*part) || (id && !range_.Has(id->seq))) return;
-  }
-  Result<DecodedPart> decoded = DecodePart(*part, event.data);
-  if (!decoded) {
-    if (undecodable_++ == 0) {
-      first_error_ = fmt::format("{}, event {} at byte {}: {}", event.channel, event.number,
-                                 event.offset, decoded.error().text);
-    }
-  } else if (*part == Part::kRig) {
-    rigs_[decoded->id.rig_id] = std::get<Rig>(std::move(decoded->value));
-  } else {
-    Put(decoded->id, *part, std::move(decoded->value));
-  }
-}
-
-void LogFrames::Put(const FrameId& id, Part part, PartValue value) {
-  auto frame = std::find_if(pending_.begin(), pending_.end(),
-                            [&](const Frame& other) { return other.id == id; });
-  if (frame == pending_.end()) {
-    if (pending_.size() == kMaxPending) {
-      Emit(std::move(pending_.front()));
-      pending_.pop_front();
-    }
-    frame = pending_.emplace(pending_.end());
-    frame->id = id;
-  }
-  SetPart(*frame, part, std::move(value));
-}
-
-void LogFrames::Emit(Frame frame) {
-  if (parts_.Has(Part::kRig)) frame.rig = FindRig(frame.id.rig_id);
-  visit_(frame);
-}
-
-// Calibrations come once a second: that of the first frames may stand far behind them.
-std::optional<Rig> LogFrames::FindRig(const std::string& rig_id) {
-  const auto known = rigs_.find(rig_id);
-  if (known != rigs_.end()) return known->second;
-  LogReader reader(options_.file);
-  for (LogEvent event; reader.Next(event);) {
-    if (PartOfChannel(event.channel, options_.prefix) != Part::kRig) continue;
-    Result<DecodedPart> decoded = DecodePart(Part::kRig, event.data);
-    if (!decoded || decoded->id.rig_id != rig_id) continue;
-    return rigs_[rig_id] = std::get<Rig>(std::move(decoded->value));
-  }
-  return rigs_[rig_id] = std::nullopt;
-}
-
-std::string LogFrames::Complaint() const {
-  if (undecodable_ > 0) {
-    return fmt::format("undecodable messages: {}, the first {}", undecodable_, first_error_);
-  }
-  if (!channel_seen_ && !other_channel_.empty()) {
-    return "there are channels as " + other_channel_ + ", see --channel-prefix";
-  }
-  return "";
+  WarnOfDamage(options.file, frames.log().damage());
+  if (undecodable == 0) return frames.index().OtherPrefixText();
+  return fmt::format("undecodable messages: {}, the first {}", undecodable, first_error);
 }
 
 std::filesystem::path FrameFileNames::Of(const FrameId& id, const std::string& what) {

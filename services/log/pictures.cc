@@ -1,14 +1,16 @@
 // The subcommands that write the frames of a log as files: images and export.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <iostream>
 #include <stdexcept>
+#include <string>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/image.h"
+#include "common/logfile/log_error.h"
+#include "common/picture/frame_pictures.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
-#include "services/log/frame_pictures.h"
 
 namespace sprout::log {
 namespace {
@@ -17,9 +19,8 @@ void Require(const Result<void>& written) {
   if (!written) throw std::runtime_error(written.error().text);
 }
 
-void Finish(const LogFrames& frames, const FrameFileNames& names, const PicturesOptions& options,
-            const std::string& nothing) {
-  const std::string complaint = frames.Complaint();
+void Finish(const std::string& complaint, const FrameFileNames& names,
+            const PicturesOptions& options, const std::string& nothing) {
   if (names.files() == 0) {
     throw LogError(options.file, nothing + (complaint.empty() ? "" : "; " + complaint));
   }
@@ -33,10 +34,10 @@ void Finish(const LogFrames& frames, const FrameFileNames& names, const Pictures
 int RunImages(const ImagesOptions& options) {
   LogTruth truth(options.truth);
   FrameFileNames names(options.folder);
-  LogFrames frames(options, AllParts(),
-                   [&](const Frame& frame) { WriteFramePictures(frame, truth.Add(frame), names); });
-  frames.Read();
-  Finish(frames, names, options, "no message of these frames that can be shown");
+  const std::string complaint = ReadFrames(options, AllParts(), [&](const Frame& frame) {
+    WriteFramePictures(frame, truth.Add(frame), names.For(frame.id));
+  });
+  Finish(complaint, names, options, "no message of these frames that can be shown");
   std::cout << truth.Text();
   return 0;
 }
@@ -125,10 +126,10 @@ int RunExport(const ExportOptions& options) {
     throw ConfigError("export: nothing to do without --ply, --mesh or --pfm");
   }
   Exporter exporter(options);
-  LogFrames frames(options, exporter.Parts(), [&](const Frame& frame) { exporter.Write(frame); });
-  frames.Read();
+  const std::string complaint =
+      ReadFrames(options, exporter.Parts(), [&](const Frame& frame) { exporter.Write(frame); });
   const bool whole = exporter.Complain();
-  Finish(frames, exporter.names(), options, "no message of these frames that can be exported");
+  Finish(complaint, exporter.names(), options, "no message of these frames that can be exported");
   return whole ? 0 : 1;
 }
 

@@ -1,6 +1,6 @@
 #include "services/log/process_summary.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <set>

@@ -1,13 +1,16 @@
 #include "services/log/program.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <functional>
 #include <iostream>
+#include <string>
+#include <vector>
 
 #include "common/app/program.h"
 #include "common/app/version.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
 #include "common/quality/frame_quality.h"
 #include "services/log/commands.h"

@@ -1,4 +1,4 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <iostream>
@@ -6,14 +6,15 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
+#include "common/picture/frame_pictures.h"
 #include "common/quality/frame_quality.h"
 #include "services/log/commands.h"
-#include "services/log/frame_pictures.h"
 #include "services/log/log_frames.h"
 
 namespace sprout::log {
@@ -70,16 +71,14 @@ void Ranking::Read() {
   std::map<Key, FrameQuality> qualities;
   const PartSet parts = {Part::kLeft, Part::kRight, Part::kSeeds, Part::kDisparity,
                          Part::kConfidence};
-  LogFrames frames(options_, parts, [&](const Frame& frame) {
+  const std::string complaint = ReadFrames(options_, parts, [&](const Frame& frame) {
     const FrameQuality quality = QualityOf(frame);
     const auto [known, added] = qualities.emplace(Key{frame.id.utime, frame.id.seq}, quality);
     // A part that was recorded again comes as a frame of its own.
     if (!added && CountKnown(quality) >= CountKnown(known->second)) known->second = quality;
   });
-  frames.Read();
   for (const auto& [key, quality] : qualities) rows_.push_back({key, quality});
   Sort();
-  const std::string complaint = frames.Complaint();
   if (ranked_ == 0) {
     throw LogError(options_.file,
                    fmt::format("no frame with a {}: allowed is a log with the answers of the "
@@ -171,10 +170,10 @@ void Ranking::WritePictures() const {
   std::set<Key> worst;
   for (const Row& row : std::span(rows_).first(CountShown(kShown))) worst.insert(row.key);
   FrameFileNames names(options_.folder);
-  LogFrames frames(options_, AllParts(), [&](const Frame& frame) {
-    if (worst.contains({frame.id.utime, frame.id.seq})) WriteFramePictures(frame, {}, names);
+  ReadFrames(options_, AllParts(), [&](const Frame& frame) {
+    if (worst.contains({frame.id.utime, frame.id.seq}))
+      WriteFramePictures(frame, {}, names.For(frame.id));
   });
-  frames.Read();
   std::cerr << fmt::format("{}: {} pictures of the {} worst frames\n", options_.folder.string(),
                            names.files(), names.frames());
 }

@@ -1,9 +1,8 @@
 #include "services/log/read_progress.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
-#include <csignal>
 #include <utility>
 
 namespace sprout::log {
@@ -11,20 +10,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kPeriod{200};
 
-volatile std::sig_atomic_t interrupted = 0;
-
 }  // namespace
 
 ReadProgress::ReadProgress(std::string what, int64_t bytes)
-    : what_(std::move(what)), bytes_(bytes), next_(std::chrono::steady_clock::now() + kPeriod) {
-  interrupted = 0;
-  std::signal(SIGINT, [](int) { interrupted = 1; });
-}
-
-ReadProgress::~ReadProgress() { std::signal(SIGINT, SIG_DFL); }
+    : what_(std::move(what)), bytes_(bytes), next_(std::chrono::steady_clock::now() + kPeriod) {}
 
 void ReadProgress::Update(int64_t position) {
-  if (interrupted != 0) throw Interrupted();
+  Interrupt::Check();
   const auto now = std::chrono::steady_clock::now();
   if (now < next_) return;
   next_ = now + kPeriod;

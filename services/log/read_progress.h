@@ -3,18 +3,12 @@
 
 #include <chrono>
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 
 #include "common/app/progress.h"
+#include "common/core/interrupt.h"
 
 namespace sprout::log {
-
-/// The user pressed Ctrl-C. What was written so far is removed on the way out.
-class Interrupted : public std::runtime_error {
- public:
-  Interrupted() : std::runtime_error("interrupted") {}
-};
 
 /// Shows how much of the logs has been read, on a terminal only and a few times a second, and ends
 /// the work on Ctrl-C. One at a time.
@@ -23,9 +17,6 @@ class ReadProgress {
   /// @param what   what is being done, "reading run.lcm".
   /// @param bytes  size of all that will be read.
   ReadProgress(std::string what, int64_t bytes);
-  ~ReadProgress();
-  ReadProgress(const ReadProgress&) = delete;
-  ReadProgress& operator=(const ReadProgress&) = delete;
 
   /// @throws Interrupted after Ctrl-C.
   void Update(int64_t position);
@@ -37,6 +28,7 @@ class ReadProgress {
   std::string what_;
   int64_t bytes_;
   std::chrono::steady_clock::time_point next_;
+  Interrupt interrupt_;
   Progress line_{/*quiet=*/false};
 };
 

@@ -5,9 +5,7 @@
 
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
+#include "services/pipeline/chain.h"
 
 namespace sprout {
 namespace {
@@ -57,19 +55,7 @@ cv::Mat1f DepthOf(const DisparityImage& disparity, const RectifiedPair& pair) {
 
 }  // namespace
 
-struct Pipeline::Stages {
-  explicit Stages(const SproutConfig& config)
-      : refine(config.refine()), prior(config.prior()), grow(config.grow()) {}
-
-  refine::RefinePlug refine;
-  prior::PriorPlug prior;
-  grow::GrowPlug grow;
-};
-
-Pipeline::Pipeline(const SproutConfig& config) {
-  RequireInRange(config, "");
-  stages_ = std::make_unique<Stages>(config);
-}
+Pipeline::Pipeline(const SproutConfig& config) : chain_(std::make_unique<Chain>(config)) {}
 Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
@@ -84,15 +70,9 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   frame.right = right;
   frame.tof = tof;
   frame.rig = rig;
+  ChainObserver nobody;
   DepthFrame result;
-  const auto run = [&](const char* name, Plug& plug) {
-    const std::string degenerate = RunPlug(plug, frame);
-    if (!degenerate.empty()) result.warnings.push_back(std::string(name) + ": " + degenerate);
-  };
-  run("refine", stages_->refine);
-  if (stages_->grow.Inputs().Has(Part::kPrior)) run("prior", stages_->prior);
-  run("grow", stages_->grow);
-
+  result.warnings = chain_->Run(frame, nobody).warnings;
   result.disparity = std::move(*frame.disparity);
   result.confidence = frame.confidence;
   result.depth_m = DepthOf(result.disparity, rig.pair);

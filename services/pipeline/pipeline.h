@@ -16,6 +16,8 @@
 
 namespace sprout {
 
+class Chain;
+
 /// What the pipeline makes of one frame. All maps are of the left image's size.
 struct DepthFrame {
   DisparityImage disparity;  ///< of the left image; see DisparityImage::Px() and ToPx()
@@ -56,8 +58,7 @@ class Pipeline {
                              const Rig& rig);
 
  private:
-  struct Stages;
-  std::unique_ptr<Stages> stages_;
+  std::unique_ptr<Chain> chain_;
 };
 
 }  // namespace sprout

@@ -1,5 +1,5 @@
 #include "common/app/run_stage.h"
-#include "services/prior/prior_plug.h"
+#include "services/prior/prior_adapter.h"
 
 int main(int argc, char** argv) {
   return sprout::RunStage(
@@ -10,6 +10,6 @@ int main(int argc, char** argv) {
       "SPROUT_LEFT,\n"
       "and SPROUT_RIGHT with the method that looks at it; publishes SPROUT_PRIOR.",
       [](const sprout::SproutConfig& config) {
-        return std::make_unique<sprout::prior::PriorPlug>(config.prior());
+        return std::make_unique<sprout::prior::PriorAdapter>(config.prior());
       });
 }

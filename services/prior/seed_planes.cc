@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "common/core/parallel.h"
+#include "common/core/quantile.h"
 
 namespace sprout::prior {
 namespace {
@@ -19,14 +20,6 @@ constexpr double kSlopeWeight = 0.004;
 constexpr double kScalePerSigma = 2;
 // Two rings are usually 19 seeds; more than three times as many tell nothing new.
 constexpr size_t kMostSupport = 64;
-
-// The value that a share of the others does not reach; 0 when there are none.
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<size_t>(rank)];
-}
 
 double Square(double x) { return x * x; }
 
@@ -118,7 +111,7 @@ double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> tria
       squares.push_back(Square(double{b.u} - a.u) + Square(double{b.v} - a.v));
     }
   }
-  return squares.empty() ? 1 : std::sqrt(Quantile(std::move(squares), 0.5));
+  return squares.empty() ? 1 : std::sqrt(Median(squares));
 }
 
 double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
@@ -135,7 +128,7 @@ double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangl
     const double difference = std::abs(double{a.disparity()} - b.disparity());
     if (difference > kEqualPx && difference < surface_px) differences.push_back(difference);
   }
-  return Quantile(std::move(differences), kHardlyAny);
+  return differences.empty() ? 0 : Quantile(differences, kHardlyAny);
 }
 
 std::vector<Plane> FitPlanes(std::span<const Seed> seeds, const Triangulation& triangulation,

@@ -40,8 +40,9 @@ inline bool IsNoisy(const Seed& seed, const PriorConfig& config) {
 /// The spacing of the seeds: the median length of the triangles' sides, px; 1 without triangles.
 double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles);
 
-/// The step in which the ToF seeds' disparities are counted, px: of neighbours on one surface that
-/// are not equal hardly any two (10 %) differ by less. Small where there are no steps.
+/// The step in which the ToF seeds' disparities are counted, px: the 10 % quantile of the
+/// differences between neighbours on one surface that are not equal. Small where there are no
+/// steps.
 double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
               double spacing_px, const PriorConfig& config);
 

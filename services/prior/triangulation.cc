@@ -44,7 +44,7 @@ void PlacesAround(const Delaunay& delaunay, Delaunay::Vertex_handle vertex,
   std::rotate(places.begin(), std::min_element(places.begin(), places.end()), places.end());
 }
 
-// Not so for seeds so nearly on one line that their area is lost in rounding.
+// False for nearly collinear seeds, whose area is lost in rounding.
 bool HasArea(const Seed& a, const Seed& b, const Seed& c) {
   return (double{b.u} - a.u) * (double{c.v} - a.v) > (double{b.v} - a.v) * (double{c.u} - a.u);
 }

@@ -8,12 +8,14 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <ctime>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
+
+#include "common/config/config_error.h"
+#include "common/core/number_text.h"
 
 namespace sprout::record {
 namespace {
@@ -38,9 +40,14 @@ int64_t BytesIn(const fs::path& folder) {
   return bytes;
 }
 
+// Numbers go on from below this: a name with more is somebody's joke, and counting on from it would
+// soon end.
+constexpr int64_t kMaxNumber = 1'000'000'000'000'000;
+
 struct OwnLog {
-  fs::path path;
   int64_t number;
+  fs::path path;
+  auto operator<=>(const OwnLog&) const = default;
 };
 
 std::vector<OwnLog> OwnLogs(const fs::path& folder) {
@@ -49,27 +56,32 @@ std::vector<OwnLog> OwnLogs(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     if (const auto number = RecordingNumber(entry->path()))
-      logs.push_back({entry->path(), *number});
+      logs.push_back({*number, entry->path()});
   }
   if (error) throw LogError(folder, "cannot be read (" + error.message() + ")");
-  std::ranges::sort(logs, {}, &OwnLog::number);
+  std::ranges::sort(logs);
   return logs;
+}
+
+ConfigError Unusable(const fs::path& folder, const std::string& reason) {
+  return ConfigError("--dir " + folder.string() + ": " + reason +
+                     "; allowed: a folder of its own that can be written to");
 }
 
 int Lock(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   const int descriptor = error ? -1 : open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) {
-    throw LogError(folder,
-                   "cannot be used (" +
-                       (error ? error : std::error_code(errno, std::generic_category())).message() +
-                       ")");
+  // Rather now than at the first message, when nobody looks any more.
+  if (descriptor < 0 || faccessat(descriptor, ".", W_OK | X_OK, AT_EACCESS) != 0) {
+    if (!error) error = std::error_code(errno, std::generic_category());
+    if (descriptor >= 0) close(descriptor);
+    throw Unusable(folder, "cannot be used (" + error.message() + ")");
   }
   // Some network file systems have no locks; two recorders there are the user's care.
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     close(descriptor);
-    throw LogError(folder, "another process records there; allowed is a folder of its own");
+    throw Unusable(folder, "another process records there");
   }
   return descriptor;
 }
@@ -83,19 +95,18 @@ std::string MbText(int64_t bytes) {
 std::optional<int64_t> RecordingNumber(const fs::path& path) {
   const std::string name = path.filename();
   if (!name.starts_with(kNameBegin) || !name.ends_with(kNameEnd)) return std::nullopt;
-  int64_t number = 0;
-  const char* const begin = name.data() + kNameBegin.size();
-  const auto [end, error] = std::from_chars(begin, name.data() + name.size(), number);
-  if (error != std::errc() || *begin == '-' || *end != '_') return std::nullopt;
-  return number;
+  const std::string_view rest = std::string_view(name).substr(kNameBegin.size());
+  if (rest.starts_with('-') || rest.find('_') == std::string_view::npos) return std::nullopt;
+  return ParseNumber<int64_t>(rest.substr(0, rest.find('_')));
 }
 
 LogFolder::LogFolder(LogFolderOptions options, LastWords last_words)
     : options_(std::move(options)),
       last_words_(std::move(last_words)),
       lock_(Lock(options_.folder)) {
-  const std::vector<OwnLog> logs = OwnLogs(options_.folder);
-  if (!logs.empty()) next_number_ = logs.back().number + 1;
+  for (const OwnLog& log : OwnLogs(options_.folder)) {
+    if (log.number < kMaxNumber) next_number_ = log.number + 1;
+  }
   held_bytes_ = BytesIn(options_.folder);
 }
 

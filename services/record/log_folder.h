@@ -28,7 +28,7 @@ class LogFolder {
 
   /// Makes the folder where there is none, and locks it until the end of this object.
   /// @param last_words  the last event of every log: what was lost up to there.
-  /// @throws LogError when the folder cannot be used, or another process records there.
+  /// @throws ConfigError when the folder cannot be written to, or another process records there.
   LogFolder(LogFolderOptions options, LastWords last_words);
   ~LogFolder();
   LogFolder(const LogFolder&) = delete;

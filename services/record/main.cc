@@ -1,12 +1,14 @@
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <pthread.h>
-#include <spdlog/spdlog.h>
 #include <sys/time.h>
 
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <memory>
 
+#include "common/app/log.h"
 #include "common/app/program.h"
 #include "common/app/service.h"
 #include "common/app/status_reporter.h"
@@ -29,6 +31,7 @@ struct Flags {
   double after_s = 10;
   std::optional<std::string> trigger_channel;
   std::optional<double> trigger_confidence;
+  std::optional<double> seconds;
 };
 
 constexpr char kDescription[] =
@@ -101,17 +104,32 @@ void TakeTimeToFinish(const Recording& recording) {
   constexpr itimerval kNever{};
   setitimer(ITIMER_REAL, &kNever, nullptr);
   const double waiting_mb = static_cast<double>(recording.waiting_bytes()) / 1e6;
-  if (waiting_mb > 1) spdlog::info("writing the {:.0f} MB that wait", waiting_mb);
+  if (waiting_mb > 1) LogLine(LogLevel::kInfo, "writing the {:.0f} MB that wait", waiting_mb);
 }
 
-int Record(const ServiceContext& context, const RecordingOptions& options) {
+// A folder that cannot be written from the start is a flag that cannot be used.
+std::unique_ptr<Recording> Begin(const ServiceContext& context, const RecordingOptions& options,
+                                 StageMonitor& monitor) {
+  try {
+    return std::make_unique<Recording>(context, options, monitor);
+  } catch (const LogError& e) {
+    throw ConfigError(std::string("--dir: ") + e.what());
+  }
+}
+
+// @param length  nothing: until a stop is requested.
+int Record(const ServiceContext& context, const RecordingOptions& options,
+           const std::optional<double>& length_s) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
-  Recording recording(context, options, monitor);
+  const std::unique_ptr<Recording> begun = Begin(context, options, monitor);
+  Recording& recording = *begun;
   {
     const StatusReporter reporter(context, monitor);
     TellReady();
-    auto next_status = RecordedEvent::Clock::now();
+    const auto begin = RecordedEvent::Clock::now();
+    auto next_status = begin;
     while (!context.stop.stop_requested() && !recording.has_failed()) {
+      if (length_s && RecordedEvent::Clock::now() >= begin + Seconds(*length_s)) break;
       if (WaitForTrigger()) recording.Trigger("SIGUSR1");
       if (RecordedEvent::Clock::now() < next_status) continue;
       recording.PutStatus();
@@ -121,7 +139,7 @@ int Record(const ServiceContext& context, const RecordingOptions& options) {
     recording.Finish();
   }
   const bool whole = recording.IsWhole();
-  spdlog::log(whole ? spdlog::level::info : spdlog::level::warn, recording.Summary());
+  LogLine(whole ? LogLevel::kInfo : LogLevel::kWarning, recording.Summary());
   return whole ? 0 : 1;
 }
 
@@ -136,6 +154,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->delimiter(',')
       ->expected(1)
       ->take_all();
+  app.add_option("--seconds", flags.seconds, "Stop after so many seconds")
+      ->type_name("SECONDS")
+      ->check(NumberIn(0.1, 1e9));
   app.add_option("--max-mb", flags.max_mb, "Size of a log at which the next one begins, MB")
       ->check(NumberIn(0.1, 1e6))
       ->capture_default_str();
@@ -177,8 +198,9 @@ int Main(int argc, char** argv) {
   Service service("record", kDescription);
   Flags flags;
   AddFlags(service.flags(), flags);
-  return service.Run(
-      argc, argv, [&](const ServiceContext& context) { return Record(context, OptionsOf(flags)); });
+  return service.Run(argc, argv, [&](const ServiceContext& context) {
+    return Record(context, OptionsOf(flags), flags.seconds);
+  });
 }
 
 }  // namespace

@@ -13,12 +13,15 @@ Recorder::Recorder(const std::optional<RingOptions>& ring, LogFolder& folder) : 
 
 void Recorder::Add(RecordedEvent event) {
   if (!ring_) return folder_.Write(event);
-  if (until_ && event.arrived > *until_) {
-    until_.reset();
-    folder_.Close();
+  if (until_ && event.arrived <= *until_) {
+    WriteMissing();  // a trigger and messages may change places by µs
+    folder_.Write(event);
+    ring_->Add(std::move(event));
+  } else {
+    ring_->Add(std::move(event));
+    ++missing_;
+    CloseIfApart();
   }
-  if (until_) folder_.Write(event);
-  ring_->Add(std::move(event));
 }
 
 void Recorder::AddStatus(RecordedEvent event) {
@@ -27,14 +30,25 @@ void Recorder::AddStatus(RecordedEvent event) {
 
 bool Recorder::Trigger(Time now) {
   if (!ring_) return false;
-  const bool begins = !until_ || now > *until_;
-  if (begins) {
-    folder_.Close();  // of a trigger before, when no message came since its end
-    ring_->Forget(now);
-    for (const RecordedEvent& event : ring_->events()) folder_.Write(event);
-  }
+  ring_->Forget(now);
+  if (until_ && now > *until_) CloseIfApart();
+  const bool begins = !until_;
+  if (begins) missing_ = ring_->events().size();
+  WriteMissing();
   until_ = begins ? now + after_ : std::max(*until_, now + after_);
   return begins;
+}
+
+void Recorder::WriteMissing() {
+  const auto& events = ring_->events();
+  for (size_t i = events.size() - missing_; i < events.size(); ++i) folder_.Write(events[i]);
+  missing_ = 0;
+}
+
+void Recorder::CloseIfApart() {
+  if (!until_ || missing_ < ring_->events().size()) return;
+  until_.reset();
+  folder_.Close();
 }
 
 }  // namespace sprout::record

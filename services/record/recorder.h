@@ -18,10 +18,10 @@ struct RingOptions {
 };
 
 /// Decides which messages go to the disk. Without a ring: every one. With a ring: nothing until a
-/// trigger comes, then the ring and what follows, in one log; a trigger meanwhile prolongs it. The
-/// ring is filled meanwhile, too, so every log begins as far before its trigger as the ring
-/// reaches, even where that is in the log before as well. Time is that of the messages, so a
-/// slow disk moves no border. Not thread-safe.
+/// trigger comes, then the ring and what follows, in one log. A trigger whose ring has a message of
+/// the log before continues that log, so no message is written twice, however fast triggers come,
+/// and a log has all messages from its first trigger's ring to its end. It stays open as long as
+/// that may happen. Time is that of the messages, so a slow disk moves no border. Not thread-safe.
 class Recorder {
  public:
   using Time = RecordedEvent::Clock::time_point;
@@ -46,10 +46,14 @@ class Recorder {
   const EventRing* ring() const { return ring_ ? &*ring_ : nullptr; }
 
  private:
+  void WriteMissing();
+  void CloseIfApart();
+
   LogFolder& folder_;
   RecordedEvent::Clock::duration after_{};
   std::optional<EventRing> ring_;
-  std::optional<Time> until_;  // a log of the ring is being written
+  std::optional<Time> until_;  // what comes up to here goes into the open log; none: no open log
+  size_t missing_ = 0;         // newest messages of the ring that are not in the open log
 };
 
 }  // namespace sprout::record

@@ -14,7 +14,7 @@
 #include "common/app/service_context.h"
 #include "common/app/stage_monitor.h"
 #include "common/bus/receiver.h"
-#include "common/bus/sequence_gaps.h"
+#include "common/frames/sequence_gaps.h"
 #include "common/core/frame.h"
 #include "services/record/event_queue.h"
 #include "services/record/log_folder.h"
@@ -35,7 +35,7 @@ struct RecordingOptions {
 class Recording {
  public:
   /// @param monitor  is told what is lost; its status goes into the log.
-  /// @throws LogError for a folder that cannot be used, BusError, see OpenLcm().
+  /// @throws ConfigError for a folder that cannot be used, BusError, see OpenLcm().
   Recording(const ServiceContext& context, RecordingOptions options, StageMonitor& monitor);
 
   ~Recording() { queue_.Close(); }

@@ -6,30 +6,26 @@
 
 #include "common/core/image.h"
 #include "common/core/parallel.h"
+#include "common/core/window_sums.h"
+#include "services/refine/surface/surface_rules.h"
 
 namespace sprout::refine {
 namespace {
 
-constexpr int kRadius = Refiner::kWindow / 2;
-constexpr double kMostSigmaPx = 1000;   // no seed of it is worth a thing, and messages hold no more
-constexpr double kLeastSigmaPx = 0.05;  // of ToF points that show no noise
-constexpr int kWindowPixels = Refiner::kWindow * Refiner::kWindow;
+constexpr int kWindow = SurfaceRules::kWindow;
+constexpr int kRadius = SurfaceRules::kRadius;
 
 int Pixel(float position) { return static_cast<int>(std::lround(position)); }
 
-// Whether the window around a pixel lies in the image. Compares before it converts, since a point
-// close to the camera plane projects to anywhere.
-bool WindowFits(float u, float v, cv::Size size) {
-  return u > kRadius - 0.5f && u < static_cast<float>(size.width - kRadius) - 0.5f &&
-         v > kRadius - 0.5f && v < static_cast<float>(size.height - kRadius) - 0.5f;
-}
+// Whether the window around a pixel lies in the image.
+bool WindowFits(float u, float v, cv::Size size) { return IsInside(u, v, size, kRadius - 0.5); }
 
 // Of the grey values in the window around a pixel.
 int WindowSum(const cv::Mat1b& image, int u, int v) {
   int sum = 0;
   for (int y = v - kRadius; y <= v + kRadius; ++y) {
     const uint8_t* row = image[y] + u - kRadius;
-    for (int x = 0; x < Refiner::kWindow; ++x) sum += row[x];
+    for (int x = 0; x < kWindow; ++x) sum += row[x];
   }
   return sum;
 }
@@ -67,8 +63,8 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   result.seeds.clear();
   if (!points_.empty()) {
     surface_.Set(rig, points_);
-    const auto sigma_px =
-        static_cast<float>(std::clamp(surface_.NoisePx(points_), kLeastSigmaPx, kMostSigmaPx));
+    const auto sigma_px = static_cast<float>(std::clamp(
+        surface_.NoisePx(points_), SurfaceRules::kLeastSigmaPx, SurfaceRules::kMostSigmaPx));
     for (ProjectedPoint& point : points_) point.seed.sigma_px = sigma_px;
     KeepReliable(left, right, tof, result);
     KeepVisible(left, right, result);
@@ -121,16 +117,15 @@ Refiner::Fate Refiner::FateOf(const ProjectedPoint& point, const cv::Mat1b& left
   const bool possible = seed.disparity() >= 0 && seed.disparity() < static_cast<float>(left.cols);
   if (!WindowFits(seed.u, seed.v, left.size()) || !possible) return Fate::kOutside;
   // Rule 1 (paper, II-B): unreliable depth on very dark regions.
-  if (WindowSum(left, Pixel(seed.u), Pixel(seed.v)) < kWindowPixels * config_.min_mean_grey() ||
+  if (WindowSum(left, Pixel(seed.u), Pixel(seed.v)) < kWindow * kWindow * config_.min_mean_grey() ||
       (!tof.amplitude.empty() &&
        !(tof.amplitude(point.tof_v, point.tof_u) >= config_.min_amplitude()))) {
     return Fate::kDark;
   }
   // Over a wide spacing a slant alone puts neighbours further off than the tolerance.
-  constexpr double kSteepest = 0.22;  // px of disparity a pixel
   const double tolerance_px =
-      std::max(config_.loose_tolerance_px(), kSteepest * surface_.spacing_px());
-  const bool loose = config_.loose_tolerance_px() > 0 && surface_.IsLoose(point, tolerance_px) &&
+      std::max(config_.loose_tolerance_px(), SurfaceRules::kSteepest * surface_.spacing_px());
+  const bool loose = config_.loose_tolerance_px() > 0 && surface_.IsIsolated(point, tolerance_px) &&
                      !surface_.IsConfirmed(point, tolerance_px, left, right);
   return loose ? Fate::kLoose : Fate::kKept;
 }

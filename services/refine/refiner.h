@@ -11,11 +11,11 @@
 #include "common/core/seed.h"
 #include "common/core/tof_image.h"
 #include "common/geometry/projection.h"
-#include "services/refine/background.h"
-#include "services/refine/range_unwrapper.h"
-#include "services/refine/stereo_seeds.h"
-#include "services/refine/tof_alignment.h"
-#include "services/refine/tof_surface.h"
+#include "services/refine/alignment/tof_alignment.h"
+#include "services/refine/stereo/stereo_seeds.h"
+#include "services/refine/surface/background.h"
+#include "services/refine/surface/tof_surface.h"
+#include "services/refine/unwrapping/range_unwrapper.h"
 
 namespace sprout::refine {
 
@@ -26,9 +26,6 @@ namespace sprout::refine {
 /// StereoSeedFinder adds seeds from the pair.
 class Refiner {
  public:
-  /// Side of the window that the paper's rules look at, px.
-  static constexpr int kWindow = BackgroundRule::kWindow;
-
   /// @throws ConfigError when a value is out of range.
   explicit Refiner(const RefineConfig& config);
 

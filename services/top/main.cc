@@ -1,14 +1,15 @@
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <condition_variable>
+#include <CLI/CLI.hpp>
 #include <iostream>
 #include <mutex>
 
+#include "common/app/log.h"
 #include "common/app/program.h"
 #include "common/app/service.h"
 #include "common/bus/channels.h"
 #include "common/bus/receiver.h"
+#include "common/core/sleep.h"
 #include "common/messages/codec.h"
 #include "services/top/board_text.h"
 
@@ -54,13 +55,6 @@ class Listener {
   Receiver receiver_;  // last: stops before the rest is destroyed
 };
 
-void Sleep(const std::stop_token& stop, double seconds) {
-  std::mutex mutex;
-  std::condition_variable_any never;
-  std::unique_lock lock(mutex);
-  never.wait_for(lock, stop, std::chrono::duration<double>(seconds), [] { return false; });
-}
-
 void Show(const Listener& listener, const Options& options, bool screen) {
   const std::vector<BoardRow> rows = listener.Rows();
   if (options.json) {
@@ -76,13 +70,12 @@ void Show(const Listener& listener, const Options& options, bool screen) {
 int Watch(const ServiceContext& context, const Options& options) {
   const Listener listener(context, options.stages);
   const bool screen = !options.once && !options.json && isatty(STDOUT_FILENO) != 0;
-  if (screen) spdlog::set_level(spdlog::level::off);  // the screen is the table's
-  Sleep(context.stop, options.once ? options.listen_s : 1);
+  if (screen) SetLogLevel(LogLevel::kNone);  // the screen is the table's
+  SleepFor(std::chrono::duration<double>(options.once ? options.listen_s : 1), context.stop);
   do {
     Show(listener, options, screen);
     if (options.once) break;
-    Sleep(context.stop, 1);
-  } while (!context.stop.stop_requested());
+  } while (SleepFor(std::chrono::seconds(1), context.stop));
   return IsWhole(listener.Rows()) ? 0 : 1;
 }
 

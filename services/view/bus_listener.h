@@ -12,7 +12,7 @@
 #include "common/app/stage_monitor.h"
 #include "common/app/twin_watch.h"
 #include "common/bus/receiver.h"
-#include "common/bus/sequence_gaps.h"
+#include "common/frames/sequence_gaps.h"
 #include "services/view/frame_ring.h"
 #include "services/view/status_book.h"
 

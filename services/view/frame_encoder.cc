@@ -110,10 +110,10 @@ EncodedPartPtr FrameEncoder::Cached(const StoredFrame& frame, const std::string&
   if (found != cache_.end()) return found->part;
   EncodedPartPtr part = make();
   if (!part) return nullptr;
-  cache_bytes_ += part->body.size();
+  cache_bytes_ += part->memory();
   cache_.push_back({frame.key, frame.version, what, part});
   while (cache_bytes_ > kMaxCacheBytes) {
-    cache_bytes_ -= cache_.front().part->body.size();
+    cache_bytes_ -= cache_.front().part->memory();
     cache_.pop_front();
   }
   return part;

@@ -5,6 +5,7 @@
 
 #include "common/bus/channels.h"
 #include "common/logfile/log_writer.h"
+#include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 
 namespace sprout::view {
@@ -30,13 +31,6 @@ constexpr int64_t kIdleUtime = 300'000'000;
 
 constexpr size_t kMaxRigs = 16;
 
-std::optional<Part> PartOf(std::string_view channel) {
-  for (const PartRow& row : kPartTable) {
-    if (row.channel == channel) return row.part;
-  }
-  return std::nullopt;
-}
-
 bool IsShown(Part part) {
   return part == Part::kLeftSeeds ||
          std::find(kShownParts.begin(), kShownParts.end(), part) != kShownParts.end();
@@ -57,6 +51,10 @@ Result<bool> FrameRing::Add(std::string_view channel, std::span<const uint8_t> b
     if (TypeOf(bytes) != TypeOf(*part)) return Fail("not of type " + NameOf(TypeOf(*part)));
     id = DecodeFrameId(bytes);
     if (!id) return tl::unexpected(id.error());
+    // A calibration is kept beyond its event, and not counted: a whole one is small.
+    if (part == Part::kRig) {
+      if (const auto rig = DecodePart(*part, bytes); !rig) return tl::unexpected(rig.error());
+    }
   }
   const std::lock_guard lock(mutex_);
   events_.push_back({utime, std::string(channel), message});

@@ -101,7 +101,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (!reply.file) {
       auto response = std::make_shared<http::response<http::string_body>>();
       response->body() = std::move(reply.body);
-      return Send(std::move(response), reply);
+      return Send(std::move(response), std::move(reply));
     }
     auto response = std::make_shared<http::response<http::file_body>>();
     beast::file_posix file;
@@ -109,18 +109,20 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     beast::error_code error;
     response->body().reset(std::move(file), error);
     if (error) return Close();
-    Send(std::move(response), reply);
+    Send(std::move(response), std::move(reply));
   }
 
+  // What the reply holds it holds until it is sent.
   template <typename Body>
-  void Send(std::shared_ptr<http::response<Body>> response, const HttpReply& reply) {
+  void Send(std::shared_ptr<http::response<Body>> response, HttpReply reply) {
     response->version(11);
     response->result(static_cast<unsigned>(reply.status));
     response->keep_alive(keep_alive_);
     SetHeaders(*response, reply, host_);
     response->prepare_payload();
     http::async_write(stream_, *response,
-                      [self = shared_from_this(), response](beast::error_code error, size_t) {
+                      [self = shared_from_this(), response, file = std::move(reply.file)](
+                          beast::error_code error, size_t) {
                         if (error || !self->keep_alive_) return self->Close();
                         self->Read();
                       });
@@ -150,7 +152,8 @@ HttpRequest ViewOf(const ParsedRequest& request) {
   return {.method = text(request.method_string()),
           .target = text(request.target()),
           .host = text(request[http::field::host]),
-          .origin = text(request[http::field::origin])};
+          .origin = text(request[http::field::origin]),
+          .fetch_site = text(request["Sec-Fetch-Site"])};
 }
 
 void ServeHttp(ServerState& state, boost::asio::ip::tcp::socket socket) {

@@ -1,6 +1,6 @@
 #include "services/view/http_handler.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <exception>
 #include <limits>
@@ -22,6 +22,10 @@ HttpReply Refusal(int status, std::string text) {
   return {.status = status, .body = std::move(text) + "\n", .file = {}, .file_name = {}};
 }
 
+HttpReply Busy(const char* what) {
+  return Refusal(503, std::string(what) + " is being saved already: try again in a moment");
+}
+
 HttpReply Gone() { return Refusal(404, "no such frame, or it is no longer there"); }
 
 }  // namespace
@@ -34,17 +38,14 @@ HttpReply HttpHandler::Handle(const HttpRequest& request) const {
                      "name, and addresses in numbers");
     }
     if (request.method != "GET") return Refusal(405, "allowed is GET");
-    return Answer(ParseTarget(request.target));
+    return Answer(request);
   } catch (const std::exception& e) {
     return Refusal(500, e.what());
   }
 }
 
-HttpReply HttpHandler::Answer(const HttpTarget& target) const {
-  if (target.path == "/thumb") return Thumbnail(target);
-  if (target.path == "/save") return Save(target);
-  if (target.path == "/save-log") return SaveLog(target);
-  if (target.path == "/timeline") return TimeLine(target);
+HttpReply HttpHandler::Answer(const HttpRequest& request) const {
+  const HttpTarget target = ParseTarget(request.target);
   const std::string_view path = target.path == "/" ? "/index.html" : std::string_view(target.path);
   for (const PageFile& file : PageFiles()) {
     if (file.path != path) continue;
@@ -53,6 +54,11 @@ HttpReply HttpHandler::Answer(const HttpTarget& target) const {
             .file = {},
             .file_name = {}};
   }
+  if (IsFromElsewhere(request)) return Refusal(403, "pages from elsewhere are not served");
+  if (target.path == "/thumb") return Thumbnail(target);
+  if (target.path == "/save") return Save(target);
+  if (target.path == "/save-log") return SaveLog(target);
+  if (target.path == "/timeline") return TimeLine(target);
   return Refusal(404, "no such page");
 }
 
@@ -74,14 +80,16 @@ HttpReply HttpHandler::Save(const HttpTarget& target) const {
   if (what == target.query.end()) return Refusal(400, "what: the name of a file is needed");
   const StoredFramePtr frame = source_.Get(*key);
   if (!frame) return Gone();
-  MemoryFile file;
-  if (auto saved = SaveFrame(encoder_.Decode(frame)->ToFrame(), what->second, file.path());
-      !saved) {
-    return Refusal(404, saved.error().text);
-  }
+  const auto file =
+      frames_.Take(fmt::format("{} {} {}", frame->key, frame->version, what->second),
+                   FileShelf::Clock::now(), [&](const std::filesystem::path& path) {
+                     return SaveFrame(encoder_.Decode(frame)->ToFrame(), what->second, path);
+                   });
+  if (!file) return Refusal(404, file.error().text);
+  if (!*file) return Busy("a frame");
   return {.type = "application/octet-stream",
           .body = {},
-          .file = std::move(file),
+          .file = *file,
           .file_name = fmt::format("{:06}_{}", frame->id.seq, what->second)};
 }
 
@@ -89,12 +97,14 @@ HttpReply HttpHandler::SaveLog(const HttpTarget& target) const {
   if (ring_ == nullptr) return Refusal(404, "a log is shown; sprout-log cut takes a part of it");
   const auto seconds = target.Number("seconds", 1, kMaxSeconds);
   if (!seconds) return Refusal(400, fmt::format("seconds: allowed are 1 to {}", kMaxSeconds));
-  MemoryFile file;
-  ring_->WriteLog(file.path(), prefix_, static_cast<double>(*seconds));
-  return {.type = "application/octet-stream",
-          .body = {},
-          .file = std::move(file),
-          .file_name = "sprout.lcm"};
+  const auto file = logs_.Take(std::to_string(*seconds), FileShelf::Clock::now(),
+                               [&](const std::filesystem::path& path) -> Result<void> {
+                                 ring_->WriteLog(path, prefix_, static_cast<double>(*seconds));
+                                 return {};
+                               });
+  if (!file) return Refusal(500, file.error().text);
+  if (!*file) return Busy("a log");
+  return {.type = "application/octet-stream", .body = {}, .file = *file, .file_name = "sprout.lcm"};
 }
 
 HttpReply HttpHandler::TimeLine(const HttpTarget& target) const {

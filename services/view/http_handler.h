@@ -1,13 +1,12 @@
 #ifndef SPROUT_SERVICES_VIEW_HTTP_HANDLER_H_
 #define SPROUT_SERVICES_VIEW_HTTP_HANDLER_H_
 
-#include <optional>
 #include <string>
 
+#include "services/view/file_shelf.h"
 #include "services/view/frame_encoder.h"
 #include "services/view/frame_source.h"
 #include "services/view/http_request.h"
-#include "services/view/memory_file.h"
 
 namespace sprout::view {
 
@@ -19,7 +18,7 @@ struct HttpReply {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::string body;
-  std::optional<MemoryFile> file;
+  FileShelf::File file;   ///< to be held until it is sent
   std::string file_name;  ///< to save it under; empty: shown, not saved
 };
 
@@ -31,6 +30,10 @@ struct HttpReply {
 ///   /timeline?buckets=N        of a log
 ///   /save?key=K&what=FILE      left.png, disparity.png, disparity.pfm, prior.pfm, cloud.ply, ...
 ///   /save-log?seconds=S        the last seconds of the running graph as an LCM log
+///
+/// All but the files of the page is for this page only: what a page from elsewhere asks for is
+/// refused, as its browser tells (Sec-Fetch-Site, Origin). Two browsers at a time may save a frame,
+/// and two a log, of which there is one copy.
 class HttpHandler {
  public:
   /// @param ring  of the running graph, or null.
@@ -43,7 +46,7 @@ class HttpHandler {
   HttpReply Handle(const HttpRequest& request) const;
 
  private:
-  HttpReply Answer(const HttpTarget& target) const;
+  HttpReply Answer(const HttpRequest& request) const;
   HttpReply Thumbnail(const HttpTarget& target) const;
   HttpReply Save(const HttpTarget& target) const;
   HttpReply SaveLog(const HttpTarget& target) const;
@@ -54,6 +57,8 @@ class HttpHandler {
   const FrameRing* ring_;
   const LogFile* log_;
   std::string prefix_;
+  mutable FileShelf frames_{FileShelf::kMaxReaders};
+  mutable FileShelf logs_{1};
 };
 
 }  // namespace sprout::view

@@ -3,9 +3,9 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "common/core/host_name.h"
+#include "common/core/number_text.h"
 
 namespace sprout::view {
 namespace {
@@ -55,10 +55,8 @@ std::optional<int64_t> HttpTarget::Number(const std::string& name, int64_t low,
   const auto found = query.find(name);
   if (found == query.end()) return std::nullopt;
   const std::string& text = found->second;
-  int64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number < low || number > high ? std::nullopt : std::optional(number);
+  const auto number = ParseNumber<int64_t>(text);
+  return number && *number >= low && *number <= high ? number : std::nullopt;
 }
 
 bool IsOwnHost(std::string_view host) {
@@ -70,6 +68,12 @@ bool IsOwnHost(std::string_view host) {
 bool IsOwnOrigin(std::string_view origin, std::string_view host) {
   if (origin.empty()) return true;
   return origin.starts_with("http://") && origin.substr(7) == host;
+}
+
+bool IsFromElsewhere(const HttpRequest& request) {
+  const std::string_view site = request.fetch_site;
+  const bool is_own = site.empty() || site == "same-origin" || site == "none";  // none: typed
+  return !is_own || !IsOwnOrigin(request.origin, request.host);
 }
 
 }  // namespace sprout::view

@@ -12,9 +12,10 @@ namespace sprout::view {
 /// What matters of a request; nothing of it is trusted.
 struct HttpRequest {
   std::string_view method;
-  std::string_view target;  ///< "/save?key=3&what=left.png"
-  std::string_view host;    ///< of the header; empty: none
-  std::string_view origin;  ///< of the header; empty: none
+  std::string_view target;           ///< "/save?key=3&what=left.png"
+  std::string_view host;             ///< of the header; empty: none
+  std::string_view origin;           ///< of the header; empty: none
+  std::string_view fetch_site = {};  ///< Sec-Fetch-Site; empty: none
 };
 
 /// A target taken apart.
@@ -38,6 +39,10 @@ bool IsOwnHost(std::string_view host);
 /// Whether a WebSocket may be opened: by a page from this very server, or by a program that is no
 /// browser and so names no origin.
 bool IsOwnOrigin(std::string_view origin, std::string_view host);
+
+/// Whether a browser says that a page from elsewhere made it ask, with a picture, a link or a form,
+/// say. Browsers tell only servers on their own machine or behind TLS; programs do not tell.
+bool IsFromElsewhere(const HttpRequest& request);
 
 }  // namespace sprout::view
 

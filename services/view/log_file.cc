@@ -1,30 +1,22 @@
 #include "services/view/log_file.h"
 
-#include <fmt/format.h>
-#include <spdlog/spdlog.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/app/log.h"
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
-#include "services/log/channels.h"
 #include "services/view/packet.h"
 
 namespace sprout::view {
 namespace {
 
-// Parts of one frame stand close together in a log.
-constexpr size_t kLookBack = 64;
-
 // Whoever looks is told of new frames this often.
 constexpr std::chrono::milliseconds kTell{200};
-
-constexpr int64_t kNowhere = -1;
-constexpr size_t kMaxRigs = 1000;
 
 top::StatusBoard::Clock::time_point AsTime(int64_t utime) {
   return top::StatusBoard::Clock::time_point(std::chrono::microseconds(utime));
@@ -40,6 +32,7 @@ LogFile::LogFile(const std::filesystem::path& path, std::string prefix, StatusBo
       changed_(std::move(changed)),
       reader_(path),
       fetcher_(path),
+      index_({.prefix = prefix_}),
       thread_([this](const std::stop_token& stop) { Read(stop); }) {}
 
 void LogFile::Read(const std::stop_token& stop) {
@@ -54,7 +47,7 @@ void LogFile::Read(const std::stop_token& stop) {
       changed_();
     }
   } catch (const std::exception& e) {
-    spdlog::error(e.what());
+    LogLine(LogLevel::kError, e.what());
     const std::lock_guard lock(mutex_);
     complaint_ = e.what();
   }
@@ -63,13 +56,11 @@ void LogFile::Read(const std::stop_token& stop) {
     if (complaint_.empty() && !reader_.damage().empty()) {
       complaint_ = fmt::format("{}: damaged in {} places; sprout-log info says where",
                                path_.string(), reader_.damage().size());
-    } else if (complaint_.empty() && entries_.empty()) {
-      complaint_ = path_.string() + ": no frames";
-      if (!other_channel_.empty()) {
-        complaint_ += "; there are channels as " + other_channel_ + ", see --channel-prefix";
-      }
+    } else if (complaint_.empty() && index_.frames().empty()) {
+      const std::string other = index_.OtherPrefixText();
+      complaint_ = path_.string() + ": no frames" + (other.empty() ? "" : "; " + other);
     }
-    if (!complaint_.empty()) spdlog::warn(complaint_);
+    if (!complaint_.empty()) LogLine(LogLevel::kWarning, complaint_);
   }
   progress_ = 1;
   if (!stop.stop_requested()) changed_();
@@ -82,31 +73,8 @@ void LogFile::Add(const LogEvent& event) {
     }
     return;
   }
-  const std::optional<Part> part = log::PartOfChannel(event.channel, prefix_);
   const std::lock_guard lock(mutex_);
-  if (!part) {
-    if (log::TypeOfChannel(event.channel)) other_channel_ = event.channel;
-    return;
-  }
-  const Result<FrameId> id = DecodeFrameId(event.data);
-  if (!id || TypeOf(event.data) != TypeOf(*part)) return;
-  if (*part == Part::kRig) {
-    if (rigs_.size() < kMaxRigs) rigs_.emplace(id->rig_id, event.offset);
-    return;
-  }
-  FindOrStart(*id, event.utime).offsets[static_cast<size_t>(*part)] = event.offset;
-}
-
-LogFile::Entry& LogFile::FindOrStart(const FrameId& id, int64_t utime) {
-  const size_t back = std::min(kLookBack, entries_.size());
-  const auto found = std::find_if(entries_.rbegin(), entries_.rbegin() + static_cast<long>(back),
-                                  [&](const Entry& entry) { return entry.id == id; });
-  if (found != entries_.rbegin() + static_cast<long>(back)) return *found;
-  Entry& entry = entries_.emplace_back();
-  entry.id = id;
-  entry.utime = utime;
-  entry.offsets.fill(kNowhere);
-  return entry;
+  index_.Add(event);
 }
 
 StoredBytes LogFile::Fetch(int64_t offset) const {
@@ -119,25 +87,22 @@ StoredFramePtr LogFile::Newest() const { return Get(keys().last); }
 
 StoredFramePtr LogFile::Get(int64_t key) const {
   auto frame = std::make_shared<StoredFrame>();
-  std::array<int64_t, kPartCount> offsets{};
+  IndexedFrame places{FrameId{}};
   {
     const std::lock_guard lock(mutex_);
-    if (key < 0 || key >= std::ssize(entries_)) return nullptr;
-    const Entry& entry = entries_[static_cast<size_t>(key)];
-    frame->id = entry.id;
-    offsets = entry.offsets;
-    const auto rig = rigs_.find(entry.id.rig_id);
-    if (rig != rigs_.end()) offsets[static_cast<size_t>(Part::kRig)] = rig->second;
+    if (key < 0 || key >= std::ssize(index_.frames())) return nullptr;
+    places = index_.At(static_cast<size_t>(key));
   }
+  frame->id = places.id;
   frame->key = key;
   try {
-    for (size_t i = 0; i < offsets.size(); ++i) {
-      if (offsets[i] == kNowhere) continue;
-      frame->parts[i] = Fetch(offsets[i]);
+    for (const Part part : kAllParts) {
+      if (!places.Has(part)) continue;
+      frame->parts[static_cast<size_t>(part)] = Fetch(places.offset(part));
       ++frame->version;
     }
   } catch (const LogError& e) {  // the file was changed meanwhile
-    spdlog::warn(e.what());
+    unreadable_.Warn(e.what());
     return nullptr;
   }
   return frame;
@@ -145,15 +110,15 @@ StoredFramePtr LogFile::Get(int64_t key) const {
 
 KeyRange LogFile::keys() const {
   const std::lock_guard lock(mutex_);
-  return {0, static_cast<int64_t>(entries_.size()) - 1};
+  return {0, std::ssize(index_.frames()) - 1};
 }
 
 std::optional<int64_t> LogFile::KeyOf(int64_t seq) const {
   const std::lock_guard lock(mutex_);
-  const auto found = std::find_if(entries_.begin(), entries_.end(),
-                                  [&](const Entry& entry) { return entry.id.seq == seq; });
-  if (found == entries_.end()) return std::nullopt;
-  return found - entries_.begin();
+  const auto& frames = index_.frames();
+  const auto found = std::ranges::find(frames, seq, [](const auto& frame) { return frame.id.seq; });
+  if (found == frames.end()) return std::nullopt;
+  return found - frames.begin();
 }
 
 double LogFile::progress() const { return progress_; }
@@ -165,28 +130,25 @@ std::string LogFile::complaint() const {
 
 void LogFile::SetQuality(int64_t key, Quality quality) {
   const std::lock_guard lock(mutex_);
-  entries_.at(static_cast<size_t>(key)).quality = std::move(quality);
+  qualities_[key] = std::move(quality);
 }
 
 std::string LogFile::TimeLineText(int buckets) const {
   const std::lock_guard lock(mutex_);
-  const auto count = static_cast<int64_t>(entries_.size());
+  const auto count = static_cast<int64_t>(index_.frames().size());
   const int64_t used = std::min<int64_t>(buckets, count);
   nlohmann::json list = nlohmann::json::array();
   for (int64_t i = 0; i < used; ++i) {
-    int64_t chosen = i * count / used;
-    const int64_t end = (i + 1) * count / used;
-    double least = std::numeric_limits<double>::infinity();
-    for (int64_t key = chosen; key < end; ++key) {
-      const auto& quality = entries_[static_cast<size_t>(key)].quality;
-      if (!quality || quality->value >= least) continue;
-      least = quality->value;
-      chosen = key;
+    const auto begin = qualities_.lower_bound(i * count / used);
+    const auto end = qualities_.lower_bound((i + 1) * count / used);
+    const auto worst = std::min_element(
+        begin, end, [](const auto& a, const auto& b) { return a.second.value < b.second.value; });
+    const int64_t chosen = worst == end ? i * count / used : worst->first;
+    const FrameId& id = index_.frames()[static_cast<size_t>(chosen)].id;
+    nlohmann::json bucket{{"key", chosen}, {"seq", id.seq}, {"utime", id.utime}};
+    if (worst != end) {
+      bucket.update({{"quality", worst->second.value}, {"why", worst->second.why}});
     }
-    const Entry& entry = entries_[static_cast<size_t>(chosen)];
-    nlohmann::json bucket{{"key", chosen}, {"seq", entry.id.seq}, {"utime", entry.id.utime}};
-    if (entry.quality)
-      bucket.update({{"quality", entry.quality->value}, {"why", entry.quality->why}});
     list.push_back(std::move(bucket));
   }
   return JsonText({{"first", 0},

@@ -1,7 +1,6 @@
 #ifndef SPROUT_SERVICES_VIEW_LOG_FILE_H_
 #define SPROUT_SERVICES_VIEW_LOG_FILE_H_
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "common/app/log_limiter.h"
+#include "common/frames/frame_index.h"
 #include "common/logfile/event_fetcher.h"
 #include "common/logfile/log_reader.h"
 #include "services/view/frame_source.h"
@@ -60,16 +61,8 @@ class LogFile : public FrameSource {
   std::string complaint() const;
 
  private:
-  struct Entry {
-    FrameId id;
-    int64_t utime = 0;                          // of the event that came first
-    std::array<int64_t, kPartCount> offsets{};  // −1: not there
-    std::optional<Quality> quality;
-  };
-
   void Read(const std::stop_token& stop);
   void Add(const LogEvent& event);
-  Entry& FindOrStart(const FrameId& id, int64_t utime);
   StoredBytes Fetch(int64_t offset) const;
 
   std::filesystem::path path_;
@@ -79,10 +72,10 @@ class LogFile : public FrameSource {
   LogReader reader_;
   mutable std::mutex fetch_mutex_;
   mutable EventFetcher fetcher_;
+  mutable LimitedWarnings unreadable_;
   mutable std::mutex mutex_;
-  std::vector<Entry> entries_;
-  std::map<std::string, int64_t> rigs_;  // offsets by rig_id
-  std::string other_channel_;            // of another prefix
+  FrameIndex index_;
+  std::map<int64_t, Quality> qualities_;  // by key
   std::string complaint_;
   std::atomic<double> progress_ = 0;
   std::atomic<bool> settled_ = false;

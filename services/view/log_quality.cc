@@ -1,13 +1,13 @@
 #include "services/view/log_quality.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <chrono>
 #include <exception>
 #include <memory>
 #include <string>
 
+#include "common/app/log.h"
+#include "common/core/sleep.h"
 #include "common/quality/frame_quality.h"
 #include "services/view/decoded_frame.h"
 #include "services/view/low_priority.h"
@@ -60,8 +60,7 @@ LogQuality::LogQuality(LogFile& log)
 void LogQuality::Run(const std::stop_token& stop) {
   LowerPriority();
   while (log_.progress() < 1) {
-    if (stop.stop_requested()) return;
-    std::this_thread::sleep_for(kPoll);
+    if (!SleepFor(kPoll, stop)) return;
   }
   for (const int64_t key : SpreadOrder(log_.keys().last + 1, kMostFrames)) {
     if (stop.stop_requested()) return;
@@ -75,7 +74,7 @@ void LogQuality::Run(const std::stop_token& stop) {
       log_.SetQuality(
           key, {.value = score.value_or(0), .why = score ? WhyOf(quality) : "no disparity map"});
     } catch (const std::exception& e) {  // out of memory
-      spdlog::warn("quality of frame {}: {}", key, e.what());
+      LogLine(LogLevel::kWarning, "quality of frame {}: {}", key, e.what());
     }
   }
   log_.Settle();

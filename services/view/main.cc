@@ -1,12 +1,14 @@
-#include <fmt/format.h>
-#include <spdlog/spdlog.h>
+#include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <condition_variable>
 #include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/app/log.h"
+#include "common/app/log_limiter.h"
 #include "common/app/program.h"
 #include "common/app/service.h"
 #include "common/app/status_reporter.h"
@@ -43,7 +45,8 @@ void WaitForStop(const std::stop_token& stop) {
 
 void WarnOfStrangers(const std::string& address) {
   if (address.starts_with("127.") || address == "::1") return;
-  spdlog::warn(
+  LogLine(
+      LogLevel::kWarning,
       "--address {}: whoever reaches this address sees what the cameras see; there is no password",
       address);
 }
@@ -52,8 +55,8 @@ void WarnOfStrangers(const std::string& address) {
 void Serve(const ServiceContext& context, const Server& server, const Options& options) {
   const bool any = options.address == "0.0.0.0" || options.address == "::";
   const std::string host = any ? "127.0.0.1" : options.address;
-  spdlog::info("look at http://{}:{}/",
-               host.find(':') == std::string::npos ? host : "[" + host + "]", server.port());
+  LogLine(LogLevel::kInfo, "look at http://{}:{}/",
+          host.find(':') == std::string::npos ? host : "[" + host + "]", server.port());
   WaitForStop(context.stop);
 }
 
@@ -135,8 +138,10 @@ int ShowLog(const ServiceContext& context, const Options& options) {
     const std::lock_guard lock(mutex);
     if (told != nullptr) told->FrameChanged();
   });
-  FrameEncoder encoder(
-      [&](Part part, const std::string& why) { spdlog::warn("{}: {}", ChannelOf(part), why); });
+  LimitedWarnings undecodable;
+  FrameEncoder encoder([&](Part part, const std::string& why) {
+    undecodable.Warn(fmt::format("{}: {}", ChannelOf(part), why));
+  });
   const HttpHandler handler(log, encoder, nullptr, &log, context.prefix);
   Server server(
       options.address, static_cast<uint16_t>(options.port),
@@ -206,6 +211,8 @@ int Main(int argc, char** argv) {
       return options.log.empty() ? ShowGraph(context, options) : ShowLog(context, options);
     } catch (const ListenError& e) {
       throw ConfigError(e.what());
+    } catch (const LogError& e) {
+      throw ConfigError(std::string("--log: ") + e.what());
     }
   });
 }

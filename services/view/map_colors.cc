@@ -1,6 +1,6 @@
 #include "services/view/map_colors.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

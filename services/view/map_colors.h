@@ -35,7 +35,7 @@ class CountColors {
   std::vector<cv::Vec3b> table_;
 };
 
-/// Every so manieth pixel of a map, so that it has at most `width` columns; values stay what they
+/// Every N-th pixel of a map, so that it has at most `width` columns; values stay what they
 /// are. O(pixels of the result).
 template <typename T>
 cv::Mat_<T> Thin(const cv::Mat_<T>& map, int width) {

@@ -19,6 +19,12 @@ inline std::string JsonText(const nlohmann::json& json) {
 struct EncodedPart {
   nlohmann::json head;  ///< name and what is needed to read `body`
   std::string body;     ///< a JPEG stream, or arrays of little-endian numbers
+
+  /// Memory that it takes, with what `head` has; not only the bytes that are in use.
+  size_t memory() const { return body.capacity() + kHeadBytes; }
+
+  /// About what a head of 10 to 15 numbers and names takes.
+  static constexpr size_t kHeadBytes = 2048;
 };
 using EncodedPartPtr = std::shared_ptr<const EncodedPart>;
 

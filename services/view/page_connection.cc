@@ -1,12 +1,11 @@
 #include "services/view/page_connection.h"
 
-#include <spdlog/spdlog.h>
-
 #include <boost/asio/post.hpp>
 #include <chrono>
 #include <exception>
 #include <utility>
 
+#include "common/app/log.h"
 #include "services/view/packet.h"
 
 namespace sprout::view {
@@ -65,7 +64,7 @@ void PageConnection::OnRead(beast::error_code error) {
       session_.OnMessage({static_cast<const char*>(data.data()), data.size()});
   buffer_.consume(buffer_.size());
   if (!understood) {
-    spdlog::warn("a page sent {}; it is hung up on", understood.error().text);
+    state_.bad_pages.Warn("a page sent " + understood.error().text + "; it is hung up on");
     open_ = false;
     beast::error_code ignored;
     beast::get_lowest_layer(stream_).socket().close(ignored);

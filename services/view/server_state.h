@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "common/app/log_limiter.h"
 #include "services/view/server.h"
 #include "services/view/view_session.h"
 
@@ -20,6 +21,7 @@ struct ServerState {
   ServerParts parts;
   KeepBudget budget;
   int connections = 0;
+  LimitedWarnings bad_pages;
   std::set<PageConnection*> pages;
   boost::asio::io_context sockets{1};
   boost::asio::thread_pool pictures{1};

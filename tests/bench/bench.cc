@@ -16,9 +16,9 @@
 
 #include "common/config/config.h"
 #include "common/rig/rectifier.h"
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
+#include "services/grow/grow_adapter.h"
+#include "services/prior/prior_adapter.h"
+#include "services/refine/refine_adapter.h"
 #include "tests/bench/bench_frame.h"
 
 namespace sprout {
@@ -49,8 +49,8 @@ const std::vector<BenchFrame>& FramesOf(cv::Size size) {
   return frames;
 }
 
-// The plugs of the services, one object a stage for all frames; the chain with everything that the
-// preset publishes.
+// The adapters of the services, one object a stage for all frames; the chain with everything that
+// the preset publishes.
 struct Chain {
   explicit Chain(const SproutConfig& config)
       : refine(config.refine()),
@@ -64,16 +64,16 @@ struct Chain {
     return config;
   }
 
-  refine::RefinePlug refine;
-  prior::PriorPlug prior;
-  grow::GrowPlug grow;
-  grow::GrowPlug fill;  // finishes without the confidence
+  refine::RefineAdapter refine;
+  prior::PriorAdapter prior;
+  grow::GrowAdapter grow;
+  grow::GrowAdapter fill;  // finishes without the confidence
 };
 
 // What goes into each stage: a frame with what all of them made of it.
 struct Inputs {
   Frame frame;
-  grow::GrowPlug::Growth growth;
+  grow::GrowAdapter::Growth growth;
 };
 
 enum class BenchPart { kRefine, kPrior, kGrow, kFill, kFinish, kChain };
@@ -99,9 +99,9 @@ void RunPart(BenchPart part, Chain& chain, Inputs& in) {
       benchmark::DoNotOptimize(chain.grow.Finish(in.frame, in.growth));
       return;
     case BenchPart::kChain:
-      RunPlug(chain.refine, in.frame);
-      RunPlug(chain.prior, in.frame);
-      RunPlug(chain.grow, in.frame);
+      AddAnswer(chain.refine, in.frame);
+      AddAnswer(chain.prior, in.frame);
+      AddAnswer(chain.grow, in.frame);
   }
 }
 
@@ -130,9 +130,9 @@ void MeasurePart(benchmark::State& state, BenchPart part, const std::string& pre
     frame.right = bench.frame.right;
     frame.tof = bench.frame.tof;
     frame.rig = bench.rig;
-    RunPlug(chain.refine, frame);
-    RunPlug(chain.prior, frame);
-    grow::GrowPlug::Growth growth = chain.grow.Grow(frame);
+    AddAnswer(chain.refine, frame);
+    AddAnswer(chain.prior, frame);
+    grow::GrowAdapter::Growth growth = chain.grow.Grow(frame);
     inputs.push_back({std::move(frame), std::move(growth)});
   }
   RunOnAllScenes(state, size, inputs.size(),

@@ -2,7 +2,7 @@
 //   sprout_bench_graph PRESET WxH RATE_HZ SECONDS FOLDER
 // The frame is a Middlebury scene of SPROUT_DATA in that size, written to FOLDER, over and over.
 // Prints one line of JSON. Exit code 0 when every frame was answered, 3 when one was not.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>

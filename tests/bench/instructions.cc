@@ -11,9 +11,9 @@
 
 #include "common/config/config.h"
 #include "services/datasets/dataset.h"
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
+#include "services/grow/grow_adapter.h"
+#include "services/prior/prior_adapter.h"
+#include "services/refine/refine_adapter.h"
 
 namespace sprout {
 
@@ -44,12 +44,12 @@ int Main(int argc, char** argv) {
   hwy::SetSupportedTargetsForTest(HWY_SSE4);  // every x86-64 that valgrind shows has it
   cv::setNumThreads(1);
   Frame frame = SyntheticFrame(config.capture());
-  refine::RefinePlug refine(config.refine());
-  prior::PriorPlug prior(config.prior());
-  grow::GrowPlug grow(config.grow());
-  RunPlug(refine, frame);
-  RunPlug(prior, frame);
-  const grow::GrowPlug::Growth growth = grow.Grow(frame);
+  refine::RefineAdapter refine(config.refine());
+  prior::PriorAdapter prior(config.prior());
+  grow::GrowAdapter grow(config.grow());
+  AddAnswer(refine, frame);
+  AddAnswer(prior, frame);
+  const grow::GrowAdapter::Growth growth = grow.Grow(frame);
   const std::map<std::string, std::function<void()>> parts = {
       {"prior", [&] { prior.Process(frame); }},
       {"grow", [&] { grow.Grow(frame); }},

@@ -1,6 +1,6 @@
 // Reads what sprout_bench measured, and prints and writes what it comes to: ratios first.
 //   sprout_bench_summary TIMES.json GRAPH.json|- BASELINE.json|- SUMMARY.json
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <fstream>

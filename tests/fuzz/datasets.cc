@@ -1,7 +1,8 @@
 // Files of Middlebury's and KITTI's data sets.
 #include <cstring>
+#include <vector>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "services/datasets/kitti_calibration.h"
 #include "services/datasets/middlebury_calibration.h"
 #include "services/datasets/velodyne_scan.h"
@@ -48,9 +49,10 @@ std::vector<Bytes> MiddleburySeeds() {
 void ReadKitti(std::span<const uint8_t> bytes) {
   const MemoryFile file(bytes);
   try {
-    const datasets::KittiCalibration calibration = datasets::ReadKittiCalibration(file.path(), kImages);
+    const datasets::KittiCalibration calibration =
+        datasets::ReadKittiCalibration(file.path(), kImages);
     datasets::TofImageFromScan({{10, 0, 0}, {20, 1, -2}, {-5, 0, 0}}, calibration.left_from_scanner,
-                     calibration.pair);
+                               calibration.pair);
   } catch (const ConfigError&) {
   }
 }
@@ -62,8 +64,8 @@ void ReadScan(std::span<const uint8_t> bytes) {
   const MemoryFile file(bytes);
   try {
     const std::vector<Eigen::Vector3d> points = datasets::ReadVelodyneScan(file.path());
-    const TofImage tof =
-        datasets::TofImageFromScan(datasets::KeepBeams(points, 16), calibration.left_from_scanner, calibration.pair);
+    const TofImage tof = datasets::TofImageFromScan(
+        datasets::KeepBeams(points, 16), calibration.left_from_scanner, calibration.pair);
     Check(tof.depth_m.size() == kImages, "a range image of another size");
   } catch (const ConfigError&) {
   }

@@ -1,7 +1,9 @@
 // Pictures from files, and payloads of cameras.
 #include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "services/capture/genicam/pixels.h"
 #include "services/capture/genicam/scan3d.h"
 #include "services/datasets/pfm.h"
@@ -12,11 +14,13 @@ namespace sprout::fuzz {
 namespace {
 
 constexpr capture::PixelFormat kFormats[] = {
-    capture::PixelFormat::kMono8,         capture::PixelFormat::kMono16,      capture::PixelFormat::kBayerGR8,
-    capture::PixelFormat::kBayerRG8,      capture::PixelFormat::kBayerGB8,    capture::PixelFormat::kBayerBG8,
-    capture::PixelFormat::kRGB8,          capture::PixelFormat::kBGR8,        capture::PixelFormat::kCoord3dAbc16,
-    capture::PixelFormat::kCoord3dAbc32f, capture::PixelFormat::kCoord3dC16,  capture::PixelFormat::kCoord3dC32f,
-    capture::PixelFormat::kConfidence8,   capture::PixelFormat::kConfidence16};
+    capture::PixelFormat::kMono8,        capture::PixelFormat::kMono16,
+    capture::PixelFormat::kBayerGR8,     capture::PixelFormat::kBayerRG8,
+    capture::PixelFormat::kBayerGB8,     capture::PixelFormat::kBayerBG8,
+    capture::PixelFormat::kRGB8,         capture::PixelFormat::kBGR8,
+    capture::PixelFormat::kCoord3dAbc16, capture::PixelFormat::kCoord3dAbc32f,
+    capture::PixelFormat::kCoord3dC16,   capture::PixelFormat::kCoord3dC32f,
+    capture::PixelFormat::kConfidence8,  capture::PixelFormat::kConfidence16};
 
 capture::PayloadPart PartFrom(Reader& reader) {
   capture::PayloadPart part;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/bus/frame_joiner.h"
+#include "common/frames/frame_joiner.h"
 #include "common/messages/codec.h"
 #include "tests/common/messages/examples.h"
 #include "tests/fuzz/targets.h"

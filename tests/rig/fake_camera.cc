@@ -5,6 +5,7 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 
+#include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -13,11 +14,12 @@
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "common/app/program.h"
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "services/capture/genicam/arv_object.h"
 #include "services/capture/genicam/pixels.h"
@@ -165,7 +167,8 @@ class FakeCamera {
   // The simulator's thread: an exposure has just ended.
   static void Fill(ArvBuffer* buffer, void* self, uint32_t exposure_us, uint32_t /*gain*/,
                    uint32_t format) {
-    static_cast<FakeCamera*>(self)->Expose(buffer, exposure_us, static_cast<capture::PixelFormat>(format));
+    static_cast<FakeCamera*>(self)->Expose(buffer, exposure_us,
+                                           static_cast<capture::PixelFormat>(format));
   }
 
   uint64_t DeviceNs(int64_t utime) const {
@@ -191,7 +194,8 @@ class FakeCamera {
     const int64_t middle_us = begin_us + exposure_us / 2;
     if (exposures_.is_open()) exposures_ << middle_us << std::endl;
     if (!options_.stamp) return;
-    const bool is_wide = format == capture::PixelFormat::kMono16 || format == capture::PixelFormat::kCoord3dC16;
+    const bool is_wide =
+        format == capture::PixelFormat::kMono16 || format == capture::PixelFormat::kCoord3dC16;
     is_wide ? WriteStamp16(middle_us, {bytes, payload.size()})
             : WriteStamp8(middle_us, {bytes, payload.size()});
   }
@@ -206,7 +210,8 @@ class FakeCamera {
 
   cv::Mat Picture(size_t index, capture::PixelFormat format) const {
     if (!pictures_.empty()) return pictures_[index];
-    const bool is_wide = format == capture::PixelFormat::kMono16 || format == capture::PixelFormat::kCoord3dC16;
+    const bool is_wide =
+        format == capture::PixelFormat::kMono16 || format == capture::PixelFormat::kCoord3dC16;
     cv::Mat ramp(options_.height, options_.width, is_wide ? CV_16UC1 : CV_8UC1);
     for (int v = 0; v < ramp.rows; ++v) {
       for (int u = 0; u < ramp.cols; ++u) {
@@ -227,7 +232,7 @@ class FakeCamera {
   std::vector<cv::Mat> pictures_;
   std::map<std::pair<size_t, capture::PixelFormat>, std::vector<uint8_t>> payloads_;
   capture::ArvObject<ArvGvFakeCamera> camera_;  // its thread uses those above
-  std::jthread clock_;                 // the last one: it uses all others
+  std::jthread clock_;                          // the last one: it uses all others
 };
 
 // Whether a network interface is up and has an address.

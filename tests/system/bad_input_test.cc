@@ -38,10 +38,6 @@ struct HandFrame {
   Rig rig;
 };
 
-void StartStages(Graph& graph) {
-  for (const char* stage : {"refine", "prior", "grow"}) graph.Start(stage, {"--config", "default"});
-}
-
 // Nothing that stereo could match.
 HandFrame WithoutTexture(const HandFrame& of) {
   HandFrame frame = of;
@@ -58,7 +54,7 @@ bool HasDisparity(Graph& graph, int64_t seq, bool valid) {
 
 TEST(BadInputSystem, BadMessagesAreDroppedCountedAndTheStagesGoOn) {
   Graph graph;
-  StartStages(graph);
+  graph.StartChain();
   const HandFrame good;
   const FrameId id{.utime = 1, .seq = 0, .rig_id = RigId(good.rig)};
 
@@ -99,7 +95,7 @@ TEST(BadInputSystem, BadMessagesAreDroppedCountedAndTheStagesGoOn) {
 
 TEST(BadInputSystem, RandomBytesOnEveryChannelDoNoHarm) {
   Graph graph;
-  StartStages(graph);
+  graph.StartChain();
   const HandFrame good;
   const FrameId id{.utime = 1, .seq = 0, .rig_id = RigId(good.rig)};
   std::mt19937 random(1);
@@ -140,7 +136,7 @@ double ShareAlike(const DisparityImage& one, const DisparityImage& other) {
 
 TEST(BadInputSystem, FramesWithoutToFGetAMapFromStereoAndTheStatusSaysSo) {
   Graph graph;
-  StartStages(graph);
+  graph.StartChain();
   const HandFrame good;
   HandFrame no_return = good;
   no_return.frame.tof.depth_m = cv::Mat1f(good.frame.tof.depth_m.size(), std::nanf(""));
@@ -178,7 +174,7 @@ TEST(BadInputSystem, FramesWithoutToFGetAMapFromStereoAndTheStatusSaysSo) {
 
 TEST(BadInputSystem, DegenerateFramesAreAnsweredEmptyAndTheNextOneIsWhole) {
   Graph graph;
-  StartStages(graph);
+  graph.StartChain();
   const HandFrame good;
   HandFrame no_return = WithoutTexture(good);
   no_return.frame.tof.depth_m = cv::Mat1f(good.frame.tof.depth_m.size(), std::nanf(""));
@@ -218,7 +214,7 @@ TEST(BadInputSystem, DegenerateFramesAreAnsweredEmptyAndTheNextOneIsWhole) {
 
 TEST(BadInputSystem, ImagesSmallerThanTheWindowAreAnsweredEmpty) {
   Graph graph;
-  StartStages(graph);
+  graph.StartChain();
   HandFrame tiny;
   tiny.rig.pair.width = 4;
   tiny.rig.pair.height = 3;
@@ -255,6 +251,12 @@ TEST(BadInputSystem, WrongFlagsEndWithExitCode2AndOneLine) {
       {"prior", {"--nonsense"}, "--nonsense"},
       {"grow", {"--channel-prefix", "a b"}, "--channel-prefix"},
       {"grow", {"--log-level", "loud"}, "--log-level"},
+      {"grow", {"--config", ""}, "--config '': allowed is a text that is not empty"},
+      {"capture", {"--source", "log:/dev/null?rig="}, "rig"},
+      {"capture", {"--wait-for", ""}, "--wait-for ''"},
+      {"record", {"--dir", "/dev/null/logs"}, "--dir: /dev/null/logs: cannot be used"},
+      {"view", {"--log", ""}, "--log ''"},
+      {"view", {"--log", "/etc/passwd"}, "--log: /etc/passwd"},
   };
   for (const BadFlags& bad : cases) {
     std::vector<std::string> command = {ProgramPath("sprout-" + bad.stage)};

@@ -7,49 +7,20 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
-#include <functional>
-#include <thread>
 
 #include "common/logfile/log_reader.h"
 #include "services/batch/frame_rows.h"
 #include "services/batch/manifest.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/batch_logs.h"
+#include "tests/system/batch_run.h"
+#include "tests/system/eventually.h"
 
 namespace sprout {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-std::string ProgramPath(const std::string& name) {
-  return (fs::path(SPROUT_BINARY_DIR) / name).string();
-}
-
-struct Outcome {
-  int exit_code;
-  std::string output;
-};
-
-// @param before  what starts the program, with arguments.
-Outcome RunProgramOf(const std::vector<std::string>& words,
-                     const std::vector<std::string>& before = {}) {
-  std::vector<std::string> command = before;
-  command.insert(command.end(), words.begin(), words.end());
-  command[before.size()] = ProgramPath(words[0]);
-  Process process(command);
-  const int code = process.Wait(std::chrono::seconds(240)).value_or(-1);
-  return {code, process.Output()};
-}
-
-bool Eventually(const std::function<bool()>& condition, std::chrono::seconds timeout) {
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
-  return true;
-}
 
 // What the three stages record over a whole log on one machine, merged.
 std::string WholeReplay(const fs::path& folder, const fs::path& log) {
@@ -83,20 +54,6 @@ int64_t CountResults(const fs::path& out) {
   return count;
 }
 
-std::vector<std::string> RunCommand(const fs::path& logs, const fs::path& out) {
-  return {"sprout-batch",
-          "run",
-          logs,
-          "--out",
-          out,
-          "--config",
-          "fast",
-          "--keep",
-          "refine,prior,grow",
-          "--shard-megabytes",
-          "1"};
-}
-
 void WriteProgram(const fs::path& path, const std::string& lines) {
   std::ofstream(path) << "#!/bin/sh\n" << lines;
   fs::permissions(path, fs::perms::owner_all);
@@ -115,7 +72,7 @@ TEST(BatchSystem, MergedAnswersAreTheBytesOfAReplayOfTheWholeLog) {
   EXPECT_GT(merged.size(), 1000U);
   EXPECT_TRUE(merged == WholeReplay(folder / "", folder / "logs" / "run.lcm"));
 
-  // Programs of an older build, which cannot read a list of events, get a copy.
+  // Other programs that answer the same.
   fs::create_directory(folder / "bin");
   for (const std::string stage : {"sprout-refine", "sprout-prior", "sprout-grow"}) {
     WriteProgram(folder / "bin" / stage.c_str(), "exec " + ProgramPath(stage) + " \"$@\"\n");
@@ -222,6 +179,27 @@ TEST(BatchSystem, ATruthSaysWhichOfTheTwoIsNearerToIt) {
   EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("against the truth"));
   command.back() = folder / "none";
   EXPECT_EQ(RunProgramOf(command).exit_code, 2);
+}
+
+TEST(BatchSystem, FramesAreComparedWithoutBeingMeasured) {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "logs");
+  WriteStraddlingLog(folder / "logs" / "run.lcm", "160x120", 0, 5);
+  std::ofstream(folder / "b.textproto") << "grow { sigma_p_px: 9.0 }\n";
+  auto command = RunCommand(folder / "logs", folder / "out");
+  command.insert(command.end(), {"--config-b", "fast", "--config-b", folder / "b.textproto"});
+  ASSERT_EQ(RunProgramOf(command).exit_code, 0);
+  const auto moved = ColumnOf(folder / "out", "moved");
+  EXPECT_EQ(moved.size(), 5U);
+  EXPECT_FALSE(std::isnan(ColumnOf(folder / "out", "a_score").at(0)));
+  command.emplace_back("--no-measures");
+  const Outcome outcome = RunProgramOf(command);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_EQ(ColumnOf(folder / "out", "moved"), moved);
+  for (const double score : ColumnOf(folder / "out", "a_score")) EXPECT_TRUE(std::isnan(score));
+  const std::string report = BytesOfFile(folder / "out" / "report.html");
+  EXPECT_THAT(report, HasSubstr("The most changed frames"));
+  EXPECT_THAT(report, testing::Not(HasSubstr("The worst frames")));
 }
 
 TEST(BatchSystem, AnotherBuildIsComparedAndItsFailuresAreReported) {

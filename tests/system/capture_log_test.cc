@@ -36,10 +36,6 @@ class RawListener {
   Receiver receiver_;  // last: stops before the rest is destroyed
 };
 
-void StartStages(Graph& graph) {
-  for (const char* stage : {"refine", "prior", "grow"}) graph.Start(stage, {"--config", "default"});
-}
-
 bool HasLastDisparity(Graph& graph) { return graph.parts.contains({Part::kDisparity, kLastSeq}); }
 
 // Everything as recorded; the calibration is sent more often, but never another one.
@@ -61,7 +57,7 @@ TEST(CaptureLogSystem, LockstepSendsTheWholeLogAsRecordedAndNoFrameIsLost) {
   // Under a prefix that the log does not have.
   Graph graph("AGAIN_");
   RawListener listener("AGAIN_");
-  StartStages(graph);
+  graph.StartChain();
   Process& capture =
       graph.StartOnly("capture", {"--source", "log:" + kSampleLog.string(), "--lockstep", "1",
                                   "--wait-for", "refine,prior,grow"});
@@ -78,7 +74,7 @@ TEST(CaptureLogSystem, LockstepSendsTheWholeLogAsRecordedAndNoFrameIsLost) {
 
 TEST(CaptureLogSystem, KeepsTheRecordedPaceUnlessARateIsGiven) {
   Graph graph;
-  StartStages(graph);
+  graph.StartChain();
   const auto seconds = [&](std::vector<std::string> flags) {
     flags.insert(flags.begin(), {"--source", "log:" + kSampleLog.string()});
     const auto start = std::chrono::steady_clock::now();
@@ -94,7 +90,7 @@ TEST(CaptureLogSystem, KeepsTheRecordedPaceUnlessARateIsGiven) {
 TEST(CaptureLogSystem, StockLogplayerFeedsTheGraph) {
   Graph graph;
   RawListener listener("");
-  StartStages(graph);
+  graph.StartChain();
   Process player({"lcm-logplayer", std::string("--lcm-url=") + kDefaultLcmUrl, "-e",
                   "SPROUT_(LEFT|RIGHT|TOF|RIG)", kSampleLog});
   EXPECT_EQ(player.Wait(), 0) << player.Output();

@@ -25,14 +25,14 @@ TEST(CheckCaptureSystem, PassesOurCaptureWithAndWithoutATofCamera) {
   }
 }
 
-struct Fault {
+struct CaptureFault {
   std::string name;
   std::string line;  // the only one that begins with WRONG, or its beginning
 };
 
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+void PrintTo(const CaptureFault& fault, std::ostream* out) { *out << fault.name; }
 
-class CheckCaptureFaults : public testing::TestWithParam<Fault> {};
+class CheckCaptureFaults : public testing::TestWithParam<CaptureFault> {};
 
 TEST_P(CheckCaptureFaults, AreFoundForTheRightReason) {
   const Verdict verdict = CheckCapture({ProgramPath("wrong_capture"), GetParam().name});
@@ -45,21 +45,25 @@ TEST_P(CheckCaptureFaults, AreFoundForTheRightReason) {
 INSTANTIATE_TEST_SUITE_P(
     System, CheckCaptureFaults,
     testing::Values(
-        Fault{"silent", "sends frames: no whole frame within 5 s; heard on "},
-        Fault{"no_tof", ": SPROUT_LEFT, SPROUT_RIG, SPROUT_RIGHT"},
-        Fault{"ends_at_once",
-              "sends frames: before the first whole frame: the program ended with exit code 3"},
-        Fault{"stops", "of every frame, once: no whole frame for 1 s after 5 of them"},
-        Fault{"right_is_earlier", "one header on all three: frame 0: SPROUT_RIGHT has utime"},
-        Fault{"skips", "seq by one: SPROUT_LEFT: seq = 6 after 4; allowed is 5"},
-        Fault{"no_rig", "and again: frame 0: no SPROUT_RIG"},
-        Fault{"rig_once", "and again: no SPROUT_RIG for 3."},
-        Fault{"half_size", "encoding: SPROUT_LEFT, frame 0: 32x24; SPROUT_RIG says 64x48"},
-        Fault{"one_picture", "in range: frame 0: SPROUT_LEFT and SPROUT_RIGHT are the same"},
-        Fault{"sends_map", "its channels: published on SPROUT_DISPARITY; allowed are SPROUT_LEFT"},
-        Fault{"ends_early",
-              "on SIGTERM: before it was told to, after 5 frames: the program ended with exit"},
-        Fault{"ignores_sigterm", "on SIGTERM: still there after 5 s"}),
+        CaptureFault{"silent", "sends frames: no whole frame within 5 s; heard on "},
+        CaptureFault{"no_tof", ": SPROUT_LEFT, SPROUT_RIG, SPROUT_RIGHT"},
+        CaptureFault{
+            "ends_at_once",
+            "sends frames: before the first whole frame: the program ended with exit code 3"},
+        CaptureFault{"stops", "of every frame, once: no whole frame for 1 s after 5 of them"},
+        CaptureFault{"right_is_earlier",
+                     "one header on all three: frame 0: SPROUT_RIGHT has utime"},
+        CaptureFault{"skips", "seq by one: SPROUT_LEFT: seq = 6 after 4; allowed is 5"},
+        CaptureFault{"no_rig", "and again: frame 0: no SPROUT_RIG"},
+        CaptureFault{"rig_once", "and again: no SPROUT_RIG for 3."},
+        CaptureFault{"half_size", "encoding: SPROUT_LEFT, frame 0: 32x24; SPROUT_RIG says 64x48"},
+        CaptureFault{"one_picture", "in range: frame 0: SPROUT_LEFT and SPROUT_RIGHT are the same"},
+        CaptureFault{"sends_map",
+                     "its channels: published on SPROUT_DISPARITY; allowed are SPROUT_LEFT"},
+        CaptureFault{
+            "ends_early",
+            "on SIGTERM: before it was told to, after 5 frames: the program ended with exit"},
+        CaptureFault{"ignores_sigterm", "on SIGTERM: still there after 5 s"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(CheckCaptureSystem, PassesTheProgramWithoutAFault) {

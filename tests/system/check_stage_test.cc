@@ -43,14 +43,14 @@ TEST(CheckStageSystem, PassesOurStages) {
   }
 }
 
-struct Fault {
+struct StageFault {
   std::string name;
   std::string line;  // the only one that begins with WRONG, or its beginning
 };
 
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+void PrintTo(const StageFault& fault, std::ostream* out) { *out << fault.name; }
 
-class CheckStageFaults : public testing::TestWithParam<Fault> {};
+class CheckStageFaults : public testing::TestWithParam<StageFault> {};
 
 TEST_P(CheckStageFaults, AreFoundForTheRightReason) {
   const Verdict verdict = CheckWrongPrior(GetParam().name);
@@ -61,28 +61,31 @@ TEST_P(CheckStageFaults, AreFoundForTheRightReason) {
 INSTANTIATE_TEST_SUITE_P(
     System, CheckStageFaults,
     testing::Values(
-        Fault{"drops_a_frame", "one answer a frame: frame"},
-        Fault{"answers_twice", "one answer a frame: frame 0: 2 answers"},
-        Fault{"changes_seq", "header passed on: an answer with seq = 1"},
-        Fault{"changes_utime", "header passed on: frame 0: answered with utime = "},
-        Fault{"changes_rig_id", "header passed on: frame 0: answered with rig_id = '"},
-        Fault{"half_size", "type, size and encoding: SPROUT_PRIOR, frame 0: a map of 64x48"},
-        Fault{"other_type", "type, size and encoding: SPROUT_PRIOR, frame 0: fingerprint"},
-        Fault{"out_of_range", "values in range: SPROUT_PRIOR, frame 0: disparity -3 px at (0, 0)"},
-        Fault{"empty", "values in range: SPROUT_PRIOR, frame 0: an empty answer"},
-        Fault{"remembers", "same frame, same answer: frame"},
-        Fault{"silent_if_poor",
-              "poor frames answered: frame 0 without any ToF return: no answer on SPROUT_PRIOR"},
-        Fault{"crashes_on_bad",
-              "bad messages survived: frame 0 after SPROUT_RIG, no bytes: the "
-              "program was killed by signal 6"},
-        Fault{"hangs_on_bad",
-              "bad messages survived: frame 0 after SPROUT_RIG, no bytes: no "
-              "answer on SPROUT_PRIOR within 1 s"},
-        Fault{"believes_bad", "bad messages survived: SPROUT_SEEDS, "},
-        Fault{"ignores_sigterm", "ends on SIGTERM: still there after 5 s"},
-        Fault{"ends_early", "the program ended with exit code 0"},
-        Fault{"ends_at_once", "starts and answers: frame 0: the program ended with exit code 3"}),
+        StageFault{"drops_a_frame", "one answer a frame: frame"},
+        StageFault{"answers_twice", "one answer a frame: frame 0: 2 answers"},
+        StageFault{"changes_seq", "header passed on: an answer with seq = 1"},
+        StageFault{"changes_utime", "header passed on: frame 0: answered with utime = "},
+        StageFault{"changes_rig_id", "header passed on: frame 0: answered with rig_id = '"},
+        StageFault{"half_size", "type, size and encoding: SPROUT_PRIOR, frame 0: a map of 64x48"},
+        StageFault{"other_type", "type, size and encoding: SPROUT_PRIOR, frame 0: fingerprint"},
+        StageFault{"out_of_range",
+                   "values in range: SPROUT_PRIOR, frame 0: disparity -3 px at (0, 0)"},
+        StageFault{"empty", "values in range: SPROUT_PRIOR, frame 0: an empty answer"},
+        StageFault{"remembers", "same frame, same answer: frame"},
+        StageFault{
+            "silent_if_poor",
+            "poor frames answered: frame 0 without any ToF return: no answer on SPROUT_PRIOR"},
+        StageFault{"crashes_on_bad",
+                   "bad messages survived: frame 0 after SPROUT_RIG, no bytes: the "
+                   "program was killed by signal 6"},
+        StageFault{"hangs_on_bad",
+                   "bad messages survived: frame 0 after SPROUT_RIG, no bytes: no "
+                   "answer on SPROUT_PRIOR within 1 s"},
+        StageFault{"believes_bad", "bad messages survived: SPROUT_SEEDS, "},
+        StageFault{"ignores_sigterm", "ends on SIGTERM: still there after 5 s"},
+        StageFault{"ends_early", "the program ended with exit code 0"},
+        StageFault{"ends_at_once",
+                   "starts and answers: frame 0: the program ended with exit code 3"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(CheckStageSystem, PassesTheProgramWithoutAFault) {

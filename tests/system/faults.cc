@@ -1,6 +1,6 @@
 // Kills and stops every process of a running graph in turn; scripts/faults says how to call it, and
 // README.md here what must hold.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <array>
 #include <chrono>

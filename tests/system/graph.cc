@@ -1,11 +1,21 @@
 #include "tests/system/graph.h"
 
 #include <stdexcept>
+#include <thread>
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 
 namespace sprout {
+
+bool Eventually(const std::function<bool()>& condition, std::chrono::seconds timeout) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
 
 Graph::Graph(std::string prefix, std::string url)
     : prefix_(std::move(prefix)),
@@ -21,12 +31,12 @@ void Graph::OnMessage(std::string_view channel, std::span<const uint8_t> bytes) 
   if (channel == kStatusChannel) {
     if (const Result<StageStatus> status = DecodeStatus(bytes)) statuses[status->stage] = *status;
   }
-  for (const Part part : kAllParts) {
-    if (channel != ChannelOf(part)) continue;
-    Result<DecodedPart> decoded = DecodePart(part, bytes);
-    if (!decoded) continue;  // tests send bad ones, too
-    parts[{part, decoded->id.seq}] = std::move(decoded->value);
-    ++part_counts[{part, decoded->id.seq}];
+  if (const std::optional<Part> part = PartOf(channel)) {
+    Result<DecodedPart> decoded = DecodePart(*part, bytes);
+    if (decoded) {  // tests send bad ones, too
+      parts[{*part, decoded->id.seq}] = std::move(decoded->value);
+      ++part_counts[{*part, decoded->id.seq}];
+    }
   }
   changed_.notify_all();
 }
@@ -50,6 +60,10 @@ Process& Graph::Start(const std::string& stage, std::vector<std::string> flags) 
     throw std::runtime_error("no status from " + stage + ":\n" + process.Output());
   }
   return process;
+}
+
+void Graph::StartChain() {
+  for (const char* stage : kChain) Start(stage, {"--config", "default"});
 }
 
 bool Graph::WaitUntil(const std::function<bool(Graph&)>& condition, std::chrono::seconds timeout) {

@@ -28,6 +28,13 @@ inline std::string ProgramPath(const std::string& name) {
   return (std::filesystem::path(SPROUT_BINARY_DIR) / name).string();
 }
 
+/// The stages between capture and disparity.
+inline constexpr const char* kChain[] = {"refine", "prior", "grow"};
+
+/// Waits for a condition that no message tells of.
+bool Eventually(const std::function<bool()>& condition,
+                std::chrono::seconds timeout = std::chrono::seconds(30));
+
 /// The processes of a graph and what they say, on the network that the test runs in.
 class Graph {
  public:
@@ -39,6 +46,9 @@ class Graph {
 
   /// Starts sprout-STAGE without waiting.
   Process& StartOnly(const std::string& stage, std::vector<std::string> flags = {});
+
+  /// Starts the stages of kChain with preset default, and waits for their first statuses.
+  void StartChain();
 
   Process& process(const std::string& stage) { return *processes_.at(stage); }
 

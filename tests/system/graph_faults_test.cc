@@ -16,6 +16,7 @@
 #include "common/logfile/log_reader.h"
 #include "services/datasets/dataset.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/system/eventually.h"
 #include "tests/system/graph.h"
 #include "tests/system/graph_record.h"
 #include "tests/system/slope.h"
@@ -26,11 +27,10 @@ namespace {
 using std::chrono::seconds;
 using testing::HasSubstr;
 
-constexpr const char* kStages[] = {"refine", "prior", "grow"};
 constexpr int64_t kHourUs = 3'600'000'000;
 
 void StartStages(Graph& graph, const std::vector<std::string>& flags = {"--config", "default"}) {
-  for (const char* stage : kStages) graph.Start(stage, flags);
+  for (const char* stage : kChain) graph.Start(stage, flags);
 }
 
 std::map<GraphRecord::Key, GraphRecord::Heard> FramesOf(GraphRecord& record) {
@@ -85,7 +85,7 @@ TEST(ClockSystem, AnHourOffEitherWayLosesNothingAndIsSaid) {
   for (int64_t seq = 0; seq < 15; ++seq) send(seq, -2 * kHourUs);  // and earlier
   EXPECT_TRUE(graph.WaitUntil([&](Graph& g) { return g.statuses["grow"].frames_out == sent; }));
   graph.WaitUntil([](Graph& g) {
-    for (const char* stage : kStages) {
+    for (const char* stage : kChain) {
       EXPECT_EQ(CountedLost(g.statuses[stage]), 0) << stage;
       EXPECT_LT(g.statuses[stage].age.p50_ms, 3.0 * 3'600'000) << stage;
     }
@@ -164,36 +164,17 @@ int64_t EventsIn(const std::filesystem::path& log) {
   return events;
 }
 
-TEST(FullDiskSystem, RecordStopsBeforeItAndKeepsTheLog) {
+TEST(FullDiskSystem, RecordSaysSoAndKeepsTheLog) {
   const TemporaryDirectory folder;
-  const SmallDisk disk(folder / "disk", "1030m");  // record leaves 1 GB free
+  const SmallDisk disk(folder / "disk", "30m");
   if (!disk.mounted()) GTEST_SKIP() << "no file system can be mounted here";
   Graph graph;
   graph.Start("capture", {"--source", "synthetic:640x480", "--rate", "10"});
-  Process record({std::string(SPROUT_SOURCE_DIR) + "/scripts/record", "--dir", folder / "disk",
-                  "--drain", "1", "run"});
+  Process record(
+      {std::string(SPROUT_SOURCE_DIR) + "/scripts/record", "--dir", folder / "disk", "run"});
   EXPECT_EQ(record.Wait(seconds(60)), 1);
-  EXPECT_THAT(record.Output(), HasSubstr("stopped: the disk of"));
+  EXPECT_THAT(record.Output(), HasSubstr("No space left on device"));
   EXPECT_GT(EventsIn(folder / "disk/run.lcm"), 20);
-}
-
-TEST(FullDiskSystem, RecordSaysSoWhenSomebodyElseFillsIt) {
-  const TemporaryDirectory folder;
-  const SmallDisk disk(folder / "disk", "1200m");
-  if (!disk.mounted()) GTEST_SKIP() << "no file system can be mounted here";
-  Graph graph;
-  graph.Start("capture", {"--source", "synthetic:640x480", "--rate", "10"});
-  Process record({std::string(SPROUT_SOURCE_DIR) + "/scripts/record", "--dir", folder / "disk",
-                  "--drain", "1", "run"});
-  const auto log = folder / "disk/run.lcm";
-  ASSERT_TRUE(graph.WaitUntil([&](Graph&) {
-    std::error_code missing;
-    return std::filesystem::file_size(log, missing) > 5'000'000 && !missing;
-  }));
-  Process filler({"sh", "-c", "head -c 2G /dev/zero > '" + (folder / "disk/other").string() + "'"});
-  filler.Wait();
-  EXPECT_EQ(record.Wait(seconds(60)), 1) << record.Output();
-  EXPECT_GT(EventsIn(log), 3);
 }
 
 TEST(FullDiskSystem, AReplaySaysSoAndKeepsNothingUnderTheNameOfTheLog) {
@@ -214,19 +195,12 @@ TEST(StuckSystem, ASecondCtrlCEndsAtOnceWhoHangs) {
   const std::filesystem::path fifo = folder / "fifo";
   ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
   Process capture({ProgramPath("sprout-capture"), "--source", "log:" + fifo.string()});
-  const auto deadline = std::chrono::steady_clock::now() + seconds(30);
-  while (capture.Output().find("configuration") == std::string::npos &&
-         std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  ASSERT_TRUE(Says(capture, "configuration"));
   capture.Signal(SIGINT);
-  std::this_thread::sleep_for(std::chrono::milliseconds(400));
-  EXPECT_FALSE(capture.Wait(seconds(0))) << "it hangs until 1.5 s have passed";
-  const auto second = std::chrono::steady_clock::now();
+  ASSERT_TRUE(Says(capture, "SIGINT: stopping"));
   capture.Signal(SIGINT);
+  // By itself it would end with 0, and by SIGALRM after 1.5 s.
   EXPECT_EQ(capture.Wait(), 128 + SIGINT) << capture.Output();
-  EXPECT_LT(std::chrono::steady_clock::now() - second, seconds(1));
 }
 
 // What scripts/soak judges memory by.

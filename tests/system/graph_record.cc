@@ -1,11 +1,10 @@
 #include "tests/system/graph_record.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <opencv2/core.hpp>
 
 #include "common/bus/channels.h"
-#include "common/messages/codec.h"
 #include "services/depth/depth_map.h"
 #include "services/pipeline/pipeline.h"
 
@@ -28,8 +27,9 @@ std::string Difference(const Frame& heard, const DepthFrame& computed, const Spr
     return "another confidence";
   }
   if (!heard.depth) return "";
-  const DepthImage depth = depth::DepthOf(computed.disparity, heard.rig->pair,
-                                   config.depth().mm_per_count() / 1000, config.depth().scale());
+  const DepthImage depth =
+      depth::DepthOf(computed.disparity, heard.rig->pair, config.depth().mm_per_count() / 1000,
+                     config.depth().scale());
   return SamePixels(heard.depth->counts, depth.counts) ? "" : "another depth";
 }
 
@@ -46,23 +46,24 @@ void GraphRecord::OnMessage(std::string_view channel, std::span<const uint8_t> b
   if (channel == kStatusChannel) {
     if (const Result<StageStatus> status = DecodeStatus(bytes)) statuses[status->pid] = *status;
   }
-  for (const Part part : kAllParts) {
-    if (channel != ChannelOf(part)) continue;
-    Result<DecodedPart> decoded = DecodePart(part, bytes);
-    if (!decoded) continue;
-    if (part == Part::kRig) {
-      rigs_[decoded->id.rig_id] = std::get<Rig>(decoded->value);
-      continue;
-    }
-    const Key key{decoded->id.utime, decoded->id.seq};
-    if (!frames.contains(key)) sent.push_back(key);
-    Heard& heard = frames[key];
-    heard.frame.id = decoded->id;
-    heard.frame.rig = rigs_[decoded->id.rig_id];
-    SetPart(heard.frame, part, std::move(decoded->value));
-    heard.at.try_emplace(part, Clock::now());
+  if (const std::optional<Part> part = PartOf(channel)) {
+    if (Result<DecodedPart> decoded = DecodePart(*part, bytes)) Add(*part, std::move(*decoded));
   }
   changed_.notify_all();
+}
+
+void GraphRecord::Add(Part part, DecodedPart decoded) {
+  if (part == Part::kRig) {
+    rigs_[decoded.id.rig_id] = std::get<Rig>(decoded.value);
+    return;
+  }
+  const Key key{decoded.id.utime, decoded.id.seq};
+  if (!frames.contains(key)) sent.push_back(key);
+  Heard& heard = frames[key];
+  heard.frame.id = decoded.id;
+  heard.frame.rig = rigs_[decoded.id.rig_id];
+  SetPart(heard.frame, part, std::move(decoded.value));
+  heard.at.try_emplace(part, Clock::now());
 }
 
 bool GraphRecord::WaitUntil(const std::function<bool(GraphRecord&)>& condition,

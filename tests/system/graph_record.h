@@ -15,6 +15,7 @@
 #include "common/config/config.h"
 #include "common/core/frame.h"
 #include "common/core/stage_status.h"
+#include "common/messages/codec.h"
 
 namespace sprout {
 
@@ -43,6 +44,7 @@ class GraphRecord {
 
  private:
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
+  void Add(Part part, DecodedPart decoded);
 
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -31,13 +31,9 @@ DisparityImage ComputeInProcess(int64_t index, const std::string& from = kSource
       .disparity;
 }
 
-void StartStages(Graph& graph) {
-  for (const char* stage : {"refine", "prior", "grow"}) graph.Start(stage, {"--config", "default"});
-}
-
 TEST(GraphSystem, DeliversEveryFrameWithTheBytesOfTheStagesAlone) {
   Graph graph;
-  StartStages(graph);
+  graph.StartChain();
   Process& capture =
       graph.StartOnly("capture", {"--source", kSource, "--frames", "5", "--lockstep", "1", "--rate",
                                   "0", "--wait-for", "refine,prior,grow"});
@@ -69,7 +65,7 @@ TEST(GraphSystem, DeliversEveryFrameWithTheBytesOfTheStagesAlone) {
 TEST(GraphSystem, WithoutATofCameraStereoGivesTheMapAndTheStatusesSayNoCoverage) {
   constexpr int kFrames = 3;
   Graph graph;
-  StartStages(graph);
+  graph.StartChain();
   Process& capture = graph.StartOnly(
       "capture", {"--source", kWithoutTof, "--frames", std::to_string(kFrames), "--lockstep", "1",
                   "--rate", "0", "--wait-for", "refine,prior,grow"});
@@ -100,7 +96,7 @@ TEST(GraphSystem, WithoutATofCameraStereoGivesTheMapAndTheStatusesSayNoCoverage)
 TEST(GraphSystem, TwoGraphsRunSideBySideUnderTwoPrefixes) {
   Graph one("ONE_");
   Graph two("TWO_");
-  StartStages(one);
+  one.StartChain();
   Process& capture = one.StartOnly("capture", {"--source", kSource, "--frames", "2", "--lockstep",
                                                "1", "--wait-for", "refine,prior,grow"});
   EXPECT_EQ(capture.Wait(), 0) << capture.Output();
@@ -138,7 +134,7 @@ TEST(GraphSystem, SendsAFrameAgainAndTheStagesTakeItTwice) {
 
 TEST(GraphSystem, GoesOnWhenAStageIsKilledAndStartedAgain) {
   Graph graph;
-  StartStages(graph);
+  graph.StartChain();
   Process& capture = graph.StartOnly(
       "capture", {"--source", kSource, "--frames", "40", "--lockstep", "1", "--lockstep-timeout",
                   "1", "--rate", "20", "--wait-for", "refine,prior,grow"});
@@ -159,7 +155,7 @@ TEST(GraphSystem, GoesOnWhenAStageIsKilledAndStartedAgain) {
 
 TEST(GraphSystem, SkipsAndCountsFramesThatComeTooFast) {
   Graph graph;
-  StartStages(graph);
+  graph.StartChain();
   Process& capture = graph.StartOnly("capture", {"--source", kSource, "--frames", "40", "--rate",
                                                  "20", "--wait-for", "refine,prior,grow"});
   ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.parts.contains({Part::kDisparity, 3}); }));

@@ -19,12 +19,10 @@ std::string Url(uint16_t port) {
   return "udpm://239.255.76.67:" + std::to_string(port) + "?ttl=0&recv_buf_size=67108864";
 }
 
-constexpr const char* kStages[] = {"refine", "prior", "grow"};
-
 class NetworkFaultsSystem : public ::testing::Test {
  protected:
   NetworkFaultsSystem() {
-    for (const char* stage : kStages) {
+    for (const char* stage : kChain) {
       Process& process = Start(stage, Url(Relay::kTo), {});
       EXPECT_TRUE(stages_.WaitUntil([pid = process.pid()](GraphRecord& r) {
         return r.statuses.contains(pid);
@@ -80,7 +78,7 @@ class NetworkFaultsSystem : public ::testing::Test {
   // Every frame that was sent is answered or counted, by every stage.
   void ExpectBalance() {
     const auto sent = static_cast<int64_t>(Sent());
-    for (const char* stage : kStages) {
+    for (const char* stage : kChain) {
       StageStatus status;
       EXPECT_TRUE(stages_.WaitUntil(
           [&](GraphRecord& r) {

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
+#include <fstream>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <thread>
 
 #include "common/app/stage_monitor.h"
@@ -72,6 +75,20 @@ LogSummary Summarise(const fs::path& log) {
   return summary;
 }
 
+/// Jumps of the clock that a log's events came by, s.
+std::vector<double> ClockSteps(const fs::path& log) {
+  std::vector<double> steps_s;
+  LogReader reader(log);
+  LogEvent event;
+  std::optional<int64_t> before;
+  while (reader.Next(event)) {
+    const double step_s = static_cast<double>(event.utime - before.value_or(event.utime)) / 1e6;
+    if (std::abs(step_s) > 60) steps_s.push_back(step_s);
+    before = event.utime;
+  }
+  return steps_s;
+}
+
 bool HasRecorded(Graph& graph, int64_t frames) {
   return graph.WaitUntil([&](Graph& g) { return g.statuses["record"].frames_out >= frames; });
 }
@@ -132,13 +149,27 @@ TEST(RecordRobot, KeepsWhatAMessageOrALowConfidenceAsksFor) {
   }));
   record.Signal(SIGTERM);
   ASSERT_EQ(record.Wait(), 0) << record.Output();
-  ASSERT_EQ(Logs(logs).size(), 2U) << record.Output();
-  for (const fs::path& log : Logs(logs)) {
-    const ChannelBytes channels = ReadChannels(log);
-    EXPECT_EQ(SeqsOf(channels, Part::kLeft, "A_").size(), 1U);
-    EXPECT_EQ(channels.size(), 2U);  // and our own status
-    EXPECT_TRUE(channels.contains("A_SPROUT_STATUS"));
-  }
+  ASSERT_EQ(Logs(logs).size(), 1U) << record.Output();  // the ring of the second reaches into it
+  const ChannelBytes channels = ReadChannels(Logs(logs)[0]);
+  EXPECT_EQ(SeqsOf(channels, Part::kLeft, "A_").size(), 1U);
+  EXPECT_EQ(channels.size(), 2U);  // and our own status
+  EXPECT_TRUE(channels.contains("A_SPROUT_STATUS"));
+}
+
+TEST(RecordRobot, WritesNothingTwiceHoweverFastTriggersCome) {
+  const TemporaryDirectory folder;
+  const fs::path logs = folder / "logs";
+  Graph graph;
+  Process& record = graph.Start(
+      "record", {"--dir", logs, "--ring", "5", "--after", "0", "--trigger-channel", "SPROUT_LEFT"});
+  graph.Start("capture", kCamera);  // 20 triggers a second
+  ASSERT_TRUE(HasRecorded(graph, 100));
+  record.Signal(SIGINT);
+  ASSERT_EQ(record.Wait(), 0) << record.Output();
+  ASSERT_EQ(Logs(logs).size(), 1U) << record.Output();
+  const std::vector<int64_t> seqs = SeqsOf(ReadChannels(Logs(logs)[0]), Part::kLeft);
+  EXPECT_GE(seqs.size(), 99U);
+  EXPECT_TRUE(AreConsecutive(seqs));
 }
 
 TEST(RecordRobot, GoesOnInTheNextLogWithoutAGap) {
@@ -215,6 +246,61 @@ TEST(RecordRobot, SaysThatTheDiskIsFullAndLeavesAReadableLog) {
   const std::vector<int64_t> seqs = SeqsOf(ReadChannels(log), Part::kLeft);
   EXPECT_GE(seqs.size(), 20U);
   EXPECT_TRUE(AreConsecutive(seqs));
+}
+
+TEST(RecordRobot, RefusesAFolderThatItCannotWriteToBeforeAnythingCame) {
+  if (Process({"unshare", "--mount", "mount", "-t", "tmpfs", "tmpfs", "/mnt"}).Wait() != 0) {
+    GTEST_SKIP() << "skipped: this kernel allows no private mount namespace";
+  }
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "disk");
+  Process record({"unshare", "--mount", "sh", "-c",
+                  "mount -t tmpfs -o ro tmpfs $1 && exec $2 --dir $1", "sh", folder / "disk",
+                  ProgramPath("sprout-record")});
+  EXPECT_EQ(record.Wait(), 2) << record.Output();
+  EXPECT_THAT(record.Output(),
+              HasSubstr("disk: cannot be used (Read-only file system); allowed: "));
+}
+
+// Its clock alone is set, as ntpd does when it has found the time.
+TEST(RecordRobot, LosesNothingWhenItsClockIsSetOnAndBack) {
+  const TemporaryDirectory folder;
+  const fs::path logs = folder / "logs";
+  const fs::path offset_s = folder / "offset_s";
+  const auto set_clock = [&](int64_t seconds) {
+    std::ofstream(offset_s, std::ios::binary | std::ios::in | std::ios::out)
+        .write(reinterpret_cast<const char*>(&seconds), sizeof seconds);
+  };
+  std::ofstream(offset_s) << std::string(sizeof(int64_t), '\0');
+  Graph graph;
+  Process record({"env", "LD_PRELOAD=" SPROUT_CLOCK_STEP,
+                  "SPROUT_CLOCK_OFFSET_FILE=" + offset_s.string(), ProgramPath("sprout-record"),
+                  "--dir", logs, "--ring", "3", "--after", "1"});
+  graph.Start("capture", kCamera);
+  const auto has_recorded = [&](int64_t frames) { return HasRecorded(graph, frames); };
+  ASSERT_TRUE(has_recorded(40));
+  set_clock(3600);
+  ASSERT_TRUE(has_recorded(60));
+  set_clock(-7200);
+  ASSERT_TRUE(has_recorded(80));
+  record.Signal(SIGUSR1);
+  ASSERT_TRUE(has_recorded(120));
+  record.Signal(SIGINT);
+  ASSERT_EQ(record.Wait(), 0) << record.Output();
+  ASSERT_EQ(Logs(logs).size(), 1U) << record.Output();
+  const fs::path log = Logs(logs)[0];
+  const std::vector<int64_t> seqs = SeqsOf(ReadChannels(log), Part::kLeft);
+  EXPECT_TRUE(AreConsecutive(seqs));
+  EXPECT_NEAR(static_cast<double>(seqs.size()), (3 + 1) * 20, 10);  // by a clock that nobody sets
+  std::vector<double> steps_s = ClockSteps(log);
+  ASSERT_EQ(steps_s.size(), 2U);
+  EXPECT_NEAR(steps_s[0], 3600, 1);
+  EXPECT_NEAR(steps_s[1], -3 * 3600, 1);
+
+  const fs::path answers = folder / "answers.lcm";
+  Process refine({ProgramPath("sprout-refine"), "--replay", log, "--record", answers});
+  ASSERT_EQ(refine.Wait(std::chrono::seconds(60)), 0) << refine.Output();
+  EXPECT_GE(SeqsOf(ReadChannels(answers), Part::kSeeds).size(), seqs.size() - 5);
 }
 
 TEST(RecordRobot, SaysThatTheFolderHasVanished) {

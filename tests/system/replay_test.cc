@@ -9,6 +9,7 @@
 #include "common/messages/codec.h"
 #include "services/datasets/dataset.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/system/eventually.h"
 #include "tests/system/graph.h"
 #include "tests/system/log_bytes.h"
 
@@ -17,17 +18,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::SizeIs;
-
-// Waits for a condition that no message tells of.
-bool Eventually(const std::function<bool()>& condition,
-                std::chrono::seconds timeout = std::chrono::seconds(30)) {
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return true;
-}
 
 bool HasBytes(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -70,7 +60,7 @@ void CopyRawChannels(const std::filesystem::path& from, const std::filesystem::p
 // they gave is in the log.
 void RecordLiveRun(const std::filesystem::path& log, const std::string& source, int frames) {
   Graph graph;
-  for (const char* stage : {"refine", "prior", "grow"}) graph.Start(stage, {"--config", "default"});
+  graph.StartChain();
   Process logger({"lcm-logger", "-m", "1000", std::string("--lcm-url=") + kDefaultLcmUrl, log});
   // A status in the log shows that the logger listens.
   ASSERT_TRUE(Eventually([&] { return HasBytes(log); })) << logger.Output();

@@ -1,5 +1,5 @@
 // Runs the graph for minutes and looks whether any process grows; scripts/soak says how to call it.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>

@@ -6,13 +6,12 @@
 
 #include <csignal>
 #include <filesystem>
-#include <functional>
-#include <thread>
 
 #include "common/app/process.h"
 #include "tests/common/bus/fake_tcpq_server.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/datasets/scene_folder.h"
+#include "tests/system/eventually.h"
 #include "tests/system/graph.h"
 
 // Processes that wait for what never comes: a signal ends them all the same. And a server that is
@@ -24,15 +23,6 @@ namespace fs = std::filesystem;
 
 // Of supervisors, which kill then.
 constexpr std::chrono::seconds kPatience{2};
-
-bool Eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return true;
-}
 
 fs::path MakeFifo(const fs::path& path) {
   if (mkfifo(path.c_str(), 0600) != 0) throw std::runtime_error("no FIFO " + path.string());

@@ -9,20 +9,16 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <thread>
 
 #include "common/bus/lcm_url.h"
+#include "tests/system/eventually.h"
 #include "tests/system/graph.h"
 #include "tests/system/graph_record.h"
 
 namespace sprout {
 namespace {
 
-using std::chrono::milliseconds;
-using std::chrono::seconds;
-
 constexpr const char* kUrl = "tcpq://127.0.0.1:7700";
-constexpr const char* kStages[] = {"refine", "prior", "grow"};
 
 class TcpqSystem : public ::testing::Test {
  protected:
@@ -31,21 +27,20 @@ class TcpqSystem : public ::testing::Test {
     StartServer();
     record_ = std::make_unique<GraphRecord>(kUrl);
     graph_ = std::make_unique<Graph>("", kUrl);
-    for (const char* stage : kStages) graph_->Start(stage, {"--config", "default"});
+    graph_->StartChain();
   }
 
   void StartServer() {
     server_ = std::make_unique<Process>(
         std::vector<std::string>{"java", "-cp", LCM_JAR, "lcm.lcm.TCPService", "7700"});
-    for (int i = 0; i < 200; ++i) {
+    EXPECT_TRUE(Eventually([] {
       try {
         OpenLcm(kUrl);
-        return;
+        return true;
       } catch (const BusError&) {
-        std::this_thread::sleep_for(milliseconds(50));
+        return false;
       }
-    }
-    FAIL() << server_->Output();
+    })) << server_->Output();
   }
 
   void KillServer() {
@@ -80,7 +75,7 @@ TEST_F(TcpqSystem, TheGraphGoesOnWhenTheServerIsBackAndCountsWhatWasLost) {
       graph_->StartOnly("capture", {"--source", "synthetic:160x120", "--rate", "10"});
   ExpectMaps(10);
   KillServer();
-  std::this_thread::sleep_for(seconds(2));
+  ASSERT_TRUE(Says(capture, ": could not be published")) << capture.Output();
   StartServer();
   ExpectMaps(10);
   capture.Signal(SIGTERM);
@@ -92,7 +87,7 @@ TEST_F(TcpqSystem, TheGraphGoesOnWhenTheServerIsBackAndCountsWhatWasLost) {
   // first.
   EXPECT_TRUE(record_->WaitUntil([&](GraphRecord& r) {
     frames = r.frames;
-    return std::all_of(std::begin(kStages), std::end(kStages), [&](const char* stage) {
+    return std::all_of(std::begin(kChain), std::end(kChain), [&](const char* stage) {
       const StageStatus& status = r.statuses[graph_->process(stage).pid()];
       const int64_t last = frames.rbegin()->first.second;
       const int64_t first = frames.begin()->first.second;

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "common/core/sleep.h"
+
 namespace sprout::capture {
 namespace {
 
@@ -76,8 +78,7 @@ void Camera::Run(const std::stop_token& stop) {
       told = device.error().text;
       tell_({.kind = CameraEvent::Kind::kGone, .text = told});
     }
-    std::unique_lock lock(mutex_);
-    stopped_.wait_for(lock, stop, pause, [] { return false; });
+    SleepFor(pause, stop);
     pause = std::min(2 * pause, kLongestPause);
   }
 }

@@ -1,7 +1,6 @@
 #ifndef SPROUT_SERVICES_CAPTURE_GENICAM_CAMERA_H_
 #define SPROUT_SERVICES_CAPTURE_GENICAM_CAMERA_H_
 
-#include <condition_variable>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -57,7 +56,6 @@ class Camera {
   DeviceSettings settings_;
   std::function<void(CameraEvent)> tell_;
   std::mutex mutex_;  // of device_ as such, and of commands to it
-  std::condition_variable_any stopped_;
   std::unique_ptr<Device> device_;
   std::jthread thread_;  // the last one: it uses all others
 };

@@ -1,6 +1,6 @@
 #include "services/capture/genicam/device.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

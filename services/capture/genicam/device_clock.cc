@@ -1,10 +1,12 @@
 #include "services/capture/genicam/device_clock.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+
+#include "common/core/quantile.h"
 
 namespace sprout::capture {
 namespace {
@@ -20,12 +22,6 @@ constexpr double kJumpUs = 20e3;
 constexpr size_t kSuspects = 10;
 // The first packets may all have waited: an earlier one is news about the delay, not a jump.
 constexpr int64_t kSettled = 10;
-
-double Median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::string JumpText(double jump_us) {
   return fmt::format("its clock jumped by {:+.1f} ms against the host's; started again with it",

@@ -1,6 +1,6 @@
 #include "services/capture/genicam/device_setup.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <array>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "services/capture/genicam/discovery.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>

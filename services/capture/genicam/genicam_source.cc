@@ -1,7 +1,5 @@
 #include "services/capture/genicam/genicam_source.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -13,9 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include "common/app/log.h"
 #include "common/config/config.h"
+#include "common/core/sleep.h"
 #include "common/rig/rig_file.h"
-#include "services/capture/genicam/frame_former.h"
+#include "services/capture/genicam/frame_builder.h"
 #include "services/capture/genicam/pixels.h"
 
 namespace sprout::capture {
@@ -120,7 +120,7 @@ class GenicamSource : public RawSource {
       next_word = Clock::now() + kReminder;
       // Frames tell it otherwise, but there are none.
       if (const std::string trouble = former_.NewTrouble(); !trouble.empty()) {
-        spdlog::warn("waiting for the cameras: {}", trouble);
+        LogLine(LogLevel::kWarning, "waiting for the cameras: {}", trouble);
       }
     }
     return std::nullopt;
@@ -129,7 +129,7 @@ class GenicamSource : public RawSource {
  private:
   void Tell(RigPlace place, CameraEvent event) {
     if (event.kind == CameraEvent::Kind::kOpened) {
-      spdlog::info("{}: {}", PlaceText(place, rig_), event.text);
+      LogLine(LogLevel::kInfo, "{}: {}", PlaceText(place, rig_), event.text);
     }
     inbox_.Push(place, std::move(event));
   }
@@ -171,7 +171,7 @@ class GenicamSource : public RawSource {
           if (camera) camera->TriggerAt(time_ns);
         }
       }
-      SleepUntil(Clock::now() + Period(), stop);
+      SleepFor(Period(), stop);
     }
   }
 
@@ -180,16 +180,9 @@ class GenicamSource : public RawSource {
         std::chrono::duration<double>(1 / rig_.frame_rate_hz()));
   }
 
-  static void SleepUntil(Clock::time_point time, const std::stop_token& stop) {
-    std::mutex mutex;
-    std::condition_variable_any stopped;
-    std::unique_lock lock(mutex);
-    stopped.wait_until(lock, stop, time, [] { return false; });
-  }
-
   RigDescription rig_;
   datasets::Waiting waiting_;
-  FrameFormer former_;
+  FrameBuilder former_;
   Inbox inbox_;
   std::array<std::unique_ptr<Camera>, kRigPlaces.size()> cameras_;
   std::vector<std::jthread> triggers_;  // the last ones: they use the cameras

@@ -1,6 +1,6 @@
 #include "services/capture/genicam/pixels.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "services/capture/genicam/scan3d.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <bit>

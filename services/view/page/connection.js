@@ -2,6 +2,7 @@
 
 const kFirstWait = 300;  // ms until it is tried again; doubled up to the longest
 const kLongestWait = 3000;
+const kMostSilence = 5;  // s; the server says something every second
 
 /// A packet as packet.h makes it: head, and the body of each part.
 export function readPacket(buffer) {
@@ -21,16 +22,29 @@ export class Connection {
     this.handlers = handlers;
     this.wait = kFirstWait;
     this.open();
+    setInterval(() => this.watch(), 1000);
+  }
+
+  // Nobody tells of a connection that died while this machine slept, or without its cable. Seconds
+  // that the page slept do not count: what came meanwhile is still to be read.
+  watch() {
+    if (this.socket.readyState > WebSocket.OPEN || ++this.silence < kMostSilence) return;
+    this.socket.onopen = this.socket.onmessage = this.socket.onclose = null;
+    this.socket.close();
+    this.handlers.closed();
+    this.open();
   }
 
   open() {
     this.socket = new WebSocket(`ws://${location.host}/ws`);
     this.socket.binaryType = 'arraybuffer';
+    this.silence = 0;
     this.socket.onopen = () => {
       this.wait = kFirstWait;
       this.handlers.open();
     };
     this.socket.onmessage = ({data}) => {
+      this.silence = 0;
       if (typeof data === 'string') this.handlers.text(JSON.parse(data));
       else this.handlers.frame(readPacket(data));
     };

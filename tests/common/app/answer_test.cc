@@ -10,21 +10,21 @@ namespace sprout {
 namespace {
 
 // Says what it is told to.
-class FixedPlug : public Plug {
+class FixedAdapter : public StageAdapter {
  public:
-  explicit FixedPlug(std::vector<Output> outputs) : outputs_(std::move(outputs)) {}
+  explicit FixedAdapter(std::vector<PartOutput> outputs) : outputs_(std::move(outputs)) {}
   PartSet Inputs() const override { return {}; }
-  Outcome Process(const Frame&) override { return {.outputs = outputs_, .degenerate = ""}; }
+  StageResult Process(const Frame&) override { return {.outputs = outputs_, .degenerate = ""}; }
 
  private:
-  std::vector<Output> outputs_;
+  std::vector<PartOutput> outputs_;
 };
 
-float CoverageOf(const Frame& frame, std::vector<Output> outputs) {
+float CoverageOf(const Frame& frame, std::vector<PartOutput> outputs) {
   CapturedLog log;
   StageMonitor monitor("stage", "");
-  FixedPlug plug(std::move(outputs));
-  return MakeAnswer(frame, plug, DisparityEncoding::kRawInt16, monitor).value().tof_coverage;
+  FixedAdapter adapter(std::move(outputs));
+  return MakeAnswer(frame, adapter, DisparityEncoding::kRawInt16, monitor).value().tof_coverage;
 }
 
 Frame FrameOf(cv::Size size) {

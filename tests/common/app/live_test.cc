@@ -21,10 +21,10 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 
 // LEFT → SEEDS, none.
-class SeedlessPlug : public Plug {
+class SeedlessAdapter : public StageAdapter {
  public:
   PartSet Inputs() const override { return {Part::kLeft}; }
-  Outcome Process(const Frame&) override {
+  StageResult Process(const Frame&) override {
     return {.outputs = {{Part::kSeeds, SeedSet{}}}, .degenerate = ""};
   }
 };
@@ -42,7 +42,7 @@ class LiveTest : public ::testing::Test {
   }
 
   void ConnectForAnswers() {
-    stage_ = std::jthread([this] { RunLive(context_, plug_); });
+    stage_ = std::jthread([this] { RunLive(context_, adapter_); });
     ASSERT_TRUE(server_.Accept());
   }
 
@@ -80,7 +80,7 @@ class LiveTest : public ::testing::Test {
                           .prefix = "",
                           .replay = {},
                           .stop = stop_.get_token()};
-  SeedlessPlug plug_;
+  SeedlessAdapter adapter_;
   std::jthread stage_;
 };
 

@@ -24,11 +24,11 @@ using ::testing::SizeIs;
 
 // LEFT TOF RIG → SEEDS: how many raw points there were is the grey value of LEFT. Grey 0 gives a
 // degenerate frame, grey 255 an exception.
-class GreyPlug : public Plug {
+class GreyAdapter : public StageAdapter {
  public:
   PartSet Inputs() const override { return {Part::kLeft, Part::kTof, Part::kRig}; }
 
-  Outcome Process(const Frame& frame) override {
+  StageResult Process(const Frame& frame) override {
     const int grey = frame.left.at<uint8_t>(0, 0);
     if (grey == 255) throw std::runtime_error("too bright");
     if (on_frame) on_frame();
@@ -53,7 +53,8 @@ class ReplayTest : public ::testing::Test {
                            .stop = stop_.get_token()};
     ::testing::internal::CaptureStdout();
     try {
-      const int code = RunReplay(context, {.logs = logs, .record = out_, .frames = frames}, plug_);
+      const int code =
+          RunReplay(context, {.logs = logs, .record = out_, .frames = frames}, adapter_);
       report_ = ::testing::internal::GetCapturedStdout();
       return code;
     } catch (...) {
@@ -92,7 +93,7 @@ class ReplayTest : public ::testing::Test {
   std::string prefix_;
   std::string report_;
   std::stop_source stop_;
-  GreyPlug plug_;
+  GreyAdapter adapter_;
 };
 
 std::vector<TestEvent> FramesWithGrey(const std::vector<int>& greys) {
@@ -104,7 +105,7 @@ std::vector<TestEvent> FramesWithGrey(const std::vector<int>& greys) {
   return events;
 }
 
-// The answer of GreyPlug to frame `seq`, completed by `last`.
+// The answer of GreyAdapter to frame `seq`, completed by `last`.
 TestEvent AnswerTo(int64_t seq, int grey, const TestEvent& last) {
   TestEvent event = SeedsEvent(seq, grey);
   event.utime = last.utime;
@@ -199,7 +200,7 @@ TEST_F(ReplayTest, WorksOnWhatIsLeftOfADamagedLogAndSaysSoInItsExitCode) {
 TEST_F(ReplayTest, KeepsWhatItAnsweredWhenItIsStopped) {
   WriteLog(in_, FramesWithGrey({10, 11, 12}));
   int frames = 0;
-  plug_.on_frame = [&] {
+  adapter_.on_frame = [&] {
     if (++frames == 2) stop_.request_stop();
   };
   EXPECT_EQ(Run(), 1);

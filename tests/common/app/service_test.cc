@@ -3,15 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <condition_variable>
 #include <csignal>
-#include <mutex>
 #include <sstream>
 #include <thread>
 
 #include "common/app/version.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
+#include "common/core/sleep.h"
 
 namespace sprout {
 namespace {
@@ -229,10 +228,7 @@ TEST(Service, StopsItsBodyOnSigtermAndSigint) {
   for (const int signal : {SIGTERM, SIGINT}) {
     const Ended ended = RunWith({}, [&](const ServiceContext& context) {
       kill(getpid(), signal);
-      std::mutex mutex;
-      std::unique_lock lock(mutex);
-      std::condition_variable_any stopped;
-      stopped.wait_for(lock, context.stop, std::chrono::seconds(20), [] { return false; });
+      SleepFor(std::chrono::seconds(20), context.stop);
       return context.stop.stop_requested() ? 0 : 9;
     });
     EXPECT_EQ(ended.exit_code, 0);

@@ -144,19 +144,19 @@ TEST(ConfigRange, IsCheckedWhenAFileIsLoaded) {
       }
     }
   }
-  std::ofstream(path) << "grow { harris { min_mncc: nan } }";
+  std::ofstream(path) << "capture { sr4000 { view_margin: nan } }";
   EXPECT_THROW(LoadConfig({path.string()}), ConfigError);
   std::filesystem::remove(path);
 }
 
 TEST(ConfigRange, OfAPartIsNamedWithThePrefix) {
-  GrowConfig grow;
-  grow.mutable_harris()->set_min_mncc(2);
+  CaptureConfig capture;
+  capture.mutable_sr4000()->set_view_margin(8);
   try {
-    RequireInRange(grow, "grow");
+    RequireInRange(capture, "capture");
     ADD_FAILURE() << "accepted";
   } catch (const ConfigError& e) {
-    EXPECT_STREQ(e.what(), "grow.harris.min_mncc = 2: out of range; allowed: -1 to 1");
+    EXPECT_STREQ(e.what(), "capture.sr4000.view_margin = 8: out of range; allowed: 0.5 to 4");
   }
 }
 

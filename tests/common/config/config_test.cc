@@ -135,5 +135,16 @@ TEST_F(ConfigFiles, ListsThePresetsWhenAFileCannotBeRead) {
   }
 }
 
+TEST_F(ConfigFiles, ReadsNothingButRegularFilesOfAMegabyte) {
+  EXPECT_THAT(ErrorOf({"/proc/self/mem"}),
+              HasSubstr("configuration /proc/self/mem: cannot be read (Input/output error); "));
+  EXPECT_THAT(ErrorOf({"/dev/zero"}),
+              HasSubstr("configuration /dev/zero: cannot be read (no regular file); allowed: "));
+  const std::string comment = "#" + std::string((1 << 20) - 1, 'x');
+  EXPECT_EQ(ErrorOf({Write("most.textproto", comment)}), "");
+  EXPECT_THAT(ErrorOf({Write("more.textproto", comment + "x")}),
+              HasSubstr("more.textproto: cannot be read (larger than 1 MiB); allowed: "));
+}
+
 }  // namespace
 }  // namespace sprout

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace sprout {
 namespace {
 
@@ -75,6 +77,20 @@ TEST(BytesOf, CountsTheDisparitiesAndHowSureTheyAre) {
   EXPECT_EQ(BytesOf(frame), 12U);
   frame.prior = PriorMap(cv::Size(3, 2));
   EXPECT_EQ(BytesOf(frame), 12U + 18U);
+}
+
+TEST(PartOf, IsTheInverseOfChannelOf) {
+  for (const Part part : kAllParts) {
+    const std::string channel(ChannelOf(part));
+    EXPECT_EQ(PartOf(channel), part);
+    EXPECT_EQ(PartOf("robot/" + channel, "robot/"), part);
+    EXPECT_EQ(PartOf("robot/" + channel), std::nullopt);
+    EXPECT_EQ(PartOf(channel, "robot/"), std::nullopt);
+    EXPECT_EQ(PartOf(channel + "X"), std::nullopt);
+  }
+  for (const char* channel : {"", "SPROUT_STATUS", "SPROUT_", "SPROUT_LEF", "LEFT"}) {
+    EXPECT_EQ(PartOf(channel), std::nullopt) << channel;
+  }
 }
 
 TEST(SetPart, ReplacesWhatWasThere) {

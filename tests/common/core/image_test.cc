@@ -29,6 +29,16 @@ TEST(ToGrey, KeepsTheSizeOfAViewIntoALargerImage) {
   EXPECT_EQ(grey(4, 3), 50);
 }
 
+TEST(Halved, HasTheMeanOfFourPixelsAndRepeatsAnOddColumnAndRow) {
+  const cv::Mat1b image = (cv::Mat1b(3, 5) << 0, 4, 10, 10, 7,  //
+                           8, 8, 10, 30, 9,                     //
+                           20, 40, 1, 3, 200);
+  const cv::Mat1b half = Halved(image);
+  const cv::Mat1b expected = (cv::Mat1b(2, 3) << 5, 15, 8, 30, 2, 200);
+  ASSERT_EQ(half.size(), expected.size());
+  EXPECT_EQ(cv::countNonZero(half != expected), 0) << half;
+}
+
 TEST(ToBgr, SharesAColourImageAndGivesGreyThreeEqualChannels) {
   const cv::Mat colour(3, 4, CV_8UC3, cv::Scalar(1, 2, 3));
   EXPECT_EQ(ToBgr(colour).data, colour.data);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "common/core/digest.h"
+#include "tests/common/core/german_locale.h"
 
 namespace sprout {
 namespace {
@@ -40,6 +41,14 @@ TEST(Digest, IsXxh3InHexadecimalDigits) {
 TEST(RigId, IsStable) {
   EXPECT_EQ(RigId(ExampleRig()), RigId(ExampleRig()));
   // Logs name calibrations by it: it may not change between versions or machines.
+  EXPECT_EQ(RigId(ExampleRig()), "e26841a5b531426a");
+}
+
+// A program with a window sets the user's locale before it calls us.
+TEST(RigId, IsTheSameWhereCommasAreDecimal) {
+  const GermanLocale german;
+  if (!german.is_set()) GTEST_SKIP() << "no German locale can be made (package locales)";
+  ASSERT_EQ(std::to_string(1.5), "1,500000");
   EXPECT_EQ(RigId(ExampleRig()), "e26841a5b531426a");
 }
 

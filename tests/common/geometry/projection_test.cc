@@ -32,6 +32,14 @@ TEST(PointFromSeed, MatchesAnExampleByHand) {
   EXPECT_NEAR((point - Eigen::Vector3d(1.0, -0.5, 4.0)).norm(), 0, 1e-12);
 }
 
+TEST(PointAt, IsWhatAPixelOfAMapStandsFor) {
+  // Column 800, row 380, 90 px: z = f·b / (90 + 600 − 640) = 4.
+  DisparityImage map(cv::Mat1s(960, 1280, DisparityImage::kInvalid));
+  map.counts()(380, 800) = 90 * DisparityImage::kCountsPerPixel;
+  const Eigen::Vector3d point = PointAt(MakePair(640, 600), map, 800, 380);
+  EXPECT_NEAR((point - Eigen::Vector3d(0.64, -0.4, 4.0)).norm(), 0, 1e-12);
+}
+
 TEST(PointFromSeed, InvertsProjectToPairForAnyPointAndPrincipalPoints) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> column(-1, 1);

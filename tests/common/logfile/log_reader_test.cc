@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "common/logfile/event_fetcher.h"
-#include "common/logfile/event_list.h"
 #include "tests/common/logfile/sample_log.h"
 
 namespace sprout {
@@ -61,59 +60,6 @@ TEST(EventFetcher, GetsEventsAgainInAnyOrder) {
                            events[i].data.end()));
   }
   EXPECT_THROW(fetcher.Fetch(events[11].end()), LogError);
-}
-
-// A file without a name, which holds a text.
-class TextBehindADescriptor {
- public:
-  explicit TextBehindADescriptor(const std::string& text) {
-    std::fputs(text.c_str(), file_);
-    std::fflush(file_);
-  }
-  ~TextBehindADescriptor() { std::fclose(file_); }
-  std::string path() const { return "/dev/fd/" + std::to_string(fileno(file_)); }
-
- private:
-  std::FILE* file_ = std::tmpfile();
-};
-
-TEST(EventList, IsALogOfSomeEventsWithTimesOfTheirOwn) {
-  const TemporaryDirectory folder;
-  std::vector<Event> events = SampleEvents(12);
-  WriteBytes(folder / "log", MakeLog(events));
-  const TextBehindADescriptor list(EventList::Text(
-      folder / "log", {{events[7].offset, 5}, {events[2].offset, 6}, {events[3].offset, 7}}));
-  LogReader reader(list.path());
-  LogEvent event;
-  int64_t number = 0;
-  for (const size_t i : {7U, 2U, 3U}) {
-    ASSERT_TRUE(reader.Next(event));
-    EXPECT_EQ(event.utime, 5 + number);
-    EXPECT_EQ(event.number, number++);
-    EXPECT_EQ(event.channel, events[i].channel);
-    EXPECT_TRUE(std::equal(event.data.begin(), event.data.end(), events[i].data.begin(),
-                           events[i].data.end()));
-  }
-  EXPECT_FALSE(reader.Next(event));
-  EXPECT_EQ(reader.position(), reader.size());
-}
-
-TEST(EventList, IsRefusedWhenItIsDamagedOrAFileWithAName) {
-  const TemporaryDirectory folder;
-  std::vector<Event> events = SampleEvents(3);
-  WriteBytes(folder / "log", MakeLog(events));
-  const std::string text = EventList::Text(folder / "log", {{events[1].offset, 5}});
-  EXPECT_NO_THROW(LogReader(TextBehindADescriptor(text).path()));
-  EXPECT_THROW(LogReader(TextBehindADescriptor(text + "7 x\n").path()), LogError);
-  EXPECT_THROW(LogReader(TextBehindADescriptor(EventList::Text(folder / "none", {})).path()),
-               LogError);
-  WriteBytes(folder / "list", Bytes(text.begin(), text.end()));
-  EXPECT_THROW(LogReader(folder / "list"), LogError);
-
-  LogEvent event;
-  const TextBehindADescriptor outside(EventList::Text(folder / "log", {{1'000'000, 5}}));
-  LogReader reader(outside.path());
-  EXPECT_THROW(reader.Next(event), LogError);
 }
 
 TEST(LogReader, TellsHowFarItIs) {

@@ -199,6 +199,29 @@ TEST(RigBorder, RefusesWhatNoProjectionCanWorkWith) {
   ExpectRefused<M>(ToMessage(examples::Id(), examples::Rig()), Part::kRig, table);
 }
 
+TEST(RigBorder, RefusesNumbersThatNoCameraHas) {
+  using M = rig_t;
+  std::vector<Corruption<M>> table = {
+      {"hardly any focal length", [](M& m) { m.focal_px = 0.049 * std::max(m.width, m.height); },
+       "focal_px", "0.05 to 50 times"},
+      {"a telescope", [](M& m) { m.focal_px = 51 * std::max(m.width, m.height); }, "focal_px",
+       "0.05 to 50 times"},
+      {"principal point far off", [](M& m) { m.cx = 1e9; }, "cx = 1e+09", "10 times the image's"},
+      {"row far off", [](M& m) { m.cy = -1e9; }, "cy = -1e+09", "10 times the image's"},
+      {"right one far off", [](M& m) { m.cx_right = 1e9; }, "cx_right", "10 times the image's"},
+      {"no distance", [](M& m) { m.baseline_m = 1e-5; }, "baseline_m = 1e-05", "0.0001 to 1000 m"},
+      {"another town", [](M& m) { m.baseline_m = 1001; }, "baseline_m = 1001", "0.0001 to 1000 m"},
+      {"ToF telescope", [](M& m) { m.tof_fx = 1e9; }, "tof_fx = 1e+09", "0.05 to 50 times"},
+      {"ToF off", [](M& m) { m.tof_cy = 1e9; }, "tof_cy = 1e+09", "10 times the image's"},
+      {"ToF in another town", [](M& m) { m.left_from_tof_translation_m[2] = -1001; },
+       "left_from_tof_translation_m = -1001", "-1000 to 1000 m"}};
+  for (size_t i = 0; i < 5; ++i) {
+    table.push_back({"distortion", [=](M& m) { m.tof_distortion[i] = 1e9; }, "tof_distortion",
+                     "0 to 10 times its distance from the principal point"});
+  }
+  ExpectRefused<M>(ToMessage(examples::Id(), examples::Rig()), Part::kRig, table);
+}
+
 TEST(SeedsBorder, RefusesPositionsAndCountsThatAreNone) {
   using M = seeds_t;
   const auto nan = static_cast<float>(kNan);

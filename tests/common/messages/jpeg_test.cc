@@ -1,3 +1,5 @@
+#include "common/messages/jpeg.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -152,6 +154,14 @@ TEST(JpegImageMessage, IsRefusedWhenItIsNoJpegStream) {
   EXPECT_THAT(ErrorOf(message), StartsWith("data: "));
   cv::imencode(".png", cv::Mat(16, 24, CV_8UC3, cv::Scalar(1, 2, 3)), message.data);
   EXPECT_THAT(ErrorOf(message), StartsWith("data: ")) << "a PNG is no JPEG";
+}
+
+// libjpeg wants room for a picture that is nothing but noise.
+TEST(WriteJpeg, HoldsNoMoreMemoryThanItsStream) {
+  const cv::Mat even(600, 800, CV_8UC3, cv::Scalar(1, 2, 3));
+  const std::string stream = WriteJpeg(even, JpegColors::kFull);
+  EXPECT_GT(stream.size(), 1000U);
+  EXPECT_LT(stream.capacity(), stream.size() + 64);
 }
 
 TEST(JpegImageMessage, IsRefusedWhenItIsCutShort) {

@@ -18,11 +18,23 @@ TEST(ColorMap, KeepsPixelsWithoutValueFarFromEveryColorOfTheScale) {
   }
 }
 
+// Entries 18, 75, 132, 188 and 246 of the table that Mikhailov published (Turbo, 2019), RGB, 0
+// to 1.
 TEST(ColorMap, GoesFromBlueToRed) {
-  const cv::Vec3b low = ColorOf(10, {10, 20});
-  const cv::Vec3b high = ColorOf(20, {10, 20});
-  EXPECT_GT(low[0], low[2]);
-  EXPECT_GT(high[2], high[0]);
+  struct Entry {
+    double value;
+    std::array<double, 3> rgb;
+  };
+  for (const auto& [value, rgb] :
+       {Entry{10, {0.25618, 0.27412, 0.67381}}, Entry{12.5, {0.10026, 0.82955, 0.81389}},
+        Entry{15, {0.68494, 0.97941, 0.21602}}, Entry{17.5, {0.99153, 0.54036, 0.14910}},
+        Entry{20, {0.59550, 0.05399, 0.00453}}}) {
+    const cv::Vec3b color = ColorOf(value, {10, 20});
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(color[2 - i], 255 * rgb[static_cast<size_t>(i)], 1)
+          << "RGB"[i] << " at " << value;
+    }
+  }
 }
 
 TEST(ColorMap, GivesValuesOutsideTheRangeTheColorOfItsNearerEnd) {

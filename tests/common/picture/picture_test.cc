@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "common/picture/text.h"
 
 namespace sprout {
 namespace {
@@ -41,12 +44,32 @@ TEST(DisparityPicture, GrowsItsMarginsWithTheImage) {
   EXPECT_GT(margin({1300, 1110}), 2 * margin({300, 200}));
 }
 
+// An image of 300x200 px has letters of 9 px, so it begins 9 px from the left and 27 px from above;
+// the bar follows 9 px behind it and is 13 px wide. An arrow at an end of it is 6 px high and has
+// 13 + 11 + 9 + 7 + 5 + 3 pixels of the end's colour.
 TEST(DisparityPicture, MarksWhatItsScaleDoesNotReach) {
-  DisparityImage disparity(cv::Size(300, 200));
-  disparity.counts() = ToCounts(20);
-  const int unclipped = DisparityPicture(disparity, {0, 64}, "").cols;
-  disparity.counts()(3, 3) = ToCounts(65);
-  EXPECT_GT(DisparityPicture(disparity, {0, 64}, "").cols, unclipped) << "no room for '>'";
+  const ValueRange range{0, 64};
+  struct Arrows {
+    int above, below, cols;
+    bool operator==(const Arrows&) const = default;
+  };
+  const auto arrows_with = [&](double disparity_px) {
+    DisparityImage disparity(cv::Size(300, 200));
+    disparity.counts() = ToCounts(20);
+    disparity.counts()(3, 3) = ToCounts(disparity_px);
+    const cv::Mat3b picture = DisparityPicture(disparity, range, "");
+    const cv::Range bar(9 + 300 + 9, 9 + 300 + 9 + 13);
+    return Arrows{CountPixels(picture(cv::Range(0, 27), bar), ColorOf(64, range)),
+                  CountPixels(picture(cv::Range(27 + 200, picture.rows), bar), ColorOf(0, range)),
+                  picture.cols};
+  };
+  const int cols = arrows_with(64).cols;
+  EXPECT_EQ(arrows_with(64), (Arrows{0, 0, cols}));
+  const auto wider_than_64 = [](const std::string& text) {
+    return TextWidth(text, 9) - TextWidth("64", 9);
+  };
+  EXPECT_EQ(arrows_with(64.25), (Arrows{48, 0, cols + wider_than_64(">64")}));
+  EXPECT_EQ(arrows_with(-0.25), (Arrows{0, 48, cols + wider_than_64("<0")}));
 }
 
 TEST(DisparityPicture, HasDepthsBesideDisparitiesWithAPair) {

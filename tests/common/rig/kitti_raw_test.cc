@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "common/core/quantile.h"
 #include "common/rig/rectifier.h"
 
 namespace sprout {
@@ -99,8 +100,7 @@ double MedianRowOffset(const cv::Mat1b& left, const cv::Mat1b& right) {
   }
   EXPECT_GT(offsets.size(), 200U);
   if (offsets.empty()) return NAN;
-  std::nth_element(offsets.begin(), offsets.begin() + std::ssize(offsets) / 2, offsets.end());
-  return offsets[offsets.size() / 2];
+  return Median(offsets);
 }
 
 // Real lenses, real pictures, somebody else's calibration.

@@ -1,9 +1,10 @@
 #include "common/rig/rectifier.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -129,6 +130,31 @@ TEST(Rectifier, ServesARigWithoutAToFCamera) {
   raw.tof = {};
   EXPECT_TRUE(CheckRawRig(raw));
   EXPECT_EQ(Rectifier(raw).rig().tof.width, 0);
+}
+
+RawRig WithRightTurned(double degrees, const Eigen::Vector3d& axis) {
+  RawRig rig = TiltedRig();
+  rig.left_from_right.rotation =
+      Eigen::Quaterniond(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis));
+  return rig;
+}
+
+TEST(Rectifier, TellsWhatItsImagesShow) {
+  const RectifiedViews usual = Rectifier(TiltedRig()).views();
+  EXPECT_GT(usual.rows, 0.9);
+  EXPECT_GT(usual.kept, 0.7);
+  EXPECT_EQ(usual.filled, 1);
+  EXPECT_EQ(ViewsWarning(usual), "");
+
+  // A third of the field of view of 63 degrees, and of that of 49 degrees.
+  const RectifiedViews squinting = Rectifier(WithRightTurned(21, {0, 1, 0})).views();
+  EXPECT_GT(squinting.rows, 0.95);
+  EXPECT_NEAR(squinting.kept, 0.32, 0.03);
+  EXPECT_THAT(ViewsWarning(squinting), testing::HasSubstr("show 32 % of what one of the cameras"));
+  const RectifiedViews nodding = Rectifier(WithRightTurned(15, {1, 0, 0})).views();
+  EXPECT_NEAR(nodding.rows, 0.65, 0.03);
+  EXPECT_NEAR(nodding.kept, 0.38, 0.03);
+  EXPECT_NE(ViewsWarning(nodding), "");
 }
 
 }  // namespace

@@ -5,9 +5,10 @@
 
 #include <fstream>
 #include <functional>
+#include <numbers>
 #include <string>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/rig/rectifier.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/rig/tilted_rig.h"
@@ -94,6 +95,65 @@ TEST_F(RigFile, NamesTheFieldThatCannotBeUsed) {
   EXPECT_THAT(Error(), HasSubstr("left.distortion: 6 numbers; allowed: 5"));
   Write("calibration { left_from_right { rotation: [1, 0, 0] } }");
   EXPECT_THAT(Error(), HasSubstr("left_from_right.rotation: 3 numbers; allowed: 4"));
+}
+
+Pose TurnedBy(double degrees, const Eigen::Vector3d& axis) {
+  const Eigen::AngleAxisd turn(degrees * std::numbers::pi / 180, axis);
+  return {.rotation = Eigen::Quaterniond(turn), .translation_m = {0.1, 0, 0}};
+}
+
+TEST_F(RigFile, RefusesNumbersThatNoCameraHas) {
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left.fx = 44718; }),
+              AllOf(HasSubstr("left.fx = 44718"), HasSubstr("allowed is 32 to 32000 px")));
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.right.fy = 1e308; }),
+              HasSubstr("right.fy = 1e+308"));
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.tof.fy = 8; }), HasSubstr("tof.fy = 8"));
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.right.cx = 1e9; }),
+              AllOf(HasSubstr("right.cx = 1e+09"), HasSubstr("-6400 to 6400 px")));
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left.distortion[0] = 1e9; }),
+              AllOf(HasSubstr("left.distortion"), HasSubstr("0 to 10 times")));
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left_from_right.translation_m.x() = 1e308; }),
+              AllOf(HasSubstr("translation_m = 1e+308"), HasSubstr("-1000 to 1000 m")));
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) {
+                rig.left_from_right.translation_m = {1e-6, 0, 0};
+              }),
+              AllOf(HasSubstr("baseline_m = 1e-06"), HasSubstr("0.0001 to 1000 m")));
+}
+
+// Of barrel distortion so strong that the image's corners would lie nearer to its middle than what
+// is between.
+TEST_F(RigFile, RefusesDistortionThatFoldsTheImage) {
+  EXPECT_THAT(
+      ErrorAfter([](RawRig& rig) {
+        rig.left.distortion = {-0.9, 0, 0, 0, 0};
+      }),
+      AllOf(HasSubstr("left.distortion"), HasSubstr("folds the image"), HasSubstr("up to 6 px")));
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) {
+                rig.tof.distortion = {0, 0, 0, 0, -9};
+              }),
+              AllOf(HasSubstr("tof.distortion"), HasSubstr("folds the image")));
+}
+
+TEST_F(RigFile, RefusesCamerasThatDoNotLookAtOneScene) {
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) {
+                rig.left_from_right = TurnedBy(180, {0, 1, 0});
+              }),
+              AllOf(HasSubstr("angle between the cameras = 180"), HasSubstr("0 to 60 degrees")));
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) {
+                rig.left_from_right.translation_m = {0.001, 0, 1};
+              }),
+              AllOf(HasSubstr("normal to the baseline"), HasSubstr("0 to 60 degrees")));
+  EXPECT_THAT(
+      ErrorAfter([](RawRig& rig) {
+        rig.left_from_right = TurnedBy(40, {1, 0, 0});
+      }),
+      AllOf(HasSubstr("vertical overlap of the rectified views"), HasSubstr("30 to 100 %")));
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) {
+                rig.left_from_right = TurnedBy(55, {0, 1, 0});
+              }),
+              AllOf(HasSubstr("what rectification keeps"), HasSubstr("10 to 100 %")));
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.right.fx = rig.right.fy = 9000; }),
+              AllOf(HasSubstr("what rectification keeps"), HasSubstr("10 to 100 %")));
 }
 
 }  // namespace

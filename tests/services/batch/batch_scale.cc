@@ -2,7 +2,7 @@
 // and how much memory. Exit code 1 when one takes more than a minute or all more than a gigabyte.
 //
 //     batch_scale [SHARDS]         10 frames a shard, 10 shards a log
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <sys/resource.h>
 
 #include <chrono>
@@ -16,6 +16,8 @@
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
 #include "services/batch/report.h"
+#include "services/batch/result_folder.h"
+#include "services/batch/shard_run.h"
 #include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
 
@@ -65,10 +67,14 @@ class Simulation {
   void Plan() {
     BatchHead& head = manifest_.head;
     head.keep = {"grow"};
+    head.shard_bytes = kFrames * 900'000;
+    head.tables = Digest("made up");
     head.stages = {"refine", "prior", "grow"};
     for (const char* name : {"a", "b"}) {
-      Variant variant{.name = name, .config_digest = name, .programs = {}};
-      for (const std::string& stage : head.stages) variant.programs[stage] = {"p", "d", "v"};
+      Variant variant{.name = name, .config_digest = Digest(name), .programs = {}};
+      for (const std::string& stage : head.stages) {
+        variant.programs[stage] = {"/made/up/program", Digest(stage), "v"};
+      }
       head.variants.push_back(std::move(variant));
     }
     const PlanOptions options{.inputs = InputsOf(head.stages, SproutConfig()),
@@ -96,8 +102,9 @@ class Simulation {
       const BatchLog& log = manifest_.logs[i / kShardsPerLog];
       const fs::path path =
           folder_.comparison(ComparisonKey(manifest_.head, log, manifest_.shards[i]));
-      fs::create_directories(path.parent_path());
-      WriteTable(path, MadeUp(shard, ComparisonColumns()));
+      ResultFolder comparison(path);
+      WriteTable(comparison / kChanges, MadeUp(shard, ComparisonColumns()));
+      comparison.Commit();
     }
   }
 
@@ -107,7 +114,7 @@ class Simulation {
     if (state.missing != 0) throw std::runtime_error("shards are missing");
   }
 
-  void Merge() const { MergeLogs(folder_, manifest_, StateOf(folder_, manifest_)); }
+  void Merge() const { MergeLogs(folder_, manifest_, CheckedStateOf(folder_, manifest_)); }
 
   void Report() const {
     const BatchState state = StateOf(folder_, manifest_);
@@ -139,11 +146,10 @@ class Simulation {
 
   void MakeResult(int64_t number, const Variant& variant) const {
     const Shard& shard = manifest_.shards[static_cast<size_t>(number)];
-    const fs::path result = folder_.result(ResultKey(manifest_.head, variant, shard));
-    fs::create_directories(result);
-    WriteTable(result / "measures.csv", MadeUp(number, MeasureColumns()));
+    ResultFolder result(folder_.result(ResultKey(manifest_.head, variant, shard)));
+    WriteTable(result / kMeasures, MadeUp(number, MeasureColumns()));
     const StageRun run{.frames_in = kFrames, .frames_out = kFrames, .seconds = 1};
-    WriteStageRuns(result / "run.json", {{"refine", run}, {"prior", run}, {"grow", run}});
+    WriteStageRuns(result / kRuns, {{"refine", run}, {"prior", run}, {"grow", run}});
     LogWriter log(result / "grow.lcm");
     const DisparityImage map(cv::Size(8, 6));
     for (int64_t i = 0; i < kFrames; ++i) {
@@ -153,6 +159,7 @@ class Simulation {
                 EncodePart(id, Part::kDisparity, map, DisparityEncoding::kRawInt16));
     }
     log.Close();
+    result.Commit();
   }
 
   BatchFolder folder_;

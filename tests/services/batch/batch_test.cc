@@ -6,16 +6,16 @@
 #include <fstream>
 
 #include "common/logfile/log_writer.h"
+#include "common/messages/codec.h"
+#include "common/picture/write_image.h"
 #include "services/batch/frame_rows.h"
 #include "services/batch/planning.h"
 #include "services/batch/report_charts.h"
 #include "services/batch/report_losses.h"
+#include "services/batch/shard_run.h"
 #include "services/batch/shard_try.h"
 #include "services/batch/stage_run.h"
 #include "services/batch/tables.h"
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/log/graph_log.h"
 
@@ -23,32 +23,11 @@ namespace sprout::batch {
 namespace {
 
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 using testing::SizeIs;
-
-TEST(StageChain, TakesWhatThePlugsJoin) {
-  SproutConfig config = LoadConfig({"default"});
-  EXPECT_EQ(InputsOf("refine", config), refine::RefinePlug(config.refine()).Inputs());
-  for (const auto method : {PriorConfig::DELAUNAY, PriorConfig::EDGES}) {
-    for (const bool left_seeds : {false, true}) {
-      config.mutable_prior()->set_method(method);
-      config.mutable_prior()->set_left_seeds(left_seeds);
-      EXPECT_EQ(InputsOf("prior", config), prior::PriorPlug(config.prior()).Inputs());
-    }
-  }
-  for (const auto similarity : {GrowConfig::MNCC, GrowConfig::EPC}) {
-    for (const auto fill : {GrowConfig::NONE, GrowConfig::PRIOR}) {
-      for (const auto seeds : {GrowConfig::TOF, GrowConfig::HARRIS}) {
-        config.mutable_grow()->set_similarity(similarity);
-        config.mutable_grow()->set_fill(fill);
-        config.mutable_grow()->set_seeds(seeds);
-        EXPECT_EQ(InputsOf("grow", config), grow::GrowPlug(config.grow()).Inputs());
-      }
-    }
-  }
-}
 
 TEST(StageChain, RefusesGapsAndUnknownStages) {
   EXPECT_THROW(ParseStages("--stages", {"refine", "grow"}), ConfigError);
@@ -164,37 +143,69 @@ TEST(ShardPlan, AnotherMessageGivesAnotherDigest) {
 
 TEST(Tables, AreReadAsTheyWereWritten) {
   const TemporaryDirectory folder;
-  const Table table{.columns = {"seq", "x"}, .rows = {{1700000000123456, std::nullopt}, {2, 0.25}}};
+  const Table table{.columns = {"seq", "utime", "x"},
+                    .rows = {{1, 1700000000123456, std::nullopt}, {2, 3, 0.25}}};
   WriteTable(folder / "t.csv", table);
-  const Table read = ReadTable(folder / "t.csv");
+  const Table read = ReadTable(folder / "t.csv", {"x"});
   EXPECT_EQ(read.columns, table.columns);
   EXPECT_EQ(read.rows, table.rows);
 }
 
+// The answers to one frame.
+std::unique_ptr<FrameLookup> Answers(const std::filesystem::path& log, const DisparityImage& map) {
+  LogWriter writer(log);
+  writer.Write(1, ChannelOf(Part::kDisparity),
+               EncodePart(log::LogFrameId(7), Part::kDisparity, map, DisparityEncoding::kRawInt16));
+  writer.Close();
+  auto lookup = std::make_unique<FrameLookup>("");
+  lookup->Add(log);
+  return lookup;
+}
+
 TEST(Tables, SayHowFarMapsDiffer) {
+  const TemporaryDirectory folder;
   DisparityImage a(cv::Size(10, 1));
   a.counts().setTo(320);
   DisparityImage b(a.counts().clone());
   b.counts()(0, 0) = 320 + 16;                  // half a pixel
   b.counts()(0, 1) = 320 + 96;                  // three
   b.counts()(0, 2) = DisparityImage::kInvalid;  // gone
-  const MapChange change = ChangeOf(a, b);
-  EXPECT_DOUBLE_EQ(change.changed, 0.3);
-  EXPECT_DOUBLE_EQ(change.moved, 0.2);
-  EXPECT_DOUBLE_EQ(change.vanished, 0.1);
-  EXPECT_DOUBLE_EQ(change.appeared, 0);
-  EXPECT_DOUBLE_EQ(change.max_px, 3);
-  EXPECT_DOUBLE_EQ(change.mean_px, 3.5 / 9);
+  b.counts()(0, 3) = 320 + 32;                  // one, which is not more than one
+  const Table table =
+      CompareFrames(*Answers(folder / "a", a), Answers(folder / "b", b).get(), /*truth=*/"");
+  ASSERT_THAT(table.rows, SizeIs(1));
+  EXPECT_THAT(table.rows[0], ElementsAre(7, log::LogFrameId(7).utime, 0.4, 0.2, 1.5, 3, 0, 0.1,
+                                         std::nullopt, std::nullopt));
 }
 
 TEST(Tables, AMissingDisparityIsWrongWhereTheTruthIsKnown) {
+  const TemporaryDirectory folder;
   DisparityImage map(cv::Size(4, 1));
   map.counts()(0, 0) = 320;
   map.counts()(0, 1) = 320;
-  cv::Mat1f truth = (cv::Mat1f(1, 4) << 10.5, 12, 10, INFINITY);
-  EXPECT_DOUBLE_EQ(BadShare(map, truth).value(), 2.0 / 3);
-  truth.setTo(NAN);
-  EXPECT_EQ(BadShare(map, truth), std::nullopt);
+  DisparityImage truth(cv::Size(4, 1));
+  truth.counts()(0, 0) = 336;  // 10.5 px
+  truth.counts()(0, 1) = 384;  // 12
+  truth.counts()(0, 2) = 320;  // the map has none; and of the last none is known
+  const auto bad_share = [&] {
+    EXPECT_TRUE(WritePfm(folder / "000007_disparity.pfm", truth));
+    return CompareFrames(*Answers(folder / "a", map), nullptr, folder / "").rows.at(0).at(8);
+  };
+  EXPECT_NEAR(bad_share().value(), 2.0 / 3, 1e-12);
+  truth.counts().setTo(DisparityImage::kInvalid);
+  EXPECT_EQ(bad_share(), std::nullopt);
+}
+
+TEST(Tables, HaveARowForEachFrameThatIsNotMeasured) {
+  const TemporaryDirectory folder;
+  const auto lookup = Answers(folder / "a", DisparityImage(cv::Size(4, 1)));
+  const Table table = ListFrames(*lookup, Part::kDisparity);
+  EXPECT_EQ(table.columns, MeasureFrames(*lookup, Part::kDisparity).columns);
+  ASSERT_THAT(table.rows, SizeIs(1));
+  std::vector<std::optional<double>> row(table.columns.size());
+  row[0] = 7;
+  row[1] = static_cast<double>(log::LogFrameId(7).utime);
+  EXPECT_EQ(table.rows[0], row);
 }
 
 TEST(ShardRun, ReadsWhatAReplayReports) {
@@ -261,10 +272,10 @@ class LossesOfABatch : public testing::Test {
   }
 
   void Write(size_t shard, const StageRuns& runs) const {
-    const auto result = batch_.result(
-        ResultKey(manifest_.head, manifest_.head.variants[0], manifest_.shards[shard]));
-    std::filesystem::create_directories(result);
-    WriteStageRuns(result / "run.json", runs);
+    ResultFolder result(batch_.result(
+        ResultKey(manifest_.head, manifest_.head.variants[0], manifest_.shards[shard])));
+    WriteStageRuns(result / kRuns, runs);
+    result.Commit();
   }
 
   TemporaryDirectory folder_;
@@ -307,7 +318,7 @@ TEST(Planning, RefusesWhatIsNotThere) {
   EXPECT_THROW(FindLogs({folder / "none.lcm"}), ConfigError);
   EXPECT_THROW(FindLogs({folder / ""}), ConfigError);  // a folder without logs
   std::ofstream(folder / "a.lcm") << "x";
-  EXPECT_THAT(FindLogs({folder / "", folder / "a.lcm"}), SizeIs(1));
+  EXPECT_THAT(FindLogs({folder / "", folder / "a.lcm"}).logs, SizeIs(1));
 }
 
 TEST(ReportCharts, EscapeTextAndLeaveOutWhatIsNotThere) {

@@ -6,8 +6,10 @@
 #include <fstream>
 #include <opencv2/aruco/charuco.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "tests/common/picture/temporary_directory.h"
 
 namespace sprout::calibrate {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 
 namespace sprout::calibrate {
 namespace {

@@ -104,13 +104,16 @@ TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {
       RunCalibrate({"estimate", WriteLog("raw.lcm", 10), "--rig", File("devices.textproto"),
                     "--out", File("rig.textproto"), "--report", File("report.html")});
 
-  // Ten views are few, which is said; the result is there.
+  // Ten views are few, which is said; the result is there, but not in the place of a good one.
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   EXPECT_THAT(outcome.out, HasSubstr("10 images: 10 views used"));
   EXPECT_THAT(outcome.out, HasSubstr("calibration: not good enough"));
   EXPECT_THAT(outcome.out, HasSubstr("the left camera sees the board in 10 views only"));
-  const RigDescription rig = LoadRigFile(folder_ / "rig.textproto");
+  EXPECT_THAT(outcome.out, HasSubstr("not written to " + File("rig.textproto") + ", but to " +
+                                     File("rig.not_good.textproto") + "\n"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "rig.textproto"));
+  const RigDescription rig = LoadRigFile(folder_ / "rig.not_good.textproto");
   EXPECT_EQ(rig.left().serial(), "42");
   const std::optional<RawRig> found = CalibrationOf(rig);
   ASSERT_TRUE(found);
@@ -125,6 +128,29 @@ TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {
   EXPECT_THAT(report, HasSubstr("<h2>The rectified pair</h2>\n<figure><img"));
   EXPECT_THAT(report, HasSubstr("<h2>ToF points on the left image</h2>\n<figure><img"));
   EXPECT_THAT(report, Not(HasSubstr("src=\"http")));
+}
+
+TEST_F(CalibrateProgram, LeavesTheRigFileWhenTheNewCalibrationIsNotGood) {
+  RigDescription good;
+  *good.mutable_calibration() = ToCalibration(rig_);
+  ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", good));
+  const std::string before = ReadText(folder_ / "rig.textproto");
+
+  const Outcome outcome = RunCalibrate({"estimate", WriteLog("raw.lcm", 8), "--rig",
+                                        File("rig.textproto"), "--out", File("rig.textproto")});
+
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("calibration: not good enough"));
+  EXPECT_EQ(ReadText(folder_ / "rig.textproto"), before);
+  EXPECT_TRUE(CalibrationOf(LoadRigFile(folder_ / "rig.not_good.textproto")));
+}
+
+TEST_F(CalibrateProgram, RefusesAnImageWhoseHeaderClaimsTooMuch) {
+  for (const char* name : {"left_1.pgm", "right_1.pgm"}) {
+    std::ofstream(folder_ / name) << "P5\n16384 16384\n255\n";
+  }
+  ExpectRefused({"estimate", folder_ / "", "--out", File("out.textproto")}, 2,
+                "left_1.pgm: 16384x16384 px; allowed: 1 to 16384 px a side and 100000000 pixels");
 }
 
 TEST_F(CalibrateProgram, TakesFoldersOfImages) {
@@ -143,7 +169,8 @@ TEST_F(CalibrateProgram, TakesFoldersOfImages) {
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("8 images: 8 views used"));
-  const RawRig found = RequireCalibration(LoadRigFile(folder_ / "rig.textproto"), "rig.textproto");
+  const RawRig found =
+      RequireCalibration(LoadRigFile(folder_ / "rig.not_good.textproto"), "the rig file");
   EXPECT_NEAR(found.left.fx / rig_.left.fx, 1, 0.003);
   EXPECT_EQ(found.tof.width, 176);
 

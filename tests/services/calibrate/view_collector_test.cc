@@ -63,6 +63,20 @@ TEST_F(ViewCollectorTest, LeavesOutImagesOfAnotherSizeAndWithoutBoard) {
   EXPECT_EQ(collector_.views().size(), 1);
 }
 
+TEST_F(ViewCollectorTest, TakesTheSizeOfTheFirstViewNotOfAStrayFrame) {
+  const cv::Mat1b wall(16, 20, uchar{80});
+  const RigImages stray{.left = wall, .right = wall, .tof = {}};
+  collector_.Add(stray, std::nullopt);
+  collector_.Add(At(0), std::nullopt);
+  collector_.Add(stray, std::nullopt);
+
+  EXPECT_EQ(collector_.views().size(), 1);
+  EXPECT_EQ(collector_.sizes()[kLeft], cv::Size(640, 480));
+  EXPECT_EQ(collector_.sizes()[kTof], cv::Size(176, 144));
+  EXPECT_EQ(collector_.counts().no_board, 1);
+  EXPECT_EQ(collector_.counts().other_size, 1);
+}
+
 TEST_F(ViewCollectorTest, NoticesThatItIsAnotherBoard) {
   ViewCollector collector(Board({.columns = 5, .rows = 7, .square_m = 0.06}));
   for (const double x_m : {-0.05, 0., 0.05}) collector.Add(At(x_m), std::nullopt);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -221,6 +222,62 @@ TEST_F(VideoTest, EndsWhenTheSizesOfTheTwoDiffer) {
       "opencv:" + WriteList("left", 1) + "," + WriteList("right", 1, {320, 240});
   const auto opened = OpenCameras(source, false);
   EXPECT_THROW(opened.cameras->Next({}), ConfigError);
+}
+
+TEST_F(VideoTest, RefusesAListThatIsNoneOrAnImageThatIsTooLarge) {
+  EXPECT_THAT(ErrorOf("opencv:" + Path("none%02d.png"), {.raw = true}),
+              AllOf(HasSubstr("none%02d.png"), HasSubstr("no image with a number from 0 to 10")));
+  for (const char* name : {"a%02x.png", "a%.png", "a%2d%2d.png", "a%-2d.png", "a%99d.png"}) {
+    EXPECT_THAT(ErrorOf("opencv:" + Path(name), {.raw = true}),
+                AllOf(HasSubstr(name), HasSubstr("such as left_%04d.png")));
+  }
+  std::ofstream(Path("big00.pgm")) << "P5\n20000 20000\n255\n";
+  const auto opened = OpenCameras("opencv:" + Path("big%02d.pgm"), false);
+  try {
+    opened.cameras->Next({});
+    ADD_FAILURE() << "taken";
+  } catch (const ConfigError& e) {
+    EXPECT_THAT(e.what(), AllOf(HasSubstr("big00.pgm: 20000x20000 px"), HasSubstr("allowed")));
+  }
+}
+
+TEST_F(VideoTest, StartsAListWithTheFirstNumberThatIsThere) {
+  for (const int number : {9, 10, 11}) {
+    cv::imwrite(Path(("both" + std::to_string(number) + ".png").c_str()),
+                Picture({64, 48}, number));
+  }
+  const auto opened = OpenCameras("opencv:" + Path("both%d.png"), false);
+  for (const int number : {9, 10, 11}) {
+    const auto frame = opened.cameras->Next({});
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->left.at<cv::Vec3b>(0, 0)[0], number);
+  }
+  EXPECT_FALSE(opened.cameras->Next({}));
+}
+
+// The last frames of a source have no frame behind them that could tell.
+TEST_F(VideoTest, CountsFramesOfAnotherSizeAtTheEndOfAList) {
+  const std::string lists =
+      "opencv:" + WriteList("left", 2, {64, 48}) + "," + WriteList("right", 2, {64, 48});
+  const auto feed = OpenCaptureFeed(Config(lists + "?rig=" + rig_), {}, monitor_);
+  EXPECT_FALSE(feed->Next({}));
+  EXPECT_EQ(monitor_.Snapshot().frames_failed, 2);
+  EXPECT_THAT(monitor_.Snapshot().last_error, HasSubstr("left image of 64x48"));
+}
+
+TEST_F(VideoTest, WarnsWhenRectificationKeepsLittle) {
+  RawRig rig = TiltedRig();
+  rig.left_from_right.rotation =
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.45, Eigen::Vector3d::UnitY()));
+  RigDescription description;
+  *description.mutable_calibration() = ToCalibration(rig);
+  ASSERT_TRUE(SaveRigFile(Path("squint.textproto"), description));
+  const std::string lists = "opencv:" + WriteList("left", 1) + "," + WriteList("right", 1);
+  OpenCaptureFeed(Config(lists + "?rig=" + rig_), {}, monitor_);
+  EXPECT_EQ(monitor_.Snapshot().last_error, "");
+  OpenCaptureFeed(Config(lists + "?rig=" + Path("squint.textproto")), {}, monitor_);
+  EXPECT_THAT(monitor_.Snapshot().last_error,
+              AllOf(HasSubstr("the rectified images show"), HasSubstr("% of what one")));
 }
 
 // A log of raw images.

@@ -69,9 +69,8 @@ TEST_F(SourceFeed, SendsColourAsConfigured) {
   EXPECT_EQ(ImageOf(*Open(config)->Next({}), 0).channels(), 3);
   EXPECT_EQ(ImageOf(*Open(config)->Next({}), 1).channels(), 1);
   config.set_left_in_colour(false);
-  config.set_right_in_colour(true);
   EXPECT_EQ(ImageOf(*Open(config)->Next({}), 0).channels(), 1);
-  EXPECT_EQ(ImageOf(*Open(config)->Next({}), 1).channels(), 3);
+  EXPECT_EQ(ImageOf(*Open(config)->Next({}), 1).channels(), 1);
 }
 
 // The stages wait for the message, whether or not there is a ToF camera.

@@ -207,22 +207,28 @@ TEST(MiddleburyErrors, ReadsAPfmWithLineEndsOfWindows) {
 }
 
 TEST(MiddleburyErrors, RefusesCalibrationsThatAreNoFile) {
-  for (const std::string target : {"dmin.txt", "/dev/zero", "nowhere"}) {
+  for (const auto& [target, reason] : {std::pair{"dmin.txt", "Too many levels of symbolic links"},
+                                       std::pair{"/dev/zero", "no regular file"},
+                                       std::pair{"nowhere", "No such file or directory"}}) {
     const SceneFolder folder;
     folder.Write2005({40, 30});
     std::filesystem::create_symlink(target, folder.File("dmin.txt"));
-    EXPECT_THAT(OpenError(folder.Config()), HasSubstr("dmin.txt: cannot be read; allowed: "));
+    EXPECT_THAT(OpenError(folder.Config()),
+                HasSubstr(std::string("dmin.txt: cannot be read (") + reason + "); allowed: "));
   }
   const SceneFolder fifo;
   fifo.Write2005({40, 30});
   ASSERT_EQ(mkfifo(fifo.File("dmin.txt").c_str(), 0600), 0);
-  EXPECT_THAT(OpenError(fifo.Config()), HasSubstr("dmin.txt: cannot be read; allowed: "));
+  EXPECT_THAT(OpenError(fifo.Config()),
+              HasSubstr("dmin.txt: cannot be read (no regular file); allowed: "));
 
   const SceneFolder scene2014;
   scene2014.Write2014();
   scene2014.Remove("calib.txt");
   std::filesystem::create_symlink("calib.txt", scene2014.File("calib.txt"));
-  EXPECT_THAT(OpenError(scene2014.Config()), HasSubstr("calib.txt: cannot be read; allowed: "));
+  EXPECT_THAT(
+      OpenError(scene2014.Config()),
+      HasSubstr("calib.txt: cannot be read (Too many levels of symbolic links); allowed: "));
 }
 
 TEST(MiddleburyErrors, RefusesImagesWiderThanAnyMessageMayBe) {

@@ -127,9 +127,22 @@ TEST(SyntheticDataset, KeepsItsDisparitiesWithinTheirRange) {
   }
 }
 
+// At the bottom of the images lies the floor, 1.6 m away, and nothing hides the corners of both. It
+// is seen at u − u' = f·b/Z − (cx' − cx): 576·0.2/1.6 − 6.4, half a pixel's row nearer to the
+// middle.
 TEST(SyntheticDataset, HasTwoPrincipalPoints) {
-  const RectifiedPair pair = Open("640x480")->rig().pair;
-  EXPECT_GT(std::abs(pair.cx_right - pair.cx), 1);
+  const auto source = Open("640x480");
+  const RectifiedPair pair = source->rig().pair;
+  EXPECT_DOUBLE_EQ(pair.focal_px, 576);
+  EXPECT_DOUBLE_EQ(pair.baseline_m, 0.2);
+  EXPECT_DOUBLE_EQ(pair.cx, 319.5);
+  EXPECT_DOUBLE_EQ(pair.cy, 239.5);
+  EXPECT_DOUBLE_EQ(pair.cx_right, 319.5 + 6.4);
+  const double depth_m = 1.6 * 240 / 239.5;
+  const GroundTruth truth = source->Get(0).truth;
+  EXPECT_NEAR(truth.left(479, 639), 576 * 0.2 / depth_m - 6.4, 1e-3);
+  EXPECT_NEAR(truth.right(479, 0), 576 * 0.2 / depth_m - 6.4, 1e-3);
+  EXPECT_DOUBLE_EQ(Open("12000x64")->rig().pair.cx_right, 5999.5 + 60) << "with half the baseline";
 }
 
 TEST(SyntheticDataset, FitsIntoADisparityImageAtItsWidest) {

@@ -4,8 +4,9 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/geometry/projection.h"
 
 namespace sprout::datasets {

@@ -73,9 +73,8 @@ TEST(Methods, GiveTheSameMapEveryTimeWithAnyNumberOfThreads) {
 TEST(Methods, SproutIsThePipeline) {
   const Scene scene = SmallScene();
   for (const char* preset : {"default", "paper"}) {
-    for (const auto seeds : {GrowConfig::TOF, GrowConfig::HARRIS}) {
-      ChainSettings settings = Preset(preset);
-      settings.config.mutable_grow()->set_seeds(seeds);
+    {
+      const ChainSettings settings = Preset(preset);
       const MethodOutput output = SelectMethods({"sprout"}).front().run(scene, settings);
       Pipeline pipeline(settings.config);
       const DepthFrame expected =

@@ -61,8 +61,40 @@ TEST(SeedQuality, SharesAreOfAllPointsBeforeAndOfKeptOnesAfter) {
   quality.after = {.good = 144, .wrong = 8};
   EXPECT_DOUBLE_EQ(quality.wrong_before_percent(), 20);
   EXPECT_DOUBLE_EQ(quality.wrong_after_percent(), 5);
-  EXPECT_DOUBLE_EQ(quality.good_lost_percent(), 4);
+  quality.good_lost = 9;
+  EXPECT_DOUBLE_EQ(quality.good_lost_percent(), 6);
   EXPECT_TRUE(std::isnan(RefinementQuality().wrong_before_percent()));
+}
+
+TEST(SeedQuality, CountsAGoodPointAsLostWhenNoSeedOfItsTofPixelIsKept) {
+  const auto point = [](float u, float disparity, int16_t tof_u) {
+    Seed seed = SeedAt(u, 30, disparity);
+    seed.tof_u = tof_u;
+    seed.tof_v = 3;
+    return seed;
+  };
+  const std::vector<Seed> points = {point(20, 10, 2), point(30, 11, 3), point(40, 9, 4),
+                                    point(50, 20, 5), point(50, 10, 6)};
+  // Kept as it was, moved away, dropped; the wrong ones and those from stereo do not count.
+  std::vector<Seed> kept = {point(20, 10, 2), point(30, 30, 3), point(50, 10, 6)};
+  EXPECT_EQ(CountGoodLost(points, kept, KnownScene()), 1);
+  for (float u = 20; u < 60; ++u) {
+    kept.push_back(SeedAt(u, 31, 10));
+    kept.back().origin = SeedOrigin::kStereo;
+  }
+  EXPECT_EQ(CountGoodLost(points, kept, KnownScene()), 1);
+  EXPECT_EQ(CountGoodLost(points, {}, KnownScene()), 4) << "(50, 30) is seen by both cameras";
+  EXPECT_EQ(CountGoodLost(points, points, KnownScene()), 0);
+}
+
+TEST(SeedQuality, LosesNoFewerGoodPointsWhereStereoAddsSeeds) {
+  const Scene scene = LoadScene("synthetic:320x240", TofChoice("grid:16"), {});
+  RefineConfig of_tof;
+  of_tof.set_stereo_seeds(false);
+  const RefinementQuality with_stereo = JudgeRefinement(scene, {});
+  EXPECT_GT(with_stereo.after.good, with_stereo.before.good);
+  EXPECT_GT(with_stereo.good_lost, 0);
+  EXPECT_EQ(with_stereo.good_lost, JudgeRefinement(scene, of_tof).good_lost);
 }
 
 TEST(SeedQuality, SeesThatRefinementDropsHiddenBackground) {

@@ -90,17 +90,26 @@ TEST(Grower, SearchesAsFarAsThePriorIsUnsure) {
   config.set_sigma_p_sure_px(0.5);
   const std::vector<Seed> seeds = {{30, 20, 25}, {20, 20, 15}, {45, 20, 40}};
   PriorMap prior = ConstantPrior(size, 7);  // 2 px off
-  const auto grown = [&] { return Grower(config).Compute(left, right, seeds, prior).value(); };
-  prior.sigma = SigmaToCounts(0.5);
-  EXPECT_EQ(grown().CountValid(), 0);
-  prior.sigma = SigmaToCounts(1.5);
-  EXPECT_GT(grown().CountValid(), 1000);
+  // Pixels that got a disparity, and those that got the right one.
+  const auto grown = [&] {
+    const DisparityImage map = Grower(config).Compute(left, right, seeds, prior).value();
+    return std::pair{static_cast<int>(map.CountValid()),
+                     cv::countNonZero(map.counts() == ToCounts(5))};
+  };
+  // Both windows must lie in the images, which rows 2 to 37 and columns 7 to 57 do.
+  const std::pair nothing{0, 0}, everything{36 * 51, 36 * 51};
+  // The images agree, so eq. (6) is at least 0.5 up to a distance of σ_p·√(2·ln 2), and
+  // σ_p = max(0.7, 2·√(σ² − 0.5²)): 0.82 px, 1.87 px, 2.04 px and 3.33 px.
+  for (const auto& [sigma_px, expected] :
+       {std::pair{0.5, nothing}, std::pair{0.9375, nothing}, std::pair{1.0, everything},
+        std::pair{1.5, everything}}) {
+    prior.sigma = SigmaToCounts(sigma_px);
+    EXPECT_EQ(grown(), expected) << sigma_px;
+  }
   prior.sigma.colRange(0, 40) = SigmaToCounts(0.5);
-  const DisparityImage half = grown();
-  EXPECT_GT(half.CountValid(), 300);
-  EXPECT_EQ(cv::countNonZero(half.counts().colRange(0, 40) != DisparityImage::kInvalid), 0);
+  EXPECT_EQ(grown(), (std::pair{36 * 18, 36 * 18})) << "columns 40 to 57";
   config.set_sigma_p_noise(0);
-  EXPECT_EQ(grown().CountValid(), 0);
+  EXPECT_EQ(grown(), nothing);
 }
 
 TEST(Grower, RefusesAPriorWithoutStandardDeviations) {

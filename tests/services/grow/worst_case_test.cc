@@ -1,7 +1,7 @@
 // Seeds that crowd must not take growth longer than those that are spread.
 #include <gtest/gtest.h>
 
-#include "services/grow/grow_plug.h"
+#include "services/grow/grow_adapter.h"
 #include "tests/common/testing/worst_seeds.h"
 #include "tests/services/grow/grow_scenes.h"
 
@@ -25,7 +25,7 @@ TEST_P(WorstGrowth, TakesATimeInProportionToSeedsAndPixels) {
   const cv::Size size(640, 480);
   const bool noisy = GetParam() == Texture::kNoise;
   GrowConfig config;
-  config.set_fill(GrowConfig::UNTIL_STABLE);  // the longest one
+  config.set_fill(GrowConfig::ONE_PASS);  // the longest one
   config.set_publish_confidence(true);
   Frame frame;
   frame.left = noisy ? Noise(size, 1, 256) : cv::Mat1b(size, uint8_t{100});
@@ -33,9 +33,9 @@ TEST_P(WorstGrowth, TakesATimeInProportionToSeedsAndPixels) {
   frame.prior = noisy ? NoisyPrior(size) : ConstantPrior(size, 20);
   for (auto& [name, seeds] : MakeWorstSeeds(size)) {
     frame.seeds = SeedSet{.seeds = std::move(seeds), .raw = kWorstCount};
-    GrowPlug plug(config);
-    Outcome outcome;
-    const double seconds = CpuSeconds([&] { outcome = plug.Process(frame); });
+    GrowAdapter adapter(config);
+    StageResult outcome;
+    const double seconds = CpuSeconds([&] { outcome = adapter.Process(frame); });
     EXPECT_LT(seconds, kWorstSeconds) << name;
     EXPECT_FALSE(outcome.outputs.empty()) << name;
   }

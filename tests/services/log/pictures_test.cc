@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
 #include "services/datasets/pfm.h"
@@ -9,6 +10,7 @@
 namespace sprout::log {
 namespace {
 
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::UnorderedElementsAre;
 
@@ -25,16 +27,42 @@ TEST(LogImages, WritesEveryPartOfTheFramesAsked) {
   const auto log = folder.Write("log", GraphEvents(30));
   const ProgramOutcome outcome = RunLog({"images", log, folder.File("out"), "--frames", "4:5"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("14 files of 2 frames\n"));
-  EXPECT_THAT(FilesIn(folder.File("out")),
-              UnorderedElementsAre("000004_left.png", "000004_right.png", "000004_tof.png",
-                                   "000004_seeds.png", "000004_prior.png", "000004_prior_sigma.png",
-                                   "000004_disparity.png", "000005_left.png", "000005_right.png",
-                                   "000005_tof.png", "000005_seeds.png", "000005_prior.png",
-                                   "000005_prior_sigma.png", "000005_disparity.png"));
+  EXPECT_THAT(outcome.out, HasSubstr("18 files of 2 frames\n"));
+  EXPECT_THAT(
+      FilesIn(folder.File("out")),
+      UnorderedElementsAre("000004_left.png", "000004_right.png", "000004_tof.png",
+                           "000004_seeds.png", "000004_prior.png", "000004_prior_sigma.png",
+                           "000004_disparity.png", "000005_left.png", "000005_right.png",
+                           "000005_tof.png", "000005_seeds.png", "000005_prior.png",
+                           "000005_prior_sigma.png", "000005_disparity.png", "000004_cloud.png",
+                           "000004_overview.png", "000005_cloud.png", "000005_overview.png"));
   const cv::Mat left = cv::imread(folder.File("out") + "/000004_left.png");
   ASSERT_FALSE(left.empty());
   EXPECT_GE(left.cols, kLogImageSize.width);
+}
+
+// The maps of GraphEvents() are 7/8 full; a scene of another size cannot be their truth.
+TEST(LogImages, TellsDensityAndRefusesTheTruthOfAnotherScene) {
+  const LogFolder folder;
+  const auto log = folder.Write("log", GraphEvents(3));
+  const ProgramOutcome outcome = RunLog({"images", log, folder.File("out")});
+  EXPECT_THAT(outcome.out, ContainsRegex("filled +3 +87.50\n"));
+  ExpectRefused({"images", log, folder.File("other"), "--truth", "synthetic:64x48"},
+                "--truth synthetic:64x48: ");
+  ExpectRefused({"images", log, folder.File("other"), "--truth", "nonsense"}, "nonsense");
+}
+
+TEST(LogImages, ShowsThePointsOfAToFImageThatFitsTheCalibration) {
+  const LogFolder folder;
+  Rig rig = std::get<Rig>(LogValue(Part::kRig, 1));
+  const TofImage tof = std::get<TofImage>(LogValue(Part::kTof, 1));
+  rig.tof.width = tof.depth_m.cols;
+  rig.tof.height = tof.depth_m.rows;
+  const auto log = folder.Write(
+      "log", {PartEvent(Part::kRig, 1, rig), PartEvent(Part::kLeft, 1), PartEvent(Part::kTof, 1)});
+  EXPECT_EQ(RunLog({"images", log, folder.File("out")}).exit_code, 0);
+  EXPECT_THAT(FilesIn(folder.File("out")),
+              UnorderedElementsAre("000001_left.png", "000001_tof.png", "000001_seeds_raw.png"));
 }
 
 TEST(LogImages, ShowsWhatALogOfOneStageHas) {
@@ -79,7 +107,7 @@ TEST(LogImages, GoesOnBehindAnUndecodableMessage) {
   const auto log = folder.Write("log", events);
   const ProgramOutcome outcome = RunLog({"images", log, folder.File("out")});
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("20 files of 3 frames"));
+  EXPECT_THAT(outcome.out, HasSubstr("24 files of 3 frames"));
   EXPECT_THAT(outcome.err, HasSubstr("undecodable messages: 1, the first SPROUT_LEFT, event "));
 }
 
@@ -159,10 +187,21 @@ TEST(LogImages, ShowsFramesWithoutATofCamera) {
   EXPECT_THAT(outcome.out, HasSubstr("4 files of 2 frames"));
 }
 
+TEST(LogExport, WritesSurfaces) {
+  const LogFolder folder;
+  const auto log = folder.Write("log", GraphEvents(2));  // the calibration comes with frame 1
+  EXPECT_EQ(RunLog({"export", log, folder.File("out"), "--mesh"}).exit_code, 0);
+  EXPECT_THAT(FilesIn(folder.File("out")),
+              UnorderedElementsAre("000000_mesh.ply", "000001_mesh.ply"));
+  std::ifstream mesh(folder.File("out") + "/000001_mesh.ply", std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(mesh), {}};
+  EXPECT_THAT(text, ContainsRegex("element face [1-9]"));
+}
+
 TEST(LogExport, RefusesToDoNothing) {
   const LogFolder folder;
   const auto log = folder.Write("log", GraphEvents(3));
-  ExpectRefused({"export", log, folder.File("out")}, "--ply or --pfm");
+  ExpectRefused({"export", log, folder.File("out")}, "--ply, --mesh or --pfm");
   ExpectRefused(
       {"export", folder.Write("raw", {PartEvent(Part::kLeft, 1)}), folder.File("out"), "--pfm"},
       "no message of these frames");

@@ -6,9 +6,9 @@
 #include <cstring>
 #include <limits>
 
-#include "services/grow/grow_plug.h"
-#include "services/prior/prior_plug.h"
-#include "services/refine/refine_plug.h"
+#include "services/grow/grow_adapter.h"
+#include "services/prior/prior_adapter.h"
+#include "services/refine/refine_adapter.h"
 #include "tests/services/evaluate/small_scene.h"
 
 namespace sprout {
@@ -43,10 +43,11 @@ TEST(Pipeline, GivesWhatTheServicesGive) {
     frame.right = scene.frame.right;
     frame.tof = scene.frame.tof;
     frame.rig = scene.projector.rig();
-    refine::RefinePlug refine(config.refine());
-    prior::PriorPlug prior(config.prior());
-    grow::GrowPlug grow(config.grow());
-    for (Plug* plug : std::initializer_list<Plug*>{&refine, &prior, &grow}) RunPlug(*plug, frame);
+    refine::RefineAdapter refine(config.refine());
+    prior::PriorAdapter prior(config.prior());
+    grow::GrowAdapter grow(config.grow());
+    for (StageAdapter* adapter : std::initializer_list<StageAdapter*>{&refine, &prior, &grow})
+      AddAnswer(*adapter, frame);
     Pipeline pipeline(config);
     const DepthFrame result = Compute(pipeline, scene).value();
     EXPECT_GT(result.disparity.CountValid(), 0) << preset;

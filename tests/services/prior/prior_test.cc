@@ -1,4 +1,4 @@
-// The stage and its plug.
+// The stage and its adapter.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "services/prior/prior_adapter.h"
 #include "services/prior/prior_estimator.h"
-#include "services/prior/prior_plug.h"
 
 namespace sprout::prior {
 namespace {
@@ -216,7 +216,7 @@ TEST(Edges, SayWhyThereIsNoneAndGoOn) {
                       PriorBy(PriorConfig::EDGES, step, step.Seeds())));
 }
 
-TEST(PriorPlug, AnswersADegenerateFrameWithAnEmptyMap) {
+TEST(PriorAdapter, AnswersADegenerateFrameWithAnEmptyMap) {
   Frame frame;
   frame.rig.emplace();
   frame.rig->pair.width = 64;
@@ -224,7 +224,7 @@ TEST(PriorPlug, AnswersADegenerateFrameWithAnEmptyMap) {
   frame.left = cv::Mat(48, 64, CV_8UC1);
   frame.seeds = SeedSet{.seeds = {SeedAt(1, 1, 1)}, .raw = 1};
   frame.left_seeds = SeedSet();
-  const Outcome outcome = PriorPlug(Delaunay()).Process(frame);
+  const StageResult outcome = PriorAdapter(Delaunay()).Process(frame);
   EXPECT_THAT(outcome.degenerate, HasSubstr("at least 3"));
   ASSERT_EQ(outcome.outputs.size(), 1u);
   EXPECT_EQ(outcome.outputs[0].part, Part::kPrior);
@@ -233,7 +233,7 @@ TEST(PriorPlug, AnswersADegenerateFrameWithAnEmptyMap) {
   EXPECT_EQ(map.disparity.CountValid(), 0);
 }
 
-TEST(PriorPlug, AnswersWithTheSizeOfTheImagesWhateverTheCalibrationClaims) {
+TEST(PriorAdapter, AnswersWithTheSizeOfTheImagesWhateverTheCalibrationClaims) {
   Frame frame;
   frame.rig.emplace();
   frame.rig->pair.width = frame.rig->pair.height = 10000;
@@ -243,15 +243,15 @@ TEST(PriorPlug, AnswersWithTheSizeOfTheImagesWhateverTheCalibrationClaims) {
   for (const auto method : {PriorConfig::DELAUNAY, PriorConfig::EDGES}) {
     PriorConfig config;
     config.set_method(method);
-    PriorPlug plug(config);
-    EXPECT_TRUE(plug.Inputs().Has(Part::kLeft));
-    const Outcome outcome = plug.Process(frame);
+    PriorAdapter adapter(config);
+    EXPECT_TRUE(adapter.Inputs().Has(Part::kLeft));
+    const StageResult outcome = adapter.Process(frame);
     EXPECT_THAT(outcome.degenerate, HasSubstr("64x48: allowed is the calibrated size 10000x10000"));
     EXPECT_EQ(std::get<PriorMap>(outcome.outputs[0].value).size(), cv::Size(64, 48));
   }
 }
 
-TEST(PriorPlug, TakesWhatOnlyTheLeftCameraSeesForSeedsIfToldTo) {
+TEST(PriorAdapter, TakesWhatOnlyTheLeftCameraSeesForSeedsIfToldTo) {
   Frame frame;
   frame.rig.emplace();
   frame.rig->pair.width = 64;
@@ -262,9 +262,9 @@ TEST(PriorPlug, TakesWhatOnlyTheLeftCameraSeesForSeedsIfToldTo) {
   PriorConfig config = Delaunay();
   const auto at_the_left = [&](bool left_seeds) {
     config.set_left_seeds(left_seeds);
-    PriorPlug plug(config);
-    EXPECT_EQ(plug.Inputs().Has(Part::kLeftSeeds), left_seeds);
-    return std::get<PriorMap>(plug.Process(frame).outputs[0].value).disparity.Px(0, 24);
+    PriorAdapter adapter(config);
+    EXPECT_EQ(adapter.Inputs().Has(Part::kLeftSeeds), left_seeds);
+    return std::get<PriorMap>(adapter.Process(frame).outputs[0].value).disparity.Px(0, 24);
   };
   EXPECT_EQ(at_the_left(true), 20);
   EXPECT_EQ(at_the_left(false), 8);

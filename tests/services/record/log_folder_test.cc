@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <limits>
 
+#include "common/config/config.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/record/make_event.h"
 
@@ -12,8 +14,10 @@ namespace sprout::record {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::StartsWith;
 
 constexpr int64_t kPlenty = 1'000'000'000;
 
@@ -33,6 +37,8 @@ std::string FailureOf(const std::function<void()>& action) {
     action();
   } catch (const LogError& error) {
     return error.what();
+  } catch (const ConfigError& error) {
+    return std::string("flag: ") + error.what();
   }
   return "";
 }
@@ -78,6 +84,25 @@ TEST(LogFolder, GoesOnFromTheLargestNumber) {
                  LastWords);
   logs.Write(MakeRecorded(1));
   EXPECT_EQ(RecordingNumber(logs.path()), 42);
+}
+
+TEST(LogFolder, CountsOnAndDeletesBesideTheLargestNumberThatThereIs) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "record_000041_20990101_000000Z.lcm") << std::string(300, 'x');
+  std::ofstream(folder / "record_9223372036854775807_x.lcm") << std::string(300, 'x');
+  LogFolder logs(
+      {.folder = folder / "", .max_file_bytes = 500, .quota_bytes = 2000, .delete_oldest = true},
+      LastWords);
+  std::vector<int64_t> written;
+  for (int i = 0; i < 8; ++i) {
+    logs.Write(MakeRecorded(i, 400));
+    written.push_back(*RecordingNumber(logs.path()));
+  }
+  logs.Close();
+  EXPECT_THAT(written, ElementsAre(42, 43, 44, 45, 46, 47, 48, 49));
+  std::vector<int64_t> left;
+  for (const fs::path& log : Logs(folder / "")) left.push_back(*RecordingNumber(log));
+  EXPECT_THAT(left, ElementsAre(47, 48, 49, std::numeric_limits<int64_t>::max()));
 }
 
 TEST(LogFolder, StopsAtTheQuotaAndDeletesNothing) {
@@ -128,8 +153,9 @@ TEST(LogFolder, BelongsToOneProcess) {
       .folder = folder / "", .max_file_bytes = kPlenty, .quota_bytes = kPlenty};
   {
     const LogFolder first(options, LastWords);
-    EXPECT_THAT(FailureOf([&] { LogFolder(options, LastWords); }),
-                HasSubstr("another process records there"));
+    EXPECT_THAT(
+        FailureOf([&] { LogFolder(options, LastWords); }),
+        AllOf(StartsWith("flag: --dir "), HasSubstr("another process records there; allowed")));
   }
   EXPECT_EQ(FailureOf([&] { LogFolder(options, LastWords); }), "");
 }
@@ -151,7 +177,7 @@ TEST(LogFolder, RefusesWhatIsNoFolder) {
   std::ofstream(folder / "file");
   EXPECT_THAT(
       FailureOf([&] { LogFolder({.folder = folder / "file", .quota_bytes = kPlenty}, LastWords); }),
-      HasSubstr("file: cannot be used ("));
+      HasSubstr("file: cannot be used (Not a directory); allowed: "));
 }
 
 }  // namespace

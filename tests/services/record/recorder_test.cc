@@ -84,10 +84,62 @@ TEST_F(RecorderTest, GivesEveryLogAllOfItsPast) {
   AddFromTo(recorder, 1, 10);
   TriggerAt(recorder, 10.5);
   AddFromTo(recorder, 11, 13);
-  EXPECT_TRUE(TriggerAt(recorder, 13.5));
-  AddFromTo(recorder, 14, 20);
+  AddFromTo(recorder, 14, 15);
+  EXPECT_TRUE(TriggerAt(recorder, 15.5));
+  AddFromTo(recorder, 16, 21);
   EXPECT_THAT(Seconds(1), ElementsAre(8, 9, 10, 11, 12, 99));
-  EXPECT_THAT(Seconds(2), ElementsAre(11, 12, 13, 14, 15, 99));
+  EXPECT_THAT(Seconds(2), ElementsAre(13, 14, 15, 16, 17, 99));
+}
+
+TEST_F(RecorderTest, MergesLogsThatWouldOverlap) {
+  Recorder recorder(kRing, folder_);
+  AddFromTo(recorder, 1, 10);
+  EXPECT_TRUE(TriggerAt(recorder, 10.5));
+  AddFromTo(recorder, 11, 14);
+  EXPECT_FALSE(TriggerAt(recorder, 14.5));  // its ring has 12 to 14, the log 8 to 12
+  AddFromTo(recorder, 15, 30);
+  EXPECT_FALSE(folder_.is_open());
+  EXPECT_THAT(Seconds(1), ElementsAre(8, 9, 10, 11, 12, 13, 14, 15, 16, 99));
+  EXPECT_EQ(folder_.files(), 1);
+}
+
+TEST_F(RecorderTest, WritesNoMessageTwiceHoweverFastTriggersCome) {
+  Recorder recorder({{.length = seconds(3), .max_bytes = 1'000'000, .after = seconds(0)}}, folder_);
+  std::vector<double> expected;
+  for (int i = 0; i <= 100; ++i) {  // ten messages and twenty triggers a second
+    const double time = 1 + 0.1 * i;
+    recorder.Add(MakeRecorded(time));
+    TriggerAt(recorder, time + 0.01);
+    TriggerAt(recorder, time + 0.06);
+    expected.push_back(static_cast<double>(MakeRecorded(time).utime) / 1e6);
+  }
+  recorder.Finish();
+  expected.push_back(99);
+  EXPECT_EQ(Seconds(1), expected);
+  EXPECT_EQ(folder_.files(), 1);
+}
+
+TEST_F(RecorderTest, WritesAMessageThatArrivedBeforeOneThatCameEarlier) {
+  Recorder recorder(kRing, folder_);
+  AddFromTo(recorder, 1, 2);
+  TriggerAt(recorder, 2.5);
+  recorder.Add(MakeRecorded(4.6));
+  recorder.Add(MakeRecorded(4.4));
+  recorder.Finish();
+  EXPECT_THAT(Seconds(1), ElementsAre(1, 2, 4.6, 4.4, 99));
+}
+
+TEST_F(RecorderTest, BeginsANewLogWhenTheRingWasTooSmallToContinue) {
+  const size_t two_messages = 2 * MakeRecorded(0).memory();
+  Recorder recorder({{.length = seconds(3), .max_bytes = two_messages, .after = seconds(0)}},
+                    folder_);
+  AddFromTo(recorder, 1, 2);
+  EXPECT_TRUE(TriggerAt(recorder, 2));
+  AddFromTo(recorder, 3, 4);
+  EXPECT_TRUE(TriggerAt(recorder, 4));
+  recorder.Finish();
+  EXPECT_THAT(Seconds(1), ElementsAre(1, 2, 99));
+  EXPECT_THAT(Seconds(2), ElementsAre(3, 4, 99));
 }
 
 TEST_F(RecorderTest, BeginsANewLogAfterSilence) {

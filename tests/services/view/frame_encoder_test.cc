@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
@@ -149,6 +150,34 @@ TEST_F(FrameEncoderTest, ThinsAMapThatHasMorePixelsThanPointsAreShown) {
   EXPECT_EQ(cloud->head["stride"], 3);
   EXPECT_EQ(cloud->body.size(), 342U * 256 * 5);
   EXPECT_EQ(cloud->body.back(), 1);  // blue comes last
+}
+
+// As a page does whose window changes its size.
+TEST(FrameEncoderCache, TakesNoMoreMemoryThanItMay) {
+  RingInput input;
+  const cv::Size size(800, 600);
+  input.Add(0, Part::kLeft, cv::Mat(size, CV_8UC1, cv::Scalar(7)));
+  FrameEncoder encoder([](Part, const std::string& why) { FAIL() << why; });
+  const auto encode = [&](int width) {
+    encoder.EncodePicture(input.ring.Newest(), Picture::kLeft, width);
+  };
+  encode(16);
+  const size_t before = mallinfo2().uordblks;
+  for (int width = 17; width <= size.width; width += 2) encode(width);
+  // Even pictures take 2 to 3 KB, of which there are 392.
+  EXPECT_LT(mallinfo2().uordblks - before, size_t{4} << 20);
+}
+
+TEST(EncodedPart, CountsWhatItsHeadTakes) {
+  FrameEncoder encoder([](Part, const std::string& why) { FAIL() << why; });
+  RingInput input;
+  AddWhole(input, 0);
+  DecodedFrame frame(input.ring.Newest(), [](Part, const std::string& why) { FAIL() << why; });
+  const EncodedPartPtr cloud = EncodeCloud(frame);
+  const size_t before = mallinfo2().uordblks;
+  const nlohmann::json copy = cloud->head;  // the largest that there is
+  EXPECT_LT(mallinfo2().uordblks - before, EncodedPart::kHeadBytes);
+  EXPECT_EQ(cloud->memory(), cloud->body.capacity() + EncodedPart::kHeadBytes);
 }
 
 TEST_F(FrameEncoderTest, SendsSeedsOfEveryOrigin) {

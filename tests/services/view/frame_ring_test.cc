@@ -21,6 +21,17 @@ TEST(FrameRing, HasNothingAtFirst) {
   EXPECT_EQ(ring.keys(), KeyRange{});
 }
 
+// It would be kept, but is not counted.
+TEST(FrameRing, RefusesACalibrationThatIsNotWhole) {
+  RingInput input;
+  auto bytes = Encoded(0, Part::kRig, ViewRig());
+  bytes.resize(bytes.size() + (1 << 20));
+  const auto added = input.ring.Add(ChannelOf(Part::kRig), bytes, input.utime, input.now);
+  ASSERT_FALSE(added);
+  EXPECT_EQ(added.error().text, "message has 1048576 bytes too many");
+  EXPECT_EQ(input.ring.bytes(), 0U);
+}
+
 TEST(FrameRing, ShowsAFrameWhenItHasWhatOthersHad) {
   RingInput input;
   AddWhole(input, 0);

@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <optional>
+
 #include "services/view/page_files.h"
 #include "tests/services/view/view_frames.h"
 
@@ -22,6 +24,14 @@ class HttpHandlerTest : public ::testing::Test {
 
   HttpReply Get(std::string_view target, std::string_view host = "127.0.0.1:8420") const {
     return handler_.Handle({.method = "GET", .target = target, .host = host, .origin = {}});
+  }
+
+  HttpReply GetFrom(std::string_view target, std::string_view site, std::string_view origin) const {
+    return handler_.Handle({.method = "GET",
+                            .target = target,
+                            .host = "127.0.0.1:8420",
+                            .origin = origin,
+                            .fetch_site = site});
   }
 
   static std::string Text(const HttpReply& reply) {
@@ -115,6 +125,59 @@ TEST_F(HttpHandlerTest, SavesTheLastSeconds) {
   EXPECT_EQ(log.file_name, "sprout.lcm");
   EXPECT_THAT(Text(log), StartsWith("\xED\xA1\xDA\x01"));
   EXPECT_THAT(Text(log), HasSubstr("A_SPROUT_DISPARITY"));
+}
+
+TEST_F(HttpHandlerTest, GivesOneCopyOfALogToTwoReadersAndNoneToAThird) {
+  auto first = std::make_optional(Get("/save-log?seconds=10"));
+  auto second = std::make_optional(Get("/save-log?seconds=10"));
+  EXPECT_EQ(first->status, 200);
+  EXPECT_EQ(first->file, second->file);
+  EXPECT_EQ(Get("/save-log?seconds=10").status, 503);
+  EXPECT_EQ(Get("/save-log?seconds=10").body,
+            "a log is being saved already: try again in a moment\n");
+  EXPECT_EQ(Get("/save?key=1&what=left.png").status, 200);
+  second.reset();
+  EXPECT_EQ(Get("/save-log?seconds=11").status, 503);  // would be a second copy
+  first.reset();
+  EXPECT_EQ(Get("/save-log?seconds=11").status, 200);
+}
+
+TEST_F(HttpHandlerTest, HoldsTwoSavedFramesAtATime) {
+  const HttpReply first = Get("/save?key=1&what=left.png");
+  const HttpReply second = Get("/save?key=1&what=disparity.pfm");
+  EXPECT_THAT(Text(first), StartsWith("\x89PNG"));
+  EXPECT_THAT(Text(second), StartsWith("Pf\n64 48\n"));
+  EXPECT_EQ(Get("/save?key=1&what=cloud.ply").status, 503);
+  EXPECT_EQ(Get("/save-log?seconds=10").status, 200);
+}
+
+TEST(FileShelf, GivesNobodyALogThatIsOld) {
+  FileShelf shelf(2);
+  const auto write = [](const std::filesystem::path&) -> Result<void> { return {}; };
+  const FileShelf::Clock::time_point now{};
+  const FileShelf::File file = *shelf.Take("10", now, write);
+  EXPECT_EQ(*shelf.Take("10", now + FileShelf::kFresh, write), file);
+  EXPECT_NE(*shelf.Take("10", now + FileShelf::kFresh + std::chrono::seconds(1), write), file);
+}
+
+// A picture of another page would make the browser ask, though that page sees nothing of it.
+TEST_F(HttpHandlerTest, DoesNothingForPagesFromElsewhere) {
+  for (const char* target : {"/save-log?seconds=10", "/save?key=1&what=cloud.ply", "/thumb?key=1",
+                             "/timeline?buckets=10", "/no-such"}) {
+    for (const char* site : {"cross-site", "same-site", "nonsense"}) {
+      EXPECT_EQ(GetFrom(target, site, "").status, 403) << target << " " << site;
+    }
+    for (const char* origin : {"http://evil.example", "null", "https://127.0.0.1:8420"}) {
+      EXPECT_EQ(GetFrom(target, "", origin).status, 403) << target << " " << origin;
+    }
+    for (const char* site : {"same-origin", "none", ""}) {
+      EXPECT_NE(GetFrom(target, site, "").status, 403) << target << " " << site;
+      EXPECT_NE(GetFrom(target, site, "http://127.0.0.1:8420").status, 403) << target;
+    }
+  }
+  // A link to the page is nothing bad.
+  EXPECT_EQ(GetFrom("/", "cross-site", "").status, 200);
+  EXPECT_EQ(GetFrom("/app.js", "cross-site", "").status, 200);
 }
 
 TEST_F(HttpHandlerTest, HasThumbnails) {

@@ -3,6 +3,7 @@
 in_private_network). Exit code 0 when all is as it should be, 77 where there is no Chromium."""
 
 import argparse
+import decimal
 import json
 import pathlib
 import signal
@@ -137,13 +138,19 @@ def check_saving(programs, folder):
           info.stderr.strip())
 
 
+def fixed(value, digits):
+    """Text of a number as JavaScript's toFixed() writes it. Python's formats round halves to the
+    even digit, 12.5 to 12, JavaScript away from zero, to 13."""
+    return str(decimal.Decimal(value).quantize(decimal.Decimal(1).scaleb(-digits), decimal.ROUND_HALF_UP))
+
+
 def numbers_of(stage, board):
     """What the row of a stage must say."""
     status = board[stage]
     lost = sum(status[f"frames_{kind}"] for kind in ("skipped", "incomplete", "failed", "degenerate"))
-    return [str(status["frames_out"]), f"{status['rate_hz']:.1f}",
-            f"{status['age_p50_ms']:.0f} / {status['age_p99_ms']:.0f}", str(lost),
-            str(status["bad_messages"]), f"{status['rss_bytes'] / 2 ** 20:.0f}"]
+    return [str(status["frames_out"]), fixed(status["rate_hz"], 1),
+            f"{fixed(status['age_p50_ms'], 0)} / {fixed(status['age_p99_ms'], 0)}", str(lost),
+            str(status["bad_messages"]), fixed(status["rss_bytes"] / 2 ** 20, 0)]
 
 
 def check_numbers(browser, programs):

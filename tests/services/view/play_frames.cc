@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cstdint>
 #include <iostream>
-#include <map>
 #include <string>
 #include <thread>
 #include <vector>
@@ -11,8 +10,8 @@
 #include "common/app/stage_monitor.h"
 #include "common/bus/channels.h"
 #include "common/bus/publisher.h"
-#include "common/logfile/log_reader.h"
-#include "common/messages/codec.h"
+#include "common/frames/frame_index.h"
+#include "common/logfile/event_fetcher.h"
 
 namespace sprout::view {
 namespace {
@@ -31,23 +30,20 @@ void SetHeader(std::vector<uint8_t>& bytes, int64_t utime, int64_t seq) {
 }
 
 std::vector<std::vector<Message>> ReadFrames(const std::string& path) {
-  std::map<int64_t, std::vector<Message>> frames;
-  std::vector<Message> rigs;
+  FrameIndex index({.look_back = FrameChoice::kWholeLog});
   LogReader reader(path);
-  for (LogEvent event; reader.Next(event);) {
-    const auto id = DecodeFrameId(event.data);
-    const bool is_report = event.channel == kStatusChannel || event.channel == kProcessChannel;
-    if (!id || is_report) continue;  // no part of a frame
-    Message message{std::string(event.channel), {event.data.begin(), event.data.end()}};
-    if (event.channel == ChannelOf(Part::kRig)) {
-      rigs.push_back(std::move(message));
-    } else {
-      frames[id->seq].push_back(std::move(message));
+  for (LogEvent event; reader.Next(event);) index.Add(event);
+  EventFetcher fetcher(path);
+  std::vector<std::vector<Message>> list;
+  for (size_t i = 0; i < index.frames().size(); ++i) {
+    const IndexedFrame frame = index.At(i);
+    std::vector<Message>& messages = list.emplace_back();
+    for (const Part part : kAllParts) {
+      if (!frame.Has(part)) continue;
+      const LogEvent event = fetcher.Fetch(frame.offset(part));
+      messages.push_back({std::string(event.channel), {event.data.begin(), event.data.end()}});
     }
   }
-  std::vector<std::vector<Message>> list;
-  for (auto& [seq, messages] : frames) list.push_back(std::move(messages));
-  for (auto& messages : list) messages.insert(messages.begin(), rigs.front());
   return list;
 }
 

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -197,6 +199,61 @@ TEST_F(ServerTest, Holds50ConnectionsAnd16PagesAndStillAnswers) {
   bool open = opens();
   while (!open && std::chrono::steady_clock::now() < deadline) open = opens();
   EXPECT_TRUE(open);
+}
+
+// Who asks for a log and never reads it holds it until the server has no more patience.
+TEST_F(ServerTest, HoldsOneCopyOfALogForManyWhoNeverRead) {
+  // More than a socket takes.
+  for (int64_t seq = 1; seq <= 16; ++seq) {
+    input_.Add(seq, Part::kLeft, cv::Mat(1024, 1024, CV_8UC1, cv::Scalar(7)));
+  }
+  const std::string request = "GET /save-log?seconds=100 HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  std::list<tcp::socket> readers;
+  int given = 0;
+  int refused = 0;
+  for (int i = 0; i < 60; ++i) {
+    readers.push_back(Connect());
+    asio::write(readers.back(), asio::buffer(request));
+    std::array<char, 12> status{};
+    asio::read(readers.back(), asio::buffer(status));
+    const std::string_view text(status.data(), status.size());
+    given += text == "HTTP/1.1 200" ? 1 : 0;
+    refused += text == "HTTP/1.1 503" ? 1 : 0;
+  }
+  EXPECT_EQ(given, 2);
+  EXPECT_EQ(refused, 58);
+  // Who goes makes room for others.
+  readers.clear();
+  std::string answer;
+  for (int i = 0; i < 200 && !answer.starts_with("HTTP/1.1 200"); ++i) {
+    answer =
+        Ask("GET /save-log?seconds=1 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  }
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(ServerTest, RefusesALogToAPageFromElsewhere) {
+  const std::string request =
+      "GET /save-log?seconds=1 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n";
+  EXPECT_THAT(Ask(request + "\r\n"), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(Ask(request + "Sec-Fetch-Site: cross-site\r\n\r\n"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(Ask(request + "Origin: http://evil.example\r\n\r\n"), StartsWith("HTTP/1.1 403"));
+}
+
+TEST_F(ServerTest, LogsBadPagesOnceASecond) {
+  ::testing::internal::CaptureStdout();  // where lines go that are not told where
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 50; ++i) {
+    Page page = Open();
+    Say(page, R"({"type":"format"})");
+    boost::system::error_code error;
+    for (beast::flat_buffer buffer; !error; buffer.clear()) page.read(buffer, error);
+  }
+  const auto seconds =
+      std::chrono::ceil<std::chrono::seconds>(std::chrono::steady_clock::now() - begin);
+  const std::string text = ::testing::internal::GetCapturedStdout();
+  EXPECT_THAT(text, HasSubstr("a page sent a message of an unknown type; it is hung up on"));
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), seconds.count());
 }
 
 TEST_F(ServerTest, SaysThatItsPortIsTaken) {

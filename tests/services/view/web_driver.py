@@ -96,6 +96,26 @@ class Browser:
             {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"},
              "actions": [{"type": "pointerMove", "x": int(x), "y": int(y), "duration": 0}]}]})
 
+    def devtools(self, command, **parameters):
+        """A command of the DevTools protocol."""
+        return self._call("POST", self.session + "/goog/cdp/execute",
+                          {"cmd": command, "params": parameters})
+
+    def freeze(self):
+        """Behind other windows for long: the browser stops the page, as it does to save power."""
+        self._call("POST", self.session + "/window/minimize")
+        self.devtools("Page.setWebLifecycleState", state="frozen")
+
+    def thaw(self):
+        """Before them again."""
+        self.devtools("Page.setWebLifecycleState", state="active")
+        self._call("POST", self.session + "/window/rect", dict(zip(("width", "height"), self.size)))
+
+    def heap_mb(self):
+        """What the page's scripts hold, without what nobody needs any more."""
+        self.devtools("HeapProfiler.collectGarbage")
+        return self.devtools("Runtime.getHeapUsage")["usedSize"] / 2 ** 20
+
     def complaints(self):
         """What the page complained of in the console, but for a server that was away."""
         log = self._call("POST", self.session + "/se/log", {"type": "browser"})

@@ -1,0 +1,38 @@
+#ifndef SPROUT_COMMON_APP_LOG_LIMITER_H_
+#define SPROUT_COMMON_APP_LOG_LIMITER_H_
+
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace sprout {
+
+/// Lets one log line a second through and counts the others. For one thread at a time.
+class LogLimiter {
+ public:
+  /// @returns how many lines were held back since the last one; nothing when this one is, too.
+  std::optional<int64_t> Pass(std::chrono::steady_clock::time_point now);
+
+ private:
+  std::chrono::steady_clock::time_point next_{};
+  int64_t held_back_ = 0;
+};
+
+/// " (3 more since the last such line)", empty for none.
+std::string MoreText(int64_t held_back);
+
+/// Warnings of one kind, at most one a second. Thread-safe.
+class LimitedWarnings {
+ public:
+  void Warn(const std::string& text);
+
+ private:
+  std::mutex mutex_;
+  LogLimiter limiter_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_APP_LOG_LIMITER_H_

@@ -1,0 +1,31 @@
+#ifndef SPROUT_COMMON_CONFIG_STAGE_PARTS_H_
+#define SPROUT_COMMON_CONFIG_STAGE_PARTS_H_
+
+#include <string_view>
+
+#include "common/config/config.h"
+#include "common/core/frame.h"
+
+namespace sprout {
+
+// The chain in one place: which parts of a frame each stage needs and which it answers, as its
+// configuration says. For those that run stages, and for those that only prepare what they read.
+
+/// Parts that must be together before the stage can answer a frame.
+PartSet InputsOf(const RefineConfig& config);
+PartSet InputsOf(const PriorConfig& config);
+PartSet InputsOf(const GrowConfig& config);
+
+/// Parts that the stage adds to every frame that it answers.
+PartSet OutputsOf(const RefineConfig& config);
+PartSet OutputsOf(const PriorConfig& config);
+PartSet OutputsOf(const GrowConfig& config);
+
+/// The same by name.
+/// @pre stage is "refine", "prior" or "grow".
+PartSet InputsOf(std::string_view stage, const SproutConfig& config);
+PartSet OutputsOf(std::string_view stage, const SproutConfig& config);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CONFIG_STAGE_PARTS_H_

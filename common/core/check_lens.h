@@ -1,0 +1,24 @@
+#ifndef SPROUT_COMMON_CORE_CHECK_LENS_H_
+#define SPROUT_COMMON_CORE_CHECK_LENS_H_
+
+#include <Eigen/Core>
+#include <string>
+
+#include "common/core/checks.h"
+#include "common/core/rig.h"
+
+namespace sprout {
+
+/// Whether a camera may have these numbers: a focal length of 0.05 to 50 times its longest side
+/// (fields of view of 169° and 1°), a principal point within ten sides, distortion that moves no
+/// pixel by more than ten times its distance from there. All are bounds of what can be computed
+/// with, far beyond real cameras.
+/// @param prefix  before the names of the fields, "tof_" or "left.".
+void CheckLens(Checks& checks, const std::string& prefix, const Lens& lens);
+
+/// Whether a camera may stand there: at most 1 km away on each axis.
+void CheckDistance(Checks& checks, const std::string& field, const Eigen::Vector3d& metres);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_CHECK_LENS_H_

@@ -1,0 +1,56 @@
+#include "common/core/read_text.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+namespace sprout {
+namespace {
+
+tl::unexpected<Error> CannotRead(const std::string& reason) {
+  return Fail("cannot be read (" + reason + ")");
+}
+
+tl::unexpected<Error> CannotReadForErrno() {
+  return CannotRead(std::generic_category().message(errno));
+}
+
+// Until the end of the file, whatever size it claims: files of /proc claim 0.
+Result<std::string> ReadToEnd(int descriptor, size_t max_bytes) {
+  constexpr size_t kChunkBytes = size_t{1} << 16;
+  std::string text;
+  for (size_t filled = 0;;) {
+    text.resize(std::min(filled + kChunkBytes, max_bytes + 1));
+    const ssize_t count = read(descriptor, text.data() + filled, text.size() - filled);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return CannotReadForErrno();
+    filled += static_cast<size_t>(count);
+    if (filled > max_bytes) {
+      return CannotRead("larger than " + std::to_string(max_bytes >> 20) + " MiB");
+    }
+    if (count == 0) {
+      text.resize(filled);
+      return text;
+    }
+  }
+}
+
+}  // namespace
+
+Result<std::string> ReadText(const std::filesystem::path& path, size_t max_bytes) {
+  // A FIFO without a writer would be waited for.
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (descriptor < 0) return CannotReadForErrno();
+  struct stat status {};
+  Result<std::string> text = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)
+                                 ? ReadToEnd(descriptor, max_bytes)
+                                 : CannotRead("no regular file");
+  close(descriptor);
+  return text;
+}
+
+}  // namespace sprout

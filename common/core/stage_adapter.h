@@ -1,0 +1,56 @@
+#ifndef SPROUT_COMMON_CORE_STAGE_ADAPTER_H_
+#define SPROUT_COMMON_CORE_STAGE_ADAPTER_H_
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/core/frame.h"
+#include "common/core/stage_status.h"
+
+namespace sprout {
+
+/// One part that a stage adds to a frame.
+struct PartOutput {
+  Part part;
+  PartValue value;
+};
+
+/// What became of a frame.
+struct StageResult {
+  std::vector<PartOutput> outputs;
+  /// Why the frame has no (or an empty) result; empty when all is well. One line, shown in the
+  /// status.
+  std::string degenerate;
+  /// Where the stage looked for it in this frame.
+  TofOffsetStatus tof_offset = {};
+  /// A picture of the frame for people, 8UC3 (BGR), at most 16384 px a side; empty: none. No part
+  /// of a frame: no stage works on it.
+  cv::Mat preview = {};
+};
+
+/// What makes a stage a service: which parts it joins and what it answers. Knows neither network
+/// nor log nor clock, so that it runs the same way live and replayed.
+class StageAdapter {
+ public:
+  virtual ~StageAdapter() = default;
+
+  /// Parts that must be together before Process() is called.
+  virtual PartSet Inputs() const = 0;
+
+  /// Answers one frame that has all Inputs(). Frames come one at a time, in any order of seq, and
+  /// the same frame may come twice; the answer depends on the frame only.
+  virtual StageResult Process(const Frame& frame) = 0;
+};
+
+/// Answers a frame and adds the answer to it.
+/// @returns why the frame has no (or an empty) result; empty when all is well.
+inline std::string AddAnswer(StageAdapter& adapter, Frame& frame) {
+  StageResult outcome = adapter.Process(frame);
+  for (PartOutput& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
+  return outcome.degenerate;
+}
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_STAGE_ADAPTER_H_

@@ -1,0 +1,49 @@
+#ifndef SPROUT_COMMON_CORE_WINDOW_SUMS_H_
+#define SPROUT_COMMON_CORE_WINDOW_SUMS_H_
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+
+namespace sprout {
+
+/// Sums over the grey values of two windows, from which correlations follow.
+struct WindowSums {
+  int32_t left = 0, right = 0;
+  int32_t left_squares = 0, right_squares = 0, products = 0;
+};
+
+/// Of the windows of (2 · kRadius + 1)² px around a left and a right pixel, which must lie inside
+/// the images. Whole numbers, so exact. kRadius up to 90, as sums have 32 bits.
+template <int kRadius>
+WindowSums SumWindows(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point at_left,
+                      cv::Point at_right) {
+  static_assert(kRadius >= 0 && kRadius <= 90);
+  WindowSums sums;
+  for (int y = -kRadius; y <= kRadius; ++y) {
+    const uint8_t* a = left.ptr(at_left.y + y) + at_left.x - kRadius;
+    const uint8_t* b = right.ptr(at_right.y + y) + at_right.x - kRadius;
+    for (int x = 0; x <= 2 * kRadius; ++x) {
+      sums.left += a[x];
+      sums.right += b[x];
+      sums.left_squares += a[x] * a[x];
+      sums.right_squares += b[x] * b[x];
+      sums.products += a[x] * b[x];
+    }
+  }
+  return sums;
+}
+
+/// Whether a position is farther than so many px inside the centres of an image's outermost pixels.
+/// With a margin of r − ½ the window of radius r around it, rounded, lies in the image. False for
+/// NaN and whatever lies far outside, so ask before converting to a pixel.
+inline bool IsInside(double u, double v, cv::Size size, double margin_u, double margin_v) {
+  return u > margin_u && u < size.width - 1 - margin_u && v > margin_v &&
+         v < size.height - 1 - margin_v;
+}
+inline bool IsInside(double u, double v, cv::Size size, double margin) {
+  return IsInside(u, v, size, margin, margin);
+}
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_WINDOW_SUMS_H_

@@ -1,0 +1,141 @@
+#include "common/frames/frame_joiner.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "common/messages/codec.h"
+
+namespace sprout {
+namespace {
+
+// Calibrations, and frames completed or dropped, that are remembered. A graph has one rig; a second
+// one appears when capture restarts with another.
+constexpr size_t kMaxRigs = 4;
+constexpr size_t kMaxAccounted = 64;
+
+}  // namespace
+
+FrameJoiner::FrameJoiner(PartSet needed, size_t max_pending, size_t max_bytes)
+    : needed_(needed), max_pending_(max_pending), max_bytes_(max_bytes) {
+  assert(needed != PartSet{} && needed != PartSet{Part::kRig} && max_pending > 0);
+}
+
+std::vector<Frame> FrameJoiner::Add(const FrameId& id, Part part, PartValue value) {
+  if (part == Part::kRig) {
+    std::erase_if(rigs_, [&](const auto& known) { return known.first == id.rig_id; });
+    rigs_.emplace_back(id.rig_id, std::get<Rig>(std::move(value)));
+    if (rigs_.size() > kMaxRigs) rigs_.pop_front();
+  } else {
+    Pending& pending = FindOrStart(id);
+    SetPart(pending.frame, part, std::move(value));
+    pending.present.Add(part);
+  }
+  std::vector<Frame> complete = TakeComplete();
+  KeepWithinBudget();
+  return complete;
+}
+
+Result<std::vector<Frame>> FrameJoiner::AddMessage(Part part, std::span<const uint8_t> bytes) {
+  const Result<FrameId> id = DecodeFrameId(bytes);
+  Result<DecodedPart> decoded = DecodePart(part, bytes, id ? ImageSizeOf(*id) : std::nullopt);
+  if (!decoded) return tl::unexpected(decoded.error());
+  return Add(decoded->id, part, std::move(decoded->value));
+}
+
+// Of a pending frame; their number when it is not among them.
+size_t FrameJoiner::IndexOf(const FrameId& id) const {
+  size_t i = 0;
+  while (i < pending_.size() && pending_[i].frame.id != id) ++i;
+  return i;
+}
+
+bool FrameJoiner::IsPending(const FrameId& id) const { return IndexOf(id) < pending_.size(); }
+
+std::optional<cv::Size> FrameJoiner::ImageSizeOf(const FrameId& id) const {
+  if (const std::optional<Rig> rig = FindRig(id.rig_id)) return rig->pair.size();
+  return IsPending(id) ? ImageSize(pending_[IndexOf(id)].frame) : std::nullopt;
+}
+
+FrameJoiner::Pending& FrameJoiner::FindOrStart(const FrameId& id) {
+  if (IsPending(id)) return pending_[IndexOf(id)];
+  // Frames of a recording that plays again have the names that they had before. Those of a capture
+  // that was started again have new ones, and leftovers of the old ones may still be here.
+  const auto is_later = [&](const FrameId& other) { return other.utime >= id.utime; };
+  if (gaps_.Add(id) && std::any_of(accounted_.begin(), accounted_.end(), is_later)) {
+    accounted_.clear();
+  }
+  if (pending_.size() == max_pending_) DropOldest();
+  Pending& started = pending_.emplace_back();
+  started.frame.id = id;
+  return started;
+}
+
+void FrameJoiner::DropOldest() {
+  Drop(pending_.front());
+  pending_.pop_front();
+}
+
+void FrameJoiner::KeepWithinBudget() {
+  size_t bytes = 0;
+  for (const Pending& pending : pending_) bytes += BytesOf(pending.frame);
+  while (bytes > max_bytes_) {
+    bytes -= BytesOf(pending_.front().frame);
+    DropOldest();
+  }
+}
+
+void FrameJoiner::Drop(const Pending& pending) {
+  // Leftovers of a frame that was joined before (sent twice) or dropped before (a part came too
+  // late) are not missed.
+  if (IsAccountedFor(pending.frame.id)) return;
+  ++incomplete_;
+  Account(pending.frame.id);
+}
+
+void FrameJoiner::DropPending() {
+  for (const Pending& pending : pending_) Drop(pending);
+  pending_.clear();
+}
+
+bool FrameJoiner::IsAccountedFor(const FrameId& id) const {
+  return std::find(accounted_.begin(), accounted_.end(), id) != accounted_.end();
+}
+
+void FrameJoiner::Account(const FrameId& id) {
+  accounted_.push_back(id);
+  if (accounted_.size() > kMaxAccounted) accounted_.pop_front();
+}
+
+std::optional<Rig> FrameJoiner::FindRig(const std::string& rig_id) const {
+  for (const auto& [known_id, rig] : rigs_) {
+    if (known_id == rig_id) return rig;
+  }
+  return std::nullopt;
+}
+
+bool FrameJoiner::IsComplete(const Pending& pending) const {
+  return std::all_of(std::begin(kAllParts), std::end(kAllParts), [&](Part part) {
+    if (!needed_.Has(part)) return true;
+    return part == Part::kRig ? FindRig(pending.frame.id.rig_id).has_value()
+                              : pending.present.Has(part);
+  });
+}
+
+std::vector<Frame> FrameJoiner::TakeComplete() {
+  std::vector<Frame> complete;
+  size_t hopeless = 0;  // every pending frame before this one
+  for (size_t i = 0; i < pending_.size(); ++i) {
+    if (!IsComplete(pending_[i])) continue;
+    for (; hopeless < i; ++hopeless) Drop(pending_[hopeless]);
+    hopeless = i + 1;
+    Frame& frame = pending_[i].frame;
+    if (needed_.Has(Part::kRig)) frame.rig = FindRig(frame.id.rig_id);
+    Account(frame.id);
+    complete.push_back(std::move(frame));
+  }
+  pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(hopeless));
+  return complete;
+}
+
+}  // namespace sprout

@@ -1,0 +1,62 @@
+#include "common/frames/log_frames.h"
+
+#include <utility>
+
+#include "common/messages/codec.h"
+
+namespace sprout {
+
+std::vector<ReadPart> FetchParts(EventFetcher& log, const IndexedFrame& places,
+                                 const PartSet& parts, const Refuse& refuse) {
+  std::vector<ReadPart> read;
+  for (const Part part : kAllParts) {
+    if (!parts.Has(part) || !places.Has(part)) continue;
+    const LogEvent event = log.Fetch(places.offset(part));
+    if (Result<DecodedPart> decoded = DecodePart(part, event.data)) {
+      read.emplace_back(part, std::move(decoded->value));
+    } else if (refuse) {
+      refuse(event, decoded.error().text);
+    }
+  }
+  return read;
+}
+
+LogFrames::LogFrames(const std::filesystem::path& path, FrameChoice choice, Refuse refuse)
+    : path_(path),
+      choice_(std::move(choice)),
+      refuse_(std::move(refuse)),
+      reader_(path),
+      fetcher_(path),
+      index_(choice_) {}
+
+std::optional<Frame> LogFrames::Next(const Progress& progress) {
+  const auto is_over = [&] { return index_.frames().size() - next_ > choice_.look_back; };
+  while (true) {
+    for (LogEvent event; !is_over() && reader_.Next(event);) {
+      index_.Add(event, refuse_);
+      if (progress) progress(reader_.position());
+    }
+    if (next_ == index_.frames().size()) return std::nullopt;
+    const IndexedFrame places = PlacesOf(next_++);
+    Frame frame;
+    frame.id = places.id;
+    bool is_there = false;  // anything but the calibration
+    for (auto& [part, value] : FetchParts(fetcher_, places, choice_.parts, refuse_)) {
+      is_there = is_there || part != Part::kRig;
+      SetPart(frame, part, std::move(value));
+    }
+    if (is_there) return frame;
+  }
+}
+
+// The first frames may stand before their calibration, which comes once a second only.
+IndexedFrame LogFrames::PlacesOf(size_t number) {
+  IndexedFrame places = index_.At(number);
+  if (places.Has(Part::kRig) || !choice_.parts.Has(Part::kRig) || knows_all_rigs_) return places;
+  knows_all_rigs_ = true;
+  LogReader ahead(path_);
+  for (LogEvent event; ahead.Next(event);) index_.AddRig(event);
+  return index_.At(number);
+}
+
+}  // namespace sprout

@@ -1,0 +1,222 @@
+#include "common/picture/frame_pictures.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/core/image.h"
+#include "common/geometry/projection.h"
+#include "common/picture/cloud_view.h"
+#include "common/picture/color_map.h"
+#include "common/picture/picture.h"
+#include "common/picture/write_image.h"
+#include "common/quality/score.h"
+
+namespace sprout {
+namespace {
+
+std::optional<DisparityImage> PriorOf(const Frame& frame) {
+  if (!frame.prior) return std::nullopt;
+  return frame.prior->disparity;
+}
+
+// The maps of a frame and its seeds share one scale.
+ValueRange RangeOf(const Frame& frame) {
+  std::vector<DisparityImage> maps;
+  for (const auto& map : {PriorOf(frame), frame.unfilled, frame.disparity}) {
+    if (map) maps.push_back(*map);
+  }
+  return DisparityRange(maps, frame.seeds ? frame.seeds->seeds : std::vector<Seed>());
+}
+
+// The depths of those disparities, so that near has one colour in all pictures; that of the ToF
+// image alone where nothing says which disparity a depth has.
+ValueRange RangeOfDepth(const Frame& frame, const ValueRange& range_px) {
+  if (!frame.rig || !(frame.seeds || frame.prior || frame.disparity || frame.unfilled)) {
+    return DepthRange(*frame.tof);
+  }
+  const std::optional<ValueRange> in_front = InFront(frame.rig->pair, range_px);
+  return in_front ? DepthRange(frame.rig->pair, *in_front) : DepthRange(*frame.tof);
+}
+
+// The size of the images that the frame was captured with, as far as it is known: a calibration may
+// claim 100 MP in a few bytes, so it is asked last. Empty when nothing says it.
+cv::Size CameraSize(const Frame& frame) {
+  for (const cv::Mat& image : {frame.left, frame.right, frame.confidence}) {
+    if (!image.empty()) return image.size();
+  }
+  for (const auto& map : {frame.disparity, frame.unfilled, PriorOf(frame)}) {
+    if (map) return map->size();
+  }
+  return frame.rig ? frame.rig->pair.size() : cv::Size();
+}
+
+// Every ToF point as a seed, before refinement; nothing without a ToF image that fits the
+// calibration.
+std::optional<std::vector<Seed>> RawSeeds(const Frame& frame) {
+  if (!frame.tof || frame.tof->depth_m.empty() || !frame.rig) return std::nullopt;
+  const Rig rig = RigOfFrame(*frame.rig, *frame.tof);
+  if (!CheckTofSize(rig, *frame.tof)) return std::nullopt;
+  int behind = 0;
+  std::vector<Seed> seeds;
+  for (const ProjectedPoint& point : TofProjector(rig).Project(*frame.tof, behind)) {
+    seeds.push_back(point.seed);
+  }
+  return seeds;
+}
+
+// Four pictures in two rows, all as high as the first; wide ones keep their shape.
+cv::Mat3b FourOf(const std::array<cv::Mat3b, 4>& pictures) {
+  const int height = pictures[0].rows;
+  std::array<cv::Mat3b, 4> scaled;
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    const double scale = static_cast<double>(height) / pictures[i].rows;
+    cv::resize(pictures[i], scaled[i], {cvRound(pictures[i].cols * scale), height}, 0, 0,
+               cv::INTER_AREA);
+  }
+  const int left_width = std::max(scaled[0].cols, scaled[2].cols);
+  const int right_width = std::max(scaled[1].cols, scaled[3].cols);
+  cv::Mat3b overview(2 * height, left_width + right_width, cv::Vec3b(255, 255, 255));
+  for (size_t i = 0; i < scaled.size(); ++i) {
+    const cv::Point corner(i % 2 == 0 ? 0 : left_width, i < 2 ? 0 : height);
+    scaled[i].copyTo(overview(cv::Rect(corner, scaled[i].size())));
+  }
+  return overview;
+}
+
+// The pictures of one frame, each shown as soon as it is made.
+class FramePictures {
+ public:
+  using Show = std::function<void(const char* what, const cv::Mat3b& picture)>;
+
+  FramePictures(const Frame& frame, Show show)
+      : frame_(frame),
+        show_(std::move(show)),
+        title_(frame.id.seq < 0 ? "" : fmt::format(", frame {}", frame.id.seq)),
+        size_(CameraSize(frame)),
+        range_px_(RangeOf(frame)),
+        pair_(frame.rig ? &frame.rig->pair : nullptr) {}
+
+  void ShowCameras() {
+    if (!frame_.left.empty()) left_ = Made("left.png", Left());
+    if (!frame_.right.empty()) Made("right.png", CameraPicture(frame_.right, T("Right image")));
+    if (frame_.tof && (!size_.empty() || !frame_.tof->depth_m.empty())) {
+      tof_ = Made("tof.png", Tof());
+    }
+  }
+
+  void ShowSeeds() {
+    if (size_.empty()) return;
+    if (const auto raw = RawSeeds(frame_)) Made("seeds_raw.png", Seeds(*raw, "ToF points"));
+    if (frame_.seeds) Made("seeds.png", Seeds(frame_.seeds->seeds, "Seeds"));
+  }
+
+  void ShowMaps() {
+    const auto map = [&](const char* what, const std::optional<DisparityImage>& disparity,
+                         const char* name) -> cv::Mat3b {
+      if (!disparity) return {};
+      return Made(what, Disparity(*disparity, name));
+    };
+    map("prior.png", PriorOf(frame_), "Prior disparity");
+    if (frame_.prior) {
+      Made("prior_sigma.png", SigmaPicture(*frame_.prior, T("Standard deviation of the prior")));
+    }
+    map("unfilled.png", frame_.unfilled, "Disparity as grown");
+    disparity_ = map("disparity.png", frame_.disparity, "Disparity");
+    if (!frame_.confidence.empty()) {
+      Made("confidence.png", ConfidencePicture(frame_.confidence, T("Confidence")));
+    }
+  }
+
+  // What needs several parts.
+  void ShowScene() {
+    if (!HasCloud(frame_)) return;
+    const cv::Mat3b cloud = Made("cloud.png", Cloud());
+    if (tof_.empty()) return;
+    Made("overview.png", FourOf({left_, tof_, disparity_, cloud}));
+  }
+
+  cv::Mat3b Overview() const {
+    return FourOf({Left(), Tof(), Disparity(*frame_.disparity, "Disparity"), Cloud()});
+  }
+
+  void ShowErrors(const FrameTruth& truth) {
+    if (truth.disparity_px.empty() || !frame_.disparity) return;
+    Made("errors.png",
+         ErrorPicture(ErrorMap(ToPx(*frame_.disparity), truth.disparity_px, truth.non_occluded),
+                      T("Error of the disparity")));
+  }
+
+ private:
+  std::string T(const char* name) const { return name + title_; }
+
+  cv::Mat3b Seeds(const std::vector<Seed>& seeds, const char* name) const {
+    // A log without images shows its seeds on black.
+    const cv::Mat left = frame_.left.empty() ? cv::Mat(cv::Mat1b::zeros(size_)) : frame_.left;
+    return SeedPicture(ToGrey(left), seeds, range_px_,
+                       fmt::format("{} ({}){}", name, seeds.size(), title_), pair_);
+  }
+
+  cv::Mat3b Left() const { return CameraPicture(frame_.left, T("Left image")); }
+
+  cv::Mat3b Tof() const {
+    return DepthPicture(*frame_.tof, size_.empty() ? frame_.tof->depth_m.size() : size_,
+                        RangeOfDepth(frame_, range_px_), T("ToF depth"));
+  }
+
+  cv::Mat3b Disparity(const DisparityImage& map, const char* name) const {
+    return DisparityPicture(map, range_px_, T(name), pair_);
+  }
+
+  cv::Mat3b Cloud() const {
+    return CameraPicture(CloudView(*pair_, *frame_.disparity, frame_.left),
+                         T("Point cloud from the side"));
+  }
+
+  cv::Mat3b Made(const char* what, cv::Mat3b picture) const {
+    show_(what, picture);
+    return picture;
+  }
+
+  const Frame& frame_;
+  Show show_;
+  std::string title_;
+  cv::Size size_;
+  ValueRange range_px_;
+  const RectifiedPair* pair_;
+  cv::Mat3b left_, tof_, disparity_;
+};
+
+}  // namespace
+
+bool HasCloud(const Frame& frame) {
+  if (!frame.disparity || frame.left.empty() || !frame.rig) return false;
+  const cv::Size size = frame.disparity->size();
+  return frame.left.size() == size && frame.rig->pair.size() == size;
+}
+
+void WriteFramePictures(const Frame& frame, const FrameTruth& truth,
+                        const std::function<std::filesystem::path(const char* what)>& path_of) {
+  FramePictures pictures(frame, [&](const char* what, const cv::Mat3b& picture) {
+    const Result<void> written = WritePng(path_of(what), picture);
+    if (!written) throw std::runtime_error(written.error().text);
+  });
+  pictures.ShowCameras();
+  pictures.ShowSeeds();
+  pictures.ShowMaps();
+  pictures.ShowScene();
+  pictures.ShowErrors(truth);
+}
+
+cv::Mat3b OverviewOf(const Frame& frame) {
+  return FramePictures(frame, [](const char*, const cv::Mat3b&) {}).Overview();
+}
+
+}  // namespace sprout

@@ -1,0 +1,38 @@
+#ifndef SPROUT_COMMON_PICTURE_FRAME_PICTURES_H_
+#define SPROUT_COMMON_PICTURE_FRAME_PICTURES_H_
+
+#include <filesystem>
+#include <functional>
+#include <opencv2/core.hpp>
+
+#include "common/core/frame.h"
+
+namespace sprout {
+
+/// The true disparity of a frame's left image.
+struct FrameTruth {
+  cv::Mat1f disparity_px;  ///< NaN or infinite = unknown; empty without ground truth
+  cv::Mat1b non_occluded;  ///< see NonOccludedMask(); empty without ground truth
+};
+
+/// Whether there is a cloud to be made of it: disparity, left image and calibration, of one size.
+bool HasCloud(const Frame& frame);
+
+/// Writes a picture of every part that the frame has and that can be shown: left, right, tof,
+/// seeds_raw (the ToF points before refinement), seeds, prior, prior_sigma, unfilled (as grown),
+/// disparity, confidence, cloud (from the side) as .png, and overview.png of four of them. What has
+/// a depth shares one scale of colours.
+/// @param truth    of its scene, of the size of its disparity, or empty: then there is no
+///                 errors.png.
+/// @param path_of  where "left.png" goes.
+/// @throws std::runtime_error naming path and reason, and what path_of throws.
+void WriteFramePictures(const Frame& frame, const FrameTruth& truth,
+                        const std::function<std::filesystem::path(const char* what)>& path_of);
+
+/// Left image, ToF depth, disparity and the cloud from the side, in one picture.
+/// @pre HasCloud(frame), and it has a ToF image, if only one of 0×0.
+cv::Mat3b OverviewOf(const Frame& frame);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_PICTURE_FRAME_PICTURES_H_

@@ -1,0 +1,33 @@
+#ifndef SPROUT_COMMON_PICTURE_READ_IMAGE_H_
+#define SPROUT_COMMON_PICTURE_READ_IMAGE_H_
+
+#include <filesystem>
+#include <initializer_list>
+#include <opencv2/core.hpp>
+
+#include "common/core/result.h"
+
+namespace sprout {
+
+enum class ImageFormat { kPng, kJpeg, kPnm, kBmp, kTiff };
+
+/// PNG, JPEG, PGM and PPM: what pictures of data sets are.
+inline constexpr std::initializer_list<ImageFormat> kPictureFormats = {
+    ImageFormat::kPng, ImageFormat::kJpeg, ImageFormat::kPnm};
+
+/// The same, and what cameras' own programs write.
+inline constexpr std::initializer_list<ImageFormat> kCameraFormats = {
+    ImageFormat::kPng, ImageFormat::kJpeg, ImageFormat::kPnm, ImageFormat::kBmp,
+    ImageFormat::kTiff};
+
+/// Decodes an image, as its pixels lie in the file. The first bytes tell the format, the header the
+/// size, and only then OpenCV gets to see it: a small file may claim any size.
+/// @param flags  cv::imread()'s.
+/// @returns the image, or "image PATH: " and what is wrong with it: not of the formats, unreadable,
+///          larger than kMaxSide or kMaxPixels.
+Result<cv::Mat> DecodeImageFile(const std::filesystem::path& path, int flags,
+                                std::initializer_list<ImageFormat> formats);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_PICTURE_READ_IMAGE_H_

@@ -1,0 +1,80 @@
+#include "services/batch/names.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "common/config/config.h"
+#include "common/messages/shortened.h"
+
+namespace sprout::batch {
+namespace {
+
+constexpr size_t kLongestName = 200;  // a file name has 255 bytes, and endings come behind it
+constexpr std::string_view kNotInNames = "/,\"";
+
+bool IsControl(char letter) {
+  const auto byte = static_cast<unsigned char>(letter);
+  return byte < 0x20 || byte == 0x7f;
+}
+
+}  // namespace
+
+bool IsPlainText(std::string_view text) {
+  if (std::any_of(text.begin(), text.end(), IsControl)) return false;
+  try {
+    (void)nlohmann::json(text).dump();  // as the manifest writes it
+    return true;
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
+}
+
+std::string Escaped(std::string_view text) {
+  const bool is_utf8 = IsPlainText([&] {
+    std::string without(text);
+    std::erase_if(without, IsControl);
+    return without;
+  }());
+  std::string escaped;
+  for (const char letter : text) {
+    const auto byte = static_cast<unsigned char>(letter);
+    const bool is_plain = !IsControl(letter) && (is_utf8 || byte < 0x80);
+    escaped += is_plain ? std::string(1, letter) : fmt::format("\\x{:02x}", byte);
+  }
+  return escaped;
+}
+
+void RequirePlainText(const std::string& flag, const std::string& text) {
+  if (IsPlainText(text)) return;
+  throw ConfigError(
+      fmt::format("{} '{}': allowed is UTF-8 without control characters", flag, Escaped(text)));
+}
+
+bool IsResultName(std::string_view name) {
+  return !name.empty() && name.size() <= kLongestName && name != "." && name != ".." &&
+         name.find_first_of(kNotInNames) == std::string_view::npos && IsPlainText(name);
+}
+
+std::string ResultNameOf(const std::filesystem::path& log, std::set<std::string>& taken) {
+  constexpr size_t kRoomForNumber = 20;
+  std::string stem = Shortened(log.stem().string(), kLongestName - kRoomForNumber);
+  for (char& letter : stem) {
+    if (kNotInNames.find(letter) != std::string_view::npos) letter = '_';
+  }
+  if (!IsResultName(stem)) stem = "log";
+  std::string name = stem;
+  for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}-{}", stem, i);
+  return name;
+}
+
+std::string ShellWord(const std::string& text) {
+  constexpr char kPlain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-./:=";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char letter : text) word += letter == '\'' ? "'\\''" : std::string(1, letter);
+  return word + "'";
+}
+
+}  // namespace sprout::batch

@@ -1,0 +1,36 @@
+#ifndef SPROUT_SERVICES_BATCH_NAMES_H_
+#define SPROUT_SERVICES_BATCH_NAMES_H_
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <string_view>
+
+namespace sprout::batch {
+
+/// Whether a text can stand in a manifest, in a table and on a page: UTF-8 without control
+/// characters. File names may hold any bytes.
+bool IsPlainText(std::string_view text);
+
+/// Text for people: bytes that are not plain as \xNN.
+std::string Escaped(std::string_view text);
+
+/// @throws ConfigError that names the flag when `text` is not plain.
+void RequirePlainText(const std::string& flag, const std::string& text);
+
+/// Whether a log's results can have this name: plain text that is one part of a path and one cell
+/// of a table.
+bool IsResultName(std::string_view name);
+
+/// What the results of a log are called: its file's name, changed where IsResultName() does not
+/// allow it, with a number behind it when another log is called so already.
+/// @param log    plain text.
+/// @param taken  names of the other logs; the new one is added.
+std::string ResultNameOf(const std::filesystem::path& log, std::set<std::string>& taken);
+
+/// One word of a shell's command line that stands for exactly this text.
+std::string ShellWord(const std::string& text);
+
+}  // namespace sprout::batch
+
+#endif  // SPROUT_SERVICES_BATCH_NAMES_H_

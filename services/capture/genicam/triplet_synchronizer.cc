@@ -1,0 +1,120 @@
+#include "services/capture/genicam/triplet_synchronizer.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace sprout::capture {
+namespace {
+
+// Memory: at most so many images of a camera wait, whatever their times say.
+constexpr size_t kMaxWaiting = 64;
+
+Triplet Taken(std::deque<TimedImage>& left, std::deque<TimedImage>& right) {
+  Triplet triplet{.left = std::move(left.front()), .right = std::move(right.front()), .tof = {}};
+  left.pop_front();
+  right.pop_front();
+  return triplet;
+}
+
+// Whether the second image of a queue is closer to a time than the first.
+bool SecondIsCloser(const std::deque<TimedImage>& queue, int64_t utime) {
+  return queue.size() > 1 && std::abs(queue[1].utime - utime) < std::abs(queue[0].utime - utime);
+}
+
+}  // namespace
+
+double Triplet::spread_ms() const {
+  int64_t first = std::min(left.utime, right.utime);
+  int64_t last = std::max(left.utime, right.utime);
+  if (tof) {
+    first = std::min(first, tof->utime);
+    last = std::max(last, tof->utime);
+  }
+  return static_cast<double>(last - first) * 1e-3;
+}
+
+void TripletSynchronizer::DropFront(RigPlace place) {
+  QueueOf(place).pop_front();
+  ++unpaired_[Index(place)];
+}
+
+void TripletSynchronizer::Drop(RigPlace place) {
+  while (!QueueOf(place).empty()) DropFront(place);
+}
+
+void TripletSynchronizer::Push(RigPlace place, TimedImage image) {
+  Queue& queue = QueueOf(place);
+  if (place == RigPlace::kTof) tof_is_silent_ = false;
+  if (!queue.empty() && image.utime < queue.back().utime) Drop(place);
+  if (queue.size() == kMaxWaiting) DropFront(place);
+  queue.push_back(std::move(image));
+}
+
+std::optional<Triplet> TripletSynchronizer::Next(int64_t now_utime) {
+  if (FindPair()) {
+    Queue& tofs = QueueOf(RigPlace::kTof);
+    switch (FindTof(now_utime)) {
+      case Search::kWait:
+        return std::nullopt;
+      case Search::kNone:
+        return Taken(QueueOf(RigPlace::kLeft), QueueOf(RigPlace::kRight));
+      case Search::kFound: {
+        Triplet triplet = Taken(QueueOf(RigPlace::kLeft), QueueOf(RigPlace::kRight));
+        triplet.tof = std::move(tofs.front());
+        tofs.pop_front();
+        return triplet;
+      }
+    }
+  }
+  DropOverdue(now_utime);
+  return std::nullopt;
+}
+
+void TripletSynchronizer::DropOverdue(int64_t now_utime) {
+  for (const RigPlace place : kRigPlaces) {
+    const Queue& queue = QueueOf(place);
+    while (!queue.empty() && queue.front().utime + config_.max_wait_us < now_utime) {
+      DropFront(place);
+    }
+  }
+}
+
+// True when the fronts of both queues belong together. Drops what has no partner on the way.
+bool TripletSynchronizer::FindPair() {
+  const Queue& lefts = QueueOf(RigPlace::kLeft);
+  const Queue& rights = QueueOf(RigPlace::kRight);
+  while (!lefts.empty() && !rights.empty()) {
+    const int64_t left = lefts.front().utime;
+    const int64_t right = rights.front().utime;
+    if (left + config_.max_spread_us < right || (left < right && SecondIsCloser(lefts, right))) {
+      DropFront(RigPlace::kLeft);
+    } else if (right + config_.max_spread_us < left ||
+               (right < left && SecondIsCloser(rights, left))) {
+      DropFront(RigPlace::kRight);
+    } else {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Whether the front of the ToF queue belongs to the pair in front of the others.
+TripletSynchronizer::Search TripletSynchronizer::FindTof(int64_t now_utime) {
+  if (!config_.has_tof) return Search::kNone;
+  const int64_t left = QueueOf(RigPlace::kLeft).front().utime;
+  const int64_t right = QueueOf(RigPlace::kRight).front().utime;
+  const int64_t earliest = std::max(left, right) - config_.max_spread_us;
+  const int64_t latest = std::min(left, right) + config_.max_spread_us;
+  const int64_t middle = left + (right - left) / 2;
+  const Queue& tofs = QueueOf(RigPlace::kTof);
+  while (!tofs.empty()) {
+    const int64_t tof = tofs.front().utime;
+    if (tof > latest) return Search::kNone;
+    if (tof >= earliest && !(tof < middle && SecondIsCloser(tofs, middle))) return Search::kFound;
+    DropFront(RigPlace::kTof);
+  }
+  if (std::max(left, right) + config_.max_wait_us < now_utime) tof_is_silent_ = true;
+  return tof_is_there_ && !tof_is_silent_ ? Search::kWait : Search::kNone;
+}
+
+}  // namespace sprout::capture

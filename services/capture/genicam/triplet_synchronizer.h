@@ -1,0 +1,88 @@
+#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_SYNCHRONIZER_H_
+#define SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_SYNCHRONIZER_H_
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <opencv2/core.hpp>
+#include <optional>
+
+#include "common/core/tof_image.h"
+
+namespace sprout::capture {
+
+/// Place of a camera in a rig.
+enum class RigPlace { kLeft, kRight, kTof };
+inline constexpr std::array kRigPlaces = {RigPlace::kLeft, RigPlace::kRight, RigPlace::kTof};
+
+/// One camera's image and when it was taken.
+struct TimedImage {
+  int64_t utime = 0;  ///< middle of the exposure, host's time, µs
+  cv::Mat image;      ///< of the left or right camera
+  TofImage tof;       ///< of the ToF camera
+};
+
+/// Images that were taken together.
+struct Triplet {
+  TimedImage left;
+  TimedImage right;
+  std::optional<TimedImage> tof;
+  /// Middle of the exposures of left and right, µs.
+  int64_t utime() const { return left.utime + (right.utime - left.utime) / 2; }
+  /// Between the earliest and the latest of them, ms.
+  double spread_ms() const;
+};
+
+struct TripletConfig {
+  /// Images whose times are at most so far apart belong together, µs; > 0.
+  int64_t max_spread_us = 5000;
+  bool has_tof = true;  ///< whether the rig has a ToF camera
+  /// How long after its exposure an image is waited for at most, µs. A pair goes without a ToF
+  /// image after that; so do images of one camera without that of the other one.
+  int64_t max_wait_us = 500'000;
+};
+
+/// Puts together images by the time of their exposure. Images of one camera come in the order of
+/// their exposure; those of different cameras in any order. Deterministic, no clock inside.
+class TripletSynchronizer {
+ public:
+  explicit TripletSynchronizer(const TripletConfig& config) : config_(config) {}
+
+  /// Takes an image. One that is older than the newest of its camera (its clock jumped) counts all
+  /// images of that camera which wait as unpaired.
+  void Push(RigPlace place, TimedImage image);
+
+  /// Whether images of the ToF camera are worth waiting for: false once it is gone.
+  void SetTofIsThere(bool is_there) { tof_is_there_ = is_there; }
+
+  /// Gives up on waiting images of a camera: it was started again, its times may be others.
+  void Drop(RigPlace place);
+
+  /// The next triplet, if it is settled. Several may be waiting: call again.
+  /// @param now_utime  host's time, µs.
+  std::optional<Triplet> Next(int64_t now_utime);
+
+  /// Images without partners so far. A ToF image between two pairs counts, too.
+  int64_t unpaired(RigPlace place) const { return unpaired_[Index(place)]; }
+
+ private:
+  using Queue = std::deque<TimedImage>;
+
+  static size_t Index(RigPlace place) { return static_cast<size_t>(place); }
+  Queue& QueueOf(RigPlace place) { return queues_[Index(place)]; }
+  void DropFront(RigPlace place);
+  void DropOverdue(int64_t now_utime);
+  bool FindPair();
+  enum class Search { kFound, kNone, kWait };
+  Search FindTof(int64_t now_utime);
+
+  TripletConfig config_;
+  bool tof_is_there_ = true;
+  bool tof_is_silent_ = false;
+  std::array<Queue, kRigPlaces.size()> queues_;
+  std::array<int64_t, kRigPlaces.size()> unpaired_{};
+};
+
+}  // namespace sprout::capture
+
+#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_SYNCHRONIZER_H_

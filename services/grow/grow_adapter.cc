@@ -1,0 +1,55 @@
+#include "services/grow/grow_adapter.h"
+
+#include <string>
+#include <utility>
+
+#include "common/core/image.h"
+
+namespace sprout::grow {
+
+GrowAdapter::Growth GrowAdapter::Grow(const Frame& frame) {
+  const cv::Mat1b left = ToGrey(frame.left);
+  const cv::Mat1b right = ToGrey(frame.right);
+  const PriorMap prior = frame.prior.value_or(PriorMap());
+  Growth growth;
+  growth.seeds = frame.seeds->seeds;
+  Result<DisparityImage> grown = grower_.Compute(left, right, growth.seeds, prior);
+  if (!grown) {
+    growth.refused = true;
+    growth.map = DisparityImage(left.size());
+    growth.degenerate = grown.error().text;
+    return growth;
+  }
+  growth.map = std::move(*grown);
+  if (growth.seeds.empty()) {
+    growth.degenerate = "no seeds to grow from";
+  } else if (frame.prior && !prior.disparity.AnyValid()) {
+    growth.degenerate = "the prior is empty";
+  } else if (!growth.map.AnyValid()) {
+    growth.degenerate = "nothing grew from " + std::to_string(growth.seeds.size()) + " seeds";
+  }
+  return growth;
+}
+
+StageResult GrowAdapter::Finish(const Frame& frame, const Growth& growth) {
+  StageResult outcome{.outputs = {}, .degenerate = growth.degenerate};
+  if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, growth.map});
+  // Images that do not fit together say nothing about the prior either.
+  const auto fill = growth.refused ? GrowConfig::NONE : config_.fill();
+  DisparityImage filled =
+      gap_filler_.Fill(growth.map, fill, frame.prior ? frame.prior->disparity : DisparityImage());
+  cv::Mat1b confidence;
+  if (config_.publish_confidence() || config_.min_confidence() > 0) {
+    confidence = growth.refused ? cv::Mat1b(filled.size(), uint8_t{0})
+                                : confidence_.Compute(ToGrey(frame.left), ToGrey(frame.right),
+                                                      growth.seeds, growth.map, filled);
+    DropUnsure(confidence, config_.min_confidence(), filled);
+  }
+  outcome.outputs.push_back({Part::kDisparity, filled});
+  if (config_.publish_confidence()) {
+    outcome.outputs.push_back({Part::kConfidence, cv::Mat(confidence)});
+  }
+  return outcome;
+}
+
+}  // namespace sprout::grow

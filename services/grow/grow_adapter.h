@@ -1,0 +1,51 @@
+#ifndef SPROUT_SERVICES_GROW_GROW_ADAPTER_H_
+#define SPROUT_SERVICES_GROW_GROW_ADAPTER_H_
+
+#include <string>
+#include <vector>
+
+#include "common/config/stage_parts.h"
+#include "common/core/stage_adapter.h"
+#include "services/grow/confidence.h"
+#include "services/grow/gap_filler.h"
+#include "services/grow/grower.h"
+
+namespace sprout::grow {
+
+/// LEFT RIGHT SEEDS [PRIOR] → DISPARITY [UNFILLED] [CONFIDENCE]: PRIOR when the similarity is EPC
+/// or gaps take its disparities, UNFILLED and CONFIDENCE when the configuration asks for them.
+class GrowAdapter : public StageAdapter {
+ public:
+  explicit GrowAdapter(const GrowConfig& config)
+      : config_(config), grower_(config), confidence_(config.sigma_s_squared()) {}
+
+  PartSet Inputs() const override { return InputsOf(config_); }
+
+  /// Grow() and Finish(). Always answers; when nothing can grow the map is what gap filling makes
+  /// of nothing (the prior, or no disparity), and the outcome says why. Images that do not fit
+  /// together give no disparity.
+  StageResult Process(const Frame& frame) override { return Finish(frame, Grow(frame)); }
+
+  /// What grew.
+  struct Growth {
+    std::vector<Seed> seeds;  ///< that it started from
+    DisparityImage map;       ///< of the left image's size
+    bool refused = false;     ///< the images or the prior do not fit together
+    std::string degenerate;   ///< why nothing grew; empty when something did
+  };
+  Growth Grow(const Frame& frame);
+
+  /// Fills the gaps, and takes away what the confidence says is not sure.
+  /// @param growth  of this frame.
+  StageResult Finish(const Frame& frame, const Growth& growth);
+
+ private:
+  GrowConfig config_;
+  Grower grower_;
+  GapFiller gap_filler_;
+  ConfidenceEstimator confidence_;
+};
+
+}  // namespace sprout::grow
+
+#endif  // SPROUT_SERVICES_GROW_GROW_ADAPTER_H_

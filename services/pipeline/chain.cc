@@ -1,0 +1,53 @@
+#include "services/pipeline/chain.h"
+
+#include <utility>
+
+#include "common/config/stage_parts.h"
+
+namespace sprout {
+namespace {
+
+const SproutConfig& InRange(const SproutConfig& config) {
+  RequireInRange(config, "");
+  return config;
+}
+
+}  // namespace
+
+Chain::Chain(const SproutConfig& config)
+    : grows_with_prior_(InputsOf(InRange(config).grow()).Has(Part::kPrior)),
+      refine_(config.refine()),
+      prior_(config.prior()),
+      grow_(config.grow()) {}
+
+ChainReport Chain::Run(Frame& frame, ChainObserver& observer, ChainStep last) {
+  ChainReport report;
+  const auto run = [&](ChainStep step, const auto& function) {
+    observer.Begins(step);
+    auto result = function();
+    observer.Ended(step);
+    return result;
+  };
+  const auto add = [&](const char* stage, StageResult outcome) {
+    for (PartOutput& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
+    if (!outcome.degenerate.empty()) {
+      report.warnings.push_back(std::string(stage) + ": " + outcome.degenerate);
+    }
+    observer.Answered(stage, frame, outcome);
+  };
+  if (!frame.seeds) {
+    StageResult outcome = run(ChainStep::kRefine, [&] { return refine_.Process(frame); });
+    report.tof_offset = outcome.tof_offset;
+    add("refine", std::move(outcome));
+    observer.Refined(*frame.seeds, *frame.left_seeds);
+  }
+  if (last == ChainStep::kPrior || (grows_with_prior_ && last > ChainStep::kPrior)) {
+    add("prior", run(ChainStep::kPrior, [&] { return prior_.Process(frame); }));
+  }
+  if (last < ChainStep::kGrow) return report;
+  const auto growth = run(ChainStep::kGrow, [&] { return grow_.Grow(frame); });
+  add("grow", run(ChainStep::kFinish, [&] { return grow_.Finish(frame, growth); }));
+  return report;
+}
+
+}  // namespace sprout

@@ -1,0 +1,66 @@
+#ifndef SPROUT_SERVICES_PIPELINE_CHAIN_H_
+#define SPROUT_SERVICES_PIPELINE_CHAIN_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/core/frame.h"
+#include "services/grow/grow_adapter.h"
+#include "services/prior/prior_adapter.h"
+#include "services/refine/refine_adapter.h"
+
+namespace sprout {
+
+/// The steps of the chain, in their order. kFinish: gap filling, and the confidence where the
+/// configuration asks for it.
+enum class ChainStep { kRefine, kPrior, kGrow, kFinish };
+
+/// Sees a chain at work: for those who time its steps, or damage what passes.
+class ChainObserver {
+ public:
+  virtual ~ChainObserver() = default;
+  virtual void Begins(ChainStep /*step*/) {}
+  virtual void Ended(ChainStep /*step*/) {}
+  /// The stage "refine", "prior" or "grow" has answered, and the frame has what it gave.
+  /// @param outcome  what it says beside its parts, which are moved away.
+  virtual void Answered(std::string_view /*stage*/, const Frame& /*frame*/,
+                        const StageResult& /*outcome*/) {}
+  /// The frame's seeds, before prior and growth use them; they may be changed.
+  virtual void Refined(SeedSet& /*seeds*/, SeedSet& /*left_seeds*/) {}
+};
+
+/// What a chain has to say about a frame, beside its parts.
+struct ChainReport {
+  /// Why a stage had nothing to give ("refine: no ToF point has a return"), one line each; empty
+  /// when all is well.
+  std::vector<std::string> warnings;
+  TofOffsetStatus tof_offset;  ///< see StageResult
+};
+
+/// refine, prior and grow on one frame, as the services of these names compute it, to the byte. The
+/// one place that knows their order. Keeps its memory from frame to frame, so one object serves one
+/// caller at a time.
+class Chain {
+ public:
+  /// @throws ConfigError naming the first value that is out of range.
+  explicit Chain(const SproutConfig& config);
+
+  /// Adds SEEDS and LEFT_SEEDS, PRIOR when growth uses it, DISPARITY and what else the
+  /// configuration asks for.
+  /// @param frame     has LEFT, RIGHT, TOF and RIG that fit each other. When it has SEEDS already,
+  ///                  refinement is left out.
+  /// @param last      the steps behind it are left out; kPrior: the prior is always made.
+  ChainReport Run(Frame& frame, ChainObserver& observer, ChainStep last = ChainStep::kFinish);
+
+ private:
+  bool grows_with_prior_;
+  refine::RefineAdapter refine_;
+  prior::PriorAdapter prior_;
+  grow::GrowAdapter grow_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_PIPELINE_CHAIN_H_

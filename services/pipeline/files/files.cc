@@ -1,0 +1,103 @@
+#include "services/pipeline/files/files.h"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <system_error>
+#include <vector>
+
+#include "common/app/progress.h"
+#include "common/core/image.h"
+#include "services/pipeline/files/write_results.h"
+#include "services/pipeline/pipeline.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+double Percent(int64_t part, int64_t whole) {
+  return whole == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+// What was found, in one line.
+std::string LineOf(const fs::path& folder, const DepthFrame& depth, double ms) {
+  std::string line =
+      fmt::format("{}: {}, {} seeds, {:.1f} % of the pixels have a depth, {:.0f} ms",
+                  folder.string(), SizeText(depth.depth_m.size()), depth.seeds.seeds.size(),
+                  Percent(cv::countNonZero(depth.depth_m == depth.depth_m),
+                          static_cast<int64_t>(depth.depth_m.total())),
+                  ms);
+  if (const int far = cv::countNonZero(depth.depth_m > kMaxPngDepthM); far > 0) {
+    line += fmt::format("; {} of them more than {:.1f} m, which depth.png leaves out", far,
+                        kMaxPngDepthM);
+  }
+  for (const std::string& warning : depth.warnings) line += "; " + warning;
+  return line;
+}
+
+// Computes one pair and writes it.
+// @returns the line to print.
+Result<std::string> ComputePair(const PairReader& reader, const ImagePair& pair,
+                                const fs::path& folder, Pipeline& pipeline) {
+  using Clock = std::chrono::steady_clock;
+  try {
+    const Result<Frame> frame = reader.Read(pair);
+    if (!frame) return tl::unexpected(frame.error());
+    const auto begun = Clock::now();
+    const Result<DepthFrame> depth =
+        pipeline.Compute(frame->left, frame->right, *frame->tof, *frame->rig);
+    if (!depth) return tl::unexpected(depth.error());
+    const std::chrono::duration<double, std::milli> time = Clock::now() - begun;
+    if (const Result<void> written = WriteResults(*frame, *depth, folder); !written) {
+      return tl::unexpected(written.error());
+    }
+    return LineOf(folder, *depth, time.count());
+  } catch (const std::exception& e) {
+    return Fail(e.what());
+  }
+}
+
+void CreateFolder(const std::string& out) {
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) throw ConfigError("--out " + out + ": cannot be written (" + error.message() + ")");
+}
+
+}  // namespace
+
+int RunFiles(const FilesOptions& options, const SproutConfig& config, const std::stop_token& stop) {
+  const std::vector<ImagePair> pairs = ListPairs(options.left, options.right, options.tof);
+  const PairReader reader(options.rig);
+  Pipeline pipeline(config);
+  CreateFolder(options.out);
+  Progress progress(/*quiet=*/false);
+  size_t done = 0;
+  size_t left_out = 0;
+  for (const ImagePair& pair : pairs) {
+    if (stop.stop_requested()) break;
+    if (pairs.size() > 1) {
+      progress.Show(fmt::format("pair {} of {}: {}", done + 1, pairs.size(), pair.left.string()));
+    }
+    const auto line = ComputePair(reader, pair, fs::path(options.out) / pair.folder, pipeline);
+    progress.Clear();
+    if (line) {
+      std::cout << *line << std::endl;
+    } else {
+      ++left_out;
+      std::cerr << "sprout-pipeline: " << pair.left.string() << ": " << line.error().text << "\n";
+    }
+    ++done;
+  }
+  if (done < pairs.size()) {
+    std::cerr << fmt::format("sprout-pipeline: stopped after {} of {} pairs\n", done, pairs.size());
+  } else if (left_out > 0 && pairs.size() > 1) {
+    std::cerr << fmt::format("sprout-pipeline: {} of {} pairs left out\n", left_out, pairs.size());
+  }
+  return left_out == 0 && done == pairs.size() ? 0 : 1;
+}
+
+}  // namespace sprout

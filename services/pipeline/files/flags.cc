@@ -1,0 +1,70 @@
+#include "services/pipeline/files/flags.h"
+
+#include <CLI/CLI.hpp>
+
+#include "common/app/program.h"
+
+namespace sprout {
+namespace {
+
+constexpr char kDescription[] =
+    "Depth of image files, without any bus: a pair, or folders or patterns of many, whose files\n"
+    "belong together in the order of their names.";
+
+constexpr char kFooter[] = R"(
+Examples
+  sprout-pipeline files left.png right.png --focal-px 1733 --baseline-m 0.11 --out out
+  sprout-pipeline files left.png right.png --tof depth.png --focal-px 1733 --baseline-m 0.11 --out out
+  sprout-pipeline files raw/left raw/right --tof raw/tof --rig rig.textproto --out out --config fast
+  sprout-pipeline files 'scenes/*/im0.png' 'scenes/*/im1.png' --focal-px 3740 --baseline-m 0.16 --out out
+
+With --rig the images are as the cameras gave them, and are rectified. With --focal-px and
+--baseline-m they are rectified already, and the ToF image shows what the left one shows, at any
+resolution. --tof is a PNG of 16 bits in mm or a PFM in m; 0: no return. Without it stereo does the work.
+
+Writes to DIR, and of many pairs to DIR/NAME, where NAME is the left image's
+  disparity.pfm    px, +inf: none              disparity.png   16 bit, 32 counts a px, 0: none
+  depth.pfm        m, NaN: none                depth.png       16 bit, mm, 0: none
+  confidence.png   0 to 255, to sort by        overview.png    to look at
+  cloud.ply        m, coloured points          mesh.ply        the same as a surface
+
+The flags of `sprout-pipeline --help` hold here, too: --config, --threads, --log-level. Exit codes: 0;
+1 a pair could not be computed, the others were; 2 a flag or file that cannot be used, nothing was done.
+)";
+
+}  // namespace
+
+CLI::App& AddFilesCommand(CLI::App& flags, FilesOptions& options) {
+  CLI::App& files = *flags.add_subcommand("files", kDescription);
+  files.fallthrough();
+  files.footer(kFooter);
+  files.add_option("LEFT", options.left, "Left image, folder or 'pattern'")->required();
+  files.add_option("RIGHT", options.right, "Right image, folder or 'pattern'")->required();
+  files.add_option("--tof", options.tof, "ToF image, folder or 'pattern'")->type_name("TOF");
+  files.add_option("--out", options.out, "Folder to write to")->required()->type_name("DIR");
+  CLI::Option* rig =
+      files.add_option("--rig", options.rig.rig_file, "Calibration, as sprout-calibrate writes it")
+          ->type_name("FILE");
+  const auto add = [&](const char* name, std::optional<double>& value, const char* text, double low,
+                       double high) {
+    return files.add_option(name, value, text)->check(NumberIn(low, high))->excludes(rig);
+  };
+  CLI::Option* focal =
+      add("--focal-px", options.rig.focal_px, "Focal length of a rectified pair, px", 1e-3, 1e6);
+  CLI::Option* baseline =
+      add("--baseline-m", options.rig.baseline_m, "Distance of its cameras, m", 1e-6, 1e6);
+  focal->needs(baseline);
+  baseline->needs(focal);
+  CLI::Option* cx = add("--cx", options.rig.cx,
+                        "Column of the left principal point, px (default: the middle)", -1e6, 1e6);
+  cx->needs(focal);
+  add("--cx-right", options.rig.cx_right,
+      "Of the right one, px (default: as --cx); Middlebury's doffs is their difference", -1e6, 1e6)
+      ->needs(focal);
+  for (const char* bus : {"--lcm-url", "--channel-prefix", "--replay", "--record", "--frames"}) {
+    files.excludes(flags.get_option(bus));
+  }
+  return files;
+}
+
+}  // namespace sprout

@@ -1,0 +1,20 @@
+#ifndef SPROUT_SERVICES_PIPELINE_FILES_FLAGS_H_
+#define SPROUT_SERVICES_PIPELINE_FILES_FLAGS_H_
+
+#include "services/pipeline/files/files.h"
+
+namespace CLI {
+class App;  // <CLI/CLI.hpp> takes seconds to compile
+}
+
+namespace sprout {
+
+/// Adds the command `files`.
+/// @param flags    of a Service that offers replay.
+/// @param options  gets what was given; lives longer than the flags.
+/// @returns the command, which is true when it was given.
+CLI::App& AddFilesCommand(CLI::App& flags, FilesOptions& options);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_PIPELINE_FILES_FLAGS_H_

@@ -1,0 +1,66 @@
+#include "services/pipeline/files/write_results.h"
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+#include <utility>
+
+#include "common/picture/frame_pictures.h"
+#include "common/picture/write_image.h"
+#include "common/picture/write_ply.h"
+
+namespace sprout {
+namespace {
+
+// The counts of DisparityImage, so nothing is rounded. Zero means none, as in KITTI's maps, so a
+// disparity of zero becomes the smallest there is.
+cv::Mat1w CountsOf(const DisparityImage& disparity) {
+  cv::Mat1w counts(disparity.size(), uint16_t{0});
+  for (int v = 0; v < disparity.height(); ++v) {
+    for (int u = 0; u < disparity.width(); ++u) {
+      if (!disparity.IsValid(u, v)) continue;
+      counts(v, u) = static_cast<uint16_t>(std::max<int>(disparity.counts()(v, u), 1));
+    }
+  }
+  return counts;
+}
+
+cv::Mat1w MillimetresOf(const cv::Mat1f& depth_m) {
+  cv::Mat1w mm(depth_m.size(), uint16_t{0});
+  for (int v = 0; v < depth_m.rows; ++v) {
+    for (int u = 0; u < depth_m.cols; ++u) {
+      const double depth = double{depth_m(v, u)};
+      if (depth <= kMaxPngDepthM) mm(v, u) = static_cast<uint16_t>(std::lround(depth * 1000));
+    }
+  }
+  return mm;
+}
+
+}  // namespace
+
+Result<void> WriteResults(Frame frame, const DepthFrame& depth,
+                          const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return Fail(folder.string() + ": cannot be written (" + error.message() + ")");
+  frame.disparity = depth.disparity;
+  frame.seeds = depth.seeds;
+  frame.confidence = depth.confidence;
+  if (!depth.prior.disparity.empty()) frame.prior = depth.prior;
+  const RectifiedPair& pair = frame.rig->pair;
+  return WritePfm(folder / "disparity.pfm", depth.disparity)
+      .and_then([&] { return WritePng(folder / "disparity.png", CountsOf(depth.disparity)); })
+      .and_then([&] { return WritePfm(folder / "depth.pfm", depth.depth_m); })
+      .and_then([&] { return WritePng(folder / "depth.png", MillimetresOf(depth.depth_m)); })
+      .and_then([&]() -> Result<void> {
+        if (depth.confidence.empty()) return {};
+        return WritePng(folder / "confidence.png", depth.confidence);
+      })
+      .and_then(
+          [&] { return WriteCloudPly(folder / "cloud.ply", pair, depth.disparity, frame.left); })
+      .and_then(
+          [&] { return WriteMeshPly(folder / "mesh.ply", pair, depth.disparity, frame.left); })
+      .and_then([&] { return WritePng(folder / "overview.png", OverviewOf(frame)); });
+}
+
+}  // namespace sprout

@@ -1,0 +1,53 @@
+#include "services/pipeline/pipeline_adapter.h"
+
+#include <string>
+#include <vector>
+
+#include "common/config/stage_parts.h"
+
+namespace sprout {
+namespace {
+
+PartSet AllOutputs(const SproutConfig& config) {
+  PartSet outputs;
+  for (const char* stage : {"refine", "prior", "grow"}) {
+    const PartSet of_stage = OutputsOf(stage, config);
+    for (const Part part : kAllParts) {
+      if (of_stage.Has(part)) outputs.Add(part);
+    }
+  }
+  return outputs;
+}
+
+std::string InOneLine(const std::vector<std::string>& warnings) {
+  std::string line;
+  for (const std::string& warning : warnings) line += (line.empty() ? "" : "; ") + warning;
+  return line;
+}
+
+}  // namespace
+
+PipelineAdapter::PipelineAdapter(const SproutConfig& config, ChainObserver& steps)
+    : steps_(steps),
+      outputs_(AllOutputs(config)),
+      grows_with_prior_(InputsOf(config.grow()).Has(Part::kPrior)),
+      chain_(config) {}
+
+PartSet PipelineAdapter::Inputs() const { return InputsOf(RefineConfig()); }
+
+StageResult PipelineAdapter::Process(const Frame& frame) {
+  Frame work = frame;  // shares the images' pixels
+  std::vector<std::string> warnings = chain_.Run(work, steps_).warnings;
+  if (!grows_with_prior_) {
+    // Sprout-prior answers also where growth does not listen.
+    const ChainReport prior = chain_.Run(work, steps_, ChainStep::kPrior);
+    warnings.insert(warnings.end(), prior.warnings.begin(), prior.warnings.end());
+  }
+  StageResult outcome{.outputs = {}, .degenerate = InOneLine(warnings)};
+  for (const Part part : kAllParts) {
+    if (outputs_.Has(part)) outcome.outputs.push_back({part, GetPart(work, part)});
+  }
+  return outcome;
+}
+
+}  // namespace sprout

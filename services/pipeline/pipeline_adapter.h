@@ -1,0 +1,33 @@
+#ifndef SPROUT_SERVICES_PIPELINE_PIPELINE_ADAPTER_H_
+#define SPROUT_SERVICES_PIPELINE_PIPELINE_ADAPTER_H_
+
+#include "common/config/config.h"
+#include "common/core/stage_adapter.h"
+#include "services/pipeline/chain.h"
+
+namespace sprout {
+
+/// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS PRIOR [UNFILLED] DISPARITY [CONFIDENCE]: what refine,
+/// prior and grow answer with the same configuration, to the byte.
+class PipelineAdapter : public StageAdapter {
+ public:
+  /// @param steps  is told of every step; lives longer than this.
+  /// @throws ConfigError naming the first value that is out of range.
+  PipelineAdapter(const SproutConfig& config, ChainObserver& steps);
+
+  PartSet Inputs() const override;
+
+  /// Always answers. The outcome's reason names the stages that had nothing to give. What refine
+  /// says of the ToF camera's pose only the observer hears.
+  StageResult Process(const Frame& frame) override;
+
+ private:
+  ChainObserver& steps_;
+  PartSet outputs_;
+  bool grows_with_prior_;
+  Chain chain_;
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_PIPELINE_PIPELINE_ADAPTER_H_

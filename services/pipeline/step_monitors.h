@@ -1,0 +1,33 @@
+#ifndef SPROUT_SERVICES_PIPELINE_STEP_MONITORS_H_
+#define SPROUT_SERVICES_PIPELINE_STEP_MONITORS_H_
+
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "common/app/stage_monitor.h"
+#include "services/pipeline/chain.h"
+
+namespace sprout {
+
+/// Counts and times refine, prior and grow inside a chain under these names, as if they were
+/// processes: for capture's --wait-for, sprout-top and the like. A frame that fails, or is lost
+/// before the chain, is counted by the chain's host alone.
+class StepMonitors : public ChainObserver {
+ public:
+  explicit StepMonitors(const std::string& config_digest);
+
+  std::span<StageMonitor> all() { return monitors_; }
+
+  void Begins(ChainStep step) override;
+  void Answered(std::string_view stage, const Frame& frame, const StageResult& outcome) override;
+
+ private:
+  std::array<StageMonitor, 3> monitors_;
+  StageMonitor::Clock::time_point begun_{};
+};
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_PIPELINE_STEP_MONITORS_H_

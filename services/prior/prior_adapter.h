@@ -1,0 +1,39 @@
+#ifndef SPROUT_SERVICES_PRIOR_PRIOR_ADAPTER_H_
+#define SPROUT_SERVICES_PRIOR_PRIOR_ADAPTER_H_
+
+#include <span>
+#include <vector>
+
+#include "common/config/stage_parts.h"
+#include "common/core/stage_adapter.h"
+#include "services/prior/prior_estimator.h"
+
+namespace sprout::prior {
+
+/// SEEDS LEFT RIG → PRIOR, with LEFT_SEEDS if the configuration says so, and RIGHT for the method
+/// that looks at images.
+class PriorAdapter : public StageAdapter {
+ public:
+  /// @throws ConfigError for a value out of range.
+  explicit PriorAdapter(const PriorConfig& config)
+      : inputs_(InputsOf(config)), estimator_(config) {}
+
+  PartSet Inputs() const override { return inputs_; }
+
+  /// Always answers, with a map of the size of LEFT; seeds that span no triangle, or images of
+  /// another size than the calibrated one, give one without any disparity, and the outcome says
+  /// why.
+  StageResult Process(const Frame& frame) override;
+
+ private:
+  std::span<const Seed> SeedsOf(const Frame& frame);
+  Result<PriorMap> Estimate(const Frame& frame);
+
+  PartSet inputs_;
+  PriorEstimator estimator_;
+  std::vector<Seed> seeds_;  // memory
+};
+
+}  // namespace sprout::prior
+
+#endif  // SPROUT_SERVICES_PRIOR_PRIOR_ADAPTER_H_

@@ -1,0 +1,211 @@
+#include "services/refine/alignment/tof_alignment.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "common/core/image.h"
+#include "common/core/parallel.h"
+#include "services/refine/alignment/alignment_rules.h"
+
+namespace sprout::refine {
+namespace {
+
+using Rules = AlignmentRules;
+
+// In an image `scale` times smaller: pixel centres are whole numbers.
+TofEdge AtScale(TofEdge edge, double scale) {
+  const auto half = Eigen::Vector2d::Constant(0.5);
+  edge.left = (edge.left + half) / scale - half;
+  edge.near_px /= scale;
+  edge.far_px /= scale;
+  return edge;
+}
+
+double CellPx(const Rig& rig) { return rig.pair.focal_px / std::min(rig.tof.fx, rig.tof.fy); }
+
+// What an edge's place depends on: the offset, and how far all edges seem to lie outwards.
+Eigen::Vector3d RowOf(const TofEdge& edge) { return {edge.motion.x(), edge.motion.y(), 1}; }
+
+}  // namespace
+
+// The sum of all profiles for whole offsets, px.
+struct TofAligner::Votes {
+  Eigen::Vector2d best{0, 0};
+  double doubt = 1;  // how far the best sum elsewhere exceeds the mean, by how far this one does
+};
+
+// Where the sum of all profiles, eq. (A5), is largest.
+struct TofAligner::Fit {
+  Eigen::Vector3d place{0, 0, 0};  // offset and outwards shift, px
+  Eigen::Matrix3d inverse;         // of the negative second derivatives
+  Eigen::Matrix2d covariance;      // of the offset, px²
+  bool is_peak = false;
+  int edges = 0;
+};
+
+TofAligner::Votes TofAligner::Vote(int most_px, double cell_px) const {
+  // Profiles are as wide as a ToF pixel.
+  const int step_px = std::max(1, cvRound(cell_px / Rules::kVotesPerCell));
+  const int most = (most_px + step_px - 1) / step_px;
+  const int side = 2 * most + 1;
+  cv::Mat1d sums(side, side);
+  ForEachParallel(static_cast<size_t>(side), [&](size_t row) {
+    const int dv = (static_cast<int>(row) - most) * step_px;
+    for (int i = 0; i < side; ++i) {
+      const int du = (i - most) * step_px;
+      double sum = 0;
+      for (size_t k = 0; k < edges_.size(); ++k) {
+        const Eigen::Vector2d& motion = edges_[k].motion;
+        sum += double{profiles_.At(k, motion.x() * du + motion.y() * dv)};
+      }
+      sums(static_cast<int>(row), i) = sum;
+    }
+  });
+  cv::Point best;
+  double best_sum = 0;
+  cv::minMaxLoc(sums, nullptr, &best_sum, nullptr, &best);
+  double elsewhere = 0;
+  double mean = 0;
+  const double distance = Rules::kElsewhereCells * cell_px / step_px;
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) {
+      mean += sums(y, x) / static_cast<double>(sums.total());
+      const cv::Point off = cv::Point(x, y) - best;
+      if (off.dot(off) > distance * distance) elsewhere = std::max(elsewhere, sums(y, x));
+    }
+  }
+  return {.best = Eigen::Vector2d(best.x - most, best.y - most) * step_px,
+          .doubt = best_sum > mean ? (elsewhere - mean) / (best_sum - mean) : 1};
+}
+
+// Newton's method, with differences over `step_px` for derivatives: the profiles are sums over
+// windows, so they are smooth over such a step.
+TofAligner::Fit TofAligner::Maximise(Eigen::Vector2d start, double step_px) const {
+  Fit fit;
+  fit.place.head<2>() = start;
+  for (int i = 0; i < Rules::kMostSteps; ++i) {
+    Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d slope = Eigen::Vector3d::Zero();
+    for (size_t k = 0; k < edges_.size(); ++k) {
+      const Eigen::Vector3d row = RowOf(edges_[k]);
+      const double place = row.dot(fit.place);
+      const double before = profiles_.Between(k, place - step_px);
+      const double here = profiles_.Between(k, place);
+      const double behind = profiles_.Between(k, place + step_px);
+      slope += (behind - before) / (2 * step_px) * row;
+      curvature += (2 * here - before - behind) / (step_px * step_px) * row * row.transpose();
+    }
+    const Eigen::LLT<Eigen::Matrix3d> solver(curvature);
+    fit.is_peak = solver.info() == Eigen::Success;
+    if (!fit.is_peak) return fit;
+    fit.inverse = curvature.inverse();
+    const Eigen::Vector3d step = solver.solve(slope);
+    const double length = std::sqrt(step.squaredNorm());
+    fit.place += length > step_px ? Eigen::Vector3d(step * (step_px / length)) : step;
+    if (!fit.place.allFinite() || length < Rules::kSmallestStepPx) break;
+  }
+  fit.is_peak = fit.place.allFinite();
+  return fit;
+}
+
+// Eq. (A6).
+void TofAligner::FindErrors(double step_px, double cell_px, Fit& fit) const {
+  const double block_px = Rules::kBlockCells * cell_px;
+  std::map<std::pair<int, int>, Eigen::Vector3d> blocks;
+  Eigen::Matrix<double, 3, 4> sides = Eigen::Matrix<double, 3, 4>::Zero();
+  for (size_t k = 0; k < edges_.size(); ++k) {
+    const TofEdge& edge = edges_[k];
+    const Eigen::Vector3d row = RowOf(edge);
+    const double place = row.dot(fit.place);
+    const double before = profiles_.Between(k, place - step_px);
+    const double here = profiles_.Between(k, place);
+    const double behind = profiles_.Between(k, place + step_px);
+    if (here >= double{Rules::kClearEdge}) ++fit.edges;
+    const std::pair block(static_cast<int>(edge.left.x() / block_px),
+                          static_cast<int>(edge.left.y() / block_px));
+    blocks.try_emplace(block, Eigen::Vector3d::Zero()).first->second +=
+        (behind - before) / (2 * step_px) * row;
+    const double curvature = (2 * here - before - behind) / (step_px * step_px);
+    const Eigen::Vector2d shares = edge.normal.cwiseAbs2();
+    sides.col(edge.normal.x() > 0 ? 0 : 1) += curvature * shares.x() * row;
+    sides.col(edge.normal.y() > 0 ? 2 : 3) += curvature * shares.y() * row;
+  }
+  Eigen::Matrix3d middle = Eigen::Matrix3d::Zero();
+  for (const auto& [block, sum] : blocks) middle += sum * sum.transpose();
+  const double usual_px = Rules::kSideSigmaCells * cell_px;
+  const double outwards_px = Rules::kSideSigmaOutwards * fit.place.z();
+  middle += (usual_px * usual_px + outwards_px * outwards_px) * sides * sides.transpose();
+  fit.covariance = (fit.inverse * middle * fit.inverse).topLeftCorner<2, 2>();
+}
+
+TofOffset TofAligner::Estimate(const cv::Mat1b& left, const cv::Mat1b& right,
+                               std::span<const ProjectedPoint> points, const TofImage& tof,
+                               const TofProjector& projector) {
+  cv::Mat1b small_left = left;
+  cv::Mat1b small_right = right;
+  int scale = 1;
+  const double full_cell_px = CellPx(projector.rig());
+  while (full_cell_px / scale > Rules::kLargestCellPx &&
+         std::min(small_left.cols, small_left.rows) >= 2 * Rules::kSmallestSide) {
+    small_left = Halved(small_left);
+    small_right = Halved(small_right);
+    scale *= 2;
+  }
+  const double cell_px = std::clamp(full_cell_px / scale, 1.0, Rules::kLimitCellPx);
+  const std::span<const TofEdge> found =
+      finder_.Find(points, tof, projector, Rules::kLeastStepPx * scale);
+  const size_t count = std::min(found.size(), Rules::kMostEdges);
+  if (count < Rules::kFewestEdges) return {};
+  edges_.clear();
+  for (size_t i = 0; i < count; ++i) {
+    edges_.push_back(AtScale(found[i * found.size() / count], scale));
+  }
+  const int most_px = static_cast<int>(std::ceil(Rules::kMostCells * cell_px));
+  // An edge moves by up to √2 times as much along its normal, and may be found a pixel farther.
+  profiles_.Set(small_left, small_right, edges_,
+                {.reach = static_cast<int>(std::ceil(1.5 * most_px + cell_px)),
+                 .window = std::max(3, cvRound(cell_px)),
+                 .plane_px = Rules::kMostCells * cell_px});
+  const Votes votes = Vote(most_px, cell_px);
+  const double step_px = std::max(1.0, Rules::kStepCells * cell_px);
+  Fit fit = Maximise(votes.best, step_px);
+  if (!fit.is_peak) return {};
+  FindErrors(step_px, cell_px, fit);
+
+  const Eigen::Vector2d offset = fit.place.head<2>();
+  TofOffset result{.du_px = offset.x() * scale,
+                   .dv_px = offset.y() * scale,
+                   .sigma_u_px = std::sqrt(fit.covariance(0, 0)) * scale,
+                   .sigma_v_px = std::sqrt(fit.covariance(1, 1)) * scale,
+                   .significance = std::sqrt(offset.dot(fit.covariance.inverse() * offset)),
+                   .edges = fit.edges};
+  if (!std::isfinite(result.significance)) return {};
+  const double most_sigma_px = Rules::kMostSigmaCells * cell_px * scale;
+  result.sure = fit.edges >= Rules::kFewestEdges && votes.doubt <= Rules::kMostDoubt &&
+                (offset - votes.best).squaredNorm() <= cell_px * cell_px &&
+                result.sigma_u_px <= most_sigma_px && result.sigma_v_px <= most_sigma_px;
+  return result;
+}
+
+void ApplyOffset(const TofOffset& offset, const Rig& rig, std::vector<ProjectedPoint>& points) {
+  // Half angles. Cosines that differ between machines are left out: the quaternion has its length.
+  const double half = 0.5 / rig.pair.focal_px;
+  const Eigen::Matrix3d turn = Eigen::Quaterniond(1, -offset.dv_px * half, offset.du_px * half, 0)
+                                   .normalized()
+                                   .toRotationMatrix();
+  const Eigen::Vector3d& place = rig.tof.left_from_tof_translation_m;
+  for (ProjectedPoint& point : points) {
+    const Eigen::Vector3d turned = place + turn * (PointFromSeed(rig.pair, point.seed) - place);
+    if (!(turned.z() > 0)) continue;
+    const Seed seed = ProjectToPair(rig.pair, turned);
+    point.seed.u = seed.u;
+    point.seed.v = seed.v;
+    point.seed.u_right = seed.u_right;
+  }
+}
+
+}  // namespace sprout::refine

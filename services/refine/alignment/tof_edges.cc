@@ -1,0 +1,184 @@
+#include "services/refine/alignment/tof_edges.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "services/refine/alignment/alignment_rules.h"
+
+namespace sprout::refine {
+namespace {
+
+using Rules = AlignmentRules;
+// As far as is looked beyond a pixel: past the mixed ones, two more and the disc's radius.
+constexpr int kBorder = Rules::kMostMixed + 2 + Rules::kDiscRadius;
+
+struct Direction {
+  int u, v;
+};
+constexpr std::array<Direction, 4> kDirections = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+
+}  // namespace
+
+// ToF pixels, one after another in one direction.
+struct TofEdgeFinder::Line {
+  const float* disparity;
+  const float* amplitude;
+  std::ptrdiff_t stride;
+  double infinity_px;  // disparity of a point at infinity
+
+  double At(int i) const { return double{disparity[i * stride]}; }
+  double Light(int i) const { return double{amplitude[i * stride]}; }
+  // Depth up to a factor; negative when there is none.
+  double Depth(double disparity_px) const { return 1 / (disparity_px - infinity_px); }
+};
+
+// From one surface to the other along a line.
+struct TofEdgeFinder::Step {
+  double near_px = 0, far_px = 0;        // where the near one ends
+  double near_slope = 0, far_slope = 0;  // px a ToF pixel
+  double end = 0.5;                      // of the near one, ToF pixels from the first of the line
+};
+
+// Pixels 0 and 1 are the last two that are near, unless the line of the next pixel is the one.
+std::optional<TofEdgeFinder::Step> TofEdgeFinder::StepAlong(const Line& line, double least_px) {
+  for (int last = 2; last < 2 + Rules::kMostMixed;
+       ++last) {  // last + 1: the second on the far surface
+    const int far = last + 1;
+    const double jump = line.At(0) - line.At(far);
+    const double tolerance = Rules::kSameSurface * jump;
+    const auto same = [&](int i, int k) { return std::abs(line.At(i) - line.At(k)) <= tolerance; };
+    if (!(jump >= least_px) || !same(0, 1) || !same(last, far)) continue;
+    if (same(0, 2)) return {};
+    const auto gentle = [&](double slope) { return std::abs(slope) <= tolerance ? slope : 0; };
+    Step step;
+    step.near_slope = gentle((line.At(0) - line.At(-2)) / 2);
+    step.far_slope = gentle((line.At(far + 2) - line.At(far)) / 2);
+    // Eq. (A1): light adds up, so the depth of a pixel is the mean by amplitude.
+    for (int i = 1; i <= last; ++i) {
+      const double near_depth = line.Depth(line.At(0) + step.near_slope * i);
+      const double far_depth = line.Depth(line.At(far) + step.far_slope * (i - far));
+      const double depth = line.Depth(line.At(i));
+      const double near_part = line.Light(far) * std::max(0.0, far_depth - depth);
+      const double far_part = line.Light(0) * std::max(0.0, depth - near_depth);
+      if (!(near_depth > 0 && far_depth > near_depth && near_part + far_part > 0)) return {};
+      step.end += near_part / (near_part + far_part);
+    }
+    step.near_px = line.At(0) + step.near_slope * step.end;
+    step.far_px = line.At(far) + step.far_slope * (step.end - far);
+    if (!(step.near_px - step.far_px >= least_px)) return {};  // a slant
+    return step;
+  }
+  return {};
+}
+
+// Away from where the near pixels of a disc lie, in ToF pixels; nothing when none is near or far.
+std::optional<Eigen::Vector2d> TofEdgeFinder::NormalAt(const float* centre,
+                                                       double between_px) const {
+  Eigen::Vector2d sum(0, 0);
+  Eigen::Vector2d near_sum(0, 0);
+  int count = 0;
+  int near_count = 0;
+  for (int y = -Rules::kDiscRadius; y <= Rules::kDiscRadius; ++y) {
+    for (int x = -Rules::kDiscRadius; x <= Rules::kDiscRadius; ++x) {
+      const double disparity = centre[y * stride_ + x];
+      if (x * x + y * y > Rules::kDiscRadius * Rules::kDiscRadius + 1 || std::isnan(disparity))
+        continue;
+      sum += Eigen::Vector2d(x, y);
+      ++count;
+      if (disparity <= between_px) continue;
+      near_sum += Eigen::Vector2d(x, y);
+      ++near_count;
+    }
+  }
+  if (near_count == 0 || near_count == count) return {};
+  const Eigen::Vector2d away = sum / count - near_sum / near_count;
+  if (!(away.squaredNorm() > 0)) return {};
+  return away / std::sqrt(away.squaredNorm());
+}
+
+std::span<const TofEdge> TofEdgeFinder::Find(std::span<const ProjectedPoint> points,
+                                             const TofImage& tof, const TofProjector& projector,
+                                             double least_px) {
+  edges_.clear();
+  const RectifiedPair& pair = projector.rig().pair;
+  const TofCamera& camera = projector.rig().tof;
+  stride_ = camera.width + 2 * kBorder;
+  disparity_.assign(static_cast<size_t>(stride_ * (camera.height + 2 * kBorder)),
+                    std::numeric_limits<float>::quiet_NaN());
+  amplitude_.assign(disparity_.size(), 1);
+  const auto index_of = [&](const ProjectedPoint& point) {
+    return static_cast<size_t>((point.tof_v + kBorder) * stride_ + point.tof_u + kBorder);
+  };
+  for (const ProjectedPoint& point : points) {
+    disparity_[index_of(point)] = point.seed.disparity();
+    if (tof.amplitude.empty()) continue;
+    amplitude_[index_of(point)] = tof.amplitude(point.tof_v, point.tof_u);
+  }
+
+  const Eigen::Matrix3d rotation = camera.left_from_tof_rotation.toRotationMatrix();
+  const Eigen::Vector3d& place = camera.left_from_tof_translation_m;
+  // The steps of a ToF pixel in the images, up to a common factor.
+  Eigen::Matrix2d image_from_tof = rotation.topLeftCorner<2, 2>();
+  image_from_tof.col(0) /= camera.fx;
+  image_from_tof.col(1) /= camera.fy;
+  if (!(std::abs(image_from_tof.determinant()) > 0)) return edges_;  // it looks across
+  const Eigen::Matrix2d take_normal = image_from_tof.inverse().transpose();
+  const double infinity_px = pair.cx - pair.cx_right;
+
+  for (const ProjectedPoint& point : points) {
+    for (const Direction& direction : kDirections) {
+      const std::ptrdiff_t along = direction.v * stride_ + direction.u;
+      const float* disparity = disparity_.data() + index_of(point);
+      const std::optional<Step> step = StepAlong({.disparity = disparity,
+                                                  .amplitude = amplitude_.data() + index_of(point),
+                                                  .stride = along,
+                                                  .infinity_px = infinity_px},
+                                                 least_px);
+      if (!step || step->near_px >= pair.width || step->far_px <= -pair.width) continue;
+      const std::optional<Eigen::Vector2d> normal_in_tof =
+          NormalAt(disparity + std::lround(step->end) * along, (step->near_px + step->far_px) / 2);
+      if (!normal_in_tof) continue;
+      const double across = normal_in_tof->x() * direction.u + normal_in_tof->y() * direction.v;
+      if (!(across >= Rules::kLeastAcross)) continue;
+      // The near surface's end lies on the ray there, at the depth that its disparity says.
+      Seed near = point.seed;
+      near.u_right = near.u - static_cast<float>(step->near_px);
+      const Eigen::Vector3d on_surface = PointFromSeed(pair, near);
+      const double depth_m = (rotation.transpose() * (on_surface - place)).z();
+      const int whole = static_cast<int>(step->end);
+      const Eigen::Vector3d& before =
+          projector.ray(point.tof_u + whole * direction.u, point.tof_v + whole * direction.v);
+      const Eigen::Vector3d& behind = projector.ray(point.tof_u + (whole + 1) * direction.u,
+                                                    point.tof_v + (whole + 1) * direction.v);
+      const Eigen::Vector3d arm =
+          rotation * (depth_m * (before + (step->end - whole) * (behind - before)));
+      const Eigen::Vector3d end = arm + place;
+      if (!(depth_m > 0 && end.z() > 0)) continue;
+      const Seed seed = ProjectToPair(pair, end);
+      if (!(seed.u >= 0 && seed.u < static_cast<float>(pair.width) && seed.v >= 0 &&
+            seed.v < static_cast<float>(pair.height))) {
+        continue;
+      }
+      const Eigen::Vector2d normal = (take_normal * *normal_in_tof).normalized();
+      const double per_px = across / pair.focal_px * (direction.u != 0 ? camera.fx : camera.fy);
+      // Eq. (A2): the image of ω × arm, for f·ω of 1 px about the axes that point down and left.
+      const double x = end.x() / end.z();
+      const double y = end.y() / end.z();
+      const Eigen::Vector3d lever = arm / end.z();
+      edges_.push_back(
+          {.left = {seed.u, seed.v},
+           .near_px = step->near_px,
+           .far_px = step->far_px,
+           .near_slope = step->near_slope * per_px,
+           .far_slope = step->far_slope * per_px,
+           .normal = normal,
+           .motion = {normal.dot(Eigen::Vector2d(lever.z() + x * lever.x(), y * lever.x())),
+                      normal.dot(Eigen::Vector2d(x * lever.y(), lever.z() + y * lever.y()))}});
+    }
+  }
+  return edges_;
+}
+
+}  // namespace sprout::refine

@@ -1,0 +1,46 @@
+#ifndef SPROUT_SERVICES_REFINE_REFINE_ADAPTER_H_
+#define SPROUT_SERVICES_REFINE_REFINE_ADAPTER_H_
+
+#include <optional>
+#include <string>
+
+#include "common/config/stage_parts.h"
+#include "common/core/stage_adapter.h"
+#include "services/refine/refiner.h"
+
+namespace sprout::refine {
+
+/// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS.
+class RefineAdapter : public StageAdapter {
+ public:
+  explicit RefineAdapter(const RefineConfig& config)
+      : refiner_(config),
+        finds_stereo_seeds_(config.stereo_seeds()),
+        aligns_tof_(config.align_tof()),
+        check_tof_every_(config.check_tof_every()) {}
+
+  PartSet Inputs() const override { return InputsOf(RefineConfig()); }
+
+  /// Always answers; without a usable point, and where stereo finds nothing either, both are empty
+  /// and the outcome says why.
+  StageResult Process(const Frame& frame) override;
+
+ private:
+  const TofProjector& ProjectorOf(const Rig& rig);
+  Result<SeedSet> Refine(const Frame& frame);
+  TofOffsetStatus OffsetOf(const Frame& frame, bool refined);
+
+  Refiner refiner_;
+  TofAligner aligner_;  // for frames that are only looked at
+  bool finds_stereo_seeds_;
+  bool aligns_tof_;
+  int64_t check_tof_every_;
+  cv::Mat1b left_grey_;  // memory
+  cv::Mat1b right_grey_;
+  std::optional<TofProjector> projector_;  // of the newest calibration
+  std::string projector_rig_id_;
+};
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_REFINE_ADAPTER_H_

@@ -1,0 +1,32 @@
+#ifndef SPROUT_SERVICES_REFINE_STEREO_BEST_MATCHES_H_
+#define SPROUT_SERVICES_REFINE_STEREO_BEST_MATCHES_H_
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "services/refine/stereo/stereo_search.h"
+
+namespace sprout::refine {
+
+/// The best matches of the pixels of a row, by the sums of both sweeps. Keeps its memory from row
+/// to row.
+class BestMatches {
+ public:
+  /// @param down, up      sums for the row's pixels, AddUpPaths.
+  /// @param best          gets the disparity of the least sum, px, of every pixel that is looked
+  /// at.
+  /// @param confirmed_px  the same to a fraction of a pixel, where it is unique and confirmed from
+  ///                      the right image. Other pixels of both stay as they are.
+  /// O(pixels of the row · labels).
+  void Choose(const StereoSearch& search, int v, const cv::Range& columns, const uint16_t* down,
+              const uint16_t* up, int16_t* best, float* confirmed_px);
+
+ private:
+  // Of the right image's pixels the least sum, and the disparity that it is for.
+  std::vector<uint16_t> right_sums_, right_best_;
+};
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_STEREO_BEST_MATCHES_H_

@@ -1,0 +1,25 @@
+#ifndef SPROUT_SERVICES_REFINE_STEREO_PATH_SUMS_H_
+#define SPROUT_SERVICES_REFINE_STEREO_PATH_SUMS_H_
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "services/refine/stereo/stereo_search.h"
+
+namespace sprout::refine {
+
+/// Four of the eight directions of semi-global matching: for each label of a pixel the costs of the
+/// cheapest paths that end there (eq. 2 of the README), added up. The paths come from the pixel
+/// before and from the three in the row before.
+/// @param step  1: rows from the first to the last one, and the pixels in them; −1: the other way.
+/// @param costs  of the data term, CensusCosts.
+/// @param sums   gets search.labels sums for each pixel of the rows, undefined for pixels that are
+///               left out.
+/// O(pixels of the rows · labels), about 20 ns for 16 labels; thread-safe.
+void AddUpPaths(const cv::Mat1b& left, const StereoSearch& search, const SearchRows& rows,
+                const std::vector<uint8_t>& costs, int step, std::vector<uint16_t>& sums);
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_STEREO_PATH_SUMS_H_

@@ -1,0 +1,147 @@
+#include "services/refine/stereo/stereo_matcher.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "common/core/image.h"
+#include "common/core/parallel.h"
+
+namespace sprout::refine {
+namespace {
+
+constexpr int kLabels = StereoRules::kLabels;
+
+// 255 where it is not 0.
+cv::Mat1b Whole(const cv::Mat1b& mask) {
+  cv::Mat1b whole;
+  cv::compare(mask, 0, whole, cv::CMP_NE);
+  return whole;
+}
+
+// Whether any of the four is wanted. @param mask  0 or 255, so that the mean of any is not 0.
+cv::Mat1b HalvedMask(const cv::Mat1b& mask) { return Whole(Halved(mask)); }
+
+// Position in an image of one scale, of one in the original: pixel centres are whole numbers.
+int AtScale(float position, int scale) {
+  return static_cast<int>(std::floor((position + 0.5F) / static_cast<float>(scale)));
+}
+
+void PutKnown(std::span<const Seed> seeds, int scale, cv::Mat1s& known) {
+  known.setTo(StereoSearch::kNowhere);
+  for (const Seed& seed : seeds) {
+    const cv::Point at(AtScale(seed.u, scale), AtScale(seed.v, scale));
+    if (!cv::Rect({}, known.size()).contains(at)) continue;
+    const auto disparity =
+        static_cast<int16_t>(std::lround(seed.disparity() / static_cast<float>(scale)));
+    known(at) = std::max(known(at), disparity);  // of several the nearest surface
+  }
+}
+
+// The range of a pixel from what a coarser image gave for the 3×3 pixels around it.
+int16_t FirstOf(const cv::Mat1s& coarser, int u, int v) {
+  const int own = 2 * coarser(v, u);
+  int least = own;
+  int most = own;
+  for (int y = std::max(0, v - 1); y <= std::min(coarser.rows - 1, v + 1); ++y) {
+    for (int x = std::max(0, u - 1); x <= std::min(coarser.cols - 1, u + 1); ++x) {
+      if (coarser(y, x) == StereoSearch::kNowhere) continue;
+      least = std::min(least, 2 * coarser(y, x));
+      most = std::max(most, 2 * coarser(y, x));
+    }
+  }
+  least -= StereoRules::kBeyondPx;
+  most += StereoRules::kBeyondPx + 1;
+  const int spare = kLabels - (most - least + 1);
+  // Too many for one pixel: those around its own.
+  const int first =
+      spare >= 0 ? least - spare / 2 : std::clamp(own - kLabels / 2 + 1, least, most - kLabels + 1);
+  return static_cast<int16_t>(std::max(0, first));
+}
+
+void SearchAround(const cv::Mat1s& coarser, const cv::Mat1b& wanted, cv::Mat1s& first) {
+  first.create(wanted.size());
+  ForRangesParallel(coarser.rows, coarser.rows, [&](const cv::Range& rows) {
+    for (int v = rows.start; v < rows.end; ++v) {
+      const int last_row = std::min(2 * v + 1, wanted.rows - 1);
+      for (int u = 0; u < coarser.cols; ++u) {
+        // Four pixels have the same range.
+        const bool any = coarser(v, u) != StereoSearch::kNowhere;
+        const int16_t range = any ? FirstOf(coarser, u, v) : StereoSearch::kNowhere;
+        const int last_column = std::min(2 * u + 1, wanted.cols - 1);
+        for (int y = 2 * v; y <= last_row; ++y) {
+          for (int x = 2 * u; x <= last_column; ++x) {
+            first(y, x) = wanted(y, x) != 0 ? range : StereoSearch::kNowhere;
+          }
+        }
+      }
+    }
+  });
+}
+
+// Takes away what hangs together with fewer than StereoRules::kSmallestPatch others.
+void RemoveSmallPatches(cv::Mat1f disparity_px) {
+  constexpr int kCountsPerPx = 16;  // for cv::filterSpeckles, which takes whole numbers
+  constexpr int16_t kNone = -kCountsPerPx;
+  cv::Mat1s counts(disparity_px.size());
+  for (int v = 0; v < counts.rows; ++v) {
+    const float* px = disparity_px[v];
+    int16_t* row = counts[v];
+    for (int u = 0; u < counts.cols; ++u) {
+      row[u] = std::isnan(px[u]) ? kNone : static_cast<int16_t>(px[u] * kCountsPerPx + 0.5);
+    }
+  }
+  cv::filterSpeckles(counts, kNone, StereoRules::kSmallestPatch, kCountsPerPx);
+  disparity_px.setTo(std::numeric_limits<float>::quiet_NaN(), counts == kNone);
+}
+
+}  // namespace
+
+void StereoMatcher::BuildLevels(const cv::Mat1b& left, const cv::Mat1b& right,
+                                const cv::Mat1b& wanted, int most_pixels) {
+  levels_.clear();
+  Level level{left, right, Whole(wanted)};
+  const auto pixels = [&] { return level.left.total(); };
+  const auto halve = [&] {
+    level = {Halved(level.left), Halved(level.right), HalvedMask(level.wanted), 2 * level.scale};
+  };
+  while (pixels() > static_cast<size_t>(most_pixels)) halve();
+  levels_.push_back(level);
+  while (pixels() > StereoRules::kCoarsestPixels) {
+    halve();
+    levels_.push_back(level);
+  }
+}
+
+const cv::Mat1f& StereoMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& right,
+                                      const cv::Mat1b& wanted, std::span<const Seed> known,
+                                      const StereoMatcherSettings& settings) {
+  BuildLevels(left, right, wanted, settings.most_pixels);
+  const StereoMatches* matches = nullptr;
+  for (size_t i = levels_.size(); i-- > 0;) {
+    const Level& level = levels_[i];
+    if (matches == nullptr) {
+      // One more than the largest on either side, since a minimum on the end does not count.
+      const int most = settings.max_disparity_px / level.scale + 2;
+      search_.labels = (most + kLabels - 1) / kLabels * kLabels;
+      search_.first.create(level.left.size());
+      search_.first.setTo(StereoSearch::kNowhere);
+      search_.first.setTo(0, level.wanted);
+    } else {
+      search_.labels = kLabels;
+      SearchAround(matches->best, level.wanted, search_.first);
+    }
+    search_.known.create(level.left.size());
+    PutKnown(known, level.scale, search_.known);
+    matches = &matcher_.Match(level.left, level.right, search_);
+  }
+  scale_ = levels_.front().scale;
+  disparity_px_ = matches->confirmed_px;
+  const cv::Rect matched = cv::boundingRect(levels_.front().wanted);
+  if (!matched.empty()) RemoveSmallPatches(disparity_px_(matched));
+  return disparity_px_;
+}
+
+}  // namespace sprout::refine

@@ -1,0 +1,181 @@
+#include "services/refine/stereo/stereo_seeds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+#include "common/core/parallel.h"
+
+namespace sprout::refine {
+namespace {
+
+// A disc of cells.
+cv::Mat1b Disc(double radius) {
+  const int reach = static_cast<int>(radius);
+  cv::Mat1b disc(2 * reach + 1, 2 * reach + 1, uint8_t{0});
+  for (int y = -reach; y <= reach; ++y) {
+    for (int x = -reach; x <= reach; ++x) {
+      if (x * x + y * y <= radius * radius) disc(y + reach, x + reach) = 1;
+    }
+  }
+  return disc;
+}
+
+struct Surface {
+  double disparity = 0;
+  double sigma = 0;
+};
+
+// The surface at a pixel, from the means of pixels that lie opposite each other, so that its slant
+// does not count. Nothing beside a depth edge, or where few disparities are known.
+std::optional<Surface> SurfaceAt(const cv::Mat1f& map, int u, int v) {
+  constexpr int kReach = StereoRules::kReach;
+  if (u < kReach || v < kReach || u >= map.cols - kReach || v >= map.rows - kReach) return {};
+  const float own = map(v, u);
+  double sum = 0;
+  double squares = 0;
+  int pairs = 0;
+  for (int y = 0; y <= kReach; ++y) {
+    for (int x = y == 0 ? 0 : -kReach; x <= kReach; ++x) {
+      const float one = map(v + y, u + x);
+      const float opposite = map(v - y, u - x);
+      if (std::abs(one - own) > StereoRules::kEdgePx ||
+          std::abs(opposite - own) > StereoRules::kEdgePx)
+        return {};
+      const double off = (double{one} + opposite) / 2 - own;
+      if (!(std::abs(off) <= StereoRules::kSurfacePx)) continue;  // or not known
+      sum += off;
+      squares += off * off;
+      ++pairs;
+    }
+  }
+  if (pairs < StereoRules::kFewestPairs) return {};
+  return Surface{own + sum / pairs,
+                 std::max(StereoRules::kLeastSigmaPx,
+                          std::sqrt(squares / pairs * StereoRules::kSharing / pairs))};
+}
+
+}  // namespace
+
+// Square cells over the left image.
+struct StereoSeedFinder::Grid {
+  double spacing_px;
+  cv::Size size;  // cells
+
+  Grid(const RefineConfig& config, cv::Size image)
+      : spacing_px(config.stereo_spacing_px() > 0
+                       ? config.stereo_spacing_px()
+                       : std::max(StereoRules::kLeastSpacingPx,
+                                  image.width / double{StereoRules::kColumns})),
+        size(At(image.width - 1) + 1, At(image.height - 1) + 1) {}
+
+  // The column or row of cells that a position lies in.
+  int At(double position) const {
+    return static_cast<int>(std::floor((position + 0.5) / spacing_px));
+  }
+};
+
+StereoSeedFinder::StereoSeedFinder(const RefineConfig& config) : config_(config) {
+  RequireInRange(config, "refine");
+}
+
+void StereoSeedFinder::FindUncovered(const Grid& grid, std::span<const cv::Point2f> covered) {
+  cv::Mat1b with_points(grid.size, uint8_t{0});
+  for (const cv::Point2f& point : covered) {
+    const cv::Point cell(grid.At(point.x), grid.At(point.y));
+    if (cv::Rect({}, grid.size).contains(cell)) with_points(cell) = 1;
+  }
+  cv::dilate(with_points, uncovered_, Disc(config_.stereo_gap()));
+  uncovered_ = 1 - uncovered_;
+  // Single cells and rows of them, as beside the borders of the image, are better bridged: one seed
+  // alone would stand for a long strip of the prior.
+  cv::morphologyEx(uncovered_, uncovered_, cv::MORPH_OPEN, cv::Mat1b::ones(2, 2), {-1, -1}, 1,
+                   cv::BORDER_CONSTANT, cv::Scalar(0));
+}
+
+void StereoSeedFinder::MarkWanted(const Grid& grid, cv::Size size) {
+  constexpr int kSide = 2 * StereoRules::kSettleCells + 1;
+  cv::Mat1b cells;
+  cv::dilate(uncovered_, cells, cv::Mat1b::ones(kSide, kSide));
+  wanted_.create(size);
+  std::vector<int> columns;
+  columns.reserve(static_cast<size_t>(size.width));
+  for (int u = 0; u < size.width; ++u) columns.push_back(grid.At(u));
+  for (int v = 0; v < size.height; ++v) {
+    if (v > 0 && grid.At(v) == grid.At(v - 1)) {
+      std::copy_n(wanted_[v - 1], size.width, wanted_[v]);
+      continue;
+    }
+    const uint8_t* row = cells[grid.At(v)];
+    for (int u = 0; u < size.width; ++u) wanted_(v, u) = row[columns[static_cast<size_t>(u)]];
+  }
+}
+
+// In every cell the pixel nearest to its centre that a seed can be taken from.
+void StereoSeedFinder::TakeFrom(const Grid& grid, const cv::Mat1f& map, int row) {
+  const double scale = matcher_.scale();
+  const double cell = grid.spacing_px / scale;  // its side in pixels of the map
+  std::vector<Seed>& seeds = found_[static_cast<size_t>(row)];
+  seeds.clear();
+  const auto pixels_of = [&](int index, int end) {
+    return cv::Range(std::min(end, static_cast<int>(std::ceil(index * cell - 0.5))),
+                     std::min(end, static_cast<int>(std::ceil((index + 1) * cell - 0.5))));
+  };
+  const cv::Range rows = pixels_of(row, map.rows);
+  for (int column = 0; column < grid.size.width; ++column) {
+    if (uncovered_(row, column) == 0) continue;
+    const cv::Range columns = pixels_of(column, map.cols);
+    double nearest = std::numeric_limits<double>::infinity();
+    Seed best;
+    for (int v = rows.start; v < rows.end; ++v) {
+      for (int u = columns.start; u < columns.end; ++u) {
+        const double across = u + 0.5 - (column + 0.5) * cell;
+        const double down = v + 0.5 - (row + 0.5) * cell;
+        const double distance = across * across + down * down;
+        if (std::isnan(map(v, u)) || distance >= nearest) continue;
+        const std::optional<Surface> surface = SurfaceAt(map, u, v);
+        if (!surface) continue;
+        nearest = distance;
+        best.u = static_cast<float>((u + 0.5) * scale - 0.5);
+        best.v = static_cast<float>((v + 0.5) * scale - 0.5);
+        best.u_right = best.u - static_cast<float>(surface->disparity * scale);
+        best.origin = SeedOrigin::kStereo;
+        best.sigma_px = static_cast<float>(surface->sigma * scale);
+      }
+    }
+    if (std::isfinite(nearest)) seeds.push_back(best);
+  }
+}
+
+std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Mat1b& right,
+                                             std::span<const Seed> seeds,
+                                             std::span<const cv::Point2f> covered) {
+  const Grid grid(config_, left.size());
+  seeds_.clear();
+  FindUncovered(grid, covered);
+  if (cv::countNonZero(uncovered_) == 0) return seeds_;
+  MarkWanted(grid, left.size());
+  const int most = config_.stereo_max_disparity_px();
+  const StereoMatcherSettings settings{
+      .max_disparity_px =
+          std::clamp(most > 0 ? most : left.cols / StereoRules::kWidthsPerDisparity, 1, left.cols),
+      .most_pixels = config_.stereo_most_pixels()};
+  const cv::Mat1f& map = matcher_.Match(left, right, wanted_, seeds, settings);
+  found_.resize(static_cast<size_t>(grid.size.height));
+  ForEachParallel(found_.size(), [&](size_t row) { TakeFrom(grid, map, static_cast<int>(row)); });
+  constexpr int kWindowRadius = StereoRules::kWindowRadius;
+  const cv::Rect2f inside(kWindowRadius, kWindowRadius,
+                          static_cast<float>(left.cols - 2 * kWindowRadius),
+                          static_cast<float>(left.rows - 2 * kWindowRadius));
+  for (const std::vector<Seed>& row : found_) {
+    std::copy_if(row.begin(), row.end(), std::back_inserter(seeds_), [&](const Seed& seed) {
+      return seed.disparity() <= static_cast<float>(settings.max_disparity_px) &&
+             inside.contains({seed.u, seed.v}) && inside.contains({seed.u_right, seed.v});
+    });
+  }
+  return seeds_;
+}
+
+}  // namespace sprout::refine

@@ -1,0 +1,52 @@
+#ifndef SPROUT_SERVICES_REFINE_STEREO_STEREO_SEEDS_H_
+#define SPROUT_SERVICES_REFINE_STEREO_STEREO_SEEDS_H_
+
+#include <opencv2/core.hpp>
+#include <span>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/core/seed.h"
+#include "services/refine/stereo/stereo_matcher.h"
+
+namespace sprout::refine {
+
+/// Finds seeds in the pair itself where the range sensor says nothing: on a grid of the wanted
+/// spacing, in every cell that has no ToF point near, the disparity that StereoMatcher gives.
+///
+/// A seed is taken only from the midst of a surface: pixels beside a depth edge, whose windows show
+/// two surfaces, are left out, and so are places without texture, where no disparity is unique.
+class StereoSeedFinder {
+ public:
+  /// @throws ConfigError when a value is out of range.
+  explicit StereoSeedFinder(const RefineConfig& config);
+
+  /// @param left, right  rectified pair, grey, of one size.
+  /// @param seeds        of the range sensor; the matching leans on them.
+  /// @param covered      positions in the left image that need no seed of stereo: of ToF points,
+  ///                     whether or not they became seeds, but not of those on dark regions.
+  /// @returns at most one seed a cell, row by row, with whole windows in both images, each with the
+  ///          standard deviation that the disparities around it show; valid until the next call.
+  /// O(pixels without ToF points); no I/O; on OpenCV's threads, with the same result for any
+  /// number. Keeps its memory from frame to frame.
+  std::span<const Seed> Find(const cv::Mat1b& left, const cv::Mat1b& right,
+                             std::span<const Seed> seeds, std::span<const cv::Point2f> covered);
+
+ private:
+  struct Grid;
+
+  void FindUncovered(const Grid& grid, std::span<const cv::Point2f> covered);
+  void MarkWanted(const Grid& grid, cv::Size size);
+  void TakeFrom(const Grid& grid, const cv::Mat1f& disparity_px, int row);
+
+  RefineConfig config_;
+  StereoMatcher matcher_;
+  cv::Mat1b uncovered_;                   // cells that want a seed
+  cv::Mat1b wanted_;                      // pixels that are matched for them
+  std::vector<std::vector<Seed>> found_;  // in the rows of the grid
+  std::vector<Seed> seeds_;
+};
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_STEREO_STEREO_SEEDS_H_

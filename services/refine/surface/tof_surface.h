@@ -1,0 +1,137 @@
+#ifndef SPROUT_SERVICES_REFINE_SURFACE_TOF_SURFACE_H_
+#define SPROUT_SERVICES_REFINE_SURFACE_TOF_SURFACE_H_
+
+#include <algorithm>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <span>
+#include <vector>
+
+#include "common/geometry/projection.h"
+#include "services/refine/surface/cell_lists.h"
+
+namespace sprout::refine {
+
+/// What TofSurface::FindHidden() goes by.
+struct HiddenRule {
+  double core = 0;          ///< half the side of a piece's core, cells of the ToF image
+  double reach = 0;         ///< half the side of the whole piece, cells; below 1 it ends before
+                            ///< the next cell of the surface
+  double tolerance_px = 0;  ///< how much further a point may lie, px
+};
+
+/// Whether a nearer surface lies before a point.
+struct Hidden {
+  bool from_left = false;   ///< in the left image
+  bool from_right = false;  ///< in the right one
+
+  bool operator==(const Hidden&) const = default;
+};
+
+/// The surface that a ToF image shows, as disparities (px) at its cells, and two tests of its
+/// points against it. Each looks at the neighbours of a point only. A cell is a ToF pixel, or as
+/// many as returns lie apart: three of four have the next one, along its row and along its column,
+/// in the next cell. So the scan of a lidar, which fills few pixels of its image, is a surface as
+/// well. Keeps its memory when it is set again: about 40 bytes a ToF pixel, and 8 a cell of
+/// FindHidden().
+class TofSurface {
+ public:
+  /// Without a point.
+  TofSurface() = default;
+
+  TofSurface(const Rig& rig, std::span<const ProjectedPoint> points) { Set(rig, points); }
+
+  /// @param points  of one ToF image, at most one a pixel.
+  /// O(ToF pixels).
+  void Set(const Rig& rig, std::span<const ProjectedPoint> points);
+
+  /// From one cell to the next in the left image, px; the longer side.
+  double spacing_px() const { return std::max(column_px_, row_px_); }
+
+  /// Standard deviation of the points' disparities, px, by how far they lie from the middle of
+  /// those on either side. 0 when they show none.
+  /// @param points  those that this was made of.
+  /// O(ToF pixels).
+  double NoisePx(std::span<const ProjectedPoint> points);
+
+  /// Whether a point is isolated: fewer than two of the eight cells around have a
+  /// disparity within `tolerance_px`. Flying pixels, whose light comes from two surfaces so that
+  /// they lie on neither, and outliers of the noise.
+  /// @param point  one of those that this was made of.
+  /// O(1); thread-safe.
+  bool IsIsolated(const ProjectedPoint& point, double tolerance_px) const;
+
+  /// Whether the images speak for a point: its windows differ at most half as much at its own
+  /// disparity as at that of any of the eight neighbours that lies elsewhere, and there is one. A
+  /// thing that is smaller than a cell is isolated as a flying pixel is, but is there.
+  /// @param left, right  the rectified pair, grey.
+  /// O(1); thread-safe.
+  bool IsConfirmed(const ProjectedPoint& point, double tolerance_px, const cv::Mat1b& left,
+                   const cv::Mat1b& right) const;
+
+  /// Which points a nearer surface hides from the left or from the right camera: what the ToF
+  /// camera sees past an edge from its own place. Each point stands for a piece of surface around
+  /// it in the image, with the slant that its neighbours show. A point that lies further than such
+  /// a piece by more than the tolerance is hidden when it is in the core of the piece; between
+  /// there and its end, where the edge of the surface may be on either side, when the images agree
+  /// better with the piece than with the point.
+  ///
+  /// The idea of the paper's background rule, whose window of 5×5 px is too small for a sensor
+  /// with fewer pixels and too large for one with more: here the window follows the distance of the
+  /// seeds, and the slant is taken off, since over such a distance a slant is no edge.
+  /// @param points  those that are tested and that hide; some of those that this was made of, all
+  ///                inside the left image.
+  /// @param in_both  how many of them, the first ones, lie in the right image as well; the others
+  ///                neither hide nor are hidden there.
+  /// @param left, right  the rectified pair, grey.
+  /// @param rule    with a reach of 0 none is hidden.
+  /// @returns one answer a point; valid until the next call. Does not depend on their order.
+  /// O(points + image pixels / 25), whatever the points: of those that crowd into a few pixels (a
+  /// cell of 5 px, or of a piece's reach) only the 32 nearest hide others, so a point is compared
+  /// with 288 at most. On OpenCV's threads, with the same result for any number.
+  const std::vector<Hidden>& FindHidden(std::span<const ProjectedPoint> points, size_t in_both,
+                                        const cv::Mat1b& left, const cv::Mat1b& right,
+                                        const HiddenRule& rule);
+
+ private:
+  // A point as a piece of surface.
+  struct Piece {
+    float disparity = 0;
+    float across = 0;  // change of disparity from one cell to the next, px
+    float down = 0;
+  };
+  // One of the images of the pair.
+  struct View {
+    std::vector<cv::Point2f> positions;  // of the points
+    CellLists cells;
+  };
+  class HiddenTest;
+
+  void SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> points);
+  // Of the cell of a point.
+  size_t IndexOf(const ProjectedPoint& point) const {
+    return static_cast<size_t>((point.tof_v / row_step_ + 1) * stride_ +
+                               point.tof_u / column_step_ + 1);
+  }
+  const float* At(const ProjectedPoint& point) const { return disparity_.data() + IndexOf(point); }
+  Piece PieceOf(const ProjectedPoint& point) const;
+
+  cv::Size size_;        // of the images of the pair
+  int column_step_ = 1;  // sides of a cell, ToF pixels
+  int row_step_ = 1;
+  double column_px_ = 1;  // the same in the images of the pair, px
+  double row_px_ = 1;
+  std::ptrdiff_t stride_ = 0;
+  std::vector<float> disparity_;  // of the cells and one more all around, NaN = none
+  std::vector<int> last_row_;     // with a return in each ToF column
+  std::vector<int> gaps_;
+  std::vector<float> deviations_;
+  std::vector<Piece> pieces_;
+  View left_;
+  View right_;
+  std::vector<Hidden> hidden_;
+};
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_SURFACE_TOF_SURFACE_H_

@@ -1,0 +1,53 @@
+#ifndef SPROUT_SERVICES_VIEW_FILE_SHELF_H_
+#define SPROUT_SERVICES_VIEW_FILE_SHELF_H_
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/core/result.h"
+#include "services/view/memory_file.h"
+
+namespace sprout::view {
+
+/// Files on their way to browsers. Each takes memory as long as somebody reads it, and who asks and
+/// does not read holds it for minutes: so there are few of them. Thread-safe.
+class FileShelf {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using File = std::shared_ptr<const MemoryFile>;
+  using Write = std::function<Result<void>(const std::filesystem::path& path)>;
+
+  /// Who reads at the same time.
+  static constexpr long kMaxReaders = 2;
+
+  /// How long a file may be given to who asks for it later.
+  static constexpr std::chrono::seconds kFresh{2};
+
+  /// @param max_files  at the same time.
+  explicit FileShelf(size_t max_files) : max_files_(max_files) {}
+
+  /// A file for one reader, who has it as long as the pointer: one of the same name that somebody
+  /// is reading, or else a new one that `write` writes.
+  /// @returns null when there are too many.
+  Result<File> Take(const std::string& name, Clock::time_point now, const Write& write);
+
+ private:
+  struct Entry {
+    std::string name;
+    Clock::time_point written;
+    std::weak_ptr<const MemoryFile> file;
+  };
+
+  size_t max_files_;
+  std::mutex mutex_;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace sprout::view
+
+#endif  // SPROUT_SERVICES_VIEW_FILE_SHELF_H_

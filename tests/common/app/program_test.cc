@@ -1,0 +1,133 @@
+#include "common/app/program.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <new>
+#include <sstream>
+#include <system_error>
+
+#include "common/app/help_text.h"
+#include "common/app/limits_text.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::ExitedWithCode;
+using ::testing::HasSubstr;
+
+class ProgramTest : public ::testing::Test {
+ protected:
+  struct Ended {
+    int exit_code;
+    bool body_ran;
+    std::string out;
+    std::string err;
+  };
+
+  ProgramTest() {
+    flags_.add_option("--file", file_, "Of one");
+    flags_.add_option("--list", list_, "Of several")->delimiter(',');
+    flags_.add_option("--channel-prefix", prefix_, "Before each channel");
+    CLI::App& sub = *flags_.add_subcommand("sub", "With flags of its own");
+    sub.add_option("--inner", file_, std::string(60, 'a') + " " + std::string(60, 'b'));
+    sub.add_option("FILE", file_, "Of one");
+    sub.add_option("COMMAND", list_, "Of another program");
+  }
+
+  Ended Run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "probe");
+    std::vector<const char*> argv;
+    for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+    Ended ended{};
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
+    ended.exit_code = RunProgram(flags_, static_cast<int>(argv.size()), argv.data(), [&] {
+      ended.body_ran = true;
+      return 0;
+    });
+    ended.err = ::testing::internal::GetCapturedStderr();
+    ended.out = ::testing::internal::GetCapturedStdout();
+    return ended;
+  }
+
+  CLI::App flags_{"Probes what every program shares", "probe"};
+  std::string file_;
+  std::vector<std::string> list_;
+  std::string prefix_;
+};
+
+TEST_F(ProgramTest, RefusesAnEmptyTextInsteadOfTakingItForNoFlag) {
+  const struct {
+    std::vector<std::string> arguments;
+    const char* named;
+  } table[] = {{{"--file", ""}, "--file ''"},
+               {{"--list", ""}, "--list ''"},
+               {{"--list", "a,,b"}, "--list ''"},
+               {{"sub", "--inner", ""}, "--inner ''"},
+               {{"sub", ""}, "FILE ''"}};
+  for (const auto& [arguments, named] : table) {
+    const Ended ended = Run(arguments);
+    EXPECT_EQ(ended.exit_code, 2) << named;
+    EXPECT_FALSE(ended.body_ran) << named;
+    EXPECT_EQ(ended.err,
+              std::string("probe: ") + named + ": allowed is a text that is not empty\n");
+  }
+}
+
+TEST_F(ProgramTest, TakesAnEmptyPrefixAndWhatAnotherProgramTakes) {
+  EXPECT_EQ(Run({"--channel-prefix", ""}).exit_code, 0);
+  EXPECT_EQ(Run({"sub", "a", ""}).exit_code, 0);
+  EXPECT_EQ(Run({"--file", "x", "--list", "a,b"}).exit_code, 0);
+  EXPECT_EQ(Run({}).exit_code, 0);
+}
+
+TEST_F(ProgramTest, WrapsItsHelpAndThatOfItsSubcommands) {
+  const std::string help = Run({"sub", "--help"}).out;
+  EXPECT_THAT(help, HasSubstr("--inner TEXT                " + std::string(60, 'a') + "\n" +
+                              std::string(30, ' ') + std::string(60, 'b') + "\n"));
+}
+
+TEST(HelpText, BreaksLinesAtSpacesAndCountsCharacters) {
+  const std::string long_word(70, 'x');
+  EXPECT_EQ(WrapLines("  --flag  Two words\n\nA table   of two\n", 30),
+            "  --flag  Two words\n\nA table   of two\n");
+  EXPECT_EQ(WrapLines("  --flag  a " + long_word + " " + long_word + "\n", 4),
+            "  --flag  a " + long_word + "\n    " + long_word + "\n");
+  EXPECT_EQ(WrapLines("    row " + long_word + " " + long_word + "\n", 30),
+            "    row " + long_word + "\n    " + long_word + "\n");
+  EXPECT_EQ(WrapLines(std::string(130, 'x') + "\n", 30), std::string(130, 'x') + "\n");
+  std::string hundred;
+  for (int i = 0; i < 50; ++i) hundred += "×ü";
+  EXPECT_EQ(WrapLines(hundred + "\n", 30), hundred + "\n");
+}
+
+// Says on stderr what a failing thread is put down to when a limit is so low.
+[[noreturn]] void SayWithLimit(decltype(RLIMIT_AS) which, rlim_t value) {
+  const rlimit limit{.rlim_cur = value, .rlim_max = value};
+  setrlimit(which, &limit);
+  const std::system_error no_thread(
+      std::make_error_code(std::errc::resource_unavailable_try_again));
+  std::cerr << no_thread.what() << ReachedLimitText(no_thread);
+  std::_Exit(0);
+}
+
+// Where the system only says that it is unavailable.
+TEST(LimitsText, SaysWhichLimitIsReached) {
+  rlim_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const rlim_t bytes = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+  EXPECT_EXIT(
+      SayWithLimit(RLIMIT_AS, bytes + (8 << 20)), ExitedWithCode(0),
+      "Resource temporarily unavailable: its address space is limited to [0-9]+ MB .ulimit -v.");
+  EXPECT_EXIT(SayWithLimit(RLIMIT_NPROC, 77), ExitedWithCode(0),
+              "no thread can be started: allowed are 77 of this user");
+  EXPECT_EQ(ReachedLimitText(std::bad_alloc()), ": out of memory");
+  EXPECT_EQ(ReachedLimitText(std::runtime_error("another")), "");
+}
+
+}  // namespace
+}  // namespace sprout

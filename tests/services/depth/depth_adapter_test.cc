@@ -1,0 +1,112 @@
+#include "services/depth/depth_adapter.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sprout::depth {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+Frame FrameOf(int64_t seq, cv::Size size = {8, 6}) {
+  Frame frame;
+  frame.id.seq = seq;
+  frame.disparity = DisparityImage(cv::Mat1s(size, int16_t{320}));
+  frame.left = cv::Mat(size, CV_8UC1, cv::Scalar(9));
+  frame.confidence = cv::Mat(size, CV_8UC1, cv::Scalar(100));
+  frame.rig = Rig{.pair = {.width = size.width,
+                           .height = size.height,
+                           .focal_px = 100,
+                           .cx = 4,
+                           .cy = 3,
+                           .cx_right = 4,
+                           .baseline_m = 0.1},
+                  .tof = {}};
+  return frame;
+}
+
+std::string ErrorOf(const DepthConfig& config) {
+  try {
+    DepthAdapter adapter(config);
+    return "no error";
+  } catch (const ConfigError& e) {
+    return e.what();
+  }
+}
+
+TEST(DepthAdapter, AnswersWithDepthAndCloud) {
+  DepthConfig config;
+  config.set_scale(2);
+  config.set_cloud_stride(2);
+  DepthAdapter adapter(config);
+  Frame frame = FrameOf(7);
+  EXPECT_EQ(AddAnswer(adapter, frame), "");
+  ASSERT_TRUE(frame.depth && frame.cloud);
+  EXPECT_EQ(frame.depth->size(), cv::Size(4, 3));
+  EXPECT_EQ(frame.depth->Metres(0, 0), 1);
+  EXPECT_EQ(frame.cloud->points.size(), 12U);
+  EXPECT_EQ(frame.cloud->points[0].confidence, 100);
+}
+
+TEST(DepthAdapter, JoinsWhatItNeeds) {
+  DepthConfig config;
+  EXPECT_EQ(DepthAdapter(config).Inputs(),
+            (PartSet{Part::kDisparity, Part::kRig, Part::kLeft, Part::kConfidence}));
+  config.set_confidence(false);
+  EXPECT_EQ(DepthAdapter(config).Inputs(), (PartSet{Part::kDisparity, Part::kRig, Part::kLeft}));
+}
+
+TEST(DepthAdapter, LeavesOutWhatIsNotAskedFor) {
+  DepthConfig config;
+  config.set_publish_cloud(false);
+  config.set_every(3);
+  DepthAdapter adapter(config);
+  EXPECT_THAT(adapter.Process(FrameOf(4)).outputs, IsEmpty());
+  const StageResult outcome = adapter.Process(FrameOf(6));
+  ASSERT_EQ(outcome.outputs.size(), 1U);
+  EXPECT_EQ(outcome.outputs[0].part, Part::kDepth);
+}
+
+TEST(DepthAdapter, MakesAPreviewWhenAskedTo) {
+  DepthConfig config;
+  EXPECT_TRUE(DepthAdapter(config).Process(FrameOf(0)).preview.empty());
+  config.set_publish_depth(false);
+  config.set_publish_cloud(false);
+  config.set_publish_preview(true);
+  DepthAdapter adapter(config);
+  EXPECT_EQ(adapter.Inputs(), (PartSet{Part::kDisparity, Part::kRig, Part::kLeft}));
+  const StageResult outcome = adapter.Process(FrameOf(0));
+  EXPECT_THAT(outcome.outputs, IsEmpty());
+  EXPECT_EQ(outcome.preview.type(), CV_8UC3);
+}
+
+TEST(DepthAdapter, SaysWhichSizesDoNotFitTogether) {
+  DepthAdapter adapter{DepthConfig()};
+  Frame frame = FrameOf(0);
+  frame.left = cv::Mat(5, 8, CV_8UC1, cv::Scalar(0));
+  EXPECT_THAT(adapter.Process(frame).degenerate, HasSubstr("LEFT of 8x5"));
+  frame = FrameOf(0);
+  frame.confidence = cv::Mat(5, 8, CV_8UC1, cv::Scalar(0));
+  EXPECT_THAT(adapter.Process(frame).degenerate, HasSubstr("CONFIDENCE of 8x5"));
+  frame = FrameOf(0);
+  frame.rig->pair.width = 9;
+  EXPECT_THAT(adapter.Process(frame).degenerate, HasSubstr("DISPARITY of 8x6"));
+  EXPECT_THAT(adapter.Process(frame).outputs, IsEmpty());
+}
+
+TEST(DepthAdapter, RefusesValuesThatItCannotUse) {
+  DepthConfig config;
+  config.set_scale(3);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.scale = 3: allowed: 1, 2, 4"));
+  config = {};
+  config.set_mm_per_count(0);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.mm_per_count = 0"));
+  config = {};
+  config.set_publish_cloud(false);
+  config.set_publish_depth(false);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("nothing to publish"));
+}
+
+}  // namespace
+}  // namespace sprout::depth

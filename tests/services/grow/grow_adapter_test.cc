@@ -1,0 +1,135 @@
+#include "services/grow/grow_adapter.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "tests/common/core/even_prior.h"
+
+namespace sprout::grow {
+namespace {
+
+using testing::HasSubstr;
+
+Frame FlatFrame(cv::Size size) {
+  Frame frame;
+  frame.left = cv::Mat(size, CV_8UC3, cv::Scalar(10, 120, 200));
+  frame.right = cv::Mat(size, CV_8UC1, cv::Scalar(126));  // the grey value of the left one
+  frame.seeds = SeedSet{.seeds = {{10, 10, 8}, {20, 10, 18}, {15, 20, 13}}, .raw = 3};
+  frame.prior = EvenPrior(DisparityImage(cv::Mat1s(size, ToCounts(2))), 1);
+  return frame;
+}
+
+const DisparityImage& MapOf(const StageResult& outcome, Part part) {
+  for (const PartOutput& output : outcome.outputs) {
+    if (output.part == part) return std::get<DisparityImage>(output.value);
+  }
+  throw std::runtime_error("part is missing");
+}
+
+TEST(GrowAdapter, AsksForWhatItsConfigurationNeeds) {
+  GrowConfig config;
+  EXPECT_EQ(GrowAdapter(config).Inputs(),
+            (PartSet{Part::kLeft, Part::kRight, Part::kSeeds, Part::kPrior}));
+  config.set_similarity(GrowConfig::MNCC);
+  EXPECT_EQ(GrowAdapter(config).Inputs(),
+            (PartSet{Part::kLeft, Part::kRight, Part::kSeeds, Part::kPrior}));
+  config.set_fill(GrowConfig::NONE);
+  EXPECT_EQ(GrowAdapter(config).Inputs(), (PartSet{Part::kLeft, Part::kRight, Part::kSeeds}));
+}
+
+TEST(GrowAdapter, AnswersWithAFilledMap) {
+  const StageResult outcome = GrowAdapter(GrowConfig()).Process(FlatFrame({40, 30}));
+  EXPECT_EQ(outcome.degenerate, "");
+  EXPECT_EQ(MapOf(outcome, Part::kDisparity).CountValid(), 40 * 30);
+}
+
+TEST(GrowAdapter, LeavesOutWhatItIsNotSureOf) {
+  GrowConfig config;
+  config.set_publish_unfilled(true);
+  GrowAdapter keeps_all(config);
+  const StageResult all = keeps_all.Process(FlatFrame({40, 30}));
+  const cv::Mat1b confidence = std::get<cv::Mat>(all.outputs.at(2).value);
+  double least = 0;
+  double most = 0;
+  cv::minMaxLoc(confidence, &least, &most);
+  ASSERT_LT(least, most);
+  const int bound = static_cast<int>(most);
+  config.set_min_confidence(bound);
+  for (const GrowConfig::Fill fill : {GrowConfig::PRIOR, GrowConfig::NONE}) {
+    config.set_fill(fill);
+    config.set_publish_confidence(fill == GrowConfig::NONE);
+    const StageResult sure = GrowAdapter(config).Process(FlatFrame({40, 30}));
+    EXPECT_EQ(sure.outputs.size(), fill == GrowConfig::NONE ? 3U : 2U);
+    EXPECT_LT(MapOf(sure, Part::kDisparity).CountValid(), 40 * 30);
+    EXPECT_EQ(MapOf(sure, Part::kUnfilled).CountValid(), MapOf(all, Part::kUnfilled).CountValid());
+    if (fill == GrowConfig::NONE) continue;
+    EXPECT_EQ(MapOf(sure, Part::kDisparity).CountValid(), cv::countNonZero(confidence >= bound));
+  }
+}
+
+TEST(GrowAdapter, AddsTheUnfilledMapOnDemand) {
+  GrowConfig config;
+  config.set_publish_unfilled(true);
+  const StageResult outcome = GrowAdapter(config).Process(FlatFrame({40, 30}));
+  EXPECT_LT(MapOf(outcome, Part::kUnfilled).CountValid(),
+            MapOf(outcome, Part::kDisparity).CountValid());
+}
+
+TEST(GrowAdapter, AddsTheConfidenceUnlessTold) {
+  GrowConfig config;
+  const StageResult outcome = GrowAdapter(config).Process(FlatFrame({40, 30}));
+  ASSERT_EQ(outcome.outputs.size(), 2u);
+  EXPECT_EQ(outcome.outputs[1].part, Part::kConfidence);
+  const auto& confidence = std::get<cv::Mat>(outcome.outputs[1].value);
+  EXPECT_EQ(confidence.size(), cv::Size(40, 30));
+  EXPECT_EQ(confidence.type(), CV_8UC1);
+  EXPECT_GT(cv::countNonZero(confidence), 0);
+  config.set_publish_confidence(false);
+  EXPECT_EQ(GrowAdapter(config).Process(FlatFrame({40, 30})).outputs.size(), 1u);
+}
+
+TEST(GrowAdapter, SaysWhyAFrameHasNoDisparity) {
+  GrowConfig config;
+  config.set_publish_confidence(true);
+  GrowAdapter adapter(config);
+  Frame no_seeds = FlatFrame({40, 30});
+  no_seeds.seeds->seeds.clear();
+  EXPECT_THAT(adapter.Process(no_seeds).degenerate, HasSubstr("no seeds"));
+
+  Frame no_prior = FlatFrame({40, 30});
+  no_prior.prior = PriorMap(cv::Size(40, 30));
+  EXPECT_THAT(adapter.Process(no_prior).degenerate, HasSubstr("prior is empty"));
+
+  Frame tiny = FlatFrame({4, 4});
+  EXPECT_THAT(adapter.Process(tiny).degenerate, HasSubstr("smaller than the 5x5 window"));
+
+  Frame sizes_differ = FlatFrame({40, 30});
+  sizes_differ.right = cv::Mat(31, 40, CV_8UC1, cv::Scalar(0));
+  const StageResult outcome = adapter.Process(sizes_differ);
+  EXPECT_THAT(outcome.degenerate, HasSubstr("allowed are two of one size"));
+  EXPECT_EQ(MapOf(outcome, Part::kDisparity).size(), cv::Size(40, 30));
+  EXPECT_EQ(MapOf(outcome, Part::kDisparity).CountValid(), 0);
+}
+
+TEST(GrowAdapter, GoesOnAfterADegenerateFrame) {
+  GrowAdapter adapter{GrowConfig()};
+  const StageResult before = adapter.Process(FlatFrame({40, 30}));
+  Frame no_seeds = FlatFrame({40, 30});
+  no_seeds.seeds->seeds.clear();
+  adapter.Process(no_seeds);
+  const StageResult after = adapter.Process(FlatFrame({40, 30}));
+  EXPECT_EQ(cv::countNonZero(MapOf(before, Part::kDisparity).counts() !=
+                             MapOf(after, Part::kDisparity).counts()),
+            0);
+}
+
+TEST(GrowAdapter, SaysWhenTheImagesHaveTwoSizes) {
+  Frame frame = FlatFrame({40, 30});
+  frame.right = cv::Mat(8, 8, CV_8UC1, cv::Scalar(0));
+  EXPECT_THAT(GrowAdapter(GrowConfig()).Process(frame).degenerate, HasSubstr("two of one size"));
+}
+
+}  // namespace
+}  // namespace sprout::grow

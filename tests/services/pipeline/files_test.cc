@@ -1,0 +1,295 @@
+#include "services/pipeline/files/files.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+
+#include "common/picture/write_image.h"
+#include "common/rig/rectifier.h"
+#include "common/rig/rig_file.h"
+#include "services/datasets/dataset.h"
+#include "services/datasets/pfm.h"
+#include "services/pipeline/pipeline.h"
+#include "tests/common/picture/temporary_directory.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr int kTofStep = 4;
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
+  return a.type() == b.type() && a.size() == b.size() && a.isContinuous() && b.isContinuous() &&
+         std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
+}
+
+struct Ended {
+  int exit_code = 0;
+  std::string out;
+  std::string err;
+};
+
+Ended Run(const FilesOptions& options, const std::stop_token& stop = {}) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Ended outcome;
+  outcome.exit_code = RunFiles(options, LoadConfig({"default"}), stop);
+  outcome.out = testing::internal::GetCapturedStdout();
+  outcome.err = testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+std::string RefusalOf(const FilesOptions& options) {
+  try {
+    RunFiles(options, LoadConfig({"default"}), {});
+  } catch (const ConfigError& e) {
+    return e.what();
+  }
+  return "not refused";
+}
+
+// A scene whose principal points differ, and a depth image in the left camera's place.
+class Files : public testing::Test {
+ protected:
+  Files() {
+    CaptureConfig config;
+    config.set_source("synthetic:160x120");
+    const auto dataset = datasets::OpenDataset(config);
+    scene_ = dataset->Get(0);
+    pair_ = dataset->rig().pair;
+    tof_.depth_m = cv::Mat1f(pair_.height / kTofStep, pair_.width / kTofStep);
+    for (int v = 0; v < tof_.depth_m.rows; ++v) {
+      for (int u = 0; u < tof_.depth_m.cols; ++u) {
+        const float px = scene_.truth.left(v * kTofStep + 2, u * kTofStep + 2);
+        const double mm = 1000 * pair_.DepthFromDisparity(double{px});
+        tof_.depth_m(v, u) = std::isfinite(mm) ? static_cast<float>(std::round(mm) * 0.001) : 0;
+      }
+    }
+    Write("left.png", scene_.left);
+    Write("right.png", scene_.right);
+    EXPECT_TRUE(WritePfm(folder_ / "tof.pfm", tof_.depth_m));
+    cv::Mat1w mm;
+    tof_.depth_m.convertTo(mm, CV_16U, 1000);
+    Write("tof.png", mm);
+    options_.left = folder_ / "left.png";
+    options_.right = folder_ / "right.png";
+    options_.out = folder_ / "out";
+    options_.rig.focal_px = pair_.focal_px;
+    options_.rig.baseline_m = pair_.baseline_m;
+    options_.rig.cx = pair_.cx;
+    options_.rig.cx_right = pair_.cx_right;
+  }
+
+  std::string Write(const char* name, const cv::Mat& image) const {
+    fs::create_directories((folder_ / name).parent_path());
+    EXPECT_TRUE(cv::imwrite(folder_ / name, image)) << name;
+    return folder_ / name;
+  }
+
+  // The calibration that the flags stand for.
+  Rig RigOfFlags() const {
+    Rig rig;
+    rig.pair = pair_;
+    rig.pair.cy = (pair_.height - 1) / 2.0;
+    rig.tof.width = tof_.depth_m.cols;
+    rig.tof.height = tof_.depth_m.rows;
+    rig.tof.fx = rig.tof.fy = pair_.focal_px / kTofStep;
+    rig.tof.cx = (pair_.cx + 0.5) / kTofStep - 0.5;
+    rig.tof.cy = (rig.pair.cy + 0.5) / kTofStep - 0.5;
+    return rig;
+  }
+
+  DepthFrame Expected(const TofImage& tof, Rig rig) const {
+    if (tof.depth_m.empty()) rig.tof = TofCamera();
+    return Pipeline(LoadConfig({"default"})).Compute(scene_.left, scene_.right, tof, rig).value();
+  }
+
+  void ExpectResults(const DepthFrame& expected) const {
+    const auto png = [&](const char* name) {
+      return cv::imread(folder_ / "out" / name, cv::IMREAD_UNCHANGED);
+    };
+    cv::Mat1f px(expected.disparity.size());
+    cv::Mat1w counts(px.size());
+    cv::Mat1w mm(px.size());
+    for (int v = 0; v < px.rows; ++v) {
+      for (int u = 0; u < px.cols; ++u) {
+        const bool valid = expected.disparity.IsValid(u, v);
+        px(v, u) = valid ? expected.disparity.Px(u, v) : static_cast<float>(kInf);
+        counts(v, u) = valid ? static_cast<uint16_t>(std::lround(px(v, u) * 32)) : uint16_t{0};
+        const float depth_m = expected.depth_m(v, u);
+        mm(v, u) =
+            depth_m < 65 ? static_cast<uint16_t>(std::lround(double{depth_m} * 1000)) : uint16_t{0};
+      }
+    }
+    EXPECT_TRUE(SameBytes(datasets::ReadPfm(folder_ / "out" / "disparity.pfm"), px));
+    EXPECT_TRUE(SameBytes(png("disparity.png"), counts));
+    EXPECT_TRUE(SameBytes(datasets::ReadPfm(folder_ / "out" / "depth.pfm"), expected.depth_m));
+    EXPECT_TRUE(SameBytes(png("depth.png"), mm));
+    EXPECT_TRUE(SameBytes(png("confidence.png"), expected.confidence));
+    EXPECT_GE(png("overview.png").cols, 2 * pair_.width);
+    for (const char* name : {"cloud.ply", "mesh.ply"}) {
+      std::string text(1000, '\0');
+      std::ifstream(folder_ / "out" / name).read(text.data(), 1000);
+      const auto vertices = cv::countNonZero(expected.depth_m == expected.depth_m);
+      EXPECT_THAT(text, HasSubstr("element vertex " + std::to_string(vertices) + "\n")) << name;
+    }
+  }
+
+  TemporaryDirectory folder_;
+  datasets::DatasetFrame scene_;
+  RectifiedPair pair_;
+  TofImage tof_;
+  FilesOptions options_;
+};
+
+TEST_F(Files, HoldWhatThePipelineComputesOfAPairAndADepthImage) {
+  const DepthFrame expected = Expected(tof_, RigOfFlags());
+  ASSERT_GT(expected.disparity.CountValid(), 0.9 * pair_.size().area());
+  for (const char* tof : {"tof.pfm", "tof.png"}) {
+    options_.tof = folder_ / tof;
+    const Ended outcome = Run(options_);
+    EXPECT_EQ(outcome.exit_code, 0) << tof;
+    EXPECT_THAT(outcome.err, IsEmpty()) << tof;
+    EXPECT_THAT(outcome.out, HasSubstr("out/: 160x120, " +
+                                       std::to_string(expected.seeds.seeds.size()) + " seeds, "));
+    ExpectResults(expected);
+  }
+}
+
+TEST_F(Files, NeedNoToFImage) {
+  EXPECT_EQ(Run(options_).exit_code, 0);
+  ExpectResults(Expected({}, RigOfFlags()));
+}
+
+TEST_F(Files, OfUnrectifiedCamerasAreRectifiedByTheRigFile) {
+  RawRig raw;
+  raw.left = {.width = 160, .height = 120, .fx = 150, .fy = 150, .cx = 79, .cy = 60};
+  raw.left.distortion = {-0.1, 0, 0, 0, 0};
+  raw.right = raw.left;
+  raw.left_from_right.translation_m = {0.1, 0, 0};
+  RigDescription description;
+  *description.mutable_calibration() = ToCalibration(raw);
+  const std::string rig_file = folder_ / "rig.textproto";
+  ASSERT_TRUE(SaveRigFile(rig_file, description));
+  options_.rig = {.rig_file = rig_file};
+  EXPECT_EQ(Run(options_).exit_code, 0);
+  const Rectifier rectifier(raw);
+  ExpectResults(Pipeline(LoadConfig({"default"}))
+                    .Compute(rectifier.RectifyLeft(scene_.left),
+                             rectifier.RectifyRight(scene_.right), {}, rectifier.rig())
+                    .value());
+
+  const cv::Mat small(60, 80, CV_8UC1, cv::Scalar(0));
+  options_.left = Write("small.png", small);
+  EXPECT_THAT(Run(options_).err, HasSubstr("small.png: the left image is 80x60: allowed is the "
+                                           "calibrated size 160x120\n"));
+  options_.left = folder_ / "left.png";
+  options_.tof = folder_ / "tof.png";
+  EXPECT_THAT(Run(options_).err, HasSubstr("left.png: the ToF image is 40x30: allowed is the "
+                                           "calibrated size 0x0\n"));
+}
+
+TEST_F(Files, OfManyPairsAreComputedButForTheOnesThatCannotBe) {
+  for (const char* name : {"l/b.png", "l/a.png", "l/c.png"}) Write(name, scene_.left);
+  for (const char* name : {"r/1.png", "r/3.png"}) Write(name, scene_.right);
+  Write("r/2.png", cv::Mat(60, 80, CV_8UC1, cv::Scalar(0)));
+  std::ofstream(folder_ / "l" / "notes.txt") << "no image\n";
+  options_.left = folder_ / "l";
+  options_.right = folder_ / "r/?.png";
+  const Ended outcome = Run(options_);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("l/b.png: right: 80x60; allowed: the calibrated size 160x120"));
+  EXPECT_THAT(outcome.err, HasSubstr("1 of 3 pairs left out\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("out/a: 160x120"));
+  EXPECT_THAT(outcome.out, HasSubstr("out/c: 160x120"));
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "a" / "disparity.pfm"));
+  EXPECT_FALSE(fs::exists(folder_ / "out" / "b"));
+  EXPECT_TRUE(SameBytes(cv::imread(folder_ / "out" / "a" / "disparity.png", cv::IMREAD_UNCHANGED),
+                        cv::imread(folder_ / "out" / "c" / "disparity.png", cv::IMREAD_UNCHANGED)));
+}
+
+TEST_F(Files, OfOneNameInSeveralFoldersGoToFoldersOfTheirOwn) {
+  for (const char* name : {"x/im0.png", "y/im0.png"}) Write(name, scene_.left);
+  for (const char* name : {"x/im1.png", "y/im1.png"}) Write(name, scene_.right);
+  options_.left = folder_ / "*/im0.png";
+  options_.right = folder_ / "*/im1.png";
+  EXPECT_EQ(Run(options_).exit_code, 0);
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "x_im0" / "depth.pfm"));
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "y_im0" / "depth.pfm"));
+}
+
+TEST_F(Files, StopBetweenTwoPairs) {
+  std::stop_source stop;
+  stop.request_stop();
+  const Ended outcome = Run(options_, stop.get_token());
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("stopped after 0 of 1 pairs\n"));
+}
+
+TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
+  const std::string nothing = folder_ / "nothing";
+  const std::string empty = folder_ / "empty";
+  fs::create_directories(empty);
+  Write("two/1.png", scene_.left);
+  Write("two/2.png", scene_.left);
+  Write("two/2.bmp", scene_.left);
+  const std::string blocked = folder_ / "left.png/out";
+  const struct {
+    std::function<void(FilesOptions&)> change;
+    std::string text;
+  } table[] = {
+      {[&](auto& o) { o.left = nothing; }, "LEFT " + nothing + ": not there; allowed: "},
+      {[&](auto& o) { o.right = empty; }, "RIGHT " + empty + ": holds no image"},
+      {[&](auto& o) { o.tof = nothing + "*"; }, "--tof " + nothing + "*: no file is called so"},
+      {[&](auto& o) { o.left = folder_ / "two/*.png"; },
+       "LEFT has 2 images and RIGHT 1: allowed is the same number"},
+      {[&](auto& o) { o.left = o.right = folder_ / "two"; }, "LEFT: images of one name"},
+      {[&](auto& o) { o.rig = {}; }, "no calibration; allowed: --rig FILE, or --focal-px"},
+      {[&](auto& o) { o.rig.rig_file = nothing; }, nothing},
+      {[&](auto& o) { o.out = blocked; }, "--out " + blocked + ": cannot be written ("},
+  };
+  for (const auto& [change, text] : table) {
+    FilesOptions options = options_;
+    change(options);
+    EXPECT_THAT(RefusalOf(options), HasSubstr(text));
+  }
+}
+
+TEST_F(Files, WhoseContentCannotBeUsedGetOneLine) {
+  std::ofstream(folder_ / "text.png") << "no image\n";
+  std::ofstream(folder_ / "short.pfm") << "Pf\n40 30\n-1\nabc";
+  const struct {
+    std::function<void(FilesOptions&)> change;
+    std::string text;
+  } table[] = {
+      {[&](auto& o) { o.left = folder_ / "text.png"; }, "text.png: "},
+      {[&](auto& o) { o.tof = folder_ / "left.png"; },
+       "left.png: not of one channel with 16 bits; allowed: such an image in mm, or a PFM in m\n"},
+      {[&](auto& o) { o.tof = folder_ / "short.pfm"; }, "short.pfm: ends early"},
+      {[&](auto& o) { o.rig.focal_px = std::nan(""); }, "focal_px"},
+      {[&](auto& o) { o.rig.baseline_m = 0; }, "baseline_m"},
+  };
+  for (const auto& [change, text] : table) {
+    FilesOptions options = options_;
+    change(options);
+    const Ended outcome = Run(options);
+    EXPECT_EQ(outcome.exit_code, 1) << text;
+    EXPECT_THAT(outcome.err, HasSubstr(text));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace sprout

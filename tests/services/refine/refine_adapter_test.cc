@@ -1,0 +1,110 @@
+#include "services/refine/refine_adapter.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "common/core/tof_coverage.h"
+#include "tests/services/refine/refine_scene.h"
+
+namespace sprout::refine {
+namespace {
+
+using testing::HasSubstr;
+
+Frame FrameOf(const Scene& scene) {
+  Frame frame;
+  frame.left = scene.left;
+  frame.right = scene.right;
+  frame.tof = scene.tof;
+  frame.rig = scene.rig;
+  frame.id.rig_id = RigId(scene.rig);
+  return frame;
+}
+
+TEST(RefineAdapter, MakesNoRaysForAFrameWithoutToFImage) {
+  RefineAdapter adapter{RefineConfig()};
+  Scene scene = TexturedScene();
+  scene.tof = {};
+  scene.rig.tof.width = scene.rig.tof.height = 16384;  // rays would take gigabytes
+  const StageResult outcome = adapter.Process(FrameOf(scene));
+  EXPECT_EQ(outcome.degenerate, "");
+  EXPECT_FALSE(std::get<SeedSet>(outcome.outputs.at(0).value).seeds.empty());
+}
+
+TEST(RefineAdapter, SaysWhyAFrameHasNoSeeds) {
+  RefineAdapter adapter{RefineConfig()};
+  Scene scene;
+  EXPECT_EQ(adapter.Process(FrameOf(scene)).degenerate,
+            "no ToF point has a return, and stereo found none");
+  scene.SetDisparity(0, 0, 5);
+  EXPECT_THAT(adapter.Process(FrameOf(scene)).degenerate, HasSubstr("none of 1 ToF points"));
+  scene.right = cv::Mat1b(10, 10, uint8_t{0});
+  const StageResult outcome = adapter.Process(FrameOf(scene));
+  EXPECT_THAT(outcome.degenerate, HasSubstr("10x10"));
+  ASSERT_EQ(outcome.outputs.size(), 2u);
+  for (const PartOutput& output : outcome.outputs) {
+    EXPECT_TRUE(std::get<SeedSet>(output.value).seeds.empty());
+  }
+}
+
+TEST(RefineAdapter, AnswersAToFImageOfAnotherSizeThanCalibratedEmpty) {
+  RefineAdapter adapter{RefineConfig()};
+  Scene scene;
+  scene.rig.tof.width = scene.rig.tof.height = 16384;  // rays would take gigabytes
+  const StageResult outcome = adapter.Process(FrameOf(scene));
+  EXPECT_THAT(outcome.degenerate, HasSubstr("ToF image of 10x8"));
+  EXPECT_EQ(outcome.outputs.size(), 2u);
+}
+
+TEST(RefineAdapter, AnswersFramesWithoutToF) {
+  const Scene scene;
+  std::vector<std::pair<const char*, Frame>> frames = {
+      {"a ToF image of NaN", FrameOf(scene)},
+      {"no ToF image", FrameOf(scene)},
+      {"no image of a huge camera", FrameOf(scene)},
+      {"no ToF camera", FrameOf(scene)}};
+  for (size_t i = 1; i < frames.size(); ++i) frames[i].second.tof = TofImage();
+  // Rays would take gigabytes.
+  frames[2].second.rig->tof.width = frames[2].second.rig->tof.height = 10000;
+  frames[3].second.rig->tof = {};
+  RefineAdapter adapter{RefineConfig()};
+  for (const auto& [name, frame] : frames) {
+    const StageResult outcome = adapter.Process(frame);
+    ASSERT_EQ(outcome.outputs.size(), 2u) << name;
+    const auto& set = std::get<SeedSet>(outcome.outputs[0].value);
+    EXPECT_EQ(TofCoverage(set.seeds, frame.left.size()), 0) << name;
+    EXPECT_EQ(set.raw, 0) << name;
+    EXPECT_THAT(outcome.degenerate, testing::Not(HasSubstr("ToF image of"))) << name;
+  }
+}
+
+TEST(RefineAdapter, AnswersWithTheSeedsOfEachFrameOnly) {
+  RefineAdapter adapter{PaperRules()};
+  Scene scene;
+  scene.SetDisparity(1, 4, 9);
+  const auto left_seeds_of = [&](const StageResult& outcome) {
+    EXPECT_EQ(outcome.outputs.at(1).part, Part::kLeftSeeds);
+    return std::get<SeedSet>(outcome.outputs.at(1).value);
+  };
+  EXPECT_EQ(left_seeds_of(adapter.Process(FrameOf(scene))).seeds.size(), 1u);
+  scene.tof.depth_m = cv::Mat1f(4, 4, 1.0F);
+  EXPECT_EQ(left_seeds_of(adapter.Process(FrameOf(scene))), SeedSet());
+}
+
+TEST(RefineAdapter, FollowsAChangeOfCalibration) {
+  RefineAdapter adapter{PaperRules()};
+  Scene scene;
+  scene.SetDisparity(3, 2, 8);
+  const auto seed_of = [&](const StageResult& outcome) {
+    return std::get<SeedSet>(outcome.outputs.at(0).value).seeds.at(0);
+  };
+  EXPECT_NEAR(seed_of(adapter.Process(FrameOf(scene))).v, 20, 1e-3);
+  scene.rig.pair.cy = 45;
+  EXPECT_NEAR(seed_of(adapter.Process(FrameOf(scene))).v, 25, 1e-3);
+}
+
+}  // namespace
+}  // namespace sprout::refine

@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+"""The page of sprout-view when it, its browser or its connection sleeps while the graph runs at 10 Hz:
+nothing may pile up, and the newest frame must be back within a second. On a network of its own only
+(see in_private_network). Exit code 0 when all is as it should be, 77 where there is no Chromium."""
+
+import argparse
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+import web_driver
+from page_test import PORT, URL, Programs, check, failures, wait_for_server
+
+RELAY_PORT = 8421
+SOON = 2  # s; one on a quiet machine
+
+
+class Relay:
+    """Passes connections on to sprout-view. cut() kills those there are, and nobody is told."""
+
+    def __init__(self):
+        self.alive = object()  # another one after each cut
+        self.listener = socket.create_server(("127.0.0.1", RELAY_PORT))
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def cut(self):
+        self.alive = object()
+
+    def _accept(self):
+        while True:
+            near, _ = self.listener.accept()
+            far = socket.create_connection(("127.0.0.1", PORT))
+            for ends in ((near, far), (far, near)):
+                threading.Thread(target=self._pass, args=(*ends, self.alive), daemon=True).start()
+
+    def _pass(self, source, target, alive):
+        while data := source.recv(65536):
+            if self.alive is alive:
+                target.sendall(data)
+        if self.alive is alive:
+            target.shutdown(socket.SHUT_WR)
+
+
+def resident_mb(pid):
+    pages = int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGESIZE") / 2 ** 20
+
+
+def family_of(pid):
+    """A process and those that it started."""
+    listed = subprocess.run(["ps", "-eo", "pid=,ppid="], capture_output=True, text=True, check=True)
+    parents = [tuple(map(int, line.split())) for line in listed.stdout.splitlines()]
+    family = [pid]
+    for member in family:
+        family += [child for child, parent in parents if parent == member]
+    return family
+
+
+def check_sleep(what, browser, programs, sleep, asleep, awake):
+    """@param asleep, awake  functions that begin and end the sleep."""
+    view = programs.running["view"].pid
+    browser.wait("sprout.frames > 5")
+    before, heap = resident_mb(view), browser.heap_mb()
+    asleep()
+    time.sleep(sleep)
+    during = resident_mb(view)
+    awake()
+    start = time.monotonic()
+    # One that was captured when the page was awake again.
+    woken = time.time()
+    back = browser.wait(f"sprout.head.utime > {int(1e6 * woken)}", seconds=20)
+    took = time.monotonic() - start
+    check(f"{what}: the newest frame is back at once", back and took < SOON, f"{took:.2f} s")
+    frames = browser.run("return sprout.frames")
+    check(f"{what}: and others follow", browser.wait(f"sprout.frames > {frames + 10}", seconds=10))
+    # The ring of sprout-view grows until it has 100 frames; what a page leaves unread comes beside it.
+    check(f"{what}: sprout-view does not grow", during - before < 20, f"{before:.0f} MB, {during:.0f} MB")
+    now = browser.heap_mb()
+    check(f"{what}: the page does not grow", now - heap < 20, f"{heap:.1f} MB, {now:.1f} MB")
+
+
+def check_cut(browser, relay):
+    browser.open(f"http://127.0.0.1:{RELAY_PORT}/")
+    check("a page through a relay", browser.wait("window.sprout && sprout.frames > 5"))
+    relay.cut()
+    start = time.monotonic()
+    check("a dead connection is noticed", browser.wait("document.body.classList.contains('stale')", seconds=15),
+          f"after {time.monotonic() - start:.1f} s")
+    frames = browser.run("return sprout.frames")
+    check("and made anew", browser.wait(f"sprout.frames > {frames + 5}", seconds=5))
+
+
+def run(browser, programs, sleep):
+    browser.open(URL)
+    browser.wait("window.sprout && sprout.frames > 0")
+    # The ring is full, and every picture was painted: what comes now is what sleep costs.
+    browser.wait("sprout.keys[1] - sprout.keys[0] >= 99", seconds=60)
+    check_sleep("a frozen page", browser, programs, sleep, browser.freeze, browser.thaw)
+    family = family_of(browser.driver.pid)[1:]
+
+    def send(number):
+        for pid in family:
+            os.kill(pid, number)
+    check_sleep("a stopped browser", browser, programs, sleep,
+                lambda: send(signal.SIGSTOP), lambda: send(signal.SIGCONT))
+    check_cut(browser, Relay())
+    # That a page which is stopped loses its connection is as it should be.
+    complaints = [text for text in browser.complaints() if "Back-Forward Cache" not in text]
+    check("nothing to complain of in the console", complaints == [], complaints)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--bin", type=pathlib.Path, required=True, help="folder of the programs")
+    parser.add_argument("--sleep", type=float, default=15, help="how long, s")
+    options = parser.parse_args()
+    lacking = web_driver.missing()
+    if lacking:
+        print(f"skipped: {lacking} is missing (scripts/setup --tests installs it)")
+        return 77
+    with tempfile.TemporaryDirectory() as name:
+        programs = Programs(options.bin.resolve(), pathlib.Path(name))
+        try:
+            programs.start("view")
+            programs.start("capture", "--source", "synthetic:640x480", "--rate", "10", "--wait-for", "view")
+            wait_for_server()
+            with web_driver.Browser() as browser:
+                run(browser, programs, options.sleep)
+        finally:
+            programs.stop_all()
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

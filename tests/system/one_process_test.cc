@@ -1,0 +1,153 @@
+// sprout-pipeline in the place of refine, prior and grow.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+
+#include "services/datasets/dataset.h"
+#include "services/pipeline/pipeline.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/system/graph.h"
+#include "tests/system/log_bytes.h"
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr char kSource[] = "synthetic:320x240";
+
+// The answers of a program to the sample and further logs.
+ChannelBytes Replay(const std::string& program, const std::string& config,
+                    const std::vector<std::filesystem::path>& logs,
+                    const std::filesystem::path& record) {
+  std::vector<std::string> command = {ProgramPath(program), "--config", config, "--record", record};
+  for (const auto& log : logs) command.insert(command.end(), {"--replay", log});
+  Process process(command);
+  EXPECT_EQ(process.Wait(std::chrono::seconds(120)), 0) << process.Output();
+  ChannelBytes channels = ReadChannels(record);
+  EXPECT_EQ(channels.erase(std::string(kProcessChannel)), 1U);
+  return channels;
+}
+
+TEST(OneProcessSystem, ReplayGivesTheBytesOfTheThreeStages) {
+  const TemporaryDirectory folder;
+  const std::string without_prior = folder / "without_prior.textproto";
+  std::ofstream(without_prior) << "prior { left_seeds: false } grow { similarity: EXPSSD fill: "
+                                  "NONE publish_unfilled: true }";
+  for (const std::string config : {std::string("default"), std::string("paper"), without_prior}) {
+    const auto seeds = folder / "seeds.lcm";
+    const auto prior = folder / "prior.lcm";
+    ChannelBytes three = Replay("sprout-refine", config, {kSampleLog}, seeds);
+    three.merge(Replay("sprout-prior", config, {kSampleLog, seeds}, prior));
+    three.merge(Replay("sprout-grow", config, {kSampleLog, seeds, prior}, folder / "grow.lcm"));
+    const ChannelBytes one =
+        Replay("sprout-pipeline", config, {kSampleLog}, folder / "pipeline.lcm");
+    ASSERT_TRUE(one.contains("SPROUT_DISPARITY")) << config;
+    EXPECT_TRUE(one.contains("SPROUT_PRIOR")) << config;
+    EXPECT_EQ(one.contains("SPROUT_UNFILLED"), config == without_prior);
+    EXPECT_TRUE(one == three) << config;
+  }
+}
+
+DisparityImage ComputeInProcess(int64_t index) {
+  SproutConfig config = LoadConfig({"default"});
+  config.mutable_capture()->set_source(kSource);
+  const auto source = datasets::OpenDataset(config.capture());
+  const datasets::DatasetFrame captured = source->Get(index);
+  return Pipeline(config)
+      .Compute(captured.left, captured.right, captured.tof, source->rig())
+      .value()
+      .disparity;
+}
+
+TEST(OneProcessSystem, AnswersEveryFrameAndReportsItsStepsUnderTheNamesOfTheProcesses) {
+  constexpr int kFrames = 5;
+  Graph graph;
+  Process& pipeline = graph.Start("pipeline", {"--config", "default"});
+  Process& capture = graph.StartOnly(
+      "capture", {"--source", kSource, "--frames", std::to_string(kFrames), "--lockstep", "1",
+                  "--rate", "0", "--wait-for", "refine,prior,grow"});
+  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) {
+    for (const char* stage : {"refine", "prior", "grow", "pipeline"}) {
+      if (g.statuses[stage].frames_out < kFrames) return false;
+    }
+    return true;
+  }));
+  graph.WaitUntil([](Graph& g) {
+    const StageStatus& whole = g.statuses["pipeline"];
+    double steps_ms = 0;
+    for (const char* stage : {"refine", "prior", "grow"}) {
+      const StageStatus& step = g.statuses[stage];
+      EXPECT_EQ(step.frames_in, kFrames) << stage;
+      EXPECT_EQ(step.newest_frame.seq, kFrames - 1) << stage;
+      EXPECT_EQ(step.pid, whole.pid) << stage;
+      EXPECT_GT(step.latency.p50_ms, 0) << stage;
+      EXPECT_GT(step.tof_coverage, 0.9F) << stage;
+      EXPECT_EQ(step.last_error, "") << stage;
+      steps_ms += step.latency.p50_ms;
+    }
+    EXPECT_LT(steps_ms, whole.latency.max_ms * 3);
+    EXPECT_GT(whole.latency.p50_ms, g.statuses["grow"].latency.p50_ms * 0.5);
+    EXPECT_EQ(whole.frames_skipped, 0);
+    EXPECT_EQ(whole.bad_messages, 0);
+    EXPECT_EQ(whole.last_error, "");
+    for (int64_t seq = 0; seq < kFrames; ++seq) {
+      for (const Part part : {Part::kSeeds, Part::kLeftSeeds, Part::kPrior, Part::kConfidence}) {
+        EXPECT_EQ((g.part_counts[{part, seq}]), 1) << ChannelOf(part) << " of frame " << seq;
+      }
+      const auto& map = std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq}));
+      EXPECT_EQ(cv::countNonZero(map.counts() != ComputeInProcess(seq).counts()), 0) << seq;
+    }
+    return true;
+  });
+  pipeline.Signal(SIGTERM);
+  EXPECT_EQ(pipeline.Wait(), 0) << pipeline.Output();
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    for (const char* stage : {"refine", "prior", "grow", "pipeline"}) {
+      if (g.statuses[stage].state != StageStatus::State::kStopped) return false;
+    }
+    return true;
+  }));
+}
+
+TEST(OneProcessSystem, AStageBesideItWarnsThatThereAreTwo) {
+  Graph graph;
+  graph.Start("pipeline");
+  graph.StartOnly("refine");
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["refine"].last_error.starts_with("another sprout-refine works on these");
+  }));
+}
+
+TEST(OneProcessSystem, RefusesFlagsOfFilesThatCannotBeUsedInOneLine) {
+  const std::vector<std::string> good = {"files", "a.png", "b.png", "--out", "out"};
+  const struct {
+    std::vector<std::string> flags;
+    std::string text;
+  } table[] = {
+      {{}, "no calibration"},
+      {{"--focal-px", "100"}, "--baseline-m"},
+      {{"--focal-px", "nan", "--baseline-m", "1"}, "--focal-px"},
+      {{"--focal-px", "100", "--baseline-m", "0"}, "--baseline-m"},
+      {{"--focal-px", "100", "--baseline-m", "1", "--rig", "rig.textproto"}, "--rig"},
+      {{"--focal-px", "100", "--baseline-m", "1"}, "LEFT a.png: not there"},
+      {{"--rig", "rig.textproto", "--lcm-url", "udpm://239.255.76.67:7667?ttl=0"}, "--lcm-url"},
+      {{"--rig", "rig.textproto", "--config", "nothing"}, "nothing"},
+      {{"c.png", "--rig", "rig.textproto"}, "c.png"},
+  };
+  for (const auto& [flags, text] : table) {
+    std::vector<std::string> command = {ProgramPath("sprout-pipeline"), "--log-level", "error"};
+    command.insert(command.end(), good.begin(), good.end());
+    command.insert(command.end(), flags.begin(), flags.end());
+    Process process(command);
+    EXPECT_EQ(process.Wait(), 2) << text << "\n" << process.Output();
+    EXPECT_THAT(process.Output(), HasSubstr(text));
+    EXPECT_EQ(std::ranges::count(process.Output(), '\n'), 1) << process.Output();
+  }
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,182 @@
+// sprout-capture and sprout-calibrate with files and senders that mean them harm.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <thread>
+
+#include "common/app/process.h"
+#include "common/app/stage_monitor.h"
+#include "common/bus/channels.h"
+#include "common/bus/lcm_url.h"
+#include "common/bus/publisher.h"
+#include "common/messages/codec.h"
+#include "services/check/contract.h"
+#include "services/check/test_frames.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/services/calibrate/board_scene.h"
+#include "tests/system/hostile_messages.h"
+#include "tests/system/log_bytes.h"
+
+namespace sprout {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string ProgramPath(const std::string& name) {
+  return (std::filesystem::path(SPROUT_BINARY_DIR) / name).string();
+}
+
+// Peak of its memory, MB.
+int64_t PeakMegabytes(pid_t pid) {
+  std::ifstream status(fmt::format("/proc/{}/status", pid));
+  for (std::string word; status >> word;) {
+    if (word != "VmHWM:") continue;
+    int64_t kilobytes = 0;
+    status >> kilobytes;
+    return kilobytes / 1024;
+  }
+  return 0;
+}
+
+class RigProgramsSystem : public testing::Test {
+ protected:
+  std::string File(const std::string& name) const { return folder_ / name.c_str(); }
+
+  void WriteBytes(const std::string& name, const std::string& bytes) const {
+    std::ofstream(File(name), std::ios::binary) << bytes;
+  }
+
+  // An AVI file whose frames are such JPEG streams, or whatever else.
+  void WriteAvi(const std::string& name, const std::vector<std::string>& frames,
+                uint32_t claimed_frames) const {
+    const auto number = [](uint32_t n) {
+      std::string bytes;
+      for (int i = 0; i < 4; ++i) bytes += static_cast<char>(n >> (8 * i));
+      return bytes;
+    };
+    const auto chunk = [&](const std::string& type, std::string data) {
+      const auto size = static_cast<uint32_t>(data.size());
+      if (size % 2 != 0) data += '\0';
+      return type + number(size) + data;
+    };
+    const auto numbers = [&](const std::vector<uint32_t>& list) {
+      std::string bytes;
+      for (const uint32_t n : list) bytes += number(n);
+      return bytes;
+    };
+    const std::string avih =
+        numbers({100'000, 0, 0, 0x10, claimed_frames, 0, 1, 1 << 20, 64, 48, 0, 0, 0, 0});
+    const std::string strh =
+        "vidsMJPG" + numbers({0, 0, 0, 1, 10, 0, claimed_frames, 1 << 20, 0xffffffff, 0, 0, 0});
+    const std::string strf =
+        numbers({40, 64, 48, 0x00180001}) + "MJPG" + numbers({9216, 0, 0, 0, 0});
+    std::string movi = "movi";
+    for (const std::string& frame : frames) movi += chunk("00dc", frame);
+    const std::string strl = "strl" + chunk("strh", strh) + chunk("strf", strf);
+    const std::string hdrl = "hdrl" + chunk("avih", avih) + chunk("LIST", strl);
+    WriteBytes(name, chunk("RIFF", "AVI " + chunk("LIST", hdrl) + chunk("LIST", movi)));
+  }
+
+  static std::string Jpeg() {
+    std::vector<uint8_t> bytes;
+    cv::imencode(".jpg", cv::Mat(48, 64, CV_8UC3, cv::Scalar(9, 99, 199)), bytes);
+    return {bytes.begin(), bytes.end()};
+  }
+
+  // Exit code and output of sprout-capture with a source without a clock.
+  std::pair<std::optional<int>, std::string> Capture(const std::string& source,
+                                                     bool raw = true) const {
+    std::vector<std::string> command = {ProgramPath("sprout-capture"), "--source", source, "--rate",
+                                        "0"};
+    if (raw) command.push_back("--raw");
+    Process capture(command);
+    const auto code = capture.Wait(seconds(60));
+    return {code, capture.Output()};
+  }
+
+  const TemporaryDirectory folder_;
+};
+
+TEST_F(RigProgramsSystem, ASourceThatGaveNoFrameIsNoSuccess) {
+  WriteAvi("none.avi", {}, 0);
+  WriteAvi("garbage.avi", {"no JPEG", "neither"}, 2);
+  for (const char* name : {"none.avi", "garbage.avi"}) {
+    const auto [code, output] = Capture("opencv:" + File(name));
+    EXPECT_EQ(code, 1) << output;
+    EXPECT_THAT(output, HasSubstr("capture.source = opencv:" + File(name) + ": it gave no frame"));
+  }
+  WriteAvi("good.avi", {Jpeg(), Jpeg(), Jpeg()}, 3);
+  const auto [code, output] = Capture("opencv:" + File("good.avi"));
+  EXPECT_EQ(code, 0) << output;
+  EXPECT_THAT(output, AllOf(HasSubstr("sent 3 frames"), Not(HasSubstr(" by its header"))));
+}
+
+TEST_F(RigProgramsSystem, AVideoThatEndsEarlySaysSo) {
+  for (const auto& [claimed, text] : {std::pair{100U, "100"}, {0x7fffffffU, "2147483647"}}) {
+    WriteAvi("short.avi", {Jpeg(), Jpeg(), Jpeg()}, claimed);
+    const auto [code, output] = Capture("opencv:" + File("short.avi"));
+    EXPECT_EQ(code, 0) << output;
+    EXPECT_THAT(output,
+                HasSubstr(fmt::format(
+                    "short.avi: 3 frames could be read; {} are in it by its header", text)));
+  }
+}
+
+TEST_F(RigProgramsSystem, AnImageThatClaimsALotTakesNeitherMemoryNorTime) {
+  for (const char* side : {"left", "right"}) {
+    WriteBytes(fmt::format("{}00.pgm", side), "P5\n20000 20000\n255\n");
+  }
+  Process capture({ProgramPath("sprout-capture"), "--raw", "--source",
+                   "opencv:" + File("left%02d.pgm") + "," + File("right%02d.pgm")});
+  EXPECT_EQ(capture.Wait(seconds(30)), 2) << capture.Output();
+  EXPECT_THAT(capture.Output(), HasSubstr("left00.pgm: 20000x20000 px; allowed: 1 to 16384"));
+}
+
+// A rig that is watched, and somebody else on its channels.
+TEST_F(RigProgramsSystem, WatchSurvivesAHostileSenderAndStillKeepsViews) {
+  const std::string views = File("views");
+  Process watch({ProgramPath("sprout-calibrate"), "watch", "--out", views});
+  HostileMessages hostile(check::ReadTestFrames(kSampleLog, check::ContractOf("grow")).at(0), 7);
+  Publisher publisher(kDefaultLcmUrl, "RAW_");
+  const auto until = std::chrono::steady_clock::now() + seconds(10);
+  int sent = 0;
+  while (std::chrono::steady_clock::now() < until) {
+    for (const HostileMessage& message : hostile.Next()) {
+      if (publisher.Publish(message.channel, message.bytes)) ++sent;
+    }
+    std::this_thread::sleep_for(milliseconds(10));
+  }
+  EXPECT_GT(sent, 300);
+  ASSERT_EQ(watch.Wait(seconds(0)), std::nullopt) << watch.Output();
+
+  const calibrate::Board board{calibrate::BoardSize{}};
+  const calibrate::BoardScene scene(board, calibrate::SceneRig({640, 480}));
+  const calibrate::RigImages images = scene.Render(calibrate::BoardPoses(board, 1)[0], 0);
+  const auto has_view = [&] { return std::filesystem::exists(views + "/left_0001.png"); };
+  for (int64_t seq = 0; seq < 30 && !has_view(); ++seq) {
+    const FrameId id{.utime = NowUtime(), .seq = 1'000'000 + seq, .rig_id = ""};
+    const auto send = [&](Part part, const PartValue& value) {
+      EXPECT_TRUE(publisher.Publish(ChannelOf(part),
+                                    EncodePart(id, part, value, DisparityEncoding::kRawInt16)));
+    };
+    send(Part::kLeft, images.left);
+    send(Part::kRight, images.right);
+    send(Part::kTof, images.tof);
+    std::this_thread::sleep_for(seconds(1));
+  }
+  EXPECT_TRUE(has_view()) << watch.Output();
+  EXPECT_LT(PeakMegabytes(watch.pid()), 2048);
+  watch.Signal(SIGINT);
+  EXPECT_EQ(watch.Wait(seconds(30)), 1) << watch.Output();
+  EXPECT_THAT(watch.Output(), HasSubstr("views used"));
+}
+
+}  // namespace
+}  // namespace sprout
