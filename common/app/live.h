@@ -13,9 +13,8 @@ namespace sprout {
 /// one works on the newest complete frame and publishes the answer; a third reports the status
 /// once a second. Frames that come while the adapter is busy are skipped but for the newest, and
 /// counted.
-/// @param steps  of a adapter that is several stages in one: it counts their frames in them, and
-/// their
-///               statuses go out beside its own.
+/// @param steps  of an adapter that is several stages in one: it counts their frames in them, and
+///               their statuses go out beside its own.
 /// @throws BusError when the network cannot be used.
 void RunLive(const ServiceContext& context, StageAdapter& adapter,
              std::span<StageMonitor> steps = {});

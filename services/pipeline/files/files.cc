@@ -70,8 +70,8 @@ void CreateFolder(const std::string& out) {
 }  // namespace
 
 int RunFiles(const FilesOptions& options, const SproutConfig& config, const std::stop_token& stop) {
-  const std::vector<ImagePair> pairs = ListPairs(options.left, options.right, options.tof);
   const PairReader reader(options.rig);
+  const std::vector<ImagePair> pairs = ListPairs(options.left, options.right, options.tof);
   Pipeline pipeline(config);
   CreateFolder(options.out);
   Progress progress(/*quiet=*/false);

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <set>
 #include <span>
+#include <string_view>
 #include <system_error>
 
 #include "common/config/config_error.h"
@@ -17,8 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // What a folder is searched for; a file that is named may be called anything.
-constexpr const char* kExtensions[] = {".png", ".jpg", ".jpeg", ".pgm",  ".ppm",
-                                       ".pnm", ".bmp", ".tif",  ".tiff", ".pfm"};
+constexpr std::string_view kExtensions[] = {".png", ".jpg", ".jpeg", ".pgm",  ".ppm",
+                                            ".pnm", ".bmp", ".tif",  ".tiff", ".pfm"};
 
 bool IsImageName(const fs::path& path) {
   std::string extension = path.extension().string();

@@ -68,20 +68,19 @@ class Files : public testing::Test {
     const auto dataset = datasets::OpenDataset(config);
     scene_ = dataset->Get(0);
     pair_ = dataset->rig().pair;
-    tof_.depth_m = cv::Mat1f(pair_.height / kTofStep, pair_.width / kTofStep);
-    for (int v = 0; v < tof_.depth_m.rows; ++v) {
-      for (int u = 0; u < tof_.depth_m.cols; ++u) {
+    cv::Mat1w tof_mm(pair_.height / kTofStep, pair_.width / kTofStep);
+    for (int v = 0; v < tof_mm.rows; ++v) {
+      for (int u = 0; u < tof_mm.cols; ++u) {
         const float px = scene_.truth.left(v * kTofStep + 2, u * kTofStep + 2);
         const double mm = 1000 * pair_.DepthFromDisparity(double{px});
-        tof_.depth_m(v, u) = std::isfinite(mm) ? static_cast<float>(std::round(mm) * 0.001) : 0;
+        tof_mm(v, u) = std::isfinite(mm) ? static_cast<uint16_t>(std::lround(mm)) : uint16_t{0};
       }
     }
+    tof_mm.convertTo(tof_.depth_m, CV_32F, 0.001);
     Write("left.png", scene_.left);
     Write("right.png", scene_.right);
     EXPECT_TRUE(WritePfm(folder_ / "tof.pfm", tof_.depth_m));
-    cv::Mat1w mm;
-    tof_.depth_m.convertTo(mm, CV_16U, 1000);
-    Write("tof.png", mm);
+    Write("tof.png", tof_mm);
     options_.left = folder_ / "left.png";
     options_.right = folder_ / "right.png";
     options_.out = folder_ / "out";
@@ -177,7 +176,7 @@ TEST_F(Files, OfUnrectifiedCamerasAreRectifiedByTheRigFile) {
   raw.left = {.width = 160, .height = 120, .fx = 150, .fy = 150, .cx = 79, .cy = 60};
   raw.left.distortion = {-0.1, 0, 0, 0, 0};
   raw.right = raw.left;
-  raw.left_from_right.translation_m = {0.1, 0, 0};
+  raw.left_from_right.translation_m = Eigen::Vector3d(0.1, 0, 0);
   RigDescription description;
   *description.mutable_calibration() = ToCalibration(raw);
   const std::string rig_file = folder_ / "rig.textproto";
