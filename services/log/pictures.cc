@@ -11,6 +11,9 @@
 #include "common/picture/frame_pictures.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
+#include "services/log/commands.h"
+#include "services/log/frame_truth.h"
+#include "services/log/log_frames.h"
 
 namespace sprout::log {
 namespace {

@@ -13,15 +13,16 @@ constexpr int kRowTolerance = 1;  // px: the detector rounds the rows of both co
 
 // Corners whose window lies in the image, strongest first.
 std::vector<cv::Point> HarrisCorners(const cv::Mat1b& image, const HarrisSettings& settings) {
-  constexpr double kMinDistance = kWindowRadius + 1;  // px: windows differ by half at least
-  constexpr int kBlockSize = 3;                       // OpenCV's default
-  constexpr double kHarrisK = 0.04;                   // Harris and Stephens (1988), and everybody
+  constexpr double kMinDistance = grow::kWindowRadius + 1;  // px: windows differ by half at least
+  constexpr int kBlockSize = 3;                             // OpenCV's default
+  constexpr double kHarrisK = 0.04;  // Harris and Stephens (1988), and everybody
   std::vector<cv::Point2f> positions;
   cv::goodFeaturesToTrack(image, positions, settings.max_corners, settings.min_relative_response,
                           kMinDistance, cv::noArray(), kBlockSize, /*useHarrisDetector=*/true,
                           kHarrisK);
-  const cv::Rect centres(kWindowRadius, kWindowRadius, image.cols - 2 * kWindowRadius,
-                         image.rows - 2 * kWindowRadius);
+  const cv::Rect centres(grow::kWindowRadius, grow::kWindowRadius,
+                         image.cols - 2 * grow::kWindowRadius,
+                         image.rows - 2 * grow::kWindowRadius);
   std::vector<cv::Point> corners;
   for (const cv::Point2f& position : positions) {
     const cv::Point corner(cvRound(position.x), cvRound(position.y));
@@ -42,7 +43,7 @@ std::vector<std::vector<size_t>> ByRow(const std::vector<cv::Point>& corners, in
 // Best partner of a corner so far.
 struct Best {
   size_t partner = 0;
-  int32_t cost = kExcludedCost;
+  int32_t cost = grow::kExcludedCost;
 
   void Offer(size_t candidate, int32_t candidate_cost) {
     if (candidate_cost < cost) *this = {candidate, candidate_cost};
@@ -61,8 +62,8 @@ std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& rig
   GrowConfig mncc;
   mncc.set_similarity(GrowConfig::MNCC);
   mncc.set_threshold(settings.min_mncc);
-  const GrowthRule rule = MakeGrowthRule(mncc);
-  const GrowthInput input{left, right, PriorMap()};
+  const grow::GrowthRule rule = grow::MakeGrowthRule(mncc);
+  const grow::GrowthInput input{left, right, PriorMap()};
 
   std::vector<Best> best_of_left(left_corners.size());
   std::vector<Best> best_of_right(right_corners.size());
@@ -73,7 +74,7 @@ std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& rig
       for (const size_t j : right_by_row[static_cast<size_t>(row)]) {
         const int disparity = u - right_corners[j].x;
         if (disparity < 0 || disparity > max_disparity) continue;
-        const int32_t cost = CostOf(rule, input, {u, v, disparity});
+        const int32_t cost = grow::CostOf(rule, input, {u, v, disparity});
         best_of_left[i].Offer(j, cost);
         best_of_right[j].Offer(i, cost);
       }
