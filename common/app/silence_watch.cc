@@ -17,9 +17,9 @@ constexpr std::chrono::milliseconds kSurveyTime{1200};
 // Channels that are named; anybody can invent more.
 constexpr size_t kMaxNamed = 20;
 
-ChannelCounts Survey(const std::string& url) {
+MessageCounts Survey(const std::string& url) {
   std::mutex mutex;
-  ChannelCounts counts;
+  MessageCounts counts;
   const auto count = [&](std::string_view channel) {
     const std::lock_guard lock(mutex);
     if (counts.size() < kMaxNamed || counts.contains(std::string(channel))) {
@@ -37,7 +37,7 @@ ChannelCounts Survey(const std::string& url) {
 }
 
 // Channels of the same name behind other prefixes.
-std::vector<std::string> OtherPrefixes(const std::string& missing, const ChannelCounts& present) {
+std::vector<std::string> OtherPrefixes(const std::string& missing, const MessageCounts& present) {
   std::vector<std::string> others;
   const std::string name = missing.substr(std::min(missing.find("SPROUT_"), missing.size()));
   for (const auto& [channel, unused] : present) {
@@ -46,7 +46,7 @@ std::vector<std::string> OtherPrefixes(const std::string& missing, const Channel
   return others;
 }
 
-std::string CountsText(const ChannelCounts& counts) {
+std::string CountsText(const MessageCounts& counts) {
   std::vector<std::string> texts;
   for (const auto& [channel, count] : counts)
     texts.push_back(fmt::format("{} ({})", channel, count));
@@ -55,8 +55,8 @@ std::string CountsText(const ChannelCounts& counts) {
 
 }  // namespace
 
-std::string SilenceText(const std::vector<std::string>& needed, const ChannelCounts& counts,
-                        const ChannelCounts& present) {
+std::string SilenceText(const std::vector<std::string>& needed, const MessageCounts& counts,
+                        const MessageCounts& present) {
   std::vector<std::string> missing;
   std::vector<std::string> elsewhere;
   for (const std::string& channel : needed) {
@@ -117,7 +117,7 @@ void SilenceWatch::Watch(const std::stop_token& stop) {
 
 void SilenceWatch::Warn() {
   try {
-    const ChannelCounts present = Survey(url_);
+    const MessageCounts present = Survey(url_);
     std::string text;
     {
       const std::lock_guard lock(mutex_);

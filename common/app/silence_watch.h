@@ -15,14 +15,14 @@
 namespace sprout {
 
 /// Messages heard, by channel.
-using ChannelCounts = std::map<std::string, int64_t>;
+using MessageCounts = std::map<std::string, int64_t>;
 
 /// Why no frame came, in one line: which channels are missing, and what is heard instead.
 /// @param needed   channels that make a frame, with prefix.
 /// @param counts   of these, since the last whole frame.
 /// @param present  of all channels, during a short time.
-std::string SilenceText(const std::vector<std::string>& needed, const ChannelCounts& counts,
-                        const ChannelCounts& present);
+std::string SilenceText(const std::vector<std::string>& needed, const MessageCounts& counts,
+                        const MessageCounts& present);
 
 /// Notices when a stage gets no whole frame for kPatience, listens to all channels for a second,
 /// and warns once, until the next whole frame. Also warns of a second process of the same stage.
@@ -55,7 +55,7 @@ class SilenceWatch {
   StageMonitor& monitor_;
   std::chrono::milliseconds patience_;
   std::mutex mutex_;
-  ChannelCounts counts_;
+  MessageCounts counts_;
   Clock::time_point last_frame_ = Clock::now();
   bool warned_ = false;
   std::jthread thread_;  // last: stops before the rest is destroyed
