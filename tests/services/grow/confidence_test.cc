@@ -18,7 +18,7 @@ namespace {
 constexpr double kSigmaSSquared = 0.1;
 const cv::Size kSize(80, 60);
 
-cv::Mat1b Texture() {
+cv::Mat1b TexturedImage() {
   std::mt19937 random(3);
   cv::Mat1b image(kSize);
   for (uint8_t& value : image) value = static_cast<uint8_t>(64 + random() % 128);
@@ -37,12 +37,12 @@ std::vector<Seed> Grid() {
 }
 
 // A surface at 4 px, in front of it from column 40 on another at 10 px.
-struct TwoSurfaces {
-  cv::Mat1b left = Texture();
+struct SurfacesOfTexture {
+  cv::Mat1b left = TexturedImage();
   cv::Mat1b right = cv::Mat1b(kSize, uint8_t{0});
   DisparityImage map{kSize};
 
-  TwoSurfaces() {
+  SurfacesOfTexture() {
     map.counts().colRange(0, 40) = ToCounts(4);
     map.counts().colRange(40, 80) = ToCounts(10);
     for (int v = 0; v < kSize.height; ++v) {
@@ -58,7 +58,7 @@ struct TwoSurfaces {
 };
 
 TEST(Confidence, RisesWithTheDistanceFromDepthEdges) {
-  const TwoSurfaces scene;
+  const SurfacesOfTexture scene;
   const cv::Mat1b confidence = scene.Judge(scene.map);
   EXPECT_LT(confidence(30, 40), 145);
   for (int u = 42; u < 62; ++u) EXPECT_LE(confidence(30, u), confidence(30, u + 1)) << u;
@@ -66,7 +66,7 @@ TEST(Confidence, RisesWithTheDistanceFromDepthEdges) {
 }
 
 TEST(Confidence, IsLowerWhereGrowthDidNotReach) {
-  const TwoSurfaces scene;
+  const SurfacesOfTexture scene;
   DisparityImage grown(scene.map.counts().clone());
   grown.counts()(cv::Rect(60, 20, 12, 12)) = DisparityImage::kInvalid;
   const int without_gap = scene.Judge(scene.map)(26, 66);
@@ -74,14 +74,14 @@ TEST(Confidence, IsLowerWhereGrowthDidNotReach) {
 }
 
 TEST(Confidence, IsLowerWhereTheImagesDoNotFit) {
-  TwoSurfaces scene;
+  SurfacesOfTexture scene;
   const int fits = scene.Judge(scene.map)(30, 70);
   scene.right(cv::Rect(50, 20, 20, 20)) = 0;
   EXPECT_NEAR(scene.Judge(scene.map)(30, 70), fits - 0.15 * 255, 1);
 }
 
 TEST(Confidence, IsLowerInHolesBetweenTheSeeds) {
-  const TwoSurfaces scene;
+  const SurfacesOfTexture scene;
   std::vector<Seed> seeds = Grid();
   seeds.push_back({.u = -7, .v = 1e9, .u_right = 0});  // not in the image
   const cv::Mat1b without = scene.Judge(scene.map);
@@ -96,14 +96,14 @@ TEST(Confidence, IsLowerInHolesBetweenTheSeeds) {
 }
 
 TEST(Confidence, IsLowerEverywhereWithoutSeeds) {
-  const TwoSurfaces scene;
+  const SurfacesOfTexture scene;
   const cv::Mat1b with = scene.Judge(scene.map);
   const cv::Mat1b without = scene.Judge(scene.map, std::span<const Seed>());
   for (int u = 45; u < 80; ++u) EXPECT_NEAR(without(30, u), with(30, u) - 0.25 * 255, 1) << u;
 }
 
 TEST(Confidence, IsNothingWithoutADisparity) {
-  TwoSurfaces scene;
+  SurfacesOfTexture scene;
   scene.map.counts()(cv::Rect(10, 10, 5, 5)) = DisparityImage::kInvalid;
   const cv::Mat1b confidence = scene.Judge(scene.map);
   EXPECT_EQ(cv::countNonZero(confidence(cv::Rect(10, 10, 5, 5))), 0);
