@@ -68,9 +68,11 @@ def check_sleep(what, browser, programs, sleep, asleep, awake):
     browser.wait("sprout.frames > 5")
     before, heap = resident_mb(view), browser.heap_mb()
     asleep()
-    time.sleep(sleep)
-    during = resident_mb(view)
-    awake()
+    try:
+        time.sleep(sleep)
+        during = resident_mb(view)
+    finally:
+        awake()
     start = time.monotonic()
     # One that was captured when the page was awake again.
     woken = time.time()

@@ -2,8 +2,10 @@
 
 import base64
 import json
+import os
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 import time
@@ -34,7 +36,8 @@ class Browser:
 
     def __enter__(self):
         self.folder = tempfile.mkdtemp(prefix="sprout_view_")
-        self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, text=True)
+        self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, text=True,
+                                       start_new_session=True)
         self.base = None
         for line in self.driver.stdout:
             found = re.search(r"successfully on port (\d+)", line)
@@ -52,7 +55,7 @@ class Browser:
         try:
             self._call("DELETE", self.session)
         finally:
-            self.driver.terminate()
+            os.killpg(self.driver.pid, signal.SIGKILL)  # a browser that hangs would outlive its driver
             self.driver.wait()
             shutil.rmtree(self.folder, ignore_errors=True)
 
