@@ -28,6 +28,14 @@ def missing():
     return None
 
 
+def send(pid, number):
+    """A signal, unless the process has ended."""
+    try:
+        os.kill(pid, number)
+    except ProcessLookupError:
+        pass
+
+
 class Browser:
     """One window. Use in a with statement."""
 
@@ -36,8 +44,7 @@ class Browser:
 
     def __enter__(self):
         self.folder = tempfile.mkdtemp(prefix="sprout_view_")
-        self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, text=True,
-                                       start_new_session=True)
+        self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, text=True)
         self.base = None
         for line in self.driver.stdout:
             found = re.search(r"successfully on port (\d+)", line)
@@ -52,12 +59,23 @@ class Browser:
         return self
 
     def __exit__(self, *_):
+        family = self.processes()
         try:
             self._call("DELETE", self.session)
         finally:
-            os.killpg(self.driver.pid, signal.SIGKILL)  # a browser that hangs would outlive its driver
+            for pid in family:  # a browser that hangs would outlive its driver
+                send(pid, signal.SIGKILL)
             self.driver.wait()
             shutil.rmtree(self.folder, ignore_errors=True)
+
+    def processes(self):
+        """Numbers of the driver and of all processes of the browser."""
+        listed = subprocess.run(["ps", "-eo", "pid=,ppid="], capture_output=True, text=True, check=True)
+        parents = [tuple(map(int, line.split())) for line in listed.stdout.splitlines()]
+        family = [self.driver.pid]
+        for member in family:
+            family += [child for child, parent in parents if parent == member]
+        return family
 
     def _call(self, method, path, body=None):
         data = None if method != "POST" else json.dumps(body or {}).encode()
