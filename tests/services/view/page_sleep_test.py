@@ -8,7 +8,6 @@ import os
 import pathlib
 import signal
 import socket
-import subprocess
 import sys
 import tempfile
 import threading
@@ -52,25 +51,17 @@ def resident_mb(pid):
     return pages * os.sysconf("SC_PAGESIZE") / 2 ** 20
 
 
-def family_of(pid):
-    """A process and those that it started."""
-    listed = subprocess.run(["ps", "-eo", "pid=,ppid="], capture_output=True, text=True, check=True)
-    parents = [tuple(map(int, line.split())) for line in listed.stdout.splitlines()]
-    family = [pid]
-    for member in family:
-        family += [child for child, parent in parents if parent == member]
-    return family
-
-
 def check_sleep(what, browser, programs, sleep, asleep, awake):
     """@param asleep, awake  functions that begin and end the sleep."""
     view = programs.running["view"].pid
     browser.wait("sprout.frames > 5")
     before, heap = resident_mb(view), browser.heap_mb()
     asleep()
-    time.sleep(sleep)
-    during = resident_mb(view)
-    awake()
+    try:
+        time.sleep(sleep)
+        during = resident_mb(view)
+    finally:
+        awake()
     start = time.monotonic()
     # One that was captured when the page was awake again.
     woken = time.time()
@@ -102,13 +93,13 @@ def run(browser, programs, sleep):
     # The ring is full, and every picture was painted: what comes now is what sleep costs.
     browser.wait("sprout.keys[1] - sprout.keys[0] >= 99", seconds=60)
     check_sleep("a frozen page", browser, programs, sleep, browser.freeze, browser.thaw)
-    family = family_of(browser.driver.pid)[1:]
+    browser_processes = browser.processes()[1:]
 
-    def send(number):
-        for pid in family:
-            os.kill(pid, number)
+    def stop_and_go(number):
+        for pid in browser_processes:
+            web_driver.send(pid, number)
     check_sleep("a stopped browser", browser, programs, sleep,
-                lambda: send(signal.SIGSTOP), lambda: send(signal.SIGCONT))
+                lambda: stop_and_go(signal.SIGSTOP), lambda: stop_and_go(signal.SIGCONT))
     check_cut(browser, Relay())
     # That a page which is stopped loses its connection is as it should be.
     complaints = [text for text in browser.complaints() if "Back-Forward Cache" not in text]

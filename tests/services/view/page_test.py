@@ -41,7 +41,11 @@ class Programs:
     def stop(self, name):
         program = self.running.pop(name)
         program.send_signal(signal.SIGINT)
-        return program.wait(timeout=20)
+        try:
+            return program.wait(timeout=20)
+        except subprocess.TimeoutExpired:
+            program.kill()  # or it would outlive the test, and those behind it, too
+            return program.wait()
 
     def stop_all(self):
         for name in list(self.running):

@@ -2,8 +2,10 @@
 
 import base64
 import json
+import os
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 import time
@@ -24,6 +26,14 @@ def missing():
         if shutil.which(program) is None:
             return program
     return None
+
+
+def send(pid, number):
+    """A signal, unless the process has ended."""
+    try:
+        os.kill(pid, number)
+    except ProcessLookupError:
+        pass
 
 
 class Browser:
@@ -49,12 +59,23 @@ class Browser:
         return self
 
     def __exit__(self, *_):
+        family = self.processes()
         try:
             self._call("DELETE", self.session)
         finally:
-            self.driver.terminate()
+            for pid in family:  # a browser that hangs would outlive its driver
+                send(pid, signal.SIGKILL)
             self.driver.wait()
             shutil.rmtree(self.folder, ignore_errors=True)
+
+    def processes(self):
+        """Numbers of the driver and of all processes of the browser."""
+        listed = subprocess.run(["ps", "-eo", "pid=,ppid="], capture_output=True, text=True, check=True)
+        parents = [tuple(map(int, line.split())) for line in listed.stdout.splitlines()]
+        family = [self.driver.pid]
+        for member in family:
+            family += [child for child, parent in parents if parent == member]
+        return family
 
     def _call(self, method, path, body=None):
         data = None if method != "POST" else json.dumps(body or {}).encode()
