@@ -40,7 +40,7 @@ struct Ended {
   std::string err;
 };
 
-Ended Run(const FilesOptions& options, const std::stop_token& stop = {}) {
+Ended RunToEnd(const FilesOptions& options, const std::stop_token& stop = {}) {
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   Ended outcome;
@@ -157,7 +157,7 @@ TEST_F(Files, HoldWhatThePipelineComputesOfAPairAndADepthImage) {
   ASSERT_GT(expected.disparity.CountValid(), 0.9 * pair_.size().area());
   for (const char* tof : {"tof.pfm", "tof.png"}) {
     options_.tof = folder_ / tof;
-    const Ended outcome = Run(options_);
+    const Ended outcome = RunToEnd(options_);
     EXPECT_EQ(outcome.exit_code, 0) << tof;
     EXPECT_THAT(outcome.err, IsEmpty()) << tof;
     EXPECT_THAT(outcome.out, HasSubstr("out/: 160x120, " +
@@ -167,7 +167,7 @@ TEST_F(Files, HoldWhatThePipelineComputesOfAPairAndADepthImage) {
 }
 
 TEST_F(Files, NeedNoToFImage) {
-  EXPECT_EQ(Run(options_).exit_code, 0);
+  EXPECT_EQ(RunToEnd(options_).exit_code, 0);
   ExpectResults(Expected({}, RigOfFlags()));
 }
 
@@ -182,7 +182,7 @@ TEST_F(Files, OfUnrectifiedCamerasAreRectifiedByTheRigFile) {
   const std::string rig_file = folder_ / "rig.textproto";
   ASSERT_TRUE(SaveRigFile(rig_file, description));
   options_.rig = {.rig_file = rig_file};
-  EXPECT_EQ(Run(options_).exit_code, 0);
+  EXPECT_EQ(RunToEnd(options_).exit_code, 0);
   const Rectifier rectifier(raw);
   ExpectResults(Pipeline(LoadConfig({"default"}))
                     .Compute(rectifier.RectifyLeft(scene_.left),
@@ -191,12 +191,13 @@ TEST_F(Files, OfUnrectifiedCamerasAreRectifiedByTheRigFile) {
 
   const cv::Mat small(60, 80, CV_8UC1, cv::Scalar(0));
   options_.left = Write("small.png", small);
-  EXPECT_THAT(Run(options_).err, HasSubstr("small.png: the left image is 80x60: allowed is the "
-                                           "calibrated size 160x120\n"));
+  EXPECT_THAT(RunToEnd(options_).err,
+              HasSubstr("small.png: the left image is 80x60: allowed is the "
+                        "calibrated size 160x120\n"));
   options_.left = folder_ / "left.png";
   options_.tof = folder_ / "tof.png";
-  EXPECT_THAT(Run(options_).err, HasSubstr("left.png: the ToF image is 40x30: allowed is the "
-                                           "calibrated size 0x0\n"));
+  EXPECT_THAT(RunToEnd(options_).err, HasSubstr("left.png: the ToF image is 40x30: allowed is the "
+                                                "calibrated size 0x0\n"));
 }
 
 TEST_F(Files, OfManyPairsAreComputedButForTheOnesThatCannotBe) {
@@ -206,7 +207,7 @@ TEST_F(Files, OfManyPairsAreComputedButForTheOnesThatCannotBe) {
   std::ofstream(folder_ / "l" / "notes.txt") << "no image\n";
   options_.left = folder_ / "l";
   options_.right = folder_ / "r/?.png";
-  const Ended outcome = Run(options_);
+  const Ended outcome = RunToEnd(options_);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err,
               HasSubstr("l/b.png: right: 80x60; allowed: the calibrated size 160x120"));
@@ -224,7 +225,7 @@ TEST_F(Files, OfOneNameInSeveralFoldersGoToFoldersOfTheirOwn) {
   for (const char* name : {"x/im1.png", "y/im1.png"}) Write(name, scene_.right);
   options_.left = folder_ / "*/im0.png";
   options_.right = folder_ / "*/im1.png";
-  EXPECT_EQ(Run(options_).exit_code, 0);
+  EXPECT_EQ(RunToEnd(options_).exit_code, 0);
   EXPECT_TRUE(fs::exists(folder_ / "out" / "x_im0" / "depth.pfm"));
   EXPECT_TRUE(fs::exists(folder_ / "out" / "y_im0" / "depth.pfm"));
 }
@@ -232,7 +233,7 @@ TEST_F(Files, OfOneNameInSeveralFoldersGoToFoldersOfTheirOwn) {
 TEST_F(Files, StopBetweenTwoPairs) {
   std::stop_source stop;
   stop.request_stop();
-  const Ended outcome = Run(options_, stop.get_token());
+  const Ended outcome = RunToEnd(options_, stop.get_token());
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("stopped after 0 of 1 pairs\n"));
 }
