@@ -14,11 +14,11 @@ namespace sprout {
 
 /// Where the cameras stand: a rig file, or the numbers of a pair that is rectified already.
 struct RigOptions {
-  std::string rig_file;
-  std::optional<double> focal_px;
-  std::optional<double> baseline_m;
-  std::optional<double> cx;        ///< of the left image, px; otherwise its middle
-  std::optional<double> cx_right;  ///< of the right image, px; otherwise cx
+  std::string rig_file = {};
+  std::optional<double> focal_px = {};
+  std::optional<double> baseline_m = {};
+  std::optional<double> cx = {};        ///< of the left image, px; otherwise its middle
+  std::optional<double> cx_right = {};  ///< of the right image, px; otherwise cx
 };
 
 /// Image files to the parts LEFT, RIGHT, TOF and RIG of a frame. By a rig file the images are as

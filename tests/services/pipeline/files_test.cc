@@ -284,7 +284,7 @@ TEST_F(Files, WhoseContentCannotBeUsedGetOneLine) {
   for (const auto& [change, text] : table) {
     FilesOptions options = options_;
     change(options);
-    const Ended outcome = Run(options);
+    const Ended outcome = RunToEnd(options);
     EXPECT_EQ(outcome.exit_code, 1) << text;
     EXPECT_THAT(outcome.err, HasSubstr(text));
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
