@@ -8,15 +8,6 @@
 
 namespace sprout {
 
-bool Eventually(const std::function<bool()>& condition, std::chrono::seconds timeout) {
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return true;
-}
-
 Graph::Graph(std::string prefix, std::string url)
     : prefix_(std::move(prefix)),
       url_(std::move(url)),

@@ -20,6 +20,7 @@
 #include "common/bus/receiver.h"
 #include "common/core/frame.h"
 #include "common/core/stage_status.h"
+#include "tests/system/eventually.h"
 
 namespace sprout {
 
@@ -30,10 +31,6 @@ inline std::string ProgramPath(const std::string& name) {
 
 /// The stages between capture and disparity.
 inline constexpr const char* kChain[] = {"refine", "prior", "grow"};
-
-/// Waits for a condition that no message tells of.
-bool Eventually(const std::function<bool()>& condition,
-                std::chrono::seconds timeout = std::chrono::seconds(30));
 
 /// The processes of a graph and what they say, on the network that the test runs in.
 class Graph {

@@ -37,7 +37,7 @@ TEST(OneProcessSystem, ReplayGivesTheBytesOfTheThreeStages) {
   const std::string without_prior = folder / "without_prior.textproto";
   std::ofstream(without_prior) << "prior { left_seeds: false } grow { similarity: EXPSSD fill: "
                                   "NONE publish_unfilled: true }";
-  for (const std::string config : {std::string("default"), std::string("paper"), without_prior}) {
+  for (const std::string& config : {std::string("default"), std::string("paper"), without_prior}) {
     const auto seeds = folder / "seeds.lcm";
     const auto prior = folder / "prior.lcm";
     ChannelBytes three = Replay("sprout-refine", config, {kSampleLog}, seeds);
