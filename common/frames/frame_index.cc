@@ -7,7 +7,7 @@ namespace sprout {
 namespace {
 
 // A hostile log could have any number.
-constexpr size_t kMaxRigs = 1000;
+constexpr size_t kMaxRigsOfLog = 1000;
 
 }  // namespace
 
@@ -40,7 +40,7 @@ void FrameIndex::Add(Part part, const FrameId& id, int64_t offset) {
 void FrameIndex::AddRig(const LogEvent& event, const Refuse& refuse) {
   if (PartOf(event.channel, choice_.prefix) != Part::kRig) return;
   if (const auto decoded = DecodePart(Part::kRig, event.data); decoded) {
-    if (rigs_.size() < kMaxRigs) rigs_.emplace(decoded->id.rig_id, event.offset);
+    if (rigs_.size() < kMaxRigsOfLog) rigs_.emplace(decoded->id.rig_id, event.offset);
   } else if (refuse) {
     refuse(event, decoded.error().text);
   }

@@ -131,7 +131,7 @@ TEST(Service, PrintsTheEffectiveConfigurationWhenAsked) {
   std::string err;
   for (const std::string& line : ended.err) err += line + "\n";
   EXPECT_THAT(err, HasSubstr("sigma_p_px: 17.4"));
-  EXPECT_THAT(err, HasSubstr("min_mncc: 0.8")) << "defaults too";
+  EXPECT_THAT(err, HasSubstr("view_margin: 1.15")) << "defaults too";
   EXPECT_THAT(err, HasSubstr(Version()));
 }
 

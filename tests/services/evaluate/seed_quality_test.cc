@@ -88,7 +88,7 @@ TEST(SeedQuality, CountsAGoodPointAsLostWhenNoSeedOfItsTofPixelIsKept) {
 }
 
 TEST(SeedQuality, LosesNoFewerGoodPointsWhereStereoAddsSeeds) {
-  const Scene scene = LoadScene("synthetic:320x240", TofChoice("grid:16"), {});
+  const Scene scene = LoadScene("synthetic:320x240", TofChoice("grid:20"), {});
   RefineConfig of_tof;
   of_tof.set_stereo_seeds(false);
   const RefinementQuality with_stereo = JudgeRefinement(scene, {});

@@ -31,7 +31,7 @@ class Sweep : public testing::Test {
   }
 
   GrowConfig config_;
-  const cv::Mat1b flat_{9, 40, uint8_t{100}};
+  const cv::Mat1b flat_ = cv::Mat1b(9, 40, uint8_t{100});
   DisparityImage prior_{cv::Size(40, 9)};
 };
 

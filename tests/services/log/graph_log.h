@@ -26,6 +26,10 @@ inline sprout::Rig LogRig() {
   sprout::Rig rig = examples::Rig();
   rig.pair.width = kLogImageSize.width;
   rig.pair.height = kLogImageSize.height;
+  rig.pair.cx = 16.5;
+  rig.pair.cx_right = 6.75;
+  rig.pair.cy = 12.25;
+  rig.pair.focal_px = 50;
   return rig;
 }
 

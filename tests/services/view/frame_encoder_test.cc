@@ -140,6 +140,7 @@ TEST_F(FrameEncoderTest, ThinsAMapThatHasMorePixelsThanPointsAreShown) {
   Rig rig = ViewRig();
   rig.pair.width = size.width;
   rig.pair.height = size.height;
+  rig.pair.focal_px = 800;
   RingInput large;
   large.Add(0, Part::kRig, rig);
   large.Add(0, Part::kLeft, cv::Mat(size, CV_8UC3, cv::Scalar(1, 2, 3)));
