@@ -167,8 +167,8 @@ Result<cv::Mat> DecodeImageFile(const std::filesystem::path& path, int flags,
     image = cv::imread(path.string(), flags | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception&) {  // an empty image says it all
   }
-  if (image.empty() ||
-      image.size() != cv::Size(static_cast<int>(width), static_cast<int>(height))) {
+  const cv::Size of_header(static_cast<int>(width), static_cast<int>(height));
+  if (image.empty() || image.size() != of_header) {
     return undecodable;
   }
   return image;
