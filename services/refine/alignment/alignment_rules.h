@@ -6,7 +6,8 @@
 namespace sprout::refine {
 
 /// The numbers of the alignment of the ToF camera. A cell is a ToF pixel as it shows in the images
-/// that are looked at. Measured: NOTES.md, "Alignment" and "Numbers".
+/// that are looked at. NOTES.md, "Alignment", has what
+/// was measured; what is neither there nor derived was found by trial.
 struct AlignmentRules {
   // The images.
   /// They are halved until a cell is no larger, px: profiles are averaged over a cell, so more
@@ -23,14 +24,14 @@ struct AlignmentRules {
   /// one of the two; the rest is the error of the normal.
   static constexpr double kLeastAcross = 0.6;
   /// Least step of the disparity for the two surfaces to look different, px of these images.
-  /// Measured.
+  /// By trial.
   static constexpr double kLeastStepPx = 3;
 
   // Evidence of the images, eqs. (A3) and (A4).
   static constexpr int kTangentReach = 1;   ///< pixels to either side along the edge that count
   static constexpr float kMostMisfit = 20;  ///< T: greater differences are all as bad, grey levels
   static constexpr float kMostContrast = 40;  ///< a step above is as clear as it gets, grey levels
-  static constexpr float kContrastWeight = 0.5F;  ///< measured: 0, ½, 1 and 2
+  static constexpr float kContrastWeight = 0.5F;  ///< measured (NOTES.md): 0, 1 and 2 are worse
 
   // The offset, eq. (A5).
   static constexpr double kMostCells = 2;           ///< an offset that is looked for, cells
@@ -42,9 +43,10 @@ struct AlignmentRules {
 
   // Standard deviations, eq. (A6).
   static constexpr double kBlockCells = 16;  ///< edges in one block may share their errors
-  /// Of what shifts all edges on one side of things (round rims, shadows, blur), cells. Measured.
+  /// Of what shifts all edges on one side of things (round rims, shadows, blur), cells.
   static constexpr double kSideSigmaCells = 0.08;
-  /// And this share of the shift outwards, where all look shifted. Measured.
+  /// And this share of the shift outwards, where all look shifted. Measured: with both a right pose
+  /// is at most 3.1 standard deviations off, and one that is 3 px off at least 4.2 (NOTES.md).
   static constexpr double kSideSigmaOutwards = 1 / 3.0;
 
   // When it is sure.

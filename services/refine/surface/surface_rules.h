@@ -5,8 +5,8 @@
 
 namespace sprout::refine {
 
-/// The numbers of the rules for ToF points that are no parameters. Measured: NOTES.md, "Numbers",
-/// has what half and twice as much make of the map.
+/// The numbers of the rules for ToF points that are no parameters. By trial: the best of a few
+/// values on scenes of half and third size; no table of them was kept.
 struct SurfaceRules {
   /// Side of the windows of the paper's rules and of those that are compared, px (paper, II-B).
   static constexpr int kWindow = 5;
@@ -33,15 +33,15 @@ struct SurfaceRules {
   /// on a slant or a thin thing, there are two.
   static constexpr int kSupport = 2;
   /// Largest slant of a surface, px of disparity a px: over wide cells it puts neighbours further
-  /// apart than the tolerance. Measured.
+  /// apart than the tolerance. By trial.
   static constexpr double kSteepest = 0.22;
   /// A loose point stays where the windows differ so many times less than at its neighbours'
-  /// disparities. Measured.
+  /// disparities. By trial.
   static constexpr double kMuchBetter = 2;
 
   // Hidden points.
   /// A piece hides a point outside its core where the windows differ so many times less at the
-  /// piece's disparity than at the point's. Measured.
+  /// piece's disparity than at the point's. By trial.
   static constexpr double kClearlyBetter = 1.25;
   /// Smallest side of the cells that points are looked up in, px. Of no influence but on time.
   static constexpr double kSmallestCellPx = 5;
