@@ -63,10 +63,8 @@ TEST(MiddleburyErrors, NamesAnImageThatCannotBeDecoded) {
       const SceneFolder folder;
       folder.Write2005({40, 30});
       folder.WriteText(name, text);
-      EXPECT_THAT(
-          OpenError(folder.Config()),
-          AllOf(HasSubstr(folder.File(name)),
-                HasSubstr(text.starts_with("P6") ? "30000x40000 px" : "cannot be decoded")));
+      EXPECT_THAT(OpenError(folder.Config()),
+                  AllOf(HasSubstr(folder.File(name)), HasSubstr("cannot be decoded")));
     }
   }
 }
