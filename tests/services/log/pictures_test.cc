@@ -58,6 +58,9 @@ TEST(LogImages, ShowsThePointsOfAToFImageThatFitsTheCalibration) {
   const TofImage tof = std::get<TofImage>(LogValue(Part::kTof, 1));
   rig.tof.width = tof.depth_m.cols;
   rig.tof.height = tof.depth_m.rows;
+  rig.tof.fx = rig.tof.fy = 3;
+  rig.tof.cx = 1;
+  rig.tof.cy = 0.5;
   const auto log = folder.Write(
       "log", {PartEvent(Part::kRig, 1, rig), PartEvent(Part::kLeft, 1), PartEvent(Part::kTof, 1)});
   EXPECT_EQ(RunLog({"images", log, folder.File("out")}).exit_code, 0);
