@@ -1,8 +1,8 @@
 #include "common/app/log_limiter.h"
 
-#include "common/app/log.h"
-
 #include <utility>
+
+#include "common/app/log.h"
 
 namespace sprout {
 

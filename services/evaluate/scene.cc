@@ -35,7 +35,7 @@ std::string NameOf(const std::string& scene) {
 
 // A grid that follows from the rows of the images needs an open source first, to know them.
 std::unique_ptr<datasets::Dataset> Open(const std::string& scene, const TofChoice& tof,
-                              CaptureConfig& config) {
+                                        CaptureConfig& config) {
   if (IsKitti(scene) != (tof.text() == TofChoice::kScan) && tof.text() != TofChoice::kNone) {
     throw ConfigError("--tof " + tof.text() + ": " + scene + " has " +
                       (IsKitti(scene) ? "a scan of its own; allowed: scan, none"

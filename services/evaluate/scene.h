@@ -13,9 +13,9 @@ namespace sprout::evaluate {
 
 /// One frame with ground truth, ready to be run through methods.
 struct Scene {
-  std::string name;     ///< last part of the folder's path, or the source's text
-  datasets::DatasetFrame frame;   ///< images, ToF image, truth
-  cv::Mat1b left_grey;  ///< the images as the stages look at them
+  std::string name;              ///< last part of the folder's path, or the source's text
+  datasets::DatasetFrame frame;  ///< images, ToF image, truth
+  cv::Mat1b left_grey;           ///< the images as the stages look at them
   cv::Mat1b right_grey;
   TofProjector projector;  ///< knows the rig
   cv::Mat1b nonoccluded;   ///< the truth's, else NonOccludedMask() of its maps

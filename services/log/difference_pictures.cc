@@ -1,3 +1,5 @@
+#include "services/log/difference_pictures.h"
+
 #include <fmt/core.h>
 
 #include <cstdlib>
@@ -9,7 +11,6 @@
 #include "common/picture/color_map.h"
 #include "common/picture/picture.h"
 #include "common/picture/write_image.h"
-#include "services/log/difference_pictures.h"
 #include "services/log/message_diff.h"
 
 namespace sprout::log {

@@ -18,7 +18,8 @@ int64_t LostOf(const StageStatus& status) {
 
 }  // namespace
 
-void StatusBook::Add(const StageStatus& status, int64_t utime, top::StatusBoard::Clock::time_point now) {
+void StatusBook::Add(const StageStatus& status, int64_t utime,
+                     top::StatusBoard::Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   board_.Add(status, now);
   newest_ = now;

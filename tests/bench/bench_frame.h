@@ -13,7 +13,7 @@ namespace sprout {
 struct BenchFrame {
   Rig rig;
   datasets::DatasetFrame frame;  ///< images as captured, colour on the left
-  cv::Mat1b left;      ///< grey, as the stages look at them
+  cv::Mat1b left;                ///< grey, as the stages look at them
   cv::Mat1b right;
   int max_disparity_px = 0;
 };

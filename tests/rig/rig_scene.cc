@@ -36,7 +36,8 @@ datasets::Vec3 ToVec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; 
 // Parameter at which a ray meets the nearest solid; infinity when it meets none.
 double Nearest(const std::vector<datasets::Solid>& solids, const datasets::Ray& ray) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const datasets::Solid& solid : solids) nearest = std::min(nearest, datasets::Intersect(solid, ray));
+  for (const datasets::Solid& solid : solids)
+    nearest = std::min(nearest, datasets::Intersect(solid, ray));
   return nearest;
 }
 
@@ -51,8 +52,8 @@ RigScene::RigScene(const RawRig& rig, uint32_t seed)
       sr4000_(TofCameraOf(rig), Sr4000Config(), seed),
       range_per_depth_(RangePerDepth(rig.tof)) {}
 
-cv::Mat RigScene::RenderImage(const datasets::LensView& view, const std::vector<datasets::Solid>& solids,
-                              uint32_t noise) const {
+cv::Mat RigScene::RenderImage(const datasets::LensView& view,
+                              const std::vector<datasets::Solid>& solids, uint32_t noise) const {
   cv::Mat3f rays(view.size(), cv::Vec3f(0, 0, 0));
   view.Cast(solids, rig_.left.fx, [&](int x, int y, double, const datasets::Vec3& bgr) {
     rays(y, x) =
@@ -69,9 +70,10 @@ cv::Mat RigScene::RenderImage(const datasets::LensView& view, const std::vector<
 
 calibrate::RigImages RigScene::Render(int64_t step, uint32_t noise) const {
   const std::vector<datasets::Solid> solids = scene_.At(step);
-  calibrate::RigImages images{.left = RenderImage(left_, solids, 2 * noise + 1),
-                   .right = RenderImage(right_, solids, 2 * noise + 2),
-                   .tof = sr4000_.Measure(datasets::RenderTof(tof_, solids, rig_.left.fx), noise).tof};
+  calibrate::RigImages images{
+      .left = RenderImage(left_, solids, 2 * noise + 1),
+      .right = RenderImage(right_, solids, 2 * noise + 2),
+      .tof = sr4000_.Measure(datasets::RenderTof(tof_, solids, rig_.left.fx), noise).tof};
   cv::Mat1f& depth_m = images.tof.depth_m;
   for (int i = 0; i < static_cast<int>(depth_m.total()); ++i) {
     const double range_m = depth_m(i) * range_per_depth_(i);

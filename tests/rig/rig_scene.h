@@ -33,7 +33,8 @@ class RigScene {
 
  private:
   /// The image of a camera from its rays' colours.
-  cv::Mat RenderImage(const datasets::LensView& view, const std::vector<datasets::Solid>& solids, uint32_t noise) const;
+  cv::Mat RenderImage(const datasets::LensView& view, const std::vector<datasets::Solid>& solids,
+                      uint32_t noise) const;
 
   RawRig rig_;
   datasets::SyntheticScene scene_;
