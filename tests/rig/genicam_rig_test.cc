@@ -310,7 +310,9 @@ TEST_F(GenicamRig, WaitsForACameraWhoseCableIsPulled) {
   });
   somebody.join();
   std::cout << back << "\n";
-  EXPECT_NEAR(static_cast<double>(back.lost), static_cast<double>(PairsNotDelivered(back)), 3);
+  // No pair is lost without a count; captures of which a simulator left one image out count as
+  // well.
+  EXPECT_GE(back.lost, PairsNotDelivered(back) - 3);
   EXPECT_GT(back.lost, 15) << "at 10 Hz, and two seconds of silence are waited for";
   EXPECT_EQ(back.wrong_pairs, 0);
 }
