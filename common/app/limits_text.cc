@@ -2,10 +2,12 @@
 
 #include <sys/resource.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <fstream>
 #include <new>
 #include <optional>
+#include <string_view>
 #include <system_error>
 
 namespace sprout {
@@ -43,9 +45,10 @@ std::optional<std::string> AddressSpaceText() {
 }  // namespace
 
 std::string ReachedLimitText(const std::exception& failure) {
-  const auto* error = dynamic_cast<const std::system_error*>(&failure);
+  // By its text: each library has a type of its own for it.
   const bool no_thread =
-      error != nullptr && error->code() == std::errc::resource_unavailable_try_again;
+      std::string_view(failure.what()).find(std::generic_category().message(EAGAIN)) !=
+      std::string::npos;
   const bool no_memory = dynamic_cast<const std::bad_alloc*>(&failure) != nullptr;
   if (!no_thread && !no_memory) return "";
   if (const auto text = AddressSpaceText()) return *text;

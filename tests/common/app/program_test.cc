@@ -125,6 +125,8 @@ TEST(LimitsText, SaysWhichLimitIsReached) {
   EXPECT_EXIT(SayWithLimit(RLIMIT_NPROC, 77), ExitedWithCode(0),
               "no thread can be started: allowed are 77 of this user");
   EXPECT_EQ(ReachedLimitText(std::bad_alloc()), ": out of memory");
+  EXPECT_THAT(ReachedLimitText(std::runtime_error("thread: Resource temporarily unavailable")),
+              HasSubstr("no thread can be started"));
   EXPECT_EQ(ReachedLimitText(std::runtime_error("another")), "");
 }
 
