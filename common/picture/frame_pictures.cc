@@ -106,7 +106,7 @@ class FramePictures {
 
   void ShowCameras() {
     if (!frame_.left.empty()) left_ = Made("left.png", Left());
-    if (!frame_.right.empty()) Made("right.png", CameraPicture(frame_.right, T("Right image")));
+    if (!frame_.right.empty()) Made("right.png", Right());
     if (frame_.tof && (!size_.empty() || !frame_.tof->depth_m.empty())) {
       tof_ = Made("tof.png", Tof());
     }
@@ -144,7 +144,9 @@ class FramePictures {
   }
 
   cv::Mat3b Overview() const {
-    return FourOf({Left(), Tof(), Disparity(*frame_.disparity, "Disparity"), Cloud()});
+    const bool has_tof = frame_.tof && !frame_.tof->depth_m.empty();
+    return FourOf(
+        {Left(), has_tof ? Tof() : Right(), Disparity(*frame_.disparity, "Disparity"), Cloud()});
   }
 
   void ShowErrors(const FrameTruth& truth) {
@@ -165,6 +167,8 @@ class FramePictures {
   }
 
   cv::Mat3b Left() const { return CameraPicture(frame_.left, T("Left image")); }
+
+  cv::Mat3b Right() const { return CameraPicture(frame_.right, T("Right image")); }
 
   cv::Mat3b Tof() const {
     return DepthPicture(*frame_.tof, size_.empty() ? frame_.tof->depth_m.size() : size_,

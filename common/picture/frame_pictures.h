@@ -29,8 +29,9 @@ bool HasCloud(const Frame& frame);
 void WriteFramePictures(const Frame& frame, const FrameTruth& truth,
                         const std::function<std::filesystem::path(const char* what)>& path_of);
 
-/// Left image, ToF depth, disparity and the cloud from the side, in one picture.
-/// @pre HasCloud(frame), and it has a ToF image, if only one of 0×0.
+/// Left image, ToF depth, or the right image where there is none, disparity and the cloud from the
+/// side, in one picture.
+/// @pre HasCloud(frame), and it has a right image.
 cv::Mat3b OverviewOf(const Frame& frame);
 
 }  // namespace sprout

@@ -82,7 +82,9 @@ int RunFiles(const FilesOptions& options, const SproutConfig& config, const std:
     if (pairs.size() > 1) {
       progress.Show(fmt::format("pair {} of {}: {}", done + 1, pairs.size(), pair.left.string()));
     }
-    const auto line = ComputePair(reader, pair, fs::path(options.out) / pair.folder, pipeline);
+    const fs::path out = options.out;
+    const auto line =
+        ComputePair(reader, pair, pair.folder.empty() ? out : out / pair.folder, pipeline);
     progress.Clear();
     if (line) {
       std::cout << *line << std::endl;

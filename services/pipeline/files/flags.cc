@@ -8,19 +8,21 @@ namespace sprout {
 namespace {
 
 constexpr char kDescription[] =
-    "Depth of image files, without any bus: a pair, or folders or patterns of many, whose files\n"
-    "belong together in the order of their names.";
+    "Depth of image files, without any bus: a pair, or folders or patterns of many";
 
 constexpr char kFooter[] = R"(
 Examples
   sprout-pipeline files left.png right.png --focal-px 1733 --baseline-m 0.11 --out out
-  sprout-pipeline files left.png right.png --tof depth.png --focal-px 1733 --baseline-m 0.11 --out out
+  sprout-pipeline files l.png r.png --tof tof.png --focal-px 1733 --baseline-m 0.11 --out out
   sprout-pipeline files raw/left raw/right --tof raw/tof --rig rig.textproto --out out --config fast
-  sprout-pipeline files 'scenes/*/im0.png' 'scenes/*/im1.png' --focal-px 3740 --baseline-m 0.16 --out out
+  sprout-pipeline files '*/im0.png' '*/im1.png' --focal-px 3740 --baseline-m 0.16 --out out
+
+Files of folders and patterns belong together in the order of their names.
 
 With --rig the images are as the cameras gave them, and are rectified. With --focal-px and
 --baseline-m they are rectified already, and the ToF image shows what the left one shows, at any
-resolution. --tof is a PNG of 16 bits in mm or a PFM in m; 0: no return. Without it stereo does the work.
+resolution. --tof is a PNG of 16 bits in mm or a PFM in m; 0: no return. Without it stereo does
+the work.
 
 Writes to DIR, and of many pairs to DIR/NAME, where NAME is the left image's
   disparity.pfm    px, +inf: none              disparity.png   16 bit, 32 counts a px, 0: none
@@ -28,8 +30,9 @@ Writes to DIR, and of many pairs to DIR/NAME, where NAME is the left image's
   confidence.png   0 to 255, to sort by        overview.png    to look at
   cloud.ply        m, coloured points          mesh.ply        the same as a surface
 
-The flags of `sprout-pipeline --help` hold here, too: --config, --threads, --log-level. Exit codes: 0;
-1 a pair could not be computed, the others were; 2 a flag or file that cannot be used, nothing was done.
+The flags of `sprout-pipeline --help` hold here, too: --config, --threads, --log-level.
+Exit codes: 0; 1 a pair could not be computed, the others were; 2 a flag or file that cannot be
+used, nothing was done.
 )";
 
 }  // namespace

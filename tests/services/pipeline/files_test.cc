@@ -160,7 +160,7 @@ TEST_F(Files, HoldWhatThePipelineComputesOfAPairAndADepthImage) {
     const Ended outcome = RunToEnd(options_);
     EXPECT_EQ(outcome.exit_code, 0) << tof;
     EXPECT_THAT(outcome.err, IsEmpty()) << tof;
-    EXPECT_THAT(outcome.out, HasSubstr("out/: 160x120, " +
+    EXPECT_THAT(outcome.out, HasSubstr("/out: 160x120, " +
                                        std::to_string(expected.seeds.seeds.size()) + " seeds, "));
     ExpectResults(expected);
   }
