@@ -4,10 +4,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
 #include <stop_token>
+#include <system_error>
 #include <vector>
 
 #include "common/app/progress.h"
@@ -38,6 +40,11 @@ class ViewFolder {
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) throw ConfigError("--out " + folder.string() + ": " + error.message());
+    // Now, and not when the board has been shown.
+    if (access(folder.c_str(), W_OK) != 0) {
+      error.assign(errno, std::system_category());
+      throw ConfigError("--out " + folder.string() + ": cannot be written: " + error.message());
+    }
     if (!fs::is_empty(folder)) {
       ReadImageFolder(folder, [&](const RigImages& images) { Add(images, std::nullopt); });
       collector_.EndRecording();

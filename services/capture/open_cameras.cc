@@ -49,19 +49,23 @@ bool NamesCameras(const std::string& source) {
   return source.starts_with(kGenicam) || source.starts_with(kOpenCv) || source.starts_with(kV4l2);
 }
 
-OpenedCameras OpenCameras(const std::string& source, bool loop, datasets::Waiting waiting) {
+OpenedCameras OpenCameras(const std::string& source, bool loop, datasets::Waiting waiting,
+                          bool calibrated) {
   if (source.starts_with(kGenicam)) {
     const std::string path = source.substr(kGenicam.size());
     const RigDescription rig = LoadRigFile(path);
-    return {.cameras = OpenGenicam(rig, path, std::move(waiting)),
-            .calibration = CalibrationOf(rig)};
+    OpenedCameras opened;
+    if (calibrated && rig.has_calibration()) opened.calibration = RequireCalibration(rig, path);
+    opened.cameras = OpenGenicam(rig, path, std::move(waiting));
+    return opened;
   }
   const auto [place, options] = datasets::SplitSource(source);
   VideoSettings settings{.places = PlacesOf(source, place), .loop = loop};
   OpenedCameras opened;
   for (const datasets::SourceOption& option : options) {
     if (option.name == "rig") {
-      opened.calibration = RequireCalibration(LoadRigFile(option.value), option.value);
+      const RigDescription rig = LoadRigFile(option.value);
+      if (calibrated) opened.calibration = RequireCalibration(rig, option.value);
     } else if (option.name == "width") {
       settings.width = Positive(source, option);
     } else if (option.name == "height") {

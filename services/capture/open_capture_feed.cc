@@ -44,7 +44,8 @@ std::unique_ptr<CaptureFeed> OpenLog(const std::string& source, bool loop, Stage
 
 std::unique_ptr<CaptureFeed> OpenCameraFeed(const CaptureConfig& config, const FeedOptions& options,
                                             StageMonitor& monitor) {
-  OpenedCameras opened = OpenCameras(config.source(), options.loop, options.waiting);
+  OpenedCameras opened =
+      OpenCameras(config.source(), options.loop, options.waiting, /*calibrated=*/!options.raw);
   if (options.raw) return FeedFrom(std::move(opened.cameras), config, monitor);
   if (!opened.calibration) {
     throw ConfigError("capture.source = " + config.source() +

@@ -56,8 +56,12 @@ bool NamesCameras(const std::string& source);
 /// @param loop     start files again at the end.
 /// @param waiting  called while cameras of genicam: are waited for; what OpenCV opens waits by
 ///                 itself.
+/// @param calibrated  false: no calibration is looked at, so that a rig whose calibration is
+/// useless
+///                    can be calibrated again.
 /// @throws ConfigError naming what is missing or wrong, and where.
-OpenedCameras OpenCameras(const std::string& source, bool loop, datasets::Waiting waiting = {});
+OpenedCameras OpenCameras(const std::string& source, bool loop, datasets::Waiting waiting = {},
+                          bool calibrated = true);
 
 }  // namespace sprout::capture
 

@@ -1,6 +1,7 @@
 // sprout-capture and sprout-calibrate with files and senders that mean them harm.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <fstream>
@@ -97,7 +98,7 @@ class RigProgramsSystem : public testing::Test {
                                         "0"};
     if (raw) command.push_back("--raw");
     Process capture(command);
-    const auto code = capture.Wait(seconds(60));
+    const auto code = capture.Wait(seconds(120));
     return {code, capture.Output()};
   }
 
@@ -176,6 +177,20 @@ TEST_F(RigProgramsSystem, WatchSurvivesAHostileSenderAndStillKeepsViews) {
   watch.Signal(SIGINT);
   EXPECT_EQ(watch.Wait(seconds(30)), 1) << watch.Output();
   EXPECT_THAT(watch.Output(), HasSubstr("views used"));
+}
+
+TEST_F(RigProgramsSystem, WatchSaysAtOnceThatItsFolderCannotBeWritten) {
+  namespace fs = std::filesystem;
+  const fs::path views = File("views");
+  fs::create_directory(views);
+  fs::permissions(views.parent_path(), fs::perms(0755));
+  fs::permissions(views, fs::perms(0555));
+  std::vector<std::string> command;
+  if (geteuid() == 0) command = {"setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"};
+  command.insert(command.end(), {ProgramPath("sprout-calibrate"), "watch", "--out", views});
+  Process watch(command);
+  EXPECT_EQ(watch.Wait(seconds(60)), 2) << watch.Output();
+  EXPECT_THAT(watch.Output(), HasSubstr("--out " + views.string() + ": cannot be written"));
 }
 
 }  // namespace

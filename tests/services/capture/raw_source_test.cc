@@ -265,6 +265,19 @@ TEST_F(VideoTest, CountsFramesOfAnotherSizeAtTheEndOfAList) {
   EXPECT_THAT(monitor_.Snapshot().last_error, HasSubstr("left image of 64x48"));
 }
 
+// With the rig file of a bad calibration the rig has to be calibrated again.
+TEST_F(VideoTest, SendsRawImagesWhateverTheCalibrationIs) {
+  RawRig rig = TiltedRig();
+  rig.right.fx = 44718;
+  RigDescription description;
+  *description.mutable_calibration() = ToCalibration(rig);
+  ASSERT_TRUE(SaveRigFile(Path("bad.textproto"), description));
+  const std::string source = "opencv:" + WriteList("left", 1) + "," + WriteList("right", 1) +
+                             "?rig=" + Path("bad.textproto");
+  EXPECT_THAT(ErrorOf(source), AllOf(HasSubstr("bad.textproto"), HasSubstr("right.fx = 44718")));
+  EXPECT_EQ(ErrorOf(source, {.raw = true}), "no error");
+}
+
 TEST_F(VideoTest, WarnsWhenRectificationKeepsLittle) {
   RawRig rig = TiltedRig();
   rig.left_from_right.rotation =
