@@ -169,7 +169,7 @@ function(sprout_test name)
     add_test(NAME ${name}_test COMMAND ${name}_test)
     set_tests_properties(
       ${name}_test PROPERTIES LABELS "${labels}" TIMEOUT 900 ENVIRONMENT
-      "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")
+      "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp;LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp")
   else()
     gtest_discover_tests(${name}_test PROPERTIES LABELS unit DISCOVERY_TIMEOUT 60)
   endif()

@@ -52,10 +52,11 @@ class StageCheck {
   std::string Figures() const {
     std::vector<double> times = talk_.times_ms();
     if (times.empty()) return "";
+    const double longest = *std::ranges::max_element(times);  // Median() reorders
     std::string figures = fmt::format(
         "{0}: {1:.1f} ms a frame in the median, {2:.1f} ms at most, over {3} frames of {4}\n"
         "{0}: {5}\n",
-        contract_.stage, Median(times), *std::ranges::max_element(times), times.size(),
+        contract_.stage, Median(times), longest, times.size(),
         SizeText(frames_[0].rig().pair.size()), CompareAnswers(comparable_, recorded_));
     if (contract_.may_publish.Has(Part::kLeftSeeds) &&
         !talk_.extras_heard().Has(Part::kLeftSeeds)) {

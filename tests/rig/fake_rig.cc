@@ -81,6 +81,6 @@ void FakeRig::JumpClock(const std::string& serial) { cameras_.at(serial).process
 
 void FakeRig::Unplug(const std::string& serial) { Do("ip link set at_" + serial + " down"); }
 
-void FakeRig::StageAdapter(const std::string& serial) { Do("ip link set at_" + serial + " up"); }
+void FakeRig::Plug(const std::string& serial) { Do("ip link set at_" + serial + " up"); }
 
 }  // namespace sprout

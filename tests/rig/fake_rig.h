@@ -35,7 +35,7 @@ class FakeRig {
 
   /// Pulls its cable and puts it back.
   void Unplug(const std::string& serial);
-  void StageAdapter(const std::string& serial);
+  void Plug(const std::string& serial);
 
  private:
   struct Entry {

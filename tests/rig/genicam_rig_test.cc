@@ -11,12 +11,14 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <future>
 #include <iostream>
 #include <iterator>
 #include <memory>
 #include <mutex>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "common/core/sleep.h"
 #include "common/rig/rig_file.h"
@@ -294,15 +296,23 @@ TEST_F(GenicamRig, WaitsForACameraWhoseCableIsPulled) {
   const auto source = capture::OpenGenicam(Description(RigDescription::FREE_RUN), "rig");
   Take(*source, 3, HasTof);
   log_.Forget();
+  std::promise<void> first;  // pairs are counted from there
   std::jthread somebody([&] {
+    first.get_future().wait();
     rig_.Unplug("RIGHT");
     EXPECT_TRUE(log_.Says("waiting for the cameras: right camera (serial RIGHT): "));
-    rig_.StageAdapter("RIGHT");
+    rig_.Plug("RIGHT");
   });
-  const Tally back = Take(*source, 20);
+  bool told = false;
+  const Tally back = Take(*source, 20, [&](const datasets::CapturedFrame&) {
+    if (!std::exchange(told, true)) first.set_value();
+    return true;
+  });
   somebody.join();
   std::cout << back << "\n";
-  EXPECT_NEAR(static_cast<double>(back.lost), static_cast<double>(PairsNotDelivered(back)), 3);
+  // No pair is lost without a count; captures of which a simulator left one image out count as
+  // well.
+  EXPECT_GE(back.lost, PairsNotDelivered(back) - 3);
   EXPECT_GT(back.lost, 15) << "at 10 Hz, and two seconds of silence are waited for";
   EXPECT_EQ(back.wrong_pairs, 0);
 }

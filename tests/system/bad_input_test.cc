@@ -218,6 +218,9 @@ TEST(BadInputSystem, ImagesSmallerThanTheWindowAreAnsweredEmpty) {
   HandFrame tiny;
   tiny.rig.pair.width = 4;
   tiny.rig.pair.height = 3;
+  tiny.rig.pair.cx = tiny.rig.pair.cx_right = 2;
+  tiny.rig.pair.cy = 1.5;
+  tiny.rig.pair.focal_px = 5;
   tiny.frame.left = cv::Mat(3, 4, CV_8UC1, cv::Scalar(100));
   tiny.frame.right = cv::Mat(3, 4, CV_8UC1, cv::Scalar(100));
   tiny.Send(graph, 0);
@@ -254,7 +257,7 @@ TEST(BadInputSystem, WrongFlagsEndWithExitCode2AndOneLine) {
       {"grow", {"--config", ""}, "--config '': allowed is a text that is not empty"},
       {"capture", {"--source", "log:/dev/null?rig="}, "rig"},
       {"capture", {"--wait-for", ""}, "--wait-for ''"},
-      {"record", {"--dir", "/dev/null/logs"}, "--dir: /dev/null/logs: cannot be used"},
+      {"record", {"--dir", "/dev/null/logs"}, "--dir /dev/null/logs: cannot be used"},
       {"view", {"--log", ""}, "--log ''"},
       {"view", {"--log", "/etc/passwd"}, "--log: /etc/passwd"},
   };

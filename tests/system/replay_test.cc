@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <csignal>
 #include <fstream>
 
@@ -142,6 +143,14 @@ void WriteLongLog(const std::filesystem::path& path, int frames) {
   config.set_source("synthetic:320x240");
   const auto source = datasets::OpenDataset(config);
   const datasets::DatasetFrame captured = source->Get(0);
+  SeedSet seeds;  // every eighth pixel of every eighth row
+  for (int v = 4; v < captured.left.rows; v += 8) {
+    for (int u = 4; u < captured.left.cols; u += 8) {
+      const auto at_u = static_cast<float>(u);
+      const float right_u = at_u - std::round(captured.truth.left(v, u));
+      if (right_u >= 0) seeds.seeds.push_back({at_u, static_cast<float>(v), right_u});
+    }
+  }
   LogWriter writer(path);
   for (int64_t seq = 0; seq < frames; ++seq) {
     const FrameId id{.utime = 1000 * seq, .seq = seq, .rig_id = RigId(source->rig())};
@@ -151,6 +160,7 @@ void WriteLongLog(const std::filesystem::path& path, int frames) {
     };
     write(Part::kLeft, captured.left);
     write(Part::kRight, captured.right);
+    write(Part::kSeeds, seeds);
   }
   writer.Close();
 }
@@ -161,7 +171,7 @@ TEST(ReplaySystem, ASignalLeavesAReadableLogOfWhatWasDone) {
     const TemporaryDirectory folder;
     WriteLongLog(folder / "in.lcm", kFrames);
     std::ofstream(folder / "slow.textproto")
-        << "grow { seeds: HARRIS similarity: MNCC fill: NONE publish_confidence: false }";
+        << "grow { similarity: MNCC fill: NONE publish_confidence: false }";
     const auto out = folder / "out.lcm";
     Process grow({ProgramPath("sprout-grow"), "--config", folder / "slow.textproto", "--replay",
                   folder / "in.lcm", "--record", out});

@@ -31,7 +31,8 @@ class WholeFramesTest : public ::testing::Test {
   }
 
   std::vector<uint8_t> BytesAt(int64_t offset) {
-    const LogEvent event = EventFetcher(path_).Fetch(offset);
+    EventFetcher fetcher(path_);  // has the bytes
+    const LogEvent event = fetcher.Fetch(offset);
     return {event.data.begin(), event.data.end()};
   }
 

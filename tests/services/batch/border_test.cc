@@ -86,10 +86,24 @@ void WriteStubs(const fs::path& folder) {
   }
 }
 
+// What the stubs note when the commands of a frame are run.
+std::string CallsOf(const std::string& name) {
+  const std::string log = "/logs/" + name + ".lcm";
+  const std::string start =
+      "\n--config\n/out/" + name + "/config_a.textproto\n--frames\n7\n--replay\n" + log + "\n";
+  const std::string prefix = "--channel-prefix=" + name + "\n";
+  return "sprout-view\n--log\n" + log + "\n--frame\n7\n" + prefix + "sprout-refine" + start +
+         "--record\nrefine_a.lcm\n" + prefix + "sprout-prior" + start +
+         "--replay\nrefine_a.lcm\n--record\nprior_a.lcm\n" + prefix;
+}
+
 TEST(FrameCommands, StandForThemselvesInAShellWhateverIsInTheNames) {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "bin");
+  std::string commands = "cd '" + (folder / "").string() + "' || exit 9\n";
+  std::string calls;
   for (const std::string& name : kOddNames) {
-    const TemporaryDirectory folder;
-    const fs::path bin = (folder / "") / name;
+    const fs::path bin = (folder / "bin") / name;
     fs::create_directory(bin);
     WriteStubs(bin);
     BatchHead head;
@@ -101,24 +115,16 @@ TEST(FrameCommands, StandForThemselvesInAShellWhateverIsInTheNames) {
     }
     head.variants = {variant};
     const BatchLog log{.path = "/logs/" + name + ".lcm", .name = "x", .index = "", .summary = {}};
-    const fs::path out = "/out/" + name;
-    WriteFile(folder / "commands", "cd '" + (folder / "").string() + "' || exit 9\n" +
-                                       FrameCommands(BatchFolder(out), head, log, 7, bin));
-    for (const char* const shell : {"sh", "bash"}) {
-      Process process({"env", "CALLS=" + (folder / "calls").string(), shell, folder / "commands"});
-      EXPECT_EQ(process.Wait(), 0) << name << process.Output();
-      const std::string config = (out / "config_a.textproto").string();
-      EXPECT_EQ(TextOf(folder / "calls"),
-                "sprout-view\n--log\n" + log.path + "\n--frame\n7\n--channel-prefix=" + name +
-                    "\nsprout-refine\n--config\n" + config + "\n--frames\n7\n--replay\n" +
-                    log.path + "\n--record\nrefine_a.lcm\n--channel-prefix=" + name +
-                    "\nsprout-prior\n--config\n" + config + "\n--frames\n7\n--replay\n" + log.path +
-                    "\n--replay\nrefine_a.lcm\n--record\nprior_a.lcm\n--channel-prefix=" + name +
-                    "\n")
-          << shell;
-      fs::remove(folder / "calls");
-      EXPECT_EQ(folder.CountEntries(), 2) << name;  // nothing but bin and commands
-    }
+    commands += FrameCommands(BatchFolder("/out/" + name), head, log, 7, bin);
+    calls += CallsOf(name);
+  }
+  WriteFile(folder / "commands", commands);
+  for (const char* const shell : {"sh", "bash"}) {
+    Process process({"env", "CALLS=" + (folder / "calls").string(), shell, folder / "commands"});
+    EXPECT_EQ(process.Wait(std::chrono::seconds(120)), 0) << process.Output();
+    EXPECT_EQ(TextOf(folder / "calls"), calls) << shell;
+    fs::remove(folder / "calls");
+    EXPECT_EQ(folder.CountEntries(), 2);  // nothing but bin and commands: nobody touched PWNED
   }
 }
 
