@@ -79,6 +79,21 @@ def check_sleep(what, browser, programs, times, asleep, awake):
     check(f"{what}: the page does not grow", now - heap < 20, f"{heap:.1f} MB, {now:.1f} MB")
 
 
+def check_backlog(browser):
+    """A page that wakes finds the statuses of a minute."""
+    browser.run("""
+        const fill = sprout.plots.fillRow;
+        window.filled = 0;
+        sprout.plots.fillRow = function(...row) { ++window.filled; fill.apply(this, row); };
+        for (let i = 1; i <= 60; ++i) {
+          sprout.status({...sprout.statusMessage, utime: sprout.statusMessage.utime + 1e6});
+        }""")
+    browser.wait("filled > 0")
+    filled, stages = browser.run("return [filled, sprout.board.stages.length]")
+    # Others may have come meanwhile.
+    check("of a minute of statuses the newest is drawn", filled <= 5 * stages, f"{filled} rows of {stages}")
+
+
 def check_cut(browser, relay):
     browser.open(f"http://127.0.0.1:{RELAY_PORT}/")
     check("a page through a relay", browser.wait("window.sprout && sprout.frames > 5"))
@@ -102,6 +117,7 @@ def run(browser, programs, times):
             web_driver.send(pid, number)
     check_sleep("a stopped browser", browser, programs, times,
                 lambda: stop_and_go(signal.SIGSTOP), lambda: stop_and_go(signal.SIGCONT))
+    check_backlog(browser)
     check_cut(browser, Relay())
     # That a page which is stopped loses its connection is as it should be.
     complaints = [text for text in browser.complaints() if "Back-Forward Cache" not in text]
