@@ -38,16 +38,26 @@ export class Plots {
     [this.courses, this.whole] = [history, whole];
   }
 
-  /// @param board  as sprout-top --json has it.
+  /// Takes note of a board, as sprout-top --json has it, and draws the newest one with the next
+  /// picture: a page that wakes finds those of a minute, and drawing all of them takes seconds.
   update(board, seconds) {
+    if (!this.whole) {
+      for (const status of board.stages) {
+        if (status.pid !== undefined) this.addSample(status, seconds);
+      }
+    }
+    if (!this.board) requestAnimationFrame(() => this.show());
+    this.board = board;
+  }
+
+  show() {
     const names = new Set();
-    for (const status of board.stages) {
+    for (const status of this.board.stages) {
       const name = status.pid === undefined ? status.stage : `${status.stage} ${status.host}:${status.pid}`;
       names.add(name);
       if (!this.rows.has(name)) this.rows.set(name, this.addRow(status.stage));
       const row = this.rows.get(name);
       this.body.append(row.row);  // in the order of the board
-      if (status.pid !== undefined && !this.whole) this.addSample(status, seconds);
       this.fillRow(row, status);
     }
     for (const [name, {row}] of this.rows) {
@@ -55,6 +65,7 @@ export class Plots {
       row.remove();
       this.rows.delete(name);
     }
+    this.board = undefined;
   }
 
   addSample(status, seconds) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The page of sprout-view when it, its browser or its connection sleeps while the graph runs at 10 Hz:
-nothing may pile up, and the newest frame must be back within a second. On a network of its own only
+nothing may pile up, and the newest frame must be back. On a network of its own only
 (see in_private_network). Exit code 0 when all is as it should be, 77 where there is no Chromium."""
 
 import argparse
@@ -18,7 +18,6 @@ import web_driver
 from page_test import PORT, URL, Programs, check, failures, wait_for_server
 
 RELAY_PORT = 8421
-SOON = 2  # s; one on a quiet machine
 
 
 class Relay:
@@ -40,11 +39,11 @@ class Relay:
                 threading.Thread(target=self._pass, args=(*ends, self.alive), daemon=True).start()
 
     def _pass(self, source, target, alive):
-        while data := source.recv(65536):
+        with contextlib.suppress(OSError):  # one of both hung up
+            while data := source.recv(65536):
+                if self.alive is alive:
+                    target.sendall(data)
             if self.alive is alive:
-                target.sendall(data)
-        if self.alive is alive:
-            with contextlib.suppress(OSError):  # the other end is gone as well
                 target.shutdown(socket.SHUT_WR)
 
 
@@ -53,8 +52,10 @@ def resident_mb(pid):
     return pages * os.sysconf("SC_PAGESIZE") / 2 ** 20
 
 
-def check_sleep(what, browser, programs, sleep, asleep, awake):
-    """@param asleep, awake  functions that begin and end the sleep."""
+def check_sleep(what, browser, programs, times, asleep, awake):
+    """@param times  to sleep, and until the newest frame must be back, s.
+    @param asleep, awake  functions that begin and end the sleep."""
+    sleep, soon = times
     view = programs.running["view"].pid
     browser.wait("sprout.frames > 5")
     before, heap = resident_mb(view), browser.heap_mb()
@@ -67,9 +68,9 @@ def check_sleep(what, browser, programs, sleep, asleep, awake):
     start = time.monotonic()
     # One that was captured when the page was awake again.
     woken = time.time()
-    back = browser.wait(f"sprout.head.utime > {int(1e6 * woken)}", seconds=20)
+    back = browser.wait(f"sprout.head.utime > {int(1e6 * woken)}", seconds=2 * soon)
     took = time.monotonic() - start
-    check(f"{what}: the newest frame is back at once", back and took < SOON, f"{took:.2f} s")
+    check(f"{what}: the newest frame is back", back and took < soon, f"after {took:.2f} s")
     frames = browser.run("return sprout.frames")
     check(f"{what}: and others follow", browser.wait(f"sprout.frames > {frames + 10}", seconds=10))
     # The ring of sprout-view grows until it has 100 frames; what a page leaves unread comes beside it.
@@ -78,30 +79,45 @@ def check_sleep(what, browser, programs, sleep, asleep, awake):
     check(f"{what}: the page does not grow", now - heap < 20, f"{heap:.1f} MB, {now:.1f} MB")
 
 
+def check_backlog(browser):
+    """A page that wakes finds the statuses of a minute."""
+    browser.run("""
+        const fill = sprout.plots.fillRow;
+        window.filled = 0;
+        sprout.plots.fillRow = function(...row) { ++window.filled; fill.apply(this, row); };
+        for (let i = 1; i <= 60; ++i) {
+          sprout.status({...sprout.statusMessage, utime: sprout.statusMessage.utime + 1e6});
+        }""")
+    browser.wait("filled > 0")
+    filled, stages = browser.run("return [filled, sprout.board.stages.length]")
+    # Others may have come meanwhile.
+    check("of a minute of statuses the newest is drawn", filled <= 5 * stages, f"{filled} rows of {stages}")
+
+
 def check_cut(browser, relay):
     browser.open(f"http://127.0.0.1:{RELAY_PORT}/")
     check("a page through a relay", browser.wait("window.sprout && sprout.frames > 5"))
     relay.cut()
-    time.sleep(1)  # what was on the way has come
-    frames, start = browser.run("return sprout.frames"), time.monotonic()
-    # How long the page shows that it has none, is a matter of milliseconds here.
-    check("a dead connection is noticed and made anew",
-          browser.wait(f"sprout.frames > {frames + 5}", seconds=30), f"after {time.monotonic() - start:.1f} s")
+    start = time.monotonic()
+    # Captured so late that it cannot have been on its way.
+    back = browser.wait(f"sprout.head.utime > {int(1e6 * (time.time() + 1))}", seconds=20)
+    check("a dead connection is noticed and made anew", back, f"{time.monotonic() - start:.1f} s")
 
 
-def run(browser, programs, sleep):
+def run(browser, programs, times):
     browser.open(URL)
     browser.wait("window.sprout && sprout.frames > 0")
     # The ring is full, and every picture was painted: what comes now is what sleep costs.
     browser.wait("sprout.keys[1] - sprout.keys[0] >= 99", seconds=60)
-    check_sleep("a frozen page", browser, programs, sleep, browser.freeze, browser.thaw)
+    check_sleep("a frozen page", browser, programs, times, browser.freeze, browser.thaw)
     browser_processes = browser.processes()[1:]
 
     def stop_and_go(number):
         for pid in browser_processes:
             web_driver.send(pid, number)
-    check_sleep("a stopped browser", browser, programs, sleep,
+    check_sleep("a stopped browser", browser, programs, times,
                 lambda: stop_and_go(signal.SIGSTOP), lambda: stop_and_go(signal.SIGCONT))
+    check_backlog(browser)
     check_cut(browser, Relay())
     # That a page which is stopped loses its connection is as it should be.
     complaints = [text for text in browser.complaints() if "Back-Forward Cache" not in text]
@@ -111,7 +127,9 @@ def run(browser, programs, sleep):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--bin", type=pathlib.Path, required=True, help="folder of the programs")
-    parser.add_argument("--sleep", type=float, default=15, help="how long, s")
+    parser.add_argument("--sleep", type=float, default=10, help="how long, s")
+    parser.add_argument("--soon", type=float, default=10,
+                        help="until the newest frame must be back, s; on a quiet machine 1 is enough")
     options = parser.parse_args()
     lacking = web_driver.missing()
     if lacking:
@@ -124,7 +142,7 @@ def main():
             programs.start("capture", "--source", "synthetic:640x480", "--rate", "10", "--wait-for", "view")
             wait_for_server()
             with web_driver.Browser() as browser:
-                run(browser, programs, options.sleep)
+                run(browser, programs, (options.sleep, options.soon))
         finally:
             programs.stop_all()
     return 1 if failures else 0
