@@ -12,7 +12,7 @@
 
 namespace sprout::capture {
 
-/// Cameras: triplets as they see them, neither rectified nor with corrected ranges.
+/// Cameras: raw triplets, neither rectified nor with corrected ranges.
 class RawSource {
  public:
   virtual ~RawSource() = default;
@@ -27,12 +27,12 @@ class RawSource {
   virtual datasets::LostFrames lost_at_end() const { return {}; }
 };
 
-/// Rectifies the images of a frame and corrects its ranges. A ToF image of 0×0 stays one. The error
-/// names an image that is not of the calibrated size.
+/// Rectifies the images of a frame and corrects its ranges. A ToF image of 0×0 stays empty. The
+/// error names an image of another size than the calibrated one.
 Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier,
                                              datasets::CapturedFrame raw);
 
-/// Frames of cameras, rectified. One that is not of the calibrated size counts as lost.
+/// Rectified frames of cameras. One of another size than the calibrated one counts as lost.
 std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
                                                  Rectifier rectifier);
 
