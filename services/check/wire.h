@@ -18,17 +18,17 @@
 
 namespace sprout::check {
 
-/// A message of the graph, as it was heard.
+/// A received message of the graph.
 struct Heard {
   std::string channel;
   std::vector<uint8_t> bytes;
   std::chrono::steady_clock::time_point when;
 };
 
-/// Sends on the bus, and hears its own messages too. For one thread.
+/// Sends on the bus, and receives its own messages, too. Not thread-safe.
 class Wire {
  public:
-  /// @param channels  that are heard; Receiver::kAllChannels for all.
+  /// @param channels  to receive; Receiver::kAllChannels for all.
   /// @throws BusError, see OpenLcm().
   explicit Wire(const std::string& url,
                 const std::vector<std::string_view>& channels = AllChannels());
