@@ -18,10 +18,10 @@
 
 namespace sprout::view {
 
-/// Hears everything the graph says, and puts it into ring and book.
+/// Receives all messages of the graph, and stores them in ring and book.
 class BusListener {
  public:
-  /// @param changed  is called, on another thread, when the ring has a newer frame; must be quick.
+  /// @param changed  called on another thread when the ring has a newer frame; must be quick.
   /// @throws BusError.
   BusListener(const ServiceContext& context, FrameRing& ring, StatusBook& book,
               StageMonitor& monitor, std::function<void()> changed);

@@ -14,25 +14,25 @@
 
 namespace sprout::view {
 
-/// Files on their way to browsers. Each takes memory as long as somebody reads it, and who asks and
-/// does not read holds it for minutes: so there are few of them. Thread-safe.
+/// Files being sent to browsers. Each takes memory while it is read, and a browser that does not
+/// read holds it for minutes, so their number is limited. Thread-safe.
 class FileShelf {
  public:
   using Clock = std::chrono::steady_clock;
   using File = std::shared_ptr<const MemoryFile>;
   using Write = std::function<Result<void>(const std::filesystem::path& path)>;
 
-  /// Who reads at the same time.
+  /// Most readers at the same time.
   static constexpr long kMaxReaders = 2;
 
-  /// How long a file may be given to who asks for it later.
+  /// How long a file is shared with later readers.
   static constexpr std::chrono::seconds kFresh{2};
 
   /// @param max_files  at the same time.
   explicit FileShelf(size_t max_files) : max_files_(max_files) {}
 
-  /// A file for one reader, who has it as long as the pointer: one of the same name that somebody
-  /// is reading, or else a new one that `write` writes.
+  /// A file for one reader, valid as long as the pointer: one of the same name that is being read,
+  /// or else a new one written by `write`.
   /// @returns null when there are too many.
   Result<File> Take(const std::string& name, Clock::time_point now, const Write& write);
 

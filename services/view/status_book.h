@@ -13,29 +13,30 @@
 
 namespace sprout::view {
 
-/// What the statuses say: of every process the newest, as sprout-top has it, and of every stage the
-/// course of the last minutes for the plots. Thread-safe.
+/// Keeps the newest status of every process, as sprout-top does, and for the plots the last minutes
+/// of every stage. Thread-safe.
 class StatusBook {
  public:
-  /// Samples kept of a stage. Of a log, which has more, every second one goes when it is full.
+  /// Most samples of a stage. In a log, which may have more, every second one is dropped when it is
+  /// full.
   static constexpr size_t kMaxSamples = 900;
 
   /// @param expected   stages that must be there.
-  /// @param keep_all   thin out what is old (a log), instead of forgetting it (a running graph).
+  /// @param keep_all   thin out old samples (a log), instead of dropping them (a running graph).
   StatusBook(std::vector<std::string> expected, bool keep_all)
       : board_(std::move(expected)), keep_all_(keep_all) {}
 
-  /// @param utime  when it came, µs.
+  /// @param utime  arrival, µs.
   void Add(const StageStatus& status, int64_t utime, top::StatusBoard::Clock::time_point now);
 
-  /// The board as BoardJson() has it.
+  /// The board, see BoardJson().
   std::string BoardText(top::StatusBoard::Clock::time_point now) const;
 
   /// {stage: {t, rate_hz, age_p50_ms, age_p99_ms, lost, bad, rss_mb}}: arrays of equal length, t in
   /// s since 1970; lost and bad are counts since the start of the process.
   std::string HistoryText() const;
 
-  /// When the newest status came, as Add() was told.
+  /// Arrival of the newest status, as given to Add().
   top::StatusBoard::Clock::time_point newest() const;
 
  private:

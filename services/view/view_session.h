@@ -15,7 +15,7 @@
 
 namespace sprout::view {
 
-/// Memory that pages which stopped to look may keep from vanishing, together. For one thread.
+/// Memory for frames that all paused pages together may keep. Not thread-safe.
 class KeepBudget {
  public:
   explicit KeepBudget(size_t bytes) : left_(bytes) {}
@@ -31,9 +31,9 @@ class KeepBudget {
   size_t left_;
 };
 
-/// What one page sees, without a socket. The page says what it wants to see, follows the graph or
-/// looks at single frames, and says when it has drawn one; until then it gets no other, and then
-/// the newest. So a slow page gets fewer frames, and nothing waits for it. For one thread.
+/// The state of one page, without a socket. The page says what it wants to show, follows the graph
+/// or shows single frames, and says when it has drawn one; only then it gets the newest. So a slow
+/// page gets fewer frames, and nothing waits for it. Not thread-safe.
 ///
 /// Messages of the page, JSON:
 ///   {"type": "wish", "pictures": {"left": 640, ...}, "cloud": true, "seeds": true}
@@ -49,17 +49,17 @@ class ViewSession {
   ViewSession(const ViewSession&) = delete;
   ViewSession& operator=(const ViewSession&) = delete;
 
-  /// @returns an error for a message that is none of the above; such a page is hung up on.
+  /// @returns an error for any other message; then the connection is closed.
   Result<void> OnMessage(std::string_view text);
 
-  /// The frame to send now, if there is one; the page then has to draw it first.
+  /// The frame to send now, if any; the page must draw it before the next.
   struct Show {
     StoredFramePtr frame;
     Wish wish;
   };
   std::optional<Show> TakeFrame();
 
-  /// The pixel to tell of now, if one was asked for: of several the last.
+  /// The pixel to report now, if one was asked for: of several the last.
   struct Probe {
     StoredFramePtr frame;
     int u;
@@ -67,10 +67,10 @@ class ViewSession {
   };
   std::optional<Probe> TakeProbe();
 
-  /// A frame that the page asked for and that is no longer there, once.
+  /// A frame that the page asked for and that no longer exists; reported once.
   std::optional<int64_t> TakeGone() { return std::exchange(gone_, std::nullopt); }
 
-  /// Frames that the page can look at.
+  /// Frames that the page can show.
   KeyRange keys() const;
 
  private:
