@@ -1,4 +1,4 @@
-#include "common/app/twin_watch.h"
+#include "common/app/duplicate_watch.h"
 
 namespace sprout {
 namespace {
@@ -8,7 +8,7 @@ constexpr size_t kMaxTwins = 32;
 
 }  // namespace
 
-void TwinWatch::Heard(const StageStatus& status) {
+void DuplicateWatch::Heard(const StageStatus& status) {
   const StageStatus own = monitor_.Snapshot();
   if (status.stage != own.stage || status.state == StageStatus::State::kStopped ||
       (status.pid == own.pid && status.host == own.host)) {

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_APP_TWIN_WATCH_H_
-#define SPROUT_COMMON_APP_TWIN_WATCH_H_
+#ifndef SPROUT_COMMON_APP_DUPLICATE_WATCH_H_
+#define SPROUT_COMMON_APP_DUPLICATE_WATCH_H_
 
 #include <cstdint>
 #include <set>
@@ -11,10 +11,10 @@
 namespace sprout {
 
 /// Warns of other processes of the same stage on the same channels, once each. Not thread-safe.
-class TwinWatch {
+class DuplicateWatch {
  public:
   /// @param monitor  knows the name of this process, and gets the warnings.
-  explicit TwinWatch(StageMonitor& monitor) : monitor_(monitor) {}
+  explicit DuplicateWatch(StageMonitor& monitor) : monitor_(monitor) {}
 
   /// A status of any process came.
   void Heard(const StageStatus& status);
@@ -26,4 +26,4 @@ class TwinWatch {
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_APP_TWIN_WATCH_H_
+#endif  // SPROUT_COMMON_APP_DUPLICATE_WATCH_H_

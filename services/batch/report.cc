@@ -133,7 +133,9 @@ class ReportWriter {
   }
 
   static std::string Meaning(const std::string& measure) {
-    if (measure == "bad1") return "share of true pixels off by more than 1 px or without disparity";
+    if (measure == "bad1")
+      return "share of pixels with ground truth that are off by more than 1 px or have no "
+             "disparity";
     if (measure.ends_with("_ms")) {
       return "time a frame, mean of its shard; depends on what else the machine did";
     }

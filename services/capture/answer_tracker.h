@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
+#include "common/app/duplicate_watch.h"
 #include "common/app/service_context.h"
 #include "common/app/stage_monitor.h"
-#include "common/app/twin_watch.h"
 #include "common/bus/receiver.h"
 #include "common/core/frame_id.h"
 
@@ -52,7 +52,7 @@ class AnswerTracker {
   void OnDisparity(std::span<const uint8_t> bytes);
 
   StageMonitor& monitor_;
-  TwinWatch twins_;
+  DuplicateWatch duplicates_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::set<std::string> silent_;  // stages that have not reported

@@ -11,7 +11,7 @@
 namespace sprout::check {
 
 /// A way to corrupt a valid message, such that every program must refuse it.
-struct Spoiling {
+struct Corruption {
   std::string name;  ///< "width = -1"
   /// Takes bytes of EncodePart(), with maps as RAW_INT16.
   std::function<std::vector<uint8_t>(std::vector<uint8_t> good)> apply;
@@ -19,7 +19,7 @@ struct Spoiling {
 
 /// Ways to corrupt the message of a part: cut short, of another type, random bytes, counts and
 /// sizes that do not fit, NaN and infinities. Always the same ones.
-std::vector<Spoiling> SpoilingsOf(Part part);
+std::vector<Corruption> CorruptionsOf(Part part);
 
 }  // namespace sprout::check
 

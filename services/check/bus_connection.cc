@@ -1,8 +1,8 @@
-#include "services/check/wire.h"
+#include "services/check/bus_connection.h"
 
 namespace sprout::check {
 
-Wire::Wire(const std::string& url, const std::vector<std::string_view>& channels)
+BusConnection::BusConnection(const std::string& url, const std::vector<std::string_view>& channels)
     : publisher_(url, ""),
       receiver_(url, "", channels,
                 [this](std::string_view channel, std::span<const uint8_t> bytes) {
@@ -14,13 +14,13 @@ Wire::Wire(const std::string& url, const std::vector<std::string_view>& channels
                   filled_.notify_one();
                 }) {}
 
-void Wire::Send(std::string_view channel, std::span<const uint8_t> bytes) {
+void BusConnection::Send(std::string_view channel, std::span<const uint8_t> bytes) {
   if (!publisher_.Publish(channel, bytes)) {
     throw BusError(std::string(channel) + ": could not be published");
   }
 }
 
-std::optional<Heard> Wire::Next(std::chrono::steady_clock::time_point deadline) {
+std::optional<Heard> BusConnection::Next(std::chrono::steady_clock::time_point deadline) {
   std::unique_lock lock(mutex_);
   if (!filled_.wait_until(lock, deadline, [this] { return !heard_.empty(); })) return std::nullopt;
   Heard first = std::move(heard_.front());

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CHECK_WIRE_H_
-#define SPROUT_SERVICES_CHECK_WIRE_H_
+#ifndef SPROUT_SERVICES_CHECK_BUS_CONNECTION_H_
+#define SPROUT_SERVICES_CHECK_BUS_CONNECTION_H_
 
 #include <chrono>
 #include <condition_variable>
@@ -26,12 +26,12 @@ struct Heard {
 };
 
 /// Sends on the bus, and receives its own messages, too. Not thread-safe.
-class Wire {
+class BusConnection {
  public:
   /// @param channels  to receive; Receiver::kAllChannels for all.
   /// @throws BusError, see OpenLcm().
-  explicit Wire(const std::string& url,
-                const std::vector<std::string_view>& channels = AllChannels());
+  explicit BusConnection(const std::string& url,
+                         const std::vector<std::string_view>& channels = AllChannels());
 
   /// @throws BusError when LCM refuses the message.
   void Send(std::string_view channel, std::span<const uint8_t> bytes);
@@ -49,4 +49,4 @@ class Wire {
 
 }  // namespace sprout::check
 
-#endif  // SPROUT_SERVICES_CHECK_WIRE_H_
+#endif  // SPROUT_SERVICES_CHECK_BUS_CONNECTION_H_

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/core/frame.h"
+#include "services/check/bus_connection.h"
 #include "services/check/findings.h"
-#include "services/check/wire.h"
 
 namespace sprout::check {
 

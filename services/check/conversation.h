@@ -12,10 +12,10 @@
 #include "common/app/process.h"
 #include "common/messages/codec.h"
 #include "services/check/bad_messages.h"
+#include "services/check/bus_connection.h"
 #include "services/check/contract.h"
 #include "services/check/findings.h"
 #include "services/check/test_frames.h"
-#include "services/check/wire.h"
 
 namespace sprout::check {
 
@@ -35,8 +35,8 @@ class Conversation {
 
   /// @param process  the program.
   /// @param found    gets the findings. All must outlive the conversation.
-  Conversation(const StageContract& contract, Wire& wire, Process& process, Findings& found)
-      : contract_(contract), wire_(wire), process_(process), found_(found) {}
+  Conversation(const StageContract& contract, BusConnection& bus, Process& process, Findings& found)
+      : contract_(contract), bus_(bus), process_(process), found_(found) {}
 
   /// Sends a frame and waits for its answer.
   ///
@@ -49,7 +49,7 @@ class Conversation {
                                Rule rule, std::chrono::milliseconds timeout);
 
   /// Sends a corrupted message of the frame as a new capture; any answer to it is wrong.
-  void SendBad(const TestFrame& frame, Part part, const Spoiling& spoiling);
+  void SendBad(const TestFrame& frame, Part part, const Corruption& corruption);
 
   /// Waits for messages that should no longer come.
   void Listen(std::chrono::milliseconds time);
@@ -99,7 +99,7 @@ class Conversation {
   Sent* Attribute(const Result<FrameId>& id);
 
   const StageContract& contract_;
-  Wire& wire_;
+  BusConnection& bus_;
   Process& process_;
   Findings& found_;
   std::map<int64_t, Sent> sent_;  // by seq

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "common/app/process.h"
+#include "services/check/bus_connection.h"
 #include "services/check/findings.h"
-#include "services/check/wire.h"
 
 namespace sprout::check {
 

@@ -29,7 +29,7 @@ std::vector<TestFrame> ReadTestFrames(const std::filesystem::path& log,
 
 /// Degenerate frames, made from a good one: no ToF return, too few seeds, seeds on a line, black
 /// images, sizes that contradict each other.
-std::vector<TestFrame> PoorFrames(const TestFrame& good);
+std::vector<TestFrame> DegenerateFrames(const TestFrame& good);
 
 }  // namespace sprout::check
 

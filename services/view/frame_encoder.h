@@ -26,7 +26,7 @@ std::string_view NameOf(Picture picture);
 std::optional<Picture> PictureOf(std::string_view name);
 
 /// What a page shows of a frame.
-struct Wish {
+struct ShownParts {
   std::vector<std::pair<Picture, int>> pictures;  ///< with the most columns, px
   bool cloud = false;
   bool seeds = false;
@@ -43,7 +43,7 @@ class FrameEncoder {
   /// The packet of a frame: head {type: "frame", key, version, seq, utime, width, height, scales:
   /// {disparity: {min, max}, ...}, keys, parts}. Missing parts are left out.
   /// @param keys  that the page can look at; goes into the head.
-  std::string Encode(const StoredFramePtr& frame, const Wish& wish, const KeyRange& keys);
+  std::string Encode(const StoredFramePtr& frame, const ShownParts& shown, const KeyRange& keys);
 
   /// A single picture; null when the frame does not have it.
   EncodedPartPtr EncodePicture(const StoredFramePtr& frame, Picture picture, int width);
@@ -71,8 +71,8 @@ class FrameEncoder {
   std::deque<std::shared_ptr<DecodedFrame>> decoded_;  // newest last
   std::deque<CachedPart> cache_;                       // newest last
   size_t cache_bytes_ = 0;
-  CalmRange calm_disparity_;
-  CalmRange calm_depth_;
+  StableRange calm_disparity_;
+  StableRange calm_depth_;
   ValueRange disparity_px_;
   ValueRange depth_m_{.min = 0.1, .max = 1};  // coloured by 1/depth, so never from 0
 };

@@ -3,10 +3,10 @@
 
 #include <string>
 
-#include "services/view/file_shelf.h"
 #include "services/view/frame_encoder.h"
 #include "services/view/frame_source.h"
 #include "services/view/http_request.h"
+#include "services/view/shared_files.h"
 
 namespace sprout::view {
 
@@ -18,8 +18,8 @@ struct HttpReply {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::string body;
-  FileShelf::File file;   ///< held until it is sent
-  std::string file_name;  ///< to save it under; empty: shown, not saved
+  SharedFiles::File file;  ///< held until it is sent
+  std::string file_name;   ///< to save it under; empty: shown, not saved
 };
 
 /// Answers requests, without a socket: the files of the page, thumbnails, the time line of a log,
@@ -57,8 +57,8 @@ class HttpHandler {
   const FrameRing* ring_;
   const LogFile* log_;
   std::string prefix_;
-  mutable FileShelf frames_{FileShelf::kMaxReaders};
-  mutable FileShelf logs_{1};
+  mutable SharedFiles frames_{SharedFiles::kMaxReaders};
+  mutable SharedFiles logs_{1};
 };
 
 }  // namespace sprout::view

@@ -43,7 +43,7 @@ bool IsOwnOrigin(std::string_view origin, std::string_view host);
 /// Whether the browser says that a page of another site caused the request, for instance by a
 /// picture, a link or a form. Browsers send this only to servers on their own machine or with TLS;
 /// other programs do not send it.
-bool IsFromElsewhere(const HttpRequest& request);
+bool IsCrossSite(const HttpRequest& request);
 
 }  // namespace sprout::view
 

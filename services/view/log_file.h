@@ -17,7 +17,7 @@
 #include "common/logfile/event_fetcher.h"
 #include "common/logfile/log_reader.h"
 #include "services/view/frame_source.h"
-#include "services/view/status_book.h"
+#include "services/view/status_history.h"
 
 namespace sprout::view {
 
@@ -34,7 +34,7 @@ class LogFile : public FrameSource {
   /// Begins to read. @param statuses gets the log's statuses.
   /// @param changed  called on another thread when there are more frames.
   /// @throws LogError when the file is not a log.
-  LogFile(const std::filesystem::path& path, std::string prefix, StatusBook& statuses,
+  LogFile(const std::filesystem::path& path, std::string prefix, StatusHistory& statuses,
           std::function<void()> changed);
 
   StoredFramePtr Newest() const override;
@@ -67,7 +67,7 @@ class LogFile : public FrameSource {
 
   std::filesystem::path path_;
   std::string prefix_;
-  StatusBook& statuses_;
+  StatusHistory& statuses_;
   std::function<void()> changed_;
   LogReader reader_;
   mutable std::mutex fetch_mutex_;

@@ -57,7 +57,7 @@ cv::Mat_<T> Thin(const cv::Mat_<T>& map, int width) {
 
 /// Keeps a colour scale stable: it changes only when the values of a frame leave it, or fill less
 /// than half of it.
-class CalmRange {
+class StableRange {
  public:
   /// @param range  of this frame's values.
   /// @returns the range to use.

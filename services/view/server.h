@@ -26,7 +26,7 @@ struct ServerParts {
   const HttpHandler* handler = nullptr;
   std::function<std::string()> hello;   ///< JSON, the first message to a page; any thread
   std::function<std::string()> status;  ///< JSON, once a second; any thread
-  size_t keep_bytes = 0;                ///< see KeepBudget
+  size_t keep_bytes = 0;                ///< see PausedFrameBudget
 };
 
 /// Serves pages: HTTP requests, and WebSockets (at /ws) with frames and statuses.

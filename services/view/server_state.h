@@ -19,7 +19,7 @@ struct ServerState {
   explicit ServerState(ServerParts what) : parts(std::move(what)), budget(parts.keep_bytes) {}
 
   ServerParts parts;
-  KeepBudget budget;
+  PausedFrameBudget budget;
   int connections = 0;
   LimitedWarnings bad_pages;
   std::set<PageConnection*> pages;

@@ -1,11 +1,11 @@
-#include "services/view/file_shelf.h"
+#include "services/view/shared_files.h"
 
 #include <utility>
 
 namespace sprout::view {
 
-Result<FileShelf::File> FileShelf::Take(const std::string& name, Clock::time_point now,
-                                        const Write& write) {
+Result<SharedFiles::File> SharedFiles::Take(const std::string& name, Clock::time_point now,
+                                            const Write& write) {
   const std::lock_guard lock(mutex_);
   std::erase_if(entries_, [](const Entry& entry) { return entry.file.expired(); });
   long readers = 0;

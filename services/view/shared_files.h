@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_VIEW_FILE_SHELF_H_
-#define SPROUT_SERVICES_VIEW_FILE_SHELF_H_
+#ifndef SPROUT_SERVICES_VIEW_SHARED_FILES_H_
+#define SPROUT_SERVICES_VIEW_SHARED_FILES_H_
 
 #include <chrono>
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace sprout::view {
 
 /// Files being sent to browsers. Each takes memory while it is read, and a browser that does not
 /// read holds it for minutes, so their number is limited. Thread-safe.
-class FileShelf {
+class SharedFiles {
  public:
   using Clock = std::chrono::steady_clock;
   using File = std::shared_ptr<const MemoryFile>;
@@ -29,7 +29,7 @@ class FileShelf {
   static constexpr std::chrono::seconds kFresh{2};
 
   /// @param max_files  at the same time.
-  explicit FileShelf(size_t max_files) : max_files_(max_files) {}
+  explicit SharedFiles(size_t max_files) : max_files_(max_files) {}
 
   /// A file for one reader, valid as long as the pointer: one of the same name that is being read,
   /// or else a new one written by `write`.
@@ -50,4 +50,4 @@ class FileShelf {
 
 }  // namespace sprout::view
 
-#endif  // SPROUT_SERVICES_VIEW_FILE_SHELF_H_
+#endif  // SPROUT_SERVICES_VIEW_SHARED_FILES_H_

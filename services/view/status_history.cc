@@ -1,4 +1,4 @@
-#include "services/view/status_book.h"
+#include "services/view/status_history.h"
 
 #include <nlohmann/json.hpp>
 
@@ -18,8 +18,8 @@ int64_t LostOf(const StageStatus& status) {
 
 }  // namespace
 
-void StatusBook::Add(const StageStatus& status, int64_t utime,
-                     top::StatusBoard::Clock::time_point now) {
+void StatusHistory::Add(const StageStatus& status, int64_t utime,
+                        top::StatusBoard::Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   board_.Add(status, now);
   newest_ = now;
@@ -37,17 +37,17 @@ void StatusBook::Add(const StageStatus& status, int64_t utime,
   }
 }
 
-std::string StatusBook::BoardText(top::StatusBoard::Clock::time_point now) const {
+std::string StatusHistory::BoardText(top::StatusBoard::Clock::time_point now) const {
   const std::lock_guard lock(mutex_);
   return top::BoardJson(board_.Rows(now));
 }
 
-top::StatusBoard::Clock::time_point StatusBook::newest() const {
+top::StatusBoard::Clock::time_point StatusHistory::newest() const {
   const std::lock_guard lock(mutex_);
   return newest_;
 }
 
-std::string StatusBook::HistoryText() const {
+std::string StatusHistory::HistoryText() const {
   const std::lock_guard lock(mutex_);
   nlohmann::json stages = nlohmann::json::object();
   for (const auto& [stage, course] : courses_) {

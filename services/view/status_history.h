@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_VIEW_STATUS_BOOK_H_
-#define SPROUT_SERVICES_VIEW_STATUS_BOOK_H_
+#ifndef SPROUT_SERVICES_VIEW_STATUS_HISTORY_H_
+#define SPROUT_SERVICES_VIEW_STATUS_HISTORY_H_
 
 #include <cstdint>
 #include <deque>
@@ -15,7 +15,7 @@ namespace sprout::view {
 
 /// Keeps the newest status of every process, as sprout-top does, and for the plots the last minutes
 /// of every stage. Thread-safe.
-class StatusBook {
+class StatusHistory {
  public:
   /// Most samples of a stage. In a log, which may have more, every second one is dropped when it is
   /// full.
@@ -23,7 +23,7 @@ class StatusBook {
 
   /// @param expected   stages that must be there.
   /// @param keep_all   thin out old samples (a log), instead of dropping them (a running graph).
-  StatusBook(std::vector<std::string> expected, bool keep_all)
+  StatusHistory(std::vector<std::string> expected, bool keep_all)
       : board_(std::move(expected)), keep_all_(keep_all) {}
 
   /// @param utime  arrival, µs.
@@ -60,4 +60,4 @@ class StatusBook {
 
 }  // namespace sprout::view
 
-#endif  // SPROUT_SERVICES_VIEW_STATUS_BOOK_H_
+#endif  // SPROUT_SERVICES_VIEW_STATUS_HISTORY_H_

@@ -16,9 +16,9 @@
 namespace sprout::view {
 
 /// Memory for frames that all paused pages together may keep. Not thread-safe.
-class KeepBudget {
+class PausedFrameBudget {
  public:
-  explicit KeepBudget(size_t bytes) : left_(bytes) {}
+  explicit PausedFrameBudget(size_t bytes) : left_(bytes) {}
 
   bool Take(size_t bytes) {
     if (bytes > left_) return false;
@@ -44,7 +44,8 @@ class KeepBudget {
 ///   {"type": "probe", "u": U, "v": V}  what is known of a pixel of the frame on show
 class ViewSession {
  public:
-  ViewSession(const FrameSource& source, KeepBudget& budget) : source_(source), budget_(budget) {}
+  ViewSession(const FrameSource& source, PausedFrameBudget& budget)
+      : source_(source), budget_(budget) {}
   ~ViewSession() { Release(); }
   ViewSession(const ViewSession&) = delete;
   ViewSession& operator=(const ViewSession&) = delete;
@@ -55,7 +56,7 @@ class ViewSession {
   /// The frame to send now, if any; the page must draw it before the next.
   struct Show {
     StoredFramePtr frame;
-    Wish wish;
+    ShownParts parts;
   };
   std::optional<Show> TakeFrame();
 
@@ -80,8 +81,8 @@ class ViewSession {
   void Release();
 
   const FrameSource& source_;
-  KeepBudget& budget_;
-  Wish wish_;
+  PausedFrameBudget& budget_;
+  ShownParts parts_;
   bool wish_changed_ = false;
   bool live_ = true;
   std::optional<int64_t> look_;  // key
