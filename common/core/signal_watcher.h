@@ -13,7 +13,9 @@ namespace sprout {
 /// for loops that only compute. The signals are blocked in every thread and taken by one that waits
 /// for them, so that no code runs in a signal handler. A second signal is the kernel's: it ends the
 /// process whatever its threads are stuck in, a FIFO that nobody writes, a server that takes no
-/// more, a long computation. So is SIGALRM after the grace period. To be made before other threads.
+/// more, a long computation. So is SIGALRM after the grace period. To be made before other threads:
+/// those that were there already (a library's, in somebody else's program) pass on what they are
+/// given until the first signal.
 class SignalWatcher {
  public:
   /// @param grace  how long the process has to end by itself; 0: as long as it takes.

@@ -23,6 +23,14 @@ Eigen::Vector3d PointFromSeed(const RectifiedPair& pair, const Seed& seed);
 /// The same for a pixel with a disparity. @pre map.IsValid(u, v).
 Eigen::Vector3d PointAt(const RectifiedPair& pair, const DisparityImage& map, int u, int v);
 
+/// Depth z of a disparity map, m; NaN where there is no disparity, or one that stands for no
+/// positive depth. O(pixels).
+cv::Mat1f DepthMap(const RectifiedPair& pair, const DisparityImage& disparity);
+
+/// A ToF camera of `size` that stands in the left camera's place and sees what that sees: the
+/// corners of both images fall together. For range images that were put over the left one already.
+TofCamera TofOverLeft(const RectifiedPair& pair, cv::Size size);
+
 /// The calibration of one frame: without a ToF image (0×0) there is no ToF camera either.
 Rig RigOfFrame(const Rig& rig, const TofImage& tof);
 
