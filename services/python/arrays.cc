@@ -56,7 +56,10 @@ std::string ShapeText(const py::array& array) { return py::str(array.attr("shape
 
 std::string TypeName(const py::array& array) { return py::str(array.dtype()); }
 
-bool IsOf(const py::array& array, const char* type) { return array.dtype().equal(py::dtype(type)); }
+// NumPy's kind ('u', 'f', 'b') and bytes of an element, in whatever order these are.
+bool IsOf(const py::array& array, char kind, py::ssize_t bytes) {
+  return array.dtype().kind() == kind && array.itemsize() == bytes;
+}
 
 std::string Expected(const std::string& types, std::optional<cv::Size> size, bool colour) {
   const std::string shape = size ? ShapeText(*size) : "(H, W)";
@@ -87,7 +90,7 @@ std::optional<py::array> Plane(const py::handle& given, std::optional<cv::Size> 
   return array;
 }
 
-bool IsFloats(const py::array& array) { return IsOf(array, "f4") || IsOf(array, "f8"); }
+bool IsFloats(const py::array& array) { return IsOf(array, 'f', 4) || IsOf(array, 'f', 8); }
 
 // Of a matrix that shares an array's pixels.
 py::object ArrayOf(const cv::Mat& image) {
@@ -132,7 +135,7 @@ cv::Mat TakeImage(const std::string& name, const py::handle& given, std::optiona
   const auto array = py::reinterpret_borrow<py::array>(given);
   const bool colour = array.ndim() == 3 && array.shape(2) == 3;
   const bool grey = array.ndim() == 2 || (array.ndim() == 3 && array.shape(2) == 1);
-  if (!IsOf(array, "u1") || !(colour || grey) || !HasSides(array, size)) refuse();
+  if (!IsOf(array, 'u', 1) || !(colour || grey) || !HasSides(array, size)) refuse();
   return Share(Contiguous<uint8_t>(array), colour ? CV_8UC3 : CV_8UC1);
 }
 
@@ -140,7 +143,7 @@ cv::Mat1f TakeDepth(const std::string& name, const py::handle& given,
                     std::optional<cv::Size> size) {
   const std::optional<py::array> array = Plane(given, size);
   if (array && IsFloats(*array)) return Share(Contiguous<float>(*array), CV_32FC1);
-  if (!array || !IsOf(*array, "u2")) {
+  if (!array || !IsOf(*array, 'u', 2)) {
     Refuse(name, Expected("float32 (m) or uint16 (mm)", size, false), given);
   }
   cv::Mat1f depth_m;
@@ -158,8 +161,8 @@ cv::Mat1f TakeFloats(const std::string& name, const py::handle& given,
 cv::Mat1b TakeBytes(const std::string& name, const py::handle& given, std::optional<cv::Size> size,
                     bool mask) {
   const std::optional<py::array> array = Plane(given, size);
-  const bool is_mask = mask && array && IsOf(*array, "?");
-  if (!array || !(is_mask || IsOf(*array, "u1"))) {
+  const bool is_mask = mask && array && IsOf(*array, 'b', 1);
+  if (!array || !(is_mask || IsOf(*array, 'u', 1))) {
     Refuse(name, Expected(mask ? "bool or uint8" : "uint8", size, false), given);
   }
   const cv::Mat1b bytes = Share(Contiguous<uint8_t>(*array), CV_8UC1);

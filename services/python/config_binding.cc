@@ -1,7 +1,6 @@
 #include <google/protobuf/message.h>
 #include <pybind11/stl.h>
 
-#include "common/config/config_difference.h"
 #include "common/core/digest.h"
 #include "services/python/bindings.h"
 
@@ -58,21 +57,28 @@ py::object Get(const SproutConfig& config, const std::string& key) {
   }
 }
 
-// What makes the same configuration again: the keys that differ from the defaults.
-std::string Repr(const SproutConfig& config) {
-  std::string text;
-  for (const ConfigDifference& difference :
-       ConfigDifferences(ConfigText(LoadConfig({})), ConfigText(config))) {
-    const size_t dot = difference.key.rfind('.');
-    std::string part = difference.key.substr(0, dot);
-    std::string end = " }";
-    for (size_t at = part.find('.'); at != std::string::npos; at = part.find('.')) {
-      part.replace(at, 1, " { ");
-      end += " }";
+// Leaves the keys whose values are not the defaults.
+void KeepDifferences(Message& message) {
+  const auto& reflection = *message.GetReflection();
+  const Message& defaults = *reflection.GetMessageFactory()->GetPrototype(message.GetDescriptor());
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const FieldDescriptor* field = message.GetDescriptor()->field(i);
+    bool same = false;
+    if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+      Message& part = *reflection.MutableMessage(&message, field);
+      KeepDifferences(part);
+      same = part.ByteSizeLong() == 0;
+    } else {
+      same = ValueOf(message, *field).equal(ValueOf(defaults, *field));
     }
-    text += (text.empty() ? "" : " ") + part + " { " + difference.key.substr(dot + 1) + ": " +
-            difference.b + end;
+    if (same) reflection.ClearField(&message, field);
   }
+}
+
+// What makes the same configuration again.
+std::string Repr(SproutConfig config) {
+  KeepDifferences(config);
+  const std::string text = config.ShortDebugString();
   return "Config(" + (text.empty() ? "" : std::string(py::repr(py::str(text)))) + ")";
 }
 

@@ -24,7 +24,6 @@ def main(picture: Optional[str] = None) -> None:
     depth.set_axis_off()
     photo = depths = None
     for frame in sprout.listen(["left", "disparity", "rig"], timeout_s=30):
-        assert frame.left is not None and frame.depth_m is not None
         shown = frame.left[..., ::-1] if frame.left.ndim == 3 else frame.left
         near, far = numpy.nanpercentile(frame.depth_m, (1, 99)) if numpy.isfinite(frame.depth_m).any() else (0, 1)
         if photo is None or depths is None:

@@ -13,7 +13,6 @@ import sprout
 @sprout.stage("prior")
 def my_prior(frame: sprout.Frame, config: sprout.Config) -> object:
     """The mean disparity of the seeds, everywhere."""
-    assert frame.left is not None and frame.seeds is not None
     if len(frame.seeds) == 0:
         return "no seeds"
     disparity = (frame.seeds["u"] - frame.seeds["u_right"]).astype(numpy.float64)

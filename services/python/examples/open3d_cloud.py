@@ -16,7 +16,6 @@ import sprout
 def main(path: str, cloud: str) -> None:
     with sprout.Log(path) as log:
         frame = log[-1]
-    assert frame.left is not None and frame.depth_m is not None and frame.rig is not None
     rig = frame.rig
     color = numpy.dstack([frame.left] * 3) if frame.left.ndim == 2 else frame.left[..., ::-1]
     rgbd = open3d.geometry.RGBDImage.create_from_color_and_depth(

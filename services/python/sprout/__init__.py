@@ -23,6 +23,7 @@
 Images are uint8, (H, W) or (H, W, 3) BGR; disparities px, depths m, float32, NaN where there is none.
 """
 import importlib
+import pkgutil
 import sys
 from typing import Any, Callable, Dict, List, NoReturn, Optional, Sequence, Tuple, TypeVar
 
@@ -116,14 +117,12 @@ def run(name: Optional[str] = None, arguments: Optional[List[str]] = None) -> No
     sys.exit(_run_stage(name, function, inputs, description, given))
 
 
-def __getattr__(name: str) -> Any:
-    """Message types, as lcm-gen --python makes them: sprout.header_t."""
-    if name.endswith("_t"):
-        try:
-            message = importlib.import_module("." + name, __name__)
-        except ModuleNotFoundError:
-            pass
-        else:
-            globals()[name] = getattr(message, name)
-            return globals()[name]
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+def _load_message_types() -> None:
+    """What lcm-gen --python made lies beside this file; as its own package has it: sprout.header_t."""
+    for found in pkgutil.iter_modules(__path__):
+        if found.name.endswith("_t"):
+            message = importlib.import_module("." + found.name, __name__)
+            globals()[found.name] = getattr(message, found.name)
+
+
+_load_message_types()

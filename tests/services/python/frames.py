@@ -56,6 +56,8 @@ def same(a: Optional[numpy.ndarray], b: Optional[numpy.ndarray]) -> bool:
     """Equal to the byte, NaN for NaN."""
     if a is None or b is None:
         return a is b
+    if a.dtype.names:  # between the fields there may be anything
+        return a.dtype == b.dtype and numpy.array_equal(a, b)
     return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
 
 

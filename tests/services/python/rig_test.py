@@ -121,8 +121,8 @@ class ConfigTest(unittest.TestCase):
         self.assertNotEqual(sprout.Config(), config)
 
     def test_says_what_cannot_be_used(self) -> None:
-        for parts, why in ((["no_such"], "default, fast, paper"), (["grow { x: 1 }"], "text:1:8.*x"),
-                           (["grow { threshold: 7 }"], "grow.threshold = 7.*0 to 1"), ([3], "given 3"),
+        for parts, why in ((["no_such"], "default, fast, paper"), (["grow { x: 1 }"], "text:1:9.*x"),
+                           (["grow { threshold: 7 }"], "grow.threshold = 7: out of range; allowed: 0.001 to 0.999"), ([3], "given 3"),
                            ([pathlib.Path("nowhere")], "nowhere")):
             with self.assertRaisesRegex(ValueError, why):
                 sprout.Config(*parts)

@@ -36,7 +36,6 @@ class StageTest(unittest.TestCase):
         self.assertRegex(text, "prior: .* frames: 4 in, 4 out")
         for frame in frames:
             given = next(f for f in sprout.Log(SAMPLE).frames() if f.seq == frame.seq)
-            assert given.seeds is not None and frame.prior is not None
             disparity = given.seeds["u"] - given.seeds["u_right"]
             numpy.testing.assert_allclose(frame.prior.disparity, disparity.mean(), atol=1 / 64)
             numpy.testing.assert_allclose(frame.prior.sigma_px, disparity.std(), atol=1 / 32)
@@ -49,7 +48,6 @@ class StageTest(unittest.TestCase):
             expected = list(sprout.Log(record).frames())
         for frame, whole in zip(self.replay("my_stages.py", "refine")[0], expected):
             self.assertTrue(same(frame.seeds, whole.seeds))
-            assert frame.left_seeds is not None
             self.assertEqual(len(frame.left_seeds), 0)
         for frame, whole in zip(self.replay("my_stages.py", "grow")[0], expected):
             self.assertTrue(same(frame.disparity, whole.disparity))
@@ -86,7 +84,6 @@ class StageTest(unittest.TestCase):
         for ending in (signal.SIGTERM, signal.SIGINT):
             with subprocess.Popen([isolate, sys.executable, "-c", program], stderr=subprocess.PIPE, text=True,
                                   env=environment()) as process:
-                assert process.stderr is not None
                 first = process.stderr.readline()
                 if "sprout-prior" not in first:
                     self.skipTest("no private network here: " + first)
