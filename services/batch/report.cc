@@ -24,7 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kShownFrames = 8;
-constexpr size_t kShownLogs = 200;
 
 constexpr char kHead[] = R"(<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>sprout-batch</title>

@@ -10,12 +10,11 @@
 #include "common/config/config_error.h"
 #include "common/core/number_text.h"
 #include "common/core/read_text.h"
+#include "services/datasets/rectified.h"
 
 namespace sprout::datasets {
 namespace {
 
-// Focal lengths and rows of a rectified pair may differ by the rounding of the text only.
-constexpr double kRectifiedTolerancePx = 0.01;
 // Seven digits are written; more than their rounding is no rotation.
 constexpr double kRotationTolerance = 1e-4;
 
@@ -82,14 +81,11 @@ RectifiedPair PairOf(const KittiCalibFile& file, cv::Size size, const std::strin
   const auto left = file.Matrix<3, 4>(left_key);
   const auto right = file.Matrix<3, 4>(right_key);
   if (!(left(0, 0) > 0)) throw file.Bad(left_key, "a focal length above 0");
-  for (const auto& [a, b] : {std::pair{left(0, 0), left(1, 1)},
-                             {left(0, 0), right(0, 0)},
-                             {left(0, 0), right(1, 1)},
-                             {left(1, 2), right(1, 2)}}) {
-    if (!(std::abs(a - b) <= kRectifiedTolerancePx)) {
-      throw file.Bad(right_key,
-                     "one focal length for both cameras and axes, and " + left_key + "'s row");
-    }
+  if (!AreRectified({left(0, 0), left(1, 1), left(1, 2)},
+                    {right(0, 0), right(1, 1), right(1, 2)})) {
+    throw file.Bad(right_key,
+                   "one focal length for both cameras and axes, and " + left_key + "'s row");
+  }
   }
   if (!(left(0, 3) > right(0, 3))) {
     throw file.Bad(right_key, "a camera to the right of " + left_key + "'s");

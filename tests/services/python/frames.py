@@ -9,8 +9,8 @@ import numpy
 
 import sprout
 
-SOURCE = pathlib.Path(os.environ["SPROUT_SOURCE_DIR"])
-BIN = pathlib.Path(os.environ["SPROUT_BINARY_DIR"])
+SOURCE = pathlib.Path(__file__).resolve().parents[3]
+BIN = pathlib.Path(os.environ.get("SPROUT_BINARY_DIR", SOURCE / "build" / "release" / "bin"))
 SAMPLE = SOURCE / "logs" / "sample.lcm"
 PRESETS = ("default", "fast", "paper")
 
