@@ -86,7 +86,6 @@ RectifiedPair PairOf(const KittiCalibFile& file, cv::Size size, const std::strin
     throw file.Bad(right_key,
                    "one focal length for both cameras and axes, and " + left_key + "'s row");
   }
-  }
   if (!(left(0, 3) > right(0, 3))) {
     throw file.Bad(right_key, "a camera to the right of " + left_key + "'s");
   }
