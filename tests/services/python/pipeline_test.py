@@ -245,7 +245,7 @@ class InputTest(unittest.TestCase):
 
 class ThreadTest(unittest.TestCase):
     def test_others_run_while_it_computes_and_the_same_pipeline_is_refused(self) -> None:
-        frame = synthetic("1024x768")
+        frame = synthetic("1624x1224")
         pipeline = sprout.Pipeline("default")
         started = threading.Event()
         done: List[sprout.Frame] = []
