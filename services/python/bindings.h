@@ -25,6 +25,7 @@ namespace py = pybind11;
 struct PyFrame {
   Frame frame;
   cv::Mat1f depth_m = {};                  ///< when it is known already
+  cv::Mat1f disparity_px = {};             ///< the same
   std::vector<std::string> warnings = {};  ///< see DepthFrame
   datasets::GroundTruth truth = {};        ///< of a data set
 };

@@ -38,17 +38,32 @@ cv::Mat1f MetresOf(const DepthImage& depth) {
   return metres;
 }
 
-// Computed once a frame; nothing when the frame has neither disparities nor depths.
-py::object DepthArray(PyFrame& frame) {
-  if (frame.depth_m.empty()) {
-    const py::gil_scoped_release free;
-    if (frame.frame.disparity && frame.frame.rig) {
-      frame.depth_m = DepthMap(frame.frame.rig->pair, *frame.frame.disparity);
-    } else if (frame.frame.depth) {
-      frame.depth_m = MetresOf(*frame.frame.depth);
+// The map, computed once a frame without the interpreter's lock.
+template <typename Make>
+py::object Kept(cv::Mat1f& map, const Make& make) {
+  if (map.empty()) {
+    cv::Mat1f made;
+    {
+      const py::gil_scoped_release free;
+      made = make();
     }
+    map = made;
   }
-  return ToArray(frame.depth_m);
+  return ToArray(map);
+}
+
+// None when the frame has neither disparities nor depths.
+py::object DepthArray(PyFrame& frame) {
+  return Kept(frame.depth_m, [&parts = frame.frame]() -> cv::Mat1f {
+    if (parts.disparity && parts.rig) return DepthMap(parts.rig->pair, *parts.disparity);
+    return parts.depth ? MetresOf(*parts.depth) : cv::Mat1f();
+  });
+}
+
+py::object DisparityArray(PyFrame& frame) {
+  return Kept(frame.disparity_px, [&parts = frame.frame] {
+    return parts.disparity ? ToPx(*parts.disparity) : cv::Mat1f();
+  });
 }
 
 py::object SeedArray(const std::optional<SeedSet>& set) {
@@ -298,8 +313,7 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           [](const PyFrame& f) { return ToArray(f.frame.unfilled.value_or(DisparityImage())); },
           "Optional[numpy.ndarray]: (H, W) float32, px, before gaps were filled; NaN: none.")
       .def_property_readonly(
-          "disparity",
-          [](const PyFrame& f) { return ToArray(f.frame.disparity.value_or(DisparityImage())); },
+          "disparity", &DisparityArray,
           "Optional[numpy.ndarray]: (H, W) float32, px, multiples of 1/32; NaN: none.")
       .def_property_readonly(
           "confidence", [](const PyFrame& f) { return ToArray(f.frame.confidence); },

@@ -28,8 +28,7 @@ struct Refused {
 
 // The whole log, looked through once.
 struct Contents {
-  explicit Contents(const std::string& prefix)
-      : index({.prefix = prefix, .look_back = FrameChoice::kLookBack}) {}
+  explicit Contents(const std::string& prefix) : index({.prefix = prefix}) {}
 
   FrameIndex index;
   std::map<std::string, int64_t, std::less<>> channels;
@@ -62,20 +61,10 @@ class PyLog {
     if (contents_) return *contents_;
     const Turn turn(taken_, "Log");
     auto contents = std::make_unique<Contents>(prefix_);
-    const py::gil_scoped_release free;
-    SignalCheck check;
-    LogReader reader(path_);
-    const Refuse refuse = refused_.Counter();
-    for (LogEvent event; reader.Next(event); check()) {
-      contents->index.Add(event, refuse);
-      const auto known = contents->channels.find(event.channel);
-      if (known != contents->channels.end()) {
-        ++known->second;
-      } else {
-        contents->channels.emplace(event.channel, 1);
-      }
+    {
+      const py::gil_scoped_release free;
+      Read(*contents);
     }
-    contents->damage = reader.damage();
     contents_ = std::move(contents);
     return *contents_;
   }
@@ -124,6 +113,22 @@ class PyLog {
   Refused& refused() { return refused_; }
 
  private:
+  void Read(Contents& contents) {
+    SignalCheck check;
+    LogReader reader(path_);
+    const Refuse refuse = refused_.Counter();
+    for (LogEvent event; reader.Next(event); check()) {
+      contents.index.Add(event, refuse);
+      const auto known = contents.channels.find(event.channel);
+      if (known != contents.channels.end()) {
+        ++known->second;
+      } else {
+        contents.channels.emplace(event.channel, 1);
+      }
+    }
+    contents.damage = reader.damage();
+  }
+
   fs::path path_;
   std::string prefix_;
   std::unique_ptr<EventFetcher> fetcher_;

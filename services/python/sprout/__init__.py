@@ -20,6 +20,9 @@
     if __name__ == "__main__":
         sprout.run()
 
+Seeds are arrays of SEED: u, v in the left image and u_right (px), sigma_px of the disparity u - u_right,
+origin (0: range camera, 1: stereo), tof_u, tof_v (pixel of the range image; -1: none).
+
 Images are uint8, (H, W) or (H, W, 3) BGR; disparities px, depths m, float32, NaN where there is none.
 """
 import importlib
