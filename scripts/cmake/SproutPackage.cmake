@@ -158,18 +158,20 @@ set(CPACK_COMPONENT_LIBSPROUT_DESCRIPTION
     "Shared libraries: the processing chain as one class, and a reader and writer
 of LCM logs. The presets that they read are in package sprout.")
 
-# The extension works with the one minor version of Python that it was built for.
-math(EXPR python_next "${Python_VERSION_MINOR} + 1")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-sprout)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+if(TARGET sprout_python)
+  # The extension works with the one minor version of Python that it was built for.
+  math(EXPR python_next "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-sprout)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "sprout ${this_version}, python3 (>= 3.${Python_VERSION_MINOR}~), python3 (<< 3.${python_next}), python3-numpy"
-)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-open3d, sprout-doc")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${debian}/python/prerm")
-set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+  )
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-open3d, sprout-doc")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${debian}/python/prerm")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION
     "Module sprout for Python: depth of NumPy arrays, the frames of logs and of
 the running graph, stages in Python, and the message types.")
+endif()
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libsprout-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
