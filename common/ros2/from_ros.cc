@@ -263,10 +263,10 @@ Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros) {
                  "1")
         .Require(place_m.allFinite(), "transform.translation", "not finite", "finite numbers");
     if (!checks.ok()) return checks.error();
-    RosPose pose{.parent = std::string(RosText(one.header.frame_id)),
-                 .child = std::string(RosText(one.child_frame_id))};
-    pose.parent_from_child = Eigen::Translation3d(place_m) * rotation.normalized();
-    poses.push_back(std::move(pose));
+    poses.push_back({.parent = std::string(RosText(one.header.frame_id)),
+                     .child = std::string(RosText(one.child_frame_id)),
+                     .rotation = rotation,
+                     .translation_m = place_m});
   }
   return poses;
 }

@@ -57,7 +57,8 @@ Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros);
 struct RosPose {
   std::string parent;
   std::string child;
-  Eigen::Isometry3d parent_from_child = Eigen::Isometry3d::Identity();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< parent from child
+  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();       ///< of the child in the parent
 };
 Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros);
 
