@@ -166,8 +166,7 @@ Result<RosCamera> FromRosInfo(const RosCameraInfo& ros) {
       .Require(AllFinite(ros.p), "p", "not finite", "finite numbers")
       .Require(ros.k[0] > 0 && ros.k[4] > 0, "k[0]", ros.k[0],
                "a focal length > 0 (0: the camera is not calibrated)")
-      .Require(ros.p[0] > 0 && ros.p[0] == ros.p[5], "p[0]", ros.p[0],
-               "a focal length > 0 that is p[5], too")
+      .Require(ros.p[0] > 0 && ros.p[5] > 0, "p[0]", ros.p[0], "a focal length > 0")
       .Require(ros.binning_x <= 1 && ros.binning_y <= 1, "binning_x", ros.binning_x, "0 and 1")
       .Require(ros.roi.x_offset == 0 && ros.roi.y_offset == 0, "roi.x_offset", ros.roi.x_offset,
                "the whole image");
@@ -179,6 +178,7 @@ Result<RosCamera> FromRosInfo(const RosCameraInfo& ros) {
                             .cx = ros.k[2],
                             .cy = ros.k[5]},
                    .focal_px = ros.p[0],
+                   .focal_v_px = ros.p[5],
                    .cx = ros.p[2],
                    .cy = ros.p[6],
                    .tx = ros.p[3]};
@@ -198,6 +198,8 @@ Result<RectifiedPair> PairOf(const RosCamera& left, const RosCamera& right) {
       .Require(left.lens.size() == right.lens.size(), "right width × height",
                SizeText(right.lens.size()),
                "that of the left camera, " + SizeText(left.lens.size()))
+      .Require(std::abs(left.focal_px - left.focal_v_px) < kSamePx, "left p[5]", left.focal_v_px,
+               "p[0]: square pixels")
       .Require(std::abs(left.focal_px - right.focal_px) < kSamePx, "right p[0]", right.focal_px,
                "that of the left camera: a rectified pair")
       .Require(std::abs(left.cy - right.cy) < kSamePx, "right p[6]", right.cy,

@@ -36,13 +36,14 @@ struct RosCamera {
   Lens lens;                                                    ///< K and D
   Eigen::Matrix3d rectification = Eigen::Matrix3d::Identity();  ///< R: camera to rectified frame
   double focal_px = 0;                                          ///< of P, px
+  double focal_v_px = 0;                                        ///< of its rows
   double cx = 0;                                                ///< of P, px
   double cy = 0;
   double tx = 0;  ///< P[0, 3] = −f·b of a right camera, px·m
 };
 
 /// A camera of 'plumb_bob' or without distortion, calibrated (K[0] > 0), neither binned nor cut
-/// out, with square pixels in P.
+/// out.
 Result<RosCamera> FromRosInfo(const RosCameraInfo& ros);
 
 /// The pair that two rectified cameras make: one size, one f, one cy, b = −Tx / f > 0.

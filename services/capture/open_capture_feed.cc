@@ -60,9 +60,10 @@ std::unique_ptr<CaptureFeed> OpenCameraFeed(const CaptureConfig& config, const F
 
 std::unique_ptr<CaptureFeed> OpenRosFeed(const CaptureConfig& config, const FeedOptions& options,
                                          StageMonitor& monitor) {
-  const RosSourceOptions ros{.loop = options.loop,
-                             .waiting = options.waiting,
-                             .tell = [&monitor](const std::string& what) { monitor.Failure(what); }};
+  const RosSourceOptions ros{
+      .loop = options.loop,
+      .waiting = options.waiting,
+      .tell = [&monitor](const std::string& what) { monitor.Failure(what); }};
   if (options.raw) return FeedFrom(OpenRawRosSource(config.source(), ros), config, monitor);
   return FeedFrom(OpenRosSource(config.source(), ros), config, monitor);
 }

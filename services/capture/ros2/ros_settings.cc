@@ -59,9 +59,9 @@ bool Apply(const datasets::SourceOption& option, RosSettings& settings) {
 }
 
 void CompleteNames(RosSettings& settings) {
-  for (std::string* topic : {&settings.left, &settings.right, &settings.left_info,
-                             &settings.right_info, &settings.points, &settings.depth,
-                             &settings.depth_info}) {
+  for (std::string* topic :
+       {&settings.left, &settings.right, &settings.left_info, &settings.right_info,
+        &settings.points, &settings.depth, &settings.depth_info}) {
     if (!topic->empty() && topic->front() != '/') topic->insert(0, "/");
   }
   const bool is_raw = !settings.rig.empty();

@@ -23,7 +23,9 @@ constexpr std::chrono::seconds kCalibrationWait{60};
 class RosOpener {
  public:
   RosOpener(std::string source, RosSourceOptions options)
-      : source_(std::move(source)), options_(std::move(options)), settings_(ParseRosSource(source_)) {}
+      : source_(std::move(source)),
+        options_(std::move(options)),
+        settings_(ParseRosSource(source_)) {}
 
   std::unique_ptr<RosInput> Open() const {
     if (settings_.file.empty()) return ListenToRos(settings_, options_.tell, options_.waiting);
@@ -153,8 +155,8 @@ RosRig FindCalibration(const RosOpener& opener, RosInput& input) {
   }
   if (const std::optional<RosRole> missing = calibration.Missing()) {
     if (!refused.empty()) throw opener.Bad(refused);
-    const std::string what =
-        *missing == RosRole::kTf ? "no transform from the range sensor to the left camera on "
+    const std::string what = *missing == RosRole::kTf
+                                 ? "no transform from the range sensor to the left camera on "
                                  : "no message on ";
     throw opener.Bad(what + opener.settings().TopicOf(*missing) + "; " + input.Instead(*missing));
   }

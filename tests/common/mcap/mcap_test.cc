@@ -120,8 +120,9 @@ TEST(Mcap, GivesAllThatIsWholeOfATornFile) {
     std::vector<size_t> places;
     for (const auto& [end, count] : chunk_ends)
       places.insert(places.end(), {end - 1, end, end + 1});
-    for (size_t i = 0; i < 1000; ++i) {
-      places.push_back(kMcapMagic.size() + i * (whole.size() - kMcapMagic.size()) / 1000);
+    const size_t others = compression == McapCompression::kZstd ? 1000 : 50;
+    for (size_t i = 0; i < others; ++i) {
+      places.push_back(kMcapMagic.size() + i * (whole.size() - kMcapMagic.size()) / others);
     }
     for (const size_t place : places) {
       WriteBytes(folder / "torn",
@@ -171,7 +172,7 @@ TEST(Mcap, SurvivesMutations) {
   std::mt19937 random(1);
   for (const McapCompression compression : kCompressions) {
     const Bytes whole = MakeMcap(folder, compression);
-    for (int i = 0; i < 500; ++i) {
+    for (int i = 0; i < 200; ++i) {
       Bytes file = whole;
       for (int k = 0; k < 3; ++k) {
         file[kMcapMagic.size() + random() % (file.size() - kMcapMagic.size())] =

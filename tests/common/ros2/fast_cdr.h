@@ -107,7 +107,9 @@ inline void Put(Cdr& cdr, const RosDiagnostics& diagnostics) {
 
 template <typename T>
 std::vector<uint8_t> Write(const T& message, Cdr::Endianness order) {
-  eprosima::fastcdr::FastBuffer buffer;
+  // Fast-CDR leaves what it skips as it is.
+  std::vector<char> memory(1 << 16);
+  eprosima::fastcdr::FastBuffer buffer(memory.data(), memory.size());
   Cdr cdr(buffer, order, Cdr::DDS_CDR);
   cdr.serialize_encapsulation();
   Put(cdr, message);
