@@ -18,7 +18,6 @@ namespace sprout {
 namespace {
 
 constexpr bool kIsBigEndian = std::endian::native == std::endian::big;
-constexpr uint8_t kFloat32 = 7;
 
 struct Encoding {
   std::string_view name;
@@ -90,7 +89,7 @@ std::optional<uint32_t> OffsetOf(const RosPointCloud& ros, std::string_view name
   for (const RosPointField& field : RosSpan(ros.fields)) {
     if (RosText(field.name) != name) continue;
     const bool fits = field.offset <= ros.point_step && ros.point_step - field.offset >= 4;
-    if (field.datatype != kFloat32 || !fits) return std::nullopt;
+    if (field.datatype != kRosFloat32 || !fits) return std::nullopt;
     return field.offset;
   }
   return std::nullopt;

@@ -3,6 +3,7 @@
 
 #include <dds/ddsc/dds_public_impl.h>
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,6 +35,10 @@ using RosTransforms = tf2_msgs_msg_dds__TFMessage_;
 using RosKeyValue = diagnostic_msgs_msg_dds__KeyValue_;
 using RosDiagnostic = diagnostic_msgs_msg_dds__DiagnosticStatus_;
 using RosDiagnostics = diagnostic_msgs_msg_dds__DiagnosticArray_;
+
+/// PointField's numbers of types.
+inline constexpr uint8_t kRosUint8 = 2;
+inline constexpr uint8_t kRosFloat32 = 7;
 
 /// The type of a structure that is sent by itself.
 template <typename T>

@@ -13,7 +13,7 @@
 namespace sprout {
 namespace {
 
-constexpr uint8_t kIsBigEndian = std::endian::native == std::endian::big ? 1 : 0;
+constexpr uint8_t kBigEndianFlag = std::endian::native == std::endian::big ? 1 : 0;
 
 void SetHeader(const RosPlace& place, RosHeader& header) {
   header.stamp = RosStamp(place.utime);
@@ -41,7 +41,7 @@ std::shared_ptr<const void> SetImage(const RosPlace& place, const cv::Mat& image
   ros.height = static_cast<uint32_t>(image.rows);
   ros.width = static_cast<uint32_t>(image.cols);
   SetRosText(ros.encoding, EncodingOf(image));
-  ros.is_bigendian = kIsBigEndian;
+  ros.is_bigendian = kBigEndianFlag;
   ros.step = static_cast<uint32_t>(image.elemSize() * static_cast<size_t>(image.cols));
   BorrowRos(ros.data, image.data, image.total() * image.elemSize());
   return std::make_shared<const cv::Mat>(image);
@@ -88,9 +88,6 @@ void SetField(RosPointField& field, std::string_view name, uint32_t offset, uint
   field.datatype = type;
   field.count = 1;
 }
-
-constexpr uint8_t kUint8 = 2;
-constexpr uint8_t kFloat32 = 7;
 
 void SetTransform(int64_t utime, const std::string& parent, const std::string& child,
                   const Eigen::Quaternion<double, Eigen::DontAlign>& turn,
@@ -159,12 +156,12 @@ RosMessage<RosPointCloud> ToRosCloud(const RosPlace& place, const PointCloud& cl
   ros->height = 1;
   ros->width = static_cast<uint32_t>(cloud.points.size());
   const std::span fields = ResizeRos(ros->fields, 5);
-  SetField(fields[0], "x", 0, kFloat32);
-  SetField(fields[1], "y", 4, kFloat32);
-  SetField(fields[2], "z", 8, kFloat32);
-  SetField(fields[3], "rgb", 12, kFloat32);
-  SetField(fields[4], "confidence", 16, kUint8);
-  ros->is_bigendian = kIsBigEndian != 0;
+  SetField(fields[0], "x", 0, kRosFloat32);
+  SetField(fields[1], "y", 4, kRosFloat32);
+  SetField(fields[2], "z", 8, kRosFloat32);
+  SetField(fields[3], "rgb", 12, kRosFloat32);
+  SetField(fields[4], "confidence", 16, kRosUint8);
+  ros->is_bigendian = kBigEndianFlag != 0;
   ros->point_step = kBytes;
   ros->row_step = kBytes * ros->width;
   ros->is_dense = true;

@@ -16,8 +16,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// How long the calibration of a live rig is waited for.
-constexpr std::chrono::seconds kCalibrationWait{60};
+// How long the calibration of a live rig is waited for: less than systemd gives a service to start.
+constexpr std::chrono::seconds kCalibrationWait{20};
 
 // A source as it was asked for, which can be opened again.
 class RosOpener {
@@ -141,7 +141,7 @@ ImageOfPoints Projector(const RosRig& rig) {
   };
 }
 
-// Of a file all messages may be looked at, of a live graph those of a minute.
+// Of a file all messages may be looked at, of a live graph those of kCalibrationWait.
 RosRig FindCalibration(const RosOpener& opener, RosInput& input) {
   RosCalibration calibration(opener.settings());
   const Clock::time_point deadline = Clock::now() + kCalibrationWait;

@@ -19,7 +19,7 @@ struct RosSourceOptions {
 /// Rectified frames of what a source ros2: or mcap: names: rectified images with their camera_info,
 /// or raw ones with a rig file. Images belong together by their stamps (max_spread_ms). A point
 /// cloud becomes a range image in the left camera's place (TofImageFromScan()), a depth image that
-/// of a ToF camera. Waits up to a minute for the calibration; a file must have it.
+/// of a ToF camera. Waits up to 20 s for the calibration; a file must have it.
 /// @throws ConfigError naming what is missing or wrong.
 std::unique_ptr<datasets::FrameSource> OpenRosSource(const std::string& source,
                                                      RosSourceOptions options);

@@ -142,9 +142,9 @@ TEST(RosSource, MakesTheRangeImageOfAScanThatKittiMakes) {
   PointCloud cloud;
   for (const Eigen::Vector3d& point :
        datasets::ReadVelodyneScan(kitti.files().File("velodyne/000007.bin"))) {
-    cloud.points.push_back({.position_m = {static_cast<float>(point.x()),
-                                           static_cast<float>(point.y()),
-                                           static_cast<float>(point.z())}});
+    cloud.points.push_back(
+        {.position_m = {static_cast<float>(point.x()), static_cast<float>(point.y()),
+                        static_cast<float>(point.z())}});
   }
   file.Add("/points", ToRosCloud({kStart, "scanner"}, cloud));
   file.AddImage("/left/image", kStart, expected.left);
