@@ -50,6 +50,7 @@ void MakeDefaultsExplicit(Message& message) {
   const Reflection& reflection = *message.GetReflection();
   for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
     const FieldDescriptor* field = message.GetDescriptor()->field(i);
+    if (field->is_repeated()) continue;  // a list has no default, and shows what it has
     switch (field->cpp_type()) {
       case FieldDescriptor::CPPTYPE_MESSAGE:
         MakeDefaultsExplicit(*reflection.MutableMessage(&message, field));

@@ -41,8 +41,8 @@ foreach(target ${programs} sprout_shared_pipeline sprout_shared_log sprout_lcmty
 endforeach()
 add_custom_target(package_files DEPENDS ${packaged})
 
-# Units: one of each stage, the target that wants them all, the recorder and the stages in one process
-# for who enables them, and the route of the messages. What is special about one stands in NAME.unit and NAME.service.
+# Units: one of each stage, the target that wants them all, the recorder, the stages in one process and
+# the door to ROS 2 for who enables them, and the route of the messages. What is special about one stands in NAME.unit and NAME.service.
 function(sprout_unit name)
   set(unit_lines)
   set(service_lines)
@@ -54,7 +54,7 @@ function(sprout_unit name)
   endif()
   configure_file("${debian}/sprout-stage.service.in" "${generated}/units/sprout-${name}.service" @ONLY)
 endfunction()
-foreach(name IN LISTS stages ITEMS record pipeline)
+foreach(name IN LISTS stages ITEMS record pipeline ros2)
   sprout_unit(${name})
 endforeach()
 list(TRANSFORM stages PREPEND "sprout-" OUTPUT_VARIABLE units)

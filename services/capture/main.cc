@@ -39,7 +39,10 @@ void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Tim
           "if its channels have one, ?rig=RIG to rectify raw images; cameras: genicam:RIG (GigE "
           "Vision, USB3 Vision), opencv:LEFT,RIGHT?rig=RIG "
           "(videos, image lists, devices), "
-          "opencv:BOTH?rig=RIG and v4l2:DEVICE?rig=RIG (both views side by side)")
+          "opencv:BOTH?rig=RIG and v4l2:DEVICE?rig=RIG (both views side by side); ROS 2: "
+          "ros2:left=TOPIC&right=TOPIC, live, and mcap:FILE?left=TOPIC&right=TOPIC, with &points= "
+          "or "
+          "&depth= of a range sensor")
       ->type_name("SOURCE");
   flags
       .add_option("--rate", config.rate_hz,

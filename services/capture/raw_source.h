@@ -20,6 +20,9 @@ class RawSource {
   /// Whether frames come when the cameras give them; otherwise when they are asked for (files).
   virtual bool is_live() const = 0;
 
+  /// As FrameSource::is_recorded().
+  virtual bool is_recorded() const { return false; }
+
   /// As FrameSource::Next().
   virtual std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) = 0;
 

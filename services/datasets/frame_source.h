@@ -48,6 +48,10 @@ class FrameSource {
   /// Whether frames come when the cameras give them; otherwise when they are asked for.
   virtual bool is_live() const = 0;
 
+  /// Whether frames that come when they are asked for have the times of a recording, which tell at
+  /// what pace they once came.
+  virtual bool is_recorded() const { return false; }
+
   /// Waits for the next frame. Nothing when there are no more, or a stop was requested. Waits for
   /// lost cameras.
   /// @throws ConfigError when a file of a dataset cannot be used.

@@ -88,6 +88,21 @@ struct ExportOptions : PicturesOptions {
 };
 int RunExport(const ExportOptions& options);
 
+/// A log as ROS 2's messages in an MCAP file: the topics of sprout-ros2.
+struct McapExportOptions {
+  std::filesystem::path file;
+  std::filesystem::path out;
+  std::string frames;  ///< see ParseFrameRange(); empty: all
+  std::string prefix;
+  bool force = false;
+};
+int RunMcapExport(const McapExportOptions& options);
+
+/// Whether a file is none of LCM's, but MCAP.
+bool IsMcap(const std::filesystem::path& file);
+/// RunInfo() of such a file: topics, types, counts.
+int RunMcapInfo(const InfoOptions& options);
+
 }  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_COMMANDS_H_

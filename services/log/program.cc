@@ -30,6 +30,7 @@ Examples
   sprout-log diff run.lcm new.lcm --channels SPROUT_SEEDS    did my change change anything
   sprout-log cut run.lcm one.lcm --frames 40:50              the interesting frames
   sprout-log images one.lcm pictures                         look at them
+  sprout-log export --mcap one.mcap one.lcm                  show them to Foxglove, RViz, rerun
 
 `sprout-log COMMAND --help` explains a command. Exit codes: 0; 1 different, or info --check found
 something; 2 a flag or a log that cannot be used. Output logs are renamed into place when complete.
@@ -45,6 +46,8 @@ struct Commands {
   RepairOptions repair;
   ImagesOptions images;
   ExportOptions export_;
+  std::string mcap;         // of export
+  bool force_mcap = false;  // of export
   RankOptions rank;
   Command chosen;
 };
@@ -80,7 +83,7 @@ void AddInfo(CLI::App& program, Commands& commands) {
       "Prints for each channel type, messages, rate, times, frames, and how many frame numbers "
       "are\nmissing, repeated or undecodable; and where the file is damaged");
   InfoOptions& options = commands.info;
-  flags.add_option("FILE", options.file, "Log")->required();
+  flags.add_option("FILE", options.file, "Log, or MCAP file")->required();
   AddPrefix(flags, options.prefix);
   flags.add_flag("--json", options.json, "For programs; has the configurations, too");
   flags.add_flag("--config", options.config, "Also the effective configuration of each process");
@@ -180,20 +183,43 @@ void AddImages(CLI::App& program, Commands& commands) {
   flags.callback([&] { commands.chosen = [&] { return RunImages(commands.images); }; });
 }
 
+int RunEitherExport(const Commands& commands) {
+  const ExportOptions& options = commands.export_;
+  if (commands.mcap.empty()) return RunExport(options);
+  return RunMcapExport({.file = options.file,
+                        .out = commands.mcap,
+                        .frames = options.frames,
+                        .prefix = options.prefix,
+                        .force = commands.force_mcap});
+}
+
 void AddExport(CLI::App& program, Commands& commands) {
-  CLI::App& flags = *program.add_subcommand("export", "Writes each frame for other programs");
+  CLI::App& flags = *program.add_subcommand("export",
+                                            "Writes each frame for other programs, or with --mcap "
+                                            "all of a log as ROS 2's messages");
   ExportOptions& options = commands.export_;
   flags.add_option("FILE", options.file, "Log")->required();
-  flags.add_option("DIR", options.folder, "Folder to write to: 000042_disparity.pfm, ...")
-      ->required();
+  CLI::Option* folder =
+      flags.add_option("DIR", options.folder, "Folder to write to: 000042_disparity.pfm, ...");
   flags.add_flag("--ply", options.ply,
                  "Coloured point cloud of the disparity map, m in the left rectified frame");
   flags.add_flag("--mesh", options.mesh,
                  "Coloured surface of the disparity map, cut at depth edges, m");
   flags.add_flag("--pfm", options.pfm, "Prior and disparity maps, px; +inf: no disparity");
+  CLI::Option* mcap =
+      flags
+          .add_option("--mcap", commands.mcap,
+                      "One MCAP file for rosbag2, Foxglove and rerun: the images, depth, points, "
+                      "disparities and statuses of the log on the topics of sprout-ros2")
+          ->type_name("OUT")
+          ->excludes(folder);
+  AddForce(flags, commands.force_mcap);
   AddFrames(flags, options.frames);
   AddPrefix(flags, options.prefix);
-  flags.callback([&] { commands.chosen = [&] { return RunExport(commands.export_); }; });
+  flags.callback([&commands, folder, mcap] {
+    if (mcap->empty() && folder->empty()) throw CLI::RequiredError("DIR");
+    commands.chosen = [&commands] { return RunEitherExport(commands); };
+  });
 }
 
 void AddRank(CLI::App& program, Commands& commands) {
