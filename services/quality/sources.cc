@@ -53,7 +53,7 @@ std::string MeasureLog(const fs::path& log, const std::string& prefix, const std
   int64_t refused = 0;
   std::string first_refusal;
   LogFrames reader(log, choice, [&](const LogEvent& event, const std::string& why) {
-    if (refused++ == 0) first_refusal = event.channel + ": " + why;
+    if (refused++ == 0) first_refusal = fmt::format("{}: {}", event.channel, why);
   });
   Progress progress(/*quiet=*/false);
   const auto check = [](int64_t) { Interrupt::Check(); };
