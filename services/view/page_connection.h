@@ -38,12 +38,13 @@ class PageConnection : public std::enable_shared_from_this<PageConnection> {
   void Read();
   void OnRead(boost::beast::error_code error);
   void PumpProbe();
+  void PumpMeasure();
   void Send(Message message);
   void Write();
 
-  /// Does work on the thread for pictures, and sends what it gives.
+  /// Does work on the thread for pictures, and sends what it gives. @param busy  true meanwhile.
   template <typename Work>
-  void SendLater(Work work, bool is_text);
+  void SendLater(Work work, bool is_text, bool PageConnection::*busy);
 
   ServerState& state_;
   ConnectionCount count_;
@@ -54,6 +55,7 @@ class PageConnection : public std::enable_shared_from_this<PageConnection> {
   bool status_waits_ = false;
   bool encoding_ = false;
   bool probing_ = false;
+  bool measuring_ = false;
   bool open_ = false;
 };
 
