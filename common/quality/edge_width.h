@@ -25,8 +25,9 @@ inline constexpr double kLeastEdgeStepPx = 1;
 ///     (d − d_f) / (d_n − d_f) = 0.1 and 0.9
 ///
 /// that are next to the middle of the edge (0.5), so noise on either side does not move them. A
-/// step between two neighbours has 0.8 px, the least that a map of pixels can show; a hole of n px
-/// in it 0.8 · (n + 1). Below 8 px the straight lines between pixels make it up to half a pixel too wide.
+/// step between two neighbours has 0.8 px where both sides are square to the camera; a hole of n px
+/// in it 0.8 · (n + 1). Below 8 px the straight lines between pixels make it up to half a pixel too
+/// wide.
 /// @param disparity_px  NaN or infinite = none. O(pixels).
 EdgeWidths MeasureEdge(const cv::Mat1f& disparity_px);
 
