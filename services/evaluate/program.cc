@@ -8,16 +8,14 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "common/app/output_paths.h"
 #include "common/app/program.h"
 #include "common/app/progress.h"
 #include "common/app/version.h"
-#include "common/core/output_file.h"
 #include "services/evaluate/log_evaluation.h"
-#include "services/evaluate/output_paths.h"
 #include "services/evaluate/result_files.h"
 #include "services/evaluate/run_pictures.h"
 #include "services/evaluate/tables.h"
@@ -212,15 +210,8 @@ void RequireDifferentNames(const std::vector<Scene>& scenes) {
 void RequireWritable(const Options& options) {
   if (!options.json.empty()) RequireWritableFile("--json", options.json);
   if (!options.csv.empty()) RequireWritableFile("--csv", options.csv);
-  if (!options.images.empty()) RequireWritableFolder("--images", options.images);
-}
-
-void WriteWhole(const std::string& path, const std::string& text) {
-  OutputFile file(path);
-  file.Write(text);
-  if (const Result<void> written = file.Commit(); !written) {
-    throw std::runtime_error(written.error().text);
-  }
+  if (!options.images.empty())
+    RequireWritableFolder("--images", options.images, {"figure.png", "errors.png"});
 }
 
 std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Scene>& scenes,
