@@ -62,14 +62,6 @@ void RunBoth(const One& one, const Other& other) {
   });
 }
 
-/// Calls paint(rows) for bands of rows that make up the image. A row is painted by one call, so
-/// painting triangles in their order in each gives the same image with any number of threads.
-template <typename Paint>
-void PaintInBands(int height, const Paint& paint) {
-  constexpr int kBandsPerThread = 4;  // bands differ in work
-  ForRangesParallel(height, kBandsPerThread * cv::getNumThreads(), paint);
-}
-
 /// Makes `map` one of that size to write a new result to: itself when nobody else holds its pixels
 /// any more, and a new one otherwise. What it contains is undefined.
 template <typename T>
