@@ -52,7 +52,7 @@ class Dataset {
 ///   synthetic:WxH   a moving scene with exact ground truth
 /// The ToF camera is simulated as config.tof() says, or as ?tof=grid or ?tof=sr4000 behind the
 /// source does; with none there is no ToF camera. Several options are separated by '&': behind
-/// ?tof=sr4000 &blind=P, &wrapped=P and &calibration=PX, see Sr4000Config.
+/// ?tof=sr4000 &blind=P, &wrapped=P, &calibration=PX and &every=K, see Sr4000Config.
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& config);
 

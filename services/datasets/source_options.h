@@ -29,10 +29,10 @@ struct SplitSourceText {
 SplitSourceText SplitSource(std::string_view source);
 
 /// What can be said about a simulated SR4000 behind "sr4000", for messages to people.
-inline constexpr std::string_view kSr4000Options = "&blind=P (%), &wrapped=P (%), &calibration=PX";
+inline constexpr std::string_view kSr4000Options = "&blind=P (%), &wrapped=P (%), &calibration=PX, &every=K";
 
-/// Applies blind=P (blind_percent), wrapped=P (wrapped_percent) or calibration=PX
-/// (calibration_error_px). @returns whether the option is one of them.
+/// Applies blind=P (blind_percent), wrapped=P (wrapped_percent), calibration=PX
+/// (calibration_error_px) or every=K (every_px). @returns whether the option is one of them.
 /// @throws ConfigError when the value is no number or out of range.
 bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config);
 
