@@ -71,6 +71,13 @@ class NormalEquations {
   double dy_ = 0;
 };
 
+// w in (P1): how much less a seed counts that is less sure than the one whose plane it is. What
+// lies below σ₀ is not told apart.
+double SureWeight(double sigma_px, double other_sigma_px) {
+  constexpr double kSurePx = 0.1;
+  return (Square(kSurePx) + Square(sigma_px)) / (Square(kSurePx) + Square(other_sigma_px));
+}
+
 // The least-squares plane at a seed whose support weighs by its residuals to `plane`.
 Plane Refit(const Plane& plane, std::span<const Seed> seeds, std::span<const int> support,
             double scale, double slope_weight) {
@@ -78,8 +85,9 @@ Plane Refit(const Plane& plane, std::span<const Seed> seeds, std::span<const int
   for (int i : support) {
     const Seed& seed = seeds[static_cast<size_t>(i)];
     const double residual = double{seed.disparity()} - plane.At(seed.u, seed.v);
-    equations.Add(SupportWeight(residual, scale), double{seed.u} - plane.u,
-                  double{seed.v} - plane.v, seed.disparity());
+    const double weight =
+        SupportWeight(residual, scale) * SureWeight(plane.sigma_px, seed.sigma_px);
+    equations.Add(weight, double{seed.u} - plane.u, double{seed.v} - plane.v, seed.disparity());
   }
   Plane refit = plane;
   equations.SolveInto(refit);
