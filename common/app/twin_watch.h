@@ -10,13 +10,13 @@
 
 namespace sprout {
 
-/// Warns of a second process of the same stage on the same channels, of each once. For one thread.
+/// Warns of other processes of the same stage on the same channels, once each. Not thread-safe.
 class TwinWatch {
  public:
-  /// @param monitor  knows the name of this process, and is told.
+  /// @param monitor  knows the name of this process, and gets the warnings.
   explicit TwinWatch(StageMonitor& monitor) : monitor_(monitor) {}
 
-  /// A status came, of whatever process.
+  /// A status of any process came.
   void Heard(const StageStatus& status);
 
  private:

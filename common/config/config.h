@@ -12,8 +12,8 @@
 
 namespace sprout {
 
-/// Where the presets that ship lie: share/sprout/presets beside the bin or lib folder that the
-/// program (or the shared library) is in, so that an installed tree can be moved.
+/// Folder of the installed presets: share/sprout/presets beside the bin or lib folder of the
+/// program (or the shared library), so that an installed tree can be moved.
 std::filesystem::path PresetsFolder();
 
 /// Reads configuration files in protobuf text format and merges them, later ones over earlier
@@ -27,14 +27,13 @@ SproutConfig LoadConfig(const std::vector<std::string>& files);
 
 /// Reads a file in protobuf text format into `message`.
 ///
-/// @param what     is read, for people: "configuration".
-/// @param allowed  what may stand for it, for people.
+/// @param what     what is read, for error messages: "configuration".
+/// @param allowed  what is allowed, for error messages.
 /// @throws ConfigError for a file that cannot be read, a syntax error, an unknown key.
 void ParseTextFile(const std::filesystem::path& path, const std::string& what,
                    const std::string& allowed, google::protobuf::Message& message);
 
-/// Checks every number of a configuration (or a part of one) against the range that its .proto
-/// states.
+/// Checks every number of a configuration (or a part of one) against the range in its .proto.
 /// @throws ConfigError naming the first offending key, as "PREFIX.key".
 void RequireInRange(const google::protobuf::Message& config, const std::string& prefix);
 
