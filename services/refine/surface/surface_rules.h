@@ -35,7 +35,7 @@ struct SurfaceRules {
   static constexpr size_t kSharpest = 4;
   static constexpr double kMedianOfNormal = 0.6745;  ///< of |x| for a normal distribution of σ = 1
   /// What such a match errs by itself, px. Measured with exact points (NOTES.md).
-  static constexpr double kMatchSigmaPx = 0.4;
+  static constexpr double kMatchSigmaPx = 0.5;
   static constexpr double kLeastSigmaPx = 0.05;  ///< of points that show no noise, px
   /// Largest σ, px: below what a message may hold (1023); beyond it a seed carries no information.
   static constexpr double kMostSigmaPx = 1000;
