@@ -14,7 +14,7 @@
 
 namespace sprout {
 
-/// What a stage says to one frame, ready to be sent or recorded.
+/// A stage's answer to one frame, ready to be sent or recorded.
 struct Answer {
   struct Message {
     std::string_view channel;  ///< without prefix
@@ -28,11 +28,11 @@ struct Answer {
   TofOffsetStatus tof_offset = {};
 };
 
-/// How the configuration wants disparity maps to travel.
+/// The encoding of disparity maps that the configuration chooses.
 DisparityEncoding EncodingOf(const BusConfig& config);
 
-/// Has the adapter work on one frame; the same step live and replayed.
-/// @returns nothing when the adapter failed (threw); that is counted, and the stage goes on.
+/// Lets the adapter answer one frame; the same step live and replayed.
+/// @returns nothing when the adapter failed (threw); that is counted, and the stage continues.
 std::optional<Answer> MakeAnswer(const Frame& frame, StageAdapter& adapter,
                                  DisparityEncoding encoding, StageMonitor& monitor);
 

@@ -12,8 +12,8 @@
 
 namespace sprout {
 
-/// Messages in, complete frames out: decodes, checks at the border, joins, and counts what is
-/// dropped. For one thread.
+/// Messages in, complete frames out: decodes and checks messages, joins them, and counts what is
+/// dropped. Not thread-safe.
 class FrameAssembler {
  public:
   /// @param max_pending  as in FrameJoiner.
@@ -23,11 +23,11 @@ class FrameAssembler {
   /// Channels that carry the needed parts, without prefix.
   const std::vector<std::string_view>& channels() const { return channels_; }
 
-  /// Takes one message. Never throws: what cannot be used is counted in the monitor.
+  /// Takes one message. Never throws: messages that cannot be used are counted in the monitor.
   /// @returns the frames that are complete now.
   std::vector<Frame> Add(std::string_view channel, std::span<const uint8_t> bytes);
 
-  /// No more messages will come: what is unfinished is counted as incomplete.
+  /// The end of the messages: unfinished frames are counted as incomplete.
   void Finish();
 
  private:

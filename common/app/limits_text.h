@@ -6,9 +6,9 @@
 
 namespace sprout {
 
-/// For a failure that comes of a limit of this process, of which the system says no more than
-/// "Resource temporarily unavailable" or "std::bad_alloc": which limit it is, to be put behind
-/// that, ": ..."; else an empty text.
+/// For a failure due to a limit of this process, for which the system only says "Resource
+/// temporarily unavailable" or "std::bad_alloc": names the limit, as ": ..." to append to the
+/// message. Otherwise empty.
 std::string ReachedLimitText(const std::exception& failure);
 
 }  // namespace sprout

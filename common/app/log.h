@@ -8,14 +8,16 @@
 
 namespace sprout {
 
-// Lines of the log of this process. spdlog stays behind log.cc: whoever includes it compiles it,
-// and all of fmt's formatting with it.
+// The log of this process. Only log.cc includes spdlog, since compiling it, with all of fmt's
+// formatting, takes seconds.
 
 enum class LogLevel { kDebug, kInfo, kWarning, kError, kNone };
 
-/// Where lines go from now on, and which. Before that, all but kDebug to stdout.
+/// Sets where lines go, and the lowest level that is written. Before this call all but kDebug go to
+/// stdout.
 /// @param name        of the process, in each line.
-/// @param to_journal  systemd's, which is told the level and knows time and process; else stderr.
+/// @param to_journal  to systemd's journal, with the level, without time and process, which it
+///                    knows; otherwise to stderr.
 void SetUpLog(const std::string& name, LogLevel lowest, bool to_journal);
 
 /// Lines below this level are not written.
@@ -24,7 +26,7 @@ void SetLogLevel(LogLevel lowest);
 /// Writes a line.
 void LogLine(LogLevel level, std::string_view text);
 
-/// Writes a line made of `format` and what follows it; a text alone is written as it is.
+/// Writes a line made of `format` and its arguments; a single text is written as it is.
 template <typename First, typename... Rest>
 void LogLine(LogLevel level, fmt::format_string<First, Rest...> format, First&& first,
              Rest&&... rest) {

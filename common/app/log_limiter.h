@@ -9,10 +9,11 @@
 
 namespace sprout {
 
-/// Lets one log line a second through and counts the others. For one thread at a time.
+/// Passes one log line a second and counts the others. Not thread-safe.
 class LogLimiter {
  public:
-  /// @returns how many lines were held back since the last one; nothing when this one is, too.
+  /// @returns how many lines were suppressed since the last one; nothing when this one is
+  ///          suppressed, too.
   std::optional<int64_t> Pass(std::chrono::steady_clock::time_point now);
 
  private:

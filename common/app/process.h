@@ -12,24 +12,24 @@
 
 namespace sprout {
 
-/// A program that this one starts. It and the programs that it starts in turn (its process group)
-/// are killed when it has ended, when the object goes, and when this program ends in whatever way,
-/// SIGKILL among them.
+/// A program started by this one. It and the programs that it starts (its process group) are killed
+/// when it has ended, when the object is destroyed, and when this program ends in any way, even by
+/// SIGKILL.
 class Process {
  public:
-  /// What is kept of the output, bytes.
+  /// Most output that is kept, bytes.
   static constexpr size_t kOutputBytes = size_t{1} << 20;
 
-  /// @param command  program, looked for in PATH, and arguments. A program that cannot be started
-  ///                 ends with exit code 127.
-  /// @throws std::runtime_error when the machine has no process or pipe left.
+  /// @param command  program, searched in PATH, and arguments. If it cannot be started the exit
+  ///                 code is 127.
+  /// @throws std::runtime_error when no process or pipe can be created.
   explicit Process(const std::vector<std::string>& command);
   ~Process();
 
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  /// Of the program itself.
+  /// Process id of the program.
   pid_t pid() const { return pid_; }
 
   void Signal(int signal);
@@ -39,7 +39,7 @@ class Process {
   ///          `timeout`.
   std::optional<int> Wait(std::chrono::seconds timeout = std::chrono::seconds(30));
 
-  /// What it wrote to stdout and stderr so far; of much the last megabyte.
+  /// What it wrote to stdout and stderr so far; at most the last megabyte.
   std::string Output();
 
  private:

@@ -14,13 +14,13 @@ namespace sprout {
 /// What a live process publishes on SPROUT_PROCESS.
 ProcessInfo LiveProcessInfo(const StageStatus& status, const SproutConfig& config);
 
-/// What a replay writes: nothing of the machine it runs on. Capture's source, which a stage does
-/// not use, has its default.
+/// What a replay writes: nothing about the machine. Capture's source, which a stage does not use,
+/// has its default.
 /// @param utime  of the event that completes the first frame.
 ProcessInfo ReplayProcessInfo(const ServiceContext& context, int64_t utime);
 
-/// One line that names the keys that differ, when a recorded process of this stage had another
-/// effective configuration than `context`; nothing when it had the same.
+/// One line that names the keys that differ if a recorded process of this stage had another
+/// effective configuration than `context`; otherwise nothing.
 std::optional<std::string> ConfigChangeText(const ServiceContext& context,
                                             const ProcessInfo& recorded);
 

@@ -11,16 +11,15 @@ class Validator;
 
 namespace sprout {
 
-/// For CLI::Option::check(): a number from low to high. CLI::Range would let NaN pass, which is
-/// neither below nor above.
+/// For CLI::Option::check(): a number from low to high. CLI::Range would accept NaN.
 CLI::Validator NumberIn(double low, double high);
 
 /// What every program's main shares, with or without a bus: parses the flags, runs `body`, and
 /// turns errors into one line on stderr that starts with the program's name.
 ///
-/// An empty text is refused, but for --channel-prefix and for a COMMAND. Help is wrapped.
+/// An empty value is refused, except for --channel-prefix and for a COMMAND. Help is wrapped.
 ///
-/// @param flags  named as the program.
+/// @param flags  have the program's name.
 /// @returns exit code: what `body` returned; 0 for --help and --version; 2 for a flag or
 ///          configuration that cannot be used (ConfigError); 1 on any other failure, also when
 ///          something that was printed to std::cout could not be written.

@@ -5,8 +5,8 @@
 
 namespace sprout {
 
-/// One line on stderr that says what is being done. Only for people: nothing is written unless
-/// stderr is a terminal. The line goes away with the object.
+/// One line of progress on stderr. Only for people: nothing is written unless stderr is a terminal.
+/// The line is erased when the object is destroyed.
 class Progress {
  public:
   explicit Progress(bool quiet);
@@ -16,7 +16,7 @@ class Progress {
 
   void Show(const std::string& text);
 
-  /// Takes the line away, to make room for other output.
+  /// Erases the line, to make room for other output.
   void Clear();
 
  private:

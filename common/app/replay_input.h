@@ -18,18 +18,17 @@ namespace sprout {
 
 /// The events of one or more logs as one stream in order of time, damage skipped and logged.
 ///
-/// Events of one log keep their order: one that is older than an event before it counts as being of
-/// that one's time. Of events with one time, those of the log that was named first come first. A
-/// channel that several logs have is taken from the last of them, so that what one stage answered
-/// in a replay stands in for what was recorded.
-/// Constant memory: one event a log. Logs after the first are read twice.
+/// Events of one log keep their order: an event older than one before it counts as equally old.
+/// Events of equal times come in the order of the logs. A channel that several logs have is taken
+/// from the last of them, so that a replay's answers replace recorded ones. Constant memory: one
+/// event a log. Logs after the first are read twice.
 class ReplayInput {
  public:
   /// @param logs      paths, at least one.
-  /// @param shared    a channel that is taken from all logs that have it; empty: none.
-  /// @param ordering  the channels whose events order the logs; those of others come as soon as
-  ///                  those before them in their log have come, so that what nobody takes changes
-  ///                  nothing. Empty: all.
+  /// @param shared    a channel that is read from all logs that have it; empty: none.
+  /// @param ordering  the channels whose times order the logs. Events of other channels follow at
+  ///                  once after the events before them in their log, so that unused channels do
+  ///                  not change the order. Empty: all.
   /// @throws LogError when one cannot be opened or is no log.
   explicit ReplayInput(const std::vector<std::string>& logs, std::string_view shared = {},
                        std::set<std::string, std::less<>> ordering = {});
@@ -38,10 +37,10 @@ class ReplayInput {
   /// @throws LogError when reading fails.
   bool Next(LogEvent& event);
 
-  int64_t events() const { return events_; }  ///< taken so far
+  int64_t events() const { return events_; }  ///< read so far
   int64_t damaged_bytes() const { return damaged_bytes_; }
 
-  const ChannelCounts& channels() const { return channels_; }  ///< met so far
+  const ChannelCounts& channels() const { return channels_; }  ///< read so far
 
   /// Share of the bytes read so far, 0 to 1.
   double progress() const;

@@ -13,7 +13,7 @@ namespace sprout {
 /// Creates the adapter of a stage from the effective configuration.
 using MakeAdapter = std::function<std::unique_ptr<StageAdapter>(const SproutConfig&)>;
 
-/// The whole main of a service that is one adapter: runs it live until a signal comes, or over logs
+/// The whole main of a service with one adapter: runs it live until a signal comes, or on logs
 /// (--replay).
 int RunStage(int argc, char** argv, const std::string& stage, const std::string& description,
              const MakeAdapter& make_adapter);

@@ -26,7 +26,7 @@ class Service {
   Service(std::string stage, const std::string& description);
   ~Service();
 
-  /// To add flags of the service's own, and commands: one that is given works without the bus.
+  /// For the service's own flags and commands. A command runs without the bus.
   CLI::App& flags() { return *flags_; }
 
   /// Adds the flags --replay, --record and --frames.

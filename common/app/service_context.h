@@ -15,15 +15,15 @@ namespace sprout {
 struct ReplayOptions {
   std::vector<std::string> logs;  ///< to read, at least one
   std::string record;             ///< log to write
-  FrameRange frames;              ///< frames to work on
+  FrameRange frames;              ///< frames to process
 };
 
-/// What the shared main hands to a service.
+/// What the shared main gives to a service.
 struct ServiceContext {
   std::string stage;                    ///< "refine", ...
   SproutConfig config;                  ///< effective: files, then flags
   std::string lcm_url;                  ///< how to reach the bus
-  std::string prefix;                   ///< before every channel name
+  std::string prefix;                   ///< prepended to every channel name
   std::optional<ReplayOptions> replay;  ///< only after Service::OfferReplay()
   std::stop_token stop;                 ///< requested by SIGINT and SIGTERM
 };

@@ -14,26 +14,26 @@
 
 namespace sprout {
 
-/// Messages heard, by channel.
+/// Messages received, by channel.
 using MessageCounts = std::map<std::string, int64_t>;
 
-/// Why no frame came, in one line: which channels are missing, and what is heard instead.
+/// Why no frame came, in one line: which channels are missing, and which ones have messages.
 /// @param needed   channels that make a frame, with prefix.
-/// @param counts   of these, since the last whole frame.
-/// @param present  of all channels, during a short time.
+/// @param counts   of these, since the last whole frame. @param present of all channels, during a
+///                 short time.
 std::string SilenceText(const std::vector<std::string>& needed, const MessageCounts& counts,
                         const MessageCounts& present);
 
-/// Notices when a stage gets no whole frame for kPatience, listens to all channels for a second,
-/// and warns once, until the next whole frame. Also warns of a second process of the same stage.
+/// When a stage gets no complete frame for kPatience, listens to all channels for a second and
+/// warns once, until the next complete frame. Also warns of a second process of the same stage.
 /// Thread-safe.
 class SilenceWatch {
  public:
   static constexpr std::chrono::seconds kPatience{5};
 
   /// @param channels  that make a frame, without prefix.
-  /// @param monitor   is told.
-  /// @param patience  tests have less.
+  /// @param monitor   gets the warnings.
+  /// @param patience  shorter in tests.
   SilenceWatch(const ServiceContext& context, std::vector<std::string_view> channels,
                StageMonitor& monitor, std::chrono::milliseconds patience = kPatience);
 

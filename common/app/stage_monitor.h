@@ -18,24 +18,24 @@ namespace sprout {
 /// Time since 1970-01-01 UTC, µs: the clock of header.utime.
 int64_t NowUtime();
 
-/// Counts what happens in one process, for its status, and logs what goes wrong, each kind at most
-/// once a second. Nothing is lost without a count here. Thread-safe.
+/// Counts the events of one process, for its status, and logs errors, each kind at most once a
+/// second. Every loss is counted here. Thread-safe.
 class StageMonitor {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// @param now  tells the time; tests have their own.
+  /// @param now  returns the time; tests replace it.
   StageMonitor(const std::string& stage, const std::string& config_digest,
                std::function<Clock::time_point()> now = Clock::now);
 
-  /// A complete frame is in hand; `skipped` when it took the place of one that was not worked on.
+  /// A complete frame arrived; `skipped` if it replaced one that was not processed.
   void FrameIn(bool skipped);
 
-  /// A frame was answered. Warns of one that was captured in the future: then the clock of this
-  /// host and that of the capture's differ, and no age is true.
+  /// A frame was answered. Warns if it was captured in the future: then the clocks of this host and
+  /// of capture's host differ, and ages are wrong.
   /// @param arrived     when it was complete.
   /// @param degenerate  why it has no result; empty when all is well.
-  /// @param tof_coverage  see TofCoverage(); kUnknownCoverage from who sees no seeds.
+  /// @param tof_coverage  see TofCoverage(); kUnknownCoverage if the stage sees no seeds.
   void FrameOut(const FrameId& id, Clock::time_point arrived, const std::string& degenerate,
                 float tof_coverage = kUnknownCoverage);
 
@@ -45,32 +45,32 @@ class StageMonitor {
   /// Capture sent a frame again.
   void FrameResent(const FrameId& id);
 
-  /// A message did not pass the border.
+  /// A message was refused by the checks.
   void BadMessage(std::string_view channel, const std::string& reason);
 
-  /// A message was dropped since too many wait for this process; counts as a bad one.
+  /// A message was dropped because too many wait for this process; counts as a bad one.
   void MessageDropped(std::string_view channel);
 
-  /// Something else went wrong.
+  /// Another error.
   void Failure(const std::string& reason);
 
-  /// Nothing went wrong here, but people should know.
+  /// A warning that is not an error of this process.
   void Warn(const std::string& reason);
 
   /// As Warn(), without a line of log.
   void Remember(const std::string& reason);
 
-  /// How far the ToF camera's points are off; one that is not known leaves the newest that was.
-  /// Warns once a minute of one that is beyond doubt.
+  /// The offset of the ToF camera's points; an unknown one does not replace the last known one.
+  /// Warns once a minute if it is sure.
   void SetTofOffset(const TofOffsetStatus& offset);
 
-  /// Between the exposures of the newest frame, ms.
+  /// Time between the exposures of the newest frame, ms.
   void SetSpread(double spread_ms);
 
-  /// Counts of the joiner, which keeps them itself.
+  /// The joiner's own counts.
   void SetJoinerCounts(int64_t incomplete, int64_t sequence_gaps);
 
-  /// The last status of a process says so.
+  /// Marks the last status of a process.
   void SetStopped();
 
   StageStatus Snapshot() const;

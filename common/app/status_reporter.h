@@ -17,11 +17,11 @@ namespace sprout {
 
 /// Publishes SPROUT_STATUS at once, every second, and a last time when it is destroyed, and
 /// SPROUT_PROCESS at once and every kInfoPeriod; on a thread and a connection of its own, so that a
-/// busy or stuck stage still reports. The service manager hears of the stage that the process is
-/// named after, not of the steps of one that is several.
+/// busy or stuck stage still reports. The service manager is told about the stage that the process
+/// is named after, not about the steps of a combined one.
 class StatusReporter {
  public:
-  /// Some 6 kB then, so that even a short recording has it.
+  /// Often enough that even a short recording has SPROUT_PROCESS; it takes some 6 kB.
   static constexpr std::chrono::seconds kInfoPeriod{2};
 
   /// @throws BusError, see OpenLcm().

@@ -9,19 +9,19 @@
 
 namespace sprout {
 
-/// Tells the service manager (systemd, Type=notify) that this process is ready for messages. Does
-/// nothing without one, as the rest of this file.
-void TellReady();
+/// Tells the service manager (systemd, Type=notify) that this process is ready for messages. Like
+/// all of this file, does nothing without a service manager.
+void NotifyReady();
 
-/// Tells it in a line how the process fares; `systemctl status` shows it.
-void TellStatus(const StageStatus& status);
+/// Tells it the state of the process in one line, which `systemctl status` shows.
+void NotifyStatus(const StageStatus& status);
 
 /// Whether stderr goes to the system's journal.
 bool LogsToJournal();
 
-/// After how long a worker that shows no life counts as hung: four times its slowest frame of the
-/// newest 100, but at least 1 s, and at most what it is created with. A worker of which fewer than
-/// 10 frames are known has all of that.
+/// After what time without a sign of life a worker counts as hung: four times the slowest of its
+/// newest 100 frames, at least 1 s, at most the given limit. During the first 10 frames it is the
+/// given limit.
 class HangLimit {
  public:
   using Duration = std::chrono::microseconds;
@@ -31,10 +31,10 @@ class HangLimit {
 
   explicit HangLimit(Duration most) : most_(most) {}
 
-  /// A frame took so long.
+  /// A frame took this time.
   void Add(Duration frame);
 
-  /// In steps of 0.25 s, so that it seldom changes.
+  /// In steps of 0.25 s, so that it rarely changes.
   Duration limit() const;
 
  private:
@@ -42,21 +42,21 @@ class HangLimit {
   std::deque<Duration> frames_;
 };
 
-/// Tells the service manager that the worker loop is alive; when it hears nothing for a while, it
-/// kills the process and starts it again (WatchdogSec). For the thread that does the work: a
-/// thread of its own would say that all is well while the work hangs.
+/// Tells the service manager that the worker loop is alive; without that it kills the process after
+/// a while and starts it again (WatchdogSec). To be called by the worker thread: a separate thread
+/// would report life while the work hangs.
 ///
-/// WatchdogSec is the most that a frame may take. When it is known how long frames take here, the
-/// time allowed becomes shorter (HangLimit), so that a hung process of a fast stage is noticed in a
-/// second, and a slow stage is left in peace. After a start it is WatchdogSec again.
+/// A frame may take at most WatchdogSec. After some frames the limit becomes shorter (HangLimit),
+/// so that a hung process of a fast stage is noticed in a second, and a slow stage is not killed.
+/// After a restart it is WatchdogSec again.
 class Watchdog {
  public:
-  /// How often a worker without work has to call Idle(), at least.
+  /// A worker without work must call Idle() at least this often.
   static constexpr std::chrono::milliseconds kIdlePeriod{200};
 
   Watchdog();
 
-  /// The worker waits for work. May be called as often as one likes.
+  /// The worker waits for work. May be called at any rate.
   void Idle();
 
   /// The worker has finished a frame; it took the time since the call before this one.

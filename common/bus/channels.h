@@ -10,20 +10,20 @@
 
 namespace sprout {
 
-/// Before the channels of images as the cameras see them, behind the prefix of the graph.
+/// Prefix of the channels of raw images (as the cameras see them), after the prefix of the graph.
 inline constexpr std::string_view kRawPrefix = "RAW_";
 
-/// Of SPROUT_STATUS, which is no part of a frame.
+/// Channel of statuses, which are no part of a frame.
 inline constexpr std::string_view kStatusChannel = "SPROUT_STATUS";
 
-/// Of what a process is and how it is configured.
+/// Channel of what a process is and how it is configured.
 inline constexpr std::string_view kProcessChannel = "SPROUT_PROCESS";
 
-/// Of pictures for people, in a type that is not ours.
+/// Channel of preview pictures for people, in a type of other LCM tools (bot_core.image_t).
 inline constexpr std::string_view kPreviewChannel = "SPROUT_PREVIEW";
 
-/// Every channel of the graph, without prefix, but for kPreviewChannel: no program of ours listens
-/// to that.
+/// Every channel of the graph, without prefix, except kPreviewChannel, which no Sprout program
+/// subscribes to.
 inline std::vector<std::string_view> AllChannels() {
   std::vector<std::string_view> channels = {kStatusChannel, kProcessChannel};
   for (const Part part : kAllParts) channels.push_back(ChannelOf(part));
@@ -38,14 +38,14 @@ inline constexpr size_t kMaxChannelPrefix = [] {
   return 63 - longest;
 }();
 
-/// Whether a text may stand before every channel.
+/// Whether a text may be the prefix of all channels.
 inline bool IsChannelPrefix(std::string_view prefix) {
   constexpr char kAllowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
   return prefix.size() <= kMaxChannelPrefix &&
          prefix.find_first_not_of(kAllowed) == std::string_view::npos;
 }
 
-/// In words.
+/// The rule for prefixes, for error messages.
 inline std::string AllowedChannelPrefix() {
   return "up to " + std::to_string(kMaxChannelPrefix) + " letters, digits, '_' and '-'";
 }

@@ -15,7 +15,7 @@
 
 namespace sprout {
 
-/// Bytes of a message that are not touched before they are written.
+/// Bytes of a message, not initialised when allocated.
 struct MessageBytes {
   std::unique_ptr<uint8_t[]> data;
   size_t size = 0;
@@ -23,15 +23,15 @@ struct MessageBytes {
   std::span<const uint8_t> span() const { return {data.get(), size}; }
 };
 
-/// Puts the messages of LCM's multicast protocol together from their datagrams, whatever the
-/// network did to these: lost, in another order, several times. A message is given out once, and
-/// only when every byte of it has come. (liblcm 1.3.1 counts datagrams instead: of a message whose
-/// datagrams come twice it gives out a part, with holes; and it trusts the numbers in a datagram.)
+/// Assembles the messages of LCM's multicast protocol from their datagrams, which the network may
+/// lose, reorder or duplicate. A message is delivered once, and only when every byte of it has
+/// come. (liblcm 1.3.1 counts datagrams instead: if some come twice it delivers a message with
+/// holes; and it trusts the numbers in a datagram.)
 ///
-/// A datagram is "LC02", number of the message, channel, 0, data; or, of a message that needs
-/// several, "LC03", number, bytes of the whole data, place of these in it, number of this datagram,
-/// how many there are, and data, in the first one behind channel and 0. Numbers are big-endian, of
-/// 4 bytes, the last two of 2; each sender counts its messages.
+/// A short message is one datagram: "LC02", number of the message, channel, 0, data. A longer one
+/// is several: "LC03", number of the message, size of the whole data, offset of this part, number
+/// of this datagram, how many there are, and data, which in the first one follow channel and 0.
+/// Numbers are big-endian and have 4 bytes, the last two 2; each sender counts its messages.
 ///
 /// Not thread-safe; no I/O.
 class DatagramJoiner {
@@ -47,13 +47,13 @@ class DatagramJoiner {
   /// Largest message, as in LCM, bytes.
   static constexpr size_t kMaxMessageBytes = size_t{1} << 28;
 
-  /// Memory that unfinished messages may ask for; beyond it the oldest is dropped.
+  /// Most memory for unfinished messages, bytes; beyond it the oldest is dropped.
   static constexpr size_t kMaxPendingBytes = size_t{1} << 29;
 
-  /// Unfinished messages that are kept; beyond it the oldest is dropped.
+  /// Most unfinished messages; beyond it the oldest is dropped.
   static constexpr size_t kMaxPending = 64;
 
-  /// How long a whole message is remembered, so that it is not given out again.
+  /// How long a delivered message is remembered, so that it is not delivered again.
   static constexpr std::chrono::seconds kRemembered{1};
 
   /// @param is_wanted  whether messages of a channel are of interest.
@@ -61,7 +61,7 @@ class DatagramJoiner {
       : is_wanted_(std::move(is_wanted)) {}
 
   /// Takes one datagram, of any content.
-  /// @returns the message that is whole now.
+  /// @returns the message that this datagram completed, if any.
   /// @throws std::bad_alloc.
   std::optional<Message> Add(const Sender& sender, std::span<const uint8_t> datagram, Time now);
 
@@ -77,7 +77,7 @@ class DatagramJoiner {
     size_t message_bytes;
     std::vector<bool> has;  // by number of the datagram
     size_t missing_bytes;
-    bool wanted = true;  // if not, the rest is only passed over
+    bool wanted = true;  // if not, its datagrams are skipped
   };
   struct Fragment;
 
@@ -90,7 +90,7 @@ class DatagramJoiner {
   std::function<bool(std::string_view)> is_wanted_;
   std::deque<Pending> pending_;  // in order of arrival
   size_t pending_bytes_ = 0;
-  std::deque<std::pair<Name, Time>> done_;  // given out, the newest few
+  std::deque<std::pair<Name, Time>> done_;  // delivered, the newest few
 };
 
 }  // namespace sprout

@@ -27,14 +27,14 @@ struct LcmDeleter {
 };
 using LcmPtr = std::unique_ptr<lcm_t, LcmDeleter>;
 
-/// What is wrong with an LCM URL, in one line that names it and what is allowed; nothing when all
-/// is well. LCM itself takes a time to live or a host that cannot be, and then reaches nobody.
+/// What is wrong with an LCM URL, in one line that names it and what is allowed; nothing when it is
+/// valid. LCM itself accepts an impossible time to live or host, and then reaches nobody.
 std::optional<std::string> LcmUrlError(const std::string& url);
 
-/// Whether it is udpm://...: multicast, in contrast to tcpq.
+/// Whether it is udpm://..., multicast, not tcpq.
 bool IsUdpm(const std::string& url);
 
-/// Where an udpm URL listens, and with which buffer, bytes; 0 = the kernel's default.
+/// Where a udpm URL listens, and its receive buffer, bytes; 0 = the kernel's default.
 struct UdpmAddress {
   sockaddr_in group;
   int receive_buffer = 0;
@@ -47,11 +47,11 @@ UdpmAddress RequireUdpmRoute(const std::string& url);
 /// Connects. Every thread needs a connection of its own: publishing on a shared one is not safe on
 /// tcpq.
 /// @throws BusError when the URL has an error, no server answers, or there is no multicast route
-///         (looked for first, since LCM itself takes seconds and many lines to say so).
+///         (checked first, since LCM itself needs seconds and many lines to report it).
 LcmPtr OpenLcm(const std::string& url);
 
 /// One line of warning when the kernel will grant a smaller receive buffer than the URL asks for.
-/// LCM does not say so; the price is lost frames.
+/// LCM does not report this; frames get lost.
 std::optional<std::string> ReceiveBufferWarning(const std::string& url);
 
 }  // namespace sprout

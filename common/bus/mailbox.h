@@ -10,8 +10,8 @@
 
 namespace sprout {
 
-/// Hands the newest value from one thread to another. A value that was not taken when the next one
-/// comes is replaced, and its sender is told. Thread-safe.
+/// Hands the newest value from one thread to another. A new value replaces one that was not yet
+/// taken, and its sender learns of it. Thread-safe.
 template <typename T>
 class Mailbox {
  public:
@@ -27,8 +27,8 @@ class Mailbox {
     return replaced;
   }
 
-  /// Waits for a value; nothing once `stop` is requested, even when there is one: who is slower
-  /// than the sender always finds one.
+  /// Waits for a value. Once `stop` is requested it returns nothing, even if there is a value: a
+  /// taker slower than the sender would always find one.
   std::optional<T> Take(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     filled_.wait(lock, stop, [this] { return value_.has_value(); });
@@ -36,7 +36,7 @@ class Mailbox {
     return std::exchange(value_, std::nullopt);
   }
 
-  /// As Take(), but nothing, too, when none came in time.
+  /// As Take(), but also returns nothing when no value came in time.
   std::optional<T> TakeWithin(std::chrono::milliseconds time, const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     filled_.wait_for(lock, stop, time, [this] { return value_.has_value(); });

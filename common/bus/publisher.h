@@ -10,7 +10,7 @@
 
 namespace sprout {
 
-/// Sends messages over a connection of its own. For one thread.
+/// Sends messages over its own connection. Not thread-safe.
 class Publisher {
  public:
   /// @param prefix  put before every channel, so that two graphs run side by side.

@@ -20,29 +20,29 @@
 
 namespace sprout {
 
-/// Receives messages on a connection of its own: of udpm from our own socket (DatagramJoiner says
-/// why), of tcpq from LCM. One thread always drains it, since what does not fit into the queues
-/// below is lost without a word; another one handles the messages in their order.
+/// Receives messages on its own connection: udpm with a socket of its own (DatagramJoiner says
+/// why), tcpq with LCM. One thread always drains it, since what does not fit into the kernel's
+/// queues is lost silently; another one handles the messages in their order.
 class Receiver {
  public:
   /// Called on the receiver's second thread with the channel (without prefix) and the message's
   /// bytes, valid during the call. Must not throw.
   using Handler = std::function<void(std::string_view channel, std::span<const uint8_t> bytes)>;
 
-  /// Called on the first thread for each message that is dropped since the handler is too slow for
-  /// what comes. Must be quick and must not throw.
+  /// Called on the first thread for each message that is dropped because the handler is too slow.
+  /// Must be quick and must not throw.
   using Dropped = std::function<void(std::string_view channel)>;
 
-  /// In place of channels: every one.
+  /// In place of a list of channels: all channels.
   static constexpr std::string_view kAllChannels = ".*";
 
-  /// What may wait for the handler: two of the largest messages, some 20 frames of 2 MP.
+  /// Most bytes that wait for the handler: two of the largest messages, some 20 frames of 2 MP.
   static constexpr size_t kMaxQueuedBytes = size_t{1} << 29;
 
   /// Subscribes to the channels, or to all of them (kAllChannels), and starts to receive before it
-  /// returns. When a tcpq server hangs up later, calls
-  /// on it again every second; what was sent in between is lost.
-  /// @param max_queued_bytes  what does not fit any more is dropped.
+  /// returns. When a tcpq server closes the connection later, reconnects every second; what was
+  /// sent in between is lost.
+  /// @param max_queued_bytes  messages beyond it are dropped.
   /// @throws BusError, see OpenLcm().
   Receiver(const std::string& url, const std::string& prefix,
            const std::vector<std::string_view>& channels, Handler handler, Dropped dropped = {},

@@ -15,7 +15,7 @@
 namespace sprout {
 namespace {
 
-constexpr int kPollMs = 100;
+constexpr int kSocketPollMs = 100;
 constexpr size_t kLargestDatagram = 65536;
 
 // On the group's address, or whatever is sent to this host would come, too. Shared with all other
@@ -52,7 +52,7 @@ void UdpmSocket::Receive(const std::stop_token& stop,
   std::vector<uint8_t> datagram(kLargestDatagram);
   pollfd readable{.fd = socket_, .events = POLLIN, .revents = 0};
   while (!stop.stop_requested()) {
-    if (poll(&readable, 1, kPollMs) <= 0) continue;
+    if (poll(&readable, 1, kSocketPollMs) <= 0) continue;
     sockaddr_in sender{};
     socklen_t sender_bytes = sizeof sender;
     const ssize_t bytes = recvfrom(socket_, datagram.data(), datagram.size(), MSG_DONTWAIT,

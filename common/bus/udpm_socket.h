@@ -9,14 +9,14 @@
 
 namespace sprout {
 
-/// Receives the messages of LCM's multicast protocol. Takes what is sent to the group of the URL
-/// alone: neither what is sent to this host, nor other groups on the same port. For one thread.
+/// Receives the messages of LCM's multicast protocol. Takes only what is sent to the URL's group,
+/// not what is sent to this host or to other groups on the same port. Not thread-safe.
 class UdpmSocket {
  public:
   /// Listens from here on.
   /// @param url        udpm, without errors, see LcmUrlError().
   /// @param is_wanted  whether messages of a channel are of interest.
-  /// @throws BusError when there is no multicast route, or the port cannot be had.
+  /// @throws BusError when there is no multicast route, or the port cannot be bound.
   UdpmSocket(const std::string& url, std::function<bool(std::string_view)> is_wanted);
   ~UdpmSocket();
   UdpmSocket(const UdpmSocket&) = delete;

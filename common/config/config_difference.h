@@ -7,7 +7,7 @@
 
 namespace sprout {
 
-/// A key that has not the same value in two configurations.
+/// A key whose values differ in two configurations.
 struct ConfigDifference {
   std::string key;  ///< "grow.sigma_p_px"
   std::string a;    ///< its value as text; "none" where the configuration lacks the key
@@ -16,8 +16,9 @@ struct ConfigDifference {
   bool operator==(const ConfigDifference&) const = default;
 };
 
-/// What differs between two effective configurations (texts as ConfigText() prints them), sorted by
-/// key. They may be of other versions of the programs: keys and values need not be known here.
+/// The differences between two effective configurations (texts as ConfigText() prints them), sorted
+/// by key. They may come from other versions of the programs: keys and values need not be known
+/// here.
 std::vector<ConfigDifference> ConfigDifferences(std::string_view a, std::string_view b);
 
 }  // namespace sprout

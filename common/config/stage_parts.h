@@ -8,8 +8,8 @@
 
 namespace sprout {
 
-// The chain in one place: which parts of a frame each stage needs and which it answers, as its
-// configuration says. For those that run stages, and for those that only prepare what they read.
+// The chain in one place: which parts of a frame each stage needs and which it answers, by its
+// configuration. For programs that run stages or prepare their inputs.
 
 /// Parts that must be together before the stage can answer a frame.
 PartSet InputsOf(const RefineConfig& config);

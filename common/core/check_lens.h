@@ -9,14 +9,14 @@
 
 namespace sprout {
 
-/// Whether a camera may have these numbers: a focal length of 0.05 to 50 times its longest side
-/// (fields of view of 169° and 1°), a principal point within ten sides, distortion that moves no
-/// pixel by more than ten times its distance from there. All are bounds of what can be computed
-/// with, far beyond real cameras.
-/// @param prefix  before the names of the fields, "tof_" or "left.".
+/// Whether these numbers are possible for a camera: a focal length of 0.05 to 50 times its longest
+/// side (fields of view of 169° and 1°), a principal point within ten sides, distortion that moves
+/// no pixel by more than ten times its distance from the principal point. These bounds keep
+/// computations valid and are far beyond real cameras.
+/// @param prefix  of the names of the fields, "tof_" or "left.".
 void CheckLens(Checks& checks, const std::string& prefix, const Lens& lens);
 
-/// Whether a camera may stand there: at most 1 km away on each axis.
+/// Whether this position is possible for a camera: at most 1 km away on each axis.
 void CheckDistance(Checks& checks, const std::string& field, const Eigen::Vector3d& metres);
 
 }  // namespace sprout

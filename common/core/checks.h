@@ -12,7 +12,7 @@
 
 namespace sprout {
 
-/// A series of checks on the fields of a message or a calibration; keeps the first complaint, which
+/// A series of checks on the fields of a message or a calibration; keeps the first error, which
 /// names field, value and what is allowed.
 class Checks {
  public:
@@ -31,7 +31,7 @@ class Checks {
                    "1 to " + std::to_string(kMaxSide));
   }
 
-  /// Both at least 1, or both 0 where there is nothing.
+  /// Both at least 1, or both 0.
   Checks& SidesOrNone(const char* columns, int32_t width, const char* rows, int32_t height) {
     if (width == 0 && height == 0) return *this;
     return Side(columns, width).Side(rows, height);

@@ -19,7 +19,7 @@ struct DepthImage {
   double Metres(int u, int v) const { return counts(v, u) * metres_per_count; }
 };
 
-/// Most points of a cloud: with 16 bytes each they still fit into a message, with room to spare.
+/// Most points of a cloud: with 16 bytes each they fit into a message.
 inline constexpr int kMaxCloudPoints = 12'000'000;
 
 /// Point of a cloud.

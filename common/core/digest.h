@@ -11,7 +11,7 @@ namespace sprout {
 /// XXH3 (64 bits) of the bytes; the same on every machine.
 uint64_t Hash(std::string_view bytes);
 
-/// Hash() as 16 hexadecimal digits. Tells apart configurations and calibrations; no protection
+/// Hash() as 16 hexadecimal digits. To distinguish configurations and calibrations; not secure
 /// against forgery.
 std::string Digest(std::string_view bytes);
 
@@ -25,7 +25,7 @@ class DigestStream {
 
   void Add(std::string_view bytes);
 
-  /// Of all bytes so far.
+  /// Digest of all bytes so far.
   std::string Text() const;
 
  private:

@@ -10,7 +10,7 @@
 namespace sprout {
 
 /// Dense disparity map of the left rectified image: d = u − u' in fixed point, 32 counts a pixel,
-/// in memory as on the wire. Largest disparity: 1023 px.
+/// in memory as in messages. Largest disparity: 1023 px.
 ///
 /// Copies share their pixels, as cv::Mat does.
 class DisparityImage {

@@ -28,7 +28,7 @@ enum class Part {
   kRig,         ///< calibration; joined by rig_id, not by frame
   kSeeds,       ///< refined seeds
   kLeftSeeds,   ///< ToF points that only the left camera sees
-  kPrior,       ///< prior disparity map D_p and how sure it is
+  kPrior,       ///< prior disparity map D_p and its standard deviation
   kUnfilled,    ///< disparity map after growth, before gap filling
   kDisparity,   ///< final disparity map
   kConfidence,  ///< how far its disparities can be trusted
@@ -56,8 +56,8 @@ class PartSet {
 using PartValue =
     std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap, DepthImage, PointCloud>;
 
-/// Everything that one capture led to and that a stage asked for; what it did not ask for is
-/// empty.
+/// The parts of one capture, and of what was computed from it, that a stage asked for; the other
+/// parts are empty.
 struct Frame {
   FrameId id;
   cv::Mat left;   ///< 8UC1 or 8UC3 (BGR)
@@ -85,15 +85,15 @@ inline const cv::Mat& GreyestRight(const Frame& frame) {
   return frame.right_grey.empty() ? frame.right : frame.right_grey;
 }
 
-/// Where a part stands in a frame. The type of the member decides which message carries the part,
-/// see TypeOf() in common/messages.
+/// Pointer to the member of Frame that holds a part. Its type decides which message carries the
+/// part, see TypeOf() in common/messages.
 using PartMember =
     std::variant<cv::Mat Frame::*, std::optional<TofImage> Frame::*, std::optional<Rig> Frame::*,
                  std::optional<SeedSet> Frame::*, std::optional<DisparityImage> Frame::*,
                  std::optional<PriorMap> Frame::*, std::optional<DepthImage> Frame::*,
                  std::optional<PointCloud> Frame::*>;
 
-/// What there is to know about a part.
+/// Properties of a part.
 struct PartRow {
   Part part;
   std::string_view channel;  ///< without prefix
@@ -125,7 +125,7 @@ constexpr const PartRow& RowOf(Part part) { return kPartTable[static_cast<size_t
 constexpr std::string_view ChannelOf(Part part) { return RowOf(part).channel; }
 
 /// The part that a channel carries: the inverse of ChannelOf().
-/// @param prefix  of the graph. A channel that does not begin with it is another graph's.
+/// @param prefix  of the graph. Channels without it belong to another graph.
 /// @returns nothing for a channel that carries no part of a frame.
 std::optional<Part> PartOf(std::string_view channel, std::string_view prefix = {});
 
@@ -143,7 +143,7 @@ inline PartSet AllParts() {
   return parts;
 }
 
-/// Puts a part into its place in the frame.
+/// Stores a part in the frame.
 /// @pre the alternative in `value` is the one of `part`.
 void SetPart(Frame& frame, Part part, PartValue value);
 
@@ -154,7 +154,7 @@ PartValue GetPart(const Frame& frame, Part part);
 /// Memory that the parts of a frame take, bytes. O(1).
 size_t BytesOf(const Frame& frame);
 
-/// Size of the rectified images of a frame as its first image or map has it; nothing when it has
+/// Size of the rectified images of a frame, taken from its first image or map; nothing when it has
 /// none yet.
 std::optional<cv::Size> ImageSize(const Frame& frame);
 

@@ -8,7 +8,7 @@
 
 namespace sprout {
 
-/// Of this machine; empty when the system does not tell.
+/// Host name of this machine; empty if unknown.
 inline std::string HostName() {
   std::array<char, 256> name{};
   gethostname(name.data(), name.size() - 1);

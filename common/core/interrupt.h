@@ -6,14 +6,14 @@
 
 namespace sprout {
 
-/// Ctrl-C: what is half written is removed on the way out, what is whole stays.
+/// Ctrl-C. While it is thrown incomplete files are removed; complete ones stay.
 class Interrupted : public std::runtime_error {
  public:
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
-/// Takes note of SIGINT and SIGTERM while it lives; a second one ends the program at once. One at a
-/// time.
+/// Records SIGINT and SIGTERM while it exists; a second one ends the program at once. Only one
+/// object at a time.
 class Interrupt {
  public:
   Interrupt();
@@ -23,8 +23,7 @@ class Interrupt {
 
   static bool requested();
 
-  /// For long loops: what is half done is removed on the way out. @throws Interrupted when
-  /// requested.
+  /// For long loops. @throws Interrupted when a stop was requested.
   static void Check() {
     if (requested()) throw Interrupted();
   }

@@ -10,7 +10,7 @@ namespace sprout {
 /// object serves one caller at a time.
 class MedianFilter {
  public:
-  /// @param from  beyond its border the last pixel counts on.
+  /// @param from  its border pixels are repeated beyond the border.
   /// @param to    of the size of `from`, overwritten; may not share its pixels.
   /// O(pixels); the same result for any number of threads.
   void Apply(const cv::Mat1s& from, cv::Mat1s& to);

@@ -9,7 +9,7 @@
 
 namespace sprout {
 
-/// Without the blanks and line ends around it.
+/// The text without blanks and line ends at its ends.
 inline std::string_view Trimmed(std::string_view text) {
   constexpr std::string_view kSpace = " \t\r\n";
   const size_t first = text.find_first_not_of(kSpace);
@@ -17,7 +17,7 @@ inline std::string_view Trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
-/// A finite number and nothing else. Not std::stod, which listens to the locale.
+/// Parses a finite number and nothing else. Independent of the locale, unlike std::stod.
 template <typename Number>
 std::optional<Number> ParseNumber(std::string_view text) {
   Number number{};

@@ -11,17 +11,16 @@
 
 namespace sprout {
 
-/// A file that appears whole or not at all: it grows as `PATH.part` and gets its name when
-/// Commit() succeeds; until then an older file of that name stays as it was. Without Commit() the
-/// part is removed.
+/// A file that is complete or not there: it is written as `PATH.part` and renamed by Commit();
+/// until then an older file of that name stays. Without Commit() the part is removed.
 ///
-/// Only a regular file is replaced. /dev/stdout, /dev/stderr, /dev/fd/N and character devices such
-/// as /dev/null are written through. Whatever else has the name (a folder, a link, a FIFO, a disk)
-/// is refused and stays as it is.
+/// Only a regular file is replaced. To /dev/stdout, /dev/stderr, /dev/fd/N and character devices
+/// such as /dev/null bytes are written directly. Anything else of that name (a folder, a link, a
+/// FIFO, a disk) is refused and stays.
 class OutputFile {
  public:
-  /// Opens `PATH.part`; when there is one already, which may be anybody's, `PATH.part2` and so on.
-  /// The directory must exist. A failure shows in failure() and Commit().
+  /// Opens `PATH.part` or, if that exists, `PATH.part2` and so on. The directory must exist. Errors
+  /// are returned by failure() and Commit().
   explicit OutputFile(std::filesystem::path path);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -30,7 +29,7 @@ class OutputFile {
   /// Whether there is a file that Commit() will replace.
   bool replaces() const { return replaces_; }
 
-  /// Appends bytes through a buffer; does nothing once something failed.
+  /// Appends bytes through a buffer; does nothing after a failure.
   void Write(std::string_view bytes);
 
   /// Appends the bytes of a number as they lie in memory: little-endian.
@@ -44,7 +43,7 @@ class OutputFile {
   /// is emptied.
   const std::string& failure() const { return failure_; }
 
-  /// Writes what is left and gives the file its name. Call once, at the end.
+  /// Writes the rest and renames the file. Call once, at the end.
   /// @returns the path and the reason when any step failed; nothing is left behind then.
   [[nodiscard]] Result<void> Commit();
 
@@ -56,7 +55,7 @@ class OutputFile {
   void FailWithErrno();
 
   std::filesystem::path path_;
-  std::filesystem::path part_path_;  // empty: written through
+  std::filesystem::path part_path_;  // empty: written directly
   int descriptor_ = -1;
   bool replaces_ = false;
   std::string failure_;

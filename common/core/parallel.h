@@ -15,13 +15,13 @@ namespace sprout {
 // does. Nothing here allocates, as the std::function of cv::parallel_for_ would; OpenCV itself
 // does so once a call when it has more than one thread.
 
-/// Runs work(part) for ranges that make up [0, count), in any order. A thread that has finished one
-/// takes the next, so that none waits long for another at the end: OpenCV's own way deals out
-/// several at once.
-/// @param parts  the most ranges that there may be.
+/// Runs work(part) for ranges that together are [0, count), in any order. A thread that has
+/// finished one takes the next, so that threads end at nearly the same time; OpenCV itself assigns
+/// several ranges at once.
+/// @param parts  largest number of ranges.
 template <typename Work>
 void ForRangesParallel(int count, int parts, const Work& work) {
-  constexpr int kMostParts = 64;  // finer ones cost more than they balance
+  constexpr int kMostParts = 64;  // more would cost more time than they balance
   const int64_t ranges = std::min({count, parts, kMostParts});
   const int threads = static_cast<int>(std::min<int64_t>(cv::getNumThreads(), ranges));
   if (count <= 0) return;
@@ -62,8 +62,8 @@ void RunBoth(const One& one, const Other& other) {
   });
 }
 
-/// Makes `map` one of that size to write a new result to: itself when nobody else holds its pixels
-/// any more, and a new one otherwise. What it contains is undefined.
+/// Prepares `map` for a new result of that size: reuses its memory if nobody else holds its pixels,
+/// otherwise allocates. Its content is undefined.
 template <typename T>
 void Renew(cv::Mat_<T>& map, cv::Size size) {
   const bool held = !map.empty() && (map.u == nullptr || map.u->refcount > 1);

@@ -11,24 +11,24 @@
 
 namespace sprout {
 
-// Standard deviations travel and are kept as counts of 1/16 px in a byte: 1/16 px is finer than any
-// prior knows itself, 16 px as good as not knowing.
+// Standard deviations are stored and sent as counts of 1/16 px in a byte: 1/16 px is finer than any
+// prior's accuracy, and 16 px is as good as unknown.
 inline constexpr int kSigmaCountsPerPx = 16;
 /// 15.94 px or more; always so where there is no disparity. The smallest count is 1.
 inline constexpr uint8_t kMaxSigmaCounts = 255;
 
 /// A standard deviation in px to counts: rounded to nearest, at least 1, at most kMaxSigmaCounts;
-/// NaN, which says nothing, becomes that, too.
+/// so is NaN.
 inline uint8_t SigmaToCounts(double sigma_px) {
   constexpr double kMaxPx = static_cast<double>(kMaxSigmaCounts) / kSigmaCountsPerPx;
   if (!(sigma_px < kMaxPx)) return kMaxSigmaCounts;
   return static_cast<uint8_t>(std::lround(std::max(1.0, sigma_px * kSigmaCountsPerPx)));
 }
 
-/// The inverse, px; exact. Of kMaxSigmaCounts the smallest that it stands for.
+/// The inverse, px; exact. For kMaxSigmaCounts the smallest standard deviation that it stands for.
 inline float SigmaToPx(uint8_t counts) { return static_cast<float>(counts) / kSigmaCountsPerPx; }
 
-/// A prior disparity map D_p of the left rectified image, and how sure it is at every pixel.
+/// A prior disparity map D_p of the left rectified image, with a standard deviation at every pixel.
 ///
 /// Copies share their pixels, as cv::Mat does.
 struct PriorMap {

@@ -10,7 +10,7 @@ namespace sprout {
 
 /// What a process is and how it is configured; field by field as in lcmtypes/process_info_t.lcm.
 struct ProcessInfo {
-  FrameId header;  ///< names no frame: seq = −1
+  FrameId header;  ///< no frame: seq = −1
   std::string stage;
   std::string host;  ///< empty on a replay
   std::string version;

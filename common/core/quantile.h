@@ -9,10 +9,10 @@
 
 namespace sprout {
 
-// Values that occur, never a mean of two. Values are reordered: give a copy to keep them. NaN has
-// no place in an order: take it out before. O(values).
+// Quantiles that are among the values, never a mean of two. The values are reordered: pass a copy
+// to keep their order. They must not contain NaN. O(values).
 
-/// The value that stands at `rank` (from 0) when they are sorted. @pre rank < number of values.
+/// The value at `rank` (from 0) in sorted order. @pre rank < number of values.
 template <std::ranges::random_access_range Values>
 auto OrderStatistic(Values&& values, size_t rank) {
   assert(rank < std::ranges::size(values));
@@ -21,14 +21,14 @@ auto OrderStatistic(Values&& values, size_t rank) {
   return *place;
 }
 
-/// The value that a share of n values is not above: rank ⌊share · n⌋. @pre values; 0 ≤ share < 1.
+/// The quantile `share` of n values: rank ⌊share · n⌋. @pre values; 0 ≤ share < 1.
 template <std::ranges::random_access_range Values>
 auto Quantile(Values&& values, double share) {
   return OrderStatistic(
       values, static_cast<size_t>(share * static_cast<double>(std::ranges::size(values))));
 }
 
-/// The value in the middle, of an even number the upper one of two: rank ⌊n / 2⌋. @pre values.
+/// The median, of an even number of values the upper one: rank ⌊n / 2⌋. @pre values.
 template <std::ranges::random_access_range Values>
 auto Median(Values&& values) {
   return OrderStatistic(values, std::ranges::size(values) / 2);

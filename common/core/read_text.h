@@ -9,16 +9,16 @@
 
 namespace sprout {
 
-/// What a configuration, a rig or a calibration may have; none that people write comes near.
+/// Largest configuration, rig or calibration, bytes; far more than people write.
 constexpr size_t kMaxTextBytes = size_t{1} << 20;
-/// What a list of files or a table that a program wrote may have.
+/// Largest list of files or table written by a program, bytes.
 constexpr size_t kMaxListBytes = size_t{1} << 26;
 
 /// Reads a small text file.
 ///
-/// @returns its bytes; or why it cannot be read, without the path: missing, no regular file (but a
-///          folder, a FIFO, a device), larger than that, or an error of the disk. Never waits for a
-///          writer, and never holds more than max_bytes.
+/// @returns its bytes; or why it cannot be read, without the path: missing, not a regular file (a
+///          folder, a FIFO, a device), too large, or an error of the disk. Never waits for a
+///          writer, and never allocates more than max_bytes.
 Result<std::string> ReadText(const std::filesystem::path& path, size_t max_bytes = kMaxTextBytes);
 
 }  // namespace sprout

@@ -7,9 +7,9 @@
 
 namespace sprout {
 
-/// One line that says so, and what to do, when the kernel grants a socket a smaller receive buffer
-/// than `asked` bytes; the price is lost datagrams, of which nobody tells. Nothing when it grants
-/// them, or no socket can be had.
+/// One line of warning, with what to do, if the kernel grants a socket a smaller receive buffer
+/// than `asked` bytes: then datagrams get lost silently. Nothing if it grants them, or no socket
+/// can be opened.
 std::optional<std::string> ReceiveBufferShortage(int64_t asked);
 
 }  // namespace sprout

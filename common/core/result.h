@@ -12,8 +12,8 @@ struct Error {
   std::string text;
 };
 
-/// A value, or the reason why there is none. For what arrives at run time; wrong configuration is
-/// an exception (ConfigError), a broken invariant an assertion.
+/// A value, or the reason why there is none. For data that arrives at run time; a wrong
+/// configuration is an exception (ConfigError), a broken invariant an assertion.
 template <typename T>
 using Result = tl::expected<T, Error>;
 

@@ -10,8 +10,8 @@
 
 namespace sprout {
 
-/// The rectified stereo pair: two pinhole cameras with one focal length, one row of the principal
-/// point and one orientation, the right one baseline_m to the right of the left one.
+/// The rectified stereo pair: two pinhole cameras with the same focal length, row of the principal
+/// point and orientation, the right one baseline_m to the right of the left one.
 struct RectifiedPair {
   int width = 0;          ///< px, of either image
   int height = 0;         ///< px, of either image
@@ -48,8 +48,8 @@ struct Lens {
   cv::Size size() const { return {width, height}; }
 };
 
-/// The ToF camera: pinhole, Brown's lens distortion, pose in the left rectified frame. Its members
-/// have one layout whatever a program lets Eigen vectorise.
+/// The ToF camera: pinhole, Brown's lens distortion, pose in the left rectified frame. The layout
+/// of its members does not depend on Eigen's vectorisation.
 struct TofCamera {
   int width = 0;   ///< px; 0 = there is no ToF camera
   int height = 0;  ///< px; 0 = there is no ToF camera
@@ -74,8 +74,8 @@ struct Rig {
 };
 
 /// Whether a calibration can be used: finite numbers, lengths > 0, images of at most kMaxSide and
-/// kMaxPixels, a rotation of norm 1. The error names the first field that is not so, as rig_t.lcm
-/// calls it.
+/// kMaxPixels, a rotation of norm 1. The error names the first wrong field, by its name in
+/// rig_t.lcm.
 Result<void> CheckRig(const Rig& rig);
 
 /// Digest of a calibration: 16 hexadecimal digits, equal for equal numbers on every machine.

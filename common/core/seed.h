@@ -8,7 +8,7 @@
 
 namespace sprout {
 
-/// What a seed was measured with; the numbers are those of lcmtypes/seeds_t.lcm.
+/// How a seed was measured; the numbers are those of lcmtypes/seeds_t.lcm.
 enum class SeedOrigin : int8_t {
   kTof = 0,     ///< a point of the ToF camera
   kStereo = 1,  ///< matched between the two images
@@ -30,14 +30,14 @@ struct Seed {
   bool operator==(const Seed&) const = default;
 };
 
-/// The seeds of one frame, and what happened to the ToF points on the way:
-/// raw = outside + dark + loose + background + hidden + contradicted + CountTofSeeds(seeds).
+/// The seeds of one frame, and how many ToF points were dropped by which rule: raw = outside + dark
+/// + loose + background + hidden + contradicted + CountTofSeeds(seeds).
 struct SeedSet {
   std::vector<Seed> seeds;
   int32_t raw = 0;         ///< ToF points with a return
   int32_t outside = 0;     ///< behind the cameras, or their window leaves an image
   int32_t dark = 0;        ///< on a very dark region, or with a weak ToF amplitude
-  int32_t loose = 0;       ///< on no surface: flying pixels, outliers
+  int32_t loose = 0;       ///< isolated: flying pixels, outliers
   int32_t background = 0;  ///< beside a nearer seed
   int32_t hidden = 0;      ///< behind a nearer surface, from the left or the right camera
   /// ToF points that the images contradict, for instance beyond the camera's unambiguous range.
@@ -53,7 +53,7 @@ inline int32_t CountTofSeeds(std::span<const Seed> seeds) {
   }));
 }
 
-/// Both lists, the one behind the other.
+/// The two lists, one after the other.
 /// @param both  is overwritten; its memory is used again.
 inline void Join(std::span<const Seed> one, std::span<const Seed> other, std::vector<Seed>& both) {
   both.assign(one.begin(), one.end());

@@ -10,14 +10,15 @@
 namespace sprout {
 
 /// Requests a stop when SIGINT or SIGTERM comes, for programs that wait for something; Interrupt is
-/// for loops that only compute. The signals are blocked in every thread and taken by one that waits
-/// for them, so that no code runs in a signal handler. A second signal is the kernel's: it ends the
-/// process whatever its threads are stuck in, a FIFO that nobody writes, a server that takes no
-/// more, a long computation. So is SIGALRM after the grace period. To be made before other threads.
+/// for loops that only compute. The signals are blocked in every thread and received by one that
+/// waits for them, so no code of the program runs in a signal handler. A second signal has the
+/// kernel's default action: it ends the process even if its threads hang in a read, a write or a
+/// long computation. So does SIGALRM after the grace period. Create it before other threads; those
+/// that exist already (a library's, in somebody else's program) pass on the first signal.
 class SignalWatcher {
  public:
-  /// @param grace  how long the process has to end by itself; 0: as long as it takes.
-  /// @param told   is called with the signal, after the request, by the watcher's thread.
+  /// @param grace  time for the process to end by itself; 0: unlimited.
+  /// @param told   called with the signal, after the request, by the watcher's thread.
   explicit SignalWatcher(std::chrono::microseconds grace = {}, std::function<void(int)> told = {});
   ~SignalWatcher();
   SignalWatcher(const SignalWatcher&) = delete;

@@ -16,26 +16,26 @@ struct PartOutput {
   PartValue value;
 };
 
-/// What became of a frame.
+/// A stage's result for a frame.
 struct StageResult {
   std::vector<PartOutput> outputs;
   /// Why the frame has no (or an empty) result; empty when all is well. One line, shown in the
   /// status.
   std::string degenerate;
-  /// Where the stage looked for it in this frame.
+  /// The offset of the ToF camera's points, if the stage measured it in this frame.
   TofOffsetStatus tof_offset = {};
-  /// A picture of the frame for people, 8UC3 (BGR), at most 16384 px a side; empty: none. No part
-  /// of a frame: no stage works on it.
+  /// A picture of the frame for people, 8UC3 (BGR), at most 16384 px a side; empty: none. It is not
+  /// a part of the frame: no stage uses it.
   cv::Mat preview = {};
 };
 
-/// What makes a stage a service: which parts it joins and what it answers. Knows neither network
-/// nor log nor clock, so that it runs the same way live and replayed.
+/// Makes a stage a service: which parts it needs and what it answers. Uses no network, log or
+/// clock, so that it runs the same way live and replayed.
 class StageAdapter {
  public:
   virtual ~StageAdapter() = default;
 
-  /// Parts that must be together before Process() is called.
+  /// Parts that Process() needs.
   virtual PartSet Inputs() const = 0;
 
   /// Answers one frame that has all Inputs(). Frames come one at a time, in any order of seq, and
@@ -46,9 +46,9 @@ class StageAdapter {
 /// Answers a frame and adds the answer to it.
 /// @returns why the frame has no (or an empty) result; empty when all is well.
 inline std::string AddAnswer(StageAdapter& adapter, Frame& frame) {
-  StageResult outcome = adapter.Process(frame);
-  for (PartOutput& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
-  return outcome.degenerate;
+  StageResult result = adapter.Process(frame);
+  for (PartOutput& output : result.outputs) SetPart(frame, output.part, std::move(output.value));
+  return result.degenerate;
 }
 
 }  // namespace sprout

@@ -17,16 +17,15 @@ struct TimeSummary {
   double max_ms = 0;
 };
 
-/// How far the ToF camera's points are off in the middle of the left image; what has to be added to
-/// them.
+/// The offset to add to the ToF camera's points in the middle of the left image.
 struct TofOffsetStatus {
   float u_px = 0;
   float v_px = 0;
   float sigma_px = -1;  ///< standard deviation; −1 = not known
-  bool is_off = false;  ///< beyond doubt; not sent
+  bool is_off = false;  ///< the offset is sure and significant; not sent
 };
 
-/// How one process fares; field by field as in lcmtypes/stage_status_t.lcm.
+/// State of one process; field by field as in lcmtypes/stage_status_t.lcm.
 struct StageStatus {
   enum class State { kReady = 0, kRunning = 1, kStopped = 2 };
 
@@ -35,7 +34,7 @@ struct StageStatus {
   std::string host;
   std::string version;
   std::string config_digest;
-  std::string last_error;  ///< empty = nothing went wrong yet
+  std::string last_error;  ///< empty = no error yet
   int32_t pid = 0;
   State state = State::kReady;
   int64_t frames_in = 0;
@@ -48,7 +47,7 @@ struct StageStatus {
   int64_t bad_messages = 0;
   int64_t sequence_gaps = 0;
   double rate_hz = 0;
-  TimeSummary latency;  ///< complete frame in hand to answer published
+  TimeSummary latency;  ///< complete frame received to answer published
   TimeSummary age;      ///< capture to answer published
   int64_t rss_bytes = 0;
   /// Of the newest frame, see TofCoverage().

@@ -6,14 +6,14 @@
 
 namespace sprout {
 
-/// Sums over the grey values of two windows, from which correlations follow.
+/// Sums over the grey values of two windows, for correlations.
 struct WindowSums {
   int32_t left = 0, right = 0;
   int32_t left_squares = 0, right_squares = 0, products = 0;
 };
 
-/// Of the windows of (2 · kRadius + 1)² px around a left and a right pixel, which must lie inside
-/// the images. Whole numbers, so exact. kRadius up to 90, as sums have 32 bits.
+/// The sums of the windows of (2 · kRadius + 1)² px around a left and a right pixel, which must lie
+/// inside the images. Whole numbers, so exact. kRadius at most 90, since sums have 32 bits.
 template <int kRadius>
 WindowSums SumWindows(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point at_left,
                       cv::Point at_right) {
@@ -33,9 +33,9 @@ WindowSums SumWindows(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point a
   return sums;
 }
 
-/// Whether a position is farther than so many px inside the centres of an image's outermost pixels.
-/// With a margin of r − ½ the window of radius r around it, rounded, lies in the image. False for
-/// NaN and whatever lies far outside, so ask before converting to a pixel.
+/// Whether a position lies more than the margin, px, inside the centres of an image's outermost
+/// pixels. With a margin of r − ½ the window of radius r around the rounded position lies in the
+/// image. False for NaN and positions far outside, so check before converting to a pixel.
 inline bool IsInside(double u, double v, cv::Size size, double margin_u, double margin_v) {
   return u > margin_u && u < size.width - 1 - margin_u && v > margin_v &&
          v < size.height - 1 - margin_v;

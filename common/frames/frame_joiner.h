@@ -15,13 +15,13 @@
 
 namespace sprout {
 
-/// Puts the messages of one capture together again: the rule of all who need whole frames, live and
-/// from logs (stages, replays, capture's log feed, calibrate). Who looks into a log for what is
-/// there, whole or not, has that of FrameIndex.
+/// Joins the messages of one capture to a frame: the rule of all programs that need complete
+/// frames, live and from logs (stages, replays, capture's log feed, calibrate). Programs that
+/// inspect logs, complete frames or not, use FrameIndex.
 ///
-/// Parts belong together when their whole FrameId is equal. The calibration travels apart, once a
-/// second: it joins every frame that names its rig_id. A frame that completes makes older
-/// unfinished ones hopeless (each channel keeps its order), so they are dropped and counted. A
+/// Parts belong together when their FrameIds are equal. The calibration comes separately, once a
+/// second: it joins every frame with its rig_id. When a frame is complete, older unfinished ones
+/// cannot be completed any more (each channel keeps its order), so they are dropped and counted. A
 /// frame that is sent twice is joined twice. Not thread-safe; no I/O.
 class FrameJoiner {
  public:
@@ -32,37 +32,37 @@ class FrameJoiner {
 
   /// @param needed       parts that make a frame complete; at least one that is not kRig.
   /// @param max_pending  unfinished frames kept at most; the oldest is dropped and counted.
-  ///                     Must exceed the frames that enter while one passes the stages before this
-  ///                     one; a whole frame of 2 MP in colour takes 8 MB.
+  ///                     Must exceed the number of frames that arrive while one passes the earlier
+  ///                     stages; a complete frame of 2 MP in colour takes 8 MB.
   /// @param max_bytes    memory that unfinished frames may keep; beyond it the oldest is dropped
   ///                     and counted.
   explicit FrameJoiner(PartSet needed, size_t max_pending = kDefaultMaxPending,
                        size_t max_bytes = kDefaultMaxBytes);
 
-  /// Adds one part; a part that was there already is replaced.
+  /// Adds one part; replaces an earlier one.
   /// @returns the frames that are complete now, oldest first: none or one, and more only when a
   ///          late calibration completes several.
   std::vector<Frame> Add(const FrameId& id, Part part, PartValue value);
 
-  /// Decodes the message of a part, of which a compressed picture or map must have the size that is
-  /// known of its frame (ImageSizeOf()), and adds it.
-  /// @returns as Add(); an error for a message that is refused at the border, see DecodePart().
+  /// Decodes the message of a part and adds it. A compressed picture or map must have the size
+  /// known for its frame (ImageSizeOf()).
+  /// @returns as Add(); an error for a message that is refused, see DecodePart().
   Result<std::vector<Frame>> AddMessage(Part part, std::span<const uint8_t> bytes);
 
-  /// Size that the rectified images of a frame have: as its calibration says, or else as its first
-  /// image or map does; nothing when neither is here yet.
+  /// Size of the rectified images of a frame: from its calibration, or else from its first image or
+  /// map; nothing when neither has come yet.
   std::optional<cv::Size> ImageSizeOf(const FrameId& id) const;
 
-  /// Whether parts of an unfinished frame of this name are here.
+  /// Whether parts of an unfinished frame with this id are waiting.
   bool IsPending(const FrameId& id) const;
 
-  /// Drops what is unfinished, and counts it: the stream has ended.
+  /// The end of the stream: drops and counts unfinished frames.
   void DropPending();
 
-  /// Frames dropped because some part never came.
+  /// Frames dropped because a part was missing.
   int64_t incomplete() const { return incomplete_; }
 
-  /// Frame numbers left out in the stream.
+  /// Frame numbers missing in the stream.
   int64_t sequence_gaps() const { return gaps_.count(); }
 
  private:

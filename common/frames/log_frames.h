@@ -14,28 +14,27 @@
 
 namespace sprout {
 
-/// A part and what it holds.
+/// A part and its content.
 using ReadPart = std::pair<Part, PartValue>;
 
-/// Reads those of `parts` that are there from the log of a frame. What cannot be decoded is told
-/// and left out. @throws LogError when the log was changed meanwhile.
+/// Reads those of `parts` that exist from the log of a frame. Undecodable ones are reported and
+/// left out. @throws LogError when the log was changed meanwhile.
 std::vector<ReadPart> FetchParts(EventFetcher& log, const IndexedFrame& places,
                                  const PartSet& parts, const Refuse& refuse = {});
 
-/// The frames of a log one after the other, each with what the log holds of it, whole or not; what
-/// a frame is, see FrameIndex. Each is read when it is over, so memory is that of one frame and of
-/// the index.
+/// The frames of a log one after the other, complete or not; see FrameIndex for what is a frame.
+/// Each is read when it is over, so memory is that of one frame and of the index.
 class LogFrames {
  public:
-  /// Called with how many bytes of the log are read, at each event.
+  /// Called at each event with the number of bytes read so far.
   using Progress = std::function<void(int64_t position)>;
 
   /// @throws LogError when the file cannot be opened or is no log.
   LogFrames(const std::filesystem::path& path, FrameChoice choice, Refuse refuse = {});
 
-  /// The next frame of which at least one part could be read, in the order of their first messages,
-  /// and with its calibration when that is wanted and stands anywhere in the log; nothing at the
-  /// end. @throws LogError when reading fails.
+  /// The next frame of which at least one part could be read, in the order of their first messages;
+  /// with its calibration if wanted and anywhere in the log. Nothing at the end. @throws LogError
+  /// when reading fails.
   std::optional<Frame> Next(const Progress& progress = {});
 
   const LogReader& log() const { return reader_; }
@@ -51,7 +50,7 @@ class LogFrames {
   EventFetcher fetcher_;
   FrameIndex index_;
   size_t next_ = 0;              // number of the frame that is given next
-  bool knows_all_rigs_ = false;  // also those that stand further on
+  bool knows_all_rigs_ = false;  // also those further on in the log
 };
 
 }  // namespace sprout

@@ -8,20 +8,20 @@
 
 namespace sprout {
 
-/// Counts the frame numbers that are left out in a stream of frames.
+/// Counts the frame numbers that are missing in a stream of frames.
 ///
 /// Frames that do not continue the stream are either sent again (capture's --lockstep), or the
-/// stream has started over: with a later time if capture was started again; with an older one if
-/// its clock was set back, or a recording plays again from its start (--loop). The first is known
-/// by its time. Of the others one frame tells nothing, but kRestartFrames that continue each other
-/// do, and what was left out between them counts then. So one stray message changes little, and a
-/// start over of fewer frames goes unnoticed.
+/// stream has restarted: with a later time if capture was started again; with an older one if its
+/// clock was set back, or a recording plays again from its start (--loop). A later time shows the
+/// restart at once. With an older time a single frame proves nothing, but kRestartFrames
+/// consecutive ones do, and then gaps between them count. So one stray message changes little, and
+/// a restart of fewer frames goes unnoticed.
 class SequenceGaps {
  public:
   static constexpr int kRestartFrames = 8;
 
-  /// A frame that was not seen before, or not lately.
-  /// @returns true when the stream is now known to have started over.
+  /// A frame that was not seen before, or not recently.
+  /// @returns true when the stream is now known to have restarted.
   bool Add(const FrameId& id);
 
   int64_t count() const { return count_; }

@@ -15,30 +15,30 @@
 
 namespace sprout {
 
-/// A frame of a log that has all that is needed, and where it has it from.
+/// A complete frame of a log, and the positions of its messages.
 struct WholeFrame {
   Frame frame;
   IndexedFrame places;
 };
 
-/// The whole frames of a log one after the other, as a stage that listens would get them: the rule
-/// is that of FrameJoiner, with its counts and its bounded memory. Calibrations are always looked
-/// at, and the size of a frame's images as FrameJoiner::AddMessage() does.
+/// The complete frames of a log one after the other, as a live stage would get them: by the rule of
+/// FrameJoiner, with its counts and its bounded memory. Calibrations are always read, and sizes of
+/// images are checked as by FrameJoiner::AddMessage().
 class WholeFrames {
  public:
   /// @param prefix  before the channels of the graph.
-  /// @param refuse  is told of each message that is refused at the border.
+  /// @param refuse  called with each message that is refused.
   /// @throws LogError when the file cannot be opened or is no log.
   WholeFrames(const std::filesystem::path& path, std::string prefix, PartSet needed, Refuse refuse);
 
-  /// Takes a calibration beforehand, which holds from the start of the log. @pre it can be decoded.
+  /// Takes a calibration in advance, which holds from the start of the log. @pre it can be decoded.
   void AddRig(std::span<const uint8_t> message);
 
-  /// Nothing at the end; what is unfinished then is counted.
+  /// Nothing at the end; then unfinished frames are counted.
   std::optional<WholeFrame> Next();
 
   const FrameJoiner& joiner() const { return joiner_; }              ///< its counts
-  const ChannelCounts& channels() const { return channels_; }        ///< met so far
+  const ChannelCounts& channels() const { return channels_; }        ///< read so far
   const LogReader& log() const { return reader_; }                   ///< its damage
   std::optional<int64_t> newest_rig() const { return newest_rig_; }  ///< offset; read so far
 

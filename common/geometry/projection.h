@@ -16,30 +16,37 @@ namespace sprout {
 /// @pre point_in_left.z() > 0.
 Seed ProjectToPair(const RectifiedPair& pair, const Eigen::Vector3d& point_in_left);
 
-/// The point of the left rectified frame (m) that a correspondence stands for: the inverse of
-/// ProjectToPair().
+/// The point in the left rectified frame (m) of a correspondence: the inverse of ProjectToPair().
 Eigen::Vector3d PointFromSeed(const RectifiedPair& pair, const Seed& seed);
 
 /// The same for a pixel with a disparity. @pre map.IsValid(u, v).
 Eigen::Vector3d PointAt(const RectifiedPair& pair, const DisparityImage& map, int u, int v);
 
-/// The calibration of one frame: without a ToF image (0×0) there is no ToF camera either.
+/// Depth z of a disparity map, m; NaN where there is no disparity, or one without a positive depth.
+/// O(pixels).
+cv::Mat1f DepthMap(const RectifiedPair& pair, const DisparityImage& disparity);
+
+/// A ToF camera of `size` in the left camera's place with its field of view: the corners of both
+/// images coincide. For range images that are registered to the left image already.
+TofCamera TofOverLeft(const RectifiedPair& pair, cv::Size size);
+
+/// The calibration of one frame: if its ToF image is empty (0×0), without a ToF camera.
 Rig RigOfFrame(const Rig& rig, const TofImage& tof);
 
-/// Whether a range image is of the calibrated ToF camera's size; the error names both. Ask before
-/// making a TofProjector, which takes the memory that the calibration asks for.
+/// Whether a range image has the calibrated ToF camera's size; the error names both. Check before
+/// making a TofProjector, which allocates memory by the calibration's size.
 Result<void> CheckTofSize(const Rig& rig, const TofImage& tof);
 
 /// A ToF point seen in the rectified pair.
 struct ProjectedPoint {
   int tof_u = 0;  ///< column in the ToF image
   int tof_v = 0;  ///< row in the ToF image
-  Seed seed;      ///< names this pixel; may lie outside the images
+  Seed seed;      ///< has this pixel as tof_u and tof_v; may lie outside the images
 };
 
-/// Moves the points of a ToF camera into the left rectified frame and projects them into the pair.
-/// The undistorted viewing rays are computed once, so keep the object as long as the calibration.
-/// Thread-compatible.
+/// Transforms the points of a ToF camera to the left rectified frame and projects them into the
+/// pair. The undistorted viewing rays are computed once, so keep the object as long as the
+/// calibration. Thread-compatible.
 class TofProjector {
  public:
   /// O(ToF pixels), 24 bytes each.
@@ -48,7 +55,7 @@ class TofProjector {
   /// Every ToF pixel with a return, see IsReturn(), that lies in front of the pair, row by row.
   /// @param tof  depth of the calibrated size, see CheckTofSize().
   /// @param[out] behind  number of points with a return that lie behind the pair (z ≤ 0).
-  /// @param memory  whose memory the points take.
+  /// @param memory  a vector whose memory is reused.
   /// O(ToF pixels).
   std::vector<ProjectedPoint> Project(const TofImage& tof, int& behind,
                                       std::vector<ProjectedPoint> memory = {}) const;

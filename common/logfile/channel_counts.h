@@ -9,7 +9,7 @@
 
 namespace sprout {
 
-/// How many events the channels of a log have: what there is, when what is looked for is not.
+/// How many events each channel of a log has; for messages about a missing channel.
 class ChannelCounts {
  public:
   void Add(std::string_view channel) {

@@ -5,12 +5,12 @@
 namespace sprout {
 namespace {
 
-constexpr int64_t kChunkBytes = 4096;
+constexpr int64_t kEventBytes = 4096;
 
 }  // namespace
 
 EventFetcher::EventFetcher(const std::filesystem::path& path)
-    : file_(path), window_(file_, kChunkBytes) {}
+    : file_(path), window_(file_, kEventBytes) {}
 
 LogEvent EventFetcher::Fetch(int64_t offset) {
   const auto head = window_.View(offset, kMaxHeadBytes);

@@ -9,14 +9,14 @@
 
 namespace sprout {
 
-/// Gets single events of a log again, in any order.
+/// Reads single events of a log again, in any order.
 class EventFetcher {
  public:
   /// @throws LogError when the file cannot be opened.
   explicit EventFetcher(const std::filesystem::path& path);
 
   /// The event that LogReader found at `offset`; its views are valid until the next call.
-  /// @throws LogError when it is not there any more.
+  /// @throws LogError when it no longer exists.
   LogEvent Fetch(int64_t offset);
 
  private:

@@ -17,10 +17,10 @@ inline constexpr int64_t kHeaderBytes = 28;
 /// LCM's limit on the name of a channel.
 inline constexpr int64_t kMaxChannelBytes = 63;
 
-/// All that is needed to judge a header: itself and the channel.
+/// Bytes needed to check a header: itself and the channel.
 inline constexpr int64_t kMaxHeadBytes = kHeaderBytes + kMaxChannelBytes;
 
-/// No event is smaller: a channel of one character and no data.
+/// The smallest event: a channel of one character and no data.
 inline constexpr int64_t kMinEventBytes = kHeaderBytes + 1;
 
 struct EventHeader {
@@ -36,12 +36,11 @@ struct EventHeader {
 /// Whether the bytes begin with a sync word, or are the beginning of one.
 bool BeginsWithSync(std::span<const uint8_t> bytes);
 
-/// The header at the beginning of `bytes`, whatever its sync word and its values; nothing when it
-/// is cut short.
+/// The header at the beginning of `bytes`, unchecked; nothing when it is cut short.
 std::optional<EventHeader> DecodeHeader(std::span<const uint8_t> bytes);
 
-/// Whether an event may have these lengths and, as far as `bytes` show it, this channel: LCM wants
-/// 1 to 63 characters; no control characters among them is our own rule.
+/// Whether an event may have these lengths and, as far as `bytes` contain it, this channel: 1 to 63
+/// characters as LCM requires, and no control characters, as Sprout requires.
 bool IsPlausible(const EventHeader& header, std::span<const uint8_t> bytes);
 
 std::array<uint8_t, kHeaderBytes> EncodeHeader(const EventHeader& header);

@@ -8,13 +8,13 @@
 
 namespace sprout {
 
-/// A regular file opened for reading. Its size is that of the moment when it was opened, so a log
-/// that is still being recorded looks like one with a torn tail.
+/// A regular file opened for reading. Its size is that at the time of opening, so a log that is
+/// still being recorded looks like one with a torn tail.
 ///
-/// Not mapped into memory: a file that another program shortens would then end this process.
+/// Not mapped into memory: then a file shortened by another program would crash this process.
 class InputFile {
  public:
-  /// @throws LogError when there is no such file or it is none that can be read at any place.
+  /// @throws LogError when there is no such file, or it is not seekable.
   explicit InputFile(std::filesystem::path path);
   ~InputFile();
   InputFile(const InputFile&) = delete;
@@ -32,17 +32,18 @@ class InputFile {
   int64_t size_ = 0;
 };
 
-/// A moving window on a file: reads ahead and keeps what is asked for again.
+/// A moving window on a file: reads ahead and keeps recent bytes.
 class FileWindow {
  public:
-  /// @param chunk_bytes  how much is read at once at least; more is kept only for a longer view.
+  /// @param chunk_bytes  least number of bytes to read at once; more are kept only for a longer
+  ///                     view.
   FileWindow(const InputFile& file, int64_t chunk_bytes) : file_(file), chunk_bytes_(chunk_bytes) {}
 
-  /// The bytes from `offset` on, as many as there are and at most `count`; valid until the next
-  /// call. @throws LogError.
+  /// Up to `count` bytes from `offset` on, fewer at the end of the file; valid until the next call.
+  /// @throws LogError.
   std::span<const uint8_t> View(int64_t offset, int64_t count);
 
-  /// Whether View() would not have to read.
+  /// Whether View() would need no reading.
   bool Holds(int64_t offset, int64_t count) const;
 
  private:

@@ -17,22 +17,22 @@ namespace sprout {
 
 /// One event of a log. Views are valid until the next call of LogReader::Next().
 struct LogEvent {
-  int64_t number = 0;  ///< as the recorder counted
-  int64_t utime = 0;   ///< µs, when the recorder got it
+  int64_t number = 0;  ///< the recorder's count
+  int64_t utime = 0;   ///< time of recording, µs
   int64_t offset = 0;  ///< byte in the file where the event begins
   std::string_view channel;
   std::span<const uint8_t> data;
 };
 
-/// Views on the bytes of an event that begins at `offset`.
+/// The event in these bytes, which begin at `offset`, as views.
 LogEvent MakeEvent(const EventHeader& header, int64_t offset, std::span<const uint8_t> bytes);
 
-/// A stretch of bytes that holds no readable event.
+/// A stretch of bytes without a readable event.
 struct LogDamage {
   int64_t offset = 0;  ///< first unreadable byte
   int64_t bytes = 0;   ///< how many were skipped
   bool tail = false;   ///< the file ends inside an event
-  /// How many events were lost, as the numbers before and behind it say; nothing when they do not.
+  /// How many events were lost, by the numbers before and after it; nothing when they do not tell.
   std::optional<int64_t> events;
 
   bool operator==(const LogDamage&) const = default;
@@ -42,16 +42,16 @@ struct LogDamage {
 std::string SkippedText(const LogDamage& damage);
 
 /// Reads the events of an lcm-logger file in order, in constant memory (the largest event and a
-/// megabyte), and goes on behind damage; how an event is told from damage: see EventFinder. Not
-/// liblcm's reader, which takes a damaged length for the end of the file or jumps over good events.
+/// megabyte), and continues after damage; EventFinder tells events from damage. liblcm's reader
+/// takes a damaged length for the end of the file, or skips good events.
 class LogReader {
  public:
-  /// @throws LogError when the file cannot be opened or is no LCM log at all: it has bytes, but no
-  ///         event, whole or torn. A file without a byte is a log without events.
+  /// @throws LogError when the file cannot be opened or is no LCM log: it has bytes, but no event,
+  ///         complete or torn. An empty file is a log without events.
   explicit LogReader(const std::filesystem::path& path);
 
   /// @returns false at the end of the file.
-  /// @throws LogError when the file cannot be read on.
+  /// @throws LogError when reading fails.
   bool Next(LogEvent& event);
 
   /// Damage found so far, in order of the file.
@@ -61,17 +61,17 @@ class LogReader {
   int64_t position() const { return position_; }  ///< bytes read so far, for progress lines
 
  private:
-  std::optional<EventPlace> FindNext();
-  void Trust(const EventPlace& event);
-  void Skip(const std::optional<EventPlace>& next);
+  std::optional<EventPosition> FindNext();
+  void Trust(const EventPosition& event);
+  void Skip(const std::optional<EventPosition>& next);
 
   InputFile file_;
   FileWindow window_;
   EventFinder finder_;
   int64_t position_ = 0;
-  std::optional<EventPlace> last_;     // the event read last
-  std::optional<EventPlace> trusted_;  // the last one whose number is confirmed by another
-  std::optional<EventPlace> ahead_;    // the next one, when it was looked for already
+  std::optional<EventPosition> last_;     // the event read last
+  std::optional<EventPosition> trusted_;  // the last one whose number is confirmed by another
+  std::optional<EventPosition> ahead_;    // the next one, if already found
   std::vector<LogDamage> damage_;
 };
 

@@ -12,18 +12,19 @@
 namespace sprout {
 
 /// Writes an event log that every LCM tool reads. Events are numbered 0, 1, ... as lcm-logger does.
-/// The log appears whole or not at all, see OutputFile: who reads an older one meanwhile reads on.
+/// The log is complete or not there, see OutputFile; programs that read an older one meanwhile are
+/// not disturbed.
 class LogWriter {
  public:
   /// @param overwrite  whether a file of that name may be replaced.
-  /// @throws LogError when it may not, or nothing can be written there.
+  /// @throws LogError when the file exists and may not be replaced, or cannot be written.
   explicit LogWriter(const std::filesystem::path& path, bool overwrite = true);
 
   /// @param channel  1 to 63 characters.
-  /// @throws LogError when the disk is full or the like.
+  /// @throws LogError when writing fails, for instance on a full disk.
   void Write(int64_t utime, std::string_view channel, std::span<const uint8_t> data);
 
-  /// Writes what is left and gives the log its name. Without it there is none.
+  /// Writes the rest and gives the log its name. Without this call there is no log.
   /// @throws LogError; nothing is left behind then.
   void Close();
 

@@ -15,21 +15,21 @@
 
 namespace sprout {
 
-/// A part as it came off the wire.
+/// A decoded part.
 struct DecodedPart {
   FrameId id;
   PartValue value;
 };
 
-/// Bytes of the message that carries a part, and back. The type of the message follows from that
-/// of the part's member in Frame (kPartTable, lcmtypes/README.md). Decoding survives any bytes: a
-/// wrong type, a size that does not fit or a hostile array count yields an error before memory is
-/// taken for it.
+/// Encodes a part as the bytes of its message, and decodes it. The type of the message follows from
+/// that of the part's member in Frame (kPartTable, lcmtypes/README.md). Decoding accepts arbitrary
+/// bytes: a wrong type, a size that does not fit or a hostile array count gives an error before
+/// memory is allocated for it.
 ///
-/// @param expected  size that the rectified images of this frame have, where it is known. A
-///                  compressed picture or map of another size is refused before it is decoded: a
-///                  few bytes could ask for a lot. One that brings all its bytes is let through,
-///                  and the stage says in its answer what does not fit together.
+/// @param expected  size of the rectified images of this frame, if known. A compressed picture or
+///                  map of another size is refused before it is decoded: a few bytes could expand
+///                  to many. A raw one is accepted, and the stage reports in its answer what does
+///                  not fit.
 std::vector<uint8_t> EncodePart(const FrameId& id, Part part, const PartValue& value,
                                 DisparityEncoding encoding);
 Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
@@ -43,8 +43,8 @@ Result<StageStatus> DecodeStatus(std::span<const uint8_t> bytes);
 std::vector<uint8_t> EncodeProcessInfo(const ProcessInfo& info);
 Result<ProcessInfo> DecodeProcessInfo(std::span<const uint8_t> bytes);
 
-/// The header alone, which every type of ours begins with; whatever type the bytes claim to be, so
-/// look at the type first (message_type.h). Takes no more than the header, O(1).
+/// Only the header, with which every type of Sprout begins. The type is not checked, so check it
+/// first (message_type.h). Reads only the header, O(1).
 Result<FrameId> DecodeFrameId(std::span<const uint8_t> bytes);
 
 }  // namespace sprout

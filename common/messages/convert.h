@@ -26,24 +26,24 @@
 #include "common/core/stage_status.h"
 #include "common/core/tof_image.h"
 
-// The only place where messages and domain values meet. ToMessage() cannot fail. FromMessage() is
-// the border guard: it takes nothing on trust, and its error names field, value and what is
-// allowed. Either copies the data once.
+// The only place where messages and domain values meet. ToMessage() cannot fail. FromMessage()
+// checks everything; its error names field, value and what is allowed. Either copies the data once.
 namespace sprout {
 
-/// How a disparity map travels, and with it the standard deviations of a prior.
+/// Encoding of a disparity map, and of the standard deviations of a prior.
 enum class DisparityEncoding { kRawInt16, kDeltaZstd };
 
-/// Largest message, bytes: what LCM itself lets through (LCM_MAX_MESSAGE_SIZE), so that nothing can
-/// arrive by tcpq or from a log that could not have been sent by udpm.
+/// Largest message, bytes: LCM's own limit (LCM_MAX_MESSAGE_SIZE), so that messages from tcpq or
+/// from a log have the same limit as with udpm.
 inline constexpr size_t kMaxMessageBytes = 1 << 28;
 
-/// Most pixels of a compressed picture or map, whatever the calibration says: some 60 kB can ask
-/// for so many, and decoding takes up to 9 bytes of memory for each. Larger ones travel raw.
+/// Most pixels of a compressed picture or map, whatever the calibration says: some 60 kB can expand
+/// to this many, and decoding takes up to 9 bytes of memory for each. Larger ones are sent raw.
 inline constexpr int64_t kMaxCompressedPixels = 32'000'000;
 
 /// Longest strings, bytes: of the names of a rig and of a stage, of configurations, and of all
-/// others. Senders cut what is longer, so that a long complaint does not cost the whole status.
+/// others. Senders cut longer ones, so that a long error text does not make the whole status
+/// invalid.
 inline constexpr size_t kMaxNameLength = 64;
 inline constexpr size_t kMaxConfigLength = 65536;
 inline constexpr size_t kMaxTextLength = 1024;
@@ -61,8 +61,8 @@ tof_image_t ToMessage(const FrameId& id, const TofImage& tof);
 Result<TofImage> FromMessage(const tof_image_t& message);
 
 rig_t ToMessage(const FrameId& id, const Rig& rig);
-/// Refuses what no projection can work with: non-finite numbers, focal lengths or a baseline that
-/// are not positive, a rotation that is none.
+/// Refuses values that make projection impossible: non-finite numbers, focal lengths or a baseline
+/// that are not positive, a quaternion that is not a rotation.
 Result<Rig> FromMessage(const rig_t& message);
 
 seeds_t ToMessage(const FrameId& id, const SeedSet& seeds);

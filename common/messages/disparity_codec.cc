@@ -14,13 +14,13 @@ static_assert(std::endian::native == std::endian::little,
 
 size_t RowBytes(cv::Size size) { return static_cast<size_t>(size.width) * sizeof(int16_t); }
 
-size_t MapBytes(cv::Size size) { return RowBytes(size) * static_cast<size_t>(size.height); }
+size_t DisparityBytes(cv::Size size) { return RowBytes(size) * static_cast<size_t>(size.height); }
 
 }  // namespace
 
 std::vector<uint8_t> EncodeRawInt16(const DisparityImage& disparity) {
   const size_t row_bytes = RowBytes(disparity.size());
-  std::vector<uint8_t> data(MapBytes(disparity.size()));
+  std::vector<uint8_t> data(DisparityBytes(disparity.size()));
   for (int v = 0; v < disparity.height(); ++v) {
     std::memcpy(&data[static_cast<size_t>(v) * row_bytes], disparity.counts()[v], row_bytes);
   }
@@ -28,9 +28,9 @@ std::vector<uint8_t> EncodeRawInt16(const DisparityImage& disparity) {
 }
 
 Result<DisparityImage> DecodeRawInt16(std::span<const uint8_t> data, cv::Size size) {
-  if (data.size() != MapBytes(size)) {
+  if (data.size() != DisparityBytes(size)) {
     return Fail("size = " + std::to_string(data.size()) +
-                ": allowed is 2 × width × height = " + std::to_string(MapBytes(size)));
+                ": allowed is 2 × width × height = " + std::to_string(DisparityBytes(size)));
   }
   DisparityImage disparity{cv::Mat1s(size)};
   for (int v = 0; v < size.height; ++v) {
@@ -58,7 +58,7 @@ std::vector<uint8_t> EncodeDeltaZstd(const DisparityImage& disparity) {
 }
 
 Result<DisparityImage> DecodeDeltaZstd(std::span<const uint8_t> data, cv::Size size) {
-  const auto split = DecompressZstd(data, MapBytes(size), "data", "2 × width × height");
+  const auto split = DecompressZstd(data, DisparityBytes(size), "data", "2 × width × height");
   if (!split) return tl::unexpected(split.error());
   const size_t pixels = split->size() / 2;
   DisparityImage disparity{cv::Mat1s(size)};

@@ -15,8 +15,8 @@
 
 namespace sprout {
 
-/// The types of ours that travel on channels: first those that carry parts, in the order of the
-/// alternatives of PartMember.
+/// Sprout's message types: first those that carry parts, in the order of the alternatives of
+/// PartMember.
 enum class MessageType {
   kImage,
   kTof,
@@ -33,21 +33,20 @@ enum class MessageType {
 /// "sprout.image_t", ...: as in lcmtypes.
 std::string NameOf(MessageType type);
 
-/// The first 8 bytes of any LCM message, which tell its type; nothing when there are fewer.
+/// The first 8 bytes of an LCM message, which identify its type; nothing when there are fewer.
 std::optional<uint64_t> FingerprintOf(std::span<const uint8_t> bytes);
 
-/// Type by fingerprint; nothing when it is none of ours.
+/// Type by fingerprint; nothing when it is not one of Sprout's.
 std::optional<MessageType> TypeOf(std::span<const uint8_t> bytes);
 
 /// The type that carries a part.
 MessageType TypeOf(Part part);
 
-/// The type that a channel of ours must carry, whatever its prefix; nothing when the channel is
-/// none of ours.
+/// The type that a channel of Sprout must carry, with any prefix; nothing for another channel.
 std::optional<MessageType> TypeOfChannel(std::string_view channel);
 
-/// Decodes a message of one of our types without knowing its part; with the checks of DecodePart(),
-/// DecodeStatus() and DecodeProcessInfo().
+/// Decodes a message of one of Sprout's types without knowing its part; with the checks of
+/// DecodePart(), DecodeStatus() and DecodeProcessInfo().
 /// @returns the value of a part, or nothing (std::monostate) for what is no part of a frame.
 struct DecodedMessage {
   FrameId id;

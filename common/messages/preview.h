@@ -10,8 +10,8 @@
 
 namespace sprout {
 
-/// The message of SPROUT_PREVIEW: a picture as bot_core.image_t, which programs of others show. It
-/// has the frame's utime, and no header of ours.
+/// The message of SPROUT_PREVIEW: a picture as bot_core.image_t, which other programs can show. It
+/// has the frame's utime, but no header_t.
 ///
 /// @param picture  8UC3 (BGR), not empty; sent as a JPEG stream.
 /// @throws std::runtime_error when libjpeg refuses.
@@ -20,7 +20,7 @@ std::vector<uint8_t> EncodePreview(const FrameId& id, const cv::Mat& picture);
 /// Whether a message has the type of SPROUT_PREVIEW, by its fingerprint.
 bool IsPreview(std::span<const uint8_t> bytes);
 
-/// What that type is called.
+/// Name of that type.
 inline constexpr const char* kPreviewType = "bot_core.image_t";
 
 }  // namespace sprout

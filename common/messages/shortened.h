@@ -6,7 +6,7 @@
 
 namespace sprout {
 
-/// The first bytes of a text, no character of UTF-8 cut in half.
+/// The first bytes of a text, without cutting a UTF-8 character in half.
 inline std::string Shortened(const std::string& text, size_t longest) {
   if (text.size() <= longest) return text;
   size_t length = longest;

@@ -8,7 +8,7 @@
 namespace sprout {
 namespace {
 
-size_t MapBytes(cv::Size size) {
+size_t SigmaBytes(cv::Size size) {
   return static_cast<size_t>(size.width) * static_cast<size_t>(size.height);
 }
 
@@ -16,15 +16,15 @@ size_t MapBytes(cv::Size size) {
 
 std::vector<uint8_t> EncodeSigmaRaw(const cv::Mat1b& sigma) {
   std::vector<uint8_t> data;
-  data.reserve(MapBytes(sigma.size()));
+  data.reserve(SigmaBytes(sigma.size()));
   for (int v = 0; v < sigma.rows; ++v) data.insert(data.end(), sigma[v], sigma[v] + sigma.cols);
   return data;
 }
 
 Result<cv::Mat1b> DecodeSigmaRaw(std::span<const uint8_t> data, cv::Size size) {
-  if (data.size() != MapBytes(size)) {
+  if (data.size() != SigmaBytes(size)) {
     return Fail("sigma_size = " + std::to_string(data.size()) +
-                ": allowed is width × height = " + std::to_string(MapBytes(size)));
+                ": allowed is width × height = " + std::to_string(SigmaBytes(size)));
   }
   cv::Mat1b sigma(size);
   std::memcpy(sigma.data, data.data(), data.size());
@@ -32,7 +32,7 @@ Result<cv::Mat1b> DecodeSigmaRaw(std::span<const uint8_t> data, cv::Size size) {
 }
 
 std::vector<uint8_t> EncodeSigmaDeltaZstd(const cv::Mat1b& sigma) {
-  std::vector<uint8_t> deltas(MapBytes(sigma.size()));
+  std::vector<uint8_t> deltas(SigmaBytes(sigma.size()));
   size_t i = 0;
   for (int v = 0; v < sigma.rows; ++v) {
     const uint8_t* const row = sigma[v];
@@ -46,7 +46,7 @@ std::vector<uint8_t> EncodeSigmaDeltaZstd(const cv::Mat1b& sigma) {
 }
 
 Result<cv::Mat1b> DecodeSigmaDeltaZstd(std::span<const uint8_t> data, cv::Size size) {
-  const auto deltas = DecompressZstd(data, MapBytes(size), "sigma", "width × height");
+  const auto deltas = DecompressZstd(data, SigmaBytes(size), "sigma", "width × height");
   if (!deltas) return tl::unexpected(deltas.error());
   cv::Mat1b sigma(size);
   size_t i = 0;

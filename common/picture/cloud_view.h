@@ -8,12 +8,12 @@
 
 namespace sprout {
 
-/// The coloured point cloud of a disparity map as a camera sees it that was carried around the
-/// scene, to the right and up: shows at a glance whether surfaces are flat and edges clean.
+/// The coloured point cloud of a disparity map, seen by a camera moved to the right and up: shows
+/// at a glance whether surfaces are flat and edges clean.
 ///
 /// @param disparity  px, of the size of the pair.
 /// @param left       8UC1 grey or 8UC3 BGR image of that size.
-/// @returns a picture of the pair's size, nearly black where no point is seen. O(pixels).
+/// @returns a picture of the pair's size, nearly black where there is no point. O(pixels).
 cv::Mat3b CloudView(const RectifiedPair& pair, const DisparityImage& disparity,
                     const cv::Mat& left);
 

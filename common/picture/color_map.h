@@ -32,26 +32,26 @@ cv::Vec3b ColorOf(double value, const ValueRange& range);
 /// ColorOf() for every pixel. O(pixels).
 cv::Mat3b Colorize(const cv::Mat1f& values, const ValueRange& range);
 
-/// Where a depth stands between the far end of the range (0) and the near one (1): linear in
-/// 1/depth, as disparity is. Outside [0, 1] beyond the range.
+/// Position of a depth between the far end of the range (0) and the near one (1): linear in
+/// 1/depth, as disparity is. Outside the range it is outside [0, 1].
 /// @param range_m  0 < min < max; max may be infinite.
 double ShareOfDepth(double depth_m, const ValueRange& range_m);
 
 /// Colour (BGR) of a depth: near is red and far is blue, as a large and a small disparity are. With
-/// the DepthRange() of a disparity range it is the very colour of the disparity. NaN, infinities
-/// and depths ≤ 0 get kNoValueColor. O(1).
+/// the DepthRange() of a disparity range it is the same colour as that of the disparity. NaN,
+/// infinities and depths ≤ 0 get kNoValueColor. O(1).
 cv::Vec3b ColorOfDepth(double depth_m, const ValueRange& range_m);
 
 /// ColorOfDepth() for every pixel. O(pixels).
 cv::Mat3b ColorizeDepth(const cv::Mat1f& depth_m, const ValueRange& range_m);
 
-/// The smallest of 1, 2 and 5 times a power of ten that is not below `at_least` > 0.
+/// The smallest of 1, 2 and 5 times a power of ten that is ≥ `at_least` > 0.
 double RoundStep(double at_least);
 
-/// A range that shows nearly all values and is not stretched by a few wild ones: their 1st to 99th
-/// percentile, rounded outward to a round step of at most a tenth of that span. NaN and infinities
-/// do not count. Equal values give that value ± 1 (± a thousandth of a value beyond 1000), no
-/// values give [0, 1]. O(n).
+/// A range that shows nearly all values and ignores a few outliers: their 1st to 99th percentile,
+/// rounded outward to a round step of at most a tenth of that span. NaN and infinities do not
+/// count. Equal values give that value ± 1 (± a thousandth of a value beyond 1000), no values give
+/// [0, 1]. O(n).
 ValueRange RobustRange(std::vector<float> values);
 
 /// One range (px) for several disparity maps and the seeds, so that their pictures share a scale.
@@ -63,8 +63,8 @@ ValueRange DisparityRange(std::span<const DisparityImage> maps, std::span<const 
 /// @pre range_px.max lies in front of the cameras, see InFront().
 ValueRange DepthRange(const RectifiedPair& pair, const ValueRange& range_px);
 
-/// The part of a range of disparities (px) that has a depth, so that disparities and depths can
-/// share colours; nothing when no disparity of it has one.
+/// The part of a range of disparities (px) that corresponds to depths, so that disparities and
+/// depths can share colours; nothing when there is none.
 std::optional<ValueRange> InFront(const RectifiedPair& pair, const ValueRange& range_px);
 
 /// Range (m) of a ToF image's returns, min > 0. O(pixels).

@@ -9,7 +9,7 @@
 
 namespace sprout {
 
-/// A labelled place on a colour scale.
+/// A labelled position on a colour scale.
 struct Tick {
   double value = 0;
   std::string label;
@@ -19,22 +19,22 @@ struct Tick {
 /// inside the range, ascending.
 std::vector<Tick> RoundTicks(const ValueRange& range, int max_count);
 
-/// Ticks at round depths, as round as there is room for, at least `min_gap` apart on a scale of
-/// length 1 that is linear in 1/depth, and as far from both its ends; from near to far.
+/// Ticks at round depths, as round as space allows, at least `min_gap` apart on a scale of length 1
+/// that is linear in 1/depth, and at least as far from both its ends; from near to far.
 /// @param range_m  0 < min < max; max may be infinite.
 std::vector<Tick> RoundDepthTicks(const ValueRange& range_m, double min_gap);
 
-/// What the numbers along a scale say.
+/// The numbers along a scale.
 struct ScaleAxis {
   ValueRange range;
   std::string unit;
   bool is_depth = false;  ///< linear in 1/value, the smallest value on top, see ShareOfDepth()
 };
 
-/// What the colours of a scale say.
+/// A scale and its labels.
 struct ScaleContent {
-  /// One or two. The first stands to the right of the bar with a number at either end; the second,
-  /// the same in another unit, to its left.
+  /// One or two. The first is on the right of the bar with a number at either end; the second, the
+  /// same in another unit, on its left.
   std::vector<ScaleAxis> axes;
   /// Whether the picture has values beyond the upper and the lower end of the bar: marked by an
   /// arrow there, and "<" or ">" before the number.
@@ -43,7 +43,7 @@ struct ScaleContent {
   bool grey = false;  ///< from black to white, not from blue to red
 };
 
-/// A vertical colour scale: bar, ticks, numbers, and the units above. It has numbers at any size.
+/// A vertical colour scale: bar, ticks, numbers, and the units above. It has numbers at every size.
 class ColorScale {
  public:
   /// @param height  of the bar, px; at least MinHeight().
@@ -57,7 +57,7 @@ class ColorScale {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// Draws the scale with its upper left corner at `corner`: the bar begins at the height of that.
+  /// Draws the scale with its upper left corner at `corner`: the bar begins at that height.
   /// The units are written above, on a line whose baseline is at `unit_baseline_y`. Arrows and
   /// numbers reach less than cap_height above and below the bar.
   void Draw(cv::Mat3b& picture, cv::Point corner, int unit_baseline_y) const;

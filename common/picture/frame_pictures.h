@@ -15,16 +15,16 @@ struct FrameTruth {
   cv::Mat1b non_occluded;  ///< see NonOccludedMask(); empty without ground truth
 };
 
-/// Whether there is a cloud to be made of it: disparity, left image and calibration, of one size.
+/// Whether a cloud can be made: it has disparity, left image and calibration, of one size.
 bool HasCloud(const Frame& frame);
 
-/// Writes a picture of every part that the frame has and that can be shown: left, right, tof,
-/// seeds_raw (the ToF points before refinement), seeds, prior, prior_sigma, unfilled (as grown),
-/// disparity, confidence, cloud (from the side) as .png, and overview.png of four of them. What has
-/// a depth shares one scale of colours.
+/// Writes a picture of every part of the frame that can be shown: left, right, tof, seeds_raw (the
+/// ToF points before refinement), seeds, prior, prior_sigma, unfilled (as grown), disparity,
+/// confidence, cloud (from the side) as .png, and overview.png of four of them. Pictures of depth
+/// share one colour scale.
 /// @param truth    of its scene, of the size of its disparity, or empty: then there is no
 ///                 errors.png.
-/// @param path_of  where "left.png" goes.
+/// @param path_of  gives the path for "left.png" and others.
 /// @throws std::runtime_error naming path and reason, and what path_of throws.
 void WriteFramePictures(const Frame& frame, const FrameTruth& truth,
                         const std::function<std::filesystem::path(const char* what)>& path_of);

@@ -8,10 +8,10 @@
 
 namespace sprout {
 
-/// Text as a page shows it: &, <, > and " stand for themselves. O(length).
+/// Text escaped for HTML: &, <, > and " are shown as such. O(length).
 std::string EscapedHtml(std::string_view text);
 
-/// Bytes of a picture inside a page that is one file: what stands behind src= of an <img>.
+/// Bytes of a picture embedded in a page: the value of src= of an <img>.
 /// @param type  "image/png", "image/jpeg". O(bytes).
 std::string DataUrl(std::string_view type, std::span<const uint8_t> bytes);
 

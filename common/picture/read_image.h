@@ -11,17 +11,17 @@ namespace sprout {
 
 enum class ImageFormat { kPng, kJpeg, kPnm, kBmp, kTiff };
 
-/// PNG, JPEG, PGM and PPM: what pictures of data sets are.
+/// PNG, JPEG, PGM and PPM: formats of data sets.
 inline constexpr std::initializer_list<ImageFormat> kPictureFormats = {
     ImageFormat::kPng, ImageFormat::kJpeg, ImageFormat::kPnm};
 
-/// The same, and what cameras' own programs write.
+/// The same, and formats that cameras' own programs write.
 inline constexpr std::initializer_list<ImageFormat> kCameraFormats = {
     ImageFormat::kPng, ImageFormat::kJpeg, ImageFormat::kPnm, ImageFormat::kBmp,
     ImageFormat::kTiff};
 
-/// Decodes an image, as its pixels lie in the file. The first bytes tell the format, the header the
-/// size, and only then OpenCV gets to see it: a small file may claim any size.
+/// Decodes an image, with the pixels as in the file. Format and size are read from the first bytes
+/// and the header and checked before OpenCV decodes it: a small file may claim any size.
 /// @param flags  cv::imread()'s.
 /// @returns the image, or "image PATH: " and what is wrong with it: not of the formats, unreadable,
 ///          larger than kMaxSide or kMaxPixels.

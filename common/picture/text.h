@@ -11,7 +11,7 @@ namespace sprout {
 int TextWidth(const std::string& text, int cap_height);
 
 /// Writes a line of text, smooth even when small.
-/// @param baseline_left  where the first letter stands; text beyond the picture is cut off.
+/// @param baseline_left  where the first letter begins; text outside the picture is cut off.
 /// @param cap_height  height of capital letters, px; 9 and more is legible.
 void DrawText(cv::Mat3b& picture, const std::string& text, cv::Point baseline_left, int cap_height,
               const cv::Vec3b& color);

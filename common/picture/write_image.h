@@ -9,7 +9,7 @@
 
 namespace sprout {
 
-// Both write the whole file or none (see OutputFile); errors name path and reason.
+// All write the whole file or none (see OutputFile); errors name path and reason.
 
 /// Writes a picture (8UC1 grey or 8UC3 BGR), or a map (16UC1), as PNG.
 [[nodiscard]] Result<void> WritePng(const std::filesystem::path& path, const cv::Mat& picture);

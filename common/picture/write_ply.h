@@ -13,8 +13,8 @@ namespace sprout {
 // Both write binary little-endian PLY, the whole file or none (see OutputFile); errors name path
 // and reason, among them sizes that differ. Coordinates are metres in the left rectified frame
 // (x right, y down, z forward), each vertex has the colour of its pixel in the left image (8UC1
-// grey or 8UC3 BGR). Pixels without a disparity, and those whose disparity stands for no positive
-// depth, are left out. O(pixels).
+// grey or 8UC3 BGR). Pixels without a disparity, and those whose disparity gives no positive depth,
+// are left out. O(pixels).
 
 /// Writes the point cloud of a disparity map: vertices, row by row.
 [[nodiscard]] Result<void> WriteCloudPly(const std::filesystem::path& path,
@@ -23,8 +23,8 @@ namespace sprout {
 
 /// Disparities (px) of one mesh triangle differ by at most this. Growth steps by at most 1 px from
 /// a pixel to its neighbour and a triangle joins three pixels by two such steps, so a surface that
-/// grew as one stays whole, be it slanted and its disparities whole numbers; a larger jump is a
-/// depth edge.
+/// grew as one stays whole, even if it is slanted and its disparities are whole numbers; a larger
+/// jump is a depth edge.
 inline constexpr double kMaxMeshJumpPx = 2;
 
 /// Writes the cloud as a surface: the vertices of WriteCloudPly() and up to two triangles in each

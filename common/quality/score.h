@@ -12,8 +12,8 @@ namespace sprout {
 // How a disparity map is scored against ground truth.
 //
 // Scored pixels: those that both cameras see (NonOccludedMask()) and whose true disparity is known.
-// Error of a pixel: |d − d_gt|, px. A pixel without a disparity is wrong under every threshold.
-// Ground truth: px, NaN or infinite = unknown.
+// Error of a pixel: |d − d_gt|, px. A pixel without a disparity counts as wrong for every
+// threshold. Ground truth: px, NaN or infinite = unknown.
 
 /// Pixels of the left image that the right camera sees too: CV_8U, 255 = seen, else 0.
 ///
@@ -21,18 +21,18 @@ namespace sprout {
 /// |d_left(u, v) − d_right(u − d_left(u, v), v)| ≤ 1 px; the right map is read at the rounded
 /// column.
 ///
-/// Without one (`right_truth` empty) the left truth is moved into the right image: a pixel counts
+/// Without one (`right_truth` empty) the left truth is warped into the right image: a pixel counts
 /// when its disparity is known, its rounded right column lies in the image, and no other pixel of
 /// its row with a disparity more than 1 px larger (a nearer surface) has the same right column.
-/// That misses an occlusion where the nearer surface is slanted so that its pixels skip the column.
+/// An occlusion is missed where the nearer surface is so slanted that its pixels skip the column.
 ///
 /// @returns an error when both maps are given and differ in size. O(pixels).
 Result<cv::Mat1b> NonOccludedMask(const cv::Mat1f& left_truth, const cv::Mat1f& right_truth);
 
 /// Pixels of the left image that a nearer surface hides from the right camera: CV_8U, 255 = hidden,
 /// else 0. The disparity is known, its rounded right column lies in the image and (with a right
-/// truth) is known there, and the pixel is not in NonOccludedMask(). What is merely unknown, or
-/// beyond the right image's border, is in neither of the two masks.
+/// truth) is known there, and the pixel is not in NonOccludedMask(). Pixels of unknown truth, or
+/// beyond the right image's border, are in neither mask.
 /// @returns an error when both maps are given and differ in size. O(pixels).
 Result<cv::Mat1b> OccludedMask(const cv::Mat1f& left_truth, const cv::Mat1f& right_truth);
 
@@ -61,9 +61,10 @@ struct Accuracy {
   double invalid_percent() const { return Percent(scored - with_disparity); }
   /// The headline figure: 100 − "total bad 1.0" of the Middlebury SDK.
   double correct_le1_percent() const { return Percent(within_1); }
-  /// The stricter rule. Integer maps differ widely between the two rules, so tables show both.
+  /// The stricter rule. Maps of whole pixels differ widely between the two rules, so tables show
+  /// both.
   double correct_lt1_percent() const { return Percent(below_1); }
-  /// Error > 0.5 px or no disparity ("total bad 0.5"): for truths finer than a pixel.
+  /// Error > 0.5 px or no disparity ("total bad 0.5"): for sub-pixel truths.
   double bad05_percent() const { return Percent(scored - within_half); }
   /// Error > 2 px or no disparity ("total bad 2.0").
   double bad2_percent() const { return Percent(scored - within_2); }
@@ -81,10 +82,9 @@ struct Accuracy {
 /// Scores a map on the pixels where `mask` is not 0 and the truth is known. Thresholds are exact: a
 /// map off by 1 px everywhere is all correct by ≤ and all wrong by <.
 ///
-/// @param disparity_px  px, NaN or infinite = none. Against a truth of whole pixels a map rounded
-/// to
-///                      counts gains by ≤ and loses by < (by up to 1.4 and 2.9 points, measured):
-///                      score a map as its method made it, not rounded for the sake of scoring.
+/// @param disparity_px  px, NaN or infinite = none. Rounding a map to counts changes its score
+///                      against a truth of whole pixels (by up to +1.4 points for ≤ and −2.9 for <,
+///                      measured): score a map as its method made it, not rounded.
 /// @returns an error when the three sizes differ. O(pixels).
 Result<Accuracy> Score(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
                        const cv::Mat1b& mask);

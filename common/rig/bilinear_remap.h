@@ -8,21 +8,20 @@
 
 namespace sprout {
 
-/// For each pixel of a rectified image the place in the source image that it comes from, to 1/32
-/// px. Places beyond the image are those on its border. The same bytes as cv::remap with
-/// INTER_LINEAR and BORDER_REPLICATE, in a fraction of its time (services/capture/NOTES.md).
-/// Thread-compatible; copies share the maps, but not groups that no window holds.
+/// For each pixel of a rectified image its position in the source image, to 1/32 px. Positions
+/// outside the image are moved to its border. The same bytes as cv::remap with INTER_LINEAR and
+/// BORDER_REPLICATE, in a fraction of its time (services/capture/NOTES.md). Thread-compatible;
+/// copies share the maps, except for groups of pixels that fit into no window.
 class BilinearRemap {
  public:
-  /// So many pixels of a row come from one window of the source, three rows of 16 pixels, as a
-  /// rule.
+  /// Pixels of a row that usually come from one window of the source, three rows of 16 pixels.
   static constexpr int kGroup = 8;
 
   BilinearRemap() = default;
 
   /// @param places  column and row of the source, px; the result has its size.
   /// @param source  size of the source images, px.
-  /// 3.5 bytes a pixel are kept, and 4 more of each in a group that no window holds.
+  /// Takes 3.5 bytes a pixel, and 4 more for pixels of groups that fit into no window.
   BilinearRemap(const cv::Mat2f& places, cv::Size source);
 
   cv::Size source_size() const { return source_; }
@@ -36,13 +35,13 @@ class BilinearRemap {
 
   cv::Size source_;
   cv::Size size_;
-  // Of each group the first pixel of its window, in pixels from the first one of the image; or −1 −
-  // its place in `apart_`.
+  // For each group the index in the image of the first pixel of its window; or −1 − its index in
+  // `apart_`.
   cv::Mat1i windows_;
-  // Of each pixel the upper left one of four in the window: column, and 16 · row.
+  // For each pixel the upper left one of its four in the window: column + 16 · row.
   cv::Mat1b places_;
-  cv::Mat1w weights_;  // of the right ones, and 256 · of the lower ones, in 1/32
-  // Groups that no window holds: the upper left pixels, from the first one of the image.
+  cv::Mat1w weights_;  // of the right pixels + 256 · of the lower ones, in 1/32
+  // Groups that fit into no window: indices of the upper left pixels in the image.
   std::vector<std::array<int32_t, kGroup>> apart_;
 };
 

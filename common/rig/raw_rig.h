@@ -8,16 +8,16 @@
 
 namespace sprout {
 
-/// Where one camera stands in the frame of another one:
-/// point_in_other = rotation · point_in_camera + translation_m.
+/// Pose of one camera in the frame of another one: point_in_other = rotation · point_in_camera +
+/// translation_m.
 struct Pose {
   Eigen::Quaternion<double, Eigen::DontAlign> rotation =
       Eigen::Quaternion<double, Eigen::DontAlign>::Identity();
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
 };
 
-/// A rig as its cameras see: lenses that distort, a pair that is not rectified. Frames are x right,
-/// y down, z forward. Rectifier makes a Rig of it.
+/// A rig before rectification: lenses with distortion, an unrectified pair. Frames are x right, y
+/// down, z forward. Rectifier turns it into a Rig.
 struct RawRig {
   Lens left;
   Lens right;            ///< of the left one's size
@@ -30,10 +30,10 @@ struct RawRig {
   double range_offset_m = 0;
 };
 
-/// Whether a calibration can be used: numbers that cameras may have (CheckLens()), distortion that
-/// can be undone, images of one size, 2×2 px or more, rotations of norm 1, the right camera to the
-/// right of the left one; and whether the rectified images show what both cameras see. The error
-/// names the first field that is not so, as rig.proto calls it. O(1).
+/// Whether a calibration can be used: possible numbers (CheckLens()), invertible distortion, images
+/// of one size, at least 2×2 px, rotations of norm 1, the right camera to the right of the left
+/// one; and whether the rectified images show enough of what both cameras see. The error names the
+/// first wrong field, by its name in rig.proto. O(1).
 Result<void> CheckRawRig(const RawRig& rig);
 
 }  // namespace sprout

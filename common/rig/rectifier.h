@@ -11,14 +11,13 @@
 
 namespace sprout {
 
-/// Turns what a rig's cameras see into a rectified pair and unbiased ranges. Both cameras are
-/// turned so that they look into one direction, at right angles to the baseline
-/// (RectificationOf()), with a common focal length that leaves no border without a picture; at the
-/// edge a pixel may be repeated. The images keep their size. Thread-compatible; copies share the
-/// maps.
+/// Rectifies a rig's images and removes the bias of its ranges. Both cameras are rotated to one
+/// direction, perpendicular to the baseline (RectificationOf()), with a common focal length that
+/// leaves no empty border; at the edge a pixel may be repeated. The images keep their size.
+/// Thread-compatible; copies share the maps.
 class Rectifier {
  public:
-  /// O(pixels): makes both maps, 6 bytes a pixel each.
+  /// O(pixels): makes both maps, 3.5 bytes a pixel each.
   /// @pre CheckRawRig(rig).
   explicit Rectifier(const RawRig& rig);
 
@@ -33,11 +32,11 @@ class Rectifier {
   cv::Mat RectifyLeft(const cv::Mat& image) const { return left_.Apply(image); }
   cv::Mat RectifyRight(const cv::Mat& image) const { return right_.Apply(image); }
 
-  /// Depths with the bias of the range taken away; pixels without a return stay as they are.
+  /// Depths without the bias of the range; pixels without a return stay as they are.
   /// @param tof  of the calibrated size, or 0×0.
   void CorrectRanges(TofImage& tof) const;
 
-  /// Pixel of the rectified left or right image at which a pixel of the unrectified one lands.
+  /// Position in the rectified left or right image of a pixel of the unrectified one.
   cv::Point2d LeftPixel(const cv::Point2d& raw_pixel) const;
   cv::Point2d RightPixel(const cv::Point2d& raw_pixel) const;
 

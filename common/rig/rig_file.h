@@ -14,14 +14,14 @@ namespace sprout {
 /// @throws ConfigError naming file, line or field, and what is allowed.
 RigDescription LoadRigFile(const std::filesystem::path& path);
 
-/// Writes a rig file, whole or not at all.
+/// Writes a rig file; see OutputFile.
 Result<void> SaveRigFile(const std::filesystem::path& path, const RigDescription& rig);
 
 /// The calibration of a rig file; nothing when it has none yet.
 /// @throws ConfigError naming the field that cannot be used.
 std::optional<RawRig> CalibrationOf(const RigDescription& rig);
 
-/// The same, for a caller that needs one.
+/// The same, but required.
 /// @param path  of the file, for the message.
 /// @throws ConfigError, also when there is none.
 RawRig RequireCalibration(const RigDescription& rig, const std::filesystem::path& path);

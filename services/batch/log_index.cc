@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFormat = 3;
+constexpr int kIndexFormat = 3;
 constexpr int64_t kMaxLine = 512;  // channel 63, rig_id and seven numbers; longer ids are refused
 constexpr size_t kMaxRigId = 128;
 
@@ -70,7 +70,7 @@ struct IndexHead {
 
 std::string HeadLine(const IndexHead& of) {
   nlohmann::json head = ToJson(of.summary);
-  head["sprout_index"] = kFormat;
+  head["sprout_index"] = kIndexFormat;
   head["lines_bytes"] = of.bytes;
   head["lines_digest"] = of.digest;
   return head.dump() + "\n";
@@ -79,7 +79,7 @@ std::string HeadLine(const IndexHead& of) {
 IndexHead ParseHead(const fs::path& path, std::string_view line) {
   try {
     const auto head = ParseObject(std::string(line));
-    if (head.value("sprout_index", nlohmann::json()) == kFormat) {
+    if (head.value("sprout_index", nlohmann::json()) == kIndexFormat) {
       return {.summary = IndexSummaryFrom(head),
               .bytes = CountIn(head, "lines_bytes"),
               .digest = DigestIn(head, "lines_digest")};
@@ -138,7 +138,7 @@ IndexedEvent ParseLine(const fs::path& path, int64_t place, std::string_view lin
   event.hash = words.Number<uint64_t>(16);
   for (const int64_t number : {event.offset, event.bytes}) {
     if (number < 0 || number > kMostOfAnything) {
-      throw LogError(path, "a line of the index has a place or a size that cannot be");
+      throw LogError(path, "a line of the index has an impossible position or size");
     }
   }
   return event;

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr int kFormat = 1;
+constexpr int kManifestFormat = 1;
 
 Json ToJson(const BatchHead& head) {
   Json variants = Json::array();
@@ -37,7 +37,7 @@ Json ToJson(const BatchHead& head) {
     variants.push_back(
         {{"name", variant.name}, {"config_digest", variant.config_digest}, {"programs", programs}});
   }
-  return {{"sprout_batch", kFormat},
+  return {{"sprout_batch", kManifestFormat},
           {"stages", head.stages},
           {"keep", head.keep},
           {"channel_prefix", head.prefix},
@@ -84,7 +84,7 @@ Variant VariantFrom(const Json& json, const std::string& name, const StageNames&
 }
 
 BatchHead HeadFrom(const Json& json) {
-  if (json.value("sprout_batch", Json()) != kFormat) throw ConfigError("not of this version");
+  if (json.value("sprout_batch", Json()) != kManifestFormat) throw ConfigError("not of this version");
   BatchHead head;
   head.stages = StagesIn(json);
   head.keep = KeepIn(json, head.stages);
@@ -231,7 +231,7 @@ fs::path BatchFolder::comparison(const std::string& key) const {
 
 std::string ResultKey(const BatchHead& head, const Variant& variant, const Shard& shard) {
   std::string text =
-      fmt::format("result {} {} {} {} {} {} {}", kFormat, shard.input, variant.config_digest,
+      fmt::format("result {} {} {} {} {} {} {}", kManifestFormat, shard.input, variant.config_digest,
                   fmt::join(head.keep, ","), head.prefix, head.tables, head.measured);
   for (const std::string& stage : head.stages) {
     text += " " + stage + " " + variant.programs.at(stage).digest;
@@ -240,7 +240,7 @@ std::string ResultKey(const BatchHead& head, const Variant& variant, const Shard
 }
 
 std::string ComparisonKey(const BatchHead& head, const BatchLog& log, const Shard& shard) {
-  std::string text = fmt::format("comparison {} {}", kFormat, head.truth);
+  std::string text = fmt::format("comparison {} {}", kManifestFormat, head.truth);
   if (!head.truth.empty()) text += " " + log.name;
   for (const Variant& variant : head.variants) text += " " + ResultKey(head, variant, shard);
   return Digest(text);

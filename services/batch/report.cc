@@ -24,7 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kShownFrames = 8;
-constexpr size_t kShownLogs = 200;
 
 constexpr char kHead[] = R"(<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>sprout-batch</title>
@@ -134,7 +133,9 @@ class ReportWriter {
   }
 
   static std::string Meaning(const std::string& measure) {
-    if (measure == "bad1") return "share of true pixels off by more than 1 px or without disparity";
+    if (measure == "bad1")
+      return "share of pixels with ground truth that are off by more than 1 px or have no "
+             "disparity";
     if (measure.ends_with("_ms")) {
       return "time a frame, mean of its shard; depends on what else the machine did";
     }

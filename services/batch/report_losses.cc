@@ -11,7 +11,6 @@
 namespace sprout::batch {
 namespace {
 
-constexpr size_t kShownLogs = 200;
 constexpr size_t kShownFailures = 20;
 
 // A column of the table; those of variants come once for each.
@@ -48,7 +47,7 @@ constexpr char kLegend[] =
     "done.</p>\n";
 
 // A log without shards or frames is bad, too.
-std::string Cell(int64_t count, bool is_bad) {
+std::string CountCell(int64_t count, bool is_bad) {
   const char* kind = (count > 0) == is_bad ? " class=\"bad\"" : count == 0 ? " class=\"none\"" : "";
   return fmt::format("<td{}>{}</td>", kind, count);
 }
@@ -70,11 +69,12 @@ std::string Head(const BatchHead& head) {
 
 std::string Row(const std::string& name, const Losses& losses) {
   std::string html = "<tr><td>" + name + "</td>";
-  for (const Column& column : kShardColumns) html += Cell(losses.*column.count, column.is_bad);
+  for (const Column& column : kShardColumns) html += CountCell(losses.*column.count, column.is_bad);
   for (const Losses::OfVariant& variant : losses.variants) {
-    for (const VariantColumn& column : kVariantColumns) html += Cell(variant.*column.count, true);
+    for (const VariantColumn& column : kVariantColumns)
+      html += CountCell(variant.*column.count, true);
   }
-  for (const Column& column : kInputColumns) html += Cell(losses.*column.count, column.is_bad);
+  for (const Column& column : kInputColumns) html += CountCell(losses.*column.count, column.is_bad);
   return html + "</tr>\n";
 }
 

@@ -195,7 +195,7 @@ std::string ReportHtml(const Calibration& calibration, const RigImages& images,
     html += Figure(CoveragePicture(quality.cameras[kTof], rig.tof.size()), "ToF");
   }
   html += "<h2>The rectified pair</h2>\n" +
-          Figure(PairPicture(rig, images), "A thing lies on the same row in both images.");
+          Figure(PairPicture(rig, images), "A point lies on the same row in both images.");
   if (HasTof(calibration) && !images.tof.depth_m.empty()) {
     html += "<h2>ToF points on the left image</h2>\n" +
             Figure(TofPicture(rig, images),

@@ -12,15 +12,13 @@
 #include "common/config/config_error.h"
 #include "common/core/number_text.h"
 #include "common/core/read_text.h"
+#include "services/datasets/rectified.h"
 
 namespace sprout::datasets {
 namespace {
 
 constexpr double kFullSizeFocalPx = 3740;  // 2005 and 2006, as Middlebury publishes them
 constexpr double kBaselineM = 0.160;
-
-// Focal lengths and rows of a rectified pair may differ by the rounding of the text only.
-constexpr double kRectifiedTolerancePx = 0.01;
 
 // The "key=value" lines of a calib.txt.
 class CalibFile {
@@ -130,13 +128,8 @@ RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::
 
   if (pair.focal_px <= 0) throw calib.Bad("cam0", "a focal length above 0");
   if (pair.baseline_m <= 0) throw calib.Bad("baseline", "a number above 0, mm");
-  for (const auto& [a, b] : {std::pair{left[0], left[4]},
-                             {left[0], right[0]},
-                             {left[0], right[4]},
-                             {left[5], right[5]}}) {
-    if (!(std::abs(a - b) <= kRectifiedTolerancePx)) {
-      throw calib.Bad("cam1", "one focal length for both cameras and axes, and cam0's row");
-    }
+  if (!AreRectified({left[0], left[4], left[5]}, {right[0], right[4], right[5]})) {
+    throw calib.Bad("cam1", "one focal length for both cameras and axes, and cam0's row");
   }
   for (const auto& [key, px] : {std::pair{"width", size.width}, {"height", size.height}}) {
     if (calib.Has(key) && calib.Number(key) != px) {

@@ -16,7 +16,7 @@ namespace sprout::datasets {
 namespace {
 
 constexpr double kFocalPerWidth = 0.9;    // 58° from left to right
-constexpr double kBaselineM = 0.2;        // disparities of 2 to 15 % of the width
+constexpr double kSceneBaselineM = 0.2;        // disparities of 2 to 15 % of the width
 constexpr double kOffsetPerWidth = 0.01;  // cx_right − cx: code that takes it for 0 shall show
 constexpr double kNearestFloorM = 1.6;    // depth of the floor at the bottom of the image
 
@@ -30,7 +30,7 @@ RectifiedPair PairOfSize(cv::Size size) {
   pair.cx = (size.width - 1) / 2.0;
   pair.cy = (size.height - 1) / 2.0;
   pair.cx_right = pair.cx + shrink * kOffsetPerWidth * size.width;
-  pair.baseline_m = shrink * kBaselineM;
+  pair.baseline_m = shrink * kSceneBaselineM;
   return pair;
 }
 

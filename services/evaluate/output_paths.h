@@ -6,7 +6,7 @@
 
 namespace sprout::evaluate {
 
-// Looked at before a long run, so that it does not end with nowhere to write to.
+// Checked before a long run, so that writing its results does not fail.
 
 /// Checks that a file can be written; leaves nothing behind and an older file as it is.
 /// @throws ConfigError naming flag, path and the system's reason.

@@ -7,14 +7,14 @@ namespace {
 
 constexpr const char* kScenes[] = {"Lampshade1", "Monopoly", "Plastic"};
 
-struct Row {
+struct PublishedRow {
   const char* method;
   double percent[std::size(kScenes)];
 };
 
 // Gandhi, Čech, Horaud: "High-Resolution Depth Maps Based on TOF-Stereo Fusion", ICRA 2012, III-A:
 // the evaluation on Middlebury 2006, full size.
-constexpr Row kRows[] = {
+constexpr PublishedRow kRows[] = {
     {"mncc-harris", {61.5, 51.2, 25.2}},   {"mncc-tof", {64.3, 53.4, 28.2}},
     {"expssd-harris", {44.9, 29.4, 13.5}}, {"expssd-tof", {49.5, 32.1, 20.6}},
     {"epc", {88.8, 85.2, 88.7}},           {"epc-filled", {96.4, 95.3, 98.2}},
@@ -24,7 +24,7 @@ constexpr Row kRows[] = {
 }  // namespace
 
 std::optional<double> PaperPercent(const std::string& scene, const std::string& method) {
-  for (const Row& row : kRows) {
+  for (const PublishedRow& row : kRows) {
     for (size_t i = 0; i < std::size(kScenes); ++i) {
       if (method == row.method && scene == kScenes[i]) return row.percent[i];
     }

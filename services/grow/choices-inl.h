@@ -1,6 +1,5 @@
 // The better one of a pixel's two candidates, for each instruction set: included by
-// sweep_kernel.cc, which Highway compiles once for each. No include guard of the usual kind for
-// that reason.
+// sweep_kernel.cc, which Highway compiles once for each, so it has no usual include guard.
 #if defined(SPROUT_SERVICES_GROW_CHOICES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPROUT_SERVICES_GROW_CHOICES_INL_H_
 #undef SPROUT_SERVICES_GROW_CHOICES_INL_H_
@@ -20,10 +19,10 @@ namespace sprout::grow {
 namespace HWY_NAMESPACE {
 
 // Rows of pairs (PairProducts()) that hold the five rows of a window: its rows 0 and 1, 2 and 3, 4.
-// Of the last pairs the lower pixels are not the window's.
+// The lower pixels of the last pairs are not in the window.
 using WindowPairs = std::array<const int32_t*, 3>;
 
-// Pairs of columns, of which products give sums over columns of a window.
+// Pairs of columns, whose products give sums over the columns of a window.
 template <class D>
 class Columns {
  public:

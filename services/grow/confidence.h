@@ -10,18 +10,19 @@
 
 namespace sprout::grow {
 
-/// How far a map's disparities can be trusted, from what goes wrong in practice: depth edges that
-/// are some pixels off, pixels that growth did not reach, windows that do not fit, and holes
-/// between the seeds, which the prior closes as well as it can.
+/// How far a map's disparities can be trusted, by the usual causes of errors: depth edges that are
+/// some pixels off, pixels that growth did not reach, windows that do not match, and holes between
+/// the seeds, which only the prior fills.
 ///
 ///   confidence = 255 · (1 − 0.45·exp(−r / 8) − 0.15·g − 0.15·min(e / 5, 1) − 0.25·h)      (C1)
 ///
 /// r: distance to the next depth edge (more than 1 px within 3×3 pixels), px;
 /// g: share of the 9×9 window that growth left empty;
-/// e: exponent of eq. (4) between the 5×5 window and what the disparities make of the right image;
-/// h: how far the next seed is, in spacings of seeds spread evenly over the image: 0 up to 0.75,
+/// e: exponent of eq. (4) between the 5×5 windows of the left image and of the right image warped
+/// by the disparities; h: how far the next seed is, in spacings of seeds spread evenly over the
+/// image: 0 up to 0.75,
 ///    which a square grid does not exceed (its pixels are up to √½ = 0.71 away), and 1 from 1.75
-///    on. What only the left camera sees is a hole, too: there is no correspondence.
+///    on. A region that only the left camera sees is a hole, too: it has no correspondence.
 /// The weights add up to 1. They are fixed: with others for the first three, errors come in nearly
 /// the same order.
 ///
@@ -43,17 +44,17 @@ class ConfidenceEstimator {
                     const DisparityImage& grown, const DisparityImage& filled);
 
  private:
-  // @returns how far apart as many seeds would be if they were spread evenly, px.
+  // @returns the spacing of that many seeds if spread evenly, px.
   float MarkSeeds(std::span<const Seed> seeds, cv::Size size);
 
   float photo_scale_;
-  cv::Mat1b no_seed_;  // 0 where one is
+  cv::Mat1b no_seed_;  // 0 at seeds
   DistanceMemory edge_memory_, hole_memory_;
   cv::Mat1w edge_penalties_, hole_penalties_;
   cv::Mat1b confidence_;
 };
 
-/// Takes the disparities away whose confidence is below a bound: unknown stays unknown.
+/// Removes the disparities whose confidence is below a bound. Pixels without a disparity stay so.
 /// @param least  0 (all stay) to 255. O(pixels).
 void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparity);
 

@@ -53,7 +53,7 @@ void PenaliseEdges(const DisparityImage& filled, const EdgePenalties& by_distanc
 void PenaliseHoles(const cv::Mat1b& no_seed, float spacing_px, DistanceMemory& memory,
                    cv::Mat1w& penalties);
 
-/// What the confidence is made of, besides the two penalties.
+/// What the confidence depends on, besides the two penalties.
 struct ConfidenceInput {
   const cv::Mat1b& left;
   const cv::Mat1b& right;

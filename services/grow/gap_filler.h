@@ -13,10 +13,9 @@ namespace sprout::grow {
 /// one object serves one caller at a time.
 class GapFiller {
  public:
-  /// @param fill  NONE: returns the map; ONE_PASS: gaps look at the given map only; PRIOR: gaps
-  /// take
-  ///              the prior's disparity instead, then every pixel the median of its 5×5 window.
-  /// @param prior  of the map's size; only looked at by PRIOR. An empty one fills nothing.
+  /// @param fill  NONE: returns the map; ONE_PASS: medians use the given map only; PRIOR: gaps take
+  ///              the prior's disparity, then every pixel takes the median of its 5×5 window.
+  /// @param prior  of the map's size; only used by PRIOR. An empty one fills nothing.
   /// @returns another map (with NONE the given one); the given one is not changed. O(pixels), on
   ///          OpenCV's threads with the same result for any number.
   DisparityImage Fill(const DisparityImage& map, GrowConfig::Fill fill,

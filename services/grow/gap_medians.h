@@ -8,7 +8,7 @@
 
 namespace sprout::grow {
 
-/// Pixels of a row that are filled in one go.
+/// Pixels of a row that are filled at once.
 inline constexpr int kFillColumns = 32;
 using FilledPixels = std::array<int16_t, kFillColumns>;
 

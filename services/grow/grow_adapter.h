@@ -21,9 +21,9 @@ class GrowAdapter : public StageAdapter {
 
   PartSet Inputs() const override { return InputsOf(config_); }
 
-  /// Grow() and Finish(). Always answers; when nothing can grow the map is what gap filling makes
-  /// of nothing (the prior, or no disparity), and the outcome says why. Images that do not fit
-  /// together give no disparity.
+  /// Grow() and Finish(). Always answers; when nothing can grow, the map is what gap filling makes
+  /// of an empty one (the prior, or no disparity), and the result says why. Images of different
+  /// sizes give no disparity.
   StageResult Process(const Frame& frame) override { return Finish(frame, Grow(frame)); }
 
   /// What grew.
@@ -35,7 +35,7 @@ class GrowAdapter : public StageAdapter {
   };
   Growth Grow(const Frame& frame);
 
-  /// Fills the gaps, and takes away what the confidence says is not sure.
+  /// Fills the gaps, and removes disparities of low confidence.
   /// @param growth  of this frame.
   StageResult Finish(const Frame& frame, const Growth& growth);
 

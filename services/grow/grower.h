@@ -17,23 +17,22 @@
 
 namespace sprout::grow {
 
-/// Grows correspondences from seeds: for EPC with kernels for each instruction set, otherwise as
-/// plain_growth.h has it, which gives the same.
+/// Grows correspondences from seeds: for EPC with kernels for each instruction set, otherwise with
+/// plain_growth.h, which gives the same.
 ///
 /// Pixels to which the prior leaves two disparities are matched in sweeps over the rows (README,
 /// plain_sweep.h), then the others best first, from the seeds and from what has been swept (paper,
 /// Alg. 1). Where all are open, as with preset paper, it is Alg. 1 alone.
 ///
-/// Where the paper leaves a choice: seeds leave the queue by level (GrowthRule::LevelOf()), of one
-/// level the last one added first; initial seeds enter it in the order given; neighbours are
-/// visited left, right, up, down; of three equally similar disparities d comes before d − 1 before
-/// d + 1.
+/// Where the paper leaves a choice: seeds leave the queue by level (GrowthRule::LevelOf()), within
+/// a level the last one added first; initial seeds enter it in the order given; neighbours are
+/// visited left, right, up, down; of equally similar disparities d comes before d − 1 before d + 1.
 ///
-/// The image is cut into bands of RowsPerBand() rows. Each grows from its own seeds; when all have
-/// come to rest, each grows on from the pixels of its neighbours' border rows, and so on until
-/// nothing changes. So the bands can grow at the same time, on OpenCV's threads
-/// (cv::setNumThreads), and the same input gives the same bytes on every machine, with any number
-/// of threads and any instruction set. A sweep does not depend on the bands.
+/// The image is cut into bands of RowsPerBand() rows. Each grows from its own seeds; when all are
+/// finished, each grows on from the pixels of its neighbours' border rows, and so on until nothing
+/// changes. So the bands can grow at the same time, on OpenCV's threads (cv::setNumThreads), and
+/// the same input gives the same bytes on every machine, with any number of threads and any
+/// instruction set. A sweep does not depend on the bands.
 class Grower {
  public:
   /// @throws ConfigError when a value is out of range.
@@ -41,8 +40,8 @@ class Grower {
 
   /// @param left, right  rectified pair, grey, of one size.
   /// @param seeds        initial correspondences; those whose window leaves an image are ignored.
-  /// @param prior        D_p, of the images' size; not looked at unless the similarity is EPC. Its
-  ///                     standard deviation says how far a pixel is searched, see SigmaP().
+  /// @param prior        D_p, of the images' size; used only if the similarity is EPC. Its standard
+  ///                     deviation says how far a pixel is searched, see SigmaP().
   /// @returns disparities, one-to-one: rounded to whole pixels, no two left pixels share a right
   ///          pixel. In whole pixels, or with sub_pixel to the counts of DisparityImage. An error
   ///          when sizes differ or the images are smaller than the window.

@@ -10,10 +10,10 @@
 #include "services/grow/seed_queue.h"
 
 // The fast growth of open pixels for EPC. One-to-one matching couples the pixels of a row only, so
-// a band of rows has all it needs, and bands grow at the same time.
+// bands of rows are independent and grow at the same time.
 namespace sprout::grow {
 
-/// What growth touches of a left pixel, in one place.
+/// All that growth reads and writes of a left pixel, in one place.
 struct LeftPixel {
   static constexpr int16_t kFree = DisparityImage::kInvalid;  // open, and not matched yet
   static constexpr int16_t kClosed = kFree + 1;               // not open, and not matched
@@ -26,7 +26,7 @@ struct LeftPixel {
   int16_t disparity;  // px, or kFree or kClosed
 };
 
-/// Of a right pixel. Of one with kNoWindow the window leaves the image.
+/// State of a right pixel; kNoWindow: its window leaves the image.
 enum RightState : uint8_t { kUnmatched, kMatched, kNoWindow };
 
 /// A pixel of a band: its place in all of the band's tables, which have the same layout. Its
@@ -69,8 +69,8 @@ struct GrowthBand {
 /// Disparities of a row as in LeftPixel.
 using SeamRow = std::span<const int16_t>;
 
-/// What there is for each instruction set. All give the same bytes: they compute in whole numbers,
-/// and in single operations of floating point that IEEE 754 defines to the last bit.
+/// The functions compiled for each instruction set. All give the same bytes: they compute in whole
+/// numbers, and in single operations of floating point that IEEE 754 defines to the last bit.
 struct GrowthKernel {
   /// Fills the band's tables, besides the seeds: matched is what the map has, pixels that are not
   /// open. O(pixels).
@@ -91,7 +91,7 @@ struct GrowthKernel {
                 DisparityImage& map);
 };
 
-/// That of the instruction set in use (--simd); null when that has no vectors of 16 bytes.
+/// The one for the instruction set in use (--simd); null when that has no vectors of 16 bytes.
 const GrowthKernel* FindGrowthKernel();
 
 }  // namespace sprout::grow

@@ -51,7 +51,7 @@ inline constexpr int kKeys = (1 << 14) - 1;
 inline constexpr int kRunPixels = 16;
 
 /// Rows of the bands in which an image grows; the last may have fewer. At most 64, and as even as
-/// can be, so that none of two threads has a whole band more to do than the other.
+/// possible, so that neither of two threads has a whole band more to do than the other.
 inline int RowsPerBand(int height) {
   constexpr int kMostRows = 64;
   const int bands = (height + kMostRows - 1) / kMostRows;
@@ -73,14 +73,15 @@ inline bool WindowsFit(const Correspondence& q, cv::Size size) {
          q.v < size.height - kRadius;
 }
 
-/// One pair of images, grey, and its prior, which is not looked at unless the similarity is EPC.
+/// One pair of images, grey, and its prior, which is used only if the similarity is EPC.
 struct GrowthInput {
   const cv::Mat1b& left;
   const cv::Mat1b& right;
   const PriorMap& prior;
 };
 
-/// What decides on a correspondence: the configuration in the units in which growth computes.
+/// What decides on a correspondence: the configuration, converted to the units in which growth
+/// computes.
 struct GrowthRule {
   GrowConfig::Similarity similarity = GrowConfig::EPC;
   bool sub_pixel = false;
@@ -94,9 +95,9 @@ struct GrowthRule {
   std::array<float, kMaxSigmaCounts + 1> prior_scales{};
   std::array<int, kMaxSigmaCounts + 1> prior_reaches{};
 
-  /// Least standard deviation, counts, for which the prior leaves a pixel more than the two whole
-  /// disparities on either side of it, an open pixel; kMaxSigmaCounts + 1 when none does. Below,
-  /// σ_p is sigma_p_px. 0 without a prior: every pixel is open.
+  /// Smallest standard deviation, counts, of an open pixel: one to which the prior leaves more than
+  /// the two whole disparities on either side of it; for smaller ones σ_p is sigma_p_px.
+  /// kMaxSigmaCounts + 1: no pixel is open. 0 (without a prior): every pixel is.
   int least_open = 0;
   bool IsOpen(uint8_t sigma) const { return sigma >= least_open; }
 
@@ -105,8 +106,8 @@ struct GrowthRule {
   int key_shift = 0;
 
   /// A cost's level in the queue of seeds, 0 to kLevels − 1: levels between 0 and the limit have
-  /// equal widths; what lies beyond the limit shares the last one (S3). 22 bits of fraction are the
-  /// most for which no product exceeds 31: cost · levels_per_cost ≤ kLevels << 22.
+  /// equal widths; costs above the limit share the last one (S3). 22 fractional bits are the most
+  /// for which no product exceeds 31 bits: cost · levels_per_cost ≤ kLevels << 22.
   static constexpr int kLevelFraction = 22;
   int LevelOf(int32_t cost) const {
     return std::min(cost, limit) * levels_per_cost >> kLevelFraction;

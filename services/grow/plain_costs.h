@@ -5,7 +5,7 @@
 
 #include "services/grow/growth_rule.h"
 
-// What a correspondence costs, from scratch: what the kernels compute for many at once.
+// The cost of one correspondence, computed directly; the kernels compute many at once.
 namespace sprout::grow {
 
 /// Costs of eq. (1), 1 − MNCC, and of eqs. (4) and (6), exponents, for a rule's similarity.
@@ -16,7 +16,7 @@ int32_t CostOf(const GrowthRule& rule, const GrowthInput& input, const Correspon
 int32_t CostWhereItFits(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q);
 
 /// Counts from d to the minimum of the parabola through the costs of d − 1, d and d + 1, at most
-/// kMostStep; 0 where d has not the least of the three, or one is missing (S2).
+/// kMostStep; 0 if d does not have the smallest of the three, or one is missing (S2).
 int SubPixelStep(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q);
 
 }  // namespace sprout::grow

@@ -9,8 +9,8 @@
 
 namespace sprout::grow {
 
-/// Queue of seeds in the order of the growth's rule: the smaller level first, and on one level the
-/// seed that was added last.
+/// Queue of seeds in the order of growth: the lowest level first, and within a level the seed that
+/// was added last.
 ///
 /// Each level is a chain of seeds. The links lie with the seeds, in the caller's memory: one cache
 /// line a visit less than a queue that holds seeds itself. O(1) a seed.

@@ -8,7 +8,7 @@
 #include "common/core/disparity_image.h"
 #include "services/grow/sweep_band.h"
 
-// Steps 3 to 5 of the sweep: what seeds reach, by segments instead of pixels.
+// Steps 3 to 5 of the sweep, on segments instead of pixels: which ones seeds reach.
 namespace sprout::grow {
 
 /// Seeds in the order of their rows.
@@ -29,7 +29,7 @@ class SeedsByRow {
 /// marks those that seeds reach. O(segments + seeds), and where rows meet in pixels.
 void LinkRows(const DisparityImage& map, const SeedsByRow& seeds, SweepBand& band);
 
-/// Step 3 from band to band: marks on until nothing changes.
+/// Step 3 from band to band: goes on marking until nothing changes.
 void LinkBands(const DisparityImage& map, std::span<SweepBand> bands);
 
 /// Steps 4 and 5 in the band's rows of the map.

@@ -1,5 +1,5 @@
 // Eqs. (1), (4) and (5) as costs, for single numbers and for vectors of them: Highway compiles this
-// file once for each instruction set. No include guard of the usual kind for that reason.
+// file once for each instruction set, so it has no usual include guard.
 #if defined(SPROUT_SERVICES_GROW_SIMILARITY_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPROUT_SERVICES_GROW_SIMILARITY_INL_H_
 #undef SPROUT_SERVICES_GROW_SIMILARITY_INL_H_

@@ -19,15 +19,15 @@ struct LostClaim {
   int16_t step;  // counts from d to the least cost
 };
 
-/// Of a row. Segments that are linked make a tree, in which each comes after its parent.
+/// A segment of a row. Linked segments make a tree, in which each comes after its parent.
 struct Segment {
   int16_t begin;       // column
   uint8_t is_matched;  // whether its pixels have disparities
   uint8_t is_reached;  // of a root: whether a seed reaches its tree
-  int32_t parent;      // the root's is itself
+  int32_t parent;      // the root is its own
 };
 
-/// What the sweep of a band of rows keeps, besides what it writes to the map.
+/// The state of the sweep of a band of rows, besides the map.
 struct SweepBand {
   int first_row = 0;
   int rows = 0;
@@ -40,8 +40,8 @@ struct SweepBand {
   std::vector<int32_t> first_lost;
 
   /// A row of the map is cut into segments: runs of pixels whose disparities differ by at most one
-  /// from each to the next; pixels without one make segments, too. Bit u % 64 of word u / 64 of a
-  /// row: a segment begins at u > 0.
+  /// from each to the next; pixels without a disparity make segments, too. Bit u % 64 of word u /
+  /// 64 of a row: a segment begins at u > 0.
   std::vector<uint64_t> cuts;
   size_t words_per_row = 0;
 
@@ -49,8 +49,8 @@ struct SweepBand {
   std::vector<int32_t> first_segment;  // of each row, one more than rows
 };
 
-/// What there is for each instruction set. All give the same bytes: they compute in whole numbers,
-/// and in single operations of floating point that IEEE 754 defines to the last bit.
+/// The functions compiled for each instruction set. All give the same bytes: they compute in whole
+/// numbers, and in single operations of floating point that IEEE 754 defines to the last bit.
 struct SweepKernel {
   /// Steps 1 and 2 for the rows of a band: fills these rows of the map, the lost claims and cuts.
   /// @param band  first_row and rows are set. O(pixels).
@@ -58,7 +58,7 @@ struct SweepKernel {
                 DisparityImage& map);
 };
 
-/// That of the instruction set in use (--simd); null when that has no vectors of 16 bytes.
+/// The one for the instruction set in use (--simd); null when that has no vectors of 16 bytes.
 const SweepKernel* FindSweepKernel();
 
 }  // namespace sprout::grow

@@ -1,6 +1,5 @@
-// Costs of four disparities at a pixel, and what else the parts of the fast growth share, for each
-// instruction set: Highway compiles this file once for each. No include guard of the usual kind for
-// that reason.
+// Costs of four disparities at a pixel, and other code that the parts of the fast growth share.
+// Highway compiles this file once for each instruction set, so it has no usual include guard.
 #if defined(SPROUT_SERVICES_GROW_WINDOW_COSTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPROUT_SERVICES_GROW_WINDOW_COSTS_INL_H_
 #undef SPROUT_SERVICES_GROW_WINDOW_COSTS_INL_H_
@@ -23,7 +22,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Numbers of the disparities d + 1, d, d − 1 and d − 2, in this order: so the right windows lie in
+// Values for the disparities d + 1, d, d − 1 and d − 2, in this order: that of the right windows in
 // memory.
 using DFour = hn::FixedTag<int32_t, 4>;
 using Four = hn::Vec<DFour>;
@@ -70,7 +69,7 @@ HWY_INLINE V EpcCosts(const GrowthRule& rule, V energies, V cross, V distances, 
   return hn::IfThenElse(misfit, hn::Set(d, kExcludedCost), hn::ConvertTo(d, cost));
 }
 
-// Numbers of eight neighbouring pixels.
+// Values of eight neighbouring pixels.
 struct Eight {
   Four first, last;
 
@@ -147,9 +146,9 @@ HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelI
                   rule.prior_scales[sigma], misfit);
 }
 
-// Where between d − 1 and d + 1 the parabola through their costs has its minimum, from d, counts;
-// none where a cost is missing or d is not better than the two others (S2). At most 15 counts up,
-// so that rounding leads back to d.
+// Counts from d to the minimum, between d − 1 and d + 1, of the parabola through their costs; none
+// where a cost is missing or d is not better than the two others (S2). At most 15 counts up, so
+// that rounding leads back to d.
 template <class V>
 HWY_INLINE V StepsToMinimum(V minus_one, V cost, V plus_one) {
   const hn::DFromV<V> d;

@@ -9,7 +9,7 @@
 namespace sprout::log {
 namespace {
 
-constexpr size_t kRecent = 64;  // as far back a message may come again
+constexpr size_t kRecentMessages = 64;  // as far back a message may come again
 
 uint64_t HashOf(std::span<const uint8_t> bytes) {
   return Hash({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
@@ -78,7 +78,7 @@ bool EventStream::IsRepeated() {
     ++key_.version;
   }
   recent.push_back({unversioned, digest_});
-  if (recent.size() > kRecent) recent.pop_front();
+  if (recent.size() > kRecentMessages) recent.pop_front();
   return false;
 }
 

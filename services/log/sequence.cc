@@ -6,7 +6,7 @@
 namespace sprout::log {
 namespace {
 
-constexpr size_t kRecent = 64;  // as far back a frame may come again
+constexpr size_t kRecentFrames = 64;  // as far back a frame may come again
 constexpr size_t kShownGaps = 10;
 
 }  // namespace
@@ -21,7 +21,7 @@ void Sequence::Add(const FrameId& id) {
     return;
   }
   recent_.push_back(id);
-  if (recent_.size() > kRecent) recent_.pop_front();
+  if (recent_.size() > kRecentFrames) recent_.pop_front();
   if (!first_) first_ = id.seq;
   if (newest_ && id.seq - 1 > newest_->seq) {
     const Gap gap{newest_->seq + 1, id.seq - 1};

@@ -17,21 +17,21 @@ namespace sprout {
 /// configuration asks for it.
 enum class ChainStep { kRefine, kPrior, kGrow, kFinish };
 
-/// Sees a chain at work: for those who time its steps, or damage what passes.
+/// Observes a chain at work, to time its steps or to add noise to its seeds.
 class ChainObserver {
  public:
   virtual ~ChainObserver() = default;
   virtual void Begins(ChainStep /*step*/) {}
   virtual void Ended(ChainStep /*step*/) {}
   /// The stage "refine", "prior" or "grow" has answered, and the frame has what it gave.
-  /// @param outcome  what it says beside its parts, which are moved away.
+  /// @param outcome  its result without the parts, which have been moved into the frame.
   virtual void Answered(std::string_view /*stage*/, const Frame& /*frame*/,
                         const StageResult& /*outcome*/) {}
   /// The frame's seeds, before prior and growth use them; they may be changed.
   virtual void Refined(SeedSet& /*seeds*/, SeedSet& /*left_seeds*/) {}
 };
 
-/// What a chain has to say about a frame, beside its parts.
+/// What a chain reports about a frame, beside its parts.
 struct ChainReport {
   /// Why a stage had nothing to give ("refine: no ToF point has a return"), one line each; empty
   /// when all is well.
@@ -47,11 +47,11 @@ class Chain {
   /// @throws ConfigError naming the first value that is out of range.
   explicit Chain(const SproutConfig& config);
 
-  /// Adds SEEDS and LEFT_SEEDS, PRIOR when growth uses it, DISPARITY and what else the
+  /// Adds SEEDS and LEFT_SEEDS, PRIOR when growth uses it, DISPARITY, and other parts that the
   /// configuration asks for.
   /// @param frame     has LEFT, RIGHT, TOF and RIG that fit each other. When it has SEEDS already,
   ///                  refinement is left out.
-  /// @param last      the steps behind it are left out; kPrior: the prior is always made.
+  /// @param last      later steps are left out; with kPrior the prior is always made.
   ChainReport Run(Frame& frame, ChainObserver& observer, ChainStep last = ChainStep::kFinish);
 
  private:

@@ -23,7 +23,7 @@ struct DepthFrame {
   DisparityImage disparity;  ///< of the left image; see DisparityImage::Px() and ToPx()
   cv::Mat1b confidence;      ///< 0 (least) to 255; empty unless grow.publish_confidence
   cv::Mat1f depth_m;         ///< z in the left camera's frame, m; NaN where there is no disparity
-  PriorMap prior;            ///< D_p and how sure it is; empty when growth does not use it
+  PriorMap prior;            ///< D_p and its standard deviation; empty when growth does not use it
   SeedSet seeds;             ///< correspondences, and how many ToF points were dropped, and why
   SeedSet left_seeds;        ///< ToF points that only the left camera sees
   /// Why a stage had nothing to give ("refine: no ToF point has a return"), one line each; empty
@@ -47,13 +47,14 @@ class Pipeline {
   Pipeline& operator=(Pipeline&&) noexcept;
 
   /// @param left, right  rectified pair of the calibrated size, 8UC1 or 8UC3 (BGR).
-  /// @param tof          of the calibrated size; 0×0 when there is none: then stereo does the work.
+  /// @param tof          of the calibrated size; 0×0 when there is none: then all seeds come from
+  ///                     stereo.
   /// @param rig          calibration; prepared again only when it changes.
   /// @returns the depth of the left image, or an error that names what does not fit. A frame in
-  ///          which nothing can be found is no error: it has an empty map, and warnings.
-  /// About 60 ns a pixel on one core with a ToF image, 150 without. On OpenCV's threads
-  /// (cv::setNumThreads), with the same bytes for any number, and on any CPU. Keeps its memory from
-  /// frame to frame, so one object serves one caller at a time; results stay the caller's.
+  /// which nothing is found is not an error: it has an empty map, and warnings. About 60 ns a pixel
+  /// on one core with a ToF image, 150 without. On OpenCV's threads (cv::setNumThreads), with the
+  /// same bytes for any number, and on any CPU. Keeps its memory from frame to frame, so one object
+  /// serves one caller at a time; results stay the caller's.
   Result<DepthFrame> Compute(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
                              const Rig& rig);
 

@@ -11,14 +11,14 @@ namespace sprout {
 /// prior and grow answer with the same configuration, to the byte.
 class PipelineAdapter : public StageAdapter {
  public:
-  /// @param steps  is told of every step; lives longer than this.
+  /// @param steps  observes every step; must outlive this object.
   /// @throws ConfigError naming the first value that is out of range.
   PipelineAdapter(const SproutConfig& config, ChainObserver& steps);
 
   PartSet Inputs() const override;
 
-  /// Always answers. The outcome's reason names the stages that had nothing to give. What refine
-  /// says of the ToF camera's pose only the observer hears.
+  /// Always answers. The result's reason names the stages that had nothing to give. The ToF
+  /// camera's pose that refine measured is reported to the observer only.
   StageResult Process(const Frame& frame) override;
 
  private:

@@ -13,7 +13,7 @@ namespace sprout {
 
 /// Counts and times refine, prior and grow inside a chain under these names, as if they were
 /// processes: for capture's --wait-for, sprout-top and the like. A frame that fails, or is lost
-/// before the chain, is counted by the chain's host alone.
+/// before the chain, is counted only by the process that runs the chain.
 class StepMonitors : public ChainObserver {
  public:
   explicit StepMonitors(const std::string& config_digest);

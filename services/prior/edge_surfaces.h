@@ -17,7 +17,8 @@ namespace sprout::prior {
 /// The surface that some seeds lie on, in a triangle: at each pixel the plane of the closest seed.
 class NearestPlanes {
  public:
-  /// Adds a plane, unless one before is closer all over the triangle, or there are eight.
+  /// Adds a plane, unless an earlier one is closer everywhere in the triangle, or there are eight
+  /// already.
   void Add(const Plane& plane, const Corners& triangle);
 
   /// Disparity at a pixel, px. There must be a plane.
@@ -59,7 +60,7 @@ struct EdgeTriangle {
   std::span<const int> nearby() const { return std::span(nearby_seeds).first(nearby_count); }
 };
 
-/// The triangles whose disparities differ by at least `edge_px`, and whose planes do so, too.
+/// The triangles at whose corners both the disparities and the planes differ by at least `edge_px`.
 /// @param planes         of the seeds, and of their copies beyond the hull.
 /// @param triangles      of these.
 /// @param triangulation  of the seeds.
@@ -71,7 +72,8 @@ std::vector<EdgeTriangle> FindEdgeTriangles(std::span<const Plane> planes,
 
 /// The candidate labels of pixels in triangles across depth edges: two disparities, counts. The
 /// near one is DisparityImage::kInvalid where there is no such triangle, and where the surfaces are
-/// less than `edge_px` apart: interpolation does no harm there. There the others are undefined.
+/// less than `edge_px` apart: interpolation does no harm there. `far` and `triangle` are undefined
+/// there.
 struct EdgeLabels {
   cv::Mat1s near;
   cv::Mat1s far;
@@ -91,7 +93,7 @@ void CensusTransform(const cv::Mat1b& image, cv::Mat1b& codes);
 /// The data term E(p, l) of the two labels l of a pixel p, eqs. (P6) and (P7) of the README.
 class DataTerm {
  public:
-  /// @param images  and what else is given here, but for the planes, must outlive the object.
+  /// @param images  all arguments except the planes must outlive the object.
   /// @param edges   whose nearby seeds are among the planes.
   /// O(edges), about a kilobyte each; on OpenCV's threads.
   DataTerm(const EdgeImages& images, std::span<const EdgeTriangle> edges,

@@ -53,8 +53,8 @@ class TrianglesByBand {
   std::vector<int> triangles_;
 };
 
-/// Runs reach that much beyond a triangle's sides, px: rounding never leaves a pixel between
-/// triangles.
+/// Runs reach this far beyond a triangle's sides, px, so that rounding never leaves out a pixel
+/// between triangles.
 inline constexpr double kSideSlack = 1.0 / (1 << 16);
 /// px a row. Steeper sides cross less than a row.
 inline constexpr double kSteepestSide = 1 << 20;
@@ -67,13 +67,13 @@ template <typename Paint>
 void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const Paint& paint);
 
 /// Paints a prior: linear interpolation of the planes' disparities in each triangle (paper, Alg. 1
-/// step 1), and the standard deviation of that, eq. (P8) of the README. Elsewhere the disparity of
-/// the nearest painted pixel of the row, in rows without any that of the nearest row, and
-/// kMaxSigmaCounts.
+/// step 1), and its standard deviation, eq. (P8) of the README. Pixels in no triangle get the
+/// disparity of the nearest painted pixel of their row (in a row without any, that of the nearest
+/// row) and the standard deviation kMaxSigmaCounts.
 ///
 /// @param planes     at the triangles' corners.
-/// @param triangles  where they overlap the last one counts.
-/// @param edge_px    planes that are as far apart are of two surfaces.
+/// @param triangles  where they overlap, the last one is painted.
+/// @param edge_px    planes that are at least this far apart belong to two surfaces.
 /// @param map        memory of the map's size, overwritten.
 /// @returns an error that says why when no triangle covers a pixel.
 /// O(triangles + pixels); on OpenCV's threads, with the same result for any number.

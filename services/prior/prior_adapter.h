@@ -20,8 +20,8 @@ class PriorAdapter : public StageAdapter {
 
   PartSet Inputs() const override { return inputs_; }
 
-  /// Always answers, with a map of the size of LEFT; seeds that span no triangle, or images of
-  /// another size than the calibrated one, give one without any disparity, and the outcome says
+  /// Always answers, with a map of the size of LEFT. Seeds that span no triangle, or images of
+  /// another size than the calibrated one, give a map without any disparity, and the result says
   /// why.
   StageResult Process(const Frame& frame) override;
 

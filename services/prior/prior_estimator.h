@@ -12,15 +12,15 @@
 
 namespace sprout::prior {
 
-/// The stage: a dense prior disparity map D_p of the left image from sparse seeds, and how sure it
-/// is. The README states the method.
+/// The stage: a dense prior disparity map D_p of the left image, and its standard deviation, from
+/// sparse seeds. The README states the method.
 class PriorEstimator {
  public:
   /// @throws ConfigError for a value out of range.
   explicit PriorEstimator(const PriorConfig& config);
   ~PriorEstimator();
 
-  /// Whether the seeds should have those among them that only the left camera sees.
+  /// Whether the seeds should include points that only the left camera sees.
   bool uses_left_seeds() const { return config_.left_seeds(); }
 
   /// Whether the method looks at the two images.
@@ -28,18 +28,16 @@ class PriorEstimator {
 
   /// @param left   8UC1 or 8UC3 (BGR); may be empty when images are not used.
   /// @param right  of the same size, 8UC1 or 8UC3; may be empty when images are not used.
-  ///               Colours say where edges are; only grey values are matched.
-  /// @param seeds  at least three, finite, not all on a line; of seeds on one position the first
-  ///               counts.
+  /// @param seeds  at least three, finite, not all on a line; of several at one position only the
+  ///               first is used.
   /// @param size   of the left rectified image, px.
   /// @returns a map of that size, every pixel with a disparity. An error that says why when the
-  /// seeds
-  ///          span no triangle that covers a pixel, when an image that is used has another size, or
-  ///          when a side is longer than kMaxSide.
+  /// seeds span no triangle that covers a pixel, when an image that is used has another size, or
+  /// when a side is longer than kMaxSide.
   /// O(n log n + pixels); at worst, when seeds make triangles as high as the image, O(n log n +
   /// pixels + n · rows). No I/O; on OpenCV's threads, with the same result for any number. Keeps
-  /// maps from frame to frame, about 17 bytes a pixel, so one object serves one caller at a time; a
-  /// result that nobody else holds any more is used again.
+  /// maps from frame to frame, about 17 bytes a pixel, so one object serves one caller at a time;
+  /// the memory of a result that nobody else holds any more is used again.
   /// @param left_grey  grey values of `left` where the caller has them; empty: they are computed.
   Result<PriorMap> Compute(const cv::Mat& left, const cv::Mat& right, std::span<const Seed> seeds,
                            cv::Size size, const cv::Mat1b& left_grey = {});

@@ -13,7 +13,7 @@ namespace sprout::prior {
 
 /// A plane of disparity over the left image.
 struct Plane {
-  float u = 0;  ///< a position that it is given at, px
+  float u = 0;  ///< position of its reference point, px
   float v = 0;
   float disparity = 0;   ///< there, px
   float per_column = 0;  ///< slope, px of disparity a px
@@ -26,13 +26,13 @@ struct Plane {
   }
 };
 
-/// A seed as it is: level.
+/// A level plane at the seed's own disparity.
 inline Plane LevelPlane(const Seed& seed) {
   return {.u = seed.u, .v = seed.v, .disparity = seed.disparity(), .sigma_px = seed.sigma_px};
 }
 
-/// Whether a seed's own disparity is too noisy to stand: those around it know better. Always so for
-/// seeds of stereo, which err each for itself.
+/// Whether a seed's own disparity is so noisy that the plane through its neighbours is better.
+/// Always so for seeds from stereo, whose errors are independent.
 inline bool IsNoisy(const Seed& seed, const PriorConfig& config) {
   return seed.origin == SeedOrigin::kStereo || seed.sigma_px > config.noisy_px();
 }
@@ -40,9 +40,8 @@ inline bool IsNoisy(const Seed& seed, const PriorConfig& config) {
 /// The spacing of the seeds: the median length of the triangles' sides, px; 1 without triangles.
 double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles);
 
-/// The step in which the ToF seeds' disparities are counted, px: the 10 % quantile of the
-/// differences between neighbours on one surface that are not equal. Small where there are no
-/// steps.
+/// The quantisation step of the ToF seeds' disparities, px: the 10 % quantile of the nonzero
+/// differences between neighbours on one surface. Small if the disparities are not quantised.
 double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
               double spacing_px, const PriorConfig& config);
 
@@ -51,14 +50,15 @@ double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangl
 ///
 /// @param spacing_px  SpacingPx() of the seeds.
 /// @param step_px     StepPx() of the seeds.
-/// @returns one plane a seed, in their order; a seed in no triangle keeps its disparity, level.
+/// @returns one plane a seed, in their order; of a seed in no triangle, a level one at its
+/// disparity.
 /// O(seeds); on OpenCV's threads, with the same result for any number.
 std::vector<Plane> FitPlanes(std::span<const Seed> seeds, const Triangulation& triangulation,
                              double spacing_px, double step_px, const PriorConfig& config);
 
 /// Continues the seeds' surface beyond their hull: a copy of each seed of the hull on its own
 /// plane, moved outwards, and two triangles for each side of the hull between them. So slanted
-/// surfaces go on slanted, and depth edges that leave the hull are resolved there as inside it. The
+/// surfaces stay slanted beyond the hull, and depth edges are resolved there as inside it. The
 /// standard deviation of a copy grows with the distance to its seed, eq. (P8).
 ///
 /// @param hull      of Triangulation.

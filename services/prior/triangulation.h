@@ -34,9 +34,10 @@ struct Triangulation {
   std::vector<int> neighbours;  ///< all lists, one behind the other
 };
 
-/// Of seeds on one position the first counts; the others have no triangle and no neighbour. Among
-/// triangulations that are equally good (four seeds on a circle, as on a grid) the choice depends
-/// on the positions only; triangles, hull and neighbours come in an order that does, too.
+/// Of several seeds at one position only the first is used; the others have no triangle and no
+/// neighbour. Where several Delaunay triangulations exist (four seeds on a circle, as on a grid),
+/// the choice depends on the positions only, and so does the order of triangles, hull and
+/// neighbours.
 ///
 /// @param seeds  finite.
 /// @returns no triangles for fewer than three positions, or when all lie on one line.
@@ -51,8 +52,8 @@ class Rings {
   explicit Rings(const Triangulation& triangulation)
       : triangulation_(triangulation), found_in_(triangulation.lists.size(), 0) {}
 
-  /// @param seeds  first in the answer; those that the triangulation does not know are left out.
-  /// @param most   seeds in the answer.
+  /// @param seeds  come first in the answer; those that are not in the triangulation are left out.
+  /// @param most   largest number of seeds in the answer.
   /// @returns each seed once, nearer rings first; valid until the next call.
   std::span<const int> Around(std::span<const int> seeds, int rings, size_t most);
 

@@ -21,8 +21,8 @@ class RefineAdapter : public StageAdapter {
 
   PartSet Inputs() const override { return InputsOf(RefineConfig()); }
 
-  /// Always answers; without a usable point, and where stereo finds nothing either, both are empty
-  /// and the outcome says why.
+  /// Always answers; without a usable point, and if stereo finds nothing either, both are empty and
+  /// the result says why.
   StageResult Process(const Frame& frame) override;
 
  private:

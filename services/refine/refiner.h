@@ -20,10 +20,10 @@
 namespace sprout::refine {
 
 /// Turns ToF points into seed correspondences and drops the unreliable ones: by the paper's rules
-/// (II-B) and by two of TofSurface, which a sensor needs that stands beside the left camera. Before
-/// that, RangeUnwrapper puts back what lies beyond the sensor's unambiguous range, and TofAligner
-/// puts right a calibration that is a little wrong. Where the sensor gives nothing,
-/// StereoSeedFinder adds seeds from the pair.
+/// (II-B) and by two of TofSurface, which a sensor beside the left camera needs. Before that,
+/// RangeUnwrapper corrects points beyond the sensor's unambiguous range, and TofAligner corrects a
+/// calibration that is slightly wrong. Where the sensor gives nothing, StereoSeedFinder adds seeds
+/// from the pair.
 class Refiner {
  public:
   /// @throws ConfigError when a value is out of range.
@@ -32,8 +32,8 @@ class Refiner {
   /// @param left, right  rectified pair of the calibrated size, grey.
   /// @param tof          range image of the calibrated size (a precondition); empty for a rig that
   ///                     has no ToF camera.
-  /// @param projector    of the calibration; worth keeping from frame to frame.
-  /// @param memory       seeds that are no longer needed, whose memory the new ones take.
+  /// @param projector    of the calibration; costly to make, so keep it from frame to frame.
+  /// @param memory       a vector of seeds no longer needed; its memory is used for the new ones.
   /// @returns the seeds in the order of the ToF pixels, behind them those of stereo, and how many
   ///          points were dropped by which rule; a point is counted under the first of
   ///          contradicted, outside, dark, loose, background, hidden that applies. Seeds keep their
@@ -47,14 +47,14 @@ class Refiner {
                           const TofProjector& projector, SeedSet memory = {});
 
   /// Of the last call: reliable points that only the left camera sees, since they lie outside the
-  /// right image or behind a nearer surface in it. No correspondences, but depth where stereo can
-  /// give none; u_right is where the right camera would see them. Their `raw` counts such points
-  /// before the rules for dark, loose and (from the left camera) hidden ones; the counts of the
-  /// seeds have all of them as outside or hidden.
+  /// right image or behind a nearer surface in it. They are no correspondences, but give depth
+  /// where stereo cannot; u_right is where the right camera would see them. Their `raw` counts such
+  /// points before the rules for dark, loose and (from the left camera) hidden points; the counts
+  /// of the seeds list all of them as outside or hidden.
   const SeedSet& left_seeds() const { return left_seeds_; }
 
-  /// Of the last call, with config.align_tof(): how far off the ToF points were projected; where
-  /// IsOff(), they were moved before all rules. Not sure when it was not looked for.
+  /// Of the last call, with config.align_tof(): how far off the ToF points were projected. If
+  /// IsOff(), they were moved before all rules. Not sure when no offset was searched.
   const TofOffset& tof_offset() const { return tof_offset_; }
 
  private:

@@ -103,7 +103,7 @@ void PageConnection::Pump() {
     FrameEncoder& encoder = *state_.parts.encoder;
     const KeyRange keys = session_.keys();
     SendLater([&encoder, show = std::move(*show),
-               keys] { return encoder.Encode(show.frame, show.wish, keys); },
+               keys] { return encoder.Encode(show.frame, show.parts, keys); },
               /*is_text=*/false);
   }
   if (const auto gone = session_.TakeGone()) {

@@ -23,8 +23,9 @@ bool FlagOf(const nlohmann::json& message, const char* name) {
   return found != message.end() && found->is_boolean() && found->get<bool>();
 }
 
-Result<Wish> WishOf(const nlohmann::json& message) {
-  Wish wish{.pictures = {}, .cloud = FlagOf(message, "cloud"), .seeds = FlagOf(message, "seeds")};
+Result<ShownParts> ShownPartsOf(const nlohmann::json& message) {
+  ShownParts parts{
+      .pictures = {}, .cloud = FlagOf(message, "cloud"), .seeds = FlagOf(message, "seeds")};
   const auto pictures = message.find("pictures");
   if (pictures == message.end() || !pictures->is_object() || pictures->size() > kPictureCount) {
     return Fail("wish: pictures are missing");
@@ -33,9 +34,9 @@ Result<Wish> WishOf(const nlohmann::json& message) {
     const std::optional<Picture> picture = PictureOf(name);
     if (!picture || !width.is_number_integer()) return Fail("wish: no picture is called that");
     const auto columns = std::clamp<int64_t>(width.get<int64_t>(), kMinWidth, kMaxWidth);
-    wish.pictures.emplace_back(*picture, static_cast<int>(columns));
+    parts.pictures.emplace_back(*picture, static_cast<int>(columns));
   }
-  return wish;
+  return parts;
 }
 
 }  // namespace
@@ -50,9 +51,9 @@ Result<void> ViewSession::OnMessage(std::string_view text) {
   if (type == "drawn") {
     drawing_ = false;
   } else if (type == "wish") {
-    Result<Wish> wish = WishOf(message);
-    if (!wish) return tl::unexpected(wish.error());
-    wish_ = std::move(*wish);
+    Result<ShownParts> parts = ShownPartsOf(message);
+    if (!parts) return tl::unexpected(parts.error());
+    parts_ = std::move(*parts);
     wish_changed_ = true;
   } else if (type == "live") {
     Release();
@@ -102,7 +103,7 @@ std::optional<ViewSession::Show> ViewSession::TakeFrame() {
   wish_changed_ = false;
   drawing_ = true;
   shown_ = std::move(frame);
-  return Show{shown_, wish_};
+  return Show{shown_, parts_};
 }
 
 std::optional<ViewSession::Probe> ViewSession::TakeProbe() {

@@ -7,7 +7,7 @@ namespace sprout::capture {
 namespace {
 
 // Memory: at most so many images of a camera wait, whatever their times say.
-constexpr size_t kMaxWaiting = 64;
+constexpr size_t kMaxWaitingImages = 64;
 
 Triplet Taken(std::deque<TimedImage>& left, std::deque<TimedImage>& right) {
   Triplet triplet{.left = std::move(left.front()), .right = std::move(right.front()), .tof = {}};
@@ -46,7 +46,7 @@ void TripletSynchronizer::Push(RigPlace place, TimedImage image) {
   Queue& queue = QueueOf(place);
   if (place == RigPlace::kTof) tof_is_silent_ = false;
   if (!queue.empty() && image.utime < queue.back().utime) Drop(place);
-  if (queue.size() == kMaxWaiting) DropFront(place);
+  if (queue.size() == kMaxWaitingImages) DropFront(place);
   queue.push_back(std::move(image));
 }
 

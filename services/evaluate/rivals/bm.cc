@@ -8,7 +8,7 @@ namespace sprout::evaluate {
 namespace {
 
 // OpenCV's defaults, which drop what is not unique or has no texture.
-cv::Mat1f Compute(const RivalInput& input) {
+cv::Mat1f ComputeBm(const RivalInput& input) {
   constexpr int kBlock = 21;
   const PaddedPair pair(ToGrey(input.left), ToGrey(input.right), input.max_disparity_px, kBlock);
   return MatchPadded(*cv::StereoBM::create(pair.disparities(), kBlock), pair);
@@ -20,7 +20,7 @@ Rival Bm() {
   return {.name = "bm",
           .summary = "OpenCV's block matching, blocks of 21 px",
           .uses_seeds = false,
-          .compute = Compute};
+          .compute = ComputeBm};
 }
 
 }  // namespace sprout::evaluate

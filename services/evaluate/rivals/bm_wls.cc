@@ -11,7 +11,7 @@ namespace {
 // As OpenCV's own example: both views matched, then weighted least squares with their agreement as
 // confidence. Block, lambda and sigma are the best of 15, 21 × 200 ... 8000 × 0.8, 1.5 on scenes of
 // half and third size; the example's own 8000 and 1.5 make it worse than without the filter.
-cv::Mat1f Compute(const RivalInput& input) {
+cv::Mat1f ComputeBmWls(const RivalInput& input) {
   constexpr int kBlock = 15;
   constexpr double kLambda = 200;
   constexpr double kSigmaColor = 0.8;
@@ -38,7 +38,7 @@ Rival BmWls() {
   return {.name = "bm-wls",
           .summary = "block matching of both views, then OpenCV's weighted least squares filter",
           .uses_seeds = false,
-          .compute = Compute};
+          .compute = ComputeBmWls};
 }
 
 }  // namespace sprout::evaluate

@@ -8,7 +8,7 @@ namespace {
 // Min et al., "Fast Global Image Smoothing Based on Weighted Least Squares", TIP 2014, IV-B:
 // smoothed disparities over smoothed weights, an average of the seeds that no edge of the image
 // separates from the pixel. A pixel that no seed reaches is NaN: 0 / 0.
-cv::Mat1f Compute(const RivalInput& input) {
+cv::Mat1f ComputeFgs(const RivalInput& input) {
   cv::Mat1f disparity_px(input.left.size(), 0.F);
   cv::Mat1f weight(input.left.size(), 0.F);
   for (const Seed& seed : input.seeds) {
@@ -35,7 +35,7 @@ Rival Fgs() {
               "OpenCV's FastGlobalSmoother spreads the ToF seeds over the left image, with "
               "--fgs-lambda and --fgs-sigma; never looks at the right one",
           .uses_seeds = true,
-          .compute = Compute};
+          .compute = ComputeFgs};
 }
 
 }  // namespace sprout::evaluate

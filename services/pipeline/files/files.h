@@ -9,7 +9,7 @@
 
 namespace sprout {
 
-/// What `sprout-pipeline files` was asked for.
+/// The arguments of `sprout-pipeline files`.
 struct FilesOptions {
   std::string left;  ///< see ListPairs()
   std::string right;
@@ -18,8 +18,8 @@ struct FilesOptions {
   std::string out;  ///< folder
 };
 
-/// Computes pairs of image files and writes what is found, see README.md; a line on stdout for
-/// each, and on stderr for one that cannot be computed, which is left out.
+/// Computes pairs of image files and writes the results, see README.md. Prints a line on stdout for
+/// each pair, or one on stderr if it cannot be computed and is left out.
 /// @returns exit code: 0; 1 when a pair was left out, or `stop` came.
 /// @throws ConfigError, before anything is computed, for flags that cannot be used.
 int RunFiles(const FilesOptions& options, const SproutConfig& config, const std::stop_token& stop);

@@ -11,8 +11,8 @@ namespace sprout {
 
 /// Adds the command `files`.
 /// @param flags    of a Service that offers replay.
-/// @param options  gets what was given; lives longer than the flags.
-/// @returns the command, which is true when it was given.
+/// @param options  gets the values; must outlive the flags.
+/// @returns the command, which converts to true if it was given.
 CLI::App& AddFilesCommand(CLI::App& flags, FilesOptions& options);
 
 }  // namespace sprout

@@ -12,15 +12,15 @@ struct ImagePair {
   std::filesystem::path left;
   std::filesystem::path right;
   std::filesystem::path tof;     ///< empty: none
-  std::filesystem::path folder;  ///< where its results go, below that of all
+  std::filesystem::path folder;  ///< of its results, below the output folder
 };
 
 /// Lists the pairs of LEFT, RIGHT and --tof. Each is an image, a folder of images or a pattern
-/// ("left/*.png"), whose files belong together in the order of their names. The results of one pair
+/// ("left/*.png"), whose files are paired in the order of their names. The results of one pair
 /// given as two images have no folder of their own; others have one named after the left image, and
 /// where these have equal names, after its folder, too.
 /// @param tof  empty: none.
-/// @throws ConfigError for what is not there, and for lists that differ in length.
+/// @throws ConfigError for missing files, and for lists that differ in length.
 std::vector<ImagePair> ListPairs(const std::string& left, const std::string& right,
                                  const std::string& tof);
 

@@ -12,7 +12,7 @@
 
 namespace sprout {
 
-/// Where the cameras stand: a rig file, or the numbers of a pair that is rectified already.
+/// The calibration: a rig file, or focal length and baseline of a pair that is rectified already.
 struct RigOptions {
   std::string rig_file = {};
   std::optional<double> focal_px = {};
@@ -21,9 +21,9 @@ struct RigOptions {
   std::optional<double> cx_right = {};  ///< of the right image, px; otherwise cx
 };
 
-/// Image files to the parts LEFT, RIGHT, TOF and RIG of a frame. By a rig file the images are as
-/// the cameras gave them, and are rectified; otherwise they are rectified, and the ToF image lies
-/// in the left camera's place, of any resolution: its corners are the left image's.
+/// Turns image files into the parts LEFT, RIGHT, TOF and RIG of a frame. With a rig file the images
+/// are raw and are rectified here. Otherwise they are rectified already, and the ToF image has the
+/// left camera's position and field of view, at any resolution.
 class PairReader {
  public:
   /// @throws ConfigError for a calibration that is missing or cannot be used.

@@ -5,21 +5,21 @@
 
 namespace sprout::refine {
 
-/// The numbers of the alignment of the ToF camera. A cell is a ToF pixel as it shows in the images
-/// that are looked at. NOTES.md, "Alignment", has what
-/// was measured; what is neither there nor derived was found by trial.
+/// The constants of the alignment of the ToF camera. A cell is the size of a ToF pixel in the
+/// images that are searched. NOTES.md, "Alignment", has what was measured; what is neither there
+/// nor derived was found by trial.
 struct AlignmentRules {
   // The images.
-  /// They are halved until a cell is no larger, px: profiles are averaged over a cell, so more
-  /// pixels only take time.
+  /// They are halved until a cell is at most this large, px: profiles are averaged over a cell, so
+  /// more pixels only take time.
   static constexpr double kLargestCellPx = 6;
-  static constexpr int kSmallestSide = 64;    ///< of an image that is halved, px
-  static constexpr double kLimitCellPx = 16;  ///< whatever a calibration says
+  static constexpr int kSmallestSide = 64;    ///< no image is halved below this, px
+  static constexpr double kLimitCellPx = 16;  ///< limit, whatever the calibration says
 
   // Ends in the ToF image.
-  static constexpr int kMostMixed = 3;  ///< pixels that see both surfaces: lens blur, filters
-  static constexpr double kSameSurface = 0.25;  ///< a difference on one surface, of the step
-  static constexpr int kDiscRadius = 3;         ///< whose near part shows the normal, ToF pixels
+  static constexpr int kMostMixed = 3;  ///< pixels that mix both surfaces: lens blur, filters
+  static constexpr double kSameSurface = 0.25;  ///< most on one surface, share of the step
+  static constexpr int kDiscRadius = 3;  ///< disc whose near part gives the normal, ToF pixels
   /// Cosine between the normal and the row or the column. Every direction is within 45° (0.71) of
   /// one of the two; the rest is the error of the normal.
   static constexpr double kLeastAcross = 0.6;
@@ -28,37 +28,39 @@ struct AlignmentRules {
   static constexpr double kLeastStepPx = 3;
 
   // Evidence of the images, eqs. (A3) and (A4).
-  static constexpr int kTangentReach = 1;   ///< pixels to either side along the edge that count
-  static constexpr float kMostMisfit = 20;  ///< T: greater differences are all as bad, grey levels
-  static constexpr float kMostContrast = 40;  ///< a step above is as clear as it gets, grey levels
+  static constexpr int kTangentReach = 1;     ///< pixels to either side along the edge that count
+  static constexpr float kMostMisfit = 20;    ///< T: larger differences count as T, grey levels
+  static constexpr float kMostContrast = 40;  ///< larger steps count as this one, grey levels
   static constexpr float kContrastWeight = 0.5F;  ///< measured (NOTES.md): 0, 1 and 2 are worse
 
   // The offset, eq. (A5).
-  static constexpr double kMostCells = 2;           ///< an offset that is looked for, cells
-  static constexpr size_t kMostEdges = 1000;        ///< more cost time and do not help
+  static constexpr double kMostCells = 2;           ///< largest offset that is searched, cells
+  static constexpr size_t kMostEdges = 1000;        ///< more take time and do not help
   static constexpr double kVotesPerCell = 3;        ///< along either side: profiles are a cell wide
-  static constexpr double kStepCells = 0.3;         ///< of the differences for derivatives, cells
+  static constexpr double kStepCells = 0.3;         ///< of finite differences, cells
   static constexpr int kMostSteps = 30;             ///< of Newton's method
-  static constexpr double kSmallestStepPx = 0.002;  ///< ends it: below what anybody sees
+  static constexpr double kSmallestStepPx = 0.002;  ///< ends the iteration: too small to matter
 
   // Standard deviations, eq. (A6).
   static constexpr double kBlockCells = 16;  ///< edges in one block may share their errors
-  /// Of what shifts all edges on one side of things (round rims, shadows, blur), cells.
+  /// Standard deviation of what shifts all edges on one side of objects (round rims, shadows,
+  /// blur), cells.
   static constexpr double kSideSigmaCells = 0.08;
-  /// And this share of the shift outwards, where all look shifted. Measured: with both a right pose
-  /// is at most 3.1 standard deviations off, and one that is 3 px off at least 4.2 (NOTES.md).
+  /// Plus this share of the shift outwards o that all edges have in common. Measured: with both a
+  /// right pose is at most 3.1 standard deviations off, and one that is 3 px off at least 4.2
+  /// (NOTES.md).
   static constexpr double kSideSigmaOutwards = 1 / 3.0;
 
   // When it is sure.
   static constexpr int kFewestEdges = 50;
-  /// Evidence of an edge that counts as one, of up to 1.5.
+  /// Least evidence, of at most 1.5, for an edge to count.
   static constexpr float kClearEdge = 0.1F;
-  /// The second-best offset's votes above the mean, by the best one's.
+  /// Most votes above the mean of the second-best offset, as share of the best one's.
   static constexpr double kMostDoubt = 0.7;
-  static constexpr double kElsewhereCells = 1.5;  ///< from there on it is another offset
+  static constexpr double kElsewhereCells = 1.5;  ///< offsets this far apart are different
   static constexpr double kMostSigmaCells = 0.25;
-  /// Length of an offset in standard deviations from which on a calibration is wrong: one that is
-  /// right has it once in 3000 frames, exp(−4² / 2).
+  /// Length of an offset, in standard deviations, above which the calibration is wrong: a right one
+  /// has it once in 3000 frames, exp(−4² / 2).
   static constexpr double kSignificant = 4;
 };
 

@@ -14,12 +14,12 @@ namespace sprout::refine {
 /// How far EdgeProfiles looks, px of the images.
 struct ProfileSizes {
   int reach = 0;        ///< farthest place on either side of where an edge should be; > 0
-  int window = 0;       ///< pixels on either side of a place that speak for it; > 0
-  double plane_px = 0;  ///< so far the surfaces go on with their slopes
+  int window = 0;       ///< pixels on either side of a place that are averaged; > 0
+  double plane_px = 0;  ///< how far surfaces are extrapolated with their slopes
 };
 
-/// What a pair of images says about where depth edges are: for each edge the evidence, eq. (A4),
-/// that it lies at a place of its normal. Keeps its memory, 4 bytes a place of an edge.
+/// Where a pair of images shows depth edges: for each edge and each place along its normal the
+/// evidence, eq. (A4), that the edge lies there. Keeps its memory, 4 bytes a place of an edge.
 class EdgeProfiles {
  public:
   /// @param left, right  rectified pair, grey, of one size.

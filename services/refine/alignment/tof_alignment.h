@@ -13,13 +13,13 @@
 
 namespace sprout::refine {
 
-/// How far off the points of a ToF camera are projected, as the images show it. The model is a turn
-/// of the ToF camera about its own place without any about its axis: nearly the same shift of all
-/// points, whatever their depth.
+/// How far off the points of a ToF camera are projected, as measured in the images. The model is a
+/// rotation of the ToF camera about its own centre, not about its optical axis: it shifts all
+/// points by nearly the same offset, whatever their depth.
 struct TofOffset {
   double du_px = 0;  ///< what has to be added in the middle of the left image, px
   double dv_px = 0;
-  /// Standard deviations, px: of chance, and of what makes all edges on one side of things look
+  /// Standard deviations, px, from chance and from what makes all edges on one side of objects look
   /// shifted. Infinite when nothing was found.
   double sigma_u_px = std::numeric_limits<double>::infinity();
   double sigma_v_px = std::numeric_limits<double>::infinity();
@@ -35,14 +35,14 @@ struct TofOffset {
   bool operator==(const TofOffset&) const = default;
 };
 
-/// Finds out from one frame how far the calibration of the ToF camera is off: looks in the images
-/// for the ends of surfaces that the ToF camera saw. A pure function of the frame; keeps only its
+/// Measures in one frame how far the calibration of the ToF camera is off: searches the images for
+/// the ends of surfaces that the ToF camera saw. A pure function of the frame; keeps only its
 /// memory, so one object serves one caller at a time.
 class TofAligner {
  public:
   /// Looks for offsets of up to two ToF pixels across and down.
   /// @param left, right  rectified pair of the calibrated size, grey.
-  /// @param points       of `tof` by projector; beyond the unambiguous range after RangeUnwrapper.
+  /// @param points       of `tof`, projected, after RangeUnwrapper.
   /// @param tof          range image of the calibrated size.
   /// O(ToF pixels + image pixels): about 1 ms and 3 µs a depth edge at 2 MP. No I/O; on OpenCV's
   /// threads, with the same result for any number.
@@ -63,7 +63,7 @@ class TofAligner {
   EdgeProfiles profiles_;
 };
 
-/// Turns the ToF camera about its own place such that its points move by the offset.
+/// Rotates the ToF camera about its own centre such that its points move by the offset.
 void ApplyOffset(const TofOffset& offset, const Rig& rig, std::vector<ProjectedPoint>& points);
 
 }  // namespace sprout::refine

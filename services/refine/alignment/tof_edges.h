@@ -30,10 +30,10 @@ class TofEdgeFinder {
  public:
   /// Along every row and every column of the ToF image: two pixels on one surface, then up to three
   /// that see both, then two on another surface that is farther by `least_px`. How much of each
-  /// mixed pixel the near surface fills follows from its depth, eq. (A1). Edges that the row or
-  /// column meets at less than 37° belong to those across.
-  /// @param points    of `tof` by projector, at most one a ToF pixel.
-  /// @param tof       gives the amplitudes; without any both surfaces are as bright.
+  /// mixed pixel the near surface fills follows from its depth, eq. (A1). Edges that make less than
+  /// 37° with the row (column) are left to the columns (rows).
+  /// @param points    of `tof`, projected, at most one a ToF pixel.
+  /// @param tof       gives the amplitudes; without them both surfaces count as equally bright.
   /// @param least_px  smallest step of the disparity; > 0.
   /// @returns those inside the left image, in the order of the points; valid until the next call.
   /// O(ToF pixels), about 30 ns each.

@@ -9,21 +9,21 @@
 
 namespace sprout::refine {
 
-/// The best matches of the pixels of a row, by the sums of both sweeps. Keeps its memory from row
-/// to row.
+/// The best matches of the pixels of a row, from the path sums of both sweeps. Keeps its memory
+/// from row to row.
 class BestMatches {
  public:
   /// @param down, up      sums for the row's pixels, AddUpPaths.
-  /// @param best          gets the disparity of the least sum, px, of every pixel that is looked
-  /// at.
-  /// @param confirmed_px  the same to a fraction of a pixel, where it is unique and confirmed from
-  ///                      the right image. Other pixels of both stay as they are.
+  /// @param best          gets the disparity of the smallest sum, px, of every pixel that is
+  ///                      searched.
+  /// @param confirmed_px  the same with a sub-pixel part, where it is unique and confirmed from the
+  /// right image. Other pixels of both stay as they are.
   /// O(pixels of the row · labels).
   void Choose(const StereoSearch& search, int v, const cv::Range& columns, const uint16_t* down,
               const uint16_t* up, int16_t* best, float* confirmed_px);
 
  private:
-  // Of the right image's pixels the least sum, and the disparity that it is for.
+  // Of each pixel of the right image the smallest sum, and its disparity.
   std::vector<uint16_t> right_sums_, right_best_;
 };
 

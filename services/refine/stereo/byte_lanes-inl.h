@@ -1,6 +1,7 @@
 // Sixteen numbers at once, for each instruction set: included by files that Highway compiles once
-// for each. Plain vectors of the compiler, which makes of them what the instruction set has: whole
-// numbers only, so the same result with any. No include guard of the usual kind for that reason.
+// for each. They use the compiler's vector extension, which maps them to the instruction set. Whole
+// numbers only, so the result is the same with any. It has no usual include guard because it is
+// included several times.
 #if defined(SPROUT_SERVICES_REFINE_STEREO_BYTE_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPROUT_SERVICES_REFINE_STEREO_BYTE_LANES_INL_H_
 #undef SPROUT_SERVICES_REFINE_STEREO_BYTE_LANES_INL_H_

@@ -13,9 +13,9 @@ namespace sprout::refine {
 
 /// What semi-global matching found.
 struct StereoMatches {
-  /// The best disparity of every pixel that was looked at, px; kNowhere elsewhere.
+  /// The best disparity of every pixel that was searched, px; kNowhere elsewhere.
   cv::Mat1s best;
-  /// The same to a fraction of a pixel, where it is unique and confirmed from the right image; NaN
+  /// The same with a sub-pixel part, where it is unique and confirmed from the right image; NaN
   /// elsewhere.
   cv::Mat1f confirmed_px;
 };
@@ -24,8 +24,8 @@ struct StereoMatches {
 /// directions the Hamming distance of census transforms (5×5, 24 bits) plus a penalty for every
 /// change of disparity. The penalty of larger changes falls with the difference of grey values.
 ///
-/// Every pixel has a range of disparities of its own, so that what a coarser image has shown is not
-/// searched again. Costs are whole numbers of 8 bits: the same result on every machine.
+/// Every pixel has its own range of disparities: disparities that a coarser image has ruled out are
+/// not searched again. Costs are whole numbers of 8 bits: the same result on every machine.
 class SemiGlobalMatcher {
  public:
   /// @param left, right  rectified pair, grey, of one size, at least 5×5.

@@ -10,7 +10,7 @@
 
 namespace sprout::refine {
 
-/// What StereoMatcher goes by.
+/// The limits of StereoMatcher.
 struct StereoMatcherSettings {
   int max_disparity_px = 0;  ///< largest disparity of the images, px; > 0
   int most_pixels = 0;       ///< images with more are halved until they have no more; > 0
@@ -18,15 +18,15 @@ struct StereoMatcherSettings {
 
 /// Disparities of a rectified pair without a prior: semi-global matching from coarse to fine. The
 /// coarsest image (at most 32,000 pixels) is searched over all disparities; every finer one only
-/// around those that the coarser one gave.
+/// around the results of the coarser one.
 class StereoMatcher {
  public:
   /// @param left, right  rectified pair, grey, of one size.
   /// @param wanted       8UC1 of that size: nonzero where disparities are wanted.
-  /// @param known        reliable correspondences; the search leans on them.
-  /// @returns disparities in px of the finest image that was matched (scale() px of the given one
-  ///          are one of its), NaN where there is none, or it is not unique, not confirmed from the
-  ///          right image, or in a patch of fewer than 50 pixels. Valid until the next call.
+  /// @param known        reliable correspondences; disparities far from them cost more.
+  /// @returns disparities in px of the finest image that was matched (one of its px is scale() px
+  /// of the given one). NaN where there is none, or it is not unique, not confirmed from the right
+  /// image, or in a patch of fewer than 50 pixels. Valid until the next call.
   /// O(wanted pixels of the finest image). On OpenCV's threads, with the same result for any
   /// number.
   const cv::Mat1f& Match(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat1b& wanted,

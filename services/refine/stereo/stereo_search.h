@@ -10,21 +10,21 @@
 
 namespace sprout::refine {
 
-/// Where semi-global matching looks, and what is known before.
+/// Which disparities semi-global matching searches, and which are known from a range sensor.
 struct StereoSearch {
   static constexpr int16_t kNowhere = -1;
 
-  /// Least disparity that is looked at, px, ≥ 0; kNowhere = the pixel is left out.
+  /// Smallest disparity that is searched, px, ≥ 0; kNowhere = the pixel is left out.
   cv::Mat1s first;
-  /// Disparities that are looked at from there on, the labels of the pixel: 16. Or more, a multiple
-  /// of 16, when `first` is the same wherever it is not kNowhere.
+  /// Number of disparities searched from `first` on, the labels of the pixel: 16, or a larger
+  /// multiple of 16 when `first` is the same at all pixels where it is not kNowhere.
   int labels = StereoRules::kLabels;
   /// Disparity that a range sensor gives for the pixel, px; kNowhere = none.
   cv::Mat1s known;
 };
 
-/// Of every row the pixels from the first to the last one that is looked at, so that memory and
-/// time follow these and not the whole image.
+/// In every row the pixels from the first to the last one that is searched: memory and time are
+/// proportional to these, not to the whole image.
 class SearchRows {
  public:
   /// O(pixels of the image), about 0.3 ns each.
@@ -38,8 +38,8 @@ class SearchRows {
   /// Of all rows.
   size_t pixels() const { return begin_.back(); }
 
-  /// Number of such a pixel, row by row: where its labels begin in an array of all, divided by how
-  /// many there are a pixel.
+  /// Index of such a pixel, row by row: its labels begin at this index times the labels a pixel in
+  /// an array of all labels.
   size_t IndexOf(int v, int u) const {
     return begin_[static_cast<size_t>(v)] + static_cast<size_t>(u - columns(v).start);
   }

@@ -11,10 +11,10 @@
 
 namespace sprout::refine {
 
-/// Finds seeds in the pair itself where the range sensor says nothing: on a grid of the wanted
-/// spacing, in every cell that has no ToF point near, the disparity that StereoMatcher gives.
+/// Finds seeds in the pair itself where the range sensor gives nothing: on a grid of the wanted
+/// spacing, every cell without a ToF point nearby gets a disparity from StereoMatcher.
 ///
-/// A seed is taken only from the midst of a surface: pixels beside a depth edge, whose windows show
+/// A seed is taken only from inside a surface: pixels beside a depth edge, whose windows show
 /// two surfaces, are left out, and so are places without texture, where no disparity is unique.
 class StereoSeedFinder {
  public:
@@ -22,7 +22,7 @@ class StereoSeedFinder {
   explicit StereoSeedFinder(const RefineConfig& config);
 
   /// @param left, right  rectified pair, grey, of one size.
-  /// @param seeds        of the range sensor; the matching leans on them.
+  /// @param seeds        of the range sensor; disparities far from them cost more.
   /// @param covered      positions in the left image that need no seed of stereo: of ToF points,
   ///                     whether or not they became seeds, but not of those on dark regions.
   /// @returns at most one seed a cell, row by row, with whole windows in both images, each with the

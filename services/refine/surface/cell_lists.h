@@ -9,16 +9,16 @@
 
 namespace sprout::refine {
 
-/// Points of an image by its square cells, the cells row by row in one array; no more than so many
-/// a cell, so that looking around a point takes a bounded time wherever the points lie. Keeps its
-/// memory when it is filled again: 4 bytes a point and 4 a cell.
+/// Points of an image sorted into square cells, the cells row by row in one array. The number of
+/// points a cell is limited, so that searching around a point takes a bounded time wherever the
+/// points lie. Keeps its memory when it is filled again: 4 bytes a point and 4 a cell.
 class CellLists {
  public:
   /// @param positions  inside the image, px.
   /// @param side       of a cell, px.
-  /// @param most       points of a cell; of a fuller one some are left out.
-  /// @param thin       of a fuller one: thin(indices) puts those to keep first and returns how many
-  ///                   they are, at most `most`.
+  /// @param most       largest number of points of a cell; of a fuller one some are left out.
+  /// @param thin       called for a fuller one: thin(indices) moves those to keep to the front and
+  /// returns how many they are, at most `most`.
   /// O(points + cells): a counting sort; and what thin() takes.
   template <typename Thin>
   void Fill(std::span<const cv::Point2f> positions, cv::Size size, double side, size_t most,
@@ -31,7 +31,7 @@ class CellLists {
   std::span<const uint32_t> points() const { return points_; }
 
   /// Whether is_one(index) holds for any point in the cell of a position or the eight around it:
-  /// asks for every one within a cell's side, and some beyond, until it does.
+  /// tests all within a cell's side, and some beyond, until one holds.
   /// @param position  inside the image.
   /// Thread-safe.
   template <typename Predicate>

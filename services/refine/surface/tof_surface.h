@@ -12,7 +12,7 @@
 
 namespace sprout::refine {
 
-/// What TofSurface::FindHidden() goes by.
+/// The tolerances of TofSurface::FindHidden().
 struct HiddenRule {
   double core = 0;          ///< half the side of a piece's core, cells of the ToF image
   double reach = 0;         ///< half the side of the whole piece, cells; below 1 it ends before
@@ -30,13 +30,13 @@ struct Hidden {
 
 /// The surface that a ToF image shows, as disparities (px) at its cells, and two tests of its
 /// points against it. Each looks at the neighbours of a point only. A cell is a ToF pixel, or as
-/// many as returns lie apart: three of four have the next one, along its row and along its column,
-/// in the next cell. So the scan of a lidar, which fills few pixels of its image, is a surface as
-/// well. Keeps its memory when it is set again: about 40 bytes a ToF pixel, and 8 a cell of
-/// FindHidden().
+/// many as lie between returns: for three of four returns the next one, along its row and along its
+/// column, lies in the next cell. So the scan of a lidar, which fills few pixels of its image, is a
+/// surface as well. Keeps its memory when it is set again: about 40 bytes a ToF pixel, and 8 a cell
+/// of FindHidden().
 class TofSurface {
  public:
-  /// Without a point.
+  /// A surface without points.
   TofSurface() = default;
 
   TofSurface(const Rig& rig, std::span<const ProjectedPoint> points) { Set(rig, points); }
@@ -45,47 +45,50 @@ class TofSurface {
   /// O(ToF pixels).
   void Set(const Rig& rig, std::span<const ProjectedPoint> points);
 
-  /// From one cell to the next in the left image, px; the longer side.
+  /// Distance from one cell to the next in the left image, px; the longer side.
   double spacing_px() const { return std::max(column_px_, row_px_); }
 
-  /// Standard deviation of the points' disparities, px, by how far they lie from the middle of
-  /// those on either side. 0 when they show none.
-  /// @param points  those that this was made of.
+  /// Standard deviation of the points' disparities, px, estimated from how far they lie from the
+  /// mean of the neighbours on either side. 0 when they show none.
+  /// @param points  those that the surface was made of.
   /// O(ToF pixels).
   double NoisePx(std::span<const ProjectedPoint> points);
 
   /// Whether a point is isolated: fewer than two of the eight cells around have a
   /// disparity within `tolerance_px`. Flying pixels, whose light comes from two surfaces so that
   /// they lie on neither, and outliers of the noise.
-  /// @param point  one of those that this was made of.
+  /// @param point  one of those that the surface was made of.
   /// O(1); thread-safe.
   bool IsIsolated(const ProjectedPoint& point, double tolerance_px) const;
 
-  /// Whether the images speak for a point: its windows differ at most half as much at its own
-  /// disparity as at that of any of the eight neighbours that lies elsewhere, and there is one. A
-  /// thing that is smaller than a cell is isolated as a flying pixel is, but is there.
+  /// Whether the images confirm a point: its windows differ at most half as much at its own
+  /// disparity as at that of any of the eight neighbours at another disparity, and there is such a
+  /// neighbour. A point on an object smaller than a cell is isolated as a flying pixel is, but
+  /// real.
   /// @param left, right  the rectified pair, grey.
   /// O(1); thread-safe.
   bool IsConfirmed(const ProjectedPoint& point, double tolerance_px, const cv::Mat1b& left,
                    const cv::Mat1b& right) const;
 
   /// Which points a nearer surface hides from the left or from the right camera: what the ToF
-  /// camera sees past an edge from its own place. Each point stands for a piece of surface around
-  /// it in the image, with the slant that its neighbours show. A point that lies further than such
-  /// a piece by more than the tolerance is hidden when it is in the core of the piece; between
-  /// there and its end, where the edge of the surface may be on either side, when the images agree
-  /// better with the piece than with the point.
+  /// camera sees past an edge from its own position. Each point stands for a piece of surface
+  /// around it in the image, with the slant that its neighbours show. A point that lies further
+  /// than such a piece by more than the tolerance is hidden when it is in the core of the piece.
+  /// Outside the core, where the edge of the surface may be on either side, it is hidden when the
+  /// images agree better with the piece than with the point.
   ///
   /// The idea of the paper's background rule, whose window of 5×5 px is too small for a sensor
-  /// with fewer pixels and too large for one with more: here the window follows the distance of the
-  /// seeds, and the slant is taken off, since over such a distance a slant is no edge.
-  /// @param points  those that are tested and that hide; some of those that this was made of, all
-  ///                inside the left image.
+  /// with fewer pixels and too large for one with more: here the window follows the spacing of the
+  /// seeds, and the slant is subtracted, since over such a distance a slant would look like an
+  /// edge.
+  /// @param points  those that are tested and that hide others; a part of those that the surface
+  ///                was made of, all inside the left image.
   /// @param in_both  how many of them, the first ones, lie in the right image as well; the others
   ///                neither hide nor are hidden there.
   /// @param left, right  the rectified pair, grey.
   /// @param rule    with a reach of 0 none is hidden.
-  /// @returns one answer a point; valid until the next call. Does not depend on their order.
+  /// @returns one answer a point; valid until the next call. Does not depend on the order of the
+  /// points.
   /// O(points + image pixels / 25), whatever the points: of those that crowd into a few pixels (a
   /// cell of 5 px, or of a piece's reach) only the 32 nearest hide others, so a point is compared
   /// with 288 at most. On OpenCV's threads, with the same result for any number.

@@ -6,8 +6,8 @@
 namespace sprout::refine {
 
 /// How much the 5×5 windows around two corresponding pixels differ: the sum of squared differences
-/// over the sum of squares, 0 (equal) to 1. The right column may be one pixel off either way, as a
-/// ToF point is not more exact: the best of the three counts.
+/// over the sum of squares, 0 (equal) to 1. The right column may be one pixel off either way, since
+/// a ToF point is not more exact: the best of the three counts.
 ///
 /// @param left, right  rectified pair, grey, of one size.
 /// @param u, v, u_right  position, px; rounded to whole pixels.

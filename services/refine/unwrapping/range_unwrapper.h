@@ -11,13 +11,13 @@
 
 namespace sprout::refine {
 
-/// The numbers of RangeUnwrapper. NOTES.md, "Beyond the unambiguous range", has what was
+/// The constants of RangeUnwrapper. NOTES.md, "Beyond the unambiguous range", has what was
 /// measured.
 struct UnwrappingRules {
-  /// Half the windows that are compared, px. By trial: those of 5×5 px do not tell the two places
-  /// apart.
+  /// Half the side of the windows that are compared, px. By trial: windows of 5×5 px do not tell
+  /// the two places apart.
   static constexpr int kRadius = 4;
-  /// Variance of a grey value that is no texture: of a camera's noise, 2 grey levels.
+  /// Variance of grey values without texture: noise of a camera, 2 grey levels.
   static constexpr double kNoise = 4;
   /// Tangent of the slant up to which ToF pixels are one surface, 68°. Measured: at 76° wrapped and
   /// other surfaces run into one.
@@ -27,9 +27,10 @@ struct UnwrappingRules {
   /// Mean preference of a surface that is far. Measured: the correlation's mean is up to 0.05 at
   /// the wrong place, and 0.12 or more at a surface's own.
   static constexpr double kClearly = 0.1;
-  /// And from where on neither place is to be believed: what the wrong place reaches.
+  /// Mean preference above which neither place can be trusted: what the wrong place reaches.
   static constexpr double kUnclearly = 0.05;
-  /// Of the median albedo: a surface below is blacker than things are, which have 3 to 90 %.
+  /// Share of the median albedo: a surface below it is blacker than real ones, which have 3 to 90
+  /// %.
   static constexpr double kBlackest = 1 / 30.0;
 };
 
@@ -40,14 +41,14 @@ struct UnwrappingRules {
 /// is too black to be so near is far.
 class RangeUnwrapper {
  public:
-  /// Moves the points of such surfaces to where they are, and takes away those of surfaces for
-  /// which the images speak, but not clearly. A surface with too few points stays as it
-  /// is, and one for which neither speaks. Order stays.
+  /// Moves the points of such surfaces to where they are, and removes those of surfaces that the
+  /// images prefer to be far, but not clearly. A surface with too few points stays as it is, as
+  /// does one for which neither images nor amplitude decide. The order of the points stays.
   /// @param left, right  rectified pair of the calibrated size, grey.
   /// @param tof          of the calibrated size.
   /// @param range_m      unambiguous range, m along the ray; > 0.
-  /// @param points       of tof by projector, row by row.
-  /// @returns how many points were taken away.
+  /// @param points       of `tof`, projected, row by row.
+  /// @returns how many points were removed.
   /// O(ToF pixels), about 1 µs each; on OpenCV's threads, with the same result for any number.
   /// Keeps its memory.
   int32_t Apply(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
@@ -58,7 +59,7 @@ class RangeUnwrapper {
   enum class Verdict : uint8_t { kNear, kFar, kUnsure };
 
   void FindMedianAlbedo(std::span<const ProjectedPoint> points);
-  // @param step_m  by which ranges of one surface may differ from pixel to pixel.
+  // @param step_m  most that ranges of one surface differ from pixel to pixel.
   void FindSurfaces(double step_m);
   Verdict Judge(const std::vector<cv::Point>& surface) const;
 

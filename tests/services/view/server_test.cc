@@ -272,7 +272,7 @@ TEST_F(ServerTest, SaysThatItsPortIsTaken) {
     const Server second("127.0.0.1", server_.port(), {});
     FAIL();
   } catch (const ListenError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("Address already in use; another sprout-view?"));
+    EXPECT_THAT(e.what(), HasSubstr("Address already in use; is another sprout-view running?"));
   }
   EXPECT_THROW(Server("localhost", 0, {}), ListenError);
 }

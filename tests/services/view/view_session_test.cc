@@ -26,7 +26,7 @@ class ViewSessionTest : public ::testing::Test {
   }
 
   RingInput input_;
-  KeepBudget budget_{size_t{64} << 20};
+  PausedFrameBudget budget_{size_t{64} << 20};
   ViewSession session_{input_.ring, budget_};
 };
 
@@ -57,7 +57,7 @@ TEST_F(ViewSessionTest, KeepsItsFramesWhileItLooks) {
 }
 
 TEST_F(ViewSessionTest, KeepsNoMoreThanTheBudgetOfAllPages) {
-  KeepBudget small(3 * input_.ring.Newest()->bytes());
+  PausedFrameBudget small(3 * input_.ring.Newest()->bytes());
   ViewSession first(input_.ring, small);
   ViewSession second(input_.ring, small);
   ASSERT_TRUE(first.OnMessage(R"({"type":"pause"})"));
