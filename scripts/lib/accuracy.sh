@@ -19,6 +19,8 @@ condition_flags() {
     sr4000) echo "--tof sr4000" ;;
     blind*) echo "--tof sr4000?blind=${1#blind}" ;;
     none) echo "--tof none" ;;
+    every*) echo "--tof sr4000?every=${1#every}" ;;
+    coarse*) echo "--tof grid:auto*${1#coarse}" ;;
     wrapped) echo "--tof sr4000?wrapped=25" ;;
     calib*) echo "--tof sr4000?calibration=${1#calib}" ;;
     align*) echo "--tof sr4000?calibration=${1#align} --config scripts/lib/align_tof.textproto" ;;
@@ -33,7 +35,7 @@ condition_scenes() { # CONDITION SIZE...
   shift
   for size in "$@"; do
     case "$condition/$size" in
-      clean/* | sparse/* | */half | */full) printf '%s\n' "$SPROUT_DATA/middlebury/$size"/*/ ;;
+      clean/* | sparse/* | coarse*/* | every*/* | */half | */full) printf '%s\n' "$SPROUT_DATA/middlebury/$size"/*/ ;;
     esac
   done
 }

@@ -8,11 +8,11 @@
 #include <set>
 #include <sstream>
 
+#include "common/picture/chart.h"
 #include "common/picture/html.h"
 #include "common/quality/frame_quality.h"
 #include "services/batch/frame_commands.h"
 #include "services/batch/frame_rows.h"
-#include "services/batch/report_charts.h"
 #include "services/batch/report_losses.h"
 #include "services/batch/report_pictures.h"
 #include "services/batch/tables.h"

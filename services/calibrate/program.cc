@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "common/app/output_paths.h"
 #include "common/app/program.h"
 #include "common/app/progress.h"
 #include "common/app/version.h"
@@ -18,7 +19,6 @@
 #include "common/bus/lcm_url.h"
 #include "common/config/config.h"
 #include "common/core/number_text.h"
-#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
 #include "common/rig/rig_file.h"
 #include "services/calibrate/board.h"
@@ -91,17 +91,9 @@ Board BoardOf(const BoardOptions& options) {
   throw ConfigError("--squares " + options.squares + ": allowed is COLUMNSxROWS, such as 9x6");
 }
 
-void Write(const fs::path& path, const std::string& text) {
-  OutputFile file(path);
-  file.Write(text);
-  if (const Result<void> written = file.Commit(); !written) {
-    throw std::runtime_error(written.error().text);
-  }
-}
-
 int RunBoard(const Options& options) {
   const Board board = BoardOf(options.board);
-  Write(options.out, BoardPage(board, options.out));
+  WriteWhole(options.out, BoardPage(board, options.out));
   const Eigen::Vector2d extent_mm = 1000 * board.extent_m();
   std::cout << fmt::format("{}: {:g} x {:g} mm; print at 100 % and measure the line below it\n",
                            options.out.string(), extent_mm.x(), extent_mm.y());
@@ -179,7 +171,7 @@ int RunEstimate(const Options& options) {
     throw std::runtime_error(saved.error().text);
   }
   if (!options.report.empty()) {
-    Write(options.report, ReportHtml(*calibration, collector.best_images(), counts_text));
+    WriteWhole(options.report, ReportHtml(*calibration, collector.best_images(), counts_text));
   }
   std::cout << counts_text << "\n" << SummaryText(*calibration);
   if (file != options.out) {

@@ -50,8 +50,8 @@ class Dataset {
 ///                   ?beams=N keeps N of its 64 beams
 ///   synthetic:WxH   a moving scene with exact ground truth
 /// The ToF camera is simulated by config.tof(), or by ?tof=grid or ?tof=sr4000 after the source;
-/// with ?tof=none there is no ToF camera. ?tof=sr4000 may be followed by &blind=P, &wrapped=P and
-/// &calibration=PX, see Sr4000Config.
+/// with ?tof=none there is no ToF camera. ?tof=sr4000 may be followed by &blind=P, &wrapped=P,
+/// &calibration=PX and &every=K, see Sr4000Config.
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& config);
 

@@ -46,7 +46,7 @@ void ApplyOptions(std::string_view kind, const std::vector<SourceOption>& option
       config.set_tof(std::string(option.value));
     } else if (config.tof() != "sr4000" || !ApplySr4000Option(option, *config.mutable_sr4000())) {
       throw BadSource(config, "no such option " + std::string(option.text),
-                      kind == "kitti" ? "?beams=64, 32, 16 or 8, ?tof=none"
+                      kind == "kitti" ? "?beams=64, 32, 16, 8 or 4, ?tof=none"
                                       : "?tof=grid, ?tof=none, ?tof=sr4000 with " +
                                             std::string(kSr4000Options));
     }
@@ -58,10 +58,10 @@ void RequireAllowed(const CaptureConfig& config) {
     throw ConfigError("capture.tof = " + config.tof() +
                       ": no such ToF camera; allowed: grid, sr4000, none");
   }
-  constexpr std::array kBeams = {64, 32, 16, 8};
+  constexpr std::array kBeams = {64, 32, 16, 8, 4};
   if (std::ranges::find(kBeams, config.beams()) == kBeams.end()) {
     throw ConfigError("capture.beams = " + std::to_string(config.beams()) +
-                      ": not that many beams; allowed: 64, 32, 16, 8");
+                      ": not that many beams; allowed: 64, 32, 16, 8, 4");
   }
 }
 

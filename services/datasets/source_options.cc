@@ -29,7 +29,8 @@ SplitSourceText SplitSource(std::string_view source) {
 }
 
 bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config) {
-  if (option.name != "blind" && option.name != "wrapped" && option.name != "calibration") {
+  if (option.name != "blind" && option.name != "wrapped" && option.name != "calibration" &&
+      option.name != "every") {
     return false;
   }
   const std::optional<double> number = ParseNumber<double>(option.value);
@@ -40,6 +41,7 @@ bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config) {
   if (option.name == "blind") config.set_blind_percent(*number);
   if (option.name == "wrapped") config.set_wrapped_percent(*number);
   if (option.name == "calibration") config.set_calibration_error_px(*number);
+  if (option.name == "every") config.set_every_px(*number);
   RequireInRange(config, "capture.sr4000");
   return true;
 }

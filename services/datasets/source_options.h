@@ -29,10 +29,11 @@ struct SplitSourceText {
 SplitSourceText SplitSource(std::string_view source);
 
 /// The options allowed after "sr4000", for messages to people.
-inline constexpr std::string_view kSr4000Options = "&blind=P (%), &wrapped=P (%), &calibration=PX";
+inline constexpr std::string_view kSr4000Options =
+    "&blind=P (%), &wrapped=P (%), &calibration=PX, &every=K";
 
-/// Applies blind=P (blind_percent), wrapped=P (wrapped_percent) or calibration=PX
-/// (calibration_error_px). @returns whether the option is one of them.
+/// Applies blind=P (blind_percent), wrapped=P (wrapped_percent), calibration=PX
+/// (calibration_error_px) or every=K (every_px). @returns whether the option is one of them.
 /// @throws ConfigError when the value is not a number or out of range.
 bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config);
 

@@ -94,6 +94,18 @@ void DropWeakest(double percent, TofImage& tof) {
   for (const int i : returns) tof.depth_m(i) = kNoReturn;
 }
 
+// Leaves the first pixel of each step of that length, along the rows and along the columns.
+void KeepEvery(double step_px, TofImage& tof) {
+  const auto is_first = [&](int i) {
+    return std::floor(i / step_px) != std::floor((i - 1) / step_px);
+  };
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      if (!is_first(u) || !is_first(v)) tof.depth_m(v, u) = kNoReturn;
+    }
+  }
+}
+
 // A normal deviate from a key: the sum of twelve uniform numbers less its mean (Irwin and Hall).
 // Variance 1, no value beyond ±6, and no libm function that differs between machines.
 double Normal(uint64_t key) {
@@ -243,6 +255,7 @@ Sr4000Frame Sr4000::Measure(const TofSamples& samples, int64_t frame) const {
   const double ambiguity_m = AmbiguityM(tof.depth_m);
   Wrap(ambiguity_m, tof.depth_m);
   DropWeakest(config_.blind_percent(), tof);
+  KeepEvery(config_.every_px(), tof);
   return {tof, ambiguity_m};
 }
 

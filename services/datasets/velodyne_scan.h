@@ -26,7 +26,7 @@ std::vector<Eigen::Vector3d> ReadVelodyneScan(const std::filesystem::path& file)
 int VelodyneBeam(const Eigen::Vector3d& point);
 
 /// The points of every (64 / beams)th beam, the first kept being in the middle of that step.
-/// @param beams  64, 32, 16 or 8.
+/// @param beams  64, 32, 16, 8 or 4.
 std::vector<Eigen::Vector3d> KeepBeams(const std::vector<Eigen::Vector3d>& points, int beams);
 
 /// The scan as the range image of a ToF camera with the left camera's position and pixels:

@@ -8,16 +8,14 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "common/app/output_paths.h"
 #include "common/app/program.h"
 #include "common/app/progress.h"
 #include "common/app/version.h"
-#include "common/core/output_file.h"
 #include "services/evaluate/log_evaluation.h"
-#include "services/evaluate/output_paths.h"
 #include "services/evaluate/result_files.h"
 #include "services/evaluate/run_pictures.h"
 #include "services/evaluate/tables.h"
@@ -84,8 +82,8 @@ void AddInputFlags(CLI::App& flags, Options& options) {
   flags.add_option(
       "SCENE", options.scenes,
       "Folders of Middlebury scenes with ground truth; synthetic:WxH, a simulated scene; "
-      "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N to keep 32, 16 "
-      "or 8 of the scan's 64 beams");
+      "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N to keep 32, 16, "
+      "8 or 4 of the scan's 64 beams");
   flags.add_option("--methods", options.methods, "Methods or groups of them, listed below")
       ->delimiter(',')
       ->expected(1)
@@ -112,7 +110,8 @@ void AddInputFlags(CLI::App& flags, Options& options) {
           "size, as in the paper), grid:auto*K (K times that), grid:N (every Nth), sr4000 (a "
           "camera at its own position with the errors of a real one; ?blind=P: without the P % of "
           "its returns with the lowest amplitude; ?wrapped=P: P % are beyond the unambiguous "
-          "range; ?calibration=PX: its pose is off; '&' between several), or none; for kitti: "
+          "range; ?calibration=PX: its pose is off; ?every=K: only every Kth pixel of its rows and "
+          "columns; '&' between several), or none; for kitti: "
           "scan (the one recorded), or none")
       ->default_str("grid:auto, kitti: scan");
   flags
@@ -212,15 +211,8 @@ void RequireDifferentNames(const std::vector<Scene>& scenes) {
 void RequireWritable(const Options& options) {
   if (!options.json.empty()) RequireWritableFile("--json", options.json);
   if (!options.csv.empty()) RequireWritableFile("--csv", options.csv);
-  if (!options.images.empty()) RequireWritableFolder("--images", options.images);
-}
-
-void WriteWhole(const std::string& path, const std::string& text) {
-  OutputFile file(path);
-  file.Write(text);
-  if (const Result<void> written = file.Commit(); !written) {
-    throw std::runtime_error(written.error().text);
-  }
+  if (!options.images.empty())
+    RequireWritableFolder("--images", options.images, {"figure.png", "errors.png"});
 }
 
 std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Scene>& scenes,

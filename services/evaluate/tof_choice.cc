@@ -21,7 +21,7 @@ ConfigError BadChoice(const std::string& text, const std::string& reason) {
   return ConfigError(
       "--tof " + text + ": " + reason +
       "; allowed: grid:auto, grid:auto*K (K above 0, at most 100), grid:N (N from "
-      "1 to 1000 px), sr4000 (with ?blind=P, &wrapped=P, &calibration=PX), none, and for "
+      "1 to 1000 px), sr4000 (with ?blind=P, &wrapped=P, &calibration=PX, &every=K), none, and for "
       "kitti scan, none");
 }
 

@@ -14,7 +14,7 @@ namespace sprout::evaluate {
 ///   grid:auto*K  K times that spacing, rounded
 ///   grid:N       every Nth pixel
 ///   sr4000       a camera of its own with the faults of a real one (Sr4000Config); behind it
-///                ?blind=P, ?wrapped=P, ?calibration=PX, as in capture's sources
+///                ?blind=P, ?wrapped=P, ?calibration=PX, ?every=K, as in capture's sources
 ///   none         no ToF camera
 /// For a scene with a recorded scan (kitti), instead: scan         that none         leave it out
 class TofChoice {

@@ -22,8 +22,8 @@ struct PlaneFits {
   Numbers scale_px;  ///< s of eq. (P1)
   Numbers near_px;   ///< q of eq. (P3); 0: the disparity is that of the plane
 
-  /// The seeds around: positions from the lane's own one, px, and disparities. Those with no weight
-  /// fill up shorter lists.
+  /// The seeds around: positions from the lane's own one, px, disparities, and the weights of eq.
+  /// (P1) by their standard deviations. Those with no weight fill up shorter lists.
   std::array<Numbers, kMostSupport> across, down, disparity, weight;
   size_t most_support = 0;
 
@@ -36,11 +36,19 @@ struct PlaneFits {
       across[j][lane] = double{seed.u} - plane.u;
       down[j][lane] = double{seed.v} - plane.v;
       disparity[j][lane] = seed.disparity();
-      weight[j][lane] = 1;
+      weight[j][lane] = SureWeight(plane.sigma_px, seed.sigma_px);
     }
   }
 
  private:
+  // How much less a seed counts that is less sure than the one whose plane it is. What lies below σ₀
+  // is not told apart.
+  static double SureWeight(double sigma_px, double other_sigma_px) {
+    constexpr double kSurePx = 0.1;
+    return (kSurePx * kSurePx + sigma_px * sigma_px) /
+           (kSurePx * kSurePx + other_sigma_px * other_sigma_px);
+  }
+
   void StartRow(size_t j) {
     across[j] = down[j] = disparity[j] = weight[j] = {};
     most_support = j + 1;

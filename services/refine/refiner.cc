@@ -7,6 +7,7 @@
 #include "common/core/image.h"
 #include "common/core/parallel.h"
 #include "common/core/window_sums.h"
+#include "services/refine/surface/image_noise.h"
 #include "services/refine/surface/surface_rules.h"
 
 namespace sprout::refine {
@@ -63,8 +64,8 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   result.seeds.clear();
   if (!points_.empty()) {
     surface_.Set(rig, points_);
-    const auto sigma_px = static_cast<float>(std::clamp(
-        surface_.NoisePx(points_), SurfaceRules::kLeastSigmaPx, SurfaceRules::kMostSigmaPx));
+    const auto sigma_px = static_cast<float>(
+        std::clamp(NoisePx(left, right), SurfaceRules::kLeastSigmaPx, SurfaceRules::kMostSigmaPx));
     for (ProjectedPoint& point : points_) point.seed.sigma_px = sigma_px;
     KeepReliable(left, right, tof, result);
     KeepVisible(left, right, result);
@@ -74,6 +75,16 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
   }
   return result;
+}
+
+// Points that are far apart differ by the shape of the scene as well as by their noise.
+double Refiner::NoisePx(const cv::Mat1b& left, const cv::Mat1b& right) {
+  const double noise_px = surface_.NoisePx(points_);
+  const bool coarse =
+      config_.stereo_seeds() &&
+      surface_.spacing_px() > SurfaceRules::kCoarseCells * stereo_.SpacingPx(left.cols);
+  if (!coarse || noise_px <= SurfaceRules::kLeastSigmaPx) return noise_px;
+  return std::min(noise_px, ImageNoisePx(left, right, points_));
 }
 
 // Where the ToF camera sees something. What it says of dark regions is not to be believed; of

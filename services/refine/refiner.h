@@ -65,6 +65,7 @@ class Refiner {
               const TofImage& tof) const;
   void KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                     SeedSet& result);
+  double NoisePx(const cv::Mat1b& left, const cv::Mat1b& right);
   std::span<const cv::Point2f> Covered();
   void KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet& result);
 

@@ -38,12 +38,14 @@ class PageConnection : public std::enable_shared_from_this<PageConnection> {
   void Read();
   void OnRead(boost::beast::error_code error);
   void PumpProbe();
+  void PumpMeasure();
   void Send(Message message);
   void Write();
 
   /// Runs work on the thread for pictures, and sends its result.
+  /// @param busy  true meanwhile.
   template <typename Work>
-  void SendLater(Work work, bool is_text);
+  void SendLater(Work work, bool is_text, bool PageConnection::*busy);
 
   ServerState& state_;
   ConnectionCount count_;
@@ -54,6 +56,7 @@ class PageConnection : public std::enable_shared_from_this<PageConnection> {
   bool status_waits_ = false;
   bool encoding_ = false;
   bool probing_ = false;
+  bool measuring_ = false;
   bool open_ = false;
 };
 

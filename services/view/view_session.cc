@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kMinWidth = 16;
 constexpr int kMaxWidth = 4096;
+constexpr double kMaxTargetDistance = 10000;  // m
 
 // A whole number; JSON has others, too.
 std::optional<int64_t> NumberOf(const nlohmann::json& message, const char* name) {
@@ -37,6 +38,22 @@ Result<ShownParts> ShownPartsOf(const nlohmann::json& message) {
     parts.pictures.emplace_back(*picture, static_cast<int>(columns));
   }
   return parts;
+}
+
+// A rectangle; whether it lies in the image shows when it is measured.
+Result<std::optional<cv::Rect>> RectOf(const nlohmann::json& message, const char* name) {
+  const auto found = message.find(name);
+  if (found == message.end()) return std::optional<cv::Rect>();
+  std::vector<int> numbers;
+  if (found->is_array() && found->size() == 4) {
+    for (const nlohmann::json& number : *found) {
+      const int64_t px = number.is_number_integer() ? number.get<int64_t>() : -1;
+      if (px >= 0 && px < kMaxSide) numbers.push_back(static_cast<int>(px));
+    }
+  }
+  if (numbers.size() != 4)
+    return Fail("measure: allowed are rectangles of whole numbers of an image");
+  return std::optional(cv::Rect(numbers[0], numbers[1], numbers[2], numbers[3]));
 }
 
 }  // namespace
@@ -73,9 +90,33 @@ Result<void> ViewSession::OnMessage(std::string_view text) {
       return Fail("probe: u and v: allowed are the pixels of an image");
     }
     probe_ = {static_cast<int>(*u), static_cast<int>(*v)};
+  } else if (type == "measure") {
+    return OnMeasure(message);
   } else {
     return Fail("a message of an unknown type");
   }
+  return {};
+}
+
+Result<void> ViewSession::OnMeasure(const nlohmann::json& message) {
+  panel_.reset();
+  if (FlagOf(message, "off")) return {};
+  TargetSettings settings;
+  for (const auto& [name, rect] :
+       {std::pair{"region", &settings.region}, {"edge", &settings.edge}}) {
+    const auto found = RectOf(message, name);
+    if (!found) return tl::unexpected(found.error());
+    *rect = *found;
+  }
+  if (const auto distance = message.find("distance_m"); distance != message.end()) {
+    const double metres = distance->is_number() ? distance->get<double>() : 0;
+    if (!(metres > 0) || metres > kMaxTargetDistance) {
+      return Fail("measure: distance_m: allowed is a number above 0, m");
+    }
+    settings.distance_m = metres;
+  }
+  panel_ = std::make_shared<TargetPanel>(settings);
+  to_measure_ = true;
   return {};
 }
 
@@ -102,6 +143,7 @@ std::optional<ViewSession::Show> ViewSession::TakeFrame() {
   if (same && !wish_changed_) return std::nullopt;
   wish_changed_ = false;
   drawing_ = true;
+  to_measure_ = true;
   shown_ = std::move(frame);
   return Show{shown_, parts_};
 }
@@ -110,6 +152,12 @@ std::optional<ViewSession::Probe> ViewSession::TakeProbe() {
   if (!probe_ || !shown_) return std::nullopt;
   const auto [u, v] = *std::exchange(probe_, std::nullopt);
   return Probe{shown_, u, v};
+}
+
+std::optional<ViewSession::Measure> ViewSession::TakeMeasure() {
+  if (!panel_ || !shown_ || !to_measure_) return std::nullopt;
+  to_measure_ = false;
+  return Measure{shown_, panel_};
 }
 
 KeyRange ViewSession::keys() const {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 #include "common/core/result.h"
 #include "services/view/frame_encoder.h"
 #include "services/view/frame_source.h"
+#include "services/view/target_panel.h"
 
 namespace sprout::view {
 
@@ -42,6 +44,10 @@ class PausedFrameBudget {
 ///   {"type": "look", "key": K} look at frame K, and stay
 ///   {"type": "drawn"}          ready for another frame
 ///   {"type": "probe", "u": U, "v": V}  what is known of a pixel of the frame on show
+///   {"type": "measure", "region": [LEFT, TOP, WIDTH, HEIGHT], "edge": [...], "distance_m": D}
+///                              measure a flat target in what is shown from now on, see
+///                              TargetPanel; all three may be left out
+///   {"type": "measure", "off": true}
 class ViewSession {
  public:
   ViewSession(const FrameSource& source, PausedFrameBudget& budget)
@@ -68,6 +74,13 @@ class ViewSession {
   };
   std::optional<Probe> TakeProbe();
 
+  /// What to measure now: once for each frame that was sent, and for each new region.
+  struct Measure {
+    StoredFramePtr frame;
+    std::shared_ptr<TargetPanel> panel;
+  };
+  std::optional<Measure> TakeMeasure();
+
   /// A frame that the page asked for and that no longer exists; reported once.
   std::optional<int64_t> TakeGone() { return std::exchange(gone_, std::nullopt); }
 
@@ -75,6 +88,7 @@ class ViewSession {
   KeyRange keys() const;
 
  private:
+  Result<void> OnMeasure(const nlohmann::json& message);
   StoredFramePtr Wanted();
   StoredFramePtr Find(int64_t key) const;
   void Keep();
@@ -89,6 +103,8 @@ class ViewSession {
   bool drawing_ = false;
   StoredFramePtr shown_;
   std::optional<std::pair<int, int>> probe_;
+  std::shared_ptr<TargetPanel> panel_;
+  bool to_measure_ = false;
   std::optional<int64_t> gone_;
   std::vector<StoredFramePtr> kept_;  // by key
   size_t kept_bytes_ = 0;

@@ -99,6 +99,15 @@ void RemoveSmallPatches(cv::Mat1f disparity_px) {
 
 }  // namespace
 
+int MatchingScale(cv::Size size, int most_pixels) {
+  int scale = 1;
+  while (size.area() > most_pixels) {
+    size = {(size.width + 1) / 2, (size.height + 1) / 2};  // as Halved()
+    scale *= 2;
+  }
+  return scale;
+}
+
 void StereoMatcher::BuildLevels(const cv::Mat1b& left, const cv::Mat1b& right,
                                 const cv::Mat1b& wanted, int most_pixels) {
   levels_.clear();
@@ -107,7 +116,8 @@ void StereoMatcher::BuildLevels(const cv::Mat1b& left, const cv::Mat1b& right,
   const auto halve = [&] {
     level = {Halved(level.left), Halved(level.right), HalvedMask(level.wanted), 2 * level.scale};
   };
-  while (pixels() > static_cast<size_t>(most_pixels)) halve();
+  const int scale = MatchingScale(left.size(), most_pixels);
+  while (level.scale < scale) halve();
   levels_.push_back(level);
   while (pixels() > StereoRules::kCoarsestPixels) {
     halve();

@@ -16,6 +16,9 @@ struct StereoMatcherSettings {
   int most_pixels = 0;       ///< images with more are halved until they have no more; > 0
 };
 
+/// How many px of the images are one of the finest image that is matched, along either side.
+int MatchingScale(cv::Size size, int most_pixels);
+
 /// Disparities of a rectified pair without a prior: semi-global matching from coarse to fine. The
 /// coarsest image (at most 32,000 pixels) is searched over all disparities; every finer one only
 /// around the results of the coarser one.

@@ -36,9 +36,20 @@ struct StereoRules {
   static constexpr int kFewestPairs = 8;
   /// Windows overlap, so disparities share errors: one in so many is independent. By trial.
   static constexpr double kSharing = 4;
-  /// Least standard deviation, px of the matched image: no match is more exact, whatever the
-  /// spread.
-  static constexpr double kLeastSigmaPx = 0.05;
+  /// Standard deviation of what all disparities around err alike, px of the matched image: their
+  /// spread does not show it. By trial: NOTES.md, "Which of both".
+  static constexpr double kSharedSigmaPx = 0.2;
+
+  // How sure an interpolation between ToF points is, eqs. (3) and (4).
+  /// What may lie unseen between them, px of disparity a px of distance.
+  static constexpr double kUnseenPerPx = 0.005;
+  /// The same beyond the outermost points: the prior's slope_sigma.
+  static constexpr double kBeyondPerPx = 0.05;
+  /// Scale of the M-estimator for slopes: the prior's plane_scale_px, plane_scale_per_spacing, and
+  /// how much wider its first round is.
+  static constexpr double kPlaneScalePx = 0.4;
+  static constexpr double kPlaneScalePerPx = 0.12;
+  static constexpr double kFirstScale = 1.5;
 
   // From coarse to fine.
   /// Disparities searched a pixel, except on the coarsest image: what a vector of 16 bytes holds.

@@ -53,8 +53,8 @@ std::optional<Surface> SurfaceAt(const cv::Mat1f& map, int u, int v) {
   }
   if (pairs < StereoRules::kFewestPairs) return {};
   return Surface{own + sum / pairs,
-                 std::max(StereoRules::kLeastSigmaPx,
-                          std::sqrt(squares / pairs * StereoRules::kSharing / pairs))};
+                 std::hypot(StereoRules::kSharedSigmaPx,
+                            std::sqrt(squares / pairs * StereoRules::kSharing / pairs))};
 }
 
 }  // namespace
@@ -64,12 +64,8 @@ struct StereoSeedFinder::Grid {
   double spacing_px;
   cv::Size size;  // cells
 
-  Grid(const RefineConfig& config, cv::Size image)
-      : spacing_px(config.stereo_spacing_px() > 0
-                       ? config.stereo_spacing_px()
-                       : std::max(StereoRules::kLeastSpacingPx,
-                                  image.width / double{StereoRules::kColumns})),
-        size(At(image.width - 1) + 1, At(image.height - 1) + 1) {}
+  Grid(double spacing, cv::Size image)
+      : spacing_px(spacing), size(At(image.width - 1) + 1, At(image.height - 1) + 1) {}
 
   // The column or row of cells that a position lies in.
   int At(double position) const {
@@ -81,7 +77,13 @@ StereoSeedFinder::StereoSeedFinder(const RefineConfig& config) : config_(config)
   RequireInRange(config, "refine");
 }
 
-void StereoSeedFinder::FindUncovered(const Grid& grid, std::span<const cv::Point2f> covered) {
+double StereoSeedFinder::SpacingPx(int width) const {
+  if (config_.stereo_spacing_px() > 0) return config_.stereo_spacing_px();
+  return std::max(StereoRules::kLeastSpacingPx, width / double{StereoRules::kColumns});
+}
+
+void StereoSeedFinder::FindUncovered(const Grid& grid, std::span<const Seed> seeds,
+                                     std::span<const cv::Point2f> covered, double scale) {
   cv::Mat1b with_points(grid.size, uint8_t{0});
   for (const cv::Point2f& point : covered) {
     const cv::Point cell(grid.At(point.x), grid.At(point.y));
@@ -89,10 +91,15 @@ void StereoSeedFinder::FindUncovered(const Grid& grid, std::span<const cv::Point
   }
   cv::dilate(with_points, uncovered_, Disc(config_.stereo_gap()));
   uncovered_ = 1 - uncovered_;
-  // Single cells and rows of them, as beside the borders of the image, are better bridged: one seed
-  // alone would stand for a long strip of the prior.
-  cv::morphologyEx(uncovered_, uncovered_, cv::MORPH_OPEN, cv::Mat1b::ones(2, 2), {-1, -1}, 1,
-                   cv::BORDER_CONSTANT, cv::Scalar(0));
+  // And of these the cells for which no match could be surer than the points around.
+  points_.Set(seeds, grid.size, grid.spacing_px);
+  for (int y = 0; y < grid.size.height; ++y) {
+    for (int x = 0; x < grid.size.width; ++x) {
+      uint8_t& uncovered = uncovered_(y, x);
+      if (uncovered != 0 && points_.SigmaPx({x, y}) <= StereoRules::kSharedSigmaPx * scale)
+        uncovered = 0;
+    }
+  }
 }
 
 void StereoSeedFinder::MarkWanted(const Grid& grid, cv::Size size) {
@@ -113,7 +120,8 @@ void StereoSeedFinder::MarkWanted(const Grid& grid, cv::Size size) {
   }
 }
 
-// In every cell the pixel nearest to its centre that a seed can be taken from.
+// In every cell the pixel nearest to its centre that a seed can be taken from, unless the points
+// around are surer of it.
 void StereoSeedFinder::TakeFrom(const Grid& grid, const cv::Mat1f& map, int row) {
   const double scale = matcher_.scale();
   const double cell = grid.spacing_px / scale;  // its side in pixels of the map
@@ -145,16 +153,17 @@ void StereoSeedFinder::TakeFrom(const Grid& grid, const cv::Mat1f& map, int row)
         best.sigma_px = static_cast<float>(surface->sigma * scale);
       }
     }
-    if (std::isfinite(nearest)) seeds.push_back(best);
+    if (std::isfinite(nearest) && best.sigma_px <= points_.SigmaPx({column, row}))
+      seeds.push_back(best);
   }
 }
 
 std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Mat1b& right,
                                              std::span<const Seed> seeds,
                                              std::span<const cv::Point2f> covered) {
-  const Grid grid(config_, left.size());
+  const Grid grid(SpacingPx(left.cols), left.size());
   seeds_.clear();
-  FindUncovered(grid, covered);
+  FindUncovered(grid, seeds, covered, MatchingScale(left.size(), config_.stereo_most_pixels()));
   if (cv::countNonZero(uncovered_) == 0) return seeds_;
   MarkWanted(grid, left.size());
   const int most = config_.stereo_max_disparity_px();

@@ -7,6 +7,7 @@
 
 #include "common/config/config.h"
 #include "common/core/seed.h"
+#include "services/refine/stereo/point_surface.h"
 #include "services/refine/stereo/stereo_matcher.h"
 
 namespace sprout::refine {
@@ -32,15 +33,20 @@ class StereoSeedFinder {
   std::span<const Seed> Find(const cv::Mat1b& left, const cv::Mat1b& right,
                              std::span<const Seed> seeds, std::span<const cv::Point2f> covered);
 
+  /// Side of the cells of an image of this width, px.
+  double SpacingPx(int width) const;
+
  private:
   struct Grid;
 
-  void FindUncovered(const Grid& grid, std::span<const cv::Point2f> covered);
+  void FindUncovered(const Grid& grid, std::span<const Seed> seeds,
+                     std::span<const cv::Point2f> covered, double scale);
   void MarkWanted(const Grid& grid, cv::Size size);
   void TakeFrom(const Grid& grid, const cv::Mat1f& disparity_px, int row);
 
   RefineConfig config_;
   StereoMatcher matcher_;
+  PointSurface points_;
   cv::Mat1b uncovered_;                   // cells that want a seed
   cv::Mat1b wanted_;                      // pixels that are matched for them
   std::vector<std::vector<Seed>> found_;  // in the rows of the grid

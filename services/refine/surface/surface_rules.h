@@ -24,6 +24,18 @@ struct SurfaceRules {
   static constexpr double kNoiseQuantile = 0.2533;
   /// Variance of a point less the mean of two others, for points of σ = 1: 1 + 2 / 4.
   static constexpr double kNoiseVariance = 1.5;
+  /// From so many stereo cells a point on, the shape of the scene shows in those deviations, and the
+  /// images are asked as well.
+  static constexpr double kCoarseCells = 1.5;
+  /// How far beside a point they are matched, px.
+  static constexpr int kMatchReachPx = 3;
+  /// Most points that are looked at: enough for a median of a quarter of them, good to 10 %.
+  static constexpr size_t kMatchedPoints = 1000;
+  /// One in so many of the matches counts, the sharpest: others err more than the points.
+  static constexpr size_t kSharpest = 4;
+  static constexpr double kMedianOfNormal = 0.6745;  ///< of |x| for a normal distribution of σ = 1
+  /// What such a match errs by itself, px. Measured with exact points (NOTES.md).
+  static constexpr double kMatchSigmaPx = 0.5;
   static constexpr double kLeastSigmaPx = 0.05;  ///< of points that show no noise, px
   /// Largest σ, px: below what a message may hold (1023); beyond it a seed carries no information.
   static constexpr double kMostSigmaPx = 1000;

@@ -94,6 +94,7 @@ TEST(KittiDataset, KeepsEveryFourthOf64Beams) {
   EXPECT_EQ(ScanReturns(folder.Open("/000007?beams=32")->Get(0).tof), 12);
   EXPECT_EQ(ScanReturns(folder.Open("/000007?beams=16")->Get(0).tof), 6);
   EXPECT_EQ(ScanReturns(folder.Open("/000007?beams=8")->Get(0).tof), 3);
+  EXPECT_EQ(ScanReturns(folder.Open("/000007?beams=4")->Get(0).tof), 1);
 }
 
 TEST(KittiDataset, LeavesTheScanOutOnDemand) {
@@ -217,7 +218,7 @@ TEST(KittiErrors, RefusesOptionsThatItDoesNotHave) {
   }
   EXPECT_THAT(OpenError(folder.Config("/000007?tof=sr4000")), HasSubstr("a scan of its own"));
   EXPECT_THAT(OpenError(folder.Config("/000007?beams=16&zoom=2")),
-              AllOf(HasSubstr("no such option zoom=2"), HasSubstr("beams=64, 32, 16 or 8")));
+              AllOf(HasSubstr("no such option zoom=2"), HasSubstr("beams=64, 32, 16, 8 or 4")));
   CaptureConfig middlebury;
   middlebury.set_source("middlebury:/no/folder?beams=16");
   EXPECT_THAT(OpenError(middlebury), HasSubstr("no such option beams=16"));

@@ -82,6 +82,9 @@ TEST(OpenDataset, TakesTheFaultsOfTheSr4000FromTheSource) {
   };
   const int all = returns("?tof=sr4000");
   EXPECT_EQ(returns("?tof=sr4000&blind=50"), all - std::lround(all / 2.0));
+  EXPECT_LT(returns("?tof=sr4000&every=4"), all / 12);
+  EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=sr4000&every=0.5")),
+              HasSubstr("capture.sr4000.every_px = 0.5"));
   EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=sr4000&blind=120")),
               HasSubstr("capture.sr4000.blind_percent = 120"));
   EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=sr4000&blind=x")),

@@ -206,6 +206,20 @@ TEST(Sr4000, TakesEquallyWeakReturnsInTheOrderOfThePixels) {
   EXPECT_EQ(Returns(tof), 72 * 176);
 }
 
+TEST(Sr4000, LeavesOutAllButOnePixelInSoMany) {
+  const TofImage all = Measure(Wall(2, 0.5F));
+  Sr4000Config config;
+  config.set_every_px(4);
+  TofImage tof = Measure(Wall(2, 0.5F), config);
+  EXPECT_EQ(Returns(tof), 44 * 36);
+  EXPECT_EQ(tof.depth_m(8, 12), all.depth_m(8, 12));
+  EXPECT_TRUE(std::isnan(tof.depth_m(8, 13)));
+  EXPECT_TRUE(std::isnan(tof.depth_m(9, 12)));
+  config.set_every_px(1.5);  // two of three
+  tof = Measure(Wall(2, 0.5F), config);
+  EXPECT_EQ(Returns(tof), 118 * 96);
+}
+
 TEST(Sr4000, HasNoReturnBeyondItsRange) {
   Sr4000Config config;
   config.set_depth_noise_m(0);

@@ -53,6 +53,28 @@ TEST(SeedPlanes, HaveTheSlantWithAndWithoutNoise) {
   }
 }
 
+// Beside stereo's noise a few exact points say where the surface is.
+TEST(SeedPlanes, FollowTheSurerNeighbours) {
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal(0, 0.3);
+  std::vector<Seed> seeds = Grid([](float u, float) { return 10 + 0.05F * u; });
+  for (size_t i = 0; i < seeds.size(); ++i) {
+    if (i % 3 == 0) continue;  // of the ToF camera
+    seeds[i].origin = SeedOrigin::kStereo;
+    seeds[i].u_right -= static_cast<float>(normal(random));
+    seeds[i].sigma_px = 0.3F;
+  }
+  double squares = 0;
+  int count = 0;
+  for (const Plane& plane : Fit(seeds)) {
+    const double inside = kSpacing * (kSide - 2);
+    if (plane.u < kSpacing || plane.v < kSpacing || plane.u > inside || plane.v > inside) continue;
+    squares += std::pow(plane.disparity - 10 - 0.05 * plane.u, 2);
+    ++count;
+  }
+  EXPECT_LT(std::sqrt(squares / count), 0.05);  // 0.08 where all count alike
+}
+
 // A slant that is counted in whole pixels looks like stairs, with steps that are three seeds wide.
 TEST(SeedPlanes, TakeOffTheStepsInWhichDisparitiesAreCounted) {
   const auto truth = [](float u, float v) { return 20 + 0.03F * u + 0.002F * v; };

@@ -89,18 +89,49 @@ TEST(StereoSeeds, LooksOnlyWhereNoPointIsNear) {
   for (const Seed& seed : seeds) EXPECT_GT(seed.u, 140);
 }
 
-TEST(StereoSeeds, LeavesSmallGapsBetweenPointsAlone) {
-  const Pair pair(Texture(kSize), [](int, int) { return 12; });
-  std::vector<cv::Point2f> covered;
-  for (int v = 0; v < kSize.height; v += 3 * kSpacing) {
-    for (int u = 0; u < kSize.width; u += 3 * kSpacing) {
-      covered.emplace_back(static_cast<float>(u), static_cast<float>(v));
+// Points of a coarse sensor on the surface that the pair shows, three cells apart.
+std::vector<Seed> CoarsePoints(const std::function<double(double, double)>& disparity) {
+  std::vector<Seed> points;
+  for (int v = 4; v < kSize.height; v += 3 * kSpacing) {
+    for (int u = 44; u < kSize.width; u += 3 * kSpacing) {
+      points.push_back({.u = static_cast<float>(u),
+                        .v = static_cast<float>(v),
+                        .u_right = static_cast<float>(u - disparity(u, v))});
     }
   }
-  EXPECT_TRUE(Find(pair, Config(), {}, covered).empty());
-  RefineConfig dense = Config();
-  dense.set_stereo_gap(0);
-  EXPECT_GT(Find(pair, dense, {}, covered).size(), 100U);
+  return points;
+}
+
+std::vector<cv::Point2f> PositionsOf(const std::vector<Seed>& points) {
+  std::vector<cv::Point2f> positions;
+  for (const Seed& point : points) positions.emplace_back(point.u, point.v);
+  return positions;
+}
+
+// Seeds in the midst of these points, where they enclose a cell.
+std::vector<Seed> FoundBetween(const Pair& pair, const std::vector<Seed>& points) {
+  std::vector<Seed> seeds = Find(pair, Config(), points, PositionsOf(points));
+  std::erase_if(seeds, [](const Seed& seed) {
+    return seed.u < 60 || seed.u > 240 || seed.v < 20 || seed.v > 170;
+  });
+  return seeds;
+}
+
+TEST(StereoSeeds, LeavesWhatPointsExplainToThem) {
+  const Pair pair(Texture(kSize), [](int, int v) { return 12 + 0.04 * v; });
+  const auto points = CoarsePoints([](double, double v) { return 12 + 0.04 * v; });
+  EXPECT_TRUE(FoundBetween(pair, points).empty());
+}
+
+TEST(StereoSeeds, FillsTheGapsBetweenPointsWhosePlanesDisagree) {
+  const auto rows = [](double v) { return static_cast<int>(v) / 20 % 2 == 0 ? 24.0 : 16.0; };
+  const Pair pair(Texture(kSize), [&](int, int v) { return rows(v); });
+  const std::vector<Seed> seeds =
+      FoundBetween(pair, CoarsePoints([&](double, double v) { return rows(v); }));
+  EXPECT_GT(seeds.size(), 40U);
+  for (const Seed& seed : seeds) {
+    EXPECT_NEAR(seed.disparity(), rows(double{seed.v}), 0.5) << seed.u << " " << seed.v;
+  }
 }
 
 TEST(StereoSeeds, RefusesWhatHasNoTexture) {

@@ -1,4 +1,4 @@
-#include "services/batch/report_charts.h"
+#include "common/picture/chart.h"
 
 #include <fmt/core.h>
 
@@ -8,7 +8,7 @@
 #include "common/core/quantile.h"
 #include "common/picture/html.h"
 
-namespace sprout::batch {
+namespace sprout {
 namespace {
 
 constexpr int kBins = 40;
@@ -103,4 +103,4 @@ std::string StripSvg(const std::vector<float>& values, double top) {
       kSteps, kStripHeight, points);
 }
 
-}  // namespace sprout::batch
+}  // namespace sprout

@@ -1,10 +1,10 @@
-#ifndef SPROUT_SERVICES_BATCH_REPORT_CHARTS_H_
-#define SPROUT_SERVICES_BATCH_REPORT_CHARTS_H_
+#ifndef SPROUT_COMMON_PICTURE_CHART_H_
+#define SPROUT_COMMON_PICTURE_CHART_H_
 
 #include <string>
 #include <vector>
 
-namespace sprout::batch {
+namespace sprout {
 
 /// A distribution as an inline SVG: bars for A, a line for B over them. Missing values are left
 /// out; the outermost 1 % on either side are counted in the first and last bar.
@@ -18,6 +18,6 @@ std::string HistogramSvg(const std::string& title, const std::vector<float>& a,
 /// stretch. @param top  value at the upper edge, > 0. O(n).
 std::string StripSvg(const std::vector<float>& values, double top);
 
-}  // namespace sprout::batch
+}  // namespace sprout
 
-#endif  // SPROUT_SERVICES_BATCH_REPORT_CHARTS_H_
+#endif  // SPROUT_COMMON_PICTURE_CHART_H_

@@ -1,0 +1,190 @@
+#include "services/refine/stereo/point_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "services/refine/stereo/stereo_rules.h"
+
+namespace sprout::refine {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+// Against squares of distances in px: keeps normal equations regular where points lie on a line.
+constexpr double kRegular = 1e-3;
+
+double Square(double x) { return x * x; }
+
+// Directions of the quadrants.
+struct Quadrant {
+  int across, down;
+};
+constexpr Quadrant kQuadrants[] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+
+// The least-squares plane through points, at the origin: its disparity there.
+class PlaneAtOrigin {
+ public:
+  void Add(double weight, double x, double y, double d) {
+    n_ += weight;
+    x_ += weight * x;
+    y_ += weight * y;
+    d_ += weight * d;
+    xx_ += weight * x * x;
+    xy_ += weight * x * y;
+    yy_ += weight * y * y;
+    xd_ += weight * x * d;
+    yd_ += weight * y * d;
+  }
+
+  double Disparity() const {
+    const double determinant = xx_ * yy_ - xy_ * xy_;
+    const double p = (yy_ * x_ - xy_ * y_) / determinant;
+    const double q = (xx_ * y_ - xy_ * x_) / determinant;
+    return (d_ - p * xd_ - q * yd_) / (n_ - p * x_ - q * y_);
+  }
+
+ private:
+  double n_ = 0, x_ = 0, y_ = 0, d_ = 0, xx_ = kRegular, xy_ = 0, yy_ = kRegular, xd_ = 0, yd_ = 0;
+};
+
+}  // namespace
+
+cv::Point2d PointSurface::CentrePx(cv::Point cell) const {
+  return {(cell.x + 0.5) * spacing_px_ - 0.5, (cell.y + 0.5) * spacing_px_ - 0.5};
+}
+
+// The sum of columns and rows: the nearest of a quadrant is then that of a cell beside or below.
+double PointSurface::Distance(int index, cv::Point cell) const {
+  if (index == kNone) return kInfinite;
+  const cv::Point2d centre = CentrePx(cell);
+  return std::abs(SeedOf(index).u - centre.x) + std::abs(SeedOf(index).v - centre.y);
+}
+
+void PointSurface::PutIntoCells() {
+  own_.setTo(kNone);
+  for (size_t i = 0; i < seeds_.size(); ++i) {
+    const auto cell_of = [&](float position) {
+      return static_cast<int>(std::floor((position + 0.5) / spacing_px_));
+    };
+    const cv::Point cell(cell_of(seeds_[i].u), cell_of(seeds_[i].v));
+    if (!cv::Rect({}, own_.size()).contains(cell)) continue;
+    const auto index = static_cast<int>(i);
+    if (Distance(index, cell) < Distance(own_(cell), cell)) own_(cell) = index;
+  }
+}
+
+void PointSurface::FindNearest(size_t quadrant) {
+  const auto [across, down] = kQuadrants[quadrant];
+  cv::Mat1i& nearest = quadrant_[quadrant];
+  own_.copyTo(nearest);
+  const cv::Rect all({}, own_.size());
+  for (int i = 0; i < own_.rows; ++i) {
+    const int y = down > 0 ? own_.rows - 1 - i : i;
+    for (int j = 0; j < own_.cols; ++j) {
+      const cv::Point cell(across > 0 ? own_.cols - 1 - j : j, y);
+      if (nearest(cell) != kNone) continue;
+      const cv::Point beside = cell + cv::Point(across, 0);
+      const cv::Point below = cell + cv::Point(0, down);
+      const int one = all.contains(beside) ? nearest(beside) : kNone;
+      const int other = all.contains(below) ? nearest(below) : kNone;
+      nearest(cell) = Distance(one, cell) <= Distance(other, cell) ? one : other;
+    }
+  }
+}
+
+// Sectors that turn around the cell like the arms of a pinwheel, so that each other cell is in one.
+PointSurface::Around PointSurface::AroundCell(cv::Point cell) const {
+  const std::array<cv::Point, kSectors> steps = {cv::Point(1, 0), cv::Point(0, 1), cv::Point(-1, 0),
+                                                 cv::Point(0, -1)};
+  Around around;
+  for (size_t i = 0; i < kSectors; ++i) {
+    const cv::Point next = cell + steps[i];
+    around[i] = cv::Rect({}, own_.size()).contains(next) ? quadrant_[i](next) : kNone;
+  }
+  return around;
+}
+
+// Eq. (4), by iteratively reweighted least squares.
+PointSurface::Slope PointSurface::SlopeAt(const Seed& seed, const Around& around) const {
+  Slope slope;
+  for (const double wider : {StereoRules::kFirstScale, 1.0, 1.0}) {
+    double xx = kRegular, xy = 0, yy = kRegular, xd = 0, yd = 0;
+    for (const int index : around) {
+      if (index == kNone) continue;
+      const double x = double{SeedOf(index).u} - seed.u;
+      const double y = double{SeedOf(index).v} - seed.v;
+      const double d = double{SeedOf(index).disparity()} - seed.disparity();
+      const double scale_px = wider * std::max(StereoRules::kPlaneScalePx,
+                                               StereoRules::kPlaneScalePerPx * std::hypot(x, y));
+      const double residual_px = d - slope.across * x - slope.down * y;
+      const double weight = 1 / (Square(1 + Square(residual_px / scale_px)) * (x * x + y * y));
+      xx += weight * x * x;
+      xy += weight * x * y;
+      yy += weight * y * y;
+      xd += weight * x * d;
+      yd += weight * y * d;
+    }
+    const double determinant = xx * yy - xy * xy;
+    slope = {(yy * xd - xy * yd) / determinant, (xx * yd - xy * xd) / determinant};
+  }
+  return slope;
+}
+
+void PointSurface::Set(std::span<const Seed> seeds, cv::Size cells, double spacing_px) {
+  seeds_ = seeds;
+  if (seeds.empty()) return;
+  spacing_px_ = spacing_px;
+  own_.create(cells);
+  PutIntoCells();
+  for (size_t i = 0; i < kSectors; ++i) FindNearest(i);
+  slopes_.assign(seeds.size(), {});
+  for (int y = 0; y < cells.height; ++y) {
+    for (int x = 0; x < cells.width; ++x) {
+      const int own = own_(y, x);
+      if (own == kNone) continue;
+      slopes_[static_cast<size_t>(own)] = SlopeAt(SeedOf(own), AroundCell({x, y}));
+    }
+  }
+}
+
+// Eq. (3).
+double PointSurface::SigmaPx(cv::Point cell) const {
+  if (seeds_.empty()) return kInfinite;
+  if (own_(cell) != kNone) return SeedOf(own_(cell)).sigma_px;
+  const cv::Point2d centre = CentrePx(cell);
+  const Around around = AroundCell(cell);
+  const auto for_each = [&](const auto& visit) {
+    for (const int index : around) {
+      if (index == kNone) continue;
+      const cv::Point2d off(SeedOf(index).u - centre.x, SeedOf(index).v - centre.y);
+      visit(index, off, 1 / (off.dot(off) + Square(spacing_px_ / 2)));
+    }
+  };
+  int sectors = 0;
+  double nearest_px2 = kInfinite;
+  double weights = 0;
+  double noise = 0;
+  PlaneAtOrigin plane;
+  for_each([&](int index, const cv::Point2d& off, double weight) {
+    ++sectors;
+    nearest_px2 = std::min(nearest_px2, off.dot(off));
+    weights += weight;
+    noise += weight * Square(SeedOf(index).sigma_px);
+    plane.Add(weight, off.x, off.y, SeedOf(index).disparity());
+  });
+  if (sectors == 0) return kInfinite;
+  // Beyond the outermost points.
+  double variance = noise / weights + Square(StereoRules::kUnseenPerPx) * nearest_px2;
+  const double beyond = Square(StereoRules::kBeyondPerPx) * nearest_px2;
+  if (sectors < 3) return std::sqrt(variance + beyond);
+  if (sectors == 3) variance += beyond / 4;
+  double disagreement = 0;
+  for_each([&](int index, const cv::Point2d& off, double weight) {
+    const Slope& slope = slopes_[static_cast<size_t>(index)];
+    const double here = SeedOf(index).disparity() - slope.across * off.x - slope.down * off.y;
+    disagreement += weight * Square(here - plane.Disparity());
+  });
+  return std::sqrt(variance + disagreement / weights);
+}
+
+}  // namespace sprout::refine

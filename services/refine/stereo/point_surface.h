@@ -1,0 +1,56 @@
+#ifndef SPROUT_SERVICES_REFINE_STEREO_POINT_SURFACE_H_
+#define SPROUT_SERVICES_REFINE_STEREO_POINT_SURFACE_H_
+
+#include <array>
+#include <opencv2/core.hpp>
+#include <span>
+#include <vector>
+
+#include "common/core/seed.h"
+
+namespace sprout::refine {
+
+/// How well the points of a range sensor explain what lies between them: the standard deviation of
+/// an interpolation at the centres of square cells of the left image, eqs. (3) and (4) of the
+/// README. It follows from how far the points around are, and from whether their planes agree.
+class PointSurface {
+ public:
+  /// @param seeds       of the range sensor; must live as long as SigmaPx() is called.
+  /// @param cells       columns and rows of the grid.
+  /// @param spacing_px  side of a cell, px.
+  /// O(cells + seeds); one thread. Keeps its memory, 20 bytes a cell.
+  void Set(std::span<const Seed> seeds, cv::Size cells, double spacing_px);
+
+  /// Standard deviation of the disparity that the points around a cell give for its centre, px;
+  /// infinite when there are no points.
+  /// O(1); thread-safe.
+  double SigmaPx(cv::Point cell) const;
+
+ private:
+  static constexpr int kNone = -1;
+  static constexpr size_t kSectors = 4;
+  struct Slope {
+    double across = 0;
+    double down = 0;
+  };
+  // The nearest seed in each of four sectors around a cell, or kNone.
+  using Around = std::array<int, kSectors>;
+
+  const Seed& SeedOf(int index) const { return seeds_[static_cast<size_t>(index)]; }
+  cv::Point2d CentrePx(cv::Point cell) const;
+  double Distance(int index, cv::Point cell) const;
+  void PutIntoCells();
+  void FindNearest(size_t quadrant);
+  Around AroundCell(cv::Point cell) const;
+  Slope SlopeAt(const Seed& seed, const Around& around) const;
+
+  std::span<const Seed> seeds_;
+  double spacing_px_ = 1;
+  cv::Mat1i own_;  // the seed in a cell, of several the one in the middle
+  std::array<cv::Mat1i, kSectors> quadrant_;  // the nearest seed there, the cell's own included
+  std::vector<Slope> slopes_;                 // at the seeds, px of disparity a px
+};
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_STEREO_POINT_SURFACE_H_
