@@ -10,9 +10,9 @@
 namespace sprout {
 namespace {
 
-float CoverageOf(const Frame& frame, const StageResult& outcome) {
+float CoverageOf(const Frame& frame, const StageResult& result) {
   const SeedSet* seeds = frame.seeds ? &*frame.seeds : nullptr;
-  for (const PartOutput& output : outcome.outputs) {
+  for (const PartOutput& output : result.outputs) {
     if (output.part == Part::kSeeds) seeds = &std::get<SeedSet>(output.value);
   }
   const std::optional<cv::Size> size = ImageSize(frame);
@@ -29,18 +29,18 @@ DisparityEncoding EncodingOf(const BusConfig& config) {
 std::optional<Answer> MakeAnswer(const Frame& frame, StageAdapter& adapter,
                                  DisparityEncoding encoding, StageMonitor& monitor) {
   try {
-    StageResult outcome = adapter.Process(frame);
+    StageResult result = adapter.Process(frame);
     Answer answer;
-    for (const PartOutput& output : outcome.outputs) {
+    for (const PartOutput& output : result.outputs) {
       answer.messages.push_back(
           {ChannelOf(output.part), EncodePart(frame.id, output.part, output.value, encoding)});
     }
-    if (!outcome.preview.empty()) {
-      answer.messages.push_back({kPreviewChannel, EncodePreview(frame.id, outcome.preview)});
+    if (!result.preview.empty()) {
+      answer.messages.push_back({kPreviewChannel, EncodePreview(frame.id, result.preview)});
     }
-    answer.tof_coverage = CoverageOf(frame, outcome);
-    answer.tof_offset = outcome.tof_offset;
-    answer.degenerate = std::move(outcome.degenerate);
+    answer.tof_coverage = CoverageOf(frame, result);
+    answer.tof_offset = result.tof_offset;
+    answer.degenerate = std::move(result.degenerate);
     return answer;
   } catch (const std::exception& e) {
     monitor.FrameFailed(frame.id, e.what());

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "common/app/answer.h"
+#include "common/app/duplicate_watch.h"
 #include "common/app/frame_assembler.h"
 #include "common/app/log.h"
 #include "common/app/silence_watch.h"
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
 #include "common/app/supervision.h"
-#include "common/app/twin_watch.h"
 #include "common/bus/channels.h"
 #include "common/bus/mailbox.h"
 #include "common/bus/publisher.h"
@@ -41,9 +41,9 @@ void Publish(const Arrival& arrival, const Answer& answer, Publisher& publisher,
   monitor.FrameOut(arrival.frame.id, arrival.when, answer.degenerate, answer.tof_coverage);
 }
 
-void OnStatus(std::span<const uint8_t> bytes, StageMonitor& monitor, TwinWatch& twins) {
+void OnStatus(std::span<const uint8_t> bytes, StageMonitor& monitor, DuplicateWatch& duplicates) {
   const Result<StageStatus> status = DecodeStatus(bytes);
-  status ? twins.Heard(*status) : monitor.BadMessage(kStatusChannel, status.error().text);
+  status ? duplicates.Heard(*status) : monitor.BadMessage(kStatusChannel, status.error().text);
 }
 
 // What went wrong is named only where something did.
@@ -70,14 +70,14 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
   FrameAssembler assembler(adapter.Inputs(), monitor);
   Mailbox<Arrival> mailbox;
   Publisher publisher(context.lcm_url, context.prefix);
-  TwinWatch twins(monitor);
+  DuplicateWatch duplicates(monitor);
   SilenceWatch silence(context, assembler.channels(), monitor);
   std::vector<std::string_view> channels = assembler.channels();
   channels.push_back(kStatusChannel);
   const Receiver receiver(
       context.lcm_url, context.prefix, channels,
       [&](std::string_view channel, std::span<const uint8_t> bytes) {
-        if (channel == kStatusChannel) return OnStatus(bytes, monitor, twins);
+        if (channel == kStatusChannel) return OnStatus(bytes, monitor, duplicates);
         silence.Heard(channel);
         for (Frame& frame : assembler.Add(channel, bytes)) {
           silence.HeardFrame();
@@ -90,7 +90,7 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
   const StatusReporter reporter(context, monitor);
   std::list<StatusReporter> step_reporters;
   for (StageMonitor& step : steps) step_reporters.emplace_back(context, step);
-  TellReady();
+  NotifyReady();
   Watchdog watchdog;
   while (!context.stop.stop_requested()) {
     const auto arrival = mailbox.TakeWithin(Watchdog::kIdlePeriod, context.stop);

@@ -62,14 +62,12 @@ Service::Service(std::string stage, const std::string& description)
       ->type_name("FILE|PRESET")
       ->expected(1)
       ->take_all();
-  flags
-      .add_option("--lcm-url", lcm_url_,
-                  "Where the messages travel: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
+  flags.add_option("--lcm-url", lcm_url_, "The bus: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
       ->type_name("URL")
       ->capture_default_str();
   flags
       .add_option("--channel-prefix", prefix_,
-                  "Put before every channel: runs two graphs side by side")
+                  "Prefix of every channel, to run two graphs side by side")
       ->type_name("TEXT");
   flags.add_option("--log-level", log_level_, "What to log to stderr")
       ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
@@ -80,9 +78,9 @@ Service::Service(std::string stage, const std::string& description)
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   flags
-      .add_option("--simd", simd_,
-                  "Instruction set that growth and gap filling may use at most; results do not "
-                  "depend on it")
+      .add_option(
+          "--simd", simd_,
+          "Best instruction set that growth and gap filling may use; results do not depend on it")
       ->type_name("best|" + fmt::format("{}", fmt::join(SimdLevels(), "|")))
       ->capture_default_str();
   flags.set_version_flag("--version", "sprout-" + stage_ + " " + Version());
@@ -95,20 +93,20 @@ void Service::OfferReplay() {
   CLI::Option* replay =
       flags
           .add_option("--replay", replay_,
-                      "Work on the frames of this log instead of the live ones, every one, as fast "
-                      "as it goes; may be given several times: events are merged by time, and a "
+                      "Process all frames of this log instead of live ones, as fast as possible; "
+                      "may be given several times: events are merged by time, and a "
                       "channel is taken from the last log that has it")
           ->type_name("LOG")
           ->expected(1)
           ->take_all();
   CLI::Option* record =
-      flags.add_option("--record", record_, "Log to write the answers of --replay to")
-          ->type_name("LOG");
-  CLI::Option* frames = flags
-                            .add_option("--frames", frames_,
-                                        "Work on frames A to B of --replay only, both included; "
-                                        "A:, :B and A work, too")
-                            ->type_name("A:B");
+      flags.add_option("--record", record_, "Log for the answers of --replay")->type_name("LOG");
+  CLI::Option* frames =
+      flags
+          .add_option(
+              "--frames", frames_,
+              "Process only frames A to B of --replay, both included; A:, :B and A work, too")
+          ->type_name("A:B");
   replay->needs(record)->excludes(flags.get_option("--lcm-url"));
   record->needs(replay);
   frames->needs(replay);

@@ -46,11 +46,10 @@ TimeSummary Summarise(std::vector<double> times_ms) {
 
 std::string FutureText(int64_t seq, double age_ms) {
   char text[160];
-  std::snprintf(
-      text, sizeof text,
-      "frame %lld was captured %.3f s in the future by this host's clock: set the clocks of "
-      "both hosts alike (NTP, PTP); until then no age is true",
-      static_cast<long long>(seq), -age_ms / 1000);
+  std::snprintf(text, sizeof text,
+                "frame %lld was captured %.3f s in the future by this host's clock: synchronise "
+                "the clocks of both hosts (NTP, PTP); until then ages are wrong",
+                static_cast<long long>(seq), -age_ms / 1000);
   return text;
 }
 

@@ -37,7 +37,7 @@ StatusReporter::~StatusReporter() {
 
 void StatusReporter::PublishStatus() {
   const StageStatus status = monitor_.Snapshot();
-  if (status.stage == process_) TellStatus(status);
+  if (status.stage == process_) NotifyStatus(status);
   Publish(kStatusChannel, EncodeStatus(status));
 }
 

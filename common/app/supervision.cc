@@ -29,9 +29,9 @@ HangLimit::Duration WatchdogTime() {
 
 }  // namespace
 
-void TellReady() { Tell("READY=1"); }
+void NotifyReady() { Tell("READY=1"); }
 
-void TellStatus(const StageStatus& status) {
+void NotifyStatus(const StageStatus& status) {
   Tell(
       fmt::format("STATUS={} frames, {:.1f} a second, {} skipped, {} failed, {} incomplete, {} bad "
                   "messages",

@@ -11,10 +11,10 @@ namespace sprout {
 
 /// Tells the service manager (systemd, Type=notify) that this process is ready for messages. Like
 /// all of this file, does nothing without a service manager.
-void TellReady();
+void NotifyReady();
 
 /// Tells it the state of the process in one line, which `systemctl status` shows.
-void TellStatus(const StageStatus& status);
+void NotifyStatus(const StageStatus& status);
 
 /// Whether stderr goes to the system's journal.
 bool LogsToJournal();

@@ -50,6 +50,7 @@ void MakeDefaultsExplicit(Message& message) {
   const Reflection& reflection = *message.GetReflection();
   for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
     const FieldDescriptor* field = message.GetDescriptor()->field(i);
+    if (field->is_repeated()) continue;  // a list has no default, and shows what it has
     switch (field->cpp_type()) {
       case FieldDescriptor::CPPTYPE_MESSAGE:
         MakeDefaultsExplicit(*reflection.MutableMessage(&message, field));
@@ -108,8 +109,12 @@ std::string PresetNames() {
 
 void MergeFile(const std::string& file, SproutConfig& config) {
   SproutConfig parsed;  // apart: a key that stands twice in one file is an error
-  ParseTextFile(PathOf(file), "configuration", "a file, or a preset (" + PresetNames() + ")",
-                parsed);
+  if (file.find('{') != std::string::npos) {
+    ParseText(file, "configuration text", parsed);
+  } else {
+    ParseTextFile(PathOf(file), "configuration", "a file, or a preset (" + PresetNames() + ")",
+                  parsed);
+  }
   config.MergeFrom(parsed);
 }
 
@@ -122,12 +127,14 @@ void ParseTextFile(const fs::path& path, const std::string& what, const std::str
     throw ConfigError(what + " " + path.string() + ": " + text.error().text +
                       "; allowed: " + allowed);
   }
+  ParseText(*text, what + " " + path.string(), message);
+}
+
+void ParseText(const std::string& text, const std::string& name, Message& message) {
   FirstError error;
   google::protobuf::TextFormat::Parser parser;
   parser.RecordErrorsTo(&error);
-  if (!parser.ParseFromString(*text, &message)) {
-    throw ConfigError(what + " " + path.string() + ":" + error.text);
-  }
+  if (!parser.ParseFromString(text, &message)) throw ConfigError(name + ":" + error.text);
 }
 
 fs::path PresetsFolder() {

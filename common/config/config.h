@@ -20,7 +20,8 @@ std::filesystem::path PresetsFolder();
 /// ones; without files, all defaults.
 ///
 /// @param files  paths, or names of presets (a name without '/' and '.' stands for
-///               NAME.textproto in PresetsFolder()).
+///               NAME.textproto in PresetsFolder()), or, with a '{' in them, such text itself:
+///               "grow { sub_pixel: false }".
 /// @returns the effective configuration: every field is set.
 /// @throws ConfigError for a missing file, a syntax error, an unknown key, a value out of range.
 SproutConfig LoadConfig(const std::vector<std::string>& files);
@@ -32,6 +33,11 @@ SproutConfig LoadConfig(const std::vector<std::string>& files);
 /// @throws ConfigError for a file that cannot be read, a syntax error, an unknown key.
 void ParseTextFile(const std::filesystem::path& path, const std::string& what,
                    const std::string& allowed, google::protobuf::Message& message);
+
+/// The same for the text itself.
+/// @param name  of its origin, for the message.
+void ParseText(const std::string& text, const std::string& name,
+               google::protobuf::Message& message);
 
 /// Checks every number of a configuration (or a part of one) against the range in its .proto.
 /// @throws ConfigError naming the first offending key, as "PREFIX.key".

@@ -72,7 +72,18 @@ struct Frame {
   cv::Mat confidence;  ///< 8UC1
   std::optional<DepthImage> depth;
   std::optional<PointCloud> cloud;
+
+  /// No parts: `left` and `right` in grey, where one has made them for several stages; else empty.
+  cv::Mat1b left_grey, right_grey;
 };
+
+/// What stages look at that need no colours: the grey image if there is one, else the part.
+inline const cv::Mat& GreyestLeft(const Frame& frame) {
+  return frame.left_grey.empty() ? frame.left : frame.left_grey;
+}
+inline const cv::Mat& GreyestRight(const Frame& frame) {
+  return frame.right_grey.empty() ? frame.right : frame.right_grey;
+}
 
 /// Pointer to the member of Frame that holds a part. Its type decides which message carries the
 /// part, see TypeOf() in common/messages.

@@ -62,14 +62,6 @@ void RunBoth(const One& one, const Other& other) {
   });
 }
 
-/// Calls paint(rows) for bands of rows that make up the image. A row is painted by one call, so
-/// painting triangles in their order in each gives the same image with any number of threads.
-template <typename Paint>
-void PaintInBands(int height, const Paint& paint) {
-  constexpr int kBandsPerThread = 4;  // bands take different times
-  ForRangesParallel(height, kBandsPerThread * cv::getNumThreads(), paint);
-}
-
 /// Prepares `map` for a new result of that size: reuses its memory if nobody else holds its pixels,
 /// otherwise allocates. Its content is undefined.
 template <typename T>

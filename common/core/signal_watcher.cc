@@ -2,6 +2,8 @@
 
 #include <pthread.h>
 #include <sys/time.h>
+#include <ucontext.h>
+#include <unistd.h>
 
 #include <utility>
 
@@ -13,6 +15,21 @@ namespace {
 // Makes the thread look whether it is over. Nobody else sends it, and where it is not waited for it
 // does nothing.
 constexpr int kWake = SIGURG;
+
+// What a thread does that was there before the watcher: it is given the signal no more, and the
+// process gets it again, until the watcher has it. Only calls that handlers may make.
+void PassOn(int signal, siginfo_t*, void* context) {
+  sigaddset(&static_cast<ucontext_t*>(context)->uc_sigmask, signal);
+  kill(getpid(), signal);
+}
+
+void PassOnInOtherThreads(int signal) {
+  struct sigaction action {};
+  action.sa_sigaction = PassOn;
+  action.sa_flags = SA_SIGINFO | SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(signal, &action, nullptr);
+}
 
 // 0: never.
 void SetAlarm(std::chrono::microseconds time) {
@@ -29,6 +46,7 @@ SignalWatcher::SignalWatcher(std::chrono::microseconds grace, std::function<void
   sigemptyset(&signals_);
   for (const int signal : {SIGINT, SIGTERM, kWake}) sigaddset(&signals_, signal);
   pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+  for (const int ending : {SIGINT, SIGTERM}) PassOnInOtherThreads(ending);
   thread_ = std::jthread([this](const std::stop_token& stop) { Watch(stop); });
 }
 

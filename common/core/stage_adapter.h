@@ -46,9 +46,9 @@ class StageAdapter {
 /// Answers a frame and adds the answer to it.
 /// @returns why the frame has no (or an empty) result; empty when all is well.
 inline std::string AddAnswer(StageAdapter& adapter, Frame& frame) {
-  StageResult outcome = adapter.Process(frame);
-  for (PartOutput& output : outcome.outputs) SetPart(frame, output.part, std::move(output.value));
-  return outcome.degenerate;
+  StageResult result = adapter.Process(frame);
+  for (PartOutput& output : result.outputs) SetPart(frame, output.part, std::move(output.value));
+  return result.degenerate;
 }
 
 }  // namespace sprout

@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <opencv2/calib3d.hpp>
 #include <utility>
 
@@ -26,6 +27,33 @@ Eigen::Vector3d PointAt(const RectifiedPair& pair, const DisparityImage& map, in
   const auto column = static_cast<float>(u);
   return PointFromSeed(pair,
                        {.u = column, .v = static_cast<float>(v), .u_right = column - map.Px(u, v)});
+}
+
+cv::Mat1f DepthMap(const RectifiedPair& pair, const DisparityImage& disparity) {
+  const double infinity_px = pair.cx - pair.cx_right;
+  cv::Mat1f depth_m(disparity.size(), std::numeric_limits<float>::quiet_NaN());
+  for (int v = 0; v < disparity.height(); ++v) {
+    for (int u = 0; u < disparity.width(); ++u) {
+      const double px = double{disparity.Px(u, v)};
+      if (px > infinity_px) {  // false for NaN
+        depth_m(v, u) = static_cast<float>(pair.DepthFromDisparity(px));
+      }
+    }
+  }
+  return depth_m;
+}
+
+TofCamera TofOverLeft(const RectifiedPair& pair, cv::Size size) {
+  const double scale_u = static_cast<double>(size.width) / pair.width;
+  const double scale_v = static_cast<double>(size.height) / pair.height;
+  TofCamera tof;
+  tof.width = size.width;
+  tof.height = size.height;
+  tof.fx = pair.focal_px * scale_u;
+  tof.fy = pair.focal_px * scale_v;
+  tof.cx = (pair.cx + 0.5) * scale_u - 0.5;
+  tof.cy = (pair.cy + 0.5) * scale_v - 0.5;
+  return tof;
 }
 
 Rig RigOfFrame(const Rig& rig, const TofImage& tof) {

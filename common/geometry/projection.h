@@ -22,6 +22,14 @@ Eigen::Vector3d PointFromSeed(const RectifiedPair& pair, const Seed& seed);
 /// The same for a pixel with a disparity. @pre map.IsValid(u, v).
 Eigen::Vector3d PointAt(const RectifiedPair& pair, const DisparityImage& map, int u, int v);
 
+/// Depth z of a disparity map, m; NaN where there is no disparity, or one without a positive depth.
+/// O(pixels).
+cv::Mat1f DepthMap(const RectifiedPair& pair, const DisparityImage& disparity);
+
+/// A ToF camera of `size` in the left camera's place with its field of view: the corners of both
+/// images coincide. For range images that are registered to the left image already.
+TofCamera TofOverLeft(const RectifiedPair& pair, cv::Size size);
+
 /// The calibration of one frame: if its ToF image is empty (0×0), without a ToF camera.
 Rig RigOfFrame(const Rig& rig, const TofImage& tof);
 

@@ -25,7 +25,7 @@ uint64_t Distance(int64_t before, int64_t number) {
 
 // Whether `other` has a number that goes on from that of `place` when the length of `place` is not
 // believed.
-bool GoesOn(const EventPlace& place, const EventPlace& other) {
+bool GoesOn(const EventPosition& place, const EventPosition& other) {
   const uint64_t distance = Distance(place.header.number, other.header.number);
   const int64_t bytes = other.offset - place.offset;
   return distance >= 1 && distance <= 1 + static_cast<uint64_t>(bytes / kMinEventBytes);
@@ -33,7 +33,7 @@ bool GoesOn(const EventPlace& place, const EventPlace& other) {
 
 }  // namespace
 
-bool IsInSequence(const std::optional<EventPlace>& before, const EventPlace& place) {
+bool IsInSequence(const std::optional<EventPosition>& before, const EventPosition& place) {
   const uint64_t distance = Distance(before ? before->header.number : -1, place.header.number);
   const int64_t bytes = place.offset - (before ? before->end() : 0);
   if (bytes <= 0) return distance == 1;
@@ -52,39 +52,39 @@ std::span<const uint8_t> EventFinder::Peek(int64_t offset, int64_t count) {
   return (events_.Holds(offset, count) ? events_ : peek_).View(offset, count);
 }
 
-std::optional<EventPlace> EventFinder::PlaceButForSync(int64_t offset) {
+std::optional<EventPosition> EventFinder::PositionButForSync(int64_t offset) {
   const auto bytes = Peek(offset, kMaxHeadBytes);
   const auto header = DecodeHeader(bytes);
   if (!header || !IsPlausible(*header, bytes)) return std::nullopt;
   if (header->event_bytes() > file_.size() - offset) return std::nullopt;
-  return EventPlace{offset, *header};
+  return EventPosition{offset, *header};
 }
 
-std::optional<EventPlace> EventFinder::PlaceAt(int64_t offset) {
+std::optional<EventPosition> EventFinder::PositionAt(int64_t offset) {
   if (offset >= file_.size() || !BeginsWithSync(Peek(offset, kMaxHeadBytes))) return std::nullopt;
-  return PlaceButForSync(offset);
+  return PositionButForSync(offset);
 }
 
-bool EventFinder::IsFollowed(const EventPlace& place) {
+bool EventFinder::IsFollowed(const EventPosition& place) {
   // True at the end of the file as well.
   if (BeginsWithSync(Peek(place.end(), kNumberEnd))) return true;
-  const auto behind = PlaceButForSync(place.end());
+  const auto behind = PositionButForSync(place.end());
   return behind && BeginsWithSync(Peek(behind->end(), kNumberEnd));
 }
 
 // An event of the sequence that begins inside of `place` speaks against its length. When the place
 // is followed and what follows does not claim that there are some inside, they may as well be those
 // of a log in its payload; then the first one decides: numbers of its own, so a log.
-bool EventFinder::HoldsOthers(const EventPlace& place, const std::optional<EventPlace>& before,
-                              bool followed) {
-  const auto next = PlaceAt(place.end());
+bool EventFinder::HoldsOthers(const EventPosition& place,
+                              const std::optional<EventPosition>& before, bool followed) {
+  const auto next = PositionAt(place.end());
   const bool may_hold_log = followed && !(next && GoesOn(place, *next));
   const bool numbered_wrong = !IsInSequence(before, place);
   int64_t from = place.offset + 1;
   // A sync word that begins inside may end behind it.
   while (const auto sync = FindSync(from, std::min(file_.size(), place.end() + 3))) {
     from = *sync + 1;
-    const auto other = PlaceAt(*sync);
+    const auto other = PositionAt(*sync);
     if (!other) continue;
     if (GoesOn(place, *other) || (numbered_wrong && IsInSequence(before, *other))) return true;
     if (may_hold_log) return false;
@@ -95,7 +95,7 @@ bool EventFinder::HoldsOthers(const EventPlace& place, const std::optional<Event
 
 // The very next event begins further behind: the length is too small. A later one says that the
 // next one, and not this one, is damaged.
-bool EventFinder::EndsEarly(const EventPlace& place) {
+bool EventFinder::EndsEarly(const EventPosition& place) {
   int64_t from = place.end();
   const int64_t limit = std::min(file_.size(), from + kMaxLookAhead);
   while (const auto sync = FindSync(from, limit)) {
@@ -108,17 +108,17 @@ bool EventFinder::EndsEarly(const EventPlace& place) {
   return false;
 }
 
-bool EventFinder::IsContradicted(const EventPlace& place, const std::optional<EventPlace>& before,
-                                 bool followed) {
+bool EventFinder::IsContradicted(const EventPosition& place,
+                                 const std::optional<EventPosition>& before, bool followed) {
   const auto next = DecodeHeader(Peek(place.end(), kHeaderBytes));
   if (next && Distance(place.header.number, next->number) == 1) return false;  // nearly always
   if (IsOutOfBudget()) return true;                                            // nobody knows
   return HoldsOthers(place, before, followed) || (!followed && EndsEarly(place)) || IsOutOfBudget();
 }
 
-std::optional<EventPlace> EventFinder::EventAt(int64_t offset,
-                                               const std::optional<EventPlace>& before) {
-  const auto place = PlaceAt(offset);
+std::optional<EventPosition> EventFinder::EventAt(int64_t offset,
+                                                  const std::optional<EventPosition>& before) {
+  const auto place = PositionAt(offset);
   if (!place) return std::nullopt;
   const bool followed = IsFollowed(*place);
   if (!followed && !IsInSequence(before, *place)) return std::nullopt;
@@ -126,13 +126,13 @@ std::optional<EventPlace> EventFinder::EventAt(int64_t offset,
   return place;
 }
 
-std::optional<EventPlace> EventFinder::EventBehind(int64_t offset,
-                                                   const std::optional<EventPlace>& before) {
+std::optional<EventPosition> EventFinder::EventAfter(int64_t offset,
+                                                     const std::optional<EventPosition>& before) {
   // An event whose sync word alone is damaged is skipped whole: what its payload holds is none.
-  const auto damaged = PlaceButForSync(offset);
+  const auto damaged = PositionButForSync(offset);
   const bool whole = damaged && !BeginsWithSync(Peek(offset, kNumberEnd)) && IsFollowed(*damaged) &&
                      !IsContradicted(*damaged, before, /*followed=*/true);
-  std::optional<EventPlace> out_of_sequence;
+  std::optional<EventPosition> out_of_sequence;
   int64_t from = whole ? damaged->end() : offset + 1;
   int64_t limit = file_.size();
   while (const auto sync = FindSync(from, limit)) {

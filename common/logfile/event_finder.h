@@ -11,7 +11,7 @@
 namespace sprout {
 
 /// An event and its position.
-struct EventPlace {
+struct EventPosition {
   int64_t offset = 0;
   EventHeader header;
 
@@ -20,7 +20,7 @@ struct EventPlace {
 
 /// Whether the number of `place` continues that of an earlier event `before` (nothing: the start of
 /// the file): at most as many numbers are missing as events would fit between the two.
-bool IsInSequence(const std::optional<EventPlace>& before, const EventPlace& place);
+bool IsInSequence(const std::optional<EventPosition>& before, const EventPosition& place);
 
 /// Decides which bytes of a log are events. A log has no checksums, so a header is accepted or not
 /// by its surroundings:
@@ -47,24 +47,26 @@ class EventFinder {
 
   /// The event that begins at `offset`; nothing when none is accepted there.
   /// @param before  the last event before it whose number can be trusted; nothing: none yet.
-  std::optional<EventPlace> EventAt(int64_t offset, const std::optional<EventPlace>& before);
+  std::optional<EventPosition> EventAt(int64_t offset, const std::optional<EventPosition>& before);
 
   /// The first event after damage at `offset`. One out of sequence is accepted only if none in
   /// sequence follows within 64 MB.
-  std::optional<EventPlace> EventBehind(int64_t offset, const std::optional<EventPlace>& before);
+  std::optional<EventPosition> EventAfter(int64_t offset,
+                                          const std::optional<EventPosition>& before);
 
   /// Whether the file ends inside an event that begins at or after `offset`.
   bool IsTorn(int64_t offset);
 
  private:
   std::span<const uint8_t> Peek(int64_t offset, int64_t count);
-  std::optional<EventPlace> PlaceAt(int64_t offset);
-  std::optional<EventPlace> PlaceButForSync(int64_t offset);
-  bool IsFollowed(const EventPlace& place);
-  bool IsContradicted(const EventPlace& place, const std::optional<EventPlace>& before,
+  std::optional<EventPosition> PositionAt(int64_t offset);
+  std::optional<EventPosition> PositionButForSync(int64_t offset);
+  bool IsFollowed(const EventPosition& place);
+  bool IsContradicted(const EventPosition& place, const std::optional<EventPosition>& before,
                       bool followed);
-  bool HoldsOthers(const EventPlace& place, const std::optional<EventPlace>& before, bool followed);
-  bool EndsEarly(const EventPlace& place);
+  bool HoldsOthers(const EventPosition& place, const std::optional<EventPosition>& before,
+                   bool followed);
+  bool EndsEarly(const EventPosition& place);
   std::optional<int64_t> FindSync(int64_t from, int64_t limit);
   bool IsOutOfBudget() const { return budget_ <= 0; }
 

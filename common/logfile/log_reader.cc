@@ -5,7 +5,7 @@ namespace {
 
 constexpr int64_t kChunkBytes = int64_t{1} << 20;
 
-bool IsNext(const EventPlace& before, const EventPlace& event) {
+bool IsNext(const EventPosition& before, const EventPosition& event) {
   return event.header.number > 0 && event.header.number - 1 == before.header.number;
 }
 
@@ -31,20 +31,20 @@ LogReader::LogReader(const std::filesystem::path& path)
   if (!ahead_ && !begins_like_a_log) throw LogError(path, "not an LCM log");
 }
 
-std::optional<EventPlace> LogReader::FindNext() {
+std::optional<EventPosition> LogReader::FindNext() {
   if (position_ >= file_.size()) return std::nullopt;
   const auto event = finder_.EventAt(position_, trusted_);
-  return event ? event : finder_.EventBehind(position_, trusted_);
+  return event ? event : finder_.EventAfter(position_, trusted_);
 }
 
 // One damaged number must not make the good ones behind it look wrong; two that follow each other
 // do begin a new sequence, as in logs that were put one behind the other.
-void LogReader::Trust(const EventPlace& event) {
+void LogReader::Trust(const EventPosition& event) {
   if (IsInSequence(trusted_, event) || (last_ && IsNext(*last_, event))) trusted_ = event;
 }
 
 // Books what lies between the last event and the next one, or the end of the file.
-void LogReader::Skip(const std::optional<EventPlace>& next) {
+void LogReader::Skip(const std::optional<EventPosition>& next) {
   const int64_t end = next ? next->offset : file_.size();
   if (end == position_) return;
   LogDamage damage{.offset = position_, .bytes = end - position_, .tail = false, .events = {}};
@@ -57,7 +57,7 @@ void LogReader::Skip(const std::optional<EventPlace>& next) {
 }
 
 bool LogReader::Next(LogEvent& event) {
-  const std::optional<EventPlace> next = ahead_ ? ahead_ : FindNext();
+  const std::optional<EventPosition> next = ahead_ ? ahead_ : FindNext();
   ahead_.reset();
   Skip(next);
   position_ = next ? next->end() : file_.size();

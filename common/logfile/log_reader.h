@@ -61,17 +61,17 @@ class LogReader {
   int64_t position() const { return position_; }  ///< bytes read so far, for progress lines
 
  private:
-  std::optional<EventPlace> FindNext();
-  void Trust(const EventPlace& event);
-  void Skip(const std::optional<EventPlace>& next);
+  std::optional<EventPosition> FindNext();
+  void Trust(const EventPosition& event);
+  void Skip(const std::optional<EventPosition>& next);
 
   InputFile file_;
   FileWindow window_;
   EventFinder finder_;
   int64_t position_ = 0;
-  std::optional<EventPlace> last_;     // the event read last
-  std::optional<EventPlace> trusted_;  // the last one whose number is confirmed by another
-  std::optional<EventPlace> ahead_;    // the next one, if already found
+  std::optional<EventPosition> last_;     // the event read last
+  std::optional<EventPosition> trusted_;  // the last one whose number is confirmed by another
+  std::optional<EventPosition> ahead_;    // the next one, if already found
   std::vector<LogDamage> damage_;
 };
 

@@ -1,6 +1,9 @@
 #include "common/picture/html.h"
 
+#include <fmt/core.h>
+
 #include <cstddef>
+#include <opencv2/imgcodecs.hpp>
 
 namespace sprout {
 namespace {
@@ -48,6 +51,25 @@ std::string EscapedHtml(std::string_view text) {
 
 std::string DataUrl(std::string_view type, std::span<const uint8_t> bytes) {
   return "data:" + std::string(type) + ";base64," + Base64(bytes);
+}
+
+std::string FigureHtml(const cv::Mat3b& picture, std::string_view caption) {
+  std::vector<uint8_t> png;
+  cv::imencode(".png", picture, png);
+  return fmt::format("<figure><img alt=\"\" src=\"{}\"><figcaption>{}</figcaption></figure>\n",
+                     DataUrl("image/png", png), caption);
+}
+
+std::string TableHtml(const std::vector<std::vector<std::string>>& rows) {
+  std::string html = "<table>\n";
+  for (size_t i = 0; i < rows.size(); ++i) {
+    html += "<tr>";
+    for (const std::string& cell : rows[i]) {
+      html += fmt::format("<{0}>{1}</{0}>", i == 0 ? "th" : "td", EscapedHtml(cell));
+    }
+    html += "</tr>\n";
+  }
+  return html + "</table>\n";
 }
 
 }  // namespace sprout

@@ -111,8 +111,8 @@ constexpr auto kColumns = std::to_array<QualityColumn>({
      [](const FrameQuality& quality) { return quality.valid_share; }},
     {"confidence", "mean confidence of the pixels with a disparity, 1 is certain", true, 3,
      [](const FrameQuality& quality) { return quality.confidence; }},
-    {"misfit", "how badly the images fit by the disparities: 0 well, 0.5 not at all", false, 3,
-     [](const FrameQuality& quality) { return quality.misfit; }},
+    {"misfit", "how badly the images match with the disparities: 0 perfectly, 0.5 not at all",
+     false, 3, [](const FrameQuality& quality) { return quality.misfit; }},
     {"seeds", "seeds of the ToF camera and of stereo", true, 0,
      [](const FrameQuality& quality) {
        return quality.seeds ? std::optional(static_cast<double>(*quality.seeds)) : std::nullopt;

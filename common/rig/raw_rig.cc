@@ -46,8 +46,8 @@ void CheckCamera(Checks& checks, const std::string& name, const Lens& lens) {
   const double off_px = WorstReturn(lens);
   checks.Require(
       off_px <= allowed_px,
-      (name + ".distortion: pixels that move when it is undone and done again, by").c_str(), off_px,
-      "up to " + std::to_string(std::lround(allowed_px)) + " px (it folds the image over)");
+      (name + ".distortion: pixels that move when it is removed and applied again, by").c_str(),
+      off_px, "up to " + std::to_string(std::lround(allowed_px)) + " px (it folds the image over)");
 }
 
 void CheckPose(Checks& checks, const std::string& name, const Pose& pose) {

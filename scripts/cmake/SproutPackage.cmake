@@ -1,5 +1,5 @@
 # Debian packages by CPack (scripts/package): sprout (programs, presets, units), libsprout0.2 (shared
-# libraries), libsprout-dev and sprout-doc. Included last.
+# libraries), python3-sprout, libsprout-dev and sprout-doc. Included last.
 #
 # What only a Debian package has, units, /etc/sprout and the like, is left out of `cmake --install`.
 set(SPROUT_MAINTAINER "Sprout maintainers <maintainers@sprout.invalid>"
@@ -34,15 +34,15 @@ endif()
 
 # What scripts/package builds, which is all but the tests.
 foreach(target ${programs} sprout_shared_pipeline sprout_shared_log sprout_lcmtypes_c
-               sprout_lcmtypes_python sprout_lcmtypes_java)
+               sprout_lcmtypes_java sprout_python)
   if(TARGET ${target})
     list(APPEND packaged ${target})
   endif()
 endforeach()
 add_custom_target(package_files DEPENDS ${packaged})
 
-# Units: one of each stage, the target that wants them all, the recorder and the stages in one process
-# for who enables them, and the route of the messages. What is special about one stands in NAME.unit and NAME.service.
+# Units: one of each stage, the target that wants them all, the recorder, the stages in one process and
+# the door to ROS 2 for who enables them, and the route of the messages. What is special about one stands in NAME.unit and NAME.service.
 function(sprout_unit name)
   set(unit_lines)
   set(service_lines)
@@ -54,7 +54,7 @@ function(sprout_unit name)
   endif()
   configure_file("${debian}/sprout-stage.service.in" "${generated}/units/sprout-${name}.service" @ONLY)
 endfunction()
-foreach(name IN LISTS stages ITEMS record pipeline)
+foreach(name IN LISTS stages ITEMS record pipeline ros2)
   sprout_unit(${name})
 endforeach()
 list(TRANSFORM stages PREPEND "sprout-" OUTPUT_VARIABLE units)
@@ -73,7 +73,8 @@ install(PROGRAMS "${debian}/loopback-route" DESTINATION lib/sprout ${package_onl
 install(FILES "${debian}/50-sprout.conf" DESTINATION lib/sysctl.d ${package_only})
 install(FILES "${debian}/sprout.textproto" "${debian}/environment" DESTINATION /etc/sprout
         ${package_only})
-install(FILES README.md common/config/sprout.proto common/rig/rig.proto DESTINATION share/doc/sprout
+install(FILES README.md common/config/sprout.proto common/quality/target_limits.proto common/rig/rig.proto
+        DESTINATION share/doc/sprout
         ${package_only})
 
 # Changelogs as Debian wants them: the upstream one, and a short one of the package, whose date is
@@ -93,6 +94,8 @@ install(FILES "${debian}/lintian/sprout" DESTINATION ${overrides} ${package_only
 install(FILES "${debian}/lintian/sprout-doc" DESTINATION ${overrides} COMPONENT doc EXCLUDE_FROM_ALL)
 install(FILES "${debian}/lintian/libsprout" DESTINATION ${overrides} RENAME libsprout${soversion}
         COMPONENT libsprout EXCLUDE_FROM_ALL)
+install(FILES "${debian}/lintian/python3-sprout" DESTINATION ${overrides} COMPONENT python
+        EXCLUDE_FROM_ALL)
 install(FILES "${debian}/lintian/libsprout-dev" DESTINATION ${overrides} COMPONENT dev
         EXCLUDE_FROM_ALL)
 
@@ -100,7 +103,8 @@ install(FILES "${debian}/lintian/libsprout-dev" DESTINATION ${overrides} COMPONE
 install(DIRECTORY common lcmtypes logs services tests DESTINATION share/doc/sprout-doc
         COMPONENT doc EXCLUDE_FROM_ALL
         FILES_MATCHING PATTERN "*.md" PATTERN "*.jpg" PATTERN "*.png" PATTERN "*.svg"
-        PATTERN "*.proto" PATTERN "example/*" PATTERN "examples/java/*")
+        PATTERN "*.proto" PATTERN "example/*" PATTERN "examples/java/*"
+        PATTERN "python/examples/*")
 install(FILES README.md CONTRIBUTING.md DESTINATION share/doc/sprout-doc COMPONENT doc
         EXCLUDE_FROM_ALL)
 install(FILES scripts/debian/README.md DESTINATION share/doc/sprout-doc/scripts/debian
@@ -116,6 +120,9 @@ set(CPACK_INSTALL_PREFIX /usr)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
     OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_COMPONENTS_ALL sprout libsprout dev doc)
+if(TARGET sprout_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PRE_BUILD_SCRIPTS "${debian}/finish_files.cmake")
@@ -152,17 +159,31 @@ set(CPACK_COMPONENT_LIBSPROUT_DESCRIPTION
     "Shared libraries: the processing chain as one class, and a reader and writer
 of LCM logs. The presets that they read are in package sprout.")
 
+if(TARGET sprout_python)
+  # The extension works with the one minor version of Python that it was built for.
+  math(EXPR python_next "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-sprout)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "sprout ${this_version}, python3 (>= 3.${Python_VERSION_MINOR}~), python3 (<< 3.${python_next}), python3-numpy"
+  )
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-open3d, sprout-doc")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${debian}/python/prerm")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+    "Module sprout for Python: depth of NumPy arrays, the frames of logs and of
+the running graph, stages in Python, and the message types.")
+endif()
+
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libsprout-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
     "libsprout${soversion} ${this_version}, liblcm-dev, liblcm-bin, libopencv-dev, libeigen3-dev, libexpected-dev, libprotobuf-dev"
 )
-set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "liblcm-java, python3")
-set(CPACK_DEBIAN_DEV_PACKAGE_CONTROL_EXTRA "${debian}/dev/prerm")
+set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "liblcm-java, python3-sprout")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
     "Development files: headers, find_package(sprout), pkg-config, and the LCM
-message types with their bindings for C++, C, Java and Python.")
+message types with their bindings for C++, C and Java.")
 
 set(CPACK_DEBIAN_DOC_PACKAGE_NAME sprout-doc)
 set(CPACK_DEBIAN_DOC_PACKAGE_SECTION doc)

@@ -1,10 +1,10 @@
 # shellcheck shell=bash
-# Says how far something long is and about how long it still takes, for scripts that source this.
+# Shows progress and estimates the remaining time, for scripts that source this.
 
 # The steps of ninja's output on stdin, as lines "DONE ALL".
 ninja_steps() { sed -u -n 's|^\[\([0-9]*\)/\([0-9]*\)\] .*|\1 \2|p'; }
 
-# The same of what apt-get -o APT::Status-Fd=1 says: packages are fetched in the first half.
+# The same for the output of apt-get -o APT::Status-Fd=1: packages are fetched in the first half.
 apt_steps() {
   sed -u -n -e 's|^dlstatus:[^:]*:\([0-9]*\).*|\1 200|p' -e 's|^pmstatus:[^:]*:\([0-9]*\).*|\1 200 100|p' |
     while read -r ready all before; do echo "$((ready + ${before:-0})) $all"; done
@@ -14,8 +14,8 @@ time_text() { # SECONDS
   if [ "$1" -lt 60 ]; then echo "$1 s"; else echo "$((($1 + 30) / 60)) min"; fi
 }
 
-# One line. Until a tenth is done, what is left comes from the guess, afterwards from the pace so far;
-# what has begun and takes longer than the guess is taken to be half done.
+# One line. Until a tenth is done the remaining time follows from the guess, afterwards from the pace so far;
+# after more time than the guess the work counts as half done.
 progress_text() { # WHAT DONE ALL GONE_S GUESS_S
   local what=$1 ready=$2 all=$3 gone=$4 guess=$5 left
   if [ $((ready * 10)) -ge "$all" ] && [ "$ready" -gt 0 ]; then

@@ -142,7 +142,7 @@ int64_t RunLocal(const std::string& program, const BatchFolder& folder, const Ma
   progress.Clear();
   Interrupt::Check();
   if (!queue.stopped().empty()) {
-    throw std::runtime_error(queue.stopped() + "; the same command goes on from here");
+    throw std::runtime_error(queue.stopped() + "; the same command continues from here");
   }
   return queue.missing();
 }

@@ -10,7 +10,7 @@
 namespace sprout::batch {
 
 /// Lines for a shell that show a frame of a log in sprout-view, and that compute it again with each
-/// variant. Each word stands for itself, whatever is in the names.
+/// variant. Names are quoted, whatever they contain.
 /// @param programs  folder of sprout-view.
 std::string FrameCommands(const BatchFolder& folder, const BatchHead& head, const BatchLog& log,
                           int64_t seq, const std::filesystem::path& programs);

@@ -14,24 +14,23 @@
 
 namespace sprout::batch {
 
-/// Finds the parts of frames in small logs, in any order: those of a frame are together whatever
-/// log they stand in. Opening reads where each message begins.
+/// Finds the parts of frames in small logs, in any order; the parts of one frame may be in several
+/// logs. Opening a log reads the positions of its messages.
 class FrameLookup {
  public:
   explicit FrameLookup(std::string prefix) : prefix_(std::move(prefix)) {}
 
-  /// Adds the parts that a log has, which is one that a stage wrote, and so is whole. @throws
-  /// LogError.
+  /// Adds the parts of a log that a stage wrote, which is undamaged. @throws LogError.
   void Add(const std::string& log);
 
-  /// The same with events that an index tells of, which are not read for it.
+  /// The same with events known from an index, without reading them.
   void Add(const std::string& log, std::span<const IndexedEvent> events);
 
   /// Frames that have a part, in the order of the logs.
   std::vector<FrameId> FramesWith(Part part) const;
 
-  /// The parts of a frame that are there and can be decoded; of one that several logs have, the
-  /// last one's counts. An empty rig_id stands for any.
+  /// The parts of a frame that exist and can be decoded; if several logs have a part, it is taken
+  /// from the last. An empty rig_id matches any.
   Frame Get(const FrameId& id, const PartSet& parts);
 
  private:

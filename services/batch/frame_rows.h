@@ -36,7 +36,7 @@ class FrameRows {
   std::vector<float> values_;  // rows × columns_
 };
 
-/// Mean of the values that are there; NaN when none is.
+/// Mean of the values without NaN; NaN if there are none.
 double MeanOf(const std::vector<float>& values);
 
 }  // namespace sprout::batch

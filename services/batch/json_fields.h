@@ -8,10 +8,10 @@
 
 namespace sprout::batch {
 
-// Members of a JSON object from a file that may come from anywhere. All throw ConfigError that
-// names field, value and what is allowed.
+// Members of a JSON object from an untrusted file. All throw ConfigError that names field, value
+// and what is allowed.
 
-/// Most that a count, a size or a place may be.
+/// Largest count, size or position.
 inline constexpr int64_t kMostOfAnything = int64_t{1} << 50;
 
 /// @throws ConfigError that names a field when `holds` is false.
@@ -36,7 +36,7 @@ std::vector<std::string> TextsIn(const nlohmann::json& json, const std::string& 
 /// Absolute path.
 std::string PathIn(const nlohmann::json& json, const std::string& field);
 
-/// As Digest() gives it.
+/// A digest as returned by Digest().
 std::string DigestIn(const nlohmann::json& json, const std::string& field);
 
 /// An array or an object.

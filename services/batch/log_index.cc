@@ -138,7 +138,7 @@ IndexedEvent ParseLine(const fs::path& path, int64_t place, std::string_view lin
   event.hash = words.Number<uint64_t>(16);
   for (const int64_t number : {event.offset, event.bytes}) {
     if (number < 0 || number > kMostOfAnything) {
-      throw LogError(path, "a line of the index has a place or a size that cannot be");
+      throw LogError(path, "a line of the index has an impossible position or size");
     }
   }
   return event;

@@ -25,7 +25,7 @@ struct IndexedEvent {
   uint64_t hash = 0;  ///< of the message
 };
 
-/// What a log is on the disk: tells whether an index or a manifest is still about the same one.
+/// State of a log's file: shows whether an index or a manifest still fits it.
 struct FileStamp {
   int64_t bytes = 0;
   int64_t mtime_ns = 0;
@@ -36,46 +36,46 @@ struct FileStamp {
 /// @throws LogError when there is no such file.
 FileStamp StampOf(const std::filesystem::path& log);
 
-/// What an index says about its log as a whole.
+/// What an index knows about its log as a whole.
 struct IndexSummary {
   FileStamp stamp;
   int64_t events = 0;         ///< indexed
-  int64_t other_events = 0;   ///< of channels that are no part of a frame
-  int64_t undecodable = 0;    ///< on channels of the graph, but no stage would take them
-  int64_t damaged_bytes = 0;  ///< hold no readable event
+  int64_t other_events = 0;   ///< of channels that carry no part of a frame
+  int64_t undecodable = 0;    ///< on channels of the graph, but refused by stages
+  int64_t damaged_bytes = 0;  ///< without a readable event
   bool cuttable = true;       ///< no event is older than an undecodable one before it
 };
 
 /// Members of the lines of JSON that begin an index, and that describe a log in a manifest.
 nlohmann::json ToJson(const IndexSummary& summary);
 
-/// @throws ConfigError when a member is missing or cannot be.
+/// @throws ConfigError when a member is missing or invalid.
 IndexSummary IndexSummaryFrom(const nlohmann::json& json);
 
-/// The frames' messages of a log with their places and digests: one line of text each behind one
-/// line of JSON. Made by reading the log once, kept beside it as `LOG.index`, or in another folder
-/// where the log's own cannot be written. Some 100 bytes a message.
+/// The frames' messages of a log with their positions and digests: one line of JSON, then a line of
+/// text for each message. Made by reading the log once, kept beside it as `LOG.index`, or in
+/// another folder if the log's own is not writable. Some 100 bytes a message.
 class LogIndex {
  public:
-  /// Reads the index of a log; makes it when there is none, when it is of an older state of the
-  /// log, or damaged.
+  /// Reads the index of a log; makes it if it is missing, damaged, or belongs to an older state of
+  /// the log.
   /// @param fallback  folder for indexes that cannot be kept beside their logs; is created. Empty:
   ///                  none.
-  /// @throws LogError when the log cannot be read, or the index can be written nowhere.
+  /// @throws LogError when the log cannot be read, or the index cannot be written anywhere.
   static LogIndex Ensure(const std::filesystem::path& log, const std::filesystem::path& fallback);
 
-  /// Reads an index file. @throws LogError when it is none, or damaged.
+  /// Reads an index file. @throws LogError when it is not one, or damaged.
   static LogIndex Read(const std::filesystem::path& index);
 
-  /// Whether a file is the index of a log in this state, and as long as it was written. Reads its
-  /// first line only.
+  /// Whether a file is the index of a log in this state, and of full length. Reads only its first
+  /// line.
   static bool IsOf(const std::filesystem::path& index, const FileStamp& stamp);
 
   const std::filesystem::path& path() const { return path_; }
   const IndexSummary& summary() const { return summary_; }
   const std::vector<IndexedEvent>& events() const { return events_; }
 
-  /// Why Ensure() did not take the index that was there; empty: there was none, or it was good.
+  /// Why Ensure() did not use the existing index; empty: there was none, or it was valid.
   const std::string& replaced() const { return replaced_; }
 
  private:

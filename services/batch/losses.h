@@ -8,10 +8,10 @@
 
 namespace sprout::batch {
 
-/// What did not go through, of a log or of all. Counts of frames and messages are of the log;
-/// `variants` knows only the shards that are done.
+/// Losses in a log or in all logs. Counts of frames and messages are of the log; `variants` covers
+/// only finished shards.
 struct Losses {
-  /// What a variant made of the frames.
+  /// Results of a variant.
   struct OfVariant {
     int64_t unanswered = 0;  ///< complete, but without an answer
     int64_t empty = 0;       ///< answered with an empty map
@@ -23,15 +23,15 @@ struct Losses {
   int64_t failed = 0;       ///< not done although tried
   int64_t untried = 0;      ///< not done, not tried
   int64_t frames = 0;       ///< complete in the log
-  int64_t incomplete = 0;   ///< a message of them never came
-  int64_t left_out = 0;     ///< frame numbers that nothing in the log has
-  int64_t undecodable = 0;  ///< messages of the graph's channels that no stage would take
+  int64_t incomplete = 0;   ///< a message is missing
+  int64_t left_out = 0;     ///< frame numbers missing in the log
+  int64_t undecodable = 0;  ///< messages of the graph's channels that stages refuse
   int64_t damaged_bytes = 0;
   std::vector<OfVariant> variants;
 
   void Add(const Losses& other);
 
-  /// Whether anything is lost or was difficult.
+  /// Whether anything was lost or had to be retried.
   bool Any() const;
 };
 

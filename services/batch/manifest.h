@@ -16,12 +16,12 @@ namespace sprout::batch {
 struct StageProgram {
   std::string path;
   std::string digest;   ///< of its bytes
-  std::string version;  ///< as it says, for people
+  std::string version;  ///< as it prints it, for people
 
   bool operator==(const StageProgram&) const = default;
 };
 
-/// One of the two things that are compared: programs with a configuration.
+/// A variant: programs with a configuration. Two of them are compared.
 struct Variant {
   std::string name;           ///< "a" or "b"
   std::string config_digest;  ///< of the effective configuration, which is in config_NAME.textproto
@@ -36,16 +36,16 @@ struct BatchLog {
   std::string name;   ///< of its results, see IsResultName(); no two logs have the same
   std::string index;  ///< path of its index
   IndexSummary summary;
-  int64_t incomplete = 0;  ///< frames of which a message never came
-  int64_t left_out = 0;    ///< frame numbers that the first stage's messages leave out
+  int64_t incomplete = 0;  ///< frames that miss a message
+  int64_t left_out = 0;    ///< frame numbers missing in the first stage's messages
 };
 
-/// All that decides what is computed. Logs' own contents apart, an equal head gives equal results.
+/// All settings that decide the results, besides the logs: equal heads give equal results.
 struct BatchHead {
   StageNames stages;
   StageNames keep;          ///< stages whose answers are results; the last stage is one of them
   std::string prefix;       ///< of the channels
-  int64_t shard_bytes = 0;  ///< about so many a shard
+  int64_t shard_bytes = 0;  ///< approximate size of a shard
   bool measured = true;     ///< whether the quality of each frame is measured for the table
   std::string truth;        ///< folder of true disparities; empty: none
   std::string tables;       ///< digest of sprout-batch, which computes the tables
@@ -55,8 +55,8 @@ struct BatchHead {
   bool operator==(const BatchHead&) const = default;
 };
 
-/// What a batch is: written once, read by every process that works for it. One line of JSON for the
-/// head, one for each log, one for each shard.
+/// The description of a batch: written once, read by each of its processes. One line of JSON for
+/// the head, one for each log, one for each shard.
 struct Manifest {
   BatchHead head;
   std::vector<BatchLog> logs;
@@ -66,7 +66,7 @@ struct Manifest {
   std::vector<size_t> ShardsOf(size_t log) const;
 };
 
-/// Where the files of a batch are.
+/// Paths of the files of a batch.
 class BatchFolder {
  public:
   explicit BatchFolder(std::filesystem::path root) : root_(std::move(root)) {}
@@ -87,7 +87,7 @@ class BatchFolder {
   /// Folder of the answers of a shard with a variant, by its key.
   std::filesystem::path result(const std::string& key) const;
 
-  /// Folder with the table of what differs in a shard between the variants, or from the truth, by
+  /// Folder with the table of differences in a shard between the variants, or from the truth, by
   /// its key.
   std::filesystem::path comparison(const std::string& key) const;
 
@@ -96,25 +96,25 @@ class BatchFolder {
 };
 
 /// The name of a result: digest of input, stages, programs and configuration. Equal keys have equal
-/// results, in whatever batch they were computed.
+/// results, also from other batches.
 std::string ResultKey(const BatchHead& head, const Variant& variant, const Shard& shard);
 
 /// The name of a comparison.
 std::string ComparisonKey(const BatchHead& head, const BatchLog& log, const Shard& shard);
 
-/// Whether there is something to compare: disparity maps of two variants, or with a truth.
+/// Whether there is something to compare: disparity maps of two variants, or of one with a truth.
 bool Compares(const BatchHead& head);
 
 /// @throws LogError when it cannot be written.
 void WriteManifest(const std::filesystem::path& path, const Manifest& manifest);
 
-/// Checks every field, since a manifest may come from anywhere.
+/// Checks every field, since a manifest is untrusted.
 /// @throws ConfigError when there is none, or it is damaged or of another version: one line that
 ///         names field, value and what is allowed.
 Manifest ReadManifest(const std::filesystem::path& path);
 
-/// One shard with its log, without keeping the others. @throws ConfigError as above, also for a
-/// number that no shard has.
+/// Reads one shard with its log, without keeping the others. @throws ConfigError as above, also for
+/// a number without a shard.
 struct ShardOfBatch {
   BatchHead head;
   BatchLog log;

@@ -9,24 +9,24 @@
 
 namespace sprout::batch {
 
-/// What became of a batch.
+/// Progress of a batch.
 struct BatchState {
   std::vector<bool> done;  ///< by shard
   int64_t missing = 0;
 };
 
-/// Looks at every shard: whether its results are there, and as long as they were written.
+/// Checks every shard: whether its results exist and have their full sizes.
 /// O(shards).
 BatchState StateOf(const BatchFolder& folder, const Manifest& manifest);
 
-/// The same, but reads every byte of the results that MergeLogs() would take. What is damaged does
-/// not count as done, and loses its list of files, so that it is computed again; one line on stderr
+/// The same, but reads every byte of the results that MergeLogs() uses. Damaged results do not
+/// count as done, and lose their list of files, so that they are computed again; one line on stderr
 /// each.
 BatchState CheckedStateOf(const BatchFolder& folder, const Manifest& manifest);
 
-/// Puts the answers of each log whose shards are all done into one log a variant, logs/NAME_a.lcm
+/// Merges the answers of each log whose shards are all done into one log a variant, logs/NAME_a.lcm
 /// and NAME_b.lcm: the bytes that a replay of the whole log on one machine records (of several
-/// stages: their logs merged by `sprout-log merge`). What is up to date stays.
+/// stages: their logs merged by `sprout-log merge`). Logs that are up to date stay.
 /// @returns how many logs were written. @throws LogError.
 int64_t MergeLogs(const BatchFolder& folder, const Manifest& manifest, const BatchState& state);
 

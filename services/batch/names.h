@@ -8,7 +8,7 @@
 
 namespace sprout::batch {
 
-/// Whether a text can stand in a manifest, in a table and on a page: UTF-8 without control
+/// Whether a text is allowed in a manifest, in a table and on a page: UTF-8 without control
 /// characters. File names may hold any bytes.
 bool IsPlainText(std::string_view text);
 
@@ -22,13 +22,13 @@ void RequirePlainText(const std::string& flag, const std::string& text);
 /// of a table.
 bool IsResultName(std::string_view name);
 
-/// What the results of a log are called: its file's name, changed where IsResultName() does not
-/// allow it, with a number behind it when another log is called so already.
+/// Name of a log's results: its file's name, changed to satisfy IsResultName(), with a number
+/// appended if another log has that name.
 /// @param log    plain text.
 /// @param taken  names of the other logs; the new one is added.
 std::string ResultNameOf(const std::filesystem::path& log, std::set<std::string>& taken);
 
-/// One word of a shell's command line that stands for exactly this text.
+/// The text quoted as one word of a shell's command line.
 std::string ShellWord(const std::string& text);
 
 }  // namespace sprout::batch

@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kBadName[] =
-    ": cannot stand in the manifest; allowed are names in UTF-8 without control characters";
+    ": is not allowed in the manifest; allowed are names in UTF-8 without control characters";
 
 std::string Absolute(const fs::path& path) { return fs::absolute(path).lexically_normal(); }
 

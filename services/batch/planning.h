@@ -10,7 +10,7 @@
 
 namespace sprout::batch {
 
-/// What a person asks for.
+/// The options of a run.
 struct BatchRequest {
   std::vector<std::string> inputs;  ///< logs, folders of logs (*.lcm), @LIST files
   std::string out;
@@ -26,15 +26,15 @@ struct BatchRequest {
   int64_t shard_megabytes = 192;
 };
 
-/// The logs that were asked for, absolute, without doubles, in order.
+/// The selected logs: absolute paths, without duplicates, in order.
 struct FoundLogs {
   std::vector<std::string> logs;
-  /// Those whose paths cannot stand in a manifest, as text for people (Escaped()).
+  /// Those whose paths are not allowed in a manifest, as text for people (Escaped()).
   std::vector<std::string> left_out;
 };
 
-/// Folders are searched for *.lcm, also below. @throws ConfigError for what is not there, a list
-/// that contains itself, and when nothing is left.
+/// Folders are searched for *.lcm, also below. @throws ConfigError for missing inputs, a list that
+/// contains itself, and when no log is left.
 FoundLogs FindLogs(const std::vector<std::string>& inputs);
 
 /// One line on stderr for each log that is left out.
@@ -45,8 +45,8 @@ void SayLeftOut(const std::vector<std::string>& left_out);
 /// @returns how many indexes are in `fallback`. @throws ConfigError, Interrupted.
 int64_t IndexLogs(const std::vector<std::string>& logs, const std::filesystem::path& fallback);
 
-/// The manifest of a request, written to its folder with the effective configurations. When the one
-/// that is there says the same about the same logs, it is taken as it is.
+/// The manifest of a request, written to its folder with the effective configurations. An existing
+/// manifest with the same settings and logs is kept.
 /// @param program  path of sprout-batch.
 /// @throws ConfigError, LogError.
 Manifest Plan(const BatchRequest& request, const std::string& program);

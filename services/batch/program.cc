@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kDescription[] =
-    "Replays stages over many logs, on all cores or with Slurm, compares two configurations or "
+    "Replays stages on many logs, on all cores or with Slurm, compares two configurations or "
     "two\n"
     "builds frame by frame, and writes a table and a report.";
 
@@ -40,7 +40,7 @@ Examples
   sprout-batch run @list.txt --out /shared/ab --engine slurm --partition short   on a cluster
   sprout-batch status /shared/ab
 
-The same command again does what is missing and nothing else. `sprout-batch COMMAND --help` explains
+Repeating a command computes only what is missing. `sprout-batch COMMAND --help` explains
 a command. Exit codes: 0; 1 something is missing; 2 a flag or log that cannot be used; 130 Ctrl-C.
 )";
 
@@ -69,7 +69,8 @@ class FolderLock {
       throw ConfigError("--out " + folder.root().string() + ": cannot be written");
     if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
     close(descriptor_);
-    throw ConfigError("--out " + folder.root().string() + ": another sprout-batch works there");
+    throw ConfigError("--out " + folder.root().string() +
+                      ": another sprout-batch is running there");
   }
   ~FolderLock() { close(descriptor_); }
   FolderLock(const FolderLock&) = delete;
@@ -116,7 +117,7 @@ std::string InputLosses(const Manifest& manifest) {
   const auto without = std::count(shards_of_log.begin(), shards_of_log.end(), 0U);
   if (without + incomplete + left_out + unreadable + damaged == 0) return "";
   return fmt::format(
-      "in the logs: {} incomplete frames, {} frame numbers left out, {} unreadable messages, {} "
+      "in the logs: {} incomplete frames, {} frame numbers missing, {} unreadable messages, {} "
       "damaged bytes; {} logs without a complete frame\n",
       incomplete, left_out, unreadable, damaged, without);
 }
@@ -148,8 +149,9 @@ int RunRun(Options& options) {
   const FolderLock lock(folder);
   const Interrupt interrupt;
   if (const std::string jobs = ActiveJobs(folder); !jobs.empty()) {
-    throw ConfigError(fmt::format("--out {}: Slurm's jobs {} work there; wait, or scancel {}",
-                                  folder.root().string(), jobs, jobs));
+    throw ConfigError(
+        fmt::format("--out {}: Slurm's jobs {} are running there; wait, or scancel {}",
+                    folder.root().string(), jobs, jobs));
   }
   RemoveParts(folder);
   const Manifest manifest = Plan(options.request, OwnPath());
@@ -162,7 +164,7 @@ int RunRun(Options& options) {
   if (state.missing == 0) return Finish(folder, manifest, state);
   if (options.engine == "slurm") {
     std::cout << SubmitSlurm(OwnPath(), folder, state, options.slurm, 0) << "\n"
-              << "sprout-batch status " << folder.root().string() << " says how far it is\n";
+              << "sprout-batch status " << folder.root().string() << " shows the progress\n";
     return 0;
   }
   RunLocal(OwnPath(), folder, manifest, state, options.local);
@@ -206,12 +208,12 @@ int RunStatus(const Options& options) {
   for (const auto& [shard, tries] : FailedTries(folder)) {
     if (shard >= state.done.size()) continue;
     std::cout << fmt::format("shard {} {}: {}\n", shard,
-                             state.done[shard] ? "is done after a failure" : "failed or is at work",
+                             state.done[shard] ? "is done after a failure" : "failed or is running",
                              TryPath(folder, shard, tries).string());
   }
   SayLeftOut(manifest.head.left_out);
   const std::string jobs = ActiveJobs(folder);
-  if (!jobs.empty()) std::cout << "Slurm's jobs " << jobs << " are at work\n";
+  if (!jobs.empty()) std::cout << "Slurm's jobs " << jobs << " are running\n";
   return state.missing == 0 && manifest.head.left_out.empty() ? 0 : 1;
 }
 
@@ -229,49 +231,50 @@ CLI::Option* AddList(CLI::App& flags, const char* name, std::vector<std::string>
 void AddSlurm(CLI::App& flags, SlurmOptions& slurm) {
   flags.add_option("--partition", slurm.partition, "Slurm: partition (default: the cluster's)");
   flags.add_option("--memory", slurm.memory, "Slurm: memory of a task")->capture_default_str();
-  flags.add_option("--time", slurm.time, "Slurm: time that a task may take")->capture_default_str();
-  flags.add_option("--array-size", slurm.array_size, "Slurm: tasks of the job array at most")
+  flags.add_option("--time", slurm.time, "Slurm: longest time of a task")->capture_default_str();
+  flags.add_option("--array-size", slurm.array_size, "Slurm: most tasks of the job array")
       ->check(CLI::Range(1, 4'000'000))
       ->capture_default_str();
 }
 
 void AddRun(CLI::App& program, Options& options, std::function<int()>& chosen) {
   CLI::App& flags = *program.add_subcommand(
-      "run", "Computes what is missing of a batch, or all of a new one, then table and report");
+      "run", "Computes the missing results of a batch, or all of a new one, then table and report");
   BatchRequest& request = options.request;
-  flags.add_option("LOG", request.inputs, "Logs, folders of logs (*.lcm), or @LIST: a log a line")
+  flags
+      .add_option("LOG", request.inputs,
+                  "Logs, folders of logs (*.lcm), or @LIST: a file with one of these a line")
       ->required();
   flags.add_option("--out", request.out, "Folder of the batch; results are kept in it")->required();
   AddList(flags, "--stages", request.stages, "Stages to run, of refine,prior,grow")
       ->delimiter(',')
       ->capture_default_str();
-  AddList(flags, "--keep", request.keep,
-          "Stages whose answers are results, beside those of the last")
+  AddList(flags, "--keep", request.keep, "Stages whose answers are kept, beside the last one's")
       ->delimiter(',');
-  AddList(flags, "--config", request.config_a, "Configuration A, as of the services; several merge")
+  AddList(flags, "--config", request.config_a,
+          "Configuration A, as for the services; several are merged")
       ->type_name("FILE|PRESET");
   AddList(flags, "--config-b", request.config_b, "Configuration B, to compare with A")
       ->type_name("FILE|PRESET");
   flags.add_option("--programs-a", request.programs_a,
                    "Folder of the stages' programs (default: that of sprout-batch)");
-  flags.add_option("--programs-b", request.programs_b,
-                   "Those of B, another build, to compare with");
+  flags.add_option("--programs-b", request.programs_b, "Those of B, to compare with another build");
   flags.add_option("--truth", request.truth,
                    "Folder with LOGNAME/NNNNNN_disparity.pfm, true disparities of frames");
   flags.add_flag_callback(
       "--no-measures", [&request] { request.measured = false; },
-      "Do not look at the frames: no score and no other measures of quality in the table");
-  flags.add_option("--channel-prefix", request.prefix, "Before every channel of the logs");
-  flags.add_option("--shard-megabytes", request.shard_megabytes, "About so much of a log a shard")
+      "Do not measure the frames: no score and no other figures of quality in the table");
+  flags.add_option("--channel-prefix", request.prefix, "Prefix of every channel of the logs");
+  flags.add_option("--shard-megabytes", request.shard_megabytes, "Approximate size of a shard")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  flags.add_option("--engine", options.engine, "Who computes")
+  flags.add_option("--engine", options.engine, "Where to compute")
       ->check(CLI::IsMember({"local", "slurm"}))
       ->capture_default_str();
   flags.add_option("--jobs", options.local.jobs, "local: shards at a time, 0 = one a core")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
-  flags.add_option("--retries", options.local.retries, "How often what failed is tried again")
+  flags.add_option("--retries", options.local.retries, "How often a failed shard is tried again")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
   AddSlurm(flags, options.slurm);
@@ -288,17 +291,17 @@ void AddOthers(CLI::App& program, Options& options, std::function<int()>& chosen
     flags.callback([&, run] { chosen = [&, run] { return run(options); }; });
     return &flags;
   };
-  add("status", "How far a batch is", RunStatus);
-  add("report", "Merged logs, table and report of what is done", RunReport);
-  CLI::App* shard = add("run-shard", "Computes shards; what both engines call", RunShards);
+  add("status", "Progress of a batch", RunStatus);
+  add("report", "Writes merged logs, table and report of the finished shards", RunReport);
+  CLI::App* shard = add("run-shard", "Computes shards; called by both engines", RunShards);
   shard->add_option("SHARD", options.shards, "Numbers of shards")->required();
   CLI::App* merge = add(
-      "merge", "Merged logs; Slurm's merge job: submits what is missing once more", RunMergeJob);
-  merge->add_option("--round", options.round, "Of the submission")->capture_default_str();
-  merge->add_option("--retries", options.slurm.retries, "Rounds at most")->capture_default_str();
+      "merge", "Merges logs; Slurm's merge job, which submits missing shards again", RunMergeJob);
+  merge->add_option("--round", options.round, "Number of the submission")->capture_default_str();
+  merge->add_option("--retries", options.slurm.retries, "Most rounds")->capture_default_str();
   AddSlurm(*merge, options.slurm);
   CLI::App& index = *program.add_subcommand("index", "Makes the indexes of logs, beside them");
-  index.add_option("LOG", options.logs, "As of run")->required();
+  index.add_option("LOG", options.logs, "As for run")->required();
   index.callback([&] {
     chosen = [&] {
       const Interrupt interrupt;
@@ -326,7 +329,7 @@ int BatchMain(int argc, const char* const* argv) {
     try {
       return chosen();
     } catch (const Interrupted& e) {
-      std::cerr << "sprout-batch: " << e.what() << "; the same command goes on from here\n";
+      std::cerr << "sprout-batch: " << e.what() << "; the same command continues from here\n";
       return 130;
     } catch (const LogError& e) {
       throw ConfigError(e.what());

@@ -8,11 +8,11 @@
 #include <set>
 #include <sstream>
 
+#include "common/picture/chart.h"
 #include "common/picture/html.h"
 #include "common/quality/frame_quality.h"
 #include "services/batch/frame_commands.h"
 #include "services/batch/frame_rows.h"
-#include "services/batch/report_charts.h"
 #include "services/batch/report_losses.h"
 #include "services/batch/report_pictures.h"
 #include "services/batch/tables.h"
@@ -133,7 +133,9 @@ class ReportWriter {
   }
 
   static std::string Meaning(const std::string& measure) {
-    if (measure == "bad1") return "share of true pixels off by more than 1 px or without disparity";
+    if (measure == "bad1")
+      return "share of pixels with ground truth that are off by more than 1 px or have no "
+             "disparity";
     if (measure.ends_with("_ms")) {
       return "time a frame, mean of its shard; depends on what else the machine did";
     }

@@ -12,7 +12,7 @@ namespace sprout::batch {
 inline constexpr size_t kShownLogs = 200;
 
 /// Section of the report: shards that failed or were tried again, frames that are missing or bad,
-/// in all and for each log that has some, and why shards failed. @throws LogError.
+/// in total and for each log that has some, and why shards failed. @throws LogError.
 std::string LossesHtml(const BatchFolder& folder, const Manifest& manifest,
                        const BatchState& state);
 

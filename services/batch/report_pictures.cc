@@ -9,7 +9,6 @@
 #include "common/picture/color_map.h"
 #include "common/picture/html.h"
 #include "common/picture/picture.h"
-#include "services/batch/report_charts.h"
 
 namespace sprout::batch {
 namespace {

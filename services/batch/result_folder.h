@@ -9,8 +9,8 @@ namespace sprout::batch {
 /// Digest of a file's bytes. @throws ConfigError when it cannot be read.
 std::string FileDigest(const std::filesystem::path& path);
 
-/// A folder that gets its name when all in it is written, with a list of its files, their sizes and
-/// digests in it. Without Commit() nothing is left.
+/// A folder that is renamed into place when all its files are written. It has a list of them with
+/// sizes and digests. Without Commit() it is removed.
 class ResultFolder {
  public:
   explicit ResultFolder(std::filesystem::path path);
@@ -20,7 +20,7 @@ class ResultFolder {
 
   std::filesystem::path operator/(const std::string& name) const { return part_ / name; }
 
-  /// When another process was faster, its files stay; what is damaged is replaced.
+  /// If another process was faster, its files stay; damaged ones are replaced.
   /// @throws LogError.
   void Commit();
 
@@ -29,26 +29,25 @@ class ResultFolder {
   std::filesystem::path part_;
 };
 
-/// What of the files of a result is looked at.
+/// How thoroughly the files of a result are checked.
 enum class ResultCheck {
   kQuick,  ///< bytes of tables and counts, sizes of logs
   kAll,    ///< every byte
 };
 
-/// Whether a result is there as it was written.
+/// Whether a result is complete and unchanged.
 bool IsWhole(const std::filesystem::path& result, ResultCheck check);
 
-/// A result that IsWhole() found damaged: from now on the quick look finds it, too.
+/// Marks a result that IsWhole() found damaged, so that the quick check finds it, too.
 void MarkDamaged(const std::filesystem::path& result);
 
-/// Whether `path` is there as it was when MarkMadeFrom() was called with this source: as large, and
-/// from the same.
+/// Whether `path` exists with the size and the source that it had when MarkMadeFrom() was called.
 bool IsMadeFrom(const std::filesystem::path& path, const std::string& source);
 
-/// Writes PATH.source, which says what a file is made from. @throws LogError.
+/// Writes PATH.source, which names the source of a file. @throws LogError.
 void MarkMadeFrom(const std::filesystem::path& path, const std::string& source);
 
-/// The file is not whole until MarkMadeFrom() says so again.
+/// Marks the file as incomplete until the next MarkMadeFrom().
 void UnmarkMadeFrom(const std::filesystem::path& path);
 
 }  // namespace sprout::batch

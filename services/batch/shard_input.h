@@ -14,16 +14,16 @@ namespace sprout::batch {
 class ShardInput {
  public:
   /// @param channels  that the stages take.
-  /// @throws LogError when log or index are not those of the manifest any more, or there is no room
-  ///         for the copy.
+  /// @throws LogError when log or index have changed since the manifest, or there is no space for
+  ///         the copy.
   ShardInput(const ShardOfBatch& work, const std::vector<std::string>& channels);
 
   std::string path() const { return copy_.path(); }
 
-  /// Adds the places of the messages.
+  /// Adds the positions of the messages.
   void AddTo(FrameLookup& frames) const;
 
-  /// @throws LogError when the log is not the one of the manifest any more.
+  /// @throws LogError when the log has changed since the manifest.
   void RequireUnchanged() const;
 
  private:
@@ -31,7 +31,7 @@ class ShardInput {
   void WriteCopy() const;
 
   const ShardOfBatch& work_;
-  std::vector<IndexedEvent> events_;  // in order; times go forward
+  std::vector<IndexedEvent> events_;  // in order of time
   ScratchFile copy_;
 };
 

@@ -9,7 +9,7 @@
 
 namespace sprout::batch {
 
-/// A stage that failed over a shard. what() is one line; its output is in failed/ of the batch.
+/// A stage failed on a shard. what() is one line; its output is in failed/ of the batch.
 class ShardError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -20,14 +20,14 @@ inline constexpr char kMeasures[] = "measures.csv";
 inline constexpr char kRuns[] = "run.json";
 inline constexpr char kChanges[] = "changes.csv";
 
-/// Whether all results of a shard are there, and whole as far as `check` looks.
+/// Whether all results of a shard exist and pass `check`.
 bool IsDone(const BatchFolder& folder, const BatchHead& head, const BatchLog& log,
             const Shard& shard, ResultCheck check);
 
-/// Computes what is missing of a shard: cuts its frames out of the log, runs the stages over them
-/// (one thread each), measures what they answered, compares the variants. Results appear whole or
-/// not at all, so several processes, and ones that are killed, do no harm.
-/// @throws ShardError, LogError; ConfigError when a program is not the one of the manifest.
+/// Computes the missing results of a shard: copies its events from the log, runs the stages on them
+/// (one thread each), measures their answers, compares the variants. Results are renamed into place
+/// when complete, so concurrent or killed processes do no harm.
+/// @throws ShardError, LogError; ConfigError when a program differs from the manifest's.
 void RunShard(const BatchFolder& folder, size_t number);
 
 /// Program and what --version says. @throws ConfigError when it cannot be started.

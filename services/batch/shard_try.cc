@@ -27,7 +27,7 @@ ShardTry::ShardTry(const BatchFolder& folder, size_t shard) {
   }
   close(descriptor);
   std::ofstream(path_) << fmt::format(
-      "begun on {} by process {}; if that is not at work any more, it was killed\n", HostName(),
+      "started on {} by process {}; if that is not running any more, it was killed\n", HostName(),
       getpid());
 }
 

@@ -10,9 +10,9 @@
 
 namespace sprout::batch {
 
-/// One try to compute a shard, which has a file failed/SHARD.TRY.txt while it lasts. The file goes
-/// when the try succeeds, and says why when it fails. Of a process that is killed, or dies with its
-/// machine, it stays as it is, so such tries are counted, too.
+/// One try to compute a shard, which has a file failed/SHARD.TRY.txt while it runs. The file is
+/// removed when the try succeeds, and gets the reason when it fails. If the process is killed, or
+/// its machine dies, the file stays, so such tries are counted, too.
 class ShardTry {
  public:
   ShardTry(const BatchFolder& folder, size_t shard);
@@ -20,7 +20,7 @@ class ShardTry {
   ShardTry(const ShardTry&) = delete;
   ShardTry& operator=(const ShardTry&) = delete;
 
-  /// The file stays, with this text. The first reason counts.
+  /// Keeps the file, with this text. Only the first reason is kept.
   void Fail(const std::string& why);
 
   const std::filesystem::path& path() const { return path_; }
@@ -30,14 +30,14 @@ class ShardTry {
   bool failed_ = false;
 };
 
-/// Number of tries that did not succeed, by shard; shards without such a try are left out. Tries
-/// that are under way are among them. O(tries).
+/// Number of tries that did not succeed, by shard; shards without such a try are left out. Running
+/// tries are included. O(tries).
 std::map<size_t, int64_t> FailedTries(const BatchFolder& folder);
 
 /// File of the last of them. @pre `tries` > 0, as FailedTries() says.
 std::filesystem::path TryPath(const BatchFolder& folder, size_t shard, int64_t tries);
 
-/// Takes back the last try of a shard: it was ended by Ctrl-C.
+/// Does not count the last try of a shard, which was ended by Ctrl-C.
 void ForgetTry(const BatchFolder& folder, size_t shard);
 
 }  // namespace sprout::batch

@@ -18,10 +18,10 @@ StageNames ParseStages(const std::string& flag, const std::vector<std::string>& 
 
 /// What a chain of stages takes from a log.
 struct ChainInputs {
-  PartSet first;  ///< what the first stage joins: a frame is answered when these are together
+  PartSet first;  ///< inputs of the first stage: a frame is answered when these have come
   PartSet all;    ///< what any of them takes from the log
-  /// Whether the first stage waits for all that the later ones take from the log, too. Only then
-  /// does a frame leave nothing behind when the first stage has answered it.
+  /// Whether the first stage waits for everything that later ones take from the log. Only then no
+  /// message of a frame is pending once the first stage has answered it.
   bool first_has_all = false;
 
   bool operator==(const ChainInputs&) const = default;

@@ -24,7 +24,7 @@ struct StageRun {
 /// By stage.
 using StageRuns = std::map<std::string, StageRun>;
 
-/// What a stage said at the end of a replay; nothing when it did not say it.
+/// The counts that a stage printed at the end of a replay; nothing when it printed none.
 std::optional<StageRun> ParseReplayReport(const std::string& output);
 
 /// run.json: kept beside the answers of a shard, with the name of this machine. @throws LogError.

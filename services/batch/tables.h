@@ -16,32 +16,32 @@ struct Table {
   std::vector<std::string> columns;
   std::vector<std::vector<std::optional<double>>> rows;
 
-  /// Place of a column; nothing when there is none.
+  /// Index of a column; nothing when there is none.
   std::optional<size_t> Find(const std::string& column) const;
 };
 
-/// Numbers as short as they can be read back. @throws LogError.
+/// Writes numbers with the fewest digits that read back exactly. @throws LogError.
 void WriteTable(const std::filesystem::path& path, const Table& table);
 std::string TableHead(const Table& table);
 std::string TableRow(const std::vector<std::optional<double>>& row);
 
-/// Columns behind seq and utime in the tables of MeasureFrames() and CompareFrames().
+/// Columns after seq and utime in the tables of MeasureFrames() and CompareFrames().
 std::vector<std::string> MeasureColumns();
 std::vector<std::string> ComparisonColumns();
 
 /// A table of frames: seq, utime, then these columns.
-/// @throws LogError when it is another one, or a cell is no finite number, or a frame has no name.
+/// @throws LogError when the columns differ, a cell is not a finite number, or a frame has no id.
 Table ReadTable(const std::filesystem::path& path, const std::vector<std::string>& columns);
 
-/// Whether MeasureFrames() looks at any of these parts.
+/// Whether MeasureFrames() uses any of these parts.
 bool IsMeasured(const PartSet& parts, Part answer);
 
-/// A row for each answered frame: seq, utime and what QualityOf() sees.
+/// A row for each answered frame: seq, utime and the figures of QualityOf().
 /// @param frames  has the input, and the answers of all stages.
-/// @param answer  what the last stage always answers.
+/// @param answer  the part that the last stage always answers.
 Table MeasureFrames(FrameLookup& frames, Part answer);
 
-/// The same rows with nothing in them; reads no image.
+/// The same rows with empty figures; reads no image.
 Table ListFrames(const FrameLookup& frames, Part answer);
 
 /// A row for each frame that A or B answered: seq, utime, changed, moved, mean_change_px,

@@ -10,12 +10,12 @@
 
 namespace sprout::batch {
 
-/// Gives a file its name. @throws LogError, one line with the reason.
+/// Renames a file. @throws LogError, one line with the reason.
 inline void CommitFile(const std::filesystem::path& path, OutputFile& file) {
   if (!file.Commit()) throw LogError(path, "cannot be written (" + file.failure() + ")");
 }
 
-/// Writes a file, whole or not at all. @throws LogError.
+/// Writes a file, see OutputFile. @throws LogError.
 inline void WriteText(const std::filesystem::path& path, const std::string& text) {
   OutputFile file(path);
   file.Write(text);

@@ -8,8 +8,8 @@
 
 namespace sprout::calibrate {
 
-/// What is printed: a chessboard with a marker in each white square, so that a part of it tells
-/// which part it is.
+/// The printed board: a chessboard with a marker in each white square, so that a visible part of it
+/// can be identified.
 struct BoardSize {
   int columns = 9;          ///< squares
   int rows = 6;             ///< squares
@@ -24,7 +24,7 @@ class Board {
   static constexpr int kMaxMarkers = 250;
 
   /// @throws ConfigError when there are fewer than 3 × 3 squares, more markers than the dictionary
-  ///         has, or no length.
+  ///         has, or squares without a size.
   explicit Board(const BoardSize& size);
 
   const BoardSize& size() const { return size_; }
@@ -33,7 +33,7 @@ class Board {
   int corner_count() const { return static_cast<int>(corners_.size()); }
 
   /// Position of a corner on the board, m: x right, y down from the pattern's upper left corner
-  /// as it is printed, z = 0 (away from who looks at it).
+  /// as it is printed, z = 0 (z points away from the viewer).
   const Eigen::Vector3d& corner(int id) const { return corners_[static_cast<size_t>(id)]; }
 
   /// Width and height of the pattern, m.

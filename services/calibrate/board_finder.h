@@ -11,8 +11,8 @@ namespace sprout::calibrate {
 /// Corners of the board that were found in an image.
 struct BoardCorners {
   std::vector<int> ids = {};             ///< as Board::corner() counts; ascending
-  std::vector<cv::Point2d> pixels = {};  ///< where each one is, px
-  int markers = 0;                       ///< that were read, of this board or of another one
+  std::vector<cv::Point2d> pixels = {};  ///< position of each one, px
+  int markers = 0;                       ///< markers read, of this board or another one
 
   int size() const { return static_cast<int>(ids.size()); }
 };
@@ -26,8 +26,8 @@ BoardCorners FindBoard(const Board& board, const cv::Mat1b& image);
 /// @param amplitude  of any unit; empty: nothing is found.
 BoardCorners FindBoardInAmplitude(const Board& board, const cv::Mat1f& amplitude);
 
-/// Corners in an image of few pixels, where they are expected: also those whose markers are too
-/// small to be read. What is not at its place, or looks not like a corner, is left out.
+/// Corners in an image of few pixels at expected places, also those whose markers are too small to
+/// be read. Corners elsewhere, and places that do not look like a corner, are left out.
 /// @param expected  where they should be, to a quarter of a square.
 BoardCorners FindCornersNear(const Board& board, const BoardCorners& expected,
                              const cv::Mat1f& amplitude);

@@ -9,10 +9,10 @@
 namespace sprout::calibrate {
 
 /// The board as a page at true scale: the pattern, a line of a round length to check the print
-/// with, and the flags that tell `sprout-calibrate` of this board. The same board gives the same
+/// with, and the flags of `sprout-calibrate` for this board. The same board gives the same
 /// bytes.
 ///
-/// @param path tells the format by its suffix; nothing is written there
+/// @param path its suffix chooses the format; nothing is written
 /// @return     a PDF or SVG file's content
 /// @throws ConfigError for another suffix than .pdf or .svg
 std::string BoardPage(const Board& board, const std::filesystem::path& path);

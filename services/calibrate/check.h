@@ -9,12 +9,12 @@ namespace sprout::calibrate {
 struct CheckOptions {
   std::filesystem::path log;
   std::filesystem::path
-      rig;  ///< rectifies the log's unrectified images with it; empty: rectified ones
+      rig;  ///< to rectify the log's raw images; empty: they are rectified already
   std::string prefix;
 };
 
-/// The subcommand check: prints what a log tells about a calibration.
-/// @returns exit code: 0 good, 1 has to be calibrated again.
+/// The subcommand check: checks a calibration with the frames of a log and prints the result.
+/// @returns exit code: 0 good, 1 calibrate again.
 /// @throws LogError, ConfigError for files that cannot be used.
 int RunCheck(const CheckOptions& options);
 

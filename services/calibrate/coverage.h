@@ -12,7 +12,7 @@
 
 namespace sprout::calibrate {
 
-// What a good calibration needs of its views.
+// What a good calibration needs from its views.
 inline constexpr int kFewViews = 15;  ///< of each camera, at least
 inline constexpr int kMinCornersInNinth = 8;
 inline constexpr double kMinRangeRatio = 1.25;  ///< of farthest and nearest board
@@ -27,10 +27,10 @@ size_t NinthOf(const cv::Point2d& pixel, cv::Size size);
 /// @param camera  "left", for the text.
 std::vector<std::string> MissingNinths(const std::string& camera, const Ninths& corners);
 
-/// What the views of a board cover, while it is shown: known before there is any calibration.
+/// What the views of a board cover while it is shown, without any calibration.
 class Coverage {
  public:
-  /// The ways to tilt a board, by what is nearer to the cameras.
+  /// The ways to tilt a board, by the edge that is nearer to the cameras.
   enum Tilt { kRightNearer, kLeftNearer, kLowerNearer, kUpperNearer };
   static constexpr size_t kTilts = 4;
 
@@ -43,10 +43,10 @@ class Coverage {
   const Ninths& ninths(CameraIndex camera) const { return cameras_[camera].corners; }
   int tilted(Tilt tilt) const { return tilted_[tilt]; }
 
-  /// A line each, with what to do; empty: nothing is missing.
+  /// One line for each thing that is missing, with what to do; empty: nothing is missing.
   std::vector<std::string> Missing() const;
 
-  /// All of it, for people.
+  /// The whole coverage as text, for people.
   std::string Text() const;
 
  private:

@@ -12,8 +12,8 @@ namespace sprout::calibrate {
 /// Reads the frames of a log that have all of `parts`, see WholeFrames.
 /// @param prefix  before SPROUT_LEFT and so on.
 /// @returns what could not be read, one line, or nothing.
-/// @throws LogError for a file that is no log; ConfigError for one without a whole frame, which
-///         says what it has.
+/// @throws LogError for a file that is no log; ConfigError for one without a complete frame, which
+///         lists what it has.
 std::string ReadFrameLog(const std::filesystem::path& path, const std::string& prefix,
                          PartSet parts, const std::function<void(const Frame&)>& visit);
 

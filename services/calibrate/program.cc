@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "common/app/output_paths.h"
 #include "common/app/program.h"
 #include "common/app/progress.h"
 #include "common/app/version.h"
@@ -18,7 +19,6 @@
 #include "common/bus/lcm_url.h"
 #include "common/config/config.h"
 #include "common/core/number_text.h"
-#include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
 #include "common/rig/rig_file.h"
 #include "services/calibrate/board.h"
@@ -37,14 +37,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kDescription[] =
-    "Calibrates a rig: both cameras, the ToF camera, where they stand, and the bias of the ranges.";
+    "Calibrates a rig: lenses and poses of both cameras and the ToF camera, and the bias of the "
+    "ranges.";
 
 constexpr char kFooter[] = R"(
 Examples
   sprout-calibrate board --out board.pdf                   print it at 100 %, glue it to a flat board
   sprout-capture --source ... --raw   and   sprout-calibrate watch --out views   while you show it
   sprout-calibrate estimate views --rig rig.textproto --out rig.textproto --report report.html
-  sprout-calibrate check run.lcm                           weeks later: is it still right
+  sprout-calibrate check run.lcm                           weeks later: does it still hold
 
 `sprout-calibrate COMMAND --help` explains a command. Exit codes: 0; 1 the calibration is not good
 (any more), or there is none; 2 a flag or a file that cannot be used.
@@ -90,17 +91,9 @@ Board BoardOf(const BoardOptions& options) {
   throw ConfigError("--squares " + options.squares + ": allowed is COLUMNSxROWS, such as 9x6");
 }
 
-void Write(const fs::path& path, const std::string& text) {
-  OutputFile file(path);
-  file.Write(text);
-  if (const Result<void> written = file.Commit(); !written) {
-    throw std::runtime_error(written.error().text);
-  }
-}
-
 int RunBoard(const Options& options) {
   const Board board = BoardOf(options.board);
-  Write(options.out, BoardPage(board, options.out));
+  WriteWhole(options.out, BoardPage(board, options.out));
   const Eigen::Vector2d extent_mm = 1000 * board.extent_m();
   std::cout << fmt::format("{}: {:g} x {:g} mm; print at 100 % and measure the line below it\n",
                            options.out.string(), extent_mm.x(), extent_mm.y());
@@ -178,7 +171,7 @@ int RunEstimate(const Options& options) {
     throw std::runtime_error(saved.error().text);
   }
   if (!options.report.empty()) {
-    Write(options.report, ReportHtml(*calibration, collector.best_images(), counts_text));
+    WriteWhole(options.report, ReportHtml(*calibration, collector.best_images(), counts_text));
   }
   std::cout << counts_text << "\n" << SummaryText(*calibration);
   if (file != options.out) {
@@ -208,7 +201,8 @@ void AddEstimate(CLI::App& program, Options& options) {
       ->check(CLI::ExistingPath);
   AddBoardFlags(flags, options.board);
   flags.add_option("--rig", options.rig, "Rig file whose devices are kept")->type_name("FILE");
-  flags.add_option("--out", options.out, "Rig file to write; what is not good goes beside it")
+  flags
+      .add_option("--out", options.out, "Rig file to write; a bad calibration is written beside it")
       ->required()
       ->type_name("FILE");
   flags.add_option("--report", options.report, "HTML page to write")->type_name("FILE");
@@ -218,35 +212,36 @@ void AddEstimate(CLI::App& program, Options& options) {
 }
 
 void AddWatch(CLI::App& program, Options& options) {
-  CLI::App& flags = *program.add_subcommand(
-      "watch",
-      "Keeps the views of the board that say something new, while it is shown to the cameras\n"
-      "(sprout-capture --raw); says what is still missing. Ends when nothing is, or with Ctrl-C.\n"
-      "Exit code 0 nothing is missing, 1 something is");
+  CLI::App& flags =
+      *program.add_subcommand("watch",
+                              "Keeps the views of the board that add information, while it is "
+                              "shown to the cameras\n(sprout-capture --raw); says what is still "
+                              "missing. Ends when nothing is, or with Ctrl-C.\n"
+                              "Exit code 0 nothing is missing, 1 something is");
   AddBoardFlags(flags, options.board);
   flags
       .add_option("--out", options.watch.out,
-                  "Folder for the views, which estimate takes; those that are in it count")
+                  "Folder for the views, for estimate; views already in it count")
       ->required()
       ->type_name("FOLDER");
   flags
       .add_option("--lcm-url", options.watch.lcm_url,
-                  "Where the messages travel: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
+                  "The bus: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
       ->type_name("URL")
       ->envname("LCM_DEFAULT_URL")
       ->capture_default_str();
-  flags.add_option("--channel-prefix", options.watch.prefix, "Before the channels of the graph")
+  flags.add_option("--channel-prefix", options.watch.prefix, "Prefix of the graph's channels")
       ->type_name("TEXT");
   flags.callback(
       [&] { options.chosen = [&] { return RunWatch(BoardOf(options.board), options.watch); }; });
 }
 
 void AddCheck(CLI::App& program, Options& options) {
-  CLI::App& flags = *program.add_subcommand(
-      "check",
-      "Says from frames without a board whether a rig was knocked: whether rows agree, and "
-      "whether\n"
-      "ToF points land where they belong. Exit code 0 good, 1 has to be calibrated again");
+  CLI::App& flags =
+      *program.add_subcommand("check",
+                              "Checks with frames without a board whether the calibration still "
+                              "holds: whether rows agree,\nand whether ToF points are projected to "
+                              "the right places. Exit code 0 good, 1 calibrate again");
   flags
       .add_option("LOG", options.check.log,
                   "Log of rectified frames, as a running graph sends them")

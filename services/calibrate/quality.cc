@@ -208,12 +208,13 @@ class Verdict {
 
   void Tof() {
     if (quality_.ranges == 0) {
-      Add("no range of the board was measured: the range's bias and the ToF camera's turn are "
+      Add("no range of the board was measured: the range's bias and the ToF camera's rotation are "
           "open");
       return;
     }
     if (quality_.tof_landing_px > kMaxTofLandingPx) {
-      Add("where ToF points land in the left image is known to {:.2f} px only ({} are allowed): "
+      Add("the position of ToF points in the left image is known to {:.2f} px only ({} are "
+          "allowed): "
           "show the board to the ToF camera in more views, also near",
           quality_.tof_landing_px, kMaxTofLandingPx);
     }

@@ -14,8 +14,8 @@ struct RangePoint {
   double depth_m = 0;  ///< as measured, along the optical axis
 };
 
-/// The squares of the board in all views that have enough returns. Where a square is, the model
-/// says; depths are averaged as 1/z, which is linear in the pixel on a plane. O(ToF pixels).
+/// The squares of the board in all views that have enough returns. The model gives their positions;
+/// depths are averaged as 1/z, which is linear in the pixel on a plane. O(ToF pixels).
 std::vector<RangePoint> CollectRangePoints(const Board& board, const std::vector<BoardView>& views,
                                            const RigModel& model);
 

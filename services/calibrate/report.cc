@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <cstdint>
 #include <numbers>
-#include <opencv2/imgcodecs.hpp>
 #include <vector>
 
 #include "common/picture/html.h"
@@ -20,13 +18,6 @@ constexpr std::array<const char*, kLensNumbers> kLensNames = {
 std::array<double, kLensNumbers> NumbersOf(const Lens& lens) {
   const auto& k = lens.distortion;
   return {lens.fx, lens.fy, lens.cx, lens.cy, k[0], k[1], k[2], k[3], k[4]};
-}
-
-std::string Figure(const cv::Mat3b& picture, const std::string& caption) {
-  std::vector<uint8_t> png;
-  cv::imencode(".png", picture, png);
-  return fmt::format("<figure><img alt=\"\" src=\"{}\"><figcaption>{}</figcaption></figure>\n",
-                     DataUrl("image/png", png), caption);
 }
 
 std::string VerdictText(const CalibrationQuality& quality) {
@@ -74,18 +65,6 @@ std::vector<Row> RigRows(const Calibration& calibration) {
   return rows;
 }
 
-std::string HtmlTable(const std::vector<std::vector<std::string>>& rows) {
-  std::string html = "<table>\n";
-  for (size_t i = 0; i < rows.size(); ++i) {
-    html += "<tr>";
-    for (const std::string& cell : rows[i]) {
-      html += fmt::format("<{0}>{1}</{0}>", i == 0 ? "th" : "td", EscapedHtml(cell));
-    }
-    html += "</tr>\n";
-  }
-  return html + "</table>\n";
-}
-
 std::string LensTable(const Calibration& calibration) {
   const RawRig& rig = calibration.rig;
   std::vector<std::vector<std::string>> rows = {{"", "left", "right"}};
@@ -100,7 +79,7 @@ std::string LensTable(const Calibration& calibration) {
                                         i < 4 ? 2 : 5));
     }
   }
-  return HtmlTable(rows);
+  return TableHtml(rows);
 }
 
 std::string PoseTable(const Calibration& calibration) {
@@ -126,7 +105,7 @@ std::string PoseTable(const Calibration& calibration) {
   };
   add("right", rig.left_from_right, kRight);
   if (HasTof(calibration)) add("ToF", rig.left_from_tof, kTof);
-  return HtmlTable(rows);
+  return TableHtml(rows);
 }
 
 constexpr char kHead[] = R"(<!DOCTYPE html>
@@ -181,7 +160,7 @@ std::string ReportHtml(const Calibration& calibration, const RigImages& images,
   html += "<p>" + EscapedHtml(counts_text) + ".</p>\n";
   std::vector<std::vector<std::string>> rows = {{"what", "how good"}};
   for (const Row& row : RigRows(calibration)) rows.push_back({row.name, row.value});
-  html += HtmlTable(rows);
+  html += TableHtml(rows);
   html +=
       "<h2>Lenses</h2>\n<p>± is a standard deviation, from the scatter and the number of the "
       "corners.</p>\n" +
@@ -189,17 +168,17 @@ std::string ReportHtml(const Calibration& calibration, const RigImages& images,
   html +=
       "<h2>Where the corners were</h2>\n<p>A dot each, from blue (no error) to red (4 standard "
       "deviations). No part of an image should be empty.</p>\n";
-  html += Figure(CoveragePicture(quality.cameras[kLeft], rig.left.size()), "left");
-  html += Figure(CoveragePicture(quality.cameras[kRight], rig.right.size()), "right");
+  html += FigureHtml(CoveragePicture(quality.cameras[kLeft], rig.left.size()), "left");
+  html += FigureHtml(CoveragePicture(quality.cameras[kRight], rig.right.size()), "right");
   if (HasTof(calibration)) {
-    html += Figure(CoveragePicture(quality.cameras[kTof], rig.tof.size()), "ToF");
+    html += FigureHtml(CoveragePicture(quality.cameras[kTof], rig.tof.size()), "ToF");
   }
   html += "<h2>The rectified pair</h2>\n" +
-          Figure(PairPicture(rig, images), "A thing lies on the same row in both images.");
+          FigureHtml(PairPicture(rig, images), "A point lies on the same row in both images.");
   if (HasTof(calibration) && !images.tof.depth_m.empty()) {
     html += "<h2>ToF points on the left image</h2>\n" +
-            Figure(TofPicture(rig, images),
-                   "Colours change where the board ends: red is near, blue is far.");
+            FigureHtml(TofPicture(rig, images),
+                       "Colours change where the board ends: red is near, blue is far.");
   }
   return html + "</body></html>\n";
 }

@@ -12,7 +12,7 @@ namespace sprout::calibrate {
 /// The result as text for a terminal: verdict and reasons, then a table.
 std::string SummaryText(const Calibration& calibration);
 
-/// What became of the images, one line.
+/// How many images were used and left out, one line.
 std::string CountsText(const ViewCounts& counts, size_t views);
 
 /// The result as one HTML page with all its pictures: verdict first, then numbers with standard

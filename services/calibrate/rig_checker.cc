@@ -72,8 +72,8 @@ std::vector<std::string> ReasonsOf(const RigCheck& check) {
   }
   if (check.tof_frames >= kFewTofFrames && cv::norm(check.tof_offset_px) > kMaxTofOffsetPx) {
     reasons.push_back(
-        fmt::format("ToF points land {:.1f} px beside the things they were measured "
-                    "on ({} are allowed): was the ToF camera knocked?",
+        fmt::format("ToF points are {:.1f} px beside the objects they were measured on ({} are "
+                    "allowed): was the ToF camera knocked?",
                     cv::norm(check.tof_offset_px), kMaxTofOffsetPx));
   }
   if (std::abs(check.tof_disparity_px) > kMaxTofDisparityPx) {

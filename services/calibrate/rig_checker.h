@@ -17,22 +17,21 @@
 
 namespace sprout::calibrate {
 
-/// What frames without any board tell about a calibration. Medians over all frames; NaN: nothing
-/// was found out.
+/// What frames without a board show about a calibration. Medians over all frames; NaN: unknown.
 struct RigCheck {
   int frames = 0;
-  double vertical_px = 0;       ///< rows of the right image below those of the left one
+  double vertical_px = 0;       ///< how far rows of the right image lie below those of the left one
   cv::Mat1f vertical_cells_px;  ///< the same in 3 rows of 4 parts of the image
   bool has_tof = false;
-  int tof_frames = 0;                ///< that show clearly where the ToF points belong
-  cv::Point2d tof_offset_px;         ///< to be added to where ToF points land in the left image
-  double tof_disparity_px = 0;       ///< of the ToF points, less that of stereo at the same pixel
+  int tof_frames = 0;                ///< frames with a sure offset
+  cv::Point2d tof_offset_px;         ///< offset to add to projected ToF points in the left image
+  double tof_disparity_px = 0;       ///< of the ToF points, minus that of stereo at the same pixel
   double tof_range_m = 0;            ///< the same as depth
   std::vector<std::string> reasons;  ///< why the rig has to be calibrated again; empty: it is good
 };
 
-/// Looks at frames of a rectified rig for what a knock leaves: rows that do not agree, ToF points
-/// that land beside the things they were measured on, ranges that contradict stereo.
+/// Checks frames of a rectified rig for signs of a knock: rows that do not match, ToF points
+/// projected beside the objects they were measured on, ranges that contradict stereo.
 class RigChecker {
  public:
   RigChecker();

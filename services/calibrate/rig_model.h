@@ -12,17 +12,17 @@
 
 namespace sprout::calibrate {
 
-/// All that the corners' positions depend on: a corner X of board view i is seen by camera c at
+/// The parameters of the corners' positions: a corner X of board view i is seen by camera c at
 /// π_c(left_from_camera_c⁻¹ · left_from_board_i · X).
 struct RigModel {
   std::array<Lens, kCameraCount> lenses;            ///< ToF 0×0: there is none
-  std::array<Pose, kCameraCount> left_from_camera;  ///< of the left one: none
+  std::array<Pose, kCameraCount> left_from_camera;  ///< the left one's is the identity
   std::vector<Pose> left_from_board;                ///< for each view
   double range_scale = 1;  ///< range along the ray = range_scale · measured + range_offset_m
   double range_offset_m = 0;
 };
 
-/// Fewest corners of a view that a camera has to see for the view to count for it.
+/// Fewest corners that a camera must see in a view for the view to count.
 inline constexpr int kMinCorners = 6;
 
 /// Fewest views in which a camera has to see the board.
@@ -35,7 +35,7 @@ bool IsOneLine(const Board& board, const BoardCorners& corners);
 Eigen::Isometry3d ToTransform(const Pose& pose);
 Pose ToPose(const Eigen::Isometry3d& transform);
 
-/// Where a camera sees a corner of the board, px.
+/// Projection of a corner of the board into a camera, px.
 Eigen::Vector2d PixelOfCorner(const RigModel& model, CameraIndex camera, size_t view,
                               const Eigen::Vector3d& corner);
 

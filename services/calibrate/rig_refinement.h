@@ -15,27 +15,28 @@ inline constexpr size_t kLensNumbers = 9;
 
 inline constexpr size_t kPoseNumbers = 6;  ///< rotation vector (rad), position (m)
 
-/// How well the numbers of a camera are known: standard deviations as the corners' scatter and
-/// their number say; what OpenCV's corner finder gets wrong everywhere alike is not in it.
+/// Standard deviations of a camera's parameters, from scatter and number of the corners; systematic
+/// errors of the corner finder are not included.
 struct CameraDeviation {
   std::array<double, kLensNumbers> lens{};  ///< px; distortion without unit
   std::array<double, kPoseNumbers> pose{};  ///< in the left camera's frame
 };
 
-/// One corner in one camera, less where the model has it, px.
+/// Residual of one corner in one camera, px.
 struct CornerResidual {
   size_t view = 0;
-  cv::Point2d pixel;  ///< where it was found
+  cv::Point2d pixel;  ///< measured position
   cv::Point2d error;
 };
 
-/// One square's range, less where the model has it.
+/// Residual of one square's range.
 struct RangeResidual {
-  double range_m = 0;  ///< as the model has it
-  double error_m = 0;  ///< corrected, less that
+  double range_m = 0;  ///< by the model
+  double error_m = 0;  ///< corrected range minus that
 };
 
-/// All that decides where a ToF point lands in the left image: left lens, ToF lens, ToF pose.
+/// The parameters on which projections of ToF points into the left image depend: left lens, ToF
+/// lens, ToF pose.
 inline constexpr int kLandingNumbers = 2 * kLensNumbers + kPoseNumbers;
 using LandingCovariance = Eigen::Matrix<double, kLandingNumbers, kLandingNumbers>;
 
@@ -51,10 +52,10 @@ struct RefinedModel {
 };
 
 /// Refines all lenses, the poses of the cameras and those of the board, and the bias of the ranges
-/// together: the maximum of the likelihood of all corners and ranges, each camera's with a standard
-/// deviation of its own, which is found by the way (Cauchy's loss: a wrong corner counts little).
-/// The ranges say how the ToF camera is turned: from corners alone, a turn looks much like a shift
-/// of the principal point. One thread; same input, same bytes.
+/// together: the maximum of the likelihood of all corners and ranges, each camera's with its own
+/// standard deviation, which is estimated as well (Cauchy's loss: a wrong corner counts little).
+/// The ranges determine the rotation of the ToF camera: from corners alone, a rotation looks much
+/// like a shift of the principal point. One thread; same input, same bytes.
 ///
 /// @param ranges  of the ToF camera; without any the bias stays as it is.
 /// @returns an error when the views do not determine the calibration.

@@ -11,11 +11,11 @@
 
 namespace sprout::calibrate {
 
-// What RefineModel() makes small, as Ceres takes it. A lens is fx, fy, cx, cy, k1, k2, p1, p2, k3;
+// The residuals of RefineModel(), for Ceres. A lens is fx, fy, cx, cy, k1, k2, p1, p2, k3;
 // a pose in the left camera's frame is a rotation vector and a translation, m.
 
-// A lens of any focal length has k3 about 0, give or take this. Corners that stay away from the
-// image's own would leave it, and with it the distortion there, open.
+// Standard deviation of the prior on k3, whose mean is 0. Without it k3 is undetermined, and so is
+// the distortion in the image's corners, if no corner of the board was seen there.
 inline constexpr double kK3Sigma = 0.1;
 
 // Brown's distortion as in common/geometry/lens.h, of (x, y, 1).

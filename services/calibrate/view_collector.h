@@ -11,41 +11,41 @@
 
 namespace sprout::calibrate {
 
-/// What became of the images of a calibration.
+/// How many images of a calibration were kept, and why others were not.
 struct ViewCounts {
   int images = 0;      ///< triplets
   int no_board = 0;    ///< neither left nor right sees kMinCorners corners
-  int foreign = 0;     ///< of these: markers are there, but they do not lie as on the board
+  int foreign = 0;     ///< of these: with markers of another board
   int moving = 0;      ///< the board moved
-  int similar = 0;     ///< the board was there before
+  int similar = 0;     ///< the board was there in an earlier view
   int other_size = 0;  ///< not of the first view's size
   int too_many = 0;    ///< beyond kMaxViews
 };
 
-/// Keeps those views of a board that say something new: the board stands still, and elsewhere than
+/// Keeps the views of a board that add information: the board stands still, and elsewhere than
 /// before.
 class ViewCollector {
  public:
-  /// More make the result no better and the wait longer.
+  /// More do not improve the result, but take longer.
   static constexpr int kMaxViews = 100;
 
   explicit ViewCollector(const Board& board) : board_(board) {}
 
-  /// Looks for the board in a triplet. O(pixels + views).
+  /// Searches the board in a triplet. O(pixels + views).
   /// @param utime  time of exposure, µs, ascending; without it nothing counts as moving.
   void Add(const RigImages& images, std::optional<int64_t> utime);
 
-  /// Behind the end of a recording: what comes next says nothing about motion.
+  /// The end of a recording: motion is not judged between this and the next image.
   void EndRecording() { newest_.reset(); }
 
   const ViewCounts& counts() const { return counts_; }
   const std::vector<BoardView>& views() const { return views_; }
 
-  /// Sizes of the views' images, px; ToF 0×0: there is none. What has no board in it sets none, so
-  /// that one stray frame does not keep all others out.
+  /// Sizes of the views' images, px; ToF 0×0: there is none. Frames without a board do not set
+  /// them, so that a stray frame does not exclude all others.
   const std::array<cv::Size, kCameraCount>& sizes() const { return sizes_; }
 
-  /// The triplet in which the cameras see most of the board, to look at. Empty without views.
+  /// The triplet in which the cameras see most of the board, for the report. Empty without views.
   const RigImages& best_images() const { return best_images_; }
 
  private:

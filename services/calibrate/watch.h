@@ -9,14 +9,14 @@
 namespace sprout::calibrate {
 
 struct WatchOptions {
-  std::filesystem::path out;  ///< folder; views that are in it already count
+  std::filesystem::path out;  ///< folder; views already in it count
   std::string prefix;         ///< of the graph's channels
   std::string lcm_url;
 };
 
-/// Looks at the unrectified images on the bus while somebody shows the board to the cameras. Says
-/// on stdout, at every view that it keeps, what the views cover and what is missing, and writes
-/// them to a folder that `estimate` takes. Ends with SIGINT or SIGTERM, or when nothing is missing.
+/// Searches the raw images on the bus for the board. At every view that it keeps it prints what the
+/// views cover and what is missing, and writes them to a folder for `estimate`. Ends with SIGINT or
+/// SIGTERM, or when nothing is missing.
 /// @returns exit code: 0 nothing is missing; 1 something is.
 /// @throws ConfigError for a URL or a folder that cannot be used, BusError.
 int RunWatch(const Board& board, const WatchOptions& options);

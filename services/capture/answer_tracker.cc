@@ -18,7 +18,7 @@ std::vector<std::string_view> Channels(bool disparities) {
 AnswerTracker::AnswerTracker(const ServiceContext& context, StageMonitor& monitor,
                              const std::vector<std::string>& stages, bool disparities)
     : monitor_(monitor),
-      twins_(monitor),
+      duplicates_(monitor),
       silent_(stages.begin(), stages.end()),
       receiver_(
           context.lcm_url, context.prefix, Channels(disparities),
@@ -39,7 +39,7 @@ void AnswerTracker::OnMessage(std::string_view channel, std::span<const uint8_t>
 void AnswerTracker::OnStatus(std::span<const uint8_t> bytes) {
   const Result<StageStatus> status = DecodeStatus(bytes);
   if (!status) return monitor_.BadMessage(kStatusChannel, status.error().text);
-  twins_.Heard(*status);
+  duplicates_.Heard(*status);
   const std::lock_guard lock(mutex_);
   silent_.erase(status->stage);
 }

@@ -11,32 +11,33 @@
 #include <string_view>
 #include <vector>
 
+#include "common/app/duplicate_watch.h"
 #include "common/app/service_context.h"
 #include "common/app/stage_monitor.h"
-#include "common/app/twin_watch.h"
 #include "common/bus/receiver.h"
 #include "common/core/frame_id.h"
 
 namespace sprout::capture {
 
-/// What the rest of the graph says back to capture: which stages are there, and which frames have
-/// a disparity. Thread-safe.
+/// Tracks what the graph answers to capture: which stages report, and which frames have a
+/// disparity. Thread-safe.
 class AnswerTracker {
  public:
   using Deadline = StageMonitor::Clock::time_point;
 
-  /// Listens to SPROUT_STATUS and, with `disparities`, to SPROUT_DISPARITY. Remembers nothing that
-  /// was not asked for, whatever comes.
+  /// Subscribes to SPROUT_STATUS and, with `disparities`, to SPROUT_DISPARITY. Stores only what was
+  /// asked for, whatever arrives.
   /// @param stages  to wait for.
   /// @throws BusError, see OpenLcm().
   AnswerTracker(const ServiceContext& context, StageMonitor& monitor,
                 const std::vector<std::string>& stages, bool disparities);
 
   /// Waits until every stage has reported.
-  /// @returns the stages that have not: none, unless the deadline passed or a stop was requested.
+  /// @returns the stages that have not reported: none, unless the deadline passed or a stop was
+  ///          requested.
   std::set<std::string> WaitForStages(Deadline deadline, const std::stop_token& stop);
 
-  /// A frame is about to be sent; its answer, one with the whole of this name, will be waited for.
+  /// A frame is about to be sent; an answer with this FrameId is expected.
   void Expect(const FrameId& id);
 
   bool IsAnswered(const FrameId& id);
@@ -51,7 +52,7 @@ class AnswerTracker {
   void OnDisparity(std::span<const uint8_t> bytes);
 
   StageMonitor& monitor_;
-  TwinWatch twins_;
+  DuplicateWatch duplicates_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::set<std::string> silent_;  // stages that have not reported

@@ -16,7 +16,7 @@
 
 namespace sprout::capture {
 
-/// One capture as it goes on the bus.
+/// One capture as messages for the bus.
 struct CaptureMessages {
   FrameId id;
   std::vector<std::pair<Part, std::vector<uint8_t>>> messages;  ///< in the order of sending
@@ -26,10 +26,11 @@ struct CaptureMessages {
 enum class Timing {
   kAsked,     ///< whenever they are asked for: a dataset
   kLive,      ///< when the cameras give them
-  kRecorded,  ///< whenever they are asked for; their utime tells at what pace they once came
+  kRecorded,  ///< whenever they are asked for; their utime gives the pace of recording
 };
 
-/// What capture sends: frames of a source, taken at the call, or those of a log, taken once.
+/// What capture sends: frames of a source, stamped at the call, or those of a log, with their
+/// recorded times.
 class CaptureFeed {
  public:
   virtual ~CaptureFeed() = default;
@@ -45,15 +46,15 @@ class CaptureFeed {
 };
 
 struct FeedOptions {
-  bool loop = false;  ///< start again at the end
-  bool raw = false;   ///< frames of cameras as they see them, for channels with kRawPrefix
+  bool loop = false;               ///< start again at the end
+  bool raw = false;                ///< unrectified frames of cameras, for channels with kRawPrefix
   datasets::Waiting waiting = {};  ///< called while Next() waits for cameras
 };
 
 /// Opens what config.source() names: log:FILE, cameras (OpenCameras()) or a dataset
 /// (OpenDataset()). log:FILE?rig=RIG rectifies the raw images of a log with a rig file;
 /// ?prefix=TEXT is before the log's channels.
-/// @param monitor  is told what is lost and cannot be sent; must outlive the feed.
+/// @param monitor  counts losses and frames that cannot be sent; must outlive the feed.
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
                                              const FeedOptions& options, StageMonitor& monitor);

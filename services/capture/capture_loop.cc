@@ -57,7 +57,7 @@ class Capture {
 
   int Run() {
     if (!WaitForStages()) return stop_.stop_requested() ? 0 : 1;
-    TellReady();
+    NotifyReady();
     PublishCalibration();
     const auto started = Clock::now();
     pace_.Start(started);
@@ -111,11 +111,12 @@ class Capture {
     const StageStatus status = monitor_.Snapshot();
     if (status.frames_incomplete > 0 || status.bad_messages > 0) {
       LogLine(LogLevel::kWarning,
-              "of the log, {} frames were not sent for want of a message, {} messages were bad",
+              "from the log, {} frames were not sent because a message is missing, {} messages "
+              "were bad",
               status.frames_incomplete, status.bad_messages);
     }
     LogLine(LogLevel::kInfo,
-            "sent {} frames in {:.2f} s, {} again for want of an answer; {} could not be sent",
+            "sent {} frames in {:.2f} s, {} again without an answer in time; {} could not be sent",
             status.frames_out, std::chrono::duration<double>(time).count(), status.frames_resent,
             status.frames_failed);
   }

@@ -7,11 +7,11 @@
 
 namespace sprout::capture {
 
-/// Images whose names have a number, such as left_%04d.png. The first one is the first that is
-/// there of 0 to 10, the last one that before the first number that is missing.
+/// Images whose names have a number, such as left_%04d.png. The list begins at the first existing
+/// number from 0 to 10 and ends before the first missing one.
 class ImageList {
  public:
-  /// @throws ConfigError naming a pattern that is none, or a list without an image.
+  /// @throws ConfigError naming an invalid pattern, or a list without an image.
   explicit ImageList(const std::string& pattern);
 
   /// Whether there is one more.
@@ -26,7 +26,7 @@ class ImageList {
 
   std::string before_;  // the number
   std::string after_;
-  size_t digits_ = 0;  // at least
+  size_t digits_ = 0;  // at least this many
   int next_ = 0;
 };
 

@@ -9,17 +9,17 @@
 
 namespace sprout::capture {
 
-/// LEFT, RIGHT, TOF and RIG of a log, byte by byte as they were recorded, with their own utime and
-/// seq. A frame of which a message is missing in the log or is refused at the border is counted and
-/// not sent: no stage could answer it. Constant memory: some frames, whatever the log's size.
+/// LEFT, RIGHT, TOF and RIG of a log, byte for byte as recorded, with their own utime and seq. A
+/// frame with a missing or refused message is counted and not sent: no stage could answer it.
+/// Constant memory: some frames, whatever the log's size.
 ///
 /// @param prefix  before the channels in the log.
-/// @throws ConfigError when the file is no log, or holds no whole frame or no calibration.
+/// @throws ConfigError when the file is no log, or has no complete frame or no calibration.
 std::unique_ptr<CaptureFeed> OpenLogFeed(const std::string& path, const std::string& prefix,
                                          bool loop, StageMonitor& monitor);
 
-/// The same of the raw images of a log (kRawPrefix behind `prefix`), rectified; a calibration in
-/// the log does not count. A frame that is not of the calibrated size is counted and not sent.
+/// The raw images of a log (kRawPrefix after `prefix`), rectified; a calibration in the log is
+/// ignored. A frame of another size than the calibrated one is counted and not sent.
 std::unique_ptr<CaptureFeed> OpenRawLogFeed(const std::string& path, const std::string& prefix,
                                             const Rectifier& rectifier, bool loop,
                                             StageMonitor& monitor);

@@ -34,21 +34,24 @@ void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Tim
   flags
       .add_option(
           "--source", config.source,
-          "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), ?tof=grid or "
-          "?tof=sr4000 behind it picks the simulated ToF camera; log:FILE, what lcm-logger "
-          "recorded, ?prefix=TEXT behind it when its channels have one, ?rig=RIG to rectify "
-          "raw images; cameras: genicam:RIG (GigE Vision, USB3 Vision), opencv:LEFT,RIGHT?rig=RIG "
+          "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), with ?tof=grid or "
+          "?tof=sr4000 for the simulated ToF camera; log:FILE, a recorded log, with ?prefix=TEXT "
+          "if its channels have one, ?rig=RIG to rectify raw images; cameras: genicam:RIG (GigE "
+          "Vision, USB3 Vision), opencv:LEFT,RIGHT?rig=RIG "
           "(videos, image lists, devices), "
-          "opencv:BOTH?rig=RIG and v4l2:DEVICE?rig=RIG (both views side by side)")
+          "opencv:BOTH?rig=RIG and v4l2:DEVICE?rig=RIG (both views side by side); ROS 2: "
+          "ros2:left=TOPIC&right=TOPIC, live, and mcap:FILE?left=TOPIC&right=TOPIC, with &points= "
+          "or "
+          "&depth= of a range sensor")
       ->type_name("SOURCE");
   flags
       .add_option("--rate", config.rate_hz,
-                  "Frames a second; 0 = as fast as possible. Without it a log keeps the pace at "
-                  "which it was captured, or with --lockstep that of the answers")
+                  "Frames a second; 0 = as fast as possible. Without it a log keeps its recorded "
+                  "pace, or with --lockstep that of the answers")
       ->type_name("HZ");
   flags.add_option("--gt-scale", config.gt_scale,
                    "Disparity units of one pixel in a 2005/2006 ground truth; 0 = from the height");
-  flags.add_option("--frames", options.frames, "Stop after so many frames")
+  flags.add_option("--frames", options.frames, "Stop after N frames")
       ->check(CLI::Range(int64_t{1}, INT64_MAX))
       ->type_name("N");
   flags.add_flag("--loop", options.loop, "Start again when the source ends");
@@ -58,14 +61,14 @@ void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Tim
         std::cout << ListCameras();
         throw CLI::Success();
       },
-      "Show the GigE Vision and USB3 Vision cameras that answer, and end");
+      "List the GigE Vision and USB3 Vision cameras that answer, and end");
   flags.add_flag("--raw", options.raw,
-                 "Of cameras: send the images as they see them, on RAW_SPROUT_LEFT and so on, for "
+                 "Send the cameras' unrectified images, on RAW_SPROUT_LEFT and so on, for "
                  "calibration or to rectify them later (log:FILE?rig=RIG)");
   flags
       .add_option("--lockstep", options.lockstep,
-                  "Have at most N frames without a SPROUT_DISPARITY answer; without one in time a "
-                  "frame is sent again")
+                  "Have at most N frames without a SPROUT_DISPARITY answer; a frame not answered "
+                  "in time is sent again")
       ->check(CLI::Range(1, 1000))
       ->type_name("N");
   flags

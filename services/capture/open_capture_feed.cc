@@ -6,6 +6,8 @@
 #include "services/capture/capture_feed.h"
 #include "services/capture/log_feed.h"
 #include "services/capture/raw_source.h"
+#include "services/capture/ros2/ros_settings.h"
+#include "services/capture/ros2/ros_source.h"
 #include "services/capture/source_feed.h"
 #include "services/datasets/dataset.h"
 #include "services/datasets/source_options.h"
@@ -56,14 +58,25 @@ std::unique_ptr<CaptureFeed> OpenCameraFeed(const CaptureConfig& config, const F
   return FeedFrom(Rectified(std::move(opened.cameras), std::move(rectifier)), config, monitor);
 }
 
+std::unique_ptr<CaptureFeed> OpenRosFeed(const CaptureConfig& config, const FeedOptions& options,
+                                         StageMonitor& monitor) {
+  const RosSourceOptions ros{
+      .loop = options.loop,
+      .waiting = options.waiting,
+      .tell = [&monitor](const std::string& what) { monitor.Failure(what); }};
+  if (options.raw) return FeedFrom(OpenRawRosSource(config.source(), ros), config, monitor);
+  return FeedFrom(OpenRosSource(config.source(), ros), config, monitor);
+}
+
 }  // namespace
 
 std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
                                              const FeedOptions& options, StageMonitor& monitor) {
   if (NamesCameras(config.source())) return OpenCameraFeed(config, options, monitor);
+  if (NamesRos(config.source())) return OpenRosFeed(config, options, monitor);
   if (options.raw) {
     throw ConfigError("capture.source = " + config.source() +
-                      ": --raw is for cameras; allowed: genicam:, opencv:, v4l2:");
+                      ": --raw is for cameras; allowed: genicam:, opencv:, v4l2:, ros2:, mcap:");
   }
   if (config.source().starts_with(kLog)) return OpenLog(config.source(), options.loop, monitor);
   return FeedFrom(datasets::PlayDataset(datasets::OpenDataset(config), options.loop), config,

@@ -9,9 +9,8 @@
 
 namespace sprout::capture {
 
-/// When a frame is due: at a fixed rate, or at the intervals at which it was once captured. After
-/// a stall of more than one interval the rest comes that much later: no camera sends in a burst
-/// what it could not send in time.
+/// When a frame is due: at a fixed rate, or at the recorded intervals. After a stall of more than
+/// one interval all later frames are delayed, not sent in a burst, as with a camera.
 class Pace {
  public:
   using Clock = std::chrono::steady_clock;
@@ -22,17 +21,17 @@ class Pace {
 
   void Start(Clock::time_point now);
 
-  /// When the next frame may be taken; a recorded one at any time.
+  /// When the next frame may be taken; for a recorded one at any time.
   Clock::time_point DueBeforeTaking() const;
 
-  /// Whether a frame that is taken now, at a rate, comes more than an interval after its time.
+  /// Whether a frame taken now, at a fixed rate, is more than an interval late.
   bool IsLate(Clock::time_point now) const;
 
   /// A frame is taken now.
   void Take(Clock::time_point now);
 
-  /// When a frame that was taken may be sent. Call once a frame. Intervals that go back, as when
-  /// capture was started again, count as none, and those above kLongestInterval as that long.
+  /// When a frame that was taken may be sent. Call once a frame. Negative intervals, as when
+  /// capture was started again, count as 0, and those above kLongestInterval as kLongestInterval.
   Clock::time_point DueBeforeSending(const FrameId& id, Clock::time_point now);
 
   static constexpr std::chrono::seconds kLongestInterval{10};
@@ -44,8 +43,8 @@ class Pace {
   std::optional<Clock::duration> Period() const;
 
   std::optional<double> rate_hz_;  // nothing: as recorded
-  Clock::time_point due_{};        // at a rate of the next frame, as recorded of the newest one
-  std::optional<int64_t> utime_;   // of the newest frame
+  Clock::time_point due_{};  // of the next frame at a fixed rate, of the newest one as recorded
+  std::optional<int64_t> utime_;  // of the newest frame
 };
 
 }  // namespace sprout::capture

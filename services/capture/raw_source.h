@@ -12,13 +12,16 @@
 
 namespace sprout::capture {
 
-/// Cameras: triplets as they see them, neither rectified nor with corrected ranges.
+/// Cameras: raw triplets, neither rectified nor with corrected ranges.
 class RawSource {
  public:
   virtual ~RawSource() = default;
 
   /// Whether frames come when the cameras give them; otherwise when they are asked for (files).
   virtual bool is_live() const = 0;
+
+  /// As FrameSource::is_recorded().
+  virtual bool is_recorded() const { return false; }
 
   /// As FrameSource::Next().
   virtual std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) = 0;
@@ -27,12 +30,12 @@ class RawSource {
   virtual datasets::LostFrames lost_at_end() const { return {}; }
 };
 
-/// Rectifies the images of a frame and corrects its ranges. A ToF image of 0×0 stays one. The error
-/// names an image that is not of the calibrated size.
+/// Rectifies the images of a frame and corrects its ranges. A ToF image of 0×0 stays empty. The
+/// error names an image of another size than the calibrated one.
 Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier,
                                              datasets::CapturedFrame raw);
 
-/// Frames of cameras, rectified. One that is not of the calibrated size counts as lost.
+/// Rectified frames of cameras. One of another size than the calibrated one counts as lost.
 std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
                                                  Rectifier rectifier);
 

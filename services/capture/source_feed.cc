@@ -16,11 +16,11 @@ class SourceFeed : public CaptureFeed {
   using LostAtEnd = std::function<datasets::LostFrames()>;
 
   // Without a rig the frames are not rectified.
-  SourceFeed(Take take, LostAtEnd lost_at_end, bool is_live, std::optional<Rig> rig,
+  SourceFeed(Take take, LostAtEnd lost_at_end, Timing timing, std::optional<Rig> rig,
              const CaptureConfig& config, StageMonitor& monitor)
       : take_(std::move(take)),
         lost_at_end_(std::move(lost_at_end)),
-        is_live_(is_live),
+        timing_(timing),
         rig_(std::move(rig)),
         config_(config),
         monitor_(monitor) {
@@ -34,7 +34,7 @@ class SourceFeed : public CaptureFeed {
       return std::nullopt;
     }
     Tell({.count = frame->lost, .trouble = frame->trouble});
-    if (is_live_) monitor_.SetSpread(frame->spread_ms);
+    if (timing_ == Timing::kLive) monitor_.SetSpread(frame->spread_ms);
     // Captures are told apart by their time even when the clock is set back.
     newest_.utime = std::max(frame->utime.value_or(NowUtime()), newest_.utime + 1);
     ++newest_.seq;
@@ -49,7 +49,7 @@ class SourceFeed : public CaptureFeed {
     return EncodePart(id, Part::kRig, *rig_, DisparityEncoding::kRawInt16);
   }
 
-  Timing timing() const override { return is_live_ ? Timing::kLive : Timing::kAsked; }
+  Timing timing() const override { return timing_; }
 
  private:
   void Tell(const datasets::LostFrames& lost) {
@@ -59,12 +59,18 @@ class SourceFeed : public CaptureFeed {
 
   Take take_;
   LostAtEnd lost_at_end_;
-  bool is_live_;
+  Timing timing_;
   std::optional<Rig> rig_;
   CaptureConfig config_;
   StageMonitor& monitor_;
   FrameId newest_;
 };
+
+// Of a FrameSource or a RawSource.
+Timing TimingOf(const auto& source) {
+  if (source.is_live()) return Timing::kLive;
+  return source.is_recorded() ? Timing::kRecorded : Timing::kAsked;
+}
 
 }  // namespace
 
@@ -81,21 +87,21 @@ CaptureMessages Encoded(const FrameId& id, const datasets::CapturedFrame& frame)
 
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<datasets::FrameSource> source,
                                       const CaptureConfig& config, StageMonitor& monitor) {
-  const bool is_live = source->is_live();
+  const Timing timing = TimingOf(*source);
   const Rig rig = source->rig();
   const std::shared_ptr<datasets::FrameSource> shared = std::move(source);
   return std::make_unique<SourceFeed>(
       [shared](const std::stop_token& stop) { return shared->Next(stop); },
-      [shared] { return shared->lost_at_end(); }, is_live, rig, config, monitor);
+      [shared] { return shared->lost_at_end(); }, timing, rig, config, monitor);
 }
 
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
                                       const CaptureConfig& config, StageMonitor& monitor) {
-  const bool is_live = cameras->is_live();
+  const Timing timing = TimingOf(*cameras);
   const std::shared_ptr<RawSource> shared = std::move(cameras);
   return std::make_unique<SourceFeed>(
       [shared](const std::stop_token& stop) { return shared->Next(stop); },
-      [shared] { return shared->lost_at_end(); }, is_live, std::nullopt, config, monitor);
+      [shared] { return shared->lost_at_end(); }, timing, std::nullopt, config, monitor);
 }
 
 }  // namespace sprout::capture

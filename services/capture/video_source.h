@@ -15,14 +15,14 @@ struct VideoSettings {
   /// (left_%04d.png), a device (a number, /dev/video0).
   std::vector<std::string> places;
   bool loop = false;  ///< start files again at the end
-  /// Asked of a device, of the whole picture; 0 = its own choice.
+  /// Requested from a device, for the whole picture; 0 = its own choice.
   int width = 0;   ///< px
   int height = 0;  ///< px
   double fps = 0;  ///< Hz
 };
 
 /// Images of a stereo camera or of recordings, without a clock and without a ToF camera. Two files
-/// end with the shorter one; a device that is gone is opened again, tried once a second.
+/// end with the shorter one; a lost device is opened again, with a try every second.
 /// @throws ConfigError naming what cannot be opened.
 std::unique_ptr<RawSource> OpenVideo(const VideoSettings& settings);
 

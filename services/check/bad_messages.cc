@@ -78,7 +78,7 @@ std::vector<std::string> SizeFields(Part part) {
   return {};
 }
 
-void AddCuts(std::vector<Spoiling>& ways) {
+void AddCuts(std::vector<Corruption>& ways) {
   ways.push_back({"no bytes", [](const Bytes&) { return Bytes(); }});
   ways.push_back({"cut in its fingerprint", [](Bytes b) { return Cut(std::move(b), 4); }});
   ways.push_back({"cut in its header", [](Bytes b) { return Cut(std::move(b), kRigIdOffset); }});
@@ -87,7 +87,7 @@ void AddCuts(std::vector<Spoiling>& ways) {
   ways.push_back({"without its last byte", [](const Bytes& b) { return Cut(b, b.size() - 1); }});
 }
 
-void AddRandomBytes(std::vector<Spoiling>& ways) {
+void AddRandomBytes(std::vector<Corruption>& ways) {
   ways.push_back({"fingerprint of another type", [](Bytes b) {
                     for (size_t i = 0; i < kFingerprintBytes; ++i) b[i] ^= 0x5a;
                     return b;
@@ -103,7 +103,7 @@ void AddRandomBytes(std::vector<Spoiling>& ways) {
   }
 }
 
-void AddSizes(Part part, std::vector<Spoiling>& ways) {
+void AddSizes(Part part, std::vector<Corruption>& ways) {
   const std::vector<std::string> fields = SizeFields(part);
   for (size_t i = 0; i < fields.size(); ++i) {
     for (const int32_t value : {-1, std::numeric_limits<int32_t>::max()}) {
@@ -120,17 +120,18 @@ void AddSizes(Part part, std::vector<Spoiling>& ways) {
 }
 
 // Writes into the first seed of a seeds_t, behind the arrays that take `bytes_before` a seed.
-void AddBadSeed(const char* name, size_t bytes_before, int32_t value, std::vector<Spoiling>& ways) {
+void AddBadSeed(const char* name, size_t bytes_before, int32_t value,
+                std::vector<Corruption>& ways) {
   ways.push_back({name, [=](const Bytes& b) {
                     const size_t body = BodyOf(b);
                     const auto count = static_cast<size_t>(ReadInt32(b, body));
-                    if (count == 0) return Cut(b, b.size() - 1);  // there is none to spoil
+                    if (count == 0) return Cut(b, b.size() - 1);  // there is none to corrupt
                     constexpr size_t kCountsBytes = 8 * sizeof(int32_t);
                     return WithInt32(b, body + kCountsBytes + count * bytes_before, value);
                   }});
 }
 
-void AddBadValues(Part part, std::vector<Spoiling>& ways) {
+void AddBadValues(Part part, std::vector<Corruption>& ways) {
   constexpr int32_t kNan = 0x7ff80000;  // as float and as the first half of a double
   if (part == Part::kRig) {
     ways.push_back(
@@ -154,8 +155,8 @@ void AddBadValues(Part part, std::vector<Spoiling>& ways) {
 
 }  // namespace
 
-std::vector<Spoiling> SpoilingsOf(Part part) {
-  std::vector<Spoiling> ways;
+std::vector<Corruption> CorruptionsOf(Part part) {
+  std::vector<Corruption> ways;
   AddCuts(ways);
   AddRandomBytes(ways);
   AddSizes(part, ways);

@@ -10,16 +10,16 @@
 
 namespace sprout::check {
 
-/// A way to turn a good message into one that no program must take for good.
-struct Spoiling {
+/// A way to corrupt a valid message, such that every program must refuse it.
+struct Corruption {
   std::string name;  ///< "width = -1"
-  /// From bytes as EncodePart() gives them, maps as RAW_INT16.
+  /// Takes bytes of EncodePart(), with maps as RAW_INT16.
   std::function<std::vector<uint8_t>(std::vector<uint8_t> good)> apply;
 };
 
-/// Ways to spoil the message of a part: cut short, of another type, random bytes, counts and sizes
-/// that do not fit, numbers that are none. The same ones every time.
-std::vector<Spoiling> SpoilingsOf(Part part);
+/// Ways to corrupt the message of a part: cut short, of another type, random bytes, counts and
+/// sizes that do not fit, NaN and infinities. Always the same ones.
+std::vector<Corruption> CorruptionsOf(Part part);
 
 }  // namespace sprout::check
 

@@ -23,8 +23,9 @@ double Seconds(milliseconds time) { return std::chrono::duration<double>(time).c
 // The course of a check.
 class CaptureCheck {
  public:
-  CaptureCheck(const StageCheckOptions& options, Wire& wire, Process& process, Findings& found)
-      : options_(options), wire_(wire), process_(process), found_(found), listener_(found) {}
+  CaptureCheck(const StageCheckOptions& options, BusConnection& bus, Process& process,
+               Findings& found)
+      : options_(options), bus_(bus), process_(process), found_(found), listener_(found) {}
 
   std::string Run() {
     found_.Checked(Rule::kSends);
@@ -72,7 +73,7 @@ class CaptureCheck {
 
   // Takes one message, or none for a while. False when the program has ended, which breaks `rule`.
   bool Listen(Clock::time_point deadline, Rule rule, const std::string& when) {
-    if (const auto heard = wire_.Next(std::min(Clock::now() + kPoll, deadline))) {
+    if (const auto heard = bus_.Next(std::min(Clock::now() + kPoll, deadline))) {
       listener_.Take(*heard);
       return true;
     }
@@ -84,7 +85,7 @@ class CaptureCheck {
   }
 
   const StageCheckOptions& options_;
-  Wire& wire_;
+  BusConnection& bus_;
   Process& process_;
   Findings& found_;
   CaptureListener listener_;
@@ -94,11 +95,11 @@ class CaptureCheck {
 }  // namespace
 
 int CheckCapture(const StageCheckOptions& options, std::ostream& out) {
-  Wire wire(options.lcm_url, {Receiver::kAllChannels});
+  BusConnection bus(options.lcm_url, {Receiver::kAllChannels});
   return CheckProgram(
       options.command, options.lcm_url, kCaptureRules,
       [&](Process& process, Findings& found) {
-        return CaptureCheck(options, wire, process, found).Run();
+        return CaptureCheck(options, bus, process, found).Run();
       },
       out);
 }

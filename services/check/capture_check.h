@@ -7,8 +7,8 @@
 
 namespace sprout::check {
 
-/// Starts a capture process, listens to it for some seconds, ends it, and writes what was found.
-/// Needs no log.
+/// Starts a capture process, receives its messages for some seconds, ends it, and prints the
+/// findings. Needs no log.
 /// @returns exit code: 0; 1 when something is wrong with the program.
 /// @throws ConfigError when it cannot be started; BusError.
 int CheckCapture(const StageCheckOptions& options, std::ostream& out);

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "common/core/frame.h"
+#include "services/check/bus_connection.h"
 #include "services/check/findings.h"
-#include "services/check/wire.h"
 
 namespace sprout::check {
 
-/// What is looked at in a capture process.
+/// The rules that are checked for a capture process.
 inline constexpr Rule kCaptureRules[] = {
     Rule::kSends, Rule::kWhole,  Rule::kSameHeader, Rule::kRising, Rule::kCalibration,
     Rule::kForm,  Rule::kValues, Rule::kChannels,   Rule::kEnd,
@@ -24,28 +24,28 @@ inline constexpr Rule kCaptureRules[] = {
 /// Longest time without a SPROUT_RIG, which is due once a second.
 inline constexpr std::chrono::milliseconds kMaxRigSilence{2500};
 
-/// Hears what a capture process sends, and finds what the graph could not use. The messages of a
-/// frame are put together by their number, so that a header that differs elsewhere is named.
+/// Receives what a capture process sends, and finds what the graph could not use. The messages of a
+/// frame are joined by their number, so that differences in the rest of the header are found.
 class CaptureListener {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// @param found  gets what is wrong; must outlive the listener.
+  /// @param found  gets the findings; must outlive the listener.
   explicit CaptureListener(Findings& found) : found_(found) {}
 
   /// Takes the next message on the bus, in order of arrival.
   void Take(const Heard& heard);
 
-  /// Says that there will be no more messages. Frames after the last whole one may be unfinished.
+  /// Marks the end of the messages. Frames after the last complete one may be unfinished.
   void Finish(Clock::time_point now);
 
   /// Frames with LEFT, RIGHT and TOF.
   int whole_frames() const { return whole_frames_; }
 
-  /// Channels that were heard, "SPROUT_LEFT, SPROUT_RIG"; "nothing".
+  /// Channels with messages, "SPROUT_LEFT, SPROUT_RIG"; "nothing".
   std::string HeardChannels() const;
 
-  /// What was sent, for people: lines with size, rate and times. Empty without a whole frame.
+  /// What was sent, for people: lines with size, rate and times. Empty without a complete frame.
   std::string Figures() const;
 
  private:
@@ -53,9 +53,9 @@ class CaptureListener {
     FrameId id;
     std::string first_channel;  // whose header the others are compared with
     Clock::time_point begun;
-    std::map<Part, PartValue> values;  // until it is whole; only what could be decoded
+    std::map<Part, PartValue> values;  // until it is complete; only decodable ones
     PartSet heard;
-    bool over = false;  // whole, or left behind by a newer one that is
+    bool over = false;  // complete, or older than a complete one
   };
 
   struct Calibration {
@@ -82,7 +82,7 @@ class CaptureListener {
   int rigs_heard_ = 0;
   std::optional<Clock::time_point> last_rig_;
 
-  // For the figures, of whole frames.
+  // Of complete frames, for the figures.
   int whole_frames_ = 0;
   cv::Size size_;
   cv::Size tof_size_;

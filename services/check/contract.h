@@ -13,16 +13,16 @@
 
 namespace sprout::check {
 
-/// What is looked at in a stage.
+/// The rules that are checked for a stage.
 inline constexpr Rule kStageRules[] = {
     Rule::kStart,      Rule::kOneAnswer,  Rule::kHeader,      Rule::kForm,     Rule::kValues,
     Rule::kRepeatable, Rule::kDegenerate, Rule::kBadMessages, Rule::kChannels, Rule::kEnd,
 };
 
-/// What goes into a stage and what comes out of it.
+/// Inputs and outputs of a stage.
 struct StageContract {
   std::string stage;         ///< "refine", "prior", "grow", or "pipeline": all three
-  std::vector<Part> inputs;  ///< all that the graph has upstream of it, in the graph's order
+  std::vector<Part> inputs;  ///< everything upstream of it, in the graph's order
   Part answer;               ///< one for each frame
   PartSet may_publish;       ///< besides
 };
@@ -30,20 +30,20 @@ struct StageContract {
 /// @throws ConfigError for an unknown stage.
 StageContract ContractOf(const std::string& stage);
 
-/// What holds for any answer to a whole frame, besides what the border guard (convert.h) refuses.
+/// Checks an answer to a complete frame, beyond the checks of convert.h.
 ///
 /// @param size   of the rectified images, px.
-/// @param what   names the answer in what is found.
-/// @param found  gets what is wrong: Rule::kForm or kValues.
+/// @param what   names the answer in findings.
+/// @param found  gets findings of Rule::kForm or kValues.
 void CheckAnswer(const PartValue& answer, cv::Size size, const std::string& what, Findings& found);
 
-/// Whether an answer says nothing: no seed, or no pixel with a disparity.
+/// Whether an answer is empty: no seed, or no pixel with a disparity.
 bool IsEmptyAnswer(const PartValue& answer);
 
-/// Whether two answers say the same.
+/// Whether two answers are equal.
 bool IsSameAnswer(const PartValue& a, const PartValue& b);
 
-/// One line for people on how far answers are from those that were recorded.
+/// One line for people: how far answers are from the recorded ones.
 std::string CompareAnswers(std::span<const PartValue> answers, std::span<const PartValue> recorded);
 
 }  // namespace sprout::check

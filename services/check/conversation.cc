@@ -32,7 +32,7 @@ Conversation::Sent& Conversation::Begin(const TestFrame& frame, Look look) {
 
 void Conversation::SendPart(Part part, std::span<const uint8_t> bytes) {
   ++own_[part];
-  wire_.Send(ChannelOf(part), bytes);
+  bus_.Send(ChannelOf(part), bytes);
 }
 
 std::optional<PartValue> Conversation::Ask(const TestFrame& frame, DisparityEncoding encoding,
@@ -50,7 +50,7 @@ std::optional<PartValue> Conversation::Ask(const TestFrame& frame, DisparityEnco
   const Clock::time_point asked = Clock::now();
   awaited_ = &sent;
   while (sent.answers == 0 && !over() && Clock::now() < asked + timeout) {
-    if (const auto heard = wire_.Next(std::min(Clock::now() + kPoll, asked + timeout))) {
+    if (const auto heard = bus_.Next(std::min(Clock::now() + kPoll, asked + timeout))) {
       Take(*heard);
     } else {
       NoticeEnd(rule, sent.name);
@@ -69,17 +69,17 @@ std::optional<PartValue> Conversation::Ask(const TestFrame& frame, DisparityEnco
   return sent.answer;
 }
 
-void Conversation::SendBad(const TestFrame& frame, Part part, const Spoiling& spoiling) {
+void Conversation::SendBad(const TestFrame& frame, Part part, const Corruption& corruption) {
   Sent& sent = Begin(frame, Look::kIfAnswered);
   sent.bad = true;
-  sent.name = fmt::format("{}, {}", ChannelOf(part), spoiling.name);
-  SendPart(part, spoiling.apply(EncodePart(sent.id, part, frame.parts.at(part),
-                                           DisparityEncoding::kRawInt16)));
+  sent.name = fmt::format("{}, {}", ChannelOf(part), corruption.name);
+  SendPart(part, corruption.apply(EncodePart(sent.id, part, frame.parts.at(part),
+                                             DisparityEncoding::kRawInt16)));
 }
 
 void Conversation::Listen(milliseconds time) {
   const Clock::time_point end = Clock::now() + time;
-  while (const auto heard = wire_.Next(end)) Take(*heard);
+  while (const auto heard = bus_.Next(end)) Take(*heard);
 }
 
 void Conversation::NoticeEnd(Rule rule, const std::string& when) {
@@ -127,7 +127,7 @@ void Conversation::TakeAnswer(const Heard& heard) {
   if (!decoded) found_.Add(Rule::kForm, what + ": " + decoded.error().text);
   if (sent == nullptr) return;
   if (sent->bad) {
-    found_.Add(Rule::kBadMessages, sent->name + ": was answered as if it were good");
+    found_.Add(Rule::kBadMessages, sent->name + ": was answered as if it were valid");
     return;
   }
   sent->answered = heard.when;

@@ -12,51 +12,50 @@
 #include "common/app/process.h"
 #include "common/messages/codec.h"
 #include "services/check/bad_messages.h"
+#include "services/check/bus_connection.h"
 #include "services/check/contract.h"
 #include "services/check/findings.h"
 #include "services/check/test_frames.h"
-#include "services/check/wire.h"
 
 namespace sprout::check {
 
-/// What one may look at in the answer to a frame.
+/// What to check in the answer to a frame.
 enum class Look {
-  kIfAnswered,  ///< at header and form of an answer, which need not come
-  kForm,        ///< at that; it must come
-  kAll,         ///< also at size and values, and it must not be empty
+  kIfAnswered,  ///< header and form, if an answer comes
+  kForm,        ///< header and form; an answer must come
+  kAll,         ///< also size and values; it must not be empty
 };
 
-/// Talks with a program that claims to be a stage: frames out, answers in. Each frame is sent as a
-/// new capture, and the next one only when the answer came, so that the program may never skip one.
-/// Whatever is heard is checked.
+/// Sends frames to a program that claims to be a stage, and receives its answers. Each frame is
+/// sent as a new capture, and the next one only after the answer, so that the program must not skip
+/// any. All received messages are checked.
 class Conversation {
  public:
   using Clock = std::chrono::steady_clock;
 
   /// @param process  the program.
-  /// @param found    gets what is wrong.
-  /// All must outlive the conversation.
-  Conversation(const StageContract& contract, Wire& wire, Process& process, Findings& found)
-      : contract_(contract), wire_(wire), process_(process), found_(found) {}
+  /// @param found    gets the findings. All must outlive the conversation.
+  Conversation(const StageContract& contract, BusConnection& bus, Process& process, Findings& found)
+      : contract_(contract), bus_(bus), process_(process), found_(found) {}
 
   /// Sends a frame and waits for its answer.
   ///
   /// @param encoding  of the maps in the frame.
-  /// @param look      at what.
+  /// @param look      what to check.
   /// @param rule      that is broken when no answer comes.
   /// @param timeout   for the answer.
   /// @returns the answer; nothing when none came, or one that cannot be decoded.
   std::optional<PartValue> Ask(const TestFrame& frame, DisparityEncoding encoding, Look look,
                                Rule rule, std::chrono::milliseconds timeout);
 
-  /// Sends a message of the frame, spoiled, as a new capture; what answers it is wrong.
-  void SendBad(const TestFrame& frame, Part part, const Spoiling& spoiling);
+  /// Sends a corrupted message of the frame as a new capture; any answer to it is wrong.
+  void SendBad(const TestFrame& frame, Part part, const Corruption& corruption);
 
-  /// Listens for what should not come any more.
+  /// Waits for messages that should no longer come.
   void Listen(std::chrono::milliseconds time);
 
-  /// Looks whether the program has ended, which breaks `rule`; reports it once.
-  /// @param when  said in what is found.
+  /// Checks whether the program has ended, which breaks `rule`; reports it once.
+  /// @param when  named in the finding.
   void NoticeEnd(Rule rule, const std::string& when);
 
   bool ended() const { return ended_; }
@@ -85,7 +84,7 @@ class Conversation {
     std::string name;
     cv::Size size;  // of the rectified images
     Look look = Look::kIfAnswered;
-    bool bad = false;  // no good frame: an answer is wrong
+    bool bad = false;  // not a valid frame: an answer is wrong
     int answers = 0;
     std::optional<PartValue> answer;
     Clock::time_point answered;
@@ -100,11 +99,11 @@ class Conversation {
   Sent* Attribute(const Result<FrameId>& id);
 
   const StageContract& contract_;
-  Wire& wire_;
+  BusConnection& bus_;
   Process& process_;
   Findings& found_;
   std::map<int64_t, Sent> sent_;  // by seq
-  std::map<Part, int64_t> own_;   // messages sent that were not yet heard, by part
+  std::map<Part, int64_t> own_;   // own messages not yet received, by part
   Sent* awaited_ = nullptr;
   Clock::time_point rig_due_{};
   std::string rig_id_;

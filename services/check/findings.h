@@ -8,8 +8,8 @@
 
 namespace sprout::check {
 
-/// What a program must keep to stand in for a stage or for capture, in the order in which it is
-/// printed. Its words are in findings.cc.
+/// Rules for a program that replaces a stage or capture, in the order in which they are printed.
+/// Their texts are in findings.cc.
 enum class Rule {
   kStart,
   kSends,
@@ -28,18 +28,18 @@ enum class Rule {
   kEnd,
 };
 
-/// What is wrong with a program, by rule.
+/// Findings about a program, by rule.
 class Findings {
  public:
   /// The first of a rule is printed, the others are counted.
   void Add(Rule rule, const std::string& text);
 
-  /// A rule that was looked at; of the others nothing is known.
+  /// Marks a rule as checked; other rules are unknown.
   void Checked(Rule rule) { found_[rule]; }
 
   bool empty() const;
 
-  /// One line for each of `rules`: "ok", "WRONG" with what was found first, or "not checked".
+  /// One line for each of `rules`: "ok", "WRONG" with the first finding, or "not checked".
   void Print(std::span<const Rule> rules, std::ostream& out) const;
 
  private:

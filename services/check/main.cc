@@ -13,10 +13,9 @@ namespace sprout::check {
 namespace {
 
 constexpr char kDescription[] =
-    "Checks whether a program can stand in for a stage: starts it, sends it the frames of a log, "
-    "and\n"
-    "looks at every answer; or for capture: starts it and looks at what it sends.\n"
-    "scripts/check_stage calls it on a network of its own.";
+    "Checks whether a program can replace a stage: starts it, sends it the frames of a log, "
+    "and\nchecks every answer. For capture it starts the program and checks what it "
+    "sends.\nscripts/check_stage runs it on a private network.";
 
 std::chrono::milliseconds Milliseconds(double seconds) {
   return std::chrono::milliseconds(static_cast<int64_t>(seconds * 1000));
@@ -29,17 +28,19 @@ int Main(int argc, char** argv) {
   double start_s = 30;
   double answer_s = 10;
   flags.add_option("STAGE", options.stage, "capture, refine, prior, grow or pipeline")->required();
-  flags.add_option("COMMAND", options.command, "Program and its arguments, behind --")->required();
+  flags.add_option("COMMAND", options.command, "Program and its arguments, after --")->required();
   flags.add_option("--log", options.log,
                    "Log with every channel of the graph; needed unless STAGE is capture");
   flags
       .add_option("--lcm-url", options.lcm_url,
-                  "A bus that nobody else is on; the program gets it as LCM_DEFAULT_URL")
+                  "A bus without other processes; the program gets it as LCM_DEFAULT_URL")
       ->capture_default_str();
-  flags.add_option("--start-timeout", start_s, "Until the first answer, or frame of capture, s")
+  flags
+      .add_option("--start-timeout", start_s,
+                  "Longest wait for the first answer, or capture's first frame, s")
       ->check(NumberIn(0.1, 3600.0))
       ->capture_default_str();
-  flags.add_option("--timeout", answer_s, "Until any other, s")
+  flags.add_option("--timeout", answer_s, "Longest wait for any other answer or frame, s")
       ->check(NumberIn(0.01, 3600.0))
       ->capture_default_str();
   flags.set_version_flag("--version", "sprout-check-stage " + Version());

@@ -27,13 +27,14 @@ constexpr auto kCompressed = DisparityEncoding::kDeltaZstd;
 class StageCheck {
  public:
   StageCheck(const StageCheckOptions& options, const StageContract& contract,
-             const std::vector<TestFrame>& frames, Wire& wire, Process& process, Findings& found)
+             const std::vector<TestFrame>& frames, BusConnection& bus, Process& process,
+             Findings& found)
       : options_(options),
         contract_(contract),
         frames_(frames),
         process_(process),
         found_(found),
-        talk_(contract_, wire, process, found) {}
+        talk_(contract_, bus, process, found) {}
 
   void Run() {
     Start();
@@ -129,7 +130,7 @@ class StageCheck {
 
   void Poor() {
     found_.Checked(Rule::kDegenerate);
-    for (const TestFrame& frame : PoorFrames(frames_[0])) {
+    for (const TestFrame& frame : DegenerateFrames(frames_[0])) {
       Ask(frame, kRaw, Look::kForm, Rule::kDegenerate);
       if (talk_.over()) return;
     }
@@ -139,10 +140,10 @@ class StageCheck {
   void Bad() {
     found_.Checked(Rule::kBadMessages);
     for (const Part part : contract_.inputs) {
-      for (const Spoiling& spoiling : SpoilingsOf(part)) {
-        talk_.SendBad(frames_[0], part, spoiling);
+      for (const Corruption& corruption : CorruptionsOf(part)) {
+        talk_.SendBad(frames_[0], part, corruption);
         TestFrame good = frames_[0];
-        good.name += " after " + std::string(ChannelOf(part)) + ", " + spoiling.name;
+        good.name += " after " + std::string(ChannelOf(part)) + ", " + corruption.name;
         const auto answer = Ask(good, kRaw, Look::kAll, Rule::kBadMessages);
         if (repeatable_ && answer && answers_[0] && !IsSameAnswer(*answer, *answers_[0])) {
           found_.Add(Rule::kBadMessages, good.name + ": another answer than before");
@@ -176,11 +177,11 @@ int CheckStage(const StageCheckOptions& options, std::ostream& out) {
   const StageContract contract = ContractOf(options.stage);
   if (options.log.empty()) throw ConfigError("--log: a log is needed for " + options.stage);
   const std::vector<TestFrame> frames = ReadTestFrames(options.log, contract);
-  Wire wire(options.lcm_url);
+  BusConnection bus(options.lcm_url);
   return CheckProgram(
       options.command, options.lcm_url, kStageRules,
       [&](Process& process, Findings& found) {
-        StageCheck check(options, contract, frames, wire, process, found);
+        StageCheck check(options, contract, frames, bus, process, found);
         check.Run();
         return check.Figures();
       },

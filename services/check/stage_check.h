@@ -8,17 +8,17 @@
 
 namespace sprout::check {
 
-/// What sprout-check-stage is asked for.
+/// The options of sprout-check-stage.
 struct StageCheckOptions {
-  std::string stage;                           ///< "capture", or that of a StageContract
-  std::vector<std::string> command;            ///< program and arguments that claim to be it
-  std::string log;                             ///< whose frames it gets; not for capture
-  std::string lcm_url;                         ///< a bus that nobody else is on
+  std::string stage;                           ///< "capture", or a StageContract's
+  std::vector<std::string> command;            ///< the program to check, with arguments
+  std::string log;                             ///< with the frames to send; not for capture
+  std::string lcm_url;                         ///< a bus without other processes
   std::chrono::milliseconds start_timeout{};   ///< until the first answer or frame
   std::chrono::milliseconds answer_timeout{};  ///< until any other
 };
 
-/// Starts the program, talks with it, ends it, and writes what was found.
+/// Starts the program, sends it frames, ends it, and prints the findings.
 /// @returns exit code: 0; 1 when something is wrong with the program.
 /// @throws ConfigError for an unknown stage or a log without its frames; LogError; BusError.
 int CheckStage(const StageCheckOptions& options, std::ostream& out);

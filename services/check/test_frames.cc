@@ -163,7 +163,7 @@ std::vector<TestFrame> ReadTestFrames(const std::filesystem::path& log,
   return frames;
 }
 
-std::vector<TestFrame> PoorFrames(const TestFrame& good) {
+std::vector<TestFrame> DegenerateFrames(const TestFrame& good) {
   std::vector<TestFrame> frames = {WithoutReturn(good), WithoutTofImage(good),
                                    WithTwoPoints(good), WithPointsOnALine(good),
                                    Black(good),         WithSmallRight(good)};

@@ -14,10 +14,10 @@ namespace sprout::check {
 
 /// A frame to be sent, without utime and seq: it is sent as a new capture each time.
 struct TestFrame {
-  std::string name;  ///< "frame 3", "frame 3 without seeds": for what is found
+  std::string name;  ///< "frame 3", "frame 3 without seeds": for findings
   std::string rig_id;
   std::map<Part, PartValue> parts;    ///< the stage's inputs
-  std::optional<PartValue> recorded;  ///< the stage's answer, when the log has it
+  std::optional<PartValue> recorded;  ///< the stage's answer, if the log has it
 
   const Rig& rig() const { return std::get<Rig>(parts.at(Part::kRig)); }
 };
@@ -27,9 +27,9 @@ struct TestFrame {
 std::vector<TestFrame> ReadTestFrames(const std::filesystem::path& log,
                                       const StageContract& contract);
 
-/// Frames that make a stage's work hard or impossible, made from a good one: nothing seen by the
-/// ToF camera, too few seeds, seeds on a line, black images, sizes that contradict each other.
-std::vector<TestFrame> PoorFrames(const TestFrame& good);
+/// Degenerate frames, made from a good one: no ToF return, too few seeds, seeds on a line, black
+/// images, sizes that contradict each other.
+std::vector<TestFrame> DegenerateFrames(const TestFrame& good);
 
 }  // namespace sprout::check
 

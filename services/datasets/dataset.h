@@ -15,20 +15,19 @@ namespace sprout::datasets {
 struct GroundTruth {
   cv::Mat1f left;   ///< d = u − u' at the pixels of the left image
   cv::Mat1f right;  ///< the same at the pixels of the right image; empty when not known
-  /// Pixels of the left image that the right camera sees too, 255, where the data set says so;
-  /// empty = to be found out from the maps.
+  /// Pixels of the left image that the right camera also sees (255), if the data set has them;
+  /// empty = computed from the maps.
   cv::Mat1b nonoccluded = {};
 };
 
-/// A frame of a dataset or a simulation: what a camera would give, and what it does not know.
+/// A frame of a data set or a simulation: what cameras would give, and the truth.
 struct DatasetFrame : CapturedFrame {
   GroundTruth truth;  ///< left map empty when the dataset knows none
-  /// Of a simulated ToF camera whose ranges are known only modulo this, m along the ray; 0 =
-  /// another.
+  /// Unambiguous range of a simulated ToF camera, m along the ray; 0 = ranges are unambiguous.
   double unambiguous_range_m = 0;
 };
 
-/// Frames that can be had again in any order: files, a simulation.
+/// Frames that can be read in any order and again: files, a simulation.
 class Dataset {
  public:
   virtual ~Dataset() = default;
@@ -50,14 +49,13 @@ class Dataset {
 ///   kitti:DIR/ID, kitti:DIR  a frame, or all frames, in KITTI's layout with the scan as ToF image;
 ///                   ?beams=N keeps N of its 64 beams
 ///   synthetic:WxH   a moving scene with exact ground truth
-/// The ToF camera is simulated as config.tof() says, or as ?tof=grid or ?tof=sr4000 behind the
-/// source does; with none there is no ToF camera. Several options are separated by '&': behind
-/// ?tof=sr4000 &blind=P, &wrapped=P, &calibration=PX and &every=K, see Sr4000Config.
+/// The ToF camera is simulated by config.tof(), or by ?tof=grid or ?tof=sr4000 after the source;
+/// with ?tof=none there is no ToF camera. ?tof=sr4000 may be followed by &blind=P, &wrapped=P,
+/// &calibration=PX and &every=K, see Sr4000Config.
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& config);
 
-/// The frames of a dataset one after the other, as a camera gives them; without a time of their
-/// own.
+/// The frames of a data set one after the other, as from a camera; without times.
 /// @param loop  start again at the end.
 std::unique_ptr<FrameSource> PlayDataset(std::unique_ptr<Dataset> dataset, bool loop);
 

@@ -13,31 +13,31 @@
 
 namespace sprout::datasets {
 
-/// One synchronised triplet. Of a FrameSource it is rectified, of a RawSource as the cameras see.
+/// One synchronised triplet: rectified from a FrameSource, raw from a RawSource.
 struct CapturedFrame {
   cv::Mat left;   ///< 8UC1 or 8UC3 (BGR)
   cv::Mat right;  ///< 8UC1 or 8UC3 (BGR), of the same size
   TofImage tof;   ///< 0×0 without a ToF camera, or when it gave nothing
   /// Middle of the exposure, µs since 1970-01-01 UTC; nothing when the source has no clock.
   std::optional<int64_t> utime = {};
-  int64_t lost = 0;  ///< captures since the frame before this one that could not be made whole
-  /// What went wrong since the frame before this one, one line: of several the newest.
+  int64_t lost = 0;  ///< incomplete captures since the previous frame
+  /// The newest trouble since the previous frame, one line.
   std::string trouble = {};
-  /// Between the earliest and the latest exposure of its images, ms; 0 when that is not known.
+  /// Time between the earliest and the latest exposure of its images, ms; 0 when unknown.
   double spread_ms = 0;
 };
 
-/// Captures behind the last frame that could not be made whole.
+/// Incomplete captures after the last frame.
 struct LostFrames {
   int64_t count = 0;
-  std::string trouble = {};  ///< why, of the newest
+  std::string trouble = {};  ///< reason of the newest
 };
 
-/// Called by Next() now and then, at least ten times a second, while it waits for cameras: shows
-/// that it is not stuck. May be empty.
+/// Called by Next() at least ten times a second while it waits for cameras, to show that it is not
+/// stuck. May be empty.
 using Waiting = std::function<void()>;
 
-/// Where rectified frames come from, as from a camera.
+/// A source of rectified frames, used like a camera.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
@@ -48,12 +48,16 @@ class FrameSource {
   /// Whether frames come when the cameras give them; otherwise when they are asked for.
   virtual bool is_live() const = 0;
 
-  /// Waits for the next frame. Nothing when there are no more, or a stop was asked for. Cameras
-  /// that are gone are waited for.
+  /// Whether frames that come when they are asked for have the times of a recording, which tell at
+  /// what pace they once came.
+  virtual bool is_recorded() const { return false; }
+
+  /// Waits for the next frame. Nothing when there are no more, or a stop was requested. Waits for
+  /// lost cameras.
   /// @throws ConfigError when a file of a dataset cannot be used.
   virtual std::optional<CapturedFrame> Next(const std::stop_token& stop) = 0;
 
-  /// What was lost behind the last frame, when Next() has given nothing.
+  /// What was lost after the last frame, once Next() has returned nothing.
   virtual LostFrames lost_at_end() const { return {}; }
 };
 

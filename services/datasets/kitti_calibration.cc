@@ -76,28 +76,40 @@ Eigen::Matrix3d Rotation(const KittiCalibFile& file, const std::string& key,
   throw file.Bad(key, "a rotation");
 }
 
-}  // namespace
-
-KittiCalibration ReadKittiCalibration(const std::filesystem::path& path, cv::Size size) {
-  const KittiCalibFile file(path);
-  const auto left = file.Matrix<3, 4>("P2");
-  const auto right = file.Matrix<3, 4>("P3");
-  if (!(left(0, 0) > 0)) throw file.Bad("P2", "a focal length above 0");
+RectifiedPair PairOf(const KittiCalibFile& file, cv::Size size, const std::string& left_key,
+                     const std::string& right_key) {
+  const auto left = file.Matrix<3, 4>(left_key);
+  const auto right = file.Matrix<3, 4>(right_key);
+  if (!(left(0, 0) > 0)) throw file.Bad(left_key, "a focal length above 0");
   if (!AreRectified({left(0, 0), left(1, 1), left(1, 2)},
                     {right(0, 0), right(1, 1), right(1, 2)})) {
-    throw file.Bad("P3", "one focal length for both cameras and axes, and P2's row");
+    throw file.Bad(right_key,
+                   "one focal length for both cameras and axes, and " + left_key + "'s row");
   }
-  if (!(left(0, 3) > right(0, 3))) throw file.Bad("P3", "a camera to the right of P2's");
-
-  KittiCalibration calibration;
-  RectifiedPair& pair = calibration.pair;
-  pair = {.width = size.width, .height = size.height};
+  if (!(left(0, 3) > right(0, 3))) {
+    throw file.Bad(right_key, "a camera to the right of " + left_key + "'s");
+  }
+  RectifiedPair pair{.width = size.width, .height = size.height};
   pair.focal_px = left(0, 0);
   pair.cx = left(0, 2);
   pair.cy = left(1, 2);
   pair.cx_right = right(0, 2);
   pair.baseline_m = (left(0, 3) - right(0, 3)) / pair.focal_px;
+  return pair;
+}
 
+}  // namespace
+
+RectifiedPair ReadKittiPair(const std::filesystem::path& path, cv::Size size, bool grey) {
+  const KittiCalibFile file(path);
+  return grey ? PairOf(file, size, "P0", "P1") : PairOf(file, size, "P2", "P3");
+}
+
+KittiCalibration ReadKittiCalibration(const std::filesystem::path& path, cv::Size size) {
+  const KittiCalibFile file(path);
+  KittiCalibration calibration{.pair = PairOf(file, size, "P2", "P3")};
+  const RectifiedPair& pair = calibration.pair;
+  const auto left = file.Matrix<3, 4>("P2");
   const Eigen::Matrix3d rectification = Rotation(file, "R0_rect", file.Matrix<3, 3>("R0_rect"));
   const auto pose = file.Matrix<3, 4>("Tr_velo_to_cam");
   // P2 = K · [I | t].

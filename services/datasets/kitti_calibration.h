@@ -9,20 +9,24 @@
 
 namespace sprout::datasets {
 
-/// What calib/ID.txt of KITTI's object set says about the colour cameras and the scanner.
+/// Calibration of the colour cameras and the scanner in calib/ID.txt of KITTI's object set.
 struct KittiCalibration {
   RectifiedPair pair;
-  /// Takes points of the scanner (m; x forward, y left, z up) to the left rectified frame.
+  /// Transforms points of the scanner (m; x forward, y left, z up) to the left rectified frame.
   Eigen::Isometry3d left_from_scanner = Eigen::Isometry3d::Identity();
 };
+
+/// Reads the pair alone from any of KITTI's calibrations, also calib.txt of its sequences: P2 and
+/// P3, the colour cameras, or with `grey` P0 and P1. See ReadKittiCalibration().
+RectifiedPair ReadKittiPair(const std::filesystem::path& file, cv::Size size, bool grey = false);
 
 /// Reads P2, P3, R0_rect and Tr_velo_to_cam; other keys are ignored. P = K · [I | t] places the
 /// cameras in the frame of camera 0, so a point is R0_rect · Tr_velo_to_cam · x + t of P2 in the
 /// left one, and the baseline is (P2[0, 3] − P3[0, 3]) / f.
 ///
 /// @param size  of the images, px.
-/// @throws ConfigError naming file and key: missing, not so many finite numbers, cameras that are
-/// not rectified, a rotation that is none.
+/// @throws ConfigError naming file and key: missing, a wrong number of finite values, cameras that
+///         are not rectified, an invalid rotation.
 KittiCalibration ReadKittiCalibration(const std::filesystem::path& file, cv::Size size);
 
 }  // namespace sprout::datasets

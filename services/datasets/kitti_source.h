@@ -21,13 +21,13 @@ namespace sprout::datasets {
 ///                                                right camera does not see. Either may be missing,
 ///                                                the object set has none.
 ///
-/// The scan becomes a range image in the left camera's place (TofImageFromScan()), of
+/// The scan becomes a range image at the left camera's position (TofImageFromScan()), with
 /// config.beams() beams (KeepBeams()). Truth is of the left image only; without disp_noc_0 all of
 /// it counts as seen by both cameras.
 ///
 /// @param place  FOLDER/ID: one frame. FOLDER: all frames, in the order of their names; they must
-///               have one calibration. Files are read when their frame is asked for, those of the
-///               first one at once, too.
+///               have the same calibration. Files are read when their frame is asked for; those of
+///               the first frame also at once.
 /// @throws ConfigError naming what is missing or wrong, and where; Get() does so, too.
 std::unique_ptr<Dataset> OpenKitti(const std::string& place, const CaptureConfig& config);
 

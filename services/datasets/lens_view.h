@@ -12,22 +12,21 @@
 
 namespace sprout::datasets {
 
-/// A camera with a real lens, anywhere among the solids of a synthetic scene: rays through its
-/// pixels, several each.
+/// A camera with lens distortion, anywhere in a synthetic scene: several rays through each pixel.
 class LensView {
  public:
   using Rotation = Eigen::Quaternion<double, Eigen::DontAlign>;
 
   /// @param left_from_camera, position_m  pose in the frame of the scene.
-  /// @param rays_per_side  a pixel has the square of it.
+  /// @param rays_per_side  a pixel has the square of this number.
   LensView(const Lens& lens, const Rotation& left_from_camera, const Eigen::Vector3d& position_m,
            int rays_per_side);
 
-  /// Of all rays: the image, rays_per_side times finer.
+  /// Size of the grid of all rays: the image's, times rays_per_side.
   cv::Size size() const { return size_; }
 
   /// Called for each ray that meets a solid.
-  /// @param x, y     of the ray, in an image of size().
+  /// @param x, y     of the ray, in the grid of size().
   /// @param depth_m  of the nearest solid, along the camera's axis.
   using Visit = std::function<void(int x, int y, double depth_m, const Vec3& bgr)>;
 
@@ -41,7 +40,7 @@ class LensView {
   std::vector<Vec3> directions_;
 };
 
-/// What a ToF camera looks at. @pre view has TofSamples::kPerSide rays per side.
+/// Samples of what a ToF camera sees. @pre view has TofSamples::kPerSide rays per side.
 TofSamples RenderTof(const LensView& view, const std::vector<Solid>& solids, double focal_px);
 
 }  // namespace sprout::datasets

@@ -15,9 +15,9 @@ namespace sprout::datasets {
 /// px = code / scale, 0 = unknown; dmin.txt may be missing. The scale is config.gt_scale(), or
 /// follows from the height of the image (1110 rows = 1).
 /// 2014: im0 and im1, disp0.pfm (and disp1.pfm): px, inf = unknown; calib.txt.
-/// Images end in .png, .jpg or .ppm, the first that exists counts; alpha is dropped.
+/// Images end in .png, .jpg or .ppm, of which the first that exists is read; alpha is dropped.
 ///
-/// Everything is read at once; Get() copies, so that nobody changes the frame that is sent again.
+/// Everything is read at once; Get() copies, so that callers cannot change the frame.
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<Dataset> OpenMiddlebury(const std::string& folder, const CaptureConfig& config);
 

@@ -10,10 +10,9 @@ namespace sprout::datasets {
 ///
 /// cv::imread divides the samples by the scale in the header. Middlebury writes disparities in px
 /// together with a scale that is meant for viewers (0.003922 in the full-size files), so the
-/// division would turn them into something else; of the scale only the sign, the byte order,
-/// counts.
+/// division would be wrong; of the scale only the sign, the byte order, is used.
 ///
-/// @throws ConfigError naming the file: unreadable, another format, larger than the file holds.
+/// @throws ConfigError naming the file: unreadable, another format, truncated.
 cv::Mat1f ReadPfm(const std::filesystem::path& path);
 
 }  // namespace sprout::datasets

@@ -10,7 +10,7 @@ bool IsFile(const std::filesystem::path& path);
 
 /// Reads a PNG, JPEG, PGM or PPM file.
 /// @param flags  cv::imread()'s.
-/// @throws ConfigError as DecodeImageFile() says it.
+/// @throws ConfigError with the text of DecodeImageFile().
 cv::Mat ReadImage(const std::filesystem::path& path, int flags);
 
 /// @throws ConfigError naming the file and both sizes when they differ.

@@ -9,31 +9,32 @@
 
 namespace sprout::datasets {
 
-/// One "name=value" behind the '?' of a source.
+/// One "name=value" after the '?' of a source.
 struct SourceOption {
   std::string_view text;  ///< all of it
   std::string_view name;
   std::string_view value;  ///< empty when there is no '='
 };
 
-/// The options of "a=1&b=2"; they point into the text.
+/// The options of "a=1&b=2", as views of the text.
 std::vector<SourceOption> SourceOptions(std::string_view text);
 
-/// A source without its options, and those.
+/// A source, split into its name and its options.
 struct SplitSourceText {
   std::string place;                  ///< "log:FILE"
-  std::vector<SourceOption> options;  ///< point into the source's text
+  std::vector<SourceOption> options;  ///< views of the source's text
 };
 
-/// Splits at the last '?', as a file's name may hold one too.
+/// Splits at the last '?', since a file's name may contain one, too.
 SplitSourceText SplitSource(std::string_view source);
 
-/// What can be said about a simulated SR4000 behind "sr4000", for messages to people.
-inline constexpr std::string_view kSr4000Options = "&blind=P (%), &wrapped=P (%), &calibration=PX, &every=K";
+/// The options allowed after "sr4000", for messages to people.
+inline constexpr std::string_view kSr4000Options =
+    "&blind=P (%), &wrapped=P (%), &calibration=PX, &every=K";
 
 /// Applies blind=P (blind_percent), wrapped=P (wrapped_percent), calibration=PX
 /// (calibration_error_px) or every=K (every_px). @returns whether the option is one of them.
-/// @throws ConfigError when the value is no number or out of range.
+/// @throws ConfigError when the value is not a number or out of range.
 bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config);
 
 }  // namespace sprout::datasets

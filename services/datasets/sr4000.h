@@ -10,42 +10,41 @@
 
 namespace sprout::datasets {
 
-/// What the camera says, and the range beyond which that is wrong.
+/// The camera's image, and its unambiguous range.
 struct Sr4000Frame {
   TofImage tof;
-  double unambiguous_range_m = 0;  ///< m along the ray; 0 = all ranges are right
+  double unambiguous_range_m = 0;  ///< m along the ray; 0 = ranges are unambiguous
 };
 
 /// Simulation of a SwissRanger SR4000: a ToF camera of 176 × 144 pixels between the two colour
-/// cameras, with a lens, noise and faults of its own. The source renders what the camera looks at
-/// (TofSamples), this class makes of it what the camera says.
+/// cameras, with its own lens, noise and errors. The source renders what the camera sees
+/// (TofSamples); this class turns it into the camera's output.
 ///
 /// Not simulated: multi-path, scattering in the lens, motion, distance error that depends on
 /// amplitude or temperature.
 class Sr4000 {
  public:
-  /// @param seed  of the noise: other numbers, other noise.
+  /// @param seed  of the random noise.
   /// @throws ConfigError when a value is out of range.
   Sr4000(const RectifiedPair& pair, const Sr4000Config& config, uint32_t seed);
 
-  /// A camera that stands elsewhere, or has another lens.
-  /// @param camera  of 176 × 144 pixels; config's focal length and calibration error do not count.
+  /// A camera with another pose or lens.
+  /// @param camera  of 176 × 144 pixels; config's focal length and calibration error are ignored.
   Sr4000(const TofCamera& camera, const Sr4000Config& config, uint32_t seed);
 
-  /// As the calibration says.
+  /// The camera according to the calibration.
   const TofCamera& calibrated() const { return calibrated_; }
 
-  /// As it really stands: what to render from. The same as calibrated() but for
+  /// The camera as it really is, for rendering. Differs from calibrated() by
   /// config.calibration_error_px().
   const TofCamera& actual() const { return actual_; }
 
-  /// Depth and amplitude (counts) of what the camera looks at. A pixel has no return when less
+  /// Depth and amplitude (counts) of what the camera sees. A pixel has no return when less
   /// than half of its samples are known, they are mixed (config.mixed_percent()), its amplitude is
   /// below config.min_amplitude(), its surface is beyond config.max_range_m(), or it is among the
-  /// config.blind_percent() of returns with the lowest amplitude; its amplitude is given
-  /// nevertheless. A surface beyond the unambiguous range comes back modulo that range. Depends on
-  /// samples, configuration, seed and frame only; same bytes on every machine. O(samples), one
-  /// thread.
+  /// config.blind_percent() of returns with the lowest amplitude; its amplitude is still given. A
+  /// surface beyond the unambiguous range is measured modulo that range. Depends on samples,
+  /// configuration, seed and frame only; same bytes on every machine. O(samples), one thread.
   Sr4000Frame Measure(const TofSamples& samples, int64_t frame) const;
 
  private:

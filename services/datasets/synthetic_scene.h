@@ -9,7 +9,7 @@
 
 namespace sprout::datasets {
 
-/// How a surface looks. It is matt: its colour does not depend on who looks.
+/// Appearance of a surface. It is matt: its colour does not depend on the viewing direction.
 struct Material {
   Vec3 dark_bgr;         ///< colour where the texture is 0
   Vec3 light_bgr;        ///< colour where it is 1, and everywhere when there is no texture
@@ -17,7 +17,7 @@ struct Material {
   uint64_t key = 0;      ///< of the texture
 };
 
-/// A thing in the scene, in the frame of the left camera (m; x right, y down, z forward).
+/// A solid in the scene, in the frame of the left camera (m; x right, y down, z forward).
 struct Solid {
   enum class Shape {
     kWall,   ///< plane with normal −z before rotation
@@ -47,12 +47,12 @@ double Intersect(const Solid& solid, const Ray& ray);
 
 /// Colour of the solid at a point of its surface; the same for both cameras.
 /// @param point       of the surface, in the left camera's frame, m.
-/// @param focal_px    of the cameras: tells how fine a texture they resolve.
+/// @param focal_px    of the cameras: determines how fine a texture they resolve.
 /// @returns BGR, 0 to 255.
 Vec3 ColourAt(const Solid& solid, const Vec3& point, double focal_px);
 
-/// A room with things that move: a textured wall and floor, boxes and a ball, some of them
-/// without texture. Positions, colours and motions follow from the seed.
+/// A room with moving solids: a textured wall and floor, boxes and a ball, some without texture.
+/// Positions, colours and motions follow from the seed.
 class SyntheticScene {
  public:
   /// @param floor_m  height of the cameras over the floor, m.

@@ -13,8 +13,8 @@ inline constexpr int kMaxSyntheticSide = kMaxSide;  ///< px: a frame takes 16 by
 
 /// Endless frames of SyntheticScene in colour, seen by a rectified pair whose disparities span
 /// about 2 to 15 % of the image width, with exact ground truth at the pixel centres of both views
-/// and a simulated ToF camera: config.tof() = grid samples the left truth, sr4000 looks into the
-/// scene itself.
+/// and a simulated ToF camera: config.tof() = grid samples the left truth, sr4000 is rendered from
+/// the scene.
 ///
 /// Frame i depends on size, config.seed() and i only: same bytes on every machine, with any
 /// number of threads. O(pixels) a frame, in parallel over rows.

@@ -6,7 +6,7 @@
 
 namespace sprout::datasets {
 
-/// What a ToF camera looks at, finer than its pixels: kPerSide × kPerSide samples a ToF pixel.
+/// What a ToF camera sees, finer than its pixels: kPerSide × kPerSide samples a ToF pixel.
 struct TofSamples {
   static constexpr int kPerSide = 4;
 
@@ -15,7 +15,7 @@ struct TofSamples {
       : depth_m(tof_size * kPerSide, std::numeric_limits<float>::quiet_NaN()),
         albedo(tof_size * kPerSide, 0.f) {}
 
-  /// Column (row) of the ToF image, px, that column (row) `index` of the samples lies at.
+  /// Position in the ToF image, px, of column (row) `index` of the samples.
   static double TofPixel(int index) { return (index + 0.5) / kPerSide - 0.5; }
   /// The inverse, for any position.
   static double SamplePosition(double tof_px) { return (tof_px + 0.5) * kPerSide - 0.5; }

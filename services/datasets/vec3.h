@@ -3,8 +3,8 @@
 
 namespace sprout::datasets {
 
-/// Three numbers: a point (m) or a BGR colour (0 to 255). Not Eigen or cv::Vec: the synthetic
-/// scene promises equal bytes everywhere, so the order of every sum is written down here.
+/// Three numbers: a point (m) or a BGR colour (0 to 255). Not Eigen or cv::Vec: the synthetic scene
+/// must have the same bytes everywhere, so the order of every sum is fixed here.
 struct Vec3 {
   double x = 0;
   double y = 0;

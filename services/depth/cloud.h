@@ -12,12 +12,12 @@ namespace sprout::depth {
 /// How a cloud is thinned.
 struct CloudThinning {
   int stride = 1;      ///< N: every N-th pixel of every N-th row
-  double voxel_m = 0;  ///< of the points in a cube of this side the first one; 0 = all
+  double voxel_m = 0;  ///< keeps the first point in each cube of this side; 0 = all
 };
 
 /// Points of a disparity map, row by row, with the colours of the left image. Pixels without a
-/// disparity, and those that stand for no finite positive depth, give none. At most
-/// kMaxCloudPoints. O(pixels / stride²).
+/// disparity, or without a finite positive depth, give none. At most kMaxCloudPoints. O(pixels /
+/// stride²).
 ///
 /// @param left        8UC1 or 8UC3 (BGR), of the map's size.
 /// @param confidence  8UC1 of the map's size, or empty: 255 everywhere.

@@ -44,25 +44,25 @@ PartSet DepthAdapter::Inputs() const {
 }
 
 StageResult DepthAdapter::Process(const Frame& frame) {
-  StageResult outcome;
-  if (frame.id.seq % config_.every() != 0) return outcome;
-  outcome.degenerate = SizeComplaint(frame);
-  if (!outcome.degenerate.empty()) return outcome;
+  StageResult result;
+  if (frame.id.seq % config_.every() != 0) return result;
+  result.degenerate = SizeComplaint(frame);
+  if (!result.degenerate.empty()) return result;
   const RectifiedPair& pair = frame.rig->pair;
   if (config_.publish_depth()) {
     const int scale = std::min({config_.scale(), pair.width, pair.height});
-    outcome.outputs.push_back(
+    result.outputs.push_back(
         {Part::kDepth, DepthOf(*frame.disparity, pair, config_.mm_per_count() / 1000, scale)});
   }
   if (config_.publish_cloud()) {
     const CloudThinning thinning{config_.cloud_stride(), config_.cloud_voxel_m()};
-    outcome.outputs.push_back(
+    result.outputs.push_back(
         {Part::kCloud, CloudOf(*frame.disparity, pair, frame.left, frame.confidence, thinning)});
   }
   if (config_.publish_preview()) {
-    outcome.preview = PreviewOf(frame.left, *frame.disparity, pair);
+    result.preview = PreviewOf(frame.left, *frame.disparity, pair);
   }
-  return outcome;
+  return result;
 }
 
 }  // namespace sprout::depth

@@ -15,8 +15,8 @@ class DepthAdapter : public StageAdapter {
 
   PartSet Inputs() const override;
 
-  /// Answers nothing for a frame that `every` leaves out, and for one whose images, map and
-  /// calibration are not of one size; the outcome says why.
+  /// Answers nothing for a frame that `every` skips, and for one whose images, map and calibration
+  /// differ in size; the result says why.
   StageResult Process(const Frame& frame) override;
 
  private:

@@ -12,9 +12,9 @@ namespace sprout::depth {
 inline constexpr int kMaxPreviewSide = 640;
 
 /// The left image and, to its right, the disparity map in colours with a scale in px and m; either
-/// under a title, on white. Both are made smaller by the same whole number, so that neither side
-/// is longer than kMaxPreviewSide: of the image each pixel is the mean of a block, of the map the
-/// disparity in its middle. The colours cover the values of this frame. O(pixels).
+/// under a title, on white. Both are reduced by the same whole number, so that neither side is
+/// longer than kMaxPreviewSide: a pixel of the image is the mean of a block, one of the map the
+/// disparity in its middle. The colour scale spans the values of this frame. O(pixels).
 ///
 /// @param left  8UC1 or 8UC3 (BGR), of the map's size, not empty.
 /// @param pair  of the map's size.

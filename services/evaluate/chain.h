@@ -19,17 +19,17 @@ struct StageTimes {
   double total_ms = 0;  ///< from the images and the ToF image to the map
 };
 
-/// What a method made of a scene.
+/// A method's result for a scene.
 struct MethodOutput {
   cv::Mat1f map_px;      ///< disparity of every pixel of the left image, px; NaN = none
   cv::Mat1b confidence;  ///< Confidence() of the map; empty = the method has none
   StageTimes ms;
 };
 
-/// What the methods are run with.
+/// Settings of the methods.
 struct ChainSettings {
   SproutConfig config;   ///< effective
-  SeedNoise noise;       ///< added to the refined seeds, in no stage's time
+  SeedNoise noise;       ///< added to the refined seeds, not timed
   FgsSettings fgs = {};  ///< of method fgs
 };
 
@@ -37,7 +37,7 @@ struct ChainSettings {
 Frame FrameOf(const Scene& scene);
 
 /// The chain on a frame of the scene, with Scene::WithRange() and the noise; see Chain::Run(). A
-/// stage that refuses its input gives an empty result; scored, that counts as wrong everywhere.
+/// stage that refuses its input gives an empty result, which is scored as wrong everywhere.
 void RunSteps(const Scene& scene, const ChainSettings& settings, ChainStep last, Frame& frame,
               StageTimes& ms);
 

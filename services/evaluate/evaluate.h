@@ -16,12 +16,13 @@ namespace sprout::evaluate {
 /// One method on one scene.
 struct MethodResult {
   std::string name;
-  Accuracy nonoccluded;                      ///< on the pixels that both cameras see
-  Accuracy all;                              ///< on all pixels with a known truth
-  Accuracy away;                             ///< on those of them that no ToF point is near
-  std::optional<Sparsification> confidence;  ///< of the whole chain, on the pixels both see
-  StageTimes ms;                             ///< medians, each of its own
-  cv::Mat1f map_px;                          ///< NaN = none
+  Accuracy nonoccluded;  ///< on the pixels that both cameras see
+  Accuracy all;          ///< on all pixels with a known truth
+  Accuracy away;         ///< on those of them away from every ToF point
+  /// Of the whole chain, on the pixels that both cameras see.
+  std::optional<Sparsification> confidence;
+  StageTimes ms;     ///< median of each stage's times
+  cv::Mat1f map_px;  ///< NaN = none
 };
 
 struct SceneResult {

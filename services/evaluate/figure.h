@@ -15,7 +15,7 @@ struct FigureCell {
   std::string caption;  ///< ASCII
 };
 
-/// A row of pictures, whose colours one scale explains.
+/// A row of pictures with one colour scale.
 struct FigureRow {
   std::vector<FigureCell> cells;
   ScaleContent scale;
@@ -31,7 +31,7 @@ cv::Mat3b Figure(const std::vector<std::string>& titles, const std::vector<Figur
 
 inline constexpr int kFigureCellWidth = 320;  ///< px
 
-/// The image as it stands in a figure: worth keeping instead of the whole one.
+/// The image scaled for a figure, to keep instead of the original.
 cv::Mat3b FigureThumbnail(const cv::Mat3b& image);
 
 }  // namespace sprout::evaluate

@@ -19,23 +19,22 @@ namespace sprout::evaluate {
 struct LogChoice {
   std::string file;
   std::string frames;  ///< A:B; empty: all
-  std::string prefix;  ///< before every channel
+  std::string prefix;  ///< of every channel
 };
 
-/// Reads a log and gives its frames, each with the parts that the log has. The programs bring it,
-/// since nothing here knows messages.
+/// Reads a log and gives its frames, each with the parts that the log has. Programs pass this
+/// function, since this library knows no messages.
 using ReadLog = std::function<void(const LogChoice&, const std::function<void(const Frame&)>&)>;
 
-/// How good the recorded answers are: against ground truth where a source has it, and by
-/// FrameQuality always.
+/// Evaluates recorded answers: against ground truth if a source has it, and always by FrameQuality.
 class LogEvaluation {
  public:
-  /// @param truth  frame `seq` of the log is its frame seq, counted on from its start when it has
-  ///               fewer; null: no ground truth.
+  /// @param truth  frame `seq` of the log is its frame `seq`, modulo its length; null: no ground
+  ///               truth.
   explicit LogEvaluation(std::unique_ptr<datasets::Dataset> truth) : truth_(std::move(truth)) {}
 
-  /// Takes a frame; one without a disparity map is counted as unanswered. A frame that comes again
-  /// replaces the earlier one when it has as many parts.
+  /// Takes a frame; one without a disparity map is counted as unanswered. A repeated frame replaces
+  /// the earlier one if it has at least as many parts.
   /// @throws ConfigError when ground truth and map differ in size.
   void Add(const Frame& frame);
 

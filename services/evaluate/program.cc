@@ -8,16 +8,14 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "common/app/output_paths.h"
 #include "common/app/program.h"
 #include "common/app/progress.h"
 #include "common/app/version.h"
-#include "common/core/output_file.h"
 #include "services/evaluate/log_evaluation.h"
-#include "services/evaluate/output_paths.h"
 #include "services/evaluate/result_files.h"
 #include "services/evaluate/run_pictures.h"
 #include "services/evaluate/tables.h"
@@ -46,19 +44,19 @@ struct Options {
 };
 
 constexpr char kDescription[] =
-    "Runs methods on scenes with ground truth and prints how accurate and how fast they are. The\n"
-    "same flags give the same figures, times apart.";
+    "Runs methods on scenes with ground truth and prints their accuracy and times. The same\nflags "
+    "give the same figures, except times.";
 
 constexpr char kDefinitions[] = R"(
 Definitions (as in the Middlebury SDK)
-  error       |d - d_gt| of a pixel, px. A pixel without a disparity is wrong under every threshold.
+  error       |d - d_gt| of a pixel, px. A pixel without a disparity is wrong for every threshold.
   nonocc      the pixels that are scored: those that both cameras see. The truth is known in both
               views and |d_left(u, v) - d_right(u - d_left, v)| <= 1. Without a right truth, the left
-              one is moved into the right image, and the nearest surface is what is seen.
+              one is warped into the right image, where the nearest surface is seen.
   all         all pixels with a known left truth.
   away        of these, the ones at least 3 px from every ToF point.
   <= 1, < 1   per cent of pixels with an error of at most / below 1 px. "<= 1" is 100 - "total bad
-              1.0". Whole-number maps gain by <= and lose by <, so tables show both.
+              1.0". Maps of whole pixels are favoured by <=, so tables show both.
   bad N       per cent of pixels with an error > N px, or without a disparity.
   D1          per cent with an error > 3 px and > 5 % of the true disparity, or no disparity.
   density     per cent of pixels with a disparity; invalid: the others.
@@ -66,10 +64,10 @@ Definitions (as in the Middlebury SDK)
   wrong seed  more than 3 px from the truth, or on a pixel that a nearer surface hides from the right
               camera; per cent of all ToF points (before refinement) and of those kept (after). A
               good one is within 3 px on a pixel that both cameras see; lost: refinement dropped it.
-  confidence  bad 1 of the pixels that sprout's confidence puts first; area: mean of that curve over
-              the share of pixels kept; oracle: had the wrong pixels come last.
-  times       medians over --repeat runs, ms, one run after another. Rivals count as a whole; those
-              that use ToF seeds include refinement.
+  confidence  bad 1 of the pixels with the highest confidence; area: mean of that curve over
+              the share of pixels kept; oracle: if the wrong pixels came last.
+  times       medians over --repeat runs, ms, one run after another. Rivals have one time; that of
+              rivals with ToF seeds includes refinement.
 )";
 
 std::string MethodsHelp() {
@@ -83,9 +81,9 @@ std::string MethodsHelp() {
 void AddInputFlags(CLI::App& flags, Options& options) {
   flags.add_option(
       "SCENE", options.scenes,
-      "Folders of Middlebury scenes with ground truth; synthetic:WxH, a made-up scene; "
-      "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N behind it "
-      "to keep 32, 16, 8 or 4 of the scan's 64 beams");
+      "Folders of Middlebury scenes with ground truth; synthetic:WxH, a simulated scene; "
+      "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N to keep 32, 16, "
+      "8 or 4 of the scan's 64 beams");
   flags.add_option("--methods", options.methods, "Methods or groups of them, listed below")
       ->delimiter(',')
       ->expected(1)
@@ -94,7 +92,7 @@ void AddInputFlags(CLI::App& flags, Options& options) {
       ->default_str("all");
   flags
       .add_option("--preset", options.preset,
-                  "Preset that the methods take their parameters from (default unless --config "
+                  "Preset with the methods' parameters (default unless --config "
                   "is given)")
       ->type_name("NAME");
   flags
@@ -110,7 +108,7 @@ void AddInputFlags(CLI::App& flags, Options& options) {
           "--tof", options.tof,
           "ToF camera: grid:auto (every round(rows / 111)th pixel of the truth: 10 at full "
           "size, as in the paper), grid:auto*K (K times that), grid:N (every Nth), sr4000 (a "
-          "camera of its own with the faults of a real one; ?blind=P behind it: without the P % of "
+          "camera at its own position with the errors of a real one; ?blind=P: without the P % of "
           "its returns with the lowest amplitude; ?wrapped=P: P % are beyond the unambiguous "
           "range; ?calibration=PX: its pose is off; ?every=K: only every Kth pixel of its rows and "
           "columns; '&' between several), or none; for kitti: "
@@ -131,10 +129,11 @@ void AddInputFlags(CLI::App& flags, Options& options) {
       ->check(NumberIn(0.01, 1e6));
   flags
       .add_option("--fgs-sigma", options.fgs.sigma,
-                  "Method fgs: difference of colours over which they hardly do, grey levels")
+                  "Method fgs: difference of colours across which they hardly spread, grey levels")
       ->capture_default_str()
       ->check(NumberIn(0.1, 255.0));
-  flags.add_option("--seed", options.noise.seed, "Of the random numbers")->capture_default_str();
+  flags.add_option("--seed", options.noise.seed, "Seed of the random numbers")
+      ->capture_default_str();
 }
 
 void AddRunFlags(CLI::App& flags, Options& options) {
@@ -157,8 +156,8 @@ void AddLogFlags(CLI::App& flags, Options& options) {
   CLI::Option* log =
       flags
           .add_option("--log", options.log.file,
-                      "Instead of scenes: how good the recorded answers of a log are, by --truth "
-                      "where there is one, and without truth as sprout-log rank does")
+                      "Instead of scenes: evaluate the recorded answers of a log, with --truth if "
+                      "given, and without truth as sprout-log rank does")
           ->type_name("LOG");
   // What belongs to the methods that are run on scenes.
   for (const char* other : {"SCENE", "--methods", "--preset", "--config", "--tof",
@@ -174,9 +173,7 @@ void AddLogFlags(CLI::App& flags, Options& options) {
   flags.add_option("--frames", options.log.frames, "Frames of --log by number, both included")
       ->type_name("A:B")
       ->needs(log);
-  flags
-      .add_option("--channel-prefix", options.log.prefix,
-                  "The graph of --log whose channels begin with this")
+  flags.add_option("--channel-prefix", options.log.prefix, "Prefix of the channels of --log")
       ->type_name("TEXT")
       ->needs(log);
 }
@@ -206,7 +203,7 @@ void RequireDifferentNames(const std::vector<Scene>& scenes) {
   std::set<std::string> names;
   for (const Scene& scene : scenes) {
     if (names.insert(scene.name).second) continue;
-    throw ConfigError("--images: two scenes are called " + scene.name +
+    throw ConfigError("--images: two scenes have the name " + scene.name +
                       "; allowed: scenes of different names");
   }
 }
@@ -214,15 +211,8 @@ void RequireDifferentNames(const std::vector<Scene>& scenes) {
 void RequireWritable(const Options& options) {
   if (!options.json.empty()) RequireWritableFile("--json", options.json);
   if (!options.csv.empty()) RequireWritableFile("--csv", options.csv);
-  if (!options.images.empty()) RequireWritableFolder("--images", options.images);
-}
-
-void WriteWhole(const std::string& path, const std::string& text) {
-  OutputFile file(path);
-  file.Write(text);
-  if (const Result<void> written = file.Commit(); !written) {
-    throw std::runtime_error(written.error().text);
-  }
+  if (!options.images.empty())
+    RequireWritableFolder("--images", options.images, {"figure.png", "errors.png"});
 }
 
 std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Scene>& scenes,

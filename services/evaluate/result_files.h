@@ -8,7 +8,7 @@
 
 namespace sprout::evaluate {
 
-/// What a whole run found, and with what.
+/// Settings and results of a run.
 struct RunResult {
   std::string preset;  ///< names of the configuration files, joined by '+'
   std::string tof;     ///< --tof
@@ -16,7 +16,7 @@ struct RunResult {
 };
 
 // Both depend on the run's input only, except for the times, which are under "ms" and in columns
-// that end in _ms. Shares are per cent; what has no value (the mean error of an empty map) is null
+// that end in _ms. Shares are per cent; an undefined value (the mean error of an empty map) is null
 // or an empty field. See README.md for the layout.
 
 std::string ToJson(const RunResult& run);

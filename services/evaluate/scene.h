@@ -15,29 +15,29 @@ namespace sprout::evaluate {
 struct Scene {
   std::string name;              ///< last part of the folder's path, or the source's text
   datasets::DatasetFrame frame;  ///< images, ToF image, truth
-  cv::Mat1b left_grey;           ///< the images as the stages look at them
+  cv::Mat1b left_grey;           ///< grey image, as used by the stages
   cv::Mat1b right_grey;
   TofProjector projector;  ///< knows the rig
-  cv::Mat1b nonoccluded;   ///< the truth's, else NonOccludedMask() of its maps
-  cv::Mat1b occluded;      ///< what a nearer surface hides from the right camera
+  cv::Mat1b nonoccluded;   ///< the data set's mask, else NonOccludedMask() of its maps
+  cv::Mat1b occluded;      ///< pixels that a nearer surface hides from the right camera
   cv::Mat1b away;          ///< 255 = at least kAwayPx from every ToF point
   int max_disparity_px;    ///< largest true disparity, rounded up
 
   cv::Size size() const { return left_grey.size(); }
 
-  /// Refinement as its user would configure it for the scene's camera: the unambiguous range is
-  /// that of its data sheet, unless `config` has one.
+  /// Refinement as a user would configure it for the scene's camera: with its unambiguous range,
+  /// unless `config` has one.
   RefineConfig WithRange(RefineConfig config) const;
 };
 
-/// Where ground truth comes from the range sensor itself (KITTI), a pixel this near to one of the
-/// points that a method was given is no test of it, px.
+/// Where ground truth comes from the range sensor itself (KITTI), pixels nearer than this to a
+/// point that a method was given test nothing, px.
 inline constexpr double kAwayPx = 3;
 
-/// Whether the scene is a place in KITTI's layout ("kitti:…"), which has a scan of its own.
+/// Whether the scene is in KITTI's layout ("kitti:…"), which has a recorded scan.
 bool IsKitti(const std::string& scene);
 
-/// The scenes that one argument stands for: kitti:DIR for all frames there, others for themselves.
+/// The scenes of one argument: all frames of kitti:DIR, otherwise the scene itself.
 /// @throws ConfigError when there is none.
 std::vector<std::string> ScenesOf(const std::string& scene);
 

@@ -13,25 +13,25 @@ namespace sprout::evaluate {
 /// Error above which a seed is wrong, px.
 inline constexpr double kWrongSeedPx = 3;
 
-/// Seeds by what ground truth says at their nearest pixel of the left image.
+/// Counts of seeds, judged by the ground truth at their nearest pixel of the left image.
 struct SeedCounts {
   /// At most kWrongSeedPx from the truth, on a pixel that both cameras see (NonOccludedMask()).
   int64_t good = 0;
   /// More than kWrongSeedPx from the truth, or on a pixel that a nearer surface hides from the
   /// right camera (OccludedMask()).
   int64_t wrong = 0;
-  // The others are of no use or cannot be judged: beyond the border of an image, truth unknown.
+  // Others cannot be judged: beyond the border of an image, or truth unknown.
 };
 
 /// O(n).
 SeedCounts CountSeeds(std::span<const Seed> seeds, const Scene& scene);
 
-/// How many good ToF points have no seed any more. Seeds from stereo make up for none, and a point
+/// How many good ToF points have no seed any more. Stereo seeds do not replace them, and a point
 /// that refinement moved is not lost.
-/// @param points  all ToF points. @param kept  what refinement made of them. O(n log n).
+/// @param points  all ToF points. @param kept  the seeds after refinement. O(n log n).
 int64_t CountGoodLost(std::span<const Seed> points, std::span<const Seed> kept, const Scene& scene);
 
-/// What refinement did to the seeds of a scene, before any noise.
+/// Effect of refinement on the seeds of a scene, without added noise.
 struct RefinementQuality {
   SeedSet refined;        ///< the seeds kept, and how many points each rule dropped
   SeedCounts before;      ///< of all ToF points
@@ -43,7 +43,7 @@ struct RefinementQuality {
   double good_lost_percent() const;     ///< share of the good ToF points that was dropped
 };
 
-/// Runs refinement on a scene and judges it. Shares of nothing are NaN.
+/// Runs refinement on a scene and evaluates it. Shares with denominator 0 are NaN.
 RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config);
 
 }  // namespace sprout::evaluate

@@ -6,15 +6,16 @@
 
 namespace sprout::evaluate {
 
-/// What a confidence is worth: bad 1 (error > 1 px or no disparity, per cent) of the pixels that it
-/// puts first. Pixels of one confidence count as evenly mixed. NaN when no pixel is scored.
+/// Sparsification curve of a confidence: bad 1 (error > 1 px or no disparity, per cent) of the
+/// pixels with the highest confidence. Errors are spread evenly over pixels of equal confidence.
+/// NaN when no pixel is scored.
 struct Sparsification {
   static constexpr int kSteps = 20;
 
-  /// Element i: of the best (i + 1)·5 % of the pixels; the last one is bad 1 of them all.
+  /// Element i: of the best (i + 1)·5 % of the pixels; the last one is bad 1 of all pixels.
   std::array<double, kSteps> bad1_percent{};
   double area_percent = 0;         ///< mean of the curve, in steps of 1 %
-  double oracle_area_percent = 0;  ///< the same had the wrong pixels come last
+  double oracle_area_percent = 0;  ///< the same if the wrong pixels came last
 
   /// Bad 1 of the best `percent` % of the pixels, a multiple of 5.
   double BestPercent(int percent) const {

@@ -14,7 +14,7 @@ namespace sprout::evaluate {
 std::string SceneTable(const SceneResult& scene);
 
 /// Each cell (nonocc, error <= 1 px) beside the paper's figure and the difference, in points;
-/// scenes and methods that the paper has not are left out.
+/// scenes and methods that are not in the paper are left out.
 /// @returns nothing when none is left.
 std::string PaperTable(std::vector<SceneResult> scenes);
 

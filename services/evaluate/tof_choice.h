@@ -16,9 +16,7 @@ namespace sprout::evaluate {
 ///   sr4000       a camera of its own with the faults of a real one (Sr4000Config); behind it
 ///                ?blind=P, ?wrapped=P, ?calibration=PX, ?every=K, as in capture's sources
 ///   none         no ToF camera
-/// For a scene that has a recorded scan (kitti), instead:
-///   scan         that
-///   none         leave it out
+/// For a scene with a recorded scan (kitti), instead: scan         that none         leave it out
 class TofChoice {
  public:
   static constexpr char kNone[] = "none";
@@ -29,7 +27,7 @@ class TofChoice {
 
   const std::string& text() const { return text_; }
 
-  /// Puts the choice into capture's configuration.
+  /// Applies the choice to capture's configuration.
   /// @param rows  of the images, px.
   void Apply(int rows, CaptureConfig& config) const;
 

@@ -7,14 +7,14 @@
 
 namespace sprout::evaluate {
 
-/// Which pixels of the left image with a known truth the right camera sees, and which a nearer
+/// Pixels of the left image, with known truth, that the right camera sees, and those that a nearer
 /// surface hides from it: 255, else 0.
 struct Visibility {
   cv::Mat1b nonoccluded;
   cv::Mat1b occluded;
 };
 
-/// As the truth says it, or by NonOccludedMask() and OccludedMask().
+/// From the data set's mask, or by NonOccludedMask() and OccludedMask().
 /// @throws ConfigError when its maps differ in size.
 Visibility VisibilityOf(const datasets::GroundTruth& truth);
 

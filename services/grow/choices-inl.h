@@ -203,7 +203,17 @@ class Choice {
     const V from = hn::IfThenElse(may_fit, hn::Sub(first, hn::Set(d, kBefore)), hn::Set(d, kNone));
     const auto least = [&](V disparities)
                            HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, disparities)); };
-    for (int disparity = least(from); disparity != kNone; ++disparity) {
+    const int lowest = least(from);
+    if (hn::AllTrue(d, hn::Or(hn::Eq(from, hn::Set(d, lowest)), hn::Eq(from, hn::Set(d, kNone))))) {
+      // As most neighbours: all have the same. Lanes of which none may fit are excluded anyway.
+      HWY_UNROLL(4)
+      for (int i = 0; i < kCosts; ++i) {
+        sums.energy[i] = hn::LoadU(d, right_energies_ + (u - lowest - i));
+        sums.cross[i] = left.Products(right_, u - lowest - i);
+      }
+      return sums;
+    }
+    for (int disparity = lowest; disparity != kNone; ++disparity) {
       M needed = hn::Eq(from, hn::Set(d, disparity));
       HWY_UNROLL(4)
       for (int i = 1; i < kCosts; ++i) {

@@ -8,8 +8,8 @@
 namespace sprout::grow {
 
 GrowAdapter::Growth GrowAdapter::Grow(const Frame& frame) {
-  const cv::Mat1b left = ToGrey(frame.left);
-  const cv::Mat1b right = ToGrey(frame.right);
+  const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
+  const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
   const PriorMap prior = frame.prior.value_or(PriorMap());
   Growth growth;
   growth.seeds = frame.seeds->seeds;
@@ -41,7 +41,8 @@ StageResult GrowAdapter::Finish(const Frame& frame, const Growth& growth) {
   cv::Mat1b confidence;
   if (config_.publish_confidence() || config_.min_confidence() > 0) {
     confidence = growth.refused ? cv::Mat1b(filled.size(), uint8_t{0})
-                                : confidence_.Compute(ToGrey(frame.left), ToGrey(frame.right),
+                                : confidence_.Compute(ToGrey(GreyestLeft(frame), left_grey_),
+                                                      ToGrey(GreyestRight(frame), right_grey_),
                                                       growth.seeds, growth.map, filled);
     DropUnsure(confidence, config_.min_confidence(), filled);
   }

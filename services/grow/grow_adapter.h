@@ -41,6 +41,7 @@ class GrowAdapter : public StageAdapter {
 
  private:
   GrowConfig config_;
+  cv::Mat1b left_grey_, right_grey_;  // memory
   Grower grower_;
   GapFiller gap_filler_;
   ConfidenceEstimator confidence_;

@@ -9,11 +9,11 @@
 
 namespace sprout::log {
 
-/// What one channel of a log holds.
+/// Summary of one channel of a log.
 class ChannelSummary {
  public:
-  /// Takes an event of the channel and decodes it as far as its type is one of ours. On channels of
-  /// ours any other type is undecodable as well: no service would take it.
+  /// Takes an event of the channel and decodes it if its type is Sprout's. On Sprout's channels any
+  /// other type counts as undecodable, since services would refuse it.
   void Add(const LogEvent& event);
 
   const std::string& type() const { return type_; }  ///< of the first message, see NameOf()
@@ -24,7 +24,7 @@ class ChannelSummary {
   int64_t undecodable() const { return undecodable_; }
   const std::string& first_error() const { return first_error_; }  ///< with its event
 
-  /// Whether the messages carry frames one by one; not so calibrations and statuses.
+  /// Whether each message belongs to one frame, unlike calibrations and statuses.
   bool has_frames() const { return has_frames_; }
   const Sequence& sequence() const { return sequence_; }
 
@@ -43,8 +43,8 @@ class ChannelSummary {
   Sequence sequence_;
 };
 
-/// Why services would refuse a message: it is damaged, or of a type that does not belong on its
-/// channel. Empty when nothing is wrong or the type is none of ours.
+/// Why services would refuse a message: it is damaged, or of the wrong type for its channel. Empty
+/// when it is valid or not of Sprout's types.
 std::string WhyUndecodable(const LogEvent& event);
 
 }  // namespace sprout::log

@@ -8,7 +8,7 @@
 
 namespace sprout::log {
 
-/// Which channels a subcommand looks at: those named, or all whose name begins with the prefix.
+/// The channels that a subcommand reads: those named, or all whose name begins with the prefix.
 class ChannelFilter {
  public:
   /// @param names  without prefix; none: all.

@@ -7,10 +7,10 @@
 
 #include "common/config/frame_range.h"
 
-// The subcommands of sprout-log. Each reads whole logs in constant memory (but for some hundred
+// The subcommands of sprout-log. Each reads whole logs in constant memory (except for some hundred
 // bytes a frame or message, see README.md), prints to stdout, and returns the program's exit code.
-// @throws LogError for a log that cannot be used, ConfigError for flags that cannot, Interrupted
-// after Ctrl-C. Output files appear whole or not at all.
+// @throws LogError for a log that cannot be used, ConfigError for flags that cannot be used,
+// Interrupted after Ctrl-C. Output files are written with OutputFile.
 namespace sprout::log {
 
 struct InfoOptions {
@@ -28,9 +28,9 @@ struct DiffOptions {
   std::vector<std::string>
       channels;  ///< without prefix; none: all but SPROUT_STATUS and SPROUT_PROCESS
   std::string prefix;
-  bool common = false;           ///< what only one log has is counted, but no difference
+  bool common = false;           ///< messages in only one log are counted, but are no difference
   bool all = false;              ///< a line for every frame, also for equal ones
-  std::filesystem::path images;  ///< folder for pictures of what differs; empty: none
+  std::filesystem::path images;  ///< folder for pictures of differences; empty: none
 };
 /// @returns 0 equal, 1 different. @throws LogError also when there is nothing to compare.
 int RunDiff(const DiffOptions& options);
@@ -75,7 +75,7 @@ int RunImages(const ImagesOptions& options);
 /// @pre `folder` is for the pictures of the worst frames; empty: none.
 struct RankOptions : PicturesOptions {
   std::string by = "score";  ///< name of a QualityColumn
-  int top = 0;               ///< only so many; 0: 20 in the table and as pictures, all in files
+  int top = 0;  ///< most frames listed; 0: 20 in the table and as pictures, all in files
   bool csv = false;
   bool json = false;
 };
@@ -87,6 +87,21 @@ struct ExportOptions : PicturesOptions {
   bool pfm = false;   ///< maps
 };
 int RunExport(const ExportOptions& options);
+
+/// A log as ROS 2's messages in an MCAP file: the topics of sprout-ros2.
+struct McapExportOptions {
+  std::filesystem::path file;
+  std::filesystem::path out;
+  std::string frames;  ///< see ParseFrameRange(); empty: all
+  std::string prefix;
+  bool force = false;
+};
+int RunMcapExport(const McapExportOptions& options);
+
+/// Whether a file is none of LCM's, but MCAP.
+bool IsMcap(const std::filesystem::path& file);
+/// RunInfo() of such a file: topics, types, counts.
+int RunMcapInfo(const InfoOptions& options);
 
 }  // namespace sprout::log
 

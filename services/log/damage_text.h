@@ -12,7 +12,7 @@ namespace sprout::log {
 /// One line for a stretch of damage: "bytes 100-163 (64): 1 event lost".
 std::string DamageText(const LogDamage& damage);
 
-/// Warns on stderr, in one line, when a log was damaged: for subcommands that go on all the same.
+/// Warns on stderr, in one line, when a log was damaged: for subcommands that continue.
 void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage>& damage);
 
 }  // namespace sprout::log

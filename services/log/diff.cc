@@ -211,9 +211,8 @@ std::string LogDiff::Report() const {
   }
   for (const size_t side : {size_t{0}, size_t{1}}) {
     if (streams_[side].repeated() == 0) continue;
-    remarks +=
-        fmt::format("in {}, messages that came again with the same bytes and count once: {}\n",
-                    side == 0 ? "A" : "B", streams_[side].repeated());
+    remarks += fmt::format("in {}, repeated messages with the same bytes, counted once: {}\n",
+                           side == 0 ? "A" : "B", streams_[side].repeated());
   }
   remarks += ConfigDiffText(streams_[0].processes(), streams_[1].processes());
   if (names_.files() > 0) {

@@ -9,9 +9,9 @@
 
 namespace sprout::log {
 
-/// Writes what differs between two messages of one channel and frame: "000042_CHANNEL_a.png",
-/// "_b.png" and "_difference.png". Only of disparity maps, priors and images of one size; of others
-/// nothing.
+/// Writes pictures of the difference of two messages of one channel and frame:
+/// "000042_CHANNEL_a.png", "_b.png" and "_difference.png". Only for disparity maps, priors and
+/// images of one size.
 /// @throws std::runtime_error naming path and reason; ConfigError when the folder cannot be made.
 void WriteDifferencePictures(std::span<const uint8_t> a, std::span<const uint8_t> b,
                              const std::string& channel, FrameFileNames& names);

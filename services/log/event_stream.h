@@ -14,18 +14,18 @@
 
 namespace sprout::log {
 
-/// What makes two events of two logs counterparts.
+/// Key by which events of two logs are matched.
 struct EventKey {
   std::string channel;
   int64_t utime = 0;    ///< of the header; 0 for calibrations and for messages without header
   int64_t seq = 0;      ///< of the header; for messages without header: how many came before
-  std::string rig_id;   ///< calibrations only, which are found by it and not by frame
+  std::string rig_id;   ///< of calibrations only, which are matched by it and not by frame
   int64_t version = 0;  ///< how many different messages with this header came before on the channel
 
   auto operator<=>(const EventKey&) const = default;
 };
 
-/// Where an event is, and what it holds, in a few bytes.
+/// Position and content of an event, in a few bytes.
 struct EventDigest {
   int64_t offset = 0;
   int64_t bytes = 0;
@@ -36,24 +36,24 @@ struct EventDigest {
   }
 };
 
-/// The events of a log that a diff compares, each with its key. Left out are, unless their channel
-/// is asked for, statuses (they tell of the clock and the machine), what processes say of
-/// themselves and what LCM says to itself when a program connects; and always messages that were
-/// recorded again with the same bytes, as happens when capture sends a frame again.
+/// The events of a log that a diff compares, each with its key. Unless their channel is selected,
+/// these are left out: statuses (they depend on the clock and the machine), SPROUT_PROCESS, and
+/// LCM's self-test messages. Messages repeated with the same bytes, as when capture sends a frame
+/// again, are always left out.
 class EventStream {
  public:
   /// @throws LogError.
   EventStream(const std::filesystem::path& path, const ChannelFilter& filter);
 
-  /// Reads on until the next event to compare. @returns false at the end.
+  /// Reads up to the next event to compare. @returns false at the end.
   bool Next();
 
   const EventKey& key() const { return key_; }
   const EventDigest& digest() const { return digest_; }
-  int64_t utime() const { return utime_; }  ///< by which two streams are kept abreast, µs
+  int64_t utime() const { return utime_; }  ///< time by which two streams are read in parallel, µs
 
   int64_t events() const { return events_; }  ///< compared so far
-  /// Of the events that were read, left out or not.
+  /// Of all events read so far, also those left out.
   const ProcessSummary& processes() const { return processes_; }
   int64_t repeated() const { return repeated_; }  ///< left out as repeated; without calibrations
   const LogReader& reader() const { return reader_; }

@@ -14,24 +14,24 @@
 
 namespace sprout::log {
 
-/// The ground truth of the frames of a log that capture sent from a scene, and how right their maps
-/// are.
+/// Ground truth for the frames of a log that capture sent from a scene, and the accuracy of their
+/// maps.
 class LogTruth {
  public:
-  /// @param source  capture's, such as "middlebury:DIR"; empty: nothing is known.
+  /// @param source  capture's, such as "middlebury:DIR"; empty: no truth.
   /// @throws ConfigError when it cannot be opened.
   explicit LogTruth(const std::string& source);
   ~LogTruth();
 
-  /// Takes note of the frame's seeds and scores its maps.
-  /// @returns the truth of frame `seq`: of a scene that capture repeated, of its frame `seq` modulo
-  /// the number of frames. Empty without a source.
+  /// Records the frame's seeds and scores its maps.
+  /// @returns the truth of frame `seq`: if capture repeated the scene, of its frame `seq` modulo
+  ///          the number of frames. Empty without a source.
   /// @throws ConfigError when a map of the frame has another size.
   const FrameTruth& Add(const Frame& frame);
 
-  /// What became of the newest frame's seeds, and a table of each map's density and, with a source,
-  /// share of correct pixels (≤ 1 px, of those that both cameras see), means over the frames;
-  /// nothing without seeds and maps.
+  /// Text for people: the newest frame's seeds by refinement rule, and a table of each map's
+  /// density and, with a source, share of correct pixels (≤ 1 px, of those that both cameras see),
+  /// as means over the frames. Empty without seeds and maps.
   std::string Text() const;
 
  private:

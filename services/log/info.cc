@@ -250,6 +250,7 @@ std::string JsonText(const LogSummary& log, const std::filesystem::path& file) {
 }  // namespace
 
 int RunInfo(const InfoOptions& options) {
+  if (IsMcap(options.file)) return RunMcapInfo(options);
   const LogSummary log = Summarize(options);
   std::cout << (options.json ? JsonText(log, options.file) : Text(log, options));
   return options.check && !IsWhole(log) ? 1 : 0;

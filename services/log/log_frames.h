@@ -13,15 +13,15 @@
 
 namespace sprout::log {
 
-/// Reads the frames of a log that are asked for, each with what the log holds of `parts`; what a
-/// frame is, see FrameIndex. Shows how far it is and warns of damage.
-/// @returns what could not be decoded, or what the log has instead when it has no channel of the
-///          graph; one line, or nothing. @throws LogError; ConfigError for a bad options.frames.
+/// Reads the selected frames of a log, each with those of `parts` that the log has; see FrameIndex
+/// for what is a frame. Shows progress and warns of damage.
+/// @returns one line about undecodable messages, or about the log's channels if none is the
+///          graph's; or nothing. @throws LogError; ConfigError for a bad options.frames.
 std::string ReadFrames(const PicturesOptions& options, PartSet parts,
                        const std::function<void(const Frame&)>& visit);
 
-/// Names the files of a frame: "000042_left.png", and when capture began anew and there was another
-/// frame 42, "000042_1700000000123456_left.png".
+/// Names the files of a frame: "000042_left.png", and, if capture was restarted and there was
+/// another frame 42, "000042_1700000000123456_left.png".
 class FrameFileNames {
  public:
   /// @param folder  is created with the first name.

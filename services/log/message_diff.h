@@ -10,14 +10,14 @@
 
 namespace sprout::log {
 
-/// What came out when two messages with different bytes were compared.
+/// Result of comparing two messages with different bytes.
 struct MessageDiff {
   bool equal = false;  ///< same header and values, encoded differently
   std::string text;    ///< what differs, one line
   std::optional<DisparityDiff> disparity;
 };
 
-/// Compares by content where both decode as one type of ours. O(bytes).
+/// Compares by content if both decode as the same type of Sprout's. O(bytes).
 MessageDiff Compare(std::span<const uint8_t> a, std::span<const uint8_t> b);
 
 }  // namespace sprout::log

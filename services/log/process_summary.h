@@ -9,11 +9,11 @@
 
 namespace sprout::log {
 
-/// The processes that a log tells of (SPROUT_PROCESS), each once although it says so every few
-/// seconds.
+/// The processes in a log (SPROUT_PROCESS), each listed once although it sends the message every
+/// few seconds.
 class ProcessSummary {
  public:
-  /// Takes a message; what is undecodable or repeated leaves everything as it is.
+  /// Takes a message; undecodable and repeated ones are ignored.
   void Add(std::span<const uint8_t> bytes);
 
   /// In the order in which they came; at most kMost.
@@ -28,8 +28,8 @@ class ProcessSummary {
   std::vector<ProcessInfo> processes_;
 };
 
-/// A line for each key that the newest processes of a stage in two logs do not have in common, and
-/// for versions that differ; empty when all is the same.
+/// A line for each key that differs between the newest processes of a stage in two logs, and for
+/// different versions; empty when all are equal.
 std::string ConfigDiffText(const ProcessSummary& a, const ProcessSummary& b);
 
 }  // namespace sprout::log

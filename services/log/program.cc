@@ -20,21 +20,20 @@ namespace sprout::log {
 namespace {
 
 constexpr char kDescription[] =
-    "Looks into, compares, ranks, cuts and repairs the logs that lcm-logger or a replay writes. "
-    "Logs may "
-    "be\n"
-    "larger than memory, and damaged: every good event is found.";
+    "Inspects, compares, ranks, cuts, repairs and exports logs of sprout-record, lcm-logger or "
+    "a\nreplay. Logs may be larger than memory, and damaged: every good event is found.";
 
 constexpr char kFooter[] = R"(
 Examples
-  sprout-log info run.lcm                                    what is in it, and is it whole
+  sprout-log info run.lcm                                    what is in it, is it damaged
   sprout-log rank run.lcm                                    where are the bad frames
   sprout-log diff run.lcm new.lcm --channels SPROUT_SEEDS    did my change change anything
-  sprout-log cut run.lcm one.lcm --frames 40:50              the frames that matter
+  sprout-log cut run.lcm one.lcm --frames 40:50              the interesting frames
   sprout-log images one.lcm pictures                         look at them
+  sprout-log export --mcap one.mcap one.lcm                  show them to Foxglove, RViz, rerun
 
 `sprout-log COMMAND --help` explains a command. Exit codes: 0; 1 different, or info --check found
-something; 2 a flag or a log that cannot be used. A log that is written appears whole or not at all.
+something; 2 a flag or a log that cannot be used. Output logs are renamed into place when complete.
 )";
 
 using Command = std::function<int()>;
@@ -47,14 +46,14 @@ struct Commands {
   RepairOptions repair;
   ImagesOptions images;
   ExportOptions export_;
+  std::string mcap;         // of export
+  bool force_mcap = false;  // of export
   RankOptions rank;
   Command chosen;
 };
 
 void AddPrefix(CLI::App& flags, std::string& prefix) {
-  flags
-      .add_option("--channel-prefix", prefix,
-                  "The graph whose channels begin with this, as given to its services")
+  flags.add_option("--channel-prefix", prefix, "Prefix of the channels, as given to the services")
       ->type_name("TEXT");
 }
 
@@ -81,38 +80,37 @@ void AddForce(CLI::App& flags, bool& force) {
 void AddInfo(CLI::App& program, Commands& commands) {
   CLI::App& flags = *program.add_subcommand(
       "info",
-      "What a log holds: for each channel type, messages, rate, times, frames, and how many frame\n"
-      "numbers were left out, came again or cannot be decoded; and where the file is damaged");
+      "Prints for each channel type, messages, rate, times, frames, and how many frame numbers "
+      "are\nmissing, repeated or undecodable; and where the file is damaged");
   InfoOptions& options = commands.info;
-  flags.add_option("FILE", options.file, "Log")->required();
+  flags.add_option("FILE", options.file, "Log, or MCAP file")->required();
   AddPrefix(flags, options.prefix);
   flags.add_flag("--json", options.json, "For programs; has the configurations, too");
   flags.add_flag("--config", options.config, "Also the effective configuration of each process");
-  flags.add_flag("--check", options.check,
-                 "Exit code 1 when something is damaged or undecodable, or frame numbers are left "
-                 "out");
+  flags.add_flag(
+      "--check", options.check,
+      "Exit code 1 when something is damaged or undecodable, or frame numbers are missing");
   flags.callback([&] { commands.chosen = [&] { return RunInfo(commands.info); }; });
 }
 
 void AddDiff(CLI::App& program, Commands& commands) {
   CLI::App& flags = *program.add_subcommand(
       "diff",
-      "Whether two logs hold the same, frame by frame: messages are matched by channel and header\n"
+      "Compares two logs frame by frame: messages are matched by channel and header\n"
       "(utime, seq). Exit code 0 equal, 1 different, 2 unusable");
   flags.footer(R"(
 Messages with the same bytes are equal; so are messages that decode to the same values, such as a
-map sent raw and compressed, with a remark. Calibrations are matched by rig_id. A message that came
-again with the same bytes counts once. Statuses, which tell of the clock and the machine, what
-processes say of themselves (SPROUT_PROCESS) and LCM's own channels are compared only when named by
---channels; configurations that differ are shown, but are no difference of the answers.)");
+map sent raw and compressed, with a remark. Calibrations are matched by rig_id. A message repeated
+with the same bytes counts once. Statuses, which depend on clock and machine, SPROUT_PROCESS and
+LCM's own channels are compared only when named by --channels; configurations that differ are shown, but are no difference of the answers.)");
   DiffOptions& options = commands.diff;
   flags.add_option("A", options.a, "Log, such as a recorded one")->required();
   flags.add_option("B", options.b, "Log, such as a replayed one")->required();
   AddChannels(flags, options.channels);
   AddPrefix(flags, options.prefix);
-  flags.add_flag("--common", options.common,
-                 "What only one log has is no difference: a live run skips frames that a replay "
-                 "does not");
+  flags.add_flag(
+      "--common", options.common,
+      "Messages in only one log are no difference: a live run skips frames that a replay does not");
   flags.add_flag("--all", options.all, "A line for every frame, also for equal ones");
   flags
       .add_option(
@@ -126,9 +124,9 @@ processes say of themselves (SPROUT_PROCESS) and LCM's own channels are compared
 void AddCut(CLI::App& program, Commands& commands) {
   CLI::App& flags = *program.add_subcommand(
       "cut",
-      "Writes some frames or channels of a log to a new one. Calibrations (RIG) of the frames are\n"
-      "kept always, so that the log explains itself, and with --frames what the processes say of\n"
-      "themselves (SPROUT_PROCESS), once each; other messages without frame only without --frames");
+      "Writes some frames or channels of a log to a new one. Calibrations (RIG) of the frames "
+      "are\nalways kept, and with --frames also SPROUT_PROCESS, once for each process; other "
+      "messages\nwithout a frame are kept only without --frames");
   CutOptions& options = commands.cut;
   flags.add_option("IN", options.in, "Log")->required();
   flags.add_option("OUT", options.out, "New log")->required();
@@ -141,7 +139,7 @@ void AddCut(CLI::App& program, Commands& commands) {
 
 void AddMerge(CLI::App& program, Commands& commands) {
   CLI::App& flags =
-      *program.add_subcommand("merge", "Puts logs together into one, by the time of their events");
+      *program.add_subcommand("merge", "Merges logs into one, by the time of their events");
   MergeOptions& options = commands.merge;
   flags.add_option("IN", options.in, "Logs; of equal times, the log named first comes first")
       ->required();
@@ -153,9 +151,8 @@ void AddMerge(CLI::App& program, Commands& commands) {
 void AddRepair(CLI::App& program, Commands& commands) {
   CLI::App& flags = *program.add_subcommand(
       "repair",
-      "Writes all good events of a damaged log to a new one that every LCM tool reads, and says "
-      "what\n"
-      "was lost. Undecodable messages are kept: a later program may understand them");
+      "Writes all good events of a damaged log to a new one that every LCM tool reads, and\nprints "
+      "what was lost. Undecodable messages are kept: a later program may understand them");
   RepairOptions& options = commands.repair;
   flags.add_option("IN", options.in, "Log")->required();
   flags.add_option("OUT", options.out, "New log")->required();
@@ -186,28 +183,51 @@ void AddImages(CLI::App& program, Commands& commands) {
   flags.callback([&] { commands.chosen = [&] { return RunImages(commands.images); }; });
 }
 
+int RunEitherExport(const Commands& commands) {
+  const ExportOptions& options = commands.export_;
+  if (commands.mcap.empty()) return RunExport(options);
+  return RunMcapExport({.file = options.file,
+                        .out = commands.mcap,
+                        .frames = options.frames,
+                        .prefix = options.prefix,
+                        .force = commands.force_mcap});
+}
+
 void AddExport(CLI::App& program, Commands& commands) {
-  CLI::App& flags = *program.add_subcommand("export", "Writes each frame for other programs");
+  CLI::App& flags = *program.add_subcommand("export",
+                                            "Writes each frame for other programs, or with --mcap "
+                                            "all of a log as ROS 2's messages");
   ExportOptions& options = commands.export_;
   flags.add_option("FILE", options.file, "Log")->required();
-  flags.add_option("DIR", options.folder, "Folder to write to: 000042_disparity.pfm, ...")
-      ->required();
+  CLI::Option* folder =
+      flags.add_option("DIR", options.folder, "Folder to write to: 000042_disparity.pfm, ...");
   flags.add_flag("--ply", options.ply,
                  "Coloured point cloud of the disparity map, m in the left rectified frame");
   flags.add_flag("--mesh", options.mesh,
                  "Coloured surface of the disparity map, cut at depth edges, m");
   flags.add_flag("--pfm", options.pfm, "Prior and disparity maps, px; +inf: no disparity");
+  CLI::Option* mcap =
+      flags
+          .add_option("--mcap", commands.mcap,
+                      "One MCAP file for rosbag2, Foxglove and rerun: the images, depth, points, "
+                      "disparities and statuses of the log on the topics of sprout-ros2")
+          ->type_name("OUT")
+          ->excludes(folder);
+  AddForce(flags, commands.force_mcap);
   AddFrames(flags, options.frames);
   AddPrefix(flags, options.prefix);
-  flags.callback([&] { commands.chosen = [&] { return RunExport(commands.export_); }; });
+  flags.callback([&commands, folder, mcap] {
+    if (mcap->empty() && folder->empty()) throw CLI::RequiredError("DIR");
+    commands.chosen = [&commands] { return RunEitherExport(commands); };
+  });
 }
 
 void AddRank(CLI::App& program, Commands& commands) {
-  CLI::App& flags = *program.add_subcommand(
-      "rank",
-      "Finds the bad frames of a log by figures that need no ground truth, the worst first. The "
-      "log\n"
-      "has the images and the answers: `sprout-log merge` puts a recording and a replay together");
+  CLI::App& flags =
+      *program.add_subcommand("rank",
+                              "Lists the frames of a log, the worst first, by figures that need no "
+                              "ground truth. The log must\nhave the images and the answers: "
+                              "`sprout-log merge` combines a recording and a replay");
   RankOptions& options = commands.rank;
   flags.add_option("LOG", options.file, "Log")->required();
   flags

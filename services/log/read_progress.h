@@ -10,8 +10,8 @@
 
 namespace sprout::log {
 
-/// Shows how much of the logs has been read, on a terminal only and a few times a second, and ends
-/// the work on Ctrl-C. One at a time.
+/// Shows how much of the logs has been read, only on a terminal and a few times a second, and
+/// throws on Ctrl-C. Only one object at a time.
 class ReadProgress {
  public:
   /// @param what   what is being done, "reading run.lcm".
@@ -21,7 +21,7 @@ class ReadProgress {
   /// @throws Interrupted after Ctrl-C.
   void Update(int64_t position);
 
-  /// Takes the line away, to make room for other output.
+  /// Erases the line, to make room for other output.
   void Clear() { line_.Clear(); }
 
  private:

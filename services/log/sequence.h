@@ -25,11 +25,11 @@ class Sequence {
 
   std::optional<int64_t> first() const { return first_; }  ///< number of the first frame
   std::optional<int64_t> last() const;                     ///< number of the newest frame
-  int64_t missing() const { return missing_; }             ///< frame numbers that were left out
-  int64_t repeated() const { return repeated_; }           ///< frames that came again
-  int64_t restarts() const { return restarts_; }  ///< capture began anew with smaller numbers
+  int64_t missing() const { return missing_; }             ///< missing frame numbers
+  int64_t repeated() const { return repeated_; }           ///< repeated frames
+  int64_t restarts() const { return restarts_; }           ///< of capture, with smaller numbers
 
-  /// The first few gaps as text: "7, 12-15"; "..." stands for others.
+  /// The first few gaps as text: "7, 12-15"; "..." means others.
   std::string GapText() const;
 
  private:

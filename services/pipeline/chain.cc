@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/config/stage_parts.h"
+#include "common/core/image.h"
 
 namespace sprout {
 namespace {
@@ -21,6 +22,14 @@ Chain::Chain(const SproutConfig& config)
       grow_(config.grow()) {}
 
 ChainReport Chain::Run(Frame& frame, ChainObserver& observer, ChainStep last) {
+  frame.left_grey = ToGrey(frame.left, left_grey_);  // once for all stages
+  frame.right_grey = ToGrey(frame.right, right_grey_);
+  ChainReport report = RunInGrey(frame, observer, last);
+  frame.left_grey = frame.right_grey = {};  // the memory is the chain's
+  return report;
+}
+
+ChainReport Chain::RunInGrey(Frame& frame, ChainObserver& observer, ChainStep last) {
   ChainReport report;
   const auto run = [&](ChainStep step, const auto& function) {
     observer.Begins(step);

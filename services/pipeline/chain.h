@@ -55,7 +55,10 @@ class Chain {
   ChainReport Run(Frame& frame, ChainObserver& observer, ChainStep last = ChainStep::kFinish);
 
  private:
+  ChainReport RunInGrey(Frame& frame, ChainObserver& observer, ChainStep last);
+
   bool grows_with_prior_;
+  cv::Mat1b left_grey_, right_grey_;  // memory
   refine::RefineAdapter refine_;
   prior::PriorAdapter prior_;
   grow::GrowAdapter grow_;

@@ -1,6 +1,5 @@
 #include "services/pipeline/pipeline.h"
 
-#include <limits>
 #include <utility>
 
 #include "common/core/image.h"
@@ -39,20 +38,6 @@ Result<void> CheckInput(const cv::Mat& left, const cv::Mat& right, const TofImag
       .and_then([&] { return CheckTof(tof, rig); });
 }
 
-cv::Mat1f DepthOf(const DisparityImage& disparity, const RectifiedPair& pair) {
-  const double infinity_px = pair.cx - pair.cx_right;
-  cv::Mat1f depth_m(disparity.size(), std::numeric_limits<float>::quiet_NaN());
-  for (int v = 0; v < disparity.height(); ++v) {
-    for (int u = 0; u < disparity.width(); ++u) {
-      const double px = double{disparity.Px(u, v)};
-      if (px > infinity_px) {  // false for NaN
-        depth_m(v, u) = static_cast<float>(pair.DepthFromDisparity(px));
-      }
-    }
-  }
-  return depth_m;
-}
-
 }  // namespace
 
 Pipeline::Pipeline(const SproutConfig& config) : chain_(std::make_unique<Chain>(config)) {}
@@ -75,7 +60,7 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   result.warnings = chain_->Run(frame, nobody).warnings;
   result.disparity = std::move(*frame.disparity);
   result.confidence = frame.confidence;
-  result.depth_m = DepthOf(result.disparity, rig.pair);
+  result.depth_m = DepthMap(rig.pair, result.disparity);
   result.prior = frame.prior.value_or(PriorMap());
   result.seeds = std::move(*frame.seeds);
   result.left_seeds = std::move(*frame.left_seeds);

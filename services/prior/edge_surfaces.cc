@@ -125,13 +125,15 @@ void PaintLabels(std::span<const EdgeTriangle> edges, std::span<const Plane> pla
   labels.far.create(size);
   labels.triangle.create(size);
   const auto least_gap = static_cast<float>(edge_px);
-  PaintInBands(size.height, [&](const cv::Range& rows) {
+  const TrianglesByBand bands(
+      planes, edges.size(), [&](size_t i) { return edges[i].seeds; }, size.height);
+  ForEachParallel(static_cast<size_t>(bands.size()), [&](size_t band) {
+    const cv::Range rows = bands.RowsOf(static_cast<int>(band));
     for (int v = rows.start; v < rows.end; ++v) {
       std::fill_n(labels.near[v], size.width, DisparityImage::kInvalid);
     }
-    for (size_t i = 0; i < edges.size(); ++i) {
-      const EdgeTriangle& edge = edges[i];
-      if (!Meets(planes, edge.seeds, rows)) continue;
+    for (const int i : bands.TrianglesOf(static_cast<int>(band))) {
+      const EdgeTriangle& edge = edges[static_cast<size_t>(i)];
       ForEachRun(CornersOf(planes, edge.seeds), size.width, rows, [&](int v, int begin, int end) {
         for (int u = begin; u < end; ++u) {
           // Eq. (P5). Planes may have crossed.
@@ -141,7 +143,7 @@ void PaintLabels(std::span<const EdgeTriangle> edges, std::span<const Plane> pla
           if (more - less < least_gap) continue;
           labels.near(v, u) = NearestCounts(more);
           labels.far(v, u) = NearestCounts(less);
-          labels.triangle(v, u) = static_cast<int>(i);
+          labels.triangle(v, u) = i;
         }
       });
     }

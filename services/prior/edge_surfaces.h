@@ -9,7 +9,7 @@
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
-#include "services/prior/colour_kernel.h"
+#include "services/prior/data_term_kernel.h"
 #include "services/prior/interpolation.h"
 
 namespace sprout::prior {
@@ -85,15 +85,6 @@ struct EdgeLabels {
 void PaintLabels(std::span<const EdgeTriangle> edges, std::span<const Plane> planes, double edge_px,
                  cv::Size size, EdgeLabels& labels);
 
-/// What the data term compares.
-struct EdgeImages {
-  cv::Mat3b left_bgr;
-  cv::Mat1b left_grey;  ///< the pair that is matched
-  cv::Mat1b right_grey;
-  cv::Mat1b left_census;  ///< CensusTransform() of these
-  cv::Mat1b right_census;
-};
-
 /// The census transform (Zabih and Woodfill, ECCV 1994): for each pixel a bit for each of the eight
 /// around it, set if that one is darker; 0 on the border. O(pixels); on OpenCV's threads.
 /// @param codes  overwritten; memory of that size is used again.
@@ -115,11 +106,9 @@ class DataTerm {
 
  private:
   ColourSeeds Gather(std::span<const int> seeds, std::span<const Plane> planes) const;
-  double Images(int u, int v, int near, int far) const;
-  double Colours(int u, int v, const ColourSeeds& seeds, int near, int far) const;
 
   const EdgeImages& images_;
-  const PriorConfig& config_;
+  DataTermScales scales_;
   std::vector<ColourSeeds> nearby_;  // one an edge
 };
 

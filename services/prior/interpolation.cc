@@ -19,6 +19,10 @@ bool FillRow(int16_t* row, int width) {
                                          }) -
                             row);
   };
+  // In vectors, since most rows have no gap.
+  int16_t least = INT16_MAX;
+  for (int u = 0; u < width; ++u) least = std::min(least, row[u]);
+  if (least != DisparityImage::kInvalid) return true;
   int gap = find(0, false);
   if (gap == 0 && find(0, true) == width) return false;
   while (gap < width) {
@@ -31,12 +35,12 @@ bool FillRow(int16_t* row, int width) {
   return true;
 }
 
-// The same for all rows, and for rows without any from the nearest row that has some.
-// @returns false where there is none at all.
-bool FillGaps(cv::Mat1s& counts) {
+// Gives rows without any disparity the nearest one that has some.
+// @param is_filled  by row. @returns false where there is none.
+bool FillRows(std::span<const uint8_t> is_filled, cv::Mat1s& counts) {
   std::vector<int> filled;
   for (int v = 0; v < counts.rows; ++v) {
-    if (FillRow(counts[v], counts.cols)) filled.push_back(v);
+    if (is_filled[static_cast<size_t>(v)] != 0) filled.push_back(v);
   }
   if (filled.empty()) return false;
   for (int v = 0; v < counts.rows; ++v) {
@@ -53,14 +57,23 @@ bool FillGaps(cv::Mat1s& counts) {
 
 Result<void> Interpolate(std::span<const Plane> planes, std::span<const SeedTriangle> triangles,
                          double edge_px, PriorMap& map) {
-  PaintInBands(map.size().height, [&](const cv::Range& rows) {
+  const cv::Size size = map.size();
+  const TrianglesByBand bands(
+      planes, triangles.size(), [&](size_t i) { return triangles[i]; }, size.height);
+  std::vector<uint8_t> is_filled(static_cast<size_t>(size.height));
+  ForEachParallel(static_cast<size_t>(bands.size()), [&](size_t i) {
+    const int band = static_cast<int>(i);
+    const cv::Range rows = bands.RowsOf(band);
     for (int v = rows.start; v < rows.end; ++v) {
-      std::fill_n(map.disparity.counts()[v], map.size().width, DisparityImage::kInvalid);
-      std::fill_n(map.sigma[v], map.size().width, kMaxSigmaCounts);
+      std::fill_n(map.disparity.counts()[v], size.width, DisparityImage::kInvalid);
+      std::fill_n(map.sigma[v], size.width, kMaxSigmaCounts);
     }
-    PaintTriangles(planes, triangles, edge_px, rows, map);
+    PaintTriangles(planes, triangles, bands.TrianglesOf(band), edge_px, rows, map);
+    for (int v = rows.start; v < rows.end; ++v) {
+      is_filled[static_cast<size_t>(v)] = FillRow(map.disparity.counts()[v], size.width) ? 1 : 0;
+    }
   });
-  if (!FillGaps(map.disparity.counts())) {
+  if (!FillRows(is_filled, map.disparity.counts())) {
     return Fail("the seeds' triangles cover no pixel: no prior");
   }
   return {};

@@ -121,7 +121,6 @@ class Paint {
  public:
   Paint(const Corners& corners, double twice_area, double edge_px, PriorMap& map)
       : plane_(PlaneThrough(corners, twice_area)),
-        slope_(kOne * plane_.per_column),
         sigma_(SigmaToCounts(SigmaPx(corners, edge_px))),
         width_(map.disparity.width()),
         map_(map) {
@@ -132,46 +131,80 @@ class Paint {
     high_ = kOne * std::clamp(most, 0.F, kMost);
   }
 
-  // Columns [begin, end) of row v.
-  HWY_INLINE void Run(int v, int begin, int end) const {
-    const D d;
-    const hn::Rebind<int32_t, D> d32;
-    const hn::Rebind<int16_t, D> d16;
-    const hn::Rebind<uint8_t, D> d8;
-    int16_t* const counts = map_.disparity.counts()[v];
-    uint8_t* const sigmas = map_.sigma[v];
-    const auto first =
-        hn::Set(d, kOne * plane_.At(static_cast<float>(begin), static_cast<float>(v)));
-    for (int u = begin; u < end; u += kLanes) {
-      const auto steps = hn::ConvertTo(d, hn::Iota(d32, u - begin));
-      const auto plane = hn::Add(first, hn::Mul(hn::Set(d, slope_), steps));
-      const auto held = hn::Min(hn::Max(plane, hn::Set(d, low_)), hn::Set(d, high_));
-      const auto whole = hn::ConvertTo(d32, hn::Add(held, hn::Set(d, 0.5F)));
-      const auto values = hn::DemoteTo(d16, whole);
-      if (u + kLanes <= width_) {  // behind the run lie pixels of the row, which stay
-        const auto count = static_cast<size_t>(std::min(end - u, kLanes));
-        const auto blend = [count](auto value, auto d_narrow, auto* row) HWY_ATTR {
-          const auto mask = hn::FirstN(d_narrow, count);
-          hn::StoreU(hn::IfThenElse(mask, value, hn::LoadU(d_narrow, row)), d_narrow, row);
-        };
-        blend(values, d16, counts + u);
-        blend(hn::Set(d8, sigma_), d8, sigmas + u);
-      } else {
-        int16_t run[kLanes];
-        hn::StoreU(values, d16, run);
-        std::copy_n(run, end - u, counts + u);
-        std::fill_n(sigmas + u, end - u, sigma_);
-      }
-    }
+  // Columns [begins[i], ends[i]) of row v + i, for `count` rows.
+  HWY_INLINE void Rows(int v, int count, const int32_t* begins, const int32_t* ends) const {
+    float firsts[Runs::kRows];
+    StoreFirsts(v, begins, firsts);
+    for (int i = 0; i < count; ++i) Run(v + i, begins[i], ends[i], firsts[i]);
   }
 
  private:
-  using D = hn::CappedTag<float, 16>;
+  static constexpr int kAtOnce = 8;  // most runs are shorter: a loop whose end can be foreseen
+  using D = hn::CappedTag<float, kAtOnce>;
   static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
   static constexpr float kOne = DisparityImage::kCountsPerPixel;
 
+  // Counts in the first columns, as Plane::At() has them.
+  HWY_INLINE void StoreFirsts(int v, const int32_t* begins, float* firsts) const {
+    const hn::CappedTag<float, Runs::kRows> d;
+    const hn::RebindToSigned<decltype(d)> d32;
+    static_assert(hn::MaxLanes(d) == Runs::kRows);
+    const auto across = hn::Sub(hn::ConvertTo(d, hn::LoadU(d32, begins)), hn::Set(d, plane_.u));
+    const auto down = hn::Sub(hn::ConvertTo(d, hn::Iota(d32, v)), hn::Set(d, plane_.v));
+    const auto along_row = hn::Mul(hn::Set(d, plane_.per_column), across);
+    const auto along_column = hn::Mul(hn::Set(d, plane_.per_row), down);
+    const auto px = hn::Add(hn::Add(hn::Set(d, plane_.disparity), along_row), along_column);
+    hn::StoreU(hn::Mul(hn::Set(d, kOne), px), d, firsts);
+  }
+
+  HWY_INLINE void Run(int v, int begin, int end, float first) const {
+    int16_t* const counts = map_.disparity.counts()[v];
+    uint8_t* const sigmas = map_.sigma[v];
+    for (int u = begin; u < end; u += kAtOnce) {
+      if (u + kAtOnce <= width_) {
+        Pixels(first, u - begin, end - u, counts + u, sigmas + u);
+        continue;
+      }
+      int16_t few_counts[kAtOnce];
+      uint8_t few_sigmas[kAtOnce];
+      Pixels(first, u - begin, end - u, few_counts, few_sigmas);
+      std::copy_n(few_counts, end - u, counts + u);
+      std::copy_n(few_sigmas, end - u, sigmas + u);
+    }
+  }
+
+  // Pixels `from` to from + kAtOnce of a run. Behind its last, `count`, the row stays as it is.
+  HWY_INLINE void Pixels(float first, int from, int count, int16_t* counts, uint8_t* sigmas) const {
+    const D d;
+    const hn::Rebind<int32_t, D> d32;
+    const hn::Rebind<int16_t, D> d16;
+    const hn::CappedTag<uint8_t, kAtOnce> d8;
+    constexpr int kLanes8 = static_cast<int>(hn::MaxLanes(d8));
+    const int in_run = std::min(count, kAtOnce);
+    const auto blend = [](auto is_in_run, auto value, auto narrow, auto* row) HWY_ATTR {
+      hn::StoreU(hn::IfThenElse(is_in_run, value, hn::LoadU(narrow, row)), narrow, row);
+    };
+    HWY_UNROLL(kAtOnce / kLanes)
+    for (int i = 0; i < kAtOnce; i += kLanes) {
+      const auto steps = hn::ConvertTo(d, hn::Iota(d32, from + i));
+      const auto plane =
+          hn::Add(hn::Set(d, first), hn::Mul(hn::Set(d, kOne * plane_.per_column), steps));
+      const auto held = hn::Min(hn::Max(plane, hn::Set(d, low_)), hn::Set(d, high_));
+      const auto whole = hn::ConvertTo(d32, hn::Add(held, hn::Set(d, 0.5F)));
+      const auto is_in_run = hn::Lt(hn::Iota(d16, static_cast<int16_t>(i)),
+                                    hn::Set(d16, static_cast<int16_t>(in_run)));
+      blend(is_in_run, hn::DemoteTo(d16, whole), d16, counts + i);
+    }
+    HWY_UNROLL(kAtOnce / kLanes8)
+    for (int i = 0; i < kAtOnce; i += kLanes8) {
+      const auto is_in_run =
+          hn::Lt(hn::Iota(d8, static_cast<uint8_t>(i)), hn::Set(d8, static_cast<uint8_t>(in_run)));
+      blend(is_in_run, hn::Set(d8, sigma_), d8, sigmas + i);
+    }
+  }
+
   Plane plane_;
-  float slope_, low_, high_;  // counts
+  float low_, high_;  // counts
   uint8_t sigma_;
   int width_;
   PriorMap& map_;
@@ -186,18 +219,17 @@ void PaintTriangle(const Corners& corners, double edge_px, const cv::Range& rows
   int32_t begins[Runs::kRows], ends[Runs::kRows];
   for (int v = runs.first(); v < runs.end(); v += Runs::kRows) {
     runs.At(v, begins, ends);
-    const int count = std::min(Runs::kRows, runs.end() - v);
-    for (int i = 0; i < count; ++i) paint.Run(v + i, begins[i], ends[i]);
+    paint.Rows(v, std::min(Runs::kRows, runs.end() - v), begins, ends);
   }
 }
 
 }  // namespace
 
 void PaintOnTarget(std::span<const Plane> planes, std::span<const SeedTriangle> triangles,
-                   double edge_px, const cv::Range& rows, PriorMap& map) {
-  for (const SeedTriangle& triangle : triangles) {
-    if (!Meets(planes, triangle, rows)) continue;
-    PaintTriangle(CornersOf(planes, triangle), edge_px, rows, map);
+                   std::span<const int> chosen, double edge_px, const cv::Range& rows,
+                   PriorMap& map) {
+  for (int i : chosen) {
+    PaintTriangle(CornersOf(planes, triangles[static_cast<size_t>(i)]), edge_px, rows, map);
   }
 }
 
@@ -211,8 +243,9 @@ namespace sprout::prior {
 HWY_EXPORT(PaintOnTarget);
 
 void PaintTriangles(std::span<const Plane> planes, std::span<const SeedTriangle> triangles,
-                    double edge_px, const cv::Range& rows, PriorMap& map) {
-  HWY_DYNAMIC_DISPATCH(PaintOnTarget)(planes, triangles, edge_px, rows, map);
+                    std::span<const int> chosen, double edge_px, const cv::Range& rows,
+                    PriorMap& map) {
+  HWY_DYNAMIC_DISPATCH(PaintOnTarget)(planes, triangles, chosen, edge_px, rows, map);
 }
 
 }  // namespace sprout::prior

@@ -18,7 +18,8 @@ Result<PriorMap> PriorAdapter::Estimate(const Frame& frame) {
     return Fail("LEFT of " + SizeText(frame.left.size()) + ": allowed is the calibrated size " +
                 SizeText(calibrated));
   }
-  return estimator_.Compute(frame.left, frame.right, SeedsOf(frame), calibrated);
+  return estimator_.Compute(frame.left, GreyestRight(frame), SeedsOf(frame), calibrated,
+                            frame.left_grey);
 }
 
 StageResult PriorAdapter::Process(const Frame& frame) {

@@ -62,7 +62,8 @@ PriorEstimator::PriorEstimator(const PriorConfig& config)
 PriorEstimator::~PriorEstimator() = default;
 
 Result<PriorMap> PriorEstimator::Compute(const cv::Mat& left, const cv::Mat& right,
-                                         std::span<const Seed> seeds, cv::Size size) {
+                                         std::span<const Seed> seeds, cv::Size size,
+                                         const cv::Mat1b& left_grey) {
   if (uses_images() && (left.size() != size || right.size() != size)) {
     return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
                 ": allowed is the calibrated size " + SizeText(size));
@@ -71,7 +72,7 @@ Result<PriorMap> PriorEstimator::Compute(const cv::Mat& left, const cv::Mat& rig
     return Fail("a prior of " + SizeText(size) + ": allowed are up to " + std::to_string(kMaxSide) +
                 " pixels a side");
   }
-  return uses_images() ? WithEdges(left, right, seeds, size) : Interpolated(seeds, size);
+  return uses_images() ? WithEdges(left, left_grey, right, seeds, size) : Interpolated(seeds, size);
 }
 
 // The paper's.
@@ -87,14 +88,16 @@ Result<PriorMap> PriorEstimator::Interpolated(std::span<const Seed> seeds, cv::S
   return result;
 }
 
-Result<PriorMap> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat& right,
-                                           std::span<const Seed> seeds, cv::Size size) {
+Result<PriorMap> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat1b& left_grey,
+                                           const cv::Mat& right, std::span<const Seed> seeds,
+                                           cv::Size size) {
   EdgeImages& images = memory_->images;
   Result<Triangulation> triangulation;
   RunBoth([&] { triangulation = TriangulateOrSayWhy(seeds); },
           [&] {
             images.left_bgr = ToBgr(left, memory_->left_bgr);
-            images.left_grey = ToGrey(left, memory_->left_grey);
+            images.left_grey =
+                left_grey.size() == size ? left_grey : ToGrey(left, memory_->left_grey);
             images.right_grey = ToGrey(right, memory_->right_grey);
             CensusTransform(images.left_grey, images.left_census);
             CensusTransform(images.right_grey, images.right_census);

@@ -28,6 +28,7 @@ class PriorEstimator {
 
   /// @param left   8UC1 or 8UC3 (BGR); may be empty when images are not used.
   /// @param right  of the same size, 8UC1 or 8UC3; may be empty when images are not used.
+  ///               Colours say where edges are; only grey values are matched.
   /// @param seeds  at least three, finite, not all on a line; of several at one position only the
   ///               first is used.
   /// @param size   of the left rectified image, px.
@@ -38,15 +39,16 @@ class PriorEstimator {
   /// pixels + n · rows). No I/O; on OpenCV's threads, with the same result for any number. Keeps
   /// maps from frame to frame, about 17 bytes a pixel, so one object serves one caller at a time;
   /// the memory of a result that nobody else holds any more is used again.
+  /// @param left_grey  grey values of `left` where the caller has them; empty: they are computed.
   Result<PriorMap> Compute(const cv::Mat& left, const cv::Mat& right, std::span<const Seed> seeds,
-                           cv::Size size);
+                           cv::Size size, const cv::Mat1b& left_grey = {});
 
  private:
   struct Memory;
 
   Result<PriorMap> Interpolated(std::span<const Seed> seeds, cv::Size size);
-  Result<PriorMap> WithEdges(const cv::Mat& left, const cv::Mat& right, std::span<const Seed> seeds,
-                             cv::Size size);
+  Result<PriorMap> WithEdges(const cv::Mat& left, const cv::Mat1b& left_grey, const cv::Mat& right,
+                             std::span<const Seed> seeds, cv::Size size);
 
   PriorConfig config_;
   std::unique_ptr<Memory> memory_;

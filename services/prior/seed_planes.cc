@@ -6,93 +6,20 @@
 
 #include "common/core/parallel.h"
 #include "common/core/quantile.h"
+#include "services/prior/plane_kernel.h"
 
 namespace sprout::prior {
 namespace {
 
-constexpr int kIterations = 3;  // of reweighting; more make noisy seeds worse
-// The first plane is level, and a slant must not look like another surface: its scale is wider.
-constexpr double kFirstScale = 1.5;
 // λ in (P1), against the weight 1 of a neighbour one spacing away: slopes that rest on the seeds of
 // one line, as beside an edge, stay small across it, and others lose less than 1 %.
 constexpr double kSlopeWeight = 0.004;
 // Differences of up to two standard deviations are noise (95 % of them are).
 constexpr double kScalePerSigma = 2;
 // Two rings are usually 19 seeds; more than three times as many tell nothing new.
-constexpr size_t kMostSupport = 64;
+constexpr size_t kMostSupport = PlaneFits::kMostSupport;
 
 double Square(double x) { return x * x; }
-
-// The Geman-McClure M-estimator: weight of a residual, ρ'(r) / r up to a factor.
-double SupportWeight(double residual, double scale) {
-  return 1 / Square(1 + Square(residual / scale));
-}
-
-// Weighted least squares for a plane, with a weight for level slopes.
-class NormalEquations {
- public:
-  explicit NormalEquations(double slope_weight) : xx_(slope_weight), yy_(slope_weight) {}
-
-  // x, y: columns and rows from the plane's position.
-  void Add(double weight, double x, double y, double d) {
-    n_ += weight;
-    x_ += weight * x;
-    y_ += weight * y;
-    xx_ += weight * x * x;
-    xy_ += weight * x * y;
-    yy_ += weight * y * y;
-    d_ += weight * d;
-    dx_ += weight * x * d;
-    dy_ += weight * y * d;
-  }
-
-  // For the disparity first, with the slopes eliminated.
-  void SolveInto(Plane& plane) const {
-    const double determinant = xx_ * yy_ - xy_ * xy_;
-    const double p = (yy_ * x_ - xy_ * y_) / determinant;
-    const double q = (xx_ * y_ - xy_ * x_) / determinant;
-    const double disparity = (d_ - p * dx_ - q * dy_) / (n_ - p * x_ - q * y_);
-    const double right_x = dx_ - x_ * disparity;
-    const double right_y = dy_ - y_ * disparity;
-    plane.disparity = static_cast<float>(disparity);
-    plane.per_column = static_cast<float>((yy_ * right_x - xy_ * right_y) / determinant);
-    plane.per_row = static_cast<float>((xx_ * right_y - xy_ * right_x) / determinant);
-  }
-
- private:
-  double n_ = 0;
-  double x_ = 0;
-  double y_ = 0;
-  double xx_;
-  double xy_ = 0;
-  double yy_;
-  double d_ = 0;
-  double dx_ = 0;
-  double dy_ = 0;
-};
-
-// w in (P1): how much less a seed counts that is less sure than the one whose plane it is. What
-// lies below σ₀ is not told apart.
-double SureWeight(double sigma_px, double other_sigma_px) {
-  constexpr double kSurePx = 0.1;
-  return (Square(kSurePx) + Square(sigma_px)) / (Square(kSurePx) + Square(other_sigma_px));
-}
-
-// The least-squares plane at a seed whose support weighs by its residuals to `plane`.
-Plane Refit(const Plane& plane, std::span<const Seed> seeds, std::span<const int> support,
-            double scale, double slope_weight) {
-  NormalEquations equations(slope_weight);
-  for (int i : support) {
-    const Seed& seed = seeds[static_cast<size_t>(i)];
-    const double residual = double{seed.disparity()} - plane.At(seed.u, seed.v);
-    const double weight =
-        SupportWeight(residual, scale) * SureWeight(plane.sigma_px, seed.sigma_px);
-    equations.Add(weight, double{seed.u} - plane.u, double{seed.v} - plane.v, seed.disparity());
-  }
-  Plane refit = plane;
-  equations.SolveInto(refit);
-  return refit;
-}
 
 // Steps are taken off with seeds that differ by about one: those a step off have a weight of 0.3,
 // two steps off 0.05. Without steps by what is too fine to matter.
@@ -144,30 +71,30 @@ std::vector<Plane> FitPlanes(std::span<const Seed> seeds, const Triangulation& t
   const double least_scale_px = LeastScalePx(spacing_px, config);
   const double step_scale_px = StepScalePx(step_px);
   const double slope_weight = kSlopeWeight * Square(spacing_px);
-  const auto fit = [&](int k, Rings& rings) {
-    const Seed& seed = seeds[static_cast<size_t>(k)];
-    const bool noisy = IsNoisy(seed, config);
-    const double noise_px = kScalePerSigma * seed.sigma_px;
-    const std::span<const int> support =
-        rings.Around(std::span(&k, 1), noisy ? 2 : 1, kMostSupport);
-    // Eq. (P2): the scale s.
-    const double scale_px = std::max(least_scale_px, noise_px);
-    // Eq. (P1), by iteratively reweighted least squares.
-    Plane plane = Refit(LevelPlane(seed), seeds, support, kFirstScale * scale_px, slope_weight);
-    for (int i = 1; i < kIterations; ++i) {
-      plane = Refit(plane, seeds, support, scale_px, slope_weight);
-    }
-    if (noisy) return plane;
-    // Eq. (P3): an accurate seed gives way to seeds that differ from it by a step only.
-    const double near_px = std::max(step_scale_px, noise_px);
-    plane.disparity = Refit(LevelPlane(seed), seeds, support, near_px, slope_weight).disparity;
-    return plane;
-  };
   std::vector<Plane> planes(seeds.size());
+  std::transform(seeds.begin(), seeds.end(), planes.begin(), LevelPlane);
   const auto count = static_cast<int>(seeds.size());
   ForRangesParallel(count, 4 * cv::getNumThreads(), [&](const cv::Range& part) {
     Rings rings(triangulation);
-    for (int k = part.start; k < part.end; ++k) planes[static_cast<size_t>(k)] = fit(k, rings);
+    PlaneFits fits;
+    for (int first = part.start; first < part.end; first += PlaneFits::kAtOnce) {
+      const int last = std::min(first + PlaneFits::kAtOnce, part.end) - 1;
+      fits.most_support = 0;
+      for (int lane = 0; lane < PlaneFits::kAtOnce; ++lane) {
+        const int k = std::min(first + lane, last);  // behind the last one it is done again
+        const Seed& seed = seeds[static_cast<size_t>(k)];
+        const bool noisy = IsNoisy(seed, config);
+        const double noise_px = kScalePerSigma * seed.sigma_px;
+        const auto at = static_cast<size_t>(lane);
+        fits.scale_px[at] = std::max(least_scale_px, noise_px);  // Eq. (P2)
+        // Eq. (P3): an accurate seed gives way to seeds that differ from it by a step only.
+        fits.near_px[at] = noisy ? 0 : std::max(step_scale_px, noise_px);
+        fits.planes[at] = planes[static_cast<size_t>(k)];
+        fits.SetSupport(at, seeds, rings.Around(std::span(&k, 1), noisy ? 2 : 1, kMostSupport));
+      }
+      FitPlanesAtOnce(slope_weight, fits);  // Eq. (P1)
+      std::copy_n(fits.planes.begin(), last + 1 - first, planes.begin() + first);
+    }
   });
   return planes;
 }

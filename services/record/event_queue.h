@@ -12,24 +12,24 @@
 
 namespace sprout::record {
 
-/// What waits to be written.
+/// An entry that waits to be written.
 struct QueuedEvent {
   enum class Kind {
     kMessage,    ///< to be recorded
-    kOwnStatus,  ///< to be recorded, but no reason to begin a log
-    kLookAt,     ///< not to be recorded; it may be a trigger
-    kTrigger,    ///< no message: somebody wants what is in the ring
+    kOwnStatus,  ///< to be recorded, but does not begin a log
+    kLookAt,     ///< not to be recorded; may be a trigger
+    kTrigger,    ///< no message: a trigger from outside
   };
   Kind kind = Kind::kMessage;
   RecordedEvent event;
-  std::string trigger = {};  ///< of kTrigger: who wants it
+  std::string trigger = {};  ///< of kTrigger: its source
 };
 
-/// Between the thread that takes messages from the network and the one that waits for the disk.
+/// Queue between the thread that receives messages and the one that writes to the disk.
 /// Thread-safe.
 class EventQueue {
  public:
-  /// @param max_bytes  memory that what waits may take.
+  /// @param max_bytes  most memory of waiting entries.
   explicit EventQueue(size_t max_bytes) : max_bytes_(max_bytes) {}
 
   /// @returns false when it does not fit; a trigger always does.
@@ -39,10 +39,10 @@ class EventQueue {
   /// empty.
   std::optional<QueuedEvent> TakeWithin(std::chrono::milliseconds time);
 
-  /// Nothing will be put any more: TakeWithin() does not wait.
+  /// No more entries follow: TakeWithin() does not wait any more.
   void Close();
 
-  /// Closed, and everything was taken.
+  /// Closed and empty.
   bool IsFinished() const;
 
   size_t size() const;

@@ -15,19 +15,19 @@ class EventRing {
   using Duration = RecordedEvent::Clock::duration;
 
   /// @param length     how far back it reaches from the newest message.
-  /// @param max_bytes  memory it may take; beyond it the oldest message goes early, and is counted.
+  /// @param max_bytes  most memory; beyond it the oldest messages are dropped early, and counted.
   EventRing(Duration length, size_t max_bytes) : length_(length), max_bytes_(max_bytes) {}
 
   /// @param event  not older than the one before.
   void Add(RecordedEvent event);
 
-  /// Forgets what is too old by now.
+  /// Drops messages that are too old.
   void Forget(RecordedEvent::Clock::time_point now);
 
   /// Oldest first.
   const std::deque<RecordedEvent>& events() const { return events_; }
 
-  /// Messages that went before their time since they did not fit.
+  /// Messages dropped early for lack of memory.
   int64_t not_fitted() const { return not_fitted_; }
 
  private:

@@ -160,7 +160,7 @@ void LogFolder::MakeRoom(int64_t bytes) {
     throw LogError(options_.folder,
                    fmt::format("holds {}, and its quota is {}{}", MbText(held_bytes_),
                                MbText(options_.quota_bytes),
-                               options_.delete_oldest ? "; no older log of ours is left to delete"
+                               options_.delete_oldest ? "; no older recording is left to delete"
                                                       : "; nothing was deleted"));
   }
 }

@@ -15,28 +15,28 @@ namespace sprout::record {
 
 struct LogFolderOptions {
   std::filesystem::path folder;
-  int64_t max_file_bytes = 0;  ///< a log that would grow beyond it is closed, the next one begins
-  int64_t quota_bytes = 0;     ///< what the folder may hold, whosever the files are
-  bool delete_oldest = false;  ///< of our own logs, rather than end at the quota
+  int64_t max_file_bytes = 0;  ///< largest log; then the next one begins
+  int64_t quota_bytes = 0;     ///< largest size of the folder, other files included
+  bool delete_oldest = false;  ///< delete the oldest recordings instead of stopping at the quota
 };
 
-/// The logs of a folder, record_NUMBER_DATE_TIME.lcm. Numbers go on from the largest one that is
-/// there, so their order is that of the recordings whatever the clock did. Not thread-safe.
+/// The logs of a folder, record_NUMBER_DATE_TIME.lcm. Numbers continue from the largest existing
+/// one, so they order the recordings even if the clock was wrong. Not thread-safe.
 class LogFolder {
  public:
   using LastWords = std::function<RecordedEvent()>;
 
-  /// Makes the folder where there is none, and locks it until the end of this object.
-  /// @param last_words  the last event of every log: what was lost up to there.
-  /// @throws ConfigError when the folder cannot be written to, or another process records there.
+  /// Creates the folder if missing, and locks it for the life of this object.
+  /// @param last_words  gives the last event of every log: the losses so far.
+  /// @throws ConfigError when the folder is not writable, or another process records there.
   LogFolder(LogFolderOptions options, LastWords last_words);
   ~LogFolder();
   LogFolder(const LogFolder&) = delete;
   LogFolder& operator=(const LogFolder&) = delete;
 
-  /// Appends to the open log; begins one where there is none or it is full.
-  /// @throws LogError when it cannot be written or the quota is reached. The log is whole up to the
-  ///         event before, and open.
+  /// Appends to the open log; begins one if there is none or it is full.
+  /// @throws LogError when it cannot be written or the quota is reached. The log stays open and is
+  ///         intact up to the previous event.
   void Write(const RecordedEvent& event);
 
   /// Ends the open log, if there is one, with the last words.
@@ -47,10 +47,10 @@ class LogFolder {
   void RequireThere() const;
 
   bool is_open() const { return file_ != nullptr; }
-  /// Of the open log.
+  /// Path of the open log.
   const std::filesystem::path& path() const { return file_->path(); }
 
-  int64_t files() const { return files_; }      ///< begun so far
+  int64_t files() const { return files_; }      ///< logs begun so far
   int64_t events() const { return events_; }    ///< written so far
   int64_t bytes() const { return bytes_; }      ///< written so far
   int64_t deleted() const { return deleted_; }  ///< logs deleted so far
@@ -73,7 +73,7 @@ class LogFolder {
   int64_t deleted_ = 0;
 };
 
-/// Number of a log that a LogFolder has named; nothing for other files.
+/// Number in the name of a log of a LogFolder; nothing for other files.
 std::optional<int64_t> RecordingNumber(const std::filesystem::path& path);
 
 }  // namespace sprout::record

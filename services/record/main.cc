@@ -39,9 +39,9 @@ constexpr char kDescription[] =
     "\n"
     "  sprout-record --dir /data                                    everything, until Ctrl-C\n"
     "  sprout-record --dir /data --quota-gb 50 --delete-oldest      the last 50 GB\n"
-    "  sprout-record --dir /data --ring 20 --trigger-confidence 0.3 20 s before trouble, 10 s "
-    "after\n"
-    "  kill -USR1 PID                                               that was interesting: keep it\n"
+    "  sprout-record --dir /data --ring 20 --trigger-confidence 0.3 20 s before and 10 s after\n   "
+    "                                                            low confidence\n"
+    "  kill -USR1 PID                                               keep the last seconds\n"
     "\n"
     "Exit codes: 0; 1 when it had to stop (quota, disk) or lost messages; 2 a flag that cannot be\n"
     "used.";
@@ -125,7 +125,7 @@ int Record(const ServiceContext& context, const RecordingOptions& options,
   Recording& recording = *begun;
   {
     const StatusReporter reporter(context, monitor);
-    TellReady();
+    NotifyReady();
     const auto begin = RecordedEvent::Clock::now();
     auto next_status = begin;
     while (!context.stop.stop_requested() && !recording.has_failed()) {
@@ -144,23 +144,23 @@ int Record(const ServiceContext& context, const RecordingOptions& options,
 }
 
 void AddFlags(CLI::App& app, Flags& flags) {
-  app.add_option("--dir", flags.folder, "Folder to write to; made where there is none")
+  app.add_option("--dir", flags.folder, "Folder to write to; created if missing")
       ->type_name("DIR")
       ->required();
   app.add_option("--channels", flags.channels,
-                 "Only these (without prefix), also some of your own; may be given several times; "
+                 "Only these (without prefix); your own are allowed; may be given several times; "
                  "default: every channel of the graph")
       ->type_name("NAME,NAME,...")
       ->delimiter(',')
       ->expected(1)
       ->take_all();
-  app.add_option("--seconds", flags.seconds, "Stop after so many seconds")
+  app.add_option("--seconds", flags.seconds, "Stop after this many seconds")
       ->type_name("SECONDS")
       ->check(NumberIn(0.1, 1e9));
   app.add_option("--max-mb", flags.max_mb, "Size of a log at which the next one begins, MB")
       ->check(NumberIn(0.1, 1e6))
       ->capture_default_str();
-  app.add_option("--quota-gb", flags.quota_gb, "What the folder may hold with all its files, GB")
+  app.add_option("--quota-gb", flags.quota_gb, "Largest size of the folder with all its files, GB")
       ->check(NumberIn(0.001, 1e6))
       ->capture_default_str();
   app.add_flag("--delete-oldest", flags.delete_oldest,
@@ -170,11 +170,11 @@ void AddFlags(CLI::App& app, Flags& flags) {
                      "Keep the last seconds in memory and write nothing until a trigger")
           ->type_name("SECONDS")
           ->check(NumberIn(1.0, 3600.0));
-  app.add_option("--ring-mb", flags.ring_mb, "Memory that --ring may take, MB")
+  app.add_option("--ring-mb", flags.ring_mb, "Memory for --ring, MB")
       ->check(NumberIn(0.1, 1e6))
       ->capture_default_str()
       ->needs(ring);
-  app.add_option("--after", flags.after_s, "How long to write after a trigger, s")
+  app.add_option("--after", flags.after_s, "How long to record after a trigger, s")
       ->check(NumberIn(0.0, 3600.0))
       ->capture_default_str()
       ->needs(ring);

@@ -8,12 +8,12 @@
 
 namespace sprout::record {
 
-/// A message as it came.
+/// A received message.
 struct RecordedEvent {
   using Clock = std::chrono::steady_clock;
 
-  int64_t utime = 0;               ///< µs since 1970-01-01 UTC, when it came; goes into the log
-  Clock::time_point arrived = {};  ///< the same by a clock that nobody sets
+  int64_t utime = 0;               ///< arrival, µs since 1970-01-01 UTC; written into the log
+  Clock::time_point arrived = {};  ///< arrival by a monotonic clock
   std::string channel;             ///< with prefix
   std::vector<uint8_t> data;
 

@@ -12,16 +12,17 @@
 namespace sprout::record {
 
 struct RingOptions {
-  RecordedEvent::Clock::duration length{};  ///< what is kept of the time before a trigger
+  RecordedEvent::Clock::duration length{};  ///< time kept before a trigger
   size_t max_bytes = 0;                     ///< memory for it
-  RecordedEvent::Clock::duration after{};   ///< what is written of the time behind a trigger
+  RecordedEvent::Clock::duration after{};   ///< time recorded after a trigger
 };
 
-/// Decides which messages go to the disk. Without a ring: every one. With a ring: nothing until a
-/// trigger comes, then the ring and what follows, in one log. A trigger whose ring has a message of
-/// the log before continues that log, so no message is written twice, however fast triggers come,
-/// and a log has all messages from its first trigger's ring to its end. It stays open as long as
-/// that may happen. Time is that of the messages, so a slow disk moves no border. Not thread-safe.
+/// Decides which messages are written. Without a ring: every one. With a ring: nothing until a
+/// trigger comes, then the ring and the following messages, in one log. If the ring of a later
+/// trigger still contains a message of the previous log, that log is continued. So no message is
+/// written twice, however fast triggers come, and a log has all messages from its first trigger's
+/// ring to its end. A log stays open as long as it may be continued. Time is that of the messages,
+/// so a slow disk does not change what is recorded. Not thread-safe.
 class Recorder {
  public:
   using Time = RecordedEvent::Clock::time_point;
@@ -32,17 +33,17 @@ class Recorder {
   /// @throws LogError, see LogFolder::Write().
   void Add(RecordedEvent event);
 
-  /// Our own status: as Add(), but it begins no log.
+  /// The recorder's own status: as Add(), but it does not begin a log.
   void AddStatus(RecordedEvent event);
 
-  /// Somebody wants what is in the ring. Does nothing without a ring.
-  /// @returns true when a log begins, false when one goes on. @throws LogError.
+  /// A trigger. Does nothing without a ring.
+  /// @returns true when a log begins, false when one continues. @throws LogError.
   bool Trigger(Time now);
 
   /// Ends the open log. @throws LogError.
   void Finish() { folder_.Close(); }
 
-  /// nullptr: there is none.
+  /// The ring; nullptr: there is none.
   const EventRing* ring() const { return ring_ ? &*ring_ : nullptr; }
 
  private:
@@ -52,7 +53,7 @@ class Recorder {
   LogFolder& folder_;
   RecordedEvent::Clock::duration after_{};
   std::optional<EventRing> ring_;
-  std::optional<Time> until_;  // what comes up to here goes into the open log; none: no open log
+  std::optional<Time> until_;  // end of the open log; none: no open log
   size_t missing_ = 0;         // newest messages of the ring that are not in the open log
 };
 

@@ -26,15 +26,15 @@ struct RecordingOptions {
   std::vector<std::string> channels;  ///< without prefix
   LogFolderOptions folder;
   std::optional<RingOptions> ring;
-  std::optional<std::string> trigger_channel;  ///< without prefix; any message there
+  std::optional<std::string> trigger_channel;  ///< without prefix; any message on it
   std::optional<double> trigger_confidence;    ///< a mean confidence (0 to 1) below it
 };
 
-/// Records the running graph. One thread takes what comes and never waits for the disk; another one
-/// writes. What comes while 512 MB wait to be written is dropped and counted as a bad message.
+/// Records the running graph. One thread receives messages and never waits for the disk; another
+/// one writes. While 512 MB wait to be written, new messages are dropped and counted as bad ones.
 class Recording {
  public:
-  /// @param monitor  is told what is lost; its status goes into the log.
+  /// @param monitor  counts losses; its status is written into the log.
   /// @throws ConfigError for a folder that cannot be used, BusError, see OpenLcm().
   Recording(const ServiceContext& context, RecordingOptions options, StageMonitor& monitor);
 
@@ -42,26 +42,26 @@ class Recording {
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
 
-  /// Keeps what is in the ring.
-  /// @param who  wants it, for people.
+  /// Triggers: records the ring.
+  /// @param who  source of the trigger, for people.
   void Trigger(const std::string& who);
 
-  /// Puts our own status into the log; call once a second: it also shows that time passes.
+  /// Writes the recorder's own status into the log. Call once a second; it also advances time.
   void PutStatus();
 
-  /// Nothing can be written any more; the monitor was told why.
+  /// Whether writing failed for good; the monitor has the reason.
   bool has_failed() const { return failed_; }
 
   /// Bytes that wait to be written.
   size_t waiting_bytes() const { return queue_.bytes(); }
 
-  /// Receives nothing any more, writes what waits, and ends the log. Call once.
+  /// Stops receiving, writes what waits, and ends the log. Call once.
   void Finish();
 
-  /// Whether a recording without loss came of it; after Finish().
+  /// Whether the recording is without loss; after Finish().
   bool IsWhole() const;
 
-  /// What was written and lost, in one line; after Finish().
+  /// Counts of written and lost messages, in one line; after Finish().
   std::string Summary() const;
 
  private:
@@ -81,11 +81,11 @@ class Recording {
   RecordingOptions options_;
   std::string prefix_;
   StageMonitor& monitor_;
-  std::optional<Part> counted_part_;   // whose messages stand for frames
+  std::optional<Part> counted_part_;   // whose messages are counted as frames
   std::map<Part, SequenceGaps> gaps_;  // of the receiving thread
-  std::atomic<int64_t> dropped_ = 0;   // did not fit into the queue
+  std::atomic<int64_t> dropped_ = 0;   // messages that did not fit into the queue
   int64_t triggers_ = 0;               // of the writing thread, as all below
-  int64_t unwritten_ = 0;              // waited when writing failed
+  int64_t unwritten_ = 0;              // messages waiting when writing failed
   std::atomic<bool> failed_ = false;
   EventQueue queue_;
   LogFolder folder_;

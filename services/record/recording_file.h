@@ -10,25 +10,26 @@
 namespace sprout::record {
 
 /// An LCM log that is readable up to its last whole event at any time, whatever happens to this
-/// process or to the disk. That is the opposite of LogWriter, whose log appears whole or not at
-/// all: a recording cannot be made again. So it has its name from the start, nothing waits in a
-/// buffer of ours, and an event that was written in part is cut off.
+/// process or to the disk. Unlike LogWriter, whose log is complete or not there: a recording cannot
+/// be repeated. So it has its final name from the start, nothing waits in a buffer of this process,
+/// and a partly written event is cut off.
 class RecordingFile {
  public:
-  /// @throws LogError when the file cannot be made; one of that name is never touched.
+  /// @throws LogError when the file cannot be created; an existing file is never changed.
   explicit RecordingFile(std::filesystem::path path);
   ~RecordingFile();
   RecordingFile(const RecordingFile&) = delete;
   RecordingFile& operator=(const RecordingFile&) = delete;
 
-  /// @throws LogError when the disk is full or the like; the file then ends with the event before.
+  /// @throws LogError when writing fails, for instance on a full disk; the file then ends with the
+  ///         previous event.
   void Write(const RecordedEvent& event);
 
-  /// Waits until all is on the disk. @throws LogError.
+  /// Waits until everything is on the disk. @throws LogError.
   void Close();
 
-  /// Whether the path still leads to this file: who deletes the folder or takes the disk away makes
-  /// no write fail.
+  /// Whether the path still leads to this file: deleting the folder or removing the disk makes no
+  /// write fail.
   bool IsThere() const;
 
   /// Bytes that an event takes in a log.

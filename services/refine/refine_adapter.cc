@@ -18,8 +18,8 @@ const TofProjector& RefineAdapter::ProjectorOf(const Rig& rig) {
 }
 
 Result<SeedSet> RefineAdapter::Refine(const Frame& frame) {
-  const cv::Mat1b left = ToGrey(frame.left, left_grey_);
-  const cv::Mat1b right = ToGrey(frame.right, right_grey_);
+  const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
+  const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
   if (frame.tof->depth_m.empty()) {
     // Has no rays, so it is not worth keeping; the next frame may have an image again.
     const TofProjector no_camera(RigOfFrame(*frame.rig, *frame.tof));
@@ -41,8 +41,8 @@ TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame, bool refined) {
     const TofProjector& projector = ProjectorOf(*frame.rig);
     int behind = 0;
     const std::vector<ProjectedPoint> points = projector.Project(*frame.tof, behind);
-    const cv::Mat1b left = ToGrey(frame.left, left_grey_);
-    const cv::Mat1b right = ToGrey(frame.right, right_grey_);
+    const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
+    const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
     offset = aligner_.Estimate(left, right, points, *frame.tof, projector);
   }
   if (!offset.sure) return {};

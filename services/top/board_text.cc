@@ -80,7 +80,7 @@ std::string HostsText(const std::vector<BoardRow>& rows) {
            ": not heard here; if on another host: ttl=1 in every --lcm-url, no route of the group "
            "over lo\n";
   }
-  if (two_clocks) text += "~: by the clocks of two hosts, true as far as these agree (NTP, PTP)\n";
+  if (two_clocks) text += "~: compares the clocks of two hosts, right if they agree (NTP, PTP)\n";
   return text;
 }
 

@@ -82,16 +82,17 @@ int Watch(const ServiceContext& context, const Options& options) {
 int Main(int argc, char** argv) {
   Service service(
       "top",
-      "Shows how every process of the running graph fares, once a second: newest frame, rate,\n"
-      "frames answered, time a frame and age of the answer (ms, median and 99 %), what was\n"
-      "skipped, incomplete, missing, failed and bad, memory, and how much of the image ToF\n"
-      "seeds cover. Exit code 1 when a stage is missing, stale, stopped, or there twice.");
+      "Shows the state of every process of the running graph once a second: newest frame, rate,\n"
+      "frames answered, time a frame and age of the answer (ms, median and 99 %), frames that "
+      "were\nskipped, incomplete, missing or failed, bad messages, memory, and the share of the "
+      "image that\nToF seeds cover. Exit code 1 when a stage is missing, stale, stopped, or "
+      "running twice.");
   Options options;
   service.flags()
-      .add_option("--stages", options.stages, "Stages that must be there")
+      .add_option("--stages", options.stages, "Stages that must be running")
       ->delimiter(',')
       ->capture_default_str();
-  service.flags().add_flag("--once", options.once, "Look once and end");
+  service.flags().add_flag("--once", options.once, "Print once and end");
   service.flags().add_flag("--json", options.json, "One line of JSON a second, for scripts");
   service.flags()
       .add_option("--listen", options.listen_s, "How long --once listens, s")

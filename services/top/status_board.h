@@ -12,19 +12,19 @@
 
 namespace sprout::top {
 
-/// How a process of the graph fares, as far as its statuses tell.
+/// State of a process of the graph, judged by its statuses.
 enum class Health {
-  kGood,     ///< reports, and loses nothing
+  kGood,     ///< reports, without losses
   kLosing,   ///< reports, and lost or refused something since the board was opened
   kTwice,    ///< reports, and so does another process of the same stage
   kStale,    ///< has not reported for kStaleAfter
   kStopped,  ///< has ended
-  kMissing,  ///< expected, and never heard
+  kMissing,  ///< expected, but never heard
 };
 
 /// One process, or an expected stage that nobody has heard.
 struct BoardRow {
-  StageStatus status;  ///< of a missing stage the name only
+  StageStatus status;  ///< of a missing stage only the name
   Health health = Health::kMissing;
   double silent_s = 0;  ///< since its newest status
 };
@@ -34,10 +34,10 @@ class StatusBoard {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Statuses come once a second: one that is late is not yet gone.
+  /// Statuses come once a second; a late one is tolerated.
   static constexpr std::chrono::milliseconds kStaleAfter{3500};
 
-  /// Most processes that are kept. Names are free, so anybody could invent more.
+  /// Most processes that are kept, since anybody could send more names.
   static constexpr size_t kMaxProcesses = 64;
 
   /// @param expected  stages that must be there.
@@ -72,7 +72,7 @@ class StatusBoard {
   int64_t bad_ = 0;
 };
 
-/// Whether every row is good or losing: all expected stages there, once each, and reporting.
+/// Whether every row is good or losing: each expected stage reports exactly once.
 bool IsWhole(const std::vector<BoardRow>& rows);
 
 }  // namespace sprout::top

@@ -8,15 +8,15 @@
 
 namespace sprout::view {
 
-BusListener::BusListener(const ServiceContext& context, FrameRing& ring, StatusBook& book,
+BusListener::BusListener(const ServiceContext& context, FrameRing& ring, StatusHistory& history,
                          StageMonitor& monitor, std::function<void()> changed)
     : ring_(ring),
-      book_(book),
+      history_(history),
       monitor_(monitor),
       changed_(std::move(changed)),
       // Without these there is nothing to look at; all others may be missing.
       silence_(context, {ChannelOf(Part::kLeft), ChannelOf(Part::kDisparity)}, monitor),
-      twins_(monitor),
+      duplicates_(monitor),
       receiver_(
           context.lcm_url, context.prefix, AllChannels(),
           [this](std::string_view channel, std::span<const uint8_t> bytes) {
@@ -40,8 +40,8 @@ void BusListener::OnMessage(std::string_view channel, std::span<const uint8_t> b
 void BusListener::OnStatus(std::span<const uint8_t> bytes, StageMonitor::Clock::time_point now) {
   const Result<StageStatus> status = DecodeStatus(bytes);
   if (!status) return monitor_.BadMessage(kStatusChannel, status.error().text);
-  book_.Add(*status, NowUtime(), now);
-  twins_.Heard(*status);
+  history_.Add(*status, NowUtime(), now);
+  duplicates_.Heard(*status);
 }
 
 void BusListener::OnNewest(StageMonitor::Clock::time_point now) {

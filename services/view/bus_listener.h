@@ -7,23 +7,23 @@
 #include <span>
 #include <string_view>
 
+#include "common/app/duplicate_watch.h"
 #include "common/app/service_context.h"
 #include "common/app/silence_watch.h"
 #include "common/app/stage_monitor.h"
-#include "common/app/twin_watch.h"
 #include "common/bus/receiver.h"
 #include "common/frames/sequence_gaps.h"
 #include "services/view/frame_ring.h"
-#include "services/view/status_book.h"
+#include "services/view/status_history.h"
 
 namespace sprout::view {
 
-/// Hears everything the graph says, and puts it into ring and book.
+/// Receives all messages of the graph, and stores them in ring and history.
 class BusListener {
  public:
-  /// @param changed  is called, on another thread, when the ring has a newer frame; must be quick.
+  /// @param changed  called on another thread when the ring has a newer frame; must be quick.
   /// @throws BusError.
-  BusListener(const ServiceContext& context, FrameRing& ring, StatusBook& book,
+  BusListener(const ServiceContext& context, FrameRing& ring, StatusHistory& history,
               StageMonitor& monitor, std::function<void()> changed);
 
  private:
@@ -32,11 +32,11 @@ class BusListener {
   void OnNewest(StageMonitor::Clock::time_point now);
 
   FrameRing& ring_;
-  StatusBook& book_;
+  StatusHistory& history_;
   StageMonitor& monitor_;
   std::function<void()> changed_;
   SilenceWatch silence_;
-  TwinWatch twins_;
+  DuplicateWatch duplicates_;
   SequenceGaps gaps_;
   std::optional<int64_t> newest_key_;
   Receiver receiver_;  // last: stops before the rest is destroyed

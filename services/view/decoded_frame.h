@@ -14,10 +14,10 @@
 
 namespace sprout::view {
 
-/// A stored frame whose parts are decoded when they are asked for, each once. Thread-safe.
+/// A stored frame whose parts are decoded on demand, each once. Thread-safe.
 class DecodedFrame {
  public:
-  /// Is told once of each part that cannot be decoded.
+  /// Called once for each part that cannot be decoded.
   using Complain = std::function<void(Part part, const std::string& why)>;
 
   DecodedFrame(StoredFramePtr stored, Complain complain)
@@ -25,19 +25,19 @@ class DecodedFrame {
 
   const StoredFrame& stored() const { return *stored_; }
 
-  /// The value of a part, T as in PartValue; null when it is not there or cannot be decoded. Valid
-  /// as long as this.
+  /// The value of a part, T as in PartValue; null when it is missing or cannot be decoded. Valid
+  /// for the life of this object.
   template <typename T>
   const T* Get(Part part) {
     const PartValue* value = Decode(part);
     return value == nullptr ? nullptr : std::get_if<T>(value);
   }
 
-  /// Size that the rectified images of this frame should have: the calibration's, or else the left
-  /// image's or the disparity map's; nothing without any.
+  /// Size of the rectified images of this frame: from the calibration, or else the left image or
+  /// the disparity map; nothing without these.
   std::optional<cv::Size> size();
 
-  /// All that is there.
+  /// The frame with all its parts.
   Frame ToFrame();
 
  private:

@@ -204,7 +204,7 @@ EncodedPartPtr FrameEncoder::EncodePicture(const StoredFramePtr& frame, Picture 
   });
 }
 
-std::string FrameEncoder::Encode(const StoredFramePtr& frame, const Wish& wish,
+std::string FrameEncoder::Encode(const StoredFramePtr& frame, const ShownParts& shown,
                                  const KeyRange& keys) {
   const std::shared_ptr<DecodedFrame> decoded = Decode(frame);
   const std::lock_guard lock(mutex_);
@@ -213,12 +213,12 @@ std::string FrameEncoder::Encode(const StoredFramePtr& frame, const Wish& wish,
   const auto add = [&](const std::string& what, const auto& make) {
     if (EncodedPartPtr part = Cached(*frame, what, make)) parts.push_back(std::move(part));
   };
-  for (const auto& [picture, width] : wish.pictures) {
+  for (const auto& [picture, width] : shown.pictures) {
     add(std::string(NameOf(picture)) + std::to_string(width),
         [&, picture = picture, width = width] { return MakePicture(*decoded, picture, width); });
   }
-  if (wish.seeds) add("seeds", [&] { return EncodeSeeds(*decoded); });
-  if (wish.cloud) add("cloud", [&] { return EncodeCloud(*decoded); });
+  if (shown.seeds) add("seeds", [&] { return EncodeSeeds(*decoded); });
+  if (shown.cloud) add("cloud", [&] { return EncodeCloud(*decoded); });
   nlohmann::json head{{"type", "frame"},
                       {"key", frame->key},
                       {"version", frame->version},

@@ -21,36 +21,36 @@ namespace sprout::view {
 enum class Picture { kLeft, kTof, kDisparity, kDepth, kPrior, kSigma, kConfidence };
 inline constexpr int kPictureCount = static_cast<int>(Picture::kConfidence) + 1;
 
-/// As the page calls them: "left", "tof", ...; nothing for another name.
+/// By the page's name: "left", "tof", ...; nothing for another name.
 std::string_view NameOf(Picture picture);
 std::optional<Picture> PictureOf(std::string_view name);
 
 /// What a page shows of a frame.
-struct Wish {
+struct ShownParts {
   std::vector<std::pair<Picture, int>> pictures;  ///< with the most columns, px
   bool cloud = false;
   bool seeds = false;
 };
 
-/// Turns stored frames into what travels to pages. Does nothing until a page asks, and what several
-/// pages ask for once: decoded frames and finished pictures are kept, the newest few of them.
-/// Thread-safe; one frame is worked on at a time.
+/// Encodes stored frames for pages. Works only on demand, and only once if several pages ask for
+/// the same: the newest decoded frames and finished pictures are kept. Thread-safe; processes one
+/// frame at a time.
 class FrameEncoder {
  public:
-  /// @param complain  is told of parts that cannot be decoded.
+  /// @param complain  called for parts that cannot be decoded.
   explicit FrameEncoder(DecodedFrame::Complain complain) : complain_(std::move(complain)) {}
 
   /// The packet of a frame: head {type: "frame", key, version, seq, utime, width, height, scales:
-  /// {disparity: {min, max}, ...}, keys, parts}. Parts that are not there are left out.
+  /// {disparity: {min, max}, ...}, keys, parts}. Missing parts are left out.
   /// @param keys  that the page can look at; goes into the head.
-  std::string Encode(const StoredFramePtr& frame, const Wish& wish, const KeyRange& keys);
+  std::string Encode(const StoredFramePtr& frame, const ShownParts& shown, const KeyRange& keys);
 
-  /// A picture alone; null when the frame has none.
+  /// A single picture; null when the frame does not have it.
   EncodedPartPtr EncodePicture(const StoredFramePtr& frame, Picture picture, int width);
 
   nlohmann::json Probe(const StoredFramePtr& frame, int u, int v);
 
-  /// A frame decoded, for who saves it.
+  /// A decoded frame, to be saved.
   std::shared_ptr<DecodedFrame> Decode(const StoredFramePtr& frame);
 
  private:
@@ -71,8 +71,8 @@ class FrameEncoder {
   std::deque<std::shared_ptr<DecodedFrame>> decoded_;  // newest last
   std::deque<CachedPart> cache_;                       // newest last
   size_t cache_bytes_ = 0;
-  CalmRange calm_disparity_;
-  CalmRange calm_depth_;
+  StableRange calm_disparity_;
+  StableRange calm_depth_;
   ValueRange disparity_px_;
   ValueRange depth_m_{.min = 0.1, .max = 1};  // coloured by 1/depth, so never from 0
 };

@@ -21,23 +21,23 @@ namespace sprout::view {
 /// The newest frames of the running graph, and every message that came with them, so that the last
 /// seconds can be saved as a log. Thread-safe.
 ///
-/// A frame is shown once it has every part that the graph gives at this time: pictures of one frame
-/// belong together, and stages are swapped, start late and end.
+/// A frame is shown once it has every part that the graph currently gives, so that all pictures are
+/// of one frame, even when stages start, end or are replaced.
 class FrameRing : public FrameSource {
  public:
   using Clock = std::chrono::steady_clock;
 
   static constexpr size_t kMaxFrames = 100;
 
-  /// @param max_bytes  of messages; beyond it the oldest frames go, but for the newest one.
+  /// @param max_bytes  of messages; beyond it the oldest frames are dropped, but never the newest
+  ///                   one.
   explicit FrameRing(size_t max_bytes) : max_bytes_(max_bytes) {}
 
   /// Takes one message.
   /// @param channel  without prefix.
-  /// @param utime    when it came, µs, for the log.
-  /// @returns whether Newest() is another frame now, or one with more; an error for a message that
-  ///          is not of the channel's type. The rest of it is looked at when somebody wants to see
-  ///          it.
+  /// @param utime    arrival, µs, for the log.
+  /// @returns whether Newest() is another frame now, or has more parts; an error for a message of
+  ///          the wrong type for its channel. The content is decoded only when it is shown.
   Result<bool> Add(std::string_view channel, std::span<const uint8_t> bytes, int64_t utime,
                    Clock::time_point now);
 
@@ -48,10 +48,10 @@ class FrameRing : public FrameSource {
 
   size_t bytes() const;
 
-  /// Whether frames went early, before there were kMaxFrames, for want of memory.
+  /// Whether frames were dropped for lack of memory before there were kMaxFrames.
   bool is_short() const;
 
-  /// Writes the messages of the last `seconds` as an LCM log, channels with `prefix` before them.
+  /// Writes the messages of the last `seconds` as an LCM log, with `prefix` before the channels.
   /// @returns how many messages it has. @throws LogError.
   int64_t WriteLog(const std::filesystem::path& path, const std::string& prefix,
                    double seconds) const;
@@ -63,7 +63,7 @@ class FrameRing : public FrameSource {
     StoredBytes bytes;
   };
 
-  // How often a part comes, to know whether a frame without it is still to get it.
+  // How often a part comes, to know whether a frame without it may still get it.
   struct Pace {
     std::optional<Clock::time_point> last;
     Clock::duration interval{};

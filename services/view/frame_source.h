@@ -8,7 +8,7 @@
 
 namespace sprout::view {
 
-/// Keys of the frames that can be had.
+/// Keys of the available frames.
 struct KeyRange {
   int64_t first = 0;
   int64_t last = -1;  ///< < first: none
@@ -16,7 +16,7 @@ struct KeyRange {
   bool operator==(const KeyRange&) const = default;
 };
 
-/// Where frames come from: the running graph, or a log. Thread-safe.
+/// A source of frames: the running graph, or a log. Thread-safe.
 class FrameSource {
  public:
   FrameSource() = default;
@@ -24,16 +24,16 @@ class FrameSource {
   FrameSource(const FrameSource&) = delete;
   FrameSource& operator=(const FrameSource&) = delete;
 
-  /// The newest frame to look at; null: none yet.
+  /// The newest frame to show; null: none yet.
   virtual StoredFramePtr Newest() const = 0;
 
-  /// A frame by its key; null when it is not, or no longer, there.
+  /// A frame by its key; null when it does not exist, or no longer.
   virtual StoredFramePtr Get(int64_t key) const = 0;
 
   virtual KeyRange keys() const = 0;
 
-  /// Frames of the running graph vanish one by one: what Get() gives now, to be kept by somebody
-  /// who stopped to look. Of a log, which stays, nothing.
+  /// All frames that Get() gives now, to be kept by a paused page, since frames of the running
+  /// graph vanish. Empty for a log, whose frames stay.
   virtual std::vector<StoredFramePtr> Snapshot() const = 0;
 };
 

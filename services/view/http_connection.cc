@@ -87,7 +87,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     };
     if (request.target != "/ws") return refuse(404, "the WebSocket is at /ws\n");
     if (host_.empty() || !IsOwnOrigin(request.origin, request.host)) {
-      return refuse(403, "pages from elsewhere are not served\n");
+      return refuse(403, "requests of other sites' pages are refused\n");
     }
     if (state_.pages.size() >= Server::kMaxPages) {
       return refuse(503, "too many pages are open: allowed are 16\n");

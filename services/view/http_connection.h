@@ -12,11 +12,11 @@ namespace sprout::view {
 
 using ParsedRequest = boost::beast::http::request<boost::beast::http::empty_body>;
 
-/// What matters of a parsed request; valid as long as that is.
+/// The relevant parts of a parsed request; valid as long as the request.
 HttpRequest ViewOf(const ParsedRequest& request);
 
-/// Answers what comes on a connection until it ends, or until it becomes a WebSocket. Lives as long
-/// as it needs. On the thread of the sockets.
+/// Answers requests on a connection until it ends, or becomes a WebSocket. Keeps itself alive. On
+/// the thread of the sockets.
 void ServeHttp(ServerState& state, boost::asio::ip::tcp::socket socket);
 
 }  // namespace sprout::view

@@ -54,7 +54,7 @@ HttpReply HttpHandler::Answer(const HttpRequest& request) const {
             .file = {},
             .file_name = {}};
   }
-  if (IsFromElsewhere(request)) return Refusal(403, "pages from elsewhere are not served");
+  if (IsCrossSite(request)) return Refusal(403, "requests of other sites' pages are refused");
   if (target.path == "/thumb") return Thumbnail(target);
   if (target.path == "/save") return Save(target);
   if (target.path == "/save-log") return SaveLog(target);
@@ -82,7 +82,7 @@ HttpReply HttpHandler::Save(const HttpTarget& target) const {
   if (!frame) return Gone();
   const auto file =
       frames_.Take(fmt::format("{} {} {}", frame->key, frame->version, what->second),
-                   FileShelf::Clock::now(), [&](const std::filesystem::path& path) {
+                   SharedFiles::Clock::now(), [&](const std::filesystem::path& path) {
                      return SaveFrame(encoder_.Decode(frame)->ToFrame(), what->second, path);
                    });
   if (!file) return Refusal(404, file.error().text);
@@ -97,7 +97,7 @@ HttpReply HttpHandler::SaveLog(const HttpTarget& target) const {
   if (ring_ == nullptr) return Refusal(404, "a log is shown; sprout-log cut takes a part of it");
   const auto seconds = target.Number("seconds", 1, kMaxSeconds);
   if (!seconds) return Refusal(400, fmt::format("seconds: allowed are 1 to {}", kMaxSeconds));
-  const auto file = logs_.Take(std::to_string(*seconds), FileShelf::Clock::now(),
+  const auto file = logs_.Take(std::to_string(*seconds), SharedFiles::Clock::now(),
                                [&](const std::filesystem::path& path) -> Result<void> {
                                  ring_->WriteLog(path, prefix_, static_cast<double>(*seconds));
                                  return {};

@@ -3,27 +3,27 @@
 
 #include <string>
 
-#include "services/view/file_shelf.h"
 #include "services/view/frame_encoder.h"
 #include "services/view/frame_source.h"
 #include "services/view/http_request.h"
+#include "services/view/shared_files.h"
 
 namespace sprout::view {
 
 class FrameRing;
 class LogFile;
 
-/// An answer. Either `file` or `body` is what it contains.
+/// An answer. Its content is either `file` or `body`.
 struct HttpReply {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::string body;
-  FileShelf::File file;   ///< to be held until it is sent
-  std::string file_name;  ///< to save it under; empty: shown, not saved
+  SharedFiles::File file;  ///< held until it is sent
+  std::string file_name;   ///< to save it under; empty: shown, not saved
 };
 
 /// Answers requests, without a socket: the files of the page, thumbnails, the time line of a log,
-/// and what people save. Thread-safe.
+/// and files to save. Thread-safe.
 ///
 ///   /                          the page, and its files
 ///   /thumb?key=K               the left image, small
@@ -31,9 +31,9 @@ struct HttpReply {
 ///   /save?key=K&what=FILE      left.png, disparity.png, disparity.pfm, prior.pfm, cloud.ply, ...
 ///   /save-log?seconds=S        the last seconds of the running graph as an LCM log
 ///
-/// All but the files of the page is for this page only: what a page from elsewhere asks for is
-/// refused, as its browser tells (Sec-Fetch-Site, Origin). Two browsers at a time may save a frame,
-/// and two a log, of which there is one copy.
+/// Everything except the files of the page is for this page only: requests of pages of other sites
+/// are refused, by the headers Sec-Fetch-Site and Origin. Two browsers at a time may save a frame,
+/// and two a log, which they share.
 class HttpHandler {
  public:
   /// @param ring  of the running graph, or null.
@@ -57,8 +57,8 @@ class HttpHandler {
   const FrameRing* ring_;
   const LogFile* log_;
   std::string prefix_;
-  mutable FileShelf frames_{FileShelf::kMaxReaders};
-  mutable FileShelf logs_{1};
+  mutable SharedFiles frames_{SharedFiles::kMaxReaders};
+  mutable SharedFiles logs_{1};
 };
 
 }  // namespace sprout::view

@@ -70,7 +70,7 @@ bool IsOwnOrigin(std::string_view origin, std::string_view host) {
   return origin.starts_with("http://") && origin.substr(7) == host;
 }
 
-bool IsFromElsewhere(const HttpRequest& request) {
+bool IsCrossSite(const HttpRequest& request) {
   const std::string_view site = request.fetch_site;
   const bool is_own = site.empty() || site == "same-origin" || site == "none";  // none: typed
   return !is_own || !IsOwnOrigin(request.origin, request.host);

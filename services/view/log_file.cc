@@ -24,7 +24,7 @@ top::StatusBoard::Clock::time_point AsTime(int64_t utime) {
 
 }  // namespace
 
-LogFile::LogFile(const std::filesystem::path& path, std::string prefix, StatusBook& statuses,
+LogFile::LogFile(const std::filesystem::path& path, std::string prefix, StatusHistory& statuses,
                  std::function<void()> changed)
     : path_(path),
       prefix_(std::move(prefix)),

@@ -17,24 +17,24 @@
 #include "common/logfile/event_fetcher.h"
 #include "common/logfile/log_reader.h"
 #include "services/view/frame_source.h"
-#include "services/view/status_book.h"
+#include "services/view/status_history.h"
 
 namespace sprout::view {
 
-/// How good a frame is, without truth.
+/// Quality of a frame, without ground truth.
 struct Quality {
-  double value = 0;  ///< 0 (look here) to 1
-  std::string why;   ///< what is worst about it; may be empty
+  double value = 0;  ///< 0 (worst) to 1
+  std::string why;   ///< its worst figure; may be empty
 };
 
-/// The frames of a log. Only where its messages stand is kept, so the length of the log does not
-/// matter; they are read when somebody looks. Thread-safe.
+/// The frames of a log. Only the positions of its messages are kept in memory; they are read on
+/// demand. Thread-safe.
 class LogFile : public FrameSource {
  public:
-  /// Begins to read. @param statuses  takes those of the log.
-  /// @param changed  is called, on another thread, when there are more frames.
-  /// @throws LogError when it is no log.
-  LogFile(const std::filesystem::path& path, std::string prefix, StatusBook& statuses,
+  /// Begins to read. @param statuses gets the log's statuses.
+  /// @param changed  called on another thread when there are more frames.
+  /// @throws LogError when the file is not a log.
+  LogFile(const std::filesystem::path& path, std::string prefix, StatusHistory& statuses,
           std::function<void()> changed);
 
   StoredFramePtr Newest() const override;
@@ -42,19 +42,19 @@ class LogFile : public FrameSource {
   KeyRange keys() const override;
   std::vector<StoredFramePtr> Snapshot() const override { return {}; }
 
-  /// The first frame with this number; nothing when there is none, or it is not read yet.
+  /// The first frame with this number; nothing when there is none, or not read yet.
   std::optional<int64_t> KeyOf(int64_t seq) const;
 
   void SetQuality(int64_t key, Quality quality);
 
-  /// No more qualities will come.
+  /// Marks the end of the qualities.
   void Settle() { settled_ = true; }
 
   /// For the time line: {first, last, complete, settled, complaint, buckets: [{key, seq, utime,
-  /// quality, why}]}. Of a bucket the worst frame whose quality is known, or else its first.
+  /// quality, why}]}. For each bucket the worst rated frame, or else the first.
   std::string TimeLineText(int buckets) const;
 
-  /// Share that is read, 0 to 1; 1: all.
+  /// Share of the log read so far, 0 to 1.
   double progress() const;
 
   /// What is wrong with the log, in one line; empty: nothing.
@@ -67,7 +67,7 @@ class LogFile : public FrameSource {
 
   std::filesystem::path path_;
   std::string prefix_;
-  StatusBook& statuses_;
+  StatusHistory& statuses_;
   std::function<void()> changed_;
   LogReader reader_;
   mutable std::mutex fetch_mutex_;

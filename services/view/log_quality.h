@@ -10,12 +10,13 @@
 
 namespace sprout::view {
 
-/// The order in which frames are rated: at any moment those that were are spread evenly, so that a
-/// time line shows all of a log at once, and more and more of it. At most `most` of `count` frames.
+/// The order in which frames are rated: at any time the rated ones are spread evenly, so that a
+/// time line covers the whole log from the start and becomes finer. At most `most` of `count`
+/// frames.
 std::vector<int64_t> SpreadOrder(int64_t count, int64_t most);
 
-/// Rates the frames of a log on a thread of its own, at a low priority, once the log is read. Of a
-/// long log a part of the frames: each takes some hundredths of a second.
+/// Rates the frames of a log on its own thread, at low priority, once the log is read. In a long
+/// log only a part of the frames, since each takes some hundredths of a second.
 class LogQuality {
  public:
   static constexpr int64_t kMostFrames = 2000;

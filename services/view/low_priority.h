@@ -3,7 +3,7 @@
 
 namespace sprout::view {
 
-/// Of the thread that calls: looking at the graph must not slow it down.
+/// Lowers the priority of the calling thread: viewing must not slow down the graph.
 void LowerPriority();
 
 }  // namespace sprout::view

@@ -47,7 +47,7 @@ void WarnOfStrangers(const std::string& address) {
   if (address.starts_with("127.") || address == "::1") return;
   LogLine(
       LogLevel::kWarning,
-      "--address {}: whoever reaches this address sees what the cameras see; there is no password",
+      "--address {}: everybody who can reach this address sees the images; there is no password",
       address);
 }
 
@@ -61,21 +61,21 @@ void Serve(const ServiceContext& context, const Server& server, const Options& o
 }
 
 // What a page is told first, and what once a second; board and history are JSON already.
-std::string Hello(nlohmann::json facts, const StatusBook& book) {
+std::string Hello(nlohmann::json facts, const StatusHistory& history) {
   facts["type"] = "hello";
   facts["version"] = Version();
   facts["colors"] = ScaleColors();
   std::string text = JsonText(facts);
   text.pop_back();
-  return text + R"(,"history":)" + book.HistoryText() + "}";
+  return text + R"(,"history":)" + history.HistoryText() + "}";
 }
 
-std::string Status(nlohmann::json facts, const StatusBook& book,
+std::string Status(nlohmann::json facts, const StatusHistory& history,
                    top::StatusBoard::Clock::time_point now) {
   facts["type"] = "status";
   std::string text = JsonText(facts);
   text.pop_back();
-  return text + R"(,"board":)" + book.BoardText(now) + "}";
+  return text + R"(,"board":)" + history.BoardText(now) + "}";
 }
 
 nlohmann::json KeysOf(const FrameSource& source) {
@@ -87,7 +87,7 @@ int ShowGraph(const ServiceContext& context, const Options& options) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
   const size_t max_bytes = static_cast<size_t>(options.memory_mb) << 20;
   FrameRing ring(max_bytes);
-  StatusBook book(kStages, /*keep_all=*/false);
+  StatusHistory history(kStages, /*keep_all=*/false);
   FrameEncoder encoder(
       [&](Part part, const std::string& why) { monitor.BadMessage(ChannelOf(part), why); });
   const HttpHandler handler(ring, encoder, &ring, nullptr, context.prefix);
@@ -99,7 +99,7 @@ int ShowGraph(const ServiceContext& context, const Options& options) {
                      [&] {
                        return Hello(
                            {{"mode", "live"}, {"url", context.lcm_url}, {"prefix", context.prefix}},
-                           book);
+                           history);
                      },
                  .status =
                      [&] {
@@ -108,10 +108,10 @@ int ShowGraph(const ServiceContext& context, const Options& options) {
                                       {"kept_mb", static_cast<double>(ring.bytes()) / (1 << 20)},
                                       {"short", ring.is_short()},
                                       {"complaint", monitor.Snapshot().last_error}},
-                                     book, top::StatusBoard::Clock::now());
+                                     history, top::StatusBoard::Clock::now());
                      },
                  .keep_bytes = max_bytes});
-  const BusListener listener(context, ring, book, monitor, [&] { server.FrameChanged(); });
+  const BusListener listener(context, ring, history, monitor, [&] { server.FrameChanged(); });
   const StatusReporter reporter(context, monitor);
   Serve(context, server, options);
   return 0;
@@ -131,10 +131,10 @@ nlohmann::json StartOf(const LogFile& log, std::optional<int64_t> frame) {
 }
 
 int ShowLog(const ServiceContext& context, const Options& options) {
-  StatusBook book({}, /*keep_all=*/true);
+  StatusHistory history({}, /*keep_all=*/true);
   std::mutex mutex;
   Server* told = nullptr;
-  LogFile log(options.log, context.prefix, book, [&] {
+  LogFile log(options.log, context.prefix, history, [&] {
     const std::lock_guard lock(mutex);
     if (told != nullptr) told->FrameChanged();
   });
@@ -154,13 +154,13 @@ int ShowLog(const ServiceContext& context, const Options& options) {
              facts.update({{"mode", "log"},
                            {"file", std::filesystem::path(options.log).filename().string()},
                            {"prefix", context.prefix}});
-             return Hello(std::move(facts), book);
+             return Hello(std::move(facts), history);
            },
        .status =
            [&] {
              nlohmann::json facts = StartOf(log, options.frame);
              facts["read"] = log.progress();
-             return Status(std::move(facts), book, book.newest());
+             return Status(std::move(facts), history, history.newest());
            },
        .keep_bytes = 0});
   const auto tell = [&](Server* whom) {
@@ -175,34 +175,34 @@ int ShowLog(const ServiceContext& context, const Options& options) {
 }
 
 int Main(int argc, char** argv) {
-  Service service(
-      "view",
-      "Shows in a browser what the running graph does, or what a log holds: left image, ToF,\n"
-      "disparity or depth, confidence, prior, seeds, a point cloud to turn, and how every process\n"
-      "fares. Open http://127.0.0.1:8420/; the keys are listed there with '?'.\n"
-      "Hears every channel and needs none: what is missing is not shown.");
+  Service service("view",
+                  "Shows the running graph or a log in a browser: left image, ToF, disparity or "
+                  "depth,\nconfidence, prior, seeds, a point cloud, and the state of every "
+                  "process.\nOpen http://127.0.0.1:8420/; '?' lists the keys there.\nSubscribes to "
+                  "every channel and needs none: missing ones are not shown.");
   Options options;
   CLI::Option* const log =
       service.flags()
-          .add_option("--log", options.log, "Shows a log instead of the running graph")
+          .add_option("--log", options.log, "Show a log instead of the running graph")
           ->type_name("FILE");
   service.flags()
       .add_option("--frame", options.frame,
-                  "Of a log: opens at the first frame with this number (header.seq)")
+                  "With --log: open at the first frame with this number (header.seq)")
       ->check(CLI::Range(int64_t{0}, INT64_MAX))
       ->needs(log)
       ->type_name("N");
   service.flags()
-      .add_option("--address", options.address,
-                  "Address to serve on; another than the loopback's lets others look, too")
+      .add_option(
+          "--address", options.address,
+          "Address to listen on; with another than the loopback's, other hosts can look, too")
       ->capture_default_str();
   service.flags()
-      .add_option("--port", options.port, "0: any that is free")
+      .add_option("--port", options.port, "0: any free port")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   service.flags()
       .add_option("--memory", options.memory_mb,
-                  "What the last 100 frames may take, MB; once more as much for pages that pause")
+                  "Memory for the last 100 frames, MB; paused pages may take as much again")
       ->check(CLI::Range(16, 1 << 20))
       ->capture_default_str();
   return service.Run(argc, argv, [&](const ServiceContext& context) {

@@ -87,7 +87,7 @@ cv::Mat3b CountColors::Paint(const cv::Mat1s& counts) const {
   return picture;
 }
 
-ValueRange CalmRange::Follow(const ValueRange& range) {
+ValueRange StableRange::Follow(const ValueRange& range) {
   if (range_) {
     const double span = range_->max - range_->min;
     const bool inside =

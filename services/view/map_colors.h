@@ -22,7 +22,7 @@ class CountColors {
   /// By disparity.
   static CountColors OfDisparity(const ValueRange& range_px);
 
-  /// By the depth that a disparity stands for, see ColorOfDepth().
+  /// By the depth of a disparity, see ColorOfDepth().
   static CountColors OfDepth(const RectifiedPair& pair, const ValueRange& range_m);
 
   /// O(pixels).
@@ -35,8 +35,8 @@ class CountColors {
   std::vector<cv::Vec3b> table_;
 };
 
-/// Every N-th pixel of a map, so that it has at most `width` columns; values stay what they
-/// are. O(pixels of the result).
+/// Every N-th pixel of a map, so that it has at most `width` columns; values are not changed.
+/// O(pixels of the result).
 template <typename T>
 cv::Mat_<T> Thin(const cv::Mat_<T>& map, int width) {
   if (map.cols <= width) return map;
@@ -55,12 +55,12 @@ cv::Mat_<T> Thin(const cv::Mat_<T>& map, int width) {
   return thin;
 }
 
-/// Keeps a colour scale calm: it moves only when the values of a frame leave it, or fill less than
-/// half of it.
-class CalmRange {
+/// Keeps a colour scale stable: it changes only when the values of a frame leave it, or fill less
+/// than half of it.
+class StableRange {
  public:
   /// @param range  of this frame's values.
-  /// @returns the one to paint with.
+  /// @returns the range to use.
   ValueRange Follow(const ValueRange& range);
 
  private:

@@ -5,19 +5,19 @@
 
 namespace sprout::view {
 
-/// A file without a name, in memory: what writes files can write what is sent to a browser.
+/// An unnamed file in memory: lets functions that write files produce what is sent to a browser.
 class MemoryFile {
  public:
-  /// @throws std::system_error when the kernel has none left.
+  /// @throws std::system_error when it cannot be created.
   MemoryFile();
   ~MemoryFile();
   MemoryFile(MemoryFile&& other) noexcept;
   MemoryFile& operator=(MemoryFile&&) = delete;
 
-  /// To write it, once; see OutputFile.
+  /// Path for writing it, once; see OutputFile.
   std::filesystem::path path() const;
 
-  /// Its own descriptor, at the beginning of the file; the caller closes it.
+  /// A new descriptor, at the beginning of the file; the caller closes it.
   int OpenForReading() const;
 
  private:

@@ -10,28 +10,28 @@
 
 namespace sprout::view {
 
-/// JSON for the page. Texts from the network need not be UTF-8.
+/// JSON for the page, also for texts from the network that are not UTF-8.
 inline std::string JsonText(const nlohmann::json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// A picture, a cloud or seeds, ready for the wire.
+/// A picture, a cloud or seeds, encoded for the page.
 struct EncodedPart {
   nlohmann::json head;  ///< name and what is needed to read `body`
   std::string body;     ///< a JPEG stream, or arrays of little-endian numbers
 
-  /// Memory that it takes, with what `head` has; not only the bytes that are in use.
+  /// Allocated memory, including that of `head`.
   size_t memory() const { return body.capacity() + kHeadBytes; }
 
-  /// About what a head of 10 to 15 numbers and names takes.
+  /// Approximate memory of a head of 10 to 15 numbers and names.
   static constexpr size_t kHeadBytes = 2048;
 };
 using EncodedPartPtr = std::shared_ptr<const EncodedPart>;
 
-/// One binary message with all that is shown of a frame: length of the head (uint32,
-/// little-endian), the head (JSON, filled up with spaces so that what follows begins at a multiple
-/// of 8), and the bodies, each filled up with zeros to a multiple of 8. In the head the parts have
-/// "offset" and "size", from the beginning of the first body.
+/// One binary message with everything shown of a frame: length of the head (uint32, little-endian),
+/// the head (JSON, padded with spaces to a multiple of 8), and the bodies, each padded with zeros
+/// to a multiple of 8. The head gives "offset" and "size" of each part, counted from the beginning
+/// of the first body.
 std::string MakePacket(nlohmann::json head, const std::vector<EncodedPartPtr>& parts);
 
 /// Appends the memory of numbers.

@@ -76,8 +76,9 @@ void PageConnection::OnRead(beast::error_code error) {
 
 // The connection goes back to the thread of the sockets, which alone may end it.
 template <typename Work>
-void PageConnection::SendLater(Work work, bool is_text) {
-  auto make = [self = shared_from_this(), work = std::move(work), is_text]() mutable {
+void PageConnection::SendLater(Work work, bool is_text, bool PageConnection::*busy) {
+  this->*busy = true;
+  auto make = [self = shared_from_this(), work = std::move(work), is_text, busy]() mutable {
     auto message = std::make_shared<Message>(Message{{}, is_text, false});
     try {
       message->bytes = work();
@@ -86,8 +87,8 @@ void PageConnection::SendLater(Work work, bool is_text) {
       message->is_text = true;
     }
     PageConnection& page = *self;
-    boost::asio::post(page.stream_.get_executor(), [self = std::move(self), message, is_text] {
-      (is_text ? self->probing_ : self->encoding_) = false;
+    boost::asio::post(page.stream_.get_executor(), [self = std::move(self), message, busy] {
+      (*self).*busy = false;
       self->Send(std::move(*message));
     });
   };
@@ -97,14 +98,14 @@ void PageConnection::SendLater(Work work, bool is_text) {
 void PageConnection::Pump() {
   if (!open_ || !outbox_.empty()) return;
   PumpProbe();
+  PumpMeasure();
   if (encoding_) return;
   if (auto show = session_.TakeFrame()) {
-    encoding_ = true;
     FrameEncoder& encoder = *state_.parts.encoder;
     const KeyRange keys = session_.keys();
     SendLater([&encoder, show = std::move(*show),
-               keys] { return encoder.Encode(show.frame, show.wish, keys); },
-              /*is_text=*/false);
+               keys] { return encoder.Encode(show.frame, show.parts, keys); },
+              /*is_text=*/false, &PageConnection::encoding_);
   }
   if (const auto gone = session_.TakeGone()) {
     Send({JsonText({{"type", "gone"}, {"key", *gone}}), true, false});
@@ -115,7 +116,6 @@ void PageConnection::PumpProbe() {
   if (probing_) return;
   auto probe = session_.TakeProbe();
   if (!probe) return;
-  probing_ = true;
   FrameEncoder& encoder = *state_.parts.encoder;
   SendLater(
       [&encoder, probe = std::move(*probe)] {
@@ -123,7 +123,22 @@ void PageConnection::PumpProbe() {
         answer["type"] = "probe";
         return JsonText(answer);
       },
-      /*is_text=*/true);
+      /*is_text=*/true, &PageConnection::probing_);
+}
+
+// The panel is used on the thread of the pictures only.
+void PageConnection::PumpMeasure() {
+  if (measuring_) return;
+  auto measure = session_.TakeMeasure();
+  if (!measure) return;
+  FrameEncoder& encoder = *state_.parts.encoder;
+  SendLater(
+      [&encoder, measure = std::move(*measure)] {
+        nlohmann::json answer = measure.panel->Show(*encoder.Decode(measure.frame));
+        answer["type"] = "measure";
+        return JsonText(answer);
+      },
+      /*is_text=*/true, &PageConnection::measuring_);
 }
 
 void PageConnection::SendStatus(const std::string& status) {

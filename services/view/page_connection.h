@@ -13,7 +13,7 @@
 
 namespace sprout::view {
 
-/// A page that is open: its session on a WebSocket. On the thread of the sockets.
+/// An open page: its session on a WebSocket. On the thread of the sockets.
 class PageConnection : public std::enable_shared_from_this<PageConnection> {
  public:
   PageConnection(ServerState& state, ConnectionCount count, boost::asio::ip::tcp::socket socket);
@@ -21,8 +21,8 @@ class PageConnection : public std::enable_shared_from_this<PageConnection> {
 
   void Accept(boost::beast::http::request<boost::beast::http::empty_body> request);
 
-  /// Sends what there is to send: a frame, once the page has drawn the last one. Nothing while
-  /// something is on its way, whatever the page says: one that does not read takes no memory.
+  /// Sends a frame, once the page has drawn the last one. Sends nothing while a message is being
+  /// sent, whatever the page says: so a page that does not read takes no memory.
   void Pump();
 
   /// Sends a status, unless one is still waiting.
@@ -38,26 +38,29 @@ class PageConnection : public std::enable_shared_from_this<PageConnection> {
   void Read();
   void OnRead(boost::beast::error_code error);
   void PumpProbe();
+  void PumpMeasure();
   void Send(Message message);
   void Write();
 
-  /// Does work on the thread for pictures, and sends what it gives.
+  /// Runs work on the thread for pictures, and sends its result.
+  /// @param busy  true meanwhile.
   template <typename Work>
-  void SendLater(Work work, bool is_text);
+  void SendLater(Work work, bool is_text, bool PageConnection::*busy);
 
   ServerState& state_;
   ConnectionCount count_;
   ViewSession session_;
   boost::beast::websocket::stream<boost::beast::tcp_stream> stream_;
   boost::beast::flat_buffer buffer_;
-  std::deque<Message> outbox_;  // the first is on its way
+  std::deque<Message> outbox_;  // the first is being sent
   bool status_waits_ = false;
   bool encoding_ = false;
   bool probing_ = false;
+  bool measuring_ = false;
   bool open_ = false;
 };
 
-/// Makes a WebSocket of a connection on which `request` asked for it.
+/// Turns a connection into a WebSocket, as `request` asked.
 void ServePage(ServerState& state, ConnectionCount count, boost::asio::ip::tcp::socket socket,
                boost::beast::http::request<boost::beast::http::empty_body> request);
 

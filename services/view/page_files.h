@@ -6,7 +6,7 @@
 
 namespace sprout::view {
 
-/// A file of the page, which the program has inside it.
+/// A file of the page, embedded in the program.
 struct PageFile {
   std::string_view path;  ///< "/app.js"
   std::string_view type;  ///< "text/javascript; charset=utf-8"

@@ -9,9 +9,9 @@
 
 namespace sprout::view {
 
-/// Writes something of a frame to a file. What: left.png, right.png, confidence.png,
-/// disparity.png and prior.png (with a scale), disparity.pfm, prior.pfm (px), cloud.ply (m).
-/// @returns an error for another name, a part that the frame has not, or sizes that differ.
+/// Writes a part of a frame to a file, named left.png, right.png, confidence.png, disparity.png and
+/// prior.png (with a scale), disparity.pfm, prior.pfm (px), cloud.ply (m).
+/// @returns an error for another name, a missing part, or different sizes.
 Result<void> SaveFrame(const Frame& frame, const std::string& what,
                        const std::filesystem::path& path);
 

@@ -66,8 +66,9 @@ class Server::Impl {
     if (!error) acceptor_.bind(endpoint, error);
     if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
     if (!error) return;
-    const std::string hint =
-        error == asio::error::address_in_use ? "; another sprout-view? --port takes another" : "";
+    const std::string hint = error == asio::error::address_in_use
+                                 ? "; is another sprout-view running? --port chooses another port"
+                                 : "";
     throw ListenError(address + ":" + std::to_string(port) + ": " + error.message() + hint);
   }
 

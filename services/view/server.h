@@ -13,7 +13,7 @@
 
 namespace sprout::view {
 
-/// The address cannot be listened on. what() is one line.
+/// The server cannot listen on the address. what() is one line.
 class ListenError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -26,22 +26,23 @@ struct ServerParts {
   const HttpHandler* handler = nullptr;
   std::function<std::string()> hello;   ///< JSON, the first message to a page; any thread
   std::function<std::string()> status;  ///< JSON, once a second; any thread
-  size_t keep_bytes = 0;                ///< see KeepBudget
+  size_t keep_bytes = 0;                ///< see PausedFrameBudget
 };
 
 /// Serves pages: HTTP requests, and WebSockets (at /ws) with frames and statuses.
 ///
-/// Three threads: one for all sockets, which never works long; one that makes pictures, one that
-/// answers other requests; these two at a low priority, so that the graph goes first. Every page is
-/// served by itself: of what it cannot take in time only the newest is kept.
+/// Three threads: one for all sockets, which is never busy for long; one that makes pictures, and
+/// one that answers other requests, both at low priority, so that the graph goes first. Pages are
+/// independent: for a slow page only the newest frame is kept.
 class Server {
  public:
-  /// Most connections, and of these WebSockets. A browser opens up to six, and one WebSocket.
+  /// Most connections, and most WebSockets among them. A browser opens up to six, and one
+  /// WebSocket.
   static constexpr int kMaxConnections = 96;
   static constexpr int kMaxPages = 16;
 
   /// Listens before it returns.
-  /// @param address  in numbers. @param port  0: any that is free.
+  /// @param address  numeric. @param port 0: any free port.
   /// @throws ListenError.
   Server(const std::string& address, uint16_t port, ServerParts parts);
   ~Server();
@@ -51,7 +52,7 @@ class Server {
 
   uint16_t port() const;
 
-  /// FrameSource::Newest() is another one. Any thread; returns at once.
+  /// FrameSource::Newest() has changed. Any thread; returns at once.
   void FrameChanged();
 
  private:

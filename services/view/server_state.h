@@ -14,12 +14,12 @@ namespace sprout::view {
 
 class PageConnection;
 
-/// What the connections of a server share. Used on the thread of the sockets only.
+/// State shared by a server's connections. Used only on the thread of the sockets.
 struct ServerState {
   explicit ServerState(ServerParts what) : parts(std::move(what)), budget(parts.keep_bytes) {}
 
   ServerParts parts;
-  KeepBudget budget;
+  PausedFrameBudget budget;
   int connections = 0;
   LimitedWarnings bad_pages;
   std::set<PageConnection*> pages;
@@ -28,7 +28,7 @@ struct ServerState {
   boost::asio::thread_pool requests{1};
 };
 
-/// Counts a connection as long as it lives.
+/// Counts a connection during its life.
 class ConnectionCount {
  public:
   explicit ConnectionCount(ServerState& state) : state_(&state) { ++state_->connections; }

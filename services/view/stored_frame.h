@@ -10,12 +10,12 @@
 
 namespace sprout::view {
 
-/// A message as it came; shared, never changed.
+/// A received message; shared, never changed.
 using StoredBytes = std::shared_ptr<const std::vector<uint8_t>>;
 
 /// The messages of one capture, still encoded: a decoded frame takes several times the memory, and
-/// most frames are never looked at. Never changed: who has one may keep it, and a frame that gets
-/// another part becomes a new one with the same key.
+/// most frames are never shown. Immutable: a frame that gets another part becomes a new object with
+/// the same key.
 struct StoredFrame {
   int64_t key = 0;      ///< +1 for each capture, in the order in which they were first heard
   int64_t version = 0;  ///< +1 for each part that is shown

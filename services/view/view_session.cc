@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kMinWidth = 16;
 constexpr int kMaxWidth = 4096;
+constexpr double kMaxTargetDistance = 10000;  // m
 
 // A whole number; JSON has others, too.
 std::optional<int64_t> NumberOf(const nlohmann::json& message, const char* name) {
@@ -23,8 +24,9 @@ bool FlagOf(const nlohmann::json& message, const char* name) {
   return found != message.end() && found->is_boolean() && found->get<bool>();
 }
 
-Result<Wish> WishOf(const nlohmann::json& message) {
-  Wish wish{.pictures = {}, .cloud = FlagOf(message, "cloud"), .seeds = FlagOf(message, "seeds")};
+Result<ShownParts> ShownPartsOf(const nlohmann::json& message) {
+  ShownParts parts{
+      .pictures = {}, .cloud = FlagOf(message, "cloud"), .seeds = FlagOf(message, "seeds")};
   const auto pictures = message.find("pictures");
   if (pictures == message.end() || !pictures->is_object() || pictures->size() > kPictureCount) {
     return Fail("wish: pictures are missing");
@@ -33,9 +35,25 @@ Result<Wish> WishOf(const nlohmann::json& message) {
     const std::optional<Picture> picture = PictureOf(name);
     if (!picture || !width.is_number_integer()) return Fail("wish: no picture is called that");
     const auto columns = std::clamp<int64_t>(width.get<int64_t>(), kMinWidth, kMaxWidth);
-    wish.pictures.emplace_back(*picture, static_cast<int>(columns));
+    parts.pictures.emplace_back(*picture, static_cast<int>(columns));
   }
-  return wish;
+  return parts;
+}
+
+// A rectangle; whether it lies in the image shows when it is measured.
+Result<std::optional<cv::Rect>> RectOf(const nlohmann::json& message, const char* name) {
+  const auto found = message.find(name);
+  if (found == message.end()) return std::optional<cv::Rect>();
+  std::vector<int> numbers;
+  if (found->is_array() && found->size() == 4) {
+    for (const nlohmann::json& number : *found) {
+      const int64_t px = number.is_number_integer() ? number.get<int64_t>() : -1;
+      if (px >= 0 && px < kMaxSide) numbers.push_back(static_cast<int>(px));
+    }
+  }
+  if (numbers.size() != 4)
+    return Fail("measure: allowed are rectangles of whole numbers of an image");
+  return std::optional(cv::Rect(numbers[0], numbers[1], numbers[2], numbers[3]));
 }
 
 }  // namespace
@@ -50,9 +68,9 @@ Result<void> ViewSession::OnMessage(std::string_view text) {
   if (type == "drawn") {
     drawing_ = false;
   } else if (type == "wish") {
-    Result<Wish> wish = WishOf(message);
-    if (!wish) return tl::unexpected(wish.error());
-    wish_ = std::move(*wish);
+    Result<ShownParts> parts = ShownPartsOf(message);
+    if (!parts) return tl::unexpected(parts.error());
+    parts_ = std::move(*parts);
     wish_changed_ = true;
   } else if (type == "live") {
     Release();
@@ -72,9 +90,33 @@ Result<void> ViewSession::OnMessage(std::string_view text) {
       return Fail("probe: u and v: allowed are the pixels of an image");
     }
     probe_ = {static_cast<int>(*u), static_cast<int>(*v)};
+  } else if (type == "measure") {
+    return OnMeasure(message);
   } else {
     return Fail("a message of an unknown type");
   }
+  return {};
+}
+
+Result<void> ViewSession::OnMeasure(const nlohmann::json& message) {
+  panel_.reset();
+  if (FlagOf(message, "off")) return {};
+  TargetSettings settings;
+  for (const auto& [name, rect] :
+       {std::pair{"region", &settings.region}, {"edge", &settings.edge}}) {
+    const auto found = RectOf(message, name);
+    if (!found) return tl::unexpected(found.error());
+    *rect = *found;
+  }
+  if (const auto distance = message.find("distance_m"); distance != message.end()) {
+    const double metres = distance->is_number() ? distance->get<double>() : 0;
+    if (!(metres > 0) || metres > kMaxTargetDistance) {
+      return Fail("measure: distance_m: allowed is a number above 0, m");
+    }
+    settings.distance_m = metres;
+  }
+  panel_ = std::make_shared<TargetPanel>(settings);
+  to_measure_ = true;
   return {};
 }
 
@@ -101,14 +143,21 @@ std::optional<ViewSession::Show> ViewSession::TakeFrame() {
   if (same && !wish_changed_) return std::nullopt;
   wish_changed_ = false;
   drawing_ = true;
+  to_measure_ = true;
   shown_ = std::move(frame);
-  return Show{shown_, wish_};
+  return Show{shown_, parts_};
 }
 
 std::optional<ViewSession::Probe> ViewSession::TakeProbe() {
   if (!probe_ || !shown_) return std::nullopt;
   const auto [u, v] = *std::exchange(probe_, std::nullopt);
   return Probe{shown_, u, v};
+}
+
+std::optional<ViewSession::Measure> ViewSession::TakeMeasure() {
+  if (!panel_ || !shown_ || !to_measure_) return std::nullopt;
+  to_measure_ = false;
+  return Measure{shown_, panel_};
 }
 
 KeyRange ViewSession::keys() const {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,13 +13,14 @@
 #include "common/core/result.h"
 #include "services/view/frame_encoder.h"
 #include "services/view/frame_source.h"
+#include "services/view/target_panel.h"
 
 namespace sprout::view {
 
-/// Memory that pages which stopped to look may keep from vanishing, together. For one thread.
-class KeepBudget {
+/// Memory for frames that all paused pages together may keep. Not thread-safe.
+class PausedFrameBudget {
  public:
-  explicit KeepBudget(size_t bytes) : left_(bytes) {}
+  explicit PausedFrameBudget(size_t bytes) : left_(bytes) {}
 
   bool Take(size_t bytes) {
     if (bytes > left_) return false;
@@ -31,9 +33,9 @@ class KeepBudget {
   size_t left_;
 };
 
-/// What one page sees, without a socket. The page says what it wants to see, follows the graph or
-/// looks at single frames, and says when it has drawn one; until then it gets no other, and then
-/// the newest. So a slow page gets fewer frames, and nothing waits for it. For one thread.
+/// The state of one page, without a socket. The page says what it wants to show, follows the graph
+/// or shows single frames, and says when it has drawn one; only then it gets the newest. So a slow
+/// page gets fewer frames, and nothing waits for it. Not thread-safe.
 ///
 /// Messages of the page, JSON:
 ///   {"type": "wish", "pictures": {"left": 640, ...}, "cloud": true, "seeds": true}
@@ -42,24 +44,29 @@ class KeepBudget {
 ///   {"type": "look", "key": K} look at frame K, and stay
 ///   {"type": "drawn"}          ready for another frame
 ///   {"type": "probe", "u": U, "v": V}  what is known of a pixel of the frame on show
+///   {"type": "measure", "region": [LEFT, TOP, WIDTH, HEIGHT], "edge": [...], "distance_m": D}
+///                              measure a flat target in what is shown from now on, see
+///                              TargetPanel; all three may be left out
+///   {"type": "measure", "off": true}
 class ViewSession {
  public:
-  ViewSession(const FrameSource& source, KeepBudget& budget) : source_(source), budget_(budget) {}
+  ViewSession(const FrameSource& source, PausedFrameBudget& budget)
+      : source_(source), budget_(budget) {}
   ~ViewSession() { Release(); }
   ViewSession(const ViewSession&) = delete;
   ViewSession& operator=(const ViewSession&) = delete;
 
-  /// @returns an error for a message that is none of the above; such a page is hung up on.
+  /// @returns an error for any other message; then the connection is closed.
   Result<void> OnMessage(std::string_view text);
 
-  /// The frame to send now, if there is one; the page then has to draw it first.
+  /// The frame to send now, if any; the page must draw it before the next.
   struct Show {
     StoredFramePtr frame;
-    Wish wish;
+    ShownParts parts;
   };
   std::optional<Show> TakeFrame();
 
-  /// The pixel to tell of now, if one was asked for: of several the last.
+  /// The pixel to report now, if one was asked for: of several the last.
   struct Probe {
     StoredFramePtr frame;
     int u;
@@ -67,27 +74,37 @@ class ViewSession {
   };
   std::optional<Probe> TakeProbe();
 
-  /// A frame that the page asked for and that is no longer there, once.
+  /// What to measure now: once for each frame that was sent, and for each new region.
+  struct Measure {
+    StoredFramePtr frame;
+    std::shared_ptr<TargetPanel> panel;
+  };
+  std::optional<Measure> TakeMeasure();
+
+  /// A frame that the page asked for and that no longer exists; reported once.
   std::optional<int64_t> TakeGone() { return std::exchange(gone_, std::nullopt); }
 
-  /// Frames that the page can look at.
+  /// Frames that the page can show.
   KeyRange keys() const;
 
  private:
+  Result<void> OnMeasure(const nlohmann::json& message);
   StoredFramePtr Wanted();
   StoredFramePtr Find(int64_t key) const;
   void Keep();
   void Release();
 
   const FrameSource& source_;
-  KeepBudget& budget_;
-  Wish wish_;
+  PausedFrameBudget& budget_;
+  ShownParts parts_;
   bool wish_changed_ = false;
   bool live_ = true;
   std::optional<int64_t> look_;  // key
   bool drawing_ = false;
   StoredFramePtr shown_;
   std::optional<std::pair<int, int>> probe_;
+  std::shared_ptr<TargetPanel> panel_;
+  bool to_measure_ = false;
   std::optional<int64_t> gone_;
   std::vector<StoredFramePtr> kept_;  // by key
   size_t kept_bytes_ = 0;

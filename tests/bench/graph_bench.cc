@@ -1,5 +1,6 @@
-// The four processes over udpm at one rate: what got lost, how old the answers are, what it costs.
-//   sprout_bench_graph PRESET WxH RATE_HZ SECONDS FOLDER
+// The graph over udpm at one rate: what got lost, how old the answers are, what it costs.
+//   sprout_bench_graph PRESET stages|pipeline WxH RATE_HZ SECONDS FOLDER
+// stages: refine, prior and grow are processes of their own; pipeline: sprout-pipeline is all three.
 // The frame is a Middlebury scene of SPROUT_DATA in that size, written to FOLDER, over and over.
 // Prints one line of JSON. Exit code 0 when every frame was answered, 3 when one was not.
 #include <fmt/core.h>
@@ -21,6 +22,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "common/app/process.h"
 #include "common/bus/channels.h"
@@ -34,7 +36,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kStages[] = {"capture", "refine", "prior", "grow"};
+// What runs beside sprout-capture; the last one answers with the disparity.
+using Stages = std::vector<std::string>;
+
+Stages StagesOf(const std::string& hosting) {
+  return hosting == "pipeline" ? Stages{"pipeline"} : Stages{"refine", "prior", "grow"};
+}
 
 // CPU time of a process so far, ms: fields 14 and 15 of its stat, counted behind its name.
 double CpuMs(int pid) {
@@ -99,25 +106,31 @@ class StatusWatch {
   Receiver receiver_;
 };
 
-int Run(const std::string& preset, const std::string& source, double rate_hz, double seconds) {
+int Run(const std::string& preset, const std::string& hosting, const std::string& source,
+        double rate_hz, double seconds) {
   StatusWatch watch;
+  const Stages stages = StagesOf(hosting);
+  const std::string& answering = stages.back();
   const auto frames = static_cast<int64_t>(std::ceil(rate_hz * seconds));
   std::map<std::string, std::unique_ptr<Process>> processes;
-  for (const std::string stage : kStages) {
+  std::string all;
+  const auto start = [&](const std::string& stage, const std::vector<std::string>& flags) {
     std::vector<std::string> command = {std::string(SPROUT_BINARY_DIR) + "/sprout-" + stage,
                                         "--config", preset, "--log-level", "warning"};
-    if (stage == "capture") {
-      command.insert(command.end(),
-                     {"--source", source, "--loop", "--rate", std::to_string(rate_hz), "--wait-for",
-                      "refine,prior,grow", "--frames", std::to_string(frames)});
-    }
+    command.insert(command.end(), flags.begin(), flags.end());
     processes[stage] = std::make_unique<Process>(command);
+  };
+  for (const std::string& stage : stages) {
+    start(stage, {});
+    all += (all.empty() ? "" : ",") + stage;
   }
+  start("capture", {"--source", source, "--loop", "--rate", std::to_string(rate_hz), "--wait-for",
+                    all, "--frames", std::to_string(frames)});
   std::map<std::string, double> cpu_ms;
   std::map<std::string, StageStatus> last;
   using Clock = std::chrono::steady_clock;
   const auto deadline = Clock::now() + std::chrono::duration<double>(seconds * 1.2 + 30);
-  while (last["grow"].newest_frame.seq < frames - 1 && Clock::now() < deadline) {
+  while (last[answering].newest_frame.seq < frames - 1 && Clock::now() < deadline) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     last = watch.Newest();
     for (const auto& [stage, status] : last) {
@@ -130,18 +143,19 @@ int Run(const std::string& preset, const std::string& source, double rate_hz, do
       break;
     }
   }
-  const StageStatus& grow = last["grow"];
-  const int64_t lost = frames - grow.frames_out;
+  const StageStatus& answered = last[answering];
+  const int64_t lost = frames - answered.frames_out;
   nlohmann::ordered_json result;
   result["preset"] = preset;
+  result["hosting"] = hosting;
   result["source"] = source;
   result["fps"] = rate_hz;
   result["seconds"] = seconds;
   result["frames"] = frames;
   result["lost_or_skipped"] = lost;
-  result["age_p50_ms"] = grow.age.p50_ms;
-  result["age_p95_ms"] = grow.age.p95_ms;
-  result["age_p99_ms"] = grow.age.p99_ms;
+  result["age_p50_ms"] = answered.age.p50_ms;
+  result["age_p95_ms"] = answered.age.p95_ms;
+  result["age_p99_ms"] = answered.age.p99_ms;
   double total = 0;
   for (const auto& [stage, ms] : cpu_ms) total += ms / static_cast<double>(frames);
   result["cpu_ms_per_frame"] = total;
@@ -156,21 +170,23 @@ int Run(const std::string& preset, const std::string& source, double rate_hz, do
 }  // namespace sprout
 
 int main(int argc, char** argv) {
-  if (argc != 6) {
-    std::cerr << "usage: sprout_bench_graph PRESET WxH RATE_HZ SECONDS FOLDER\n";
+  const std::string hosting = argc == 7 ? argv[2] : "";
+  if (hosting != "stages" && hosting != "pipeline") {
+    std::cerr << "usage: sprout_bench_graph PRESET stages|pipeline WxH RATE_HZ SECONDS FOLDER\n";
     return 2;
   }
   try {
     cv::Size size;
     const char* data = std::getenv("SPROUT_DATA");
-    if (data == nullptr || std::sscanf(argv[2], "%dx%d", &size.width, &size.height) != 2) {
+    if (data == nullptr || std::sscanf(argv[3], "%dx%d", &size.width, &size.height) != 2) {
       std::cerr << "sprout_bench_graph: SPROUT_DATA is not set, or the size is not WxH\n";
       return 2;
     }
-    const std::string folder = argv[5];
+    const std::string folder = argv[6];
     sprout::WriteScene(
         folder, sprout::LoadBenchFrame(std::string(data) + "/middlebury/full/Monopoly", size));
-    return sprout::Run(argv[1], "middlebury:" + folder, std::stod(argv[3]), std::stod(argv[4]));
+    return sprout::Run(argv[1], hosting, "middlebury:" + folder, std::stod(argv[4]),
+                       std::stod(argv[5]));
   } catch (const std::exception& e) {
     std::cerr << "sprout_bench_graph: " << e.what() << "\n";
     return 1;

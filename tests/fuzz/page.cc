@@ -79,7 +79,7 @@ std::vector<Bytes> HttpSeeds() {
 // A line a message; between them the page gets what it may see.
 void AnswerPage(std::span<const uint8_t> bytes) {
   Viewer& viewer = TheViewer();
-  view::KeepBudget budget(size_t{1} << 20);
+  view::PausedFrameBudget budget(size_t{1} << 20);
   view::ViewSession session(viewer.input.ring, budget);
   std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   while (!rest.empty()) {

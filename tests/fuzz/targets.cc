@@ -18,6 +18,8 @@ constexpr Target kTargets[] = {
     {"pfm", ReadPfmFile, PfmSeeds, 1024},
     {"image", ReadImageFile, ImageSeeds},
     {"payload", ReadPayload, PayloadSeeds, 1024},
+    {"ros2", ReadRosMessage, RosSeeds},
+    {"mcap", ReadMcapFile, McapSeeds, 8192},
     {"http", AnswerHttp, HttpSeeds, 1024},
     {"page", AnswerPage, PageSeeds, 1024},
 };

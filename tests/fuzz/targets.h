@@ -15,6 +15,12 @@ std::vector<Bytes> FrameSeeds();
 void ReadWholeLog(std::span<const uint8_t> bytes);
 std::vector<Bytes> LogSeeds();
 
+// ros2.cc
+void ReadRosMessage(std::span<const uint8_t> bytes);
+std::vector<Bytes> RosSeeds();
+void ReadMcapFile(std::span<const uint8_t> bytes);
+std::vector<Bytes> McapSeeds();
+
 // settings.cc
 void ReadConfig(std::span<const uint8_t> bytes);
 std::vector<Bytes> ConfigSeeds();

@@ -76,8 +76,8 @@ TEST(BatchBorder, LogsWhoseNamesCannotBeUsedAreNamedAndTheOthersComputed) {
   const Outcome outcome = RunProgramOf(command);
   EXPECT_EQ(outcome.exit_code, 1) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("left out: "));
-  EXPECT_THAT(outcome.output, HasSubstr("b\\xe4.lcm: cannot stand in the manifest"));
-  EXPECT_THAT(outcome.output, HasSubstr("c\\x0ad.lcm: cannot stand in the manifest"));
+  EXPECT_THAT(outcome.output, HasSubstr("b\\xe4.lcm: is not allowed in the manifest"));
+  EXPECT_THAT(outcome.output, HasSubstr("c\\x0ad.lcm: is not allowed in the manifest"));
   EXPECT_THAT(outcome.output, Not(HasSubstr("will be tried again")));
   EXPECT_GT(fs::file_size(folder / "out/logs/a_a.lcm"), 1000U);
   EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("b\\xe4.lcm"));

@@ -222,8 +222,8 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
   }
 }
 
-HostileMessage HostileMessages::Spoiled(Part part) {
-  const std::vector<check::Spoiling> ways = check::SpoilingsOf(part);
+HostileMessage HostileMessages::Corrupted(Part part) {
+  const std::vector<check::Corruption> ways = check::CorruptionsOf(part);
   const Bytes bytes = EncodePart(RandomId(), part, values_.at(part), DisparityEncoding::kRawInt16);
   return {"spoiled field by field", std::string(ChannelOf(part)),
           ways[Below(ways.size())].apply(bytes), true};
@@ -266,7 +266,7 @@ std::vector<HostileMessage> HostileMessages::Next() {
   switch (Below(8)) {
     case 0:
     case 1:
-      return {Spoiled(part)};
+      return {Corrupted(part)};
     case 2:
       return {OfAnotherSize(part)};
     case 3:

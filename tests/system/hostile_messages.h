@@ -47,7 +47,7 @@ class HostileMessages {
   Bytes Damaged(Bytes bytes, std::string& way, bool& bad);
   PartValue Odd(Part part, cv::Size size);
   Rig OddRig(cv::Size size);
-  HostileMessage Spoiled(Part part);
+  HostileMessage Corrupted(Part part);
   HostileMessage OfAnotherSize(Part part);
   HostileMessage OnWrongChannel(Part part);
   std::vector<HostileMessage> OddFrame();

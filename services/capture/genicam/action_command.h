@@ -9,18 +9,18 @@
 
 namespace sprout::capture {
 
-/// What a camera compares an action command with (ActionDeviceKey, ActionGroupKey,
+/// Keys of action commands, which a camera compares with its own (ActionDeviceKey, ActionGroupKey,
 /// ActionGroupMask).
 inline constexpr uint32_t kActionDeviceKey = 0x5350524F;  // "SPRO"
 inline constexpr uint32_t kActionGroupKey = 1;
 inline constexpr uint32_t kActionGroupMask = 1;
 
 /// GigE Vision's ACTION_CMD packet, scheduled (GigE Vision 2.0, GVCP): 8 bytes of header, the three
-/// keys, the time; big endian. No answer is asked for.
+/// keys, the time; big endian. It requests no answer.
 /// @param time_ns  of the cameras' common clock.
 std::array<uint8_t, 28> ScheduledAction(uint16_t request_id, uint64_t time_ns);
 
-/// Sends it to one camera, which Aravis' interface has no call for.
+/// Sends it to one camera; Aravis has no function for this.
 Result<void> SendScheduledAction(ArvGvDevice* device, uint16_t request_id, uint64_t time_ns);
 
 }  // namespace sprout::capture

@@ -15,10 +15,10 @@ namespace sprout::capture {
 /// What happened at a camera.
 struct CameraEvent {
   enum class Kind {
-    kOpened,  ///< it sends; text: what it is
-    kImage,   ///< image: one came, whole or not
+    kOpened,  ///< it sends; text: its name and format
+    kImage,   ///< image: one came, complete or not
     kClock,   ///< clock: its clock was read
-    kGone,    ///< it does not send; text: why. Told again only for another reason
+    kGone,    ///< it does not send; text: why. Repeated only for another reason
   };
   Kind kind = Kind::kImage;
   std::string text;
@@ -26,12 +26,12 @@ struct CameraEvent {
   ClockReading clock = {};
 };
 
-/// One camera of a rig, in a thread of its own: opened, and opened anew for as long as it takes
-/// whenever it is lost, cannot be opened or is held by another program; after 0.5 s at first, then
-/// each time after twice as long, at most 8 s.
+/// One camera of a rig, in its own thread. When it is lost, cannot be opened or is held by another
+/// program, it is opened again without end: after 0.5 s at first, then each time after twice as
+/// long, at most 8 s.
 class Camera {
  public:
-  /// @param tell  is called from the camera's thread, also before the constructor returns.
+  /// @param tell  called from the camera's thread, also before the constructor returns.
   Camera(const DeviceSettings& settings, std::function<void(CameraEvent)> tell);
 
   Camera(const Camera&) = delete;
@@ -39,13 +39,14 @@ class Camera {
   /// Stops the camera.
   ~Camera() = default;
 
-  /// Starts an exposure, if the camera is there (RigDescription::SOFTWARE). Thread-safe.
+  /// Starts an exposure, if the camera is connected (RigDescription::SOFTWARE). Thread-safe.
   void Trigger();
 
-  /// Starts an exposure at a time of its clock, if it is there (RigDescription::PTP). Thread-safe.
+  /// Starts an exposure at a time of its clock, if it is connected (RigDescription::PTP).
+  /// Thread-safe.
   void TriggerAt(int64_t device_ns);
 
-  /// Its clock; nothing when it is not there, or does not tell. Thread-safe.
+  /// Time of its clock; nothing when it is not connected or its clock cannot be read. Thread-safe.
   std::optional<ClockReading> ReadClock();
 
  private:
@@ -55,9 +56,9 @@ class Camera {
 
   DeviceSettings settings_;
   std::function<void(CameraEvent)> tell_;
-  std::mutex mutex_;  // of device_ as such, and of commands to it
+  std::mutex mutex_;  // guards device_ and commands to it
   std::unique_ptr<Device> device_;
-  std::jthread thread_;  // the last one: it uses all others
+  std::jthread thread_;  // last: it uses all others
 };
 
 }  // namespace sprout::capture

@@ -19,57 +19,57 @@
 
 namespace sprout::capture {
 
-/// An image as a device gave it, or that there is none.
+/// An image of a device, or the report that there is none.
 struct DeviceImage {
-  int64_t device_ns = 0;      ///< the device's stamp of the start of the exposure, its clock
+  int64_t device_ns = 0;      ///< start of the exposure by the device's clock
   int64_t exposure_ns = 0;    ///< how long it was exposed; 0 = unknown
-  int64_t arrived_utime = 0;  ///< when its first packet was here, host's clock, µs
+  int64_t arrived_utime = 0;  ///< arrival of its first packet, host's clock, µs
   cv::Mat image;              ///< of a stereo camera; empty when it cannot be used
   TofImage tof;               ///< of a ToF camera; empty when it cannot be used
   int64_t lost = 0;           ///< images that did not come, and this one if it cannot be used
   std::string trouble;        ///< why, of the newest of them
 };
 
-/// What a device's clock said at a time of the host.
+/// A reading of a device's clock, and the host's time.
 struct ClockReading {
   int64_t device_ns = 0;
-  int64_t utime = 0;  ///< when the answer was here, µs
+  int64_t utime = 0;  ///< arrival of the answer, µs
 };
 
 /// A camera that is open, set up and sending. Next() and is_lost() are for one thread, the others
-/// for any, one call at a time.
+/// for any thread, one call at a time.
 class Device {
  public:
-  /// Finds the camera, sets it up as asked for and starts it. The error is one line that names what
-  /// cannot be done and what the camera allows.
+  /// Finds the camera, configures it and starts it. The error is one line that names what failed
+  /// and what the camera allows.
   static Result<std::unique_ptr<Device>> Open(const DeviceSettings& settings);
 
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
   ~Device();
 
-  /// What it is and gives: "Lucid HLT003S 213700123 at 192.168.0.7: 640x480 Coord3D_C16".
+  /// Its name and format: "Lucid HLT003S 213700123 at 192.168.0.7: 640x480 Coord3D_C16".
   const std::string& text() const { return text_; }
 
   /// The next image; nothing when none came in time.
   std::optional<DeviceImage> Next(int64_t timeout_us);
 
-  /// Whether it does not answer any more. Aravis' heartbeat finds out within some 7 s.
+  /// Whether it stopped answering. Aravis' heartbeat detects this within some 7 s.
   bool is_lost() const { return is_lost_; }
 
-  /// Takes it for lost: it will not be waited for.
+  /// Marks it as lost: it is not waited for.
   void GiveUp() { is_lost_ = true; }
 
-  /// Starts an exposure: what RigDescription::SOFTWARE means.
+  /// Starts an exposure, for RigDescription::SOFTWARE.
   void Trigger();
 
-  /// Starts an exposure at a time of its clock, ns: what RigDescription::PTP means.
+  /// Starts an exposure at a time of its clock, ns, for RigDescription::PTP.
   void TriggerAt(int64_t device_ns);
 
-  /// Reads its clock; nothing when it cannot be read. Takes some packets' ways.
+  /// Reads its clock; nothing when it cannot be read. Takes some network round trips.
   std::optional<ClockReading> ReadClock();
 
-  /// Reads the time of exposure anew: a camera that chooses it changes it.
+  /// Reads the exposure time again: a camera with automatic exposure changes it.
   void ReadExposure();
 
  private:
@@ -92,7 +92,7 @@ class Device {
   cv::Mat1d range_per_depth_;  // empty unless the device gives ranges along the ray
   std::optional<ClockReader> clock_reader_;
   int64_t exposure_ns_ = 0;
-  std::string buffer_hint_;  // of a receive buffer that is too small
+  std::string buffer_hint_;  // warning about a receive buffer that is too small
   uint16_t action_id_ = 0;
   uint64_t newest_id_ = 0;
   std::set<uint64_t> missing_ids_;

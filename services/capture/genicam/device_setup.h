@@ -12,17 +12,17 @@
 
 namespace sprout::capture {
 
-/// How a camera of a rig is driven.
+/// Settings of a camera of a rig.
 struct DeviceSettings {
   CameraDevice device;  ///< rig.proto
   RigDescription::Trigger trigger = RigDescription::SOFTWARE;
   double frame_rate_hz = 10;
   bool is_tof = false;
-  /// Of a ToF camera that gives ranges along the ray; nothing: the device's own idea of its lens.
+  /// Lens of a ToF camera that gives ranges along the ray; nothing: read from the device.
   std::optional<Lens> lens;
 };
 
-/// Writes what the rig file asks for into a camera: parts of the payload, pixel format, exposure,
+/// Applies the rig file's settings to a camera: parts of the payload, pixel format, exposure,
 /// gain, packet size, trigger, frame rate. The error names the rig file's field, the value and what
 /// the camera allows.
 Result<void> SetUpCamera(ArvCamera* camera, const DeviceSettings& settings);
@@ -30,10 +30,10 @@ Result<void> SetUpCamera(ArvCamera* camera, const DeviceSettings& settings);
 /// Reads a camera's clock.
 class ClockReader {
  public:
-  /// Finds out how: TimestampLatch (SFNC), GevTimestampControlLatch (older cameras), or not at all.
+  /// Chooses the method: TimestampLatch (SFNC), GevTimestampControlLatch (older cameras), or none.
   explicit ClockReader(ArvCamera* camera);
 
-  /// Its time now, ns; nothing when it does not tell.
+  /// Its time now, ns; nothing when it cannot be read.
   std::optional<int64_t> Read(ArvCamera* camera) const;
 
  private:
@@ -42,11 +42,11 @@ class ClockReader {
   double tick_ns_ = 1;
 };
 
-/// What a ToF camera says about its numbers; what it does not say is as Scan3d has it.
+/// How a ToF camera scales its numbers; missing values have Scan3d's defaults.
 Scan3d ReadScan3d(ArvCamera* camera);
 
-/// A ToF camera's own idea of its lens (Scan3dFocalLength, Scan3dPrincipalPointU and V), without
-/// distortion; nothing when it does not say.
+/// The lens that a ToF camera reports (Scan3dFocalLength, Scan3dPrincipalPointU and V), without
+/// distortion; nothing when it reports none.
 std::optional<Lens> ReadLens(ArvCamera* camera);
 
 }  // namespace sprout::capture

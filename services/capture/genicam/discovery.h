@@ -11,34 +11,33 @@ namespace sprout::capture {
 
 /// A camera that answers on the network (GigE Vision) or on a bus (USB3 Vision).
 struct FoundCamera {
-  std::string id;  ///< Aravis' name of it
+  std::string id;  ///< Aravis' name for it
   std::string vendor;
   std::string model;
   std::string serial;
-  std::string address;   ///< IP address, or that on the bus
+  std::string address;   ///< IP address, or address on the bus
   std::string protocol;  ///< "GigEVision", "USB3Vision"
 
   /// "Lucid HLT003S 213700123 at 192.168.0.7", for messages.
   std::string Text() const;
 };
 
-/// Asks every network interface and bus; takes about 1 s. In the order of serial numbers.
-/// Thread-safe.
+/// Searches every network interface and bus; takes about 1 s. Sorted by serial number. Thread-safe.
 std::vector<FoundCamera> FindCameras();
 
-/// A camera that this process alone controls.
+/// A camera under exclusive control of this process.
 struct OpenedCamera {
   FoundCamera found;
   ArvObject<ArvCamera> camera;
 };
 
-/// Opens the camera with a serial number. Several threads may look for theirs at the same time: the
-/// network is asked once for all of them. The error says that it does not answer, that another
-/// program holds it, or what else is wrong. Thread-safe.
+/// Opens the camera with a serial number. Several threads may do so at the same time: the network
+/// is searched once for all of them. The error says that it does not answer, that another program
+/// holds it, or another reason. Thread-safe.
 Result<OpenedCamera> OpenBySerial(const std::string& serial);
 
 /// For people, a line a camera: vendor, model, serial number, address, size and pixel formats, or
-/// why that is not known. Opens each for a moment.
+/// why these are unknown. Opens each camera briefly.
 std::string ListCameras();
 
 }  // namespace sprout::capture

@@ -113,12 +113,12 @@ void FrameBuilder::CheckReading(RigPlace place, int64_t end_ns, int64_t arrived_
   camera.clock.Restart();
   former_.Drop(place);
   if (camera.misfits == kMisfits) {
-    Complain(place, "its clock does not fit its images; read anew");
+    Complain(place, "its clock contradicts its images; reading it again");
     return;
   }
   camera.is_distrusted = true;
   camera.is_read = false;
-  Complain(place, "its clock does not fit its images; from now on their arrival tells the time");
+  Complain(place, "its clock contradicts its images; from now on times follow from their arrival");
 }
 
 void FrameBuilder::Complain(RigPlace place, const std::string& text) {

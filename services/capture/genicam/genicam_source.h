@@ -11,14 +11,13 @@ namespace sprout::capture {
 
 /// The cameras of a rig file, by GenICam: GigE Vision and USB3 Vision, through Aravis. Each camera
 /// has a thread; Next() forms triplets by the time of exposure. utime is the middle of the
-/// exposures of left and right, in the host's time (DeviceClock). Cameras may come and go: without
-/// left or right Next() waits, without the ToF camera frames go on with an empty ToF image.
+/// exposures of left and right, in the host's time (DeviceClock). Cameras may be lost and return:
+/// without left or right Next() waits; without the ToF camera frames have an empty ToF image.
 ///
 /// @param path     of the rig file, for messages.
 /// @param waiting  called while Next() waits.
-/// @throws ConfigError when the rig file names no cameras, or asks for what is not known here. What
-/// a
-///         camera refuses is told in CapturedFrame::trouble and tried again.
+/// @throws ConfigError when the rig file names no cameras, or has unknown settings. Settings that a
+///         camera refuses are reported in CapturedFrame::trouble and tried again.
 std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::string& path,
                                        datasets::Waiting waiting = {});
 

@@ -123,7 +123,7 @@ Result<cv::Mat> ToImage(const PayloadPart& part) {
   const auto format = static_cast<PixelFormat>(part.format);
   if (!IsStereoFormat(format)) {
     return Fail("pixel format " + PixelFormatName(part.format) +
-                " is none of a stereo camera; allowed: " + StereoFormatNames());
+                " is not a stereo camera's; allowed: " + StereoFormatNames());
   }
   const bool is_colour = format == PixelFormat::kRGB8 || format == PixelFormat::kBGR8;
   // OpenCV has no view of bytes that are const; it is only read.

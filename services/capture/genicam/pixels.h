@@ -13,8 +13,8 @@
 
 namespace sprout::capture {
 
-/// Pixel formats that are understood, by the numbers that GenICam's Pixel Format Naming Convention,
-/// or the maker, gives them; 16-bit ones are little endian.
+/// Supported pixel formats, with the numbers of GenICam's Pixel Format Naming Convention or of the
+/// manufacturer; 16-bit ones are little endian.
 enum class PixelFormat : uint32_t {
   kMono8 = 0x01080001,
   kMono16 = 0x01100007,
@@ -33,10 +33,10 @@ enum class PixelFormat : uint32_t {
   kCoord3dAbcy16 = 0x82400403,  // Lucid's own: A, B, C and the intensity
 };
 
-/// The format of GenICam's name ("BayerRG8"), if it is understood.
+/// The format with this GenICam name ("BayerRG8"), if supported.
 std::optional<PixelFormat> PixelFormatNamed(std::string_view name);
 
-/// GenICam's name of a format; its number when it is not understood.
+/// GenICam's name of a format; its number if not supported.
 std::string PixelFormatName(uint32_t format);
 
 /// Names of the formats that a camera of this kind may have, for messages: "Mono8, BayerRG8, …".
@@ -47,25 +47,25 @@ std::string TofFormatNames();
 bool IsStereoFormat(PixelFormat format);
 bool IsTofFormat(PixelFormat format);
 
-/// What a part of a payload shows. A payload of one part does not say it: kUnknown.
+/// The content of a part of a payload. A payload of one part does not say: kUnknown.
 enum class PartContent { kUnknown, kImage, kRange, kConfidence };
 
-/// One image as it lies in a device's payload.
+/// One image in a device's payload.
 struct PayloadPart {
-  uint32_t format = 0;     ///< a PixelFormat, or one that is not understood
+  uint32_t format = 0;     ///< a PixelFormat, or an unsupported one
   int width = 0;           ///< px
   int height = 0;          ///< px
-  size_t row_padding = 0;  ///< bytes behind every row
+  size_t row_padding = 0;  ///< bytes after every row
   std::span<const uint8_t> bytes;
   PartContent content = PartContent::kUnknown;
 };
 
-/// Bytes from one row to the next, once the size was looked at: the error names a format that is
-/// not understood, a size that cannot be, or bytes that are missing.
+/// Checks the size and returns the bytes from one row to the next. The error names an unsupported
+/// format, an impossible size, or missing bytes.
 Result<size_t> RowBytes(const PayloadPart& part);
 
 /// An image of the left or right camera, 8UC1, or 8UC3 (BGR) of a colour camera: Bayer patterns are
-/// interpolated bilinearly (cv::demosaicing). A copy: the payload may go. O(pixels).
+/// interpolated bilinearly (cv::demosaicing). A copy, independent of the payload. O(pixels).
 Result<cv::Mat> ToImage(const PayloadPart& part);
 
 }  // namespace sprout::capture

@@ -23,16 +23,16 @@ struct Scan3d {
   bool is_range = false;
 };
 
-/// What a ToF camera delivers, as it measured it: C of every pixel, 0 where there is no return, and
-/// the amplitude. RangesToDepths() has to follow when scan3d.is_range. A copy: the payload may go.
+/// A ToF camera's measurement: C of every pixel, 0 where there is no return, and the amplitude.
+/// Call RangesToDepths() afterwards if scan3d.is_range. A copy, independent of the payload.
 ///
-/// One part holds C: Coord3D_C16, _C32f, _ABC16, _ABC32f or _ABCY16, or Mono16 when nothing else
-/// can hold it. The amplitude is a part with an image (Mono16, Mono8), else the Y beside C, else
-/// the confidence, else empty; a confidence of 0 is no return. The error names what is missing or
+/// One part holds C: Coord3D_C16, _C32f, _ABC16, _ABC32f or _ABCY16, or Mono16 if no other part
+/// can. The amplitude is a part with an image (Mono16, Mono8), else the Y beside C, else the
+/// confidence, else empty; a confidence of 0 means no return. The error names what is missing or
 /// does not fit together. O(pixels).
 Result<TofImage> ToTofImage(std::span<const PayloadPart> parts, const Scan3d& scan3d);
 
-/// Ranges along the ray become z.
+/// Converts ranges along the ray to z.
 /// @param range_per_depth  RangePerDepth() of the camera's lens, of the image's size.
 void RangesToDepths(TofImage& image, const cv::Mat1d& range_per_depth);
 

@@ -11,7 +11,7 @@
 
 namespace sprout::capture {
 
-/// Place of a camera in a rig.
+/// Position of a camera in a rig.
 enum class RigPlace { kLeft, kRight, kTof };
 inline constexpr std::array kRigPlaces = {RigPlace::kLeft, RigPlace::kRight, RigPlace::kTof};
 
@@ -34,31 +34,31 @@ struct Triplet {
 };
 
 struct TripletConfig {
-  /// Images whose times are at most so far apart belong together, µs; > 0.
+  /// Images whose times are at most this far apart belong together, µs; > 0.
   int64_t max_spread_us = 5000;
   bool has_tof = true;  ///< whether the rig has a ToF camera
-  /// How long after its exposure an image is waited for at most, µs. A pair goes without a ToF
-  /// image after that; so do images of one camera without that of the other one.
+  /// Longest wait for an image after its exposure, µs. After that a pair is output without a ToF
+  /// image, and images of one camera without a partner count as unpaired.
   int64_t max_wait_us = 500'000;
 };
 
-/// Puts together images by the time of their exposure. Images of one camera come in the order of
-/// their exposure; those of different cameras in any order. Deterministic, no clock inside.
+/// Joins images by the time of their exposure. Images of one camera come in the order of their
+/// exposure; those of different cameras in any order. Deterministic; reads no clock.
 class TripletSynchronizer {
  public:
   explicit TripletSynchronizer(const TripletConfig& config) : config_(config) {}
 
-  /// Takes an image. One that is older than the newest of its camera (its clock jumped) counts all
-  /// images of that camera which wait as unpaired.
+  /// Takes an image. If it is older than its camera's newest image (the clock jumped), all waiting
+  /// images of that camera count as unpaired.
   void Push(RigPlace place, TimedImage image);
 
-  /// Whether images of the ToF camera are worth waiting for: false once it is gone.
+  /// Whether to wait for images of the ToF camera: false when it is lost.
   void SetTofIsThere(bool is_there) { tof_is_there_ = is_there; }
 
-  /// Gives up on waiting images of a camera: it was started again, its times may be others.
+  /// Drops waiting images of a camera that was started again, since its times may differ.
   void Drop(RigPlace place);
 
-  /// The next triplet, if it is settled. Several may be waiting: call again.
+  /// The next triplet, if it is final. Call again, there may be more.
   /// @param now_utime  host's time, µs.
   std::optional<Triplet> Next(int64_t now_utime);
 

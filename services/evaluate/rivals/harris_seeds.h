@@ -8,18 +8,18 @@
 
 namespace sprout::evaluate {
 
-/// How MatchHarrisCorners() looks for corners.
+/// Settings of MatchHarrisCorners().
 struct HarrisSettings {
   int max_corners = 20000;                ///< in each image
-  double min_relative_response = 0.0001;  ///< smallest response, of that of the strongest corner
+  double min_relative_response = 0.0001;  ///< smallest response, as share of the strongest corner's
   double min_mncc = 0.8;                  ///< smallest MNCC of a match, −1 to 1
   int max_disparity_px = 0;               ///< largest one searched, px; 0 = a quarter of the width
 };
 
 /// Seeds without a ToF camera, the paper's comparison: Harris corners of both images, matched
 /// along rows by MNCC, eq. (1). A match is kept when each corner is the other's best and their
-/// MNCC is at least settings.min_mncc. Corners may differ by one row, which the detector's
-/// rounding does; the window of the right one is taken at the left one's row.
+/// MNCC is at least settings.min_mncc. Corners may differ by one row, because the detector rounds;
+/// the window of the right one is taken at the left one's row.
 ///
 /// @param left, right  rectified pair, grey, of one size, at least 5×5.
 /// @returns seeds at whole pixels, strongest left corner first.

@@ -8,11 +8,11 @@ namespace sprout::evaluate {
 
 /// OpenCV's matchers give no disparity to a band at the border, although most of its pixels are
 /// seen by both cameras: as many columns as they search disparities on the left (matched from the
-/// right image: on the right), and half a block all around. So that no method is charged for that,
-/// the images' borders are repeated outward that far, and the map is cut to size again.
+/// right image: on the right), and half a block all around. So that no method is penalised for
+/// that, the images' borders are repeated outward that far, and the map is cut to size again.
 class PaddedPair {
  public:
-  /// Which views are matched.
+  /// Views that are matched.
   enum class Views { kLeft, kBoth };
 
   /// @param max_disparity_px  the search covers 0 to at least this.

@@ -13,10 +13,10 @@ namespace sprout::evaluate {
 /// How fgs smooths.
 struct FgsSettings {
   double lambda = 10;  ///< how far seeds spread; larger: smoother, over weaker edges
-  double sigma = 3;    ///< difference of colours over which they hardly do, grey levels
+  double sigma = 3;    ///< difference of colours across which they hardly spread, grey levels
 };
 
-/// What a rival may look at.
+/// Inputs of a rival.
 struct RivalInput {
   cv::Mat left;                 ///< 8UC1 or 8UC3 (BGR), rectified
   cv::Mat right;                ///< of the same size and type
@@ -26,12 +26,12 @@ struct RivalInput {
   FgsSettings fgs = {};
 };
 
-/// Another system that a user might run instead of Sprout. To add one: a file in this folder with
+/// Another method that a user might run instead of Sprout. To add one: a file in this folder with
 /// a function that returns it, declared below and listed in AllRivals().
 struct Rival {
   std::string name;     ///< of the method, for --methods
   std::string summary;  ///< one line for --help
-  bool uses_seeds;      ///< false: it is not charged for the time that refinement takes
+  bool uses_seeds;      ///< if not, its time does not include refinement
   /// @returns disparities of the left image's pixels, px, NaN = none.
   cv::Mat1f (*compute)(const RivalInput& input);
 };

@@ -4,6 +4,7 @@
 
 #include "common/config/config_error.h"
 #include "common/core/image.h"
+#include "common/geometry/projection.h"
 #include "common/picture/read_image.h"
 #include "common/rig/rig_file.h"
 #include "services/datasets/pfm.h"
@@ -53,14 +54,7 @@ Rig RigOfPair(const RigOptions& options, cv::Size size, cv::Size tof_size) {
               .cy = (size.height - 1) / 2.0,
               .cx_right = options.cx_right.value_or(cx),
               .baseline_m = *options.baseline_m};
-  const double scale_u = static_cast<double>(tof_size.width) / size.width;
-  const double scale_v = static_cast<double>(tof_size.height) / size.height;
-  rig.tof.width = tof_size.width;
-  rig.tof.height = tof_size.height;
-  rig.tof.fx = rig.pair.focal_px * scale_u;
-  rig.tof.fy = rig.pair.focal_px * scale_v;
-  rig.tof.cx = (rig.pair.cx + 0.5) * scale_u - 0.5;
-  rig.tof.cy = (rig.pair.cy + 0.5) * scale_v - 0.5;
+  rig.tof = TofOverLeft(rig.pair, tof_size);
   return rig;
 }
 

@@ -6,6 +6,7 @@ import {addControls} from './controls.js';
 import {Hover} from './hover.js';
 import {Colors, Panes} from './panes.js';
 import {Plots} from './plots.js';
+import {Target} from './target.js';
 import {TimeLine} from './timeline.js';
 
 const byId = (id) => document.getElementById(id);
@@ -22,6 +23,7 @@ class App {
     this.panes = new Panes(byId('panes'), (u, v) => this.hover.at(u, v), () => this.wish());
     this.cloud = new Cloud(this.panes.panes.get('cloud'));
     this.hover = new Hover(byId('pixel'), this.panes, () => this.connection);
+    this.target = new Target(this.panes, () => this.connection);
     this.plots = new Plots(byId('stages'));
     this.timeLine = new TimeLine((key) => this.look(key));
     addControls(this);
@@ -42,6 +44,7 @@ class App {
   opened() {
     document.body.classList.remove('stale');
     this.connection.send({type: 'wish', ...this.panes.wish()});
+    this.target.ask();
   }
 
   closed() {
@@ -54,6 +57,7 @@ class App {
     if (message.type === 'hello') this.hello(message);
     else if (message.type === 'status') this.status(message);
     else if (message.type === 'probe') this.hover.show(message);
+    else if (message.type === 'measure') this.target.show(message);
     else if (message.type === 'gone') this.newest();
     else if (message.type === 'error') this.say(message.text, false);
   }

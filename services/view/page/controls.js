@@ -6,13 +6,14 @@ const kKeys = [
   ['Space', 'stop and look, or go on'], ['← →', 'one frame back or on; with Shift ten'],
   ['Home, End', 'the first frame, the newest one'], ['1 … 6', 'one pane large, or all again'],
   ['D', 'disparity or depth'], ['E', 'seeds on the left image'], ['P', 'prior or its standard deviation'],
+  ['M', 'how good depth is on a flat target'],
   ['C', 'colours of the cloud'], ['R', 'the cloud as it was'], ['S', 'save this frame, or the last seconds'],
   ['?', 'these keys'],
 ];
 
 const byId = (id) => document.getElementById(id);
 
-/// @param app  with toggle(), step(n), first(), newest(), key, isLog, panes, cloud, toggleUnit().
+/// @param app  with toggle(), step(n), first(), newest(), key, isLog, panes, cloud, target, toggleUnit().
 export function addControls(app) {
   const saveBox = byId('save-box');
   const helpBox = byId('help-box');
@@ -49,6 +50,7 @@ export function addControls(app) {
     'ArrowRight': (event) => app.step(event.shiftKey ? 10 : 1), 'Home': () => app.first(),
     'End': () => app.newest(), 'd': () => app.toggleUnit(), 'e': () => app.panes.toggleSeeds(),
     'p': () => app.panes.toggleSigma(), 'c': () => app.cloud.nextColors(), 'r': () => app.cloud.reset(),
+    'm': () => app.target.toggle(),
     's': save, '?': () => helpBox.showModal(), 'Escape': () => app.panes.enlarge(),
   };
   addEventListener('keydown', (event) => {

@@ -80,6 +80,7 @@ export class Panes {
     };
     view.onmouseleave = () => hover();
     view.ondblclick = () => this.enlarge(i);
+    this.addDrawing(pane, view);
     if (spec.scale) {
       const scale = make('div', 'scale', element);
       pane.scale = {low: make('span', '', scale), bar: make('canvas', '', scale), high: make('span', '', scale)};
@@ -202,27 +203,85 @@ export class Panes {
     return [(width - columns * scale) / 2, (height - rows * scale) / 2, columns * scale, rows * scale];
   }
 
-  // The pixel of the left image under the mouse; the ToF camera has pixels of its own.
-  pixelAt(pane, event) {
+  // The pixel of the left image under the mouse, or the one next to it; the ToF camera has pixels of
+  // its own.
+  pixelAt(pane, event, nearest = false) {
     if (!pane.full || pane.spec.pixels || !this.size?.[0]) return undefined;
     const [x, y, width, height] = this.frameOf(pane);
     const box = pane.view.getBoundingClientRect();
     const u = Math.floor((event.clientX - box.left - x) / width * this.size[0]);
     const v = Math.floor((event.clientY - box.top - y) / height * this.size[1]);
+    if (nearest) {
+      return [[u, 0], [v, 1]].map(([at, i]) => Math.min(this.size[i] - 1, Math.max(0, at)));
+    }
     return u >= 0 && v >= 0 && u < this.size[0] && v < this.size[1] ? [u, v] : undefined;
+  }
+
+  // A rectangle drawn with the mouse, while somebody wants one.
+  addDrawing(pane, view) {
+    let from;
+    const rectTo = (event) => {
+      const to = this.pixelAt(pane, event, true);
+      const [left, top] = [0, 1].map((i) => Math.min(from[i], to[i]));
+      return [left, top, Math.abs(to[0] - from[0]) + 1, Math.abs(to[1] - from[1]) + 1];
+    };
+    view.onpointerdown = (event) => {
+      from = this.onRect && event.button === 0 ? this.pixelAt(pane, event) : undefined;
+      if (from) view.setPointerCapture(event.pointerId);
+    };
+    view.onpointermove = (event) => {
+      if (!from || !this.onRect) return;
+      this.drawing = rectTo(event);
+      this.redraw();
+    };
+    view.onpointerup = view.onpointercancel = (event) => {
+      this.drawing = undefined;
+      // A click draws nothing.
+      const rect = from && this.onRect && event.type === 'pointerup' ? rectTo(event) : undefined;
+      from = undefined;
+      if (rect && rect[2] > 4 && rect[3] > 4) this.onRect(rect, event.shiftKey);
+      this.redraw();
+    };
+  }
+
+  /// onRect([left, top, width, height] in pixels of the left image, whether Shift was down) is
+  /// called for each rectangle that is drawn from now on; without it the mouse draws none.
+  drawRect(onRect) {
+    this.onRect = onRect;
+  }
+
+  /// Rectangles to show in every picture.
+  setRects(rects) {
+    this.rects = rects;
+    this.redraw();
   }
 
   /// A cross at a pixel in every picture, or none.
   mark(pixel) {
+    this.pixel = pixel;
+    this.redraw();
+  }
+
+  redraw() {
+    const rects = [...this.rects ?? [], ...(this.drawing ? [this.drawing] : [])];
     for (const pane of this.panes.values()) {
       if (!pane.mark) continue;
       const canvas = pane.mark;
       [canvas.width, canvas.height] = [pane.view.clientWidth, pane.view.clientHeight];
-      if (!pixel || !pane.full || pane.spec.pixels) continue;
+      if (!pane.full || pane.spec.pixels) continue;
       const [x, y, width, height] = this.frameOf(pane);
-      const cu = x + (pixel[0] + 0.5) / this.size[0] * width;
-      const cv = y + (pixel[1] + 0.5) / this.size[1] * height;
       const context = canvas.getContext('2d');
+      const [sx, sy] = [width / this.size[0], height / this.size[1]];
+      for (const [left, top, columns, rows] of rects) {
+        for (const [color, line] of [['#000a', 4], ['#fff', 1.5]]) {
+          context.strokeStyle = color;
+          context.lineWidth = line;
+          context.strokeRect(x + left * sx, y + top * sy, columns * sx, rows * sy);
+        }
+      }
+      if (!this.pixel) continue;
+      const cu = x + (this.pixel[0] + 0.5) * sx;
+      const cv = y + (this.pixel[1] + 0.5) * sy;
       for (const [color, line] of [['#000a', 3], ['#fff', 1]]) {
         context.strokeStyle = color;
         context.lineWidth = line;

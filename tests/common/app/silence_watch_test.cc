@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/app/twin_watch.h"
+#include "common/app/duplicate_watch.h"
 #include "tests/common/app/captured_log.h"
 
 namespace sprout {
@@ -46,25 +46,25 @@ class TwinWatchTest : public ::testing::Test {
 
   CapturedLog log_;
   StageMonitor monitor_{"grow", ""};
-  TwinWatch twins_{monitor_};
+  DuplicateWatch duplicates_{monitor_};
 };
 
 TEST_F(TwinWatchTest, TellsOfEveryTwinOnce) {
   const int32_t other = monitor_.Snapshot().pid + 1;
-  for (int i = 0; i < 3; ++i) twins_.Heard(Other(other));
+  for (int i = 0; i < 3; ++i) duplicates_.Heard(Other(other));
   EXPECT_THAT(log_.Lines(), ElementsAre(AllOf(HasSubstr("another sprout-grow"),
                                               HasSubstr(std::to_string(other)))));
   EXPECT_THAT(monitor_.Snapshot().last_error, HasSubstr("another sprout-grow"));
 }
 
 TEST_F(TwinWatchTest, LeavesItselfOtherStagesAndTheOneThatEndedAlone) {
-  twins_.Heard(monitor_.Snapshot());
+  duplicates_.Heard(monitor_.Snapshot());
   StageStatus prior = Other(1);
   prior.stage = "prior";
-  twins_.Heard(prior);
+  duplicates_.Heard(prior);
   StageStatus ended = Other(2);
   ended.state = StageStatus::State::kStopped;
-  twins_.Heard(ended);
+  duplicates_.Heard(ended);
   EXPECT_THAT(log_.Lines(), IsEmpty());
 }
 

@@ -95,13 +95,13 @@ class ServiceManager {
 
 TEST(Supervision, IsToldOfReadinessAndStatus) {
   const ServiceManager manager("");
-  TellReady();
+  NotifyReady();
   EXPECT_THAT(manager.Heard(), ElementsAre("READY=1"));
   StageStatus status;
   status.frames_out = 12;
   status.frames_skipped = 3;
   status.rate_hz = 9.96;
-  TellStatus(status);
+  NotifyStatus(status);
   EXPECT_THAT(manager.Heard(),
               ElementsAre(HasSubstr("STATUS=12 frames, 10.0 a second, 3 skipped")));
 }

@@ -95,6 +95,20 @@ TEST_F(ConfigFiles, LetsLaterFilesOverrideEarlierOnesKeyByKey) {
   EXPECT_EQ(LoadConfig({"paper", a}).grow().sigma_p_px(), 2) << "over a preset";
 }
 
+TEST_F(ConfigFiles, TakesTextInPlaceOfAFile) {
+  const SproutConfig config =
+      LoadConfig({"fast", "grow { sigma_p_px: 2.5 } prior { left_seeds: true }"});
+  EXPECT_DOUBLE_EQ(config.grow().sigma_p_px(), 2.5);
+  EXPECT_TRUE(config.prior().left_seeds());
+  EXPECT_EQ(config.prior().method(), PriorConfig::DELAUNAY);
+  try {
+    LoadConfig({"grow {\n no_such: 1 }"});
+    FAIL() << "took an unknown key";
+  } catch (const ConfigError& e) {
+    EXPECT_THAT(e.what(), AllOf(HasSubstr("configuration text:2:"), HasSubstr("no_such")));
+  }
+}
+
 TEST_F(ConfigFiles, NamesFileLineAndKeyOfAnUnknownKey) {
   const std::string file = Write("typo.textproto", "# first line\ngrow {\n  treshold: 0.5\n}\n");
   EXPECT_THAT(ErrorOf({file}), AllOf(HasSubstr(file + ":3:"), HasSubstr("treshold")));

@@ -25,5 +25,17 @@ TEST(Html, HasBytesOfAnyNumberInAUrl) {
   EXPECT_EQ(url("foobar"), "data:image/png;base64,Zm9vYmFy");
 }
 
+TEST(Html, TablesEscapeTheirTexts) {
+  EXPECT_EQ(TableHtml({{"a", "b"}, {"<1>", "2"}}),
+            "<table>\n<tr><th>a</th><th>b</th></tr>\n<tr><td>&lt;1&gt;</td><td>2</td></tr>\n"
+            "</table>\n");
+}
+
+TEST(Html, FiguresHaveTheirPictureInside) {
+  const std::string html = FigureHtml(cv::Mat3b(2, 3, cv::Vec3b()), "<b>black</b>");
+  EXPECT_EQ(html.find("<figure><img alt=\"\" src=\"data:image/png;base64,iVBORw0KGgo"), 0);
+  EXPECT_NE(html.find("<figcaption><b>black</b></figcaption>"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace sprout

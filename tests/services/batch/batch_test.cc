@@ -10,7 +10,6 @@
 #include "common/picture/write_image.h"
 #include "services/batch/frame_rows.h"
 #include "services/batch/planning.h"
-#include "services/batch/report_charts.h"
 #include "services/batch/report_losses.h"
 #include "services/batch/shard_run.h"
 #include "services/batch/shard_try.h"
@@ -319,13 +318,6 @@ TEST(Planning, RefusesWhatIsNotThere) {
   EXPECT_THROW(FindLogs({folder / ""}), ConfigError);  // a folder without logs
   std::ofstream(folder / "a.lcm") << "x";
   EXPECT_THAT(FindLogs({folder / "", folder / "a.lcm"}).logs, SizeIs(1));
-}
-
-TEST(ReportCharts, EscapeTextAndLeaveOutWhatIsNotThere) {
-  EXPECT_THAT(HistogramSvg("<a&b>", {1, 2}, {}), HasSubstr("&lt;a&amp;b&gt;"));
-  EXPECT_EQ(HistogramSvg("x", {NAN}, {}), "");
-  EXPECT_THAT(HistogramSvg("x", {1, 2, 2}, {2, 3, 3}), HasSubstr("polyline"));
-  EXPECT_THAT(HistogramSvg("x", {1, 1}, {}), Not(HasSubstr("nan")));
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ TEST(FindLogs, NamesAndLeavesOutWhatCannotStandInAManifest) {
   EXPECT_THAT(found.logs, ElementsAre(path + "a.lcm", path + "\u00fc.lcm"));
   EXPECT_THAT(found.left_out, ElementsAre(path + "b\\xe4.lcm", path + "c\\x0ad.lcm"));
   EXPECT_THAT(ErrorOf<ConfigError>([&] { FindLogs({folder / "b\xe4.lcm"}); }),
-              HasSubstr("b\\xe4.lcm: cannot stand in the manifest; allowed are names in UTF-8"));
+              HasSubstr("b\\xe4.lcm: is not allowed in the manifest; allowed are names in UTF-8"));
 }
 
 TEST(FindLogs, RefusesAListThatContainsItself) {

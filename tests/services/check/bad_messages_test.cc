@@ -17,10 +17,10 @@ TEST(BadMessages, AreAllRefusedAtTheBorder) {
   for (const auto& [part, value] : frames[0].parts) {
     const auto good = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
     ASSERT_TRUE(DecodePart(part, good)) << ChannelOf(part);
-    EXPECT_GE(SpoilingsOf(part).size(), 20U) << ChannelOf(part);
-    for (const Spoiling& spoiling : SpoilingsOf(part)) {
-      EXPECT_FALSE(DecodePart(part, spoiling.apply(good)))
-          << ChannelOf(part) << ", " << spoiling.name;
+    EXPECT_GE(CorruptionsOf(part).size(), 20U) << ChannelOf(part);
+    for (const Corruption& corruption : CorruptionsOf(part)) {
+      EXPECT_FALSE(DecodePart(part, corruption.apply(good)))
+          << ChannelOf(part) << ", " << corruption.name;
     }
   }
 }

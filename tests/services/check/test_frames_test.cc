@@ -43,7 +43,7 @@ TEST(TestFrames, PoorOnesDifferFromTheGoodOneAndLeaveItAsItWas) {
   const TestFrame good = SampleFrames("grow")[0];
   std::map<Part, std::vector<uint8_t>> before;
   for (const auto& [part, value] : good.parts) before[part] = Bytes(good, part);
-  const auto poor = PoorFrames(good);
+  const auto poor = DegenerateFrames(good);
   EXPECT_THAT(poor, SizeIs(8));
   for (const TestFrame& frame : poor) {
     bool differs = false;

@@ -255,7 +255,7 @@ TEST(EvaluateProgram, KeepsAnOlderFileWhenTheRunIsRefused) {
 
 TEST(EvaluateProgram, RefusesPicturesOfTwoScenesOfOneName) {
   const TemporaryDirectory folder;
-  ExpectRefused({kScene, kScene, "--images", folder / "new"}, "two scenes are called");
+  ExpectRefused({kScene, kScene, "--images", folder / "new"}, "two scenes have the name");
   EXPECT_EQ(folder.CountEntries(), 0);
 }
 

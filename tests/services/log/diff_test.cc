@@ -131,7 +131,7 @@ TEST_F(LogDiffTest, CountsAMessageThatCameAgainOnce) {
   const ProgramOutcome outcome = Diff(events_, other);
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out,
-              HasSubstr("in B, messages that came again with the same bytes and count once: 1\n"));
+              HasSubstr("in B, repeated messages with the same bytes, counted once: 1\n"));
 }
 
 TEST_F(LogDiffTest, SeesAFrameThatCameAgainWithOtherContent) {

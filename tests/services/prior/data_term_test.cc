@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "services/prior/colour_kernel.h"
+#include "services/prior/data_term_kernel.h"
 #include "services/prior/edge_surfaces.h"
 #include "tests/common/testing/instruction_sets.h"
 
@@ -183,26 +183,34 @@ TEST(DataTerm, IsTheSameWithEveryInstructionSet) {
       seeds.per_column[i] = number(9), seeds.per_row[i] = number(9);
       seeds.blue[i] = number(255), seeds.green[i] = number(255), seeds.red[i] = number(255);
     }
-    const ColourPixel pixel{1, 2, 30, 20, 10, 5, 40, 0.02F, 0.05F};
+    // Beside the border, where only colours count.
+    EdgeImages images;
+    images.left_bgr = cv::Mat3b(cv::Size(9, 9), cv::Vec3b(30, 20, 10));
+    images.left_grey = images.right_grey = cv::Mat1b(cv::Size(9, 9), uint8_t{1});
+    images.left_census = images.right_census = images.left_grey;
+    const LabelledPixel pixel{.u = 1, .v = 2, .near = 45, .far = -35};
+    const DataTermScales scales(Weights(1, 2));
+    const float middle = 5, half_gap = 40;
     // Eq. (P7), added up by fours.
     float support[4] = {}, near_support[4] = {};
     for (size_t i = 0; i < count; ++i) {
-      const float above = seeds.counts[i] + seeds.per_column[i] * (pixel.u - seeds.u[i]) +
-                          seeds.per_row[i] * (pixel.v - seeds.v[i]) - pixel.middle;
-      const float difference = std::abs(pixel.blue - seeds.blue[i]) +
-                               std::abs(pixel.green - seeds.green[i]) +
-                               std::abs(pixel.red - seeds.red[i]);
+      const float above = seeds.counts[i] +
+                          seeds.per_column[i] * (static_cast<float>(pixel.u) - seeds.u[i]) +
+                          seeds.per_row[i] * (static_cast<float>(pixel.v) - seeds.v[i]) - middle;
+      const float difference = std::abs(30 - seeds.blue[i]) + std::abs(20 - seeds.green[i]) +
+                               std::abs(10 - seeds.red[i]);
       const auto square = [](float x) { return x * x; };
-      const float miss = (std::abs(above) - pixel.half_gap) * pixel.per_miss;
+      const float miss = (std::abs(above) - half_gap) * scales.per_miss;
       const float weight =
-          1 / ((1 + square(miss)) * square(1 + square(difference * pixel.per_range)));
+          1 / ((1 + square(miss)) * square(1 + square(difference * scales.per_range)));
       support[i % 4] += weight;
       near_support[i % 4] += std::copysign(weight, above);
     }
     const auto sum = [](const float* x) { return x[0] + x[1] + x[2] + x[3]; };
     const double expected = double{sum(near_support)} / (0.01F + sum(support));
     ForEachInstructionSet([&](const std::string& name) {
-      EXPECT_EQ(ColourTerm(seeds, pixel), expected) << name << ", " << count << " seeds";
+      EXPECT_EQ(FarMinusNear(images, seeds, scales, pixel), 2 * expected)
+          << name << ", " << count << " seeds";
     });
   }
 }

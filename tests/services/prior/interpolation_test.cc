@@ -63,6 +63,22 @@ std::optional<double> ValueIn(const Corners& t, double u, double v) {
   return w0 * t[0].disparity + w1 * t[1].disparity + w2 * t[2].disparity;
 }
 
+TEST(TrianglesByBand, HasTrianglesInTheBandsThatTheyReach) {
+  std::vector<Plane> planes;
+  for (const float v : {-1e30F, -5.F, 10.F, 63.F, 64.F, 127.9F, 128.F, 1e30F}) {
+    planes.push_back({.v = v});
+  }
+  const std::vector<SeedTriangle> triangles = {{2, 3, 2}, {3, 4, 2}, {5, 4, 4}, {0, 7, 3},
+                                               {0, 1, 1}, {6, 7, 7}, {6, 5, 5}};
+  const TrianglesByBand bands(
+      planes, triangles.size(), [&](size_t i) { return triangles[i]; }, 150);
+  ASSERT_EQ(bands.size(), 3);
+  EXPECT_EQ(bands.RowsOf(2), cv::Range(128, 150));
+  EXPECT_THAT(bands.TrianglesOf(0), testing::IsSupersetOf({0, 1, 3}));
+  EXPECT_THAT(bands.TrianglesOf(1), testing::ElementsAre(1, 2, 3, 6));
+  EXPECT_THAT(bands.TrianglesOf(2), testing::ElementsAre(3, 5, 6));
+}
+
 TEST(ForEachRun, HasEveryPixelOfATriangleAndHardlyAnyOther) {
   const cv::Size size(37, 23);
   for (const double grid : {0.0, 0.5, 1.0}) {
@@ -72,7 +88,6 @@ TEST(ForEachRun, HasEveryPixelOfATriangleAndHardlyAnyOther) {
       if (Area(corners[0], corners[1], corners[2].u, corners[2].v) == 0) continue;
       cv::Mat1b painted(size, uint8_t{0});
       for (const cv::Range& rows : {cv::Range(0, 9), cv::Range(9, size.height)}) {
-        if (!Meets(planes, {0, 1, 2}, rows)) continue;
         ForEachRun(corners, size.width, rows, [&](int v, int begin, int end) {
           ASSERT_TRUE(rows.start <= v && v < rows.end && 0 <= begin && end <= size.width);
           for (int u = begin; u < end; ++u) painted(v, u) = 1;

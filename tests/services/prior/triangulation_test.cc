@@ -8,6 +8,8 @@
 #include <random>
 #include <set>
 
+#include "services/prior/grid_cells.h"
+
 namespace sprout::prior {
 namespace {
 
@@ -141,6 +143,71 @@ TEST(Triangulation, NeighboursShareATriangle) {
     EXPECT_THAT(triangulation.NeighboursOf(static_cast<int>(i)),
                 testing::UnorderedElementsAreArray(expected[i]));
   }
+}
+
+// What a ToF camera sees through a grid of rays: two surfaces with a step between them, so that the
+// grid folds or tears there, noise, and points that were dropped.
+std::vector<Seed> TofSeeds(float step_px, float noise_px, float lost, uint32_t seed) {
+  constexpr int kColumns = 40;
+  constexpr int kRows = 30;
+  std::mt19937 random(seed);
+  const auto even = [&] { return static_cast<float>(random() % 65536) / 65536; };
+  std::vector<Seed> seeds;
+  for (int y = 0; y < kRows; ++y) {
+    for (int x = 0; x < kColumns; ++x) {
+      const bool near = std::hypot(static_cast<float>(x) - 17, static_cast<float>(y) - 13) < 9;
+      const float u = 10 * static_cast<float>(x) + (near ? step_px : 0) + noise_px * even();
+      const float v = 10 * static_cast<float>(y) + noise_px * even();
+      Seed at = At(u, v);
+      at.tof_u = static_cast<int16_t>(x + 3);
+      at.tof_v = static_cast<int16_t>(y + 2);
+      if (even() >= lost) seeds.push_back(at);
+    }
+  }
+  return seeds;
+}
+
+bool operator==(const Triangulation& one, const Triangulation& other) {
+  bool same = one.triangles == other.triangles && one.hull == other.hull &&
+              one.neighbours == other.neighbours && one.lists.size() == other.lists.size();
+  for (size_t i = 0; same && i < one.lists.size(); ++i) {
+    const auto a = one.NeighboursOf(static_cast<int>(i));
+    const auto b = other.NeighboursOf(static_cast<int>(i));
+    same = std::equal(a.begin(), a.end(), b.begin(), b.end());
+  }
+  return same;
+}
+
+TEST(Triangulation, IsTheSameWhetherTheGridOfTheTofImageIsKnownOrNot) {
+  for (const float step_px : {0.F, 4.F, 12.F, -25.F, 33.F}) {
+    for (const float noise_px : {0.F, 0.01F, 3.F, 30.F}) {
+      for (const float lost : {0.F, 0.02F, 0.2F, 0.8F}) {
+        std::vector<Seed> seeds = TofSeeds(step_px, noise_px, lost, 5);
+        if (lost == 0.02F) {  // some of stereo between them, and one position twice
+          for (int i = 0; i < 30; ++i) seeds.push_back(RandomSeeds(30, 3)[static_cast<size_t>(i)]);
+          seeds.push_back(seeds[100]);
+          seeds.back().tof_u = 20;
+          std::shuffle(seeds.begin(), seeds.end(), std::mt19937(1));
+        }
+        const Triangulation known = Triangulate(seeds);
+        for (Seed& seed : seeds) seed.tof_u = seed.tof_v = -1;
+        EXPECT_TRUE(known == Triangulate(seeds))
+            << "step " << step_px << ", noise " << noise_px << ", lost " << lost;
+      }
+    }
+  }
+}
+
+TEST(GridCells, KnowTheTrianglesWhereTheGridIsIntact) {
+  std::vector<Seed> seeds = TofSeeds(0, 2, 0, 1);
+  std::vector<GridPoint> points;
+  for (const Seed& seed : seeds) points.push_back({seed.u, seed.v, seed.tof_u, seed.tof_v});
+  points[500].tof_u = -1;  // as if it was of stereo
+  const GridCells cells(points);
+  int inside = 0;
+  for (size_t i = 0; i < points.size(); ++i) inside += cells.IsInside(static_cast<int>(i)) ? 1 : 0;
+  EXPECT_GT(inside, 38 * 28 * 0.9);
+  EXPECT_LE(inside, 38 * 28 - 9);  // that one and those around it
 }
 
 TEST(Rings, GoFromNeighboursToTheirNeighbours) {

@@ -144,7 +144,7 @@ TEST(LogFolder, NeverDeletesTheLogThatItWrites) {
                  LastWords);
   logs.Write(MakeRecorded(1, 800));
   EXPECT_THAT(FailureOf([&] { logs.Write(MakeRecorded(2, 800)); }),
-              HasSubstr("no older log of ours is left to delete"));
+              HasSubstr("no older recording is left to delete"));
 }
 
 TEST(LogFolder, BelongsToOneProcess) {

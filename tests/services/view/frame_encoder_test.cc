@@ -43,8 +43,8 @@ class FrameEncoderTest : public ::testing::Test {
  protected:
   FrameEncoderTest() { AddWhole(input_, 100); }
 
-  Packet Encode(const Wish& wish) {
-    return Packet(encoder_.Encode(input_.ring.Newest(), wish, input_.ring.keys()));
+  Packet Encode(const ShownParts& shown) {
+    return Packet(encoder_.Encode(input_.ring.Newest(), shown, input_.ring.keys()));
   }
 
   RingInput input_;
@@ -223,8 +223,8 @@ TEST_F(FrameEncoderTest, MakesNoCloudOfWhatDoesNotFitTogether) {
   EXPECT_TRUE(Encode({.pictures = {}, .cloud = true}).head["parts"].empty());
 }
 
-TEST(CalmRange, MovesOnlyWhenItMust) {
-  CalmRange calm;
+TEST(StableRange, MovesOnlyWhenItMust) {
+  StableRange calm;
   EXPECT_EQ(calm.Follow({10, 50}), (ValueRange{10, 50}));
   EXPECT_EQ(calm.Follow({12, 51}), (ValueRange{10, 50}));
   EXPECT_EQ(calm.Follow({10, 60}), (ValueRange{10, 60}));

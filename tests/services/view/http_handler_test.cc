@@ -151,13 +151,13 @@ TEST_F(HttpHandlerTest, HoldsTwoSavedFramesAtATime) {
   EXPECT_EQ(Get("/save-log?seconds=10").status, 200);
 }
 
-TEST(FileShelf, GivesNobodyALogThatIsOld) {
-  FileShelf shelf(2);
+TEST(SharedFiles, GivesNobodyALogThatIsOld) {
+  SharedFiles files(2);
   const auto write = [](const std::filesystem::path&) -> Result<void> { return {}; };
-  const FileShelf::Clock::time_point now{};
-  const FileShelf::File file = *shelf.Take("10", now, write);
-  EXPECT_EQ(*shelf.Take("10", now + FileShelf::kFresh, write), file);
-  EXPECT_NE(*shelf.Take("10", now + FileShelf::kFresh + std::chrono::seconds(1), write), file);
+  const SharedFiles::Clock::time_point now{};
+  const SharedFiles::File file = *files.Take("10", now, write);
+  EXPECT_EQ(*files.Take("10", now + SharedFiles::kFresh, write), file);
+  EXPECT_NE(*files.Take("10", now + SharedFiles::kFresh + std::chrono::seconds(1), write), file);
 }
 
 // A picture of another page would make the browser ask, though that page sees nothing of it.

@@ -46,7 +46,7 @@ class ViewLogTest : public ::testing::Test {
 
   // Opens the log and waits until it is read.
   std::unique_ptr<LogFile> Open(const std::string& prefix = "") {
-    auto log = std::make_unique<LogFile>(path_, prefix, book_, [this] {
+    auto log = std::make_unique<LogFile>(path_, prefix, history_, [this] {
       const std::lock_guard lock(mutex_);
       changed_.notify_all();
     });
@@ -59,7 +59,7 @@ class ViewLogTest : public ::testing::Test {
   std::filesystem::path folder_ =
       std::filesystem::temp_directory_path() / ("sprout_view_log_" + std::to_string(getpid()));
   std::filesystem::path path_ = folder_ / "run.lcm";
-  StatusBook book_{{}, /*keep_all=*/true};
+  StatusHistory history_{{}, /*keep_all=*/true};
   std::mutex mutex_;
   std::condition_variable changed_;
 };
@@ -78,7 +78,7 @@ TEST_F(ViewLogTest, HasEveryFrameWithItsCalibration) {
   }
   EXPECT_EQ(log->Get(3), nullptr);
   EXPECT_EQ(log->Get(-1), nullptr);
-  const auto board = nlohmann::json::parse(book_.BoardText(book_.newest()));
+  const auto board = nlohmann::json::parse(history_.BoardText(history_.newest()));
   EXPECT_EQ(board["stages"][0]["frames_out"], 3);
 }
 
@@ -132,8 +132,8 @@ TEST_F(ViewLogTest, ReadsWhatIsLeftOfADamagedLog) {
 
 TEST_F(ViewLogTest, RefusesWhatIsNoLog) {
   std::ofstream(path_) << "no log";
-  EXPECT_THROW(LogFile(path_, "", book_, [] {}), LogError);
-  EXPECT_THROW(LogFile(folder_ / "none", "", book_, [] {}), LogError);
+  EXPECT_THROW(LogFile(path_, "", history_, [] {}), LogError);
+  EXPECT_THROW(LogFile(folder_ / "none", "", history_, [] {}), LogError);
 }
 
 TEST(SpreadOrder, GoesOverAllOfALogAtOnce) {

@@ -220,6 +220,55 @@ def check_log(browser, programs, log):
     check("it plays to its end", browser.wait("sprout.key == sprout.keys[1] && !sprout.playing"))
 
 
+def drag_region(browser, share, key=None):
+    """Draws a rectangle on the disparity map, from one share of its size to another."""
+    x, y, width, height = browser.run("""
+        const pane = sprout.panes.panes.get('disparity');
+        const box = pane.view.getBoundingClientRect();
+        const [x, y, width, height] = sprout.panes.frameOf(pane);
+        return [box.left + x, box.top + y, width, height];""")
+    browser.drag((x + share[0] * width, y + share[1] * height),
+                 (x + share[2] * width, y + share[3] * height), key)
+
+
+def check_measuring(browser, programs, log):
+    """The panel of a flat target, with the log open, against sprout-quality."""
+    browser.press("Home")
+    browser.wait("sprout.key == 0")
+    browser.press("m")
+    shown = browser.wait("sprout.target.shown")
+    check("the middle is measured first", bool(shown) and shown["region"] == [32, 24, 64, 48], shown)
+    drag_region(browser, (0.1, 0.2, 0.6, 0.7))
+    region = browser.wait("sprout.target.region && sprout.target.shown && "
+                          "sprout.target.shown.region.join() == sprout.target.region.join() && sprout.target.region")
+    near = bool(region) and all(abs(is_at - should) <= 2 for is_at, should in zip(region, (12, 19, 65, 49)))
+    check("the mouse draws a region", near, region)
+    browser.run("""
+        const input = document.getElementById('target-distance');
+        input.value = 2;
+        input.dispatchEvent(new Event('change'));""")
+    check("the true distance is asked for", browser.wait(
+        "sprout.target.shown.figures.some((figure) => figure.name == 'z_accuracy_percent')"))
+    seq = browser.run("return sprout.head.seq")
+    said = subprocess.run([programs.folder / "sprout-quality", log, "--frames", str(seq), "--distance-m", "2",
+                           "--region", ",".join(map(str, region or [0, 0, 9, 9]))], capture_output=True, text=True)
+    rows = browser.run("""
+        return [...document.querySelectorAll('#target-figures tr')].map((row) => [...row.cells].map((cell) => cell.textContent));""")
+    missing = [row for row in rows if " ".join(row) not in " ".join(said.stdout.split())]
+    check("the figures are those of sprout-quality", len(rows) > 8 and not missing, f"{missing} {said.stderr}")
+    drag_region(browser, (0.3, 0.3, 0.9, 0.8), "Shift")
+    check("with Shift it draws an edge", browser.wait("sprout.target.shown.edge && sprout.target.shown.edge[2] > 60"),
+          browser.run("return sprout.target.shown"))
+    browser.press("ArrowRight")
+    check("frames come together", browser.wait("sprout.target.shown.frames == 2"))
+    lines = browser.run("""
+        const mark = sprout.panes.panes.get('disparity').mark;
+        return mark.getContext('2d').getImageData(0, 0, mark.width, mark.height).data.some((value) => value > 0);""")
+    check("the region is on the picture", lines)
+    browser.press("m")
+    check("it goes away", browser.run("return document.getElementById('target').hidden"))
+
+
 def check_log_at_frame(browser, programs, log, seq):
     programs.stop("view")
     programs.start("view", "--log", log, "--frame", str(seq))
@@ -259,6 +308,7 @@ def main():
                 check_coming_back(browser, programs)
                 check_page(browser)
                 check_log(browser, programs, options.log.resolve())
+                check_measuring(browser, programs, options.log.resolve())
                 check_log_at_frame(browser, programs, options.log.resolve(), seq=3)
                 check_page(browser)
         finally:

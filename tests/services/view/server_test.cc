@@ -154,6 +154,8 @@ TEST_F(ServerTest, SendsAFrameOnlyAfterTheLastIsDrawn) {
   EXPECT_EQ(ReadFrame(page), 5);
   Say(page, R"({"type":"probe","u":40,"v":20})");
   EXPECT_EQ(ReadText(page, "probe")["disparity_px"], 10);
+  Say(page, R"({"type":"measure"})");
+  EXPECT_EQ(ReadText(page, "measure")["region"], nlohmann::json({16, 12, 32, 24}));
   Say(page, R"({"type":"look","key":500})");
   Say(page, kDrawn);
   EXPECT_EQ(ReadText(page, "gone")["key"], 500);
@@ -272,7 +274,7 @@ TEST_F(ServerTest, SaysThatItsPortIsTaken) {
     const Server second("127.0.0.1", server_.port(), {});
     FAIL();
   } catch (const ListenError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("Address already in use; another sprout-view?"));
+    EXPECT_THAT(e.what(), HasSubstr("Address already in use; is another sprout-view running?"));
   }
   EXPECT_THROW(Server("localhost", 0, {}), ListenError);
 }

@@ -26,7 +26,7 @@ class ViewSessionTest : public ::testing::Test {
   }
 
   RingInput input_;
-  KeepBudget budget_{size_t{64} << 20};
+  PausedFrameBudget budget_{size_t{64} << 20};
   ViewSession session_{input_.ring, budget_};
 };
 
@@ -57,7 +57,7 @@ TEST_F(ViewSessionTest, KeepsItsFramesWhileItLooks) {
 }
 
 TEST_F(ViewSessionTest, KeepsNoMoreThanTheBudgetOfAllPages) {
-  KeepBudget small(3 * input_.ring.Newest()->bytes());
+  PausedFrameBudget small(3 * input_.ring.Newest()->bytes());
   ViewSession first(input_.ring, small);
   ViewSession second(input_.ring, small);
   ASSERT_TRUE(first.OnMessage(R"({"type":"pause"})"));
@@ -101,12 +101,52 @@ TEST_F(ViewSessionTest, TellsOfThePixelThatWasAskedForLast) {
   EXPECT_FALSE(session_.TakeProbe());
 }
 
+TEST_F(ViewSessionTest, MeasuresEachFrameThatIsSentOnce) {
+  Say(R"({"type":"measure","region":[4,4,40,30],"edge":[8,8,9,9],"distance_m":1.5})");
+  EXPECT_FALSE(session_.TakeMeasure());  // no frame was sent yet
+  EXPECT_EQ(Sent(), 9);
+  const auto measure = session_.TakeMeasure();
+  ASSERT_TRUE(measure);
+  EXPECT_EQ(measure->frame->id.seq, 9);
+  EXPECT_FALSE(session_.TakeMeasure());
+  Say(R"({"type":"drawn"})");
+  AddWhole(input_, 10);
+  EXPECT_EQ(Sent(), 10);
+  EXPECT_EQ(session_.TakeMeasure()->panel, measure->panel);
+  // Another region begins anew, on the frame that is there.
+  Say(R"({"type":"measure"})");
+  const auto other = session_.TakeMeasure();
+  ASSERT_TRUE(other);
+  EXPECT_NE(other->panel, measure->panel);
+  Say(R"({"type":"measure","off":true})");
+  Say(R"({"type":"drawn"})");
+  AddWhole(input_, 11);
+  EXPECT_EQ(Sent(), 11);
+  EXPECT_FALSE(session_.TakeMeasure());
+}
+
 TEST_F(ViewSessionTest, RefusesWhatNoPageOfOursSays) {
-  for (const char* bad :
-       {"", "{", "[]", "7", R"({"type":"fly"})", R"({"type":7})", R"({"type":"look"})",
-        R"({"type":"look","key":"x"})", R"({"type":"look","key":1.5})", R"({"type":"wish"})",
-        R"({"type":"wish","pictures":{"secret":64}})", R"({"type":"wish","pictures":{"left":"x"}})",
-        R"({"type":"probe","u":-1,"v":0})", R"({"type":"probe","u":0,"v":99999})", "\xff\xfe"}) {
+  for (const char* bad : {"",
+                          "{",
+                          "[]",
+                          "7",
+                          R"({"type":"fly"})",
+                          R"({"type":7})",
+                          R"({"type":"look"})",
+                          R"({"type":"look","key":"x"})",
+                          R"({"type":"look","key":1.5})",
+                          R"({"type":"wish"})",
+                          R"({"type":"wish","pictures":{"secret":64}})",
+                          R"({"type":"wish","pictures":{"left":"x"}})",
+                          R"({"type":"measure","region":[1,2,3]})",
+                          R"({"type":"measure","region":[1,2,3,"x"]})",
+                          R"({"type":"measure","edge":[-1,2,3,4]})",
+                          R"({"type":"measure","region":[1,2,3,99999]})",
+                          R"({"type":"measure","distance_m":0})",
+                          R"({"type":"measure","distance_m":"x"})",
+                          R"({"type":"probe","u":-1,"v":0})",
+                          R"({"type":"probe","u":0,"v":99999})",
+                          "\xff\xfe"}) {
     EXPECT_FALSE(session_.OnMessage(bad)) << bad;
   }
 }

@@ -17,7 +17,7 @@ FLAGS = [
     "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
 ]
 KEYS = {"ArrowLeft": "\ue012", "ArrowRight": "\ue014", "Home": "\ue011", "End": "\ue010",
-        "Escape": "\ue00c"}
+        "Escape": "\ue00c", "Shift": "\ue008"}
 
 
 def missing():
@@ -116,6 +116,20 @@ class Browser:
         self._call("POST", self.session + "/actions", {"actions": [
             {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"},
              "actions": [{"type": "pointerMove", "x": int(x), "y": int(y), "duration": 0}]}]})
+
+    def drag(self, start, end, key=None):
+        """Pulls the mouse from one place to another, CSS pixels, with a key down."""
+        pause = {"type": "pause"}
+        mouse = [{"type": "pointerMove", "x": int(start[0]), "y": int(start[1]), "duration": 0},
+                 {"type": "pointerDown", "button": 0},
+                 {"type": "pointerMove", "x": int(end[0]), "y": int(end[1]), "duration": 0},
+                 {"type": "pointerUp", "button": 0}]
+        keys = [pause, {"type": "keyDown", "value": KEYS.get(key, key)}, pause, pause,
+                {"type": "keyUp", "value": KEYS.get(key, key)}]
+        self._call("POST", self.session + "/actions", {"actions": [
+            {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"},
+             "actions": [mouse[0], pause, *mouse[1:]]},
+            {"type": "key", "id": "keys", "actions": keys if key else [pause] * 5}]})
 
     def devtools(self, command, **parameters):
         """A command of the DevTools protocol."""

@@ -179,7 +179,7 @@ TEST_F(Former, ReadsAClockAnewThatJumped) {
     if (frame) trouble += frame->trouble;
     EXPECT_EQ(frame.has_value(), i > 24) << i;
   }
-  EXPECT_EQ(trouble, "right camera (serial 2): its clock does not fit its images; read anew");
+  EXPECT_EQ(trouble, "right camera (serial 2): its clock contradicts its images; reading it again");
 }
 
 TEST_F(Former, DoesNotBelieveAClockThatIsNotThatOfTheImages) {

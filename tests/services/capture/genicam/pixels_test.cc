@@ -78,7 +78,7 @@ TEST(Pixels, SayWhatIsWrongWithAPayload) {
   EXPECT_THAT(error(PartOf(PixelFormat::kMono8, -3, -4, bytes)), HasSubstr("-3x-4 pixels"));
   EXPECT_THAT(error(PartOf(PixelFormat::kMono8, 1 << 30, 1 << 30, bytes)), HasSubstr("pixels"));
   EXPECT_THAT(error(PartOf(PixelFormat::kCoord3dC16, 2, 2, bytes)),
-              HasSubstr("Coord3D_C16 is none of a stereo camera; allowed: Mono8, BayerRG8"));
+              HasSubstr("Coord3D_C16 is not a stereo camera's; allowed: Mono8, BayerRG8"));
   EXPECT_THAT(error(PartOf(static_cast<PixelFormat>(0x010C0006), 2, 2, bytes)),
               HasSubstr("pixel format 0x010C0006 is not understood; allowed: Mono8"));
   PayloadPart padded = PartOf(PixelFormat::kMono8, 3, 2, bytes);

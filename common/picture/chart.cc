@@ -1,0 +1,106 @@
+#include "common/picture/chart.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/core/quantile.h"
+#include "common/picture/html.h"
+
+namespace sprout {
+namespace {
+
+constexpr int kBins = 40;
+constexpr double kWidth = 360;
+constexpr double kHeight = 120;
+
+std::vector<float> Present(const std::vector<float>& values) {
+  std::vector<float> present;
+  for (const float value : values) {
+    if (!std::isnan(value)) present.push_back(value);
+  }
+  return present;
+}
+
+struct Bounds {
+  double low;
+  double high;
+};
+
+Bounds BoundsOf(std::vector<float> values) {
+  const size_t rank = values.size() / 100;
+  const double low = OrderStatistic(values, rank);
+  const double high = OrderStatistic(values, values.size() - 1 - rank);
+  return high > low ? Bounds{low, high} : Bounds{low - 0.5, low + 0.5};
+}
+
+std::vector<double> SharesOf(const std::vector<float>& values, const Bounds& bounds) {
+  std::vector<double> shares(kBins, 0);
+  for (const float value : values) {
+    const double place = (value - bounds.low) / (bounds.high - bounds.low) * kBins;
+    shares[static_cast<size_t>(std::clamp(place, 0.0, kBins - 1.0))] +=
+        1.0 / static_cast<double>(values.size());
+  }
+  return shares;
+}
+
+}  // namespace
+
+std::string HistogramSvg(const std::string& title, const std::vector<float>& a,
+                         const std::vector<float>& b, const std::string& bars) {
+  const std::vector<float> in_a = Present(a);
+  const std::vector<float> in_b = Present(b);
+  if (in_a.empty() && in_b.empty()) return "";
+  std::vector<float> all = in_a;
+  all.insert(all.end(), in_b.begin(), in_b.end());
+  const Bounds bounds = BoundsOf(std::move(all));
+  const std::vector<double> shares_a = SharesOf(in_a, bounds);
+  const std::vector<double> shares_b = SharesOf(in_b, bounds);
+  const double top = std::max(*std::max_element(shares_a.begin(), shares_a.end()),
+                              *std::max_element(shares_b.begin(), shares_b.end()));
+  const double bar = kWidth / kBins;
+  std::string svg = fmt::format(
+      "<figure class=\"chart\"><figcaption>{}</figcaption><svg viewBox=\"0 0 {} {}\" "
+      "width=\"{}\" height=\"{}\">",
+      EscapedHtml(title), kWidth, kHeight + 18, kWidth, kHeight + 18);
+  std::string line;
+  for (size_t i = 0; i < kBins; ++i) {
+    const double x = static_cast<double>(i) * bar;
+    const double height = shares_a[i] / top * (kHeight - 4);
+    svg += fmt::format(
+        "<rect class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>", bars,
+        x, kHeight - height, bar - 1, height);
+    const double y = kHeight - shares_b[i] / top * (kHeight - 4);
+    line += fmt::format("{}{:.1f},{:.1f} {:.1f},{:.1f}", i == 0 ? "" : " ", x, y, x + bar, y);
+  }
+  if (!in_b.empty()) svg += fmt::format("<polyline class=\"b\" points=\"{}\"/>", line);
+  return svg + fmt::format(
+                   "<line class=\"axis\" x1=\"0\" x2=\"{0}\" y1=\"{1}\" y2=\"{1}\"/>"
+                   "<text x=\"0\" y=\"{2}\">{3:.4g}</text>"
+                   "<text x=\"{0}\" y=\"{2}\" text-anchor=\"end\">{4:.4g}</text></svg></figure>\n",
+                   kWidth, kHeight, kHeight + 14, bounds.low, bounds.high);
+}
+
+std::string StripSvg(const std::vector<float>& values, double top) {
+  constexpr size_t kSteps = 160;
+  constexpr double kStripHeight = 22;
+  const size_t steps = std::min(kSteps, std::max<size_t>(values.size(), 1));
+  std::string points;
+  for (size_t i = 0; i < steps; ++i) {
+    double largest = 0;
+    for (size_t k = i * values.size() / steps; k < (i + 1) * values.size() / steps; ++k) {
+      if (!std::isnan(values[k])) largest = std::max(largest, double{values[k]});
+    }
+    const double y = kStripHeight - std::min(1.0, largest / top) * (kStripHeight - 1);
+    const double x = static_cast<double>(i) * kSteps / static_cast<double>(steps);
+    const double end = static_cast<double>(i + 1) * kSteps / static_cast<double>(steps);
+    points += fmt::format("{:.1f},{:.1f} {:.1f},{:.1f} ", x, y, end, y);
+  }
+  return fmt::format(
+      "<svg class=\"strip\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\">"
+      "<polygon points=\"0,{1} {2}{0},{1}\"/></svg>",
+      kSteps, kStripHeight, points);
+}
+
+}  // namespace sprout

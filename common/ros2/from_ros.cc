@@ -1,0 +1,275 @@
+#include "common/ros2/from_ros.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <span>
+
+#include "common/core/checks.h"
+#include "common/core/tof_image.h"
+#include "common/messages/jpeg.h"
+
+namespace sprout {
+namespace {
+
+constexpr bool kIsBigEndian = std::endian::native == std::endian::big;
+
+struct Encoding {
+  std::string_view name;
+  int type;         // OpenCV's
+  int to_bgr = -1;  // colour conversion; −1: none
+};
+// A Bayer pattern is called by its first two pixels in ROS, and by those in the second row and
+// column in OpenCV.
+constexpr Encoding kPictures[] = {
+    {"mono8", CV_8UC1},
+    {"8UC1", CV_8UC1},
+    {"mono16", CV_16UC1},
+    {"bgr8", CV_8UC3},
+    {"8UC3", CV_8UC3},
+    {"rgb8", CV_8UC3, cv::COLOR_RGB2BGR},
+    {"bayer_rggb8", CV_8UC1, cv::COLOR_BayerBG2BGR},
+    {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2BGR},
+    {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2BGR},
+    {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2BGR},
+};
+constexpr Encoding kRanges[] = {{"16UC1", CV_16UC1}, {"mono16", CV_16UC1}, {"32FC1", CV_32FC1}};
+
+int32_t Signed(uint32_t value) {
+  return static_cast<int32_t>(std::min<uint32_t>(value, std::numeric_limits<int32_t>::max()));
+}
+
+Result<Encoding> FindEncoding(const RosImage& ros, std::span<const Encoding> known) {
+  const std::string_view name = RosText(ros.encoding);
+  const auto found = std::ranges::find(known, name, &Encoding::name);
+  if (found != known.end()) return *found;
+  std::string allowed;
+  for (const Encoding& one : known)
+    allowed += (allowed.empty() ? "" : ", ") + std::string(one.name);
+  return Fail("encoding = '" + std::string(name.substr(0, 64)) + "': allowed is " + allowed);
+}
+
+// A view of its bytes, in this machine's byte order.
+Result<cv::Mat> ViewOf(const RosImage& ros, int type) {
+  const int64_t least = int64_t{CV_ELEM_SIZE(type)} * Signed(ros.width);
+  Checks checks;
+  checks.Side("width", Signed(ros.width))
+      .Side("height", Signed(ros.height))
+      .Pixels("width × height", Signed(ros.width), Signed(ros.height))
+      .Require(ros.step >= least, "step", ros.step, "at least " + std::to_string(least))
+      .Require(ros.data._length == uint64_t{ros.step} * ros.height, "data length", ros.data._length,
+               "step × height");
+  if (!checks.ok()) return checks.error();
+  const cv::Mat view(Signed(ros.height), Signed(ros.width), type, ros.data._buffer, ros.step);
+  if (CV_ELEM_SIZE1(type) == 1 || (ros.is_bigendian != 0) == kIsBigEndian) return view;
+  cv::Mat swapped(view.size(), type);
+  const size_t bytes = CV_ELEM_SIZE1(type);
+  for (int v = 0; v < view.rows; ++v) {
+    const uint8_t* const from = view.ptr(v);
+    uint8_t* const to = swapped.ptr(v);
+    for (size_t i = 0; i < static_cast<size_t>(view.cols) * bytes; ++i) {
+      to[i] = from[i / bytes * bytes + (bytes - 1 - i % bytes)];
+    }
+  }
+  return swapped;
+}
+
+template <size_t kSize>
+bool AllFinite(const double (&values)[kSize]) {
+  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+}
+
+// Byte in a point at which a coordinate stands.
+std::optional<uint32_t> OffsetOf(const RosPointCloud& ros, std::string_view name) {
+  for (const RosPointField& field : RosSpan(ros.fields)) {
+    if (RosText(field.name) != name) continue;
+    const bool fits = field.offset <= ros.point_step && ros.point_step - field.offset >= 4;
+    if (field.datatype != kRosFloat32 || !fits) return std::nullopt;
+    return field.offset;
+  }
+  return std::nullopt;
+}
+
+float FloatAt(const uint8_t* bytes, bool swap) {
+  std::array<uint8_t, 4> four{};
+  std::copy_n(bytes, 4, four.begin());
+  if (swap) std::ranges::reverse(four);
+  return std::bit_cast<float>(four);
+}
+
+}  // namespace
+
+Result<int64_t> FromRosStamp(const RosHeader& header) {
+  constexpr uint32_t kPerSecond = 1'000'000'000;
+  if (header.stamp.nanosec >= kPerSecond) {
+    return Fail("header.stamp.nanosec = " + std::to_string(header.stamp.nanosec) +
+                ": allowed is 0 to 999999999");
+  }
+  return int64_t{header.stamp.sec} * 1'000'000 + header.stamp.nanosec / 1000;
+}
+
+Result<cv::Mat> FromRosImage(const RosImage& ros) {
+  const Result<Encoding> encoding = FindEncoding(ros, kPictures);
+  if (!encoding) return tl::unexpected(encoding.error());
+  const Result<cv::Mat> view = ViewOf(ros, encoding->type);
+  if (!view) return view;
+  cv::Mat image;
+  if (encoding->to_bgr >= 0) {
+    cv::cvtColor(*view, image, encoding->to_bgr);
+  } else if (encoding->type == CV_16UC1) {
+    view->convertTo(image, CV_8U, 1.0 / 256, -0.498);  // rounded down
+  } else {
+    image = view->clone();
+  }
+  return image;
+}
+
+Result<cv::Mat> FromRosImage(const RosCompressedImage& ros, cv::Size size) {
+  const std::string_view format = RosText(ros.format);
+  if (format.find("jpeg") == std::string_view::npos &&
+      format.find("jpg") == std::string_view::npos) {
+    return Fail("format = '" + std::string(format.substr(0, 64)) + "': allowed is jpeg");
+  }
+  return DecodeJpeg(RosSpan(ros.data), size);
+}
+
+Result<cv::Mat1f> FromRosDepth(const RosImage& ros) {
+  const Result<Encoding> encoding = FindEncoding(ros, kRanges);
+  if (!encoding) return tl::unexpected(encoding.error());
+  const Result<cv::Mat> view = ViewOf(ros, encoding->type);
+  if (!view) return tl::unexpected(view.error());
+  cv::Mat1f depth_m;
+  view->convertTo(depth_m, CV_32F, encoding->type == CV_16UC1 ? 0.001 : 1);
+  return depth_m;
+}
+
+Result<RosCamera> FromRosInfo(const RosCameraInfo& ros) {
+  const std::string_view model = RosText(ros.distortion_model);
+  const std::span d = RosSpan(ros.d);
+  Checks checks;
+  checks.Side("width", Signed(ros.width))
+      .Side("height", Signed(ros.height))
+      .Pixels("width × height", Signed(ros.width), Signed(ros.height))
+      .Require(model.empty() || model == "plumb_bob", "distortion_model", model.substr(0, 64),
+               "plumb_bob")
+      .Require(d.size() <= 5, "d length", d.size(), "0 to 5 (plumb_bob)")
+      .Require(std::ranges::all_of(d, [](double value) { return std::isfinite(value); }), "d",
+               "not finite", "finite numbers")
+      .Require(AllFinite(ros.k), "k", "not finite", "finite numbers")
+      .Require(AllFinite(ros.r), "r", "not finite", "finite numbers")
+      .Require(AllFinite(ros.p), "p", "not finite", "finite numbers")
+      .Require(ros.k[0] > 0 && ros.k[4] > 0, "k[0]", ros.k[0],
+               "a focal length > 0 (0: the camera is not calibrated)")
+      .Require(ros.p[0] > 0 && ros.p[5] > 0, "p[0]", ros.p[0], "a focal length > 0")
+      .Require(ros.binning_x <= 1 && ros.binning_y <= 1, "binning_x", ros.binning_x, "0 and 1")
+      .Require(ros.roi.x_offset == 0 && ros.roi.y_offset == 0, "roi.x_offset", ros.roi.x_offset,
+               "the whole image");
+  if (!checks.ok()) return checks.error();
+  RosCamera camera{.lens = {.width = Signed(ros.width),
+                            .height = Signed(ros.height),
+                            .fx = ros.k[0],
+                            .fy = ros.k[4],
+                            .cx = ros.k[2],
+                            .cy = ros.k[5]},
+                   .focal_px = ros.p[0],
+                   .focal_v_px = ros.p[5],
+                   .cx = ros.p[2],
+                   .cy = ros.p[6],
+                   .tx = ros.p[3]};
+  std::ranges::copy(d, camera.lens.distortion.begin());
+  camera.rectification = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(ros.r);
+  const Eigen::Matrix3d& turn = camera.rectification;
+  const bool is_turn = (turn * turn.transpose()).isIdentity(1e-6) && turn.determinant() > 0;
+  checks.Require(is_turn, "r", "no rotation", "a rotation");
+  if (!checks.ok()) return checks.error();
+  return camera;
+}
+
+Result<RectifiedPair> PairOf(const RosCamera& left, const RosCamera& right) {
+  constexpr double kSamePx = 1e-3;
+  Checks checks;
+  checks
+      .Require(left.lens.size() == right.lens.size(), "right width × height",
+               SizeText(right.lens.size()),
+               "that of the left camera, " + SizeText(left.lens.size()))
+      .Require(std::abs(left.focal_px - left.focal_v_px) < kSamePx, "left p[5]", left.focal_v_px,
+               "p[0]: square pixels")
+      .Require(std::abs(left.focal_px - right.focal_px) < kSamePx, "right p[0]", right.focal_px,
+               "that of the left camera: a rectified pair")
+      .Require(std::abs(left.cy - right.cy) < kSamePx, "right p[6]", right.cy,
+               "that of the left camera: a rectified pair")
+      .Require(left.tx == 0, "left p[3]", left.tx, "0")
+      .Require(right.tx < 0, "right p[3]", right.tx, "−f·b, below 0");
+  if (!checks.ok()) return checks.error();
+  const RectifiedPair pair{.width = left.lens.width,
+                           .height = left.lens.height,
+                           .focal_px = left.focal_px,
+                           .cx = left.cx,
+                           .cy = left.cy,
+                           .cx_right = right.cx,
+                           .baseline_m = -right.tx / left.focal_px};
+  if (const Result<void> usable = CheckRig({.pair = pair, .tof = {}}); !usable) {
+    return tl::unexpected(usable.error());
+  }
+  return pair;
+}
+
+Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros) {
+  constexpr uint64_t kMaxPoints = 20'000'000;
+  constexpr double kFarthestM = 1000;
+  const uint64_t count = uint64_t{ros.width} * ros.height;
+  const std::optional<uint32_t> x = OffsetOf(ros, "x");
+  const std::optional<uint32_t> y = OffsetOf(ros, "y");
+  const std::optional<uint32_t> z = OffsetOf(ros, "z");
+  Checks checks;
+  checks
+      .Require(x && y && z, "fields", RosSpan(ros.fields).size(),
+               "fields x, y and z of FLOAT32 within point_step")
+      .Require(count <= kMaxPoints, "width × height", count,
+               "up to " + std::to_string(kMaxPoints) + " points")
+      .Require(ros.row_step >= uint64_t{ros.width} * ros.point_step, "row_step", ros.row_step,
+               "at least width × point_step")
+      .Require(ros.data._length >= uint64_t{ros.row_step} * ros.height, "data length",
+               ros.data._length, "at least row_step × height");
+  if (!checks.ok()) return checks.error();
+  const bool swap = ros.is_bigendian != kIsBigEndian;
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(count);
+  for (uint32_t v = 0; v < ros.height; ++v) {
+    const uint8_t* at = ros.data._buffer + size_t{v} * ros.row_step;
+    for (uint32_t u = 0; u < ros.width; ++u, at += ros.point_step) {
+      const Eigen::Vector3d point(FloatAt(at + *x, swap), FloatAt(at + *y, swap),
+                                  FloatAt(at + *z, swap));
+      if (point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kFarthestM) points.push_back(point);
+    }
+  }
+  return points;
+}
+
+Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros) {
+  std::vector<RosPose> poses;
+  for (const RosTransform& one : RosSpan(ros.transforms)) {
+    const auto& place = one.transform.translation;
+    const auto& turn = one.transform.rotation;
+    const Eigen::Quaterniond rotation(turn.w, turn.x, turn.y, turn.z);
+    const Eigen::Vector3d place_m(place.x, place.y, place.z);
+    Checks checks;
+    checks
+        .Require(std::abs(rotation.norm() - 1) < 1e-3, "transform.rotation norm", rotation.norm(),
+                 "1")
+        .Require(place_m.allFinite(), "transform.translation", "not finite", "finite numbers");
+    if (!checks.ok()) return checks.error();
+    poses.push_back({.parent = std::string(RosText(one.header.frame_id)),
+                     .child = std::string(RosText(one.child_frame_id)),
+                     .rotation = rotation,
+                     .translation_m = place_m});
+  }
+  return poses;
+}
+
+}  // namespace sprout

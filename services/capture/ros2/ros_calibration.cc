@@ -1,0 +1,138 @@
+#include "services/capture/ros2/ros_calibration.h"
+
+#include <cmath>
+#include <utility>
+
+#include "services/datasets/tof_grid.h"
+
+namespace sprout::capture {
+namespace {
+
+// As Sprout's own: the rectified left camera's frame is the camera's, turned by R.
+Eigen::Quaterniond TurnOf(const RosCamera& left) {
+  return left.rectification.isIdentity(0) ? Eigen::Quaterniond::Identity()
+                                          : Eigen::Quaterniond(left.rectification);
+}
+
+// Between two frames: `a` after `b`.
+RosPose Joined(const RosPose& a, const RosPose& b) {
+  return {.parent = a.parent,
+          .child = b.child,
+          .rotation = a.rotation * b.rotation,
+          .translation_m = a.rotation * b.translation_m + a.translation_m};
+}
+
+RosPose Inverted(const RosPose& pose) {
+  const Eigen::Quaterniond turn = pose.rotation.conjugate();
+  return {.parent = pose.child,
+          .child = pose.parent,
+          .rotation = turn,
+          .translation_m = -(turn * pose.translation_m)};
+}
+
+}  // namespace
+
+Result<void> RosCalibration::TakeInfo(const RosBytes& message, std::optional<Named>& to) {
+  if (to) return {};  // the first one counts: a rig has one calibration
+  const Result<RosMessage<RosCameraInfo>> info = ReadCdr<RosCameraInfo>(message.cdr);
+  if (!info) return tl::unexpected(info.error());
+  Result<RosCamera> camera = FromRosInfo(**info);
+  if (!camera) return tl::unexpected(camera.error());
+  to = Named{std::move(*camera), std::string(RosText((*info)->header.frame_id))};
+  return {};
+}
+
+Result<void> RosCalibration::Take(const RosBytes& message) {
+  switch (message.role) {
+    case RosRole::kLeftInfo:
+      return TakeInfo(message, left_);
+    case RosRole::kRightInfo:
+      return TakeInfo(message, right_);
+    case RosRole::kDepthInfo:
+      return TakeInfo(message, depth_);
+    case RosRole::kPoints: {
+      if (points_frame_) return {};
+      const Result<RosMessage<RosPointCloud>> cloud = ReadCdr<RosPointCloud>(message.cdr);
+      if (!cloud) return tl::unexpected(cloud.error());
+      points_frame_ = RosText((*cloud)->header.frame_id);
+      return {};
+    }
+    case RosRole::kTf: {
+      const Result<RosMessage<RosTransforms>> transforms = ReadCdr<RosTransforms>(message.cdr);
+      if (!transforms) return tl::unexpected(transforms.error());
+      Result<std::vector<RosPose>> poses = FromRosTransforms(**transforms);
+      if (!poses) return tl::unexpected(poses.error());
+      for (RosPose& pose : *poses) poses_.insert_or_assign(pose.child, std::move(pose));
+      return {};
+    }
+    case RosRole::kLeft:
+    case RosRole::kRight:
+    case RosRole::kDepth:
+      break;
+  }
+  return {};
+}
+
+// Of a frame in the one that has no parent.
+std::optional<RosPose> RosCalibration::PoseInRoot(std::string frame) const {
+  RosPose pose{.parent = frame, .child = frame};
+  for (size_t steps = 0; steps <= poses_.size(); ++steps) {
+    const auto up = poses_.find(pose.parent);
+    if (up == poses_.end()) return pose;
+    pose = Joined(up->second, pose);
+  }
+  return std::nullopt;  // they go round in a circle
+}
+
+// Of a frame in the left camera's; nothing when /tf_static does not say.
+std::optional<RosPose> RosCalibration::LeftFrom(const std::string& frame) const {
+  const std::optional<RosPose> left = PoseInRoot(left_->frame);
+  const std::optional<RosPose> other = PoseInRoot(frame);
+  if (!left || !other || left->parent != other->parent) return std::nullopt;
+  return Joined(Inverted(*left), *other);
+}
+
+std::optional<RosRole> RosCalibration::Missing() const {
+  if (!left_) return RosRole::kLeftInfo;
+  if (!right_) return RosRole::kRightInfo;
+  if (!settings_.depth.empty() && !depth_) return RosRole::kDepthInfo;
+  if (!settings_.points.empty() && !points_frame_) return RosRole::kPoints;
+  const bool lacks_points = points_frame_ && !LeftFrom(*points_frame_);
+  const bool lacks_depth = depth_ && !LeftFrom(depth_->frame);
+  if (lacks_points || lacks_depth) return RosRole::kTf;
+  return std::nullopt;
+}
+
+Result<RosRig> RosCalibration::Rig() const {
+  const Result<RectifiedPair> pair = PairOf(left_->camera, right_->camera);
+  if (!pair) return tl::unexpected(pair.error());
+  RosRig rig{.rig = {.pair = *pair, .tof = {}}};
+  // P holds f·b; the baseline itself may be in /tf_static, without the error of the division.
+  if (const std::optional<RosPose> right = LeftFrom(right_->frame)) {
+    const double baseline_m = right->translation_m.x();
+    if (std::abs(baseline_m - pair->baseline_m) < 1e-12) rig.rig.pair.baseline_m = baseline_m;
+  }
+  const Eigen::Quaterniond turn = TurnOf(left_->camera);
+  if (points_frame_) {
+    const RosPose pose = *LeftFrom(*points_frame_);
+    rig.left_from_points =
+        turn * (Eigen::Translation3d(pose.translation_m) * pose.rotation.normalized());
+    rig.rig.tof = datasets::TofGridCamera(rig.rig.pair, 1);
+  } else if (depth_) {
+    const RosPose pose = *LeftFrom(depth_->frame);
+    const Lens& lens = depth_->camera.lens;
+    rig.rig.tof = {.width = lens.width,
+                   .height = lens.height,
+                   .fx = lens.fx,
+                   .fy = lens.fy,
+                   .cx = lens.cx,
+                   .cy = lens.cy,
+                   .distortion = lens.distortion,
+                   .left_from_tof_rotation = turn * pose.rotation,
+                   .left_from_tof_translation_m = turn * pose.translation_m};
+  }
+  if (const Result<void> usable = CheckRig(rig.rig); !usable) return tl::unexpected(usable.error());
+  return rig;
+}
+
+}  // namespace sprout::capture

@@ -1,0 +1,32 @@
+#ifndef SPROUT_SERVICES_CAPTURE_ROS2_ROS_SOURCE_H_
+#define SPROUT_SERVICES_CAPTURE_ROS2_ROS_SOURCE_H_
+
+#include <memory>
+#include <string>
+
+#include "services/capture/raw_source.h"
+#include "services/capture/ros2/ros_input.h"
+#include "services/datasets/frame_source.h"
+
+namespace sprout::capture {
+
+struct RosSourceOptions {
+  bool loop = false;               ///< start a file again at the end
+  datasets::Waiting waiting = {};  ///< see FrameSource
+  TellPeople tell = {};            ///< what people should know; not empty
+};
+
+/// Rectified frames of what a source ros2: or mcap: names: rectified images with their camera_info,
+/// or raw ones with a rig file. Images belong together by their stamps (max_spread_ms). A point
+/// cloud becomes a range image in the left camera's place (TofImageFromScan()), a depth image that
+/// of a ToF camera. Waits up to 20 s for the calibration; a file must have it.
+/// @throws ConfigError naming what is missing or wrong.
+std::unique_ptr<datasets::FrameSource> OpenRosSource(const std::string& source,
+                                                     RosSourceOptions options);
+
+/// The same images as the cameras see them, for --raw.
+std::unique_ptr<RawSource> OpenRawRosSource(const std::string& source, RosSourceOptions options);
+
+}  // namespace sprout::capture
+
+#endif  // SPROUT_SERVICES_CAPTURE_ROS2_ROS_SOURCE_H_

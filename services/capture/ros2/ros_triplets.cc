@@ -1,0 +1,127 @@
+#include "services/capture/ros2/ros_triplets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/core/image.h"
+#include "common/ros2/from_ros.h"
+
+namespace sprout::capture {
+namespace {
+
+TripletConfig ConfigOf(const RosSettings& settings, bool takes_points) {
+  return {.max_spread_us = std::llround(settings.max_spread_ms * 1000),
+          .has_tof = takes_points || !settings.depth.empty()};
+}
+
+RigPlace PlaceOf(RosRole role) {
+  if (role == RosRole::kLeft) return RigPlace::kLeft;
+  return role == RosRole::kRight ? RigPlace::kRight : RigPlace::kTof;
+}
+
+}  // namespace
+
+RosTriplets::RosTriplets(const RosSettings& settings, std::optional<cv::Size> size,
+                         ImageOfPoints image)
+    : size_(size),
+      image_of_points_(std::move(image)),
+      synchronizer_(ConfigOf(settings, image_of_points_ != nullptr)) {}
+
+Result<TimedImage> RosTriplets::DecodePicture(const RosBytes& message) const {
+  TimedImage timed;
+  Result<int64_t> utime;
+  Result<cv::Mat> image;
+  if (message.is_compressed) {
+    const auto ros = ReadCdr<RosCompressedImage>(message.cdr);
+    if (!ros) return tl::unexpected(ros.error());
+    utime = FromRosStamp((*ros)->header);
+    if (!size_) return Fail("JPEG: its size is not known; allowed with camera_info or a rig file");
+    image = FromRosImage(**ros, *size_);
+  } else {
+    const auto ros = ReadCdr<RosImage>(message.cdr);
+    if (!ros) return tl::unexpected(ros.error());
+    utime = FromRosStamp((*ros)->header);
+    image = FromRosImage(**ros);
+  }
+  if (!utime) return tl::unexpected(utime.error());
+  if (!image) return tl::unexpected(image.error());
+  if (size_ && image->size() != *size_) {
+    return Fail("image of " + SizeText(image->size()) + ": allowed is the calibrated size " +
+                SizeText(*size_));
+  }
+  timed.utime = *utime;
+  timed.image = std::move(*image);
+  return timed;
+}
+
+Result<TimedImage> RosTriplets::Decode(const RosBytes& message) const {
+  if (message.role == RosRole::kLeft || message.role == RosRole::kRight) {
+    return DecodePicture(message);
+  }
+  TimedImage timed;
+  Result<int64_t> utime;
+  if (message.role == RosRole::kPoints) {
+    const auto ros = ReadCdr<RosPointCloud>(message.cdr);
+    if (!ros) return tl::unexpected(ros.error());
+    utime = FromRosStamp((*ros)->header);
+    const auto points = FromRosCloud(**ros);
+    if (!points) return tl::unexpected(points.error());
+    timed.tof = image_of_points_(*points);
+  } else {
+    const auto ros = ReadCdr<RosImage>(message.cdr);
+    if (!ros) return tl::unexpected(ros.error());
+    utime = FromRosStamp((*ros)->header);
+    Result<cv::Mat1f> depth_m = FromRosDepth(**ros);
+    if (!depth_m) return tl::unexpected(depth_m.error());
+    timed.tof.depth_m = std::move(*depth_m);
+  }
+  if (!utime) return tl::unexpected(utime.error());
+  timed.utime = *utime;
+  return timed;
+}
+
+void RosTriplets::Take(const RosBytes& message) {
+  const bool is_image = message.role == RosRole::kLeft || message.role == RosRole::kRight ||
+                        message.role == RosRole::kDepth ||
+                        (message.role == RosRole::kPoints && image_of_points_);
+  if (!is_image) return;
+  Result<TimedImage> timed = Decode(message);
+  if (!timed) {
+    // Its partner will be counted as a capture that is not whole.
+    trouble_ = timed.error().text;
+    return;
+  }
+  newest_utime_ = std::max(newest_utime_, timed->utime);
+  synchronizer_.Push(PlaceOf(message.role), std::move(*timed));
+}
+
+datasets::LostFrames RosTriplets::TakeLost() {
+  const int64_t unpaired =
+      synchronizer_.unpaired(RigPlace::kLeft) + synchronizer_.unpaired(RigPlace::kRight);
+  datasets::LostFrames lost{.count = unpaired - std::exchange(unpaired_, unpaired),
+                            .trouble = std::exchange(trouble_, {})};
+  if (lost.count > 0 && lost.trouble.empty()) {
+    lost.trouble = "an image of left or right without its partner within max_spread_ms";
+  }
+  return lost;
+}
+
+std::optional<datasets::CapturedFrame> RosTriplets::Next() {
+  // At the end nothing is worth waiting for.
+  constexpr int64_t kForever = std::numeric_limits<int64_t>::max() / 2;
+  std::optional<Triplet> triplet = synchronizer_.Next(is_finished_ ? kForever : newest_utime_);
+  if (!triplet) return std::nullopt;
+  datasets::CapturedFrame frame{.left = std::move(triplet->left.image),
+                                .right = std::move(triplet->right.image),
+                                .tof = triplet->tof ? std::move(triplet->tof->tof) : TofImage{},
+                                .utime = triplet->utime()};
+  frame.spread_ms = triplet->spread_ms();
+  datasets::LostFrames lost = TakeLost();
+  frame.lost = lost.count;
+  frame.trouble = std::move(lost.trouble);
+  return frame;
+}
+
+}  // namespace sprout::capture

@@ -1,0 +1,65 @@
+#ifndef SPROUT_SERVICES_PYTHON_ARRAYS_H_
+#define SPROUT_SERVICES_PYTHON_ARRAYS_H_
+
+#include <pybind11/numpy.h>
+
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+
+#include "common/core/disparity_image.h"
+#include "common/core/prior_map.h"
+#include "common/core/seed.h"
+#include "common/core/tof_image.h"
+
+namespace sprout::python {
+
+namespace py = pybind11;
+
+// The border between NumPy's arrays and OpenCV's matrices. In: pixels are shared where the array is
+// contiguous and of the type that is worked on, and the matrix keeps the array alive; other arrays
+// are converted where no value changes by more than the rounding of a float. Out: the array shares
+// the matrix' pixels and keeps them alive; a matrix that came from an array gives that array back.
+// What does not fit is a ValueError that names the argument, and type and shape, expected and
+// given.
+
+/// @throws pybind11::value_error "NAME: expected EXPECTED, given a float64 array of shape (2, 3)".
+[[noreturn]] void Refuse(const std::string& name, const std::string& expected,
+                         const py::handle& given);
+
+/// An image, 8UC1 or 8UC3 (BGR), from uint8 (H, W), (H, W, 1) or (H, W, 3).
+/// @param size  that it must have; nothing: any.
+cv::Mat TakeImage(const std::string& name, const py::handle& array, std::optional<cv::Size> size);
+
+/// Depths in m from float32 or float64 in m, or uint16 in mm, (H, W).
+cv::Mat1f TakeDepth(const std::string& name, const py::handle& array, std::optional<cv::Size> size);
+
+/// Numbers from float32 or float64, (H, W).
+cv::Mat1f TakeFloats(const std::string& name, const py::handle& array,
+                     std::optional<cv::Size> size);
+
+/// Bytes from uint8, or of a mask from bool (True: 255), (H, W).
+cv::Mat1b TakeBytes(const std::string& name, const py::handle& array, std::optional<cv::Size> size,
+                    bool mask = false);
+
+/// A range image: None, an array as TakeDepth() takes it, or a Tof.
+TofImage TakeTof(const std::string& name, const py::handle& tof, std::optional<cv::Size> size);
+
+/// Seeds from an array of SEED, (N,).
+std::vector<Seed> TakeSeeds(const std::string& name, const py::handle& array);
+
+/// Pixels of an 8UC1, 8UC3, 16SC1 or 32FC1 matrix, (H, W) or (H, W, 3); None when it is empty.
+py::object ToArray(const cv::Mat& image);
+
+/// Disparities in px, NaN: none, (H, W). O(pixels).
+py::object ToArray(const DisparityImage& disparity);
+
+/// Structured, (N,) of SEED.
+py::array ToArray(const std::vector<Seed>& seeds);
+
+/// A prior's standard deviations in px, (H, W). O(pixels).
+py::object SigmaArray(const cv::Mat1b& counts);
+
+}  // namespace sprout::python
+
+#endif  // SPROUT_SERVICES_PYTHON_ARRAYS_H_

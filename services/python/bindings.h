@@ -1,0 +1,99 @@
+#ifndef SPROUT_SERVICES_PYTHON_BINDINGS_H_
+#define SPROUT_SERVICES_PYTHON_BINDINGS_H_
+
+#include <pybind11/pybind11.h>
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/core/frame.h"
+#include "common/core/result.h"
+#include "services/datasets/dataset.h"
+
+namespace sprout::python {
+
+namespace py = pybind11;
+
+/// What Python knows as a Frame: of a pipeline, a log, the bus or a data set; what it does not have
+/// is empty.
+struct PyFrame {
+  Frame frame;
+  cv::Mat1f depth_m = {};                  ///< when it is known already
+  cv::Mat1f disparity_px = {};             ///< the same
+  std::vector<std::string> warnings = {};  ///< see DepthFrame
+  datasets::GroundTruth truth = {};        ///< of a data set
+};
+
+// Each adds its classes to the module. Types come before those that name them.
+void BindConfig(py::module_& module);
+void BindRig(py::module_& module);
+void BindFrame(py::module_& module);
+void BindPipeline(py::module_& module);
+void BindLog(py::module_& module);
+void BindListen(py::module_& module);
+void BindDataset(py::module_& module);
+void BindEvaluate(py::module_& module);
+void BindStage(py::module_& module);
+
+/// Config, or what makes one: a str, a path, or several.
+SproutConfig TakeConfig(const py::handle& config);
+
+/// Part of a name as Python has it: "left_seeds" is SPROUT_LEFT_SEEDS.
+/// @throws pybind11::value_error naming the allowed ones.
+Part TakePart(const std::string& name);
+std::string NameOf(Part part);
+
+/// A set of them from a sequence of names; every part from None.
+PartSet TakeParts(const py::handle& names);
+
+/// The value, or a ValueError.
+template <typename T>
+T Unwrap(Result<T> result) {
+  if (!result) throw py::value_error(result.error().text);
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
+}
+
+/// Held while an object works that serves one thread at a time.
+class Turn {
+ public:
+  /// @throws std::runtime_error (RuntimeError) when another thread has it.
+  Turn(std::atomic_flag& taken, const char* what) : taken_(taken) {
+    if (!taken_.test_and_set(std::memory_order_acquire)) return;
+    throw std::runtime_error(std::string(what) +
+                             ": in use by another thread; allowed: one for each thread");
+  }
+  ~Turn() { taken_.clear(std::memory_order_release); }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+ private:
+  std::atomic_flag& taken_;
+};
+
+/// For long work without the interpreter's lock: gives Ctrl-C its turn now and then.
+class SignalCheck {
+ public:
+  /// @throws error_already_set when a handler raised, as KeyboardInterrupt.
+  void operator()() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_) return;
+    next_ = now + kPeriod;
+    const py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+
+  static constexpr std::chrono::milliseconds kPeriod{50};
+
+ private:
+  std::chrono::steady_clock::time_point next_{};
+};
+
+}  // namespace sprout::python
+
+#endif  // SPROUT_SERVICES_PYTHON_BINDINGS_H_

@@ -1,0 +1,114 @@
+#include <fmt/core.h>
+#include <pybind11/stl.h>
+
+#include <optional>
+
+#include "common/core/image.h"
+#include "common/quality/score.h"
+#include "services/evaluate/sparsification.h"
+#include "services/python/arrays.h"
+#include "services/python/bindings.h"
+
+namespace sprout::python {
+namespace {
+
+// With the names of sprout-evaluate's JSON.
+struct Evaluation {
+  Accuracy accuracy;
+  std::optional<evaluate::Sparsification> confidence;
+};
+
+Evaluation Evaluate(const py::object& disparity, const py::object& truth,
+                    const py::object& right_truth, const py::object& mask,
+                    const py::object& confidence) {
+  const cv::Mat1f map = TakeFloats("disparity", disparity, {});
+  const cv::Mat1f left = TakeFloats("truth", truth, map.size());
+  const auto optional = [&](const py::object& given, auto take) {
+    return given.is_none() ? std::decay_t<decltype(take())>() : take();
+  };
+  const cv::Mat1f right =
+      optional(right_truth, [&] { return TakeFloats("right_truth", right_truth, map.size()); });
+  cv::Mat1b scored =
+      optional(mask, [&] { return TakeBytes("mask", mask, map.size(), /*mask=*/true); });
+  const cv::Mat1b trust =
+      optional(confidence, [&] { return TakeBytes("confidence", confidence, map.size()); });
+  const py::gil_scoped_release free;
+  if (scored.empty()) scored = NonOccludedMask(left, right).value();
+  Evaluation evaluation{Score(map, left, scored).value(), {}};
+  if (!trust.empty()) evaluation.confidence = evaluate::Sparsify(map, left, scored, trust);
+  return evaluation;
+}
+
+template <auto kFigure>
+double Figure(const Evaluation& evaluation) {
+  return (evaluation.accuracy.*kFigure)();
+}
+
+std::string Repr(const Evaluation& evaluation) {
+  const Accuracy& score = evaluation.accuracy;
+  return fmt::format(
+      "<sprout.Evaluation correct_le1={:.2f} % bad2={:.2f} % density={:.2f} % mean_abs_px={:.3f} "
+      "scored={}>",
+      score.correct_le1_percent(), score.bad2_percent(), score.density_percent(),
+      score.mean_abs_px(), score.scored);
+}
+
+}  // namespace
+
+void BindEvaluate(py::module_& module) {
+  py::class_<Evaluation>(module, "Evaluation",
+                         R"(How well a disparity map matches the truth, as sprout-evaluate says it.
+
+Shares are per cent of the scored pixels; a pixel without a disparity is wrong. NaN when none is scored.)")
+      .def_property_readonly(
+          "scored", [](const Evaluation& e) { return e.accuracy.scored; },
+          "int: pixels whose truth is known, in the mask.")
+      .def_property_readonly("correct_le1", &Figure<&Accuracy::correct_le1_percent>,
+                             "float: error <= 1 px, %.")
+      .def_property_readonly("correct_lt1", &Figure<&Accuracy::correct_lt1_percent>,
+                             "float: error < 1 px, %.")
+      .def_property_readonly("bad05", &Figure<&Accuracy::bad05_percent>,
+                             "float: error > 0.5 px or no disparity, %.")
+      .def_property_readonly("bad2", &Figure<&Accuracy::bad2_percent>,
+                             "float: error > 2 px or no disparity, %.")
+      .def_property_readonly("bad4", &Figure<&Accuracy::bad4_percent>,
+                             "float: error > 4 px or no disparity, %.")
+      .def_property_readonly("d1", &Figure<&Accuracy::d1_percent>,
+                             "float: error > 3 px and > 5 % of the truth, or no disparity, %.")
+      .def_property_readonly("density", &Figure<&Accuracy::density_percent>,
+                             "float: with a disparity, %.")
+      .def_property_readonly("mean_abs_px", &Figure<&Accuracy::mean_abs_px>,
+                             "float: of pixels with a disparity, px.")
+      .def_property_readonly("rms_px", &Figure<&Accuracy::rms_px>,
+                             "float: of pixels with a disparity, px.")
+      .def_property_readonly(
+          "confidence_bad1",
+          [](const Evaluation& e) {
+            return e.confidence ? py::cast(e.confidence->bad1_percent) : py::none();
+          },
+          "Optional[List[float]]: bad 1 of the most trusted 5, 10, ... 100 % of the pixels, %.")
+      .def_property_readonly(
+          "confidence_area",
+          [](const Evaluation& e) {
+            return e.confidence ? py::cast(e.confidence->area_percent) : py::none();
+          },
+          "Optional[float]: area under that curve, %; less is better.")
+      .def_property_readonly(
+          "confidence_oracle_area",
+          [](const Evaluation& e) {
+            return e.confidence ? py::cast(e.confidence->oracle_area_percent) : py::none();
+          },
+          "Optional[float]: the same had the wrong pixels come last.")
+      .def("__repr__", &Repr, "__repr__(self) -> str");
+  module.def(
+      "evaluate", &Evaluate, py::arg("disparity"), py::arg("truth"),
+      py::arg("right_truth") = py::none(), py::arg("mask") = py::none(),
+      py::arg("confidence") = py::none(),
+      R"(evaluate(disparity: numpy.ndarray, truth: numpy.ndarray, right_truth: Optional[numpy.ndarray] = ..., mask: Optional[numpy.ndarray] = ..., confidence: Optional[numpy.ndarray] = ...) -> Evaluation
+
+The measures of sprout-evaluate. disparity, truth: (H, W) float32, px; NaN or infinite: none, not known.
+Scored are the pixels of mask ((H, W) bool or uint8); without it those that both cameras see, found from
+truth and, if it is there, right_truth. confidence: (H, W) uint8, what sorting by it is worth.)");
+}
+
+}  // namespace sprout::python

@@ -1,0 +1,351 @@
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+
+#include "common/geometry/projection.h"
+#include "common/picture/write_ply.h"
+#include "services/depth/cloud.h"
+#include "services/python/arrays.h"
+#include "services/python/bindings.h"
+
+namespace sprout::python {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kChannelStart = "SPROUT_";
+
+bool Has(const Frame& frame, Part part) {
+  return std::visit(
+      [&](auto member) {
+        const auto& value = frame.*member;
+        if constexpr (requires { value.empty(); }) {
+          return !value.empty();
+        } else {
+          return value.has_value();
+        }
+      },
+      RowOf(part).member);
+}
+
+cv::Mat1f MetresOf(const DepthImage& depth) {
+  cv::Mat1f metres;
+  depth.counts.convertTo(metres, CV_32F, depth.metres_per_count);
+  metres.setTo(std::numeric_limits<float>::quiet_NaN(), depth.counts == 0);
+  return metres;
+}
+
+// The map, computed once a frame without the interpreter's lock.
+template <typename Make>
+py::object Kept(cv::Mat1f& map, const Make& make) {
+  if (map.empty()) {
+    cv::Mat1f made;
+    {
+      const py::gil_scoped_release free;
+      made = make();
+    }
+    map = made;
+  }
+  return ToArray(map);
+}
+
+// None when the frame has neither disparities nor depths.
+py::object DepthArray(PyFrame& frame) {
+  return Kept(frame.depth_m, [&parts = frame.frame]() -> cv::Mat1f {
+    if (parts.disparity && parts.rig) return DepthMap(parts.rig->pair, *parts.disparity);
+    return parts.depth ? MetresOf(*parts.depth) : cv::Mat1f();
+  });
+}
+
+py::object DisparityArray(PyFrame& frame) {
+  return Kept(frame.disparity_px, [&parts = frame.frame] {
+    return parts.disparity ? ToPx(*parts.disparity) : cv::Mat1f();
+  });
+}
+
+py::object SeedArray(const std::optional<SeedSet>& set) {
+  return set ? py::object(ToArray(set->seeds)) : py::none();
+}
+
+py::object SeedCounts(const PyFrame& frame) {
+  if (!frame.frame.seeds) return py::none();
+  const SeedSet& set = *frame.frame.seeds;
+  py::dict counts;
+  counts["raw"] = set.raw;
+  counts["outside"] = set.outside;
+  counts["dark"] = set.dark;
+  counts["loose"] = set.loose;
+  counts["background"] = set.background;
+  counts["hidden"] = set.hidden;
+  counts["contradicted"] = set.contradicted;
+  return counts;
+}
+
+template <typename T>
+py::object OrNone(const std::optional<T>& value) {
+  return value ? py::cast(*value) : py::none();
+}
+
+void RequireMap(const Frame& frame, const char* what) {
+  if (frame.disparity && frame.rig && frame.disparity->size() == frame.rig->pair.size()) return;
+  throw py::value_error(std::string(what) + ": the frame has no disparity map with a calibration");
+}
+
+void RequireColours(const Frame& frame, const char* what) {
+  if (frame.left.size() == frame.disparity->size()) return;
+  throw py::value_error(std::string(what) + ": the frame has no left image of the map's size");
+}
+
+py::object Points(const PyFrame& frame, bool colors) {
+  const Frame& parts = frame.frame;
+  PointCloud cloud;
+  if (!parts.disparity && parts.cloud) {
+    cloud = *parts.cloud;
+  } else {
+    RequireMap(parts, "points()");
+    if (colors) RequireColours(parts, "points(colors=True)");
+    const py::gil_scoped_release free;
+    const cv::Mat left = colors ? parts.left : cv::Mat(cv::Mat1b::zeros(parts.disparity->size()));
+    cloud = depth::CloudOf(*parts.disparity, parts.rig->pair, left, {}, {});
+  }
+  const auto count = static_cast<int>(cloud.points.size());
+  py::array_t<float> positions({count, 3});
+  py::array_t<uint8_t> bgr({colors ? count : 0, 3});
+  float* position = positions.mutable_data();
+  uint8_t* colour = bgr.mutable_data();
+  for (const CloudPoint& point : cloud.points) {
+    *position++ = point.position_m.x;
+    *position++ = point.position_m.y;
+    *position++ = point.position_m.z;
+    if (colors) colour = std::copy_n(point.bgr.val, 3, colour);
+  }
+  return colors ? py::object(py::make_tuple(positions, bgr)) : py::object(positions);
+}
+
+void WritePly(const PyFrame& frame, const fs::path& path, bool mesh) {
+  const Frame& parts = frame.frame;
+  RequireMap(parts, "write_ply()");
+  RequireColours(parts, "write_ply()");
+  Result<void> written;
+  {
+    const py::gil_scoped_release free;
+    written =
+        (mesh ? WriteMeshPly : WriteCloudPly)(path, parts.rig->pair, *parts.disparity, parts.left);
+  }
+  if (written) return;
+  PyErr_SetString(PyExc_OSError, written.error().text.c_str());
+  throw py::error_already_set();
+}
+
+py::object IntrinsicsOf(const PyFrame& frame) {
+  const Frame& parts = frame.frame;
+  const bool from_map = parts.disparity && parts.rig;
+  if (!from_map && !parts.depth) return py::none();
+  if (from_map) return py::cast(*parts.rig).attr("K");
+  const DepthImage& depth = *parts.depth;
+  const double rows[3][3] = {
+      {depth.focal_px, 0, depth.cx}, {0, depth.focal_px, depth.cy}, {0, 0, 1}};
+  return py::array_t<double>({3, 3}, &rows[0][0]);
+}
+
+std::vector<std::string> PartNames(const PyFrame& frame) {
+  std::vector<std::string> names;
+  for (const Part part : kAllParts) {
+    if (Has(frame.frame, part)) names.push_back(NameOf(part));
+  }
+  return names;
+}
+
+std::string Repr(const PyFrame& frame) {
+  std::string text = "<sprout.Frame";
+  if (frame.frame.id.seq >= 0) text += " " + std::to_string(frame.frame.id.seq);
+  for (const std::string& name : PartNames(frame)) text += " " + name;
+  return text + ">";
+}
+
+PriorMap MakePrior(const py::object& disparity, const py::object& sigma) {
+  const DisparityImage map = FromPx(TakeFloats("disparity", disparity, {}));
+  PriorMap prior(map.size());
+  prior.disparity = map;
+  const bool one = PyFloat_Check(sigma.ptr()) || PyLong_Check(sigma.ptr());
+  const cv::Mat1f sigmas =
+      one ? cv::Mat1f(map.size(), sigma.cast<float>()) : TakeFloats("sigma_px", sigma, map.size());
+  for (int v = 0; v < map.height(); ++v) {
+    for (int u = 0; u < map.width(); ++u) {
+      if (map.IsValid(u, v)) prior.sigma(v, u) = SigmaToCounts(double{sigmas(v, u)});
+    }
+  }
+  return prior;
+}
+
+void BindParts(py::module_& module) {
+  py::class_<TofImage>(module, "Tof", "A range image, and how strong its signal was.")
+      .def(
+          py::init([](const py::object& depth_m, const py::object& amplitude) {
+            TofImage tof{.depth_m = TakeDepth("depth_m", depth_m, {}), .amplitude = {}};
+            if (!amplitude.is_none()) {
+              tof.amplitude = TakeFloats("amplitude", amplitude, tof.depth_m.size());
+            }
+            return tof;
+          }),
+          py::arg("depth_m"), py::arg("amplitude") = py::none(),
+          R"(__init__(self, depth_m: numpy.ndarray, amplitude: Optional[numpy.ndarray] = ...) -> None
+
+depth_m: (H, W) float32 in m along the optical axis, or uint16 in mm; 0 or NaN: no return.
+amplitude: (H, W) float32 in the sensor's unit.)")
+      .def_property_readonly(
+          "depth_m", [](const TofImage& tof) { return ToArray(tof.depth_m); },
+          "numpy.ndarray: (H, W) float32, m; 0 or NaN: no return.")
+      .def_property_readonly(
+          "amplitude", [](const TofImage& tof) { return ToArray(tof.amplitude); },
+          "Optional[numpy.ndarray]: (H, W) float32, the sensor's unit.")
+      .def(
+          "__repr__",
+          [](const TofImage& tof) {
+            return "<sprout.Tof " + std::to_string(tof.depth_m.cols) + "x" +
+                   std::to_string(tof.depth_m.rows) + ">";
+          },
+          "__repr__(self) -> str");
+  py::class_<PriorMap>(module, "PriorMap",
+                       "A prior disparity map of the left image, and how sure it is.")
+      .def(
+          py::init(&MakePrior), py::arg("disparity"), py::arg("sigma_px"),
+          R"(__init__(self, disparity: numpy.ndarray, sigma_px: Union[float, numpy.ndarray]) -> None
+
+disparity: (H, W) float32, px, NaN: none; kept in 1/32 px. sigma_px: its standard deviation, one for
+all or (H, W) float32; kept in 1/16 px, 16 px is as good as not knowing.)")
+      .def_property_readonly(
+          "disparity", [](const PriorMap& prior) { return ToArray(prior.disparity); },
+          "numpy.ndarray: (H, W) float32, px; NaN: none.")
+      .def_property_readonly(
+          "sigma_px", [](const PriorMap& prior) { return SigmaArray(prior.sigma); },
+          "numpy.ndarray: (H, W) float32, standard deviation, px; 15.9375 or more: not known.")
+      .def(
+          "__repr__",
+          [](const PriorMap& prior) {
+            return "<sprout.PriorMap " + std::to_string(prior.size().width) + "x" +
+                   std::to_string(prior.size().height) + ">";
+          },
+          "__repr__(self) -> str");
+}
+
+}  // namespace
+
+std::string NameOf(Part part) {
+  std::string name(ChannelOf(part).substr(kChannelStart.size()));
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name;
+}
+
+Part TakePart(const std::string& name) {
+  std::string allowed;
+  for (const Part part : kAllParts) {
+    if (NameOf(part) == name) return part;
+    allowed += (allowed.empty() ? "" : ", ") + NameOf(part);
+  }
+  throw py::value_error("part: expected one of " + allowed + ", given '" + name + "'");
+}
+
+PartSet TakeParts(const py::handle& names) {
+  if (names.is_none()) return AllParts();
+  if (py::isinstance<py::str>(names) || !py::isinstance<py::sequence>(names)) {
+    throw py::value_error("parts: expected names of parts in a list or tuple, given " +
+                          std::string(py::repr(names)));
+  }
+  PartSet parts;
+  for (const py::handle name : names) parts.Add(TakePart(py::str(name)));
+  return parts;
+}
+
+void BindFrame(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(Seed, u, v, u_right, sigma_px, origin, tof_u, tof_v);
+  module.attr("SEED") = py::dtype::of<Seed>();
+  BindParts(module);
+  py::class_<PyFrame> frame(module, "Frame",
+                            R"(Everything that one capture led to; None for what is not there.
+
+Maps are of the left image's size and in its pixels. Arrays own their memory and stay valid without the
+frame; of compute() left, right and tof are the arrays that it was given.)");
+  frame
+      .def_property_readonly(
+          "utime", [](const PyFrame& f) { return f.frame.id.utime; },
+          "int: time of the capture, us since 1970 (UTC); 0: not known.")
+      .def_property_readonly(
+          "seq", [](const PyFrame& f) { return f.frame.id.seq; },
+          "int: number of the capture; -1: it has none.")
+      .def_property_readonly(
+          "rig_id", [](const PyFrame& f) { return f.frame.id.rig_id; },
+          "str: digest of the calibration.")
+      .def_property_readonly("parts", &PartNames, "List[str]: names of what is there.")
+      .def_property_readonly(
+          "left", [](const PyFrame& f) { return ToArray(f.frame.left); },
+          "Optional[numpy.ndarray]: (H, W) or (H, W, 3) BGR, uint8, rectified.")
+      .def_property_readonly(
+          "right", [](const PyFrame& f) { return ToArray(f.frame.right); },
+          "Optional[numpy.ndarray]: (H, W) or (H, W, 3) BGR, uint8, rectified.")
+      .def_property_readonly(
+          "tof",
+          [](const PyFrame& f) {
+            const auto& tof = f.frame.tof;
+            return tof && !tof->depth_m.empty() ? py::cast(*tof) : py::none();
+          },
+          "Optional[Tof]: the range image.")
+      .def_property_readonly(
+          "rig", [](const PyFrame& f) { return OrNone(f.frame.rig); },
+          "Optional[Rig]: the calibration.")
+      .def_property_readonly(
+          "seeds", [](const PyFrame& f) { return SeedArray(f.frame.seeds); },
+          "Optional[numpy.ndarray]: (N,) SEED: what growth started from.")
+      .def_property_readonly(
+          "left_seeds", [](const PyFrame& f) { return SeedArray(f.frame.left_seeds); },
+          "Optional[numpy.ndarray]: (N,) SEED: range points that the left camera alone sees.")
+      .def_property_readonly(
+          "seed_counts", &SeedCounts,
+          "Optional[Dict[str, int]]: range points with a return (raw), and those dropped, by why.")
+      .def_property_readonly(
+          "prior", [](const PyFrame& f) { return OrNone(f.frame.prior); },
+          "Optional[PriorMap]: what growth was told to expect.")
+      .def_property_readonly(
+          "unfilled",
+          [](const PyFrame& f) { return ToArray(f.frame.unfilled.value_or(DisparityImage())); },
+          "Optional[numpy.ndarray]: (H, W) float32, px, before gaps were filled; NaN: none.")
+      .def_property_readonly(
+          "disparity", &DisparityArray,
+          "Optional[numpy.ndarray]: (H, W) float32, px, multiples of 1/32; NaN: none.")
+      .def_property_readonly(
+          "confidence", [](const PyFrame& f) { return ToArray(f.frame.confidence); },
+          "Optional[numpy.ndarray]: (H, W) uint8, 0 (least) to 255: to sort pixels by.")
+      .def_property_readonly("depth_m", &DepthArray,
+                             "Optional[numpy.ndarray]: (H, W) float32, z, m; NaN: none.")
+      .def_property_readonly("intrinsics", &IntrinsicsOf,
+                             "Optional[numpy.ndarray]: (3, 3) float64, of depth_m, px.")
+      .def_property_readonly(
+          "warnings", [](const PyFrame& f) { return f.warnings; },
+          "List[str]: which stage had nothing to give, and why.")
+      .def_property_readonly(
+          "truth", [](const PyFrame& f) { return ToArray(f.truth.left); },
+          "Optional[numpy.ndarray]: (H, W) float32, px, of a data set; NaN: not known.")
+      .def_property_readonly(
+          "right_truth", [](const PyFrame& f) { return ToArray(f.truth.right); },
+          "Optional[numpy.ndarray]: the same at the pixels of the right image.")
+      .def("write_ply", &WritePly, py::arg("path"), py::arg("mesh") = false,
+           R"(write_ply(self, path: Union[str, os.PathLike[str]], mesh: bool = ...) -> None
+
+Writes the coloured points, or with mesh a surface cut at depth edges; m, as points().)")
+      .def("__repr__", &Repr, "__repr__(self) -> str");
+  frame.def("points", &Points, py::arg("colors") = false,
+            R"(points(*args, **kwargs)
+Overloaded function.
+
+1. points(self, colors: Literal[False] = ...) -> numpy.ndarray
+
+2. points(self, colors: Literal[True]) -> Tuple[numpy.ndarray, numpy.ndarray]
+
+Points of the depth map, (N, 3) float32, m, in the left rectified camera's frame: x right, y down, z
+forward; row by row. With colors also those of the left image, (N, 3) uint8, BGR.)");
+}
+
+}  // namespace sprout::python

@@ -1,0 +1,93 @@
+#include <memory>
+
+#include "services/pipeline/pipeline.h"
+#include "services/python/arrays.h"
+#include "services/python/bindings.h"
+
+namespace sprout::python {
+namespace {
+
+class PyPipeline {
+ public:
+  explicit PyPipeline(const SproutConfig& config) : config_(config), pipeline_(config) {}
+
+  PyFrame Compute(const py::object& left, const py::object& right, const py::object& tof,
+                  const Rig& rig) {
+    PyFrame result;
+    Frame& frame = result.frame;
+    frame.left = TakeImage("left", left, rig.pair.size());
+    frame.right = TakeImage("right", right, rig.pair.size());
+    if (!tof.is_none() && rig.tof.width == 0) {
+      Refuse("tof", "None, since the rig has no ToF camera (Rig.with_tof)", tof);
+    }
+    frame.tof = TakeTof("tof", tof, cv::Size(rig.tof.width, rig.tof.height));
+    frame.rig = rig;
+    frame.id = {.utime = 0, .seq = -1, .rig_id = RigId(rig)};
+    DepthFrame depth = Work(frame);
+    result.warnings = std::move(depth.warnings);
+    result.depth_m = depth.depth_m;
+    frame.disparity = depth.disparity;
+    frame.confidence = depth.confidence;
+    if (!depth.prior.empty()) frame.prior = depth.prior;
+    frame.seeds = std::move(depth.seeds);
+    frame.left_seeds = std::move(depth.left_seeds);
+    return result;
+  }
+
+  const SproutConfig& config() const { return config_; }
+
+ private:
+  DepthFrame Work(const Frame& frame) {
+    const Turn turn(taken_, "Pipeline");
+    Result<DepthFrame> depth;
+    {
+      const py::gil_scoped_release free;
+      depth = pipeline_.Compute(frame.left, frame.right, *frame.tof, *frame.rig);
+    }
+    return Unwrap(std::move(depth));
+  }
+
+  SproutConfig config_;
+  Pipeline pipeline_;
+  std::atomic_flag taken_;
+};
+
+}  // namespace
+
+void BindPipeline(py::module_& module) {
+  py::class_<PyPipeline>(module, "Pipeline",
+                         R"(Range image and rectified pair to depth: refine, prior and grow.
+
+    pipeline = sprout.Pipeline("default")
+    frame = pipeline.compute(left, right, tof, rig)
+
+The same bytes as the processes of these names, whatever the threads and the CPU. Keeps its memory from
+frame to frame, so it serves one thread at a time; another one that calls meanwhile gets a RuntimeError.
+compute() works without the interpreter's lock.)")
+      .def(py::init([](const py::args& config) {
+             return std::make_unique<PyPipeline>(TakeConfig(config));
+           }),
+           R"(__init__(self, *config: Union[str, os.PathLike[str], Config]) -> None
+
+As Config(): presets, files, texts, merged; none: all defaults.)")
+      .def(
+          "compute", &PyPipeline::Compute, py::arg("left"), py::arg("right"),
+          py::arg("tof") = py::none(), py::arg("rig"),
+          R"(compute(self, left: numpy.ndarray, right: numpy.ndarray, tof: Union[numpy.ndarray, Tof, None], rig: Rig) -> Frame
+
+left, right: rectified, uint8, (rig.height, rig.width) or with 3 colours (BGR).
+tof: (rig.tof.height, rig.tof.width) float32 in m along the optical axis, or uint16 in mm; 0 or NaN: no
+return; None: no range image, then stereo does the work.
+Contiguous arrays are taken as they are, not copied; others, and float64, are converted. What does not
+fit is a ValueError that names argument, type and shape, expected and given. A frame in which nothing
+can be found is no error: it has an empty map, and warnings.)")
+      .def_property_readonly("config", &PyPipeline::config, "Config: all of it.")
+      .def(
+          "__repr__",
+          [](const PyPipeline& pipeline) {
+            return "Pipeline(" + std::string(py::repr(py::cast(pipeline.config()))) + ")";
+          },
+          "__repr__(self) -> str");
+}
+
+}  // namespace sprout::python

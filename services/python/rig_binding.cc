@@ -1,0 +1,384 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/projection.h"
+#include "common/rig/rectifier.h"
+#include "common/rig/rig_file.h"
+#include "services/datasets/kitti_calibration.h"
+#include "services/python/arrays.h"
+#include "services/python/bindings.h"
+
+namespace sprout::python {
+namespace {
+
+namespace fs = std::filesystem;
+using Distortion = std::array<double, 5>;
+
+std::string NumberText(double number) { return py::repr(py::float_(number)); }
+
+Rig Checked(const Rig& rig) {
+  Unwrap(CheckRig(rig));
+  return rig;
+}
+
+Eigen::Quaternion<double, Eigen::DontAlign> TakeRotation(const py::handle& rotation) {
+  if (rotation.is_none()) return Eigen::Quaternion<double, Eigen::DontAlign>::Identity();
+  const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(
+      py::reinterpret_borrow<py::object>(rotation));
+  if (numbers && numbers.ndim() == 1 && numbers.size() == 4) {
+    return {numbers.at(0), numbers.at(1), numbers.at(2), numbers.at(3)};
+  }
+  if (!numbers || numbers.ndim() != 2 || numbers.shape(0) != 3 || numbers.shape(1) != 3) {
+    PyErr_Clear();
+    Refuse("rotation", "4 numbers (w, x, y, z) or float64 array of shape (3, 3)", rotation);
+  }
+  Eigen::Matrix3d matrix;
+  for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = numbers.at(i / 3, i % 3);
+  // Seven digits are what calibration files have.
+  constexpr double kTolerance = 1e-4;
+  const double off = (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).norm();
+  if (!(off < kTolerance) || matrix.determinant() < 0) {
+    throw py::value_error("rotation: expected a rotation, R R^T = 1 and det R = 1, given " +
+                          std::string(py::repr(rotation)));
+  }
+  return Eigen::Quaternion<double, Eigen::DontAlign>(matrix).normalized();
+}
+
+TofCamera MakeTof(int width, int height, double fx, double fy, double cx, double cy,
+                  const Distortion& distortion, const py::object& rotation,
+                  const std::array<double, 3>& translation_m) {
+  TofCamera tof;
+  tof.width = width;
+  tof.height = height;
+  tof.fx = fx;
+  tof.fy = fy;
+  tof.cx = cx;
+  tof.cy = cy;
+  tof.distortion = distortion;
+  tof.left_from_tof_rotation = TakeRotation(rotation);
+  tof.left_from_tof_translation_m = {translation_m[0], translation_m[1], translation_m[2]};
+  return tof;
+}
+
+Rig MakeRig(int width, int height, double focal_px, double baseline_m, std::optional<double> cx,
+            std::optional<double> cy, std::optional<double> cx_right,
+            const std::optional<TofCamera>& tof) {
+  Rig rig;
+  rig.pair = {.width = width,
+              .height = height,
+              .focal_px = focal_px,
+              .cx = cx.value_or((width - 1) / 2.0),
+              .cy = cy.value_or((height - 1) / 2.0),
+              .cx_right = 0,
+              .baseline_m = baseline_m};
+  rig.pair.cx_right = cx_right.value_or(rig.pair.cx);
+  if (tof) rig.tof = *tof;
+  return Checked(rig);
+}
+
+// OpenCV's 4×4 matrix: (X, Y, Z, W) = Q · (u, v, d, 1).
+Rig FromQ(const py::object& q, int width, int height) {
+  const auto m = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(q);
+  if (!m || m.ndim() != 2 || m.shape(0) != 4 || m.shape(1) != 4) {
+    PyErr_Clear();
+    Refuse("Q", "float64 array of shape (4, 4)", q);
+  }
+  if (!(std::abs(m.at(3, 2)) > 0)) {
+    throw py::value_error("Q[3, 2]: expected 1 / baseline (1/m), given " + NumberText(m.at(3, 2)));
+  }
+  const double baseline_m = 1 / std::abs(m.at(3, 2));
+  // Q[3, 3] = (cx − cx') / Tx, Q[3, 2] = −1 / Tx.
+  const double cx = -m.at(0, 3);
+  return MakeRig(width, height, m.at(2, 3), baseline_m, cx, -m.at(1, 3),
+                 cx + m.at(3, 3) / m.at(3, 2), {});
+}
+
+py::array_t<double> QOf(const Rig& rig) {
+  const RectifiedPair& pair = rig.pair;
+  py::array_t<double> q({4, 4});
+  std::fill_n(q.mutable_data(), 16, 0.0);
+  q.mutable_at(0, 0) = q.mutable_at(1, 1) = 1;
+  q.mutable_at(0, 3) = -pair.cx;
+  q.mutable_at(1, 3) = -pair.cy;
+  q.mutable_at(2, 3) = pair.focal_px;
+  q.mutable_at(3, 2) = 1 / pair.baseline_m;
+  q.mutable_at(3, 3) = (pair.cx_right - pair.cx) / pair.baseline_m;
+  return q;
+}
+
+py::dict DictOf(const TofCamera& tof) {
+  const auto& q = tof.left_from_tof_rotation;
+  const auto& t = tof.left_from_tof_translation_m;
+  py::dict dict;
+  dict["width"] = tof.width;
+  dict["height"] = tof.height;
+  dict["fx"] = tof.fx;
+  dict["fy"] = tof.fy;
+  dict["cx"] = tof.cx;
+  dict["cy"] = tof.cy;
+  dict["distortion"] = py::cast(tof.distortion);
+  dict["rotation"] = py::make_tuple(q.w(), q.x(), q.y(), q.z());
+  dict["translation_m"] = py::make_tuple(t.x(), t.y(), t.z());
+  return dict;
+}
+
+py::dict DictOf(const Rig& rig) {
+  const RectifiedPair& pair = rig.pair;
+  py::dict dict;
+  dict["width"] = pair.width;
+  dict["height"] = pair.height;
+  dict["focal_px"] = pair.focal_px;
+  dict["baseline_m"] = pair.baseline_m;
+  dict["cx"] = pair.cx;
+  dict["cy"] = pair.cy;
+  dict["cx_right"] = pair.cx_right;
+  dict["tof"] = rig.tof.width > 0 ? py::object(DictOf(rig.tof)) : py::none();
+  return dict;
+}
+
+// Through the constructor, which names a key that is missing, or one that there is not.
+py::object FromDict(const char* type, const py::dict& dict) {
+  py::dict arguments(**dict);
+  if (arguments.contains("tof") && py::isinstance<py::dict>(arguments["tof"])) {
+    arguments["tof"] = FromDict("TofCamera", arguments["tof"]);
+  }
+  try {
+    return py::module_::import("sprout._sprout").attr(type)(**arguments);
+  } catch (py::error_already_set& error) {
+    if (!error.matches(PyExc_TypeError)) throw;
+    throw py::value_error(std::string(type) +
+                          ".from_dict: expected the keys that to_dict() gives, given " +
+                          std::string(py::repr(dict)));
+  }
+}
+
+std::string Repr(const TofCamera& tof) {
+  std::string text;
+  for (const auto& [key, value] : DictOf(tof)) {
+    text +=
+        (text.empty() ? "" : ", ") + std::string(py::str(key)) + "=" + std::string(py::repr(value));
+  }
+  return "TofCamera(" + text + ")";
+}
+
+std::string Repr(const Rig& rig) {
+  const RectifiedPair& p = rig.pair;
+  return "Rig(width=" + std::to_string(p.width) + ", height=" + std::to_string(p.height) +
+         ", focal_px=" + NumberText(p.focal_px) + ", baseline_m=" + NumberText(p.baseline_m) +
+         ", cx=" + NumberText(p.cx) + ", cy=" + NumberText(p.cy) +
+         ", cx_right=" + NumberText(p.cx_right) +
+         ", tof=" + (rig.tof.width > 0 ? Repr(rig.tof) : "None") + ")";
+}
+
+bool SameRig(const Rig& rig, const py::object& other) {
+  return py::isinstance<Rig>(other) && RigId(rig) == RigId(other.cast<const Rig&>());
+}
+
+Rig WithTof(Rig rig, const TofCamera& tof) {
+  rig.tof = tof;
+  return Checked(rig);
+}
+
+py::array_t<double> Intrinsics(double fx, double fy, double cx, double cy) {
+  py::array_t<double> k({3, 3});
+  std::fill_n(k.mutable_data(), 9, 0.0);
+  k.mutable_at(0, 0) = fx;
+  k.mutable_at(1, 1) = fy;
+  k.mutable_at(0, 2) = cx;
+  k.mutable_at(1, 2) = cy;
+  k.mutable_at(2, 2) = 1;
+  return k;
+}
+
+py::tuple Rectify(const Rectifier& rectifier, const py::object& left, const py::object& right,
+                  const py::object& tof) {
+  const RawRig& raw = rectifier.raw();
+  const cv::Mat raw_left = TakeImage("left", left, raw.left.size());
+  const cv::Mat raw_right = TakeImage("right", right, raw.right.size());
+  TofImage ranges = TakeTof("tof", tof, raw.tof.size());
+  ranges.depth_m = ranges.depth_m.clone();  // is worked on in place
+  cv::Mat rectified_left;
+  cv::Mat rectified_right;
+  {
+    const py::gil_scoped_release free;
+    rectified_left = rectifier.RectifyLeft(raw_left);
+    rectified_right = rectifier.RectifyRight(raw_right);
+    if (!ranges.depth_m.empty()) rectifier.CorrectRanges(ranges);
+  }
+  return py::make_tuple(ToArray(rectified_left), ToArray(rectified_right),
+                        tof.is_none() ? py::object(py::none()) : py::cast(ranges));
+}
+
+Rectifier LoadRectifier(const fs::path& path) {
+  return Rectifier(RequireCalibration(LoadRigFile(path), path));
+}
+
+void BindTofCamera(py::module_& module) {
+  py::class_<TofCamera>(module, "TofCamera",
+                        R"(The range camera of a Rig: pinhole, lens, pose. Cannot be changed.)")
+      .def(
+          py::init(&MakeTof), py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"),
+          py::arg("cx"), py::arg("cy"), py::arg("distortion") = Distortion{},
+          py::arg("rotation") = py::none(), py::arg("translation_m") = std::array<double, 3>{},
+          R"(__init__(self, width: int, height: int, fx: float, fy: float, cx: float, cy: float, distortion: Sequence[float] = ..., rotation: Any = ..., translation_m: Sequence[float] = ...) -> None
+
+Sizes, focal lengths and principal point in px; distortion k1, k2, p1, p2, k3 (OpenCV's order).
+point_in_left = rotation * point_in_tof + translation_m (m; x right, y down, z forward). rotation is a
+3x3 matrix, or a quaternion (w, x, y, z); None: the left rectified camera's.)")
+      .def_readonly("width", &TofCamera::width, "int: px.")
+      .def_readonly("height", &TofCamera::height, "int: px.")
+      .def_readonly("fx", &TofCamera::fx, "float: focal length, px.")
+      .def_readonly("fy", &TofCamera::fy, "float: focal length, px.")
+      .def_readonly("cx", &TofCamera::cx, "float: principal point, px.")
+      .def_readonly("cy", &TofCamera::cy, "float: principal point, px.")
+      .def_readonly("distortion", &TofCamera::distortion, "List[float]: k1, k2, p1, p2, k3.")
+      .def_property_readonly(
+          "rotation",
+          [](const TofCamera& tof) {
+            return Eigen::Matrix3d(tof.left_from_tof_rotation.toRotationMatrix());
+          },
+          "numpy.ndarray: (3, 3) float64, of the ToF camera in the left rectified frame.")
+      .def_property_readonly(
+          "translation_m",
+          [](const TofCamera& tof) { return Eigen::Vector3d(tof.left_from_tof_translation_m); },
+          "numpy.ndarray: (3,) float64, m, where it stands in the left rectified frame.")
+      .def(
+          "to_dict", [](const TofCamera& tof) { return DictOf(tof); },
+          "to_dict(self) -> Dict[str, Any]\n\nWhat from_dict() takes; plain numbers and tuples.")
+      .def_static(
+          "from_dict", [](const py::dict& dict) { return FromDict("TofCamera", dict); },
+          py::arg("dict"), "from_dict(dict: Dict[str, Any]) -> TofCamera")
+      .def(
+          "__repr__", [](const TofCamera& tof) { return Repr(tof); }, "__repr__(self) -> str")
+      .def(py::pickle(
+          [](const TofCamera& tof) { return DictOf(tof); },
+          [](const py::dict& dict) { return FromDict("TofCamera", dict).cast<TofCamera>(); }));
+}
+
+void BindRectifier(py::module_& module) {
+  py::class_<Rectifier>(module, "Rectifier",
+                        R"(Turns what the cameras of a rig file see into a rectified pair.)")
+      .def(py::init(&LoadRectifier), py::arg("path"),
+           R"(__init__(self, path: Union[str, os.PathLike[str]]) -> None
+
+A rig file, as sprout-calibrate writes it.)")
+      .def_property_readonly("rig", &Rectifier::rig, "Rig: of the rectified images.")
+      .def(
+          "rectify", &Rectify, py::arg("left"), py::arg("right"), py::arg("tof") = py::none(),
+          R"(rectify(self, left: numpy.ndarray, right: numpy.ndarray, tof: Any = ...) -> Tuple[numpy.ndarray, numpy.ndarray, Optional[Tof]]
+
+Images as the cameras gave them (uint8, (H, W) or (H, W, 3)), and the range image with the bias of its
+ranges taken away. What compute() takes; bilinear, the same bytes everywhere.)")
+      .def(
+          "__repr__",
+          [](const Rectifier& rectifier) { return "Rectifier(" + Repr(rectifier.rig()) + ")"; },
+          "__repr__(self) -> str");
+}
+
+}  // namespace
+
+void BindRig(py::module_& module) {
+  BindTofCamera(module);
+  py::class_<Rig>(module, "Rig",
+                  R"(Calibration of a rectified pair, and of its range camera if there is one.
+
+Depth of a disparity d: z = focal_px * baseline_m / (d + cx_right - cx). Cannot be changed; can be
+pickled.)")
+      .def(
+          py::init(&MakeRig), py::arg("width"), py::arg("height"), py::arg("focal_px"),
+          py::arg("baseline_m"), py::arg("cx") = py::none(), py::arg("cy") = py::none(),
+          py::arg("cx_right") = py::none(), py::arg("tof") = py::none(),
+          R"(__init__(self, width: int, height: int, focal_px: float, baseline_m: float, cx: Optional[float] = ..., cy: Optional[float] = ..., cx_right: Optional[float] = ..., tof: Optional[TofCamera] = ...) -> None
+
+Lengths in px but baseline_m (m). Principal point of the left camera (cx, cy), default the middle of
+the image; of the right one (cx_right, cy), default cx. ValueError names what no camera has.)")
+      .def_static(
+          "from_file", [](const fs::path& path) { return LoadRectifier(path).rig(); },
+          py::arg("path"),
+          R"(from_file(path: Union[str, os.PathLike[str]]) -> Rig
+
+The rectified rig of a rig file (sprout-calibrate); its images go through Rectifier first.)")
+      .def_static(
+          "from_kitti",
+          [](const fs::path& path, int width, int height, bool grey) {
+            Rig rig;
+            rig.pair = datasets::ReadKittiPair(path, {width, height}, grey);
+            return Checked(rig);
+          },
+          py::arg("path"), py::arg("width"), py::arg("height"), py::arg("grey") = false,
+          R"(from_kitti(path: Union[str, os.PathLike[str]], width: int, height: int, grey: bool = ...) -> Rig
+
+The pair of a calib.txt of KITTI: P2 and P3, the colour cameras, or P0 and P1.)")
+      .def_static("from_q", &FromQ, py::arg("Q"), py::arg("width"), py::arg("height"),
+                  R"(from_q(Q: Any, width: int, height: int) -> Rig
+
+From the (4, 4) matrix Q of cv2.stereoRectify(), with translations in m.)")
+      .def_static(
+          "from_dict", [](const py::dict& dict) { return FromDict("Rig", dict); }, py::arg("dict"),
+          "from_dict(dict: Dict[str, Any]) -> Rig")
+      .def(
+          "to_dict", [](const Rig& rig) { return DictOf(rig); },
+          "to_dict(self) -> Dict[str, Any]\n\nWhat from_dict() takes; plain numbers and tuples.")
+      .def("with_tof", &WithTof, py::arg("tof"),
+           "with_tof(self, tof: TofCamera) -> Rig\n\nThe same pair with this range camera.")
+      .def(
+          "with_aligned_tof",
+          [](const Rig& rig, int width, int height) {
+            return WithTof(rig, TofOverLeft(rig.pair, {width, height}));
+          },
+          py::arg("width"), py::arg("height"),
+          R"(with_aligned_tof(self, width: int, height: int) -> Rig
+
+The same pair with a range camera that shows what the left one shows, at this resolution.)")
+      .def_property_readonly(
+          "width", [](const Rig& rig) { return rig.pair.width; }, "int: px.")
+      .def_property_readonly(
+          "height", [](const Rig& rig) { return rig.pair.height; }, "int: px.")
+      .def_property_readonly(
+          "focal_px", [](const Rig& rig) { return rig.pair.focal_px; }, "float: focal length, px.")
+      .def_property_readonly(
+          "baseline_m", [](const Rig& rig) { return rig.pair.baseline_m; },
+          "float: distance of the cameras, m.")
+      .def_property_readonly(
+          "cx", [](const Rig& rig) { return rig.pair.cx; },
+          "float: column of the left principal point, px.")
+      .def_property_readonly(
+          "cy", [](const Rig& rig) { return rig.pair.cy; },
+          "float: row of both principal points, px.")
+      .def_property_readonly(
+          "cx_right", [](const Rig& rig) { return rig.pair.cx_right; },
+          "float: column of the right principal point, px.")
+      .def_property_readonly(
+          "tof",
+          [](const Rig& rig) {
+            return rig.tof.width > 0 ? std::optional<TofCamera>(rig.tof) : std::nullopt;
+          },
+          "Optional[TofCamera]: the range camera; None: there is none.")
+      .def_property_readonly(
+          "rig_id", [](const Rig& rig) { return RigId(rig); },
+          "str: digest, equal for equal numbers on every machine.")
+      .def_property_readonly(
+          "K",
+          [](const Rig& rig) {
+            const RectifiedPair& pair = rig.pair;
+            return Intrinsics(pair.focal_px, pair.focal_px, pair.cx, pair.cy);
+          },
+          "numpy.ndarray: (3, 3) float64, intrinsics of the left image and of its depth, px.")
+      .def_property_readonly("Q", &QOf,
+                             "numpy.ndarray: (4, 4) float64, as cv2.reprojectImageTo3D() takes it.")
+      .def("__eq__", &SameRig, "__eq__(self, other: object) -> bool")
+      .def(
+          "__hash__", [](const Rig& rig) { return py::hash(py::str(RigId(rig))); },
+          "__hash__(self) -> int")
+      .def(
+          "__repr__", [](const Rig& rig) { return Repr(rig); }, "__repr__(self) -> str")
+      .def(py::pickle([](const Rig& rig) { return DictOf(rig); },
+                      [](const py::dict& dict) { return FromDict("Rig", dict).cast<Rig>(); }));
+  BindRectifier(module);
+}
+
+}  // namespace sprout::python

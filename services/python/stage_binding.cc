@@ -1,0 +1,184 @@
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "common/app/log.h"
+#include "common/app/run_stage.h"
+#include "common/config/stage_parts.h"
+#include "services/python/arrays.h"
+#include "services/python/bindings.h"
+
+namespace sprout::python {
+namespace {
+
+constexpr std::array<std::string_view, 3> kStages = {"refine", "prior", "grow"};
+
+// What a function gives becomes a part; sizes are those of LEFT.
+PartValue TakeValue(Part part, const py::handle& given, cv::Size size) {
+  const std::string name = NameOf(part);
+  switch (part) {
+    case Part::kPrior: {
+      if (!py::isinstance<PriorMap>(given)) Refuse(name, "a PriorMap", given);
+      auto prior = given.cast<PriorMap>();
+      if (prior.size() != size) {
+        Refuse(name,
+               "a map of shape (" + std::to_string(size.height) + ", " +
+                   std::to_string(size.width) + ") as left",
+               ToArray(prior.disparity));
+      }
+      return prior;
+    }
+    case Part::kSeeds:
+    case Part::kLeftSeeds: {
+      SeedSet set{.seeds = TakeSeeds(name, given)};
+      set.raw = CountTofSeeds(set.seeds);
+      return set;
+    }
+    case Part::kConfidence:
+      return cv::Mat(TakeBytes(name, given, size));
+    default:
+      return FromPx(TakeFloats(name, given, size));
+  }
+}
+
+PartValue EmptyValue(Part part, cv::Size size) {
+  switch (part) {
+    case Part::kPrior:
+      return PriorMap(size);
+    case Part::kSeeds:
+    case Part::kLeftSeeds:
+      return SeedSet();
+    case Part::kConfidence:
+      return cv::Mat(cv::Mat1b::zeros(size));
+    default:
+      return DisparityImage(size);
+  }
+}
+
+// A stage whose work a function in Python does. Called by the thread that runs the stage, without
+// the interpreter's lock.
+class PyStage : public StageAdapter {
+ public:
+  PyStage(const std::string& stage, const SproutConfig& config, PartSet inputs, py::object function)
+      : stage_(stage),
+        inputs_(inputs),
+        outputs_(OutputsOf(stage, config)),
+        config_(config),
+        function_(std::move(function)) {}
+
+  PartSet Inputs() const override { return inputs_; }
+
+  StageResult Process(const Frame& frame) override {
+    const py::gil_scoped_acquire gil;
+    try {
+      return Answer(frame);
+    } catch (const py::error_already_set& error) {  // must not outlive the lock
+      throw std::runtime_error(error.what());
+    } catch (const py::builtin_exception& error) {
+      throw std::runtime_error(error.what());
+    }
+  }
+
+ private:
+  StageResult Answer(const Frame& frame) {
+    const py::object given = function_(PyFrame{.frame = frame}, config_);
+    const cv::Size size = frame.left.size();
+    StageResult outcome;
+    if (py::isinstance<py::str>(given)) {
+      outcome.degenerate = given.cast<std::string>();
+      for (const Part part : kAllParts) {
+        if (outputs_.Has(part)) outcome.outputs.push_back({part, EmptyValue(part, size)});
+      }
+      return outcome;
+    }
+    py::dict parts;
+    if (py::isinstance<py::dict>(given)) {
+      parts = given;
+    } else {
+      parts[py::str(NameOf(MainPart()))] = given;
+    }
+    RequireKnown(parts);
+    for (const Part part : kAllParts) {
+      if (!outputs_.Has(part)) continue;
+      const py::str name(NameOf(part));
+      if (parts.contains(name)) {
+        outcome.outputs.push_back({part, TakeValue(part, parts[name], size)});
+      } else if (part == Part::kLeftSeeds) {
+        outcome.outputs.push_back({part, SeedSet()});
+      } else if (part == MainPart()) {
+        Refuse(std::string(name), "a value in the dict", py::none());
+      } else {
+        WarnOfMissing(part);
+      }
+    }
+    return outcome;
+  }
+
+  Part MainPart() const {
+    if (stage_ == "refine") return Part::kSeeds;
+    return stage_ == "prior" ? Part::kPrior : Part::kDisparity;
+  }
+
+  void RequireKnown(const py::dict& parts) const {
+    for (const auto& item : parts) {
+      const Part part = TakePart(py::str(item.first));
+      if (OutputsOf(stage_, AllPublished()).Has(part)) continue;
+      throw py::value_error(NameOf(part) + ": " + stage_ + " does not answer that");
+    }
+  }
+
+  static SproutConfig AllPublished() {
+    SproutConfig config;
+    config.mutable_grow()->set_publish_unfilled(true);
+    config.mutable_grow()->set_publish_confidence(true);
+    return config;
+  }
+
+  void WarnOfMissing(Part part) {
+    if (warned_.Has(part)) return;
+    warned_.Add(part);
+    LogLine(LogLevel::kWarning, "nothing on {}, which the configuration asks for", ChannelOf(part));
+  }
+
+  std::string stage_;
+  PartSet inputs_;
+  PartSet outputs_;
+  SproutConfig config_;
+  py::object function_;
+  PartSet warned_;
+};
+
+int Run(const std::string& stage, const py::object& function, const py::object& inputs,
+        const std::string& description, std::vector<std::string> arguments) {
+  const std::optional<PartSet> chosen =
+      inputs.is_none() ? std::nullopt : std::optional(TakeParts(inputs));
+  if (std::ranges::find(kStages, stage) == kStages.end()) {
+    throw py::value_error("stage: expected one of refine, prior, grow, given '" + stage + "'");
+  }
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  const py::gil_scoped_release free;
+  return RunStage(static_cast<int>(arguments.size()), argv.data(), stage, description,
+                  [&](const SproutConfig& config) -> std::unique_ptr<StageAdapter> {
+                    PartSet needed = chosen.value_or(InputsOf(stage, config));
+                    needed.Add(Part::kLeft);  // an answer has its size
+                    const py::gil_scoped_acquire gil;
+                    return std::make_unique<PyStage>(stage, config, needed, function);
+                  });
+}
+
+}  // namespace
+
+void BindStage(py::module_& module) {
+  module.def(
+      "_run_stage", &Run, py::arg("stage"), py::arg("function"), py::arg("inputs"),
+      py::arg("description"), py::arg("arguments"),
+      R"(_run_stage(stage: str, function: Callable[[Frame, Config], Any], inputs: Optional[Sequence[str]], description: str, arguments: List[str]) -> int
+
+The whole of a stage's program; its exit code.)");
+}
+
+}  // namespace sprout::python

@@ -1,0 +1,164 @@
+#include "services/ros2/bridge.h"
+
+#include <algorithm>
+#include <cctype>
+#include <exception>
+#include <utility>
+
+#include "common/bus/channels.h"
+#include "common/messages/codec.h"
+
+namespace sprout::ros2 {
+namespace {
+
+// A graph has one rig, or for a moment two.
+constexpr size_t kMostRigs = 8;
+constexpr size_t kMostStatuses = 64;
+
+// "/robot/front": what ROS allows.
+void RequirePrefix(const std::string& prefix) {
+  const auto is_of_name = [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '/';
+  };
+  const bool is_name =
+      prefix.size() > 1 && prefix.size() <= 128 && prefix.front() == '/' && prefix.back() != '/' &&
+      std::isdigit(static_cast<unsigned char>(prefix[1])) == 0 &&
+      prefix.find("//") == std::string::npos && std::ranges::all_of(prefix, is_of_name);
+  if (is_name) return;
+  throw ConfigError("ros2.prefix = '" + prefix +
+                    "': allowed are names as /robot/front, of letters, digits and '_'");
+}
+
+void RequireFrame(const char* field, const std::string& frame) {
+  if (!frame.empty() && frame.front() != '/' && frame.size() <= 128) return;
+  throw ConfigError(std::string("ros2.") + field + " = '" + frame +
+                    "': allowed are 1 to 128 characters without a '/' in front");
+}
+
+// The rows of the topics that the configuration names.
+std::vector<const RosTopicRow*> ChosenTopics(const Ros2Config& config) {
+  std::vector<const RosTopicRow*> chosen;
+  std::string all;
+  for (const RosTopicRow& row : RosTopicRows()) {
+    const bool is_named = std::ranges::count(config.topics(), row.name) > 0;
+    if (config.topics().empty() || is_named) chosen.push_back(&row);
+    all += " " + std::string(row.name);
+  }
+  for (const std::string& name : config.topics()) {
+    if (std::ranges::count(RosTopicRows(), name, &RosTopicRow::name) > 0) continue;
+    throw ConfigError("ros2.topics = '" + name + "': allowed are" + all);
+  }
+  return chosen;
+}
+
+RosQos QosOf(const RosTopicRow& row, bool reliable) {
+  if (row.topic == RosTopic::kTransforms) return {.reliable = true, .latched = true};
+  if (row.topic == RosTopic::kDiagnostics) return {.reliable = true};
+  return {.reliable = reliable};
+}
+
+}  // namespace
+
+Bridge::Bridge(const Ros2Config& config, StageMonitor& monitor)
+    : config_(config),
+      monitor_(monitor),
+      options_{.frames = {config.left_frame(), config.right_frame(), config.tof_frame()},
+               .depth = config.depth_encoding() == Ros2Config::METRES ? RosDepth::kMetres
+                                                                      : RosDepth::kMillimetres},
+      node_((RequireInRange(config, "ros2"), config.domain())) {
+  RequirePrefix(config.prefix());
+  RequireFrame("left_frame", config.left_frame());
+  RequireFrame("right_frame", config.right_frame());
+  RequireFrame("tof_frame", config.tof_frame());
+  for (const RosTopicRow* row : ChosenTopics(config)) {
+    const std::string name = RosTopicName(*row, config.prefix());
+    topics_.push_back({row, node_.AddWriter(name, row->type(), QosOf(*row, config.reliable()))});
+  }
+}
+
+bool Bridge::IsWanted(Part part) const {
+  return std::ranges::any_of(topics_, [&](const Topic& topic) {
+    return topic.row->part == part && node_.HasReaders(topic.writer);
+  });
+}
+
+std::set<std::string_view> Bridge::WantedChannels() const {
+  std::set<std::string_view> channels = {ChannelOf(Part::kRig), kStatusChannel};
+  for (const Topic& topic : topics_) {
+    if (node_.HasReaders(topic.writer)) channels.insert(ChannelOf(topic.row->part));
+  }
+  return channels;
+}
+
+void Bridge::OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
+  try {
+    if (channel == kStatusChannel) return OnStatus(bytes);
+    if (channel == ChannelOf(Part::kRig)) return OnRig(bytes);
+    if (const std::optional<Part> part = PartOf(channel)) OnPart(*part, bytes);
+  } catch (const std::exception& e) {  // out of memory
+    monitor_.BadMessage(channel, e.what());
+  }
+}
+
+void Bridge::OnStatus(std::span<const uint8_t> bytes) {
+  const Result<StageStatus> status = DecodeStatus(bytes);
+  if (!status) return monitor_.BadMessage(kStatusChannel, status.error().text);
+  const std::scoped_lock lock(mutex_);
+  if (statuses_.size() < kMostStatuses || statuses_.contains(status->stage)) {
+    statuses_.insert_or_assign(status->stage, *status);
+  }
+}
+
+void Bridge::OnRig(std::span<const uint8_t> bytes) {
+  const Result<DecodedPart> rig = DecodePart(Part::kRig, bytes);
+  if (!rig) return monitor_.BadMessage(ChannelOf(Part::kRig), rig.error().text);
+  const std::scoped_lock lock(mutex_);
+  if (rigs_.contains(rig->id.rig_id)) return;
+  if (rigs_.size() == kMostRigs) rigs_.clear();
+  rigs_.emplace(rig->id.rig_id, std::get<Rig>(rig->value));
+  // Latched: who comes later gets it, too.
+  for (const Topic& topic : topics_) {
+    if (topic.row->topic != RosTopic::kTransforms) continue;
+    const auto message = ToRos(topic.row->topic, rig->id, rig->value, nullptr, options_);
+    Publish(topic, rig->id, *message);
+  }
+}
+
+void Bridge::OnPart(Part part, std::span<const uint8_t> bytes) {
+  if (!IsWanted(part)) return;
+  const auto arrived = StageMonitor::Clock::now();
+  const Result<FrameId> id = DecodeFrameId(bytes);
+  if (id && id->seq % config_.every() != 0) return;
+  const Result<DecodedPart> decoded = DecodePart(part, bytes);
+  if (!decoded) return monitor_.BadMessage(ChannelOf(part), decoded.error().text);
+  monitor_.FrameIn(/*skipped=*/false);
+  const std::scoped_lock lock(mutex_);
+  const auto rig = rigs_.find(decoded->id.rig_id);
+  const Rig* const known = rig == rigs_.end() ? nullptr : &rig->second;
+  std::string lacking;
+  for (const Topic& topic : topics_) {
+    const RosTopicRow& row = *topic.row;
+    if (row.part != part || !node_.HasReaders(topic.writer)) continue;
+    if (row.needs_rig && known == nullptr) lacking = "no calibration for " + std::string(row.name);
+    const auto message = ToRos(row.topic, decoded->id, decoded->value, known, options_);
+    if (message) Publish(topic, decoded->id, *message);
+  }
+  monitor_.FrameOut(decoded->id, arrived, lacking);
+}
+
+void Bridge::Publish(const Topic& topic, const FrameId& id, const AnyRosMessage& message) {
+  ++converted_;
+  const Result<void> sent = node_.Write(topic.writer, message);
+  if (!sent)
+    monitor_.FrameFailed(id, RosTopicName(*topic.row, config_.prefix()) + ": " + sent.error().text);
+}
+
+void Bridge::PublishDiagnostics() {
+  const std::scoped_lock lock(mutex_);
+  for (const Topic& topic : topics_) {
+    if (topic.row->topic != RosTopic::kDiagnostics || !node_.HasReaders(topic.writer)) continue;
+    Publish(topic, {}, ToRosDiagnostics(NowUtime(), statuses_));
+  }
+}
+
+}  // namespace sprout::ros2

@@ -1,0 +1,67 @@
+#ifndef SPROUT_SERVICES_ROS2_BRIDGE_H_
+#define SPROUT_SERVICES_ROS2_BRIDGE_H_
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/app/stage_monitor.h"
+#include "common/config/config.h"
+#include "common/core/rig.h"
+#include "common/core/stage_status.h"
+#include "common/ros2/frame_topics.h"
+#include "common/ros2/ros_node.h"
+
+namespace sprout::ros2 {
+
+/// Shows the messages of the graph to ROS 2. A message is decoded and converted only when somebody
+/// subscribes to a topic that is made of it. Its methods may be called from any thread.
+class Bridge {
+ public:
+  /// @throws ConfigError for a name that cannot be, RosError.
+  Bridge(const Ros2Config& config, StageMonitor& monitor);
+
+  /// The channels (without prefix) that somebody wants now, and those that are always listened to.
+  std::set<std::string_view> WantedChannels() const;
+
+  /// Takes a message of the graph.
+  void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
+
+  /// Publishes how the processes fare; call once a second.
+  void PublishDiagnostics();
+
+  int64_t converted() const { return converted_; }  ///< messages for ROS so far
+
+ private:
+  struct Topic {
+    const RosTopicRow* row;
+    RosNode::Handle writer;
+  };
+
+  void OnPart(Part part, std::span<const uint8_t> bytes);
+  void OnRig(std::span<const uint8_t> bytes);
+  void OnStatus(std::span<const uint8_t> bytes);
+  bool IsWanted(Part part) const;
+  void Publish(const Topic& topic, const FrameId& id, const AnyRosMessage& message);
+
+  Ros2Config config_;
+  StageMonitor& monitor_;
+  RosTopicOptions options_;
+  RosNode node_;
+  std::vector<Topic> topics_;
+  std::mutex mutex_;
+  std::map<std::string, Rig> rigs_;  // by rig_id
+  std::map<std::string, StageStatus> statuses_;
+  int64_t converted_ = 0;
+};
+
+}  // namespace sprout::ros2
+
+#endif  // SPROUT_SERVICES_ROS2_BRIDGE_H_

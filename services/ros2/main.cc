@@ -1,0 +1,86 @@
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/app/service.h"
+#include "common/app/status_reporter.h"
+#include "common/app/supervision.h"
+#include "common/bus/receiver.h"
+#include "common/core/digest.h"
+#include "common/core/sleep.h"
+#include "services/ros2/bridge.h"
+
+namespace sprout::ros2 {
+namespace {
+
+// Some ten frames of 2 MP may wait; more is late anyway.
+constexpr size_t kMaxQueuedBytes = size_t{64} << 20;
+// How soon a new subscriber gets something.
+constexpr std::chrono::milliseconds kLook{200};
+
+int Run(const ServiceContext& context) {
+  StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
+  Bridge bridge(context.config.ros2(), monitor);
+  const StatusReporter reporter(context, monitor);
+  TellReady();
+  Watchdog watchdog;
+  std::set<std::string_view> channels;
+  std::optional<Receiver> receiver;
+  auto next_diagnostics = std::chrono::steady_clock::now();
+  while (!context.stop.stop_requested()) {
+    watchdog.Idle();
+    // Only what somebody wants is taken from the bus.
+    if (std::set<std::string_view> wanted = bridge.WantedChannels(); wanted != channels) {
+      channels = std::move(wanted);
+      receiver.reset();
+      receiver.emplace(
+          context.lcm_url, context.prefix,
+          std::vector<std::string_view>(channels.begin(), channels.end()),
+          [&](std::string_view channel, std::span<const uint8_t> bytes) {
+            bridge.OnMessage(channel, bytes);
+          },
+          [&](std::string_view channel) { monitor.MessageDropped(channel); }, kMaxQueuedBytes);
+    }
+    if (std::chrono::steady_clock::now() >= next_diagnostics) {
+      bridge.PublishDiagnostics();
+      next_diagnostics += std::chrono::seconds(1);
+    }
+    SleepFor(kLook, context.stop);
+  }
+  receiver.reset();  // before the bridge goes
+  return 0;
+}
+
+int Main(int argc, char** argv) {
+  Service service("ros2",
+                  "Shows the graph to ROS 2, without ROS: publishes images, camera infos, depth,\n"
+                  "points, disparities, confidence, /tf_static and /diagnostics over DDS. What\n"
+                  "nobody subscribes to is not converted.");
+  std::optional<int> domain;
+  bool reliable = false;
+  service.flags()
+      .add_option("--domain", domain, "As ROS_DOMAIN_ID")
+      ->envname("ROS_DOMAIN_ID")
+      ->type_name("N");
+  service.flags().add_flag("--reliable", reliable, "Send what was lost again");
+  return service.Run(
+      argc, argv,
+      [](const ServiceContext& context) {
+        try {
+          return Run(context);
+        } catch (const RosError& e) {
+          throw ConfigError(e.what());
+        }
+      },
+      [&](SproutConfig& config) {
+        if (domain) config.mutable_ros2()->set_domain(*domain);
+        if (reliable) config.mutable_ros2()->set_reliable(true);
+      });
+}
+
+}  // namespace
+}  // namespace sprout::ros2
+
+int main(int argc, char** argv) { return sprout::ros2::Main(argc, argv); }

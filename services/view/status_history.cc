@@ -1,0 +1,73 @@
+#include "services/view/status_history.h"
+
+#include <nlohmann/json.hpp>
+
+#include "services/top/board_text.h"
+#include "services/view/packet.h"
+
+namespace sprout::view {
+namespace {
+
+// Names are free, so anybody could invent more.
+constexpr size_t kMaxStages = 32;
+
+int64_t LostOf(const StageStatus& status) {
+  return status.frames_skipped + status.frames_incomplete + status.frames_failed +
+         status.frames_degenerate;
+}
+
+}  // namespace
+
+void StatusHistory::Add(const StageStatus& status, int64_t utime,
+                        top::StatusBoard::Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  board_.Add(status, now);
+  newest_ = now;
+  if (courses_.size() == kMaxStages && !courses_.contains(status.stage)) return;
+  Course& course = courses_[status.stage];
+  const int64_t seen = course.seen++;
+  if (seen % course.step != 0) return;
+  course.samples.push_back({utime, seen, status});
+  if (course.samples.size() <= kMaxSamples) return;
+  if (keep_all_) {
+    course.step *= 2;
+    std::erase_if(course.samples, [&](const Sample& s) { return s.seen % course.step != 0; });
+  } else {
+    course.samples.pop_front();
+  }
+}
+
+std::string StatusHistory::BoardText(top::StatusBoard::Clock::time_point now) const {
+  const std::lock_guard lock(mutex_);
+  return top::BoardJson(board_.Rows(now));
+}
+
+top::StatusBoard::Clock::time_point StatusHistory::newest() const {
+  const std::lock_guard lock(mutex_);
+  return newest_;
+}
+
+std::string StatusHistory::HistoryText() const {
+  const std::lock_guard lock(mutex_);
+  nlohmann::json stages = nlohmann::json::object();
+  for (const auto& [stage, course] : courses_) {
+    nlohmann::json columns{
+        {"t", nlohmann::json::array()},          {"rate_hz", nlohmann::json::array()},
+        {"age_p50_ms", nlohmann::json::array()}, {"age_p99_ms", nlohmann::json::array()},
+        {"lost", nlohmann::json::array()},       {"bad", nlohmann::json::array()},
+        {"rss_mb", nlohmann::json::array()}};
+    for (const Sample& sample : course.samples) {
+      columns["t"].push_back(static_cast<double>(sample.utime) * 1e-6);
+      columns["rate_hz"].push_back(sample.status.rate_hz);
+      columns["age_p50_ms"].push_back(sample.status.age.p50_ms);
+      columns["age_p99_ms"].push_back(sample.status.age.p99_ms);
+      columns["lost"].push_back(LostOf(sample.status));
+      columns["bad"].push_back(sample.status.bad_messages);
+      columns["rss_mb"].push_back(static_cast<double>(sample.status.rss_bytes) / (1 << 20));
+    }
+    stages[stage] = std::move(columns);
+  }
+  return JsonText(stages);
+}
+
+}  // namespace sprout::view

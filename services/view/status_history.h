@@ -1,0 +1,63 @@
+#ifndef SPROUT_SERVICES_VIEW_STATUS_HISTORY_H_
+#define SPROUT_SERVICES_VIEW_STATUS_HISTORY_H_
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/core/stage_status.h"
+#include "services/top/status_board.h"
+
+namespace sprout::view {
+
+/// Keeps the newest status of every process, as sprout-top does, and for the plots the last minutes
+/// of every stage. Thread-safe.
+class StatusHistory {
+ public:
+  /// Most samples of a stage. In a log, which may have more, every second one is dropped when it is
+  /// full.
+  static constexpr size_t kMaxSamples = 900;
+
+  /// @param expected   stages that must be there.
+  /// @param keep_all   thin out old samples (a log), instead of dropping them (a running graph).
+  StatusHistory(std::vector<std::string> expected, bool keep_all)
+      : board_(std::move(expected)), keep_all_(keep_all) {}
+
+  /// @param utime  arrival, µs.
+  void Add(const StageStatus& status, int64_t utime, top::StatusBoard::Clock::time_point now);
+
+  /// The board, see BoardJson().
+  std::string BoardText(top::StatusBoard::Clock::time_point now) const;
+
+  /// {stage: {t, rate_hz, age_p50_ms, age_p99_ms, lost, bad, rss_mb}}: arrays of equal length, t in
+  /// s since 1970; lost and bad are counts since the start of the process.
+  std::string HistoryText() const;
+
+  /// Arrival of the newest status, as given to Add().
+  top::StatusBoard::Clock::time_point newest() const;
+
+ private:
+  struct Sample {
+    int64_t utime;
+    int64_t seen;  // how many came before
+    StageStatus status;
+  };
+  struct Course {
+    std::deque<Sample> samples;
+    int64_t seen = 0;
+    int64_t step = 1;
+  };
+
+  mutable std::mutex mutex_;
+  top::StatusBoard board_;
+  bool keep_all_;
+  top::StatusBoard::Clock::time_point newest_{};
+  std::map<std::string, Course> courses_;
+};
+
+}  // namespace sprout::view
+
+#endif  // SPROUT_SERVICES_VIEW_STATUS_HISTORY_H_

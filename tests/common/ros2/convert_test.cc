@@ -1,0 +1,258 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "common/messages/jpeg.h"
+#include "common/ros2/frame_topics.h"
+#include "common/ros2/from_ros.h"
+#include "tests/common/ros2/ros_examples.h"
+
+namespace sprout {
+namespace {
+
+using examples::Place;
+using testing::HasSubstr;
+
+RosMessage<RosImage> Image(std::string_view encoding, cv::Size size, uint32_t step,
+                           const std::vector<uint8_t>& bytes) {
+  RosMessage<RosImage> message;
+  SetRosText(message->encoding, encoding);
+  message->width = static_cast<uint32_t>(size.width);
+  message->height = static_cast<uint32_t>(size.height);
+  message->step = step;
+  std::ranges::copy(bytes, ResizeRos(message->data, bytes.size()).begin());
+  return message;
+}
+
+std::string ErrorOf(const auto& result) { return result ? "none" : result.error().text; }
+
+bool SamePixels(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
+}
+
+TEST(FromRos, ImagesComeBack) {
+  for (const cv::Mat& image : {examples::GreyImage(), examples::BgrImage()}) {
+    const Result<cv::Mat> back = FromRosImage(*ToRosImage(Place(), image));
+    ASSERT_TRUE(back) << ErrorOf(back);
+    EXPECT_TRUE(SamePixels(*back, image));
+  }
+}
+
+TEST(FromRos, RowsMayBeLongerThanTheirPixels) {
+  const auto message = Image("mono8", {2, 2}, 3, {1, 2, 99, 3, 4, 99});
+  const Result<cv::Mat> image = FromRosImage(*message);
+  ASSERT_TRUE(image) << ErrorOf(image);
+  EXPECT_TRUE(SamePixels(*image, (cv::Mat1b(2, 2) << 1, 2, 3, 4)));
+}
+
+TEST(FromRos, TurnsColoursAndDepthsOfPixels) {
+  EXPECT_EQ((*FromRosImage(*Image("rgb8", {1, 1}, 3, {10, 20, 30}))).at<cv::Vec3b>(0, 0),
+            cv::Vec3b(30, 20, 10));
+  // 256·200 + 255 in little, 256·3 in big endian.
+  EXPECT_EQ((*FromRosImage(*Image("mono16", {1, 1}, 2, {255, 200}))).at<uint8_t>(0, 0), 200);
+  auto big = Image("mono16", {1, 1}, 2, {3, 0});
+  big->is_bigendian = 1;
+  EXPECT_EQ((*FromRosImage(*big)).at<uint8_t>(0, 0), 3);
+}
+
+TEST(FromRos, BayerPatternsBeginWithTheirFirstPixels) {
+  // A red scene: only the red pixels of the pattern are bright.
+  for (const auto& [name, red_u, red_v] :
+       {std::tuple("bayer_rggb8", 0, 0), std::tuple("bayer_bggr8", 1, 1),
+        std::tuple("bayer_grbg8", 1, 0), std::tuple("bayer_gbrg8", 0, 1)}) {
+    std::vector<uint8_t> bytes(64);
+    for (int v = red_v; v < 8; v += 2) {
+      for (int u = red_u; u < 8; u += 2) bytes[static_cast<size_t>(8 * v + u)] = 200;
+    }
+    const Result<cv::Mat> image = FromRosImage(*Image(name, {8, 8}, 8, bytes));
+    ASSERT_TRUE(image) << ErrorOf(image);
+    EXPECT_EQ(image->at<cv::Vec3b>(4, 4), cv::Vec3b(0, 0, 200)) << name;
+  }
+}
+
+TEST(FromRos, RefusesImagesThatCannotBe) {
+  EXPECT_THAT(ErrorOf(FromRosImage(*Image("yuv422", {1, 1}, 2, {1, 2}))),
+              HasSubstr("encoding = 'yuv422': allowed is mono8, "));
+  EXPECT_THAT(ErrorOf(FromRosImage(*Image("mono8", {4, 1}, 3, {1, 2, 3}))),
+              HasSubstr("step = 3: allowed is at least 4"));
+  EXPECT_THAT(ErrorOf(FromRosImage(*Image("mono8", {4, 2}, 4, {1, 2, 3, 4}))),
+              HasSubstr("data length = 4: allowed is step × height"));
+  auto huge = Image("mono8", {4, 1}, 4, {1, 2, 3, 4});
+  huge->width = 0xffffffff;
+  EXPECT_THAT(ErrorOf(FromRosImage(*huge)), HasSubstr("width = 2147483647: allowed is 1 to 16384"));
+}
+
+TEST(FromRos, DepthIsInMetres) {
+  const auto millimetres = Image("16UC1", {2, 1}, 4, {0xdc, 5, 0, 0});
+  const Result<cv::Mat1f> depth = FromRosDepth(*millimetres);
+  ASSERT_TRUE(depth) << ErrorOf(depth);
+  EXPECT_FLOAT_EQ((*depth)(0, 0), 1.5F);
+  EXPECT_FALSE(IsReturn((*depth)(0, 1)));
+  const cv::Mat1f metres = (cv::Mat1f(1, 2) << NAN, 2.25F);
+  const Result<cv::Mat1f> same = FromRosDepth(*ToRosImage(Place(), metres));
+  ASSERT_TRUE(same) << ErrorOf(same);
+  EXPECT_TRUE(std::isnan((*same)(0, 0)));
+  EXPECT_EQ((*same)(0, 1), 2.25F);
+}
+
+TEST(FromRos, JpegMustHaveTheSizeThatIsExpected) {
+  const std::string jpeg = WriteJpeg(cv::Mat1b(8, 16, uint8_t{77}), JpegColors::kFull);
+  RosMessage<RosCompressedImage> message;
+  SetRosText(message->format, "jpeg");
+  std::ranges::copy(jpeg, ResizeRos(message->data, jpeg.size()).begin());
+  const Result<cv::Mat> image = FromRosImage(*message, {16, 8});
+  ASSERT_TRUE(image) << ErrorOf(image);
+  EXPECT_NEAR(image->at<uint8_t>(3, 3), 77, 1);
+  EXPECT_THAT(ErrorOf(FromRosImage(*message, {8, 8})),
+              HasSubstr("allowed is width x height = 8x8"));
+  SetRosText(message->format, "png");
+  EXPECT_EQ(ErrorOf(FromRosImage(*message, {16, 8})), "format = 'png': allowed is jpeg");
+}
+
+TEST(FromRos, ThePairComesBack) {
+  const RectifiedPair pair = examples::Rig().pair;
+  const auto left = FromRosInfo(*ToRosLeftInfo(Place(), pair));
+  const auto right = FromRosInfo(*ToRosRightInfo(Place(), pair));
+  ASSERT_TRUE(left && right);
+  EXPECT_EQ(right->tx, -500 * 0.125);
+  const Result<RectifiedPair> back = PairOf(*left, *right);
+  ASSERT_TRUE(back) << ErrorOf(back);
+  EXPECT_EQ(RigId({.pair = *back, .tof = {}}), RigId({.pair = pair, .tof = {}}));
+  EXPECT_THAT(ErrorOf(PairOf(*right, *left)), HasSubstr("left p[3] = -62.5"));
+}
+
+TEST(FromRos, RefusesCamerasThatAreNotCalibrated) {
+  auto info = ToRosLeftInfo(Place(), examples::Rig().pair);
+  info->k[0] = 0;
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("k[0] = 0: allowed is a focal length > 0"));
+  info = ToRosLeftInfo(Place(), examples::Rig().pair);
+  info->r[0] = -1;
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("r = no rotation"));
+  info = ToRosLeftInfo(Place(), examples::Rig().pair);
+  info->p[3] = NAN;
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("p = not finite"));
+  info = ToRosLeftInfo(Place(), examples::Rig().pair);
+  SetRosText(info->distortion_model, "equidistant");
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("distortion_model = equidistant"));
+}
+
+TEST(FromRos, TheTofCameraComesBack) {
+  const TofCamera tof = examples::Rig().tof;
+  const auto info = FromRosInfo(*ToRosTofInfo(Place(), tof));
+  ASSERT_TRUE(info) << ErrorOf(info);
+  EXPECT_EQ(info->lens.distortion, tof.distortion);
+  const auto poses = FromRosTransforms(*ToRosTransforms(1, examples::Rig(), {}));
+  ASSERT_TRUE(poses) << ErrorOf(poses);
+  ASSERT_EQ(poses->size(), 2U);
+  EXPECT_EQ((*poses)[0].translation_m, Eigen::Vector3d(0.125, 0, 0));
+  EXPECT_EQ((*poses)[1].child, "sprout_tof_optical_frame");
+  EXPECT_EQ((*poses)[1].translation_m, tof.left_from_tof_translation_m);
+  EXPECT_EQ((*poses)[1].rotation.coeffs(), tof.left_from_tof_rotation.coeffs());
+}
+
+// Velodyne's driver: x y z intensity ring time, 22 bytes; here z stands in front.
+TEST(FromRos, PointsOfAnyLayout) {
+  RosMessage<RosPointCloud> cloud;
+  cloud->height = 2;
+  cloud->width = 2;
+  cloud->point_step = 22;
+  cloud->row_step = 50;
+  const std::span fields = ResizeRos(cloud->fields, 4);
+  const char* const names[] = {"z", "ring", "x", "y"};
+  const uint32_t offsets[] = {0, 4, 6, 18};
+  for (size_t i = 0; i < 4; ++i) {
+    SetRosText(fields[i].name, names[i]);
+    fields[i].offset = offsets[i];
+    fields[i].datatype = i == 1 ? 4 : 7;
+    fields[i].count = 1;
+  }
+  uint8_t* const data = ResizeRos(cloud->data, 100).data();
+  const float xyz[4][3] = {{1, 2, 3}, {NAN, 0, 0}, {4, -5, 6}, {0, 0, 2000}};
+  for (size_t i = 0; i < 4; ++i) {
+    uint8_t* const at = data + 50 * (i / 2) + 22 * (i % 2);
+    std::memcpy(at + 6, &xyz[i][0], 4);
+    std::memcpy(at + 18, &xyz[i][1], 4);
+    std::memcpy(at, &xyz[i][2], 4);
+  }
+  const auto points = FromRosCloud(*cloud);
+  ASSERT_TRUE(points) << ErrorOf(points);
+  EXPECT_THAT(*points, testing::ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, -5, 6)));
+  cloud->row_step = 51;
+  EXPECT_THAT(ErrorOf(FromRosCloud(*cloud)), HasSubstr("data length = 100"));
+  cloud->row_step = 50;
+  fields[0].offset = 19;
+  EXPECT_THAT(ErrorOf(FromRosCloud(*cloud)), HasSubstr("fields x, y and z of FLOAT32"));
+}
+
+TEST(ToRos, PointsHavePlaceColourAndConfidence) {
+  const PointCloud cloud{{{.position_m = {1, 2, 3}, .bgr = {10, 20, 30}, .confidence = 200}}};
+  const auto ros = ToRosCloud(Place(), cloud);
+  EXPECT_EQ(ros->point_step, 20U);
+  const uint8_t* const at = ros->data._buffer;
+  EXPECT_EQ(at[12], 10);
+  EXPECT_EQ(at[13], 20);
+  EXPECT_EQ(at[14], 30);
+  EXPECT_EQ(at[16], 200);
+  const auto points = FromRosCloud(*ros);
+  ASSERT_TRUE(points) << ErrorOf(points);
+  EXPECT_THAT(*points, testing::ElementsAre(Eigen::Vector3d(1, 2, 3)));
+}
+
+// z = f·t / d, as image_geometry computes it, is the depth that the pair says.
+TEST(ToRos, DisparitiesAreAdjustedByThePrincipalPoints) {
+  const RectifiedPair pair = examples::Rig().pair;
+  const DisparityImage disparity = examples::SmallDisparity();
+  const auto ros = ToRosDisparity(Place(), disparity, pair);
+  const cv::Mat1f px(3, 5, reinterpret_cast<float*>(ros->image.data._buffer));
+  EXPECT_EQ(px(1, 2), disparity.Px(2, 1) + 310.75F - 320.5F);
+  EXPECT_NEAR(ros->f * ros->t / px(1, 3), pair.DepthFromDisparity(disparity.Px(3, 1)), 1e-4);
+  EXPECT_EQ(ros->min_disparity, px(1, 0));
+  EXPECT_EQ(ros->max_disparity, px(1, 3));
+  EXPECT_EQ(px(0, 0), ros->min_disparity - 1);
+}
+
+TEST(ToRos, DepthIsMillimetresOrMetres) {
+  DepthImage depth{.counts = (cv::Mat1w(1, 3) << 0, 1500, 3), .metres_per_count = 0.001};
+  const auto borrowed = ToRosDepth(Place(), depth, RosDepth::kMillimetres);
+  EXPECT_EQ(RosText(borrowed->encoding), "16UC1");
+  EXPECT_EQ(static_cast<const void*>(borrowed->data._buffer), depth.counts.data);
+  const auto metres = ToRosDepth(Place(), depth, RosDepth::kMetres);
+  const cv::Mat1f m(1, 3, reinterpret_cast<float*>(metres->data._buffer));
+  EXPECT_TRUE(std::isnan(m(0, 0)));
+  EXPECT_FLOAT_EQ(m(0, 1), 1.5F);
+  depth.metres_per_count = 0.0005;
+  const auto scaled = ToRosDepth(Place(), depth, RosDepth::kMillimetres);
+  EXPECT_EQ(reinterpret_cast<const uint16_t*>(scaled->data._buffer)[1], 750);
+}
+
+TEST(ToRos, StampsAreTheCaptures) {
+  EXPECT_EQ(*FromRosStamp(ToRosImage(Place(), examples::GreyImage())->header), Place().utime);
+  const RosTime before = RosStamp(-1);
+  EXPECT_EQ(before.sec, -1);
+  EXPECT_EQ(before.nanosec, 999'999'000U);
+  RosHeader header{};
+  header.stamp.nanosec = 1'000'000'000;
+  EXPECT_THAT(ErrorOf(FromRosStamp(header)), HasSubstr("nanosec = 1000000000"));
+}
+
+TEST(RosTopics, SayNothingOfAFrameWithoutCalibrationWhereTheyNeedIt) {
+  const PartValue left = examples::GreyImage();
+  EXPECT_NE(ToRos(RosTopic::kLeft, examples::Id(), left, nullptr, {}), nullptr);
+  EXPECT_EQ(ToRos(RosTopic::kLeftInfo, examples::Id(), left, nullptr, {}), nullptr);
+  EXPECT_EQ(RosTopicName(RowOf(RosTopic::kDepth), "/robot"), "/robot/depth/image_rect");
+  EXPECT_EQ(RosTopicName(RowOf(RosTopic::kTransforms), "/robot"), "/tf_static");
+}
+
+TEST(RosSchemas, HaveEveryTypeThatIsUsedOnce) {
+  const std::string schema = RosSchema(RosTypeOf<RosDisparity>());
+  for (const char* name : {"MSG: std_msgs/Header\n", "MSG: builtin_interfaces/Time\n",
+                           "MSG: sensor_msgs/Image\n", "MSG: sensor_msgs/RegionOfInterest\n"}) {
+    const size_t at = schema.find(name);
+    EXPECT_NE(at, std::string::npos) << name;
+    EXPECT_EQ(schema.find(name, at + 1), std::string::npos) << name;
+  }
+}
+
+}  // namespace
+}  // namespace sprout

@@ -1,0 +1,290 @@
+#include "services/capture/ros2/ros_source.h"
+
+#include <gmock/gmock.h>
+
+#include "common/mcap/mcap_writer.h"
+#include "common/messages/jpeg.h"
+#include "common/ros2/frame_topics.h"
+#include "services/datasets/kitti_source.h"
+#include "services/datasets/velodyne_scan.h"
+#include "tests/common/messages/examples.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/services/datasets/kitti_folder.h"
+
+namespace sprout::capture {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr int64_t kStart = 1'700'000'000'000'000;
+constexpr cv::Size kSize(640, 480);  // as examples::Rig()
+
+// A recording of ROS 2's messages.
+class RosRecording {
+ public:
+  explicit RosRecording(const std::string& path) : writer_(path, {.profile = "ros2"}) {}
+
+  void Add(const std::string& topic, const AnyRosMessage& message) {
+    const auto [channel, is_new] = channels_.try_emplace(topic);
+    if (is_new) {
+      const uint16_t schema =
+          writer_.AddSchema(message.type().name, "ros2msg", RosSchema(message.type()));
+      channel->second = writer_.AddChannel(schema, topic, "cdr");
+    }
+    WriteCdr(message, cdr_);
+    writer_.Write(channel->second, 0, 0, cdr_);
+  }
+
+  void AddCalibration(const Rig& rig) {
+    Add("/left/camera_info", ToRosLeftInfo({kStart, RosFrames().left}, rig.pair));
+    Add("/right/camera_info", ToRosRightInfo({kStart, RosFrames().right}, rig.pair));
+    Add("/tf_static", ToRosTransforms(kStart, rig, {}));
+  }
+
+  void AddImage(const std::string& topic, int64_t utime, const cv::Mat& image) {
+    Add(topic, ToRosImage({utime, "frame"}, image));
+  }
+
+  void Finish() { EXPECT_TRUE(writer_.Commit()); }
+
+ private:
+  McapWriter writer_;
+  std::map<std::string, uint16_t> channels_;
+  std::vector<uint8_t> cdr_;
+};
+
+struct Told {
+  std::vector<std::string> lines;
+  RosSourceOptions Options(bool loop = false) {
+    return {.loop = loop, .tell = [this](const std::string& line) { lines.push_back(line); }};
+  }
+};
+
+cv::Mat1b Grey(int value) { return cv::Mat1b(kSize, static_cast<uint8_t>(value)); }
+
+std::string Source(const TemporaryDirectory& folder, const std::string& options = "") {
+  return "mcap:" + (folder / "file") + "?left=/left/image&right=/right/image" + options;
+}
+
+std::vector<datasets::CapturedFrame> All(datasets::FrameSource& source) {
+  std::vector<datasets::CapturedFrame> frames;
+  const std::stop_source never;
+  while (auto frame = source.Next(never.get_token())) frames.push_back(std::move(*frame));
+  return frames;
+}
+
+std::string Complaint(const std::string& source) {
+  try {
+    Told told;
+    OpenRosSource(source, told.Options());
+  } catch (const ConfigError& e) {
+    return e.what();
+  }
+  return "none";
+}
+
+TEST(RosSource, GivesTheFramesAndTheRigThatWereShown) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  const Rig rig = examples::Rig();
+  const TofImage tof = examples::Tof(false);
+  // The calibration stands behind the first frame.
+  for (int i = 0; i < 3; ++i) {
+    const int64_t utime = kStart + 100'000 * i;
+    file.AddImage("/left/image", utime, cv::Mat(kSize, CV_8UC3, cv::Scalar(i, 2, 3)));
+    file.AddImage("/right/image", utime, Grey(i));
+    file.AddImage("/tof/image", utime, tof.depth_m);
+    if (i > 0) continue;
+    file.AddCalibration(rig);
+    file.Add("/tof/camera_info", ToRosTofInfo({utime, RosFrames().tof}, rig.tof));
+  }
+  file.Finish();
+  Told told;
+  const auto source = OpenRosSource(Source(folder, "&depth=/tof/image"), told.Options());
+  EXPECT_EQ(RigId(source->rig()), RigId(rig));
+  EXPECT_TRUE(source->is_recorded());
+  const auto frames = All(*source);
+  ASSERT_EQ(frames.size(), 3U);
+  for (int i = 0; i < 3; ++i) {
+    const auto& frame = frames[static_cast<size_t>(i)];
+    EXPECT_EQ(frame.utime, kStart + 100'000 * i);
+    EXPECT_EQ(frame.left.at<cv::Vec3b>(1, 1), cv::Vec3b(static_cast<uint8_t>(i), 2, 3));
+    EXPECT_EQ(frame.right.at<uint8_t>(1, 1), i);
+    EXPECT_EQ(std::memcmp(frame.tof.depth_m.data, tof.depth_m.data, 24), 0);
+    EXPECT_EQ(frame.lost, 0);
+  }
+  EXPECT_THAT(told.lines, ElementsAre());
+}
+
+// The same scan as KITTI's file and as a cloud placed by /tf_static.
+TEST(RosSource, MakesTheRangeImageOfAScanThatKittiMakes) {
+  const datasets::KittiFolder kitti;
+  kitti.WriteStereo("000007");
+  const auto dataset = kitti.Open("/000007");
+  const datasets::DatasetFrame expected = dataset->Get(0);
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  const RectifiedPair& pair = dataset->rig().pair;
+  file.Add("/left/camera_info", ToRosLeftInfo({kStart, "left"}, pair));
+  file.Add("/right/camera_info", ToRosRightInfo({kStart, "right"}, pair));
+  // Of the scanner (x forward, y left, z up) in the camera (x right, y down, z forward), by two
+  // steps, as robots have it.
+  RosMessage<RosTransforms> poses;
+  const std::span all = ResizeRos(poses->transforms, 2);
+  SetRosText(all[0].header.frame_id, "base");
+  SetRosText(all[0].child_frame_id, "left");
+  all[0].transform.rotation = {-0.5, 0.5, -0.5, 0.5};
+  SetRosText(all[1].header.frame_id, "base");
+  SetRosText(all[1].child_frame_id, "scanner");
+  all[1].transform.rotation = {0, 0, 0, 1};
+  file.Add("/tf_static", poses);
+  PointCloud cloud;
+  for (const Eigen::Vector3d& point :
+       datasets::ReadVelodyneScan(kitti.files().File("velodyne/000007.bin"))) {
+    cloud.points.push_back(
+        {.position_m = {static_cast<float>(point.x()), static_cast<float>(point.y()),
+                        static_cast<float>(point.z())}});
+  }
+  file.Add("/points", ToRosCloud({kStart, "scanner"}, cloud));
+  file.AddImage("/left/image", kStart, expected.left);
+  file.AddImage("/right/image", kStart, expected.right);
+  file.Finish();
+  Told told;
+  const auto source = OpenRosSource(Source(folder, "&points=/points"), told.Options());
+  EXPECT_EQ(RigId(source->rig()), RigId(dataset->rig()));
+  const auto frames = All(*source);
+  ASSERT_EQ(frames.size(), 1U);
+  const cv::Mat1f& depth_m = frames[0].tof.depth_m;
+  ASSERT_EQ(depth_m.size(), expected.tof.depth_m.size());
+  EXPECT_EQ(cv::countNonZero(depth_m > 0), 2);
+  for (int v = 0; v < depth_m.rows; ++v) {
+    for (int u = 0; u < depth_m.cols; ++u) {
+      const float want = expected.tof.depth_m(v, u);
+      EXPECT_TRUE(depth_m(v, u) == want || (std::isnan(want) && std::isnan(depth_m(v, u))))
+          << u << ", " << v;
+    }
+  }
+}
+
+TEST(RosSource, CountsImagesWithoutPartner) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddCalibration(examples::Rig());
+  for (int i = 0; i < 10; ++i) {
+    const int64_t utime = kStart + 100'000 * i;
+    file.AddImage("/left/image", utime, Grey(i));
+    // 19 ms late; the fifth is lost, the eighth too late.
+    if (i != 4) file.AddImage("/right/image", utime + (i == 7 ? 21'000 : 19'000), Grey(i));
+  }
+  file.Finish();
+  Told told;
+  const auto source = OpenRosSource(Source(folder), told.Options());
+  const auto frames = All(*source);
+  ASSERT_EQ(frames.size(), 8U);
+  int64_t lost = source->lost_at_end().count;
+  for (const auto& frame : frames) {
+    EXPECT_DOUBLE_EQ(frame.spread_ms, 19);
+    EXPECT_EQ(frame.left.at<uint8_t>(0, 0), frame.right.at<uint8_t>(0, 0));
+    lost += frame.lost;
+  }
+  EXPECT_EQ(lost, 3);
+}
+
+TEST(RosSource, RefusesAnImageOfAnotherSizeAndGoesOn) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddCalibration(examples::Rig());
+  file.AddImage("/left/image", kStart, cv::Mat1b(2, 2, uint8_t{1}));
+  file.AddImage("/right/image", kStart, Grey(1));
+  file.AddImage("/left/image", kStart + 100'000, Grey(2));
+  file.AddImage("/right/image", kStart + 100'000, Grey(2));
+  file.Finish();
+  Told told;
+  const auto frames = All(*OpenRosSource(Source(folder), told.Options()));
+  ASSERT_EQ(frames.size(), 1U);
+  EXPECT_EQ(frames[0].lost, 1);
+  EXPECT_EQ(frames[0].trouble, "image of 2x2: allowed is the calibrated size 640x480");
+}
+
+TEST(RosSource, DecodesJpeg) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddCalibration(examples::Rig());
+  for (const char* topic : {"/left/image", "/right/image"}) {
+    RosMessage<RosCompressedImage> message;
+    message->header.stamp = RosStamp(kStart);
+    SetRosText(message->format, "mono8; jpeg compressed ");
+    const std::string jpeg = WriteJpeg(Grey(90), JpegColors::kFull);
+    std::ranges::copy(jpeg, ResizeRos(message->data, jpeg.size()).begin());
+    file.Add(topic, message);
+  }
+  file.Finish();
+  Told told;
+  const auto frames = All(*OpenRosSource(Source(folder), told.Options()));
+  ASSERT_EQ(frames.size(), 1U);
+  EXPECT_NEAR(frames[0].left.at<uint8_t>(9, 9), 90, 1);
+}
+
+TEST(RosSource, SaysWhatIsMissing) {
+  const TemporaryDirectory folder;
+  {
+    RosRecording file(folder / "file");
+    file.AddImage("/left/image", kStart, Grey(1));
+    file.Finish();
+  }
+  EXPECT_THAT(Complaint(Source(folder)),
+              HasSubstr("no message on /left/camera_info; topics in " + (folder / "file") +
+                        ": /left/image (sensor_msgs/msg/Image)"));
+  {
+    RosRecording file(folder / "file");
+    file.AddCalibration(examples::Rig());
+    file.Add("/points", ToRosCloud({kStart, "nowhere"}, {}));
+    file.Finish();
+  }
+  EXPECT_THAT(Complaint(Source(folder, "&points=/points")),
+              HasSubstr("no transform from the range sensor to the left camera on /tf_static"));
+  EXPECT_THAT(Complaint("mcap:/nowhere?left=a&right=b"), HasSubstr("cannot be opened"));
+  EXPECT_THAT(Complaint("ros2:left=a"), HasSubstr("no topic of the left or right images"));
+  EXPECT_THAT(Complaint("ros2:left=a&right=b&domain=999"),
+              HasSubstr("cannot be used: 'domain=999'"));
+  EXPECT_THAT(Complaint("ros2:left=a&right=b&points=c&depth=d"), HasSubstr("one range sensor"));
+}
+
+TEST(RosSource, TellsOfATopicOfAnotherType) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddCalibration(examples::Rig());
+  file.AddImage("/left/image", kStart, Grey(1));
+  file.Add("/right/image", ToRosCloud({kStart, "x"}, {}));
+  file.Finish();
+  Told told;
+  EXPECT_THAT(All(*OpenRosSource(Source(folder), told.Options())), testing::IsEmpty());
+  ASSERT_FALSE(told.lines.empty());
+  EXPECT_THAT(told.lines[0], HasSubstr("/right/image has type sensor_msgs/msg/PointCloud2; allowed "
+                                       "is sensor_msgs/msg/Image"));
+}
+
+TEST(RosSource, BeginsAFileAgain) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddCalibration(examples::Rig());
+  file.AddImage("/left/image", kStart, Grey(1));
+  file.AddImage("/right/image", kStart, Grey(1));
+  file.Finish();
+  Told told;
+  const auto source = OpenRosSource(Source(folder), told.Options(/*loop=*/true));
+  const std::stop_source never;
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(source->Next(never.get_token()).has_value()) << i;
+}
+
+TEST(RosSettings, ACameraInfoStandsBesideItsImages) {
+  const RosSettings settings =
+      ParseRosSource("ros2:left=stereo/left/image_raw/compressed&right=/stereo/right/image_rect");
+  EXPECT_EQ(settings.left, "/stereo/left/image_raw/compressed");
+  EXPECT_EQ(settings.left_info, "/stereo/left/camera_info");
+  EXPECT_EQ(settings.right_info, "/stereo/right/camera_info");
+}
+
+}  // namespace
+}  // namespace sprout::capture

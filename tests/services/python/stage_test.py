@@ -1,0 +1,105 @@
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from typing import Any, List, Tuple
+
+import numpy
+
+import sprout
+from frames import BIN, SAMPLE, SOURCE, environment, run, same
+
+HERE = pathlib.Path(__file__).parent
+PRIOR = SOURCE / "services" / "python" / "examples" / "mean_prior.py"
+
+
+def python(script: Any, *arguments: Any) -> Tuple[int, str]:
+    done = subprocess.run([sys.executable, HERE / script, *map(str, arguments)], capture_output=True,
+                          text=True, timeout=300, env=environment())
+    return done.returncode, done.stdout + done.stderr
+
+
+class StageTest(unittest.TestCase):
+    def replay(self, script: Any, *arguments: Any) -> Tuple[List[sprout.Frame], str]:
+        with tempfile.TemporaryDirectory() as folder:
+            record = pathlib.Path(folder) / "answers.lcm"
+            code, text = python(script, *arguments, "--replay", SAMPLE, "--record", record)
+            self.assertEqual(code, 0, text)
+            return list(sprout.Log(record).frames()), text
+
+    def test_replays_a_log_as_every_stage_does(self) -> None:
+        frames, text = self.replay(PRIOR, "--frames", "1:")
+        self.assertRegex(text, "prior: .* frames: 4 in, 4 out")
+        for frame in frames:
+            given = next(f for f in sprout.Log(SAMPLE).frames() if f.seq == frame.seq)
+            disparity = given.seeds["u"] - given.seeds["u_right"]
+            numpy.testing.assert_allclose(frame.prior.disparity, disparity.mean(), atol=1 / 64)
+            numpy.testing.assert_allclose(frame.prior.sigma_px, disparity.std(), atol=1 / 32)
+            self.assertEqual((frame.utime, frame.rig_id), (given.utime, given.rig_id))
+
+    def test_its_answers_are_those_of_the_stages_in_cpp(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            record = pathlib.Path(folder) / "answers.lcm"
+            run("sprout-pipeline", "--log-level", "error", "--replay", SAMPLE, "--record", record)
+            expected = list(sprout.Log(record).frames())
+        for frame, whole in zip(self.replay("my_stages.py", "refine")[0], expected):
+            self.assertTrue(same(frame.seeds, whole.seeds))
+            self.assertEqual(len(frame.left_seeds), 0)
+        for frame, whole in zip(self.replay("my_stages.py", "grow")[0], expected):
+            self.assertTrue(same(frame.disparity, whole.disparity))
+            self.assertTrue(same(frame.confidence, whole.confidence))
+
+    def test_an_exception_costs_its_frame_only_and_is_counted(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            record = pathlib.Path(folder) / "answers.lcm"
+            code, text = python("my_stages.py", "grow", "--config", "fast", "--replay", SAMPLE, "--record", record)
+            self.assertEqual(code, 1, text)
+            self.assertRegex(text, "odd frames are too much")
+            self.assertRegex(text, r"5 in, 3 out \(0 degenerate\), 2 failed")
+
+    def test_has_the_flags_of_every_stage_and_its_own_words(self) -> None:
+        code, text = python(PRIOR, "--help")
+        self.assertEqual(code, 0)
+        for said in ("--replay", "--channel-prefix", "--config", "The mean disparity of the seeds"):
+            self.assertIn(said, text)
+        self.assertEqual(python(PRIOR, "--config", "no_such")[0], 2)
+        self.assertEqual(python(PRIOR, "--version"), (0, f"sprout-prior {sprout.__version__}\n"))
+
+    def test_says_which_stage_is_not_known(self) -> None:
+        with self.assertRaisesRegex(ValueError, "expected refine, prior or grow, given 'priors'"):
+            sprout.stage("priors")
+        with self.assertRaisesRegex(ValueError, r"\(none\), given None"):
+            sprout.run()
+
+    def test_ends_on_a_signal_also_when_a_library_has_threads(self) -> None:
+        program = ("import threading, time, runpy, sys\n"
+                   "for _ in range(8): threading.Thread(target=time.sleep, args=(600,), daemon=True).start()\n"
+                   f"sys.argv = ['my_prior.py', '--channel-prefix', 'E_']\n"
+                   f"runpy.run_path({str(PRIOR)!r}, run_name='__main__')\n")
+        isolate = SOURCE / "tests" / "system" / "in_private_network"
+        for ending in (signal.SIGTERM, signal.SIGINT):
+            with subprocess.Popen([isolate, sys.executable, "-c", program], stderr=subprocess.PIPE, text=True,
+                                  env=environment()) as process:
+                first = process.stderr.readline()
+                if "sprout-prior" not in first:
+                    self.skipTest("no private network here: " + first)
+                time.sleep(0.5)
+                process.send_signal(ending)
+                rest = process.stderr.read()
+                self.assertEqual(process.wait(20), 0, rest)
+                self.assertIn(f"{ending.name}: stopping", rest)
+
+    def test_stands_in_for_the_prior(self) -> None:
+        done = subprocess.run([SOURCE / "scripts" / "check_stage", "--bin", BIN, "prior", "--", sys.executable,
+                               PRIOR], capture_output=True, text=True, timeout=300,
+                              env=environment())
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("ok     one answer a frame", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()

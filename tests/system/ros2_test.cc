@@ -1,0 +1,315 @@
+// The door to ROS 2 between two hosts (network namespaces joined by a cable). On the other side
+// runs ros2_peer, which has an IDL of its own and nothing of ours.
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <sstream>
+#include <thread>
+
+#include "common/app/stage_monitor.h"
+#include "tests/common/messages/examples.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/system/graph.h"
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+using namespace std::chrono_literals;
+
+// How long the streams are, s; 60 by hand: SPROUT_ROS2_SECONDS.
+int Seconds() {
+  const char* const text = std::getenv("SPROUT_ROS2_SECONDS");
+  return text != nullptr ? std::atoi(text) : 4;
+}
+
+bool Shell(const std::string& command) {
+  return std::system((command + " 2> /dev/null").c_str()) == 0;
+}
+
+// Another host, at the other end of a cable.
+class OtherHost {
+ public:
+  OtherHost() : process_({"unshare", "--net", "sleep", "1000"}) {
+    const std::string pid = std::to_string(process_.pid());
+    const auto network = [](const std::string& of) {
+      std::error_code ignored;
+      return std::filesystem::read_symlink("/proc/" + of + "/ns/net", ignored);
+    };
+    for (int i = 0; i < 1000 && network(pid) == network("self"); ++i)
+      std::this_thread::sleep_for(5ms);
+    enter_ = {"nsenter", "--net=/proc/" + pid + "/ns/net"};
+    const std::string inside = enter_[0] + " " + enter_[1] + " ";
+    is_there_ = Shell("ip link add cable type veth peer name cable netns " + pid) &&
+                Shell("ip addr add 10.97.0.1/24 dev cable && ip link set cable up") &&
+                Shell(inside + "ip addr add 10.97.0.2/24 dev cable") &&
+                Shell(inside + "ip link set cable up");
+  }
+  ~OtherHost() { Shell("ip link del cable"); }
+
+  bool is_there() const { return is_there_; }
+
+  std::unique_ptr<Process> Run(const std::vector<std::string>& arguments) const {
+    std::vector<std::string> command = enter_;
+    command.push_back(SPROUT_ROS2_PEER);
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return std::make_unique<Process>(command);
+  }
+
+ private:
+  Process process_;
+  std::vector<std::string> enter_;
+  bool is_there_ = false;
+};
+
+#define REQUIRE_HOST(host) \
+  if (!(host).is_there()) GTEST_SKIP() << "no cable to another host here"
+
+// "TOPIC N messages ..." of what the peer heard.
+long Heard(const std::string& output, const std::string& topic) {
+  std::istringstream lines(output);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string name;
+    long count = 0;
+    if (words >> name >> count && name == topic) return count;
+  }
+  return -1;
+}
+
+std::optional<int> End(Process& process) {
+  return process.Wait(std::chrono::seconds(2 * Seconds() + 30));
+}
+
+// CPU time of a process, ms.
+double CpuMs(pid_t pid) {
+  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+  std::string word;
+  for (int i = 0; i < 13; ++i) stat >> word;
+  double user = 0;
+  double system = 0;
+  stat >> user >> system;
+  return (user + system) * 1000 / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+// What capture, grow and depth send of 2 MP frames, at 10 Hz.
+class FeedGraph {
+ public:
+  explicit FeedGraph(Graph& graph) : graph_(graph) {
+    rig_ = examples::Rig();
+    rig_.pair.width = kSize.width;
+    rig_.pair.height = kSize.height;
+    depth_ = {.counts = cv::Mat1w(kSize, uint16_t{1500}),
+              .metres_per_count = 0.001,
+              .focal_px = 1000,
+              .cx = 960,
+              .cy = 540};
+    cloud_.points.assign(129'600, {.position_m = {1, 2, 3}, .bgr = {1, 2, 3}});
+  }
+
+  // @returns how many frames.
+  int Run(int seconds) {
+    const auto begin = std::chrono::steady_clock::now();
+    int sent = 0;
+    for (; sent < 10 * seconds; ++sent) {
+      std::this_thread::sleep_until(begin + sent * 100ms);
+      const FrameId id{.utime = NowUtime(), .seq = next_++, .rig_id = RigId(rig_)};
+      if (sent % 10 == 0) graph_.PublishPart(id, Part::kRig, rig_);
+      graph_.PublishPart(id, Part::kLeft, left_);
+      graph_.PublishPart(id, Part::kDepth, depth_);
+      graph_.PublishPart(id, Part::kCloud, cloud_);
+    }
+    return sent;
+  }
+
+  static constexpr cv::Size kSize{1920, 1080};
+
+ private:
+  Graph& graph_;
+  Rig rig_;
+  cv::Mat left_ = cv::Mat1b(kSize, uint8_t{9});
+  DepthImage depth_;
+  PointCloud cloud_;
+  int64_t next_ = 0;
+};
+
+std::vector<std::string> Hear(const std::string& seconds, const std::string& sleep, bool reliable) {
+  return {"hear",
+          seconds,
+          sleep,
+          reliable ? "1" : "0",
+          "/sprout/depth/image_rect=image",
+          "/sprout/points=points"};
+}
+
+TEST(Ros2System, ShowsDepthAndPointsToAnotherHost) {
+  const OtherHost host;
+  REQUIRE_HOST(host);
+  Graph graph;
+  const Process& bridge = graph.Start("ros2", {"--domain", "0"});
+  FeedGraph feed(graph);
+  feed.Run(1);
+  // Nobody listens: nothing is converted.
+  EXPECT_FALSE(graph.WaitUntil([](Graph& g) { return g.statuses.at("ros2").frames_in > 0; }, 2s));
+  const auto peer = host.Run(Hear(std::to_string(Seconds() + 4), "0", /*reliable=*/false));
+  std::this_thread::sleep_for(2s);  // discovery
+  const double cpu_before = CpuMs(bridge.pid());
+  const int sent = feed.Run(Seconds());
+  const double cpu_ms = (CpuMs(bridge.pid()) - cpu_before) / sent;
+  EXPECT_EQ(End(*peer), 0);
+  const std::string output = peer->Output();
+  const long depths = Heard(output, "/sprout/depth/image_rect");
+  const long points = Heard(output, "/sprout/points");
+  std::cout << "sent " << sent << ", heard " << depths << " depths and " << points << " clouds; "
+            << cpu_ms << " ms of CPU a frame\n";
+  EXPECT_EQ(depths, sent) << output;
+  EXPECT_EQ(points, sent) << output;
+  EXPECT_THAT(output,
+              HasSubstr(std::to_string(int64_t{sent} * 2 * FeedGraph::kSize.area()) + " bytes"));
+}
+
+TEST(Ros2System, ASubscriberThatSleepsStopsNobody) {
+  const OtherHost host;
+  REQUIRE_HOST(host);
+  Graph graph;
+  graph.Start("ros2", {"--reliable"});
+  const auto sleeper = host.Run(Hear("2", std::to_string(Seconds() + 4), /*reliable=*/true));
+  const auto awake = host.Run(Hear(std::to_string(Seconds() + 4), "0", /*reliable=*/true));
+  std::this_thread::sleep_for(2s);
+  FeedGraph feed(graph);
+  const int sent = feed.Run(Seconds());
+  EXPECT_EQ(End(*awake), 0);
+  EXPECT_EQ(Heard(awake->Output(), "/sprout/depth/image_rect"), sent) << awake->Output();
+  EXPECT_EQ(End(*sleeper), 0);
+  EXPECT_LE(Heard(sleeper->Output(), "/sprout/depth/image_rect"), 5);  // what its history keeps
+  // Whatever was not delivered, the status counts.
+  EXPECT_TRUE(
+      graph.WaitUntil([&](Graph& g) { return g.statuses.at("ros2").frames_out == 2 * sent; }, 5s));
+}
+
+TEST(Ros2System, ReliableTopicsSurviveLostDatagrams) {
+  const OtherHost host;
+  REQUIRE_HOST(host);
+  if (!Shell("tc qdisc add dev cable root netem loss 1%")) GTEST_SKIP() << "no netem here";
+  Graph graph;
+  graph.Start("ros2", {"--reliable"});
+  const auto peer = host.Run(Hear(std::to_string(Seconds() + 6), "0", /*reliable=*/true));
+  std::this_thread::sleep_for(3s);
+  FeedGraph feed(graph);
+  const int sent = feed.Run(Seconds());
+  EXPECT_EQ(End(*peer), 0);
+  const long heard = Heard(peer->Output(), "/sprout/depth/image_rect");
+  std::cout << "1 % lost: sent " << sent << ", heard " << heard << ", failed "
+            << graph.statuses.at("ros2").frames_failed << "\n";
+  EXPECT_GE(heard + graph.statuses.at("ros2").frames_failed, sent);
+}
+
+std::vector<std::string> Send(const std::string& rig, int seconds) {
+  return {"send", rig, "1920", "1080", "10", std::to_string(seconds)};
+}
+
+std::vector<std::string> Source() {
+  return {"--source", "ros2:left=/cam/left/image_rect&right=/cam/right/image_rect"};
+}
+
+TEST(Ros2System, TakesPairsOfAnotherHost) {
+  const OtherHost host;
+  REQUIRE_HOST(host);
+  Graph graph;
+  Process& capture = graph.StartOnly("capture", Source());
+  std::this_thread::sleep_for(1s);
+  const auto first = host.Run(Send("/cam", Seconds()));
+  EXPECT_EQ(End(*first), 0);
+  // Gone and back.
+  const auto second = host.Run(Send("/cam", Seconds()));
+  EXPECT_EQ(End(*second), 0);
+  std::this_thread::sleep_for(1500ms);
+  const int sent = 2 * 10 * Seconds();
+  const StageStatus status = graph.statuses["capture"];
+  std::cout << "sent " << sent << " pairs, captured " << status.frames_out << ", failed "
+            << status.frames_failed << "\n";
+  // What came before discovery was over is nobody's.
+  EXPECT_GE(status.frames_out + status.frames_failed, sent - 30) << capture.Output();
+  EXPECT_LE(status.frames_failed, sent / 20) << capture.Output();
+}
+
+TEST(Ros2System, SaysWhatIsWrongOnATopic) {
+  const OtherHost host;
+  REQUIRE_HOST(host);
+  Graph graph;
+  Process& capture = graph.StartOnly("capture", Source());
+  const auto text = host.Run({"send_text", "/cam/left/image_rect", "9"});
+  const auto one = host.Run(Send("/cam", 9));
+  const auto two = host.Run(Send("/cam", 9));
+  const auto says = [&](const std::string& what) {
+    for (int i = 0; i < 100; ++i) {
+      if (capture.Output().find(what) != std::string::npos) return true;
+      std::this_thread::sleep_for(100ms);
+    }
+    return false;
+  };
+  EXPECT_TRUE(says("2 publishers on /cam/left/image_rect; allowed is one")) << capture.Output();
+  one->Signal(SIGKILL);
+  two->Signal(SIGKILL);
+  const auto only_text = host.Run({"send_text", "/cam/left/image_rect", "20"});
+  EXPECT_TRUE(says("no message on /cam/left/image_rect for")) << capture.Output();
+}
+
+// Bytes of every disparity map of a graph, by frame.
+class DisparityListener {
+ public:
+  explicit DisparityListener(const std::string& prefix)
+      : receiver_(kDefaultLcmUrl, prefix, {ChannelOf(Part::kDisparity)},
+                  [this](std::string_view, std::span<const uint8_t> bytes) {
+                    const std::lock_guard lock(mutex_);
+                    const Result<FrameId> id = DecodeFrameId(bytes);
+                    if (id) heard_[id->seq].assign(bytes.begin(), bytes.end());
+                  }) {}
+
+  std::map<int64_t, std::vector<uint8_t>> heard() {
+    const std::lock_guard lock(mutex_);
+    return heard_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<int64_t, std::vector<uint8_t>> heard_;
+  Receiver receiver_;  // last: stops before the rest is destroyed
+};
+
+std::map<int64_t, std::vector<uint8_t>> DisparitiesOf(const std::string& source,
+                                                      const std::string& prefix) {
+  constexpr int64_t kLastSeq = 4;  // of the sample log
+  Graph graph(prefix);
+  DisparityListener listener(prefix);
+  graph.StartChain();
+  graph.Start("capture",
+              {"--source", source, "--lockstep", "1", "--wait-for", "refine,prior,grow"});
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.parts.contains({Part::kDisparity, kLastSeq});
+  })) << graph.process("capture").Output();
+  std::this_thread::sleep_for(100ms);
+  return listener.heard();
+}
+
+TEST(Ros2System, AnExportGivesTheDisparitiesOfItsLog) {
+  const TemporaryDirectory folder;
+  const std::string log = std::string(SPROUT_SOURCE_DIR) + "/logs/sample.lcm";
+  Process exporting({ProgramPath("sprout-log"), "export", "--mcap", folder / "out.mcap", log});
+  ASSERT_EQ(exporting.Wait(), 0) << exporting.Output();
+  const auto of_log = DisparitiesOf("log:" + log, "LOG_");
+  const auto of_export = DisparitiesOf("mcap:" + (folder / "out.mcap") +
+                                           "?left=/sprout/left/image_rect&right=/sprout/right/"
+                                           "image_rect&depth=/sprout/tof/image_raw",
+                                       "MCAP_");
+  EXPECT_EQ(of_log.size(), 5U);
+  EXPECT_EQ(of_export, of_log);
+}
+
+}  // namespace
+}  // namespace sprout
