@@ -127,7 +127,7 @@ class FeedGraph {
     return sent;
   }
 
-  static constexpr cv::Size kSize{1920, 1080};
+  static inline const cv::Size kSize{1920, 1080};
 
  private:
   Graph& graph_;
@@ -284,14 +284,13 @@ class DisparityListener {
 
 std::map<int64_t, std::vector<uint8_t>> DisparitiesOf(const std::string& source,
                                                       const std::string& prefix) {
-  constexpr int64_t kLastSeq = 4;  // of the sample log
   Graph graph(prefix);
   DisparityListener listener(prefix);
   graph.StartChain();
   graph.Start("capture",
               {"--source", source, "--lockstep", "1", "--wait-for", "refine,prior,grow"});
   EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
-    return g.parts.contains({Part::kDisparity, kLastSeq});
+    return g.parts.contains({Part::kDisparity, 4});
   })) << graph.process("capture").Output();
   std::this_thread::sleep_for(100ms);
   return listener.heard();
@@ -303,7 +302,7 @@ TEST(Ros2System, AnExportGivesTheDisparitiesOfItsLog) {
   Process exporting({ProgramPath("sprout-log"), "export", "--mcap", folder / "out.mcap", log});
   ASSERT_EQ(exporting.Wait(), 0) << exporting.Output();
   const auto of_log = DisparitiesOf("log:" + log, "LOG_");
-  const auto of_export = DisparitiesOf("mcap:" + (folder / "out.mcap") +
+  const auto of_export = DisparitiesOf("mcap:" + std::string(folder / "out.mcap") +
                                            "?left=/sprout/left/image_rect&right=/sprout/right/"
                                            "image_rect&depth=/sprout/tof/image_raw",
                                        "MCAP_");

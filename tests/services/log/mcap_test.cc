@@ -90,7 +90,9 @@ TEST(McapExport, SaysWhatHasNoCalibration) {
 TEST(McapExport, HasTheConfigurationsAsMetadata) {
   const LogFolder folder;
   std::vector<Event> events = GraphEvents(1);
-  ProcessInfo info{.stage = "grow", .config_text = "grow { }\n"};
+  ProcessInfo info;
+  info.stage = "grow";
+  info.config_text = "grow { }\n";
   Event event;
   event.utime = events[0].utime;
   event.channel = kProcessChannel;
