@@ -181,7 +181,7 @@ TEST(Ros2System, ShowsDepthAndPointsToAnotherHost) {
             << depths << " depths and " << points << " clouds; " << cpu_ms
             << " ms of CPU a frame\n";
   // Best effort, on a machine that may have other things to do.
-  EXPECT_GE(depths + points, 3 * sent / 2) << output;
+  EXPECT_GE(depths + points, sent) << output;
   EXPECT_LE(depths + points, status.frames_out);
   EXPECT_EQ(status.frames_failed, 0);
   EXPECT_THAT(output,
@@ -207,7 +207,7 @@ TEST(Ros2System, ASubscriberThatSleepsStopsNobody) {
   const StageStatus status = FinalStatus(graph);
   std::cout << "sent " << sent << " frames, came " << status.frames_in << " messages, heard "
             << heard << ", failed " << status.frames_failed << "\n";
-  EXPECT_GE(status.frames_in, 3 * sent / 2);
+  EXPECT_GE(status.frames_in, sent);
   EXPECT_GE(heard + status.frames_failed, status.frames_in) << awake->Output();
 }
 
