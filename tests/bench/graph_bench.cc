@@ -1,8 +1,8 @@
 // The graph over udpm at one rate: what got lost, how old the answers are, what it costs.
 //   sprout_bench_graph PRESET stages|pipeline WxH RATE_HZ SECONDS FOLDER
-// stages: refine, prior and grow are processes of their own; pipeline: sprout-pipeline is all three.
-// The frame is a Middlebury scene of SPROUT_DATA in that size, written to FOLDER, over and over.
-// Prints one line of JSON. Exit code 0 when every frame was answered, 3 when one was not.
+// stages: refine, prior and grow are processes of their own; pipeline: sprout-pipeline is all
+// three. The frame is a Middlebury scene of SPROUT_DATA in that size, written to FOLDER, over and
+// over. Prints one line of JSON. Exit code 0 when every frame was answered, 3 when one was not.
 #include <fmt/core.h>
 #include <unistd.h>
 

@@ -15,7 +15,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kSilence{5};
 constexpr std::chrono::seconds kReminder{60};
-constexpr std::chrono::milliseconds kPoll{100};
+constexpr std::chrono::milliseconds kStopPoll{100};
 
 const RosType& TypeOf(RosRole role, bool is_compressed) {
   switch (role) {
@@ -86,7 +86,7 @@ class LiveInput : public RosInput {
         message = {.role = topic.role, .is_compressed = topic.is_compressed, .cdr = cdr_};
         return true;
       }
-      node_.Wait(kPoll);
+      node_.Wait(kStopPoll);
     }
     return false;
   }
