@@ -24,7 +24,7 @@ int Run(const ServiceContext& context) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
   Bridge bridge(context.config.ros2(), monitor);
   const StatusReporter reporter(context, monitor);
-  TellReady();
+  NotifyReady();
   Watchdog watchdog;
   std::set<std::string_view> channels;
   std::optional<Receiver> receiver;
