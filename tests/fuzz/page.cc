@@ -88,7 +88,7 @@ void AnswerPage(std::span<const uint8_t> bytes) {
     rest.remove_prefix(std::min(end + 1, rest.size()));
     if (const auto show = session.TakeFrame()) {
       Check(show->frame->key >= 0 && show->frame->key < kFrames, "a frame that never was");
-      Check(!viewer.encoder.Encode(show->frame, show->wish, session.keys()).empty(), "no packet");
+      Check(!viewer.encoder.Encode(show->frame, show->parts, session.keys()).empty(), "no packet");
     }
     if (const auto probe = session.TakeProbe()) {
       viewer.encoder.Probe(probe->frame, probe->u, probe->v);
