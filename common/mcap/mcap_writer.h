@@ -17,8 +17,8 @@
 namespace sprout {
 
 struct McapWriterOptions {
-  std::string profile;  ///< "ros2"
-  std::string library;  ///< which wrote the file
+  std::string profile = {};  ///< "ros2"
+  std::string library = {};  ///< which wrote the file
   McapCompression compression = McapCompression::kZstd;
   int zstd_level = 1;
   size_t chunk_bytes = size_t{4} << 20;  ///< unpacked; a message is never split

@@ -145,16 +145,24 @@ Result<void> CheckLengths(std::span<const uint8_t> bytes) {
 }
 
 template <typename Message>
-Result<Message> DecodeMessage(std::span<const uint8_t> bytes) {
+Result<void> CheckBeforeDecoding(std::span<const uint8_t> bytes) {
   if (bytes.size() > kMaxMessageBytes) {
     return Fail("message of " + std::to_string(bytes.size()) + " bytes: allowed are up to " +
                 std::to_string(kMaxMessageBytes));
   }
-  if (const Result<void> fingerprint = CheckFingerprint<Message>(bytes); !fingerprint) {
-    return tl::unexpected(fingerprint.error());
-  }
-  if (const Result<void> lengths = CheckLengths<Message>(bytes); !lengths) {
-    return tl::unexpected(lengths.error());
+  return CheckFingerprint<Message>(bytes).and_then([&] { return CheckLengths<Message>(bytes); });
+}
+
+Result<void> CheckIsWhole(size_t used, size_t size) {
+  if (used > size) return Fail("message cut short");
+  if (used < size) return Fail("message has " + std::to_string(size - used) + " bytes too many");
+  return {};
+}
+
+template <typename Message>
+Result<Message> DecodeMessage(std::span<const uint8_t> bytes) {
+  if (const Result<void> fits = CheckBeforeDecoding<Message>(bytes); !fits) {
+    return tl::unexpected(fits.error());
   }
   Message message;
   int used = -1;
@@ -164,11 +172,42 @@ Result<Message> DecodeMessage(std::span<const uint8_t> bytes) {
     return Fail(std::string("message cannot be decoded: ") + e.what());
   }
   if (used < 0) return Fail("message cut short");
-  if (static_cast<size_t>(used) != bytes.size()) {
-    return Fail("message has " + std::to_string(bytes.size() - static_cast<size_t>(used)) +
-                " bytes too many");
+  if (const auto whole = CheckIsWhole(static_cast<size_t>(used), bytes.size()); !whole) {
+    return tl::unexpected(whole.error());
   }
   return message;
+}
+
+// An image whose data stay where they are: megabytes that are copied once, into the picture,
+// instead of into a vector first.
+struct ImageInPlace {
+  image_t message;  // without data
+  std::span<const uint8_t> data;
+};
+
+Result<ImageInPlace> DecodeImage(std::span<const uint8_t> bytes) {
+  if (const Result<void> fits = CheckBeforeDecoding<image_t>(bytes); !fits) {
+    return tl::unexpected(fits.error());
+  }
+  constexpr int kHeaderOffset = 8;  // behind the fingerprint
+  ImageInPlace image;
+  const int header_bytes = image.message.header._decodeNoHash(
+      bytes.data(), kHeaderOffset, static_cast<int>(bytes.size()) - kHeaderOffset);
+  if (header_bytes < 0) return Fail("message cut short");
+  auto offset = static_cast<size_t>(kHeaderOffset + header_bytes);
+  image_t& to = image.message;
+  for (int32_t* field : {&to.width, &to.height, &to.row_stride, &to.pixel_format, &to.size}) {
+    const Result<int32_t> value = ReadInt32(bytes, offset);
+    if (!value) return tl::unexpected(value.error());
+    *field = *value;
+    offset += sizeof(int32_t);
+  }
+  const auto data_bytes = static_cast<size_t>(to.size);  // not negative: CheckLengths()
+  if (const auto whole = CheckIsWhole(offset + data_bytes, bytes.size()); !whole) {
+    return tl::unexpected(whole.error());
+  }
+  image.data = bytes.subspan(offset);
+  return image;
 }
 
 template <typename Message>
@@ -202,22 +241,35 @@ Result<void> CheckCompressedSize(const Message& message, std::optional<cv::Size>
               SizeText(*expected));
 }
 
-template <typename Message>
-Result<DecodedPart> Decode(std::span<const uint8_t> bytes,
-                           [[maybe_unused]] std::optional<cv::Size> expected) {
-  const Result<Message> message = DecodeMessage<Message>(bytes);
-  if (!message) return tl::unexpected(message.error());
-  Result<FrameId> id = FromMessage(message->header);
+template <typename Message, typename ToValue>
+Result<DecodedPart> ToPart(const Message& message,
+                           [[maybe_unused]] std::optional<cv::Size> expected,
+                           const ToValue& to_value) {
+  Result<FrameId> id = FromMessage(message.header);
   if (!id) return tl::unexpected(id.error());
   if (id->seq < 0) return Fail("header.seq = " + std::to_string(id->seq) + ": allowed is >= 0");
-  if constexpr (requires { IsCompressed(*message); }) {
-    if (const auto fits = CheckCompressedSize(*message, expected); !fits) {
+  if constexpr (requires { IsCompressed(message); }) {
+    if (const auto fits = CheckCompressedSize(message, expected); !fits) {
       return tl::unexpected(fits.error());
     }
   }
-  auto value = FromMessage(*message);
+  auto value = to_value();
   if (!value) return tl::unexpected(value.error());
   return DecodedPart{std::move(*id), std::move(*value)};
+}
+
+template <typename Message>
+Result<DecodedPart> Decode(std::span<const uint8_t> bytes, std::optional<cv::Size> expected) {
+  const Result<Message> message = DecodeMessage<Message>(bytes);
+  if (!message) return tl::unexpected(message.error());
+  return ToPart(*message, expected, [&] { return FromMessage(*message); });
+}
+template <>
+Result<DecodedPart> Decode<image_t>(std::span<const uint8_t> bytes,
+                                    std::optional<cv::Size> expected) {
+  const Result<ImageInPlace> image = DecodeImage(bytes);
+  if (!image) return tl::unexpected(image.error());
+  return ToPart(image->message, expected, [&] { return FromMessage(image->message, image->data); });
 }
 
 // The message that carries a member of Frame.

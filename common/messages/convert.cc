@@ -72,7 +72,9 @@ image_t ToMessage(const FrameId& id, const cv::Mat& image) {
   return message;
 }
 
-Result<cv::Mat> FromMessage(const image_t& message) {
+Result<cv::Mat> FromMessage(const image_t& message) { return FromMessage(message, message.data); }
+
+Result<cv::Mat> FromMessage(const image_t& message, std::span<const uint8_t> data) {
   const int bytes_per_pixel = BytesPerPixel(message.pixel_format);
   const bool jpeg = message.pixel_format == image_t::PIXEL_FORMAT_MJPG;
   Checks checks;
@@ -81,10 +83,10 @@ Result<cv::Mat> FromMessage(const image_t& message) {
       .Pixels("width × height", message.width, message.height)
       .Require(jpeg || bytes_per_pixel > 0, "pixel_format", message.pixel_format,
                "GREY, RGB3, BGR3 or MJPG")
-      .Require(message.size >= 0 && static_cast<size_t>(message.size) == message.data.size(),
-               "size", message.size, "the number of bytes in data");
+      .Require(message.size >= 0 && static_cast<size_t>(message.size) == data.size(), "size",
+               message.size, "the number of bytes in data");
   if (!checks.ok()) return checks.error();
-  if (jpeg) return DecodeJpeg(message.data, {message.width, message.height});
+  if (jpeg) return DecodeJpeg(data, {message.width, message.height});
 
   const int64_t bytes = int64_t{message.row_stride} * message.height;
   checks
@@ -94,8 +96,7 @@ Result<cv::Mat> FromMessage(const image_t& message) {
                "row_stride × height = " + std::to_string(bytes));
   if (!checks.ok()) return checks.error();
   const cv::Mat view(message.height, message.width, CV_8UC(bytes_per_pixel),
-                     const_cast<uint8_t*>(message.data.data()),
-                     static_cast<size_t>(message.row_stride));
+                     const_cast<uint8_t*>(data.data()), static_cast<size_t>(message.row_stride));
   cv::Mat image;
   if (message.pixel_format == image_t::PIXEL_FORMAT_RGB3) {
     cv::cvtColor(view, image, cv::COLOR_RGB2BGR);

@@ -13,6 +13,7 @@
 #include <lcmtypes/sprout/stage_status_t.hpp>
 #include <lcmtypes/sprout/tof_image_t.hpp>
 #include <opencv2/core.hpp>
+#include <span>
 
 #include "common/core/depth_image.h"
 #include "common/core/disparity_image.h"
@@ -55,6 +56,8 @@ Result<FrameId> FromMessage(const header_t& message);
 image_t ToMessage(const FrameId& id, const cv::Mat& image);
 /// @returns 8UC1 or 8UC3 (BGR); RGB3 is reordered and MJPG decoded on the way.
 Result<cv::Mat> FromMessage(const image_t& message);
+/// The same with data that are not in the message.
+Result<cv::Mat> FromMessage(const image_t& message, std::span<const uint8_t> data);
 
 tof_image_t ToMessage(const FrameId& id, const TofImage& tof);
 /// @returns an image with NaN wherever there is no return, see IsReturn().

@@ -3,6 +3,7 @@
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_serdata.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <memory>
@@ -26,14 +27,18 @@ int32_t Checked(int32_t handle, const std::string& what) {
 struct QosDeleter {
   void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
 };
+// How long a reliable writer waits for its readers before it gives a message up.
+constexpr dds_duration_t kMaxBlocking = DDS_MSECS(100);
+
 std::unique_ptr<dds_qos_t, QosDeleter> MakeQos(const RosQos& qos) {
   std::unique_ptr<dds_qos_t, QosDeleter> dds(dds_create_qos());
   dds_qset_reliability(dds.get(),
                        qos.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
-                       DDS_MSECS(10));
+                       kMaxBlocking);
   dds_qset_durability(dds.get(),
                       qos.latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-  dds_qset_history(dds.get(), DDS_HISTORY_KEEP_LAST, qos.depth);
+  dds_qset_history(dds.get(), qos.depth == 0 ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST,
+                   std::max(qos.depth, 1));
   const dds_data_representation_id_t xcdr1 = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_data_representation(dds.get(), 1, &xcdr1);
   return dds;

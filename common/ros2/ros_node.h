@@ -21,7 +21,7 @@ class RosError : public std::runtime_error {
 struct RosQos {
   bool reliable = false;  ///< lost ones are sent again; else as ROS's "sensor data"
   bool latched = false;   ///< late readers get the newest one (transient local)
-  int depth = 1;          ///< keep last
+  int depth = 1;          ///< keep last; 0: all, so that a reliable writer never drops one unseen
 };
 
 /// A participant of ROS 2's graph without ROS: topics and types have its names on the wire. On
@@ -44,7 +44,7 @@ class RosNode {
   /// Whether somebody listens.
   bool HasReaders(Handle writer) const;
 
-  /// Sends a message. An error when a reader of a reliable topic did not take it within 10 ms.
+  /// Sends a message. An error when a reader of a reliable topic did not take it within 0.1 s.
   Result<void> Write(Handle writer, const AnyRosMessage& message);
 
   /// Takes the oldest message of a reader, as CDR. @returns false when there is none.

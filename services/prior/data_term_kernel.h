@@ -9,16 +9,16 @@
 
 namespace sprout::prior {
 
-/// The seeds around a triangle across a depth edge side by side, for vectors: planes, in counts
-/// instead of px, and the left image's colour there. Behind the last one come, up to a multiple of
-/// kAtOnce, copies of it with a colour that nothing is like.
+/// The seeds around a triangle across a depth edge, as arrays for vector instructions: planes, in
+/// counts instead of px, and the left image's colour at the seed. The arrays are padded to a
+/// multiple of kAtOnce with copies of the last seed whose colour differs from every other colour.
 struct ColourSeeds {
   static constexpr size_t kMost = 32;
-  static constexpr size_t kAtOnce = 16;  ///< numbers of a register, at most
+  static constexpr size_t kAtOnce = 16;  ///< most numbers in a register
   using Numbers = std::array<float, kMost>;
 
   Numbers u, v, counts, per_column, per_row, blue, green, red;
-  size_t count = 0;  ///< that are added up: a multiple of four
+  size_t count = 0;  ///< seeds that are summed: a multiple of four
 };
 
 /// What the data term compares.

@@ -28,7 +28,6 @@ class PriorEstimator {
 
   /// @param left   8UC1 or 8UC3 (BGR); may be empty when images are not used.
   /// @param right  of the same size, 8UC1 or 8UC3; may be empty when images are not used.
-  ///               Colours say where edges are; only grey values are matched.
   /// @param seeds  at least three, finite, not all on a line; of several at one position only the
   ///               first is used.
   /// @param size   of the left rectified image, px.

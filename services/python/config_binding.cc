@@ -12,7 +12,19 @@ using google::protobuf::Message;
 
 py::dict DictOf(const Message& message);
 
+py::list ListOf(const Message& message, const FieldDescriptor& field) {
+  if (field.cpp_type() != FieldDescriptor::CPPTYPE_STRING) {
+    throw std::logic_error("list of an unsupported type: " + field.full_name());
+  }
+  py::list list;
+  for (int i = 0; i < message.GetReflection()->FieldSize(message, &field); ++i) {
+    list.append(message.GetReflection()->GetRepeatedString(message, &field, i));
+  }
+  return list;
+}
+
 py::object ValueOf(const Message& message, const FieldDescriptor& field) {
+  if (field.is_repeated()) return ListOf(message, field);
   const auto& reflection = *message.GetReflection();
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_MESSAGE:

@@ -23,18 +23,20 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kRefresh{1};
 constexpr std::chrono::seconds kPatience{30};  // with --once
 
-// Frames on the bus that have a disparity map and a calibration.
+// Frames on the bus that have a disparity map and a calibration, and standard deviations once such
+// are heard.
 class MapFrames {
  public:
   explicit MapFrames(const LiveOptions& options)
-      : receiver_(options.lcm_url, options.prefix,
-                  {ChannelOf(Part::kDisparity), ChannelOf(Part::kRig)},
+      : receiver_(options.lcm_url, options.prefix, Channels(),
                   [this](std::string_view channel, std::span<const uint8_t> bytes) {
                     OnMessage(channel, bytes);
                   }) {}
 
   std::optional<Frame> TakeWithin(std::chrono::milliseconds time, const std::stop_token& stop) {
-    return mailbox_.TakeWithin(time, stop);
+    std::optional<Frame> frame = mailbox_.TakeWithin(time, stop);
+    if (!frame) ExpectSigma(false);  // whoever sent it may have ended
+    return frame;
   }
 
   /// Why the last message that could not be used could not; empty: all could.
@@ -49,11 +51,32 @@ class MapFrames {
   }
 
  private:
+  static std::vector<std::string_view> Channels() {
+    std::vector<std::string_view> channels = {ChannelOf(Part::kDisparity), ChannelOf(Part::kRig)};
+    if (const auto sigma = SigmaPart()) channels.push_back(ChannelOf(*sigma));
+    return channels;
+  }
+
+  static FrameJoiner JoinerFor(bool with_sigma) {
+    PartSet needed = {Part::kDisparity, Part::kRig};
+    if (with_sigma) needed.Add(*SigmaPart());
+    return FrameJoiner(needed);
+  }
+
+  // What is pending is lost, and the calibration, which comes again within a second.
+  void ExpectSigma(bool expected) {
+    const std::lock_guard lock(mutex_);
+    if (expected == with_sigma_) return;
+    with_sigma_ = expected;
+    joiner_ = JoinerFor(expected);
+  }
+
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
     const std::optional<Part> part = PartOf(channel);
     if (!part) return;
-    Result<std::vector<Frame>> frames = joiner_.AddMessage(*part, bytes);
+    if (part == SigmaPart()) ExpectSigma(true);
     const std::lock_guard lock(mutex_);
+    Result<std::vector<Frame>> frames = joiner_.AddMessage(*part, bytes);
     if (!frames) {
       complaint_ = fmt::format("{}: {}", channel, frames.error().text);
       return;
@@ -61,8 +84,9 @@ class MapFrames {
     for (Frame& frame : *frames) skipped_ += mailbox_.Put(std::move(frame)) ? 1 : 0;
   }
 
-  FrameJoiner joiner_{PartSet{Part::kDisparity, Part::kRig}};
   mutable std::mutex mutex_;
+  bool with_sigma_ = false;
+  FrameJoiner joiner_ = JoinerFor(false);
   std::string complaint_;
   int64_t skipped_ = 0;
   Mailbox<Frame> mailbox_;

@@ -44,8 +44,8 @@ Examples
 limits.textproto: limit { figure: "fill_rate_percent" at_least: 98 }
                   limit { figure: "plane_rms_percent" at_most: 0.5 }
 
-Exit codes: 0; 1 a limit is not kept, or nothing could be measured; 2 a flag, a file or a region that
-cannot be used.
+Exit codes: 0; 1 a limit is not kept, or nothing could be measured; 2 a flag, a file or a region
+that cannot be used.
 )";
 
 struct Options {

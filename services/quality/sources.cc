@@ -35,20 +35,32 @@ std::vector<fs::path> MapsIn(const fs::path& folder) {
   return disparities.empty() ? all : disparities;
 }
 
+// Empty where a frame has none, or a picture in its place.
+cv::Mat1b SigmaOf(const Frame& frame) {
+  const std::optional<Part> part = SigmaPart();
+  if (!part) return {};
+  const auto sigma = std::get<cv::Mat>(GetPart(frame, *part));
+  return sigma.type() == CV_8UC1 ? cv::Mat1b(sigma) : cv::Mat1b();
+}
+
 }  // namespace
+
+std::optional<Part> SigmaPart() { return PartOf("SPROUT_SIGMA"); }
 
 void AddFrame(const Frame& frame, Measurement& measurement) {
   if (!frame.rig) {
     measurement.AddWithoutCalibration();
     return;
   }
-  measurement.Add({.disparity_px = ToPx(*frame.disparity), .sigma = {}, .pair = frame.rig->pair});
+  measurement.Add(
+      {.disparity_px = ToPx(*frame.disparity), .sigma = SigmaOf(frame), .pair = frame.rig->pair});
 }
 
 std::string MeasureLog(const fs::path& log, const std::string& prefix, const std::string& frames,
                        Measurement& measurement) {
   const Interrupt interrupt;
   FrameChoice choice{.prefix = prefix, .parts = {Part::kDisparity, Part::kRig}};
+  if (const auto sigma = SigmaPart()) choice.parts.Add(*sigma);
   if (!frames.empty()) choice.frames = ParseFrameRange("--frames", frames);
   int64_t refused = 0;
   std::string first_refusal;

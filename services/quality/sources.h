@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "common/core/frame.h"
@@ -10,9 +11,14 @@
 
 namespace sprout::quality {
 
+/// SPROUT_SIGMA, the standard deviations of the disparity map (counts of 1/16 px, as PriorMap has
+/// them); nothing where frames have no such part.
+std::optional<Part> SigmaPart();
+
 // Where maps come from. Each takes `count` of the settings of the measurement.
 
-/// Adds the disparity map of a frame, with its calibration.
+/// Adds the disparity map of a frame, with its calibration, and with its standard deviations when
+/// it has some.
 /// @pre the frame has a disparity map.
 void AddFrame(const Frame& frame, Measurement& measurement);
 

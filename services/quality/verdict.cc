@@ -7,6 +7,7 @@
 
 #include "common/app/version.h"
 #include "common/core/image.h"
+#include "common/quality/edge_width.h"
 
 namespace sprout::quality {
 namespace {
@@ -95,7 +96,7 @@ std::string MissingText(const TargetQuality& quality, const TargetSettings& sett
     text += "no Z-accuracy: the true distance is not known (--distance-m)\n";
   if (quality.frames < 2) text += "no temporal noise: it takes at least two frames\n";
   if (settings.edge && !quality.edge_width_px) {
-    text += fmt::format("no edge width: no step of {} px or more in --edge\n", 1);
+    text += fmt::format("no edge width: no step of {:g} px or more in --edge\n", kLeastEdgeStepPx);
   }
   if (quality.distance_m && !quality.sigma_claimed_px) {
     text += "no sigma claimed: the maps come without a standard deviation (SPROUT_SIGMA)\n";

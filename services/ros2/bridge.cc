@@ -53,8 +53,8 @@ std::vector<const RosTopicRow*> ChosenTopics(const Ros2Config& config) {
 
 RosQos QosOf(const RosTopicRow& row, bool reliable) {
   if (row.topic == RosTopic::kTransforms) return {.reliable = true, .latched = true};
-  if (row.topic == RosTopic::kDiagnostics) return {.reliable = true};
-  return {.reliable = reliable};
+  if (row.topic == RosTopic::kDiagnostics || reliable) return {.reliable = true, .depth = 0};
+  return {};
 }
 
 }  // namespace

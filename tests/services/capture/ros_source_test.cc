@@ -18,7 +18,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 constexpr int64_t kStart = 1'700'000'000'000'000;
-constexpr cv::Size kSize(640, 480);  // as examples::Rig()
+const cv::Size kSize(640, 480);  // as examples::Rig()
 
 // A recording of ROS 2's messages.
 class RosRecording {
@@ -54,6 +54,8 @@ class RosRecording {
   std::vector<uint8_t> cdr_;
 };
 
+std::string PathOf(const TemporaryDirectory& folder) { return folder / "file"; }
+
 struct Told {
   std::vector<std::string> lines;
   RosSourceOptions Options(bool loop = false) {
@@ -64,7 +66,7 @@ struct Told {
 cv::Mat1b Grey(int value) { return cv::Mat1b(kSize, static_cast<uint8_t>(value)); }
 
 std::string Source(const TemporaryDirectory& folder, const std::string& options = "") {
-  return "mcap:" + (folder / "file") + "?left=/left/image&right=/right/image" + options;
+  return "mcap:" + PathOf(folder) + "?left=/left/image&right=/right/image" + options;
 }
 
 std::vector<datasets::CapturedFrame> All(datasets::FrameSource& source) {
@@ -142,9 +144,8 @@ TEST(RosSource, MakesTheRangeImageOfAScanThatKittiMakes) {
   PointCloud cloud;
   for (const Eigen::Vector3d& point :
        datasets::ReadVelodyneScan(kitti.files().File("velodyne/000007.bin"))) {
-    cloud.points.push_back(
-        {.position_m = {static_cast<float>(point.x()), static_cast<float>(point.y()),
-                        static_cast<float>(point.z())}});
+    const Eigen::Vector3f place = point.cast<float>();
+    cloud.points.push_back({.position_m = {place.x(), place.y(), place.z()}, .bgr = {}});
   }
   file.Add("/points", ToRosCloud({kStart, "scanner"}, cloud));
   file.AddImage("/left/image", kStart, expected.left);
@@ -234,7 +235,7 @@ TEST(RosSource, SaysWhatIsMissing) {
     file.Finish();
   }
   EXPECT_THAT(Complaint(Source(folder)),
-              HasSubstr("no message on /left/camera_info; topics in " + (folder / "file") +
+              HasSubstr("no message on /left/camera_info; topics in " + PathOf(folder) +
                         ": /left/image (sensor_msgs/msg/Image)"));
   {
     RosRecording file(folder / "file");

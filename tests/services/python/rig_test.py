@@ -120,6 +120,11 @@ class ConfigTest(unittest.TestCase):
         self.assertEqual(pickle.loads(pickle.dumps(config)).digest, config.digest)
         self.assertNotEqual(sprout.Config(), config)
 
+    def test_has_lists_as_lists(self) -> None:
+        config = sprout.Config('ros2 { topics: "DEPTH" topics: "CLOUD" }')
+        self.assertEqual(config["ros2.topics"], ["DEPTH", "CLOUD"])
+        self.assertEqual(eval(repr(config), {"Config": sprout.Config}), config)
+
     def test_says_what_cannot_be_used(self) -> None:
         for parts, why in ((["no_such"], "default, fast, paper"), (["grow { x: 1 }"], "text:1:9.*x"),
                            (["grow { threshold: 7 }"], "grow.threshold = 7: out of range; allowed: 0.001 to 0.999"), ([3], "given 3"),

@@ -288,6 +288,13 @@ TEST_F(QualityProgram, RefusesFoldersThatCannotBeMeasured) {
   ExpectRefused({maps}, 2, "calib.txt");
 }
 
+TEST_F(QualityProgram, SaysThatNoEdgeCrossesTheEdge) {
+  const QualityOutcome outcome =
+      RunQuality({WriteLog("run.lcm", Maps(1)), "--edge", "20,20,60,60"});
+  EXPECT_THAT(outcome.out, HasSubstr("no edge width: no step of 1 px or more in --edge\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("no temporal noise: it takes at least two frames\n"));
+}
+
 TEST_F(QualityProgram, OfAFolderTakesTheDisparitiesAlone) {
   const std::string maps = WriteFolder("maps", Maps(2));
   EXPECT_TRUE(WritePfm(folder_ / "maps/0_prior.pfm", cv::Mat1f(240, 320, 5.0F)));

@@ -83,8 +83,9 @@ TEST_F(ViewSessionTest, SendsTheFrameAgainForAnotherWish) {
   Say(R"({"type":"wish","pictures":{"left":99999,"depth":64},"cloud":true})");
   const auto show = session_.TakeFrame();
   ASSERT_TRUE(show);
-  EXPECT_THAT(show->parts.pictures, ::testing::UnorderedElementsAre(std::pair(Picture::kLeft, 4096),
-                                                                   std::pair(Picture::kDepth, 64)));
+  EXPECT_THAT(show->parts.pictures,
+              ::testing::UnorderedElementsAre(std::pair(Picture::kLeft, 4096),
+                                              std::pair(Picture::kDepth, 64)));
   EXPECT_TRUE(show->parts.cloud);
   EXPECT_FALSE(show->parts.seeds);
 }

@@ -10,7 +10,7 @@
 namespace sprout::refine {
 namespace {
 
-constexpr float kDisparity = 8;
+constexpr double kShiftPx = 8;
 
 // Texture, and the same 8 px further left.
 struct NoisePair {
@@ -24,7 +24,7 @@ struct NoisePair {
   cv::Mat1b right = cv::Mat1b(200, 300, uint8_t{0});
 };
 
-// Points 20 px apart.
+// Points 10 px apart.
 std::vector<ProjectedPoint> NoisyPoints(double noise_px) {
   std::mt19937 random(4);
   std::normal_distribution<double> normal(0, 1);
@@ -34,7 +34,7 @@ std::vector<ProjectedPoint> NoisyPoints(double noise_px) {
       ProjectedPoint point;
       point.seed.u = static_cast<float>(u);
       point.seed.v = static_cast<float>(v);
-      point.seed.u_right = static_cast<float>(u - kDisparity - noise_px * normal(random));
+      point.seed.u_right = static_cast<float>(u - kShiftPx - noise_px * normal(random));
       points.push_back(point);
     }
   }
@@ -44,7 +44,8 @@ std::vector<ProjectedPoint> NoisyPoints(double noise_px) {
 TEST(ImageNoise, IsWhatTheImagesShow) {
   const NoisePair pair;
   EXPECT_LT(ImageNoisePx(pair.left, pair.right, NoisyPoints(0)), 0.1);
-  EXPECT_NEAR(ImageNoisePx(pair.left, pair.right, NoisyPoints(1)), 1, 0.25);
+  // Of 1 px the 0.5 px of a match that errs are taken off, which these do not.
+  EXPECT_NEAR(ImageNoisePx(pair.left, pair.right, NoisyPoints(1)), 0.8, 0.3);
 }
 
 TEST(ImageNoise, IsUnknownWithoutTextureOrPoints) {
