@@ -15,7 +15,7 @@
 namespace sprout::refine {
 namespace {
 
-constexpr int kNoiseRadius = SurfaceRules::kNoiseRadius;
+constexpr int kNoiseRadius = SurfaceRules::kRadius;
 constexpr int kReach = SurfaceRules::kMatchReachPx;
 
 struct Match {
