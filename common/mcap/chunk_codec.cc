@@ -13,9 +13,6 @@ namespace {
 // Memory grows by so much while a chunk is unpacked: a few bytes could claim a gigabyte.
 constexpr size_t kStep = size_t{4} << 20;
 
-struct ZstdPackerDeleter {
-  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
-};
 struct ZstdReaderDeleter {
   void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
 };
@@ -73,7 +70,10 @@ Result<McapBytes> UnpackLz4(std::span<const uint8_t> packed, uint64_t size) {
 }  // namespace
 
 struct ChunkPacker::Contexts {
-  std::unique_ptr<ZSTD_CCtx, ZstdPackerDeleter> zstd{ZSTD_createCCtx()};
+  struct Deleter {
+    void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+  };
+  std::unique_ptr<ZSTD_CCtx, Deleter> zstd{ZSTD_createCCtx()};
 };
 
 ChunkPacker::ChunkPacker(McapCompression compression, int zstd_level)

@@ -16,7 +16,6 @@ using std::chrono::milliseconds;
 
 constexpr int kFrames = 10;  // at least so many are looked at
 constexpr milliseconds kLeastTime{kMaxRigSilence + milliseconds(1000)};  // shows a missing RIG
-constexpr milliseconds kPoll{100};  // how soon the end of the program is noticed
 
 double Seconds(milliseconds time) { return std::chrono::duration<double>(time).count(); }
 

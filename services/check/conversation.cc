@@ -16,7 +16,6 @@ using std::chrono::milliseconds;
 constexpr int64_t kFirstUtime = 1'700'000'000'000'000;
 constexpr int64_t kFrameUtime = 100'000;
 constexpr std::chrono::seconds kRigPeriod{1};  // as capture sends it
-constexpr milliseconds kPoll{100};             // how soon the end of the program is noticed
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_CHECK_PROGRAM_CHECK_H_
 #define SPROUT_SERVICES_CHECK_PROGRAM_CHECK_H_
 
+#include <chrono>
 #include <functional>
 #include <iosfwd>
 #include <optional>
@@ -13,6 +14,9 @@
 #include "services/check/findings.h"
 
 namespace sprout::check {
+
+/// How soon the end of a program is noticed.
+inline constexpr std::chrono::milliseconds kPoll{100};
 
 /// Checks a running program, and ends it.
 /// @returns figures about it for people, whole lines; may be empty.

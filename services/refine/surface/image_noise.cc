@@ -15,7 +15,7 @@
 namespace sprout::refine {
 namespace {
 
-constexpr int kRadius = SurfaceRules::kRadius;
+constexpr int kNoiseRadius = SurfaceRules::kRadius;
 constexpr int kReach = SurfaceRules::kMatchReachPx;
 
 struct Match {
@@ -27,15 +27,15 @@ struct Match {
 std::optional<Match> MatchOf(const cv::Mat1b& left, const cv::Mat1b& right, const Seed& seed) {
   const double u = std::round(double{seed.u});
   const double u_right = u - seed.disparity();
-  if (!IsInside(u, seed.v, left.size(), kRadius - 0.5) ||
-      !IsInside(u_right, seed.v, right.size(), kRadius + kReach, kRadius - 0.5)) {
+  if (!IsInside(u, seed.v, left.size(), kNoiseRadius - 0.5) ||
+      !IsInside(u_right, seed.v, right.size(), kNoiseRadius + kReach, kNoiseRadius - 0.5)) {
     return {};
   }
   const cv::Point at_left(static_cast<int>(u), static_cast<int>(std::lround(seed.v)));
   const int first = static_cast<int>(std::lround(u_right)) - kReach;
   std::array<int, 2 * kReach + 1> differences{};
   for (int i = 0; i <= 2 * kReach; ++i) {
-    const WindowSums sums = SumWindows<kRadius>(left, right, at_left, {first + i, at_left.y});
+    const WindowSums sums = SumWindows<kNoiseRadius>(left, right, at_left, {first + i, at_left.y});
     differences[static_cast<size_t>(i)] =
         sums.left_squares + sums.right_squares - 2 * sums.products;
   }

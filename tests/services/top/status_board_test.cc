@@ -129,7 +129,7 @@ TEST_F(StatusBoardTest, SaysWhichClocksTellAnAge) {
   board_.Add(grow, start_);
   auto rows = board_.Rows(start_);
   EXPECT_THAT(BoardText(rows, false), HasSubstr(" ~120 "));
-  EXPECT_THAT(BoardText(rows, false), HasSubstr("~: by the clocks of two hosts"));
+  EXPECT_THAT(BoardText(rows, false), HasSubstr("~: compares the clocks of two hosts"));
   EXPECT_EQ(nlohmann::json::parse(BoardJson(rows))["stages"][0]["age_clocks"], "one");
   EXPECT_EQ(nlohmann::json::parse(BoardJson(rows))["stages"][1]["age_clocks"], "two");
   grow.age.p50_ms = -3'600'000;
