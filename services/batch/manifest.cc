@@ -84,7 +84,8 @@ Variant VariantFrom(const Json& json, const std::string& name, const StageNames&
 }
 
 BatchHead HeadFrom(const Json& json) {
-  if (json.value("sprout_batch", Json()) != kManifestFormat) throw ConfigError("not of this version");
+  if (json.value("sprout_batch", Json()) != kManifestFormat)
+    throw ConfigError("not of this version");
   BatchHead head;
   head.stages = StagesIn(json);
   head.keep = KeepIn(json, head.stages);
@@ -230,9 +231,9 @@ fs::path BatchFolder::comparison(const std::string& key) const {
 }
 
 std::string ResultKey(const BatchHead& head, const Variant& variant, const Shard& shard) {
-  std::string text =
-      fmt::format("result {} {} {} {} {} {} {}", kManifestFormat, shard.input, variant.config_digest,
-                  fmt::join(head.keep, ","), head.prefix, head.tables, head.measured);
+  std::string text = fmt::format("result {} {} {} {} {} {} {}", kManifestFormat, shard.input,
+                                 variant.config_digest, fmt::join(head.keep, ","), head.prefix,
+                                 head.tables, head.measured);
   for (const std::string& stage : head.stages) {
     text += " " + stage + " " + variant.programs.at(stage).digest;
   }

@@ -16,7 +16,7 @@ namespace sprout::datasets {
 namespace {
 
 constexpr double kFocalPerWidth = 0.9;    // 58° from left to right
-constexpr double kSceneBaselineM = 0.2;        // disparities of 2 to 15 % of the width
+constexpr double kSceneBaselineM = 0.2;   // disparities of 2 to 15 % of the width
 constexpr double kOffsetPerWidth = 0.01;  // cx_right − cx: code that takes it for 0 shall show
 constexpr double kNearestFloorM = 1.6;    // depth of the floor at the bottom of the image
 

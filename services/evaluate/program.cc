@@ -82,7 +82,8 @@ void AddInputFlags(CLI::App& flags, Options& options) {
   flags.add_option(
       "SCENE", options.scenes,
       "Folders of Middlebury scenes with ground truth; synthetic:WxH, a simulated scene; "
-      "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N to keep 32, 16, "
+      "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N to keep 32, "
+      "16, "
       "8 or 4 of the scan's 64 beams");
   flags.add_option("--methods", options.methods, "Methods or groups of them, listed below")
       ->delimiter(',')

@@ -41,8 +41,8 @@ struct PlaneFits {
   }
 
  private:
-  // How much less a seed counts that is less sure than the one whose plane it is. What lies below σ₀
-  // is not told apart.
+  // How much less a seed counts that is less sure than the one whose plane it is. What lies below
+  // σ₀ is not told apart.
   static double SureWeight(double sigma_px, double other_sigma_px) {
     constexpr double kSurePx = 0.1;
     return (kSurePx * kSurePx + sigma_px * sigma_px) /

@@ -32,12 +32,11 @@ struct Size {
   cv::Size pixels;
 };
 constexpr int kSizes = 5;
-const Size kAllSizes[kSizes] = {
-    {"0.36", {694, 519}},
-    {"0.47", {1242, 375}},  // KITTI's
-    {"1.4", {1300, 1077}},
-    {"2.0", {1624, 1224}},
-    {"8.0", {3248, 2463}}};
+const Size kAllSizes[kSizes] = {{"0.36", {694, 519}},
+                                {"0.47", {1242, 375}},  // KITTI's
+                                {"1.4", {1300, 1077}},
+                                {"2.0", {1624, 1224}},
+                                {"8.0", {3248, 2463}}};
 
 // The frames of one size; only the last size asked for is kept, the large ones take memory.
 const std::vector<BenchFrame>& FramesOf(cv::Size size) {

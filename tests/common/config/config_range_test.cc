@@ -177,6 +177,7 @@ TEST(ConfigText, ShowsEveryFieldExplicitly) {
   ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(ConfigText(LoadConfig({})), &config));
   int fields = 0;
   VisitFields(config, "", [&](const std::string& key, Message& parent, const FieldDescriptor& f) {
+    if (f.is_repeated()) return;  // an empty list has no text
     ++fields;
     EXPECT_TRUE(parent.GetReflection()->HasField(parent, &f)) << key;
   });

@@ -125,7 +125,9 @@ class Files : public testing::Test {
       for (int u = 0; u < px.cols; ++u) {
         const bool valid = expected.disparity.IsValid(u, v);
         px(v, u) = valid ? expected.disparity.Px(u, v) : static_cast<float>(kInf);
-        counts(v, u) = valid ? static_cast<uint16_t>(std::lround(px(v, u) * 32)) : uint16_t{0};
+        // 0 is "none" in the file, so a disparity of 0 is written as 1.
+        counts(v, u) =
+            valid ? static_cast<uint16_t>(std::max(std::lround(px(v, u) * 32), 1L)) : uint16_t{0};
         const float depth_m = expected.depth_m(v, u);
         mm(v, u) =
             depth_m < 65 ? static_cast<uint16_t>(std::lround(double{depth_m} * 1000)) : uint16_t{0};
