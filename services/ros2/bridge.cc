@@ -59,8 +59,9 @@ RosQos QosOf(const RosTopicRow& row, bool reliable) {
 
 }  // namespace
 
-Bridge::Bridge(const Ros2Config& config, StageMonitor& monitor)
+Bridge::Bridge(const Ros2Config& config, int depth_every, StageMonitor& monitor)
     : config_(config),
+      depth_every_(depth_every),
       monitor_(monitor),
       options_{.frames = {config.left_frame(), config.right_frame(), config.tof_frame()},
                .depth = config.depth_encoding() == Ros2Config::METRES ? RosDepth::kMetres
@@ -88,6 +89,18 @@ std::set<std::string_view> Bridge::WantedChannels() const {
     if (node_.HasReaders(topic.writer)) channels.insert(ChannelOf(topic.row->part));
   }
   return channels;
+}
+
+void Bridge::ReceivesOnly(const std::set<std::string_view>& channels) {
+  const std::scoped_lock lock(mutex_);
+  for (auto it = gaps_.begin(); it != gaps_.end();) {
+    if (channels.contains(ChannelOf(it->first))) {
+      ++it;
+    } else {
+      earlier_gaps_ += it->second.count();
+      it = gaps_.erase(it);
+    }
+  }
 }
 
 void Bridge::OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
@@ -124,11 +137,25 @@ void Bridge::OnRig(std::span<const uint8_t> bytes) {
   }
 }
 
+// What the bus or a stage lost.
+void Bridge::CountGaps(Part part, const FrameId& id) {
+  const bool is_of_depth = part == Part::kDepth || part == Part::kCloud;
+  FrameId step = id;
+  if (is_of_depth) step.seq /= depth_every_;
+  const std::scoped_lock lock(mutex_);
+  gaps_[part].Add(step);
+  int64_t gaps = earlier_gaps_;
+  for (const auto& [of_part, seen] : gaps_) gaps += seen.count();
+  monitor_.SetJoinerCounts(/*incomplete=*/0, gaps);
+}
+
 void Bridge::OnPart(Part part, std::span<const uint8_t> bytes) {
   if (!IsWanted(part)) return;
   const auto arrived = StageMonitor::Clock::now();
-  const Result<FrameId> id = DecodeFrameId(bytes);
-  if (id && id->seq % config_.every() != 0) return;
+  if (const Result<FrameId> id = DecodeFrameId(bytes)) {
+    CountGaps(part, *id);
+    if (id->seq % config_.every() != 0) return;
+  }
   const Result<DecodedPart> decoded = DecodePart(part, bytes);
   if (!decoded) return monitor_.BadMessage(ChannelOf(part), decoded.error().text);
   monitor_.FrameIn(/*skipped=*/false);

@@ -16,6 +16,7 @@
 #include "common/config/config.h"
 #include "common/core/rig.h"
 #include "common/core/stage_status.h"
+#include "common/frames/sequence_gaps.h"
 #include "common/ros2/frame_topics.h"
 #include "common/ros2/ros_node.h"
 
@@ -25,11 +26,16 @@ namespace sprout::ros2 {
 /// subscribes to a topic that is made of it. Its methods may be called from any thread.
 class Bridge {
  public:
+  /// @param depth_every  of sprout-depth: it sends only frames whose number is a multiple of it.
   /// @throws ConfigError for a name that cannot be, RosError.
-  Bridge(const Ros2Config& config, StageMonitor& monitor);
+  Bridge(const Ros2Config& config, int depth_every, StageMonitor& monitor);
 
   /// The channels (without prefix) that somebody wants now, and those that are always listened to.
   std::set<std::string_view> WantedChannels() const;
+
+  /// The channels that are received from here on. Frame numbers that one of them left out while it
+  /// was not received are not missing.
+  void ReceivesOnly(const std::set<std::string_view>& channels);
 
   /// Takes a message of the graph.
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
@@ -49,9 +55,11 @@ class Bridge {
   void OnRig(std::span<const uint8_t> bytes);
   void OnStatus(std::span<const uint8_t> bytes);
   bool IsWanted(Part part) const;
+  void CountGaps(Part part, const FrameId& id);
   void Publish(const Topic& topic, const FrameId& id, const AnyRosMessage& message);
 
   Ros2Config config_;
+  int depth_every_;
   StageMonitor& monitor_;
   RosTopicOptions options_;
   RosNode node_;
@@ -59,6 +67,8 @@ class Bridge {
   std::mutex mutex_;
   std::map<std::string, Rig> rigs_;  // by rig_id
   std::map<std::string, StageStatus> statuses_;
+  std::map<Part, SequenceGaps> gaps_;  // of the channels that are received
+  int64_t earlier_gaps_ = 0;           // of those that were
   int64_t converted_ = 0;
 };
 

@@ -22,7 +22,7 @@ constexpr std::chrono::milliseconds kLook{200};
 
 int Run(const ServiceContext& context) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
-  Bridge bridge(context.config.ros2(), monitor);
+  Bridge bridge(context.config.ros2(), context.config.depth().every(), monitor);
   const StatusReporter reporter(context, monitor);
   NotifyReady();
   Watchdog watchdog;
@@ -35,6 +35,7 @@ int Run(const ServiceContext& context) {
     if (std::set<std::string_view> wanted = bridge.WantedChannels(); wanted != channels) {
       channels = std::move(wanted);
       receiver.reset();
+      bridge.ReceivesOnly(channels);
       receiver.emplace(
           context.lcm_url, context.prefix,
           std::vector<std::string_view>(channels.begin(), channels.end()),

@@ -8,11 +8,11 @@
 
 namespace sprout {
 
-Graph::Graph(std::string prefix, std::string url)
+Graph::Graph(std::string prefix, std::string url, const std::vector<std::string_view>& channels)
     : prefix_(std::move(prefix)),
       url_(std::move(url)),
       publisher_(url_, prefix_),
-      receiver_(url_, prefix_, AllChannels(),
+      receiver_(url_, prefix_, channels,
                 [this](std::string_view channel, std::span<const uint8_t> bytes) {
                   OnMessage(channel, bytes);
                 }) {}

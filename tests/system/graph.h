@@ -35,8 +35,10 @@ inline constexpr const char* kChain[] = {"refine", "prior", "grow"};
 /// The processes of a graph and what they say, on the network that the test runs in.
 class Graph {
  public:
-  /// @param url  where the graph's messages travel.
-  explicit Graph(std::string prefix = "", std::string url = kDefaultLcmUrl);
+  /// @param url       where the graph's messages travel.
+  /// @param channels  what is received; statuses alone where large frames would fill the memory.
+  explicit Graph(std::string prefix = "", std::string url = kDefaultLcmUrl,
+                 const std::vector<std::string_view>& channels = AllChannels());
 
   /// Starts sprout-STAGE and waits for its first status.
   Process& Start(const std::string& stage, std::vector<std::string> flags = {});

@@ -2,7 +2,8 @@
  *   ros2_peer send RIG WIDTH HEIGHT HZ SECONDS   RIG/left/image_rect, RIG/right/image_rect, camera_info of both
  *   ros2_peer send_text TOPIC SECONDS            a string on a topic, 10 Hz
  *   ros2_peer hear SECONDS SLEEP_S RELIABLE TOPIC=TYPE...
- *     counts messages (TYPE: image, points) and how many bytes they had; sleeps first, with its readers open */
+ *     counts messages (TYPE: image, points), how many bytes they had, and those that DDS knows to be lost; sleeps
+ *     first, with its readers open */
 #include <dds/dds.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -154,15 +155,22 @@ static int hear(dds_entity_t participant, int argc, char** argv) {
     sleep_us(2000);
   }
   for (int i = 0; i < count; ++i) {
-    printf("%s %ld messages %lld bytes %.2f s\n", all[i].topic, all[i].messages, all[i].bytes,
-           (double)(all[i].last_us - all[i].first_us) / 1e6);
+    dds_sample_lost_status_t lost = {0};
+    dds_get_sample_lost_status(all[i].reader, &lost);
+    printf("%s %ld messages %lld bytes %.2f s %u lost\n", all[i].topic, all[i].messages,
+           all[i].bytes, (double)(all[i].last_us - all[i].first_us) / 1e6, lost.total_count);
   }
   return 0;
 }
 
 int main(int argc, char** argv) {
-  dds_create_domain(0, "<CycloneDDS><Domain id=\"any\"><Internal><SocketReceiveBufferSize max=\"32MB\"/>"
-                       "</Internal></Domain></CycloneDDS>");
+  const char* more = getenv("CYCLONEDDS_URI");
+  char config[1024];
+  snprintf(config, sizeof config,
+           "<CycloneDDS><Domain id=\"any\"><Internal><SocketReceiveBufferSize max=\"32MB\"/>"
+           "</Internal></Domain></CycloneDDS>%s%s",
+           more ? "," : "", more ? more : "");
+  dds_create_domain(0, config);
   const dds_entity_t participant = dds_create_participant(0, NULL, NULL);
   int result = 2;
   if (participant > 0 && argc == 7 && strcmp(argv[1], "send") == 0) result = send_rig(participant, argv + 2);
