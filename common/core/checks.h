@@ -39,7 +39,7 @@ class Checks {
 
   /// The fields that every message with a disparity map has.
   template <typename Message>
-  Checks& DisparityMap(const Message& message) {
+  Checks& DisparityMap(const Message& message, size_t data_bytes) {
     return Side("width", message.width)
         .Side("height", message.height)
         .Pixels("width × height", message.width, message.height)
@@ -47,8 +47,8 @@ class Checks {
                  message.counts_per_px, std::to_string(DisparityImage::kCountsPerPixel))
         .Require(message.invalid == DisparityImage::kInvalid, "invalid", message.invalid,
                  std::to_string(DisparityImage::kInvalid))
-        .Require(message.size >= 0 && static_cast<size_t>(message.size) == message.data.size(),
-                 "size", message.size, "the number of bytes in data");
+        .Require(message.size >= 0 && static_cast<size_t>(message.size) == data_bytes, "size",
+                 message.size, "the number of bytes in data");
   }
 
   Checks& Pixels(const char* fields, int32_t width, int32_t height) {

@@ -178,36 +178,37 @@ Result<Message> DecodeMessage(std::span<const uint8_t> bytes) {
   return message;
 }
 
-// An image whose data stay where they are: megabytes that are copied once, into the picture,
-// instead of into a vector first.
-struct ImageInPlace {
-  image_t message;  // without data
+// A message whose bytes of data, which come last, stay where they are: megabytes that are copied
+// once, into the image, instead of into a vector first.
+template <typename Message>
+struct MessageInPlace {
+  Message fields;  // without data
   std::span<const uint8_t> data;
 };
 
-Result<ImageInPlace> DecodeImage(std::span<const uint8_t> bytes) {
-  if (const Result<void> fits = CheckBeforeDecoding<image_t>(bytes); !fits) {
+// @pre the message ends with the only array of its type, of bytes, behind their count `size`.
+template <typename Message>
+Result<MessageInPlace<Message>> DecodeInPlace(std::span<const uint8_t> bytes) {
+  static_assert(ArrayTable<Message>::kArrays.size() == 1 &&
+                ArrayTable<Message>::kArrays.begin()->element_bytes == 1);
+  if (const Result<void> fits = CheckBeforeDecoding<Message>(bytes); !fits) {
     return tl::unexpected(fits.error());
   }
-  constexpr int kHeaderOffset = 8;  // behind the fingerprint
-  ImageInPlace image;
-  const int header_bytes = image.message.header._decodeNoHash(
-      bytes.data(), kHeaderOffset, static_cast<int>(bytes.size()) - kHeaderOffset);
-  if (header_bytes < 0) return Fail("message cut short");
-  auto offset = static_cast<size_t>(kHeaderOffset + header_bytes);
-  image_t& to = image.message;
-  for (int32_t* field : {&to.width, &to.height, &to.row_stride, &to.pixel_format, &to.size}) {
-    const Result<int32_t> value = ReadInt32(bytes, offset);
-    if (!value) return tl::unexpected(value.error());
-    *field = *value;
-    offset += sizeof(int32_t);
-  }
-  const auto data_bytes = static_cast<size_t>(to.size);  // not negative: CheckLengths()
-  if (const auto whole = CheckIsWhole(offset + data_bytes, bytes.size()); !whole) {
-    return tl::unexpected(whole.error());
-  }
-  image.data = bytes.subspan(offset);
-  return image;
+  const size_t body = *EndOfString(bytes, kRigIdOffset, "header.rig_id");
+  const size_t size_offset = body + ArrayTable<Message>::kArrays.begin()->count_offset;
+  const size_t data_offset = size_offset + sizeof(int32_t);
+  const int32_t size = *ReadInt32(bytes, size_offset);  // not negative: CheckLengths()
+  const auto whole = CheckIsWhole(data_offset + static_cast<size_t>(size), bytes.size());
+  if (!whole) return tl::unexpected(whole.error());
+  // Decoded as a message that has no data.
+  std::vector<uint8_t> without(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(data_offset));
+  std::fill(without.end() - sizeof(int32_t), without.end(), uint8_t{0});
+  MessageInPlace<Message> message;
+  const int used = message.fields.decode(without.data(), 0, static_cast<int>(without.size()));
+  if (used < 0) return Fail("message cut short");
+  message.fields.size = size;
+  message.data = bytes.subspan(data_offset);
+  return message;
 }
 
 template <typename Message>
@@ -260,16 +261,16 @@ Result<DecodedPart> ToPart(const Message& message,
 
 template <typename Message>
 Result<DecodedPart> Decode(std::span<const uint8_t> bytes, std::optional<cv::Size> expected) {
-  const Result<Message> message = DecodeMessage<Message>(bytes);
-  if (!message) return tl::unexpected(message.error());
-  return ToPart(*message, expected, [&] { return FromMessage(*message); });
-}
-template <>
-Result<DecodedPart> Decode<image_t>(std::span<const uint8_t> bytes,
-                                    std::optional<cv::Size> expected) {
-  const Result<ImageInPlace> image = DecodeImage(bytes);
-  if (!image) return tl::unexpected(image.error());
-  return ToPart(image->message, expected, [&] { return FromMessage(image->message, image->data); });
+  if constexpr (requires(const Message& message) { FromMessage(message, bytes); }) {
+    const Result<MessageInPlace<Message>> message = DecodeInPlace<Message>(bytes);
+    if (!message) return tl::unexpected(message.error());
+    return ToPart(message->fields, expected,
+                  [&] { return FromMessage(message->fields, message->data); });
+  } else {
+    const Result<Message> message = DecodeMessage<Message>(bytes);
+    if (!message) return tl::unexpected(message.error());
+    return ToPart(*message, expected, [&] { return FromMessage(*message); });
+  }
 }
 
 // The message that carries a member of Frame.

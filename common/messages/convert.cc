@@ -215,15 +215,20 @@ disparity_image_t ToMessage(const FrameId& id, const DisparityImage& disparity,
 }
 
 Result<DisparityImage> FromMessage(const disparity_image_t& message) {
+  return FromMessage(message, message.data);
+}
+
+Result<DisparityImage> FromMessage(const disparity_image_t& message,
+                                   std::span<const uint8_t> data) {
   Checks checks;
-  checks.DisparityMap(message);
+  checks.DisparityMap(message, data.size());
   if (!checks.ok()) return checks.error();
   const cv::Size size(message.width, message.height);
   switch (message.encoding) {
     case disparity_image_t::ENCODING_RAW_INT16:
-      return DecodeRawInt16(message.data, size);
+      return DecodeRawInt16(data, size);
     case disparity_image_t::ENCODING_DELTA_ZSTD:
-      return DecodeDeltaZstd(message.data, size);
+      return DecodeDeltaZstd(data, size);
     default:
       return Fail("encoding = " + std::to_string(message.encoding) +
                   ": allowed is RAW_INT16 or DELTA_ZSTD");

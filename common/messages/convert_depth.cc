@@ -1,3 +1,4 @@
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -8,9 +9,14 @@
 namespace sprout {
 namespace {
 
-Result<void> CheckPoint(const CloudPoint& point, int32_t index) {
-  const cv::Point3f& p = point.position_m;
-  if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && p.z > 0) return {};
+static_assert(std::endian::native == std::endian::little,
+              "counts are little-endian on the wire and are copied as they are");
+
+bool IsPossible(const cv::Point3f& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && p.z > 0;
+}
+
+tl::unexpected<Error> NoPoint(const cv::Point3f& p, size_t index) {
   return Fail("point " + std::to_string(index) + " at (" + std::to_string(p.x) + ", " +
               std::to_string(p.y) + ", " + std::to_string(p.z) +
               "): allowed are finite numbers with z > 0");
@@ -27,18 +33,20 @@ depth_image_t ToMessage(const FrameId& id, const DepthImage& depth) {
   message.cx = depth.cx;
   message.cy = depth.cy;
   message.metres_per_count = depth.metres_per_count;
-  message.depth.reserve(2 * depth.counts.total());
+  const size_t row_bytes = sizeof(uint16_t) * static_cast<size_t>(depth.counts.cols);
+  message.depth.resize(row_bytes * static_cast<size_t>(depth.counts.rows));
   for (int v = 0; v < depth.counts.rows; ++v) {
-    for (const uint16_t count : depth.counts.row(v)) {
-      message.depth.push_back(static_cast<uint8_t>(count & 0xff));
-      message.depth.push_back(static_cast<uint8_t>(count >> 8));
-    }
+    std::memcpy(&message.depth[static_cast<size_t>(v) * row_bytes], depth.counts[v], row_bytes);
   }
   message.size = static_cast<int32_t>(message.depth.size());
   return message;
 }
 
 Result<DepthImage> FromMessage(const depth_image_t& message) {
+  return FromMessage(message, message.depth);
+}
+
+Result<DepthImage> FromMessage(const depth_image_t& message, std::span<const uint8_t> data) {
   const int64_t bytes = 2 * int64_t{message.width} * message.height;
   Checks checks;
   checks.Side("width", message.width)
@@ -48,7 +56,7 @@ Result<DepthImage> FromMessage(const depth_image_t& message) {
       .Finite("cx", message.cx)
       .Finite("cy", message.cy)
       .Positive("metres_per_count", message.metres_per_count)
-      .Require(message.size == bytes && message.depth.size() == static_cast<size_t>(bytes), "size",
+      .Require(message.size == bytes && data.size() == static_cast<size_t>(bytes), "size",
                message.size, "2 × width × height = " + std::to_string(bytes));
   if (!checks.ok()) return checks.error();
   DepthImage depth{.counts = cv::Mat1w(message.height, message.width),
@@ -56,11 +64,7 @@ Result<DepthImage> FromMessage(const depth_image_t& message) {
                    .focal_px = message.focal_px,
                    .cx = message.cx,
                    .cy = message.cy};
-  const uint8_t* next = message.depth.data();
-  for (uint16_t& count : depth.counts) {
-    count = static_cast<uint16_t>(next[0] | next[1] << 8);
-    next += 2;
-  }
+  std::memcpy(depth.counts.data, data.data(), data.size());  // a new image has no gaps
   return depth;
 }
 
@@ -104,8 +108,8 @@ Result<PointCloud> FromMessage(const point_cloud_t& message) {
     cloud.points.push_back({.position_m = {message.x[i], message.y[i], message.z[i]},
                             .bgr = {message.blue[i], message.green[i], message.red[i]},
                             .confidence = message.confidence[i]});
-    const Result<void> point = CheckPoint(cloud.points.back(), static_cast<int32_t>(i));
-    if (!point) return tl::unexpected(point.error());
+    const cv::Point3f& position = cloud.points.back().position_m;
+    if (!IsPossible(position)) return NoPoint(position, i);
   }
   return cloud;
 }

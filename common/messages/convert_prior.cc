@@ -74,7 +74,7 @@ prior_t ToMessage(const FrameId& id, const PriorMap& prior, DisparityEncoding en
 
 Result<PriorMap> FromMessage(const prior_t& message) {
   Checks checks;
-  checks.DisparityMap(message)
+  checks.DisparityMap(message, message.data.size())
       .Require(message.sigma_counts_per_px == kSigmaCountsPerPx, "sigma_counts_per_px",
                message.sigma_counts_per_px, std::to_string(kSigmaCountsPerPx))
       .Require(message.sigma_size >= 0 &&

@@ -32,8 +32,25 @@ bool Shell(const std::string& command) {
   return std::system((command + " 2> /dev/null").c_str()) == 0;
 }
 
-// Another host, at the other end of a cable.
-class OtherHost {
+// Where the peer runs: this one.
+class Host {
+ public:
+  virtual ~Host() = default;
+  virtual bool is_there() const { return true; }
+
+  std::unique_ptr<Process> Run(const std::vector<std::string>& arguments) const {
+    std::vector<std::string> command = enter_;
+    command.push_back(SPROUT_ROS2_PEER);
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return std::make_unique<Process>(command);
+  }
+
+ protected:
+  std::vector<std::string> enter_;  // goes before a command that runs there
+};
+
+// Another one, at the other end of a cable.
+class OtherHost : public Host {
  public:
   OtherHost() : process_({"unshare", "--net", "sleep", "1000"}) {
     const std::string pid = std::to_string(process_.pid());
@@ -50,20 +67,12 @@ class OtherHost {
                 Shell(inside + "ip addr add 10.97.0.2/24 dev cable") &&
                 Shell(inside + "ip link set cable up");
   }
-  ~OtherHost() { Shell("ip link del cable"); }
+  ~OtherHost() override { Shell("ip link del cable"); }
 
-  bool is_there() const { return is_there_; }
-
-  std::unique_ptr<Process> Run(const std::vector<std::string>& arguments) const {
-    std::vector<std::string> command = enter_;
-    command.push_back(SPROUT_ROS2_PEER);
-    command.insert(command.end(), arguments.begin(), arguments.end());
-    return std::make_unique<Process>(command);
-  }
+  bool is_there() const override { return is_there_; }
 
  private:
   Process process_;
-  std::vector<std::string> enter_;
   bool is_there_ = false;
 };
 
@@ -177,9 +186,7 @@ std::vector<std::string> Hear(const std::string& seconds, const std::string& sle
           "/sprout/points=points"};
 }
 
-TEST(Ros2System, ShowsDepthAndPointsToAnotherHost) {
-  const OtherHost host;
-  REQUIRE_HOST(host);
+void ShowDepthAndPointsTo(const Host& host) {
   FedGraph graph;
   const Process& bridge = graph.Start("ros2", {"--domain", "0"});
   FeedGraph feed(graph);
@@ -209,6 +216,14 @@ TEST(Ros2System, ShowsDepthAndPointsToAnotherHost) {
   EXPECT_EQ(status.frames_failed, 0);
   EXPECT_THAT(output,
               HasSubstr(std::to_string(int64_t{depths} * 2 * FeedGraph::kSize.area()) + " bytes"));
+}
+
+TEST(Ros2System, ShowsDepthAndPointsToThisHost) { ShowDepthAndPointsTo(Host()); }
+
+TEST(Ros2System, ShowsDepthAndPointsToAnotherHost) {
+  const OtherHost host;
+  REQUIRE_HOST(host);
+  ShowDepthAndPointsTo(host);
 }
 
 TEST(Ros2System, ASubscriberThatSleepsStopsNobody) {
