@@ -1,8 +1,8 @@
 #include "common/bus/udpm_socket.h"
 
 #include <netinet/in.h>
-#include <poll.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <new>
@@ -15,7 +15,8 @@
 namespace sprout {
 namespace {
 
-constexpr int kSocketPollMs = 100;
+// How long the thread waits for a datagram before it looks whether it should stop.
+constexpr timeval kPatience{.tv_sec = 0, .tv_usec = 100'000};
 constexpr size_t kLargestDatagram = 65536;
 
 // On the group's address, or whatever is sent to this host would come, too. Shared with all other
@@ -28,6 +29,7 @@ bool Listen(int fd, const UdpmAddress& address) {
     setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &address.receive_buffer, sizeof address.receive_buffer);
   }
   return setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) == 0 &&
+         setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &kPatience, sizeof kPatience) == 0 &&
          bind(fd, reinterpret_cast<const sockaddr*>(&address.group), sizeof address.group) == 0 &&
          setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) == 0;
 }
@@ -50,12 +52,10 @@ UdpmSocket::~UdpmSocket() { close(socket_); }
 void UdpmSocket::Receive(const std::stop_token& stop,
                          const std::function<void(DatagramJoiner::Message)>& on_message) {
   std::vector<uint8_t> datagram(kLargestDatagram);
-  pollfd readable{.fd = socket_, .events = POLLIN, .revents = 0};
   while (!stop.stop_requested()) {
-    if (poll(&readable, 1, kSocketPollMs) <= 0) continue;
     sockaddr_in sender{};
     socklen_t sender_bytes = sizeof sender;
-    const ssize_t bytes = recvfrom(socket_, datagram.data(), datagram.size(), MSG_DONTWAIT,
+    const ssize_t bytes = recvfrom(socket_, datagram.data(), datagram.size(), 0,
                                    reinterpret_cast<sockaddr*>(&sender), &sender_bytes);
     if (bytes <= 0) continue;
     try {
