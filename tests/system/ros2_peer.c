@@ -3,8 +3,9 @@
  *   ros2_peer send_text TOPIC SECONDS            a string on a topic, 10 Hz
  *   ros2_peer hear SECONDS SLEEP_S RELIABLE TOPIC=TYPE...
  *     counts messages (TYPE: image, points), how many bytes they had, and those that DDS knows to be lost; sleeps
- *     first, with its readers open */
+ *     first, with its readers open; SIGTERM ends it */
 #include <dds/dds.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +14,12 @@
 #include "ros2_peer.h"
 
 enum { MOST = 8 };
+
+static volatile sig_atomic_t has_to_end = 0;
+static void on_signal(int signal) {
+  (void)signal;
+  has_to_end = 1;
+}
 
 static int64_t now_us(void) {
   struct timespec now;
@@ -137,6 +144,7 @@ static void take(struct heard* one) {
 }
 
 static int hear(dds_entity_t participant, int argc, char** argv) {
+  signal(SIGTERM, on_signal);
   const double seconds = atof(argv[0]), asleep = atof(argv[1]);
   struct heard all[MOST] = {{0}};
   const int count = argc - 3 < MOST ? argc - 3 : MOST;
@@ -150,7 +158,7 @@ static int hear(dds_entity_t participant, int argc, char** argv) {
   }
   sleep_us((int64_t)(asleep * 1e6));
   const int64_t end = now_us() + (int64_t)(seconds * 1e6);
-  while (now_us() < end) {
+  while (now_us() < end && !has_to_end) {
     for (int i = 0; i < count; ++i) take(&all[i]);
     sleep_us(2000);
   }

@@ -177,6 +177,8 @@ StageStatus FinalStatus(Graph& graph) {
   return status;
 }
 
+const std::string kUntilTold = "1000";
+
 std::vector<std::string> Hear(const std::string& seconds, const std::string& sleep, bool reliable) {
   return {"hear",
           seconds,
@@ -193,11 +195,13 @@ void ShowDepthAndPointsTo(const Host& host) {
   feed.Run(1);
   // Nobody listens: nothing is converted.
   EXPECT_FALSE(graph.WaitUntil([](Graph& g) { return g.statuses.at("ros2").frames_in > 0; }, 2s));
-  const auto peer = host.Run(Hear(std::to_string(Seconds() + 4), "0", /*reliable=*/false));
+  const auto peer = host.Run(Hear(kUntilTold, "0", /*reliable=*/false));
   std::this_thread::sleep_for(2s);  // discovery
   const CpuTime before = CpuTimeOf(bridge.pid());
   const int sent = feed.Run(Seconds());
   const CpuTime cpu = CpuTimeOf(bridge.pid()) - before;
+  std::this_thread::sleep_for(1s);
+  peer->Signal(SIGTERM);
   EXPECT_EQ(End(*peer), 0);
   const std::string output = peer->Output();
   const long depths = Heard(output, "/sprout/depth/image_rect");
@@ -283,10 +287,12 @@ TEST(Ros2System, ReliableTopicsSurviveLostDatagrams) {
   const LostDatagrams one_percent(10);
   FedGraph graph;
   graph.Start("ros2", {"--reliable"});
-  const auto peer = host.Run(Hear(std::to_string(Seconds() + 6), "0", /*reliable=*/true));
+  const auto peer = host.Run(Hear(kUntilTold, "0", /*reliable=*/true));
   std::this_thread::sleep_for(3s);
   FeedGraph feed(graph);
   const int sent = feed.Run(Seconds());
+  std::this_thread::sleep_for(3s);  // what is sent again
+  peer->Signal(SIGTERM);
   EXPECT_EQ(End(*peer), 0);
   const long heard =
       Heard(peer->Output(), "/sprout/depth/image_rect") + Heard(peer->Output(), "/sprout/points");
