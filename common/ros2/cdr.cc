@@ -61,7 +61,7 @@ void WriteCdr(const AnyRosMessage& message, std::vector<uint8_t>& bytes) {
 
 Result<void> ReadCdr(const RosType& type, std::span<const uint8_t> bytes, void* message) {
   const std::string name = type.name;
-  if (bytes.size() < kHeaderBytes || bytes.size() > kMaxBytes) {
+  if (bytes.size() <= kHeaderBytes || bytes.size() > kMaxBytes) {
     return Fail(name + ": " + std::to_string(bytes.size()) +
                 " bytes; allowed: 4 bytes of header and CDR behind them, up to 2 GB");
   }
@@ -75,8 +75,8 @@ Result<void> ReadCdr(const RosType& type, std::span<const uint8_t> bytes, void* 
   std::memcpy(words.data(), bytes.data() + kHeaderBytes, size);
   uint32_t used = 0;
   const bool swap = (bytes[1] == kLittleEndian) != kIsLittle;
-  if (size == 0 || dds_stream_normalize_data(reinterpret_cast<char*>(words.data()), &used, size,
-                                             swap, CDR_ENC_VERSION_1, OpsOf(type)) == nullptr) {
+  if (dds_stream_normalize_data(reinterpret_cast<char*>(words.data()), &used, size, swap,
+                                CDR_ENC_VERSION_1, OpsOf(type)) == nullptr) {
     return Fail(name + ": not whole CDR: a length, string or boolean in its " +
                 std::to_string(size) + " bytes cannot be");
   }
