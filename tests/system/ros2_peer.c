@@ -1,5 +1,6 @@
 /* A camera driver and a listener as ROS 2 nodes are on the wire, with an IDL of its own.
- *   ros2_peer send RIG WIDTH HEIGHT HZ SECONDS   RIG/left/image_rect, RIG/right/image_rect, camera_info of both
+ *   ros2_peer send RIG WIDTH HEIGHT HZ SECONDS   RIG/left/image_rect, RIG/right/image_rect, camera_info of both,
+ *     RIG/points: a wall 2 m away, one point behind every 100th pixel of every 100th row
  *   ros2_peer send_text TOPIC SECONDS            a string on a topic, 10 Hz
  *   ros2_peer hear SECONDS SLEEP_S RELIABLE TOPIC=TYPE...
  *     counts messages (TYPE: image, points), how many bytes they had, and those that DDS knows to be lost; sleeps
@@ -71,6 +72,41 @@ static sensor_msgs_msg_dds__CameraInfo_ info_of(uint32_t width, uint32_t height,
   return info;
 }
 
+/* As drivers of lidars have it: x, y, z and intensity. */
+static sensor_msgs_msg_dds__PointCloud2_ wall_of(uint32_t width, uint32_t height) {
+  static char* const names[4] = {"x", "y", "z", "intensity"};
+  static sensor_msgs_msg_dds__PointField_ fields[4];
+  sensor_msgs_msg_dds__PointCloud2_ wall = {0};
+  const uint32_t every = 100, count = (width / every) * (height / every);
+  float* at = malloc(count * 4 * sizeof(float));
+  wall.header.frame_id = "camera";
+  wall.height = 1;
+  wall.width = count;
+  wall.point_step = 4 * sizeof(float);
+  wall.row_step = count * wall.point_step;
+  wall.is_dense = true;
+  wall.data._length = wall.data._maximum = wall.row_step;
+  wall.data._buffer = (uint8_t*)at;
+  for (uint32_t i = 0; i < 4; ++i) {
+    fields[i].name = names[i];
+    fields[i].offset = i * (uint32_t)sizeof(float);
+    fields[i].datatype = 7; /* FLOAT32 */
+    fields[i].count = 1;
+  }
+  wall.fields._length = wall.fields._maximum = 4;
+  wall.fields._buffer = fields;
+  const float f = 1000, z = 2;
+  for (uint32_t v = 0; v < height / every; ++v) {
+    for (uint32_t u = 0; u < width / every; ++u, at += 4) {
+      at[0] = ((float)(u * every) - (float)width / 2) * z / f;
+      at[1] = ((float)(v * every) - (float)height / 2) * z / f;
+      at[2] = z;
+      at[3] = 0.5f;
+    }
+  }
+  return wall;
+}
+
 static int send_rig(dds_entity_t participant, char** argv) {
   const char* rig = argv[0];
   const uint32_t width = (uint32_t)atoi(argv[1]), height = (uint32_t)atoi(argv[2]);
@@ -82,6 +118,9 @@ static int send_rig(dds_entity_t participant, char** argv) {
                                   writer_of(participant, image_type, rig, "/right/image_rect")};
   const dds_entity_t infos[2] = {writer_of(participant, info_type, rig, "/left/camera_info"),
                                  writer_of(participant, info_type, rig, "/right/camera_info")};
+  const dds_entity_t points =
+      writer_of(participant, &sensor_msgs_msg_dds__PointCloud2__desc, rig, "/points");
+  sensor_msgs_msg_dds__PointCloud2_ wall = wall_of(width, height);
   sensor_msgs_msg_dds__Image_ image = {0};
   image.header.frame_id = "camera";
   image.width = width;
@@ -103,6 +142,8 @@ static int send_rig(dds_entity_t participant, char** argv) {
       dds_write(infos[side], &info);
       dds_write(images[side], &image);
     }
+    wall.header.stamp = image.header.stamp;
+    dds_write(points, &wall);
   }
   printf("sent %d\n", frames);
   return 0;

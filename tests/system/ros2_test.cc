@@ -1,83 +1,23 @@
-// The door to ROS 2 between two hosts (network namespaces joined by a cable). On the other side
-// runs ros2_peer, which has an IDL of its own and nothing of ours.
+// sprout-ros2 between two hosts (network namespaces joined by a cable).
 #include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
-#include <map>
-#include <mutex>
 #include <sstream>
 #include <thread>
 
 #include "common/app/stage_monitor.h"
 #include "tests/common/messages/examples.h"
-#include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
+#include "tests/system/ros2_host.h"
 
 namespace sprout {
 namespace {
 
 using testing::HasSubstr;
 using namespace std::chrono_literals;
-
-// How long the streams are, s; 60 by hand: SPROUT_ROS2_SECONDS.
-int Seconds() {
-  const char* const text = std::getenv("SPROUT_ROS2_SECONDS");
-  return text != nullptr ? std::atoi(text) : 4;
-}
-
-bool Shell(const std::string& command) {
-  return std::system((command + " 2> /dev/null").c_str()) == 0;
-}
-
-// Where the peer runs: this one.
-class Host {
- public:
-  virtual ~Host() = default;
-  virtual bool is_there() const { return true; }
-
-  std::unique_ptr<Process> Run(const std::vector<std::string>& arguments) const {
-    std::vector<std::string> command = enter_;
-    command.push_back(SPROUT_ROS2_PEER);
-    command.insert(command.end(), arguments.begin(), arguments.end());
-    return std::make_unique<Process>(command);
-  }
-
- protected:
-  std::vector<std::string> enter_;  // goes before a command that runs there
-};
-
-// Another one, at the other end of a cable.
-class OtherHost : public Host {
- public:
-  OtherHost() : process_({"unshare", "--net", "sleep", "1000"}) {
-    const std::string pid = std::to_string(process_.pid());
-    const auto network = [](const std::string& of) {
-      std::error_code ignored;
-      return std::filesystem::read_symlink("/proc/" + of + "/ns/net", ignored);
-    };
-    for (int i = 0; i < 1000 && network(pid) == network("self"); ++i)
-      std::this_thread::sleep_for(5ms);
-    enter_ = {"nsenter", "--net=/proc/" + pid + "/ns/net"};
-    const std::string inside = enter_[0] + " " + enter_[1] + " ";
-    is_there_ = Shell("ip link add cable type veth peer name cable netns " + pid) &&
-                Shell("ip addr add 10.97.0.1/24 dev cable && ip link set cable up") &&
-                Shell(inside + "ip addr add 10.97.0.2/24 dev cable") &&
-                Shell(inside + "ip link set cable up");
-  }
-  ~OtherHost() override { Shell("ip link del cable"); }
-
-  bool is_there() const override { return is_there_; }
-
- private:
-  Process process_;
-  bool is_there_ = false;
-};
-
-#define REQUIRE_HOST(host) \
-  if (!(host).is_there()) GTEST_SKIP() << "no cable to another host here"
 
 // "TOPIC N messages ..." of what the peer heard.
 long Heard(const std::string& output, const std::string& topic) {
@@ -89,10 +29,6 @@ long Heard(const std::string& output, const std::string& topic) {
     if (words >> name >> count && name == topic) return count;
   }
   return -1;
-}
-
-std::optional<int> End(Process& process) {
-  return process.Wait(std::chrono::seconds(2 * Seconds() + 30));
 }
 
 // CPU time of a process.
@@ -300,107 +236,6 @@ TEST(Ros2System, ReliableTopicsSurviveLostDatagrams) {
   std::cout << "1 % lost: sent " << sent << ", heard " << heard << ", failed "
             << status.frames_failed << "\n";
   EXPECT_GE(heard + status.frames_failed, status.frames_in);
-}
-
-std::vector<std::string> Send(const std::string& rig, int seconds) {
-  return {"send", rig, "1920", "1080", "10", std::to_string(seconds)};
-}
-
-std::vector<std::string> Source() {
-  return {"--source", "ros2:left=/cam/left/image_rect&right=/cam/right/image_rect"};
-}
-
-TEST(Ros2System, TakesPairsOfAnotherHost) {
-  const OtherHost host;
-  REQUIRE_HOST(host);
-  Graph graph;
-  Process& capture = graph.StartOnly("capture", Source());
-  std::this_thread::sleep_for(1s);
-  const auto first = host.Run(Send("/cam", Seconds()));
-  EXPECT_EQ(End(*first), 0);
-  // Gone and back.
-  const auto second = host.Run(Send("/cam", Seconds()));
-  EXPECT_EQ(End(*second), 0);
-  std::this_thread::sleep_for(1500ms);
-  const int sent = 2 * 10 * Seconds();
-  const StageStatus status = graph.statuses["capture"];
-  std::cout << "sent " << sent << " pairs, captured " << status.frames_out << ", failed "
-            << status.frames_failed << "\n";
-  // What came before discovery was over is nobody's.
-  EXPECT_GE(status.frames_out + status.frames_failed, sent - 30) << capture.Output();
-  EXPECT_LE(status.frames_failed, sent / 20) << capture.Output();
-}
-
-TEST(Ros2System, SaysWhatIsWrongOnATopic) {
-  const OtherHost host;
-  REQUIRE_HOST(host);
-  Graph graph;
-  Process& capture = graph.StartOnly("capture", Source());
-  const auto text = host.Run({"send_text", "/cam/left/image_rect", "9"});
-  const auto one = host.Run(Send("/cam", 9));
-  const auto two = host.Run(Send("/cam", 9));
-  const auto says = [&](const std::string& what) {
-    for (int i = 0; i < 100; ++i) {
-      if (capture.Output().find(what) != std::string::npos) return true;
-      std::this_thread::sleep_for(100ms);
-    }
-    return false;
-  };
-  EXPECT_TRUE(says("2 publishers on /cam/left/image_rect; allowed is one")) << capture.Output();
-  one->Signal(SIGKILL);
-  two->Signal(SIGKILL);
-  const auto only_text = host.Run({"send_text", "/cam/left/image_rect", "20"});
-  EXPECT_TRUE(says("no message on /cam/left/image_rect for")) << capture.Output();
-}
-
-// Bytes of every disparity map of a graph, by frame.
-class DisparityListener {
- public:
-  explicit DisparityListener(const std::string& prefix)
-      : receiver_(kDefaultLcmUrl, prefix, {ChannelOf(Part::kDisparity)},
-                  [this](std::string_view, std::span<const uint8_t> bytes) {
-                    const std::lock_guard lock(mutex_);
-                    const Result<FrameId> id = DecodeFrameId(bytes);
-                    if (id) heard_[id->seq].assign(bytes.begin(), bytes.end());
-                  }) {}
-
-  std::map<int64_t, std::vector<uint8_t>> heard() {
-    const std::lock_guard lock(mutex_);
-    return heard_;
-  }
-
- private:
-  std::mutex mutex_;
-  std::map<int64_t, std::vector<uint8_t>> heard_;
-  Receiver receiver_;  // last: stops before the rest is destroyed
-};
-
-std::map<int64_t, std::vector<uint8_t>> DisparitiesOf(const std::string& source,
-                                                      const std::string& prefix) {
-  Graph graph(prefix);
-  DisparityListener listener(prefix);
-  graph.StartChain();
-  graph.Start("capture",
-              {"--source", source, "--lockstep", "1", "--wait-for", "refine,prior,grow"});
-  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
-    return g.parts.contains({Part::kDisparity, 4});
-  })) << graph.process("capture").Output();
-  std::this_thread::sleep_for(100ms);
-  return listener.heard();
-}
-
-TEST(Ros2System, AnExportGivesTheDisparitiesOfItsLog) {
-  const TemporaryDirectory folder;
-  const std::string log = std::string(SPROUT_SOURCE_DIR) + "/logs/sample.lcm";
-  Process exporting({ProgramPath("sprout-log"), "export", "--mcap", folder / "out.mcap", log});
-  ASSERT_EQ(exporting.Wait(), 0) << exporting.Output();
-  const auto of_log = DisparitiesOf("log:" + log, "LOG_");
-  const auto of_export = DisparitiesOf("mcap:" + std::string(folder / "out.mcap") +
-                                           "?left=/sprout/left/image_rect&right=/sprout/right/"
-                                           "image_rect&depth=/sprout/tof/image_raw",
-                                       "MCAP_");
-  EXPECT_EQ(of_log.size(), 5U);
-  EXPECT_EQ(of_export, of_log);
 }
 
 }  // namespace
