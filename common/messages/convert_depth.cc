@@ -103,13 +103,13 @@ Result<PointCloud> FromMessage(const point_cloud_t& message) {
   }
   if (!checks.ok()) return checks.error();
   PointCloud cloud;
-  cloud.points.reserve(count);
+  cloud.points.resize(count);
   for (size_t i = 0; i < count; ++i) {
-    cloud.points.push_back({.position_m = {message.x[i], message.y[i], message.z[i]},
-                            .bgr = {message.blue[i], message.green[i], message.red[i]},
-                            .confidence = message.confidence[i]});
-    const cv::Point3f& position = cloud.points.back().position_m;
+    const cv::Point3f position(message.x[i], message.y[i], message.z[i]);
     if (!IsPossible(position)) return NoPoint(position, i);
+    cloud.points[i] = {.position_m = position,
+                       .bgr = {message.blue[i], message.green[i], message.red[i]},
+                       .confidence = message.confidence[i]};
   }
   return cloud;
 }

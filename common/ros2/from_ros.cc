@@ -239,6 +239,7 @@ Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros) {
   if (!checks.ok()) return checks.error();
   const bool swap = ros.is_bigendian != kIsBigEndian;
   std::vector<Eigen::Vector3d> points;
+  if (count == 0) return points;  // its rows, which take no bytes, may be 4 billion
   points.reserve(count);
   for (uint32_t v = 0; v < ros.height; ++v) {
     const uint8_t* at = ros.data._buffer + size_t{v} * ros.row_step;

@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "common/messages/jpeg.h"
 #include "common/ros2/frame_topics.h"
@@ -183,6 +185,16 @@ TEST(FromRos, PointsOfAnyLayout) {
   cloud->row_step = 50;
   fields[0].offset = 19;
   EXPECT_THAT(ErrorOf(FromRosCloud(*cloud)), HasSubstr("fields x, y and z of FLOAT32"));
+}
+
+TEST(FromRos, ACloudOfEmptyRowsTakesNoTime) {
+  auto cloud = ToRosCloud(Place(), PointCloud{});
+  cloud->height = std::numeric_limits<uint32_t>::max();
+  const auto begun = std::chrono::steady_clock::now();
+  const auto points = FromRosCloud(*cloud);
+  ASSERT_TRUE(points) << ErrorOf(points);
+  EXPECT_TRUE(points->empty());
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(100));
 }
 
 TEST(ToRos, PointsHavePlaceColourAndConfidence) {
