@@ -77,15 +77,23 @@ TEST(Ros2System, TakesAScanOfAnotherHost) {
   const auto scanner = host.Run(Send("/cam", Seconds() + 2));
   EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return g.parts.size() >= 10; })) << capture.Output();
   EXPECT_EQ(End(*scanner), 0);
-  graph.WaitUntil([](Graph& g) {
+  std::vector<cv::Mat1f> scans;
+  size_t frames = 0;
+  graph.WaitUntil([&](Graph& g) {
+    frames = g.parts.size();
     for (const auto& [key, part] : g.parts) {
+      // A pair goes on without its scan when that comes late.
       const cv::Mat1f& depth_m = std::get<TofImage>(part).depth_m;
-      EXPECT_EQ(depth_m.size(), cv::Size(1920, 1080));
-      EXPECT_EQ(cv::countNonZero(depth_m > 0), 19 * 10);
-      for (int v = 0; v < 1000; v += 100) EXPECT_FLOAT_EQ(depth_m(v, 1800), 2) << v;
+      if (!depth_m.empty()) scans.push_back(depth_m);
     }
     return true;
   });
+  EXPECT_GE(scans.size(), frames / 2);
+  for (const cv::Mat1f& depth_m : scans) {
+    ASSERT_EQ(depth_m.size(), cv::Size(1920, 1080));
+    EXPECT_EQ(cv::countNonZero(depth_m > 0), 19 * 10);
+    for (int v = 0; v < 1000; v += 100) EXPECT_FLOAT_EQ(depth_m(v, 1800), 2) << v;
+  }
 }
 
 // Bytes of every disparity map of a graph, by frame.
