@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/core/disparity_image.h"
+#include "common/core/prior_map.h"
 #include "services/grow/confidence_model.h"
 
 // What the confidence is computed from, in whole numbers: the same bytes on every CPU. All of it is

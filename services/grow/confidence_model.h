@@ -35,10 +35,10 @@ struct ConfidenceTables {
   std::array<uint8_t, 256> sigma;       ///< of log₂ from 0 on
 
   uint8_t ConfidenceOf(uint32_t sum) const {
-    return confidence[std::min<uint32_t>(sum >> 20, confidence.size() - 1)];
+    return confidence[std::min<size_t>(sum >> 20, confidence.size() - 1)];
   }
   uint8_t SigmaOf(uint32_t sum) const {
-    return sigma[std::min<uint32_t>((sum & 0xffff) >> 4, sigma.size() - 1)];
+    return sigma[std::min<size_t>((sum & 0xffff) >> 4, sigma.size() - 1)];
   }
 };
 
