@@ -93,7 +93,7 @@ TEST(ConfidenceModel, IsRefusedWithOneLineThatNamesWhatIsWrong) {
               HasSubstr("model: STEP.doubt: 2 values; allowed: 17"));
   EXPECT_THAT(ComplaintAbout(ModelText(CurveText("STEP", kFalling))),
               HasSubstr("model: STEP.doubt: 15 after 16; allowed: values that never fall"));
-  EXPECT_THAT(ComplaintAbout(ModelText(CurveText("STEP", kRising.substr(0, 38) + ",7001"))),
+  EXPECT_THAT(ComplaintAbout(ModelText(CurveText("STEP", kRising.substr(0, 37) + ",7001"))),
               HasSubstr("model: STEP.doubt: 7001; allowed: 0 to 7000"));
   EXPECT_THAT(ComplaintAbout("doubt: 5000"), HasSubstr("model.doubt = 5000: out of range"));
   EXPECT_THAT(ComplaintAbout("nonsense"), HasSubstr("model:1:"));

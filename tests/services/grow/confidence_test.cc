@@ -36,14 +36,14 @@ std::vector<Seed> Grid() {
 }
 
 // A surface at 4 px, in front of it from column 40 on another at 10 px.
-struct TwoSurfaces {
+struct JudgedScene {
   cv::Mat1b left = TexturedImage();
   cv::Mat1b right = cv::Mat1b(kSize, uint8_t{0});
   DisparityImage map{kSize};
-  cv::Mat1b sigma_prior = cv::Mat1b(kSize, uint8_t{6});
+  cv::Mat1b sigma_prior = cv::Mat1b(kSize, uint8_t{60});
   std::vector<Seed> seeds = Grid();
 
-  TwoSurfaces() {
+  JudgedScene() {
     map.counts().colRange(0, 40) = ToCounts(4);
     map.counts().colRange(40, 80) = ToCounts(10);
     for (int v = 0; v < kSize.height; ++v) {
@@ -66,24 +66,25 @@ void ExpectLessSure(const ConfidenceEstimator::Judgement& before,
 }
 
 TEST(Confidence, RisesWithTheDistanceFromDepthEdges) {
-  const auto judged = TwoSurfaces().Judge();
+  const auto judged = JudgedScene().Judge();
   EXPECT_LT(judged.confidence(30, 40), judged.confidence(30, 70));
   for (int u = 46; u < 64; ++u) {
     EXPECT_LE(judged.confidence(30, u), judged.confidence(30, u + 1)) << u;
     EXPECT_GE(judged.sigma(30, u), judged.sigma(30, u + 1)) << u;
   }
-  EXPECT_GT(judged.confidence(30, 70), 240);
+  EXPECT_GT(judged.confidence(30, 70), 200);
 }
 
 TEST(Confidence, IsLowerWhereTheImagesDoNotFit) {
-  TwoSurfaces scene;
+  JudgedScene scene;
   const auto fits = scene.Judge();
   scene.right(cv::Rect(50, 20, 20, 20)) = 0;
   ExpectLessSure(fits, scene.Judge(), {70, 30});
 }
 
 TEST(Confidence, IsLowerInHolesBetweenTheSeeds) {
-  TwoSurfaces scene;
+  JudgedScene scene;
+  scene.right = uint8_t{128};  // nothing there that fits
   const auto without = scene.Judge();
   scene.seeds.push_back({.u = -7, .v = 1e9, .u_right = 0});  // not in the image
   EXPECT_EQ(cv::countNonZero(scene.Judge().confidence != without.confidence), 0);
@@ -95,16 +96,19 @@ TEST(Confidence, IsLowerInHolesBetweenTheSeeds) {
 }
 
 TEST(Confidence, IsLowerWhereThePriorIsLessSure) {
-  TwoSurfaces scene;
+  JudgedScene scene;
   scene.sigma_prior = uint8_t{4};
-  auto before = scene.Judge();
+  const auto surest = scene.Judge();
+  auto before = surest;
   for (const int counts : {16, 64, 255}) {
     scene.sigma_prior = static_cast<uint8_t>(counts);
     auto after = scene.Judge();
     EXPECT_LE(after.confidence(30, 70), before.confidence(30, 70));
-    EXPECT_GT(after.sigma(30, 70), before.sigma(30, 70));
-    before = std::move(after);
+    EXPECT_GE(after.sigma(30, 70), before.sigma(30, 70));
+    before = {after.confidence.clone(), after.sigma.clone()};
   }
+  ExpectLessSure(surest, before, {70, 30});
+  EXPECT_GT(before.sigma(30, 70), surest.sigma(30, 70));
   scene.sigma_prior = cv::Mat1b();  // not known: as 255
   const auto unknown = scene.Judge();
   EXPECT_EQ(cv::countNonZero(unknown.confidence != before.confidence), 0);
@@ -112,12 +116,14 @@ TEST(Confidence, IsLowerWhereThePriorIsLessSure) {
 }
 
 TEST(Confidence, IsNothingWithoutADisparity) {
-  TwoSurfaces scene;
+  JudgedScene scene;
   scene.map.counts()(cv::Rect(11, 11, 5, 5)) = DisparityImage::kInvalid;
   const auto judged = scene.Judge();
   const cv::Mat none = scene.map.counts() == DisparityImage::kInvalid;
-  EXPECT_EQ(cv::countNonZero((judged.confidence == 0) != none), 0);
-  EXPECT_EQ(cv::countNonZero((judged.sigma == kMaxSigmaCounts) != none), 0);
+  EXPECT_EQ(cv::countNonZero((judged.confidence == 0) & none), cv::countNonZero(none));
+  EXPECT_GT(judged.confidence(30, 70), 0);
+  EXPECT_EQ(cv::countNonZero((judged.sigma == kMaxSigmaCounts) & none), cv::countNonZero(none));
+  EXPECT_LT(judged.sigma(30, 70), kMaxSigmaCounts);
 }
 
 // Surfaces with edges and gaps, some of their disparities out of the image or below zero.
