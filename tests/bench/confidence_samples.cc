@@ -32,7 +32,7 @@ void PrintScene(const std::string& row, const Scene& scene, const ChainSettings&
     const int v = below(map.height());
     const float truth = scene.frame.truth.left(v, u);
     // Beside a point of a scan its truth is the point itself.
-    const bool is_test = !IsKitti(scene.name) || scene.away(v, u) != 0;
+    const bool is_test = !scene.truth_is_scan || scene.away(v, u) != 0;
     if (!std::isfinite(truth) || !map.IsValid(u, v) || !is_test) continue;
     ++found;
     std::cout << row << '\t' << scene.name << '\t' << map.Px(u, v) - truth << '\t'
