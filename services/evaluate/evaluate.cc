@@ -25,7 +25,9 @@ StageTimes Medians(const std::vector<StageTimes>& runs) {
 
 cv::Mat1b TestPixels(const Scene& scene) {
   if (!scene.truth_is_scan) return scene.nonoccluded;
-  return scene.nonoccluded & scene.away;
+  cv::Mat1b both;
+  cv::bitwise_and(scene.nonoccluded, scene.away, both);
+  return both;
 }
 
 MethodResult EvaluateMethod(const Scene& scene, const Method& method, const ChainSettings& settings,
