@@ -7,7 +7,7 @@
 
 namespace sprout {
 
-/// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS PRIOR [UNFILLED] DISPARITY [CONFIDENCE]: what refine,
+/// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS PRIOR [UNFILLED] DISPARITY [CONFIDENCE SIGMA]: what refine,
 /// prior and grow answer with the same configuration, to the byte.
 class PipelineAdapter : public StageAdapter {
  public:
