@@ -49,7 +49,7 @@ TEST(Calibrate, LeavesOutWhatClaimsNothing) {
   map.rowRange(0, 50) = std::nanf("");
   const cv::Mat1b sure(kSide, kSide, uint8_t{255});
   EXPECT_NEAR(Calibrate(map, kTruth, kEverywhere, sure, sure).bad1_percent, 0, 1e-9);
-  const Calibration none = Calibrate(map, kTruth, kEverywhere * 0, sure, sure);
+  const Calibration none = Calibrate(map, kTruth, cv::Mat1b(kSide, kSide, uint8_t{0}), sure, sure);
   EXPECT_TRUE(std::isnan(none.claimed_percent));
   EXPECT_TRUE(std::isnan(none.error_points));
 }
