@@ -40,7 +40,7 @@ class ConfidenceEstimator {
   };
 
   /// @returns both for each pixel of the left image: one value for each cell of 2×2 pixels.
-  ///          O(pixels), 2 ns each on one core; on OpenCV's threads with the same bytes for any
+  ///          O(pixels), 3 ns each on one core; on OpenCV's threads with the same bytes for any
   ///          number. Keeps 4 bytes a pixel from frame to frame, so one object serves one caller at
   ///          a time.
   Judgement Compute(const JudgedFrame& frame);
