@@ -53,7 +53,8 @@ class PartSet {
   std::bitset<kPartCount> bits_;
 };
 
-/// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for confidence and sigma.
+/// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for confidence and
+/// sigma.
 using PartValue =
     std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap, DepthImage, PointCloud>;
 

@@ -31,8 +31,7 @@ void FillBins(const std::array<Level, 256>& levels, double all, Calibration& res
       room -= taken;
     }
     bin = {.claimed_percent = 100 * claimed / size, .bad1_percent = 100 * bad / size};
-    result.error_points +=
-        std::abs(bin.claimed_percent - bin.bad1_percent) / Calibration::kBins;
+    result.error_points += std::abs(bin.claimed_percent - bin.bad1_percent) / Calibration::kBins;
   }
 }
 

@@ -17,9 +17,9 @@ namespace sprout::grow {
 struct JudgedFrame {
   const cv::Mat1b& left;  ///< rectified pair, grey, of the map's size
   const cv::Mat1b& right;
-  std::span<const Seed> seeds;    ///< that growth started from
-  const cv::Mat1b& sigma_prior;   ///< PriorMap::sigma, of the map's size; empty: not known
-  const DisparityImage& filled;   ///< the map after gap filling, which is judged
+  std::span<const Seed> seeds;   ///< that growth started from
+  const cv::Mat1b& sigma_prior;  ///< PriorMap::sigma, of the map's size; empty: not known
+  const DisparityImage& filled;  ///< the map after gap filling, which is judged
 };
 
 /// How wrong a map's disparities are. At each pixel the error is a mixture,

@@ -129,12 +129,11 @@ void CensusOfRow(const cv::Mat1b& image, int v, uint8_t* HWY_RESTRICT census) {
   const uint8_t* HWY_RESTRICT below = image[v + 1];
   for (int u = 1; u < image.cols - 1; ++u) {
     const uint8_t centre = row[u];
-    const auto bit = [&](uint8_t other, int place) HWY_ATTR {
-      return static_cast<uint8_t>(other < centre ? 1 << place : 0);
-    };
-    census[u] = static_cast<uint8_t>(bit(above[u - 1], 0) | bit(above[u], 1) | bit(above[u + 1], 2) |
-                                     bit(row[u - 1], 3) | bit(row[u + 1], 4) |
-                                     bit(below[u - 1], 5) | bit(below[u], 6) | bit(below[u + 1], 7));
+    const auto bit = [&](uint8_t other, int place)
+                         HWY_ATTR { return static_cast<uint8_t>(other < centre ? 1 << place : 0); };
+    census[u] = static_cast<uint8_t>(
+        bit(above[u - 1], 0) | bit(above[u], 1) | bit(above[u + 1], 2) | bit(row[u - 1], 3) |
+        bit(row[u + 1], 4) | bit(below[u - 1], 5) | bit(below[u], 6) | bit(below[u + 1], 7));
   }
 }
 
@@ -177,13 +176,13 @@ class CellMatcher {
       const int off = difference[x - 1] + difference[x] + difference[x + 1];
       const int all = energy[x - 1] + energy[x] + energy[x + 1];
       misfits[x] = ToByte(255 + LevelOf(off + 1) - LevelOf(all + 1));
-      margins[x] = ToByte(128 - margin[x - 2] - margin[x - 1] - margin[x] - margin[x + 1] -
-                          margin[x + 2]);
+      margins[x] =
+          ToByte(128 - margin[x - 2] - margin[x - 1] - margin[x] - margin[x + 1] - margin[x + 2]);
     }
   }
 
  private:
-  static constexpr int kRadius = 2;       // of the margin's window
+  static constexpr int kRadius = 2;        // of the margin's window
   static constexpr int kReach = 1024 + 8;  // as far as a disparity leads, and a census word
   using Rows = std::array<Ints, 2 * kRadius + 1>;
 

@@ -59,8 +59,8 @@ bool Falls(Curve::Feature feature) { return feature == Curve::EDGE; }
 
 void Check(const Curve& curve, const Values& values, const std::string& what) {
   if (values.size() != kKnots) {
-    throw ConfigError(what + ": " + std::to_string(values.size()) + " values; allowed: " +
-                      std::to_string(kKnots));
+    throw ConfigError(what + ": " + std::to_string(values.size()) +
+                      " values; allowed: " + std::to_string(kKnots));
   }
   for (int i = 0; i < kKnots; ++i) {
     if (values[i] < 0 || values[i] > kMost) {
@@ -102,9 +102,8 @@ ConfidenceTables ParseConfidenceModel(const std::string& text, const std::string
   ParseText(text, name, model);
   RequireInRange(model, name);
   ConfidenceTables tables{};
-  tables.start =
-      static_cast<uint32_t>(model.doubt() - ConfidenceTables::kLeastOdds * 256) << 16 |
-      static_cast<uint32_t>(model.spread());
+  tables.start = static_cast<uint32_t>(model.doubt() - ConfidenceTables::kLeastOdds * 256) << 16 |
+                 static_cast<uint32_t>(model.spread());
   std::set<int> known;
   for (const Curve& curve : model.curve()) {
     const std::string what = name + ": " + Curve::Feature_Name(curve.feature());

@@ -16,8 +16,7 @@ namespace sprout::grow {
 /// EPC or gaps take its disparities, the others when the configuration asks for them.
 class GrowAdapter : public StageAdapter {
  public:
-  explicit GrowAdapter(const GrowConfig& config)
-      : config_(config), grower_(config) {}
+  explicit GrowAdapter(const GrowConfig& config) : config_(config), grower_(config) {}
 
   PartSet Inputs() const override { return InputsOf(config_); }
 

@@ -38,7 +38,8 @@ cv::Mat1f TakeDepth(const std::string& name, const py::handle& array, std::optio
 cv::Mat1f TakeFloats(const std::string& name, const py::handle& array,
                      std::optional<cv::Size> size);
 
-/// Standard deviations in px as TakeFloats() takes them, to counts of 1/16 px; NaN: kMaxSigmaCounts.
+/// Standard deviations in px as TakeFloats() takes them, to counts of 1/16 px; NaN:
+/// kMaxSigmaCounts.
 cv::Mat1b TakeSigmas(const std::string& name, const py::handle& array,
                      std::optional<cv::Size> size);
 

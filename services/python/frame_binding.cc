@@ -313,7 +313,8 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "Optional[numpy.ndarray]: (H, W) float32, px, multiples of 1/32; NaN: none.")
       .def_property_readonly(
           "confidence", [](const PyFrame& f) { return ToArray(f.frame.confidence); },
-          "Optional[numpy.ndarray]: (H, W) uint8, 255 times the probability that the disparity is within "
+          "Optional[numpy.ndarray]: (H, W) uint8, 255 times the probability that the disparity is "
+          "within "
           "1 px of the true one.")
       .def_property_readonly(
           "sigma_px", [](const PyFrame& f) { return SigmaArray(f.frame.sigma); },

@@ -1,6 +1,6 @@
 // Features and errors of sampled pixels of the whole chain, for scripts/tune_confidence:
-// sprout_confidence_samples ROW TOF NOISE_PX SCENE... prints a line for each: row, scene, error in px,
-// whether both cameras see it, then the features in the order of ConfidenceModel.
+// sprout_confidence_samples ROW TOF NOISE_PX SCENE... prints a line for each: row, scene, error in
+// px, whether both cameras see it, then the features in the order of ConfidenceModel.
 #include <cmath>
 #include <iostream>
 #include <random>
@@ -25,7 +25,9 @@ void PrintScene(const std::string& row, const Scene& scene, const ChainSettings&
       {scene.left_grey, scene.right_grey, frame.seeds->seeds, frame.prior->sigma, map});
   const grow::ConfidenceFeatures& features = estimator.features();
   std::mt19937 random(1);
-  const auto below = [&](int end) { return static_cast<int>(random() % static_cast<unsigned>(end)); };
+  const auto below = [&](int end) {
+    return static_cast<int>(random() % static_cast<unsigned>(end));
+  };
   int found = 0;
   for (int i = 0; i < 20 * kSamples && found < kSamples; ++i) {
     const int u = below(map.width());
@@ -38,8 +40,8 @@ void PrintScene(const std::string& row, const Scene& scene, const ChainSettings&
     std::cout << row << '\t' << scene.name << '\t' << map.Px(u, v) - truth << '\t'
               << (scene.nonoccluded(v, u) != 0);
     const cv::Point cell(u / grow::kCellPx, v / grow::kCellPx);
-    for (const cv::Mat1b* plane : {&features.step, &features.bend, &features.misfit,
-                                   &features.margin, &features.edge}) {
+    for (const cv::Mat1b* plane :
+         {&features.step, &features.bend, &features.misfit, &features.margin, &features.edge}) {
       std::cout << '\t' << int{(*plane)(cell)};
     }
     const cv::Point block(u / grow::kBlockPx, v / grow::kBlockPx);

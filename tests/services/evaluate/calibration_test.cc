@@ -22,8 +22,7 @@ const cv::Mat1b kEverywhere(kSide, kSide, uint8_t{255});
 TEST(Calibrate, IsPerfectWhereTheClaimIsTheRate) {
   const cv::Mat1b confidence(kSide, kSide, uint8_t{204});  // p = 0.2
   const cv::Mat1b sigma(kSide, kSide, uint8_t{8});         // 0.5 px
-  const Calibration result =
-      Calibrate(MapWithBadRows(20), kTruth, kEverywhere, confidence, sigma);
+  const Calibration result = Calibrate(MapWithBadRows(20), kTruth, kEverywhere, confidence, sigma);
   EXPECT_NEAR(result.claimed_percent, 20, 1e-9);
   EXPECT_NEAR(result.bad1_percent, 20, 1e-9);
   EXPECT_NEAR(result.error_points, 0, 1e-9);

@@ -53,15 +53,15 @@ TEST(LevelOf, IsSixteenTimesTheLogarithmRoundedDown) {
 TEST(ConfidenceModel, TheOneThatShipsLoadsAndNoCurveHasTheWrongSign) {
   const ConfidenceTables tables =
       ParseConfidenceModel(kConfidenceModelText, "confidence_model.textproto");
-  for (const auto* table : {&tables.step, &tables.bend, &tables.misfit, &tables.margin,
-                            &tables.prior}) {
+  for (const auto* table :
+       {&tables.step, &tables.bend, &tables.misfit, &tables.margin, &tables.prior}) {
     for (size_t i = 1; i < table->size(); ++i) {
       ASSERT_LE((*table)[i - 1] >> 16, (*table)[i] >> 16);
       ASSERT_LE((*table)[i - 1] & 0xffff, (*table)[i] & 0xffff);
     }
   }
   for (size_t i = 1; i < 256; ++i) {
-    ASSERT_LE(tables.edge[i - 1] >> 16, tables.edge[i] >> 16);          // nearer
+    ASSERT_LE(tables.edge[i - 1] >> 16, tables.edge[i] >> 16);  // nearer
     ASSERT_GE(tables.tof_seed[i - 1] >> 16, tables.tof_seed[i] >> 16);
     ASSERT_GE(tables.seed[i - 1] & 0xffff, tables.seed[i] & 0xffff);
   }
