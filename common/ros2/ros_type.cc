@@ -212,7 +212,8 @@ std::string RosSchema(const RosType& type) {
   AddUsed(type, used);
   std::string text(type.text);
   for (const RosType* one : used) {
-    text += std::string(80, '=') + "\nMSG: " + ShortName(one->name) + "\n" + std::string(one->text);
+    text.append(80, '=').append("\nMSG: ").append(ShortName(one->name)).append("\n");
+    text += one->text;
   }
   return text;
 }

@@ -25,7 +25,9 @@ ChainReport Chain::Run(Frame& frame, ChainObserver& observer, ChainStep last) {
   frame.left_grey = ToGrey(frame.left, left_grey_);  // once for all stages
   frame.right_grey = ToGrey(frame.right, right_grey_);
   ChainReport report = RunInGrey(frame, observer, last);
-  frame.left_grey = frame.right_grey = {};  // the memory is the chain's
+  // The memory is the chain's, or the caller's: "= {}" would fill it with zeros.
+  frame.left_grey.release();
+  frame.right_grey.release();
   return report;
 }
 

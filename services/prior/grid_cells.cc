@@ -167,7 +167,7 @@ bool PointsByCell::IsEmpty(const Circle& circle, const Corners& corners) const {
 
 GridCells::GridCells(std::span<const GridPoint> points) : points_(points) {
   FindColumnsAndRows();
-  if (columns_ < 2 || rows_ < 2) return;
+  if (columns_ == 0) return;
   point_at_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), kNone);
   for (size_t i = 0; i < points.size(); ++i) {
     if (points[i].tof_u < 0 || points[i].tof_v < 0) continue;
@@ -194,9 +194,11 @@ void GridCells::FindColumnsAndRows() {
     columns_ = std::max(columns_, point.tof_u + 1);
     rows_ = std::max(rows_, point.tof_v + 1);
   }
-  // A ToF image of which so little is left has no intact cells, and its size may be made up.
+  // A ToF image of which so little is left has no intact cells, and its size may be made up. One
+  // row or column has no cells at all.
   constexpr size_t kLeastShare = 8;
-  if (kLeastShare * known < static_cast<size_t>(columns_) * static_cast<size_t>(rows_)) {
+  if (columns_ < 2 || rows_ < 2 ||
+      kLeastShare * known < static_cast<size_t>(columns_) * static_cast<size_t>(rows_)) {
     columns_ = rows_ = 0;
   }
 }

@@ -133,8 +133,8 @@ int Run(const std::string& preset, const std::string& hosting, const std::string
   while (last[answering].newest_frame.seq < frames - 1 && Clock::now() < deadline) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     last = watch.Newest();
-    for (const auto& [stage, status] : last) {
-      cpu_ms[stage] = std::max(cpu_ms[stage], CpuMs(status.pid));
+    for (const auto& [stage, process] : processes) {  // sprout-pipeline tells its steps' states, too
+      cpu_ms[stage] = std::max(cpu_ms[stage], CpuMs(last[stage].pid));
     }
     // The last frame itself may be the one that was lost.
     if (last["capture"].state == StageStatus::State::kStopped) {

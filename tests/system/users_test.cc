@@ -142,7 +142,7 @@ TEST_F(SilenceSystem, TellsBothOfTwoProcessesOfOneStage) {
 
 TEST_F(SilenceSystem, CaptureSaysThatItCannotKeepItsRate) {
   Process& capture = graph_.StartOnly(
-      "capture", {"--source", "synthetic:1280x960", "--rate", "100", "--frames", "20"});
+      "capture", {"--source", "synthetic:1280x960", "--rate", "100", "--frames", "60"});
   EXPECT_EQ(capture.Wait(std::chrono::seconds(60)), 0);
   EXPECT_THAT(capture.Output(), HasSubstr("the rate of 100 Hz is not reached"));
 }

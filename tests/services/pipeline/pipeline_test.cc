@@ -82,6 +82,16 @@ TEST(Pipeline, GivesTheSameBytesForAnyNumberOfThreadsAndWhateverCameBefore) {
   EXPECT_TRUE(SameBytes(kept, once.depth_m)) << "a result changed after it was given out";
 }
 
+TEST(Pipeline, LeavesTheImagesOfTheCallerAsTheyAre) {
+  const evaluate::Scene scene = evaluate::SmallScene();
+  const cv::Mat left = scene.left_grey.clone(), right = scene.right_grey.clone();
+  Pipeline pipeline(LoadConfig({"default"}));
+  const auto result = pipeline.Compute(left, right, scene.frame.tof, scene.projector.rig());
+  ASSERT_TRUE(result.has_value());
+  EXPECT_TRUE(SameBytes(left, scene.left_grey));
+  EXPECT_TRUE(SameBytes(right, scene.right_grey));
+}
+
 TEST(Pipeline, GivesDepthInMetresAndNaNWhereThereIsNone) {
   const evaluate::Scene scene = evaluate::SmallScene();
   SproutConfig config = LoadConfig({"default"});

@@ -210,6 +210,20 @@ TEST(GridCells, KnowTheTrianglesWhereTheGridIsIntact) {
   EXPECT_LE(inside, 38 * 28 - 9);  // that one and those around it
 }
 
+TEST(GridCells, HasNoneInOneRowOrColumnOfTheTofImage) {
+  for (const bool in_a_row : {false, true}) {
+    std::vector<Seed> seeds = Grid(6, 5);
+    for (size_t i = 0; i < seeds.size(); ++i) {
+      seeds[i].tof_u = static_cast<int16_t>(in_a_row ? i : 0);
+      seeds[i].tof_v = static_cast<int16_t>(in_a_row ? 0 : i);
+    }
+    std::vector<Seed> unknown = seeds;
+    for (Seed& seed : unknown) seed.tof_u = seed.tof_v = -1;
+    EXPECT_EQ(Triangulate(seeds).triangles.size(), 2u * 5 * 4);
+    EXPECT_EQ(Triangulate(seeds).triangles, Triangulate(unknown).triangles);
+  }
+}
+
 TEST(Rings, GoFromNeighboursToTheirNeighbours) {
   const Triangulation grid = Triangulate(Grid(9, 9));
   Rings rings(grid);
