@@ -152,6 +152,7 @@ void RequireInRange(const Message& config, const std::string& prefix) {
   const Reflection& reflection = *config.GetReflection();
   for (int i = 0; i < config.GetDescriptor()->field_count(); ++i) {
     const FieldDescriptor& field = *config.GetDescriptor()->field(i);
+    if (field.is_repeated()) continue;  // a list has no range
     const std::string key = prefix.empty() ? field.name() : prefix + "." + field.name();
     if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
       RequireInRange(reflection.GetMessage(config, &field), key);

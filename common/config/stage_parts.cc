@@ -30,7 +30,10 @@ PartSet InputsOf(const GrowConfig& config) {
 PartSet OutputsOf(const GrowConfig& config) {
   PartSet outputs{Part::kDisparity};
   if (config.publish_unfilled()) outputs.Add(Part::kUnfilled);
-  if (config.publish_confidence()) outputs.Add(Part::kConfidence);
+  if (config.publish_confidence()) {
+    outputs.Add(Part::kConfidence);
+    outputs.Add(Part::kSigma);
+  }
   return outputs;
 }
 

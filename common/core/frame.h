@@ -31,7 +31,8 @@ enum class Part {
   kPrior,       ///< prior disparity map D_p and its standard deviation
   kUnfilled,    ///< disparity map after growth, before gap filling
   kDisparity,   ///< final disparity map
-  kConfidence,  ///< how far its disparities can be trusted
+  kConfidence,  ///< the probability that a disparity is within 1 px of the true one
+  kSigma,       ///< standard deviation of the final disparities
   kDepth,       ///< depth of the left image, with its intrinsics
   kCloud,       ///< its points
 };
@@ -52,7 +53,8 @@ class PartSet {
   std::bitset<kPartCount> bits_;
 };
 
-/// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for the confidence.
+/// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for confidence and
+/// sigma.
 using PartValue =
     std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap, DepthImage, PointCloud>;
 
@@ -69,7 +71,9 @@ struct Frame {
   std::optional<PriorMap> prior;
   std::optional<DisparityImage> unfilled;
   std::optional<DisparityImage> disparity;
-  cv::Mat confidence;  ///< 8UC1
+  cv::Mat confidence;  ///< 8UC1, 255 · probability; 0 where there is no disparity
+  /// 8UC1, counts of 1/16 px (SigmaToPx()); kMaxSigmaCounts where there is no disparity.
+  cv::Mat sigma;
   std::optional<DepthImage> depth;
   std::optional<PointCloud> cloud;
 
@@ -113,6 +117,7 @@ inline constexpr PartRow kPartTable[] = {
     {Part::kUnfilled, "SPROUT_UNFILLED", &Frame::unfilled},
     {Part::kDisparity, "SPROUT_DISPARITY", &Frame::disparity},
     {Part::kConfidence, "SPROUT_CONFIDENCE", &Frame::confidence},
+    {Part::kSigma, "SPROUT_SIGMA", &Frame::sigma},
     {Part::kDepth, "SPROUT_DEPTH", &Frame::depth},
     {Part::kCloud, "SPROUT_CLOUD", &Frame::cloud},
 };

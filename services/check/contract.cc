@@ -115,14 +115,14 @@ StageContract ContractOf(const std::string& stage) {
             .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds,
                        Part::kLeftSeeds, Part::kPrior},
             .answer = Part::kDisparity,
-            .may_publish = {Part::kUnfilled, Part::kConfidence}};
+            .may_publish = {Part::kUnfilled, Part::kConfidence, Part::kSigma}};
   }
   if (stage == "pipeline") {
     return {.stage = stage,
             .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof},
             .answer = Part::kDisparity,
             .may_publish = {Part::kSeeds, Part::kLeftSeeds, Part::kPrior, Part::kUnfilled,
-                            Part::kConfidence}};
+                            Part::kConfidence, Part::kSigma}};
   }
   throw ConfigError("STAGE '" + stage + "': allowed are capture, refine, prior, grow and pipeline");
 }

@@ -75,6 +75,7 @@ MethodOutput RunChain(const Scene& scene, const ChainSettings& settings, Frame f
   RunSteps(scene, settings, ChainStep::kFinish, frame, output.ms);
   output.map_px = ToPx(*frame.disparity);
   output.confidence = frame.confidence;
+  output.sigma = frame.sigma;
   return output;
 }
 

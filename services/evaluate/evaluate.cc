@@ -23,6 +23,13 @@ StageTimes Medians(const std::vector<StageTimes>& runs) {
   return median;
 }
 
+cv::Mat1b TestPixels(const Scene& scene) {
+  if (!scene.truth_is_scan) return scene.nonoccluded;
+  cv::Mat1b both;
+  cv::bitwise_and(scene.nonoccluded, scene.away, both);
+  return both;
+}
+
 MethodResult EvaluateMethod(const Scene& scene, const Method& method, const ChainSettings& settings,
                             int repeat) {
   MethodOutput output;
@@ -34,14 +41,18 @@ MethodResult EvaluateMethod(const Scene& scene, const Method& method, const Chai
   const cv::Mat1f& truth = scene.frame.truth.left;
   const cv::Mat1b everywhere(scene.size(), uchar{255});
   std::optional<Sparsification> confidence;
+  std::optional<Calibration> calibration;
   if (!output.confidence.empty()) {
-    confidence = Sparsify(output.map_px, truth, scene.nonoccluded, output.confidence);
+    const cv::Mat1b scored = TestPixels(scene);
+    confidence = Sparsify(output.map_px, truth, scored, output.confidence);
+    calibration = Calibrate(output.map_px, truth, scored, output.confidence, output.sigma);
   }
   return {.name = method.name,
           .nonoccluded = Score(output.map_px, truth, scene.nonoccluded).value(),
           .all = Score(output.map_px, truth, everywhere).value(),
           .away = Score(output.map_px, truth, scene.away).value(),
           .confidence = confidence,
+          .calibration = calibration,
           .ms = Medians(runs),
           .map_px = output.map_px};
 }

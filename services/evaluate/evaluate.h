@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/quality/score.h"
+#include "services/evaluate/calibration.h"
 #include "services/evaluate/methods.h"
 #include "services/evaluate/seed_quality.h"
 #include "services/evaluate/sparsification.h"
@@ -19,8 +20,10 @@ struct MethodResult {
   Accuracy nonoccluded;  ///< on the pixels that both cameras see
   Accuracy all;          ///< on all pixels with a known truth
   Accuracy away;         ///< on those of them away from every ToF point
-  /// Of the whole chain, on the pixels that both cameras see.
+  /// Of the whole chain, on the pixels that both cameras see; of KITTI on those of them away from
+  /// every ToF point.
   std::optional<Sparsification> confidence;
+  std::optional<Calibration> calibration;
   StageTimes ms;     ///< median of each stage's times
   cv::Mat1f map_px;  ///< NaN = none
 };

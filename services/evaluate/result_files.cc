@@ -33,6 +33,21 @@ Json ConfidenceJson(const Sparsification& confidence) {
           {"oracle_area", confidence.oracle_area_percent}};
 }
 
+Json CalibrationJson(const Calibration& calibration) {
+  Json claimed = Json::array();
+  Json bad1 = Json::array();
+  for (const Calibration::Bin& bin : calibration.bins) {
+    claimed.push_back(bin.claimed_percent);
+    bad1.push_back(bin.bad1_percent);
+  }
+  return {{"claimed", calibration.claimed_percent},
+          {"bad1", calibration.bad1_percent},
+          {"error", calibration.error_points},
+          {"within_1_sigma", calibration.within_1_sigma_percent},
+          {"within_2_sigma", calibration.within_2_sigma_percent},
+          {"reliability", {{"claimed", claimed}, {"bad1", bad1}}}};
+}
+
 Json TimesJson(const StageTimes& ms) {
   return {{"refine", ms.refine_ms},
           {"prior", ms.prior_ms},
@@ -67,6 +82,7 @@ Json SceneJson(const SceneResult& scene) {
                  {"away", AccuracyJson(method.away)},
                  {"ms", TimesJson(method.ms)}};
     if (method.confidence) json["confidence"] = ConfidenceJson(*method.confidence);
+    if (method.calibration) json["calibration"] = CalibrationJson(*method.calibration);
     methods.push_back(std::move(json));
   }
   return {{"name", scene.name},

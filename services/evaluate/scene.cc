@@ -111,6 +111,7 @@ Scene LoadScene(const std::string& scene, const TofChoice& tof, CaptureConfig co
           .nonoccluded = visibility.nonoccluded,
           .occluded = visibility.occluded,
           .away = away,
+          .truth_is_scan = IsKitti(scene),
           .max_disparity_px = LargestDisparity(truth.left)};
 }
 

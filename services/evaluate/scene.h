@@ -21,6 +21,7 @@ struct Scene {
   cv::Mat1b nonoccluded;   ///< the data set's mask, else NonOccludedMask() of its maps
   cv::Mat1b occluded;      ///< pixels that a nearer surface hides from the right camera
   cv::Mat1b away;          ///< 255 = at least kAwayPx from every ToF point
+  bool truth_is_scan;      ///< KITTI: beside a ToF point the truth is the point itself
   int max_disparity_px;    ///< largest true disparity, rounded up
 
   cv::Size size() const { return left_grey.size(); }

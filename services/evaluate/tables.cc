@@ -104,6 +104,16 @@ std::string ConfidenceLine(const MethodResult& method) {
                             curve.oracle_area_percent);
 }
 
+std::string CalibrationLine(const MethodResult& method) {
+  const Calibration& calibration = *method.calibration;
+  return fmt::format(
+      "calibration of {}: error > 1 px claimed {:.2f} %, true {:.2f} %, calibration error {:.2f} "
+      "points, best 70 % / all {:.2f}; within sigma {:.1f} %, within 2 sigma {:.1f} %\n",
+      method.name, calibration.claimed_percent, calibration.bad1_percent, calibration.error_points,
+      method.confidence->BestPercent(70) / method.confidence->BestPercent(100),
+      calibration.within_1_sigma_percent, calibration.within_2_sigma_percent);
+}
+
 // Measured, the paper's, difference.
 Row PaperCells(const SceneResult& scene, const MethodResult& method) {
   const double measured = method.nonoccluded.correct_le1_percent();
@@ -130,7 +140,8 @@ std::string SceneTable(const SceneResult& scene) {
       fmt::format("{} ({} x {} px)\n\n", scene.name, scene.size.width, scene.size.height) +
       Markdown(rows) + "\n" + RefinementLine(scene.refinement);
   for (const MethodResult& method : scene.methods) {
-    if (method.name == "sprout" && method.confidence) text += ConfidenceLine(method);
+    if (method.name != "sprout" || !method.confidence) continue;
+    text += ConfidenceLine(method) + CalibrationLine(method);
   }
   return text;
 }

@@ -1,59 +1,59 @@
 #include "services/grow/confidence.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/core/parallel.h"
 #include "services/grow/growth_rule.h"
 
 namespace sprout::grow {
-namespace {
 
-EdgePenalties EdgePenaltiesByDistance() {
-  constexpr double kRangePx = 8;  // a prior's edges are a few pixels off
-  constexpr double kStepsPerPx = 4;
-  EdgePenalties penalties;
-  for (size_t i = 0; i < penalties.size(); ++i) {
-    const double exponent = static_cast<double>(i) / (kStepsPerPx * kRangePx);
-    penalties[i] = static_cast<int>(std::lround(kEdgeWeight * std::exp(-exponent)));
-  }
-  return penalties;
-}
-
-}  // namespace
-
-cv::Mat1b ConfidenceEstimator::Compute(const cv::Mat1b& left, const cv::Mat1b& right,
-                                       std::span<const Seed> seeds, const DisparityImage& grown,
-                                       const DisparityImage& filled) {
-  static const EdgePenalties edge_penalties = EdgePenaltiesByDistance();
-  const cv::Size size = filled.size();
-  RunBoth([&] { PenaliseEdges(filled, edge_penalties, edge_memory_, edge_penalties_); },
-          [&] {
-            const float spacing_px = MarkSeeds(seeds, size);
-            PenaliseHoles(no_seed_, spacing_px, hole_memory_, hole_penalties_);
-          });
-  Renew(confidence_, size);
-  const ConfidenceInput input{left,        right, grown, filled, edge_penalties_, hole_penalties_,
-                              photo_scale_};
-  const int rows = RowsPerBand(size.height);
-  ForEachParallel(static_cast<size_t>(CountBands(size.height)), [&](size_t band) {
-    const int first = static_cast<int>(band) * rows;
-    RateRows(input, {first, std::min(first + rows, size.height)}, confidence_);
+ConfidenceEstimator::Judgement ConfidenceEstimator::Compute(const JudgedFrame& frame) {
+  const cv::Size size = frame.filled.size();
+  const int rows = CellsOf(size).height;
+  Prepare(size);
+  const auto for_rows = [&](const auto& work) {
+    ForRangesParallel(rows, CountBands(size.height), work);
+  };
+  for_rows([&](const cv::Range& part) { FindSteps(frame.filled, part, features_.step); });
+  RunBoth(
+      [&] {
+        MarkEdges(features_.step, features_.edge);
+        SpreadNearness(features_.edge, edge_memory_);
+      },
+      [&] { SpreadSeeds(frame.seeds); });
+  for_rows([&](const cv::Range& part) {
+    MatchCells(frame.left, frame.right, frame.filled, part, features_);
+    RateCells(tables_, features_, frame.filled, frame.sigma_prior, part, judgement_.confidence,
+              judgement_.sigma);
   });
-  return confidence_;
+  return judgement_;
 }
 
-float ConfidenceEstimator::MarkSeeds(std::span<const Seed> seeds, cv::Size size) {
-  no_seed_.create(size);
-  no_seed_ = uint8_t{1};
-  int count = 0;
-  for (const Seed& seed : seeds) {
-    const cv::Point position(cvRound(seed.u), cvRound(seed.v));
-    if (!cv::Rect({}, size).contains(position)) continue;
-    count += no_seed_(position);
-    no_seed_(position) = 0;
+void ConfidenceEstimator::Prepare(cv::Size size) {
+  const cv::Size cells = CellsOf(size);
+  const cv::Size blocks = BlocksOf(size);
+  for (cv::Mat1b* map :
+       {&features_.step, &features_.bend, &features_.misfit, &features_.margin, &features_.edge}) {
+    map->create(cells);
   }
-  return std::sqrt(static_cast<float>(size.area()) / static_cast<float>(std::max(count, 1)));
+  features_.tof_seed.create(blocks);
+  features_.seed.create(blocks);
+  Renew(judgement_.confidence, size);
+  Renew(judgement_.sigma, size);
+}
+
+void ConfidenceEstimator::SpreadSeeds(std::span<const Seed> seeds) {
+  features_.tof_seed = uint8_t{0};
+  features_.seed = uint8_t{0};
+  const cv::Rect blocks({}, features_.seed.size());
+  for (const Seed& seed : seeds) {
+    const cv::Point block(cvFloor(seed.u + 0.5F) / kBlockPx, cvFloor(seed.v + 0.5F) / kBlockPx);
+    if (seed.u < -0.5F || seed.v < -0.5F || !blocks.contains(block)) continue;
+    features_.seed(block) = 255;
+    if (seed.origin == SeedOrigin::kTof) features_.tof_seed(block) = 255;
+  }
+  SpreadNearness(features_.tof_seed, seed_memory_);
+  SpreadNearness(features_.seed, seed_memory_);
 }
 
 void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparity) {

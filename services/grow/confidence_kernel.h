@@ -1,71 +1,61 @@
 #ifndef SPROUT_SERVICES_GROW_CONFIDENCE_KERNEL_H_
 #define SPROUT_SERVICES_GROW_CONFIDENCE_KERNEL_H_
 
-#include <array>
-#include <cstdint>
 #include <opencv2/core.hpp>
-#include <span>
 #include <vector>
 
 #include "common/core/disparity_image.h"
+#include "common/core/prior_map.h"
+#include "services/grow/confidence_model.h"
 
-// The terms of formula C1 (confidence.h) in vectors; the same bytes on every CPU.
+// What the confidence is computed from, in whole numbers: the same bytes on every CPU. All of it is
+// known once for each cell of 2×2 pixels, at its upper left pixel; seeds for each block of 4×4.
 namespace sprout::grow {
 
-/// Penalties are whole numbers of 2⁻¹⁶.
-inline constexpr int kFullPenalty = 1 << 16;
-inline constexpr int kEdgeWeight = kFullPenalty * 45 / 100;
-inline constexpr int kGapWeight = kFullPenalty * 15 / 100;
-inline constexpr int kPhotoWeight = kFullPenalty * 15 / 100;
-inline constexpr int kHoleWeight = kFullPenalty * 25 / 100;
+inline constexpr int kCellPx = 2;
+inline constexpr int kBlockPx = 4;
 
-inline constexpr int kLargestExponent = 5;  // exp(−5) < 0.01: no similarity
-inline constexpr int kGapWindow = 9;        // as far as a gap's 5×5 median looks, and as far again
-inline constexpr float kUsualSpacings = 0.75F;  // to the next seed
-inline constexpr int kPhotoWindow = 5;          // as growth's
+inline cv::Size CellsOf(cv::Size pixels) {
+  return {(pixels.width + kCellPx - 1) / kCellPx, (pixels.height + kCellPx - 1) / kCellPx};
+}
+inline cv::Size BlocksOf(cv::Size pixels) {
+  return {(pixels.width + kBlockPx - 1) / kBlockPx, (pixels.height + kBlockPx - 1) / kBlockPx};
+}
 
-/// kGapWeight · gaps / 81 rounded down is gaps · kGapFactor / 2¹⁶ rounded down.
-inline constexpr int kGapFactor = kGapWeight * (1 << 16) / (kGapWindow * kGapWindow) + 1;
-static_assert([] {
-  for (int gaps = 0; gaps <= kGapWindow * kGapWindow; ++gaps) {
-    if (gaps * kGapFactor >> 16 != kGapWeight * gaps / (kGapWindow * kGapWindow)) return false;
-  }
-  return true;
-}());
-
-/// Penalties of distances to depth edges by quarters of a pixel; the last one for all beyond.
-using EdgePenalties = std::array<int32_t, 256>;
-
-/// Rows of distances that are kept between calls.
-struct DistanceMemory {
-  std::vector<int32_t> kept_rows;  ///< every 32nd row of the pass from the top
-  std::vector<int32_t> rows;       ///< 32 of them, and two of the pass from the bottom
+/// Images of the features of a frame (README, table of features), as bytes. Nearness is 255 minus
+/// the distance in thirds of a cell or block, at least 0: chamfer distances with the mask 3, 4
+/// (Borgefors, CVGIP 1986).
+struct ConfidenceFeatures {
+  cv::Mat1b step;      ///< cells: range of the disparities in 4×4 pixels, as LevelOf()
+  cv::Mat1b bend;      ///< cells: second differences of the disparities, as LevelOf()
+  cv::Mat1b misfit;    ///< cells: Σ(L − R)² / Σ(L² + R²), 255 = 1, 16 a factor of 2
+  cv::Mat1b margin;    ///< cells: 128 − Σ margin of the census costs
+  cv::Mat1b edge;      ///< cells: nearness of a step of 3 px
+  cv::Mat1b tof_seed;  ///< blocks: nearness of a ToF seed
+  cv::Mat1b seed;      ///< blocks: nearness of any seed
 };
 
-/// Penalty for the distance to the next depth edge (more than 1 px within 3×3 pixels) of each
-/// pixel. Distances are those of cv::distanceTransform with DIST_L2 and a 3×3 mask, to the last
-/// bit. O(pixels).
-void PenaliseEdges(const DisparityImage& filled, const EdgePenalties& by_distance,
-                   DistanceMemory& memory, cv::Mat1w& penalties);
+/// Writes rows of cells of `step`, which has the size.
+void FindSteps(const DisparityImage& filled, const cv::Range& rows, cv::Mat1b& step);
 
-/// The same for the distance to the next seed.
-/// @param no_seed  0 where a seed is. @param spacing_px  of seeds spread evenly.
-void PenaliseHoles(const cv::Mat1b& no_seed, float spacing_px, DistanceMemory& memory,
-                   cv::Mat1w& penalties);
+/// Marks 255, all else 0, to nearness. O(pixels).
+/// @param memory  two rows.
+void SpreadNearness(cv::Mat1b& marks, std::vector<uint8_t>& memory);
 
-/// What the confidence depends on, besides the two penalties.
-struct ConfidenceInput {
-  const cv::Mat1b& left;
-  const cv::Mat1b& right;
-  const DisparityImage& grown;
-  const DisparityImage& filled;
-  const cv::Mat1w& edge_penalties;
-  const cv::Mat1w& hole_penalties;
-  float photo_scale;  ///< 1 / σ_s²
-};
+/// Cells with a step of 3 px or more: 255; else 0.
+void MarkEdges(const cv::Mat1b& step, cv::Mat1b& edge);
 
-/// Writes the rows of the confidence. O(pixels).
-void RateRows(const ConfidenceInput& input, const cv::Range& rows, cv::Mat1b& confidence);
+/// Writes rows of cells of bend, misfit and margin, which have the size.
+/// @param left, right  of the map's size.
+void MatchCells(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& filled,
+                const cv::Range& rows, ConfidenceFeatures& features);
+
+/// Writes the two rows of pixels of each row of cells.
+/// @param sigma_prior  counts, of the map's size; or empty: not known.
+/// @param confidence, sigma  of the map's size.
+void RateCells(const ConfidenceTables& tables, const ConfidenceFeatures& features,
+               const DisparityImage& filled, const cv::Mat1b& sigma_prior, const cv::Range& rows,
+               cv::Mat1b& confidence, cv::Mat1b& sigma);
 
 }  // namespace sprout::grow
 

@@ -31,6 +31,17 @@ GrowAdapter::Growth GrowAdapter::Grow(const Frame& frame) {
   return growth;
 }
 
+ConfidenceEstimator::Judgement GrowAdapter::Judge(const Frame& frame, const Growth& growth,
+                                                  const DisparityImage& filled) {
+  if (growth.refused) {
+    return {cv::Mat1b(filled.size(), uint8_t{0}), cv::Mat1b(filled.size(), kMaxSigmaCounts)};
+  }
+  const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
+  const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
+  const cv::Mat1b sigma_prior = frame.prior ? frame.prior->sigma : cv::Mat1b();
+  return confidence_.Compute({left, right, growth.seeds, sigma_prior, filled});
+}
+
 StageResult GrowAdapter::Finish(const Frame& frame, const Growth& growth) {
   StageResult outcome{.outputs = {}, .degenerate = growth.degenerate};
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, growth.map});
@@ -38,17 +49,15 @@ StageResult GrowAdapter::Finish(const Frame& frame, const Growth& growth) {
   const auto fill = growth.refused ? GrowConfig::NONE : config_.fill();
   DisparityImage filled =
       gap_filler_.Fill(growth.map, fill, frame.prior ? frame.prior->disparity : DisparityImage());
-  cv::Mat1b confidence;
+  ConfidenceEstimator::Judgement judgement;
   if (config_.publish_confidence() || config_.min_confidence() > 0) {
-    confidence = growth.refused ? cv::Mat1b(filled.size(), uint8_t{0})
-                                : confidence_.Compute(ToGrey(GreyestLeft(frame), left_grey_),
-                                                      ToGrey(GreyestRight(frame), right_grey_),
-                                                      growth.seeds, growth.map, filled);
-    DropUnsure(confidence, config_.min_confidence(), filled);
+    judgement = Judge(frame, growth, filled);
+    DropUnsure(judgement.confidence, config_.min_confidence(), filled);
   }
   outcome.outputs.push_back({Part::kDisparity, filled});
   if (config_.publish_confidence()) {
-    outcome.outputs.push_back({Part::kConfidence, cv::Mat(confidence)});
+    outcome.outputs.push_back({Part::kConfidence, cv::Mat(judgement.confidence)});
+    outcome.outputs.push_back({Part::kSigma, cv::Mat(judgement.sigma)});
   }
   return outcome;
 }

@@ -12,12 +12,11 @@
 
 namespace sprout::grow {
 
-/// LEFT RIGHT SEEDS [PRIOR] → DISPARITY [UNFILLED] [CONFIDENCE]: PRIOR when the similarity is EPC
-/// or gaps take its disparities, UNFILLED and CONFIDENCE when the configuration asks for them.
+/// LEFT RIGHT SEEDS [PRIOR] → DISPARITY [UNFILLED] [CONFIDENCE SIGMA]: PRIOR when the similarity is
+/// EPC or gaps take its disparities, the others when the configuration asks for them.
 class GrowAdapter : public StageAdapter {
  public:
-  explicit GrowAdapter(const GrowConfig& config)
-      : config_(config), grower_(config), confidence_(config.sigma_s_squared()) {}
+  explicit GrowAdapter(const GrowConfig& config) : config_(config), grower_(config) {}
 
   PartSet Inputs() const override { return InputsOf(config_); }
 
@@ -40,6 +39,9 @@ class GrowAdapter : public StageAdapter {
   StageResult Finish(const Frame& frame, const Growth& growth);
 
  private:
+  ConfidenceEstimator::Judgement Judge(const Frame& frame, const Growth& growth,
+                                       const DisparityImage& filled);
+
   GrowConfig config_;
   cv::Mat1b left_grey_, right_grey_;  // memory
   Grower grower_;

@@ -60,6 +60,7 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   result.warnings = chain_->Run(frame, nobody).warnings;
   result.disparity = std::move(*frame.disparity);
   result.confidence = frame.confidence;
+  result.sigma = frame.sigma;
   result.depth_m = DepthMap(rig.pair, result.disparity);
   result.prior = frame.prior.value_or(PriorMap());
   result.seeds = std::move(*frame.seeds);

@@ -21,11 +21,14 @@ class Chain;
 /// What the pipeline makes of one frame. All maps are of the left image's size.
 struct DepthFrame {
   DisparityImage disparity;  ///< of the left image; see DisparityImage::Px() and ToPx()
-  cv::Mat1b confidence;      ///< 0 (least) to 255; empty unless grow.publish_confidence
-  cv::Mat1f depth_m;         ///< z in the left camera's frame, m; NaN where there is no disparity
-  PriorMap prior;            ///< D_p and its standard deviation; empty when growth does not use it
-  SeedSet seeds;             ///< correspondences, and how many ToF points were dropped, and why
-  SeedSet left_seeds;        ///< ToF points that only the left camera sees
+  /// 255 · probability that the disparity is within 1 px of the true one, 0 where there is none;
+  /// and the disparity's standard deviation in counts of 1/16 px (SigmaToPx()), kMaxSigmaCounts
+  /// where there is none. Both empty unless grow.publish_confidence.
+  cv::Mat1b confidence, sigma;
+  cv::Mat1f depth_m;   ///< z in the left camera's frame, m; NaN where there is no disparity
+  PriorMap prior;      ///< D_p and its standard deviation; empty when growth does not use it
+  SeedSet seeds;       ///< correspondences, and how many ToF points were dropped, and why
+  SeedSet left_seeds;  ///< ToF points that only the left camera sees
   /// Why a stage had nothing to give ("refine: no ToF point has a return"), one line each; empty
   /// when all is well.
   std::vector<std::string> warnings;

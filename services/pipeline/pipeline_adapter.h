@@ -7,8 +7,8 @@
 
 namespace sprout {
 
-/// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS PRIOR [UNFILLED] DISPARITY [CONFIDENCE]: what refine,
-/// prior and grow answer with the same configuration, to the byte.
+/// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS PRIOR [UNFILLED] DISPARITY [CONFIDENCE SIGMA]: what
+/// refine, prior and grow answer with the same configuration, to the byte.
 class PipelineAdapter : public StageAdapter {
  public:
   /// @param steps  observes every step; must outlive this object.

@@ -1,5 +1,6 @@
 #include "services/python/arrays.h"
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -221,6 +222,15 @@ py::object ToArray(const DisparityImage& disparity) {
 
 py::array ToArray(const std::vector<Seed>& seeds) {
   return py::array_t<Seed>(static_cast<py::ssize_t>(seeds.size()), seeds.data());
+}
+
+cv::Mat1b TakeSigmas(const std::string& name, const py::handle& array,
+                     std::optional<cv::Size> size) {
+  const cv::Mat1f px = TakeFloats(name, array, size);
+  cv::Mat1b counts(px.size());
+  std::transform(px.begin(), px.end(), counts.begin(),
+                 [](float sigma_px) { return SigmaToCounts(double{sigma_px}); });
+  return counts;
 }
 
 py::object SigmaArray(const cv::Mat1b& counts) {

@@ -38,6 +38,11 @@ cv::Mat1f TakeDepth(const std::string& name, const py::handle& array, std::optio
 cv::Mat1f TakeFloats(const std::string& name, const py::handle& array,
                      std::optional<cv::Size> size);
 
+/// Standard deviations in px as TakeFloats() takes them, to counts of 1/16 px; NaN:
+/// kMaxSigmaCounts.
+cv::Mat1b TakeSigmas(const std::string& name, const py::handle& array,
+                     std::optional<cv::Size> size);
+
 /// Bytes from uint8, or of a mask from bool (True: 255), (H, W).
 cv::Mat1b TakeBytes(const std::string& name, const py::handle& array, std::optional<cv::Size> size,
                     bool mask = false);
@@ -57,7 +62,7 @@ py::object ToArray(const DisparityImage& disparity);
 /// Structured, (N,) of SEED.
 py::array ToArray(const std::vector<Seed>& seeds);
 
-/// A prior's standard deviations in px, (H, W). O(pixels).
+/// Standard deviations in px, (H, W), of counts of 1/16 px. O(pixels).
 py::object SigmaArray(const cv::Mat1b& counts);
 
 }  // namespace sprout::python

@@ -171,13 +171,9 @@ PriorMap MakePrior(const py::object& disparity, const py::object& sigma) {
   PriorMap prior(map.size());
   prior.disparity = map;
   const bool one = PyFloat_Check(sigma.ptr()) || PyLong_Check(sigma.ptr());
-  const cv::Mat1f sigmas =
-      one ? cv::Mat1f(map.size(), sigma.cast<float>()) : TakeFloats("sigma_px", sigma, map.size());
-  for (int v = 0; v < map.height(); ++v) {
-    for (int u = 0; u < map.width(); ++u) {
-      if (map.IsValid(u, v)) prior.sigma(v, u) = SigmaToCounts(double{sigmas(v, u)});
-    }
-  }
+  const cv::Mat1b counts = one ? cv::Mat1b(map.size(), SigmaToCounts(sigma.cast<double>()))
+                               : TakeSigmas("sigma_px", sigma, map.size());
+  counts.copyTo(prior.sigma, map.counts() != DisparityImage::kInvalid);
   return prior;
 }
 
@@ -317,7 +313,12 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "Optional[numpy.ndarray]: (H, W) float32, px, multiples of 1/32; NaN: none.")
       .def_property_readonly(
           "confidence", [](const PyFrame& f) { return ToArray(f.frame.confidence); },
-          "Optional[numpy.ndarray]: (H, W) uint8, 0 (least) to 255: to sort pixels by.")
+          "Optional[numpy.ndarray]: (H, W) uint8, 255 times the probability that the disparity is "
+          "within "
+          "1 px of the true one.")
+      .def_property_readonly(
+          "sigma_px", [](const PyFrame& f) { return SigmaArray(f.frame.sigma); },
+          "Optional[numpy.ndarray]: (H, W) float32, standard deviation of the disparity, px.")
       .def_property_readonly("depth_m", &DepthArray,
                              "Optional[numpy.ndarray]: (H, W) float32, z, m; NaN: none.")
       .def_property_readonly("intrinsics", &IntrinsicsOf,

@@ -28,6 +28,7 @@ class PyPipeline {
     result.depth_m = depth.depth_m;
     frame.disparity = depth.disparity;
     frame.confidence = depth.confidence;
+    frame.sigma = depth.sigma;
     if (!depth.prior.empty()) frame.prior = depth.prior;
     frame.seeds = std::move(depth.seeds);
     frame.left_seeds = std::move(depth.left_seeds);

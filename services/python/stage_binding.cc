@@ -38,6 +38,8 @@ PartValue TakeValue(Part part, const py::handle& given, cv::Size size) {
     }
     case Part::kConfidence:
       return cv::Mat(TakeBytes(name, given, size));
+    case Part::kSigma:
+      return cv::Mat(TakeSigmas(name, given, size));
     default:
       return FromPx(TakeFloats(name, given, size));
   }
@@ -52,6 +54,8 @@ PartValue EmptyValue(Part part, cv::Size size) {
       return SeedSet();
     case Part::kConfidence:
       return cv::Mat(cv::Mat1b::zeros(size));
+    case Part::kSigma:
+      return cv::Mat(cv::Mat1b(size, kMaxSigmaCounts));
     default:
       return DisparityImage(size);
   }

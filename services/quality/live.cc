@@ -52,14 +52,12 @@ class MapFrames {
 
  private:
   static std::vector<std::string_view> Channels() {
-    std::vector<std::string_view> channels = {ChannelOf(Part::kDisparity), ChannelOf(Part::kRig)};
-    if (const auto sigma = SigmaPart()) channels.push_back(ChannelOf(*sigma));
-    return channels;
+    return {ChannelOf(Part::kDisparity), ChannelOf(Part::kSigma), ChannelOf(Part::kRig)};
   }
 
   static FrameJoiner JoinerFor(bool with_sigma) {
     PartSet needed = {Part::kDisparity, Part::kRig};
-    if (with_sigma) needed.Add(*SigmaPart());
+    if (with_sigma) needed.Add(Part::kSigma);
     return FrameJoiner(needed);
   }
 
@@ -74,7 +72,7 @@ class MapFrames {
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
     const std::optional<Part> part = PartOf(channel);
     if (!part) return;
-    if (part == SigmaPart()) ExpectSigma(true);
+    if (part == Part::kSigma) ExpectSigma(true);
     const std::lock_guard lock(mutex_);
     Result<std::vector<Frame>> frames = joiner_.AddMessage(*part, bytes);
     if (!frames) {

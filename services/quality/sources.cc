@@ -37,15 +37,10 @@ std::vector<fs::path> MapsIn(const fs::path& folder) {
 
 // Empty where a frame has none, or a picture in its place.
 cv::Mat1b SigmaOf(const Frame& frame) {
-  const std::optional<Part> part = SigmaPart();
-  if (!part) return {};
-  const auto sigma = std::get<cv::Mat>(GetPart(frame, *part));
-  return sigma.type() == CV_8UC1 ? cv::Mat1b(sigma) : cv::Mat1b();
+  return frame.sigma.type() == CV_8UC1 ? cv::Mat1b(frame.sigma) : cv::Mat1b();
 }
 
 }  // namespace
-
-std::optional<Part> SigmaPart() { return PartOf("SPROUT_SIGMA"); }
 
 void AddFrame(const Frame& frame, Measurement& measurement) {
   if (!frame.rig) {
@@ -59,8 +54,7 @@ void AddFrame(const Frame& frame, Measurement& measurement) {
 std::string MeasureLog(const fs::path& log, const std::string& prefix, const std::string& frames,
                        Measurement& measurement) {
   const Interrupt interrupt;
-  FrameChoice choice{.prefix = prefix, .parts = {Part::kDisparity, Part::kRig}};
-  if (const auto sigma = SigmaPart()) choice.parts.Add(*sigma);
+  FrameChoice choice{.prefix = prefix, .parts = {Part::kDisparity, Part::kSigma, Part::kRig}};
   if (!frames.empty()) choice.frames = ParseFrameRange("--frames", frames);
   int64_t refused = 0;
   std::string first_refusal;

@@ -11,10 +11,6 @@
 
 namespace sprout::quality {
 
-/// SPROUT_SIGMA, the standard deviations of the disparity map (counts of 1/16 px, as PriorMap has
-/// them); nothing where frames have no such part.
-std::optional<Part> SigmaPart();
-
 // Where maps come from. Each takes `count` of the settings of the measurement.
 
 /// Adds the disparity map of a frame, with its calibration, and with its standard deviations when

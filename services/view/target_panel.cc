@@ -12,12 +12,6 @@ size_t FramesFor(int64_t pixels) {
   return std::clamp<size_t>(TargetPanel::kMaxBytes / bytes, 1, TargetPanel::kMaxFrames);
 }
 
-// Standard deviations of the map, where frames have them.
-const cv::Mat* SigmaOf(DecodedFrame& frame) {
-  const std::optional<Part> part = PartOf("SPROUT_SIGMA");
-  return part ? frame.Get<cv::Mat>(*part) : nullptr;
-}
-
 }  // namespace
 
 nlohmann::json TargetPanel::Show(DecodedFrame& frame) {
@@ -30,7 +24,7 @@ nlohmann::json TargetPanel::Show(DecodedFrame& frame) {
   }
   const int64_t key = frame.stored().key;
   if (std::ranges::find(keys_, key) == keys_.end()) {
-    const auto* const sigma = SigmaOf(frame);
+    const auto* const sigma = frame.Get<cv::Mat>(Part::kSigma);
     const bool fits = sigma != nullptr && sigma->type() == CV_8UC1 && sigma->size() == map->size();
     meter_->Add(ToPx(*map), fits ? cv::Mat1b(*sigma) : cv::Mat1b());
     keys_.push_back(key);

@@ -26,6 +26,7 @@ std::string Difference(const Frame& heard, const DepthFrame& computed, const Spr
   if (!heard.confidence.empty() && !SamePixels(heard.confidence, computed.confidence)) {
     return "another confidence";
   }
+  if (!heard.sigma.empty() && !SamePixels(heard.sigma, computed.sigma)) return "another sigma";
   if (!heard.depth) return "";
   const DepthImage depth =
       depth::DepthOf(computed.disparity, heard.rig->pair, config.depth().mm_per_count() / 1000,

@@ -32,6 +32,7 @@ HostileMessages::HostileMessages(const check::TestFrame& good, uint32_t seed)
   values_[Part::kDepth] = DepthOf(cv::Mat1w(good.rig().pair.size(), uint16_t{1500}));
   values_[Part::kCloud] = PointCloud{{{.position_m = {0, 0, 1}, .bgr = {}}}};
   values_[Part::kConfidence] = cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(200));
+  values_[Part::kSigma] = cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(8));
 }
 
 // Numbers that break sums, products and indices.
@@ -155,8 +156,9 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
   switch (part) {
     case Part::kLeft:
     case Part::kRight:
-    case Part::kConfidence: {
-      const bool grey = part == Part::kConfidence || Below(2) == 0;
+    case Part::kConfidence:
+    case Part::kSigma: {
+      const bool grey = part == Part::kConfidence || part == Part::kSigma || Below(2) == 0;
       cv::Mat image(size, grey ? CV_8UC1 : CV_8UC3);
       cv::RNG(random_()).fill(image, cv::RNG::UNIFORM, 0, Below(2) == 0 ? 256 : 2);
       return image;

@@ -95,7 +95,8 @@ TEST(OneProcessSystem, AnswersEveryFrameAndReportsItsStepsUnderTheNamesOfTheProc
     EXPECT_EQ(whole.frames_failed, 0);
     EXPECT_EQ(whole.frames_degenerate, 0);
     for (int64_t seq = 0; seq < kFrames; ++seq) {
-      for (const Part part : {Part::kSeeds, Part::kLeftSeeds, Part::kPrior, Part::kConfidence}) {
+      for (const Part part :
+           {Part::kSeeds, Part::kLeftSeeds, Part::kPrior, Part::kConfidence, Part::kSigma}) {
         EXPECT_GE((g.part_counts[{part, seq}]), 1) << ChannelOf(part) << " of frame " << seq;
       }
       const auto& map = std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq}));

@@ -46,6 +46,7 @@ Result<void> WriteResults(Frame frame, const DepthFrame& depth,
   frame.disparity = depth.disparity;
   frame.seeds = depth.seeds;
   frame.confidence = depth.confidence;
+  frame.sigma = depth.sigma;
   if (!depth.prior.disparity.empty()) frame.prior = depth.prior;
   const RectifiedPair& pair = frame.rig->pair;
   return WritePfm(folder / "disparity.pfm", depth.disparity)

@@ -44,7 +44,8 @@ TEST(StageParts, GrowAnswersWhatItsConfigurationPublishes) {
   EXPECT_EQ(OutputsOf(config), PartSet{Part::kDisparity});
   config.set_publish_confidence(true);
   config.set_publish_unfilled(true);
-  EXPECT_EQ(OutputsOf(config), (PartSet{Part::kDisparity, Part::kUnfilled, Part::kConfidence}));
+  EXPECT_EQ(OutputsOf(config),
+            (PartSet{Part::kDisparity, Part::kUnfilled, Part::kConfidence, Part::kSigma}));
 }
 
 TEST(StageParts, AreKnownByName) {

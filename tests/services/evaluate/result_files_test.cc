@@ -30,6 +30,7 @@ MethodResult SomeMethod(const std::string& name) {
           .all = {.scored = 400},
           .away = {},
           .confidence = {},
+          .calibration = {},
           .ms = {.refine_ms = 1, .prior_ms = 2, .grow_ms = 3, .fill_ms = 4, .total_ms = 10},
           .map_px = {}};
 }

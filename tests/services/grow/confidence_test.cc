@@ -8,14 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "common/core/digest.h"
 #include "tests/common/testing/instruction_sets.h"
 #include "tests/services/grow/grow_scenes.h"
-#include "tests/services/grow/plain_confidence.h"
 
 namespace sprout::grow {
 namespace {
 
-constexpr double kSigmaSSquared = 0.1;
 const cv::Size kSize(80, 60);
 
 cv::Mat1b TexturedImage() {
@@ -25,7 +24,7 @@ cv::Mat1b TexturedImage() {
   return image;
 }
 
-// Seeds on every fifth pixel of every fifth row.
+// ToF seeds on every fifth pixel of every fifth row.
 std::vector<Seed> Grid() {
   std::vector<Seed> seeds;
   for (int v = 2; v < kSize.height; v += 5) {
@@ -37,12 +36,14 @@ std::vector<Seed> Grid() {
 }
 
 // A surface at 4 px, in front of it from column 40 on another at 10 px.
-struct SurfacesOfTexture {
+struct JudgedScene {
   cv::Mat1b left = TexturedImage();
   cv::Mat1b right = cv::Mat1b(kSize, uint8_t{0});
   DisparityImage map{kSize};
+  cv::Mat1b sigma_prior = cv::Mat1b(kSize, uint8_t{60});
+  std::vector<Seed> seeds = Grid();
 
-  SurfacesOfTexture() {
+  JudgedScene() {
     map.counts().colRange(0, 40) = ToCounts(4);
     map.counts().colRange(40, 80) = ToCounts(10);
     for (int v = 0; v < kSize.height; ++v) {
@@ -52,70 +53,77 @@ struct SurfacesOfTexture {
       }
     }
   }
-  cv::Mat1b Judge(const DisparityImage& grown, std::span<const Seed> seeds = Grid()) const {
-    return ConfidenceEstimator(kSigmaSSquared).Compute(left, right, seeds, grown, map);
+  ConfidenceEstimator::Judgement Judge() const {
+    return ConfidenceEstimator().Compute({left, right, seeds, sigma_prior, map});
   }
 };
 
-TEST(Confidence, RisesWithTheDistanceFromDepthEdges) {
-  const SurfacesOfTexture scene;
-  const cv::Mat1b confidence = scene.Judge(scene.map);
-  EXPECT_LT(confidence(30, 40), 145);
-  for (int u = 42; u < 62; ++u) EXPECT_LE(confidence(30, u), confidence(30, u + 1)) << u;
-  EXPECT_GT(confidence(30, 75), 245);
+// A pixel of the second judgement is less sure, and not claimed to be more accurate.
+void ExpectLessSure(const ConfidenceEstimator::Judgement& before,
+                    const ConfidenceEstimator::Judgement& after, cv::Point at) {
+  EXPECT_LT(after.confidence(at), before.confidence(at));
+  EXPECT_GE(after.sigma(at), before.sigma(at));
 }
 
-TEST(Confidence, IsLowerWhereGrowthDidNotReach) {
-  const SurfacesOfTexture scene;
-  DisparityImage grown(scene.map.counts().clone());
-  grown.counts()(cv::Rect(60, 20, 12, 12)) = DisparityImage::kInvalid;
-  const int without_gap = scene.Judge(scene.map)(26, 66);
-  EXPECT_NEAR(scene.Judge(grown)(26, 66), without_gap - 0.15 * 255, 1);
+TEST(Confidence, RisesWithTheDistanceFromDepthEdges) {
+  const auto judged = JudgedScene().Judge();
+  EXPECT_LT(judged.confidence(30, 40), judged.confidence(30, 70));
+  for (int u = 46; u < 64; ++u) {
+    EXPECT_LE(judged.confidence(30, u), judged.confidence(30, u + 1)) << u;
+  }
+  EXPECT_GT(judged.confidence(30, 70), 200);
+  EXPECT_GT(judged.sigma(30, 40), judged.sigma(30, 70));
 }
 
 TEST(Confidence, IsLowerWhereTheImagesDoNotFit) {
-  SurfacesOfTexture scene;
-  const int fits = scene.Judge(scene.map)(30, 70);
+  JudgedScene scene;
+  const auto fits = scene.Judge();
   scene.right(cv::Rect(50, 20, 20, 20)) = 0;
-  EXPECT_NEAR(scene.Judge(scene.map)(30, 70), fits - 0.15 * 255, 1);
+  ExpectLessSure(fits, scene.Judge(), {70, 30});
 }
 
 TEST(Confidence, IsLowerInHolesBetweenTheSeeds) {
-  const SurfacesOfTexture scene;
-  std::vector<Seed> seeds = Grid();
-  seeds.push_back({.u = -7, .v = 1e9, .u_right = 0});  // not in the image
-  const cv::Mat1b without = scene.Judge(scene.map);
-  EXPECT_EQ(cv::countNonZero(scene.Judge(scene.map, seeds) != without), 0);
-  std::erase_if(seeds, [](const Seed& seed) { return seed.u > 50 && seed.v > 20 && seed.v < 50; });
-  const cv::Mat1b with_hole = scene.Judge(scene.map, seeds);
-  EXPECT_EQ(with_hole(5, 20), without(5, 20));
-  EXPECT_NEAR(with_hole(35, 70), without(35, 70) - 0.25 * 255, 1);
-  // Between: the next seed, at (72, 17), is 6 px away.
-  const double spacing_px = std::sqrt(kSize.area() / static_cast<double>(seeds.size() - 1));
-  EXPECT_NEAR(with_hole(23, 72), without(23, 72) - 0.25 * 255 * (6 / spacing_px - 0.75), 4);
+  JudgedScene scene;
+  scene.right = uint8_t{128};  // nothing there that fits
+  const auto without = scene.Judge();
+  scene.seeds.push_back({.u = -7, .v = 1e9, .u_right = 0});  // not in the image
+  EXPECT_EQ(cv::countNonZero(scene.Judge().confidence != without.confidence), 0);
+  std::erase_if(scene.seeds,
+                [](const Seed& seed) { return seed.u > 46 && seed.v > 10 && seed.v < 50; });
+  ExpectLessSure(without, scene.Judge(), {70, 30});
+  scene.seeds.clear();
+  ExpectLessSure(without, scene.Judge(), {20, 30});
 }
 
-TEST(Confidence, IsLowerEverywhereWithoutSeeds) {
-  const SurfacesOfTexture scene;
-  const cv::Mat1b with = scene.Judge(scene.map);
-  const cv::Mat1b without = scene.Judge(scene.map, std::span<const Seed>());
-  for (int u = 45; u < 80; ++u) EXPECT_NEAR(without(30, u), with(30, u) - 0.25 * 255, 1) << u;
+TEST(Confidence, IsLowerWhereThePriorIsLessSure) {
+  JudgedScene scene;
+  scene.sigma_prior = uint8_t{4};
+  const auto surest = scene.Judge();
+  auto before = surest;
+  for (const int counts : {16, 64, 255}) {
+    scene.sigma_prior = static_cast<uint8_t>(counts);
+    auto after = scene.Judge();
+    EXPECT_LE(after.confidence(30, 70), before.confidence(30, 70));
+    EXPECT_GE(after.sigma(30, 70), before.sigma(30, 70));
+    before = {after.confidence.clone(), after.sigma.clone()};
+  }
+  ExpectLessSure(surest, before, {70, 30});
+  EXPECT_GT(before.sigma(30, 70), surest.sigma(30, 70));
+  scene.sigma_prior = cv::Mat1b();  // not known: as 255
+  const auto unknown = scene.Judge();
+  EXPECT_EQ(cv::countNonZero(unknown.confidence != before.confidence), 0);
+  EXPECT_EQ(cv::countNonZero(unknown.sigma != before.sigma), 0);
 }
 
 TEST(Confidence, IsNothingWithoutADisparity) {
-  SurfacesOfTexture scene;
-  scene.map.counts()(cv::Rect(10, 10, 5, 5)) = DisparityImage::kInvalid;
-  const cv::Mat1b confidence = scene.Judge(scene.map);
-  EXPECT_EQ(cv::countNonZero(confidence(cv::Rect(10, 10, 5, 5))), 0);
-  EXPECT_GT(confidence(30, 75), 0);
-}
-
-TEST(Confidence, TakesBlackImages) {
-  const cv::Mat1b black(kSize, uint8_t{0});
-  const DisparityImage map(cv::Mat1s(kSize, ToCounts(2)));
-  const cv::Mat1b confidence =
-      ConfidenceEstimator(kSigmaSSquared).Compute(black, black, Grid(), map, map);
-  EXPECT_EQ(confidence(30, 40), 255);
+  JudgedScene scene;
+  scene.map.counts()(cv::Rect(11, 11, 5, 5)) = DisparityImage::kInvalid;
+  const auto judged = scene.Judge();
+  const cv::Mat none = scene.map.counts() == DisparityImage::kInvalid;
+  EXPECT_EQ(cv::countNonZero((judged.confidence == 0) & none), cv::countNonZero(none));
+  EXPECT_GT(judged.confidence(30, 70), 0);
+  EXPECT_EQ(cv::countNonZero((judged.sigma == kMaxSigmaCounts) & none), cv::countNonZero(none));
+  EXPECT_LT(judged.sigma(30, 70), kMaxSigmaCounts);
 }
 
 // Surfaces with edges and gaps, some of their disparities out of the image or below zero.
@@ -125,7 +133,7 @@ DisparityImage Patches(cv::Size size, cv::RNG& random) {
   for (int i = 0; i < 12; ++i) {
     const cv::Rect patch(random.uniform(0, size.width), random.uniform(0, size.height),
                          random.uniform(1, 60), random.uniform(1, 40));
-    map.counts()(patch & cv::Rect({}, size)) = static_cast<int16_t>(random.uniform(-3000, 3000));
+    map.counts()(patch & cv::Rect({}, size)) = static_cast<int16_t>(random.uniform(-32768, 32767));
   }
   for (int i = 0; i < size.area() / 20; ++i) {
     map.counts()(random.uniform(0, size.height), random.uniform(0, size.width)) =
@@ -135,30 +143,59 @@ DisparityImage Patches(cv::Size size, cv::RNG& random) {
   return map;
 }
 
-TEST(Confidence, GivesTheBytesOfThePlainOneWithEveryInstructionSetAndNumberOfThreads) {
+TEST(Confidence, GivesTheSameBytesWithEveryInstructionSetAndNumberOfThreads) {
   cv::RNG random(5);
   for (const cv::Size size :
-       {cv::Size(5, 5), {37, 9}, {131, 70}, {64, 203}, {250, 32}, {33, 33}, {200, 129}}) {
+       {cv::Size(5, 5), {1, 1}, {2, 3}, {37, 9}, {131, 70}, {64, 203}, {250, 32}, {200, 129}}) {
     const cv::Mat1b left = Noise(size, 1, 256);
     const cv::Mat1b right = Noise(size, 2, 256);
     const DisparityImage filled = Patches(size, random);
-    const DisparityImage grown = Patches(size, random);
+    const cv::Mat1b sigma_prior = Noise(size, 3, 256);
     for (const int count : {0, 1, 40}) {
       const std::vector<Seed> seeds = RandomSeeds(size, count, 9, 3);
-      const cv::Mat1b plain = PlainConfidence(left, right, seeds, grown, filled, kSigmaSSquared);
+      const JudgedFrame frame{left, right, seeds, sigma_prior, filled};
+      cv::setNumThreads(1);
+      const auto expected = ConfidenceEstimator().Compute(frame);
       ForEachInstructionSet([&](const std::string& name) {
         for (const int threads : {1, 2, 8}) {
           cv::setNumThreads(threads);
-          ConfidenceEstimator fast(kSigmaSSquared);
+          ConfidenceEstimator estimator;
           for (const char* run : {"first", "second"}) {
-            const cv::Mat1b confidence = fast.Compute(left, right, seeds, grown, filled);
-            EXPECT_EQ(cv::countNonZero(confidence != plain), 0)
-                << name << ", threads " << threads << ", " << size << ", seeds " << count << ", "
-                << run;
+            const auto judged = estimator.Compute(frame);
+            EXPECT_EQ(cv::countNonZero(judged.confidence != expected.confidence), 0)
+                << name << ", threads " << threads << ", " << size << ", " << run;
+            EXPECT_EQ(cv::countNonZero(judged.sigma != expected.sigma), 0)
+                << name << ", threads " << threads << ", " << size << ", " << run;
           }
         }
       });
       cv::setNumThreads(-1);
+    }
+  }
+}
+
+// Distances of the mask 3, 4 by definition: over all marks.
+TEST(SpreadNearness, IsTheChamferDistanceToTheNextMark) {
+  for (const cv::Size size : {cv::Size(1, 1), {1, 40}, {40, 1}, {200, 9}, {70, 120}}) {
+    cv::RNG random(7);
+    std::vector<cv::Point> marks;
+    cv::Mat1b near(size, uint8_t{0});
+    for (int i = 0; i < 3; ++i) {
+      marks.emplace_back(random.uniform(0, size.width), random.uniform(0, size.height));
+      near(marks.back()) = 255;
+    }
+    std::vector<uint8_t> memory;
+    SpreadNearness(near, memory);
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        int least = 255;
+        for (const cv::Point mark : marks) {
+          const int along = std::abs(mark.x - x);
+          const int down = std::abs(mark.y - y);
+          least = std::min(least, 3 * std::max(along, down) + std::min(along, down));
+        }
+        ASSERT_EQ(near(y, x), 255 - least) << size << " " << x << " " << y;
+      }
     }
   }
 }

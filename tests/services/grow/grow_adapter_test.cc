@@ -61,7 +61,7 @@ TEST(GrowAdapter, LeavesOutWhatItIsNotSureOf) {
     config.set_fill(fill);
     config.set_publish_confidence(fill == GrowConfig::NONE);
     const StageResult sure = GrowAdapter(config).Process(FlatFrame({40, 30}));
-    EXPECT_EQ(sure.outputs.size(), fill == GrowConfig::NONE ? 3U : 2U);
+    EXPECT_EQ(sure.outputs.size(), fill == GrowConfig::NONE ? 4U : 2U);
     EXPECT_LT(MapOf(sure, Part::kDisparity).CountValid(), 40 * 30);
     EXPECT_EQ(MapOf(sure, Part::kUnfilled).CountValid(), MapOf(all, Part::kUnfilled).CountValid());
     if (fill == GrowConfig::NONE) continue;
@@ -77,15 +77,20 @@ TEST(GrowAdapter, AddsTheUnfilledMapOnDemand) {
             MapOf(outcome, Part::kDisparity).CountValid());
 }
 
-TEST(GrowAdapter, AddsTheConfidenceUnlessTold) {
+TEST(GrowAdapter, AddsConfidenceAndSigmaUnlessTold) {
   GrowConfig config;
   const StageResult outcome = GrowAdapter(config).Process(FlatFrame({40, 30}));
-  ASSERT_EQ(outcome.outputs.size(), 2u);
+  ASSERT_EQ(outcome.outputs.size(), 3u);
   EXPECT_EQ(outcome.outputs[1].part, Part::kConfidence);
   const auto& confidence = std::get<cv::Mat>(outcome.outputs[1].value);
   EXPECT_EQ(confidence.size(), cv::Size(40, 30));
   EXPECT_EQ(confidence.type(), CV_8UC1);
   EXPECT_GT(cv::countNonZero(confidence), 0);
+  EXPECT_EQ(outcome.outputs[2].part, Part::kSigma);
+  const auto& sigma = std::get<cv::Mat>(outcome.outputs[2].value);
+  EXPECT_EQ(sigma.size(), cv::Size(40, 30));
+  EXPECT_EQ(sigma.type(), CV_8UC1);
+  EXPECT_LT(cv::mean(sigma)[0], kMaxSigmaCounts);
   config.set_publish_confidence(false);
   EXPECT_EQ(GrowAdapter(config).Process(FlatFrame({40, 30})).outputs.size(), 1u);
 }

@@ -57,6 +57,8 @@ TEST(Pipeline, GivesWhatTheServicesGive) {
     EXPECT_EQ(result.left_seeds, *frame.left_seeds) << preset;
     EXPECT_EQ(result.confidence.empty(), !config.grow().publish_confidence()) << preset;
     EXPECT_TRUE(result.confidence.empty() || SameBytes(result.confidence, frame.confidence));
+    EXPECT_EQ(result.sigma.empty(), result.confidence.empty());
+    EXPECT_TRUE(result.sigma.empty() || SameBytes(result.sigma, frame.sigma));
     EXPECT_THAT(result.warnings, IsEmpty()) << preset;
   }
 }

@@ -1,0 +1,73 @@
+// Features and errors of sampled pixels of the whole chain, for scripts/tune_confidence:
+// sprout_confidence_samples ROW TOF NOISE_PX SCENE... prints a line for each: row, scene, error in
+// px, whether both cameras see it, then the features in the order of ConfidenceModel.
+#include <cmath>
+#include <iostream>
+#include <random>
+#include <string>
+
+#include "services/evaluate/chain.h"
+#include "services/evaluate/scene.h"
+#include "services/grow/confidence.h"
+
+namespace sprout::evaluate {
+namespace {
+
+constexpr int kSamples = 3000;  // a scene
+
+void PrintScene(const std::string& row, const Scene& scene, const ChainSettings& settings) {
+  Frame frame = FrameOf(scene);
+  StageTimes ms;
+  RunSteps(scene, settings, ChainStep::kFinish, frame, ms);
+  const DisparityImage& map = *frame.disparity;
+  grow::ConfidenceEstimator estimator;
+  estimator.Compute(
+      {scene.left_grey, scene.right_grey, frame.seeds->seeds, frame.prior->sigma, map});
+  const grow::ConfidenceFeatures& features = estimator.features();
+  std::mt19937 random(1);
+  const auto below = [&](int end) {
+    return static_cast<int>(random() % static_cast<unsigned>(end));
+  };
+  int found = 0;
+  for (int i = 0; i < 20 * kSamples && found < kSamples; ++i) {
+    const int u = below(map.width());
+    const int v = below(map.height());
+    const float truth = scene.frame.truth.left(v, u);
+    // Beside a point of a scan its truth is the point itself.
+    const bool is_test = !scene.truth_is_scan || scene.away(v, u) != 0;
+    if (!std::isfinite(truth) || !map.IsValid(u, v) || !is_test) continue;
+    ++found;
+    std::cout << row << '\t' << scene.name << '\t' << map.Px(u, v) - truth << '\t'
+              << (scene.nonoccluded(v, u) != 0);
+    const cv::Point cell(u / grow::kCellPx, v / grow::kCellPx);
+    for (const cv::Mat1b* plane :
+         {&features.step, &features.bend, &features.misfit, &features.margin, &features.edge}) {
+      std::cout << '\t' << int{(*plane)(cell)};
+    }
+    const cv::Point block(u / grow::kBlockPx, v / grow::kBlockPx);
+    std::cout << '\t' << int{features.tof_seed(block)} << '\t' << int{features.seed(block)} << '\t'
+              << int{frame.prior->sigma(v / 2 * 2, u / 2 * 2)} << '\n';
+  }
+}
+
+int Main(int argc, char** argv) {
+  if (argc < 5) {
+    std::cerr << "usage: sprout_confidence_samples ROW TOF NOISE_PX SCENE...\n";
+    return 2;
+  }
+  ChainSettings settings{.config = LoadConfig({"default"}), .noise = {}, .fgs = {}};
+  settings.config.mutable_grow()->set_publish_confidence(false);
+  settings.noise.disparity_px = settings.noise.jitter_px = std::stod(argv[3]);
+  cv::setNumThreads(1);
+  for (int i = 4; i < argc; ++i) {
+    for (const std::string& name : ScenesOf(argv[i])) {
+      PrintScene(argv[1], LoadScene(name, TofChoice(argv[2]), settings.config.capture()), settings);
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace sprout::evaluate
+
+int main(int argc, char** argv) { return sprout::evaluate::Main(argc, argv); }
