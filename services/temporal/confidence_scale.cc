@@ -7,10 +7,8 @@ namespace {
 
 // Measured on KITTI's frames, see NOTES.md.
 constexpr double kSurestPx = 0.35;
-constexpr double kStep = 1.0111730687663378;  // exp(1/90); by products, since exp() differs between machines
-
-// A float's first 16 bits: sign, exponent, 7 bits of fraction: steps of less than 1 %.
-constexpr int kDroppedBits = 16;
+// exp(1/90). By products, since exp() differs between machines.
+constexpr double kStep = 1.0111730687663378;
 
 }  // namespace
 
@@ -25,10 +23,6 @@ ConfidenceScale::ConfidenceScale() : confidences_(std::size_t{1} << (32 - kDropp
     while (confidence > 0 && !(variances_[confidence] >= variance)) --confidence;
     confidences_[bits] = static_cast<uint8_t>(confidence);
   }
-}
-
-uint8_t ConfidenceScale::ConfidenceOf(float variance_px2) const {
-  return confidences_[std::bit_cast<uint32_t>(variance_px2) >> kDroppedBits];
 }
 
 }  // namespace sprout::temporal

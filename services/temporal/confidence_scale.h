@@ -2,6 +2,7 @@
 #define SPROUT_SERVICES_TEMPORAL_CONFIDENCE_SCALE_H_
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -18,9 +19,14 @@ class ConfidenceScale {
 
   /// The largest confidence whose variance is not below this one; 0 when there is none.
   /// @param variance_px2  > 0, finite.
-  uint8_t ConfidenceOf(float variance_px2) const;
+  uint8_t ConfidenceOf(float variance_px2) const {
+    return confidences_[std::bit_cast<uint32_t>(variance_px2) >> kDroppedBits];
+  }
 
  private:
+  // Of a float: what is left are sign, exponent and 7 bits of fraction, steps of less than 1 %.
+  static constexpr int kDroppedBits = 16;
+
   std::array<float, 256> variances_;
   std::vector<uint8_t> confidences_;  // by the first bits of a variance
 };

@@ -138,7 +138,8 @@ HWY_INLINE void Find(const Memory& memory, Block& block) {
     block.variance[i] = variance[v * variance_stride + u];
   }
   const float offset = memory.offset_px;
-  const auto most = static_cast<float>(memory.disparity.width);
+  const float most =
+      std::min(static_cast<float>(memory.disparity.width), static_cast<float>(DisparityImage::kMaxPx));
   for (int i = 0; i < block.count; ++i) {
     const float right =
         block.last_u[i] - static_cast<float>(static_cast<int32_t>(block.last_u[i]));
@@ -176,8 +177,8 @@ void SplatOnTarget(const Memory& memory, float* cells) {
   const PixelMotion& motion = memory.now_from_last;
   alignas(64) float column[kBlock], row[kBlock], moved[kBlock];
   for (int v = 0; v < rows; ++v) {
-    const float* const above = map.Row(2 * v);
-    const float* const below = map.Row(std::min(2 * v + 1, map.height - 1));
+    const float* const first_row = map.Row(2 * v);
+    const float* const second_row = map.Row(std::min(2 * v + 1, map.height - 1));
     const float middle = static_cast<float>(2 * v) + 0.5F;
     const Line x(motion, 0, middle), y(motion, 1, middle), w(motion, 2, middle);
     // Of an odd last column the neighbour is the pixel itself.
@@ -187,10 +188,11 @@ void SplatOnTarget(const Memory& memory, float* cells) {
       for (int i = 0; i < count; ++i) moved[i] = kNone;
       for (int i = 0; i < whole; ++i) {
         const int u = 2 * (first + i);
-        moved[i] = std::max(std::max(above[u], above[u + 1]), std::max(below[u], below[u + 1]));
+        moved[i] = std::max(std::max(first_row[u], first_row[u + 1]),
+                            std::max(second_row[u], second_row[u + 1]));
       }
       if (whole < count) {
-        moved[count - 1] = std::max(above[map.width - 1], below[map.width - 1]);
+        moved[count - 1] = std::max(first_row[map.width - 1], second_row[map.width - 1]);
       }
       for (int i = 0; i < count; ++i) {
         const float u = static_cast<float>(2 * (first + i)) + 0.5F;
@@ -208,16 +210,16 @@ void SplatOnTarget(const Memory& memory, float* cells) {
               row[i] < static_cast<float>(rows))) {
           continue;
         }
-        // The cells to all sides, so that a surface that comes nearer has no holes. Both are
-        // greater than −1.
-        const int left = static_cast<int>(column[i] + 1) - 1;
-        const int top = static_cast<int>(row[i] + 1) - 1;
-        for (int b = std::max(top, 0); b <= std::min(top + 1, rows - 1); ++b) {
-          for (int a = std::max(left, 0); a <= std::min(left + 1, columns - 1); ++a) {
-            float& cell = cells[static_cast<ptrdiff_t>(b) * columns + a];
-            cell = std::max(cell, moved[i]);
-          }
-        }
+        // The cells to all sides, so that a surface that comes nearer has no holes. Both numbers are
+        // above −1, and the cells have a border.
+        float* const above = cells + static_cast<ptrdiff_t>(row[i] + 1) * (columns + 2) +
+                             static_cast<ptrdiff_t>(column[i] + 1);
+        float* const below = above + columns + 2;
+        const float d = moved[i];
+        above[0] = std::max(above[0], d);
+        above[1] = std::max(above[1], d);
+        below[0] = std::max(below[0], d);
+        below[1] = std::max(below[1], d);
       }
     }
   }
@@ -275,41 +277,88 @@ HWY_INLINE void FindAgain(const Memory& memory, const int16_t* counts, int v, Bl
   }
 }
 
+// What a block is fused from, beside the memory.
+struct Fresh {
+  alignas(64) float growth[kBlock];
+  alignas(64) float disparity[kBlock];
+  alignas(64) float variance[kBlock];
+};
+
+HWY_INLINE void Load(const FusionRow& row, int first, Block& block, Fresh& fresh) {
+  // Blocks begin at whole cells; the last cell may have one pixel more than the row.
+  const float* const cells = row.cells + first / 2;
+  const float* const growth = row.growth + first / 2;
+  for (int i = 0; i < (block.count + 1) / 2; ++i) {
+    block.start[2 * i] = block.start[2 * i + 1] = cells[i];
+    fresh.growth[2 * i] = fresh.growth[2 * i + 1] = growth[i];
+  }
+  const int16_t* const counts = row.counts + first;
+  const uint8_t* const confidence = row.confidence + first;
+  const float* const variances = row.scale->variances().data();
+  for (int i = 0; i < block.count; ++i) fresh.variance[i] = variances[confidence[i]];
+  for (int i = 0; i < block.count; ++i) {
+    block.u[i] = static_cast<float>(first + i);
+    const bool known = counts[i] != DisparityImage::kInvalid;
+    const float px = static_cast<float>(counts[i]) / DisparityImage::kCountsPerPixel;
+    fresh.disparity[i] = known ? px : kNone;
+    fresh.variance[i] = known ? fresh.variance[i] : kNoVariance;
+  }
+}
+
+// (T7) and (T8). The result takes the place of what was found.
+HWY_INLINE void Fuse(const FusionRule& rule_in_memory, const Fresh& fresh, Block& block) {
+  const FusionRule rule = rule_in_memory;
+  for (int i = 0; i < block.count; ++i) {
+    const float d = block.found[i];
+    const bool known = (d > kHalfNone) & (fresh.growth[i] > 0);
+    const float v = block.variance[i] * fresh.growth[i];
+    const float r = fresh.variance[i];
+    const float difference = fresh.disparity[i] - d;
+    const float sigmas = rule.gate_sigmas * std::sqrt(v + r);
+    const float gate = std::min(std::max(sigmas, rule.gate_min_px), rule.gate_max_px);
+    const float gain = std::max(v / (v + r), rule.min_gain);
+    const bool agree = known & (std::abs(difference) < gate);
+    const bool older = known & (v < r);  // is surer
+    const float chosen = older ? d : fresh.disparity[i];
+    const float its_variance = older ? kDisputed * v : r;
+    block.found[i] = agree ? d + gain * difference : chosen;
+    const float variance = agree ? (1 - gain) * v : its_variance;
+    block.variance[i] = std::min(std::max(variance, kLeastVariance), kLargestVariance);
+  }
+}
+
+HWY_INLINE void Store(const FusionRow& row, int first, const Block& block) {
+  std::copy_n(block.found, block.count, row.fused + first);
+  std::copy_n(block.variance, block.count, row.fused_variance + first);
+  alignas(64) int32_t counts[kBlock];
+  for (int i = 0; i < block.count; ++i) {
+    const bool known = block.found[i] > kHalfNone;
+    // Rounded half up: cut off a number that is above 0.
+    constexpr float kUp = -DisparityImage::kInvalid;
+    const float up = (known ? block.found[i] : 0) * DisparityImage::kCountsPerPixel + (kUp + 0.5F);
+    const int32_t count = static_cast<int32_t>(up) + DisparityImage::kInvalid;
+    counts[i] = known ? count : DisparityImage::kInvalid;
+  }
+  int16_t* const to = row.fused_counts + first;
+  for (int i = 0; i < block.count; ++i) to[i] = static_cast<int16_t>(counts[i]);
+  uint8_t* const confidence = row.fused_confidence + first;
+  for (int i = 0; i < block.count; ++i) {
+    const bool known = counts[i] != DisparityImage::kInvalid;
+    confidence[i] = known ? row.scale->ConfidenceOf(block.variance[i]) : uint8_t{0};
+  }
+}
+
 void FuseOnTarget(const Memory& memory, const FusionRule& rule, const FusionRow& row) {
   Block block;
-  alignas(64) float growth[kBlock], fresh[kBlock], fresh_variance[kBlock];
+  Fresh fresh;
   for (int first = 0; first < memory.disparity.width; first += kBlock) {
     block.count = std::min(kBlock, memory.disparity.width - first);
-    for (int i = 0; i < block.count; ++i) {
-      const int cell = (first + i) / 2;
-      block.u[i] = static_cast<float>(first + i);
-      block.start[i] = row.cells[cell];
-      growth[i] = row.growth[cell];
-      const int16_t count = row.counts[first + i];
-      const bool known = count != DisparityImage::kInvalid;
-      fresh[i] = known ? static_cast<float>(count) / DisparityImage::kCountsPerPixel : kNone;
-      fresh_variance[i] = known ? row.variances[row.confidence[first + i]] : kNoVariance;
-    }
+    Load(row, first, block, fresh);
     Aim(memory, row.v, block);
     Find(memory, block);
     FindAgain(memory, row.counts + first, row.v, block);
-    float* const fused = row.fused + first;
-    float* const fused_variance = row.fused_variance + first;
-    for (int i = 0; i < block.count; ++i) {
-      const float d = block.found[i];
-      const bool known = (d > kHalfNone) & (growth[i] > 0);
-      const float v = block.variance[i] * growth[i];
-      const float r = fresh_variance[i];
-      const float difference = fresh[i] - d;
-      const float gate = std::min(
-          std::max(rule.gate_sigmas * std::sqrt(v + r), rule.gate_min_px), rule.gate_max_px);
-      const float gain = std::max(v / (v + r), rule.min_gain);
-      const bool agree = known & (std::abs(difference) < gate);
-      const bool older = known & (v < r);  // is surer
-      fused[i] = agree ? d + gain * difference : older ? d : fresh[i];
-      const float variance = agree ? (1 - gain) * v : older ? kDisputed * v : r;
-      fused_variance[i] = std::min(std::max(variance, kLeastVariance), kLargestVariance);
-    }
+    Fuse(rule, fresh, block);
+    Store(row, first, block);
   }
 }
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "services/temporal/confidence_scale.h"
+
 namespace sprout::temporal {
 
 /// A pixel of a map without a disparity.
@@ -40,7 +42,7 @@ struct Memory {
 
 /// Cells of 2×2 pixels: a coarse map of where the memory lies in the new image.
 /// Moves the nearest disparity of every cell, and keeps the nearest of what falls into one: (T3).
-/// @param cells  row by row, (width + 1)/2 × (height + 1)/2, all kNone.
+/// @param cells  row by row, (width + 1)/2 × (height + 1)/2 and one more on every side, all kNone.
 void SplatCells(const Memory& memory, float* cells);
 
 /// For the upper left pixel of every cell of a row: its disparity in the memory, in place of the one
@@ -62,9 +64,11 @@ struct FusionRow {
   const float* growth;       ///< of the variance, of each cell, (T6); 0: the memory is dropped
   const int16_t* counts;     ///< the new disparity map
   const uint8_t* confidence;
-  const float* variances;    ///< px², of each confidence
+  const ConfidenceScale* scale;
   float* fused;              ///< px, or kNone
   float* fused_variance;     ///< px²
+  int16_t* fused_counts;     ///< the same disparity in counts
+  uint8_t* fused_confidence;
 };
 void FuseRow(const Memory& memory, const FusionRule& rule, const FusionRow& row);
 

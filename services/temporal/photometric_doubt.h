@@ -20,13 +20,11 @@ class PhotometricDoubt {
   void Compute(const cv::Mat1b& grey, const cv::Mat1f& differences, cv::Mat1f& growth);
 
  private:
-  float Growth(float excess_grey) const;
-
-  static constexpr int kSteps = 16;    // of the table, in an e-fold
-  static constexpr int kMostFolds = 8; // exp(8) times any variance is no knowledge
+  static constexpr int kSteps = 16;               // of the table, in an e-fold
+  static constexpr int kMostSteps = 8 * kSteps;   // exp(8) times any variance is no knowledge
 
   float doubt_grey_, drop_grey_;
-  std::array<float, kSteps * kMostFolds + 1> growth_;  // by steps
+  std::array<float, kMostSteps + 2> growth_;  // by steps; the last one drops
   cv::Mat1f means_, spreads_;                          // memory
 };
 

@@ -106,8 +106,11 @@ TemporalOutput TemporalFilter::Compute(const TemporalInput& input) {
   EstimateMotionOf(input);
   Renew(now_.disparity, input.left.size());
   Renew(now_.variance, input.left.size());
-  now_.motion.reset == MemoryReset::kNone ? Fuse(input) : Begin(input);
-  return Output();
+  TemporalOutput output{.disparity = DisparityImage(cv::Mat1s(input.left.size())),
+                        .confidence = cv::Mat1b(input.left.size()),
+                        .motion = now_.motion};
+  now_.motion.reset == MemoryReset::kNone ? Fuse(input, output) : Begin(input, output);
+  return output;
 }
 
 void TemporalFilter::EstimateMotionOf(const TemporalInput& input) {
@@ -144,18 +147,21 @@ void TemporalFilter::EstimateMotionOf(const TemporalInput& input) {
   motion.resets = motion.reset == MemoryReset::kFirst ? 0 : before_.motion.resets + 1;
 }
 
-void TemporalFilter::Begin(const TemporalInput& input) {
+void TemporalFilter::Begin(const TemporalInput& input, TemporalOutput& output) {
   const auto& variances = scale_.variances();
+  input.disparity.counts().copyTo(output.disparity.counts());
   for (int v = 0; v < input.left.rows; ++v) {
     for (int u = 0; u < input.left.cols; ++u) {
       const bool known = input.disparity.IsValid(u, v);
+      const uint8_t confidence = known ? input.confidence(v, u) : uint8_t{0};
+      output.confidence(v, u) = confidence;
       now_.disparity(v, u) = known ? input.disparity.Px(u, v) : kNone;
-      now_.variance(v, u) = known ? variances[input.confidence(v, u)] : variances[0];
+      now_.variance(v, u) = variances[confidence];
     }
   }
 }
 
-void TemporalFilter::Fuse(const TemporalInput& input) {
+void TemporalFilter::Fuse(const TemporalInput& input, TemporalOutput& output) {
   const auto drift_px = static_cast<float>(config_.drift_px());
   const Memory memory{
       .disparity = ViewOf(before_.disparity),
@@ -165,15 +171,16 @@ void TemporalFilter::Fuse(const TemporalInput& input) {
       .last_from_now = PixelMotionOf(now_.left_from_last.Inverse(), input.pair),
       .offset_px = static_cast<float>(input.pair.cx_right - input.pair.cx),
       .drift_px2 = drift_px * drift_px};
+  // Around them a border.
   const cv::Size cells((input.left.cols + 1) / 2, (input.left.rows + 1) / 2);
-  Renew(cells_, cells);
+  Renew(cells_, {cells.width + 2, cells.height + 2});
   Renew(differences_, cells);
   cells_ = kNone;
   SplatCells(memory, cells_[0]);
   const View<uint8_t> grey = ViewOf(input.left);
   ForRangesParallel(cells.height, cells.height / kRowsPerPart + 1, [&](const cv::Range& rows) {
     for (int v = rows.start; v < rows.end; ++v) {
-      LookUpCells(memory, grey, v, cells_[v], differences_[v]);
+      LookUpCells(memory, grey, v, cells_[v + 1] + 1, differences_[v]);
     }
   });
   doubt_.Compute(input.left, differences_, growth_);
@@ -186,38 +193,17 @@ void TemporalFilter::Fuse(const TemporalInput& input) {
     for (int v = rows.start; v < rows.end; ++v) {
       FuseRow(memory, rule,
               {.v = v,
-               .cells = cells_[v / 2],
+               .cells = cells_[v / 2 + 1] + 1,
                .growth = growth_[v / 2],
                .counts = input.disparity.counts()[v],
                .confidence = input.confidence[v],
-               .variances = scale_.variances().data(),
+               .scale = &scale_,
                .fused = now_.disparity[v],
-               .fused_variance = now_.variance[v]});
+               .fused_variance = now_.variance[v],
+               .fused_counts = output.disparity.counts()[v],
+               .fused_confidence = output.confidence[v]});
     }
   });
-}
-
-TemporalOutput TemporalFilter::Output() const {
-  const cv::Size size = now_.disparity.size();
-  TemporalOutput output{.disparity = DisparityImage(cv::Mat1s(size)),
-                        .confidence = cv::Mat1b(size),
-                        .motion = now_.motion};
-  ForRangesParallel(size.height, size.height / kRowsPerPart + 1, [&](const cv::Range& rows) {
-    for (int v = rows.start; v < rows.end; ++v) {
-      const float* const px = now_.disparity[v];
-      const float* const variance = now_.variance[v];
-      int16_t* const counts = output.disparity.counts()[v];
-      uint8_t* const confidence = output.confidence[v];
-      for (int u = 0; u < size.width; ++u) {
-        // Rounded half up; what a map can hold is far above the least number.
-        const float count = std::floor(px[u] * DisparityImage::kCountsPerPixel + 0.5F);
-        const bool known = count > DisparityImage::kInvalid && count <= INT16_MAX;
-        counts[u] = known ? static_cast<int16_t>(count) : DisparityImage::kInvalid;
-        confidence[u] = known ? scale_.ConfidenceOf(variance[u]) : uint8_t{0};
-      }
-    }
-  });
-  return output;
 }
 
 }  // namespace sprout::temporal

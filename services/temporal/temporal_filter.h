@@ -60,9 +60,8 @@ class TemporalFilter {
 
   MemoryReset ReasonToForget(const TemporalInput& input) const;
   void EstimateMotionOf(const TemporalInput& input);
-  void Begin(const TemporalInput& input);
-  void Fuse(const TemporalInput& input);
-  TemporalOutput Output() const;
+  void Begin(const TemporalInput& input, TemporalOutput& output);
+  void Fuse(const TemporalInput& input, TemporalOutput& output);
 
   TemporalConfig config_;
   ConfidenceScale scale_;
