@@ -10,6 +10,7 @@
 #include <string_view>
 #include <variant>
 
+#include "common/core/camera_motion.h"
 #include "common/core/depth_image.h"
 #include "common/core/disparity_image.h"
 #include "common/core/frame_id.h"
@@ -34,8 +35,11 @@ enum class Part {
   kConfidence,  ///< how far its disparities can be trusted
   kDepth,       ///< depth of the left image, with its intrinsics
   kCloud,       ///< its points
+  kFused,            ///< disparity map fused with earlier frames
+  kFusedConfidence,  ///< how far its disparities can be trusted
+  kMotion,           ///< how the left camera moved since the last frame
 };
-inline constexpr int kPartCount = static_cast<int>(Part::kCloud) + 1;
+inline constexpr int kPartCount = static_cast<int>(Part::kMotion) + 1;
 
 /// A set of parts.
 class PartSet {
@@ -54,7 +58,8 @@ class PartSet {
 
 /// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for the confidence.
 using PartValue =
-    std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap, DepthImage, PointCloud>;
+    std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap, DepthImage, PointCloud,
+                 CameraMotion>;
 
 /// The parts of one capture, and of what was computed from it, that a stage asked for; the other
 /// parts are empty.
@@ -72,6 +77,9 @@ struct Frame {
   cv::Mat confidence;  ///< 8UC1
   std::optional<DepthImage> depth;
   std::optional<PointCloud> cloud;
+  std::optional<DisparityImage> fused;
+  cv::Mat fused_confidence;  ///< 8UC1
+  std::optional<CameraMotion> motion;
 
   /// No parts: `left` and `right` in grey, where one has made them for several stages; else empty.
   cv::Mat1b left_grey, right_grey;
@@ -91,7 +99,7 @@ using PartMember =
     std::variant<cv::Mat Frame::*, std::optional<TofImage> Frame::*, std::optional<Rig> Frame::*,
                  std::optional<SeedSet> Frame::*, std::optional<DisparityImage> Frame::*,
                  std::optional<PriorMap> Frame::*, std::optional<DepthImage> Frame::*,
-                 std::optional<PointCloud> Frame::*>;
+                 std::optional<PointCloud> Frame::*, std::optional<CameraMotion> Frame::*>;
 
 /// Properties of a part.
 struct PartRow {
@@ -115,6 +123,9 @@ inline constexpr PartRow kPartTable[] = {
     {Part::kConfidence, "SPROUT_CONFIDENCE", &Frame::confidence},
     {Part::kDepth, "SPROUT_DEPTH", &Frame::depth},
     {Part::kCloud, "SPROUT_CLOUD", &Frame::cloud},
+    {Part::kFused, "SPROUT_FUSED", &Frame::fused},
+    {Part::kFusedConfidence, "SPROUT_FUSED_CONFIDENCE", &Frame::fused_confidence},
+    {Part::kMotion, "SPROUT_MOTION", &Frame::motion},
 };
 static_assert(std::size(kPartTable) == kPartCount);
 
