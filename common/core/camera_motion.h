@@ -23,6 +23,7 @@ struct RigidMotion {
     return {(rotation * other.rotation).normalized(),
             rotation * other.translation_m + translation_m};
   }
+  bool operator==(const RigidMotion&) const = default;
 };
 
 /// Why a temporal stage forgot what it knew, and its motion is not known.
@@ -50,6 +51,8 @@ struct CameraMotion {
   int32_t inliers = 0;    ///< points that move as the motion says
   MemoryReset reset = MemoryReset::kFirst;
   int64_t resets = 0;  ///< since the stage began, without the first frame
+
+  bool operator==(const CameraMotion&) const = default;
 };
 
 }  // namespace sprout
