@@ -11,8 +11,8 @@
 namespace sprout::temporal {
 namespace {
 
-constexpr int kCellColumns = 40;
-constexpr int kCellRows = 25;
+constexpr int kCellColumns = 32;
+constexpr int kCellRows = 20;
 constexpr int kPointsPerPart = 16;
 
 // Least smaller eigenvalue: differences of two grey levels over 2 px, summed over 3×3 pixels.

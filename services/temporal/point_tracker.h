@@ -14,7 +14,7 @@ struct TrackedPoint {
   cv::Point2d after;
 };
 
-/// The strongest corner in each of 40×25 cells of an image, so that no object has most of them: the
+/// The strongest corner in each of 32×20 cells of an image, so that no object has most of them: the
 /// pixel with the largest smaller eigenvalue of the structure tensor (Shi and Tomasi, CVPR 1994),
 /// where that says that there is texture in all directions.
 /// @returns px of the pyramid's finest level. O(pixels).

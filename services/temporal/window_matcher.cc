@@ -19,8 +19,9 @@ constexpr int kSide = 16;      // of the window, px
 constexpr int kGreyBits = 3;   // parts of a grey level that windows keep: 256 products of two
                                // differences of at most 2¹¹ fit 32 bits
 constexpr int kMostSteps = 10;
-// A step shorter than this ends the search, parts of a pixel: 1/32 px.
-constexpr int kShortStep = kPositionParts / 32;
+// A step shorter than this ends the search, parts of a pixel. What is left has the sign of the motion,
+// so a coarser end would make every motion too short.
+constexpr int kShortStep = kPositionParts / 64;
 // Smaller eigenvalue of the structure tensor, a pixel of the window, of a texture of one grey level
 // a pixel, in the units below (differences over 2 px, parts of a grey level).
 constexpr double kLeastTexture = (2 << kGreyBits) * (2 << kGreyBits) / 2.0;
@@ -86,8 +87,17 @@ bool MatchOnTarget(const GreyView& before, Place place, const GreyView& after, P
     suv += a * b;
     svv += b * b;
   }
+  int32_t sg = 0, sgg = 0, sgu = 0, sgv = 0;
+  for (int i = 0; i < kCount; ++i) {
+    const int32_t g = grey[i];
+    sg += g;
+    sgg += g * g;
+    sgu += g * slope_u[i];
+    sgv += g * slope_v[i];
+  }
   const double mean_u = double(su) / kCount;
   const double mean_v = double(sv) / kCount;
+  const double own_contrast = sgg - sg * (double(sg) / kCount);
   const double uu = suu - su * mean_u;
   const double uv = suv - su * mean_v;
   const double vv = svv - sv * mean_v;
@@ -101,15 +111,19 @@ bool MatchOnTarget(const GreyView& before, Place place, const GreyView& after, P
     if (!IsInside(after, now, kSide)) return false;
     alignas(64) int16_t there[kCount];
     Sample<kSide, kSide>(after, now, there);
-    int32_t sd = 0, sdu = 0, sdv = 0;
+    int32_t st = 0, stt = 0, stu = 0, stv = 0;
     for (int i = 0; i < kCount; ++i) {
-      const int32_t difference = grey[i] - there[i];
-      sd += difference;
-      sdu += difference * slope_u[i];
-      sdv += difference * slope_v[i];
+      const int32_t t = there[i];
+      st += t;
+      stt += t * t;
+      stu += t * slope_u[i];
+      stv += t * slope_v[i];
     }
-    const double du = sdu - sd * mean_u;
-    const double dv = sdv - sd * mean_v;
+    const double contrast = stt - st * (double(st) / kCount);
+    if (!(contrast > 0)) return false;
+    const double gain = std::sqrt(own_contrast / contrast);
+    const double du = (sgu - sg * mean_u) - gain * (stu - st * mean_u);
+    const double dv = (sgv - sg * mean_v) - gain * (stv - st * mean_v);
     // Slopes are differences over 2 px.
     const double u = 2 * kPositionParts * (vv * du - uv * dv) / determinant;
     const double v = 2 * kPositionParts * (uu * dv - uv * du) / determinant;

@@ -24,7 +24,8 @@ struct Place {
 };
 
 /// Looks for the window around `place` of one image in another one, beginning at `found`: steps of
-/// Gauss and Newton on the squared differences of grey values, each taken less the window's mean.
+/// Gauss and Newton on the squared differences of grey values, each window brought to one mean and
+/// contrast.
 /// @returns whether a place was found: both windows stay inside, and there is texture.
 bool MatchWindow(const GreyView& before, Place place, const GreyView& after, Place& found);
 
