@@ -23,18 +23,18 @@ namespace sprout {
 
 /// What a frame is made of; each part travels in a message of its own.
 enum class Part {
-  kLeft,        ///< left rectified image, grey or BGR
-  kRight,       ///< right rectified image, grey or BGR
-  kTof,         ///< ToF range image
-  kRig,         ///< calibration; joined by rig_id, not by frame
-  kSeeds,       ///< refined seeds
-  kLeftSeeds,   ///< ToF points that only the left camera sees
-  kPrior,       ///< prior disparity map D_p and its standard deviation
-  kUnfilled,    ///< disparity map after growth, before gap filling
-  kDisparity,   ///< final disparity map
-  kConfidence,  ///< how far its disparities can be trusted
-  kDepth,       ///< depth of the left image, with its intrinsics
-  kCloud,       ///< its points
+  kLeft,             ///< left rectified image, grey or BGR
+  kRight,            ///< right rectified image, grey or BGR
+  kTof,              ///< ToF range image
+  kRig,              ///< calibration; joined by rig_id, not by frame
+  kSeeds,            ///< refined seeds
+  kLeftSeeds,        ///< ToF points that only the left camera sees
+  kPrior,            ///< prior disparity map D_p and its standard deviation
+  kUnfilled,         ///< disparity map after growth, before gap filling
+  kDisparity,        ///< final disparity map
+  kConfidence,       ///< how far its disparities can be trusted
+  kDepth,            ///< depth of the left image, with its intrinsics
+  kCloud,            ///< its points
   kFused,            ///< disparity map fused with earlier frames
   kFusedConfidence,  ///< how far its disparities can be trusted
   kMotion,           ///< how the left camera moved since the last frame
@@ -57,9 +57,8 @@ class PartSet {
 };
 
 /// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for the confidence.
-using PartValue =
-    std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap, DepthImage, PointCloud,
-                 CameraMotion>;
+using PartValue = std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap,
+                               DepthImage, PointCloud, CameraMotion>;
 
 /// The parts of one capture, and of what was computed from it, that a stage asked for; the other
 /// parts are empty.

@@ -50,17 +50,16 @@ motion_t ToMessage(const FrameId& id, const CameraMotion& motion) {
 }
 
 Result<CameraMotion> FromMessage(const motion_t& message) {
-  CameraMotion motion{
-      .last_from_left =
-          PoseOf(message.last_from_left_rotation, message.last_from_left_translation_m),
-      .start_from_left =
-          PoseOf(message.start_from_left_rotation, message.start_from_left_translation_m),
-      .last_seq = message.last_seq,
-      .start_seq = message.start_seq,
-      .tracked = message.tracked,
-      .inliers = message.inliers,
-      .reset = MemoryReset::kNone,
-      .resets = message.resets};
+  CameraMotion motion{.last_from_left = PoseOf(message.last_from_left_rotation,
+                                               message.last_from_left_translation_m),
+                      .start_from_left = PoseOf(message.start_from_left_rotation,
+                                                message.start_from_left_translation_m),
+                      .last_seq = message.last_seq,
+                      .start_seq = message.start_seq,
+                      .tracked = message.tracked,
+                      .inliers = message.inliers,
+                      .reset = MemoryReset::kNone,
+                      .resets = message.resets};
   Checks checks;
   checks.NotNegative("last_seq", message.last_seq)
       .NotNegative("start_seq", message.start_seq)

@@ -152,8 +152,8 @@ class MiddleburyDataset : public Dataset {
     if (config.tof() == "sr4000") {
       sr4000_.emplace(scene.pair, config.sr4000(), config.seed());
       rig_.tof = sr4000_->calibrated();
-      samples_.emplace(RenderSurface({scene.pair, sr4000_->actual()}, scene.truth, ToGrey(scene.left),
-                               ToGrey(scene.right)));
+      samples_.emplace(RenderSurface({scene.pair, sr4000_->actual()}, scene.truth,
+                                     ToGrey(scene.left), ToGrey(scene.right)));
     } else if (config.tof() == "grid") {
       rig_.tof = TofGridCamera(scene.pair, config.tof_grid_px());
       frame_.tof = SampleTofGrid(scene.pair, config.tof_grid_px(), scene.truth.left);

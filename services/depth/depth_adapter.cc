@@ -20,7 +20,8 @@ Input InputOf(const DepthConfig& config) {
   return {Part::kDisparity, Part::kConfidence};
 }
 
-std::string SizeComplaint(const Frame& frame, const char* name, cv::Size size, cv::Size confidence) {
+std::string SizeComplaint(const Frame& frame, const char* name, cv::Size size,
+                          cv::Size confidence) {
   if (frame.rig->pair.size() != size) {
     return std::string(name) + " of " + SizeText(size) + ": allowed is the calibrated size " +
            SizeText(frame.rig->pair.size());
@@ -58,8 +59,8 @@ StageResult DepthAdapter::Process(const Frame& frame) {
   const bool is_fused = config_.input() == DepthConfig::FUSED;
   const DisparityImage& disparity = is_fused ? *frame.fused : *frame.disparity;
   const cv::Mat& confidence = is_fused ? frame.fused_confidence : frame.confidence;
-  result.degenerate = SizeComplaint(frame, is_fused ? "FUSED" : "DISPARITY", disparity.size(),
-                                    confidence.size());
+  result.degenerate =
+      SizeComplaint(frame, is_fused ? "FUSED" : "DISPARITY", disparity.size(), confidence.size());
   if (!result.degenerate.empty()) return result;
   const RectifiedPair& pair = frame.rig->pair;
   if (config_.publish_depth()) {

@@ -6,7 +6,8 @@ int main(int argc, char** argv) {
       argc, argv, "depth",
       "Converts the final disparity map to depth in metres and to points.\n"
       "Joins SPROUT_DISPARITY (with depth { input: FUSED } SPROUT_FUSED), SPROUT_LEFT and\n"
-      "SPROUT_RIG, and the map's confidence unless depth { confidence: false }; publishes SPROUT_DEPTH and SPROUT_CLOUD, and with\n"
+      "SPROUT_RIG, and the map's confidence unless depth { confidence: false }; publishes "
+      "SPROUT_DEPTH and SPROUT_CLOUD, and with\n"
       "depth { publish_preview: true } SPROUT_PREVIEW, a picture for lcm-spy and other viewers.",
       [](const sprout::SproutConfig& config) {
         return std::make_unique<sprout::depth::DepthAdapter>(config.depth());

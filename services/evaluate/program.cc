@@ -197,8 +197,9 @@ void AddVideoFlags(CLI::App& flags, Options& options) {
       ->check(NumberIn(0.01, 1000.0))
       ->capture_default_str()
       ->needs(video);
-  flags.add_option("--image-noise", options.image_noise,
-                   "Gaussian noise on both images, standard deviation, grey levels")
+  flags
+      .add_option("--image-noise", options.image_noise,
+                  "Gaussian noise on both images, standard deviation, grey levels")
       ->check(NumberIn(0.0, 100.0))
       ->capture_default_str()
       ->needs(video);

@@ -71,7 +71,7 @@ std::string Row(const std::string& name, const char* method, const VideoFigures&
 }
 
 std::optional<double> MeanOf(const std::vector<VideoResult>& results,
-                             VideoFigures VideoResult::* method,
+                             VideoFigures VideoResult::*method,
                              const std::function<std::optional<double>(const VideoFigures&)>& of) {
   double sum = 0;
   for (const VideoResult& result : results) {
@@ -83,7 +83,7 @@ std::optional<double> MeanOf(const std::vector<VideoResult>& results,
 }
 
 VideoFigures MeanFigures(const std::vector<VideoResult>& results,
-                         VideoFigures VideoResult::* method) {
+                         VideoFigures VideoResult::*method) {
   const auto mean = [&](auto member) {
     return MeanOf(results, method, [member](const VideoFigures& figures) {
       return std::optional<double>(figures.*member);
@@ -141,11 +141,10 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
                                                            .disparity = *frame.disparity,
                                                            .confidence = frame.confidence,
                                                            .pair = rig.pair});
-    times_ms.push_back(std::chrono::duration<double, std::milli>(
-                           std::chrono::steady_clock::now() - begin)
-                           .count());
-    const RigidMotion moved =
-        result.motion_known ? motions[static_cast<size_t>(i)] : RigidMotion();
+    times_ms.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
+            .count());
+    const RigidMotion moved = result.motion_known ? motions[static_cast<size_t>(i)] : RigidMotion();
     if (result.motion_known) result.motion.Add(fused.motion, moved);
     const cv::Mat1f& truth = captured.truth.left;
     const cv::Mat1b mask = IsKitti(source) ? away.Add(captured.tof, rig, moved)
@@ -165,7 +164,8 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
 std::string VideoTable(const std::vector<VideoResult>& results) {
   std::string text =
       "| source | map | bad 1, % | bad 3, % | mean error, px | change error, px | trail, bad 3 | "
-      "covered, bad 3 | flicker, median | flicker, p95 |\n|---|---|---|---|---|---|---|---|---|---|\n";
+      "covered, bad 3 | flicker, median | flicker, p95 "
+      "|\n|---|---|---|---|---|---|---|---|---|---|\n";
   const auto rows = [&](const std::string& name, const VideoFigures& single,
                         const VideoFigures& average, const VideoFigures& fused) {
     text += Row(name, "single", single) + Row("", "average", average) + Row("", "fused", fused);
@@ -177,18 +177,18 @@ std::string VideoTable(const std::vector<VideoResult>& results) {
     rows("mean", MeanFigures(results, &VideoResult::single),
          MeanFigures(results, &VideoResult::average), MeanFigures(results, &VideoResult::fused));
   }
-  text += "\n| source | frames | motion known | way, m | error, % of the way | largest, mm | "
-          "turn error, degrees a frame | resets | filter, ms |\n|---|---|---|---|---|---|---|---|---|\n";
+  text +=
+      "\n| source | frames | motion known | way, m | error, % of the way | largest, mm | "
+      "turn error, degrees a frame | resets | filter, ms "
+      "|\n|---|---|---|---|---|---|---|---|---|\n";
   for (const VideoResult& result : results) {
     const MotionScore& motion = result.motion;
     const double degrees = motion.turn_error * 180 / CV_PI / std::max(1, motion.frames);
-    text += fmt::format("| {} | {} | {} | {:.3f} | {} | {:.1f} | {:.3f} | {} | {:.1f} |\n",
-                        result.source, result.frames, result.motion_known ? "yes" : "no",
-                        motion.way_m,
-                        motion.way_m > 0
-                            ? fmt::format("{:.2f}", 100 * motion.error_m / motion.way_m)
-                            : "–",
-                        1000 * motion.largest_m, degrees, motion.resets, result.filter_ms);
+    text += fmt::format(
+        "| {} | {} | {} | {:.3f} | {} | {:.1f} | {:.3f} | {} | {:.1f} |\n", result.source,
+        result.frames, result.motion_known ? "yes" : "no", motion.way_m,
+        motion.way_m > 0 ? fmt::format("{:.2f}", 100 * motion.error_m / motion.way_m) : "–",
+        1000 * motion.largest_m, degrees, motion.resets, result.filter_ms);
   }
   return text;
 }

@@ -194,8 +194,8 @@ void GridCells::FindColumnsAndRows() {
     columns_ = std::max(columns_, point.tof_u + 1);
     rows_ = std::max(rows_, point.tof_v + 1);
   }
-  // A ToF image of which so little is left has no intact cells, and its size may be made up. One row
-  // or column has no cells at all.
+  // A ToF image of which so little is left has no intact cells, and its size may be made up. One
+  // row or column has no cells at all.
   constexpr size_t kLeastShare = 8;
   if (columns_ < 2 || rows_ < 2 ||
       kLeastShare * known < static_cast<size_t>(columns_) * static_cast<size_t>(rows_)) {

@@ -30,7 +30,8 @@ inline constexpr float kLeastSupport = 0.25F;
 inline constexpr float kFarthestPx = 1.5F;
 // Variance of a disparity that won against another one: times this, since one of them is wrong.
 inline constexpr float kDisputed = 1.5F;
-// Variances are kept within these, px²: a seventh of a pixel is what rounding and calibration leave.
+// Variances are kept within these, px²: a seventh of a pixel is what rounding and calibration
+// leave.
 inline constexpr float kLeastVariance = 0.02F;
 inline constexpr float kLargestVariance = 16;
 // Of a pixel without a disparity.
@@ -61,15 +62,15 @@ HWY_INLINE float Third(const PixelMotion& motion, float u, float v, float rho) {
 // Pixels of a row, and what the memory knows of them.
 struct Block {
   int count = 0;
-  alignas(64) float u[kBlock];         // columns
-  alignas(64) float start[kBlock];     // disparity that says where to look, or kNone
-  alignas(64) float last_u[kBlock];    // where that is in the last image
+  alignas(64) float u[kBlock];       // columns
+  alignas(64) float start[kBlock];   // disparity that says where to look, or kNone
+  alignas(64) float last_u[kBlock];  // where that is in the last image
   alignas(64) float last_v[kBlock];
   alignas(64) float expected[kBlock];  // disparity there; far from all others where that is outside
   alignas(64) int32_t index[kBlock];   // of the pixel to the upper left of that place
   alignas(64) float around[4][kBlock];
   alignas(64) float variance[kBlock];
-  alignas(64) float found[kBlock];     // disparity now, or kNone
+  alignas(64) float found[kBlock];  // disparity now, or kNone
 };
 
 // Where a pixel is in the last image if it has the disparity `start`.
@@ -138,13 +139,11 @@ HWY_INLINE void Find(const Memory& memory, Block& block) {
     block.variance[i] = variance[v * variance_stride + u];
   }
   const float offset = memory.offset_px;
-  const float most =
-      std::min(static_cast<float>(memory.disparity.width), static_cast<float>(DisparityImage::kMaxPx));
+  const float most = std::min(static_cast<float>(memory.disparity.width),
+                              static_cast<float>(DisparityImage::kMaxPx));
   for (int i = 0; i < block.count; ++i) {
-    const float right =
-        block.last_u[i] - static_cast<float>(static_cast<int32_t>(block.last_u[i]));
-    const float below =
-        block.last_v[i] - static_cast<float>(static_cast<int32_t>(block.last_v[i]));
+    const float right = block.last_u[i] - static_cast<float>(static_cast<int32_t>(block.last_u[i]));
+    const float below = block.last_v[i] - static_cast<float>(static_cast<int32_t>(block.last_v[i]));
     const float weights[4] = {(1 - right) * (1 - below), right * (1 - below), (1 - right) * below,
                               right * below};
     const float expected = block.expected[i];
@@ -210,8 +209,8 @@ void SplatOnTarget(const Memory& memory, float* cells) {
               row[i] < static_cast<float>(rows))) {
           continue;
         }
-        // The cells to all sides, so that a surface that comes nearer has no holes. Both numbers are
-        // above −1, and the cells have a border.
+        // The cells to all sides, so that a surface that comes nearer has no holes. Both numbers
+        // are above −1, and the cells have a border.
         float* const above = cells + static_cast<ptrdiff_t>(row[i] + 1) * (columns + 2) +
                              static_cast<ptrdiff_t>(column[i] + 1);
         float* const below = above + columns + 2;

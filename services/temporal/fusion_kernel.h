@@ -36,8 +36,8 @@ struct Memory {
   View<uint8_t> grey;
   PixelMotion now_from_last;
   PixelMotion last_from_now;
-  float offset_px;           ///< cx_right − cx
-  float drift_px2;           ///< variance that a frame adds
+  float offset_px;  ///< cx_right − cx
+  float drift_px2;  ///< variance that a frame adds
 };
 
 /// Cells of 2×2 pixels: a coarse map of where the memory lies in the new image.
@@ -45,9 +45,9 @@ struct Memory {
 /// @param cells  row by row, (width + 1)/2 × (height + 1)/2 and one more on every side, all kNone.
 void SplatCells(const Memory& memory, float* cells);
 
-/// For the upper left pixel of every cell of a row: its disparity in the memory, in place of the one
-/// that was moved there (which stays where there is none), and the difference of its grey value to
-/// that of the last image.
+/// For the upper left pixel of every cell of a row: its disparity in the memory, in place of the
+/// one that was moved there (which stays where there is none), and the difference of its grey value
+/// to that of the last image.
 /// @param differences  −1 where there is no disparity.
 void LookUpCells(const Memory& memory, const View<uint8_t>& grey, int cell_row, float* cells,
                  float* differences);
@@ -60,14 +60,14 @@ struct FusionRule {
 /// What a row is fused from, and into.
 struct FusionRow {
   int v;
-  const float* cells;        ///< of this row, from LookUpCells()
-  const float* growth;       ///< of the variance, of each cell, (T6); 0: the memory is dropped
-  const int16_t* counts;     ///< the new disparity map
+  const float* cells;     ///< of this row, from LookUpCells()
+  const float* growth;    ///< of the variance, of each cell, (T6); 0: the memory is dropped
+  const int16_t* counts;  ///< the new disparity map
   const uint8_t* confidence;
   const ConfidenceScale* scale;
-  float* fused;              ///< px, or kNone
-  float* fused_variance;     ///< px²
-  int16_t* fused_counts;     ///< the same disparity in counts
+  float* fused;           ///< px, or kNone
+  float* fused_variance;  ///< px²
+  int16_t* fused_counts;  ///< the same disparity in counts
   uint8_t* fused_confidence;
 };
 void FuseRow(const Memory& memory, const FusionRule& rule, const FusionRow& row);

@@ -11,10 +11,10 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr int kSamples = 200;        // with half of the points inliers, all miss with 10⁻¹¹
-constexpr int kSampleSteps = 5;      // of Gauss and Newton; motions from frame to frame are small
+constexpr int kSamples = 200;    // with half of the points inliers, all miss with 10⁻¹¹
+constexpr int kSampleSteps = 5;  // of Gauss and Newton; motions from frame to frame are small
 constexpr int kRefineSteps = 4;
-constexpr double kNearestM = 1e-3;   // in front of the camera
+constexpr double kNearestM = 1e-3;  // in front of the camera
 constexpr double kChallenge = 1.1;
 
 // Of 64-bit numbers (Knuth's MMIX generator): the same draws everywhere.
@@ -32,8 +32,7 @@ class Draws {
 // A small motion: half the rotation vector as the vector part of a quaternion.
 RigidMotion SmallMotion(const Vector6& step) {
   RigidMotion motion;
-  motion.rotation =
-      Eigen::Quaterniond(1, step[0] / 2, step[1] / 2, step[2] / 2).normalized();
+  motion.rotation = Eigen::Quaterniond(1, step[0] / 2, step[1] / 2, step[2] / 2).normalized();
   motion.translation_m = step.tail<3>();
   return motion;
 }
@@ -130,9 +129,8 @@ class Estimator {
 
 MotionEstimate EstimateMotion(std::span<const SeenPoint> points, const RectifiedPair& pair,
                               const RigidMotion& as_before, const MotionRule& rule) {
-  MotionEstimate estimate{.left_from_last = {},
-                          .covariance = Matrix6::Zero(),
-                          .reset = MemoryReset::kFewPoints};
+  MotionEstimate estimate{
+      .left_from_last = {}, .covariance = Matrix6::Zero(), .reset = MemoryReset::kFewPoints};
   if (static_cast<int>(points.size()) < rule.min_inliers) return estimate;
   Estimator estimator(points, pair, rule);
   RigidMotion best;  // standing still

@@ -118,8 +118,9 @@ void TemporalFilter::EstimateMotionOf(const TemporalInput& input) {
   motion = CameraMotion();
   motion.reset = ReasonToForget(input);
   if (motion.reset == MemoryReset::kNone) {
-    const std::vector<SeenPoint> points = WithDepths(TrackCorners(before_.pyramid, now_.pyramid),
-                                                     before_.disparity, before_.variance, input.pair);
+    const std::vector<SeenPoint> points =
+        WithDepths(TrackCorners(before_.pyramid, now_.pyramid), before_.disparity, before_.variance,
+                   input.pair);
     const MotionRule rule{.inlier_px = config_.inlier_px() * now_.pyramid.scale,
                           .min_inliers = config_.min_inliers(),
                           .min_inlier_share = config_.min_inlier_percent() / 100};
@@ -136,8 +137,8 @@ void TemporalFilter::EstimateMotionOf(const TemporalInput& input) {
       motion.start_seq = before_.motion.start_seq;
       motion.resets = before_.motion.resets;
       for (size_t i = 0; i < motion.covariance.size(); ++i) {
-        motion.covariance[i] = estimate.covariance(static_cast<Eigen::Index>(i / 6),
-                                                   static_cast<Eigen::Index>(i % 6));
+        motion.covariance[i] =
+            estimate.covariance(static_cast<Eigen::Index>(i / 6), static_cast<Eigen::Index>(i % 6));
       }
       return;
     }
@@ -163,14 +164,13 @@ void TemporalFilter::Begin(const TemporalInput& input, TemporalOutput& output) {
 
 void TemporalFilter::Fuse(const TemporalInput& input, TemporalOutput& output) {
   const auto drift_px = static_cast<float>(config_.drift_px());
-  const Memory memory{
-      .disparity = ViewOf(before_.disparity),
-      .variance = ViewOf(before_.variance),
-      .grey = ViewOf(before_.left),
-      .now_from_last = PixelMotionOf(now_.left_from_last, input.pair),
-      .last_from_now = PixelMotionOf(now_.left_from_last.Inverse(), input.pair),
-      .offset_px = static_cast<float>(input.pair.cx_right - input.pair.cx),
-      .drift_px2 = drift_px * drift_px};
+  const Memory memory{.disparity = ViewOf(before_.disparity),
+                      .variance = ViewOf(before_.variance),
+                      .grey = ViewOf(before_.left),
+                      .now_from_last = PixelMotionOf(now_.left_from_last, input.pair),
+                      .last_from_now = PixelMotionOf(now_.left_from_last.Inverse(), input.pair),
+                      .offset_px = static_cast<float>(input.pair.cx_right - input.pair.cx),
+                      .drift_px2 = drift_px * drift_px};
   // Around them a border.
   const cv::Size cells((input.left.cols + 1) / 2, (input.left.rows + 1) / 2);
   Renew(cells_, {cells.width + 2, cells.height + 2});

@@ -15,12 +15,12 @@ HWY_BEFORE_NAMESPACE();
 namespace sprout::temporal {
 namespace HWY_NAMESPACE {
 
-constexpr int kSide = 16;      // of the window, px
-constexpr int kGreyBits = 3;   // parts of a grey level that windows keep: 256 products of two
-                               // differences of at most 2¹¹ fit 32 bits
+constexpr int kSide = 16;     // of the window, px
+constexpr int kGreyBits = 3;  // parts of a grey level that windows keep: 256 products of two
+                              // differences of at most 2¹¹ fit 32 bits
 constexpr int kMostSteps = 10;
-// A step shorter than this ends the search, parts of a pixel. What is left has the sign of the motion,
-// so a coarser end would make every motion too short.
+// A step shorter than this ends the search, parts of a pixel. What is left has the sign of the
+// motion, so a coarser end would make every motion too short.
 constexpr int kShortStep = kPositionParts / 64;
 // Smaller eigenvalue of the structure tensor, a pixel of the window, of a texture of one grey level
 // a pixel, in the units below (differences over 2 px, parts of a grey level).

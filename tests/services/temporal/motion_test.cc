@@ -28,8 +28,9 @@ std::vector<SeenPoint> Points(int count, const RigidMotion& left_from_last) {
     const double z = draw(1, 9);
     const Eigen::Vector3d before(draw(-0.6, 0.6) * z, draw(-0.45, 0.45) * z, z);
     const Eigen::Vector3d now = left_from_last.rotation * before + left_from_last.translation_m;
-    points.push_back({before, {kPair.focal_px * now.x() / now.z() + kPair.cx,
-                               kPair.focal_px * now.y() / now.z() + kPair.cy}});
+    points.push_back({before,
+                      {kPair.focal_px * now.x() / now.z() + kPair.cx,
+                       kPair.focal_px * now.y() / now.z() + kPair.cy}});
   }
   return points;
 }
@@ -37,7 +38,8 @@ std::vector<SeenPoint> Points(int count, const RigidMotion& left_from_last) {
 TEST(MotionEstimator, FindsAMotionBeyondManyOutliers) {
   const RigidMotion motion = Pose(0.1, -0.05, -0.4, 0.03);
   std::vector<SeenPoint> points = Points(400, motion);
-  for (size_t i = 0; i < 200; ++i) points[i].after_px += Eigen::Vector2d(9.0 + 0.3 * double(i % 50), -5);
+  for (size_t i = 0; i < 200; ++i)
+    points[i].after_px += Eigen::Vector2d(9.0 + 0.3 * double(i % 50), -5);
   const MotionEstimate estimate = EstimateMotion(points, kPair, {}, {});
   EXPECT_EQ(estimate.reset, MemoryReset::kNone);
   EXPECT_GE(estimate.inliers, 200);
@@ -95,7 +97,8 @@ TEST(PointTracker, FindsPointsToATenthOfAPixel) {
     const double v = before.pair.focal_px * now.y() / now.z() + before.pair.cy;
     close += std::hypot(u - point.after.x, v - point.after.y) < 0.1 ? 1 : 0;
   }
-  EXPECT_GT(close, static_cast<int>(points.size()) * 7 / 10);  // the others see the edge of the board
+  EXPECT_GT(close,
+            static_cast<int>(points.size()) * 7 / 10);  // the others see the edge of the board
 }
 
 TEST(PointTracker, DoesNotMindBrightness) {

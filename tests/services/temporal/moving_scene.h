@@ -13,8 +13,8 @@ namespace sprout::temporal {
 /// A textured wall with a textured board in front of it, seen by a camera that moves; exact truth.
 struct MovingScene {
   RectifiedPair pair;
-  cv::Mat1b left;    ///< what the left camera sees
-  cv::Mat1f truth;   ///< its disparities, px
+  cv::Mat1b left;   ///< what the left camera sees
+  cv::Mat1f truth;  ///< its disparities, px
 };
 
 /// @param world_from_left  pose of the camera; the wall stands at z = 4 m, the board at 2 m.

@@ -20,8 +20,8 @@ bool IsSame(const cv::Mat& a, const cv::Mat& b) {
 }
 
 bool IsSame(const TemporalOutput& a, const TemporalOutput& b) {
-  return IsSame(a.disparity.counts(), b.disparity.counts()) &&
-         IsSame(a.confidence, b.confidence) && a.motion == b.motion;
+  return IsSame(a.disparity.counts(), b.disparity.counts()) && IsSame(a.confidence, b.confidence) &&
+         a.motion == b.motion;
 }
 
 // The camera comes nearer, to the right, and turns.
