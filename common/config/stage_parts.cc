@@ -37,15 +37,25 @@ PartSet OutputsOf(const GrowConfig& config) {
   return outputs;
 }
 
+PartSet InputsOf(const TemporalConfig&) {
+  return {Part::kLeft, Part::kRig, Part::kDisparity, Part::kConfidence};
+}
+
+PartSet OutputsOf(const TemporalConfig&) {
+  return {Part::kFused, Part::kFusedConfidence, Part::kMotion};
+}
+
 PartSet InputsOf(std::string_view stage, const SproutConfig& config) {
   if (stage == "refine") return InputsOf(config.refine());
   if (stage == "prior") return InputsOf(config.prior());
+  if (stage == "temporal") return InputsOf(config.temporal());
   return InputsOf(config.grow());
 }
 
 PartSet OutputsOf(std::string_view stage, const SproutConfig& config) {
   if (stage == "refine") return OutputsOf(config.refine());
   if (stage == "prior") return OutputsOf(config.prior());
+  if (stage == "temporal") return OutputsOf(config.temporal());
   return OutputsOf(config.grow());
 }
 

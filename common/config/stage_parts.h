@@ -15,14 +15,16 @@ namespace sprout {
 PartSet InputsOf(const RefineConfig& config);
 PartSet InputsOf(const PriorConfig& config);
 PartSet InputsOf(const GrowConfig& config);
+PartSet InputsOf(const TemporalConfig& config);
 
 /// Parts that the stage adds to every frame that it answers.
 PartSet OutputsOf(const RefineConfig& config);
 PartSet OutputsOf(const PriorConfig& config);
 PartSet OutputsOf(const GrowConfig& config);
+PartSet OutputsOf(const TemporalConfig& config);
 
 /// The same by name.
-/// @pre stage is "refine", "prior" or "grow".
+/// @pre stage is "refine", "prior", "grow" or "temporal".
 PartSet InputsOf(std::string_view stage, const SproutConfig& config);
 PartSet OutputsOf(std::string_view stage, const SproutConfig& config);
 

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <variant>
 
+#include "common/core/camera_motion.h"
 #include "common/core/depth_image.h"
 #include "common/core/disparity_image.h"
 #include "common/core/frame_id.h"
@@ -22,21 +23,24 @@ namespace sprout {
 
 /// What a frame is made of; each part travels in a message of its own.
 enum class Part {
-  kLeft,        ///< left rectified image, grey or BGR
-  kRight,       ///< right rectified image, grey or BGR
-  kTof,         ///< ToF range image
-  kRig,         ///< calibration; joined by rig_id, not by frame
-  kSeeds,       ///< refined seeds
-  kLeftSeeds,   ///< ToF points that only the left camera sees
-  kPrior,       ///< prior disparity map D_p and its standard deviation
-  kUnfilled,    ///< disparity map after growth, before gap filling
-  kDisparity,   ///< final disparity map
-  kConfidence,  ///< the probability that a disparity is within 1 px of the true one
-  kSigma,       ///< standard deviation of the final disparities
-  kDepth,       ///< depth of the left image, with its intrinsics
-  kCloud,       ///< its points
+  kLeft,             ///< left rectified image, grey or BGR
+  kRight,            ///< right rectified image, grey or BGR
+  kTof,              ///< ToF range image
+  kRig,              ///< calibration; joined by rig_id, not by frame
+  kSeeds,            ///< refined seeds
+  kLeftSeeds,        ///< ToF points that only the left camera sees
+  kPrior,            ///< prior disparity map D_p and its standard deviation
+  kUnfilled,         ///< disparity map after growth, before gap filling
+  kDisparity,        ///< final disparity map
+  kConfidence,       ///< the probability that a disparity is within 1 px of the true one
+  kSigma,            ///< standard deviation of the final disparities
+  kDepth,            ///< depth of the left image, with its intrinsics
+  kCloud,            ///< its points
+  kFused,            ///< disparity map fused with earlier frames
+  kFusedConfidence,  ///< how far its disparities can be trusted
+  kMotion,           ///< how the left camera moved since the last frame
 };
-inline constexpr int kPartCount = static_cast<int>(Part::kCloud) + 1;
+inline constexpr int kPartCount = static_cast<int>(Part::kMotion) + 1;
 
 /// A set of parts.
 class PartSet {
@@ -53,10 +57,10 @@ class PartSet {
   std::bitset<kPartCount> bits_;
 };
 
-/// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for confidence and
+/// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for confidences and
 /// sigma.
-using PartValue =
-    std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap, DepthImage, PointCloud>;
+using PartValue = std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap,
+                               DepthImage, PointCloud, CameraMotion>;
 
 /// The parts of one capture, and of what was computed from it, that a stage asked for; the other
 /// parts are empty.
@@ -76,6 +80,9 @@ struct Frame {
   cv::Mat sigma;
   std::optional<DepthImage> depth;
   std::optional<PointCloud> cloud;
+  std::optional<DisparityImage> fused;
+  cv::Mat fused_confidence;  ///< 8UC1
+  std::optional<CameraMotion> motion;
 
   /// No parts: `left` and `right` in grey, where one has made them for several stages; else empty.
   cv::Mat1b left_grey, right_grey;
@@ -95,7 +102,7 @@ using PartMember =
     std::variant<cv::Mat Frame::*, std::optional<TofImage> Frame::*, std::optional<Rig> Frame::*,
                  std::optional<SeedSet> Frame::*, std::optional<DisparityImage> Frame::*,
                  std::optional<PriorMap> Frame::*, std::optional<DepthImage> Frame::*,
-                 std::optional<PointCloud> Frame::*>;
+                 std::optional<PointCloud> Frame::*, std::optional<CameraMotion> Frame::*>;
 
 /// Properties of a part.
 struct PartRow {
@@ -120,6 +127,9 @@ inline constexpr PartRow kPartTable[] = {
     {Part::kSigma, "SPROUT_SIGMA", &Frame::sigma},
     {Part::kDepth, "SPROUT_DEPTH", &Frame::depth},
     {Part::kCloud, "SPROUT_CLOUD", &Frame::cloud},
+    {Part::kFused, "SPROUT_FUSED", &Frame::fused},
+    {Part::kFusedConfidence, "SPROUT_FUSED_CONFIDENCE", &Frame::fused_confidence},
+    {Part::kMotion, "SPROUT_MOTION", &Frame::motion},
 };
 static_assert(std::size(kPartTable) == kPartCount);
 

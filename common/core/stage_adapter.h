@@ -39,7 +39,9 @@ class StageAdapter {
   virtual PartSet Inputs() const = 0;
 
   /// Answers one frame that has all Inputs(). Frames come one at a time, in any order of seq, and
-  /// the same frame may come twice; the answer depends on the frame only.
+  /// the same frame may come twice; the answer depends on the frame only. A stage with memory
+  /// (temporal) answers by all frames since it was made, and says so; the newest one again gets the
+  /// same answer again.
   virtual StageResult Process(const Frame& frame) = 0;
 };
 

@@ -57,6 +57,10 @@ struct ArrayTable<point_cloud_t> {
   static constexpr std::initializer_list<CountedArray> kArrays = {{0, 3 * sizeof(float) + 4}};
 };
 template <>
+struct ArrayTable<motion_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {};
+};
+template <>
 struct ArrayTable<stage_status_t> {
   static constexpr std::initializer_list<CountedArray> kArrays = {};
 };
@@ -307,6 +311,10 @@ struct MessageFor<DepthImage> {
 template <>
 struct MessageFor<PointCloud> {
   using Type = point_cloud_t;
+};
+template <>
+struct MessageFor<CameraMotion> {
+  using Type = motion_t;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <lcmtypes/sprout/disparity_image_t.hpp>
 #include <lcmtypes/sprout/header_t.hpp>
 #include <lcmtypes/sprout/image_t.hpp>
+#include <lcmtypes/sprout/motion_t.hpp>
 #include <lcmtypes/sprout/point_cloud_t.hpp>
 #include <lcmtypes/sprout/prior_t.hpp>
 #include <lcmtypes/sprout/process_info_t.hpp>
@@ -15,6 +16,7 @@
 #include <opencv2/core.hpp>
 #include <span>
 
+#include "common/core/camera_motion.h"
 #include "common/core/depth_image.h"
 #include "common/core/disparity_image.h"
 #include "common/core/frame_id.h"
@@ -86,6 +88,9 @@ Result<DepthImage> FromMessage(const depth_image_t& message);
 
 point_cloud_t ToMessage(const FrameId& id, const PointCloud& cloud);
 Result<PointCloud> FromMessage(const point_cloud_t& message);
+
+motion_t ToMessage(const FrameId& id, const CameraMotion& motion);
+Result<CameraMotion> FromMessage(const motion_t& message);
 
 stage_status_t ToMessage(const StageStatus& status);
 Result<StageStatus> FromMessage(const stage_status_t& message);

@@ -21,8 +21,8 @@ KnownType Known(MessageType type) {
           static_cast<uint64_t>(Message::getHash())};
 }
 
-const std::array<KnownType, 10>& KnownTypes() {
-  static const std::array<KnownType, 10> types = {Known<image_t>(MessageType::kImage),
+const std::array<KnownType, 11>& KnownTypes() {
+  static const std::array<KnownType, 11> types = {Known<image_t>(MessageType::kImage),
                                                   Known<tof_image_t>(MessageType::kTof),
                                                   Known<rig_t>(MessageType::kRig),
                                                   Known<seeds_t>(MessageType::kSeeds),
@@ -30,6 +30,7 @@ const std::array<KnownType, 10>& KnownTypes() {
                                                   Known<prior_t>(MessageType::kPrior),
                                                   Known<depth_image_t>(MessageType::kDepth),
                                                   Known<point_cloud_t>(MessageType::kCloud),
+                                                  Known<motion_t>(MessageType::kMotion),
                                                   Known<stage_status_t>(MessageType::kStatus),
                                                   Known<process_info_t>(MessageType::kProcess)};
   return types;

@@ -26,6 +26,7 @@ enum class MessageType {
   kPrior,
   kDepth,
   kCloud,
+  kMotion,
   kStatus,
   kProcess
 };

@@ -71,6 +71,8 @@ std::vector<std::string> SizeFields(Part part) {
       return {"width", "height"};
     case MessageType::kCloud:
       return {"count"};
+    case MessageType::kMotion:
+      return {"tracked", "reset"};
     case MessageType::kStatus:
     case MessageType::kProcess:
       break;

@@ -98,7 +98,19 @@ RectifiedPair PairOf(const KittiCalibFile& file, cv::Size size, const std::strin
   return pair;
 }
 
+// P2 = K · [I | t].
+Eigen::Vector3d LeftOffset(const KittiCalibFile& file) {
+  const auto left = file.Matrix<3, 4>("P2");
+  const double z = left(2, 3);
+  return {(left(0, 3) - left(0, 2) * z) / left(0, 0), (left(1, 3) - left(1, 2) * z) / left(0, 0),
+          z};
+}
+
 }  // namespace
+
+Eigen::Vector3d ReadKittiLeftOffset(const std::filesystem::path& path) {
+  return LeftOffset(KittiCalibFile(path));
+}
 
 RectifiedPair ReadKittiPair(const std::filesystem::path& path, cv::Size size, bool grey) {
   const KittiCalibFile file(path);
@@ -108,17 +120,11 @@ RectifiedPair ReadKittiPair(const std::filesystem::path& path, cv::Size size, bo
 KittiCalibration ReadKittiCalibration(const std::filesystem::path& path, cv::Size size) {
   const KittiCalibFile file(path);
   KittiCalibration calibration{.pair = PairOf(file, size, "P2", "P3")};
-  const RectifiedPair& pair = calibration.pair;
-  const auto left = file.Matrix<3, 4>("P2");
   const Eigen::Matrix3d rectification = Rotation(file, "R0_rect", file.Matrix<3, 3>("R0_rect"));
   const auto pose = file.Matrix<3, 4>("Tr_velo_to_cam");
-  // P2 = K · [I | t].
-  const double z = left(2, 3);
-  const Eigen::Vector3d t((left(0, 3) - pair.cx * z) / pair.focal_px,
-                          (left(1, 3) - pair.cy * z) / pair.focal_px, z);
   calibration.left_from_scanner.linear() =
       rectification * Rotation(file, "Tr_velo_to_cam", pose.leftCols<3>());
-  calibration.left_from_scanner.translation() = rectification * pose.col(3) + t;
+  calibration.left_from_scanner.translation() = rectification * pose.col(3) + LeftOffset(file);
   return calibration;
 }
 

@@ -20,6 +20,9 @@ struct KittiCalibration {
 /// P3, the colour cameras, or with `grey` P0 and P1. See ReadKittiCalibration().
 RectifiedPair ReadKittiPair(const std::filesystem::path& file, cv::Size size, bool grey = false);
 
+/// Where the left camera is: what to add to a point in the frame of camera 0, m, by P2.
+Eigen::Vector3d ReadKittiLeftOffset(const std::filesystem::path& file);
+
 /// Reads P2, P3, R0_rect and Tr_velo_to_cam; other keys are ignored. P = K · [I | t] places the
 /// cameras in the frame of camera 0, so a point is R0_rect · Tr_velo_to_cam · x + t of P2 in the
 /// left one, and the baseline is (P2[0, 3] − P3[0, 3]) / f.

@@ -150,14 +150,10 @@ class MiddleburyDataset : public Dataset {
   MiddleburyDataset(Scene scene, const CaptureConfig& config) {
     rig_.pair = scene.pair;
     if (config.tof() == "sr4000") {
-      const Sr4000 camera(scene.pair, config.sr4000(), config.seed());
-      rig_.tof = camera.calibrated();
-      const Sr4000Frame measured =
-          camera.Measure(RenderSurface({scene.pair, camera.actual()}, scene.truth,
-                                       ToGrey(scene.left), ToGrey(scene.right)),
-                         0);
-      frame_.tof = measured.tof;
-      frame_.unambiguous_range_m = measured.unambiguous_range_m;
+      sr4000_.emplace(scene.pair, config.sr4000(), config.seed());
+      rig_.tof = sr4000_->calibrated();
+      samples_.emplace(RenderSurface({scene.pair, sr4000_->actual()}, scene.truth,
+                                     ToGrey(scene.left), ToGrey(scene.right)));
     } else if (config.tof() == "grid") {
       rig_.tof = TofGridCamera(scene.pair, config.tof_grid_px());
       frame_.tof = SampleTofGrid(scene.pair, config.tof_grid_px(), scene.truth.left);
@@ -170,20 +166,28 @@ class MiddleburyDataset : public Dataset {
   const Rig& rig() const override { return rig_; }
   std::optional<int64_t> frame_count() const override { return 1; }
 
-  DatasetFrame Get([[maybe_unused]] int64_t index) override {
-    assert(index == 0);
+  // An index above 0 is the same scene again, with new noise of the ToF camera.
+  DatasetFrame Get(int64_t index) override {
+    assert(index >= 0);
     DatasetFrame copy;
     copy.left = frame_.left.clone();
     copy.right = frame_.right.clone();
-    copy.tof = {frame_.tof.depth_m.clone(), frame_.tof.amplitude.clone()};
     copy.truth = {frame_.truth.left.clone(), frame_.truth.right.clone()};
-    copy.unambiguous_range_m = frame_.unambiguous_range_m;
+    if (sr4000_) {
+      const Sr4000Frame measured = sr4000_->Measure(*samples_, index);
+      copy.tof = measured.tof;
+      copy.unambiguous_range_m = measured.unambiguous_range_m;
+    } else {
+      copy.tof = {frame_.tof.depth_m.clone(), frame_.tof.amplitude.clone()};
+    }
     return copy;
   }
 
  private:
   Rig rig_;
   DatasetFrame frame_;
+  std::optional<Sr4000> sr4000_;
+  std::optional<TofSamples> samples_;  // what it sees
 };
 
 }  // namespace

@@ -11,18 +11,27 @@
 namespace sprout::depth {
 namespace {
 
-std::string SizeComplaint(const Frame& frame) {
-  const cv::Size size = frame.disparity->size();
+// The parts that the configuration chooses.
+struct Input {
+  Part map_part, confidence_part;
+};
+Input InputOf(const DepthConfig& config) {
+  if (config.input() == DepthConfig::FUSED) return {Part::kFused, Part::kFusedConfidence};
+  return {Part::kDisparity, Part::kConfidence};
+}
+
+std::string SizeComplaint(const Frame& frame, const char* name, cv::Size size,
+                          cv::Size confidence) {
   if (frame.rig->pair.size() != size) {
-    return "DISPARITY of " + SizeText(size) + ": allowed is the calibrated size " +
+    return std::string(name) + " of " + SizeText(size) + ": allowed is the calibrated size " +
            SizeText(frame.rig->pair.size());
   }
   if (frame.left.size() != size) {
-    return "LEFT of " + SizeText(frame.left.size()) + ": allowed is DISPARITY's " + SizeText(size);
+    return "LEFT of " + SizeText(frame.left.size()) + ": allowed is " + name + "'s " +
+           SizeText(size);
   }
-  if (frame.confidence.empty() || frame.confidence.size() == size) return "";
-  return "CONFIDENCE of " + SizeText(frame.confidence.size()) + ": allowed is DISPARITY's " +
-         SizeText(size);
+  if (confidence.empty() || confidence == size) return "";
+  return "CONFIDENCE of " + SizeText(confidence) + ": allowed is " + name + "'s " + SizeText(size);
 }
 
 }  // namespace
@@ -38,29 +47,34 @@ DepthAdapter::DepthAdapter(const DepthConfig& config) : config_(config) {
 }
 
 PartSet DepthAdapter::Inputs() const {
-  PartSet inputs{Part::kDisparity, Part::kRig, Part::kLeft};
-  if (config_.publish_cloud() && config_.confidence()) inputs.Add(Part::kConfidence);
+  const Input input = InputOf(config_);
+  PartSet inputs{input.map_part, Part::kRig, Part::kLeft};
+  if (config_.publish_cloud() && config_.confidence()) inputs.Add(input.confidence_part);
   return inputs;
 }
 
 StageResult DepthAdapter::Process(const Frame& frame) {
   StageResult result;
   if (frame.id.seq % config_.every() != 0) return result;
-  result.degenerate = SizeComplaint(frame);
+  const bool is_fused = config_.input() == DepthConfig::FUSED;
+  const DisparityImage& disparity = is_fused ? *frame.fused : *frame.disparity;
+  const cv::Mat& confidence = is_fused ? frame.fused_confidence : frame.confidence;
+  result.degenerate =
+      SizeComplaint(frame, is_fused ? "FUSED" : "DISPARITY", disparity.size(), confidence.size());
   if (!result.degenerate.empty()) return result;
   const RectifiedPair& pair = frame.rig->pair;
   if (config_.publish_depth()) {
     const int scale = std::min({config_.scale(), pair.width, pair.height});
     result.outputs.push_back(
-        {Part::kDepth, DepthOf(*frame.disparity, pair, config_.mm_per_count() / 1000, scale)});
+        {Part::kDepth, DepthOf(disparity, pair, config_.mm_per_count() / 1000, scale)});
   }
   if (config_.publish_cloud()) {
     const CloudThinning thinning{config_.cloud_stride(), config_.cloud_voxel_m()};
     result.outputs.push_back(
-        {Part::kCloud, CloudOf(*frame.disparity, pair, frame.left, frame.confidence, thinning)});
+        {Part::kCloud, CloudOf(disparity, pair, frame.left, confidence, thinning)});
   }
   if (config_.publish_preview()) {
-    result.preview = PreviewOf(frame.left, *frame.disparity, pair);
+    result.preview = PreviewOf(frame.left, disparity, pair);
   }
   return result;
 }

@@ -19,6 +19,7 @@
 #include "services/evaluate/result_files.h"
 #include "services/evaluate/run_pictures.h"
 #include "services/evaluate/tables.h"
+#include "services/evaluate/video.h"
 
 namespace sprout::evaluate {
 namespace {
@@ -41,6 +42,10 @@ struct Options {
   std::string csv;
   std::string images;
   bool quiet = false;
+  bool video = false;
+  int video_frames = 10;
+  double video_rate_hz = 10;
+  double image_noise = 0;
 };
 
 constexpr char kDescription[] =
@@ -179,6 +184,31 @@ void AddLogFlags(CLI::App& flags, Options& options) {
       ->needs(log);
 }
 
+void AddVideoFlags(CLI::App& flags, Options& options) {
+  CLI::Option* video = flags.add_flag(
+      "--video", options.video,
+      "Frame after frame: what sprout-temporal gains, and a running average. SCENE is a source as "
+      "capture has them: kitti:DIR?beams=16, synthetic:640x480?tof=sr4000, middlebury:DIR");
+  flags.add_option("--video-frames", options.video_frames, "Of each source, at most")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str()
+      ->needs(video);
+  flags.add_option("--video-rate", options.video_rate_hz, "Frames a second")
+      ->check(NumberIn(0.01, 1000.0))
+      ->capture_default_str()
+      ->needs(video);
+  flags
+      .add_option("--image-noise", options.image_noise,
+                  "Gaussian noise on both images, standard deviation, grey levels")
+      ->check(NumberIn(0.0, 100.0))
+      ->capture_default_str()
+      ->needs(video);
+  for (const char* other : {"--methods", "--tof", "--seed-noise-px", "--seed-jitter-px", "--repeat",
+                            "--json", "--csv", "--images", "--log"}) {
+    video->excludes(flags.get_option(other));
+  }
+}
+
 // What to load and what to call it in the results.
 struct Preset {
   std::vector<std::string> files;
@@ -268,6 +298,25 @@ int RunScenes(const Options& options) {
   return 0;
 }
 
+int RunVideo(const Options& options) {
+  if (options.scenes.empty()) throw ConfigError("no SCENE; allowed: sources of video");
+  cv::setNumThreads(options.threads);
+  const VideoSettings settings{.config = LoadConfig(PresetOf(options).files),
+                               .frames = options.video_frames,
+                               .rate_hz = options.video_rate_hz,
+                               .image_noise = options.image_noise};
+  Progress progress(options.quiet);
+  std::vector<VideoResult> results;
+  for (const std::string& source : options.scenes) {
+    results.push_back(EvaluateVideo(source, settings, [&](int frame) {
+      progress.Show(source + ": frame " + std::to_string(frame));
+    }));
+  }
+  progress.Clear();
+  std::cout << VideoTable(results);
+  return 0;
+}
+
 int RunLog(const Options& options, const ReadLog& read_log) {
   RequireWritable(options);
   std::unique_ptr<datasets::Dataset> truth;
@@ -296,9 +345,11 @@ int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log) {
   AddInputFlags(flags, options);
   AddRunFlags(flags, options);
   AddLogFlags(flags, options);
+  AddVideoFlags(flags, options);
   flags.set_version_flag("--version", "sprout-evaluate " + Version());
   flags.footer([] { return MethodsHelp() + kDefinitions; });
   return RunProgram(flags, argc, argv, [&] {
+    if (options.video) return RunVideo(options);
     return options.log.file.empty() ? RunScenes(options) : RunLog(options, read_log);
   });
 }

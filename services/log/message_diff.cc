@@ -120,6 +120,13 @@ MessageDiff CompareValue(const PointCloud& a, const PointCloud& b) {
                                b.points.size(), in_a - a.points.begin()));
 }
 
+MessageDiff CompareValue(const CameraMotion& a, const CameraMotion& b) {
+  if (a == b) return Equal();
+  const RigidMotion difference = a.last_from_left.Inverse() * b.last_from_left;
+  return Different(fmt::format("motions differ by {:.6f} m; {} and {} inliers",
+                               difference.translation_m.norm(), a.inliers, b.inliers));
+}
+
 std::string HeaderText(const FrameId& a, const FrameId& b) {
   if (a.rig_id != b.rig_id) return "rig_id " + a.rig_id + " and " + b.rig_id;
   return "headers differ";

@@ -319,6 +319,13 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
       .def_property_readonly(
           "sigma_px", [](const PyFrame& f) { return SigmaArray(f.frame.sigma); },
           "Optional[numpy.ndarray]: (H, W) float32, standard deviation of the disparity, px.")
+      .def_property_readonly(
+          "fused",
+          [](const PyFrame& f) { return ToArray(f.frame.fused.value_or(DisparityImage())); },
+          "Optional[numpy.ndarray]: (H, W) float32, px, fused with earlier frames; NaN: none.")
+      .def_property_readonly(
+          "fused_confidence", [](const PyFrame& f) { return ToArray(f.frame.fused_confidence); },
+          "Optional[numpy.ndarray]: (H, W) uint8, of fused, 0 (least) to 255.")
       .def_property_readonly("depth_m", &DepthArray,
                              "Optional[numpy.ndarray]: (H, W) float32, z, m; NaN: none.")
       .def_property_readonly("intrinsics", &IntrinsicsOf,

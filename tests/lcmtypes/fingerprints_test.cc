@@ -7,6 +7,7 @@
 #include <lcmtypes/sprout/disparity_image_t.hpp>
 #include <lcmtypes/sprout/header_t.hpp>
 #include <lcmtypes/sprout/image_t.hpp>
+#include <lcmtypes/sprout/motion_t.hpp>
 #include <lcmtypes/sprout/point_cloud_t.hpp>
 #include <lcmtypes/sprout/prior_t.hpp>
 #include <lcmtypes/sprout/process_info_t.hpp>
@@ -42,6 +43,7 @@ TEST(Fingerprints, AreThoseOfTheReleasedTypes) {
   ExpectFingerprint<disparity_image_t>(0x7c2bcd9fc2da90ca);
   ExpectFingerprint<depth_image_t>(0x1eda51eb5050532f);
   ExpectFingerprint<point_cloud_t>(0x3a56f4aa266bfe61);
+  ExpectFingerprint<motion_t>(0xba6a79476000dc4f);
   ExpectFingerprint<stage_status_t>(0x70764dd093aba24e);
   ExpectFingerprint<process_info_t>(0x2462780294b2d3dd);
 }

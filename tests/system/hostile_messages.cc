@@ -31,8 +31,11 @@ HostileMessages::HostileMessages(const check::TestFrame& good, uint32_t seed)
   values_[Part::kUnfilled] = good.recorded.value();
   values_[Part::kDepth] = DepthOf(cv::Mat1w(good.rig().pair.size(), uint16_t{1500}));
   values_[Part::kCloud] = PointCloud{{{.position_m = {0, 0, 1}, .bgr = {}}}};
-  values_[Part::kConfidence] = cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(200));
   values_[Part::kSigma] = cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(8));
+  values_[Part::kFused] = good.recorded.value();
+  values_[Part::kMotion] = CameraMotion{};
+  values_[Part::kFusedConfidence] = values_[Part::kConfidence] =
+      cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(200));
 }
 
 // Numbers that break sums, products and indices.
@@ -213,6 +216,12 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
       PointCloud cloud;
       cloud.points.resize(Below(20'000), {.position_m = {0, 0, 1}, .bgr = {}});
       return cloud;
+    }
+    case Part::kMotion: {
+      CameraMotion motion;
+      motion.last_from_left.translation_m = {place(9), place(9), place(9)};
+      motion.resets = Below(1000);
+      return motion;
     }
     default: {
       DisparityImage map(size);

@@ -34,7 +34,8 @@ std::vector<bool> Filled(const Frame& frame) {
           frame.rig.has_value(),     frame.seeds.has_value(),    frame.left_seeds.has_value(),
           frame.prior.has_value(),   frame.unfilled.has_value(), frame.disparity.has_value(),
           !frame.confidence.empty(), !frame.sigma.empty(),       frame.depth.has_value(),
-          frame.cloud.has_value()};
+          frame.cloud.has_value(),   frame.fused.has_value(),    !frame.fused_confidence.empty(),
+          frame.motion.has_value()};
 }
 
 PartValue ValueFor(Part part) {
@@ -43,6 +44,7 @@ PartValue ValueFor(Part part) {
     case Part::kRight:
     case Part::kConfidence:
     case Part::kSigma:
+    case Part::kFusedConfidence:
       return cv::Mat(2, 3, CV_8UC1, cv::Scalar(9));
     case Part::kTof:
       return TofImage{.depth_m = cv::Mat1f(1, 1, 2.0F), .amplitude = {}};
@@ -57,6 +59,8 @@ PartValue ValueFor(Part part) {
       return DepthImage{.counts = cv::Mat1w(2, 3)};
     case Part::kCloud:
       return PointCloud{};
+    case Part::kMotion:
+      return CameraMotion{};
     default:
       return DisparityImage(cv::Size(3, 2));
   }

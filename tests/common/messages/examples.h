@@ -108,6 +108,20 @@ inline PointCloud Cloud() {
   return {.points = {{{0.5F, -0.25F, 2}, {10, 20, 30}, 200}, {{-3, 0, 7.5F}, {255, 0, 1}, 0}}};
 }
 
+inline CameraMotion Motion() {
+  CameraMotion motion;
+  motion.last_from_left = {Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5), {0.25, -1, 3}};
+  motion.start_from_left = {Eigen::Quaterniond(0, 0, 1, 0), {-7, 8, 9.5}};
+  for (size_t i = 0; i < motion.covariance.size(); ++i) motion.covariance[i] = 0.125 * double(i);
+  motion.last_seq = 41;
+  motion.start_seq = 3;
+  motion.tracked = 500;
+  motion.inliers = 400;
+  motion.reset = MemoryReset::kNone;
+  motion.resets = 2;
+  return motion;
+}
+
 inline StageStatus Status() {
   StageStatus status;
   status.newest_frame = Id();
@@ -210,6 +224,7 @@ inline std::vector<Wire> AllWires() {
           wire("zstd disparity", Part::kDisparity, Disparity(), DisparityEncoding::kDeltaZstd),
           wire("depth", Part::kDepth, Depth()),
           wire("cloud", Part::kCloud, Cloud()),
+          wire("motion", Part::kMotion, Motion()),
           Wire{"process", EncodeProcessInfo(Process()), std::nullopt, MessageType::kProcess},
           Wire{"status", EncodeStatus(Status()), std::nullopt}};
 }

@@ -70,6 +70,28 @@ TEST(ImageMessage, DoesNotShareMemoryWithTheMessage) {
   ExpectSamePixels(*image, examples::GreyImage());
 }
 
+TEST(MotionMessage, CarriesAll) {
+  EXPECT_EQ(RoundTrip(Part::kMotion, examples::Motion()), examples::Motion());
+}
+
+TEST(MotionMessage, IsRefusedWithoutARotationOrWithNumbersThatCannotBe) {
+  const auto error_of = [](auto change) {
+    motion_t message = ToMessage(examples::Id(), examples::Motion());
+    change(message);
+    const Result<CameraMotion> motion = FromMessage(message);
+    return motion ? "" : motion.error().text;
+  };
+  EXPECT_EQ(error_of([](motion_t&) {}), "");
+  EXPECT_THAT(error_of([](motion_t& m) { m.last_from_left_rotation[0] = 2; }),
+              HasSubstr("last_from_left_rotation norm"));
+  EXPECT_THAT(error_of([](motion_t& m) { m.start_from_left_translation_m[1] = NAN; }),
+              HasSubstr("start_from_left_translation_m"));
+  EXPECT_THAT(error_of([](motion_t& m) { m.covariance[35] = INFINITY; }), HasSubstr("covariance"));
+  EXPECT_THAT(error_of([](motion_t& m) { m.inliers = 501; }), HasSubstr("inliers"));
+  EXPECT_THAT(error_of([](motion_t& m) { m.reset = 7; }), HasSubstr("reset"));
+  EXPECT_THAT(error_of([](motion_t& m) { m.resets = -1; }), HasSubstr("resets"));
+}
+
 TEST(TofMessage, CarriesDepthWithNanAndNoAmplitude) {
   const TofImage tof = RoundTrip(Part::kTof, examples::Tof(false));
   ExpectSamePixels(tof.depth_m, examples::Tof(false).depth_m);

@@ -57,6 +57,21 @@ TEST(DepthAdapter, JoinsWhatItNeeds) {
   EXPECT_EQ(DepthAdapter(config).Inputs(), (PartSet{Part::kDisparity, Part::kRig, Part::kLeft}));
 }
 
+TEST(DepthAdapter, TakesTheFusedMapWhenToldTo) {
+  DepthConfig config;
+  config.set_input(DepthConfig::FUSED);
+  DepthAdapter adapter(config);
+  EXPECT_EQ(adapter.Inputs(),
+            (PartSet{Part::kFused, Part::kRig, Part::kLeft, Part::kFusedConfidence}));
+  Frame frame = FrameOf(7);
+  frame.fused = DisparityImage(cv::Mat1s(frame.left.size(), int16_t{640}));
+  frame.fused_confidence = cv::Mat(frame.left.size(), CV_8UC1, cv::Scalar(50));
+  frame.disparity.reset();
+  EXPECT_EQ(AddAnswer(adapter, frame), "");
+  EXPECT_EQ(frame.depth->Metres(0, 0), 0.5);
+  EXPECT_EQ(frame.cloud->points[0].confidence, 50);
+}
+
 TEST(DepthAdapter, LeavesOutWhatIsNotAskedFor) {
   DepthConfig config;
   config.set_publish_cloud(false);

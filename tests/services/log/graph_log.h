@@ -64,6 +64,8 @@ inline PartValue LogValue(Part part, int64_t seq) {
       return examples::Depth();
     case MessageType::kCloud:
       return examples::Cloud();
+    case MessageType::kMotion:
+      return examples::Motion();
     case MessageType::kDisparity:
     case MessageType::kStatus:
     case MessageType::kProcess:

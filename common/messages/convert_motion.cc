@@ -1,0 +1,81 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "common/core/checks.h"
+#include "common/messages/convert.h"
+
+namespace sprout {
+namespace {
+
+void FillPose(const RigidMotion& pose, double (&rotation)[4], double (&translation_m)[3]) {
+  rotation[0] = pose.rotation.w();
+  rotation[1] = pose.rotation.x();
+  rotation[2] = pose.rotation.y();
+  rotation[3] = pose.rotation.z();
+  std::copy(pose.translation_m.begin(), pose.translation_m.end(), translation_m);
+}
+
+RigidMotion PoseOf(const double (&rotation)[4], const double (&translation_m)[3]) {
+  return {Eigen::Quaterniond(rotation[0], rotation[1], rotation[2], rotation[3]),
+          Eigen::Vector3d(translation_m)};
+}
+
+void CheckPose(Checks& checks, const std::string& name, const RigidMotion& pose) {
+  const auto& q = pose.rotation;
+  const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
+  checks.Require(std::abs(norm - 1) < 1e-6, (name + "_rotation norm").c_str(), norm, "1");
+  for (const double value : pose.translation_m) {
+    checks.Finite((name + "_translation_m").c_str(), value);
+  }
+}
+
+}  // namespace
+
+motion_t ToMessage(const FrameId& id, const CameraMotion& motion) {
+  motion_t message;
+  message.header = ToMessage(id);
+  message.last_seq = motion.last_seq;
+  message.start_seq = motion.start_seq;
+  message.resets = motion.resets;
+  message.tracked = motion.tracked;
+  message.inliers = motion.inliers;
+  message.reset = static_cast<int32_t>(motion.reset);
+  FillPose(motion.last_from_left, message.last_from_left_rotation,
+           message.last_from_left_translation_m);
+  FillPose(motion.start_from_left, message.start_from_left_rotation,
+           message.start_from_left_translation_m);
+  std::copy(motion.covariance.begin(), motion.covariance.end(), message.covariance);
+  return message;
+}
+
+Result<CameraMotion> FromMessage(const motion_t& message) {
+  CameraMotion motion{.last_from_left = PoseOf(message.last_from_left_rotation,
+                                               message.last_from_left_translation_m),
+                      .start_from_left = PoseOf(message.start_from_left_rotation,
+                                                message.start_from_left_translation_m),
+                      .last_seq = message.last_seq,
+                      .start_seq = message.start_seq,
+                      .tracked = message.tracked,
+                      .inliers = message.inliers,
+                      .reset = MemoryReset::kNone,
+                      .resets = message.resets};
+  Checks checks;
+  checks.NotNegative("last_seq", message.last_seq)
+      .NotNegative("start_seq", message.start_seq)
+      .NotNegative("resets", message.resets)
+      .NotNegative("tracked", message.tracked)
+      .Require(message.inliers >= 0 && message.inliers <= message.tracked, "inliers",
+               message.inliers, "0 to tracked")
+      .Require(message.reset >= 0 && message.reset < kMemoryResets, "reset", message.reset,
+               "one of the RESET constants");
+  CheckPose(checks, "last_from_left", motion.last_from_left);
+  CheckPose(checks, "start_from_left", motion.start_from_left);
+  for (const double value : message.covariance) checks.Finite("covariance", value);
+  if (!checks.ok()) return checks.error();
+  motion.reset = static_cast<MemoryReset>(message.reset);
+  std::copy_n(message.covariance, motion.covariance.size(), motion.covariance.begin());
+  return motion;
+}
+
+}  // namespace sprout

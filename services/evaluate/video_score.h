@@ -1,0 +1,73 @@
+#ifndef SPROUT_SERVICES_EVALUATE_VIDEO_SCORE_H_
+#define SPROUT_SERVICES_EVALUATE_VIDEO_SCORE_H_
+
+#include <cstdint>
+#include <deque>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "common/core/camera_motion.h"
+
+namespace sprout::evaluate {
+
+/// Figures of the maps of a video; nothing for what cannot be said.
+struct VideoFigures {
+  double bad1_percent = 0;  ///< error > 1 px, or no disparity
+  double bad3_percent = 0;
+  double mean_px = 0;    ///< error, at most 50 px, which is that of no disparity
+  double change_px = 0;  ///< mean of |Δd − Δd_gt| from frame to frame at one pixel, at most 20 px
+  std::optional<double> trail_percent;    ///< bad 3 where something nearer was in the last 3 frames
+  std::optional<double> covered_percent;  ///< bad 3 where something nearer came
+  /// Of a scene that stands still: standard deviation of a pixel over the frames, px.
+  std::optional<double> flicker_median_px;
+  std::optional<double> flicker_p95_px;
+};
+
+/// Scores the maps of a video, one method's. The first frames are not scored: the memory of a
+/// filter fills.
+class VideoScore {
+ public:
+  static constexpr int kFirstScored = 2;
+
+  /// @param map_px, truth_px  NaN = none.
+  /// @param mask              pixels to score.
+  void Add(const cv::Mat1f& map_px, const cv::Mat1f& truth_px, const cv::Mat1b& mask);
+
+  VideoFigures figures() const;
+
+ private:
+  struct Share {
+    int64_t pixels = 0, bad = 0;
+    std::optional<double> percent() const;
+  };
+  void AddErrors(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask);
+  void AddChanges(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask);
+  void AddSpread(const cv::Mat1f& map);
+
+  std::deque<cv::Mat1f> truths_;  // of the newest frames
+  cv::Mat1f last_map_;
+  int frames_ = 0;
+  bool still_ = true;  // the truth has not changed yet
+  Share bad1_, bad3_, trail_, covered_;
+  double error_sum_ = 0, change_sum_ = 0;
+  int64_t changes_ = 0;
+  cv::Mat1d sums_, squares_;
+};
+
+/// How far measured motions are from the true ones.
+class MotionScore {
+ public:
+  void Add(const CameraMotion& measured, const RigidMotion& true_left_from_last);
+
+  int frames = 0;
+  int resets = 0;         ///< without the first frame
+  double way_m = 0;       ///< true
+  double error_m = 0;     ///< sum over the frames
+  double largest_m = 0;   ///< error of a frame
+  double turn_error = 0;  ///< rad, sum
+};
+
+}  // namespace sprout::evaluate
+
+#endif  // SPROUT_SERVICES_EVALUATE_VIDEO_SCORE_H_

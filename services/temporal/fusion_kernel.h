@@ -1,0 +1,77 @@
+#ifndef SPROUT_SERVICES_TEMPORAL_FUSION_KERNEL_H_
+#define SPROUT_SERVICES_TEMPORAL_FUSION_KERNEL_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "services/temporal/confidence_scale.h"
+
+namespace sprout::temporal {
+
+/// A pixel of a map without a disparity.
+inline constexpr float kNone = -1e9F;
+
+/// Where a pixel (u, v) of one left image with the shifted disparity ρ = d + cx_right − cx is in
+/// another one, (T3): the homogeneous point H · (u, v, 1) + ρ t, whose third number w gives ρ/w.
+struct PixelMotion {
+  std::array<std::array<float, 3>, 3> h;
+  std::array<float, 3> t;
+};
+
+/// A map or an image as the kernels read it; float or grey.
+template <typename T>
+struct View {
+  const T* pixels;
+  ptrdiff_t stride;  // elements from row to row
+  int width, height;
+
+  const T* Row(int v) const { return pixels + v * stride; }
+};
+
+/// What was known at the last frame, and how the camera moved since.
+struct Memory {
+  View<float> disparity;  ///< px, or kNone
+  View<float> variance;   ///< px²
+  View<uint8_t> grey;
+  PixelMotion now_from_last;
+  PixelMotion last_from_now;
+  float offset_px;  ///< cx_right − cx
+  float drift_px2;  ///< variance that a frame adds
+};
+
+/// Cells of 2×2 pixels: a coarse map of where the memory lies in the new image.
+/// Moves the nearest disparity of every cell, and keeps the nearest of what falls into one: (T3).
+/// @param cells  row by row, (width + 1)/2 × (height + 1)/2 and one more on every side, all kNone.
+void SplatCells(const Memory& memory, float* cells);
+
+/// For the upper left pixel of every cell of a row: its disparity in the memory, in place of the
+/// one that was moved there (which stays where there is none), and the difference of its grey value
+/// to that of the last image.
+/// @param differences  −1 where there is no disparity.
+void LookUpCells(const Memory& memory, const View<uint8_t>& grey, int cell_row, float* cells,
+                 float* differences);
+
+/// How disparities are fused, (T7) and (T8).
+struct FusionRule {
+  float gate_sigmas, gate_min_px, gate_max_px, min_gain;
+};
+
+/// What a row is fused from, and into.
+struct FusionRow {
+  int v;
+  const float* cells;     ///< of this row, from LookUpCells()
+  const float* growth;    ///< of the variance, of each cell, (T6); 0: the memory is dropped
+  const int16_t* counts;  ///< the new disparity map
+  const uint8_t* confidence;
+  const ConfidenceScale* scale;
+  float* fused;           ///< px, or kNone
+  float* fused_variance;  ///< px²
+  int16_t* fused_counts;  ///< the same disparity in counts
+  uint8_t* fused_confidence;
+};
+void FuseRow(const Memory& memory, const FusionRule& rule, const FusionRow& row);
+
+}  // namespace sprout::temporal
+
+#endif  // SPROUT_SERVICES_TEMPORAL_FUSION_KERNEL_H_

@@ -1,0 +1,84 @@
+#include "services/temporal/temporal_adapter.h"
+
+#include <string>
+#include <utility>
+
+#include "common/core/image.h"
+
+namespace sprout::temporal {
+namespace {
+
+std::string SizeComplaint(const Frame& frame) {
+  const cv::Size size = frame.rig->pair.size();
+  const std::pair<const char*, cv::Size> parts[] = {{"LEFT", frame.left.size()},
+                                                    {"DISPARITY", frame.disparity->size()},
+                                                    {"CONFIDENCE", frame.confidence.size()}};
+  for (const auto& [name, its_size] : parts) {
+    if (its_size != size) {
+      return std::string(name) + " of " + SizeText(its_size) + ": allowed is the calibrated size " +
+             SizeText(size);
+    }
+  }
+  return frame.confidence.channels() == 1 ? "" : "CONFIDENCE in colour: allowed is grey";
+}
+
+// A frame that cannot be used: a map like LEFT without a disparity, no motion.
+StageResult Refusal(const Frame& frame, std::string reason) {
+  CameraMotion motion;
+  motion.reset = MemoryReset::kOtherRig;
+  motion.last_seq = motion.start_seq = frame.id.seq;
+  return {.outputs = {{Part::kFused, DisparityImage(frame.left.size())},
+                      {Part::kFusedConfidence, cv::Mat(frame.left.size(), CV_8UC1, cv::Scalar(0))},
+                      {Part::kMotion, motion}},
+          .degenerate = std::move(reason)};
+}
+
+}  // namespace
+
+std::string ReasonText(const CameraMotion& motion) {
+  const std::string points =
+      std::to_string(motion.inliers) + " of " + std::to_string(motion.tracked) + " points";
+  switch (motion.reset) {
+    case MemoryReset::kNone:
+    case MemoryReset::kFirst:
+      return "";
+    case MemoryReset::kOtherRig:
+      return "earlier frames forgotten: another rig or image size";
+    case MemoryReset::kBackwards:
+      return "earlier frames forgotten: seq or time went back";
+    case MemoryReset::kGap:
+      return "earlier frames forgotten: too long since the last one";
+    case MemoryReset::kFewPoints:
+      return "earlier frames forgotten: only " + std::to_string(motion.tracked) +
+             " points could be tracked";
+    case MemoryReset::kNoAgreement:
+      return "earlier frames forgotten: only " + points + " move as one";
+  }
+  return "";
+}
+
+StageResult TemporalAdapter::Process(const Frame& frame) {
+  if (std::string complaint = SizeComplaint(frame); !complaint.empty()) {
+    return Refusal(frame, std::move(complaint));
+  }
+  // The filter keeps the picture; what it was made of may be used again.
+  const cv::Mat& left = GreyestLeft(frame);
+  cv::Mat1b grey;
+  if (left.channels() == 1) {
+    left.copyTo(grey);
+  } else {
+    grey = ToGrey(left, grey);
+  }
+  TemporalOutput output = filter_.Compute({.id = frame.id,
+                                           .left = grey,
+                                           .disparity = *frame.disparity,
+                                           .confidence = frame.confidence,
+                                           .pair = frame.rig->pair});
+  StageResult result{.outputs = {}, .degenerate = ReasonText(output.motion)};
+  result.outputs.push_back({Part::kFused, std::move(output.disparity)});
+  result.outputs.push_back({Part::kFusedConfidence, cv::Mat(output.confidence)});
+  result.outputs.push_back({Part::kMotion, output.motion});
+  return result;
+}
+
+}  // namespace sprout::temporal

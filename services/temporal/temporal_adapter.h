@@ -1,0 +1,33 @@
+#ifndef SPROUT_SERVICES_TEMPORAL_TEMPORAL_ADAPTER_H_
+#define SPROUT_SERVICES_TEMPORAL_TEMPORAL_ADAPTER_H_
+
+#include "common/config/stage_parts.h"
+#include "common/core/stage_adapter.h"
+#include "services/temporal/temporal_filter.h"
+
+namespace sprout::temporal {
+
+/// LEFT RIG DISPARITY CONFIDENCE → FUSED FUSED_CONFIDENCE MOTION. A stage with memory: answers
+/// depend on the frames since it was made.
+class TemporalAdapter : public StageAdapter {
+ public:
+  /// @throws ConfigError for a value out of range.
+  explicit TemporalAdapter(const TemporalConfig& config) : config_(config), filter_(config) {}
+
+  PartSet Inputs() const override { return InputsOf(config_); }
+
+  /// Always answers. The result says why the memory was lost, but for the first frame. Parts of
+  /// different sizes give no disparity, and change nothing that is remembered.
+  StageResult Process(const Frame& frame) override;
+
+ private:
+  TemporalConfig config_;
+  TemporalFilter filter_;
+};
+
+/// Why the memory was lost, for people.
+std::string ReasonText(const CameraMotion& motion);
+
+}  // namespace sprout::temporal
+
+#endif  // SPROUT_SERVICES_TEMPORAL_TEMPORAL_ADAPTER_H_

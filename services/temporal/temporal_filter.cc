@@ -1,0 +1,209 @@
+#include "services/temporal/temporal_filter.h"
+
+#include <cassert>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "common/core/parallel.h"
+#include "services/temporal/motion_estimator.h"
+#include "services/temporal/point_tracker.h"
+
+namespace sprout::temporal {
+namespace {
+
+constexpr int kRowsPerPart = 16;
+
+// Points whose disparity is less sure than this, px², or smaller, px, say nothing of the way.
+constexpr float kMostPointVariance = 1;
+constexpr float kLeastPointDisparity = 0.5F;
+
+template <typename T>
+View<T> ViewOf(const cv::Mat_<T>& map) {
+  return {map[0], static_cast<ptrdiff_t>(map.step1()), map.cols, map.rows};
+}
+
+// (T3): H = K R K⁻¹ and t = K t / (f b).
+PixelMotion PixelMotionOf(const RigidMotion& motion, const RectifiedPair& pair) {
+  Eigen::Matrix3d camera;
+  camera << pair.focal_px, 0, pair.cx, 0, pair.focal_px, pair.cy, 0, 0, 1;
+  Eigen::Matrix3d inverse;
+  inverse << 1 / pair.focal_px, 0, -pair.cx / pair.focal_px, 0, 1 / pair.focal_px,
+      -pair.cy / pair.focal_px, 0, 0, 1;
+  const Eigen::Matrix3d h = camera * motion.rotation.toRotationMatrix() * inverse;
+  const Eigen::Vector3d t = camera * motion.translation_m / (pair.focal_px * pair.baseline_m);
+  PixelMotion result;
+  for (size_t i = 0; i < 3; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    for (size_t j = 0; j < 3; ++j) {
+      result.h[i][j] = static_cast<float>(h(row, static_cast<Eigen::Index>(j)));
+    }
+    result.t[i] = static_cast<float>(t[row]);
+  }
+  return result;
+}
+
+// Tracked points with the depths that the memory knows.
+std::vector<SeenPoint> WithDepths(const std::vector<TrackedPoint>& points,
+                                  const cv::Mat1f& disparity, const cv::Mat1f& variance,
+                                  const RectifiedPair& pair) {
+  std::vector<SeenPoint> seen;
+  seen.reserve(points.size());
+  for (const TrackedPoint& point : points) {
+    const auto u = static_cast<int>(point.before.x + 0.5);
+    const auto v = static_cast<int>(point.before.y + 0.5);
+    const float d = disparity(v, u);
+    const double z = pair.DepthFromDisparity(static_cast<double>(d));
+    if (!(d > kLeastPointDisparity) || !(variance(v, u) <= kMostPointVariance) || !(z > 0)) {
+      continue;
+    }
+    seen.push_back({.before_m = Eigen::Vector3d((point.before.x - pair.cx) / pair.focal_px * z,
+                                                (point.before.y - pair.cy) / pair.focal_px * z, z),
+                    .after_px = {point.after.x, point.after.y}});
+  }
+  return seen;
+}
+
+const TemporalConfig& InRange(const TemporalConfig& config) {
+  RequireInRange(config, "temporal");
+  if (config.gate_min_px() > config.gate_max_px()) {
+    throw ConfigError("temporal.gate_min_px: above temporal.gate_max_px; allowed: at most that");
+  }
+  return config;
+}
+
+}  // namespace
+
+TemporalFilter::TemporalFilter(const TemporalConfig& config)
+    : config_(InRange(config)), doubt_(config.doubt_grey(), config.drop_grey()) {}
+
+void TemporalFilter::Reset() {
+  before_.known = false;
+  now_.known = false;
+}
+
+MemoryReset TemporalFilter::ReasonToForget(const TemporalInput& input) const {
+  if (!before_.known) return MemoryReset::kFirst;
+  if (before_.id.rig_id != input.id.rig_id || before_.left.size() != input.left.size()) {
+    return MemoryReset::kOtherRig;
+  }
+  if (input.id.seq <= before_.id.seq || input.id.utime <= before_.id.utime) {
+    return MemoryReset::kBackwards;
+  }
+  const double gap_s = static_cast<double>(input.id.utime - before_.id.utime) * 1e-6;
+  return gap_s > config_.max_gap_s() ? MemoryReset::kGap : MemoryReset::kNone;
+}
+
+TemporalOutput TemporalFilter::Compute(const TemporalInput& input) {
+  assert(input.left.size() == input.pair.size() && input.disparity.size() == input.pair.size() &&
+         input.confidence.size() == input.pair.size());
+  // The frame of the last call again: from what was known before it.
+  if (!(now_.known && now_.id == input.id)) std::swap(before_, now_);
+  now_.known = true;
+  now_.id = input.id;
+  now_.left = input.left;
+  now_.pyramid = BuildPyramid(input.left);
+  EstimateMotionOf(input);
+  Renew(now_.disparity, input.left.size());
+  Renew(now_.variance, input.left.size());
+  TemporalOutput output{.disparity = DisparityImage(cv::Mat1s(input.left.size())),
+                        .confidence = cv::Mat1b(input.left.size()),
+                        .motion = now_.motion};
+  now_.motion.reset == MemoryReset::kNone ? Fuse(input, output) : Begin(input, output);
+  return output;
+}
+
+void TemporalFilter::EstimateMotionOf(const TemporalInput& input) {
+  CameraMotion& motion = now_.motion;
+  motion = CameraMotion();
+  motion.reset = ReasonToForget(input);
+  if (motion.reset == MemoryReset::kNone) {
+    const std::vector<SeenPoint> points =
+        WithDepths(TrackCorners(before_.pyramid, now_.pyramid), before_.disparity, before_.variance,
+                   input.pair);
+    const MotionRule rule{.inlier_px = config_.inlier_px() * now_.pyramid.scale,
+                          .min_inliers = config_.min_inliers(),
+                          .min_inlier_share = config_.min_inlier_percent() / 100};
+    const MotionEstimate estimate =
+        EstimateMotion(points, input.pair, before_.left_from_last, rule);
+    motion.reset = estimate.reset;
+    motion.tracked = static_cast<int32_t>(points.size());
+    motion.inliers = estimate.inliers;
+    now_.left_from_last = estimate.left_from_last;
+    if (motion.reset == MemoryReset::kNone) {
+      motion.last_from_left = estimate.left_from_last.Inverse();
+      motion.start_from_left = before_.motion.start_from_left * motion.last_from_left;
+      motion.last_seq = before_.id.seq;
+      motion.start_seq = before_.motion.start_seq;
+      motion.resets = before_.motion.resets;
+      for (size_t i = 0; i < motion.covariance.size(); ++i) {
+        motion.covariance[i] =
+            estimate.covariance(static_cast<Eigen::Index>(i / 6), static_cast<Eigen::Index>(i % 6));
+      }
+      return;
+    }
+  }
+  now_.left_from_last = RigidMotion();
+  motion.last_seq = motion.start_seq = input.id.seq;
+  motion.resets = motion.reset == MemoryReset::kFirst ? 0 : before_.motion.resets + 1;
+}
+
+void TemporalFilter::Begin(const TemporalInput& input, TemporalOutput& output) {
+  const auto& variances = scale_.variances();
+  input.disparity.counts().copyTo(output.disparity.counts());
+  for (int v = 0; v < input.left.rows; ++v) {
+    for (int u = 0; u < input.left.cols; ++u) {
+      const bool known = input.disparity.IsValid(u, v);
+      const uint8_t confidence = known ? input.confidence(v, u) : uint8_t{0};
+      output.confidence(v, u) = confidence;
+      now_.disparity(v, u) = known ? input.disparity.Px(u, v) : kNone;
+      now_.variance(v, u) = variances[confidence];
+    }
+  }
+}
+
+void TemporalFilter::Fuse(const TemporalInput& input, TemporalOutput& output) {
+  const auto drift_px = static_cast<float>(config_.drift_px());
+  const Memory memory{.disparity = ViewOf(before_.disparity),
+                      .variance = ViewOf(before_.variance),
+                      .grey = ViewOf(before_.left),
+                      .now_from_last = PixelMotionOf(now_.left_from_last, input.pair),
+                      .last_from_now = PixelMotionOf(now_.left_from_last.Inverse(), input.pair),
+                      .offset_px = static_cast<float>(input.pair.cx_right - input.pair.cx),
+                      .drift_px2 = drift_px * drift_px};
+  // Around them a border.
+  const cv::Size cells((input.left.cols + 1) / 2, (input.left.rows + 1) / 2);
+  Renew(cells_, {cells.width + 2, cells.height + 2});
+  Renew(differences_, cells);
+  cells_ = kNone;
+  SplatCells(memory, cells_[0]);
+  const View<uint8_t> grey = ViewOf(input.left);
+  ForRangesParallel(cells.height, cells.height / kRowsPerPart + 1, [&](const cv::Range& rows) {
+    for (int v = rows.start; v < rows.end; ++v) {
+      LookUpCells(memory, grey, v, cells_[v + 1] + 1, differences_[v]);
+    }
+  });
+  doubt_.Compute(input.left, differences_, growth_);
+  const FusionRule rule{.gate_sigmas = static_cast<float>(config_.gate_sigmas()),
+                        .gate_min_px = static_cast<float>(config_.gate_min_px()),
+                        .gate_max_px = static_cast<float>(config_.gate_max_px()),
+                        .min_gain = static_cast<float>(config_.min_gain())};
+  const int height = input.left.rows;
+  ForRangesParallel(height, height / kRowsPerPart + 1, [&](const cv::Range& rows) {
+    for (int v = rows.start; v < rows.end; ++v) {
+      FuseRow(memory, rule,
+              {.v = v,
+               .cells = cells_[v / 2 + 1] + 1,
+               .growth = growth_[v / 2],
+               .counts = input.disparity.counts()[v],
+               .confidence = input.confidence[v],
+               .scale = &scale_,
+               .fused = now_.disparity[v],
+               .fused_variance = now_.variance[v],
+               .fused_counts = output.disparity.counts()[v],
+               .fused_confidence = output.confidence[v]});
+    }
+  });
+}
+
+}  // namespace sprout::temporal

@@ -1,0 +1,155 @@
+// Compiled by Highway once for each instruction set; one of them is picked when the program runs.
+// Plain loops: the compiler makes vectors of them.
+#include "services/temporal/window_matcher.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "services/temporal/window_matcher.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace sprout::temporal {
+namespace HWY_NAMESPACE {
+
+constexpr int kSide = 16;     // of the window, px
+constexpr int kGreyBits = 3;  // parts of a grey level that windows keep: 256 products of two
+                              // differences of at most 2¹¹ fit 32 bits
+constexpr int kMostSteps = 10;
+// A step shorter than this ends the search, parts of a pixel. What is left has the sign of the
+// motion, so a coarser end would make every motion too short.
+constexpr int kShortStep = kPositionParts / 64;
+// Smaller eigenvalue of the structure tensor, a pixel of the window, of a texture of one grey level
+// a pixel, in the units below (differences over 2 px, parts of a grey level).
+constexpr double kLeastTexture = (2 << kGreyBits) * (2 << kGreyBits) / 2.0;
+
+// Grey values of kRows × kColumns places, one pixel apart from each other. Their right and lower
+// neighbours are in the image, too.
+template <int kRows, int kColumns>
+HWY_INLINE void Sample(const GreyView& image, Place first, int16_t* window) {
+  const int right = first.u & (kPositionParts - 1);
+  const int below = first.v & (kPositionParts - 1);
+  const int32_t weights[4] = {(kPositionParts - right) * (kPositionParts - below),
+                              right * (kPositionParts - below), (kPositionParts - right) * below,
+                              right * below};
+  constexpr int kShift = 2 * kPositionBits - kGreyBits;
+  const uint8_t* row =
+      image.pixels + (first.v >> kPositionBits) * image.stride + (first.u >> kPositionBits);
+  for (int y = 0; y < kRows; ++y, row += image.stride, window += kColumns) {
+    const uint8_t* const next = row + image.stride;
+    for (int x = 0; x < kColumns; ++x) {
+      const int32_t sum = weights[0] * row[x] + weights[1] * row[x + 1] + weights[2] * next[x] +
+                          weights[3] * next[x + 1];
+      window[x] = static_cast<int16_t>((sum + (1 << (kShift - 1))) >> kShift);
+    }
+  }
+}
+
+// Whether a window of `side` px from `first` on, and the neighbours of its pixels, are inside.
+HWY_INLINE bool IsInside(const GreyView& image, Place first, int side) {
+  const int u = first.u >> kPositionBits;
+  const int v = first.v >> kPositionBits;
+  return u >= 0 && v >= 0 && u + side < image.width && v + side < image.height;
+}
+
+// The first pixel of a window of `side` px around a place.
+HWY_INLINE Place FirstOf(Place place, int side) {
+  const int half = (side - 1) * kPositionParts / 2;
+  return {place.u - half, place.v - half};
+}
+
+bool MatchOnTarget(const GreyView& before, Place place, const GreyView& after, Place& found) {
+  constexpr int kWide = kSide + 2;  // with the neighbours that differences need
+  const Place first = FirstOf(place, kWide);
+  if (!IsInside(before, first, kWide)) return false;
+  alignas(64) int16_t wide[kWide * kWide];
+  Sample<kWide, kWide>(before, first, wide);
+  alignas(64) int16_t grey[kSide * kSide], slope_u[kSide * kSide], slope_v[kSide * kSide];
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const int16_t* const at = wide + (y + 1) * kWide + x + 1;
+      grey[y * kSide + x] = at[0];
+      slope_u[y * kSide + x] = static_cast<int16_t>(at[1] - at[-1]);
+      slope_v[y * kSide + x] = static_cast<int16_t>(at[kWide] - at[-kWide]);
+    }
+  }
+  constexpr int kCount = kSide * kSide;
+  int32_t su = 0, sv = 0, suu = 0, suv = 0, svv = 0;
+  for (int i = 0; i < kCount; ++i) {
+    const int32_t a = slope_u[i];
+    const int32_t b = slope_v[i];
+    su += a;
+    sv += b;
+    suu += a * a;
+    suv += a * b;
+    svv += b * b;
+  }
+  int32_t sg = 0, sgg = 0, sgu = 0, sgv = 0;
+  for (int i = 0; i < kCount; ++i) {
+    const int32_t g = grey[i];
+    sg += g;
+    sgg += g * g;
+    sgu += g * slope_u[i];
+    sgv += g * slope_v[i];
+  }
+  const double mean_u = double(su) / kCount;
+  const double mean_v = double(sv) / kCount;
+  const double own_contrast = sgg - sg * (double(sg) / kCount);
+  const double uu = suu - su * mean_u;
+  const double uv = suv - su * mean_v;
+  const double vv = svv - sv * mean_v;
+  const double half_difference = (uu - vv) / 2;
+  const double smaller = (uu + vv) / 2 - std::sqrt(half_difference * half_difference + uv * uv);
+  if (!(smaller >= kLeastTexture * kCount)) return false;
+  const double determinant = uu * vv - uv * uv;
+
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Place now = FirstOf(found, kSide);
+    if (!IsInside(after, now, kSide)) return false;
+    alignas(64) int16_t there[kCount];
+    Sample<kSide, kSide>(after, now, there);
+    int32_t st = 0, stt = 0, stu = 0, stv = 0;
+    for (int i = 0; i < kCount; ++i) {
+      const int32_t t = there[i];
+      st += t;
+      stt += t * t;
+      stu += t * slope_u[i];
+      stv += t * slope_v[i];
+    }
+    const double contrast = stt - st * (double(st) / kCount);
+    if (!(contrast > 0)) return false;
+    const double gain = std::sqrt(own_contrast / contrast);
+    const double du = (sgu - sg * mean_u) - gain * (stu - st * mean_u);
+    const double dv = (sgv - sg * mean_v) - gain * (stv - st * mean_v);
+    // Slopes are differences over 2 px.
+    const double u = 2 * kPositionParts * (vv * du - uv * dv) / determinant;
+    const double v = 2 * kPositionParts * (uu * dv - uv * du) / determinant;
+    // A step longer than the window has left what it looks for.
+    if (!(std::abs(u) < kSide * kPositionParts && std::abs(v) < kSide * kPositionParts)) {
+      return false;
+    }
+    found.u += static_cast<int32_t>(std::lround(u));
+    found.v += static_cast<int32_t>(std::lround(v));
+    if (std::abs(u) < kShortStep && std::abs(v) < kShortStep) break;
+  }
+  return IsInside(after, FirstOf(found, kSide), kSide);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sprout::temporal
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sprout::temporal {
+
+HWY_EXPORT(MatchOnTarget);
+
+bool MatchWindow(const GreyView& before, Place place, const GreyView& after, Place& found) {
+  return HWY_DYNAMIC_DISPATCH(MatchOnTarget)(before, place, after, found);
+}
+
+}  // namespace sprout::temporal
+#endif  // HWY_ONCE

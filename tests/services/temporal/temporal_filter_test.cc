@@ -1,0 +1,284 @@
+#include "services/temporal/temporal_filter.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/common/testing/instruction_sets.h"
+#include "tests/services/temporal/moving_scene.h"
+
+namespace sprout::temporal {
+namespace {
+
+constexpr double kNoisePx = 0.4;
+
+TemporalConfig Defaults() { return LoadConfig({}).temporal(); }
+
+bool IsSame(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && cv::countNonZero(a != b) == 0;
+}
+
+bool IsSame(const TemporalOutput& a, const TemporalOutput& b) {
+  return IsSame(a.disparity.counts(), b.disparity.counts()) && IsSame(a.confidence, b.confidence) &&
+         a.motion == b.motion;
+}
+
+// The camera comes nearer, to the right, and turns.
+RigidMotion PoseAt(int frame) {
+  return Pose(0.012 * frame, -0.004 * frame, 0.03 * frame, 0.004 * frame);
+}
+
+std::vector<TemporalInput> Drive(int frames) {
+  std::vector<TemporalInput> inputs;
+  for (int i = 0; i < frames; ++i) {
+    inputs.push_back(FrameFrom(SceneFrom(PoseAt(i)), i, kNoisePx));
+  }
+  return inputs;
+}
+
+TEST(TemporalFilter, GivesTheFirstFrameAsItIs) {
+  TemporalFilter filter(Defaults());
+  const TemporalInput input = Drive(1)[0];
+  const TemporalOutput output = filter.Compute(input);
+  EXPECT_TRUE(IsSame(output.disparity.counts(), input.disparity.counts()));
+  EXPECT_TRUE(IsSame(output.confidence, input.confidence));
+  EXPECT_EQ(output.motion.reset, MemoryReset::kFirst);
+  EXPECT_EQ(output.motion.resets, 0);
+}
+
+TEST(TemporalFilter, SteadiesAStillSceneAndStandsStill) {
+  TemporalFilter filter(Defaults());
+  const MovingScene scene = SceneFrom(Pose(0, 0, 0));
+  TemporalOutput output;
+  for (int i = 0; i < 12; ++i) output = filter.Compute(FrameFrom(scene, i, kNoisePx));
+  const double single = ErrorOf(FrameFrom(scene, 11, kNoisePx).disparity, scene);
+  EXPECT_LT(ErrorOf(output.disparity, scene), 0.45 * single);
+  EXPECT_LT(output.motion.start_from_left.translation_m.norm(), 0.001);
+  EXPECT_GT(cv::mean(output.confidence)[0], 230);
+}
+
+TEST(TemporalFilter, MovesTheMapWithTheCamera) {
+  TemporalFilter filter(Defaults());
+  constexpr int kFrames = 10;
+  const std::vector<TemporalInput> drive = Drive(kFrames);
+  TemporalOutput output;
+  for (const TemporalInput& input : drive) output = filter.Compute(input);
+  const MovingScene last = SceneFrom(PoseAt(kFrames - 1));
+  EXPECT_LT(ErrorOf(output.disparity, last), 0.6 * ErrorOf(drive.back().disparity, last));
+  EXPECT_EQ(output.motion.resets, 0);
+  EXPECT_EQ(output.motion.start_seq, 0);
+  EXPECT_EQ(output.motion.last_seq, kFrames - 2);
+  // The way, and the last step, to 3 %: at the edges of the board windows see both surfaces.
+  const RigidMotion step = PoseAt(kFrames - 2).Inverse() * PoseAt(kFrames - 1);
+  const RigidMotion way = PoseAt(0).Inverse() * PoseAt(kFrames - 1);
+  EXPECT_LT((output.motion.last_from_left.translation_m - step.translation_m).norm(),
+            0.03 * step.translation_m.norm());
+  EXPECT_LT((output.motion.start_from_left.translation_m - way.translation_m).norm(),
+            0.03 * way.translation_m.norm());
+  EXPECT_LT((output.motion.last_from_left.Inverse() * step).rotation.vec().norm(), 2e-4);
+  EXPECT_GT(output.motion.covariance[0], 0);
+}
+
+TEST(TemporalFilter, FillsWhatTheNewMapLacks) {
+  TemporalFilter filter(Defaults());
+  std::vector<TemporalInput> drive = Drive(4);
+  const cv::Rect hole(60, 60, 80, 50);
+  drive[3].disparity.counts()(hole).setTo(DisparityImage::kInvalid);
+  TemporalOutput output;
+  for (const TemporalInput& input : drive) output = filter.Compute(input);
+  const MovingScene last = SceneFrom(PoseAt(3));
+  int filled = 0;
+  for (int v = hole.y; v < hole.br().y; ++v) {
+    for (int u = hole.x; u < hole.br().x; ++u) {
+      filled += std::abs(output.disparity.Px(u, v) - last.truth(v, u)) < 1 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(filled, hole.area() * 9 / 10);
+}
+
+TEST(TemporalFilter, BelievesTheMemoryWhereTheNewMapIsUnsureAndWrong) {
+  TemporalFilter filter(Defaults());
+  std::vector<TemporalInput> drive = Drive(4);
+  const cv::Rect wrong(60, 60, 80, 50);
+  drive[3].disparity.counts()(wrong) += 10 * DisparityImage::kCountsPerPixel;
+  drive[3].confidence(wrong).setTo(60);
+  TemporalOutput output;
+  for (const TemporalInput& input : drive) output = filter.Compute(input);
+  const MovingScene last = SceneFrom(PoseAt(3));
+  EXPECT_LT(ErrorOf(output.disparity, last), 0.5);
+}
+
+// What was there before leaves no trail when the images say that it is gone.
+TEST(TemporalFilter, ForgetsWhatMovedAway) {
+  TemporalFilter filter(Defaults());
+  const MovingScene scene = SceneFrom(Pose(0, 0, 0));
+  MovingScene empty = scene;  // the board is gone: wall everywhere
+  const MovingScene wall = SceneFrom(Pose(2, 0, 0));
+  const cv::Mat gone = scene.truth > scene.truth(0, 0) + 1;
+  wall.left.copyTo(empty.left, gone);
+  wall.truth.copyTo(empty.truth, gone);
+  for (int i = 0; i < 4; ++i) filter.Compute(FrameFrom(scene, i, kNoisePx));
+  const TemporalOutput output = filter.Compute(FrameFrom(empty, 4, kNoisePx));
+  int trail = 0;
+  for (int v = 0; v < empty.truth.rows; ++v) {
+    for (int u = 0; u < empty.truth.cols; ++u) {
+      if (gone.at<uint8_t>(v, u) == 0) continue;
+      trail += std::abs(output.disparity.Px(u, v) - empty.truth(v, u)) > 3 ? 1 : 0;
+    }
+  }
+  EXPECT_LT(trail, cv::countNonZero(gone) / 50);
+}
+
+TEST(TemporalFilter, GivesTheNewestFrameTheSameAnswerAgain) {
+  TemporalFilter filter(Defaults());
+  TemporalFilter other(Defaults());
+  TemporalOutput once, twice;
+  for (const TemporalInput& input : Drive(4)) {
+    once = filter.Compute(input);
+    other.Compute(input);
+    twice = other.Compute(input);
+    EXPECT_TRUE(IsSame(once, twice)) << input.id.seq;
+  }
+}
+
+TEST(TemporalFilter, BeginsAnewAfterReset) {
+  TemporalFilter filter(Defaults());
+  TemporalFilter fresh(Defaults());
+  const std::vector<TemporalInput> drive = Drive(4);
+  filter.Compute(drive[0]);
+  filter.Compute(drive[1]);
+  filter.Reset();
+  for (size_t i = 2; i < 4; ++i) {
+    EXPECT_TRUE(IsSame(filter.Compute(drive[i]), fresh.Compute(drive[i])));
+  }
+}
+
+TEST(TemporalFilter, GivesTheSameBytesWithAnyThreadsAndInstructionSet) {
+  const std::vector<TemporalInput> drive = Drive(4);
+  const auto run = [&](int threads) {
+    cv::setNumThreads(threads);
+    TemporalFilter filter(Defaults());
+    std::vector<TemporalOutput> outputs;
+    for (const TemporalInput& input : drive) outputs.push_back(filter.Compute(input));
+    cv::setNumThreads(1);
+    return outputs;
+  };
+  const std::vector<TemporalOutput> expected = run(1);
+  const auto expect_same = [&](int threads) {
+    const std::vector<TemporalOutput> outputs = run(threads);
+    for (size_t i = 0; i < drive.size(); ++i) EXPECT_TRUE(IsSame(outputs[i], expected[i])) << i;
+  };
+  expect_same(2);
+  expect_same(5);
+  ForEachInstructionSet([&](const std::string&) { expect_same(1); });
+}
+
+// Images of odd sides, and of few pixels.
+TEST(TemporalFilter, TakesImagesOfAnySize) {
+  for (const cv::Size size : {cv::Size(1, 1), {2, 3}, {31, 1}, {33, 47}, {321, 239}, {515, 33}}) {
+    TemporalFilter filter(Defaults());
+    for (int i = 0; i < 3; ++i) {
+      const MovingScene scene = SceneFrom(PoseAt(i), size);
+      EXPECT_EQ(filter.Compute(FrameFrom(scene, i, kNoisePx)).disparity.size(), size);
+    }
+  }
+}
+
+// Each with its cause; the result is then the new map.
+class ResetTest : public testing::Test {
+ protected:
+  void Expect(const TemporalInput& next, MemoryReset reason) {
+    TemporalFilter filter(Defaults());
+    for (const TemporalInput& input : Drive(3)) filter.Compute(input);
+    const TemporalOutput output = filter.Compute(next);
+    EXPECT_EQ(output.motion.reset, reason);
+    EXPECT_EQ(output.motion.resets, 1);
+    EXPECT_EQ(output.motion.start_seq, next.id.seq);
+    EXPECT_EQ(output.motion.start_from_left, RigidMotion());
+    EXPECT_TRUE(IsSame(output.disparity.counts(), next.disparity.counts()));
+  }
+  TemporalInput next_ = Drive(4)[3];
+};
+
+TEST_F(ResetTest, OtherRig) {
+  next_.id.rig_id = "another";
+  Expect(next_, MemoryReset::kOtherRig);
+}
+TEST_F(ResetTest, OtherSize) {
+  Expect(FrameFrom(SceneFrom(PoseAt(3), {160, 120}), 3, 0), MemoryReset::kOtherRig);
+}
+TEST_F(ResetTest, SeqGoesBack) {
+  next_.id.seq = 1;
+  Expect(next_, MemoryReset::kBackwards);
+}
+TEST_F(ResetTest, TimeGoesBack) {
+  next_.id.utime = 1;
+  Expect(next_, MemoryReset::kBackwards);
+}
+TEST_F(ResetTest, Gap) {
+  next_.id.utime += 500'000;
+  Expect(next_, MemoryReset::kGap);
+}
+TEST_F(ResetTest, DarkImage) {
+  next_.left = cv::Mat1b(next_.left.size(), uint8_t{0});
+  Expect(next_, MemoryReset::kFewPoints);
+}
+TEST_F(ResetTest, NoTexture) {
+  next_.left = cv::Mat1b(next_.left.size(), uint8_t{130});
+  Expect(next_, MemoryReset::kFewPoints);
+}
+
+TEST(TemporalFilter, BridgesLostFrames) {
+  TemporalFilter filter(Defaults());
+  std::vector<TemporalInput> drive = Drive(8);
+  filter.Compute(drive[0]);
+  filter.Compute(drive[1]);
+  const TemporalOutput output = filter.Compute(drive[5]);  // 0.4 s later
+  EXPECT_EQ(output.motion.reset, MemoryReset::kNone);
+  const MovingScene scene = SceneFrom(PoseAt(5));
+  EXPECT_LT(ErrorOf(output.disparity, scene), 0.9 * ErrorOf(drive[5].disparity, scene));
+}
+
+// A hand before the lens for three frames: as good as single frames at once, and better again soon.
+TEST(TemporalFilter, RecoversFromACoveredLens) {
+  TemporalFilter filter(Defaults());
+  std::vector<TemporalInput> drive = Drive(12);
+  for (size_t i = 4; i < 7; ++i) {
+    drive[i].left = cv::Mat1b(drive[i].left.size(), uint8_t{3});
+    drive[i].disparity.counts().setTo(100 * DisparityImage::kCountsPerPixel);
+    drive[i].confidence.setTo(20);
+  }
+  for (size_t i = 0; i < 12; ++i) {
+    const TemporalOutput output = filter.Compute(drive[i]);
+    if (i < 7) continue;
+    const MovingScene scene = SceneFrom(PoseAt(static_cast<int>(i)));
+    const double single = ErrorOf(drive[i].disparity, scene);
+    EXPECT_LT(ErrorOf(output.disparity, scene), (i < 9 ? 1.01 : 0.9) * single) << i;
+    EXPECT_EQ(output.motion.resets, 4);  // three dark frames, and the first one after them
+  }
+}
+
+// The light goes down by half: no reset, and no harm.
+TEST(TemporalFilter, DoesNotMindTheLight) {
+  TemporalFilter filter(Defaults());
+  std::vector<TemporalInput> drive = Drive(6);
+  for (size_t i = 3; i < 6; ++i) drive[i].left = cv::Mat(drive[i].left * 0.5);
+  TemporalOutput output;
+  for (const TemporalInput& input : drive) output = filter.Compute(input);
+  EXPECT_EQ(output.motion.resets, 0);
+  const MovingScene scene = SceneFrom(PoseAt(5));
+  EXPECT_LT(ErrorOf(output.disparity, scene), 0.8 * ErrorOf(drive[5].disparity, scene));
+}
+
+TEST(TemporalFilter, RefusesValuesOutOfRange) {
+  TemporalConfig config = Defaults();
+  config.set_min_gain(2);
+  EXPECT_THROW(TemporalFilter{config}, ConfigError);
+  config = Defaults();
+  config.set_gate_min_px(3);
+  EXPECT_THROW(TemporalFilter{config}, ConfigError);
+}
+
+}  // namespace
+}  // namespace sprout::temporal

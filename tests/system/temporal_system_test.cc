@@ -1,0 +1,93 @@
+// sprout-temporal as a process, live and replayed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/logfile/log_writer.h"
+#include "common/messages/codec.h"
+#include "services/datasets/dataset.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/system/graph.h"
+#include "tests/system/log_bytes.h"
+
+namespace sprout {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr auto kRaw = DisparityEncoding::kRawInt16;
+constexpr Part kAnswers[] = {Part::kFused, Part::kFusedConfidence, Part::kMotion};
+
+// What temporal joins, of a simulated scene: its truth in place of grow's answers.
+std::vector<std::pair<FrameId, std::map<Part, PartValue>>> Frames(int count) {
+  CaptureConfig config;
+  config.set_source("synthetic:320x240");
+  const auto source = datasets::OpenDataset(config);
+  std::vector<std::pair<FrameId, std::map<Part, PartValue>>> frames;
+  for (int64_t seq = 0; seq < count; ++seq) {
+    const datasets::DatasetFrame captured = source->Get(seq);
+    const FrameId id{
+        .utime = 1'000'000 + 100'000 * seq, .seq = seq, .rig_id = RigId(source->rig())};
+    frames.push_back({id,
+                      {{Part::kRig, source->rig()},
+                       {Part::kLeft, captured.left},
+                       {Part::kDisparity, FromPx(captured.truth.left)},
+                       {Part::kConfidence, cv::Mat(captured.left.size(), CV_8UC1,
+                                                   cv::Scalar(static_cast<double>(200 + seq)))}}});
+  }
+  return frames;
+}
+
+TEST(TemporalSystem, ReplayGivesTheBytesOfTheLiveRun) {
+  constexpr int kFrames = 8;
+  auto frames = Frames(kFrames);
+  std::get<cv::Mat>(frames[5].second.at(Part::kLeft)).setTo(5);  // somebody covers the lens
+  Graph graph;
+  graph.Start("temporal");
+  graph.Start("depth", {"--config", "depth { input: FUSED }"});
+  std::map<std::pair<Part, int64_t>, std::vector<uint8_t>> live;
+  const auto send = [&](const auto& frame, int times) {
+    const auto& [id, parts] = frame;
+    for (const auto& [part, value] : parts) graph.PublishPart(id, part, value);
+    return graph.WaitUntil([&, seq = id.seq](Graph& g) {
+      for (const Part part : kAnswers) {
+        if (g.part_counts[{part, seq}] < times) return false;
+        live[{part, seq}] = EncodePart(frame.first, part, g.parts.at({part, seq}), kRaw);
+      }
+      return g.part_counts[{Part::kDepth, seq}] > 0;
+    });
+  };
+  for (const auto& frame : frames) ASSERT_TRUE(send(frame, 1)) << frame.first.seq;
+  const auto once = live;
+  ASSERT_TRUE(send(frames.back(), 2));
+  EXPECT_EQ(live, once) << "the newest frame again has another answer";
+  // The dark frame, and the one after it.
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    const StageStatus& status = g.statuses["temporal"];
+    return status.frames_degenerate == 2 &&
+           status.last_error.find("earlier frames forgotten") != std::string::npos;
+  }));
+
+  const TemporaryDirectory folder;
+  LogWriter writer(folder / "in.lcm");
+  for (const auto& [id, parts] : frames) {
+    for (const auto& [part, value] : parts) {
+      writer.Write(id.utime, ChannelOf(part), EncodePart(id, part, value, kRaw));
+    }
+  }
+  writer.Close();
+  Process replay({ProgramPath("sprout-temporal"), "--replay", folder / "in.lcm", "--record",
+                  folder / "out.lcm"});
+  EXPECT_EQ(replay.Wait(std::chrono::seconds(60)), 0) << replay.Output();
+  const ChannelBytes recorded = ReadChannels(folder / "out.lcm");
+  for (const Part part : kAnswers) {
+    const auto& messages = recorded.at(std::string(ChannelOf(part)));
+    ASSERT_EQ(std::ssize(messages), kFrames) << ChannelOf(part);
+    for (int64_t seq = 0; seq < kFrames; ++seq) {
+      EXPECT_EQ(messages[static_cast<size_t>(seq)], (once.at({part, seq})))
+          << ChannelOf(part) << " of frame " << seq;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sprout
