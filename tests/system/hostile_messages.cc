@@ -160,7 +160,8 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
     case Part::kLeft:
     case Part::kRight:
     case Part::kConfidence:
-    case Part::kSigma: {
+    case Part::kSigma:
+    case Part::kFusedConfidence: {
       const bool grey = part == Part::kConfidence || part == Part::kSigma || Below(2) == 0;
       cv::Mat image(size, grey ? CV_8UC1 : CV_8UC3);
       cv::RNG(random_()).fill(image, cv::RNG::UNIFORM, 0, Below(2) == 0 ? 256 : 2);
@@ -219,7 +220,7 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
     }
     case Part::kMotion: {
       CameraMotion motion;
-      motion.last_from_left.translation_m = {place(9), place(9), place(9)};
+      for (int i = 0; i < 3; ++i) motion.last_from_left.translation_m[i] = Below(1 << 20);
       motion.resets = Below(1000);
       return motion;
     }
