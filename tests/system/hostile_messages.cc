@@ -162,7 +162,8 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
     case Part::kConfidence:
     case Part::kSigma:
     case Part::kFusedConfidence: {
-      const bool grey = part == Part::kConfidence || part == Part::kSigma || Below(2) == 0;
+      const bool grey = part == Part::kConfidence || part == Part::kSigma ||
+                        part == Part::kFusedConfidence || Below(2) == 0;
       cv::Mat image(size, grey ? CV_8UC1 : CV_8UC3);
       cv::RNG(random_()).fill(image, cv::RNG::UNIFORM, 0, Below(2) == 0 ? 256 : 2);
       return image;
