@@ -8,7 +8,6 @@ namespace sprout::temporal {
 namespace {
 
 constexpr int kSmallestSide = 32;  // px: two windows of the tracker
-constexpr int kRowsPerPart = 16;
 
 cv::Mat1b Half(const cv::Mat1b& from) {
   cv::Mat1b to(from.rows / 2, from.cols / 2);

@@ -9,6 +9,9 @@ namespace sprout::temporal {
 /// Most pixels of the finest level: finer images make the motion no surer, only slower to find.
 inline constexpr int kMostTrackedPixels = 600000;
 
+/// Rows of an image that a thread takes at once.
+inline constexpr int kRowsPerPart = 16;
+
 /// An image and halves of it, each the mean of 2×2 pixels, rounded. An odd last row or column is
 /// left out.
 struct ImagePyramid {

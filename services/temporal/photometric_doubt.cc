@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "common/core/parallel.h"
+#include "services/temporal/image_pyramid.h"
 
 namespace sprout::temporal {
 namespace {
 
 constexpr float kUnknown = -1;
-constexpr int kRowsPerPart = 16;
 constexpr int kBinsPerGrey = 8;
 
 // Share of a window's contrast that sampling between pixels explains.

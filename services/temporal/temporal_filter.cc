@@ -6,13 +6,12 @@
 #include <vector>
 
 #include "common/core/parallel.h"
+#include "services/temporal/image_pyramid.h"
 #include "services/temporal/motion_estimator.h"
 #include "services/temporal/point_tracker.h"
 
 namespace sprout::temporal {
 namespace {
-
-constexpr int kRowsPerPart = 16;
 
 // Points whose disparity is less sure than this, px², or smaller, px, say nothing of the way.
 constexpr float kMostPointVariance = 1;
