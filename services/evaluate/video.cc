@@ -63,7 +63,7 @@ std::string Text(const char* format, std::optional<double> value) {
   return value ? fmt::format(fmt::runtime(format), *value) : "–";
 }
 
-std::string Row(const std::string& name, const char* method, const VideoFigures& f) {
+std::string VideoRow(const std::string& name, const char* method, const VideoFigures& f) {
   return fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {} | {} | {} | {} |\n", name,
                      method, f.bad1_percent, f.bad3_percent, f.mean_px, f.change_px,
                      Text("{:.1f}", f.trail_percent), Text("{:.1f}", f.covered_percent),
@@ -168,7 +168,8 @@ std::string VideoTable(const std::vector<VideoResult>& results) {
       "|\n|---|---|---|---|---|---|---|---|---|---|\n";
   const auto rows = [&](const std::string& name, const VideoFigures& single,
                         const VideoFigures& average, const VideoFigures& fused) {
-    text += Row(name, "single", single) + Row("", "average", average) + Row("", "fused", fused);
+    text += VideoRow(name, "single", single) + VideoRow("", "average", average) +
+            VideoRow("", "fused", fused);
   };
   for (const VideoResult& result : results) {
     rows(result.source, result.single, result.average, result.fused);
