@@ -166,7 +166,9 @@ The value of a key, config["grow.sub_pixel"], or a part as a dict, config["grow"
           "__hash__",
           [](const SproutConfig& config) { return py::hash(py::str(ConfigText(config))); },
           "__hash__(self) -> int")
-      .def("__repr__", &Repr, "__repr__(self) -> str")
+      .def(
+          "__repr__", [](const SproutConfig& config) { return Repr(config); },
+          "__repr__(self) -> str")
       .def(py::pickle([](const SproutConfig& config) { return py::str(ConfigText(config)); },
                       [](const py::str& text) { return LoadConfig({text.cast<std::string>()}); }));
 }

@@ -99,7 +99,8 @@ Shares are per cent of the scored pixels; a pixel without a disparity is wrong. 
             return e.confidence ? py::cast(e.confidence->oracle_area_percent) : py::none();
           },
           "Optional[float]: the same had the wrong pixels come last.")
-      .def("__repr__", &Repr, "__repr__(self) -> str");
+      .def(
+          "__repr__", [](const Evaluation& e) { return Repr(e); }, "__repr__(self) -> str");
   module.def(
       "evaluate", &Evaluate, py::arg("disparity"), py::arg("truth"),
       py::arg("right_truth") = py::none(), py::arg("mask") = py::none(),

@@ -343,7 +343,8 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
            R"(write_ply(self, path: Union[str, os.PathLike[str]], mesh: bool = ...) -> None
 
 Writes the coloured points, or with mesh a surface cut at depth edges; m, as points().)")
-      .def("__repr__", &Repr, "__repr__(self) -> str");
+      .def(
+          "__repr__", [](const PyFrame& f) { return Repr(f); }, "__repr__(self) -> str");
   frame.def("points", &Points, py::arg("colors") = false,
             R"(points(*args, **kwargs)
 Overloaded function.
