@@ -19,7 +19,7 @@ struct Refused {
   int64_t count = 0;
   std::string first;
 
-  Refuse Counter() {
+  sprout::Refuse Counter() {
     return [this](const LogEvent& event, const std::string& why) {
       if (count++ == 0) first = std::string(event.channel) + ": " + why;
     };
@@ -116,7 +116,7 @@ class PyLog {
   void Read(Contents& contents) {
     SignalCheck check;
     LogReader reader(path_);
-    const Refuse refuse = refused_.Counter();
+    const sprout::Refuse refuse = refused_.Counter();
     for (LogEvent event; reader.Next(event); check()) {
       contents.index.Add(event, refuse);
       const auto known = contents.channels.find(event.channel);
