@@ -1,30 +1,12 @@
 #ifndef SPROUT_COMMON_CORE_CAMERA_MOTION_H_
 #define SPROUT_COMMON_CORE_CAMERA_MOTION_H_
 
-#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 
+#include "common/core/pose.h"
+
 namespace sprout {
-
-/// A rigid motion: point_there = rotation · point_here + translation_m. Its layout does not depend
-/// on Eigen's vectorisation.
-struct RigidMotion {
-  Eigen::Quaternion<double, Eigen::DontAlign> rotation =
-      Eigen::Quaternion<double, Eigen::DontAlign>::Identity();
-  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
-
-  RigidMotion Inverse() const {
-    const auto back = rotation.conjugate();
-    return {back, -(back * translation_m)};
-  }
-  /// First `other`, then this. The rotation stays of norm 1.
-  RigidMotion operator*(const RigidMotion& other) const {
-    return {(rotation * other.rotation).normalized(),
-            rotation * other.translation_m + translation_m};
-  }
-  bool operator==(const RigidMotion&) const = default;
-};
 
 /// Why a temporal stage forgot what it knew, and its motion is not known.
 enum class MemoryReset : int8_t {
@@ -40,8 +22,8 @@ inline constexpr int kMemoryResets = 7;  ///< number of these
 
 /// How the left camera moved, from its images.
 struct CameraMotion {
-  RigidMotion last_from_left;   ///< pose of the left camera in the frame it had at `last_seq`
-  RigidMotion start_from_left;  ///< and at `start_seq`
+  Pose last_from_left;   ///< pose of the left camera in the frame it had at `last_seq`
+  Pose start_from_left;  ///< and at `start_seq`
   /// Covariance of `last_from_left`: rotation vector (rad), then translation (m), in the frame of
   /// `last_seq`; row by row.
   std::array<double, 36> covariance{};

@@ -8,7 +8,7 @@
 namespace sprout {
 namespace {
 
-void FillPose(const RigidMotion& pose, double (&rotation)[4], double (&translation_m)[3]) {
+void FillPose(const Pose& pose, double (&rotation)[4], double (&translation_m)[3]) {
   rotation[0] = pose.rotation.w();
   rotation[1] = pose.rotation.x();
   rotation[2] = pose.rotation.y();
@@ -16,12 +16,12 @@ void FillPose(const RigidMotion& pose, double (&rotation)[4], double (&translati
   std::copy(pose.translation_m.begin(), pose.translation_m.end(), translation_m);
 }
 
-RigidMotion PoseOf(const double (&rotation)[4], const double (&translation_m)[3]) {
+Pose PoseOf(const double (&rotation)[4], const double (&translation_m)[3]) {
   return {Eigen::Quaterniond(rotation[0], rotation[1], rotation[2], rotation[3]),
           Eigen::Vector3d(translation_m)};
 }
 
-void CheckPose(Checks& checks, const std::string& name, const RigidMotion& pose) {
+void CheckPose(Checks& checks, const std::string& name, const Pose& pose) {
   const auto& q = pose.rotation;
   const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
   checks.Require(std::abs(norm - 1) < 1e-6, (name + "_rotation norm").c_str(), norm, "1");

@@ -1,20 +1,11 @@
 #ifndef SPROUT_COMMON_RIG_RAW_RIG_H_
 #define SPROUT_COMMON_RIG_RAW_RIG_H_
 
-#include <Eigen/Geometry>
-
+#include "common/core/pose.h"
 #include "common/core/result.h"
 #include "common/core/rig.h"
 
 namespace sprout {
-
-/// Pose of one camera in the frame of another one: point_in_other = rotation · point_in_camera +
-/// translation_m.
-struct Pose {
-  Eigen::Quaternion<double, Eigen::DontAlign> rotation =
-      Eigen::Quaternion<double, Eigen::DontAlign>::Identity();
-  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
-};
 
 /// A rig before rectification: lenses with distortion, an unrectified pair. Frames are x right, y
 /// down, z forward. Rectifier turns it into a Rig.

@@ -267,8 +267,7 @@ Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros) {
     if (!checks.ok()) return checks.error();
     poses.push_back({.parent = std::string(RosText(one.header.frame_id)),
                      .child = std::string(RosText(one.child_frame_id)),
-                     .rotation = rotation,
-                     .translation_m = place_m});
+                     .parent_from_child = {rotation, place_m}});
   }
   return poses;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/core/pose.h"
 #include "common/core/result.h"
 #include "common/core/rig.h"
 #include "common/ros2/cdr.h"
@@ -58,8 +59,7 @@ Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros);
 struct RosPose {
   std::string parent;
   std::string child;
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< parent from child
-  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();       ///< of the child in the parent
+  Pose parent_from_child = {};
 };
 Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros);
 

@@ -11,27 +11,37 @@
 namespace sprout::depth {
 namespace {
 
-// The parts that the configuration chooses.
+// The map that the configuration chooses.
 struct Input {
-  Part map_part, confidence_part;
+  Part part, confidence_part;
+  const char* name;
+  std::optional<DisparityImage> Frame::*map;
+  cv::Mat Frame::*confidence;
 };
-Input InputOf(const DepthConfig& config) {
-  if (config.input() == DepthConfig::FUSED) return {Part::kFused, Part::kFusedConfidence};
-  return {Part::kDisparity, Part::kConfidence};
+constexpr Input kSingle{Part::kDisparity, Part::kConfidence, "DISPARITY", &Frame::disparity,
+                        &Frame::confidence};
+constexpr Input kFused{Part::kFused, Part::kFusedConfidence, "FUSED", &Frame::fused,
+                       &Frame::fused_confidence};
+
+const Input& InputOf(const DepthConfig& config) {
+  return config.input() == DepthConfig::FUSED ? kFused : kSingle;
 }
 
-std::string SizeComplaint(const Frame& frame, const char* name, cv::Size size,
-                          cv::Size confidence) {
+std::string SizeComplaint(const Frame& frame, const Input& input) {
+  const cv::Size size = (frame.*input.map)->size();
+  const cv::Mat& confidence = frame.*input.confidence;
+  const std::string name = input.name;
   if (frame.rig->pair.size() != size) {
-    return std::string(name) + " of " + SizeText(size) + ": allowed is the calibrated size " +
+    return name + " of " + SizeText(size) + ": allowed is the calibrated size " +
            SizeText(frame.rig->pair.size());
   }
   if (frame.left.size() != size) {
     return "LEFT of " + SizeText(frame.left.size()) + ": allowed is " + name + "'s " +
            SizeText(size);
   }
-  if (confidence.empty() || confidence == size) return "";
-  return "CONFIDENCE of " + SizeText(confidence) + ": allowed is " + name + "'s " + SizeText(size);
+  if (confidence.empty() || confidence.size() == size) return "";
+  return "CONFIDENCE of " + SizeText(confidence.size()) + ": allowed is " + name + "'s " +
+         SizeText(size);
 }
 
 }  // namespace
@@ -47,8 +57,8 @@ DepthAdapter::DepthAdapter(const DepthConfig& config) : config_(config) {
 }
 
 PartSet DepthAdapter::Inputs() const {
-  const Input input = InputOf(config_);
-  PartSet inputs{input.map_part, Part::kRig, Part::kLeft};
+  const Input& input = InputOf(config_);
+  PartSet inputs{input.part, Part::kRig, Part::kLeft};
   if (config_.publish_cloud() && config_.confidence()) inputs.Add(input.confidence_part);
   return inputs;
 }
@@ -56,12 +66,10 @@ PartSet DepthAdapter::Inputs() const {
 StageResult DepthAdapter::Process(const Frame& frame) {
   StageResult result;
   if (frame.id.seq % config_.every() != 0) return result;
-  const bool is_fused = config_.input() == DepthConfig::FUSED;
-  const DisparityImage& disparity = is_fused ? *frame.fused : *frame.disparity;
-  const cv::Mat& confidence = is_fused ? frame.fused_confidence : frame.confidence;
-  result.degenerate =
-      SizeComplaint(frame, is_fused ? "FUSED" : "DISPARITY", disparity.size(), confidence.size());
+  const Input& input = InputOf(config_);
+  result.degenerate = SizeComplaint(frame, input);
   if (!result.degenerate.empty()) return result;
+  const DisparityImage& disparity = *(frame.*input.map);
   const RectifiedPair& pair = frame.rig->pair;
   if (config_.publish_depth()) {
     const int scale = std::min({config_.scale(), pair.width, pair.height});
@@ -71,7 +79,7 @@ StageResult DepthAdapter::Process(const Frame& frame) {
   if (config_.publish_cloud()) {
     const CloudThinning thinning{config_.cloud_stride(), config_.cloud_voxel_m()};
     result.outputs.push_back(
-        {Part::kCloud, CloudOf(disparity, pair, frame.left, confidence, thinning)});
+        {Part::kCloud, CloudOf(disparity, pair, frame.left, frame.*input.confidence, thinning)});
   }
   if (config_.publish_preview()) {
     result.preview = PreviewOf(frame.left, disparity, pair);

@@ -111,11 +111,13 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
   if (!one_scene && dataset->frame_count()) {
     result.frames = static_cast<int>(std::min<int64_t>(result.frames, *dataset->frame_count()));
   }
-  const std::vector<RigidMotion> motions = TrueMotions(source, result.frames);
+  const std::vector<Pose> motions = TrueMotions(source, result.frames);
   result.motion_known = !motions.empty();
   const Rig& rig = dataset->rig();
-  Chain chain(settings.config);
-  temporal::TemporalFilter filter(settings.config.temporal());
+  SproutConfig config = settings.config;
+  config.mutable_grow()->set_publish_confidence(true);  // which the filter needs
+  Chain chain(config);
+  temporal::TemporalFilter filter(config.temporal());
   RunningAverage average;
   AwayFromPoints away;
   VideoScore single_score, average_score, fused_score;
@@ -144,7 +146,7 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
     times_ms.push_back(
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
             .count());
-    const RigidMotion moved = result.motion_known ? motions[static_cast<size_t>(i)] : RigidMotion();
+    const Pose moved = result.motion_known ? motions[static_cast<size_t>(i)] : Pose();
     if (result.motion_known) result.motion.Add(fused.motion, moved);
     const cv::Mat1f& truth = captured.truth.left;
     const cv::Mat1b mask = IsKitti(source) ? away.Add(captured.tof, rig, moved)

@@ -113,13 +113,13 @@ VideoFigures VideoScore::figures() const {
   return figures;
 }
 
-void MotionScore::Add(const CameraMotion& measured, const RigidMotion& true_left_from_last) {
+void MotionScore::Add(const CameraMotion& measured, const Pose& true_left_from_last) {
   if (measured.reset == MemoryReset::kFirst) return;
   if (measured.reset != MemoryReset::kNone) {
     ++resets;
     return;
   }
-  const RigidMotion difference = true_left_from_last * measured.last_from_left;
+  const Pose difference = true_left_from_last * measured.last_from_left;
   const double error = difference.translation_m.norm();
   ++frames;
   way_m += true_left_from_last.translation_m.norm();

@@ -58,7 +58,7 @@ class VideoScore {
 /// How far measured motions are from the true ones.
 class MotionScore {
  public:
-  void Add(const CameraMotion& measured, const RigidMotion& true_left_from_last);
+  void Add(const CameraMotion& measured, const Pose& true_left_from_last);
 
   int frames = 0;
   int resets = 0;         ///< without the first frame

@@ -20,9 +20,9 @@ namespace fs = std::filesystem;
 constexpr size_t kFramesOfPoints = 3;
 constexpr double kNearestM = 0.1;
 
-RigidMotion ReadPose(std::ifstream& file, const fs::path& path) {
+Pose ReadPose(std::ifstream& file, const fs::path& path) {
   Eigen::Matrix3d rotation;
-  RigidMotion pose;
+  Pose pose;
   for (Eigen::Index row = 0; row < 3; ++row) {
     for (Eigen::Index column = 0; column < 4; ++column) {
       double value = 0;
@@ -43,8 +43,8 @@ RigidMotion ReadPose(std::ifstream& file, const fs::path& path) {
 
 }  // namespace
 
-std::vector<RigidMotion> TrueMotions(const std::string& source, int frames) {
-  if (!IsKitti(source)) return std::vector<RigidMotion>(static_cast<size_t>(frames));
+std::vector<Pose> TrueMotions(const std::string& source, int frames) {
+  if (!IsKitti(source)) return std::vector<Pose>(static_cast<size_t>(frames));
   const std::string first = ScenesOf(source).front();  // kitti:FOLDER/ID?…
   const size_t begin = first.find(':') + 1;
   const fs::path place = first.substr(begin, first.find('?') - begin);
@@ -54,20 +54,19 @@ std::vector<RigidMotion> TrueMotions(const std::string& source, int frames) {
   // The left camera stands in the frame of camera 0 where the scanner's calibration says, and is
   // turned as camera 0.
   const fs::path calibration = place.parent_path() / "calib" / (place.filename().string() + ".txt");
-  RigidMotion left_from_camera0;
+  Pose left_from_camera0;
   left_from_camera0.translation_m = datasets::ReadKittiLeftOffset(calibration);
-  std::vector<RigidMotion> motions(1);
-  RigidMotion last = ReadPose(file, path);
+  std::vector<Pose> motions(1);
+  Pose last = ReadPose(file, path);
   while (std::ssize(motions) < frames) {
-    const RigidMotion now = ReadPose(file, path);
+    const Pose now = ReadPose(file, path);
     motions.push_back(left_from_camera0 * now.Inverse() * last * left_from_camera0.Inverse());
     last = now;
   }
   return motions;
 }
 
-cv::Mat1b AwayFromPoints::Add(const TofImage& tof, const Rig& rig,
-                              const RigidMotion& left_from_last) {
+cv::Mat1b AwayFromPoints::Add(const TofImage& tof, const Rig& rig, const Pose& left_from_last) {
   for (std::vector<Eigen::Vector3d>& points : points_m_) {
     for (Eigen::Vector3d& point : points) {
       point = left_from_last.rotation * point + left_from_last.translation_m;

@@ -19,14 +19,14 @@ namespace sprout::evaluate {
 /// calib/. Other sources stand still, and have one standstill for all frames.
 /// @returns empty when there is no poses.txt.
 /// @throws ConfigError for one that cannot be read.
-std::vector<RigidMotion> TrueMotions(const std::string& source, int frames);
+std::vector<Pose> TrueMotions(const std::string& source, int frames);
 
 /// Pixels at least 3 px from every ToF point of a frame and of the two frames before it, moved to
 /// where they are now: a filter knows those as well.
 class AwayFromPoints {
  public:
   /// @param left_from_last  how the left camera moved.
-  cv::Mat1b Add(const TofImage& tof, const Rig& rig, const RigidMotion& left_from_last);
+  cv::Mat1b Add(const TofImage& tof, const Rig& rig, const Pose& left_from_last);
 
  private:
   std::deque<std::vector<Eigen::Vector3d>> points_m_;  // of the newest frames, in the left frame

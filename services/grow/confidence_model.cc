@@ -5,6 +5,7 @@
 #include <set>
 
 #include "common/core/prior_map.h"
+#include "services/grow/confidence_model.pb.h"
 #include "services/grow/confidence_model_text.h"
 
 namespace sprout::grow {
@@ -86,6 +87,7 @@ uint32_t At(const Values& values, int level) {
 
 void FillOutputs(ConfidenceTables& tables) {
   for (size_t i = 0; i < tables.confidence.size(); ++i) {
+    // No result but that of odds 0, which is exact, is within 10⁻³ of a half, nor is one below.
     const double odds = ConfidenceTables::kLeastOdds + static_cast<double>(i) / 16;
     tables.confidence[i] = static_cast<uint8_t>(std::lround(255 / (1 + std::exp(odds))));
   }

@@ -122,7 +122,7 @@ MessageDiff CompareValue(const PointCloud& a, const PointCloud& b) {
 
 MessageDiff CompareValue(const CameraMotion& a, const CameraMotion& b) {
   if (a == b) return Equal();
-  const RigidMotion difference = a.last_from_left.Inverse() * b.last_from_left;
+  const Pose difference = a.last_from_left.Inverse() * b.last_from_left;
   return Different(fmt::format("motions differ by {:.6f} m; {} and {} inliers",
                                difference.translation_m.norm(), a.inliers, b.inliers));
 }

@@ -30,8 +30,8 @@ class Draws {
 };
 
 // A small motion: half the rotation vector as the vector part of a quaternion.
-RigidMotion SmallMotion(const Vector6& step) {
-  RigidMotion motion;
+Pose SmallMotion(const Vector6& step) {
+  Pose motion;
   motion.rotation = Eigen::Quaterniond(1, step[0] / 2, step[1] / 2, step[2] / 2).normalized();
   motion.translation_m = step.tail<3>();
   return motion;
@@ -54,7 +54,7 @@ class Estimator {
     return u * u + v * v;
   }
 
-  int CountInliers(const RigidMotion& motion) const {
+  int CountInliers(const Pose& motion) const {
     const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
     int count = 0;
     for (const SeenPoint& point : points_) {
@@ -63,7 +63,7 @@ class Estimator {
     return count;
   }
 
-  const std::vector<SeenPoint>& InliersOf(const RigidMotion& motion) {
+  const std::vector<SeenPoint>& InliersOf(const Pose& motion) {
     const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
     inliers_.clear();
     for (const SeenPoint& point : points_) {
@@ -73,7 +73,7 @@ class Estimator {
   }
 
   // Gauss-Newton on the squared distances in the image. False where they do not fix a motion.
-  bool Fit(std::span<const SeenPoint> points, int steps, RigidMotion& motion) {
+  bool Fit(std::span<const SeenPoint> points, int steps, Pose& motion) {
     for (int step = 0; step < steps; ++step) {
       Vector6 gradient = Vector6::Zero();
       information_ = Matrix6::Zero();
@@ -128,14 +128,14 @@ class Estimator {
 }  // namespace
 
 MotionEstimate EstimateMotion(std::span<const SeenPoint> points, const RectifiedPair& pair,
-                              const RigidMotion& as_before, const MotionRule& rule) {
+                              const Pose& as_before, const MotionRule& rule) {
   MotionEstimate estimate{
       .left_from_last = {}, .covariance = Matrix6::Zero(), .reset = MemoryReset::kFewPoints};
   if (static_cast<int>(points.size()) < rule.min_inliers) return estimate;
   Estimator estimator(points, pair, rule);
-  RigidMotion best;  // standing still
+  Pose best;  // standing still
   int most = estimator.CountInliers(best);
-  const auto challenge = [&](const RigidMotion& motion) {
+  const auto challenge = [&](const Pose& motion) {
     const int inliers = estimator.CountInliers(motion);
     if (inliers <= kChallenge * most) return;
     most = inliers;
@@ -143,12 +143,12 @@ MotionEstimate EstimateMotion(std::span<const SeenPoint> points, const Rectified
   };
   challenge(as_before);
   Draws draws;
-  RigidMotion drawn_best = best;
+  Pose drawn_best = best;
   int drawn_most = 0;
   for (int i = 0; i < kSamples; ++i) {
     SeenPoint sample[3];
     for (SeenPoint& point : sample) point = points[draws.Below(points.size())];
-    RigidMotion motion = as_before;
+    Pose motion = as_before;
     if (!estimator.Fit(sample, kSampleSteps, motion)) continue;
     const int inliers = estimator.CountInliers(motion);
     if (inliers <= drawn_most) continue;

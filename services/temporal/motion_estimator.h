@@ -24,7 +24,7 @@ struct MotionRule {
 
 /// The left camera's frame then, seen from now.
 struct MotionEstimate {
-  RigidMotion left_from_last;
+  Pose left_from_last;
   Eigen::Matrix<double, 6, 6> covariance;  ///< rotation vector (rad), translation (m)
   int inliers = 0;
   MemoryReset reset = MemoryReset::kNone;  ///< or why the motion is not known
@@ -37,7 +37,7 @@ struct MotionEstimate {
 /// inliers, twice. A pure function; about 1 ms for 600 points.
 /// @param as_before  the last motion.
 MotionEstimate EstimateMotion(std::span<const SeenPoint> points, const RectifiedPair& pair,
-                              const RigidMotion& as_before, const MotionRule& rule);
+                              const Pose& as_before, const MotionRule& rule);
 
 }  // namespace sprout::temporal
 

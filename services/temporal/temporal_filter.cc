@@ -23,7 +23,7 @@ View<T> ViewOf(const cv::Mat_<T>& map) {
 }
 
 // (T3): H = K R K⁻¹ and t = K t / (f b).
-PixelMotion PixelMotionOf(const RigidMotion& motion, const RectifiedPair& pair) {
+PixelMotion PixelMotionOf(const Pose& motion, const RectifiedPair& pair) {
   Eigen::Matrix3d camera;
   camera << pair.focal_px, 0, pair.cx, 0, pair.focal_px, pair.cy, 0, 0, 1;
   Eigen::Matrix3d inverse;
@@ -142,7 +142,7 @@ void TemporalFilter::EstimateMotionOf(const TemporalInput& input) {
       return;
     }
   }
-  now_.left_from_last = RigidMotion();
+  now_.left_from_last = Pose();
   motion.last_seq = motion.start_seq = input.id.seq;
   motion.resets = motion.reset == MemoryReset::kFirst ? 0 : before_.motion.resets + 1;
 }

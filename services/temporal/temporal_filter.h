@@ -55,7 +55,7 @@ class TemporalFilter {
     cv::Mat1f disparity;  // px, or kNone
     cv::Mat1f variance;   // px²
     CameraMotion motion;
-    RigidMotion left_from_last;
+    Pose left_from_last;
   };
 
   MemoryReset ReasonToForget(const TemporalInput& input) const;

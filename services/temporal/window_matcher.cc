@@ -15,7 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace sprout::temporal {
 namespace HWY_NAMESPACE {
 
-constexpr int kSide = 16;     // of the window, px
+constexpr int kSide = 16;  // of the window, px
+constexpr int kCount = kSide * kSide;
 constexpr int kGreyBits = 3;  // parts of a grey level that windows keep: 256 products of two
                               // differences of at most 2¹¹ fit 32 bits
 constexpr int kMostSteps = 10;
@@ -61,6 +62,28 @@ HWY_INLINE Place FirstOf(Place place, int side) {
   return {place.u - half, place.v - half};
 }
 
+// Of the grey values of a window, and of their products with the slopes of the window looked for.
+struct GreySums {
+  int32_t grey = 0, squares = 0, with_u = 0, with_v = 0;
+
+  double Contrast() const { return squares - grey * (double(grey) / kCount); }
+  // Covariances with the slopes, times the number of pixels.
+  double AlongU(double mean_slope) const { return with_u - grey * mean_slope; }
+  double AlongV(double mean_slope) const { return with_v - grey * mean_slope; }
+};
+
+HWY_INLINE GreySums SumsOf(const int16_t* window, const int16_t* slope_u, const int16_t* slope_v) {
+  GreySums sums;
+  for (int i = 0; i < kCount; ++i) {
+    const int32_t grey = window[i];
+    sums.grey += grey;
+    sums.squares += grey * grey;
+    sums.with_u += grey * slope_u[i];
+    sums.with_v += grey * slope_v[i];
+  }
+  return sums;
+}
+
 bool MatchOnTarget(const GreyView& before, Place place, const GreyView& after, Place& found) {
   constexpr int kWide = kSide + 2;  // with the neighbours that differences need
   const Place first = FirstOf(place, kWide);
@@ -76,7 +99,6 @@ bool MatchOnTarget(const GreyView& before, Place place, const GreyView& after, P
       slope_v[y * kSide + x] = static_cast<int16_t>(at[kWide] - at[-kWide]);
     }
   }
-  constexpr int kCount = kSide * kSide;
   int32_t su = 0, sv = 0, suu = 0, suv = 0, svv = 0;
   for (int i = 0; i < kCount; ++i) {
     const int32_t a = slope_u[i];
@@ -87,17 +109,9 @@ bool MatchOnTarget(const GreyView& before, Place place, const GreyView& after, P
     suv += a * b;
     svv += b * b;
   }
-  int32_t sg = 0, sgg = 0, sgu = 0, sgv = 0;
-  for (int i = 0; i < kCount; ++i) {
-    const int32_t g = grey[i];
-    sg += g;
-    sgg += g * g;
-    sgu += g * slope_u[i];
-    sgv += g * slope_v[i];
-  }
+  const GreySums own = SumsOf(grey, slope_u, slope_v);
   const double mean_u = double(su) / kCount;
   const double mean_v = double(sv) / kCount;
-  const double own_contrast = sgg - sg * (double(sg) / kCount);
   const double uu = suu - su * mean_u;
   const double uv = suv - su * mean_v;
   const double vv = svv - sv * mean_v;
@@ -111,19 +125,11 @@ bool MatchOnTarget(const GreyView& before, Place place, const GreyView& after, P
     if (!IsInside(after, now, kSide)) return false;
     alignas(64) int16_t there[kCount];
     Sample<kSide, kSide>(after, now, there);
-    int32_t st = 0, stt = 0, stu = 0, stv = 0;
-    for (int i = 0; i < kCount; ++i) {
-      const int32_t t = there[i];
-      st += t;
-      stt += t * t;
-      stu += t * slope_u[i];
-      stv += t * slope_v[i];
-    }
-    const double contrast = stt - st * (double(st) / kCount);
-    if (!(contrast > 0)) return false;
-    const double gain = std::sqrt(own_contrast / contrast);
-    const double du = (sgu - sg * mean_u) - gain * (stu - st * mean_u);
-    const double dv = (sgv - sg * mean_v) - gain * (stv - st * mean_v);
+    const GreySums other = SumsOf(there, slope_u, slope_v);
+    if (!(other.Contrast() > 0)) return false;
+    const double gain = std::sqrt(own.Contrast() / other.Contrast());
+    const double du = own.AlongU(mean_u) - gain * other.AlongU(mean_u);
+    const double dv = own.AlongV(mean_v) - gain * other.AlongV(mean_v);
     // Slopes are differences over 2 px.
     const double u = 2 * kPositionParts * (vv * du - uv * dv) / determinant;
     const double v = 2 * kPositionParts * (uu * dv - uv * du) / determinant;

@@ -14,22 +14,6 @@ Eigen::Quaterniond TurnOf(const RosCamera& left) {
                                           : Eigen::Quaterniond(left.rectification);
 }
 
-// Between two frames: `a` after `b`.
-RosPose Joined(const RosPose& a, const RosPose& b) {
-  return {.parent = a.parent,
-          .child = b.child,
-          .rotation = a.rotation * b.rotation,
-          .translation_m = a.rotation * b.translation_m + a.translation_m};
-}
-
-RosPose Inverted(const RosPose& pose) {
-  const Eigen::Quaterniond turn = pose.rotation.conjugate();
-  return {.parent = pose.child,
-          .child = pose.parent,
-          .rotation = turn,
-          .translation_m = -(turn * pose.translation_m)};
-}
-
 }  // namespace
 
 Result<void> RosCalibration::TakeInfo(const RosBytes& message, std::optional<Named>& to) {
@@ -79,17 +63,18 @@ std::optional<RosPose> RosCalibration::PoseInRoot(std::string frame) const {
   for (size_t steps = 0; steps <= poses_.size(); ++steps) {
     const auto up = poses_.find(pose.parent);
     if (up == poses_.end()) return pose;
-    pose = Joined(up->second, pose);
+    pose.parent = up->second.parent;
+    pose.parent_from_child = up->second.parent_from_child * pose.parent_from_child;
   }
   return std::nullopt;  // they go round in a circle
 }
 
 // Of a frame in the left camera's; nothing when /tf_static does not say.
-std::optional<RosPose> RosCalibration::LeftFrom(const std::string& frame) const {
+std::optional<Pose> RosCalibration::LeftFrom(const std::string& frame) const {
   const std::optional<RosPose> left = PoseInRoot(left_->frame);
   const std::optional<RosPose> other = PoseInRoot(frame);
   if (!left || !other || left->parent != other->parent) return std::nullopt;
-  return Joined(Inverted(*left), *other);
+  return left->parent_from_child.Inverse() * other->parent_from_child;
 }
 
 std::optional<RosRole> RosCalibration::Missing() const {
@@ -108,18 +93,17 @@ Result<RosRig> RosCalibration::Rig() const {
   if (!pair) return tl::unexpected(pair.error());
   RosRig rig{.rig = {.pair = *pair, .tof = {}}};
   // P holds f·b; the baseline itself may be in /tf_static, without the error of the division.
-  if (const std::optional<RosPose> right = LeftFrom(right_->frame)) {
+  if (const std::optional<Pose> right = LeftFrom(right_->frame)) {
     const double baseline_m = right->translation_m.x();
     if (std::abs(baseline_m - pair->baseline_m) < 1e-12) rig.rig.pair.baseline_m = baseline_m;
   }
   const Eigen::Quaterniond turn = TurnOf(left_->camera);
   if (points_frame_) {
-    const RosPose pose = *LeftFrom(*points_frame_);
-    rig.left_from_points =
-        turn * (Eigen::Translation3d(pose.translation_m) * pose.rotation.normalized());
+    const Pose pose = *LeftFrom(*points_frame_);
+    rig.left_from_points = turn * (Eigen::Translation3d(pose.translation_m) * pose.rotation);
     rig.rig.tof = datasets::TofGridCamera(rig.rig.pair, 1);
   } else if (depth_) {
-    const RosPose pose = *LeftFrom(depth_->frame);
+    const Pose pose = *LeftFrom(depth_->frame);
     const Lens& lens = depth_->camera.lens;
     rig.rig.tof = {.width = lens.width,
                    .height = lens.height,

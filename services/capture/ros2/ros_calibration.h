@@ -41,7 +41,7 @@ class RosCalibration {
   };
   Result<void> TakeInfo(const RosBytes& message, std::optional<Named>& to);
   std::optional<RosPose> PoseInRoot(std::string frame) const;
-  std::optional<RosPose> LeftFrom(const std::string& frame) const;
+  std::optional<Pose> LeftFrom(const std::string& frame) const;
 
   const RosSettings& settings_;
   std::optional<Named> left_;

@@ -147,10 +147,10 @@ TEST(FromRos, TheTofCameraComesBack) {
   const auto poses = FromRosTransforms(*ToRosTransforms(1, examples::Rig(), {}));
   ASSERT_TRUE(poses) << ErrorOf(poses);
   ASSERT_EQ(poses->size(), 2U);
-  EXPECT_EQ((*poses)[0].translation_m, Eigen::Vector3d(0.125, 0, 0));
+  EXPECT_EQ((*poses)[0].parent_from_child.translation_m, Eigen::Vector3d(0.125, 0, 0));
   EXPECT_EQ((*poses)[1].child, "sprout_tof_optical_frame");
-  EXPECT_EQ((*poses)[1].translation_m, tof.left_from_tof_translation_m);
-  EXPECT_EQ((*poses)[1].rotation.coeffs(), tof.left_from_tof_rotation.coeffs());
+  EXPECT_EQ((*poses)[1].parent_from_child.translation_m, tof.left_from_tof_translation_m);
+  EXPECT_EQ((*poses)[1].parent_from_child.rotation.coeffs(), tof.left_from_tof_rotation.coeffs());
 }
 
 // Velodyne's driver: x y z intensity ring time, 22 bytes; here z stands in front.

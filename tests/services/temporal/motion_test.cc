@@ -18,7 +18,7 @@ const RectifiedPair kPair{.width = 640,
                           .baseline_m = 0.2};
 
 // Points all over the image, from 1 to 9 m.
-std::vector<SeenPoint> Points(int count, const RigidMotion& left_from_last) {
+std::vector<SeenPoint> Points(int count, const Pose& left_from_last) {
   std::mt19937 random(1);
   const auto draw = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(random()) * 0x1p-32;
@@ -36,7 +36,7 @@ std::vector<SeenPoint> Points(int count, const RigidMotion& left_from_last) {
 }
 
 TEST(MotionEstimator, FindsAMotionBeyondManyOutliers) {
-  const RigidMotion motion = Pose(0.1, -0.05, -0.4, 0.03);
+  const Pose motion = MovedBy(0.1, -0.05, -0.4, 0.03);
   std::vector<SeenPoint> points = Points(400, motion);
   for (size_t i = 0; i < 200; ++i)
     points[i].after_px += Eigen::Vector2d(9.0 + 0.3 * double(i % 50), -5);
@@ -49,7 +49,7 @@ TEST(MotionEstimator, FindsAMotionBeyondManyOutliers) {
 
 TEST(MotionEstimator, StandsStillBehindAThingThatMoves) {
   std::vector<SeenPoint> points = Points(400, {});
-  const std::vector<SeenPoint> moved = Points(400, Pose(0.2, 0, 0));
+  const std::vector<SeenPoint> moved = Points(400, MovedBy(0.2, 0, 0));
   std::copy_n(moved.begin(), 190, points.begin());
   const MotionEstimate estimate = EstimateMotion(points, kPair, {}, {});
   EXPECT_EQ(estimate.reset, MemoryReset::kNone);
@@ -79,7 +79,7 @@ TEST(MotionEstimator, SurvivesPointsInOnePlace) {
 
 // The true places are those of the wall, 4 m away, and the board.
 TEST(PointTracker, FindsPointsToATenthOfAPixel) {
-  const RigidMotion motion = Pose(0.08, 0.03, 0.1, 0.01);
+  const Pose motion = MovedBy(0.08, 0.03, 0.1, 0.01);
   const MovingScene before = SceneFrom({});
   const MovingScene after = SceneFrom(motion);
   const std::vector<TrackedPoint> points =
@@ -91,7 +91,7 @@ TEST(PointTracker, FindsPointsToATenthOfAPixel) {
     const double z = before.pair.DepthFromDisparity(static_cast<double>(before.truth(at)));
     const Eigen::Vector3d there((point.before.x - before.pair.cx) / before.pair.focal_px * z,
                                 (point.before.y - before.pair.cy) / before.pair.focal_px * z, z);
-    const RigidMotion back = motion.Inverse();
+    const Pose back = motion.Inverse();
     const Eigen::Vector3d now = back.rotation * there + back.translation_m;
     const double u = before.pair.focal_px * now.x() / now.z() + before.pair.cx;
     const double v = before.pair.focal_px * now.y() / now.z() + before.pair.cy;
@@ -103,7 +103,7 @@ TEST(PointTracker, FindsPointsToATenthOfAPixel) {
 
 TEST(PointTracker, DoesNotMindBrightness) {
   const MovingScene before = SceneFrom({});
-  const cv::Mat after = SceneFrom(Pose(0.05, 0, 0)).left * 0.8 + 30;
+  const cv::Mat after = SceneFrom(MovedBy(0.05, 0, 0)).left * 0.8 + 30;
   EXPECT_GT(TrackCorners(BuildPyramid(before.left), BuildPyramid(after)).size(), 300U);
 }
 

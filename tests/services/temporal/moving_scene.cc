@@ -36,14 +36,14 @@ double TextureAt(double x_m, double y_m) {
 
 }  // namespace
 
-RigidMotion Pose(double x_m, double y_m, double z_m, double turn) {
-  RigidMotion pose;
+Pose MovedBy(double x_m, double y_m, double z_m, double turn) {
+  Pose pose;
   pose.rotation = Eigen::Quaterniond(1, 0, turn / 2, 0).normalized();
   pose.translation_m = {x_m, y_m, z_m};
   return pose;
 }
 
-MovingScene SceneFrom(const RigidMotion& world_from_left, cv::Size size) {
+MovingScene SceneFrom(const Pose& world_from_left, cv::Size size) {
   MovingScene scene;
   scene.pair = {.width = size.width,
                 .height = size.height,

@@ -18,10 +18,10 @@ struct MovingScene {
 };
 
 /// @param world_from_left  pose of the camera; the wall stands at z = 4 m, the board at 2 m.
-MovingScene SceneFrom(const RigidMotion& world_from_left, cv::Size size = {320, 240});
+MovingScene SceneFrom(const Pose& world_from_left, cv::Size size = {320, 240});
 
 /// A pose without rotation, but for a turn about y, rad.
-RigidMotion Pose(double x_m, double y_m, double z_m, double turn = 0);
+Pose MovedBy(double x_m, double y_m, double z_m, double turn = 0);
 
 /// A frame of the scene with Gaussian noise on its disparities, the same for the same `seq`.
 TemporalInput FrameFrom(const MovingScene& scene, int64_t seq, double noise_px);

@@ -12,7 +12,7 @@ namespace {
 using ::testing::HasSubstr;
 
 Frame FrameAt(int64_t seq) {
-  const TemporalInput input = FrameFrom(SceneFrom(Pose(0.01 * double(seq), 0, 0)), seq, 0.2);
+  const TemporalInput input = FrameFrom(SceneFrom(MovedBy(0.01 * double(seq), 0, 0)), seq, 0.2);
   Frame frame;
   frame.id = input.id;
   frame.left = input.left.clone();

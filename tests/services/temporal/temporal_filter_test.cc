@@ -25,8 +25,8 @@ bool IsSame(const TemporalOutput& a, const TemporalOutput& b) {
 }
 
 // The camera comes nearer, to the right, and turns.
-RigidMotion PoseAt(int frame) {
-  return Pose(0.012 * frame, -0.004 * frame, 0.03 * frame, 0.004 * frame);
+Pose PoseAt(int frame) {
+  return MovedBy(0.012 * frame, -0.004 * frame, 0.03 * frame, 0.004 * frame);
 }
 
 std::vector<TemporalInput> Drive(int frames) {
@@ -49,7 +49,7 @@ TEST(TemporalFilter, GivesTheFirstFrameAsItIs) {
 
 TEST(TemporalFilter, SteadiesAStillSceneAndStandsStill) {
   TemporalFilter filter(Defaults());
-  const MovingScene scene = SceneFrom(Pose(0, 0, 0));
+  const MovingScene scene = SceneFrom(MovedBy(0, 0, 0));
   TemporalOutput output;
   for (int i = 0; i < 12; ++i) output = filter.Compute(FrameFrom(scene, i, kNoisePx));
   const double single = ErrorOf(FrameFrom(scene, 11, kNoisePx).disparity, scene);
@@ -70,8 +70,8 @@ TEST(TemporalFilter, MovesTheMapWithTheCamera) {
   EXPECT_EQ(output.motion.start_seq, 0);
   EXPECT_EQ(output.motion.last_seq, kFrames - 2);
   // The way, and the last step, to 3 %: at the edges of the board windows see both surfaces.
-  const RigidMotion step = PoseAt(kFrames - 2).Inverse() * PoseAt(kFrames - 1);
-  const RigidMotion way = PoseAt(0).Inverse() * PoseAt(kFrames - 1);
+  const Pose step = PoseAt(kFrames - 2).Inverse() * PoseAt(kFrames - 1);
+  const Pose way = PoseAt(0).Inverse() * PoseAt(kFrames - 1);
   EXPECT_LT((output.motion.last_from_left.translation_m - step.translation_m).norm(),
             0.03 * step.translation_m.norm());
   EXPECT_LT((output.motion.start_from_left.translation_m - way.translation_m).norm(),
@@ -112,9 +112,9 @@ TEST(TemporalFilter, BelievesTheMemoryWhereTheNewMapIsUnsureAndWrong) {
 // What was there before leaves no trail when the images say that it is gone.
 TEST(TemporalFilter, ForgetsWhatMovedAway) {
   TemporalFilter filter(Defaults());
-  const MovingScene scene = SceneFrom(Pose(0, 0, 0));
+  const MovingScene scene = SceneFrom(MovedBy(0, 0, 0));
   MovingScene empty = scene;  // the board is gone: wall everywhere
-  const MovingScene wall = SceneFrom(Pose(2, 0, 0));
+  const MovingScene wall = SceneFrom(MovedBy(2, 0, 0));
   const cv::Mat gone = scene.truth > scene.truth(0, 0) + 1;
   wall.left.copyTo(empty.left, gone);
   wall.truth.copyTo(empty.truth, gone);
@@ -195,7 +195,7 @@ class ResetTest : public testing::Test {
     EXPECT_EQ(output.motion.reset, reason);
     EXPECT_EQ(output.motion.resets, 1);
     EXPECT_EQ(output.motion.start_seq, next.id.seq);
-    EXPECT_EQ(output.motion.start_from_left, RigidMotion());
+    EXPECT_EQ(output.motion.start_from_left, Pose());
     EXPECT_TRUE(IsSame(output.disparity.counts(), next.disparity.counts()));
   }
   TemporalInput next_ = Drive(4)[3];
