@@ -37,7 +37,7 @@ enum class Part {
   kDepth,            ///< depth of the left image, with its intrinsics
   kCloud,            ///< its points
   kFused,            ///< disparity map fused with earlier frames
-  kFusedConfidence,  ///< how far its disparities can be trusted
+  kFusedConfidence,  ///< the same probability for it
   kMotion,           ///< how the left camera moved since the last frame
 };
 inline constexpr int kPartCount = static_cast<int>(Part::kMotion) + 1;
@@ -81,7 +81,7 @@ struct Frame {
   std::optional<DepthImage> depth;
   std::optional<PointCloud> cloud;
   std::optional<DisparityImage> fused;
-  cv::Mat fused_confidence;  ///< 8UC1
+  cv::Mat fused_confidence;  ///< 8UC1, as confidence
   std::optional<CameraMotion> motion;
 
   /// No parts: `left` and `right` in grey, where one has made them for several stages; else empty.

@@ -325,7 +325,8 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "Optional[numpy.ndarray]: (H, W) float32, px, fused with earlier frames; NaN: none.")
       .def_property_readonly(
           "fused_confidence", [](const PyFrame& f) { return ToArray(f.frame.fused_confidence); },
-          "Optional[numpy.ndarray]: (H, W) uint8, of fused, 0 (least) to 255.")
+          "Optional[numpy.ndarray]: (H, W) uint8, 255 times the probability that fused is within 1 "
+          "px of the true one.")
       .def_property_readonly("depth_m", &DepthArray,
                              "Optional[numpy.ndarray]: (H, W) float32, z, m; NaN: none.")
       .def_property_readonly("intrinsics", &IntrinsicsOf,
