@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <limits>
+#include <memory>
 #include <opencv2/core/utility.hpp>
 
 #include "common/config/config_error.h"
@@ -66,6 +67,18 @@ void KeepMemory() {
   mallopt(M_MMAP_THRESHOLD, kLargestFromHeap);
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
 #endif
+}
+
+void TouchMemory(size_t bytes) {
+  constexpr size_t kBlock = size_t{8} << 20;  // bytes; a map of a frame, far from kLargestFromHeap
+  constexpr size_t kPage = 4096;              // the smallest that Linux has
+  std::vector<std::unique_ptr<char[]>> blocks((bytes + kBlock - 1) / kBlock);
+  for (std::unique_ptr<char[]>& block : blocks) {
+    block = std::make_unique_for_overwrite<char[]>(kBlock);
+    // Volatile: the compiler knows that nobody reads them.
+    volatile char* const first = block.get();
+    for (size_t i = 0; i < kBlock; i += kPage) first[i] = 0;
+  }
 }
 
 }  // namespace sprout

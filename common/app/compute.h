@@ -1,6 +1,7 @@
 #ifndef SPROUT_COMMON_APP_COMPUTE_H_
 #define SPROUT_COMMON_APP_COMPUTE_H_
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,12 @@ void LimitSimd(const std::string& level);
 /// back to the kernel, frame by frame, and touching new pages first took 40 of 180 ms a frame (four
 /// processes, 2 MP). Only with glibc.
 void KeepMemory();
+
+/// Touches memory of the calling thread that KeepMemory() then keeps, so that the first frame finds
+/// its pages: new ones take 0.25 ms a MB, zeroed by the kernel. Without KeepMemory() it is of no
+/// use.
+/// @param bytes  how much is needed at the same time, about.
+void TouchMemory(size_t bytes);
 
 }  // namespace sprout
 

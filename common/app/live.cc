@@ -2,12 +2,16 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <list>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/app/answer.h"
+#include "common/app/compute.h"
 #include "common/app/duplicate_watch.h"
 #include "common/app/frame_assembler.h"
 #include "common/app/log.h"
@@ -28,6 +32,44 @@ namespace {
 struct Arrival {
   Frame frame;
   StageMonitor::Clock::time_point when;
+};
+
+// What the first frame would otherwise wait for, done while the stage waits for it: the
+// calibration, which capture sends before, says how large the frames will be.
+class Preparation {
+ public:
+  explicit Preparation(size_t stages) : stages_(stages) {}
+
+  // From the receiver's thread. A calibration that cannot be read is counted where it is needed.
+  void HeardCalibration(std::span<const uint8_t> bytes) {
+    if (is_over_) return;
+    const Result<DecodedPart> part = DecodePart(Part::kRig, bytes);
+    if (part) pixels_ = std::get<Rig>(part->value).pair.size().area();
+  }
+
+  // From the stage's thread, while there is no frame.
+  void Continue() {
+    const int64_t pixels = is_over_ ? 0 : pixels_.load();
+    if (pixels == 0) return;
+    // The maps that a stage has at the same time: 16 bytes a pixel of two images in colour and
+    // grey with what they are decoded from, and as many of results and what is between.
+    constexpr int64_t kBytes = 32;
+    constexpr int64_t kMaxPixels = 8'000'000;  // a wrong calibration must not take all memory
+    TouchMemory(stages_ * static_cast<size_t>(kBytes * std::min(pixels, kMaxPixels)));
+    is_over_ = true;
+  }
+
+  void FrameCame() { is_over_ = true; }
+
+  // A calibration is followed by its first frame soon.
+  std::chrono::milliseconds Period() const {
+    return is_over_ ? Watchdog::kIdlePeriod : std::chrono::milliseconds(20);
+  }
+
+ private:
+  size_t stages_;
+  std::atomic<int64_t> pixels_ = 0;
+  std::atomic<bool> is_over_ = false;
 };
 
 void Publish(const Arrival& arrival, const Answer& answer, Publisher& publisher,
@@ -74,10 +116,16 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
   SilenceWatch silence(context, assembler.channels(), monitor);
   std::vector<std::string_view> channels = assembler.channels();
   channels.push_back(kStatusChannel);
+  const std::string_view calibration = ChannelOf(Part::kRig);
+  const bool is_input = std::ranges::count(channels, calibration) > 0;
+  if (!is_input) channels.push_back(calibration);
+  Preparation preparation(std::max<size_t>(1, steps.size()));
   const Receiver receiver(
       context.lcm_url, context.prefix, channels,
       [&](std::string_view channel, std::span<const uint8_t> bytes) {
         if (channel == kStatusChannel) return OnStatus(bytes, monitor, duplicates);
+        if (channel == calibration) preparation.HeardCalibration(bytes);
+        if (channel == calibration && !is_input) return;
         silence.Heard(channel);
         for (Frame& frame : assembler.Add(channel, bytes)) {
           silence.HeardFrame();
@@ -93,9 +141,13 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
   NotifyReady();
   Watchdog watchdog;
   while (!context.stop.stop_requested()) {
-    const auto arrival = mailbox.TakeWithin(Watchdog::kIdlePeriod, context.stop);
+    const auto arrival = mailbox.TakeWithin(preparation.Period(), context.stop);
     watchdog.Idle();
-    if (!arrival) continue;
+    if (!arrival) {
+      preparation.Continue();
+      continue;
+    }
+    preparation.FrameCame();
     const std::optional<Answer> answer = MakeAnswer(arrival->frame, adapter, encoding, monitor);
     if (answer) Publish(*arrival, *answer, publisher, monitor);
     watchdog.FrameDone();
