@@ -1,21 +1,16 @@
 // Real GigE Vision on a private network, from cameras that do not exist.
 
 #include <gmock/gmock.h>
-#include <spdlog/sinks/base_sink.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <cmath>
-#include <condition_variable>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <future>
 #include <iostream>
 #include <iterator>
-#include <memory>
-#include <mutex>
 #include <set>
 #include <thread>
 #include <utility>
@@ -26,6 +21,7 @@
 #include "services/capture/genicam/genicam_source.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/rig/fake_rig.h"
+#include "tests/rig/log_text.h"
 #include "tests/rig/time_stamp.h"
 
 namespace sprout {
@@ -36,49 +32,6 @@ using std::chrono::seconds;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::MatchesRegex;
-
-// What is logged while it lives. Nobody else logs when it begins and ends.
-class LogText {
- public:
-  LogText() : sink_(std::make_shared<Sink>()) {
-    spdlog::default_logger()->sinks().push_back(sink_);
-  }
-  ~LogText() { std::erase(spdlog::default_logger()->sinks(), sink_); }
-  LogText(const LogText&) = delete;
-  LogText& operator=(const LogText&) = delete;
-
-  void Forget() { sink_->Forget(); }
-
-  // Waits until it says that; false when it did not in half a minute.
-  bool Says(const std::string& text) { return sink_->Says(text); }
-
- private:
-  class Sink : public spdlog::sinks::base_sink<std::mutex> {
-   public:
-    void Forget() {
-      const std::lock_guard lock(mutex_);
-      text_.clear();
-    }
-
-    bool Says(const std::string& text) {
-      std::unique_lock lock(mutex_);
-      return changed_.wait_for(lock, seconds(30),
-                               [&] { return text_.find(text) != std::string::npos; });
-    }
-
-   private:
-    void sink_it_(const spdlog::details::log_msg& message) override {
-      text_ += std::string(message.payload.data(), message.payload.size()) + "\n";
-      changed_.notify_all();
-    }
-    void flush_() override {}
-
-    std::condition_variable changed_;
-    std::string text_;
-  };
-
-  std::shared_ptr<Sink> sink_;
-};
 
 // What a stretch of frames was like.
 struct Tally {
