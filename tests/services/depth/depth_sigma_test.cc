@@ -13,7 +13,7 @@ namespace sprout::depth {
 namespace {
 
 // f·b = 50 m px; z = 50 / (d − 2 px).
-RectifiedPair Pair(cv::Size size) {
+RectifiedPair SigmaPair(cv::Size size) {
   return {.width = size.width,
           .height = size.height,
           .focal_px = 500,
@@ -25,7 +25,7 @@ RectifiedPair Pair(cv::Size size) {
 
 DepthImage SigmaOf(const DisparityImage& disparity, const cv::Mat1b& sigma, int scale = 1,
                    double metres_per_count = 0.001) {
-  const RectifiedPair pair = Pair(disparity.size());
+  const RectifiedPair pair = SigmaPair(disparity.size());
   return DepthSigmaOf(DepthOf(disparity, pair, metres_per_count, scale), disparity, sigma, pair,
                       scale);
 }
@@ -61,7 +61,7 @@ TEST(DepthSigma, SaysWhatIsTooLargeTooSmallOrNotThere) {
 // The error of the depth for a disparity that is off by σ, to first order.
 TEST(DepthSigma, IsHowFarTheDepthMovesWithTheDisparity) {
   std::mt19937 random(3);
-  const RectifiedPair pair = Pair({1, 1});
+  const RectifiedPair pair = SigmaPair({1, 1});
   for (int i = 0; i < 200; ++i) {
     const auto counts = static_cast<int16_t>(32 * 12 + random() % 3000);
     const auto sigma = static_cast<uint8_t>(1 + random() % 16);
@@ -97,7 +97,7 @@ TEST(DepthSigma, IsThatOfThePixelWhoseDepthABlockHas) {
 
 TEST(DepthSigma, OfAPointOfTheCloudIsWhereItIsSeen) {
   const cv::Size size(40, 30);
-  const RectifiedPair pair = Pair(size);
+  const RectifiedPair pair = SigmaPair(size);
   std::mt19937 random(5);
   DisparityImage disparity(size);
   cv::Mat1b sigma(size);
