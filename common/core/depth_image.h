@@ -2,6 +2,7 @@
 #define SPROUT_COMMON_CORE_DEPTH_IMAGE_H_
 
 #include <cstdint>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct DepthImage {
   cv::Size size() const { return counts.size(); }
   double Metres(int u, int v) const { return counts(v, u) * metres_per_count; }
 };
+
+/// In a DepthImage of standard deviations: so much or more, or not known.
+inline constexpr uint16_t kMaxDepthSigmaCounts = std::numeric_limits<uint16_t>::max();
 
 /// Most points of a cloud: with 16 bytes each they fit into a message.
 inline constexpr int kMaxCloudPoints = 12'000'000;

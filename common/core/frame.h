@@ -35,6 +35,7 @@ enum class Part {
   kConfidence,       ///< the probability that a disparity is within 1 px of the true one
   kSigma,            ///< standard deviation of the final disparities
   kDepth,            ///< depth of the left image, with its intrinsics
+  kDepthSigma,       ///< standard deviation of that depth
   kCloud,            ///< its points
   kFused,            ///< disparity map fused with earlier frames
   kFusedConfidence,  ///< the same probability for it
@@ -79,6 +80,8 @@ struct Frame {
   /// 8UC1, counts of 1/16 px (SigmaToPx()); kMaxSigmaCounts where there is no disparity.
   cv::Mat sigma;
   std::optional<DepthImage> depth;
+  /// Standard deviation of depth, of its size; 0 = no depth, kMaxDepthSigmaCounts = that or more.
+  std::optional<DepthImage> depth_sigma;
   std::optional<PointCloud> cloud;
   std::optional<DisparityImage> fused;
   cv::Mat fused_confidence;  ///< 8UC1, as confidence
@@ -126,6 +129,7 @@ inline constexpr PartRow kPartTable[] = {
     {Part::kConfidence, "SPROUT_CONFIDENCE", &Frame::confidence},
     {Part::kSigma, "SPROUT_SIGMA", &Frame::sigma},
     {Part::kDepth, "SPROUT_DEPTH", &Frame::depth},
+    {Part::kDepthSigma, "SPROUT_DEPTH_SIGMA", &Frame::depth_sigma},
     {Part::kCloud, "SPROUT_CLOUD", &Frame::cloud},
     {Part::kFused, "SPROUT_FUSED", &Frame::fused},
     {Part::kFusedConfidence, "SPROUT_FUSED_CONFIDENCE", &Frame::fused_confidence},

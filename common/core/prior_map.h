@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <utility>
 
@@ -27,6 +28,14 @@ inline uint8_t SigmaToCounts(double sigma_px) {
 
 /// The inverse, px; exact. For kMaxSigmaCounts the smallest standard deviation that it stands for.
 inline float SigmaToPx(uint8_t counts) { return static_cast<float>(counts) / kSigmaCountsPerPx; }
+
+/// Standard deviations in px; infinite for kMaxSigmaCounts, which may be any larger one. O(pixels).
+inline cv::Mat1f SigmaToPx(const cv::Mat1b& sigma) {
+  cv::Mat1f px;
+  sigma.convertTo(px, CV_32F, 1.0 / kSigmaCountsPerPx);
+  px.setTo(std::numeric_limits<float>::infinity(), sigma == kMaxSigmaCounts);
+  return px;
+}
 
 /// A prior disparity map D_p of the left rectified image, with a standard deviation at every pixel.
 ///

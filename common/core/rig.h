@@ -29,6 +29,13 @@ struct RectifiedPair {
     return focal_px * baseline_m / (disparity_px + cx_right - cx);
   }
 
+  /// Standard deviation of that depth, m, to first order in that of the disparity:
+  /// σ_z = z² / (f·b) · σ_d (services/depth/README.md, D1).
+  double DepthSigma(double disparity_px, double sigma_px) const {
+    const double z = DepthFromDisparity(disparity_px);
+    return z * z / (focal_px * baseline_m) * sigma_px;
+  }
+
   /// Disparity of a depth z > 0, px: the inverse of DepthFromDisparity().
   double DisparityFromDepth(double depth_m) const {
     return focal_px * baseline_m / depth_m + cx - cx_right;

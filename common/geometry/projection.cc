@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/core/image.h"
+#include "common/core/prior_map.h"
 
 namespace sprout {
 
@@ -41,6 +42,23 @@ cv::Mat1f DepthMap(const RectifiedPair& pair, const DisparityImage& disparity) {
     }
   }
   return depth_m;
+}
+
+cv::Mat1f DepthSigmaMap(const RectifiedPair& pair, const DisparityImage& disparity,
+                        const cv::Mat1b& sigma) {
+  assert(sigma.size() == disparity.size());
+  const double infinity_px = pair.cx - pair.cx_right;
+  cv::Mat1f sigma_m(disparity.size(), std::numeric_limits<float>::quiet_NaN());
+  for (int v = 0; v < disparity.height(); ++v) {
+    for (int u = 0; u < disparity.width(); ++u) {
+      const double px = double{disparity.Px(u, v)};
+      if (!(px > infinity_px)) continue;
+      sigma_m(v, u) = sigma(v, u) == kMaxSigmaCounts
+                          ? std::numeric_limits<float>::infinity()
+                          : static_cast<float>(pair.DepthSigma(px, double{SigmaToPx(sigma(v, u))}));
+    }
+  }
+  return sigma_m;
 }
 
 TofCamera TofOverLeft(const RectifiedPair& pair, cv::Size size) {

@@ -26,6 +26,12 @@ Eigen::Vector3d PointAt(const RectifiedPair& pair, const DisparityImage& map, in
 /// O(pixels).
 cv::Mat1f DepthMap(const RectifiedPair& pair, const DisparityImage& disparity);
 
+/// Standard deviations of these depths, m; NaN where there is no depth, infinite where that of the
+/// disparity is 15.94 px or more. O(pixels).
+/// @param sigma  of the map's size, counts as in PriorMap.
+cv::Mat1f DepthSigmaMap(const RectifiedPair& pair, const DisparityImage& disparity,
+                        const cv::Mat1b& sigma);
+
 /// A ToF camera of `size` in the left camera's place with its field of view: the corners of both
 /// images coincide. For range images that are registered to the left image already.
 TofCamera TofOverLeft(const RectifiedPair& pair, cv::Size size);

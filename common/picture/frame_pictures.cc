@@ -133,6 +133,11 @@ class FramePictures {
     if (!frame_.confidence.empty()) {
       Made("confidence.png", ConfidencePicture(frame_.confidence, T("Confidence")));
     }
+    if (frame_.disparity && frame_.disparity->size() == frame_.sigma.size() &&
+        frame_.sigma.type() == CV_8UC1) {
+      Made("sigma.png", SigmaPicture(PriorMap(*frame_.disparity, frame_.sigma),
+                                     T("Standard deviation of the disparity")));
+    }
   }
 
   // What needs several parts.

@@ -20,8 +20,8 @@ bool HasCloud(const Frame& frame);
 
 /// Writes a picture of every part of the frame that can be shown: left, right, tof, seeds_raw (the
 /// ToF points before refinement), seeds, prior, prior_sigma, unfilled (as grown), disparity,
-/// confidence, cloud (from the side) as .png, and overview.png of four of them. Pictures of depth
-/// share one colour scale.
+/// confidence, sigma (with a disparity map), cloud (from the side) as .png, and overview.png of
+/// four of them. Pictures of depth share one colour scale.
 /// @param truth    of its scene, of the size of its disparity, or empty: then there is no
 ///                 errors.png.
 /// @param path_of  gives the path for "left.png" and others.

@@ -37,8 +37,9 @@ ScaleContent DisparityScale(const ValueRange& range_px, const RectifiedPair* pai
 cv::Mat3b DisparityPicture(const DisparityImage& disparity, const ValueRange& range_px,
                            const std::string& title, const RectifiedPair* pair = nullptr);
 
-/// The standard deviations of a prior, from 0 to 4 px, so that the pictures of all frames can be
-/// compared; larger ones look like 4 px. Pixels without a disparity have kNoValueColor.
+/// The standard deviations of a prior, or of another map, from 0 to 4 px, so that the pictures of
+/// all frames can be compared; larger ones look like 4 px. Pixels without a disparity have
+/// kNoValueColor.
 cv::Mat3b SigmaPicture(const PriorMap& prior, const std::string& title);
 
 /// A confidence (8UC1), from 0, black, to 255, white.

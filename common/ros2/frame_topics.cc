@@ -13,6 +13,7 @@ constexpr RosTopicRow kRows[] = {
     {RosTopic::kRightInfo, "right/camera_info", &RosTypeOf<RosCameraInfo>, Part::kRight, true},
     {RosTopic::kDepth, "depth/image_rect", &RosTypeOf<RosImage>, Part::kDepth},
     {RosTopic::kDepthInfo, "depth/camera_info", &RosTypeOf<RosCameraInfo>, Part::kDepth},
+    {RosTopic::kDepthSigma, "depth/sigma", &RosTypeOf<RosImage>, Part::kDepthSigma},
     {RosTopic::kPoints, "points", &RosTypeOf<RosPointCloud>, Part::kCloud},
     {RosTopic::kDisparity, "disparity", &RosTypeOf<RosDisparity>, Part::kDisparity, true},
     {RosTopic::kConfidence, "confidence", &RosTypeOf<RosImage>, Part::kConfidence},
@@ -69,6 +70,8 @@ std::unique_ptr<AnyRosMessage> ToRos(RosTopic topic, const FrameId& id, const Pa
       return Any(ToRosDepth(left, std::get<DepthImage>(value), options.depth));
     case RosTopic::kDepthInfo:
       return Any(ToRosDepthInfo(left, std::get<DepthImage>(value)));
+    case RosTopic::kDepthSigma:
+      return Any(ToRosDepthSigma(left, std::get<DepthImage>(value)));
     case RosTopic::kPoints:
       return Any(ToRosCloud(left, std::get<PointCloud>(value)));
     case RosTopic::kDisparity:

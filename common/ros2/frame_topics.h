@@ -21,6 +21,7 @@ enum class RosTopic {
   kRightInfo,
   kDepth,
   kDepthInfo,
+  kDepthSigma,
   kPoints,
   kDisparity,
   kConfidence,

@@ -131,6 +131,17 @@ RosMessage<RosImage> ToRosDepth(const RosPlace& place, const DepthImage& depth, 
   return ToRosImage(place, metres);
 }
 
+RosMessage<RosImage> ToRosDepthSigma(const RosPlace& place, const DepthImage& sigma) {
+  cv::Mat1f metres(sigma.size());
+  const auto scale = static_cast<float>(sigma.metres_per_count);
+  std::ranges::transform(PixelsOf(sigma.counts), PixelsOf(metres).begin(), [scale](uint16_t count) {
+    if (count == 0) return std::numeric_limits<float>::quiet_NaN();
+    if (count == kMaxDepthSigmaCounts) return std::numeric_limits<float>::infinity();
+    return static_cast<float>(count) * scale;
+  });
+  return ToRosImage(place, metres);
+}
+
 RosMessage<RosCameraInfo> ToRosLeftInfo(const RosPlace& place, const RectifiedPair& pair) {
   return ToInfo(place, {pair.size(), pair.focal_px, pair.focal_px, pair.cx, pair.cy, 0, {}});
 }

@@ -43,6 +43,10 @@ enum class RosDepth {
 };
 RosMessage<RosImage> ToRosDepth(const RosPlace& place, const DepthImage& depth, RosDepth encoding);
 
+/// Standard deviations of depths: 32FC1, m; NaN where there is no depth, infinite where they have
+/// the largest count.
+RosMessage<RosImage> ToRosDepthSigma(const RosPlace& place, const DepthImage& sigma);
+
 /// A camera of the rectified pair. P of the right one has −f·b as Tx, so P · (x, y, z, 1) is the
 /// pixel of a point of the left frame in either. No distortion; K = P, R = 1.
 RosMessage<RosCameraInfo> ToRosLeftInfo(const RosPlace& place, const RectifiedPair& pair);

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "common/core/image.h"
 #include "services/depth/cloud.h"
 #include "services/depth/depth_map.h"
+#include "services/depth/depth_sigma.h"
 #include "services/depth/preview.h"
 
 namespace sprout::depth {
@@ -39,6 +41,11 @@ std::string SizeComplaint(const Frame& frame, const Input& input) {
     return "LEFT of " + SizeText(frame.left.size()) + ": allowed is " + name + "'s " +
            SizeText(size);
   }
+  if (!frame.sigma.empty() && (frame.sigma.size() != size || frame.sigma.type() != CV_8UC1)) {
+    return "SIGMA of " + SizeText(frame.sigma.size()) + " and " +
+           std::to_string(frame.sigma.channels()) + " bytes a pixel: allowed is " + name + "'s " +
+           SizeText(size) + ", in grey";
+  }
   if (confidence.empty() || confidence.size() == size) return "";
   return "CONFIDENCE of " + SizeText(confidence.size()) + ": allowed is " + name + "'s " +
          SizeText(size);
@@ -49,10 +56,16 @@ std::string SizeComplaint(const Frame& frame, const Input& input) {
 DepthAdapter::DepthAdapter(const DepthConfig& config) : config_(config) {
   RequireInRange(config, "depth");
   if (config.scale() == 3) throw ConfigError("depth.scale = 3: allowed: 1, 2, 4");
-  if (!config.publish_depth() && !config.publish_cloud() && !config.publish_preview()) {
+  if (!config.publish_depth() && !config.publish_cloud() && !config.publish_preview() &&
+      !config.publish_sigma()) {
     throw ConfigError(
-        "depth.publish_depth, depth.publish_cloud, depth.publish_preview = false: nothing to "
-        "publish; allowed: at least one of them true");
+        "depth.publish_depth, depth.publish_cloud, depth.publish_preview, depth.publish_sigma = "
+        "false: nothing to publish; allowed: at least one of them true");
+  }
+  if (config.publish_sigma() && config.input() == DepthConfig::FUSED) {
+    throw ConfigError(
+        "depth.publish_sigma = true: fused maps have no standard deviation; allowed: false with "
+        "input: FUSED");
   }
 }
 
@@ -60,6 +73,7 @@ PartSet DepthAdapter::Inputs() const {
   const Input& input = InputOf(config_);
   PartSet inputs{input.part, Part::kRig, Part::kLeft};
   if (config_.publish_cloud() && config_.confidence()) inputs.Add(input.confidence_part);
+  if (config_.publish_sigma()) inputs.Add(Part::kSigma);
   return inputs;
 }
 
@@ -71,10 +85,14 @@ StageResult DepthAdapter::Process(const Frame& frame) {
   if (!result.degenerate.empty()) return result;
   const DisparityImage& disparity = *(frame.*input.map);
   const RectifiedPair& pair = frame.rig->pair;
-  if (config_.publish_depth()) {
+  if (config_.publish_depth() || config_.publish_sigma()) {
     const int scale = std::min({config_.scale(), pair.width, pair.height});
-    result.outputs.push_back(
-        {Part::kDepth, DepthOf(disparity, pair, config_.mm_per_count() / 1000, scale)});
+    DepthImage depth = DepthOf(disparity, pair, config_.mm_per_count() / 1000, scale);
+    if (config_.publish_sigma()) {
+      result.outputs.push_back(
+          {Part::kDepthSigma, DepthSigmaOf(depth, disparity, frame.sigma, pair, scale)});
+    }
+    if (config_.publish_depth()) result.outputs.push_back({Part::kDepth, std::move(depth)});
   }
   if (config_.publish_cloud()) {
     const CloudThinning thinning{config_.cloud_stride(), config_.cloud_voxel_m()};

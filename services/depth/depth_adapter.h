@@ -7,8 +7,8 @@
 namespace sprout::depth {
 
 /// DISPARITY LEFT RIG → DEPTH, CLOUD, a preview, as the configuration says; CONFIDENCE is joined
-/// for the cloud if the configuration says so. With input FUSED: FUSED and FUSED_CONFIDENCE
-/// instead.
+/// for the cloud, SIGMA for DEPTH_SIGMA if the configuration says so. With input FUSED: FUSED and
+/// FUSED_CONFIDENCE instead, and no DEPTH_SIGMA.
 class DepthAdapter : public StageAdapter {
  public:
   /// @throws ConfigError for a value out of range, and when nothing is to be published.

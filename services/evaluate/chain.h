@@ -22,8 +22,8 @@ struct StageTimes {
 /// A method's result for a scene.
 struct MethodOutput {
   cv::Mat1f map_px;      ///< disparity of every pixel of the left image, px; NaN = none
-  cv::Mat1b confidence;  ///< Part::kConfidence and
-  cv::Mat1b sigma;       ///< Part::kSigma of the map; both empty = the method has none
+  cv::Mat1b confidence;  ///< Part::kConfidence, or what else ranks its pixels; empty = none does
+  cv::Mat1b sigma;       ///< Part::kSigma of the map; empty = the confidence is no probability
   StageTimes ms;
 };
 

@@ -45,7 +45,9 @@ MethodResult EvaluateMethod(const Scene& scene, const Method& method, const Chai
   if (!output.confidence.empty()) {
     const cv::Mat1b scored = TestPixels(scene);
     confidence = Sparsify(output.map_px, truth, scored, output.confidence);
-    calibration = Calibrate(output.map_px, truth, scored, output.confidence, output.sigma);
+    if (!output.sigma.empty()) {
+      calibration = Calibrate(output.map_px, truth, scored, output.confidence, output.sigma);
+    }
   }
   return {.name = method.name,
           .nonoccluded = Score(output.map_px, truth, scene.nonoccluded).value(),

@@ -23,9 +23,9 @@ struct MethodResult {
   /// Of the whole chain, on the pixels that both cameras see; of KITTI on those of them away from
   /// every ToF point.
   std::optional<Sparsification> confidence;
-  std::optional<Calibration> calibration;
-  StageTimes ms;     ///< median of each stage's times
-  cv::Mat1f map_px;  ///< NaN = none
+  std::optional<Calibration> calibration;  ///< where it claims probabilities
+  StageTimes ms;                           ///< median of each stage's times
+  cv::Mat1f map_px;                        ///< NaN = none
 };
 
 struct SceneResult {

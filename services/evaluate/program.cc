@@ -15,6 +15,7 @@
 #include "common/app/program.h"
 #include "common/app/progress.h"
 #include "common/app/version.h"
+#include "services/evaluate/confidence_diagram.h"
 #include "services/evaluate/log_evaluation.h"
 #include "services/evaluate/result_files.h"
 #include "services/evaluate/run_pictures.h"
@@ -153,7 +154,8 @@ void AddRunFlags(CLI::App& flags, Options& options) {
   flags.add_option("--csv", options.csv, "Write the results as CSV")->type_name("FILE");
   flags
       .add_option("--images", options.images,
-                  "Write a picture of every map, and figure.png and errors.png with all of them")
+                  "Write a picture of every map, figure.png and errors.png with all of them, and "
+                  "confidence.svg: whether confidences hold")
       ->type_name("DIR");
   flags.add_flag("--quiet", options.quiet, "No tables, no progress: only files and errors");
 }
@@ -243,7 +245,8 @@ void RequireWritable(const Options& options) {
   if (!options.json.empty()) RequireWritableFile("--json", options.json);
   if (!options.csv.empty()) RequireWritableFile("--csv", options.csv);
   if (!options.images.empty())
-    RequireWritableFolder("--images", options.images, {"figure.png", "errors.png"});
+    RequireWritableFolder("--images", options.images,
+                          {"figure.png", "errors.png", "confidence.svg"});
 }
 
 std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Scene>& scenes,
@@ -264,7 +267,11 @@ std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Sce
     if (!options.quiet) std::cout << SceneTable(result) << std::endl;
     results.push_back(std::move(result));
   }
-  if (!options.images.empty()) pictures.WriteFigures();
+  if (options.images.empty()) return results;
+  pictures.WriteFigures();
+  if (const std::string svg = ConfidenceSvg(results); !svg.empty()) {
+    WriteWhole((fs::path(options.images) / "confidence.svg").string(), svg);
+  }
   return results;
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/config/config_error.h"
 #include "common/core/image.h"
+#include "common/core/prior_map.h"
 #include "common/logfile/log_error.h"
 #include "common/picture/frame_pictures.h"
 #include "common/picture/write_image.h"
@@ -56,6 +57,7 @@ class Exporter {
 
   PartSet Parts() const {
     PartSet parts{Part::kPrior, Part::kUnfilled, Part::kDisparity};
+    if (options_.pfm) parts.Add(Part::kSigma);
     if (WantsCloud()) {
       parts.Add(Part::kLeft);
       parts.Add(Part::kRig);
@@ -68,6 +70,9 @@ class Exporter {
       if (frame.prior) WriteMap(frame, frame.prior->disparity, "prior.pfm");
       if (frame.unfilled) WriteMap(frame, *frame.unfilled, "unfilled.pfm");
       if (frame.disparity) WriteMap(frame, *frame.disparity, "disparity.pfm");
+      if (frame.sigma.type() == CV_8UC1 && !frame.sigma.empty()) {
+        Require(WritePfm(names_.Of(frame.id, "sigma.pfm"), SigmaToPx(cv::Mat1b(frame.sigma))));
+      }
     }
     if (WantsCloud() && frame.disparity) WriteCloud(frame);
   }

@@ -205,7 +205,8 @@ void AddExport(CLI::App& program, Commands& commands) {
                  "Coloured point cloud of the disparity map, m in the left rectified frame");
   flags.add_flag("--mesh", options.mesh,
                  "Coloured surface of the disparity map, cut at depth edges, m");
-  flags.add_flag("--pfm", options.pfm, "Prior and disparity maps, px; +inf: no disparity");
+  flags.add_flag("--pfm", options.pfm,
+                 "Prior and disparity maps, px; +inf: no disparity; sigma, px");
   CLI::Option* mcap =
       flags
           .add_option("--mcap", commands.mcap,

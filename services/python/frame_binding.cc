@@ -60,6 +60,23 @@ py::object DepthArray(PyFrame& frame) {
   });
 }
 
+// None when the frame has no standard deviations.
+py::object DepthSigmaArray(const PyFrame& frame) {
+  const Frame& parts = frame.frame;
+  cv::Mat1f sigma_m;
+  {
+    const py::gil_scoped_release free;
+    if (parts.disparity && parts.rig && parts.sigma.size() == parts.disparity->size()) {
+      sigma_m = DepthSigmaMap(parts.rig->pair, *parts.disparity, parts.sigma);
+    } else if (parts.depth_sigma) {
+      sigma_m = MetresOf(*parts.depth_sigma);
+      sigma_m.setTo(std::numeric_limits<float>::infinity(),
+                    parts.depth_sigma->counts == kMaxDepthSigmaCounts);
+    }
+  }
+  return ToArray(sigma_m);
+}
+
 py::object DisparityArray(PyFrame& frame) {
   return Kept(frame.disparity_px, [&parts = frame.frame] {
     return parts.disparity ? ToPx(*parts.disparity) : cv::Mat1f();
@@ -329,6 +346,10 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "px of the true one.")
       .def_property_readonly("depth_m", &DepthArray,
                              "Optional[numpy.ndarray]: (H, W) float32, z, m; NaN: none.")
+      .def_property_readonly(
+          "depth_sigma_m", &DepthSigmaArray,
+          "Optional[numpy.ndarray]: (H, W) float32, standard deviation of z, m; NaN: none, inf: "
+          "not known.")
       .def_property_readonly("intrinsics", &IntrinsicsOf,
                              "Optional[numpy.ndarray]: (3, 3) float64, of depth_m, px.")
       .def_property_readonly(

@@ -139,7 +139,8 @@ void Bridge::OnRig(std::span<const uint8_t> bytes) {
 
 // What the bus or a stage lost.
 void Bridge::CountGaps(Part part, const FrameId& id) {
-  const bool is_of_depth = part == Part::kDepth || part == Part::kCloud;
+  const bool is_of_depth =
+      part == Part::kDepth || part == Part::kDepthSigma || part == Part::kCloud;
   FrameId step = id;
   if (is_of_depth) step.seq /= depth_every_;
   const std::scoped_lock lock(mutex_);

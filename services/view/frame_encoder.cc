@@ -20,7 +20,7 @@ constexpr size_t kMaxCacheBytes = size_t{64} << 20;
 constexpr ValueRange kSigmaRange{0, 4};
 
 constexpr std::array<std::string_view, kPictureCount> kPictureNames = {
-    "left", "tof", "disparity", "depth", "prior", "sigma", "confidence"};
+    "left", "tof", "disparity", "depth", "prior", "sigma", "confidence", "disparity_sigma"};
 
 nlohmann::json ScaleJson(const ValueRange& range, const char* unit, const char* near) {
   return {{"min", range.min}, {"max", range.max}, {"unit", unit}, {"near", near}};
@@ -47,13 +47,14 @@ cv::Mat3b PaintTof(const TofImage& tof, const ValueRange& range_m) {
   return picture;
 }
 
-cv::Mat3b PaintSigma(const PriorMap& prior, int width) {
+// @param sigma_of  of the map's size.
+cv::Mat3b PaintSigma(const DisparityImage& map, const cv::Mat1b& sigma_of, int width) {
   std::array<cv::Vec3b, 256> table;
   for (size_t i = 0; i < table.size(); ++i) {
     table[i] = ColorOf(SigmaToPx(static_cast<uint8_t>(i)), kSigmaRange);
   }
-  const cv::Mat1b sigma = Thin(prior.sigma, width);
-  const cv::Mat1s counts = Thin(prior.disparity.counts(), width);
+  const cv::Mat1b sigma = Thin(sigma_of, width);
+  const cv::Mat1s counts = Thin(map.counts(), width);
   cv::Mat3b picture(sigma.size(), kNoValueColor);
   for (int v = 0; v < picture.rows; ++v) {
     for (int u = 0; u < picture.cols; ++u) {
@@ -180,8 +181,19 @@ EncodedPartPtr FrameEncoder::MakePicture(DecodedFrame& frame, Picture picture, i
       if (prior != nullptr) counts(&prior->disparity, CountColors::OfDisparity(disparity_px_));
       break;
     case Picture::kSigma:
-      if (prior != nullptr && !prior->empty()) painted(prior->size(), PaintSigma(*prior, width));
+      if (prior != nullptr && !prior->empty()) {
+        painted(prior->size(), PaintSigma(prior->disparity, prior->sigma, width));
+      }
       break;
+    case Picture::kDisparitySigma: {
+      const auto* map = frame.Get<DisparityImage>(Part::kDisparity);
+      const auto* sigma = frame.Get<cv::Mat>(Part::kSigma);
+      if (map == nullptr || sigma == nullptr || map->empty()) break;
+      if (sigma->type() == CV_8UC1 && sigma->size() == map->size()) {
+        painted(map->size(), PaintSigma(*map, *sigma, width));
+      }
+      break;
+    }
   }
   if (body.empty()) return nullptr;
   auto part = std::make_shared<EncodedPart>();

@@ -18,8 +18,17 @@
 namespace sprout::view {
 
 /// Pictures of a frame.
-enum class Picture { kLeft, kTof, kDisparity, kDepth, kPrior, kSigma, kConfidence };
-inline constexpr int kPictureCount = static_cast<int>(Picture::kConfidence) + 1;
+enum class Picture {
+  kLeft,
+  kTof,
+  kDisparity,
+  kDepth,
+  kPrior,
+  kSigma,  ///< of the prior
+  kConfidence,
+  kDisparitySigma
+};
+inline constexpr int kPictureCount = static_cast<int>(Picture::kDisparitySigma) + 1;
 
 /// By the page's name: "left", "tof", ...; nothing for another name.
 std::string_view NameOf(Picture picture);

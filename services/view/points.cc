@@ -153,6 +153,11 @@ void AddPixels(DecodedFrame& frame, int u, int v, nlohmann::json& json) {
         confidence->channels() == 1 ? ValueAt<uchar>(*confidence, u, v) : std::nullopt;
     if (count) json["confidence"] = *count / 255.0;
   }
+  if (const auto* sigma = frame.Get<cv::Mat>(Part::kSigma); json.contains("disparity_px")) {
+    const auto count =
+        sigma != nullptr && sigma->channels() == 1 ? ValueAt<uchar>(*sigma, u, v) : std::nullopt;
+    if (count) json["disparity_sigma_px"] = SigmaToPx(*count);
+  }
   if (const auto* left = frame.Get<cv::Mat>(Part::kLeft)) {
     if (left->channels() == 1) {
       if (const auto grey = ValueAt<uchar>(*left, u, v)) json["grey"] = *grey;

@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 
+#include "common/core/prior_map.h"
 #include "common/picture/picture.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
@@ -40,10 +41,16 @@ Result<void> SaveFrame(const Frame& frame, const std::string& what,
   if (what == "prior.png") return SavePicture(prior, "Prior disparity", path);
   if (what == "disparity.pfm") return SavePfm(map, path);
   if (what == "prior.pfm") return SavePfm(prior, path);
+  if (what == "sigma.pfm") {
+    if (frame.sigma.type() != CV_8UC1 || frame.sigma.empty()) {
+      return Fail("the frame has no standard deviations");
+    }
+    return WritePfm(path, SigmaToPx(cv::Mat1b(frame.sigma)));
+  }
   if (what != "cloud.ply") {
     return Fail(
         "what: allowed are left.png, right.png, confidence.png, disparity.png, prior.png, "
-        "disparity.pfm, prior.pfm, cloud.ply");
+        "disparity.pfm, prior.pfm, sigma.pfm, cloud.ply");
   }
   if (map == nullptr || !frame.rig || frame.left.empty()) {
     return Fail("a cloud needs disparity map, left image and calibration");

@@ -10,7 +10,8 @@
 namespace sprout::view {
 
 /// Writes a part of a frame to a file, named left.png, right.png, confidence.png, disparity.png and
-/// prior.png (with a scale), disparity.pfm, prior.pfm (px), cloud.ply (m).
+/// prior.png (with a scale), disparity.pfm, prior.pfm, sigma.pfm (px; +inf: none, or not
+/// known), cloud.ply (m).
 /// @returns an error for another name, a missing part, or different sizes.
 Result<void> SaveFrame(const Frame& frame, const std::string& what,
                        const std::filesystem::path& path);

@@ -29,7 +29,8 @@ HostileMessages::HostileMessages(const check::TestFrame& good, uint32_t seed)
     : good_(good), values_(good.parts), random_(seed) {
   values_[Part::kDisparity] = good.recorded.value();
   values_[Part::kUnfilled] = good.recorded.value();
-  values_[Part::kDepth] = DepthOf(cv::Mat1w(good.rig().pair.size(), uint16_t{1500}));
+  values_[Part::kDepth] = values_[Part::kDepthSigma] =
+      DepthOf(cv::Mat1w(good.rig().pair.size(), uint16_t{1500}));
   values_[Part::kCloud] = PointCloud{{{.position_m = {0, 0, 1}, .bgr = {}}}};
   values_[Part::kSigma] = cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(8));
   values_[Part::kFused] = good.recorded.value();
@@ -209,7 +210,8 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
       prior.sigma.setTo(kMaxSigmaCounts, prior.disparity.counts() == DisparityImage::kInvalid);
       return prior;
     }
-    case Part::kDepth: {
+    case Part::kDepth:
+    case Part::kDepthSigma: {
       cv::Mat1w counts(size);
       cv::RNG(random_()).fill(counts, cv::RNG::UNIFORM, 0, 65536);
       return DepthOf(counts);

@@ -66,7 +66,7 @@ TEST(PicturesSystem, ShowARecordedFrame) {
   EXPECT_THAT(
       said, AllOf(HasSubstr("seeds of frame 2: "), ContainsRegex("filled +1 +100.00 +9[0-9.]+\n")));
   for (const char* file : {"left", "tof", "seeds_raw", "seeds", "prior", "prior_sigma", "unfilled",
-                           "disparity", "confidence", "cloud", "errors", "overview"}) {
+                           "disparity", "confidence", "sigma", "cloud", "errors", "overview"}) {
     EXPECT_FALSE(cv::imread(out + "/000002_" + file + ".png").empty()) << file;
   }
 

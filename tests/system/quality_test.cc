@@ -28,7 +28,8 @@ class QualitySystem : public ::testing::Test {
   }
 
   // Maps of a wall, one after the other, until the program has ended or `done` says so.
-  void SendMapsUntil(Process& quality, const std::function<bool()>& done) {
+  // @param sigma  that they claim, counts; 0: nothing.
+  void SendMapsUntil(Process& quality, const std::function<bool()>& done, int sigma = 0) {
     sprout::testing::TargetNoise noise;
     const Rig rig{.pair = sprout::testing::TargetPair(), .tof = {}};
     const cv::Mat1f wall = sprout::testing::FlatTarget().Disparity(rig.pair);
@@ -36,6 +37,9 @@ class QualitySystem : public ::testing::Test {
       const FrameId id{.utime = 1'700'000'000'000'000 + seq, .seq = seq, .rig_id = RigId(rig)};
       graph_.PublishPart(id, Part::kRig, rig);
       graph_.PublishPart(id, Part::kDisparity, FromPx(noise.On(wall, 0.1)));
+      if (sigma > 0) {
+        graph_.PublishPart(id, Part::kSigma, cv::Mat(wall.size(), CV_8UC1, cv::Scalar(sigma)));
+      }
       // What is no map at all does not stop it.
       const std::array<uint8_t, 5> garbage = {1, 2, 3, 4, 5};
       graph_.Publish(ChannelOf(Part::kDisparity), garbage);
@@ -58,6 +62,16 @@ TEST_F(QualitySystem, MeasuresARunningGraphOnceAndEnds) {
   EXPECT_THAT(quality.Output(), HasSubstr("sprout-quality: SPROUT_DISPARITY: "));
   EXPECT_TRUE(std::filesystem::exists(QualityFile("q.json")));
   EXPECT_TRUE(std::filesystem::exists(QualityFile("pictures/residuals.png")));
+}
+
+// The map claims 2/16 px, its noise is 0.1 px.
+TEST_F(QualitySystem, ComparesTheStandardDeviationOnTheWireWithTheOneSeen) {
+  Process quality = StartQuality({"--once", "--count", "6"});
+  SendMapsUntil(
+      quality, [] { return false; }, 2);
+  EXPECT_EQ(quality.Wait(), 0) << quality.Output();
+  EXPECT_THAT(quality.Output(), AllOf(ContainsRegex("sigma claimed +0\\.1250 px"),
+                                      ContainsRegex("sigma claimed / seen +1\\.2[2-7]")));
 }
 
 TEST_F(QualitySystem, GoesOnUntilItIsInterruptedAndShowsPicturesMeanwhile) {

@@ -28,6 +28,7 @@ Writes to DIR, and of many pairs to DIR/NAME, where NAME is the left image's
   disparity.pfm    px, +inf: none              disparity.png   16 bit, 32 counts a px, 0: none
   depth.pfm        m, NaN: none                depth.png       16 bit, mm, 0: none
   confidence.png   255 * P(error <= 1 px)      overview.png    to look at
+  depth_sigma.pfm  m, standard deviation of the depth; NaN: no depth, +inf: not known
   cloud.ply        m, coloured points          mesh.ply        the same as a surface
 
 The flags of `sprout-pipeline --help` hold here, too: --config, --threads, --log-level.

@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/geometry/projection.h"
 #include "common/picture/frame_pictures.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
@@ -56,6 +57,11 @@ Result<void> WriteResults(Frame frame, const DepthFrame& depth,
       .and_then([&]() -> Result<void> {
         if (depth.confidence.empty()) return {};
         return WritePng(folder / "confidence.png", depth.confidence);
+      })
+      .and_then([&]() -> Result<void> {
+        if (depth.sigma.empty()) return {};
+        return WritePfm(folder / "depth_sigma.pfm",
+                        DepthSigmaMap(pair, depth.disparity, depth.sigma));
       })
       .and_then(
           [&] { return WriteCloudPly(folder / "cloud.ply", pair, depth.disparity, frame.left); })

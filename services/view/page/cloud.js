@@ -43,7 +43,7 @@ export class Cloud {
     this.select = select;
     const label = document.createElement('label');
     label.textContent = '≥';
-    label.title = 'Hides points that are less sure';
+    label.title = 'Hides points that are less sure: least probability of an error of at most 1 px';
     const slider = document.createElement('input');
     Object.assign(slider, {type: 'range', min: 0, max: 255, value: 0});
     slider.oninput = () => { this.leastConfidence = Number(slider.value); this.show(); };

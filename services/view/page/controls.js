@@ -1,11 +1,12 @@
 // Buttons and keys.
 
 const kFiles = ['left.png', 'right.png', 'disparity.png', 'prior.png', 'confidence.png',
-                'disparity.pfm', 'prior.pfm', 'cloud.ply'];
+                'disparity.pfm', 'prior.pfm', 'sigma.pfm', 'cloud.ply'];
 const kKeys = [
   ['Space', 'stop and look, or go on'], ['← →', 'one frame back or on; with Shift ten'],
   ['Home, End', 'the first frame, the newest one'], ['1 … 6', 'one pane large, or all again'],
   ['D', 'disparity or depth'], ['E', 'seeds on the left image'], ['P', 'prior or its standard deviation'],
+  ['O', 'confidence or the standard deviation of the disparity'],
   ['M', 'how good depth is on a flat target'],
   ['C', 'colours of the cloud'], ['R', 'the cloud as it was'], ['S', 'save this frame, or the last seconds'],
   ['?', 'these keys'],
@@ -49,7 +50,7 @@ export function addControls(app) {
     ' ': () => app.toggle(), 'ArrowLeft': (event) => app.step(event.shiftKey ? -10 : -1),
     'ArrowRight': (event) => app.step(event.shiftKey ? 10 : 1), 'Home': () => app.first(),
     'End': () => app.newest(), 'd': () => app.toggleUnit(), 'e': () => app.panes.toggleSeeds(),
-    'p': () => app.panes.toggleSigma(), 'c': () => app.cloud.nextColors(), 'r': () => app.cloud.reset(),
+    'p': () => app.panes.toggleSigma('prior'), 'o': () => app.panes.toggleSigma('confidence'), 'c': () => app.cloud.nextColors(), 'r': () => app.cloud.reset(),
     'm': () => app.target.toggle(),
     's': save, '?': () => helpBox.showModal(), 'Escape': () => app.panes.enlarge(),
   };

@@ -3,6 +3,9 @@
 const text = (value, digits, unit) =>
   value === undefined ? '–' : `${value.toFixed(digits)}${unit ? ` ${unit}` : ''}`;
 
+const spread = (value, sigma) =>
+  sigma === undefined ? text(value, 2, 'px') : `${value.toFixed(2)} ± ${sigma.toFixed(2)} px`;
+
 export class Hover {
   constructor(root, panes, connection) {
     [this.root, this.panes, this.connection] = [root, panes, connection];
@@ -26,11 +29,10 @@ export class Hover {
   show(probe) {
     const facts = [
       ['u, v', `${probe.u}, ${probe.v}`],
-      ['disparity', text(probe.disparity_px, 2, 'px')],
+      ['disparity', spread(probe.disparity_px, probe.disparity_sigma_px)],
       ['depth', text(probe.depth_m, 3, 'm')],
       ['confidence', text(probe.confidence, 2)],
-      ['prior', text(probe.prior_px, 2, 'px')],
-      ['σ', text(probe.sigma_px, 2, 'px')],
+      ['prior', spread(probe.prior_px, probe.sigma_px)],
     ];
     const seed = probe.seed;
     if (seed) {

@@ -10,6 +10,10 @@ const kPanes = [
   {name: 'prior', title: 'Prior', scale: 'disparity'},
   {name: 'confidence', title: 'Confidence', scale: 'confidence'},
 ];
+const kSigmas = {
+  prior: {picture: 'sigma', title: 'Standard deviation of the prior'},
+  confidence: {picture: 'disparity_sigma', title: 'Standard deviation of the disparity'},
+};
 const kMissing = {
   left: 'no left image', disparity: 'no disparity map', tof: 'no ToF image', prior: 'no prior',
   confidence: 'no confidence: grow { publish_confidence: true }',
@@ -48,7 +52,7 @@ export class Panes {
     this.panes = new Map();
     this.changed = changed;  // what is to be seen is another
     this.depth = false;
-    this.sigma = false;
+    this.sigma = {prior: false, confidence: false};  // shown in the place of these
     this.seeds = true;
     for (const [i, spec] of kPanes.entries()) this.add(spec, i, hover);
     this.addTools();
@@ -88,24 +92,27 @@ export class Panes {
   }
 
   addTools() {
-    const prior = this.panes.get('prior');
-    this.sigmaButton = make('button', '', prior.tools);
-    this.sigmaButton.onclick = () => this.toggleSigma();
-    this.sigmaButton.textContent = 'σ';
-    this.sigmaButton.title = 'Its standard deviation (P)';
+    for (const [name, title] of [['prior', 'Its standard deviation (P)'],
+                                 ['confidence', 'Standard deviation of the disparity (O)']]) {
+      const {tools} = this.panes.get(name);
+      const button = make('button', '', tools);
+      button.onclick = () => this.toggleSigma(name);
+      button.textContent = 'σ';
+      button.title = title;
+      tools.prepend(button);  // large or small stays the last one
+    }
     const left = this.panes.get('left');
     this.seedsButton = make('button', '', left.tools);
     this.seedsButton.onclick = () => this.toggleSeeds();
     this.seedsButton.textContent = 'hide';
     this.seedsButton.title = 'Seeds on the image (E)';
-    // Large or small stays the last button.
-    prior.tools.prepend(this.sigmaButton);
     left.tools.prepend(this.seedsButton);
   }
 
-  toggleSigma() {
-    this.sigma = !this.sigma;
-    this.panes.get('prior').title.textContent = this.sigma ? 'Standard deviation of the prior' : 'Prior';
+  toggleSigma(name) {
+    this.sigma[name] = !this.sigma[name];
+    const {title, spec} = this.panes.get(name);
+    title.textContent = this.sigma[name] ? kSigmas[name].title : spec.title;
     this.changed();
   }
 
@@ -139,7 +146,7 @@ export class Panes {
   /// What the server calls the picture of a pane.
   pictureOf(name) {
     if (name === 'disparity' && this.depth) return 'depth';
-    return name === 'prior' && this.sigma ? 'sigma' : name;
+    return this.sigma[name] ? kSigmas[name].picture : name;
   }
 
   /// What to ask the server for: pictures as wide as they are shown, in steps that windows of
@@ -191,7 +198,7 @@ export class Panes {
     bitmap.close();
     pane.full = [part.full_width, part.full_height];
     if (name !== 'left') pane.note.textContent = `${part.full_width} × ${part.full_height}`;
-    const scaleName = {depth: 'depth', sigma: 'sigma'}[what] ?? pane.spec.scale;
+    const scaleName = {depth: 'depth', sigma: 'sigma', disparity_sigma: 'sigma'}[what] ?? pane.spec.scale;
     if (scaleName) drawScale(pane.scale, head.scales[scaleName], scaleName === 'confidence' ? grey : colors);
   }
 

@@ -30,11 +30,14 @@ TEST(PartSet, ListsEveryPartOnce) {
 
 // Which places of a frame are filled, in the order of kAllParts.
 std::vector<bool> Filled(const Frame& frame) {
-  return {!frame.left.empty(),       !frame.right.empty(),       frame.tof.has_value(),
-          frame.rig.has_value(),     frame.seeds.has_value(),    frame.left_seeds.has_value(),
-          frame.prior.has_value(),   frame.unfilled.has_value(), frame.disparity.has_value(),
-          !frame.confidence.empty(), !frame.sigma.empty(),       frame.depth.has_value(),
-          frame.cloud.has_value(),   frame.fused.has_value(),    !frame.fused_confidence.empty(),
+  return {!frame.left.empty(),           !frame.right.empty(),
+          frame.tof.has_value(),         frame.rig.has_value(),
+          frame.seeds.has_value(),       frame.left_seeds.has_value(),
+          frame.prior.has_value(),       frame.unfilled.has_value(),
+          frame.disparity.has_value(),   !frame.confidence.empty(),
+          !frame.sigma.empty(),          frame.depth.has_value(),
+          frame.depth_sigma.has_value(), frame.cloud.has_value(),
+          frame.fused.has_value(),       !frame.fused_confidence.empty(),
           frame.motion.has_value()};
 }
 
@@ -56,6 +59,7 @@ PartValue ValueFor(Part part) {
     case Part::kPrior:
       return PriorMap(cv::Size(3, 2));
     case Part::kDepth:
+    case Part::kDepthSigma:
       return DepthImage{.counts = cv::Mat1w(2, 3)};
     case Part::kCloud:
       return PointCloud{};

@@ -9,6 +9,13 @@
 namespace sprout {
 namespace {
 
+TEST(SigmaToPx, OfAMapIsInfiniteWhereItMayBeAnyLargerOne) {
+  const cv::Mat1f px = SigmaToPx((cv::Mat1b(1, 3) << 1, 24, 255));
+  EXPECT_EQ(px(0, 0), 0.0625F);
+  EXPECT_EQ(px(0, 1), 1.5F);
+  EXPECT_EQ(px(0, 2), std::numeric_limits<float>::infinity());
+}
+
 TEST(SigmaCounts, RoundToNearestAndNeverSayZero) {
   EXPECT_EQ(SigmaToCounts(1), 16);
   EXPECT_EQ(SigmaToCounts(1.03), 16);

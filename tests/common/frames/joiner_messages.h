@@ -32,7 +32,7 @@ inline PartValue ValueOf(Part part, int mark) {
   if (std::holds_alternative<std::optional<SeedSet> Frame::*>(member)) {
     return SeedSet{.seeds = {}, .raw = mark};
   }
-  if (part == Part::kDepth) {
+  if (part == Part::kDepth || part == Part::kDepthSigma) {
     return DepthImage{.counts = cv::Mat1w(1, 1, static_cast<uint16_t>(mark))};
   }
   if (part == Part::kCloud) return PointCloud{};

@@ -76,6 +76,19 @@ TEST(RectifiedPair, DepthFollowsTheFormulaOfTheMessageType) {
   EXPECT_DOUBLE_EQ(MakePair(640, 640).DepthFromDisparity(50), 4.0);
 }
 
+// f·b = 200: z = 4 m at 90 px, and 16 / 200 = 0.08 m a px.
+TEST(DepthSigmaMap, IsTheSquareOfTheDepthTimesTheDisparitys) {
+  EXPECT_DOUBLE_EQ(MakePair(640, 600).DepthSigma(90, 0.5), 0.04);
+  const DisparityImage map(
+      cv::Mat1s((cv::Mat1s(1, 4) << 90 * 32, 90 * 32, 40 * 32, DisparityImage::kInvalid)));
+  const cv::Mat1b sigma = (cv::Mat1b(1, 4) << 8, 255, 8, 255);
+  const cv::Mat1f sigma_m = DepthSigmaMap(MakePair(640, 600), map, sigma);
+  EXPECT_FLOAT_EQ(sigma_m(0, 0), 0.04F);
+  EXPECT_TRUE(std::isinf(sigma_m(0, 1))) << "15.94 px or more";
+  EXPECT_TRUE(std::isnan(sigma_m(0, 2))) << "infinitely far";
+  EXPECT_TRUE(std::isnan(sigma_m(0, 3))) << "no disparity";
+}
+
 TEST(RectifiedPair, APointAtInfinityHasTheDisparityOfThePrincipalPoints) {
   EXPECT_DOUBLE_EQ(MakePair(640, 600).DisparityFromDepth(std::numeric_limits<double>::infinity()),
                    40.0);

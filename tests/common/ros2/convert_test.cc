@@ -238,6 +238,21 @@ TEST(ToRos, DepthIsMillimetresOrMetres) {
   EXPECT_EQ(reinterpret_cast<const uint16_t*>(scaled->data._buffer)[1], 750);
 }
 
+TEST(ToRos, StandardDeviationsOfDepthsAreMetres) {
+  const DepthImage sigma{.counts = (cv::Mat1w(1, 4) << 0, 1, 800, 65535),
+                         .metres_per_count = 0.001 / 16};
+  const auto ros = ToRos(RosTopic::kDepthSigma, examples::Id(), sigma, nullptr,
+                         {.frames = {}, .depth = RosDepth::kMillimetres});
+  ASSERT_NE(ros, nullptr);
+  const auto image = ToRosDepthSigma(Place(), sigma);
+  EXPECT_EQ(RosText(image->encoding), "32FC1");
+  const cv::Mat1f m(1, 4, reinterpret_cast<float*>(image->data._buffer));
+  EXPECT_TRUE(std::isnan(m(0, 0)));
+  EXPECT_FLOAT_EQ(m(0, 1), 0.0000625F);
+  EXPECT_FLOAT_EQ(m(0, 2), 0.05F);
+  EXPECT_TRUE(std::isinf(m(0, 3)));
+}
+
 TEST(ToRos, StampsAreTheCaptures) {
   EXPECT_EQ(*FromRosStamp(ToRosImage(Place(), examples::GreyImage())->header), Place().utime);
   const RosTime before = RosStamp(-1);

@@ -72,6 +72,31 @@ TEST(DepthAdapter, TakesTheFusedMapWhenToldTo) {
   EXPECT_EQ(frame.cloud->points[0].confidence, 50);
 }
 
+// z = 100 · 0.1 / 10 = 1 m, z² / (f·b) = 0.1 m a px; σ = 0.5 px.
+TEST(DepthAdapter, AnswersWithTheStandardDeviationOfTheDepthWhenAskedTo) {
+  DepthConfig config;
+  config.set_publish_cloud(false);
+  config.set_publish_sigma(true);
+  EXPECT_EQ(DepthAdapter(config).Inputs(),
+            (PartSet{Part::kDisparity, Part::kRig, Part::kLeft, Part::kSigma}));
+  for (const bool with_depth : {true, false}) {
+    config.set_publish_depth(with_depth);
+    DepthAdapter adapter(config);
+    Frame frame = FrameOf(7);
+    frame.sigma = cv::Mat(frame.left.size(), CV_8UC1, cv::Scalar(8));
+    EXPECT_EQ(AddAnswer(adapter, frame), "");
+    EXPECT_EQ(frame.depth.has_value(), with_depth);
+    ASSERT_TRUE(frame.depth_sigma);
+    EXPECT_EQ(frame.depth_sigma->size(), frame.left.size());
+    EXPECT_DOUBLE_EQ(frame.depth_sigma->Metres(2, 3), 0.05);
+  }
+  Frame frame = FrameOf(7);
+  frame.sigma = cv::Mat(5, 8, CV_8UC1, cv::Scalar(8));
+  EXPECT_THAT(DepthAdapter(config).Process(frame).degenerate, HasSubstr("SIGMA of 8x5"));
+  frame.sigma = cv::Mat(6, 8, CV_8UC3, cv::Scalar::all(8));
+  EXPECT_THAT(DepthAdapter(config).Process(frame).degenerate, HasSubstr("3 bytes a pixel"));
+}
+
 TEST(DepthAdapter, LeavesOutWhatIsNotAskedFor) {
   DepthConfig config;
   config.set_publish_cloud(false);
@@ -121,6 +146,10 @@ TEST(DepthAdapter, RefusesValuesThatItCannotUse) {
   config.set_publish_cloud(false);
   config.set_publish_depth(false);
   EXPECT_THAT(ErrorOf(config), HasSubstr("nothing to publish"));
+  config.set_publish_sigma(true);
+  EXPECT_EQ(ErrorOf(config), "no error");
+  config.set_input(DepthConfig::FUSED);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.publish_sigma = true: fused maps have no"));
 }
 
 }  // namespace

@@ -136,6 +136,22 @@ TEST(LogExport, WritesTheMapsAsPfm) {
   EXPECT_TRUE(std::isinf(px(3, 0)));
 }
 
+TEST(LogExport, WritesTheStandardDeviationsInPx) {
+  const LogFolder folder;
+  cv::Mat1b sigma(kLogImageSize, uint8_t{24});
+  sigma(2, 5) = kMaxSigmaCounts;
+  const auto log = folder.Write(
+      "log", {PartEvent(Part::kDisparity, 7), PartEvent(Part::kSigma, 7, cv::Mat(sigma))});
+  ASSERT_EQ(RunLog({"export", log, folder.File("out"), "--pfm"}).exit_code, 0);
+  const cv::Mat1f px = datasets::ReadPfm(folder.File("out") + "/000007_sigma.pfm");
+  ASSERT_EQ(px.size(), kLogImageSize);
+  EXPECT_EQ(px(3, 8), 1.5F);
+  EXPECT_TRUE(std::isinf(px(2, 5)));
+  ASSERT_EQ(RunLog({"images", log, folder.File("pictures")}).exit_code, 0);
+  EXPECT_THAT(FilesIn(folder.File("pictures")),
+              UnorderedElementsAre("000007_disparity.png", "000007_sigma.png"));
+}
+
 TEST(LogExport, WritesCloudsWithACalibrationFromAnywhere) {
   const LogFolder folder;
   auto events = GraphEvents(30);

@@ -10,6 +10,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/geometry/projection.h"
 #include "common/picture/write_image.h"
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
@@ -114,7 +115,7 @@ class Files : public testing::Test {
     return Pipeline(LoadConfig({"default"})).Compute(scene_.left, scene_.right, tof, rig).value();
   }
 
-  void ExpectResults(const DepthFrame& expected) const {
+  void ExpectResults(const DepthFrame& expected, const RectifiedPair& pair) const {
     const auto png = [&](const char* name) {
       return cv::imread(folder_ / "out" / name, cv::IMREAD_UNCHANGED);
     };
@@ -138,6 +139,8 @@ class Files : public testing::Test {
     EXPECT_TRUE(SameBytes(datasets::ReadPfm(folder_ / "out" / "depth.pfm"), expected.depth_m));
     EXPECT_TRUE(SameBytes(png("depth.png"), mm));
     EXPECT_TRUE(SameBytes(png("confidence.png"), expected.confidence));
+    EXPECT_TRUE(SameBytes(datasets::ReadPfm(folder_ / "out" / "depth_sigma.pfm"),
+                          DepthSigmaMap(pair, expected.disparity, expected.sigma)));
     EXPECT_GE(png("overview.png").cols, 2 * pair_.width);
     for (const char* name : {"cloud.ply", "mesh.ply"}) {
       std::string text(1000, '\0');
@@ -164,13 +167,13 @@ TEST_F(Files, HoldWhatThePipelineComputesOfAPairAndADepthImage) {
     EXPECT_THAT(outcome.err, IsEmpty()) << tof;
     EXPECT_THAT(outcome.out, HasSubstr("/out: 160x120, " +
                                        std::to_string(expected.seeds.seeds.size()) + " seeds, "));
-    ExpectResults(expected);
+    ExpectResults(expected, pair_);
   }
 }
 
 TEST_F(Files, NeedNoToFImage) {
   EXPECT_EQ(RunToEnd(options_).exit_code, 0);
-  ExpectResults(Expected({}, RigOfFlags()));
+  ExpectResults(Expected({}, RigOfFlags()), pair_);
 }
 
 TEST_F(Files, OfUnrectifiedCamerasAreRectifiedByTheRigFile) {
@@ -189,7 +192,8 @@ TEST_F(Files, OfUnrectifiedCamerasAreRectifiedByTheRigFile) {
   ExpectResults(Pipeline(LoadConfig({"default"}))
                     .Compute(rectifier.RectifyLeft(scene_.left),
                              rectifier.RectifyRight(scene_.right), {}, rectifier.rig())
-                    .value());
+                    .value(),
+                rectifier.rig().pair);
 
   const cv::Mat small(60, 80, CV_8UC1, cv::Scalar(0));
   options_.left = Write("small.png", small);

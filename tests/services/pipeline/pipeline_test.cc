@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "services/evaluate/calibration.h"
 #include "services/grow/grow_adapter.h"
 #include "services/prior/prior_adapter.h"
 #include "services/refine/refine_adapter.h"
@@ -60,6 +61,31 @@ TEST(Pipeline, GivesWhatTheServicesGive) {
     EXPECT_EQ(result.sigma.empty(), result.confidence.empty());
     EXPECT_TRUE(result.sigma.empty() || SameBytes(result.sigma, frame.sigma));
     EXPECT_THAT(result.warnings, IsEmpty()) << preset;
+  }
+}
+
+TEST(Pipeline, SaysHowSureItIsInEveryPresetWhenAskedTo) {
+  const evaluate::Scene scene = evaluate::SmallScene();
+  for (const char* preset : {"fast", "paper"}) {
+    Pipeline without(LoadConfig({preset}));
+    Pipeline with(LoadConfig({preset, "grow { publish_confidence: true }"}));
+    const DepthFrame as_shipped = Compute(without, scene).value();
+    const DepthFrame judged = Compute(with, scene).value();
+    EXPECT_TRUE(as_shipped.confidence.empty()) << preset;
+    EXPECT_TRUE(SameBytes(as_shipped.disparity.counts(), judged.disparity.counts())) << preset;
+    ASSERT_EQ(judged.confidence.size(), scene.size()) << preset;
+    const cv::Mat1b none = judged.disparity.counts() == DisparityImage::kInvalid;
+    EXPECT_EQ(cv::countNonZero(judged.confidence & none), 0) << preset;
+    // Better on what is sure than on all.
+    const auto calibration = [&](const cv::Mat1b& mask) {
+      return evaluate::Calibrate(ToPx(judged.disparity), scene.frame.truth.left, mask,
+                                 judged.confidence, judged.sigma);
+    };
+    const evaluate::Calibration sure = calibration(scene.nonoccluded & (judged.confidence >= 204));
+    const evaluate::Calibration all = calibration(scene.nonoccluded);
+    EXPECT_LT(sure.bad1_percent, all.bad1_percent) << preset;
+    EXPECT_LT(sure.bad1_percent, 20) << preset;
+    EXPECT_GT(all.within_2_sigma_percent, 82) << preset;
   }
 }
 

@@ -78,6 +78,13 @@ class BytesTest(unittest.TestCase):
             rig = given.rig
             z = rig.focal_px * rig.baseline_m / (frame.disparity.astype(float) + rig.cx_right - rig.cx)
             self.assertTrue(same(numpy.where(z > 0, z, numpy.nan).astype(numpy.float32), frame.depth_m))
+            self.assertEqual(frame.depth_sigma_m is None, frame.sigma_px is None)
+            if frame.sigma_px is not None:
+                known = (z > 0) & (frame.sigma_px < 15.9)
+                numpy.testing.assert_allclose(
+                    frame.depth_sigma_m[known],
+                    (z**2 / (rig.focal_px * rig.baseline_m) * frame.sigma_px)[known], rtol=1e-6)
+                numpy.testing.assert_array_equal(numpy.isnan(frame.depth_sigma_m), numpy.isnan(frame.depth_m))
             frames += int(numpy.isfinite(frame.disparity).any())
         # Presets without stereo seeds have nothing to grow from when there is no range image.
         if "ToF True" in what or "default" in what:
@@ -92,6 +99,26 @@ class BytesTest(unittest.TestCase):
                 near = given.depth_m < 65.5
                 numpy.testing.assert_allclose(given.depth_m[near], expected.depth_m[near], atol=0.000501)
                 numpy.testing.assert_allclose(given.intrinsics, expected.intrinsics)
+
+    def test_sigma_of_depth_is_that_of_sprout_depth(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            run("sprout-pipeline", "--config", "default", "--log-level", "error", "--replay", SAMPLE,
+                "--record", folder / "maps.lcm")
+            run("sprout-log", "cut", SAMPLE, folder / "images.lcm", "--channels", "SPROUT_LEFT,SPROUT_RIG")
+            run("sprout-log", "merge", folder / "images.lcm", folder / "maps.lcm", "--out", folder / "all.lcm")
+            run("sprout-depth", "--config", "depth { publish_sigma: true }", "--log-level", "error",
+                "--replay", folder / "all.lcm", "--record", folder / "depth.lcm")
+            frames = 0
+            for given, expected in zip(sprout.Log(folder / "all.lcm").frames(),
+                                       sprout.Log(folder / "depth.lcm").frames()):
+                self.assertIn("depth_sigma", expected.parts)
+                near = given.depth_m < 65.5
+                low = near & (given.depth_sigma_m < 4)
+                numpy.testing.assert_allclose(given.depth_sigma_m[low], expected.depth_sigma_m[low], atol=0.0000626)
+                self.assertTrue((expected.depth_sigma_m[near & ~low] > 3.99).all())
+                frames += int(low.any())
+            self.assertGreaterEqual(frames, 3)
 
 
 # (what is wrong, how it is called, what the message must say beside the argument's name)

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -62,8 +63,9 @@ class QualityProgram : public ::testing::Test {
     return maps;
   }
 
+  // @param sigma  that the maps claim at every pixel, counts; 0: nothing.
   static void Append(const std::vector<cv::Mat1f>& maps, const Rig& rig, bool with_rig,
-                     std::vector<Event>& events) {
+                     std::vector<Event>& events, int sigma = 0) {
     for (const cv::Mat1f& map : maps) {
       const auto seq = static_cast<int64_t>(events.size());
       const FrameId id{
@@ -77,6 +79,7 @@ class QualityProgram : public ::testing::Test {
       };
       if (with_rig) add(Part::kRig, rig);
       add(Part::kDisparity, FromPx(map));
+      if (sigma > 0) add(Part::kSigma, cv::Mat(map.size(), CV_8UC1, cv::Scalar(sigma)));
     }
   }
 
@@ -158,6 +161,25 @@ TEST_F(QualityProgram, WritesFiguresAndAPageAndPictures) {
   }
   for (const char* picture : {"region.png", "residuals.png", "noise.png"}) {
     EXPECT_GT(std::filesystem::file_size(folder_ / "pictures" / picture), 1000) << picture;
+  }
+}
+
+// Noise of 0.1 px, and 0.009 px of rounding to 1/32 px; claimed are 1, 2 and 4 counts of 1/16 px.
+TEST_F(QualityProgram, SaysWhetherTheStandardDeviationsOfALogAreHonest) {
+  const double seen = std::hypot(0.1, 1 / 32.0 / std::sqrt(12));
+  for (const int counts : {1, 2, 4}) {
+    std::vector<Event> events;
+    Append(Maps(3), {.pair = TargetPair(), .tof = {}}, true, events, counts);
+    const QualityOutcome outcome =
+        RunQuality({WriteLog("run.lcm", events), "--json", File("q.json")});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, Not(HasSubstr("no sigma claimed")));
+    const nlohmann::json figures = Json()["figures"];
+    const double claimed = counts / 16.0;
+    EXPECT_DOUBLE_EQ(figures["sigma_claimed_px"], claimed);
+    EXPECT_NEAR(figures["sigma_ratio"], claimed / seen, 0.02 * claimed / seen);
+    EXPECT_NEAR(figures["within_1_sigma_percent"],
+                100 * std::erf(claimed / seen / std::sqrt(2)), 1.5);
   }
 }
 

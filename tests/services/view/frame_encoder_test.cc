@@ -207,6 +207,29 @@ TEST_F(FrameEncoderTest, TellsWhatIsKnownOfAPixel) {
   EXPECT_FALSE(encoder_.Probe(input_.ring.Newest(), 999, 999).contains("grey"));
 }
 
+TEST_F(FrameEncoderTest, ShowsHowSureTheDisparitiesAre) {
+  cv::Mat1b sigma(kViewSize, uint8_t{64});  // 4 px: the end of the scale
+  sigma.colRange(0, 32) = 1;
+  input_.Add(100, Part::kSigma, cv::Mat(sigma));
+  const Packet packet = Encode({.pictures = {{Picture::kDisparitySigma, 64}}});
+  const cv::Mat picture = packet.Picture("disparity_sigma");
+  ASSERT_EQ(picture.size(), kViewSize);
+  const cv::Vec3d unsure = ColorOf(1, {0, 1});
+  const cv::Vec3d sure = ColorOf(0, {0, 1});
+  const cv::Vec3d right = picture.at<cv::Vec3b>(24, 60);
+  const cv::Vec3d left = picture.at<cv::Vec3b>(24, 20);
+  EXPECT_LT(cv::norm(right - unsure), cv::norm(right - sure));
+  EXPECT_LT(cv::norm(left - sure), cv::norm(left - unsure));
+  EXPECT_DOUBLE_EQ(packet.head["scales"]["sigma"]["max"], 4);
+  EXPECT_DOUBLE_EQ(encoder_.Probe(input_.ring.Newest(), 40, 20)["disparity_sigma_px"], 4);
+  EXPECT_FALSE(encoder_.Probe(input_.ring.Newest(), 0, 20).contains("disparity_sigma_px"));
+}
+
+TEST_F(FrameEncoderTest, ShowsNoStandardDeviationsOfAnotherSize) {
+  input_.Add(100, Part::kSigma, cv::Mat(8, 8, CV_8UC1, cv::Scalar(9)));
+  EXPECT_EQ(Encode({.pictures = {{Picture::kDisparitySigma, 64}}}).head["parts"].size(), 0U);
+}
+
 TEST_F(FrameEncoderTest, ComplainsOnceOfAPartThatCannotBeDecoded) {
   auto bytes = Encoded(100, Part::kConfidence, ViewImage(9));
   bytes.resize(bytes.size() / 2);
