@@ -35,7 +35,8 @@ std::vector<bool> Filled(const Frame& frame) {
           frame.prior.has_value(),   frame.unfilled.has_value(), frame.disparity.has_value(),
           !frame.confidence.empty(), !frame.sigma.empty(),       frame.depth.has_value(),
           frame.cloud.has_value(),   frame.fused.has_value(),    !frame.fused_confidence.empty(),
-          frame.motion.has_value()};
+          frame.motion.has_value(),  frame.depth_counts.has_value(), frame.base_cloud.has_value(),
+          frame.target_depth.has_value(), frame.target_cloud.has_value()};
 }
 
 PartValue ValueFor(Part part) {
@@ -56,9 +57,14 @@ PartValue ValueFor(Part part) {
     case Part::kPrior:
       return PriorMap(cv::Size(3, 2));
     case Part::kDepth:
+    case Part::kTargetDepth:
       return DepthImage{.counts = cv::Mat1w(2, 3)};
     case Part::kCloud:
+    case Part::kBaseCloud:
+    case Part::kTargetCloud:
       return PointCloud{};
+    case Part::kDepthCounts:
+      return DepthCounts{};
     case Part::kMotion:
       return CameraMotion{};
     default:
