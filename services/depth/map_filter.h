@@ -18,10 +18,10 @@ struct FilterRules {
   double min_m = 0;  ///< depths below it; 0 = none
   double max_m = 0;  ///< depths above it; 0 = none
   /// Pixels outside: two opposite corners of a rectangle, or a polygon's, px; borders are inside.
-  std::vector<cv::Point> region;
+  std::vector<cv::Point> region = {};
   /// Points outside the box in the robot's frame, m, and where that frame is.
-  std::optional<Eigen::AlignedBox3d> box;
-  Pose base_from_left;
+  std::optional<Eigen::AlignedBox3d> box = {};
+  Pose base_from_left = {};
   int min_confidence = 0;      ///< confidences below it
   bool remove_flying = false;  ///< see FindFlying()
 };

@@ -56,7 +56,7 @@ TEST(Fingerprints, AreThoseOfTheReleasedTypes) {
 TEST(Fingerprints, AreThoseOfLibbot2) {
   ExpectFingerprint<bot_core::image_t>(0x14739ffe13d5f5f0);
   ExpectFingerprint<bot_core::image_metadata_t>(0x9a4b634d0577fb8e);
-  ExpectFingerprint<bot_core::planar_lidar_t>(0x0);
+  ExpectFingerprint<bot_core::planar_lidar_t>(0xe3d17423180b5e8d);
   EXPECT_EQ(bot_core::image_t::PIXEL_FORMAT_MJPEG, 0x47504a4d);
 }
 
