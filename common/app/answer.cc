@@ -5,6 +5,7 @@
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
+#include "common/messages/planar_lidar.h"
 #include "common/messages/preview.h"
 
 namespace sprout {
@@ -37,6 +38,9 @@ std::optional<Answer> MakeAnswer(const Frame& frame, StageAdapter& adapter,
     }
     if (!result.preview.empty()) {
       answer.messages.push_back({kPreviewChannel, EncodePreview(frame.id, result.preview)});
+    }
+    if (result.scan) {
+      answer.messages.push_back({kScanChannel, EncodeScan(frame.id, *result.scan)});
     }
     answer.tof_coverage = CoverageOf(frame, result);
     answer.tof_offset = result.tof_offset;

@@ -22,8 +22,11 @@ inline constexpr std::string_view kProcessChannel = "SPROUT_PROCESS";
 /// Channel of preview pictures for people, in a type of other LCM tools (bot_core.image_t).
 inline constexpr std::string_view kPreviewChannel = "SPROUT_PREVIEW";
 
-/// Every channel of the graph, without prefix, except kPreviewChannel, which no Sprout program
-/// subscribes to.
+/// Channel of laser scans, in a type of other LCM tools (bot_core.planar_lidar_t).
+inline constexpr std::string_view kScanChannel = "SPROUT_SCAN";
+
+/// Every channel of the graph, without prefix, except kPreviewChannel and kScanChannel, which no
+/// Sprout program subscribes to.
 inline std::vector<std::string_view> AllChannels() {
   std::vector<std::string_view> channels = {kStatusChannel, kProcessChannel};
   for (const Part part : kAllParts) channels.push_back(ChannelOf(part));
@@ -33,7 +36,8 @@ inline std::vector<std::string_view> AllChannels() {
 /// Longest prefix, characters: LCM allows 63 for prefix and channel.
 inline constexpr size_t kMaxChannelPrefix = [] {
   size_t longest =
-      std::max({kStatusChannel.size(), kProcessChannel.size(), kPreviewChannel.size()});
+      std::max({kStatusChannel.size(), kProcessChannel.size(), kPreviewChannel.size(),
+                kScanChannel.size()});
   for (const PartRow& row : kPartTable) longest = std::max(longest, row.channel.size());
   return 63 - longest;
 }();

@@ -8,7 +8,8 @@
 
 namespace sprout {
 
-/// Depth z along the optical axis, seen from the left camera, with the intrinsics of this image.
+/// Depth z along the optical axis of the camera that sees it, the left one or a target (see
+/// services/depth), with the intrinsics of this image.
 struct DepthImage {
   cv::Mat1w counts;             ///< depth in units of metres_per_count; 0 = none
   double metres_per_count = 0;  ///< > 0
@@ -28,7 +29,9 @@ inline constexpr int kMaxCloudPoints = 12'000'000;
 
 /// Point of a cloud.
 struct CloudPoint {
-  cv::Point3f position_m;    ///< in the left rectified frame (x right, y down, z forward), m; z > 0
+  /// In the camera's frame (x right, y down, z forward), m; z > 0. Of Part::kBaseCloud in the
+  /// robot's, with any z.
+  cv::Point3f position_m;
   cv::Vec3b bgr;             ///< colour
   uint8_t confidence = 255;  ///< 0 (least) to 255
 

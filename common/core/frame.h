@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "common/core/camera_motion.h"
+#include "common/core/depth_counts.h"
 #include "common/core/depth_image.h"
 #include "common/core/disparity_image.h"
 #include "common/core/frame_id.h"
@@ -40,8 +41,12 @@ enum class Part {
   kFused,            ///< disparity map fused with earlier frames
   kFusedConfidence,  ///< the same probability for it
   kMotion,           ///< how the left camera moved since the last frame
+  kDepthCounts,      ///< what depth left out, by rule
+  kBaseCloud,        ///< the points of the cloud in the robot's frame
+  kTargetDepth,      ///< depth as another camera sees it
+  kTargetCloud,      ///< its points, in that camera's frame
 };
-inline constexpr int kPartCount = static_cast<int>(Part::kMotion) + 1;
+inline constexpr int kPartCount = static_cast<int>(Part::kTargetCloud) + 1;
 
 /// A set of parts.
 class PartSet {
@@ -61,7 +66,7 @@ class PartSet {
 /// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for confidences and
 /// sigma.
 using PartValue = std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap,
-                               DepthImage, PointCloud, CameraMotion>;
+                               DepthImage, PointCloud, CameraMotion, DepthCounts>;
 
 /// The parts of one capture, and of what was computed from it, that a stage asked for; the other
 /// parts are empty.
@@ -86,6 +91,10 @@ struct Frame {
   std::optional<DisparityImage> fused;
   cv::Mat fused_confidence;  ///< 8UC1, as confidence
   std::optional<CameraMotion> motion;
+  std::optional<DepthCounts> depth_counts;
+  std::optional<PointCloud> base_cloud;  ///< in the robot's frame
+  std::optional<DepthImage> target_depth;
+  std::optional<PointCloud> target_cloud;  ///< in the target camera's frame
 
   /// No parts: `left` and `right` in grey, where one has made them for several stages; else empty.
   cv::Mat1b left_grey, right_grey;
@@ -105,7 +114,8 @@ using PartMember =
     std::variant<cv::Mat Frame::*, std::optional<TofImage> Frame::*, std::optional<Rig> Frame::*,
                  std::optional<SeedSet> Frame::*, std::optional<DisparityImage> Frame::*,
                  std::optional<PriorMap> Frame::*, std::optional<DepthImage> Frame::*,
-                 std::optional<PointCloud> Frame::*, std::optional<CameraMotion> Frame::*>;
+                 std::optional<PointCloud> Frame::*, std::optional<CameraMotion> Frame::*,
+                 std::optional<DepthCounts> Frame::*>;
 
 /// Properties of a part.
 struct PartRow {
@@ -134,6 +144,10 @@ inline constexpr PartRow kPartTable[] = {
     {Part::kFused, "SPROUT_FUSED", &Frame::fused},
     {Part::kFusedConfidence, "SPROUT_FUSED_CONFIDENCE", &Frame::fused_confidence},
     {Part::kMotion, "SPROUT_MOTION", &Frame::motion},
+    {Part::kDepthCounts, "SPROUT_DEPTH_COUNTS", &Frame::depth_counts},
+    {Part::kBaseCloud, "SPROUT_BASE_CLOUD", &Frame::base_cloud},
+    {Part::kTargetDepth, "SPROUT_TARGET_DEPTH", &Frame::target_depth},
+    {Part::kTargetCloud, "SPROUT_TARGET_CLOUD", &Frame::target_cloud},
 };
 static_assert(std::size(kPartTable) == kPartCount);
 

@@ -1,11 +1,13 @@
 #ifndef SPROUT_COMMON_CORE_STAGE_ADAPTER_H_
 #define SPROUT_COMMON_CORE_STAGE_ADAPTER_H_
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/core/frame.h"
+#include "common/core/planar_scan.h"
 #include "common/core/stage_status.h"
 
 namespace sprout {
@@ -27,6 +29,8 @@ struct StageResult {
   /// A picture of the frame for people, 8UC3 (BGR), at most 16384 px a side; empty: none. It is not
   /// a part of the frame: no stage uses it.
   cv::Mat preview = {};
+  /// What a laser scanner would measure; no part of the frame either.
+  std::optional<PlanarScan> scan = {};
 };
 
 /// Makes a stage a service: which parts it needs and what it answers. Uses no network, log or

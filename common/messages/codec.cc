@@ -61,6 +61,10 @@ struct ArrayTable<motion_t> {
   static constexpr std::initializer_list<CountedArray> kArrays = {};
 };
 template <>
+struct ArrayTable<depth_counts_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {};
+};
+template <>
 struct ArrayTable<stage_status_t> {
   static constexpr std::initializer_list<CountedArray> kArrays = {};
 };
@@ -316,6 +320,10 @@ template <>
 struct MessageFor<CameraMotion> {
   using Type = motion_t;
 };
+template <>
+struct MessageFor<DepthCounts> {
+  using Type = depth_counts_t;
+};
 
 }  // namespace
 
@@ -335,11 +343,19 @@ std::vector<uint8_t> EncodePart(const FrameId& id, [[maybe_unused]] Part part,
 
 Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
                                std::optional<cv::Size> expected) {
-  return std::visit(
+  Result<DecodedPart> decoded = std::visit(
       [&]<typename Member>(Member Frame::*) {
         return Decode<typename MessageFor<Member>::Type>(bytes, expected);
       },
       RowOf(part).member);
+  // Only in the robot's frame may a point lie behind the origin.
+  if (!decoded || part == Part::kBaseCloud) return decoded;
+  if (const PointCloud* const cloud = std::get_if<PointCloud>(&decoded->value)) {
+    if (const Result<void> in_front = CheckInFront(*cloud); !in_front) {
+      return tl::unexpected(in_front.error());
+    }
+  }
+  return decoded;
 }
 
 std::vector<uint8_t> EncodeStatus(const StageStatus& status) {

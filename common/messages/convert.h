@@ -1,6 +1,7 @@
 #ifndef SPROUT_COMMON_MESSAGES_CONVERT_H_
 #define SPROUT_COMMON_MESSAGES_CONVERT_H_
 
+#include <lcmtypes/sprout/depth_counts_t.hpp>
 #include <lcmtypes/sprout/depth_image_t.hpp>
 #include <lcmtypes/sprout/disparity_image_t.hpp>
 #include <lcmtypes/sprout/header_t.hpp>
@@ -17,6 +18,7 @@
 #include <span>
 
 #include "common/core/camera_motion.h"
+#include "common/core/depth_counts.h"
 #include "common/core/depth_image.h"
 #include "common/core/disparity_image.h"
 #include "common/core/frame_id.h"
@@ -88,9 +90,15 @@ Result<DepthImage> FromMessage(const depth_image_t& message);
 
 point_cloud_t ToMessage(const FrameId& id, const PointCloud& cloud);
 Result<PointCloud> FromMessage(const point_cloud_t& message);
+/// Whether every point has z > 0, as all clouds in the frame of a camera; the error names the first
+/// that has not.
+Result<void> CheckInFront(const PointCloud& cloud);
 
 motion_t ToMessage(const FrameId& id, const CameraMotion& motion);
 Result<CameraMotion> FromMessage(const motion_t& message);
+
+depth_counts_t ToMessage(const FrameId& id, const DepthCounts& counts);
+Result<DepthCounts> FromMessage(const depth_counts_t& message);
 
 stage_status_t ToMessage(const StageStatus& status);
 Result<StageStatus> FromMessage(const stage_status_t& message);

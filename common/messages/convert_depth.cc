@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "common/core/checks.h"
 #include "common/messages/convert.h"
@@ -13,13 +14,13 @@ static_assert(std::endian::native == std::endian::little,
               "counts are little-endian on the wire and are copied as they are");
 
 bool IsPossible(const cv::Point3f& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && p.z > 0;
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-tl::unexpected<Error> NoPoint(const cv::Point3f& p, size_t index) {
+tl::unexpected<Error> NoPoint(const cv::Point3f& p, size_t index, const char* allowed) {
   return Fail("point " + std::to_string(index) + " at (" + std::to_string(p.x) + ", " +
               std::to_string(p.y) + ", " + std::to_string(p.z) +
-              "): allowed are finite numbers with z > 0");
+              "): allowed are " + allowed);
 }
 
 }  // namespace
@@ -106,12 +107,55 @@ Result<PointCloud> FromMessage(const point_cloud_t& message) {
   cloud.points.resize(count);
   for (size_t i = 0; i < count; ++i) {
     const cv::Point3f position(message.x[i], message.y[i], message.z[i]);
-    if (!IsPossible(position)) return NoPoint(position, i);
+    if (!IsPossible(position)) return NoPoint(position, i, "finite numbers");
     cloud.points[i] = {.position_m = position,
                        .bgr = {message.blue[i], message.green[i], message.red[i]},
                        .confidence = message.confidence[i]};
   }
   return cloud;
+}
+
+Result<void> CheckInFront(const PointCloud& cloud) {
+  for (size_t i = 0; i < cloud.points.size(); ++i) {
+    const cv::Point3f& position = cloud.points[i].position_m;
+    if (!(position.z > 0)) return NoPoint(position, i, "finite numbers with z > 0");
+  }
+  return {};
+}
+
+depth_counts_t ToMessage(const FrameId& id, const DepthCounts& counts) {
+  depth_counts_t message;
+  message.header = ToMessage(id);
+  message.pixels = counts.pixels;
+  message.near = counts.near;
+  message.far = counts.far;
+  message.outside = counts.outside;
+  message.unsure = counts.unsure;
+  message.flying = counts.flying;
+  return message;
+}
+
+Result<DepthCounts> FromMessage(const depth_counts_t& message) {
+  const DepthCounts counts{.pixels = message.pixels,
+                           .near = message.near,
+                           .far = message.far,
+                           .outside = message.outside,
+                           .unsure = message.unsure,
+                           .flying = message.flying};
+  Checks checks;
+  int64_t left_out = 0;
+  for (const auto& [field, count] : {std::pair("near", counts.near),
+                                     {"far", counts.far},
+                                     {"outside", counts.outside},
+                                     {"unsure", counts.unsure},
+                                     {"flying", counts.flying}}) {
+    checks.NotNegative(field, count);
+    left_out += count;
+  }
+  checks.Require(counts.pixels >= left_out, "pixels", counts.pixels,
+                 "at least the pixels left out, " + std::to_string(left_out));
+  if (!checks.ok()) return checks.error();
+  return counts;
 }
 
 }  // namespace sprout

@@ -21,8 +21,8 @@ KnownType Known(MessageType type) {
           static_cast<uint64_t>(Message::getHash())};
 }
 
-const std::array<KnownType, 11>& KnownTypes() {
-  static const std::array<KnownType, 11> types = {Known<image_t>(MessageType::kImage),
+const std::array<KnownType, 12>& KnownTypes() {
+  static const std::array<KnownType, 12> types = {Known<image_t>(MessageType::kImage),
                                                   Known<tof_image_t>(MessageType::kTof),
                                                   Known<rig_t>(MessageType::kRig),
                                                   Known<seeds_t>(MessageType::kSeeds),
@@ -31,6 +31,7 @@ const std::array<KnownType, 11>& KnownTypes() {
                                                   Known<depth_image_t>(MessageType::kDepth),
                                                   Known<point_cloud_t>(MessageType::kCloud),
                                                   Known<motion_t>(MessageType::kMotion),
+                                                  Known<depth_counts_t>(MessageType::kDepthCounts),
                                                   Known<stage_status_t>(MessageType::kStatus),
                                                   Known<process_info_t>(MessageType::kProcess)};
   return types;
@@ -77,9 +78,11 @@ Result<DecodedMessage> DecodeAs(MessageType type, std::span<const uint8_t> bytes
     if (!info) return tl::unexpected(info.error());
     return DecodedMessage{std::move(info->header), {}};
   }
-  // Any part of the type: decoding is the same for all of them.
+  // Any part of the type: decoding is the same for all of them, but that only a cloud in the robot's
+  // frame may have any point.
   const auto any = std::ranges::find(kAllParts, type, [](Part part) { return TypeOf(part); });
-  Result<DecodedPart> part = DecodePart(*any, bytes);
+  Result<DecodedPart> part =
+      DecodePart(type == MessageType::kCloud ? Part::kBaseCloud : *any, bytes);
   if (!part) return tl::unexpected(part.error());
   return DecodedMessage{std::move(part->id), std::move(part->value)};
 }

@@ -27,6 +27,7 @@ enum class MessageType {
   kDepth,
   kCloud,
   kMotion,
+  kDepthCounts,
   kStatus,
   kProcess
 };

@@ -39,24 +39,6 @@ double WorstReturn(const Lens& lens) {
   return worst_px;
 }
 
-void CheckCamera(Checks& checks, const std::string& name, const Lens& lens) {
-  CheckLens(checks, name + ".", lens);
-  if (!checks.ok()) return;
-  const double allowed_px = std::max(1.0, 0.01 * std::max(lens.width, lens.height));
-  const double off_px = WorstReturn(lens);
-  checks.Require(
-      off_px <= allowed_px,
-      (name + ".distortion: pixels that move when it is removed and applied again, by").c_str(),
-      off_px, "up to " + std::to_string(std::lround(allowed_px)) + " px (it folds the image over)");
-}
-
-void CheckPose(Checks& checks, const std::string& name, const Pose& pose) {
-  const double norm = pose.rotation.coeffs().norm();
-  checks.Require(std::abs(norm - 1) < kUnitTolerance, (name + ".rotation norm").c_str(), norm,
-                 "1 (a unit quaternion)");
-  CheckDistance(checks, name + ".translation_m", pose.translation_m);
-}
-
 // What rectification makes of a pair whose numbers are those of cameras.
 void CheckPair(Checks& checks, const RawRig& rig) {
   constexpr double kDegrees = 180 / std::numbers::pi;
@@ -86,6 +68,24 @@ void CheckPair(Checks& checks, const RawRig& rig) {
 }
 
 }  // namespace
+
+void CheckCamera(Checks& checks, const std::string& name, const Lens& lens) {
+  CheckLens(checks, name + ".", lens);
+  if (!checks.ok()) return;
+  const double allowed_px = std::max(1.0, 0.01 * std::max(lens.width, lens.height));
+  const double off_px = WorstReturn(lens);
+  checks.Require(
+      off_px <= allowed_px,
+      (name + ".distortion: pixels that move when it is removed and applied again, by").c_str(),
+      off_px, "up to " + std::to_string(std::lround(allowed_px)) + " px (it folds the image over)");
+}
+
+void CheckPose(Checks& checks, const std::string& name, const Pose& pose) {
+  const double norm = pose.rotation.coeffs().norm();
+  checks.Require(std::abs(norm - 1) < kUnitTolerance, (name + ".rotation norm").c_str(), norm,
+                 "1 (a unit quaternion)");
+  CheckDistance(checks, name + ".translation_m", pose.translation_m);
+}
 
 Result<void> CheckRawRig(const RawRig& rig) {
   Checks checks;

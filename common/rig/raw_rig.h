@@ -1,6 +1,9 @@
 #ifndef SPROUT_COMMON_RIG_RAW_RIG_H_
 #define SPROUT_COMMON_RIG_RAW_RIG_H_
 
+#include <string>
+
+#include "common/core/checks.h"
 #include "common/core/pose.h"
 #include "common/core/result.h"
 #include "common/core/rig.h"
@@ -26,6 +29,10 @@ struct RawRig {
 /// one; and whether the rectified images show enough of what both cameras see. The error names the
 /// first wrong field, by its name in rig.proto. O(1).
 Result<void> CheckRawRig(const RawRig& rig);
+
+/// Its checks of one camera and of one pose; `name` stands before the fields in the error.
+void CheckCamera(Checks& checks, const std::string& name, const Lens& lens);
+void CheckPose(Checks& checks, const std::string& name, const Pose& pose);
 
 }  // namespace sprout
 

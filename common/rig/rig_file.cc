@@ -4,6 +4,7 @@
 
 #include "common/config/config.h"
 #include "common/core/output_file.h"
+#include "common/rig/rectification.h"
 
 namespace sprout {
 namespace {
@@ -17,7 +18,7 @@ void Fill(const std::string& field, const Numbers& numbers, bool may_be_fewer, V
   const int allowed = static_cast<int>(values.size());
   if (numbers.empty()) return;
   if (numbers.size() > allowed || (numbers.size() < allowed && !may_be_fewer)) {
-    throw ConfigError("calibration." + field + ": " + std::to_string(numbers.size()) +
+    throw ConfigError(field + ": " + std::to_string(numbers.size()) +
                       " numbers; allowed: " + std::to_string(allowed));
   }
   std::copy(numbers.begin(), numbers.end(), values.begin());
@@ -40,6 +41,26 @@ Pose PoseOf(const std::string& name, const RigPose& message) {
   Fill(name + ".rotation", message.rotation(), /*may_be_fewer=*/false, q);
   Fill(name + ".translation_m", message.translation_m(), /*may_be_fewer=*/false, t);
   return {.rotation = {q[0], q[1], q[2], q[3]}, .translation_m = {t[0], t[1], t[2]}};
+}
+
+void RequireOk(const Checks& checks) {
+  if (!checks.ok()) throw ConfigError(checks.error().value().text);
+}
+
+Lens CheckedLens(const std::string& name, const LensModel& model) {
+  const Lens lens = LensOf(name, model);
+  Checks checks;
+  CheckCamera(checks, name, lens);
+  RequireOk(checks);
+  return lens;
+}
+
+Pose CheckedPose(const std::string& name, const RigPose& message) {
+  const Pose pose = PoseOf(name, message);
+  Checks checks;
+  CheckPose(checks, name, pose);
+  RequireOk(checks);
+  return pose;
 }
 
 void Set(const Lens& lens, LensModel& model) {
@@ -77,11 +98,11 @@ std::optional<RawRig> CalibrationOf(const RigDescription& description) {
   if (!description.has_calibration()) return std::nullopt;
   const RigCalibration& calibration = description.calibration();
   RawRig rig;
-  rig.left = LensOf("left", calibration.left());
-  rig.right = LensOf("right", calibration.right());
-  rig.left_from_right = PoseOf("left_from_right", calibration.left_from_right());
-  if (calibration.has_tof()) rig.tof = LensOf("tof", calibration.tof());
-  rig.left_from_tof = PoseOf("left_from_tof", calibration.left_from_tof());
+  rig.left = LensOf("calibration.left", calibration.left());
+  rig.right = LensOf("calibration.right", calibration.right());
+  rig.left_from_right = PoseOf("calibration.left_from_right", calibration.left_from_right());
+  if (calibration.has_tof()) rig.tof = LensOf("calibration.tof", calibration.tof());
+  rig.left_from_tof = PoseOf("calibration.left_from_tof", calibration.left_from_tof());
   rig.range_scale = calibration.range_scale();
   rig.range_offset_m = calibration.range_offset_m();
   if (const Result<void> checked = CheckRawRig(rig); !checked) {
@@ -98,6 +119,36 @@ RawRig RequireCalibration(const RigDescription& rig, const fs::path& path) {
     throw ConfigError(file + e.what());
   }
   throw ConfigError(file + "no calibration in it; sprout-calibrate writes one");
+}
+
+RigPlaces PlacesOf(const RigDescription& description, const fs::path& path) {
+  const std::string file = "rig file " + path.string() + ": ";
+  RigPlaces places;
+  Pose rectified_from_left;
+  try {
+    if (const std::optional<RawRig> rig = CalibrationOf(description)) {
+      const Rectification made = RectificationOf(*rig);
+      places.pair = made.pair;
+      rectified_from_left.rotation =
+          Eigen::Quaterniond(Eigen::Matrix3d(BackOf(made.left_turn).transpose())).normalized();
+    }
+    if (description.has_base_from_left()) {
+      const Pose base = CheckedPose("base_from_left", description.base_from_left());
+      places.base_from_left = base * rectified_from_left.Inverse();
+    }
+    for (const OtherCamera& other : description.others()) {
+      const std::string name = "others { name: \"" + other.name() + "\" }";
+      const OtherCameraPlace place{
+          CheckedLens(name + ".lens", other.lens()),
+          rectified_from_left * CheckedPose(name + ".pose", other.pose())};
+      if (other.name().empty() || !places.others.emplace(other.name(), place).second) {
+        throw ConfigError(name + ": allowed: names that are not empty, each once");
+      }
+    }
+  } catch (const ConfigError& e) {
+    throw ConfigError(file + e.what());
+  }
+  return places;
 }
 
 RigCalibration ToCalibration(const RawRig& rig) {

@@ -2,7 +2,9 @@
 #define SPROUT_COMMON_RIG_RIG_FILE_H_
 
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <string>
 
 #include "common/core/result.h"
 #include "common/rig/raw_rig.h"
@@ -25,6 +27,23 @@ std::optional<RawRig> CalibrationOf(const RigDescription& rig);
 /// @param path  of the file, for the message.
 /// @throws ConfigError, also when there is none.
 RawRig RequireCalibration(const RigDescription& rig, const std::filesystem::path& path);
+
+/// A camera of the rig file that is none of the rig.
+struct OtherCameraPlace {
+  Lens lens;
+  Pose left_from_camera;  ///< in the left rectified frame
+};
+
+/// Where other cameras are, and where the rig is on the robot.
+struct RigPlaces {
+  std::optional<RectifiedPair> pair;  ///< of the file's calibration; nothing when it has none yet
+  std::optional<Pose> base_from_left;  ///< of the left rectified camera in the robot's frame
+  std::map<std::string, OtherCameraPlace> others;  ///< by name
+};
+
+/// @param path  of the file, for the message.
+/// @throws ConfigError naming the field that cannot be used.
+RigPlaces PlacesOf(const RigDescription& rig, const std::filesystem::path& path);
 
 /// The inverse of CalibrationOf().
 RigCalibration ToCalibration(const RawRig& rig);

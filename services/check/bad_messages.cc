@@ -73,6 +73,8 @@ std::vector<std::string> SizeFields(Part part) {
       return {"count"};
     case MessageType::kMotion:
       return {"tracked", "reset"};
+    case MessageType::kDepthCounts:
+      return {"pixels"};
     case MessageType::kStatus:
     case MessageType::kProcess:
       break;

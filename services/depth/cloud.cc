@@ -1,52 +1,30 @@
 #include "services/depth/cloud.h"
 
 #include <cassert>
-#include <cmath>
 #include <cstdint>
-#include <unordered_set>
 
 #include "common/geometry/projection.h"
+#include "services/depth/voxel_filter.h"
 
 namespace sprout::depth {
-namespace {
-
-// Remembers which cubes have a point; says so of one point after the other.
-class VoxelFilter {
- public:
-  explicit VoxelFilter(double side_m) : side_m_(side_m) {}
-
-  bool IsFirst(const Eigen::Vector3d& point) {
-    if (side_m_ == 0) return true;
-    return taken_.insert({Index(point.x()), Index(point.y()), Index(point.z())}).second;
-  }
-
- private:
-  struct Voxel {
-    int64_t x, y, z;
-    bool operator==(const Voxel&) const = default;
-  };
-
-  struct Hash {
-    // Teschner et al., "Optimized Spatial Hashing", VMV 2003.
-    size_t operator()(const Voxel& v) const {
-      return static_cast<size_t>(v.x * 73856093 ^ v.y * 19349663 ^ v.z * 83492791);
-    }
-  };
-
-  int64_t Index(double coordinate_m) const {
-    return static_cast<int64_t>(std::floor(coordinate_m / side_m_));
-  }
-
-  double side_m_;
-  std::unordered_set<Voxel, Hash> taken_;
-};
 
 cv::Vec3b ColourAt(const cv::Mat& image, int u, int v) {
   if (image.channels() == 3) return image.at<cv::Vec3b>(v, u);
   return cv::Vec3b::all(image.at<uint8_t>(v, u));
 }
 
-}  // namespace
+PointCloud Moved(PointCloud cloud, const Pose& other_from_left) {
+  const Eigen::Matrix3d rotation = other_from_left.rotation.toRotationMatrix();
+  for (CloudPoint& point : cloud.points) {
+    cv::Point3f& p = point.position_m;
+    const Eigen::Vector3d moved =
+        rotation * Eigen::Vector3d(double{p.x}, double{p.y}, double{p.z}) +
+        other_from_left.translation_m;
+    p = {static_cast<float>(moved.x()), static_cast<float>(moved.y()),
+         static_cast<float>(moved.z())};
+  }
+  return cloud;
+}
 
 PointCloud CloudOf(const DisparityImage& disparity, const RectifiedPair& pair, const cv::Mat& left,
                    const cv::Mat& confidence, const CloudThinning& thinning) {

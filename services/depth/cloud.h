@@ -5,6 +5,7 @@
 
 #include "common/core/depth_image.h"
 #include "common/core/disparity_image.h"
+#include "common/core/pose.h"
 #include "common/core/rig.h"
 
 namespace sprout::depth {
@@ -23,6 +24,13 @@ struct CloudThinning {
 /// @param confidence  8UC1 of the map's size, or empty: 255 everywhere.
 PointCloud CloudOf(const DisparityImage& disparity, const RectifiedPair& pair, const cv::Mat& left,
                    const cv::Mat& confidence, const CloudThinning& thinning);
+
+/// The same points in another frame. O(points).
+PointCloud Moved(PointCloud cloud, const Pose& other_from_left);
+
+/// Colour of a pixel, BGR; of a grey image three times the same.
+/// @param image  8UC1 or 8UC3 (BGR).
+cv::Vec3b ColourAt(const cv::Mat& image, int u, int v);
 
 }  // namespace sprout::depth
 

@@ -53,26 +53,14 @@ std::string SizeComplaint(const Frame& frame, const Input& input) {
 
 }  // namespace
 
-DepthAdapter::DepthAdapter(const DepthConfig& config) : config_(config) {
-  RequireInRange(config, "depth");
-  if (config.scale() == 3) throw ConfigError("depth.scale = 3: allowed: 1, 2, 4");
-  if (!config.publish_depth() && !config.publish_cloud() && !config.publish_preview() &&
-      !config.publish_sigma()) {
-    throw ConfigError(
-        "depth.publish_depth, depth.publish_cloud, depth.publish_preview, depth.publish_sigma = "
-        "false: nothing to publish; allowed: at least one of them true");
-  }
-  if (config.publish_sigma() && config.input() == DepthConfig::FUSED) {
-    throw ConfigError(
-        "depth.publish_sigma = true: fused maps have no standard deviation; allowed: false with "
-        "input: FUSED");
-  }
-}
+DepthAdapter::DepthAdapter(const DepthConfig& config)
+    : config_(config), options_(OptionsOf(config)), filter_(options_.filter) {}
 
 PartSet DepthAdapter::Inputs() const {
   const Input& input = InputOf(config_);
   PartSet inputs{input.part, Part::kRig, Part::kLeft};
-  if (config_.publish_cloud() && config_.confidence()) inputs.Add(input.confidence_part);
+  const bool has_points = config_.publish_cloud() || config_.min_confidence() > 0;
+  if (has_points && config_.confidence()) inputs.Add(input.confidence_part);
   if (config_.publish_sigma()) inputs.Add(Part::kSigma);
   return inputs;
 }
@@ -83,26 +71,62 @@ StageResult DepthAdapter::Process(const Frame& frame) {
   const Input& input = InputOf(config_);
   result.degenerate = SizeComplaint(frame, input);
   if (!result.degenerate.empty()) return result;
-  const DisparityImage& disparity = *(frame.*input.map);
   const RectifiedPair& pair = frame.rig->pair;
+  result.degenerate = RigComplaint(options_, pair);
+  const bool is_placed = result.degenerate.empty();
+  if (!is_placed && options_.filter.box) return result;
+  Seen seen{*(frame.*input.map), pair, frame.left, frame.*input.confidence, frame.sigma};
+  if (!filter_.IsOff()) {
+    DepthCounts counts;
+    seen.disparity = filter_.Apply(seen.disparity, pair, seen.confidence, counts);
+    result.outputs.push_back({Part::kDepthCounts, counts});
+  }
+  AddOfLeft(seen, result);
+  if (is_placed) AddOfOtherPlaces(seen, result);
+  if (config_.publish_preview()) result.preview = PreviewOf(frame.left, seen.disparity, pair);
+  return result;
+}
+
+void DepthAdapter::AddOfLeft(const Seen& seen, StageResult& result) const {
+  const RectifiedPair& pair = seen.pair;
   if (config_.publish_depth() || config_.publish_sigma()) {
     const int scale = std::min({config_.scale(), pair.width, pair.height});
-    DepthImage depth = DepthOf(disparity, pair, config_.mm_per_count() / 1000, scale);
+    DepthImage depth = DepthOf(seen.disparity, pair, config_.mm_per_count() / 1000, scale);
     if (config_.publish_sigma()) {
       result.outputs.push_back(
-          {Part::kDepthSigma, DepthSigmaOf(depth, disparity, frame.sigma, pair, scale)});
+          {Part::kDepthSigma, DepthSigmaOf(depth, seen.disparity, seen.sigma, pair, scale)});
     }
     if (config_.publish_depth()) result.outputs.push_back({Part::kDepth, std::move(depth)});
   }
   if (config_.publish_cloud()) {
-    const CloudThinning thinning{config_.cloud_stride(), config_.cloud_voxel_m()};
     result.outputs.push_back(
-        {Part::kCloud, CloudOf(disparity, pair, frame.left, frame.*input.confidence, thinning)});
+        {Part::kCloud, CloudOf(seen.disparity, pair, seen.left, seen.confidence, Thinning())});
   }
-  if (config_.publish_preview()) {
-    result.preview = PreviewOf(frame.left, disparity, pair);
+}
+
+void DepthAdapter::AddOfOtherPlaces(const Seen& seen, StageResult& result) const {
+  const RectifiedPair& pair = seen.pair;
+  if (config_.publish_cloud() && options_.base_from_left) {
+    const PointCloud cloud = CloudOf(seen.disparity, pair, seen.left, seen.confidence, Thinning());
+    result.outputs.push_back({Part::kBaseCloud, Moved(cloud, *options_.base_from_left)});
   }
-  return result;
+  if (options_.target) {
+    const View& view = *options_.target;
+    DepthImage depth = DepthInView(seen.disparity, pair, view, config_.mm_per_count() / 1000);
+    if (config_.publish_cloud()) {
+      result.outputs.push_back({Part::kTargetCloud, CloudInView(depth, view, pair, seen.left,
+                                                                seen.confidence, Thinning())});
+    }
+    result.outputs.push_back({Part::kTargetDepth, std::move(depth)});
+  }
+  if (!options_.scan) return;
+  Result<PlanarScan> scan = ScanOf(
+      seen.disparity, pair, options_.base_from_left.value_or(LevelFromLeft()), *options_.scan);
+  if (scan) {
+    result.scan = std::move(*scan);
+  } else {
+    result.degenerate = scan.error().text;
+  }
 }
 
 }  // namespace sprout::depth

@@ -3,25 +3,44 @@
 
 #include "common/config/config.h"
 #include "common/core/stage_adapter.h"
+#include "services/depth/depth_options.h"
+#include "services/depth/map_filter.h"
 
 namespace sprout::depth {
 
-/// DISPARITY LEFT RIG → DEPTH, CLOUD, a preview, as the configuration says; CONFIDENCE is joined
-/// for the cloud, SIGMA for DEPTH_SIGMA if the configuration says so. With input FUSED: FUSED and
-/// FUSED_CONFIDENCE instead, and no DEPTH_SIGMA.
+/// DISPARITY LEFT RIG → DEPTH, CLOUD, TARGET_DEPTH and others, a preview, a scan, as the
+/// configuration says; CONFIDENCE is joined for the clouds and for min_confidence, SIGMA for
+/// DEPTH_SIGMA. With input FUSED: FUSED and FUSED_CONFIDENCE instead, and no DEPTH_SIGMA.
 class DepthAdapter : public StageAdapter {
  public:
-  /// @throws ConfigError for a value out of range, and when nothing is to be published.
+  /// @throws ConfigError as OptionsOf().
   explicit DepthAdapter(const DepthConfig& config);
 
   PartSet Inputs() const override;
 
   /// Answers nothing for a frame that `every` skips, and for one whose images, map and calibration
-  /// differ in size; the result says why.
+  /// differ in size; the result says why. Nothing that needs the rig file for a frame of another
+  /// calibration.
   StageResult Process(const Frame& frame) override;
 
  private:
+  // What is left of the map, and what belongs to it.
+  struct Seen {
+    DisparityImage disparity;
+    const RectifiedPair& pair;
+    const cv::Mat& left;
+    const cv::Mat& confidence;
+    const cv::Mat& sigma;
+  };
+
+  CloudThinning Thinning() const { return {config_.cloud_stride(), config_.cloud_voxel_m()}; }
+  void AddOfLeft(const Seen& seen, StageResult& result) const;
+  // What needs the rig file.
+  void AddOfOtherPlaces(const Seen& seen, StageResult& result) const;
+
   DepthConfig config_;
+  DepthOptions options_;
+  MapFilter filter_;
 };
 
 }  // namespace sprout::depth

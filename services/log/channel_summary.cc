@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/messages/message_type.h"
+#include "common/messages/planar_lidar.h"
 #include "common/messages/preview.h"
 #include "services/log/channels.h"
 
@@ -15,6 +16,7 @@ namespace {
 std::string TypeText(std::span<const uint8_t> bytes) {
   if (const auto type = TypeOf(bytes)) return NameOf(*type);
   if (IsPreview(bytes)) return kPreviewType;
+  if (IsScan(bytes)) return kScanType;
   const auto fingerprint = FingerprintOf(bytes);
   return fingerprint ? fmt::format("0x{:016x}", *fingerprint) : "no type";
 }

@@ -127,6 +127,12 @@ MessageDiff CompareValue(const CameraMotion& a, const CameraMotion& b) {
                                difference.translation_m.norm(), a.inliers, b.inliers));
 }
 
+MessageDiff CompareValue(const DepthCounts& a, const DepthCounts& b) {
+  if (a == b) return Equal();
+  return Different(fmt::format("{} of {} and {} of {} pixels left out", a.LeftOut(), a.pixels,
+                               b.LeftOut(), b.pixels));
+}
+
 std::string HeaderText(const FrameId& a, const FrameId& b) {
   if (a.rig_id != b.rig_id) return "rig_id " + a.rig_id + " and " + b.rig_id;
   return "headers differ";

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <lcmtypes/bot_core/image_metadata_t.hpp>
 #include <lcmtypes/bot_core/image_t.hpp>
+#include <lcmtypes/bot_core/planar_lidar_t.hpp>
+#include <lcmtypes/sprout/depth_counts_t.hpp>
 #include <lcmtypes/sprout/depth_image_t.hpp>
 #include <lcmtypes/sprout/disparity_image_t.hpp>
 #include <lcmtypes/sprout/header_t.hpp>
@@ -44,15 +46,17 @@ TEST(Fingerprints, AreThoseOfTheReleasedTypes) {
   ExpectFingerprint<depth_image_t>(0x1eda51eb5050532f);
   ExpectFingerprint<point_cloud_t>(0x3a56f4aa266bfe61);
   ExpectFingerprint<motion_t>(0xba6a79476000dc4f);
+  ExpectFingerprint<depth_counts_t>(0x0);
   ExpectFingerprint<stage_status_t>(0x70764dd093aba24e);
   ExpectFingerprint<process_info_t>(0x2462780294b2d3dd);
 }
 
-// lcm-gen gives these for libbot2's own bot_core_image_t.lcm and bot_core_image_metadata_t.lcm:
-// with others no program would show the pictures.
+// lcm-gen gives these for libbot2's own bot_core_image_t.lcm, bot_core_image_metadata_t.lcm and
+// bot_core_planar_lidar_t.lcm: with others no program would show the pictures or read the scans.
 TEST(Fingerprints, AreThoseOfLibbot2) {
   ExpectFingerprint<bot_core::image_t>(0x14739ffe13d5f5f0);
   ExpectFingerprint<bot_core::image_metadata_t>(0x9a4b634d0577fb8e);
+  ExpectFingerprint<bot_core::planar_lidar_t>(0xe3d17423180b5e8d);
   EXPECT_EQ(bot_core::image_t::PIXEL_FORMAT_MJPEG, 0x47504a4d);
 }
 

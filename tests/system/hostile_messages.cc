@@ -35,6 +35,9 @@ HostileMessages::HostileMessages(const check::TestFrame& good, uint32_t seed)
   values_[Part::kSigma] = cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(8));
   values_[Part::kFused] = good.recorded.value();
   values_[Part::kMotion] = CameraMotion{};
+  values_[Part::kDepthCounts] = DepthCounts{};
+  values_[Part::kBaseCloud] = values_[Part::kTargetCloud] = values_[Part::kCloud];
+  values_[Part::kTargetDepth] = values_[Part::kDepth];
   values_[Part::kFusedConfidence] = values_[Part::kConfidence] =
       cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(200));
 }
@@ -211,16 +214,21 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
       return prior;
     }
     case Part::kDepth:
-    case Part::kDepthSigma: {
+    case Part::kDepthSigma:
+    case Part::kTargetDepth: {
       cv::Mat1w counts(size);
       cv::RNG(random_()).fill(counts, cv::RNG::UNIFORM, 0, 65536);
       return DepthOf(counts);
     }
-    case Part::kCloud: {
+    case Part::kCloud:
+    case Part::kBaseCloud:
+    case Part::kTargetCloud: {
       PointCloud cloud;
       cloud.points.resize(Below(20'000), {.position_m = {0, 0, 1}, .bgr = {}});
       return cloud;
     }
+    case Part::kDepthCounts:
+      return DepthCounts{.pixels = Below(1 << 20)};
     case Part::kMotion: {
       CameraMotion motion;
       for (int i = 0; i < 3; ++i) motion.last_from_left.translation_m[i] = Below(1 << 20);

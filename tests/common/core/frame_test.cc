@@ -38,7 +38,9 @@ std::vector<bool> Filled(const Frame& frame) {
           !frame.sigma.empty(),          frame.depth.has_value(),
           frame.depth_sigma.has_value(), frame.cloud.has_value(),
           frame.fused.has_value(),       !frame.fused_confidence.empty(),
-          frame.motion.has_value()};
+          frame.motion.has_value(),      frame.depth_counts.has_value(),
+          frame.base_cloud.has_value(),  frame.target_depth.has_value(),
+          frame.target_cloud.has_value()};
 }
 
 PartValue ValueFor(Part part) {
@@ -60,9 +62,14 @@ PartValue ValueFor(Part part) {
       return PriorMap(cv::Size(3, 2));
     case Part::kDepth:
     case Part::kDepthSigma:
+    case Part::kTargetDepth:
       return DepthImage{.counts = cv::Mat1w(2, 3)};
     case Part::kCloud:
+    case Part::kBaseCloud:
+    case Part::kTargetCloud:
       return PointCloud{};
+    case Part::kDepthCounts:
+      return DepthCounts{};
     case Part::kMotion:
       return CameraMotion{};
     default:

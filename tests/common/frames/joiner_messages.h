@@ -32,10 +32,11 @@ inline PartValue ValueOf(Part part, int mark) {
   if (std::holds_alternative<std::optional<SeedSet> Frame::*>(member)) {
     return SeedSet{.seeds = {}, .raw = mark};
   }
-  if (part == Part::kDepth || part == Part::kDepthSigma) {
+  if (part == Part::kDepth || part == Part::kDepthSigma || part == Part::kTargetDepth) {
     return DepthImage{.counts = cv::Mat1w(1, 1, static_cast<uint16_t>(mark))};
   }
-  if (part == Part::kCloud) return PointCloud{};
+  if (std::holds_alternative<std::optional<PointCloud> Frame::*>(member)) return PointCloud{};
+  if (part == Part::kDepthCounts) return DepthCounts{.pixels = mark};
   if (part == Part::kMotion) return CameraMotion{};
   const DisparityImage map(cv::Mat1s(1, 1, static_cast<int16_t>(mark)));
   if (part == Part::kPrior) return EvenPrior(map, 1);

@@ -108,6 +108,10 @@ inline PointCloud Cloud() {
   return {.points = {{{0.5F, -0.25F, 2}, {10, 20, 30}, 200}, {{-3, 0, 7.5F}, {255, 0, 1}, 0}}};
 }
 
+inline DepthCounts Counts() {
+  return {.pixels = 1000, .near = 1, .far = 20, .outside = 300, .unsure = 40, .flying = 5};
+}
+
 inline CameraMotion Motion() {
   CameraMotion motion;
   motion.last_from_left = {Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5), {0.25, -1, 3}};
@@ -225,6 +229,8 @@ inline std::vector<Wire> AllWires() {
           wire("depth", Part::kDepth, Depth()),
           wire("cloud", Part::kCloud, Cloud()),
           wire("motion", Part::kMotion, Motion()),
+          wire("depth counts", Part::kDepthCounts, Counts()),
+          wire("base cloud", Part::kBaseCloud, Cloud()),
           Wire{"process", EncodeProcessInfo(Process()), std::nullopt, MessageType::kProcess},
           Wire{"status", EncodeStatus(Status()), std::nullopt}};
 }

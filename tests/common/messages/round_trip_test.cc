@@ -249,7 +249,30 @@ TEST(CloudMessage, IsRefusedWhenItsFieldsDoNotFit) {
   EXPECT_THAT(error([](auto& m) { m.red.pop_back(); }), HasSubstr("the number of colours"));
   EXPECT_THAT(error([](auto& m) { m.y.pop_back(); }), HasSubstr("the number of coordinates"));
   EXPECT_THAT(error([](auto& m) { m.x[1] = NAN; }), HasSubstr("point 1 at (nan"));
-  EXPECT_THAT(error([](auto& m) { m.z[0] = 0; }), HasSubstr("point 0 at"));
+}
+
+TEST(CloudMessage, MayHavePointsBehindTheOriginOnlyInTheRobotsFrame) {
+  PointCloud cloud = examples::Cloud();
+  cloud.points[0].position_m.z = -2;
+  EXPECT_EQ(RoundTrip(Part::kBaseCloud, cloud), cloud);
+  for (const Part part : {Part::kCloud, Part::kTargetCloud}) {
+    const auto bytes = EncodePart(examples::Id(), part, cloud, DisparityEncoding::kRawInt16);
+    EXPECT_THAT(DecodePart(part, bytes).error().text, HasSubstr("point 0 at"));
+  }
+}
+
+TEST(DepthCountsMessage, CarriesAll) {
+  EXPECT_EQ(RoundTrip(Part::kDepthCounts, examples::Counts()), examples::Counts());
+}
+
+TEST(DepthCountsMessage, IsRefusedWithCountsThatCannotBe) {
+  const auto error = [](const auto& change) {
+    depth_counts_t message = ToMessage(examples::Id(), examples::Counts());
+    change(message);
+    return FromMessage(message).error().text;
+  };
+  EXPECT_THAT(error([](auto& m) { m.pixels = 365; }), HasSubstr("pixels = 365: allowed is at least the pixels left out, 366"));
+  EXPECT_THAT(error([](auto& m) { m.flying = -1; }), HasSubstr("flying = -1"));
 }
 
 TEST(PriorMessage, CarriesDisparitiesAndHowSureTheyAreInEveryEncoding) {

@@ -81,6 +81,66 @@ TEST_F(RigFile, SaysWhatCannotBeRead) {
   EXPECT_THAT(Error(), AllOf(HasSubstr("max_spread_ms = 0"), HasSubstr("allowed: 0.001 to 1000")));
 }
 
+// The tilted rig's rectification turns the left camera: whatever is told in its frame turns with it.
+TEST_F(RigFile, PlacesOtherCamerasAndTheRobotInTheRectifiedFrame) {
+  const RawRig rig = TiltedRig();
+  RigDescription description;
+  *description.mutable_calibration() = ToCalibration(rig);
+  OtherCamera& other = *description.add_others();
+  other.set_name("like the ToF camera");
+  *other.mutable_lens() = description.calibration().tof();
+  *other.mutable_pose() = description.calibration().left_from_tof();
+  RigPose& base = *description.mutable_base_from_left();
+  for (const double value : {0.5, -0.5, 0.5, -0.5}) base.add_rotation(value);
+  for (const double value : {1, 2, 3}) base.add_translation_m(value);
+  const RigPlaces places = PlacesOf(description, path_);
+  const Rig rectified = Rectifier(rig).rig();
+  ASSERT_EQ(places.others.size(), 1U);
+  const OtherCameraPlace& place = places.others.at("like the ToF camera");
+  EXPECT_EQ(place.lens.fx, rig.tof.fx);
+  EXPECT_LT((place.left_from_camera.translation_m - rectified.tof.left_from_tof_translation_m).norm(),
+            1e-12);
+  EXPECT_LT(place.left_from_camera.rotation.angularDistance(rectified.tof.left_from_tof_rotation),
+            1e-7);
+  // The ToF camera in the robot's frame, over both.
+  const Pose base_from_tof = *places.base_from_left * place.left_from_camera;
+  const Eigen::Vector3d& t = rig.left_from_tof.translation_m;
+  EXPECT_LT((base_from_tof.translation_m - Eigen::Vector3d(1 + t.z(), 2 - t.x(), 3 - t.y())).norm(),
+            1e-12);
+  EXPECT_EQ(places.pair->focal_px, rectified.pair.focal_px);
+}
+
+TEST_F(RigFile, MayPlaceCamerasWithoutACalibration) {
+  Write(R"(others {
+    name: "a" lens { width: 64 height: 48 fx: 50 fy: 50 cx: 32 cy: 24 }
+    pose { translation_m: [1, 2, 3] }
+  })");
+  const RigPlaces places = PlacesOf(LoadRigFile(path_), path_);
+  EXPECT_FALSE(places.pair || places.base_from_left);
+  EXPECT_EQ(places.others.at("a").left_from_camera.translation_m, Eigen::Vector3d(1, 2, 3));
+}
+
+TEST_F(RigFile, NamesThePlaceThatCannotBeUsed) {
+  const auto error = [&](const std::string& text) {
+    Write(text);
+    try {
+      PlacesOf(LoadRigFile(path_), path_);
+      return std::string("no error");
+    } catch (const ConfigError& e) {
+      return std::string(e.what());
+    }
+  };
+  const std::string lens = "lens { width: 64 height: 48 fx: 50 fy: 50 cx: 32 cy: 24 }";
+  EXPECT_THAT(error("base_from_left { rotation: [1, 1, 0, 0] }"),
+              AllOf(HasSubstr(path_), HasSubstr("base_from_left.rotation norm")));
+  EXPECT_THAT(error("others { " + lens + " }"), HasSubstr("not empty, each once"));
+  EXPECT_THAT(error("others { name: 'a' " + lens + " } others { name: 'a' " + lens + " }"),
+              HasSubstr("each once"));
+  EXPECT_THAT(error("others { name: 'a' lens { width: 64 } }"), HasSubstr("\"a\" }.lens.height"));
+  EXPECT_THAT(error("others { name: 'a' " + lens + " pose { translation_m: [1] } }"),
+              HasSubstr("pose.translation_m: 1 numbers; allowed: 3"));
+}
+
 TEST_F(RigFile, NamesTheFieldThatCannotBeUsed) {
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left.fx = 0; }), HasSubstr("left.fx = 0"));
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.right.width = 320; }),

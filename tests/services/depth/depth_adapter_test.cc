@@ -3,6 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <string>
+#include <utility>
+
+#include "tests/common/picture/temporary_directory.h"
+
 namespace sprout::depth {
 namespace {
 
@@ -121,6 +127,132 @@ TEST(DepthAdapter, MakesAPreviewWhenAskedTo) {
   EXPECT_EQ(outcome.preview.type(), CV_8UC3);
 }
 
+TEST(DepthAdapter, CountsWhatItLeavesOutOfEverything) {
+  DepthConfig config;
+  config.set_cloud_stride(1);
+  DepthAdapter off(config);
+  Frame frame = FrameOf(0);
+  EXPECT_EQ(AddAnswer(off, frame), "");
+  EXPECT_FALSE(frame.depth_counts);
+  config.set_min_confidence(101);
+  for (const auto& [u, v] : {std::pair(0, 0), {7, 5}}) {
+    ImageCorner& corner = *config.add_region();
+    corner.set_u(u);
+    corner.set_v(v);
+  }
+  DepthAdapter adapter(config);
+  frame.confidence(cv::Rect(2, 1, 3, 1)) = 101;
+  EXPECT_EQ(AddAnswer(adapter, frame), "");
+  EXPECT_EQ(*frame.depth_counts, (DepthCounts{.pixels = 48, .unsure = 45}));
+  EXPECT_EQ(cv::countNonZero(frame.depth->counts), 3);
+  EXPECT_EQ(frame.depth->counts(1, 2), 1000);
+  EXPECT_EQ(frame.cloud->points.size(), 3U);
+}
+
+TEST(DepthAdapter, JoinsTheConfidenceForItsRuleToo) {
+  DepthConfig config;
+  config.set_publish_cloud(false);
+  EXPECT_FALSE(DepthAdapter(config).Inputs().Has(Part::kConfidence));
+  config.set_min_confidence(1);
+  EXPECT_TRUE(DepthAdapter(config).Inputs().Has(Part::kConfidence));
+}
+
+class DepthAdapterWithRig : public ::testing::Test {
+ protected:
+  DepthAdapterWithRig() {
+    Write("");
+    config_.set_rig(path_);
+    config_.set_cloud_stride(1);
+  }
+
+  // A camera 1 cm to the right of the left one; the robot's frame is 2 m below it, forward is z.
+  void Write(const std::string& more) {
+    std::ofstream(path_) << R"(
+      others {
+        name: "thermal"
+        lens { width: 8 height: 6 fx: 100 fy: 100 cx: 4 cy: 3 }
+        pose { rotation: [1, 0, 0, 0] translation_m: [0.01, 0, 0] }
+      }
+      base_from_left { rotation: [0.5, -0.5, 0.5, -0.5] translation_m: [0, 0, 2] }
+    )" << more;
+  }
+
+  TemporaryDirectory folder_;
+  std::string path_ = folder_ / "rig.textproto";
+  DepthConfig config_;
+};
+
+TEST_F(DepthAdapterWithRig, GivesDepthAndPointsAsTheTargetSeesThem) {
+  config_.set_target("thermal");
+  DepthAdapter adapter(config_);
+  Frame frame = FrameOf(0);
+  EXPECT_EQ(AddAnswer(adapter, frame), "");
+  ASSERT_TRUE(frame.target_depth && frame.target_cloud);
+  // At 1 m it is 1 px to the left: the last column is not seen.
+  EXPECT_EQ(cv::countNonZero(frame.target_depth->counts == 1000), 42);
+  EXPECT_EQ(cv::countNonZero(frame.target_depth->counts.col(7)), 0);
+  EXPECT_EQ(frame.target_cloud->points.size(), 42U);
+  EXPECT_EQ(frame.target_cloud->points[0].position_m, cv::Point3f(-0.04F, -0.03F, 1));
+  EXPECT_EQ(frame.target_cloud->points[0].confidence, 100);
+}
+
+TEST_F(DepthAdapterWithRig, GivesPointsInTheRobotsFrame) {
+  DepthAdapter adapter(config_);
+  Frame frame = FrameOf(0);
+  EXPECT_EQ(AddAnswer(adapter, frame), "");
+  ASSERT_TRUE(frame.base_cloud);
+  ASSERT_EQ(frame.base_cloud->points.size(), 48U);
+  EXPECT_EQ(frame.cloud->points[0].position_m, cv::Point3f(-0.04F, -0.03F, 1));
+  EXPECT_EQ(frame.base_cloud->points[0].position_m, cv::Point3f(1, 0.04F, 2.03F));
+}
+
+TEST_F(DepthAdapterWithRig, LimitsToABoxInTheRobotsFrame) {
+  config_.mutable_box()->set_min_z_m(2.005);
+  DepthAdapter adapter(config_);
+  Frame frame = FrameOf(0);
+  EXPECT_EQ(AddAnswer(adapter, frame), "");
+  EXPECT_EQ(*frame.depth_counts, (DepthCounts{.pixels = 48, .outside = 24})) << "rows 3 to 5";
+  config_.clear_rig();
+  EXPECT_THAT(ErrorOf(config_), HasSubstr("depth.box: needs depth.rig"));
+}
+
+TEST_F(DepthAdapterWithRig, ScansBetweenHeightsOfTheRobot) {
+  config_.set_publish_scan(true);
+  config_.set_scan_min_height_m(1.9);
+  config_.set_scan_max_height_m(2.1);
+  EXPECT_FALSE(DepthAdapter(DepthConfig()).Process(FrameOf(0)).scan);
+  const auto scan = DepthAdapter(config_).Process(FrameOf(0)).scan;
+  ASSERT_TRUE(scan);
+  // Columns 0 and 7 are at 2.29 and −1.72 degrees; steps are of 0.25.
+  EXPECT_EQ(scan->first, -7);
+  EXPECT_EQ(scan->ranges_m.size(), 17U);
+  EXPECT_FLOAT_EQ(scan->ranges_m[7], 1);
+}
+
+TEST_F(DepthAdapterWithRig, NeedsTheCalibrationOfTheRigFile) {
+  Write(R"(calibration {
+    left { width: 8 height: 6 fx: 100 fy: 100 cx: 4 cy: 3 }
+    right { width: 8 height: 6 fx: 100 fy: 100 cx: 4 cy: 3 }
+    left_from_right { rotation: [1, 0, 0, 0] translation_m: [0.2, 0, 0] }
+  })");
+  config_.set_target("thermal");
+  DepthAdapter adapter(config_);
+  Frame frame = FrameOf(0);  // with a baseline of 0.1 m
+  EXPECT_THAT(AddAnswer(adapter, frame), HasSubstr("RIG is not the calibration in depth.rig"));
+  EXPECT_TRUE(frame.depth && frame.cloud);
+  EXPECT_FALSE(frame.base_cloud || frame.target_depth || frame.target_cloud);
+  frame.rig->pair = *PlacesOf(LoadRigFile(path_), path_).pair;
+  EXPECT_EQ(AddAnswer(adapter, frame), "");
+  EXPECT_TRUE(frame.base_cloud && frame.target_depth && frame.target_cloud);
+}
+
+TEST_F(DepthAdapterWithRig, NamesTheCamerasThatItKnows) {
+  config_.set_target("rgb");
+  EXPECT_THAT(ErrorOf(config_), HasSubstr("depth.target = 'rgb': allowed: thermal"));
+  config_.clear_rig();
+  EXPECT_THAT(ErrorOf(config_), HasSubstr("needs depth.rig"));
+}
+
 TEST(DepthAdapter, SaysWhichSizesDoNotFitTogether) {
   DepthAdapter adapter{DepthConfig()};
   Frame frame = FrameOf(0);
@@ -150,6 +282,24 @@ TEST(DepthAdapter, RefusesValuesThatItCannotUse) {
   EXPECT_EQ(ErrorOf(config), "no error");
   config.set_input(DepthConfig::FUSED);
   EXPECT_THAT(ErrorOf(config), HasSubstr("depth.publish_sigma = true: fused maps have no"));
+  config = {};
+  config.set_min_m(3);
+  EXPECT_EQ(ErrorOf(config), "no error");
+  config.set_max_m(2);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.max_m = 2"));
+  config = {};
+  config.set_min_confidence(5);
+  config.set_confidence(false);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("needs depth.confidence: true"));
+  config = {};
+  config.add_region()->set_u(40000);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: corner at 40000"));
+  config.mutable_region(0)->set_u(4);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: 1 corner"));
+  config = {};
+  config.set_publish_scan(true);
+  config.set_scan_max_height_m(0.1);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.scan_max_height_m = 0.1"));
 }
 
 }  // namespace

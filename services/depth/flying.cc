@@ -1,0 +1,101 @@
+#include "services/depth/flying.h"
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+namespace sprout::depth {
+namespace {
+
+constexpr int16_t kNoMinimum = std::numeric_limits<int16_t>::max();
+
+// The largest and the smallest count of the pixels before or behind each pixel, along one axis.
+// Without any: kInvalid and kNoMinimum.
+struct Side {
+  cv::Mat1s largest;
+  cv::Mat1s smallest;
+};
+
+Side SideOf(const cv::Mat1s& counts, const cv::Mat1s& for_minimum, cv::Point towards, int reach) {
+  const bool across = towards.x != 0;
+  const cv::Size size = across ? cv::Size(reach, 1) : cv::Size(1, reach);
+  const cv::Mat window = cv::Mat::ones(size, CV_8U);
+  // The window begins beside its anchor: the map is shifted by one pixel, then the anchor is an
+  // end.
+  const cv::Point anchor =
+      towards.x + towards.y > 0 ? cv::Point(0, 0) : cv::Point(size.width - 1, size.height - 1);
+  const auto shifted = [&](const cv::Mat1s& map, int16_t nothing) {
+    cv::Mat1s beside;
+    cv::copyMakeBorder(map, beside, std::max(0, -towards.y), std::max(0, towards.y),
+                       std::max(0, -towards.x), std::max(0, towards.x), cv::BORDER_CONSTANT,
+                       cv::Scalar(nothing));
+    // A copy: OpenCV would look beyond the borders of a part.
+    return cv::Mat1s(
+        beside(cv::Rect({std::max(0, towards.x), std::max(0, towards.y)}, map.size())).clone());
+  };
+  Side side;
+  cv::dilate(shifted(counts, DisparityImage::kInvalid), side.largest, window, anchor, 1,
+             cv::BORDER_CONSTANT, cv::Scalar(DisparityImage::kInvalid));
+  cv::erode(shifted(for_minimum, kNoMinimum), side.smallest, window, anchor, 1, cv::BORDER_CONSTANT,
+            cv::Scalar(kNoMinimum));
+  return side;
+}
+
+// Pixels with a nearer one on one side and a farther one on the other.
+void AddBetween(const cv::Mat1s& counts, const Side& one, const Side& other, int step,
+                cv::Mat1b& between) {
+  for (int v = 0; v < counts.rows; ++v) {
+    for (int u = 0; u < counts.cols; ++u) {
+      const int own = counts(v, u);
+      const bool falls = one.largest(v, u) >= own + step && other.smallest(v, u) <= own - step;
+      const bool rises = one.smallest(v, u) <= own - step && other.largest(v, u) >= own + step;
+      if (falls || rises) between(v, u) = 255;
+    }
+  }
+}
+
+// Share of the pixels around that belong to the pixel's surface, of those that have a disparity.
+double SupportOf(const cv::Mat1s& counts, cv::Point pixel, int reach, int same) {
+  const cv::Rect around = cv::Rect(pixel.x - reach, pixel.y - reach, 2 * reach + 1, 2 * reach + 1) &
+                          cv::Rect({0, 0}, counts.size());
+  const int own = counts(pixel);
+  int found = 0;
+  int supporting = 0;
+  for (int v = around.y; v < around.br().y; ++v) {
+    for (int u = around.x; u < around.br().x; ++u) {
+      if (counts(v, u) == DisparityImage::kInvalid) continue;
+      ++found;
+      if (std::abs(counts(v, u) - own) <= same) ++supporting;
+    }
+  }
+  return double(supporting) / found;
+}
+
+}  // namespace
+
+cv::Mat1b FindFlying(const DisparityImage& map, const FlyingRule& rule) {
+  const cv::Mat1s& counts = map.counts();
+  cv::Mat1s for_minimum = counts.clone();
+  for_minimum.setTo(kNoMinimum, counts == DisparityImage::kInvalid);
+  const auto side = [&](int x, int y) {
+    return SideOf(counts, for_minimum, {x, y}, rule.reach_px);
+  };
+  const int step = ToCounts(rule.step_px);
+  cv::Mat1b flying(counts.size(), uint8_t{0});
+  AddBetween(counts, side(-1, 0), side(1, 0), step, flying);
+  AddBetween(counts, side(0, -1), side(0, 1), step, flying);
+  const int same = ToCounts(rule.same_px);
+  cv::parallel_for_({0, flying.rows}, [&](const cv::Range& rows) {
+    for (int v = rows.start; v < rows.end; ++v) {
+      for (int u = 0; u < flying.cols; ++u) {
+        if (flying(v, u) == 0) continue;
+        const bool alone =
+            map.IsValid(u, v) && SupportOf(counts, {u, v}, rule.reach_px, same) <= rule.support;
+        if (!alone) flying(v, u) = 0;
+      }
+    }
+  });
+  return flying;
+}
+
+}  // namespace sprout::depth

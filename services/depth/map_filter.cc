@@ -1,0 +1,98 @@
+#include "services/depth/map_filter.h"
+
+#include <array>
+#include <cassert>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "services/depth/flying.h"
+#include "services/depth/rays.h"
+
+namespace sprout::depth {
+namespace {
+
+cv::Mat1b MaskOf(const std::vector<cv::Point>& region, cv::Size size) {
+  std::vector<cv::Point> corners = region;
+  if (corners.size() == 2) {
+    corners = {region[0], {region[1].x, region[0].y}, region[1], {region[0].x, region[1].y}};
+  }
+  cv::Mat1b mask(size, uint8_t{0});
+  cv::fillPoly(mask, std::vector{corners}, cv::Scalar(255));
+  return mask;
+}
+
+// Each rule on one pixel, in the order of DepthCounts.
+class PixelRules {
+ public:
+  PixelRules(const FilterRules& rules, const RectifiedPair& pair, const cv::Mat1b& inside,
+             const cv::Mat& confidence, const cv::Mat1b& flying)
+      : rules_(rules),
+        depth_m_(pair),
+        rays_(pair, rules.base_from_left),
+        inside_(inside),
+        confidence_(confidence),
+        flying_(flying) {}
+
+  /// The count of the first rule that leaves the pixel out; nothing when it stays.
+  int32_t DepthCounts::*Broken(int u, int v, int16_t disparity) const {
+    const double z = double{depth_m_(disparity)};
+    if (z > 0 && z < rules_.min_m) return &DepthCounts::near;
+    // z = 0: at infinity or beyond.
+    if (rules_.max_m > 0 && (z > rules_.max_m || z == 0)) return &DepthCounts::far;
+    if (!inside_.empty() && inside_(v, u) == 0) return &DepthCounts::outside;
+    if (rules_.box && !IsInBox(u, v, z)) return &DepthCounts::outside;
+    if (rules_.min_confidence > 0 && confidence_.at<uint8_t>(v, u) < rules_.min_confidence) {
+      return &DepthCounts::unsure;
+    }
+    if (!flying_.empty() && flying_(v, u) != 0) return &DepthCounts::flying;
+    return nullptr;
+  }
+
+ private:
+  bool IsInBox(int u, int v, double z) const {
+    return z > 0 && rules_.box->contains(rays_.origin + z * rays_.Direction(u, v));
+  }
+
+  const FilterRules& rules_;
+  DepthOfCounts depth_m_;
+  Rays rays_;
+  const cv::Mat1b& inside_;
+  const cv::Mat& confidence_;
+  const cv::Mat1b& flying_;
+};
+
+}  // namespace
+
+MapFilter::MapFilter(FilterRules rules) : rules_(std::move(rules)) {}
+
+bool MapFilter::IsOff() const {
+  return rules_.min_m == 0 && rules_.max_m == 0 && rules_.region.empty() && !rules_.box &&
+         rules_.min_confidence == 0 && !rules_.remove_flying;
+}
+
+DisparityImage MapFilter::Apply(const DisparityImage& map, const RectifiedPair& pair,
+                                const cv::Mat& confidence, DepthCounts& counts) {
+  assert(map.size() == pair.size());
+  assert(rules_.min_confidence == 0 || confidence.size() == map.size());
+  if (!rules_.region.empty() && inside_.size() != map.size()) {
+    inside_ = MaskOf(rules_.region, map.size());
+  }
+  const cv::Mat1b flying = rules_.remove_flying ? FindFlying(map) : cv::Mat1b();
+  const PixelRules rules(rules_, pair, inside_, confidence, flying);
+  counts = {};
+  DisparityImage kept(map.counts().clone());
+  for (int v = 0; v < kept.height(); ++v) {
+    int16_t* const row = kept.counts()[v];
+    for (int u = 0; u < kept.width(); ++u) {
+      if (row[u] == DisparityImage::kInvalid) continue;
+      ++counts.pixels;
+      int32_t DepthCounts::*const broken = rules.Broken(u, v, row[u]);
+      if (broken == nullptr) continue;
+      ++(counts.*broken);
+      row[u] = DisparityImage::kInvalid;
+    }
+  }
+  return kept;
+}
+
+}  // namespace sprout::depth
