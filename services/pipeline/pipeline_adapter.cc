@@ -1,6 +1,7 @@
 #include "services/pipeline/pipeline_adapter.h"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/config/stage_parts.h"
@@ -10,7 +11,8 @@ namespace {
 
 PartSet AllOutputs(const SproutConfig& config) {
   PartSet outputs;
-  for (const char* stage : {"refine", "prior", "grow"}) {
+  for (const char* stage : {"refine", "prior", "grow", "temporal"}) {
+    if (stage == std::string_view("temporal") && !config.temporal().in_pipeline()) continue;
     const PartSet of_stage = OutputsOf(stage, config);
     for (const Part part : kAllParts) {
       if (of_stage.Has(part)) outputs.Add(part);

@@ -20,6 +20,9 @@ class TemporalAdapter : public StageAdapter {
   /// different sizes give no disparity, and change nothing that is remembered.
   StageResult Process(const Frame& frame) override;
 
+  /// Forgets all frames.
+  void Reset() { filter_.Reset(); }
+
  private:
   TemporalConfig config_;
   TemporalFilter filter_;
