@@ -33,6 +33,7 @@ PipelineAdapter::PipelineAdapter(const SproutConfig& config, ChainObserver& step
     : steps_(steps),
       outputs_(AllOutputs(config)),
       grows_with_prior_(InputsOf(config.grow()).Has(Part::kPrior)),
+      warm_up_frames_(config.temporal().in_pipeline() ? config.temporal().warm_up_frames() : 0),
       chain_(config) {}
 
 PartSet PipelineAdapter::Inputs() const { return InputsOf(RefineConfig()); }

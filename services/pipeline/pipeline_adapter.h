@@ -22,10 +22,13 @@ class PipelineAdapter : public StageAdapter {
   /// camera's pose that refine measured is reported to the observer only.
   StageResult Process(const Frame& frame) override;
 
+  int WarmUpFrames() const override { return warm_up_frames_; }
+
  private:
   ChainObserver& steps_;
   PartSet outputs_;
   bool grows_with_prior_;
+  int warm_up_frames_;
   Chain chain_;
 };
 

@@ -20,6 +20,8 @@ class TemporalAdapter : public StageAdapter {
   /// different sizes give no disparity, and change nothing that is remembered.
   StageResult Process(const Frame& frame) override;
 
+  int WarmUpFrames() const override { return config_.warm_up_frames(); }
+
   /// Forgets all frames.
   void Reset() { filter_.Reset(); }
 
