@@ -22,8 +22,8 @@ inline constexpr int kMemoryResets = 7;  ///< number of these
 
 /// "NONE", "FIRST", ...: as motion_t's constants.
 constexpr const char* NameOf(MemoryReset reset) {
-  constexpr const char* kNames[kMemoryResets] = {
-      "NONE", "FIRST", "OTHER_RIG", "BACKWARDS", "GAP", "FEW_POINTS", "NO_AGREEMENT"};
+  constexpr const char* kNames[kMemoryResets] = {"NONE", "FIRST",      "OTHER_RIG",   "BACKWARDS",
+                                                 "GAP",  "FEW_POINTS", "NO_AGREEMENT"};
   return kNames[static_cast<int>(reset)];
 }
 

@@ -39,8 +39,9 @@ enum class Part {
   kFused,            ///< disparity map fused with earlier frames
   kFusedConfidence,  ///< the same probability for it
   kMotion,           ///< how the left camera moved since the last frame
+  kOdometry,         ///< the same as somebody else knows it: start_from_left and start_seq count
 };
-inline constexpr int kPartCount = static_cast<int>(Part::kMotion) + 1;
+inline constexpr int kPartCount = static_cast<int>(Part::kOdometry) + 1;
 
 /// A set of parts.
 class PartSet {
@@ -83,6 +84,7 @@ struct Frame {
   std::optional<DisparityImage> fused;
   cv::Mat fused_confidence;  ///< 8UC1, as confidence
   std::optional<CameraMotion> motion;
+  std::optional<CameraMotion> odometry;
 
   /// No parts: `left` and `right` in grey, where one has made them for several stages; else empty.
   cv::Mat1b left_grey, right_grey;
@@ -130,6 +132,7 @@ inline constexpr PartRow kPartTable[] = {
     {Part::kFused, "SPROUT_FUSED", &Frame::fused},
     {Part::kFusedConfidence, "SPROUT_FUSED_CONFIDENCE", &Frame::fused_confidence},
     {Part::kMotion, "SPROUT_MOTION", &Frame::motion},
+    {Part::kOdometry, "SPROUT_ODOMETRY", &Frame::odometry},
 };
 static_assert(std::size(kPartTable) == kPartCount);
 

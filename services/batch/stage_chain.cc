@@ -21,8 +21,7 @@ StageNames ParseStages(const std::string& flag, const std::vector<std::string>& 
   }
   throw ConfigError(fmt::format(
       "{} {}: allowed are refine, prior, grow and temporal, one or several that follow each other",
-      flag,
-      fmt::join(names, ",")));
+      flag, fmt::join(names, ",")));
 }
 
 Part AnswerOf(const std::string& stage) {

@@ -19,7 +19,7 @@
 namespace sprout::batch {
 namespace {
 
-const PartSet kMeasured{Part::kLeft, Part::kRight, Part::kSeeds, Part::kDisparity,
+const PartSet kMeasured{Part::kLeft,       Part::kRight, Part::kSeeds,          Part::kDisparity,
                         Part::kConfidence, Part::kFused, Part::kFusedConfidence};
 
 constexpr int kMisfitOneIn = 8;  // bands of rows; all would take 10 ms a frame

@@ -50,8 +50,7 @@ Table ListFrames(const FrameLookup& frames, Part answer);
 /// @param map    the part to compare: kDisparity or kFused.
 /// @param truth  folder with NNNNNN_disparity.pfm as `sprout-log export --pfm` writes them; empty:
 ///               none.
-Table CompareFrames(FrameLookup& a, FrameLookup* b, Part map,
-                    const std::filesystem::path& truth);
+Table CompareFrames(FrameLookup& a, FrameLookup* b, Part map, const std::filesystem::path& truth);
 
 }  // namespace sprout::batch
 

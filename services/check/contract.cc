@@ -130,8 +130,8 @@ StageContract ContractOf(const std::string& stage) {
             .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof},
             .answer = Part::kDisparity,
             .may_publish = {Part::kSeeds, Part::kLeftSeeds, Part::kPrior, Part::kUnfilled,
-                            Part::kConfidence, Part::kSigma, Part::kFused,
-                            Part::kFusedConfidence, Part::kMotion}};
+                            Part::kConfidence, Part::kSigma, Part::kFused, Part::kFusedConfidence,
+                            Part::kMotion}};
   }
   throw ConfigError("STAGE '" + stage +
                     "': allowed are capture, refine, prior, grow, temporal and pipeline");

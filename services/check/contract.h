@@ -21,7 +21,7 @@ inline constexpr Rule kStageRules[] = {
 
 /// Inputs and outputs of a stage.
 struct StageContract {
-  std::string stage;         ///< "refine", "prior", "grow", "temporal", or "pipeline": the first three
+  std::string stage;  ///< "refine", "prior", "grow", "temporal", or "pipeline": the first three
   std::vector<Part> inputs;  ///< everything upstream of it, in the graph's order
   Part answer;               ///< one for each frame
   PartSet may_publish;       ///< besides

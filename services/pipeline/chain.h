@@ -25,7 +25,8 @@ class ChainObserver {
   virtual ~ChainObserver() = default;
   virtual void Begins(ChainStep /*step*/) {}
   virtual void Ended(ChainStep /*step*/) {}
-  /// The stage "refine", "prior", "grow" or "temporal" has answered, and the frame has what it gave.
+  /// The stage "refine", "prior", "grow" or "temporal" has answered, and the frame has what it
+  /// gave.
   /// @param outcome  its result without the parts, which have been moved into the frame.
   virtual void Answered(std::string_view /*stage*/, const Frame& /*frame*/,
                         const StageResult& /*outcome*/) {}

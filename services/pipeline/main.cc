@@ -28,8 +28,7 @@ int Main(int argc, char** argv) {
   const CLI::App& files_command = AddFilesCommand(service.flags(), files);
   return service.Run(argc, argv, [&](const ServiceContext& context) {
     if (files_command) return RunFiles(files, context.config, context.stop);
-    StepMonitors steps(Digest(ConfigText(context.config)),
-                       context.config.temporal().in_pipeline());
+    StepMonitors steps(Digest(ConfigText(context.config)), context.config.temporal().in_pipeline());
     PipelineAdapter adapter(context.config, steps);
     if (context.replay) return RunReplay(context, *context.replay, adapter);
     RunLive(context, adapter, steps.all());

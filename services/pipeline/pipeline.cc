@@ -79,6 +79,7 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   last_ = time.value_or(FrameTime{.utime = last_.utime + 1, .seq = last_.seq + 1});
   Frame frame;
   frame.id = {.utime = last_.utime, .seq = last_.seq, .rig_id = RigId(rig)};
+  if (last_.pose) frame.odometry.emplace().start_from_left = *last_.pose;
   frame.left = left;
   frame.right = right;
   frame.tof = tof;

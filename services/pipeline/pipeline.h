@@ -48,6 +48,9 @@ struct DepthFrame {
 struct FrameTime {
   int64_t utime = 0;  ///< capture time, µs; from any start
   int64_t seq = 0;    ///< number of the frame
+  /// With temporal { motion: CHANNEL }: pose of the left camera in a frame that does not move.
+  /// Nothing: not known, and earlier frames are forgotten.
+  std::optional<Pose> pose = {};
 };
 
 /// Range image and rectified pair to depth: refine, prior and grow in one process, as the services
@@ -60,8 +63,8 @@ struct FrameTime {
 /// With temporal { in_pipeline: true } it has a memory, as sprout-temporal: `fused` and `motion`
 /// depend on all frames since the newest reset. Everything else depends on the frame alone.
 ///
-///     sprout::Pipeline pipeline(sprout::LoadConfig({"default", "temporal { in_pipeline: true }"}));
-///     auto frame = pipeline.Compute(left, right, tof, rig, {{.utime = utime, .seq = seq}});
+///     sprout::Pipeline pipeline(sprout::LoadConfig({"default", "temporal { in_pipeline: true
+///     }"})); auto frame = pipeline.Compute(left, right, tof, rig, {{.utime = utime, .seq = seq}});
 ///     if (frame) Use(frame->fused, frame->motion->start_from_left);
 class Pipeline {
  public:

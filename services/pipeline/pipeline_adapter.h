@@ -7,9 +7,9 @@
 
 namespace sprout {
 
-/// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS PRIOR [UNFILLED] DISPARITY [CONFIDENCE SIGMA] [FUSED
-/// FUSED_CONFIDENCE MOTION]: what refine, prior and grow answer with the same configuration, and
-/// with temporal.in_pipeline also temporal, to the byte. Then it is a stage with memory.
+/// LEFT RIGHT TOF RIG [ODOMETRY] → SEEDS LEFT_SEEDS PRIOR [UNFILLED] DISPARITY [CONFIDENCE SIGMA]
+/// [FUSED FUSED_CONFIDENCE MOTION]: what refine, prior and grow answer with the same configuration,
+/// and with temporal.in_pipeline also temporal, to the byte. Then it is a stage with memory.
 class PipelineAdapter : public StageAdapter {
  public:
   /// @param steps  observes every step; must outlive this object.
@@ -26,6 +26,7 @@ class PipelineAdapter : public StageAdapter {
 
  private:
   ChainObserver& steps_;
+  PartSet inputs_;
   PartSet outputs_;
   bool grows_with_prior_;
   int warm_up_frames_;

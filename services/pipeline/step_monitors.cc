@@ -14,8 +14,7 @@ constexpr std::array<std::string_view, 4> kStages = {"refine", "prior", "grow", 
 
 StepMonitors::StepMonitors(const std::string& config_digest, bool temporal)
     : monitors_{StageMonitor("refine", config_digest), StageMonitor("prior", config_digest),
-                StageMonitor("grow", config_digest),
-                StageMonitor("temporal", config_digest)},
+                StageMonitor("grow", config_digest), StageMonitor("temporal", config_digest)},
       count_(temporal ? 4 : 3) {}
 
 void StepMonitors::Begins(ChainStep step) {
@@ -30,9 +29,9 @@ void StepMonitors::Answered(std::string_view stage, const Frame& frame,
   StageMonitor& monitor = monitors_[static_cast<size_t>(it - kStages.begin())];
   monitor.FrameIn(/*skipped=*/false);
   monitor.SetTofOffset(outcome.tof_offset);
-  monitor.FrameOut(frame.id, begun_, outcome.degenerate,
-                   stage == "temporal" ? kUnknownCoverage
-                                       : TofCoverage(frame.seeds->seeds, frame.left.size()));
+  monitor.FrameOut(
+      frame.id, begun_, outcome.degenerate,
+      stage == "temporal" ? kUnknownCoverage : TofCoverage(frame.seeds->seeds, frame.left.size()));
 }
 
 }  // namespace sprout

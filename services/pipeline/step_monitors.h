@@ -11,9 +11,9 @@
 
 namespace sprout {
 
-/// Counts and times refine, prior, grow and temporal inside a chain under these names, as if they were
-/// processes: for capture's --wait-for, sprout-top and the like. A frame that fails, or is lost
-/// before the chain, is counted only by the process that runs the chain.
+/// Counts and times refine, prior, grow and temporal inside a chain under these names, as if they
+/// were processes: for capture's --wait-for, sprout-top and the like. A frame that fails, or is
+/// lost before the chain, is counted only by the process that runs the chain.
 class StepMonitors : public ChainObserver {
  public:
   /// @param temporal  whether the chain has that step.

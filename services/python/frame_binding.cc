@@ -338,9 +338,13 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
       .def_property_readonly(
           "motion", [](const PyFrame& f) { return OrNone(f.frame.motion); },
           "Optional[Motion]: how the left camera moved since the last frame.")
-      .def_property_readonly("depth_m", &DepthArray,
-                             "Optional[numpy.ndarray]: (H, W) float32, z, m, of disparity, or of fused where "
-                             "compute() was told so (depth { input: FUSED }); NaN: none.")
+      .def_property_readonly(
+          "odometry", [](const PyFrame& f) { return OrNone(f.frame.odometry); },
+          "Optional[Motion]: the same as somebody else knows it.")
+      .def_property_readonly(
+          "depth_m", &DepthArray,
+          "Optional[numpy.ndarray]: (H, W) float32, z, m, of disparity, or of fused where "
+          "compute() was told so (depth { input: FUSED }); NaN: none.")
       .def_property_readonly("intrinsics", &IntrinsicsOf,
                              "Optional[numpy.ndarray]: (3, 3) float64, of depth_m, px.")
       .def_property_readonly(

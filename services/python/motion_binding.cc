@@ -32,7 +32,9 @@ z forward): point_then = T[:3, :3] @ point_now + T[:3, 3].)")
           "numpy.ndarray: (4, 4) float64, pose in the frame of start_seq.")
       .def_property_readonly(
           "covariance",
-          [](const CameraMotion& m) { return py::array_t<double>({6, 6}, m.covariance.data()); },
+          [](const CameraMotion& m) {
+            return py::array_t<double>({6, 6}, m.covariance.data());
+          },
           "numpy.ndarray: (6, 6) float64, of last_from_left: rotation vector (rad), translation "
           "(m); 0 after a reset.")
       .def_property_readonly(

@@ -7,8 +7,8 @@
 
 namespace sprout::temporal {
 
-/// LEFT RIG DISPARITY CONFIDENCE → FUSED FUSED_CONFIDENCE MOTION. A stage with memory: answers
-/// depend on the frames since it was made.
+/// LEFT RIG DISPARITY CONFIDENCE [ODOMETRY] → FUSED FUSED_CONFIDENCE MOTION. A stage with memory:
+/// answers depend on the frames since it was made.
 class TemporalAdapter : public StageAdapter {
  public:
   /// @throws ConfigError for a value out of range.
@@ -31,7 +31,7 @@ class TemporalAdapter : public StageAdapter {
 };
 
 /// Why the memory was lost, for people.
-std::string ReasonText(const CameraMotion& motion);
+std::string ReasonText(const CameraMotion& motion, TemporalConfig::Motion source);
 
 }  // namespace sprout::temporal
 

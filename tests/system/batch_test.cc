@@ -91,18 +91,18 @@ TEST(BatchSystem, FusedMapsAreTheBytesOfAReplayOfTheWholeLog) {
   fs::create_directory(folder / "logs");
   const std::string log = folder / "logs" / "run.lcm";
   WriteStraddlingLog(log, "240x180", 0, 16);
-  const Outcome outcome = RunProgramOf(
-      {"sprout-batch", "run", folder / "logs", "--out", folder / "out", "--stages",
-       "refine,prior,grow,temporal", "--config", "default", "--config-b", "default", "--config-b",
-       "temporal { min_gain: 1 }", "--shard-megabytes", "1"});
+  const Outcome outcome =
+      RunProgramOf({"sprout-batch", "run", folder / "logs", "--out", folder / "out", "--stages",
+                    "refine,prior,grow,temporal", "--config", "default", "--config-b", "default",
+                    "--config-b", "temporal { min_gain: 1 }", "--shard-megabytes", "1"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_EQ(batch::ReadManifest(folder / "out" / "manifest.jsonl").shards.size(), 1U);
 
   const std::string chain = folder / "chain.lcm", whole = folder / "whole.lcm";
-  ASSERT_EQ(RunProgramOf({"sprout-pipeline", "--config", "default", "--replay", log, "--record",
-                          chain})
-                .exit_code,
-            0);
+  ASSERT_EQ(
+      RunProgramOf({"sprout-pipeline", "--config", "default", "--replay", log, "--record", chain})
+          .exit_code,
+      0);
   ASSERT_EQ(RunProgramOf({"sprout-temporal", "--config", "default", "--replay", log, "--replay",
                           chain, "--record", whole})
                 .exit_code,

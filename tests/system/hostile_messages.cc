@@ -33,7 +33,7 @@ HostileMessages::HostileMessages(const check::TestFrame& good, uint32_t seed)
   values_[Part::kCloud] = PointCloud{{{.position_m = {0, 0, 1}, .bgr = {}}}};
   values_[Part::kSigma] = cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(8));
   values_[Part::kFused] = good.recorded.value();
-  values_[Part::kMotion] = CameraMotion{};
+  values_[Part::kMotion] = values_[Part::kOdometry] = CameraMotion{};
   values_[Part::kFusedConfidence] = values_[Part::kConfidence] =
       cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(200));
 }
@@ -219,9 +219,11 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
       cloud.points.resize(Below(20'000), {.position_m = {0, 0, 1}, .bgr = {}});
       return cloud;
     }
-    case Part::kMotion: {
+    case Part::kMotion:
+    case Part::kOdometry: {
       CameraMotion motion;
       for (int i = 0; i < 3; ++i) motion.last_from_left.translation_m[i] = Below(1 << 20);
+      for (int i = 0; i < 3; ++i) motion.start_from_left.translation_m[i] = Extreme();
       motion.resets = Below(1000);
       return motion;
     }

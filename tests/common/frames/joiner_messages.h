@@ -36,7 +36,7 @@ inline PartValue ValueOf(Part part, int mark) {
     return DepthImage{.counts = cv::Mat1w(1, 1, static_cast<uint16_t>(mark))};
   }
   if (part == Part::kCloud) return PointCloud{};
-  if (part == Part::kMotion) return CameraMotion{};
+  if (part == Part::kMotion || part == Part::kOdometry) return CameraMotion{};
   const DisparityImage map(cv::Mat1s(1, 1, static_cast<int16_t>(mark)));
   if (part == Part::kPrior) return EvenPrior(map, 1);
   return map;

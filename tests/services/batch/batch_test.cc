@@ -189,7 +189,9 @@ TEST(Tables, AMissingDisparityIsWrongWhereTheTruthIsKnown) {
   truth.counts()(0, 2) = 320;  // the map has none; and of the last none is known
   const auto bad_share = [&] {
     EXPECT_TRUE(WritePfm(folder / "000007_disparity.pfm", truth));
-    return CompareFrames(*Answers(folder / "a", map), nullptr, Part::kDisparity, folder / "").rows.at(0).at(8);
+    return CompareFrames(*Answers(folder / "a", map), nullptr, Part::kDisparity, folder / "")
+        .rows.at(0)
+        .at(8);
   };
   EXPECT_NEAR(bad_share().value(), 2.0 / 3, 1e-12);
   truth.counts().setTo(DisparityImage::kInvalid);

@@ -225,8 +225,8 @@ TEST_F(PipelineWithMemory, ListensToTimes) {
   EXPECT_TRUE(SameMemory(once, ComputeFrame(pipeline, 1, TimeOf(1))));  // the same frame again
   const FrameTime late{.utime = TimeOf(1).utime + 600'000, .seq = TimeOf(2).seq};
   EXPECT_EQ(ComputeFrame(pipeline, 2, late).motion->reset, MemoryReset::kGap);
-  const auto bad =
-      pipeline.Compute(frames_[3].left, frames_[3].right, {}, rig_, FrameTime{.utime = 1, .seq = -1});
+  const auto bad = pipeline.Compute(frames_[3].left, frames_[3].right, {}, rig_,
+                                    FrameTime{.utime = 1, .seq = -1});
   ASSERT_FALSE(bad);
   EXPECT_EQ(bad.error().text, "time.seq: -1; allowed: 0 to 2^62");
 }
