@@ -24,6 +24,8 @@ enum class RosTopic {
   kPoints,
   kDisparity,
   kConfidence,
+  kFused,
+  kFusedConfidence,
   kTof,
   kTofAmplitude,
   kTofInfo,

@@ -18,8 +18,18 @@
 namespace sprout::view {
 
 /// Pictures of a frame.
-enum class Picture { kLeft, kTof, kDisparity, kDepth, kPrior, kSigma, kConfidence };
-inline constexpr int kPictureCount = static_cast<int>(Picture::kConfidence) + 1;
+enum class Picture {
+  kLeft,
+  kTof,
+  kDisparity,
+  kDepth,
+  kPrior,
+  kSigma,
+  kConfidence,
+  kFused,
+  kFusedDepth
+};
+inline constexpr int kPictureCount = static_cast<int>(Picture::kFusedDepth) + 1;
 
 /// By the page's name: "left", "tof", ...; nothing for another name.
 std::string_view NameOf(Picture picture);

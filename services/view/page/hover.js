@@ -32,6 +32,7 @@ export class Hover {
       ['prior', text(probe.prior_px, 2, 'px')],
       ['σ', text(probe.sigma_px, 2, 'px')],
     ];
+    if (probe.fused_px !== undefined) facts.push(['fused', text(probe.fused_px, 2, 'px')]);
     const seed = probe.seed;
     if (seed) {
       facts.push(['nearest seed', `${seed.origin}, ${seed.distance_px.toFixed(1)} px away`]);

@@ -12,7 +12,7 @@ const kPanes = [
 ];
 const kMissing = {
   left: 'no left image', disparity: 'no disparity map', tof: 'no ToF image', prior: 'no prior',
-  confidence: 'no confidence: grow { publish_confidence: true }',
+  confidence: 'no confidence: grow { publish_confidence: true }', fused: 'no fused map: sprout-temporal does not run',
 };
 
 const make = (tag, className, parent) => {
@@ -49,6 +49,7 @@ export class Panes {
     this.changed = changed;  // what is to be seen is another
     this.depth = false;
     this.sigma = false;
+    this.fused = false;  // shown in the prior's place, beside the single disparity map
     this.seeds = true;
     for (const [i, spec] of kPanes.entries()) this.add(spec, i, hover);
     this.addTools();
@@ -98,7 +99,12 @@ export class Panes {
     this.seedsButton.onclick = () => this.toggleSeeds();
     this.seedsButton.textContent = 'hide';
     this.seedsButton.title = 'Seeds on the image (E)';
+    const fused = make('button', '', prior.tools);
+    fused.onclick = () => this.toggleFused();
+    fused.textContent = 'fused';
+    fused.title = 'The map fused with earlier frames (F)';
     // Large or small stays the last button.
+    prior.tools.prepend(fused);
     prior.tools.prepend(this.sigmaButton);
     left.tools.prepend(this.seedsButton);
   }
@@ -107,6 +113,17 @@ export class Panes {
     this.sigma = !this.sigma;
     this.panes.get('prior').title.textContent = this.sigma ? 'Standard deviation of the prior' : 'Prior';
     this.changed();
+  }
+
+  toggleFused() {
+    this.fused = !this.fused;
+    this.nameFused();
+    this.changed();
+  }
+
+  nameFused() {
+    const {title, spec} = this.panes.get('prior');
+    title.textContent = !this.fused ? spec.title : this.depth ? 'Fused depth' : 'Fused disparity';
   }
 
   toggleSeeds() {
@@ -119,6 +136,7 @@ export class Panes {
   setDepth(depth) {
     this.depth = depth;
     this.panes.get('disparity').title.textContent = depth ? 'Depth' : 'Disparity';
+    if (this.fused) this.nameFused();
     this.changed();
   }
 
@@ -139,6 +157,7 @@ export class Panes {
   /// What the server calls the picture of a pane.
   pictureOf(name) {
     if (name === 'disparity' && this.depth) return 'depth';
+    if (name === 'prior' && this.fused) return this.depth ? 'fused_depth' : 'fused';
     return name === 'prior' && this.sigma ? 'sigma' : name;
   }
 
@@ -177,7 +196,7 @@ export class Panes {
     if (name === 'cloud' || !this.isShown(name)) return;
     const what = this.pictureOf(name);
     const part = byName.get(what);
-    pane.none.textContent = part ? '' : kMissing[name];
+    pane.none.textContent = part ? '' : kMissing[what.startsWith('fused') ? 'fused' : name];
     if (!part) {
       pane.picture.width = pane.picture.height = 1;
       pane.full = undefined;
@@ -191,7 +210,7 @@ export class Panes {
     bitmap.close();
     pane.full = [part.full_width, part.full_height];
     if (name !== 'left') pane.note.textContent = `${part.full_width} × ${part.full_height}`;
-    const scaleName = {depth: 'depth', sigma: 'sigma'}[what] ?? pane.spec.scale;
+    const scaleName = {depth: 'depth', fused_depth: 'depth', sigma: 'sigma'}[what] ?? pane.spec.scale;
     if (scaleName) drawScale(pane.scale, head.scales[scaleName], scaleName === 'confidence' ? grey : colors);
   }
 
