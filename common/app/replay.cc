@@ -66,6 +66,11 @@ std::unique_ptr<LogWriter> OpenRecording(const std::string& record) {
   }
 }
 
+FrameRange WithWarmUp(FrameRange frames, int64_t warm_up) {
+  frames.first = std::max<int64_t>(0, frames.first - warm_up);
+  return frames;
+}
+
 std::string JoinText(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, ", "));
 }
@@ -79,6 +84,7 @@ class Replay {
         encoding_(EncodingOf(context.config.bus())),
         monitor_(context.stage, Digest(ConfigText(context.config))),
         assembler_(adapter.Inputs(), monitor_, kReplayMaxPending),
+        needed_(WithWarmUp(options.frames, adapter.WarmUpFrames())),
         input_(OpenInput(options.logs, context.prefix, adapter.Inputs())),
         recording_(OpenRecording(options.record)),
         progress_(/*quiet=*/false) {}
@@ -128,6 +134,11 @@ class Replay {
     if (channel == kProcessChannel) return CompareWithRecorded(event.data);
     if (!IsWanted(channel, event.data)) return;
     for (const Frame& frame : assembler_.Add(channel, event.data)) {
+      if (!options_.frames.Has(frame.id.seq)) {
+        ++warm_up_frames_;
+        MakeAnswer(frame, adapter_, encoding_, monitor_);
+        continue;
+      }
       WriteInfoOnce(event.utime);
       const auto arrived = Clock::now();
       monitor_.FrameIn(/*skipped=*/false);
@@ -162,7 +173,7 @@ class Replay {
     if (!seen_) seen_ = FrameRange{.first = id->seq, .last = id->seq};
     seen_->first = std::min(seen_->first, id->seq);
     seen_->last = std::max(seen_->last, id->seq);
-    return options_.frames.Has(id->seq);
+    return needed_.Has(id->seq);
   }
 
   void ShowProgress() {
@@ -202,10 +213,11 @@ class Replay {
     const double seconds = std::chrono::duration<double>(Clock::now() - started_).count();
     std::cout << fmt::format(
         "{}: {}{} events; frames: {} in, {} out ({} degenerate), {} failed, {} incomplete, {} left "
-        "out; {} bad messages, {} damaged bytes; {:.2f} s, {:.1f} frames/s\n",
+        "out; {} bad messages, {} damaged bytes{}; {:.2f} s, {:.1f} frames/s\n",
         context_.stage, stopped ? "stopped after " : "", input_.events(), status.frames_in,
         status.frames_out, status.frames_degenerate, status.frames_failed, status.frames_incomplete,
-        status.sequence_gaps, status.bad_messages, input_.damaged_bytes(), seconds,
+        status.sequence_gaps, status.bad_messages, input_.damaged_bytes(),
+        warm_up_frames_ > 0 ? fmt::format("; {} frames to warm up", warm_up_frames_) : "", seconds,
         static_cast<double>(status.frames_out) / seconds);
     const bool whole = !stopped && status.frames_failed == 0 && status.bad_messages == 0 &&
                        input_.damaged_bytes() == 0;
@@ -218,6 +230,8 @@ class Replay {
   DisparityEncoding encoding_;
   StageMonitor monitor_;
   FrameAssembler assembler_;
+  FrameRange needed_;  // those wanted, and before them those to warm up
+  int64_t warm_up_frames_ = 0;
   ReplayInput input_;
   std::unique_ptr<LogWriter> recording_;
   Progress progress_;

@@ -20,6 +20,9 @@ inline constexpr size_t kReplayMaxPending = 64;
 /// The first calibration of the logs holds from their start: a stage that ran live knew it before
 /// the recording began, while in the log it may come a second late.
 ///
+/// A stage with memory also gets the frames before `options.frames` that it needs to warm up
+/// (StageAdapter::WarmUpFrames()); their answers are not recorded.
+///
 /// Until the log is complete, or context.stop ends the run early, it is called `RECORD.part`, and
 /// an older log of the final name stays.
 ///

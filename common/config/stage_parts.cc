@@ -37,8 +37,10 @@ PartSet OutputsOf(const GrowConfig& config) {
   return outputs;
 }
 
-PartSet InputsOf(const TemporalConfig&) {
-  return {Part::kLeft, Part::kRig, Part::kDisparity, Part::kConfidence};
+PartSet InputsOf(const TemporalConfig& config) {
+  PartSet inputs{Part::kLeft, Part::kRig, Part::kDisparity, Part::kConfidence};
+  if (config.motion() == TemporalConfig::CHANNEL) inputs.Add(Part::kOdometry);
+  return inputs;
 }
 
 PartSet OutputsOf(const TemporalConfig&) {

@@ -20,6 +20,13 @@ enum class MemoryReset : int8_t {
 };
 inline constexpr int kMemoryResets = 7;  ///< number of these
 
+/// "NONE", "FIRST", ...: as motion_t's constants.
+constexpr const char* NameOf(MemoryReset reset) {
+  constexpr const char* kNames[kMemoryResets] = {"NONE", "FIRST",      "OTHER_RIG",   "BACKWARDS",
+                                                 "GAP",  "FEW_POINTS", "NO_AGREEMENT"};
+  return kNames[static_cast<int>(reset)];
+}
+
 /// How the left camera moved, from its images.
 struct CameraMotion {
   Pose last_from_left;   ///< pose of the left camera in the frame it had at `last_seq`

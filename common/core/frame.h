@@ -45,8 +45,9 @@ enum class Part {
   kBaseCloud,        ///< the points of the cloud in the robot's frame
   kTargetDepth,      ///< depth as another camera sees it
   kTargetCloud,      ///< its points, in that camera's frame
+  kOdometry,         ///< the same as somebody else knows it: start_from_left and start_seq count
 };
-inline constexpr int kPartCount = static_cast<int>(Part::kTargetCloud) + 1;
+inline constexpr int kPartCount = static_cast<int>(Part::kOdometry) + 1;
 
 /// A set of parts.
 class PartSet {
@@ -95,6 +96,7 @@ struct Frame {
   std::optional<PointCloud> base_cloud;  ///< in the robot's frame
   std::optional<DepthImage> target_depth;
   std::optional<PointCloud> target_cloud;  ///< in the target camera's frame
+  std::optional<CameraMotion> odometry;
 
   /// No parts: `left` and `right` in grey, where one has made them for several stages; else empty.
   cv::Mat1b left_grey, right_grey;
@@ -148,6 +150,7 @@ inline constexpr PartRow kPartTable[] = {
     {Part::kBaseCloud, "SPROUT_BASE_CLOUD", &Frame::base_cloud},
     {Part::kTargetDepth, "SPROUT_TARGET_DEPTH", &Frame::target_depth},
     {Part::kTargetCloud, "SPROUT_TARGET_CLOUD", &Frame::target_cloud},
+    {Part::kOdometry, "SPROUT_ODOMETRY", &Frame::odometry},
 };
 static_assert(std::size(kPartTable) == kPartCount);
 

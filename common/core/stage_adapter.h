@@ -47,6 +47,9 @@ class StageAdapter {
   /// (temporal) answers by all frames since it was made, and says so; the newest one again gets the
   /// same answer again.
   virtual StageResult Process(const Frame& frame) = 0;
+
+  /// Of a stage with memory: frames that it should see before the first one whose answer is wanted.
+  virtual int WarmUpFrames() const { return 0; }
 };
 
 /// Answers a frame and adds the answer to it.

@@ -17,6 +17,8 @@ constexpr RosTopicRow kRows[] = {
     {RosTopic::kPoints, "points", &RosTypeOf<RosPointCloud>, Part::kCloud},
     {RosTopic::kDisparity, "disparity", &RosTypeOf<RosDisparity>, Part::kDisparity, true},
     {RosTopic::kConfidence, "confidence", &RosTypeOf<RosImage>, Part::kConfidence},
+    {RosTopic::kFused, "fused/disparity", &RosTypeOf<RosDisparity>, Part::kFused, true},
+    {RosTopic::kFusedConfidence, "fused/confidence", &RosTypeOf<RosImage>, Part::kFusedConfidence},
     {RosTopic::kTof, "tof/image_raw", &RosTypeOf<RosImage>, Part::kTof},
     {RosTopic::kTofAmplitude, "tof/amplitude", &RosTypeOf<RosImage>, Part::kTof},
     {RosTopic::kTofInfo, "tof/camera_info", &RosTypeOf<RosCameraInfo>, Part::kTof, true},
@@ -59,6 +61,7 @@ std::unique_ptr<AnyRosMessage> ToRos(RosTopic topic, const FrameId& id, const Pa
   switch (topic) {
     case RosTopic::kLeft:
     case RosTopic::kConfidence:
+    case RosTopic::kFusedConfidence:
       return ImageOf(left, std::get<cv::Mat>(value));
     case RosTopic::kLeftInfo:
       return Any(ToRosLeftInfo(left, rig->pair));
@@ -75,6 +78,7 @@ std::unique_ptr<AnyRosMessage> ToRos(RosTopic topic, const FrameId& id, const Pa
     case RosTopic::kPoints:
       return Any(ToRosCloud(left, std::get<PointCloud>(value)));
     case RosTopic::kDisparity:
+    case RosTopic::kFused:
       return Any(ToRosDisparity(left, std::get<DisparityImage>(value), rig->pair));
     case RosTopic::kTof:
       return ImageOf(tof, std::get<TofImage>(value).depth_m);

@@ -25,6 +25,8 @@ enum class RosTopic {
   kPoints,
   kDisparity,
   kConfidence,
+  kFused,
+  kFusedConfidence,
   kTof,
   kTofAmplitude,
   kTofInfo,

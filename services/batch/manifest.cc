@@ -248,7 +248,9 @@ std::string ComparisonKey(const BatchHead& head, const BatchLog& log, const Shar
 }
 
 bool Compares(const BatchHead& head) {
-  return head.keep.back() == "grow" && (head.variants.size() > 1 || !head.truth.empty());
+  const Part answer = AnswerOf(head.keep.back());
+  const bool is_map = answer == Part::kDisparity || answer == Part::kFused;
+  return is_map && (head.variants.size() > 1 || !head.truth.empty());
 }
 
 void WriteManifest(const fs::path& path, const Manifest& manifest) {

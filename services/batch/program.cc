@@ -246,7 +246,7 @@ void AddRun(CLI::App& program, Options& options, std::function<int()>& chosen) {
                   "Logs, folders of logs (*.lcm), or @LIST: a file with one of these a line")
       ->required();
   flags.add_option("--out", request.out, "Folder of the batch; results are kept in it")->required();
-  AddList(flags, "--stages", request.stages, "Stages to run, of refine,prior,grow")
+  AddList(flags, "--stages", request.stages, "Stages to run, of refine,prior,grow,temporal")
       ->delimiter(',')
       ->capture_default_str();
   AddList(flags, "--keep", request.keep, "Stages whose answers are kept, beside the last one's")

@@ -91,7 +91,8 @@ std::string ReportPictures::HtmlOf(size_t shard, int64_t seq, int64_t utime) {
     std::vector<DisparityImage> maps;
     std::vector<std::string> names;
     for (size_t i = 0; i < manifest_.head.variants.size(); ++i) {
-      Frame frame = ResultOf(i, shard).Get(id, {Part::kDisparity, Part::kPrior});
+      Frame frame = ResultOf(i, shard).Get(id, {Part::kFused, Part::kDisparity, Part::kPrior});
+      if (frame.fused) frame.disparity = frame.fused;
       if (!frame.disparity && frame.prior) frame.disparity = frame.prior->disparity;
       if (!frame.disparity || frame.disparity->empty()) continue;
       maps.push_back(*frame.disparity);

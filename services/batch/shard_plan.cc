@@ -115,7 +115,8 @@ class Planner {
     for (const Taken& taken : taken_) {
       total += taken.event->bytes;
     }
-    const bool whole = !index.summary().cuttable || !options.inputs.first_has_all;
+    const bool whole =
+        !index.summary().cuttable || !options.inputs.first_has_all || options.inputs.has_memory;
     const int64_t count =
         whole ? 1 : std::max<int64_t>(1, (total + options.shard_bytes / 2) / options.shard_bytes);
     share_ = (total + count - 1) / std::max<int64_t>(count, 1);

@@ -29,12 +29,6 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::hours kPatience{24};
 
-// What the last stage always answers.
-Part AnswerOf(const std::string& stage) {
-  if (stage == "refine") return Part::kSeeds;
-  return stage == "prior" ? Part::kPrior : Part::kDisparity;
-}
-
 // Scratch files have names that say nothing.
 std::string WithFolderOfScratch(const std::string& text) {
   static const std::regex kScratch("/dev/fd/[0-9]+");
@@ -176,13 +170,14 @@ class ShardRun {
     std::vector<std::unique_ptr<FrameLookup>> lookups;
     for (const Variant& variant : work_.head.variants) {
       lookups.push_back(std::make_unique<FrameLookup>(work_.head.prefix));
-      lookups.back()->Add(folder_.result(KeyOf(variant)) / "grow.lcm");
+      lookups.back()->Add(folder_.result(KeyOf(variant)) / (work_.head.stages.back() + ".lcm"));
     }
     ResultFolder result(path);
     WriteTable(
         result / kChanges,
         CompareFrames(
             *lookups[0], lookups.size() > 1 ? lookups[1].get() : nullptr,
+            AnswerOf(work_.head.stages.back()),
             work_.head.truth.empty() ? fs::path() : fs::path(work_.head.truth) / work_.log.name));
     result.Commit();
   }

@@ -10,7 +10,7 @@
 namespace sprout::batch {
 namespace {
 
-const StageNames kGraph = {"refine", "prior", "grow"};
+const StageNames kGraph = {"refine", "prior", "grow", "temporal"};
 
 }  // namespace
 
@@ -20,14 +20,21 @@ StageNames ParseStages(const std::string& flag, const std::vector<std::string>& 
     return names;
   }
   throw ConfigError(fmt::format(
-      "{} {}: allowed are refine, prior and grow, one or several that follow each other", flag,
-      fmt::join(names, ",")));
+      "{} {}: allowed are refine, prior, grow and temporal, one or several that follow each other",
+      flag, fmt::join(names, ",")));
+}
+
+Part AnswerOf(const std::string& stage) {
+  if (stage == "refine") return Part::kSeeds;
+  if (stage == "prior") return Part::kPrior;
+  return stage == "grow" ? Part::kDisparity : Part::kFused;
 }
 
 ChainInputs InputsOf(const StageNames& stages, const SproutConfig& config) {
   ChainInputs inputs{.first = InputsOf(stages.front(), config),
                      .all = InputsOf(stages.front(), config),
-                     .first_has_all = true};
+                     .first_has_all = true,
+                     .has_memory = stages.back() == "temporal"};
   PartSet answered = OutputsOf(stages.front(), config);
   for (size_t i = 1; i < stages.size(); ++i) {
     const PartSet needed = InputsOf(stages[i], config);

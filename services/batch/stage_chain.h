@@ -9,12 +9,16 @@
 
 namespace sprout::batch {
 
-/// The stages of a batch, in the order of the graph: "refine", "prior", "grow", without a gap.
+/// The stages of a batch, in the order of the graph: "refine", "prior", "grow", "temporal", without
+/// a gap.
 using StageNames = std::vector<std::string>;
 
 /// Reads "refine,prior,grow", "grow", ...
 /// @throws ConfigError for other names, a gap or another order.
 StageNames ParseStages(const std::string& flag, const std::vector<std::string>& names);
+
+/// What a stage always answers.
+Part AnswerOf(const std::string& stage);
 
 /// What a chain of stages takes from a log.
 struct ChainInputs {
@@ -23,6 +27,7 @@ struct ChainInputs {
   /// Whether the first stage waits for everything that later ones take from the log. Only then no
   /// message of a frame is pending once the first stage has answered it.
   bool first_has_all = false;
+  bool has_memory = false;  ///< a frame's answer depends on all frames before it
 
   bool operator==(const ChainInputs&) const = default;
 };

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
+#include <utility>
 
 #include "common/core/disparity_diff.h"
 #include "common/logfile/log_error.h"
@@ -18,8 +19,8 @@
 namespace sprout::batch {
 namespace {
 
-const PartSet kMeasured{Part::kLeft, Part::kRight, Part::kSeeds, Part::kDisparity,
-                        Part::kConfidence};
+const PartSet kMeasured{Part::kLeft,       Part::kRight, Part::kSeeds,          Part::kDisparity,
+                        Part::kConfidence, Part::kFused, Part::kFusedConfidence};
 
 constexpr int kMisfitOneIn = 8;  // bands of rows; all would take 10 ms a frame
 
@@ -52,15 +53,20 @@ std::vector<Cell> RowStart(const FrameId& id) {
 }
 
 // The frames that any of the two has, those of A in their order first.
-std::vector<FrameId> AllFrames(const FrameLookup& a, const FrameLookup* b) {
-  std::vector<FrameId> frames = a.FramesWith(Part::kDisparity);
+std::vector<FrameId> AllFrames(const FrameLookup& a, const FrameLookup* b, Part map) {
+  std::vector<FrameId> frames = a.FramesWith(map);
   if (b == nullptr) return frames;
   std::set<std::pair<int64_t, int64_t>> seen;
   for (const FrameId& id : frames) seen.emplace(id.utime, id.seq);
-  for (const FrameId& id : b->FramesWith(Part::kDisparity)) {
+  for (const FrameId& id : b->FramesWith(map)) {
     if (!seen.contains({id.utime, id.seq})) frames.push_back(id);
   }
   return frames;
+}
+
+std::optional<DisparityImage> MapOf(FrameLookup& frames, const FrameId& id, Part map) {
+  const Frame frame = frames.Get(id, {map});
+  return map == Part::kFused ? frame.fused : frame.disparity;
 }
 
 std::vector<std::string> WithFrame(const std::vector<std::string>& columns) {
@@ -155,7 +161,12 @@ bool IsMeasured(const PartSet& parts, Part answer) {
 Table MeasureFrames(FrameLookup& frames, Part answer) {
   Table table{.columns = WithFrame(MeasureColumns()), .rows = {}};
   for (const FrameId& id : frames.FramesWith(answer)) {
-    const FrameQuality quality = QualityOf(frames.Get(id, kMeasured), kMisfitOneIn);
+    Frame frame = frames.Get(id, kMeasured);
+    if (answer == Part::kFused) {
+      frame.disparity = std::move(frame.fused);
+      frame.confidence = frame.fused_confidence;
+    }
+    const FrameQuality quality = QualityOf(frame, kMisfitOneIn);
     std::vector<Cell>& row = table.rows.emplace_back(RowStart(id));
     for (const QualityColumn& column : QualityColumns()) row.push_back(column.value(quality));
   }
@@ -170,12 +181,12 @@ Table ListFrames(const FrameLookup& frames, Part answer) {
   return table;
 }
 
-Table CompareFrames(FrameLookup& a, FrameLookup* b, const std::filesystem::path& truth) {
+Table CompareFrames(FrameLookup& a, FrameLookup* b, Part map, const std::filesystem::path& truth) {
   Table table{.columns = WithFrame(ComparisonColumns()), .rows = {}};
-  for (const FrameId& id : AllFrames(a, b)) {
-    const std::optional<DisparityImage> map_a = a.Get(id, {Part::kDisparity}).disparity;
+  for (const FrameId& id : AllFrames(a, b, map)) {
+    const std::optional<DisparityImage> map_a = MapOf(a, id, map);
     std::optional<DisparityImage> map_b;
-    if (b != nullptr) map_b = b->Get(id, {Part::kDisparity}).disparity;
+    if (b != nullptr) map_b = MapOf(*b, id, map);
     std::vector<Cell>& row = table.rows.emplace_back(RowStart(id));
     row.resize(table.columns.size());
     if (map_a && map_b && !map_a->empty() && map_a->size() == map_b->size()) {

@@ -36,7 +36,8 @@ Table ReadTable(const std::filesystem::path& path, const std::vector<std::string
 /// Whether MeasureFrames() uses any of these parts.
 bool IsMeasured(const PartSet& parts, Part answer);
 
-/// A row for each answered frame: seq, utime and the figures of QualityOf().
+/// A row for each answered frame: seq, utime and the figures of QualityOf(), of the fused map where
+/// that is the answer.
 /// @param frames  has the input, and the answers of all stages.
 /// @param answer  the part that the last stage always answers.
 Table MeasureFrames(FrameLookup& frames, Part answer);
@@ -46,9 +47,10 @@ Table ListFrames(const FrameLookup& frames, Part answer);
 
 /// A row for each frame that A or B answered: seq, utime, changed, moved, mean_change_px,
 /// max_change_px, appeared, vanished, and with a truth a_bad1 and b_bad1.
+/// @param map    the part to compare: kDisparity or kFused.
 /// @param truth  folder with NNNNNN_disparity.pfm as `sprout-log export --pfm` writes them; empty:
 ///               none.
-Table CompareFrames(FrameLookup& a, FrameLookup* b, const std::filesystem::path& truth);
+Table CompareFrames(FrameLookup& a, FrameLookup* b, Part map, const std::filesystem::path& truth);
 
 }  // namespace sprout::batch
 

@@ -117,14 +117,24 @@ StageContract ContractOf(const std::string& stage) {
             .answer = Part::kDisparity,
             .may_publish = {Part::kUnfilled, Part::kConfidence, Part::kSigma}};
   }
+  if (stage == "temporal") {
+    return {.stage = stage,
+            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds,
+                       Part::kLeftSeeds, Part::kPrior, Part::kDisparity, Part::kConfidence},
+            .answer = Part::kFused,
+            .may_publish = {Part::kFusedConfidence, Part::kMotion},
+            .has_memory = true};
+  }
   if (stage == "pipeline") {
     return {.stage = stage,
             .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof},
             .answer = Part::kDisparity,
             .may_publish = {Part::kSeeds, Part::kLeftSeeds, Part::kPrior, Part::kUnfilled,
-                            Part::kConfidence, Part::kSigma}};
+                            Part::kConfidence, Part::kSigma, Part::kFused, Part::kFusedConfidence,
+                            Part::kMotion}};
   }
-  throw ConfigError("STAGE '" + stage + "': allowed are capture, refine, prior, grow and pipeline");
+  throw ConfigError("STAGE '" + stage +
+                    "': allowed are capture, refine, prior, grow, temporal and pipeline");
 }
 
 void CheckAnswer(const PartValue& answer, cv::Size size, const std::string& what, Findings& found) {

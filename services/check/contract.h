@@ -21,10 +21,11 @@ inline constexpr Rule kStageRules[] = {
 
 /// Inputs and outputs of a stage.
 struct StageContract {
-  std::string stage;         ///< "refine", "prior", "grow", or "pipeline": all three
+  std::string stage;  ///< "refine", "prior", "grow", "temporal", or "pipeline": the first three
   std::vector<Part> inputs;  ///< everything upstream of it, in the graph's order
   Part answer;               ///< one for each frame
   PartSet may_publish;       ///< besides
+  bool has_memory = false;   ///< a frame's answer depends on the frames before it
 };
 
 /// @throws ConfigError for an unknown stage.

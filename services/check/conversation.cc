@@ -22,7 +22,8 @@ constexpr std::chrono::seconds kRigPeriod{1};  // as capture sends it
 Conversation::Sent& Conversation::Begin(const TestFrame& frame, Look look) {
   const int64_t seq = std::ssize(sent_);
   Sent& sent = sent_[seq];
-  sent.id = {.utime = kFirstUtime + seq * kFrameUtime, .seq = seq, .rig_id = frame.rig_id};
+  sent.id = {
+      .utime = kFirstUtime + pause_utime_ + seq * kFrameUtime, .seq = seq, .rig_id = frame.rig_id};
   sent.name = frame.name;
   sent.size = frame.rig().pair.size();
   sent.look = look;

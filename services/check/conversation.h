@@ -51,6 +51,9 @@ class Conversation {
   /// Sends a corrupted message of the frame as a new capture; any answer to it is wrong.
   void SendBad(const TestFrame& frame, Part part, const Corruption& corruption);
 
+  /// Lets an hour pass between the frames so far and the next one: a stage with memory forgets.
+  void LetTimePass() { pause_utime_ += kPauseUtime; }
+
   /// Waits for messages that should no longer come.
   void Listen(std::chrono::milliseconds time);
 
@@ -78,6 +81,7 @@ class Conversation {
 
  private:
   static constexpr int kMaxMissed = 3;
+  static constexpr int64_t kPauseUtime = 3'600'000'000;
 
   struct Sent {
     FrameId id;
@@ -107,6 +111,7 @@ class Conversation {
   Sent* awaited_ = nullptr;
   Clock::time_point rig_due_{};
   std::string rig_id_;
+  int64_t pause_utime_ = 0;
   int answers_heard_ = 0;
   PartSet extras_heard_;
   int frames_missed_ = 0;

@@ -27,7 +27,8 @@ int Main(int argc, char** argv) {
   options.lcm_url = kDefaultLcmUrl;
   double start_s = 30;
   double answer_s = 10;
-  flags.add_option("STAGE", options.stage, "capture, refine, prior, grow or pipeline")->required();
+  flags.add_option("STAGE", options.stage, "capture, refine, prior, grow, temporal or pipeline")
+      ->required();
   flags.add_option("COMMAND", options.command, "Program and its arguments, after --")->required();
   flags.add_option("--log", options.log,
                    "Log with every channel of the graph; needed unless STAGE is capture");

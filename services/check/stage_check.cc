@@ -90,11 +90,17 @@ class StageCheck {
     return talk_.Ask(frame, maps, look, rule, options_.answer_timeout);
   }
 
+  // From here on a stage with memory knows no frame.
+  void ForgetFrames() {
+    if (contract_.has_memory) talk_.LetTimePass();
+  }
+
   void GoodFrames() {
     for (const Rule rule :
          {Rule::kOneAnswer, Rule::kHeader, Rule::kForm, Rule::kValues, Rule::kChannels}) {
       found_.Checked(rule);
     }
+    ForgetFrames();
     for (const TestFrame& frame : frames_) {
       answers_.push_back(Ask(frame, kRaw, Look::kAll, Rule::kOneAnswer));
       if (talk_.over()) return;
@@ -106,6 +112,7 @@ class StageCheck {
 
   void Again() {
     found_.Checked(Rule::kRepeatable);
+    ForgetFrames();
     for (size_t i = 0; i < frames_.size() && !talk_.over(); ++i) {
       const auto answer = Ask(frames_[i], kRaw, Look::kAll, Rule::kOneAnswer);
       if (answer && answers_[i] && !IsSameAnswer(*answer, *answers_[i])) {
@@ -123,6 +130,7 @@ class StageCheck {
     left = cv::Mat(ToGrey(std::get<cv::Mat>(left)));
     Ask(grey, kRaw, Look::kAll, Rule::kOneAnswer);
     if (!frames_[0].parts.contains(Part::kPrior)) return;
+    ForgetFrames();
     TestFrame compressed = frames_[0];
     compressed.name += " with compressed maps";
     Ask(compressed, kCompressed, Look::kAll, Rule::kOneAnswer);
@@ -142,6 +150,7 @@ class StageCheck {
     for (const Part part : contract_.inputs) {
       for (const Corruption& corruption : CorruptionsOf(part)) {
         talk_.SendBad(frames_[0], part, corruption);
+        ForgetFrames();
         TestFrame good = frames_[0];
         good.name += " after " + std::string(ChannelOf(part)) + ", " + corruption.name;
         const auto answer = Ask(good, kRaw, Look::kAll, Rule::kBadMessages);

@@ -41,6 +41,7 @@ class Watch : public ChainObserver {
       case ChainStep::kGrow:
         return ms_.grow_ms;
       case ChainStep::kFinish:
+      case ChainStep::kTemporal:
         break;
     }
     return ms_.fill_ms;

@@ -39,6 +39,7 @@ struct CutOptions {
   std::filesystem::path in;
   std::filesystem::path out;
   std::string frames;                 ///< see ParseFrameRange(); empty: all
+  int64_t warm_up = 0;                ///< frames before them that are kept, too
   std::vector<std::string> channels;  ///< without prefix; none: all
   std::string prefix;
   bool force = false;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 
+#include "common/config/config.h"
 #include "common/logfile/log_reader.h"
 #include "common/logfile/log_writer.h"
 #include "common/messages/message_type.h"
@@ -97,6 +98,30 @@ class ProcessKeeper {
   std::set<std::vector<uint8_t>> known_;
 };
 
+// Tells whoever cuts frames out of a log with fused maps that these depend on earlier frames.
+class MemoryHint {
+ public:
+  MemoryHint(const CutOptions& options, int64_t first) : options_(options), first_(first) {}
+
+  void Add(std::string_view channel, const FrameId& id) {
+    if (channel != ChannelOf(Part::kFused)) return;
+    before_ |= id.seq < first_;
+  }
+
+  void Warn() const {
+    if (!before_ || options_.warm_up > 0) return;
+    std::cerr << fmt::format(
+        "sprout-log: {}: SPROUT_FUSED depends on earlier frames: a replay of {} begins anew at "
+        "frame {}; --warm-up {} keeps what matters\n",
+        options_.in.string(), options_.out.string(), first_, TemporalConfig().warm_up_frames());
+  }
+
+ private:
+  const CutOptions& options_;
+  int64_t first_;
+  bool before_ = false;  // there are fused maps before the first frame that is kept
+};
+
 void PrintWritten(const LogWriter& out, const std::filesystem::path& path, int64_t events) {
   std::cout << fmt::format("{}: {} of {} events\n", path.string(), out.events(), events);
 }
@@ -105,7 +130,9 @@ void PrintWritten(const LogWriter& out, const std::filesystem::path& path, int64
 
 int RunCut(const CutOptions& options) {
   const bool by_frame = !options.frames.empty();
-  const FrameRange range = by_frame ? ParseFrameRange("--frames", options.frames) : FrameRange{};
+  FrameRange range = by_frame ? ParseFrameRange("--frames", options.frames) : FrameRange{};
+  range.first = std::max<int64_t>(0, range.first - options.warm_up);
+  MemoryHint memory(options, range.first);
   const ChannelFilter filter(options.channels, options.prefix);
   LogReader reader(options.in);
   LogWriter out(options.out, options.force);
@@ -119,6 +146,7 @@ int RunCut(const CutOptions& options) {
     if (!event.channel.starts_with(options.prefix)) continue;
     const auto id = IdOf(event);
     const bool in_range = id ? range.Has(id->seq) : false;
+    if (id) memory.Add(event.channel.substr(options.prefix.size()), *id);
     if (TypeOf(event.data) == MessageType::kRig && id) {
       rigs.OnRig(event, *id, in_range || !by_frame);
       if (filter.names().contains(event.channel) && (in_range || !by_frame)) ++kept;
@@ -137,6 +165,7 @@ int RunCut(const CutOptions& options) {
   }
   progress.Clear();
   WarnOfDamage(options.in, reader.damage());
+  memory.Warn();
   if (kept == 0) throw LogError(options.in, "no event in these frames and channels");
   out.Close();
   PrintWritten(out, options.out, events);

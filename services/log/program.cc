@@ -57,8 +57,8 @@ void AddPrefix(CLI::App& flags, std::string& prefix) {
       ->type_name("TEXT");
 }
 
-void AddFrames(CLI::App& flags, std::string& frames) {
-  flags
+CLI::Option* AddFrames(CLI::App& flags, std::string& frames) {
+  return flags
       .add_option("--frames", frames,
                   "Frames by number (header.seq), both ends included; A:, :B and A work as well")
       ->type_name("A:B");
@@ -130,7 +130,15 @@ void AddCut(CLI::App& program, Commands& commands) {
   CutOptions& options = commands.cut;
   flags.add_option("IN", options.in, "Log")->required();
   flags.add_option("OUT", options.out, "New log")->required();
-  AddFrames(flags, options.frames);
+  CLI::Option* frames = AddFrames(flags, options.frames);
+  flags
+      .add_option("--warm-up", options.warm_up,
+                  "Also keep so many frames before those of --frames: for a replay of "
+                  "sprout-temporal, which remembers earlier frames")
+      ->type_name("N")
+      ->check(CLI::Range(int64_t{0}, int64_t{1'000'000}))
+      ->capture_default_str()
+      ->needs(frames);
   AddChannels(flags, options.channels);
   AddPrefix(flags, options.prefix);
   AddForce(flags, options.force);

@@ -10,6 +10,10 @@ namespace {
 
 const SproutConfig& InRange(const SproutConfig& config) {
   RequireInRange(config, "");
+  if (config.temporal().in_pipeline() && !config.grow().publish_confidence()) {
+    throw ConfigError(
+        "temporal.in_pipeline: true, but grow.publish_confidence is false; allowed: both true");
+  }
   return config;
 }
 
@@ -19,7 +23,13 @@ Chain::Chain(const SproutConfig& config)
     : grows_with_prior_(InputsOf(InRange(config).grow()).Has(Part::kPrior)),
       refine_(config.refine()),
       prior_(config.prior()),
-      grow_(config.grow()) {}
+      grow_(config.grow()) {
+  if (config.temporal().in_pipeline()) temporal_.emplace(config.temporal());
+}
+
+void Chain::Reset() {
+  if (temporal_) temporal_->Reset();
+}
 
 ChainReport Chain::Run(Frame& frame, ChainObserver& observer, ChainStep last) {
   frame.left_grey = ToGrey(frame.left, left_grey_);  // once for all stages
@@ -58,6 +68,9 @@ ChainReport Chain::RunInGrey(Frame& frame, ChainObserver& observer, ChainStep la
   if (last < ChainStep::kGrow) return report;
   const auto growth = run(ChainStep::kGrow, [&] { return grow_.Grow(frame); });
   add("grow", run(ChainStep::kFinish, [&] { return grow_.Finish(frame, growth); }));
+  if (temporal_ && last == ChainStep::kTemporal) {
+    add("temporal", run(ChainStep::kTemporal, [&] { return temporal_->Process(frame); }));
+  }
   return report;
 }
 

@@ -17,9 +17,9 @@ constexpr char kDescription[] =
     "images are received and decoded once. Joins SPROUT_LEFT, SPROUT_RIGHT, SPROUT_TOF and\n"
     "SPROUT_RIG; publishes SPROUT_SEEDS, SPROUT_LEFT_SEEDS, SPROUT_PRIOR, SPROUT_DISPARITY and "
     "what\n"
-    "else the configuration asks for, and the statuses of all three. `sprout-pipeline files "
-    "--help`:\n"
-    "depth of image files, without any bus.";
+    "else the configuration asks for, and the statuses of all three; with temporal { in_pipeline:\n"
+    "true } also what sprout-temporal does. `sprout-pipeline files --help`: depth of image files,\n"
+    "without any bus.";
 
 int Main(int argc, char** argv) {
   Service service("pipeline", kDescription);
@@ -28,7 +28,7 @@ int Main(int argc, char** argv) {
   const CLI::App& files_command = AddFilesCommand(service.flags(), files);
   return service.Run(argc, argv, [&](const ServiceContext& context) {
     if (files_command) return RunFiles(files, context.config, context.stop);
-    StepMonitors steps(Digest(ConfigText(context.config)));
+    StepMonitors steps(Digest(ConfigText(context.config)), context.config.temporal().in_pipeline());
     PipelineAdapter adapter(context.config, steps);
     if (context.replay) return RunReplay(context, *context.replay, adapter);
     RunLive(context, adapter, steps.all());

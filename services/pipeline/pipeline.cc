@@ -1,5 +1,6 @@
 #include "services/pipeline/pipeline.h"
 
+#include <string>
 #include <utility>
 
 #include "common/core/image.h"
@@ -30,27 +31,55 @@ Result<void> CheckTof(const TofImage& tof, const Rig& rig) {
   return CheckTofSize(rig, tof);
 }
 
+// So that the next frame has numbers, too.
+Result<void> CheckTime(const std::optional<FrameTime>& time) {
+  constexpr int64_t kMost = int64_t{1} << 62;
+  if (!time) return {};
+  for (const auto& [name, value] : {std::pair("utime", time->utime), {"seq", time->seq}}) {
+    if (value < 0 || value > kMost) {
+      return Fail(std::string("time.") + name + ": " + std::to_string(value) +
+                  "; allowed: 0 to 2^62");
+    }
+  }
+  return {};
+}
+
 Result<void> CheckInput(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
-                        const Rig& rig) {
+                        const Rig& rig, const std::optional<FrameTime>& time) {
   return CheckRig(rig)
       .and_then([&] { return CheckImage("left", left, rig.pair.size()); })
       .and_then([&] { return CheckImage("right", right, rig.pair.size()); })
-      .and_then([&] { return CheckTof(tof, rig); });
+      .and_then([&] { return CheckTof(tof, rig); })
+      .and_then([&] { return CheckTime(time); });
+}
+
+bool WantsDepthOfFused(const SproutConfig& config) {
+  const bool fused = config.depth().input() == DepthConfig::FUSED;
+  if (fused && !config.temporal().in_pipeline()) {
+    throw ConfigError(
+        "depth.input: FUSED, but temporal.in_pipeline is false; allowed: SINGLE, or "
+        "temporal.in_pipeline: true");
+  }
+  return fused;
 }
 
 }  // namespace
 
-Pipeline::Pipeline(const SproutConfig& config) : chain_(std::make_unique<Chain>(config)) {}
+Pipeline::Pipeline(const SproutConfig& config)
+    : chain_(std::make_unique<Chain>(config)), depth_of_fused_(WantsDepthOfFused(config)) {}
 Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 
 Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
-                                     const Rig& rig) {
-  if (const Result<void> fits = CheckInput(left, right, tof, rig); !fits) {
+                                     const Rig& rig, const std::optional<FrameTime>& time) {
+  if (const Result<void> fits = CheckInput(left, right, tof, rig, time); !fits) {
     return tl::unexpected(fits.error());
   }
+  last_ = time.value_or(FrameTime{.utime = last_.utime + 1, .seq = last_.seq + 1});
   Frame frame;
+  frame.id = {.utime = last_.utime, .seq = last_.seq, .rig_id = RigId(rig)};
+  if (last_.pose) frame.odometry.emplace().start_from_left = *last_.pose;
   frame.left = left;
   frame.right = right;
   frame.tof = tof;
@@ -59,13 +88,20 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   DepthFrame result;
   result.warnings = chain_->Run(frame, nobody).warnings;
   result.disparity = std::move(*frame.disparity);
+  if (frame.fused) {
+    result.fused = std::move(*frame.fused);
+    result.fused_confidence = frame.fused_confidence;
+    result.motion = frame.motion;
+  }
   result.confidence = frame.confidence;
   result.sigma = frame.sigma;
-  result.depth_m = DepthMap(rig.pair, result.disparity);
+  result.depth_m = DepthMap(rig.pair, depth_of_fused_ ? result.fused : result.disparity);
   result.prior = frame.prior.value_or(PriorMap());
   result.seeds = std::move(*frame.seeds);
   result.left_seeds = std::move(*frame.left_seeds);
   return result;
 }
+
+void Pipeline::Reset() { chain_->Reset(); }
 
 }  // namespace sprout

@@ -1,12 +1,15 @@
 #ifndef SPROUT_SERVICES_PIPELINE_PIPELINE_H_
 #define SPROUT_SERVICES_PIPELINE_PIPELINE_H_
 
+#include <cstdint>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/core/camera_motion.h"
 #include "common/core/disparity_image.h"
 #include "common/core/prior_map.h"
 #include "common/core/result.h"
@@ -25,7 +28,14 @@ struct DepthFrame {
   /// and the disparity's standard deviation in counts of 1/16 px (SigmaToPx()), kMaxSigmaCounts
   /// where there is none. Both empty unless grow.publish_confidence.
   cv::Mat1b confidence, sigma;
-  cv::Mat1f depth_m;   ///< z in the left camera's frame, m; NaN where there is no disparity
+  /// z in the left camera's frame, m; NaN where there is no disparity. Of `disparity`, or with
+  /// depth { input: FUSED } of `fused`.
+  cv::Mat1f depth_m;
+  /// Of a pipeline with memory (temporal.in_pipeline), else empty: the map fused with those of
+  /// earlier frames, its confidence as above, and how the left camera moved.
+  DisparityImage fused;
+  cv::Mat1b fused_confidence;
+  std::optional<CameraMotion> motion;
   PriorMap prior;      ///< D_p and its standard deviation; empty when growth does not use it
   SeedSet seeds;       ///< correspondences, and how many ToF points were dropped, and why
   SeedSet left_seeds;  ///< ToF points that only the left camera sees
@@ -34,16 +44,34 @@ struct DepthFrame {
   std::vector<std::string> warnings;
 };
 
+/// Which frame of a video a pipeline with memory gets.
+struct FrameTime {
+  int64_t utime = 0;  ///< capture time, µs; from any start
+  int64_t seq = 0;    ///< number of the frame
+  /// With temporal { motion: CHANNEL }: pose of the left camera in a frame that does not move.
+  /// Nothing: not known, and earlier frames are forgotten.
+  std::optional<Pose> pose = {};
+};
+
 /// Range image and rectified pair to depth: refine, prior and grow in one process, as the services
 /// of these names compute it, to the byte. No messages, no clock, no files, no output.
 ///
 ///     sprout::Pipeline pipeline(sprout::LoadConfig({"default"}));
 ///     auto frame = pipeline.Compute(left, right, tof, rig);
 ///     if (frame) Use(frame->depth_m);
+///
+/// With temporal { in_pipeline: true } it has a memory, as sprout-temporal: `fused` and `motion`
+/// depend on all frames since the newest reset. Everything else depends on the frame alone.
+///
+///     sprout::Pipeline pipeline(sprout::LoadConfig({"default", "temporal { in_pipeline: true
+///     }"})); auto frame = pipeline.Compute(left, right, tof, rig, {{.utime = utime, .seq = seq}});
+///     if (frame) Use(frame->fused, frame->motion->start_from_left);
 class Pipeline {
  public:
   /// @param config  see LoadConfig().
-  /// @throws ConfigError naming the first value that is out of range.
+  /// @throws ConfigError naming the first value that is out of range, or that contradicts another:
+  ///         temporal.in_pipeline needs grow.publish_confidence, depth { input: FUSED } needs
+  ///         temporal.in_pipeline.
   explicit Pipeline(const SproutConfig& config);
   ~Pipeline();
   Pipeline(Pipeline&&) noexcept;
@@ -53,16 +81,24 @@ class Pipeline {
   /// @param tof          of the calibrated size; 0×0 when there is none: then all seeds come from
   ///                     stereo.
   /// @param rig          calibration; prepared again only when it changes.
+  /// @param time         for the memory, which is lost where it goes back, or on by more than
+  ///                     temporal.max_gap_s; the time of the last call again: from what was known
+  ///                     before that. Nothing: the frame after the last one, without a gap.
   /// @returns the depth of the left image, or an error that names what does not fit. A frame in
   /// which nothing is found is not an error: it has an empty map, and warnings. About 60 ns a pixel
   /// on one core with a ToF image, 150 without. On OpenCV's threads (cv::setNumThreads), with the
   /// same bytes for any number, and on any CPU. Keeps its memory from frame to frame, so one object
   /// serves one caller at a time; results stay the caller's.
   Result<DepthFrame> Compute(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
-                             const Rig& rig);
+                             const Rig& rig, const std::optional<FrameTime>& time = {});
+
+  /// Forgets all frames: the next one is the first. Without a memory it does nothing.
+  void Reset();
 
  private:
   std::unique_ptr<Chain> chain_;
+  bool depth_of_fused_;
+  FrameTime last_;
 };
 
 }  // namespace sprout

@@ -1,6 +1,7 @@
 #include "services/pipeline/pipeline_adapter.h"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/config/stage_parts.h"
@@ -8,9 +9,18 @@
 namespace sprout {
 namespace {
 
+PartSet AllInputs(const SproutConfig& config) {
+  PartSet inputs = InputsOf(config.refine());
+  if (config.temporal().in_pipeline() && InputsOf(config.temporal()).Has(Part::kOdometry)) {
+    inputs.Add(Part::kOdometry);
+  }
+  return inputs;
+}
+
 PartSet AllOutputs(const SproutConfig& config) {
   PartSet outputs;
-  for (const char* stage : {"refine", "prior", "grow"}) {
+  for (const char* stage : {"refine", "prior", "grow", "temporal"}) {
+    if (stage == std::string_view("temporal") && !config.temporal().in_pipeline()) continue;
     const PartSet of_stage = OutputsOf(stage, config);
     for (const Part part : kAllParts) {
       if (of_stage.Has(part)) outputs.Add(part);
@@ -29,11 +39,13 @@ std::string InOneLine(const std::vector<std::string>& warnings) {
 
 PipelineAdapter::PipelineAdapter(const SproutConfig& config, ChainObserver& steps)
     : steps_(steps),
+      inputs_(AllInputs(config)),
       outputs_(AllOutputs(config)),
       grows_with_prior_(InputsOf(config.grow()).Has(Part::kPrior)),
+      warm_up_frames_(config.temporal().in_pipeline() ? config.temporal().warm_up_frames() : 0),
       chain_(config) {}
 
-PartSet PipelineAdapter::Inputs() const { return InputsOf(RefineConfig()); }
+PartSet PipelineAdapter::Inputs() const { return inputs_; }
 
 StageResult PipelineAdapter::Process(const Frame& frame) {
   Frame work = frame;  // shares the images' pixels

@@ -7,12 +7,13 @@
 
 namespace sprout {
 
-/// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS PRIOR [UNFILLED] DISPARITY [CONFIDENCE SIGMA]: what
-/// refine, prior and grow answer with the same configuration, to the byte.
+/// LEFT RIGHT TOF RIG [ODOMETRY] → SEEDS LEFT_SEEDS PRIOR [UNFILLED] DISPARITY [CONFIDENCE SIGMA]
+/// [FUSED FUSED_CONFIDENCE MOTION]: what refine, prior and grow answer with the same configuration,
+/// and with temporal.in_pipeline also temporal, to the byte. Then it is a stage with memory.
 class PipelineAdapter : public StageAdapter {
  public:
   /// @param steps  observes every step; must outlive this object.
-  /// @throws ConfigError naming the first value that is out of range.
+  /// @throws ConfigError as Chain.
   PipelineAdapter(const SproutConfig& config, ChainObserver& steps);
 
   PartSet Inputs() const override;
@@ -21,10 +22,14 @@ class PipelineAdapter : public StageAdapter {
   /// camera's pose that refine measured is reported to the observer only.
   StageResult Process(const Frame& frame) override;
 
+  int WarmUpFrames() const override { return warm_up_frames_; }
+
  private:
   ChainObserver& steps_;
+  PartSet inputs_;
   PartSet outputs_;
   bool grows_with_prior_;
+  int warm_up_frames_;
   Chain chain_;
 };
 

@@ -1,12 +1,21 @@
 #include "services/pipeline/step_monitors.h"
 
+#include <algorithm>
+#include <cassert>
+
 #include "common/core/tof_coverage.h"
 
 namespace sprout {
+namespace {
 
-StepMonitors::StepMonitors(const std::string& config_digest)
+constexpr std::array<std::string_view, 4> kStages = {"refine", "prior", "grow", "temporal"};
+
+}  // namespace
+
+StepMonitors::StepMonitors(const std::string& config_digest, bool temporal)
     : monitors_{StageMonitor("refine", config_digest), StageMonitor("prior", config_digest),
-                StageMonitor("grow", config_digest)} {}
+                StageMonitor("grow", config_digest), StageMonitor("temporal", config_digest)},
+      count_(temporal ? 4 : 3) {}
 
 void StepMonitors::Begins(ChainStep step) {
   // Filling gaps is a part of growth.
@@ -15,11 +24,14 @@ void StepMonitors::Begins(ChainStep step) {
 
 void StepMonitors::Answered(std::string_view stage, const Frame& frame,
                             const StageResult& outcome) {
-  StageMonitor& monitor = monitors_[stage == "refine" ? 0 : stage == "prior" ? 1 : 2];
+  const auto it = std::ranges::find(kStages, stage);
+  assert(it != kStages.end());
+  StageMonitor& monitor = monitors_[static_cast<size_t>(it - kStages.begin())];
   monitor.FrameIn(/*skipped=*/false);
   monitor.SetTofOffset(outcome.tof_offset);
-  monitor.FrameOut(frame.id, begun_, outcome.degenerate,
-                   TofCoverage(frame.seeds->seeds, frame.left.size()));
+  monitor.FrameOut(
+      frame.id, begun_, outcome.degenerate,
+      stage == "temporal" ? kUnknownCoverage : TofCoverage(frame.seeds->seeds, frame.left.size()));
 }
 
 }  // namespace sprout

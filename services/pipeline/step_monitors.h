@@ -11,20 +11,22 @@
 
 namespace sprout {
 
-/// Counts and times refine, prior and grow inside a chain under these names, as if they were
-/// processes: for capture's --wait-for, sprout-top and the like. A frame that fails, or is lost
-/// before the chain, is counted only by the process that runs the chain.
+/// Counts and times refine, prior, grow and temporal inside a chain under these names, as if they
+/// were processes: for capture's --wait-for, sprout-top and the like. A frame that fails, or is
+/// lost before the chain, is counted only by the process that runs the chain.
 class StepMonitors : public ChainObserver {
  public:
-  explicit StepMonitors(const std::string& config_digest);
+  /// @param temporal  whether the chain has that step.
+  StepMonitors(const std::string& config_digest, bool temporal);
 
-  std::span<StageMonitor> all() { return monitors_; }
+  std::span<StageMonitor> all() { return std::span(monitors_).first(count_); }
 
   void Begins(ChainStep step) override;
   void Answered(std::string_view stage, const Frame& frame, const StageResult& outcome) override;
 
  private:
-  std::array<StageMonitor, 3> monitors_;
+  std::array<StageMonitor, 4> monitors_;
+  size_t count_;
   StageMonitor::Clock::time_point begun_{};
 };
 

@@ -27,12 +27,14 @@ struct PyFrame {
   cv::Mat1f depth_m = {};                  ///< when it is known already
   cv::Mat1f disparity_px = {};             ///< the same
   std::vector<std::string> warnings = {};  ///< see DepthFrame
+  bool depth_of_fused = false;             ///< depths and points are those of the fused map
   datasets::GroundTruth truth = {};        ///< of a data set
 };
 
 // Each adds its classes to the module. Types come before those that name them.
 void BindConfig(py::module_& module);
 void BindRig(py::module_& module);
+void BindMotion(py::module_& module);
 void BindFrame(py::module_& module);
 void BindPipeline(py::module_& module);
 void BindLog(py::module_& module);

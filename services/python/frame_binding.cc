@@ -106,13 +106,20 @@ py::object OrNone(const std::optional<T>& value) {
   return value ? py::cast(*value) : py::none();
 }
 
-void RequireMap(const Frame& frame, const char* what) {
-  if (frame.disparity && frame.rig && frame.disparity->size() == frame.rig->pair.size()) return;
+// The map of which depths and points are.
+const std::optional<DisparityImage>& MapOf(const PyFrame& frame) {
+  return frame.depth_of_fused ? frame.frame.fused : frame.frame.disparity;
+}
+
+void RequireMap(const PyFrame& frame, const char* what) {
+  const auto& map = MapOf(frame);
+  const auto& rig = frame.frame.rig;
+  if (map && rig && map->size() == rig->pair.size()) return;
   throw py::value_error(std::string(what) + ": the frame has no disparity map with a calibration");
 }
 
-void RequireColours(const Frame& frame, const char* what) {
-  if (frame.left.size() == frame.disparity->size()) return;
+void RequireColours(const PyFrame& frame, const char* what) {
+  if (frame.frame.left.size() == MapOf(frame)->size()) return;
   throw py::value_error(std::string(what) + ": the frame has no left image of the map's size");
 }
 
@@ -122,11 +129,12 @@ py::object Points(const PyFrame& frame, bool colors) {
   if (!parts.disparity && parts.cloud) {
     cloud = *parts.cloud;
   } else {
-    RequireMap(parts, "points()");
-    if (colors) RequireColours(parts, "points(colors=True)");
+    RequireMap(frame, "points()");
+    if (colors) RequireColours(frame, "points(colors=True)");
     const py::gil_scoped_release free;
-    const cv::Mat left = colors ? parts.left : cv::Mat(cv::Mat1b::zeros(parts.disparity->size()));
-    cloud = depth::CloudOf(*parts.disparity, parts.rig->pair, left, {}, {});
+    const DisparityImage& map = *MapOf(frame);
+    const cv::Mat left = colors ? parts.left : cv::Mat(cv::Mat1b::zeros(map.size()));
+    cloud = depth::CloudOf(map, parts.rig->pair, left, {}, {});
   }
   const auto count = static_cast<int>(cloud.points.size());
   py::array_t<float> positions({count, 3});
@@ -144,13 +152,13 @@ py::object Points(const PyFrame& frame, bool colors) {
 
 void WritePly(const PyFrame& frame, const fs::path& path, bool mesh) {
   const Frame& parts = frame.frame;
-  RequireMap(parts, "write_ply()");
-  RequireColours(parts, "write_ply()");
+  RequireMap(frame, "write_ply()");
+  RequireColours(frame, "write_ply()");
   Result<void> written;
   {
     const py::gil_scoped_release free;
     written =
-        (mesh ? WriteMeshPly : WriteCloudPly)(path, parts.rig->pair, *parts.disparity, parts.left);
+        (mesh ? WriteMeshPly : WriteCloudPly)(path, parts.rig->pair, *MapOf(frame), parts.left);
   }
   if (written) return;
   PyErr_SetString(PyExc_OSError, written.error().text.c_str());
@@ -344,8 +352,16 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "fused_confidence", [](const PyFrame& f) { return ToArray(f.frame.fused_confidence); },
           "Optional[numpy.ndarray]: (H, W) uint8, 255 times the probability that fused is within 1 "
           "px of the true one.")
-      .def_property_readonly("depth_m", &DepthArray,
-                             "Optional[numpy.ndarray]: (H, W) float32, z, m; NaN: none.")
+      .def_property_readonly(
+          "motion", [](const PyFrame& f) { return OrNone(f.frame.motion); },
+          "Optional[Motion]: how the left camera moved since the last frame.")
+      .def_property_readonly(
+          "odometry", [](const PyFrame& f) { return OrNone(f.frame.odometry); },
+          "Optional[Motion]: the same as somebody else knows it.")
+      .def_property_readonly(
+          "depth_m", &DepthArray,
+          "Optional[numpy.ndarray]: (H, W) float32, z, m, of disparity, or of fused where "
+          "compute() was told so (depth { input: FUSED }); NaN: none.")
       .def_property_readonly(
           "depth_sigma_m", &DepthSigmaArray,
           "Optional[numpy.ndarray]: (H, W) float32, standard deviation of z, m; NaN: none, inf: "

@@ -39,6 +39,7 @@ PYBIND11_MODULE(_sprout, module) {
   module.attr("__version__") = sprout::Version();
   python::BindConfig(module);
   python::BindRig(module);
+  python::BindMotion(module);
   python::BindFrame(module);
   python::BindPipeline(module);
   python::BindLog(module);

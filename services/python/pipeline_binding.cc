@@ -1,4 +1,7 @@
+#include <pybind11/stl.h>
+
 #include <memory>
+#include <optional>
 
 #include "services/pipeline/pipeline.h"
 #include "services/python/arrays.h"
@@ -12,7 +15,7 @@ class PyPipeline {
   explicit PyPipeline(const SproutConfig& config) : config_(config), pipeline_(config) {}
 
   PyFrame Compute(const py::object& left, const py::object& right, const py::object& tof,
-                  const Rig& rig) {
+                  const Rig& rig, std::optional<int64_t> seq, std::optional<int64_t> utime) {
     PyFrame result;
     Frame& frame = result.frame;
     frame.left = TakeImage("left", left, rig.pair.size());
@@ -22,28 +25,42 @@ class PyPipeline {
     }
     frame.tof = TakeTof("tof", tof, cv::Size(rig.tof.width, rig.tof.height));
     frame.rig = rig;
-    frame.id = {.utime = 0, .seq = -1, .rig_id = RigId(rig)};
-    DepthFrame depth = Work(frame);
+    if (seq.has_value() != utime.has_value()) {
+      throw py::value_error("seq, utime: expected both or neither");
+    }
+    std::optional<FrameTime> time;
+    if (seq) time = FrameTime{.utime = *utime, .seq = *seq};
+    frame.id = {.utime = utime.value_or(0), .seq = seq.value_or(-1), .rig_id = RigId(rig)};
+    DepthFrame depth = Work(frame, time);
     result.warnings = std::move(depth.warnings);
     result.depth_m = depth.depth_m;
+    result.depth_of_fused = config_.depth().input() == DepthConfig::FUSED;
     frame.disparity = depth.disparity;
     frame.confidence = depth.confidence;
     frame.sigma = depth.sigma;
     if (!depth.prior.empty()) frame.prior = depth.prior;
     frame.seeds = std::move(depth.seeds);
     frame.left_seeds = std::move(depth.left_seeds);
+    if (depth.motion) frame.fused = depth.fused;
+    frame.fused_confidence = depth.fused_confidence;
+    frame.motion = depth.motion;
     return result;
+  }
+
+  void Reset() {
+    const Turn turn(taken_, "Pipeline");
+    pipeline_.Reset();
   }
 
   const SproutConfig& config() const { return config_; }
 
  private:
-  DepthFrame Work(const Frame& frame) {
+  DepthFrame Work(const Frame& frame, const std::optional<FrameTime>& time) {
     const Turn turn(taken_, "Pipeline");
     Result<DepthFrame> depth;
     {
       const py::gil_scoped_release free;
-      depth = pipeline_.Compute(frame.left, frame.right, *frame.tof, *frame.rig);
+      depth = pipeline_.Compute(frame.left, frame.right, *frame.tof, *frame.rig, time);
     }
     return Unwrap(std::move(depth));
   }
@@ -62,7 +79,9 @@ void BindPipeline(py::module_& module) {
     pipeline = sprout.Pipeline("default")
     frame = pipeline.compute(left, right, tof, rig)
 
-The same bytes as the processes of these names, whatever the threads and the CPU. Keeps its memory from
+The same bytes as the processes of these names, whatever the threads and the CPU. With temporal {
+in_pipeline: true } it also does what sprout-temporal does: frame.fused and frame.motion depend on all
+frames since the newest reset, everything else on the frame alone. Keeps its memory from
 frame to frame, so it serves one thread at a time; another one that calls meanwhile gets a RuntimeError.
 compute() works without the interpreter's lock.)")
       .def(py::init([](const py::args& config) {
@@ -73,15 +92,22 @@ compute() works without the interpreter's lock.)")
 As Config(): presets, files, texts, merged; none: all defaults.)")
       .def(
           "compute", &PyPipeline::Compute, py::arg("left"), py::arg("right"),
-          py::arg("tof") = py::none(), py::arg("rig"),
-          R"(compute(self, left: numpy.ndarray, right: numpy.ndarray, tof: Union[numpy.ndarray, Tof, None], rig: Rig) -> Frame
+          py::arg("tof") = py::none(), py::arg("rig"), py::arg("seq") = py::none(),
+          py::arg("utime") = py::none(),
+          R"(compute(self, left: numpy.ndarray, right: numpy.ndarray, tof: Union[numpy.ndarray, Tof, None], rig: Rig, seq: Optional[int] = ..., utime: Optional[int] = ...) -> Frame
 
 left, right: rectified, uint8, (rig.height, rig.width) or with 3 colours (BGR).
 tof: (rig.tof.height, rig.tof.width) float32 in m along the optical axis, or uint16 in mm; 0 or NaN: no
 return; None: no range image, then stereo does the work.
 Contiguous arrays are taken as they are, not copied; others, and float64, are converted. What does not
 fit is a ValueError that names argument, type and shape, expected and given. A frame in which nothing
-can be found is no error: it has an empty map, and warnings.)")
+can be found is no error: it has an empty map, and warnings.
+seq, utime: number and time (us) of the frame, for the memory of a pipeline with temporal { in_pipeline:
+true }; both, or neither: then it is the frame after the last one, without a gap.)")
+      .def("reset", &PyPipeline::Reset,
+           R"(reset(self) -> None
+
+Forgets all frames, where the pipeline has a memory (temporal { in_pipeline: true }).)")
       .def_property_readonly("config", &PyPipeline::config, "Config: all of it.")
       .def(
           "__repr__",

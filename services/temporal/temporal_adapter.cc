@@ -35,7 +35,7 @@ StageResult Refusal(const Frame& frame, std::string reason) {
 
 }  // namespace
 
-std::string ReasonText(const CameraMotion& motion) {
+std::string ReasonText(const CameraMotion& motion, TemporalConfig::Motion source) {
   const std::string points =
       std::to_string(motion.inliers) + " of " + std::to_string(motion.tracked) + " points";
   switch (motion.reset) {
@@ -49,6 +49,9 @@ std::string ReasonText(const CameraMotion& motion) {
     case MemoryReset::kGap:
       return "earlier frames forgotten: too long since the last one";
     case MemoryReset::kFewPoints:
+      if (source == TemporalConfig::CHANNEL) {
+        return "earlier frames forgotten: SPROUT_ODOMETRY has no pose in the frame of the last one";
+      }
       return "earlier frames forgotten: only " + std::to_string(motion.tracked) +
              " points could be tracked";
     case MemoryReset::kNoAgreement:
@@ -73,8 +76,9 @@ StageResult TemporalAdapter::Process(const Frame& frame) {
                                            .left = grey,
                                            .disparity = *frame.disparity,
                                            .confidence = frame.confidence,
-                                           .pair = frame.rig->pair});
-  StageResult result{.outputs = {}, .degenerate = ReasonText(output.motion)};
+                                           .pair = frame.rig->pair,
+                                           .odometry = frame.odometry});
+  StageResult result{.outputs = {}, .degenerate = ReasonText(output.motion, config_.motion())};
   result.outputs.push_back({Part::kFused, std::move(output.disparity)});
   result.outputs.push_back({Part::kFusedConfidence, cv::Mat(output.confidence)});
   result.outputs.push_back({Part::kMotion, output.motion});

@@ -7,8 +7,8 @@
 
 namespace sprout::temporal {
 
-/// LEFT RIG DISPARITY CONFIDENCE → FUSED FUSED_CONFIDENCE MOTION. A stage with memory: answers
-/// depend on the frames since it was made.
+/// LEFT RIG DISPARITY CONFIDENCE [ODOMETRY] → FUSED FUSED_CONFIDENCE MOTION. A stage with memory:
+/// answers depend on the frames since it was made.
 class TemporalAdapter : public StageAdapter {
  public:
   /// @throws ConfigError for a value out of range.
@@ -20,13 +20,18 @@ class TemporalAdapter : public StageAdapter {
   /// different sizes give no disparity, and change nothing that is remembered.
   StageResult Process(const Frame& frame) override;
 
+  int WarmUpFrames() const override { return config_.warm_up_frames(); }
+
+  /// Forgets all frames.
+  void Reset() { filter_.Reset(); }
+
  private:
   TemporalConfig config_;
   TemporalFilter filter_;
 };
 
 /// Why the memory was lost, for people.
-std::string ReasonText(const CameraMotion& motion);
+std::string ReasonText(const CameraMotion& motion, TemporalConfig::Motion source);
 
 }  // namespace sprout::temporal
 

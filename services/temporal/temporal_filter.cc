@@ -101,8 +101,8 @@ TemporalOutput TemporalFilter::Compute(const TemporalInput& input) {
   now_.known = true;
   now_.id = input.id;
   now_.left = input.left;
-  now_.pyramid = BuildPyramid(input.left);
-  EstimateMotionOf(input);
+  now_.odometry = input.odometry;
+  FindMotionOf(input);
   Renew(now_.disparity, input.left.size());
   Renew(now_.variance, input.left.size());
   TemporalOutput output{.disparity = DisparityImage(cv::Mat1s(input.left.size())),
@@ -112,39 +112,57 @@ TemporalOutput TemporalFilter::Compute(const TemporalInput& input) {
   return output;
 }
 
-void TemporalFilter::EstimateMotionOf(const TemporalInput& input) {
+void TemporalFilter::FindMotionOf(const TemporalInput& input) {
   CameraMotion& motion = now_.motion;
   motion = CameraMotion();
   motion.reset = ReasonToForget(input);
+  if (config_.motion() == TemporalConfig::CHANNEL) {
+    if (motion.reset == MemoryReset::kNone) TakeMotionOf(input);
+  } else {
+    now_.pyramid = BuildPyramid(input.left);
+    if (motion.reset == MemoryReset::kNone) EstimateMotionOf(input);
+  }
   if (motion.reset == MemoryReset::kNone) {
-    const std::vector<SeenPoint> points =
-        WithDepths(TrackCorners(before_.pyramid, now_.pyramid), before_.disparity, before_.variance,
-                   input.pair);
-    const MotionRule rule{.inlier_px = config_.inlier_px() * now_.pyramid.scale,
-                          .min_inliers = config_.min_inliers(),
-                          .min_inlier_share = config_.min_inlier_percent() / 100};
-    const MotionEstimate estimate =
-        EstimateMotion(points, input.pair, before_.left_from_last, rule);
-    motion.reset = estimate.reset;
-    motion.tracked = static_cast<int32_t>(points.size());
-    motion.inliers = estimate.inliers;
-    now_.left_from_last = estimate.left_from_last;
-    if (motion.reset == MemoryReset::kNone) {
-      motion.last_from_left = estimate.left_from_last.Inverse();
-      motion.start_from_left = before_.motion.start_from_left * motion.last_from_left;
-      motion.last_seq = before_.id.seq;
-      motion.start_seq = before_.motion.start_seq;
-      motion.resets = before_.motion.resets;
-      for (size_t i = 0; i < motion.covariance.size(); ++i) {
-        motion.covariance[i] =
-            estimate.covariance(static_cast<Eigen::Index>(i / 6), static_cast<Eigen::Index>(i % 6));
-      }
-      return;
-    }
+    motion.last_from_left = now_.left_from_last.Inverse();
+    motion.start_from_left = before_.motion.start_from_left * motion.last_from_left;
+    motion.last_seq = before_.id.seq;
+    motion.start_seq = before_.motion.start_seq;
+    motion.resets = before_.motion.resets;
+    return;
   }
   now_.left_from_last = Pose();
+  motion.covariance = {};
   motion.last_seq = motion.start_seq = input.id.seq;
   motion.resets = motion.reset == MemoryReset::kFirst ? 0 : before_.motion.resets + 1;
+}
+
+void TemporalFilter::EstimateMotionOf(const TemporalInput& input) {
+  CameraMotion& motion = now_.motion;
+  const std::vector<SeenPoint> points = WithDepths(TrackCorners(before_.pyramid, now_.pyramid),
+                                                   before_.disparity, before_.variance, input.pair);
+  const MotionRule rule{.inlier_px = config_.inlier_px() * now_.pyramid.scale,
+                        .min_inliers = config_.min_inliers(),
+                        .min_inlier_share = config_.min_inlier_percent() / 100};
+  const MotionEstimate estimate = EstimateMotion(points, input.pair, before_.left_from_last, rule);
+  motion.reset = estimate.reset;
+  motion.tracked = static_cast<int32_t>(points.size());
+  motion.inliers = estimate.inliers;
+  now_.left_from_last = estimate.left_from_last;
+  for (size_t i = 0; i < motion.covariance.size(); ++i) {
+    motion.covariance[i] =
+        estimate.covariance(static_cast<Eigen::Index>(i / 6), static_cast<Eigen::Index>(i % 6));
+  }
+}
+
+void TemporalFilter::TakeMotionOf(const TemporalInput& input) {
+  const auto& last = before_.odometry;
+  const auto& now = input.odometry;
+  if (!last || !now || last->start_seq != now->start_seq) {
+    now_.motion.reset = MemoryReset::kFewPoints;
+    return;
+  }
+  now_.left_from_last = now->start_from_left.Inverse() * last->start_from_left;
+  if (now->last_seq == before_.id.seq) now_.motion.covariance = now->covariance;
 }
 
 void TemporalFilter::Begin(const TemporalInput& input, TemporalOutput& output) {

@@ -2,6 +2,7 @@
 #define SPROUT_SERVICES_TEMPORAL_TEMPORAL_FILTER_H_
 
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "common/config/config.h"
 #include "common/core/camera_motion.h"
@@ -22,6 +23,9 @@ struct TemporalInput {
   DisparityImage disparity;
   cv::Mat1b confidence;
   RectifiedPair pair;  ///< all of this size
+  /// With motion: CHANNEL, the left camera's pose in a fixed frame: start_from_left, of which poses
+  /// with an equal start_seq are of one frame. Nothing: not known.
+  std::optional<CameraMotion> odometry = {};
 };
 
 struct TemporalOutput {
@@ -56,10 +60,13 @@ class TemporalFilter {
     cv::Mat1f variance;   // px²
     CameraMotion motion;
     Pose left_from_last;
+    std::optional<CameraMotion> odometry;
   };
 
   MemoryReset ReasonToForget(const TemporalInput& input) const;
+  void FindMotionOf(const TemporalInput& input);
   void EstimateMotionOf(const TemporalInput& input);
+  void TakeMotionOf(const TemporalInput& input);
   void Begin(const TemporalInput& input, TemporalOutput& output);
   void Fuse(const TemporalInput& input, TemporalOutput& output);
 

@@ -20,7 +20,8 @@ constexpr size_t kMaxCacheBytes = size_t{64} << 20;
 constexpr ValueRange kSigmaRange{0, 4};
 
 constexpr std::array<std::string_view, kPictureCount> kPictureNames = {
-    "left", "tof", "disparity", "depth", "prior", "sigma", "confidence", "disparity_sigma"};
+    "left",       "tof",             "disparity", "depth", "prior", "sigma",
+    "confidence", "disparity_sigma", "fused",     "fused_depth"};
 
 nlohmann::json ScaleJson(const ValueRange& range, const char* unit, const char* near) {
   return {{"min", range.min}, {"max", range.max}, {"unit", unit}, {"near", near}};
@@ -62,6 +63,12 @@ cv::Mat3b PaintSigma(const DisparityImage& map, const cv::Mat1b& sigma_of, int w
     }
   }
   return picture;
+}
+
+// The map that a picture of disparities or depths is of.
+Part SourceOf(Picture picture) {
+  return picture == Picture::kFused || picture == Picture::kFusedDepth ? Part::kFused
+                                                                       : Part::kDisparity;
 }
 
 // Where a stage gives a map, but no disparity in it, the prior's are what there is.
@@ -169,11 +176,13 @@ EncodedPartPtr FrameEncoder::MakePicture(DecodedFrame& frame, Picture picture, i
       break;
     }
     case Picture::kDisparity:
-      counts(frame.Get<DisparityImage>(Part::kDisparity), CountColors::OfDisparity(disparity_px_));
+    case Picture::kFused:
+      counts(frame.Get<DisparityImage>(SourceOf(picture)), CountColors::OfDisparity(disparity_px_));
       break;
     case Picture::kDepth:
+    case Picture::kFusedDepth:
       if (const auto* rig = frame.Get<Rig>(Part::kRig)) {
-        counts(frame.Get<DisparityImage>(Part::kDisparity),
+        counts(frame.Get<DisparityImage>(SourceOf(picture)),
                CountColors::OfDepth(rig->pair, depth_m_));
       }
       break;

@@ -26,9 +26,11 @@ enum class Picture {
   kPrior,
   kSigma,  ///< of the prior
   kConfidence,
-  kDisparitySigma
+  kDisparitySigma,
+  kFused,
+  kFusedDepth
 };
-inline constexpr int kPictureCount = static_cast<int>(Picture::kDisparitySigma) + 1;
+inline constexpr int kPictureCount = static_cast<int>(Picture::kFusedDepth) + 1;
 
 /// By the page's name: "left", "tof", ...; nothing for another name.
 std::string_view NameOf(Picture picture);

@@ -138,6 +138,12 @@ void AddMaps(DecodedFrame& frame, int u, int v, nlohmann::json& json) {
       if (depth_m > 0 && std::isfinite(depth_m)) json["depth_m"] = depth_m;
     }
   }
+  if (const auto* fused = frame.Get<DisparityImage>(Part::kFused)) {
+    const auto count = ValueAt<int16_t>(fused->counts(), u, v);
+    if (count && *count != DisparityImage::kInvalid) {
+      json["fused_px"] = static_cast<double>(*count) / DisparityImage::kCountsPerPixel;
+    }
+  }
   if (const auto* prior = frame.Get<PriorMap>(Part::kPrior)) {
     const auto count = ValueAt<int16_t>(prior->disparity.counts(), u, v);
     if (count && *count != DisparityImage::kInvalid) {

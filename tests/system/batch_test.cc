@@ -85,6 +85,38 @@ TEST(BatchSystem, MergedAnswersAreTheBytesOfAReplayOfTheWholeLog) {
   EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("A and B give the same maps"));
 }
 
+// A stage with memory is not run in shards.
+TEST(BatchSystem, FusedMapsAreTheBytesOfAReplayOfTheWholeLog) {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "logs");
+  const std::string log = folder / "logs" / "run.lcm";
+  WriteStraddlingLog(log, "240x180", 0, 16);
+  const Outcome outcome =
+      RunProgramOf({"sprout-batch", "run", folder / "logs", "--out", folder / "out", "--stages",
+                    "refine,prior,grow,temporal", "--config", "default", "--config-b", "default",
+                    "--config-b", "temporal { min_gain: 1 }", "--shard-megabytes", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_EQ(batch::ReadManifest(folder / "out" / "manifest.jsonl").shards.size(), 1U);
+
+  const std::string chain = folder / "chain.lcm", whole = folder / "whole.lcm";
+  ASSERT_EQ(
+      RunProgramOf({"sprout-pipeline", "--config", "default", "--replay", log, "--record", chain})
+          .exit_code,
+      0);
+  ASSERT_EQ(RunProgramOf({"sprout-temporal", "--config", "default", "--replay", log, "--replay",
+                          chain, "--record", whole})
+                .exit_code,
+            0);
+  EXPECT_TRUE(BytesOfFile(folder / "out" / "logs" / "run_a.lcm") == BytesOfFile(whole));
+  // A and B differ from the third frame that has an answer on, not in the first.
+  const batch::FrameRows rows(folder / "out" / "frames.csv");
+  const std::vector<float> changed = rows.Column("changed"), shares = rows.Column("a_valid_share");
+  ASSERT_EQ(changed.size(), 14U);
+  EXPECT_EQ(changed.front(), 0);
+  EXPECT_GT(changed.back(), 0);
+  EXPECT_GT(shares.back(), 0.9);
+}
+
 TEST(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
   const TemporaryDirectory folder;
   fs::create_directory(folder / "logs");

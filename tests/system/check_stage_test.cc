@@ -33,7 +33,7 @@ Verdict CheckWrongPrior(const std::string& fault) {
 
 TEST(CheckStageSystem, PassesOurStages) {
   for (const char* config : {"default", "paper"}) {
-    for (const std::string stage : {"refine", "prior", "grow"}) {
+    for (const std::string stage : {"refine", "prior", "grow", "temporal"}) {
       const Verdict verdict =
           CheckStage(stage, {ProgramPath("sprout-" + stage), "--config", config});
       EXPECT_EQ(verdict.exit_code, 0) << stage << " " << config << "\n" << verdict.output;
@@ -100,6 +100,13 @@ TEST(CheckStageSystem, FindsAnAnswerOnAnotherChannel) {
   EXPECT_THAT(verdict.wrong,
               ElementsAre(HasSubstr("no answer within 5 s"),
                           HasSubstr("published on SPROUT_DISPARITY; allowed is SPROUT_PRIOR")));
+}
+
+TEST(CheckStageSystem, FindsWhatIsNoTemporalStage) {
+  const Verdict verdict = CheckStage("temporal", {ProgramPath("sprout-grow"), "--config", "fast"},
+                                     {"--timeout", "1", "--start-timeout", "2"});
+  EXPECT_EQ(verdict.exit_code, 1);
+  EXPECT_THAT(verdict.wrong, testing::Contains(HasSubstr("no answer within 2 s")));
 }
 
 TEST(CheckStageSystem, WhatCannotBeCheckedIsNoVerdict) {

@@ -34,7 +34,7 @@ HostileMessages::HostileMessages(const check::TestFrame& good, uint32_t seed)
   values_[Part::kCloud] = PointCloud{{{.position_m = {0, 0, 1}, .bgr = {}}}};
   values_[Part::kSigma] = cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(8));
   values_[Part::kFused] = good.recorded.value();
-  values_[Part::kMotion] = CameraMotion{};
+  values_[Part::kMotion] = values_[Part::kOdometry] = CameraMotion{};
   values_[Part::kDepthCounts] = DepthCounts{};
   values_[Part::kBaseCloud] = values_[Part::kTargetCloud] = values_[Part::kCloud];
   values_[Part::kTargetDepth] = values_[Part::kDepth];
@@ -229,9 +229,11 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
     }
     case Part::kDepthCounts:
       return DepthCounts{.pixels = Below(1 << 20)};
-    case Part::kMotion: {
+    case Part::kMotion:
+    case Part::kOdometry: {
       CameraMotion motion;
       for (int i = 0; i < 3; ++i) motion.last_from_left.translation_m[i] = Below(1 << 20);
+      for (int i = 0; i < 3; ++i) motion.start_from_left.translation_m[i] = Extreme();
       motion.resets = Below(1000);
       return motion;
     }

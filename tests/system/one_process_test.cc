@@ -6,6 +6,8 @@
 #include <csignal>
 #include <fstream>
 
+#include "common/logfile/log_writer.h"
+#include "common/messages/codec.h"
 #include "services/datasets/dataset.h"
 #include "services/pipeline/pipeline.h"
 #include "tests/common/picture/temporary_directory.h"
@@ -50,6 +52,60 @@ TEST(OneProcessSystem, ReplayGivesTheBytesOfTheThreeStages) {
     EXPECT_EQ(one.contains("SPROUT_UNFILLED"), config == without_prior);
     EXPECT_TRUE(one == three) << config;
   }
+}
+
+// Live and replayed, and as sprout-temporal does it behind the chain.
+TEST(OneProcessSystem, FusesFramesToTheBytesOfSproutTemporal) {
+  constexpr int kFrames = 5;
+  constexpr Part kFusedParts[] = {Part::kFused, Part::kFusedConfidence, Part::kMotion};
+  const std::string config = "temporal { in_pipeline: true }";
+  CaptureConfig capture;
+  capture.set_source(kSource);
+  const auto source = datasets::OpenDataset(capture);
+  const TemporaryDirectory folder;
+  LogWriter writer(folder / "in.lcm");
+  Graph graph;
+  graph.Start("pipeline", {"--config", config});
+  std::map<Part, std::vector<std::vector<uint8_t>>> live;
+  for (int64_t seq = 0; seq < kFrames; ++seq) {
+    const datasets::DatasetFrame frame = source->Get(seq);
+    const FrameId id{
+        .utime = 1'000'000 + 100'000 * seq, .seq = seq, .rig_id = RigId(source->rig())};
+    const std::pair<Part, PartValue> parts[] = {{Part::kRig, source->rig()},
+                                                {Part::kLeft, frame.left},
+                                                {Part::kRight, frame.right},
+                                                {Part::kTof, frame.tof}};
+    for (const auto& [part, value] : parts) {
+      const auto bytes = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
+      graph.Publish(ChannelOf(part), bytes);
+      writer.Write(id.utime, ChannelOf(part), bytes);
+    }
+    ASSERT_TRUE(graph.WaitUntil([&](Graph& g) {
+      for (const Part part : kFusedParts) {
+        if (!g.parts.contains({part, seq})) return false;
+      }
+      for (const Part part : kFusedParts) {
+        live[part].push_back(
+            EncodePart(id, part, g.parts.at({part, seq}), DisparityEncoding::kRawInt16));
+      }
+      return true;
+    })) << seq;
+  }
+  writer.Close();
+  EXPECT_TRUE(graph.WaitUntil([&](Graph& g) {
+    const StageStatus& step = g.statuses["temporal"];
+    return step.frames_out == kFrames && step.frames_degenerate == 0 &&
+           step.pid == g.statuses["pipeline"].pid && step.tof_coverage == kUnknownCoverage;
+  }));
+  ChannelBytes one = Replay("sprout-pipeline", config, {folder / "in.lcm"}, folder / "one.lcm");
+  for (const Part part : kFusedParts) {
+    EXPECT_TRUE(one.at(std::string(ChannelOf(part))) == live.at(part)) << ChannelOf(part);
+  }
+  ChannelBytes apart = Replay("sprout-pipeline", "default", {folder / "in.lcm"}, folder / "c.lcm");
+  apart.merge(Replay("sprout-temporal", "default", {folder / "in.lcm", folder / "c.lcm"},
+                     folder / "temporal.lcm"));
+  EXPECT_TRUE(one == apart);
+  EXPECT_FALSE(one.at("SPROUT_FUSED").back() == one.at("SPROUT_DISPARITY").back());
 }
 
 DisparityImage ComputeInProcess(int64_t index) {

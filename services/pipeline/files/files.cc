@@ -5,12 +5,16 @@
 #include <chrono>
 #include <exception>
 #include <filesystem>
+#include <iomanip>
 #include <iostream>
+#include <sstream>
+#include <string>
 #include <system_error>
 #include <vector>
 
 #include "common/app/progress.h"
 #include "common/core/image.h"
+#include "common/core/output_file.h"
 #include "services/pipeline/files/write_results.h"
 #include "services/pipeline/pipeline.h"
 
@@ -39,10 +43,32 @@ std::string LineOf(const fs::path& folder, const DepthFrame& depth, double ms) {
   return line;
 }
 
+constexpr char kMotionHeader[] = "left,reset,resets,tracked,inliers,x_m,y_m,z_m,qw,qx,qy,qz\n";
+
+// The pose of the left camera in the frame of the newest reset.
+std::string MotionRow(const fs::path& left, const CameraMotion& motion) {
+  const Pose& pose = motion.start_from_left;
+  std::ostringstream name;
+  name << std::quoted(left.filename().string(), '"', '"');
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", name.str(), NameOf(motion.reset),
+                     motion.resets, motion.tracked, motion.inliers, pose.translation_m.x(),
+                     pose.translation_m.y(), pose.translation_m.z(), pose.rotation.w(),
+                     pose.rotation.x(), pose.rotation.y(), pose.rotation.z());
+}
+
+Result<void> WriteMotions(const fs::path& path, const std::string& rows) {
+  OutputFile file(path);
+  file.Write(kMotionHeader);
+  file.Write(rows);
+  return file.Commit();
+}
+
 // Computes one pair and writes it.
+// @param motions  gets a row of a pipeline with memory.
 // @returns the line to print.
 Result<std::string> ComputePair(const PairReader& reader, const ImagePair& pair,
-                                const fs::path& folder, Pipeline& pipeline) {
+                                const fs::path& folder, DepthConfig::Input input,
+                                Pipeline& pipeline, std::string& motions) {
   using Clock = std::chrono::steady_clock;
   try {
     const Result<Frame> frame = reader.Read(pair);
@@ -52,9 +78,10 @@ Result<std::string> ComputePair(const PairReader& reader, const ImagePair& pair,
         pipeline.Compute(frame->left, frame->right, *frame->tof, *frame->rig);
     if (!depth) return tl::unexpected(depth.error());
     const std::chrono::duration<double, std::milli> time = Clock::now() - begun;
-    if (const Result<void> written = WriteResults(*frame, *depth, folder); !written) {
+    if (const Result<void> written = WriteResults(*frame, *depth, input, folder); !written) {
       return tl::unexpected(written.error());
     }
+    if (depth->motion) motions += MotionRow(pair.left, *depth->motion);
     return LineOf(folder, *depth, time.count());
   } catch (const std::exception& e) {
     return Fail(e.what());
@@ -77,14 +104,15 @@ int RunFiles(const FilesOptions& options, const SproutConfig& config, const std:
   Progress progress(/*quiet=*/false);
   size_t done = 0;
   size_t left_out = 0;
+  std::string motions;
   for (const ImagePair& pair : pairs) {
     if (stop.stop_requested()) break;
     if (pairs.size() > 1) {
       progress.Show(fmt::format("pair {} of {}: {}", done + 1, pairs.size(), pair.left.string()));
     }
     const fs::path out = options.out;
-    const auto line =
-        ComputePair(reader, pair, pair.folder.empty() ? out : out / pair.folder, pipeline);
+    const auto line = ComputePair(reader, pair, pair.folder.empty() ? out : out / pair.folder,
+                                  config.depth().input(), pipeline, motions);
     progress.Clear();
     if (line) {
       std::cout << *line << std::endl;
@@ -98,6 +126,13 @@ int RunFiles(const FilesOptions& options, const SproutConfig& config, const std:
     std::cerr << fmt::format("sprout-pipeline: stopped after {} of {} pairs\n", done, pairs.size());
   } else if (left_out > 0 && pairs.size() > 1) {
     std::cerr << fmt::format("sprout-pipeline: {} of {} pairs left out\n", left_out, pairs.size());
+  }
+  if (config.temporal().in_pipeline()) {
+    const auto written = WriteMotions(fs::path(options.out) / "motion.csv", motions);
+    if (!written) {
+      std::cerr << "sprout-pipeline: " << written.error().text << "\n";
+      return 1;
+    }
   }
   return left_out == 0 && done == pairs.size() ? 0 : 1;
 }

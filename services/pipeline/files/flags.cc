@@ -31,6 +31,11 @@ Writes to DIR, and of many pairs to DIR/NAME, where NAME is the left image's
   depth_sigma.pfm  m, standard deviation of the depth; NaN: no depth, +inf: not known
   cloud.ply        m, coloured points          mesh.ply        the same as a surface
 
+With --config default --config 'temporal { in_pipeline: true }' the pairs are frames of a video in
+their order, and each folder gets fused.pfm, fused.png and fused_confidence.png, too: maps fused with
+those of earlier pairs. DIR/motion.csv says how the left camera moved. 'depth { input: FUSED }': depth,
+cloud and mesh of the fused map.
+
 The flags of `sprout-pipeline --help` hold here, too: --config, --threads, --log-level.
 Exit codes: 0; 1 a pair could not be computed, the others were; 2 a flag or file that cannot be
 used, nothing was done.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -37,36 +38,48 @@ cv::Mat1w MillimetresOf(const cv::Mat1f& depth_m) {
   return mm;
 }
 
+// NAME.pfm, NAME.png and its confidence, if there is one.
+Result<void> WriteMap(const std::filesystem::path& folder, const std::string& name,
+                      const DisparityImage& map, const char* confidence_name,
+                      const cv::Mat1b& confidence) {
+  return WritePfm(folder / (name + ".pfm"), map)
+      .and_then([&] { return WritePng(folder / (name + ".png"), CountsOf(map)); })
+      .and_then([&]() -> Result<void> {
+        if (confidence.empty()) return {};
+        return WritePng(folder / confidence_name, confidence);
+      });
+}
+
 }  // namespace
 
-Result<void> WriteResults(Frame frame, const DepthFrame& depth,
+Result<void> WriteResults(Frame frame, const DepthFrame& depth, DepthConfig::Input input,
                           const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return Fail(folder.string() + ": cannot be written (" + error.message() + ")");
-  frame.disparity = depth.disparity;
+  const bool of_fused = input == DepthConfig::FUSED;
+  const DisparityImage& map = of_fused ? depth.fused : depth.disparity;
+  frame.disparity = map;
   frame.seeds = depth.seeds;
-  frame.confidence = depth.confidence;
-  frame.sigma = depth.sigma;
+  frame.confidence = of_fused ? depth.fused_confidence : depth.confidence;
+  if (!of_fused) frame.sigma = depth.sigma;
   if (!depth.prior.disparity.empty()) frame.prior = depth.prior;
   const RectifiedPair& pair = frame.rig->pair;
-  return WritePfm(folder / "disparity.pfm", depth.disparity)
-      .and_then([&] { return WritePng(folder / "disparity.png", CountsOf(depth.disparity)); })
+  return WriteMap(folder, "disparity", depth.disparity, "confidence.png", depth.confidence)
+      .and_then([&]() -> Result<void> {
+        if (!depth.motion) return {};
+        return WriteMap(folder, "fused", depth.fused, "fused_confidence.png",
+                        depth.fused_confidence);
+      })
       .and_then([&] { return WritePfm(folder / "depth.pfm", depth.depth_m); })
       .and_then([&] { return WritePng(folder / "depth.png", MillimetresOf(depth.depth_m)); })
       .and_then([&]() -> Result<void> {
-        if (depth.confidence.empty()) return {};
-        return WritePng(folder / "confidence.png", depth.confidence);
-      })
-      .and_then([&]() -> Result<void> {
-        if (depth.sigma.empty()) return {};
+        if (depth.sigma.empty() || of_fused) return {};  // fused maps have none
         return WritePfm(folder / "depth_sigma.pfm",
                         DepthSigmaMap(pair, depth.disparity, depth.sigma));
       })
-      .and_then(
-          [&] { return WriteCloudPly(folder / "cloud.ply", pair, depth.disparity, frame.left); })
-      .and_then(
-          [&] { return WriteMeshPly(folder / "mesh.ply", pair, depth.disparity, frame.left); })
+      .and_then([&] { return WriteCloudPly(folder / "cloud.ply", pair, map, frame.left); })
+      .and_then([&] { return WriteMeshPly(folder / "mesh.ply", pair, map, frame.left); })
       .and_then([&] { return WritePng(folder / "overview.png", OverviewOf(frame)); });
 }
 

@@ -14,12 +14,14 @@ inline constexpr double kMaxPngDepthM = 65.535;
 
 /// Writes the results of a frame: disparity.pfm (px, +inf: none) and disparity.png (16 bit, 1/32
 /// px, 0: none), depth.pfm (m, NaN: none) and depth.png (16 bit, mm, 0: none or more than
-/// kMaxPngDepthM), confidence.png (8 bit) and depth_sigma.pfm (m, +inf: not known) where there is
-/// a confidence, cloud.ply, mesh.ply, overview.png. Files of these names are replaced.
+/// kMaxPngDepthM), confidence.png (8 bit) and depth_sigma.pfm (m, +inf: not known, only of single
+/// maps) where there is a confidence, cloud.ply, mesh.ply, overview.png; of a pipeline with memory
+/// also fused.pfm, fused.png and fused_confidence.png. Files of these names are replaced.
 /// @param frame   LEFT, RIGHT, TOF and RIG.
+/// @param input   which map `depth.depth_m` is of; cloud, mesh and overview are of the same.
 /// @param folder  is created.
 /// @returns path and reason of the first file that could not be written.
-Result<void> WriteResults(Frame frame, const DepthFrame& depth,
+Result<void> WriteResults(Frame frame, const DepthFrame& depth, DepthConfig::Input input,
                           const std::filesystem::path& folder);
 
 }  // namespace sprout

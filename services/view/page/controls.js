@@ -7,6 +7,7 @@ const kKeys = [
   ['Home, End', 'the first frame, the newest one'], ['1 … 6', 'one pane large, or all again'],
   ['D', 'disparity or depth'], ['E', 'seeds on the left image'], ['P', 'prior or its standard deviation'],
   ['O', 'confidence or the standard deviation of the disparity'],
+  ['F', 'prior or the map fused with earlier frames'],
   ['M', 'how good depth is on a flat target'],
   ['C', 'colours of the cloud'], ['R', 'the cloud as it was'], ['S', 'save this frame, or the last seconds'],
   ['?', 'these keys'],
@@ -50,7 +51,8 @@ export function addControls(app) {
     ' ': () => app.toggle(), 'ArrowLeft': (event) => app.step(event.shiftKey ? -10 : -1),
     'ArrowRight': (event) => app.step(event.shiftKey ? 10 : 1), 'Home': () => app.first(),
     'End': () => app.newest(), 'd': () => app.toggleUnit(), 'e': () => app.panes.toggleSeeds(),
-    'p': () => app.panes.toggleSigma('prior'), 'o': () => app.panes.toggleSigma('confidence'), 'c': () => app.cloud.nextColors(), 'r': () => app.cloud.reset(),
+    'f': () => app.panes.toggleFused(), 'p': () => app.panes.toggleSigma('prior'), 'o': () => app.panes.toggleSigma('confidence'),
+    'c': () => app.cloud.nextColors(), 'r': () => app.cloud.reset(),
     'm': () => app.target.toggle(),
     's': save, '?': () => helpBox.showModal(), 'Escape': () => app.panes.enlarge(),
   };

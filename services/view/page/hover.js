@@ -34,6 +34,7 @@ export class Hover {
       ['confidence', text(probe.confidence, 2)],
       ['prior', spread(probe.prior_px, probe.sigma_px)],
     ];
+    if (probe.fused_px !== undefined) facts.push(['fused', text(probe.fused_px, 2, 'px')]);
     const seed = probe.seed;
     if (seed) {
       facts.push(['nearest seed', `${seed.origin}, ${seed.distance_px.toFixed(1)} px away`]);

@@ -16,7 +16,7 @@ const kSigmas = {
 };
 const kMissing = {
   left: 'no left image', disparity: 'no disparity map', tof: 'no ToF image', prior: 'no prior',
-  confidence: 'no confidence: grow { publish_confidence: true }',
+  confidence: 'no confidence: grow { publish_confidence: true }', fused: 'no fused map: sprout-temporal does not run',
 };
 
 const make = (tag, className, parent) => {
@@ -53,6 +53,7 @@ export class Panes {
     this.changed = changed;  // what is to be seen is another
     this.depth = false;
     this.sigma = {prior: false, confidence: false};  // shown in the place of these
+    this.fused = false;  // shown in the prior's place, beside the single disparity map
     this.seeds = true;
     for (const [i, spec] of kPanes.entries()) this.add(spec, i, hover);
     this.addTools();
@@ -106,14 +107,32 @@ export class Panes {
     this.seedsButton.onclick = () => this.toggleSeeds();
     this.seedsButton.textContent = 'hide';
     this.seedsButton.title = 'Seeds on the image (E)';
+    const fused = make('button', '', this.panes.get('prior').tools);
+    fused.onclick = () => this.toggleFused();
+    fused.textContent = 'fused';
+    fused.title = 'The map fused with earlier frames (F)';
+    this.panes.get('prior').tools.prepend(fused);
     left.tools.prepend(this.seedsButton);
   }
 
   toggleSigma(name) {
     this.sigma[name] = !this.sigma[name];
+    if (name === 'prior') this.fused = false;
     const {title, spec} = this.panes.get(name);
     title.textContent = this.sigma[name] ? kSigmas[name].title : spec.title;
     this.changed();
+  }
+
+  toggleFused() {
+    this.fused = !this.fused;
+    this.sigma.prior = false;
+    this.nameFused();
+    this.changed();
+  }
+
+  nameFused() {
+    const {title, spec} = this.panes.get('prior');
+    title.textContent = !this.fused ? spec.title : this.depth ? 'Fused depth' : 'Fused disparity';
   }
 
   toggleSeeds() {
@@ -126,6 +145,7 @@ export class Panes {
   setDepth(depth) {
     this.depth = depth;
     this.panes.get('disparity').title.textContent = depth ? 'Depth' : 'Disparity';
+    if (this.fused) this.nameFused();
     this.changed();
   }
 
@@ -146,6 +166,7 @@ export class Panes {
   /// What the server calls the picture of a pane.
   pictureOf(name) {
     if (name === 'disparity' && this.depth) return 'depth';
+    if (name === 'prior' && this.fused) return this.depth ? 'fused_depth' : 'fused';
     return this.sigma[name] ? kSigmas[name].picture : name;
   }
 
@@ -184,7 +205,7 @@ export class Panes {
     if (name === 'cloud' || !this.isShown(name)) return;
     const what = this.pictureOf(name);
     const part = byName.get(what);
-    pane.none.textContent = part ? '' : kMissing[name];
+    pane.none.textContent = part ? '' : kMissing[what.startsWith('fused') ? 'fused' : name];
     if (!part) {
       pane.picture.width = pane.picture.height = 1;
       pane.full = undefined;
@@ -198,7 +219,7 @@ export class Panes {
     bitmap.close();
     pane.full = [part.full_width, part.full_height];
     if (name !== 'left') pane.note.textContent = `${part.full_width} × ${part.full_height}`;
-    const scaleName = {depth: 'depth', sigma: 'sigma', disparity_sigma: 'sigma'}[what] ?? pane.spec.scale;
+    const scaleName = {depth: 'depth', fused_depth: 'depth', sigma: 'sigma', disparity_sigma: 'sigma'}[what] ?? pane.spec.scale;
     if (scaleName) drawScale(pane.scale, head.scales[scaleName], scaleName === 'confidence' ? grey : colors);
   }
 

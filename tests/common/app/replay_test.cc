@@ -29,6 +29,7 @@ class GreyAdapter : public StageAdapter {
   PartSet Inputs() const override { return {Part::kLeft, Part::kTof, Part::kRig}; }
 
   StageResult Process(const Frame& frame) override {
+    seen.push_back(frame.id.seq);
     const int grey = frame.left.at<uint8_t>(0, 0);
     if (grey == 255) throw std::runtime_error("too bright");
     if (on_frame) on_frame();
@@ -36,7 +37,11 @@ class GreyAdapter : public StageAdapter {
             .degenerate = grey == 0 ? "too dark" : ""};
   }
 
+  int WarmUpFrames() const override { return warm_up; }
+
   std::function<void()> on_frame;
+  std::vector<int64_t> seen;
+  int warm_up = 0;
 };
 
 class ReplayTest : public ::testing::Test {
@@ -119,6 +124,27 @@ TEST_F(ReplayTest, AnswersEveryFrameWithTheTimeOfTheEventThatCompletedIt) {
               ElementsAre(AnswerTo(0, 10, TofEvent(0)), AnswerTo(1, 11, LeftEvent(1, 11))));
   EXPECT_THAT(report_, HasSubstr("grey: 5 events; frames: 2 in, 2 out (0 degenerate), 0 failed, 0 "
                                  "incomplete, 0 left out; 0 bad messages, 0 damaged bytes"));
+}
+
+TEST_F(ReplayTest, GivesAStageWithMemoryTheFramesBefore) {
+  WriteLog(in_, FramesWithGrey({1, 2, 3, 4, 5, 6, 7}));
+  adapter_.warm_up = 2;
+  EXPECT_EQ(Run({.first = 4, .last = 5}), 0);
+  EXPECT_THAT(adapter_.seen, ElementsAre(2, 3, 4, 5));
+  EXPECT_THAT(Answers(), ElementsAre(AnswerTo(4, 5, TofEvent(4)), AnswerTo(5, 6, TofEvent(5))));
+  EXPECT_THAT(report_, HasSubstr("2 in, 2 out"));
+  EXPECT_THAT(report_, HasSubstr("0 damaged bytes; 2 frames to warm up; "));
+  adapter_.seen.clear();
+  EXPECT_EQ(Run({.first = 1, .last = 1}), 0);
+  EXPECT_THAT(adapter_.seen, ElementsAre(0, 1));
+  EXPECT_THAT(ErrorOf({.first = 9}), HasSubstr("--frames: none of them"));
+}
+
+TEST_F(ReplayTest, CountsAFrameToWarmUpThatFails) {
+  WriteLog(in_, FramesWithGrey({255, 2}));
+  adapter_.warm_up = 1;
+  EXPECT_EQ(Run({.first = 1}), 1);
+  EXPECT_THAT(report_, HasSubstr("1 in, 1 out (0 degenerate), 1 failed"));
 }
 
 TEST_F(ReplayTest, GivesEqualFilesTwice) {

@@ -40,7 +40,7 @@ std::vector<bool> Filled(const Frame& frame) {
           frame.fused.has_value(),       !frame.fused_confidence.empty(),
           frame.motion.has_value(),      frame.depth_counts.has_value(),
           frame.base_cloud.has_value(),  frame.target_depth.has_value(),
-          frame.target_cloud.has_value()};
+          frame.target_cloud.has_value(), frame.odometry.has_value()};
 }
 
 PartValue ValueFor(Part part) {
@@ -71,6 +71,7 @@ PartValue ValueFor(Part part) {
     case Part::kDepthCounts:
       return DepthCounts{};
     case Part::kMotion:
+    case Part::kOdometry:
       return CameraMotion{};
     default:
       return DisparityImage(cv::Size(3, 2));

@@ -271,6 +271,22 @@ TEST(RosTopics, SayNothingOfAFrameWithoutCalibrationWhereTheyNeedIt) {
   EXPECT_EQ(RosTopicName(RowOf(RosTopic::kTransforms), "/robot"), "/tf_static");
 }
 
+TEST(RosTopics, HaveTheFusedMapBesideTheSingleOne) {
+  const Rig rig = examples::Rig();
+  const PartValue map = examples::SmallDisparity();
+  const auto single = ToRos(RosTopic::kDisparity, examples::Id(), map, &rig, {});
+  const auto fused = ToRos(RosTopic::kFused, examples::Id(), map, &rig, {});
+  std::vector<uint8_t> fused_bytes, single_bytes;
+  WriteCdr(*fused, fused_bytes);
+  WriteCdr(*single, single_bytes);
+  EXPECT_EQ(fused_bytes, single_bytes);
+  EXPECT_EQ(RowOf(RosTopic::kFused).part, Part::kFused);
+  EXPECT_EQ(RosTopicName(RowOf(RosTopic::kFused), "/sprout"), "/sprout/fused/disparity");
+  const PartValue grey = examples::GreyImage();
+  EXPECT_NE(ToRos(RosTopic::kFusedConfidence, examples::Id(), grey, nullptr, {}), nullptr);
+  EXPECT_EQ(RowOf(RosTopic::kFusedConfidence).part, Part::kFusedConfidence);
+}
+
 TEST(RosSchemas, HaveEveryTypeThatIsUsedOnce) {
   const std::string schema = RosSchema(RosTypeOf<RosDisparity>());
   for (const char* name : {"MSG: std_msgs/Header\n", "MSG: builtin_interfaces/Time\n",

@@ -171,7 +171,8 @@ TEST(Tables, SayHowFarMapsDiffer) {
   b.counts()(0, 2) = DisparityImage::kInvalid;  // gone
   b.counts()(0, 3) = 320 + 32;                  // one, which is not more than one
   const Table table =
-      CompareFrames(*Answers(folder / "a", a), Answers(folder / "b", b).get(), /*truth=*/"");
+      CompareFrames(*Answers(folder / "a", a), Answers(folder / "b", b).get(), Part::kDisparity,
+                    /*truth=*/"");
   ASSERT_THAT(table.rows, SizeIs(1));
   EXPECT_THAT(table.rows[0], ElementsAre(7, log::LogFrameId(7).utime, 0.4, 0.2, 1.5, 3, 0, 0.1,
                                          std::nullopt, std::nullopt));
@@ -188,7 +189,9 @@ TEST(Tables, AMissingDisparityIsWrongWhereTheTruthIsKnown) {
   truth.counts()(0, 2) = 320;  // the map has none; and of the last none is known
   const auto bad_share = [&] {
     EXPECT_TRUE(WritePfm(folder / "000007_disparity.pfm", truth));
-    return CompareFrames(*Answers(folder / "a", map), nullptr, folder / "").rows.at(0).at(8);
+    return CompareFrames(*Answers(folder / "a", map), nullptr, Part::kDisparity, folder / "")
+        .rows.at(0)
+        .at(8);
   };
   EXPECT_NEAR(bad_share().value(), 2.0 / 3, 1e-12);
   truth.counts().setTo(DisparityImage::kInvalid);

@@ -36,6 +36,35 @@ TEST(LogCut, KeepsFramesAndTheCalibrationTheyNeed) {
   EXPECT_EQ(out.events[1].number, 1);
 }
 
+TEST(LogCut, KeepsFramesToWarmUpAndTellsWhoNeedsThem) {
+  const LogFolder folder;
+  std::vector<Event> events;
+  for (int seq = 0; seq < 9; ++seq) {
+    events.push_back(PartEvent(Part::kLeft, seq));
+    events.push_back(PartEvent(Part::kFused, seq));
+  }
+  const auto in = folder.Write("in", events);
+  const auto cut = [&](std::vector<std::string> flags) {
+    std::vector<std::string> command = {"cut", in, folder.File("out"), "--force"};
+    command.insert(command.end(), flags.begin(), flags.end());
+    const ProgramOutcome outcome = RunLog(command);
+    EXPECT_EQ(outcome.exit_code, 0);
+    return outcome.err;
+  };
+  EXPECT_EQ(cut({"--frames", "5:6", "--warm-up", "3", "--channels", "SPROUT_LEFT"}), "");
+  EXPECT_THAT(ChannelsAndFrames(ReadLog(folder.File("out")).events),
+              testing::ElementsAre(std::pair("SPROUT_LEFT", 2), std::pair("SPROUT_LEFT", 3),
+                                   std::pair("SPROUT_LEFT", 4), std::pair("SPROUT_LEFT", 5),
+                                   std::pair("SPROUT_LEFT", 6)));
+  EXPECT_EQ(cut({"--frames", "0:6"}), "");
+  EXPECT_EQ(cut({"--frames", "2", "--warm-up", "50"}), "");
+  EXPECT_THAT(ReadLog(folder.File("out")).events, testing::SizeIs(6));
+  EXPECT_THAT(cut({"--frames", "5:6"}),
+              HasSubstr("SPROUT_FUSED depends on earlier frames: a replay of " +
+                        folder.File("out") + " begins anew at frame 5; --warm-up 22 keeps"));
+  ExpectRefused({"cut", in, folder.File("out2"), "--warm-up", "3"}, "--frames");
+}
+
 TEST(LogCut, FindsACalibrationThatComesLater) {
   const LogFolder folder;
   const auto in = folder.Write("in", GraphEvents(30));

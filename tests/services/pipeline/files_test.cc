@@ -10,6 +10,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/core/read_text.h"
 #include "common/geometry/projection.h"
 #include "common/picture/write_image.h"
 #include "common/rig/rectifier.h"
@@ -26,6 +27,7 @@ namespace fs = std::filesystem;
 
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::StartsWith;
 
 constexpr int kTofStep = 4;
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -234,6 +236,45 @@ TEST_F(Files, OfOneNameInSeveralFoldersGoToFoldersOfTheirOwn) {
   EXPECT_EQ(RunToEnd(options_).exit_code, 0);
   EXPECT_TRUE(fs::exists(folder_ / "out" / "x_im0" / "depth.pfm"));
   EXPECT_TRUE(fs::exists(folder_ / "out" / "y_im0" / "depth.pfm"));
+}
+
+TEST_F(Files, OfAVideoAreFusedWhenAsked) {
+  CaptureConfig capture;
+  capture.set_source("synthetic:160x120");
+  const auto dataset = datasets::OpenDataset(capture);
+  const std::vector<std::string> configs = {"default", "temporal { in_pipeline: true }",
+                                            "depth { input: FUSED }"};
+  Pipeline pipeline(LoadConfig(configs));
+  std::vector<DepthFrame> expected;
+  Rig rig = RigOfFlags();
+  rig.tof = TofCamera();
+  for (int i = 0; i < 3; ++i) {
+    const datasets::DatasetFrame frame = dataset->Get(i);
+    const std::string name = "/" + std::to_string(i) + ",.png";
+    Write(("l" + name).c_str(), frame.left);
+    Write(("r" + name).c_str(), frame.right);
+    expected.push_back(pipeline.Compute(frame.left, frame.right, {}, rig).value());
+  }
+  options_.left = folder_ / "l";
+  options_.right = folder_ / "r";
+  EXPECT_EQ(RunFiles(options_, LoadConfig(configs), {}), 0);
+  const auto motion = ReadText(folder_ / "out" / "motion.csv", 10000).value();
+  EXPECT_THAT(motion, StartsWith("left,reset,resets,tracked,inliers,x_m,y_m,z_m,qw,qx,qy,qz\n"
+                                 "\"0,.png\",FIRST,0,0,0,0,0,0,1,0,0,0\n"
+                                 "\"1,.png\",NONE,0,"));
+  EXPECT_EQ(std::ranges::count(motion, '\n'), 4);
+  for (int i = 0; i < 3; ++i) {
+    const fs::path out = folder_ / "out" / (std::to_string(i) + ",");
+    const DepthFrame& frame = expected[static_cast<size_t>(i)];
+    EXPECT_TRUE(SameBytes(datasets::ReadPfm(out / "depth.pfm"), frame.depth_m));
+    EXPECT_TRUE(SameBytes(cv::imread(out / "fused_confidence.png", cv::IMREAD_UNCHANGED),
+                          frame.fused_confidence));
+    EXPECT_TRUE(fs::exists(out / "fused.pfm"));
+    const cv::Mat fused = cv::imread(out / "fused.png", cv::IMREAD_UNCHANGED);
+    const cv::Mat single = cv::imread(out / "disparity.png", cv::IMREAD_UNCHANGED);
+    EXPECT_EQ(cv::countNonZero(fused), frame.fused.CountValid());
+    EXPECT_EQ(SameBytes(fused, single), i == 0);
+  }
 }
 
 TEST_F(Files, StopBetweenTwoPairs) {

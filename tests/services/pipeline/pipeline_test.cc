@@ -5,11 +5,16 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
+#include <vector>
 
+#include "common/geometry/projection.h"
+#include "services/datasets/dataset.h"
 #include "services/evaluate/calibration.h"
 #include "services/grow/grow_adapter.h"
 #include "services/prior/prior_adapter.h"
 #include "services/refine/refine_adapter.h"
+#include "services/temporal/temporal_adapter.h"
 #include "tests/services/evaluate/small_scene.h"
 
 namespace sprout {
@@ -164,6 +169,115 @@ TEST(Pipeline, WarnsOfAFrameInWhichThereIsNothing) {
   EXPECT_EQ(result->disparity.size(), scene.size());
   EXPECT_THAT(result->warnings, ElementsAre(HasSubstr("refine: "), HasSubstr("prior: "),
                                             HasSubstr("grow: no seeds")));
+}
+
+// A video of things that move before a camera that stands.
+class PipelineWithMemory : public testing::Test {
+ protected:
+  PipelineWithMemory() {
+    CaptureConfig capture;
+    capture.set_source("synthetic:240x180");
+    capture.set_tof_grid_px(6);
+    const auto dataset = datasets::OpenDataset(capture);
+    rig_ = dataset->rig();
+    for (int64_t i = 0; i < 4; ++i) frames_.push_back(dataset->Get(i));
+  }
+
+  static FrameTime TimeOf(size_t i) {
+    return {.utime = 5'000'000 + 100'000 * static_cast<int64_t>(i),
+            .seq = 40 + static_cast<int64_t>(i)};
+  }
+
+  DepthFrame ComputeFrame(Pipeline& pipeline, size_t i,
+                          std::optional<FrameTime> time = std::nullopt) const {
+    return pipeline.Compute(frames_[i].left, frames_[i].right, frames_[i].tof, rig_, time).value();
+  }
+
+  static bool SameMemory(const DepthFrame& a, const DepthFrame& b) {
+    return SameBytes(a.fused.counts(), b.fused.counts()) &&
+           SameBytes(a.fused_confidence, b.fused_confidence) && a.motion == b.motion;
+  }
+
+  SproutConfig config_ = LoadConfig({"default", "temporal { in_pipeline: true }"});
+  Rig rig_;
+  std::vector<datasets::DatasetFrame> frames_;
+};
+
+TEST_F(PipelineWithMemory, GivesWhatTheServicesGive) {
+  refine::RefineAdapter refine(config_.refine());
+  prior::PriorAdapter prior(config_.prior());
+  grow::GrowAdapter grow(config_.grow());
+  temporal::TemporalAdapter temporal(config_.temporal());
+  Pipeline pipeline(config_);
+  for (size_t i = 0; i < frames_.size(); ++i) {
+    Frame frame;
+    frame.id = {.utime = TimeOf(i).utime, .seq = TimeOf(i).seq, .rig_id = RigId(rig_)};
+    frame.left = frames_[i].left;
+    frame.right = frames_[i].right;
+    frame.tof = frames_[i].tof;
+    frame.rig = rig_;
+    for (StageAdapter* adapter :
+         std::initializer_list<StageAdapter*>{&refine, &prior, &grow, &temporal})
+      AddAnswer(*adapter, frame);
+    const DepthFrame result = ComputeFrame(pipeline, i, TimeOf(i));
+    EXPECT_TRUE(SameBytes(result.disparity.counts(), frame.disparity->counts()));
+    EXPECT_TRUE(SameBytes(result.fused.counts(), frame.fused->counts()));
+    EXPECT_TRUE(SameBytes(result.fused_confidence, frame.fused_confidence));
+    EXPECT_EQ(result.motion, frame.motion);
+    EXPECT_EQ(result.motion->reset, i == 0 ? MemoryReset::kFirst : MemoryReset::kNone);
+    EXPECT_EQ(SameBytes(result.fused.counts(), result.disparity.counts()), i == 0);
+  }
+}
+
+TEST_F(PipelineWithMemory, NeedsNoTimesAndForgetsWhenTold) {
+  Pipeline pipeline(config_), timed(config_);
+  DepthFrame last;
+  for (size_t i = 0; i < 3; ++i) {
+    last = ComputeFrame(pipeline, i);
+    const DepthFrame expected = ComputeFrame(timed, i, TimeOf(i));
+    EXPECT_TRUE(SameBytes(last.fused.counts(), expected.fused.counts()));
+  }
+  EXPECT_EQ(last.motion->reset, MemoryReset::kNone);
+  pipeline.Reset();
+  const DepthFrame first = ComputeFrame(pipeline, 3);
+  EXPECT_EQ(first.motion->reset, MemoryReset::kFirst);
+  EXPECT_TRUE(SameBytes(first.fused.counts(), first.disparity.counts()));
+}
+
+TEST_F(PipelineWithMemory, ListensToTimes) {
+  Pipeline pipeline(config_);
+  ComputeFrame(pipeline, 0, TimeOf(0));
+  const DepthFrame once = ComputeFrame(pipeline, 1, TimeOf(1));
+  EXPECT_TRUE(SameMemory(once, ComputeFrame(pipeline, 1, TimeOf(1))));  // the same frame again
+  const FrameTime late{.utime = TimeOf(1).utime + 600'000, .seq = TimeOf(2).seq};
+  EXPECT_EQ(ComputeFrame(pipeline, 2, late).motion->reset, MemoryReset::kGap);
+  const auto bad = pipeline.Compute(frames_[3].left, frames_[3].right, {}, rig_,
+                                    FrameTime{.utime = 1, .seq = -1});
+  ASSERT_FALSE(bad);
+  EXPECT_EQ(bad.error().text, "time.seq: -1; allowed: 0 to 2^62");
+}
+
+TEST_F(PipelineWithMemory, GivesDepthOfTheFusedMapWhenAsked) {
+  Pipeline pipeline(config_);
+  config_.mutable_depth()->set_input(DepthConfig::FUSED);
+  Pipeline of_fused(config_);
+  for (size_t i = 0; i < 2; ++i) {
+    const DepthFrame single = ComputeFrame(pipeline, i), fused = ComputeFrame(of_fused, i);
+    EXPECT_TRUE(SameMemory(single, fused));
+    EXPECT_TRUE(SameBytes(single.depth_m, DepthMap(rig_.pair, single.disparity)));
+    EXPECT_TRUE(SameBytes(fused.depth_m, DepthMap(rig_.pair, single.fused)));
+  }
+}
+
+TEST_F(PipelineWithMemory, RefusesWhatContradictsItself) {
+  config_.mutable_grow()->set_publish_confidence(false);
+  EXPECT_THROW(Pipeline{config_}, ConfigError);
+  config_ = LoadConfig({"default", "depth { input: FUSED }"});
+  EXPECT_THROW(Pipeline{config_}, ConfigError);
+  Pipeline without(LoadConfig({"default"}));
+  without.Reset();
+  const DepthFrame result = ComputeFrame(without, 0);
+  EXPECT_TRUE(result.fused.counts().empty() && result.fused_confidence.empty() && !result.motion);
 }
 
 TEST(Pipeline, SaysWhatDoesNotFit) {

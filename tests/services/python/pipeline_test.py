@@ -90,6 +90,46 @@ class BytesTest(unittest.TestCase):
         if "ToF True" in what or "default" in what:
             self.assertGreaterEqual(frames, 3, what)
 
+    def test_fused_maps_and_motions_have_the_bytes_of_sprout_temporal(self) -> None:
+        config = ("default", "temporal { in_pipeline: true }")
+        pipeline, of_fused = sprout.Pipeline(*config), sprout.Pipeline(*config, "depth { input: FUSED }")
+        with tempfile.TemporaryDirectory() as name:
+            chain, answers = pathlib.Path(name) / "chain.lcm", pathlib.Path(name) / "answers.lcm"
+            run("sprout-pipeline", "--config", "default", "--log-level", "error", "--replay", SAMPLE,
+                "--record", chain)
+            run("sprout-temporal", "--config", "default", "--log-level", "error", "--replay", SAMPLE,
+                "--replay", chain, "--record", answers)
+            frames = list(sprout.Log(SAMPLE).frames())
+            self.assertGreaterEqual(len(frames), 3)
+            for number, (given, expected) in enumerate(zip(frames, sprout.Log(answers).frames())):
+                frame = compute(pipeline, given, seq=given.seq, utime=given.utime)
+                self.assertEqual((frame.seq, frame.utime), (expected.seq, expected.utime))
+                self.assertTrue(same(frame.fused, expected.fused))
+                self.assertTrue(same(frame.fused_confidence, expected.fused_confidence))
+                for field in ("last_from_left", "start_from_left", "covariance"):
+                    self.assertTrue(same(getattr(frame.motion, field), getattr(expected.motion, field)))
+                for field in ("last_seq", "start_seq", "tracked", "inliers", "reset", "resets"):
+                    self.assertEqual(getattr(frame.motion, field), getattr(expected.motion, field))
+                self.assertEqual(frame.motion.reset == "FIRST", number == 0)
+                self.assertEqual(same(frame.fused, frame.disparity), number == 0)
+                other = compute(of_fused, given, seq=given.seq, utime=given.utime)
+                z = given.rig.focal_px * given.rig.baseline_m / (
+                    frame.fused.astype(float) + given.rig.cx_right - given.rig.cx)
+                z = numpy.where(z > 0, z, numpy.nan).astype(numpy.float32)
+                self.assertTrue(same(other.depth_m, z))
+                self.assertEqual(len(other.points()), numpy.isfinite(z).sum())
+        # Numbers are not needed; reset() begins anew.
+        pipeline.reset()
+        first, second = compute(pipeline, frames[0]), compute(pipeline, frames[1])
+        self.assertEqual((first.motion.reset, second.motion.reset), ("FIRST", "NONE"))
+        self.assertTrue(same(first.fused, first.disparity))
+        with self.assertRaisesRegex(ValueError, "seq, utime: expected both or neither"):
+            compute(pipeline, frames[2], seq=3)
+        with self.assertRaisesRegex(ValueError, r"time.utime: -1; allowed: 0 to 2\^62"):
+            compute(pipeline, frames[2], seq=3, utime=-1)
+        without = compute(sprout.Pipeline("default"), frames[0])
+        self.assertEqual((without.fused, without.fused_confidence, without.motion), (None, None, None))
+
     def test_depth_is_that_of_sprout_depth(self) -> None:
         with tempfile.TemporaryDirectory() as name:
             answers = pathlib.Path(name) / "depth.lcm"

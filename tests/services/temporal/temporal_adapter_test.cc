@@ -45,6 +45,23 @@ TEST(TemporalAdapter, SaysWhyItForgets) {
   EXPECT_THAT(AddAnswer(adapter, frame), HasSubstr("only 0 points could be tracked"));
 }
 
+TEST(TemporalAdapter, WaitsForPosesThatAreGiven) {
+  TemporalConfig config = LoadConfig({}).temporal();
+  config.set_motion(TemporalConfig::CHANNEL);
+  TemporalAdapter adapter(config);
+  EXPECT_TRUE(adapter.Inputs().Has(Part::kOdometry));
+  for (int64_t seq = 0; seq < 3; ++seq) {
+    Frame frame = FrameAt(seq);
+    frame.odometry.emplace().start_from_left = MovedBy(0.01 * double(seq), 0, 0);
+    frame.odometry->start_seq = seq / 2;  // the third is from elsewhere
+    const std::string reason = AddAnswer(adapter, frame);
+    EXPECT_EQ(frame.motion->reset, seq == 0   ? MemoryReset::kFirst
+                                   : seq == 1 ? MemoryReset::kNone
+                                              : MemoryReset::kFewPoints);
+    EXPECT_THAT(reason, HasSubstr(seq < 2 ? "" : "SPROUT_ODOMETRY has no pose in the frame"));
+  }
+}
+
 TEST(TemporalAdapter, RefusesPartsOfDifferentSizes) {
   TemporalAdapter adapter(LoadConfig({}).temporal());
   Frame frame = FrameAt(0);

@@ -64,6 +64,28 @@ TEST_F(FrameEncoderTest, SendsWhatIsWishedAndThere) {
   EXPECT_EQ(packet.head["parts"][1]["full_width"], 64);
 }
 
+// Beside the single one, in its colours: of what differs alone the colour does.
+TEST_F(FrameEncoderTest, PaintsTheFusedMapOnTheScaleOfTheSingleOne) {
+  DisparityImage fused = ViewMap();
+  fused.counts()(10, 20) = DisparityImage::kInvalid;
+  fused.counts()(10, 40) = ToCounts(7.5);
+  input_.Add(100, Part::kFused, fused);
+  const Packet packet = Encode({.pictures = {{Picture::kDisparity, 64},
+                                             {Picture::kFused, 64},
+                                             {Picture::kDepth, 64},
+                                             {Picture::kFusedDepth, 64}}});
+  ASSERT_EQ(packet.head["parts"].size(), 4U);
+  for (const auto& [one, other] : {std::pair("disparity", "fused"), {"depth", "fused_depth"}}) {
+    const cv::Mat single = packet.Picture(one), with_memory = packet.Picture(other);
+    EXPECT_EQ(cv::norm(single.rowRange(24, 48), with_memory.rowRange(24, 48), cv::NORM_INF), 0);
+    EXPECT_GT(cv::norm(single.at<cv::Vec3b>(10, 20), with_memory.at<cv::Vec3b>(10, 20)), 30);
+  }
+  const nlohmann::json probe = encoder_.Probe(input_.ring.Newest(), 40, 10);
+  EXPECT_EQ(probe["disparity_px"], 10);
+  EXPECT_EQ(probe["fused_px"], 7.5);
+  EXPECT_FALSE(encoder_.Probe(input_.ring.Newest(), 20, 10).contains("fused_px"));
+}
+
 // The calibration comes once a second, so the first frames may be without.
 TEST_F(FrameEncoderTest, PaintsToFDepthsWithoutACalibration) {
   RingInput input;
