@@ -18,6 +18,7 @@
 #include "common/core/rig.h"
 #include "common/core/seed.h"
 #include "common/core/tof_image.h"
+#include "common/core/tof_zones.h"
 
 namespace sprout {
 
@@ -39,8 +40,9 @@ enum class Part {
   kFused,            ///< disparity map fused with earlier frames
   kFusedConfidence,  ///< the same probability for it
   kMotion,           ///< how the left camera moved since the last frame
+  kTofZones,         ///< distances of a multi-zone sensor
 };
-inline constexpr int kPartCount = static_cast<int>(Part::kMotion) + 1;
+inline constexpr int kPartCount = static_cast<int>(Part::kTofZones) + 1;
 
 /// A set of parts.
 class PartSet {
@@ -60,7 +62,7 @@ class PartSet {
 /// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for confidences and
 /// sigma.
 using PartValue = std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap,
-                               DepthImage, PointCloud, CameraMotion>;
+                               DepthImage, PointCloud, CameraMotion, TofZones>;
 
 /// The parts of one capture, and of what was computed from it, that a stage asked for; the other
 /// parts are empty.
@@ -83,6 +85,7 @@ struct Frame {
   std::optional<DisparityImage> fused;
   cv::Mat fused_confidence;  ///< 8UC1, as confidence
   std::optional<CameraMotion> motion;
+  std::optional<TofZones> tof_zones;
 
   /// No parts: `left` and `right` in grey, where one has made them for several stages; else empty.
   cv::Mat1b left_grey, right_grey;
@@ -102,7 +105,8 @@ using PartMember =
     std::variant<cv::Mat Frame::*, std::optional<TofImage> Frame::*, std::optional<Rig> Frame::*,
                  std::optional<SeedSet> Frame::*, std::optional<DisparityImage> Frame::*,
                  std::optional<PriorMap> Frame::*, std::optional<DepthImage> Frame::*,
-                 std::optional<PointCloud> Frame::*, std::optional<CameraMotion> Frame::*>;
+                 std::optional<PointCloud> Frame::*, std::optional<CameraMotion> Frame::*,
+                 std::optional<TofZones> Frame::*>;
 
 /// Properties of a part.
 struct PartRow {
@@ -130,6 +134,7 @@ inline constexpr PartRow kPartTable[] = {
     {Part::kFused, "SPROUT_FUSED", &Frame::fused},
     {Part::kFusedConfidence, "SPROUT_FUSED_CONFIDENCE", &Frame::fused_confidence},
     {Part::kMotion, "SPROUT_MOTION", &Frame::motion},
+    {Part::kTofZones, "SPROUT_TOF_ZONES", &Frame::tof_zones},
 };
 static_assert(std::size(kPartTable) == kPartCount);
 

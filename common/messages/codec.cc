@@ -32,6 +32,11 @@ struct ArrayTable<tof_image_t> {
                                                                   {12, sizeof(float)}};
 };
 template <>
+struct ArrayTable<tof_zones_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {
+      {8, 4 * sizeof(float)}, {12, 2 * sizeof(float) + sizeof(int8_t)}};
+};
+template <>
 struct ArrayTable<rig_t> {
   static constexpr std::initializer_list<CountedArray> kArrays = {};
 };
@@ -315,6 +320,10 @@ struct MessageFor<PointCloud> {
 template <>
 struct MessageFor<CameraMotion> {
   using Type = motion_t;
+};
+template <>
+struct MessageFor<TofZones> {
+  using Type = tof_zones_t;
 };
 
 }  // namespace

@@ -27,6 +27,7 @@ enum class MessageType {
   kDepth,
   kCloud,
   kMotion,
+  kTofZones,
   kStatus,
   kProcess
 };

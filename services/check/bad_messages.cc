@@ -73,6 +73,8 @@ std::vector<std::string> SizeFields(Part part) {
       return {"count"};
     case MessageType::kMotion:
       return {"tracked", "reset"};
+    case MessageType::kTofZones:
+      return {"columns", "rows", "zone_count", "target_count", "targets_per_zone", "mode"};
     case MessageType::kStatus:
     case MessageType::kProcess:
       break;

@@ -35,7 +35,7 @@ std::vector<bool> Filled(const Frame& frame) {
           frame.prior.has_value(),   frame.unfilled.has_value(), frame.disparity.has_value(),
           !frame.confidence.empty(), !frame.sigma.empty(),       frame.depth.has_value(),
           frame.cloud.has_value(),   frame.fused.has_value(),    !frame.fused_confidence.empty(),
-          frame.motion.has_value()};
+          frame.motion.has_value(),  frame.tof_zones.has_value()};
 }
 
 PartValue ValueFor(Part part) {
@@ -61,6 +61,8 @@ PartValue ValueFor(Part part) {
       return PointCloud{};
     case Part::kMotion:
       return CameraMotion{};
+    case Part::kTofZones:
+      return TofZones{};
     default:
       return DisparityImage(cv::Size(3, 2));
   }

@@ -37,6 +37,7 @@ inline PartValue ValueOf(Part part, int mark) {
   }
   if (part == Part::kCloud) return PointCloud{};
   if (part == Part::kMotion) return CameraMotion{};
+  if (part == Part::kTofZones) return TofZones{};
   const DisparityImage map(cv::Mat1s(1, 1, static_cast<int16_t>(mark)));
   if (part == Part::kPrior) return EvenPrior(map, 1);
   return map;

@@ -108,6 +108,19 @@ inline PointCloud Cloud() {
   return {.points = {{{0.5F, -0.25F, 2}, {10, 20, 30}, 200}, {{-3, 0, 7.5F}, {255, 0, 1}, 0}}};
 }
 
+inline TofZones Zones() {
+  return {.columns = 2,
+          .rows = 1,
+          .targets_per_zone = 2,
+          .mode = ZoneMode::kNearest,
+          .left_from_sensor = {Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5), {0.25, -1, 3}},
+          .views = {{-0.5F, 0, -0.25F, 0.25F}, {0, 0.5F, -0.25F, 0.25F}},
+          .targets = {{1.5F, 0.0625F, TargetStatus::kValid},
+                      {10'000, 1, TargetStatus::kDoubtful},
+                      {0.125F, 0.5F, TargetStatus::kValid},
+                      {}}};
+}
+
 inline CameraMotion Motion() {
   CameraMotion motion;
   motion.last_from_left = {Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5), {0.25, -1, 3}};
@@ -225,6 +238,7 @@ inline std::vector<Wire> AllWires() {
           wire("depth", Part::kDepth, Depth()),
           wire("cloud", Part::kCloud, Cloud()),
           wire("motion", Part::kMotion, Motion()),
+          wire("zones", Part::kTofZones, Zones()),
           Wire{"process", EncodeProcessInfo(Process()), std::nullopt, MessageType::kProcess},
           Wire{"status", EncodeStatus(Status()), std::nullopt}};
 }

@@ -66,6 +66,8 @@ inline PartValue LogValue(Part part, int64_t seq) {
       return examples::Cloud();
     case MessageType::kMotion:
       return examples::Motion();
+    case MessageType::kTofZones:
+      return examples::Zones();
     case MessageType::kDisparity:
     case MessageType::kStatus:
     case MessageType::kProcess:
