@@ -2,8 +2,10 @@
 
 namespace sprout {
 
-PartSet InputsOf(const RefineConfig&) {
-  return {Part::kLeft, Part::kRight, Part::kTof, Part::kRig};
+PartSet InputsOf(const RefineConfig& config) {
+  PartSet inputs{Part::kLeft, Part::kRight, Part::kTof, Part::kRig};
+  if (config.zones()) inputs.Add(Part::kTofZones);
+  return inputs;
 }
 
 PartSet OutputsOf(const RefineConfig&) { return {Part::kSeeds, Part::kLeftSeeds}; }

@@ -12,6 +12,9 @@ size_t Bytes(const TofImage& tof) { return Bytes(tof.depth_m) + Bytes(tof.amplit
 size_t Bytes(const Rig&) { return 0; }
 size_t Bytes(const CameraMotion&) { return 0; }
 size_t Bytes(const DepthCounts&) { return 0; }
+size_t Bytes(const TofZones& zones) {
+  return zones.views.capacity() * sizeof(ZoneView) + zones.targets.capacity() * sizeof(ZoneTarget);
+}
 size_t Bytes(const SeedSet& set) { return set.seeds.capacity() * sizeof(Seed); }
 size_t Bytes(const DisparityImage& map) { return Bytes(map.counts()); }
 size_t Bytes(const DepthImage& depth) { return Bytes(depth.counts); }

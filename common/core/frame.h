@@ -19,6 +19,7 @@
 #include "common/core/rig.h"
 #include "common/core/seed.h"
 #include "common/core/tof_image.h"
+#include "common/core/tof_zones.h"
 
 namespace sprout {
 
@@ -46,8 +47,9 @@ enum class Part {
   kTargetDepth,      ///< depth as another camera sees it
   kTargetCloud,      ///< its points, in that camera's frame
   kOdometry,         ///< the same as somebody else knows it: start_from_left and start_seq count
+  kTofZones,         ///< distances of a multi-zone sensor
 };
-inline constexpr int kPartCount = static_cast<int>(Part::kOdometry) + 1;
+inline constexpr int kPartCount = static_cast<int>(Part::kTofZones) + 1;
 
 /// A set of parts.
 class PartSet {
@@ -67,7 +69,7 @@ class PartSet {
 /// Content of a part: cv::Mat (8UC1 grey or 8UC3 BGR) for the images, 8UC1 for confidences and
 /// sigma.
 using PartValue = std::variant<cv::Mat, TofImage, Rig, SeedSet, DisparityImage, PriorMap,
-                               DepthImage, PointCloud, CameraMotion, DepthCounts>;
+                               DepthImage, PointCloud, CameraMotion, DepthCounts, TofZones>;
 
 /// The parts of one capture, and of what was computed from it, that a stage asked for; the other
 /// parts are empty.
@@ -97,6 +99,7 @@ struct Frame {
   std::optional<DepthImage> target_depth;
   std::optional<PointCloud> target_cloud;  ///< in the target camera's frame
   std::optional<CameraMotion> odometry;
+  std::optional<TofZones> tof_zones;
 
   /// No parts: `left` and `right` in grey, where one has made them for several stages; else empty.
   cv::Mat1b left_grey, right_grey;
@@ -117,7 +120,7 @@ using PartMember =
                  std::optional<SeedSet> Frame::*, std::optional<DisparityImage> Frame::*,
                  std::optional<PriorMap> Frame::*, std::optional<DepthImage> Frame::*,
                  std::optional<PointCloud> Frame::*, std::optional<CameraMotion> Frame::*,
-                 std::optional<DepthCounts> Frame::*>;
+                 std::optional<DepthCounts> Frame::*, std::optional<TofZones> Frame::*>;
 
 /// Properties of a part.
 struct PartRow {
@@ -151,6 +154,7 @@ inline constexpr PartRow kPartTable[] = {
     {Part::kTargetDepth, "SPROUT_TARGET_DEPTH", &Frame::target_depth},
     {Part::kTargetCloud, "SPROUT_TARGET_CLOUD", &Frame::target_cloud},
     {Part::kOdometry, "SPROUT_ODOMETRY", &Frame::odometry},
+    {Part::kTofZones, "SPROUT_TOF_ZONES", &Frame::tof_zones},
 };
 static_assert(std::size(kPartTable) == kPartCount);
 

@@ -32,6 +32,11 @@ struct ArrayTable<tof_image_t> {
                                                                   {12, sizeof(float)}};
 };
 template <>
+struct ArrayTable<tof_zones_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {
+      {8, 4 * sizeof(float)}, {12, 2 * sizeof(float) + sizeof(int8_t)}};
+};
+template <>
 struct ArrayTable<rig_t> {
   static constexpr std::initializer_list<CountedArray> kArrays = {};
 };
@@ -323,6 +328,10 @@ struct MessageFor<CameraMotion> {
 template <>
 struct MessageFor<DepthCounts> {
   using Type = depth_counts_t;
+};
+template <>
+struct MessageFor<TofZones> {
+  using Type = tof_zones_t;
 };
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <lcmtypes/sprout/seeds_t.hpp>
 #include <lcmtypes/sprout/stage_status_t.hpp>
 #include <lcmtypes/sprout/tof_image_t.hpp>
+#include <lcmtypes/sprout/tof_zones_t.hpp>
 #include <opencv2/core.hpp>
 #include <span>
 
@@ -30,6 +31,7 @@
 #include "common/core/seed.h"
 #include "common/core/stage_status.h"
 #include "common/core/tof_image.h"
+#include "common/core/tof_zones.h"
 
 // The only place where messages and domain values meet. ToMessage() cannot fail. FromMessage()
 // checks everything; its error names field, value and what is allowed. Either copies the data once.
@@ -66,6 +68,10 @@ Result<cv::Mat> FromMessage(const image_t& message);
 tof_image_t ToMessage(const FrameId& id, const TofImage& tof);
 /// @returns an image with NaN wherever there is no return, see IsReturn().
 Result<TofImage> FromMessage(const tof_image_t& message);
+
+tof_zones_t ToMessage(const FrameId& id, const TofZones& zones);
+/// Refuses what the type's comments do not allow; a target with STATUS_NONE loses its numbers.
+Result<TofZones> FromMessage(const tof_zones_t& message);
 
 rig_t ToMessage(const FrameId& id, const Rig& rig);
 /// Refuses values that make projection impossible: non-finite numbers, focal lengths or a baseline

@@ -21,8 +21,8 @@ KnownType Known(MessageType type) {
           static_cast<uint64_t>(Message::getHash())};
 }
 
-const std::array<KnownType, 12>& KnownTypes() {
-  static const std::array<KnownType, 12> types = {Known<image_t>(MessageType::kImage),
+const std::array<KnownType, 13>& KnownTypes() {
+  static const std::array<KnownType, 13> types = {Known<image_t>(MessageType::kImage),
                                                   Known<tof_image_t>(MessageType::kTof),
                                                   Known<rig_t>(MessageType::kRig),
                                                   Known<seeds_t>(MessageType::kSeeds),
@@ -32,6 +32,7 @@ const std::array<KnownType, 12>& KnownTypes() {
                                                   Known<point_cloud_t>(MessageType::kCloud),
                                                   Known<motion_t>(MessageType::kMotion),
                                                   Known<depth_counts_t>(MessageType::kDepthCounts),
+                                                  Known<tof_zones_t>(MessageType::kTofZones),
                                                   Known<stage_status_t>(MessageType::kStatus),
                                                   Known<process_info_t>(MessageType::kProcess)};
   return types;

@@ -28,6 +28,7 @@ enum class MessageType {
   kCloud,
   kMotion,
   kDepthCounts,
+  kTofZones,
   kStatus,
   kProcess
 };

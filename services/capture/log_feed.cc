@@ -15,8 +15,6 @@
 namespace sprout::capture {
 namespace {
 
-const PartSet kCaptured{Part::kLeft, Part::kRight, Part::kTof};
-
 class LogFeed : public CaptureFeed {
  public:
   // Without `calibrated` there is no calibration, and none is looked for.
@@ -29,6 +27,7 @@ class LogFeed : public CaptureFeed {
         monitor_(monitor),
         fetcher_(path) {
     if (calibrated_) calibration_ = FirstCalibration();
+    if (HasZones()) captured_.Add(Part::kTofZones);
     Rewind();
     first_ = Read();
     if (!first_) {
@@ -71,13 +70,25 @@ class LogFeed : public CaptureFeed {
                    channels);
   }
 
+  // Capture sends them in front of TOF; a log may begin between the two.
+  bool HasZones() const {
+    LogReader reader(path_);
+    int scans = 0;
+    for (LogEvent event; scans < 2 && reader.Next(event);) {
+      const std::optional<Part> part = PartOf(event.channel, prefix_);
+      if (part == Part::kTofZones) return true;
+      scans += part == Part::kTof;
+    }
+    return false;
+  }
+
   ConfigError Unusable(const std::string& what, const ChannelCounts& channels) const {
     return ConfigError("capture.source = log:" + path_ + ": " + what + "; it has " +
                        channels.Text());
   }
 
   void Rewind() {
-    frames_.emplace(path_, prefix_, kCaptured, [this](const LogEvent& event, const auto& why) {
+    frames_.emplace(path_, prefix_, captured_, [this](const LogEvent& event, const auto& why) {
       monitor_.BadMessage(event.channel, why);
     });
     if (calibrated_) frames_->AddRig(calibration_);
@@ -123,6 +134,7 @@ class LogFeed : public CaptureFeed {
   std::string prefix_;
   bool calibrated_;
   bool loop_;
+  PartSet captured_{Part::kLeft, Part::kRight, Part::kTof};
   StageMonitor& monitor_;
   EventFetcher fetcher_;
   std::vector<uint8_t> calibration_;  // newest

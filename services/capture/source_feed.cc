@@ -81,6 +81,7 @@ CaptureMessages Encoded(const FrameId& id, const datasets::CapturedFrame& frame)
   };
   add(Part::kLeft, frame.left);
   add(Part::kRight, frame.right);
+  if (frame.tof_zones) add(Part::kTofZones, *frame.tof_zones);
   add(Part::kTof, frame.tof);
   return messages;
 }

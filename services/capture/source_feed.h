@@ -9,7 +9,7 @@
 
 namespace sprout::capture {
 
-/// LEFT, RIGHT and TOF of a frame, as a feed sends them.
+/// LEFT, RIGHT, TOF and, with a multi-zone sensor, TOF_ZONES of a frame, as a feed sends them.
 CaptureMessages Encoded(const FrameId& id, const datasets::CapturedFrame& frame);
 
 /// Frames of a source, numbered from 0 and stamped with their time of exposure, or, when the source

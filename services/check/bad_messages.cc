@@ -75,6 +75,8 @@ std::vector<std::string> SizeFields(Part part) {
       return {"tracked", "reset"};
     case MessageType::kDepthCounts:
       return {"pixels"};
+    case MessageType::kTofZones:
+      return {"columns", "rows", "zone_count", "target_count", "targets_per_zone", "mode"};
     case MessageType::kStatus:
     case MessageType::kProcess:
       break;

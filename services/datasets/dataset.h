@@ -49,9 +49,10 @@ class Dataset {
 ///   kitti:DIR/ID, kitti:DIR  a frame, or all frames, in KITTI's layout with the scan as ToF image;
 ///                   ?beams=N keeps N of its 64 beams
 ///   synthetic:WxH   a moving scene with exact ground truth
-/// The ToF camera is simulated by config.tof(), or by ?tof=grid or ?tof=sr4000 after the source;
-/// with ?tof=none there is no ToF camera. ?tof=sr4000 may be followed by &blind=P, &wrapped=P,
-/// &calibration=PX and &every=K, see Sr4000Config.
+/// The range sensor is simulated by config.tof(), or by ?tof=grid, ?tof=sr4000 or ?tof=zones:CxR
+/// after the source; with ?tof=none there is none. ?tof=sr4000 may be followed by &blind=P,
+/// &wrapped=P, &calibration=PX and &every=K, see Sr4000Config; ?tof=zones:CxR by &mode=mean,
+/// &mode=nearest and &targets=N, see ZonesConfig.
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& config);
 

@@ -10,6 +10,7 @@
 
 #include "common/core/rig.h"
 #include "common/core/tof_image.h"
+#include "common/core/tof_zones.h"
 
 namespace sprout::datasets {
 
@@ -18,6 +19,7 @@ struct CapturedFrame {
   cv::Mat left;   ///< 8UC1 or 8UC3 (BGR)
   cv::Mat right;  ///< 8UC1 or 8UC3 (BGR), of the same size
   TofImage tof;   ///< 0×0 without a ToF camera, or when it gave nothing
+  std::optional<TofZones> tof_zones = {};  ///< nothing without a multi-zone sensor
   /// Middle of the exposure, µs since 1970-01-01 UTC; nothing when the source has no clock.
   std::optional<int64_t> utime = {};
   int64_t lost = 0;  ///< incomplete captures since the previous frame

@@ -13,6 +13,7 @@
 
 #include "services/datasets/kitti_calibration.h"
 #include "services/datasets/read_image.h"
+#include "services/datasets/source_options.h"
 #include "services/datasets/tof_grid.h"
 #include "services/datasets/velodyne_scan.h"
 
@@ -182,8 +183,8 @@ std::vector<std::string> KittiPlaces(const std::string& place) {
 }
 
 std::unique_ptr<Dataset> OpenKitti(const std::string& place, const CaptureConfig& config) {
-  if (config.tof() == "sr4000") {
-    throw ConfigError("capture.tof = sr4000: kitti:" + place +
+  if (config.tof() == "sr4000" || config.tof() == kZones) {
+    throw ConfigError("capture.tof = " + config.tof() + ": kitti:" + place +
                       " has a scan of its own; allowed: the scan (grid, the default), none");
   }
   return std::make_unique<KittiDataset>(place, config);

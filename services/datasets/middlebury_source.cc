@@ -13,9 +13,11 @@
 #include "services/datasets/middlebury_calibration.h"
 #include "services/datasets/pfm.h"
 #include "services/datasets/read_image.h"
+#include "services/datasets/source_options.h"
 #include "services/datasets/sr4000.h"
 #include "services/datasets/surface_renderer.h"
 #include "services/datasets/tof_grid.h"
+#include "services/datasets/zone_sensor.h"
 
 namespace sprout::datasets {
 namespace {
@@ -154,6 +156,10 @@ class MiddleburyDataset : public Dataset {
       rig_.tof = sr4000_->calibrated();
       samples_.emplace(RenderSurface({scene.pair, sr4000_->actual()}, scene.truth,
                                      ToGrey(scene.left), ToGrey(scene.right)));
+    } else if (config.tof() == kZones) {
+      zone_sensor_.emplace(scene.pair, config.zones(), config.seed());
+      samples_.emplace(RenderSurface({scene.pair, zone_sensor_->camera()}, scene.truth,
+                                     ToGrey(scene.left), ToGrey(scene.right)));
     } else if (config.tof() == "grid") {
       rig_.tof = TofGridCamera(scene.pair, config.tof_grid_px());
       frame_.tof = SampleTofGrid(scene.pair, config.tof_grid_px(), scene.truth.left);
@@ -177,6 +183,8 @@ class MiddleburyDataset : public Dataset {
       const Sr4000Frame measured = sr4000_->Measure(*samples_, index);
       copy.tof = measured.tof;
       copy.unambiguous_range_m = measured.unambiguous_range_m;
+    } else if (zone_sensor_) {
+      copy.tof_zones = zone_sensor_->Measure(*samples_, index);
     } else {
       copy.tof = {frame_.tof.depth_m.clone(), frame_.tof.amplitude.clone()};
     }
@@ -187,7 +195,8 @@ class MiddleburyDataset : public Dataset {
   Rig rig_;
   DatasetFrame frame_;
   std::optional<Sr4000> sr4000_;
-  std::optional<TofSamples> samples_;  // what it sees
+  std::optional<ZoneSensor> zone_sensor_;
+  std::optional<TofSamples> samples_;  // what either of them sees
 };
 
 }  // namespace

@@ -36,6 +36,12 @@ std::unique_ptr<Dataset> OpenSyntheticText(std::string_view size_text,
   return OpenSynthetic({*width, *height}, config);
 }
 
+// @returns whether the simulated sensor has such an option.
+bool ApplyOfTof(const SourceOption& option, CaptureConfig& config) {
+  if (config.tof() == "sr4000") return ApplySr4000Option(option, *config.mutable_sr4000());
+  return config.tof() == kZones && ApplyZonesOption(option, *config.mutable_zones());
+}
+
 // Applies what stands behind the '?' of a source.
 void ApplyOptions(std::string_view kind, const std::vector<SourceOption>& options,
                   CaptureConfig& config) {
@@ -43,20 +49,22 @@ void ApplyOptions(std::string_view kind, const std::vector<SourceOption>& option
     if (kind == "kitti" && option.name == "beams") {
       config.set_beams(ParseNumber<int>(option.value).value_or(0));
     } else if (option.name == "tof") {
-      config.set_tof(std::string(option.value));
-    } else if (config.tof() != "sr4000" || !ApplySr4000Option(option, *config.mutable_sr4000())) {
+      if (!ApplyZones(option.value, config)) config.set_tof(std::string(option.value));
+    } else if (!ApplyOfTof(option, config)) {
       throw BadSource(config, "no such option " + std::string(option.text),
                       kind == "kitti" ? "?beams=64, 32, 16, 8 or 4, ?tof=none"
                                       : "?tof=grid, ?tof=none, ?tof=sr4000 with " +
-                                            std::string(kSr4000Options));
+                                            std::string(kSr4000Options) +
+                                            ", ?tof=zones:CxR with " + std::string(kZonesOptions));
     }
   }
 }
 
 void RequireAllowed(const CaptureConfig& config) {
-  if (config.tof() != "grid" && config.tof() != "sr4000" && config.tof() != "none") {
+  if (config.tof() != "grid" && config.tof() != "sr4000" && config.tof() != kZones &&
+      config.tof() != "none") {
     throw ConfigError("capture.tof = " + config.tof() +
-                      ": no such ToF camera; allowed: grid, sr4000, none");
+                      ": no such ToF camera; allowed: grid, sr4000, zones:CxR, none");
   }
   constexpr std::array kBeams = {64, 32, 16, 8, 4};
   if (std::ranges::find(kBeams, config.beams()) == kBeams.end()) {
@@ -74,6 +82,7 @@ std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& original) {
   const size_t colon = place.find(':');
   const std::string kind = place.substr(0, colon);
   const std::string argument = colon == std::string::npos ? "" : place.substr(colon + 1);
+  ApplyZones(original.tof(), config);
   ApplyOptions(kind, options, config);
   RequireAllowed(config);
   if (kind == "middlebury") return OpenMiddlebury(argument, config);

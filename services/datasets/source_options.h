@@ -28,6 +28,22 @@ struct SplitSourceText {
 /// Splits at the last '?', since a file's name may contain one, too.
 SplitSourceText SplitSource(std::string_view source);
 
+/// The simulated multi-zone sensor, as CaptureConfig.tof names it once its size is in
+/// CaptureConfig.zones.
+inline constexpr std::string_view kZones = "zones";
+
+/// Reads "zones:CxR" (or "zones", which leaves the size as it is) into tof and zones.
+/// @returns whether the text begins like that.
+/// @throws ConfigError when the size is none or out of range.
+bool ApplyZones(std::string_view tof, CaptureConfig& config);
+
+/// The options allowed after "zones:CxR", for messages to people.
+inline constexpr std::string_view kZonesOptions = "&mode=mean or nearest, &targets=N";
+
+/// Applies mode=mean, mode=nearest or targets=N. @returns whether the option is one of them.
+/// @throws ConfigError when the value is not allowed.
+bool ApplyZonesOption(const SourceOption& option, ZonesConfig& config);
+
 /// The options allowed after "sr4000", for messages to people.
 inline constexpr std::string_view kSr4000Options =
     "&blind=P (%), &wrapped=P (%), &calibration=PX, &every=K";

@@ -9,6 +9,7 @@
 
 #include "common/core/quantile.h"
 #include "common/geometry/lens.h"
+#include "services/datasets/normal_deviate.h"
 #include "services/datasets/solid_texture.h"
 
 namespace sprout::datasets {
@@ -104,17 +105,6 @@ void KeepEvery(double step_px, TofImage& tof) {
       if (!is_first(u) || !is_first(v)) tof.depth_m(v, u) = kNoReturn;
     }
   }
-}
-
-// A normal deviate from a key: the sum of twelve uniform numbers less its mean (Irwin and Hall).
-// Variance 1, no value beyond ±6, and no libm function that differs between machines.
-double Normal(uint64_t key) {
-  uint64_t sum = 0;
-  for (uint64_t word = 0; word < 3; ++word) {
-    const uint64_t bits = Scramble(key + word);
-    for (int part = 0; part < 4; ++part) sum += bits >> (16 * part) & 0xffff;
-  }
-  return (static_cast<double>(sum) - 12 * 32767.5) / 65536;
 }
 
 // What one ToF pixel looks at.
@@ -247,7 +237,7 @@ Sr4000Frame Sr4000::Measure(const TofSamples& samples, int64_t frame) const {
       if (config_.max_range_m() > 0 && depth_m * range_per_depth_(v, u) > config_.max_range_m()) {
         continue;
       }
-      const double noise_m = NoiseM(amplitude) * Normal(Scramble(key + index));
+      const double noise_m = NoiseM(amplitude) * NormalDeviate(Scramble(key + index));
       if (depth_m + noise_m <= 0) continue;
       tof.depth_m(v, u) = static_cast<float>(depth_m + noise_m);
     }

@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "services/datasets/lens_view.h"
+#include "services/datasets/source_options.h"
 #include "services/datasets/sr4000.h"
 #include "services/datasets/synthetic_scene.h"
 #include "services/datasets/tof_grid.h"
+#include "services/datasets/zone_sensor.h"
 
 namespace sprout::datasets {
 namespace {
@@ -173,6 +175,17 @@ struct Sr4000View {
   LensView view;
 };
 
+// The simulated multi-zone sensor with its view of the scene.
+struct ZonesView {
+  ZonesView(const RectifiedPair& pair, const CaptureConfig& config)
+      : sensor(pair, config.zones(), config.seed()),
+        view(sensor.camera().lens(), sensor.camera().left_from_tof_rotation,
+             sensor.camera().left_from_tof_translation_m, TofSamples::kPerSide) {}
+
+  ZoneSensor sensor;
+  LensView view;
+};
+
 class SyntheticDataset : public Dataset {
  public:
   SyntheticDataset(cv::Size size, const CaptureConfig& config)
@@ -182,6 +195,8 @@ class SyntheticDataset : public Dataset {
     if (config.tof() == "sr4000") {
       sr4000_.emplace(rig_.pair, config);
       rig_.tof = sr4000_->camera.calibrated();
+    } else if (config.tof() == kZones) {
+      zones_.emplace(rig_.pair, config);
     } else if (config.tof() == "grid") {
       rig_.tof = TofGridCamera(rig_.pair, tof_grid_px_);
     }
@@ -204,6 +219,9 @@ class SyntheticDataset : public Dataset {
           sr4000_->camera.Measure(RenderTof(sr4000_->view, solids, pair.focal_px), index);
       frame.tof = measured.tof;
       frame.unambiguous_range_m = measured.unambiguous_range_m;
+    } else if (zones_) {
+      frame.tof_zones =
+          zones_->sensor.Measure(RenderTof(zones_->view, solids, pair.focal_px), index);
     } else if (rig_.tof.width > 0) {
       frame.tof = SampleTofGrid(pair, tof_grid_px_, frame.truth.left);
     }
@@ -214,7 +232,8 @@ class SyntheticDataset : public Dataset {
   int tof_grid_px_;
   Rig rig_;
   SyntheticScene scene_;
-  std::optional<Sr4000View> sr4000_;  // else the grid or none
+  std::optional<Sr4000View> sr4000_;
+  std::optional<ZonesView> zones_;  // else the grid or none
 };
 
 }  // namespace

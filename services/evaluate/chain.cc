@@ -59,6 +59,7 @@ Frame FrameOf(const Scene& scene) {
   frame.left = scene.frame.left;
   frame.right = scene.frame.right;
   frame.tof = scene.frame.tof;
+  frame.tof_zones = scene.frame.tof_zones;
   frame.rig = scene.projector.rig();
   return frame;
 }

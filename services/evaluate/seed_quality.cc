@@ -80,7 +80,8 @@ RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config
   RefinementQuality quality;
   quality.refined =
       refine::Refiner(scene.WithRange(config))
-          .Compute(scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector)
+          .Compute(scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector,
+                   scene.frame.tof_zones.value_or(TofZones()))
           .value_or(SeedSet());
   const std::vector<Seed> points = ProjectAll(scene);
   quality.before = CountSeeds(points, scene);

@@ -21,8 +21,8 @@ ConfigError BadChoice(const std::string& text, const std::string& reason) {
   return ConfigError(
       "--tof " + text + ": " + reason +
       "; allowed: grid:auto, grid:auto*K (K above 0, at most 100), grid:N (N from "
-      "1 to 1000 px), sr4000 (with ?blind=P, &wrapped=P, &calibration=PX, &every=K), none, and for "
-      "kitti scan, none");
+      "1 to 1000 px), sr4000 (with ?blind=P, &wrapped=P, &calibration=PX, &every=K), zones:CxR (with "
+      "?mode=mean or nearest, &targets=N), none, and for kitti scan, none");
 }
 
 }  // namespace
@@ -37,6 +37,18 @@ TofChoice::TofChoice(const std::string& text) : text_(text) {
     for (const datasets::SourceOption& option :
          datasets::SourceOptions(view.substr(kSr4000.size() + 1))) {
       if (!datasets::ApplySr4000Option(option, *sr4000_)) throw BadChoice(text, "no such option");
+    }
+    return;
+  }
+  if (view.starts_with(datasets::kZones)) {
+    CaptureConfig config;
+    const size_t question = std::min(view.find('?'), view.size());
+    datasets::ApplyZones(view.substr(0, question), config);
+    zones_ = config.zones();
+    if (question == view.size()) return;
+    for (const datasets::SourceOption& option :
+         datasets::SourceOptions(view.substr(question + 1))) {
+      if (!datasets::ApplyZonesOption(option, *zones_)) throw BadChoice(text, "no such option");
     }
     return;
   }
@@ -58,6 +70,11 @@ void TofChoice::Apply(int rows, CaptureConfig& config) const {
   if (sr4000_) {
     config.set_tof(std::string(kSr4000));
     config.mutable_sr4000()->MergeFrom(*sr4000_);
+    return;
+  }
+  if (zones_) {
+    config.set_tof(std::string(datasets::kZones));
+    config.mutable_zones()->MergeFrom(*zones_);
     return;
   }
   if (text_ == kNone) {

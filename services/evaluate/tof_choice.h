@@ -15,6 +15,7 @@ namespace sprout::evaluate {
 ///   grid:N       every Nth pixel
 ///   sr4000       a camera of its own with the faults of a real one (Sr4000Config); behind it
 ///                ?blind=P, ?wrapped=P, ?calibration=PX, ?every=K, as in capture's sources
+///   zones:CxR    a multi-zone sensor (ZonesConfig); behind it ?mode=nearest, &targets=N
 ///   none         no ToF camera
 /// For a scene with a recorded scan (kitti), instead: scan         that none         leave it out
 class TofChoice {
@@ -34,6 +35,7 @@ class TofChoice {
  private:
   std::string text_;
   std::optional<Sr4000Config> sr4000_;
+  std::optional<ZonesConfig> zones_;
   std::optional<int> spacing_px_;  // nothing: from the rows
   double factor_ = 1;              // on the spacing from the rows
 };

@@ -133,6 +133,7 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
     frame.left = WithNoise(captured.left, settings.image_noise, random);
     frame.right = WithNoise(captured.right, settings.image_noise, random);
     frame.tof = captured.tof;
+    frame.tof_zones = captured.tof_zones;
     frame.rig = rig;
     ChainObserver nobody;
     chain.Run(frame, nobody);

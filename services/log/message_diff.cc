@@ -133,6 +133,17 @@ MessageDiff CompareValue(const DepthCounts& a, const DepthCounts& b) {
                                b.LeftOut(), b.pixels));
 }
 
+MessageDiff CompareValue(const TofZones& a, const TofZones& b) {
+  if (a == b) return Equal();
+  if (a.targets.size() != b.targets.size() || a.views != b.views) {
+    return Different(
+        fmt::format("{}×{} and {}×{} zones, or others", a.columns, a.rows, b.columns, b.rows));
+  }
+  size_t differing = 0;
+  for (size_t i = 0; i < a.targets.size(); ++i) differing += a.targets[i] != b.targets[i];
+  return Different(fmt::format("{} of {} targets differ", differing, a.targets.size()));
+}
+
 std::string HeaderText(const FrameId& a, const FrameId& b) {
   if (a.rig_id != b.rig_id) return "rig_id " + a.rig_id + " and " + b.rig_id;
   return "headers differ";

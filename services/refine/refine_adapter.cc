@@ -20,16 +20,17 @@ const TofProjector& RefineAdapter::ProjectorOf(const Rig& rig) {
 Result<SeedSet> RefineAdapter::Refine(const Frame& frame) {
   const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
   const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
+  const TofZones zones = frame.tof_zones.value_or(TofZones());
   if (frame.tof->depth_m.empty()) {
     // Has no rays, so it is not worth keeping; the next frame may have an image again.
     const TofProjector no_camera(RigOfFrame(*frame.rig, *frame.tof));
-    return refiner_.Compute(left, right, *frame.tof, no_camera);
+    return refiner_.Compute(left, right, *frame.tof, no_camera, zones);
   }
   // Before there are rays for a ToF camera of whatever size a message claims.
   if (auto size = CheckTofSize(*frame.rig, *frame.tof); !size) {
     return tl::unexpected(size.error());
   }
-  return refiner_.Compute(left, right, *frame.tof, ProjectorOf(*frame.rig));
+  return refiner_.Compute(left, right, *frame.tof, ProjectorOf(*frame.rig), zones);
 }
 
 // What align_tof found, or else what there is to find in a frame that is looked at.

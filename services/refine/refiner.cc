@@ -38,14 +38,18 @@ Refiner::Refiner(const RefineConfig& config) : config_(config), stereo_(config) 
 }
 
 Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
-                                 const TofProjector& projector, SeedSet memory) {
+                                 const TofProjector& projector, const TofZones& zones) {
   const Rig& rig = projector.rig();
   const cv::Size size = rig.pair.size();
   if (left.size() != size || right.size() != size) {
     return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
                 ": allowed is the calibrated size " + SizeText(size));
   }
-  SeedSet result{.seeds = std::move(memory.seeds)};
+  const CellGrid grid(stereo_.SpacingPx(left.cols), size);
+  if (const Result<void> set = zones_.Set(zones, rig.pair, grid); !set) {
+    return tl::unexpected(set.error());
+  }
+  SeedSet result;
   left_seeds_ = {.seeds = std::move(left_seeds_.seeds)};
   // Projection of every ToF point to (u, u', v) (paper, II-A).
   points_ = projector.Project(tof, result.outside, std::move(points_));
@@ -61,7 +65,6 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   }
   left_seeds_.seeds.clear();
   left_seeds_.seeds.reserve(points_.size());
-  result.seeds.clear();
   if (!points_.empty()) {
     surface_.Set(rig, points_);
     const auto sigma_px = static_cast<float>(
@@ -71,10 +74,35 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     KeepVisible(left, right, result);
   }
   if (config_.stereo_seeds()) {
-    const std::span<const Seed> stereo = stereo_.Find(left, right, result.seeds, Covered());
+    const std::span<const Seed> stereo = 
+        stereo_.Find(left, right, result.seeds, Covered(), zones_.bounds());
     result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
   }
+  if (!zones.views.empty()) FillFromZones(result, grid);
   return result;
+}
+
+// Where the zones are surer than an interpolation of all seeds. What they say of a place is no
+// correspondence to grow from.
+void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid) {
+  Join(result.seeds, left_seeds_.seeds, all_seeds_);
+  all_points_.Set(all_seeds_, grid.size, grid.spacing_px);
+  for (int y = 0; y < grid.size.height; ++y) {
+    for (int x = 0; x < grid.size.width; ++x) {
+      const std::optional<ZoneSurface> surface = zones_.SurfaceAt({x, y});
+      if (!surface || surface->sigma_px > all_points_.SigmaPx({x, y})) continue;
+      const cv::Point2d centre = grid.CentrePx({x, y});
+      if (!(surface->disparity_px >= 0 && surface->disparity_px < kMaxSide)) continue;
+      left_seeds_.seeds.push_back(
+          {.u = static_cast<float>(centre.x),
+           .v = static_cast<float>(centre.y),
+           .u_right = static_cast<float>(centre.x - surface->disparity_px),
+           .sigma_px = static_cast<float>(
+               std::clamp(surface->sigma_px, SurfaceRules::kLeastSigmaPx,
+                          SurfaceRules::kMostSigmaPx))});
+      ++left_seeds_.raw;
+    }
+  }
 }
 
 // Points that are far apart differ by the shape of the scene as well as by their noise.

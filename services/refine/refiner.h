@@ -10,12 +10,14 @@
 #include "common/core/result.h"
 #include "common/core/seed.h"
 #include "common/core/tof_image.h"
+#include "common/core/tof_zones.h"
 #include "common/geometry/projection.h"
 #include "services/refine/alignment/tof_alignment.h"
 #include "services/refine/stereo/stereo_seeds.h"
 #include "services/refine/surface/background.h"
 #include "services/refine/surface/tof_surface.h"
 #include "services/refine/unwrapping/range_unwrapper.h"
+#include "services/refine/zones/zone_evidence.h"
 
 namespace sprout::refine {
 
@@ -44,7 +46,7 @@ class Refiner {
   /// any number. Keeps its memory from frame to frame, about 120 bytes a ToF pixel, and with stereo
   /// 100 a pixel of the matched image; so one object serves one caller at a time.
   Result<SeedSet> Compute(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
-                          const TofProjector& projector, SeedSet memory = {});
+                          const TofProjector& projector, const TofZones& zones = {});
 
   /// Of the last call: reliable points that only the left camera sees, since they lie outside the
   /// right image or behind a nearer surface in it. They are no correspondences, but give depth
@@ -67,6 +69,7 @@ class Refiner {
                     SeedSet& result);
   double NoisePx(const cv::Mat1b& left, const cv::Mat1b& right);
   std::span<const cv::Point2f> Covered();
+  void FillFromZones(const SeedSet& result, const CellGrid& grid);
   void KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet& result);
 
   RefineConfig config_;
@@ -83,6 +86,9 @@ class Refiner {
   BackgroundRule background_;
   std::vector<cv::Point2f> covered_;
   StereoSeedFinder stereo_;
+  ZoneEvidence zones_;
+  std::vector<Seed> all_seeds_;
+  PointSurface all_points_;
 };
 
 }  // namespace sprout::refine

@@ -17,6 +17,7 @@
 #include <lcmtypes/sprout/seeds_t.hpp>
 #include <lcmtypes/sprout/stage_status_t.hpp>
 #include <lcmtypes/sprout/tof_image_t.hpp>
+#include <lcmtypes/sprout/tof_zones_t.hpp>
 
 namespace sprout {
 namespace {
@@ -47,6 +48,7 @@ TEST(Fingerprints, AreThoseOfTheReleasedTypes) {
   ExpectFingerprint<point_cloud_t>(0x3a56f4aa266bfe61);
   ExpectFingerprint<motion_t>(0xba6a79476000dc4f);
   ExpectFingerprint<depth_counts_t>(0x0);
+  ExpectFingerprint<tof_zones_t>(0);
   ExpectFingerprint<stage_status_t>(0x70764dd093aba24e);
   ExpectFingerprint<process_info_t>(0x2462780294b2d3dd);
 }

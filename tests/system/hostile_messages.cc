@@ -38,6 +38,11 @@ HostileMessages::HostileMessages(const check::TestFrame& good, uint32_t seed)
   values_[Part::kDepthCounts] = DepthCounts{};
   values_[Part::kBaseCloud] = values_[Part::kTargetCloud] = values_[Part::kCloud];
   values_[Part::kTargetDepth] = values_[Part::kDepth];
+  values_[Part::kTofZones] = TofZones{.columns = 1,
+                                     .rows = 1,
+                                     .left_from_sensor = {},
+                                     .views = {{-1, 1, -1, 1}},
+                                     .targets = {{2, 0.1F, TargetStatus::kValid}}};
   values_[Part::kFusedConfidence] = values_[Part::kConfidence] =
       cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(200));
 }
@@ -236,6 +241,30 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
       for (int i = 0; i < 3; ++i) motion.start_from_left.translation_m[i] = Extreme();
       motion.resets = Below(1000);
       return motion;
+    }
+    case Part::kTofZones: {
+      const auto side = [&] { return static_cast<int>(1 + Below(kMaxZonesPerSide)); };
+      TofZones zones{.columns = side(),
+                     .rows = Below(2) == 0 ? 1 : side(),
+                     .targets_per_zone = static_cast<int>(1 + Below(kMaxTargetsPerZone)),
+                     .mode = Below(2) == 0 ? ZoneMode::kMean : ZoneMode::kNearest,
+                     .left_from_sensor = {},
+                     .views = {},
+                     .targets = {}};
+      const auto tangent = [&] { return static_cast<float>(Below(6400)) / 64 - 100; };
+      const int most = Below(2) == 0 ? 1 : 100;  // also all zones in one place
+      for (int i = 0; i < zones.columns * zones.rows; ++i) {
+        const float left = tangent();
+        const float top = tangent();
+        zones.views.push_back(most == 1 ? ZoneView{-1, 1, -1, 1}
+                                        : ZoneView{left, left + 0.5F, top, top + 100});
+        for (int k = 0; k < zones.targets_per_zone; ++k) {
+          zones.targets.push_back({.depth_m = (1 + number()) / 50,
+                                   .sigma_m = (1 + number()) / 100,
+                                   .status = static_cast<TargetStatus>(Below(3))});
+        }
+      }
+      return zones;
     }
     default: {
       DisparityImage map(size);

@@ -59,20 +59,6 @@ std::optional<Surface> SurfaceAt(const cv::Mat1f& map, int u, int v) {
 
 }  // namespace
 
-// Square cells over the left image.
-struct StereoSeedFinder::Grid {
-  double spacing_px;
-  cv::Size size;  // cells
-
-  Grid(double spacing, cv::Size image)
-      : spacing_px(spacing), size(At(image.width - 1) + 1, At(image.height - 1) + 1) {}
-
-  // The column or row of cells that a position lies in.
-  int At(double position) const {
-    return static_cast<int>(std::floor((position + 0.5) / spacing_px));
-  }
-};
-
 StereoSeedFinder::StereoSeedFinder(const RefineConfig& config) : config_(config) {
   RequireInRange(config, "refine");
 }
@@ -82,7 +68,7 @@ double StereoSeedFinder::SpacingPx(int width) const {
   return std::max(StereoRules::kLeastSpacingPx, width / double{StereoRules::kColumns});
 }
 
-void StereoSeedFinder::FindUncovered(const Grid& grid, std::span<const Seed> seeds,
+void StereoSeedFinder::FindUncovered(const CellGrid& grid, std::span<const Seed> seeds,
                                      std::span<const cv::Point2f> covered, double scale) {
   cv::Mat1b with_points(grid.size, uint8_t{0});
   for (const cv::Point2f& point : covered) {
@@ -102,7 +88,7 @@ void StereoSeedFinder::FindUncovered(const Grid& grid, std::span<const Seed> see
   }
 }
 
-void StereoSeedFinder::MarkWanted(const Grid& grid, cv::Size size) {
+void StereoSeedFinder::MarkWanted(const CellGrid& grid, cv::Size size) {
   constexpr int kSide = 2 * StereoRules::kSettleCells + 1;
   cv::Mat1b cells;
   cv::dilate(uncovered_, cells, cv::Mat1b::ones(kSide, kSide));
@@ -122,7 +108,8 @@ void StereoSeedFinder::MarkWanted(const Grid& grid, cv::Size size) {
 
 // In every cell the pixel nearest to its centre that a seed can be taken from, unless the points
 // around are surer of it.
-void StereoSeedFinder::TakeFrom(const Grid& grid, const cv::Mat1f& map, int row) {
+void StereoSeedFinder::TakeFrom(const CellGrid& grid, const cv::Mat1f& map,
+                                const DisparityBounds& bounds, int row) {
   const double scale = matcher_.scale();
   const double cell = grid.spacing_px / scale;  // its side in pixels of the map
   std::vector<Seed>& seeds = found_[static_cast<size_t>(row)];
@@ -153,15 +140,20 @@ void StereoSeedFinder::TakeFrom(const Grid& grid, const cv::Mat1f& map, int row)
         best.sigma_px = static_cast<float>(surface->sigma * scale);
       }
     }
-    if (std::isfinite(nearest) && best.sigma_px <= points_.SigmaPx({column, row}))
-      seeds.push_back(best);
+    if (!std::isfinite(nearest) || best.sigma_px > points_.SigmaPx({column, row})) continue;
+    const float disparity = best.disparity();
+    if (!bounds.empty() && (disparity < bounds.least_px(row, column) ||
+                            disparity > bounds.most_px(row, column)))
+      continue;
+    seeds.push_back(best);
   }
 }
 
 std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Mat1b& right,
                                              std::span<const Seed> seeds,
-                                             std::span<const cv::Point2f> covered) {
-  const Grid grid(SpacingPx(left.cols), left.size());
+                                             std::span<const cv::Point2f> covered,
+                                             const DisparityBounds& bounds) {
+  const CellGrid grid(SpacingPx(left.cols), left.size());
   seeds_.clear();
   FindUncovered(grid, seeds, covered, MatchingScale(left.size(), config_.stereo_most_pixels()));
   if (cv::countNonZero(uncovered_) == 0) return seeds_;
@@ -171,9 +163,9 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
       .max_disparity_px =
           std::clamp(most > 0 ? most : left.cols / StereoRules::kWidthsPerDisparity, 1, left.cols),
       .most_pixels = config_.stereo_most_pixels()};
-  const cv::Mat1f& map = matcher_.Match(left, right, wanted_, seeds, settings);
+  const cv::Mat1f& map = matcher_.Match(left, right, wanted_, seeds, bounds, settings);
   found_.resize(static_cast<size_t>(grid.size.height));
-  ForEachParallel(found_.size(), [&](size_t row) { TakeFrom(grid, map, static_cast<int>(row)); });
+  ForEachParallel(found_.size(), [&](size_t row) { TakeFrom(grid, map, bounds, static_cast<int>(row)); });
   constexpr int kWindowRadius = StereoRules::kWindowRadius;
   const cv::Rect2f inside(kWindowRadius, kWindowRadius,
                           static_cast<float>(left.cols - 2 * kWindowRadius),

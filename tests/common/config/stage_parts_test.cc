@@ -6,8 +6,11 @@ namespace sprout {
 namespace {
 
 TEST(StageParts, RefineNeedsACaptureAndAnswersSeeds) {
-  const RefineConfig config;
+  RefineConfig config;
   EXPECT_EQ(InputsOf(config), (PartSet{Part::kLeft, Part::kRight, Part::kTof, Part::kRig}));
+  config.set_zones(true);
+  EXPECT_EQ(InputsOf(config),
+            (PartSet{Part::kLeft, Part::kRight, Part::kTof, Part::kTofZones, Part::kRig}));
   EXPECT_EQ(OutputsOf(config), (PartSet{Part::kSeeds, Part::kLeftSeeds}));
 }
 

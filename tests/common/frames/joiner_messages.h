@@ -38,6 +38,7 @@ inline PartValue ValueOf(Part part, int mark) {
   if (std::holds_alternative<std::optional<PointCloud> Frame::*>(member)) return PointCloud{};
   if (part == Part::kDepthCounts) return DepthCounts{.pixels = mark};
   if (part == Part::kMotion || part == Part::kOdometry) return CameraMotion{};
+  if (part == Part::kTofZones) return TofZones{};
   const DisparityImage map(cv::Mat1s(1, 1, static_cast<int16_t>(mark)));
   if (part == Part::kPrior) return EvenPrior(map, 1);
   return map;

@@ -112,6 +112,19 @@ inline DepthCounts Counts() {
   return {.pixels = 1000, .near = 1, .far = 20, .outside = 300, .unsure = 40, .flying = 5};
 }
 
+inline TofZones Zones() {
+  return {.columns = 2,
+          .rows = 1,
+          .targets_per_zone = 2,
+          .mode = ZoneMode::kNearest,
+          .left_from_sensor = {Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5), {0.25, -1, 3}},
+          .views = {{-0.5F, 0, -0.25F, 0.25F}, {0, 0.5F, -0.25F, 0.25F}},
+          .targets = {{1.5F, 0.0625F, TargetStatus::kValid},
+                      {10'000, 1, TargetStatus::kDoubtful},
+                      {0.125F, 0.5F, TargetStatus::kValid},
+                      {}}};
+}
+
 inline CameraMotion Motion() {
   CameraMotion motion;
   motion.last_from_left = {Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5), {0.25, -1, 3}};
@@ -231,6 +244,9 @@ inline std::vector<Wire> AllWires() {
           wire("motion", Part::kMotion, Motion()),
           wire("depth counts", Part::kDepthCounts, Counts()),
           wire("base cloud", Part::kBaseCloud, Cloud()),
+}
+
+          wire("zones", Part::kTofZones, Zones()),
           Wire{"process", EncodeProcessInfo(Process()), std::nullopt, MessageType::kProcess},
           Wire{"status", EncodeStatus(Status()), std::nullopt}};
 }

@@ -70,6 +70,55 @@ TEST(ImageMessage, DoesNotShareMemoryWithTheMessage) {
   ExpectSamePixels(*image, examples::GreyImage());
 }
 
+TEST(ZonesMessage, CarriesAll) {
+  EXPECT_EQ(RoundTrip(Part::kTofZones, examples::Zones()), examples::Zones());
+  EXPECT_EQ(RoundTrip(Part::kTofZones, TofZones()), TofZones()) << "the sensor gave nothing";
+}
+
+TEST(ZonesMessage, TakesNoNumbersFromATargetThatIsNone) {
+  tof_zones_t message = ToMessage(examples::Id(), examples::Zones());
+  message.depth_m[3] = NAN;
+  message.sigma_m[3] = -1;
+  const Result<TofZones> zones = FromMessage(message);
+  ASSERT_TRUE(zones) << zones.error().text;
+  EXPECT_EQ(*zones, examples::Zones());
+}
+
+TEST(ZonesMessage, IsRefusedWithWhatCannotBe) {
+  const auto error_of = [](const auto& change) -> std::string {
+    tof_zones_t message = ToMessage(examples::Id(), examples::Zones());
+    change(message);
+    const Result<TofZones> zones = FromMessage(message);
+    return zones ? "" : zones.error().text;
+  };
+  using M = tof_zones_t;
+  EXPECT_EQ(error_of([](M&) {}), "");
+  EXPECT_THAT(error_of([](M& m) { m.columns = 65; }), HasSubstr("columns = 65: allowed is 1 to 64"));
+  EXPECT_THAT(error_of([](M& m) { m.columns = -1; }), HasSubstr("columns = -1"));
+  EXPECT_THAT(error_of([](M& m) { m.rows = 0; }), HasSubstr("columns = 2"));
+  EXPECT_THAT(error_of([](M& m) { m.columns = 0; }), HasSubstr("columns = 0"));
+  EXPECT_THAT(error_of([](M& m) { m.targets_per_zone = 5; }), HasSubstr("targets_per_zone = 5"));
+  EXPECT_THAT(error_of([](M& m) { m.targets_per_zone = 0; }), HasSubstr("targets_per_zone = 0"));
+  EXPECT_THAT(error_of([](M& m) { m.mode = 2; }), HasSubstr("mode = 2"));
+  EXPECT_THAT(error_of([](M& m) { m.rows = 2; }), HasSubstr("zone_count = 2"));
+  EXPECT_THAT(error_of([](M& m) { m.top.pop_back(); }), HasSubstr("zone_count = 2"));
+  EXPECT_THAT(error_of([](M& m) { m.targets_per_zone = 1; }), HasSubstr("target_count = 4"));
+  EXPECT_THAT(error_of([](M& m) { m.status.push_back(0); }), HasSubstr("target_count = 4"));
+  EXPECT_THAT(error_of([](M& m) { m.left_from_sensor_rotation[0] = 2; }),
+              HasSubstr("left_from_sensor_rotation norm"));
+  EXPECT_THAT(error_of([](M& m) { m.left_from_sensor_translation_m[2] = INFINITY; }),
+              HasSubstr("left_from_sensor_translation_m = inf"));
+  EXPECT_THAT(error_of([](M& m) { m.left[1] = NAN; }), HasSubstr("zone 1: left = nan"));
+  EXPECT_THAT(error_of([](M& m) { m.right[0] = -0.5F; }), HasSubstr("zone 0: right = -0.5"));
+  EXPECT_THAT(error_of([](M& m) { m.bottom[0] = 101; }), HasSubstr("zone 0: bottom = 101"));
+  EXPECT_THAT(error_of([](M& m) { m.status[2] = 3; }), HasSubstr("target 2: status = 3"));
+  EXPECT_THAT(error_of([](M& m) { m.status[2] = -1; }), HasSubstr("target 2: status = -1"));
+  EXPECT_THAT(error_of([](M& m) { m.depth_m[0] = 0; }), HasSubstr("target 0: depth_m = 0"));
+  EXPECT_THAT(error_of([](M& m) { m.depth_m[1] = 10'001; }), HasSubstr("target 1: depth_m"));
+  EXPECT_THAT(error_of([](M& m) { m.sigma_m[0] = 0; }), HasSubstr("target 0: sigma_m = 0"));
+  EXPECT_THAT(error_of([](M& m) { m.sigma_m[1] = NAN; }), HasSubstr("target 1: sigma_m = nan"));
+}
+
 TEST(MotionMessage, CarriesAll) {
   EXPECT_EQ(RoundTrip(Part::kMotion, examples::Motion()), examples::Motion());
 }

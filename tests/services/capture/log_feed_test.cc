@@ -61,6 +61,27 @@ std::vector<TestEvent> Concat(std::vector<std::vector<TestEvent>> parts) {
   return all;
 }
 
+TEST_F(LogFeedTest, GivesTheZonesOfALogThatHasThem) {
+  const auto zones = [](int64_t seq) {
+    TestEvent event = TofEvent(seq);
+    event.channel = "SPROUT_TOF_ZONES";
+    event.data = EncodePart(TestId(seq), Part::kTofZones, TofZones(), DisparityEncoding::kRawInt16);
+    return event;
+  };
+  // It begins between the zones and the ToF image of a frame.
+  const auto feed = Open({RigEvent(0), TofEvent(0), LeftEvent(1, 50), RightEvent(1), zones(1),
+                          TofEvent(1), LeftEvent(2, 50), RightEvent(2), TofEvent(2)});
+  const auto first = feed->Next({});
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->id, TestId(1));
+  EXPECT_EQ(first->messages, (Messages{{Part::kRig, RigEvent(0).data},
+                                       {Part::kLeft, LeftEvent(1, 50).data},
+                                       {Part::kRight, RightEvent(1).data},
+                                       {Part::kTofZones, zones(1).data},
+                                       {Part::kTof, TofEvent(1).data}}));
+  EXPECT_FALSE(feed->Next({})) << "without its zones a frame is not whole";
+}
+
 TEST_F(LogFeedTest, GivesEveryFrameByteByByteAsItWasRecorded) {
   // A stride that our own encoder would not write.
   image_t padded = ToMessage(TestId(1), cv::Mat(2, 3, CV_8UC1, cv::Scalar(7)));

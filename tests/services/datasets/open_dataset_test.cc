@@ -93,6 +93,50 @@ TEST(OpenDataset, TakesTheFaultsOfTheSr4000FromTheSource) {
               HasSubstr("no such option blind=50"));
 }
 
+TEST(OpenDataset, TakesAMultiZoneSensorFromTheConfigurationOrTheSource) {
+  CaptureConfig config = WithSource("synthetic:64x48");
+  config.set_tof("zones:16x12");
+  DatasetFrame frame = OpenDataset(config)->Get(0);
+  ASSERT_TRUE(frame.tof_zones);
+  EXPECT_EQ(frame.tof_zones->columns, 16);
+  EXPECT_EQ(frame.tof_zones->rows, 12);
+  EXPECT_EQ(frame.tof_zones->targets_per_zone, 2);
+  EXPECT_TRUE(frame.tof.depth_m.empty());
+  EXPECT_EQ(OpenDataset(config)->rig().tof.width, 0);
+  const SceneFolder folder;
+  folder.Write2005({40, 30});
+  for (const std::string& source : {folder.Config().source(), std::string("synthetic:64x48")}) {
+    const auto opened =
+        OpenDataset(WithSource(source + "?tof=zones:4x3&mode=nearest&targets=1"));
+    frame = opened->Get(0);
+    ASSERT_TRUE(frame.tof_zones) << source;
+    EXPECT_EQ(frame.tof_zones->views.size(), 12);
+    EXPECT_EQ(frame.tof_zones->targets.size(), 12);
+    EXPECT_EQ(frame.tof_zones->mode, ZoneMode::kNearest);
+    EXPECT_EQ(frame.tof_zones, opened->Get(0).tof_zones) << "the same frame again";
+  }
+  EXPECT_FALSE(OpenDataset(WithSource("synthetic:64x48?tof=grid"))->Get(0).tof_zones);
+}
+
+TEST(OpenDataset, RefusesZonesThatCannotBe) {
+  for (const std::string size : {"zones:", "zones:8", "zones:8x", "zones:x8", "zones8x8", "zones:8x8x8"}) {
+    EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=" + size)),
+                HasSubstr("capture.tof = " + size + ": no size; allowed: zones:CxR"));
+  }
+  EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=zones:0x8")),
+              HasSubstr("capture.zones.columns = 0"));
+  EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=zones:8x65")),
+              HasSubstr("capture.zones.rows = 65"));
+  EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=zones:8x8&mode=first")),
+              HasSubstr("zones?mode=first: no such value"));
+  EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=zones:8x8&targets=5")),
+              HasSubstr("capture.zones.targets = 5"));
+  EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=zones:8x8&blind=5")),
+              HasSubstr("no such option blind=5"));
+  EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=grid&mode=mean")),
+              HasSubstr("no such option mode=mean"));
+}
+
 TEST(OpenDataset, OpensScenesWithoutATofCamera) {
   const SceneFolder folder;
   folder.Write2005({40, 30});
@@ -108,7 +152,7 @@ TEST(OpenDataset, NamesTheTofCamerasThatExist) {
   CaptureConfig config = WithSource("synthetic:64x48");
   config.set_tof("kinect");
   EXPECT_THAT(OpenError(config),
-              AllOf(HasSubstr("capture.tof = kinect: "), HasSubstr("allowed: grid, sr4000, none")));
+              AllOf(HasSubstr("capture.tof = kinect: "), HasSubstr("allowed: grid, sr4000, zones:CxR, none")));
   for (const std::string option :
        {"", "tof", "tof=", "tof=kinect", "tof=sr4000&x=1", "tof=grid&"}) {
     EXPECT_THAT(OpenError(WithSource("synthetic:64x48?" + option)),

@@ -48,6 +48,22 @@ TEST(TofChoice, TakesTheFaultsOfTheCamera) {
   EXPECT_EQ(config.sr4000().depth_noise_m(), 0.01);  // what it does not name stays
 }
 
+TEST(TofChoice, TakesAMultiZoneSensor) {
+  CaptureConfig config;
+  config.mutable_zones()->set_depth_noise_percent(3);
+  TofChoice("zones:16x12?mode=nearest&targets=1").Apply(1110, config);
+  EXPECT_EQ(config.tof(), "zones");
+  EXPECT_EQ(config.zones().columns(), 16);
+  EXPECT_EQ(config.zones().rows(), 12);
+  EXPECT_EQ(config.zones().mode(), ZonesConfig::NEAREST);
+  EXPECT_EQ(config.zones().targets(), 1);
+  EXPECT_EQ(config.zones().depth_noise_percent(), 3);  // what it does not name stays
+  for (const char* text : {"zones:8", "zones:8x8?", "zones:8x8?mode=", "zones:8x8?blind=5",
+                           "zones:65x8", "zones:8x8?targets=0"}) {
+    EXPECT_THROW(TofChoice choice(text), ConfigError) << text;
+  }
+}
+
 TEST(TofChoice, RefusesFaultsThatItDoesNotKnow) {
   for (const char* option : {"", "blind", "blind=", "blind=x", "blind=101", "blind=-1", "blind=nan",
                              "wrapped=100", "calibration=-1", "deaf=1", "blind=5&"}) {

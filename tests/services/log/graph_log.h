@@ -68,6 +68,8 @@ inline PartValue LogValue(Part part, int64_t seq) {
       return examples::Motion();
     case MessageType::kDepthCounts:
       return examples::Counts();
+    case MessageType::kTofZones:
+      return examples::Zones();
     case MessageType::kDisparity:
     case MessageType::kStatus:
     case MessageType::kProcess:
