@@ -41,7 +41,9 @@ cv::Mat1b Again(const cv::Mat1b& image, const OneCamera& from, const OneCamera& 
   for (int v = 0; v < places.rows; ++v) {
     for (int u = 0; u < places.cols; ++u) {
       const Eigen::Vector2d raw = RawPixel(to.lens, back, to.pair, to.cx, u, v);
-      places(v, u) = RectifiedPixel(from.lens, from.turn, from.pair, from.cx, {raw.x(), raw.y()});
+      const cv::Point2d place =
+          RectifiedPixel(from.lens, from.turn, from.pair, from.cx, {raw.x(), raw.y()});
+      places(v, u) = {static_cast<float>(place.x), static_cast<float>(place.y)};
     }
   }
   return BilinearRemap(places, image.size()).Apply(image);

@@ -28,11 +28,10 @@ TofPatches::TofPatches(const TofImage& tof, const TofProjector& projector)
   cell_px_ = std::max(1.0, rig.pair.focal_px / rig.tof.fx);
   nearest_ = cv::Mat1i(static_cast<int>(rig.pair.height / cell_px_) + 1,
                        static_cast<int>(rig.pair.width / cell_px_) + 1, -1);
+  const cv::Rect2d image({0, 0}, cv::Size2d(rig.pair.size()));
   for (size_t i = 0; i < points_.size(); ++i) {
     const Seed& seed = points_[i].seed;
-    if (!(seed.u >= 0 && seed.v >= 0 && seed.u < rig.pair.width && seed.v < rig.pair.height)) {
-      continue;
-    }
+    if (!image.contains(cv::Point2d(seed.u, seed.v))) continue;
     int& here =
         nearest_(static_cast<int>(seed.v / cell_px_), static_cast<int>(seed.u / cell_px_));
     if (here < 0 ||
