@@ -90,13 +90,14 @@ class SceneRefiner {
   };
   const View& best_view() const;
 
+  /// The rig of the frames as they came, rectified.
+  Rig RigBefore() const { return RectifiedRig(rig_, images_); }
+
   /// Such an image rectified by another calibration. O(pixels).
   cv::Mat1b RectifyLeft(const cv::Mat1b& image, const RawRig& by, const Rectification& to) const;
   cv::Mat1b RectifyRight(const cv::Mat1b& image, const RawRig& by, const Rectification& to) const;
 
  private:
-  Result<void> CheckMatches() const;
-  std::optional<std::string> Contradictions(const std::vector<MatchResidual>& residuals) const;
   void AttachPatches(const RawRig& rig);
   std::optional<EdgeShift> FindEdges(const RigNumbers& change);
   SceneFit FitOf(const std::vector<MatchResidual>& residuals) const;

@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/rig/rectifier.h"
+#include "services/calibrate/rectify_images.h"
 #include "services/datasets/lens_view.h"
 #include "services/datasets/sr4000.h"
 #include "services/datasets/synthetic_scene.h"
@@ -78,10 +79,9 @@ Result<SceneRefinement> RefineKnocked(const RawRig& rig, const RigNumbers& error
   const Rectifier rectifier(knocked);
   SceneRefiner refiner(knocked, RectificationOf(knocked));
   for (const RigImages& frame : frames) {
-    TofImage tof = frame.tof;
-    rectifier.CorrectRanges(tof);
-    const Result<void> added = refiner.Add(rectifier.RectifyLeft(frame.left),
-                                           rectifier.RectifyRight(frame.right), tof);
+    const Result<RigImages> images = RectifyImages(rectifier, frame);
+    if (!images) return tl::unexpected(images.error());
+    const Result<void> added = refiner.Add(images->left, images->right, images->tof);
     if (!added) return tl::unexpected(added.error());
   }
   return refiner.Refine(wishes);
