@@ -103,6 +103,23 @@ Rectification RectificationOf(const RawRig& raw) {
   return made;
 }
 
+Rig RectifiedRig(const RawRig& raw, const Rectification& rectification) {
+  Rig rig{.pair = rectification.pair, .tof = {}};
+  if (raw.tof.width == 0) return rig;
+  const Eigen::Matrix3d turn = BackOf(rectification.left_turn).transpose();
+  rig.tof = {.width = raw.tof.width,
+             .height = raw.tof.height,
+             .fx = raw.tof.fx,
+             .fy = raw.tof.fy,
+             .cx = raw.tof.cx,
+             .cy = raw.tof.cy,
+             .distortion = raw.tof.distortion};
+  rig.tof.left_from_tof_rotation =
+      Eigen::Quaterniond(turn * raw.left_from_tof.rotation.toRotationMatrix()).normalized();
+  rig.tof.left_from_tof_translation_m = turn * raw.left_from_tof.translation_m;
+  return rig;
+}
+
 cv::Point2d RectifiedPixel(const Lens& lens, const cv::Matx33d& turn, const RectifiedPair& pair,
                            double cx, const cv::Point2d& raw_pixel) {
   const Eigen::Vector2d direction = DirectionOfPixel(lens, {raw_pixel.x, raw_pixel.y});

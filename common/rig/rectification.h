@@ -20,6 +20,9 @@ struct Rectification {
 /// @pre the numbers of both lenses and of the baseline are finite and positive. O(1).
 Rectification RectificationOf(const RawRig& rig);
 
+/// The rig after rectification: the pair, and the ToF camera in its frame. O(1).
+Rig RectifiedRig(const RawRig& rig, const Rectification& rectification);
+
 /// Position in the rectified image of a pixel of the unrectified one.
 /// @param cx  the rectified camera's principal point.
 cv::Point2d RectifiedPixel(const Lens& lens, const cv::Matx33d& turn, const RectifiedPair& pair,

@@ -13,22 +13,11 @@ Rectifier::Rectifier(const RawRig& raw) : raw_(raw) {
   const Rectification made = RectificationOf(raw);
   left_turn_ = made.left_turn;
   right_turn_ = made.right_turn;
-  rig_.pair = made.pair;
+  rig_ = RectifiedRig(raw, made);
   views_ = ViewsOf(raw, made);
   left_ = RemapOf(raw.left, left_turn_, rig_.pair.cx);
   right_ = RemapOf(raw.right, right_turn_, rig_.pair.cx_right);
   if (raw.tof.width == 0) return;
-  const Eigen::Matrix3d turn = BackOf(left_turn_).transpose();
-  rig_.tof = {.width = raw.tof.width,
-              .height = raw.tof.height,
-              .fx = raw.tof.fx,
-              .fy = raw.tof.fy,
-              .cx = raw.tof.cx,
-              .cy = raw.tof.cy,
-              .distortion = raw.tof.distortion};
-  rig_.tof.left_from_tof_rotation =
-      Eigen::Quaterniond(turn * raw.left_from_tof.rotation.toRotationMatrix()).normalized();
-  rig_.tof.left_from_tof_translation_m = turn * raw.left_from_tof.translation_m;
   range_per_depth_ = RangePerDepth(raw.tof);
 }
 

@@ -7,11 +7,10 @@
 
 #include "common/app/progress.h"
 #include "common/bus/channels.h"
-#include "common/core/image.h"
-#include "common/logfile/log_reader.h"
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
 #include "services/calibrate/frame_log.h"
+#include "services/calibrate/rectify_images.h"
 #include "services/calibrate/rig_checker.h"
 
 namespace sprout::calibrate {
@@ -20,26 +19,11 @@ namespace {
 // So many frames, evenly over the log, tell what all of them do.
 constexpr int64_t kCheckedFrames = 30;
 
-int64_t CountEvents(const std::filesystem::path& path, const std::string& channel) {
-  LogReader reader(path);
-  int64_t count = 0;
-  for (LogEvent event; reader.Next(event);) count += event.channel == channel ? 1 : 0;
-  return count;
-}
-
 Result<void> AddRectified(const Rectifier& rectifier, const Frame& frame, RigChecker& checker) {
-  const cv::Size size = rectifier.raw().left.size();
-  if (frame.left.size() != size || frame.right.size() != size) {
-    return Fail("images of " + SizeText(frame.left.size()) + " and " +
-                SizeText(frame.right.size()) + ": allowed is the calibrated size " +
-                SizeText(size));
-  }
-  TofImage tof = *frame.tof;
-  if (const auto fits = CheckTofSize(RigOfFrame(rectifier.rig(), tof), tof); !fits) return fits;
-  tof.depth_m = tof.depth_m.clone();
-  if (!tof.depth_m.empty()) rectifier.CorrectRanges(tof);
-  return checker.Add(rectifier.RectifyLeft(frame.left), rectifier.RectifyRight(frame.right), tof,
-                     rectifier.rig());
+  const Result<RigImages> images =
+      RectifyImages(rectifier, {.left = frame.left, .right = frame.right, .tof = *frame.tof});
+  if (!images) return tl::unexpected(images.error());
+  return checker.Add(images->left, images->right, images->tof, rectifier.rig());
 }
 
 }  // namespace
@@ -56,7 +40,7 @@ int RunCheck(const CheckOptions& options) {
     if (!warning.empty()) std::cerr << "sprout-calibrate: " << warning << "\n";
     prefix += kRawPrefix;
   }
-  const int64_t frames = CountEvents(options.log, prefix + std::string(ChannelOf(Part::kLeft)));
+  const int64_t frames = CountMessages(options.log, prefix + std::string(ChannelOf(Part::kLeft)));
   const int64_t stride = std::max<int64_t>(1, frames / kCheckedFrames);
   RigChecker checker;
   Progress progress(/*quiet=*/false);

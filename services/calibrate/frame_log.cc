@@ -23,6 +23,13 @@ ConfigError NoFrame(const std::filesystem::path& path, const std::string& prefix
 
 }  // namespace
 
+int64_t CountMessages(const std::filesystem::path& path, const std::string& channel) {
+  LogReader reader(path);
+  int64_t count = 0;
+  for (LogEvent event; reader.Next(event);) count += event.channel == channel ? 1 : 0;
+  return count;
+}
+
 std::string ReadFrameLog(const std::filesystem::path& path, const std::string& prefix,
                          PartSet parts, const std::function<void(const Frame&)>& visit) {
   int64_t refused = 0;

@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_CALIBRATE_FRAME_LOG_H_
 #define SPROUT_SERVICES_CALIBRATE_FRAME_LOG_H_
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -8,6 +9,9 @@
 #include "common/core/frame.h"
 
 namespace sprout::calibrate {
+
+/// Number of messages on a channel of a log. @throws LogError for a file that is no log.
+int64_t CountMessages(const std::filesystem::path& path, const std::string& channel);
 
 /// Reads the frames of a log that have all of `parts`, see WholeFrames.
 /// @param prefix  before SPROUT_LEFT and so on.

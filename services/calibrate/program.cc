@@ -27,7 +27,9 @@
 #include "services/calibrate/check.h"
 #include "services/calibrate/frame_log.h"
 #include "services/calibrate/image_folder.h"
+#include "services/calibrate/refine.h"
 #include "services/calibrate/report.h"
+#include "services/calibrate/result_file.h"
 #include "services/calibrate/view_collector.h"
 #include "services/calibrate/watch.h"
 
@@ -46,6 +48,7 @@ Examples
   sprout-capture --source ... --raw   and   sprout-calibrate watch --out views   while you show it
   sprout-calibrate estimate views --rig rig.textproto --out rig.textproto --report report.html
   sprout-calibrate check run.lcm                           weeks later: does it still hold
+  sprout-calibrate refine run.lcm --rig rig.textproto --out new.textproto    if not: without a board
 
 `sprout-calibrate COMMAND --help` explains a command. Exit codes: 0; 1 the calibration is not good
 (any more), or there is none; 2 a flag or a file that cannot be used.
@@ -64,6 +67,7 @@ struct Options {
   fs::path report;
   std::string prefix;
   CheckOptions check;
+  RefineOptions refine;
   WatchOptions watch{.out = {}, .prefix = {}, .lcm_url = kDefaultLcmUrl};
   std::function<int()> chosen;
 };
@@ -146,13 +150,6 @@ std::runtime_error NoCalibration(const std::string& why, const ViewCounts& count
   return std::runtime_error(text);
 }
 
-// A calibration that is not good must not take the place of one that may be.
-fs::path FileFor(const Calibration& calibration, const fs::path& out) {
-  if (calibration.quality.is_good()) return out;
-  fs::path beside = out;
-  return beside.replace_filename(out.stem().string() + ".not_good" + out.extension().string());
-}
-
 int RunEstimate(const Options& options) {
   const Board board = BoardOf(options.board);
   RigDescription rig;
@@ -166,17 +163,11 @@ int RunEstimate(const Options& options) {
 
   const std::string counts_text = CountsText(counts, views);
   *rig.mutable_calibration() = ToCalibration(calibration->rig);
-  const fs::path file = FileFor(*calibration, options.out);
-  if (const Result<void> saved = SaveRigFile(file, rig); !saved) {
-    throw std::runtime_error(saved.error().text);
-  }
   if (!options.report.empty()) {
     WriteWhole(options.report, ReportHtml(*calibration, collector.best_images(), counts_text));
   }
   std::cout << counts_text << "\n" << SummaryText(*calibration);
-  if (file != options.out) {
-    std::cout << fmt::format("not written to {}, but to {}\n", options.out.string(), file.string());
-  }
+  SaveResult(rig, calibration->quality.is_good(), options.out);
   return calibration->quality.is_good() ? 0 : 1;
 }
 
@@ -256,6 +247,43 @@ void AddCheck(CLI::App& program, Options& options) {
   flags.callback([&] { options.chosen = [&] { return RunCheck(options.check); }; });
 }
 
+void AddRefine(CLI::App& program, Options& options) {
+  CLI::App& flags = *program.add_subcommand(
+      "refine",
+      "Puts a calibration right from recordings of any scene, without a board: the right camera's "
+      "rotation,\nfocal lengths and principal row, the ToF camera's rotation and the offset of its "
+      "ranges. What the scene\ndoes not show stays, and is said. Exit code 0 good, 1 not good, or "
+      "the scene shows too little");
+  flags
+      .add_option("LOG", options.refine.inputs,
+                  "Logs of unrectified images (RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF) or "
+                  "of a running graph,\nor folders as of estimate")
+      ->required()
+      ->check(CLI::ExistingPath);
+  flags
+      .add_option("--rig", options.refine.rig,
+                  "Rig file to refine, with which the images were or will be rectified. Without "
+                  "it:\nthe calibration in the log of a running graph, as one of cameras without "
+                  "distortion")
+      ->type_name("FILE");
+  flags
+      .add_option("--out", options.refine.out,
+                  "Rig file to write; a bad calibration is written beside it")
+      ->required()
+      ->type_name("FILE");
+  flags.add_option("--report", options.refine.report, "HTML page to write")->type_name("FILE");
+  flags
+      .add_option("--keep", options.refine.keep,
+                  "What must not change: focal (lengths), row (of the right principal point), place "
+                  "(direction of the\nbaseline)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"focal", "row", "place"}))
+      ->type_name("NAMES");
+  flags.add_option("--channel-prefix", options.refine.prefix, "Before the channels in the log")
+      ->type_name("TEXT");
+  flags.callback([&] { options.chosen = [&] { return RunRefine(options.refine); }; });
+}
+
 int RunChosen(const Options& options) {
   try {
     return options.chosen();
@@ -275,6 +303,7 @@ int CalibrateMain(int argc, const char* const* argv) {
   AddWatch(flags, options);
   AddEstimate(flags, options);
   AddCheck(flags, options);
+  AddRefine(flags, options);
   flags.set_version_flag("--version", "sprout-calibrate " + Version());
   flags.footer(kFooter);
   return RunProgram(flags, argc, argv, [&] { return RunChosen(options); });

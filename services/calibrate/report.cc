@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "common/picture/html.h"
+#include "common/rig/rectifier.h"
+#include "services/calibrate/report_page.h"
 #include "services/calibrate/report_pictures.h"
 
 namespace sprout::calibrate {
@@ -18,10 +20,6 @@ constexpr std::array<const char*, kLensNumbers> kLensNames = {
 std::array<double, kLensNumbers> NumbersOf(const Lens& lens) {
   const auto& k = lens.distortion;
   return {lens.fx, lens.fy, lens.cx, lens.cy, k[0], k[1], k[2], k[3], k[4]};
-}
-
-std::string VerdictText(const CalibrationQuality& quality) {
-  return quality.is_good() ? "good" : "not good enough";
 }
 
 bool HasTof(const Calibration& calibration) { return calibration.rig.tof.width > 0; }
@@ -108,18 +106,6 @@ std::string PoseTable(const Calibration& calibration) {
   return TableHtml(rows);
 }
 
-constexpr char kHead[] = R"(<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>Calibration of the rig</title>
-<style>
-body { font: 15px/1.45 sans-serif; max-width: 1440px; margin: 2em auto; padding: 0 1em; }
-table { border-collapse: collapse; margin: 1em 0; }
-th, td { border-bottom: 1px solid #ccc; padding: .25em .9em .25em 0; text-align: left; }
-figure { display: inline-block; margin: .5em 1em .5em 0; vertical-align: top; }
-img { max-width: 100%; border: 1px solid #ccc; }
-.good { color: #176117; } .bad { color: #a31515; }
-</style></head><body>
-)";
-
 }  // namespace
 
 std::string CountsText(const ViewCounts& counts, size_t views) {
@@ -136,7 +122,7 @@ std::string CountsText(const ViewCounts& counts, size_t views) {
 }
 
 std::string SummaryText(const Calibration& calibration) {
-  std::string text = "calibration: " + VerdictText(calibration.quality) + "\n";
+  std::string text = "calibration: " + VerdictText(calibration.quality.is_good()) + "\n";
   for (const std::string& reason : calibration.quality.reasons) text += "  * " + reason + "\n";
   for (const Row& row : RigRows(calibration)) {
     text += fmt::format("{:<30} {}\n", row.name, row.value);
@@ -148,15 +134,9 @@ std::string ReportHtml(const Calibration& calibration, const RigImages& images,
                        const std::string& counts_text) {
   const CalibrationQuality& quality = calibration.quality;
   const RawRig& rig = calibration.rig;
-  std::string html = kHead;
-  html += fmt::format("<h1>Calibration: <span class=\"{}\">{}</span></h1>\n",
-                      quality.is_good() ? "good" : "bad", VerdictText(quality));
-  if (!quality.is_good()) {
-    html += "<ul>\n";
-    for (const std::string& reason : quality.reasons)
-      html += "<li>" + EscapedHtml(reason) + "</li>\n";
-    html += "</ul>\n";
-  }
+  const Rectifier rectifier(rig);
+  const cv::Mat left = rectifier.RectifyLeft(images.left);
+  std::string html = ReportStart("Calibration", quality.reasons);
   html += "<p>" + EscapedHtml(counts_text) + ".</p>\n";
   std::vector<std::vector<std::string>> rows = {{"what", "how good"}};
   for (const Row& row : RigRows(calibration)) rows.push_back({row.name, row.value});
@@ -174,13 +154,16 @@ std::string ReportHtml(const Calibration& calibration, const RigImages& images,
     html += FigureHtml(CoveragePicture(quality.cameras[kTof], rig.tof.size()), "ToF");
   }
   html += "<h2>The rectified pair</h2>\n" +
-          FigureHtml(PairPicture(rig, images), "A point lies on the same row in both images.");
+          FigureHtml(PairPicture(left, rectifier.RectifyRight(images.right)),
+                     "A point lies on the same row in both images.");
   if (HasTof(calibration) && !images.tof.depth_m.empty()) {
+    TofImage tof{.depth_m = images.tof.depth_m, .amplitude = {}};
+    rectifier.CorrectRanges(tof);
     html += "<h2>ToF points on the left image</h2>\n" +
-            FigureHtml(TofPicture(rig, images),
+            FigureHtml(TofPicture(left, tof, rectifier.rig()),
                        "Colours change where the board ends: red is near, blue is far.");
   }
-  return html + "</body></html>\n";
+  return html + ReportEnd();
 }
 
 }  // namespace sprout::calibrate

@@ -8,7 +8,6 @@
 #include "common/geometry/projection.h"
 #include "common/picture/color_map.h"
 #include "common/picture/picture.h"
-#include "common/rig/rectifier.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -41,6 +40,12 @@ cv::Mat3b ToWidth(const cv::Mat3b& picture, int width) {
   return small;
 }
 
+cv::Mat3b Darkened(const cv::Mat& image, int width) {
+  cv::Mat3b picture;
+  ToWidth(ToColor(image), width).convertTo(picture, -1, kDarker);
+  return picture;
+}
+
 }  // namespace
 
 cv::Mat3b CoveragePicture(const CameraQuality& quality, cv::Size size) {
@@ -67,11 +72,9 @@ cv::Mat3b CoveragePicture(const CameraQuality& quality, cv::Size size) {
   return ScaledPicture(picture, "", {.axes = {{range_px, "px"}}, .above = clipped});
 }
 
-cv::Mat3b PairPicture(const RawRig& rig, const RigImages& images) {
-  const Rectifier rectifier(rig);
+cv::Mat3b PairPicture(const cv::Mat& left, const cv::Mat& right) {
   cv::Mat3b both;
-  cv::hconcat(ToColor(rectifier.RectifyLeft(images.left)),
-              ToColor(rectifier.RectifyRight(images.right)), both);
+  cv::hconcat(ToColor(left), ToColor(right), both);
   both = ToWidth(both, kPairWidth);
   for (int row = 1; row < kRows; ++row) {
     const int y = both.rows * row / kRows;
@@ -80,18 +83,13 @@ cv::Mat3b PairPicture(const RawRig& rig, const RigImages& images) {
   return both;
 }
 
-cv::Mat3b TofPicture(const RawRig& rig, const RigImages& images) {
-  const Rectifier rectifier(rig);
-  const cv::Mat3b left = ToColor(rectifier.RectifyLeft(images.left));
-  cv::Mat3b picture;
-  ToWidth(left, kTofWidth).convertTo(picture, -1, kDarker);
+cv::Mat3b TofPicture(const cv::Mat& left, const TofImage& tof, const Rig& rig) {
+  cv::Mat3b picture = Darkened(left, kTofWidth);
   const double scale = static_cast<double>(picture.cols) / left.cols;
-  TofImage tof{.depth_m = images.tof.depth_m.clone(), .amplitude = {}};
-  rectifier.CorrectRanges(tof);
   const ValueRange range_m = DepthRange(tof);
   ScaleContent content{.axes = {{range_m, "m", /*is_depth=*/true}}};
   int behind = 0;
-  for (const ProjectedPoint& point : TofProjector(rectifier.rig()).Project(tof, behind)) {
+  for (const ProjectedPoint& point : TofProjector(rig).Project(tof, behind)) {
     const float depth_m = tof.depth_m(point.tof_v, point.tof_u);
     const cv::Vec3b color = ColorOfDepth(depth_m, range_m);
     const cv::Point2d pixel(point.seed.u, point.seed.v);
@@ -102,6 +100,21 @@ cv::Mat3b TofPicture(const RawRig& rig, const RigImages& images) {
                cv::Scalar(color[0], color[1], color[2]), cv::FILLED, cv::LINE_AA, kShift);
   }
   return ScaledPicture(picture, "", content);
+}
+
+cv::Mat3b DotsPicture(const cv::Mat& image, const std::vector<cv::Point2d>& places,
+                      const std::vector<double>& values_px, double most_px) {
+  cv::Mat3b picture = Darkened(image, kPairWidth / 2);
+  const double scale = static_cast<double>(picture.cols) / image.cols;
+  const ValueRange range_px{0, most_px};
+  bool clipped = false;
+  for (size_t i = 0; i < places.size(); ++i) {
+    const cv::Vec3b color = ColorOf(values_px[i], range_px);
+    clipped = clipped || values_px[i] > most_px;
+    cv::circle(picture, Fixed((places[i] + cv::Point2d(0.5, 0.5)) * scale), 2 << kShift,
+               cv::Scalar(color[0], color[1], color[2]), cv::FILLED, cv::LINE_AA, kShift);
+  }
+  return ScaledPicture(picture, "", {.axes = {{range_px, "px"}}, .above = clipped});
 }
 
 }  // namespace sprout::calibrate

@@ -44,6 +44,23 @@ void RotateBack(const T* rotation, const T* vector, T* result) {
   ceres::AngleAxisRotatePoint(inverse, vector, result);
 }
 
+// Direction (x, y, 1) of a pixel: fixed-point steps as in DirectionOfPixel(), each of which gains more
+// than a digit of some pixels.
+template <typename T>
+void RayOfPixel(const T* lens, const T& column, const T& row, T* ray) {
+  constexpr int kSteps = 8;
+  const T u = (column - lens[2]) / lens[0];
+  const T v = (row - lens[3]) / lens[1];
+  ray[0] = u;
+  ray[1] = v;
+  ray[2] = T(1);
+  for (int step = 0; step < kSteps; ++step) {
+    const Distorted<T> distorted(lens, ray[0], ray[1]);
+    ray[0] = (u - distorted.tangential[0]) / distorted.radial;
+    ray[1] = (v - distorted.tangential[1]) / distorted.radial;
+  }
+}
+
 // (measured − π(lens, camera⁻¹ · board · X)) / σ, px/px.
 struct CornerError {
   Eigen::Vector3d corner;
@@ -88,17 +105,8 @@ struct RangeError {
   template <typename T>
   bool operator()(const T* lens, const T* left_from_tof, const T* left_from_board, const T* bias,
                   T* residual) const {
-    // Direction of the pixel: fixed-point steps as in DirectionOfPixel(), each of which gains more
-    // than a digit of some pixels.
-    constexpr int kSteps = 8;
-    const T u = (T(point.pixel.x) - lens[2]) / lens[0];
-    const T v = (T(point.pixel.y) - lens[3]) / lens[1];
-    T ray[3] = {u, v, T(1)};
-    for (int step = 0; step < kSteps; ++step) {
-      const Distorted<T> distorted(lens, ray[0], ray[1]);
-      ray[0] = (u - distorted.tangential[0]) / distorted.radial;
-      ray[1] = (v - distorted.tangential[1]) / distorted.radial;
-    }
+    T ray[3];
+    RayOfPixel(lens, T(point.pixel.x), T(point.pixel.y), ray);
     const T per_depth = ceres::sqrt(ray[0] * ray[0] + ray[1] * ray[1] + T(1));
 
     // The plane: normal, and a point on it, in the ToF camera's frame.

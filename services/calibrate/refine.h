@@ -1,0 +1,27 @@
+#ifndef SPROUT_SERVICES_CALIBRATE_REFINE_H_
+#define SPROUT_SERVICES_CALIBRATE_REFINE_H_
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sprout::calibrate {
+
+struct RefineOptions {
+  std::vector<std::filesystem::path> inputs;  ///< logs, or folders of images
+  std::filesystem::path rig;                  ///< empty: the calibration in the logs
+  std::filesystem::path out;
+  std::filesystem::path report;   ///< empty: none
+  std::vector<std::string> keep;  ///< of "focal", "row", "place"
+  std::string prefix;
+};
+
+/// The subcommand refine: refines a calibration from recordings of any scene.
+/// @returns exit code: 0 good, 1 not good.
+/// @throws LogError, ConfigError for files that cannot be used; std::runtime_error when they show
+///         too little.
+int RunRefine(const RefineOptions& options);
+
+}  // namespace sprout::calibrate
+
+#endif  // SPROUT_SERVICES_CALIBRATE_REFINE_H_

@@ -1,0 +1,28 @@
+#ifndef SPROUT_SERVICES_CALIBRATE_RESULT_FILE_H_
+#define SPROUT_SERVICES_CALIBRATE_RESULT_FILE_H_
+
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+
+#include "common/rig/rig_file.h"
+
+namespace sprout::calibrate {
+
+/// Writes a rig file; a calibration that is not good does not take the place of one that may be: it
+/// goes to NAME.not_good.textproto beside, which is said.
+/// @throws std::runtime_error when it cannot be written.
+inline void SaveResult(const RigDescription& rig, bool is_good, const std::filesystem::path& out) {
+  std::filesystem::path file = out;
+  if (!is_good) file.replace_filename(out.stem().string() + ".not_good" + out.extension().string());
+  if (const Result<void> saved = SaveRigFile(file, rig); !saved) {
+    throw std::runtime_error(saved.error().text);
+  }
+  if (!is_good) {
+    std::cout << "not written to " << out.string() << ", but to " << file.string() << "\n";
+  }
+}
+
+}  // namespace sprout::calibrate
+
+#endif  // SPROUT_SERVICES_CALIBRATE_RESULT_FILE_H_

@@ -1,0 +1,52 @@
+#ifndef SPROUT_SERVICES_CALIBRATE_SCENE_RIG_CHANGE_H_
+#define SPROUT_SERVICES_CALIBRATE_SCENE_RIG_CHANGE_H_
+
+#include <array>
+#include <cstddef>
+
+#include "common/rig/raw_rig.h"
+
+namespace sprout::calibrate {
+
+/// The numbers of a rig that a scene without a board can show, as changes of a calibration.
+enum RigNumber : size_t {
+  kPitch,         ///< of the right camera about the left one's x, y and z axis, rad
+  kYaw,
+  kRoll,
+  kPlaceY,        ///< direction of the right camera's place, down and forward, rad
+  kPlaceZ,
+  kFocal,         ///< of both focal lengths, relative
+  kFocalRight,    ///< of the right one alone, relative
+  kRowRight,      ///< of the right principal point, px
+  kTofPitch,      ///< of the ToF camera about its own place, axes of the left camera, rad
+  kTofYaw,
+  kTofRoll,
+  kRangeOffset,   ///< m
+};
+inline constexpr size_t kRigNumbers = kRangeOffset + 1;
+
+/// One value each, in the order of RigNumber.
+using RigNumbers = std::array<double, kRigNumbers>;
+
+/// How a number is shown.
+struct RigNumberRow {
+  const char* name;
+  const char* unit;
+  double per_unit;  ///< shown = per_unit · number
+  int digits;       ///< behind the point
+  /// What a knock and warmth do, as standard deviation: a number that is not seen any better than
+  /// this stays.
+  double expected;
+};
+const RigNumberRow& RowOf(RigNumber number);
+
+/// The calibration with the changes: right.rotation = exp(pitch, yaw, roll) · rotation, and so on.
+RawRig Changed(const RawRig& rig, const RigNumbers& change);
+
+/// A rectified rig as an unrectified one whose lenses do not distort: for frames whose original
+/// images are lost.
+RawRig RawRigOf(const Rig& rig);
+
+}  // namespace sprout::calibrate
+
+#endif  // SPROUT_SERVICES_CALIBRATE_SCENE_RIG_CHANGE_H_

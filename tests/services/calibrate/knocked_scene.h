@@ -1,0 +1,30 @@
+#ifndef SPROUT_TESTS_SERVICES_CALIBRATE_KNOCKED_SCENE_H_
+#define SPROUT_TESTS_SERVICES_CALIBRATE_KNOCKED_SCENE_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "services/calibrate/board_view.h"
+#include "services/calibrate/scene/scene_refiner.h"
+
+namespace sprout::calibrate {
+
+/// SceneRig() without an error of the ranges.
+RawRig TrueRig(cv::Size size);
+
+/// What a rig sees of a synthetic scene: each pixel through its lens; noise of 2 grey levels.
+/// @param frame  the scene's solids move from one to the next.
+/// @param with_tof  a simulated SR4000, else none.
+RigImages RenderScene(const RawRig& rig, uint32_t seed, int64_t frame, bool with_tof);
+
+/// Refines a calibration that differs from the true one by `errors`, from such frames.
+Result<SceneRefinement> RefineKnocked(const RawRig& rig, const RigNumbers& errors,
+                                      const std::vector<RigImages>& frames,
+                                      const SceneWishes& wishes = {});
+
+/// What is left of the errors: `rig` = Changed(truth, result), without kFocal of the place.
+RigNumbers ErrorsLeft(const RawRig& truth, const RawRig& rig);
+
+}  // namespace sprout::calibrate
+
+#endif  // SPROUT_TESTS_SERVICES_CALIBRATE_KNOCKED_SCENE_H_
