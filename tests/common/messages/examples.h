@@ -244,8 +244,6 @@ inline std::vector<Wire> AllWires() {
           wire("motion", Part::kMotion, Motion()),
           wire("depth counts", Part::kDepthCounts, Counts()),
           wire("base cloud", Part::kBaseCloud, Cloud()),
-}
-
           wire("zones", Part::kTofZones, Zones()),
           Wire{"process", EncodeProcessInfo(Process()), std::nullopt, MessageType::kProcess},
           Wire{"status", EncodeStatus(Status()), std::nullopt}};
