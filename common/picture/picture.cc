@@ -127,7 +127,7 @@ cv::Mat3b SigmaPicture(const PriorMap& prior, const std::string& title) {
 }
 
 cv::Mat3b ConfidencePicture(const cv::Mat1b& confidence, const std::string& title) {
-  return ScaledPicture(ToBgr(confidence), title, {.axes = {{{0, 255}, ""}}, .grey = true});
+  return ScaledPicture(ToBgr(confidence), title, {.axes = {{{0, 1}, ""}}, .grey = true});
 }
 
 cv::Mat3b ColorizeErrors(const cv::Mat1f& error_px) {

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/picture/html.h"
@@ -41,8 +42,12 @@ double MostOf(const std::vector<Curve>& curves) {
   return most;
 }
 
-// To the next multiple of 10, so that the numbers of the axis are whole.
-double UpToTens(double percent) { return std::clamp(10 * std::ceil(percent / 10), 10.0, 100.0); }
+// The end of an axis.
+double RoundUp(double percent) {
+  constexpr std::array kEnds = {1.0, 2.0, 5.0, 10.0, 20.0, 50.0};
+  const auto* const end = std::ranges::lower_bound(kEnds, percent);
+  return end == kEnds.end() ? 100 : *end;
+}
 
 Curve ReliabilityOf(const Calibration& calibration) {
   Curve curve;
@@ -121,14 +126,14 @@ std::string ReliabilityPlot(const std::vector<Curve>& scenes, double y) {
   for (const Curve& curve : scenes) {
     for (const Place& place : curve) most = std::max(most, place.x);
   }
-  most = UpToTens(most);
+  most = RoundUp(most);
   const Plot plot({kMargin, y}, most, most);
   return plot.Axes("claimed share of errors &gt; 1 px, %", "true share, %") +
          plot.Lines(scenes, {{0, 0}, {most, most}});
 }
 
 std::string SparsificationPlot(const std::vector<Curve>& scenes, double y) {
-  const Plot plot({kPlot + 3 * kMargin, y}, 100, UpToTens(MostOf(scenes)));
+  const Plot plot({kPlot + 3 * kMargin, y}, 100, RoundUp(MostOf(scenes)));
   return plot.Axes("pixels kept, the surest first, %", "errors &gt; 1 px among them, %") +
          plot.Lines(scenes, OracleOf(MeanOf(scenes)));
 }

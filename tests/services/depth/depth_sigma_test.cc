@@ -70,7 +70,7 @@ TEST(DepthSigma, IsHowFarTheDepthMovesWithTheDisparity) {
     const double slope =
         (pair.DepthFromDisparity(d - h) - pair.DepthFromDisparity(d + h)) / (2 * h);
     const DepthImage image =
-        SigmaOf(DisparityImage(cv::Mat1s(1, 1, counts)), cv::Mat1b(1, 1, sigma), 1, 0.00001);
+        SigmaOf(DisparityImage(cv::Mat1s(1, 1, counts)), cv::Mat1b(1, 1, sigma), 1, 0.0001);
     const double expected = slope * sigma / 16;
     if (expected < 60000 * image.metres_per_count) {
       EXPECT_NEAR(image.Metres(0, 0), expected, 0.51 * image.metres_per_count) << d;
@@ -104,7 +104,7 @@ TEST(DepthSigma, OfAPointOfTheCloudIsWhereItIsSeen) {
   for (int v = 0; v < size.height; ++v) {
     for (int u = 0; u < size.width; ++u) {
       disparity.counts()(v, u) = static_cast<int16_t>(32 * 12 + random() % 2000);
-      sigma(v, u) = static_cast<uint8_t>(1 + random() % 200);
+      sigma(v, u) = static_cast<uint8_t>(1 + random() % 40);
     }
   }
   const DepthImage image = SigmaOf(disparity, sigma);

@@ -79,14 +79,18 @@ TEST(Pipeline, SaysHowSureItIsInEveryPresetWhenAskedTo) {
     EXPECT_TRUE(as_shipped.confidence.empty()) << preset;
     EXPECT_TRUE(SameBytes(as_shipped.disparity.counts(), judged.disparity.counts())) << preset;
     ASSERT_EQ(judged.confidence.size(), scene.size()) << preset;
-    const cv::Mat1b none = judged.disparity.counts() == DisparityImage::kInvalid;
-    EXPECT_EQ(cv::countNonZero(judged.confidence & none), 0) << preset;
+    EXPECT_EQ(cv::countNonZero(judged.confidence &
+                               (judged.disparity.counts() == DisparityImage::kInvalid)),
+              0)
+        << preset;
     // Better on what is sure than on all.
     const auto calibration = [&](const cv::Mat1b& mask) {
       return evaluate::Calibrate(ToPx(judged.disparity), scene.frame.truth.left, mask,
                                  judged.confidence, judged.sigma);
     };
-    const evaluate::Calibration sure = calibration(scene.nonoccluded & (judged.confidence >= 204));
+    cv::Mat1b sure_pixels;
+    cv::bitwise_and(scene.nonoccluded, judged.confidence >= 204, sure_pixels);
+    const evaluate::Calibration sure = calibration(sure_pixels);
     const evaluate::Calibration all = calibration(scene.nonoccluded);
     EXPECT_LT(sure.bad1_percent, all.bad1_percent) << preset;
     EXPECT_LT(sure.bad1_percent, 20) << preset;

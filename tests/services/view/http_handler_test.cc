@@ -111,6 +111,7 @@ TEST_F(HttpHandlerTest, SavesAFrame) {
 TEST_F(HttpHandlerTest, SaysWhatCannotBeSaved) {
   EXPECT_EQ(Get("/save?key=77&what=left.png").status, 404);
   EXPECT_EQ(Get("/save?key=1&what=prior.pfm").body, "the frame has no such map\n");
+  EXPECT_EQ(Get("/save?key=1&what=sigma.pfm").body, "the frame has no standard deviations\n");
   EXPECT_THAT(Get("/save?key=1&what=../x").body, StartsWith("what: allowed are"));
   for (const char* target :
        {"/save", "/save?key=1", "/save?key=x&what=left.png", "/save?key=-1&what=left.png",
