@@ -45,11 +45,18 @@ Side SideOf(const cv::Mat1s& counts, const cv::Mat1s& for_minimum, cv::Point tow
 void AddBetween(const cv::Mat1s& counts, const Side& one, const Side& other, int step,
                 cv::Mat1b& between) {
   for (int v = 0; v < counts.rows; ++v) {
+    const int16_t* const own = counts[v];
+    const int16_t* const largest = one.largest[v];
+    const int16_t* const smallest = one.smallest[v];
+    const int16_t* const other_largest = other.largest[v];
+    const int16_t* const other_smallest = other.smallest[v];
+    uint8_t* const found = between[v];
     for (int u = 0; u < counts.cols; ++u) {
-      const int own = counts(v, u);
-      const bool falls = one.largest(v, u) >= own + step && other.smallest(v, u) <= own - step;
-      const bool rises = one.smallest(v, u) <= own - step && other.largest(v, u) >= own + step;
-      if (falls || rises) between(v, u) = 255;
+      const int nearer = own[u] + step;
+      const int farther = own[u] - step;
+      const bool falls = (largest[u] >= nearer) & (other_smallest[u] <= farther);
+      const bool rises = (smallest[u] <= farther) & (other_largest[u] >= nearer);
+      if (falls | rises) found[u] = 255;
     }
   }
 }
