@@ -87,6 +87,22 @@ TEST(TemporalSystem, ReplayGivesTheBytesOfTheLiveRun) {
           << ChannelOf(part) << " of frame " << seq;
     }
   }
+  // Of two frames before the dark one: behind those before them the same, alone others.
+  const auto two_frames = [&](const std::string& config) {
+    Process some({ProgramPath("sprout-temporal"), "--config", config, "--replay", folder / "in.lcm",
+                  "--record", folder / "some.lcm", "--frames", "3:4"});
+    EXPECT_EQ(some.Wait(std::chrono::seconds(60)), 0) << some.Output();
+    return std::pair(ReadChannels(folder / "some.lcm").at("SPROUT_FUSED"), some.Output());
+  };
+  const auto& whole = recorded.at("SPROUT_FUSED");
+  const auto [warm, warm_report] = two_frames("temporal { warm_up_frames: 3 }");
+  EXPECT_EQ(warm, (std::vector{whole[3], whole[4]}));
+  EXPECT_THAT(warm_report, HasSubstr("frames: 2 in, 2 out (0 degenerate)"));
+  EXPECT_THAT(warm_report, HasSubstr("; 3 frames to warm up;"));
+  const auto [cold, cold_report] = two_frames("temporal { warm_up_frames: 0 }");
+  ASSERT_EQ(cold.size(), 2U);
+  EXPECT_NE(cold[0], whole[3]);
+  EXPECT_THAT(cold_report, testing::Not(HasSubstr("to warm up")));
 }
 
 }  // namespace
