@@ -118,6 +118,7 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
   const Rig& rig = dataset->rig();
   SproutConfig config = settings.config;
   config.mutable_grow()->set_publish_confidence(true);  // which the filter needs
+  config.mutable_temporal()->set_in_pipeline(false);    // it runs here, to be timed
   Chain chain(config);
   temporal::TemporalFilter filter(config.temporal());
   RunningAverage average;

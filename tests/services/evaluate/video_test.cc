@@ -202,12 +202,8 @@ TEST(EvaluateVideo, ScoresWhatThePipelineGives) {
   settings.frames = 5;
   const std::string source = "synthetic:160x120";
   int frames_seen = 0;
-  SproutConfig plain = settings.config;
-  plain.mutable_temporal()->set_in_pipeline(false);
-  VideoSettings of_plain = settings;
-  of_plain.config = plain;
   const VideoResult result =
-      EvaluateVideo(source, of_plain, [&](int frame) { EXPECT_EQ(frame, frames_seen++); });
+      EvaluateVideo(source, settings, [&](int frame) { EXPECT_EQ(frame, frames_seen++); });
   EXPECT_EQ(frames_seen, 5);
   EXPECT_EQ(result.frames, 5);
   EXPECT_TRUE(result.motion_known);
