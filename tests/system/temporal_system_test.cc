@@ -103,6 +103,35 @@ TEST(TemporalSystem, ReplayGivesTheBytesOfTheLiveRun) {
   ASSERT_EQ(cold.size(), 2U);
   EXPECT_NE(cold[0], whole[3]);
   EXPECT_THAT(cold_report, testing::Not(HasSubstr("to warm up")));
+
+  // The motion that was measured, given back; of one frame it is missing.
+  constexpr int64_t kMissing = 2;
+  LogWriter odometry(folder / "odometry.lcm");
+  for (const auto& bytes : recorded.at("SPROUT_MOTION")) {
+    const FrameId id = *DecodeFrameId(bytes);
+    if (id.seq != kMissing) odometry.Write(id.utime, "SPROUT_ODOMETRY", bytes);
+  }
+  odometry.Close();
+  Process given({ProgramPath("sprout-temporal"), "--config", "temporal { motion: CHANNEL }",
+                 "--replay", folder / "in.lcm", "--replay", folder / "odometry.lcm", "--record",
+                 folder / "given.lcm"});
+  EXPECT_EQ(given.Wait(std::chrono::seconds(60)), 0) << given.Output();
+  EXPECT_THAT(given.Output(), HasSubstr("7 in, 7 out (2 degenerate), 0 failed, 1 incomplete"));
+  const ChannelBytes told = ReadChannels(folder / "given.lcm");
+  for (const auto& bytes : told.at("SPROUT_MOTION")) {
+    const auto decoded = DecodePart(Part::kMotion, bytes);
+    const int64_t seq = decoded->id.seq;
+    const auto& motion = std::get<CameraMotion>(decoded->value);
+    const auto measured = std::get<CameraMotion>(
+        DecodePart(Part::kMotion, recorded.at("SPROUT_MOTION")[static_cast<size_t>(seq)])->value);
+    EXPECT_EQ(motion.start_seq, measured.start_seq) << seq;
+    EXPECT_EQ(motion.resets, measured.resets) << seq;
+    EXPECT_EQ(motion.last_seq, seq == kMissing + 1 ? kMissing - 1 : measured.last_seq) << seq;
+    EXPECT_LT(
+        (motion.start_from_left.translation_m - measured.start_from_left.translation_m).norm(),
+        1e-9)
+        << seq;
+  }
 }
 
 }  // namespace
