@@ -206,7 +206,7 @@ void AddVideoFlags(CLI::App& flags, Options& options) {
       ->capture_default_str()
       ->needs(video);
   for (const char* other : {"--methods", "--tof", "--seed-noise-px", "--seed-jitter-px", "--repeat",
-                            "--json", "--csv", "--images", "--log"}) {
+                            "--json", "--csv", "--log"}) {
     video->excludes(flags.get_option(other));
   }
 }
@@ -311,7 +311,9 @@ int RunVideo(const Options& options) {
   const VideoSettings settings{.config = LoadConfig(PresetOf(options).files),
                                .frames = options.video_frames,
                                .rate_hz = options.video_rate_hz,
-                               .image_noise = options.image_noise};
+                               .image_noise = options.image_noise,
+                               .images = options.images};
+  if (!options.images.empty()) RequireWritableFolder("--images", options.images, {"video.svg"});
   Progress progress(options.quiet);
   std::vector<VideoResult> results;
   for (const std::string& source : options.scenes) {

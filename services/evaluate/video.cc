@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "common/core/quantile.h"
 #include "services/datasets/dataset.h"
 #include "services/evaluate/scene.h"
+#include "services/evaluate/video_pictures.h"
 #include "services/evaluate/video_truth.h"
 #include "services/pipeline/chain.h"
 #include "services/temporal/temporal_filter.h"
@@ -116,11 +118,13 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
   const Rig& rig = dataset->rig();
   SproutConfig config = settings.config;
   config.mutable_grow()->set_publish_confidence(true);  // which the filter needs
+  config.mutable_temporal()->set_in_pipeline(false);    // it runs here, to be timed
   Chain chain(config);
   temporal::TemporalFilter filter(config.temporal());
   RunningAverage average;
   AwayFromPoints away;
-  VideoScore single_score, average_score, fused_score;
+  std::array<VideoScore, 3> scores;
+  VideoPictures pictures(source, result.frames);
   cv::RNG random(settings.config.capture().seed());
   std::vector<double> times_ms;
   for (int i = 0; i < result.frames; ++i) {
@@ -153,13 +157,14 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
     const cv::Mat1b mask = IsKitti(source) ? away.Add(captured.tof, rig, moved)
                                            : cv::Mat1b(truth.size(), uint8_t{255});
     const cv::Mat1f single = ToPx(*frame.disparity);
-    single_score.Add(single, truth, mask);
-    average_score.Add(average.Add(single), truth, mask);
-    fused_score.Add(ToPx(fused.disparity), truth, mask);
+    const VideoMaps maps = {single, average.Add(single), ToPx(fused.disparity)};
+    for (size_t k = 0; k < maps.size(); ++k) scores[k].Add(maps[k], truth, mask);
+    if (!settings.images.empty()) pictures.Add(i, frame.left, truth, mask, maps);
   }
-  result.single = single_score.figures();
-  result.average = average_score.figures();
-  result.fused = fused_score.figures();
+  if (!settings.images.empty()) pictures.Write(settings.images);
+  result.single = scores[0].figures();
+  result.average = scores[1].figures();
+  result.fused = scores[2].figures();
   result.filter_ms = OrderStatistic(std::span(times_ms), times_ms.size() / 2);
   return result;
 }

@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_EVALUATE_VIDEO_H_
 #define SPROUT_SERVICES_EVALUATE_VIDEO_H_
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -12,10 +13,11 @@ namespace sprout::evaluate {
 
 /// What is done with a source, frame after frame.
 struct VideoSettings {
-  SproutConfig config;     ///< effective; its source is replaced
-  int frames = 10;         ///< at most; a data set may have fewer
-  double rate_hz = 10;     ///< of the frames, which have no times of their own
-  double image_noise = 0;  ///< standard deviation that both images get, grey levels
+  SproutConfig config;                ///< effective; its source is replaced
+  int frames = 10;                    ///< at most; a data set may have fewer
+  double rate_hz = 10;                ///< of the frames, which have no times of their own
+  double image_noise = 0;             ///< standard deviation that both images get, grey levels
+  std::filesystem::path images = {};  ///< folder for VideoPictures; empty: none
 };
 
 /// A source's figures.
@@ -38,6 +40,7 @@ struct VideoResult {
 /// @param source    as capture's: kitti:DIR?beams=16, synthetic:640x480?tof=sr4000, middlebury:DIR
 ///                  (the scene again and again, with new noise of the ToF camera).
 /// @param on_frame  called before each frame.
+/// @throws std::runtime_error for a picture that cannot be written.
 VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settings,
                           const std::function<void(int)>& on_frame);
 

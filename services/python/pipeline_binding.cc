@@ -10,12 +10,31 @@
 namespace sprout::python {
 namespace {
 
+// A pose from an array (4, 4).
+Pose TakePose(const py::object& given) {
+  const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(given);
+  if (!array || array.ndim() != 2 || array.shape(0) != 4 || array.shape(1) != 4) {
+    PyErr_Clear();
+    Refuse("pose", "float64 array of shape (4, 4)", given);
+  }
+  const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> matrix(array.data());
+  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+  const bool is_rotation = (rotation * rotation.transpose()).isIdentity(1e-6) &&
+                           rotation.determinant() > 0 && matrix.allFinite();
+  if (!is_rotation || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
+    throw py::value_error("pose: expected a rotation R, a place t and 0, 0, 0, 1, given " +
+                          std::string(py::repr(given)));
+  }
+  return {Eigen::Quaterniond(rotation).normalized(), matrix.topRightCorner<3, 1>()};
+}
+
 class PyPipeline {
  public:
   explicit PyPipeline(const SproutConfig& config) : config_(config), pipeline_(config) {}
 
   PyFrame Compute(const py::object& left, const py::object& right, const py::object& tof,
-                  const Rig& rig, std::optional<int64_t> seq, std::optional<int64_t> utime) {
+                  const Rig& rig, std::optional<int64_t> seq, std::optional<int64_t> utime,
+                  const py::object& pose) {
     PyFrame result;
     Frame& frame = result.frame;
     frame.left = TakeImage("left", left, rig.pair.size());
@@ -30,6 +49,10 @@ class PyPipeline {
     }
     std::optional<FrameTime> time;
     if (seq) time = FrameTime{.utime = *utime, .seq = *seq};
+    if (!pose.is_none()) {
+      if (!time) throw py::value_error("pose: expected with seq and utime only");
+      time->pose = TakePose(pose);
+    }
     frame.id = {.utime = utime.value_or(0), .seq = seq.value_or(-1), .rig_id = RigId(rig)};
     DepthFrame depth = Work(frame, time);
     result.warnings = std::move(depth.warnings);
@@ -93,8 +116,8 @@ As Config(): presets, files, texts, merged; none: all defaults.)")
       .def(
           "compute", &PyPipeline::Compute, py::arg("left"), py::arg("right"),
           py::arg("tof") = py::none(), py::arg("rig"), py::arg("seq") = py::none(),
-          py::arg("utime") = py::none(),
-          R"(compute(self, left: numpy.ndarray, right: numpy.ndarray, tof: Union[numpy.ndarray, Tof, None], rig: Rig, seq: Optional[int] = ..., utime: Optional[int] = ...) -> Frame
+          py::arg("utime") = py::none(), py::arg("pose") = py::none(),
+          R"(compute(self, left: numpy.ndarray, right: numpy.ndarray, tof: Union[numpy.ndarray, Tof, None], rig: Rig, seq: Optional[int] = ..., utime: Optional[int] = ..., pose: Optional[numpy.ndarray] = ...) -> Frame
 
 left, right: rectified, uint8, (rig.height, rig.width) or with 3 colours (BGR).
 tof: (rig.tof.height, rig.tof.width) float32 in m along the optical axis, or uint16 in mm; 0 or NaN: no
@@ -103,7 +126,9 @@ Contiguous arrays are taken as they are, not copied; others, and float64, are co
 fit is a ValueError that names argument, type and shape, expected and given. A frame in which nothing
 can be found is no error: it has an empty map, and warnings.
 seq, utime: number and time (us) of the frame, for the memory of a pipeline with temporal { in_pipeline:
-true }; both, or neither: then it is the frame after the last one, without a gap.)")
+true }; both, or neither: then it is the frame after the last one, without a gap.
+pose: with temporal { motion: CHANNEL } that of the left camera in a frame that does not move, (4, 4)
+float64, m; None: not known, and earlier frames are forgotten.)")
       .def("reset", &PyPipeline::Reset,
            R"(reset(self) -> None
 

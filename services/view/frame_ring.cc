@@ -15,8 +15,9 @@ using std::chrono::seconds;
 
 // Parts that are shown and waited for. Those that only the left camera sees come before the prior.
 // Depth and cloud, which may come for every tenth frame only, the page makes of the disparities.
-constexpr std::array kShownParts = {Part::kLeft,      Part::kTof,        Part::kSeeds, Part::kPrior,
-                                    Part::kDisparity, Part::kConfidence, Part::kSigma, Part::kFused};
+constexpr std::array kShownParts = {Part::kLeft,  Part::kTof,       Part::kSeeds,
+                                    Part::kPrior, Part::kDisparity, Part::kConfidence,
+                                    Part::kSigma, Part::kFused};
 
 // A part is expected as long as it comes at its pace, at least for the first, at most for the
 // second of these times.

@@ -87,6 +87,51 @@ TEST(TemporalSystem, ReplayGivesTheBytesOfTheLiveRun) {
           << ChannelOf(part) << " of frame " << seq;
     }
   }
+  // Of two frames before the dark one: behind those before them the same, alone others.
+  const auto two_frames = [&](const std::string& config) {
+    Process some({ProgramPath("sprout-temporal"), "--config", config, "--replay", folder / "in.lcm",
+                  "--record", folder / "some.lcm", "--frames", "3:4"});
+    EXPECT_EQ(some.Wait(std::chrono::seconds(60)), 0) << some.Output();
+    return std::pair(ReadChannels(folder / "some.lcm").at("SPROUT_FUSED"), some.Output());
+  };
+  const auto& whole = recorded.at("SPROUT_FUSED");
+  const auto [warm, warm_report] = two_frames("temporal { warm_up_frames: 3 }");
+  EXPECT_EQ(warm, (std::vector{whole[3], whole[4]}));
+  EXPECT_THAT(warm_report, HasSubstr("frames: 2 in, 2 out (0 degenerate)"));
+  EXPECT_THAT(warm_report, HasSubstr("; 3 frames to warm up;"));
+  const auto [cold, cold_report] = two_frames("temporal { warm_up_frames: 0 }");
+  ASSERT_EQ(cold.size(), 2U);
+  EXPECT_NE(cold[0], whole[3]);
+  EXPECT_THAT(cold_report, testing::Not(HasSubstr("to warm up")));
+
+  // The motion that was measured, given back; of one frame it is missing.
+  constexpr int64_t kMissing = 2;
+  LogWriter odometry(folder / "odometry.lcm");
+  for (const auto& bytes : recorded.at("SPROUT_MOTION")) {
+    const FrameId id = *DecodeFrameId(bytes);
+    if (id.seq != kMissing) odometry.Write(id.utime, "SPROUT_ODOMETRY", bytes);
+  }
+  odometry.Close();
+  Process given({ProgramPath("sprout-temporal"), "--config", "temporal { motion: CHANNEL }",
+                 "--replay", folder / "in.lcm", "--replay", folder / "odometry.lcm", "--record",
+                 folder / "given.lcm"});
+  EXPECT_EQ(given.Wait(std::chrono::seconds(60)), 0) << given.Output();
+  EXPECT_THAT(given.Output(), HasSubstr("7 in, 7 out (2 degenerate), 0 failed, 1 incomplete"));
+  const ChannelBytes told = ReadChannels(folder / "given.lcm");
+  for (const auto& bytes : told.at("SPROUT_MOTION")) {
+    const auto decoded = DecodePart(Part::kMotion, bytes);
+    const int64_t seq = decoded->id.seq;
+    const auto& motion = std::get<CameraMotion>(decoded->value);
+    const auto measured = std::get<CameraMotion>(
+        DecodePart(Part::kMotion, recorded.at("SPROUT_MOTION")[static_cast<size_t>(seq)])->value);
+    EXPECT_EQ(motion.start_seq, measured.start_seq) << seq;
+    EXPECT_EQ(motion.resets, measured.resets) << seq;
+    EXPECT_EQ(motion.last_seq, seq == kMissing + 1 ? kMissing - 1 : measured.last_seq) << seq;
+    EXPECT_LT(
+        (motion.start_from_left.translation_m - measured.start_from_left.translation_m).norm(),
+        1e-9)
+        << seq;
+  }
 }
 
 }  // namespace

@@ -5,10 +5,14 @@
 
 #include <cmath>
 #include <limits>
+#include <opencv2/imgcodecs.hpp>
 
 #include "common/core/image.h"
+#include "common/core/read_text.h"
+#include "services/evaluate/video_pictures.h"
 #include "services/evaluate/video_truth.h"
 #include "services/pipeline/pipeline.h"
+#include "tests/common/picture/temporary_directory.h"
 #include "tests/services/datasets/kitti_folder.h"
 
 namespace sprout::evaluate {
@@ -47,8 +51,10 @@ TEST(VideoScore, ComparesChangesWithThoseOfTheTruth) {
   VideoScore score;
   const cv::Mat1f first(2, 2, 10.F), second(2, 2, 11.F);
   AddTwoFrames(score, first);
-  score.Add(first + 0.25, first, All(first.size()));   // 99 → 10.25 without a cause: at most 20
-  score.Add(second + 0.75, second, All(first.size()));  // half a pixel more than the truth
+  score.Add(cv::Mat1f(2, 2, 10.25F), first,
+            All(first.size()));  // 99 → 10.25 without a cause: at most 20
+  score.Add(cv::Mat1f(2, 2, 11.75F), second,
+            All(first.size()));  // half a pixel more than the truth
   EXPECT_DOUBLE_EQ(score.figures().change_px, (20 + 0.5) / 2);
 }
 
@@ -162,6 +168,33 @@ TEST(AwayFromPoints, LeavesOutWhatIsNearThePointsOfThreeFrames) {
   EXPECT_TRUE(same(away.Add({}, rig, Pose()), expected({30})));  // the first is forgotten
 }
 
+TEST(VideoPictures, ShowErrorsOfSixFramesAndAllInAPlot) {
+  const TemporaryDirectory folder;
+  VideoPictures pictures("synthetic:8x6?tof=none", 12);
+  const cv::Size size(8, 6);
+  const cv::Mat1f truth(size, 10.F);
+  for (int i = 0; i < 12; ++i) {
+    cv::Mat1f half_wrong(size, 10.F);
+    half_wrong.colRange(0, 4).setTo(i < 6 ? 14.F : kNaN);
+    pictures.Add(i, cv::Mat1b(size, uint8_t{90}), truth, All(size),
+                 {cv::Mat1f(size, 13.F), half_wrong, cv::Mat1f(size, 14.F)});
+  }
+  EXPECT_EQ(pictures.bad3_percent()[0], std::vector<double>(12, 0));
+  EXPECT_EQ(pictures.bad3_percent()[1], std::vector<double>(12, 50));
+  EXPECT_EQ(pictures.bad3_percent()[2], std::vector<double>(12, 100));
+  pictures.Write(folder / "");
+  const std::string name = folder / "synthetic_8x6_tof_none";
+  const cv::Mat strip = cv::imread(name + "_strip.png");
+  EXPECT_GT(strip.cols, 4 * kFigureCellWidth);
+  EXPECT_GT(strip.rows, 6 * kFigureCellWidth * 3 / 4);
+  EXPECT_LT(strip.rows, 7 * kFigureCellWidth);
+  const std::string plot = ReadText(name + ".svg", 100'000).value();
+  EXPECT_THAT(plot, HasSubstr("synthetic:8x6?tof=none: bad 3, %"));
+  // Half of the height, from the left to the right edge.
+  EXPECT_THAT(plot, HasSubstr("stroke=\"#3070c0\" stroke-width=\"1.5\" points=\"44.0,99.0 "));
+  EXPECT_THAT(plot, HasSubstr("472.0,99.0 \"/>"));
+}
+
 // The pipeline with memory, which computes the same from the outside.
 TEST(EvaluateVideo, ScoresWhatThePipelineGives) {
   VideoSettings settings;
@@ -169,12 +202,8 @@ TEST(EvaluateVideo, ScoresWhatThePipelineGives) {
   settings.frames = 5;
   const std::string source = "synthetic:160x120";
   int frames_seen = 0;
-  SproutConfig plain = settings.config;
-  plain.mutable_temporal()->set_in_pipeline(false);
-  VideoSettings of_plain = settings;
-  of_plain.config = plain;
   const VideoResult result =
-      EvaluateVideo(source, of_plain, [&](int frame) { EXPECT_EQ(frame, frames_seen++); });
+      EvaluateVideo(source, settings, [&](int frame) { EXPECT_EQ(frame, frames_seen++); });
   EXPECT_EQ(frames_seen, 5);
   EXPECT_EQ(result.frames, 5);
   EXPECT_TRUE(result.motion_known);

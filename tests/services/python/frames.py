@@ -22,7 +22,7 @@ def synthetic(size: str = "64x48", tof: str = "grid", number: int = 0) -> sprout
     return sprout.Dataset(f"synthetic:{size}?tof={tof}")[number]
 
 
-def compute(pipeline: sprout.Pipeline, frame: sprout.Frame, **time: int) -> sprout.Frame:
+def compute(pipeline: sprout.Pipeline, frame: sprout.Frame, **time: Any) -> sprout.Frame:
     return pipeline.compute(frame.left, frame.right, frame.tof, frame.rig, **time)
 
 

@@ -127,6 +127,24 @@ class BytesTest(unittest.TestCase):
             compute(pipeline, frames[2], seq=3)
         with self.assertRaisesRegex(ValueError, r"time.utime: -1; allowed: 0 to 2\^62"):
             compute(pipeline, frames[2], seq=3, utime=-1)
+        # Poses that are given: those that were measured, seen from elsewhere.
+        given = sprout.Pipeline(*config, "temporal { motion: CHANNEL }")
+        world = numpy.array([[0, 0, 1, 7], [0, 1, 0, 0], [-1, 0, 0, 2], [0, 0, 0, 1]], float)
+        pipeline.reset()
+        for number, frame in enumerate(frames):
+            measured = compute(pipeline, frame, seq=number, utime=100_000 * number).motion
+            told = compute(given, frame, seq=number, utime=100_000 * number,
+                           pose=world @ measured.start_from_left).motion
+            self.assertEqual((told.reset, told.tracked), (measured.reset, 0))
+            numpy.testing.assert_allclose(told.start_from_left, measured.start_from_left, atol=1e-9)
+        self.assertEqual(compute(given, frames[0], seq=99, utime=900_000).motion.reset, "GAP")
+        self.assertEqual(compute(given, frames[0], seq=100, utime=900_001).motion.reset, "FEW_POINTS")
+        for pose, text in ((numpy.eye(3), r"pose: expected float64 array of shape \(4, 4\), given"),
+                           (2 * numpy.eye(4), "pose: expected a rotation R"), ("here", "pose: expected")):
+            with self.assertRaisesRegex(ValueError, text):
+                compute(given, frames[0], seq=101, utime=900_002, pose=pose)
+        with self.assertRaisesRegex(ValueError, "pose: expected with seq and utime"):
+            compute(given, frames[0], pose=world)
         without = compute(sprout.Pipeline("default"), frames[0])
         self.assertEqual((without.fused, without.fused_confidence, without.motion), (None, None, None))
 
