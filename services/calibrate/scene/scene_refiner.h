@@ -64,6 +64,8 @@ class SceneRefiner {
  public:
   /// More frames take time and memory, and show the same errors.
   static constexpr int kMostViews = 24;
+  /// The same of matches; those of each frame evenly.
+  static constexpr size_t kMostMatches = 8000;
 
   /// @param rig      to be refined.
   /// @param images   how the frames were rectified: RectificationOf(rig), or for RawRigOf() no
@@ -98,6 +100,7 @@ class SceneRefiner {
   cv::Mat1b RectifyRight(const cv::Mat1b& image, const RawRig& by, const Rectification& to) const;
 
  private:
+  void ThinOut();
   void AttachPatches(const RawRig& rig);
   std::optional<EdgeShift> FindEdges(const RigNumbers& change);
   SceneFit FitOf(const std::vector<MatchResidual>& residuals) const;
