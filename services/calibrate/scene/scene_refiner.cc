@@ -162,9 +162,9 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
   ThinOut();
   SceneRefinement result;
   result.wanted.fill(true);
-  result.wanted[kPlaceY] = result.wanted[kPlaceZ] = wishes.places;
+  result.wanted[kPlaceY] = result.wanted[kPlaceZ] = wishes.place;
   result.wanted[kFocal] = result.wanted[kFocalRight] = wishes.focal;
-  result.wanted[kRowRight] = wishes.rows;
+  result.wanted[kRowRight] = wishes.row;
   const auto is_tof = [](const SceneMatch& match) { return match.tof.has_value(); };
 
   // Where the ToF camera looks decides which points are compared, so twice.
@@ -178,6 +178,7 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
     for (const RigNumber number : {kTofPitch, kTofYaw, kTofRoll, kRangeOffset}) {
       result.wanted[number] = sees_tof;
     }
+    result.wanted[kYaw] = sees_tof || wishes.yaw;
     Result<AdjustedScene> adjusted = AdjustScene(rig_, matches_, edges, result.wanted);
     if (!adjusted) return tl::unexpected(adjusted.error());
     result.adjusted = std::move(*adjusted);

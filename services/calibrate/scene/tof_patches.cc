@@ -25,7 +25,7 @@ TofPatches::TofPatches(const TofImage& tof, const TofProjector& projector)
   const Rig& rig = projector.rig();
   int behind = 0;
   points_ = projector.Project(tof, behind);
-  cell_px_ = std::max(1.0, rig.pair.focal_px / rig.tof.fx);
+  cell_px_ = std::max(1.0, rig.pair.focal_px / std::min(rig.tof.fx, rig.tof.fy));
   nearest_ = cv::Mat1i(static_cast<int>(rig.pair.height / cell_px_) + 1,
                        static_cast<int>(rig.pair.width / cell_px_) + 1, -1);
   const cv::Rect2d image({0, 0}, cv::Size2d(rig.pair.size()));

@@ -18,6 +18,8 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kScenes = 10;
 constexpr int kFrames = 2;
 
+constexpr SceneWishes kAll{.focal = true, .row = true, .place = true, .yaw = true};
+
 // What may be left of an error, in the units of RigNumbers.
 RigNumbers Limits(const RawRig& rig) {
   RigNumbers limits{};
@@ -79,8 +81,8 @@ TEST(SceneRefiner, RecoversAllErrorsAtOnceAndLeavesARightRigAlone) {
   RigNumbers squares{};  // of errors in standard deviations
   for (int scene = 0; scene < kScenes; ++scene) {
     const std::vector<RigImages> frames = Frames(rig, scene, true);
-    const auto knocked = RefineKnocked(rig, ErrorsOf(scene, rig), frames);
-    const auto right = RefineKnocked(rig, {}, frames);
+    const auto knocked = RefineKnocked(rig, ErrorsOf(scene, rig), frames, kAll);
+    const auto right = RefineKnocked(rig, {}, frames, kAll);
     ASSERT_TRUE(knocked) << knocked.error().text;
     ASSERT_TRUE(right) << right.error().text;
     std::string name;
@@ -130,18 +132,19 @@ TEST(SceneRefiner, FindsThePairWithoutAToFCamera) {
   EXPECT_LT(refined->after.rows_abs_median_px, 0.05);
 }
 
-TEST(SceneRefiner, KeepsWhatItIsTold) {
+TEST(SceneRefiner, ChangesNoLensUnlessItIsTold) {
   const RawRig rig = TrueRig({640, 480});
   RigNumbers errors{};
   errors[kFocalRight] = 0.005;
   errors[kRowRight] = 2;
+  errors[kYaw] = 0.1 * kDegree;
 
-  const auto refined = RefineKnocked(rig, errors, Frames(rig, 1, false),
-                                     {.focal = false, .rows = false, .places = false});
+  const auto refined = RefineKnocked(rig, errors, Frames(rig, 1, false));
 
   ASSERT_TRUE(refined) << refined.error().text;
   const RigNumbers left = ErrorsLeft(rig, refined->rig);
   EXPECT_EQ(left[kRowRight], 2);
+  EXPECT_NEAR(left[kYaw], 0.1 * kDegree, 0.01 * kDegree);  // no ToF point shows it
   EXPECT_NEAR(left[kFocalRight], 0.005, 1e-12);
 }
 
@@ -150,9 +153,9 @@ TEST(SceneRefiner, GivesTheSameForAnyNumberOfThreads) {
   const std::vector<RigImages> frames = Frames(rig, 2, true);
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
-  const auto one = RefineKnocked(rig, ErrorsOf(2, rig), frames);
+  const auto one = RefineKnocked(rig, ErrorsOf(2, rig), frames, kAll);
   cv::setNumThreads(3);
-  const auto three = RefineKnocked(rig, ErrorsOf(2, rig), frames);
+  const auto three = RefineKnocked(rig, ErrorsOf(2, rig), frames, kAll);
   cv::setNumThreads(threads);
 
   ASSERT_TRUE(one) << one.error().text;
