@@ -84,12 +84,12 @@ class Adjustment {
     for (size_t i = 0; i < matches_.size(); ++i) {
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<MatchError, 2, 3, 2, 3, 1>(
-              new MatchError{rig_, matches_[i], sigma_px_}),
+              new MatchError{rig_, matches_[i], along_sigmas_ * sigma_px_, sigma_px_}),
           new ceres::CauchyLoss(kCauchySigmas), At(kTurn), At(kPlace), At(kLenses), &depths_[i]);
       if (!matches_[i].tof) continue;
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<PatchError, 1, 3, 3, 1, 1>(new PatchError{
-              rig_, matches_[i], tof_sigmas_ * matches_[i].tof->sigma_m}),
+              rig_, matches_[i], along_sigmas_ * matches_[i].tof->sigma_m}),
           new ceres::CauchyLoss(kCauchySigmas), At(kLenses), At(kTofTurn), At(kOffset),
           &depths_[i]);
     }
@@ -152,16 +152,18 @@ class Adjustment {
     std::vector<double> ranges;
     for (const MatchResidual& residual : residuals) rows.push_back(residual.rows_px);
     sigma_px_ = std::max(kLeastSigmaPx, SigmaOf(std::move(rows)));
-    // The difference of ToF and stereo has the errors of both.
+    // The difference of ToF and stereo has the errors of both. On slanted surfaces columns are less
+    // exact than rows, and ToF points less than their planes show: both by the same factor.
     for (size_t i = 0; i < matches_.size(); ++i) {
       if (!residuals[i].tof_m) continue;
       const double m_per_px = std::abs(*residuals[i].tof_m / *residuals[i].tof_px);
       if (!std::isfinite(m_per_px)) continue;
-      const double expected = std::hypot(tof_sigmas_ * matches_[i].tof->sigma_m,
-                                         sigma_px_ * m_per_px);
+      const double expected =
+          along_sigmas_ * std::hypot(matches_[i].tof->sigma_m, sigma_px_ * m_per_px);
       ranges.push_back(*residuals[i].tof_m / expected);
     }
-    if (!ranges.empty()) tof_sigmas_ = std::max(1.0, tof_sigmas_ * SigmaOf(std::move(ranges)));
+    if (ranges.empty()) return;
+    along_sigmas_ = std::max(1.0, along_sigmas_ * SigmaOf(std::move(ranges)));
   }
 
   bool FindDeviations(ceres::Problem& problem) {
@@ -232,7 +234,7 @@ class Adjustment {
   RigNumbers deviations_{};
   std::vector<double> depths_;
   double sigma_px_ = 1;
-  double tof_sigmas_ = 1;  // scatter of ToF ranges, in units of what their planes show
+  double along_sigmas_ = 1;  // scatter along the rays, in units of what rows and planes show
 };
 
 }  // namespace
@@ -243,7 +245,7 @@ std::vector<MatchResidual> ResidualsOf(const RawRig& rig, const std::vector<Scen
   const double* numbers = change.data();
   std::vector<MatchResidual> residuals(matches.size());
   for (size_t i = 0; i < matches.size(); ++i) {
-    const MatchError match{rig, matches[i], 1};
+    const MatchError match{rig, matches[i], 1, 1};
     const auto at = [&](double inverse_depth, double* residual) {
       return match(numbers + kPitch, numbers + kPlaceY, numbers + kFocal, &inverse_depth, residual);
     };

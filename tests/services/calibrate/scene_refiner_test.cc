@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kScenes = 10;
-constexpr int kFrames = 2;
+constexpr int kFrames = 1;
 
 constexpr SceneWishes kAll{.focal = true, .row = true, .place = true, .yaw = true};
 
