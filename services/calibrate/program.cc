@@ -250,10 +250,9 @@ void AddCheck(CLI::App& program, Options& options) {
 void AddRefine(CLI::App& program, Options& options) {
   CLI::App& flags = *program.add_subcommand(
       "refine",
-      "Puts a calibration right from recordings of any scene, without a board: the right camera's "
-      "rotation,\nfocal lengths and principal row, the ToF camera's rotation and the offset of its "
-      "ranges. What the scene\ndoes not show stays, and is said. Exit code 0 good, 1 not good, or "
-      "the scene shows too little");
+      "Puts a calibration right from recordings of any scene, without a board: the rotations of "
+      "the right camera\nand of the ToF camera, and the offset of its ranges. What the scene does "
+      "not show stays, and is said.\nExit code 0 good, 1 not good, or the scene shows too little");
   flags
       .add_option("LOG", options.refine.inputs,
                   "Logs of unrectified images (RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF) or "
@@ -273,11 +272,12 @@ void AddRefine(CLI::App& program, Options& options) {
       ->type_name("FILE");
   flags.add_option("--report", options.refine.report, "HTML page to write")->type_name("FILE");
   flags
-      .add_option("--keep", options.refine.keep,
-                  "What must not change: focal (lengths), row (of the right principal point), place "
-                  "(direction of the\nbaseline)")
+      .add_option("--also", options.refine.also,
+                  "What may change as well, for lenses whose distortion is known to some hundredths "
+                  "of a pixel:\nfocal (lengths), row (of the right principal point), place "
+                  "(direction of the baseline),\nyaw (where no ToF point shows it)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"focal", "row", "place"}))
+      ->check(CLI::IsMember({"focal", "row", "place", "yaw"}))
       ->type_name("NAMES");
   flags.add_option("--channel-prefix", options.refine.prefix, "Before the channels in the log")
       ->type_name("TEXT");

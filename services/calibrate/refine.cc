@@ -154,13 +154,15 @@ class Reader {
 }  // namespace
 
 int RunRefine(const RefineOptions& options) {
-  const auto may_change = [&](const char* name) {
-    return std::ranges::find(options.keep, name) == options.keep.end();
+  const auto wished = [&](const char* name) {
+    return std::ranges::find(options.also, name) != options.also.end();
   };
   Reader reader(options);
   SceneRefiner& refiner = reader.Read();
-  const Result<SceneRefinement> refined = refiner.Refine(
-      {.focal = may_change("focal"), .rows = may_change("row"), .places = may_change("place")});
+  const Result<SceneRefinement> refined = refiner.Refine({.focal = wished("focal"),
+                                                          .row = wished("row"),
+                                                          .place = wished("place"),
+                                                          .yaw = wished("yaw")});
   if (!refined) throw std::runtime_error(refined.error().text);
 
   RigDescription rig = reader.description();

@@ -12,7 +12,7 @@ struct RefineOptions {
   std::filesystem::path rig;                  ///< empty: the calibration in the logs
   std::filesystem::path out;
   std::filesystem::path report;   ///< empty: none
-  std::vector<std::string> keep;  ///< of "focal", "row", "place"
+  std::vector<std::string> also;  ///< of "focal", "row", "place", "yaw": members of SceneWishes
   std::string prefix;
 };
 

@@ -13,14 +13,21 @@
 namespace sprout::calibrate {
 namespace {
 
-// Solutions until the sigmas stand still, to a percent: the first starts from pixels.
-constexpr int kRounds = 5;
+// Solutions until the sigmas stand still, to a percent: the first starts from pixels, those with
+// fewer numbers from the last one.
+constexpr int kFirstRounds = 5;
+constexpr int kLaterRounds = 2;
 // Errors beyond so many sigmas lose weight: a tenth of the efficiency on Gaussian noise.
 constexpr double kCauchySigmas = 2;
 // What no match falls below; keeps an artificial input without noise from dividing by 0.
 constexpr double kLeastSigmaPx = 0.01;
 // A number is seen when it is known to this share of what is expected of it.
 constexpr double kSeen = 1.0 / 3;
+// A change of fewer standard deviations is none: a right rig has one of these once in 370.
+constexpr double kSignificant = 3;
+// Matches share errors (the same texture in all frames, surfaces that are no planes): one in so many
+// is independent. Measured: without it errors are 2.2 standard deviations (NOTES.md).
+constexpr double kSharing = 4;
 
 // Numbers first to first + size − 1 are one block.
 struct NumberBlock {
@@ -44,27 +51,28 @@ class Adjustment {
  public:
   Adjustment(const RawRig& rig, const std::vector<SceneMatch>& matches,
              const std::optional<EdgeShift>& edges, const Wanted& wanted)
-      : rig_(rig), matches_(matches), edges_(edges), free_(wanted) {
+      : rig_(rig), matches_(matches), edges_(edges), free_(wanted), seen_(wanted) {
     for (const SceneMatch& match : matches) depths_.push_back(match.inverse_depth);
     FindSigmas();
   }
 
   Result<AdjustedScene> Run() {
-    for (;;) {
-      for (int round = 0; round < kRounds; ++round) {
+    int rounds = kFirstRounds;
+    do {
+      for (int round = 0; round < rounds; ++round) {
         ceres::Problem problem;
         Build(problem);
         if (!Solve(problem)) return Fail("the matches lead to no calibration");
         FindSigmas();
-        if (round + 1 == kRounds && !FindDeviations(problem)) {
+        if (round + 1 == rounds && !FindDeviations(problem)) {
           return Fail("the matches do not determine the calibration");
         }
       }
-      if (!TakeOutUnseen()) break;
-    }
+      rounds = kLaterRounds;
+    } while (TakeOutUnseen() || TakeOutInsignificant());
     return AdjustedScene{.change = numbers_,
                          .sigma = deviations_,
-                         .seen = free_,
+                         .seen = seen_,
                          .inverse_depths = depths_,
                          .match_sigma_px = sigma_px_};
   }
@@ -76,12 +84,12 @@ class Adjustment {
     for (size_t i = 0; i < matches_.size(); ++i) {
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<MatchError, 2, 3, 2, 3, 1>(
-              new MatchError{rig_, matches_[i], sigma_px_}),
+              new MatchError{rig_, matches_[i], along_sigmas_ * sigma_px_, sigma_px_}),
           new ceres::CauchyLoss(kCauchySigmas), At(kTurn), At(kPlace), At(kLenses), &depths_[i]);
       if (!matches_[i].tof) continue;
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<PatchError, 1, 3, 3, 1, 1>(new PatchError{
-              rig_, matches_[i], tof_sigmas_ * matches_[i].tof->sigma_m}),
+              rig_, matches_[i], along_sigmas_ * matches_[i].tof->sigma_m}),
           new ceres::CauchyLoss(kCauchySigmas), At(kLenses), At(kTofTurn), At(kOffset),
           &depths_[i]);
     }
@@ -144,16 +152,18 @@ class Adjustment {
     std::vector<double> ranges;
     for (const MatchResidual& residual : residuals) rows.push_back(residual.rows_px);
     sigma_px_ = std::max(kLeastSigmaPx, SigmaOf(std::move(rows)));
-    // The difference of ToF and stereo has the errors of both.
+    // The difference of ToF and stereo has the errors of both. On slanted surfaces columns are less
+    // exact than rows, and ToF points less than their planes show: both by the same factor.
     for (size_t i = 0; i < matches_.size(); ++i) {
       if (!residuals[i].tof_m) continue;
       const double m_per_px = std::abs(*residuals[i].tof_m / *residuals[i].tof_px);
       if (!std::isfinite(m_per_px)) continue;
-      const double expected = std::hypot(tof_sigmas_ * matches_[i].tof->sigma_m,
-                                         sigma_px_ * m_per_px);
+      const double expected =
+          along_sigmas_ * std::hypot(matches_[i].tof->sigma_m, sigma_px_ * m_per_px);
       ranges.push_back(*residuals[i].tof_m / expected);
     }
-    if (!ranges.empty()) tof_sigmas_ = std::max(1.0, tof_sigmas_ * SigmaOf(std::move(ranges)));
+    if (ranges.empty()) return;
+    along_sigmas_ = std::max(1.0, along_sigmas_ * SigmaOf(std::move(ranges)));
   }
 
   bool FindDeviations(ceres::Problem& problem) {
@@ -171,7 +181,7 @@ class Adjustment {
       for (int i = 0; i < block.size; ++i) {
         const auto number = static_cast<size_t>(block.first + i);
         if (!free_[number]) continue;
-        deviations_[number] = std::sqrt(matrix[static_cast<size_t>(i * block.size + i)]);
+        deviations_[number] = std::sqrt(kSharing * matrix[static_cast<size_t>(i * block.size + i)]);
       }
     }
     return true;
@@ -180,29 +190,51 @@ class Adjustment {
   // The least known number, when it is not seen; whether there was one.
   bool TakeOutUnseen() {
     const auto share = [&](size_t number) {
-      return free_[number] ? deviations_[number] / RowOf(static_cast<RigNumber>(number)).expected
-                           : 0;
+      return deviations_[number] / RowOf(static_cast<RigNumber>(number)).expected;
     };
-    size_t worst = 0;
-    for (size_t number = 0; number < kRigNumbers; ++number) {
-      if (share(number) > share(worst)) worst = number;
-    }
-    if (share(worst) <= kSeen) return false;
-    free_[worst] = false;
-    numbers_[worst] = 0;
-    deviations_[worst] = RowOf(static_cast<RigNumber>(worst)).expected;
+    const std::optional<size_t> worst = LargestFree(share);
+    if (!worst || share(*worst) <= kSeen) return false;
+    TakeOut(*worst);
+    seen_[*worst] = false;
+    deviations_[*worst] = RowOf(static_cast<RigNumber>(*worst)).expected;
     return true;
+  }
+
+  // The least significant change, when it may be chance; whether there was one.
+  bool TakeOutInsignificant() {
+    const auto chance = [&](size_t number) {
+      return deviations_[number] / std::max(std::abs(numbers_[number]), 1e-300);
+    };
+    const std::optional<size_t> worst = LargestFree(chance);
+    if (!worst || chance(*worst) <= 1 / kSignificant) return false;
+    TakeOut(*worst);
+    return true;
+  }
+
+  template <typename Value>
+  std::optional<size_t> LargestFree(const Value& value) const {
+    std::optional<size_t> largest;
+    for (size_t number = 0; number < kRigNumbers; ++number) {
+      if (free_[number] && (!largest || value(number) > value(*largest))) largest = number;
+    }
+    return largest;
+  }
+
+  void TakeOut(size_t number) {
+    free_[number] = false;
+    numbers_[number] = 0;
   }
 
   const RawRig& rig_;
   const std::vector<SceneMatch>& matches_;
   const std::optional<EdgeShift>& edges_;
   Wanted free_;
+  Wanted seen_;
   RigNumbers numbers_{};
   RigNumbers deviations_{};
   std::vector<double> depths_;
   double sigma_px_ = 1;
-  double tof_sigmas_ = 1;  // scatter of ToF ranges, in units of what their planes show
+  double along_sigmas_ = 1;  // scatter along the rays, in units of what rows and planes show
 };
 
 }  // namespace
@@ -213,7 +245,7 @@ std::vector<MatchResidual> ResidualsOf(const RawRig& rig, const std::vector<Scen
   const double* numbers = change.data();
   std::vector<MatchResidual> residuals(matches.size());
   for (size_t i = 0; i < matches.size(); ++i) {
-    const MatchError match{rig, matches[i], 1};
+    const MatchError match{rig, matches[i], 1, 1};
     const auto at = [&](double inverse_depth, double* residual) {
       return match(numbers + kPitch, numbers + kPlaceY, numbers + kFocal, &inverse_depth, residual);
     };

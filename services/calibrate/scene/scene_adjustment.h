@@ -19,11 +19,12 @@ struct MatchResidual {
 };
 
 struct AdjustedScene {
-  RigNumbers change{};
-  RigNumbers sigma{};                        ///< standard deviations; expected() where not seen
-  std::array<bool, kRigNumbers> seen{};      ///< false: stays as it was, change 0
-  std::vector<double> inverse_depths;        ///< of the matches, 1/m
-  double match_sigma_px = 0;                 ///< scatter of a coordinate, robust
+  RigNumbers change{};  ///< 0: stays as it was
+  /// Standard deviations, also of what could have changed but did not; expected() where not seen.
+  RigNumbers sigma{};
+  std::array<bool, kRigNumbers> seen{};  ///< whether the matches determine it
+  std::vector<double> inverse_depths;    ///< of the matches, 1/m
+  double match_sigma_px = 0;             ///< scatter of a coordinate, robust
 };
 
 /// Which numbers may change.
@@ -32,8 +33,9 @@ using Wanted = std::array<bool, kRigNumbers>;
 /// Bundle adjustment: the changes of a calibration, and the depth of each match, that minimise the
 /// reprojection errors, the distances from the ToF camera's planes, and what depth edges show, each
 /// divided by its standard deviation (estimated as well; Cauchy's loss), with a prior that a number
-/// changes by what is expected of it. Numbers that are not known better than a third of that are
-/// taken out, one after the other, the least known first.
+/// changes by what is expected of it. Numbers that are not known better than a third of that stay, and
+/// so do those whose change is below three standard deviations: one after the other, the least
+/// known first.
 /// One thread; same input, same bytes. About 50 µs a match and solution.
 /// @param matches  of a rig; their inverse depths are the start.
 /// @returns an error when there is no solution.

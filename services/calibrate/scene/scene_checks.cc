@@ -30,6 +30,8 @@ constexpr size_t kFewestInView = 30;
 // As check has them.
 constexpr double kMaxRowsPx = 1;
 constexpr double kMaxTofPx = 1;
+// What the median of all matches may get worse by, px: the scatter of a median.
+constexpr double kMostWorsePx = 0.02;
 // Changes beyond so many times what is expected are no knock.
 constexpr double kMostExpected = 4;
 
@@ -144,6 +146,13 @@ std::vector<std::string> ReasonsAgainst(const SceneRefinement& refinement) {
                                   "allowed)",
                                   after.tof_px, kMaxTofPx));
   }
+  const auto worse = [&](const char* what, double SceneFit::*px) {
+    if (!(after.*px > refinement.before.*px + kMostWorsePx)) return;
+    reasons.push_back(fmt::format("{} fit worse than before: {:.2f} instead of {:.2f} px", what,
+                                  after.*px, refinement.before.*px));
+  };
+  worse("rows", &SceneFit::rows_abs_median_px);
+  worse("ToF points", &SceneFit::tof_abs_px);
   for (size_t number = 0; number < kRigNumbers; ++number) {
     const RigNumberRow& row = RowOf(static_cast<RigNumber>(number));
     const double change = refinement.adjusted.change[number];

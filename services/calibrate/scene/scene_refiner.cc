@@ -113,6 +113,17 @@ void SceneRefiner::AttachPatches(const RawRig& rig) {
   }
 }
 
+void SceneRefiner::ThinOut() {
+  if (matches_.size() <= kMostMatches) return;
+  for (size_t i = 0; i < kMostMatches; ++i) {
+    const size_t from = i * matches_.size() / kMostMatches;
+    matches_[i] = matches_[from];
+    left_px_[i] = left_px_[from];
+  }
+  matches_.resize(kMostMatches);
+  left_px_.resize(kMostMatches);
+}
+
 std::optional<EdgeShift> SceneRefiner::FindEdges(const RigNumbers& change) {
   edge_views_ = 0;
   if (rig_.tof.width == 0) return std::nullopt;
@@ -148,11 +159,12 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
   if (const Result<void> enough = CheckScene(views_, matches_, left_px_, images_.pair); !enough) {
     return tl::unexpected(enough.error());
   }
+  ThinOut();
   SceneRefinement result;
   result.wanted.fill(true);
-  result.wanted[kPlaceY] = result.wanted[kPlaceZ] = wishes.places;
+  result.wanted[kPlaceY] = result.wanted[kPlaceZ] = wishes.place;
   result.wanted[kFocal] = result.wanted[kFocalRight] = wishes.focal;
-  result.wanted[kRowRight] = wishes.rows;
+  result.wanted[kRowRight] = wishes.row;
   const auto is_tof = [](const SceneMatch& match) { return match.tof.has_value(); };
 
   // Where the ToF camera looks decides which points are compared, so twice.
@@ -166,6 +178,7 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
     for (const RigNumber number : {kTofPitch, kTofYaw, kTofRoll, kRangeOffset}) {
       result.wanted[number] = sees_tof;
     }
+    result.wanted[kYaw] = sees_tof || wishes.yaw;
     Result<AdjustedScene> adjusted = AdjustScene(rig_, matches_, edges, result.wanted);
     if (!adjusted) return tl::unexpected(adjusted.error());
     result.adjusted = std::move(*adjusted);

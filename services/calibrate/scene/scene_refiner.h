@@ -51,11 +51,14 @@ struct SceneRefinement {
   bool is_good() const { return reasons.empty(); }
 };
 
-/// What Refine() may change.
+/// What Refine() may change besides the right camera's pitch and roll and, when there are ToF points
+/// on surfaces, its yaw, the ToF camera's rotation and the offset of its ranges. All of these look
+/// much like errors of the lenses' distortion, so only for lenses that are known well (NOTES.md).
 struct SceneWishes {
-  bool focal = true;  ///< focal lengths
-  bool rows = true;   ///< the right principal row
-  bool places = true; ///< the direction of the baseline
+  bool focal = false;   ///< focal lengths
+  bool row = false;     ///< the right principal row
+  bool place = false;   ///< the direction of the baseline
+  bool yaw = false;     ///< the yaw also where no ToF point shows it
 };
 
 /// Refines a rig's calibration from frames of any scene, without a board: from matches of the pair,
@@ -64,6 +67,8 @@ class SceneRefiner {
  public:
   /// More frames take time and memory, and show the same errors.
   static constexpr int kMostViews = 24;
+  /// The same of matches; those of each frame evenly.
+  static constexpr size_t kMostMatches = 8000;
 
   /// @param rig      to be refined.
   /// @param images   how the frames were rectified: RectificationOf(rig), or for RawRigOf() no
@@ -98,6 +103,7 @@ class SceneRefiner {
   cv::Mat1b RectifyRight(const cv::Mat1b& image, const RawRig& by, const Rectification& to) const;
 
  private:
+  void ThinOut();
   void AttachPatches(const RawRig& rig);
   std::optional<EdgeShift> FindEdges(const RigNumbers& change);
   SceneFit FitOf(const std::vector<MatchResidual>& residuals) const;

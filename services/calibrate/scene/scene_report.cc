@@ -41,6 +41,10 @@ Table FitTable(const SceneRefinement& refinement) {
   return rows;
 }
 
+std::string Deviation(const RigNumberRow& row, double sigma) {
+  return fmt::format("{:.{}f} {}", row.per_unit * sigma, row.digits, row.unit);
+}
+
 Table NumberTable(const SceneRefinement& refinement) {
   Table rows = {{"what changes", "by", "standard deviation", ""}};
   for (size_t i = 0; i < kRigNumbers; ++i) {
@@ -50,11 +54,11 @@ Table NumberTable(const SceneRefinement& refinement) {
       rows.push_back({row.name, "", "", "kept"});
     } else if (!adjusted.seen[i]) {
       rows.push_back({row.name, "", "", "stays: the scene does not show it"});
+    } else if (adjusted.change[i] == 0) {
+      rows.push_back({row.name, "", Deviation(row, adjusted.sigma[i]), "stays: no change is sure"});
     } else {
       rows.push_back({row.name, Number(row.per_unit * adjusted.change[i], row.digits, row.unit),
-                      fmt::format("{:.{}f} {}", row.per_unit * adjusted.sigma[i], row.digits,
-                                  row.unit),
-                      ""});
+                      Deviation(row, adjusted.sigma[i]), ""});
     }
   }
   return rows;

@@ -46,7 +46,8 @@ Eigen::Matrix<T, 3, 1> LeftRay(const RawRig& rig, const T* lens, const cv::Point
 struct MatchError {
   const RawRig& rig;
   const SceneMatch& match;
-  double sigma_px;
+  double column_sigma_px;
+  double row_sigma_px;
 
   template <typename T>
   bool operator()(const T* turn, const T* place, const T* lens, const T* inverse_depth,
@@ -65,8 +66,8 @@ struct MatchError {
     const Distorted<T> distorted(right.data(), x, y);
     const T u = x * distorted.radial + distorted.tangential[0];
     const T v = y * distorted.radial + distorted.tangential[1];
-    residual[0] = (T(match.right.x) - right[0] * u - right[2]) / T(sigma_px);
-    residual[1] = (T(match.right.y) - right[1] * v - right[3]) / T(sigma_px);
+    residual[0] = (T(match.right.x) - right[0] * u - right[2]) / T(column_sigma_px);
+    residual[1] = (T(match.right.y) - right[1] * v - right[3]) / T(row_sigma_px);
     return true;
   }
 };

@@ -3,74 +3,61 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace sprout::calibrate {
 namespace {
 
-constexpr int kRadius = 2;   // of a patch, ToF pixels
-constexpr int kFewest = 20;  // of its 25 pixels
-// Points farther from the plane than this share of the distance belong to another surface: three
-// times the noise of an SR4000 at 2 m.
-constexpr double kMostOff = 0.006;
+constexpr double kHalfWindow = 2.5;  // of the points' spacing: some 25 points
+constexpr size_t kFewest = 12;       // of these, beside a border or between a scanner's beams
+// Points farther from the plane than this share of the distance belong to another surface: five
+// times the noise of an SR4000 at 2 m, and of a lidar at 10 m.
+constexpr double kMostOff = 0.01;
 // Steeper surfaces are seen at a glancing angle: cosine between ray and normal.
 constexpr double kLeastFacing = 0.3;
 // What errs alike in all points of a patch, as share of the distance: a tenth of kMostOff.
-constexpr double kSharedError = 0.0006;
+constexpr double kSharedError = 0.001;
 
 }  // namespace
 
-TofPatches::TofPatches(const TofImage& tof, const TofProjector& projector)
-    : tof_(tof), projector_(projector) {
-  const Rig& rig = projector.rig();
+TofPatches::TofPatches(const TofImage& tof, const TofProjector& projector) {
+  const cv::Size size = projector.rig().pair.size();
+  const cv::Rect2d image({0, 0}, cv::Size2d(size));
+  std::vector<Point> inside;
   int behind = 0;
-  points_ = projector.Project(tof, behind);
-  cell_px_ = std::max(1.0, rig.pair.focal_px / rig.tof.fx);
-  nearest_ = cv::Mat1i(static_cast<int>(rig.pair.height / cell_px_) + 1,
-                       static_cast<int>(rig.pair.width / cell_px_) + 1, -1);
-  const cv::Rect2d image({0, 0}, cv::Size2d(rig.pair.size()));
-  for (size_t i = 0; i < points_.size(); ++i) {
-    const Seed& seed = points_[i].seed;
-    if (!image.contains(cv::Point2d(seed.u, seed.v))) continue;
-    int& here =
-        nearest_(static_cast<int>(seed.v / cell_px_), static_cast<int>(seed.u / cell_px_));
-    if (here < 0 ||
-        seed.disparity() > points_[static_cast<size_t>(here)].seed.disparity()) {
-      here = static_cast<int>(i);
-    }
+  for (const ProjectedPoint& point : projector.Project(tof, behind)) {
+    const cv::Point2d left_px(point.seed.u, point.seed.v);
+    if (!image.contains(left_px)) continue;
+    inside.push_back({left_px, double{tof.depth_m(point.tof_v, point.tof_u)} *
+                                   projector.ray(point.tof_u, point.tof_v)});
+  }
+  if (inside.empty()) return;
+  spacing_px_ = std::max(1.0, std::sqrt(image.area() / static_cast<double>(inside.size())));
+  cells_ = cv::Size(CellOf(image.br())) + cv::Size(1, 1);
+  points_.resize(static_cast<size_t>(cells_.area()));
+  for (const Point& point : inside) {
+    const cv::Point cell = CellOf(point.left_px);
+    points_[static_cast<size_t>(cell.y * cells_.width + cell.x)].push_back(point);
   }
 }
 
 std::optional<TofPatch> TofPatches::At(const cv::Point2d& left_px) const {
-  const ProjectedPoint* centre = nullptr;
-  double best = 1.5 * cell_px_;
-  const int row = static_cast<int>(left_px.y / cell_px_);
-  const int column = static_cast<int>(left_px.x / cell_px_);
-  for (int v = std::max(0, row - 1); v <= std::min(nearest_.rows - 1, row + 1); ++v) {
-    for (int u = std::max(0, column - 1); u <= std::min(nearest_.cols - 1, column + 1); ++u) {
-      if (nearest_(v, u) < 0) continue;
-      const ProjectedPoint& point = points_[static_cast<size_t>(nearest_(v, u))];
-      const double distance = std::hypot(point.seed.u - left_px.x, point.seed.v - left_px.y);
-      if (distance < best) {
-        best = distance;
-        centre = &point;
+  const double reach_px = kHalfWindow * spacing_px_;
+  const cv::Point first = CellOf(left_px - cv::Point2d(reach_px, reach_px));
+  const cv::Point last = CellOf(left_px + cv::Point2d(reach_px, reach_px));
+  std::vector<Eigen::Vector3d> around;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (int row = std::max(0, first.y); row <= std::min(cells_.height - 1, last.y); ++row) {
+    for (int column = std::max(0, first.x); column <= std::min(cells_.width - 1, last.x);
+         ++column) {
+      for (const Point& point : points_[static_cast<size_t>(row * cells_.width + column)]) {
+        const cv::Point2d off = point.left_px - left_px;
+        if (std::max(std::abs(off.x), std::abs(off.y)) > reach_px) continue;
+        around.push_back(point.in_tof);
+        mean += point.in_tof;
       }
     }
   }
-  if (centre == nullptr) return std::nullopt;
-
-  std::array<Eigen::Vector3d, static_cast<size_t>((2 * kRadius + 1) * (2 * kRadius + 1))> around;
-  size_t count = 0;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (int v = centre->tof_v - kRadius; v <= centre->tof_v + kRadius; ++v) {
-    for (int u = centre->tof_u - kRadius; u <= centre->tof_u + kRadius; ++u) {
-      if (u < 0 || v < 0 || u >= tof_.depth_m.cols || v >= tof_.depth_m.rows) continue;
-      const float depth_m = tof_.depth_m(v, u);
-      if (!IsReturn(depth_m)) continue;
-      around[count] = double{depth_m} * projector_.ray(u, v);
-      mean += around[count++];
-    }
-  }
+  const size_t count = around.size();
   if (count < kFewest) return std::nullopt;
   mean /= static_cast<double>(count);
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <vector>
 
 #include "common/geometry/projection.h"
 
@@ -20,22 +21,27 @@ struct TofPatch {
 /// Planes of a range image at places of the left image, away from depth edges.
 class TofPatches {
  public:
-  /// @param tof        of the calibrated size.
-  /// @param projector  of the calibration; has to live as long.
-  /// O(ToF pixels + left pixels / cell).
+  /// @param tof  of the calibrated size; a coarse or scattered one (lidar) as well.
+  /// O(ToF pixels).
   TofPatches(const TofImage& tof, const TofProjector& projector);
 
-  /// The plane through 5 × 5 ToF pixels around the one that is projected nearest to a place; nothing
-  /// where there is none within a ToF pixel, where returns are missing, or where the points do not
-  /// lie on one plane: beside a depth edge. O(1).
+  /// The plane through the points in a square of five times their mean spacing around a place:
+  /// nothing where there are few, or where they do not lie on one plane: beside a depth edge. O(1).
   std::optional<TofPatch> At(const cv::Point2d& left_px) const;
 
  private:
-  const TofImage& tof_;
-  const TofProjector& projector_;
-  double cell_px_ = 1;  // a ToF pixel in the left image
-  cv::Mat1i nearest_;   // index of a projected point in each cell, the nearest to the camera; −1
-  std::vector<ProjectedPoint> points_;
+  struct Point {
+    cv::Point2d left_px;
+    Eigen::Vector3d in_tof;
+  };
+
+  cv::Point CellOf(const cv::Point2d& left_px) const {
+    return {static_cast<int>(left_px.x / spacing_px_), static_cast<int>(left_px.y / spacing_px_)};
+  }
+
+  double spacing_px_ = 1;  // side of a cell: one point in each, in the mean
+  cv::Size cells_;
+  std::vector<std::vector<Point>> points_;  // in each cell, row by row
 };
 
 }  // namespace sprout::calibrate

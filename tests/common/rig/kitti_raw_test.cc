@@ -4,67 +4,24 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <map>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "common/core/quantile.h"
 #include "common/rig/rectifier.h"
+#include "tests/common/rig/kitti_raw.h"
 
 namespace sprout {
 namespace {
 
 namespace fs = std::filesystem;
 
-// The "key: numbers" lines of calib_cam_to_cam.txt.
-std::map<std::string, std::vector<double>> Calibration(const fs::path& path) {
-  std::map<std::string, std::vector<double>> values;
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) {
-    const size_t colon = line.find(':');
-    std::istringstream numbers(line.substr(colon + 1));
-    for (double number = 0; numbers >> number;) values[line.substr(0, colon)].push_back(number);
-  }
-  return values;
-}
-
-using Values = std::map<std::string, std::vector<double>>;
-
-Lens LensOf(const Values& values, const std::string& camera) {
-  const std::vector<double>& k = values.at("K_" + camera);
-  const std::vector<double>& size = values.at("S_" + camera);
-  Lens lens{.width = static_cast<int>(size[0]),
-            .height = static_cast<int>(size[1]),
-            .fx = k[0],
-            .fy = k[4],
-            .cx = k[2],
-            .cy = k[5]};
-  std::copy_n(values.at("D_" + camera).begin(), lens.distortion.size(), lens.distortion.begin());
-  return lens;
-}
-
-// Cameras 0 and 1, whose pictures are grey. KITTI gives camera 0 in camera 1's frame.
-RawRig KittiRig(const Values& values) {
-  RawRig rig;
-  rig.left = LensOf(values, "00");
-  rig.right = LensOf(values, "01");
-  const Eigen::Matrix3d right_from_left =
-      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.at("R_01").data());
-  const Eigen::Map<const Eigen::Vector3d> translation(values.at("T_01").data());
-  rig.left_from_right.rotation =
-      Eigen::Quaterniond(Eigen::Matrix3d(right_from_left.transpose())).normalized();
-  rig.left_from_right.translation_m = -right_from_left.transpose() * translation;
-  return rig;
-}
-
 // KITTI's own rectification of a picture.
-cv::Mat1b AsKittiDoes(const cv::Mat1b& image, const Values& values, const std::string& camera) {
+cv::Mat1b AsKittiDoes(const cv::Mat1b& image, const KittiValues& values, const std::string& camera) {
   const auto matrix = [&](const std::string& key, int rows, int cols) {
     return cv::Mat(rows, cols, CV_64F, const_cast<double*>(values.at(key + camera).data())).clone();
   };
@@ -108,7 +65,7 @@ TEST(KittiRaw, HasBothImagesOfAPointOnOneRowOnceItIsRectified) {
   const char* data = std::getenv("SPROUT_DATA");
   const fs::path folder = fs::path(data == nullptr ? "" : data) / "kitti_raw";
   if (!fs::exists(folder)) GTEST_SKIP() << "SPROUT_DATA is not set, or has no kitti_raw";
-  const Values values = Calibration(folder / "calib_cam_to_cam.txt");
+  const KittiValues values = ReadKittiValues(folder / "calib_cam_to_cam.txt");
   const Rectifier rectifier(KittiRig(values));
   for (const int number : {336, 338, 340}) {
     const std::string name = "0000000" + std::to_string(number) + "_cam";

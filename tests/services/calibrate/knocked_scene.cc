@@ -48,9 +48,9 @@ RawRig TrueRig(cv::Size size) {
   return rig;
 }
 
-RigImages RenderScene(const RawRig& rig, uint32_t seed, int64_t frame, bool with_tof) {
-  const std::vector<datasets::Solid> solids = datasets::SyntheticScene(seed, kFloorM).At(frame);
-  const uint64_t noise = 1000 * seed + 2 * static_cast<uint64_t>(frame) + 1;
+RigImages RenderSolids(const RawRig& rig, const std::vector<datasets::Solid>& solids, uint32_t seed,
+                       bool with_tof) {
+  const uint64_t noise = 2 * uint64_t{seed} + 1;
   RigImages images;
   images.left = RenderCamera(rig.left, {}, solids, rig.left.fx, noise);
   images.right = RenderCamera(rig.right, rig.left_from_right, solids, rig.left.fx, noise + 1);
@@ -67,9 +67,14 @@ RigImages RenderScene(const RawRig& rig, uint32_t seed, int64_t frame, bool with
   const datasets::LensView view(rig.tof, rig.left_from_tof.rotation,
                                 rig.left_from_tof.translation_m, datasets::TofSamples::kPerSide);
   images.tof = datasets::Sr4000(camera, Sr4000Config(), seed)
-                   .Measure(datasets::RenderTof(view, solids, rig.left.fx), frame)
+                   .Measure(datasets::RenderTof(view, solids, rig.left.fx), 0)
                    .tof;
   return images;
+}
+
+RigImages RenderScene(const RawRig& rig, uint32_t seed, int64_t frame, bool with_tof) {
+  return RenderSolids(rig, datasets::SyntheticScene(seed, kFloorM).At(frame),
+                      1000 * seed + static_cast<uint32_t>(frame), with_tof);
 }
 
 Result<SceneRefinement> RefineKnocked(const RawRig& rig, const RigNumbers& errors,

@@ -6,13 +6,18 @@
 
 #include "services/calibrate/board_view.h"
 #include "services/calibrate/scene/scene_refiner.h"
+#include "services/datasets/synthetic_scene.h"
 
 namespace sprout::calibrate {
 
 /// SceneRig() without an error of the ranges.
 RawRig TrueRig(cv::Size size);
 
-/// What a rig sees of a synthetic scene: each pixel through its lens; noise of 2 grey levels.
+/// What a rig sees of solids: each pixel through its lens; noise of 2 grey levels from the seed.
+RigImages RenderSolids(const RawRig& rig, const std::vector<datasets::Solid>& solids, uint32_t seed,
+                       bool with_tof);
+
+/// The same of a synthetic scene.
 /// @param frame  the scene's solids move from one to the next.
 /// @param with_tof  a simulated SR4000, else none.
 RigImages RenderScene(const RawRig& rig, uint32_t seed, int64_t frame, bool with_tof);
@@ -22,7 +27,7 @@ Result<SceneRefinement> RefineKnocked(const RawRig& rig, const RigNumbers& error
                                       const std::vector<RigImages>& frames,
                                       const SceneWishes& wishes = {});
 
-/// What is left of the errors: `rig` = Changed(truth, result), without kFocal of the place.
+/// What is left of the errors: rig = Changed(truth, result).
 RigNumbers ErrorsLeft(const RawRig& truth, const RawRig& rig);
 
 }  // namespace sprout::calibrate

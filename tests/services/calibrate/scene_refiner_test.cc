@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <iostream>
 #include <numbers>
 
@@ -13,53 +12,199 @@
 namespace sprout::calibrate {
 namespace {
 
-TEST(Experiment, Try) {
-  const char* text = std::getenv("TRY");
-  const int width = text ? std::atoi(text) : 1024;
-  const char* seeds = std::getenv("SEEDS");
-  const char* tof = std::getenv("TOF");
-  const int frames_count = std::getenv("FRAMES") ? std::atoi(std::getenv("FRAMES")) : 3;
-  const RawRig rig = TrueRig({width, width * 3 / 4});
-  for (uint32_t seed = 0; seed < uint32_t(seeds ? std::atoi(seeds) : 3); ++seed) {
-    std::vector<RigImages> frames;
-    for (int i = 0; i < frames_count; ++i) frames.push_back(RenderScene(rig, seed, 20 * i, !tof));
-    for (int kind = 0; kind < 2; ++kind) {
-      RigNumbers errors{};
-      if (kind == 1) {
-        for (size_t i = 0; i < kRigNumbers; ++i)
-          errors[i] = 0.6 * RowOf(RigNumber(i)).expected * ((seed + i) % 2 ? 1 : -1);
-      }
-      errors[kPlaceY] = errors[kPlaceZ] = 0;
-      SceneWishes wishes{.focal = true, .rows = true, .places = false};
-      if (const char* w = std::getenv("WISH")) {
-        wishes.focal = w[0] == '1';
-        wishes.rows = w[1] == '1';
-        wishes.places = w[2] == '1';
-        if (!wishes.focal) errors[kFocal] = errors[kFocalRight] = 0;
-        if (!wishes.rows) errors[kRowRight] = 0;
-      }
-      const auto refined = RefineKnocked(rig, errors, frames, wishes);
-      if (!refined) {
-        std::cout << "refused " << refined.error().text << "\n";
-        continue;
-      }
-      const auto& r = *refined;
-      std::cout << fmt::format(
-          "seed {} kind {}: matches {} tof {} edges {}; rows {:.3f}/{:.3f} -> {:.3f}/{:.3f} 95 {:.2f}; tof {:+.2f}px {:+.1f}mm "
-          "-> {:+.2f}px {:+.1f}mm sigma {:.3f}\n",
-          seed, kind, r.matches, r.tof_matches, r.edge_views, r.before.rows_median_px,
-          r.before.rows_abs_median_px, r.after.rows_median_px, r.after.rows_abs_median_px, r.after.rows_abs_95_px,
-          r.before.tof_px, 1000 * r.before.tof_m, r.after.tof_px, 1000 * r.after.tof_m, r.adjusted.match_sigma_px);
-      const RigNumbers left = ErrorsLeft(rig, r.rig);
-      for (size_t i = 0; i < kRigNumbers; ++i) {
-        const auto& row = RowOf(RigNumber(i));
-        std::cout << fmt::format("   {:26} {:+8.4f} left {:+8.4f} ± {:.4f} {} {}\n", row.name,
-                                 row.per_unit * errors[i], row.per_unit * left[i],
-                                 row.per_unit * r.adjusted.sigma[i], row.unit,
-                                 r.adjusted.seen[i] ? "" : "not seen");
-      }
-    }
+using ::testing::HasSubstr;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr int kScenes = 10;
+constexpr int kFrames = 1;
+
+constexpr SceneWishes kAll{.focal = true, .row = true, .place = true, .yaw = true};
+
+// What may be left of an error, in the units of RigNumbers.
+RigNumbers Limits(const RawRig& rig) {
+  RigNumbers limits{};
+  for (const RigNumber number : {kPitch, kYaw, kRoll}) limits[number] = 0.02 * kDegree;
+  // Seen from a few metres, the place is right when its points are: 0.1 px at a disparity of 30.
+  limits[kPlaceY] = limits[kPlaceZ] = 0.2 * kDegree;
+  limits[kFocal] = limits[kFocalRight] = 0.001;
+  limits[kRowRight] = 0.1;
+  for (const RigNumber number : {kTofPitch, kTofYaw}) limits[number] = 0.3 / rig.left.fx;
+  // A roll moves points at the edge of the ToF image, a third of the focal length off the axis.
+  limits[kTofRoll] = 3 * limits[kTofYaw];
+  limits[kRangeOffset] = 0.003;
+  return limits;
+}
+
+// Every size of error, in turn, and every sign.
+RigNumbers ErrorsOf(int scene, const RawRig& rig) {
+  const auto sign = [&](int bit) { return (scene * 7 + 3) >> bit & 1 ? 1.0 : -1.0; };
+  const auto size = [&](double least, double most, int shift) {
+    return least + (most - least) * ((scene * 3 + shift) % kScenes) / (kScenes - 1);
+  };
+  RigNumbers errors{};
+  errors[kPitch] = sign(0) * size(0.05, 0.5, 0) * kDegree;
+  errors[kYaw] = sign(1) * size(0.05, 0.5, 3) * kDegree;
+  errors[kRoll] = sign(2) * size(0.05, 0.5, 6) * kDegree;
+  errors[kFocalRight] = sign(3) * 0.005;
+  errors[kRowRight] = sign(4) * size(0.5, 3, 1);
+  errors[kTofPitch] = sign(5) * size(1, 6, 4) / rig.left.fx;
+  errors[kTofYaw] = sign(0) * size(1, 6, 8) / rig.left.fx;
+  errors[kRangeOffset] = sign(1) * size(0.005, 0.03, 5);
+  return errors;
+}
+
+std::vector<RigImages> Frames(const RawRig& rig, int scene, bool with_tof) {
+  std::vector<RigImages> frames;
+  for (int i = 0; i < kFrames; ++i) {
+    frames.push_back(RenderScene(rig, static_cast<uint32_t>(scene), 20 * i, with_tof));
   }
+  return frames;
+}
+
+// Largest number in units of its limit.
+double Worst(const RigNumbers& errors, const RigNumbers& limits, std::string& name) {
+  double worst = 0;
+  for (size_t i = 0; i < kRigNumbers; ++i) {
+    if (std::abs(errors[i]) <= worst * limits[i]) continue;
+    worst = std::abs(errors[i]) / limits[i];
+    name = RowOf(static_cast<RigNumber>(i)).name;
+  }
+  return worst;
+}
+
+TEST(SceneRefiner, RecoversAllErrorsAtOnceAndLeavesARightRigAlone) {
+  const RawRig rig = TrueRig({640, 480});
+  const RigNumbers limits = Limits(rig);
+  int recovered = 0;
+  int left_alone = 0;
+  RigNumbers worst_left{};
+  RigNumbers squares{};  // of errors in standard deviations
+  for (int scene = 0; scene < kScenes; ++scene) {
+    const std::vector<RigImages> frames = Frames(rig, scene, true);
+    const auto knocked = RefineKnocked(rig, ErrorsOf(scene, rig), frames, kAll);
+    const auto right = RefineKnocked(rig, {}, frames, kAll);
+    ASSERT_TRUE(knocked) << knocked.error().text;
+    ASSERT_TRUE(right) << right.error().text;
+    std::string name;
+    std::string name_of_right;
+    const RigNumbers left = ErrorsLeft(rig, knocked->rig);
+    const double worst = Worst(left, limits, name);
+    const double worst_of_right = Worst(ErrorsLeft(rig, right->rig), limits, name_of_right);
+    recovered += worst < 1 ? 1 : 0;
+    left_alone += worst_of_right < 1.0 / 3 ? 1 : 0;
+    std::cout << fmt::format(
+        "scene {}: {:.2f} of a limit is left ({}); a right rig moved by {:.2f} ({}); rows {:.2f} -> "
+        "{:.3f} px\n",
+        scene, worst, name, worst_of_right, name_of_right, knocked->before.rows_abs_median_px,
+        knocked->after.rows_abs_median_px);
+    for (size_t i = 0; i < kRigNumbers; ++i) {
+      worst_left[i] = std::max(worst_left[i], std::abs(left[i]));
+      const double sigmas = left[i] / knocked->adjusted.sigma[i];
+      squares[i] += sigmas * sigmas / kScenes;
+    }
+    EXPECT_TRUE(knocked->is_good()) << knocked->reasons.front();
+    EXPECT_LT(knocked->after.rows_abs_median_px, 0.05);
+  }
+  for (size_t i = 0; i < kRigNumbers; ++i) {
+    const RigNumberRow& row = RowOf(static_cast<RigNumber>(i));
+    std::cout << fmt::format("{:<26} at most {:.4f} {} left, rms {:.1f} standard deviations\n",
+                             row.name, row.per_unit * worst_left[i], row.unit,
+                             std::sqrt(squares[i]));
+  }
+  EXPECT_GE(recovered, kScenes - 1);
+  EXPECT_GE(left_alone, kScenes - 1);
+}
+
+TEST(SceneRefiner, FindsThePairWithoutAToFCamera) {
+  RawRig rig = TrueRig({640, 480});
+  rig.tof = {};
+  RigNumbers errors{};
+  errors[kRoll] = 0.3 * kDegree;
+  errors[kPitch] = -0.2 * kDegree;
+
+  const auto refined = RefineKnocked(rig, errors, Frames(rig, 3, false));
+
+  ASSERT_TRUE(refined) << refined.error().text;
+  const RigNumbers left = ErrorsLeft(rig, refined->rig);
+  EXPECT_LT(std::abs(left[kRoll]), 0.02 * kDegree);
+  EXPECT_LT(std::abs(left[kPitch]), 0.02 * kDegree);
+  EXPECT_FALSE(refined->adjusted.seen[kTofYaw]);
+  EXPECT_LT(refined->after.rows_abs_median_px, 0.05);
+}
+
+TEST(SceneRefiner, ChangesNoLensUnlessItIsTold) {
+  const RawRig rig = TrueRig({640, 480});
+  RigNumbers errors{};
+  errors[kFocalRight] = 0.005;
+  errors[kRowRight] = 2;
+  errors[kYaw] = 0.1 * kDegree;
+
+  const auto refined = RefineKnocked(rig, errors, Frames(rig, 1, false));
+
+  ASSERT_TRUE(refined) << refined.error().text;
+  const RigNumbers left = ErrorsLeft(rig, refined->rig);
+  EXPECT_EQ(left[kRowRight], 2);
+  EXPECT_NEAR(left[kYaw], 0.1 * kDegree, 0.01 * kDegree);  // no ToF point shows it
+  EXPECT_NEAR(left[kFocalRight], 0.005, 1e-12);
+}
+
+TEST(SceneRefiner, GivesTheSameForAnyNumberOfThreads) {
+  const RawRig rig = TrueRig({320, 240});
+  const std::vector<RigImages> frames = Frames(rig, 2, true);
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  const auto one = RefineKnocked(rig, ErrorsOf(2, rig), frames, kAll);
+  cv::setNumThreads(3);
+  const auto three = RefineKnocked(rig, ErrorsOf(2, rig), frames, kAll);
+  cv::setNumThreads(threads);
+
+  ASSERT_TRUE(one) << one.error().text;
+  ASSERT_TRUE(three) << three.error().text;
+  EXPECT_EQ(one->adjusted.change, three->adjusted.change);
+  EXPECT_EQ(one->adjusted.sigma, three->adjusted.sigma);
+}
+
+TEST(SceneRefiner, RefusesAFlatWall) {
+  const RawRig rig = TrueRig({640, 480});
+  std::vector<datasets::Solid> wall = datasets::SyntheticScene(0, 1).At(0);
+  wall.resize(1);
+  const auto refined = RefineKnocked(rig, {}, {RenderSolids(rig, wall, 0, true)});
+
+  ASSERT_FALSE(refined);
+  EXPECT_THAT(refined.error().text, HasSubstr("too flat"));
+}
+
+TEST(SceneRefiner, RefusesBlackImages) {
+  const RawRig rig = TrueRig({640, 480});
+  RigImages black{.left = cv::Mat1b::zeros(480, 640), .right = cv::Mat1b::zeros(480, 640), .tof = {}};
+  const auto refined = RefineKnocked(rig, {}, {black});
+
+  ASSERT_FALSE(refined);
+  EXPECT_THAT(refined.error().text, HasSubstr("0 matches of 0 features in 1 frames"));
+}
+
+TEST(SceneRefiner, RefusesUnrelatedImages) {
+  const RawRig rig = TrueRig({640, 480});
+  RigImages images = RenderScene(rig, 0, 0, false);
+  images.right = RenderScene(rig, 5, 0, false).right;
+  const auto refined = RefineKnocked(rig, {}, {images});
+
+  ASSERT_FALSE(refined);
+  EXPECT_THAT(refined.error().text, HasSubstr("images of one scene"));
+}
+
+TEST(SceneRefiner, RefusesARigThatMovesWithinItsFrames) {
+  const RawRig rig = TrueRig({640, 480});
+  std::vector<RigImages> frames;
+  for (int i = 0; i < 4; ++i) {  // the right camera nods by a quarter of a degree
+    RawRig moved = rig;
+    moved.right.cy += i % 2 == 0 ? 2.5 : -2.5;
+    frames.push_back(RenderScene(moved, 4, 10 * i, false));
+  }
+  const auto refined = RefineKnocked(rig, {}, frames);
+
+  ASSERT_FALSE(refined);
+  EXPECT_THAT(refined.error().text, HasSubstr("are the cameras synchronised"));
 }
 
 }  // namespace
