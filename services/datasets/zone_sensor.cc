@@ -8,14 +8,11 @@
 #include "common/core/quantile.h"
 #include "common/core/tof_image.h"
 #include "services/datasets/normal_deviate.h"
+#include "services/datasets/sensor_place.h"
 
 namespace sprout::datasets {
 namespace {
 
-// As Sr4000: it looks at what both colour cameras see at this disparity, a share of the image width,
-// from over the line between them.
-constexpr double kAimDisparityPerWidth = 0.08;
-constexpr double kAboveM = 0.02;
 // A target begins, for NEAREST, where this share of its light has come back. Assumed.
 constexpr double kBeginning = 0.05;
 // Targets with less than this many times the least signal are doubtful. Assumed.

@@ -45,7 +45,7 @@ TEST(Fingerprints, AreThoseOfTheReleasedTypes) {
   ExpectFingerprint<depth_image_t>(0x1eda51eb5050532f);
   ExpectFingerprint<point_cloud_t>(0x3a56f4aa266bfe61);
   ExpectFingerprint<motion_t>(0xba6a79476000dc4f);
-  ExpectFingerprint<tof_zones_t>(0);
+  ExpectFingerprint<tof_zones_t>(0x7b680fd0ddf84e9f);
   ExpectFingerprint<stage_status_t>(0x70764dd093aba24e);
   ExpectFingerprint<process_info_t>(0x2462780294b2d3dd);
 }
