@@ -130,7 +130,8 @@ MessageDiff CompareValue(const CameraMotion& a, const CameraMotion& b) {
 MessageDiff CompareValue(const TofZones& a, const TofZones& b) {
   if (a == b) return Equal();
   if (a.targets.size() != b.targets.size() || a.views != b.views) {
-    return Different(fmt::format("{}×{} and {}×{} zones, or others", a.columns, a.rows, b.columns, b.rows));
+    return Different(
+        fmt::format("{}×{} and {}×{} zones, or others", a.columns, a.rows, b.columns, b.rows));
   }
   size_t differing = 0;
   for (size_t i = 0; i < a.targets.size(); ++i) differing += a.targets[i] != b.targets[i];

@@ -74,7 +74,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     KeepVisible(left, right, result);
   }
   if (config_.stereo_seeds()) {
-    const std::span<const Seed> stereo = 
+    const std::span<const Seed> stereo =
         stereo_.Find(left, right, result.seeds, Covered(), zones_.most_px());
     result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
   }
@@ -96,9 +96,8 @@ void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid) {
           {.u = static_cast<float>(centre.x),
            .v = static_cast<float>(centre.y),
            .u_right = static_cast<float>(centre.x - surface->disparity_px),
-           .sigma_px = static_cast<float>(
-               std::clamp(surface->sigma_px, SurfaceRules::kLeastSigmaPx,
-                          SurfaceRules::kMostSigmaPx))});
+           .sigma_px = static_cast<float>(std::clamp(surface->sigma_px, SurfaceRules::kLeastSigmaPx,
+                                                     SurfaceRules::kMostSigmaPx))});
       ++left_seeds_.raw;
     }
   }

@@ -35,10 +35,10 @@ HostileMessages::HostileMessages(const check::TestFrame& good, uint32_t seed)
   values_[Part::kFused] = good.recorded.value();
   values_[Part::kMotion] = CameraMotion{};
   values_[Part::kTofZones] = TofZones{.columns = 1,
-                                     .rows = 1,
-                                     .left_from_sensor = {},
-                                     .views = {{-1, 1, -1, 1}},
-                                     .targets = {{2, 0.1F, TargetStatus::kValid}}};
+                                      .rows = 1,
+                                      .left_from_sensor = {},
+                                      .views = {{-1, 1, -1, 1}},
+                                      .targets = {{2, 0.1F, TargetStatus::kValid}}};
   values_[Part::kFusedConfidence] = values_[Part::kConfidence] =
       cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(200));
 }

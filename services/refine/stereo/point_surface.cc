@@ -155,7 +155,8 @@ double PointSurface::OffPx(cv::Point cell, double disparity_px) const {
     if (index == kNone) continue;
     const Seed& seed = SeedOf(index);
     const Slope& slope = slopes_[static_cast<size_t>(index)];
-    const double here = seed.disparity() + slope.across * (centre.x - seed.u) + slope.down * (centre.y - seed.v);
+    const double here =
+        seed.disparity() + slope.across * (centre.x - seed.u) + slope.down * (centre.y - seed.v);
     off_px = std::min(off_px, std::abs(here - disparity_px));
   }
   return off_px;

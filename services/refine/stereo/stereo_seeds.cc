@@ -162,7 +162,8 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
       .most_pixels = config_.stereo_most_pixels()};
   const cv::Mat1f& map = matcher_.Match(left, right, wanted_, seeds, settings);
   found_.resize(static_cast<size_t>(grid.size.height));
-  ForEachParallel(found_.size(), [&](size_t row) { TakeFrom(grid, map, most_px, static_cast<int>(row)); });
+  ForEachParallel(found_.size(),
+                  [&](size_t row) { TakeFrom(grid, map, most_px, static_cast<int>(row)); });
   constexpr int kWindowRadius = StereoRules::kWindowRadius;
   const cv::Rect2f inside(kWindowRadius, kWindowRadius,
                           static_cast<float>(left.cols - 2 * kWindowRadius),

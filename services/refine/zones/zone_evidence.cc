@@ -100,8 +100,8 @@ std::optional<ZoneEvidence::Footprint> ZoneEvidence::FootprintOf(const TofZones&
       }
     }
     const double sigma_m = target.sigma_m;
-    footprint.most_px = std::max(footprint.most_px,
-                                 disparity_at(target.depth_m - ZoneRules::kSigmas * sigma_m));
+    footprint.most_px =
+        std::max(footprint.most_px, disparity_at(target.depth_m - ZoneRules::kSigmas * sigma_m));
     patch.disparity_px = disparity_at(target.depth_m);
     patch.variance_px2 = Squared(
         (disparity_at(target.depth_m - sigma_m) - disparity_at(target.depth_m + sigma_m)) / 2);
@@ -183,10 +183,10 @@ ZoneEvidence::Plane ZoneEvidence::PlaneOf(const TofZones& zones, int column, int
         const Eigen::Vector2d off = other.centre_px - own.centre_px;
         const Eigen::Vector3d basis(1, off.x(), off.y());
         const double scale_px =
-            wider * std::max(ZoneRules::kPlaneScalePerPx * off.norm(),
-                             ZoneRules::kPlaneScaleSigmas *
-                                 std::sqrt(std::max(kLeastVariancePx2, own.variance_px2) +
-                                           variance_px2));
+            wider *
+            std::max(ZoneRules::kPlaneScalePerPx * off.norm(),
+                     ZoneRules::kPlaneScaleSigmas *
+                         std::sqrt(std::max(kLeastVariancePx2, own.variance_px2) + variance_px2));
         const double residual_px = other.disparity_px - plane.at.dot(basis);
         const double weight = 1 / (Squared(1 + Squared(residual_px / scale_px)) * variance_px2);
         normal += weight * basis * basis.transpose();
@@ -208,9 +208,8 @@ std::optional<ZoneSurface> ZoneEvidence::SurfaceAt(cv::Point cell) const {
   const cv::Point2d centre = grid_.CentrePx(cell);
   const Eigen::Vector3d basis(1, centre.x - patch.centre_px.x(), centre.y - patch.centre_px.y());
   const Plane& plane = planes_[zone];
-  const ZoneSurface surface{
-      plane.at.dot(basis),
-      std::sqrt(patch.variance_px2 + basis.dot(plane.covariance * basis))};
+  const ZoneSurface surface{plane.at.dot(basis),
+                            std::sqrt(patch.variance_px2 + basis.dot(plane.covariance * basis))};
   if (!std::isfinite(surface.disparity_px) || !std::isfinite(surface.sigma_px)) return {};
   return surface;
 }

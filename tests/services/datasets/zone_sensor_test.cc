@@ -47,7 +47,7 @@ void SetZoneTop(TofSamples& samples, int sixteenths, float depth_m, float albedo
 }
 
 TofZones MeasureZones(const TofSamples& samples, const ZonesConfig& config = TwoZones(),
-                 int64_t frame = 0) {
+                      int64_t frame = 0) {
   return ZoneSensor(ZonesPair(), config, 1).Measure(samples, frame);
 }
 

@@ -18,9 +18,11 @@ double DepthOf(double disparity_px) { return 10 / (disparity_px + 2); }
 // Cells of 5 px: 20 × 16 of them.
 CellGrid Grid() { return {5, MakeRig().pair.size()}; }
 
-// In the left camera's place, its field of view; `columns` × `rows` zones with a target at 2 m, d = 3.
+// In the left camera's place, its field of view; `columns` × `rows` zones with a target at 2 m, d
+// = 3.
 TofZones Zones(int columns, int rows = 1) {
-  TofZones zones{.columns = columns, .rows = rows, .left_from_sensor = {}, .views = {}, .targets = {}};
+  TofZones zones{
+      .columns = columns, .rows = rows, .left_from_sensor = {}, .views = {}, .targets = {}};
   const auto at = [](double side, int index, int count) {
     return static_cast<float>(side * (2.0 * index / count - 1));
   };
@@ -91,12 +93,14 @@ TEST(ZoneEvidence, FitsAPlaneToTheZonesAround) {
   for (int v = 0; v < 4; ++v) {
     for (int u = 0; u < 5; ++u) {
       ZoneTarget& target = zones.targets[static_cast<size_t>(5 * v + u)];
-      target.depth_m = static_cast<float>(DepthOf(plane(50 + 20.2 * (u - 2), 40 + 20.25 * (v - 1.5))));
+      target.depth_m =
+          static_cast<float>(DepthOf(plane(50 + 20.2 * (u - 2), 40 + 20.25 * (v - 1.5))));
       target.sigma_m = 0.001F;
     }
   }
   const ZoneEvidence evidence = EvidenceOf(zones);
-  for (const cv::Point cell : {cv::Point(10, 8), cv::Point(6, 4), cv::Point(0, 0), cv::Point(19, 15)}) {
+  for (const cv::Point cell :
+       {cv::Point(10, 8), cv::Point(6, 4), cv::Point(0, 0), cv::Point(19, 15)}) {
     const auto surface = evidence.SurfaceAt(cell);
     ASSERT_TRUE(surface) << cell;
     const cv::Point2d centre = Grid().CentrePx(cell);
@@ -106,16 +110,17 @@ TEST(ZoneEvidence, FitsAPlaneToTheZonesAround) {
 
 TEST(ZoneEvidence, LeavesZonesOnAnotherSurfaceOutOfThePlane) {
   TofZones zones = Zones(5, 4);
-  for (int v = 0; v < 4; ++v) zones.targets[static_cast<size_t>(5 * v + 4)].depth_m = 0.2F;  // d = 48
-  const auto surface = EvidenceOf(zones).SurfaceAt({14, 8});  // in the fourth column of zones
+  for (int v = 0; v < 4; ++v)
+    zones.targets[static_cast<size_t>(5 * v + 4)].depth_m = 0.2F;  // d = 48
+  const auto surface = EvidenceOf(zones).SurfaceAt({14, 8});       // in the fourth column of zones
   ASSERT_TRUE(surface);
   EXPECT_NEAR(surface->disparity_px, 3, 0.05);
 }
 
 TEST(ZoneEvidence, IsAsSureAsItsZonesAndLessSoBeside) {
   TofZones zones = Zones(5, 4);
-  // σ of d of each zone: (10 / 1.9 − 10 / 2.1) / 2 = 0.2506 px. In the middle of nine of them the plane
-  // is the mean: σ² (1 + 1 / 9).
+  // σ of d of each zone: (10 / 1.9 − 10 / 2.1) / 2 = 0.2506 px. In the middle of nine of them the
+  // plane is the mean: σ² (1 + 1 / 9).
   const double sigma_px = (10 / 1.9 - 10 / 2.1) / 2;
   const auto at = [&](cv::Point cell) { return *EvidenceOf(zones).SurfaceAt(cell); };
   EXPECT_NEAR(at({10, 6}).disparity_px, 3, 1e-4);
@@ -156,8 +161,10 @@ TEST(ZoneEvidence, IsNewsWhereSurerSeedsDoNotSayTheSame) {
 TEST(ZoneEvidence, FillsNoZoneOfSeveralOrDoubtfulTargets) {
   TofZones zones = Zones(2);
   zones.targets_per_zone = 2;
-  zones.targets = {{2, 0.1F, TargetStatus::kValid}, {1, 0.1F, TargetStatus::kValid},
-                   {2, 0.1F, TargetStatus::kValid}, {}};
+  zones.targets = {{2, 0.1F, TargetStatus::kValid},
+                   {1, 0.1F, TargetStatus::kValid},
+                   {2, 0.1F, TargetStatus::kValid},
+                   {}};
   EXPECT_FALSE(EvidenceOf(zones).SurfaceAt({2, 8}));
   EXPECT_TRUE(EvidenceOf(zones).SurfaceAt({17, 8}));
   zones.targets[2].status = TargetStatus::kDoubtful;
