@@ -50,8 +50,9 @@ void CheckSensorPose(const Pose& pose, Checks& checks) {
 void CheckZone(const ZoneView& view, size_t index, Checks& checks) {
   const std::string zone = "zone " + std::to_string(index) + ": ";
   const auto check = [&](const char* low_field, float low, const char* high_field, float high) {
-    checks.Require(low >= -kMostTangent && low <= kMostTangent, (zone + low_field).c_str(), low,
-                   "-100 to 100")
+    checks
+        .Require(low >= -kMostTangent && low <= kMostTangent, (zone + low_field).c_str(), low,
+                 "-100 to 100")
         .Require(high > low && high <= kMostTangent, (zone + high_field).c_str(), high,
                  std::string("above ") + low_field + ", up to 100");
   };
@@ -106,23 +107,22 @@ Result<TofZones> FromMessage(const tof_zones_t& message) {
   Checks checks = CheckZoneCounts(message);
   if (!checks.ok()) return checks.error();
   const double* q = message.left_from_sensor_rotation;
-  TofZones zones{
-      .columns = message.columns,
-      .rows = message.rows,
-      .targets_per_zone = message.targets_per_zone,
-      .mode = static_cast<ZoneMode>(message.mode),
-      .left_from_sensor = {Eigen::Quaterniond(q[0], q[1], q[2], q[3]),
-                           Eigen::Vector3d(message.left_from_sensor_translation_m)},
-      .views = {},
-      .targets = {}};
+  TofZones zones{.columns = message.columns,
+                 .rows = message.rows,
+                 .targets_per_zone = message.targets_per_zone,
+                 .mode = static_cast<ZoneMode>(message.mode),
+                 .left_from_sensor = {Eigen::Quaterniond(q[0], q[1], q[2], q[3]),
+                                      Eigen::Vector3d(message.left_from_sensor_translation_m)},
+                 .views = {},
+                 .targets = {}};
   CheckSensorPose(zones.left_from_sensor, checks);
   for (size_t i = 0; i < message.left.size() && checks.ok(); ++i) {
     zones.views.push_back({message.left[i], message.right[i], message.top[i], message.bottom[i]});
     CheckZone(zones.views.back(), i, checks);
   }
   for (size_t i = 0; i < message.depth_m.size() && checks.ok(); ++i) {
-    zones.targets.push_back({message.depth_m[i], message.sigma_m[i],
-                             static_cast<TargetStatus>(message.status[i])});
+    zones.targets.push_back(
+        {message.depth_m[i], message.sigma_m[i], static_cast<TargetStatus>(message.status[i])});
     CheckTarget(zones.targets.back(), i, checks);
     // What stands there means nothing; the same message always gives the same bytes.
     if (zones.targets.back().status == TargetStatus::kNone) zones.targets.back() = {};

@@ -18,7 +18,8 @@ condition_flags() {
     noise2) echo "--seed-noise-px 2 --seed-jitter-px 2" ;;
     sr4000) echo "--tof sr4000" ;;
     blind*) echo "--tof sr4000?blind=${1#blind}" ;;
-    none) echo "--tof none" ;;
+    none | coarsenone | zonesnone) echo "--tof none" ;;
+    zones*) echo "--tof zones:${1#zones}" ;;
     every*) echo "--tof sr4000?every=${1#every}" ;;
     coarse*) echo "--tof grid:auto*${1#coarse}" ;;
     wrapped) echo "--tof sr4000?wrapped=25" ;;
@@ -35,7 +36,7 @@ condition_scenes() { # CONDITION SIZE...
   shift
   for size in "$@"; do
     case "$condition/$size" in
-      clean/* | sparse/* | coarse*/* | every*/* | */half | */full) printf '%s\n' "$SPROUT_DATA/middlebury/$size"/*/ ;;
+      clean/* | sparse/* | coarse*/* | every*/* | zones*/* | */half | */full) printf '%s\n' "$SPROUT_DATA/middlebury/$size"/*/ ;;
     esac
   done
 }

@@ -35,7 +35,8 @@ void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Tim
       .add_option(
           "--source", config.source,
           "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), with ?tof=grid or "
-          "?tof=sr4000 for the simulated ToF camera; log:FILE, a recorded log, with ?prefix=TEXT "
+          "?tof=sr4000 for the simulated ToF camera, ?tof=zones:8x8 for a multi-zone sensor; "
+          "log:FILE, a recorded log, with ?prefix=TEXT "
           "if its channels have one, ?rig=RIG to rectify raw images; cameras: genicam:RIG (GigE "
           "Vision, USB3 Vision), opencv:LEFT,RIGHT?rig=RIG "
           "(videos, image lists, devices), "

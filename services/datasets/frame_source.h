@@ -16,9 +16,9 @@ namespace sprout::datasets {
 
 /// One synchronised triplet: rectified from a FrameSource, raw from a RawSource.
 struct CapturedFrame {
-  cv::Mat left;   ///< 8UC1 or 8UC3 (BGR)
-  cv::Mat right;  ///< 8UC1 or 8UC3 (BGR), of the same size
-  TofImage tof;   ///< 0×0 without a ToF camera, or when it gave nothing
+  cv::Mat left;                            ///< 8UC1 or 8UC3 (BGR)
+  cv::Mat right;                           ///< 8UC1 or 8UC3 (BGR), of the same size
+  TofImage tof;                            ///< 0×0 without a ToF camera, or when it gave nothing
   std::optional<TofZones> tof_zones = {};  ///< nothing without a multi-zone sensor
   /// Middle of the exposure, µs since 1970-01-01 UTC; nothing when the source has no clock.
   std::optional<int64_t> utime = {};

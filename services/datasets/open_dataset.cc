@@ -54,8 +54,8 @@ void ApplyOptions(std::string_view kind, const std::vector<SourceOption>& option
       throw BadSource(config, "no such option " + std::string(option.text),
                       kind == "kitti" ? "?beams=64, 32, 16, 8 or 4, ?tof=none"
                                       : "?tof=grid, ?tof=none, ?tof=sr4000 with " +
-                                            std::string(kSr4000Options) +
-                                            ", ?tof=zones:CxR with " + std::string(kZonesOptions));
+                                            std::string(kSr4000Options) + ", ?tof=zones:CxR with " +
+                                            std::string(kZonesOptions));
     }
   }
 }

@@ -10,6 +10,7 @@
 #include "common/core/quantile.h"
 #include "common/geometry/lens.h"
 #include "services/datasets/normal_deviate.h"
+#include "services/datasets/sensor_place.h"
 #include "services/datasets/solid_texture.h"
 
 namespace sprout::datasets {
@@ -18,11 +19,6 @@ namespace {
 constexpr int kWidth = 176;
 constexpr int kHeight = 144;
 constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
-
-// The camera looks at the middle of what both colour cameras see at this disparity, a share of the
-// image width: the middle of what stereo scenes have.
-constexpr double kAimDisparityPerWidth = 0.08;
-constexpr double kAboveM = 0.02;  // over the line between the colour cameras
 
 // Assembly tolerances: no camera is mounted, and no sensor glued, without any. Half angles of 0.17°
 // up, 0.23° to the left and 0.5° about the axis; principal point a pixel off the centre.

@@ -8,14 +8,11 @@
 #include "common/core/quantile.h"
 #include "common/core/tof_image.h"
 #include "services/datasets/normal_deviate.h"
+#include "services/datasets/sensor_place.h"
 
 namespace sprout::datasets {
 namespace {
 
-// As Sr4000: it looks at what both colour cameras see at this disparity, a share of the image width,
-// from over the line between them.
-constexpr double kAimDisparityPerWidth = 0.08;
-constexpr double kAboveM = 0.02;
 // A target begins, for NEAREST, where this share of its light has come back. Assumed.
 constexpr double kBeginning = 0.05;
 // Targets with less than this many times the least signal are doubtful. Assumed.
@@ -123,15 +120,14 @@ ZoneSensor::ZoneSensor(const RectifiedPair& pair, const ZonesConfig& config, uin
 TofZones ZoneSensor::Measure(const TofSamples& samples, int64_t frame) const {
   constexpr int kSide = kPixelsPerZone * TofSamples::kPerSide;  // samples of a zone
   assert(samples.depth_m.size() == cv::Size(config_.columns(), config_.rows()) * kSide);
-  TofZones zones{.columns = config_.columns(),
-                 .rows = config_.rows(),
-                 .targets_per_zone = config_.targets(),
-                 .mode = config_.mode() == ZonesConfig::NEAREST ? ZoneMode::kNearest
-                                                                : ZoneMode::kMean,
-                 .left_from_sensor = {camera_.left_from_tof_rotation,
-                                      camera_.left_from_tof_translation_m},
-                 .views = {},
-                 .targets = {}};
+  TofZones zones{
+      .columns = config_.columns(),
+      .rows = config_.rows(),
+      .targets_per_zone = config_.targets(),
+      .mode = config_.mode() == ZonesConfig::NEAREST ? ZoneMode::kNearest : ZoneMode::kMean,
+      .left_from_sensor = {camera_.left_from_tof_rotation, camera_.left_from_tof_translation_m},
+      .views = {},
+      .targets = {}};
   std::vector<std::vector<Peak>> all;
   for (int v = 0; v < zones.rows; ++v) {
     for (int u = 0; u < zones.columns; ++u) {
@@ -165,13 +161,13 @@ TofZones ZoneSensor::Measure(const TofSamples& samples, int64_t frame) const {
           peak.depth_m + noise_m * NormalDeviate(Scramble(key + zones.targets.size()));
       ZoneTarget target;
       if (peak.light > 0 && IsReturn(static_cast<float>(depth_m))) {
-        target = {.depth_m = static_cast<float>(depth_m),
-                  .sigma_m = std::max(1e-4F, static_cast<float>(std::sqrt(noise_m * noise_m +
-                                                            peak.spread_m * peak.spread_m))),
-                  .status = 100 * peak.light <
-                                    kDoubtfulSignal * config_.min_signal_percent() * reference
-                                ? TargetStatus::kDoubtful
-                                : TargetStatus::kValid};
+        target = {
+            .depth_m = static_cast<float>(depth_m),
+            .sigma_m = std::max(1e-4F, static_cast<float>(std::sqrt(
+                                           noise_m * noise_m + peak.spread_m * peak.spread_m))),
+            .status = 100 * peak.light < kDoubtfulSignal * config_.min_signal_percent() * reference
+                          ? TargetStatus::kDoubtful
+                          : TargetStatus::kValid};
       }
       zones.targets.push_back(target);
     }

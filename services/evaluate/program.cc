@@ -118,7 +118,8 @@ void AddInputFlags(CLI::App& flags, Options& options) {
           "camera at its own position with the errors of a real one; ?blind=P: without the P % of "
           "its returns with the lowest amplitude; ?wrapped=P: P % are beyond the unambiguous "
           "range; ?calibration=PX: its pose is off; ?every=K: only every Kth pixel of its rows and "
-          "columns; '&' between several), or none; for kitti: "
+          "columns; '&' between several), zones:CxR (a multi-zone sensor such as zones:8x8; "
+          "?mode=nearest, &targets=N), or none; for kitti: "
           "scan (the one recorded), or none")
       ->default_str("grid:auto, kitti: scan");
   flags

@@ -78,11 +78,10 @@ double RefinementQuality::good_lost_percent() const { return Percent(good_lost, 
 
 RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config) {
   RefinementQuality quality;
-  quality.refined =
-      refine::Refiner(scene.WithRange(config))
-          .Compute(scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector,
-                   scene.frame.tof_zones.value_or(TofZones()))
-          .value_or(SeedSet());
+  quality.refined = refine::Refiner(scene.WithRange(config))
+                        .Compute(scene.left_grey, scene.right_grey, scene.frame.tof,
+                                 scene.projector, scene.frame.tof_zones.value_or(TofZones()))
+                        .value_or(SeedSet());
   const std::vector<Seed> points = ProjectAll(scene);
   quality.before = CountSeeds(points, scene);
   quality.after = CountSeeds(quality.refined.seeds, scene);

@@ -18,11 +18,11 @@ constexpr double kMaxFactor = 100;
 constexpr int kMaxSpacingPx = 1000;
 
 ConfigError BadChoice(const std::string& text, const std::string& reason) {
-  return ConfigError(
-      "--tof " + text + ": " + reason +
-      "; allowed: grid:auto, grid:auto*K (K above 0, at most 100), grid:N (N from "
-      "1 to 1000 px), sr4000 (with ?blind=P, &wrapped=P, &calibration=PX, &every=K), zones:CxR (with "
-      "?mode=mean or nearest, &targets=N), none, and for kitti scan, none");
+  return ConfigError("--tof " + text + ": " + reason +
+                     "; allowed: grid:auto, grid:auto*K (K above 0, at most 100), grid:N (N from "
+                     "1 to 1000 px), sr4000 (with ?blind=P, &wrapped=P, &calibration=PX, "
+                     "&every=K), zones:CxR (with "
+                     "?mode=mean or nearest, &targets=N), none, and for kitti scan, none");
 }
 
 }  // namespace

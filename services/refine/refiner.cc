@@ -74,32 +74,30 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     KeepVisible(left, right, result);
   }
   if (config_.stereo_seeds()) {
-    const std::span<const Seed> stereo = 
-        stereo_.Find(left, right, result.seeds, Covered(), zones_.bounds());
+    const std::span<const Seed> stereo =
+        stereo_.Find(left, right, result.seeds, Covered(), zones_.most_px());
     result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
   }
   if (!zones.views.empty()) FillFromZones(result, grid);
   return result;
 }
 
-// Where the zones are surer than an interpolation of all seeds. What they say of a place is no
-// correspondence to grow from.
+// What they say of a place is no correspondence to grow from.
 void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid) {
   Join(result.seeds, left_seeds_.seeds, all_seeds_);
   all_points_.Set(all_seeds_, grid.size, grid.spacing_px);
   for (int y = 0; y < grid.size.height; ++y) {
     for (int x = 0; x < grid.size.width; ++x) {
       const std::optional<ZoneSurface> surface = zones_.SurfaceAt({x, y});
-      if (!surface || surface->sigma_px > all_points_.SigmaPx({x, y})) continue;
+      if (!surface || !IsNews(*surface, all_points_, {x, y})) continue;
       const cv::Point2d centre = grid.CentrePx({x, y});
       if (!(surface->disparity_px >= 0 && surface->disparity_px < kMaxSide)) continue;
       left_seeds_.seeds.push_back(
           {.u = static_cast<float>(centre.x),
            .v = static_cast<float>(centre.y),
            .u_right = static_cast<float>(centre.x - surface->disparity_px),
-           .sigma_px = static_cast<float>(
-               std::clamp(surface->sigma_px, SurfaceRules::kLeastSigmaPx,
-                          SurfaceRules::kMostSigmaPx))});
+           .sigma_px = static_cast<float>(std::clamp(surface->sigma_px, SurfaceRules::kLeastSigmaPx,
+                                                     SurfaceRules::kMostSigmaPx))});
       ++left_seeds_.raw;
     }
   }

@@ -25,7 +25,7 @@ namespace sprout::refine {
 /// (II-B) and by two of TofSurface, which a sensor beside the left camera needs. Before that,
 /// RangeUnwrapper corrects points beyond the sensor's unambiguous range, and TofAligner corrects a
 /// calibration that is slightly wrong. Where the sensor gives nothing, StereoSeedFinder adds seeds
-/// from the pair.
+/// from the pair, and ZoneEvidence bounds and completes these by the zones of a multi-zone sensor.
 class Refiner {
  public:
   /// @throws ConfigError when a value is out of range.
@@ -35,11 +35,12 @@ class Refiner {
   /// @param tof          range image of the calibrated size (a precondition); empty for a rig that
   ///                     has no ToF camera.
   /// @param projector    of the calibration; costly to make, so keep it from frame to frame.
-  /// @param memory       a vector of seeds no longer needed; its memory is used for the new ones.
+  /// @param zones        of a multi-zone sensor; 0×0 without one.
   /// @returns the seeds in the order of the ToF pixels, behind them those of stereo, and how many
   ///          points were dropped by which rule; a point is counted under the first of
   ///          contradicted, outside, dark, loose, background, hidden that applies. Seeds keep their
-  ///          sub-pixel positions. An error when the images do not have the calibrated size.
+  ///          sub-pixel positions. An error when the images do not have the calibrated size, or
+  ///          when zones overlap without sense.
   /// O(ToF pixels), with the background or the hidden rule also O(image pixels / 25); where points
   /// crowd into a few pixels, up to 20 µs a point (300 neighbours each); stereo seeds O(pixels
   /// without ToF points), about 0.1 µs each. No I/O; on OpenCV's threads, with the same result for
@@ -50,9 +51,10 @@ class Refiner {
 
   /// Of the last call: reliable points that only the left camera sees, since they lie outside the
   /// right image or behind a nearer surface in it. They are no correspondences, but give depth
-  /// where stereo cannot; u_right is where the right camera would see them. Their `raw` counts such
-  /// points before the rules for dark, loose and (from the left camera) hidden points; the counts
-  /// of the seeds list all of them as outside or hidden.
+  /// where stereo cannot; and what zones say of places that nothing else explains. u_right is where
+  /// the right camera would see them. Their `raw` counts such points before the rules for dark,
+  /// loose and (from the left camera) hidden points; the counts of the seeds list all of them as
+  /// outside or hidden.
   const SeedSet& left_seeds() const { return left_seeds_; }
 
   /// Of the last call, with config.align_tof(): how far off the ToF points were projected. If

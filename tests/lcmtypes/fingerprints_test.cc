@@ -48,7 +48,7 @@ TEST(Fingerprints, AreThoseOfTheReleasedTypes) {
   ExpectFingerprint<point_cloud_t>(0x3a56f4aa266bfe61);
   ExpectFingerprint<motion_t>(0xba6a79476000dc4f);
   ExpectFingerprint<depth_counts_t>(0x1dae7df4f791a1dd);
-  ExpectFingerprint<tof_zones_t>(0);
+  ExpectFingerprint<tof_zones_t>(0x7b680fd0ddf84e9f);
   ExpectFingerprint<stage_status_t>(0x70764dd093aba24e);
   ExpectFingerprint<process_info_t>(0x2462780294b2d3dd);
 }

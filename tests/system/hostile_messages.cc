@@ -39,10 +39,10 @@ HostileMessages::HostileMessages(const check::TestFrame& good, uint32_t seed)
   values_[Part::kBaseCloud] = values_[Part::kTargetCloud] = values_[Part::kCloud];
   values_[Part::kTargetDepth] = values_[Part::kDepth];
   values_[Part::kTofZones] = TofZones{.columns = 1,
-                                     .rows = 1,
-                                     .left_from_sensor = {},
-                                     .views = {{-1, 1, -1, 1}},
-                                     .targets = {{2, 0.1F, TargetStatus::kValid}}};
+                                      .rows = 1,
+                                      .left_from_sensor = {},
+                                      .views = {{-1, 1, -1, 1}},
+                                      .targets = {{2, 0.1F, TargetStatus::kValid}}};
   values_[Part::kFusedConfidence] = values_[Part::kConfidence] =
       cv::Mat(good.rig().pair.size(), CV_8UC1, cv::Scalar(200));
 }

@@ -27,8 +27,6 @@ constexpr size_t kPlanes = StereoRules::kBits / 8;
 struct CostRow {
   const int16_t* first;
   const int16_t* known;
-  const int16_t* least;  // null: all
-  const int16_t* most;
   int labels;
   cv::Range columns;
   const uint8_t* left[kPlanes];
@@ -97,17 +95,7 @@ void CostsOnTarget(const CostRow& row) {
     const int inside = std::clamp(u - first + 1, 0, row.labels);
     for (int i = inside; i < row.labels; ++i) costs[i] = uint8_t{StereoRules::kOutside};
     const int known = row.known[u];
-    if (known == StereoSearch::kNowhere) {
-      if (row.least == nullptr) continue;
-      for (int i = 0; i < row.labels; ++i) {
-        const int off = std::max(row.least[u] - (first + i), first + i - row.most[u]);
-        if (off > 0) {
-          costs[i] = static_cast<uint8_t>(
-              costs[i] + std::min(StereoRules::kMostBeyond, StereoRules::kKnownPerPx * off));
-        }
-      }
-      continue;
-    }
+    if (known == StereoSearch::kNowhere) continue;
     for (int i = 0; i < row.labels; ++i) {
       const int off =
           std::min(StereoRules::kMostKnown, StereoRules::kKnownPerPx * std::abs(first + i - known));
@@ -168,8 +156,6 @@ const std::vector<uint8_t>& CensusCosts::Compute(const cv::Mat1b& left, const cv
       HWY_DYNAMIC_DISPATCH(CostsOnTarget)
       ({.first = search.first[v],
         .known = search.known[v],
-        .least = search.least.empty() ? nullptr : search.least[v],
-        .most = search.most.empty() ? nullptr : search.most[v],
         .labels = search.labels,
         .columns = columns,
         .left = {left_[0][v], left_[1][v], left_[2][v]},

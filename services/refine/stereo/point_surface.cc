@@ -147,6 +147,21 @@ void PointSurface::Set(std::span<const Seed> seeds, cv::Size cells, double spaci
   }
 }
 
+double PointSurface::OffPx(cv::Point cell, double disparity_px) const {
+  if (seeds_.empty()) return kInfinite;
+  const cv::Point2d centre = CentrePx(cell);
+  double off_px = kInfinite;
+  for (const int index : AroundCell(cell)) {
+    if (index == kNone) continue;
+    const Seed& seed = SeedOf(index);
+    const Slope& slope = slopes_[static_cast<size_t>(index)];
+    const double here =
+        seed.disparity() + slope.across * (centre.x - seed.u) + slope.down * (centre.y - seed.v);
+    off_px = std::min(off_px, std::abs(here - disparity_px));
+  }
+  return off_px;
+}
+
 // Eq. (3).
 double PointSurface::SigmaPx(cv::Point cell) const {
   if (seeds_.empty()) return kInfinite;

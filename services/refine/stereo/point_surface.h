@@ -26,6 +26,10 @@ class PointSurface {
   /// O(1); thread-safe.
   double SigmaPx(cv::Point cell) const;
 
+  /// How far the planes of the points around a cell are from a disparity at its centre, at least,
+  /// px; infinite when there are no points. O(1); thread-safe.
+  double OffPx(cv::Point cell, double disparity_px) const;
+
  private:
   static constexpr int kNone = -1;
   static constexpr size_t kSectors = 4;

@@ -40,26 +40,6 @@ void PutKnown(std::span<const Seed> seeds, int scale, cv::Mat1s& known) {
   }
 }
 
-// Of the pixels of a level.
-void PutBounds(const DisparityBounds& bounds, int scale, StereoSearch& search) {
-  search.least.create(search.first.size());
-  search.most.create(search.first.size());
-  const double cell = bounds.spacing_px / scale;
-  const auto rounded = [&](float px) {
-    const double at_scale = std::clamp(double{px} / scale, -1.0, double{INT16_MAX} - 1);
-    return at_scale;
-  };
-  for (int v = 0; v < search.first.rows; ++v) {
-    const int row = std::min(static_cast<int>((v + 0.5) / cell), bounds.least_px.rows - 1);
-    for (int u = 0; u < search.first.cols; ++u) {
-      const int column = std::min(static_cast<int>((u + 0.5) / cell), bounds.least_px.cols - 1);
-      search.least(v, u) =
-          static_cast<int16_t>(std::floor(rounded(bounds.least_px(row, column))));
-      search.most(v, u) = static_cast<int16_t>(std::ceil(rounded(bounds.most_px(row, column))));
-    }
-  }
-}
-
 // The range of a pixel from what a coarser image gave for the 3×3 pixels around it.
 int16_t FirstOf(const cv::Mat1s& coarser, int u, int v) {
   const int own = 2 * coarser(v, u);
@@ -147,7 +127,6 @@ void StereoMatcher::BuildLevels(const cv::Mat1b& left, const cv::Mat1b& right,
 
 const cv::Mat1f& StereoMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& right,
                                       const cv::Mat1b& wanted, std::span<const Seed> known,
-                                      const DisparityBounds& bounds,
                                       const StereoMatcherSettings& settings) {
   BuildLevels(left, right, wanted, settings.most_pixels);
   const StereoMatches* matches = nullptr;
@@ -166,9 +145,6 @@ const cv::Mat1f& StereoMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& ri
     }
     search_.known.create(level.left.size());
     PutKnown(known, level.scale, search_.known);
-    search_.least.release();
-    search_.most.release();
-    if (!bounds.empty()) PutBounds(bounds, level.scale, search_);
     matches = &matcher_.Match(level.left, level.right, search_);
   }
   scale_ = levels_.front().scale;

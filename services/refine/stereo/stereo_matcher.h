@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "common/core/seed.h"
-#include "services/refine/stereo/disparity_bounds.h"
 #include "services/refine/stereo/semi_global.h"
 
 namespace sprout::refine {
@@ -28,15 +27,13 @@ class StereoMatcher {
   /// @param left, right  rectified pair, grey, of one size.
   /// @param wanted       8UC1 of that size: nonzero where disparities are wanted.
   /// @param known        reliable correspondences; disparities far from them cost more.
-  /// @param bounds       disparities beyond them cost more; may be empty.
   /// @returns disparities in px of the finest image that was matched (one of its px is scale() px
   /// of the given one). NaN where there is none, or it is not unique, not confirmed from the right
   /// image, or in a patch of fewer than 50 pixels. Valid until the next call.
   /// O(wanted pixels of the finest image). On OpenCV's threads, with the same result for any
   /// number.
   const cv::Mat1f& Match(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat1b& wanted,
-                         std::span<const Seed> known, const DisparityBounds& bounds,
-                         const StereoMatcherSettings& settings);
+                         std::span<const Seed> known, const StereoMatcherSettings& settings);
 
   /// Of the last call.
   int scale() const { return scale_; }

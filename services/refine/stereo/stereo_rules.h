@@ -71,8 +71,6 @@ struct StereoRules {
   /// Most of that cost: no more than the data term can reach, so that the images can outvote a
   /// seed.
   static constexpr int kMostKnown = kBits;
-  /// The same beyond the bounds of zones. Measured: NOTES.md, "Zones".
-  static constexpr int kMostBeyond = kBits;
   static constexpr int kMostCost = kBits + kMostKnown;
 
   // The smoothness term, census bits: by trial, none is sensitive.

@@ -21,8 +21,6 @@ struct StereoSearch {
   int labels = StereoRules::kLabels;
   /// Disparity that a range sensor gives for the pixel, px; kNowhere = none.
   cv::Mat1s known;
-  /// Disparities from `least` to `most` are those that a range sensor allows, px; both empty: all.
-  cv::Mat1s least, most;
 };
 
 /// In every row the pixels from the first to the last one that is searched: memory and time are

@@ -109,7 +109,7 @@ void StereoSeedFinder::MarkWanted(const CellGrid& grid, cv::Size size) {
 // In every cell the pixel nearest to its centre that a seed can be taken from, unless the points
 // around are surer of it.
 void StereoSeedFinder::TakeFrom(const CellGrid& grid, const cv::Mat1f& map,
-                                const DisparityBounds& bounds, int row) {
+                                const cv::Mat1f& most_px, int row) {
   const double scale = matcher_.scale();
   const double cell = grid.spacing_px / scale;  // its side in pixels of the map
   std::vector<Seed>& seeds = found_[static_cast<size_t>(row)];
@@ -141,10 +141,7 @@ void StereoSeedFinder::TakeFrom(const CellGrid& grid, const cv::Mat1f& map,
       }
     }
     if (!std::isfinite(nearest) || best.sigma_px > points_.SigmaPx({column, row})) continue;
-    const float disparity = best.disparity();
-    if (!bounds.empty() && (disparity < bounds.least_px(row, column) ||
-                            disparity > bounds.most_px(row, column)))
-      continue;
+    if (!most_px.empty() && best.disparity() > most_px(row, column)) continue;
     seeds.push_back(best);
   }
 }
@@ -152,7 +149,7 @@ void StereoSeedFinder::TakeFrom(const CellGrid& grid, const cv::Mat1f& map,
 std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Mat1b& right,
                                              std::span<const Seed> seeds,
                                              std::span<const cv::Point2f> covered,
-                                             const DisparityBounds& bounds) {
+                                             const cv::Mat1f& most_px) {
   const CellGrid grid(SpacingPx(left.cols), left.size());
   seeds_.clear();
   FindUncovered(grid, seeds, covered, MatchingScale(left.size(), config_.stereo_most_pixels()));
@@ -163,9 +160,10 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
       .max_disparity_px =
           std::clamp(most > 0 ? most : left.cols / StereoRules::kWidthsPerDisparity, 1, left.cols),
       .most_pixels = config_.stereo_most_pixels()};
-  const cv::Mat1f& map = matcher_.Match(left, right, wanted_, seeds, bounds, settings);
+  const cv::Mat1f& map = matcher_.Match(left, right, wanted_, seeds, settings);
   found_.resize(static_cast<size_t>(grid.size.height));
-  ForEachParallel(found_.size(), [&](size_t row) { TakeFrom(grid, map, bounds, static_cast<int>(row)); });
+  ForEachParallel(found_.size(),
+                  [&](size_t row) { TakeFrom(grid, map, most_px, static_cast<int>(row)); });
   constexpr int kWindowRadius = StereoRules::kWindowRadius;
   const cv::Rect2f inside(kWindowRadius, kWindowRadius,
                           static_cast<float>(left.cols - 2 * kWindowRadius),

@@ -8,7 +8,6 @@
 #include "common/config/config.h"
 #include "common/core/seed.h"
 #include "services/refine/stereo/cell_grid.h"
-#include "services/refine/stereo/disparity_bounds.h"
 #include "services/refine/stereo/point_surface.h"
 #include "services/refine/stereo/stereo_matcher.h"
 
@@ -28,14 +27,15 @@ class StereoSeedFinder {
   /// @param seeds        of the range sensor; disparities far from them cost more.
   /// @param covered      positions in the left image that need no seed of stereo: of ToF points,
   ///                     whether or not they became seeds, but not of those on dark regions.
-  /// @param bounds       on the grid of SpacingPx(), or empty: others cost more, and become no seed.
+  /// @param most_px      of each cell of the CellGrid of SpacingPx(), the largest disparity that a
+  ///                     seed may have; empty: any.
   /// @returns at most one seed a cell, row by row, with whole windows in both images, each with the
   ///          standard deviation that the disparities around it show; valid until the next call.
   /// O(pixels without ToF points); no I/O; on OpenCV's threads, with the same result for any
   /// number. Keeps its memory from frame to frame.
   std::span<const Seed> Find(const cv::Mat1b& left, const cv::Mat1b& right,
                              std::span<const Seed> seeds, std::span<const cv::Point2f> covered,
-                             const DisparityBounds& bounds = {});
+                             const cv::Mat1f& most_px = {});
 
   /// Side of the cells of an image of this width, px.
   double SpacingPx(int width) const;
@@ -44,8 +44,8 @@ class StereoSeedFinder {
   void FindUncovered(const CellGrid& grid, std::span<const Seed> seeds,
                      std::span<const cv::Point2f> covered, double scale);
   void MarkWanted(const CellGrid& grid, cv::Size size);
-  void TakeFrom(const CellGrid& grid, const cv::Mat1f& disparity_px,
-                const DisparityBounds& bounds, int row);
+  void TakeFrom(const CellGrid& grid, const cv::Mat1f& disparity_px, const cv::Mat1f& most_px,
+                int row);
 
   RefineConfig config_;
   StereoMatcher matcher_;

@@ -10,7 +10,7 @@
 #include "common/core/rig.h"
 #include "common/core/tof_zones.h"
 #include "services/refine/stereo/cell_grid.h"
-#include "services/refine/stereo/disparity_bounds.h"
+#include "services/refine/stereo/point_surface.h"
 
 namespace sprout::refine {
 
@@ -20,55 +20,58 @@ struct ZoneSurface {
   double sigma_px = 0;
 };
 
-/// What the zones of a multi-zone sensor say of the cells of the left image: an area each, not a
-/// point.
+/// What the zones of a multi-zone sensor say of the cells of the left image: of an area each, not
+/// of a point.
 class ZoneEvidence {
  public:
   /// @param zones  as FromMessage() allows them; 0×0: nothing is said of any cell.
   /// @returns an error when the zones overlap without sense (ZoneRules::kMostZonesPerCell).
-  /// O(cells + zones). Keeps its memory, 20 bytes a cell.
+  /// O(cells + zones). Keeps its memory, 12 bytes a cell.
   Result<void> Set(const TofZones& zones, const RectifiedPair& pair, const CellGrid& grid);
 
-  /// For each cell that a zone with a target looks at, the disparities of all targets within reach
-  /// (eq. 6 of the README).
-  const DisparityBounds& bounds() const { return bounds_; }
+  /// For each cell that a zone with a target looks at, the largest disparity that the targets
+  /// within reach allow (eq. 6 of the README); infinite elsewhere. Empty without zones.
+  const cv::Mat1f& most_px() const { return most_px_; }
 
-  /// The plane through the zone that looks at the cell and the zones around, at the cell's centre;
-  /// nothing where no zone looks, or one with several targets, a doubtful one, or MODE_NEAREST.
-  /// O(1).
+  /// The plane through the zone that looks at the cell and the zones around, at the cell's centre
+  /// (eqs. 7 and 8); nothing where no zone looks, or one with several targets, a doubtful one, or
+  /// MODE_NEAREST. O(1); thread-safe.
   std::optional<ZoneSurface> SurfaceAt(cv::Point cell) const;
 
  private:
   static constexpr int kNone = -1;
 
-  // A zone in the left image; of MODE_MEAN with one target.
+  // A zone of MODE_MEAN with one target, in the left image.
   struct Patch {
-    bool is_one = false;  // else the rest is not set
-    Eigen::Vector2d centre_px;
-    Eigen::Vector2d half_px;  // half its width and height
+    bool is_one = false;  // else the rest is not used
+    Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();
     double disparity_px = 0;
     double variance_px2 = 0;
   };
   // d(x) = at · (1, x − centre_px), with the covariance of `at`.
   struct Plane {
-    Eigen::Vector3d at;
-    Eigen::Matrix3d covariance;
-    double unexplained_px2 = 0;  // variance within the zone that its slant does not explain
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   };
-
   struct Footprint;
-  std::optional<Footprint> FootprintOf(const TofZones& zones, size_t zone,
-                                       const RectifiedPair& pair) const;
-  void Bound(const Footprint& footprint, const CellGrid& grid);
+
+  static std::optional<Footprint> FootprintOf(const TofZones& zones, size_t zone,
+                                              const RectifiedPair& pair);
+  void Enter(const Footprint& footprint, int zone);
   Plane PlaneOf(const TofZones& zones, int column, int row) const;
 
   CellGrid grid_{1, {1, 1}};
-  DisparityBounds bounds_;
-  cv::Mat1i zone_;             // that looks at the cell, the nearest of several; kNone
-  cv::Mat1f nearest_px_;       // its disparity
+  cv::Mat1f most_px_;
+  cv::Mat1i zone_;        // that looks at the cell, the nearest of several; kNone
+  cv::Mat1f nearest_px_;  // its disparity
   std::vector<Patch> patches_;
   std::vector<Plane> planes_;  // of patches_
 };
+
+/// Whether a zone's surface says of a cell what the seeds around do not: it is kSurer times surer
+/// than they are, and kSigmas off all of their planes.
+/// @param seeds  all that are known there. O(1); thread-safe.
+bool IsNews(const ZoneSurface& surface, const PointSurface& seeds, cv::Point cell);
 
 }  // namespace sprout::refine
 

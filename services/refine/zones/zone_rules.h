@@ -5,18 +5,22 @@ namespace sprout::refine {
 
 /// The constants of zones. NOTES.md has what was measured.
 struct ZoneRules {
-  /// A target's surface lies within this many standard deviations: of a zone that two surfaces
-  /// share, the smaller one counts up to a tenth of the light.
+  /// How many standard deviations a target's surface is nearer at most, and how many a zone's
+  /// plane must be off all planes of seeds around to be news. Of a target of two surfaces the
+  /// smaller one is 3 away with a tenth of the light.
   static constexpr double kSigmas = 3;
-  /// What a zone says reaches this many of its own widths and heights beyond its sides: a surface
-  /// that a zone hardly sees fills the next one.
+  /// How many times less sure the seeds around must be than the zone. Measured.
+  static constexpr double kSurer = 4;
+  /// A target bounds disparities up to this many widths and heights of its zone beyond the zone's
+  /// sides: a surface that one zone hardly sees fills the next one.
   static constexpr double kReach = 1;
   /// On average a place of the left image is within reach of at most this many zones, else the
   /// message makes no sense: 9 of a grid, and as many again beside depth edges.
   static constexpr int kMostZonesPerCell = 64;
   /// Scale of the M-estimator for the planes of zones, px of disparity a px: the prior's
-  /// plane_scale_per_spacing.
+  /// plane_scale_per_spacing, and its wider first round.
   static constexpr double kPlaneScalePerPx = 0.12;
+  static constexpr double kFirstScale = 1.5;
   /// And how many standard deviations of both zones: the prior's.
   static constexpr double kPlaneScaleSigmas = 2;
 };

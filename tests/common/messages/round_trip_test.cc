@@ -93,7 +93,8 @@ TEST(ZonesMessage, IsRefusedWithWhatCannotBe) {
   };
   using M = tof_zones_t;
   EXPECT_EQ(error_of([](M&) {}), "");
-  EXPECT_THAT(error_of([](M& m) { m.columns = 65; }), HasSubstr("columns = 65: allowed is 1 to 64"));
+  EXPECT_THAT(error_of([](M& m) { m.columns = 65; }),
+              HasSubstr("columns = 65: allowed is 1 to 64"));
   EXPECT_THAT(error_of([](M& m) { m.columns = -1; }), HasSubstr("columns = -1"));
   EXPECT_THAT(error_of([](M& m) { m.rows = 0; }), HasSubstr("columns = 2"));
   EXPECT_THAT(error_of([](M& m) { m.columns = 0; }), HasSubstr("columns = 0"));

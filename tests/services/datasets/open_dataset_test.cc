@@ -106,8 +106,7 @@ TEST(OpenDataset, TakesAMultiZoneSensorFromTheConfigurationOrTheSource) {
   const SceneFolder folder;
   folder.Write2005({40, 30});
   for (const std::string& source : {folder.Config().source(), std::string("synthetic:64x48")}) {
-    const auto opened =
-        OpenDataset(WithSource(source + "?tof=zones:4x3&mode=nearest&targets=1"));
+    const auto opened = OpenDataset(WithSource(source + "?tof=zones:4x3&mode=nearest&targets=1"));
     frame = opened->Get(0);
     ASSERT_TRUE(frame.tof_zones) << source;
     EXPECT_EQ(frame.tof_zones->views.size(), 12);
@@ -119,7 +118,8 @@ TEST(OpenDataset, TakesAMultiZoneSensorFromTheConfigurationOrTheSource) {
 }
 
 TEST(OpenDataset, RefusesZonesThatCannotBe) {
-  for (const std::string size : {"zones:", "zones:8", "zones:8x", "zones:x8", "zones8x8", "zones:8x8x8"}) {
+  for (const std::string size :
+       {"zones:", "zones:8", "zones:8x", "zones:x8", "zones8x8", "zones:8x8x8"}) {
     EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=" + size)),
                 HasSubstr("capture.tof = " + size + ": no size; allowed: zones:CxR"));
   }
@@ -151,8 +151,8 @@ TEST(OpenDataset, OpensScenesWithoutATofCamera) {
 TEST(OpenDataset, NamesTheTofCamerasThatExist) {
   CaptureConfig config = WithSource("synthetic:64x48");
   config.set_tof("kinect");
-  EXPECT_THAT(OpenError(config),
-              AllOf(HasSubstr("capture.tof = kinect: "), HasSubstr("allowed: grid, sr4000, zones:CxR, none")));
+  EXPECT_THAT(OpenError(config), AllOf(HasSubstr("capture.tof = kinect: "),
+                                       HasSubstr("allowed: grid, sr4000, zones:CxR, none")));
   for (const std::string option :
        {"", "tof", "tof=", "tof=kinect", "tof=sr4000&x=1", "tof=grid&"}) {
     EXPECT_THAT(OpenError(WithSource("synthetic:64x48?" + option)),

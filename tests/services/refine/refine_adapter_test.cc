@@ -50,6 +50,78 @@ TEST(RefineAdapter, SaysWhyAFrameHasNoSeeds) {
   }
 }
 
+// One zone in the left camera's place that sees all of its image, z = 10 / (d + 2).
+TofZones OneZone(double disparity_px, ZoneMode mode = ZoneMode::kMean) {
+  return {.columns = 1,
+          .rows = 1,
+          .targets_per_zone = 1,
+          .mode = mode,
+          .left_from_sensor = {},
+          .views = {{-0.52F, 0.52F, -0.42F, 0.42F}},
+          .targets = {{static_cast<float>(10 / (disparity_px + 2)), 0.01F, TargetStatus::kValid}}};
+}
+
+TEST(RefineAdapter, FillsWithZonesWhereNothingElseIsKnown) {
+  RefineAdapter adapter{RefineConfig()};
+  Scene scene;  // without texture or ToF points
+  scene.tof = {};
+  Frame frame = FrameOf(scene);
+  frame.tof_zones = OneZone(12);
+  const StageResult outcome = adapter.Process(frame);
+  const auto& seeds = std::get<SeedSet>(outcome.outputs.at(0).value);
+  const auto& left_seeds = std::get<SeedSet>(outcome.outputs.at(1).value);
+  EXPECT_TRUE(seeds.seeds.empty()) << "an area is no correspondence";
+  // 25 × 20 cells of 4 px.
+  ASSERT_EQ(left_seeds.seeds.size(), 500);
+  EXPECT_EQ(left_seeds.raw, 500);
+  for (const Seed& seed : left_seeds.seeds) {
+    EXPECT_NEAR(seed.disparity(), 12, 1e-3);
+    EXPECT_EQ(seed.origin, SeedOrigin::kTof);
+    EXPECT_EQ(seed.tof_u, -1);
+    // σ of d at z = 10 / 14 m ± 0.01: 0.196 px, and once more for the mean.
+    EXPECT_GT(seed.sigma_px, 0.27F);
+  }
+  frame.tof_zones = OneZone(12, ZoneMode::kNearest);
+  EXPECT_TRUE(std::get<SeedSet>(adapter.Process(frame).outputs.at(1).value).seeds.empty());
+  frame.tof_zones = TofZones();
+  EXPECT_TRUE(std::get<SeedSet>(adapter.Process(frame).outputs.at(1).value).seeds.empty());
+}
+
+TEST(RefineAdapter, DropsStereoSeedsThatAreNearerThanZonesAllow) {
+  RefineAdapter adapter{RefineConfig()};
+  Scene scene = TexturedScene();  // 12 px everywhere
+  scene.tof = {};
+  Frame frame = FrameOf(scene);
+  const auto stereo = [&] {
+    return std::get<SeedSet>(adapter.Process(frame).outputs.at(0).value).seeds;
+  };
+  const std::vector<Seed> without = stereo();
+  ASSERT_GT(without.size(), 50);
+  for (const ZoneMode mode : {ZoneMode::kMean, ZoneMode::kNearest}) {
+    // z − 3 σ is 10 / 13.5 − 0.03 m: up to 12.07 px.
+    frame.tof_zones = OneZone(11.5, mode);
+    EXPECT_GT(stereo().size(), without.size() / 2);
+    // 10 / 12 − 0.03 m: up to 10.4 px.
+    frame.tof_zones = OneZone(10, mode);
+    EXPECT_TRUE(stereo().empty());
+    frame.tof_zones = OneZone(20, mode);
+    EXPECT_EQ(stereo(), without) << "what lies behind may be hidden from the zone, or dark";
+  }
+}
+
+TEST(RefineAdapter, SaysWhatIsWrongWithZones) {
+  RefineAdapter adapter{RefineConfig()};
+  Frame frame = FrameOf(TexturedScene());
+  TofZones zones = OneZone(12);
+  zones.columns = 65;
+  zones.views.resize(65, zones.views[0]);
+  zones.targets.resize(65, zones.targets[0]);
+  frame.tof_zones = zones;
+  const StageResult outcome = adapter.Process(frame);
+  EXPECT_THAT(outcome.degenerate, HasSubstr("zones overlap: allowed are 64"));
+  EXPECT_EQ(outcome.outputs.size(), 2u);
+}
+
 TEST(RefineAdapter, AnswersAToFImageOfAnotherSizeThanCalibratedEmpty) {
   RefineAdapter adapter{RefineConfig()};
   Scene scene;
