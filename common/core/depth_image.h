@@ -30,7 +30,7 @@ inline constexpr int kMaxCloudPoints = 12'000'000;
 struct CloudPoint {
   cv::Point3f position_m;    ///< in the left rectified frame (x right, y down, z forward), m; z > 0
   cv::Vec3b bgr;             ///< colour
-  uint8_t confidence = 255;  ///< 0 (least) to 255
+  uint8_t confidence = 255;  ///< 255 · probability of an error <= 1 px
 
   bool operator==(const CloudPoint&) const = default;
 };
