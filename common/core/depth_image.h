@@ -33,7 +33,7 @@ struct CloudPoint {
   /// robot's, with any z.
   cv::Point3f position_m;
   cv::Vec3b bgr;             ///< colour
-  uint8_t confidence = 255;  ///< 0 (least) to 255
+  uint8_t confidence = 255;  ///< 255 · probability of an error <= 1 px
 
   bool operator==(const CloudPoint&) const = default;
 };

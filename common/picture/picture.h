@@ -42,7 +42,7 @@ cv::Mat3b DisparityPicture(const DisparityImage& disparity, const ValueRange& ra
 /// kNoValueColor.
 cv::Mat3b SigmaPicture(const PriorMap& prior, const std::string& title);
 
-/// A confidence (8UC1), from 0, black, to 255, white.
+/// A confidence (8UC1) as the probability that it stands for, from 0, black, to 1, white.
 cv::Mat3b ConfidencePicture(const cv::Mat1b& confidence, const std::string& title);
 
 /// Errors of a disparity map, from 0 (blue) to kLargestErrorPx (red); pixels with NaN, which are

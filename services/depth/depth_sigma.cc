@@ -16,20 +16,22 @@ size_t IndexOf(int16_t counts) {
 }
 
 // Counts of σ_z for a count of σ_d, eq. (D1), at every disparity that a map can have.
-std::vector<double> SigmaTable(const RectifiedPair& pair, double metres_per_count) {
-  std::vector<double> table(1 << 16, 0);
+std::vector<float> SigmaTable(const RectifiedPair& pair, double metres_per_count) {
+  std::vector<float> table(1 << 16, 0);
   for (size_t i = 1; i < table.size(); ++i) {  // 0: DisparityImage::kInvalid
     const double disparity_px = (static_cast<double>(i) + double{DisparityImage::kInvalid}) /
                                 DisparityImage::kCountsPerPixel;
-    table[i] = pair.DepthSigma(disparity_px, 1.0 / kSigmaCountsPerPx) / metres_per_count;
+    const double sigma_m = pair.DepthSigma(disparity_px, 1.0 / kSigmaCountsPerPx);
+    table[i] =
+        static_cast<float>(std::min(sigma_m / metres_per_count, double{kMaxDepthSigmaCounts}));
   }
   return table;
 }
 
-uint16_t SigmaCounts(double counts_per_count, uint8_t sigma) {
-  const double counts = counts_per_count * sigma;
+uint16_t SigmaCounts(float counts_per_count, uint8_t sigma) {
+  const float counts = counts_per_count * static_cast<float>(sigma);
   if (sigma == kMaxSigmaCounts || !(counts < kMaxDepthSigmaCounts)) return kMaxDepthSigmaCounts;
-  return static_cast<uint16_t>(std::lround(std::max(1.0, counts)));
+  return static_cast<uint16_t>(std::max(1.0F, counts + 0.5F));  // rounds down
 }
 
 // The pixel of a block whose disparity is nearest to that of the block's depth.
@@ -58,16 +60,20 @@ DepthImage DepthSigmaOf(const DepthImage& depth, const DisparityImage& disparity
   DepthImage result = depth;
   result.metres_per_count = depth.metres_per_count / kSigmaCountsPerDepthCount;
   result.counts = cv::Mat1w(depth.size(), uint16_t{0});
-  const std::vector<double> table = SigmaTable(pair, result.metres_per_count);
+  const std::vector<float> table = SigmaTable(pair, result.metres_per_count);
   for (int v = 0; v < depth.counts.rows; ++v) {
+    const uint16_t* const depths = depth.counts[v];
+    uint16_t* const sigmas = result.counts[v];
+    const int16_t* const disparities = disparity.counts()[v];
     for (int u = 0; u < depth.counts.cols; ++u) {
-      if (depth.counts(v, u) == 0) continue;
-      cv::Point pixel(u, v);
-      if (scale > 1) {
-        pixel = Chosen(disparity, sigma, scale * pixel, scale,
-                       pair.DisparityFromDepth(depth.Metres(u, v)));
+      if (depths[u] == 0) continue;
+      if (scale == 1) {
+        sigmas[u] = SigmaCounts(table[IndexOf(disparities[u])], sigma(v, u));
+        continue;
       }
-      result.counts(v, u) = SigmaCounts(table[IndexOf(disparity.counts()(pixel))], sigma(pixel));
+      const cv::Point pixel = Chosen(disparity, sigma, scale * cv::Point(u, v), scale,
+                                     pair.DisparityFromDepth(depth.Metres(u, v)));
+      sigmas[u] = SigmaCounts(table[IndexOf(disparity.counts()(pixel))], sigma(pixel));
     }
   }
   return result;

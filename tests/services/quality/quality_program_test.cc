@@ -178,8 +178,8 @@ TEST_F(QualityProgram, SaysWhetherTheStandardDeviationsOfALogAreHonest) {
     const double claimed = counts / 16.0;
     EXPECT_DOUBLE_EQ(figures["sigma_claimed_px"], claimed);
     EXPECT_NEAR(figures["sigma_ratio"], claimed / seen, 0.02 * claimed / seen);
-    EXPECT_NEAR(figures["within_1_sigma_percent"],
-                100 * std::erf(claimed / seen / std::sqrt(2)), 1.5);
+    EXPECT_NEAR(figures["within_1_sigma_percent"], 100 * std::erf(claimed / seen / std::sqrt(2)),
+                1.5);
   }
 }
 

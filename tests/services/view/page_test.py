@@ -119,6 +119,19 @@ def check_looking(browser):
     return key - 1
 
 
+def check_sigma(browser):
+    before = picture(browser, "confidence")
+    browser.press("o")
+    check("the standard deviation of the disparity takes the confidence's place", browser.wait(
+        "sprout.head.parts.some(part => part.name == 'disparity_sigma') && "
+        "document.querySelector('.confidence h2').textContent.startsWith('Standard deviation')"))
+    check("and is another picture", picture(browser, "confidence") != before)
+    browser.press("o")
+    check("and goes again", browser.wait(
+        "sprout.head.parts.some(part => part.name == 'confidence') && "
+        "document.querySelector('.confidence h2').textContent.startsWith('Confidence')"))
+
+
 def check_pixel(browser, key):
     box = browser.run("""
         const box = document.querySelector('.disparity .view').getBoundingClientRect();
@@ -126,7 +139,7 @@ def check_pixel(browser, key):
     browser.point(box[0] + box[2] / 2, box[1] + box[3] / 2)
     probe = browser.wait("sprout.hover.shown && sprout.hover.shown.key == sprout.key && sprout.hover.shown")
     check("the pixel under the mouse is told", bool(probe) and "disparity_px" in probe and
-          "seed" in probe and "sigma_px" in probe and "confidence" in probe, json.dumps(probe))
+          "seed" in probe and "sigma_px" in probe and "confidence" in probe and "disparity_sigma_px" in probe, json.dumps(probe))
     header, size, _, pixels = get(f"save?key={key}&what=disparity.pfm").split(b"\n", 3)
     width, height = map(int, size.split())
     row = height - 1 - probe["v"]
@@ -303,6 +316,7 @@ def main():
             with web_driver.Browser() as browser:
                 check_pictures(browser)
                 check_pixel(browser, check_looking(browser))
+                check_sigma(browser)
                 check_saving(programs, folder)
                 check_numbers(browser, programs)
                 check_coming_back(browser, programs)
