@@ -96,8 +96,7 @@ void DepthAdapter::AddOfLeft(const Seen& seen, StageResult& result) const {
 void DepthAdapter::AddOfOtherPlaces(const Seen& seen, StageResult& result) const {
   const RectifiedPair& pair = seen.pair;
   if (config_.publish_cloud() && options_.base_from_left) {
-    const PointCloud cloud =
-        CloudOf(seen.disparity, pair, seen.left, seen.confidence, Thinning());
+    const PointCloud cloud = CloudOf(seen.disparity, pair, seen.left, seen.confidence, Thinning());
     result.outputs.push_back({Part::kBaseCloud, Moved(cloud, *options_.base_from_left)});
   }
   if (options_.target) {

@@ -9,8 +9,8 @@
 namespace sprout::depth {
 
 /// DISPARITY LEFT RIG → DEPTH, CLOUD, TARGET_DEPTH and others, a preview, a scan, as the
-/// configuration says; CONFIDENCE is joined for the clouds and for min_confidence. With input FUSED:
-/// FUSED and FUSED_CONFIDENCE instead.
+/// configuration says; CONFIDENCE is joined for the clouds and for min_confidence. With input
+/// FUSED: FUSED and FUSED_CONFIDENCE instead.
 class DepthAdapter : public StageAdapter {
  public:
   /// @throws ConfigError as OptionsOf().

@@ -24,12 +24,12 @@ struct View {
 /// @param left_from_camera  its pose in the left rectified frame.
 View ViewOf(const Lens& lens, const Pose& left_from_camera);
 
-/// Depth of a disparity map as another camera sees it, z along that camera's axis, in counts, rounded
-/// to nearest. Pixels of the map whose disparities differ by at most 1 px from that of their right,
-/// lower and lower right neighbour span a surface: it fills all pixels of the view that lie on it, so
-/// that there are no holes. At its border a pixel of the map fills its own size. The nearest surface
-/// wins (z-buffer). No depth where nothing is projected to, among them what the camera sees and the
-/// map does not, nor beyond 65535 counts.
+/// Depth of a disparity map as another camera sees it, z along that camera's axis, in counts,
+/// rounded to nearest. Pixels of the map whose disparities differ by at most 1 px from that of
+/// their right, lower and lower right neighbour span a surface: it fills all pixels of the view
+/// that lie on it, so that there are no holes. At its border a pixel of the map fills its own size.
+/// The nearest surface wins (z-buffer). No depth where nothing is projected to, among them what the
+/// camera sees and the map does not, nor beyond 65535 counts.
 ///
 /// Rows in parallel; the same for any number of threads. O(pixels of the map and of the view).
 ///

@@ -16,14 +16,16 @@ void RequireSomething(const DepthConfig& config) {
     return;
   }
   throw ConfigError(
-      "depth.publish_depth, depth.publish_cloud, depth.publish_preview, depth.publish_scan = false, "
+      "depth.publish_depth, depth.publish_cloud, depth.publish_preview, depth.publish_scan = "
+      "false, "
       "depth.target empty: nothing to publish; allowed: at least one of them true or set");
 }
 
 void RequireOrder(const char* low_name, double low, const char* high_name, double high) {
   if (low < high) return;
   throw ConfigError("depth." + std::string(low_name) + " = " + std::to_string(low) + ", depth." +
-                    high_name + " = " + std::to_string(high) + ": allowed: the first below the second");
+                    high_name + " = " + std::to_string(high) +
+                    ": allowed: the first below the second");
 }
 
 std::vector<cv::Point> RegionOf(const DepthConfig& config) {
@@ -37,8 +39,9 @@ std::vector<cv::Point> RegionOf(const DepthConfig& config) {
     region.emplace_back(corner.u(), corner.v());
   }
   if (region.size() == 1) {
-    throw ConfigError("depth.region: 1 corner; allowed: none, 2 of a rectangle, 3 or more of a "
-                      "polygon");
+    throw ConfigError(
+        "depth.region: 1 corner; allowed: none, 2 of a rectangle, 3 or more of a "
+        "polygon");
   }
   return region;
 }
@@ -127,15 +130,18 @@ std::string RigComplaint(const DepthOptions& options, const RectifiedPair& pair)
   constexpr double kTolerance = 1e-6;
   if (!options.pair) return "";
   const auto numbers = [](const RectifiedPair& p) {
-    return std::array{double(p.width), double(p.height), p.focal_px,  p.cx,
-                      p.cy,            p.cx_right,       p.baseline_m};
+    return std::array{double(p.width), double(p.height), p.focal_px, p.cx, p.cy,
+                      p.cx_right,      p.baseline_m};
   };
   const auto expected = numbers(*options.pair);
   const auto found = numbers(pair);
-  const bool same = std::equal(expected.begin(), expected.end(), found.begin(), [](double a, double b) {
-    return std::abs(a - b) <= kTolerance * std::max(std::abs(a), std::abs(b));
-  });
-  return same ? "" : "RIG is not the calibration in depth.rig; allowed is the rig file that capture uses";
+  const bool same =
+      std::equal(expected.begin(), expected.end(), found.begin(), [](double a, double b) {
+        return std::abs(a - b) <= kTolerance * std::max(std::abs(a), std::abs(b));
+      });
+  return same
+             ? ""
+             : "RIG is not the calibration in depth.rig; allowed is the rig file that capture uses";
 }
 
 }  // namespace sprout::depth

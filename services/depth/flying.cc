@@ -20,7 +20,8 @@ Side SideOf(const cv::Mat1s& counts, const cv::Mat1s& for_minimum, cv::Point tow
   const bool across = towards.x != 0;
   const cv::Size size = across ? cv::Size(reach, 1) : cv::Size(1, reach);
   const cv::Mat window = cv::Mat::ones(size, CV_8U);
-  // The window begins beside its anchor: the map is shifted by one pixel, then the anchor is an end.
+  // The window begins beside its anchor: the map is shifted by one pixel, then the anchor is an
+  // end.
   const cv::Point anchor =
       towards.x + towards.y > 0 ? cv::Point(0, 0) : cv::Point(size.width - 1, size.height - 1);
   const auto shifted = [&](const cv::Mat1s& map, int16_t nothing) {
@@ -35,8 +36,8 @@ Side SideOf(const cv::Mat1s& counts, const cv::Mat1s& for_minimum, cv::Point tow
   Side side;
   cv::dilate(shifted(counts, DisparityImage::kInvalid), side.largest, window, anchor, 1,
              cv::BORDER_CONSTANT, cv::Scalar(DisparityImage::kInvalid));
-  cv::erode(shifted(for_minimum, kNoMinimum), side.smallest, window, anchor, 1,
-            cv::BORDER_CONSTANT, cv::Scalar(kNoMinimum));
+  cv::erode(shifted(for_minimum, kNoMinimum), side.smallest, window, anchor, 1, cv::BORDER_CONSTANT,
+            cv::Scalar(kNoMinimum));
   return side;
 }
 
@@ -95,8 +96,8 @@ cv::Mat1b FindFlying(const DisparityImage& map, const FlyingRule& rule) {
     for (int v = rows.start; v < rows.end; ++v) {
       for (int u = 0; u < flying.cols; ++u) {
         if (flying(v, u) == 0) continue;
-        const bool alone = map.IsValid(u, v) &&
-                           SupportOf(counts, {u, v}, rule.reach_px, same) <= rule.support;
+        const bool alone =
+            map.IsValid(u, v) && SupportOf(counts, {u, v}, rule.reach_px, same) <= rule.support;
         if (!alone) flying(v, u) = 0;
       }
     }

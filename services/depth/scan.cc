@@ -118,8 +118,9 @@ Result<PlanarScan> ScanOf(const DisparityImage& map, const RectifiedPair& pair,
   const Rays rays(pair, base_from_left);
   const std::optional<Outermost> ends = OutermostOf(rays, pair);
   if (!ends) {
-    return Fail("the image shows what is straight above or below the camera: no SCAN; allowed are "
-                "cameras that look to the side");
+    return Fail(
+        "the image shows what is straight above or below the camera: no SCAN; allowed are "
+        "cameras that look to the side");
   }
   const double step_rad = band.step_deg * std::numbers::pi / 180;
   const Beams beams(ends->right, ends->left, step_rad);

@@ -30,13 +30,26 @@ TEST(PartSet, ListsEveryPartOnce) {
 
 // Which places of a frame are filled, in the order of kAllParts.
 std::vector<bool> Filled(const Frame& frame) {
-  return {!frame.left.empty(),       !frame.right.empty(),       frame.tof.has_value(),
-          frame.rig.has_value(),     frame.seeds.has_value(),    frame.left_seeds.has_value(),
-          frame.prior.has_value(),   frame.unfilled.has_value(), frame.disparity.has_value(),
-          !frame.confidence.empty(), !frame.sigma.empty(),       frame.depth.has_value(),
-          frame.cloud.has_value(),   frame.fused.has_value(),    !frame.fused_confidence.empty(),
-          frame.motion.has_value(),  frame.depth_counts.has_value(), frame.base_cloud.has_value(),
-          frame.target_depth.has_value(), frame.target_cloud.has_value()};
+  return {!frame.left.empty(),
+          !frame.right.empty(),
+          frame.tof.has_value(),
+          frame.rig.has_value(),
+          frame.seeds.has_value(),
+          frame.left_seeds.has_value(),
+          frame.prior.has_value(),
+          frame.unfilled.has_value(),
+          frame.disparity.has_value(),
+          !frame.confidence.empty(),
+          !frame.sigma.empty(),
+          frame.depth.has_value(),
+          frame.cloud.has_value(),
+          frame.fused.has_value(),
+          !frame.fused_confidence.empty(),
+          frame.motion.has_value(),
+          frame.depth_counts.has_value(),
+          frame.base_cloud.has_value(),
+          frame.target_depth.has_value(),
+          frame.target_cloud.has_value()};
 }
 
 PartValue ValueFor(Part part) {

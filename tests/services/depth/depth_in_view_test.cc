@@ -9,18 +9,20 @@ namespace {
 
 // f·b = 10 px·m: 10 px are 1 m.
 constexpr RectifiedPair kMappedPair{.width = 40,
-                              .height = 30,
-                              .focal_px = 100,
-                              .cx = 20,
-                              .cy = 15,
-                              .cx_right = 20,
-                              .baseline_m = 0.1};
+                                    .height = 30,
+                                    .focal_px = 100,
+                                    .cx = 20,
+                                    .cy = 15,
+                                    .cx_right = 20,
+                                    .baseline_m = 0.1};
 
 DisparityImage Plane(int px) {
   return DisparityImage(cv::Mat1s(30, 40, static_cast<int16_t>(32 * px)));
 }
 
-View Same() { return {.size = {40, 30}, .focal_px = 100, .cx = 20, .cy = 15, .view_from_left = {}}; }
+View Same() {
+  return {.size = {40, 30}, .focal_px = 100, .cx = 20, .cy = 15, .view_from_left = {}};
+}
 
 View At(const Eigen::Vector3d& place_m) {
   View view = Same();
@@ -159,7 +161,8 @@ TEST(CloudInView, HasTheViewsPointsWithTheLeftColours) {
 }
 
 TEST(ViewOf, IsTheCameraWithoutItsDistortion) {
-  const Lens lens{.width = 64, .height = 48, .fx = 50, .fy = 51, .cx = 30, .cy = 20, .distortion = {0.1}};
+  const Lens lens{
+      .width = 64, .height = 48, .fx = 50, .fy = 51, .cx = 30, .cy = 20, .distortion = {0.1}};
   const View view = ViewOf(lens, {.rotation = {0, 0, 0, 1}, .translation_m = {1, 2, 3}});
   EXPECT_EQ(view.size, cv::Size(64, 48));
   EXPECT_EQ(view.focal_px, 50);

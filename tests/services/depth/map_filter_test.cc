@@ -73,13 +73,12 @@ TEST_F(MapFilterTest, KeepsAPolygonThatMayLieOutsideTheImage) {
   EXPECT_EQ(Left({.region = {{-9, -9}, {9, -9}, {9, 0}, {-9, 0}}}), "####/..../....");
 }
 
-// Of the left camera as the robot, at 1 m over its origin: x forward, y left, z up. The second row is
-// at the camera's height; a column is z/100 m.
+// Of the left camera as the robot, at 1 m over its origin: x forward, y left, z up. The second row
+// is at the camera's height; a column is z/100 m.
 TEST_F(MapFilterTest, KeepsABoxInTheRobotsFrame) {
   Pose base_from_left = LevelFromLeft();
   base_from_left.translation_m = {0, 0, 1};
-  const Eigen::AlignedBox3d box(Eigen::Vector3d(1.5, -0.021, 0.99),
-                                Eigen::Vector3d(10, 0, 2));
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(1.5, -0.021, 0.99), Eigen::Vector3d(10, 0, 2));
   // x = 5, 2.5, 2, 1; y = (1 − u) x / 100 = 0.05, 0, −0.02, −0.02; z = 1 + (1 − v) x / 100.
   EXPECT_EQ(Left({.box = box, .base_from_left = base_from_left}), ".##./.##./....");
   EXPECT_EQ(counts_.outside, 7);
@@ -96,15 +95,17 @@ TEST_F(MapFilterTest, CountsAPixelForTheFirstRuleThatLeavesItOut) {
   EXPECT_EQ(counts_, (DepthCounts{.pixels = 11, .near = 2, .outside = 3, .unsure = 1}));
 }
 
-// The last pixel of row 2, without which the one beside it hangs between nothing, has no disparity.
-TEST_F(MapFilterTest, LeavesOutFlyingPoints) {
-  for (int v = 0; v < 3; ++v) {
-    for (int u = 1; u < 4; ++u) {
-      if (map_.IsValid(u, v)) map_.counts()(v, u) = static_cast<int16_t>(32 * 20 * u);
-    }
-  }
-  EXPECT_EQ(Left({.remove_flying = true}), "#..#/#..#/#.#.");
-  EXPECT_EQ(counts_, (DepthCounts{.pixels = 11, .flying = 5}));
+TEST(MapFilter, LeavesOutFlyingPoints) {
+  DisparityImage map(cv::Size(6, 1));
+  const int disparities[] = {2, 2, 20, 60, 60, 60};
+  for (int u = 0; u < 6; ++u) map.counts()(0, u) = static_cast<int16_t>(32 * disparities[u]);
+  RectifiedPair pair = kFilteredPair;
+  pair.width = 6;
+  pair.height = 1;
+  DepthCounts counts;
+  const DisparityImage kept = MapFilter({.remove_flying = true}).Apply(map, pair, {}, counts);
+  EXPECT_EQ(counts, (DepthCounts{.pixels = 6, .flying = 1}));
+  EXPECT_FALSE(kept.IsValid(2, 0));
 }
 
 }  // namespace

@@ -18,12 +18,12 @@ constexpr float kNothing = std::numeric_limits<float>::infinity();
 
 // f·b = 10 px·m: 10 px are 1 m. The image sees 45° to either side.
 constexpr RectifiedPair kScannedPair{.width = 201,
-                              .height = 21,
-                              .focal_px = 100,
-                              .cx = 100,
-                              .cy = 10,
-                              .cx_right = 100,
-                              .baseline_m = 0.1};
+                                     .height = 21,
+                                     .focal_px = 100,
+                                     .cx = 100,
+                                     .cy = 10,
+                                     .cx_right = 100,
+                                     .baseline_m = 0.1};
 
 DisparityImage Wall(int px) {
   return DisparityImage(cv::Mat1s(21, 201, static_cast<int16_t>(32 * px)));
@@ -95,8 +95,8 @@ TEST(ScanOf, TurnsWithTheCameraOnTheRobotAndMeasuresFromIt) {
       Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
   Pose base_from_left{.rotation = left_turn * Eigen::Quaterniond(LevelFromLeft().rotation),
                       .translation_m = {5, 6, 1}};
-  const PlanarScan scan = Scan(Wall(10), base_from_left,
-                               {.min_height_m = 0.95, .max_height_m = 1.05, .step_deg = 1});
+  const PlanarScan scan =
+      Scan(Wall(10), base_from_left, {.min_height_m = 0.95, .max_height_m = 1.05, .step_deg = 1});
   EXPECT_EQ(scan.first, 45);
   ASSERT_EQ(scan.ranges_m.size(), 91U);
   EXPECT_NEAR(double{scan.ranges_m[45]}, 1, 1e-6);
@@ -106,7 +106,7 @@ TEST(ScanOf, LooksBackwardsToo) {
   const Eigen::Quaterniond around(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
   const PlanarScan scan =
       Scan(Wall(10), {.rotation = around * Eigen::Quaterniond(LevelFromLeft().rotation),
-                       .translation_m = Eigen::Vector3d::Zero()});
+                      .translation_m = Eigen::Vector3d::Zero()});
   EXPECT_EQ(scan.first, 135);
   EXPECT_EQ(scan.ranges_m.size(), 91U);
   EXPECT_TRUE(std::none_of(scan.ranges_m.begin(), scan.ranges_m.end(),
