@@ -226,7 +226,7 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
       return cloud;
     }
     case Part::kDepthCounts:
-      return DepthCounts{.pixels = Below(1 << 20)};
+      return DepthCounts{.pixels = static_cast<int32_t>(Below(1 << 20))};
     case Part::kMotion: {
       CameraMotion motion;
       for (int i = 0; i < 3; ++i) motion.last_from_left.translation_m[i] = Below(1 << 20);
