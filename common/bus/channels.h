@@ -35,9 +35,8 @@ inline std::vector<std::string_view> AllChannels() {
 
 /// Longest prefix, characters: LCM allows 63 for prefix and channel.
 inline constexpr size_t kMaxChannelPrefix = [] {
-  size_t longest =
-      std::max({kStatusChannel.size(), kProcessChannel.size(), kPreviewChannel.size(),
-                kScanChannel.size()});
+  size_t longest = std::max(
+      {kStatusChannel.size(), kProcessChannel.size(), kPreviewChannel.size(), kScanChannel.size()});
   for (const PartRow& row : kPartTable) longest = std::max(longest, row.channel.size());
   return 63 - longest;
 }();

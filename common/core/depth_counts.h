@@ -5,8 +5,8 @@
 
 namespace sprout {
 
-/// What sprout-depth left out of a frame, in pixels. A pixel counts for the first rule, in the order
-/// of the members, that leaves it out.
+/// What sprout-depth left out of a frame, in pixels. A pixel counts for the first rule, in the
+/// order of the members, that leaves it out.
 struct DepthCounts {
   int32_t pixels = 0;   ///< with a disparity, before any rule
   int32_t near = 0;     ///< nearer than min_m

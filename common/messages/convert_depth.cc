@@ -19,8 +19,7 @@ bool IsPossible(const cv::Point3f& p) {
 
 tl::unexpected<Error> NoPoint(const cv::Point3f& p, size_t index, const char* allowed) {
   return Fail("point " + std::to_string(index) + " at (" + std::to_string(p.x) + ", " +
-              std::to_string(p.y) + ", " + std::to_string(p.z) +
-              "): allowed are " + allowed);
+              std::to_string(p.y) + ", " + std::to_string(p.z) + "): allowed are " + allowed);
 }
 
 }  // namespace

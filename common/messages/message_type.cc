@@ -79,8 +79,8 @@ Result<DecodedMessage> DecodeAs(MessageType type, std::span<const uint8_t> bytes
     if (!info) return tl::unexpected(info.error());
     return DecodedMessage{std::move(info->header), {}};
   }
-  // Any part of the type: decoding is the same for all of them, but that only a cloud in the robot's
-  // frame may have any point.
+  // Any part of the type: decoding is the same for all of them, but that only a cloud in the
+  // robot's frame may have any point.
   const auto any = std::ranges::find(kAllParts, type, [](Part part) { return TypeOf(part); });
   Result<DecodedPart> part =
       DecodePart(type == MessageType::kCloud ? Part::kBaseCloud : *any, bytes);

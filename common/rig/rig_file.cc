@@ -138,9 +138,8 @@ RigPlaces PlacesOf(const RigDescription& description, const fs::path& path) {
     }
     for (const OtherCamera& other : description.others()) {
       const std::string name = "others { name: \"" + other.name() + "\" }";
-      const OtherCameraPlace place{
-          CheckedLens(name + ".lens", other.lens()),
-          rectified_from_left * CheckedPose(name + ".pose", other.pose())};
+      const OtherCameraPlace place{CheckedLens(name + ".lens", other.lens()),
+                                   rectified_from_left * CheckedPose(name + ".pose", other.pose())};
       if (other.name().empty() || !places.others.emplace(other.name(), place).second) {
         throw ConfigError(name + ": allowed: names that are not empty, each once");
       }

@@ -36,7 +36,7 @@ struct OtherCameraPlace {
 
 /// Where other cameras are, and where the rig is on the robot.
 struct RigPlaces {
-  std::optional<RectifiedPair> pair;  ///< of the file's calibration; nothing when it has none yet
+  std::optional<RectifiedPair> pair;   ///< of the file's calibration; nothing when it has none yet
   std::optional<Pose> base_from_left;  ///< of the left rectified camera in the robot's frame
   std::map<std::string, OtherCameraPlace> others;  ///< by name
 };

@@ -204,7 +204,8 @@ PointCloud CloudInView(const DepthImage& depth, const View& view, const Rectifie
                                   (v - view.cy) * z / view.focal_px, z);
       if (!filter.IsFirst(point)) continue;
       if (cloud.points.size() == kMaxCloudPoints) return cloud;
-      const Eigen::Vector3d in_left = left_from_view.rotation * point + left_from_view.translation_m;
+      const Eigen::Vector3d in_left =
+          left_from_view.rotation * point + left_from_view.translation_m;
       const double scale = pair.focal_px / in_left.z();
       const int left_u = nearest(scale * in_left.x() + pair.cx, pair.width);
       const int left_v = nearest(scale * in_left.y() + pair.cy, pair.height);

@@ -9,34 +9,23 @@ namespace {
 
 constexpr int16_t kNoMinimum = std::numeric_limits<int16_t>::max();
 
-// The largest and the smallest count of the pixels before or behind each pixel, along one axis.
+// The largest and the smallest count of each pixel and those before or behind it, along one axis.
 // Without any: kInvalid and kNoMinimum.
 struct Side {
   cv::Mat1s largest;
   cv::Mat1s smallest;
 };
 
+/// @param for_minimum  the counts, with kNoMinimum where there is none.
 Side SideOf(const cv::Mat1s& counts, const cv::Mat1s& for_minimum, cv::Point towards, int reach) {
-  const bool across = towards.x != 0;
-  const cv::Size size = across ? cv::Size(reach, 1) : cv::Size(1, reach);
-  const cv::Mat window = cv::Mat::ones(size, CV_8U);
-  // The window begins beside its anchor: the map is shifted by one pixel, then the anchor is an
-  // end.
+  const cv::Mat window =
+      cv::Mat::ones(towards.x != 0 ? cv::Size(reach + 1, 1) : cv::Size(1, reach + 1), CV_8U);
   const cv::Point anchor =
-      towards.x + towards.y > 0 ? cv::Point(0, 0) : cv::Point(size.width - 1, size.height - 1);
-  const auto shifted = [&](const cv::Mat1s& map, int16_t nothing) {
-    cv::Mat1s beside;
-    cv::copyMakeBorder(map, beside, std::max(0, -towards.y), std::max(0, towards.y),
-                       std::max(0, -towards.x), std::max(0, towards.x), cv::BORDER_CONSTANT,
-                       cv::Scalar(nothing));
-    // A copy: OpenCV would look beyond the borders of a part.
-    return cv::Mat1s(
-        beside(cv::Rect({std::max(0, towards.x), std::max(0, towards.y)}, map.size())).clone());
-  };
+      towards.x + towards.y > 0 ? cv::Point(0, 0) : cv::Point(window.cols - 1, window.rows - 1);
   Side side;
-  cv::dilate(shifted(counts, DisparityImage::kInvalid), side.largest, window, anchor, 1,
-             cv::BORDER_CONSTANT, cv::Scalar(DisparityImage::kInvalid));
-  cv::erode(shifted(for_minimum, kNoMinimum), side.smallest, window, anchor, 1, cv::BORDER_CONSTANT,
+  cv::dilate(counts, side.largest, window, anchor, 1, cv::BORDER_CONSTANT,
+             cv::Scalar(DisparityImage::kInvalid));
+  cv::erode(for_minimum, side.smallest, window, anchor, 1, cv::BORDER_CONSTANT,
             cv::Scalar(kNoMinimum));
   return side;
 }
@@ -61,21 +50,23 @@ void AddBetween(const cv::Mat1s& counts, const Side& one, const Side& other, int
   }
 }
 
-// Share of the pixels around that belong to the pixel's surface, of those that have a disparity.
-double SupportOf(const cv::Mat1s& counts, cv::Point pixel, int reach, int same) {
+// Whether more than a share of the pixels around, of those that have a disparity, belong to the
+// pixel's surface.
+bool IsSupported(const cv::Mat1s& counts, cv::Point pixel, int reach, int same, double share) {
   const cv::Rect around = cv::Rect(pixel.x - reach, pixel.y - reach, 2 * reach + 1, 2 * reach + 1) &
                           cv::Rect({0, 0}, counts.size());
   const int own = counts(pixel);
   int found = 0;
   int supporting = 0;
   for (int v = around.y; v < around.br().y; ++v) {
+    const int16_t* const row = counts[v];
     for (int u = around.x; u < around.br().x; ++u) {
-      if (counts(v, u) == DisparityImage::kInvalid) continue;
-      ++found;
-      if (std::abs(counts(v, u) - own) <= same) ++supporting;
+      found += row[u] != DisparityImage::kInvalid ? 1 : 0;
+      supporting += std::abs(row[u] - own) <= same ? 1 : 0;
     }
+    if (supporting > share * around.area()) return true;  // however many are found
   }
-  return double(supporting) / found;
+  return supporting > share * found;
 }
 
 }  // namespace
@@ -97,7 +88,7 @@ cv::Mat1b FindFlying(const DisparityImage& map, const FlyingRule& rule) {
       for (int u = 0; u < flying.cols; ++u) {
         if (flying(v, u) == 0) continue;
         const bool alone =
-            map.IsValid(u, v) && SupportOf(counts, {u, v}, rule.reach_px, same) <= rule.support;
+            map.IsValid(u, v) && !IsSupported(counts, {u, v}, rule.reach_px, same, rule.support);
         if (!alone) flying(v, u) = 0;
       }
     }

@@ -83,7 +83,7 @@ struct Block {
   static constexpr int kSize = 256;
 
   alignas(64) float left[kSize], right[kSize], top[kSize], bottom[kSize];
-  alignas(64) float depth[kSize];     // counts + 0.5
+  alignas(64) float depth[kSize];  // counts + 0.5
   alignas(64) int32_t surface[kSize];
 };
 
@@ -112,10 +112,9 @@ HWY_INLINE void FindSurfaces(const ProjectedRow& upper, const ProjectedRow& lowe
   const float* const z_below = lower.least_z.data() + first;
   const float surface_counts = rule.surface_counts, side_px = rule.side_px;
   for (int i = 0; i < count; ++i) {
-    const float spread =
-        Most(most_above[i], most_below[i]) - Least(least_above[i], least_below[i]);
-    const int32_t flat = (spread <= surface_counts ? 1 : 0) &
-                         (Least(z_above[i], z_below[i]) > 0 ? 1 : 0);
+    const float spread = Most(most_above[i], most_below[i]) - Least(least_above[i], least_below[i]);
+    const int32_t flat =
+        (spread <= surface_counts ? 1 : 0) & (Least(z_above[i], z_below[i]) > 0 ? 1 : 0);
     const int32_t small = (block.right[i] - block.left[i] <= side_px ? 1 : 0) &
                           (block.bottom[i] - block.top[i] <= side_px ? 1 : 0);
     block.surface[i] = flat & small;
@@ -130,8 +129,8 @@ HWY_INLINE void FindSurfaces(const ProjectedRow& upper, const ProjectedRow& lowe
   }
 }
 
-// The whole numbers from `low` to `high`, both included, of those from 0 to `last`; none where there
-// is no depth. Conversion cuts off, which is rounding down for what is not negative.
+// The whole numbers from `low` to `high`, both included, of those from 0 to `last`; none where
+// there is no depth. Conversion cuts off, which is rounding down for what is not negative.
 HWY_INLINE void WholeNumbers(const float* HWY_RESTRICT low, const float* HWY_RESTRICT high,
                              const float* HWY_RESTRICT depth, float last, int count,
                              int32_t* HWY_RESTRICT begin, int32_t* HWY_RESTRICT end) {

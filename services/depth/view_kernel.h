@@ -8,8 +8,8 @@
 
 namespace sprout::depth {
 
-/// How the pixels of a row of a disparity map are projected into a view: pixel u with depth z is the
-/// point origin + z · (start + u · per_u) there.
+/// How the pixels of a row of a disparity map are projected into a view: pixel u with depth z is
+/// the point origin + z · (start + u · per_u) there.
 struct RowProjection {
   std::array<float, 3> origin, start, per_u;
   float focal_px, cx, cy;  ///< of the view

@@ -101,6 +101,32 @@ py::object SeedCounts(const PyFrame& frame) {
   return counts;
 }
 
+py::object DepthCountsOf(const PyFrame& frame) {
+  if (!frame.frame.depth_counts) return py::none();
+  const DepthCounts& of_rules = *frame.frame.depth_counts;
+  py::dict counts;
+  counts["pixels"] = of_rules.pixels;
+  counts["near"] = of_rules.near;
+  counts["far"] = of_rules.far;
+  counts["outside"] = of_rules.outside;
+  counts["unsure"] = of_rules.unsure;
+  counts["flying"] = of_rules.flying;
+  return counts;
+}
+
+// (N, 3) float32.
+py::object PositionsOf(const std::optional<PointCloud>& cloud) {
+  if (!cloud) return py::none();
+  cv::Mat1f positions(static_cast<int>(cloud->points.size()), 3);
+  for (int i = 0; i < positions.rows; ++i) {
+    const cv::Point3f& p = cloud->points[static_cast<size_t>(i)].position_m;
+    positions(i, 0) = p.x;
+    positions(i, 1) = p.y;
+    positions(i, 2) = p.z;
+  }
+  return ToArray(positions);
+}
+
 template <typename T>
 py::object OrNone(const std::optional<T>& value) {
   return value ? py::cast(*value) : py::none();
@@ -368,6 +394,24 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "not known.")
       .def_property_readonly("intrinsics", &IntrinsicsOf,
                              "Optional[numpy.ndarray]: (3, 3) float64, of depth_m, px.")
+      .def_property_readonly(
+          "depth_counts", &DepthCountsOf,
+          "Optional[Dict[str, int]]: pixels that sprout-depth left out, by why, of all (pixels).")
+      .def_property_readonly(
+          "target_depth_m",
+          [](const PyFrame& f) {
+            return f.frame.target_depth ? ToArray(MetresOf(*f.frame.target_depth))
+                                        : py::object(py::none());
+          },
+          "Optional[numpy.ndarray]: (H, W) float32, z, m, as sprout-depth's target sees it; NaN: "
+          "none.")
+      .def_property_readonly(
+          "target_points", [](const PyFrame& f) { return PositionsOf(f.frame.target_cloud); },
+          "Optional[numpy.ndarray]: (N, 3) float32, m, its points, in the target's frame.")
+      .def_property_readonly(
+          "base_points", [](const PyFrame& f) { return PositionsOf(f.frame.base_cloud); },
+          "Optional[numpy.ndarray]: (N, 3) float32, m, the points of SPROUT_BASE_CLOUD, in the "
+          "robot's frame.")
       .def_property_readonly(
           "warnings", [](const PyFrame& f) { return f.warnings; },
           "List[str]: which stage had nothing to give, and why.")

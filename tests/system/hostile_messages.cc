@@ -233,7 +233,7 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
       return cloud;
     }
     case Part::kDepthCounts:
-      return DepthCounts{.pixels = Below(1 << 20)};
+      return DepthCounts{.pixels = static_cast<int32_t>(Below(1 << 20))};
     case Part::kMotion:
     case Part::kOdometry: {
       CameraMotion motion;

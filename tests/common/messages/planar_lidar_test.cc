@@ -11,9 +11,8 @@
 namespace sprout {
 namespace {
 
-const PlanarScan kScan{.ranges_m = {1.5F, std::numeric_limits<float>::infinity(), 2},
-                       .first = -2,
-                       .step_rad = 0.25};
+const PlanarScan kScan{
+    .ranges_m = {1.5F, std::numeric_limits<float>::infinity(), 2}, .first = -2, .step_rad = 0.25};
 
 TEST(ScanMessage, IsOneThatOthersDecode) {
   const std::vector<uint8_t> bytes = EncodeScan({.utime = 12345, .seq = 7, .rig_id = "r"}, kScan);

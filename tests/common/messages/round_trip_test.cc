@@ -321,7 +321,8 @@ TEST(DepthCountsMessage, IsRefusedWithCountsThatCannotBe) {
     change(message);
     return FromMessage(message).error().text;
   };
-  EXPECT_THAT(error([](auto& m) { m.pixels = 365; }), HasSubstr("pixels = 365: allowed is at least the pixels left out, 366"));
+  EXPECT_THAT(error([](auto& m) { m.pixels = 365; }),
+              HasSubstr("pixels = 365: allowed is at least the pixels left out, 366"));
   EXPECT_THAT(error([](auto& m) { m.flying = -1; }), HasSubstr("flying = -1"));
 }
 

@@ -81,7 +81,8 @@ TEST_F(RigFile, SaysWhatCannotBeRead) {
   EXPECT_THAT(Error(), AllOf(HasSubstr("max_spread_ms = 0"), HasSubstr("allowed: 0.001 to 1000")));
 }
 
-// The tilted rig's rectification turns the left camera: whatever is told in its frame turns with it.
+// The tilted rig's rectification turns the left camera: whatever is told in its frame turns with
+// it.
 TEST_F(RigFile, PlacesOtherCamerasAndTheRobotInTheRectifiedFrame) {
   const RawRig rig = TiltedRig();
   RigDescription description;
@@ -98,8 +99,9 @@ TEST_F(RigFile, PlacesOtherCamerasAndTheRobotInTheRectifiedFrame) {
   ASSERT_EQ(places.others.size(), 1U);
   const OtherCameraPlace& place = places.others.at("like the ToF camera");
   EXPECT_EQ(place.lens.fx, rig.tof.fx);
-  EXPECT_LT((place.left_from_camera.translation_m - rectified.tof.left_from_tof_translation_m).norm(),
-            1e-12);
+  EXPECT_LT(
+      (place.left_from_camera.translation_m - rectified.tof.left_from_tof_translation_m).norm(),
+      1e-12);
   EXPECT_LT(place.left_from_camera.rotation.angularDistance(rectified.tof.left_from_tof_rotation),
             1e-7);
   // The ToF camera in the robot's frame, over both.

@@ -47,7 +47,7 @@ TEST(FindFlying, KeepsThinObjectsInFrontOfASurface) {
             std::vector<int>());
 }
 
-// 0.7 px a pixel: 3 of the 9 columns around are within 1 px.
+// 0.7 px a pixel: 3 of the 13 columns around are within 1 px.
 TEST(FindFlying, KeepsSteepSurfacesAndTakesSteeperOnesForRamps) {
   std::vector<double> steep, steeper;
   for (int u = 0; u < 15; ++u) {

@@ -95,15 +95,17 @@ TEST_F(MapFilterTest, CountsAPixelForTheFirstRuleThatLeavesItOut) {
   EXPECT_EQ(counts_, (DepthCounts{.pixels = 11, .near = 2, .outside = 3, .unsure = 1}));
 }
 
-// The last pixel of row 2, without which the one beside it hangs between nothing, has no disparity.
-TEST_F(MapFilterTest, LeavesOutFlyingPoints) {
-  for (int v = 0; v < 3; ++v) {
-    for (int u = 1; u < 4; ++u) {
-      if (map_.IsValid(u, v)) map_.counts()(v, u) = static_cast<int16_t>(32 * 20 * u);
-    }
-  }
-  EXPECT_EQ(Left({.remove_flying = true}), "#..#/#..#/#.#.");
-  EXPECT_EQ(counts_, (DepthCounts{.pixels = 11, .flying = 5}));
+TEST(MapFilter, LeavesOutFlyingPoints) {
+  DisparityImage map(cv::Size(6, 1));
+  const int disparities[] = {2, 2, 20, 60, 60, 60};
+  for (int u = 0; u < 6; ++u) map.counts()(0, u) = static_cast<int16_t>(32 * disparities[u]);
+  RectifiedPair pair = kFilteredPair;
+  pair.width = 6;
+  pair.height = 1;
+  DepthCounts counts;
+  const DisparityImage kept = MapFilter({.remove_flying = true}).Apply(map, pair, {}, counts);
+  EXPECT_EQ(counts, (DepthCounts{.pixels = 6, .flying = 1}));
+  EXPECT_FALSE(kept.IsValid(2, 0));
 }
 
 }  // namespace
