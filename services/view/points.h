@@ -21,9 +21,9 @@ EncodedPartPtr EncodeCloud(DecodedFrame& frame);
 /// without seeds. O(seeds).
 EncodedPartPtr EncodeSeeds(DecodedFrame& frame);
 
-/// The values at a pixel: u, v; disparity_px, depth_m, fused_px, confidence (0 to 1), prior_px, sigma_px,
-/// grey or colour; and of the nearest seed its position, origin, sigma_px and distance_px. Unknown
-/// values are left out. O(seeds).
+/// The values at a pixel: u, v; disparity_px, depth_m, fused_px, confidence (0 to 1), prior_px,
+/// sigma_px, grey or colour; and of the nearest seed its position, origin, sigma_px and
+/// distance_px. Unknown values are left out. O(seeds).
 nlohmann::json ProbeJson(DecodedFrame& frame, int u, int v);
 
 }  // namespace sprout::view
