@@ -66,10 +66,11 @@ std::string Text(const char* format, std::optional<double> value) {
 }
 
 std::string VideoRow(const std::string& name, const char* method, const VideoFigures& f) {
-  return fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {} | {} | {} | {} |\n", name,
-                     method, f.bad1_percent, f.bad3_percent, f.mean_px, f.change_px,
-                     Text("{:.1f}", f.trail_percent), Text("{:.1f}", f.covered_percent),
-                     Text("{:.3f}", f.flicker_median_px), Text("{:.3f}", f.flicker_p95_px));
+  return fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {} | {} | {} | {} | {} |\n",
+                     name, method, f.bad1_percent, f.bad3_percent, f.mean_px, f.change_px,
+                     Text("{:.3f}", f.along_px), Text("{:.1f}", f.trail_percent),
+                     Text("{:.1f}", f.covered_percent), Text("{:.3f}", f.flicker_median_px),
+                     Text("{:.3f}", f.flicker_p95_px));
 }
 
 std::optional<double> MeanOf(const std::vector<VideoResult>& results,
@@ -95,6 +96,7 @@ VideoFigures MeanFigures(const std::vector<VideoResult>& results,
           .bad3_percent = *mean(&VideoFigures::bad3_percent),
           .mean_px = *mean(&VideoFigures::mean_px),
           .change_px = *mean(&VideoFigures::change_px),
+          .along_px = mean(&VideoFigures::along_px),
           .trail_percent = mean(&VideoFigures::trail_percent),
           .covered_percent = mean(&VideoFigures::covered_percent),
           .flicker_median_px = mean(&VideoFigures::flicker_median_px),
@@ -158,7 +160,9 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
                                            : cv::Mat1b(truth.size(), uint8_t{255});
     const cv::Mat1f single = ToPx(*frame.disparity);
     const VideoMaps maps = {single, average.Add(single), ToPx(fused.disparity)};
-    for (size_t k = 0; k < maps.size(); ++k) scores[k].Add(maps[k], truth, mask);
+    std::optional<VideoScore::TrueMotion> true_motion;
+    if (result.motion_known) true_motion = VideoScore::TrueMotion{moved, rig.pair};
+    for (size_t k = 0; k < maps.size(); ++k) scores[k].Add(maps[k], truth, mask, true_motion);
     if (!settings.images.empty()) pictures.Add(i, frame.left, truth, mask, maps);
   }
   if (!settings.images.empty()) pictures.Write(settings.images);
@@ -171,9 +175,11 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
 
 std::string VideoTable(const std::vector<VideoResult>& results) {
   std::string text =
-      "| source | map | bad 1, % | bad 3, % | mean error, px | change error, px | trail, bad 3 | "
+      "| source | map | bad 1, % | bad 3, % | mean error, px | change error, px | along the "
+      "motion, px "
+      "| trail, bad 3 | "
       "covered, bad 3 | flicker, median | flicker, p95 "
-      "|\n|---|---|---|---|---|---|---|---|---|---|\n";
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|\n";
   const auto rows = [&](const std::string& name, const VideoFigures& single,
                         const VideoFigures& average, const VideoFigures& fused) {
     text += VideoRow(name, "single", single) + VideoRow("", "average", average) +

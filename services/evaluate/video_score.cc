@@ -11,7 +11,9 @@ namespace {
 constexpr double kNoDisparityPx = 50;
 constexpr double kLargestChangePx = 20;
 constexpr size_t kTrailFrames = 3;
-constexpr float kStepPx = 2;  // of the truth, by which something nearer came or went
+constexpr double kNearestM = 0.1;  // in front of the camera
+constexpr double kSamePx = 1;      // from the truth of a point then, on the same surface
+constexpr float kStepPx = 2;       // of the truth, by which something nearer came or went
 
 double ErrorOf(float d, float truth) {
   if (!std::isfinite(d)) return kNoDisparityPx;
@@ -25,7 +27,8 @@ std::optional<double> VideoScore::Share::percent() const {
   return 100.0 * static_cast<double>(bad) / static_cast<double>(pixels);
 }
 
-void VideoScore::Add(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask) {
+void VideoScore::Add(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask,
+                     const std::optional<TrueMotion>& motion) {
   if (!truths_.empty()) {
     const cv::Mat same = truths_.back() == truth;
     const cv::Mat known = truth == truth;
@@ -34,6 +37,7 @@ void VideoScore::Add(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat
   if (frames_ >= kFirstScored) {
     AddErrors(map, truth, mask);
     AddChanges(map, truth, mask);
+    if (motion) AddAlong(map, truth, mask, *motion);
     AddSpread(map);
   }
   truths_.push_back(truth);
@@ -79,6 +83,38 @@ void VideoScore::AddChanges(const cv::Mat1f& map, const cv::Mat1f& truth, const 
   }
 }
 
+void VideoScore::AddAlong(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask,
+                          const TrueMotion& motion) {
+  const RectifiedPair& pair = motion.pair;
+  const Pose last_from_left = motion.left_from_last.Inverse();
+  const cv::Mat1f& last_truth = truths_.back();
+  for (int v = 0; v < map.rows; ++v) {
+    for (int u = 0; u < map.cols; ++u) {
+      if (mask(v, u) == 0 || !std::isfinite(truth(v, u))) continue;
+      const double z = pair.DepthFromDisparity(static_cast<double>(truth(v, u)));
+      if (!(z > 0) || !std::isfinite(z)) continue;
+      const Eigen::Vector3d then =
+          last_from_left.rotation * Eigen::Vector3d((u - pair.cx) / pair.focal_px * z,
+                                                    (v - pair.cy) / pair.focal_px * z, z) +
+          last_from_left.translation_m;
+      if (!(then.z() > kNearestM)) continue;
+      const double last_u = pair.focal_px * then.x() / then.z() + pair.cx;
+      const double last_v = pair.focal_px * then.y() / then.z() + pair.cy;
+      // Of the nearest pixel there; not where that shows another surface.
+      if (!(last_u >= 0 && last_v >= 0 && last_u <= map.cols - 1 && last_v <= map.rows - 1)) {
+        continue;
+      }
+      const cv::Point at(cvRound(last_u), cvRound(last_v));
+      const double off = static_cast<double>(last_truth(at)) - pair.DisparityFromDepth(then.z());
+      if (!(std::abs(off) < kSamePx)) continue;
+      const auto error = static_cast<double>(
+          std::abs((map(v, u) - truth(v, u)) - (last_map_(at) - last_truth(at))));
+      along_sum_ += std::isfinite(error) ? std::min(error, kLargestChangePx) : kLargestChangePx;
+      ++alongs_;
+    }
+  }
+}
+
 void VideoScore::AddSpread(const cv::Mat1f& map) {
   cv::Mat1d wide;  // NaN once, NaN for ever
   map.convertTo(wide, CV_64F);
@@ -96,6 +132,7 @@ VideoFigures VideoScore::figures() const {
   figures.bad3_percent = bad3_.percent().value_or(NAN);
   figures.mean_px = error_sum_ / static_cast<double>(bad1_.pixels);
   figures.change_px = change_sum_ / static_cast<double>(changes_);
+  if (alongs_ > 0) figures.along_px = along_sum_ / static_cast<double>(alongs_);
   figures.trail_percent = trail_.percent();
   figures.covered_percent = covered_.percent();
   const double frames = frames_ - kFirstScored;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/core/camera_motion.h"
+#include "common/core/rig.h"
 
 namespace sprout::evaluate {
 
@@ -17,6 +18,9 @@ struct VideoFigures {
   double bad3_percent = 0;
   double mean_px = 0;    ///< error, at most 50 px, which is that of no disparity
   double change_px = 0;  ///< mean of |Δd − Δd_gt| from frame to frame at one pixel, at most 20 px
+  /// The same at one point of what stands still, where its truth is known then and now: mean of the
+  /// change of its error, at most 20 px. Nothing where the camera's motion is not known.
+  std::optional<double> along_px;
   std::optional<double> trail_percent;    ///< bad 3 where something nearer was in the last 3 frames
   std::optional<double> covered_percent;  ///< bad 3 where something nearer came
   /// Of a scene that stands still: standard deviation of a pixel over the frames, px.
@@ -30,9 +34,16 @@ class VideoScore {
  public:
   static constexpr int kFirstScored = 2;
 
+  /// How the camera really moved since the frame before.
+  struct TrueMotion {
+    Pose left_from_last;
+    RectifiedPair pair;
+  };
+
   /// @param map_px, truth_px  NaN = none.
   /// @param mask              pixels to score.
-  void Add(const cv::Mat1f& map_px, const cv::Mat1f& truth_px, const cv::Mat1b& mask);
+  void Add(const cv::Mat1f& map_px, const cv::Mat1f& truth_px, const cv::Mat1b& mask,
+           const std::optional<TrueMotion>& motion = {});
 
   VideoFigures figures() const;
 
@@ -43,6 +54,8 @@ class VideoScore {
   };
   void AddErrors(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask);
   void AddChanges(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask);
+  void AddAlong(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask,
+                const TrueMotion& motion);
   void AddSpread(const cv::Mat1f& map);
 
   std::deque<cv::Mat1f> truths_;  // of the newest frames
@@ -52,6 +65,8 @@ class VideoScore {
   Share bad1_, bad3_, trail_, covered_;
   double error_sum_ = 0, change_sum_ = 0;
   int64_t changes_ = 0;
+  double along_sum_ = 0;
+  int64_t alongs_ = 0;
   cv::Mat1d sums_, squares_;
 };
 

@@ -61,10 +61,12 @@ struct FrameTime {
 ///     if (frame) Use(frame->depth_m);
 ///
 /// With temporal { in_pipeline: true } it has a memory, as sprout-temporal: `fused` and `motion`
-/// depend on all frames since the newest reset. Everything else depends on the frame alone.
+/// (and depth_m, if it is of `fused`) depend on all frames since the newest reset, everything else
+/// on the frame alone.
 ///
-///     sprout::Pipeline pipeline(sprout::LoadConfig({"default", "temporal { in_pipeline: true
-///     }"})); auto frame = pipeline.Compute(left, right, tof, rig, {{.utime = utime, .seq = seq}});
+///     sprout::Pipeline pipeline(
+///         sprout::LoadConfig({"default", "temporal { in_pipeline: true }"}));
+///     auto frame = pipeline.Compute(left, right, tof, rig, {{.utime = utime, .seq = seq}});
 ///     if (frame) Use(frame->fused, frame->motion->start_from_left);
 class Pipeline {
  public:

@@ -386,8 +386,8 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "Optional[Motion]: the same as somebody else knows it.")
       .def_property_readonly(
           "depth_m", &DepthArray,
-          "Optional[numpy.ndarray]: (H, W) float32, z, m, of disparity, or of fused where "
-          "compute() was told so (depth { input: FUSED }); NaN: none.")
+          "Optional[numpy.ndarray]: (H, W) float32, z, m; NaN: none. Of disparity, or of "
+          "fused where compute() was told so (depth { input: FUSED }).")
       .def_property_readonly(
           "depth_sigma_m", &DepthSigmaArray,
           "Optional[numpy.ndarray]: (H, W) float32, standard deviation of z, m; NaN: none, inf: "

@@ -98,15 +98,16 @@ TEST(BatchSystem, FusedMapsAreTheBytesOfAReplayOfTheWholeLog) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_EQ(batch::ReadManifest(folder / "out" / "manifest.jsonl").shards.size(), 1U);
 
-  const std::string chain = folder / "chain.lcm", whole = folder / "whole.lcm";
-  ASSERT_EQ(
-      RunProgramOf({"sprout-pipeline", "--config", "default", "--replay", log, "--record", chain})
-          .exit_code,
-      0);
-  ASSERT_EQ(RunProgramOf({"sprout-temporal", "--config", "default", "--replay", log, "--replay",
-                          chain, "--record", whole})
-                .exit_code,
-            0);
+  std::vector<std::string> replays = {"--replay", log};
+  std::string whole;
+  for (const std::string stage : {"refine", "prior", "grow", "temporal"}) {
+    whole = folder / (stage + ".lcm").c_str();
+    std::vector<std::string> command = {"sprout-" + stage, "--config", "default", "--record",
+                                        whole};
+    command.insert(command.end(), replays.begin(), replays.end());
+    ASSERT_EQ(RunProgramOf(command).exit_code, 0) << stage;
+    replays.insert(replays.end(), {"--replay", whole});
+  }
   EXPECT_TRUE(BytesOfFile(folder / "out" / "logs" / "run_a.lcm") == BytesOfFile(whole));
   // A and B differ from the third frame that has an answer on, not in the first.
   const batch::FrameRows rows(folder / "out" / "frames.csv");

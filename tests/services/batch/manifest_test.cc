@@ -94,8 +94,12 @@ TEST_F(ForeignManifest, IsRefusedWithTheFieldItsValueAndWhatIsAllowed) {
     Json value;
     const char* error;
   } kCases[] = {
-      {0, "/stages", Json::array(), "line 1: stages : allowed are refine, prior and grow"},
-      {0, "/stages", {"grow", "prior"}, "stages grow,prior: allowed are refine, prior and grow"},
+      {0, "/stages", Json::array(),
+       "line 1: stages : allowed are refine, prior, grow and temporal"},
+      {0,
+       "/stages",
+       {"grow", "prior"},
+       "stages grow,prior: allowed are refine, prior, grow and temporal"},
       {0, "/stages", "grow", "stages = \"grow\": allowed is an array"},
       {0, "/keep", Json::array(), "keep = []: allowed is stages of the batch in their order"},
       {0, "/keep", {"refine", "grow"}, "keep = [refine,grow]: allowed is stages of the batch"},

@@ -58,6 +58,46 @@ TEST(VideoScore, ComparesChangesWithThoseOfTheTruth) {
   EXPECT_DOUBLE_EQ(score.figures().change_px, (20 + 0.5) / 2);
 }
 
+// A wall at 2 m that the camera goes along, 4 px a frame, and comes nearer to: what is seen at u
+// was seen 4 px to the right of it. Its errors go with it; those of the pixels do not.
+TEST(VideoScore, FollowsPointsAlongTheMotion) {
+  const RectifiedPair pair{.width = 40,
+                           .height = 4,
+                           .focal_px = 50,
+                           .cx = 20,
+                           .cy = 2,
+                           .cx_right = 20,
+                           .baseline_m = 0.4};
+  const cv::Size size(40, 4);
+  const cv::Mat1f truth(size, 10.F);
+  const auto map_at = [&](int frame, float more) {
+    cv::Mat1f map(size);
+    for (int v = 0; v < map.rows; ++v) {
+      for (int u = 0; u < map.cols; ++u) {
+        map(v, u) = 10.F + 0.5F * static_cast<float>((u + 4 * frame) % 5) + more;
+      }
+    }
+    return map;
+  };
+  VideoScore::TrueMotion motion{.left_from_last = {}, .pair = pair};
+  motion.left_from_last.translation_m = {-0.16, 0, 0};
+  VideoScore score;
+  for (int i = 0; i < 4; ++i) score.Add(map_at(i, i == 3 ? 0.25F : 0.F), truth, All(size), motion);
+  EXPECT_NEAR(*score.figures().along_px, 0.125, 1e-6);  // nothing in frame 2, 0.25 in frame 3
+  EXPECT_GT(score.figures().change_px, 0.5);
+
+  // The scene is 1 m nearer, so at 20 px; other truths are of other surfaces.
+  motion.left_from_last.translation_m = {0, 0, -1};
+  VideoScore nearer;
+  AddTwoFrames(nearer, truth);
+  nearer.Add(cv::Mat1f(size, 22.F), cv::Mat1f(size, 20.F), All(size), motion);
+  EXPECT_NEAR(*nearer.figures().along_px, 20, 1e-6);  // from 89 px off to 2
+  VideoScore other;
+  AddTwoFrames(other, cv::Mat1f(size, 12.F));
+  other.Add(cv::Mat1f(size, 22.F), cv::Mat1f(size, 20.F), All(size), motion);
+  EXPECT_FALSE(other.figures().along_px);
+}
+
 // A near thing of two pixels that goes one to the right each frame, and a map that lags behind.
 TEST(VideoScore, FindsTrailsAndWhatIsNewlyCovered) {
   const auto scene = [](int at) {

@@ -137,12 +137,12 @@ class BytesTest(unittest.TestCase):
                            pose=world @ measured.start_from_left).motion
             self.assertEqual((told.reset, told.tracked), (measured.reset, 0))
             numpy.testing.assert_allclose(told.start_from_left, measured.start_from_left, atol=1e-9)
-        self.assertEqual(compute(given, frames[0], seq=99, utime=900_000).motion.reset, "GAP")
-        self.assertEqual(compute(given, frames[0], seq=100, utime=900_001).motion.reset, "FEW_POINTS")
+        self.assertEqual(compute(given, frames[0], seq=99, utime=1_000_000).motion.reset, "GAP")
+        self.assertEqual(compute(given, frames[0], seq=100, utime=1_000_001).motion.reset, "FEW_POINTS")
         for pose, text in ((numpy.eye(3), r"pose: expected float64 array of shape \(4, 4\), given"),
                            (2 * numpy.eye(4), "pose: expected a rotation R"), ("here", "pose: expected")):
             with self.assertRaisesRegex(ValueError, text):
-                compute(given, frames[0], seq=101, utime=900_002, pose=pose)
+                compute(given, frames[0], seq=101, utime=1_000_002, pose=pose)
         with self.assertRaisesRegex(ValueError, "pose: expected with seq and utime"):
             compute(given, frames[0], pose=world)
         without = compute(sprout.Pipeline("default"), frames[0])

@@ -58,10 +58,10 @@ def get(path):
 
 
 def start_graph(programs, source="synthetic:320x240"):
-    for stage in ("refine", "prior", "grow"):
+    for stage in ("refine", "prior", "grow", "temporal"):
         programs.start(stage)
     programs.start("view")
-    programs.start("capture", "--source", source, "--rate", "4", "--wait-for", "refine,prior,grow,view")
+    programs.start("capture", "--source", source, "--rate", "4", "--wait-for", "refine,prior,grow,temporal,view")
 
 
 def wait_for_server():
@@ -116,6 +116,11 @@ def check_looking(browser):
     check("a step goes one frame back", browser.wait(f"sprout.key == {key - 2}"))
     browser.press("ArrowRight")
     check("and one on", browser.wait(f"sprout.key == {key - 1}"))
+    browser.press("f")
+    check("the fused map is beside the single one", browser.wait(
+        "document.querySelector('.prior h2 span').textContent == 'Fused disparity' && "
+        "sprout.head.parts.some(part => part.name == 'fused')"))
+    browser.press("f")
     return key - 1
 
 
