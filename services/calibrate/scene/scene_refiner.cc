@@ -157,7 +157,7 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
       result.wanted[number] = sees_tof;
     }
     result.wanted[kYaw] = sees_tof || wishes.yaw;
-    Result<AdjustedScene> adjusted = AdjustScene(rig_, matches_, edges, result.wanted);
+    Result<AdjustedScene> adjusted = AdjustScene(rig_, matches_, edges, result.wanted, pass == 1);
     if (!adjusted) return tl::unexpected(adjusted.error());
     result.adjusted = std::move(*adjusted);
     change = result.adjusted.change;
