@@ -25,8 +25,21 @@ condition_flags() {
     wrapped) echo "--tof sr4000?wrapped=25" ;;
     calib*) echo "--tof sr4000?calibration=${1#calib}" ;;
     align*) echo "--tof sr4000?calibration=${1#align} --config scripts/lib/align_tof.textproto" ;;
+    rows2_* | roll02_* | yaw01_*) rig_flags "$1" ;;
     *) fail "no condition $1" ;;
   esac
+}
+
+# The same for a knocked rig: ERROR_TOF_KNOWN, as rows2_sr4000_refined.
+rig_flags() { # CONDITION
+  local error tof known
+  IFS=_ read -r error tof known <<< "$1"
+  case "$error" in
+    rows2) error=rows=2 ;;
+    roll02) error=roll=0.2 ;;
+    yaw01) error=yaw=0.1 ;;
+  esac
+  echo "$(condition_flags "$tof") --rig-error $error${known:+?$known}"
 }
 
 # Scenes of a condition among the sizes given. With damaged seeds only half and full size: there a

@@ -59,7 +59,11 @@ int RunCheck(const CheckOptions& options) {
   const RigCheck check = checker.Summary();
   if (check.frames == 0) throw std::runtime_error("no frame can be checked: " + refusal);
   std::cout << CheckText(check);
-  return check.reasons.empty() ? 0 : 1;
+  if (check.reasons.empty()) return 0;
+  std::cout << "to put it right without a board: sprout-calibrate refine " << options.log.string()
+            << " --rig " << (options.rig.empty() ? "rig.textproto" : options.rig.string())
+            << " --out new.textproto\n";
+  return 1;
 }
 
 }  // namespace sprout::calibrate

@@ -18,6 +18,7 @@
 #include "services/evaluate/confidence_diagram.h"
 #include "services/evaluate/log_evaluation.h"
 #include "services/evaluate/result_files.h"
+#include "services/evaluate/rig_error.h"
 #include "services/evaluate/run_pictures.h"
 #include "services/evaluate/tables.h"
 #include "services/evaluate/video.h"
@@ -35,6 +36,7 @@ struct Options {
   std::string preset;
   std::vector<std::string> config_files;
   std::optional<std::string> tof;
+  std::optional<std::string> rig_error;
   SeedNoise noise;
   FgsSettings fgs;
   int threads = 1;
@@ -122,6 +124,11 @@ void AddInputFlags(CLI::App& flags, Options& options) {
           "?mode=nearest, &targets=N), or none; for kitti: "
           "scan (the one recorded), or none")
       ->default_str("grid:auto, kitti: scan");
+  flags.add_option(
+      "--rig-error", options.rig_error,
+      "A right camera that was knocked since the calibration: rows=N (px lower), roll=N, yaw=N "
+      "(degrees); ?refined behind it: rectified again with what sprout-calibrate refine finds in the "
+      "frame; ?known: with the error itself");
   flags
       .add_option("--seed-noise-px", options.noise.disparity_px,
                   "Gaussian noise on the disparity of the refined seeds, standard deviation, px")
@@ -285,6 +292,8 @@ int RunScenes(const Options& options) {
     std::ranges::move(ScenesOf(scene), std::back_inserter(names));
   const bool recorded = std::ranges::all_of(names, IsKitti);
   const TofChoice tof(options.tof.value_or(recorded ? TofChoice::kScan : "grid:auto"));
+  const auto rig_error =
+      options.rig_error ? std::optional<RigError>(*options.rig_error) : std::nullopt;
   const Preset preset = PresetOf(options);
   const ChainSettings settings{
       .config = LoadConfig(preset.files), .noise = options.noise, .fgs = options.fgs};
@@ -292,6 +301,7 @@ int RunScenes(const Options& options) {
   scenes.reserve(names.size());
   for (const std::string& scene : names) {
     scenes.push_back(LoadScene(scene, tof, settings.config.capture()));
+    if (rig_error) rig_error->Apply(scenes.back());
   }
   if (!options.images.empty()) RequireDifferentNames(scenes);
   RequireWritable(options);

@@ -52,24 +52,18 @@ class Adjustment {
   Adjustment(const RawRig& rig, const std::vector<SceneMatch>& matches,
              const std::optional<EdgeShift>& edges, const Wanted& wanted)
       : rig_(rig), matches_(matches), edges_(edges), free_(wanted), seen_(wanted) {
-    for (const SceneMatch& match : matches) depths_.push_back(match.inverse_depth);
-    FindSigmas();
+    Restart();
   }
 
-  Result<AdjustedScene> Run() {
-    int rounds = kFirstRounds;
-    do {
-      for (int round = 0; round < rounds; ++round) {
-        ceres::Problem problem;
-        Build(problem);
-        if (!Solve(problem)) return Fail("the matches lead to no calibration");
-        FindSigmas();
-        if (round + 1 == rounds && !FindDeviations(problem)) {
-          return Fail("the matches do not determine the calibration");
-        }
-      }
-      rounds = kLaterRounds;
-    } while (TakeOutUnseen() || TakeOutInsignificant());
+  Result<AdjustedScene> Run(bool only_sure) {
+    Result<void> solved = Solutions(kFirstRounds);
+    while (solved && TakeOutUnseen()) {
+      // What was not seen may have led all depths astray.
+      Restart();
+      solved = Solutions(kFirstRounds);
+    }
+    while (solved && only_sure && TakeOutInsignificant()) solved = Solutions(kLaterRounds);
+    if (!solved) return tl::unexpected(solved.error());
     return AdjustedScene{.change = numbers_,
                          .sigma = deviations_,
                          .seen = seen_,
@@ -78,6 +72,27 @@ class Adjustment {
   }
 
  private:
+  Result<void> Solutions(int rounds) {
+    for (int round = 0; round < rounds; ++round) {
+      ceres::Problem problem;
+      Build(problem);
+      if (!Solve(problem)) return Fail("the matches lead to no calibration");
+      FindSigmas();
+      if (round + 1 == rounds && !FindDeviations(problem)) {
+        return Fail("the matches do not determine the calibration");
+      }
+    }
+    return {};
+  }
+
+  void Restart() {
+    numbers_.fill(0);
+    depths_.clear();
+    for (const SceneMatch& match : matches_) depths_.push_back(match.inverse_depth);
+    along_sigmas_ = 1;
+    FindSigmas();
+  }
+
   double* At(NumberBlock block) { return numbers_.data() + block.first; }
 
   void Build(ceres::Problem& problem) {
@@ -279,8 +294,9 @@ std::vector<MatchResidual> ResidualsOf(const RawRig& rig, const std::vector<Scen
 }
 
 Result<AdjustedScene> AdjustScene(const RawRig& rig, const std::vector<SceneMatch>& matches,
-                                  const std::optional<EdgeShift>& edges, const Wanted& wanted) {
-  return Adjustment(rig, matches, edges, wanted).Run();
+                                  const std::optional<EdgeShift>& edges, const Wanted& wanted,
+                                  bool only_sure) {
+  return Adjustment(rig, matches, edges, wanted).Run(only_sure);
 }
 
 }  // namespace sprout::calibrate

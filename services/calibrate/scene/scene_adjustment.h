@@ -33,14 +33,15 @@ using Wanted = std::array<bool, kRigNumbers>;
 /// Bundle adjustment: the changes of a calibration, and the depth of each match, that minimise the
 /// reprojection errors, the distances from the ToF camera's planes, and what depth edges show, each
 /// divided by its standard deviation (estimated as well; Cauchy's loss), with a prior that a number
-/// changes by what is expected of it. Numbers that are not known better than a third of that stay, and
-/// so do those whose change is below three standard deviations: one after the other, the least
-/// known first.
+/// changes by what is expected of it. Numbers that are not known better than a third of that stay.
 /// One thread; same input, same bytes. About 50 µs a match and solution.
-/// @param matches  of a rig; their inverse depths are the start.
+/// @param matches    of a rig; their inverse depths are the start.
+/// @param only_sure  numbers whose change is below three standard deviations stay as well, the least
+///                   sure first.
 /// @returns an error when there is no solution.
 Result<AdjustedScene> AdjustScene(const RawRig& rig, const std::vector<SceneMatch>& matches,
-                                  const std::optional<EdgeShift>& edges, const Wanted& wanted);
+                                  const std::optional<EdgeShift>& edges, const Wanted& wanted,
+                                  bool only_sure);
 
 /// Residuals of all matches for a change of the calibration. O(matches).
 std::vector<MatchResidual> ResidualsOf(const RawRig& rig, const std::vector<SceneMatch>& matches,

@@ -9,8 +9,8 @@
 #include "common/core/image.h"
 #include "common/core/quantile.h"
 #include "common/geometry/projection.h"
-#include "common/rig/bilinear_remap.h"
 #include "services/calibrate/scene/pair_matches.h"
+#include "services/calibrate/scene/rectify_again.h"
 #include "services/calibrate/scene/scene_checks.h"
 
 namespace sprout::calibrate {
@@ -25,28 +25,6 @@ double MedianOrUnknown(std::vector<double> values) {
 std::vector<double> Sizes(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);
   return values;
-}
-
-// Rectified pixels with `from`'s lens and rotation, seen again with those of `to`.
-struct OneCamera {
-  const Lens& lens;
-  const cv::Matx33d& turn;
-  const RectifiedPair& pair;
-  double cx;
-};
-
-cv::Mat1b Again(const cv::Mat1b& image, const OneCamera& from, const OneCamera& to) {
-  cv::Mat2f places(to.pair.size());
-  const Eigen::Matrix3d back = BackOf(to.turn);
-  for (int v = 0; v < places.rows; ++v) {
-    for (int u = 0; u < places.cols; ++u) {
-      const Eigen::Vector2d raw = RawPixel(to.lens, back, to.pair, to.cx, u, v);
-      const cv::Point2d place =
-          RectifiedPixel(from.lens, from.turn, from.pair, from.cx, {raw.x(), raw.y()});
-      places(v, u) = {static_cast<float>(place.x), static_cast<float>(place.y)};
-    }
-  }
-  return BilinearRemap(places, image.size()).Apply(image);
 }
 
 }  // namespace
@@ -179,7 +157,7 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
       result.wanted[number] = sees_tof;
     }
     result.wanted[kYaw] = sees_tof || wishes.yaw;
-    Result<AdjustedScene> adjusted = AdjustScene(rig_, matches_, edges, result.wanted);
+    Result<AdjustedScene> adjusted = AdjustScene(rig_, matches_, edges, result.wanted, pass == 1);
     if (!adjusted) return tl::unexpected(adjusted.error());
     result.adjusted = std::move(*adjusted);
     change = result.adjusted.change;
@@ -232,13 +210,13 @@ const SceneRefiner::View& SceneRefiner::best_view() const {
 
 cv::Mat1b SceneRefiner::RectifyLeft(const cv::Mat1b& image, const RawRig& by,
                                     const Rectification& to) const {
-  return Again(image, {rig_.left, images_.left_turn, images_.pair, images_.pair.cx},
+  return RectifyAgain(image, {rig_.left, images_.left_turn, images_.pair, images_.pair.cx},
                {by.left, to.left_turn, to.pair, to.pair.cx});
 }
 
 cv::Mat1b SceneRefiner::RectifyRight(const cv::Mat1b& image, const RawRig& by,
                                      const Rectification& to) const {
-  return Again(image, {rig_.right, images_.right_turn, images_.pair, images_.pair.cx_right},
+  return RectifyAgain(image, {rig_.right, images_.right_turn, images_.pair, images_.pair.cx_right},
                {by.right, to.right_turn, to.pair, to.pair.cx_right});
 }
 

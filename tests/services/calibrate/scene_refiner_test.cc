@@ -73,7 +73,7 @@ double Worst(const RigNumbers& errors, const RigNumbers& limits, std::string& na
 }
 
 TEST(SceneRefiner, RecoversAllErrorsAtOnceAndLeavesARightRigAlone) {
-  const RawRig rig = TrueRig({640, 480});
+  const RawRig rig = TrueRig({480, 360});
   const RigNumbers limits = Limits(rig);
   int recovered = 0;
   int left_alone = 0;
