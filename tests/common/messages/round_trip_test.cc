@@ -96,7 +96,7 @@ TEST(ZonesMessage, IsRefusedWithWhatCannotBe) {
   EXPECT_THAT(error_of([](M& m) { m.columns = 65; }),
               HasSubstr("columns = 65: allowed is 1 to 64"));
   EXPECT_THAT(error_of([](M& m) { m.columns = -1; }), HasSubstr("columns = -1"));
-  EXPECT_THAT(error_of([](M& m) { m.rows = 0; }), HasSubstr("columns = 2"));
+  EXPECT_THAT(error_of([](M& m) { m.rows = 0; }), HasSubstr("rows = 0"));
   EXPECT_THAT(error_of([](M& m) { m.columns = 0; }), HasSubstr("columns = 0"));
   EXPECT_THAT(error_of([](M& m) { m.targets_per_zone = 5; }), HasSubstr("targets_per_zone = 5"));
   EXPECT_THAT(error_of([](M& m) { m.targets_per_zone = 0; }), HasSubstr("targets_per_zone = 0"));
