@@ -36,20 +36,20 @@ void RequireOrder(const char* low_name, double low, const char* high_name, doubl
 }
 
 std::vector<cv::Point> RegionOf(const DepthConfig& config) {
-  std::vector<cv::Point> region;
-  for (const ImageCorner& corner : config.region()) {
-    for (const int position : {corner.u(), corner.v()}) {
-      if (std::abs(position) <= kFarthestCorner) continue;
-      throw ConfigError("depth.region: corner at " + std::to_string(position) + "; allowed: −" +
-                        std::to_string(kFarthestCorner) + " to " + std::to_string(kFarthestCorner));
-    }
-    region.emplace_back(corner.u(), corner.v());
+  const auto& numbers = config.region();
+  for (const int number : numbers) {
+    if (std::abs(number) <= kFarthestCorner) continue;
+    throw ConfigError("depth.region: " + std::to_string(number) + "; allowed: −" +
+                      std::to_string(kFarthestCorner) + " to " + std::to_string(kFarthestCorner));
   }
-  if (region.size() == 1) {
+  if (numbers.size() % 2 != 0 || numbers.size() == 2) {
     throw ConfigError(
-        "depth.region: 1 corner; allowed: none, 2 of a rectangle, 3 or more of a "
-        "polygon");
+        "depth.region: " + std::to_string(numbers.size()) +
+        " numbers; allowed: column and row of 2 corners of a rectangle, of 3 and more "
+        "of a polygon, or nothing");
   }
+  std::vector<cv::Point> region;
+  for (int i = 0; i < numbers.size(); i += 2) region.emplace_back(numbers[i], numbers[i + 1]);
   return region;
 }
 

@@ -30,6 +30,7 @@ using Visit = std::function<void(const std::string& key, Message& parent, const 
 void VisitFields(Message& message, const std::string& prefix, const Visit& visit) {
   for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
     const FieldDescriptor& field = *message.GetDescriptor()->field(i);
+    if (field.is_repeated()) continue;  // a list has neither range nor default
     const std::string key = prefix + field.name();
     if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
       VisitFields(*message.GetReflection()->MutableMessage(&message, &field), key + ".", visit);

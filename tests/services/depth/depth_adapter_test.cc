@@ -5,7 +5,6 @@
 
 #include <fstream>
 #include <string>
-#include <utility>
 
 #include "tests/common/picture/temporary_directory.h"
 
@@ -135,11 +134,7 @@ TEST(DepthAdapter, CountsWhatItLeavesOutOfEverything) {
   EXPECT_EQ(AddAnswer(off, frame), "");
   EXPECT_FALSE(frame.depth_counts);
   config.set_min_confidence(101);
-  for (const auto& [u, v] : {std::pair(0, 0), {7, 5}}) {
-    ImageCorner& corner = *config.add_region();
-    corner.set_u(u);
-    corner.set_v(v);
-  }
+  for (const int number : {0, 0, 7, 5}) config.add_region(number);
   DepthAdapter adapter(config);
   frame.confidence(cv::Rect(2, 1, 3, 1)) = 101;
   EXPECT_EQ(AddAnswer(adapter, frame), "");
@@ -292,10 +287,12 @@ TEST(DepthAdapter, RefusesValuesThatItCannotUse) {
   config.set_confidence(false);
   EXPECT_THAT(ErrorOf(config), HasSubstr("needs depth.confidence: true"));
   config = {};
-  config.add_region()->set_u(40000);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: corner at 40000"));
-  config.mutable_region(0)->set_u(4);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: 1 corner"));
+  config.add_region(40000);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: 40000; allowed"));
+  config.set_region(0, 4);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: 1 numbers"));
+  config.add_region(4);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: 2 numbers"));
   config = {};
   config.set_publish_scan(true);
   config.set_scan_max_height_m(0.1);
