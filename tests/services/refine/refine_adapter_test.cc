@@ -93,7 +93,15 @@ TEST(RefineAdapter, FillsNoCellWithinTwoCellsOfASeed) {
   Scene scene;
   scene.SetDisparity(5, 4, 40);  // at (50, 40), in cell (12, 10); far nearer than the zone says
   Frame frame = FrameOf(scene);
-  frame.tof_zones = OneZone(4);
+  TofZones zones = OneZone(4);
+  zones.columns = zones.rows = 3;  // one alone does not know its slant
+  zones.targets.resize(9, zones.targets[0]);
+  zones.views.clear();
+  for (const float v : {-0.42F, -0.14F, 0.14F}) {
+    for (const float u : {-0.54F, -0.18F, 0.18F})
+      zones.views.push_back({u, u + 0.36F, v, v + 0.28F});
+  }
+  frame.tof_zones = zones;
   const StageResult outcome = adapter.Process(frame);
   ASSERT_EQ(std::get<SeedSet>(outcome.outputs.at(0).value).seeds.size(), 1);
   const auto& filled = std::get<SeedSet>(outcome.outputs.at(1).value).seeds;
