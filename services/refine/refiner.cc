@@ -1,6 +1,7 @@
 #include "services/refine/refiner.h"
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "common/core/window_sums.h"
 #include "services/refine/surface/image_noise.h"
 #include "services/refine/surface/surface_rules.h"
+#include "services/refine/zones/zone_rules.h"
 
 namespace sprout::refine {
 namespace {
@@ -82,12 +84,20 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   return result;
 }
 
-// What they say of a place is no correspondence to grow from.
+// What zones say of a place is no correspondence to grow from.
 void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid) {
   Join(result.seeds, left_seeds_.seeds, all_seeds_);
   all_points_.Set(all_seeds_, grid.size, grid.spacing_px);
+  cv::Mat1b known(grid.size, uint8_t{0});
+  for (const Seed& seed : all_seeds_) {
+    const cv::Point cell(grid.At(seed.u), grid.At(seed.v));
+    if (cv::Rect({}, grid.size).contains(cell)) known(cell) = 1;
+  }
+  constexpr int kSide = 2 * ZoneRules::kGapCells + 1;
+  cv::dilate(known, known, cv::Mat1b::ones(kSide, kSide));
   for (int y = 0; y < grid.size.height; ++y) {
     for (int x = 0; x < grid.size.width; ++x) {
+      if (known(y, x) != 0) continue;
       const std::optional<ZoneSurface> surface = zones_.SurfaceAt({x, y});
       if (!surface || !IsNews(*surface, all_points_, {x, y})) continue;
       const cv::Point2d centre = grid.CentrePx({x, y});

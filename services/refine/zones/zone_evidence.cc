@@ -14,7 +14,8 @@ namespace sprout::refine {
 namespace {
 
 constexpr double kFarthest = std::numeric_limits<double>::infinity();
-// Against a weight of 1/px² for each px² of distance: keeps a plane through zones in a row regular.
+// Added to the weights of slopes: a plane through zones in a row, or one alone, stays level, and
+// its slope is as good as unknown (1000 px a px).
 constexpr double kLevel = 1e-6;
 constexpr double kLeastVariancePx2 = 1e-4;  // of a zone: disparities are not known to 0.01 px
 

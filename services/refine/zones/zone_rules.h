@@ -14,6 +14,8 @@ struct ZoneRules {
   /// A target bounds disparities up to this many widths and heights of its zone beyond the zone's
   /// sides: a surface that one zone hardly sees fills the next one.
   static constexpr double kReach = 1;
+  /// Zones fill no cell with a seed in so many cells around. Measured.
+  static constexpr int kGapCells = 2;
   /// On average a place of the left image is within reach of at most this many zones, else the
   /// message makes no sense: 9 of a grid, and as many again beside depth edges.
   static constexpr int kMostZonesPerCell = 64;

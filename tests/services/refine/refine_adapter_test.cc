@@ -87,6 +87,32 @@ TEST(RefineAdapter, FillsWithZonesWhereNothingElseIsKnown) {
   EXPECT_TRUE(std::get<SeedSet>(adapter.Process(frame).outputs.at(1).value).seeds.empty());
 }
 
+TEST(RefineAdapter, FillsNoCellWithinTwoCellsOfASeed) {
+  RefineConfig config = PaperRules();  // a single point is loose otherwise
+  RefineAdapter adapter(config);
+  Scene scene;
+  scene.SetDisparity(5, 4, 40);  // at (50, 40), in cell (12, 10); far nearer than the zone says
+  Frame frame = FrameOf(scene);
+  TofZones zones = OneZone(4);
+  zones.columns = zones.rows = 3;  // one alone does not know its slant
+  zones.targets.resize(9, zones.targets[0]);
+  zones.views.clear();
+  for (const float v : {-0.42F, -0.14F, 0.14F}) {
+    for (const float u : {-0.54F, -0.18F, 0.18F})
+      zones.views.push_back({u, u + 0.36F, v, v + 0.28F});
+  }
+  frame.tof_zones = zones;
+  const StageResult outcome = adapter.Process(frame);
+  ASSERT_EQ(std::get<SeedSet>(outcome.outputs.at(0).value).seeds.size(), 1);
+  const auto& filled = std::get<SeedSet>(outcome.outputs.at(1).value).seeds;
+  ASSERT_FALSE(filled.empty());
+  for (const Seed& seed : filled) {
+    // Cells of 4 px: the point's own begins at 48 and 40, two more on either side are free.
+    const bool near = seed.u > 40 && seed.u < 60 && seed.v > 32 && seed.v < 52;
+    EXPECT_FALSE(near) << seed.u << ", " << seed.v;
+  }
+}
+
 TEST(RefineAdapter, DropsStereoSeedsThatAreNearerThanZonesAllow) {
   RefineAdapter adapter{RefineConfig()};
   Scene scene = TexturedScene();  // 12 px everywhere
