@@ -254,9 +254,10 @@ void AddRefine(CLI::App& program, Options& options) {
       "the right camera\nand of the ToF camera, and the offset of its ranges. What the scene does "
       "not show stays, and is said.\nExit code 0 good, 1 not good, or the scene shows too little");
   flags
-      .add_option("LOG", options.refine.inputs,
-                  "Logs of unrectified images (RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF) or "
-                  "of a running graph,\nor folders as of estimate")
+      .add_option(
+          "LOG", options.refine.inputs,
+          "Logs of unrectified images (RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF) or "
+          "of a running graph,\nor folders as of estimate")
       ->required()
       ->check(CLI::ExistingPath);
   flags
@@ -272,10 +273,11 @@ void AddRefine(CLI::App& program, Options& options) {
       ->type_name("FILE");
   flags.add_option("--report", options.refine.report, "HTML page to write")->type_name("FILE");
   flags
-      .add_option("--also", options.refine.also,
-                  "What may change as well, for lenses whose distortion is known to some hundredths "
-                  "of a pixel:\nfocal (lengths), row (of the right principal point), place "
-                  "(direction of the baseline),\nyaw (where no ToF point shows it)")
+      .add_option(
+          "--also", options.refine.also,
+          "What may change as well, for lenses whose distortion is known to some hundredths "
+          "of a pixel:\nfocal (lengths), row (of the right principal point), place "
+          "(direction of the baseline),\nyaw (where no ToF point shows it)")
       ->delimiter(',')
       ->check(CLI::IsMember({"focal", "row", "place", "yaw"}))
       ->type_name("NAMES");

@@ -106,8 +106,7 @@ class Reader {
   void ReadLog(const fs::path& log) {
     const int64_t count = std::max<int64_t>(1, CountMessages(log, Channel("", Part::kLeft)));
     int64_t index = 0;
-    Complain(ReadFrameLog(log, options_.prefix,
-                          {Part::kLeft, Part::kRight, Part::kTof, Part::kRig},
+    Complain(ReadFrameLog(log, options_.prefix, {Part::kLeft, Part::kRight, Part::kTof, Part::kRig},
                           [&](const Frame& frame) {
                             Choose(index++, count, log, [&] { return AddRectified(frame, log); });
                           }));

@@ -23,7 +23,8 @@ cv::Mat3b PairPicture(const cv::Mat& left, const cv::Mat& right);
 /// @param tof  without the bias of the ranges.
 cv::Mat3b TofPicture(const cv::Mat& left, const TofImage& tof, const Rig& rig);
 
-/// Values at places of an image, a dot each, from blue (0) to red (most_px), with a scale. O(pixels).
+/// Values at places of an image, a dot each, from blue (0) to red (most_px), with a scale.
+/// O(pixels).
 cv::Mat3b DotsPicture(const cv::Mat& image, const std::vector<cv::Point2d>& places,
                       const std::vector<double>& values_px, double most_px);
 

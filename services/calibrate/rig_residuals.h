@@ -44,8 +44,8 @@ void RotateBack(const T* rotation, const T* vector, T* result) {
   ceres::AngleAxisRotatePoint(inverse, vector, result);
 }
 
-// Direction (x, y, 1) of a pixel: fixed-point steps as in DirectionOfPixel(), each of which gains more
-// than a digit of some pixels.
+// Direction (x, y, 1) of a pixel: fixed-point steps as in DirectionOfPixel(), each of which gains
+// more than a digit of some pixels.
 template <typename T>
 void RayOfPixel(const T* lens, const T& column, const T& row, T* ray) {
   constexpr int kSteps = 8;

@@ -127,7 +127,8 @@ void AddInputFlags(CLI::App& flags, Options& options) {
   flags.add_option(
       "--rig-error", options.rig_error,
       "A right camera that was knocked since the calibration: rows=N (px lower), roll=N, yaw=N "
-      "(degrees); ?refined behind it: rectified again with what sprout-calibrate refine finds in the "
+      "(degrees); ?refined behind it: rectified again with what sprout-calibrate refine finds in "
+      "the "
       "frame; ?known: with the error itself");
   flags
       .add_option("--seed-noise-px", options.noise.disparity_px,

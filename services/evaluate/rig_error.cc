@@ -82,9 +82,9 @@ void RigError::Apply(Scene& scene) const {
                                           AsItComes(knocked, pair));
   RawRig used = known_ == Known::kAll ? knocked : believed;
   if (known_ == Known::kRefined) {
-    calibrate::SceneRefiner refiner(believed, {.left_turn = cv::Matx33d::eye(),
-                                               .right_turn = cv::Matx33d::eye(),
-                                               .pair = pair});
+    calibrate::SceneRefiner refiner(
+        believed,
+        {.left_turn = cv::Matx33d::eye(), .right_turn = cv::Matx33d::eye(), .pair = pair});
     const Result<void> added = refiner.Add(scene.frame.left, right, scene.frame.tof);
     if (!added) throw ConfigError(scene.name + ": " + added.error().text);
     const auto refined = refiner.Refine({});

@@ -27,9 +27,9 @@ struct MatchRules {
   static constexpr float kRatio = 0.8F;  ///< Lowe's: distance of the best to that of the second
   /// Distances up to this many rows or columns belong to one feature found twice.
   static constexpr float kSamePx = 3;
-  static constexpr int kWindow = 15;       ///< side of Lucas and Kanade's window, px
-  static constexpr double kMostBack = 0.2; ///< px that the way back may lead beside the start
-  static constexpr double kMostMove = 3;   ///< px from the feature's own position
+  static constexpr int kWindow = 15;        ///< side of Lucas and Kanade's window, px
+  static constexpr double kMostBack = 0.2;  ///< px that the way back may lead beside the start
+  static constexpr double kMostMove = 3;    ///< px from the feature's own position
 };
 
 struct Features {
@@ -79,12 +79,12 @@ std::vector<int> BestPartners(const Features& a, const Features& b, float band_p
     int partner = -1;
     for (size_t j = 0; j < b.points.size(); ++j) {
       if (std::abs(b.points[j].pt.y - a.points[i].pt.y) > band_px) continue;
-      const auto distance = static_cast<float>(
-          cv::norm(a.descriptors.row(static_cast<int>(i)), b.descriptors.row(static_cast<int>(j)),
-                   cv::NORM_L2SQR));
-      const bool same = partner >= 0 && cv::norm(b.points[j].pt -
-                                                 b.points[static_cast<size_t>(partner)].pt) <
-                                            MatchRules::kSamePx;
+      const auto distance =
+          static_cast<float>(cv::norm(a.descriptors.row(static_cast<int>(i)),
+                                      b.descriptors.row(static_cast<int>(j)), cv::NORM_L2SQR));
+      const bool same =
+          partner >= 0 && cv::norm(b.points[j].pt - b.points[static_cast<size_t>(partner)].pt) <
+                              MatchRules::kSamePx;
       if (distance < best) {
         if (!same) second = best;
         best = distance;

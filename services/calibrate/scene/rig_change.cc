@@ -12,9 +12,9 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kPercent = 100;
 constexpr double kMm = 1000;
 
-// What is expected: half a degree of a camera that was knocked (the issue of most rigs), a degree of
-// the ToF camera, whose housing is separate; half a percent of a focal length between cold and warm,
-// and three rows of a lens that moved on its mount; 30 mm of a warm ToF camera.
+// What is expected: half a degree of a camera that was knocked (the issue of most rigs), a degree
+// of the ToF camera, whose housing is separate; half a percent of a focal length between cold and
+// warm, and three rows of a lens that moved on its mount; 30 mm of a warm ToF camera.
 constexpr std::array<RigNumberRow, kRigNumbers> kRows = {{
     {"right camera, pitch", "°", kDegrees, 4, 0.5 / kDegrees},
     {"right camera, yaw", "°", kDegrees, 4, 0.5 / kDegrees},

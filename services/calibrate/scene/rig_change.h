@@ -10,18 +10,18 @@ namespace sprout::calibrate {
 
 /// The numbers of a rig that a scene without a board can show, as changes of a calibration.
 enum RigNumber : size_t {
-  kPitch,         ///< of the right camera about the left one's x, y and z axis, rad
+  kPitch,  ///< of the right camera about the left one's x, y and z axis, rad
   kYaw,
   kRoll,
-  kPlaceY,        ///< direction of the right camera's place, down and forward, rad
+  kPlaceY,  ///< direction of the right camera's place, down and forward, rad
   kPlaceZ,
-  kFocal,         ///< of both focal lengths, relative
-  kFocalRight,    ///< of the right one alone, relative
-  kRowRight,      ///< of the right principal point, px
-  kTofPitch,      ///< of the ToF camera about its own place, axes of the left camera, rad
+  kFocal,       ///< of both focal lengths, relative
+  kFocalRight,  ///< of the right one alone, relative
+  kRowRight,    ///< of the right principal point, px
+  kTofPitch,    ///< of the ToF camera about its own place, axes of the left camera, rad
   kTofYaw,
   kTofRoll,
-  kRangeOffset,   ///< m
+  kRangeOffset,  ///< m
 };
 inline constexpr size_t kRigNumbers = kRangeOffset + 1;
 

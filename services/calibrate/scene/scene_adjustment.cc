@@ -25,8 +25,8 @@ constexpr double kLeastSigmaPx = 0.01;
 constexpr double kSeen = 1.0 / 3;
 // A change of fewer standard deviations is none: a right rig has one of these once in 370.
 constexpr double kSignificant = 3;
-// Matches share errors (the same texture in all frames, surfaces that are no planes): one in so many
-// is independent. Measured: without it errors are 2.2 standard deviations (NOTES.md).
+// Matches share errors (the same texture in all frames, surfaces that are no planes): one in so
+// many is independent. Measured: without it errors are 2.2 standard deviations (NOTES.md).
 constexpr double kSharing = 4;
 
 // Numbers first to first + size − 1 are one block.
@@ -103,8 +103,8 @@ class Adjustment {
           new ceres::CauchyLoss(kCauchySigmas), At(kTurn), At(kPlace), At(kLenses), &depths_[i]);
       if (!matches_[i].tof) continue;
       problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PatchError, 1, 3, 3, 1, 1>(new PatchError{
-              rig_, matches_[i], along_sigmas_ * matches_[i].tof->sigma_m}),
+          new ceres::AutoDiffCostFunction<PatchError, 1, 3, 3, 1, 1>(
+              new PatchError{rig_, matches_[i], along_sigmas_ * matches_[i].tof->sigma_m}),
           new ceres::CauchyLoss(kCauchySigmas), At(kLenses), At(kTofTurn), At(kOffset),
           &depths_[i]);
     }
@@ -125,10 +125,12 @@ class Adjustment {
   void AddPrior(ceres::Problem& problem, NumberBlock block) {
     auto* prior = new SmallChange<kSize>;
     for (int i = 0; i < kSize; ++i) {
-      prior->sigma[static_cast<size_t>(i)] = RowOf(static_cast<RigNumber>(block.first + i)).expected;
+      prior->sigma[static_cast<size_t>(i)] =
+          RowOf(static_cast<RigNumber>(block.first + i)).expected;
     }
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SmallChange<kSize>, kSize, kSize>(prior),
-                             nullptr, At(block));
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<SmallChange<kSize>, kSize, kSize>(prior), nullptr,
+        At(block));
   }
 
   // What is not to change.

@@ -13,9 +13,9 @@ namespace sprout::calibrate {
 
 /// Residuals of one match at a solution.
 struct MatchResidual {
-  double rows_px = 0;                  ///< how far the right pixel lies below where it should
-  std::optional<double> tof_px = {};   ///< disparity of the ToF point less that of stereo
-  std::optional<double> tof_m = {};    ///< the same as distance across the surface
+  double rows_px = 0;                 ///< how far the right pixel lies below where it should
+  std::optional<double> tof_px = {};  ///< disparity of the ToF point less that of stereo
+  std::optional<double> tof_m = {};   ///< the same as distance across the surface
 };
 
 struct AdjustedScene {
@@ -36,7 +36,8 @@ using Wanted = std::array<bool, kRigNumbers>;
 /// changes by what is expected of it. Numbers that are not known better than a third of that stay.
 /// One thread; same input, same bytes. About 50 µs a match and solution.
 /// @param matches    of a rig; their inverse depths are the start.
-/// @param only_sure  numbers whose change is below three standard deviations stay as well, the least
+/// @param only_sure  numbers whose change is below three standard deviations stay as well, the
+/// least
 ///                   sure first.
 /// @returns an error when there is no solution.
 Result<AdjustedScene> AdjustScene(const RawRig& rig, const std::vector<SceneMatch>& matches,

@@ -10,8 +10,8 @@
 namespace sprout::calibrate {
 namespace {
 
-// With 0.1 px each, 150 matches give a mean to a hundredth of a pixel, and a slope over the image to
-// 0.03 px.
+// With 0.1 px each, 150 matches give a mean to a hundredth of a pixel, and a slope over the image
+// to 0.03 px.
 constexpr int kFewestMatches = 150;
 // Of cells of the left image, as those of MeasureVerticalDisparity().
 constexpr int kColumns = 4;
@@ -81,7 +81,8 @@ Result<void> CheckScene(const std::vector<SceneRefiner::View>& views,
   }
   std::array<int, static_cast<size_t>(kColumns * kRows)> cells{};
   for (const cv::Point2d& pixel : left_px) {
-    const int column = std::clamp(static_cast<int>(pixel.x * kColumns / pair.width), 0, kColumns - 1);
+    const int column =
+        std::clamp(static_cast<int>(pixel.x * kColumns / pair.width), 0, kColumns - 1);
     const int row = std::clamp(static_cast<int>(pixel.y * kRows / pair.height), 0, kRows - 1);
     ++cells[static_cast<size_t>(row * kColumns + column)];
   }
@@ -95,10 +96,11 @@ Result<void> CheckScene(const std::vector<SceneRefiner::View>& views,
   }
   const double relief_px = Relief(matches, left_px, pair);
   if (relief_px < kLeastReliefPx) {
-    return Fail(fmt::format(
-        "the scene is too flat: disparities lie within {:.1f} px of one plane ({:g} px are needed): "
-        "show things near and far",
-        relief_px, kLeastReliefPx));
+    return Fail(
+        fmt::format("the scene is too flat: disparities lie within {:.1f} px of one plane ({:g} px "
+                    "are needed): "
+                    "show things near and far",
+                    relief_px, kLeastReliefPx));
   }
   return {};
 }
@@ -137,14 +139,16 @@ std::vector<std::string> ReasonsAgainst(const SceneRefinement& refinement) {
   std::vector<std::string> reasons;
   const SceneFit& after = refinement.after;
   if (after.rows_abs_95_px > kMaxRowsPx) {
-    reasons.push_back(fmt::format("rows of the pair still differ by up to {:.2f} px (95 %; {:g} are "
-                                  "allowed)",
-                                  after.rows_abs_95_px, kMaxRowsPx));
+    reasons.push_back(
+        fmt::format("rows of the pair still differ by up to {:.2f} px (95 %; {:g} are "
+                    "allowed)",
+                    after.rows_abs_95_px, kMaxRowsPx));
   }
   if (std::abs(after.tof_px) > kMaxTofPx) {
-    reasons.push_back(fmt::format("ToF ranges still differ from stereo by {:+.2f} px ({:g} are "
-                                  "allowed)",
-                                  after.tof_px, kMaxTofPx));
+    reasons.push_back(
+        fmt::format("ToF ranges still differ from stereo by {:+.2f} px ({:g} are "
+                    "allowed)",
+                    after.tof_px, kMaxTofPx));
   }
   const auto worse = [&](const char* what, double SceneFit::*px) {
     if (!(after.*px > refinement.before.*px + kMostWorsePx)) return;

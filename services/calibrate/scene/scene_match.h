@@ -14,9 +14,9 @@ namespace sprout::calibrate {
 /// A point of the scene in both unrectified images.
 struct SceneMatch {
   size_t view = 0;
-  cv::Point2d left;            ///< px
-  cv::Point2d right;           ///< px
-  double inverse_depth = 0;    ///< 1 / z in the left camera's frame, 1/m; > 0
+  cv::Point2d left;             ///< px
+  cv::Point2d right;            ///< px
+  double inverse_depth = 0;     ///< 1 / z in the left camera's frame, 1/m; > 0
   std::optional<TofPatch> tof;  ///< what the ToF camera measured there, away from depth edges
 };
 

@@ -53,8 +53,8 @@ Result<void> SceneRefiner::Add(const cv::Mat& left, const cv::Mat& right, const 
         RawPixel(rig_.right, right_back, pair, pair.cx_right, match.right.x, match.right.y);
     // With a wrong yaw the farthest points lie behind infinity.
     constexpr double kFarthestM = 1000;
-    const double disparity_px = std::max(match.left.x - match.right.x,
-                                         pair.DisparityFromDepth(kFarthestM));
+    const double disparity_px =
+        std::max(match.left.x - match.right.x, pair.DisparityFromDepth(kFarthestM));
     const double depth_m = pair.DepthFromDisparity(disparity_px);
     const Eigen::Vector3d point =
         left_back * Eigen::Vector3d(depth_m * (match.left.x - pair.cx) / pair.focal_px,
@@ -115,8 +115,8 @@ std::optional<EdgeShift> SceneRefiner::FindEdges(const RigNumbers& change) {
     int behind = 0;
     const std::vector<ProjectedPoint> points = projector.Project(view.tof, behind);
     const refine::TofOffset offset =
-        aligner_.Estimate(RectifyLeft(view.left, changed, to), RectifyRight(view.right, changed, to),
-                          points, view.tof, projector);
+        aligner_.Estimate(RectifyLeft(view.left, changed, to),
+                          RectifyRight(view.right, changed, to), points, view.tof, projector);
     if (!offset.sure) continue;
     // As refine::ApplyOffset() turns.
     turns[0].push_back(-offset.dv_px / to.pair.focal_px);
@@ -211,13 +211,13 @@ const SceneRefiner::View& SceneRefiner::best_view() const {
 cv::Mat1b SceneRefiner::RectifyLeft(const cv::Mat1b& image, const RawRig& by,
                                     const Rectification& to) const {
   return RectifyAgain(image, {rig_.left, images_.left_turn, images_.pair, images_.pair.cx},
-               {by.left, to.left_turn, to.pair, to.pair.cx});
+                      {by.left, to.left_turn, to.pair, to.pair.cx});
 }
 
 cv::Mat1b SceneRefiner::RectifyRight(const cv::Mat1b& image, const RawRig& by,
                                      const Rectification& to) const {
   return RectifyAgain(image, {rig_.right, images_.right_turn, images_.pair, images_.pair.cx_right},
-               {by.right, to.right_turn, to.pair, to.pair.cx_right});
+                      {by.right, to.right_turn, to.pair, to.pair.cx_right});
 }
 
 }  // namespace sprout::calibrate

@@ -29,7 +29,7 @@ struct SceneFit {
 
 /// A match for the report.
 struct ShownMatch {
-  cv::Point2d left;          ///< px of the rectified left image
+  cv::Point2d left;  ///< px of the rectified left image
   double rows_before_px = 0;
   double rows_after_px = 0;
 };
@@ -51,14 +51,15 @@ struct SceneRefinement {
   bool is_good() const { return reasons.empty(); }
 };
 
-/// What Refine() may change besides the right camera's pitch and roll and, when there are ToF points
-/// on surfaces, its yaw, the ToF camera's rotation and the offset of its ranges. All of these look
-/// much like errors of the lenses' distortion, so only for lenses that are known well (NOTES.md).
+/// What Refine() may change besides the right camera's pitch and roll and, when there are ToF
+/// points on surfaces, its yaw, the ToF camera's rotation and the offset of its ranges. All of
+/// these look much like errors of the lenses' distortion, so only for lenses that are known well
+/// (NOTES.md).
 struct SceneWishes {
-  bool focal = false;   ///< focal lengths
-  bool row = false;     ///< the right principal row
-  bool place = false;   ///< the direction of the baseline
-  bool yaw = false;     ///< the yaw also where no ToF point shows it
+  bool focal = false;  ///< focal lengths
+  bool row = false;    ///< the right principal row
+  bool place = false;  ///< the direction of the baseline
+  bool yaw = false;    ///< the yaw also where no ToF point shows it
 };
 
 /// Refines a rig's calibration from frames of any scene, without a board: from matches of the pair,

@@ -65,8 +65,7 @@ Table NumberTable(const SceneRefinement& refinement) {
 }
 
 std::string CountsText(const SceneRefinement& refinement) {
-  std::string text =
-      fmt::format("{} frames, {} matches", refinement.views, refinement.matches);
+  std::string text = fmt::format("{} frames, {} matches", refinement.views, refinement.matches);
   if (refinement.tof_matches > 0) {
     text += fmt::format(", {} of them on surfaces of the ToF camera; depth edges in {} frames",
                         refinement.tof_matches, refinement.edge_views);
@@ -107,16 +106,20 @@ std::string SceneSummaryText(const SceneRefinement& refinement) {
 std::string SceneReportHtml(const SceneRefinement& refinement, const SceneRefiner& refiner) {
   std::string html = ReportStart("Calibration, refined without a board", refinement.reasons);
   html += "<p>" + EscapedHtml(CountsText(refinement)) + ".</p>\n" + TableHtml(FitTable(refinement));
-  html += "<h2>What changes</h2>\n<p>Standard deviations from the scatter and the number of "
-          "the matches.</p>\n" + TableHtml(NumberTable(refinement));
+  html +=
+      "<h2>What changes</h2>\n<p>Standard deviations from the scatter and the number of "
+      "the matches.</p>\n" +
+      TableHtml(NumberTable(refinement));
 
   const SceneRefiner::View& view = refiner.best_view();
-  html += "<h2>Rows of all matches</h2>\n<p>A dot each: how far its row in the right image is "
-          "off.</p>\n" + RowsPicture(refinement, view.left, false) +
-          RowsPicture(refinement, view.left, true);
+  html +=
+      "<h2>Rows of all matches</h2>\n<p>A dot each: how far its row in the right image is "
+      "off.</p>\n" +
+      RowsPicture(refinement, view.left, false) + RowsPicture(refinement, view.left, true);
   const Rectification after = RectificationOf(refinement.rig);
   const cv::Mat1b left = refiner.RectifyLeft(view.left, refinement.rig, after);
-  html += "<h2>The rectified pair</h2>\n" + FigureHtml(PairPicture(view.left, view.right), "before") +
+  html += "<h2>The rectified pair</h2>\n" +
+          FigureHtml(PairPicture(view.left, view.right), "before") +
           FigureHtml(PairPicture(left, refiner.RectifyRight(view.right, refinement.rig, after)),
                      "after: a point lies on the same row in both images");
   if (refinement.tof_matches > 0) {

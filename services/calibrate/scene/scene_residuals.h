@@ -13,16 +13,16 @@
 
 namespace sprout::calibrate {
 
-// The residuals of AdjustScene(), for Ceres. Blocks: `turn` is kPitch, kYaw, kRoll; `place` kPlaceY,
-// kPlaceZ; `lens` kFocal, kFocalRight, kRowRight; `tof_turn` kTofPitch, kTofYaw, kTofRoll; `offset`
-// kRangeOffset; and the inverse depth of the point.
+// The residuals of AdjustScene(), for Ceres. Blocks: `turn` is kPitch, kYaw, kRoll; `place`
+// kPlaceY, kPlaceZ; `lens` kFocal, kFocalRight, kRowRight; `tof_turn` kTofPitch, kTofYaw, kTofRoll;
+// `offset` kRangeOffset; and the inverse depth of the point.
 
 // A lens with another focal length and principal row: fx, fy, cx, cy, k1, k2, p1, p2, k3.
 template <typename T>
 std::array<T, 9> LensNumbersOf(const Lens& lens, const T& scale, const T& rows_px) {
   const auto& k = lens.distortion;
-  return {scale * lens.fx, scale * lens.fy, T(lens.cx), rows_px + lens.cy, T(k[0]),
-          T(k[1]),         T(k[2]),         T(k[3]),    T(k[4])};
+  return {scale * lens.fx, scale * lens.fy, T(lens.cx), rows_px + lens.cy, T(k[0]), T(k[1]),
+          T(k[2]),         T(k[3]),         T(k[4])};
 }
 
 // exp(turn) · first, inverted, of a vector.
@@ -83,13 +83,13 @@ struct PatchError {
                   T* residual) const {
     const Eigen::Matrix<T, 3, 1> ray = LeftRay(rig, lens, match.left);
     if (inverse_depth[0] <= T(0)) return false;
-    const Eigen::Matrix<T, 3, 1> point = IntoTurned<T>(
-        tof_turn, rig.left_from_tof.rotation.toRotationMatrix(),
-        ray / inverse_depth[0] - rig.left_from_tof.translation_m.cast<T>());
+    const Eigen::Matrix<T, 3, 1> point =
+        IntoTurned<T>(tof_turn, rig.left_from_tof.rotation.toRotationMatrix(),
+                      ray / inverse_depth[0] - rig.left_from_tof.translation_m.cast<T>());
     const TofPatch& patch = *match.tof;
-    residual[0] = (patch.normal.cast<T>().dot(point) - patch.distance_m -
-                   patch.per_range * offset[0]) /
-                  T(sigma_m);
+    residual[0] =
+        (patch.normal.cast<T>().dot(point) - patch.distance_m - patch.per_range * offset[0]) /
+        T(sigma_m);
     return true;
   }
 };

@@ -1,3 +1,5 @@
+#include "tests/common/rig/kitti_raw.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +15,6 @@
 
 #include "common/core/quantile.h"
 #include "common/rig/rectifier.h"
-#include "tests/common/rig/kitti_raw.h"
 
 namespace sprout {
 namespace {
@@ -21,7 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // KITTI's own rectification of a picture.
-cv::Mat1b AsKittiDoes(const cv::Mat1b& image, const KittiValues& values, const std::string& camera) {
+cv::Mat1b AsKittiDoes(const cv::Mat1b& image, const KittiValues& values,
+                      const std::string& camera) {
   const auto matrix = [&](const std::string& key, int rows, int cols) {
     return cv::Mat(rows, cols, CV_64F, const_cast<double*>(values.at(key + camera).data())).clone();
   };

@@ -90,8 +90,8 @@ class CalibrateRefine : public testing::Test {
 constexpr double kLimit = 0.02 * std::numbers::pi / 180;
 
 TEST_F(CalibrateRefine, PutsARigRightFromUnrectifiedImagesAndKeepsItsDevices) {
-  const RefineOutcome outcome = Refine({WriteLog(images_, {}), "--rig", File("rig.textproto"),
-                                        "--report", File("report.html")});
+  const RefineOutcome outcome = Refine(
+      {WriteLog(images_, {}), "--rig", File("rig.textproto"), "--report", File("report.html")});
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("calibration: good\n"));

@@ -1,4 +1,5 @@
-// Real images, which are not part of the project: prints the figures of services/calibrate/NOTES.md.
+// Real images, which are not part of the project: prints the figures of
+// services/calibrate/NOTES.md.
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -35,10 +36,10 @@ TEST(SceneData, PutsTheRowsOfKittiRawRight) {
   SceneRefiner refiner(rig, RectificationOf(rig));
   for (const int number : {336, 338, 340}) {
     const std::string name = "0000000" + std::to_string(number) + "_cam";
-    const auto images =
-        RectifyImages(rectifier, {.left = cv::imread(folder / (name + "0.png"), cv::IMREAD_GRAYSCALE),
-                                  .right = cv::imread(folder / (name + "1.png"), cv::IMREAD_GRAYSCALE),
-                                  .tof = {}});
+    const auto images = RectifyImages(
+        rectifier, {.left = cv::imread(folder / (name + "0.png"), cv::IMREAD_GRAYSCALE),
+                    .right = cv::imread(folder / (name + "1.png"), cv::IMREAD_GRAYSCALE),
+                    .tof = {}});
     ASSERT_TRUE(images) << images.error().text;
     ASSERT_TRUE(refiner.Add(images->left, images->right, images->tof));
   }

@@ -93,7 +93,8 @@ TEST(SceneRefiner, RecoversAllErrorsAtOnceAndLeavesARightRigAlone) {
     recovered += worst < 1 ? 1 : 0;
     left_alone += worst_of_right < 1.0 / 3 ? 1 : 0;
     std::cout << fmt::format(
-        "scene {}: {:.2f} of a limit is left ({}); a right rig moved by {:.2f} ({}); rows {:.2f} -> "
+        "scene {}: {:.2f} of a limit is left ({}); a right rig moved by {:.2f} ({}); rows {:.2f} "
+        "-> "
         "{:.3f} px\n",
         scene, worst, name, worst_of_right, name_of_right, knocked->before.rows_abs_median_px,
         knocked->after.rows_abs_median_px);
@@ -176,7 +177,8 @@ TEST(SceneRefiner, RefusesAFlatWall) {
 
 TEST(SceneRefiner, RefusesBlackImages) {
   const RawRig rig = TrueRig({640, 480});
-  RigImages black{.left = cv::Mat1b::zeros(480, 640), .right = cv::Mat1b::zeros(480, 640), .tof = {}};
+  RigImages black{
+      .left = cv::Mat1b::zeros(480, 640), .right = cv::Mat1b::zeros(480, 640), .tof = {}};
   const auto refined = RefineKnocked(rig, {}, {black});
 
   ASSERT_FALSE(refined);
