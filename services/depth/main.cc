@@ -12,9 +12,11 @@ int main(int argc, char** argv) {
       "SPROUT_SIGMA, with depth { publish_preview: true } SPROUT_PREVIEW, a picture for lcm-spy "
       "and other viewers.\n"
       "Rules (min_m, max_m, region, box, min_confidence, remove_flying) leave points out,\n"
-      "counted on SPROUT_DEPTH_COUNTS. With depth { rig: FILE } also the points in the robot's frame, on\n"
+      "counted on SPROUT_DEPTH_COUNTS. With depth { rig: FILE } also the points in the robot's "
+      "frame, on\n"
       "SPROUT_BASE_CLOUD; with target: NAME depth and points as another camera sees them, on\n"
-      "SPROUT_TARGET_DEPTH and SPROUT_TARGET_CLOUD; with publish_scan: true SPROUT_SCAN, a laser scan.",
+      "SPROUT_TARGET_DEPTH and SPROUT_TARGET_CLOUD; with publish_scan: true SPROUT_SCAN, a laser "
+      "scan.",
       [](const sprout::SproutConfig& config) {
         return std::make_unique<sprout::depth::DepthAdapter>(config.depth());
       });

@@ -390,8 +390,8 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "fused where compute() was told so (depth { input: FUSED }).")
       .def_property_readonly(
           "depth_sigma_m", &DepthSigmaArray,
-          "Optional[numpy.ndarray]: (H, W) float32, standard deviation of z, m; NaN: none, inf: "
-          "not known.")
+          "Optional[numpy.ndarray]: (H, W) float32, standard deviation of the depth of disparity "
+          "(not of fused), m; NaN: none, inf: not known.")
       .def_property_readonly("intrinsics", &IntrinsicsOf,
                              "Optional[numpy.ndarray]: (3, 3) float64, of depth_m, px.")
       .def_property_readonly(

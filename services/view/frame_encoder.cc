@@ -20,8 +20,8 @@ constexpr size_t kMaxCacheBytes = size_t{64} << 20;
 constexpr ValueRange kSigmaRange{0, 4};
 
 constexpr std::array<std::string_view, kPictureCount> kPictureNames = {
-    "left",       "tof",             "disparity", "depth", "prior", "sigma",
-    "confidence", "disparity_sigma", "fused",     "fused_depth"};
+    "left",  "tof",        "disparity",       "depth", "prior",
+    "sigma", "confidence", "disparity_sigma", "fused", "fused_depth"};
 
 nlohmann::json ScaleJson(const ValueRange& range, const char* unit, const char* near) {
   return {{"min", range.min}, {"max", range.max}, {"unit", unit}, {"near", near}};
