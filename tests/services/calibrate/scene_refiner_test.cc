@@ -28,7 +28,8 @@ RigNumbers Limits(const RawRig& rig) {
   limits[kPlaceY] = limits[kPlaceZ] = 0.2 * kDegree;
   limits[kFocal] = limits[kFocalRight] = 0.001;
   limits[kRowRight] = 0.1;
-  for (const RigNumber number : {kTofPitch, kTofYaw}) limits[number] = 0.3 / rig.left.fx;
+  // One frame of 480 × 360 px; larger ones, and more of them, leave less (NOTES.md).
+  for (const RigNumber number : {kTofPitch, kTofYaw}) limits[number] = 0.6 / rig.left.fx;
   // A roll moves points at the edge of the ToF image, a third of the focal length off the axis.
   limits[kTofRoll] = 3 * limits[kTofYaw];
   limits[kRangeOffset] = 0.003;
