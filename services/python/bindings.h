@@ -35,6 +35,7 @@ struct PyFrame {
 void BindConfig(py::module_& module);
 void BindRig(py::module_& module);
 void BindMotion(py::module_& module);
+void BindParts(py::module_& module);
 void BindFrame(py::module_& module);
 void BindPipeline(py::module_& module);
 void BindLog(py::module_& module);

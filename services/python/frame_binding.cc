@@ -62,6 +62,7 @@ py::object DepthArray(PyFrame& frame) {
 
 // None when the frame has no standard deviations.
 py::object DepthSigmaArray(const PyFrame& frame) {
+  if (frame.depth_of_fused) return py::none();  // the fused map has none
   const Frame& parts = frame.frame;
   cv::Mat1f sigma_m;
   {
@@ -217,68 +218,6 @@ std::string Repr(const PyFrame& frame) {
   return text + ">";
 }
 
-PriorMap MakePrior(const py::object& disparity, const py::object& sigma) {
-  const DisparityImage map = FromPx(TakeFloats("disparity", disparity, {}));
-  PriorMap prior(map.size());
-  prior.disparity = map;
-  const bool one = PyFloat_Check(sigma.ptr()) || PyLong_Check(sigma.ptr());
-  const cv::Mat1b counts = one ? cv::Mat1b(map.size(), SigmaToCounts(sigma.cast<double>()))
-                               : TakeSigmas("sigma_px", sigma, map.size());
-  counts.copyTo(prior.sigma, map.counts() != DisparityImage::kInvalid);
-  return prior;
-}
-
-void BindParts(py::module_& module) {
-  py::class_<TofImage>(module, "Tof", "A range image, and how strong its signal was.")
-      .def(
-          py::init([](const py::object& depth_m, const py::object& amplitude) {
-            TofImage tof{.depth_m = TakeDepth("depth_m", depth_m, {}), .amplitude = {}};
-            if (!amplitude.is_none()) {
-              tof.amplitude = TakeFloats("amplitude", amplitude, tof.depth_m.size());
-            }
-            return tof;
-          }),
-          py::arg("depth_m"), py::arg("amplitude") = py::none(),
-          R"(__init__(self, depth_m: numpy.ndarray, amplitude: Optional[numpy.ndarray] = ...) -> None
-
-depth_m: (H, W) float32 in m along the optical axis, or uint16 in mm; 0 or NaN: no return.
-amplitude: (H, W) float32 in the sensor's unit.)")
-      .def_property_readonly(
-          "depth_m", [](const TofImage& tof) { return ToArray(tof.depth_m); },
-          "numpy.ndarray: (H, W) float32, m; 0 or NaN: no return.")
-      .def_property_readonly(
-          "amplitude", [](const TofImage& tof) { return ToArray(tof.amplitude); },
-          "Optional[numpy.ndarray]: (H, W) float32, the sensor's unit.")
-      .def(
-          "__repr__",
-          [](const TofImage& tof) {
-            return "<sprout.Tof " + std::to_string(tof.depth_m.cols) + "x" +
-                   std::to_string(tof.depth_m.rows) + ">";
-          },
-          "__repr__(self) -> str");
-  py::class_<PriorMap>(module, "PriorMap",
-                       "A prior disparity map of the left image, and how sure it is.")
-      .def(
-          py::init(&MakePrior), py::arg("disparity"), py::arg("sigma_px"),
-          R"(__init__(self, disparity: numpy.ndarray, sigma_px: Union[float, numpy.ndarray]) -> None
-
-disparity: (H, W) float32, px, NaN: none; kept in 1/32 px. sigma_px: its standard deviation, one for
-all or (H, W) float32; kept in 1/16 px, 16 px is as good as not knowing.)")
-      .def_property_readonly(
-          "disparity", [](const PriorMap& prior) { return ToArray(prior.disparity); },
-          "numpy.ndarray: (H, W) float32, px; NaN: none.")
-      .def_property_readonly(
-          "sigma_px", [](const PriorMap& prior) { return SigmaArray(prior.sigma); },
-          "numpy.ndarray: (H, W) float32, standard deviation, px; 15.9375 or more: not known.")
-      .def(
-          "__repr__",
-          [](const PriorMap& prior) {
-            return "<sprout.PriorMap " + std::to_string(prior.size().width) + "x" +
-                   std::to_string(prior.size().height) + ">";
-          },
-          "__repr__(self) -> str");
-}
-
 }  // namespace
 
 std::string NameOf(Part part) {
@@ -310,7 +249,6 @@ PartSet TakeParts(const py::handle& names) {
 void BindFrame(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(Seed, u, v, u_right, sigma_px, origin, tof_u, tof_v);
   module.attr("SEED") = py::dtype::of<Seed>();
-  BindParts(module);
   py::class_<PyFrame> frame(module, "Frame",
                             R"(Everything that one capture led to; None for what is not there.
 
@@ -390,8 +328,8 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "fused where compute() was told so (depth { input: FUSED }).")
       .def_property_readonly(
           "depth_sigma_m", &DepthSigmaArray,
-          "Optional[numpy.ndarray]: (H, W) float32, standard deviation of the depth of disparity "
-          "(not of fused), m; NaN: none, inf: not known.")
+          "Optional[numpy.ndarray]: (H, W) float32, standard deviation of depth_m where it is of "
+          "disparity, m; NaN: none, inf: not known.")
       .def_property_readonly("intrinsics", &IntrinsicsOf,
                              "Optional[numpy.ndarray]: (3, 3) float64, of depth_m, px.")
       .def_property_readonly(

@@ -40,6 +40,7 @@ PYBIND11_MODULE(_sprout, module) {
   python::BindConfig(module);
   python::BindRig(module);
   python::BindMotion(module);
+  python::BindParts(module);
   python::BindFrame(module);
   python::BindPipeline(module);
   python::BindLog(module);
