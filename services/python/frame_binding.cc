@@ -247,8 +247,6 @@ PartSet TakeParts(const py::handle& names) {
 }
 
 void BindFrame(py::module_& module) {
-  PYBIND11_NUMPY_DTYPE(Seed, u, v, u_right, sigma_px, origin, tof_u, tof_v);
-  module.attr("SEED") = py::dtype::of<Seed>();
   py::class_<PyFrame> frame(module, "Frame",
                             R"(Everything that one capture led to; None for what is not there.
 

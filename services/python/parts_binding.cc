@@ -20,6 +20,8 @@ PriorMap MakePrior(const py::object& disparity, const py::object& sigma) {
 }  // namespace
 
 void BindParts(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(Seed, u, v, u_right, sigma_px, origin, tof_u, tof_v);
+  module.attr("SEED") = py::dtype::of<Seed>();
   py::class_<TofImage>(module, "Tof", "A range image, and how strong its signal was.")
       .def(
           py::init([](const py::object& depth_m, const py::object& amplitude) {
