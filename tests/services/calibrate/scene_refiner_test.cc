@@ -199,9 +199,9 @@ TEST(SceneRefiner, RefusesUnrelatedImages) {
 TEST(SceneRefiner, RefusesARigThatMovesWithinItsFrames) {
   const RawRig rig = TrueRig({640, 480});
   std::vector<RigImages> frames;
-  for (int i = 0; i < 4; ++i) {  // the right camera nods by a quarter of a degree
+  for (int i = 0; i < 4; ++i) {  // the right camera nods by a tenth of a degree
     RawRig moved = rig;
-    moved.right.cy += i % 2 == 0 ? 2.5 : -2.5;
+    moved.right.cy += i % 2 == 0 ? 0.8 : -0.8;
     frames.push_back(RenderScene(moved, 4, 10 * i, false));
   }
   const auto refined = RefineKnocked(rig, {}, frames);
