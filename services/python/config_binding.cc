@@ -13,14 +13,20 @@ using google::protobuf::Message;
 py::dict DictOf(const Message& message);
 
 py::list ListOf(const Message& message, const FieldDescriptor& field) {
-  if (field.cpp_type() != FieldDescriptor::CPPTYPE_STRING) {
-    throw std::logic_error("list of an unsupported type: " + field.full_name());
+  const auto& reflection = *message.GetReflection();
+  const auto append_all = [&](auto get) {
+    py::list list;
+    for (int i = 0; i < reflection.FieldSize(message, &field); ++i) list.append(get(i));
+    return list;
+  };
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_STRING:
+      return append_all([&](int i) { return reflection.GetRepeatedString(message, &field, i); });
+    case FieldDescriptor::CPPTYPE_INT32:
+      return append_all([&](int i) { return reflection.GetRepeatedInt32(message, &field, i); });
+    default:
+      throw std::logic_error("list of an unsupported type: " + field.full_name());
   }
-  py::list list;
-  for (int i = 0; i < message.GetReflection()->FieldSize(message, &field); ++i) {
-    list.append(message.GetReflection()->GetRepeatedString(message, &field, i));
-  }
-  return list;
 }
 
 py::object ValueOf(const Message& message, const FieldDescriptor& field) {

@@ -187,7 +187,12 @@ class Adjustment {
     ceres::Covariance::Options options;
     options.num_threads = 1;
     options.algorithm_type = ceres::SPARSE_QR;
-    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+    // Eigen's QR takes minutes with thousands of depths.
+    if (ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE)) {
+      options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+    } else {
+      options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+    }
     ceres::Covariance covariance(options);
     std::vector<std::pair<const double*, const double*>> blocks;
     for (const NumberBlock& block : kNumberBlocks) blocks.emplace_back(At(block), At(block));

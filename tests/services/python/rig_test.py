@@ -123,6 +123,7 @@ class ConfigTest(unittest.TestCase):
     def test_has_lists_as_lists(self) -> None:
         config = sprout.Config('ros2 { topics: "DEPTH" topics: "CLOUD" }')
         self.assertEqual(config["ros2.topics"], ["DEPTH", "CLOUD"])
+        self.assertEqual(sprout.Config("depth { region: [1, 2, 30, 40] }")["depth.region"], [1, 2, 30, 40])
         self.assertEqual(eval(repr(config), {"Config": sprout.Config}), config)
 
     def test_says_what_cannot_be_used(self) -> None:
