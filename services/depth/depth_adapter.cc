@@ -1,6 +1,7 @@
 #include "services/depth/depth_adapter.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -81,35 +82,35 @@ StageResult DepthAdapter::Process(const Frame& frame) {
     seen.disparity = filter_.Apply(seen.disparity, pair, seen.confidence, counts);
     result.outputs.push_back({Part::kDepthCounts, counts});
   }
-  AddOfLeft(seen, result);
+  AddDepths(seen, result);
+  if (config_.publish_cloud()) AddClouds(seen, is_placed, result);
   if (is_placed) AddOfOtherPlaces(seen, result);
   if (config_.publish_preview()) result.preview = PreviewOf(frame.left, seen.disparity, pair);
   return result;
 }
 
-void DepthAdapter::AddOfLeft(const Seen& seen, StageResult& result) const {
+void DepthAdapter::AddDepths(const Seen& seen, StageResult& result) const {
+  if (!config_.publish_depth() && !config_.publish_sigma()) return;
   const RectifiedPair& pair = seen.pair;
-  if (config_.publish_depth() || config_.publish_sigma()) {
-    const int scale = std::min({config_.scale(), pair.width, pair.height});
-    DepthImage depth = DepthOf(seen.disparity, pair, config_.mm_per_count() / 1000, scale);
-    if (config_.publish_sigma()) {
-      result.outputs.push_back(
-          {Part::kDepthSigma, DepthSigmaOf(depth, seen.disparity, seen.sigma, pair, scale)});
-    }
-    if (config_.publish_depth()) result.outputs.push_back({Part::kDepth, std::move(depth)});
-  }
-  if (config_.publish_cloud()) {
+  const int scale = std::min({config_.scale(), pair.width, pair.height});
+  DepthImage depth = DepthOf(seen.disparity, pair, config_.mm_per_count() / 1000, scale);
+  if (config_.publish_sigma()) {
     result.outputs.push_back(
-        {Part::kCloud, CloudOf(seen.disparity, pair, seen.left, seen.confidence, Thinning())});
+        {Part::kDepthSigma, DepthSigmaOf(depth, seen.disparity, seen.sigma, pair, scale)});
   }
+  if (config_.publish_depth()) result.outputs.push_back({Part::kDepth, std::move(depth)});
+}
+
+void DepthAdapter::AddClouds(const Seen& seen, bool is_placed, StageResult& result) const {
+  PointCloud cloud = CloudOf(seen.disparity, seen.pair, seen.left, seen.confidence, Thinning());
+  std::optional<PointCloud> in_base;
+  if (is_placed && options_.base_from_left) in_base = Moved(cloud, *options_.base_from_left);
+  result.outputs.push_back({Part::kCloud, std::move(cloud)});
+  if (in_base) result.outputs.push_back({Part::kBaseCloud, *std::move(in_base)});
 }
 
 void DepthAdapter::AddOfOtherPlaces(const Seen& seen, StageResult& result) const {
   const RectifiedPair& pair = seen.pair;
-  if (config_.publish_cloud() && options_.base_from_left) {
-    const PointCloud cloud = CloudOf(seen.disparity, pair, seen.left, seen.confidence, Thinning());
-    result.outputs.push_back({Part::kBaseCloud, Moved(cloud, *options_.base_from_left)});
-  }
   if (options_.target) {
     const View& view = *options_.target;
     DepthImage depth = DepthInView(seen.disparity, pair, view, config_.mm_per_count() / 1000);

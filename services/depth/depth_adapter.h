@@ -34,7 +34,9 @@ class DepthAdapter : public StageAdapter {
   };
 
   CloudThinning Thinning() const { return {config_.cloud_stride(), config_.cloud_voxel_m()}; }
-  void AddOfLeft(const Seen& seen, StageResult& result) const;
+  void AddDepths(const Seen& seen, StageResult& result) const;
+  // @param is_placed  whether the rig file is of this calibration.
+  void AddClouds(const Seen& seen, bool is_placed, StageResult& result) const;
   // What needs the rig file.
   void AddOfOtherPlaces(const Seen& seen, StageResult& result) const;
 
