@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <type_traits>
@@ -18,12 +19,27 @@
 namespace sprout {
 namespace {
 
-// CLI11 has a line for each flag, however much there is to say.
-class WrappingFormatter : public CLI::Formatter {
+std::string ListOf(const std::string& label, const std::set<CLI::Option*>& options) {
+  std::set<std::string> names;
+  for (const CLI::Option* option : options) names.insert(option->get_name());
+  std::string text = names.empty() ? "" : " " + label;
+  for (const std::string& name : names) text += " " + name;
+  return text;
+}
+
+// CLI11 has a line for each flag, however much there is to say, and lists other flags in the order
+// of their addresses.
+class Formatter : public CLI::Formatter {
  public:
   std::string make_help(const CLI::App* app, std::string name,
                         CLI::AppFormatMode mode) const override {
     return WrapLines(CLI::Formatter::make_help(app, std::move(name), mode), get_column_width());
+  }
+
+  std::string make_option_opts(const CLI::Option* option) const override {
+    const std::string text = CLI::Formatter::make_option_opts(option);
+    return text.substr(0, std::min(text.find(" Needs:"), text.find(" Excludes:"))) +
+           ListOf("Needs:", option->get_needs()) + ListOf("Excludes:", option->get_excludes());
   }
 };
 
@@ -131,7 +147,7 @@ Flag& Flag::Environment(const std::string& variable) {
 
 Flags::Flags(const std::string& program, const std::string& description)
     : owned_(std::make_unique<CLI::App>(description, program)), app_(owned_.get()) {
-  app_->formatter(std::make_shared<WrappingFormatter>());  // commands take it over
+  app_->formatter(std::make_shared<Formatter>());  // commands take it over
 }
 
 Flags::Flags(CLI::App* command, Flags* program) : app_(command), program_(program) {}

@@ -75,6 +75,7 @@ Definitions (as in the Middlebury SDK)
               the share of pixels kept; oracle: if the wrong pixels came last.
   times       medians over --repeat runs, ms, one run after another. Rivals have one time; that of
               rivals with ToF seeds includes refinement.
+
 )";
 
 std::string MethodsHelp() {
