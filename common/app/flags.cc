@@ -165,21 +165,21 @@ Flag Flags::Add(const std::string& name, Value& value, const std::string& help) 
   }
 }
 
-using Text = const std::string&;
-template Flag Flags::Add(Text, bool&, Text);
-template Flag Flags::Add(Text, int&, Text);
-template Flag Flags::Add(Text, int64_t&, Text);
-template Flag Flags::Add(Text, uint64_t&, Text);
-template Flag Flags::Add(Text, double&, Text);
-template Flag Flags::Add(Text, std::string&, Text);
-template Flag Flags::Add(Text, std::filesystem::path&, Text);
-template Flag Flags::Add(Text, std::optional<int>&, Text);
-template Flag Flags::Add(Text, std::optional<int64_t>&, Text);
-template Flag Flags::Add(Text, std::optional<double>&, Text);
-template Flag Flags::Add(Text, std::optional<std::string>&, Text);
-template Flag Flags::Add(Text, std::vector<uint64_t>&, Text);
-template Flag Flags::Add(Text, std::vector<std::string>&, Text);
-template Flag Flags::Add(Text, std::vector<std::filesystem::path>&, Text);
+template Flag Flags::Add(const std::string&, bool&, const std::string&);
+template Flag Flags::Add(const std::string&, int&, const std::string&);
+template Flag Flags::Add(const std::string&, int64_t&, const std::string&);
+template Flag Flags::Add(const std::string&, uint64_t&, const std::string&);
+template Flag Flags::Add(const std::string&, double&, const std::string&);
+template Flag Flags::Add(const std::string&, std::string&, const std::string&);
+template Flag Flags::Add(const std::string&, std::filesystem::path&, const std::string&);
+template Flag Flags::Add(const std::string&, std::optional<int>&, const std::string&);
+template Flag Flags::Add(const std::string&, std::optional<int64_t>&, const std::string&);
+template Flag Flags::Add(const std::string&, std::optional<double>&, const std::string&);
+template Flag Flags::Add(const std::string&, std::optional<std::string>&, const std::string&);
+template Flag Flags::Add(const std::string&, std::vector<uint64_t>&, const std::string&);
+template Flag Flags::Add(const std::string&, std::vector<std::string>&, const std::string&);
+template Flag Flags::Add(const std::string&, std::vector<std::filesystem::path>&,
+                         const std::string&);
 
 void Flags::AddAction(const std::string& name, std::function<void()> act, const std::string& help) {
   const auto act_and_end = [act = std::move(act)] {

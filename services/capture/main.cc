@@ -22,7 +22,7 @@ struct ConfigFlags {
   }
 };
 
-// Flags in seconds, which CLI11 reads as plain numbers.
+// Flags in seconds.
 struct Timeouts {
   double lockstep_s = 10;
   double wait_s = 30;
