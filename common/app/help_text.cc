@@ -1,20 +1,11 @@
 #include "common/app/help_text.h"
 
 #include <algorithm>
-#include <memory>
+#include <cstdint>
 #include <sstream>
 
 namespace sprout {
 namespace {
-
-// CLI11 has a line for each flag, however much there is to say.
-class WrappingFormatter : public CLI::Formatter {
- public:
-  std::string make_help(const CLI::App* app, std::string name,
-                        CLI::AppFormatMode mode) const override {
-    return WrapLines(CLI::Formatter::make_help(app, std::move(name), mode), get_column_width());
-  }
-};
 
 // Characters of UTF-8.
 size_t Columns(const std::string& text) {
@@ -54,13 +45,6 @@ std::string WrapLines(const std::string& text, size_t description_column) {
     wrapped += WrapLine(line, description_column) + "\n";
   }
   return wrapped;
-}
-
-void WrapHelp(CLI::App& flags) {
-  flags.formatter(std::make_shared<WrappingFormatter>());
-  for (CLI::App* subcommand : flags.get_subcommands([](CLI::App*) { return true; })) {
-    WrapHelp(*subcommand);
-  }
 }
 
 }  // namespace sprout

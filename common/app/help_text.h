@@ -1,7 +1,7 @@
 #ifndef SPROUT_COMMON_APP_HELP_TEXT_H_
 #define SPROUT_COMMON_APP_HELP_TEXT_H_
 
-#include <CLI/CLI.hpp>
+#include <cstddef>
 #include <string>
 
 namespace sprout {
@@ -13,9 +13,6 @@ inline constexpr size_t kHelpColumns = 100;
 /// for a flag ("  --name ..."), like its description.
 /// @param description_column  where the descriptions of flags begin.
 std::string WrapLines(const std::string& text, size_t description_column);
-
-/// Wraps --help of a program and of its subcommands.
-void WrapHelp(CLI::App& flags);
 
 }  // namespace sprout
 

@@ -2,7 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -51,65 +50,52 @@ void RequireValidUrl(const std::string& url) {
 }  // namespace
 
 Service::Service(std::string stage, const std::string& description)
-    : stage_(std::move(stage)),
-      lcm_url_(DefaultLcmUrl()),
-      flags_(std::make_unique<CLI::App>(description, "sprout-" + stage_)) {
-  CLI::App& flags = *flags_;
-  flags
-      .add_option("--config", config_files_,
-                  "Configuration file in protobuf text format, or the name of a preset; may be "
-                  "given several times, later files override earlier ones")
-      ->type_name("FILE|PRESET")
-      ->expected(1)
-      ->take_all();
-  flags.add_option("--lcm-url", lcm_url_, "The bus: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
-      ->type_name("URL")
-      ->capture_default_str();
-  flags
-      .add_option("--channel-prefix", prefix_,
-                  "Prefix of every channel, to run two graphs side by side")
-      ->type_name("TEXT");
-  flags.add_option("--log-level", log_level_, "What to log to stderr")
-      ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
-      ->capture_default_str();
-  flags
-      .add_option("--threads", threads_,
-                  "Threads to compute with, 0 = one a core; results do not depend on it")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  flags
-      .add_option(
-          "--simd", simd_,
-          "Best instruction set that growth and gap filling may use; results do not depend on it")
-      ->type_name("best|" + fmt::format("{}", fmt::join(SimdLevels(), "|")))
-      ->capture_default_str();
-  flags.set_version_flag("--version", "sprout-" + stage_ + " " + Version());
+    : stage_(std::move(stage)), lcm_url_(DefaultLcmUrl()), flags_("sprout-" + stage_, description) {
+  flags_
+      .Add("--config", config_files_,
+           "Configuration file in protobuf text format, or the name of a preset; may be "
+           "given several times, later files override earlier ones")
+      .Takes("FILE|PRESET")
+      .Repeatable();
+  flags_.Add("--lcm-url", lcm_url_, "The bus: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
+      .Takes("URL")
+      .ShowDefault();
+  flags_.Add("--channel-prefix", prefix_, "Prefix of every channel, to run two graphs side by side")
+      .Takes("TEXT");
+  flags_.Add("--log-level", log_level_, "What to log to stderr")
+      .OneOf({"debug", "info", "warning", "error"})
+      .ShowDefault();
+  flags_
+      .Add("--threads", threads_,
+           "Threads to compute with, 0 = one a core; results do not depend on it")
+      .WithinWhole(0, 1024)
+      .ShowDefault();
+  flags_
+      .Add("--simd", simd_,
+           "Best instruction set that growth and gap filling may use; results do not depend on it")
+      .Takes("best|" + fmt::format("{}", fmt::join(SimdLevels(), "|")))
+      .ShowDefault();
+  flags_.AddVersion(Version());
 }
 
-Service::~Service() = default;
-
 void Service::OfferReplay() {
-  CLI::App& flags = *flags_;
-  CLI::Option* replay =
-      flags
-          .add_option("--replay", replay_,
-                      "Process all frames of this log instead of live ones, as fast as possible; "
-                      "may be given several times: events are merged by time, and a "
-                      "channel is taken from the last log that has it")
-          ->type_name("LOG")
-          ->expected(1)
-          ->take_all();
-  CLI::Option* record =
-      flags.add_option("--record", record_, "Log for the answers of --replay")->type_name("LOG");
-  CLI::Option* frames =
-      flags
-          .add_option(
-              "--frames", frames_,
-              "Process only frames A to B of --replay, both included; A:, :B and A work, too")
-          ->type_name("A:B");
-  replay->needs(record)->excludes(flags.get_option("--lcm-url"));
-  record->needs(replay);
-  frames->needs(replay);
+  Flag replay =
+      flags_
+          .Add("--replay", replay_,
+               "Process all frames of this log instead of live ones, as fast as possible; "
+               "may be given several times: events are merged by time, and a "
+               "channel is taken from the last log that has it")
+          .Takes("LOG")
+          .Repeatable();
+  Flag record = flags_.Add("--record", record_, "Log for the answers of --replay").Takes("LOG");
+  Flag frames =
+      flags_
+          .Add("--frames", frames_,
+               "Process only frames A to B of --replay, both included; A:, :B and A work, too")
+          .Takes("A:B");
+  replay.Needs(record).Excludes(flags_.Get("--lcm-url"));
+  record.Needs(replay);
+  frames.Needs(replay);
 }
 
 std::optional<ReplayOptions> Service::Replay() const {
@@ -120,7 +106,7 @@ std::optional<ReplayOptions> Service::Replay() const {
 }
 
 int Service::Run(int argc, char** argv, const Body& body, const ApplyFlags& apply_flags) {
-  return RunProgram(*flags_, argc, argv, [&] {
+  return RunProgram(flags_, argc, argv, [&] {
     SetUpLog(stage_, kLogLevels.at(log_level_), LogsToJournal());
     return RunChecked(body, apply_flags);
   });
@@ -136,7 +122,7 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   if (apply_flags) apply_flags(context.config);
   RequireInRange(context.config, "");
   RequireValidPrefix(prefix_);
-  const bool is_live = !context.replay && flags_->get_subcommands().empty();
+  const bool is_live = !context.replay && !flags_.HasCommand();
   if (is_live) RequireValidUrl(lcm_url_);
   KeepMemory();
   SetThreads(threads_);

@@ -2,16 +2,12 @@
 #define SPROUT_COMMON_APP_SERVICE_H_
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/app/flags.h"
 #include "common/app/service_context.h"
-
-namespace CLI {
-class App;  // <CLI/CLI.hpp> takes seconds to compile: for those who add flags
-}
 
 namespace sprout {
 
@@ -24,10 +20,9 @@ class Service {
   /// @param stage        name of the service; the program is sprout-STAGE.
   /// @param description  what --help says first.
   Service(std::string stage, const std::string& description);
-  ~Service();
 
   /// For the service's own flags and commands. A command runs without the bus.
-  CLI::App& flags() { return *flags_; }
+  Flags& flags() { return flags_; }
 
   /// Adds the flags --replay, --record and --frames.
   void OfferReplay();
@@ -55,7 +50,7 @@ class Service {
   std::vector<std::string> replay_;
   std::string record_;
   std::string frames_;
-  std::unique_ptr<CLI::App> flags_;
+  Flags flags_;
 };
 
 }  // namespace sprout

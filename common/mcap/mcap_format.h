@@ -118,7 +118,7 @@ void WriteChannel(const McapChannel& channel, RecordWriter& writer);
 Result<McapSchema> ReadSchema(std::span<const uint8_t> content);
 Result<McapChannel> ReadChannel(std::span<const uint8_t> content);
 
-/// CRC-32 of the bytes behind those of `crc` (0: none).
+/// Continues the CRC-32 `crc` (0: begins one) with these bytes.
 uint32_t Crc32(uint32_t crc, std::span<const uint8_t> bytes);
 
 }  // namespace sprout

@@ -14,7 +14,7 @@
 
 namespace sprout {
 
-/// A file that cannot be opened or is none.
+/// A file that cannot be opened, or is no MCAP file.
 class McapError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -30,9 +30,9 @@ struct McapMessage {
   std::span<const uint8_t> data;
 };
 
-/// Reads the messages of a file in the order in which they stand in it, chunked or not, packed with
-/// zstd or lz4, with or without index, and of a file that was torn off all that is whole. Memory is
-/// that of the largest chunk. What cannot be read is skipped and told (trouble()).
+/// Reads the messages of a file in the order in which they stand in it: chunked or not, packed with
+/// zstd or lz4, with or without index; of a truncated file all complete messages. Memory is that of
+/// the largest chunk. What cannot be read is skipped and reported by trouble().
 class McapReader {
  public:
   /// @throws McapError.

@@ -5,6 +5,7 @@
 #include <exception>
 #include <initializer_list>
 #include <string>
+#include <utility>
 
 #include "common/core/image.h"
 
@@ -20,79 +21,47 @@ struct CountedArray {
 
 // All counts of our types stand between the header and the first array, so that they can be read
 // before the generated decoder believes them. A test compares each table with the encoder.
+using Arrays = std::initializer_list<CountedArray>;
 template <typename Message>
-struct ArrayTable;
+extern const Arrays kArrays;  // a type without a table does not link
 template <>
-struct ArrayTable<image_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {{16, 1}};
-};
+constexpr Arrays kArrays<image_t> = {{16, 1}};
 template <>
-struct ArrayTable<tof_image_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {{8, sizeof(float)},
-                                                                  {12, sizeof(float)}};
-};
+constexpr Arrays kArrays<tof_image_t> = {{8, sizeof(float)}, {12, sizeof(float)}};
 template <>
-struct ArrayTable<tof_zones_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {
-      {8, 4 * sizeof(float)}, {12, 2 * sizeof(float) + sizeof(int8_t)}};
-};
+constexpr Arrays kArrays<tof_zones_t> = {{8, 4 * sizeof(float)},
+                                         {12, 2 * sizeof(float) + sizeof(int8_t)}};
 template <>
-struct ArrayTable<rig_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {};
-};
+constexpr Arrays kArrays<rig_t> = {};
 template <>
-struct ArrayTable<seeds_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {
-      {0, 4 * sizeof(float) + sizeof(int8_t) + 2 * sizeof(int16_t)}};
-};
+constexpr Arrays kArrays<seeds_t> = {{0, 4 * sizeof(float) + sizeof(int8_t) + 2 * sizeof(int16_t)}};
 template <>
-struct ArrayTable<prior_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {{20, 1}, {28, 1}};
-};
+constexpr Arrays kArrays<prior_t> = {{20, 1}, {28, 1}};
 template <>
-struct ArrayTable<disparity_image_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {{20, 1}};
-};
+constexpr Arrays kArrays<disparity_image_t> = {{20, 1}};
 template <>
-struct ArrayTable<depth_image_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {{40, 1}};
-};
+constexpr Arrays kArrays<depth_image_t> = {{40, 1}};
 template <>
-struct ArrayTable<point_cloud_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {{0, 3 * sizeof(float) + 4}};
-};
+constexpr Arrays kArrays<point_cloud_t> = {{0, 3 * sizeof(float) + 4}};
 template <>
-struct ArrayTable<motion_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {};
-};
+constexpr Arrays kArrays<motion_t> = {};
 template <>
-struct ArrayTable<depth_counts_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {};
-};
+constexpr Arrays kArrays<depth_counts_t> = {};
 template <>
-struct ArrayTable<stage_status_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {};
-};
+constexpr Arrays kArrays<stage_status_t> = {};
 template <>
-struct ArrayTable<process_info_t> {
-  static constexpr std::initializer_list<CountedArray> kArrays = {};
-};
+constexpr Arrays kArrays<process_info_t> = {};
 
 // Strings right behind the header, in their order; no type has others.
+using Strings = std::initializer_list<const char*>;
 template <typename Message>
-struct StringTable {
-  static constexpr std::initializer_list<const char*> kStrings = {};
-};
+constexpr Strings kStrings = {};
 template <>
-struct StringTable<stage_status_t> {
-  static constexpr std::initializer_list<const char*> kStrings = {"stage", "host", "version",
-                                                                  "config_digest", "last_error"};
-};
+constexpr Strings kStrings<stage_status_t> = {"stage", "host", "version", "config_digest",
+                                              "last_error"};
 template <>
-struct StringTable<process_info_t> {
-  static constexpr std::initializer_list<const char*> kStrings = {"stage", "host", "version",
-                                                                  "config_digest", "config_text"};
-};
+constexpr Strings kStrings<process_info_t> = {"stage", "host", "version", "config_digest",
+                                              "config_text"};
 
 // Big-endian int32 at `offset`.
 Result<int32_t> ReadInt32(std::span<const uint8_t> bytes, size_t offset) {
@@ -142,11 +111,11 @@ Result<void> CheckLengths(std::span<const uint8_t> bytes) {
   Result<size_t> end = EndOfString(bytes, kRigIdOffset, "header.rig_id");
   if (!end) return tl::unexpected(end.error());
   const size_t body = *end;
-  for (const char* field : StringTable<Message>::kStrings) {
+  for (const char* field : kStrings<Message>) {
     end = EndOfString(bytes, *end, field);
     if (!end) return tl::unexpected(end.error());
   }
-  for (const CountedArray& array : ArrayTable<Message>::kArrays) {
+  for (const CountedArray& array : kArrays<Message>) {
     const Result<int32_t> count = ReadInt32(bytes, body + array.count_offset);
     if (!count) return tl::unexpected(count.error());
     if (*count < 0 || static_cast<size_t>(*count) > bytes.size() / array.element_bytes) {
@@ -202,13 +171,12 @@ struct MessageInPlace {
 // @pre the message ends with the only array of its type, of bytes, behind their count `size`.
 template <typename Message>
 Result<MessageInPlace<Message>> DecodeInPlace(std::span<const uint8_t> bytes) {
-  static_assert(ArrayTable<Message>::kArrays.size() == 1 &&
-                ArrayTable<Message>::kArrays.begin()->element_bytes == 1);
+  static_assert(kArrays<Message>.size() == 1 && kArrays<Message>.begin()->element_bytes == 1);
   if (const Result<void> fits = CheckBeforeDecoding<Message>(bytes); !fits) {
     return tl::unexpected(fits.error());
   }
   const size_t body = *EndOfString(bytes, kRigIdOffset, "header.rig_id");
-  const size_t size_offset = body + ArrayTable<Message>::kArrays.begin()->count_offset;
+  const size_t size_offset = body + kArrays<Message>.begin()->count_offset;
   const size_t data_offset = size_offset + sizeof(int32_t);
   const int32_t size = *ReadInt32(bytes, size_offset);  // not negative: CheckLengths()
   const auto whole = CheckIsWhole(data_offset + static_cast<size_t>(size), bytes.size());
@@ -286,53 +254,25 @@ Result<DecodedPart> Decode(std::span<const uint8_t> bytes, std::optional<cv::Siz
   }
 }
 
-// The message that carries a member of Frame.
+// The message that carries a value of a part.
+template <typename Value>
+auto MessageOf(const FrameId& id, const Value& value, DisparityEncoding encoding) {
+  if constexpr (requires { ToMessage(id, value, encoding); }) {
+    return ToMessage(id, value, encoding);
+  } else {
+    return ToMessage(id, value);
+  }
+}
+
+// The value in a member of Frame.
+const cv::Mat& ValueIn(const cv::Mat& member) { return member; }
+template <typename Value>
+const Value& ValueIn(const std::optional<Value>& member) {
+  return *member;
+}
+
 template <typename Member>
-struct MessageFor : MessageFor<typename Member::value_type> {};
-template <>
-struct MessageFor<cv::Mat> {
-  using Type = image_t;
-};
-template <>
-struct MessageFor<TofImage> {
-  using Type = tof_image_t;
-};
-template <>
-struct MessageFor<Rig> {
-  using Type = rig_t;
-};
-template <>
-struct MessageFor<SeedSet> {
-  using Type = seeds_t;
-};
-template <>
-struct MessageFor<DisparityImage> {
-  using Type = disparity_image_t;
-};
-template <>
-struct MessageFor<PriorMap> {
-  using Type = prior_t;
-};
-template <>
-struct MessageFor<DepthImage> {
-  using Type = depth_image_t;
-};
-template <>
-struct MessageFor<PointCloud> {
-  using Type = point_cloud_t;
-};
-template <>
-struct MessageFor<CameraMotion> {
-  using Type = motion_t;
-};
-template <>
-struct MessageFor<DepthCounts> {
-  using Type = depth_counts_t;
-};
-template <>
-struct MessageFor<TofZones> {
-  using Type = tof_zones_t;
-};
+using MessageFor = decltype(MessageOf({}, ValueIn(std::declval<Member>()), {}));
 
 }  // namespace
 
@@ -340,22 +280,13 @@ std::vector<uint8_t> EncodePart(const FrameId& id, [[maybe_unused]] Part part,
                                 const PartValue& value, DisparityEncoding encoding) {
   assert(value.index() == RowOf(part).member.index());
   return std::visit(
-      [&](const auto& content) {
-        if constexpr (requires { ToMessage(id, content, encoding); }) {
-          return EncodeMessage(ToMessage(id, content, encoding));
-        } else {
-          return EncodeMessage(ToMessage(id, content));
-        }
-      },
-      value);
+      [&](const auto& content) { return EncodeMessage(MessageOf(id, content, encoding)); }, value);
 }
 
 Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
                                std::optional<cv::Size> expected) {
   Result<DecodedPart> decoded = std::visit(
-      [&]<typename Member>(Member Frame::*) {
-        return Decode<typename MessageFor<Member>::Type>(bytes, expected);
-      },
+      [&]<typename Member>(Member Frame::*) { return Decode<MessageFor<Member>>(bytes, expected); },
       RowOf(part).member);
   // Only in the robot's frame may a point lie behind the origin.
   if (!decoded || part == Part::kBaseCloud) return decoded;

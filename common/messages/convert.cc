@@ -10,6 +10,7 @@
 #include "common/core/checks.h"
 #include "common/messages/disparity_codec.h"
 #include "common/messages/jpeg.h"
+#include "common/messages/pose_fields.h"
 
 namespace sprout {
 namespace {
@@ -159,34 +160,29 @@ rig_t ToMessage(const FrameId& id, const Rig& rig) {
   message.tof_cx = rig.tof.cx;
   message.tof_cy = rig.tof.cy;
   std::copy(rig.tof.distortion.begin(), rig.tof.distortion.end(), message.tof_distortion);
-  const auto& rotation = rig.tof.left_from_tof_rotation;
-  message.left_from_tof_rotation[0] = rotation.w();
-  message.left_from_tof_rotation[1] = rotation.x();
-  message.left_from_tof_rotation[2] = rotation.y();
-  message.left_from_tof_rotation[3] = rotation.z();
-  const Eigen::Vector3d& translation = rig.tof.left_from_tof_translation_m;
-  std::copy(translation.begin(), translation.end(), message.left_from_tof_translation_m);
+  FillPose({rig.tof.left_from_tof_rotation, rig.tof.left_from_tof_translation_m},
+           message.left_from_tof_rotation, message.left_from_tof_translation_m);
   return message;
 }
 
 Result<Rig> FromMessage(const rig_t& message) {
-  const double* q = message.left_from_tof_rotation;
-  Rig rig{
-      .pair = {.width = message.width,
-               .height = message.height,
-               .focal_px = message.focal_px,
-               .cx = message.cx,
-               .cy = message.cy,
-               .cx_right = message.cx_right,
-               .baseline_m = message.baseline_m},
-      .tof = {.width = message.tof_width,
-              .height = message.tof_height,
-              .fx = message.tof_fx,
-              .fy = message.tof_fy,
-              .cx = message.tof_cx,
-              .cy = message.tof_cy,
-              .left_from_tof_rotation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]),
-              .left_from_tof_translation_m = Eigen::Vector3d(message.left_from_tof_translation_m)}};
+  const Pose left_from_tof =
+      PoseOf(message.left_from_tof_rotation, message.left_from_tof_translation_m);
+  Rig rig{.pair = {.width = message.width,
+                   .height = message.height,
+                   .focal_px = message.focal_px,
+                   .cx = message.cx,
+                   .cy = message.cy,
+                   .cx_right = message.cx_right,
+                   .baseline_m = message.baseline_m},
+          .tof = {.width = message.tof_width,
+                  .height = message.tof_height,
+                  .fx = message.tof_fx,
+                  .fy = message.tof_fy,
+                  .cx = message.tof_cx,
+                  .cy = message.tof_cy,
+                  .left_from_tof_rotation = left_from_tof.rotation,
+                  .left_from_tof_translation_m = left_from_tof.translation_m}};
   std::copy(std::begin(message.tof_distortion), std::end(message.tof_distortion),
             rig.tof.distortion.begin());
   return CheckRig(rig).map([&] { return rig; });

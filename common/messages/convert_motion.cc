@@ -1,36 +1,10 @@
 #include <algorithm>
-#include <cmath>
-#include <string>
 
 #include "common/core/checks.h"
 #include "common/messages/convert.h"
+#include "common/messages/pose_fields.h"
 
 namespace sprout {
-namespace {
-
-void FillPose(const Pose& pose, double (&rotation)[4], double (&translation_m)[3]) {
-  rotation[0] = pose.rotation.w();
-  rotation[1] = pose.rotation.x();
-  rotation[2] = pose.rotation.y();
-  rotation[3] = pose.rotation.z();
-  std::copy(pose.translation_m.begin(), pose.translation_m.end(), translation_m);
-}
-
-Pose PoseOf(const double (&rotation)[4], const double (&translation_m)[3]) {
-  return {Eigen::Quaterniond(rotation[0], rotation[1], rotation[2], rotation[3]),
-          Eigen::Vector3d(translation_m)};
-}
-
-void CheckPose(Checks& checks, const std::string& name, const Pose& pose) {
-  const auto& q = pose.rotation;
-  const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
-  checks.Require(std::abs(norm - 1) < 1e-6, (name + "_rotation norm").c_str(), norm, "1");
-  for (const double value : pose.translation_m) {
-    checks.Finite((name + "_translation_m").c_str(), value);
-  }
-}
-
-}  // namespace
 
 motion_t ToMessage(const FrameId& id, const CameraMotion& motion) {
   motion_t message;
@@ -69,8 +43,8 @@ Result<CameraMotion> FromMessage(const motion_t& message) {
                message.inliers, "0 to tracked")
       .Require(message.reset >= 0 && message.reset < kMemoryResets, "reset", message.reset,
                "one of the RESET constants");
-  CheckPose(checks, "last_from_left", motion.last_from_left);
-  CheckPose(checks, "start_from_left", motion.start_from_left);
+  CheckPoseFields(checks, "last_from_left", motion.last_from_left);
+  CheckPoseFields(checks, "start_from_left", motion.start_from_left);
   for (const double value : message.covariance) checks.Finite("covariance", value);
   if (!checks.ok()) return checks.error();
   motion.reset = static_cast<MemoryReset>(message.reset);

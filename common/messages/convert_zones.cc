@@ -1,10 +1,10 @@
-#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "common/core/checks.h"
 #include "common/core/tof_image.h"
 #include "common/messages/convert.h"
+#include "common/messages/pose_fields.h"
 
 namespace sprout {
 namespace {
@@ -36,15 +36,6 @@ Checks CheckZoneCounts(const tof_zones_t& message) {
                "target_count", message.target_count,
                "targets_per_zone × zone_count = " + std::to_string(targets));
   return checks;
-}
-
-void CheckSensorPose(const Pose& pose, Checks& checks) {
-  const auto& q = pose.rotation;
-  const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
-  checks.Require(std::abs(norm - 1) < 1e-6, "left_from_sensor_rotation norm", norm, "1");
-  for (const double value : pose.translation_m) {
-    checks.Finite("left_from_sensor_translation_m", value);
-  }
 }
 
 void CheckZone(const ZoneView& view, size_t index, Checks& checks) {
@@ -84,11 +75,8 @@ tof_zones_t ToMessage(const FrameId& id, const TofZones& zones) {
   message.target_count = static_cast<int32_t>(zones.targets.size());
   message.targets_per_zone = zones.targets_per_zone;
   message.mode = static_cast<int32_t>(zones.mode);
-  const auto& q = zones.left_from_sensor.rotation;
-  const double rotation[] = {q.w(), q.x(), q.y(), q.z()};
-  std::copy(std::begin(rotation), std::end(rotation), message.left_from_sensor_rotation);
-  const Eigen::Vector3d& translation_m = zones.left_from_sensor.translation_m;
-  std::copy(translation_m.begin(), translation_m.end(), message.left_from_sensor_translation_m);
+  FillPose(zones.left_from_sensor, message.left_from_sensor_rotation,
+           message.left_from_sensor_translation_m);
   for (const ZoneView& view : zones.views) {
     message.left.push_back(view.left);
     message.right.push_back(view.right);
@@ -106,16 +94,15 @@ tof_zones_t ToMessage(const FrameId& id, const TofZones& zones) {
 Result<TofZones> FromMessage(const tof_zones_t& message) {
   Checks checks = CheckZoneCounts(message);
   if (!checks.ok()) return checks.error();
-  const double* q = message.left_from_sensor_rotation;
   TofZones zones{.columns = message.columns,
                  .rows = message.rows,
                  .targets_per_zone = message.targets_per_zone,
                  .mode = static_cast<ZoneMode>(message.mode),
-                 .left_from_sensor = {Eigen::Quaterniond(q[0], q[1], q[2], q[3]),
-                                      Eigen::Vector3d(message.left_from_sensor_translation_m)},
+                 .left_from_sensor = PoseOf(message.left_from_sensor_rotation,
+                                            message.left_from_sensor_translation_m),
                  .views = {},
                  .targets = {}};
-  CheckSensorPose(zones.left_from_sensor, checks);
+  CheckPoseFields(checks, "left_from_sensor", zones.left_from_sensor);
   for (size_t i = 0; i < message.left.size() && checks.ok(); ++i) {
     zones.views.push_back({message.left[i], message.right[i], message.top[i], message.bottom[i]});
     CheckZone(zones.views.back(), i, checks);

@@ -20,7 +20,8 @@ inline constexpr double kLeastEdgeStepPx = 1;
 /// Measures the depth edge that crosses a map. The lines are its rows, or its columns when the edge
 /// lies along the rows: the direction in which the outer quarters of the map differ more. Of each
 /// line the far and the near side have the medians d_f and d_n of its outer quarters. Between the
-/// pixels that have a disparity the line is straight. Its width is the way between the places where
+/// pixels that have a disparity it is interpolated linearly. Its width is the distance between the
+/// places where
 ///
 ///     (d − d_f) / (d_n − d_f) = 0.1 and 0.9
 ///

@@ -184,4 +184,24 @@ std::string QualityText(const QualityColumn& column, const FrameQuality& quality
   return value ? fmt::format("{:.{}f}", *value, column.decimals) : "-";
 }
 
+std::string QualityCsvHead() {
+  std::string cells;
+  for (const QualityColumn& column : kColumns) cells += fmt::format(",{}", column.name);
+  return cells;
+}
+
+std::string QualityCsvCells(const FrameQuality& quality) {
+  std::string cells;
+  for (const QualityColumn& column : kColumns) {
+    const std::optional<double> value = column.value(quality);
+    cells += value ? fmt::format(",{}", *value) : ",";
+  }
+  return cells;
+}
+
+size_t CountKnown(const FrameQuality& quality) {
+  return static_cast<size_t>(std::ranges::count_if(
+      kColumns, [&](const QualityColumn& column) { return column.value(quality).has_value(); }));
+}
+
 }  // namespace sprout

@@ -72,6 +72,15 @@ const QualityColumn* FindQualityColumn(std::string_view name);
 /// A figure for people: with the column's decimals, "-" when it is not known.
 std::string QualityText(const QualityColumn& column, const FrameQuality& quality);
 
+/// The names of all figures as cells of CSV behind others: ",score,valid_share,...".
+std::string QualityCsvHead();
+
+/// The figures below QualityCsvHead(): with all digits, empty when not known.
+std::string QualityCsvCells(const FrameQuality& quality);
+
+/// How many of the figures are known.
+size_t CountKnown(const FrameQuality& quality);
+
 }  // namespace sprout
 
 #endif  // SPROUT_COMMON_QUALITY_FRAME_QUALITY_H_

@@ -24,10 +24,8 @@ class BilinearRemap {
   /// Takes 3.5 bytes a pixel, and 4 more for pixels of groups that fit into no window.
   BilinearRemap(const cv::Mat2f& places, cv::Size source);
 
-  cv::Size source_size() const { return source_; }
-
   /// In fixed point: the same bytes on every CPU. O(pixels), rows in parallel.
-  /// @param image  8UC1 or 8UC3, of source_size().
+  /// @param image  8UC1 or 8UC3, of the size of the source images.
   cv::Mat Apply(const cv::Mat& image) const;
 
  private:

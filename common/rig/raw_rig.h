@@ -15,7 +15,7 @@ namespace sprout {
 struct RawRig {
   Lens left;
   Lens right;            ///< of the left one's size
-  Pose left_from_right;  /// of the right camera in the left one's frame
+  Pose left_from_right;  ///< of the right camera in the left one's frame
   Lens tof;              ///< 0×0 when there is no ToF camera
   Pose left_from_tof;    ///< of the ToF camera in the (unrectified) left camera's frame
   /// The ToF camera's bias: the range along the ray is scale · measured + offset (Hansard et al.,

@@ -28,7 +28,7 @@ std::optional<RawRig> CalibrationOf(const RigDescription& rig);
 /// @throws ConfigError, also when there is none.
 RawRig RequireCalibration(const RigDescription& rig, const std::filesystem::path& path);
 
-/// A camera of the rig file that is none of the rig.
+/// A camera of the rig file that is not one of the rig's three.
 struct OtherCameraPlace {
   Lens lens;
   Pose left_from_camera;  ///< in the left rectified frame

@@ -37,9 +37,9 @@ enum class RosTopic {
 /// What there is to know about a topic.
 struct RosTopicRow {
   RosTopic topic;
-  std::string_view name;  ///< behind the prefix; with a '/' in front it has none
+  std::string_view name;  ///< without the prefix; one that begins with '/' gets none
   const RosType& (*type)();
-  Part part;               ///< that it is made of; of kDiagnostics nothing is
+  Part part;               ///< that it is made of; kDiagnostics is made of none
   bool needs_rig = false;  ///< beside the part
 };
 

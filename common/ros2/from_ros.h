@@ -43,16 +43,16 @@ struct RosCamera {
   double tx = 0;  ///< P[0, 3] = −f·b of a right camera, px·m
 };
 
-/// A camera of 'plumb_bob' or without distortion, calibrated (K[0] > 0), neither binned nor cut
-/// out.
+/// A camera of 'plumb_bob' or without distortion, calibrated (K[0] > 0), neither binned nor
+/// cropped.
 Result<RosCamera> FromRosInfo(const RosCameraInfo& ros);
 
 /// The pair that two rectified cameras make: one size, one f, one cy, b = −Tx / f > 0.
 Result<RectifiedPair> PairOf(const RosCamera& left, const RosCamera& right);
 
 /// Points of a cloud (m, in its own frame), whatever else a point holds: x, y and z are float32,
-/// anywhere in it. Points that are not finite or beyond 1000 m are left out, as drivers write what
-/// has no return so.
+/// anywhere in it. Points that are not finite or beyond 1000 m are left out: drivers mark pixels
+/// without a return so.
 Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros);
 
 /// Where a frame stands in its parent's.

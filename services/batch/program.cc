@@ -5,9 +5,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <functional>
 #include <iostream>
 
 #include "common/app/program.h"
@@ -46,6 +44,7 @@ a command. Exit codes: 0; 1 something is missing; 2 a flag or log that cannot be
 
 struct Options {
   BatchRequest request;
+  bool no_measures = false;
   std::string engine = "local";
   LocalOptions local;
   SlurmOptions slurm;
@@ -141,6 +140,8 @@ int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState
 }
 
 int RunRun(Options& options) {
+  options.request.measured = !options.no_measures;
+  options.slurm.retries = options.local.retries;
   options.request.out = fs::absolute(options.request.out).lexically_normal();
   if (options.request.programs_a.empty()) {
     options.request.programs_a = fs::path(OwnPath()).parent_path();
@@ -223,111 +224,105 @@ int RunReport(const Options& options) {
   return Finish(folder, manifest, CheckedStateOf(folder, manifest));
 }
 
-CLI::Option* AddList(CLI::App& flags, const char* name, std::vector<std::string>& list,
-                     const char* text) {
-  return flags.add_option(name, list, text)->expected(1)->take_all();
+int RunIndex(const Options& options) {
+  const Interrupt interrupt;
+  const FoundLogs found = FindLogs(options.logs);
+  SayLeftOut(found.left_out);
+  IndexLogs(found.logs, /*fallback=*/"");
+  std::cout << fmt::format("{} logs have an index\n", found.logs.size());
+  return found.left_out.empty() ? 0 : 1;
 }
 
-void AddSlurm(CLI::App& flags, SlurmOptions& slurm) {
-  flags.add_option("--partition", slurm.partition, "Slurm: partition (default: the cluster's)");
-  flags.add_option("--memory", slurm.memory, "Slurm: memory of a task")->capture_default_str();
-  flags.add_option("--time", slurm.time, "Slurm: longest time of a task")->capture_default_str();
-  flags.add_option("--array-size", slurm.array_size, "Slurm: most tasks of the job array")
-      ->check(CLI::Range(1, 4'000'000))
-      ->capture_default_str();
+Flag AddList(Flags& flags, const char* name, std::vector<std::string>& list, const char* text) {
+  return flags.Add(name, list, text).Repeatable();
 }
 
-void AddRun(CLI::App& program, Options& options, std::function<int()>& chosen) {
-  CLI::App& flags = *program.add_subcommand(
-      "run", "Computes the missing results of a batch, or all of a new one, then table and report");
+void AddSlurm(Flags& flags, SlurmOptions& slurm) {
+  flags.Add("--partition", slurm.partition, "Slurm: partition (default: the cluster's)");
+  flags.Add("--memory", slurm.memory, "Slurm: memory of a task").ShowDefault();
+  flags.Add("--time", slurm.time, "Slurm: longest time of a task").ShowDefault();
+  flags.Add("--array-size", slurm.array_size, "Slurm: most tasks of the job array")
+      .WithinWhole(1, 4'000'000)
+      .ShowDefault();
+}
+
+void AddRun(Flags& program, Options& options) {
+  Flags& flags = program.AddCommand(
+      "run", "Computes the missing results of a batch, or all of a new one, then table and report",
+      [&options] { return RunRun(options); });
   BatchRequest& request = options.request;
   flags
-      .add_option("LOG", request.inputs,
-                  "Logs, folders of logs (*.lcm), or @LIST: a file with one of these a line")
-      ->required();
-  flags.add_option("--out", request.out, "Folder of the batch; results are kept in it")->required();
+      .Add("LOG", request.inputs,
+           "Logs, folders of logs (*.lcm), or @LIST: a file with one of these a line")
+      .Required();
+  flags.Add("--out", request.out, "Folder of the batch; results are kept in it").Required();
   AddList(flags, "--stages", request.stages, "Stages to run, of refine,prior,grow,temporal")
-      ->delimiter(',')
-      ->capture_default_str();
+      .SplitAtCommas()
+      .ShowDefault();
   AddList(flags, "--keep", request.keep, "Stages whose answers are kept, beside the last one's")
-      ->delimiter(',');
+      .SplitAtCommas();
   AddList(flags, "--config", request.config_a,
           "Configuration A, as for the services; several are merged")
-      ->type_name("FILE|PRESET");
+      .Takes("FILE|PRESET");
   AddList(flags, "--config-b", request.config_b, "Configuration B, to compare with A")
-      ->type_name("FILE|PRESET");
-  flags.add_option("--programs-a", request.programs_a,
-                   "Folder of the stages' programs (default: that of sprout-batch)");
-  flags.add_option("--programs-b", request.programs_b, "Those of B, to compare with another build");
-  flags.add_option("--truth", request.truth,
-                   "Folder with LOGNAME/NNNNNN_disparity.pfm, true disparities of frames");
-  flags.add_flag_callback(
-      "--no-measures", [&request] { request.measured = false; },
-      "Do not measure the frames: no score and no other figures of quality in the table");
-  flags.add_option("--channel-prefix", request.prefix, "Prefix of every channel of the logs");
-  flags.add_option("--shard-megabytes", request.shard_megabytes, "Approximate size of a shard")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  flags.add_option("--engine", options.engine, "Where to compute")
-      ->check(CLI::IsMember({"local", "slurm"}))
-      ->capture_default_str();
-  flags.add_option("--jobs", options.local.jobs, "local: shards at a time, 0 = one a core")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  flags.add_option("--retries", options.local.retries, "How often a failed shard is tried again")
-      ->check(CLI::Range(0, 100))
-      ->capture_default_str();
+      .Takes("FILE|PRESET");
+  flags.Add("--programs-a", request.programs_a,
+            "Folder of the stages' programs (default: that of sprout-batch)");
+  flags.Add("--programs-b", request.programs_b, "Those of B, to compare with another build");
+  flags.Add("--truth", request.truth,
+            "Folder with LOGNAME/NNNNNN_disparity.pfm, true disparities of frames");
+  flags.Add("--no-measures", options.no_measures,
+            "Do not measure the frames: no score and no other figures of quality in the table");
+  flags.Add("--channel-prefix", request.prefix, "Prefix of every channel of the logs");
+  flags.Add("--shard-megabytes", request.shard_megabytes, "Approximate size of a shard")
+      .WithinWhole(1, 1'000'000)
+      .ShowDefault();
+  flags.Add("--engine", options.engine, "Where to compute").OneOf({"local", "slurm"}).ShowDefault();
+  flags.Add("--jobs", options.local.jobs, "local: shards at a time, 0 = one a core")
+      .WithinWhole(0, 4096)
+      .ShowDefault();
+  flags.Add("--retries", options.local.retries, "How often a failed shard is tried again")
+      .WithinWhole(0, 100)
+      .ShowDefault();
   AddSlurm(flags, options.slurm);
-  flags.callback([&] {
-    options.slurm.retries = options.local.retries;
-    chosen = [&] { return RunRun(options); };
-  });
 }
 
-void AddOthers(CLI::App& program, Options& options, std::function<int()>& chosen) {
-  const auto add = [&](const char* name, const char* text, int (*run)(const Options&)) {
-    CLI::App& flags = *program.add_subcommand(name, text);
-    flags.add_option("OUT", options.out, "Folder of the batch")->required();
-    flags.callback([&, run] { chosen = [&, run] { return run(options); }; });
-    return &flags;
+void AddOthers(Flags& program, Options& options) {
+  const auto add = [&](const char* name, const char* text, int (*run)(const Options&)) -> Flags& {
+    Flags& flags = program.AddCommand(name, text, [&options, run] { return run(options); });
+    flags.Add("OUT", options.out, "Folder of the batch").Required();
+    return flags;
   };
   add("status", "Progress of a batch", RunStatus);
   add("report", "Writes merged logs, table and report of the finished shards", RunReport);
-  CLI::App* shard = add("run-shard", "Computes shards; called by both engines", RunShards);
-  shard->add_option("SHARD", options.shards, "Numbers of shards")->required();
-  CLI::App* merge = add(
-      "merge", "Merges logs; Slurm's merge job, which submits missing shards again", RunMergeJob);
-  merge->add_option("--round", options.round, "Number of the submission")->capture_default_str();
-  merge->add_option("--retries", options.slurm.retries, "Most rounds")->capture_default_str();
-  AddSlurm(*merge, options.slurm);
-  CLI::App& index = *program.add_subcommand("index", "Makes the indexes of logs, beside them");
-  index.add_option("LOG", options.logs, "As for run")->required();
-  index.callback([&] {
-    chosen = [&] {
-      const Interrupt interrupt;
-      const FoundLogs found = FindLogs(options.logs);
-      SayLeftOut(found.left_out);
-      IndexLogs(found.logs, /*fallback=*/"");
-      std::cout << fmt::format("{} logs have an index\n", found.logs.size());
-      return found.left_out.empty() ? 0 : 1;
-    };
-  });
+  add("run-shard", "Computes shards; called by both engines", RunShards)
+      .Add("SHARD", options.shards, "Numbers of shards")
+      .Required();
+  Flags& merge = add("merge", "Merges logs; Slurm's merge job, which submits missing shards again",
+                     RunMergeJob);
+  merge.Add("--round", options.round, "Number of the submission").ShowDefault();
+  merge.Add("--retries", options.slurm.retries, "Most rounds").ShowDefault();
+  AddSlurm(merge, options.slurm);
+  program
+      .AddCommand("index", "Makes the indexes of logs, beside them",
+                  [&options] { return RunIndex(options); })
+      .Add("LOG", options.logs, "As for run")
+      .Required();
 }
 
 }  // namespace
 
 int BatchMain(int argc, const char* const* argv) {
-  CLI::App program(kDescription, "sprout-batch");
-  program.footer(kFooter);
-  program.set_version_flag("--version", "sprout-batch " + Version());
-  program.require_subcommand(1);
+  Flags program("sprout-batch", kDescription);
+  program.SetFooter(kFooter);
+  program.AddVersion(Version());
+  program.RequireCommand();
   Options options;
-  std::function<int()> chosen;
-  AddRun(program, options, chosen);
-  AddOthers(program, options, chosen);
+  AddRun(program, options);
+  AddOthers(program, options);
   return RunProgram(program, argc, argv, [&] {
     try {
-      return chosen();
+      return program.RunCommand();
     } catch (const Interrupted& e) {
       std::cerr << "sprout-batch: " << e.what() << "; the same command continues from here\n";
       return 130;

@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 #include <glog/logging.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
-#include <functional>
 #include <iostream>
 #include <stdexcept>
 #include <string>
@@ -69,16 +67,13 @@ struct Options {
   CheckOptions check;
   RefineOptions refine;
   WatchOptions watch{.out = {}, .prefix = {}, .lcm_url = kDefaultLcmUrl};
-  std::function<int()> chosen;
 };
 
-void AddBoardFlags(CLI::App& flags, BoardOptions& board) {
-  flags.add_option("--squares", board.squares, "Columns and rows of the board")
-      ->type_name("CxR")
-      ->capture_default_str();
-  flags.add_option("--square-mm", board.square_mm, "Side of a square as measured on the print, mm")
-      ->check(NumberIn(1, 10000))
-      ->capture_default_str();
+void AddBoardFlags(Flags& flags, BoardOptions& board) {
+  flags.Add("--squares", board.squares, "Columns and rows of the board").Takes("CxR").ShowDefault();
+  flags.Add("--square-mm", board.square_mm, "Side of a square as measured on the print, mm")
+      .Within(1, 10000)
+      .ShowDefault();
 }
 
 Board BoardOf(const BoardOptions& options) {
@@ -171,124 +166,113 @@ int RunEstimate(const Options& options) {
   return calibration->quality.is_good() ? 0 : 1;
 }
 
-void AddBoard(CLI::App& program, Options& options) {
-  CLI::App& flags =
-      *program.add_subcommand("board", "Writes a ChArUco board at true scale, to be printed");
+void AddBoard(Flags& program, Options& options) {
+  Flags& flags = program.AddCommand("board", "Writes a ChArUco board at true scale, to be printed",
+                                    [&options] { return RunBoard(options); });
   AddBoardFlags(flags, options.board);
-  flags.add_option("--out", options.out, "Page to print: .pdf or .svg")
-      ->required()
-      ->type_name("FILE");
-  flags.callback([&] { options.chosen = [&] { return RunBoard(options); }; });
+  flags.Add("--out", options.out, "Page to print: .pdf or .svg").Required().Takes("FILE");
 }
 
-void AddEstimate(CLI::App& program, Options& options) {
-  CLI::App& flags =
-      *program.add_subcommand("estimate", "Estimates a rig's calibration from images of the board");
+void AddEstimate(Flags& program, Options& options) {
+  Flags& flags =
+      program.AddCommand("estimate", "Estimates a rig's calibration from images of the board",
+                         [&options] { return RunEstimate(options); });
   flags
-      .add_option("LOG", options.inputs,
-                  "Logs of unrectified images (RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF), "
-                  "or folders of left_NAME.png, right_NAME.png, tof_amplitude_NAME, tof_depth_NAME")
-      ->required()
-      ->check(CLI::ExistingPath);
+      .Add("LOG", options.inputs,
+           "Logs of unrectified images (RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF), "
+           "or folders of left_NAME.png, right_NAME.png, tof_amplitude_NAME, tof_depth_NAME")
+      .Required()
+      .ExistingPath();
   AddBoardFlags(flags, options.board);
-  flags.add_option("--rig", options.rig, "Rig file whose devices are kept")->type_name("FILE");
-  flags
-      .add_option("--out", options.out, "Rig file to write; a bad calibration is written beside it")
-      ->required()
-      ->type_name("FILE");
-  flags.add_option("--report", options.report, "HTML page to write")->type_name("FILE");
-  flags.add_option("--channel-prefix", options.prefix, "Before the channels in the log")
-      ->type_name("TEXT");
-  flags.callback([&] { options.chosen = [&] { return RunEstimate(options); }; });
+  flags.Add("--rig", options.rig, "Rig file whose devices are kept").Takes("FILE");
+  flags.Add("--out", options.out, "Rig file to write; a bad calibration is written beside it")
+      .Required()
+      .Takes("FILE");
+  flags.Add("--report", options.report, "HTML page to write").Takes("FILE");
+  flags.Add("--channel-prefix", options.prefix, "Before the channels in the log").Takes("TEXT");
 }
 
-void AddWatch(CLI::App& program, Options& options) {
-  CLI::App& flags =
-      *program.add_subcommand("watch",
-                              "Keeps the views of the board that add information, while it is "
-                              "shown to the cameras\n(sprout-capture --raw); says what is still "
-                              "missing. Ends when nothing is, or with Ctrl-C.\n"
-                              "Exit code 0 nothing is missing, 1 something is");
+void AddWatch(Flags& program, Options& options) {
+  Flags& flags =
+      program.AddCommand("watch",
+                         "Keeps the views of the board that add information, while it is "
+                         "shown to the cameras\n(sprout-capture --raw); says what is still "
+                         "missing. Ends when nothing is, or with Ctrl-C.\n"
+                         "Exit code 0 nothing is missing, 1 something is",
+                         [&options] { return RunWatch(BoardOf(options.board), options.watch); });
   AddBoardFlags(flags, options.board);
   flags
-      .add_option("--out", options.watch.out,
-                  "Folder for the views, for estimate; views already in it count")
-      ->required()
-      ->type_name("FOLDER");
+      .Add("--out", options.watch.out,
+           "Folder for the views, for estimate; views already in it count")
+      .Required()
+      .Takes("FOLDER");
   flags
-      .add_option("--lcm-url", options.watch.lcm_url,
-                  "The bus: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
-      ->type_name("URL")
-      ->envname("LCM_DEFAULT_URL")
-      ->capture_default_str();
-  flags.add_option("--channel-prefix", options.watch.prefix, "Prefix of the graph's channels")
-      ->type_name("TEXT");
-  flags.callback(
-      [&] { options.chosen = [&] { return RunWatch(BoardOf(options.board), options.watch); }; });
+      .Add("--lcm-url", options.watch.lcm_url,
+           "The bus: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
+      .Takes("URL")
+      .Environment("LCM_DEFAULT_URL")
+      .ShowDefault();
+  flags.Add("--channel-prefix", options.watch.prefix, "Prefix of the graph's channels")
+      .Takes("TEXT");
 }
 
-void AddCheck(CLI::App& program, Options& options) {
-  CLI::App& flags =
-      *program.add_subcommand("check",
-                              "Checks with frames without a board whether the calibration still "
-                              "holds: whether rows agree,\nand whether ToF points are projected to "
-                              "the right places. Exit code 0 good, 1 calibrate again");
+void AddCheck(Flags& program, Options& options) {
+  Flags& flags =
+      program.AddCommand("check",
+                         "Checks with frames without a board whether the calibration still "
+                         "holds: whether rows agree,\nand whether ToF points are projected to "
+                         "the right places. Exit code 0 good, 1 calibrate again",
+                         [&options] { return RunCheck(options.check); });
+  flags.Add("LOG", options.check.log, "Log of rectified frames, as a running graph sends them")
+      .Required()
+      .ExistingFile();
   flags
-      .add_option("LOG", options.check.log,
-                  "Log of rectified frames, as a running graph sends them")
-      ->required()
-      ->check(CLI::ExistingFile);
-  flags
-      .add_option("--rig", options.check.rig,
-                  "Rig file; the log has unrectified images, which are rectified with it")
-      ->type_name("FILE");
-  flags.add_option("--channel-prefix", options.check.prefix, "Before the channels in the log")
-      ->type_name("TEXT");
-  flags.callback([&] { options.chosen = [&] { return RunCheck(options.check); }; });
+      .Add("--rig", options.check.rig,
+           "Rig file; the log has unrectified images, which are rectified with it")
+      .Takes("FILE");
+  flags.Add("--channel-prefix", options.check.prefix, "Before the channels in the log")
+      .Takes("TEXT");
 }
 
-void AddRefine(CLI::App& program, Options& options) {
-  CLI::App& flags = *program.add_subcommand(
+void AddRefine(Flags& program, Options& options) {
+  Flags& flags = program.AddCommand(
       "refine",
       "Puts a calibration right from recordings of any scene, without a board: the rotations of "
       "the right camera\nand of the ToF camera, and the offset of its ranges. What the scene does "
-      "not show stays, and is said.\nExit code 0 good, 1 not good, or the scene shows too little");
+      "not show stays, and is said.\nExit code 0 good, 1 not good, or the scene shows too little",
+      [&options] { return RunRefine(options.refine); });
   flags
-      .add_option(
-          "LOG", options.refine.inputs,
-          "Logs of unrectified images (RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF) or "
-          "of a running graph,\nor folders as of estimate")
-      ->required()
-      ->check(CLI::ExistingPath);
+      .Add("LOG", options.refine.inputs,
+           "Logs of unrectified images (RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF) or "
+           "of a running graph,\nor folders as of estimate")
+      .Required()
+      .ExistingPath();
   flags
-      .add_option("--rig", options.refine.rig,
-                  "Rig file to refine, with which the images were or will be rectified. Without "
-                  "it:\nthe calibration in the log of a running graph, as one of cameras without "
-                  "distortion")
-      ->type_name("FILE");
+      .Add("--rig", options.refine.rig,
+           "Rig file to refine, with which the images were or will be rectified. Without "
+           "it:\nthe calibration in the log of a running graph, as one of cameras without "
+           "distortion")
+      .Takes("FILE");
   flags
-      .add_option("--out", options.refine.out,
-                  "Rig file to write; a bad calibration is written beside it")
-      ->required()
-      ->type_name("FILE");
-  flags.add_option("--report", options.refine.report, "HTML page to write")->type_name("FILE");
+      .Add("--out", options.refine.out, "Rig file to write; a bad calibration is written beside it")
+      .Required()
+      .Takes("FILE");
+  flags.Add("--report", options.refine.report, "HTML page to write").Takes("FILE");
   flags
-      .add_option(
-          "--also", options.refine.also,
-          "What may change as well, for lenses whose distortion is known to some hundredths "
-          "of a pixel:\nfocal (lengths), row (of the right principal point), place "
-          "(direction of the baseline),\nyaw (where no ToF point shows it)")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"focal", "row", "place", "yaw"}))
-      ->type_name("NAMES");
-  flags.add_option("--channel-prefix", options.refine.prefix, "Before the channels in the log")
-      ->type_name("TEXT");
-  flags.callback([&] { options.chosen = [&] { return RunRefine(options.refine); }; });
+      .Add("--also", options.refine.also,
+           "What may change as well, for lenses whose distortion is known to some hundredths "
+           "of a pixel:\nfocal (lengths), row (of the right principal point), place "
+           "(direction of the baseline),\nyaw (where no ToF point shows it)")
+      .SplitAtCommas()
+      .OneOf({"focal", "row", "place", "yaw"})
+      .Takes("NAMES");
+  flags.Add("--channel-prefix", options.refine.prefix, "Before the channels in the log")
+      .Takes("TEXT");
 }
 
-int RunChosen(const Options& options) {
+int RunChosen(const Flags& flags) {
   try {
-    return options.chosen();
+    return flags.RunCommand();
   } catch (const LogError& e) {
     throw ConfigError(e.what());  // exit code 2
   }
@@ -298,17 +282,17 @@ int RunChosen(const Options& options) {
 
 int CalibrateMain(int argc, const char* const* argv) {
   FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' remarks; what they mean is said in our words
-  CLI::App flags(kDescription, "sprout-calibrate");
+  Flags flags("sprout-calibrate", kDescription);
   Options options;
-  flags.require_subcommand(1);
+  flags.RequireCommand();
   AddBoard(flags, options);
   AddWatch(flags, options);
   AddEstimate(flags, options);
   AddCheck(flags, options);
   AddRefine(flags, options);
-  flags.set_version_flag("--version", "sprout-calibrate " + Version());
-  flags.footer(kFooter);
-  return RunProgram(flags, argc, argv, [&] { return RunChosen(options); });
+  flags.AddVersion(Version());
+  flags.SetFooter(kFooter);
+  return RunProgram(flags, argc, argv, [&] { return RunChosen(flags); });
 }
 
 }  // namespace sprout::calibrate

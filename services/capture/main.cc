@@ -1,9 +1,7 @@
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>
 #include <optional>
 
-#include "common/app/program.h"
 #include "common/app/service.h"
 #include "services/capture/capture_loop.h"
 #include "services/capture/genicam/discovery.h"
@@ -24,66 +22,60 @@ struct ConfigFlags {
   }
 };
 
-// Flags in seconds, which CLI11 reads as plain numbers.
+// Flags in seconds.
 struct Timeouts {
   double lockstep_s = 10;
   double wait_s = 30;
 };
 
-void AddFlags(CLI::App& flags, ConfigFlags& config, CaptureOptions& options, Timeouts& timeouts) {
+void AddFlags(Flags& flags, ConfigFlags& config, CaptureOptions& options, Timeouts& timeouts) {
   flags
-      .add_option(
-          "--source", config.source,
-          "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), with ?tof=grid or "
-          "?tof=sr4000 for the simulated ToF camera, ?tof=zones:8x8 for a multi-zone sensor; "
-          "log:FILE, a recorded log, with ?prefix=TEXT "
-          "if its channels have one, ?rig=RIG to rectify raw images; cameras: genicam:RIG (GigE "
-          "Vision, USB3 Vision), opencv:LEFT,RIGHT?rig=RIG "
-          "(videos, image lists, devices), "
-          "opencv:BOTH?rig=RIG and v4l2:DEVICE?rig=RIG (both views side by side); ROS 2: "
-          "ros2:left=TOPIC&right=TOPIC, live, and mcap:FILE?left=TOPIC&right=TOPIC, with &points= "
-          "or "
-          "&depth= of a range sensor")
-      ->type_name("SOURCE");
+      .Add("--source", config.source,
+           "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), with ?tof=grid or "
+           "?tof=sr4000 for the simulated ToF camera, ?tof=zones:8x8 for a multi-zone sensor; "
+           "log:FILE, a recorded log, with ?prefix=TEXT "
+           "if its channels have one, ?rig=RIG to rectify raw images; cameras: genicam:RIG (GigE "
+           "Vision, USB3 Vision), opencv:LEFT,RIGHT?rig=RIG "
+           "(videos, image lists, devices), "
+           "opencv:BOTH?rig=RIG and v4l2:DEVICE?rig=RIG (both views side by side); ROS 2: "
+           "ros2:left=TOPIC&right=TOPIC, live, and mcap:FILE?left=TOPIC&right=TOPIC, with &points= "
+           "or "
+           "&depth= of a range sensor")
+      .Takes("SOURCE");
   flags
-      .add_option("--rate", config.rate_hz,
-                  "Frames a second; 0 = as fast as possible. Without it a log keeps its recorded "
-                  "pace, or with --lockstep that of the answers")
-      ->type_name("HZ");
-  flags.add_option("--gt-scale", config.gt_scale,
-                   "Disparity units of one pixel in a 2005/2006 ground truth; 0 = from the height");
-  flags.add_option("--frames", options.frames, "Stop after N frames")
-      ->check(CLI::Range(int64_t{1}, INT64_MAX))
-      ->type_name("N");
-  flags.add_flag("--loop", options.loop, "Start again when the source ends");
-  flags.add_flag_callback(
-      "--list",
-      [] {
-        std::cout << ListCameras();
-        throw CLI::Success();
-      },
+      .Add("--rate", config.rate_hz,
+           "Frames a second; 0 = as fast as possible. Without it a log keeps its recorded "
+           "pace, or with --lockstep that of the answers")
+      .Takes("HZ");
+  flags.Add("--gt-scale", config.gt_scale,
+            "Disparity units of one pixel in a 2005/2006 ground truth; 0 = from the height");
+  flags.Add("--frames", options.frames, "Stop after N frames")
+      .WithinWhole(int64_t{1}, INT64_MAX)
+      .Takes("N");
+  flags.Add("--loop", options.loop, "Start again when the source ends");
+  flags.AddAction(
+      "--list", [] { std::cout << ListCameras(); },
       "List the GigE Vision and USB3 Vision cameras that answer, and end");
-  flags.add_flag("--raw", options.raw,
-                 "Send the cameras' unrectified images, on RAW_SPROUT_LEFT and so on, for "
-                 "calibration or to rectify them later (log:FILE?rig=RIG)");
+  flags.Add("--raw", options.raw,
+            "Send the cameras' unrectified images, on RAW_SPROUT_LEFT and so on, for "
+            "calibration or to rectify them later (log:FILE?rig=RIG)");
   flags
-      .add_option("--lockstep", options.lockstep,
-                  "Have at most N frames without a SPROUT_DISPARITY answer; a frame not answered "
-                  "in time is sent again")
-      ->check(CLI::Range(1, 1000))
-      ->type_name("N");
+      .Add("--lockstep", options.lockstep,
+           "Have at most N frames without a SPROUT_DISPARITY answer; a frame not answered "
+           "in time is sent again")
+      .WithinWhole(1, 1000)
+      .Takes("N");
+  flags.Add("--lockstep-timeout", timeouts.lockstep_s, "How long to wait for that answer, s")
+      .Within(0.1, 3600.0)
+      .ShowDefault();
   flags
-      .add_option("--lockstep-timeout", timeouts.lockstep_s, "How long to wait for that answer, s")
-      ->check(NumberIn(0.1, 3600.0))
-      ->capture_default_str();
-  flags
-      .add_option("--wait-for", options.wait_for,
-                  "Send nothing before these stages report, e.g. refine,prior,grow")
-      ->delimiter(',')
-      ->type_name("STAGES");
-  flags.add_option("--wait-timeout", timeouts.wait_s, "How long to wait for those stages, s")
-      ->check(NumberIn(0.1, 3600.0))
-      ->capture_default_str();
+      .Add("--wait-for", options.wait_for,
+           "Send nothing before these stages report, e.g. refine,prior,grow")
+      .SplitAtCommas()
+      .Takes("STAGES");
+  flags.Add("--wait-timeout", timeouts.wait_s, "How long to wait for those stages, s")
+      .Within(0.1, 3600.0)
+      .ShowDefault();
 }
 
 int Main(int argc, char** argv) {

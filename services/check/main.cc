@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "common/app/program.h"
@@ -22,29 +21,29 @@ std::chrono::milliseconds Milliseconds(double seconds) {
 }
 
 int Main(int argc, char** argv) {
-  CLI::App flags(kDescription, "sprout-check-stage");
+  Flags flags("sprout-check-stage", kDescription);
   StageCheckOptions options;
   options.lcm_url = kDefaultLcmUrl;
   double start_s = 30;
   double answer_s = 10;
-  flags.add_option("STAGE", options.stage, "capture, refine, prior, grow, temporal or pipeline")
-      ->required();
-  flags.add_option("COMMAND", options.command, "Program and its arguments, after --")->required();
-  flags.add_option("--log", options.log,
-                   "Log with every channel of the graph; needed unless STAGE is capture");
+  flags.Add("STAGE", options.stage, "capture, refine, prior, grow, temporal or pipeline")
+      .Required();
+  flags.Add("COMMAND", options.command, "Program and its arguments, after --").Required();
+  flags.Add("--log", options.log,
+            "Log with every channel of the graph; needed unless STAGE is capture");
   flags
-      .add_option("--lcm-url", options.lcm_url,
-                  "A bus without other processes; the program gets it as LCM_DEFAULT_URL")
-      ->capture_default_str();
+      .Add("--lcm-url", options.lcm_url,
+           "A bus without other processes; the program gets it as LCM_DEFAULT_URL")
+      .ShowDefault();
   flags
-      .add_option("--start-timeout", start_s,
-                  "Longest wait for the first answer, or capture's first frame, s")
-      ->check(NumberIn(0.1, 3600.0))
-      ->capture_default_str();
-  flags.add_option("--timeout", answer_s, "Longest wait for any other answer or frame, s")
-      ->check(NumberIn(0.01, 3600.0))
-      ->capture_default_str();
-  flags.set_version_flag("--version", "sprout-check-stage " + Version());
+      .Add("--start-timeout", start_s,
+           "Longest wait for the first answer, or capture's first frame, s")
+      .Within(0.1, 3600.0)
+      .ShowDefault();
+  flags.Add("--timeout", answer_s, "Longest wait for any other answer or frame, s")
+      .Within(0.01, 3600.0)
+      .ShowDefault();
+  flags.AddVersion(Version());
   return RunProgram(flags, argc, argv, [&] {
     options.start_timeout = Milliseconds(start_s);
     options.answer_timeout = Milliseconds(answer_s);

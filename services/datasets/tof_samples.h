@@ -15,9 +15,7 @@ struct TofSamples {
       : depth_m(tof_size * kPerSide, std::numeric_limits<float>::quiet_NaN()),
         albedo(tof_size * kPerSide, 0.f) {}
 
-  /// Position in the ToF image, px, of column (row) `index` of the samples.
-  static double TofPixel(int index) { return (index + 0.5) / kPerSide - 0.5; }
-  /// The inverse, for any position.
+  /// Column (row) of the samples, fractional, at a position in the ToF image, px.
   static double SamplePosition(double tof_px) { return (tof_px + 0.5) * kPerSide - 0.5; }
 
   cv::Mat1f depth_m;  ///< z along the ToF axis, m; NaN = unknown

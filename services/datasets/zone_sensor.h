@@ -14,9 +14,8 @@ namespace sprout::datasets {
 /// measures when the light of its whole field of view comes back. Between the two colour cameras,
 /// with a field of view a little larger than the left image.
 ///
-/// The light of a zone is split into targets where nothing lies in between for
-/// config.separation_m(). Not simulated: light that leaks into neighbouring zones, cover glass,
-/// rounding to mm, motion.
+/// The light of a zone is split into targets at gaps in depth of at least config.separation_m().
+/// Not simulated: light that leaks into neighbouring zones, cover glass, rounding to mm, motion.
 class ZoneSensor {
  public:
   /// @param seed  of the random noise.

@@ -37,12 +37,6 @@ void AddTo(Accuracy& sum, const Accuracy& one) {
   sum.sum_squares_px2 += one.sum_squares_px2;
 }
 
-size_t CountKnown(const FrameQuality& quality) {
-  return static_cast<size_t>(std::ranges::count_if(
-      QualityColumns(),
-      [&](const QualityColumn& column) { return column.value(quality).has_value(); }));
-}
-
 }  // namespace
 
 LogEvaluation::Row LogEvaluation::Evaluate(const Frame& frame) const {
@@ -125,16 +119,11 @@ std::string LogEvaluation::Table() const {
 }
 
 std::string LogEvaluation::Csv() const {
-  std::string text = "seq,utime";
-  for (const QualityColumn& column : QualityColumns()) text += fmt::format(",{}", column.name);
+  std::string text = "seq,utime" + QualityCsvHead();
   for (const auto& [name, unused] : TruthFigures({})) text += fmt::format(",{}", name);
   text += "\n";
   for (const auto& [key, row] : rows_) {
-    text += fmt::format("{},{}", key.second, key.first);
-    for (const QualityColumn& column : QualityColumns()) {
-      const auto value = column.value(row.quality);
-      text += value ? fmt::format(",{}", *value) : ",";
-    }
+    text += fmt::format("{},{}{}", key.second, key.first, QualityCsvCells(row.quality));
     const auto map = row.maps.find(kFinalMap);
     for (const auto& [name, value] :
          TruthFigures(map == row.maps.end() ? Accuracy() : map->second)) {

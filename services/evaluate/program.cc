@@ -1,6 +1,5 @@
 #include "services/evaluate/program.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -76,6 +75,7 @@ Definitions (as in the Middlebury SDK)
               the share of pixels kept; oracle: if the wrong pixels came last.
   times       medians over --repeat runs, ms, one run after another. Rivals have one time; that of
               rivals with ToF seeds includes refinement.
+
 )";
 
 std::string MethodsHelp() {
@@ -86,34 +86,31 @@ std::string MethodsHelp() {
   return text;
 }
 
-void AddInputFlags(CLI::App& flags, Options& options) {
-  flags.add_option(
+void AddInputFlags(Flags& flags, Options& options) {
+  flags.Add(
       "SCENE", options.scenes,
       "Folders of Middlebury scenes with ground truth; synthetic:WxH, a simulated scene; "
       "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N to keep 32, "
       "16, "
       "8 or 4 of the scan's 64 beams");
-  flags.add_option("--methods", options.methods, "Methods or groups of them, listed below")
-      ->delimiter(',')
-      ->expected(1)
-      ->take_all()
-      ->type_name("LIST")
-      ->default_str("all");
+  flags.Add("--methods", options.methods, "Methods or groups of them, listed below")
+      .SplitAtCommas()
+      .Repeatable()
+      .Takes("LIST")
+      .ShowDefault("all");
   flags
-      .add_option("--preset", options.preset,
-                  "Preset with the methods' parameters (default unless --config "
-                  "is given)")
-      ->type_name("NAME");
+      .Add("--preset", options.preset,
+           "Preset with the methods' parameters (default unless --config "
+           "is given)")
+      .Takes("NAME");
   flags
-      .add_option(
-          "--config", options.config_files,
-          "Configuration file; may be given several times, later ones override earlier ones "
-          "and all of them the preset")
-      ->type_name("FILE")
-      ->expected(1)
-      ->take_all();
+      .Add("--config", options.config_files,
+           "Configuration file; may be given several times, later ones override earlier ones "
+           "and all of them the preset")
+      .Takes("FILE")
+      .Repeatable();
   flags
-      .add_option(
+      .Add(
           "--tof", options.tof,
           "ToF camera: grid:auto (every round(rows / 111)th pixel of the truth: 10 at full "
           "size, as in the paper), grid:auto*K (K times that), grid:N (every Nth), sr4000 (a "
@@ -123,100 +120,98 @@ void AddInputFlags(CLI::App& flags, Options& options) {
           "columns; '&' between several), zones:CxR (a multi-zone sensor such as zones:8x8; "
           "?mode=nearest, &targets=N), or none; for kitti: "
           "scan (the one recorded), or none")
-      ->default_str("grid:auto, kitti: scan");
-  flags.add_option(
+      .ShowDefault("grid:auto, kitti: scan");
+  flags.Add(
       "--rig-error", options.rig_error,
       "A right camera that was knocked since the calibration: rows=N (px lower), roll=N, yaw=N "
       "(degrees); ?refined behind it: rectified again with what sprout-calibrate refine finds in "
       "the "
       "frame; ?known: with the error itself");
   flags
-      .add_option("--seed-noise-px", options.noise.disparity_px,
-                  "Gaussian noise on the disparity of the refined seeds, standard deviation, px")
-      ->check(NumberIn(0.0, 1000.0))
-      ->capture_default_str();
+      .Add("--seed-noise-px", options.noise.disparity_px,
+           "Gaussian noise on the disparity of the refined seeds, standard deviation, px")
+      .Within(0.0, 1000.0)
+      .ShowDefault();
   flags
-      .add_option("--seed-jitter-px", options.noise.jitter_px,
-                  "Uniform noise on their position in u and in v, at most, px")
-      ->check(NumberIn(0.0, 1000.0))
-      ->capture_default_str();
-  flags.add_option("--fgs-lambda", options.fgs.lambda, "Method fgs: how far seeds spread")
-      ->capture_default_str()
-      ->check(NumberIn(0.01, 1e6));
+      .Add("--seed-jitter-px", options.noise.jitter_px,
+           "Uniform noise on their position in u and in v, at most, px")
+      .Within(0.0, 1000.0)
+      .ShowDefault();
+  flags.Add("--fgs-lambda", options.fgs.lambda, "Method fgs: how far seeds spread")
+      .ShowDefault()
+      .Within(0.01, 1e6);
   flags
-      .add_option("--fgs-sigma", options.fgs.sigma,
-                  "Method fgs: difference of colours across which they hardly spread, grey levels")
-      ->capture_default_str()
-      ->check(NumberIn(0.1, 255.0));
-  flags.add_option("--seed", options.noise.seed, "Seed of the random numbers")
-      ->capture_default_str();
+      .Add("--fgs-sigma", options.fgs.sigma,
+           "Method fgs: difference of colours across which they hardly spread, grey levels")
+      .ShowDefault()
+      .Within(0.1, 255.0);
+  flags.Add("--seed", options.noise.seed, "Seed of the random numbers").ShowDefault();
 }
 
-void AddRunFlags(CLI::App& flags, Options& options) {
-  flags.add_option("--threads", options.threads, "For OpenCV; figures do not depend on it")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  flags.add_option("--repeat", options.repeat, "Runs of each method, for the median of its times")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  flags.add_option("--json", options.json, "Write the results as JSON")->type_name("FILE");
-  flags.add_option("--csv", options.csv, "Write the results as CSV")->type_name("FILE");
+void AddRunFlags(Flags& flags, Options& options) {
+  flags.Add("--threads", options.threads, "For OpenCV; figures do not depend on it")
+      .WithinWhole(1, 1024)
+      .ShowDefault();
+  flags.Add("--repeat", options.repeat, "Runs of each method, for the median of its times")
+      .WithinWhole(1, 1000)
+      .ShowDefault();
+  flags.Add("--json", options.json, "Write the results as JSON").Takes("FILE");
+  flags.Add("--csv", options.csv, "Write the results as CSV").Takes("FILE");
   flags
-      .add_option("--images", options.images,
-                  "Write a picture of every map, figure.png and errors.png with all of them, and "
-                  "confidence.svg: whether confidences hold")
-      ->type_name("DIR");
-  flags.add_flag("--quiet", options.quiet, "No tables, no progress: only files and errors");
+      .Add("--images", options.images,
+           "Write a picture of every map, figure.png and errors.png with all of them, and "
+           "confidence.svg: whether confidences hold")
+      .Takes("DIR");
+  flags.Add("--quiet", options.quiet, "No tables, no progress: only files and errors");
 }
 
-void AddLogFlags(CLI::App& flags, Options& options) {
-  CLI::Option* log =
-      flags
-          .add_option("--log", options.log.file,
+void AddLogFlags(Flags& flags, Options& options) {
+  Flag log = flags
+                 .Add("--log", options.log.file,
                       "Instead of scenes: evaluate the recorded answers of a log, with --truth if "
                       "given, and without truth as sprout-log rank does")
-          ->type_name("LOG");
+                 .Takes("LOG");
   // What belongs to the methods that are run on scenes.
   for (const char* other : {"SCENE", "--methods", "--preset", "--config", "--tof",
                             "--seed-noise-px", "--seed-jitter-px", "--repeat", "--images"}) {
-    log->excludes(flags.get_option(other));
+    log.Excludes(flags.Get(other));
   }
   flags
-      .add_option("--truth", options.truth,
-                  "Source that --log was captured from, with the ground truth of its frames: "
-                  "middlebury:DIR, kitti:DIR, synthetic:WxH")
-      ->type_name("SOURCE")
-      ->needs(log);
-  flags.add_option("--frames", options.log.frames, "Frames of --log by number, both included")
-      ->type_name("A:B")
-      ->needs(log);
-  flags.add_option("--channel-prefix", options.log.prefix, "Prefix of the channels of --log")
-      ->type_name("TEXT")
-      ->needs(log);
+      .Add("--truth", options.truth,
+           "Source that --log was captured from, with the ground truth of its frames: "
+           "middlebury:DIR, kitti:DIR, synthetic:WxH")
+      .Takes("SOURCE")
+      .Needs(log);
+  flags.Add("--frames", options.log.frames, "Frames of --log by number, both included")
+      .Takes("A:B")
+      .Needs(log);
+  flags.Add("--channel-prefix", options.log.prefix, "Prefix of the channels of --log")
+      .Takes("TEXT")
+      .Needs(log);
 }
 
-void AddVideoFlags(CLI::App& flags, Options& options) {
-  CLI::Option* video = flags.add_flag(
+void AddVideoFlags(Flags& flags, Options& options) {
+  Flag video = flags.Add(
       "--video", options.video,
       "Frame after frame: what sprout-temporal gains, and a running average. SCENE is a source as "
       "capture has them: kitti:DIR?beams=16, synthetic:640x480?tof=sr4000, middlebury:DIR");
-  flags.add_option("--video-frames", options.video_frames, "Of each source, at most")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str()
-      ->needs(video);
-  flags.add_option("--video-rate", options.video_rate_hz, "Frames a second")
-      ->check(NumberIn(0.01, 1000.0))
-      ->capture_default_str()
-      ->needs(video);
+  flags.Add("--video-frames", options.video_frames, "Of each source, at most")
+      .WithinWhole(1, 100000)
+      .ShowDefault()
+      .Needs(video);
+  flags.Add("--video-rate", options.video_rate_hz, "Frames a second")
+      .Within(0.01, 1000.0)
+      .ShowDefault()
+      .Needs(video);
   flags
-      .add_option("--image-noise", options.image_noise,
-                  "Gaussian noise on both images, standard deviation, grey levels")
-      ->check(NumberIn(0.0, 100.0))
-      ->capture_default_str()
-      ->needs(video);
+      .Add("--image-noise", options.image_noise,
+           "Gaussian noise on both images, standard deviation, grey levels")
+      .Within(0.0, 100.0)
+      .ShowDefault()
+      .Needs(video);
   for (const char* other : {"--methods", "--tof", "--seed-noise-px", "--seed-jitter-px", "--repeat",
                             "--json", "--csv", "--log"}) {
-    video->excludes(flags.get_option(other));
+    video.Excludes(flags.Get(other));
   }
 }
 
@@ -361,14 +356,14 @@ int RunLog(const Options& options, const ReadLog& read_log) {
 }  // namespace
 
 int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log) {
-  CLI::App flags(kDescription, "sprout-evaluate");
+  Flags flags("sprout-evaluate", kDescription);
   Options options;
   AddInputFlags(flags, options);
   AddRunFlags(flags, options);
   AddLogFlags(flags, options);
   AddVideoFlags(flags, options);
-  flags.set_version_flag("--version", "sprout-evaluate " + Version());
-  flags.footer([] { return MethodsHelp() + kDefinitions; });
+  flags.AddVersion(Version());
+  flags.SetFooter(MethodsHelp() + kDefinitions);
   return RunProgram(flags, argc, argv, [&] {
     if (options.video) return RunVideo(options);
     return options.log.file.empty() ? RunScenes(options) : RunLog(options, read_log);

@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
-#include <functional>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -36,8 +34,6 @@ Examples
 something; 2 a flag or a log that cannot be used. Output logs are renamed into place when complete.
 )";
 
-using Command = std::function<int()>;
-
 struct Commands {
   InfoOptions info;
   DiffOptions diff;
@@ -49,150 +45,145 @@ struct Commands {
   std::string mcap;         // of export
   bool force_mcap = false;  // of export
   RankOptions rank;
-  Command chosen;
 };
 
-void AddPrefix(CLI::App& flags, std::string& prefix) {
-  flags.add_option("--channel-prefix", prefix, "Prefix of the channels, as given to the services")
-      ->type_name("TEXT");
+void AddPrefix(Flags& flags, std::string& prefix) {
+  flags.Add("--channel-prefix", prefix, "Prefix of the channels, as given to the services")
+      .Takes("TEXT");
 }
 
-CLI::Option* AddFrames(CLI::App& flags, std::string& frames) {
+Flag AddFrames(Flags& flags, std::string& frames) {
   return flags
-      .add_option("--frames", frames,
-                  "Frames by number (header.seq), both ends included; A:, :B and A work as well")
-      ->type_name("A:B");
+      .Add("--frames", frames,
+           "Frames by number (header.seq), both ends included; A:, :B and A work as well")
+      .Takes("A:B");
 }
 
-void AddChannels(CLI::App& flags, std::vector<std::string>& channels) {
-  flags
-      .add_option("--channels", channels, "Only these (without prefix); may be given several times")
-      ->type_name("NAME,NAME,...")
-      ->delimiter(',')
-      ->expected(1)
-      ->take_all();
+void AddChannels(Flags& flags, std::vector<std::string>& channels) {
+  flags.Add("--channels", channels, "Only these (without prefix); may be given several times")
+      .Takes("NAME,NAME,...")
+      .SplitAtCommas()
+      .Repeatable();
 }
 
-void AddForce(CLI::App& flags, bool& force) {
-  flags.add_flag("--force", force, "Overwrite OUT if it exists");
+void AddForce(Flags& flags, bool& force) {
+  flags.Add("--force", force, "Overwrite OUT if it exists");
 }
 
-void AddInfo(CLI::App& program, Commands& commands) {
-  CLI::App& flags = *program.add_subcommand(
+void AddInfo(Flags& program, Commands& commands) {
+  Flags& flags = program.AddCommand(
       "info",
       "Prints for each channel type, messages, rate, times, frames, and how many frame numbers "
-      "are\nmissing, repeated or undecodable; and where the file is damaged");
+      "are\nmissing, repeated or undecodable; and where the file is damaged",
+      [&commands] { return RunInfo(commands.info); });
   InfoOptions& options = commands.info;
-  flags.add_option("FILE", options.file, "Log, or MCAP file")->required();
+  flags.Add("FILE", options.file, "Log, or MCAP file").Required();
   AddPrefix(flags, options.prefix);
-  flags.add_flag("--json", options.json, "For programs; has the configurations, too");
-  flags.add_flag("--config", options.config, "Also the effective configuration of each process");
-  flags.add_flag(
-      "--check", options.check,
-      "Exit code 1 when something is damaged or undecodable, or frame numbers are missing");
-  flags.callback([&] { commands.chosen = [&] { return RunInfo(commands.info); }; });
+  flags.Add("--json", options.json, "For programs; has the configurations, too");
+  flags.Add("--config", options.config, "Also the effective configuration of each process");
+  flags.Add("--check", options.check,
+            "Exit code 1 when something is damaged or undecodable, or frame numbers are missing");
 }
 
-void AddDiff(CLI::App& program, Commands& commands) {
-  CLI::App& flags = *program.add_subcommand(
+void AddDiff(Flags& program, Commands& commands) {
+  Flags& flags = program.AddCommand(
       "diff",
       "Compares two logs frame by frame: messages are matched by channel and header\n"
-      "(utime, seq). Exit code 0 equal, 1 different, 2 unusable");
-  flags.footer(R"(
+      "(utime, seq). Exit code 0 equal, 1 different, 2 unusable",
+      [&commands] { return RunDiff(commands.diff); });
+  flags.SetFooter(R"(
 Messages with the same bytes are equal; so are messages that decode to the same values, such as a
 map sent raw and compressed, with a remark. Calibrations are matched by rig_id. A message repeated
 with the same bytes counts once. Statuses, which depend on clock and machine, SPROUT_PROCESS and
 LCM's own channels are compared only when named by --channels; configurations that differ are shown, but are no difference of the answers.)");
   DiffOptions& options = commands.diff;
-  flags.add_option("A", options.a, "Log, such as a recorded one")->required();
-  flags.add_option("B", options.b, "Log, such as a replayed one")->required();
+  flags.Add("A", options.a, "Log, such as a recorded one").Required();
+  flags.Add("B", options.b, "Log, such as a replayed one").Required();
   AddChannels(flags, options.channels);
   AddPrefix(flags, options.prefix);
-  flags.add_flag(
+  flags.Add(
       "--common", options.common,
       "Messages in only one log are no difference: a live run skips frames that a replay does not");
-  flags.add_flag("--all", options.all, "A line for every frame, also for equal ones");
+  flags.Add("--all", options.all, "A line for every frame, also for equal ones");
   flags
-      .add_option(
-          "--images", options.images,
-          "Write pictures of A, B and their difference, of the maps and images that differ; "
-          "without --all of the first 10")
-      ->type_name("DIR");
-  flags.callback([&] { commands.chosen = [&] { return RunDiff(commands.diff); }; });
+      .Add("--images", options.images,
+           "Write pictures of A, B and their difference, of the maps and images that differ; "
+           "without --all of the first 10")
+      .Takes("DIR");
 }
 
-void AddCut(CLI::App& program, Commands& commands) {
-  CLI::App& flags = *program.add_subcommand(
+void AddCut(Flags& program, Commands& commands) {
+  Flags& flags = program.AddCommand(
       "cut",
       "Writes some frames or channels of a log to a new one. Calibrations (RIG) of the frames "
       "are\nalways kept, and with --frames also SPROUT_PROCESS, once for each process; other "
-      "messages\nwithout a frame are kept only without --frames");
+      "messages\nwithout a frame are kept only without --frames",
+      [&commands] { return RunCut(commands.cut); });
   CutOptions& options = commands.cut;
-  flags.add_option("IN", options.in, "Log")->required();
-  flags.add_option("OUT", options.out, "New log")->required();
-  CLI::Option* frames = AddFrames(flags, options.frames);
+  flags.Add("IN", options.in, "Log").Required();
+  flags.Add("OUT", options.out, "New log").Required();
+  Flag frames = AddFrames(flags, options.frames);
   flags
-      .add_option("--warm-up", options.warm_up,
-                  "Also keep so many frames before those of --frames: for a replay of "
-                  "sprout-temporal, which remembers earlier frames")
-      ->type_name("N")
-      ->check(CLI::Range(int64_t{0}, int64_t{1'000'000}))
-      ->capture_default_str()
-      ->needs(frames);
+      .Add("--warm-up", options.warm_up,
+           "Also keep so many frames before those of --frames: for a replay of "
+           "sprout-temporal, which remembers earlier frames")
+      .Takes("N")
+      .WithinWhole(int64_t{0}, int64_t{1'000'000})
+      .ShowDefault()
+      .Needs(frames);
   AddChannels(flags, options.channels);
   AddPrefix(flags, options.prefix);
   AddForce(flags, options.force);
-  flags.callback([&] { commands.chosen = [&] { return RunCut(commands.cut); }; });
 }
 
-void AddMerge(CLI::App& program, Commands& commands) {
-  CLI::App& flags =
-      *program.add_subcommand("merge", "Merges logs into one, by the time of their events");
+void AddMerge(Flags& program, Commands& commands) {
+  Flags& flags = program.AddCommand("merge", "Merges logs into one, by the time of their events",
+                                    [&commands] { return RunMerge(commands.merge); });
   MergeOptions& options = commands.merge;
-  flags.add_option("IN", options.in, "Logs; of equal times, the log named first comes first")
-      ->required();
-  flags.add_option("--out", options.out, "New log")->required()->type_name("OUT");
+  flags.Add("IN", options.in, "Logs; of equal times, the log named first comes first").Required();
+  flags.Add("--out", options.out, "New log").Required().Takes("OUT");
   AddForce(flags, options.force);
-  flags.callback([&] { commands.chosen = [&] { return RunMerge(commands.merge); }; });
 }
 
-void AddRepair(CLI::App& program, Commands& commands) {
-  CLI::App& flags = *program.add_subcommand(
+void AddRepair(Flags& program, Commands& commands) {
+  Flags& flags = program.AddCommand(
       "repair",
       "Writes all good events of a damaged log to a new one that every LCM tool reads, and\nprints "
-      "what was lost. Undecodable messages are kept: a later program may understand them");
+      "what was lost. Undecodable messages are kept: a later program may understand them",
+      [&commands] { return RunRepair(commands.repair); });
   RepairOptions& options = commands.repair;
-  flags.add_option("IN", options.in, "Log")->required();
-  flags.add_option("OUT", options.out, "New log")->required();
-  flags.add_flag("--drop-undecodable", options.drop_undecodable,
-                 "Drop messages that services would refuse");
+  flags.Add("IN", options.in, "Log").Required();
+  flags.Add("OUT", options.out, "New log").Required();
+  flags.Add("--drop-undecodable", options.drop_undecodable,
+            "Drop messages that services would refuse");
   AddForce(flags, options.force);
-  flags.callback([&] { commands.chosen = [&] { return RunRepair(commands.repair); }; });
 }
 
-void AddImages(CLI::App& program, Commands& commands) {
-  CLI::App& flags = *program.add_subcommand(
+void AddImages(Flags& program, Commands& commands) {
+  Flags& flags = program.AddCommand(
       "images",
       "Writes left and right image, ToF depth, seeds, prior, disparity, the cloud from the side "
       "and\n"
       "an overview of each frame as PNG, as far as the log has them; colours of a frame share one\n"
-      "scale. Prints how many seeds and pixels there are");
+      "scale. Prints how many seeds and pixels there are",
+      [&commands] { return RunImages(commands.images); });
   ImagesOptions& options = commands.images;
-  flags.add_option("FILE", options.file, "Log")->required();
-  flags.add_option("DIR", options.folder, "Folder to write to: 000042_left.png, ...")->required();
+  flags.Add("FILE", options.file, "Log").Required();
+  flags.Add("DIR", options.folder, "Folder to write to: 000042_left.png, ...").Required();
   flags
-      .add_option(
-          "--truth", options.truth,
-          "The source that capture sent, for its ground truth: a picture of the errors, and "
-          "the share of correct pixels")
-      ->type_name("SOURCE");
+      .Add("--truth", options.truth,
+           "The source that capture sent, for its ground truth: a picture of the errors, and "
+           "the share of correct pixels")
+      .Takes("SOURCE");
   AddFrames(flags, options.frames);
   AddPrefix(flags, options.prefix);
-  flags.callback([&] { commands.chosen = [&] { return RunImages(commands.images); }; });
 }
 
 int RunEitherExport(const Commands& commands) {
   const ExportOptions& options = commands.export_;
+  if (commands.mcap.empty() && options.folder.empty()) {
+    throw ConfigError("DIR is required (--help lists the flags)");
+  }
   if (commands.mcap.empty()) return RunExport(options);
   return RunMcapExport({.file = options.file,
                         .out = commands.mcap,
@@ -201,70 +192,61 @@ int RunEitherExport(const Commands& commands) {
                         .force = commands.force_mcap});
 }
 
-void AddExport(CLI::App& program, Commands& commands) {
-  CLI::App& flags = *program.add_subcommand("export",
-                                            "Writes each frame for other programs, or with --mcap "
-                                            "all of a log as ROS 2's messages");
+void AddExport(Flags& program, Commands& commands) {
+  Flags& flags = program.AddCommand("export",
+                                    "Writes each frame for other programs, or with --mcap "
+                                    "all of a log as ROS 2's messages",
+                                    [&commands] { return RunEitherExport(commands); });
   ExportOptions& options = commands.export_;
-  flags.add_option("FILE", options.file, "Log")->required();
-  CLI::Option* folder =
-      flags.add_option("DIR", options.folder, "Folder to write to: 000042_disparity.pfm, ...");
-  flags.add_flag("--ply", options.ply,
-                 "Coloured point cloud of the disparity map, m in the left rectified frame");
-  flags.add_flag("--mesh", options.mesh,
-                 "Coloured surface of the disparity map, cut at depth edges, m");
-  flags.add_flag("--pfm", options.pfm,
-                 "Prior and disparity maps, px; +inf: no disparity; sigma, px");
-  CLI::Option* mcap =
-      flags
-          .add_option("--mcap", commands.mcap,
-                      "One MCAP file for rosbag2, Foxglove and rerun: the images, depth, points, "
-                      "disparities and statuses of the log on the topics of sprout-ros2")
-          ->type_name("OUT")
-          ->excludes(folder);
+  flags.Add("FILE", options.file, "Log").Required();
+  const Flag folder =
+      flags.Add("DIR", options.folder, "Folder to write to: 000042_disparity.pfm, ...");
+  flags.Add("--ply", options.ply,
+            "Coloured point cloud of the disparity map, m in the left rectified frame");
+  flags.Add("--mesh", options.mesh, "Coloured surface of the disparity map, cut at depth edges, m");
+  flags.Add("--pfm", options.pfm, "Prior and disparity maps, px; +inf: no disparity; sigma, px");
+  flags
+      .Add("--mcap", commands.mcap,
+           "One MCAP file for rosbag2, Foxglove and rerun: the images, depth, points, "
+           "disparities and statuses of the log on the topics of sprout-ros2")
+      .Takes("OUT")
+      .Excludes(folder);
   AddForce(flags, commands.force_mcap);
   AddFrames(flags, options.frames);
   AddPrefix(flags, options.prefix);
-  flags.callback([&commands, folder, mcap] {
-    if (mcap->empty() && folder->empty()) throw CLI::RequiredError("DIR");
-    commands.chosen = [&commands] { return RunEitherExport(commands); };
-  });
 }
 
-void AddRank(CLI::App& program, Commands& commands) {
-  CLI::App& flags =
-      *program.add_subcommand("rank",
-                              "Lists the frames of a log, the worst first, by figures that need no "
-                              "ground truth. The log must\nhave the images and the answers: "
-                              "`sprout-log merge` combines a recording and a replay");
+void AddRank(Flags& program, Commands& commands) {
+  Flags& flags =
+      program.AddCommand("rank",
+                         "Lists the frames of a log, the worst first, by figures that need no "
+                         "ground truth. The log must\nhave the images and the answers: "
+                         "`sprout-log merge` combines a recording and a replay",
+                         [&commands] { return RunRank(commands.rank); });
   RankOptions& options = commands.rank;
-  flags.add_option("LOG", options.file, "Log")->required();
+  flags.Add("LOG", options.file, "Log").Required();
   flags
-      .add_option("--top", options.top,
-                  "Only the N worst frames. Without it the table and --images have 20, --csv and "
-                  "--json all of the log")
-      ->check(CLI::Range(1, 1'000'000))
-      ->type_name("N");
-  flags.add_option("--by", options.by, "What to rank by, a column below")
-      ->type_name("COLUMN")
-      ->capture_default_str();
-  CLI::Option* csv = flags.add_flag("--csv", options.csv, "For spreadsheets, all digits");
-  flags.add_flag("--json", options.json, "For programs, all digits")->excludes(csv);
-  flags.add_option("--images", options.folder, "Write the pictures of the worst frames")
-      ->type_name("DIR");
+      .Add("--top", options.top,
+           "Only the N worst frames. Without it the table and --images have 20, --csv and "
+           "--json all of the log")
+      .WithinWhole(1, 1'000'000)
+      .Takes("N");
+  flags.Add("--by", options.by, "What to rank by, a column below").Takes("COLUMN").ShowDefault();
+  Flag csv = flags.Add("--csv", options.csv, "For spreadsheets, all digits");
+  flags.Add("--json", options.json, "For programs, all digits").Excludes(csv);
+  flags.Add("--images", options.folder, "Write the pictures of the worst frames").Takes("DIR");
   AddFrames(flags, options.frames);
   AddPrefix(flags, options.prefix);
   std::string columns = "Columns\n";
   for (const QualityColumn& column : QualityColumns()) {
     columns += fmt::format("  {:<14}{}\n", column.name, column.meaning);
   }
-  flags.footer(columns);
-  flags.callback([&] { commands.chosen = [&] { return RunRank(commands.rank); }; });
+  flags.SetFooter(columns);
 }
 
-int RunChosen(const Command& command) {
+int RunChosen(const Flags& flags) {
   try {
-    return command();
+    return flags.RunCommand();
   } catch (const LogError& e) {
     throw ConfigError(e.what());  // exit code 2
   } catch (const Interrupted&) {
@@ -276,9 +258,9 @@ int RunChosen(const Command& command) {
 }  // namespace
 
 int LogMain(int argc, const char* const* argv) {
-  CLI::App flags(kDescription, "sprout-log");
+  Flags flags("sprout-log", kDescription);
   Commands commands;
-  flags.require_subcommand(1);
+  flags.RequireCommand();
   AddInfo(flags, commands);
   AddDiff(flags, commands);
   AddCut(flags, commands);
@@ -287,9 +269,9 @@ int LogMain(int argc, const char* const* argv) {
   AddImages(flags, commands);
   AddExport(flags, commands);
   AddRank(flags, commands);
-  flags.set_version_flag("--version", "sprout-log " + Version());
-  flags.footer(kFooter);
-  return RunProgram(flags, argc, argv, [&] { return RunChosen(commands.chosen); });
+  flags.AddVersion(Version());
+  flags.SetFooter(kFooter);
+  return RunProgram(flags, argc, argv, [&] { return RunChosen(flags); });
 }
 
 }  // namespace sprout::log

@@ -31,12 +31,6 @@ struct Row {
   FrameQuality quality;
 };
 
-size_t CountKnown(const FrameQuality& quality) {
-  return static_cast<size_t>(std::ranges::count_if(
-      QualityColumns(),
-      [&](const QualityColumn& column) { return column.value(quality).has_value(); }));
-}
-
 const QualityColumn& ColumnToRankBy(const std::string& name) {
   if (const QualityColumn* const column = FindQualityColumn(name)) return *column;
   std::string names;
@@ -132,17 +126,10 @@ std::string Ranking::Table() const {
 }
 
 std::string Ranking::Csv() const {
-  std::string text = "seq,utime";
-  for (const QualityColumn& column : QualityColumns()) text += fmt::format(",{}", column.name);
-  text += "\n";
+  std::string text = "seq,utime" + QualityCsvHead() + "\n";
   const size_t shown = options_.top > 0 ? CountShown(kShown) : rows_.size();
   for (const Row& row : std::span(rows_).first(shown)) {
-    text += fmt::format("{},{}", row.key.second, row.key.first);
-    for (const QualityColumn& column : QualityColumns()) {
-      const auto value = column.value(row.quality);
-      text += value ? fmt::format(",{}", *value) : ",";
-    }
-    text += "\n";
+    text += fmt::format("{},{}{}\n", row.key.second, row.key.first, QualityCsvCells(row.quality));
   }
   return text;
 }

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 
 #include "common/app/live.h"
 #include "common/app/replay.h"
@@ -25,9 +24,9 @@ int Main(int argc, char** argv) {
   Service service("pipeline", kDescription);
   service.OfferReplay();
   FilesOptions files;
-  const CLI::App& files_command = AddFilesCommand(service.flags(), files);
+  const Flags& files_command = AddFilesCommand(service.flags(), files);
   return service.Run(argc, argv, [&](const ServiceContext& context) {
-    if (files_command) return RunFiles(files, context.config, context.stop);
+    if (files_command.IsGiven()) return RunFiles(files, context.config, context.stop);
     StepMonitors steps(Digest(ConfigText(context.config)), context.config.temporal().in_pipeline());
     PipelineAdapter adapter(context.config, steps);
     if (context.replay) return RunReplay(context, *context.replay, adapter);

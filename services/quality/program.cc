@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
@@ -63,64 +62,60 @@ struct Options {
   LiveOptions live{.lcm_url = kDefaultLcmUrl, .prefix = {}};
 };
 
-void AddMeasureFlags(CLI::App& flags, Options& options) {
+void AddMeasureFlags(Flags& flags, Options& options) {
   flags
-      .add_option("INPUT", options.input,
-                  "Log of a graph (SPROUT_DISPARITY, SPROUT_RIG), or folder of disparity maps "
-                  "(*disparity.pfm, else *.pfm; px); without it: the running graph")
-      ->check(CLI::ExistingPath);
+      .Add("INPUT", options.input,
+           "Log of a graph (SPROUT_DISPARITY, SPROUT_RIG), or folder of disparity maps "
+           "(*disparity.pfm, else *.pfm; px); without it: the running graph")
+      .ExistingPath();
   flags
-      .add_option("--region", options.region,
-                  "Part of the left image that shows the target alone, px (default: its middle "
-                  "half each way)")
-      ->type_name("LEFT,TOP,WIDTH,HEIGHT");
+      .Add("--region", options.region,
+           "Part of the left image that shows the target alone, px (default: its middle "
+           "half each way)")
+      .Takes("LEFT,TOP,WIDTH,HEIGHT");
   flags
-      .add_option("--edge", options.edge,
-                  "Part of the left image that one depth edge crosses, such as the border of a "
-                  "board before a wall, px: how wide the edge is")
-      ->type_name("LEFT,TOP,WIDTH,HEIGHT");
+      .Add("--edge", options.edge,
+           "Part of the left image that one depth edge crosses, such as the border of a "
+           "board before a wall, px: how wide the edge is")
+      .Takes("LEFT,TOP,WIDTH,HEIGHT");
   flags
-      .add_option("--distance-m", options.distance_m,
-                  "True distance of the target from the left camera, square to the target, m")
-      ->check(NumberIn(0.001, 10000));
+      .Add("--distance-m", options.distance_m,
+           "True distance of the target from the left camera, square to the target, m")
+      .Within(0.001, 10000);
   flags
-      .add_option("--count", options.settings.count,
-                  "Maps that are measured: the first ones, of a running graph the newest")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  flags.add_option("--frames", options.frames, "Of a log: frames by number, both included")
-      ->type_name("A:B");
+      .Add("--count", options.settings.count,
+           "Maps that are measured: the first ones, of a running graph the newest")
+      .WithinWhole(1, 1000)
+      .ShowDefault();
+  flags.Add("--frames", options.frames, "Of a log: frames by number, both included").Takes("A:B");
   flags
-      .add_option("--calib", options.calibration,
-                  "Of a folder: calibration in Middlebury's format: cam0, cam1 (px), baseline (mm) "
-                  "(default: its calib.txt)")
-      ->type_name("FILE");
+      .Add("--calib", options.calibration,
+           "Of a folder: calibration in Middlebury's format: cam0, cam1 (px), baseline (mm) "
+           "(default: its calib.txt)")
+      .Takes("FILE");
 }
 
-void AddOutputFlags(CLI::App& flags, Options& options) {
+void AddOutputFlags(Flags& flags, Options& options) {
+  flags.Add("--limits", options.limits, "What figures have to keep; exit code 1 when one does not")
+      .Takes("FILE");
+  flags.Add("--json", options.json, "Write the figures as JSON").Takes("FILE");
+  flags.Add("--report", options.report, "Write an HTML page: figures, plane, residuals")
+      .Takes("FILE");
   flags
-      .add_option("--limits", options.limits,
-                  "What figures have to keep; exit code 1 when one does not")
-      ->type_name("FILE");
-  flags.add_option("--json", options.json, "Write the figures as JSON")->type_name("FILE");
-  flags.add_option("--report", options.report, "Write an HTML page: figures, plane, residuals")
-      ->type_name("FILE");
+      .Add("--images", options.images,
+           "Write region.png, residuals.png and noise.png; of a running graph once a second")
+      .Takes("DIR");
+  flags.Add("--once", options.live.once,
+            "Of a running graph: ends when --count maps are measured, or when none came for 30 "
+            "s");
   flags
-      .add_option("--images", options.images,
-                  "Write region.png, residuals.png and noise.png; of a running graph once a second")
-      ->type_name("DIR");
-  flags.add_flag(
-      "--once", options.live.once,
-      "Of a running graph: ends when --count maps are measured, or when none came for 30 "
-      "s");
-  flags
-      .add_option("--lcm-url", options.live.lcm_url,
-                  "Where the messages travel: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
-      ->type_name("URL")
-      ->envname("LCM_DEFAULT_URL")
-      ->capture_default_str();
-  flags.add_option("--channel-prefix", options.live.prefix, "Before the channels of the graph")
-      ->type_name("TEXT");
+      .Add("--lcm-url", options.live.lcm_url,
+           "Where the messages travel: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
+      .Takes("URL")
+      .Environment("LCM_DEFAULT_URL")
+      .ShowDefault();
+  flags.Add("--channel-prefix", options.live.prefix, "Before the channels of the graph")
+      .Takes("TEXT");
 }
 
 cv::Rect RectOf(const std::string& flag, const std::string& text) {
@@ -233,12 +228,12 @@ int RunChosen(const Options& options) {
 }  // namespace
 
 int QualityMain(int argc, const char* const* argv) {
-  CLI::App flags(kDescription, "sprout-quality");
+  Flags flags("sprout-quality", kDescription);
   Options options;
   AddMeasureFlags(flags, options);
   AddOutputFlags(flags, options);
-  flags.set_version_flag("--version", "sprout-quality " + Version());
-  flags.footer(kFooter);
+  flags.AddVersion(Version());
+  flags.SetFooter(kFooter);
   return RunProgram(flags, argc, argv, [&] { return RunChosen(options); });
 }
 

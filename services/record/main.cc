@@ -2,14 +2,12 @@
 #include <pthread.h>
 #include <sys/time.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <memory>
 
 #include "common/app/log.h"
-#include "common/app/program.h"
 #include "common/app/service.h"
 #include "common/app/status_reporter.h"
 #include "common/app/supervision.h"
@@ -20,7 +18,7 @@
 namespace sprout::record {
 namespace {
 
-struct Flags {
+struct Options {
   std::string folder;
   std::vector<std::string> channels;
   double max_mb = 1000;
@@ -62,7 +60,7 @@ void RequireChannel(const std::string& flag, const std::string& channel) {
                     "': allowed are 1 to 63 letters, digits, '_' and '-', without prefix");
 }
 
-RecordingOptions OptionsOf(const Flags& flags) {
+RecordingOptions OptionsOf(const Options& flags) {
   RecordingOptions options;
   options.channels = flags.channels;
   if (options.channels.empty()) {
@@ -143,50 +141,46 @@ int Record(const ServiceContext& context, const RecordingOptions& options,
   return whole ? 0 : 1;
 }
 
-void AddFlags(CLI::App& app, Flags& flags) {
-  app.add_option("--dir", flags.folder, "Folder to write to; created if missing")
-      ->type_name("DIR")
-      ->required();
-  app.add_option("--channels", flags.channels,
-                 "Only these (without prefix); your own are allowed; may be given several times; "
-                 "default: every channel of the graph")
-      ->type_name("NAME,NAME,...")
-      ->delimiter(',')
-      ->expected(1)
-      ->take_all();
-  app.add_option("--seconds", flags.seconds, "Stop after this many seconds")
-      ->type_name("SECONDS")
-      ->check(NumberIn(0.1, 1e9));
-  app.add_option("--max-mb", flags.max_mb, "Size of a log at which the next one begins, MB")
-      ->check(NumberIn(0.1, 1e6))
-      ->capture_default_str();
-  app.add_option("--quota-gb", flags.quota_gb, "Largest size of the folder with all its files, GB")
-      ->check(NumberIn(0.001, 1e6))
-      ->capture_default_str();
-  app.add_flag("--delete-oldest", flags.delete_oldest,
-               "At the quota delete the oldest log record_*.lcm instead of stopping");
-  CLI::Option* ring =
-      app.add_option("--ring", flags.ring_s,
-                     "Keep the last seconds in memory and write nothing until a trigger")
-          ->type_name("SECONDS")
-          ->check(NumberIn(1.0, 3600.0));
-  app.add_option("--ring-mb", flags.ring_mb, "Memory for --ring, MB")
-      ->check(NumberIn(0.1, 1e6))
-      ->capture_default_str()
-      ->needs(ring);
-  app.add_option("--after", flags.after_s, "How long to record after a trigger, s")
-      ->check(NumberIn(0.0, 3600.0))
-      ->capture_default_str()
-      ->needs(ring);
-  app.add_option("--trigger-channel", flags.trigger_channel,
-                 "Any message on this channel (without prefix) is a trigger")
-      ->type_name("NAME")
-      ->needs(ring);
-  app.add_option("--trigger-confidence", flags.trigger_confidence,
-                 "A SPROUT_CONFIDENCE with a mean below this is a trigger; 0 to 1, pixels without "
-                 "disparity count as 0")
-      ->check(NumberIn(0.0, 1.0))
-      ->needs(ring);
+void AddFlags(Flags& app, Options& flags) {
+  app.Add("--dir", flags.folder, "Folder to write to; created if missing").Takes("DIR").Required();
+  app.Add("--channels", flags.channels,
+          "Only these (without prefix); your own are allowed; may be given several times; "
+          "default: every channel of the graph")
+      .Takes("NAME,NAME,...")
+      .SplitAtCommas()
+      .Repeatable();
+  app.Add("--seconds", flags.seconds, "Stop after this many seconds")
+      .Takes("SECONDS")
+      .Within(0.1, 1e9);
+  app.Add("--max-mb", flags.max_mb, "Size of a log at which the next one begins, MB")
+      .Within(0.1, 1e6)
+      .ShowDefault();
+  app.Add("--quota-gb", flags.quota_gb, "Largest size of the folder with all its files, GB")
+      .Within(0.001, 1e6)
+      .ShowDefault();
+  app.Add("--delete-oldest", flags.delete_oldest,
+          "At the quota delete the oldest log record_*.lcm instead of stopping");
+  const Flag ring = app.Add("--ring", flags.ring_s,
+                            "Keep the last seconds in memory and write nothing until a trigger")
+                        .Takes("SECONDS")
+                        .Within(1.0, 3600.0);
+  app.Add("--ring-mb", flags.ring_mb, "Memory for --ring, MB")
+      .Within(0.1, 1e6)
+      .ShowDefault()
+      .Needs(ring);
+  app.Add("--after", flags.after_s, "How long to record after a trigger, s")
+      .Within(0.0, 3600.0)
+      .ShowDefault()
+      .Needs(ring);
+  app.Add("--trigger-channel", flags.trigger_channel,
+          "Any message on this channel (without prefix) is a trigger")
+      .Takes("NAME")
+      .Needs(ring);
+  app.Add("--trigger-confidence", flags.trigger_confidence,
+          "A SPROUT_CONFIDENCE with a mean below this is a trigger; 0 to 1, pixels without "
+          "disparity count as 0")
+      .Within(0.0, 1.0)
+      .Needs(ring);
 }
 
 int Main(int argc, char** argv) {
@@ -196,7 +190,7 @@ int Main(int argc, char** argv) {
   sigaddset(&signals, SIGUSR1);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   Service service("record", kDescription);
-  Flags flags;
+  Options flags;
   AddFlags(service.flags(), flags);
   return service.Run(argc, argv, [&](const ServiceContext& context) {
     return Record(context, OptionsOf(flags), flags.seconds);

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -62,10 +61,10 @@ int Main(int argc, char** argv) {
   std::optional<int> domain;
   bool reliable = false;
   service.flags()
-      .add_option("--domain", domain, "As ROS_DOMAIN_ID")
-      ->envname("ROS_DOMAIN_ID")
-      ->type_name("N");
-  service.flags().add_flag("--reliable", reliable, "Send what was lost again");
+      .Add("--domain", domain, "As ROS_DOMAIN_ID")
+      .Environment("ROS_DOMAIN_ID")
+      .Takes("N");
+  service.flags().Add("--reliable", reliable, "Send what was lost again");
   return service.Run(
       argc, argv,
       [](const ServiceContext& context) {

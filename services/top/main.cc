@@ -1,11 +1,9 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <mutex>
 
 #include "common/app/log.h"
-#include "common/app/program.h"
 #include "common/app/service.h"
 #include "common/bus/channels.h"
 #include "common/bus/receiver.h"
@@ -89,15 +87,15 @@ int Main(int argc, char** argv) {
       "running twice.");
   Options options;
   service.flags()
-      .add_option("--stages", options.stages, "Stages that must be running")
-      ->delimiter(',')
-      ->capture_default_str();
-  service.flags().add_flag("--once", options.once, "Print once and end");
-  service.flags().add_flag("--json", options.json, "One line of JSON a second, for scripts");
+      .Add("--stages", options.stages, "Stages that must be running")
+      .SplitAtCommas()
+      .ShowDefault();
+  service.flags().Add("--once", options.once, "Print once and end");
+  service.flags().Add("--json", options.json, "One line of JSON a second, for scripts");
   service.flags()
-      .add_option("--listen", options.listen_s, "How long --once listens, s")
-      ->check(NumberIn(0.1, 3600.0))
-      ->capture_default_str();
+      .Add("--listen", options.listen_s, "How long --once listens, s")
+      .Within(0.1, 3600.0)
+      .ShowDefault();
   return service.Run(argc, argv,
                      [&](const ServiceContext& context) { return Watch(context, options); });
 }

@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <condition_variable>
 #include <filesystem>
 #include <mutex>
@@ -9,7 +8,6 @@
 
 #include "common/app/log.h"
 #include "common/app/log_limiter.h"
-#include "common/app/program.h"
 #include "common/app/service.h"
 #include "common/app/status_reporter.h"
 #include "common/app/version.h"
@@ -181,30 +179,28 @@ int Main(int argc, char** argv) {
                   "process.\nOpen http://127.0.0.1:8420/; '?' lists the keys there.\nSubscribes to "
                   "every channel and needs none: missing ones are not shown.");
   Options options;
-  CLI::Option* const log =
-      service.flags()
-          .add_option("--log", options.log, "Show a log instead of the running graph")
-          ->type_name("FILE");
+  Flag log = service.flags()
+                 .Add("--log", options.log, "Show a log instead of the running graph")
+                 .Takes("FILE");
   service.flags()
-      .add_option("--frame", options.frame,
-                  "With --log: open at the first frame with this number (header.seq)")
-      ->check(CLI::Range(int64_t{0}, INT64_MAX))
-      ->needs(log)
-      ->type_name("N");
+      .Add("--frame", options.frame,
+           "With --log: open at the first frame with this number (header.seq)")
+      .WithinWhole(int64_t{0}, INT64_MAX)
+      .Needs(log)
+      .Takes("N");
   service.flags()
-      .add_option(
-          "--address", options.address,
-          "Address to listen on; with another than the loopback's, other hosts can look, too")
-      ->capture_default_str();
+      .Add("--address", options.address,
+           "Address to listen on; with another than the loopback's, other hosts can look, too")
+      .ShowDefault();
   service.flags()
-      .add_option("--port", options.port, "0: any free port")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
+      .Add("--port", options.port, "0: any free port")
+      .WithinWhole(0, 65535)
+      .ShowDefault();
   service.flags()
-      .add_option("--memory", options.memory_mb,
-                  "Memory for the last 100 frames, MB; paused pages may take as much again")
-      ->check(CLI::Range(16, 1 << 20))
-      ->capture_default_str();
+      .Add("--memory", options.memory_mb,
+           "Memory for the last 100 frames, MB; paused pages may take as much again")
+      .WithinWhole(16, 1 << 20)
+      .ShowDefault();
   return service.Run(argc, argv, [&](const ServiceContext& context) {
     WarnOfStrangers(options.address);
     try {

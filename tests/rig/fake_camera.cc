@@ -5,12 +5,12 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <iostream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -267,30 +267,28 @@ int Run(const Options& options) {
 }
 
 int Main(int argc, char** argv) {
-  CLI::App flags("A GigE Vision camera that does not exist", "fake_camera");
+  Flags flags("fake_camera", "A GigE Vision camera that does not exist");
   Options options;
-  flags.add_option("--interface", options.interface,
-                   "Network interface; it is waited for, at most 10 s");
-  flags.add_option("--serial", options.serial, "Serial number");
-  flags.add_option("--format", options.format, "GenICam's name of the pixel format at the start");
-  flags.add_option("--width", options.width, "px")->check(CLI::Range(8, 4096));
-  flags.add_option("--height", options.height, "px")->check(CLI::Range(1, 4096));
-  flags.add_option("--pictures", options.pictures,
-                   "What it sees, one after the other; 16-bit ones are a ToF camera's numbers");
-  flags.add_option("--period", options.period_ms, "How long a picture stands, ms");
-  flags.add_flag("--stamp", options.stamp,
-                 "Write the time of exposure into the first pixels (time_stamp.h)");
-  flags.add_option("--exposures", options.exposures,
-                   "File that gets the time of each exposure, µs since 1970, a line each");
-  flags.add_option("--clock-offset", options.clock_offset_s, "Of its clock, s");
-  flags.add_option("--drift", options.drift_ppm, "How much too fast its clock runs, ppm");
-  flags.add_option("--jump", options.jump_s, "By how much its clock jumps at SIGUSR1, s");
-  flags.add_option("--lost-ratio", options.lost_ratio, "Of packets that are not sent")
-      ->check(NumberIn(0, 1));
-  flags.add_option("--latency", options.latency_ms, "What it needs before it sends an image, ms");
-  flags.add_option("--unit", options.unit_mm, "Scan3dCoordinateScale, mm");
-  flags.add_option("--focal", options.focal_px, "Scan3dFocalLength, px; 0 = does not know");
-  flags.add_flag("--spherical", options.spherical, "Its numbers are ranges along the ray");
+  flags.Add("--interface", options.interface, "Network interface; it is waited for, at most 10 s");
+  flags.Add("--serial", options.serial, "Serial number");
+  flags.Add("--format", options.format, "GenICam's name of the pixel format at the start");
+  flags.Add("--width", options.width, "px").WithinWhole(8, 4096);
+  flags.Add("--height", options.height, "px").WithinWhole(1, 4096);
+  flags.Add("--pictures", options.pictures,
+            "What it sees, one after the other; 16-bit ones are a ToF camera's numbers");
+  flags.Add("--period", options.period_ms, "How long a picture stands, ms");
+  flags.Add("--stamp", options.stamp,
+            "Write the time of exposure into the first pixels (time_stamp.h)");
+  flags.Add("--exposures", options.exposures,
+            "File that gets the time of each exposure, µs since 1970, a line each");
+  flags.Add("--clock-offset", options.clock_offset_s, "Of its clock, s");
+  flags.Add("--drift", options.drift_ppm, "How much too fast its clock runs, ppm");
+  flags.Add("--jump", options.jump_s, "By how much its clock jumps at SIGUSR1, s");
+  flags.Add("--lost-ratio", options.lost_ratio, "Of packets that are not sent").Within(0, 1);
+  flags.Add("--latency", options.latency_ms, "What it needs before it sends an image, ms");
+  flags.Add("--unit", options.unit_mm, "Scan3dCoordinateScale, mm");
+  flags.Add("--focal", options.focal_px, "Scan3dFocalLength, px; 0 = does not know");
+  flags.Add("--spherical", options.spherical, "Its numbers are ranges along the ray");
   return RunProgram(flags, argc, argv, [&] { return Run(options); });
 }
 

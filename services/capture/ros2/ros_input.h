@@ -20,7 +20,7 @@ struct RosBytes {
   std::span<const uint8_t> cdr;
 };
 
-/// Told one line of what people should know.
+/// Reports one line to people.
 using TellPeople = std::function<void(const std::string&)>;
 
 /// Where the messages of a rig's topics come from: DDS, or a file.
@@ -33,17 +33,17 @@ class RosInput {
   /// for.
   virtual bool Next(RosBytes& message, const std::stop_token& stop) = 0;
 
-  /// What there is in place of a topic that does not come, for a line: "topics there: /a, /b".
+  /// What there is instead of a topic without messages, for a line: "topics there: /a, /b".
   virtual std::string Instead(RosRole role) = 0;
 };
 
-/// Subscribes to the topics. Silent ones are told after 5 s and each minute, with who publishes
-/// them; so are several publishers of one topic.
+/// Subscribes to the topics. Silent ones are reported after 5 s and each minute, with their
+/// publishers; so are several publishers of one topic.
 /// @throws ConfigError when DDS cannot be used.
 std::unique_ptr<RosInput> ListenToRos(const RosSettings& settings, TellPeople tell,
                                       datasets::Waiting waiting);
 
-/// Reads the topics from settings.file. What is damaged is told.
+/// Reads the topics from settings.file. Damage is reported.
 /// @throws ConfigError when it is no MCAP file.
 std::unique_ptr<RosInput> ReadRosFile(const RosSettings& settings, TellPeople tell);
 

@@ -42,7 +42,7 @@ class RosTriplets {
   ImageOfPoints image_of_points_;
   TripletSynchronizer synchronizer_;
   int64_t newest_utime_ = 0;  // of any stamp: the only clock here
-  int64_t unpaired_ = 0;      // told so far
+  int64_t unpaired_ = 0;      // reported so far
   std::string trouble_;
   bool is_finished_ = false;
 };

@@ -18,11 +18,12 @@ struct FgsSettings {
 
 /// Inputs of a rival.
 struct RivalInput {
-  cv::Mat left;                 ///< 8UC1 or 8UC3 (BGR), rectified
-  cv::Mat right;                ///< of the same size and type
-  std::span<const Seed> seeds;  ///< refined ToF seeds, also those that only the left
-                                ///< camera sees, for rivals that use the ToF camera
-  int max_disparity_px = 0;     ///< largest true disparity of the scene, rounded up
+  cv::Mat left;   ///< 8UC1 or 8UC3 (BGR), rectified
+  cv::Mat right;  ///< of the same size and type
+  /// Refined ToF seeds, also those that only the left camera sees, for rivals that use the ToF
+  /// camera.
+  std::span<const Seed> seeds;
+  int max_disparity_px = 0;  ///< largest true disparity of the scene, rounded up
   FgsSettings fgs = {};
 };
 

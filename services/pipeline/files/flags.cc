@@ -1,8 +1,6 @@
 #include "services/pipeline/files/flags.h"
 
-#include <CLI/CLI.hpp>
-
-#include "common/app/program.h"
+#include <optional>
 
 namespace sprout {
 namespace {
@@ -43,36 +41,33 @@ used, nothing was done.
 
 }  // namespace
 
-CLI::App& AddFilesCommand(CLI::App& flags, FilesOptions& options) {
-  CLI::App& files = *flags.add_subcommand("files", kDescription);
-  files.fallthrough();
-  files.footer(kFooter);
-  files.add_option("LEFT", options.left, "Left image, folder or 'pattern'")->required();
-  files.add_option("RIGHT", options.right, "Right image, folder or 'pattern'")->required();
-  files.add_option("--tof", options.tof, "ToF image, folder or 'pattern'")->type_name("TOF");
-  files.add_option("--out", options.out, "Folder to write to")->required()->type_name("DIR");
-  CLI::Option* rig =
-      files.add_option("--rig", options.rig.rig_file, "Calibration, as sprout-calibrate writes it")
-          ->type_name("FILE");
+Flags& AddFilesCommand(Flags& flags, FilesOptions& options) {
+  Flags& files = flags.AddCommand("files", kDescription);
+  files.InheritExcept({"--lcm-url", "--channel-prefix", "--replay", "--record", "--frames"});
+  files.SetFooter(kFooter);
+  files.Add("LEFT", options.left, "Left image, folder or 'pattern'").Required();
+  files.Add("RIGHT", options.right, "Right image, folder or 'pattern'").Required();
+  files.Add("--tof", options.tof, "ToF image, folder or 'pattern'").Takes("TOF");
+  files.Add("--out", options.out, "Folder to write to").Required().Takes("DIR");
+  const Flag rig =
+      files.Add("--rig", options.rig.rig_file, "Calibration, as sprout-calibrate writes it")
+          .Takes("FILE");
   const auto add = [&](const char* name, std::optional<double>& value, const char* text, double low,
                        double high) {
-    return files.add_option(name, value, text)->check(NumberIn(low, high))->excludes(rig);
+    return files.Add(name, value, text).Within(low, high).Excludes(rig);
   };
-  CLI::Option* focal =
+  Flag focal =
       add("--focal-px", options.rig.focal_px, "Focal length of a rectified pair, px", 1e-3, 1e6);
-  CLI::Option* baseline =
+  Flag baseline =
       add("--baseline-m", options.rig.baseline_m, "Distance of its cameras, m", 1e-6, 1e6);
-  focal->needs(baseline);
-  baseline->needs(focal);
-  CLI::Option* cx = add("--cx", options.rig.cx,
-                        "Column of the left principal point, px (default: the middle)", -1e6, 1e6);
-  cx->needs(focal);
+  focal.Needs(baseline);
+  baseline.Needs(focal);
+  Flag cx = add("--cx", options.rig.cx,
+                "Column of the left principal point, px (default: the middle)", -1e6, 1e6);
+  cx.Needs(focal);
   add("--cx-right", options.rig.cx_right,
       "Of the right one, px (default: as --cx); Middlebury's doffs is their difference", -1e6, 1e6)
-      ->needs(focal);
-  for (const char* bus : {"--lcm-url", "--channel-prefix", "--replay", "--record", "--frames"}) {
-    files.excludes(flags.get_option(bus));
-  }
+      .Needs(focal);
   return files;
 }
 

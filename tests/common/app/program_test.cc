@@ -29,13 +29,13 @@ class ProgramTest : public ::testing::Test {
   };
 
   ProgramTest() {
-    flags_.add_option("--file", file_, "Of one");
-    flags_.add_option("--list", list_, "Of several")->delimiter(',');
-    flags_.add_option("--channel-prefix", prefix_, "Before each channel");
-    CLI::App& sub = *flags_.add_subcommand("sub", "With flags of its own");
-    sub.add_option("--inner", file_, std::string(60, 'a') + " " + std::string(60, 'b'));
-    sub.add_option("FILE", file_, "Of one");
-    sub.add_option("COMMAND", list_, "Of another program");
+    flags_.Add("--file", file_, "Of one");
+    flags_.Add("--list", list_, "Of several").SplitAtCommas();
+    flags_.Add("--channel-prefix", prefix_, "Before each channel");
+    Flags& sub = flags_.AddCommand("sub", "With flags of its own");
+    sub.Add("--inner", file_, std::string(60, 'a') + " " + std::string(60, 'b'));
+    sub.Add("FILE", file_, "Of one");
+    sub.Add("COMMAND", list_, "Of another program");
   }
 
   Ended Run(std::vector<std::string> arguments) {
@@ -54,7 +54,7 @@ class ProgramTest : public ::testing::Test {
     return ended;
   }
 
-  CLI::App flags_{"Probes what every program shares", "probe"};
+  Flags flags_{"probe", "Probes what every program shares"};
   std::string file_;
   std::vector<std::string> list_;
   std::string prefix_;

@@ -51,6 +51,10 @@ TEST(DisparityPicture, MarksWhatItsScaleDoesNotReach) {
   const ValueRange range{0, 64};
   struct Arrows {
     int above, below, cols;
+    friend std::ostream& operator<<(std::ostream& out, const Arrows& arrows) {
+      return out << arrows.above << " above, " << arrows.below << " below, " << arrows.cols
+                 << " cols";
+    }
     bool operator==(const Arrows&) const = default;
   };
   const auto arrows_with = [&](double disparity_px) {

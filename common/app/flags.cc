@@ -1,0 +1,240 @@
+#include "common/app/flags.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include "common/app/help_text.h"
+#include "common/config/config_error.h"
+
+namespace sprout {
+namespace {
+
+std::string ListOf(const std::string& label, const std::set<CLI::Option*>& options) {
+  std::set<std::string> names;
+  for (const CLI::Option* option : options) names.insert(option->get_name());
+  std::string text = names.empty() ? "" : " " + label;
+  for (const std::string& name : names) text += " " + name;
+  return text;
+}
+
+// CLI11 has a line for each flag, however much there is to say, and lists other flags in the order
+// of their addresses.
+class Formatter : public CLI::Formatter {
+ public:
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
+    return WrapLines(CLI::Formatter::make_help(app, std::move(name), mode), get_column_width());
+  }
+
+  std::string make_option_opts(const CLI::Option* option) const override {
+    const std::string text = CLI::Formatter::make_option_opts(option);
+    return text.substr(0, std::min(text.find(" Needs:"), text.find(" Excludes:"))) +
+           ListOf("Needs:", option->get_needs()) + ListOf("Excludes:", option->get_excludes());
+  }
+};
+
+// CLI::Range would accept NaN.
+CLI::Validator NumberIn(double low, double high) {
+  std::ostringstream allowed;
+  allowed << "a number from " << low << " to " << high;
+  return {[=, text_of_allowed = allowed.str()](const std::string& text) -> std::string {
+            char* end = nullptr;
+            const double value = std::strtod(text.c_str(), &end);
+            const bool is_number = end != text.c_str() && *end == '\0';
+            if (is_number && value >= low && value <= high) return {};
+            return "'" + text + "' is not allowed: " + text_of_allowed;
+          },
+          allowed.str()};
+}
+
+// No prefix is a prefix like others; COMMAND is another program's.
+constexpr std::array<std::string_view, 2> kMayBeEmpty = {"--channel-prefix", "COMMAND"};
+
+// An empty text means what no flag means, and that is not what `--log "$FILE"` asks for when FILE
+// is not set.
+void RequireNoEmptyText(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_name();
+    const std::vector<std::string>& texts = option->results();
+    if (std::find(texts.begin(), texts.end(), "") == texts.end()) continue;
+    if (std::find(kMayBeEmpty.begin(), kMayBeEmpty.end(), name) != kMayBeEmpty.end()) continue;
+    throw ConfigError(name + " '': allowed is a text that is not empty");
+  }
+  for (const CLI::App* command : app.get_subcommands()) RequireNoEmptyText(*command);
+}
+
+}  // namespace
+
+Flag& Flag::Takes(const std::string& what) {
+  option_->type_name(what);
+  return *this;
+}
+
+Flag& Flag::Required() {
+  option_->required();
+  return *this;
+}
+
+Flag& Flag::ShowDefault() {
+  option_->capture_default_str();
+  return *this;
+}
+
+Flag& Flag::ShowDefault(const std::string& text) {
+  option_->default_str(text);
+  return *this;
+}
+
+Flag& Flag::Within(double low, double high) {
+  option_->check(NumberIn(low, high));
+  return *this;
+}
+
+Flag& Flag::WithinWhole(int64_t low, int64_t high) {
+  option_->check(CLI::Range(low, high));
+  return *this;
+}
+
+Flag& Flag::OneOf(const std::vector<std::string>& texts) {
+  option_->check(CLI::IsMember(texts));
+  return *this;
+}
+
+Flag& Flag::ExistingPath() {
+  option_->check(CLI::ExistingPath);
+  return *this;
+}
+
+Flag& Flag::ExistingFile() {
+  option_->check(CLI::ExistingFile);
+  return *this;
+}
+
+Flag& Flag::Repeatable() {
+  option_->expected(1)->take_all();
+  return *this;
+}
+
+Flag& Flag::SplitAtCommas() {
+  option_->delimiter(',');
+  return *this;
+}
+
+Flag& Flag::Needs(const Flag& other) {
+  option_->needs(other.option_);
+  return *this;
+}
+
+Flag& Flag::Excludes(const Flag& other) {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+Flag& Flag::Environment(const std::string& variable) {
+  option_->envname(variable);
+  return *this;
+}
+
+Flags::Flags(const std::string& program, const std::string& description)
+    : owned_(std::make_unique<CLI::App>(description, program)), app_(owned_.get()) {
+  app_->formatter(std::make_shared<Formatter>());  // commands take it over
+}
+
+Flags::Flags(CLI::App* command, Flags* program) : app_(command), program_(program) {}
+
+Flags::~Flags() = default;
+
+std::string Flags::program() const { return app_->get_name(); }
+
+template <typename Value>
+Flag Flags::Add(const std::string& name, Value& value, const std::string& help) {
+  if constexpr (std::is_same_v<Value, bool>) {
+    return Flag(app_->add_flag(name, value, help));
+  } else {
+    return Flag(app_->add_option(name, value, help));
+  }
+}
+
+template Flag Flags::Add(const std::string&, bool&, const std::string&);
+template Flag Flags::Add(const std::string&, int&, const std::string&);
+template Flag Flags::Add(const std::string&, int64_t&, const std::string&);
+template Flag Flags::Add(const std::string&, uint64_t&, const std::string&);
+template Flag Flags::Add(const std::string&, double&, const std::string&);
+template Flag Flags::Add(const std::string&, std::string&, const std::string&);
+template Flag Flags::Add(const std::string&, std::filesystem::path&, const std::string&);
+template Flag Flags::Add(const std::string&, std::optional<int>&, const std::string&);
+template Flag Flags::Add(const std::string&, std::optional<int64_t>&, const std::string&);
+template Flag Flags::Add(const std::string&, std::optional<double>&, const std::string&);
+template Flag Flags::Add(const std::string&, std::optional<std::string>&, const std::string&);
+template Flag Flags::Add(const std::string&, std::vector<uint64_t>&, const std::string&);
+template Flag Flags::Add(const std::string&, std::vector<std::string>&, const std::string&);
+template Flag Flags::Add(const std::string&, std::vector<std::filesystem::path>&,
+                         const std::string&);
+
+void Flags::AddAction(const std::string& name, std::function<void()> act, const std::string& help) {
+  const auto act_and_end = [act = std::move(act)] {
+    act();
+    throw CLI::Success();
+  };
+  app_->add_flag_callback(name, act_and_end, help);
+}
+
+void Flags::AddVersion(const std::string& version) {
+  app_->set_version_flag("--version", program() + " " + version);
+}
+
+Flag Flags::Get(const std::string& name) const { return Flag(app_->get_option(name)); }
+
+void Flags::SetFooter(const std::string& text) { app_->footer(text); }
+
+Flags& Flags::AddCommand(const std::string& name, const std::string& description,
+                         std::function<int()> run) {
+  commands_.push_back(
+      std::unique_ptr<Flags>(new Flags(app_->add_subcommand(name, description), this)));
+  commands_.back()->run_ = std::move(run);
+  return *commands_.back();
+}
+
+void Flags::InheritExcept(const std::vector<std::string>& names) {
+  app_->fallthrough();
+  for (const std::string& name : names) app_->excludes(program_->app_->get_option(name));
+}
+
+void Flags::RequireCommand() { app_->require_subcommand(1); }
+
+bool Flags::IsGiven() const { return app_->parsed(); }
+
+bool Flags::HasCommand() const { return !app_->get_subcommands().empty(); }
+
+int Flags::RunCommand() const {
+  for (const std::unique_ptr<Flags>& command : commands_) {
+    if (command->IsGiven()) return command->run_();
+  }
+  assert(false);
+  return 1;
+}
+
+bool Flags::Parse(int argc, const char* const* argv) {
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::Success& e) {  // --help, --version
+    app_->exit(e);
+    return false;
+  } catch (const CLI::ParseError& e) {
+    throw ConfigError(std::string(e.what()) + " (--help lists the flags)");
+  }
+  RequireNoEmptyText(*app_);
+  return true;
+}
+
+}  // namespace sprout
