@@ -44,19 +44,20 @@ TEST(DisparityPicture, GrowsItsMarginsWithTheImage) {
   EXPECT_GT(margin({1300, 1110}), 2 * margin({300, 200}));
 }
 
+struct Arrows {
+  int above, below, cols;
+  friend std::ostream& operator<<(std::ostream& out, const Arrows& arrows) {
+    return out << arrows.above << " above, " << arrows.below << " below, " << arrows.cols
+               << " cols";
+  }
+  bool operator==(const Arrows&) const = default;
+};
+
 // An image of 300x200 px has letters of 9 px, so it begins 9 px from the left and 27 px from above;
 // the bar follows 9 px behind it and is 13 px wide. An arrow at an end of it is 6 px high and has
 // 13 + 11 + 9 + 7 + 5 + 3 pixels of the end's colour.
 TEST(DisparityPicture, MarksWhatItsScaleDoesNotReach) {
   const ValueRange range{0, 64};
-  struct Arrows {
-    int above, below, cols;
-    friend std::ostream& operator<<(std::ostream& out, const Arrows& arrows) {
-      return out << arrows.above << " above, " << arrows.below << " below, " << arrows.cols
-                 << " cols";
-    }
-    bool operator==(const Arrows&) const = default;
-  };
   const auto arrows_with = [&](double disparity_px) {
     DisparityImage disparity(cv::Size(300, 200));
     disparity.counts() = ToCounts(20);
