@@ -142,16 +142,13 @@ int Record(const ServiceContext& context, const RecordingOptions& options,
 }
 
 void AddFlags(Flags& app, Options& flags) {
-  app.Add("--dir", flags.folder, "Folder to write to; created if missing").Takes("DIR").Required();
-  app.Add("--channels", flags.channels,
+  app.Add("--dir DIR", flags.folder, "Folder to write to; created if missing").Required();
+  app.Add("--channels NAME,NAME,...", flags.channels,
           "Only these (without prefix); your own are allowed; may be given several times; "
           "default: every channel of the graph")
-      .Takes("NAME,NAME,...")
       .SplitAtCommas()
       .Repeatable();
-  app.Add("--seconds", flags.seconds, "Stop after this many seconds")
-      .Takes("SECONDS")
-      .Within(0.1, 1e9);
+  app.Add("--seconds SECONDS", flags.seconds, "Stop after this many seconds").Within(0.1, 1e9);
   app.Add("--max-mb", flags.max_mb, "Size of a log at which the next one begins, MB")
       .Within(0.1, 1e6)
       .ShowDefault();
@@ -160,9 +157,8 @@ void AddFlags(Flags& app, Options& flags) {
       .ShowDefault();
   app.Add("--delete-oldest", flags.delete_oldest,
           "At the quota delete the oldest log record_*.lcm instead of stopping");
-  const Flag ring = app.Add("--ring", flags.ring_s,
+  const Flag ring = app.Add("--ring SECONDS", flags.ring_s,
                             "Keep the last seconds in memory and write nothing until a trigger")
-                        .Takes("SECONDS")
                         .Within(1.0, 3600.0);
   app.Add("--ring-mb", flags.ring_mb, "Memory for --ring, MB")
       .Within(0.1, 1e6)
@@ -172,9 +168,8 @@ void AddFlags(Flags& app, Options& flags) {
       .Within(0.0, 3600.0)
       .ShowDefault()
       .Needs(ring);
-  app.Add("--trigger-channel", flags.trigger_channel,
+  app.Add("--trigger-channel NAME", flags.trigger_channel,
           "Any message on this channel (without prefix) is a trigger")
-      .Takes("NAME")
       .Needs(ring);
   app.Add("--trigger-confidence", flags.trigger_confidence,
           "A SPROUT_CONFIDENCE with a mean below this is a trigger; 0 to 1, pixels without "
