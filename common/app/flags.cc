@@ -75,11 +75,6 @@ void RequireNoEmptyText(const CLI::App& app) {
 
 }  // namespace
 
-Flag& Flag::Takes(const std::string& what) {
-  option_->type_name(what);
-  return *this;
-}
-
 Flag& Flag::Required() {
   option_->required();
   return *this;
@@ -161,7 +156,10 @@ Flag Flags::Add(const std::string& name, Value& value, const std::string& help) 
   if constexpr (std::is_same_v<Value, bool>) {
     return Flag(app_->add_flag(name, value, help));
   } else {
-    return Flag(app_->add_option(name, value, help));
+    const size_t space = name.find(' ');
+    CLI::Option* const option = app_->add_option(name.substr(0, space), value, help);
+    if (space != std::string::npos) option->type_name(name.substr(space + 1));
+    return Flag(option);
   }
 }
 

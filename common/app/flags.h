@@ -19,9 +19,6 @@ class Flag {
  public:
   explicit Flag(CLI::Option* option) : option_(option) {}
 
-  /// What --help shows for the value: "FILE". Else it shows the type: "TEXT", "INT", "FLOAT".
-  Flag& Takes(const std::string& what);
-
   Flag& Required();
 
   /// --help shows the value that the variable has now, or a text in its place.
@@ -67,6 +64,7 @@ class Flags {
 
   /// A flag or an argument with a value; of a bool, a flag without one, which sets it to true. If
   /// it is not given the variable stays as it is.
+  /// @param name    "--out FILE", "OUT": for the value --help shows FILE, else its type ("INT").
   /// @tparam Value  a text, path or number, an optional or a list of them: those of flags.cc.
   template <typename Value>
   Flag Add(const std::string& name, Value& value, const std::string& help);

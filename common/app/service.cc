@@ -52,16 +52,14 @@ void RequireValidUrl(const std::string& url) {
 Service::Service(std::string stage, const std::string& description)
     : stage_(std::move(stage)), lcm_url_(DefaultLcmUrl()), flags_("sprout-" + stage_, description) {
   flags_
-      .Add("--config", config_files_,
+      .Add("--config FILE|PRESET", config_files_,
            "Configuration file in protobuf text format, or the name of a preset; may be "
            "given several times, later files override earlier ones")
-      .Takes("FILE|PRESET")
       .Repeatable();
-  flags_.Add("--lcm-url", lcm_url_, "The bus: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
-      .Takes("URL")
+  flags_.Add("--lcm-url URL", lcm_url_, "The bus: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
       .ShowDefault();
-  flags_.Add("--channel-prefix", prefix_, "Prefix of every channel, to run two graphs side by side")
-      .Takes("TEXT");
+  flags_.Add("--channel-prefix TEXT", prefix_,
+             "Prefix of every channel, to run two graphs side by side");
   flags_.Add("--log-level", log_level_, "What to log to stderr")
       .OneOf({"debug", "info", "warning", "error"})
       .ShowDefault();
@@ -71,9 +69,8 @@ Service::Service(std::string stage, const std::string& description)
       .WithinWhole(0, 1024)
       .ShowDefault();
   flags_
-      .Add("--simd", simd_,
+      .Add("--simd best|" + fmt::format("{}", fmt::join(SimdLevels(), "|")), simd_,
            "Best instruction set that growth and gap filling may use; results do not depend on it")
-      .Takes("best|" + fmt::format("{}", fmt::join(SimdLevels(), "|")))
       .ShowDefault();
   flags_.AddVersion(Version());
 }
@@ -81,18 +78,15 @@ Service::Service(std::string stage, const std::string& description)
 void Service::OfferReplay() {
   Flag replay =
       flags_
-          .Add("--replay", replay_,
+          .Add("--replay LOG", replay_,
                "Process all frames of this log instead of live ones, as fast as possible; "
                "may be given several times: events are merged by time, and a "
                "channel is taken from the last log that has it")
-          .Takes("LOG")
           .Repeatable();
-  Flag record = flags_.Add("--record", record_, "Log for the answers of --replay").Takes("LOG");
+  Flag record = flags_.Add("--record LOG", record_, "Log for the answers of --replay");
   Flag frames =
-      flags_
-          .Add("--frames", frames_,
-               "Process only frames A to B of --replay, both included; A:, :B and A work, too")
-          .Takes("A:B");
+      flags_.Add("--frames A:B", frames_,
+                 "Process only frames A to B of --replay, both included; A:, :B and A work, too");
   replay.Needs(record).Excludes(flags_.Get("--lcm-url"));
   record.Needs(replay);
   frames.Needs(replay);

@@ -261,11 +261,9 @@ void AddRun(Flags& program, Options& options) {
       .ShowDefault();
   AddList(flags, "--keep", request.keep, "Stages whose answers are kept, beside the last one's")
       .SplitAtCommas();
-  AddList(flags, "--config", request.config_a,
-          "Configuration A, as for the services; several are merged")
-      .Takes("FILE|PRESET");
-  AddList(flags, "--config-b", request.config_b, "Configuration B, to compare with A")
-      .Takes("FILE|PRESET");
+  AddList(flags, "--config FILE|PRESET", request.config_a,
+          "Configuration A, as for the services; several are merged");
+  AddList(flags, "--config-b FILE|PRESET", request.config_b, "Configuration B, to compare with A");
   flags.Add("--programs-a", request.programs_a,
             "Folder of the stages' programs (default: that of sprout-batch)");
   flags.Add("--programs-b", request.programs_b, "Those of B, to compare with another build");

@@ -70,7 +70,7 @@ struct Options {
 };
 
 void AddBoardFlags(Flags& flags, BoardOptions& board) {
-  flags.Add("--squares", board.squares, "Columns and rows of the board").Takes("CxR").ShowDefault();
+  flags.Add("--squares CxR", board.squares, "Columns and rows of the board").ShowDefault();
   flags.Add("--square-mm", board.square_mm, "Side of a square as measured on the print, mm")
       .Within(1, 10000)
       .ShowDefault();
@@ -170,7 +170,7 @@ void AddBoard(Flags& program, Options& options) {
   Flags& flags = program.AddCommand("board", "Writes a ChArUco board at true scale, to be printed",
                                     [&options] { return RunBoard(options); });
   AddBoardFlags(flags, options.board);
-  flags.Add("--out", options.out, "Page to print: .pdf or .svg").Required().Takes("FILE");
+  flags.Add("--out FILE", options.out, "Page to print: .pdf or .svg").Required();
 }
 
 void AddEstimate(Flags& program, Options& options) {
@@ -184,12 +184,11 @@ void AddEstimate(Flags& program, Options& options) {
       .Required()
       .ExistingPath();
   AddBoardFlags(flags, options.board);
-  flags.Add("--rig", options.rig, "Rig file whose devices are kept").Takes("FILE");
-  flags.Add("--out", options.out, "Rig file to write; a bad calibration is written beside it")
-      .Required()
-      .Takes("FILE");
-  flags.Add("--report", options.report, "HTML page to write").Takes("FILE");
-  flags.Add("--channel-prefix", options.prefix, "Before the channels in the log").Takes("TEXT");
+  flags.Add("--rig FILE", options.rig, "Rig file whose devices are kept");
+  flags.Add("--out FILE", options.out, "Rig file to write; a bad calibration is written beside it")
+      .Required();
+  flags.Add("--report FILE", options.report, "HTML page to write");
+  flags.Add("--channel-prefix TEXT", options.prefix, "Before the channels in the log");
 }
 
 void AddWatch(Flags& program, Options& options) {
@@ -202,18 +201,15 @@ void AddWatch(Flags& program, Options& options) {
                          [&options] { return RunWatch(BoardOf(options.board), options.watch); });
   AddBoardFlags(flags, options.board);
   flags
-      .Add("--out", options.watch.out,
+      .Add("--out FOLDER", options.watch.out,
            "Folder for the views, for estimate; views already in it count")
-      .Required()
-      .Takes("FOLDER");
+      .Required();
   flags
-      .Add("--lcm-url", options.watch.lcm_url,
+      .Add("--lcm-url URL", options.watch.lcm_url,
            "The bus: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
-      .Takes("URL")
       .Environment("LCM_DEFAULT_URL")
       .ShowDefault();
-  flags.Add("--channel-prefix", options.watch.prefix, "Prefix of the graph's channels")
-      .Takes("TEXT");
+  flags.Add("--channel-prefix TEXT", options.watch.prefix, "Prefix of the graph's channels");
 }
 
 void AddCheck(Flags& program, Options& options) {
@@ -226,12 +222,9 @@ void AddCheck(Flags& program, Options& options) {
   flags.Add("LOG", options.check.log, "Log of rectified frames, as a running graph sends them")
       .Required()
       .ExistingFile();
-  flags
-      .Add("--rig", options.check.rig,
-           "Rig file; the log has unrectified images, which are rectified with it")
-      .Takes("FILE");
-  flags.Add("--channel-prefix", options.check.prefix, "Before the channels in the log")
-      .Takes("TEXT");
+  flags.Add("--rig FILE", options.check.rig,
+            "Rig file; the log has unrectified images, which are rectified with it");
+  flags.Add("--channel-prefix TEXT", options.check.prefix, "Before the channels in the log");
 }
 
 void AddRefine(Flags& program, Options& options) {
@@ -247,27 +240,23 @@ void AddRefine(Flags& program, Options& options) {
            "of a running graph,\nor folders as of estimate")
       .Required()
       .ExistingPath();
+  flags.Add("--rig FILE", options.refine.rig,
+            "Rig file to refine, with which the images were or will be rectified. Without "
+            "it:\nthe calibration in the log of a running graph, as one of cameras without "
+            "distortion");
   flags
-      .Add("--rig", options.refine.rig,
-           "Rig file to refine, with which the images were or will be rectified. Without "
-           "it:\nthe calibration in the log of a running graph, as one of cameras without "
-           "distortion")
-      .Takes("FILE");
+      .Add("--out FILE", options.refine.out,
+           "Rig file to write; a bad calibration is written beside it")
+      .Required();
+  flags.Add("--report FILE", options.refine.report, "HTML page to write");
   flags
-      .Add("--out", options.refine.out, "Rig file to write; a bad calibration is written beside it")
-      .Required()
-      .Takes("FILE");
-  flags.Add("--report", options.refine.report, "HTML page to write").Takes("FILE");
-  flags
-      .Add("--also", options.refine.also,
+      .Add("--also NAMES", options.refine.also,
            "What may change as well, for lenses whose distortion is known to some hundredths "
            "of a pixel:\nfocal (lengths), row (of the right principal point), place "
            "(direction of the baseline),\nyaw (where no ToF point shows it)")
       .SplitAtCommas()
-      .OneOf({"focal", "row", "place", "yaw"})
-      .Takes("NAMES");
-  flags.Add("--channel-prefix", options.refine.prefix, "Before the channels in the log")
-      .Takes("TEXT");
+      .OneOf({"focal", "row", "place", "yaw"});
+  flags.Add("--channel-prefix TEXT", options.refine.prefix, "Before the channels in the log");
 }
 
 int RunChosen(const Flags& flags) {

@@ -29,29 +29,24 @@ struct Timeouts {
 };
 
 void AddFlags(Flags& flags, ConfigFlags& config, CaptureOptions& options, Timeouts& timeouts) {
-  flags
-      .Add("--source", config.source,
-           "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), with ?tof=grid or "
-           "?tof=sr4000 for the simulated ToF camera, ?tof=zones:8x8 for a multi-zone sensor; "
-           "log:FILE, a recorded log, with ?prefix=TEXT "
-           "if its channels have one, ?rig=RIG to rectify raw images; cameras: genicam:RIG (GigE "
-           "Vision, USB3 Vision), opencv:LEFT,RIGHT?rig=RIG "
-           "(videos, image lists, devices), "
-           "opencv:BOTH?rig=RIG and v4l2:DEVICE?rig=RIG (both views side by side); ROS 2: "
-           "ros2:left=TOPIC&right=TOPIC, live, and mcap:FILE?left=TOPIC&right=TOPIC, with &points= "
-           "or "
-           "&depth= of a range sensor")
-      .Takes("SOURCE");
-  flags
-      .Add("--rate", config.rate_hz,
-           "Frames a second; 0 = as fast as possible. Without it a log keeps its recorded "
-           "pace, or with --lockstep that of the answers")
-      .Takes("HZ");
+  flags.Add(
+      "--source SOURCE", config.source,
+      "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), with ?tof=grid or "
+      "?tof=sr4000 for the simulated ToF camera, ?tof=zones:8x8 for a multi-zone sensor; "
+      "log:FILE, a recorded log, with ?prefix=TEXT "
+      "if its channels have one, ?rig=RIG to rectify raw images; cameras: genicam:RIG (GigE "
+      "Vision, USB3 Vision), opencv:LEFT,RIGHT?rig=RIG "
+      "(videos, image lists, devices), "
+      "opencv:BOTH?rig=RIG and v4l2:DEVICE?rig=RIG (both views side by side); ROS 2: "
+      "ros2:left=TOPIC&right=TOPIC, live, and mcap:FILE?left=TOPIC&right=TOPIC, with &points= "
+      "or "
+      "&depth= of a range sensor");
+  flags.Add("--rate HZ", config.rate_hz,
+            "Frames a second; 0 = as fast as possible. Without it a log keeps its recorded "
+            "pace, or with --lockstep that of the answers");
   flags.Add("--gt-scale", config.gt_scale,
             "Disparity units of one pixel in a 2005/2006 ground truth; 0 = from the height");
-  flags.Add("--frames", options.frames, "Stop after N frames")
-      .WithinWhole(int64_t{1}, INT64_MAX)
-      .Takes("N");
+  flags.Add("--frames N", options.frames, "Stop after N frames").WithinWhole(int64_t{1}, INT64_MAX);
   flags.Add("--loop", options.loop, "Start again when the source ends");
   flags.AddAction(
       "--list", [] { std::cout << ListCameras(); },
@@ -60,19 +55,17 @@ void AddFlags(Flags& flags, ConfigFlags& config, CaptureOptions& options, Timeou
             "Send the cameras' unrectified images, on RAW_SPROUT_LEFT and so on, for "
             "calibration or to rectify them later (log:FILE?rig=RIG)");
   flags
-      .Add("--lockstep", options.lockstep,
+      .Add("--lockstep N", options.lockstep,
            "Have at most N frames without a SPROUT_DISPARITY answer; a frame not answered "
            "in time is sent again")
-      .WithinWhole(1, 1000)
-      .Takes("N");
+      .WithinWhole(1, 1000);
   flags.Add("--lockstep-timeout", timeouts.lockstep_s, "How long to wait for that answer, s")
       .Within(0.1, 3600.0)
       .ShowDefault();
   flags
-      .Add("--wait-for", options.wait_for,
+      .Add("--wait-for STAGES", options.wait_for,
            "Send nothing before these stages report, e.g. refine,prior,grow")
-      .SplitAtCommas()
-      .Takes("STAGES");
+      .SplitAtCommas();
   flags.Add("--wait-timeout", timeouts.wait_s, "How long to wait for those stages, s")
       .Within(0.1, 3600.0)
       .ShowDefault();

@@ -93,21 +93,17 @@ void AddInputFlags(Flags& flags, Options& options) {
       "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N to keep 32, "
       "16, "
       "8 or 4 of the scan's 64 beams");
-  flags.Add("--methods", options.methods, "Methods or groups of them, listed below")
+  flags.Add("--methods LIST", options.methods, "Methods or groups of them, listed below")
       .SplitAtCommas()
       .Repeatable()
-      .Takes("LIST")
       .ShowDefault("all");
+  flags.Add("--preset NAME", options.preset,
+            "Preset with the methods' parameters (default unless --config "
+            "is given)");
   flags
-      .Add("--preset", options.preset,
-           "Preset with the methods' parameters (default unless --config "
-           "is given)")
-      .Takes("NAME");
-  flags
-      .Add("--config", options.config_files,
+      .Add("--config FILE", options.config_files,
            "Configuration file; may be given several times, later ones override earlier ones "
            "and all of them the preset")
-      .Takes("FILE")
       .Repeatable();
   flags
       .Add(
@@ -155,38 +151,31 @@ void AddRunFlags(Flags& flags, Options& options) {
   flags.Add("--repeat", options.repeat, "Runs of each method, for the median of its times")
       .WithinWhole(1, 1000)
       .ShowDefault();
-  flags.Add("--json", options.json, "Write the results as JSON").Takes("FILE");
-  flags.Add("--csv", options.csv, "Write the results as CSV").Takes("FILE");
-  flags
-      .Add("--images", options.images,
-           "Write a picture of every map, figure.png and errors.png with all of them, and "
-           "confidence.svg: whether confidences hold")
-      .Takes("DIR");
+  flags.Add("--json FILE", options.json, "Write the results as JSON");
+  flags.Add("--csv FILE", options.csv, "Write the results as CSV");
+  flags.Add("--images DIR", options.images,
+            "Write a picture of every map, figure.png and errors.png with all of them, and "
+            "confidence.svg: whether confidences hold");
   flags.Add("--quiet", options.quiet, "No tables, no progress: only files and errors");
 }
 
 void AddLogFlags(Flags& flags, Options& options) {
-  Flag log = flags
-                 .Add("--log", options.log.file,
-                      "Instead of scenes: evaluate the recorded answers of a log, with --truth if "
-                      "given, and without truth as sprout-log rank does")
-                 .Takes("LOG");
+  Flag log = flags.Add("--log LOG", options.log.file,
+                       "Instead of scenes: evaluate the recorded answers of a log, with --truth if "
+                       "given, and without truth as sprout-log rank does");
   // What belongs to the methods that are run on scenes.
   for (const char* other : {"SCENE", "--methods", "--preset", "--config", "--tof",
                             "--seed-noise-px", "--seed-jitter-px", "--repeat", "--images"}) {
     log.Excludes(flags.Get(other));
   }
   flags
-      .Add("--truth", options.truth,
+      .Add("--truth SOURCE", options.truth,
            "Source that --log was captured from, with the ground truth of its frames: "
            "middlebury:DIR, kitti:DIR, synthetic:WxH")
-      .Takes("SOURCE")
       .Needs(log);
-  flags.Add("--frames", options.log.frames, "Frames of --log by number, both included")
-      .Takes("A:B")
+  flags.Add("--frames A:B", options.log.frames, "Frames of --log by number, both included")
       .Needs(log);
-  flags.Add("--channel-prefix", options.log.prefix, "Prefix of the channels of --log")
-      .Takes("TEXT")
+  flags.Add("--channel-prefix TEXT", options.log.prefix, "Prefix of the channels of --log")
       .Needs(log);
 }
 

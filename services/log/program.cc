@@ -48,20 +48,18 @@ struct Commands {
 };
 
 void AddPrefix(Flags& flags, std::string& prefix) {
-  flags.Add("--channel-prefix", prefix, "Prefix of the channels, as given to the services")
-      .Takes("TEXT");
+  flags.Add("--channel-prefix TEXT", prefix, "Prefix of the channels, as given to the services");
 }
 
 Flag AddFrames(Flags& flags, std::string& frames) {
-  return flags
-      .Add("--frames", frames,
-           "Frames by number (header.seq), both ends included; A:, :B and A work as well")
-      .Takes("A:B");
+  return flags.Add("--frames A:B", frames,
+                   "Frames by number (header.seq), both ends included; A:, :B and A work as well");
 }
 
 void AddChannels(Flags& flags, std::vector<std::string>& channels) {
-  flags.Add("--channels", channels, "Only these (without prefix); may be given several times")
-      .Takes("NAME,NAME,...")
+  flags
+      .Add("--channels NAME,NAME,...", channels,
+           "Only these (without prefix); may be given several times")
       .SplitAtCommas()
       .Repeatable();
 }
@@ -105,11 +103,9 @@ LCM's own channels are compared only when named by --channels; configurations th
       "--common", options.common,
       "Messages in only one log are no difference: a live run skips frames that a replay does not");
   flags.Add("--all", options.all, "A line for every frame, also for equal ones");
-  flags
-      .Add("--images", options.images,
-           "Write pictures of A, B and their difference, of the maps and images that differ; "
-           "without --all of the first 10")
-      .Takes("DIR");
+  flags.Add("--images DIR", options.images,
+            "Write pictures of A, B and their difference, of the maps and images that differ; "
+            "without --all of the first 10");
 }
 
 void AddCut(Flags& program, Commands& commands) {
@@ -124,10 +120,9 @@ void AddCut(Flags& program, Commands& commands) {
   flags.Add("OUT", options.out, "New log").Required();
   Flag frames = AddFrames(flags, options.frames);
   flags
-      .Add("--warm-up", options.warm_up,
+      .Add("--warm-up N", options.warm_up,
            "Also keep so many frames before those of --frames: for a replay of "
            "sprout-temporal, which remembers earlier frames")
-      .Takes("N")
       .WithinWhole(int64_t{0}, int64_t{1'000'000})
       .ShowDefault()
       .Needs(frames);
@@ -141,7 +136,7 @@ void AddMerge(Flags& program, Commands& commands) {
                                     [&commands] { return RunMerge(commands.merge); });
   MergeOptions& options = commands.merge;
   flags.Add("IN", options.in, "Logs; of equal times, the log named first comes first").Required();
-  flags.Add("--out", options.out, "New log").Required().Takes("OUT");
+  flags.Add("--out OUT", options.out, "New log").Required();
   AddForce(flags, options.force);
 }
 
@@ -170,11 +165,9 @@ void AddImages(Flags& program, Commands& commands) {
   ImagesOptions& options = commands.images;
   flags.Add("FILE", options.file, "Log").Required();
   flags.Add("DIR", options.folder, "Folder to write to: 000042_left.png, ...").Required();
-  flags
-      .Add("--truth", options.truth,
-           "The source that capture sent, for its ground truth: a picture of the errors, and "
-           "the share of correct pixels")
-      .Takes("SOURCE");
+  flags.Add("--truth SOURCE", options.truth,
+            "The source that capture sent, for its ground truth: a picture of the errors, and "
+            "the share of correct pixels");
   AddFrames(flags, options.frames);
   AddPrefix(flags, options.prefix);
 }
@@ -206,10 +199,9 @@ void AddExport(Flags& program, Commands& commands) {
   flags.Add("--mesh", options.mesh, "Coloured surface of the disparity map, cut at depth edges, m");
   flags.Add("--pfm", options.pfm, "Prior and disparity maps, px; +inf: no disparity; sigma, px");
   flags
-      .Add("--mcap", commands.mcap,
+      .Add("--mcap OUT", commands.mcap,
            "One MCAP file for rosbag2, Foxglove and rerun: the images, depth, points, "
            "disparities and statuses of the log on the topics of sprout-ros2")
-      .Takes("OUT")
       .Excludes(folder);
   AddForce(flags, commands.force_mcap);
   AddFrames(flags, options.frames);
@@ -226,15 +218,14 @@ void AddRank(Flags& program, Commands& commands) {
   RankOptions& options = commands.rank;
   flags.Add("LOG", options.file, "Log").Required();
   flags
-      .Add("--top", options.top,
+      .Add("--top N", options.top,
            "Only the N worst frames. Without it the table and --images have 20, --csv and "
            "--json all of the log")
-      .WithinWhole(1, 1'000'000)
-      .Takes("N");
-  flags.Add("--by", options.by, "What to rank by, a column below").Takes("COLUMN").ShowDefault();
+      .WithinWhole(1, 1'000'000);
+  flags.Add("--by COLUMN", options.by, "What to rank by, a column below").ShowDefault();
   Flag csv = flags.Add("--csv", options.csv, "For spreadsheets, all digits");
   flags.Add("--json", options.json, "For programs, all digits").Excludes(csv);
-  flags.Add("--images", options.folder, "Write the pictures of the worst frames").Takes("DIR");
+  flags.Add("--images DIR", options.folder, "Write the pictures of the worst frames");
   AddFrames(flags, options.frames);
   AddPrefix(flags, options.prefix);
   std::string columns = "Columns\n";

@@ -68,16 +68,12 @@ void AddMeasureFlags(Flags& flags, Options& options) {
            "Log of a graph (SPROUT_DISPARITY, SPROUT_RIG), or folder of disparity maps "
            "(*disparity.pfm, else *.pfm; px); without it: the running graph")
       .ExistingPath();
-  flags
-      .Add("--region", options.region,
-           "Part of the left image that shows the target alone, px (default: its middle "
-           "half each way)")
-      .Takes("LEFT,TOP,WIDTH,HEIGHT");
-  flags
-      .Add("--edge", options.edge,
-           "Part of the left image that one depth edge crosses, such as the border of a "
-           "board before a wall, px: how wide the edge is")
-      .Takes("LEFT,TOP,WIDTH,HEIGHT");
+  flags.Add("--region LEFT,TOP,WIDTH,HEIGHT", options.region,
+            "Part of the left image that shows the target alone, px (default: its middle "
+            "half each way)");
+  flags.Add("--edge LEFT,TOP,WIDTH,HEIGHT", options.edge,
+            "Part of the left image that one depth edge crosses, such as the border of a "
+            "board before a wall, px: how wide the edge is");
   flags
       .Add("--distance-m", options.distance_m,
            "True distance of the target from the left camera, square to the target, m")
@@ -87,35 +83,28 @@ void AddMeasureFlags(Flags& flags, Options& options) {
            "Maps that are measured: the first ones, of a running graph the newest")
       .WithinWhole(1, 1000)
       .ShowDefault();
-  flags.Add("--frames", options.frames, "Of a log: frames by number, both included").Takes("A:B");
-  flags
-      .Add("--calib", options.calibration,
-           "Of a folder: calibration in Middlebury's format: cam0, cam1 (px), baseline (mm) "
-           "(default: its calib.txt)")
-      .Takes("FILE");
+  flags.Add("--frames A:B", options.frames, "Of a log: frames by number, both included");
+  flags.Add("--calib FILE", options.calibration,
+            "Of a folder: calibration in Middlebury's format: cam0, cam1 (px), baseline (mm) "
+            "(default: its calib.txt)");
 }
 
 void AddOutputFlags(Flags& flags, Options& options) {
-  flags.Add("--limits", options.limits, "What figures have to keep; exit code 1 when one does not")
-      .Takes("FILE");
-  flags.Add("--json", options.json, "Write the figures as JSON").Takes("FILE");
-  flags.Add("--report", options.report, "Write an HTML page: figures, plane, residuals")
-      .Takes("FILE");
-  flags
-      .Add("--images", options.images,
-           "Write region.png, residuals.png and noise.png; of a running graph once a second")
-      .Takes("DIR");
+  flags.Add("--limits FILE", options.limits,
+            "What figures have to keep; exit code 1 when one does not");
+  flags.Add("--json FILE", options.json, "Write the figures as JSON");
+  flags.Add("--report FILE", options.report, "Write an HTML page: figures, plane, residuals");
+  flags.Add("--images DIR", options.images,
+            "Write region.png, residuals.png and noise.png; of a running graph once a second");
   flags.Add("--once", options.live.once,
             "Of a running graph: ends when --count maps are measured, or when none came for 30 "
             "s");
   flags
-      .Add("--lcm-url", options.live.lcm_url,
+      .Add("--lcm-url URL", options.live.lcm_url,
            "Where the messages travel: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")
-      .Takes("URL")
       .Environment("LCM_DEFAULT_URL")
       .ShowDefault();
-  flags.Add("--channel-prefix", options.live.prefix, "Before the channels of the graph")
-      .Takes("TEXT");
+  flags.Add("--channel-prefix TEXT", options.live.prefix, "Before the channels of the graph");
 }
 
 cv::Rect RectOf(const std::string& flag, const std::string& text) {

@@ -60,32 +60,32 @@ void RequireChannel(const std::string& flag, const std::string& channel) {
                     "': allowed are 1 to 63 letters, digits, '_' and '-', without prefix");
 }
 
-RecordingOptions OptionsOf(const Options& flags) {
-  RecordingOptions options;
-  options.channels = flags.channels;
-  if (options.channels.empty()) {
-    for (const std::string_view channel : AllChannels()) options.channels.emplace_back(channel);
+RecordingOptions OptionsOf(const Options& options) {
+  RecordingOptions recording;
+  recording.channels = options.channels;
+  if (recording.channels.empty()) {
+    for (const std::string_view channel : AllChannels()) recording.channels.emplace_back(channel);
   }
-  for (const std::string& channel : options.channels) RequireChannel("--channels", channel);
-  options.folder = {.folder = flags.folder,
-                    .max_file_bytes = std::llround(flags.max_mb * 1e6),
-                    .quota_bytes = std::llround(flags.quota_gb * 1e9),
-                    .delete_oldest = flags.delete_oldest};
-  if (flags.delete_oldest && flags.max_mb > flags.quota_gb * 1000 / 2) {
+  for (const std::string& channel : recording.channels) RequireChannel("--channels", channel);
+  recording.folder = {.folder = options.folder,
+                      .max_file_bytes = std::llround(options.max_mb * 1e6),
+                      .quota_bytes = std::llround(options.quota_gb * 1e9),
+                      .delete_oldest = options.delete_oldest};
+  if (options.delete_oldest && options.max_mb > options.quota_gb * 1000 / 2) {
     throw ConfigError(
         fmt::format("--max-mb {}: allowed with --delete-oldest is up to half of "
                     "--quota-gb, {} MB",
-                    flags.max_mb, flags.quota_gb * 1000 / 2));
+                    options.max_mb, options.quota_gb * 1000 / 2));
   }
-  if (flags.ring_s) {
-    options.ring = {.length = Seconds(*flags.ring_s),
-                    .max_bytes = static_cast<size_t>(flags.ring_mb * 1e6),
-                    .after = Seconds(flags.after_s)};
+  if (options.ring_s) {
+    recording.ring = {.length = Seconds(*options.ring_s),
+                      .max_bytes = static_cast<size_t>(options.ring_mb * 1e6),
+                      .after = Seconds(options.after_s)};
   }
-  if (flags.trigger_channel) RequireChannel("--trigger-channel", *flags.trigger_channel);
-  options.trigger_channel = flags.trigger_channel;
-  options.trigger_confidence = flags.trigger_confidence;
-  return options;
+  if (options.trigger_channel) RequireChannel("--trigger-channel", *options.trigger_channel);
+  recording.trigger_channel = options.trigger_channel;
+  recording.trigger_confidence = options.trigger_confidence;
+  return recording;
 }
 
 // SIGUSR1, which is blocked in every thread, within 0.1 s.
@@ -141,44 +141,43 @@ int Record(const ServiceContext& context, const RecordingOptions& options,
   return whole ? 0 : 1;
 }
 
-void AddFlags(Flags& app, Options& flags) {
-  app.Add("--dir", flags.folder, "Folder to write to; created if missing").Takes("DIR").Required();
-  app.Add("--channels", flags.channels,
-          "Only these (without prefix); your own are allowed; may be given several times; "
-          "default: every channel of the graph")
-      .Takes("NAME,NAME,...")
+void AddFlags(Flags& flags, Options& options) {
+  flags.Add("--dir DIR", options.folder, "Folder to write to; created if missing").Required();
+  flags
+      .Add("--channels NAME,NAME,...", options.channels,
+           "Only these (without prefix); your own are allowed; may be given several times; "
+           "default: every channel of the graph")
       .SplitAtCommas()
       .Repeatable();
-  app.Add("--seconds", flags.seconds, "Stop after this many seconds")
-      .Takes("SECONDS")
-      .Within(0.1, 1e9);
-  app.Add("--max-mb", flags.max_mb, "Size of a log at which the next one begins, MB")
+  flags.Add("--seconds SECONDS", options.seconds, "Stop after this many seconds").Within(0.1, 1e9);
+  flags.Add("--max-mb", options.max_mb, "Size of a log at which the next one begins, MB")
       .Within(0.1, 1e6)
       .ShowDefault();
-  app.Add("--quota-gb", flags.quota_gb, "Largest size of the folder with all its files, GB")
+  flags.Add("--quota-gb", options.quota_gb, "Largest size of the folder with all its files, GB")
       .Within(0.001, 1e6)
       .ShowDefault();
-  app.Add("--delete-oldest", flags.delete_oldest,
-          "At the quota delete the oldest log record_*.lcm instead of stopping");
-  const Flag ring = app.Add("--ring", flags.ring_s,
-                            "Keep the last seconds in memory and write nothing until a trigger")
-                        .Takes("SECONDS")
+  flags.Add("--delete-oldest", options.delete_oldest,
+            "At the quota delete the oldest log record_*.lcm instead of stopping");
+  const Flag ring = flags
+                        .Add("--ring SECONDS", options.ring_s,
+                             "Keep the last seconds in memory and write nothing until a trigger")
                         .Within(1.0, 3600.0);
-  app.Add("--ring-mb", flags.ring_mb, "Memory for --ring, MB")
+  flags.Add("--ring-mb", options.ring_mb, "Memory for --ring, MB")
       .Within(0.1, 1e6)
       .ShowDefault()
       .Needs(ring);
-  app.Add("--after", flags.after_s, "How long to record after a trigger, s")
+  flags.Add("--after", options.after_s, "How long to record after a trigger, s")
       .Within(0.0, 3600.0)
       .ShowDefault()
       .Needs(ring);
-  app.Add("--trigger-channel", flags.trigger_channel,
-          "Any message on this channel (without prefix) is a trigger")
-      .Takes("NAME")
+  flags
+      .Add("--trigger-channel NAME", options.trigger_channel,
+           "Any message on this channel (without prefix) is a trigger")
       .Needs(ring);
-  app.Add("--trigger-confidence", flags.trigger_confidence,
-          "A SPROUT_CONFIDENCE with a mean below this is a trigger; 0 to 1, pixels without "
-          "disparity count as 0")
+  flags
+      .Add("--trigger-confidence", options.trigger_confidence,
+           "A SPROUT_CONFIDENCE with a mean below this is a trigger; 0 to 1, pixels without "
+           "disparity count as 0")
       .Within(0.0, 1.0)
       .Needs(ring);
 }
@@ -190,10 +189,10 @@ int Main(int argc, char** argv) {
   sigaddset(&signals, SIGUSR1);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   Service service("record", kDescription);
-  Options flags;
-  AddFlags(service.flags(), flags);
+  Options options;
+  AddFlags(service.flags(), options);
   return service.Run(argc, argv, [&](const ServiceContext& context) {
-    return Record(context, OptionsOf(flags), flags.seconds);
+    return Record(context, OptionsOf(options), options.seconds);
   });
 }
 

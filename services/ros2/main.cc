@@ -60,10 +60,7 @@ int Main(int argc, char** argv) {
                   "nobody subscribes to is not converted.");
   std::optional<int> domain;
   bool reliable = false;
-  service.flags()
-      .Add("--domain", domain, "As ROS_DOMAIN_ID")
-      .Environment("ROS_DOMAIN_ID")
-      .Takes("N");
+  service.flags().Add("--domain N", domain, "As ROS_DOMAIN_ID").Environment("ROS_DOMAIN_ID");
   service.flags().Add("--reliable", reliable, "Send what was lost again");
   return service.Run(
       argc, argv,

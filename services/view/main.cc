@@ -179,15 +179,13 @@ int Main(int argc, char** argv) {
                   "process.\nOpen http://127.0.0.1:8420/; '?' lists the keys there.\nSubscribes to "
                   "every channel and needs none: missing ones are not shown.");
   Options options;
-  Flag log = service.flags()
-                 .Add("--log", options.log, "Show a log instead of the running graph")
-                 .Takes("FILE");
+  Flag log =
+      service.flags().Add("--log FILE", options.log, "Show a log instead of the running graph");
   service.flags()
-      .Add("--frame", options.frame,
+      .Add("--frame N", options.frame,
            "With --log: open at the first frame with this number (header.seq)")
       .WithinWhole(int64_t{0}, INT64_MAX)
-      .Needs(log)
-      .Takes("N");
+      .Needs(log);
   service.flags()
       .Add("--address", options.address,
            "Address to listen on; with another than the loopback's, other hosts can look, too")

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -189,13 +191,27 @@ TEST(FullDiskSystem, AReplaySaysSoAndKeepsNothingUnderTheNameOfTheLog) {
   EXPECT_FALSE(std::filesystem::exists(folder / "disk/answers.lcm"));
 }
 
+// Whether a process hangs in opening a file, and takes signals.
+bool HangsInOpen(pid_t pid) {
+  const auto read = [&](const char* name) {
+    std::ifstream file("/proc/" + std::to_string(pid) + "/" + name);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string status = read("status");
+  const size_t caught = status.find("SigCgt:");
+  if (caught == std::string::npos) return false;
+  const uint64_t signals = std::stoull(status.substr(caught + 7), nullptr, 16);
+  return (signals >> (SIGINT - 1) & 1) != 0 &&
+         read("syscall").starts_with(std::to_string(SYS_openat) + " ");
+}
+
 // stuck_test.cc has what one signal does.
 TEST(StuckSystem, ASecondCtrlCEndsAtOnceWhoHangs) {
   const TemporaryDirectory folder;
   const std::filesystem::path fifo = folder / "fifo";
   ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
   Process capture({ProgramPath("sprout-capture"), "--source", "log:" + fifo.string()});
-  ASSERT_TRUE(Says(capture, "configuration"));
+  ASSERT_TRUE(Eventually([&] { return HangsInOpen(capture.pid()); })) << capture.Output();
   capture.Signal(SIGINT);
   ASSERT_TRUE(Says(capture, "SIGINT: stopping"));
   capture.Signal(SIGINT);

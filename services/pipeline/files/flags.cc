@@ -47,11 +47,10 @@ Flags& AddFilesCommand(Flags& flags, FilesOptions& options) {
   files.SetFooter(kFooter);
   files.Add("LEFT", options.left, "Left image, folder or 'pattern'").Required();
   files.Add("RIGHT", options.right, "Right image, folder or 'pattern'").Required();
-  files.Add("--tof", options.tof, "ToF image, folder or 'pattern'").Takes("TOF");
-  files.Add("--out", options.out, "Folder to write to").Required().Takes("DIR");
+  files.Add("--tof TOF", options.tof, "ToF image, folder or 'pattern'");
+  files.Add("--out DIR", options.out, "Folder to write to").Required();
   const Flag rig =
-      files.Add("--rig", options.rig.rig_file, "Calibration, as sprout-calibrate writes it")
-          .Takes("FILE");
+      files.Add("--rig FILE", options.rig.rig_file, "Calibration, as sprout-calibrate writes it");
   const auto add = [&](const char* name, std::optional<double>& value, const char* text, double low,
                        double high) {
     return files.Add(name, value, text).Within(low, high).Excludes(rig);

@@ -1,0 +1,125 @@
+#include "common/app/flags.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "common/config/config_error.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+bool Parse(Flags& flags, std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "probe");
+  return flags.Parse(static_cast<int>(arguments.size()), arguments.data());
+}
+
+std::string ErrorOf(Flags& flags, const std::vector<const char*>& arguments) {
+  try {
+    Parse(flags, arguments);
+    return "";
+  } catch (const ConfigError& e) {
+    return e.what();
+  }
+}
+
+std::string HelpOf(Flags& flags) {
+  testing::internal::CaptureStdout();
+  EXPECT_FALSE(Parse(flags, {"--help"}));
+  return testing::internal::GetCapturedStdout();
+}
+
+TEST(Flags, SetWhatIsGivenAndLeaveTheRest) {
+  Flags flags("probe", "Probes flags");
+  std::string out = "default", file;
+  std::optional<double> rate, pause;
+  std::vector<std::string> names, logs;
+  bool is_loud = false, is_long = false;
+  flags.Add("--out DIR", out, "");
+  flags.Add("FILE", file, "");
+  flags.Add("--rate", rate, "");
+  flags.Add("--pause", pause, "");
+  flags.Add("--names", names, "").SplitAtCommas();
+  flags.Add("--log", logs, "").Repeatable();
+  flags.Add("--loud", is_loud, "");
+  flags.Add("--long", is_long, "");
+  EXPECT_TRUE(Parse(flags, {"a.png", "--rate", "2.5", "--names", "x,y", "--log", "1.lcm", "--log",
+                            "2.lcm", "--loud"}));
+  EXPECT_EQ(out, "default");
+  EXPECT_EQ(file, "a.png");
+  EXPECT_EQ(rate, 2.5);
+  EXPECT_EQ(pause, std::nullopt);
+  EXPECT_THAT(names, ElementsAre("x", "y"));
+  EXPECT_THAT(logs, ElementsAre("1.lcm", "2.lcm"));
+  EXPECT_TRUE(is_loud);
+  EXPECT_FALSE(is_long);
+}
+
+TEST(Flags, RefuseWhatIsNotAllowedAndSayWhatIs) {
+  Flags flags("probe", "Probes flags");
+  double share = 0;
+  int count = 0;
+  std::string way;
+  flags.Add("--share", share, "").Within(0, 1);
+  flags.Add("--count", count, "").WithinWhole(1, 9);
+  flags.Add("--way", way, "").OneOf({"up", "down"});
+  for (const char* share_text : {"1.5", "nan", "x", "0.5x"}) {
+    EXPECT_EQ(ErrorOf(flags, {"--share", share_text}),
+              "--share: '" + std::string(share_text) +
+                  "' is not allowed: a number from 0 to 1 (--help lists the flags)");
+  }
+  EXPECT_THAT(ErrorOf(flags, {"--count", "10"}), HasSubstr("10 not in range 1 to 9"));
+  EXPECT_THAT(ErrorOf(flags, {"--way", "left"}), HasSubstr("left not in {up,down}"));
+  EXPECT_THAT(ErrorOf(flags, {"--bogus"}), HasSubstr("--bogus (--help lists the flags)"));
+  EXPECT_EQ(ErrorOf(flags, {"--share", "1", "--count", "9", "--way", "up"}), "");
+}
+
+TEST(Flags, ListInTheirHelpWhatTheyTakeTheirDefaultsAndEachOtherByName) {
+  Flags flags("probe", "Probes flags");
+  std::string out, rig = "r";
+  int count = 7;
+  flags.Add("--out DIR", out, "Where to").Required();
+  const Flag rig_flag = flags.Add("--rig", rig, "Calibration").ShowDefault("none");
+  flags.Add("--zero", count, "").Excludes(rig_flag);
+  flags.Add("--count", count, "How many")
+      .ShowDefault()
+      .Excludes(rig_flag)
+      .Needs(flags.Get("--out"));
+  flags.Add("--all", count, "").Excludes(rig_flag);
+  const std::string help = HelpOf(flags);
+  EXPECT_THAT(help, HasSubstr("--out DIR REQUIRED          Where to\n"));
+  EXPECT_THAT(help, HasSubstr("--rig TEXT=none Excludes: --all --count --zero"));
+  EXPECT_THAT(help, HasSubstr("--count INT=7 Needs: --out Excludes: --rig"));
+}
+
+TEST(Flags, RunTheCommandThatIsGiven) {
+  Flags flags("probe", "Probes flags");
+  std::string text;
+  flags.RequireCommand();
+  flags.AddCommand("one", "", [&] { return text == "x" ? 3 : 4; }).Add("TEXT", text, "");
+  const Flags& other = flags.AddCommand("other", "", [] { return 5; });
+  EXPECT_THAT(ErrorOf(flags, {}), HasSubstr("subcommand is required"));
+  EXPECT_TRUE(Parse(flags, {"one", "x"}));
+  EXPECT_FALSE(other.IsGiven());
+  EXPECT_EQ(flags.RunCommand(), 3);
+  EXPECT_TRUE(Parse(flags, {"other"}));
+  EXPECT_TRUE(other.IsGiven());
+  EXPECT_EQ(flags.RunCommand(), 5);
+}
+
+TEST(Flags, DoAnActionInPlaceOfTheProgramsWork) {
+  Flags flags("probe", "Probes flags");
+  int acts = 0;
+  flags.AddAction(
+      "--list", [&] { ++acts; }, "");
+  EXPECT_TRUE(Parse(flags, {}));
+  EXPECT_FALSE(Parse(flags, {"--list"}));
+  EXPECT_EQ(acts, 1);
+}
+
+}  // namespace
+}  // namespace sprout
