@@ -20,6 +20,7 @@ namespace HWY_NAMESPACE {
 
 using Bytes = uint8_t __attribute__((vector_size(16)));
 using Words = uint16_t __attribute__((vector_size(16)));
+using HalfBytes = uint8_t __attribute__((vector_size(8)));
 constexpr int kLanes = 16;
 constexpr int kWords = 8;
 
@@ -40,6 +41,22 @@ HWY_INLINE void Store(Words words, uint16_t* to) { std::memcpy(to, &words, sizeo
 
 HWY_INLINE Bytes Least(Bytes a, Bytes b) { return a < b ? a : b; }
 HWY_INLINE Words Least(Words a, Words b) { return a < b ? a : b; }
+
+// The lanes from 8 · kHalf on.
+template <int kHalf>
+HWY_INLINE Words Widened(Bytes x) {
+  constexpr int kFrom = 8 * kHalf;
+  const HalfBytes half = __builtin_shufflevector(x, x, kFrom, kFrom + 1, kFrom + 2, kFrom + 3,
+                                                 kFrom + 4, kFrom + 5, kFrom + 6, kFrom + 7);
+  return __builtin_convertvector(half, Words);
+}
+
+// Both as one, their lanes at most 255.
+HWY_INLINE Bytes Narrowed(Words low, Words high) {
+  return __builtin_shufflevector(__builtin_convertvector(low, HalfBytes),
+                                 __builtin_convertvector(high, HalfBytes), 0, 1, 2, 3, 4, 5, 6, 7,
+                                 8, 9, 10, 11, 12, 13, 14, 15);
+}
 
 HWY_INLINE uint16_t LeastLane(Words x) {
   x = Least(x, __builtin_shufflevector(x, x, 4, 5, 6, 7, 0, 1, 2, 3));

@@ -75,16 +75,6 @@ HWY_BEFORE_NAMESPACE();
 namespace sprout::refine {
 namespace HWY_NAMESPACE {
 
-// The lanes from 8 · kHalf on.
-template <int kHalf>
-HWY_INLINE Words Widened(Bytes x) {
-  using Half = uint8_t __attribute__((vector_size(8)));
-  constexpr int kFrom = 8 * kHalf;
-  const Half half = __builtin_shufflevector(x, x, kFrom, kFrom + 1, kFrom + 2, kFrom + 3, kFrom + 4,
-                                            kFrom + 5, kFrom + 6, kFrom + 7);
-  return __builtin_convertvector(half, Words);
-}
-
 // Of two vectors one: its lanes are by turns of the one and of the other, each the lesser of two.
 HWY_INLINE Bytes Folded(Bytes a, Bytes b) {
   return Least(

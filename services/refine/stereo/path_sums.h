@@ -13,7 +13,7 @@ namespace sprout::refine {
 /// cheapest paths that end there (eq. 2 of the README), added up. The paths come from the previous
 /// pixel and from the three nearest pixels of the previous row.
 /// @param step  1: rows from the first to the last one, and the pixels in them; −1: the other way.
-/// @param costs  of the data term, CensusCosts.
+/// @param costs  of the data term, MatchCosts.
 /// @param sums   gets search.labels sums for each pixel of the rows, undefined for pixels that are
 ///               left out.
 /// O(pixels of the rows · labels), about 20 ns for 16 labels; thread-safe.

@@ -11,7 +11,7 @@ namespace sprout::refine {
 const StereoMatches& SemiGlobalMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& right,
                                               const StereoSearch& search) {
   rows_.Set(search);
-  const std::vector<uint8_t>& costs = census_costs_.Compute(left, right, search, rows_);
+  const std::vector<uint8_t>& costs = match_costs_.Compute(left, right, search, rows_);
   RunBoth([&] { AddUpPaths(left, search, rows_, costs, 1, sums_[0]); },
           [&] { AddUpPaths(left, search, rows_, costs, -1, sums_[1]); });
   matches_.best.create(left.size());

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "services/refine/stereo/census_costs.h"
+#include "services/refine/stereo/match_costs.h"
 #include "services/refine/stereo/stereo_search.h"
 
 namespace sprout::refine {
@@ -21,8 +21,8 @@ struct StereoMatches {
 };
 
 /// Semi-global matching (Hirschmüller, PAMI 2008): the disparities that minimise along eight
-/// directions the Hamming distance of census transforms (5×5, 24 bits) plus a penalty for every
-/// change of disparity. The penalty of larger changes falls with the difference of grey values.
+/// directions MatchCosts plus a penalty for every change of disparity. The penalty of larger
+/// changes falls with the difference of grey values.
 ///
 /// Every pixel has its own range of disparities: disparities that a coarser image has ruled out are
 /// not searched again. Costs are whole numbers of 8 bits: the same result on every machine.
@@ -38,7 +38,7 @@ class SemiGlobalMatcher {
 
  private:
   SearchRows rows_;
-  CensusCosts census_costs_;
+  MatchCosts match_costs_;
   std::array<std::vector<uint16_t>, 2> sums_;  // over the directions of either sweep
   StereoMatches matches_;
 };

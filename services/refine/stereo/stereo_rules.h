@@ -61,21 +61,25 @@ struct StereoRules {
   /// Fewest pixels of a connected patch of disparities. By trial: smaller patches are mostly wrong.
   static constexpr int kSmallestPatch = 50;
 
-  // The data term, census bits of the 5×5 window.
+  // The data term, eq. (9), in census bits of the 5×5 window.
   static constexpr int kCensusRadius = 2;
   static constexpr int kBits = 24;
-  /// Cost of a match outside the right image: as bad as a random one, half of the bits.
-  static constexpr int kOutside = kBits / 2;
+  /// Cost of a difference of half a grey level a px between the slopes of a pixel and its match,
+  /// and the most of such costs. Measured (NOTES.md, "What pixels are compared by").
+  static constexpr int kPerSlope = 2;
+  static constexpr int kMostSlope = 10;
+  /// Cost of a match outside the right image: as bad as a random one, half of what is possible.
+  static constexpr int kOutside = (kBits + kMostSlope) / 2;
   /// Cost of each pixel of difference from a ToF seed's disparity. By trial, not sensitive.
   static constexpr int kKnownPerPx = 6;
   /// Most of that cost: no more than the data term can reach, so that the images can outvote a
   /// seed.
   static constexpr int kMostKnown = kBits;
-  static constexpr int kMostCost = kBits + kMostKnown;
+  static constexpr int kMostCost = kBits + kMostSlope + kMostKnown;
 
-  // The smoothness term, census bits: by trial, none is sensitive.
+  // The smoothness term, census bits: by trial (NOTES.md, "What pixels are compared by").
   static constexpr int kSmallStep = 5;     ///< P1, a change by 1 px
-  static constexpr int kLargeStep = 50;    ///< P2, a larger one, over equal grey values
+  static constexpr int kLargeStep = 35;    ///< P2, a larger one, over equal grey values
   static constexpr int kLeastLarge = 7;    ///< least P2, across an image edge; > P1
   static constexpr int kHalfLargeAt = 20;  ///< difference of grey values that halves P2
 

@@ -1,5 +1,5 @@
 // Compiled by Highway once for each instruction set; one of them is picked when the program runs.
-#include "services/refine/stereo/census_costs.h"
+#include "services/refine/stereo/match_costs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,21 +7,22 @@
 #include "common/core/parallel.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "services/refine/stereo/census_costs.cc"
+#define HWY_TARGET_INCLUDE "services/refine/stereo/match_costs.cc"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include "services/refine/stereo/byte_lanes-inl.h"
 
-#ifndef SPROUT_SERVICES_REFINE_CENSUS_COSTS_SHARED_
-#define SPROUT_SERVICES_REFINE_CENSUS_COSTS_SHARED_
+#ifndef SPROUT_SERVICES_REFINE_MATCH_COSTS_SHARED_
+#define SPROUT_SERVICES_REFINE_MATCH_COSTS_SHARED_
 namespace sprout::refine {
 namespace {
 
 constexpr int kRadius = StereoRules::kCensusRadius;
 constexpr int kWindow = 2 * kRadius + 1;
-constexpr int kSpare = 16;  // columns behind a row, for whole vectors
-constexpr size_t kPlanes = StereoRules::kBits / 8;
+constexpr int kSpare = 16;                          // columns behind a row, for whole vectors
+constexpr size_t kSlopes = StereoRules::kBits / 8;  // index of the plane behind those of bits
+constexpr size_t kPlanes = kSlopes + 1;
 
 // A row of the search.
 struct CostRow {
@@ -42,14 +43,38 @@ HWY_BEFORE_NAMESPACE();
 namespace sprout::refine {
 namespace HWY_NAMESPACE {
 
-// A bit for each pixel of the 5×5 windows but their centres: whether it is darker.
+// The slopes of grey along the row, Sobel's sum, in half levels a px (a quarter of the sum,
+// rounded) from −128 to 127, plus 128.
+// @param u  the column of the first window's left border in its rows.
+HWY_INLINE Bytes SlopesOf(const uint8_t* const (&rows)[kWindow], int u) {
+  static_assert(kRadius == 2);
+  Bytes slopes[2][3];  // the columns on the left and on the right
+  for (int y = 0; y < 3; ++y) {
+    slopes[0][y] = Load(rows[y + 1] + u + 1);
+    slopes[1][y] = Load(rows[y + 1] + u + 3);
+  }
+  const auto sum = [&](const Bytes(&column)[3], auto widened) HWY_ATTR {
+    const Words middle = widened(column[1]);
+    return widened(column[0]) + middle + middle + widened(column[2]);
+  };
+  const auto half = [&](auto widened) HWY_ATTR {
+    const Words right = sum(slopes[1], widened) + uint16_t{4 * 128 + 2};
+    const Words left = sum(slopes[0], widened);
+    const Words quarter = (right > left ? right - left : Words{}) >> 2;
+    return Least(quarter, Words{} + uint16_t{UINT8_MAX});
+  };
+  return Narrowed(half([](Bytes x) HWY_ATTR { return Widened<0>(x); }),
+                  half([](Bytes x) HWY_ATTR { return Widened<1>(x); }));
+}
+
+// A bit for each pixel of the 5×5 windows but their centres, whether it is darker; and slopes.
 // @param rows   the windows', from the first column of the first window on.
 // @param count  of pixels; up to 15 more are written.
-void CensusOnTarget(const uint8_t* const (&rows)[kWindow], int count,
-                    uint8_t* const (&planes)[kPlanes]) {
+void DescribeOnTarget(const uint8_t* const (&rows)[kWindow], int count,
+                      uint8_t* const (&planes)[kPlanes]) {
   for (int u = 0; u < count; u += kLanes) {
     const Bytes centre = Load(rows[kRadius] + u + kRadius);
-    Bytes bits[kPlanes] = {};
+    Bytes bits[kSlopes] = {};
     HWY_UNROLL(25)
     for (int i = 0; i < kWindow * kWindow; ++i) {
       if (i == kWindow * kWindow / 2) continue;
@@ -58,7 +83,8 @@ void CensusOnTarget(const uint8_t* const (&rows)[kWindow], int count,
       Bytes& plane = bits[(i - (i > kWindow * kWindow / 2)) / 8];
       plane = plane + plane - reinterpret_cast<Bytes>(is_darker);
     }
-    for (size_t k = 0; k < kPlanes; ++k) Store(bits[k], planes[k] + u);
+    for (size_t k = 0; k < kSlopes; ++k) Store(bits[k], planes[k] + u);
+    Store(SlopesOf(rows, u), planes[kSlopes] + u);
   }
 }
 
@@ -74,7 +100,8 @@ HWY_INLINE Bytes Reversed(Bytes x) {
 }
 
 void CostsOnTarget(const CostRow& row) {
-  static_assert(kPlanes == 3);
+  static_assert(kSlopes == 3);
+  constexpr uint8_t kMostOff = StereoRules::kMostSlope / StereoRules::kPerSlope;
   uint8_t* costs = row.costs;
   for (int u = row.columns.start; u < row.columns.end; ++u, costs += row.labels) {
     const int first = row.first[u];
@@ -84,13 +111,18 @@ void CostsOnTarget(const CostRow& row) {
       const auto differing = [&](size_t k) HWY_ATTR {
         return (Bytes{} + row.left[k][u]) ^ Load(row.right[k] + last_match);
       };
+      const Bytes slope = Bytes{} + row.left[kSlopes][u];
+      const Bytes of_match = Load(row.right[kSlopes] + last_match);
+      const Bytes off = slope > of_match ? slope - of_match : of_match - slope;
       const Bytes a = differing(0);
       const Bytes b = differing(1);
       const Bytes c = differing(2);
       // Three bits are a sum and a carry.
       const Bytes carry = (a & b) | ((a ^ b) & c);
       const Bytes carries = CountOnes(carry);
-      Store(Reversed(CountOnes(a ^ b ^ c) + carries + carries), costs + i);
+      const Bytes bits = CountOnes(a ^ b ^ c) + carries + carries;
+      Store(Reversed(bits + Least(off, Bytes{} + kMostOff) * uint8_t{StereoRules::kPerSlope}),
+            costs + i);
     }
     const int inside = std::clamp(u - first + 1, 0, row.labels);
     for (int i = inside; i < row.labels; ++i) costs[i] = uint8_t{StereoRules::kOutside};
@@ -112,7 +144,7 @@ HWY_AFTER_NAMESPACE();
 namespace sprout::refine {
 namespace {
 
-HWY_EXPORT(CensusOnTarget);
+HWY_EXPORT(DescribeOnTarget);
 HWY_EXPORT(CostsOnTarget);
 
 void AddBorder(const cv::Mat1b& image, cv::Mat1b& bordered) {
@@ -122,20 +154,20 @@ void AddBorder(const cv::Mat1b& image, cv::Mat1b& bordered) {
 
 // @param before  columns of the planes in front of the image's first.
 template <typename Planes>
-void Census(const cv::Mat1b& bordered, int v, const cv::Range& columns, int before,
-            Planes& planes) {
+void Describe(const cv::Mat1b& bordered, int v, const cv::Range& columns, int before,
+              Planes& planes) {
   const uint8_t* rows[kWindow];
   for (int y = 0; y < kWindow; ++y) rows[y] = bordered[v + y] + columns.start;
   uint8_t* to[kPlanes];
   for (size_t k = 0; k < kPlanes; ++k) to[k] = planes[k][v] + before + columns.start;
-  HWY_DYNAMIC_DISPATCH(CensusOnTarget)(rows, columns.size(), to);
+  HWY_DYNAMIC_DISPATCH(DescribeOnTarget)(rows, columns.size(), to);
 }
 
 }  // namespace
 
-const std::vector<uint8_t>& CensusCosts::Compute(const cv::Mat1b& left, const cv::Mat1b& right,
-                                                 const StereoSearch& search,
-                                                 const SearchRows& rows) {
+const std::vector<uint8_t>& MatchCosts::Compute(const cv::Mat1b& left, const cv::Mat1b& right,
+                                                const StereoSearch& search,
+                                                const SearchRows& rows) {
   double largest_first = 0;
   cv::minMaxLoc(search.first, nullptr, &largest_first);
   const int most = static_cast<int>(largest_first) + search.labels;
@@ -149,8 +181,8 @@ const std::vector<uint8_t>& CensusCosts::Compute(const cv::Mat1b& left, const cv
     for (int v = range.start; v < range.end; ++v) {
       const cv::Range& columns = rows.columns(v);
       if (columns.empty()) continue;
-      Census(left_bordered_, v, columns, 0, left_);
-      Census(right_bordered_, v, {std::max(0, columns.start - most), columns.end}, most, right_);
+      Describe(left_bordered_, v, columns, 0, left_);
+      Describe(right_bordered_, v, {std::max(0, columns.start - most), columns.end}, most, right_);
       const auto of_image = [&](size_t k) { return right_[k][v] + most; };
       const size_t begin = rows.IndexOf(v, columns.start) * static_cast<size_t>(search.labels);
       HWY_DYNAMIC_DISPATCH(CostsOnTarget)
@@ -158,8 +190,8 @@ const std::vector<uint8_t>& CensusCosts::Compute(const cv::Mat1b& left, const cv
         .known = search.known[v],
         .labels = search.labels,
         .columns = columns,
-        .left = {left_[0][v], left_[1][v], left_[2][v]},
-        .right = {of_image(0), of_image(1), of_image(2)},
+        .left = {left_[0][v], left_[1][v], left_[2][v], left_[3][v]},
+        .right = {of_image(0), of_image(1), of_image(2), of_image(3)},
         .costs = costs_.data() + begin});
     }
   });

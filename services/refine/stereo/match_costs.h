@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_REFINE_STEREO_CENSUS_COSTS_H_
-#define SPROUT_SERVICES_REFINE_STEREO_CENSUS_COSTS_H_
+#ifndef SPROUT_SERVICES_REFINE_STEREO_MATCH_COSTS_H_
+#define SPROUT_SERVICES_REFINE_STEREO_MATCH_COSTS_H_
 
 #include <array>
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace sprout::refine {
 
-/// The data term C(p, d) of semi-global matching: the Hamming distance of the census transforms
-/// (5×5, 24 bits) of a left pixel and its match. Keeps its memory: a byte a label, and 8 a pixel of
-/// the image.
-class CensusCosts {
+/// The data term C(p, d) of semi-global matching, eq. (9): the Hamming distance of the census
+/// transforms (5×5, 24 bits) of a left pixel and its match, and how much their slopes of grey
+/// differ. Keeps its memory: a byte a label, and 10 a pixel of the image.
+class MatchCosts {
  public:
   /// @param left, right  rectified pair, grey, of one size, at least 5×5.
   /// @param rows         of the search.
@@ -24,13 +24,14 @@ class CensusCosts {
                                       const StereoSearch& search, const SearchRows& rows);
 
  private:
-  using Planes = std::array<cv::Mat1b, StereoRules::kBits / 8>;
+  // Bits of a pixel, then its slope.
+  using Planes = std::array<cv::Mat1b, StereoRules::kBits / 8 + 1>;
 
   cv::Mat1b left_bordered_, right_bordered_;  // as the images' borders go on
-  Planes left_, right_;                       // bits of a pixel
+  Planes left_, right_;
   std::vector<uint8_t> costs_;
 };
 
 }  // namespace sprout::refine
 
-#endif  // SPROUT_SERVICES_REFINE_STEREO_CENSUS_COSTS_H_
+#endif  // SPROUT_SERVICES_REFINE_STEREO_MATCH_COSTS_H_
