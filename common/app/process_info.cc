@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <vector>
 
 #include "common/app/version.h"
 #include "common/config/config_difference.h"

@@ -1,7 +1,6 @@
 #include "common/geometry/projection.h"
 
 #include <cassert>
-#include <cmath>
 #include <limits>
 #include <opencv2/calib3d.hpp>
 #include <utility>

@@ -1,7 +1,6 @@
 #include "common/picture/cloud_view.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cassert>
 #include <limits>
 #include <opencv2/imgproc.hpp>

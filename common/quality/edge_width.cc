@@ -1,6 +1,5 @@
 #include "common/quality/edge_width.h"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 

@@ -1,7 +1,6 @@
 #include "common/quality/plane_fit.h"
 
 #include <Eigen/Cholesky>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <span>

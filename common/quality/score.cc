@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "common/core/image.h"

@@ -5,7 +5,6 @@
 #include <dds/ddsrt/heap.h>
 
 #include <bit>
-#include <cassert>
 #include <cstring>
 #include <stdexcept>
 #include <string>

@@ -1,6 +1,5 @@
 #include "services/check/bad_messages.h"
 
-#include <algorithm>
 #include <limits>
 #include <random>
 #include <utility>

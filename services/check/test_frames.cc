@@ -1,6 +1,5 @@
 #include "services/check/test_frames.h"
 
-#include <algorithm>
 #include <functional>
 #include <limits>
 #include <utility>

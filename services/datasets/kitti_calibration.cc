@@ -1,11 +1,9 @@
 #include "services/datasets/kitti_calibration.h"
 
-#include <cmath>
 #include <map>
 #include <optional>
 #include <sstream>
 #include <string>
-#include <utility>
 
 #include "common/config/config_error.h"
 #include "common/core/number_text.h"

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <set>
 #include <string_view>
-#include <utility>
 
 #include "services/datasets/kitti_calibration.h"
 #include "services/datasets/read_image.h"

@@ -1,12 +1,10 @@
 #include "services/datasets/middlebury_calibration.h"
 
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <sstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/config/config_error.h"

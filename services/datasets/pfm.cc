@@ -1,7 +1,6 @@
 #include "services/datasets/pfm.h"
 
 #include <cmath>
-#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>

@@ -1,6 +1,5 @@
 #include "services/datasets/read_image.h"
 
-#include <string>
 #include <system_error>
 
 #include "common/config/config_error.h"

@@ -1,6 +1,5 @@
 #include "services/depth/depth_map.h"
 
-#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>

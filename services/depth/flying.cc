@@ -1,6 +1,5 @@
 #include "services/depth/flying.h"
 
-#include <algorithm>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 

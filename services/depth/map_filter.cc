@@ -1,6 +1,5 @@
 #include "services/depth/map_filter.h"
 
-#include <array>
 #include <cassert>
 #include <opencv2/imgproc.hpp>
 #include <utility>

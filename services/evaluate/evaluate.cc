@@ -1,7 +1,5 @@
 #include "services/evaluate/evaluate.h"
 
-#include <algorithm>
-
 #include "common/core/quantile.h"
 
 namespace sprout::evaluate {

@@ -1,10 +1,8 @@
 #include "services/evaluate/video_truth.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgproc.hpp>
-#include <string_view>
 
 #include "common/config/config_error.h"
 #include "common/geometry/projection.h"

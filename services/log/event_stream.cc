@@ -1,7 +1,5 @@
 #include "services/log/event_stream.h"
 
-#include <algorithm>
-
 #include "common/core/digest.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"

@@ -1,7 +1,6 @@
 // The data term of the two labels of a pixel beside a depth edge, and the decision between them.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 

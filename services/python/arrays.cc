@@ -1,9 +1,7 @@
 #include "services/python/arrays.h"
 
 #include <algorithm>
-#include <limits>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "common/core/image.h"

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cstdlib>
 #include <memory>
-#include <mutex>
 
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"

@@ -1,7 +1,6 @@
 #include "services/temporal/motion_estimator.h"
 
 #include <Eigen/Dense>
-#include <cmath>
 #include <cstdint>
 #include <vector>
 

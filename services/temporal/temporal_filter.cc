@@ -1,7 +1,6 @@
 #include "services/temporal/temporal_filter.h"
 
 #include <cassert>
-#include <cmath>
 #include <utility>
 #include <vector>
 

@@ -2,8 +2,6 @@
 // Plain loops: the compiler makes vectors of them.
 #include "services/temporal/window_matcher.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE

@@ -1,6 +1,5 @@
 #include "services/view/save_frame.h"
 
-#include <optional>
 #include <span>
 
 #include "common/core/prior_map.h"

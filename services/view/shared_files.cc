@@ -1,7 +1,5 @@
 #include "services/view/shared_files.h"
 
-#include <utility>
-
 namespace sprout::view {
 
 Result<SharedFiles::File> SharedFiles::Take(const std::string& name, Clock::time_point now,

@@ -1,7 +1,6 @@
 #include "services/evaluate/rivals/harris_seeds.h"
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "services/grow/plain_costs.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <string>
 #include <system_error>
-#include <utility>
 
 #include "common/geometry/projection.h"
 #include "common/picture/frame_pictures.h"
