@@ -77,6 +77,10 @@ template <>
 struct ArrayTable<process_info_t> {
   static constexpr std::initializer_list<CountedArray> kArrays = {};
 };
+template <>
+struct ArrayTable<rig_change_t> {
+  static constexpr std::initializer_list<CountedArray> kArrays = {};
+};
 
 // Strings right behind the header, in their order; no type has others.
 template <typename Message>
@@ -92,6 +96,10 @@ template <>
 struct StringTable<process_info_t> {
   static constexpr std::initializer_list<const char*> kStrings = {"stage", "host", "version",
                                                                   "config_digest", "config_text"};
+};
+template <>
+struct StringTable<rig_change_t> {
+  static constexpr std::initializer_list<const char*> kStrings = {"reason"};
 };
 
 // Big-endian int32 at `offset`.
@@ -383,6 +391,16 @@ std::vector<uint8_t> EncodeProcessInfo(const ProcessInfo& info) {
 
 Result<ProcessInfo> DecodeProcessInfo(std::span<const uint8_t> bytes) {
   const Result<process_info_t> message = DecodeMessage<process_info_t>(bytes);
+  if (!message) return tl::unexpected(message.error());
+  return FromMessage(*message);
+}
+
+std::vector<uint8_t> EncodeRigChange(const RigChange& change) {
+  return EncodeMessage(ToMessage(change));
+}
+
+Result<RigChange> DecodeRigChange(std::span<const uint8_t> bytes) {
+  const Result<rig_change_t> message = DecodeMessage<rig_change_t>(bytes);
   if (!message) return tl::unexpected(message.error());
   return FromMessage(*message);
 }
