@@ -1,8 +1,12 @@
 #ifndef SPROUT_TESTS_SYSTEM_EVENTUALLY_H_
 #define SPROUT_TESTS_SYSTEM_EVENTUALLY_H_
 
+#include <sys/types.h>
+
 #include <chrono>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <thread>
 
@@ -19,6 +23,20 @@ inline bool Eventually(const std::function<bool()>& condition,
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   return true;
+}
+
+/// A file of a process in /proc; empty when it has ended.
+inline std::string ProcText(pid_t pid, const std::string& name) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/" + name);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Whether a process takes a signal; before, the signal would just end it.
+inline bool Catches(pid_t pid, int signal) {
+  const std::string status = ProcText(pid, "status");
+  const size_t caught = status.find("SigCgt:");
+  if (caught == std::string::npos) return false;
+  return (std::stoull(status.substr(caught + 7), nullptr, 16) >> (signal - 1) & 1) != 0;
 }
 
 /// Waits until a process has written that.

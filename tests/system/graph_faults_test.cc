@@ -8,7 +8,6 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -191,18 +190,10 @@ TEST(FullDiskSystem, AReplaySaysSoAndKeepsNothingUnderTheNameOfTheLog) {
   EXPECT_FALSE(std::filesystem::exists(folder / "disk/answers.lcm"));
 }
 
-// Whether a process hangs in opening a file, and takes signals.
+// Whether a process hangs in opening a file, and takes SIGINT.
 bool HangsInOpen(pid_t pid) {
-  const auto read = [&](const char* name) {
-    std::ifstream file("/proc/" + std::to_string(pid) + "/" + name);
-    return std::string(std::istreambuf_iterator<char>(file), {});
-  };
-  const std::string status = read("status");
-  const size_t caught = status.find("SigCgt:");
-  if (caught == std::string::npos) return false;
-  const uint64_t signals = std::stoull(status.substr(caught + 7), nullptr, 16);
-  return (signals >> (SIGINT - 1) & 1) != 0 &&
-         read("syscall").starts_with(std::to_string(SYS_openat) + " ");
+  return Catches(pid, SIGINT) &&
+         ProcText(pid, "syscall").starts_with(std::to_string(SYS_openat) + " ");
 }
 
 // stuck_test.cc has what one signal does.

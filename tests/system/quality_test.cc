@@ -8,6 +8,7 @@
 #include "common/core/disparity_image.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/quality/flat_target.h"
+#include "tests/system/eventually.h"
 #include "tests/system/graph.h"
 
 namespace sprout {
@@ -98,7 +99,7 @@ TEST_F(QualitySystem, KilledItLeavesNoFile) {
 
 TEST_F(QualitySystem, SaysThatNothingCameWhenItIsInterruptedBeforeTheFirstMap) {
   Process quality = StartQuality({"--json", QualityFile("q.json")});
-  std::this_thread::sleep_for(std::chrono::seconds(2));
+  ASSERT_TRUE(Eventually([&] { return Catches(quality.pid(), SIGTERM); }));
   quality.Signal(SIGTERM);
   EXPECT_EQ(quality.Wait(), 1);
   EXPECT_THAT(quality.Output(),
