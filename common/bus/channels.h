@@ -19,6 +19,9 @@ inline constexpr std::string_view kStatusChannel = "SPROUT_STATUS";
 /// Channel of what a process is and how it is configured.
 inline constexpr std::string_view kProcessChannel = "SPROUT_PROCESS";
 
+/// Channel of what self-calibration sees, which is no part of a frame: of many.
+inline constexpr std::string_view kRigChangeChannel = "SPROUT_RIG_CHANGE";
+
 /// Channel of preview pictures for people, in a type of other LCM tools (bot_core.image_t).
 inline constexpr std::string_view kPreviewChannel = "SPROUT_PREVIEW";
 
@@ -28,15 +31,16 @@ inline constexpr std::string_view kScanChannel = "SPROUT_SCAN";
 /// Every channel of the graph, without prefix, except kPreviewChannel and kScanChannel, which no
 /// Sprout program subscribes to.
 inline std::vector<std::string_view> AllChannels() {
-  std::vector<std::string_view> channels = {kStatusChannel, kProcessChannel};
+  std::vector<std::string_view> channels = {kStatusChannel, kProcessChannel, kRigChangeChannel};
   for (const Part part : kAllParts) channels.push_back(ChannelOf(part));
   return channels;
 }
 
 /// Longest prefix, characters: LCM allows 63 for prefix and channel.
 inline constexpr size_t kMaxChannelPrefix = [] {
-  size_t longest = std::max(
-      {kStatusChannel.size(), kProcessChannel.size(), kPreviewChannel.size(), kScanChannel.size()});
+  size_t longest =
+      std::max({kStatusChannel.size(), kProcessChannel.size(), kRigChangeChannel.size(),
+                kPreviewChannel.size(), kScanChannel.size()});
   for (const PartRow& row : kPartTable) longest = std::max(longest, row.channel.size());
   return 63 - longest;
 }();

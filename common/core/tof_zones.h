@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/core/pose.h"
+#include "common/core/result.h"
 
 namespace sprout {
 
@@ -67,6 +68,14 @@ struct TofZones {
 
   bool operator==(const TofZones&) const = default;
 };
+
+/// Whether counts, targets per zone and mode are possible, whatever `views` and `targets` hold.
+/// @returns an error that names the field, its value, and what is allowed.
+Result<void> CheckZoneCounts(const TofZones& zones);
+
+/// Whether all is as documented above, views and targets included.
+/// @returns an error as CheckZoneCounts(). O(zones).
+Result<void> CheckZones(const TofZones& zones);
 
 }  // namespace sprout
 

@@ -10,7 +10,7 @@ namespace sprout {
 namespace {
 
 // Calibrations, and frames completed or dropped, that are remembered. A graph has one rig; a second
-// one appears when capture restarts with another.
+// one appears when capture restarts with another, or puts its calibration right.
 constexpr size_t kMaxRigs = 4;
 constexpr size_t kMaxAccounted = 64;
 

@@ -31,6 +31,7 @@ Eigen::Vector2d PixelOfDirection(const Lens& lens, const Eigen::Vector2d& direct
 
 Eigen::Vector2d DirectionOfPixel(const Lens& lens, const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d distorted{(pixel.x() - lens.cx) / lens.fx, (pixel.y() - lens.cy) / lens.fy};
+  if (lens.distortion == decltype(lens.distortion){}) return distorted;  // as the steps give it
   Eigen::Vector2d direction = distorted;
   for (int step = 0; step < kInverseSteps; ++step) {
     const Distortion distortion = DistortionAt(lens, direction);

@@ -51,6 +51,8 @@ template <>
 constexpr Arrays kArrays<stage_status_t> = {};
 template <>
 constexpr Arrays kArrays<process_info_t> = {};
+template <>
+constexpr Arrays kArrays<rig_change_t> = {};
 
 // Strings right behind the header, in their order; no type has others.
 using Strings = std::initializer_list<const char*>;
@@ -62,6 +64,8 @@ constexpr Strings kStrings<stage_status_t> = {"stage", "host", "version", "confi
 template <>
 constexpr Strings kStrings<process_info_t> = {"stage", "host", "version", "config_digest",
                                               "config_text"};
+template <>
+constexpr Strings kStrings<rig_change_t> = {"reason"};
 
 // Big-endian int32 at `offset`.
 Result<int32_t> ReadInt32(std::span<const uint8_t> bytes, size_t offset) {
@@ -314,6 +318,16 @@ std::vector<uint8_t> EncodeProcessInfo(const ProcessInfo& info) {
 
 Result<ProcessInfo> DecodeProcessInfo(std::span<const uint8_t> bytes) {
   const Result<process_info_t> message = DecodeMessage<process_info_t>(bytes);
+  if (!message) return tl::unexpected(message.error());
+  return FromMessage(*message);
+}
+
+std::vector<uint8_t> EncodeRigChange(const RigChange& change) {
+  return EncodeMessage(ToMessage(change));
+}
+
+Result<RigChange> DecodeRigChange(std::span<const uint8_t> bytes) {
+  const Result<rig_change_t> message = DecodeMessage<rig_change_t>(bytes);
   if (!message) return tl::unexpected(message.error());
   return FromMessage(*message);
 }

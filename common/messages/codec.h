@@ -10,6 +10,7 @@
 #include "common/core/frame.h"
 #include "common/core/process_info.h"
 #include "common/core/result.h"
+#include "common/core/rig_change.h"
 #include "common/core/stage_status.h"
 #include "common/messages/convert.h"
 
@@ -42,6 +43,10 @@ Result<StageStatus> DecodeStatus(std::span<const uint8_t> bytes);
 /// The same for SPROUT_PROCESS.
 std::vector<uint8_t> EncodeProcessInfo(const ProcessInfo& info);
 Result<ProcessInfo> DecodeProcessInfo(std::span<const uint8_t> bytes);
+
+/// The same for SPROUT_RIG_CHANGE.
+std::vector<uint8_t> EncodeRigChange(const RigChange& change);
+Result<RigChange> DecodeRigChange(std::span<const uint8_t> bytes);
 
 /// Only the header, with which every type of Sprout begins. The type is not checked, so check it
 /// first (message_type.h). Reads only the header, O(1).

@@ -10,6 +10,7 @@
 #include <lcmtypes/sprout/point_cloud_t.hpp>
 #include <lcmtypes/sprout/prior_t.hpp>
 #include <lcmtypes/sprout/process_info_t.hpp>
+#include <lcmtypes/sprout/rig_change_t.hpp>
 #include <lcmtypes/sprout/rig_t.hpp>
 #include <lcmtypes/sprout/seeds_t.hpp>
 #include <lcmtypes/sprout/stage_status_t.hpp>
@@ -28,6 +29,7 @@
 #include "common/core/process_info.h"
 #include "common/core/result.h"
 #include "common/core/rig.h"
+#include "common/core/rig_change.h"
 #include "common/core/seed.h"
 #include "common/core/stage_status.h"
 #include "common/core/tof_image.h"
@@ -111,6 +113,9 @@ Result<StageStatus> FromMessage(const stage_status_t& message);
 
 process_info_t ToMessage(const ProcessInfo& info);
 Result<ProcessInfo> FromMessage(const process_info_t& message);
+
+rig_change_t ToMessage(const RigChange& change);
+Result<RigChange> FromMessage(const rig_change_t& message);
 
 }  // namespace sprout
 

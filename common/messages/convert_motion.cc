@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "common/core/checks.h"
+#include "common/core/pose_checks.h"
 #include "common/messages/convert.h"
 #include "common/messages/pose_fields.h"
 

@@ -21,8 +21,8 @@ KnownType Known(MessageType type) {
           static_cast<uint64_t>(Message::getHash())};
 }
 
-const std::array<KnownType, 13>& KnownTypes() {
-  static const std::array<KnownType, 13> types = {Known<image_t>(MessageType::kImage),
+const std::array<KnownType, 14>& KnownTypes() {
+  static const std::array<KnownType, 14> types = {Known<image_t>(MessageType::kImage),
                                                   Known<tof_image_t>(MessageType::kTof),
                                                   Known<rig_t>(MessageType::kRig),
                                                   Known<seeds_t>(MessageType::kSeeds),
@@ -34,7 +34,8 @@ const std::array<KnownType, 13>& KnownTypes() {
                                                   Known<depth_counts_t>(MessageType::kDepthCounts),
                                                   Known<tof_zones_t>(MessageType::kTofZones),
                                                   Known<stage_status_t>(MessageType::kStatus),
-                                                  Known<process_info_t>(MessageType::kProcess)};
+                                                  Known<process_info_t>(MessageType::kProcess),
+                                                  Known<rig_change_t>(MessageType::kRigChange)};
   return types;
 }
 
@@ -62,6 +63,7 @@ MessageType TypeOf(Part part) { return static_cast<MessageType>(RowOf(part).memb
 std::optional<MessageType> TypeOfChannel(std::string_view channel) {
   if (channel.ends_with(kStatusChannel)) return MessageType::kStatus;
   if (channel.ends_with(kProcessChannel)) return MessageType::kProcess;
+  if (channel.ends_with(kRigChangeChannel)) return MessageType::kRigChange;
   for (const Part part : kAllParts) {
     if (channel.ends_with(ChannelOf(part))) return TypeOf(part);
   }
@@ -78,6 +80,11 @@ Result<DecodedMessage> DecodeAs(MessageType type, std::span<const uint8_t> bytes
     Result<ProcessInfo> info = DecodeProcessInfo(bytes);
     if (!info) return tl::unexpected(info.error());
     return DecodedMessage{std::move(info->header), {}};
+  }
+  if (type == MessageType::kRigChange) {
+    Result<RigChange> change = DecodeRigChange(bytes);
+    if (!change) return tl::unexpected(change.error());
+    return DecodedMessage{std::move(change->newest_frame), {}};
   }
   // Any part of the type: decoding is the same for all of them, but that only a cloud in the
   // robot's frame may have any point.

@@ -30,7 +30,8 @@ enum class MessageType {
   kDepthCounts,
   kTofZones,
   kStatus,
-  kProcess
+  kProcess,
+  kRigChange
 };
 
 /// "sprout.image_t", ...: as in lcmtypes.
@@ -49,7 +50,7 @@ MessageType TypeOf(Part part);
 std::optional<MessageType> TypeOfChannel(std::string_view channel);
 
 /// Decodes a message of one of Sprout's types without knowing its part; with the checks of
-/// DecodePart(), DecodeStatus() and DecodeProcessInfo().
+/// DecodePart(), DecodeStatus(), DecodeProcessInfo() and DecodeRigChange().
 /// @returns the value of a part, or nothing (std::monostate) for what is no part of a frame.
 struct DecodedMessage {
   FrameId id;

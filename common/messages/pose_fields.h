@@ -2,10 +2,7 @@
 #define SPROUT_COMMON_MESSAGES_POSE_FIELDS_H_
 
 #include <algorithm>
-#include <cmath>
-#include <string>
 
-#include "common/core/checks.h"
 #include "common/core/pose.h"
 
 namespace sprout {
@@ -23,17 +20,6 @@ inline void FillPose(const Pose& pose, double (&rotation)[4], double (&translati
 inline Pose PoseOf(const double (&rotation)[4], const double (&translation_m)[3]) {
   return {Eigen::Quaterniond(rotation[0], rotation[1], rotation[2], rotation[3]),
           Eigen::Vector3d(translation_m)};
-}
-
-/// A rotation of norm 1, a finite translation.
-/// @param name  of the fields without _rotation and _translation_m.
-inline void CheckPoseFields(Checks& checks, const std::string& name, const Pose& pose) {
-  const auto& q = pose.rotation;
-  const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
-  checks.Require(std::abs(norm - 1) < 1e-6, (name + "_rotation norm").c_str(), norm, "1");
-  for (const double value : pose.translation_m) {
-    checks.Finite((name + "_translation_m").c_str(), value);
-  }
 }
 
 }  // namespace sprout

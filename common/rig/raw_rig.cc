@@ -69,6 +69,13 @@ void CheckPair(Checks& checks, const RawRig& rig) {
 
 }  // namespace
 
+Pose TurnedBy(const Pose& pose, const Eigen::Vector3d& turn) {
+  if (turn.isZero(0)) return pose;
+  const Eigen::Quaterniond by(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  return {.rotation = (by * Eigen::Quaterniond(pose.rotation)).normalized(),
+          .translation_m = pose.translation_m};
+}
+
 void CheckCamera(Checks& checks, const std::string& name, const Lens& lens) {
   CheckLens(checks, name + ".", lens);
   if (!checks.ok()) return;

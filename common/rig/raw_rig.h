@@ -24,6 +24,11 @@ struct RawRig {
   double range_offset_m = 0;
 };
 
+/// A camera rotated about its own place: rotation = exp(turn) · rotation. Nothing changes, to the
+/// bit, when the turn is 0.
+/// @param turn  rotation vector, rad, in the frame that the pose is given in.
+Pose TurnedBy(const Pose& pose, const Eigen::Vector3d& turn);
+
 /// Whether a calibration can be used: possible numbers (CheckLens()), invertible distortion, images
 /// of one size, at least 2×2 px, rotations of norm 1, the right camera to the right of the left
 /// one; and whether the rectified images show enough of what both cameras see. The error names the

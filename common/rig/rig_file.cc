@@ -63,6 +63,22 @@ Pose CheckedPose(const std::string& name, const RigPose& message) {
   return pose;
 }
 
+// @param field  of the calibration, with a dot behind it.
+RawRig CheckedRig(const std::string& field, const RigCalibration& calibration) {
+  RawRig rig;
+  rig.left = LensOf(field + "left", calibration.left());
+  rig.right = LensOf(field + "right", calibration.right());
+  rig.left_from_right = PoseOf(field + "left_from_right", calibration.left_from_right());
+  if (calibration.has_tof()) rig.tof = LensOf(field + "tof", calibration.tof());
+  rig.left_from_tof = PoseOf(field + "left_from_tof", calibration.left_from_tof());
+  rig.range_scale = calibration.range_scale();
+  rig.range_offset_m = calibration.range_offset_m();
+  if (const Result<void> checked = CheckRawRig(rig); !checked) {
+    throw ConfigError(field + checked.error().text);
+  }
+  return rig;
+}
+
 void Set(const Lens& lens, LensModel& model) {
   model.set_width(lens.width);
   model.set_height(lens.height);
@@ -96,19 +112,12 @@ Result<void> SaveRigFile(const fs::path& path, const RigDescription& rig) {
 
 std::optional<RawRig> CalibrationOf(const RigDescription& description) {
   if (!description.has_calibration()) return std::nullopt;
-  const RigCalibration& calibration = description.calibration();
-  RawRig rig;
-  rig.left = LensOf("calibration.left", calibration.left());
-  rig.right = LensOf("calibration.right", calibration.right());
-  rig.left_from_right = PoseOf("calibration.left_from_right", calibration.left_from_right());
-  if (calibration.has_tof()) rig.tof = LensOf("calibration.tof", calibration.tof());
-  rig.left_from_tof = PoseOf("calibration.left_from_tof", calibration.left_from_tof());
-  rig.range_scale = calibration.range_scale();
-  rig.range_offset_m = calibration.range_offset_m();
-  if (const Result<void> checked = CheckRawRig(rig); !checked) {
-    throw ConfigError("calibration." + checked.error().text);
-  }
-  return rig;
+  return CheckedRig("calibration.", description.calibration());
+}
+
+std::optional<RawRig> BoardCalibrationOf(const RigDescription& description) {
+  if (!description.has_board_calibration()) return CalibrationOf(description);
+  return CheckedRig("board_calibration.", description.board_calibration());
 }
 
 RawRig RequireCalibration(const RigDescription& rig, const fs::path& path) {

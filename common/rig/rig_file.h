@@ -23,7 +23,11 @@ Result<void> SaveRigFile(const std::filesystem::path& path, const RigDescription
 /// @throws ConfigError naming the field that cannot be used.
 std::optional<RawRig> CalibrationOf(const RigDescription& rig);
 
-/// The same, but required.
+/// The board's calibration of a rig file: board_calibration or, without one, calibration.
+/// @throws ConfigError naming the field that cannot be used.
+std::optional<RawRig> BoardCalibrationOf(const RigDescription& rig);
+
+/// The same as CalibrationOf(), but required.
 /// @param path  of the file, for the message.
 /// @throws ConfigError, also when there is none.
 RawRig RequireCalibration(const RigDescription& rig, const std::filesystem::path& path);

@@ -158,6 +158,7 @@ int RunEstimate(const Options& options) {
 
   const std::string counts_text = CountsText(counts, views);
   *rig.mutable_calibration() = ToCalibration(calibration->rig);
+  rig.clear_board_calibration();
   if (!options.report.empty()) {
     WriteWhole(options.report, ReportHtml(*calibration, collector.best_images(), counts_text));
   }

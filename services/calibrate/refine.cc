@@ -165,6 +165,10 @@ int RunRefine(const RefineOptions& options) {
   if (!refined) throw std::runtime_error(refined.error().text);
 
   RigDescription rig = reader.description();
+  // From there limits of self-calibration count.
+  if (rig.has_calibration() && !rig.has_board_calibration()) {
+    *rig.mutable_board_calibration() = rig.calibration();
+  }
   *rig.mutable_calibration() = ToCalibration(refined->rig);
   if (!options.report.empty()) WriteWhole(options.report, SceneReportHtml(*refined, refiner));
   std::cout << SceneSummaryText(*refined);

@@ -12,6 +12,7 @@
 #include "common/app/stage_monitor.h"
 #include "common/config/config.h"
 #include "common/core/frame.h"
+#include "services/capture/current_rig.h"
 #include "services/datasets/frame_source.h"
 
 namespace sprout::capture {
@@ -43,6 +44,10 @@ class CaptureFeed {
   virtual std::vector<uint8_t> Calibration() const = 0;
 
   virtual Timing timing() const = 0;
+
+  /// What frames are rectified with, which may be replaced at any time: the next frame has the new
+  /// one, behind its calibration. Null when the frames come rectified, or stay unrectified.
+  virtual std::shared_ptr<CurrentRig> current_rig() const { return nullptr; }
 };
 
 struct FeedOptions {

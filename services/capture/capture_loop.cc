@@ -15,6 +15,7 @@
 #include "services/capture/answer_tracker.h"
 #include "services/capture/capture_feed.h"
 #include "services/capture/pace.h"
+#include "services/capture/rig_updates.h"
 
 namespace sprout::capture {
 namespace {
@@ -58,7 +59,11 @@ class Capture {
         answers_(context, monitor_, options.wait_for, options.lockstep.has_value()),
         reporter_(context, monitor_),
         source_(context.config.capture().source()),
-        rate_hz_(context.config.capture().rate_hz()) {}
+        rate_hz_(context.config.capture().rate_hz()) {
+    if (context.config.self_calibrate().mode() == SelfCalibrateConfig::APPLY) {
+      rig_updates_.emplace(context, feed_->current_rig(), monitor_);
+    }
+  }
 
   int Run() {
     if (!WaitForStages()) return stop_.stop_requested() ? 0 : 1;
@@ -225,6 +230,7 @@ class Capture {
   Pace pace_;
   Publisher publisher_;
   AnswerTracker answers_;
+  std::optional<RigUpdates> rig_updates_;
   StatusReporter reporter_;
   int64_t sent_ = 0;
   std::string source_;

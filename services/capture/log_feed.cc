@@ -146,28 +146,34 @@ class LogFeed : public CaptureFeed {
 
 class RawLogFeed : public CaptureFeed {
  public:
-  RawLogFeed(std::unique_ptr<CaptureFeed> log, const Rectifier& rectifier, StageMonitor& monitor)
-      : log_(std::move(log)),
-        rectifier_(rectifier),
-        rig_id_(RigId(rectifier.rig())),
-        monitor_(monitor) {}
+  RawLogFeed(std::unique_ptr<CaptureFeed> log, std::shared_ptr<CurrentRig> rig,
+             StageMonitor& monitor)
+      : log_(std::move(log)), current_(std::move(rig)), used_(current_->Get()), monitor_(monitor) {}
 
   std::optional<CaptureMessages> Next(const std::stop_token& stop) override {
     while (const std::optional<CaptureMessages> raw = log_->Next(stop)) {
-      Result<datasets::CapturedFrame> frame = RectifyFrame(rectifier_, Decoded(*raw));
-      newest_ = {raw->id.utime, raw->id.seq, rig_id_};
-      if (frame) return Encoded(newest_, *frame);
-      monitor_.FrameFailed(newest_, frame.error().text);
+      const RigInUsePtr rig = current_->Get();
+      Result<datasets::CapturedFrame> frame = RectifyFrame(rig->rectifier, Decoded(*raw));
+      newest_ = {raw->id.utime, raw->id.seq, rig->rig_id};
+      if (!frame) {
+        monitor_.FrameFailed(newest_, frame.error().text);
+        continue;
+      }
+      const bool is_new = rig != std::exchange(used_, rig);
+      CaptureMessages messages = Encoded(newest_, *frame);
+      return is_new ? BehindCalibration(Calibration(), std::move(messages)) : messages;
     }
     return std::nullopt;
   }
 
   std::vector<uint8_t> Calibration() const override {
-    const FrameId id{newest_.utime, std::max<int64_t>(newest_.seq, 0), rig_id_};
-    return EncodePart(id, Part::kRig, rectifier_.rig(), DisparityEncoding::kRawInt16);
+    const FrameId id{newest_.utime, std::max<int64_t>(newest_.seq, 0), used_->rig_id};
+    return EncodePart(id, Part::kRig, used_->rectifier.rig(), DisparityEncoding::kRawInt16);
   }
 
   Timing timing() const override { return Timing::kRecorded; }
+
+  std::shared_ptr<CurrentRig> current_rig() const override { return current_; }
 
  private:
   // The log's feed has decoded every message once, so each of them can be.
@@ -183,8 +189,8 @@ class RawLogFeed : public CaptureFeed {
   }
 
   std::unique_ptr<CaptureFeed> log_;
-  Rectifier rectifier_;
-  std::string rig_id_;
+  std::shared_ptr<CurrentRig> current_;
+  RigInUsePtr used_;  // for the newest frame that was sent
   StageMonitor& monitor_;
   FrameId newest_;
 };
@@ -206,11 +212,11 @@ std::unique_ptr<CaptureFeed> OpenLogFeed(const std::string& path, const std::str
 }
 
 std::unique_ptr<CaptureFeed> OpenRawLogFeed(const std::string& path, const std::string& prefix,
-                                            const Rectifier& rectifier, bool loop,
+                                            std::shared_ptr<CurrentRig> rig, bool loop,
                                             StageMonitor& monitor) {
   return std::make_unique<RawLogFeed>(
-      Open(path, prefix + std::string(kRawPrefix), /*calibrated=*/false, loop, monitor), rectifier,
-      monitor);
+      Open(path, prefix + std::string(kRawPrefix), /*calibrated=*/false, loop, monitor),
+      std::move(rig), monitor);
 }
 
 }  // namespace sprout::capture

@@ -4,7 +4,6 @@
 #include <memory>
 #include <string>
 
-#include "common/rig/rectifier.h"
 #include "services/capture/capture_feed.h"
 
 namespace sprout::capture {
@@ -18,10 +17,11 @@ namespace sprout::capture {
 std::unique_ptr<CaptureFeed> OpenLogFeed(const std::string& path, const std::string& prefix,
                                          bool loop, StageMonitor& monitor);
 
-/// The raw images of a log (kRawPrefix after `prefix`), rectified; a calibration in the log is
-/// ignored. A frame of another size than the calibrated one is counted and not sent.
+/// The raw images of a log (kRawPrefix after `prefix`), each rectified with the rig that is current
+/// when it is read; a calibration in the log is ignored. A frame of another size than the
+/// calibrated one is counted and not sent.
 std::unique_ptr<CaptureFeed> OpenRawLogFeed(const std::string& path, const std::string& prefix,
-                                            const Rectifier& rectifier, bool loop,
+                                            std::shared_ptr<CurrentRig> rig, bool loop,
                                             StageMonitor& monitor);
 
 }  // namespace sprout::capture

@@ -55,7 +55,7 @@ OpenedCameras OpenCameras(const std::string& source, bool loop, datasets::Waitin
     const std::string path = source.substr(kGenicam.size());
     const RigDescription rig = LoadRigFile(path);
     OpenedCameras opened;
-    if (calibrated && rig.has_calibration()) opened.calibration = RequireCalibration(rig, path);
+    if (calibrated && rig.has_calibration()) opened.rig = std::make_shared<CurrentRig>(rig, path);
     opened.cameras = OpenGenicam(rig, path, std::move(waiting));
     return opened;
   }
@@ -64,8 +64,8 @@ OpenedCameras OpenCameras(const std::string& source, bool loop, datasets::Waitin
   OpenedCameras opened;
   for (const datasets::SourceOption& option : options) {
     if (option.name == "rig") {
-      const RigDescription rig = LoadRigFile(option.value);
-      if (calibrated) opened.calibration = RequireCalibration(rig, option.value);
+      RigDescription rig = LoadRigFile(option.value);
+      if (calibrated) opened.rig = std::make_shared<CurrentRig>(std::move(rig), option.value);
     } else if (option.name == "width") {
       settings.width = Positive(source, option);
     } else if (option.name == "height") {

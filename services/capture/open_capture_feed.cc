@@ -17,11 +17,9 @@ namespace {
 
 constexpr std::string_view kLog = "log:";
 
-Rectifier OpenRectifier(const RawRig& rig, StageMonitor& monitor) {
-  Rectifier rectifier(rig);
-  const std::string warning = ViewsWarning(rectifier.views());
+void WarnOfViews(const CurrentRig& rig, StageMonitor& monitor) {
+  const std::string warning = ViewsWarning(rig.Get()->rectifier.views());
   if (!warning.empty()) monitor.Warn(warning);
-  return rectifier;
 }
 
 std::unique_ptr<CaptureFeed> OpenLog(const std::string& source, bool loop, StageMonitor& monitor) {
@@ -40,8 +38,9 @@ std::unique_ptr<CaptureFeed> OpenLog(const std::string& source, bool loop, Stage
     }
   }
   if (!rig) return OpenLogFeed(path, prefix, loop, monitor);
-  const Rectifier rectifier = OpenRectifier(RequireCalibration(LoadRigFile(*rig), *rig), monitor);
-  return OpenRawLogFeed(path, prefix, rectifier, loop, monitor);
+  auto current = std::make_shared<CurrentRig>(LoadRigFile(*rig), *rig);
+  WarnOfViews(*current, monitor);
+  return OpenRawLogFeed(path, prefix, std::move(current), loop, monitor);
 }
 
 std::unique_ptr<CaptureFeed> OpenCameraFeed(const CaptureConfig& config, const FeedOptions& options,
@@ -49,13 +48,13 @@ std::unique_ptr<CaptureFeed> OpenCameraFeed(const CaptureConfig& config, const F
   OpenedCameras opened =
       OpenCameras(config.source(), options.loop, options.waiting, /*calibrated=*/!options.raw);
   if (options.raw) return FeedFrom(std::move(opened.cameras), config, monitor);
-  if (!opened.calibration) {
+  if (!opened.rig) {
     throw ConfigError("capture.source = " + config.source() +
                       ": no calibration; allowed: ?rig=FILE with one that sprout-calibrate has "
                       "written, or --raw");
   }
-  Rectifier rectifier = OpenRectifier(*opened.calibration, monitor);
-  return FeedFrom(Rectified(std::move(opened.cameras), std::move(rectifier)), config, monitor);
+  WarnOfViews(*opened.rig, monitor);
+  return FeedFrom(Rectified(std::move(opened.cameras), opened.rig), config, monitor, opened.rig);
 }
 
 std::unique_ptr<CaptureFeed> OpenRosFeed(const CaptureConfig& config, const FeedOptions& options,

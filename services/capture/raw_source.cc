@@ -15,10 +15,13 @@ Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrat
 
 class RectifiedSource : public datasets::FrameSource {
  public:
-  RectifiedSource(std::unique_ptr<RawSource> cameras, Rectifier rectifier)
-      : cameras_(std::move(cameras)), rectifier_(std::move(rectifier)) {}
+  RectifiedSource(std::unique_ptr<RawSource> cameras, std::shared_ptr<CurrentRig> rig)
+      : cameras_(std::move(cameras)),
+        current_(std::move(rig)),
+        first_(current_->Get()),
+        used_(first_) {}
 
-  const Rig& rig() const override { return rectifier_.rig(); }
+  const Rig& rig() const override { return first_->rectifier.rig(); }
   bool is_live() const override { return cameras_->is_live(); }
 
   std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) override {
@@ -28,8 +31,11 @@ class RectifiedSource : public datasets::FrameSource {
       if (!raw) return AtEnd();
       lost_.count += raw->lost;
       if (!raw->trouble.empty()) lost_.trouble = raw->trouble;
-      Result<datasets::CapturedFrame> frame = RectifyFrame(rectifier_, std::move(*raw));
+      const RigInUsePtr rig = current_->Get();
+      Result<datasets::CapturedFrame> frame = RectifyFrame(rig->rectifier, std::move(*raw));
       if (frame) {
+        if (rig != used_) frame->new_rig = rig->named();
+        used_ = rig;
         frame->lost = lost_.count;
         frame->trouble = lost_.trouble;
         return std::move(*frame);
@@ -50,7 +56,9 @@ class RectifiedSource : public datasets::FrameSource {
   }
 
   std::unique_ptr<RawSource> cameras_;
-  Rectifier rectifier_;
+  std::shared_ptr<CurrentRig> current_;
+  RigInUsePtr first_;
+  RigInUsePtr used_;           // for the newest frame
   datasets::LostFrames lost_;  // since the newest frame
 };
 
@@ -72,8 +80,8 @@ Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier,
 }
 
 std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
-                                                 Rectifier rectifier) {
-  return std::make_unique<RectifiedSource>(std::move(cameras), std::move(rectifier));
+                                                 std::shared_ptr<CurrentRig> rig) {
+  return std::make_unique<RectifiedSource>(std::move(cameras), std::move(rig));
 }
 
 }  // namespace sprout::capture

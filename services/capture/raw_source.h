@@ -8,6 +8,7 @@
 
 #include "common/core/result.h"
 #include "common/rig/rectifier.h"
+#include "services/capture/current_rig.h"
 #include "services/datasets/frame_source.h"
 
 namespace sprout::capture {
@@ -35,14 +36,15 @@ class RawSource {
 Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier,
                                              datasets::CapturedFrame raw);
 
-/// Rectified frames of cameras. One of another size than the calibrated one counts as lost.
+/// Rectified frames of cameras, each with the rig that is current when it comes. One of another
+/// size than the calibrated one counts as lost.
 std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
-                                                 Rectifier rectifier);
+                                                 std::shared_ptr<CurrentRig> rig);
 
 /// Cameras, and the calibration that belongs to them.
 struct OpenedCameras {
   std::unique_ptr<RawSource> cameras;
-  std::optional<RawRig> calibration;  ///< nothing when there is none yet
+  std::shared_ptr<CurrentRig> rig;  ///< null when there is no calibration yet
 };
 
 /// Whether a source names cameras: genicam:, opencv: or v4l2:.

@@ -15,13 +15,15 @@ class SourceFeed : public CaptureFeed {
   using Take = std::function<std::optional<datasets::CapturedFrame>(const std::stop_token&)>;
   using LostAtEnd = std::function<datasets::LostFrames()>;
 
-  // Without a rig the frames are not rectified.
+  // Without a rig the frames are not rectified. `current` is null when that is done elsewhere.
   SourceFeed(Take take, LostAtEnd lost_at_end, Timing timing, std::optional<Rig> rig,
-             const CaptureConfig& config, StageMonitor& monitor)
+             std::shared_ptr<CurrentRig> current, const CaptureConfig& config,
+             StageMonitor& monitor)
       : take_(std::move(take)),
         lost_at_end_(std::move(lost_at_end)),
         timing_(timing),
         rig_(std::move(rig)),
+        current_(std::move(current)),
         config_(config),
         monitor_(monitor) {
     if (rig_) newest_.rig_id = RigId(*rig_);
@@ -40,7 +42,10 @@ class SourceFeed : public CaptureFeed {
     ++newest_.seq;
     if (!config_.left_in_colour()) frame->left = ToGrey(frame->left);
     frame->right = ToGrey(frame->right);
-    return Encoded(newest_, *frame);
+    if (!frame->new_rig) return Encoded(newest_, *frame);
+    rig_ = frame->new_rig->rig;
+    newest_.rig_id = frame->new_rig->rig_id;
+    return BehindCalibration(Calibration(), Encoded(newest_, *frame));
   }
 
   std::vector<uint8_t> Calibration() const override {
@@ -50,6 +55,8 @@ class SourceFeed : public CaptureFeed {
   }
 
   Timing timing() const override { return timing_; }
+
+  std::shared_ptr<CurrentRig> current_rig() const override { return current_; }
 
  private:
   void Tell(const datasets::LostFrames& lost) {
@@ -61,6 +68,7 @@ class SourceFeed : public CaptureFeed {
   LostAtEnd lost_at_end_;
   Timing timing_;
   std::optional<Rig> rig_;
+  std::shared_ptr<CurrentRig> current_;
   CaptureConfig config_;
   StageMonitor& monitor_;
   FrameId newest_;
@@ -86,14 +94,20 @@ CaptureMessages Encoded(const FrameId& id, const datasets::CapturedFrame& frame)
   return messages;
 }
 
+CaptureMessages BehindCalibration(std::vector<uint8_t> calibration, CaptureMessages frame) {
+  frame.messages.emplace(frame.messages.begin(), Part::kRig, std::move(calibration));
+  return frame;
+}
+
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<datasets::FrameSource> source,
-                                      const CaptureConfig& config, StageMonitor& monitor) {
+                                      const CaptureConfig& config, StageMonitor& monitor,
+                                      std::shared_ptr<CurrentRig> rig) {
   const Timing timing = TimingOf(*source);
-  const Rig rig = source->rig();
+  const Rig first = source->rig();
   const std::shared_ptr<datasets::FrameSource> shared = std::move(source);
   return std::make_unique<SourceFeed>(
       [shared](const std::stop_token& stop) { return shared->Next(stop); },
-      [shared] { return shared->lost_at_end(); }, timing, rig, config, monitor);
+      [shared] { return shared->lost_at_end(); }, timing, first, std::move(rig), config, monitor);
 }
 
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
@@ -102,7 +116,7 @@ std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
   const std::shared_ptr<RawSource> shared = std::move(cameras);
   return std::make_unique<SourceFeed>(
       [shared](const std::stop_token& stop) { return shared->Next(stop); },
-      [shared] { return shared->lost_at_end(); }, timing, std::nullopt, config, monitor);
+      [shared] { return shared->lost_at_end(); }, timing, std::nullopt, nullptr, config, monitor);
 }
 
 }  // namespace sprout::capture

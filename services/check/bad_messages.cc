@@ -78,6 +78,7 @@ std::vector<std::string> SizeFields(Part part) {
       return {"columns", "rows", "zone_count", "target_count", "targets_per_zone", "mode"};
     case MessageType::kStatus:
     case MessageType::kProcess:
+    case MessageType::kRigChange:
       break;
   }
   return {};

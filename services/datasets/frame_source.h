@@ -14,6 +14,12 @@
 
 namespace sprout::datasets {
 
+/// A calibration that frames are rectified with, and its name.
+struct NamedRig {
+  Rig rig;
+  std::string rig_id;
+};
+
 /// One synchronised triplet: rectified from a FrameSource, raw from a RawSource.
 struct CapturedFrame {
   cv::Mat left;                            ///< 8UC1 or 8UC3 (BGR)
@@ -27,6 +33,9 @@ struct CapturedFrame {
   std::string trouble = {};
   /// Time between the earliest and the latest exposure of its images, ms; 0 when unknown.
   double spread_ms = 0;
+  /// When this frame and those after it have another calibration than those before: only capture
+  /// changes it.
+  std::optional<NamedRig> new_rig = {};
 };
 
 /// Incomplete captures after the last frame.
@@ -44,7 +53,7 @@ class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
-  /// Calibration; the same for all frames.
+  /// Calibration of the first frame, and of all others until one with a new_rig.
   virtual const Rig& rig() const = 0;
 
   /// Whether frames come when the cameras give them; otherwise when they are asked for.

@@ -22,7 +22,8 @@ std::string TypeText(std::span<const uint8_t> bytes) {
 }
 
 bool CarriesFrames(MessageType type) {
-  return type != MessageType::kRig && type != MessageType::kStatus && type != MessageType::kProcess;
+  return type != MessageType::kRig && type != MessageType::kStatus &&
+         type != MessageType::kProcess && type != MessageType::kRigChange;
 }
 
 Result<FrameId> Check(const LogEvent& event, const std::optional<MessageType>& type) {

@@ -16,8 +16,9 @@ uint64_t HashOf(std::span<const uint8_t> bytes) {
 bool IsProcess(const LogEvent& event) { return TypeOf(event.data) == MessageType::kProcess; }
 
 bool IsChatter(const LogEvent& event) {
-  return event.channel == "LCM_SELF_TEST" || TypeOf(event.data) == MessageType::kStatus ||
-         IsProcess(event);
+  const auto type = TypeOf(event.data);
+  return event.channel == "LCM_SELF_TEST" || type == MessageType::kStatus ||
+         type == MessageType::kRigChange || IsProcess(event);
 }
 
 }  // namespace

@@ -44,6 +44,15 @@ Result<void> CheckTime(const std::optional<FrameTime>& time) {
   return {};
 }
 
+Result<void> CheckZonesWanted(const TofZones& zones, bool uses_zones) {
+  if (!uses_zones && !zones.views.empty()) {
+    return Fail("zones: " + std::to_string(zones.columns) + "x" + std::to_string(zones.rows) +
+                ", but refine.zones is false; allowed: 0x0, or refine.zones: true");
+  }
+  return CheckZones(zones).map_error(
+      [](const Error& error) { return Error{"zones: " + error.text}; });
+}
+
 Result<void> CheckInput(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
                         const Rig& rig, const std::optional<FrameTime>& time) {
   return CheckRig(rig)
@@ -66,16 +75,20 @@ bool WantsDepthOfFused(const SproutConfig& config) {
 }  // namespace
 
 Pipeline::Pipeline(const SproutConfig& config)
-    : chain_(std::make_unique<Chain>(config)), depth_of_fused_(WantsDepthOfFused(config)) {}
+    : chain_(std::make_unique<Chain>(config)),
+      depth_of_fused_(WantsDepthOfFused(config)),
+      uses_zones_(config.refine().zones()) {}
 Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 
 Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
-                                     const Rig& rig, const std::optional<FrameTime>& time) {
-  if (const Result<void> fits = CheckInput(left, right, tof, rig, time); !fits) {
-    return tl::unexpected(fits.error());
-  }
+                                     const Rig& rig, const std::optional<FrameTime>& time,
+                                     const TofZones& zones) {
+  const Result<void> fits = CheckInput(left, right, tof, rig, time).and_then([&] {
+    return CheckZonesWanted(zones, uses_zones_);
+  });
+  if (!fits) return tl::unexpected(fits.error());
   last_ = time.value_or(FrameTime{.utime = last_.utime + 1, .seq = last_.seq + 1});
   Frame frame;
   frame.id = {.utime = last_.utime, .seq = last_.seq, .rig_id = RigId(rig)};
@@ -84,6 +97,7 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   frame.right = right;
   frame.tof = tof;
   frame.rig = rig;
+  if (uses_zones_) frame.tof_zones = zones;
   ChainObserver nobody;
   DepthFrame result;
   result.warnings = chain_->Run(frame, nobody).warnings;

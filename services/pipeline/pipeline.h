@@ -16,6 +16,7 @@
 #include "common/core/rig.h"
 #include "common/core/seed.h"
 #include "common/core/tof_image.h"
+#include "common/core/tof_zones.h"
 
 namespace sprout {
 
@@ -86,13 +87,16 @@ class Pipeline {
   /// @param time         for the memory, which is lost where it goes back, or on by more than
   ///                     temporal.max_gap_s; the time of the last call again: from what was known
   ///                     before that. Nothing: the frame after the last one, without a gap.
+  /// @param zones        of a multi-zone sensor, with refine { zones: true }; 0×0 when it gave
+  ///                     nothing.
   /// @returns the depth of the left image, or an error that names what does not fit. A frame in
   /// which nothing is found is not an error: it has an empty map, and warnings. About 60 ns a pixel
   /// on one core with a ToF image, 150 without. On OpenCV's threads (cv::setNumThreads), with the
   /// same bytes for any number, and on any CPU. Keeps its memory from frame to frame, so one object
   /// serves one caller at a time; results stay the caller's.
   Result<DepthFrame> Compute(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
-                             const Rig& rig, const std::optional<FrameTime>& time = {});
+                             const Rig& rig, const std::optional<FrameTime>& time = {},
+                             const TofZones& zones = {});
 
   /// Forgets all frames: the next one is the first. Without a memory it does nothing.
   void Reset();
@@ -100,6 +104,7 @@ class Pipeline {
  private:
   std::unique_ptr<Chain> chain_;
   bool depth_of_fused_;
+  bool uses_zones_;
   FrameTime last_;
 };
 

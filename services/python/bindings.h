@@ -3,6 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <Eigen/Geometry>
 #include <atomic>
 #include <chrono>
 #include <optional>
@@ -36,6 +37,7 @@ void BindConfig(py::module_& module);
 void BindRig(py::module_& module);
 void BindMotion(py::module_& module);
 void BindParts(py::module_& module);
+void BindZones(py::module_& module);
 void BindFrame(py::module_& module);
 void BindPipeline(py::module_& module);
 void BindLog(py::module_& module);
@@ -61,6 +63,9 @@ T Unwrap(Result<T> result) {
   if (!result) throw py::value_error(result.error().text);
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
+
+/// A rotation from None (there is none), 4 numbers (w, x, y, z) or (3, 3).
+Eigen::Quaternion<double, Eigen::DontAlign> TakeRotation(const py::handle& rotation);
 
 /// Held while an object works that serves one thread at a time.
 class Turn {

@@ -29,6 +29,7 @@ class PyDataset {
     result.frame.left = std::move(got.left);
     result.frame.right = std::move(got.right);
     result.frame.tof = std::move(got.tof);
+    result.frame.tof_zones = std::move(got.tof_zones);
     result.frame.rig = dataset_->rig();
     result.truth = std::move(got.truth);
     return result;
@@ -54,7 +55,7 @@ void BindDataset(py::module_& module) {
   py::class_<PyDataset>(module, "Dataset",
                         R"(Frames with ground truth: a data set, or a simulation.
 
-    Dataset("middlebury:DIR?tof=sr4000")    a scene of 2005, 2006 or 2014; tof: grid, sr4000 or none
+    Dataset("middlebury:DIR?tof=sr4000")    a scene of 2005, 2006 or 2014; tof: grid, sr4000, zones:8x8 or none
     Dataset("kitti:DIR")                    frames in KITTI's layout, the scan as range image
     Dataset("synthetic:640x480")            a moving scene without an end)")
       .def(py::init<const std::string&, const py::object&>(), py::arg("source"),

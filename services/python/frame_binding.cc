@@ -277,6 +277,9 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           },
           "Optional[Tof]: the range image.")
       .def_property_readonly(
+          "tof_zones", [](const PyFrame& f) { return OrNone(f.frame.tof_zones); },
+          "Optional[Zones]: what a multi-zone sensor measured.")
+      .def_property_readonly(
           "rig", [](const PyFrame& f) { return OrNone(f.frame.rig); },
           "Optional[Rig]: the calibration.")
       .def_property_readonly(

@@ -41,6 +41,7 @@ PYBIND11_MODULE(_sprout, module) {
   python::BindRig(module);
   python::BindMotion(module);
   python::BindParts(module);
+  python::BindZones(module);
   python::BindFrame(module);
   python::BindPipeline(module);
   python::BindLog(module);

@@ -34,7 +34,7 @@ class PyPipeline {
 
   PyFrame Compute(const py::object& left, const py::object& right, const py::object& tof,
                   const Rig& rig, std::optional<int64_t> seq, std::optional<int64_t> utime,
-                  const py::object& pose) {
+                  const py::object& pose, const py::object& zones) {
     PyFrame result;
     Frame& frame = result.frame;
     frame.left = TakeImage("left", left, rig.pair.size());
@@ -44,6 +44,10 @@ class PyPipeline {
     }
     frame.tof = TakeTof("tof", tof, cv::Size(rig.tof.width, rig.tof.height));
     frame.rig = rig;
+    if (!zones.is_none()) {
+      if (!py::isinstance<TofZones>(zones)) Refuse("zones", "Zones or None", zones);
+      frame.tof_zones = zones.cast<TofZones>();
+    }
     if (seq.has_value() != utime.has_value()) {
       throw py::value_error("seq, utime: expected both or neither");
     }
@@ -83,7 +87,8 @@ class PyPipeline {
     Result<DepthFrame> depth;
     {
       const py::gil_scoped_release free;
-      depth = pipeline_.Compute(frame.left, frame.right, *frame.tof, *frame.rig, time);
+      depth = pipeline_.Compute(frame.left, frame.right, *frame.tof, *frame.rig, time,
+                                frame.tof_zones.value_or(TofZones()));
     }
     return Unwrap(std::move(depth));
   }
@@ -117,7 +122,8 @@ As Config(): presets, files, texts, merged; none: all defaults.)")
           "compute", &PyPipeline::Compute, py::arg("left"), py::arg("right"),
           py::arg("tof") = py::none(), py::arg("rig"), py::arg("seq") = py::none(),
           py::arg("utime") = py::none(), py::arg("pose") = py::none(),
-          R"(compute(self, left: numpy.ndarray, right: numpy.ndarray, tof: Union[numpy.ndarray, Tof, None], rig: Rig, seq: Optional[int] = ..., utime: Optional[int] = ..., pose: Optional[numpy.ndarray] = ...) -> Frame
+          py::arg("zones") = py::none(),
+          R"(compute(self, left: numpy.ndarray, right: numpy.ndarray, tof: Union[numpy.ndarray, Tof, None], rig: Rig, seq: Optional[int] = ..., utime: Optional[int] = ..., pose: Optional[numpy.ndarray] = ..., zones: Optional[Zones] = ...) -> Frame
 
 left, right: rectified, uint8, (rig.height, rig.width) or with 3 colours (BGR).
 tof: (rig.tof.height, rig.tof.width) float32 in m along the optical axis, or uint16 in mm; 0 or NaN: no
@@ -128,7 +134,8 @@ can be found is no error: it has an empty map, and warnings.
 seq, utime: number and time (us) of the frame, for the memory of a pipeline with temporal { in_pipeline:
 true }; both, or neither: then it is the frame after the last one, without a gap.
 pose: with temporal { motion: CHANNEL } that of the left camera in a frame that does not move, (4, 4)
-float64, m; None: not known, and earlier frames are forgotten.)")
+float64, m; None: not known, and earlier frames are forgotten.
+zones: with refine { zones: true } what a multi-zone sensor measured; None: nothing.)")
       .def("reset", &PyPipeline::Reset,
            R"(reset(self) -> None
 

@@ -25,29 +25,6 @@ Rig Checked(const Rig& rig) {
   return rig;
 }
 
-Eigen::Quaternion<double, Eigen::DontAlign> TakeRotation(const py::handle& rotation) {
-  if (rotation.is_none()) return Eigen::Quaternion<double, Eigen::DontAlign>::Identity();
-  const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(
-      py::reinterpret_borrow<py::object>(rotation));
-  if (numbers && numbers.ndim() == 1 && numbers.size() == 4) {
-    return {numbers.at(0), numbers.at(1), numbers.at(2), numbers.at(3)};
-  }
-  if (!numbers || numbers.ndim() != 2 || numbers.shape(0) != 3 || numbers.shape(1) != 3) {
-    PyErr_Clear();
-    Refuse("rotation", "4 numbers (w, x, y, z) or float64 array of shape (3, 3)", rotation);
-  }
-  Eigen::Matrix3d matrix;
-  for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = numbers.at(i / 3, i % 3);
-  // Seven digits are what calibration files have.
-  constexpr double kTolerance = 1e-4;
-  const double off = (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).norm();
-  if (!(off < kTolerance) || matrix.determinant() < 0) {
-    throw py::value_error("rotation: expected a rotation, R R^T = 1 and det R = 1, given " +
-                          std::string(py::repr(rotation)));
-  }
-  return Eigen::Quaternion<double, Eigen::DontAlign>(matrix).normalized();
-}
-
 TofCamera MakeTof(int width, int height, double fx, double fy, double cx, double cy,
                   const Distortion& distortion, const py::object& rotation,
                   const std::array<double, 3>& translation_m) {
@@ -280,6 +257,29 @@ ranges taken away. What compute() takes; bilinear, the same bytes everywhere.)")
 }
 
 }  // namespace
+
+Eigen::Quaternion<double, Eigen::DontAlign> TakeRotation(const py::handle& rotation) {
+  if (rotation.is_none()) return Eigen::Quaternion<double, Eigen::DontAlign>::Identity();
+  const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(
+      py::reinterpret_borrow<py::object>(rotation));
+  if (numbers && numbers.ndim() == 1 && numbers.size() == 4) {
+    return {numbers.at(0), numbers.at(1), numbers.at(2), numbers.at(3)};
+  }
+  if (!numbers || numbers.ndim() != 2 || numbers.shape(0) != 3 || numbers.shape(1) != 3) {
+    PyErr_Clear();
+    Refuse("rotation", "4 numbers (w, x, y, z) or float64 array of shape (3, 3)", rotation);
+  }
+  Eigen::Matrix3d matrix;
+  for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = numbers.at(i / 3, i % 3);
+  // Seven digits are what calibration files have.
+  constexpr double kTolerance = 1e-4;
+  const double off = (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).norm();
+  if (!(off < kTolerance) || matrix.determinant() < 0) {
+    throw py::value_error("rotation: expected a rotation, R R^T = 1 and det R = 1, given " +
+                          std::string(py::repr(rotation)));
+  }
+  return Eigen::Quaternion<double, Eigen::DontAlign>(matrix).normalized();
+}
 
 void BindRig(py::module_& module) {
   BindTofCamera(module);

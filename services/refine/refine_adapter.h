@@ -10,16 +10,17 @@
 
 namespace sprout::refine {
 
-/// LEFT RIGHT TOF RIG → SEEDS LEFT_SEEDS.
+/// LEFT RIGHT TOF RIG, with `zones` TOF_ZONES → SEEDS LEFT_SEEDS.
 class RefineAdapter : public StageAdapter {
  public:
   explicit RefineAdapter(const RefineConfig& config)
-      : refiner_(config),
+      : inputs_(InputsOf(config)),
+        refiner_(config),
         finds_stereo_seeds_(config.stereo_seeds()),
         aligns_tof_(config.align_tof()),
         check_tof_every_(config.check_tof_every()) {}
 
-  PartSet Inputs() const override { return InputsOf(RefineConfig()); }
+  PartSet Inputs() const override { return inputs_; }
 
   /// Always answers; without a usable point, and if stereo finds nothing either, both are empty and
   /// the result says why.
@@ -30,6 +31,7 @@ class RefineAdapter : public StageAdapter {
   Result<SeedSet> Refine(const Frame& frame);
   TofOffsetStatus OffsetOf(const Frame& frame, bool refined);
 
+  PartSet inputs_;
   Refiner refiner_;
   TofAligner aligner_;  // for frames that are only looked at
   bool finds_stereo_seeds_;

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "common/app/log.h"
+#include "common/app/low_priority.h"
 #include "common/core/sleep.h"
 #include "common/quality/frame_quality.h"
 #include "services/view/decoded_frame.h"
-#include "services/view/low_priority.h"
 
 namespace sprout::view {
 namespace {

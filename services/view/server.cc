@@ -7,8 +7,8 @@
 #include <thread>
 #include <utility>
 
+#include "common/app/low_priority.h"
 #include "services/view/http_connection.h"
-#include "services/view/low_priority.h"
 #include "services/view/page_connection.h"
 #include "services/view/server_state.h"
 

@@ -13,6 +13,7 @@
 #include <lcmtypes/sprout/point_cloud_t.hpp>
 #include <lcmtypes/sprout/prior_t.hpp>
 #include <lcmtypes/sprout/process_info_t.hpp>
+#include <lcmtypes/sprout/rig_change_t.hpp>
 #include <lcmtypes/sprout/rig_t.hpp>
 #include <lcmtypes/sprout/seeds_t.hpp>
 #include <lcmtypes/sprout/stage_status_t.hpp>
@@ -51,6 +52,7 @@ TEST(Fingerprints, AreThoseOfTheReleasedTypes) {
   ExpectFingerprint<tof_zones_t>(0x7b680fd0ddf84e9f);
   ExpectFingerprint<stage_status_t>(0x70764dd093aba24e);
   ExpectFingerprint<process_info_t>(0x2462780294b2d3dd);
+  ExpectFingerprint<rig_change_t>(0x42f9f4c42038504d);
 }
 
 // lcm-gen gives these for libbot2's own bot_core_image_t.lcm, bot_core_image_metadata_t.lcm and

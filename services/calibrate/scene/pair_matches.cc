@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
 #include "common/core/parallel.h"
@@ -15,10 +16,9 @@ namespace {
 struct MatchRules {
   static constexpr int kColumns = 8;  ///< of cells
   static constexpr int kRows = 6;
-  /// Features of a cell: some 3000 in an image, of which a third is matched; more only take time.
-  static constexpr size_t kMostInLeftCell = 60;
-  /// The partner of a left one has to be among those of the right image.
-  static constexpr size_t kMostInRightCell = 150;
+  /// The partner of a left feature has to be among those of the right image, which are so many
+  /// times as many.
+  static constexpr double kMoreInRight = 2.5;
   /// Least contrast of a feature, Lowe's 0.04 halved: walls count too.
   static constexpr double kContrast = 0.02;
   /// Rows that the images are off, as share of their height: half a degree of pitch or roll through
@@ -61,12 +61,20 @@ std::vector<cv::KeyPoint> Spread(const std::vector<cv::KeyPoint>& points, cv::Si
   return spread;
 }
 
-Features Find(const cv::Mat1b& image, size_t most_in_cell) {
+Features Find(const cv::Mat1b& whole, size_t most_in_cell, int shrink) {
+  cv::Mat1b image = whole;
+  if (shrink > 1) cv::resize(whole, image, whole.size() / shrink, 0, 0, cv::INTER_AREA);
   const auto sift = cv::SIFT::create(/*nfeatures=*/0, /*nOctaveLayers=*/3, MatchRules::kContrast);
   std::vector<cv::KeyPoint> points;
   sift->detect(image, points);
   Features features{.points = Spread(points, image.size(), most_in_cell), .descriptors = {}};
   if (!features.points.empty()) sift->compute(image, features.points, features.descriptors);
+  if (shrink == 1) return features;
+  const float across = static_cast<float>(whole.cols) / static_cast<float>(image.cols);
+  const float down = static_cast<float>(whole.rows) / static_cast<float>(image.rows);
+  for (cv::KeyPoint& point : features.points) {
+    point.pt = {(point.pt.x + 0.5F) * across - 0.5F, (point.pt.y + 0.5F) * down - 0.5F};
+  }
   return features;
 }
 
@@ -129,9 +137,11 @@ std::vector<PairMatch> Sharpen(const cv::Mat1b& left, const cv::Mat1b& right,
 
 }  // namespace
 
-PairMatches MatchPair(const cv::Mat1b& left, const cv::Mat1b& right) {
-  const Features of_left = Find(left, MatchRules::kMostInLeftCell);
-  const Features of_right = Find(right, MatchRules::kMostInRightCell);
+PairMatches MatchPair(const cv::Mat1b& left, const cv::Mat1b& right, const MatchEffort& effort) {
+  const auto in_right =
+      static_cast<size_t>(MatchRules::kMoreInRight * static_cast<double>(effort.most_in_cell));
+  const Features of_left = Find(left, effort.most_in_cell, effort.shrink);
+  const Features of_right = Find(right, in_right, effort.shrink);
   const auto band_px = static_cast<float>(MatchRules::kBand * left.rows);
   const std::vector<int> partners = BestPartners(of_left, of_right, band_px);
   const std::vector<int> back = BestPartners(of_right, of_left, band_px);

@@ -19,13 +19,21 @@ struct PairMatches {
   int right_features = 0;
 };
 
+/// How thoroughly a pair is searched. The position of a match is as accurate in any case.
+struct MatchEffort {
+  int shrink = 1;            ///< features are searched in images of a so many times smaller side
+  size_t most_in_cell = 60;  ///< features of each of 8 × 6 cells of the left image
+};
+
 /// Matches of a pair whose rows may be off by up to 5 % of the height: SIFT features (Lowe, IJCV
-/// 2004), at most 60 in each of 8 × 6 cells of the left image, unique among those of the right
-/// image on about the same row, and each other's best. Lucas and Kanade's method then finds the
-/// position in the right image to some hundredths of a pixel, and has to find back.
+/// 2004), unique among those of the right image on about the same row, and each other's best. Lucas
+/// and Kanade's method then finds the position in the right image to some hundredths of a pixel,
+/// and has to find back.
 /// @param left, right  grey, of one size; rectified by a calibration that may be slightly wrong.
-/// About a second at 2 MP; on OpenCV's threads, with the same result for any number.
-PairMatches MatchPair(const cv::Mat1b& left, const cv::Mat1b& right);
+/// About a second at 2 MP, with 2 and 20 a sixth of it; on OpenCV's threads, with the same result
+/// for any number.
+PairMatches MatchPair(const cv::Mat1b& left, const cv::Mat1b& right,
+                      const MatchEffort& effort = {});
 
 }  // namespace sprout::calibrate
 

@@ -1,10 +1,8 @@
 #include "services/calibrate/scene/rectify_again.h"
 
-#include "common/rig/bilinear_remap.h"
-
 namespace sprout::calibrate {
 
-cv::Mat RectifyAgain(const cv::Mat& image, const RectifiedCamera& from, const RectifiedCamera& to) {
+BilinearRemap RectifyAgain(const RectifiedCamera& from, const RectifiedCamera& to) {
   cv::Mat2f places(to.pair.size());
   const Eigen::Matrix3d back = BackOf(to.turn);
   for (int v = 0; v < places.rows; ++v) {
@@ -15,7 +13,7 @@ cv::Mat RectifyAgain(const cv::Mat& image, const RectifiedCamera& from, const Re
       places(v, u) = {static_cast<float>(place.x), static_cast<float>(place.y)};
     }
   }
-  return BilinearRemap(places, image.size()).Apply(image);
+  return {places, from.pair.size()};
 }
 
 }  // namespace sprout::calibrate

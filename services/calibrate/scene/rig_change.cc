@@ -1,6 +1,7 @@
 #include "services/calibrate/scene/rig_change.h"
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <numbers>
 
 #include "services/calibrate/scene/place_axes.h"
@@ -31,11 +32,7 @@ constexpr std::array<RigNumberRow, kRigNumbers> kRows = {{
 }};
 
 Pose Turned(const Pose& pose, const RigNumbers& change, RigNumber first) {
-  const Eigen::Vector3d turn(change[first], change[first + 1], change[first + 2]);
-  if (turn.isZero(0)) return pose;  // not a rounding error more
-  const Eigen::Quaterniond by(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
-  return {.rotation = (by * Eigen::Quaterniond(pose.rotation)).normalized(),
-          .translation_m = pose.translation_m};
+  return TurnedBy(pose, {change[first], change[first + 1], change[first + 2]});
 }
 
 Lens Scaled(Lens lens, double by) {
@@ -61,6 +58,17 @@ RawRig Changed(const RawRig& rig, const RigNumbers& change) {
   changed.left_from_tof = Turned(rig.left_from_tof, change, kTofPitch);
   changed.range_offset_m += change[kRangeOffset];
   return changed;
+}
+
+MovedPx MostMoved(const RigNumbers& change, const RectifiedPair& pair) {
+  const auto size = [&](RigNumber number) { return std::abs(change[number]); };
+  const double half_px = std::hypot(pair.width, pair.height) / 2;
+  // A tilt of the baseline moves a point across by its disparity, of which this is a large one.
+  const double disparity_px = 0.2 * pair.width;
+  return {.right = pair.focal_px * (size(kPitch) + size(kYaw)) + half_px * size(kRoll) +
+                   disparity_px * (size(kPlaceY) + size(kPlaceZ)) +
+                   half_px * (size(kFocal) + size(kFocalRight)) + size(kRowRight),
+          .tof = pair.focal_px * (size(kTofPitch) + size(kTofYaw)) + half_px * size(kTofRoll)};
 }
 
 RawRig RawRigOf(const Rig& rig) {

@@ -43,6 +43,13 @@ const RigNumberRow& RowOf(RigNumber number);
 /// The calibration with the changes: right.rotation = exp(pitch, yaw, roll) · rotation, and so on.
 RawRig Changed(const RawRig& rig, const RigNumbers& change);
 
+/// How far a change moves points somewhere in the rectified images at most, px.
+struct MovedPx {
+  double right = 0;  ///< points in the right image, against those of the left one
+  double tof = 0;    ///< points of the ToF camera in the left image, but for their ranges
+};
+MovedPx MostMoved(const RigNumbers& change, const RectifiedPair& pair);
+
 /// A rectified rig as an unrectified one whose lenses do not distort: for frames whose original
 /// images are lost.
 RawRig RawRigOf(const Rig& rig);

@@ -18,6 +18,10 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
+// Depth edges are found as well in images that are so little off: rectifying them again takes most
+// of the time.
+constexpr double kSameImagesPx = 0.5;
+
 double MedianOrUnknown(std::vector<double> values) {
   return values.empty() ? kUnknown : Median(values);
 }
@@ -29,8 +33,9 @@ std::vector<double> Sizes(std::vector<double> values) {
 
 }  // namespace
 
-SceneRefiner::SceneRefiner(const RawRig& rig, const Rectification& images)
-    : rig_(rig), images_(images) {}
+SceneRefiner::SceneRefiner(const RawRig& rig, const Rectification& images,
+                           const SceneEffort& effort)
+    : rig_(rig), images_(images), effort_(effort) {}
 
 Result<void> SceneRefiner::Add(const cv::Mat& left, const cv::Mat& right, const TofImage& tof) {
   const RectifiedPair& pair = images_.pair;
@@ -43,7 +48,7 @@ Result<void> SceneRefiner::Add(const cv::Mat& left, const cv::Mat& right, const 
 
   const cv::Mat1b left_grey = ToGrey(left).clone();
   const cv::Mat1b right_grey = ToGrey(right).clone();
-  const PairMatches found = MatchPair(left_grey, right_grey);
+  const PairMatches found = MatchPair(left_grey, right_grey, effort_.match);
   const Eigen::Matrix3d left_back = BackOf(images_.left_turn);
   const Eigen::Matrix3d right_back = BackOf(images_.right_turn);
   for (const PairMatch& match : found.matches) {
@@ -92,21 +97,25 @@ void SceneRefiner::AttachPatches(const RawRig& rig) {
 }
 
 void SceneRefiner::ThinOut() {
-  if (matches_.size() <= kMostMatches) return;
-  for (size_t i = 0; i < kMostMatches; ++i) {
-    const size_t from = i * matches_.size() / kMostMatches;
+  const size_t most = effort_.most_matches;
+  if (matches_.size() <= most) return;
+  for (size_t i = 0; i < most; ++i) {
+    const size_t from = i * matches_.size() / most;
     matches_[i] = matches_[from];
     left_px_[i] = left_px_[from];
   }
-  matches_.resize(kMostMatches);
-  left_px_.resize(kMostMatches);
+  matches_.resize(most);
+  left_px_.resize(most);
 }
 
 std::optional<EdgeShift> SceneRefiner::FindEdges(const RigNumbers& change) {
   edge_views_ = 0;
   if (rig_.tof.width == 0) return std::nullopt;
   const RawRig changed = Changed(rig_, change);
-  const Rectification to = RectificationOf(changed);
+  const bool is_same = MostMoved(change, images_.pair).right <= kSameImagesPx;
+  const Rectification to = is_same ? images_ : RectificationOf(changed);
+  const BilinearRemap left = is_same ? BilinearRemap() : LeftAgain(changed, to);
+  const BilinearRemap right = is_same ? BilinearRemap() : RightAgain(changed, to);
   const TofProjector projector(RectifiedRig(changed, to));
   std::array<std::vector<double>, 2> turns;
   std::array<std::vector<double>, 2> sigmas;
@@ -114,9 +123,9 @@ std::optional<EdgeShift> SceneRefiner::FindEdges(const RigNumbers& change) {
     if (view.tof.depth_m.empty()) continue;
     int behind = 0;
     const std::vector<ProjectedPoint> points = projector.Project(view.tof, behind);
-    const refine::TofOffset offset =
-        aligner_.Estimate(RectifyLeft(view.left, changed, to),
-                          RectifyRight(view.right, changed, to), points, view.tof, projector);
+    const refine::TofOffset offset = aligner_.Estimate(
+        is_same ? view.left : cv::Mat1b(left.Apply(view.left)),
+        is_same ? view.right : cv::Mat1b(right.Apply(view.right)), points, view.tof, projector);
     if (!offset.sure) continue;
     // As refine::ApplyOffset() turns.
     turns[0].push_back(-offset.dv_px / to.pair.focal_px);
@@ -208,15 +217,13 @@ const SceneRefiner::View& SceneRefiner::best_view() const {
   return *std::ranges::max_element(views_, {}, &View::matches);
 }
 
-cv::Mat1b SceneRefiner::RectifyLeft(const cv::Mat1b& image, const RawRig& by,
-                                    const Rectification& to) const {
-  return RectifyAgain(image, {rig_.left, images_.left_turn, images_.pair, images_.pair.cx},
+BilinearRemap SceneRefiner::LeftAgain(const RawRig& by, const Rectification& to) const {
+  return RectifyAgain({rig_.left, images_.left_turn, images_.pair, images_.pair.cx},
                       {by.left, to.left_turn, to.pair, to.pair.cx});
 }
 
-cv::Mat1b SceneRefiner::RectifyRight(const cv::Mat1b& image, const RawRig& by,
-                                     const Rectification& to) const {
-  return RectifyAgain(image, {rig_.right, images_.right_turn, images_.pair, images_.pair.cx_right},
+BilinearRemap SceneRefiner::RightAgain(const RawRig& by, const Rectification& to) const {
+  return RectifyAgain({rig_.right, images_.right_turn, images_.pair, images_.pair.cx_right},
                       {by.right, to.right_turn, to.pair, to.pair.cx_right});
 }
 

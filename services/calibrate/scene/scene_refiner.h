@@ -7,8 +7,10 @@
 
 #include "common/core/result.h"
 #include "common/core/tof_image.h"
+#include "common/rig/bilinear_remap.h"
 #include "common/rig/raw_rig.h"
 #include "common/rig/rectification.h"
+#include "services/calibrate/scene/pair_matches.h"
 #include "services/calibrate/scene/rig_change.h"
 #include "services/calibrate/scene/scene_adjustment.h"
 #include "services/calibrate/scene/scene_match.h"
@@ -62,19 +64,23 @@ struct SceneWishes {
   bool yaw = false;    ///< the yaw also where no ToF point shows it
 };
 
+/// How much time a refinement may take. With less effort standard deviations are larger.
+struct SceneEffort {
+  MatchEffort match;
+  size_t most_matches = 8000;  ///< of all frames together, of each evenly
+};
+
 /// Refines a rig's calibration from frames of any scene, without a board: from matches of the pair,
 /// ToF points on smooth surfaces, and depth edges (services/calibrate/README.md).
 class SceneRefiner {
  public:
   /// More frames take time and memory, and show the same errors.
   static constexpr int kMostViews = 24;
-  /// The same of matches; those of each frame evenly.
-  static constexpr size_t kMostMatches = 8000;
 
   /// @param rig      to be refined.
   /// @param images   how the frames were rectified: RectificationOf(rig), or for RawRigOf() no
   ///                 rotation.
-  SceneRefiner(const RawRig& rig, const Rectification& images);
+  SceneRefiner(const RawRig& rig, const Rectification& images, const SceneEffort& effort = {});
 
   /// Searches a frame for matches. Keeps its images, in grey.
   /// @param left, right  rectified, of the rig's size, 8UC1 or 8UC3.
@@ -85,6 +91,9 @@ class SceneRefiner {
   /// @returns an error that says why the frames show too little: few matches, on one side, on one
   ///          plane, at odds with each other. Seconds.
   Result<SceneRefinement> Refine(const SceneWishes& wishes);
+
+  /// Number of frames that were added.
+  int views() const { return static_cast<int>(views_.size()); }
 
   /// The frame with the most matches, rectified as it came, grey.
   struct View {
@@ -99,9 +108,9 @@ class SceneRefiner {
   /// The rig of the frames as they came, rectified.
   Rig RigBefore() const { return RectifiedRig(rig_, images_); }
 
-  /// Such an image rectified by another calibration. O(pixels).
-  cv::Mat1b RectifyLeft(const cv::Mat1b& image, const RawRig& by, const Rectification& to) const;
-  cv::Mat1b RectifyRight(const cv::Mat1b& image, const RawRig& by, const Rectification& to) const;
+  /// Makes of such images those of another calibration, see RectifyAgain().
+  BilinearRemap LeftAgain(const RawRig& by, const Rectification& to) const;
+  BilinearRemap RightAgain(const RawRig& by, const Rectification& to) const;
 
  private:
   void ThinOut();
@@ -111,6 +120,7 @@ class SceneRefiner {
 
   RawRig rig_;
   Rectification images_;
+  SceneEffort effort_;
   std::vector<View> views_;
   std::vector<SceneMatch> matches_;
   std::vector<cv::Point2d> left_px_;  // of the matches, rectified

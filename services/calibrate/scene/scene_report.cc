@@ -117,10 +117,10 @@ std::string SceneReportHtml(const SceneRefinement& refinement, const SceneRefine
       "off.</p>\n" +
       RowsPicture(refinement, view.left, false) + RowsPicture(refinement, view.left, true);
   const Rectification after = RectificationOf(refinement.rig);
-  const cv::Mat1b left = refiner.RectifyLeft(view.left, refinement.rig, after);
+  const cv::Mat1b left = refiner.LeftAgain(refinement.rig, after).Apply(view.left);
   html += "<h2>The rectified pair</h2>\n" +
           FigureHtml(PairPicture(view.left, view.right), "before") +
-          FigureHtml(PairPicture(left, refiner.RectifyRight(view.right, refinement.rig, after)),
+          FigureHtml(PairPicture(left, refiner.RightAgain(refinement.rig, after).Apply(view.right)),
                      "after: a point lies on the same row in both images");
   if (refinement.tof_matches > 0) {
     html += "<h2>ToF points on the left image</h2>\n" +

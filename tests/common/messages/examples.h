@@ -189,6 +189,22 @@ inline ProcessInfo Process() {
           .pid = 78};
 }
 
+inline RigChange Change() {
+  return {.newest_frame = Id(),
+          .reason = "the scene is too flat",
+          .verdict = RigChange::Verdict::kWrong,
+          .frames = 10,
+          .matches = 1500,
+          .tof_matches = 700,
+          .rows_px = -0.5F,
+          .rows_spread_px = 0.25F,
+          .rows_sigma_px = 0.125F,
+          .right = {.turn = {0.001, -0.002, 0.003}, .sigma = {0.0001, 0.0002, 0.0003}},
+          .tof = {.turn = {0.01, 0, -0.03}, .sigma = {0.004, -1, 0.006}},
+          .range_offset_m = 0.02,
+          .range_sigma_m = 0.001};
+}
+
 template <typename Message>
 std::vector<uint8_t> Encode(const Message& message) {
   std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
@@ -246,6 +262,7 @@ inline std::vector<Wire> AllWires() {
           wire("base cloud", Part::kBaseCloud, Cloud()),
           wire("zones", Part::kTofZones, Zones()),
           Wire{"process", EncodeProcessInfo(Process()), std::nullopt, MessageType::kProcess},
+          Wire{"rig change", EncodeRigChange(Change()), std::nullopt, MessageType::kRigChange},
           Wire{"status", EncodeStatus(Status()), std::nullopt}};
 }
 

@@ -219,6 +219,32 @@ TEST(ProcessMessage, CarriesEveryField) {
   EXPECT_EQ(*info, examples::Process());
 }
 
+TEST(RigChangeMessage, CarriesEveryField) {
+  const Result<RigChange> change = DecodeRigChange(EncodeRigChange(examples::Change()));
+  ASSERT_TRUE(change.has_value()) << change.error().text;
+  EXPECT_EQ(*change, examples::Change());
+}
+
+TEST(RigChangeMessage, RefusesWhatTheTypeDoesNotAllow) {
+  const auto error = [](const auto& spoil) {
+    RigChange change = examples::Change();
+    spoil(change);
+    const Result<RigChange> decoded = DecodeRigChange(EncodeRigChange(change));
+    return decoded ? "" : decoded.error().text;
+  };
+  EXPECT_EQ(error([](RigChange& c) { c.verdict = static_cast<RigChange::Verdict>(3); }),
+            "verdict = 3: allowed is UNSEEN, RIGHT or WRONG");
+  EXPECT_EQ(error([](RigChange& c) { c.frames = 0; }), "frames = 0: allowed is 1 to 1000");
+  EXPECT_EQ(error([](RigChange& c) { c.tof_matches = 1501; }),
+            "tof_matches = 1501: allowed is 0 to matches");
+  EXPECT_EQ(error([](RigChange& c) { c.right.turn[1] = INFINITY; }),
+            "right_turn = inf: allowed is a finite number");
+  EXPECT_EQ(error([](RigChange& c) { c.tof.sigma[2] = -0.5; }),
+            "tof_sigma = -0.5: allowed is 0 or more, or -1 for not shown");
+  EXPECT_EQ(error([](RigChange& c) { c.range_sigma_m = NAN; }),
+            "range_sigma_m = nan: allowed is a finite number");
+}
+
 TEST(ProcessMessage, MayBeEmpty) {
   const Result<ProcessInfo> info = DecodeProcessInfo(EncodeProcessInfo(ProcessInfo{}));
   ASSERT_TRUE(info) << info.error().text;

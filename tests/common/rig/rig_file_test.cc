@@ -49,6 +49,25 @@ class RigFile : public ::testing::Test {
   std::string path_ = folder_ / "rig.textproto";
 };
 
+TEST_F(RigFile, HasTheBoardsCalibrationBesideOneThatWasPutRight) {
+  RigDescription rig;
+  EXPECT_FALSE(BoardCalibrationOf(rig));
+  *rig.mutable_calibration() = ToCalibration(TiltedRig());
+  EXPECT_EQ(BoardCalibrationOf(rig)->range_offset_m, TiltedRig().range_offset_m);
+  RawRig board = TiltedRig();
+  board.range_offset_m = 0.125;
+  *rig.mutable_board_calibration() = ToCalibration(board);
+  EXPECT_EQ(BoardCalibrationOf(rig)->range_offset_m, 0.125);
+  EXPECT_EQ(CalibrationOf(rig)->range_offset_m, TiltedRig().range_offset_m);
+  rig.mutable_board_calibration()->mutable_right()->set_fx(-1);
+  try {
+    BoardCalibrationOf(rig);
+    FAIL() << "no error";
+  } catch (const ConfigError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("board_calibration.right.fx = -1"));
+  }
+}
+
 TEST_F(RigFile, KeepsEveryNumberOfACalibration) {
   const RawRig rig = TiltedRig();
   RigDescription written;

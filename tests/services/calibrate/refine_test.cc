@@ -98,7 +98,9 @@ TEST_F(CalibrateRefine, PutsARigRightFromUnrectifiedImagesAndKeepsItsDevices) {
   const RigNumbers left = Left(rig_);
   EXPECT_LT(std::abs(left[kRoll]), kLimit);
   EXPECT_LT(std::abs(left[kPitch]), kLimit);
-  EXPECT_EQ(LoadRigFile(File("new.textproto")).left().serial(), "4711");
+  const RigDescription refined = LoadRigFile(File("new.textproto"));
+  EXPECT_EQ(refined.left().serial(), "4711");
+  EXPECT_EQ(ConfigText(refined.board_calibration()), ConfigText(ToCalibration(knocked_)));
   std::ostringstream page;
   page << std::ifstream(File("report.html")).rdbuf();
   EXPECT_THAT(page.str(), HasSubstr("refined without a board: <span class=\"good\">good</span>"));

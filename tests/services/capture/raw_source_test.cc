@@ -33,6 +33,12 @@ datasets::CapturedFrame RawFrame(int grey) {
   return frame;
 }
 
+std::shared_ptr<CurrentRig> TestRig() {
+  RigDescription file;
+  *file.mutable_calibration() = ToCalibration(TiltedRig());
+  return std::make_shared<CurrentRig>(file, "rig.textproto");
+}
+
 // Cameras that give what they are told.
 class TestCameras : public RawSource {
  public:
@@ -82,9 +88,8 @@ TEST(RawSource, CountsFramesThatCannotBeRectifiedAsLost) {
   small.left = Picture({64, 48}, 2);
   datasets::CapturedFrame late = RawFrame(3);
   late.lost = 2;
-  const auto source =
-      Rectified(std::make_unique<TestCameras>(std::deque{RawFrame(1), small, small, late}),
-                Rectifier(TiltedRig()));
+  const auto source = Rectified(
+      std::make_unique<TestCameras>(std::deque{RawFrame(1), small, small, late}), TestRig());
   EXPECT_TRUE(source->is_live());
   EXPECT_EQ(source->Next({})->lost, 0);
   const auto second = source->Next({});
@@ -92,6 +97,55 @@ TEST(RawSource, CountsFramesThatCannotBeRectifiedAsLost) {
   EXPECT_EQ(second->lost, 4);
   EXPECT_THAT(second->trouble, HasSubstr("left image of 64x48"));
   EXPECT_FALSE(source->Next({}));
+}
+
+// The right camera turned down by half a degree: other maps and another calibration.
+RigInUsePtr TurnedRig() {
+  RawRig rig = TiltedRig();
+  rig.left_from_right = TurnedBy(rig.left_from_right, {-0.009, 0, 0});
+  return std::make_shared<const RigInUse>(RigInUse{Rectifier(rig), "turned"});
+}
+
+// A picture in which every place looks different.
+datasets::CapturedFrame Noise(int seed) {
+  datasets::CapturedFrame frame = RawFrame(0);
+  cv::RNG random(static_cast<uint64_t>(seed));
+  random.fill(frame.left, cv::RNG::UNIFORM, 0, 256);
+  random.fill(frame.right, cv::RNG::UNIFORM, 0, 256);
+  return frame;
+}
+
+void ExpectRectifiedBy(const Rectifier& rectifier, const datasets::CapturedFrame& raw,
+                       const datasets::CapturedFrame& frame) {
+  EXPECT_EQ(cv::norm(frame.left, rectifier.RectifyLeft(raw.left), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(frame.right, rectifier.RectifyRight(raw.right), cv::NORM_INF), 0);
+}
+
+TEST(RawSource, TakesANewRigFromOneFrameToTheNext) {
+  const std::shared_ptr<CurrentRig> rig = TestRig();
+  const RigInUsePtr first = rig->Get();
+  datasets::CapturedFrame small = Noise(3);
+  small.left = Picture({64, 48}, 2);
+  const auto source = Rectified(
+      std::make_unique<TestCameras>(std::deque{Noise(1), small, Noise(2), Noise(4)}), rig);
+  auto frame = source->Next({});
+  ASSERT_TRUE(frame);
+  EXPECT_FALSE(frame->new_rig);
+  ExpectRectifiedBy(first->rectifier, Noise(1), *frame);
+
+  rig->Replace(TurnedRig());
+  frame = source->Next({});  // behind one that cannot be rectified
+  ASSERT_TRUE(frame && frame->new_rig);
+  EXPECT_EQ(frame->new_rig->rig_id, "turned");
+  EXPECT_EQ(RigId(frame->new_rig->rig), RigId(rig->Get()->rectifier.rig()));
+  EXPECT_EQ(frame->lost, 1);
+  ExpectRectifiedBy(rig->Get()->rectifier, Noise(2), *frame);
+  EXPECT_EQ(RigId(source->rig()), first->rig_id);
+
+  frame = source->Next({});
+  ASSERT_TRUE(frame);
+  EXPECT_FALSE(frame->new_rig);
+  ExpectRectifiedBy(rig->Get()->rectifier, Noise(4), *frame);
 }
 
 // Pictures and rig files.
@@ -146,7 +200,7 @@ TEST_F(VideoTest, PlaysTwoImageListsAndEndsWithTheShorterOne) {
   const std::string source = "opencv:" + WriteList("left", 3) + "," + WriteList("right", 2);
   const auto opened = OpenCameras(source, /*loop=*/false);
   EXPECT_FALSE(opened.cameras->is_live());
-  EXPECT_FALSE(opened.calibration);
+  EXPECT_FALSE(opened.rig);
   for (int i = 0; i < 2; ++i) {
     const auto frame = opened.cameras->Next({});
     ASSERT_TRUE(frame);
@@ -170,7 +224,7 @@ TEST_F(VideoTest, TakesBothViewsFromOnePicture) {
   both.colRange(640, 1280).setTo(cv::Scalar::all(90));
   cv::imwrite(Path("both00.png"), both);
   const auto opened = OpenCameras("opencv:" + Path("both%02d.png") + "?rig=" + rig_, false);
-  ASSERT_TRUE(opened.calibration);
+  ASSERT_TRUE(opened.rig);
   const auto frame = opened.cameras->Next({});
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->left.size(), cv::Size(640, 480));
@@ -311,6 +365,51 @@ class RawLogTest : public VideoTest {
             Raw(seq, Part::kTof, frame.tof)};
   }
 };
+
+// What every source that rectifies sends when its rig is replaced.
+void ExpectNewRigBetweenFrames(CaptureFeed& feed) {
+  ASSERT_TRUE(feed.current_rig());
+  const auto before = feed.Next({});
+  ASSERT_TRUE(before);
+  ASSERT_EQ(before->messages.size(), 3U);
+  const RigInUsePtr turned = TurnedRig();
+  feed.current_rig()->Replace(turned);
+  EXPECT_EQ(DecodePart(Part::kRig, feed.Calibration())->id.rig_id, before->id.rig_id);
+
+  const auto after = feed.Next({});
+  ASSERT_TRUE(after);
+  EXPECT_EQ(after->id.rig_id, "turned");
+  ASSERT_EQ(after->messages.size(), 4U);
+  EXPECT_EQ(after->messages.front().first, Part::kRig);
+  const auto rig = DecodePart(Part::kRig, after->messages.front().second);
+  ASSERT_TRUE(rig);
+  EXPECT_EQ(rig->id, after->id);
+  EXPECT_EQ(RigId(std::get<Rig>(rig->value)), RigId(turned->rectifier.rig()));
+  EXPECT_EQ(feed.Calibration(), after->messages.front().second);
+  for (size_t i = 1; i < after->messages.size(); ++i) {
+    EXPECT_EQ(DecodeFrameId(after->messages[i].second)->rig_id, "turned") << i;
+  }
+
+  const auto later = feed.Next({});
+  ASSERT_TRUE(later);
+  EXPECT_EQ(later->id.rig_id, "turned");
+  EXPECT_EQ(later->messages.size(), 3U);
+}
+
+TEST_F(VideoTest, SendsANewCalibrationBeforeTheFirstFrameThatHasIt) {
+  const std::string lists = "opencv:" + WriteList("left", 3) + "," + WriteList("right", 3);
+  const auto feed = OpenCaptureFeed(Config(lists + "?rig=" + rig_), {}, monitor_);
+  ExpectNewRigBetweenFrames(*feed);
+  EXPECT_FALSE(OpenCaptureFeed(Config(lists), {.raw = true}, monitor_)->current_rig());
+}
+
+TEST_F(RawLogTest, SendsANewCalibrationBeforeTheFirstFrameThatHasIt) {
+  std::vector<TestEvent> events;
+  for (int64_t seq = 0; seq < 3; ++seq) {
+    for (const TestEvent& event : Frame(seq)) events.push_back(event);
+  }
+  ExpectNewRigBetweenFrames(*Open(events));
+}
 
 TEST_F(RawLogTest, IsRectifiedWithTheGivenRigAndKeepsItsNumbersAndTimes) {
   const auto feed = Open(Frame(4));

@@ -73,6 +73,7 @@ inline PartValue LogValue(Part part, int64_t seq) {
     case MessageType::kDisparity:
     case MessageType::kStatus:
     case MessageType::kProcess:
+    case MessageType::kRigChange:
       break;
   }
   return LogDisparity(seq);

@@ -164,6 +164,73 @@ TEST(Pipeline, DoesWithoutAToFImage) {
   EXPECT_TRUE(SameBytes(blind->depth_m, no_camera->depth_m));
 }
 
+// A multi-zone sensor that sees everything half as far again, so that nothing near may be a seed.
+class PipelineWithZones : public testing::Test {
+ protected:
+  PipelineWithZones() {
+    zones_ = *scene_.frame.tof_zones;
+    for (ZoneTarget& target : zones_.targets) target.depth_m *= 1.5F;
+  }
+
+  Result<DepthFrame> ComputeWith(Pipeline& pipeline, const TofZones& zones) const {
+    return pipeline.Compute(scene_.frame.left, scene_.frame.right, {}, scene_.projector.rig(), {},
+                            zones);
+  }
+
+  SproutConfig config_ = LoadConfig({"default", "refine { zones: true }"});
+  evaluate::Scene scene_ =
+      evaluate::LoadScene("synthetic:160x120", evaluate::TofChoice("zones:8x8"), {});
+  TofZones zones_;
+};
+
+TEST_F(PipelineWithZones, GivesWhatTheServicesGive) {
+  Frame frame;
+  frame.left = scene_.frame.left;
+  frame.right = scene_.frame.right;
+  frame.tof = TofImage();
+  frame.tof_zones = zones_;
+  frame.rig = scene_.projector.rig();
+  refine::RefineAdapter refine(config_.refine());
+  prior::PriorAdapter prior(config_.prior());
+  grow::GrowAdapter grow(config_.grow());
+  EXPECT_TRUE(refine.Inputs().Has(Part::kTofZones));
+  for (StageAdapter* adapter : std::initializer_list<StageAdapter*>{&refine, &prior, &grow})
+    AddAnswer(*adapter, frame);
+  Pipeline pipeline(config_);
+  const DepthFrame result = ComputeWith(pipeline, zones_).value();
+  EXPECT_TRUE(SameBytes(result.disparity.counts(), frame.disparity->counts()));
+  EXPECT_EQ(result.seeds, *frame.seeds);
+  EXPECT_EQ(result.left_seeds, *frame.left_seeds);
+  const DepthFrame without = ComputeWith(pipeline, {}).value();
+  EXPECT_LT(result.seeds.seeds.size(), without.seeds.seeds.size());
+  EXPECT_GT(result.left_seeds.seeds.size(), without.left_seeds.seeds.size());
+  Pipeline other(LoadConfig({"default"}));
+  const DepthFrame never = ComputeWith(other, {}).value();
+  EXPECT_TRUE(SameBytes(without.disparity.counts(), never.disparity.counts()));
+}
+
+TEST_F(PipelineWithZones, SaysWhatDoesNotFit) {
+  const auto error_of = [&](const char* refine, const TofZones& zones) -> std::string {
+    Pipeline pipeline(LoadConfig({"default", refine}));
+    const auto result = ComputeWith(pipeline, zones);
+    return result ? "no error" : result.error().text;
+  };
+  EXPECT_EQ(error_of("refine { zones: true }", zones_), "no error");
+  EXPECT_EQ(error_of("refine { zones: false }", zones_),
+            "zones: 8x8, but refine.zones is false; allowed: 0x0, or refine.zones: true");
+  TofZones wrong = zones_;
+  wrong.rows = 7;
+  EXPECT_EQ(error_of("refine { zones: true }", wrong),
+            "zones: views = 64: allowed is columns × rows = 56");
+  wrong = zones_;
+  wrong.targets.pop_back();
+  EXPECT_THAT(error_of("refine { zones: true }", wrong), HasSubstr("zones: targets = "));
+  wrong = zones_;
+  wrong.targets[3] = {.depth_m = -1, .sigma_m = 1, .status = TargetStatus::kValid};
+  EXPECT_THAT(error_of("refine { zones: true }", wrong),
+              HasSubstr("zones: target 3: depth_m = -1: allowed is above 0"));
+}
+
 TEST(Pipeline, WarnsOfAFrameInWhichThereIsNothing) {
   const evaluate::Scene scene = evaluate::SmallScene();
   const cv::Mat black(scene.size(), CV_8UC3, cv::Scalar());

@@ -1,4 +1,4 @@
-#include "services/view/low_priority.h"
+#include "common/app/low_priority.h"
 
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -6,7 +6,7 @@
 
 #include "common/app/log.h"
 
-namespace sprout::view {
+namespace sprout {
 
 void LowerPriority() {
   constexpr int kNice = 10;
@@ -15,4 +15,4 @@ void LowerPriority() {
     LogLine(LogLevel::kDebug, "the priority stays as it is");
 }
 
-}  // namespace sprout::view
+}  // namespace sprout

@@ -1,0 +1,80 @@
+#include "services/capture/rig_keeper.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "common/app/output_paths.h"
+#include "common/core/digest.h"
+#include "common/rig/changed_rig.h"
+
+namespace sprout::capture {
+namespace {
+
+// Of a calibration with a change: unlike RigId() also another one when only the ranges change.
+std::string ChangedRigId(const RigDescription& file) {
+  return Digest(ConfigText(file.calibration()));
+}
+
+RawRig BoardOf(const CurrentRig& rig) {
+  try {
+    return *BoardCalibrationOf(rig.file());
+  } catch (const ConfigError& e) {
+    throw ConfigError("rig file " + rig.path().string() + ": " + e.what());
+  }
+}
+
+}  // namespace
+
+RigKeeper::RigKeeper(const SelfCalibrateConfig& config, std::shared_ptr<CurrentRig> current)
+    : config_(config), current_(std::move(current)), board_(BoardOf(*current_)) {
+  if (config_.folder().empty()) {
+    throw ConfigError(
+        "self_calibrate.folder is empty: with self_calibrate.mode = APPLY allowed is a folder for "
+        "the calibrations");
+  }
+  const std::filesystem::path first = FileOf(current_->Get()->rig_id);
+  RequireWritableFolder("self_calibrate.folder", config_.folder(), {first.filename().c_str()});
+  if (const Result<void> saved = SaveRigFile(first, current_->file()); !saved) {
+    throw ConfigError("self_calibrate.folder: " + saved.error().text);
+  }
+}
+
+RigKeeper::Outcome RigKeeper::Consider(const RigChange& change, Clock::time_point now) {
+  const RigInUsePtr used = current_->Get();
+  if (change.verdict != RigChange::Verdict::kWrong || now < next_ ||
+      change.newest_frame.rig_id != used->rig_id) {
+    return {};
+  }
+  const RawRig& raw = used->rectifier.raw();
+  const RawRig changed = ChangedRig(raw, RectificationOf(raw), change);
+  Result<void> usable = CheckRawRig(changed);
+  if (usable) usable = CheckLimits(changed, board_, current_->file().self_calibration());
+  if (!usable) return {.text = "the calibration is not changed: " + usable.error().text};
+
+  const RigDescription file = Changed(changed);
+  const std::string rig_id = ChangedRigId(file);
+  const std::filesystem::path path = FileOf(rig_id);
+  if (const Result<void> saved = SaveRigFile(path, file); !saved) {
+    return {.text = "the calibration is not changed: " + saved.error().text};
+  }
+  current_->Replace(std::make_shared<const RigInUse>(RigInUse{Rectifier(changed), rig_id}));
+  next_ = now + std::chrono::duration_cast<Clock::duration>(
+                    std::chrono::duration<double>(config_.pause_s()));
+  return {.used = true,
+          .text = fmt::format("the calibration was put right: {} instead of {}, in {}", rig_id,
+                              used->rig_id, path.string())};
+}
+
+RigDescription RigKeeper::Changed(const RawRig& rig) const {
+  RigDescription file = current_->file();
+  if (!file.has_board_calibration()) *file.mutable_board_calibration() = file.calibration();
+  *file.mutable_calibration() = ToCalibration(rig);
+  return file;
+}
+
+std::filesystem::path RigKeeper::FileOf(const std::string& rig_id) const {
+  return std::filesystem::path(config_.folder()) / ("rig_" + rig_id + ".textproto");
+}
+
+}  // namespace sprout::capture

@@ -1,0 +1,121 @@
+#include <glog/logging.h>
+
+#include <chrono>
+
+#include "common/app/compute.h"
+#include "common/app/log.h"
+#include "common/app/low_priority.h"
+#include "common/app/service.h"
+#include "common/app/status_reporter.h"
+#include "common/app/supervision.h"
+#include "common/bus/channels.h"
+#include "common/bus/publisher.h"
+#include "common/core/digest.h"
+#include "common/core/sleep.h"
+#include "common/messages/codec.h"
+#include "services/selfcalibrate/change_text.h"
+#include "services/selfcalibrate/frame_taker.h"
+#include "services/selfcalibrate/rig_watch.h"
+
+namespace sprout::selfcalibrate {
+namespace {
+
+using Clock = StageMonitor::Clock;
+
+// Looks at a frame now and then, and tells what is seen.
+class Watcher {
+ public:
+  explicit Watcher(const ServiceContext& context)
+      : config_(context.config.self_calibrate()),
+        stop_(context.stop),
+        watch_(config_),
+        monitor_(context.stage, Digest(ConfigText(context.config))),
+        publisher_(context.lcm_url, context.prefix),
+        taker_(context, monitor_),
+        reporter_(context, monitor_) {}
+
+  void Run() {
+    NotifyReady();
+    auto due = Clock::now();
+    while (!stop_.stop_requested()) {
+      const std::optional<Frame> frame = taker_.Take([&] { watchdog_.Idle(); });
+      if (!frame) return;
+      Look(*frame);
+      due = std::max(Clock::now(), due + Period());
+      WaitUntil(due);
+    }
+  }
+
+ private:
+  Clock::duration Period() const {
+    return std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(config_.period_s()));
+  }
+
+  void WaitUntil(Clock::time_point due) {
+    while (!stop_.stop_requested() && Clock::now() < due) {
+      watchdog_.Idle();
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(due - Clock::now());
+      SleepFor(std::min(left, Watchdog::kIdlePeriod), stop_);
+    }
+  }
+
+  void Look(const Frame& frame) {
+    const auto arrived = Clock::now();
+    monitor_.FrameIn(/*skipped=*/false);
+    const Result<std::optional<RigChange>> seen = watch_.Add(frame);
+    if (!seen) return monitor_.FrameFailed(frame.id, seen.error().text);
+    std::string degenerate;
+    if (*seen) Tell(**seen, frame.rig->pair, degenerate);
+    monitor_.FrameOut(frame.id, arrived, degenerate);
+  }
+
+  void Tell(const RigChange& change, const RectifiedPair& pair, std::string& degenerate) {
+    if (!publisher_.Publish(kRigChangeChannel, EncodeRigChange(change))) {
+      monitor_.Failure(std::string(kRigChangeChannel) + ": could not be published");
+    }
+    const std::string text = ChangeText(change, pair);
+    if (change.verdict == RigChange::Verdict::kUnseen) {
+      degenerate = text;
+      return;
+    }
+    monitor_.SetTofOffset(OffsetOf(change, pair));
+    if (change.verdict == RigChange::Verdict::kRight) return LogLine(LogLevel::kInfo, text);
+    const bool applied = config_.mode() == SelfCalibrateConfig::APPLY;
+    monitor_.Warn(text + ". " + AdviceText(applied));
+  }
+
+  const SelfCalibrateConfig& config_;
+  std::stop_token stop_;
+  RigWatch watch_;
+  StageMonitor monitor_;
+  Publisher publisher_;
+  FrameTaker taker_;
+  Watchdog watchdog_;  // frames are not told: one with a result takes many times as long
+  StatusReporter reporter_;
+};
+
+int Run(const ServiceContext& context) {
+  if (context.config.self_calibrate().mode() == SelfCalibrateConfig::OFF) {
+    LogLine(LogLevel::kInfo, "self_calibrate.mode is OFF: nothing is looked at");
+    return 0;
+  }
+  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' remarks; what they mean is said in our words
+  SetThreads(1);
+  LowerPriority();
+  Watcher(context).Run();
+  return 0;
+}
+
+int Main(int argc, char** argv) {
+  Service service("selfcalibrate",
+                  "Looks at a frame of the running graph now and then, and publishes by how much\n"
+                  "the rig differs from its calibration: SPROUT_RIG_CHANGE. Warns of a wrong one.\n"
+                  "With self_calibrate { mode: APPLY } sprout-capture puts it right.");
+  return service.Run(argc, argv, Run);
+}
+
+}  // namespace
+}  // namespace sprout::selfcalibrate
+
+int main(int argc, char** argv) { return sprout::selfcalibrate::Main(argc, argv); }

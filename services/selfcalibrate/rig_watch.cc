@@ -1,0 +1,131 @@
+#include "services/selfcalibrate/rig_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "common/core/quantile.h"
+
+namespace sprout::selfcalibrate {
+namespace {
+
+using calibrate::RigNumber;
+using calibrate::SceneRefinement;
+
+// Pixels in which features are searched: more of them show the same, and take more time (NOTES.md).
+constexpr double kSearchedPixels = 0.15e6;
+// Some 1500 matches of all frames together know a turn to a hundredth of a pixel.
+constexpr size_t kMostInCell = 20;
+constexpr size_t kMostMatches = 1500;
+// Matches share errors: one in so many is independent, as the adjustment has it.
+constexpr double kSharing = 4;
+
+calibrate::SceneEffort EffortFor(const RectifiedPair& pair) {
+  const double times = std::sqrt(double(pair.width) * pair.height / kSearchedPixels);
+  return {.match = {.shrink = std::max(1, static_cast<int>(std::lround(times))),
+                    .most_in_cell = kMostInCell},
+          .most_matches = kMostMatches};
+}
+
+// Frames are rectified already: the rig is one of cameras without distortion, and the axes of its
+// left camera are those of the left rectified frame.
+calibrate::SceneRefiner RefinerFor(const Rig& rig) {
+  const Rectification as_they_are{
+      .left_turn = cv::Matx33d::eye(), .right_turn = cv::Matx33d::eye(), .pair = rig.pair};
+  return {calibrate::RawRigOf(rig), as_they_are, EffortFor(rig.pair)};
+}
+
+double SigmaOf(const SceneRefinement& refined, RigNumber number) {
+  constexpr double kNotShown = -1;
+  return refined.wanted[number] && refined.adjusted.seen[number] ? refined.adjusted.sigma[number]
+                                                                 : kNotShown;
+}
+
+SeenTurn TurnFrom(const SceneRefinement& refined, RigNumber first) {
+  SeenTurn seen;
+  for (size_t i = 0; i < 3; ++i) {
+    const auto number = static_cast<RigNumber>(first + i);
+    seen.turn[static_cast<Eigen::Index>(i)] = refined.adjusted.change[number];
+    seen.sigma[static_cast<Eigen::Index>(i)] = SigmaOf(refined, number);
+  }
+  return seen;
+}
+
+std::string JoinedReasons(const SceneRefinement& refined) {
+  std::string text = "no change makes the frames fit";
+  for (const std::string& reason : refined.reasons) text += "; " + reason;
+  return text;
+}
+
+}  // namespace
+
+RigWatch::RigWatch(const SelfCalibrateConfig& config) : config_(config) {
+  RequireInRange(config, "self_calibrate");
+}
+
+Result<std::optional<RigChange>> RigWatch::Add(const Frame& frame) {
+  if (!refiner_ || frame.id.rig_id != rig_id_) {
+    refiner_.emplace(RefinerFor(*frame.rig));
+    rig_id_ = frame.id.rig_id;
+    pair_ = frame.rig->pair;
+  }
+  if (const Result<void> added = refiner_->Add(frame.left, frame.right, *frame.tof); !added) {
+    return tl::unexpected(added.error());
+  }
+  if (refiner_->views() < config_.frames()) return std::nullopt;
+  const RigChange change = Measure(frame.id);
+  refiner_.reset();
+  return change;
+}
+
+RigChange RigWatch::Measure(const FrameId& newest) {
+  RigChange change{.newest_frame = newest, .frames = refiner_->views()};
+  const Result<SceneRefinement> refined = refiner_->Refine({});
+  if (!refined) {
+    change.reason = refined.error().text;
+    return change;
+  }
+  change.matches = refined->matches;
+  change.tof_matches = refined->tof_matches;
+  FillRows(*refined, change);
+  if (!refined->is_good()) {
+    change.reason = JoinedReasons(*refined);
+    return change;
+  }
+  FillNumbers(*refined, change);
+  change.verdict = IsWrong(*refined) ? RigChange::Verdict::kWrong : RigChange::Verdict::kRight;
+  return change;
+}
+
+void RigWatch::FillRows(const SceneRefinement& refined, RigChange& change) const {
+  std::vector<double> rows;
+  for (const calibrate::ShownMatch& match : refined.shown) rows.push_back(match.rows_before_px);
+  const double median = Median(rows);
+  for (double& row : rows) row = std::abs(row - median);
+  const auto count = static_cast<double>(rows.size());
+  const double spread = 1.4826 * Median(std::move(rows));
+  // Of the median of Gaussian errors: 1.2533 times that of their mean.
+  constexpr double kMedianOverMean = 1.2533;
+  change.rows_px = static_cast<float>(median);
+  change.rows_spread_px = static_cast<float>(spread);
+  change.rows_sigma_px = static_cast<float>(kMedianOverMean * spread * std::sqrt(kSharing / count));
+}
+
+void RigWatch::FillNumbers(const SceneRefinement& refined, RigChange& change) const {
+  change.right = TurnFrom(refined, calibrate::kPitch);
+  change.tof = TurnFrom(refined, calibrate::kTofPitch);
+  change.range_offset_m = refined.adjusted.change[calibrate::kRangeOffset];
+  change.range_sigma_m = SigmaOf(refined, calibrate::kRangeOffset);
+}
+
+bool RigWatch::IsWrong(const SceneRefinement& refined) const {
+  const calibrate::RigNumbers& numbers = refined.adjusted.change;
+  const calibrate::MovedPx moved = calibrate::MostMoved(numbers, pair_);
+  const double per_m = Median(std::vector(refined.adjusted.inverse_depths));
+  const double range_px = pair_.focal_px * pair_.baseline_m * per_m * per_m *
+                          std::abs(numbers[calibrate::kRangeOffset]);
+  return moved.right > config_.least_px() || std::max(moved.tof, range_px) > config_.least_tof_px();
+}
+
+}  // namespace sprout::selfcalibrate

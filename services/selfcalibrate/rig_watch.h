@@ -1,0 +1,42 @@
+#ifndef SPROUT_SERVICES_SELFCALIBRATE_RIG_WATCH_H_
+#define SPROUT_SERVICES_SELFCALIBRATE_RIG_WATCH_H_
+
+#include <optional>
+
+#include "common/config/config.h"
+#include "common/core/frame.h"
+#include "common/core/result.h"
+#include "common/core/rig_change.h"
+#include "services/calibrate/scene/scene_refiner.h"
+
+namespace sprout::selfcalibrate {
+
+/// Measures by how much a rig differs from its calibration, from frames of any scene. Every
+/// config.frames frames are one measurement, as `sprout-calibrate refine` makes it, with less
+/// effort; then they are forgotten. Knows no time: the caller chooses the frames.
+class RigWatch {
+ public:
+  /// @throws ConfigError for a value out of range.
+  explicit RigWatch(const SelfCalibrateConfig& config);
+
+  /// Takes a frame with LEFT, RIGHT, TOF and RIG. One of another calibration starts again.
+  /// @returns what this frame and those before it show, when they are enough; an error when its
+  ///          sizes do not fit its calibration. At 2 MP 0.2 s, and 0.5 s more with a result, or 1 s
+  ///          when the calibration is wrong.
+  Result<std::optional<RigChange>> Add(const Frame& frame);
+
+ private:
+  RigChange Measure(const FrameId& newest);
+  void FillRows(const calibrate::SceneRefinement& refined, RigChange& change) const;
+  void FillNumbers(const calibrate::SceneRefinement& refined, RigChange& change) const;
+  bool IsWrong(const calibrate::SceneRefinement& refined) const;
+
+  SelfCalibrateConfig config_;
+  RectifiedPair pair_;
+  std::string rig_id_;                              // of the frames in refiner_
+  std::optional<calibrate::SceneRefiner> refiner_;  // nothing before the first frame
+};
+
+}  // namespace sprout::selfcalibrate
+
+#endif  // SPROUT_SERVICES_SELFCALIBRATE_RIG_WATCH_H_

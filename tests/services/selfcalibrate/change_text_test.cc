@@ -1,0 +1,57 @@
+#include "services/selfcalibrate/change_text.h"
+
+#include <gmock/gmock.h>
+
+namespace sprout::selfcalibrate {
+namespace {
+
+constexpr RectifiedPair kPair{.width = 640, .height = 480, .focal_px = 500, .baseline_m = 0.1};
+
+RigChange Wrong() {
+  return {.newest_frame = {},
+          .reason = {},
+          .verdict = RigChange::Verdict::kWrong,
+          .frames = 10,
+          .matches = 1500,
+          .tof_matches = 200,
+          .rows_px = -0.5F,
+          .rows_spread_px = 0.25F,
+          .rows_sigma_px = 0.01F,
+          .right = {.turn = {0.001, -0.002, 0.01}, .sigma = {0.0001, 0.0002, 0.001}},
+          .tof = {.turn = {0.004, 0.006, 0}, .sigma = {0.0004, 0.0008, -1}},
+          .range_offset_m = 0.012,
+          .range_sigma_m = 0.001};
+}
+
+TEST(ChangeText, HasEveryFigureWithItsStandardDeviation) {
+  EXPECT_EQ(ChangeText(Wrong(), kPair),
+            "the calibration is wrong (10 frames, 1500 matches): rows -0.50 ± 0.01 px (spread 0.25 "
+            "px), right camera pitch +0.50 ± 0.05 px, yaw -1.00 ± 0.10 px, roll +0.573 ± 0.057 °; "
+            "ToF camera pitch +2.00 ± 0.20 px, yaw +3.00 ± 0.40 px, roll not seen, ranges +12.0 ± "
+            "1.0 mm");
+}
+
+TEST(ChangeText, SaysWhyNothingIsSeen) {
+  const RigChange change{.newest_frame = {}, .reason = "the scene is too flat", .frames = 4};
+  EXPECT_EQ(ChangeText(change, kPair), "nothing can be seen in 4 frames: the scene is too flat");
+}
+
+TEST(ChangeText, AdvisesACommandUnlessCaptureDoesIt) {
+  EXPECT_THAT(AdviceText(/*applied=*/false),
+              testing::HasSubstr("sprout-calibrate refine run.lcm --rig rig.textproto --out"));
+  EXPECT_EQ(AdviceText(/*applied=*/true), "capture is asked to put it right");
+}
+
+TEST(OffsetOf, IsTheShiftOfTheToFCamerasPoints) {
+  const TofOffsetStatus offset = OffsetOf(Wrong(), kPair);
+  EXPECT_FLOAT_EQ(offset.u_px, 3);
+  EXPECT_FLOAT_EQ(offset.v_px, -2);
+  EXPECT_FLOAT_EQ(offset.sigma_px, 0.4F);
+  EXPECT_FALSE(offset.is_off);  // the warning is another one
+  RigChange unseen = Wrong();
+  unseen.tof.sigma[1] = -1;
+  EXPECT_EQ(OffsetOf(unseen, kPair).sigma_px, -1);
+}
+
+}  // namespace
+}  // namespace sprout::selfcalibrate
