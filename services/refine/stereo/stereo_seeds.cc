@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/core/parallel.h"
+#include "services/refine/stereo/patch_matcher.h"
 
 namespace sprout::refine {
 namespace {
@@ -26,6 +27,29 @@ cv::Mat1b Disc(double radius) {
 struct Surface {
   double disparity = 0;
   double sigma = 0;
+  cv::Point2d slope;  // px a px
+};
+
+// Sums over pairs of opposite pixels, for the slope that they agree on most.
+struct SlopeSums {
+  double xx = 0, xy = 0, yy = 0, xd = 0, yd = 0;
+
+  // @param rise  from the pixel at (−x, −y) to the one at (x, y), halved.
+  void Add(double x, double y, double rise) {
+    xx += x * x;
+    xy += x * y;
+    yy += y * y;
+    xd += x * rise;
+    yd += y * rise;
+  }
+
+  // Least squares; small where pairs on one line say nothing of the direction across.
+  cv::Point2d Slope() const {
+    const double a = xx + 1;
+    const double b = yy + 1;
+    const double det = a * b - xy * xy;
+    return {(b * xd - xy * yd) / det, (a * yd - xy * xd) / det};
+  }
 };
 
 // The surface at a pixel, from the means of pixels that lie opposite each other, so that its slant
@@ -37,6 +61,7 @@ std::optional<Surface> SurfaceAt(const cv::Mat1f& map, int u, int v) {
   double sum = 0;
   double squares = 0;
   int pairs = 0;
+  SlopeSums slopes;
   for (int y = 0; y <= kReach; ++y) {
     for (int x = y == 0 ? 0 : -kReach; x <= kReach; ++x) {
       const float one = map(v + y, u + x);
@@ -49,12 +74,14 @@ std::optional<Surface> SurfaceAt(const cv::Mat1f& map, int u, int v) {
       sum += off;
       squares += off * off;
       ++pairs;
+      slopes.Add(x, y, (double{one} - opposite) / 2);
     }
   }
   if (pairs < StereoRules::kFewestPairs) return {};
   return Surface{own + sum / pairs,
                  std::hypot(StereoRules::kSharedSigmaPx,
-                            std::sqrt(squares / pairs * StereoRules::kSharing / pairs))};
+                            std::sqrt(squares / pairs * StereoRules::kSharing / pairs)),
+                 slopes.Slope()};
 }
 
 }  // namespace
@@ -108,8 +135,8 @@ void StereoSeedFinder::MarkWanted(const CellGrid& grid, cv::Size size) {
 
 // In every cell the pixel nearest to its centre that a seed can be taken from, unless the points
 // around are surer of it.
-void StereoSeedFinder::TakeFrom(const CellGrid& grid, const cv::Mat1f& map,
-                                const cv::Mat1f& most_px, int row) {
+void StereoSeedFinder::TakeFrom(const cv::Mat1b& left, const cv::Mat1b& right, const CellGrid& grid,
+                                const cv::Mat1f& map, const cv::Mat1f& most_px, int row) {
   const double scale = matcher_.scale();
   const double cell = grid.spacing_px / scale;  // its side in pixels of the map
   std::vector<Seed>& seeds = found_[static_cast<size_t>(row)];
@@ -124,6 +151,7 @@ void StereoSeedFinder::TakeFrom(const CellGrid& grid, const cv::Mat1f& map,
     const cv::Range columns = pixels_of(column, map.cols);
     double nearest = std::numeric_limits<double>::infinity();
     Seed best;
+    SlantedPatch patch;
     for (int v = rows.start; v < rows.end; ++v) {
       for (int u = columns.start; u < columns.end; ++u) {
         const double across = u + 0.5 - (column + 0.5) * cell;
@@ -133,6 +161,7 @@ void StereoSeedFinder::TakeFrom(const CellGrid& grid, const cv::Mat1f& map,
         const std::optional<Surface> surface = SurfaceAt(map, u, v);
         if (!surface) continue;
         nearest = distance;
+        patch.slope = surface->slope;
         best.u = static_cast<float>((u + 0.5) * scale - 0.5);
         best.v = static_cast<float>((v + 0.5) * scale - 0.5);
         best.u_right = best.u - static_cast<float>(surface->disparity * scale);
@@ -141,6 +170,13 @@ void StereoSeedFinder::TakeFrom(const CellGrid& grid, const cv::Mat1f& map,
       }
     }
     if (!std::isfinite(nearest) || best.sigma_px > points_.SigmaPx({column, row})) continue;
+    if (scale > 1) {
+      patch.at = {best.u, best.v};
+      patch.disparity_px = best.disparity();
+      // The match may be off by half a px of the matched image.
+      const std::optional<double> finer = MatchPatch(left, right, patch, scale / 2);
+      if (finer) best.u_right = best.u - static_cast<float>(*finer);
+    }
     if (!most_px.empty() && best.disparity() > most_px(row, column)) continue;
     seeds.push_back(best);
   }
@@ -162,8 +198,9 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
       .most_pixels = config_.stereo_most_pixels()};
   const cv::Mat1f& map = matcher_.Match(left, right, wanted_, seeds, settings);
   found_.resize(static_cast<size_t>(grid.size.height));
-  ForEachParallel(found_.size(),
-                  [&](size_t row) { TakeFrom(grid, map, most_px, static_cast<int>(row)); });
+  ForEachParallel(found_.size(), [&](size_t row) {
+    TakeFrom(left, right, grid, map, most_px, static_cast<int>(row));
+  });
   constexpr int kWindowRadius = StereoRules::kWindowRadius;
   const cv::Rect2f inside(kWindowRadius, kWindowRadius,
                           static_cast<float>(left.cols - 2 * kWindowRadius),

@@ -44,8 +44,8 @@ class StereoSeedFinder {
   void FindUncovered(const CellGrid& grid, std::span<const Seed> seeds,
                      std::span<const cv::Point2f> covered, double scale);
   void MarkWanted(const CellGrid& grid, cv::Size size);
-  void TakeFrom(const CellGrid& grid, const cv::Mat1f& disparity_px, const cv::Mat1f& most_px,
-                int row);
+  void TakeFrom(const cv::Mat1b& left, const cv::Mat1b& right, const CellGrid& grid,
+                const cv::Mat1f& disparity_px, const cv::Mat1f& most_px, int row);
 
   RefineConfig config_;
   StereoMatcher matcher_;
