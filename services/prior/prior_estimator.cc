@@ -10,11 +10,17 @@
 #include "common/core/parallel.h"
 #include "services/prior/edge_surfaces.h"
 #include "services/prior/interpolation.h"
+#include "services/prior/outline.h"
 #include "services/prior/seed_planes.h"
 #include "services/prior/triangulation.h"
 
 namespace sprout::prior {
 namespace {
+
+// Sides of the hull that are longer than this, in spacings, lead past seeds that lie less than the
+// other one inside of them. Measured (NOTES.md); not sensitive.
+constexpr double kLongestSpacings = 3;
+constexpr double kDeepestSpacings = 1;
 
 Result<Triangulation> TriangulateOrSayWhy(std::span<const Seed> seeds) {
   if (seeds.size() < 3) {
@@ -103,10 +109,12 @@ Result<PriorMap> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat1b&
             CensusTransform(images.right_grey, images.right_census);
           });
   if (!triangulation) return tl::unexpected(triangulation.error());
+  const double spacing_px = SpacingPx(seeds, triangulation->triangles);
+  TakeOffFlatTriangles(seeds, kLongestSpacings * spacing_px, kDeepestSpacings * spacing_px,
+                       *triangulation);
   std::vector<SeedTriangle> triangles = triangulation->triangles;
 
   // Eqs. (P1) to (P3): a plane for each seed.
-  const double spacing_px = SpacingPx(seeds, triangles);
   const double step_px = StepPx(seeds, triangles, spacing_px, config_);
   std::vector<Plane> planes = FitPlanes(seeds, *triangulation, spacing_px, step_px, config_);
   ExtendBeyondHull(triangulation->hull, size, config_.border_spacings() * spacing_px, config_,

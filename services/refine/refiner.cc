@@ -77,7 +77,8 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   }
   if (config_.stereo_seeds()) {
     const std::span<const Seed> stereo =
-        stereo_.Find(left, right, result.seeds, Covered(), zones_.most_px());
+        stereo_.Find(left, right, result.seeds, Covered(),
+                     points_.empty() ? 0 : surface_.spacing_px(), zones_.most_px());
     result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
   }
   if (!zones.views.empty()) FillFromZones(result, grid);
@@ -116,9 +117,7 @@ void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid) {
 // Points that are far apart differ by the shape of the scene as well as by their noise.
 double Refiner::NoisePx(const cv::Mat1b& left, const cv::Mat1b& right) {
   const double noise_px = surface_.NoisePx(points_);
-  const bool coarse =
-      config_.stereo_seeds() &&
-      surface_.spacing_px() > SurfaceRules::kCoarseCells * stereo_.SpacingPx(left.cols);
+  const bool coarse = config_.stereo_seeds() && stereo_.IsCoarse(surface_.spacing_px(), left.cols);
   if (!coarse || noise_px <= SurfaceRules::kLeastSigmaPx) return noise_px;
   return std::min(noise_px, ImageNoisePx(left, right, points_));
 }

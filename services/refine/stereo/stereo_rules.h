@@ -19,6 +19,9 @@ struct StereoRules {
   /// a focal length of f image widths that is z > 5 f baselines: indoors and on roads nothing is
   /// nearer.
   static constexpr int kWidthsPerDisparity = 5;
+  /// From so many cells a point on, points are coarse: a cell beside one is not explained by it,
+  /// and they show the shape of the scene as well as their noise.
+  static constexpr double kCoarseCells = 1.5;
   /// Cells around those that want a seed, which are matched as well so that path costs settle. By
   /// trial.
   static constexpr int kSettleCells = 4;
@@ -41,8 +44,9 @@ struct StereoRules {
   static constexpr double kSharedSigmaPx = 0.2;
 
   // How sure an interpolation between ToF points is, eqs. (3) and (4).
-  /// What may lie unseen between them, px of disparity a px of distance.
-  static constexpr double kUnseenPerPx = 0.005;
+  /// What may lie unseen between them, px of disparity a px of distance. What the truth of KITTI's
+  /// frames does between points that far above and below (NOTES.md, "Strips between beams").
+  static constexpr double kUnseenPerPx = 0.025;
   /// The same beyond the outermost points: the prior's slope_sigma.
   static constexpr double kBeyondPerPx = 0.05;
   /// Scale of the M-estimator for slopes: the prior's plane_scale_px, plane_scale_per_spacing, and

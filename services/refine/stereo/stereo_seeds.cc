@@ -95,14 +95,19 @@ double StereoSeedFinder::SpacingPx(int width) const {
   return std::max(StereoRules::kLeastSpacingPx, width / double{StereoRules::kColumns});
 }
 
+bool StereoSeedFinder::IsCoarse(double spacing_px, int width) const {
+  return spacing_px > StereoRules::kCoarseCells * SpacingPx(width);
+}
+
 void StereoSeedFinder::FindUncovered(const CellGrid& grid, std::span<const Seed> seeds,
-                                     std::span<const cv::Point2f> covered, double scale) {
+                                     std::span<const cv::Point2f> covered, double gap,
+                                     double scale) {
   cv::Mat1b with_points(grid.size, uint8_t{0});
   for (const cv::Point2f& point : covered) {
     const cv::Point cell(grid.At(point.x), grid.At(point.y));
     if (cv::Rect({}, grid.size).contains(cell)) with_points(cell) = 1;
   }
-  cv::dilate(with_points, uncovered_, Disc(config_.stereo_gap()));
+  cv::dilate(with_points, uncovered_, Disc(gap));
   uncovered_ = 1 - uncovered_;
   // And of these the cells for which no match could be surer than the points around.
   points_.Set(seeds, grid.size, grid.spacing_px);
@@ -185,10 +190,11 @@ void StereoSeedFinder::TakeFrom(const cv::Mat1b& left, const cv::Mat1b& right, c
 std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Mat1b& right,
                                              std::span<const Seed> seeds,
                                              std::span<const cv::Point2f> covered,
-                                             const cv::Mat1f& most_px) {
+                                             double spacing_px, const cv::Mat1f& most_px) {
   const CellGrid grid(SpacingPx(left.cols), left.size());
   seeds_.clear();
-  FindUncovered(grid, seeds, covered, MatchingScale(left.size(), config_.stereo_most_pixels()));
+  FindUncovered(grid, seeds, covered, IsCoarse(spacing_px, left.cols) ? 0 : config_.stereo_gap(),
+                MatchingScale(left.size(), config_.stereo_most_pixels()));
   if (cv::countNonZero(uncovered_) == 0) return seeds_;
   MarkWanted(grid, left.size());
   const int most = config_.stereo_max_disparity_px();

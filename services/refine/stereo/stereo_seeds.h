@@ -27,6 +27,8 @@ class StereoSeedFinder {
   /// @param seeds        of the range sensor; disparities far from them cost more.
   /// @param covered      positions in the left image that need no seed of stereo: of ToF points,
   ///                     whether or not they became seeds, but not of those on dark regions.
+  /// @param spacing_px   between the sensor's points, along its rows or columns, the larger; 0: it
+  ///                     has none.
   /// @param most_px      of each cell of the CellGrid of SpacingPx(), the largest disparity that a
   ///                     seed may have; empty: any.
   /// @returns at most one seed a cell, row by row, with whole windows in both images, each with the
@@ -35,14 +37,17 @@ class StereoSeedFinder {
   /// number. Keeps its memory from frame to frame.
   std::span<const Seed> Find(const cv::Mat1b& left, const cv::Mat1b& right,
                              std::span<const Seed> seeds, std::span<const cv::Point2f> covered,
-                             const cv::Mat1f& most_px = {});
+                             double spacing_px, const cv::Mat1f& most_px = {});
 
   /// Side of the cells of an image of this width, px.
   double SpacingPx(int width) const;
 
+  /// Whether points so far apart leave cells between them in an image of this width.
+  bool IsCoarse(double spacing_px, int width) const;
+
  private:
   void FindUncovered(const CellGrid& grid, std::span<const Seed> seeds,
-                     std::span<const cv::Point2f> covered, double scale);
+                     std::span<const cv::Point2f> covered, double gap, double scale);
   void MarkWanted(const CellGrid& grid, cv::Size size);
   void TakeFrom(const cv::Mat1b& left, const cv::Mat1b& right, const CellGrid& grid,
                 const cv::Mat1f& disparity_px, const cv::Mat1f& most_px, int row);

@@ -24,9 +24,6 @@ struct SurfaceRules {
   static constexpr double kNoiseQuantile = 0.2533;
   /// Variance of a point less the mean of two others, for points of σ = 1: 1 + 2 / 4.
   static constexpr double kNoiseVariance = 1.5;
-  /// From so many stereo cells a point on, the shape of the scene shows in those deviations, and
-  /// the images are asked as well.
-  static constexpr double kCoarseCells = 1.5;
   /// How far beside a point they are matched, px.
   static constexpr int kMatchReachPx = 3;
   /// Most points that are looked at: enough for a median of a quarter of them, good to 10 %.

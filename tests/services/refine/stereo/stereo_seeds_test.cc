@@ -56,9 +56,9 @@ RefineConfig Config() {
 
 std::vector<Seed> Find(const Pair& pair, const RefineConfig& config = Config(),
                        const std::vector<Seed>& known = {},
-                       const std::vector<cv::Point2f>& covered = {}) {
+                       const std::vector<cv::Point2f>& covered = {}, double spacing_px = 0) {
   StereoSeedFinder finder(config);
-  const auto found = finder.Find(pair.left, pair.right, known, covered);
+  const auto found = finder.Find(pair.left, pair.right, known, covered, spacing_px);
   return {found.begin(), found.end()};
 }
 
@@ -89,14 +89,16 @@ TEST(StereoSeeds, LooksOnlyWhereNoPointIsNear) {
   for (const Seed& seed : seeds) EXPECT_GT(seed.u, 140);
 }
 
-// Points of a coarse sensor on the surface that the pair shows, three cells apart.
-std::vector<Seed> CoarsePoints(const std::function<double(double, double)>& disparity) {
+// Points of a sensor on the surface that the pair shows, so many px apart; exact to 0.05 px.
+std::vector<Seed> PointsOn(const std::function<double(double, double)>& disparity,
+                           int across = 3 * kSpacing, int down = 3 * kSpacing) {
   std::vector<Seed> points;
-  for (int v = 4; v < kSize.height; v += 3 * kSpacing) {
-    for (int u = 44; u < kSize.width; u += 3 * kSpacing) {
+  for (int v = 4; v < kSize.height; v += down) {
+    for (int u = 44; u < kSize.width; u += across) {
       points.push_back({.u = static_cast<float>(u),
                         .v = static_cast<float>(v),
-                        .u_right = static_cast<float>(u - disparity(u, v))});
+                        .u_right = static_cast<float>(u - disparity(u, v)),
+                        .sigma_px = 0.05F});
     }
   }
   return points;
@@ -109,25 +111,46 @@ std::vector<cv::Point2f> PositionsOf(const std::vector<Seed>& points) {
 }
 
 // Seeds in the midst of these points, where they enclose a cell.
-std::vector<Seed> FoundBetween(const Pair& pair, const std::vector<Seed>& points) {
-  std::vector<Seed> seeds = Find(pair, Config(), points, PositionsOf(points));
+std::vector<Seed> FoundBetween(const Pair& pair, const std::vector<Seed>& points,
+                               double spacing_px = 0) {
+  std::vector<Seed> seeds = Find(pair, Config(), points, PositionsOf(points), spacing_px);
   std::erase_if(seeds, [](const Seed& seed) {
     return seed.u < 60 || seed.u > 240 || seed.v < 20 || seed.v > 170;
   });
   return seeds;
 }
 
+double SlantPx(double, double v) { return 12 + 0.04 * v; }
+
 TEST(StereoSeeds, LeavesWhatPointsExplainToThem) {
-  const Pair pair(Texture(kSize), [](int, int v) { return 12 + 0.04 * v; });
-  const auto points = CoarsePoints([](double, double v) { return 12 + 0.04 * v; });
-  EXPECT_TRUE(FoundBetween(pair, points).empty());
+  const Pair pair(Texture(kSize), [](int u, int v) { return SlantPx(u, v); });
+  // At most 6 px beside a point: 0.16 px, while no match is surer than 0.2.
+  EXPECT_TRUE(FoundBetween(pair, PointsOn(SlantPx, 9, 9), 100).empty());
+}
+
+TEST(StereoSeeds, FillsStripsBetweenTheBeamsOfAScan) {
+  const Pair pair(Texture(kSize), [](int u, int v) { return SlantPx(u, v); });
+  const int strip_px = 8 * kSpacing;
+  const auto beams = PointsOn(SlantPx, 2, strip_px);
+  // The rows of cells beside a beam are its own where points are fine.
+  const auto count = [&](double spacing_px, int least_cells) {
+    const std::vector<Seed> seeds = FoundBetween(pair, beams, spacing_px);
+    return std::count_if(seeds.begin(), seeds.end(), [&](const Seed& seed) {
+      const int cells = (static_cast<int>(seed.v) / kSpacing) % 8;
+      return std::min(cells, 8 - cells) >= least_cells;
+    });
+  };
+  EXPECT_EQ(count(strip_px, 0), count(strip_px, 1));
+  EXPECT_GT(count(strip_px, 2), 150);
+  EXPECT_GT(count(strip_px, 1), count(strip_px, 2) + 20);
+  EXPECT_EQ(count(1.4 * kSpacing, 1), count(1.4 * kSpacing, 2));
 }
 
 TEST(StereoSeeds, FillsTheGapsBetweenPointsWhosePlanesDisagree) {
   const auto rows = [](double v) { return static_cast<int>(v) / 20 % 2 == 0 ? 24.0 : 16.0; };
   const Pair pair(Texture(kSize), [&](int, int v) { return rows(v); });
   const std::vector<Seed> seeds =
-      FoundBetween(pair, CoarsePoints([&](double, double v) { return rows(v); }));
+      FoundBetween(pair, PointsOn([&](double, double v) { return rows(v); }));
   EXPECT_GT(seeds.size(), 40U);
   for (const Seed& seed : seeds) {
     EXPECT_NEAR(seed.disparity(), rows(double{seed.v}), 0.5) << seed.u << " " << seed.v;
