@@ -77,8 +77,8 @@ void RigError::Apply(Scene& scene) const {
   const RectifiedPair pair = rig.pair;
   const RawRig believed = calibrate::RawRigOf(rig);
   const RawRig knocked = calibrate::Changed(believed, error_);
-  cv::Mat right = calibrate::RectifyAgain(scene.frame.right, RightCamera(knocked, pair),
-                                          AsItComes(knocked, pair));
+  cv::Mat right = calibrate::RectifyAgain(RightCamera(knocked, pair), AsItComes(knocked, pair))
+                      .Apply(scene.frame.right);
   RawRig used = known_ == Known::kAll ? knocked : believed;
   if (known_ == Known::kRefined) {
     calibrate::SceneRefiner refiner(
@@ -91,7 +91,7 @@ void RigError::Apply(Scene& scene) const {
     used = refined->rig;
   }
   if (known_ != Known::kNothing) {
-    right = calibrate::RectifyAgain(right, AsItComes(used, pair), RightCamera(used, pair));
+    right = calibrate::RectifyAgain(AsItComes(used, pair), RightCamera(used, pair)).Apply(right);
   }
   rig.tof.left_from_tof_rotation = used.left_from_tof.rotation;
   if (used.range_offset_m != 0) Rectifier(used).CorrectRanges(scene.frame.tof);

@@ -134,8 +134,10 @@ TEST(SelfCalibrateSystem, PutsAKnockedRigRightBetweenTwoFramesAndReplaysToTheSam
       "self_calibrate { mode: APPLY period_s: 0.2 frames: 2 pause_s: 1 folder: \"" + rigs.string() +
       "\" }";
 
-  Graph graph;
-  graph.Start("pipeline");
+  Graph graph("", kDefaultLcmUrl, {kStatusChannel});
+  graph.StartChain();
+  graph.Start("temporal");
+  graph.Start("depth");
   graph.Start("selfcalibrate", {"--config", config});
   Process& record = graph.Start("record", {"--dir", folder / "record"});
   Process& capture = graph.StartOnly(
@@ -144,11 +146,16 @@ TEST(SelfCalibrateSystem, PutsAKnockedRigRightBetweenTwoFramesAndReplaysToTheSam
        "log:" + (folder / "raw.lcm").string() + "?rig=" + (folder / "rig.textproto").string()});
   ASSERT_EQ(capture.Wait(std::chrono::seconds(200)), 0) << capture.Output();
   EXPECT_THAT(capture.Output(), HasSubstr("the calibration was put right: "));
-  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
-    const StageStatus& status = g.statuses["pipeline"];
-    return status.frames_out == kFrames && status.frames_incomplete == 0 &&
-           status.frames_skipped == 0 && status.bad_messages == 0;
-  })) << graph.process("pipeline").Output();
+  // Capture waits for grow's answers; the two behind it may leave out a frame on a busy machine.
+  for (const char* stage : {"refine", "prior", "grow", "temporal", "depth"}) {
+    EXPECT_TRUE(graph.WaitUntil([&](Graph& g) {
+      const StageStatus& status = g.statuses[stage];
+      return status.frames_in == kFrames && status.frames_incomplete == 0 &&
+             status.frames_out + status.frames_skipped == kFrames && status.bad_messages == 0;
+    })) << stage
+        << ":\n"
+        << graph.process(stage).Output();
+  }
   record.Signal(SIGINT);
   ASSERT_EQ(record.Wait(), 0) << record.Output();
 
@@ -171,7 +178,7 @@ TEST(SelfCalibrateSystem, PutsAKnockedRigRightBetweenTwoFramesAndReplaysToTheSam
   replayed.erase(std::string(kProcessChannel));
   ASSERT_EQ(std::ssize(replayed.at("SPROUT_DISPARITY")), kFrames);
   for (const auto& [channel, messages] : replayed) {
-    EXPECT_TRUE(live.at(channel) == messages) << channel;
+    EXPECT_TRUE(live.at(channel) == messages) << channel << " of sprout-pipeline";
   }
 }
 
