@@ -47,7 +47,10 @@ bool NamesPart(std::string_view channel) {
 // The event as the index has it; nothing when no stage could use it.
 std::optional<IndexedEvent> Describe(const LogEvent& event) {
   const auto type = TypeOf(event.data);
-  if (!type || *type == MessageType::kStatus || !IsWord(event.channel)) return std::nullopt;
+  if (!type || *type == MessageType::kStatus || *type == MessageType::kRigChange ||
+      !IsWord(event.channel)) {
+    return std::nullopt;
+  }
   auto id = DecodeFrameId(event.data);
   if (!id || !IsWord(id->rig_id)) return std::nullopt;
   if (*type == MessageType::kRig && !DecodePart(Part::kRig, event.data)) return std::nullopt;
