@@ -108,11 +108,22 @@ namespace {
 HWY_EXPORT(SumPatchOnTarget);
 static_assert(kFine == 1 << 8 && kFinePerStep == 1 << 3 && kSteps == 1 << 5);
 
+// A step of Gauss and Newton, px: least squares over the window, with grey values less their means.
+std::optional<double> StepOf(const PatchWindow& window) {
+  PatchSums sums;
+  if (!HWY_DYNAMIC_DISPATCH(SumPatchOnTarget)(window, sums)) return {};
+  const int64_t g_g = kPixels * sums.g_g - sums.g * sums.g;
+  const int64_t g_rho = kPixels * sums.g_rho - sums.g * sums.rho;
+  if (g_g <= 0) return {};
+  return -static_cast<double>(g_rho) / static_cast<double>(g_g) / kSteps;
+}
+
 }  // namespace
 
 std::optional<double> MatchPatch(const cv::Mat1b& left, const cv::Mat1b& right,
                                  const SlantedPatch& patch, double most_shift_px) {
   constexpr int kRounds = 2;
+  constexpr double kSmallStepPx = 0.25;  // within it images are linear: a second one gains nothing
   const cv::Point at(static_cast<int>(std::lround(patch.at.x)),
                      static_cast<int>(std::lround(patch.at.y)));
   const cv::Rect inside(kBefore + 1, kBefore, left.cols - kSide - 1, left.rows - kSide + 1);
@@ -122,19 +133,16 @@ std::optional<double> MatchPatch(const cv::Mat1b& left, const cv::Mat1b& right,
   const auto fine = [](double px) { return static_cast<int>(std::lround(px * kFine)); };
   // From the patch's own place to that pixel.
   const double beside = patch.slope.x * (at.x - patch.at.x) + patch.slope.y * (at.y - patch.at.y);
+  const double start = patch.disparity_px + beside;
   PatchWindow window{left, right, at, 0, fine(patch.slope.x), fine(patch.slope.y)};
-  double disparity_px = patch.disparity_px + beside;
+  double disparity_px = start;
   for (int round = 0; round < kRounds; ++round) {
     window.disparity = fine(disparity_px);
-    PatchSums sums;
-    if (!HWY_DYNAMIC_DISPATCH(SumPatchOnTarget)(window, sums)) return {};
-    const int64_t g_g = kPixels * sums.g_g - sums.g * sums.g;
-    const int64_t g_rho = kPixels * sums.g_rho - sums.g * sums.rho;
-    if (g_g <= 0) return {};
-    disparity_px = window.disparity / double{kFine} -
-                   static_cast<double>(g_rho) / static_cast<double>(g_g) / kSteps;
-    const double start = patch.disparity_px + beside;
-    disparity_px = std::clamp(disparity_px, start - most_shift_px, start + most_shift_px);
+    const std::optional<double> step = StepOf(window);
+    if (!step) return {};
+    disparity_px = std::clamp(window.disparity / double{kFine} + *step, start - most_shift_px,
+                              start + most_shift_px);
+    if (std::abs(*step) < kSmallStepPx) break;
   }
   return disparity_px - beside;
 }

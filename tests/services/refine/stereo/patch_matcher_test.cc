@@ -130,8 +130,9 @@ TEST(MatchPatch, IsTheSameWithAnyInstructionSet) {
           g_g += g * g;
         }
       }
-      start -= (g_rho - g_sum * rho_sum / 64) / (g_g - g_sum * g_sum / 64);
-      start = std::clamp(start, first - 1, first + 1);
+      const double step = -(g_rho - g_sum * rho_sum / 64) / (g_g - g_sum * g_sum / 64);
+      start = std::clamp(start + step, first - 1, first + 1);
+      if (std::abs(step) < 0.25) break;
     }
     const double expected = start - first + patch.disparity_px;
     std::optional<double> of_first_set;
