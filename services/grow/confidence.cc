@@ -22,7 +22,7 @@ ConfidenceEstimator::Judgement ConfidenceEstimator::Compute(const JudgedFrame& f
       },
       [&] { SpreadSeeds(frame.seeds); });
   for_rows([&](const cv::Range& part) {
-    MatchCells(frame.left, frame.right, frame.filled, part, features_);
+    MatchCells(frame.left, frame.right, frame.grown, frame.filled, part, features_);
     RateCells(tables_, features_, frame.filled, frame.sigma_prior, part, judgement_.confidence,
               judgement_.sigma);
   });
@@ -32,8 +32,8 @@ ConfidenceEstimator::Judgement ConfidenceEstimator::Compute(const JudgedFrame& f
 void ConfidenceEstimator::Prepare(cv::Size size) {
   const cv::Size cells = CellsOf(size);
   const cv::Size blocks = BlocksOf(size);
-  for (cv::Mat1b* map :
-       {&features_.step, &features_.bend, &features_.misfit, &features_.margin, &features_.edge}) {
+  for (cv::Mat1b* map : {&features_.step, &features_.bend, &features_.misfit, &features_.margin,
+                         &features_.gaps, &features_.edge}) {
     map->create(cells);
   }
   features_.tof_seed.create(blocks);

@@ -19,7 +19,8 @@ struct JudgedFrame {
   const cv::Mat1b& right;
   std::span<const Seed> seeds;   ///< that growth started from
   const cv::Mat1b& sigma_prior;  ///< PriorMap::sigma, of the map's size; empty: not known
-  const DisparityImage& filled;  ///< the map after gap filling, which is judged
+  const DisparityImage& grown;   ///< the map before gap filling
+  const DisparityImage& filled;  ///< the map after it, which is judged
 };
 
 /// How wrong a map's disparities are. At each pixel the error is a mixture,
@@ -27,7 +28,7 @@ struct JudgedFrame {
 ///   d − d_true ~ (1 − p) · N(0, σ²) + p · wide.                                           (C1)
 ///
 /// p, the probability of an error > 1 px, is logistic, and σ, which 68 % of the errors do not
-/// exceed, log-linear in curves of eight features (README, C2 and C3), whose numbers
+/// exceed, log-linear in curves of nine features (README, C2 and C3), whose numbers
 /// scripts/tune_confidence fits to scenes with ground truth.
 class ConfidenceEstimator {
  public:

@@ -20,7 +20,7 @@ using Ints = std::vector<int32_t>;
 
 inline uint8_t ToByte(int value) { return static_cast<uint8_t>(std::clamp(value, 0, 255)); }
 
-// The larger and the smaller of 4 rows; mirrored ends, so that a window of 4 always fits.
+// The larger and the smaller of 3 rows; repeated ends, so that a window of 3 always fits.
 void FindRangeOfRows(const DisparityImage& map, int v, int16_t* HWY_RESTRICT most,
                      int16_t* HWY_RESTRICT least) {
   const int width = map.width();
@@ -28,36 +28,33 @@ void FindRangeOfRows(const DisparityImage& map, int v, int16_t* HWY_RESTRICT mos
   const int16_t* HWY_RESTRICT a = row(v - 1);
   const int16_t* HWY_RESTRICT b = row(v);
   const int16_t* HWY_RESTRICT c = row(v + 1);
-  const int16_t* HWY_RESTRICT d = row(v + 2);
   for (int u = 0; u < width; ++u) {
-    most[u + 1] = std::max(std::max(a[u], b[u]), std::max(c[u], d[u]));
-    least[u + 1] = std::min(std::min(a[u], b[u]), std::min(c[u], d[u]));
+    most[u + 1] = std::max(a[u], std::max(b[u], c[u]));
+    least[u + 1] = std::min(a[u], std::min(b[u], c[u]));
   }
   for (int16_t* ends : {most, least}) {
     ends[0] = ends[1];
-    std::fill_n(ends + width + 1, 3, ends[width]);
+    ends[width + 1] = ends[width];
   }
 }
 
 void FindStepsOnTarget(const DisparityImage& filled, const cv::Range& rows, cv::Mat1b& step) {
   const int width = filled.width();
-  const auto size = static_cast<size_t>(width + 4);
-  std::vector<int16_t> memory(4 * size);
+  const auto size = static_cast<size_t>(width + 2);
+  std::vector<int16_t> memory(3 * size);
   int16_t* HWY_RESTRICT most = memory.data();
   int16_t* HWY_RESTRICT least = most + size;
-  int16_t* HWY_RESTRICT most_of_2 = least + size;
-  int16_t* HWY_RESTRICT least_of_2 = most_of_2 + size;
+  int16_t* HWY_RESTRICT range = least + size;
   for (int y = rows.start; y < rows.end; ++y) {
     FindRangeOfRows(filled, kCellPx * y, most, least);
-    for (int u = 0; u < width + 3; ++u) {
-      most_of_2[u] = std::max(most[u], most[u + 1]);
-      least_of_2[u] = std::min(least[u], least[u + 1]);
+    for (int u = 0; u < width; ++u) {
+      const int high = std::max(most[u], std::max(most[u + 1], most[u + 2]));
+      const int low = std::min(least[u], std::min(least[u + 1], least[u + 2]));
+      range[u] = static_cast<int16_t>(std::min(high - low, 32767));
     }
     uint8_t* HWY_RESTRICT steps = step[y];
     for (int x = 0; x < step.cols; ++x) {
-      const int range = std::max(most_of_2[2 * x], most_of_2[2 * x + 2]) -
-                        std::min(least_of_2[2 * x], least_of_2[2 * x + 2]);
-      steps[x] = ToByte(LevelOf(range + 1));
+      steps[x] = ToByte(LevelOf(range[kCellPx * x] + 1));
     }
   }
 }
@@ -140,9 +137,11 @@ void CensusOfRow(const cv::Mat1b& image, int v, uint8_t* HWY_RESTRICT census) {
 // Sums over the windows around cells, from above to below.
 class CellMatcher {
  public:
-  CellMatcher(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& filled)
+  CellMatcher(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
+              const DisparityImage& filled)
       : left_(left),
         right_(right),
+        grown_(grown),
         map_(filled),
         cells_(CellsOf(filled.size())),
         left_census_(static_cast<size_t>(left.cols)),
@@ -151,12 +150,13 @@ class CellMatcher {
         warped_(static_cast<size_t>(cells_.width)),
         words_(static_cast<size_t>(cells_.width)) {
     const auto size = static_cast<size_t>(cells_.width + 2 * kRadius);
-    for (auto* rows : {&differences_, &energies_, &margins_}) {
+    for (auto* rows : {&differences_, &energies_, &margins_, &gaps_}) {
       for (Ints& row : *rows) row.resize(size);
     }
     difference_.resize(size);
     energy_.resize(size);
     margin_.resize(size);
+    gap_.resize(size);
   }
 
   void Begin(int y) {
@@ -164,25 +164,31 @@ class CellMatcher {
   }
 
   // @pre called for one row after the other.
-  void WriteRow(int y, uint8_t* HWY_RESTRICT misfits, uint8_t* HWY_RESTRICT margins) {
+  void WriteRow(int y, uint8_t* HWY_RESTRICT misfits, uint8_t* HWY_RESTRICT margins,
+                uint8_t* HWY_RESTRICT gaps) {
     Match(y + kRadius);
     AddRows(differences_, y, 1, difference_);
     AddRows(energies_, y, 1, energy_);
     AddRows(margins_, y, kRadius, margin_);
+    AddRows(gaps_, y, kRadius, gap_);
     const int32_t* HWY_RESTRICT difference = difference_.data() + kRadius;
     const int32_t* HWY_RESTRICT energy = energy_.data() + kRadius;
     const int32_t* HWY_RESTRICT margin = margin_.data() + kRadius;
+    const int32_t* HWY_RESTRICT gap = gap_.data() + kRadius;
     for (int x = 0; x < cells_.width; ++x) {
       const int off = difference[x - 1] + difference[x] + difference[x + 1];
       const int all = energy[x - 1] + energy[x] + energy[x + 1];
       misfits[x] = ToByte(255 + LevelOf(off + 1) - LevelOf(all + 1));
       margins[x] =
           ToByte(128 - margin[x - 2] - margin[x - 1] - margin[x] - margin[x + 1] - margin[x + 2]);
+      gaps[x] = static_cast<uint8_t>(kGapUnit *
+                                     (gap[x - 2] + gap[x - 1] + gap[x] + gap[x + 1] + gap[x + 2]));
     }
   }
 
  private:
-  static constexpr int kRadius = 2;        // of the margin's window
+  static constexpr int kRadius = 2;        // of the windows of margin and gaps
+  static constexpr int kGapUnit = 10;      // 255 / number of cells in the window, rounded down
   static constexpr int kReach = 1024 + 8;  // as far as a disparity leads, and a census word
   using Rows = std::array<Ints, 2 * kRadius + 1>;
 
@@ -198,6 +204,8 @@ class CellMatcher {
     int32_t* HWY_RESTRICT difference = differences_[place].data() + kRadius;
     int32_t* HWY_RESTRICT energy = energies_[place].data() + kRadius;
     int32_t* HWY_RESTRICT margin = margins_[place].data() + kRadius;
+    int32_t* HWY_RESTRICT gap = gaps_[place].data() + kRadius;
+    const int16_t* HWY_RESTRICT grown = grown_.counts()[v];
     const uint8_t* HWY_RESTRICT left = left_[v];
     const uint8_t* HWY_RESTRICT census = left_census_.data();
     const uint8_t* HWY_RESTRICT warped = warped_.data();
@@ -207,6 +215,7 @@ class CellMatcher {
       const int r = warped[x];
       difference[x] = (l - r) * (l - r);
       energy[x] = l * l + r * r;
+      gap[x] = grown[2 * x] == DisparityImage::kInvalid ? 1 : 0;
     }
     for (int x = 0; x < cells_.width; ++x) {
       // Numbers of bits of three bytes at once.
@@ -219,7 +228,7 @@ class CellMatcher {
       const auto behind = static_cast<int32_t>(bits >> 16 & 15);
       margin[x] = std::min(before, behind) - here;
     }
-    for (int32_t* row : {difference, energy, margin}) {
+    for (int32_t* row : {difference, energy, margin, gap}) {
       for (int i = 1; i <= kRadius; ++i) {
         row[-i] = row[0];
         row[cells_.width - 1 + i] = row[cells_.width - 1];
@@ -261,13 +270,14 @@ class CellMatcher {
 
   const cv::Mat1b& left_;
   const cv::Mat1b& right_;
+  const DisparityImage& grown_;
   const DisparityImage& map_;
   const cv::Size cells_;
   Bytes left_census_, right_row_, right_census_;  // rows; right ones with zeros on either side
   Bytes warped_;                                  // of a row of cells
   std::vector<uint32_t> words_;
-  Rows differences_, energies_, margins_;
-  Ints difference_, energy_, margin_;  // their sums over rows
+  Rows differences_, energies_, margins_, gaps_;
+  Ints difference_, energy_, margin_, gap_;  // their sums over rows
 };
 
 // |d(x − 2) + d(x + 2) − 2·d(x)|, and the same over the rows.
@@ -287,22 +297,31 @@ void WriteBends(const DisparityImage& map, int y, int cells, uint8_t* HWY_RESTRI
   for (int x = std::max(2, cells - 2); x < cells; ++x) bends[x] = bend(x, x - 2, cells - 1);
 }
 
-void MatchCellsOnTarget(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& filled,
-                        const cv::Range& rows, ConfidenceFeatures& features) {
-  CellMatcher matcher(left, right, filled);
+void MatchCellsOnTarget(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
+                        const DisparityImage& filled, const cv::Range& rows,
+                        ConfidenceFeatures& features) {
+  CellMatcher matcher(left, right, grown, filled);
   matcher.Begin(rows.start);
   for (int y = rows.start; y < rows.end; ++y) {
-    matcher.WriteRow(y, features.misfit[y], features.margin[y]);
+    matcher.WriteRow(y, features.misfit[y], features.margin[y], features.gaps[y]);
     WriteBends(filled, y, features.bend.cols, features.bend[y]);
   }
 }
 
-// A row of cells to a row of pixels.
-void ExpandRow(const uint8_t* HWY_RESTRICT cells, const int16_t* HWY_RESTRICT counts, int width,
-               uint8_t none, uint8_t* HWY_RESTRICT twice, uint8_t* HWY_RESTRICT row) {
-  for (int x = 0; x < (width + 1) / 2; ++x) twice[2 * x] = twice[2 * x + 1] = cells[x];
-  for (int u = 0; u < width; ++u) {
-    row[u] = counts[u] == DisparityImage::kInvalid ? none : twice[u];
+// A row of cells to as many rows of pixels as there are.
+void ExpandRow(const Bytes& cells, const DisparityImage& map, int y, uint8_t none, Bytes& twice,
+               cv::Mat1b& pixels) {
+  const uint8_t* HWY_RESTRICT once = cells.data();
+  uint8_t* HWY_RESTRICT wide = twice.data();
+  const auto count = static_cast<int>(cells.size());
+  const int width = map.width();
+  for (int x = 0; x < count; ++x) wide[2 * x] = wide[2 * x + 1] = once[x];
+  for (int v = kCellPx * y; v < std::min(kCellPx * (y + 1), map.height()); ++v) {
+    const int16_t* HWY_RESTRICT counts = map.counts()[v];
+    uint8_t* HWY_RESTRICT row = pixels[v];
+    for (int u = 0; u < width; ++u) {
+      row[u] = counts[u] == DisparityImage::kInvalid ? none : wide[u];
+    }
   }
 }
 
@@ -310,9 +329,8 @@ void RateCellsOnTarget(const ConfidenceTables& tables, const ConfidenceFeatures&
                        const DisparityImage& filled, const cv::Mat1b& sigma_prior,
                        const cv::Range& rows, cv::Mat1b& confidence, cv::Mat1b& sigma) {
   const int cells = features.step.cols;
-  const int width = filled.width();
   Bytes sure(static_cast<size_t>(cells)), spread(sure.size());
-  Bytes twice(2 * sure.size()), unknown(static_cast<size_t>(width), kMaxSigmaCounts);
+  Bytes twice(2 * sure.size()), unknown(2 * sure.size(), kMaxSigmaCounts);
   std::vector<uint32_t> seeds(static_cast<size_t>(features.seed.cols));
   for (int y = rows.start; y < rows.end; ++y) {
     const uint8_t* const tof_seed = features.tof_seed[y / 2];
@@ -324,21 +342,19 @@ void RateCellsOnTarget(const ConfidenceTables& tables, const ConfidenceFeatures&
     const uint8_t* const bend = features.bend[y];
     const uint8_t* const misfit = features.misfit[y];
     const uint8_t* const margin = features.margin[y];
+    const uint8_t* const gaps = features.gaps[y];
     const uint8_t* const edge = features.edge[y];
     const uint8_t* const prior = sigma_prior.empty() ? unknown.data() : sigma_prior[kCellPx * y];
     for (int x = 0; x < cells; ++x) {
       const uint32_t sum = seeds[static_cast<size_t>(x / 2)] + tables.step[step[x]] +
                            tables.bend[bend[x]] + tables.misfit[misfit[x]] +
-                           tables.margin[margin[x]] + tables.edge[edge[x]] +
+                           tables.margin[margin[x]] + tables.gaps[gaps[x]] + tables.edge[edge[x]] +
                            tables.prior[prior[2 * x]];
       sure[static_cast<size_t>(x)] = tables.ConfidenceOf(sum);
       spread[static_cast<size_t>(x)] = tables.SigmaOf(sum);
     }
-    for (int v = kCellPx * y; v < std::min(kCellPx * (y + 1), filled.height()); ++v) {
-      const int16_t* const counts = filled.counts()[v];
-      ExpandRow(sure.data(), counts, width, 0, twice.data(), confidence[v]);
-      ExpandRow(spread.data(), counts, width, kMaxSigmaCounts, twice.data(), sigma[v]);
-    }
+    ExpandRow(sure, filled, y, 0, twice, confidence);
+    ExpandRow(spread, filled, y, kMaxSigmaCounts, twice, sigma);
   }
 }
 
@@ -367,9 +383,9 @@ void SpreadNearness(cv::Mat1b& marks, std::vector<uint8_t>& memory) {
   HWY_DYNAMIC_DISPATCH(SpreadNearnessOnTarget)(marks, memory);
 }
 
-void MatchCells(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& filled,
-                const cv::Range& rows, ConfidenceFeatures& features) {
-  HWY_DYNAMIC_DISPATCH(MatchCellsOnTarget)(left, right, filled, rows, features);
+void MatchCells(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
+                const DisparityImage& filled, const cv::Range& rows, ConfidenceFeatures& features) {
+  HWY_DYNAMIC_DISPATCH(MatchCellsOnTarget)(left, right, grown, filled, rows, features);
 }
 
 void RateCells(const ConfidenceTables& tables, const ConfidenceFeatures& features,

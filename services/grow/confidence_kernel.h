@@ -26,11 +26,12 @@ inline cv::Size BlocksOf(cv::Size pixels) {
 /// the distance in thirds of a cell or block, at least 0: chamfer distances with the mask 3, 4
 /// (Borgefors, CVGIP 1986).
 struct ConfidenceFeatures {
-  cv::Mat1b step;      ///< cells: range of the disparities in 4×4 pixels, as LevelOf()
+  cv::Mat1b step;      ///< cells: range of the disparities in 3×3 pixels, as LevelOf()
   cv::Mat1b bend;      ///< cells: second differences of the disparities, as LevelOf()
   cv::Mat1b misfit;    ///< cells: Σ(L − R)² / Σ(L² + R²), 255 = 1, 16 a factor of 2
   cv::Mat1b margin;    ///< cells: 128 − Σ margin of the census costs
-  cv::Mat1b edge;      ///< cells: nearness of a step of 3 px
+  cv::Mat1b gaps;      ///< cells: 10 times the number of gaps in 5×5 cells
+  cv::Mat1b edge;      ///< cells: nearness of a step above 1 px
   cv::Mat1b tof_seed;  ///< blocks: nearness of a ToF seed
   cv::Mat1b seed;      ///< blocks: nearness of any seed
 };
@@ -42,13 +43,13 @@ void FindSteps(const DisparityImage& filled, const cv::Range& rows, cv::Mat1b& s
 /// @param memory  two rows.
 void SpreadNearness(cv::Mat1b& marks, std::vector<uint8_t>& memory);
 
-/// Cells with a step of 3 px or more: 255; else 0.
+/// Cells with a step above 1 px: 255; else 0.
 void MarkEdges(const cv::Mat1b& step, cv::Mat1b& edge);
 
-/// Writes rows of cells of bend, misfit and margin, which have the size.
-/// @param left, right  of the map's size.
-void MatchCells(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& filled,
-                const cv::Range& rows, ConfidenceFeatures& features);
+/// Writes rows of cells of bend, misfit, margin and gaps, which have the size.
+/// @param left, right, grown  of the map's size; grown: before gap filling.
+void MatchCells(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
+                const DisparityImage& filled, const cv::Range& rows, ConfidenceFeatures& features);
 
 /// Writes the two rows of pixels of each row of cells.
 /// @param sigma_prior  counts, of the map's size; or empty: not known.

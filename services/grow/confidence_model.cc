@@ -16,8 +16,8 @@ using Values = google::protobuf::RepeatedField<int32_t>;
 
 constexpr int kKnotStep = 16;
 constexpr int kKnots = 256 / kKnotStep + 1;
-// Eight curves and the start stay below 2¹⁶.
-constexpr int kMost = 7000;
+// Nine curves and the start stay below 2¹⁶.
+constexpr int kMost = 6300;
 
 // The level of each value of the feature: what the knots count.
 std::function<int(int)> LevelsOf(Curve::Feature feature) {
@@ -43,6 +43,8 @@ ConfidenceTables::Table& TableOf(Curve::Feature feature, ConfidenceTables& table
       return tables.misfit;
     case Curve::MARGIN:
       return tables.margin;
+    case Curve::GAPS:
+      return tables.gaps;
     case Curve::EDGE:
       return tables.edge;
     case Curve::TOF_SEED:

@@ -18,15 +18,15 @@ constexpr int LevelOf(int x) {
   return (std::bit_cast<int32_t>(static_cast<float>(x)) >> 19) - (127 << 4);
 }
 
-/// Level of a range of 3 px or more: a depth edge.
-inline constexpr int kEdgeLevel = 104;
+/// Level of a range above 1 px, which is more than a surface's slope: a depth edge.
+inline constexpr int kEdgeLevel = 81;
 
 /// The model as the kernel needs it: for each value of a feature what it adds to the log-odds of an
 /// error > 1 px (upper half of a number, in 2⁻⁸) and to log₂ of the standard deviation in counts
 /// (lower half, in 2⁻⁸). Sums are a pixel's log-odds and log₂ σ.
 struct ConfidenceTables {
   using Table = std::array<uint32_t, 256>;
-  Table step, bend, misfit, margin, edge, tof_seed, seed, prior;
+  Table step, bend, misfit, margin, gaps, edge, tof_seed, seed, prior;
   uint32_t start = 0;  ///< a sum of nothing
 
   // In 2⁻⁴. No pixel is surer than log-odds of −16.

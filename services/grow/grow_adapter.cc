@@ -39,7 +39,7 @@ ConfidenceEstimator::Judgement GrowAdapter::Judge(const Frame& frame, const Grow
   const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
   const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
   const cv::Mat1b sigma_prior = frame.prior ? frame.prior->sigma : cv::Mat1b();
-  return confidence_.Compute({left, right, growth.seeds, sigma_prior, filled});
+  return confidence_.Compute({left, right, growth.seeds, sigma_prior, growth.map, filled});
 }
 
 StageResult GrowAdapter::Finish(const Frame& frame, const Growth& growth) {

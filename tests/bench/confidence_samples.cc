@@ -21,8 +21,8 @@ void PrintScene(const std::string& row, const Scene& scene, const ChainSettings&
   RunSteps(scene, settings, ChainStep::kFinish, frame, ms);
   const DisparityImage& map = *frame.disparity;
   grow::ConfidenceEstimator estimator;
-  estimator.Compute(
-      {scene.left_grey, scene.right_grey, frame.seeds->seeds, frame.prior->sigma, map});
+  estimator.Compute({scene.left_grey, scene.right_grey, frame.seeds->seeds, frame.prior->sigma,
+                     *frame.unfilled, map});
   const grow::ConfidenceFeatures& features = estimator.features();
   std::mt19937 random(1);
   const auto below = [&](int end) {
@@ -46,7 +46,8 @@ void PrintScene(const std::string& row, const Scene& scene, const ChainSettings&
     }
     const cv::Point block(u / grow::kBlockPx, v / grow::kBlockPx);
     std::cout << '\t' << int{features.tof_seed(block)} << '\t' << int{features.seed(block)} << '\t'
-              << int{frame.prior->sigma(v / 2 * 2, u / 2 * 2)} << '\n';
+              << int{frame.prior->sigma(v / 2 * 2, u / 2 * 2)} << '\t' << int{features.gaps(cell)}
+              << '\n';
   }
 }
 
@@ -57,6 +58,7 @@ int Main(int argc, char** argv) {
   }
   ChainSettings settings{.config = LoadConfig({"default"}), .noise = {}, .fgs = {}};
   settings.config.mutable_grow()->set_publish_confidence(false);
+  settings.config.mutable_grow()->set_publish_unfilled(true);
   settings.noise.disparity_px = settings.noise.jitter_px = std::stod(argv[3]);
   cv::setNumThreads(1);
   for (int i = 4; i < argc; ++i) {

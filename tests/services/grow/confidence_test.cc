@@ -41,11 +41,13 @@ struct JudgedScene {
   cv::Mat1b right = cv::Mat1b(kSize, uint8_t{0});
   DisparityImage map{kSize};
   cv::Mat1b sigma_prior = cv::Mat1b(kSize, uint8_t{60});
+  DisparityImage grown{kSize};
   std::vector<Seed> seeds = Grid();
 
   JudgedScene() {
     map.counts().colRange(0, 40) = ToCounts(4);
     map.counts().colRange(40, 80) = ToCounts(10);
+    map.counts().copyTo(grown.counts());
     for (int v = 0; v < kSize.height; ++v) {
       for (int u = 0; u < kSize.width; ++u) {
         const int u_right = u - (u < 40 ? 4 : 10);
@@ -54,7 +56,7 @@ struct JudgedScene {
     }
   }
   ConfidenceEstimator::Judgement Judge() const {
-    return ConfidenceEstimator().Compute({left, right, seeds, sigma_prior, map});
+    return ConfidenceEstimator().Compute({left, right, seeds, sigma_prior, grown, map});
   }
 };
 
@@ -82,6 +84,34 @@ TEST(Confidence, IsLowerWhereTheImagesDoNotFit) {
   ExpectLessSure(fits, scene.Judge(), {70, 30});
 }
 
+TEST(Confidence, IsLowerBesideStepsOfMoreThanOnePixel) {
+  JudgedScene scene;
+  scene.right = uint8_t{128};  // nothing there that fits
+  const auto judge = [&](int step_counts) {
+    scene.map.counts() = ToCounts(4);
+    scene.map.counts().colRange(60, 80) = static_cast<int16_t>(ToCounts(4) + step_counts);
+    return scene.Judge();
+  };
+  const auto flat = judge(0);
+  const auto slope = judge(DisparityImage::kCountsPerPixel);
+  const auto edge = judge(DisparityImage::kCountsPerPixel + 1);
+  EXPECT_EQ(slope.confidence(30, 52), flat.confidence(30, 52));
+  EXPECT_LT(edge.confidence(30, 52), flat.confidence(30, 52));
+  EXPECT_LT(slope.confidence(30, 60), flat.confidence(30, 60));  // the step itself
+}
+
+TEST(Confidence, IsLowerWhereGrowthLeftGaps) {
+  JudgedScene scene;
+  scene.right = uint8_t{128};
+  scene.sigma_prior = kMaxSigmaCounts;  // far from sure, where a small doubt more can be seen
+  scene.seeds.clear();
+  const auto grown = scene.Judge();
+  scene.grown.counts()(cv::Rect(60, 20, 15, 15)) = DisparityImage::kInvalid;
+  const auto filled = scene.Judge();
+  ExpectLessSure(grown, filled, {66, 26});
+  EXPECT_EQ(filled.confidence(50, 66), grown.confidence(50, 66));
+}
+
 TEST(Confidence, IsLowerInHolesBetweenTheSeeds) {
   JudgedScene scene;
   scene.right = uint8_t{128};  // nothing there that fits
@@ -97,6 +127,7 @@ TEST(Confidence, IsLowerInHolesBetweenTheSeeds) {
 
 TEST(Confidence, IsLowerWhereThePriorIsLessSure) {
   JudgedScene scene;
+  scene.right = uint8_t{128};  // what fits is sure whatever the prior is
   scene.sigma_prior = uint8_t{4};
   const auto surest = scene.Judge();
   auto before = surest;
@@ -151,9 +182,10 @@ TEST(Confidence, GivesTheSameBytesWithEveryInstructionSetAndNumberOfThreads) {
     const cv::Mat1b right = Noise(size, 2, 256);
     const DisparityImage filled = Patches(size, random);
     const cv::Mat1b sigma_prior = Noise(size, 3, 256);
+    const DisparityImage grown = Patches(size, random);
     for (const int count : {0, 1, 40}) {
       const std::vector<Seed> seeds = RandomSeeds(size, count, 9, 3);
-      const JudgedFrame frame{left, right, seeds, sigma_prior, filled};
+      const JudgedFrame frame{left, right, seeds, sigma_prior, grown, filled};
       cv::setNumThreads(1);
       const auto expected = ConfidenceEstimator().Compute(frame);
       ForEachInstructionSet([&](const std::string& name) {
