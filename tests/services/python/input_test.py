@@ -28,6 +28,7 @@ def zeros(*shape: int, dtype: Any = numpy.uint8) -> Any:
 GREY = r"uint8 array of shape \(48, 64\) or \(48, 64, 3\)"
 RANGE = r"float32 \(m\) or uint16 \(mm\) array of shape \(48, 64\)"
 MAP = numpy.zeros((4, 5), numpy.float32)
+VIEWS = numpy.tile(numpy.array([-1, 1, -1, 1], numpy.float32), (4, 5, 1))
 SEEDS = zeros(2, dtype=sprout.SEED)
 WRONG: List[Wrong] = [
     ("left is None", call(left=None), "left: expected " + GREY + ", given None"),
