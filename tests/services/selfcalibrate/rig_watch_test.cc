@@ -82,11 +82,10 @@ class WatchedRig {
   int64_t seq_ = 0;
 };
 
-void ExpectWithinSigmas(double sigmas, const SeenTurn& seen, const Eigen::Vector3d& true_turn,
-                        double most) {
+void ExpectWithinThreeSigmas(const SeenTurn& seen, const Eigen::Vector3d& true_turn, double most) {
   for (Eigen::Index i = 0; i < 3; ++i) {
     EXPECT_GT(seen.sigma[i], 0) << i;
-    EXPECT_LT(std::abs(seen.turn[i] - true_turn[i]), sigmas * seen.sigma[i]) << i;
+    EXPECT_LT(std::abs(seen.turn[i] - true_turn[i]), 3 * seen.sigma[i]) << i;
     EXPECT_LT(std::abs(seen.turn[i] - true_turn[i]), most) << i;
   }
 }
@@ -109,9 +108,9 @@ TEST(RigWatch, SeesAKnockInTheMiddleOfARun) {
   const RigChange after = watched.See(Changed(rig, knock));
 
   EXPECT_EQ(after.verdict, Verdict::kWrong) << after.reason;
-  ExpectWithinSigmas(3, after.right,
-                     watched.Rectified(0.15 * kDegree, -0.2 * kDegree, 0.1 * kDegree),
-                     0.02 * kDegree);
+  ExpectWithinThreeSigmas(after.right,
+                          watched.Rectified(0.15 * kDegree, -0.2 * kDegree, 0.1 * kDegree),
+                          0.02 * kDegree);
   // A camera that looks up sees things farther down.
   const double rows_px = 0.15 * kDegree * watched.rig().pair.focal_px;
   EXPECT_NEAR(after.rows_px, rows_px, 0.1 * std::abs(rows_px));
@@ -144,9 +143,8 @@ TEST(RigWatch, SeesATurnedToFCameraAndItsRanges) {
   const RigChange seen = watched.SeeOne(shortened(RenderScene(real, 3, 0, true)));
 
   EXPECT_EQ(seen.verdict, Verdict::kWrong) << seen.reason;
-  // Those of the ToF camera are too small by half (services/calibrate/NOTES.md).
-  ExpectWithinSigmas(6, seen.tof, watched.Rectified(-0.5 * kDegree, 0.7 * kDegree, 0),
-                     0.1 * kDegree);
+  ExpectWithinThreeSigmas(seen.tof, watched.Rectified(-0.5 * kDegree, 0.7 * kDegree, 0),
+                          0.1 * kDegree);
   EXPECT_NEAR(seen.range_offset_m, 0.03, std::min(3 * seen.range_sigma_m, 0.005));
   for (const double turn : seen.right.turn) EXPECT_LT(std::abs(turn), 0.02 * kDegree);
 }
