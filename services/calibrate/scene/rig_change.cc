@@ -16,7 +16,7 @@ constexpr double kMm = 1000;
 // What is expected: half a degree of a camera that was knocked (the issue of most rigs), a degree
 // of the ToF camera, whose housing is separate; half a percent of a focal length between cold and
 // warm, and three rows of a lens that moved on its mount; 30 mm of a warm ToF camera.
-constexpr std::array<RigNumberRow, kRigNumbers> kRows = {{
+constexpr std::array<RigNumberRow, kRigNumbers> kNumberRows = {{
     {"right camera, pitch", "°", kDegrees, 4, 0.5 / kDegrees},
     {"right camera, yaw", "°", kDegrees, 4, 0.5 / kDegrees},
     {"right camera, roll", "°", kDegrees, 4, 0.5 / kDegrees},
@@ -43,7 +43,7 @@ Lens Scaled(Lens lens, double by) {
 
 }  // namespace
 
-const RigNumberRow& RowOf(RigNumber number) { return kRows[number]; }
+const RigNumberRow& RowOf(RigNumber number) { return kNumberRows[number]; }
 
 RawRig Changed(const RawRig& rig, const RigNumbers& change) {
   RawRig changed = rig;

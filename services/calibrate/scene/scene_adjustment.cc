@@ -18,9 +18,9 @@ namespace {
 constexpr int kFirstRounds = 5;
 constexpr int kLaterRounds = 2;
 // Errors beyond so many sigmas lose weight: a tenth of the efficiency on Gaussian noise.
-constexpr double kCauchySigmas = 2;
+constexpr double kLossSigmas = 2;
 // What no match falls below; keeps an artificial input without noise from dividing by 0.
-constexpr double kLeastSigmaPx = 0.01;
+constexpr double kLeastScatterPx = 0.01;
 // A number is seen when it is known to this share of what is expected of it.
 constexpr double kSeen = 1.0 / 3;
 // A change of fewer standard deviations is none: a right rig has one of these once in 370.
@@ -104,12 +104,12 @@ class Adjustment {
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<MatchError, 2, 3, 2, 3, 1>(
               new MatchError{rig_, matches_[i], along_sigmas_ * sigma_px_, sigma_px_}),
-          new ceres::CauchyLoss(kCauchySigmas), At(kTurn), At(kPlace), At(kLenses), &depths_[i]);
+          new ceres::CauchyLoss(kLossSigmas), At(kTurn), At(kPlace), At(kLenses), &depths_[i]);
       if (!matches_[i].tof) continue;
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<PatchError, 1, 3, 3, 1, 1>(
               new PatchError{rig_, matches_[i], along_sigmas_ * matches_[i].tof->sigma_m}),
-          new ceres::CauchyLoss(kCauchySigmas), At(kLenses), At(kTofTurn), At(kOffset),
+          new ceres::CauchyLoss(kLossSigmas), At(kLenses), At(kTofTurn), At(kOffset),
           &depths_[i]);
     }
     if (edges_) {
@@ -172,7 +172,7 @@ class Adjustment {
     std::vector<double> rows;
     std::vector<double> ranges;
     for (const MatchResidual& residual : residuals) rows.push_back(residual.rows_px);
-    sigma_px_ = std::max(kLeastSigmaPx, SigmaOf(std::move(rows)));
+    sigma_px_ = std::max(kLeastScatterPx, SigmaOf(std::move(rows)));
     // The difference of ToF and stereo has the errors of both. On slanted surfaces columns are less
     // exact than rows, and ToF points less than their planes show: both by the same factor.
     for (size_t i = 0; i < matches_.size(); ++i) {

@@ -15,7 +15,7 @@ namespace {
 constexpr int kFewestMatches = 150;
 // Of cells of the left image, as those of MeasureVerticalDisparity().
 constexpr int kColumns = 4;
-constexpr int kRows = 3;
+constexpr int kBands = 3;
 constexpr int kFewestCells = 6;
 constexpr int kFewestInCell = 5;
 // Disparities off the common plane: what a scene needs to tell a rotation from a shift. px.
@@ -79,11 +79,11 @@ Result<void> CheckScene(const std::vector<SceneRefiner::View>& views,
         "more of a scene with texture, and are both images of one scene?",
         matches.size(), features, views.size(), kFewestMatches));
   }
-  std::array<int, static_cast<size_t>(kColumns * kRows)> cells{};
+  std::array<int, static_cast<size_t>(kColumns * kBands)> cells{};
   for (const cv::Point2d& pixel : left_px) {
     const int column =
         std::clamp(static_cast<int>(pixel.x * kColumns / pair.width), 0, kColumns - 1);
-    const int row = std::clamp(static_cast<int>(pixel.y * kRows / pair.height), 0, kRows - 1);
+    const int row = std::clamp(static_cast<int>(pixel.y * kBands / pair.height), 0, kBands - 1);
     ++cells[static_cast<size_t>(row * kColumns + column)];
   }
   const auto covered =
@@ -92,7 +92,7 @@ Result<void> CheckScene(const std::vector<SceneRefiner::View>& views,
     return Fail(fmt::format(
         "matches in {} of {} parts of the image only ({} are needed): show a scene with texture "
         "everywhere",
-        covered, kColumns * kRows, kFewestCells));
+        covered, kColumns * kBands, kFewestCells));
   }
   const double relief_px = Relief(matches, left_px, pair);
   if (relief_px < kLeastReliefPx) {

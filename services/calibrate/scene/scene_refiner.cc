@@ -16,14 +16,14 @@
 namespace sprout::calibrate {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 // Depth edges are found as well in images that are so little off: rectifying them again takes most
 // of the time.
 constexpr double kSameImagesPx = 0.5;
 
 double MedianOrUnknown(std::vector<double> values) {
-  return values.empty() ? kUnknown : Median(values);
+  return values.empty() ? kNotMeasured : Median(values);
 }
 
 std::vector<double> Sizes(std::vector<double> values) {

@@ -11,10 +11,10 @@ constexpr double kHalfWindow = 2.5;  // of the points' spacing: some 25 points
 constexpr size_t kFewest = 12;       // of these, beside a border or between a scanner's beams
 // Points farther from the plane than this share of the distance belong to another surface: five
 // times the noise of an SR4000 at 2 m, and of a lidar at 10 m.
-constexpr double kMostOff = 0.01;
+constexpr double kMostOffPlane = 0.01;
 // Steeper surfaces are seen at a glancing angle: cosine between ray and normal.
 constexpr double kLeastFacing = 0.3;
-// What errs alike in all points of a patch, as share of the distance: a tenth of kMostOff.
+// What errs alike in all points of a patch, as share of the distance: a tenth of kMostOffPlane.
 constexpr double kSharedError = 0.001;
 
 }  // namespace
@@ -74,7 +74,7 @@ std::optional<TofPatch> TofPatches::At(const cv::Point2d& left_px) const {
   double sum = 0;
   for (size_t i = 0; i < count; ++i) {
     const double off_m = patch.normal.dot(around[i]) - patch.distance_m;
-    if (std::abs(off_m) > kMostOff * mean.norm()) return std::nullopt;
+    if (std::abs(off_m) > kMostOffPlane * mean.norm()) return std::nullopt;
     sum += off_m * off_m;
   }
   const auto n = static_cast<double>(count);
