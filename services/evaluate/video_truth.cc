@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kFramesOfPoints = 3;
-constexpr double kNearestM = 0.1;
+constexpr double kNearestPointM = 0.1;
 
 Pose ReadPose(std::ifstream& file, const fs::path& path) {
   Eigen::Matrix3d rotation;
@@ -84,7 +84,7 @@ cv::Mat1b AwayFromPoints::Add(const TofImage& tof, const Rig& rig, const Pose& l
   cv::Mat1b used(pair.size(), uint8_t{0});
   for (const auto& frame : points_m_) {
     for (const Eigen::Vector3d& point : frame) {
-      if (!(point.z() > kNearestM)) continue;
+      if (!(point.z() > kNearestPointM)) continue;
       const cv::Point pixel(cvRound(pair.focal_px * point.x() / point.z() + pair.cx),
                             cvRound(pair.focal_px * point.y() / point.z() + pair.cy));
       if (cv::Rect({0, 0}, pair.size()).contains(pixel)) used(pixel) = 255;
