@@ -101,10 +101,12 @@ endfunction()
 
 # sprout_library(NAME SOURCES ... [APART ...] [DEPS ...]): static library sprout_NAME. APART: sources
 # that have names in common with others, or are compiled once an instruction set; never as one with
-# others.
+# others. Target libraries builds all of them.
+add_custom_target(libraries)
 function(sprout_library name)
   cmake_parse_arguments(arg "" "" "SOURCES;APART;DEPS" ${ARGN})
   add_library(sprout_${name} STATIC ${arg_SOURCES} ${arg_APART})
+  add_dependencies(libraries sprout_${name})
   target_link_libraries(sprout_${name} PUBLIC sprout_options ${arg_DEPS})
   set_source_files_properties(${arg_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   if(SPROUT_UNITY STREQUAL ALL)
