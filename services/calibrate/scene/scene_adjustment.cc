@@ -109,8 +109,7 @@ class Adjustment {
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<PatchError, 1, 3, 3, 1, 1>(
               new PatchError{rig_, matches_[i], along_sigmas_ * matches_[i].tof->sigma_m}),
-          new ceres::CauchyLoss(kLossSigmas), At(kLenses), At(kTofTurn), At(kOffset),
-          &depths_[i]);
+          new ceres::CauchyLoss(kLossSigmas), At(kLenses), At(kTofTurn), At(kOffset), &depths_[i]);
     }
     if (edges_) {
       problem.AddResidualBlock(
