@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -15,138 +14,13 @@
 #include "tests/common/app/log_files.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/rig/tilted_rig.h"
+#include "tests/services/capture/raw_frame.h"
 
 namespace sprout::capture {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-cv::Mat Picture(cv::Size size, int grey) { return {size, CV_8UC3, cv::Scalar::all(grey)}; }
-
-datasets::CapturedFrame RawFrame(int grey) {
-  const RawRig rig = TiltedRig();
-  datasets::CapturedFrame frame;
-  frame.left = Picture(rig.left.size(), grey);
-  frame.right = Picture(rig.right.size(), grey);
-  frame.tof.depth_m = cv::Mat1f(rig.tof.size(), 2.f);
-  return frame;
-}
-
-std::shared_ptr<CurrentRig> TestRig() {
-  RigDescription file;
-  *file.mutable_calibration() = ToCalibration(TiltedRig());
-  return std::make_shared<CurrentRig>(file, "rig.textproto");
-}
-
-// Cameras that give what they are told.
-class TestCameras : public RawSource {
- public:
-  explicit TestCameras(std::deque<datasets::CapturedFrame> frames) : frames_(std::move(frames)) {}
-  bool is_live() const override { return true; }
-  std::optional<datasets::CapturedFrame> Next(const std::stop_token& /*stop*/) override {
-    if (frames_.empty()) return std::nullopt;
-    datasets::CapturedFrame frame = frames_.front();
-    frames_.pop_front();
-    return frame;
-  }
-
- private:
-  std::deque<datasets::CapturedFrame> frames_;
-};
-
-TEST(RawSource, RectifiesImagesAndRanges) {
-  const Rectifier rectifier(TiltedRig());
-  const Result<datasets::CapturedFrame> frame = RectifyFrame(rectifier, RawFrame(77));
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->left.size(), rectifier.rig().pair.size());
-  EXPECT_EQ(frame->right.at<cv::Vec3b>(240, 320)[1], 77);
-  EXPECT_NEAR(frame->tof.depth_m(71, 88), 1.01 * 2 - 0.02, 1e-3);
-}
-
-TEST(RawSource, TakesAFrameWhoseToFCameraGaveNothing) {
-  datasets::CapturedFrame raw = RawFrame(77);
-  raw.tof = {};
-  const Result<datasets::CapturedFrame> frame = RectifyFrame(Rectifier(TiltedRig()), raw);
-  ASSERT_TRUE(frame);
-  EXPECT_TRUE(frame->tof.depth_m.empty());
-}
-
-TEST(RawSource, NamesTheImageThatIsNotOfTheCalibratedSize) {
-  const Rectifier rectifier(TiltedRig());
-  datasets::CapturedFrame raw = RawFrame(1);
-  raw.right = Picture({64, 48}, 1);
-  EXPECT_THAT(RectifyFrame(rectifier, raw).error().text,
-              AllOf(HasSubstr("right image of 64x48"), HasSubstr("640x480")));
-  raw = RawFrame(1);
-  raw.tof.depth_m = cv::Mat1f(3, 4, 1.f);
-  EXPECT_THAT(RectifyFrame(rectifier, raw).error().text, HasSubstr("ToF image of 4x3"));
-}
-
-TEST(RawSource, CountsFramesThatCannotBeRectifiedAsLost) {
-  datasets::CapturedFrame small = RawFrame(2);
-  small.left = Picture({64, 48}, 2);
-  datasets::CapturedFrame late = RawFrame(3);
-  late.lost = 2;
-  const auto source = Rectified(
-      std::make_unique<TestCameras>(std::deque{RawFrame(1), small, small, late}), TestRig());
-  EXPECT_TRUE(source->is_live());
-  EXPECT_EQ(source->Next({})->lost, 0);
-  const auto second = source->Next({});
-  ASSERT_TRUE(second);
-  EXPECT_EQ(second->lost, 4);
-  EXPECT_THAT(second->trouble, HasSubstr("left image of 64x48"));
-  EXPECT_FALSE(source->Next({}));
-}
-
-// The right camera turned down by half a degree: other maps and another calibration.
-RigInUsePtr TurnedRig() {
-  RawRig rig = TiltedRig();
-  rig.left_from_right = TurnedBy(rig.left_from_right, {-0.009, 0, 0});
-  return std::make_shared<const RigInUse>(RigInUse{Rectifier(rig), "turned"});
-}
-
-// A picture in which every place looks different.
-datasets::CapturedFrame Noise(int seed) {
-  datasets::CapturedFrame frame = RawFrame(0);
-  cv::RNG random(static_cast<uint64_t>(seed));
-  random.fill(frame.left, cv::RNG::UNIFORM, 0, 256);
-  random.fill(frame.right, cv::RNG::UNIFORM, 0, 256);
-  return frame;
-}
-
-void ExpectRectifiedBy(const Rectifier& rectifier, const datasets::CapturedFrame& raw,
-                       const datasets::CapturedFrame& frame) {
-  EXPECT_EQ(cv::norm(frame.left, rectifier.RectifyLeft(raw.left), cv::NORM_INF), 0);
-  EXPECT_EQ(cv::norm(frame.right, rectifier.RectifyRight(raw.right), cv::NORM_INF), 0);
-}
-
-TEST(RawSource, TakesANewRigFromOneFrameToTheNext) {
-  const std::shared_ptr<CurrentRig> rig = TestRig();
-  const RigInUsePtr first = rig->Get();
-  datasets::CapturedFrame small = Noise(3);
-  small.left = Picture({64, 48}, 2);
-  const auto source = Rectified(
-      std::make_unique<TestCameras>(std::deque{Noise(1), small, Noise(2), Noise(4)}), rig);
-  auto frame = source->Next({});
-  ASSERT_TRUE(frame);
-  EXPECT_FALSE(frame->new_rig);
-  ExpectRectifiedBy(first->rectifier, Noise(1), *frame);
-
-  rig->Replace(TurnedRig());
-  frame = source->Next({});  // behind one that cannot be rectified
-  ASSERT_TRUE(frame && frame->new_rig);
-  EXPECT_EQ(frame->new_rig->rig_id, "turned");
-  EXPECT_EQ(RigId(frame->new_rig->rig), RigId(rig->Get()->rectifier.rig()));
-  EXPECT_EQ(frame->lost, 1);
-  ExpectRectifiedBy(rig->Get()->rectifier, Noise(2), *frame);
-  EXPECT_EQ(RigId(source->rig()), first->rig_id);
-
-  frame = source->Next({});
-  ASSERT_TRUE(frame);
-  EXPECT_FALSE(frame->new_rig);
-  ExpectRectifiedBy(rig->Get()->rectifier, Noise(4), *frame);
-}
 
 // Pictures and rig files.
 class VideoTest : public ::testing::Test {

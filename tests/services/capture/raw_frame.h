@@ -1,0 +1,33 @@
+#ifndef SPROUT_TESTS_SERVICES_CAPTURE_RAW_FRAME_H_
+#define SPROUT_TESTS_SERVICES_CAPTURE_RAW_FRAME_H_
+
+#include <memory>
+#include <opencv2/core.hpp>
+
+#include "services/capture/raw_source.h"
+#include "tests/common/rig/tilted_rig.h"
+
+namespace sprout::capture {
+
+inline cv::Mat Picture(cv::Size size, int grey) { return {size, CV_8UC3, cv::Scalar::all(grey)}; }
+
+/// What the cameras of TiltedRig() give of something grey, 2 m away.
+inline datasets::CapturedFrame RawFrame(int grey) {
+  const RawRig rig = TiltedRig();
+  datasets::CapturedFrame frame;
+  frame.left = Picture(rig.left.size(), grey);
+  frame.right = Picture(rig.right.size(), grey);
+  frame.tof.depth_m = cv::Mat1f(rig.tof.size(), 2.f);
+  return frame;
+}
+
+/// TiltedRig(), the right camera turned down by half a degree: other maps and another calibration.
+inline RigInUsePtr TurnedRig() {
+  RawRig rig = TiltedRig();
+  rig.left_from_right = TurnedBy(rig.left_from_right, {-0.009, 0, 0});
+  return std::make_shared<const RigInUse>(RigInUse{Rectifier(rig), "turned"});
+}
+
+}  // namespace sprout::capture
+
+#endif  // SPROUT_TESTS_SERVICES_CAPTURE_RAW_FRAME_H_
