@@ -6,6 +6,8 @@ export LC_ALL=C.UTF-8  # where commas are decimal, awk reads 1.5 as 1
 fail() { echo "$(basename "$0"): $*" >&2; exit "${code:-1}"; }
 
 conditions=(clean sparse noise1 noise2 sr4000 blind25 blind50 blind75 none wrapped calib3 calib6)
+# A range sensor that is off: what it says is wrong, not noisy.
+bias_conditions=(range10 range-10 range20 wiggle10 bumps1.5 bumps3 bumps6 real)
 # What a parameter is chosen, and a part is judged, by: each kind of damage once.
 main_conditions=(clean sparse noise1 noise2 sr4000 blind50 none)
 
@@ -25,6 +27,11 @@ condition_flags() {
     wrapped) echo "--tof sr4000?wrapped=25" ;;
     calib*) echo "--tof sr4000?calibration=${1#calib}" ;;
     align*) echo "--tof sr4000?calibration=${1#align} --config scripts/lib/align_tof.textproto" ;;
+    range*) echo "--tof grid:auto?range=${1#range}" ;;
+    wiggle*) echo "--tof grid:auto?wiggle=${1#wiggle}&period=0.6" ;;
+    bumps*) echo "--tof grid:auto?bumps=${1#bumps}" ;;
+    real) echo "--tof sr4000?wiggle=10&amplitude=10&multipath=0.3&scatter=0.02" ;;
+    mirrored) echo "--tof grid:auto?mirrored" ;;
     rows2_* | roll02_* | yaw01_*) rig_flags "$1" ;;
     *) fail "no condition $1" ;;
   esac

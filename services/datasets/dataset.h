@@ -52,7 +52,8 @@ class Dataset {
 /// The range sensor is simulated by config.tof(), or by ?tof=grid, ?tof=sr4000 or ?tof=zones:CxR
 /// after the source; with ?tof=none there is none. ?tof=sr4000 may be followed by &blind=P,
 /// &wrapped=P, &calibration=PX and &every=K, see Sr4000Config; ?tof=zones:CxR by &mode=mean,
-/// &mode=nearest and &targets=N, see ZonesConfig.
+/// &mode=nearest and &targets=N, see ZonesConfig; any other, also a scan, by what its ranges are
+/// off by, such as &range=MM, see RangeErrorsConfig.
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& config);
 

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "services/datasets/kitti_calibration.h"
+#include "services/datasets/range_errors.h"
 #include "services/datasets/read_image.h"
 #include "services/datasets/source_options.h"
 #include "services/datasets/tof_grid.h"
@@ -108,6 +109,7 @@ class KittiDataset : public Dataset {
     rig_.pair = calibration.pair;
     if (uses_scan_) rig_.tof = TofGridCamera(rig_.pair, 1);
     left_from_scanner_ = calibration.left_from_scanner;
+    actual_left_from_scanner_ = TurnedScanner(left_from_scanner_, config.range_errors());
     for (const KittiFiles& files : frames_) RequireThisCalibration(files.calibration);
     Get(0);
   }
@@ -148,20 +150,21 @@ class KittiDataset : public Dataset {
 
   TofImage ReadTof(const fs::path& file) const {
     const std::vector<Eigen::Vector3d> points = ReadVelodyneScan(file);
-    const TofImage all = TofImageFromScan(points, left_from_scanner_, rig_.pair);
+    const TofImage all = TofImageFromScan(points, actual_left_from_scanner_, rig_.pair);
     if (cv::countNonZero(all.depth_m > 0) == 0) {
       throw ConfigError("scan " + file.string() +
                         ": no point falls into the left image; allowed: the scan that calib/ID.txt "
                         "was made for, or ?tof=none");
     }
-    return TofImageFromScan(KeepBeams(points, beams_), left_from_scanner_, rig_.pair);
+    return TofImageFromScan(KeepBeams(points, beams_), actual_left_from_scanner_, rig_.pair);
   }
 
   bool uses_scan_;
   int beams_;
   std::vector<KittiFiles> frames_;
   Rig rig_;
-  Eigen::Isometry3d left_from_scanner_ = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d left_from_scanner_ = Eigen::Isometry3d::Identity();  // by the calibration
+  Eigen::Isometry3d actual_left_from_scanner_ = Eigen::Isometry3d::Identity();
 };
 
 }  // namespace

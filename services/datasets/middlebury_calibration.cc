@@ -82,10 +82,10 @@ class CalibFile {
   std::map<std::string, std::string> values_;
 };
 
-double ReadDmin(const std::filesystem::path& path) {
+double ReadDmin(const std::filesystem::path& path, double missing_dmin_px) {
   std::error_code ignored;
   const auto kind = std::filesystem::symlink_status(path, ignored).type();
-  if (kind == std::filesystem::file_type::not_found) return 0;
+  if (kind == std::filesystem::file_type::not_found) return missing_dmin_px;
   const Result<std::string> text = ReadText(path);
   if (!text) {
     throw ConfigError("calibration " + path.string() + ": " + text.error().text +
@@ -101,14 +101,14 @@ double ReadDmin(const std::filesystem::path& path) {
 
 }  // namespace
 
-RectifiedPair CalibrationFromDmin(const std::filesystem::path& dmin_file, cv::Size size,
-                                  int scale) {
+RectifiedPair CalibrationFromDmin(const std::filesystem::path& dmin_file, double missing_dmin_px,
+                                  cv::Size size, int scale) {
   RectifiedPair pair{.width = size.width, .height = size.height};
   pair.focal_px = kFullSizeFocalPx / scale;
   pair.cx = (size.width - 1) / 2.0;
   pair.cy = (size.height - 1) / 2.0;
   // Z = f·b / (d + dmin): what was subtracted is the difference of the principal points.
-  pair.cx_right = pair.cx + ReadDmin(dmin_file) / scale;
+  pair.cx_right = pair.cx + ReadDmin(dmin_file, missing_dmin_px) / scale;
   pair.baseline_m = kBaselineM;
   return pair;
 }

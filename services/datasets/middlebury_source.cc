@@ -12,6 +12,7 @@
 #include "common/core/image.h"
 #include "services/datasets/middlebury_calibration.h"
 #include "services/datasets/pfm.h"
+#include "services/datasets/range_errors.h"
 #include "services/datasets/read_image.h"
 #include "services/datasets/source_options.h"
 #include "services/datasets/sr4000.h"
@@ -26,6 +27,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kImageExtensions[] = {".png", ".jpg", ".ppm"};
 constexpr int kFullSizeRows = 1110;
+// Published values go from 200 to 290 px: what to take where dmin.txt is missing and an error of
+// the range sensor is given in metres. Otherwise depths without dmin.txt are not metric.
+constexpr double kLikelyDminPx = 250;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 std::optional<fs::path> FindImage(const fs::path& folder, const std::string& name) {
@@ -105,7 +109,8 @@ Scene Read2005(const fs::path& folder, const CaptureConfig& config) {
   Scene scene = ReadImages(RequireImage(folder, "view1"), RequireImage(folder, "view5"));
   const cv::Size size = scene.left.size();
   const int scale = config.gt_scale() > 0 ? config.gt_scale() : ScaleFromRows(size.height);
-  scene.pair = CalibrationFromDmin(folder / "dmin.txt", size, scale);
+  const double missing_dmin_px = HasErrorsInMetres(config) ? kLikelyDminPx : 0;
+  scene.pair = CalibrationFromDmin(folder / "dmin.txt", missing_dmin_px, size, scale);
 
   const fs::path left = RequireImage(folder, "disp1");
   scene.truth.left = ReadCodes(left, scale);
@@ -149,9 +154,13 @@ Scene ReadScene(const fs::path& folder, const CaptureConfig& config) {
 
 class MiddleburyDataset : public Dataset {
  public:
-  MiddleburyDataset(Scene scene, const CaptureConfig& config) {
+  MiddleburyDataset(const std::string& folder, Scene scene, const CaptureConfig& config) {
     rig_.pair = scene.pair;
     if (config.tof() == "sr4000") {
+      if (config.sr4000().motion() > 0) {
+        throw ConfigError("capture.sr4000.motion: nothing moves in middlebury:" + folder +
+                          "; allowed: 0, or synthetic:WxH");
+      }
       sr4000_.emplace(scene.pair, config.sr4000(), config.seed());
       rig_.tof = sr4000_->calibrated();
       samples_.emplace(RenderSurface({scene.pair, sr4000_->actual()}, scene.truth,
@@ -202,7 +211,7 @@ class MiddleburyDataset : public Dataset {
 }  // namespace
 
 std::unique_ptr<Dataset> OpenMiddlebury(const std::string& folder, const CaptureConfig& config) {
-  return std::make_unique<MiddleburyDataset>(ReadScene(folder, config), config);
+  return std::make_unique<MiddleburyDataset>(folder, ReadScene(folder, config), config);
 }
 
 }  // namespace sprout::datasets

@@ -2,11 +2,13 @@
 #include <array>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "common/core/number_text.h"
 #include "services/datasets/dataset.h"
 #include "services/datasets/kitti_source.h"
 #include "services/datasets/middlebury_source.h"
+#include "services/datasets/range_errors.h"
 #include "services/datasets/source_options.h"
 #include "services/datasets/synthetic_source.h"
 
@@ -36,10 +38,12 @@ std::unique_ptr<Dataset> OpenSyntheticText(std::string_view size_text,
   return OpenSynthetic({*width, *height}, config);
 }
 
-// @returns whether the simulated sensor has such an option.
-bool ApplyOfTof(const SourceOption& option, CaptureConfig& config) {
-  if (config.tof() == "sr4000") return ApplySr4000Option(option, *config.mutable_sr4000());
-  return config.tof() == kZones && ApplyZonesOption(option, *config.mutable_zones());
+// @returns whether the sensor has such an option.
+bool ApplyOfTof(std::string_view kind, const SourceOption& option, CaptureConfig& config) {
+  if (config.tof() == kZones) return ApplyZonesOption(option, *config.mutable_zones());
+  if (config.tof() == "sr4000" && ApplySr4000Option(option, *config.mutable_sr4000())) return true;
+  return config.tof() != "none" &&
+         ApplyRangeErrorOption(option, kind == "kitti", *config.mutable_range_errors());
 }
 
 // Applies what stands behind the '?' of a source.
@@ -50,12 +54,14 @@ void ApplyOptions(std::string_view kind, const std::vector<SourceOption>& option
       config.set_beams(ParseNumber<int>(option.value).value_or(0));
     } else if (option.name == "tof") {
       if (!ApplyZones(option.value, config)) config.set_tof(std::string(option.value));
-    } else if (!ApplyOfTof(option, config)) {
+    } else if (!ApplyOfTof(kind, option, config)) {
       throw BadSource(config, "no such option " + std::string(option.text),
-                      kind == "kitti" ? "?beams=64, 32, 16, 8 or 4, ?tof=none"
-                                      : "?tof=grid, ?tof=none, ?tof=sr4000 with " +
-                                            std::string(kSr4000Options) + ", ?tof=zones:CxR with " +
-                                            std::string(kZonesOptions));
+                      kind == "kitti"
+                          ? "?beams=64, 32, 16, 8 or 4, ?tof=none, " + std::string(kScanOptions)
+                          : "?tof=grid, ?tof=none, ?tof=sr4000 with " +
+                                std::string(kSr4000Options) + ", grid and sr4000 with " +
+                                std::string(kRangeErrorOptions) + ", ?tof=zones:CxR with " +
+                                std::string(kZonesOptions));
     }
   }
 }
@@ -85,9 +91,12 @@ std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& original) {
   ApplyZones(original.tof(), config);
   ApplyOptions(kind, options, config);
   RequireAllowed(config);
-  if (kind == "middlebury") return OpenMiddlebury(argument, config);
-  if (kind == "kitti") return OpenKitti(argument, config);
-  if (kind == "synthetic") return OpenSyntheticText(argument, config);
+  const auto with_errors = [&](std::unique_ptr<Dataset> dataset) {
+    return WithRangeErrors(std::move(dataset), config.range_errors(), config.seed());
+  };
+  if (kind == "middlebury") return with_errors(OpenMiddlebury(argument, config));
+  if (kind == "kitti") return with_errors(OpenKitti(argument, config));
+  if (kind == "synthetic") return with_errors(OpenSyntheticText(argument, config));
   const std::string allowed =
       "middlebury:DIR, kitti:DIR, kitti:DIR/ID, synthetic:WxH, and for sprout-capture log:FILE, "
       "opencv:LEFT,RIGHT, v4l2:DEVICE";

@@ -46,12 +46,27 @@ bool ApplyZonesOption(const SourceOption& option, ZonesConfig& config);
 
 /// The options allowed after "sr4000", for messages to people.
 inline constexpr std::string_view kSr4000Options =
-    "&blind=P (%), &wrapped=P (%), &calibration=PX, &every=K";
+    "&blind=P (%), &wrapped=P (%), &calibration=PX, &every=K, &amplitude=MM, &multipath=SHARE, "
+    "&scatter=SHARE, &motion=SHARE";
 
 /// Applies blind=P (blind_percent), wrapped=P (wrapped_percent), calibration=PX
-/// (calibration_error_px) or every=K (every_px). @returns whether the option is one of them.
+/// (calibration_error_px), every=K (every_px), amplitude=MM (amplitude_error_m), multipath=SHARE,
+/// scatter=SHARE or motion=SHARE. @returns whether the option is one of them.
 /// @throws ConfigError when the value is not a number or out of range.
 bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config);
+
+/// The options of any range image, for messages to people.
+inline constexpr std::string_view kRangeErrorOptions =
+    "&range=MM, &wiggle=MM, &period=M, &bumps=PX, &unit=F, &mirrored";
+
+/// The options of a recorded scan, for messages to people.
+inline constexpr std::string_view kScanOptions =
+    "&range=M, &yaw=DEGREES, &pitch=DEGREES, &bumps=PX, &unit=F, &mirrored";
+
+/// Applies one of kRangeErrorOptions, or with `is_scan` of kScanOptions. @returns whether the
+/// option is one of them.
+/// @throws ConfigError when the value is not a number or out of range.
+bool ApplyRangeErrorOption(const SourceOption& option, bool is_scan, RangeErrorsConfig& config);
 
 }  // namespace sprout::datasets
 

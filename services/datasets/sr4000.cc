@@ -10,14 +10,17 @@
 #include "common/core/quantile.h"
 #include "common/geometry/lens.h"
 #include "services/datasets/normal_deviate.h"
+#include "services/datasets/phasor.h"
 #include "services/datasets/sensor_place.h"
 #include "services/datasets/solid_texture.h"
+#include "services/datasets/stray_light.h"
 
 namespace sprout::datasets {
 namespace {
 
 constexpr int kWidth = 176;
 constexpr int kHeight = 144;
+constexpr double kUnambiguousM = 5;  // 30 MHz: the data sheet
 constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
 
 // Assembly tolerances: no camera is mounted, and no sensor glued, without any. Half angles of 0.17°
@@ -103,51 +106,6 @@ void KeepEvery(double step_px, TofImage& tof) {
   }
 }
 
-// What one ToF pixel looks at.
-struct Footprint {
-  int known = 0;        // samples with a surface
-  double light = 0;     // mean light that comes back, in the unit of albedo / m²
-  double mixed_m = 0;   // depth of all light together
-  double middle_m = 0;  // depth of the surface that fills most of the pixel
-  double spread = 0;    // between the nearest and the farthest depth, a share of the nearest
-  int samples = 0;      // known or not
-
-  bool IsMostlyKnown() const { return 2 * known >= samples; }
-};
-
-// @param reach  beyond the pixel's own borders, samples.
-Footprint FootprintOf(const TofSamples& samples, int tof_u, int tof_v, int reach) {
-  constexpr int kSide = TofSamples::kPerSide;
-  const cv::Rect own(tof_u * kSide, tof_v * kSide, kSide, kSide);
-  const cv::Rect area = (own - cv::Point(reach, reach) + cv::Size(2 * reach, 2 * reach)) &
-                        cv::Rect({0, 0}, samples.depth_m.size());
-  std::vector<double> depths;
-  depths.reserve(static_cast<size_t>(area.area()));
-  Footprint footprint{.samples = area.area()};
-  double weighted = 0;
-  double unweighted = 0;
-  for (int y = area.y; y < area.y + area.height; ++y) {
-    for (int x = area.x; x < area.x + area.width; ++x) {
-      const double depth_m = samples.depth_m(y, x);
-      if (!std::isfinite(depth_m)) continue;
-      const double light = samples.albedo(y, x) / (depth_m * depth_m);
-      footprint.light += light;
-      weighted += light * depth_m;
-      unweighted += depth_m;
-      depths.push_back(depth_m);
-    }
-  }
-  if (depths.empty()) return footprint;
-  footprint.known = static_cast<int>(depths.size());
-  footprint.mixed_m =
-      footprint.light > 0 ? weighted / footprint.light : unweighted / footprint.known;
-  footprint.light /= footprint.known;
-  footprint.middle_m = Median(depths);
-  const auto [nearest, farthest] = std::ranges::minmax(depths);
-  footprint.spread = farthest / nearest - 1;
-  return footprint;
-}
-
 // Counts for each unit of light, so that half of the pixels lie above the wanted median.
 double Exposure(const std::vector<Footprint>& footprints, double median_amplitude) {
   std::vector<double> lights;
@@ -172,6 +130,13 @@ Sr4000::Sr4000(const TofCamera& camera, const Sr4000Config& config, uint32_t see
   RequireInRange(config, "capture.sr4000");
   assert(camera.width == kWidth && camera.height == kHeight);
   range_per_depth_ = RangePerDepth(camera.lens());
+  if (config.multipath() > 0 || config.scatter() > 0) {
+    for (int v = 0; v < kHeight; ++v) {
+      for (int u = 0; u < kWidth; ++u) {
+        directions_.push_back(DirectionOfPixel(camera.lens(), Eigen::Vector2d(u, v)).homogeneous());
+      }
+    }
+  }
 }
 
 double Sr4000::NoiseM(double amplitude) const {
@@ -204,16 +169,76 @@ void Sr4000::Wrap(double ambiguity_m, cv::Mat1f& depth_m) const {
   }
 }
 
-Sr4000Frame Sr4000::Measure(const TofSamples& samples, int64_t frame) const {
-  assert(samples.depth_m.size() == cv::Size(kWidth, kHeight) * TofSamples::kPerSide);
-  const auto reach =
-      static_cast<int>(std::lround((config_.footprint_px() - 1) / 2 * TofSamples::kPerSide));
-  std::vector<Footprint> footprints;
-  footprints.reserve(size_t{kWidth} * kHeight);
-  for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) footprints.push_back(FootprintOf(samples, u, v, reach));
+double Sr4000::DepthM(const Footprint& footprint) const {
+  return footprint.middle_m + config_.flying_pixels() * (footprint.mixed_m - footprint.middle_m);
+}
+
+double Sr4000::TurnM() const {
+  return config_.ambiguity_range_m() > 0 ? config_.ambiguity_range_m() : kUnambiguousM;
+}
+
+// "A reduced amount of light comes out nearer" (Lindner and Kolb, "Calibration of the
+// intensity-related distance error of the PMD TOF-camera", SPIE 6764, 2007), with a smooth step in
+// the logarithm of the amplitude.
+double Sr4000::AmplitudeErrorM(double amplitude) const {
+  return config_.amplitude_error_m() * (amplitude / (amplitude + config_.median_amplitude()) - 0.5);
+}
+
+cv::Mat1d Sr4000::SceneErrorM(const std::vector<Footprint>& footprints,
+                              std::span<const TofSamples> phase_images) const {
+  const bool is_stray = config_.multipath() > 0 || config_.scatter() > 0;
+  cv::Mat1d error_m(kHeight, kWidth, 0.0);
+  if (is_stray) {
+    LitView view{.depth_m = cv::Mat1d(kHeight, kWidth, kNoReturn),
+                 .light = cv::Mat1d(kHeight, kWidth, 0.0),
+                 .focal_px = calibrated_.fx,
+                 .directions = directions_};
+    for (int i = 0; i < kWidth * kHeight; ++i) {
+      const Footprint& footprint = footprints[static_cast<size_t>(i)];
+      if (!footprint.IsMostlyKnown() || footprint.light <= 0) continue;
+      view.depth_m(i) = DepthM(footprint);
+      view.light(i) = footprint.light;
+    }
+    error_m = StrayLightErrorM(view, {.multipath = config_.multipath(),
+                                      .scatter = config_.scatter(),
+                                      .unambiguous_range_m = TurnM()});
   }
+  if (!phase_images.empty()) AddMotionErrorM(footprints, phase_images, error_m);
+  return error_m;
+}
+
+// Signal k is A_k cos(φ_k − k 90°); each is of another moment (Lindner and Kolb, "Compensation of
+// motion artifacts for time-of-flight cameras", Dyn3D 2009).
+void Sr4000::AddMotionErrorM(const std::vector<Footprint>& footprints,
+                             std::span<const TofSamples> phase_images, cv::Mat1d& error_m) const {
+  assert(phase_images.size() == 4);
+  std::array<std::vector<Footprint>, 4> moments;
+  std::ranges::transform(phase_images, moments.begin(), [this](const TofSamples& samples) {
+    return FootprintsOf(samples, config_.footprint_px());
+  });
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    const auto index = static_cast<size_t>(i);
+    if (footprints[index].light <= 0) continue;
+    // Relative to the phase without motion.
+    const double still = range_per_depth_(i) * DepthM(footprints[index]) / TurnM();
+    std::array<Phasor, 4> signals;
+    for (size_t k = 0; k < 4; ++k) {
+      const Footprint& moment = moments[k][index];
+      const Phasor phase = UnitPhasor(range_per_depth_(i) * DepthM(moment) / TurnM());
+      signals[k] = {moment.light * phase.real, moment.light * phase.imaginary};
+    }
+    const Phasor sum{signals[0].real + signals[2].real,
+                     signals[1].imaginary + signals[3].imaginary};
+    error_m(i) += TurnsOf(Product(sum, UnitPhasor(-still))) * TurnM();
+  }
+}
+
+Sr4000Frame Sr4000::Measure(const TofSamples& samples, int64_t frame,
+                            std::span<const TofSamples> phase_images) const {
+  assert(samples.depth_m.size() == cv::Size(kWidth, kHeight) * TofSamples::kPerSide);
+  const std::vector<Footprint> footprints = FootprintsOf(samples, config_.footprint_px());
   const double exposure = Exposure(footprints, config_.median_amplitude());
+  const cv::Mat1d scene_error_m = SceneErrorM(footprints, phase_images);
   const uint64_t key = Scramble(Scramble(seed_) + static_cast<uint64_t>(frame));
 
   TofImage tof{.depth_m = cv::Mat1f(kHeight, kWidth, kNoReturn),
@@ -228,11 +253,12 @@ Sr4000Frame Sr4000::Measure(const TofSamples& samples, int64_t frame) const {
           config_.mixed_percent() > 0 && 100 * footprint.spread > config_.mixed_percent();
       if (!footprint.IsMostlyKnown() || is_mixed) continue;
       if (amplitude <= 0 || amplitude < config_.min_amplitude()) continue;
-      const double depth_m =
-          footprint.middle_m + config_.flying_pixels() * (footprint.mixed_m - footprint.middle_m);
+      double depth_m = DepthM(footprint);
       if (config_.max_range_m() > 0 && depth_m * range_per_depth_(v, u) > config_.max_range_m()) {
         continue;
       }
+      const double error_m = scene_error_m(v, u) + AmplitudeErrorM(amplitude);
+      if (error_m != 0) depth_m += error_m / range_per_depth_(v, u);
       const double noise_m = NoiseM(amplitude) * NormalDeviate(Scramble(key + index));
       if (depth_m + noise_m <= 0) continue;
       tof.depth_m(v, u) = static_cast<float>(depth_m + noise_m);

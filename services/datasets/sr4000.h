@@ -2,10 +2,13 @@
 #define SPROUT_SERVICES_DATASETS_SR4000_H_
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "common/config/config.h"
 #include "common/core/rig.h"
 #include "common/core/tof_image.h"
+#include "services/datasets/footprint.h"
 #include "services/datasets/tof_samples.h"
 
 namespace sprout::datasets {
@@ -20,8 +23,10 @@ struct Sr4000Frame {
 /// cameras, with its own lens, noise and errors. The source renders what the camera sees
 /// (TofSamples); this class turns it into the camera's output.
 ///
-/// Not simulated: multi-path, scattering in the lens, motion, distance error that depends on
-/// amplitude or temperature.
+/// Off unless config says so: distance error that depends on amplitude, multi-path, scattering in
+/// the lens (StrayLightErrorM()), motion. WithRangeErrors() adds wiggling and other errors that
+/// depend on the range. Not simulated: temperature, but as an offset of all ranges; light that
+/// surfaces out of view send on; saturation.
 class Sr4000 {
  public:
   /// @param seed  of the random noise.
@@ -44,10 +49,22 @@ class Sr4000 {
   /// below config.min_amplitude(), its surface is beyond config.max_range_m(), or it is among the
   /// config.blind_percent() of returns with the lowest amplitude; its amplitude is still given. A
   /// surface beyond the unambiguous range is measured modulo that range. Depends on samples,
-  /// configuration, seed and frame only; same bytes on every machine. O(samples), one thread.
-  Sr4000Frame Measure(const TofSamples& samples, int64_t frame) const;
+  /// configuration, seed and frame only; same bytes on every machine. O(samples), but with
+  /// multi-path.
+  /// @param phase_images  what the camera saw while it took its four phase images, 90° apart; none
+  /// = nothing moved.
+  Sr4000Frame Measure(const TofSamples& samples, int64_t frame,
+                      std::span<const TofSamples> phase_images = {}) const;
 
  private:
+  double DepthM(const Footprint& footprint) const;
+  // Errors that the scene makes: multi-path, scattering, motion; m along the ray.
+  cv::Mat1d SceneErrorM(const std::vector<Footprint>& footprints,
+                        std::span<const TofSamples> phase_images) const;
+  void AddMotionErrorM(const std::vector<Footprint>& footprints,
+                       std::span<const TofSamples> phase_images, cv::Mat1d& error_m) const;
+  double AmplitudeErrorM(double amplitude) const;
+  double TurnM() const;  // range whose phase is a whole turn
   double NoiseM(double amplitude) const;
   double AmbiguityM(const cv::Mat1f& depth_m) const;
   void Wrap(double ambiguity_m, cv::Mat1f& depth_m) const;
@@ -56,7 +73,8 @@ class Sr4000 {
   uint32_t seed_;
   TofCamera calibrated_;
   TofCamera actual_;
-  cv::Mat1d range_per_depth_;  // of each pixel: its ray's length at z = 1
+  cv::Mat1d range_per_depth_;                // of each pixel: its ray's length at z = 1
+  std::vector<Eigen::Vector3d> directions_;  // of each pixel, (x, y, 1)
 };
 
 }  // namespace sprout::datasets

@@ -144,8 +144,9 @@ Vec3 ColourAt(const Solid& solid, const Vec3& point, double focal_px) {
   return light * (material.dark_bgr + tone * (material.light_bgr - material.dark_bgr));
 }
 
-double SyntheticScene::Swing::At(int64_t index) const {
-  const double turn = static_cast<double>((index % period + phase) % period) / period;
+double SyntheticScene::Swing::At(int64_t index, double later) const {
+  const auto frames = static_cast<double>((index % period + phase) % period);
+  const double turn = std::fmod(frames + later, period) / period;
   const double triangle = turn < 0.5 ? 2 * turn : 2 - 2 * turn;             // 0 to 1 to 0
   return amplitude * (2 * (triangle * triangle * (3 - 2 * triangle)) - 1);  // slow at the ends
 }
@@ -234,13 +235,14 @@ SyntheticScene::SyntheticScene(uint32_t seed, double floor_m) {
   ball.z = swing(0.15);
 }
 
-std::vector<Solid> SyntheticScene::At(int64_t index) const {
+std::vector<Solid> SyntheticScene::At(int64_t index, double later) const {
   std::vector<Solid> solids;
   solids.reserve(actors_.size());
   for (const Actor& actor : actors_) {
     Solid solid = actor.solid;
-    solid.centre = solid.centre + Vec3{actor.x.At(index), actor.y.At(index), actor.z.At(index)};
-    const double t = actor.yaw_tangent + actor.yaw.At(index);
+    solid.centre = solid.centre + Vec3{actor.x.At(index, later), actor.y.At(index, later),
+                                       actor.z.At(index, later)};
+    const double t = actor.yaw_tangent + actor.yaw.At(index, later);
     solid.cos_yaw = (1 - t * t) / (1 + t * t);
     solid.sin_yaw = 2 * t / (1 + t * t);
     solids.push_back(solid);

@@ -59,7 +59,8 @@ class SyntheticScene {
   SyntheticScene(uint32_t seed, double floor_m);
 
   /// The solids at frame `index` ≥ 0, always the same number in the same order. A pure function.
-  std::vector<Solid> At(int64_t index) const;
+  /// @param later  how long after it, frames, 0 to 1.
+  std::vector<Solid> At(int64_t index, double later = 0) const;
 
  private:
   // To and fro between −amplitude and amplitude, once in `period` frames.
@@ -68,7 +69,7 @@ class SyntheticScene {
     int period = 1;
     int phase = 0;
 
-    double At(int64_t index) const;
+    double At(int64_t index, double later) const;
   };
   struct Actor {
     Solid solid;

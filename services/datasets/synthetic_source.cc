@@ -189,6 +189,7 @@ class SyntheticDataset : public Dataset {
  public:
   SyntheticDataset(cv::Size size, const CaptureConfig& config)
       : tof_grid_px_(config.tof_grid_px()),
+        motion_(config.sr4000().motion()),
         rig_{.pair = PairOfSize(size), .tof = {}},
         scene_(config.seed(), kNearestFloorM * size.height / (2 * rig_.pair.focal_px)) {
     if (config.tof() == "sr4000") {
@@ -214,8 +215,8 @@ class SyntheticDataset : public Dataset {
     Renderer(pair, left, solids).Render(frame.left, frame.truth.left);
     Renderer(pair, right, solids).Render(frame.right, frame.truth.right);
     if (sr4000_) {
-      const Sr4000Frame measured =
-          sr4000_->camera.Measure(RenderTof(sr4000_->view, solids, pair.focal_px), index);
+      const Sr4000Frame measured = sr4000_->camera.Measure(
+          RenderTof(sr4000_->view, solids, pair.focal_px), index, PhaseImages(index));
       frame.tof = measured.tof;
       frame.unambiguous_range_m = measured.unambiguous_range_m;
     } else if (zones_) {
@@ -228,7 +229,17 @@ class SyntheticDataset : public Dataset {
   }
 
  private:
+  // What the SR4000 sees while it takes its phase images, the first at the time of the frame.
+  std::vector<TofSamples> PhaseImages(int64_t index) const {
+    std::vector<TofSamples> images;
+    for (int k = 0; motion_ > 0 && k < 4; ++k) {
+      images.push_back(RenderTof(sr4000_->view, scene_.At(index, k * motion_), rig_.pair.focal_px));
+    }
+    return images;
+  }
+
   int tof_grid_px_;
+  double motion_;  // frame intervals between phase images
   Rig rig_;
   SyntheticScene scene_;
   std::optional<Sr4000View> sr4000_;

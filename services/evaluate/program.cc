@@ -113,7 +113,9 @@ void AddInputFlags(Flags& flags, Options& options) {
           "camera at its own position with the errors of a real one; ?blind=P: without the P % of "
           "its returns with the lowest amplitude; ?wrapped=P: P % are beyond the unambiguous "
           "range; ?calibration=PX: its pose is off; ?every=K: only every Kth pixel of its rows and "
-          "columns; '&' between several), zones:CxR (a multi-zone sensor such as zones:8x8; "
+          "columns; either of them with ?range=MM, ?wiggle=MM, ?period=M, ?bumps=PX, ?unit=F, "
+          "?mirrored: what its ranges are off by; '&' between several), zones:CxR (a multi-zone "
+          "sensor such as zones:8x8; "
           "?mode=nearest, &targets=N), or none; for kitti: "
           "scan (the one recorded), or none")
       .ShowDefault("grid:auto, kitti: scan");

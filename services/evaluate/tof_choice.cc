@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "common/core/number_text.h"
-#include "services/datasets/source_options.h"
 
 namespace sprout::evaluate {
 namespace {
@@ -21,52 +20,60 @@ ConfigError BadChoice(const std::string& text, const std::string& reason) {
   return ConfigError("--tof " + text + ": " + reason +
                      "; allowed: grid:auto, grid:auto*K (K above 0, at most 100), grid:N (N from "
                      "1 to 1000 px), sr4000 (with ?blind=P, &wrapped=P, &calibration=PX, "
-                     "&every=K), zones:CxR (with "
-                     "?mode=mean or nearest, &targets=N), none, and for kitti scan, none");
+                     "&every=K), all of them with " +
+                     std::string(datasets::kRangeErrorOptions) +
+                     "; zones:CxR (with ?mode=mean or nearest, &targets=N), none, and for kitti "
+                     "scan, none");
 }
 
 }  // namespace
 
 TofChoice::TofChoice(const std::string& text) : text_(text) {
   const std::string_view view = text_;
-  if (view == kAuto) return;
+  const size_t question = std::min(view.find('?'), view.size());
+  const std::string_view sensor = view.substr(0, question);
   if (view == kNone || view == kScan) return;
-  if (view.substr(0, view.find('?')) == kSr4000) {
+  if (sensor == kSr4000) {
     sr4000_.emplace();
-    if (view == kSr4000) return;
-    for (const datasets::SourceOption& option :
-         datasets::SourceOptions(view.substr(kSr4000.size() + 1))) {
-      if (!datasets::ApplySr4000Option(option, *sr4000_)) throw BadChoice(text, "no such option");
-    }
-    return;
-  }
-  if (view.starts_with(datasets::kZones)) {
+  } else if (sensor.starts_with(datasets::kZones)) {
     CaptureConfig config;
-    const size_t question = std::min(view.find('?'), view.size());
-    datasets::ApplyZones(view.substr(0, question), config);
+    datasets::ApplyZones(sensor, config);
     zones_ = config.zones();
-    if (question == view.size()) return;
-    for (const datasets::SourceOption& option :
-         datasets::SourceOptions(view.substr(question + 1))) {
-      if (!datasets::ApplyZonesOption(option, *zones_)) throw BadChoice(text, "no such option");
-    }
-    return;
-  }
-  if (view.starts_with("grid:auto*")) {
-    const std::optional<double> factor = ParseNumber<double>(view.substr(kAuto.size() + 1));
-    if (!factor || !(*factor > 0 && *factor <= kMaxFactor)) throw BadChoice(text, "no such factor");
-    factor_ = *factor;
-  } else if (view.starts_with(kGrid)) {
-    spacing_px_ = ParseNumber<int>(view.substr(kGrid.size()));
-    if (!spacing_px_ || *spacing_px_ < 1 || *spacing_px_ > kMaxSpacingPx) {
-      throw BadChoice(text, "no such spacing");
-    }
   } else {
-    throw BadChoice(text, "no such ToF camera");
+    ReadSpacing(sensor);
+  }
+  if (question == view.size()) return;
+  for (const datasets::SourceOption& option : datasets::SourceOptions(view.substr(question + 1))) {
+    if (!ApplyOption(option)) throw BadChoice(text_, "no such option");
   }
 }
 
+void TofChoice::ReadSpacing(std::string_view grid) {
+  if (grid == kAuto) return;
+  if (grid.starts_with("grid:auto*")) {
+    const std::optional<double> factor = ParseNumber<double>(grid.substr(kAuto.size() + 1));
+    if (!factor || !(*factor > 0 && *factor <= kMaxFactor)) {
+      throw BadChoice(text_, "no such factor");
+    }
+    factor_ = *factor;
+  } else if (grid.starts_with(kGrid)) {
+    spacing_px_ = ParseNumber<int>(grid.substr(kGrid.size()));
+    if (!spacing_px_ || *spacing_px_ < 1 || *spacing_px_ > kMaxSpacingPx) {
+      throw BadChoice(text_, "no such spacing");
+    }
+  } else {
+    throw BadChoice(text_, "no such ToF camera");
+  }
+}
+
+bool TofChoice::ApplyOption(const datasets::SourceOption& option) {
+  if (zones_) return datasets::ApplyZonesOption(option, *zones_);
+  if (sr4000_ && datasets::ApplySr4000Option(option, *sr4000_)) return true;
+  return datasets::ApplyRangeErrorOption(option, false, range_errors_);
+}
+
 void TofChoice::Apply(int rows, CaptureConfig& config) const {
+  config.mutable_range_errors()->MergeFrom(range_errors_);
   if (sr4000_) {
     config.set_tof(std::string(kSr4000));
     config.mutable_sr4000()->MergeFrom(*sr4000_);

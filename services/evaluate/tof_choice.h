@@ -3,8 +3,10 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "common/config/config.h"
+#include "services/datasets/source_options.h"
 
 namespace sprout::evaluate {
 
@@ -15,6 +17,7 @@ namespace sprout::evaluate {
 ///   grid:N       every Nth pixel
 ///   sr4000       a camera of its own with the faults of a real one (Sr4000Config); behind it
 ///                ?blind=P, ?wrapped=P, ?calibration=PX, ?every=K, as in capture's sources
+///                behind either ?range=MM and other RangeErrorsConfig, as in capture's sources
 ///   zones:CxR    a multi-zone sensor (ZonesConfig); behind it ?mode=nearest, &targets=N
 ///   none         no ToF camera
 /// For a scene with a recorded scan (kitti), instead: scan         that none         leave it out
@@ -33,7 +36,13 @@ class TofChoice {
   void Apply(int rows, CaptureConfig& config) const;
 
  private:
+  // @param grid  what stands before the '?'.
+  void ReadSpacing(std::string_view grid);
+  // @returns whether the sensor has such an option.
+  bool ApplyOption(const datasets::SourceOption& option);
+
   std::string text_;
+  RangeErrorsConfig range_errors_;
   std::optional<Sr4000Config> sr4000_;
   std::optional<ZonesConfig> zones_;
   std::optional<int> spacing_px_;  // nothing: from the rows

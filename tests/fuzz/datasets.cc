@@ -35,7 +35,7 @@ void ReadMiddleburyCalibration(std::span<const uint8_t> bytes) {
   } catch (const ConfigError&) {
   }
   try {
-    datasets::CalibrationFromDmin(file.path(), kImages, 3);
+    datasets::CalibrationFromDmin(file.path(), 0, kImages, 3);
   } catch (const ConfigError&) {
   }
 }

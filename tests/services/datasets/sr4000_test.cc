@@ -275,6 +275,67 @@ TEST(Sr4000, WrapsTheStatedShareOfReturnsWhateverTheScaleOfTheScene) {
   }
 }
 
+TEST(Sr4000, MeasuresDarkSurfacesTooNearByAmplitude) {
+  TofSamples samples = Wall(2, 0.3F);
+  SetRight(samples, 100, 2, 0.9F);  // three times the median
+  Sr4000Config config;
+  config.set_depth_noise_m(0);
+  config.set_amplitude_error_m(0.01);
+  const TofImage tof = Measure(samples, config);
+  const TofImage right = Measure(samples, [&] {
+    Sr4000Config same = config;
+    same.clear_amplitude_error_m();
+    return same;
+  }());
+  EXPECT_EQ(tof.depth_m(72, 40), right.depth_m(72, 40));
+  // 10 mm · (3 / (3 + 1) − 1/2) along a ray that is nearly the axis.
+  EXPECT_NEAR(tof.depth_m(72, 110) - right.depth_m(72, 110), 0.0025, 5e-5);
+}
+
+TEST(Sr4000, HasStrayLightOnlyWhenAsked) {
+  TofSamples samples = Wall(3, 0.3F);
+  SetRight(samples, 100, 1, 0.9F);
+  Sr4000Config config;
+  const TofImage right = Measure(samples, config);
+  config.set_scatter(0.02);
+  EXPECT_LT(Measure(samples, config).depth_m(72, 40), right.depth_m(72, 40) - 0.01);
+  config.set_scatter(0);
+  EXPECT_TRUE(SameBytes(Measure(samples, config), right));
+  // A corner: its middle is the farthest.
+  for (int x = 0; x < samples.depth_m.cols; ++x) {
+    const float share = static_cast<float>(x) / static_cast<float>(samples.depth_m.cols);
+    samples.depth_m.col(x) = 3 - 2 * std::abs(share - 0.5F);
+  }
+  const TofImage corner = Measure(samples, config);
+  config.set_multipath(0.3);
+  EXPECT_GT(Measure(samples, config).depth_m(72, 80), corner.depth_m(72, 80) + 0.001);
+}
+
+TEST(Sr4000, MistakesWhatMovesBetweenItsPhaseImages) {
+  Sr4000Config config;
+  config.set_depth_noise_m(0);
+  config.set_focal_px(220);
+  const Sr4000 camera(SomePair(), config, 1);
+  const TofSamples still = Wall(2, 0.5F);
+  const TofImage right = camera.Measure(still, 0).tof;
+  std::vector<TofSamples> images(4, still);
+  EXPECT_LT(cv::norm(camera.Measure(still, 0, images).tof.depth_m, right.depth_m, cv::NORM_INF),
+            1e-6);
+  // Comes nearer by 1 cm from one image to the next: by the time of images 0 to 3, on average by
+  // 1.5 cm; an edge that moves is wrong by much more.
+  for (size_t k = 0; k < 4; ++k) images[k] = Wall(2 - 0.01F * static_cast<float>(k), 0.5F);
+  const double nearer =
+      right.depth_m(72, 88) - camera.Measure(still, 0, images).tof.depth_m(72, 88);
+  EXPECT_GT(nearer, 0.005);
+  EXPECT_LT(nearer, 0.03);
+  TofSamples edge = still;
+  SetRight(edge, 90, 1, 0.5F);
+  images = {still, still, edge, edge};
+  const TofImage moving = camera.Measure(still, 0, images).tof;
+  EXPECT_GT(std::abs(moving.depth_m(72, 95) - 2), 0.1);
+  EXPECT_NEAR(moving.depth_m(72, 80), 2, 1e-6);
+}
+
 TEST(Sr4000, GivesTheSameBytesForTheSameFrameAndSeedOnly) {
   const TofSamples samples = Wall(2, 0.5f);
   const TofImage tof = Measure(samples, {}, 7, 3);

@@ -48,6 +48,26 @@ TEST(TofChoice, TakesTheFaultsOfTheCamera) {
   EXPECT_EQ(config.sr4000().depth_noise_m(), 0.01);  // what it does not name stays
 }
 
+TEST(TofChoice, TakesErrorsOfRangeForAnySensor) {
+  for (const char* sensor : {"grid:auto", "grid:auto*2", "grid:10", "sr4000"}) {
+    CaptureConfig config;
+    TofChoice(std::string(sensor) + "?range=-20&wiggle=10&period=0.6&bumps=3&mirrored&unit=1000")
+        .Apply(1110, config);
+    EXPECT_EQ(config.tof(), std::string(sensor).substr(0, std::string(sensor).find(':')));
+    EXPECT_EQ(config.range_errors().offset_m(), -0.02);
+    EXPECT_EQ(config.range_errors().wiggle_m(), 0.01);
+    EXPECT_EQ(config.range_errors().wiggle_period_m(), 0.6);
+    EXPECT_EQ(config.range_errors().bumps_px(), 3);
+    EXPECT_EQ(config.range_errors().unit(), 1000);
+    EXPECT_TRUE(config.range_errors().mirrored());
+  }
+  EXPECT_EQ(Spacing("grid:auto*2?range=10", 1110), 20);
+  for (const char* text : {"grid:10?", "grid:10?range", "grid:auto?blind=5", "none?range=5",
+                           "zones:8x8?range=5", "scan?range=0.2", "grid:10?yaw=1"}) {
+    EXPECT_THROW(TofChoice choice(text), ConfigError) << text;
+  }
+}
+
 TEST(TofChoice, TakesAMultiZoneSensor) {
   CaptureConfig config;
   config.mutable_zones()->set_depth_noise_percent(3);
