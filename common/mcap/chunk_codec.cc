@@ -4,6 +4,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string>
 
@@ -118,6 +119,35 @@ Result<McapBytes> UnpackChunk(std::string_view compression, std::span<const uint
   }
   if (packed.size() != size) return Fail("chunk: other than " + std::to_string(size) + " bytes");
   return McapBytes(packed.begin(), packed.end());
+}
+
+Result<McapBytes> UnpackChunkRecord(std::span<const uint8_t> content) {
+  RecordReader reader(content);
+  reader.Number<uint64_t>();  // times
+  reader.Number<uint64_t>();
+  const auto size = reader.Number<uint64_t>();
+  const auto crc = reader.Number<uint32_t>();
+  const std::string compression = reader.Text();
+  const std::span packed = reader.Raw(reader.Number<uint64_t>());
+  if (!reader.ok()) return Fail("chunk: not whole");
+  Result<McapBytes> chunk = UnpackChunk(compression, packed, size);
+  if (chunk && crc != 0 && Crc32(0, *chunk) != crc) return Fail("chunk: its CRC is another");
+  return chunk;
+}
+
+bool IsZstd(std::span<const uint8_t> bytes) {
+  constexpr std::array<uint8_t, 4> kMagic = {0x28, 0xb5, 0x2f, 0xfd};
+  return bytes.size() >= kMagic.size() && std::ranges::equal(bytes.first(kMagic.size()), kMagic);
+}
+
+Result<McapBytes> UnpackMessage(std::span<const uint8_t> packed) {
+  const unsigned long long size = ZSTD_getFrameContentSize(packed.data(), packed.size());
+  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) {
+    return Fail("message: packed with zstd, but does not say how long it is");
+  }
+  Result<McapBytes> message = UnpackChunk("zstd", packed, size);
+  if (!message) return Fail("message: " + message.error().text);
+  return message;
 }
 
 }  // namespace sprout

@@ -39,6 +39,16 @@ inline constexpr uint64_t kMaxMcapChunkBytes = uint64_t{1} << 30;
 Result<McapBytes> UnpackChunk(std::string_view compression, std::span<const uint8_t> packed,
                               uint64_t size);
 
+/// The records of a chunk, from the content of its own record: unpacked, and its CRC compared.
+Result<McapBytes> UnpackChunkRecord(std::span<const uint8_t> content);
+
+/// Whether bytes begin as a Zstandard frame does; CDR never does.
+bool IsZstd(std::span<const uint8_t> bytes);
+
+/// A message that rosbag2 packed by itself (--compression-mode message): one Zstandard frame that
+/// says how long it is.
+Result<McapBytes> UnpackMessage(std::span<const uint8_t> packed);
+
 }  // namespace sprout
 
 #endif  // SPROUT_COMMON_MCAP_CHUNK_CODEC_H_

@@ -72,6 +72,15 @@ std::span<const uint8_t> RecordReader::Raw(uint64_t size) {
   return raw;
 }
 
+Result<McapRecord> TakeRecord(std::span<const uint8_t>& bytes) {
+  RecordReader reader(bytes);
+  const auto opcode = reader.Number<McapOpcode>();
+  const std::span content = reader.Raw(reader.Number<uint64_t>());
+  if (!reader.ok()) return Fail("chunk: ends within a record");
+  bytes = reader.rest();
+  return McapRecord{opcode, content};
+}
+
 void WriteSchema(const McapSchema& schema, RecordWriter& writer) {
   const size_t begin = writer.Begin(McapOpcode::kSchema);
   writer.Number(schema.id);

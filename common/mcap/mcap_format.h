@@ -113,6 +113,15 @@ class RecordReader {
   bool ok_ = true;
 };
 
+/// A record: its opcode, and a view of its content.
+struct McapRecord {
+  McapOpcode opcode{};
+  std::span<const uint8_t> content;
+};
+
+/// The record in front of `bytes`, which go on behind it; an error when it is not whole.
+Result<McapRecord> TakeRecord(std::span<const uint8_t>& bytes);
+
 void WriteSchema(const McapSchema& schema, RecordWriter& writer);
 void WriteChannel(const McapChannel& channel, RecordWriter& writer);
 Result<McapSchema> ReadSchema(std::span<const uint8_t> content);

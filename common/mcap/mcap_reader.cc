@@ -1,172 +1,186 @@
 #include "common/mcap/mcap_reader.h"
 
-#include <array>
+#include <algorithm>
 #include <utility>
-
-#include "common/mcap/chunk_codec.h"
 
 namespace sprout {
 namespace {
 
-constexpr size_t kMostTrouble = 10;
+// Of a message's content: channel, sequence, then its log time.
+constexpr size_t kLogTimeAt = sizeof(uint16_t) + sizeof(uint32_t);
 
-// McapOpcode and content of the record in front of `bytes`, which go on behind it.
-struct Record {
-  McapOpcode opcode{};
-  std::span<const uint8_t> content;
-};
-Result<Record> TakeRecord(std::span<const uint8_t>& bytes) {
-  RecordReader reader(bytes);
-  const auto opcode = reader.Number<McapOpcode>();
-  const std::span content = reader.Raw(reader.Number<uint64_t>());
-  if (!reader.ok()) return Fail("chunk: ends within a record");
-  bytes = reader.rest();
-  return Record{opcode, content};
+uint64_t LogTimeOf(std::span<const uint8_t> content) {
+  RecordReader reader(content);
+  reader.Raw(kLogTimeAt);
+  return reader.Number<uint64_t>();
 }
 
 }  // namespace
 
-McapReader::McapReader(std::filesystem::path path)
-    : path_(std::move(path)), file_(path_, std::ios::binary) {
-  std::error_code failed;
-  size_ = std::filesystem::is_regular_file(path_, failed)
-              ? std::filesystem::file_size(path_, failed)
-              : 0;
-  if (!file_ || failed) throw McapError(path_.string() + ": cannot be opened");
-  std::string magic(kMcapMagic.size(), '\0');
-  file_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
-  if (!file_ || magic != kMcapMagic) throw McapError(path_.string() + ": no MCAP file");
-  position_ = kMcapMagic.size();
+McapReader::McapReader(const std::vector<std::filesystem::path>& files,
+                       uint64_t most_unpacked_bytes)
+    : most_unpacked_bytes_(most_unpacked_bytes) {
+  for (const std::filesystem::path& path : files) {
+    const bool is_named = files.size() > 1;
+    const McapFile& file =
+        files_.emplace_back(path, is_named ? path.filename().string() : "", trouble_);
+    for (const McapStretch& stretch : file.stretches()) {
+      to_come_.emplace_back(stretch.first_ns, stretches_.size());
+      stretches_.push_back({files_.size() - 1, stretch});
+    }
+  }
+  std::ranges::sort(to_come_);
 }
 
-void McapReader::Tell(uint64_t offset, const std::string& what) {
-  ++trouble_count_;
-  if (trouble_.size() >= kMostTrouble) return;
-  trouble_.push_back("byte " + std::to_string(offset) + ": " + what);
+void McapReader::Tell(size_t number, const std::string& what) {
+  files_[stretches_[number].file].Tell(stretches_[number].place.offset, what);
 }
 
-// The next record of the file into record_. @returns false at its end.
-bool McapReader::ReadRecord(McapOpcode& opcode) {
-  record_offset_ = position_;
-  const uint64_t left = size_ - position_;
-  if (left == 0) {
-    Tell(position_, "the file ends without an end of data");
-    return false;
+// Finds the messages of a stretch, which are sorted by time.
+void McapReader::OpenStretch(size_t number) {
+  const Stretch& stretch = stretches_[number];
+  McapFile& file = files_[stretch.file];
+  Open open;
+  open.records = file.Load(stretch.place);
+  if (stretch.place.is_chunk && !open.records.empty()) ++chunks_;
+  for (std::span<const uint8_t> left(open.records); !left.empty();) {
+    const uint64_t offset = open.records.size() - left.size();
+    const Result<McapRecord> record = TakeRecord(left);
+    if (!record) {
+      Tell(number, record.error().text);
+      break;
+    }
+    if (record->opcode == McapOpcode::kMessage) {
+      open.places.push_back({LogTimeOf(record->content), offset});
+    } else {
+      file.TakeOther(stretch.place.offset, *record);
+    }
   }
-  std::array<uint8_t, kRecordHead> head{};
-  if (left >= head.size()) {
-    file_.read(reinterpret_cast<char*>(head.data()), head.size());
+  std::ranges::stable_sort(open.places, {}, &Place::log_time_ns);
+  if (open.places.empty()) {
+    position_ += stretch.place.size;
+    return;
   }
-  RecordReader reader(head);
-  opcode = reader.Number<McapOpcode>();
-  const auto size = reader.Number<uint64_t>();
-  if (left < head.size() || size > left - head.size()) {
-    Tell(position_, "the file ends within a record, " + std::to_string(left) + " bytes lost");
-    return false;
+  if (open.places.front().log_time_ns < newest_ns_) {
+    Tell(number, "has earlier messages than it says; they come late");
   }
-  // What is not looked at is not read.
-  const bool is_of_use =
-      opcode != McapOpcode::kMessageIndex && static_cast<uint8_t>(opcode) <= 0x0F;
-  if (is_of_use) {
-    record_.resize(size);
-    file_.read(reinterpret_cast<char*>(record_.data()), static_cast<std::streamsize>(size));
-  } else {
-    file_.seekg(static_cast<std::streamoff>(size), std::ios::cur);
-    record_.clear();
-  }
-  if (!file_) {
-    Tell(position_, "cannot be read");
-    return false;
-  }
-  position_ += head.size() + size;
-  return true;
+  heads_.emplace(open.places.front().log_time_ns, number);
+  unpacked_bytes_ += open.records.size();
+  open.used = ++uses_;
+  open_.emplace(number, std::move(open));
 }
 
-void McapReader::TakeChunk() {
-  RecordReader reader(record_);
-  reader.Number<uint64_t>();  // times
-  reader.Number<uint64_t>();
-  const auto size = reader.Number<uint64_t>();
-  const auto crc = reader.Number<uint32_t>();
-  const std::string compression = reader.Text();
-  const std::span packed = reader.Raw(reader.Number<uint64_t>());
-  if (!reader.ok()) return Tell(record_offset_, "chunk: not whole");
-  Result<McapBytes> chunk = UnpackChunk(compression, packed, size);
-  if (!chunk) return Tell(record_offset_, chunk.error().text);
-  if (crc != 0 && Crc32(0, *chunk) != crc) {
-    return Tell(record_offset_, "chunk: its CRC is another");
-  }
-  chunk_ = std::move(*chunk);
-  left_ = chunk_;
-  ++chunks_;
+void McapReader::CloseStretch(size_t number) {
+  const auto open = open_.find(number);
+  unpacked_bytes_ -= open->second.records.size();
+  open_.erase(open);
+  position_ += stretches_[number].place.size;
 }
 
-bool McapReader::TakeMessage(std::span<const uint8_t> content, McapMessage& message) {
-  RecordReader reader(content);
+// All that may hold the next message.
+void McapReader::OpenStretches() {
+  while (opened_ < to_come_.size() &&
+         (heads_.empty() || to_come_[opened_].first <= heads_.top().first)) {
+    OpenStretch(to_come_[opened_++].second);
+    MakeRoom();
+  }
+}
+
+// Of the stretches that are open beyond what memory allows, those go that were used longest ago,
+// never the last one.
+void McapReader::MakeRoom() {
+  while (unpacked_bytes_ > most_unpacked_bytes_) {
+    const auto oldest = std::ranges::min_element(open_, {}, [](const auto& one) {
+      return one.second.records.empty() ? UINT64_MAX : one.second.used;
+    });
+    if (oldest->second.used == uses_ || oldest->second.records.empty()) return;
+    unpacked_bytes_ -= oldest->second.records.size();
+    oldest->second.records = {};
+  }
+}
+
+// @returns false when a stretch cannot be read a second time.
+bool McapReader::NeedRecords(size_t number) {
+  Open& open = open_.at(number);
+  open.used = ++uses_;
+  if (!open.records.empty()) return true;
+  open.records = files_[stretches_[number].file].Load(stretches_[number].place);
+  unpacked_bytes_ += open.records.size();
+  MakeRoom();
+  return !open.records.empty();
+}
+
+bool McapReader::Take(size_t number, McapMessage& message) {
+  const Open& open = open_.at(number);
+  std::span<const uint8_t> left(open.records);
+  left = left.subspan(std::min<uint64_t>(open.places[open.next].offset, left.size()));
+  const Result<McapRecord> record = TakeRecord(left);
+  McapFile& file = files_[stretches_[number].file];
+  RecordReader reader(record ? record->content : std::span<const uint8_t>());
   const auto id = reader.Number<uint16_t>();
   message.sequence = reader.Number<uint32_t>();
   message.log_time_ns = reader.Number<uint64_t>();
   message.publish_time_ns = reader.Number<uint64_t>();
   message.data = reader.rest();
-  const auto channel = channels_.find(id);
-  if (!reader.ok() || channel == channels_.end()) {
-    Tell(record_offset_, "message: not whole, or of a channel that is not known");
+  message.channel = reader.ok() ? file.FindChannel(id) : nullptr;
+  if (message.channel == nullptr) {
+    Tell(number, "message: not whole, or of a channel that is not known");
     return false;
   }
-  message.channel = &channel->second;
-  const auto schema = schemas_.find(channel->second.schema_id);
-  message.schema = schema == schemas_.end() ? nullptr : &schema->second;
+  message.schema = file.FindSchema(message.channel->schema_id);
   return true;
 }
 
-void McapReader::TakeOther(McapOpcode opcode, std::span<const uint8_t> content) {
-  RecordReader reader(content);
-  if (opcode == McapOpcode::kSchema) {
-    Result<McapSchema> schema = ReadSchema(content);
-    if (!schema) return Tell(record_offset_, schema.error().text);
-    schemas_.insert_or_assign(schema->id, std::move(*schema));
-  } else if (opcode == McapOpcode::kChannel) {
-    Result<McapChannel> channel = ReadChannel(content);
-    if (!channel) return Tell(record_offset_, channel.error().text);
-    channels_.insert_or_assign(channel->id, std::move(*channel));
-  } else if (opcode == McapOpcode::kHeader) {
-    profile_ = reader.Text();
-    library_ = reader.Text();
-  } else if (opcode == McapOpcode::kMetadata) {
-    std::string name = reader.Text();
-    metadata_[std::move(name)] = reader.Texts();
+bool McapReader::Next(McapMessage& message) {
+  while (true) {
+    // The stretch of the message before is kept until now, for its views.
+    if (const auto last = open_.find(current_); last != open_.end()) {
+      if (last->second.next == last->second.places.size()) CloseStretch(current_);
+    }
+    OpenStretches();
+    if (heads_.empty()) return false;
+    current_ = heads_.top().second;
+    heads_.pop();
+    const bool can_be_read = NeedRecords(current_);
+    const bool is_message = can_be_read && Take(current_, message);
+    Open& open = open_.at(current_);
+    open.next = can_be_read ? open.next + 1 : open.places.size();
+    if (open.next < open.places.size()) {
+      heads_.emplace(open.places[open.next].log_time_ns, current_);
+    }
+    if (!is_message) continue;
+    newest_ns_ = std::max(newest_ns_, message.log_time_ns);
+    return true;
   }
 }
 
-bool McapReader::Next(McapMessage& message) {
-  while (!is_over_) {
-    if (!left_.empty()) {
-      const Result<Record> record = TakeRecord(left_);
-      if (!record) {
-        Tell(record_offset_, record.error().text);
-        left_ = {};
-      } else if (record->opcode == McapOpcode::kMessage) {
-        if (TakeMessage(record->content, message)) return true;
-      } else {
-        TakeOther(record->opcode, record->content);
-      }
-      continue;
-    }
-    McapOpcode opcode{};
-    if (!ReadRecord(opcode)) {
-      is_over_ = true;
-    } else if (opcode == McapOpcode::kMessage) {
-      if (TakeMessage(record_, message)) return true;
-    } else if (opcode == McapOpcode::kChunk) {
-      TakeChunk();
-    } else if (opcode == McapOpcode::kDataEnd || opcode == McapOpcode::kFooter) {
-      has_ended_ = true;
-      is_over_ = true;  // behind it stands only what was there before
-    } else {
-      TakeOther(opcode, record_);
+std::vector<McapTopic> McapReader::Topics() const {
+  std::vector<McapTopic> topics;
+  for (const McapFile& file : files_) {
+    for (const auto& [id, channel] : file.channels()) {
+      const McapSchema* const schema = file.FindSchema(channel.schema_id);
+      topics.push_back({channel.topic, schema == nullptr ? "" : schema->name, channel.encoding});
     }
   }
-  return false;
+  std::ranges::sort(topics);
+  topics.erase(std::unique(topics.begin(), topics.end()), topics.end());
+  return topics;
 }
+
+std::map<std::string, std::map<std::string, std::string>> McapReader::Metadata() const {
+  std::map<std::string, std::map<std::string, std::string>> metadata;
+  for (const McapFile& file : files_) {
+    for (const auto& [name, values] : file.metadata()) metadata.insert_or_assign(name, values);
+  }
+  return metadata;
+}
+
+uint64_t McapReader::size() const {
+  uint64_t size = 0;
+  for (const McapFile& file : files_) size += file.size();
+  return size;
+}
+
+bool McapReader::has_ended() const { return std::ranges::all_of(files_, &McapFile::has_ended); }
 
 }  // namespace sprout

@@ -2,23 +2,19 @@
 #define SPROUT_COMMON_MCAP_MCAP_READER_H_
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
-#include <fstream>
 #include <map>
+#include <queue>
 #include <span>
-#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "common/mcap/mcap_file.h"
 #include "common/mcap/mcap_format.h"
 
 namespace sprout {
-
-/// A file that cannot be opened, or is no MCAP file.
-class McapError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// A message; views are valid until the next call of McapReader::Next().
 struct McapMessage {
@@ -30,58 +26,94 @@ struct McapMessage {
   std::span<const uint8_t> data;
 };
 
-/// Reads the messages of a file in the order in which they stand in it: chunked or not, packed with
-/// zstd or lz4, with or without index; of a truncated file all complete messages. Memory is that of
-/// the largest chunk. What cannot be read is skipped and reported by trouble().
+/// What a channel says of its topic.
+struct McapTopic {
+  std::string name;
+  std::string type;      ///< name of its schema; empty: it has none
+  std::string encoding;  ///< of its messages
+  auto operator<=>(const McapTopic&) const = default;
+};
+
+/// Reads the messages of one or more files as one recording, in the order of their log times; those
+/// of one time in the order of the files, and as they stand in them. Chunked or not, packed with
+/// zstd or lz4, with or without index; of a truncated file all complete messages. What cannot be
+/// read is skipped and reported by trouble().
+///
+/// Memory: what stands in the files at one time, but of chunks no more than kMostUnpackedBytes and
+/// one. Of chunks that overlap beyond that, 16 bytes a message are kept, and they are unpacked
+/// again and again.
 class McapReader {
  public:
+  static constexpr uint64_t kMostUnpackedBytes = uint64_t{512} << 20;
+
+  /// Looks at the heads of all records; O(records of the outer level).
+  /// @param files  at least one.
+  /// @param most_unpacked_bytes  of chunks that are kept in memory.
   /// @throws McapError.
-  explicit McapReader(std::filesystem::path path);
+  explicit McapReader(const std::vector<std::filesystem::path>& files,
+                      uint64_t most_unpacked_bytes = kMostUnpackedBytes);
+  explicit McapReader(const std::filesystem::path& file) : McapReader(std::vector{file}) {}
 
   /// @returns false at the end of the messages.
   bool Next(McapMessage& message);
 
   /// One line for each stretch that could not be read, at most 10; how many there were.
-  const std::vector<std::string>& trouble() const { return trouble_; }
-  int64_t trouble_count() const { return trouble_count_; }
+  const std::vector<std::string>& trouble() const { return trouble_.lines; }
+  int64_t trouble_count() const { return trouble_.count; }
 
-  const std::string& profile() const { return profile_; }
-  const std::string& library() const { return library_; }
-  const std::map<uint16_t, McapChannel>& channels() const { return channels_; }  ///< met so far
-  /// Names of the metadata that were met so far, and their values.
-  const std::map<std::string, std::map<std::string, std::string>>& metadata() const {
-    return metadata_;
-  }
-  uint64_t size() const { return size_; }          ///< bytes of the file
-  uint64_t position() const { return position_; }  ///< bytes read so far
+  /// What the files have channels of, whether they have messages or not, by name.
+  std::vector<McapTopic> Topics() const;
+
+  const std::string& profile() const { return files_.front().profile(); }
+  const std::string& library() const { return files_.front().library(); }
+  /// Names of the metadata, and their values; of several files the last one's counts.
+  std::map<std::string, std::map<std::string, std::string>> Metadata() const;
+
+  uint64_t size() const;                           ///< bytes of the files
+  uint64_t position() const { return position_; }  ///< bytes of them that are done with
   int64_t chunks() const { return chunks_; }       ///< whole ones so far
-  bool has_ended() const { return has_ended_; }    ///< the end of the data was met
+  bool has_ended() const;                          ///< every file has an end of data
 
  private:
-  bool ReadRecord(McapOpcode& opcode);
-  void TakeChunk();
-  bool TakeMessage(std::span<const uint8_t> content, McapMessage& message);
-  void TakeOther(McapOpcode opcode, std::span<const uint8_t> content);
-  void Tell(uint64_t offset, const std::string& what);
+  struct Place {
+    uint64_t log_time_ns = 0;
+    uint64_t offset = 0;  // in the stretch's records
+  };
+  // A stretch with messages that are still to come.
+  struct Open {
+    McapBytes records;  // empty: to be read again
+    std::vector<Place> places;
+    size_t next = 0;
+    uint64_t used = 0;  // the higher, the later
+  };
+  struct Stretch {
+    size_t file = 0;
+    McapStretch place;
+  };
+  using TimeAndStretch = std::pair<uint64_t, size_t>;
 
-  std::filesystem::path path_;
-  std::ifstream file_;
-  uint64_t size_ = 0;
+  void OpenStretches();
+  void OpenStretch(size_t number);
+  void CloseStretch(size_t number);
+  void MakeRoom();
+  bool NeedRecords(size_t number);
+  bool Take(size_t number, McapMessage& message);
+  void Tell(size_t number, const std::string& what);
+
+  McapTrouble trouble_;
+  std::deque<McapFile> files_;
+  std::vector<Stretch> stretches_;       // in file order
+  std::vector<TimeAndStretch> to_come_;  // sorted; the first `opened_` were opened
+  size_t opened_ = 0;
+  std::map<size_t, Open> open_;  // by number of the stretch
+  std::priority_queue<TimeAndStretch, std::vector<TimeAndStretch>, std::greater<>> heads_;
+  size_t current_ = 0;  // stretch of the message that was given last
+  uint64_t most_unpacked_bytes_;
+  uint64_t unpacked_bytes_ = 0;
+  uint64_t uses_ = 0;
+  uint64_t newest_ns_ = 0;
   uint64_t position_ = 0;
-  uint64_t record_offset_ = 0;
-  McapBytes record_;               // content of the record at the outer level
-  McapBytes chunk_;                // records of the chunk
-  std::span<const uint8_t> left_;  // of the chunk
-  std::map<uint16_t, McapSchema> schemas_;
-  std::map<uint16_t, McapChannel> channels_;
-  std::map<std::string, std::map<std::string, std::string>> metadata_;
-  std::string profile_;
-  std::string library_;
-  std::vector<std::string> trouble_;
-  int64_t trouble_count_ = 0;
   int64_t chunks_ = 0;
-  bool has_ended_ = false;
-  bool is_over_ = false;
 };
 
 }  // namespace sprout

@@ -86,7 +86,7 @@ Result<cv::Mat> FromMessage(const image_t& message, std::span<const uint8_t> dat
       .Require(message.size >= 0 && static_cast<size_t>(message.size) == data.size(), "size",
                message.size, "the number of bytes in data");
   if (!checks.ok()) return checks.error();
-  if (jpeg) return DecodeJpeg(data, {message.width, message.height});
+  if (jpeg) return DecodeJpeg(data, cv::Size(message.width, message.height));
 
   const int64_t bytes = int64_t{message.row_stride} * message.height;
   checks

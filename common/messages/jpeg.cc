@@ -2,6 +2,7 @@
 
 #include <turbojpeg.h>
 
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -33,7 +34,7 @@ size_t CountScanMarkers(std::span<const uint8_t> data) {
 
 }  // namespace
 
-Result<cv::Mat> DecodeJpeg(std::span<const uint8_t> data, cv::Size size) {
+Result<cv::Mat> DecodeJpeg(std::span<const uint8_t> data, std::optional<cv::Size> allowed) {
   const Handle decoder(tjInitDecompress());
   if (!decoder) return Fail("data: no JPEG decoder, out of memory");
   const auto bytes = static_cast<unsigned long>(data.size());
@@ -45,9 +46,15 @@ Result<cv::Mat> DecodeJpeg(std::span<const uint8_t> data, cv::Size size) {
                           &colour_space) != 0) {
     return Undecodable(decoder);
   }
-  if (cv::Size(width, height) != size) {
-    return Fail("data: JPEG of " + SizeText({width, height}) +
-                ", allowed is width x height = " + SizeText(size));
+  const cv::Size size(width, height);
+  if (allowed && size != *allowed) {
+    return Fail("data: JPEG of " + SizeText(size) +
+                ", allowed is width x height = " + SizeText(*allowed));
+  }
+  if (std::max(width, height) > kMaxSide || int64_t{width} * height > kMaxPixels) {
+    return Fail("data: JPEG of " + SizeText(size) + ", allowed is up to " +
+                std::to_string(kMaxSide) + " px a side and " + std::to_string(kMaxPixels) +
+                " pixels");
   }
   if (int64_t{width} * height / kMaxJpegPixelsPerByte > static_cast<int64_t>(data.size())) {
     return Fail("data: JPEG of " + SizeText(size) + " in " + std::to_string(data.size()) +

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -20,13 +21,14 @@ inline constexpr int64_t kMaxJpegPixelsPerByte = 8 * 64;
 
 /// The picture in a JPEG stream.
 ///
-/// @param size  that the picture must have. libjpeg's own header is compared with it, and the
-///              bounds above are checked, before memory is allocated or anything is decoded.
+/// @param size  that the picture must have; nothing: any up to kMaxSide and kMaxPixels. libjpeg's
+///              own header is compared with it, and the bounds above are checked, before memory is
+///              allocated or anything is decoded.
 /// @returns 8UC1 for a grey stream, else 8UC3 (BGR); pixels as they are, ignoring EXIF: a rotated
 /// image fits no calibration. Also an error when libjpeg would only warn: it fills damaged parts
 /// with grey.
 /// O(pixels × scans); a progressive stream takes 6 bytes of memory a pixel beside the picture.
-Result<cv::Mat> DecodeJpeg(std::span<const uint8_t> data, cv::Size size);
+Result<cv::Mat> DecodeJpeg(std::span<const uint8_t> data, std::optional<cv::Size> size);
 
 /// Chroma resolution of a JPEG: may be reduced for a photograph, not for colours that show values.
 enum class JpegColors { kHalf, kFull };

@@ -12,7 +12,7 @@
 
 #include "common/core/checks.h"
 #include "common/core/tof_image.h"
-#include "common/messages/jpeg.h"
+#include "common/ros2/ros_encodings.h"
 
 namespace sprout {
 namespace {
@@ -33,6 +33,12 @@ constexpr Encoding kPictures[] = {
     {"bgr8", CV_8UC3},
     {"8UC3", CV_8UC3},
     {"rgb8", CV_8UC3, cv::COLOR_RGB2BGR},
+    {"bgra8", CV_8UC4, cv::COLOR_BGRA2BGR},
+    {"rgba8", CV_8UC4, cv::COLOR_RGBA2BGR},
+    {"yuv422", CV_8UC2, cv::COLOR_YUV2BGR_UYVY},
+    {"uyvy", CV_8UC2, cv::COLOR_YUV2BGR_UYVY},
+    {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2BGR_YUY2},
+    {"yuyv", CV_8UC2, cv::COLOR_YUV2BGR_YUY2},
     {"bayer_rggb8", CV_8UC1, cv::COLOR_BayerBG2BGR},
     {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2BGR},
     {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2BGR},
@@ -79,9 +85,10 @@ Result<cv::Mat> ViewOf(const RosImage& ros, int type) {
   return swapped;
 }
 
-template <size_t kSize>
-bool AllFinite(const double (&values)[kSize]) {
-  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+cv::Mat UpperBits(const cv::Mat& of_16_bits) {
+  cv::Mat image;
+  of_16_bits.convertTo(image, CV_8U, 1.0 / 256, -0.498);  // rounded down
+  return image;
 }
 
 // Byte in a point at which a coordinate stands.
@@ -119,23 +126,33 @@ Result<cv::Mat> FromRosImage(const RosImage& ros) {
   const Result<cv::Mat> view = ViewOf(ros, encoding->type);
   if (!view) return view;
   cv::Mat image;
+  if (encoding->type == CV_8UC2 && view->cols % 2 != 0) {
+    return Fail("width = " + std::to_string(view->cols) + ": allowed with " +
+                std::string(encoding->name) + " are even ones");
+  }
   if (encoding->to_bgr >= 0) {
     cv::cvtColor(*view, image, encoding->to_bgr);
   } else if (encoding->type == CV_16UC1) {
-    view->convertTo(image, CV_8U, 1.0 / 256, -0.498);  // rounded down
+    image = UpperBits(*view);
   } else {
     image = view->clone();
   }
   return image;
 }
 
-Result<cv::Mat> FromRosImage(const RosCompressedImage& ros, cv::Size size) {
-  const std::string_view format = RosText(ros.format);
-  if (format.find("jpeg") == std::string_view::npos &&
-      format.find("jpg") == std::string_view::npos) {
-    return Fail("format = '" + std::string(format.substr(0, 64)) + "': allowed is jpeg");
+Result<cv::Mat> ToPicture(const cv::Mat& stored, std::string_view encoding) {
+  cv::Mat image = stored;
+  if (image.depth() == CV_16U) image = UpperBits(image);
+  const auto known = std::ranges::find(kPictures, encoding, &Encoding::name);
+  const bool is_mosaic = encoding.starts_with("bayer_") && known != std::end(kPictures);
+  if (image.channels() == 4) {
+    cv::cvtColor(image, image, cv::COLOR_BGRA2BGR);
+  } else if (image.channels() == 1 && is_mosaic) {
+    cv::cvtColor(image, image, known->to_bgr);
   }
-  return DecodeJpeg(RosSpan(ros.data), size);
+  const bool is_picture = image.type() == CV_8UC1 || image.type() == CV_8UC3;
+  if (!is_picture) return Fail("data: a picture of other than 1, 3 or 4 channels of 8 or 16 bits");
+  return image;
 }
 
 Result<cv::Mat1f> FromRosDepth(const RosImage& ros) {
@@ -146,77 +163,6 @@ Result<cv::Mat1f> FromRosDepth(const RosImage& ros) {
   cv::Mat1f depth_m;
   view->convertTo(depth_m, CV_32F, encoding->type == CV_16UC1 ? 0.001 : 1);
   return depth_m;
-}
-
-Result<RosCamera> FromRosInfo(const RosCameraInfo& ros) {
-  const std::string_view model = RosText(ros.distortion_model);
-  const std::span d = RosSpan(ros.d);
-  Checks checks;
-  checks.Side("width", Signed(ros.width))
-      .Side("height", Signed(ros.height))
-      .Pixels("width × height", Signed(ros.width), Signed(ros.height))
-      .Require(model.empty() || model == "plumb_bob", "distortion_model", model.substr(0, 64),
-               "plumb_bob")
-      .Require(d.size() <= 5, "d length", d.size(), "0 to 5 (plumb_bob)")
-      .Require(std::ranges::all_of(d, [](double value) { return std::isfinite(value); }), "d",
-               "not finite", "finite numbers")
-      .Require(AllFinite(ros.k), "k", "not finite", "finite numbers")
-      .Require(AllFinite(ros.r), "r", "not finite", "finite numbers")
-      .Require(AllFinite(ros.p), "p", "not finite", "finite numbers")
-      .Require(ros.k[0] > 0 && ros.k[4] > 0, "k[0]", ros.k[0],
-               "a focal length > 0 (0: the camera is not calibrated)")
-      .Require(ros.p[0] > 0 && ros.p[5] > 0, "p[0]", ros.p[0], "a focal length > 0")
-      .Require(ros.binning_x <= 1 && ros.binning_y <= 1, "binning_x", ros.binning_x, "0 and 1")
-      .Require(ros.roi.x_offset == 0 && ros.roi.y_offset == 0, "roi.x_offset", ros.roi.x_offset,
-               "the whole image");
-  if (!checks.ok()) return checks.error();
-  RosCamera camera{.lens = {.width = Signed(ros.width),
-                            .height = Signed(ros.height),
-                            .fx = ros.k[0],
-                            .fy = ros.k[4],
-                            .cx = ros.k[2],
-                            .cy = ros.k[5]},
-                   .focal_px = ros.p[0],
-                   .focal_v_px = ros.p[5],
-                   .cx = ros.p[2],
-                   .cy = ros.p[6],
-                   .tx = ros.p[3]};
-  std::ranges::copy(d, camera.lens.distortion.begin());
-  camera.rectification = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(ros.r);
-  const Eigen::Matrix3d& turn = camera.rectification;
-  const bool is_turn = (turn * turn.transpose()).isIdentity(1e-6) && turn.determinant() > 0;
-  checks.Require(is_turn, "r", "no rotation", "a rotation");
-  if (!checks.ok()) return checks.error();
-  return camera;
-}
-
-Result<RectifiedPair> PairOf(const RosCamera& left, const RosCamera& right) {
-  constexpr double kSamePx = 1e-3;
-  Checks checks;
-  checks
-      .Require(left.lens.size() == right.lens.size(), "right width × height",
-               SizeText(right.lens.size()),
-               "that of the left camera, " + SizeText(left.lens.size()))
-      .Require(std::abs(left.focal_px - left.focal_v_px) < kSamePx, "left p[5]", left.focal_v_px,
-               "p[0]: square pixels")
-      .Require(std::abs(left.focal_px - right.focal_px) < kSamePx, "right p[0]", right.focal_px,
-               "that of the left camera: a rectified pair")
-      .Require(std::abs(left.cy - right.cy) < kSamePx, "right p[6]", right.cy,
-               "that of the left camera: a rectified pair")
-      .Require(left.tx == 0, "left p[3]", left.tx, "0")
-      .Require(right.tx < 0, "right p[3]", right.tx, "−f·b, below 0");
-  if (!checks.ok()) return checks.error();
-  const RectifiedPair pair{.width = left.lens.width,
-                           .height = left.lens.height,
-                           .focal_px = left.focal_px,
-                           .cx = left.cx,
-                           .cy = left.cy,
-                           .cx_right = right.cx,
-                           .baseline_m = -right.tx / left.focal_px};
-  if (const Result<void> usable = CheckRig({.pair = pair, .tof = {}}); !usable) {
-    return tl::unexpected(usable.error());
-  }
-  return pair;
 }
 
 Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros) {

@@ -99,7 +99,7 @@ struct McapExportOptions {
 };
 int RunMcapExport(const McapExportOptions& options);
 
-/// Whether a file is none of LCM's, but MCAP.
+/// Whether a file is none of LCM's, but MCAP: packed or not, or a folder with the parts of a bag.
 bool IsMcap(const std::filesystem::path& file);
 /// RunInfo() of such a file: topics, types, counts.
 int RunMcapInfo(const InfoOptions& options);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/config/config_error.h"
+#include "common/mcap/mcap_parts.h"
 #include "common/mcap/mcap_reader.h"
 #include "services/log/commands.h"
 #include "services/log/read_progress.h"
@@ -75,7 +76,7 @@ std::string McapText(const McapSummary& summary, const McapReader& reader,
   if (more > 0) text += fmt::format("damage: and {} more\n", more);
   if (reader.trouble_count() == 0) text += "no damage\n";
   if (!options.config) return text;
-  for (const auto& [name, values] : reader.metadata()) {
+  for (const auto& [name, values] : reader.Metadata()) {
     text += "\nmetadata " + name + ":\n";
     for (const auto& [key, value] : values) text += key + ": " + value + "\n";
   }
@@ -100,7 +101,7 @@ std::string McapJson(const McapSummary& summary, const McapReader& reader,
                                {"messages", summary.messages},
                                {"whole", reader.trouble_count() == 0},
                                {"topics", topics},
-                               {"metadata", reader.metadata()},
+                               {"metadata", reader.Metadata()},
                                {"damage", reader.trouble()}};
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
@@ -108,6 +109,7 @@ std::string McapJson(const McapSummary& summary, const McapReader& reader,
 }  // namespace
 
 bool IsMcap(const std::filesystem::path& file) {
+  if (std::filesystem::is_directory(file) || file.string().ends_with(".mcap.zstd")) return true;
   std::ifstream stream(file, std::ios::binary);
   std::array<char, kMcapMagic.size()> begin{};
   stream.read(begin.data(), begin.size());
@@ -116,7 +118,7 @@ bool IsMcap(const std::filesystem::path& file) {
 
 int RunMcapInfo(const InfoOptions& options) {
   try {
-    McapReader reader(options.file);
+    McapReader reader(McapParts(options.file.string()));
     const McapSummary summary = SummarizeMcap(reader, options.file);
     std::cout << (options.json ? McapJson(summary, reader, options)
                                : McapText(summary, reader, options));

@@ -36,8 +36,10 @@ void ReadRosMessage(std::span<const uint8_t> bytes) {
         (void)FromRosStamp(image.header);
       });
     case 1:
-      return ReadAs<RosCompressedImage>(
-          cdr, [](const RosCompressedImage& image) { (void)FromRosImage(image, cv::Size(8, 8)); });
+      return ReadAs<RosCompressedImage>(cdr, [](const RosCompressedImage& image) {
+        (void)FromRosImage(image, cv::Size(8, 8));
+        (void)FromRosDepth(image, std::nullopt);
+      });
     case 2:
       return ReadAs<RosCameraInfo>(cdr, [](const RosCameraInfo& info) {
         const Result<RosCamera> camera = FromRosInfo(info);

@@ -77,15 +77,70 @@ std::optional<Pose> RosCalibration::LeftFrom(const std::string& frame) const {
   return left->parent_from_child.Inverse() * other->parent_from_child;
 }
 
+// Of the range sensor.
+const std::string& RosCalibration::RangeFrame() const {
+  return points_frame_ ? *points_frame_ : depth_->frame;
+}
+
+// Where the range sensor stands in the left image's frame.
+std::optional<Pose> RosCalibration::LeftFromRange() const {
+  return settings_.left_from_range ? settings_.left_from_range : LeftFrom(RangeFrame());
+}
+
 std::optional<RosRole> RosCalibration::Missing() const {
   if (!left_) return RosRole::kLeftInfo;
   if (!right_) return RosRole::kRightInfo;
-  if (!settings_.depth.empty() && !depth_) return RosRole::kDepthInfo;
   if (!settings_.points.empty() && !points_frame_) return RosRole::kPoints;
-  const bool lacks_points = points_frame_ && !LeftFrom(*points_frame_);
-  const bool lacks_depth = depth_ && !LeftFrom(depth_->frame);
-  if (lacks_points || lacks_depth) return RosRole::kTf;
+  if (!settings_.depth.empty() && !depth_) return RosRole::kDepthInfo;
+  const bool is_registered =
+      !settings_.depth.empty() &&
+      (settings_.depth_info == settings_.left_info || settings_.depth_info == settings_.right_info);
+  const bool has_range = points_frame_ || depth_;
+  if (has_range && !is_registered && !LeftFromRange()) return RosRole::kTf;
   return std::nullopt;
+}
+
+std::string RosCalibration::MissingTransform() const {
+  constexpr size_t kMost = 20;
+  std::string text = "no transform from the range sensor's frame '" + RangeFrame() +
+                     "' to the left camera's '" + left_->frame + "' on";
+  for (const std::string& topic : settings_.TopicsOf(RosRole::kTf)) text += " " + topic;
+  text += "; transforms there:";
+  size_t count = 0;
+  for (const auto& [child, pose] : poses_) {
+    if (++count <= kMost) text += " " + pose.parent + " > " + child;
+  }
+  if (count == 0) text += " none";
+  if (count > kMost) text += " and " + std::to_string(count - kMost) + " more";
+  return text + "; allowed: tf=TOPIC, or pose=x,y,z,qx,qy,qz,qw of the range sensor";
+}
+
+Result<TofCamera> RosCalibration::DepthCamera(const RectifiedPair& pair) const {
+  const RosCamera& camera = depth_->camera;
+  const bool is_rectified = settings_.DepthIsRectified();
+  if (!is_rectified && !camera.lens) {
+    return Fail(settings_.depth_info + ": " + camera.lens.error().text);
+  }
+  const Lens lens = is_rectified ? camera.RectifiedLens() : *camera.lens;
+  Pose pose;
+  if (settings_.depth_info == settings_.right_info) {
+    pose.translation_m.x() = pair.baseline_m;
+  } else if (settings_.depth_info != settings_.left_info) {
+    const Pose left_from_depth = *LeftFromRange();
+    const Eigen::Quaterniond turn = TurnOf(left_->camera);
+    pose.rotation = turn * left_from_depth.rotation;
+    pose.translation_m = turn * left_from_depth.translation_m;
+    if (is_rectified) pose.rotation = pose.rotation * TurnOf(camera).conjugate();
+  }
+  return TofCamera{.width = lens.width,
+                   .height = lens.height,
+                   .fx = lens.fx,
+                   .fy = lens.fy,
+                   .cx = lens.cx,
+                   .cy = lens.cy,
+                   .distortion = lens.distortion,
+                   .left_from_tof_rotation = pose.rotation,
+                   .left_from_tof_translation_m = pose.translation_m};
 }
 
 Result<RosRig> RosCalibration::Rig() const {
@@ -97,23 +152,15 @@ Result<RosRig> RosCalibration::Rig() const {
     const double baseline_m = right->translation_m.x();
     if (std::abs(baseline_m - pair->baseline_m) < 1e-12) rig.rig.pair.baseline_m = baseline_m;
   }
-  const Eigen::Quaterniond turn = TurnOf(left_->camera);
   if (points_frame_) {
-    const Pose pose = *LeftFrom(*points_frame_);
-    rig.left_from_points = turn * (Eigen::Translation3d(pose.translation_m) * pose.rotation);
+    const Pose pose = *LeftFromRange();
+    rig.left_from_points =
+        TurnOf(left_->camera) * (Eigen::Translation3d(pose.translation_m) * pose.rotation);
     rig.rig.tof = datasets::TofGridCamera(rig.rig.pair, 1);
   } else if (depth_) {
-    const Pose pose = *LeftFrom(depth_->frame);
-    const Lens& lens = depth_->camera.lens;
-    rig.rig.tof = {.width = lens.width,
-                   .height = lens.height,
-                   .fx = lens.fx,
-                   .fy = lens.fy,
-                   .cx = lens.cx,
-                   .cy = lens.cy,
-                   .distortion = lens.distortion,
-                   .left_from_tof_rotation = turn * pose.rotation,
-                   .left_from_tof_translation_m = turn * pose.translation_m};
+    const Result<TofCamera> tof = DepthCamera(rig.rig.pair);
+    if (!tof) return tl::unexpected(tof.error());
+    rig.rig.tof = *tof;
   }
   if (const Result<void> usable = CheckRig(rig.rig); !usable) return tl::unexpected(usable.error());
   return rig;

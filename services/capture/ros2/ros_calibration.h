@@ -19,8 +19,11 @@ struct RosRig {
   Eigen::Isometry3d left_from_points = Eigen::Isometry3d::Identity();
 };
 
-/// Puts together the calibration of a rig whose images are rectified, from camera_info and
-/// /tf_static. A lidar's rig has the ToF camera of TofImageFromScan(), in the left camera's place.
+/// Puts together the calibration of a rig whose images are rectified, from P of both camera_info
+/// and the transforms. A lidar's rig has the ToF camera of TofImageFromScan(), in the left camera's
+/// place; that of a range image is described by K and D of its own camera_info or, when it is
+/// rectified (RosSettings::DepthIsRectified()), by P. One that has the left or right images' own
+/// camera_info stands where they do.
 class RosCalibration {
  public:
   explicit RosCalibration(const RosSettings& settings) : settings_(settings) {}
@@ -30,6 +33,9 @@ class RosCalibration {
 
   /// The first topic that something is missing of; nothing when all is there.
   std::optional<RosRole> Missing() const;
+
+  /// Which transform is missing, and which there are. @pre Missing() is RosRole::kTf.
+  std::string MissingTransform() const;
 
   /// The rig. An error says what does not fit together. @pre nothing is missing.
   Result<RosRig> Rig() const;
@@ -42,6 +48,9 @@ class RosCalibration {
   Result<void> TakeInfo(const RosBytes& message, std::optional<Named>& to);
   std::optional<RosPose> PoseInRoot(std::string frame) const;
   std::optional<Pose> LeftFrom(const std::string& frame) const;
+  const std::string& RangeFrame() const;
+  std::optional<Pose> LeftFromRange() const;
+  Result<TofCamera> DepthCamera(const RectifiedPair& pair) const;
 
   const RosSettings& settings_;
   std::optional<Named> left_;

@@ -1,85 +1,147 @@
+#include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "common/config/config_error.h"
+#include "common/mcap/chunk_codec.h"
+#include "common/mcap/mcap_parts.h"
 #include "common/mcap/mcap_reader.h"
-#include "common/ros2/ros_type.h"
 #include "services/capture/ros2/ros_input.h"
 
 namespace sprout::capture {
 namespace {
 
-// The types that a topic may have; the second one of images.
-std::vector<const RosType*> TypesOf(RosRole role) {
-  switch (role) {
-    case RosRole::kLeft:
-    case RosRole::kRight:
-      return {&RosTypeOf<RosImage>(), &RosTypeOf<RosCompressedImage>()};
-    case RosRole::kDepth:
-      return {&RosTypeOf<RosImage>()};
-    case RosRole::kPoints:
-      return {&RosTypeOf<RosPointCloud>()};
-    case RosRole::kTf:
-      return {&RosTypeOf<RosTransforms>()};
-    case RosRole::kLeftInfo:
-    case RosRole::kRightInfo:
-    case RosRole::kDepthInfo:
-      break;
-  }
-  return {&RosTypeOf<RosCameraInfo>()};
+// Names of a recording may have no slash in front.
+std::string WithSlash(const std::string& topic) {
+  return topic.starts_with('/') ? topic : "/" + topic;
 }
+
+bool IsTransforms(const McapTopic& topic) { return topic.type == RosTypeOf<RosTransforms>().name; }
 
 class FileInput : public RosInput {
  public:
   FileInput(const RosSettings& settings, TellPeople tell)
-      : path_(settings.file), tell_(std::move(tell)), reader_(path_) {
-    for (size_t i = 0; i < kRosRoles; ++i) {
-      const auto role = static_cast<RosRole>(i);
-      if (const std::string& topic = settings.TopicOf(role); !topic.empty()) roles_[topic] = role;
+      : path_(settings.file),
+        tell_(std::move(tell)),
+        reader_(McapParts(path_)),
+        topics_(reader_.Topics()) {
+    for (const RosRole role : kAllRosRoles) {
+      for (const std::string& topic : settings.TopicsOf(role)) roles_[topic].push_back(role);
     }
+    RequireTopics(settings);
+    if (!settings.TopicsOf(RosRole::kTf).empty()) LookForTransforms(settings);
   }
 
   bool is_live() const override { return false; }
 
   bool Next(RosBytes& message, const std::stop_token& stop) override {
-    for (McapMessage read; !stop.stop_requested() && reader_.Next(read);) {
-      const std::string& topic = read.channel->topic;
-      const std::string type = read.schema != nullptr ? read.schema->name : "";
-      if (met_.insert(topic + " (" + type + ")").second && met_.size() > kMostTopics) met_.clear();
-      const auto role = roles_.find(topic);
-      if (role == roles_.end() || read.channel->encoding != "cdr") continue;
-      const std::vector<const RosType*> types = TypesOf(role->second);
-      size_t which = 0;
-      while (which < types.size() && types[which]->name != type) ++which;
-      if (which == types.size()) {
-        if (wrong_.insert(topic).second) {
-          tell_(path_ + ": " + topic + " has type " + type + "; allowed is " + types[0]->name);
-        }
-        continue;
-      }
-      message = {.role = role->second, .is_compressed = which == 1, .cdr = read.data};
+    while (roles_to_come_.empty() && !stop.stop_requested() && reader_.Next(read_)) TakeMessage();
+    if (!roles_to_come_.empty()) {
+      message = {.role = roles_to_come_.back(), .is_compressed = is_compressed_, .cdr = cdr_};
+      roles_to_come_.pop_back();
       return true;
     }
-    if (!has_told_) {
+    if (!std::exchange(has_told_, true)) {
       for (const std::string& line : reader_.trouble()) tell_(path_ + ": " + line);
     }
-    has_told_ = true;
     return false;
   }
 
-  std::string Instead(RosRole /*role*/) override {
+  std::string Note() const override { return note_; }
+
+  std::string Instead(RosRole /*role*/) override { return TopicsText(); }
+
+ private:
+  std::string TopicsText() const {
     std::string text = "topics in " + path_ + ":";
-    for (const std::string& topic : met_) text += " " + topic;
+    for (const McapTopic& topic : topics_) text += " " + topic.name + " (" + topic.type + ")";
     return text;
   }
 
- private:
-  static constexpr size_t kMostTopics = 1000;
+  // Whoever misspells a topic should not wait for the end of the file.
+  void RequireTopics(const RosSettings& settings) const {
+    std::string missing;
+    for (const RosRole role : kAllRosRoles) {
+      if (role == RosRole::kTf && settings.tf.empty()) continue;
+      for (const std::string& name : settings.TopicsOf(role)) {
+        const auto found = std::ranges::find(
+            topics_, name, [](const McapTopic& topic) { return WithSlash(topic.name); });
+        if (found != topics_.end()) {
+          RequireType(role, *found);
+        } else if (missing.find(name) == std::string::npos) {
+          missing += (missing.empty() ? "" : ", ") + name;
+        }
+      }
+    }
+    if (!missing.empty()) throw McapError("no topic " + missing + "; " + TopicsText());
+  }
+
+  void RequireType(RosRole role, const McapTopic& topic) const {
+    if (topic.encoding == "ros1") {
+      throw McapError(topic.name + " is in " + path_ +
+                      ", but in ROS 1's encoding: make a bag of ROS 2 of the ROS 1 bag with "
+                      "rosbags-convert (of Python's package rosbags)");
+    }
+    const std::vector<const RosType*> types = TypesOf(role);
+    const bool is_of_type = std::ranges::find(types, topic.type, &RosType::name) != types.end();
+    if (is_of_type && topic.encoding == "cdr") return;
+    std::string allowed = types[0]->name;
+    if (types.size() > 1) allowed += std::string(" and ") + types[1]->name;
+    throw McapError(topic.name + " in " + path_ + " has type " + topic.type + " in encoding " +
+                    topic.encoding + "; allowed is " + allowed + " in cdr");
+  }
+
+  // Of a robot with a namespace of its own, whose cameras have none.
+  void LookForTransforms(const RosSettings& settings) {
+    std::set<std::string> namespaces;
+    for (const McapTopic& topic : topics_) {
+      const std::string name = WithSlash(topic.name);
+      if (!IsTransforms(topic)) continue;
+      if (roles_.contains(name)) return;
+      namespaces.insert(name.substr(0, name.rfind('/')));
+    }
+    const bool has_range = !settings.points.empty() || !settings.depth.empty();
+    if (namespaces.size() != 1 || !has_range || settings.left_from_range) return;
+    for (const std::string& topic : TransformTopics("/")) {
+      roles_[*namespaces.begin() + topic].push_back(RosRole::kTf);
+    }
+    note_ = path_ + ": transforms are those of " + *namespaces.begin() + "/tf_static, /tf";
+  }
+
+  void TakeMessage() {
+    const auto roles = roles_.find(WithSlash(read_.channel->topic));
+    if (roles == roles_.end() || read_.channel->encoding != "cdr" || read_.schema == nullptr)
+      return;
+    cdr_ = read_.data;
+    if (IsZstd(cdr_)) {
+      Result<McapBytes> unpacked = UnpackMessage(cdr_);
+      if (!unpacked && wrong_.insert(read_.channel->topic).second) {
+        tell_(path_ + ": " + read_.channel->topic + ": " + unpacked.error().text);
+      }
+      unpacked_ = unpacked ? std::move(*unpacked) : McapBytes();
+      cdr_ = unpacked_;
+    }
+    is_compressed_ = read_.schema->name == RosTypeOf<RosCompressedImage>().name;
+    for (const RosRole role : roles->second) {
+      const std::vector<const RosType*> types = TypesOf(role);
+      if (std::ranges::find(types, read_.schema->name, &RosType::name) != types.end()) {
+        roles_to_come_.push_back(role);
+      }
+    }
+  }
+
   std::string path_;
   TellPeople tell_;
   McapReader reader_;
-  std::map<std::string, RosRole> roles_;
-  std::set<std::string> met_;
+  std::vector<McapTopic> topics_;
+  std::string note_;
+  std::map<std::string, std::vector<RosRole>> roles_;  // of a topic, with a slash in front
+  McapMessage read_;
+  std::vector<RosRole> roles_to_come_;  // that the message has
+  bool is_compressed_ = false;
+  std::span<const uint8_t> cdr_;
+  McapBytes unpacked_;
   std::set<std::string> wrong_;
   bool has_told_ = false;
 };
@@ -90,7 +152,7 @@ std::unique_ptr<RosInput> ReadRosFile(const RosSettings& settings, TellPeople te
   try {
     return std::make_unique<FileInput>(settings, std::move(tell));
   } catch (const McapError& e) {
-    throw ConfigError(std::string("capture.source = mcap:") + e.what());
+    throw ConfigError(std::string("capture.source = mcap: ") + e.what());
   }
 }
 

@@ -7,7 +7,9 @@
 #include <span>
 #include <stop_token>
 #include <string>
+#include <vector>
 
+#include "common/ros2/ros_type.h"
 #include "services/capture/ros2/ros_settings.h"
 #include "services/datasets/frame_source.h"
 
@@ -16,9 +18,12 @@ namespace sprout::capture {
 /// A message of one of the rig's topics; the bytes are valid until the next one.
 struct RosBytes {
   RosRole role = RosRole::kLeft;
-  bool is_compressed = false;  ///< an image: CompressedImage, not Image
+  bool is_compressed = false;  ///< an image or a range image: CompressedImage, not Image
   std::span<const uint8_t> cdr;
 };
+
+/// The types that a topic may have; those of images are plain and compressed.
+std::vector<const RosType*> TypesOf(RosRole role);
 
 /// Reports one line to people.
 using TellPeople = std::function<void(const std::string&)>;
@@ -33,6 +38,9 @@ class RosInput {
   /// for.
   virtual bool Next(RosBytes& message, const std::stop_token& stop) = 0;
 
+  /// What people should know of how topics were found; empty: nothing.
+  virtual std::string Note() const { return {}; }
+
   /// What there is instead of a topic without messages, for a line: "topics there: /a, /b".
   virtual std::string Instead(RosRole role) = 0;
 };
@@ -43,8 +51,9 @@ class RosInput {
 std::unique_ptr<RosInput> ListenToRos(const RosSettings& settings, TellPeople tell,
                                       datasets::Waiting waiting);
 
-/// Reads the topics from settings.file. Damage is reported.
-/// @throws ConfigError when it is no MCAP file.
+/// Reads the topics from settings.file, in the order of their log times. Damage is reported.
+/// @throws ConfigError when it is no MCAP file, when a topic is not in it, with those that are, or
+///         when its type or encoding is another.
 std::unique_ptr<RosInput> ReadRosFile(const RosSettings& settings, TellPeople tell);
 
 }  // namespace sprout::capture

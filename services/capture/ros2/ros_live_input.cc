@@ -18,28 +18,22 @@ constexpr std::chrono::seconds kReminder{60};
 constexpr std::chrono::milliseconds kStopPoll{100};
 
 const RosType& TypeOf(RosRole role, bool is_compressed) {
-  switch (role) {
-    case RosRole::kLeft:
-    case RosRole::kRight:
-    case RosRole::kDepth:
-      return is_compressed ? RosTypeOf<RosCompressedImage>() : RosTypeOf<RosImage>();
-    case RosRole::kPoints:
-      return RosTypeOf<RosPointCloud>();
-    case RosRole::kTf:
-      return RosTypeOf<RosTransforms>();
-    case RosRole::kLeftInfo:
-    case RosRole::kRightInfo:
-    case RosRole::kDepthInfo:
-      break;
-  }
-  return RosTypeOf<RosCameraInfo>();
+  return *TypesOf(role)[is_compressed ? 1 : 0];
+}
+
+bool NamesCompressed(RosRole role, const std::string& topic) {
+  return TypesOf(role).size() > 1 &&
+         (topic.ends_with("/compressed") || topic.ends_with("/compressedDepth"));
 }
 
 // A camera that is slower than the loop fills no more than this.
 constexpr int kDepth = 8;
 
-RosQos QosOf(RosRole role) {
-  if (role == RosRole::kTf) return {.reliable = true, .latched = true, .depth = 100};
+RosQos QosOf(RosRole role, const std::string& topic) {
+  // /tf has no memory, whoever asks for it gets nothing.
+  if (role == RosRole::kTf) {
+    return {.reliable = true, .latched = topic.ends_with("/tf_static"), .depth = 100};
+  }
   return {.reliable = false, .latched = false, .depth = kDepth};
 }
 
@@ -58,14 +52,13 @@ class LiveInput : public RosInput {
   LiveInput(const RosSettings& settings, TellPeople tell, datasets::Waiting waiting)
       : tell_(std::move(tell)), waiting_(std::move(waiting)), node_(settings.domain) {
     const auto now = Clock::now();
-    for (size_t i = 0; i < kRosRoles; ++i) {
-      const auto role = static_cast<RosRole>(i);
-      const std::string& topic = settings.TopicOf(role);
-      if (topic.empty() || (role == RosRole::kTf && !settings.rig.empty())) continue;
-      const bool is_compressed = topic.ends_with("/compressed");
-      const RosNode::Handle reader =
-          node_.AddReader(topic, TypeOf(role, is_compressed), QosOf(role));
-      topics_.push_back({role, topic, is_compressed, reader, now, now + kSilence});
+    for (const RosRole role : kAllRosRoles) {
+      for (const std::string& topic : settings.TopicsOf(role)) {
+        const bool is_compressed = NamesCompressed(role, topic);
+        const RosNode::Handle reader =
+            node_.AddReader(topic, TypeOf(role, is_compressed), QosOf(role, topic));
+        topics_.push_back({role, topic, is_compressed, reader, now, now + kSilence});
+      }
     }
     next_look_ = now + std::chrono::seconds(1);
   }

@@ -1,10 +1,13 @@
 #include "services/capture/ros2/ros_settings.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string_view>
 
 #include "common/config/config_error.h"
 #include "common/core/number_text.h"
+#include "services/capture/ros2/ros_input.h"
 #include "services/datasets/source_options.h"
 
 namespace sprout::capture {
@@ -13,17 +16,21 @@ namespace {
 constexpr std::string_view kRos2 = "ros2:";
 constexpr std::string_view kMcap = "mcap:";
 constexpr std::string_view kCompressed = "/compressed";
+constexpr std::string_view kCompressedDepth = "/compressedDepth";
 
 ConfigError BadSource(const std::string& source, const std::string& reason) {
   return ConfigError("capture.source = " + source + ": " + reason +
                      "; allowed: left=TOPIC&right=TOPIC with left_info, right_info, points, depth, "
-                     "depth_info=TOPIC, rig=FILE, max_spread_ms=0.001 to 1000, and for ros2: "
+                     "depth_info, tf=TOPIC, pose=x,y,z,qx,qy,qz,qw (m) of the range sensor in the "
+                     "left image's frame, rig=FILE, max_spread_ms=0.001 to 1000, and for ros2: "
                      "domain=0 to 232");
 }
 
 // "/stereo/left/image_raw/compressed" → "/stereo/left/camera_info"
 std::string InfoBeside(std::string topic) {
-  if (topic.ends_with(kCompressed)) topic.resize(topic.size() - kCompressed.size());
+  for (const std::string_view transport : {kCompressed, kCompressedDepth}) {
+    if (topic.ends_with(transport)) topic.resize(topic.size() - transport.size());
+  }
   const size_t slash = topic.rfind('/');
   return (slash == std::string::npos ? "" : topic.substr(0, slash)) + "/camera_info";
 }
@@ -37,7 +44,28 @@ std::string* TextOf(RosSettings& settings, std::string_view name) {
   if (name == "depth") return &settings.depth;
   if (name == "depth_info") return &settings.depth_info;
   if (name == "rig") return &settings.rig;
+  if (name == "tf") return &settings.tf;
   return nullptr;
+}
+
+// x,y,z,qx,qy,qz,qw, as ROS's static_transform_publisher has them, or x,y,z alone.
+std::optional<Pose> ParsePose(std::string_view text) {
+  std::vector<double> numbers;
+  while (true) {
+    const size_t comma = std::min(text.find(','), text.size());
+    const std::optional<double> number = ParseNumber<double>(text.substr(0, comma));
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    numbers.push_back(*number);
+    if (comma == text.size()) break;
+    text.remove_prefix(comma + 1);
+  }
+  constexpr double kMostOffUnit = 1e-3;
+  if (numbers.size() == 3) numbers.insert(numbers.end(), {0, 0, 0, 1});
+  if (numbers.size() != 7) return std::nullopt;
+  const Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);
+  if (std::abs(rotation.norm() - 1) > kMostOffUnit) return std::nullopt;
+  return Pose{.rotation = rotation.normalized(),
+              .translation_m = {numbers[0], numbers[1], numbers[2]}};
 }
 
 // @returns whether it was understood.
@@ -51,6 +79,10 @@ bool Apply(const datasets::SourceOption& option, RosSettings& settings) {
     settings.max_spread_ms = number.value_or(0);
     return settings.max_spread_ms >= 0.001 && settings.max_spread_ms <= 1000;
   }
+  if (option.name == "pose") {
+    settings.left_from_range = ParsePose(option.value);
+    return settings.left_from_range.has_value();
+  }
   if (option.name == "domain" && settings.file.empty()) {
     settings.domain = ParseNumber<int>(option.value).value_or(-1);
     return settings.domain >= 0 && settings.domain <= 232;
@@ -61,7 +93,7 @@ bool Apply(const datasets::SourceOption& option, RosSettings& settings) {
 void CompleteNames(RosSettings& settings) {
   for (std::string* topic :
        {&settings.left, &settings.right, &settings.left_info, &settings.right_info,
-        &settings.points, &settings.depth, &settings.depth_info}) {
+        &settings.points, &settings.depth, &settings.depth_info, &settings.tf}) {
     if (!topic->empty() && topic->front() != '/') topic->insert(0, "/");
   }
   const bool is_raw = !settings.rig.empty();
@@ -74,27 +106,65 @@ void CompleteNames(RosSettings& settings) {
 
 }  // namespace
 
-const std::string& RosSettings::TopicOf(RosRole role) const {
-  static const std::string kTfStatic = "/tf_static";
+std::vector<std::string> TransformTopics(const std::string& topic) {
+  std::vector<std::string> topics;
+  for (size_t slash = 0; slash != std::string::npos; slash = topic.find('/', slash + 1)) {
+    for (const char* name : {"/tf_static", "/tf"}) topics.push_back(topic.substr(0, slash) + name);
+  }
+  return topics;
+}
+
+std::vector<std::string> RosSettings::TopicsOf(RosRole role) const {
+  const auto one = [](const std::string& topic) {
+    return topic.empty() ? std::vector<std::string>() : std::vector{topic};
+  };
   switch (role) {
     case RosRole::kLeft:
-      return left;
+      return one(left);
     case RosRole::kRight:
-      return right;
+      return one(right);
     case RosRole::kLeftInfo:
-      return left_info;
+      return one(left_info);
     case RosRole::kRightInfo:
-      return right_info;
+      return one(right_info);
     case RosRole::kPoints:
-      return points;
+      return one(points);
     case RosRole::kDepth:
-      return depth;
+      return one(depth);
     case RosRole::kDepthInfo:
-      return depth_info;
+      return one(depth_info);
     case RosRole::kTf:
       break;
   }
-  return kTfStatic;
+  if (!rig.empty()) return {};
+  return tf.empty() ? TransformTopics(left) : one(tf);
+}
+
+bool RosSettings::DepthIsRectified() const {
+  if (depth_info == left_info || depth_info == right_info) return true;
+  std::string image = depth;
+  for (const std::string_view transport : {kCompressed, kCompressedDepth}) {
+    if (image.ends_with(transport)) image.resize(image.size() - transport.size());
+  }
+  return image.find("rect", image.rfind('/')) != std::string::npos;
+}
+
+std::vector<const RosType*> TypesOf(RosRole role) {
+  switch (role) {
+    case RosRole::kLeft:
+    case RosRole::kRight:
+    case RosRole::kDepth:
+      return {&RosTypeOf<RosImage>(), &RosTypeOf<RosCompressedImage>()};
+    case RosRole::kPoints:
+      return {&RosTypeOf<RosPointCloud>()};
+    case RosRole::kTf:
+      return {&RosTypeOf<RosTransforms>()};
+    case RosRole::kLeftInfo:
+    case RosRole::kRightInfo:
+    case RosRole::kDepthInfo:
+      break;
+  }
+  return {&RosTypeOf<RosCameraInfo>()};
 }
 
 bool NamesRos(const std::string& source) {
@@ -122,6 +192,9 @@ RosSettings ParseRosSource(const std::string& source) {
   }
   if (!settings.points.empty() && !settings.depth.empty()) {
     throw BadSource(source, "points and depth: one range sensor");
+  }
+  if (settings.left_from_range && settings.points.empty() && settings.depth.empty()) {
+    throw BadSource(source, "pose, but neither points nor depth");
   }
   CompleteNames(settings);
   return settings;

@@ -1,20 +1,26 @@
 #ifndef SPROUT_SERVICES_CAPTURE_ROS2_ROS_SETTINGS_H_
 #define SPROUT_SERVICES_CAPTURE_ROS2_ROS_SETTINGS_H_
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "common/core/pose.h"
 
 namespace sprout::capture {
 
 /// What a topic is for.
 enum class RosRole { kLeft, kRight, kLeftInfo, kRightInfo, kPoints, kDepth, kDepthInfo, kTf };
-inline constexpr size_t kRosRoles = static_cast<size_t>(RosRole::kTf) + 1;
+inline constexpr std::array kAllRosRoles = {
+    RosRole::kLeft,   RosRole::kRight, RosRole::kLeftInfo,  RosRole::kRightInfo,
+    RosRole::kPoints, RosRole::kDepth, RosRole::kDepthInfo, RosRole::kTf};
 
 /// Which topics a rig of ROS 2 has; empty: it has none.
 struct RosSettings {
-  std::string file;  ///< MCAP; empty: live
-  std::string left;  ///< images: raw, or JPEG where the name ends with "/compressed"
+  std::string file;  ///< MCAP, see McapParts(); empty: live
+  std::string left;  ///< images: raw, or JPEG and PNG where the name ends with "/compressed"
   std::string right;
   std::string left_info;
   std::string right_info;
@@ -22,11 +28,23 @@ struct RosSettings {
   std::string depth;       ///< range image of a ToF camera
   std::string depth_info;  ///< its camera
   std::string rig;         ///< rig file: then the images are raw, and no camera_info is read
+  std::string tf;          ///< transforms; empty: TransformTopics() of the left images
+  /// Where the range sensor stands in the left image's frame; nothing: the transforms say.
+  std::optional<Pose> left_from_range;
   double max_spread_ms = 20;
   int domain = 0;  ///< as ROS_DOMAIN_ID
 
-  const std::string& TopicOf(RosRole role) const;
+  /// Topics of a role: of the transforms usually several, of others one or none.
+  std::vector<std::string> TopicsOf(RosRole role) const;
+
+  /// Whether the range image is a rectified one, so that P of its CameraInfo describes it: it has
+  /// that of the left or right images, or its topic's last name says so ("image_rect_raw").
+  bool DepthIsRectified() const;
 };
+
+/// Where transforms may be that belong to a topic: /tf_static and /tf, as they are and in each
+/// namespace of the topic.
+std::vector<std::string> TransformTopics(const std::string& topic);
 
 /// Whether a source is ros2: or mcap:.
 bool NamesRos(const std::string& source);

@@ -32,6 +32,8 @@ class RosOpener {
     return ReadRosFile(settings_, options_.tell);
   }
 
+  void Tell(const std::string& what) const { options_.tell(what); }
+
   ConfigError Bad(const std::string& reason) const {
     return ConfigError("capture.source = " + source_ + ": " + reason);
   }
@@ -141,6 +143,11 @@ ImageOfPoints Projector(const RosRig& rig) {
   };
 }
 
+std::string TopicOf(const RosSettings& settings, RosRole role) {
+  const std::vector<std::string> topics = settings.TopicsOf(role);
+  return topics.empty() ? "" : topics.front();
+}
+
 // Of a file all messages may be looked at, of a live graph those of kCalibrationWait.
 RosRig FindCalibration(const RosOpener& opener, RosInput& input) {
   RosCalibration calibration(opener.settings());
@@ -150,18 +157,18 @@ RosRig FindCalibration(const RosOpener& opener, RosInput& input) {
   for (RosBytes message; calibration.Missing() && Clock::now() < deadline;) {
     if (!input.Next(message, never.get_token())) break;
     if (const Result<void> taken = calibration.Take(message); !taken) {
-      refused = opener.settings().TopicOf(message.role) + ": " + taken.error().text;
+      refused = TopicOf(opener.settings(), message.role) + ": " + taken.error().text;
     }
   }
   if (const std::optional<RosRole> missing = calibration.Missing()) {
     if (!refused.empty()) throw opener.Bad(refused);
-    const std::string what = *missing == RosRole::kTf
-                                 ? "no transform from the range sensor to the left camera on "
-                                 : "no message on ";
-    throw opener.Bad(what + opener.settings().TopicOf(*missing) + "; " + input.Instead(*missing));
+    if (*missing == RosRole::kTf) throw opener.Bad(calibration.MissingTransform());
+    throw opener.Bad("no message on " + TopicOf(opener.settings(), *missing) + "; " +
+                     input.Instead(*missing));
   }
   const Result<RosRig> rig = calibration.Rig();
   if (!rig) throw opener.Bad(rig.error().text);
+  if (const std::string note = input.Note(); !note.empty()) opener.Tell(note);
   return *rig;
 }
 

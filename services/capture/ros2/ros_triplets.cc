@@ -37,8 +37,7 @@ Result<TimedImage> RosTriplets::DecodePicture(const RosBytes& message) const {
     const auto ros = ReadCdr<RosCompressedImage>(message.cdr);
     if (!ros) return tl::unexpected(ros.error());
     utime = FromRosStamp((*ros)->header);
-    if (!size_) return Fail("JPEG: its size is not known; allowed with camera_info or a rig file");
-    image = FromRosImage(**ros, *size_);
+    image = FromRosImage(**ros, size_);
   } else {
     const auto ros = ReadCdr<RosImage>(message.cdr);
     if (!ros) return tl::unexpected(ros.error());
@@ -70,10 +69,18 @@ Result<TimedImage> RosTriplets::Decode(const RosBytes& message) const {
     if (!points) return tl::unexpected(points.error());
     timed.tof = image_of_points_(*points);
   } else {
-    const auto ros = ReadCdr<RosImage>(message.cdr);
-    if (!ros) return tl::unexpected(ros.error());
-    utime = FromRosStamp((*ros)->header);
-    Result<cv::Mat1f> depth_m = FromRosDepth(**ros);
+    Result<cv::Mat1f> depth_m;
+    if (message.is_compressed) {
+      const auto ros = ReadCdr<RosCompressedImage>(message.cdr);
+      if (!ros) return tl::unexpected(ros.error());
+      utime = FromRosStamp((*ros)->header);
+      depth_m = FromRosDepth(**ros, std::nullopt);
+    } else {
+      const auto ros = ReadCdr<RosImage>(message.cdr);
+      if (!ros) return tl::unexpected(ros.error());
+      utime = FromRosStamp((*ros)->header);
+      depth_m = FromRosDepth(**ros);
+    }
     if (!depth_m) return tl::unexpected(depth_m.error());
     timed.tof.depth_m = std::move(*depth_m);
   }

@@ -19,7 +19,7 @@ using ImageOfPoints = std::function<TofImage(const std::vector<Eigen::Vector3d>&
 /// what found no partner or cannot be used.
 class RosTriplets {
  public:
-  /// @param size   of the images; nothing: any. JPEG needs it.
+  /// @param size   of the images; nothing: any.
   /// @param image  for points; empty: they are left alone.
   RosTriplets(const RosSettings& settings, std::optional<cv::Size> size, ImageOfPoints image);
 

@@ -73,7 +73,7 @@ TEST(Mcap, GivesBackWhatWasWritten) {
     EXPECT_TRUE(reader.has_ended());
     EXPECT_GT(reader.chunks(), 10);
     EXPECT_THAT(reader.trouble(), IsEmpty());
-    EXPECT_EQ(reader.metadata().at("who").at("a"), "b");
+    EXPECT_EQ(reader.Metadata().at("who").at("a"), "b");
     EXPECT_EQ(reader.profile(), "test");
   }
 }
@@ -147,10 +147,18 @@ TEST(Mcap, GoesOnBehindAChunkThatIsDamaged) {
     const auto next = std::next(chunk);
     file[next->second - 20] ^= 0x40;
     WriteBytes(folder / "damaged", file);
+    // The first chunk has the channels, but so has the summary.
     const Content content = ReadMcap(folder / "damaged");
-    // The first chunk has the channels, so nothing is known of the rest.
-    EXPECT_THAT(content.messages, IsEmpty());
-    EXPECT_THAT(content.trouble[0], HasSubstr("chunk"));
+    EXPECT_GT(content.messages.size(), 80U);
+    EXPECT_EQ(content.trouble.size(), 1U);
+    // Torn off in front of it, nothing is known of the rest.
+    file.resize(
+        std::ranges::find(borders, McapOpcode::kDataEnd, &std::pair<McapOpcode, size_t>::first)
+            ->second);
+    WriteBytes(folder / "damaged", file);
+    const Content torn = ReadMcap(folder / "damaged");
+    EXPECT_THAT(torn.messages, IsEmpty());
+    EXPECT_THAT(torn.trouble, testing::Contains(HasSubstr("chunk")));
   }
   Bytes file = MakeMcap(folder, McapCompression::kZstd);
   const auto borders = Borders(file);

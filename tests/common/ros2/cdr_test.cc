@@ -93,6 +93,7 @@ void Convert(const T& message) {
     (void)FromRosStamp(message.header);
   } else if constexpr (std::is_same_v<T, RosCompressedImage>) {
     (void)FromRosImage(message, cv::Size(7, 5));
+    (void)FromRosDepth(message, std::nullopt);
   } else if constexpr (std::is_same_v<T, RosCameraInfo>) {
     (void)FromRosInfo(message);
   } else if constexpr (std::is_same_v<T, RosPointCloud>) {

@@ -1,9 +1,12 @@
 #include <gmock/gmock.h>
 
+#include <array>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <opencv2/imgcodecs.hpp>
 
 #include "common/messages/jpeg.h"
 #include "common/ros2/frame_topics.h"
@@ -58,6 +61,29 @@ TEST(FromRos, TurnsColoursAndDepthsOfPixels) {
   EXPECT_EQ((*FromRosImage(*big)).at<uint8_t>(0, 0), 3);
 }
 
+TEST(FromRos, TurnsTheEncodingsOfStereoDrivers) {
+  EXPECT_EQ((*FromRosImage(*Image("bgra8", {1, 1}, 4, {10, 20, 30, 255}))).at<cv::Vec3b>(0, 0),
+            cv::Vec3b(10, 20, 30));
+  EXPECT_EQ((*FromRosImage(*Image("rgba8", {1, 1}, 4, {10, 20, 30, 255}))).at<cv::Vec3b>(0, 0),
+            cv::Vec3b(30, 20, 10));
+  // Without colour U = V = 128; of the rest ITU-R BT.601 makes 1.164 (Y − 16).
+  for (const char* name : {"yuv422", "uyvy"}) {
+    const Result<cv::Mat> image = FromRosImage(*Image(name, {2, 1}, 4, {128, 16, 128, 235}));
+    ASSERT_TRUE(image) << ErrorOf(image);
+    EXPECT_EQ(image->at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0)) << name;
+    EXPECT_NEAR(image->at<cv::Vec3b>(0, 1)[0], 255, 1) << name;
+  }
+  for (const char* name : {"yuv422_yuy2", "yuyv"}) {
+    // Red: U = 90, V = 240.
+    const Result<cv::Mat> image = FromRosImage(*Image(name, {2, 1}, 4, {82, 90, 82, 240}));
+    ASSERT_TRUE(image) << ErrorOf(image);
+    const auto pixel = image->at<cv::Vec3b>(0, 1);
+    EXPECT_LT(pixel[0], 3) << name;
+    EXPECT_LT(pixel[1], 3) << name;
+    EXPECT_GT(pixel[2], 250) << name;
+  }
+}
+
 TEST(FromRos, BayerPatternsBeginWithTheirFirstPixels) {
   // A red scene: only the red pixels of the pattern are bright.
   for (const auto& [name, red_u, red_v] :
@@ -74,8 +100,10 @@ TEST(FromRos, BayerPatternsBeginWithTheirFirstPixels) {
 }
 
 TEST(FromRos, RefusesImagesThatCannotBe) {
+  EXPECT_THAT(ErrorOf(FromRosImage(*Image("nv12", {1, 1}, 2, {1, 2}))),
+              HasSubstr("encoding = 'nv12': allowed is mono8, "));
   EXPECT_THAT(ErrorOf(FromRosImage(*Image("yuv422", {1, 1}, 2, {1, 2}))),
-              HasSubstr("encoding = 'yuv422': allowed is mono8, "));
+              HasSubstr("width = 1: allowed with yuv422 are even ones"));
   EXPECT_THAT(ErrorOf(FromRosImage(*Image("mono8", {4, 1}, 3, {1, 2, 3}))),
               HasSubstr("step = 3: allowed is at least 4"));
   EXPECT_THAT(ErrorOf(FromRosImage(*Image("mono8", {4, 2}, 4, {1, 2, 3, 4}))),
@@ -103,13 +131,111 @@ TEST(FromRos, JpegMustHaveTheSizeThatIsExpected) {
   RosMessage<RosCompressedImage> message;
   SetRosText(message->format, "jpeg");
   std::ranges::copy(jpeg, ResizeRos(message->data, jpeg.size()).begin());
-  const Result<cv::Mat> image = FromRosImage(*message, {16, 8});
+  const Result<cv::Mat> image = FromRosImage(*message, cv::Size(16, 8));
   ASSERT_TRUE(image) << ErrorOf(image);
   EXPECT_NEAR(image->at<uint8_t>(3, 3), 77, 1);
-  EXPECT_THAT(ErrorOf(FromRosImage(*message, {8, 8})),
+  EXPECT_THAT(ErrorOf(FromRosImage(*message, cv::Size(8, 8))),
               HasSubstr("allowed is width x height = 8x8"));
-  SetRosText(message->format, "png");
-  EXPECT_EQ(ErrorOf(FromRosImage(*message, {16, 8})), "format = 'png': allowed is jpeg");
+}
+
+RosMessage<RosCompressedImage> CompressedMessage(const std::string& format,
+                                                 const std::vector<uint8_t>& data) {
+  RosMessage<RosCompressedImage> message;
+  SetRosText(message->format, format);
+  std::ranges::copy(data, ResizeRos(message->data, data.size()).begin());
+  return message;
+}
+
+std::vector<uint8_t> PngOf(const cv::Mat& image) {
+  std::vector<uint8_t> png;
+  cv::imencode(".png", image, png);
+  return png;
+}
+
+TEST(FromRos, CompressedImagesAreKnownByTheirBytes) {
+  const std::string jpeg = WriteJpeg(cv::Mat1b(8, 16, uint8_t{77}), JpegColors::kFull);
+  const std::vector<uint8_t> jpeg_bytes(jpeg.begin(), jpeg.end());
+  const cv::Mat bgr(8, 16, CV_8UC3, cv::Scalar(1, 2, 3));
+  for (const char* format : {"", "JPEG", "jpg", "bgr8; jpeg compressed bgr8", "png"}) {
+    const Result<cv::Mat> grey = FromRosImage(*CompressedMessage(format, jpeg_bytes), {});
+    ASSERT_TRUE(grey) << format << ErrorOf(grey);
+    EXPECT_NEAR(grey->at<uint8_t>(3, 3), 77, 1) << format;
+    const Result<cv::Mat> png =
+        FromRosImage(*CompressedMessage(format, PngOf(bgr)), cv::Size(16, 8));
+    ASSERT_TRUE(png) << format << ErrorOf(png);
+    EXPECT_TRUE(SamePixels(*png, bgr)) << format;
+  }
+  // Grey, with 16 bits, with transparency, a mosaic.
+  const cv::Mat1b grey(8, 16, uint8_t{9});
+  EXPECT_TRUE(SamePixels(*FromRosImage(*CompressedMessage("", PngOf(grey)), {}), grey));
+  const cv::Mat1w deep(8, 16, uint16_t{9 * 256 + 200});
+  EXPECT_TRUE(SamePixels(*FromRosImage(*CompressedMessage("", PngOf(deep)), {}), grey));
+  const cv::Mat bgra(8, 16, CV_8UC4, cv::Scalar(1, 2, 3, 255));
+  EXPECT_TRUE(SamePixels(*FromRosImage(*CompressedMessage("", PngOf(bgra)), {}), bgr));
+  cv::Mat1b red(8, 16, uint8_t{0});
+  for (int v = 0; v < 8; v += 2) {
+    for (int u = 0; u < 16; u += 2) red(v, u) = 200;
+  }
+  const Result<cv::Mat> colours =
+      FromRosImage(*CompressedMessage("bayer_rggb8; png compressed ", PngOf(red)), {});
+  ASSERT_TRUE(colours) << ErrorOf(colours);
+  EXPECT_EQ(colours->at<cv::Vec3b>(4, 4), cv::Vec3b(0, 0, 200));
+}
+
+TEST(FromRos, RefusesCompressedImagesThatCannotBe) {
+  EXPECT_THAT(ErrorOf(FromRosImage(*CompressedMessage("h264", {0, 0, 0, 1}), {})),
+              HasSubstr("format = 'h264': its data is none that can be read; allowed is JPEG or"));
+  std::vector<uint8_t> png = PngOf(cv::Mat1b(8, 16, uint8_t{9}));
+  EXPECT_THAT(ErrorOf(FromRosImage(*CompressedMessage("png", png), cv::Size(8, 8))),
+              HasSubstr("PNG of 16x8, allowed is width x height = 8x8"));
+  png[17] = 1;  // 65536 px wide and more
+  EXPECT_THAT(ErrorOf(FromRosImage(*CompressedMessage("png", png), {})),
+              HasSubstr("allowed is up to 16384 px a side"));
+  png = PngOf(cv::Mat1b(8, 16, uint8_t{9}));
+  png.resize(30);
+  EXPECT_THAT(ErrorOf(FromRosImage(*CompressedMessage("png", png), {})),
+              HasSubstr("not a whole PNG stream"));
+}
+
+// image_transport's: an enumeration and two floats, then a PNG.
+std::vector<uint8_t> CompressedDepth(const cv::Mat1w& values, float a, float b) {
+  std::vector<uint8_t> bytes(4);
+  for (const float parameter : {a, b}) {
+    const auto four = std::bit_cast<std::array<uint8_t, 4>>(parameter);
+    bytes.insert(bytes.end(), four.begin(), four.end());
+  }
+  const std::vector<uint8_t> png = PngOf(values);
+  bytes.insert(bytes.end(), png.begin(), png.end());
+  return bytes;
+}
+
+TEST(FromRos, CompressedDepthIsInMetres) {
+  const cv::Mat1w millimetres = (cv::Mat1w(1, 3) << 0, 1500, 65000);
+  for (const std::vector<uint8_t>& data :
+       {CompressedDepth(millimetres, 0, 0), PngOf(millimetres)}) {
+    const auto message = CompressedMessage("16UC1; compressedDepth png", data);
+    const Result<cv::Mat1f> depth = FromRosDepth(*message, cv::Size(3, 1));
+    ASSERT_TRUE(depth) << ErrorOf(depth);
+    EXPECT_FALSE(IsReturn((*depth)(0, 0)));
+    EXPECT_FLOAT_EQ((*depth)(0, 1), 1.5F);
+    EXPECT_FLOAT_EQ((*depth)(0, 2), 65);
+    EXPECT_THAT(ErrorOf(FromRosDepth(*message, cv::Size(4, 1))), HasSubstr("PNG of 3x1"));
+  }
+  // Quantised as its encoder does: value = a / z + b.
+  const float a = 10000, b = -5;
+  const cv::Mat1w quantised = (cv::Mat1w(1, 2) << 0, static_cast<uint16_t>(a / 2.5F + b));
+  const Result<cv::Mat1f> depth = FromRosDepth(
+      *CompressedMessage("32FC1; compressedDepth", CompressedDepth(quantised, a, b)), {});
+  ASSERT_TRUE(depth) << ErrorOf(depth);
+  EXPECT_FALSE(IsReturn((*depth)(0, 0)));
+  EXPECT_NEAR((*depth)(0, 1), 2.5, 1e-3);
+  EXPECT_THAT(ErrorOf(FromRosDepth(*CompressedMessage("32FC1; png", PngOf(quantised)), {})),
+              HasSubstr("no parameters of the quantised inverse depths"));
+  EXPECT_THAT(ErrorOf(FromRosDepth(
+                  *CompressedMessage("16UC1; compressedDepth rvl", std::vector<uint8_t>(100)), {})),
+              HasSubstr("'16UC1; compressedDepth rvl': its data is none that can be read"));
+  EXPECT_THAT(ErrorOf(FromRosDepth(*CompressedMessage("", PngOf(cv::Mat1b(1, 2, uint8_t{7}))), {})),
+              HasSubstr("1 channels and 8 bits"));
 }
 
 TEST(FromRos, ThePairComesBack) {
@@ -121,29 +247,100 @@ TEST(FromRos, ThePairComesBack) {
   const Result<RectifiedPair> back = PairOf(*left, *right);
   ASSERT_TRUE(back) << ErrorOf(back);
   EXPECT_EQ(RigId({.pair = *back, .tof = {}}), RigId({.pair = pair, .tof = {}}));
-  EXPECT_THAT(ErrorOf(PairOf(*right, *left)), HasSubstr("left p[3] = -62.5"));
+  EXPECT_THAT(ErrorOf(PairOf(*right, *left)),
+              HasSubstr("right p[3] = 0: allowed is −f·b, below the left camera's, -62.5; are they "
+                        "swapped?"));
+}
+
+// KITTI's third and fourth camera, whose Tx is relative to the first one.
+TEST(FromRos, TheBaselineIsTheDifferenceOfBothTx) {
+  const RectifiedPair pair = examples::Rig().pair;
+  auto left_info = ToRosLeftInfo(Place(), pair);
+  auto right_info = ToRosRightInfo(Place(), pair);
+  for (const double shift : {44.86, -100.0}) {
+    left_info->p[3] = shift;
+    right_info->p[3] = shift - 500 * 0.125;
+    const Result<RectifiedPair> back = PairOf(*FromRosInfo(*left_info), *FromRosInfo(*right_info));
+    ASSERT_TRUE(back) << ErrorOf(back);
+    EXPECT_NEAR(back->baseline_m, 0.125, 1e-12);
+  }
+}
+
+// The same camera with another lens in K and D.
+RosMessage<RosCameraInfo> WithLens(const RosCameraInfo& of, const std::string& model,
+                                   const std::vector<double>& d) {
+  RosMessage<RosCameraInfo> info;
+  info->width = of.width;
+  info->height = of.height;
+  std::ranges::copy(of.k, info->k);
+  std::ranges::copy(of.r, info->r);
+  std::ranges::copy(of.p, info->p);
+  info->k[0] *= 1.5;
+  SetRosText(info->distortion_model, model);
+  std::ranges::copy(d, ResizeRos(info->d, d.size()).begin());
+  return info;
+}
+
+// Rectified images whose drivers keep the lens of the raw ones in their messages.
+TEST(FromRos, ThePairIsPWhateverTheLens) {
+  const RectifiedPair pair = examples::Rig().pair;
+  for (const char* model : {"rational_polynomial", "equidistant", "thin_prism_fisheye"}) {
+    const std::vector<double> d(model[0] == 'e' ? 4 : 8, 0.25);
+    const auto left = FromRosInfo(*WithLens(*ToRosLeftInfo(Place(), pair), model, d));
+    ASSERT_TRUE(left) << ErrorOf(left);
+    const auto right = FromRosInfo(*WithLens(*ToRosRightInfo(Place(), pair), model, d));
+    const Result<RectifiedPair> back = PairOf(*left, *right);
+    ASSERT_TRUE(back) << ErrorOf(back);
+    EXPECT_EQ(RigId({.pair = *back, .tof = {}}), RigId({.pair = pair, .tof = {}}));
+    EXPECT_THAT(ErrorOf(left->lens), HasSubstr("distortion_model = " + std::string(model) +
+                                               ": allowed is plumb_bob with up to 5"));
+  }
+}
+
+// 0.03 % is a tenth of a pixel at the edges of 480 rows, 1 % is 2.4 px.
+TEST(FromRos, PixelsAreSquareUpToHalfARow) {
+  const RectifiedPair pair = examples::Rig().pair;
+  auto left = ToRosLeftInfo(Place(), pair);
+  auto right = ToRosRightInfo(Place(), pair);
+  left->p[5] *= 1.0003;
+  EXPECT_THAT(ErrorOf(PairOf(*FromRosInfo(*left), *FromRosInfo(*right))),
+              HasSubstr("right p[5] = 500: allowed is that of the left camera"));
+  right->p[5] *= 1.0003;
+  EXPECT_TRUE(PairOf(*FromRosInfo(*left), *FromRosInfo(*right)));
+  left->p[5] *= 1.01;
+  EXPECT_THAT(ErrorOf(PairOf(*FromRosInfo(*left), *FromRosInfo(*right))),
+              HasSubstr("left p[5] = 505.15"));
 }
 
 TEST(FromRos, RefusesCamerasThatAreNotCalibrated) {
   auto info = ToRosLeftInfo(Place(), examples::Rig().pair);
+  info->p[0] = 0;
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("p[0] = 0: allowed is a focal length > 0"));
+  info = ToRosLeftInfo(Place(), examples::Rig().pair);
   info->k[0] = 0;
-  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("k[0] = 0: allowed is a focal length > 0"));
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)->lens), HasSubstr("k[0] = 0: allowed is a focal length"));
   info = ToRosLeftInfo(Place(), examples::Rig().pair);
   info->r[0] = -1;
   EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("r = no rotation"));
   info = ToRosLeftInfo(Place(), examples::Rig().pair);
   info->p[3] = NAN;
   EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("p = not finite"));
-  info = ToRosLeftInfo(Place(), examples::Rig().pair);
-  SetRosText(info->distortion_model, "equidistant");
-  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("distortion_model = equidistant"));
+}
+
+// OpenCV's rational model with the coefficients of Brown's alone is Brown's.
+TEST(FromRos, ALensOfARationalModelMayBeBrowns) {
+  const auto camera = FromRosInfo(*WithLens(*ToRosLeftInfo(Place(), examples::Rig().pair),
+                                            "rational_polynomial", {1, 2, 3, 4, 5, 0, 0, 0}));
+  ASSERT_TRUE(camera && camera->lens) << ErrorOf(camera->lens);
+  EXPECT_EQ(camera->lens->distortion, (std::array<double, 5>{1, 2, 3, 4, 5}));
 }
 
 TEST(FromRos, TheTofCameraComesBack) {
   const TofCamera tof = examples::Rig().tof;
   const auto info = FromRosInfo(*ToRosTofInfo(Place(), tof));
   ASSERT_TRUE(info) << ErrorOf(info);
-  EXPECT_EQ(info->lens.distortion, tof.distortion);
+  ASSERT_TRUE(info->lens) << ErrorOf(info->lens);
+  EXPECT_EQ(info->lens->distortion, tof.distortion);
   const auto poses = FromRosTransforms(*ToRosTransforms(1, examples::Rig(), {}));
   ASSERT_TRUE(poses) << ErrorOf(poses);
   ASSERT_EQ(poses->size(), 2U);

@@ -142,7 +142,7 @@ TEST(McapPeers, AreReadHoweverTheyWrite) {
     EXPECT_EQ(count, 60U) << kind;
     EXPECT_THAT(reader.trouble(), testing::IsEmpty()) << kind;
     EXPECT_EQ(reader.chunks() > 5, std::string(kind) != "unchunked" && std::string(kind) != "bare");
-    EXPECT_EQ(reader.metadata().at("who").at("wrote"), "peer") << kind;
+    EXPECT_EQ(reader.Metadata().at("who").at("wrote"), "peer") << kind;
   }
 }
 

@@ -103,7 +103,7 @@ TEST(McapExport, HasTheConfigurationsAsMetadata) {
   McapReader reader(folder.File("out"));
   for (McapMessage message; reader.Next(message);) {
   }
-  EXPECT_EQ(reader.metadata().at("sprout process grow").at("config"), "grow { }\n");
+  EXPECT_EQ(reader.Metadata().at("sprout process grow").at("config"), "grow { }\n");
   EXPECT_THAT(RunLog({"info", "--config", folder.File("out")}).out,
               HasSubstr("config: grow { }\n"));
 }

@@ -1,0 +1,289 @@
+// Recordings as other people's drivers and recorders make them.
+#include <gmock/gmock.h>
+#include <zstd.h>
+
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/services/capture/ros_recording.h"
+
+namespace sprout::capture {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr uint64_t kFrameNs = 100'000'000;
+
+// What is read of a recording with one pair and a calibration that `add` may change or add to.
+struct Opened {
+  std::unique_ptr<datasets::FrameSource> source;
+  std::vector<datasets::CapturedFrame> frames;
+  std::vector<std::string> told;
+};
+
+Opened OpenAll(const std::string& source) {
+  Told told;
+  Opened opened{.source = OpenRosSource(source, told.Options()), .frames = {}, .told = {}};
+  opened.frames = All(*opened.source);
+  opened.told = std::move(told.lines);
+  return opened;
+}
+
+void AddPairs(RosRecording& file, int count) {
+  for (int i = 0; i < count; ++i) {
+    const auto time = static_cast<uint64_t>(i) * kFrameNs;
+    file.AddImage("/left/image", kStart + 100'000 * i, Grey(i), time);
+    file.AddImage("/right/image", kStart + 100'000 * i, Grey(i), time);
+  }
+}
+
+// Whoever splits or merges bags may write one topic behind the other.
+TEST(RosForeign, FramesAreWholeThoughTopicsStandBehindEachOther) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file", /*chunk_bytes=*/1);
+  constexpr int kCount = 20;
+  for (const char* topic : {"/right/image", "/left/image"}) {
+    for (int i = 0; i < kCount; ++i) {
+      file.AddImage(topic, kStart + 100'000 * i, Grey(i), static_cast<uint64_t>(i) * kFrameNs);
+    }
+  }
+  file.AddCalibration(examples::Rig());
+  file.Finish();
+  const Opened opened = OpenAll(Source(folder));
+  ASSERT_EQ(opened.frames.size(), static_cast<size_t>(kCount));
+  for (const auto& frame : opened.frames) {
+    EXPECT_EQ(frame.lost, 0);
+    EXPECT_EQ(frame.left.at<uint8_t>(0, 0), frame.right.at<uint8_t>(0, 0));
+  }
+}
+
+TEST(RosForeign, PartsOfABagAreOneRecording) {
+  const TemporaryDirectory folder;
+  std::filesystem::create_directory(folder / "bag");
+  const std::string first = folder / "bag/bag_0.mcap";
+  const std::string second = folder / "bag/bag_1.mcap";
+  {
+    RosRecording file(first);
+    AddPairs(file, 3);
+    file.Finish();
+    // Only the second one has the calibration.
+    RosRecording next(second);
+    for (int i = 3; i < 5; ++i) {
+      const auto time = static_cast<uint64_t>(i) * kFrameNs;
+      next.AddImage("/right/image", kStart + 100'000 * i, Grey(i), time);
+      next.AddImage("/left/image", kStart + 100'000 * i, Grey(i), time);
+    }
+    next.AddCalibration(examples::Rig());
+    next.Finish();
+  }
+  const std::string options = "?left=/left/image&right=/right/image";
+  for (const std::string& bag : {std::string(folder / "bag"), second + "," + first}) {
+    const Opened opened = OpenAll("mcap:" + bag + options);
+    ASSERT_EQ(opened.frames.size(), 5U) << bag;
+    for (int i = 0; i < 5; ++i) {
+      EXPECT_EQ(opened.frames[static_cast<size_t>(i)].utime, kStart + 100'000 * i);
+    }
+    EXPECT_THAT(opened.told, IsEmpty());
+  }
+}
+
+TEST(RosForeign, MessagesMayBePackedOneByOne) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.Change([](std::vector<uint8_t>& cdr) {
+    std::vector<uint8_t> packed(ZSTD_compressBound(cdr.size()));
+    packed.resize(ZSTD_compress(packed.data(), packed.size(), cdr.data(), cdr.size(), 1));
+    cdr = std::move(packed);
+  });
+  file.AddCalibration(examples::Rig());
+  AddPairs(file, 3);
+  file.Change([](std::vector<uint8_t>& cdr) { cdr = {0x28, 0xb5, 0x2f, 0xfd, 1, 2, 3}; });
+  file.AddImage("/left/image", kStart + 300'000, Grey(3), 3 * kFrameNs);
+  file.Finish();
+  const Opened opened = OpenAll(Source(folder));
+  EXPECT_EQ(opened.frames.size(), 3U);
+  EXPECT_THAT(opened.told, ElementsAre(HasSubstr("/left/image: message: ")));
+}
+
+// A bag of ROS 1 that a tool has wrapped in MCAP has every topic, but not one message for us.
+TEST(RosForeign, RosOnesEncodingIsCalledByItsName) {
+  const TemporaryDirectory folder;
+  McapWriter writer(folder / "file", {.profile = "ros1"});
+  const uint16_t schema = writer.AddSchema("sensor_msgs/Image", "ros1msg", "uint32 seq");
+  for (const char* topic :
+       {"/left/image", "/right/image", "/left/camera_info", "/right/camera_info"}) {
+    writer.Write(writer.AddChannel(schema, topic, "ros1"), 0, 0, std::vector<uint8_t>(8));
+  }
+  ASSERT_TRUE(writer.Commit());
+  EXPECT_THAT(Complaint(Source(folder)),
+              HasSubstr("/left/image is in " + PathOf(folder) +
+                        ", but in ROS 1's encoding: make a bag of ROS 2 of the ROS 1 bag"));
+}
+
+TEST(RosForeign, NamesNeedNoSlashInFront) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddImage("left/image", kStart, Grey(1));
+  file.AddImage("right/image", kStart, Grey(1));
+  file.AddCalibration(examples::Rig());
+  file.Finish();
+  const std::string bag = "mcap:" + PathOf(folder);
+  EXPECT_EQ(OpenAll(bag + "?left=left/image&right=right/image").frames.size(), 1U);
+  EXPECT_EQ(OpenAll(bag + "?left=/left/image&right=/right/image").frames.size(), 1U);
+}
+
+TEST(RosForeign, TransformsMayBeOnOtherTopics) {
+  const Rig rig = examples::Rig();
+  for (const char* robot : {"", "/robot1", "/left"}) {
+    for (const char* topic : {"/tf_static", "/tf"}) {
+      const TemporaryDirectory folder;
+      RosRecording file(folder / "file");
+      AddPairs(file, 1);
+      file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
+      file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
+      file.Add("/left/camera_info", ToRosLeftInfo({kStart, RosFrames().left}, rig.pair));
+      file.Add("/right/camera_info", ToRosRightInfo({kStart, RosFrames().right}, rig.pair));
+      const std::string name = std::string(robot) + topic;
+      file.Add(name, ToRosTransforms(kStart, rig, {}));
+      file.Finish();
+      const Opened opened = OpenAll(Source(folder, "&depth=/tof/image"));
+      EXPECT_EQ(RigId(opened.source->rig()), RigId(rig)) << name;
+      // Those that are not looked for by name are taken aloud.
+      EXPECT_EQ(opened.told.size(), std::string(robot) == "/robot1" ? 1U : 0U) << name;
+      const Opened asked = OpenAll(Source(folder, "&depth=/tof/image&tf=" + name));
+      EXPECT_EQ(RigId(asked.source->rig()), RigId(rig)) << name;
+      EXPECT_THAT(asked.told, IsEmpty());
+    }
+  }
+}
+
+// Of two robots nobody says which one it is.
+TEST(RosForeign, TransformsOfSeveralRobotsAreNotGuessed) {
+  const Rig rig = examples::Rig();
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  AddPairs(file, 1);
+  file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
+  file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
+  file.AddCalibration(rig, "/robot1");
+  file.Add("/robot2/tf_static", ToRosTransforms(kStart, rig, {}));
+  file.Finish();
+  EXPECT_THAT(Complaint(Source(folder, "&depth=/tof/image")), HasSubstr("no transform"));
+  const Opened opened = OpenAll(Source(folder, "&depth=/tof/image&tf=/robot2/tf_static"));
+  EXPECT_EQ(RigId(opened.source->rig()), RigId(rig));
+}
+
+TEST(RosForeign, ThePoseMayBeGiven) {
+  const Rig rig = examples::Rig();
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  AddPairs(file, 1);
+  file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
+  file.Add("/tof/camera_info", ToRosTofInfo({kStart, "nowhere"}, rig.tof));
+  file.AddCalibration(rig);
+  file.Finish();
+  const Opened opened = OpenAll(Source(folder, "&depth=/tof/image&pose=0.1,-0.2,0.3,0,0,1,0"));
+  const TofCamera& tof = opened.source->rig().tof;
+  EXPECT_EQ(tof.left_from_tof_translation_m, Eigen::Vector3d(0.1, -0.2, 0.3));
+  EXPECT_EQ(tof.left_from_tof_rotation.z(), 1);
+  const Opened shifted = OpenAll(Source(folder, "&depth=/tof/image&pose=0.1,0,0"));
+  EXPECT_EQ(shifted.source->rig().tof.left_from_tof_rotation.w(), 1);
+}
+
+// A range image that was registered to a camera of the pair has its camera_info, and stands there.
+TEST(RosForeign, ARangeImageMayHaveTheCameraInfoOfAnImage) {
+  const RectifiedPair pair = examples::Rig().pair;
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  AddPairs(file, 1);
+  cv::Mat1w millimetres(kSize, uint16_t{1500});
+  file.AddImage("/left/depth", kStart, millimetres);
+  file.AddImage("/depth/image", kStart, millimetres);
+  // K and D are those of the raw image.
+  RosMessage<RosCameraInfo> left = ToRosLeftInfo({kStart, "left"}, pair);
+  left->k[0] = 321;
+  left->d._buffer[0] = 0.1;
+  file.Add("/left/camera_info", left);
+  file.Add("/right/camera_info", ToRosRightInfo({kStart, "right"}, pair));
+  file.Finish();
+  for (const char* options :
+       {"&depth=/left/depth", "&depth=/depth/image&depth_info=/left/camera_info",
+        "&depth=/depth/image&depth_info=/right/camera_info"}) {
+    const Opened opened = OpenAll(Source(folder, options));
+    const TofCamera& tof = opened.source->rig().tof;
+    const bool is_right = std::string(options).ends_with("/right/camera_info");
+    EXPECT_EQ(tof.fx, pair.focal_px) << options;
+    EXPECT_EQ(tof.cx, is_right ? pair.cx_right : pair.cx) << options;
+    EXPECT_EQ(tof.distortion, TofCamera().distortion) << options;
+    EXPECT_EQ(tof.left_from_tof_translation_m,
+              Eigen::Vector3d(is_right ? pair.baseline_m : 0, 0, 0))
+        << options;
+    ASSERT_EQ(opened.frames.size(), 1U);
+    EXPECT_FLOAT_EQ(opened.frames[0].tof.depth_m(7, 7), 1.5F);
+  }
+}
+
+// Of a range image of its own camera the name says whether P or K and D describe it.
+TEST(RosForeign, ARectifiedRangeImageIsThatOfP) {
+  const Rig rig = examples::Rig();
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  AddPairs(file, 1);
+  file.AddImage("/tof/image_rect_raw", kStart, examples::Tof(false).depth_m);
+  file.AddImage("/tof/image_raw", kStart, examples::Tof(false).depth_m);
+  RosMessage<RosCameraInfo> info = ToRosTofInfo({kStart, RosFrames().tof}, rig.tof);
+  info->p[0] = 150;
+  SetRosText(info->distortion_model, "equidistant");
+  file.Add("/tof/camera_info", info);
+  file.AddCalibration(rig);
+  file.Finish();
+  const Opened opened = OpenAll(Source(folder, "&depth=/tof/image_rect_raw"));
+  EXPECT_EQ(opened.source->rig().tof.fx, 150);
+  EXPECT_EQ(opened.source->rig().tof.distortion, TofCamera().distortion);
+  EXPECT_THAT(Complaint(Source(folder, "&depth=/tof/image_raw")),
+              HasSubstr("/tof/camera_info: distortion_model = equidistant: allowed is plumb_bob"));
+}
+
+TEST(RosForeign, ImagesAndRangesMayBeCompressed) {
+  const Rig rig = examples::Rig();
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddCalibration(rig);
+  const auto add = [&](const std::string& topic, const std::string& format, const cv::Mat& image,
+                       size_t header) {
+    std::vector<uint8_t> png;
+    cv::imencode(".png", image, png);
+    png.insert(png.begin(), header, uint8_t{0});
+    RosMessage<RosCompressedImage> message;
+    message->header.stamp = RosStamp(kStart);
+    SetRosText(message->format, format);
+    std::ranges::copy(png, ResizeRos(message->data, png.size()).begin());
+    file.Add(topic, message);
+  };
+  add("/left/image/compressed", "PNG", Grey(5), 0);
+  add("/right/image/compressed", "", Grey(5), 0);
+  add("/tof/image/compressedDepth", "16UC1; compressedDepth", cv::Mat1w(3, 2, uint16_t{2500}), 12);
+  file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
+  file.Finish();
+  const Opened opened = OpenAll("mcap:" + PathOf(folder) +
+                                "?left=/left/image/compressed&right=/right/image/compressed"
+                                "&depth=/tof/image/compressedDepth");
+  ASSERT_EQ(opened.frames.size(), 1U);
+  EXPECT_EQ(opened.frames[0].left.at<uint8_t>(9, 9), 5);
+  EXPECT_FLOAT_EQ(opened.frames[0].tof.depth_m(1, 1), 2.5F);
+  // Without a calibration, too: that is what images for one are.
+  Told told;
+  const auto raw = OpenRawRosSource("mcap:" + PathOf(folder) +
+                                        "?left=/left/image/compressed&right=/right/image/"
+                                        "compressed&rig=of_no_use",
+                                    told.Options());
+  const std::stop_source never;
+  const auto frame = raw->Next(never.get_token());
+  ASSERT_TRUE(frame.has_value());
+  EXPECT_EQ(frame->left.size(), kSize);
+}
+
+}  // namespace
+}  // namespace sprout::capture

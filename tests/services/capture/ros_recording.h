@@ -1,0 +1,102 @@
+#ifndef SPROUT_TESTS_SERVICES_CAPTURE_ROS_RECORDING_H_
+#define SPROUT_TESTS_SERVICES_CAPTURE_ROS_RECORDING_H_
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/config/config_error.h"
+#include "common/mcap/mcap_writer.h"
+#include "common/ros2/frame_topics.h"
+#include "services/capture/ros2/ros_source.h"
+#include "tests/common/messages/examples.h"
+#include "tests/common/picture/temporary_directory.h"
+
+// Recordings of ROS 2's messages for tests, and what is read of them.
+namespace sprout::capture {
+
+inline constexpr int64_t kStart = 1'700'000'000'000'000;
+inline const cv::Size kSize(640, 480);  // as examples::Rig()
+
+class RosRecording {
+ public:
+  /// @param chunk_bytes  small: each message has a chunk of its own.
+  explicit RosRecording(const std::string& path, size_t chunk_bytes = size_t{4} << 20)
+      : writer_(path, {.profile = "ros2", .chunk_bytes = chunk_bytes}) {}
+
+  /// @param time_ns  of the recording, not of the message.
+  void Add(const std::string& topic, const AnyRosMessage& message, uint64_t time_ns = 0) {
+    const auto [channel, is_new] = channels_.try_emplace(topic);
+    if (is_new) {
+      const uint16_t schema =
+          writer_.AddSchema(message.type().name, "ros2msg", RosSchema(message.type()));
+      channel->second = writer_.AddChannel(schema, topic, "cdr");
+    }
+    WriteCdr(message, cdr_);
+    if (change_) change_(cdr_);
+    writer_.Write(channel->second, 0, time_ns, cdr_);
+  }
+
+  void AddCalibration(const Rig& rig, const std::string& of_robot = "") {
+    Add("/left/camera_info", ToRosLeftInfo({kStart, RosFrames().left}, rig.pair));
+    Add("/right/camera_info", ToRosRightInfo({kStart, RosFrames().right}, rig.pair));
+    Add(of_robot + "/tf_static", ToRosTransforms(kStart, rig, {}));
+  }
+
+  void AddImage(const std::string& topic, int64_t utime, const cv::Mat& image,
+                uint64_t time_ns = 0) {
+    Add(topic, ToRosImage({utime, "frame"}, image), time_ns);
+  }
+
+  /// What becomes of the bytes of further messages.
+  void Change(std::function<void(std::vector<uint8_t>&)> change) { change_ = std::move(change); }
+
+  void Finish() { EXPECT_TRUE(writer_.Commit()); }
+
+ private:
+  McapWriter writer_;
+  std::map<std::string, uint16_t> channels_;
+  std::vector<uint8_t> cdr_;
+  std::function<void(std::vector<uint8_t>&)> change_;
+};
+
+inline std::string PathOf(const TemporaryDirectory& folder) { return folder / "file"; }
+
+struct Told {
+  std::vector<std::string> lines;
+  RosSourceOptions Options(bool loop = false) {
+    return {.loop = loop, .tell = [this](const std::string& line) { lines.push_back(line); }};
+  }
+};
+
+inline cv::Mat1b Grey(int value) { return cv::Mat1b(kSize, static_cast<uint8_t>(value)); }
+
+inline std::string Source(const TemporaryDirectory& folder, const std::string& options = "") {
+  return "mcap:" + PathOf(folder) + "?left=/left/image&right=/right/image" + options;
+}
+
+inline std::vector<datasets::CapturedFrame> All(datasets::FrameSource& source) {
+  std::vector<datasets::CapturedFrame> frames;
+  const std::stop_source never;
+  while (auto frame = source.Next(never.get_token())) frames.push_back(std::move(*frame));
+  return frames;
+}
+
+inline std::string Complaint(const std::string& source) {
+  try {
+    Told told;
+    OpenRosSource(source, told.Options());
+  } catch (const ConfigError& e) {
+    return e.what();
+  }
+  return "none";
+}
+
+}  // namespace sprout::capture
+
+#endif  // SPROUT_TESTS_SERVICES_CAPTURE_ROS_RECORDING_H_
