@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 namespace sprout {
 namespace {
@@ -39,6 +41,16 @@ Result<std::string> ReadToEnd(int descriptor, size_t max_bytes) {
   }
 }
 
+// Windows' editors begin a text with a byte order mark.
+Result<std::string> WithoutMark(Result<std::string> text) {
+  constexpr std::string_view kUtf8 = "\xef\xbb\xbf";
+  if (text && text->starts_with(kUtf8)) text->erase(0, kUtf8.size());
+  if (text && (text->starts_with("\xff\xfe") || text->starts_with("\xfe\xff"))) {
+    return CannotRead("text in UTF-16; save it as UTF-8");
+  }
+  return text;
+}
+
 }  // namespace
 
 Result<std::string> ReadText(const std::filesystem::path& path, size_t max_bytes) {
@@ -50,7 +62,7 @@ Result<std::string> ReadText(const std::filesystem::path& path, size_t max_bytes
                                  ? ReadToEnd(descriptor, max_bytes)
                                  : CannotRead("no regular file");
   close(descriptor);
-  return text;
+  return WithoutMark(std::move(text));
 }
 
 }  // namespace sprout

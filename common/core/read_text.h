@@ -16,9 +16,10 @@ constexpr size_t kMaxListBytes = size_t{1} << 26;
 
 /// Reads a small text file.
 ///
-/// @returns its bytes; or why it cannot be read, without the path: missing, not a regular file (a
-///          folder, a FIFO, a device), too large, or an error of the disk. Never waits for a
-///          writer, and never allocates more than max_bytes.
+/// @returns its bytes, without a byte order mark of UTF-8 in front; or why it cannot be read,
+/// without the path: missing, not a regular file (a
+///          folder, a FIFO, a device), too large, UTF-16, or an error of the disk. Never waits for
+///          a writer, and never allocates more than max_bytes.
 Result<std::string> ReadText(const std::filesystem::path& path, size_t max_bytes = kMaxTextBytes);
 
 }  // namespace sprout

@@ -1,9 +1,11 @@
 #include "common/rig/rig_file.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "common/config/config.h"
 #include "common/core/output_file.h"
+#include "common/core/read_text.h"
 #include "common/rig/rectification.h"
 
 namespace sprout {
@@ -41,6 +43,13 @@ Pose PoseOf(const std::string& name, const RigPose& message) {
   Fill(name + ".rotation", message.rotation(), /*may_be_fewer=*/false, q);
   Fill(name + ".translation_m", message.translation_m(), /*may_be_fewer=*/false, t);
   return {.rotation = {q[0], q[1], q[2], q[3]}, .translation_m = {t[0], t[1], t[2]}};
+}
+
+// Whether a text looks like a calibration of OpenCV, ROS or Kalibr.
+bool IsOfOthers(std::string_view text) {
+  const auto has = [&](std::string_view what) { return text.find(what) != std::string_view::npos; };
+  return text.starts_with("%YAML") || text.starts_with("<?xml") || has("!!opencv-matrix") ||
+         has("camera_matrix:") || has("cam0:");
 }
 
 void RequireOk(const Checks& checks) {
@@ -99,6 +108,11 @@ void Set(const Pose& pose, RigPose& message) {
 
 RigDescription LoadRigFile(const fs::path& path) {
   RigDescription rig;
+  if (const Result<std::string> text = ReadText(path); text && IsOfOthers(*text)) {
+    throw ConfigError("rig file " + path.string() +
+                      ": the calibration of another program; sprout-calibrate import makes a rig "
+                      "file of it");
+  }
   ParseTextFile(path, "rig file", "a file as sprout-calibrate writes it", rig);
   RequireInRange(rig, "rig file " + path.string() + ": rig");
   return rig;

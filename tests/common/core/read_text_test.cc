@@ -30,6 +30,16 @@ class ReadTextTest : public testing::Test {
   TemporaryDirectory folder_;
 };
 
+TEST_F(ReadTextTest, LeavesOutAByteOrderMark) {
+  EXPECT_EQ(ReadText(Write("\xef\xbb\xbf"
+                           "a: 1")),
+            "a: 1");
+  EXPECT_EQ(ReadText(Write("a\xef\xbb\xbf")), "a\xef\xbb\xbf");
+  EXPECT_THAT(ErrorOf(Write("\xff\xfe"
+                            "a")),
+              HasSubstr("UTF-16; save it as UTF-8"));
+}
+
 TEST_F(ReadTextTest, GivesEveryByte) {
   EXPECT_EQ(ReadText(Write("")), "");
   EXPECT_EQ(ReadText(Write("a\r\n\nb")), "a\r\n\nb");

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <numbers>
+#include <sstream>
 #include <string>
 
 #include "common/config/config_error.h"
@@ -90,6 +91,25 @@ TEST_F(RigFile, MayHaveNoCalibrationYet) {
   Write("left { serial: '1' }");
   EXPECT_FALSE(CalibrationOf(LoadRigFile(path_)));
   EXPECT_THAT(Error(), AllOf(HasSubstr(path_), HasSubstr("no calibration")));
+}
+
+TEST_F(RigFile, MayBeginWithAByteOrderMark) {
+  RigDescription rig;
+  rig.mutable_left()->set_serial("42");
+  ASSERT_TRUE(SaveRigFile(path_, rig));
+  std::ostringstream text;
+  text << std::ifstream(path_).rdbuf();
+  Write("\xef\xbb\xbf" + text.str());
+  EXPECT_EQ(LoadRigFile(path_).left().serial(), "42");
+}
+
+TEST_F(RigFile, OfAnotherProgramSaysWhatMakesOneOfIt) {
+  for (const char* text :
+       {"%YAML:1.0\n---\nM1: 3\n", "<?xml version=\"1.0\"?>\n", "image_width: 3\ncamera_matrix:\n",
+        "cam0:\n  camera_model: pinhole\n"}) {
+    Write(text);
+    EXPECT_THAT(Error(), HasSubstr("the calibration of another program; sprout-calibrate import"));
+  }
 }
 
 TEST_F(RigFile, SaysWhatCannotBeRead) {
