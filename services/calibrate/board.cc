@@ -1,47 +1,152 @@
 #include "services/calibrate/board.h"
 
+#include <fmt/core.h>
+
+#include <array>
 #include <cstdint>
 #include <opencv2/aruco.hpp>
-#include <sstream>
 #include <string>
+#include <string_view>
 
 #include "common/config/config_error.h"
 
 namespace sprout::calibrate {
 namespace {
 
-// Of a square: 4 bits and a border on either side, and half of what is left on either side again.
-constexpr double kMarkerPerSquare = 6.0 / Board::kModulesPerSquare;
+struct Dictionary {
+  std::string_view name;
+  int number;  // OpenCV's
+};
+constexpr std::array kDictionaries = {
+    Dictionary{"DICT_4X4_50", cv::aruco::DICT_4X4_50},
+    Dictionary{"DICT_4X4_100", cv::aruco::DICT_4X4_100},
+    Dictionary{"DICT_4X4_250", cv::aruco::DICT_4X4_250},
+    Dictionary{"DICT_4X4_1000", cv::aruco::DICT_4X4_1000},
+    Dictionary{"DICT_5X5_50", cv::aruco::DICT_5X5_50},
+    Dictionary{"DICT_5X5_100", cv::aruco::DICT_5X5_100},
+    Dictionary{"DICT_5X5_250", cv::aruco::DICT_5X5_250},
+    Dictionary{"DICT_5X5_1000", cv::aruco::DICT_5X5_1000},
+    Dictionary{"DICT_6X6_50", cv::aruco::DICT_6X6_50},
+    Dictionary{"DICT_6X6_100", cv::aruco::DICT_6X6_100},
+    Dictionary{"DICT_6X6_250", cv::aruco::DICT_6X6_250},
+    Dictionary{"DICT_6X6_1000", cv::aruco::DICT_6X6_1000},
+    Dictionary{"DICT_7X7_50", cv::aruco::DICT_7X7_50},
+    Dictionary{"DICT_7X7_100", cv::aruco::DICT_7X7_100},
+    Dictionary{"DICT_7X7_250", cv::aruco::DICT_7X7_250},
+    Dictionary{"DICT_7X7_1000", cv::aruco::DICT_7X7_1000},
+    Dictionary{"DICT_ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL},
+    Dictionary{"DICT_APRILTAG_16h5", cv::aruco::DICT_APRILTAG_16h5},
+    Dictionary{"DICT_APRILTAG_25h9", cv::aruco::DICT_APRILTAG_25h9},
+    Dictionary{"DICT_APRILTAG_36h10", cv::aruco::DICT_APRILTAG_36h10},
+    Dictionary{"DICT_APRILTAG_36h11", cv::aruco::DICT_APRILTAG_36h11},
+};
+
+cv::Ptr<cv::aruco::Dictionary> OpenDictionary(const std::string& name) {
+  const std::optional<int> number = DictionaryOf(name);
+  if (!number) {
+    throw ConfigError("--dictionary " + name + ": allowed is one of " + DictionaryNames());
+  }
+  return cv::aruco::getPredefinedDictionary(*number);
+}
+
+// So many markers the board has, and so many there are.
+void CheckMarkers(const BoardSize& size, int64_t needed, const std::string& dictionary) {
+  const int there = OpenDictionary(dictionary)->bytesList.rows;
+  if (needed > there) {
+    throw ConfigError(
+        fmt::format("--squares {}x{}: allowed is what needs no more than the {} "
+                    "markers of {}",
+                    size.columns, size.rows, there, dictionary));
+  }
+}
 
 BoardSize Checked(const BoardSize& size) {
   const int64_t squares = int64_t{size.columns} * size.rows;
-  if (size.columns < 3 || size.rows < 3 || squares / 2 > Board::kMaxMarkers) {
-    throw ConfigError("--squares " + std::to_string(size.columns) + "x" +
-                      std::to_string(size.rows) + ": allowed is 3x3 and more, up to " +
-                      std::to_string(2 * Board::kMaxMarkers) + " squares in all");
+  const bool has_tags = size.kind == BoardKind::kAprilGrid;
+  const int least = has_tags ? 2 : 3;
+  constexpr int kMost = 500;
+  if (size.columns < least || size.rows < least || squares > kMost) {
+    throw ConfigError(fmt::format("--squares {}x{}: allowed is {}x{} and more, up to {} in all",
+                                  size.columns, size.rows, least, least, kMost));
   }
+  if (has_tags) CheckMarkers(size, squares, "DICT_APRILTAG_36h11");
+  if (size.kind == BoardKind::kCharuco) CheckMarkers(size, squares / 2, size.dictionary);
   if (!(size.square_m >= 0.001 && size.square_m <= 10)) {
-    std::ostringstream value;
-    value << 1000 * size.square_m;
-    throw ConfigError("--square-mm " + value.str() + ": allowed is a number from 1 to 10000");
+    throw ConfigError(
+        fmt::format("--square-mm {:g}: allowed is a number from 1 to 10000", 1000 * size.square_m));
+  }
+  if (!(size.marker_per_square > 0.2 && size.marker_per_square < 1)) {
+    throw ConfigError(fmt::format("--marker-mm {:g}: allowed is a fifth of a square to a square",
+                                  1000 * size.square_m * size.marker_per_square));
+  }
+  if (!(size.gap_per_tag >= 0.1 && size.gap_per_tag <= 1)) {
+    throw ConfigError(
+        fmt::format("--tag-spacing {:g}: allowed is a number from 0.1 to 1", size.gap_per_tag));
   }
   return size;
 }
 
 }  // namespace
 
-Board::Board(const BoardSize& size)
-    : size_(Checked(size)),
-      charuco_(cv::aruco::CharucoBoard::create(
-          size.columns, size.rows, static_cast<float>(size.square_m),
-          static_cast<float>(size.square_m * kMarkerPerSquare),
-          cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_250))) {
-  corners_.reserve(static_cast<size_t>((size.columns - 1) * (size.rows - 1)));
+std::optional<int> DictionaryOf(const std::string& name) {
+  for (const Dictionary& one : kDictionaries) {
+    if (one.name == name) return one.number;
+  }
+  return std::nullopt;
+}
+
+std::string DictionaryNames() {
+  std::string names;
+  for (const Dictionary& one : kDictionaries) {
+    names += (names.empty() ? "" : ", ") + std::string(one.name);
+  }
+  return names;
+}
+
+std::string BoardText(const BoardSize& size) {
+  const std::string extent = fmt::format("{}x{}", size.columns, size.rows);
+  switch (size.kind) {
+    case BoardKind::kCharuco:
+      return "ChArUco board of " + extent + " squares with " + size.dictionary;
+    case BoardKind::kChessboard:
+      return fmt::format("chessboard of {} squares, {}x{} inner corners", extent, size.columns - 1,
+                         size.rows - 1);
+    case BoardKind::kAprilGrid:
+      break;
+  }
+  return "AprilGrid of " + extent + " tags";
+}
+
+Board::Board(const BoardSize& size) : size_(Checked(size)) {
+  const double side = size.square_m;
+  if (size.kind == BoardKind::kAprilGrid) {
+    corner_columns_ = 2 * size.columns;
+    const double pitch = side * (1 + size.gap_per_tag);
+    for (int row = 0; row < 2 * size.rows; ++row) {
+      for (int column = 0; column < corner_columns_; ++column) {
+        corners_.emplace_back(column / 2 * pitch + column % 2 * side,
+                              row / 2 * pitch + row % 2 * side, 0);
+      }
+    }
+    return;
+  }
+  if (size.kind == BoardKind::kCharuco) {
+    charuco_ = cv::aruco::CharucoBoard::create(size.columns, size.rows, static_cast<float>(side),
+                                               static_cast<float>(side * size.marker_per_square),
+                                               OpenDictionary(size.dictionary));
+  }
+  corner_columns_ = size.columns - 1;
   for (int row = 1; row < size.rows; ++row) {
     for (int column = 1; column < size.columns; ++column) {
-      corners_.emplace_back(column * size.square_m, row * size.square_m, 0);
+      corners_.emplace_back(column * side, row * side, 0);
     }
   }
+}
+
+Eigen::Vector2d Board::extent_m() const {
+  const double pitch =
+      size_.square_m * (size_.kind == BoardKind::kAprilGrid ? 1 + size_.gap_per_tag : 1);
+  return {size_.columns * pitch, size_.rows * pitch};
 }
 
 cv::Mat1b Board::Modules() const {

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <opencv2/aruco.hpp>
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 
 #include "common/core/quantile.h"
+#include "services/calibrate/board_reader.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -100,56 +99,6 @@ BoardCorners Refined(const BoardCorners& corners, int columns, const cv::Mat1f& 
   return refined;
 }
 
-using Quad = std::vector<cv::Point2f>;  // the corners of a marker
-
-// Whether markers lie as on the board: up to the lens's distortion, one homography takes most of
-// them from there to the image.
-bool LieAsOn(const cv::aruco::CharucoBoard& board, const std::vector<Quad>& markers,
-             const std::vector<int>& ids) {
-  constexpr double kMaxOffPerSide =
-      0.5;  // of a marker; on another board they are whole squares off
-  std::vector<cv::Point2f> on_board;
-  std::vector<cv::Point2f> in_image;
-  double side = 0;
-  int of_board = 0;
-  for (size_t i = 0; i < ids.size(); ++i) {
-    if (std::cmp_greater_equal(ids[i], board.objPoints.size())) continue;
-    for (const cv::Point3f& corner : board.objPoints[static_cast<size_t>(ids[i])]) {
-      on_board.emplace_back(corner.x, corner.y);
-    }
-    in_image.insert(in_image.end(), markers[i].begin(), markers[i].end());
-    side += cv::norm(markers[i][1] - markers[i][0]);
-    ++of_board;
-  }
-  if (of_board == 0) return false;
-  side /= of_board;
-  std::vector<uchar> fits;
-  cv::findHomography(on_board, in_image, fits, cv::RANSAC, kMaxOffPerSide * side);
-  return 2 * std::ranges::count(fits, 1) >= std::ssize(ids) * 4;
-}
-
-// The corners to a pixel or so; none when it is another board. OpenCV's corners are half a pixel
-// off, and badly placed where few markers are.
-BoardCorners Read(const Board& board, const cv::Mat1b& image) {
-  std::vector<Quad> markers;
-  std::vector<int> marker_ids;
-  const cv::Ptr<cv::aruco::CharucoBoard>& charuco = board.charuco();
-  cv::aruco::detectMarkers(image, charuco->dictionary, markers, marker_ids);
-  if (marker_ids.empty()) return {};
-  BoardCorners corners{.markers = static_cast<int>(marker_ids.size())};
-  if (!LieAsOn(*charuco, markers, marker_ids)) return corners;
-  std::vector<cv::Point2f> pixels;
-  std::vector<int> ids;
-  cv::aruco::interpolateCornersCharuco(markers, marker_ids, image, charuco, pixels, ids);
-  std::map<int, cv::Point2d> sorted;
-  for (size_t i = 0; i < ids.size(); ++i) sorted[ids[i]] = pixels[i];
-  for (const auto& [id, pixel] : sorted) {
-    corners.ids.push_back(id);
-    corners.pixels.push_back(pixel);
-  }
-  return corners;
-}
-
 // A pixel of an image and of one that has kUpscale times as many a side.
 cv::Point2d Down(const cv::Point2d& p) {
   return {(p.x + 0.5) / kUpscale - 0.5, (p.y + 0.5) / kUpscale - 0.5};
@@ -199,13 +148,13 @@ cv::Mat1b Rounded(const cv::Mat1f& levels) {
 BoardCorners FindBoard(const Board& board, const cv::Mat1b& image) {
   cv::Mat1f levels;
   image.convertTo(levels, CV_32F);
-  return Refined(Read(board, image), board.size().columns - 1, levels, kWindowPerSquare);
+  return Refined(ReadBoard(board, image), board.corner_columns(), levels, kWindowPerSquare);
 }
 
 BoardCorners FindBoardInAmplitude(const Board& board, const cv::Mat1f& amplitude) {
   if (amplitude.empty()) return {};
   const cv::Mat1f large = Upscaled(Levels(amplitude));
-  BoardCorners corners = Refined(Read(board, Rounded(large)), board.size().columns - 1,
+  BoardCorners corners = Refined(ReadBoard(board, Rounded(large)), board.corner_columns(),
                                  Smoothed(large), kSmallWindowPerSquare);
   for (cv::Point2d& pixel : corners.pixels) pixel = Down(pixel);
   return corners;
@@ -216,7 +165,7 @@ BoardCorners FindCornersNear(const Board& board, const BoardCorners& expected,
   if (amplitude.empty()) return {};
   BoardCorners corners = expected;
   for (cv::Point2d& pixel : corners.pixels) pixel = Up(pixel);
-  corners = Refined(corners, board.size().columns - 1, Smoothed(Upscaled(Levels(amplitude))),
+  corners = Refined(corners, board.corner_columns(), Smoothed(Upscaled(Levels(amplitude))),
                     kSmallWindowPerSquare);
   for (cv::Point2d& pixel : corners.pixels) pixel = Down(pixel);
   return corners;

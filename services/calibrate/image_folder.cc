@@ -1,7 +1,10 @@
 #include "services/calibrate/image_folder.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,10 +17,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The file whose name, without extension, is `stem`; empty: there is none.
+bool IsImage(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return std::tolower(c); });
+  constexpr std::array kExtensions = {".png", ".jpg", ".jpeg", ".pgm",
+                                      ".ppm", ".bmp", ".tif",  ".tiff"};
+  return std::ranges::find(kExtensions, extension) != kExtensions.end();
+}
+
+// The NAME of left_NAME.png or leftNAME.png, with the line; nothing when it is none of these.
+std::optional<std::string> NameOf(const fs::path& file) {
+  const std::string stem = file.stem().string();
+  const std::string prefix = "left";
+  if (!IsImage(file) || !stem.starts_with(prefix)) return std::nullopt;
+  const std::string name = stem.substr(prefix.size());
+  const bool is_name = name.starts_with('_') ||
+                       (!name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) != 0);
+  return is_name ? std::optional(name) : std::nullopt;
+}
+
+// The image whose name, without extension, is `stem`; empty: there is none.
 fs::path FileOf(const std::vector<fs::path>& files, const std::string& stem) {
-  const auto found =
-      std::ranges::find_if(files, [&](const fs::path& file) { return file.stem() == stem; });
+  const auto found = std::ranges::find_if(
+      files, [&](const fs::path& file) { return file.stem() == stem && IsImage(file); });
   return found == files.end() ? fs::path() : *found;
 }
 
@@ -40,12 +63,13 @@ cv::Mat1f ReadNumbers(const fs::path& file, double scale_of_16_bits) {
 }
 
 TofImage ReadTof(const std::vector<fs::path>& files, const std::string& name) {
-  const fs::path amplitude = FileOf(files, "tof_amplitude_" + name);
-  const fs::path depth = FileOf(files, "tof_depth_" + name);
+  const std::string tof_name = name.starts_with('_') ? name : "_" + name;
+  const fs::path amplitude = FileOf(files, "tof_amplitude" + tof_name);
+  const fs::path depth = FileOf(files, "tof_depth" + tof_name);
   if (amplitude.empty() && depth.empty()) return {};
   if (amplitude.empty() || depth.empty()) {
     throw ConfigError((amplitude.empty() ? depth : amplitude).string() + ": there is no " +
-                      (amplitude.empty() ? "tof_amplitude_" : "tof_depth_") + name);
+                      (amplitude.empty() ? "tof_amplitude" : "tof_depth") + tof_name);
   }
   constexpr double kMPerMm = 0.001;
   TofImage tof{.depth_m = ReadNumbers(depth, kMPerMm), .amplitude = ReadNumbers(amplitude, 1)};
@@ -64,19 +88,19 @@ void ReadImageFolder(const std::filesystem::path& folder,
   std::ranges::sort(files);
   int triplets = 0;
   for (const fs::path& file : files) {
-    const std::string stem = file.stem().string();
-    const std::string prefix = "left_";
-    if (!stem.starts_with(prefix)) continue;
-    const std::string name = stem.substr(prefix.size());
-    const fs::path right = FileOf(files, "right_" + name);
-    if (right.empty()) throw ConfigError(file.string() + ": there is no right_" + name);
+    const std::optional<std::string> name = NameOf(file);
+    if (!name) continue;
+    const fs::path right = FileOf(files, "right" + *name);
+    if (right.empty()) throw ConfigError(file.string() + ": there is no right" + *name);
     visit({.left = Read(file, cv::IMREAD_GRAYSCALE),
            .right = Read(right, cv::IMREAD_GRAYSCALE),
-           .tof = ReadTof(files, name)});
+           .tof = ReadTof(files, *name)});
     ++triplets;
   }
   if (triplets == 0) {
-    throw ConfigError(folder.string() + ": no left_NAME.png with a right_NAME.png in it");
+    throw ConfigError(
+        folder.string() +
+        ": no left_NAME.png with a right_NAME.png in it, nor left1.png with right1.png");
   }
 }
 

@@ -10,8 +10,9 @@
 namespace sprout::calibrate {
 
 /// Reads the triplets of a folder, in the order of their names: left_NAME.png and right_NAME.png
-/// (or any other format that OpenCV reads), and if there is a ToF camera tof_amplitude_NAME.png (or
-/// .tiff; any unit) and tof_depth_NAME (.png: 16 bits, mm, 0 = no return; .tiff: 32-bit float, m).
+/// (or JPEG, PGM, PPM, BMP, TIFF; also left01.png and right01.png), and if there is a ToF camera
+/// tof_amplitude_NAME.png (or .tiff; any unit) and tof_depth_NAME (.png: 16 bits, mm, 0 = no
+/// return; .tiff: 32-bit float, m).
 /// @throws ConfigError naming a file that cannot be used, or the folder when there is no triplet.
 void ReadImageFolder(const std::filesystem::path& folder,
                      const std::function<void(const RigImages&)>& visit);

@@ -21,10 +21,12 @@
 #include "common/rig/rig_file.h"
 #include "services/calibrate/board.h"
 #include "services/calibrate/board_page.h"
+#include "services/calibrate/board_reader.h"
 #include "services/calibrate/calibrator.h"
 #include "services/calibrate/check.h"
 #include "services/calibrate/frame_log.h"
 #include "services/calibrate/image_folder.h"
+#include "services/calibrate/import/import.h"
 #include "services/calibrate/refine.h"
 #include "services/calibrate/report.h"
 #include "services/calibrate/result_file.h"
@@ -47,6 +49,7 @@ Examples
   sprout-calibrate estimate views --rig rig.textproto --out rig.textproto --report report.html
   sprout-calibrate check run.lcm                           weeks later: does it still hold
   sprout-calibrate refine run.lcm --rig rig.textproto --out new.textproto    if not: without a board
+  sprout-calibrate import left.yaml right.yaml --out rig.textproto    a calibration of ROS, OpenCV, Kalibr
 
 `sprout-calibrate COMMAND --help` explains a command. Exit codes: 0; 1 the calibration is not good
 (any more), or there is none; 2 a flag or a file that cannot be used.
@@ -55,6 +58,10 @@ Examples
 struct BoardOptions {
   std::string squares = "9x6";
   double square_mm = 60;
+  std::string kind = "charuco";
+  std::string dictionary = BoardSize().dictionary;
+  std::optional<double> marker_mm;
+  double tag_spacing = BoardSize().gap_per_tag;
 };
 
 struct Options {
@@ -66,6 +73,7 @@ struct Options {
   std::string prefix;
   CheckOptions check;
   RefineOptions refine;
+  ImportOptions import;
   WatchOptions watch{.out = {}, .prefix = {}, .lcm_url = kDefaultLcmUrl};
 };
 
@@ -76,8 +84,33 @@ void AddBoardFlags(Flags& flags, BoardOptions& board) {
       .ShowDefault();
 }
 
+// Of boards that other programs print.
+void AddKindFlags(Flags& flags, BoardOptions& board) {
+  flags
+      .Add("--board KIND", board.kind,
+           "What is printed: charuco, chessboard, or aprilgrid (Kalibr's; --squares counts its "
+           "tags, --square-mm is a tag's side)")
+      .OneOf({"charuco", "chessboard", "aprilgrid"})
+      .ShowDefault();
+  flags
+      .Add("--dictionary NAME", board.dictionary,
+           "OpenCV's dictionary of a ChArUco board's markers")
+      .ShowDefault();
+  flags.Add("--marker-mm", board.marker_mm,
+            "Side of a ChArUco board's markers, mm; else three quarters of a square");
+  flags
+      .Add("--tag-spacing", board.tag_spacing,
+           "Gap between an AprilGrid's tags, of a tag's side (Kalibr's tagSpacing)")
+      .ShowDefault();
+}
+
 Board BoardOf(const BoardOptions& options) {
-  BoardSize size{.square_m = options.square_mm / 1000};
+  BoardSize size{.square_m = options.square_mm / 1000,
+                 .dictionary = options.dictionary,
+                 .gap_per_tag = options.tag_spacing};
+  if (options.kind == "chessboard") size.kind = BoardKind::kChessboard;
+  if (options.kind == "aprilgrid") size.kind = BoardKind::kAprilGrid;
+  if (options.marker_mm) size.marker_per_square = *options.marker_mm / options.square_mm;
   const std::string_view text = options.squares;
   const size_t cross = std::min(text.find('x'), text.size());
   const auto columns = ParseNumber<int>(text.substr(0, cross));
@@ -130,9 +163,15 @@ ViewCollector Collect(const Board& board, const Options& options) {
 }
 
 // Why there is no calibration, and what may be wrong with the images.
-std::runtime_error NoCalibration(const std::string& why, const ViewCounts& counts, size_t views,
+std::runtime_error NoCalibration(const std::string& why, const ViewCollector& collector,
                                  const BoardOptions& board) {
-  std::string text = fmt::format("{} ({})", why, CountsText(counts, views));
+  const ViewCounts& counts = collector.counts();
+  std::string text = fmt::format("{} ({})", why, CountsText(counts, collector.views().size()));
+  if (2 * counts.no_board > counts.images) {
+    const std::string seen = SeenBoards(collector.strange());
+    text += fmt::format("; found {}; looked for a {} (--board, --squares, --dictionary)",
+                        seen.empty() ? "no board at all" : seen, BoardText(BoardOf(board).size()));
+  }
   if (counts.foreign > 0) {
     text += fmt::format(
         "; {} images show markers that do not lie as on a board of {}: is that "
@@ -152,9 +191,9 @@ int RunEstimate(const Options& options) {
   const ViewCollector collector = Collect(board, options);
   const ViewCounts& counts = collector.counts();
   const size_t views = collector.views().size();
-  if (views == 0) throw NoCalibration("no image can be used", counts, views, options.board);
+  if (views == 0) throw NoCalibration("no image can be used", collector, options.board);
   const Result<Calibration> calibration = Calibrate(board, collector.sizes(), collector.views());
-  if (!calibration) throw NoCalibration(calibration.error().text, counts, views, options.board);
+  if (!calibration) throw NoCalibration(calibration.error().text, collector, options.board);
 
   const std::string counts_text = CountsText(counts, views);
   *rig.mutable_calibration() = ToCalibration(calibration->rig);
@@ -185,6 +224,7 @@ void AddEstimate(Flags& program, Options& options) {
       .Required()
       .ExistingPath();
   AddBoardFlags(flags, options.board);
+  AddKindFlags(flags, options.board);
   flags.Add("--rig FILE", options.rig, "Rig file whose devices are kept");
   flags.Add("--out FILE", options.out, "Rig file to write; a bad calibration is written beside it")
       .Required();
@@ -201,6 +241,7 @@ void AddWatch(Flags& program, Options& options) {
                          "Exit code 0 nothing is missing, 1 something is",
                          [&options] { return RunWatch(BoardOf(options.board), options.watch); });
   AddBoardFlags(flags, options.board);
+  AddKindFlags(flags, options.board);
   flags
       .Add("--out FOLDER", options.watch.out,
            "Folder for the views, for estimate; views already in it count")
@@ -260,6 +301,29 @@ void AddRefine(Flags& program, Options& options) {
   flags.Add("--channel-prefix TEXT", options.refine.prefix, "Before the channels in the log");
 }
 
+void AddImport(Flags& program, Options& options) {
+  Flags& flags = program.AddCommand(
+      "import",
+      "Makes a rig file of a pair's calibration by another program: OpenCV's stereoCalibrate (YAML "
+      "or XML, in one file\nor intrinsics and extrinsics apart), ROS's camera_calibration "
+      "(left.yaml "
+      "right.yaml), Kalibr (camchain)",
+      [&options] { return RunImport(options.import); });
+  flags.Add("FILE", options.import.files, "The calibration; of ROS that of the left camera first")
+      .Required()
+      .ExistingFile();
+  flags.Add("--out FILE", options.import.out, "Rig file to write").Required();
+  flags.Add("--rig FILE", options.import.rig, "Rig file whose devices are kept");
+  flags.Add("--size WxH", options.import.size,
+            "Size of the images, px, where the files do not say it (OpenCV's)");
+  flags
+      .Add("--unit UNIT", options.import.unit,
+           "Unit of lengths in the files: that of the board's squares (OpenCV's); else m")
+      .OneOf({"m", "cm", "mm"});
+  flags.Add("--fisheye", options.import.fisheye,
+            "The lenses are of OpenCV's fisheye model, which its files do not name");
+}
+
 int RunChosen(const Flags& flags) {
   try {
     return flags.RunCommand();
@@ -280,6 +344,7 @@ int CalibrateMain(int argc, const char* const* argv) {
   AddEstimate(flags, options);
   AddCheck(flags, options);
   AddRefine(flags, options);
+  AddImport(flags, options);
   flags.AddVersion(Version());
   flags.SetFooter(kFooter);
   return RunProgram(flags, argc, argv, [&] { return RunChosen(flags); });

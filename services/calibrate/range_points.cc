@@ -45,6 +45,7 @@ int SquareAt(double position_m, double square_m, int squares) {
 std::vector<RangePoint> CollectRangePoints(const Board& board, const std::vector<BoardView>& views,
                                            const RigModel& model) {
   const BoardSize& size = board.size();
+  const double pitch_m = board.extent_m().x() / size.columns;
   const cv::Mat2d directions = Directions(model.lenses[kTof]);
   std::vector<RangePoint> points;
   for (size_t view = 0; view < views.size(); ++view) {
@@ -62,8 +63,8 @@ std::vector<RangePoint> CollectRangePoints(const Board& board, const std::vector
         const double to_plane = -from.z() / ray.z();
         if (!(to_plane > 0)) continue;
         const Eigen::Vector3d hit = from + to_plane * ray;
-        const int column = SquareAt(hit.x(), size.square_m, size.columns);
-        const int row = SquareAt(hit.y(), size.square_m, size.rows);
+        const int column = SquareAt(hit.x(), pitch_m, size.columns);
+        const int row = SquareAt(hit.y(), pitch_m, size.rows);
         if (column < 0 || row < 0) continue;
         SquareSum& sum = sums[static_cast<size_t>(row * size.columns + column)];
         ++sum.pixels;

@@ -52,6 +52,7 @@ void ViewCollector::Add(const RigImages& images, std::optional<int64_t> utime) {
   const bool moves = Moves(pair, utime, sizes[kLeft].width);
   if (std::max(pair.left.size(), pair.right.size()) < kMinCorners) {
     ++counts_.no_board;
+    if (strange_.size() < kMostStrange) strange_.push_back(ToGrey(images.left).clone());
     if (std::max(pair.left.markers, pair.right.markers) >= kMinCorners) ++counts_.foreign;
   } else if (moves) {
     ++counts_.moving;

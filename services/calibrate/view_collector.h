@@ -28,6 +28,7 @@ class ViewCollector {
  public:
   /// More do not improve the result, but take longer.
   static constexpr int kMaxViews = 100;
+  static constexpr size_t kMostStrange = 3;
 
   explicit ViewCollector(const Board& board) : board_(board) {}
 
@@ -44,6 +45,9 @@ class ViewCollector {
   /// Sizes of the views' images, px; ToF 0×0: there is none. Frames without a board do not set
   /// them, so that a stray frame does not exclude all others.
   const std::array<cv::Size, kCameraCount>& sizes() const { return sizes_; }
+
+  /// Left images without a board, the first kMostStrange of them, to be looked into.
+  const std::vector<cv::Mat1b>& strange() const { return strange_; }
 
   /// The triplet in which the cameras see most of the board, for the report. Empty without views.
   const RigImages& best_images() const { return best_images_; }
@@ -68,6 +72,7 @@ class ViewCollector {
   std::array<cv::Size, kCameraCount> sizes_;
   std::vector<BoardView> views_;
   std::optional<Timed> newest_;
+  std::vector<cv::Mat1b> strange_;
   RigImages best_images_;
   int best_corners_ = 0;
 };

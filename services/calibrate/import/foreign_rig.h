@@ -1,0 +1,67 @@
+#ifndef SPROUT_SERVICES_CALIBRATE_IMPORT_FOREIGN_RIG_H_
+#define SPROUT_SERVICES_CALIBRATE_IMPORT_FOREIGN_RIG_H_
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/core/pose.h"
+#include "common/core/result.h"
+#include "common/rig/raw_rig.h"
+
+namespace sprout::calibrate {
+
+/// A camera as other programs describe it.
+struct ForeignCamera {
+  std::string name;  ///< in its file, for people: "cam0", "left.yaml"
+  cv::Size size;     ///< px; 0×0: the file does not say
+  Eigen::Matrix3d k = Eigen::Matrix3d::Zero();
+  /// OpenCV's k1, k2, p1, p2, k3, k4, …, or k1 to k4 of its fisheye model (equidistant).
+  std::vector<double> distortion;
+  bool is_fisheye = false;
+};
+
+/// A pair as other programs describe it.
+struct ForeignRig {
+  ForeignCamera left;
+  ForeignCamera right;
+  /// The right camera in the left one's frame; lengths in the file's unit.
+  Pose left_from_right;
+};
+
+/// A rectified camera's rotation (camera to rectified frame) and Tx (P[0, 3]) and f of its P.
+struct ForeignRectification {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  double tx = 0;
+  double focal_px = 0;
+};
+
+/// Where the right camera of a rectified pair stands: both rectified frames are parallel, and
+/// b = (Tx − Tx') / f apart.
+Pose PoseOfRectified(const ForeignRectification& left, const ForeignRectification& right);
+
+/// Reads a pair from one file or two: OpenCV's YAML or XML of stereoCalibrate() (in one file, or
+/// intrinsics and extrinsics apart as its samples write them), two camera_info files of ROS's
+/// camera_calibration, left and right, or a camchain of Kalibr (of its first two cameras the one on
+/// the left is the left one).
+/// @throws ConfigError naming file and entry that cannot be used, or is missing.
+ForeignRig ReadForeignRig(const std::vector<std::filesystem::path>& files);
+
+/// How well Brown's model took the place of another one.
+struct LensFit {
+  Lens lens;
+  double worst_px = 0;  ///< of the places over the image; 0: it was Brown's
+};
+
+/// A camera with Brown's distortion: the coefficients as they are, or where the file has another
+/// model those that fit it best over the image (linear least squares).
+/// @returns an error when it is more than kWorstFitPx off anywhere.
+Result<LensFit> ToLens(const ForeignCamera& camera);
+inline constexpr double kWorstFitPx = 0.1;
+
+}  // namespace sprout::calibrate
+
+#endif  // SPROUT_SERVICES_CALIBRATE_IMPORT_FOREIGN_RIG_H_
