@@ -136,7 +136,7 @@ std::vector<std::string> RosSettings::TopicsOf(RosRole role) const {
     case RosRole::kTf:
       break;
   }
-  if (!rig.empty()) return {};
+  if (!rig.empty() || left_info.empty()) return {};  // nothing to place
   return tf.empty() ? TransformTopics(left) : one(tf);
 }
 

@@ -32,6 +32,13 @@ class RosOpener {
     return ReadRosFile(settings_, options_.tell);
   }
 
+  /// Images as the cameras see them need no calibration, which may not be there yet.
+  void LeaveOutCalibration() {
+    settings_.left_info.clear();
+    settings_.right_info.clear();
+    settings_.depth_info.clear();
+  }
+
   void Tell(const std::string& what) const { options_.tell(what); }
 
   ConfigError Bad(const std::string& reason) const {
@@ -210,7 +217,8 @@ std::unique_ptr<datasets::FrameSource> OpenRosSource(const std::string& source,
 }
 
 std::unique_ptr<RawSource> OpenRawRosSource(const std::string& source, RosSourceOptions options) {
-  const RosOpener opener(source, std::move(options));
+  RosOpener opener(source, std::move(options));
+  opener.LeaveOutCalibration();
   RosFrames frames(opener, opener.Open(), std::nullopt, {});
   return std::make_unique<RawRosSource>(std::move(frames));
 }

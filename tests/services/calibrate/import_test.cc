@@ -2,9 +2,11 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <fstream>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/persistence.hpp>
+#include <sstream>
 
 #include "common/config/config_error.h"
 #include "services/calibrate/import/foreign_rig.h"
@@ -125,22 +127,29 @@ TEST_F(Import, OpencvsRectificationInsteadOfRAndT) {
   cv::Mat r1, r2, p1, p2, q;
   cv::stereoRectify(truth_.k1, truth_.d1, truth_.k2, truth_.d2, truth_.size, truth_.r, truth_.t, r1,
                     r2, p1, p2, q);
-  cv::FileStorage file(folder_ / "euroc.yaml", cv::FileStorage::WRITE);
-  file << "LEFT.height" << 480 << "LEFT.width" << 640 << "LEFT.K" << cv::Mat(truth_.k1) << "LEFT.D"
-       << cv::Mat(truth_.d1) << "LEFT.R" << r1 << "LEFT.P" << p1 << "RIGHT.K" << cv::Mat(truth_.k2)
-       << "RIGHT.D" << cv::Mat(truth_.d2) << "RIGHT.R" << r2 << "RIGHT.P" << p2;
+  const fs::path path = folder_ / "euroc.yaml";
+  cv::FileStorage file(path, cv::FileStorage::WRITE);
+  file << "LEFT_height" << 480 << "LEFT_width" << 640 << "LEFT_K" << cv::Mat(truth_.k1) << "LEFT_D"
+       << cv::Mat(truth_.d1) << "LEFT_R" << r1 << "LEFT_P" << p1 << "RIGHT_K" << cv::Mat(truth_.k2)
+       << "RIGHT_D" << cv::Mat(truth_.d2) << "RIGHT_R" << r2 << "RIGHT_P" << p2;
   file.release();
+  // OpenCV reads dots, which it does not write.
+  std::ostringstream written;
+  written << std::ifstream(path).rdbuf();
+  std::string text = written.str();
+  std::ranges::replace(text, '_', '.');
+  std::ofstream(path) << text;
   const ForeignRig rig = ReadForeignRig({folder_ / "euroc.yaml"});
   ExpectTruth(rig, truth_);
   EXPECT_EQ(rig.right.size, truth_.size);
 }
 
 TEST_F(Import, SaysWhatOfOpencvsFileIsMissing) {
-  const fs::path file = WriteOpencv("half.yml", {"LEFT.K", "D1", "other", "D2", "R", "T"});
+  const fs::path file = WriteOpencv("half.yml", {"LEFT_K", "D1", "other", "D2", "R", "T"});
   EXPECT_THAT(Refusal({file}),
               HasSubstr("half.yml: no entry with one of the names m2, k2, cameramatrix2, "));
   EXPECT_THAT(Refusal({file}),
-              HasSubstr("there are: image_width image_height LEFT.K D1 other D2 R T"));
+              HasSubstr("there are: image_width image_height LEFT_K D1 other D2 R T"));
   EXPECT_THAT(Refusal({Write("bad.yml", "%YAML:1.0\n---\nM1: [ 1, 2, 3 ]\n")}),
               HasSubstr("bad.yml: M1 is no matrix of finite numbers"));
   EXPECT_THAT(Refusal({Write("torn.yml", "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n")}),
@@ -270,6 +279,7 @@ TEST(ImportLens, OtherModelsAreFittedWhereBrownsIsAsGood) {
   ExpectSamePlaces(camera, rational->lens);
   camera.distortion = {-0.01, 0.02, -0.01, 0.001};
   camera.is_fisheye = true;
+  camera.k(0, 0) = camera.k(1, 1) = 800;
   const Result<LensFit> fisheye = ToLens(camera);
   ASSERT_TRUE(fisheye) << fisheye.error().text;
   ExpectSamePlaces(camera, fisheye->lens);

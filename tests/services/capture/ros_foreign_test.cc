@@ -273,12 +273,25 @@ TEST(RosForeign, ImagesAndRangesMayBeCompressed) {
   ASSERT_EQ(opened.frames.size(), 1U);
   EXPECT_EQ(opened.frames[0].left.at<uint8_t>(9, 9), 5);
   EXPECT_FLOAT_EQ(opened.frames[0].tof.depth_m(1, 1), 2.5F);
-  // Without a calibration, too: that is what images for one are.
+}
+
+// That is what images for a calibration are.
+TEST(RosForeign, RawImagesNeedNoCalibration) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  for (const char* topic : {"/left/image/compressed", "/right/image/compressed"}) {
+    std::vector<uint8_t> png;
+    cv::imencode(".png", Grey(5), png);
+    RosMessage<RosCompressedImage> message;
+    message->header.stamp = RosStamp(kStart);
+    std::ranges::copy(png, ResizeRos(message->data, png.size()).begin());
+    file.Add(topic, message);
+  }
+  file.Finish();
   Told told;
-  const auto raw = OpenRawRosSource("mcap:" + PathOf(folder) +
-                                        "?left=/left/image/compressed&right=/right/image/"
-                                        "compressed&rig=of_no_use",
-                                    told.Options());
+  const auto raw = OpenRawRosSource(
+      "mcap:" + PathOf(folder) + "?left=/left/image/compressed&right=/right/image/compressed",
+      told.Options());
   const std::stop_source never;
   const auto frame = raw->Next(never.get_token());
   ASSERT_TRUE(frame.has_value());
