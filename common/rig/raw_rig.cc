@@ -109,6 +109,7 @@ Result<void> CheckRawRig(const RawRig& rig) {
     CheckPose(checks, "left_from_tof", rig.left_from_tof);
   }
   checks.Positive("range_scale", rig.range_scale).Finite("range_offset_m", rig.range_offset_m);
+  CheckCorrection(checks, "range_correction", rig.range_correction);
   if (checks.ok()) CheckPair(checks, rig);
   if (!checks.ok()) return checks.error();
   return {};

@@ -7,6 +7,7 @@
 #include "common/core/pose.h"
 #include "common/core/result.h"
 #include "common/core/rig.h"
+#include "common/rig/range_correction.h"
 
 namespace sprout {
 
@@ -22,6 +23,7 @@ struct RawRig {
   /// "Time-of-Flight Cameras", 2012).
   double range_scale = 1;
   double range_offset_m = 0;
+  RangeCorrection range_correction = {};  ///< is added after that; a curve of the range
 };
 
 /// A camera rotated about its own place: rotation = exp(turn) · rotation. Nothing changes, to the

@@ -35,15 +35,21 @@ BilinearRemap Rectifier::RemapOf(const Lens& lens, const cv::Matx33d& turn, doub
 }
 
 void Rectifier::CorrectRanges(TofImage& tof) const {
-  if (tof.depth_m.empty() || (raw_.range_scale == 1 && raw_.range_offset_m == 0)) return;
+  const bool is_right =
+      raw_.range_scale == 1 && raw_.range_offset_m == 0 && raw_.range_correction.empty();
+  if (tof.depth_m.empty() || is_right) return;
   assert(tof.depth_m.size() == range_per_depth_.size());
   cv::Mat1f corrected = tof.depth_m.clone();  // the image may be shared
   for (int v = 0; v < corrected.rows; ++v) {
     for (int u = 0; u < corrected.cols; ++u) {
       float& depth_m = corrected(v, u);
       if (!IsReturn(depth_m)) continue;
-      depth_m = static_cast<float>(raw_.range_scale * depth_m +
-                                   raw_.range_offset_m / range_per_depth_(v, u));
+      const double length = range_per_depth_(v, u);
+      double right_m = raw_.range_scale * depth_m + raw_.range_offset_m / length;
+      if (!raw_.range_correction.empty()) {
+        right_m += CorrectionAt(raw_.range_correction, right_m * length).offset_m / length;
+      }
+      depth_m = static_cast<float>(right_m);
     }
   }
   tof.depth_m = corrected;

@@ -82,6 +82,9 @@ RawRig CheckedRig(const std::string& field, const RigCalibration& calibration) {
   rig.left_from_tof = PoseOf(field + "left_from_tof", calibration.left_from_tof());
   rig.range_scale = calibration.range_scale();
   rig.range_offset_m = calibration.range_offset_m();
+  for (const RangeCorrectionKnot& knot : calibration.range_correction()) {
+    rig.range_correction.push_back({knot.range_m(), knot.offset_m(), knot.sigma_m()});
+  }
   if (const Result<void> checked = CheckRawRig(rig); !checked) {
     throw ConfigError(field + checked.error().text);
   }
@@ -184,6 +187,12 @@ RigCalibration ToCalibration(const RawRig& rig) {
   }
   calibration.set_range_scale(rig.range_scale);
   calibration.set_range_offset_m(rig.range_offset_m);
+  for (const CorrectionKnot& knot : rig.range_correction) {
+    RangeCorrectionKnot& message = *calibration.add_range_correction();
+    message.set_range_m(knot.range_m);
+    message.set_offset_m(knot.offset_m);
+    message.set_sigma_m(knot.sigma_m);
+  }
   return calibration;
 }
 

@@ -125,6 +125,24 @@ TEST(Rectifier, TakesTheBiasOutOfTheRangeAlongTheRay) {
   EXPECT_TRUE(none.depth_m.empty());
 }
 
+TEST(Rectifier, AddsTheCorrectionOfTheRangesAfterScaleAndOffset) {
+  RawRig raw = TiltedRig();
+  raw.range_correction = {{1, 0.01, 0}, {2, 0.03, 0}, {3, -0.01, 0}};
+  const Rectifier rectifier(raw);
+  for (const auto& [depth_m, u, v] :
+       {std::tuple{0.5F, 88, 71}, {1.3F, 3, 140}, {2.2F, 175, 0}, {9.F, 40, 40}}) {
+    TofImage tof{.depth_m = cv::Mat1f(raw.tof.size(), depth_m), .amplitude = {}};
+    rectifier.CorrectRanges(tof);
+    const double length = DirectionOfPixel(raw.tof, {double(u), double(v)}).homogeneous().norm();
+    const double range_m = 1.01 * depth_m * length - 0.02;
+    const double offset_m = range_m < 1   ? 0.01
+                            : range_m < 2 ? 0.01 + 0.02 * (range_m - 1)
+                            : range_m < 3 ? 0.03 - 0.04 * (range_m - 2)
+                                          : -0.01;
+    EXPECT_NEAR(tof.depth_m(v, u) * length, range_m + offset_m, 2e-6) << depth_m;
+  }
+}
+
 TEST(Rectifier, ServesARigWithoutAToFCamera) {
   RawRig raw = TiltedRig();
   raw.tof = {};

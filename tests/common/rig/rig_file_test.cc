@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <numbers>
@@ -85,6 +86,31 @@ TEST_F(RigFile, KeepsEveryNumberOfACalibration) {
   EXPECT_EQ(again.range_scale, rig.range_scale);
   EXPECT_EQ(again.range_offset_m, rig.range_offset_m);
   EXPECT_EQ(again.right.distortion, rig.right.distortion);
+  EXPECT_TRUE(again.range_correction.empty());
+}
+
+TEST_F(RigFile, KeepsTheCorrectionOfTheRanges) {
+  RawRig rig = TiltedRig();
+  rig.range_correction = {{0.5, 0.012, 0.001}, {1.25, -0.003, 0.002}, {4, 0.02, 0.01}};
+  RigDescription written;
+  *written.mutable_calibration() = ToCalibration(rig);
+  ASSERT_TRUE(SaveRigFile(path_, written));
+  EXPECT_EQ(RequireCalibration(LoadRigFile(path_), path_).range_correction, rig.range_correction);
+}
+
+TEST_F(RigFile, RefusesACorrectionThatCannotBe) {
+  const auto error_of = [&](const RangeCorrection& correction) {
+    return ErrorAfter([&](RawRig& rig) { rig.range_correction = correction; });
+  };
+  EXPECT_THAT(error_of({{1, 0, 0}, {1, 0, 0}}), HasSubstr("range_correction[1].range_m = 1"));
+  EXPECT_THAT(error_of({{1, 0, 0}, {2, -1.5, 0}}),
+              HasSubstr("range_correction[1].offset_m = -1.5"));
+  EXPECT_THAT(error_of({{-1, 0, 0}}), HasSubstr("range_correction[0].range_m = -1"));
+  EXPECT_THAT(error_of({{1, NAN, 0}}), HasSubstr("range_correction[0].offset_m"));
+  EXPECT_THAT(error_of({{1, 0, -1}}), HasSubstr("range_correction[0].sigma_m = -1"));
+  RangeCorrection long_one;
+  for (int i = 0; i < 65; ++i) long_one.push_back({1.0 + i, 0, 0});
+  EXPECT_THAT(error_of(long_one), HasSubstr("range_correction: knots = 65"));
 }
 
 TEST_F(RigFile, MayHaveNoCalibrationYet) {
