@@ -116,6 +116,16 @@ void StageMonitor::FrameFailed(const FrameId& id, const std::string& reason) {
   }
 }
 
+void StageMonitor::CapturesFailed(int64_t count, const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  status_.frames_failed += count;
+  status_.last_error = reason;
+  if (const auto held_back = failed_log_.Pass(now_())) {
+    LogLine(LogLevel::kError, "{} {} no frame: {}{}", count,
+            count == 1 ? "capture became" : "captures became", reason, MoreText(*held_back));
+  }
+}
+
 void StageMonitor::FrameResent(const FrameId& id) {
   LogLine(LogLevel::kWarning, "frame {}: no answer in time, sent again", id.seq);
   const std::lock_guard lock(mutex_);

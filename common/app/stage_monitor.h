@@ -42,6 +42,9 @@ class StageMonitor {
   /// The stage failed on a frame.
   void FrameFailed(const FrameId& id, const std::string& reason);
 
+  /// So many captures became no frame.
+  void CapturesFailed(int64_t count, const std::string& reason);
+
   /// Capture sent a frame again.
   void FrameResent(const FrameId& id);
 

@@ -18,6 +18,9 @@ struct RosType {
   const dds_topic_descriptor_t* dds;       ///< its name on the wire and its layout in memory
   std::string_view text;                   ///< its .msg definition, without comments
   std::span<const RosType* const> uses{};  ///< the types of its fields
+  /// Of a type that is sent by itself: "RIHS01_" and the SHA-256 of its description (REP-2011),
+  /// which nodes since Iron compare.
+  const char* hash = "";
 };
 
 // idlc's structures under the names that their users know.
@@ -35,6 +38,9 @@ using RosTransforms = tf2_msgs_msg_dds__TFMessage_;
 using RosKeyValue = diagnostic_msgs_msg_dds__KeyValue_;
 using RosDiagnostic = diagnostic_msgs_msg_dds__DiagnosticStatus_;
 using RosDiagnostics = diagnostic_msgs_msg_dds__DiagnosticArray_;
+using RosGid = rmw_dds_common_msg_dds__Gid_;
+using RosNodeEntities = rmw_dds_common_msg_dds__NodeEntitiesInfo_;
+using RosParticipantEntities = rmw_dds_common_msg_dds__ParticipantEntitiesInfo_;
 
 /// PointField's numbers of types.
 inline constexpr uint8_t kRosUint8 = 2;
@@ -57,6 +63,8 @@ template <>
 const RosType& RosTypeOf<RosTransforms>();
 template <>
 const RosType& RosTypeOf<RosDiagnostics>();
+template <>
+const RosType& RosTypeOf<RosParticipantEntities>();
 
 /// All of them.
 std::span<const RosType* const> RosTypes();

@@ -1,9 +1,12 @@
 #include "common/ros2/to_ros.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -88,6 +91,35 @@ void SetField(RosPointField& field, std::string_view name, uint32_t offset, uint
   field.count = 1;
 }
 
+constexpr uint32_t kPointBytes = 20;
+
+// A cloud of points that are not set.
+RosMessage<RosPointCloud> ToCloud(const RosPlace& place, size_t columns, size_t rows) {
+  RosMessage<RosPointCloud> ros;
+  SetHeader(place, ros->header);
+  ros->height = static_cast<uint32_t>(rows);
+  ros->width = static_cast<uint32_t>(columns);
+  const std::span fields = ResizeRos(ros->fields, 5);
+  SetField(fields[0], "x", 0, kRosFloat32);
+  SetField(fields[1], "y", 4, kRosFloat32);
+  SetField(fields[2], "z", 8, kRosFloat32);
+  SetField(fields[3], "rgb", 12, kRosFloat32);
+  SetField(fields[4], "confidence", 16, kRosUint8);
+  ros->is_bigendian = kBigEndianFlag != 0;
+  ros->point_step = kPointBytes;
+  ros->row_step = kPointBytes * ros->width;
+  ResizeRos(ros->data, size_t{kPointBytes} * columns * rows);
+  return ros;
+}
+
+void SetPoint(const CloudPoint& point, uint8_t* at) {
+  const std::array position = {point.position_m.x, point.position_m.y, point.position_m.z};
+  const uint32_t rgb = uint32_t{point.bgr[2]} << 16 | uint32_t{point.bgr[1]} << 8 | point.bgr[0];
+  std::memcpy(at, position.data(), sizeof position);
+  std::memcpy(at + 12, &rgb, sizeof rgb);
+  at[16] = point.confidence;
+}
+
 void SetTransform(int64_t utime, const std::string& parent, const std::string& child,
                   const Eigen::Quaternion<double, Eigen::DontAlign>& turn,
                   const Eigen::Vector3d& place_m, RosTransform& ros) {
@@ -160,29 +192,48 @@ RosMessage<RosCameraInfo> ToRosTofInfo(const RosPlace& place, const TofCamera& t
 }
 
 RosMessage<RosPointCloud> ToRosCloud(const RosPlace& place, const PointCloud& cloud) {
-  constexpr uint32_t kBytes = 20;
-  RosMessage<RosPointCloud> ros;
-  SetHeader(place, ros->header);
-  ros->height = 1;
-  ros->width = static_cast<uint32_t>(cloud.points.size());
-  const std::span fields = ResizeRos(ros->fields, 5);
-  SetField(fields[0], "x", 0, kRosFloat32);
-  SetField(fields[1], "y", 4, kRosFloat32);
-  SetField(fields[2], "z", 8, kRosFloat32);
-  SetField(fields[3], "rgb", 12, kRosFloat32);
-  SetField(fields[4], "confidence", 16, kRosUint8);
-  ros->is_bigendian = kBigEndianFlag != 0;
-  ros->point_step = kBytes;
-  ros->row_step = kBytes * ros->width;
+  RosMessage<RosPointCloud> ros = ToCloud(place, cloud.points.size(), 1);
   ros->is_dense = true;
-  uint8_t* at = ResizeRos(ros->data, size_t{kBytes} * cloud.points.size()).data();
+  uint8_t* at = RosSpan(ros->data).data();
   for (const CloudPoint& point : cloud.points) {
-    const std::array position = {point.position_m.x, point.position_m.y, point.position_m.z};
-    const uint32_t rgb = uint32_t{point.bgr[2]} << 16 | uint32_t{point.bgr[1]} << 8 | point.bgr[0];
-    std::memcpy(at, position.data(), sizeof position);
-    std::memcpy(at + 12, &rgb, sizeof rgb);
-    at[16] = point.confidence;
-    at += kBytes;
+    SetPoint(point, at);
+    at += kPointBytes;
+  }
+  return ros;
+}
+
+Result<RosMessage<RosPointCloud>> ToRosOrderedCloud(const RosPlace& place, const PointCloud& cloud,
+                                                    const RectifiedPair& pair, int stride) {
+  // Of a float's position at 10,000 px; the next pixel is `stride` away.
+  constexpr double kRoundingPx = 0.1;
+  const auto columns = static_cast<size_t>((pair.width + stride - 1) / stride);
+  const auto rows = static_cast<size_t>((pair.height + stride - 1) / stride);
+  RosMessage<RosPointCloud> ros = ToCloud(place, columns, rows);
+  ros->is_dense = false;
+  const std::span bytes = RosSpan(ros->data);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  for (size_t i = 0; i < columns * rows; ++i) {
+    SetPoint({.position_m = {kNan, kNan, kNan}, .bgr = {}, .confidence = 0},
+             &bytes[kPointBytes * i]);
+  }
+  for (const CloudPoint& point : cloud.points) {
+    const cv::Point3d p(point.position_m);
+    const double u = pair.focal_px * p.x / p.z + pair.cx;
+    const double v = pair.focal_px * p.y / p.z + pair.cy;
+    const double column = std::round(u / stride);
+    const double row = std::round(v / stride);
+    const bool is_there = std::abs(u - column * stride) < kRoundingPx &&
+                          std::abs(v - row * stride) < kRoundingPx && column >= 0 && row >= 0 &&
+                          column < static_cast<double>(columns) && row < static_cast<double>(rows);
+    if (!is_there) {
+      return Fail(
+          fmt::format("a point at pixel ({:.1f}, {:.1f}): an ordered cloud has every {}. one "
+                      "(depth.cloud_stride) of {}x{}",
+                      u, v, stride, pair.width, pair.height));
+    }
+    SetPoint(
+        point,
+        &bytes[kPointBytes * (static_cast<size_t>(row) * columns + static_cast<size_t>(column))]);
   }
   return ros;
 }

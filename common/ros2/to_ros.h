@@ -60,6 +60,12 @@ RosMessage<RosCameraInfo> ToRosTofInfo(const RosPlace& place, const TofCamera& t
 /// have it) and confidence (UINT8), 20 bytes each.
 RosMessage<RosPointCloud> ToRosCloud(const RosPlace& place, const PointCloud& cloud);
 
+/// The same points at their places in an image (an ordered cloud): one for every `stride`-th pixel
+/// of every `stride`-th row of the left image, NaN where there is none. An error when a point is at
+/// none of these pixels.
+Result<RosMessage<RosPointCloud>> ToRosOrderedCloud(const RosPlace& place, const PointCloud& cloud,
+                                                    const RectifiedPair& pair, int stride);
+
 /// Disparities as stereo_msgs wants them, z = f·t / d: adjusted by the principal points, d = u − u'
 /// − (cx − cx'). Where there is none, min_disparity − 1. O(pixels).
 RosMessage<RosDisparity> ToRosDisparity(const RosPlace& place, const DisparityImage& disparity,

@@ -54,12 +54,14 @@ struct FeedOptions {
   bool loop = false;               ///< start again at the end
   bool raw = false;                ///< unrectified frames of cameras, for channels with kRawPrefix
   datasets::Waiting waiting = {};  ///< called while Next() waits for cameras
+  std::stop_token stop = {};       ///< ends a wait for cameras at the opening
 };
 
 /// Opens what config.source() names: log:FILE, cameras (OpenCameras()) or a dataset
 /// (OpenDataset()). log:FILE?rig=RIG rectifies the raw images of a log with a rig file;
 /// ?prefix=TEXT is before the log's channels.
 /// @param monitor  counts losses and frames that cannot be sent; must outlive the feed.
+/// @returns null when options.stop was requested while it waited for cameras.
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
                                              const FeedOptions& options, StageMonitor& monitor);

@@ -3,15 +3,19 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <memory>
 #include <thread>
+#include <utility>
 
 #include "common/app/log.h"
+#include "common/app/log_limiter.h"
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
 #include "common/app/supervision.h"
 #include "common/bus/channels.h"
 #include "common/bus/publisher.h"
 #include "common/core/digest.h"
+#include "common/ros2/ros_node.h"
 #include "services/capture/answer_tracker.h"
 #include "services/capture/capture_feed.h"
 #include "services/capture/pace.h"
@@ -46,14 +50,14 @@ Pace PaceOf(const CaptureConfig& config, const CaptureOptions& options, const Ca
 
 class Capture {
  public:
-  Capture(const ServiceContext& context, const CaptureOptions& options)
+  // @param watchdog  of a process whose feed is open.
+  Capture(const ServiceContext& context, const CaptureOptions& options, StageMonitor& monitor,
+          Watchdog& watchdog, std::unique_ptr<CaptureFeed> feed)
       : options_(options),
         stop_(context.stop),
-        monitor_(context.stage, Digest(ConfigText(context.config))),
-        feed_(OpenCaptureFeed(
-            context.config.capture(),
-            {.loop = options.loop, .raw = options.raw, .waiting = [this] { watchdog_.Idle(); }},
-            monitor_)),
+        monitor_(monitor),
+        watchdog_(watchdog),
+        feed_(std::move(feed)),
         pace_(PaceOf(context.config.capture(), options, *feed_)),
         publisher_(context.lcm_url, context.prefix),
         answers_(context, monitor_, options.wait_for, options.lockstep.has_value()),
@@ -224,8 +228,8 @@ class Capture {
 
   const CaptureOptions& options_;
   std::stop_token stop_;
-  StageMonitor monitor_;
-  Watchdog watchdog_;
+  StageMonitor& monitor_;
+  Watchdog& watchdog_;
   std::unique_ptr<CaptureFeed> feed_;
   Pace pace_;
   Publisher publisher_;
@@ -244,7 +248,20 @@ class Capture {
 }  // namespace
 
 int RunCapture(const ServiceContext& context, const CaptureOptions& options) {
-  return Capture(context, options).Run();
+  StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
+  Watchdog watchdog;
+  LimitedWarnings of_dds;
+  const RosWarnings warnings([&](const std::string& text, bool is_of_message) {
+    is_of_message ? monitor.BadMessage("ROS 2", text) : of_dds.Warn(text);
+  });
+  std::unique_ptr<CaptureFeed> feed = OpenCaptureFeed(context.config.capture(),
+                                                      {.loop = options.loop,
+                                                       .raw = options.raw,
+                                                       .waiting = [&] { watchdog.Idle(); },
+                                                       .stop = context.stop},
+                                                      monitor);
+  if (!feed) return 0;
+  return Capture(context, options, monitor, watchdog, std::move(feed)).Run();
 }
 
 }  // namespace sprout::capture

@@ -62,9 +62,17 @@ std::unique_ptr<CaptureFeed> OpenRosFeed(const CaptureConfig& config, const Feed
   const RosSourceOptions ros{
       .loop = options.loop,
       .waiting = options.waiting,
-      .tell = [&monitor](const std::string& what) { monitor.Failure(what); }};
+      .reports = {.tell = [&monitor](const std::string& what) { monitor.Failure(what); },
+                  .refused = [&monitor](const std::string& topic,
+                                        const std::string& why) { monitor.BadMessage(topic, why); },
+                  .lost =
+                      [&monitor](const datasets::LostFrames& lost) {
+                        monitor.CapturesFailed(lost.count, lost.trouble);
+                      }},
+      .stop = options.stop};
   if (options.raw) return FeedFrom(OpenRawRosSource(config.source(), ros), config, monitor);
-  return FeedFrom(OpenRosSource(config.source(), ros), config, monitor);
+  std::unique_ptr<datasets::FrameSource> source = OpenRosSource(config.source(), ros);
+  return source ? FeedFrom(std::move(source), config, monitor) : nullptr;
 }
 
 }  // namespace

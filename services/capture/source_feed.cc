@@ -1,9 +1,12 @@
 #include "services/capture/source_feed.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <functional>
 #include <utility>
 
+#include "common/app/log_limiter.h"
 #include "common/core/image.h"
 #include "common/messages/codec.h"
 
@@ -37,6 +40,7 @@ class SourceFeed : public CaptureFeed {
     }
     Tell({.count = frame->lost, .trouble = frame->trouble});
     if (timing_ == Timing::kLive) monitor_.SetSpread(frame->spread_ms);
+    SayClockSetBack(frame->utime);
     // Captures are told apart by their time even when the clock is set back.
     newest_.utime = std::max(frame->utime.value_or(NowUtime()), newest_.utime + 1);
     ++newest_.seq;
@@ -60,8 +64,19 @@ class SourceFeed : public CaptureFeed {
 
  private:
   void Tell(const datasets::LostFrames& lost) {
-    for (int64_t i = 0; i < lost.count; ++i) monitor_.FrameFailed(newest_, lost.trouble);
+    if (lost.count > 0) monitor_.CapturesFailed(lost.count, lost.trouble);
     if (lost.count == 0 && !lost.trouble.empty()) monitor_.Failure(lost.trouble);
+  }
+
+  // Of cameras; a recording may begin again.
+  void SayClockSetBack(std::optional<int64_t> utime) {
+    if (timing_ != Timing::kLive || !utime) return;
+    const int64_t before = std::exchange(cameras_utime_, *utime);
+    if (*utime >= before || !clock_log_.Pass(StageMonitor::Clock::now())) return;
+    monitor_.Warn(
+        fmt::format("the cameras' clock was set back by {:.3f} s: until it is there again, "
+                    "frames are stamped 1 µs apart",
+                    static_cast<double>(before - *utime) * 1e-6));
   }
 
   Take take_;
@@ -72,6 +87,8 @@ class SourceFeed : public CaptureFeed {
   CaptureConfig config_;
   StageMonitor& monitor_;
   FrameId newest_;
+  int64_t cameras_utime_ = 0;  // of the newest frame, by the cameras
+  LogLimiter clock_log_;
 };
 
 // Of a FrameSource or a RawSource.

@@ -7,6 +7,7 @@
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
+#include "common/ros2/compressed.h"
 
 namespace sprout::ros2 {
 namespace {
@@ -51,30 +52,47 @@ std::vector<const RosTopicRow*> ChosenTopics(const Ros2Config& config) {
   return chosen;
 }
 
+// Of a topic that is sent again the newest messages wait for slow subscribers, a second at 10 Hz,
+// 40 MB of 2 MP depth; never all, or one subscriber that died would stop the others.
 RosQos QosOf(const RosTopicRow& row, bool reliable) {
-  if (row.topic == RosTopic::kTransforms) return {.reliable = true, .latched = true};
-  if (row.topic == RosTopic::kDiagnostics || reliable) return {.reliable = true, .depth = 0};
-  return {};
+  if (row.topic == RosTopic::kTransforms) return {.reliable = true, .latched = true, .depth = 1};
+  return {
+      .reliable = row.topic == RosTopic::kDiagnostics || reliable, .latched = false, .depth = 10};
+}
+
+// What image_transport appends; nothing for topics that are not compressed.
+std::string_view CompressedSuffix(const RosTopicRow& row) {
+  if (row.topic == RosTopic::kLeft || row.topic == RosTopic::kRight) return "/compressed";
+  return row.topic == RosTopic::kDepth ? "/compressedDepth" : "";
 }
 
 }  // namespace
 
-Bridge::Bridge(const Ros2Config& config, int depth_every, StageMonitor& monitor)
+Bridge::Bridge(const Ros2Config& config, const DepthConfig& depth, StageMonitor& monitor)
     : config_(config),
-      depth_every_(depth_every),
+      depth_every_(depth.every()),
+      cloud_stride_(depth.cloud_stride()),
       monitor_(monitor),
       options_{.frames = {config.left_frame(), config.right_frame(), config.tof_frame()},
                .depth = config.depth_encoding() == Ros2Config::METRES ? RosDepth::kMetres
                                                                       : RosDepth::kMillimetres},
-      node_((RequireInRange(config, "ros2"), config.domain())) {
+      node_((RequireInRange(config, "ros2"),
+             RosNodeOptions{.domain = config.domain(), .name = "sprout"})) {
   RequirePrefix(config.prefix());
   RequireFrame("left_frame", config.left_frame());
   RequireFrame("right_frame", config.right_frame());
   RequireFrame("tof_frame", config.tof_frame());
   for (const RosTopicRow* row : ChosenTopics(config)) {
     const std::string name = RosTopicName(*row, config.prefix());
-    topics_.push_back({row, node_.AddWriter(name, row->type(), QosOf(*row, config.reliable()))});
+    const RosQos qos = QosOf(*row, config.reliable());
+    topics_.push_back({row, name, false, node_.AddWriter(name, row->type(), qos)});
+    const std::string_view suffix = CompressedSuffix(*row);
+    if (!config.compressed() || suffix.empty()) continue;
+    const std::string beside = name + std::string(suffix);
+    topics_.push_back(
+        {row, beside, true, node_.AddWriter(beside, RosTypeOf<RosCompressedImage>(), qos)});
   }
+  node_.Announce();
 }
 
 bool Bridge::IsWanted(Part part) const {
@@ -164,24 +182,73 @@ void Bridge::OnPart(Part part, std::span<const uint8_t> bytes) {
   const auto rig = rigs_.find(decoded->id.rig_id);
   const Rig* const known = rig == rigs_.end() ? nullptr : &rig->second;
   std::string lacking;
+  bool is_sent = true;
   for (const Topic& topic : topics_) {
     const RosTopicRow& row = *topic.row;
     if (row.part != part || !node_.HasReaders(topic.writer)) continue;
-    if (row.needs_rig && known == nullptr) lacking = "no calibration for " + std::string(row.name);
-    const auto message = ToRos(row.topic, decoded->id, decoded->value, known, options_);
-    if (message) Publish(topic, decoded->id, *message);
+    const bool is_ordered = row.topic == RosTopic::kPoints && config_.ordered_points();
+    if ((row.needs_rig || is_ordered) && known == nullptr) {
+      lacking = "no calibration for " + std::string(row.name);
+      continue;
+    }
+    Result<AnyRosMessagePtr> message =
+        is_ordered ? OrderedPoints(*decoded, *known) : Converted(topic, *decoded, known);
+    if (!message) {
+      monitor_.FrameFailed(decoded->id, std::string(row.name) + ": " + message.error().text);
+      is_sent = false;
+    } else if (*message) {
+      is_sent = Publish(topic, decoded->id, **message) && is_sent;
+    }
   }
-  monitor_.FrameOut(decoded->id, arrived, lacking);
+  if (is_sent) monitor_.FrameOut(decoded->id, arrived, lacking);
 }
 
-void Bridge::Publish(const Topic& topic, const FrameId& id, const AnyRosMessage& message) {
+Result<AnyRosMessagePtr> Bridge::OrderedPoints(const DecodedPart& cloud, const Rig& rig) const {
+  auto message = ToRosOrderedCloud({cloud.id.utime, config_.left_frame()},
+                                   std::get<PointCloud>(cloud.value), rig.pair, cloud_stride_);
+  if (!message) return tl::unexpected(message.error());
+  return std::make_unique<RosMessage<RosPointCloud>>(std::move(*message));
+}
+
+AnyRosMessagePtr Bridge::Converted(const Topic& topic, const DecodedPart& part,
+                                   const Rig* rig) const {
+  if (!topic.is_compressed) {
+    return ToRos(topic.row->topic, part.id, part.value, rig, options_);
+  }
+  using Compressed = RosMessage<RosCompressedImage>;
+  const RosPlace left{part.id.utime, config_.left_frame()};
+  if (topic.row->topic == RosTopic::kDepth) {
+    return std::make_unique<Compressed>(
+        ToRosCompressedDepth(left, std::get<DepthImage>(part.value)));
+  }
+  const RosPlace right{part.id.utime, config_.right_frame()};
+  const cv::Mat& picture = std::get<cv::Mat>(part.value);
+  if (picture.empty()) return nullptr;
+  return std::make_unique<Compressed>(
+      ToRosJpeg(topic.row->topic == RosTopic::kLeft ? left : right, picture));
+}
+
+bool Bridge::Publish(const Topic& topic, const FrameId& id, const AnyRosMessage& message) {
   ++converted_;
   const Result<void> sent = node_.Write(topic.writer, message);
-  if (!sent)
-    monitor_.FrameFailed(id, RosTopicName(*topic.row, config_.prefix()) + ": " + sent.error().text);
+  if (!sent) {
+    monitor_.FrameFailed(id, topic.name + ": " + sent.error().text);
+  }
+  return sent.has_value();
+}
+
+void Bridge::SayMisfits() {
+  for (const Topic& topic : topics_) {
+    const std::string policy = node_.TakeMisfit(topic.writer);
+    if (policy.empty()) continue;
+    monitor_.Warn("a subscriber of " + topic.name +
+                  " gets nothing: it asks for more than is offered (" + policy + ")" +
+                  (policy == "RELIABILITY" ? "; allowed with ros2 { reliable: true }" : ""));
+  }
 }
 
 void Bridge::PublishDiagnostics() {
+  SayMisfits();
   const std::scoped_lock lock(mutex_);
   for (const Topic& topic : topics_) {
     if (topic.row->topic != RosTopic::kDiagnostics || !node_.HasReaders(topic.writer)) continue;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -17,18 +18,21 @@
 #include "common/core/rig.h"
 #include "common/core/stage_status.h"
 #include "common/frames/sequence_gaps.h"
+#include "common/messages/codec.h"
 #include "common/ros2/frame_topics.h"
 #include "common/ros2/ros_node.h"
 
 namespace sprout::ros2 {
 
+using AnyRosMessagePtr = std::unique_ptr<AnyRosMessage>;
+
 /// Shows the messages of the graph to ROS 2. A message is decoded and converted only when somebody
 /// subscribes to a topic that is made of it. Its methods may be called from any thread.
 class Bridge {
  public:
-  /// @param depth_every  of sprout-depth: it sends only frames whose number is a multiple of it.
+  /// @param depth  of sprout-depth, which sends only some frames and some pixels' points.
   /// @throws ConfigError for a name that cannot be, RosError.
-  Bridge(const Ros2Config& config, int depth_every, StageMonitor& monitor);
+  Bridge(const Ros2Config& config, const DepthConfig& depth, StageMonitor& monitor);
 
   /// The channels (without prefix) that somebody wants now, and those that are always listened to.
   std::set<std::string_view> WantedChannels() const;
@@ -40,7 +44,8 @@ class Bridge {
   /// Takes a message of the graph.
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
 
-  /// Publishes how the processes fare; call once a second.
+  /// Publishes how the processes fare, and says which subscribers cannot be served; call once a
+  /// second.
   void PublishDiagnostics();
 
   int64_t converted() const { return converted_; }  ///< messages for ROS so far
@@ -48,6 +53,8 @@ class Bridge {
  private:
   struct Topic {
     const RosTopicRow* row;
+    std::string name;
+    bool is_compressed;
     RosNode::Handle writer;
   };
 
@@ -56,10 +63,14 @@ class Bridge {
   void OnStatus(std::span<const uint8_t> bytes);
   bool IsWanted(Part part) const;
   void CountGaps(Part part, const FrameId& id);
-  void Publish(const Topic& topic, const FrameId& id, const AnyRosMessage& message);
+  AnyRosMessagePtr Converted(const Topic& topic, const DecodedPart& part, const Rig* rig) const;
+  Result<AnyRosMessagePtr> OrderedPoints(const DecodedPart& cloud, const Rig& rig) const;
+  bool Publish(const Topic& topic, const FrameId& id, const AnyRosMessage& message);
+  void SayMisfits();
 
   Ros2Config config_;
   int depth_every_;
+  int cloud_stride_;
   StageMonitor& monitor_;
   RosTopicOptions options_;
   RosNode node_;

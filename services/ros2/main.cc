@@ -1,7 +1,10 @@
 #include <chrono>
+#include <fstream>
 #include <optional>
 #include <vector>
 
+#include "common/app/log.h"
+#include "common/app/log_limiter.h"
 #include "common/app/service.h"
 #include "common/app/status_reporter.h"
 #include "common/app/supervision.h"
@@ -18,9 +21,26 @@ constexpr size_t kMaxQueuedBytes = size_t{64} << 20;
 // How soon a new subscriber gets something.
 constexpr std::chrono::milliseconds kLook{200};
 
+// A subscriber's socket gets this buffer; a large message comes as a burst of datagrams.
+void SayReceiveBuffer() {
+  constexpr int kEnough = 8 << 20;
+  int bytes = kEnough;  // in a network namespace nobody knows
+  std::ifstream("/proc/sys/net/core/rmem_default") >> bytes;
+  if (bytes >= kEnough) return;
+  LogLine(LogLevel::kWarning,
+          "net.core.rmem_default = {}: best-effort subscribers on this host lose most messages "
+          "above {} kB; sudo scripts/setup, or sudo sysctl net.core.rmem_default={}",
+          bytes, bytes / 1000, kEnough);
+}
+
 int Run(const ServiceContext& context) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
-  Bridge bridge(context.config.ros2(), context.config.depth().every(), monitor);
+  LimitedWarnings of_dds;
+  const RosWarnings warnings([&](const std::string& text, bool is_of_message) {
+    is_of_message ? monitor.BadMessage("ROS 2", text) : of_dds.Warn(text);
+  });
+  SayReceiveBuffer();
+  Bridge bridge(context.config.ros2(), context.config.depth(), monitor);
   const StatusReporter reporter(context, monitor);
   NotifyReady();
   Watchdog watchdog;
@@ -58,9 +78,12 @@ int Main(int argc, char** argv) {
                   "points, disparities, confidence, /tf_static and /diagnostics over DDS. What\n"
                   "nobody subscribes to is not converted.");
   std::optional<int> domain;
-  bool reliable = false;
+  bool best_effort = false;
+  bool compressed = false;
   service.flags().Add("--domain N", domain, "As ROS_DOMAIN_ID").Environment("ROS_DOMAIN_ID");
-  service.flags().Add("--reliable", reliable, "Send what was lost again");
+  service.flags().Add("--compressed", compressed,
+                      "Also JPEG of the images and compressedDepth of the depth");
+  service.flags().Add("--best-effort", best_effort, "Do not send again what was lost");
   return service.Run(
       argc, argv,
       [](const ServiceContext& context) {
@@ -72,7 +95,8 @@ int Main(int argc, char** argv) {
       },
       [&](SproutConfig& config) {
         if (domain) config.mutable_ros2()->set_domain(*domain);
-        if (reliable) config.mutable_ros2()->set_reliable(true);
+        if (compressed) config.mutable_ros2()->set_compressed(true);
+        if (best_effort) config.mutable_ros2()->set_reliable(false);
       });
 }
 

@@ -1,5 +1,6 @@
 #include "services/capture/ros2/ros_calibration.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -16,17 +17,34 @@ Eigen::Quaterniond TurnOf(const RosCamera& left) {
 
 }  // namespace
 
-Result<void> RosCalibration::TakeInfo(const RosBytes& message, std::optional<Named>& to) {
-  if (to) return {};  // the first one counts: a rig has one calibration
+Result<bool> RosCalibration::TakeInfo(const RosBytes& message, std::optional<Named>& to) {
+  // Drivers send the same one with each image: behind CDR's header and the stamp it is equal.
+  constexpr size_t kBehindStamp = 12;
+  const auto cdr = message.cdr.subspan(std::min(kBehindStamp, message.cdr.size()));
+  if (to && std::ranges::equal(cdr, to->cdr)) return false;
   const Result<RosMessage<RosCameraInfo>> info = ReadCdr<RosCameraInfo>(message.cdr);
   if (!info) return tl::unexpected(info.error());
   Result<RosCamera> camera = FromRosInfo(**info);
   if (!camera) return tl::unexpected(camera.error());
-  to = Named{std::move(*camera), std::string(RosText((*info)->header.frame_id))};
-  return {};
+  const Result<int64_t> utime = FromRosStamp((*info)->header);
+  if (!utime) return tl::unexpected(utime.error());
+  changed_utime_ = *utime;
+  to = Named{.camera = std::move(*camera),
+             .frame = std::string(RosText((*info)->header.frame_id)),
+             .cdr = {cdr.begin(), cdr.end()}};
+  return true;
 }
 
-Result<void> RosCalibration::Take(const RosBytes& message) {
+Result<bool> RosCalibration::TakeTransforms(const RosBytes& message) {
+  const Result<RosMessage<RosTransforms>> transforms = ReadCdr<RosTransforms>(message.cdr);
+  if (!transforms) return tl::unexpected(transforms.error());
+  Result<std::vector<RosPose>> poses = FromRosTransforms(**transforms);
+  if (!poses) return tl::unexpected(poses.error());
+  for (RosPose& pose : *poses) poses_.insert_or_assign(pose.child, std::move(pose));
+  return true;
+}
+
+Result<bool> RosCalibration::Take(const RosBytes& message) {
   switch (message.role) {
     case RosRole::kLeftInfo:
       return TakeInfo(message, left_);
@@ -35,26 +53,20 @@ Result<void> RosCalibration::Take(const RosBytes& message) {
     case RosRole::kDepthInfo:
       return TakeInfo(message, depth_);
     case RosRole::kPoints: {
-      if (points_frame_) return {};
+      if (points_frame_) return false;
       const Result<RosMessage<RosPointCloud>> cloud = ReadCdr<RosPointCloud>(message.cdr);
       if (!cloud) return tl::unexpected(cloud.error());
       points_frame_ = RosText((*cloud)->header.frame_id);
-      return {};
+      return true;
     }
-    case RosRole::kTf: {
-      const Result<RosMessage<RosTransforms>> transforms = ReadCdr<RosTransforms>(message.cdr);
-      if (!transforms) return tl::unexpected(transforms.error());
-      Result<std::vector<RosPose>> poses = FromRosTransforms(**transforms);
-      if (!poses) return tl::unexpected(poses.error());
-      for (RosPose& pose : *poses) poses_.insert_or_assign(pose.child, std::move(pose));
-      return {};
-    }
+    case RosRole::kTf:
+      return TakeTransforms(message);
     case RosRole::kLeft:
     case RosRole::kRight:
     case RosRole::kDepth:
       break;
   }
-  return {};
+  return false;
 }
 
 // Of a frame in the one that has no parent.

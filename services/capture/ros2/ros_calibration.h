@@ -1,9 +1,12 @@
 #ifndef SPROUT_SERVICES_CAPTURE_ROS2_ROS_CALIBRATION_H_
 #define SPROUT_SERVICES_CAPTURE_ROS2_ROS_CALIBRATION_H_
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/core/result.h"
 #include "common/core/rig.h"
@@ -26,10 +29,11 @@ struct RosRig {
 /// camera_info stands where they do.
 class RosCalibration {
  public:
-  explicit RosCalibration(const RosSettings& settings) : settings_(settings) {}
+  explicit RosCalibration(RosSettings settings) : settings_(std::move(settings)) {}
 
-  /// Looks at a message. An error says what of it cannot be used.
-  Result<void> Take(const RosBytes& message);
+  /// Looks at a message. @returns whether the calibration is another one with it. An error says
+  /// what of it cannot be used; then the calibration stays.
+  Result<bool> Take(const RosBytes& message);
 
   /// The first topic that something is missing of; nothing when all is there.
   std::optional<RosRole> Missing() const;
@@ -40,24 +44,30 @@ class RosCalibration {
   /// The rig. An error says what does not fit together. @pre nothing is missing.
   Result<RosRig> Rig() const;
 
+  /// Stamp of the newest CameraInfo that changed something, µs.
+  int64_t changed_utime() const { return changed_utime_; }
+
  private:
   struct Named {
     RosCamera camera;
     std::string frame;
+    std::vector<uint8_t> cdr;  // of the message without its stamp
   };
-  Result<void> TakeInfo(const RosBytes& message, std::optional<Named>& to);
+  Result<bool> TakeInfo(const RosBytes& message, std::optional<Named>& to);
+  Result<bool> TakeTransforms(const RosBytes& message);
   std::optional<RosPose> PoseInRoot(std::string frame) const;
   std::optional<Pose> LeftFrom(const std::string& frame) const;
   const std::string& RangeFrame() const;
   std::optional<Pose> LeftFromRange() const;
   Result<TofCamera> DepthCamera(const RectifiedPair& pair) const;
 
-  const RosSettings& settings_;
+  RosSettings settings_;
   std::optional<Named> left_;
   std::optional<Named> right_;
   std::optional<Named> depth_;
   std::optional<std::string> points_frame_;
   std::map<std::string, RosPose> poses_;  // by child
+  int64_t changed_utime_ = 0;
 };
 
 }  // namespace sprout::capture

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -21,11 +22,11 @@ bool IsTransforms(const McapTopic& topic) { return topic.type == RosTypeOf<RosTr
 
 class FileInput : public RosInput {
  public:
-  FileInput(const RosSettings& settings, TellPeople tell)
+  FileInput(const RosSettings& settings, RosReports reports)
       : path_(settings.file),
-        tell_(std::move(tell)),
-        reader_(McapParts(path_)),
-        topics_(reader_.Topics()) {
+        reports_(std::move(reports)),
+        reader_(std::make_unique<McapReader>(McapParts(path_))),
+        topics_(reader_->Topics()) {
     for (const RosRole role : kAllRosRoles) {
       for (const std::string& topic : settings.TopicsOf(role)) roles_[topic].push_back(role);
     }
@@ -35,15 +36,25 @@ class FileInput : public RosInput {
 
   bool is_live() const override { return false; }
 
-  bool Next(RosBytes& message, const std::stop_token& stop) override {
-    while (roles_to_come_.empty() && !stop.stop_requested() && reader_.Next(read_)) TakeMessage();
+  void StartImages(const RosLimits& /*limits*/) override {
+    try {
+      reader_ = std::make_unique<McapReader>(McapParts(path_));
+    } catch (const McapError& e) {
+      throw ConfigError(std::string("capture.source = mcap: ") + e.what());
+    }
+    roles_to_come_.clear();
+  }
+
+  bool Next(RosBytes& message, const std::stop_token& stop,
+            Clock::time_point /*deadline*/) override {
+    while (roles_to_come_.empty() && !stop.stop_requested() && reader_->Next(read_)) TakeMessage();
     if (!roles_to_come_.empty()) {
       message = {.role = roles_to_come_.back(), .is_compressed = is_compressed_, .cdr = cdr_};
       roles_to_come_.pop_back();
       return true;
     }
     if (!std::exchange(has_told_, true)) {
-      for (const std::string& line : reader_.trouble()) tell_(path_ + ": " + line);
+      for (const std::string& line : reader_->trouble()) reports_.tell(path_ + ": " + line);
     }
     return false;
   }
@@ -117,7 +128,7 @@ class FileInput : public RosInput {
     if (IsZstd(cdr_)) {
       Result<McapBytes> unpacked = UnpackMessage(cdr_);
       if (!unpacked && wrong_.insert(read_.channel->topic).second) {
-        tell_(path_ + ": " + read_.channel->topic + ": " + unpacked.error().text);
+        reports_.tell(path_ + ": " + read_.channel->topic + ": " + unpacked.error().text);
       }
       unpacked_ = unpacked ? std::move(*unpacked) : McapBytes();
       cdr_ = unpacked_;
@@ -132,8 +143,8 @@ class FileInput : public RosInput {
   }
 
   std::string path_;
-  TellPeople tell_;
-  McapReader reader_;
+  RosReports reports_;
+  std::unique_ptr<McapReader> reader_;
   std::vector<McapTopic> topics_;
   std::string note_;
   std::map<std::string, std::vector<RosRole>> roles_;  // of a topic, with a slash in front
@@ -148,9 +159,9 @@ class FileInput : public RosInput {
 
 }  // namespace
 
-std::unique_ptr<RosInput> ReadRosFile(const RosSettings& settings, TellPeople tell) {
+std::unique_ptr<RosInput> ReadRosFile(const RosSettings& settings, RosReports reports) {
   try {
-    return std::make_unique<FileInput>(settings, std::move(tell));
+    return std::make_unique<FileInput>(settings, std::move(reports));
   } catch (const McapError& e) {
     throw ConfigError(std::string("capture.source = mcap: ") + e.what());
   }

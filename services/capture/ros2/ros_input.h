@@ -1,9 +1,11 @@
 #ifndef SPROUT_SERVICES_CAPTURE_ROS2_ROS_INPUT_H_
 #define SPROUT_SERVICES_CAPTURE_ROS2_ROS_INPUT_H_
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -25,18 +27,41 @@ struct RosBytes {
 /// The types that a topic may have; those of images are plain and compressed.
 std::vector<const RosType*> TypesOf(RosRole role);
 
-/// Reports one line to people.
-using TellPeople = std::function<void(const std::string&)>;
+/// Whom a source tells what, when it happens.
+struct RosReports {
+  /// What people should know, one line; not empty.
+  std::function<void(const std::string& line)> tell;
+  /// A message of a topic that cannot be used; to be counted. May be empty.
+  std::function<void(const std::string& topic, const std::string& why)> refused = {};
+  /// Images without partners, when no frame comes that could say it. May be empty.
+  std::function<void(const datasets::LostFrames& lost)> lost = {};
+
+  void Refuse(const std::string& topic, const std::string& why) const {
+    if (refused) refused(topic, why);
+  }
+};
+
+/// How large messages may be.
+struct RosLimits {
+  size_t image_bytes = size_t{256} << 20;
+  size_t range_bytes = size_t{64} << 20;  ///< two million points of 32 bytes
+};
 
 /// Where the messages of a rig's topics come from: DDS, or a file.
 class RosInput {
  public:
+  using Clock = std::chrono::steady_clock;
   virtual ~RosInput() = default;
   virtual bool is_live() const = 0;
 
-  /// Waits for the next message. @returns false at the end of a file, and when a stop was asked
-  /// for.
-  virtual bool Next(RosBytes& message, const std::stop_token& stop) = 0;
+  /// Until StartImages() only what a calibration is made of needs to come. From there on all
+  /// messages come, of a file from its begin; larger ones than the limits are refused.
+  virtual void StartImages(const RosLimits& limits) = 0;
+
+  /// Waits for the next message. @returns false at the end of a file, when a stop was asked for,
+  /// and live at the deadline: files have no clock.
+  virtual bool Next(RosBytes& message, const std::stop_token& stop,
+                    Clock::time_point deadline = Clock::time_point::max()) = 0;
 
   /// What people should know of how topics were found; empty: nothing.
   virtual std::string Note() const { return {}; }
@@ -45,16 +70,17 @@ class RosInput {
   virtual std::string Instead(RosRole role) = 0;
 };
 
-/// Subscribes to the topics. Silent ones are reported after 5 s and each minute, with their
-/// publishers; so are several publishers of one topic.
+/// Subscribes to the topics, with the reliability and durability that their publishers offer.
+/// Silent ones are reported after 5 s and each minute, with their publishers; so are several
+/// publishers that send on one topic, and a policy that keeps a publisher and us apart.
 /// @throws ConfigError when DDS cannot be used.
-std::unique_ptr<RosInput> ListenToRos(const RosSettings& settings, TellPeople tell,
+std::unique_ptr<RosInput> ListenToRos(const RosSettings& settings, RosReports reports,
                                       datasets::Waiting waiting);
 
 /// Reads the topics from settings.file, in the order of their log times. Damage is reported.
 /// @throws ConfigError when it is no MCAP file, when a topic is not in it, with those that are, or
 ///         when its type or encoding is another.
-std::unique_ptr<RosInput> ReadRosFile(const RosSettings& settings, TellPeople tell);
+std::unique_ptr<RosInput> ReadRosFile(const RosSettings& settings, RosReports reports);
 
 }  // namespace sprout::capture
 

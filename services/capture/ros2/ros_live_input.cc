@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/config/config_error.h"
@@ -12,10 +14,12 @@
 namespace sprout::capture {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Clock = RosInput::Clock;
 constexpr std::chrono::seconds kSilence{5};
 constexpr std::chrono::seconds kReminder{60};
 constexpr std::chrono::milliseconds kStopPoll{100};
+// A publisher that sent nothing for so long does not count as one of several.
+constexpr std::chrono::seconds kPublisherLives{2};
 
 const RosType& TypeOf(RosRole role, bool is_compressed) {
   return *TypesOf(role)[is_compressed ? 1 : 0];
@@ -26,60 +30,74 @@ bool NamesCompressed(RosRole role, const std::string& topic) {
          (topic.ends_with("/compressed") || topic.ends_with("/compressedDepth"));
 }
 
-// A camera that is slower than the loop fills no more than this.
-constexpr int kDepth = 8;
+bool IsImage(RosRole role) {
+  return role == RosRole::kLeft || role == RosRole::kRight || role == RosRole::kDepth;
+}
 
-RosQos QosOf(RosRole role, const std::string& topic) {
+bool IsCalibration(RosRole role) { return !IsImage(role) && role != RosRole::kPoints; }
+
+// The best that is asked for; what publishers do not offer is not insisted on. A camera that is
+// faster than the loop fills no more than `depth`.
+RosQos BestQos(RosRole role, const std::string& topic) {
   // /tf has no memory, whoever asks for it gets nothing.
   if (role == RosRole::kTf) {
     return {.reliable = true, .latched = topic.ends_with("/tf_static"), .depth = 100};
   }
-  return {.reliable = false, .latched = false, .depth = kDepth};
+  return {.reliable = true, .latched = IsCalibration(role), .depth = 8};
+}
+
+RosQos Least(RosQos wanted, const RosQos& offered) {
+  wanted.reliable = wanted.reliable && offered.reliable;
+  wanted.latched = wanted.latched && offered.latched;
+  return wanted;
 }
 
 struct LiveTopic {
   RosRole role;
   std::string name;
   bool is_compressed;
-  RosNode::Handle reader;
-  Clock::time_point heard;
-  Clock::time_point next_reminder;
-  int told_publishers = 1;
+  size_t max_bytes;
+  RosQos qos = {};
+  RosNode::Handle reader = 0;
+  Clock::time_point heard = {};
+  Clock::time_point next_reminder = {};
+  bool was_heard = false;
+  std::map<uint64_t, Clock::time_point> publishers = {};  // when they sent the newest message
+  size_t told_publishers = 1;
+
+  const RosType& type() const { return TypeOf(role, is_compressed); }
 };
 
 class LiveInput : public RosInput {
  public:
-  LiveInput(const RosSettings& settings, TellPeople tell, datasets::Waiting waiting)
-      : tell_(std::move(tell)), waiting_(std::move(waiting)), node_(settings.domain) {
-    const auto now = Clock::now();
-    for (const RosRole role : kAllRosRoles) {
-      for (const std::string& topic : settings.TopicsOf(role)) {
-        const bool is_compressed = NamesCompressed(role, topic);
-        const RosNode::Handle reader =
-            node_.AddReader(topic, TypeOf(role, is_compressed), QosOf(role, topic));
-        topics_.push_back({role, topic, is_compressed, reader, now, now + kSilence});
-      }
-    }
-    next_look_ = now + std::chrono::seconds(1);
+  LiveInput(const RosSettings& settings, RosReports reports, datasets::Waiting waiting)
+      : settings_(settings), reports_(std::move(reports)), waiting_(std::move(waiting)) {
+    // A cloud says in which frame its points are.
+    if (settings_.rig.empty()) Open(RosLimits(), [](RosRole role) { return !IsImage(role); });
   }
 
   bool is_live() const override { return true; }
 
-  bool Next(RosBytes& message, const std::stop_token& stop) override {
+  // DDS takes no larger message than the domain was told at its begin, so it begins again.
+  void StartImages(const RosLimits& limits) override {
+    topics_.clear();
+    node_.reset();
+    Open(limits, [this](RosRole role) { return settings_.rig.empty() || !IsCalibration(role); });
+  }
+
+  bool Next(RosBytes& message, const std::stop_token& stop, Clock::time_point deadline) override {
     while (!stop.stop_requested()) {
       if (waiting_) waiting_();
       LookAround();
       // In turn, so that no topic waits for another one.
       for (size_t i = 0; i < topics_.size(); ++i) {
         next_ = (next_ + 1) % topics_.size();
-        LiveTopic& topic = topics_[next_];
-        if (!node_.Take(topic.reader, cdr_)) continue;
-        topic.heard = Clock::now();
-        topic.next_reminder = topic.heard + kSilence;
-        message = {.role = topic.role, .is_compressed = topic.is_compressed, .cdr = cdr_};
-        return true;
+        if (Take(topics_[next_], message)) return true;
       }
-      node_.Wait(kStopPoll);
+      const auto now = Clock::now();
+      if (now >= deadline) break;
+      node_->Wait(
+          std::min(kStopPoll, std::chrono::ceil<std::chrono::milliseconds>(deadline - now)));
     }
     return false;
   }
@@ -90,42 +108,124 @@ class LiveInput : public RosInput {
   }
 
  private:
-  std::string PublishersText(const LiveTopic& topic) const {
-    const RosType& type = TypeOf(topic.role, topic.is_compressed);
-    const RosNode::Publishers there = node_.PublishersOf(topic.name, type);
+  void Open(const RosLimits& limits, const std::function<bool(RosRole)>& is_wanted) {
+    // CameraInfo and /tf_static are small, but not that small.
+    constexpr size_t kLeast = size_t{1} << 20;
+    const size_t of_points = settings_.points.empty() ? 0 : limits.range_bytes;
+    const size_t most = std::max({limits.image_bytes, of_points, kLeast});
+    try {
+      node_.emplace(RosNodeOptions{.domain = settings_.domain,
+                                   .name = "sprout_capture",
+                                   .max_message_bytes = static_cast<uint32_t>(most)});
+      for (const RosRole role : kAllRosRoles) {
+        if (!is_wanted(role)) continue;
+        for (const std::string& topic : settings_.TopicsOf(role)) Add(role, topic, limits);
+      }
+      node_->Announce();
+    } catch (const RosError& e) {
+      throw ConfigError(std::string("capture.source = ros2: ") + e.what());
+    }
+    next_look_ = Clock::now() + std::chrono::seconds(1);
+  }
+
+  void Add(RosRole role, const std::string& name, const RosLimits& limits) {
+    const auto now = Clock::now();
+    LiveTopic topic{.role = role,
+                    .name = name,
+                    .is_compressed = NamesCompressed(role, name),
+                    .max_bytes = IsImage(role) ? limits.image_bytes : limits.range_bytes,
+                    .qos = BestQos(role, name),
+                    .heard = now,
+                    .next_reminder = now + kSilence};
+    topic.reader = node_->AddReader(name, topic.type(), topic.qos);
+    topics_.push_back(std::move(topic));
+  }
+
+  bool Take(LiveTopic& topic, RosBytes& message) {
+    const std::optional<RosNode::Taken> taken = node_->Take(topic.reader, topic.max_bytes, cdr_);
+    if (!taken) return false;
+    topic.heard = Clock::now();
+    topic.was_heard = true;
+    topic.next_reminder = topic.heard + kSilence;
+    topic.publishers[taken->publisher] = topic.heard;
+    if (taken->is_too_big) {
+      reports_.Refuse(topic.name,
+                      fmt::format("{} bytes: allowed are up to {} with this calibration",
+                                  taken->bytes, topic.max_bytes));
+      return false;
+    }
+    message = {.role = topic.role, .is_compressed = topic.is_compressed, .cdr = cdr_};
+    return true;
+  }
+
+  std::string PublishersText(const LiveTopic& topic) {
+    const RosNode::Publishers there = node_->PublishersOf(topic.name, topic.type());
     if (there.of_others > 0) {
       return fmt::format("{} publishers, {} of other types such as {}; allowed is {}",
                          there.of_type + there.of_others, there.of_others, there.other_type,
-                         type.name);
+                         topic.type().name);
     }
     return there.of_type == 0 ? "no publisher" : fmt::format("{} publishers", there.of_type);
   }
 
-  // Once a second.
+  // What publishers offer, as soon as one of them and our reader did not come together, and each
+  // second in case a better one has taken its place.
+  void Adapt(LiveTopic& topic, const RosNode::Publishers& there) {
+    // Of /tf_static there may be several, the latched ones among them count.
+    if (there.of_type == 0 || (topic.role == RosRole::kTf && there.of_type > 1)) return;
+    const RosQos fitting = Least(BestQos(topic.role, topic.name), there.offered);
+    if (fitting == topic.qos) return;
+    node_->RemoveReader(topic.reader);
+    topic.qos = fitting;
+    topic.reader = node_->AddReader(topic.name, topic.type(), topic.qos);
+    node_->Announce();
+  }
+
   void LookAround() {
+    for (LiveTopic& topic : topics_) {
+      const std::string policy = node_->TakeMisfit(topic.reader);
+      if (policy.empty()) continue;
+      const RosQos before = topic.qos;
+      const RosNode::Publishers there = node_->PublishersOf(topic.name, topic.type());
+      Adapt(topic, there);
+      // DDS compares policies of other types, too.
+      if (topic.qos == before && there.of_type > 0) {
+        reports_.tell(
+            fmt::format("a publisher of {} cannot be heard: it offers less {} than is "
+                        "needed",
+                        topic.name, policy));
+      }
+    }
     const auto now = Clock::now();
     if (now < next_look_) return;
     next_look_ = now + std::chrono::seconds(1);
-    for (LiveTopic& topic : topics_) {
-      if (topic.role == RosRole::kTf) continue;  // once is enough
-      if (now >= topic.next_reminder) {
-        const auto silence = std::chrono::duration_cast<std::chrono::seconds>(now - topic.heard);
-        tell_(fmt::format("no message on {} for {} s; {}", topic.name, silence.count(),
-                          PublishersText(topic)));
-        topic.next_reminder = now + kReminder;
-      }
-      const int count =
-          node_.PublishersOf(topic.name, TypeOf(topic.role, topic.is_compressed)).of_type;
-      if (count > 1 && count != topic.told_publishers) {
-        tell_(fmt::format("{} publishers on {}; allowed is one", count, topic.name));
-      }
-      topic.told_publishers = std::max(count, 1);
-    }
+    for (LiveTopic& topic : topics_) LookAt(topic, now);
   }
 
-  TellPeople tell_;
+  void LookAt(LiveTopic& topic, Clock::time_point now) {
+    if (topic.role == RosRole::kTf) return;  // once is enough, and everybody may
+    Adapt(topic, node_->PublishersOf(topic.name, topic.type()));
+    // A latched calibration needs no second message.
+    const bool is_known = topic.qos.latched && topic.was_heard;
+    if (now >= topic.next_reminder && !is_known) {
+      const auto silence = std::chrono::duration_cast<std::chrono::seconds>(now - topic.heard);
+      reports_.tell(fmt::format("no message on {} for {} s; {}", topic.name, silence.count(),
+                                PublishersText(topic)));
+      topic.next_reminder = now + kReminder;
+    }
+    std::erase_if(topic.publishers,
+                  [&](const auto& one) { return one.second + kPublisherLives < now; });
+    const size_t count = topic.publishers.size();
+    if (count > 1 && count != topic.told_publishers) {
+      reports_.tell(fmt::format("{} publishers on {}; allowed is one", count, topic.name));
+    }
+    topic.told_publishers = std::max<size_t>(count, 1);
+  }
+
+  RosSettings settings_;
+  RosReports reports_;
   datasets::Waiting waiting_;
-  RosNode node_;
+  std::optional<RosNode> node_;
   std::vector<LiveTopic> topics_;
   std::vector<uint8_t> cdr_;
   size_t next_ = 0;
@@ -134,13 +234,9 @@ class LiveInput : public RosInput {
 
 }  // namespace
 
-std::unique_ptr<RosInput> ListenToRos(const RosSettings& settings, TellPeople tell,
+std::unique_ptr<RosInput> ListenToRos(const RosSettings& settings, RosReports reports,
                                       datasets::Waiting waiting) {
-  try {
-    return std::make_unique<LiveInput>(settings, std::move(tell), std::move(waiting));
-  } catch (const RosError& e) {
-    throw ConfigError(std::string("capture.source = ros2: ") + e.what());
-  }
+  return std::make_unique<LiveInput>(settings, std::move(reports), std::move(waiting));
 }
 
 }  // namespace sprout::capture

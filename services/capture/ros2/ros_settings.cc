@@ -7,6 +7,7 @@
 
 #include "common/config/config_error.h"
 #include "common/core/number_text.h"
+#include "common/ros2/ros_node.h"
 #include "services/capture/ros2/ros_input.h"
 #include "services/datasets/source_options.h"
 
@@ -88,6 +89,14 @@ bool Apply(const datasets::SourceOption& option, RosSettings& settings) {
     return settings.domain >= 0 && settings.domain <= 232;
   }
   return false;
+}
+
+int DomainOfEnvironment(const std::string& source) {
+  try {
+    return RosDomainOfEnvironment().value_or(0);
+  } catch (const RosError& e) {
+    throw ConfigError("capture.source = " + source + ": " + e.what());
+  }
 }
 
 void CompleteNames(RosSettings& settings) {
@@ -182,6 +191,7 @@ RosSettings ParseRosSource(const std::string& source) {
     options = std::move(split.options);
     if (settings.file.empty()) throw BadSource(source, "no file");
   }
+  if (settings.file.empty()) settings.domain = DomainOfEnvironment(source);
   for (const datasets::SourceOption& option : options) {
     if (!Apply(option, settings)) {
       throw BadSource(source, "cannot be used: '" + std::string(option.text) + "'");

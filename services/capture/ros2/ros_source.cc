@@ -1,12 +1,16 @@
 #include "services/capture/ros2/ros_source.h"
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
 
+#include "common/app/log_limiter.h"
 #include "common/config/config_error.h"
+#include "common/core/image.h"
 #include "common/rig/rig_file.h"
 #include "services/capture/ros2/ros_calibration.h"
+#include "services/capture/ros2/ros_rig_watch.h"
 #include "services/capture/ros2/ros_triplets.h"
 #include "services/datasets/tof_grid.h"
 #include "services/datasets/velodyne_scan.h"
@@ -28,8 +32,8 @@ class RosOpener {
         settings_(ParseRosSource(source_)) {}
 
   std::unique_ptr<RosInput> Open() const {
-    if (settings_.file.empty()) return ListenToRos(settings_, options_.tell, options_.waiting);
-    return ReadRosFile(settings_, options_.tell);
+    if (settings_.file.empty()) return ListenToRos(settings_, options_.reports, options_.waiting);
+    return ReadRosFile(settings_, options_.reports);
   }
 
   /// Images as the cameras see them need no calibration, which may not be there yet.
@@ -39,13 +43,15 @@ class RosOpener {
     settings_.depth_info.clear();
   }
 
-  void Tell(const std::string& what) const { options_.tell(what); }
+  void Tell(const std::string& what) const { options_.reports.tell(what); }
 
   ConfigError Bad(const std::string& reason) const {
     return ConfigError("capture.source = " + source_ + ": " + reason);
   }
 
   const RosSettings& settings() const { return settings_; }
+  const RosReports& reports() const { return options_.reports; }
+  const std::stop_token& stop() const { return options_.stop; }
   bool loop() const { return options_.loop && !settings_.file.empty(); }
 
  private:
@@ -54,14 +60,36 @@ class RosOpener {
   RosSettings settings_;
 };
 
+ImageOfPoints Projector(const RosRig& rig) {
+  return [rig](const std::vector<Eigen::Vector3d>& points) {
+    return datasets::TofImageFromScan(points, rig.left_from_points, rig.rig.pair);
+  };
+}
+
+std::string TopicOf(const RosSettings& settings, RosRole role) {
+  const std::vector<std::string> topics = settings.TopicsOf(role);
+  return topics.empty() ? "" : topics.front();
+}
+
+// Nobody sends more than 8 bytes a pixel (RGBA of 16 bits), or a header of 64 kB.
+RosLimits LimitsFor(cv::Size images, cv::Size tof) {
+  constexpr size_t kBytesPerPixel = 8;
+  constexpr size_t kHeader = size_t{64} << 10;
+  const auto pixels = static_cast<size_t>(std::max(images.area(), tof.area()));
+  return {.image_bytes = kBytesPerPixel * pixels + kHeader};
+}
+
 // Frames of messages, whatever becomes of them.
 class RosFrames {
  public:
+  // @param watch  nothing when CameraInfo does not count.
   RosFrames(RosOpener opener, std::unique_ptr<RosInput> input, std::optional<cv::Size> size,
-            ImageOfPoints image)
+            ImageOfPoints image, std::optional<RosRigWatch> watch = {})
       : opener_(std::move(opener)),
         input_(std::move(input)),
+        watch_(std::move(watch)),
         size_(size),
+        rig_size_(size),
         image_(std::move(image)),
         triplets_(opener_.settings(), size_, image_) {}
 
@@ -69,18 +97,15 @@ class RosFrames {
 
   std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
-      if (std::optional<datasets::CapturedFrame> frame = triplets_.Next()) {
-        gave_any_ = true;
-        return frame;
-      }
+      if (std::optional<datasets::CapturedFrame> frame = TakeFrame()) return frame;
       RosBytes message;
       if (input_->Next(message, stop)) {
-        triplets_.Take(message);
+        Take(message);
       } else if (!is_at_end_) {
         triplets_.Finish();
         is_at_end_ = true;
       } else if (opener_.loop() && std::exchange(gave_any_, false)) {
-        input_ = opener_.Open();
+        input_->StartImages({});
         triplets_ = RosTriplets(opener_.settings(), size_, image_);
         is_at_end_ = false;
       } else {
@@ -93,9 +118,65 @@ class RosFrames {
   datasets::LostFrames lost_at_end() { return triplets_.TakeLost(); }
 
  private:
+  void Take(const RosBytes& message) {
+    const std::string topic = TopicOf(opener_.settings(), message.role);
+    if (watch_) {
+      const Result<bool> is_new = watch_->Take(message);
+      if (!is_new) opener_.reports().Refuse(topic, is_new.error().text);
+      if (is_new && *is_new) UseRig(watch_->rig());
+    }
+    if (const Result<void> taken = triplets_.Take(message); !taken) {
+      opener_.reports().Refuse(topic, taken.error().text);
+    }
+  }
+
+  // Images of the new size may come before the frame with the new rig.
+  void UseRig(const RosRig& rig) {
+    const int before = size_->area();
+    size_ = rig.rig.pair.size();
+    if (image_) image_ = Projector(rig);
+    triplets_.Use(*size_, image_);
+    // A sensor that turns on its mount changes with each message of /tf.
+    if (const auto held_back = change_log_.Pass(Clock::now())) {
+      opener_.reports().tell("the calibration changed: " + RigId(rig.rig) + ", images of " +
+                             SizeText(*size_) + MoreText(*held_back));
+    }
+    const RosLimits limits = LimitsFor(*size_, {rig.rig.tof.width, rig.rig.tof.height});
+    if (is_live() && size_->area() > before) input_->StartImages(limits);
+  }
+
+  // A frame that has a calibration. What was lost without one coming is reported at once.
+  std::optional<datasets::CapturedFrame> TakeFrame() {
+    while (std::optional<datasets::CapturedFrame> frame = triplets_.Next()) {
+      gave_any_ = true;
+      if (!watch_) return frame;
+      std::string trouble = watch_->trouble();
+      if (const std::optional<RosRig> rig = watch_->TakeNewRig(frame->utime.value_or(0))) {
+        new_rig_ = datasets::NamedRig{rig->rig, RigId(rig->rig)};
+        rig_size_ = rig->rig.pair.size();
+      }
+      if (trouble.empty() && frame->left.size() != *rig_size_) {
+        trouble = "images of " + SizeText(frame->left.size()) + ": the calibration changed to " +
+                  SizeText(*rig_size_);
+      }
+      if (trouble.empty()) {
+        frame->new_rig = std::exchange(new_rig_, std::nullopt);
+        return frame;
+      }
+      if (opener_.reports().lost) opener_.reports().lost({frame->lost + 1, std::move(trouble)});
+    }
+    const datasets::LostFrames lost = triplets_.TakeLost();
+    if (lost.count > 0 && opener_.reports().lost) opener_.reports().lost(lost);
+    return std::nullopt;
+  }
+
   RosOpener opener_;
   std::unique_ptr<RosInput> input_;
+  std::optional<RosRigWatch> watch_;
   std::optional<cv::Size> size_;
+  std::optional<cv::Size> rig_size_;                // of the frames' rig; size_ may be a newer one
+  LogLimiter change_log_;
+  std::optional<datasets::NamedRig> new_rig_ = {};  // for the next frame
   ImageOfPoints image_;
   RosTriplets triplets_;
   bool is_at_end_ = false;
@@ -144,39 +225,36 @@ class RosSource : public datasets::FrameSource {
   std::optional<Rectifier> rectifier_;
 };
 
-ImageOfPoints Projector(const RosRig& rig) {
-  return [rig](const std::vector<Eigen::Vector3d>& points) {
-    return datasets::TofImageFromScan(points, rig.left_from_points, rig.rig.pair);
-  };
-}
+// A calibration, and how it was found.
+struct FoundRig {
+  RosCalibration calibration;
+  RosRig rig;
+};
 
-std::string TopicOf(const RosSettings& settings, RosRole role) {
-  const std::vector<std::string> topics = settings.TopicsOf(role);
-  return topics.empty() ? "" : topics.front();
-}
-
-// Of a file all messages may be looked at, of a live graph those of kCalibrationWait.
-RosRig FindCalibration(const RosOpener& opener, RosInput& input) {
+// Of a file all messages may be looked at, of a live graph those of kCalibrationWait. Nothing when
+// a stop was asked for.
+std::optional<FoundRig> FindCalibration(const RosOpener& opener, RosInput& input) {
   RosCalibration calibration(opener.settings());
-  const Clock::time_point deadline = Clock::now() + kCalibrationWait;
+  const Clock::time_point deadline =
+      input.is_live() ? Clock::now() + kCalibrationWait : Clock::time_point::max();
   std::string refused;
-  const std::stop_source never;
-  for (RosBytes message; calibration.Missing() && Clock::now() < deadline;) {
-    if (!input.Next(message, never.get_token())) break;
-    if (const Result<void> taken = calibration.Take(message); !taken) {
+  for (RosBytes message; calibration.Missing();) {
+    if (!input.Next(message, opener.stop(), deadline)) break;
+    if (const Result<bool> taken = calibration.Take(message); !taken) {
       refused = TopicOf(opener.settings(), message.role) + ": " + taken.error().text;
     }
   }
+  if (opener.stop().stop_requested()) return std::nullopt;
   if (const std::optional<RosRole> missing = calibration.Missing()) {
     if (!refused.empty()) throw opener.Bad(refused);
     if (*missing == RosRole::kTf) throw opener.Bad(calibration.MissingTransform());
     throw opener.Bad("no message on " + TopicOf(opener.settings(), *missing) + "; " +
                      input.Instead(*missing));
   }
-  const Result<RosRig> rig = calibration.Rig();
+  Result<RosRig> rig = calibration.Rig();
   if (!rig) throw opener.Bad(rig.error().text);
   if (const std::string note = input.Note(); !note.empty()) opener.Tell(note);
-  return *rig;
+  return FoundRig{std::move(calibration), std::move(*rig)};
 }
 
 std::unique_ptr<datasets::FrameSource> OpenWithRigFile(const RosOpener& opener) {
@@ -196,7 +274,10 @@ std::unique_ptr<datasets::FrameSource> OpenWithRigFile(const RosOpener& opener) 
   } else if (settings.depth.empty()) {
     rig.rig.tof = {};
   }
-  RosFrames frames(opener, opener.Open(), rectifier.raw().left.size(), std::move(image));
+  const cv::Size size = rectifier.raw().left.size();
+  std::unique_ptr<RosInput> input = opener.Open();
+  input->StartImages(LimitsFor(size, rectifier.raw().tof.size()));
+  RosFrames frames(opener, std::move(input), size, std::move(image));
   return std::make_unique<RosSource>(std::move(frames), rig.rig, std::move(rectifier));
 }
 
@@ -207,19 +288,23 @@ std::unique_ptr<datasets::FrameSource> OpenRosSource(const std::string& source,
   const RosOpener opener(source, std::move(options));
   if (!opener.settings().rig.empty()) return OpenWithRigFile(opener);
   std::unique_ptr<RosInput> input = opener.Open();
-  const RosRig rig = FindCalibration(opener, *input);
-  // A file is read from its begin again; live, a reader has heard of the topics by now.
-  if (!input->is_live()) input = opener.Open();
+  std::optional<FoundRig> found = FindCalibration(opener, *input);
+  if (!found) return nullptr;
+  const RosRig rig = found->rig;
+  const cv::Size size = rig.rig.pair.size();
+  input->StartImages(LimitsFor(size, {rig.rig.tof.width, rig.rig.tof.height}));
   const bool has_points = !opener.settings().points.empty();
-  RosFrames frames(opener, std::move(input), rig.rig.pair.size(),
-                   has_points ? Projector(rig) : ImageOfPoints());
+  RosFrames frames(opener, std::move(input), size, has_points ? Projector(rig) : ImageOfPoints(),
+                   RosRigWatch(std::move(found->calibration), rig));
   return std::make_unique<RosSource>(std::move(frames), rig.rig, std::nullopt);
 }
 
 std::unique_ptr<RawSource> OpenRawRosSource(const std::string& source, RosSourceOptions options) {
   RosOpener opener(source, std::move(options));
   opener.LeaveOutCalibration();
-  RosFrames frames(opener, opener.Open(), std::nullopt, {});
+  std::unique_ptr<RosInput> input = opener.Open();
+  input->StartImages({});
+  RosFrames frames(opener, std::move(input), std::nullopt, {});
   return std::make_unique<RawRosSource>(std::move(frames));
 }
 

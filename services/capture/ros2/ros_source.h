@@ -2,6 +2,7 @@
 #define SPROUT_SERVICES_CAPTURE_ROS2_ROS_SOURCE_H_
 
 #include <memory>
+#include <stop_token>
 #include <string>
 
 #include "services/capture/raw_source.h"
@@ -13,13 +14,16 @@ namespace sprout::capture {
 struct RosSourceOptions {
   bool loop = false;               ///< start a file again at the end
   datasets::Waiting waiting = {};  ///< see FrameSource
-  TellPeople tell = {};            ///< what people should know; not empty
+  RosReports reports = {};
+  std::stop_token stop = {};  ///< ends the wait for the calibration
 };
 
 /// Rectified frames of what a source ros2: or mcap: names: rectified images with their camera_info,
 /// or raw ones with a rig file. Images belong together by their stamps (max_spread_ms). A point
 /// cloud becomes a range image in the left camera's place (TofImageFromScan()), a depth image that
-/// of a ToF camera. Waits up to 20 s for the calibration; a file must have it.
+/// of a ToF camera. Waits up to 20 s for the calibration; a file must have it. When it changes
+/// later, a frame has the new rig, and those that fit no calibration are lost.
+/// @returns null when a stop was asked for.
 /// @throws ConfigError naming what is missing or wrong.
 std::unique_ptr<datasets::FrameSource> OpenRosSource(const std::string& source,
                                                      RosSourceOptions options);

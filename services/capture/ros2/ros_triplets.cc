@@ -1,5 +1,7 @@
 #include "services/capture/ros2/ros_triplets.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,6 +18,9 @@ TripletConfig ConfigOf(const RosSettings& settings, bool takes_points) {
           .has_tof = takes_points || !settings.depth.empty()};
 }
 
+// Of each camera, for WhyUnpaired(): a second or two.
+constexpr size_t kStamps = 16;
+
 RigPlace PlaceOf(RosRole role) {
   if (role == RosRole::kLeft) return RigPlace::kLeft;
   return role == RosRole::kRight ? RigPlace::kRight : RigPlace::kTof;
@@ -27,7 +32,8 @@ RosTriplets::RosTriplets(const RosSettings& settings, std::optional<cv::Size> si
                          ImageOfPoints image)
     : size_(size),
       image_of_points_(std::move(image)),
-      synchronizer_(ConfigOf(settings, image_of_points_ != nullptr)) {}
+      synchronizer_(ConfigOf(settings, image_of_points_ != nullptr)),
+      max_spread_ms_(settings.max_spread_ms) {}
 
 Result<TimedImage> RosTriplets::DecodePicture(const RosBytes& message) const {
   TimedImage timed;
@@ -89,29 +95,56 @@ Result<TimedImage> RosTriplets::Decode(const RosBytes& message) const {
   return timed;
 }
 
-void RosTriplets::Take(const RosBytes& message) {
+Result<void> RosTriplets::Take(const RosBytes& message) {
   const bool is_image = message.role == RosRole::kLeft || message.role == RosRole::kRight ||
                         message.role == RosRole::kDepth ||
                         (message.role == RosRole::kPoints && image_of_points_);
-  if (!is_image) return;
+  if (!is_image) return {};
   Result<TimedImage> timed = Decode(message);
   if (!timed) {
     // Its partner will be counted as a capture that is not whole.
     trouble_ = timed.error().text;
-    return;
+    return tl::unexpected(timed.error());
   }
-  newest_utime_ = std::max(newest_utime_, timed->utime);
+  if (message.role == RosRole::kLeft || message.role == RosRole::kRight) {
+    newest_utime_ = timed->utime;
+    std::deque<int64_t>& stamps = stamps_[message.role == RosRole::kLeft ? 0 : 1];
+    stamps.push_back(timed->utime);
+    if (stamps.size() > kStamps) stamps.pop_front();
+  }
   synchronizer_.Push(PlaceOf(message.role), std::move(*timed));
+  return {};
+}
+
+void RosTriplets::Use(cv::Size size, ImageOfPoints image) {
+  size_ = size;
+  image_of_points_ = std::move(image);
+}
+
+// Stamps that differ, or images that did not come: in a stream whose other images have partners.
+std::string RosTriplets::WhyUnpaired() const {
+  double nearest_ms = std::numeric_limits<double>::infinity();
+  for (const int64_t left : stamps_[0]) {
+    for (const int64_t right : stamps_[1]) {
+      nearest_ms = std::min(nearest_ms, std::abs(static_cast<double>(left - right)) * 1e-3);
+    }
+  }
+  if (nearest_ms <= max_spread_ms_) {
+    return "an image of left or right without its partner: that was lost on the way, or never sent";
+  }
+  return fmt::format(
+      "left and right images are {:.1f} ms apart or more: allowed is max_spread_ms = {}",
+      nearest_ms, max_spread_ms_);
 }
 
 datasets::LostFrames RosTriplets::TakeLost() {
   const int64_t unpaired =
       synchronizer_.unpaired(RigPlace::kLeft) + synchronizer_.unpaired(RigPlace::kRight);
-  datasets::LostFrames lost{.count = unpaired - std::exchange(unpaired_, unpaired),
-                            .trouble = std::exchange(trouble_, {})};
-  if (lost.count > 0 && lost.trouble.empty()) {
-    lost.trouble = "an image of left or right without its partner within max_spread_ms";
-  }
+  if (begins_) unpaired_ = unpaired;
+  begins_ = stamps_[0].empty() || stamps_[1].empty();
+  datasets::LostFrames lost{.count = unpaired - std::exchange(unpaired_, unpaired)};
+  // A message that was refused explains the image that will lack it.
+  if (lost.count > 0) lost.trouble = trouble_.empty() ? WhyUnpaired() : std::exchange(trouble_, {});
   return lost;
 }
 
@@ -128,6 +161,7 @@ std::optional<datasets::CapturedFrame> RosTriplets::Next() {
   datasets::LostFrames lost = TakeLost();
   frame.lost = lost.count;
   frame.trouble = std::move(lost.trouble);
+  trouble_.clear();
   return frame;
 }
 

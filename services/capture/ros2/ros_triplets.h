@@ -1,6 +1,8 @@
 #ifndef SPROUT_SERVICES_CAPTURE_ROS2_ROS_TRIPLETS_H_
 #define SPROUT_SERVICES_CAPTURE_ROS2_ROS_TRIPLETS_H_
 
+#include <array>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -23,7 +25,11 @@ class RosTriplets {
   /// @param image  for points; empty: they are left alone.
   RosTriplets(const RosSettings& settings, std::optional<cv::Size> size, ImageOfPoints image);
 
-  void Take(const RosBytes& message);
+  /// An error says why an image cannot be used.
+  Result<void> Take(const RosBytes& message);
+
+  /// From now on images have this size, and points become this image.
+  void Use(cv::Size size, ImageOfPoints image);
 
   /// No more messages come: what waits for a range image goes without.
   void Finish() { is_finished_ = true; }
@@ -37,12 +43,20 @@ class RosTriplets {
  private:
   Result<TimedImage> Decode(const RosBytes& message) const;
   Result<TimedImage> DecodePicture(const RosBytes& message) const;
+  std::string WhyUnpaired() const;
 
   std::optional<cv::Size> size_;
   ImageOfPoints image_of_points_;
   TripletSynchronizer synchronizer_;
-  int64_t newest_utime_ = 0;  // of any stamp: the only clock here
-  int64_t unpaired_ = 0;      // reported so far
+  // Stamp of the newest image of left or right, the only clock here. Senders set theirs back (NTP,
+  // a bag that begins again), or send one stamp that is wrong: so not the largest one.
+  int64_t newest_utime_ = 0;
+  int64_t unpaired_ = 0;  // reported so far
+  // Stamps of the newest images of left and right. Before both came nothing is missing: topics are
+  // found one by one.
+  std::array<std::deque<int64_t>, 2> stamps_;
+  bool begins_ = true;  // until what came before both is forgotten
+  double max_spread_ms_;
   std::string trouble_;
   bool is_finished_ = false;
 };

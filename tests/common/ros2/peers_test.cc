@@ -67,6 +67,21 @@ TEST(RosPeers, DecodeEveryMessageAndEncodeItToTheSameBytes) {
   }
 }
 
+TEST(RosPeers, HashEveryTypeAsRosDoes) {
+  const TemporaryDirectory folder;
+  Json types = Json::array();
+  for (const RosType* type : RosTypes()) {
+    types.push_back({{"type", type->name}, {"schema", RosSchema(*type)}});
+  }
+  std::ofstream(folder / "in") << types;
+  ASSERT_EQ(RunPeer({"hash", folder / "in", folder / "out"}), "");
+  const Json hashes = ReadJson(folder / "out");
+  ASSERT_EQ(hashes.size(), RosTypes().size());
+  for (size_t i = 0; i < hashes.size(); ++i) {
+    EXPECT_EQ(hashes[i], RosTypes()[i]->hash) << RosTypes()[i]->name;
+  }
+}
+
 TEST(McapPeers, ReadEveryMessageOfAnExport) {
   const log::LogFolder folder;
   constexpr int kFrames = 30;

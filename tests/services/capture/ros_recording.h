@@ -69,8 +69,16 @@ inline std::string PathOf(const TemporaryDirectory& folder) { return folder / "f
 
 struct Told {
   std::vector<std::string> lines;
+  std::vector<std::string> refused;
+  std::vector<datasets::LostFrames> lost;
   RosSourceOptions Options(bool loop = false) {
-    return {.loop = loop, .tell = [this](const std::string& line) { lines.push_back(line); }};
+    return {.loop = loop,
+            .reports = {.tell = [this](const std::string& line) { lines.push_back(line); },
+                        .refused =
+                            [this](const std::string& topic, const std::string& why) {
+                              refused.push_back(topic + ": " + why);
+                            },
+                        .lost = [this](const datasets::LostFrames& of) { lost.push_back(of); }}};
   }
 };
 

@@ -112,6 +112,7 @@ TEST(RosSource, CountsImagesWithoutPartner) {
   const auto frames = All(*source);
   ASSERT_EQ(frames.size(), 8U);
   int64_t lost = source->lost_at_end().count;
+  for (const datasets::LostFrames& one : told.lost) lost += one.count;
   for (const auto& frame : frames) {
     EXPECT_DOUBLE_EQ(frame.spread_ms, 19);
     EXPECT_EQ(frame.left.at<uint8_t>(0, 0), frame.right.at<uint8_t>(0, 0));
@@ -120,20 +121,194 @@ TEST(RosSource, CountsImagesWithoutPartner) {
   EXPECT_EQ(lost, 3);
 }
 
+// Pairs of 10 Hz with these stamps; the frames that became of them, by the grey value of the left
+// image.
+std::vector<int> FramesOfStamps(const std::vector<std::pair<int64_t, int64_t>>& stamps,
+                                Told& told) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddCalibration(examples::Rig());
+  for (size_t i = 0; i < stamps.size(); ++i) {
+    file.AddImage("/left/image", stamps[i].first, Grey(static_cast<int>(i)));
+    file.AddImage("/right/image", stamps[i].second, Grey(static_cast<int>(i)));
+  }
+  file.Finish();
+  std::vector<int> values;
+  for (const auto& frame : All(*OpenRosSource(Source(folder), told.Options()))) {
+    EXPECT_EQ(frame.left.at<uint8_t>(0, 0), frame.right.at<uint8_t>(0, 0));
+    values.push_back(frame.left.at<uint8_t>(0, 0));
+  }
+  return values;
+}
+
+constexpr int64_t kHour = 3'600'000'000;
+
+TEST(RosSource, StampsThatGoBackAnHourStopNothing) {
+  std::vector<std::pair<int64_t, int64_t>> stamps;
+  for (int i = 0; i < 8; ++i) {
+    const int64_t utime = kStart + 100'000 * i - (i >= 4 ? kHour : 0);
+    stamps.emplace_back(utime, utime);
+  }
+  Told told;
+  EXPECT_THAT(FramesOfStamps(stamps, told), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+}
+
+TEST(RosSource, OneStampAnHourAheadCostsTwoFramesAtMost) {
+  for (const bool is_left : {true, false}) {
+    std::vector<std::pair<int64_t, int64_t>> stamps;
+    for (int i = 0; i < 8; ++i) stamps.emplace_back(kStart + 100'000 * i, kStart + 100'000 * i);
+    (is_left ? stamps[3].first : stamps[3].second) += kHour;
+    Told told;
+    const std::vector<int> frames = FramesOfStamps(stamps, told);
+    EXPECT_GE(frames.size(), 6U) << is_left;
+    EXPECT_EQ(frames.back(), 7) << is_left;
+  }
+}
+
+// Both hosts' clocks differ: no pair ever, so no frame could say it.
+TEST(RosSource, ReportsLossesWhenTheyHappen) {
+  std::vector<std::pair<int64_t, int64_t>> stamps;
+  for (int i = 0; i < 5; ++i) {
+    stamps.emplace_back(kStart + 100'000 * i, kStart + 100'000 * i + kHour);
+  }
+  Told told;
+  EXPECT_THAT(FramesOfStamps(stamps, told), ElementsAre());
+  int64_t lost = 0;
+  for (const datasets::LostFrames& one : told.lost) lost += one.count;
+  EXPECT_GE(lost, 4);
+  EXPECT_THAT(told.lost.back().trouble,
+              HasSubstr("ms apart or more: allowed is max_spread_ms = 20"));
+}
+
+TEST(RosSource, WhatCameBeforeTheFirstPairIsNotLost) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddCalibration(examples::Rig());
+  for (int i = 0; i < 4; ++i) {
+    const int64_t utime = kStart + 100'000 * i;
+    file.AddImage("/left/image", utime, Grey(i));
+    if (i >= 2) file.AddImage("/right/image", utime, Grey(i));
+  }
+  file.Finish();
+  Told told;
+  const auto frames = All(*OpenRosSource(Source(folder), told.Options()));
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[0].lost + frames[1].lost, 0);
+  EXPECT_THAT(told.lost, testing::IsEmpty());
+}
+
+TEST(RosSource, RefusesWhatItCannotUseAtOnce) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddCalibration(examples::Rig());
+  for (int i = 0; i < 3; ++i) {
+    for (const char* topic : {"/left/image", "/right/image"}) {
+      RosMessage<RosImage> image = ToRosImage({kStart + 100'000 * i, "frame"}, Grey(i));
+      SetRosText(image->encoding, "nonsense");
+      file.Add(topic, image);
+    }
+  }
+  file.Finish();
+  Told told;
+  EXPECT_THAT(All(*OpenRosSource(Source(folder), told.Options())), testing::IsEmpty());
+  ASSERT_EQ(told.refused.size(), 6U);
+  EXPECT_THAT(told.refused[0], testing::StartsWith("/left/image: "));
+  EXPECT_THAT(told.refused[0], HasSubstr("nonsense"));
+}
+
+// Frames of a rig, then those of another one, whose CameraInfo comes before its images.
+struct TwoRigs {
+  explicit TwoRigs(const Rig& second_rig) : second(second_rig) {}
+  Rig first = examples::Rig();
+  Rig second;
+
+  std::vector<datasets::CapturedFrame> Frames(Told& told) const {
+    const TemporaryDirectory folder;
+    RosRecording file(folder / "file");
+    for (int i = 0; i < 4; ++i) {
+      const Rig& rig = i < 2 ? first : second;
+      const int64_t utime = kStart + 100'000 * i;
+      file.Add("/left/camera_info", ToRosLeftInfo({utime, RosFrames().left}, rig.pair));
+      file.Add("/right/camera_info", ToRosRightInfo({utime, RosFrames().right}, rig.pair));
+      const cv::Mat1b image(rig.pair.size(), static_cast<uint8_t>(i));
+      file.AddImage("/left/image", utime, image);
+      file.AddImage("/right/image", utime, image);
+    }
+    file.Finish();
+    const auto source = OpenRosSource(Source(folder), told.Options());
+    EXPECT_EQ(source->rig().pair.focal_px, first.pair.focal_px);
+    return All(*source);
+  }
+};
+
+TEST(RosSource, ANewCameraInfoIsANewRigFromItsFrameOn) {
+  TwoRigs rigs(examples::Rig());
+  rigs.second.pair.focal_px *= 2;
+  Told told;
+  const auto frames = rigs.Frames(told);
+  ASSERT_EQ(frames.size(), 4U);
+  for (const size_t i : {0, 1, 3}) EXPECT_FALSE(frames[i].new_rig) << i;
+  ASSERT_TRUE(frames[2].new_rig);
+  EXPECT_EQ(frames[2].new_rig->rig.pair.focal_px, rigs.second.pair.focal_px);
+  EXPECT_EQ(frames[2].new_rig->rig_id, RigId(frames[2].new_rig->rig));
+  ASSERT_EQ(told.lines.size(), 1U);
+  EXPECT_THAT(told.lines[0], HasSubstr("the calibration changed"));
+}
+
+TEST(RosSource, ANewRigMayHaveAnotherSize) {
+  TwoRigs rigs(examples::Rig());
+  rigs.second.pair.width /= 2;
+  rigs.second.pair.height /= 2;
+  rigs.second.pair.cx /= 2;
+  rigs.second.pair.cx_right /= 2;
+  rigs.second.pair.cy /= 2;
+  Told told;
+  const auto frames = rigs.Frames(told);
+  ASSERT_EQ(frames.size(), 4U);
+  EXPECT_EQ(frames[1].left.size(), rigs.first.pair.size());
+  EXPECT_EQ(frames[2].left.size(), rigs.second.pair.size());
+  EXPECT_TRUE(frames[2].new_rig);
+}
+
+TEST(RosSource, FramesWithoutACalibrationAreLost) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  const Rig rig = examples::Rig();
+  file.AddCalibration(rig);
+  for (int i = 0; i < 4; ++i) {
+    const int64_t utime = kStart + 100'000 * i;
+    RosMessage<RosCameraInfo> info = ToRosLeftInfo({utime, RosFrames().left}, rig.pair);
+    if (i == 1) info->k[0] = 0;  // not calibrated
+    file.Add("/left/camera_info", info);
+    file.AddImage("/left/image", utime, Grey(i));
+    file.AddImage("/right/image", utime, Grey(i));
+  }
+  file.Finish();
+  Told told;
+  EXPECT_EQ(All(*OpenRosSource(Source(folder), told.Options())).size(), 3U);
+  ASSERT_EQ(told.lost.size(), 1U);
+  EXPECT_EQ(told.lost[0].count, 1);
+  EXPECT_THAT(told.refused, ElementsAre(HasSubstr("/left/camera_info")));
+}
+
 TEST(RosSource, RefusesAnImageOfAnotherSizeAndGoesOn) {
   const TemporaryDirectory folder;
   RosRecording file(folder / "file");
   file.AddCalibration(examples::Rig());
-  file.AddImage("/left/image", kStart, cv::Mat1b(2, 2, uint8_t{1}));
-  file.AddImage("/right/image", kStart, Grey(1));
-  file.AddImage("/left/image", kStart + 100'000, Grey(2));
-  file.AddImage("/right/image", kStart + 100'000, Grey(2));
+  for (int i = 0; i < 3; ++i) {
+    const int64_t utime = kStart + 100'000 * i;
+    file.AddImage("/left/image", utime, i == 1 ? cv::Mat1b(2, 2, uint8_t{1}) : Grey(i));
+    file.AddImage("/right/image", utime, Grey(i));
+  }
   file.Finish();
   Told told;
   const auto frames = All(*OpenRosSource(Source(folder), told.Options()));
-  ASSERT_EQ(frames.size(), 1U);
-  EXPECT_EQ(frames[0].lost, 1);
-  EXPECT_EQ(frames[0].trouble, "image of 2x2: allowed is the calibrated size 640x480");
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_THAT(told.refused,
+              ElementsAre("/left/image: image of 2x2: allowed is the calibrated size 640x480"));
+  ASSERT_EQ(told.lost.size(), 1U);
+  EXPECT_EQ(told.lost[0].count, 1);  // the right one
+  EXPECT_EQ(told.lost[0].trouble, "image of 2x2: allowed is the calibrated size 640x480");
 }
 
 TEST(RosSource, DecodesJpeg) {

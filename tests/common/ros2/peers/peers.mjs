@@ -1,5 +1,6 @@
 // Other people's readers and writers of ROS 2's CDR and of MCAP:
 //   node peers.mjs cdr IN OUT       [{type, cdr, value}] to [{difference, cdr}]: decodes, compares, encodes again
+//   node peers.mjs hash IN OUT      [{type, schema}] to the hashes that ROS compares (REP-2011, "RIHS01_")
 //   node peers.mjs read FILE OUT    every message of an MCAP file, by the indexed and the streaming reader
 //   node peers.mjs write FILE KIND  an MCAP file of 60 messages on three channels
 import { crc32 } from "@foxglove/crc";
@@ -10,6 +11,7 @@ import zstd from "@foxglove/wasm-zstd";
 import { McapIndexedReader, McapStreamReader, McapWriter } from "@mcap/core";
 import { loadDecompressHandlers } from "@mcap/support";
 import lz4 from "lz4js";
+import { createHash } from "node:crypto";
 import { open, readFile, writeFile } from "node:fs/promises";
 
 function definitionsOf(distribution, type) {
@@ -51,6 +53,47 @@ async function cdr(input, output) {
     answers.push({ difference: found ?? "", cdr: Buffer.from(again).toString("base64") });
   }
   await writeFile(output, JSON.stringify(answers));
+}
+
+// Numbers of type_description_interfaces/msg/FieldType; an array has 48 more, a sequence 144.
+const TYPE_IDS = {
+  int8: 2, uint8: 3, int16: 4, uint16: 5, int32: 6, uint32: 7, int64: 8, uint64: 9, float32: 10, float64: 11,
+  bool: 15, byte: 16, char: 3, string: 17,
+};
+
+function fieldOf(line) {
+  const [, type, bounded, array, length, name] = /^([\w/]+)(?:<=(\d+))?(\[(\d*)\])?\s+(\w+)/.exec(line);
+  const id = (bounded ? 21 : TYPE_IDS[type] ?? 1) + (array ? (length ? 48 : 144) : 0);
+  return { name, type: {
+    type_id: id, capacity: Number(length || 0), string_capacity: Number(bounded || 0),
+    nested_type_name: type in TYPE_IDS ? "" : type.replace("/", "/msg/"),
+  } };
+}
+
+// Of a schema as rosbag2 stores it.
+function hashOf(type, schema) {
+  const [first, ...others] = schema.split(/^=+\n/m);
+  const describe = (name, text) => ({
+    type_name: name,
+    fields: text.split("\n").filter((line) => line && !line.includes("=") || line.includes("<=")).map(fieldOf),
+  });
+  const references = others.map((text) => {
+    const [, name, body] = /^MSG: (\S+)\n([^]*)$/.exec(text);
+    return describe(name.replace("/", "/msg/"), body);
+  });
+  references.sort((a, b) => (a.type_name < b.type_name ? -1 : 1));
+  const description = { type_description: describe(type, first), referenced_type_descriptions: references };
+  // As Python's json.dumps() writes it; names have neither quotes nor these characters.
+  const json = JSON.stringify(description).replaceAll(",", ", ").replaceAll('":', '": ');
+  return "RIHS01_" + createHash("sha256").update(json).digest("hex");
+}
+
+async function hash(input, output) {
+  const types = JSON.parse(await readFile(input));
+  // What ROS's own documents say of std_msgs/msg/String.
+  const known = hashOf("std_msgs/msg/String", "string data\n");
+  if (!known.startsWith("RIHS01_df668c740482bbd4")) throw new Error(`String has ${known}`);
+  await writeFile(output, JSON.stringify(types.map((one) => hashOf(one.type, one.schema))));
 }
 
 function row(message, channel, schema) {
@@ -157,4 +200,4 @@ async function write(path, kind) {
 }
 
 const [command, ...rest] = process.argv.slice(2);
-await { cdr, read, write }[command](...rest);
+await { cdr, hash, read, write }[command](...rest);
