@@ -8,9 +8,7 @@
 #include <sstream>
 #include <thread>
 
-#include "common/app/stage_monitor.h"
-#include "tests/common/messages/examples.h"
-#include "tests/system/graph.h"
+#include "tests/system/ros2_feed.h"
 #include "tests/system/ros2_host.h"
 
 namespace sprout {
@@ -50,67 +48,6 @@ CpuTime CpuTimeOf(pid_t pid) {
   stat >> user >> system;
   const double tick_ms = 1000.0 / static_cast<double>(sysconf(_SC_CLK_TCK));
   return {user * tick_ms, system * tick_ms};
-}
-
-// Receives the statuses alone, not the frames of 8 MB that it sends.
-class FedGraph : public Graph {
- public:
-  FedGraph() : Graph("", kDefaultLcmUrl, {kStatusChannel}) {}
-};
-
-// What capture, grow and depth send of 2 MP frames, at 10 Hz.
-class FeedGraph {
- public:
-  explicit FeedGraph(Graph& graph) : graph_(graph) {
-    rig_ = examples::Rig();
-    rig_.pair.width = kSize.width;
-    rig_.pair.height = kSize.height;
-    depth_ = {.counts = cv::Mat1w(kSize, uint16_t{1500}),
-              .metres_per_count = 0.001,
-              .focal_px = 1000,
-              .cx = 960,
-              .cy = 540};
-    cloud_.points.assign(129'600, {.position_m = {1, 2, 3}, .bgr = {1, 2, 3}});
-  }
-
-  // @returns how many frames.
-  int Run(int seconds) {
-    const auto begin = std::chrono::steady_clock::now();
-    int sent = 0;
-    for (; sent < 10 * seconds; ++sent) {
-      std::this_thread::sleep_until(begin + sent * 100ms);
-      const FrameId id{.utime = NowUtime(), .seq = next_++, .rig_id = RigId(rig_)};
-      if (sent % 10 == 0) graph_.PublishPart(id, Part::kRig, rig_);
-      graph_.PublishPart(id, Part::kLeft, left_);
-      graph_.PublishPart(id, Part::kDepth, depth_);
-      graph_.PublishPart(id, Part::kCloud, cloud_);
-    }
-    return sent;
-  }
-
-  /// Leaves frame numbers out.
-  void Skip(int64_t count) { next_ += count; }
-
-  static inline const cv::Size kSize{1920, 1080};
-
- private:
-  Graph& graph_;
-  Rig rig_;
-  cv::Mat left_ = cv::Mat1b(kSize, uint8_t{9});
-  DepthImage depth_;
-  PointCloud cloud_;
-  int64_t next_ = 0;
-};
-
-// The newest status, once its counts stand still.
-StageStatus FinalStatus(Graph& graph) {
-  std::this_thread::sleep_for(1500ms);
-  StageStatus status;
-  graph.WaitUntil([&](Graph& g) {
-    status = g.statuses.at("ros2");
-    return true;
-  });
-  return status;
 }
 
 const std::string kUntilTold = "1000";
@@ -170,7 +107,7 @@ TEST(Ros2System, ASubscriberThatSleepsStopsNobody) {
   const OtherHost host;
   REQUIRE_HOST(host);
   FedGraph graph;
-  graph.Start("ros2", {"--reliable"});
+  graph.Start("ros2");
   const auto sleeper = host.Run(Hear("2", std::to_string(Seconds() + 4), /*reliable=*/true));
   const auto awake = host.Run(Hear(std::to_string(Seconds() + 4), "0", /*reliable=*/true));
   std::this_thread::sleep_for(2s);
@@ -222,7 +159,7 @@ TEST(Ros2System, ReliableTopicsSurviveLostDatagrams) {
   REQUIRE_HOST(host);
   const LostDatagrams one_percent(10);
   FedGraph graph;
-  graph.Start("ros2", {"--reliable"});
+  graph.Start("ros2");
   const auto peer = host.Run(Hear(kUntilTold, "0", /*reliable=*/true));
   std::this_thread::sleep_for(3s);
   FeedGraph feed(graph);
