@@ -174,7 +174,7 @@ class RosFrames {
   std::unique_ptr<RosInput> input_;
   std::optional<RosRigWatch> watch_;
   std::optional<cv::Size> size_;
-  std::optional<cv::Size> rig_size_;                // of the frames' rig; size_ may be a newer one
+  std::optional<cv::Size> rig_size_;  // of the frames' rig; size_ may be a newer one
   LogLimiter change_log_;
   std::optional<datasets::NamedRig> new_rig_ = {};  // for the next frame
   ImageOfPoints image_;

@@ -278,7 +278,7 @@ TEST(RosSource, FramesWithoutACalibrationAreLost) {
   for (int i = 0; i < 4; ++i) {
     const int64_t utime = kStart + 100'000 * i;
     RosMessage<RosCameraInfo> info = ToRosLeftInfo({utime, RosFrames().left}, rig.pair);
-    if (i == 1) info->k[0] = 0;  // not calibrated
+    if (i == 1) info->p[0] = info->k[0] = 0;  // not calibrated
     file.Add("/left/camera_info", info);
     file.AddImage("/left/image", utime, Grey(i));
     file.AddImage("/right/image", utime, Grey(i));
