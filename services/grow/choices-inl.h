@@ -75,9 +75,12 @@ class WindowRun {
 struct ChoiceInput {
   WindowPairs left;
   WindowPairs right;
+  const int32_t* left_energies;   // Σ wL²
+  const int32_t* left_textures;   // Σ(wL − wL′)², wL′ one pixel before; only with sub_pixel
   const int32_t* right_energies;  // Σ wR²
   const int16_t* priors;          // counts
   const uint8_t* sigmas;          // of the priors, counts
+  int width;
 };
 
 // Where the choices of a row go; written up to kRunPixels behind the row's end.
@@ -162,7 +165,7 @@ class Choice {
     const V columns = hn::Iota(d, u);
     const V first = hn::ShiftRight<5>(prior);
     const WindowRun<D> left(row_.left, u);
-    const V left_energy = left.Products(row_.left, u);
+    const V left_energy = hn::LoadU(d, row_.left_energies + u);
     const Sums sums = SumWindows(left, u, first, hn::And(wanted, MayFit(columns, first)));
     const auto cost_at = [&](V steps, V energy, V cross) HWY_ATTR {
       const V fraction = hn::And(prior, hn::Set(d, DisparityImage::kCountsPerPixel - 1));
@@ -185,7 +188,23 @@ class Choice {
       const V beyond =
           cost_at(choose(hn::Set(d, 2), hn::Set(d, -1)), choose(sums.energy[3], sums.energy[0]),
                   choose(sums.cross[3], sums.cross[0]));
-      best.step = StepsToMinimum(choose(cost, beyond), best.cost, choose(beyond, cost_of_next));
+      const V energy = hn::Add(left_energy, choose(sums.energy[2], sums.energy[1]));
+      const auto difference = [&](size_t if_next, size_t if_not) HWY_ATTR {
+        const V cross = choose(sums.cross[if_next], sums.cross[if_not]);
+        return hn::Sub(hn::Add(left_energy, choose(sums.energy[if_next], sums.energy[if_not])),
+                       hn::Add(cross, cross));
+      };
+      const V distance = hn::Sub(hn::ShiftLeft<5>(best.disparity), prior);
+      best.step = StepsToMinimum(
+          rule_,
+          StepWindows<V>{difference(1, 0), difference(2, 1), difference(3, 2), choose(cost, beyond),
+                         best.cost, choose(beyond, cost_of_next),
+                         hn::LoadU(d, row_.left_textures + u),
+                         hn::LoadU(d, row_.left_textures + u + 1), energy, distance},
+          rule_.prior_scales[0]);
+      // At the last pixel the next one has no window.
+      const V columns_left = hn::Sub(hn::Set(d, row_.width - kWindowRadius - 1), columns);
+      best.step = hn::IfThenElseZero(hn::Gt(columns_left, hn::Zero(d)), best.step);
     }
     return best;
   }

@@ -86,7 +86,7 @@ struct GrowthKernel {
   void (*grow_from_seams)(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthBand& band);
 
   /// Writes the disparities of open pixels to the band's rows of the map; with rule.sub_pixel to
-  /// the counts of DisparityImage, from the parabola through the costs of d − 1, d and d + 1.
+  /// the counts of DisparityImage (S2).
   void (*write)(const GrowthRule& rule, const GrowthInput& input, const GrowthBand& band,
                 DisparityImage& map);
 };

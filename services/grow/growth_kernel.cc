@@ -258,6 +258,29 @@ void GrowFromSeams(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthB
   growth.Run();
 }
 
+// Of a matched pixel (S2).
+HWY_INLINE int StepOf(const GrowthRule& rule, const GrowthBand& band, PixelId id, uint8_t sigma) {
+  const LeftPixel& pixel = band.left[id];
+  const int d = pixel.disparity;
+  const FourSums sums = SumFour(band, id, d);
+  const FourNumbers costs = ToNumbers(FourCosts(rule, band, id, pixel.prior, sigma, d, sums));
+  const FourNumbers differences =
+      ToNumbers(hn::Sub(hn::Sub(sums.energies, sums.cross), sums.cross));
+  const FourNumbers textures = TexturesAt(band, id);
+  const auto one = [](int32_t number) HWY_ATTR { return hn::Set(DFour(), number); };
+  const StepWindows<Four> windows{one(differences[2]),
+                                  one(differences[1]),
+                                  one(differences[0]),
+                                  one(costs[2]),
+                                  one(costs[1]),
+                                  one(costs[0]),
+                                  one(textures[0]),
+                                  one(textures[1]),
+                                  one(ToNumbers(sums.energies)[1]),
+                                  one(d * DisparityImage::kCountsPerPixel - pixel.prior)};
+  return hn::GetLane(StepsToMinimum(rule, windows, rule.prior_scales[sigma]));
+}
+
 // The counts of a row's matched open pixels.
 void WriteRow(const GrowthRule& rule, const GrowthInput& input, const GrowthBand& band, int r,
               int16_t* counts) {
@@ -267,12 +290,8 @@ void WriteRow(const GrowthRule& rule, const GrowthInput& input, const GrowthBand
     const PixelId id = band.PixelAt(r, u);
     const LeftPixel& pixel = band.left[id];
     if (!rule.IsOpen(sigmas[u]) || pixel.disparity <= LeftPixel::kClosed) continue;
-    int step = 0;
-    if (rule.sub_pixel) {
-      const FourNumbers costs =
-          ToNumbers(FourCosts(rule, band, id, pixel.prior, sigmas[u], pixel.disparity));
-      step = hn::GetLane(StepsToMinimum(one(costs[2]), one(costs[1]), one(costs[0])));
-    }
+    const bool has_next = u + 1 < band.image_size.width - kWindowRadius;
+    const int step = rule.sub_pixel && has_next ? StepOf(rule, band, id, sigmas[u]) : 0;
     counts[u] = static_cast<int16_t>(pixel.disparity * DisparityImage::kCountsPerPixel + step);
   }
 }

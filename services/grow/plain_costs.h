@@ -15,8 +15,8 @@ int32_t CostOf(const GrowthRule& rule, const GrowthInput& input, const Correspon
 /// The same for any correspondence: kExcludedCost where a window leaves its image.
 int32_t CostWhereItFits(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q);
 
-/// Counts from d to the minimum of the parabola through the costs of d − 1, d and d + 1, at most
-/// kMostStep; 0 if d does not have the smallest of the three, or one is missing (S2).
+/// Counts from d to the least cost (S2), at most kMostStep; 0 if d does not have the smallest of
+/// the costs of d − 1, d and d + 1, if one is missing, or the left window of the next pixel.
 int SubPixelStep(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q);
 
 }  // namespace sprout::grow

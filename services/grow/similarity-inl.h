@@ -30,6 +30,42 @@ HWY_INLINE Number PriorCost(Number distance, Number scale) {
   return distance * distance * scale;
 }
 
+// The coefficient k of the cubic in (S2): exact near the middle for a texture of w = π/2 a px, half
+// the highest frequency that pixels can show, k = 1 − 2 sin(w/2) / w. Finer texture would need
+// more, coarser texture less, but hardly shows it (NOTES.md).
+inline constexpr float kCubic = 0.1F;
+
+HWY_INLINE float Clamped(float x, float least, float most) {
+  return x < least ? least : x > most ? most : x;
+}
+template <class V>
+HWY_INLINE V Clamped(V x, V least, V most) {
+  return hwy::HWY_NAMESPACE::Min(hwy::HWY_NAMESPACE::Max(x, least), most);
+}
+
+// The numbers of a pixel that its sub-pixel step follows from, and constants as such numbers.
+template <class Number>
+struct StepInput {
+  Number fall;  // e(d) − e(d + s), with e = Σ(wL − wR)² and s = ±1 the side where it is less
+  Number texture;  // h > 0: Σ(wL − wL′)², wL′ being the left window one pixel to the side of −s
+  Number energy;       // Σ(wL² + wR²)
+  Number side;         // s, counts a pixel
+  Number distance;     // d − D_p, counts
+  Number photo_scale;  // unit / σ_s²
+  Number prior_scale;  // that of PriorCost() for pixels instead of counts
+};
+
+// Counts from a whole disparity to the least cost (S2).
+// @param number  makes one of a float.
+template <class Number, class Make>
+HWY_INLINE Number StepToMinimum(const StepInput<Number>& in, const Make& number) {
+  const Number x = Clamped(in.fall / (in.texture + in.texture), number(-0.5F), number(0));
+  const Number t = number(0.5F) + x * (number(1 - kCubic) + number(4 * kCubic) * x * x);
+  const Number photo = in.texture * in.photo_scale;
+  const Number prior = in.energy * in.prior_scale;
+  return (photo * in.side * t - prior * in.distance) / (photo + prior);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace sprout::grow
 HWY_AFTER_NAMESPACE();

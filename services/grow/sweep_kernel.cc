@@ -46,6 +46,8 @@ class Sweep {
         row_size_(static_cast<size_t>(kBeside + width_ + kBeside)),
         left_pairs_(kWindow * row_size_),
         right_pairs_(kWindow * row_size_),
+        left_energies_(row_size_),
+        left_textures_(row_size_),
         right_energies_(row_size_),
         priors_(row_size_),
         sigmas_(row_size_),
@@ -113,15 +115,25 @@ class Sweep {
   bool Choose(int r) {
     const D d;
     const WindowPairs right = Around(right_pairs_, r);
+    const WindowPairs left = Around(left_pairs_, r);
+    int32_t* const left_energies = left_energies_.data() + kBeside;
+    int32_t* const left_textures = left_textures_.data() + kBeside;
     int32_t* const right_energies = right_energies_.data() + kBeside;
     for (int u = kWindowRadius; u < width_ - kWindowRadius; u += kLanes) {
+      const WindowRun<D> run(left, u);
+      const auto energies = run.Products(left, u);
+      hn::StoreU(energies, d, left_energies + u);
       hn::StoreU(WindowRun<D>(right, u).Products(right, u), d, right_energies + u);
+      if (!rule_.sub_pixel) continue;
+      const auto cross = run.Products(left, u - 1);
+      const auto both = hn::Add(energies, hn::LoadU(d, left_energies + u - 1));
+      hn::StoreU(hn::Sub(both, hn::Add(cross, cross)), d, left_textures + u);
     }
     const int v = band_.first_row + r;
     std::copy_n(input_.prior.disparity.counts()[v], width_, priors_.data());
     std::copy_n(input_.prior.sigma[v], width_, sigmas_.data());
-    const ChoiceInput row{Around(left_pairs_, r), right, right_energies, priors_.data(),
-                          sigmas_.data()};
+    const ChoiceInput row{left,           right,          left_energies,  left_textures,
+                          right_energies, priors_.data(), sigmas_.data(), width_};
     const ChoiceRow to{disparities_.data() + kBeside, keys_.data() + kBeside,
                        steps_.data() + kBeside};
     return rule_.sub_pixel ? Choice<true>(rule_, row).Run(width_, to)
@@ -234,7 +246,8 @@ class Sweep {
   int lost_count_ = 0;
 
   // Rows with kBeside entries before and behind them; priors and σ only behind.
-  std::vector<int32_t> left_pairs_, right_pairs_, right_energies_;
+  std::vector<int32_t> left_pairs_, right_pairs_;
+  std::vector<int32_t> left_energies_, left_textures_, right_energies_;
   std::vector<int16_t> priors_;
   std::vector<uint8_t> sigmas_;
   std::vector<int16_t> disparities_, keys_;

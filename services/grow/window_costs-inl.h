@@ -87,6 +87,17 @@ struct Eight {
     return hn::Broadcast<i % 4>(i < 4 ? first : last);
   }
 
+  // Of the differences from others, as pairs.
+  HWY_INLINE Eight DifferencesFrom(const Eight& others) const {
+    const hn::FixedTag<uint16_t, 8> d16;
+    const auto difference = [&](Four a, Four b) HWY_ATTR {
+      const auto one = hn::BitCast(d16, a);
+      const auto other = hn::BitCast(d16, b);
+      return hn::BitCast(DFour(), hn::Sub(hn::Max(one, other), hn::Min(one, other)));
+    };
+    return {difference(first, others.first), difference(last, others.last)};
+  }
+
   HWY_INLINE void AddSquares(const Eight& pairs) {
     first = hn::Add(first, PairProducts(pairs.first, pairs.first));
     last = hn::Add(last, PairProducts(pairs.last, pairs.last));
@@ -103,11 +114,14 @@ HWY_INLINE Eight PairsOf(const uint8_t* upper, const uint8_t* lower) {
           hn::BitCast(DFour(), hn::InterleaveUpper(d8, both, hn::Zero(d8)))};
 }
 
-// Costs of d + 1, d, d − 1 and d − 2 at a pixel, from the grey values.
-// @param prior, sigma  of the pixel, counts.
+// Σ(wL² + wR²) and Σ wL·wR of d + 1, d, d − 1 and d − 2 at a pixel.
+struct FourSums {
+  Four energies, cross;
+};
+
+// From the grey values.
 // @pre the left window lies in the image, the right window of d leaves it by one column at most.
-HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelId pixel, int prior,
-                          uint8_t sigma, int d) {
+HWY_INLINE FourSums SumFour(const GrowthBand& band, PixelId pixel, int d) {
   const DFour d4;
   const auto id = static_cast<ptrdiff_t>(pixel);
   const ptrdiff_t stride = band.stride;
@@ -134,7 +148,15 @@ HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelI
       hn::Add(hn::Add(hn::Add(right_squares.From<0>(), right_squares.From<1>()),
                       hn::Add(right_squares.From<2>(), right_squares.From<3>())),
               right_squares.From<4>());
+  return {hn::Add(left_energy, right_energies), cross};
+}
 
+// Costs of these disparities.
+// @param prior, sigma  of the pixel, counts.
+HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelId pixel, int prior,
+                          uint8_t sigma, int d, const FourSums& sums) {
+  const DFour d4;
+  const auto id = static_cast<ptrdiff_t>(pixel);
   static_assert(DisparityImage::kCountsPerPixel == 1 << 5);
   const Four disparities = hn::Add(hn::Set(d4, d), LoadFour({1, 0, -1, -2}));
   const Four distances = hn::Sub(hn::ShiftLeft<5>(disparities), hn::Set(d4, prior));
@@ -142,32 +164,69 @@ HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelI
   const Four states = hn::PromoteTo(d4, hn::LoadU(d8, band.right.data() + (id - (d + 1))));
   const auto misfit =
       hn::Or(hn::Lt(disparities, hn::Zero(d4)), hn::Eq(states, hn::Set(d4, RightState::kNoWindow)));
-  return EpcCosts(rule, hn::Add(left_energy, right_energies), cross, distances,
-                  rule.prior_scales[sigma], misfit);
+  return EpcCosts(rule, sums.energies, sums.cross, distances, rule.prior_scales[sigma], misfit);
 }
 
-// Counts from d to the minimum, between d − 1 and d + 1, of the parabola through their costs; none
-// where a cost is missing or d is not better than the two others (S2). At most 15 counts up, so
-// that rounding leads back to d.
+HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelId pixel, int prior,
+                          uint8_t sigma, int d) {
+  return FourCosts(rule, band, pixel, prior, sigma, d, SumFour(band, pixel, d));
+}
+
+// Σ(wL − wL′)² at a pixel, wL′ being the window one pixel before, and the same at the next pixel.
+HWY_INLINE FourNumbers TexturesAt(const GrowthBand& band, PixelId pixel) {
+  const ptrdiff_t stride = band.stride;
+  const uint8_t* left = band.left_grey.data() + static_cast<ptrdiff_t>(pixel) - 2 * stride - 2;
+  Eight squares{hn::Zero(DFour()), hn::Zero(DFour())};
+  const auto add_rows = [&](const uint8_t* upper, const uint8_t* lower, int step) HWY_ATTR {
+    squares.AddSquares(PairsOf(upper, lower).DifferencesFrom(PairsOf(upper - 1, lower - step)));
+  };
+  static constexpr uint8_t kNothing[8] = {};  // below the fifth row
+  add_rows(left, left + stride, 1);
+  add_rows(left + 2 * stride, left + 3 * stride, 1);
+  add_rows(left + 4 * stride, kNothing, 0);
+  return ToNumbers(hn::Add(hn::Add(hn::Add(squares.From<0>(), squares.From<1>()),
+                                   hn::Add(squares.From<2>(), squares.From<3>())),
+                           squares.From<4>()));
+}
+
+// What the sub-pixel step of pixels follows from: Σ(wL − wR)², and costs, of d − 1, d and d + 1.
 template <class V>
-HWY_INLINE V StepsToMinimum(V minus_one, V cost, V plus_one) {
+struct StepWindows {
+  V difference_before, difference, difference_behind;
+  V cost_before, cost, cost_behind;
+  V texture, texture_of_next;  // Σ(wL − wL′)², wL′ one pixel before; the same of the next pixel
+  V energy;                    // Σ(wL² + wR²)
+  V distance;                  // d − D_p, counts
+};
+
+// Counts from d to the least cost (S2); none where a cost is missing or d is not better than the
+// two others. At most 15 counts up, so that rounding leads back to d.
+// @param prior_scale  of GrowthRule::prior_scales.
+template <class V>
+HWY_INLINE V StepsToMinimum(const GrowthRule& rule, const StepWindows<V>& of, float prior_scale) {
   const hn::DFromV<V> d;
   const hn::RebindToFloat<decltype(d)> df;
-  const V before = hn::Sub(minus_one, cost);
-  const V behind = hn::Sub(plus_one, cost);
-  const V sum = hn::Add(before, behind);
-  const auto missing = hn::Eq(hn::Max(minus_one, plus_one), hn::Set(d, kExcludedCost));
-  const auto none = hn::Or(missing, hn::Lt(hn::Min(before, behind), hn::Set(d, 1)));
-  // Half a pixel times (before − behind) / (before + behind), rounded to nearest: a float of so
-  // large a number has no bits left for fractions.
-  constexpr float kHalf = DisparityImage::kCountsPerPixel / 2;
-  const auto difference = hn::IfThenZeroElse(none, hn::Sub(before, behind));
-  const auto divisor = hn::Max(sum, hn::Set(d, 1));
-  const auto step = hn::Div(hn::Mul(hn::Set(df, kHalf), hn::ConvertTo(df, difference)),
-                            hn::ConvertTo(df, divisor));
-  const auto large = hn::Set(df, 3 << 22);
-  const V steps = hn::Sub(hn::BitCast(d, hn::Add(step, large)), hn::BitCast(d, large));
-  return hn::Min(steps, hn::Set(d, kMostStep));
+  const auto missing = hn::Eq(hn::Max(of.cost_before, of.cost_behind), hn::Set(d, kExcludedCost));
+  const auto none = hn::Or(
+      missing, hn::Lt(hn::Min(of.cost_before, of.cost_behind), hn::Add(of.cost, hn::Set(d, 1))));
+  constexpr int kPixel = DisparityImage::kCountsPerPixel;
+  const auto up = hn::Lt(of.difference_behind, of.difference_before);
+  const V beside = hn::Min(of.difference_behind, of.difference_before);
+  const V texture = hn::Max(hn::IfThenElse(up, of.texture, of.texture_of_next), hn::Set(d, 1));
+  const V side = hn::IfThenElse(up, hn::Set(d, kPixel), hn::Set(d, -kPixel));
+  using F = hn::Vec<decltype(df)>;
+  const auto number = [&](float value) HWY_ATTR { return hn::Set(df, value); };
+  const F step = StepToMinimum(
+      StepInput<F>{hn::ConvertTo(df, hn::Sub(of.difference, beside)), hn::ConvertTo(df, texture),
+                   hn::ConvertTo(df, hn::Max(of.energy, hn::Set(d, 1))), hn::ConvertTo(df, side),
+                   hn::ConvertTo(df, of.distance), number(rule.photo_scale),
+                   number(prior_scale * (kPixel * kPixel))},
+      number);
+  const F within = Clamped(step, number(-kMostStep - 1.0F), number(kMostStep));
+  // Rounded to nearest: a float of so large a number has no bits left for fractions.
+  const F large = number(3 << 22);
+  const V steps = hn::Sub(hn::BitCast(d, hn::Add(within, large)), hn::BitCast(d, large));
+  return hn::IfThenZeroElse(none, steps);
 }
 
 // Neighbouring pixels of a band's table, as many as D, a tag of int32_t, has lanes.
