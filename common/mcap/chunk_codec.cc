@@ -141,13 +141,23 @@ bool IsZstd(std::span<const uint8_t> bytes) {
 }
 
 Result<McapBytes> UnpackMessage(std::span<const uint8_t> packed) {
-  const unsigned long long size = ZSTD_getFrameContentSize(packed.data(), packed.size());
-  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) {
-    return Fail("message: packed with zstd, but does not say how long it is");
+  const std::unique_ptr<ZSTD_DCtx, ZstdReaderDeleter> context(ZSTD_createDCtx());
+  McapBytes bytes;
+  ZSTD_inBuffer in{packed.data(), packed.size(), 0};
+  size_t result = 1;
+  for (size_t filled = 0; result != 0;) {
+    if (bytes.size() >= kMaxMcapChunkBytes) return Fail("message: unpacks to too many bytes");
+    bytes.resize(std::min<uint64_t>(kMaxMcapChunkBytes, filled + kStep));
+    ZSTD_outBuffer out{bytes.data() + filled, bytes.size() - filled, 0};
+    result = ZSTD_decompressStream(context.get(), &out, &in);
+    filled += out.pos;
+    // Nothing is left to take in, and it wants more: it was torn off.
+    const bool is_torn = result != 0 && in.pos == in.size && out.pos < out.size;
+    if (ZSTD_isError(result) != 0 || is_torn) return Fail("message: cannot be unpacked");
+    if (result == 0) bytes.resize(filled);
   }
-  Result<McapBytes> message = UnpackChunk("zstd", packed, size);
-  if (!message) return Fail("message: " + message.error().text);
-  return message;
+  if (in.pos != in.size) return Fail("message: bytes behind what was packed");
+  return bytes;
 }
 
 }  // namespace sprout

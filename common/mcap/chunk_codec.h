@@ -45,8 +45,8 @@ Result<McapBytes> UnpackChunkRecord(std::span<const uint8_t> content);
 /// Whether bytes begin as a Zstandard frame does; CDR never does.
 bool IsZstd(std::span<const uint8_t> bytes);
 
-/// A message that rosbag2 packed by itself (--compression-mode message): one Zstandard frame that
-/// says how long it is.
+/// A message that rosbag2 packed by itself (--compression-mode message): one Zstandard frame, which
+/// need not say how long its content is; memory is taken only as it comes out.
 Result<McapBytes> UnpackMessage(std::span<const uint8_t> packed);
 
 }  // namespace sprout

@@ -134,8 +134,8 @@ std::pair<std::vector<int>, std::vector<Quad>> FindTags(const cv::Mat1b& image) 
   std::vector<Quad> best;
   const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
   for (const int wider : {0, 1, 2}) {
-    cv::Mat1b torn = image;
-    if (wider > 0) cv::dilate(image, torn, cv::Mat(), {-1, -1}, wider);
+    cv::Mat1b torn;
+    cv::dilate(image, torn, cv::Mat(), {-1, -1}, wider);
     for (const int border : {2, 1}) {
       const auto parameters = cv::aruco::DetectorParameters::create();
       parameters->markerBorderBits = border;
@@ -226,31 +226,31 @@ std::string SeenBoards(const std::vector<cv::Mat1b>& images) {
       "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_16h5", "DICT_APRILTAG_25h9", "DICT_APRILTAG_36h11"};
   constexpr size_t kFewestMarkers = 4;
   std::string text;
-  size_t most = 0;
+  size_t most = kFewestMarkers - 1;
+  const auto take = [&](size_t count, const std::string& what) {
+    if (count <= most) return;
+    most = count;
+    text = fmt::format("{} {}", count, what);
+  };
   for (const cv::Mat1b& image : images) {
-    cv::Mat meta;
-    std::vector<cv::Point2f> pixels;
-    if (cv::findChessboardCornersSB(image, {3, 3}, pixels,
-                                    cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_LARGER, meta) &&
-        pixels.size() > most) {
-      most = pixels.size();
-      text = fmt::format("{} corners of a chessboard of {}x{} squares", pixels.size(),
-                         meta.cols + 1, meta.rows + 1);
-    }
     for (const char* name : kLargest) {
       std::vector<Quad> markers;
       std::vector<int> ids;
       cv::aruco::detectMarkers(image, cv::aruco::getPredefinedDictionary(*DictionaryOf(name)),
                                markers, ids);
-      if (ids.size() < kFewestMarkers || ids.size() <= most) continue;
-      most = ids.size();
-      text = fmt::format("{} markers of {}", ids.size(), name);
+      take(ids.size(), std::string("markers of ") + name);
     }
-    if (const auto [ids, tags] = FindTags(image);
-        ids.size() >= kFewestMarkers && ids.size() > most) {
-      most = ids.size();
-      text = fmt::format("{} tags of an AprilGrid", ids.size());
-    }
+    take(FindTags(image).first.size(), "tags of an AprilGrid");
+  }
+  if (!text.empty()) return text;  // the squares of a ChArUco board are a chessboard's, too
+  for (const cv::Mat1b& image : images) {
+    cv::Mat seen;
+    std::vector<cv::Point2f> pixels;
+    constexpr int kFlags = cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_LARGER;
+    if (!cv::findChessboardCornersSB(image, {3, 3}, pixels, kFlags, seen)) continue;
+    take(pixels.size(),
+         fmt::format("corners of a chessboard of {}x{} squares", std::max(seen.cols, seen.rows) + 1,
+                     std::min(seen.cols, seen.rows) + 1));
   }
   return text;
 }

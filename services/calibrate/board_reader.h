@@ -17,8 +17,8 @@ namespace sprout::calibrate {
 BoardCorners ReadBoard(const Board& board, const cv::Mat1b& image);
 
 /// What boards images show, whichever they are: "72 corners of a chessboard of 10x7 squares" or
-/// "24 markers of DICT_5X5_250". Of several images the one with the most counts; empty: none is
-/// seen. Takes up to some seconds an image.
+/// "24 markers of DICT_5X5_250". Markers say more than corners; of several images the one with the
+/// most counts; empty: none is seen. Takes up to some seconds an image.
 std::string SeenBoards(const std::vector<cv::Mat1b>& images);
 
 }  // namespace sprout::calibrate
