@@ -1,0 +1,67 @@
+#ifndef SPROUT_SERVICES_INPUTS_FINDINGS_H_
+#define SPROUT_SERVICES_INPUTS_FINDINGS_H_
+
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sprout::inputs {
+
+/// What is asked of every frame.
+enum class Question {
+  kScene,   ///< do both images show one scene?
+  kTime,    ///< at one time?
+  kSides,   ///< is the left image the left one, and do disparities begin at infinity?
+  kRows,    ///< do equal rows show equal things?
+  kBits,    ///< do the images use the bits of their format?
+  kHits,    ///< are there range points, and do they fall into the picture?
+  kPlace,   ///< is the range image the right way up, and not mirrored?
+  kScale,   ///< do ranges and stereo agree in scale?
+  kMoment,  ///< do the ranges show what the images show?
+};
+inline constexpr int kQuestionCount = static_cast<int>(Question::kMoment) + 1;
+
+enum class Verdict {
+  kCannotTell,  ///< too little evidence, or what it depends on is bad
+  kGood,
+  kBad,
+};
+
+/// The answer to one question.
+struct Finding {
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+  Question question = Question::kScene;
+  Verdict verdict = Verdict::kCannotTell;
+  /// The figure that decided, in the question's unit (UnitOf()), and its standard deviation; NaN =
+  /// not known.
+  double value = kUnknown;
+  double sigma = kUnknown;
+  /// One line without an end: what was found, and where it is bad, the cure; why one cannot tell.
+  std::string text;
+};
+
+/// "scene", "time", "sides", "rows", "bits", "hits", "place", "scale", "moment".
+std::string_view NameOf(Question question);
+/// "good", "bad", "cannot tell".
+std::string_view NameOf(Verdict verdict);
+/// Of a finding's value: "%" or "px" or "1" (a factor).
+std::string_view UnitOf(Question question);
+
+/// One finding a question, in the order of the questions.
+using Findings = std::vector<Finding>;
+
+/// The lines of the bad findings, joined by "; "; empty when there is none.
+std::string BadText(const Findings& findings);
+
+/// What several frames of one rig and one recording say together: bad where more frames say bad
+/// than good, and at least two do or all of them; good where more say good. Value: the median over
+/// the frames of that verdict, sigma: of a frame. Text: of the frame whose value that is, with the
+/// number of frames.
+/// @param frames  of CheckInputs().
+Findings Combine(const std::vector<Findings>& frames);
+
+}  // namespace sprout::inputs
+
+#endif  // SPROUT_SERVICES_INPUTS_FINDINGS_H_
