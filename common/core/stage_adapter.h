@@ -21,8 +21,8 @@ struct PartOutput {
 /// A stage's result for a frame.
 struct StageResult {
   std::vector<PartOutput> outputs;
-  /// Why the frame has no (or an empty) result; empty when all is well. One line, shown in the
-  /// status.
+  /// Why the frame has no (or an empty) result, or one that cannot be right since its input is
+  /// wrong; empty when all is well. One line, shown in the status.
   std::string degenerate;
   /// The offset of the ToF camera's points, if the stage measured it in this frame.
   TofOffsetStatus tof_offset = {};

@@ -9,6 +9,7 @@
 
 #include "common/core/image.h"
 #include "common/core/quantile.h"
+#include "services/inputs/check_inputs.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -23,6 +24,8 @@ constexpr double kMaxTofDisparityPx = 1;
 // Fewer frames that are sure may agree by chance.
 constexpr int kFewTofFrames = 3;
 constexpr size_t kFewRanges = 200;
+// What MeasureVerticalDisparity() finds is true up to this, px.
+constexpr double kFarRowsPx = 2;
 
 // Of the values that are known.
 double MedianOf(std::vector<double> values) {
@@ -51,9 +54,23 @@ cv::Mat1f StereoDisparity(const cv::Mat1b& left, const cv::Mat1b& right, int fir
   return disparity;
 }
 
+// Windows are searched a few rows up and down only, CheckInputs() searches many.
+bool RowsAreFarOff(const inputs::Findings& findings) {
+  return std::ranges::any_of(findings, [](const inputs::Finding& finding) {
+    return finding.question == inputs::Question::kRows &&
+           finding.verdict == inputs::Verdict::kBad && std::abs(finding.value) > kFarRowsPx;
+  });
+}
+
 std::vector<std::string> ReasonsOf(const RigCheck& check) {
   std::vector<std::string> reasons;
-  if (std::abs(check.vertical_px) > kMaxVerticalPx) {
+  const bool rows_known = std::abs(check.vertical_px) > kMaxVerticalPx;
+  for (const inputs::Finding& finding : check.findings) {
+    if (finding.verdict != inputs::Verdict::kBad) continue;
+    if (finding.question == inputs::Question::kRows && rows_known) continue;  // said below
+    reasons.push_back(finding.text);
+  }
+  if (rows_known) {
     reasons.push_back(
         fmt::format("rows of the right image lie {:+.2f} px off those of the left "
                     "one ({} are allowed)",
@@ -107,6 +124,8 @@ Result<void> RigChecker::Add(const cv::Mat& left, const cv::Mat& right, const To
   const Result<SeedSet> seeds = refiner_.Compute(left_grey, right_grey, tof, *projector_);
   if (!seeds) return tl::unexpected(seeds.error());
   ++frames_;
+  findings_.push_back(inputs::CheckInputs(left_grey, right_grey, tof, of_frame.pair,
+                                          tof.depth_m.empty() ? nullptr : &*projector_));
   vertical_.push_back(MeasureVerticalDisparity(left_grey, right_grey, seeds->seeds));
   if (tof.depth_m.empty()) return {};
 
@@ -161,8 +180,11 @@ RigCheck RigChecker::Summary() const {
                                    MedianOf(offsets_px_, [](const auto& o) { return o.y; })},
                  .tof_disparity_px = kUnknown,
                  .tof_range_m = kUnknown,
+                 .findings = inputs::Combine(findings_),
                  .reasons = {}};
-  if (!vertical_.empty() && !vertical_.front().cells_px.empty()) {
+  if (RowsAreFarOff(check.findings)) {
+    check.vertical_px = kUnknown;
+  } else if (!vertical_.empty() && !vertical_.front().cells_px.empty()) {
     check.vertical_cells_px.create(vertical_.front().cells_px.size());
     for (int row = 0; row < check.vertical_cells_px.rows; ++row) {
       for (int column = 0; column < check.vertical_cells_px.cols; ++column) {
@@ -191,6 +213,10 @@ std::string CheckText(const RigCheck& check) {
       text += std::isnan(cell) ? "      -" : fmt::format(" {:+6.2f}", cell);
     }
     text += "\n";
+  }
+  for (const inputs::Finding& finding : check.findings) {
+    text += fmt::format("{:<30} {}: {}\n", inputs::NameOf(finding.question),
+                        inputs::NameOf(finding.verdict), finding.text);
   }
   if (!check.has_tof) return text;
   text += fmt::format("{:<30} {}, {} ({} frames are sure)\n", "ToF points belong, right, down",

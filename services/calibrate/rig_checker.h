@@ -12,6 +12,7 @@
 #include "common/core/tof_image.h"
 #include "common/geometry/projection.h"
 #include "services/calibrate/vertical_disparity.h"
+#include "services/inputs/findings.h"
 #include "services/refine/alignment/tof_alignment.h"
 #include "services/refine/refiner.h"
 
@@ -27,11 +28,13 @@ struct RigCheck {
   cv::Point2d tof_offset_px;         ///< offset to add to projected ToF points in the left image
   double tof_disparity_px = 0;       ///< of the ToF points, minus that of stereo at the same pixel
   double tof_range_m = 0;            ///< the same as depth
+  inputs::Findings findings;         ///< what goes in, all frames together
   std::vector<std::string> reasons;  ///< why the rig has to be calibrated again; empty: it is good
 };
 
 /// Checks frames of a rectified rig for signs of a knock: rows that do not match, ToF points
-/// projected beside the objects they were measured on, ranges that contradict stereo.
+/// projected beside the objects they were measured on, ranges that contradict stereo; and for what
+/// CheckInputs() asks.
 class RigChecker {
  public:
   RigChecker();
@@ -53,6 +56,7 @@ class RigChecker {
   std::string projector_rig_id_;
   int frames_ = 0;
   bool has_tof_ = false;
+  std::vector<inputs::Findings> findings_;   // of each frame
   std::vector<VerticalDisparity> vertical_;  // of each frame
   std::vector<cv::Point2d> offsets_px_;      // of those that are sure
   std::vector<double> disparities_px_;       // of points

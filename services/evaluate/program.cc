@@ -21,6 +21,7 @@
 #include "services/evaluate/run_pictures.h"
 #include "services/evaluate/tables.h"
 #include "services/evaluate/video.h"
+#include "services/inputs/check_inputs.h"
 
 namespace sprout::evaluate {
 namespace {
@@ -256,10 +257,14 @@ std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Sce
     SceneResult result =
         EvaluateScene(scene, methods, settings, options.repeat,
                       [&](const Method& method) { progress.Show(place + method.name); });
+    const std::string wrong = BadText(inputs::CheckInputs(
+        scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector.rig().pair,
+        scene.frame.tof.depth_m.empty() ? nullptr : &scene.projector));
     if (!options.images.empty()) pictures.Add(scene, result);
     for (MethodResult& method : result.methods) method.map_px.release();
     progress.Clear();
     if (!options.quiet) std::cout << SceneTable(result) << std::endl;
+    if (!wrong.empty()) std::cerr << "sprout-evaluate: " << scene.name << ": " << wrong << "\n";
     results.push_back(std::move(result));
   }
   if (options.images.empty()) return results;

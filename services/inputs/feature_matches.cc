@@ -23,10 +23,8 @@ struct FeatureRules {
   static constexpr int kRows = 15;
   static constexpr size_t kMostLeft = 2;   ///< corners of a cell, the strongest
   static constexpr size_t kMostRight = 4;  ///< the partner has to be among them
-  /// FAST's thresholds, grey levels: clear corners if there are enough of them, else faint ones.
-  static constexpr std::array<int, 2> kContrasts = {16, 7};
-  static constexpr size_t kEnough = 500;
-  static constexpr double kBand = 0.035;  ///< searched rows, share of the height
+  static constexpr int kContrast = 8;      ///< FAST's threshold, grey levels
+  static constexpr double kBand = 0.035;   ///< searched rows, share of the height
   static constexpr double kLeastBandPx = 8;
   static constexpr double kMostColumns = 0.5;  ///< searched columns, share of the width
   static constexpr double kLeastCorrelation = 0.75;
@@ -42,8 +40,8 @@ constexpr int kMargin = kSide / 2 + 1;
 
 // A window less its mean, of norm about 512; more than ±127 is cut off.
 struct Descriptor {
-  std::array<int8_t, kSide * kSide> values;
-  int32_t norm = 0;  // sum of squares; 0: no texture
+  std::array<int16_t, kSide * kSide> values;  // of 8 bits; 16 multiply faster
+  double inverse_norm = 0;                    // of the values; 0: no texture
 };
 
 struct Feature {
@@ -53,7 +51,6 @@ struct Feature {
 
 struct Partner {
   int index = -1;
-  int32_t product = 0;
   double best = -1;
   double second = -1;
 };
@@ -76,27 +73,20 @@ Descriptor Describe(const cv::Mat1b& image, cv::Point at) {
   if (variance < kCount * 4) return result;
   const double scale = 512 / std::sqrt(variance);
   const double mean = double(sum) / kCount;
+  int squared = 0;
   for (size_t i = 0; i < grey.size(); ++i) {
     const double value = std::clamp((grey[i] - mean) * scale, -127.0, 127.0);
-    result.values[i] = static_cast<int8_t>(std::lround(value));
-    result.norm += result.values[i] * result.values[i];
+    result.values[i] = static_cast<int16_t>(cvRound(value));
+    squared += result.values[i] * result.values[i];
   }
+  result.inverse_norm = 1 / std::sqrt(static_cast<double>(squared));
   return result;
 }
 
 double Correlation(const Descriptor& a, const Descriptor& b) {
   int32_t product = 0;
   for (size_t i = 0; i < a.values.size(); ++i) product += int{a.values[i]} * int{b.values[i]};
-  return product / std::sqrt(double(a.norm) * double(b.norm));
-}
-
-std::vector<cv::KeyPoint> Corners(const cv::Mat1b& image) {
-  std::vector<cv::KeyPoint> corners;
-  for (const int contrast : FeatureRules::kContrasts) {
-    cv::FAST(image, corners, contrast);
-    if (corners.size() >= FeatureRules::kEnough) break;
-  }
-  return corners;
+  return product * a.inverse_norm * b.inverse_norm;
 }
 
 // The strongest corners of each cell, by rows.
@@ -104,7 +94,9 @@ std::vector<Feature> FindFeatures(const cv::Mat1b& image, size_t most) {
   std::vector<std::vector<cv::KeyPoint>> cells(
       static_cast<size_t>(FeatureRules::kColumns * FeatureRules::kRows));
   const cv::Rect inside(kMargin, kMargin, image.cols - 2 * kMargin, image.rows - 2 * kMargin);
-  for (const cv::KeyPoint& corner : Corners(image)) {
+  std::vector<cv::KeyPoint> corners;
+  cv::FAST(image, corners, FeatureRules::kContrast);
+  for (const cv::KeyPoint& corner : corners) {
     const cv::Point at(static_cast<int>(corner.pt.x), static_cast<int>(corner.pt.y));
     if (!inside.contains(at)) continue;
     const int column = at.x * FeatureRules::kColumns / image.cols;
@@ -122,7 +114,7 @@ std::vector<Feature> FindFeatures(const cv::Mat1b& image, size_t most) {
     for (std::ptrdiff_t i = 0; i < kept; ++i) {
       const cv::Point at(cell[static_cast<size_t>(i)].pt);
       const Descriptor descriptor = Describe(image, at);
-      if (descriptor.norm > 0) features.push_back({at, descriptor});
+      if (descriptor.inverse_norm > 0) features.push_back({at, descriptor});
     }
   }
   std::ranges::sort(features, [](const Feature& a, const Feature& b) {
@@ -137,9 +129,8 @@ bool AreOne(cv::Point a, cv::Point b) {
 }
 
 void Offer(Partner& partner, const std::vector<Feature>& candidates, int index, double score) {
-  const bool same = partner.index >= 0 &&
-                    AreOne(candidates[static_cast<size_t>(partner.index)].at,
-                           candidates[static_cast<size_t>(index)].at);
+  const bool same = partner.index >= 0 && AreOne(candidates[static_cast<size_t>(partner.index)].at,
+                                                 candidates[static_cast<size_t>(index)].at);
   if (score > partner.best) {
     if (!same) partner.second = partner.best;
     partner.best = score;
@@ -183,8 +174,7 @@ std::vector<std::pair<int, int>> PairUp(const std::vector<Feature>& left,
 double WindowCorrelation(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point at_left,
                          cv::Point at_right) {
   constexpr double kPixels = (2 * FeatureRules::kRadius + 1) * (2 * FeatureRules::kRadius + 1);
-  const WindowSums sums =
-      SumWindows<FeatureRules::kRadius>(left, right, at_left, at_right);
+  const WindowSums sums = SumWindows<FeatureRules::kRadius>(left, right, at_left, at_right);
   const double left_variance = sums.left_squares - double(sums.left) * sums.left / kPixels;
   const double right_variance = sums.right_squares - double(sums.right) * sums.right / kPixels;
   if (!(left_variance > 0 && right_variance > 0)) return -1;
@@ -199,7 +189,35 @@ std::optional<double> TopOf(double before, double middle, double behind) {
   return (behind - before) / (2 * curvature);
 }
 
-// The window's best place within `reach` px of a guess, to a fraction of a pixel.
+// Similarities of one left window with those around a place in the right image, each computed once.
+class Surroundings {
+ public:
+  Surroundings(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point at_left, cv::Point guess)
+      : left_(left), right_(right), at_left_(at_left), guess_(guess) {
+    scores_.fill(kUnknown);
+  }
+
+  double At(cv::Point off) {
+    double& score = scores_[static_cast<size_t>((off.y + kReach) * kWidth + off.x + kReach)];
+    if (score == kUnknown) score = WindowCorrelation(left_, right_, at_left_, guess_ + off);
+    return score;
+  }
+
+  static constexpr int kReach = 3;
+
+ private:
+  static constexpr int kWidth = 2 * kReach + 1;
+  static constexpr double kUnknown = -2;
+
+  const cv::Mat1b& left_;
+  const cv::Mat1b& right_;
+  cv::Point at_left_;
+  cv::Point guess_;
+  std::array<double, kWidth * kWidth> scores_{};
+};
+
+// The window's best place within `reach` px of a guess, to a fraction of a pixel: uphill from
+// there.
 std::optional<cv::Point2d> Sharpen(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point at_left,
                                    cv::Point guess, int reach) {
   const int margin = FeatureRules::kRadius + reach + 1;
@@ -207,25 +225,27 @@ std::optional<cv::Point2d> Sharpen(const cv::Mat1b& left, const cv::Mat1b& right
       !IsInside(guess.x, guess.y, right.size(), margin)) {
     return {};
   }
-  double best = -1;
-  cv::Point place;
-  for (int y = -reach; y <= reach; ++y) {
-    for (int x = -reach; x <= reach; ++x) {
-      const double score = WindowCorrelation(left, right, at_left, guess + cv::Point(x, y));
-      if (score > best) {
-        best = score;
-        place = guess + cv::Point(x, y);
+  Surroundings around(left, right, at_left, guess);
+  cv::Point place(0, 0);
+  for (;;) {
+    cv::Point best = place;
+    for (int y = -1; y <= 1; ++y) {
+      for (int x = -1; x <= 1; ++x) {
+        const cv::Point other = place + cv::Point(x, y);
+        if (around.At(other) > around.At(best)) best = other;
       }
     }
+    if (best == place) break;
+    if (std::abs(best.x) > reach || std::abs(best.y) > reach) return {};
+    place = best;
   }
-  if (best < FeatureRules::kLeastSharp) return {};
-  const auto at = [&](int x, int y) {
-    return WindowCorrelation(left, right, at_left, place + cv::Point(x, y));
-  };
-  const std::optional<double> x = TopOf(at(-1, 0), best, at(1, 0));
-  const std::optional<double> y = TopOf(at(0, -1), best, at(0, 1));
+  const double top = around.At(place);
+  if (top < FeatureRules::kLeastSharp) return {};
+  const auto at = [&](int x, int y) { return around.At(place + cv::Point(x, y)); };
+  const std::optional<double> x = TopOf(at(-1, 0), top, at(1, 0));
+  const std::optional<double> y = TopOf(at(0, -1), top, at(0, 1));
   if (!x || !y) return {};
-  return cv::Point2d(place) + cv::Point2d(*x, *y);
+  return cv::Point2d(guess + place) + cv::Point2d(*x, *y);
 }
 
 }  // namespace

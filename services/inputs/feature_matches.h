@@ -20,8 +20,8 @@ struct Matches {
   std::vector<Match> matches;
   int left_features = 0;  ///< corners that were searched for
   int right_features = 0;
-  double step_px = 1;      ///< a pixel of the level that positions were measured on, px
-  double most_rows_px = 0; ///< that partners were searched up and down
+  double step_px = 1;       ///< a pixel of the level that positions were measured on, px
+  double most_rows_px = 0;  ///< that partners were searched up and down
 };
 
 /// Corners of the left image (FAST) with a partner in the right one, up to 3.5 % of the height (at

@@ -70,9 +70,8 @@ Findings Combine(const std::vector<Findings>& frames) {
   if (frames.empty()) return combined;
   for (size_t question = 0; question < frames.front().size(); ++question) {
     const auto count = [&](Verdict verdict) {
-      return static_cast<size_t>(std::ranges::count_if(frames, [&](const Findings& frame) {
-        return frame[question].verdict == verdict;
-      }));
+      return static_cast<size_t>(std::ranges::count_if(
+          frames, [&](const Findings& frame) { return frame[question].verdict == verdict; }));
     };
     const size_t bad = count(Verdict::kBad);
     const size_t good = count(Verdict::kGood);
@@ -81,14 +80,13 @@ Findings Combine(const std::vector<Findings>& frames) {
                             : good > bad ? Verdict::kGood
                                          : Verdict::kCannotTell;
     if (count(verdict) == 0) {
-      combined.push_back({.question = frames.front()[question].question,
-                          .text = "frames contradict each other"});
+      combined.push_back(
+          {.question = frames.front()[question].question, .text = "frames contradict each other"});
       continue;
     }
     combined.push_back(MedianOf(frames, question, verdict));
     if (frames.size() > 1) {
-      combined.back().text +=
-          fmt::format(" ({} of {} frames)", count(verdict), frames.size());
+      combined.back().text += fmt::format(" ({} of {} frames)", count(verdict), frames.size());
     }
   }
   return combined;

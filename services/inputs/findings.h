@@ -39,7 +39,7 @@ struct Finding {
   double value = kUnknown;
   double sigma = kUnknown;
   /// One line without an end: what was found, and where it is bad, the cure; why one cannot tell.
-  std::string text;
+  std::string text = {};
 };
 
 /// "scene", "time", "sides", "rows", "bits", "hits", "place", "scale", "moment".

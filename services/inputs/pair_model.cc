@@ -39,9 +39,7 @@ class Terms {
     const double d = disparity_px / unit_;
     return {1, x, y, d, d * y};
   }
-  Vector Of(const Match& match) const {
-    return At(match.left.x, match.left.y, match.disparity());
-  }
+  Vector Of(const Match& match) const { return At(match.left.x, match.left.y, match.disparity()); }
 
  private:
   cv::Size size_;

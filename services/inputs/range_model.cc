@@ -14,9 +14,10 @@ namespace {
 
 struct RangeRules {
   static constexpr size_t kMostPoints = 10000;  ///< that are compared; more say no more
-  static constexpr size_t kMostTurned = 3000;   ///< in each other turn
-  static constexpr double kReach = 1.5;       ///< of a match's neighbours, in spacings of points
-  static constexpr size_t kFewestAround = 3;  ///< points around a match
+  static constexpr size_t kMostTurned = 2500;   ///< in each other turn
+  static constexpr double kReach = 1.5;         ///< of a match's neighbours, in spacings of points
+  static constexpr size_t kFewestAround = 3;    ///< points around a match
+  static constexpr size_t kMostAround = 16;
   static constexpr double kOneSurface = 0.12;  ///< most by which their disparities differ, share
   /// See Vote.
   static constexpr double kTolerancePx = 1;
@@ -55,8 +56,8 @@ class PointGrid {
  public:
   PointGrid(std::vector<PicturePoint> points, cv::Size picture) : points_(std::move(points)) {
     const auto count = static_cast<double>(std::max<size_t>(1, points_.size()));
-    reach_ = static_cast<float>(RangeRules::kReach *
-                                std::max(1.0, std::sqrt(picture.area() / count)));
+    reach_ =
+        static_cast<float>(RangeRules::kReach * std::max(1.0, std::sqrt(picture.area() / count)));
     cells_ = cv::Size(static_cast<int>(static_cast<float>(picture.width) / reach_) + 1,
                       static_cast<int>(static_cast<float>(picture.height) / reach_) + 1);
     first_.assign(static_cast<size_t>(cells_.area()), -1);
@@ -80,17 +81,23 @@ class PointGrid {
           const PicturePoint& point = points_[static_cast<size_t>(i)];
           const float du = point.u - at.x;
           const float dv = point.v - at.y;
-          if (du * du + dv * dv <= reach_ * reach_) around_.push_back(point.disparity);
+          if (du * du + dv * dv > reach_ * reach_) continue;
+          around_.push_back(point.disparity);
+          if (around_.size() == RangeRules::kMostAround) return MedianOfSurface();
         }
       }
     }
+    return MedianOfSurface();
+  }
+
+ private:
+  std::optional<double> MedianOfSurface() {
     if (around_.size() < RangeRules::kFewestAround) return {};
     const auto [least, most] = std::ranges::minmax_element(around_);
     if (*most - *least > RangeRules::kOneSurface * *most) return {};
     return Median(around_);
   }
 
- private:
   size_t Index(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(cells_.width) + static_cast<size_t>(x);
   }
@@ -148,10 +155,13 @@ class Comparison {
   Agreement Compare(std::span<const RangePixel> pixels, const Hypothesis& hypothesis) const {
     const RectifiedPair& pair = projector_.rig().pair;
     const double fb = pair.focal_px * pair.baseline_m;
-    PointGrid grid(Project(pixels, hypothesis), pair.size());
+    std::vector<PicturePoint> points = Project(pixels, hypothesis);
+    const auto in_picture = static_cast<int>(points.size());
+    PointGrid grid(std::move(points), pair.size());
     Agreement result{.factor = hypothesis.factor,
                      .turn = hypothesis.turn,
                      .ahead_m = hypothesis.ahead_m,
+                     .in_picture = in_picture,
                      .votes = std::vector<Vote>(matches_.size(), Vote::kNone),
                      .logs = {},
                      .offsets_m = {}};
@@ -233,8 +243,7 @@ Estimate MedianOf(std::vector<double> values) {
   const double median = Median(values);
   for (double& value : values) value = std::abs(value - median);
   // Of a median of normal deviates: 1.2533 times that of their mean.
-  return {median,
-          1.2533 * 1.4826 * Median(values) / std::sqrt(static_cast<double>(values.size()))};
+  return {median, 1.2533 * 1.4826 * Median(values) / std::sqrt(static_cast<double>(values.size()))};
 }
 
 // Ranges of another unit are seen from elsewhere, so the factor is found in two steps.
@@ -312,10 +321,10 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   const RectifiedPair& pair = projector.rig().pair;
   const Comparison comparison(matches, projector);
   const std::vector<RangePixel> pixels = Chosen(all, RangeRules::kMostPoints);
-  model.in_picture = static_cast<int>(
-      std::lround(static_cast<double>(comparison.Project(pixels, {}).size()) *
-                  static_cast<double>(all.size()) / static_cast<double>(pixels.size())));
   model.as_is = comparison.Compare(pixels, {});
+  model.in_picture =
+      static_cast<int>(std::lround(model.as_is.in_picture * static_cast<double>(all.size()) /
+                                   static_cast<double>(pixels.size())));
   model.turned = BestTurned(comparison, Chosen(all, RangeRules::kMostTurned));
   if (model.as_is.share() < RangeRules::kGood) {
     model.scaled = BestScaled(comparison, pixels);
@@ -325,8 +334,8 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   if (model.as_is.close_share() < RangeRules::kClose) {
     model.moved = BestMoved(comparison, pixels, MedianDistance(matches, pair));
   }
-  const Agreement& fitting = model.scaled.agreeing > model.as_is.agreeing ? model.scaled
-                                                                         : model.as_is;
+  const Agreement& fitting =
+      model.scaled.agreeing > model.as_is.agreeing ? model.scaled : model.as_is;
   const Estimate log = MedianOf(fitting.logs);
   model.ratio.value = std::exp(-log.value) / fitting.factor;
   model.ratio.sigma = model.ratio.value * log.sigma;

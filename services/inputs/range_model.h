@@ -21,21 +21,22 @@ struct Turn {
 
   bool operator==(const Turn&) const = default;
 };
-inline constexpr std::array<Turn, 8> kTurns = {{{},
-                                                {.upside_down = true},
-                                                {.mirrored = true},
-                                                {.mirrored = true, .upside_down = true},
-                                                {.transposed = true},
-                                                {.transposed = true, .upside_down = true},
-                                                {.transposed = true, .mirrored = true},
-                                                {.transposed = true, .mirrored = true, .upside_down = true}}};
+inline constexpr std::array<Turn, 8> kTurns = {
+    {{},
+     {.upside_down = true},
+     {.mirrored = true},
+     {.mirrored = true, .upside_down = true},
+     {.transposed = true},
+     {.transposed = true, .upside_down = true},
+     {.transposed = true, .mirrored = true},
+     {.transposed = true, .mirrored = true, .upside_down = true}}};
 
 /// What a match says of the range points around it.
 enum class Vote : int8_t {
-  kNone,       ///< there are too few, or they lie on several surfaces
+  kNone,  ///< there are too few, or they lie on several surfaces
   kDisagrees,
-  kAgrees,     ///< to 1 px, 3 % and 5 cm: what a device's own error comes to
-  kIsClose,    ///< to 1 px and 1 %
+  kAgrees,   ///< to 1 px, 3 % and 5 cm: what a device's own error comes to
+  kIsClose,  ///< to 1 px and 1 %
 };
 
 /// How well range points and stereo agree when ranges are multiplied by a factor, the range image
@@ -44,12 +45,13 @@ struct Agreement {
   double factor = 1;
   Turn turn;
   double ahead_m = 0;
+  int in_picture = 0;  ///< points
   int compared = 0;
   int agreeing = 0;  ///< of them, closely or not
   int close = 0;
-  std::vector<Vote> votes;       ///< one a match
-  std::vector<double> logs;      ///< of those compared: ln(z_stereo / z_range)
-  std::vector<double> offsets_m; ///< of those that agree: z_range − z_stereo
+  std::vector<Vote> votes;        ///< one a match
+  std::vector<double> logs;       ///< of those compared: ln(z_stereo / z_range)
+  std::vector<double> offsets_m;  ///< of those that agree: z_range − z_stereo
 
   double share() const { return compared == 0 ? 0 : static_cast<double>(agreeing) / compared; }
   double close_share() const { return compared == 0 ? 0 : static_cast<double>(close) / compared; }

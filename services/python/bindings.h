@@ -40,6 +40,7 @@ void BindParts(py::module_& module);
 void BindZones(py::module_& module);
 void BindFrame(py::module_& module);
 void BindPipeline(py::module_& module);
+void BindInputs(py::module_& module);
 void BindLog(py::module_& module);
 void BindListen(py::module_& module);
 void BindDataset(py::module_& module);

@@ -44,6 +44,7 @@ PYBIND11_MODULE(_sprout, module) {
   python::BindZones(module);
   python::BindFrame(module);
   python::BindPipeline(module);
+  python::BindInputs(module);
   python::BindLog(module);
   python::BindListen(module);
   python::BindDataset(module);

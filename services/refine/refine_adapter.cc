@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/core/image.h"
+#include "services/inputs/check_inputs.h"
 
 namespace sprout::refine {
 
@@ -53,11 +54,25 @@ TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame, bool refined) {
           .is_off = !aligns_tof_ && offset.IsOff()};
 }
 
+// What is wrong with the input, in a frame that is looked at.
+std::string RefineAdapter::WrongInput(const Frame& frame) {
+  if (check_inputs_every_ == 0) return {};
+  const bool has_tof = !frame.tof->depth_m.empty();
+  const bool is_first = !has_checked_pair_ || (has_tof && !has_checked_tof_);
+  if (!is_first && frame.id.seq % check_inputs_every_ != 0) return {};
+  has_checked_pair_ = true;
+  has_checked_tof_ = has_checked_tof_ || has_tof;
+  return BadText(inputs::CheckInputs(
+      ToGrey(GreyestLeft(frame), left_grey_), ToGrey(GreyestRight(frame), right_grey_), *frame.tof,
+      frame.rig->pair, has_tof ? &ProjectorOf(*frame.rig) : nullptr));
+}
+
 StageResult RefineAdapter::Process(const Frame& frame) {
   Result<SeedSet> seeds = Refine(frame);
   SeedSet left_seeds = seeds ? refiner_.left_seeds() : SeedSet{};
   StageResult outcome;
-  if (!seeds) {
+  const bool refined = seeds.has_value();
+  if (!refined) {
     outcome.degenerate = seeds.error().text;
     seeds = SeedSet{};
   } else if (seeds->seeds.empty()) {
@@ -66,7 +81,14 @@ StageResult RefineAdapter::Process(const Frame& frame) {
                         : "none of " + std::to_string(seeds->raw) + " ToF points became a seed";
     if (finds_stereo_seeds_) outcome.degenerate += ", and stereo found none";
   }
-  outcome.tof_offset = OffsetOf(frame, seeds.has_value());
+  const auto add = [&](const std::string& line) {
+    if (!line.empty()) outcome.degenerate += (outcome.degenerate.empty() ? "" : "; ") + line;
+  };
+  if (refined) {
+    add(WrongInput(frame));
+    if (check_inputs_every_ > 0) add(range_watch_.Add(*frame.tof, *seeds, left_seeds));
+  }
+  outcome.tof_offset = OffsetOf(frame, refined);
   outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, std::move(left_seeds)});
   return outcome;

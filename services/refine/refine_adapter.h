@@ -6,6 +6,7 @@
 
 #include "common/config/stage_parts.h"
 #include "common/core/stage_adapter.h"
+#include "services/inputs/range_watch.h"
 #include "services/refine/refiner.h"
 
 namespace sprout::refine {
@@ -18,18 +19,21 @@ class RefineAdapter : public StageAdapter {
         refiner_(config),
         finds_stereo_seeds_(config.stereo_seeds()),
         aligns_tof_(config.align_tof()),
-        check_tof_every_(config.check_tof_every()) {}
+        check_tof_every_(config.check_tof_every()),
+        check_inputs_every_(config.check_inputs_every()) {}
 
   PartSet Inputs() const override { return inputs_; }
 
   /// Always answers; without a usable point, and if stereo finds nothing either, both are empty and
-  /// the result says why.
+  /// the result says why. It also says, of the first frame, the first with a range image and each
+  /// check_inputs_every-th one, what is wrong with the input, and when range points stop to come.
   StageResult Process(const Frame& frame) override;
 
  private:
   const TofProjector& ProjectorOf(const Rig& rig);
   Result<SeedSet> Refine(const Frame& frame);
   TofOffsetStatus OffsetOf(const Frame& frame, bool refined);
+  std::string WrongInput(const Frame& frame);
 
   PartSet inputs_;
   Refiner refiner_;
@@ -37,6 +41,10 @@ class RefineAdapter : public StageAdapter {
   bool finds_stereo_seeds_;
   bool aligns_tof_;
   int64_t check_tof_every_;
+  int64_t check_inputs_every_;
+  bool has_checked_pair_ = false;
+  bool has_checked_tof_ = false;
+  inputs::RangeWatch range_watch_;
   cv::Mat1b left_grey_;  // memory
   cv::Mat1b right_grey_;
   std::optional<TofProjector> projector_;  // of the newest calibration

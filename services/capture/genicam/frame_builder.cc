@@ -164,6 +164,10 @@ std::optional<datasets::CapturedFrame> FrameBuilder::Next(int64_t now_utime) {
         "one",
         rig_.max_spread_ms(), LostSince(RigPlace::kLeft), LostSince(RigPlace::kRight));
   }
+  if (frame.trouble.empty()) {
+    frame.trouble =
+        JoinTrouble(former_.tof_joins(), former_.config(), "the ToF camera", /*at_end=*/false);
+  }
   for (const RigPlace place : kStereo) lost_before_[static_cast<size_t>(place)] = LostOf(place);
   for (Place& place : places_) place.images = 0;
   has_frames_ = true;

@@ -1,6 +1,9 @@
 #include "services/capture/genicam/triplet_synchronizer.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 namespace sprout::capture {
@@ -23,6 +26,32 @@ bool SecondIsCloser(const std::deque<TimedImage>& queue, int64_t utime) {
 
 }  // namespace
 
+std::string JoinTrouble(const TofJoins& joins, const TripletConfig& config,
+                        const std::string& sensor, bool at_end) {
+  if (!config.has_tof) return {};
+  int64_t power = 10;
+  while (power < joins.pairs_since_join) power *= 10;
+  const bool is_due = at_end ? joins.joined == 0 && joins.pairs > 0
+                             : joins.pairs_since_join == power && power > 2 * joins.longest_gap;
+  if (!is_due) return {};
+  if (joins.came == 0) {
+    return fmt::format("no range image came with {} pairs: does {} send any?", joins.pairs, sensor);
+  }
+  std::string text =
+      fmt::format("{} of {} range images of {} joined {} pairs, none the last {}", joins.joined,
+                  joins.came, sensor, joins.pairs, joins.pairs_since_join);
+  if (joins.nearest_us) {
+    const double distance_ms = static_cast<double>(*joins.nearest_us) / 1000;
+    text += fmt::format(": the nearest is {:+.1f} ms off, max_spread_ms is {:g}", distance_ms,
+                        static_cast<double>(config.max_spread_us) / 1000);
+    constexpr double kOtherClockMs = 10'000;
+    if (std::abs(distance_ms) > kOtherClockMs) {
+      text += "; is that another clock, or are there no stamps?";
+    }
+  }
+  return text;
+}
+
 double Triplet::spread_ms() const {
   int64_t first = std::min(left.utime, right.utime);
   int64_t last = std::max(left.utime, right.utime);
@@ -44,7 +73,10 @@ void TripletSynchronizer::Drop(RigPlace place) {
 
 void TripletSynchronizer::Push(RigPlace place, TimedImage image) {
   Queue& queue = QueueOf(place);
-  if (place == RigPlace::kTof) tof_is_silent_ = false;
+  if (place == RigPlace::kTof) {
+    tof_is_silent_ = false;
+    ++joins_.came;
+  }
   if (!queue.empty() && image.utime < queue.back().utime) Drop(place);
   if (queue.size() == kMaxWaitingImages) DropFront(place);
   queue.push_back(std::move(image));
@@ -57,11 +89,17 @@ std::optional<Triplet> TripletSynchronizer::Next(int64_t now_utime) {
       case Search::kWait:
         return std::nullopt;
       case Search::kNone:
+        ++joins_.pairs;
+        ++joins_.pairs_since_join;
         return Taken(QueueOf(RigPlace::kLeft), QueueOf(RigPlace::kRight));
       case Search::kFound: {
         Triplet triplet = Taken(QueueOf(RigPlace::kLeft), QueueOf(RigPlace::kRight));
         triplet.tof = std::move(tofs.front());
         tofs.pop_front();
+        ++joins_.pairs;
+        ++joins_.joined;
+        joins_.longest_gap = std::max(joins_.longest_gap, joins_.pairs_since_join);
+        joins_.pairs_since_join = 0;
         return triplet;
       }
     }
@@ -98,6 +136,13 @@ bool TripletSynchronizer::FindPair() {
   return false;
 }
 
+void TripletSynchronizer::NoteDistance(int64_t tof_utime, int64_t pair_utime) {
+  const int64_t distance = tof_utime - pair_utime;
+  if (!joins_.nearest_us || std::abs(distance) < std::abs(*joins_.nearest_us)) {
+    joins_.nearest_us = distance;
+  }
+}
+
 // Whether the front of the ToF queue belongs to the pair in front of the others.
 TripletSynchronizer::Search TripletSynchronizer::FindTof(int64_t now_utime) {
   if (!config_.has_tof) return Search::kNone;
@@ -109,7 +154,11 @@ TripletSynchronizer::Search TripletSynchronizer::FindTof(int64_t now_utime) {
   const Queue& tofs = QueueOf(RigPlace::kTof);
   while (!tofs.empty()) {
     const int64_t tof = tofs.front().utime;
-    if (tof > latest) return Search::kNone;
+    if (tof > latest) {
+      NoteDistance(tof, middle);
+      return Search::kNone;
+    }
+    if (tof < earliest) NoteDistance(tof, middle);
     if (tof >= earliest && !(tof < middle && SecondIsCloser(tofs, middle))) return Search::kFound;
     DropFront(RigPlace::kTof);
   }

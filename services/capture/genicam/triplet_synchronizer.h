@@ -6,6 +6,7 @@
 #include <deque>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <string>
 
 #include "common/core/tof_image.h"
 
@@ -42,6 +43,24 @@ struct TripletConfig {
   int64_t max_wait_us = 500'000;
 };
 
+/// What became of the ToF camera's images.
+struct TofJoins {
+  int64_t pairs = 0;   ///< of left and right
+  int64_t came = 0;    ///< ToF images
+  int64_t joined = 0;  ///< of them: to a pair
+  int64_t pairs_since_join = 0;
+  int64_t longest_gap = 0;  ///< most pairs between two that joined: a sensor may be slow
+  /// Of the ToF images that did not join, the nearest to the middle of a pair, µs: > 0: later.
+  std::optional<int64_t> nearest_us = {};
+};
+
+/// Why ToF images do not join: none came, or they are too far from all pairs in time.
+/// @param sensor  its name, for the text.
+/// @returns one line when so many pairs in a row have none that something must be wrong: 10, 100,
+///          1000 ... (`at_end`: any, and none has ever joined); else nothing.
+std::string JoinTrouble(const TofJoins& joins, const TripletConfig& config,
+                        const std::string& sensor, bool at_end);
+
 /// Joins images by the time of their exposure. Images of one camera come in the order of their
 /// exposure; those of different cameras in any order. Deterministic; reads no clock.
 class TripletSynchronizer {
@@ -65,6 +84,9 @@ class TripletSynchronizer {
   /// Images without partners so far. A ToF image between two pairs counts, too.
   int64_t unpaired(RigPlace place) const { return unpaired_[Index(place)]; }
 
+  const TofJoins& tof_joins() const { return joins_; }
+  const TripletConfig& config() const { return config_; }
+
  private:
   using Queue = std::deque<TimedImage>;
 
@@ -75,12 +97,14 @@ class TripletSynchronizer {
   bool FindPair();
   enum class Search { kFound, kNone, kWait };
   Search FindTof(int64_t now_utime);
+  void NoteDistance(int64_t tof_utime, int64_t pair_utime);
 
   TripletConfig config_;
   bool tof_is_there_ = true;
   bool tof_is_silent_ = false;
   std::array<Queue, kRigPlaces.size()> queues_;
   std::array<int64_t, kRigPlaces.size()> unpaired_{};
+  TofJoins joins_;
 };
 
 }  // namespace sprout::capture

@@ -32,6 +32,7 @@ RosTriplets::RosTriplets(const RosSettings& settings, std::optional<cv::Size> si
                          ImageOfPoints image)
     : size_(size),
       image_of_points_(std::move(image)),
+      sensor_(settings.depth.empty() ? settings.points : settings.depth),
       synchronizer_(ConfigOf(settings, image_of_points_ != nullptr)),
       max_spread_ms_(settings.max_spread_ms) {}
 
@@ -137,7 +138,7 @@ std::string RosTriplets::WhyUnpaired() const {
       nearest_ms, max_spread_ms_);
 }
 
-datasets::LostFrames RosTriplets::TakeLost() {
+datasets::LostFrames RosTriplets::LostSince(bool at_end) {
   const int64_t unpaired =
       synchronizer_.unpaired(RigPlace::kLeft) + synchronizer_.unpaired(RigPlace::kRight);
   if (begins_) unpaired_ = unpaired;
@@ -145,6 +146,9 @@ datasets::LostFrames RosTriplets::TakeLost() {
   datasets::LostFrames lost{.count = unpaired - std::exchange(unpaired_, unpaired)};
   // A message that was refused explains the image that will lack it.
   if (lost.count > 0) lost.trouble = trouble_.empty() ? WhyUnpaired() : std::exchange(trouble_, {});
+  if (lost.trouble.empty()) {
+    lost.trouble = JoinTrouble(synchronizer_.tof_joins(), synchronizer_.config(), sensor_, at_end);
+  }
   return lost;
 }
 
@@ -158,7 +162,7 @@ std::optional<datasets::CapturedFrame> RosTriplets::Next() {
                                 .tof = triplet->tof ? std::move(triplet->tof->tof) : TofImage{},
                                 .utime = triplet->utime()};
   frame.spread_ms = triplet->spread_ms();
-  datasets::LostFrames lost = TakeLost();
+  datasets::LostFrames lost = LostSince(/*at_end=*/false);
   frame.lost = lost.count;
   frame.trouble = std::move(lost.trouble);
   trouble_.clear();

@@ -37,16 +37,18 @@ class RosTriplets {
   /// The next frame, with what was lost before it.
   std::optional<datasets::CapturedFrame> Next();
 
-  /// What was lost since then.
-  datasets::LostFrames TakeLost();
+  /// What was lost since then; at the end also why no range image has ever joined.
+  datasets::LostFrames TakeLost() { return LostSince(/*at_end=*/is_finished_); }
 
  private:
   Result<TimedImage> Decode(const RosBytes& message) const;
   Result<TimedImage> DecodePicture(const RosBytes& message) const;
   std::string WhyUnpaired() const;
+  datasets::LostFrames LostSince(bool at_end);
 
   std::optional<cv::Size> size_;
   ImageOfPoints image_of_points_;
+  std::string sensor_;  // topic of its messages
   TripletSynchronizer synchronizer_;
   // Stamp of the newest image of left or right, the only clock here. Senders set theirs back (NTP,
   // a bag that begins again), or send one stamp that is wrong: so not the largest one.

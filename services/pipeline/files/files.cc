@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <filesystem>
 #include <iomanip>
@@ -15,6 +16,7 @@
 #include "common/app/progress.h"
 #include "common/core/image.h"
 #include "common/core/output_file.h"
+#include "services/inputs/check_inputs.h"
 #include "services/pipeline/files/write_results.h"
 #include "services/pipeline/pipeline.h"
 
@@ -27,14 +29,27 @@ double Percent(int64_t part, int64_t whole) {
   return whole == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
+// How sure the depths are in the mean; and how many there are, where some are missing.
+std::string SurenessText(const DepthFrame& depth) {
+  const cv::Mat known = depth.depth_m == depth.depth_m;
+  const int count = cv::countNonZero(known);
+  const cv::Mat1b& confidence =
+      depth.fused_confidence.empty() ? depth.confidence : depth.fused_confidence;
+  std::string text;
+  if (!confidence.empty() && count > 0) {
+    text = fmt::format("mean confidence {:.2f}", cv::mean(confidence, known)[0] / 255);
+    if (count == static_cast<int>(known.total())) return text;
+    text += ", ";
+  }
+  return text + fmt::format("{:.1f} % of the pixels have a depth",
+                            Percent(count, static_cast<int64_t>(known.total())));
+}
+
 // What was found, in one line.
 std::string LineOf(const fs::path& folder, const DepthFrame& depth, double ms) {
-  std::string line =
-      fmt::format("{}: {}, {} seeds, {:.1f} % of the pixels have a depth, {:.0f} ms",
-                  folder.string(), SizeText(depth.depth_m.size()), depth.seeds.seeds.size(),
-                  Percent(cv::countNonZero(depth.depth_m == depth.depth_m),
-                          static_cast<int64_t>(depth.depth_m.total())),
-                  ms);
+  std::string line = fmt::format("{}: {}, {} seeds, {}, {:.0f} ms", folder.string(),
+                                 SizeText(depth.depth_m.size()), depth.seeds.seeds.size(),
+                                 SurenessText(depth), ms);
   if (const int far = cv::countNonZero(depth.depth_m > kMaxPngDepthM); far > 0) {
     line += fmt::format("; {} of them more than {:.1f} m, which depth.png leaves out", far,
                         kMaxPngDepthM);
@@ -63,10 +78,14 @@ Result<void> WriteMotions(const fs::path& path, const std::string& rows) {
   return file.Commit();
 }
 
+struct PairOutcome {
+  std::string line;       // to print
+  std::string complaint;  // what is wrong with the pair; empty: nothing that can be told
+};
+
 // Computes one pair and writes it.
 // @param motions  gets a row of a pipeline with memory.
-// @returns the line to print.
-Result<std::string> ComputePair(const PairReader& reader, const ImagePair& pair,
+Result<PairOutcome> ComputePair(const PairReader& reader, const ImagePair& pair,
                                 const fs::path& folder, DepthConfig::Input input,
                                 Pipeline& pipeline, std::string& motions) {
   using Clock = std::chrono::steady_clock;
@@ -82,7 +101,9 @@ Result<std::string> ComputePair(const PairReader& reader, const ImagePair& pair,
       return tl::unexpected(written.error());
     }
     if (depth->motion) motions += MotionRow(pair.left, *depth->motion);
-    return LineOf(folder, *depth, time.count());
+    return PairOutcome{.line = LineOf(folder, *depth, time.count()),
+                       .complaint = BadText(inputs::CheckInputs(frame->left, frame->right,
+                                                                *frame->tof, *frame->rig))};
   } catch (const std::exception& e) {
     return Fail(e.what());
   }
@@ -96,7 +117,12 @@ void CreateFolder(const std::string& out) {
 
 }  // namespace
 
-int RunFiles(const FilesOptions& options, const SproutConfig& config, const std::stop_token& stop) {
+int RunFiles(const FilesOptions& options, SproutConfig config, const std::stop_token& stop) {
+  config.mutable_refine()->set_check_inputs_every(0);  // each pair is checked here
+  if (options.min_confidence_percent) {
+    config.mutable_grow()->set_min_confidence(
+        static_cast<int>(std::ceil(2.55 * *options.min_confidence_percent)));
+  }
   const PairReader reader(options.rig);
   const std::vector<ImagePair> pairs = ListPairs(options.left, options.right, options.tof);
   Pipeline pipeline(config);
@@ -104,6 +130,7 @@ int RunFiles(const FilesOptions& options, const SproutConfig& config, const std:
   Progress progress(/*quiet=*/false);
   size_t done = 0;
   size_t left_out = 0;
+  size_t wrong = 0;
   std::string motions;
   for (const ImagePair& pair : pairs) {
     if (stop.stop_requested()) break;
@@ -115,7 +142,11 @@ int RunFiles(const FilesOptions& options, const SproutConfig& config, const std:
                                   config.depth().input(), pipeline, motions);
     progress.Clear();
     if (line) {
-      std::cout << *line << std::endl;
+      std::cout << line->line << std::endl;
+      if (!line->complaint.empty()) {
+        ++wrong;
+        std::cerr << "sprout-pipeline: " << pair.left.string() << ": " << line->complaint << "\n";
+      }
     } else {
       ++left_out;
       std::cerr << "sprout-pipeline: " << pair.left.string() << ": " << line.error().text << "\n";
@@ -127,6 +158,10 @@ int RunFiles(const FilesOptions& options, const SproutConfig& config, const std:
   } else if (left_out > 0 && pairs.size() > 1) {
     std::cerr << fmt::format("sprout-pipeline: {} of {} pairs left out\n", left_out, pairs.size());
   }
+  if (wrong > 0 && pairs.size() > 1) {
+    std::cerr << fmt::format("sprout-pipeline: something is wrong with {} of {} pairs\n", wrong,
+                             pairs.size());
+  }
   if (config.temporal().in_pipeline()) {
     const auto written = WriteMotions(fs::path(options.out) / "motion.csv", motions);
     if (!written) {
@@ -134,7 +169,7 @@ int RunFiles(const FilesOptions& options, const SproutConfig& config, const std:
       return 1;
     }
   }
-  return left_out == 0 && done == pairs.size() ? 0 : 1;
+  return left_out == 0 && wrong == 0 && done == pairs.size() ? 0 : 1;
 }
 
 }  // namespace sprout

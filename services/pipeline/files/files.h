@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_PIPELINE_FILES_FILES_H_
 #define SPROUT_SERVICES_PIPELINE_FILES_FILES_H_
 
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -16,13 +17,17 @@ struct FilesOptions {
   std::string tof;  ///< empty: none
   RigOptions rig;
   std::string out;  ///< folder
+  /// Disparities that are less sure are left out (grow.min_confidence), %; nothing: as configured.
+  std::optional<double> min_confidence_percent = {};
 };
 
 /// Computes pairs of image files and writes the results, see README.md. Prints a line on stdout for
-/// each pair, or one on stderr if it cannot be computed and is left out.
-/// @returns exit code: 0; 1 when a pair was left out, or `stop` came.
+/// each pair, or one on stderr if it cannot be computed and is left out; and one on stderr if it
+/// was computed, but CheckInputs() says that something is wrong with it.
+/// @returns exit code: 0; 1 when a pair was left out, or something is wrong with one, or `stop`
+///          came.
 /// @throws ConfigError, before anything is computed, for flags that cannot be used.
-int RunFiles(const FilesOptions& options, const SproutConfig& config, const std::stop_token& stop);
+int RunFiles(const FilesOptions& options, SproutConfig config, const std::stop_token& stop);
 
 }  // namespace sprout
 

@@ -35,8 +35,9 @@ those of earlier pairs. DIR/motion.csv says how the left camera moved. 'depth { 
 cloud and mesh of the fused map.
 
 The flags of `sprout-pipeline --help` hold here, too: --config, --threads, --log-level.
-Exit codes: 0; 1 a pair could not be computed, the others were; 2 a flag or file that cannot be
-used, nothing was done.
+Exit codes: 0; 1 a pair could not be computed, the others were, or something is wrong with a pair
+(another scene, swapped, not rectified, ranges of another unit ...): it was computed all the same,
+and a line says what and the cure; 2 a flag or file that cannot be used, nothing was done.
 )";
 
 }  // namespace
@@ -49,6 +50,10 @@ Flags& AddFilesCommand(Flags& flags, FilesOptions& options) {
   files.Add("RIGHT", options.right, "Right image, folder or 'pattern'").Required();
   files.Add("--tof TOF", options.tof, "ToF image, folder or 'pattern'");
   files.Add("--out DIR", options.out, "Folder to write to").Required();
+  files
+      .Add("--min-confidence P", options.min_confidence_percent,
+           "Leave out disparities that are less than P % sure to be within 1 px")
+      .Within(0, 100);
   const Flag rig =
       files.Add("--rig FILE", options.rig.rig_file, "Calibration, as sprout-calibrate writes it");
   const auto add = [&](const char* name, std::optional<double>& value, const char* text, double low,
