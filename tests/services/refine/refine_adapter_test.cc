@@ -34,11 +34,32 @@ TEST(RefineAdapter, MakesNoRaysForAFrameWithoutToFImage) {
   EXPECT_FALSE(std::get<SeedSet>(outcome.outputs.at(0).value).seeds.empty());
 }
 
+TEST(RefineAdapter, SaysOfTheFirstAndOfEachNthFrameWhatIsWrongWithItsInput) {
+  RefineConfig config;
+  config.set_check_inputs_every(100);
+  RefineAdapter adapter{config};
+  Scene scene = TexturedScene();
+  std::swap(scene.left, scene.right);
+  Frame frame = FrameOf(scene);
+  for (const int64_t seq : {7, 8, 99, 100, 200, 201}) {
+    frame.id.seq = seq;
+    const bool is_due = seq == 7 || seq % 100 == 0;
+    EXPECT_EQ(adapter.Process(frame).degenerate.find("swapped") != std::string::npos, is_due)
+        << seq;
+  }
+  config.set_check_inputs_every(0);
+  RefineAdapter unchecked{config};
+  const StageResult without = unchecked.Process(frame);
+  EXPECT_EQ(without.degenerate.find("swapped"), std::string::npos);
+  EXPECT_EQ(std::get<SeedSet>(without.outputs.at(0).value),
+            std::get<SeedSet>(adapter.Process(frame).outputs.at(0).value));
+}
+
 TEST(RefineAdapter, SaysWhyAFrameHasNoSeeds) {
   RefineAdapter adapter{RefineConfig()};
   Scene scene;
-  EXPECT_EQ(adapter.Process(FrameOf(scene)).degenerate,
-            "no ToF point has a return, and stereo found none");
+  EXPECT_THAT(adapter.Process(FrameOf(scene)).degenerate,
+              HasSubstr("no ToF point has a return, and stereo found none"));
   scene.SetDisparity(0, 0, 5);
   EXPECT_THAT(adapter.Process(FrameOf(scene)).degenerate, HasSubstr("none of 1 ToF points"));
   scene.right = cv::Mat1b(10, 10, uint8_t{0});
