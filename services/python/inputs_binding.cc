@@ -44,10 +44,13 @@ void BindInputs(py::module_& module) {
       .def_property_readonly(
           "text", [](const inputs::Finding& f) { return f.text; },
           "str: one line: what was found, and where it is bad, the cure.")
-      .def("__repr__", [](const inputs::Finding& f) {
-        return fmt::format("<sprout.Finding {}: {}: {}>", NameOf(f.question), NameOf(f.verdict),
-                           f.text);
-      });
+      .def(
+          "__repr__",
+          [](const inputs::Finding& f) {
+            return fmt::format("<sprout.Finding {}: {}: {}>", NameOf(f.question),
+                               NameOf(f.verdict), f.text);
+          },
+          "__repr__(self) -> str");
   module.def(
       "check_inputs", &CheckInputsOf, py::arg("left"), py::arg("right"), py::arg("tof"),
       py::arg("rig"),
