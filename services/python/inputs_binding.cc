@@ -47,8 +47,8 @@ void BindInputs(py::module_& module) {
       .def(
           "__repr__",
           [](const inputs::Finding& f) {
-            return fmt::format("<sprout.Finding {}: {}: {}>", NameOf(f.question),
-                               NameOf(f.verdict), f.text);
+            return fmt::format("<sprout.Finding {}: {}: {}>", NameOf(f.question), NameOf(f.verdict),
+                               f.text);
           },
           "__repr__(self) -> str");
   module.def(
