@@ -26,7 +26,8 @@ void LogWriter::RequireNoFailure() const {
   throw LogError(path_, "cannot be written (" + file_.failure() + ")");
 }
 
-void LogWriter::Write(int64_t utime, std::string_view channel, std::span<const uint8_t> data) {
+void LogWriter::Write(int64_t utime, std::string_view channel, std::span<const uint8_t> data,
+                      std::optional<int64_t> number) {
   if (channel.empty() || channel.size() > kMaxChannelBytes) {
     throw LogError(path_, "channel '" + std::string(channel) + "': allowed are 1 to 63 characters");
   }
@@ -34,7 +35,7 @@ void LogWriter::Write(int64_t utime, std::string_view channel, std::span<const u
     throw LogError(path_, "a message of " + std::to_string(data.size()) +
                               " bytes: allowed are less than 2^31");
   }
-  const auto header = EncodeHeader({.number = events_,
+  const auto header = EncodeHeader({.number = number.value_or(events_),
                                     .utime = utime,
                                     .channel_bytes = static_cast<int32_t>(channel.size()),
                                     .data_bytes = static_cast<int32_t>(data.size())});

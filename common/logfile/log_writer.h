@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -11,7 +12,8 @@
 
 namespace sprout {
 
-/// Writes an event log that every LCM tool reads. Events are numbered 0, 1, ... as lcm-logger does.
+/// Writes an event log that every LCM tool reads. Events are numbered 0, 1, ... as lcm-logger does,
+/// unless a number is given.
 /// The log is complete or not there, see OutputFile; programs that read an older one meanwhile are
 /// not disturbed.
 class LogWriter {
@@ -21,8 +23,10 @@ class LogWriter {
   explicit LogWriter(const std::filesystem::path& path, bool overwrite = true);
 
   /// @param channel  1 to 63 characters.
+  /// @param number   nothing: how many were written before.
   /// @throws LogError when writing fails, for instance on a full disk.
-  void Write(int64_t utime, std::string_view channel, std::span<const uint8_t> data);
+  void Write(int64_t utime, std::string_view channel, std::span<const uint8_t> data,
+             std::optional<int64_t> number = std::nullopt);
 
   /// Writes the rest and gives the log its name. Without this call there is no log.
   /// @throws LogError; nothing is left behind then.

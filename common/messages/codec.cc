@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/core/image.h"
+#include "common/messages/packed.h"
 
 namespace sprout {
 namespace {
@@ -289,6 +290,11 @@ std::vector<uint8_t> EncodePart(const FrameId& id, [[maybe_unused]] Part part,
 
 Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
                                std::optional<cv::Size> expected) {
+  if (IsPacked(bytes)) {
+    const Result<std::vector<uint8_t>> message = Unpack(bytes, expected);
+    if (!message) return tl::unexpected(message.error());
+    return DecodePart(part, *message, expected);  // which is not packed: no such type is
+  }
   Result<DecodedPart> decoded = std::visit(
       [&]<typename Member>(Member Frame::*) { return Decode<MessageFor<Member>>(bytes, expected); },
       RowOf(part).member);

@@ -25,7 +25,7 @@ struct DecodedPart {
 /// Encodes a part as the bytes of its message, and decodes it. The type of the message follows from
 /// that of the part's member in Frame (kPartTable, lcmtypes/README.md). Decoding accepts arbitrary
 /// bytes: a wrong type, a size that does not fit or a hostile array count gives an error before
-/// memory is allocated for it.
+/// memory is allocated for it. A packed message (packed.h) is decoded as the one inside.
 ///
 /// @param expected  size of the rectified images of this frame, if known. A compressed picture or
 ///                  map of another size is refused before it is decoded: a few bytes could expand

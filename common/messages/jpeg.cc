@@ -12,9 +12,6 @@
 namespace sprout {
 namespace {
 
-// Of what is written: good enough for the eye.
-constexpr int kQuality = 85;
-
 struct HandleDeleter {
   void operator()(void* handle) const { tjDestroy(handle); }
 };
@@ -75,7 +72,7 @@ Result<cv::Mat> DecodeJpeg(std::span<const uint8_t> data, std::optional<cv::Size
   return image;
 }
 
-std::string WriteJpeg(const cv::Mat& picture, JpegColors colors) {
+std::string WriteJpeg(const cv::Mat& picture, JpegColors colors, int quality) {
   const Handle handle(tjInitCompress());
   if (!handle) throw std::runtime_error("JPEG: no compressor");
   const bool grey = picture.channels() == 1;
@@ -84,7 +81,7 @@ std::string WriteJpeg(const cv::Mat& picture, JpegColors colors) {
   auto* data = reinterpret_cast<unsigned char*>(stream.data());
   unsigned long size = stream.size();  // NOLINT: as libjpeg-turbo has it
   if (tjCompress2(handle.get(), picture.data, picture.cols, static_cast<int>(picture.step),
-                  picture.rows, grey ? TJPF_GRAY : TJPF_BGR, &data, &size, sampling, kQuality,
+                  picture.rows, grey ? TJPF_GRAY : TJPF_BGR, &data, &size, sampling, quality,
                   TJFLAG_NOREALLOC | TJFLAG_FASTDCT) != 0) {
     throw std::runtime_error(std::string("JPEG: ") + tjGetErrorStr2(handle.get()));
   }

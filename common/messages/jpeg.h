@@ -33,11 +33,14 @@ Result<cv::Mat> DecodeJpeg(std::span<const uint8_t> data, std::optional<cv::Size
 /// Chroma resolution of a JPEG: may be reduced for a photograph, not for colours that show values.
 enum class JpegColors { kHalf, kFull };
 
-/// A picture (8UC1 grey or 8UC3 BGR, not empty) as a baseline JPEG stream, for people. The same
-/// picture gives the same bytes. O(pixels), about 5 ms a megapixel in grey and 15 ms in full
-/// colours.
+/// Quality of pictures for people.
+inline constexpr int kPreviewQuality = 85;
+
+/// A picture (8UC1 grey or 8UC3 BGR, not empty) as a baseline JPEG stream. The same picture gives
+/// the same bytes. O(pixels), about 5 ms a megapixel in grey and 15 ms in full colours.
+/// @param quality  1 to 100, as libjpeg has it.
 /// @throws std::runtime_error when libjpeg refuses.
-std::string WriteJpeg(const cv::Mat& picture, JpegColors colors);
+std::string WriteJpeg(const cv::Mat& picture, JpegColors colors, int quality = kPreviewQuality);
 
 }  // namespace sprout
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/bus/channels.h"
+#include "common/messages/packed.h"
 
 namespace sprout {
 namespace {
@@ -51,7 +52,8 @@ std::optional<uint64_t> FingerprintOf(std::span<const uint8_t> bytes) {
 }
 
 std::optional<MessageType> TypeOf(std::span<const uint8_t> bytes) {
-  const std::optional<uint64_t> fingerprint = FingerprintOf(bytes);
+  const std::optional<uint64_t> fingerprint =
+      IsPacked(bytes) ? PackedFingerprint(bytes) : FingerprintOf(bytes);
   for (const KnownType& known : KnownTypes()) {
     if (fingerprint == known.fingerprint) return known.type;
   }

@@ -40,7 +40,8 @@ std::string NameOf(MessageType type);
 /// The first 8 bytes of an LCM message, which identify its type; nothing when there are fewer.
 std::optional<uint64_t> FingerprintOf(std::span<const uint8_t> bytes);
 
-/// Type by fingerprint; nothing when it is not one of Sprout's.
+/// Type by fingerprint, of a packed message that of the message inside; nothing when it is not one
+/// of Sprout's.
 std::optional<MessageType> TypeOf(std::span<const uint8_t> bytes);
 
 /// The type that carries a part.

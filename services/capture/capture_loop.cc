@@ -18,6 +18,7 @@
 #include "common/ros2/ros_node.h"
 #include "services/capture/answer_tracker.h"
 #include "services/capture/capture_feed.h"
+#include "services/capture/image_encoder.h"
 #include "services/capture/pace.h"
 #include "services/capture/rig_updates.h"
 
@@ -64,6 +65,9 @@ class Capture {
         reporter_(context, monitor_),
         source_(context.config.capture().source()),
         rate_hz_(context.config.capture().rate_hz()) {
+    if (context.config.capture().image_encoding() != CaptureConfig::RAW) {
+      encoder_.emplace(context.config.capture());
+    }
     if (context.config.self_calibrate().mode() == SelfCalibrateConfig::APPLY) {
       rig_updates_.emplace(context, feed_->current_rig(), monitor_);
     }
@@ -101,6 +105,7 @@ class Capture {
     pace_.Take(arrived);
     std::optional<CaptureMessages> frame = feed_->Next(stop_);
     if (!frame) return false;
+    if (encoder_) encoder_->Encode(*frame);
     WaitUntil(pace_.DueBeforeSending(frame->id, Clock::now()));
     if (!stop_.stop_requested()) Send(std::move(*frame), arrived);
     watchdog_.FrameDone();
@@ -235,6 +240,7 @@ class Capture {
   Publisher publisher_;
   AnswerTracker answers_;
   std::optional<RigUpdates> rig_updates_;
+  std::optional<ImageEncoder> encoder_;
   StatusReporter reporter_;
   int64_t sent_ = 0;
   std::string source_;

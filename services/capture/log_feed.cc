@@ -9,6 +9,7 @@
 #include "common/logfile/event_fetcher.h"
 #include "common/logfile/log_error.h"
 #include "common/messages/codec.h"
+#include "common/messages/packed.h"
 #include "services/capture/raw_source.h"
 #include "services/capture/source_feed.h"
 
@@ -127,6 +128,10 @@ class LogFeed : public CaptureFeed {
 
   std::vector<uint8_t> Bytes(int64_t offset) {
     const LogEvent event = fetcher_.Fetch(offset);
+    if (IsPacked(event.data)) {
+      // Others may listen. It could be decoded, so it can be unpacked.
+      if (Result<std::vector<uint8_t>> message = Unpack(event.data)) return *std::move(message);
+    }
     return {event.data.begin(), event.data.end()};
   }
 

@@ -2,6 +2,7 @@
 #define SPROUT_SERVICES_LOG_COMMANDS_H_
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,23 @@ struct RepairOptions {
   bool force = false;
 };
 int RunRepair(const RepairOptions& options);
+
+struct CompressOptions {
+  std::filesystem::path in;
+  std::filesystem::path out;
+  std::optional<int> jpeg_quality;  ///< nothing: without loss
+  bool force = false;
+};
+/// Images, maps, seeds and points in fewer bytes. @throws LogError also for a damaged log.
+int RunCompress(const CompressOptions& options);
+
+struct ExpandOptions {
+  std::filesystem::path in;
+  std::filesystem::path out;
+  bool force = false;
+};
+/// The inverse, to the byte, but for JPEG. @throws LogError also for a damaged log.
+int RunExpand(const ExpandOptions& options);
 
 struct PicturesOptions {
   std::filesystem::path file;

@@ -18,8 +18,9 @@ namespace sprout::log {
 namespace {
 
 constexpr char kDescription[] =
-    "Inspects, compares, ranks, cuts, repairs and exports logs of sprout-record, lcm-logger or "
-    "a\nreplay. Logs may be larger than memory, and damaged: every good event is found.";
+    "Inspects, compares, ranks, cuts, repairs, compresses and exports logs of sprout-record,\n"
+    "lcm-logger or a replay. Logs may be larger than memory, and damaged: every good event is "
+    "found.";
 
 constexpr char kFooter[] = R"(
 Examples
@@ -27,6 +28,7 @@ Examples
   sprout-log rank run.lcm                                    where are the bad frames
   sprout-log diff run.lcm new.lcm --channels SPROUT_SEEDS    did my change change anything
   sprout-log cut run.lcm one.lcm --frames 40:50              the interesting frames
+  sprout-log compress run.lcm small.lcm                      the same in about half the bytes
   sprout-log images one.lcm pictures                         look at them
   sprout-log export --mcap one.mcap one.lcm                  show them to Foxglove, RViz, rerun
 
@@ -40,6 +42,8 @@ struct Commands {
   CutOptions cut;
   MergeOptions merge;
   RepairOptions repair;
+  CompressOptions compress;
+  ExpandOptions expand;
   ImagesOptions images;
   ExportOptions export_;
   std::string mcap;         // of export
@@ -154,6 +158,34 @@ void AddRepair(Flags& program, Commands& commands) {
   AddForce(flags, options.force);
 }
 
+void AddCompress(Flags& program, Commands& commands) {
+  Flags& flags = program.AddCommand(
+      "compress",
+      "Writes a log in fewer bytes: images lose nothing and take half, more or less. Every "
+      "program\nof Sprout reads it as the original; `sprout-log expand` gives that back to the "
+      "byte",
+      [&commands] { return RunCompress(commands.compress); });
+  CompressOptions& options = commands.compress;
+  flags.Add("IN", options.in, "Log").Required();
+  flags.Add("OUT", options.out, "New log").Required();
+  flags
+      .Add("--jpeg QUALITY", options.jpeg_quality,
+           "Left and right images as JPEG of this quality: a tenth of the bytes, but what is lost "
+           "does not come back, and replays differ")
+      .WithinWhole(1, 100);
+  AddForce(flags, options.force);
+}
+
+void AddExpand(Flags& program, Commands& commands) {
+  Flags& flags = program.AddCommand(
+      "expand", "Writes the log that was compressed, to the byte; for programs of others",
+      [&commands] { return RunExpand(commands.expand); });
+  ExpandOptions& options = commands.expand;
+  flags.Add("IN", options.in, "Log, compressed or recorded with --compress").Required();
+  flags.Add("OUT", options.out, "New log").Required();
+  AddForce(flags, options.force);
+}
+
 void AddImages(Flags& program, Commands& commands) {
   Flags& flags = program.AddCommand(
       "images",
@@ -257,6 +289,8 @@ int LogMain(int argc, const char* const* argv) {
   AddCut(flags, commands);
   AddMerge(flags, commands);
   AddRepair(flags, commands);
+  AddCompress(flags, commands);
+  AddExpand(flags, commands);
   AddImages(flags, commands);
   AddExport(flags, commands);
   AddRank(flags, commands);

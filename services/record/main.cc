@@ -30,12 +30,16 @@ struct Options {
   std::optional<std::string> trigger_channel;
   std::optional<double> trigger_confidence;
   std::optional<double> seconds;
+  bool compress = false;
+  std::optional<int> jpeg_quality;
 };
 
 constexpr char kDescription[] =
     "Records the running graph to LCM logs, record_NUMBER_DATE_TIME.lcm in a folder.\n"
     "\n"
     "  sprout-record --dir /data                                    everything, until Ctrl-C\n"
+    "  sprout-record --dir /data --compress                         the same in about half the\n"
+    "                                                               bytes\n"
     "  sprout-record --dir /data --quota-gb 50 --delete-oldest      the last 50 GB\n"
     "  sprout-record --dir /data --ring 20 --trigger-confidence 0.3 20 s before and 10 s after\n   "
     "                                                            low confidence\n"
@@ -85,6 +89,8 @@ RecordingOptions OptionsOf(const Options& options) {
   if (options.trigger_channel) RequireChannel("--trigger-channel", *options.trigger_channel);
   recording.trigger_channel = options.trigger_channel;
   recording.trigger_confidence = options.trigger_confidence;
+  recording.compress = options.compress || options.jpeg_quality;
+  recording.jpeg_quality = options.jpeg_quality;
   return recording;
 }
 
@@ -150,6 +156,15 @@ void AddFlags(Flags& flags, Options& options) {
       .SplitAtCommas()
       .Repeatable();
   flags.Add("--seconds SECONDS", options.seconds, "Stop after this many seconds").Within(0.1, 1e9);
+  flags.Add(
+      "--compress", options.compress,
+      "Images, maps, seeds and points in fewer bytes, without loss: about half. Every program "
+      "of Sprout reads the log; for others: sprout-log expand");
+  flags
+      .Add("--jpeg QUALITY", options.jpeg_quality,
+           "The same, with left and right images as JPEG of this quality: a tenth of their bytes, "
+           "but what is lost does not come back, and replays differ")
+      .WithinWhole(1, 100);
   flags.Add("--max-mb", options.max_mb, "Size of a log at which the next one begins, MB")
       .Within(0.1, 1e6)
       .ShowDefault();

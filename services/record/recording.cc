@@ -47,6 +47,7 @@ Recording::Recording(const ServiceContext& context, RecordingOptions options, St
       queue_(kMaxQueuedBytes),
       folder_(options_.folder, [this] { return StatusEvent(); }),
       recorder_(options_.ring, folder_) {
+  if (options_.compress) compressor_.emplace(options_.jpeg_quality);
   receiver_.emplace(
       context.lcm_url, prefix_, Subscriptions(options_),
       [this](std::string_view channel, std::span<const uint8_t> bytes) { Receive(channel, bytes); },
@@ -152,7 +153,17 @@ void Recording::Handle(QueuedEvent item) {
       item.event.channel == prefix_ + std::string(ChannelOf(Part::kConfidence))) {
     LookAtConfidence(item.event);
   }
-  if (item.kind == QueuedEvent::Kind::kMessage) recorder_.Add(std::move(item.event));
+  if (item.kind != QueuedEvent::Kind::kMessage) return;
+  if (compressor_) Compress(item.event);
+  recorder_.Add(std::move(item.event));
+}
+
+void Recording::Compress(RecordedEvent& event) {
+  std::optional<std::vector<uint8_t>> smaller = compressor_->Compress(event.channel, event.data);
+  if (!smaller) return;
+  uncompressed_bytes_ += std::ssize(event.data);
+  compressed_bytes_ += std::ssize(*smaller);
+  event.data = *std::move(smaller);
 }
 
 void Recording::PullTrigger(RecordedEvent::Clock::time_point now, const std::string& who) {
@@ -217,6 +228,11 @@ std::string Recording::Summary() const {
   if (const EventRing* ring = recorder_.ring()) {
     text += fmt::format("; {} triggers, {} messages did not fit into the ring", triggers_,
                         ring->not_fitted());
+  }
+  if (compressed_bytes_ > 0) {
+    text += fmt::format("; {:.1f} MB of messages became {:.1f} MB",
+                        static_cast<double>(uncompressed_bytes_) / 1e6,
+                        static_cast<double>(compressed_bytes_) / 1e6);
   }
   if (folder_.deleted() > 0) text += fmt::format("; {} older logs deleted", folder_.deleted());
   return text;

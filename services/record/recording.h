@@ -16,6 +16,7 @@
 #include "common/bus/receiver.h"
 #include "common/core/frame.h"
 #include "common/frames/sequence_gaps.h"
+#include "common/messages/compressor.h"
 #include "services/record/event_queue.h"
 #include "services/record/log_folder.h"
 #include "services/record/recorder.h"
@@ -28,6 +29,8 @@ struct RecordingOptions {
   std::optional<RingOptions> ring;
   std::optional<std::string> trigger_channel;  ///< without prefix; any message on it
   std::optional<double> trigger_confidence;    ///< a mean confidence (0 to 1) below it
+  bool compress = false;                       ///< see MessageCompressor
+  std::optional<int> jpeg_quality;             ///< of images, with `compress`
 };
 
 /// Records the running graph. One thread receives messages and never waits for the disk; another
@@ -76,6 +79,7 @@ class Recording {
   void Handle(QueuedEvent item);
   void PullTrigger(RecordedEvent::Clock::time_point now, const std::string& who);
   void LookAtConfidence(const RecordedEvent& event);
+  void Compress(RecordedEvent& event);
   void Fail(const std::string& reason);
 
   RecordingOptions options_;
@@ -86,6 +90,9 @@ class Recording {
   std::atomic<int64_t> dropped_ = 0;   // messages that did not fit into the queue
   int64_t triggers_ = 0;               // of the writing thread, as all below
   int64_t unwritten_ = 0;              // messages waiting when writing failed
+  std::optional<MessageCompressor> compressor_;
+  int64_t uncompressed_bytes_ = 0;  // of the messages that it made smaller
+  int64_t compressed_bytes_ = 0;
   std::atomic<bool> failed_ = false;
   EventQueue queue_;
   LogFolder folder_;

@@ -10,6 +10,7 @@
 #include <lcmtypes/sprout/header_t.hpp>
 #include <lcmtypes/sprout/image_t.hpp>
 #include <lcmtypes/sprout/motion_t.hpp>
+#include <lcmtypes/sprout/packed_t.hpp>
 #include <lcmtypes/sprout/point_cloud_t.hpp>
 #include <lcmtypes/sprout/prior_t.hpp>
 #include <lcmtypes/sprout/process_info_t.hpp>
@@ -53,6 +54,7 @@ TEST(Fingerprints, AreThoseOfTheReleasedTypes) {
   ExpectFingerprint<stage_status_t>(0x70764dd093aba24e);
   ExpectFingerprint<process_info_t>(0x2462780294b2d3dd);
   ExpectFingerprint<rig_change_t>(0x42f9f4c42038504d);
+  ExpectFingerprint<packed_t>(0xb7d4a327c5e60edf);
 }
 
 // lcm-gen gives these for libbot2's own bot_core_image_t.lcm, bot_core_image_metadata_t.lcm and

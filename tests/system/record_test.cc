@@ -10,6 +10,7 @@
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
+#include "common/messages/packed.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
 #include "tests/system/log_bytes.h"
@@ -90,6 +91,50 @@ TEST(RecordSystem, HasWhatEveryProcessIsAlthoughItBeginsLater) {
   EXPECT_THAT(processes["capture"].config_text, HasSubstr("source: \"synthetic:160x120\""));
   EXPECT_EQ(processes["refine"].config_digest, graph.statuses["refine"].config_digest);
   EXPECT_EQ(processes["refine"].version, graph.statuses["refine"].version);
+}
+
+TEST(RecordSystem, RecordsInFewerBytesWhenAsked) {
+  const TemporaryDirectory folder;
+  Graph graph;
+  graph.Start("refine");
+  graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "20"});
+  Process record({kRecord, "--dir", folder / "logs", "--seconds", "2", "--compress", "run"});
+  EXPECT_TRUE(record.Wait()) << record.Output();
+  EXPECT_THAT(record.Output(), HasSubstr("MB of messages became"));
+  const ChannelBytes channels = ReadChannels(folder / "logs/run.lcm");
+  EXPECT_GE(channels.at("SPROUT_LEFT").size(), 20U);
+  for (const auto& [channel, messages] : channels) {
+    for (const auto& bytes : messages) {
+      EXPECT_EQ(IsPacked(bytes),
+                channel == "SPROUT_LEFT" || channel == "SPROUT_RIGHT" || channel == "SPROUT_TOF");
+      if (!IsPacked(bytes)) continue;
+      const Result<std::vector<uint8_t>> message = Unpack(bytes);
+      ASSERT_TRUE(message) << message.error().text;
+      EXPECT_LT(bytes.size(), message->size()) << channel;
+    }
+  }
+}
+
+// Live, from a log, and as JPEG.
+TEST(RecordSystem, ReplaysACompressedLogToTheSameBytes) {
+  const TemporaryDirectory folder;
+  const auto run = [](std::vector<std::string> command) {
+    Process process(std::move(command));
+    EXPECT_EQ(process.Wait(std::chrono::seconds(120)), 0) << process.Output();
+  };
+  const std::string small = folder / "small.lcm";
+  const std::string jpeg = folder / "jpeg.lcm";
+  run({ProgramPath("sprout-log"), "compress", kSampleLog, small});
+  run({ProgramPath("sprout-log"), "compress", "--jpeg", "90", kSampleLog, jpeg});
+  EXPECT_LT(std::filesystem::file_size(small), std::filesystem::file_size(kSampleLog));
+  const auto replay = [&](const std::string& log, const char* name) {
+    run({ProgramPath("sprout-pipeline"), "--replay", log, "--record", folder / name});
+    return ReadChannels(folder / name);
+  };
+  const ChannelBytes expected = replay(kSampleLog, "answers.lcm");
+  EXPECT_TRUE(replay(small, "answers_small.lcm") == expected);
+  EXPECT_EQ(replay(jpeg, "answers_jpeg.lcm").at("SPROUT_DISPARITY").size(),
+            expected.at("SPROUT_DISPARITY").size());
 }
 
 TEST(RecordSystem, EndsWithASignalAndTakesAllChannelsOnDemand) {
