@@ -7,8 +7,11 @@
 
 namespace sprout {
 
+/// As many threads as anybody may ask for.
+inline constexpr int kMaxThreads = 1024;
+
 /// Sets the number of threads that the stages and OpenCV share. Results do not depend on it.
-/// @param count  0 = as many as there are cores.
+/// @param count  0 = as many as there are cores; at most kMaxThreads.
 void SetThreads(int count);
 
 /// Instruction sets for which growth and gap filling were built and that this CPU has, best first.

@@ -65,7 +65,7 @@ Service::Service(std::string stage, const std::string& description)
   flags_
       .Add("--threads", threads_,
            "Threads to compute with, 0 = one a core; results do not depend on it")
-      .WithinWhole(0, 1024)
+      .WithinWhole(0, kMaxThreads)
       .ShowDefault();
   flags_
       .Add("--simd best|" + fmt::format("{}", fmt::join(SimdLevels(), "|")), simd_,

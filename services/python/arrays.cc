@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/core/image.h"
+#include "services/python/gil.h"
 
 namespace sprout::python {
 namespace {
@@ -21,8 +22,8 @@ class ArrayOwner : public cv::MatAllocator {
   bool allocate(cv::UMatData*, cv::AccessFlag, cv::UMatUsageFlags) const override { return false; }
   void deallocate(cv::UMatData* data) const override {
     if (data == nullptr) return;
-    {
-      const py::gil_scoped_acquire gil;
+    if (!IsEnding()) {
+      const Locked gil;
       py::handle(static_cast<PyObject*>(data->userdata)).dec_ref();
     }
     delete data;
@@ -212,7 +213,7 @@ py::object ToArray(const DisparityImage& disparity) {
   if (disparity.empty()) return py::none();
   cv::Mat1f px;
   {
-    const py::gil_scoped_release free;
+    const Unlocked free;
     px = ToPx(disparity);
   }
   return ToArray(px);

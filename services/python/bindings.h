@@ -16,6 +16,7 @@
 #include "common/core/frame.h"
 #include "common/core/result.h"
 #include "services/datasets/dataset.h"
+#include "services/python/gil.h"
 
 namespace sprout::python {
 
@@ -93,7 +94,7 @@ class SignalCheck {
     const auto now = std::chrono::steady_clock::now();
     if (now < next_) return;
     next_ = now + kPeriod;
-    const py::gil_scoped_acquire gil;
+    const Locked gil;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   }
 

@@ -175,8 +175,9 @@ The value of a key, config["grow.sub_pixel"], or a part as a dict, config["grow"
       .def(
           "__repr__", [](const SproutConfig& config) { return Repr(config); },
           "__repr__(self) -> str")
-      .def(py::pickle([](const SproutConfig& config) { return py::str(ConfigText(config)); },
-                      [](const py::str& text) { return LoadConfig({text.cast<std::string>()}); }));
+      .def("__reduce__", [](const SproutConfig& config) {
+        return py::make_tuple(py::type::of<SproutConfig>(), py::make_tuple(ConfigText(config)));
+      });
 }
 
 }  // namespace sprout::python

@@ -11,7 +11,7 @@ class PyDataset {
   PyDataset(const std::string& source, const py::object& config) : source_(source) {
     SproutConfig whole = config.is_none() ? LoadConfig({}) : TakeConfig(config);
     whole.mutable_capture()->set_source(source);
-    const py::gil_scoped_release free;
+    const Unlocked free;
     dataset_ = datasets::OpenDataset(whole.capture());
   }
 
@@ -22,7 +22,7 @@ class PyDataset {
       throw py::index_error("frame " + std::to_string(number) + ": not in " + source_);
     }
     const Turn turn(taken_, "Dataset");
-    const py::gil_scoped_release free;
+    const Unlocked free;
     datasets::DatasetFrame got = dataset_->Get(at);
     PyFrame result;
     result.frame.id = {.utime = got.utime.value_or(0), .seq = at, .rig_id = RigId(dataset_->rig())};

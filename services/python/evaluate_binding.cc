@@ -32,7 +32,7 @@ Evaluation Evaluate(const py::object& disparity, const py::object& truth,
       optional(mask, [&] { return TakeBytes("mask", mask, map.size(), /*mask=*/true); });
   const cv::Mat1b trust =
       optional(confidence, [&] { return TakeBytes("confidence", confidence, map.size()); });
-  const py::gil_scoped_release free;
+  const Unlocked free;
   if (scored.empty()) scored = NonOccludedMask(left, right).value();
   Evaluation evaluation{Score(map, left, scored).value(), {}};
   if (!trust.empty()) evaluation.confidence = evaluate::Sparsify(map, left, scored, trust);

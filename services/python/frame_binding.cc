@@ -44,7 +44,7 @@ py::object Kept(cv::Mat1f& map, const Make& make) {
   if (map.empty()) {
     cv::Mat1f made;
     {
-      const py::gil_scoped_release free;
+      const Unlocked free;
       made = make();
     }
     map = made;
@@ -66,7 +66,7 @@ py::object DepthSigmaArray(const PyFrame& frame) {
   const Frame& parts = frame.frame;
   cv::Mat1f sigma_m;
   {
-    const py::gil_scoped_release free;
+    const Unlocked free;
     if (parts.disparity && parts.rig && parts.sigma.size() == parts.disparity->size()) {
       sigma_m = DepthSigmaMap(parts.rig->pair, *parts.disparity, parts.sigma);
     } else if (parts.depth_sigma) {
@@ -158,7 +158,7 @@ py::object Points(const PyFrame& frame, bool colors) {
   } else {
     RequireMap(frame, "points()");
     if (colors) RequireColours(frame, "points(colors=True)");
-    const py::gil_scoped_release free;
+    const Unlocked free;
     const DisparityImage& map = *MapOf(frame);
     const cv::Mat left = colors ? parts.left : cv::Mat(cv::Mat1b::zeros(map.size()));
     cloud = depth::CloudOf(map, parts.rig->pair, left, {}, {});
@@ -183,7 +183,7 @@ void WritePly(const PyFrame& frame, const fs::path& path, bool mesh) {
   RequireColours(frame, "write_ply()");
   Result<void> written;
   {
-    const py::gil_scoped_release free;
+    const Unlocked free;
     written =
         (mesh ? WriteMeshPly : WriteCloudPly)(path, parts.rig->pair, *MapOf(frame), parts.left);
   }

@@ -49,7 +49,7 @@ class Listener {
 
   PyFrame Next() {
     const Turn turn(taken_, "listen()");
-    const py::gil_scoped_release free;
+    const Unlocked free;
     SignalCheck check;
     const auto begun = Clock::now();
     while (true) {
@@ -59,7 +59,7 @@ class Listener {
       check();
       const double waited_s = std::chrono::duration<double>(Clock::now() - begun).count();
       if (timeout_s_ && waited_s > *timeout_s_) {
-        const py::gil_scoped_acquire gil;
+        const Locked gil;
         PyErr_SetString(PyExc_TimeoutError, "no frame within timeout_s; does the graph run?");
         throw py::error_already_set();
       }
@@ -106,7 +106,7 @@ std::unique_ptr<Listener> Listen(const py::object& parts, const std::string& pre
                           std::string(py::repr(parts)));
   }
   const std::string address = UrlOrDefault(url);
-  const py::gil_scoped_release free;
+  const Unlocked free;
   return std::make_unique<Listener>(set, prefix, address, timeout_s);
 }
 

@@ -62,7 +62,7 @@ class PyLog {
     const Turn turn(taken_, "Log");
     auto contents = std::make_unique<Contents>(prefix_);
     {
-      const py::gil_scoped_release free;
+      const Unlocked free;
       Read(*contents);
     }
     contents_ = std::move(contents);
@@ -79,7 +79,7 @@ class PyLog {
                             std::to_string(count));
     }
     const Turn turn(taken_, "Log");
-    const py::gil_scoped_release free;
+    const Unlocked free;
     return {.frame = FetchFrame(*fetcher_, contents_->index.At(static_cast<size_t>(at)), AllParts(),
                                 refused_)};
   }
@@ -166,7 +166,7 @@ class PyLogFrames {
 
  private:
   std::optional<Frame> NextRead() {
-    const py::gil_scoped_release free;
+    const Unlocked free;
     SignalCheck check;
     return frames_->Next([&](int64_t) { check(); });
   }
@@ -174,7 +174,7 @@ class PyLogFrames {
   std::optional<Frame> NextIndexed() {
     const FrameIndex& index = log_.Look().index;
     if (next_ >= std::ssize(index.frames())) return std::nullopt;
-    const py::gil_scoped_release free;
+    const Unlocked free;
     return FetchFrame(*fetcher_, index.At(static_cast<size_t>(next_++)), parts_, refused_);
   }
 

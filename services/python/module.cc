@@ -6,6 +6,7 @@
 #include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
 #include "services/python/bindings.h"
+#include "services/python/new_object.h"
 
 namespace {
 
@@ -22,8 +23,9 @@ void TranslateErrors(std::exception_ptr error) {
 }
 
 void SetThreads(int count) {
-  if (count < 0) {
-    throw pybind11::value_error("count: expected 0 or more, given " + std::to_string(count));
+  if (count < 0 || count > sprout::kMaxThreads) {
+    throw pybind11::value_error("count: expected 0 to " + std::to_string(sprout::kMaxThreads) +
+                                ", given " + std::to_string(count));
   }
   sprout::SetThreads(count);
 }
@@ -53,5 +55,7 @@ PYBIND11_MODULE(_sprout, module) {
   module.def("set_threads", &SetThreads, pybind11::arg("count"),
              R"(set_threads(count: int) -> None
 
-Threads that a computation may use, for the whole process; 0: one a core. Results do not depend on it.)");
+Threads that a computation may use, for the whole process; 0: one a core; at most 1024. Results do not depend on it.)");
+  python::RefuseNew(module);
+  python::WatchForTheEnd();
 }

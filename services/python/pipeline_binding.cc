@@ -86,7 +86,7 @@ class PyPipeline {
     const Turn turn(taken_, "Pipeline");
     Result<DepthFrame> depth;
     {
-      const py::gil_scoped_release free;
+      const Unlocked free;
       depth = pipeline_.Compute(frame.left, frame.right, *frame.tof, *frame.rig, time,
                                 frame.tof_zones.value_or(TofZones()));
     }

@@ -133,6 +133,12 @@ py::object FromDict(const char* type, const py::dict& dict) {
   }
 }
 
+// What a pickle calls to make the object again.
+py::tuple ReduceTo(const char* type, const py::dict& dict) {
+  return py::make_tuple(py::module_::import("sprout._sprout").attr(type).attr("from_dict"),
+                        py::make_tuple(dict));
+}
+
 std::string Repr(const TofCamera& tof) {
   std::string text;
   for (const auto& [key, value] : DictOf(tof)) {
@@ -181,7 +187,7 @@ py::tuple Rectify(const Rectifier& rectifier, const py::object& left, const py::
   cv::Mat rectified_left;
   cv::Mat rectified_right;
   {
-    const py::gil_scoped_release free;
+    const Unlocked free;
     rectified_left = rectifier.RectifyLeft(raw_left);
     rectified_right = rectifier.RectifyRight(raw_right);
     if (!ranges.depth_m.empty()) rectifier.CorrectRanges(ranges);
@@ -231,9 +237,7 @@ point_in_left = rotation * point_in_tof + translation_m (m; x right, y down, z f
           py::arg("dict"), "from_dict(dict: Dict[str, Any]) -> TofCamera")
       .def(
           "__repr__", [](const TofCamera& tof) { return Repr(tof); }, "__repr__(self) -> str")
-      .def(py::pickle(
-          [](const TofCamera& tof) { return DictOf(tof); },
-          [](const py::dict& dict) { return FromDict("TofCamera", dict).cast<TofCamera>(); }));
+      .def("__reduce__", [](const TofCamera& tof) { return ReduceTo("TofCamera", DictOf(tof)); });
 }
 
 void BindRectifier(py::module_& module) {
@@ -376,8 +380,7 @@ The same pair with a range camera that shows what the left one shows, at this re
           "__hash__(self) -> int")
       .def(
           "__repr__", [](const Rig& rig) { return Repr(rig); }, "__repr__(self) -> str")
-      .def(py::pickle([](const Rig& rig) { return DictOf(rig); },
-                      [](const py::dict& dict) { return FromDict("Rig", dict).cast<Rig>(); }));
+      .def("__reduce__", [](const Rig& rig) { return ReduceTo("Rig", DictOf(rig)); });
   BindRectifier(module);
 }
 

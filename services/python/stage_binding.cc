@@ -1,8 +1,11 @@
 #include <pybind11/stl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <memory>
+#include <optional>
 
 #include "common/app/log.h"
 #include "common/app/run_stage.h"
@@ -65,20 +68,24 @@ PartValue EmptyValue(Part part, cv::Size size) {
 // the interpreter's lock.
 class PyStage : public StageAdapter {
  public:
-  PyStage(const std::string& stage, const SproutConfig& config, PartSet inputs, py::object function)
+  // @param ending  gets what ended the program in place of an answer.
+  PyStage(const std::string& stage, const SproutConfig& config, PartSet inputs, py::object function,
+          std::optional<py::error_already_set>& ending)
       : stage_(stage),
         inputs_(inputs),
         outputs_(OutputsOf(stage, config)),
         config_(config),
-        function_(std::move(function)) {}
+        function_(std::move(function)),
+        ending_(ending) {}
 
   PartSet Inputs() const override { return inputs_; }
 
   StageResult Process(const Frame& frame) override {
-    const py::gil_scoped_acquire gil;
+    const Locked gil;
     try {
       return Answer(frame);
     } catch (const py::error_already_set& error) {  // must not outlive the lock
+      if (!error.matches(PyExc_Exception)) EndProgram(error);
       throw std::runtime_error(error.what());
     } catch (const py::builtin_exception& error) {
       throw std::runtime_error(error.what());
@@ -86,6 +93,14 @@ class PyStage : public StageAdapter {
   }
 
  private:
+  // SystemExit and the like are no errors of a frame: the program is asked to end, as by a signal,
+  // and Run() raises them again.
+  void EndProgram(const py::error_already_set& error) {
+    if (ending_) return;
+    ending_.emplace(error);
+    kill(getpid(), SIGTERM);
+  }
+
   StageResult Answer(const Frame& frame) {
     const py::object given = function_(PyFrame{.frame = frame}, config_);
     const cv::Size size = frame.left.size();
@@ -152,6 +167,7 @@ class PyStage : public StageAdapter {
   SproutConfig config_;
   py::object function_;
   PartSet warned_;
+  std::optional<py::error_already_set>& ending_;
 };
 
 int Run(const std::string& stage, const py::object& function, const py::object& inputs,
@@ -164,14 +180,21 @@ int Run(const std::string& stage, const py::object& function, const py::object& 
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  const py::gil_scoped_release free;
-  return RunStage(static_cast<int>(arguments.size()), argv.data(), stage, description,
-                  [&](const SproutConfig& config) -> std::unique_ptr<StageAdapter> {
-                    PartSet needed = chosen.value_or(InputsOf(stage, config));
-                    needed.Add(Part::kLeft);  // an answer has its size
-                    const py::gil_scoped_acquire gil;
-                    return std::make_unique<PyStage>(stage, config, needed, function);
-                  });
+  std::optional<py::error_already_set> ending;
+  const auto make_stage = [&](const SproutConfig& config) -> std::unique_ptr<StageAdapter> {
+    PartSet needed = chosen.value_or(InputsOf(stage, config));
+    needed.Add(Part::kLeft);  // an answer has its size
+    const Locked gil;
+    return std::make_unique<PyStage>(stage, config, needed, function, ending);
+  };
+  int exit_code = 0;
+  {
+    const Unlocked free;
+    exit_code =
+        RunStage(static_cast<int>(arguments.size()), argv.data(), stage, description, make_stage);
+  }
+  if (ending) throw py::error_already_set(*ending);
+  return exit_code;
 }
 
 }  // namespace

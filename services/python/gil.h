@@ -1,0 +1,45 @@
+#ifndef SPROUT_SERVICES_PYTHON_GIL_H_
+#define SPROUT_SERVICES_PYTHON_GIL_H_
+
+#include <pybind11/pybind11.h>
+
+namespace sprout::python {
+
+// The interpreter's lock, given back and taken. While the interpreter ends, Python ends every other
+// thread that takes it, by an unwinding that C++ answers with abort() in any destructor. So nobody
+// takes the lock then: daemon threads stand still until the process is gone, as they do in Python
+// 3.14 and later. Used everywhere in place of pybind11's gil_scoped_release and gil_scoped_acquire.
+
+/// Without the lock while it lives, for long work. Created with the lock.
+class Unlocked {
+ public:
+  Unlocked();
+  ~Unlocked();
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+ private:
+  PyThreadState* state_;
+};
+
+/// With the lock while it lives, in any thread, whether or not it has it already.
+class Locked {
+ public:
+  Locked();
+  ~Locked();
+  Locked(const Locked&) = delete;
+  Locked& operator=(const Locked&) = delete;
+
+ private:
+  PyGILState_STATE state_;
+};
+
+/// Whether the interpreter ends: what would need the lock is left undone.
+bool IsEnding();
+
+/// Lets threads stand still from the time the interpreter ends. Called once, by the module.
+void WatchForTheEnd();
+
+}  // namespace sprout::python
+
+#endif  // SPROUT_SERVICES_PYTHON_GIL_H_
