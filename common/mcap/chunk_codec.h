@@ -33,6 +33,8 @@ class ChunkPacker {
 
 /// A chunk that is larger than this, bytes, is not unpacked.
 inline constexpr uint64_t kMaxMcapChunkBytes = uint64_t{1} << 30;
+/// A record that is larger than this, bytes, is not read: a chunk that compression made larger.
+inline constexpr uint64_t kMaxMcapRecordBytes = kMaxMcapChunkBytes + (uint64_t{1} << 24);
 
 /// The records of a chunk: `size` bytes, of which memory is taken only as they come out.
 /// @param compression  as in the file.

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "common/core/input_files.h"
 #include "common/mcap/chunk_codec.h"
 #include "common/mcap/mcap_parts.h"
 #include "common/mcap/unpacked_file.h"
@@ -18,6 +19,21 @@ constexpr uint64_t kStretchBytes = uint64_t{1} << 20;
 
 // Of a message: channel, sequence, log time and publish time. A chunk begins with its first time.
 constexpr size_t kMessageHead = 22;
+
+// Whether a record is looked at; all others are skipped by their length.
+bool IsOfUse(McapOpcode opcode) {
+  switch (opcode) {
+    case McapOpcode::kHeader:
+    case McapOpcode::kSchema:
+    case McapOpcode::kChannel:
+    case McapOpcode::kMessage:
+    case McapOpcode::kChunk:
+    case McapOpcode::kMetadata:
+      return true;
+    default:
+      return false;
+  }
+}
 
 bool IsMessage(const McapStretch& stretch, uint64_t end) {
   return !stretch.is_chunk && stretch.offset + stretch.size == end && stretch.size < kStretchBytes;
@@ -51,6 +67,7 @@ McapFile::McapFile(const fs::path& path, std::string name, McapTrouble& trouble)
     : name_(std::move(name)), trouble_(&trouble) {
   std::error_code failed;
   if (!fs::is_regular_file(path, failed)) throw McapError(path.string() + ": cannot be opened");
+  NoteInputFile(path);
   file_.open(path, std::ios::binary);
   size_ = fs::file_size(path, failed);
   if (!file_ || failed) throw McapError(path.string() + ": cannot be opened");
@@ -114,6 +131,11 @@ void McapFile::Walk() {
     if (!ReadHead(offset, head)) {
       return Tell(offset, "the file ends within a record, " + std::to_string(size_ - offset) +
                               " bytes lost");
+    }
+    if (IsOfUse(head.opcode) && head.size > kMaxMcapRecordBytes) {
+      Tell(offset, "a record of " + std::to_string(head.size) + " bytes: allowed are up to " +
+                       std::to_string(kMaxMcapRecordBytes));
+      continue;
     }
     switch (head.opcode) {
       case McapOpcode::kMessage:

@@ -27,6 +27,7 @@ enum class McapOpcode : uint8_t {
   kChunk = 0x06,
   kMessageIndex = 0x07,
   kChunkIndex = 0x08,
+  kAttachment = 0x09,
   kStatistics = 0x0B,
   kMetadata = 0x0C,
   kMetadataIndex = 0x0D,

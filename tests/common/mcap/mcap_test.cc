@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include <fstream>
 #include <random>
@@ -199,6 +200,46 @@ TEST(Mcap, TakesNoMemoryForAChunkThatCannotBe) {
   EXPECT_THAT(UnpackChunk("lz4", packed, kMaxMcapChunkBytes).error().text, HasSubstr("unpacked"));
   EXPECT_THAT(UnpackChunk("brotli", packed, 1).error().text,
               HasSubstr("'brotli': allowed are zstd, lz4 and none"));
+}
+
+// Of the process so far, bytes.
+int64_t PeakMemory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return int64_t{usage.ru_maxrss} << 10;
+}
+
+// Behind the first record of the file one more, all of zeros; they take no room on the disk.
+void InsertRecord(const std::filesystem::path& path, const Bytes& file, uint8_t opcode,
+                  uint64_t size) {
+  const auto begin = static_cast<std::ptrdiff_t>(Borders(file)[1].second);
+  std::ofstream out(path, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(file.data()), begin);
+  out.put(static_cast<char>(opcode));
+  out.write(reinterpret_cast<const char*>(&size), sizeof size);
+  out.seekp(static_cast<std::streamoff>(size), std::ios::cur);
+  out.write(reinterpret_cast<const char*>(file.data()) + begin, std::ssize(file) - begin);
+  ASSERT_TRUE(out.flush());
+}
+
+TEST(Mcap, SkipsAttachmentsAndWhatItDoesNotKnowByTheirLength) {
+  constexpr uint64_t kBytes = uint64_t{3} << 30;
+  constexpr int64_t kLittle = int64_t{100} << 20;
+  const TemporaryDirectory folder;
+  const Bytes file = MakeMcap(folder, McapCompression::kZstd);
+  const int64_t before = PeakMemory();
+  for (const uint8_t opcode : {0x00, 0x08, 0x09, 0x0A, 0x0D, 0x10, 0x80, 0xFF}) {
+    InsertRecord(folder / "long", file, opcode, kBytes);
+    const Content content = ReadMcap(folder / "long");
+    EXPECT_EQ(content.messages.size(), 120U) << int{opcode};
+    EXPECT_THAT(content.trouble, IsEmpty()) << int{opcode};
+  }
+  // Messages of this size are none.
+  InsertRecord(folder / "long", file, 0x05, kBytes);
+  const Content content = ReadMcap(folder / "long");
+  EXPECT_EQ(content.messages.size(), 120U);
+  EXPECT_THAT(content.trouble, ElementsAre(HasSubstr("a record of 3221225472 bytes: allowed")));
+  EXPECT_LT(PeakMemory() - before, kLittle);
 }
 
 TEST(Mcap, IsRefusedWhenItIsNone) {
