@@ -5,10 +5,13 @@
 
 namespace sprout {
 
-FrameAssembler::FrameAssembler(PartSet needed, StageMonitor& monitor, size_t max_pending)
-    : monitor_(monitor), needed_(needed), joiner_(needed, max_pending) {
+FrameAssembler::FrameAssembler(PartSet needed, StageMonitor& monitor, size_t max_pending,
+                               PartSet optional)
+    : monitor_(monitor),
+      needed_(needed),
+      joiner_(needed, max_pending, FrameJoiner::kDefaultMaxBytes, optional) {
   for (const Part part : kAllParts) {
-    if (needed.Has(part)) channels_.push_back(ChannelOf(part));
+    if (needed_.Has(part)) channels_.push_back(ChannelOf(part));
   }
 }
 
@@ -28,9 +31,10 @@ std::vector<Frame> FrameAssembler::Add(std::string_view channel, std::span<const
   return {};
 }
 
-void FrameAssembler::Finish() {
-  joiner_.DropPending();
+std::vector<Frame> FrameAssembler::Finish() {
+  std::vector<Frame> last = joiner_.DropPending();
   monitor_.SetJoinerCounts(joiner_.incomplete(), joiner_.sequence_gaps());
+  return last;
 }
 
 }  // namespace sprout

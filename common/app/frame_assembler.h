@@ -16,9 +16,9 @@ namespace sprout {
 /// dropped. Not thread-safe.
 class FrameAssembler {
  public:
-  /// @param max_pending  as in FrameJoiner.
+  /// @param max_pending, optional  as in FrameJoiner.
   FrameAssembler(PartSet needed, StageMonitor& monitor,
-                 size_t max_pending = FrameJoiner::kDefaultMaxPending);
+                 size_t max_pending = FrameJoiner::kDefaultMaxPending, PartSet optional = {});
 
   /// Channels that carry the needed parts, without prefix.
   const std::vector<std::string_view>& channels() const { return channels_; }
@@ -28,7 +28,8 @@ class FrameAssembler {
   std::vector<Frame> Add(std::string_view channel, std::span<const uint8_t> bytes);
 
   /// The end of the messages: unfinished frames are counted as incomplete.
-  void Finish();
+  /// @returns those that lack optional parts alone.
+  std::vector<Frame> Finish();
 
  private:
   StageMonitor& monitor_;

@@ -109,7 +109,8 @@ std::string CountsText(const StageStatus& status) {
 void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<StageMonitor> steps) {
   const DisparityEncoding encoding = EncodingOf(context.config.bus());
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
-  FrameAssembler assembler(adapter.Inputs(), monitor);
+  FrameAssembler assembler(adapter.Inputs(), monitor, FrameJoiner::kDefaultMaxPending,
+                           adapter.OptionalInputs());
   Mailbox<Arrival> mailbox;
   Publisher publisher(context.lcm_url, context.prefix);
   DuplicateWatch duplicates(monitor);

@@ -83,7 +83,7 @@ class Replay {
         adapter_(adapter),
         encoding_(EncodingOf(context.config.bus())),
         monitor_(context.stage, Digest(ConfigText(context.config))),
-        assembler_(adapter.Inputs(), monitor_, kReplayMaxPending),
+        assembler_(adapter.Inputs(), monitor_, kReplayMaxPending, adapter.OptionalInputs()),
         needed_(WithWarmUp(options.frames, adapter.WarmUpFrames())),
         input_(OpenInput(options.logs, context.prefix, adapter.Inputs())),
         recording_(OpenRecording(options.record)),
@@ -96,7 +96,7 @@ class Replay {
       Take(event);
       ShowProgress();
     }
-    assembler_.Finish();
+    AnswerAll(assembler_.Finish(), last_utime_);
     progress_.Clear();
     const bool stopped = context_.stop.stop_requested();
     if (!stopped) RequireFrames();
@@ -133,19 +133,25 @@ class Replay {
     const std::string_view channel = event.channel.substr(context_.prefix.size());
     if (channel == kProcessChannel) return CompareWithRecorded(event.data);
     if (!IsWanted(channel, event.data)) return;
-    for (const Frame& frame : assembler_.Add(channel, event.data)) {
+    last_utime_ = event.utime;
+    AnswerAll(assembler_.Add(channel, event.data), event.utime);
+  }
+
+  // @param utime  of the event that completed the frames.
+  void AnswerAll(const std::vector<Frame>& frames, int64_t utime) {
+    for (const Frame& frame : frames) {
       if (!options_.frames.Has(frame.id.seq)) {
         ++warm_up_frames_;
         MakeAnswer(frame, adapter_, encoding_, monitor_);
         continue;
       }
-      WriteInfoOnce(event.utime);
+      WriteInfoOnce(utime);
       const auto arrived = Clock::now();
       monitor_.FrameIn(/*skipped=*/false);
       const std::optional<Answer> answer = MakeAnswer(frame, adapter_, encoding_, monitor_);
       if (!answer) continue;
       for (const Answer::Message& message : answer->messages) {
-        recording_->Write(event.utime, LoggedChannel(message.channel), message.bytes);
+        recording_->Write(utime, LoggedChannel(message.channel), message.bytes);
       }
       monitor_.FrameOut(frame.id, arrived, answer->degenerate, answer->tof_coverage);
     }
@@ -236,6 +242,7 @@ class Replay {
   std::unique_ptr<LogWriter> recording_;
   Progress progress_;
   bool info_written_ = false;
+  int64_t last_utime_ = 0;          // of a message that a frame may need
   std::optional<FrameRange> seen_;  // from the smallest to the largest seq in the logs
   std::set<std::string> compared_;  // recorded configurations of this stage
   Clock::time_point started_ = Clock::now();

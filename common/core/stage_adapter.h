@@ -42,10 +42,14 @@ class StageAdapter {
   /// Parts that Process() needs.
   virtual PartSet Inputs() const = 0;
 
-  /// Answers one frame that has all Inputs(). Frames come one at a time, in any order of seq, and
-  /// the same frame may come twice; the answer depends on the frame only. A stage with memory
-  /// (temporal) answers by all frames since it was made, and says so; the newest one again gets the
-  /// same answer again.
+  /// Of Inputs(), those without which a frame is answered, too: it waits for them no longer than
+  /// until the next frame has all others.
+  virtual PartSet OptionalInputs() const { return {}; }
+
+  /// Answers one frame that has all Inputs(), but maybe optional ones. Frames come one at a time,
+  /// in any order of seq, and the same frame may come twice; the answer depends on the frame only.
+  /// A stage with memory (temporal) answers by all frames since it was made, and says so; the
+  /// newest one again gets the same answer again.
   virtual StageResult Process(const Frame& frame) = 0;
 
   /// Of a stage with memory: frames that it should see before the first one whose answer is wanted.

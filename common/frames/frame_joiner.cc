@@ -16,8 +16,8 @@ constexpr size_t kMaxAccounted = 64;
 
 }  // namespace
 
-FrameJoiner::FrameJoiner(PartSet needed, size_t max_pending, size_t max_bytes)
-    : needed_(needed), max_pending_(max_pending), max_bytes_(max_bytes) {
+FrameJoiner::FrameJoiner(PartSet needed, size_t max_pending, size_t max_bytes, PartSet optional)
+    : needed_(needed), optional_(optional), max_pending_(max_pending), max_bytes_(max_bytes) {
   assert(needed != PartSet{} && needed != PartSet{Part::kRig} && max_pending > 0);
 }
 
@@ -31,7 +31,7 @@ std::vector<Frame> FrameJoiner::Add(const FrameId& id, Part part, PartValue valu
     SetPart(pending.frame, part, std::move(value));
     pending.present.Add(part);
   }
-  std::vector<Frame> complete = TakeComplete();
+  std::vector<Frame> complete = TakeFirst(CountReady());
   KeepWithinBudget();
   return complete;
 }
@@ -93,10 +93,7 @@ void FrameJoiner::Drop(const Pending& pending) {
   Account(pending.frame.id);
 }
 
-void FrameJoiner::DropPending() {
-  for (const Pending& pending : pending_) Drop(pending);
-  pending_.clear();
-}
+std::vector<Frame> FrameJoiner::DropPending() { return TakeFirst(pending_.size()); }
 
 bool FrameJoiner::IsAccountedFor(const FrameId& id) const {
   return std::find(accounted_.begin(), accounted_.end(), id) != accounted_.end();
@@ -114,28 +111,50 @@ std::optional<Rig> FrameJoiner::FindRig(const std::string& rig_id) const {
   return std::nullopt;
 }
 
+bool FrameJoiner::Has(const Pending& pending, Part part) const {
+  return part == Part::kRig ? FindRig(pending.frame.id.rig_id).has_value()
+                            : pending.present.Has(part);
+}
+
 bool FrameJoiner::IsComplete(const Pending& pending) const {
-  return std::all_of(std::begin(kAllParts), std::end(kAllParts), [&](Part part) {
-    if (!needed_.Has(part)) return true;
-    return part == Part::kRig ? FindRig(pending.frame.id.rig_id).has_value()
-                              : pending.present.Has(part);
+  return std::ranges::all_of(kAllParts,
+                             [&](Part part) { return !needed_.Has(part) || Has(pending, part); });
+}
+
+bool FrameJoiner::LacksOptionalOnly(const Pending& pending) const {
+  return std::ranges::all_of(kAllParts, [&](Part part) {
+    return !needed_.Has(part) || optional_.Has(part) || Has(pending, part);
   });
 }
 
-std::vector<Frame> FrameJoiner::TakeComplete() {
-  std::vector<Frame> complete;
-  size_t hopeless = 0;  // every pending frame before this one
+// Frames up to the last one that waits for nothing.
+size_t FrameJoiner::CountReady() const {
+  size_t ready = 0;
+  size_t last_usable = pending_.size();
   for (size_t i = 0; i < pending_.size(); ++i) {
-    if (!IsComplete(pending_[i])) continue;
-    for (; hopeless < i; ++hopeless) Drop(pending_[hopeless]);
-    hopeless = i + 1;
+    if (!LacksOptionalOnly(pending_[i])) continue;
+    if (last_usable < i) ready = last_usable + 1;
+    if (IsComplete(pending_[i])) ready = i + 1;
+    last_usable = i;
+  }
+  return ready;
+}
+
+// Takes the usable ones of them; the others cannot be completed any more.
+std::vector<Frame> FrameJoiner::TakeFirst(size_t count) {
+  std::vector<Frame> usable;
+  for (size_t i = 0; i < count; ++i) {
+    if (!LacksOptionalOnly(pending_[i])) {
+      Drop(pending_[i]);
+      continue;
+    }
     Frame& frame = pending_[i].frame;
     if (needed_.Has(Part::kRig)) frame.rig = FindRig(frame.id.rig_id);
     Account(frame.id);
-    complete.push_back(std::move(frame));
+    usable.push_back(std::move(frame));
   }
-  pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(hopeless));
-  return complete;
+  pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(count));
+  return usable;
 }
 
 }  // namespace sprout

@@ -36,8 +36,10 @@ class FrameJoiner {
   ///                     stages; a complete frame of 2 MP in colour takes 8 MB.
   /// @param max_bytes    memory that unfinished frames may keep; beyond it the oldest is dropped
   ///                     and counted.
+  /// @param optional     of `needed`: a frame without these is complete, too, once a later one has
+  ///                     all others.
   explicit FrameJoiner(PartSet needed, size_t max_pending = kDefaultMaxPending,
-                       size_t max_bytes = kDefaultMaxBytes);
+                       size_t max_bytes = kDefaultMaxBytes, PartSet optional = {});
 
   /// Adds one part; replaces an earlier one.
   /// @returns the frames that are complete now, oldest first: none or one, and more only when a
@@ -57,7 +59,8 @@ class FrameJoiner {
   bool IsPending(const FrameId& id) const;
 
   /// The end of the stream: drops and counts unfinished frames.
-  void DropPending();
+  /// @returns those that lack optional parts alone.
+  std::vector<Frame> DropPending();
 
   /// Frames dropped because a part was missing.
   int64_t incomplete() const { return incomplete_; }
@@ -79,10 +82,14 @@ class FrameJoiner {
   bool IsAccountedFor(const FrameId& id) const;
   void Account(const FrameId& id);
   std::optional<Rig> FindRig(const std::string& rig_id) const;
+  bool Has(const Pending& pending, Part part) const;
   bool IsComplete(const Pending& pending) const;
-  std::vector<Frame> TakeComplete();
+  bool LacksOptionalOnly(const Pending& pending) const;
+  size_t CountReady() const;
+  std::vector<Frame> TakeFirst(size_t count);
 
   PartSet needed_;
+  PartSet optional_;
   size_t max_pending_;
   size_t max_bytes_;
   std::deque<Pending> pending_;                   // in order of arrival

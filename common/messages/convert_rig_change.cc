@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 #include <string>
 
 #include "common/core/checks.h"
@@ -27,6 +29,38 @@ void CheckTurn(Checks& checks, const std::string& name, const SeenTurn& seen) {
     checks.Finite((name + "_turn").c_str(), seen.turn[i]);
     CheckDeviation(checks, name + "_sigma", seen.sigma[i]);
   }
+}
+
+// What is said must follow from what is seen.
+void CheckNumber(Checks& checks, const std::string& field, double number, double sigma) {
+  constexpr int kSigmas = 3;
+  constexpr double kRounding = 1e-6;
+  if (sigma == kNotShown) {
+    checks.Require(number == 0, field.c_str(), number, "0, as its sigma is -1 (not shown)");
+  } else {
+    std::ostringstream allowed;
+    allowed << "0, or " << kSigmas << " times its sigma (" << sigma << ") or more";
+    checks.Require(number == 0 || std::abs(number) >= kSigmas * sigma * (1 - kRounding),
+                   field.c_str(), number, allowed.str());
+  }
+}
+
+void CheckNumbers(Checks& checks, const RigChange& change) {
+  bool is_change = false;
+  bool needs_tof = change.range_offset_m != 0;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    CheckNumber(checks, "right_turn", change.right.turn[i], change.right.sigma[i]);
+    CheckNumber(checks, "tof_turn", change.tof.turn[i], change.tof.sigma[i]);
+    is_change = is_change || change.right.turn[i] != 0;
+    needs_tof = needs_tof || change.tof.turn[i] != 0;
+  }
+  CheckNumber(checks, "range_offset_m", change.range_offset_m, change.range_sigma_m);
+  is_change = is_change || needs_tof;
+  checks.Require(!is_change || change.matches > 0, "matches", change.matches, "1 or more")
+      .Require(!needs_tof || change.tof_matches > 0, "tof_matches", change.tof_matches,
+               "1 or more for a change of the ToF camera")
+      .Require(is_change || change.verdict != RigChange::Verdict::kWrong, "verdict",
+               static_cast<int>(change.verdict), "WRONG only with a change");
 }
 
 }  // namespace
@@ -85,6 +119,8 @@ Result<RigChange> FromMessage(const rig_change_t& message) {
   CheckTurn(checks, "tof", change.tof);
   if (!checks.ok()) return checks.error();
   change.verdict = static_cast<RigChange::Verdict>(message.verdict);
+  if (change.verdict != RigChange::Verdict::kUnseen) CheckNumbers(checks, change);
+  if (!checks.ok()) return checks.error();
   return change;
 }
 

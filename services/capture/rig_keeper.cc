@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <numbers>
 #include <utility>
 
 #include "common/app/output_paths.h"
@@ -14,6 +15,27 @@ namespace {
 // Of a calibration with a change: unlike RigId() also another one when only the ranges change.
 std::string ChangedRigId(const RigDescription& file) {
   return Digest(ConfigText(file.calibration()));
+}
+
+std::string TurnText(const char* what, const SeenTurn& seen) {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  if (seen.turn.isZero(0)) return "";
+  const Eigen::Vector3d turn = kDegrees * seen.turn;
+  return fmt::format("{}pitch {:+.3f}°, yaw {:+.3f}°, roll {:+.3f}°", what, turn[0], turn[1],
+                     turn[2]);
+}
+
+// "right camera pitch +0.230°, yaw +0.000°, roll +0.000°; ranges +12.0 mm"
+std::string TextOf(const RigChange& change) {
+  std::string text = TurnText("right camera ", change.right);
+  const auto add = [&](const std::string& more) {
+    if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
+  };
+  add(TurnText("ToF camera ", change.tof));
+  if (change.range_offset_m != 0) {
+    add(fmt::format("ranges {:+.1f} mm", 1000 * change.range_offset_m));
+  }
+  return text;
 }
 
 RawRig BoardOf(const CurrentRig& rig) {
@@ -53,6 +75,9 @@ RigKeeper::Outcome RigKeeper::Consider(const RigChange& change, Clock::time_poin
   if (!usable) return {.text = "the calibration is not changed: " + usable.error().text};
 
   const RigDescription file = Changed(changed);
+  if (ConfigText(file.calibration()) == ConfigText(current_->file().calibration())) {
+    return {.text = "the calibration is not changed: the change is 0"};
+  }
   const std::string rig_id = ChangedRigId(file);
   const std::filesystem::path path = FileOf(rig_id);
   if (const Result<void> saved = SaveRigFile(path, file); !saved) {
@@ -62,8 +87,8 @@ RigKeeper::Outcome RigKeeper::Consider(const RigChange& change, Clock::time_poin
   next_ = now + std::chrono::duration_cast<Clock::duration>(
                     std::chrono::duration<double>(config_.pause_s()));
   return {.used = true,
-          .text = fmt::format("the calibration was put right: {} instead of {}, in {}", rig_id,
-                              used->rig_id, path.string())};
+          .text = fmt::format("the calibration was put right by {}: {} instead of {}, in {}",
+                              TextOf(change), rig_id, used->rig_id, path.string())};
 }
 
 RigDescription RigKeeper::Changed(const RawRig& rig) const {

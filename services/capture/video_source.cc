@@ -11,6 +11,7 @@
 
 #include "common/config/config_error.h"
 #include "common/core/image.h"
+#include "common/core/input_files.h"
 #include "common/core/number_text.h"
 #include "common/core/sleep.h"
 #include "services/capture/image_list.h"
@@ -82,6 +83,7 @@ class VideoPictures : public Pictures {
 
  private:
   bool OpenPlace() {
+    NoteInputFile(place_);
     if (const std::optional<int> number = ParseNumber<int>(place_)) {
       return video_.open(*number, cv::CAP_V4L2);
     }

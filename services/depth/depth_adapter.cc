@@ -75,6 +75,10 @@ StageResult DepthAdapter::Process(const Frame& frame) {
   const RectifiedPair& pair = frame.rig->pair;
   result.degenerate = RigComplaint(options_, pair);
   const bool is_placed = result.degenerate.empty();
+  if (is_placed && filter_.RegionIsOutside(pair.size())) {
+    result.degenerate = "nothing is left: depth.region lies outside the image of " +
+                        SizeText(pair.size()) + "; allowed is one of which some pixel is inside";
+  }
   if (!is_placed && options_.filter.box) return result;
   Seen seen{*(frame.*input.map), pair, frame.left, frame.*input.confidence, frame.sigma};
   if (!filter_.IsOff()) {

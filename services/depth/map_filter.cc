@@ -69,13 +69,22 @@ bool MapFilter::IsOff() const {
          rules_.min_confidence == 0 && !rules_.remove_flying;
 }
 
+void MapFilter::DrawRegion(cv::Size size) {
+  if (rules_.region.empty() || inside_.size() == size) return;
+  inside_ = MaskOf(rules_.region, size);
+  is_outside_ = cv::countNonZero(inside_) == 0;
+}
+
+bool MapFilter::RegionIsOutside(cv::Size size) {
+  DrawRegion(size);
+  return is_outside_;
+}
+
 DisparityImage MapFilter::Apply(const DisparityImage& map, const RectifiedPair& pair,
                                 const cv::Mat& confidence, DepthCounts& counts) {
   assert(map.size() == pair.size());
   assert(rules_.min_confidence == 0 || confidence.size() == map.size());
-  if (!rules_.region.empty() && inside_.size() != map.size()) {
-    inside_ = MaskOf(rules_.region, map.size());
-  }
+  DrawRegion(map.size());
   const cv::Mat1b flying = rules_.remove_flying ? FindFlying(map) : cv::Mat1b();
   const PixelRules rules(rules_, pair, inside_, confidence, flying);
   counts = {};

@@ -41,9 +41,15 @@ class MapFilter {
   DisparityImage Apply(const DisparityImage& map, const RectifiedPair& pair,
                        const cv::Mat& confidence, DepthCounts& counts);
 
+  /// Whether there is a region, and no pixel of such a map lies in it.
+  bool RegionIsOutside(cv::Size size);
+
  private:
+  void DrawRegion(cv::Size size);
+
   FilterRules rules_;
   cv::Mat1b inside_;  // the region; empty without one
+  bool is_outside_ = false;
 };
 
 }  // namespace sprout::depth

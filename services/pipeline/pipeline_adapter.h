@@ -18,6 +18,10 @@ class PipelineAdapter : public StageAdapter {
 
   PartSet Inputs() const override;
 
+  /// Only the memory needs to know how the camera moved: without that it forgets, and the rest is
+  /// as ever.
+  PartSet OptionalInputs() const override { return {Part::kOdometry}; }
+
   /// Always answers. The result's reason names the stages that had nothing to give. The ToF
   /// camera's pose that refine measured is reported to the observer only.
   StageResult Process(const Frame& frame) override;

@@ -1,6 +1,8 @@
 #include "services/temporal/temporal_filter.h"
 
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -39,6 +41,14 @@ PixelMotion PixelMotionOf(const Pose& motion, const RectifiedPair& pair) {
     result.t[i] = static_cast<float>(t[row]);
   }
   return result;
+}
+
+// Whether pixels can be moved by it: a pose of finite numbers may lead beyond those of float.
+bool IsUsable(const PixelMotion& motion) {
+  const auto finite = [](float number) { return std::isfinite(number); };
+  return std::ranges::all_of(motion.t, finite) &&
+         std::ranges::all_of(motion.h,
+                             [&](const auto& row) { return std::ranges::all_of(row, finite); });
 }
 
 // Tracked points with the depths that the memory knows.
@@ -107,7 +117,10 @@ TemporalOutput TemporalFilter::Compute(const TemporalInput& input) {
   TemporalOutput output{.disparity = DisparityImage(cv::Mat1s(input.left.size())),
                         .confidence = cv::Mat1b(input.left.size()),
                         .motion = now_.motion};
-  now_.motion.reset == MemoryReset::kNone ? Fuse(input, output) : Begin(input, output);
+  // The memory is looked up between four neighbours, which images of one row or column have not.
+  const bool has_neighbours = std::min(input.left.rows, input.left.cols) > 1;
+  const bool is_known = now_.motion.reset == MemoryReset::kNone && has_neighbours;
+  is_known ? Fuse(input, output) : Begin(input, output);
   return output;
 }
 
@@ -121,18 +134,31 @@ void TemporalFilter::FindMotionOf(const TemporalInput& input) {
     now_.pyramid = BuildPyramid(input.left);
     if (motion.reset == MemoryReset::kNone) EstimateMotionOf(input);
   }
+  motion.last_from_left = now_.left_from_last.Inverse();
+  motion.start_from_left = before_.motion.start_from_left * motion.last_from_left;
+  if (motion.reset == MemoryReset::kNone && !IsMotionUsable(input.pair)) {
+    motion.reset = MemoryReset::kNoAgreement;
+  }
   if (motion.reset == MemoryReset::kNone) {
-    motion.last_from_left = now_.left_from_last.Inverse();
-    motion.start_from_left = before_.motion.start_from_left * motion.last_from_left;
     motion.last_seq = before_.id.seq;
     motion.start_seq = before_.motion.start_seq;
     motion.resets = before_.motion.resets;
     return;
   }
-  now_.left_from_last = Pose();
+  now_.left_from_last = motion.last_from_left = motion.start_from_left = Pose();
   motion.covariance = {};
   motion.last_seq = motion.start_seq = input.id.seq;
   motion.resets = motion.reset == MemoryReset::kFirst ? 0 : before_.motion.resets + 1;
+}
+
+bool TemporalFilter::IsMotionUsable(const RectifiedPair& pair) const {
+  const CameraMotion& motion = now_.motion;
+  return motion.start_from_left.translation_m.allFinite() &&
+         motion.start_from_left.rotation.coeffs().allFinite() &&
+         std::ranges::all_of(motion.covariance,
+                             [](double value) { return std::isfinite(value); }) &&
+         IsUsable(PixelMotionOf(now_.left_from_last, pair)) &&
+         IsUsable(PixelMotionOf(motion.last_from_left, pair));
 }
 
 void TemporalFilter::EstimateMotionOf(const TemporalInput& input) {

@@ -65,6 +65,7 @@ class TemporalFilter {
 
   MemoryReset ReasonToForget(const TemporalInput& input) const;
   void FindMotionOf(const TemporalInput& input);
+  bool IsMotionUsable(const RectifiedPair& pair) const;
   void EstimateMotionOf(const TemporalInput& input);
   void TakeMotionOf(const TemporalInput& input);
   void Begin(const TemporalInput& input, TemporalOutput& output);

@@ -108,6 +108,20 @@ TEST(OneProcessSystem, FusesFramesToTheBytesOfSproutTemporal) {
   EXPECT_FALSE(one.at("SPROUT_FUSED").back() == one.at("SPROUT_DISPARITY").back());
 }
 
+// Nobody sends SPROUT_ODOMETRY.
+TEST(OneProcessSystem, ComputesMapsWithoutTheMotionThatOnlyTheMemoryNeeds) {
+  const TemporaryDirectory folder;
+  const std::string config = "temporal { in_pipeline: true motion: CHANNEL }";
+  const ChannelBytes given =
+      Replay("sprout-pipeline", config, {kSampleLog}, folder / "without.lcm");
+  const ChannelBytes plain =
+      Replay("sprout-pipeline", "default", {kSampleLog}, folder / "plain.lcm");
+  for (const auto& [channel, messages] : plain) {
+    EXPECT_TRUE(given.at(channel) == messages) << channel;
+  }
+  EXPECT_EQ(given.at("SPROUT_MOTION").size(), plain.at("SPROUT_DISPARITY").size());
+}
+
 DisparityImage ComputeInProcess(int64_t index) {
   SproutConfig config = LoadConfig({"default"});
   config.mutable_capture()->set_source(kSource);

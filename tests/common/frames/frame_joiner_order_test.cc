@@ -24,6 +24,33 @@ TEST(FrameJoiner, DropsUnfinishedFramesOlderThanACompleteOne) {
   EXPECT_EQ(AddTo(joiner, IdOf(0), Part::kRight), Seqs{}) << "what was dropped stays dropped";
 }
 
+TEST(FrameJoiner, WaitsForOptionalPartsUntilTheNextFrameHasAllOthers) {
+  FrameJoiner joiner({Part::kLeft, Part::kRight, Part::kOdometry}, FrameJoiner::kDefaultMaxPending,
+                     FrameJoiner::kDefaultMaxBytes, {Part::kOdometry});
+  const auto add_pair = [&](int seq) {
+    Seqs seqs = AddTo(joiner, IdOf(seq), Part::kLeft, 1);
+    const Seqs more = AddTo(joiner, IdOf(seq), Part::kRight, 1);
+    seqs.insert(seqs.end(), more.begin(), more.end());
+    return seqs;
+  };
+  EXPECT_EQ(add_pair(0), Seqs{});
+  EXPECT_EQ(AddTo(joiner, IdOf(0), Part::kOdometry, 1), Seqs{0});  // in time
+  EXPECT_EQ(add_pair(1), Seqs{});
+  EXPECT_EQ(add_pair(2), Seqs{1});
+  EXPECT_EQ(AddTo(joiner, IdOf(1), Part::kOdometry, 1), Seqs{});  // too late
+  EXPECT_EQ(AddTo(joiner, IdOf(3), Part::kLeft, 1), Seqs{});
+  EXPECT_EQ(add_pair(4), Seqs{2});
+  EXPECT_EQ(AddTo(joiner, IdOf(4), Part::kOdometry, 1), Seqs{4});
+  EXPECT_EQ(joiner.incomplete(), 1);  // 3 has no right image
+  EXPECT_EQ(add_pair(5), Seqs{});
+  EXPECT_EQ(AddTo(joiner, IdOf(6), Part::kLeft, 1), Seqs{});
+  const std::vector<Frame> last = joiner.DropPending();
+  ASSERT_EQ(last.size(), 1U);
+  EXPECT_EQ(last[0].id.seq, 5);
+  EXPECT_FALSE(last[0].odometry);
+  EXPECT_EQ(joiner.incomplete(), 2);
+}
+
 TEST(FrameJoiner, DropsTheOldestWhenTooManyWait) {
   FrameJoiner joiner(kStereo, 3);
   for (int64_t seq = 0; seq < 5; ++seq) AddTo(joiner, IdOf(seq), Part::kLeft);

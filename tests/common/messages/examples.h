@@ -200,7 +200,7 @@ inline RigChange Change() {
           .rows_spread_px = 0.25F,
           .rows_sigma_px = 0.125F,
           .right = {.turn = {0.001, -0.002, 0.003}, .sigma = {0.0001, 0.0002, 0.0003}},
-          .tof = {.turn = {0.01, 0, -0.03}, .sigma = {0.004, -1, 0.006}},
+          .tof = {.turn = {0.01, 0, -0.03}, .sigma = {0.003, -1, 0.006}},
           .range_offset_m = 0.02,
           .range_sigma_m = 0.001};
 }

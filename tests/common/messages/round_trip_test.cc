@@ -245,6 +245,47 @@ TEST(RigChangeMessage, RefusesWhatTheTypeDoesNotAllow) {
             "range_sigma_m = nan: allowed is a finite number");
 }
 
+TEST(RigChangeMessage, RefusesAChangeThatWasNotSeen) {
+  const auto error = [](const auto& spoil) {
+    RigChange change = examples::Change();
+    change.verdict = RigChange::Verdict::kWrong;
+    spoil(change);
+    const Result<RigChange> decoded = DecodeRigChange(EncodeRigChange(change));
+    return decoded ? "" : decoded.error().text;
+  };
+  EXPECT_EQ(error([](RigChange&) {}), "");
+  const auto turned = [](RigChange& c, double turn, double sigma) {
+    c.right.turn[0] = turn;
+    c.right.sigma[0] = sigma;
+  };
+  EXPECT_EQ(error([&](RigChange& c) { turned(c, 0.01, -1); }),
+            "right_turn = 0.01: allowed is 0, as its sigma is -1 (not shown)");
+  EXPECT_EQ(error([&](RigChange& c) { turned(c, 0.01, 1e9); }),
+            "right_turn = 0.01: allowed is 0, or 3 times its sigma (1e+09) or more");
+  EXPECT_EQ(error([&](RigChange& c) { turned(c, 0.03, 0.01); }), "");
+  EXPECT_EQ(error([&](RigChange& c) { turned(c, -0.0299, 0.01); }),
+            "right_turn = -0.0299: allowed is 0, or 3 times its sigma (0.01) or more");
+  EXPECT_EQ(error([](RigChange& c) { c.tof.turn[1] = 1, c.tof.sigma[1] = -1; }),
+            "tof_turn = 1: allowed is 0, as its sigma is -1 (not shown)");
+  EXPECT_EQ(error([](RigChange& c) { c.range_offset_m = 1, c.range_sigma_m = 2; }),
+            "range_offset_m = 1: allowed is 0, or 3 times its sigma (2) or more");
+  EXPECT_EQ(error([](RigChange& c) { c.matches = c.tof_matches = 0; }),
+            "matches = 0: allowed is 1 or more");
+  EXPECT_EQ(error([](RigChange& c) { c.tof_matches = 0; }),
+            "tof_matches = 0: allowed is 1 or more for a change of the ToF camera");
+  const auto nothing = [](RigChange& c) {
+    c.right.turn = c.tof.turn = Eigen::Vector3d::Zero();
+    c.range_offset_m = 0;
+  };
+  EXPECT_EQ(error(nothing), "verdict = 2: allowed is WRONG only with a change");
+  // Numbers that say nothing may be any.
+  EXPECT_EQ(error([&](RigChange& c) {
+              turned(c, 0.01, -1);
+              c.verdict = RigChange::Verdict::kUnseen;
+            }),
+            "");
+}
+
 TEST(ProcessMessage, MayBeEmpty) {
   const Result<ProcessInfo> info = DecodeProcessInfo(EncodeProcessInfo(ProcessInfo{}));
   ASSERT_TRUE(info) << info.error().text;

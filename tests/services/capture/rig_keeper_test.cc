@@ -95,6 +95,9 @@ TEST_F(RigKeeperTest, TurnsTheCamerasAsTheRectifiedImagesShowIt) {
   EXPECT_EQ(after.range_scale, before.range_scale);
   EXPECT_NE(now->rig_id, first_->rig_id);
   EXPECT_THAT(outcome.text, HasSubstr(now->rig_id + " instead of " + first_->rig_id));
+  EXPECT_THAT(outcome.text,
+              HasSubstr("put right by right camera pitch +0.229°, yaw -0.344°, roll +0.172°; ToF "
+                        "camera pitch -0.573°, yaw +1.146°, roll +0.286°; ranges +12.0 mm: "));
 }
 
 TEST_F(RigKeeperTest, KeepsARigFileOfEveryCalibration) {
@@ -129,6 +132,15 @@ TEST_F(RigKeeperTest, UsesNothingThatIsNotWrongOrOfAnotherCalibration) {
     EXPECT_FALSE(Consider(change).used);
   }
   EXPECT_EQ(current_->Get(), first_);
+}
+
+TEST_F(RigKeeperTest, WaitsForNothingAfterAChangeThatIsNone) {
+  Start();
+  const RigKeeper::Outcome outcome = Consider(Wrong({0, 0, 0}));
+  EXPECT_FALSE(outcome.used);
+  EXPECT_THAT(outcome.text, HasSubstr("the change is 0"));
+  EXPECT_EQ(current_->Get(), first_);
+  EXPECT_TRUE(Consider(Wrong({0.004, 0, 0}), 1).used);
 }
 
 TEST_F(RigKeeperTest, ChangesAtMostOnceInAPause) {

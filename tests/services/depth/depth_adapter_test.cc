@@ -144,6 +144,17 @@ TEST(DepthAdapter, CountsWhatItLeavesOutOfEverything) {
   EXPECT_EQ(frame.cloud->points.size(), 3U);
 }
 
+TEST(DepthAdapter, SaysThatItsRegionLiesOutside) {
+  DepthConfig config;
+  for (const int number : {8, 0, 20, 5}) config.add_region(number);
+  DepthAdapter adapter(config);
+  for (int i = 0; i < 2; ++i) {
+    Frame frame = FrameOf(i);
+    EXPECT_THAT(AddAnswer(adapter, frame), HasSubstr("depth.region lies outside the image of 8x6"));
+    EXPECT_EQ(*frame.depth_counts, (DepthCounts{.pixels = 48, .outside = 48}));
+  }
+}
+
 TEST(DepthAdapter, JoinsTheConfidenceForItsRuleToo) {
   DepthConfig config;
   config.set_publish_cloud(false);
@@ -293,6 +304,9 @@ TEST(DepthAdapter, RefusesValuesThatItCannotUse) {
   EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: 1 numbers"));
   config.add_region(4);
   EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: 2 numbers"));
+  config = {};
+  for (int i = 0; i < 2 * 1001; ++i) config.add_region(i);
+  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: 1001 corners; allowed: up to 1000"));
   config = {};
   config.set_publish_scan(true);
   config.set_scan_max_height_m(0.1);

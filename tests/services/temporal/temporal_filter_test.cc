@@ -309,6 +309,43 @@ TEST_F(GivenMotion, MovesTheMap) {
   EXPECT_LT((motion.start_from_left.Inverse() * way).rotation.vec().norm(), 1e-9);
 }
 
+// Finite poses whose difference is not, or leads beyond float.
+TEST_F(GivenMotion, ForgetsWhereTheMotionCannotBe) {
+  for (const double far_m : {1e308, 1e200, 1e45}) {
+    std::vector<TemporalInput> drive = drive_;
+    drive[2].odometry->start_from_left.translation_m.z() = far_m;
+    drive[3].odometry->start_from_left.translation_m.z() = -far_m;
+    TemporalFilter filter(config_);
+    std::vector<MemoryReset> resets;
+    for (const TemporalInput& input : drive) {
+      const TemporalOutput output = filter.Compute(input);
+      resets.push_back(output.motion.reset);
+      EXPECT_TRUE(output.motion.start_from_left.translation_m.allFinite());
+      EXPECT_TRUE(output.motion.last_from_left.translation_m.allFinite());
+    }
+    constexpr auto kBad = MemoryReset::kNoAgreement, kNone = MemoryReset::kNone;
+    EXPECT_THAT(resets, testing::ElementsAre(MemoryReset::kFirst, kNone, kBad, kBad, kBad, kNone,
+                                             kNone, kNone))
+        << far_m;
+  }
+}
+
+TEST_F(GivenMotion, OfImagesOfOneRowOrColumnGivesTheNewMap) {
+  for (const cv::Size size : {cv::Size(64, 1), cv::Size(1, 48), cv::Size(1, 1)}) {
+    TemporalFilter filter(config_);
+    for (TemporalInput input : drive_) {
+      const cv::Rect part(cv::Point(20, 20), size);
+      input.left = input.left(part).clone();
+      input.disparity = DisparityImage(input.disparity.counts()(part).clone());
+      input.confidence = input.confidence(part).clone();
+      input.pair.width = size.width;
+      input.pair.height = size.height;
+      const TemporalOutput output = filter.Compute(input);
+      EXPECT_EQ(cv::norm(output.disparity.counts(), input.disparity.counts(), cv::NORM_INF), 0);
+    }
+  }
+}
+
 TEST_F(GivenMotion, ForgetsWhereThePosesHaveNothingInCommon) {
   drive_[3].odometry.reset();
   drive_[6].odometry->start_seq = 6;
