@@ -15,6 +15,7 @@
 
 #include "common/app/help_text.h"
 #include "common/config/config_error.h"
+#include "common/core/input_files.h"
 
 namespace sprout {
 namespace {
@@ -55,6 +56,15 @@ CLI::Validator NumberIn(double low, double high) {
             return "'" + text + "' is not allowed: " + text_of_allowed;
           },
           allowed.str()};
+}
+
+// What has to exist is read; nothing that the program writes may replace it.
+CLI::Validator Noted() {
+  return {[](const std::string& path) -> std::string {
+            NoteInputFile(path);
+            return {};
+          },
+          ""};
 }
 
 // No prefix is a prefix like others; COMMAND is another program's.
@@ -106,12 +116,12 @@ Flag& Flag::OneOf(const std::vector<std::string>& texts) {
 }
 
 Flag& Flag::ExistingPath() {
-  option_->check(CLI::ExistingPath);
+  option_->check(CLI::ExistingPath)->check(Noted());
   return *this;
 }
 
 Flag& Flag::ExistingFile() {
-  option_->check(CLI::ExistingFile);
+  option_->check(CLI::ExistingFile)->check(Noted());
   return *this;
 }
 

@@ -7,6 +7,8 @@
 #include <memory>
 #include <utility>
 
+#include "common/core/printable.h"
+
 namespace sprout {
 namespace {
 
@@ -45,8 +47,8 @@ void SetUpLog(const std::string& name, LogLevel lowest, bool to_journal) {
 void SetLogLevel(LogLevel lowest) { spdlog::set_level(ToSpdlog(lowest)); }
 
 void LogLine(LogLevel level, std::string_view text) {
-  spdlog::default_logger_raw()->log(ToSpdlog(level),
-                                    spdlog::string_view_t(text.data(), text.size()));
+  const std::string printable = PrintableLines(text);
+  spdlog::default_logger_raw()->log(ToSpdlog(level), spdlog::string_view_t(printable));
 }
 
 }  // namespace sprout

@@ -4,6 +4,8 @@
 
 #include "common/app/limits_text.h"
 #include "common/config/config_error.h"
+#include "common/core/input_files.h"
+#include "common/core/printable.h"
 
 namespace sprout {
 namespace {
@@ -12,10 +14,10 @@ int RunBody(Flags& flags, int argc, const char* const* argv, const std::function
   try {
     return flags.Parse(argc, argv) ? body() : 0;
   } catch (const ConfigError& e) {
-    std::cerr << flags.program() << ": " << e.what() << "\n";
+    std::cerr << flags.program() << ": " << Printable(e.what()) << "\n";
     return 2;
   } catch (const std::exception& e) {
-    std::cerr << flags.program() << ": " << e.what() << ReachedLimitText(e) << "\n";
+    std::cerr << flags.program() << ": " << Printable(e.what()) << ReachedLimitText(e) << "\n";
     return 1;
   }
 }
@@ -23,6 +25,7 @@ int RunBody(Flags& flags, int argc, const char* const* argv, const std::function
 }  // namespace
 
 int RunProgram(Flags& flags, int argc, const char* const* argv, const std::function<int()>& body) {
+  GuardInputFiles();
   const int exit_code = RunBody(flags, argc, argv, body);
   if (std::cout.flush()) return exit_code;
   std::cerr << flags.program() << ": cannot write to stdout\n";  // a full disk

@@ -4,6 +4,8 @@
 
 #include <iostream>
 
+#include "common/core/printable.h"
+
 namespace sprout {
 namespace {
 
@@ -16,7 +18,7 @@ Progress::Progress(bool quiet) : shown_(!quiet && isatty(STDERR_FILENO) != 0) {}
 Progress::~Progress() { Clear(); }
 
 void Progress::Show(const std::string& text) {
-  if (shown_) std::cerr << kClearLine << text << std::flush;
+  if (shown_) std::cerr << kClearLine << Printable(text) << std::flush;
 }
 
 void Progress::Clear() {

@@ -23,8 +23,8 @@ inline constexpr size_t kReplayMaxPending = 64;
 /// A stage with memory also gets the frames before `options.frames` that it needs to warm up
 /// (StageAdapter::WarmUpFrames()); their answers are not recorded.
 ///
-/// Until the log is complete, or context.stop ends the run early, it is called `RECORD.part`, and
-/// an older log of the final name stays.
+/// The log appears when it is complete, or context.stop ends the run early; until then an older log
+/// of that name stays.
 ///
 /// @returns exit code: 0; 1 when the written log is incomplete: stopped, damage or bad messages in
 ///          a log, or a frame on which the adapter failed.

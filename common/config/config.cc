@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "common/core/input_files.h"
 #include "common/core/read_text.h"
 
 namespace sprout {
@@ -122,6 +123,7 @@ void MergeFile(const std::string& file, SproutConfig& config) {
 
 void ParseTextFile(const fs::path& path, const std::string& what, const std::string& allowed,
                    Message& message) {
+  NoteInputFile(path);
   const Result<std::string> text = ReadText(path);
   if (!text) {
     throw ConfigError(what + " " + path.string() + ": " + text.error().text +

@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/core/input_files.h"
 #include "common/core/number_text.h"
 
 namespace sprout {
@@ -30,6 +31,9 @@ std::optional<int> DescriptorOf(const fs::path& path) {
   return ParseNumber<int>(path.filename().native());
 }
 
+/// By which a file without a name gets one.
+std::string LinkTo(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
+
 /// Kind of what has a name, 0 when nothing has.
 mode_t KindOf(const fs::path& path) {
   struct stat status {};
@@ -37,7 +41,7 @@ mode_t KindOf(const fs::path& path) {
 }
 
 /// Why no file may take the place of something of this kind; empty: it may.
-std::string Obstacle(mode_t kind) {
+std::string ObstacleOf(mode_t kind) {
   const std::string allowed = "; allowed: a new name, a regular file, /dev/stdout or /dev/null";
   switch (kind) {
     case 0:
@@ -58,7 +62,15 @@ std::string Obstacle(mode_t kind) {
 
 }  // namespace
 
-OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
+std::string OutputFile::Obstacle() const {
+  if (over_input_ == OverInput::kRefused && IsInputFile(path_)) {
+    return "it is an input of this run; allowed: another file";
+  }
+  return ObstacleOf(KindOf(path_));
+}
+
+OutputFile::OutputFile(fs::path path, OverInput over_input)
+    : path_(std::move(path)), over_input_(over_input) {
   buffer_.reserve(kBufferBytes);
   const mode_t kind = KindOf(path_);
   if (path_.filename().empty()) {
@@ -72,23 +84,36 @@ OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
     if (descriptor_ < 0) FailWithErrno();
   } else {
     replaces_ = kind == S_IFREG;
-    failure_ = Obstacle(kind);
+    failure_ = Obstacle();
     if (failure_.empty()) OpenPart();
   }
 }
 
-void OutputFile::OpenPart() {
+// @param make  makes a file of a name that there is not, and says whether it could.
+template <typename Make>
+void OutputFile::MakePart(const Make& make) {
   for (int i = 1; i <= kMaxParts; ++i) {
     fs::path part = path_;
     part += i == 1 ? ".part" : ".part" + std::to_string(i);
-    descriptor_ = open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ >= 0) {
+    if (make(part)) {
       part_path_ = std::move(part);
       return;
     }
     if (errno != EEXIST) break;
   }
   FailWithErrno();
+}
+
+void OutputFile::OpenPart() {
+  const fs::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
+  descriptor_ = open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+  is_nameless_ = descriptor_ >= 0 && access(LinkTo(descriptor_).c_str(), F_OK) == 0;
+  if (is_nameless_) return;
+  if (descriptor_ >= 0) close(descriptor_);  // without /proc it would get no name
+  MakePart([this](const fs::path& part) {
+    descriptor_ = open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    return descriptor_ >= 0;
+  });
 }
 
 OutputFile::~OutputFile() {
@@ -132,9 +157,15 @@ void OutputFile::Flush() {
 
 Result<void> OutputFile::Commit() {
   Flush();
+  if (failure_.empty() && is_nameless_) {
+    MakePart([this](const fs::path& part) {
+      return linkat(AT_FDCWD, LinkTo(descriptor_).c_str(), AT_FDCWD, part.c_str(),
+                    AT_SYMLINK_FOLLOW) == 0;
+    });
+  }
   if (descriptor_ >= 0 && close(std::exchange(descriptor_, -1)) != 0) FailWithErrno();
   if (failure_.empty() && !part_path_.empty()) {
-    failure_ = Obstacle(KindOf(path_));  // it may have come meanwhile
+    failure_ = Obstacle();  // it may have come meanwhile
     if (failure_.empty() && std::rename(part_path_.c_str(), path_.c_str()) != 0) FailWithErrno();
     if (failure_.empty()) part_path_.clear();
   }

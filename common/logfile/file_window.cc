@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/core/input_files.h"
 #include "common/logfile/log_error.h"
 
 namespace sprout {
@@ -27,6 +28,7 @@ InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)) {
     close(descriptor_);
     throw LogError(path_, "not a file");
   }
+  NoteInputFile(path_);
   size_ = status.st_size;
   posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);
 }

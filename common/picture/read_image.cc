@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "common/core/image.h"
+#include "common/core/input_files.h"
 
 namespace sprout {
 namespace {
@@ -21,6 +22,7 @@ struct Header {
   ImageFormat format;
   int64_t width = 0;  // 0: the header is damaged
   int64_t height = 0;
+  bool has_more_pages = false;
 };
 
 // The bytes of a file, anywhere; behind its end there is 0.
@@ -107,6 +109,7 @@ void ReadTiff(FileBytes& file, bool little_endian, Header& header) {
     const int64_t value = file.Number(at + 8, is_short ? 2 : 4, little_endian);
     (tag == 256 ? header.width : header.height) = value;
   }
+  header.has_more_pages = file.Number(directory + 2 + 12 * entries, 4, little_endian) != 0;
 }
 
 std::optional<Header> ReadHeader(const std::filesystem::path& path) {
@@ -154,9 +157,13 @@ Result<cv::Mat> DecodeImageFile(const std::filesystem::path& path, int flags,
       Fail(name + "cannot be decoded; allowed: a readable " + NamesOf(formats) + " file");
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return undecodable;  // a pipe would wait
+  NoteInputFile(path);
   const std::optional<Header> header = ReadHeader(path);
   if (!header || std::ranges::find(formats, header->format) == formats.end()) return undecodable;
-  const auto [format, width, height] = *header;
+  if (header->has_more_pages) {
+    return Fail(name + "has several pages, of which one would be taken; allowed: one");
+  }
+  const auto [format, width, height, has_more_pages] = *header;
   if (std::max(width, height) > kMaxSide || width * height > kMaxPixels) {
     return Fail(name + std::to_string(width) + "x" + std::to_string(height) +
                 " px; allowed: 1 to " + std::to_string(kMaxSide) + " px a side and " +

@@ -122,7 +122,7 @@ RigDescription LoadRigFile(const fs::path& path) {
 }
 
 Result<void> SaveRigFile(const fs::path& path, const RigDescription& rig) {
-  OutputFile file(path);
+  OutputFile file(path, OutputFile::OverInput::kAllowed);
   file.Write(ConfigText(rig));
   return file.Commit();
 }

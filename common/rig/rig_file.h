@@ -16,7 +16,7 @@ namespace sprout {
 /// @throws ConfigError naming file, line or field, and what is allowed.
 RigDescription LoadRigFile(const std::filesystem::path& path);
 
-/// Writes a rig file; see OutputFile.
+/// Writes a rig file; see OutputFile. It may be the one that was read: a rig is put right in place.
 Result<void> SaveRigFile(const std::filesystem::path& path, const RigDescription& rig);
 
 /// The calibration of a rig file; nothing when it has none yet.

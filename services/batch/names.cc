@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/config/config.h"
+#include "common/core/printable.h"
 #include "common/messages/shortened.h"
 
 namespace sprout::batch {
@@ -31,25 +32,10 @@ bool IsPlainText(std::string_view text) {
   }
 }
 
-std::string Escaped(std::string_view text) {
-  const bool is_utf8 = IsPlainText([&] {
-    std::string without(text);
-    std::erase_if(without, IsControl);
-    return without;
-  }());
-  std::string escaped;
-  for (const char letter : text) {
-    const auto byte = static_cast<unsigned char>(letter);
-    const bool is_plain = !IsControl(letter) && (is_utf8 || byte < 0x80);
-    escaped += is_plain ? std::string(1, letter) : fmt::format("\\x{:02x}", byte);
-  }
-  return escaped;
-}
-
 void RequirePlainText(const std::string& flag, const std::string& text) {
   if (IsPlainText(text)) return;
   throw ConfigError(
-      fmt::format("{} '{}': allowed is UTF-8 without control characters", flag, Escaped(text)));
+      fmt::format("{} '{}': allowed is UTF-8 without control characters", flag, Printable(text)));
 }
 
 bool IsResultName(std::string_view name) {

@@ -12,9 +12,6 @@ namespace sprout::batch {
 /// characters. File names may hold any bytes.
 bool IsPlainText(std::string_view text);
 
-/// Text for people: bytes that are not plain as \xNN.
-std::string Escaped(std::string_view text);
-
 /// @throws ConfigError that names the flag when `text` is not plain.
 void RequirePlainText(const std::string& flag, const std::string& text);
 

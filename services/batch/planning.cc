@@ -14,7 +14,9 @@
 #include "common/app/progress.h"
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
+#include "common/core/input_files.h"
 #include "common/core/interrupt.h"
+#include "common/core/printable.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/logs_below.h"
 #include "services/batch/names.h"
@@ -44,7 +46,7 @@ class Inputs {
     } else if (fs::is_regular_file(input)) {
       logs_.push_back(Absolute(input));
     } else {
-      throw ConfigError(Escaped(input) + ": no such log or folder");
+      throw ConfigError(Printable(input) + ": no such log or folder");
     }
   }
 
@@ -52,14 +54,16 @@ class Inputs {
 
  private:
   void AddList(const std::string& path) {
+    NoteInputFile(path);
     std::ifstream list(path);
     // A pipe is as good as a file; others, such as /dev/zero, may never end.
     if (!list || !(fs::is_regular_file(path) || fs::is_fifo(path))) {
-      throw ConfigError("@" + Escaped(path) + ": no such list; allowed: a text file, a log a line");
+      throw ConfigError("@" + Printable(path) +
+                        ": no such list; allowed: a text file, a log a line");
     }
     const fs::path canonical = fs::canonical(path);
     if (std::find(open_.begin(), open_.end(), canonical) != open_.end()) {
-      throw ConfigError("@" + Escaped(path) + ": the list contains itself");
+      throw ConfigError("@" + Printable(path) + ": the list contains itself");
     }
     open_.push_back(canonical);
     for (std::string line; std::getline(list, line);) {
@@ -108,8 +112,8 @@ Wanted Understand(const BatchRequest& request, const std::string& program) {
   head.stages = ParseStages("--stages", request.stages);
   head.keep = KeepOf(request, head.stages);
   if (!IsChannelPrefix(request.prefix)) {
-    throw ConfigError(fmt::format("--channel-prefix '{}': allowed are {}", Escaped(request.prefix),
-                                  AllowedChannelPrefix()));
+    throw ConfigError(fmt::format("--channel-prefix '{}': allowed are {}",
+                                  Printable(request.prefix), AllowedChannelPrefix()));
   }
   head.prefix = request.prefix;
   head.shard_bytes = request.shard_megabytes * 1'000'000;
@@ -175,7 +179,7 @@ FoundLogs FindLogs(const std::vector<std::string>& inputs) {
     if (IsPlainText(log)) {
       found.logs.push_back(log);
     } else {
-      found.left_out.push_back(Escaped(log));
+      found.left_out.push_back(Printable(log));
     }
   }
   if (found.logs.empty() && !found.left_out.empty()) {

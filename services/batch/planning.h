@@ -29,7 +29,7 @@ struct BatchRequest {
 /// The selected logs: absolute paths, without duplicates, in order.
 struct FoundLogs {
   std::vector<std::string> logs;
-  /// Those whose paths are not allowed in a manifest, as text for people (Escaped()).
+  /// Those whose paths are not allowed in a manifest, as text for people (Printable()).
   std::vector<std::string> left_out;
 };
 

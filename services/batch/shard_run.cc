@@ -12,6 +12,7 @@
 #include "common/app/compute.h"
 #include "common/app/process.h"
 #include "common/config/stage_parts.h"
+#include "common/core/printable.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/names.h"
 #include "services/batch/result_folder.h"
@@ -207,7 +208,7 @@ StageProgram DescribeProgram(const std::string& path) {
   while (!version.empty() && std::isspace(static_cast<unsigned char>(version.back())) != 0) {
     version.pop_back();
   }
-  version = Escaped(version);
+  version = Printable(version);
   return {.path = path, .digest = FileDigest(path), .version = version};
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/core/host_name.h"
+#include "common/core/printable.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/json_fields.h"
 #include "services/batch/names.h"
@@ -36,7 +37,7 @@ void WriteStageRuns(const std::filesystem::path& path, const StageRuns& runs) {
                      {"bad", run.bad_messages},      {"seconds", run.seconds}};
   }
   OutputFile file(path);
-  file.Write(Json{{"host", Escaped(HostName())}, {"stages", stages}}.dump() + "\n");
+  file.Write(Json{{"host", Printable(HostName())}, {"stages", stages}}.dump() + "\n");
   CommitFile(path, file);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/config/config_error.h"
+#include "common/core/input_files.h"
 #include "common/core/number_text.h"
 #include "common/core/read_text.h"
 #include "services/datasets/rectified.h"
@@ -20,6 +21,7 @@ constexpr double kRotationTolerance = 1e-4;
 class KittiCalibFile {
  public:
   explicit KittiCalibFile(const std::filesystem::path& path) : path_(path) {
+    NoteInputFile(path);
     const Result<std::string> text = ReadText(path);
     if (!text) {
       throw ConfigError("calibration " + path.string() + ": " + text.error().text +

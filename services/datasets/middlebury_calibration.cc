@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/config/config_error.h"
+#include "common/core/input_files.h"
 #include "common/core/number_text.h"
 #include "common/core/read_text.h"
 #include "services/datasets/rectified.h"
@@ -22,6 +23,7 @@ constexpr double kBaselineM = 0.160;
 class CalibFile {
  public:
   explicit CalibFile(const std::filesystem::path& path) : path_(path) {
+    NoteInputFile(path);
     const Result<std::string> text = ReadText(path);
     if (!text) {
       throw ConfigError("calibration " + path.string() + ": " + text.error().text +
@@ -86,6 +88,7 @@ double ReadDmin(const std::filesystem::path& path, double missing_dmin_px) {
   std::error_code ignored;
   const auto kind = std::filesystem::symlink_status(path, ignored).type();
   if (kind == std::filesystem::file_type::not_found) return missing_dmin_px;
+  NoteInputFile(path);
   const Result<std::string> text = ReadText(path);
   if (!text) {
     throw ConfigError("calibration " + path.string() + ": " + text.error().text +

@@ -8,6 +8,7 @@
 
 #include "common/config/config_error.h"
 #include "common/core/image.h"
+#include "common/core/input_files.h"
 #include "services/datasets/read_image.h"
 
 namespace sprout::datasets {
@@ -46,6 +47,7 @@ Header ReadHeader(std::ifstream& file, const std::filesystem::path& path) {
 
 cv::Mat1f ReadPfm(const std::filesystem::path& path) {
   if (!IsFile(path)) throw BadPfm(path, "not a file");
+  NoteInputFile(path);
   std::ifstream file(path, std::ios::binary);
   if (!file) throw BadPfm(path, "cannot be read");
   const Header header = ReadHeader(file, path);

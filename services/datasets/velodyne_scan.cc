@@ -12,6 +12,7 @@
 #include <string>
 
 #include "common/config/config_error.h"
+#include "common/core/input_files.h"
 #include "services/datasets/read_image.h"
 
 namespace sprout::datasets {
@@ -38,6 +39,7 @@ std::vector<Eigen::Vector3d> ReadVelodyneScan(const std::filesystem::path& file)
   static_assert(std::endian::native == std::endian::little);
   std::error_code ignored;
   const uintmax_t bytes = IsFile(file) ? std::filesystem::file_size(file, ignored) : 0;
+  NoteInputFile(file);
   std::ifstream stream(file, std::ios::binary);
   if (!IsFile(file) || !stream) throw BadScan(file, "cannot be read");
   if (bytes == 0) throw BadScan(file, "empty");

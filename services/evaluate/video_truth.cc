@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/config/config_error.h"
+#include "common/core/input_files.h"
 #include "common/geometry/projection.h"
 #include "services/datasets/kitti_calibration.h"
 #include "services/datasets/kitti_source.h"
@@ -47,6 +48,7 @@ std::vector<Pose> TrueMotions(const std::string& source, int frames) {
   const size_t begin = first.find(':') + 1;
   const fs::path place = first.substr(begin, first.find('?') - begin);
   const fs::path path = place.parent_path() / "poses.txt";
+  NoteInputFile(path);
   std::ifstream file(path);
   if (!file) return {};
   // The left camera stands in the frame of camera 0 where the scanner's calibration says, and is

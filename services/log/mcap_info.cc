@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/config/config_error.h"
+#include "common/core/printable.h"
 #include "common/mcap/mcap_parts.h"
 #include "common/mcap/mcap_reader.h"
 #include "services/log/commands.h"
@@ -60,25 +61,27 @@ McapSummary SummarizeMcap(McapReader& reader, const std::filesystem::path& path)
 std::string McapText(const McapSummary& summary, const McapReader& reader,
                      const InfoOptions& options) {
   size_t width = 5;
-  for (const auto& [name, topic] : summary.topics) width = std::max(width, name.size());
+  for (const auto& [name, topic] : summary.topics) width = std::max(width, Printable(name).size());
   std::string text = fmt::format(
       "{}: {:.2f} MB, MCAP{} by {}, {} messages in {} chunks\n\n{:<{}}  {:<33} {:>8} {:>8} {:>9}\n",
-      options.file.string(), static_cast<double>(reader.size()) / 1e6,
-      reader.profile().empty() ? "" : " (" + reader.profile() + ")",
-      reader.library().empty() ? "?" : reader.library(), summary.messages, reader.chunks(), "topic",
-      width, "type", "messages", "per s", "MB");
+      Printable(options.file.string()), static_cast<double>(reader.size()) / 1e6,
+      reader.profile().empty() ? "" : " (" + Printable(reader.profile()) + ")",
+      reader.library().empty() ? "?" : Printable(reader.library()), summary.messages,
+      reader.chunks(), "topic", width, "type", "messages", "per s", "MB");
   for (const auto& [name, topic] : summary.topics) {
-    text += fmt::format("{:<{}}  {:<33} {:>8} {:>8.2f} {:>9.2f}\n", name, width, topic.type,
-                        topic.messages, topic.RateHz(), static_cast<double>(topic.bytes) / 1e6);
+    text += fmt::format("{:<{}}  {:<33} {:>8} {:>8.2f} {:>9.2f}\n", Printable(name), width,
+                        Printable(topic.type), topic.messages, topic.RateHz(),
+                        static_cast<double>(topic.bytes) / 1e6);
   }
-  for (const std::string& line : reader.trouble()) text += "damage: " + line + "\n";
+  for (const std::string& line : reader.trouble()) text += "damage: " + Printable(line) + "\n";
   const auto more = reader.trouble_count() - std::ssize(reader.trouble());
   if (more > 0) text += fmt::format("damage: and {} more\n", more);
   if (reader.trouble_count() == 0) text += "no damage\n";
   if (!options.config) return text;
   for (const auto& [name, values] : reader.Metadata()) {
-    text += "\nmetadata " + name + ":\n";
-    for (const auto& [key, value] : values) text += key + ": " + value + "\n";
+    text += "\nmetadata " + Printable(name) + ":\n";
+    for (const auto& [key, value] : values)
+      text += Printable(key) + ": " + PrintableLines(value) + "\n";
   }
   return text;
 }

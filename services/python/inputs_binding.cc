@@ -18,7 +18,7 @@ inputs::Findings CheckInputsOf(const py::object& left, const py::object& right,
     Refuse("tof", "None, since the rig has no ToF camera (Rig.with_tof)", tof);
   }
   const TofImage ranges = TakeTof("tof", tof, cv::Size(rig.tof.width, rig.tof.height));
-  const py::gil_scoped_release free;
+  const Unlocked free;
   return inputs::CheckInputs(left_image, right_image, ranges, rig);
 }
 

@@ -129,6 +129,7 @@ class Run {
  public:
   explicit Run(const Options& options) : options_(options), measurement_(SettingsOf(options)) {
     if (!options.limits.empty()) limits_ = LoadLimits(options.limits);
+    NoteFolder();
     if (!options.json.empty()) RequireWritableFile("--json", options.json);
     if (!options.report.empty()) RequireWritableFile("--report", options.report);
     if (!options.images.empty()) {
@@ -164,6 +165,12 @@ class Run {
     if (!options.edge.empty()) settings.edge = RectOf("--edge", options.edge);
     if (options.distance_m > 0) settings.distance_m = options.distance_m;
     return settings;
+  }
+
+  // What is measured, so that no flag asks to replace it.
+  void NoteFolder() const {
+    if (!fs::is_directory(options_.input)) return;
+    NoteFolderFiles(options_.input, options_.calibration);
   }
 
   std::string Read() {

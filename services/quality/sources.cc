@@ -8,6 +8,7 @@
 #include "common/app/progress.h"
 #include "common/config/config_error.h"
 #include "common/config/frame_range.h"
+#include "common/core/input_files.h"
 #include "common/core/interrupt.h"
 #include "common/frames/log_frames.h"
 #include "services/datasets/middlebury_calibration.h"
@@ -33,6 +34,10 @@ std::vector<fs::path> MapsIn(const fs::path& folder) {
     return path.filename().string().ends_with("disparity.pfm");
   });
   return disparities.empty() ? all : disparities;
+}
+
+fs::path CalibrationIn(const fs::path& folder, const fs::path& calibration) {
+  return calibration.empty() ? folder / "calib.txt" : calibration;
 }
 
 // Empty where a frame has none, or a picture in its place.
@@ -88,6 +93,11 @@ std::string MeasureLog(const fs::path& log, const std::string& prefix, const std
                                 log.string(), why));
 }
 
+void NoteFolderFiles(const fs::path& folder, const fs::path& calibration) {
+  for (const fs::path& map : MapsIn(folder)) NoteInputFile(map);
+  NoteInputFile(CalibrationIn(folder, calibration));
+}
+
 void MeasureFolder(const fs::path& folder, const fs::path& calibration, Measurement& measurement) {
   const Interrupt interrupt;
   const std::vector<fs::path> maps = MapsIn(folder);
@@ -96,7 +106,7 @@ void MeasureFolder(const fs::path& folder, const fs::path& calibration, Measurem
                       ": no *.pfm in it; allowed: a log, or a folder of disparity "
                       "maps (px)");
   }
-  const fs::path calib = calibration.empty() ? folder / "calib.txt" : calibration;
+  const fs::path calib = CalibrationIn(folder, calibration);
   for (const fs::path& path : maps) {
     Interrupt::Check();
     if (IsFull(measurement)) break;

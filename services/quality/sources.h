@@ -36,6 +36,9 @@ std::string MeasureLog(const std::filesystem::path& log, const std::string& pref
 void MeasureFolder(const std::filesystem::path& folder, const std::filesystem::path& calibration,
                    Measurement& measurement);
 
+/// Notes what MeasureFolder() would read as inputs, which nothing may replace. See input_files.h.
+void NoteFolderFiles(const std::filesystem::path& folder, const std::filesystem::path& calibration);
+
 struct LiveOptions {
   std::string lcm_url;
   std::string prefix;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/core/printable.h"
+
 namespace sprout::top {
 namespace {
 
@@ -13,7 +15,12 @@ int64_t Losses(const StageStatus& status) {
 
 }  // namespace
 
-bool StatusBoard::Add(const StageStatus& status, Clock::time_point now) {
+bool StatusBoard::Add(const StageStatus& heard, Clock::time_point now) {
+  // Whoever sends a status must not move the terminal's cursor.
+  StageStatus status = heard;
+  for (std::string* text : {&status.stage, &status.host, &status.last_error}) {
+    *text = Printable(*text);
+  }
   const Process process{status.stage, status.host, status.pid};
   const auto found = heard_.find(process);
   if (found != heard_.end()) {

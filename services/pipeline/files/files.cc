@@ -15,7 +15,9 @@
 
 #include "common/app/progress.h"
 #include "common/core/image.h"
+#include "common/core/input_files.h"
 #include "common/core/output_file.h"
+#include "common/core/printable.h"
 #include "services/inputs/check_inputs.h"
 #include "services/pipeline/files/write_results.h"
 #include "services/pipeline/pipeline.h"
@@ -115,6 +117,21 @@ void CreateFolder(const std::string& out) {
   if (error) throw ConfigError("--out " + out + ": cannot be written (" + error.message() + ")");
 }
 
+// Nothing that is read may be replaced, be it the next pair's.
+void RequireInputsStay(const std::vector<ImagePair>& pairs, const fs::path& out) {
+  for (const ImagePair& pair : pairs) {
+    for (const fs::path& input : {pair.left, pair.right, pair.tof}) NoteInputFile(input);
+  }
+  for (const ImagePair& pair : pairs) {
+    for (const std::string_view name : kResultNames) {
+      const fs::path result = out / pair.folder / name;
+      if (!IsInputFile(result)) continue;
+      throw ConfigError(fmt::format("--out {}: {} is an input of this run; allowed: another folder",
+                                    out.string(), result.string()));
+    }
+  }
+}
+
 }  // namespace
 
 int RunFiles(const FilesOptions& options, SproutConfig config, const std::stop_token& stop) {
@@ -125,6 +142,7 @@ int RunFiles(const FilesOptions& options, SproutConfig config, const std::stop_t
   }
   const PairReader reader(options.rig);
   const std::vector<ImagePair> pairs = ListPairs(options.left, options.right, options.tof);
+  RequireInputsStay(pairs, options.out);
   Pipeline pipeline(config);
   CreateFolder(options.out);
   Progress progress(/*quiet=*/false);
@@ -142,14 +160,16 @@ int RunFiles(const FilesOptions& options, SproutConfig config, const std::stop_t
                                   config.depth().input(), pipeline, motions);
     progress.Clear();
     if (line) {
-      std::cout << line->line << std::endl;
+      std::cout << Printable(line->line) << std::endl;
       if (!line->complaint.empty()) {
         ++wrong;
-        std::cerr << "sprout-pipeline: " << pair.left.string() << ": " << line->complaint << "\n";
+        std::cerr << "sprout-pipeline: " << Printable(pair.left.string() + ": " + line->complaint)
+                  << "\n";
       }
     } else {
       ++left_out;
-      std::cerr << "sprout-pipeline: " << pair.left.string() << ": " << line.error().text << "\n";
+      std::cerr << "sprout-pipeline: " << Printable(pair.left.string() + ": " + line.error().text)
+                << "\n";
     }
     ++done;
   }

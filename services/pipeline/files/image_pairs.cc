@@ -79,7 +79,14 @@ bool HaveDifferentFolders(const std::vector<ImagePair>& pairs) {
 }
 
 void NameFolders(std::vector<ImagePair>& pairs) {
-  for (ImagePair& pair : pairs) pair.folder = pair.left.stem();
+  for (ImagePair& pair : pairs) {
+    pair.folder = pair.left.stem();
+    if (pair.folder == "." || pair.folder == "..") {  // of "..png", "...png"
+      throw ConfigError(
+          fmt::format("LEFT {}: its results would go to {}; allowed: a name that is no step up",
+                      pair.left.string(), pair.folder.string()));
+    }
+  }
   if (HaveDifferentFolders(pairs)) return;
   for (ImagePair& pair : pairs) {
     pair.folder = pair.left.parent_path().filename().string() + "_" + pair.left.stem().string();

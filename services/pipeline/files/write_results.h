@@ -2,6 +2,7 @@
 #define SPROUT_SERVICES_PIPELINE_FILES_WRITE_RESULTS_H_
 
 #include <filesystem>
+#include <string_view>
 
 #include "common/core/frame.h"
 #include "common/core/result.h"
@@ -11,6 +12,12 @@ namespace sprout {
 
 /// Largest depth in depth.png, m: 65535 mm.
 inline constexpr double kMaxPngDepthM = 65.535;
+
+/// Every file that WriteResults() may write.
+inline constexpr std::string_view kResultNames[] = {
+    "disparity.pfm", "disparity.png", "confidence.png", "fused.pfm",
+    "fused.png",     "depth.pfm",     "depth.png",      "fused_confidence.png",
+    "cloud.ply",     "mesh.ply",      "overview.png",   "depth_sigma.pfm"};
 
 /// Writes the results of a frame: disparity.pfm (px, +inf: none) and disparity.png (16 bit, 1/32
 /// px, 0: none), depth.pfm (m, NaN: none) and depth.png (16 bit, mm, 0: none or more than

@@ -1,13 +1,17 @@
 #include "common/core/output_file.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 #include <iostream>
 #include <iterator>
 
+#include "common/core/input_files.h"
 #include "tests/common/picture/temporary_directory.h"
 
 namespace sprout {
@@ -37,6 +41,56 @@ TEST(OutputFile, ReplacesARegularFileWhenItIsWhole) {
   EXPECT_EQ(Text(folder / "a"), "older");
   ASSERT_TRUE(file.Commit());
   EXPECT_EQ(Text(folder / "a"), "new");
+  EXPECT_EQ(folder.CountEntries(), 1);
+}
+
+TEST(OutputFile, LeavesNothingWhenItsProcessIsKilled) {
+  const TemporaryDirectory folder;
+  if (open((folder / "").c_str(), O_TMPFILE | O_WRONLY, 0600) < 0) GTEST_SKIP() << "no O_TMPFILE";
+  const pid_t child = fork();
+  if (child == 0) {
+    OutputFile file(folder / "a");
+    file.Write(std::string(3 << 20, 'x'));
+    raise(SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(folder.CountEntries(), 0);
+}
+
+TEST(OutputFile, HasTheRightsOfAnyNewFile) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "plain") << "text";
+  EXPECT_EQ(WriteAndCommit(folder / "a", "text"), "");
+  EXPECT_EQ(fs::status(folder / "a").permissions(), fs::status(folder / "plain").permissions());
+}
+
+TEST(OutputFile, LeavesWhatTheProgramReads) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "read") << "older";
+  GuardInputFiles();
+  NoteInputFile(folder / "read");
+  const fs::path other_way = folder / "below/../read";
+  fs::create_directory(folder / "below");
+  EXPECT_THAT(WriteAndCommit(folder / "read", "new"), HasSubstr("an input of this run"));
+  EXPECT_THAT(WriteAndCommit(other_way, "new"), HasSubstr("an input of this run"));
+  EXPECT_EQ(Text(folder / "read"), "older");
+  EXPECT_EQ(WriteAndCommit(folder / "beside", "new"), "");
+  OutputFile in_place(folder / "read", OutputFile::OverInput::kAllowed);
+  in_place.Write("new");
+  EXPECT_TRUE(in_place.Commit());
+  EXPECT_EQ(Text(folder / "read"), "new");
+}
+
+TEST(OutputFile, RefusesWhatBecameAnInputMeanwhile) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "read") << "older";
+  GuardInputFiles();
+  OutputFile file(folder / "read");
+  NoteInputFile(folder / "read");
+  EXPECT_FALSE(file.Commit());
+  EXPECT_EQ(Text(folder / "read"), "older");
   EXPECT_EQ(folder.CountEntries(), 1);
 }
 

@@ -111,6 +111,15 @@ TEST_F(ReadImageFile, RefusesALargeTiffByItsDirectory) {
   EXPECT_THAT(ErrorOf(tiff), HasSubstr("65500x65500 px"));
 }
 
+TEST_F(ReadImageFile, RefusesATiffOfSeveralPages) {
+  const std::string pages = File("pages.tiff");
+  const std::vector<cv::Mat> two(2, cv::Mat1b(3, 4, uint8_t{7}));
+  ASSERT_TRUE(cv::imwritemulti(pages, two));
+  EXPECT_THAT(ErrorOf(pages), HasSubstr("has several pages"));
+  ASSERT_TRUE(cv::imwritemulti(pages, std::vector<cv::Mat>(1, two[0])));
+  EXPECT_EQ(ErrorOf(pages), "no error");
+}
+
 TEST_F(ReadImageFile, NamesWhatCannotBeDecoded) {
   const char* const reason =
       "cannot be decoded; allowed: a readable PNG, JPEG, PPM, BMP or TIFF file";

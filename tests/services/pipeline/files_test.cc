@@ -10,6 +10,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/core/input_files.h"
 #include "common/core/read_text.h"
 #include "common/geometry/projection.h"
 #include "common/picture/write_image.h"
@@ -311,6 +312,32 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
     FilesOptions options = options_;
     change(options);
     EXPECT_THAT(RefusalOf(options), HasSubstr(text));
+  }
+}
+
+TEST_F(Files, ThatAreReadAreNotReplaced) {
+  GuardInputFiles();
+  options_.tof = Write("out/depth.png", cv::Mat1w(30, 40, uint16_t{2000}));
+  EXPECT_THAT(RefusalOf(options_), HasSubstr("depth.png is an input of this run"));
+  EXPECT_EQ(cv::imread(options_.tof, cv::IMREAD_UNCHANGED).at<uint16_t>(0, 0), 2000);
+  // The second pair's, by the first one's results, through a link.
+  const std::string read = Write("out/1/overview.png", scene_.left);
+  for (const char* name : {"l/1.png", "l/2.png", "r/1.png"}) Write(name, scene_.left);
+  fs::create_symlink(read, folder_ / "r/2.png");
+  options_.left = folder_ / "l";
+  options_.right = folder_ / "r";
+  options_.tof.clear();
+  EXPECT_THAT(RefusalOf(options_), HasSubstr("overview.png is an input of this run"));
+}
+
+TEST_F(Files, WhoseNamesAreStepsUpAreRefused) {
+  for (const char* name : {"up/...png", "up/..png"}) {
+    const std::string path = folder_ / name;
+    fs::create_directories(folder_ / "up");
+    ASSERT_TRUE(WritePng(path, scene_.left));
+    options_.left = folder_ / "up/.*png";
+    EXPECT_THAT(RefusalOf(options_), HasSubstr("its results would go to")) << name;
+    fs::remove(path);
   }
 }
 

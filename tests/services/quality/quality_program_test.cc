@@ -310,6 +310,22 @@ TEST_F(QualityProgram, RefusesFoldersThatCannotBeMeasured) {
   ExpectRefused({maps}, 2, "calib.txt");
 }
 
+TEST_F(QualityProgram, ReplacesNothingThatItReads) {
+  const std::string folder = WriteFolder("maps", Maps(2));
+  const std::string calibration = TextOf(folder + "/calib.txt");
+  for (const std::string name : {"calib.txt", "0_disparity.pfm"}) {
+    const QualityOutcome outcome = RunQuality({folder, "--report", folder + "/" + name});
+    EXPECT_EQ(outcome.exit_code, 2) << name;
+    EXPECT_THAT(outcome.err, HasSubstr("--report " + folder + "/" + name)) << name;
+    EXPECT_THAT(outcome.err, HasSubstr("an input of this run")) << name;
+  }
+  EXPECT_EQ(TextOf(folder + "/calib.txt"), calibration);
+  const std::string log = WriteLog("run.lcm", Maps(2));
+  EXPECT_EQ(RunQuality({log, "--json", log}).exit_code, 2);
+  EXPECT_EQ(RunQuality({folder, "--report", folder + "/report.html"}).exit_code, 0);
+  EXPECT_EQ(RunQuality({folder, "--report", folder + "/report.html"}).exit_code, 0);  // again
+}
+
 TEST_F(QualityProgram, SaysThatNoEdgeCrossesTheEdge) {
   const QualityOutcome outcome =
       RunQuality({WriteLog("run.lcm", Maps(1)), "--edge", "20,20,60,60"});

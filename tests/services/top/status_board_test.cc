@@ -51,6 +51,17 @@ TEST_F(StatusBoardTest, MissesTheStagesThatNobodyHeard) {
   EXPECT_TRUE(Whole());
 }
 
+TEST_F(StatusBoardTest, ShowsWhatATerminalWouldObey) {
+  StageStatus status = Status("gr\x1b[2Jow");
+  status.host = "robot\n";
+  status.last_error = "no\r\x1b]0;damage";
+  board_.Add(status, start_);
+  const std::string text = BoardText(board_.Rows(start_), /*colour=*/false);
+  EXPECT_THAT(text, HasSubstr("gr\\x1b[2Jow"));
+  EXPECT_THAT(text, HasSubstr("robot\\x0a:1"));
+  EXPECT_THAT(text, HasSubstr("no\\x0d\\x1b]0;damage"));
+}
+
 TEST_F(StatusBoardTest, ListsOthersBehindTheExpectedOnes) {
   for (const char* stage : {"view", "grow", "depth", "capture"}) board_.Add(Status(stage), start_);
   EXPECT_THAT(Seen(), ElementsAre("capture good", "grow good", "depth good", "view good"));

@@ -1,0 +1,50 @@
+#include "common/core/input_files.h"
+
+#include <mutex>
+#include <set>
+#include <system_error>
+#include <utility>
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InputFiles {
+  std::mutex mutex;
+  bool guarded = false;
+  std::set<fs::path> paths;
+};
+
+InputFiles& Inputs() {
+  static InputFiles inputs;
+  return inputs;
+}
+
+}  // namespace
+
+void GuardInputFiles() {
+  InputFiles& inputs = Inputs();
+  const std::lock_guard lock(inputs.mutex);
+  inputs.guarded = true;
+  inputs.paths.clear();
+}
+
+void NoteInputFile(const fs::path& path) {
+  InputFiles& inputs = Inputs();
+  const std::lock_guard lock(inputs.mutex);
+  std::error_code error;
+  if (!inputs.guarded || !fs::is_regular_file(path, error)) return;
+  fs::path whole = fs::canonical(path, error);
+  if (!error) inputs.paths.insert(std::move(whole));
+}
+
+bool IsInputFile(const fs::path& path) {
+  InputFiles& inputs = Inputs();
+  const std::lock_guard lock(inputs.mutex);
+  std::error_code error;
+  const fs::path whole = fs::canonical(path, error);
+  return !error && inputs.paths.contains(whole);
+}
+
+}  // namespace sprout

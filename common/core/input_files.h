@@ -1,0 +1,24 @@
+#ifndef SPROUT_COMMON_CORE_INPUT_FILES_H_
+#define SPROUT_COMMON_CORE_INPUT_FILES_H_
+
+#include <filesystem>
+
+namespace sprout {
+
+// The files that a program reads, of which none may be replaced by what it writes: readers of files
+// note what they open, and OutputFile refuses those. Of the whole process, since readers and
+// writers know nothing of each other. Paths are compared without links and "..". Thread-safe.
+
+/// From now on inputs are noted; those before are forgotten. Called at the start of every program
+/// (RunProgram). In other people's programs nothing is noted: they may replace what they have read.
+void GuardInputFiles();
+
+/// Notes a file that is read, or will be. What is no regular file is not noted.
+void NoteInputFile(const std::filesystem::path& path);
+
+/// Whether a file was noted.
+bool IsInputFile(const std::filesystem::path& path);
+
+}  // namespace sprout
+
+#endif  // SPROUT_COMMON_CORE_INPUT_FILES_H_
