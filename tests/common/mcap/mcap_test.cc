@@ -228,11 +228,11 @@ TEST(Mcap, SkipsAttachmentsAndWhatItDoesNotKnowByTheirLength) {
   const TemporaryDirectory folder;
   const Bytes file = MakeMcap(folder, McapCompression::kZstd);
   const int64_t before = PeakMemory();
-  for (const uint8_t opcode : {0x00, 0x08, 0x09, 0x0A, 0x0D, 0x10, 0x80, 0xFF}) {
-    InsertRecord(folder / "long", file, opcode, kBytes);
+  for (const int opcode : {0x00, 0x08, 0x09, 0x0A, 0x0D, 0x10, 0x80, 0xFF}) {
+    InsertRecord(folder / "long", file, static_cast<uint8_t>(opcode), kBytes);
     const Content content = ReadMcap(folder / "long");
-    EXPECT_EQ(content.messages.size(), 120U) << int{opcode};
-    EXPECT_THAT(content.trouble, IsEmpty()) << int{opcode};
+    EXPECT_EQ(content.messages.size(), 120U) << opcode;
+    EXPECT_THAT(content.trouble, IsEmpty()) << opcode;
   }
   // Messages of this size are none.
   InsertRecord(folder / "long", file, 0x05, kBytes);
