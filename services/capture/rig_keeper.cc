@@ -68,6 +68,9 @@ RigKeeper::Outcome RigKeeper::Consider(const RigChange& change, Clock::time_poin
       change.newest_frame.rig_id != used->rig_id) {
     return {};
   }
+  const bool is_none = change.right.turn.isZero(0) && change.tof.turn.isZero(0) &&
+                       change.range_offset_m == 0;
+  if (is_none) return {.text = "the calibration is not changed: the change is 0"};
   const RawRig& raw = used->rectifier.raw();
   const RawRig changed = ChangedRig(raw, RectificationOf(raw), change);
   Result<void> usable = CheckRawRig(changed);
@@ -75,9 +78,6 @@ RigKeeper::Outcome RigKeeper::Consider(const RigChange& change, Clock::time_poin
   if (!usable) return {.text = "the calibration is not changed: " + usable.error().text};
 
   const RigDescription file = Changed(changed);
-  if (ConfigText(file.calibration()) == ConfigText(current_->file().calibration())) {
-    return {.text = "the calibration is not changed: the change is 0"};
-  }
   const std::string rig_id = ChangedRigId(file);
   const std::filesystem::path path = FileOf(rig_id);
   if (const Result<void> saved = SaveRigFile(path, file); !saved) {
