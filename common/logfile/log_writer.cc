@@ -14,7 +14,9 @@ std::string_view AsText(std::span<const uint8_t> bytes) {
 
 }  // namespace
 
-LogWriter::LogWriter(const std::filesystem::path& path, bool overwrite) : path_(path), file_(path) {
+LogWriter::LogWriter(const std::filesystem::path& path, bool overwrite,
+                     OutputFile::OverInput over_input)
+    : path_(path), file_(path, over_input) {
   RequireNoFailure();
   if (file_.replaces() && !overwrite) {
     throw LogError(path_, "exists already; --force overwrites it");

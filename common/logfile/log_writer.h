@@ -19,8 +19,10 @@ namespace sprout {
 class LogWriter {
  public:
   /// @param overwrite  whether a file of that name may be replaced.
+  /// @param over_input  whether also one that this program reads, as with sprout-log's --force.
   /// @throws LogError when the file exists and may not be replaced, or cannot be written.
-  explicit LogWriter(const std::filesystem::path& path, bool overwrite = true);
+  explicit LogWriter(const std::filesystem::path& path, bool overwrite = true,
+                     OutputFile::OverInput over_input = OutputFile::OverInput::kRefused);
 
   /// @param channel  1 to 63 characters.
   /// @param number   nothing: how many were written before.

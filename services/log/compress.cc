@@ -28,7 +28,7 @@ void ChangeEvents(const std::filesystem::path& in, const std::filesystem::path& 
                   const Change& change) {
   const auto begun = std::chrono::steady_clock::now();
   LogReader reader(in);
-  LogWriter writer(out, force);
+  LogWriter writer(out, force, OutputFile::OverInput::kAllowed);
   ReadProgress progress("reading " + in.string(), reader.size());
   int64_t changed = 0;
   int64_t bytes = 0;

@@ -135,7 +135,7 @@ int RunCut(const CutOptions& options) {
   MemoryHint memory(options, range.first);
   const ChannelFilter filter(options.channels, options.prefix);
   LogReader reader(options.in);
-  LogWriter out(options.out, options.force);
+  LogWriter out(options.out, options.force, OutputFile::OverInput::kAllowed);
   RigKeeper rigs(out);
   ProcessKeeper processes(out);
   ReadProgress progress("reading " + options.in.string(), reader.size());
@@ -185,7 +185,7 @@ int RunMerge(const MergeOptions& options) {
     sources.push_back(std::make_unique<Source>(path));
     bytes += sources.back()->reader.size();
   }
-  LogWriter out(options.out, options.force);
+  LogWriter out(options.out, options.force, OutputFile::OverInput::kAllowed);
   ReadProgress progress("merging", bytes);
   for (;;) {
     // Each log keeps its order; of equal times the log named first comes first.
@@ -212,7 +212,7 @@ int RunMerge(const MergeOptions& options) {
 
 int RunRepair(const RepairOptions& options) {
   LogReader reader(options.in);
-  LogWriter out(options.out, options.force);
+  LogWriter out(options.out, options.force, OutputFile::OverInput::kAllowed);
   ReadProgress progress("repairing " + options.in.string(), reader.size());
   int64_t undecodable = 0;
   std::string report;
