@@ -133,10 +133,11 @@ py::object FromDict(const char* type, const py::dict& dict) {
   }
 }
 
-// What a pickle calls to make the object again.
+// What a pickle calls to make the object again: from_dict() by its name, since it cannot be pickled
+// itself.
 py::tuple ReduceTo(const char* type, const py::dict& dict) {
-  return py::make_tuple(py::module_::import("sprout._sprout").attr(type).attr("from_dict"),
-                        py::make_tuple(dict));
+  return py::make_tuple(py::module_::import("operator").attr("methodcaller")("from_dict", dict),
+                        py::make_tuple(py::module_::import("sprout._sprout").attr(type)));
 }
 
 std::string Repr(const TofCamera& tof) {
