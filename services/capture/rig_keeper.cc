@@ -68,8 +68,8 @@ RigKeeper::Outcome RigKeeper::Consider(const RigChange& change, Clock::time_poin
       change.newest_frame.rig_id != used->rig_id) {
     return {};
   }
-  const bool is_none = change.right.turn.isZero(0) && change.tof.turn.isZero(0) &&
-                       change.range_offset_m == 0;
+  const bool is_none =
+      change.right.turn.isZero(0) && change.tof.turn.isZero(0) && change.range_offset_m == 0;
   if (is_none) return {.text = "the calibration is not changed: the change is 0"};
   const RawRig& raw = used->rectifier.raw();
   const RawRig changed = ChangedRig(raw, RectificationOf(raw), change);
