@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
 #include <numbers>
 
 namespace sprout::selfcalibrate {
@@ -51,6 +53,17 @@ std::string AdviceText(bool applied) {
   if (applied) return "capture is asked to put it right";
   return "record some seconds, then: sprout-calibrate refine run.lcm --rig rig.textproto --out "
          "new.textproto; or self_calibrate { mode: APPLY }";
+}
+
+std::string CurveText(const RangeCorrection& curve) {
+  assert(!curve.empty());
+  const CorrectionKnot& most = *std::ranges::max_element(
+      curve, {}, [](const CorrectionKnot& knot) { return std::abs(knot.offset_m); });
+  return fmt::format(
+      "ranges are off differently at different ranges, most at {:.2f} m, where {} are missing: "
+      "record "
+      "some seconds, then sprout-calibrate refine writes a range_correction",
+      most.range_m, Seen(most.offset_m, most.sigma_m, 1000, 1, "mm"));
 }
 
 TofOffsetStatus OffsetOf(const RigChange& change, const RectifiedPair& pair) {

@@ -6,6 +6,7 @@
 #include "common/core/rig.h"
 #include "common/core/rig_change.h"
 #include "common/core/stage_status.h"
+#include "common/rig/range_correction.h"
 
 namespace sprout::selfcalibrate {
 
@@ -16,6 +17,9 @@ std::string ChangeText(const RigChange& change, const RectifiedPair& pair);
 /// What to do about a wrong calibration, one line.
 /// @param applied  whether capture is asked to change it.
 std::string AdviceText(bool applied);
+
+/// What a curve that is not empty says about the ranges, and what to do, one line.
+std::string CurveText(const RangeCorrection& curve);
 
 /// The ToF camera's turn as a shift of its points in the middle of the left image.
 TofOffsetStatus OffsetOf(const RigChange& change, const RectifiedPair& pair);

@@ -80,6 +80,7 @@ class Watcher {
       return;
     }
     monitor_.SetTofOffset(OffsetOf(change, pair));
+    if (!watch_.curve().empty()) monitor_.Warn(CurveText(watch_.curve()));
     if (change.verdict == RigChange::Verdict::kRight) return LogLine(LogLevel::kInfo, text);
     const bool applied = config_.mode() == SelfCalibrateConfig::APPLY;
     monitor_.Warn(text + ". " + AdviceText(applied));

@@ -81,6 +81,7 @@ Result<std::optional<RigChange>> RigWatch::Add(const Frame& frame) {
 
 RigChange RigWatch::Measure(const FrameId& newest) {
   RigChange change{.newest_frame = newest, .frames = refiner_->views()};
+  curve_.clear();
   const Result<SceneRefinement> refined = refiner_->Refine({});
   if (!refined) {
     change.reason = refined.error().text;
@@ -94,6 +95,7 @@ RigChange RigWatch::Measure(const FrameId& newest) {
     return change;
   }
   FillNumbers(*refined, change);
+  curve_ = refined->curve;
   change.verdict = IsWrong(*refined) ? RigChange::Verdict::kWrong : RigChange::Verdict::kRight;
   return change;
 }

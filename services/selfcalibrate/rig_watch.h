@@ -25,6 +25,10 @@ class RigWatch {
   ///          when the calibration is wrong.
   Result<std::optional<RigChange>> Add(const Frame& frame);
 
+  /// What the last result would add to the ranges, as a curve of the range; empty: no curve is
+  /// sure. rig_change_t has no place for it: sprout-calibrate refine writes it into the rig file.
+  const RangeCorrection& curve() const { return curve_; }
+
  private:
   RigChange Measure(const FrameId& newest);
   void FillRows(const calibrate::SceneRefinement& refined, RigChange& change) const;
@@ -32,6 +36,7 @@ class RigWatch {
   bool IsWrong(const calibrate::SceneRefinement& refined) const;
 
   SelfCalibrateConfig config_;
+  RangeCorrection curve_;
   RectifiedPair pair_;
   std::string rig_id_;                              // of the frames in refiner_
   std::optional<calibrate::SceneRefiner> refiner_;  // nothing before the first frame

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/core/image.h"
 #include "common/core/quantile.h"
@@ -172,12 +173,17 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
     change = result.adjusted.change;
   }
   const std::vector<MatchResidual> before = ResidualsOf(rig_, matches_, Depths(matches_), {});
-  const std::vector<MatchResidual> after =
+  std::vector<MatchResidual> after =
       ResidualsOf(rig_, matches_, result.adjusted.inverse_depths, change);
   if (const Result<void> agree = CheckAgreement(matches_, after, views_.size()); !agree) {
     return tl::unexpected(agree.error());
   }
   result.rig = Changed(rig_, change);
+  result.curve = TakeOutCurve(after, result.adjusted);
+  if (!result.curve.empty()) {
+    result.rig.range_correction = Chained(rig_.range_correction, result.curve);
+    after = ResidualsOf(rig_, matches_, result.adjusted.inverse_depths, change);
+  }
   if (const Result<void> usable = CheckRawRig(result.rig); !usable) {
     return Fail("the refined calibration cannot be used: " + usable.error().text);
   }
@@ -192,6 +198,31 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
   }
   result.reasons = ReasonsAgainst(result);
   return result;
+}
+
+RangeCorrection SceneRefiner::TakeOutCurve(const std::vector<MatchResidual>& residuals,
+                                           const AdjustedScene& adjusted) {
+  const double offset_m = adjusted.change[kRangeOffset];
+  const auto range_m = [&](const TofPatch& patch) {
+    return patch.distance_m / patch.per_range + offset_m;
+  };
+  std::vector<RangeSample> samples;
+  for (size_t i = 0; i < matches_.size(); ++i) {
+    if (!residuals[i].tof_m || !(std::abs(*residuals[i].tof_px) > 0)) continue;
+    const TofPatch& patch = *matches_[i].tof;
+    const double m_per_px = std::abs(*residuals[i].tof_m / *residuals[i].tof_px);
+    samples.push_back({.range_m = range_m(patch),
+                       .error_m = *residuals[i].tof_m / patch.per_range,
+                       .sigma_m = std::hypot(patch.sigma_m, adjusted.match_sigma_px * m_per_px) /
+                                  patch.per_range});
+  }
+  const RangeCorrection curve = FitRangeCurve(std::move(samples));
+  for (SceneMatch& match : matches_) {
+    if (!match.tof || curve.empty()) continue;
+    match.tof->distance_m +=
+        match.tof->per_range * CorrectionAt(curve, range_m(*match.tof)).offset_m;
+  }
+  return curve;
 }
 
 SceneFit SceneRefiner::FitOf(const std::vector<MatchResidual>& residuals) const {

@@ -11,6 +11,7 @@
 #include "common/rig/raw_rig.h"
 #include "common/rig/rectification.h"
 #include "services/calibrate/scene/pair_matches.h"
+#include "services/calibrate/scene/range_curve_fit.h"
 #include "services/calibrate/scene/rig_change.h"
 #include "services/calibrate/scene/scene_adjustment.h"
 #include "services/calibrate/scene/scene_match.h"
@@ -45,6 +46,9 @@ struct SceneRefinement {
   int matches = 0;
   int tof_matches = 0;
   int edge_views = 0;  ///< whose depth edges showed where the ToF camera looks
+  /// What was added to rig.range_correction, of ranges after the change of their offset; empty: no
+  /// curve is sure.
+  RangeCorrection curve;
   SceneFit before;
   SceneFit after;
   std::vector<ShownMatch> shown;
@@ -116,6 +120,10 @@ class SceneRefiner {
   void ThinOut();
   void AttachPatches(const RawRig& rig);
   std::optional<EdgeShift> FindEdges(const RigNumbers& change);
+  // What is still wrong with the ranges once the change is applied; the patches are corrected by
+  // it.
+  RangeCorrection TakeOutCurve(const std::vector<MatchResidual>& residuals,
+                               const AdjustedScene& adjusted);
   SceneFit FitOf(const std::vector<MatchResidual>& residuals) const;
 
   RawRig rig_;

@@ -64,6 +64,17 @@ Table NumberTable(const SceneRefinement& refinement) {
   return rows;
 }
 
+Table CurveTable(const SceneRefinement& refinement) {
+  Table rows;
+  if (refinement.curve.empty()) return rows;
+  rows.push_back({"ranges are corrected at", "by", "standard deviation"});
+  for (const CorrectionKnot& knot : refinement.curve) {
+    rows.push_back({fmt::format("{:.2f} m", knot.range_m), Number(1000 * knot.offset_m, 1, "mm"),
+                    fmt::format("{:.1f} mm", 1000 * knot.sigma_m)});
+  }
+  return rows;
+}
+
 std::string CountsText(const SceneRefinement& refinement) {
   std::string text = fmt::format("{} frames, {} matches", refinement.views, refinement.matches);
   if (refinement.tof_matches > 0) {
@@ -100,7 +111,8 @@ std::string SceneSummaryText(const SceneRefinement& refinement) {
   std::string text = fmt::format("{}\ncalibration: {}\n", CountsText(refinement),
                                  VerdictText(refinement.is_good()));
   for (const std::string& reason : refinement.reasons) text += "  * " + reason + "\n";
-  return text + TableText(FitTable(refinement)) + TableText(NumberTable(refinement));
+  return text + TableText(FitTable(refinement)) + TableText(NumberTable(refinement)) +
+         TableText(CurveTable(refinement));
 }
 
 std::string SceneReportHtml(const SceneRefinement& refinement, const SceneRefiner& refiner) {
@@ -110,6 +122,7 @@ std::string SceneReportHtml(const SceneRefinement& refinement, const SceneRefine
       "<h2>What changes</h2>\n<p>Standard deviations from the scatter and the number of "
       "the matches.</p>\n" +
       TableHtml(NumberTable(refinement));
+  if (!refinement.curve.empty()) html += TableHtml(CurveTable(refinement));
 
   const SceneRefiner::View& view = refiner.best_view();
   html +=

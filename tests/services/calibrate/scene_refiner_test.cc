@@ -7,6 +7,10 @@
 #include <iostream>
 #include <numbers>
 
+#include "common/core/quantile.h"
+#include "common/geometry/lens.h"
+#include "common/rig/rectifier.h"
+#include "services/calibrate/scene/scene_report.h"
 #include "tests/services/calibrate/knocked_scene.h"
 
 namespace sprout::calibrate {
@@ -124,6 +128,54 @@ TEST(SceneRefiner, RecoversAllErrorsAtOnceAndLeavesARightRigAlone) { ExpectRecov
 
 // By hand, with --gtest_also_run_disabled_tests: the table of NOTES.md, four minutes.
 TEST(SceneRefiner, DISABLED_RecoversTenRigs) { ExpectRecovered(1, 3, 0.3); }
+
+// Median distance of a rig's ranges from the true ones, m.
+double RangesOff(const RawRig& rig, const std::vector<RigImages>& measured,
+                 const std::vector<RigImages>& right) {
+  const Rectifier rectifier(rig);
+  std::vector<double> off_m;
+  for (size_t i = 0; i < measured.size(); ++i) {
+    TofImage tof = measured[i].tof;
+    rectifier.CorrectRanges(tof);
+    for (int at = 0; at < static_cast<int>(tof.depth_m.total()); ++at) {
+      if (!IsReturn(tof.depth_m(at))) continue;
+      off_m.push_back(std::abs(tof.depth_m(at) - right[i].tof.depth_m(at)));
+    }
+  }
+  return Median(off_m);
+}
+
+TEST(SceneRefiner, LearnsHowFarRangesAreOffAtWhichRange) {
+  const RawRig rig = TrueRig({640, 480});
+  const std::vector<RigImages> right = Frames(rig, 1, true, 3);
+  const auto left_alone = RefineKnocked(rig, {}, right);
+  ASSERT_TRUE(left_alone) << left_alone.error().text;
+  EXPECT_TRUE(left_alone->curve.empty());
+  EXPECT_TRUE(left_alone->rig.range_correction.empty());
+
+  std::vector<RigImages> wiggling = right;
+  const cv::Mat1d length = RangePerDepth(rig.tof);
+  for (RigImages& frame : wiggling) {
+    frame.tof.depth_m = frame.tof.depth_m.clone();
+    for (int at = 0; at < static_cast<int>(length.total()); ++at) {
+      const double range_m = frame.tof.depth_m(at) * length(at);
+      const double off_m = 0.015 * std::sin(2 * std::numbers::pi * range_m / 1.25);
+      frame.tof.depth_m(at) += static_cast<float>(off_m / length(at));
+    }
+  }
+  const auto refined = RefineKnocked(rig, {}, wiggling);
+  ASSERT_TRUE(refined) << refined.error().text;
+  EXPECT_TRUE(refined->is_good());
+  EXPECT_THAT(SceneSummaryText(*refined), HasSubstr("ranges are corrected at"));
+  const double before_m = RangesOff(rig, wiggling, right);
+  const double after_m = RangesOff(refined->rig, wiggling, right);
+  std::cout << fmt::format("{:.1f} mm off before, {:.1f} after, {} knots\n", 1000 * before_m,
+                           1000 * after_m, refined->curve.size());
+  EXPECT_GT(before_m, 0.007);
+  // Where no match is, nothing is learned, and a part goes to the yaw.
+  EXPECT_LT(after_m, 0.6 * before_m);
+  EXPECT_LT(refined->after.tof_abs_m, refined->before.tof_abs_m / 2);
+}
 
 TEST(SceneRefiner, FindsThePairWithoutAToFCamera) {
   RawRig rig = TrueRig({640, 480});

@@ -42,6 +42,11 @@ TEST(ChangeText, AdvisesACommandUnlessCaptureDoesIt) {
   EXPECT_EQ(AdviceText(/*applied=*/true), "capture is asked to put it right");
 }
 
+TEST(CurveText, NamesTheRangeThatIsOffMost) {
+  EXPECT_THAT(CurveText({{1, 0.004, 0.001}, {1.5, -0.0123, 0.0021}, {2, 0.01, 0.001}}),
+              testing::HasSubstr("most at 1.50 m, where -12.3 ± 2.1 mm are missing: "));
+}
+
 TEST(OffsetOf, IsTheShiftOfTheToFCamerasPoints) {
   const TofOffsetStatus offset = OffsetOf(Wrong(), kPair);
   EXPECT_FLOAT_EQ(offset.u_px, 3);

@@ -68,6 +68,8 @@ class WatchedRig {
     return seen && *seen ? **seen : RigChange();
   }
 
+  const RangeCorrection& curve() const { return watch_.curve(); }
+
   // A turn about the axes of the unrectified left camera, in those of the rectified one.
   Eigen::Vector3d Rectified(double pitch, double yaw, double roll) const {
     return BackOf(made_.left_turn).transpose() * Eigen::Vector3d(pitch, yaw, roll);
@@ -147,6 +149,28 @@ TEST(RigWatch, SeesATurnedToFCameraAndItsRanges) {
                           0.1 * kDegree);
   EXPECT_NEAR(seen.range_offset_m, 0.03, std::min(3 * seen.range_sigma_m, 0.005));
   for (const double turn : seen.right.turn) EXPECT_LT(std::abs(turn), 0.02 * kDegree);
+}
+
+TEST(RigWatch, SeesRangesThatAreOffDifferently) {
+  const RawRig rig = calibrate::TrueRig({640, 480});
+  WatchedRig watched(rig);
+  EXPECT_EQ(watched.See(rig).verdict, Verdict::kRight);
+  EXPECT_TRUE(watched.curve().empty());
+  const cv::Mat1d per_depth = RangePerDepth(rig.tof);
+  const auto wiggling = [&](RigImages images) {
+    for (int i = 0; i < static_cast<int>(per_depth.total()); ++i) {
+      const double range_m = images.tof.depth_m(i) * per_depth(i);
+      const double off_m = 0.03 * std::sin(2 * std::numbers::pi * range_m / 1.25);
+      images.tof.depth_m(i) += static_cast<float>(off_m / per_depth(i));
+    }
+    return images;
+  };
+  for (int i = 1; i < kFrames; ++i) {
+    ASSERT_TRUE(watched.Add(wiggling(RenderScene(rig, 3, 20 * i, true))));
+  }
+  const RigChange seen = watched.SeeOne(wiggling(RenderScene(rig, 3, 0, true)));
+  EXPECT_NE(seen.verdict, Verdict::kUnseen) << seen.reason;
+  EXPECT_FALSE(watched.curve().empty());
 }
 
 TEST(RigWatch, SeesRowsButNoYawWithoutToFCamera) {
