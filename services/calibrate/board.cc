@@ -66,8 +66,9 @@ BoardSize Checked(const BoardSize& size) {
   const int least = has_tags ? 2 : 3;
   constexpr int kMost = 500;
   if (size.columns < least || size.rows < least || squares > kMost) {
-    throw ConfigError(fmt::format("--squares {}x{}: allowed is {}x{} and more, up to {} in all",
-                                  size.columns, size.rows, least, least, kMost));
+    throw ConfigError(fmt::format("--squares {}x{}: allowed is {}x{} and more, up to {} {} in all",
+                                  size.columns, size.rows, least, least, kMost,
+                                  has_tags ? "tags" : "squares"));
   }
   if (has_tags) CheckMarkers(size, squares, "DICT_APRILTAG_36h11");
   if (size.kind == BoardKind::kCharuco) CheckMarkers(size, squares / 2, size.dictionary);

@@ -216,7 +216,12 @@ TEST_F(CalibrateProgram, SaysThatTheBoardIsNotThereOrAnotherOne) {
   Append(images, 0, events);
   WriteBytes(folder_ / "wall.lcm", MakeLog(events));
   ExpectRefused({"estimate", File("wall.lcm"), "--out", File("out.textproto")}, 1,
-                "no image can be used (1 images: 0 views used, 1 without the board)");
+                "no image can be used (1 images: 0 views used, 1 without the board); found no "
+                "board at all; looked for a ChArUco board of 9x6 squares with DICT_4X4_250 "
+                "(--board, --squares, --dictionary)");
+  ExpectRefused({"estimate", WriteLog("ours.lcm", 2), "--board", "chessboard", "--squares", "8x5",
+                 "--out", File("out.textproto")},
+                1, " markers of DICT_4X4_250; looked for a chessboard of 8x5 squares, 7x4 inner");
 
   const std::string log = WriteLog("raw.lcm", 3);
   ExpectRefused({"estimate", log, "--squares", "5x7", "--out", File("out.textproto")}, 1,
