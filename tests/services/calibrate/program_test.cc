@@ -219,9 +219,11 @@ TEST_F(CalibrateProgram, SaysThatTheBoardIsNotThereOrAnotherOne) {
                 "no image can be used (1 images: 0 views used, 1 without the board); found no "
                 "board at all; looked for a ChArUco board of 9x6 squares with DICT_4X4_250 "
                 "(--board, --squares, --dictionary)");
-  ExpectRefused({"estimate", WriteLog("ours.lcm", 2), "--board", "chessboard", "--squares", "8x5",
-                 "--out", File("out.textproto")},
-                1, " markers of DICT_4X4_250; looked for a chessboard of 8x5 squares, 7x4 inner");
+  ExpectRefused({"estimate", WriteLog("ours.lcm", 2), "--dictionary", "DICT_6X6_250", "--out",
+                 File("out.textproto")},
+                1,
+                " markers of DICT_4X4_250; looked for a ChArUco board of 9x6 squares with "
+                "DICT_6X6_250");
 
   const std::string log = WriteLog("raw.lcm", 3);
   ExpectRefused({"estimate", log, "--squares", "5x7", "--out", File("out.textproto")}, 1,
