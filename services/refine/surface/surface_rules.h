@@ -49,9 +49,24 @@ struct SurfaceRules {
   static constexpr double kMuchBetter = 2;
 
   // Hidden points.
-  /// A piece hides a point outside its core where the windows differ this many times less at the
-  /// piece's disparity than at the point's. By trial.
-  static constexpr double kClearlyBetter = 1.25;
+  /// What a piece may lie off beside its point, px of disparity a px: its neighbours show its
+  /// slant, not how the surface bends or ends. Measured (NOTES.md, "Hidden points").
+  static constexpr double kPiecePerPx = 0.2;
+  /// A piece is at least this part of the spacing of the points: along a beam of a lidar points are
+  /// close, but its surface is no narrower for that. Measured (NOTES.md, "Hidden points").
+  static constexpr double kPieces = 2;
+  /// Slant that a piece may have where no neighbour shows it: that of a road under a car's cameras,
+  /// baseline over height, 0.54 m / 1.65 m on KITTI.
+  static constexpr float kUnseenSlope = 0.3F;
+  /// Least width in the right image of what is 1 px wide in the left one: of what is steeper the
+  /// right camera sees next to nothing.
+  static constexpr double kLeastSeen = 0.2;
+  /// √2 − 1: 1 / (1 + that)² is a half.
+  static constexpr double kHalves = 0.41421356;
+  static constexpr double kLeastCore = 0.01;  ///< spacings; of a smaller core the images decide all
+  /// Difference of two windows of one surface: Σ(a − b)² / Σ(a² + b²) for noise of 1.4 grey levels
+  /// at a mean of 100. Smaller differences say nothing.
+  static constexpr double kNoise = 2e-4;
   /// Smallest side of the cells for looking up points, px. It affects time only.
   static constexpr double kSmallestCellPx = 5;
   /// Most pieces of such a cell that hide others, the nearest ones: more than a sensor as fine as

@@ -17,10 +17,10 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr size_t kMostPieces = SurfaceRules::kMostPieces;
 
-// The smaller of two steps by magnitude: beside an edge the one that stays on the surface. A step
-// to a pixel without a point is NaN and does not count.
-float GentlerStep(float a, float b) {
-  if (std::isnan(a)) return std::isnan(b) ? 0 : b;
+// The smaller of two slopes by magnitude: beside an edge the one that stays on the surface. A slope
+// to a cell without a point is NaN and does not count.
+float Gentler(float a, float b) {
+  if (std::isnan(a)) return b;
   if (std::isnan(b)) return a;
   return std::abs(a) <= std::abs(b) ? a : b;
 }
@@ -35,24 +35,30 @@ bool IsNearer(const ProjectedPoint& a, const ProjectedPoint& b) {
 
 }  // namespace
 
-// Three of four returns have the next one as near as this along the columns and along the rows.
+// How far the next return lies below, for three of four: in the same column of the ToF image, or in
+// the same columns of several.
+int TofSurface::RowStep(const TofCamera& tof, std::span<const ProjectedPoint> points, int columns) {
+  gaps_.clear();
+  last_row_.assign(static_cast<size_t>(tof.width / columns + 1), -1);
+  for (const ProjectedPoint& point : points) {
+    int& last = last_row_[static_cast<size_t>(point.tof_u / columns)];
+    if (last >= 0) gaps_.push_back(point.tof_v - last);
+    last = point.tof_v;
+  }
+  return gaps_.empty() ? 1 : Quantile(gaps_, SurfaceRules::kWithNext);
+}
+
 void TofSurface::SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> points) {
-  const auto step = [&] { return gaps_.empty() ? 1 : Quantile(gaps_, SurfaceRules::kWithNext); };
   gaps_.clear();
   for (size_t i = 1; i < points.size(); ++i) {  // they come row by row
     if (points[i].tof_v == points[i - 1].tof_v) {
       gaps_.push_back(points[i].tof_u - points[i - 1].tof_u);
     }
   }
-  column_step_ = step();
-  gaps_.clear();
-  last_row_.assign(static_cast<size_t>(tof.width), -1);
-  for (const ProjectedPoint& point : points) {
-    int& last = last_row_[static_cast<size_t>(point.tof_u)];
-    if (last >= 0) gaps_.push_back(point.tof_v - last);
-    last = point.tof_v;
-  }
-  row_step_ = step();
+  column_step_ = gaps_.empty() ? 1 : Quantile(gaps_, SurfaceRules::kWithNext);
+  row_step_ = RowStep(tof, points, 1);
+  // The next beam's points of a lidar need not lie in the same column.
+  next_row_ = column_step_ == 1 ? row_step_ : std::max(1, RowStep(tof, points, column_step_));
 }
 
 void TofSurface::Set(const Rig& rig, std::span<const ProjectedPoint> points) {
@@ -60,6 +66,10 @@ void TofSurface::Set(const Rig& rig, std::span<const ProjectedPoint> points) {
   SetSteps(rig.tof, points);
   column_px_ = column_step_ * rig.pair.focal_px / rig.tof.fx;
   row_px_ = row_step_ * rig.pair.focal_px / rig.tof.fy;
+  next_row_px_ = next_row_ * rig.pair.focal_px / rig.tof.fy;
+  piece_px_ = {std::max(column_px_, spacing_px() / SurfaceRules::kPieces),
+               std::max(next_row_px_, spacing_px() / SurfaceRules::kPieces)};
+  tof_rows_ = rig.tof.height;
   stride_ = rig.tof.width / column_step_ + 3;
   const int rows = rig.tof.height / row_step_ + 3;
   disparity_.assign(static_cast<size_t>(stride_) * static_cast<size_t>(rows), kNone);
@@ -115,11 +125,60 @@ bool TofSurface::IsConfirmed(const ProjectedPoint& point, double tolerance_px,
   return compared;
 }
 
-TofSurface::Piece TofSurface::PieceOf(const ProjectedPoint& point) const {
-  const float* at = At(point);
-  const float here = point.seed.disparity();
-  return {point.seed.disparity(), GentlerStep(at[1] - here, here - at[-1]),
-          GentlerStep(at[stride_] - here, here - at[-stride_])};
+// The nearest point of each cell between beams.
+void TofSurface::SortForPieces(std::span<const ProjectedPoint> points) {
+  const int rows = tof_rows_ / next_row_ + 3;
+  nearest_of_cell_.assign(static_cast<size_t>(stride_) * static_cast<size_t>(rows), -1);
+  for (size_t i = 0; i < points.size(); ++i) {
+    int32_t& nearest = nearest_of_cell_[PieceCell(points[i])];
+    if (nearest < 0 || IsNearer(points[i], points[static_cast<size_t>(nearest)])) {
+      nearest = static_cast<int32_t>(i);
+    }
+  }
+}
+
+// Slopes to the points of the cells around, at the places where these really are.
+TofSurface::Piece TofSurface::PieceOf(std::span<const ProjectedPoint> points,
+                                      const ProjectedPoint& point) const {
+  using Rules = SurfaceRules;
+  const size_t cell = PieceCell(point);
+  const auto at = [&](std::ptrdiff_t step) {
+    const int32_t index =
+        nearest_of_cell_[static_cast<size_t>(static_cast<std::ptrdiff_t>(cell) + step)];
+    return index < 0 ? nullptr : &points[static_cast<size_t>(index)].seed;
+  };
+  const auto rise = [&](const Seed& seed) { return seed.disparity() - point.seed.disparity(); };
+  // At least half a cell: a point nearer than that would make a steep slope of any step.
+  const auto across = [&](int side) {
+    const Seed* const seed = at(side);
+    if (seed == nullptr) return kNone;
+    const auto way = static_cast<float>(side);
+    return way * rise(*seed) /
+           std::max(way * (seed->u - point.seed.u), static_cast<float>(column_px_ / 2));
+  };
+  Piece piece{.disparity = point.seed.disparity(),
+              .slope = {Gentler(across(1), across(-1)), 0},
+              .unseen = {0, 0}};
+  if (std::isnan(piece.slope.x)) {
+    piece.slope.x = 0;
+    piece.unseen.x = Rules::kUnseenSlope;
+  }
+  const auto down = [&](int side) {
+    const auto way = static_cast<float>(side);
+    for (const int beside : {0, -1, 1}) {  // of the next beam
+      const Seed* const seed = at(side * stride_ + beside);
+      if (seed == nullptr) continue;
+      return way * (rise(*seed) - piece.slope.x * (seed->u - point.seed.u)) /
+             std::max(way * (seed->v - point.seed.v), static_cast<float>(next_row_px_ / 2));
+    }
+    return kNone;
+  };
+  piece.slope.y = Gentler(down(1), down(-1));
+  if (std::isnan(piece.slope.y)) {
+    piece.slope.y = 0;
+    piece.unseen.y = Rules::kUnseenSlope;
+  }
+  return piece;
 }
 
 // One point against the pieces around it.
@@ -130,9 +189,7 @@ class TofSurface::HiddenTest {
       : surface_(surface), points_(points), left_(left), right_(right), rule_(rule) {}
 
   bool IsHiddenIn(const View& view, size_t i) const {
-    Point point{.index = i,
-                .furthest_px = points_[i].seed.disparity() + rule_.tolerance_px,
-                .difference = {}};
+    Point point{.index = i, .difference = {}};
     return view.cells.AnyNeighbour(view.positions[i],
                                    [&](size_t other) { return Hides(view, other, point); });
   }
@@ -140,30 +197,38 @@ class TofSurface::HiddenTest {
  private:
   struct Point {
     size_t index;
-    double furthest_px;                // that a piece may lie and hide nothing
     std::optional<double> difference;  // of the images there, once it was asked for
   };
 
-  // Whether the piece of a point hides another one.
+  // Whether the piece of a point hides another one, by eq. (11).
   bool Hides(const View& view, size_t by, Point& point) const {
-    // From the one to the other, in ToF pixels.
-    const cv::Point2f& from = view.positions[by];
-    const cv::Point2f& to = view.positions[point.index];
-    const double across = (double{to.x} - from.x) / surface_.column_px_;
-    const double down = (double{to.y} - from.y) / surface_.row_px_;
-    const double distance = std::max(std::abs(across), std::abs(down));
+    using Rules = SurfaceRules;
+    const cv::Point2f off = view.positions[point.index] - view.positions[by];
+    const double across = off.x / surface_.piece_px_.x;
+    const double down = off.y / surface_.piece_px_.y;
+    const double distance = std::sqrt(across * across + down * down);
     if (distance > rule_.reach) return false;
     const Piece& piece = surface_.pieces_[by];
-    const double piece_px = piece.disparity + across * piece.across + down * piece.down;
-    if (piece_px <= point.furthest_px) return false;
-    if (distance <= rule_.core) return true;
-    // The piece at this pixel: what it would be in the other image.
     const Seed& seed = points_[point.index].seed;
     const bool is_left = &view == &surface_.left_;
+    // A px of the right image is 1 − slope px of the left one.
+    const double steps = is_left ? 1 : std::max(1 - double{piece.slope.x}, Rules::kLeastSeen);
+    const double piece_px = piece.disparity + double{off.dot(piece.slope)} / steps;
+    const double behind_px = piece_px - seed.disparity();
+    const double distance_px = std::sqrt(double{off.x} * off.x + double{off.y} * off.y);
+    const double tolerance_px = rule_.tolerance_px + Rules::kPiecePerPx * distance_px +
+                                std::abs(off.x) * piece.unseen.x + std::abs(off.y) * piece.unseen.y;
+    if (behind_px <= tolerance_px) return false;
+    const double beside = 1 + Rules::kHalves * distance / std::max(rule_.core, Rules::kLeastCore);
+    const double odds = std::sqrt(behind_px / tolerance_px) / (beside * beside);
+    // The piece at this pixel: what it would be in the other image.
     const double u = is_left ? seed.u : seed.u_right + piece_px;
     const double u_right = is_left ? seed.u - piece_px : seed.u_right;
     if (!point.difference) point.difference = Difference(seed.u, seed.v, seed.u_right);
-    return SurfaceRules::kClearlyBetter * Difference(u, seed.v, u_right) < *point.difference;
+    const double of_piece = Difference(u, seed.v, u_right);
+    // Outside an image there is nothing to compare.
+    if (std::isinf(of_piece) || std::isinf(*point.difference)) return odds > 1;
+    return odds * (*point.difference + Rules::kNoise) > of_piece + Rules::kNoise;
   }
 
   double Difference(double u, double v, double u_right) const {
@@ -183,7 +248,7 @@ const std::vector<Hidden>& TofSurface::FindHidden(std::span<const ProjectedPoint
   hidden_.assign(points.size(), {});
   if (rule.reach <= 0) return hidden_;
   const double cell_px =
-      std::max(SurfaceRules::kSmallestCellPx, rule.reach * std::max(column_px_, row_px_));
+      std::max(SurfaceRules::kSmallestCellPx, rule.reach * std::max(piece_px_.x, piece_px_.y));
   const auto look = [&](size_t count, float Seed::*column, View& view) {
     view.positions.clear();
     for (const auto& [u, v, seed] : points.first(count)) {
@@ -198,10 +263,9 @@ const std::vector<Hidden>& TofSurface::FindHidden(std::span<const ProjectedPoint
   RunBoth(
       [&] {
         look(points.size(), &Seed::u, left_);
+        SortForPieces(points);
         pieces_.clear();
-        for (const ProjectedPoint& point : points) {
-          pieces_.push_back(PieceOf(point));
-        }
+        for (const ProjectedPoint& point : points) pieces_.push_back(PieceOf(points, point));
       },
       [&] { look(in_both, &Seed::u_right, right_); });
 

@@ -14,9 +14,8 @@ namespace sprout::refine {
 
 /// The tolerances of TofSurface::FindHidden().
 struct HiddenRule {
-  double core = 0;          ///< half the side of a piece's core, cells of the ToF image
-  double reach = 0;         ///< half the side of the whole piece, cells; below 1 it ends before
-                            ///< the next cell of the surface
+  double core = 0;          ///< distance at which the odds have halved, sizes of a piece
+  double reach = 0;         ///< how far a piece reaches, sizes of a piece
   double tolerance_px = 0;  ///< how much further a point may lie, px
 };
 
@@ -72,10 +71,11 @@ class TofSurface {
 
   /// Which points a nearer surface hides from the left or from the right camera: what the ToF
   /// camera sees past an edge from its own position. Each point stands for a piece of surface
-  /// around it in the image, with the slant that its neighbours show. A point that lies further
-  /// than such a piece by more than the tolerance is hidden when it is in the core of the piece.
-  /// Outside the core, where the edge of the surface may be on either side, it is hidden when the
-  /// images agree better with the piece than with the point.
+  /// around it in the image, with the slant that its neighbours show. Whether such a piece hides a
+  /// point that lies further by more than the tolerance is decided by odds, eq. (11) of the README:
+  /// those before the images are asked rise with the distance behind the piece and fall with the
+  /// distance beside its point; the images say whether the piece's disparity or the point's own
+  /// fits better. So a point that they confirm at its own place is not hidden.
   ///
   /// The idea of the paper's background rule, whose window of 5×5 px is too small for a sensor
   /// with fewer pixels and too large for one with more: here the window follows the spacing of the
@@ -100,8 +100,8 @@ class TofSurface {
   // A point as a piece of surface.
   struct Piece {
     float disparity = 0;
-    float across = 0;  // change of disparity from one cell to the next, px
-    float down = 0;
+    cv::Point2f slope;   // px of disparity a px of the left image, to the right and down
+    cv::Point2f unseen;  // what it may be where no neighbour shows it, else 0
   };
   // One of the images of the pair.
   struct View {
@@ -110,6 +110,7 @@ class TofSurface {
   };
   class HiddenTest;
 
+  int RowStep(const TofCamera& tof, std::span<const ProjectedPoint> points, int columns);
   void SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> points);
   // Of the cell of a point.
   size_t IndexOf(const ProjectedPoint& point) const {
@@ -117,18 +118,29 @@ class TofSurface {
                                point.tof_u / column_step_ + 1);
   }
   const float* At(const ProjectedPoint& point) const { return disparity_.data() + IndexOf(point); }
-  Piece PieceOf(const ProjectedPoint& point) const;
+  // The cell of a point among those for pieces, which are as high as from one beam to the next.
+  size_t PieceCell(const ProjectedPoint& point) const {
+    return static_cast<size_t>((point.tof_v / next_row_ + 1) * stride_ +
+                               point.tof_u / column_step_ + 1);
+  }
+  void SortForPieces(std::span<const ProjectedPoint> points);
+  Piece PieceOf(std::span<const ProjectedPoint> points, const ProjectedPoint& point) const;
 
   cv::Size size_;        // of the images of the pair
   int column_step_ = 1;  // sides of a cell, ToF pixels
   int row_step_ = 1;
   double column_px_ = 1;  // the same in the images of the pair, px
   double row_px_ = 1;
+  int next_row_ = 1;        // from one beam to the next, ToF pixels
+  double next_row_px_ = 1;  // in the images of the pair, px
+  int tof_rows_ = 0;
+  cv::Point2d piece_px_{1, 1};  // size of a piece, px
   std::ptrdiff_t stride_ = 0;
   std::vector<float> disparity_;  // of the cells and one more all around, NaN = none
   std::vector<int> last_row_;     // with a return in each ToF column
   std::vector<int> gaps_;
   std::vector<float> deviations_;
+  std::vector<int32_t> nearest_of_cell_;  // index of a point, −1 = none; cells for pieces
   std::vector<Piece> pieces_;
   View left_;
   View right_;

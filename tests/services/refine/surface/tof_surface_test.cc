@@ -47,8 +47,7 @@ std::vector<int> Columns(const std::vector<Fate>& fates) {
   return columns;
 }
 
-// Hidden points of row 5. Images of one colour agree with everything, and never better with the
-// piece than with the point: the core alone decides.
+// Hidden points of row 5. Images of one colour agree with everything, so where points lie decides.
 std::vector<int> HiddenColumns(const std::vector<ProjectedPoint>& points, double core = 0.75,
                                double tolerance_px = 1) {
   const cv::Mat1b grey(120, 200, uint8_t{100});
@@ -107,8 +106,10 @@ TEST(TofSurface, LeavesASlantedBoardsOwnPointsAtItsEdges) {
   for (int column : HiddenColumns(points)) EXPECT_TRUE(column < 4 || column > 7) << column;
 }
 
-TEST(TofSurface, HidesAsFarAsTheCoreWithoutAskingTheImages) {
-  // The board moves by 4 px against the wall: the next column of the wall is 4 px from its edge.
+TEST(TofSurface, HidesLessTheFurtherBesideThePieceWhereTheImagesSayNothing) {
+  // The board moves by 4 px against the wall: the next column of the wall is half a cell from its
+  // edge, and lies 8 px behind. Odds √(8 / (1 + 0.2 · 4)) = 2.1; (1 + 0.41 · 0.5 / core)² is 2.1
+  // for a core of 0.45, 1.9 for 0.55.
   const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 18.f : 10.f; });
   EXPECT_THAT(HiddenColumns(points, 0.45), testing::IsEmpty());
   EXPECT_THAT(HiddenColumns(points, 0.55), testing::ElementsAre(3, 8));
@@ -116,7 +117,7 @@ TEST(TofSurface, HidesAsFarAsTheCoreWithoutAskingTheImages) {
 
 // The board of column 4 to 7 at 18 px before a wall at 10 px. Between the board's last point, left
 // column 60 + 8·7 + 9 = 125, and the wall's next, 129, the edge may be anywhere.
-TEST(TofSurface, AsksTheImagesBetweenTheCoreAndTheReach) {
+TEST(TofSurface, AsksTheImages) {
   const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 18.f : 10.f; });
   const auto hidden_with_edge = [&points](int edge) {
     // Texture that agrees at 18 px left of the edge, and at 10 px from there on.
@@ -137,10 +138,59 @@ TEST(TofSurface, AsksTheImagesBetweenTheCoreAndTheReach) {
   EXPECT_FALSE(hidden_with_edge(126));
 }
 
+// The board hides the wall's column 8 in the left image, says the geometry; but there the images
+// show the wall.
+TEST(TofSurface, DoesNotHideAPointThatTheImagesConfirmAtItsOwnPlace) {
+  const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 26.f : 10.f; });
+  cv::Mat1b left(120, 200);
+  cv::Mat1b right(120, 200, uint8_t{0});
+  cv::theRNG().state = 1;
+  cv::randu(left, 0, 255);
+  left.colRange(10, 200).copyTo(right.colRange(0, 190));
+  TofSurface surface(SomeRig(), points);
+  const auto hidden = [&](const cv::Mat1b& other) {
+    return Columns(surface.FindHidden(points, points.size(), left, other, {0.75, 0.9, 1}));
+  };
+  EXPECT_THAT(hidden(right), testing::IsEmpty());
+  left.colRange(26, 200).copyTo(right.colRange(0, 174));
+  EXPECT_THAT(hidden(right), testing::ElementsAre(3, 8)) << "there they show the board";
+}
+
+// A road under a lidar of few beams: 18 px from beam to beam, 6 px of disparity; along a beam,
+// where points are 3 px apart and some are missing, nothing of that slant can be seen.
+TEST(TofSurface, HidesNothingOnARoadUnderFewBeams) {
+  Rig rig = SomeRig();
+  rig.pair.width = 420;
+  rig.pair.height = 320;
+  rig.pair.focal_px = rig.tof.fx = rig.tof.fy = 80;
+  rig.tof.width = 420;
+  rig.tof.height = 320;
+  std::vector<ProjectedPoint> points;
+  cv::RNG random(3);
+  for (int v = 20; v < 310; v += 18) {
+    for (int u = 130; u < 410; u += random.uniform(0, 4) == 0 ? 7 : 3) {
+      const int row = v + (u > 260 ? 1 : 0);  // a beam is no straight row
+      const float disparity = 5 + static_cast<float>(row) / 3;
+      points.push_back(
+          {u,
+           row,
+           {static_cast<float>(u), static_cast<float>(row), static_cast<float>(u) - disparity}});
+    }
+  }
+  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.tof_v, a.tof_u) < std::pair(b.tof_v, b.tof_u);
+  });
+  TofSurface surface(rig, points);
+  const cv::Mat1b grey(rig.pair.size(), uint8_t{100});
+  const std::vector<Hidden>& hidden =
+      surface.FindHidden(points, points.size(), grey, grey, {0.4, 0.8, 1});
+  EXPECT_EQ(std::count(hidden.begin(), hidden.end(), Hidden()), std::ssize(points));
+}
+
 TEST(TofSurface, ToleratesSmallSteps) {
   const auto points = Points([](float i, float) { return i >= 4 && i <= 7 ? 18.f : 10.f; });
-  EXPECT_THAT(HiddenColumns(points, 0.75, 7.9), testing::ElementsAre(3, 8));
-  EXPECT_THAT(HiddenColumns(points, 0.75, 8.1), testing::IsEmpty());
+  EXPECT_THAT(HiddenColumns(points, 0.75, 2), testing::ElementsAre(3, 8));
+  EXPECT_THAT(HiddenColumns(points, 0.75, 7.3), testing::IsEmpty());  // and 0.2 · 4 px
 }
 
 TEST(TofSurface, DoesNotDependOnTheOrderOfThePoints) {
