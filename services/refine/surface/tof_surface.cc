@@ -225,10 +225,12 @@ class TofSurface::HiddenTest {
     const double u = is_left ? seed.u : seed.u_right + piece_px;
     const double u_right = is_left ? seed.u - piece_px : seed.u_right;
     if (!point.difference) point.difference = Difference(seed.u, seed.v, seed.u_right);
+    const double of_point = odds * (*point.difference + Rules::kNoise);
+    if (of_point <= Rules::kNoise) return false;  // whatever the other is
     const double of_piece = Difference(u, seed.v, u_right);
     // Outside an image there is nothing to compare.
     if (std::isinf(of_piece) || std::isinf(*point.difference)) return odds > 1;
-    return odds * (*point.difference + Rules::kNoise) > of_piece + Rules::kNoise;
+    return of_point > of_piece + Rules::kNoise;
   }
 
   double Difference(double u, double v, double u_right) const {
