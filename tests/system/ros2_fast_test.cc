@@ -190,6 +190,28 @@ TEST(Ros2Fast, SaysWhichSubscriberCannotBeServed) {
       << bridge.Output();
 }
 
+TEST(Ros2Fast, CompressesImagesAndOrdersPoints) {
+  FedGraph graph;
+  Process& bridge =
+      graph.Start("ros2", {"--compressed", "--config", "ros2 { ordered_points: true }"});
+  const std::string jpeg = "/sprout/left/image_rect/compressed";
+  const std::string png = kDepth + "/compressedDepth";
+  const auto peer = Peer({"hear", "0", "1000", kDepth + "=image", jpeg + "=compressed",
+                          png + "=compressed", kPoints + "=points"});
+  FeedGraph feed(graph, {640, 480});
+  WarmUp(feed, {peer.get()});
+  feed.Run(1);
+  const Heard of_depth = EndOf(*peer, png);
+  EXPECT_GE(of_depth.messages, 10) << bridge.Output();
+  EXPECT_THAT(of_depth.line, HasSubstr("16UC1; compressedDepth png"));
+  const Heard of_left = HeardOf(peer->Output(), jpeg);
+  EXPECT_GE(of_left.messages, 10);
+  EXPECT_THAT(of_left.line, HasSubstr("mono8; jpeg compressed"));
+  // All points of the feed are at one place, which is no pixel.
+  EXPECT_EQ(HeardOf(peer->Output(), kPoints).messages, 0);
+  EXPECT_THAT(bridge.Output(), HasSubstr("an ordered cloud has every 4. one"));
+}
+
 // ---- capture ----
 
 std::vector<std::string> Source(const std::string& more = "") {
