@@ -23,7 +23,7 @@ struct RangeVerdicts {
   static constexpr double kScaledGain = 0.25;
   static constexpr double kLeastFactor = 0.03;  ///< of |ln(factor)|
   static constexpr double kMovedGain = 0.1;
-  static constexpr double kMovedSure = 3.3;
+  static constexpr double kMovedSure = 2.5;
   /// Less may be a device's own error, which Refiner takes out, or says.
   static constexpr double kLeastMoveM = 0.2;
 };

@@ -86,5 +86,13 @@ TEST_F(CalibrateCheck, NoticesRowsThatDoNotAgree) {
   EXPECT_THAT(outcome.out, Not(HasSubstr("ToF")));
 }
 
+// More rows than windows around seeds are searched: a right camera that was pitched.
+TEST_F(CalibrateCheck, NoticesRowsThatAreFarOff) {
+  const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=none", 2, 10));
+
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("rows of the right image lie .(9.9|10.0)"));
+}
+
 }  // namespace
 }  // namespace sprout::calibrate
