@@ -23,6 +23,7 @@ struct Header {
   int64_t width = 0;  // 0: the header is damaged
   int64_t height = 0;
   bool has_more_pages = false;
+  int64_t largest = 0;  // value of a pixel; 0: the format does not say
 };
 
 // The bytes of a file, anywhere; behind its end there is 0.
@@ -70,11 +71,11 @@ void ReadJpeg(FileBytes& file, Header& header) {
   }
 }
 
-// The first two numbers behind "P5", with comments between.
+// The first three numbers behind "P5", with comments between.
 void ReadPnm(FileBytes& file, Header& header) {
   constexpr size_t kMost = 4096;
   const std::string text = file.At(2, kMost);
-  std::array<int64_t*, 2> numbers = {&header.width, &header.height};
+  std::array<int64_t*, 3> numbers = {&header.width, &header.height, &header.largest};
   size_t at = 0;
   for (int64_t* number : numbers) {
     while (at < kMost && (text[at] < '0' || text[at] > '9')) {
@@ -148,10 +149,9 @@ std::string NamesOf(std::initializer_list<ImageFormat> formats) {
   return names;
 }
 
-}  // namespace
-
-Result<cv::Mat> DecodeImageFile(const std::filesystem::path& path, int flags,
-                                std::initializer_list<ImageFormat> formats) {
+// The pixels as in the file, and what its header says.
+Result<CameraImage> Decode(const std::filesystem::path& path, int flags,
+                           std::initializer_list<ImageFormat> formats) {
   const std::string name = "image " + path.string() + ": ";
   const auto undecodable =
       Fail(name + "cannot be decoded; allowed: a readable " + NamesOf(formats) + " file");
@@ -163,7 +163,7 @@ Result<cv::Mat> DecodeImageFile(const std::filesystem::path& path, int flags,
   if (header->has_more_pages) {
     return Fail(name + "has several pages, of which one would be taken; allowed: one");
   }
-  const auto [format, width, height, has_more_pages] = *header;
+  const auto [format, width, height, has_more_pages, largest] = *header;
   if (std::max(width, height) > kMaxSide || width * height > kMaxPixels) {
     return Fail(name + std::to_string(width) + "x" + std::to_string(height) +
                 " px; allowed: 1 to " + std::to_string(kMaxSide) + " px a side and " +
@@ -177,6 +177,26 @@ Result<cv::Mat> DecodeImageFile(const std::filesystem::path& path, int flags,
   const cv::Size of_header(static_cast<int>(width), static_cast<int>(height));
   if (image.empty() || image.size() != of_header) {
     return undecodable;
+  }
+  return CameraImage{image, static_cast<int>(std::min<int64_t>(largest, 65535))};
+}
+
+}  // namespace
+
+Result<cv::Mat> DecodeImageFile(const std::filesystem::path& path, int flags,
+                                std::initializer_list<ImageFormat> formats) {
+  const Result<CameraImage> image = Decode(path, flags, formats);
+  if (!image) return tl::unexpected(image.error());
+  return image->pixels;
+}
+
+Result<CameraImage> ReadCameraImage(const std::filesystem::path& path) {
+  Result<CameraImage> image =
+      Decode(path, cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH, kCameraFormats);
+  if (image && image->pixels.depth() != CV_8U && image->pixels.depth() != CV_16U) {
+    return Fail("image " + path.string() + ": of OpenCV's type " +
+                cv::typeToString(image->pixels.type()) +
+                "; allowed: grey or colour with 8 or 16 bits");
   }
   return image;
 }

@@ -28,6 +28,17 @@ inline constexpr std::initializer_list<ImageFormat> kCameraFormats = {
 Result<cv::Mat> DecodeImageFile(const std::filesystem::path& path, int flags,
                                 std::initializer_list<ImageFormat> formats);
 
+/// An image as a camera gave it, before it has 8 bits a pixel (see EightBits).
+struct CameraImage {
+  cv::Mat pixels;  ///< grey or BGR, 8 or 16 bits
+  int largest =
+      0;  ///< value that a pixel can have by the format (PGM's maxval); 0: it does not say
+};
+
+/// Reads the image of a camera in any of kCameraFormats; alpha is dropped.
+/// @returns as DecodeImageFile(); also an error for floating point.
+Result<CameraImage> ReadCameraImage(const std::filesystem::path& path);
+
 }  // namespace sprout
 
 #endif  // SPROUT_COMMON_PICTURE_READ_IMAGE_H_

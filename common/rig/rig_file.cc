@@ -132,6 +132,33 @@ std::optional<RawRig> CalibrationOf(const RigDescription& description) {
   return CheckedRig("calibration.", description.calibration());
 }
 
+TofCamera TofCameraOf(const RigDescription& description, const fs::path& path) {
+  const RigCalibration& calibration = description.calibration();
+  if (!calibration.has_tof()) {
+    throw ConfigError("rig file " + path.string() +
+                      ": no ToF camera; allowed: a file with calibration { tof left_from_tof }");
+  }
+  if (calibration.range_scale() != 1 || calibration.range_offset_m() != 0 ||
+      calibration.range_correction_size() > 0) {
+    throw ConfigError("rig file " + path.string() +
+                      ": a bias of the range, but no left and right cameras; allowed: "
+                      "range_scale: 1, range_offset_m: 0 and no range_correction");
+  }
+  const Lens lens = CheckedLens("calibration.tof", calibration.tof());
+  const Pose pose = CheckedPose("calibration.left_from_tof", calibration.left_from_tof());
+  TofCamera tof;
+  tof.width = lens.width;
+  tof.height = lens.height;
+  tof.fx = lens.fx;
+  tof.fy = lens.fy;
+  tof.cx = lens.cx;
+  tof.cy = lens.cy;
+  tof.distortion = lens.distortion;
+  tof.left_from_tof_rotation = pose.rotation;
+  tof.left_from_tof_translation_m = pose.translation_m;
+  return tof;
+}
+
 std::optional<RawRig> BoardCalibrationOf(const RigDescription& description) {
   if (!description.has_board_calibration()) return CalibrationOf(description);
   return CheckedRig("board_calibration.", description.board_calibration());

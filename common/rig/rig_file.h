@@ -32,6 +32,12 @@ std::optional<RawRig> BoardCalibrationOf(const RigDescription& rig);
 /// @throws ConfigError, also when there is none.
 RawRig RequireCalibration(const RigDescription& rig, const std::filesystem::path& path);
 
+/// The ToF camera of a rig file whose calibration has `tof` and `left_from_tof`, but no other
+/// cameras: its pose is that in the left rectified frame.
+/// @param path  of the file, for the message.
+/// @throws ConfigError naming what is missing or cannot be used.
+TofCamera TofCameraOf(const RigDescription& rig, const std::filesystem::path& path);
+
 /// A camera of the rig file that is not one of the rig's three.
 struct OtherCameraPlace {
   Lens lens;

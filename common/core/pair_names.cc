@@ -1,0 +1,266 @@
+#include "common/core/pair_names.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "common/core/number_text.h"
+
+namespace sprout {
+namespace {
+
+using Tokens = std::vector<std::string_view>;
+
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
+// Numbers, words, and single characters between them.
+Tokens Split(std::string_view name) {
+  Tokens tokens;
+  for (size_t at = 0; at < name.size();) {
+    size_t end = at + 1;
+    if (IsDigit(name[at])) {
+      while (end < name.size() && IsDigit(name[end])) ++end;
+    } else if (IsLetter(name[at])) {
+      while (end < name.size() && IsLetter(name[end])) ++end;
+    }
+    tokens.push_back(name.substr(at, end - at));
+    at = end;
+  }
+  return tokens;
+}
+
+std::string_view WithoutZeros(std::string_view digits) {
+  return digits.substr(std::min(digits.find_first_not_of('0'), digits.size() - 1));
+}
+
+using Keys = std::vector<std::string>;
+
+// Keys whose numbers have no leading zeros.
+Keys Normal(const Keys& keys) {
+  Keys normal;
+  for (const std::string& key : keys) {
+    std::string& text = normal.emplace_back();
+    for (const std::string_view token : Split(key)) {
+      text += IsDigit(token.front()) ? WithoutZeros(token) : token;
+    }
+  }
+  return normal;
+}
+
+Keys Stems(std::span<const std::string> paths) {
+  Keys keys;
+  for (const std::string& path : paths) keys.push_back(std::filesystem::path(path).stem());
+  return keys;
+}
+
+size_t CommonPrefix(const Tokens& a, const Tokens& b, size_t most) {
+  const size_t length = std::min({a.size(), b.size(), most});
+  size_t same = 0;
+  while (same < length && a[same] == b[same]) ++same;
+  return same;
+}
+
+// What differs within a list of paths.
+Keys Differences(std::span<const std::string> paths) {
+  std::vector<Tokens> all;
+  for (const std::string& path : paths) all.push_back(Split(path));
+  size_t before = all.front().size();
+  for (const Tokens& tokens : all) before = CommonPrefix(tokens, all.front(), before);
+  const auto rest_reversed = [&](const Tokens& tokens) {
+    return Tokens(tokens.rbegin(), tokens.rend() - static_cast<std::ptrdiff_t>(before));
+  };
+  const Tokens first_rest = rest_reversed(all.front());
+  size_t behind = first_rest.size();
+  for (const Tokens& tokens : all) behind = CommonPrefix(rest_reversed(tokens), first_rest, behind);
+  Keys keys;
+  for (const Tokens& tokens : all) {
+    std::string& key = keys.emplace_back();
+    for (size_t i = before; i < tokens.size() - behind; ++i) key += tokens[i];
+  }
+  return keys;
+}
+
+bool AreDifferent(Keys keys) {
+  std::ranges::sort(keys);
+  return std::ranges::adjacent_find(keys) == keys.end();
+}
+
+std::optional<std::vector<int64_t>> Stamps(const Keys& keys) {
+  std::vector<int64_t> stamps;
+  for (const std::string& key : keys) {
+    const std::optional<int64_t> stamp = StampOf(key);
+    if (!stamp) return std::nullopt;
+    stamps.push_back(*stamp);
+  }
+  return stamps;
+}
+
+// The indices of a list in its order.
+template <typename Values, typename Before>
+std::vector<size_t> Order(const Values& values, Before before) {
+  std::vector<size_t> order(values.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::ranges::stable_sort(order, [&](size_t a, size_t b) { return before(values[a], values[b]); });
+  return order;
+}
+
+PairedNames ByTime(const std::vector<int64_t>& first, const std::vector<int64_t>& second,
+                   double max_spread_ms) {
+  const std::vector<size_t> order_first = Order(first, std::less<>());
+  const std::vector<size_t> order_second = Order(second, std::less<>());
+  const auto sorted = [](const std::vector<int64_t>& times, const std::vector<size_t>& order) {
+    std::vector<int64_t> in_order;
+    for (const size_t i : order) in_order.push_back(times[i]);
+    return in_order;
+  };
+  PairedNames paired =
+      PairTimes(sorted(first, order_first), sorted(second, order_second), max_spread_ms);
+  for (auto& [a, b] : paired.pairs) {
+    a = order_first[a];
+    b = order_second[b];
+  }
+  for (size_t& i : paired.alone_first) i = order_first[i];
+  for (size_t& i : paired.alone_second) i = order_second[i];
+  return paired;
+}
+
+// Nothing when no key is in both lists, or one twice in one of them, or there is but one name in a
+// list, in which nothing differs.
+std::optional<PairedNames> ByKey(const Keys& first, const Keys& second) {
+  if (!AreDifferent(first) || !AreDifferent(second) || first[0].empty() || second[0].empty()) {
+    return std::nullopt;
+  }
+  std::map<std::string, size_t> places;
+  for (size_t i = 0; i < second.size(); ++i) places[second[i]] = i;
+  PairedNames paired{.by = PairedBy::kName};
+  for (const size_t i : Order(first, ComesBefore)) {
+    const auto found = places.find(first[i]);
+    if (found == places.end()) {
+      paired.alone_first.push_back(i);
+    } else {
+      paired.pairs.push_back({i, found->second});
+      places.erase(found);
+    }
+  }
+  if (paired.pairs.empty()) return std::nullopt;
+  for (const size_t i : Order(second, ComesBefore)) {
+    if (places.contains(second[i])) paired.alone_second.push_back(i);
+  }
+  return paired;
+}
+
+}  // namespace
+
+std::optional<int64_t> StampOf(std::string_view name) {
+  constexpr size_t kSecondDigits = 10;  // 2001 to 2286
+  constexpr size_t kNanosecondDigits = 9;
+  const auto is_number = [](std::string_view text) {
+    return !text.empty() && std::ranges::all_of(text, IsDigit);
+  };
+  if (name.size() < kSecondDigits || name.front() == '0') return std::nullopt;
+  const std::string_view seconds = name.substr(0, kSecondDigits);
+  std::string_view fraction = name.substr(kSecondDigits);
+  const bool has_point = !fraction.empty() && !IsDigit(fraction.front());
+  if (has_point) {
+    const char point = fraction.front();
+    if (point != '.' && point != '_' && point != '-') return std::nullopt;
+    fraction.remove_prefix(1);
+    if (!is_number(fraction) || (point != '.' && fraction.size() < 6)) return std::nullopt;
+  }
+  if (!is_number(seconds) || (!fraction.empty() && !is_number(fraction)) ||
+      fraction.size() > kNanosecondDigits || (!has_point && fraction.size() % 3 != 0)) {
+    return std::nullopt;
+  }
+  std::string digits(seconds);
+  digits += fraction;
+  digits.resize(kSecondDigits + kNanosecondDigits, '0');
+  return ParseNumber<int64_t>(digits);
+}
+
+bool ComesBefore(std::string_view a, std::string_view b) {
+  const Tokens tokens_a = Split(a);
+  const Tokens tokens_b = Split(b);
+  for (size_t i = 0; i < std::min(tokens_a.size(), tokens_b.size()); ++i) {
+    std::string_view x = tokens_a[i];
+    std::string_view y = tokens_b[i];
+    if (IsDigit(x.front()) && IsDigit(y.front())) {
+      x = WithoutZeros(x);
+      y = WithoutZeros(y);
+      if (x.size() != y.size()) return x.size() < y.size();
+    }
+    if (x != y) return x < y;
+  }
+  if (tokens_a.size() != tokens_b.size()) return tokens_a.size() < tokens_b.size();
+  return a < b;  // 07 and 7
+}
+
+PairedNames PairTimes(std::span<const int64_t> first, std::span<const int64_t> second,
+                      double max_spread_ms) {
+  constexpr double kNsPerMs = 1e6;
+  PairedNames paired{.by = PairedBy::kTime};
+  paired.least_spread_ms = std::numeric_limits<double>::infinity();
+  // Of two that are equally near the earlier one.
+  const auto nearest = [](std::span<const int64_t> times, int64_t time) {
+    const auto behind = std::ranges::lower_bound(times, time);
+    if (behind == times.begin()) return behind;
+    if (behind == times.end() || time - *(behind - 1) <= *behind - time) return behind - 1;
+    return behind;
+  };
+  std::vector<bool> taken(second.size(), false);
+  for (size_t i = 0; i < first.size() && !second.empty(); ++i) {
+    const auto other = nearest(second, first[i]);
+    const double spread_ms = static_cast<double>(std::abs(*other - first[i])) / kNsPerMs;
+    paired.least_spread_ms = std::min(paired.least_spread_ms, spread_ms);
+    const auto at = static_cast<size_t>(other - second.begin());
+    if (spread_ms <= max_spread_ms && *nearest(first, *other) == first[i] && !taken[at]) {
+      paired.pairs.push_back({i, at});
+      taken[at] = true;
+    } else {
+      paired.alone_first.push_back(i);
+    }
+  }
+  for (size_t i = 0; i < second.size(); ++i) {
+    if (!taken[i]) paired.alone_second.push_back(i);
+  }
+  return paired;
+}
+
+Result<PairedNames> PairNames(std::span<const std::string> first,
+                              std::span<const std::string> second, double max_spread_ms) {
+  if (first.empty() || second.empty()) return Fail("no file");
+  const Keys stems[] = {Stems(first), Stems(second)};
+  const Keys differences[] = {Differences(first), Differences(second)};
+  for (const auto& keys : {stems, differences}) {
+    const auto stamps_first = Stamps(keys[0]);
+    const auto stamps_second = Stamps(keys[1]);
+    if (stamps_first && stamps_second) {
+      PairedNames paired = ByTime(*stamps_first, *stamps_second, max_spread_ms);
+      if (!paired.pairs.empty()) return paired;
+      return Fail("the times in their names differ by " +
+                  std::to_string(std::llround(paired.least_spread_ms)) +
+                  " ms or more; allowed: " + std::to_string(std::llround(max_spread_ms)) + " ms");
+    }
+  }
+  for (const auto& keys : {stems, differences}) {
+    if (std::optional<PairedNames> paired = ByKey(Normal(keys[0]), Normal(keys[1])))
+      return *std::move(paired);
+  }
+  if (first.size() != second.size()) {
+    return Fail("neither times nor names say which of " + std::to_string(first.size()) + " and " +
+                std::to_string(second.size()) +
+                " files belong together; allowed: equal names, times as names, or as many");
+  }
+  PairedNames paired{.by = PairedBy::kOrder};
+  const std::vector<size_t> order_first = Order(first, ComesBefore);
+  const std::vector<size_t> order_second = Order(second, ComesBefore);
+  for (size_t i = 0; i < first.size(); ++i)
+    paired.pairs.push_back({order_first[i], order_second[i]});
+  return paired;
+}
+
+}  // namespace sprout

@@ -1,0 +1,110 @@
+#include "common/picture/eight_bits.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace sprout {
+namespace {
+
+constexpr int kValues = 1 << 16;
+constexpr int kLevels = 256;
+// With less than 32 of 256 levels little is left to match.
+constexpr double kLeastUse = 1.0 / 8;
+constexpr double kIgnored = 0.001;  // at either end: single hot and dead pixels
+
+std::vector<int64_t> Histogram(std::initializer_list<CameraImage*> images) {
+  std::vector<int64_t> counts(kValues, 0);
+  for (const CameraImage* image : images) {
+    if (image->pixels.depth() != CV_16U) continue;
+    const cv::Mat values = image->pixels.reshape(1);
+    for (int v = 0; v < values.rows; ++v) {
+      for (const uint16_t value :
+           std::span(values.ptr<uint16_t>(v), static_cast<size_t>(values.cols))) {
+        ++counts[value];
+      }
+    }
+  }
+  return counts;
+}
+
+// The smallest value that at least `share` of all are not above.
+int Quantile(const std::vector<int64_t>& counts, int64_t total, double share) {
+  const auto wanted = static_cast<int64_t>(share * static_cast<double>(total));
+  int64_t below = 0;
+  for (int value = 0; value < kValues; ++value) {
+    below += counts[static_cast<size_t>(value)];
+    if (below > wanted) return value;
+  }
+  return kValues - 1;
+}
+
+int Largest(const std::vector<int64_t>& counts) {
+  int value = kValues - 1;
+  while (value > 0 && counts[static_cast<size_t>(value)] == 0) --value;
+  return value;
+}
+
+}  // namespace
+
+EightBits::Range EightBits::RangeOf(std::initializer_list<CameraImage*> images) {
+  const std::vector<int64_t> counts = Histogram(images);
+  int64_t total = 0;
+  for (const int64_t count : counts) total += count;
+  const int largest = Largest(counts);
+  int bits = kLeastBits;
+  while ((1 << bits) <= largest) bits += 2;
+  const double all = 1 << bits;
+  const double low = Quantile(counts, total, kIgnored);
+  const double used = Quantile(counts, total, 1 - kIgnored) - low + 1;
+  if (used >= kLeastUse * all || bits == kLeastBits) return {.low = 0, .width = all};
+  const double width = std::max<double>(2 * used, kLevels);
+  return {.low = std::max(0.0, low - (width - used) / 2), .width = width};
+}
+
+// What the pixels use, unless it is as good as what is known.
+void EightBits::LookAt(std::initializer_list<CameraImage*> images) {
+  const Range used = RangeOf(images);
+  const bool fits = used.low >= range_.low && used.low + used.width <= range_.low + range_.width;
+  // A band has room at both ends; what leaves it a little is cut off.
+  const bool is_band = range_.low > 0 || used.low > 0;
+  const double beyond =
+      std::max(range_.low - used.low, used.low + used.width - range_.low - range_.width);
+  if (range_.width > 0 && (fits || (is_band && beyond <= range_.width / 2))) return;
+  note_ = fmt::format(
+      "{}pixels of 16 bits use {:.0f} to {:.0f}, which becomes 0 to 255; if that is wrong: --bits, "
+      "or &bits= of a source",
+      range_.width > 0 ? "brightness changes: " : "", used.low, used.low + used.width - 1);
+  range_ = used;
+}
+
+void EightBits::Convert(std::initializer_list<CameraImage*> images) {
+  const auto has_more = [](const CameraImage* image) { return image->pixels.depth() == CV_16U; };
+  const bool any_has_more = std::ranges::any_of(images, has_more);
+  int by_format = 0;
+  for (const CameraImage* image : images) by_format = std::max(by_format, image->largest);
+  Range range{.low = 0, .width = by_format + 1.0};
+  if (any_has_more && bits_ > 0) {
+    range.width = 1 << bits_;
+  } else if (any_has_more && (by_format == 0 || by_format == kValues - 1)) {  // any value at all
+    LookAt(images);
+    range = range_;
+  }
+  for (CameraImage* image : images) {
+    cv::Mat& pixels = image->pixels;
+    if (has_more(image)) {
+      const double gain = kLevels / range.width;
+      pixels.convertTo(pixels, CV_8U, gain, -range.low * gain - 0.499);  // down, as a shift does
+    } else if (image->largest > 0 && image->largest < kLevels - 1) {     // PGM of 0 to 100
+      pixels.convertTo(pixels, CV_8U, (kLevels - 1.0) / image->largest);
+    }
+  }
+}
+
+std::string EightBits::TakeNote() { return std::exchange(note_, {}); }
+
+}  // namespace sprout

@@ -1,0 +1,118 @@
+#include "common/picture/eight_bits.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/common/picture/temporary_directory.h"
+
+namespace sprout {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+CameraImage Image(const cv::Mat& pixels, int largest = 0) { return {pixels.clone(), largest}; }
+
+// A ramp from `low` to `high`, 16 bits.
+cv::Mat1w Ramp(int low, int high) {
+  cv::Mat1w ramp(20, 50);
+  for (int i = 0; i < 1000; ++i) {
+    ramp(i / 50, i % 50) = static_cast<uint16_t>(low + (high - low) * i / 999);
+  }
+  return ramp;
+}
+
+TEST(EightBits, LeavesImagesOf8BitsAsTheyAre) {
+  CameraImage image = Image(cv::Mat1b(2, 2, uint8_t{200}));
+  EightBits eight_bits;
+  eight_bits.Convert({&image});
+  EXPECT_EQ(image.pixels.at<uint8_t>(0, 0), 200);
+  EXPECT_THAT(eight_bits.TakeNote(), IsEmpty());
+}
+
+TEST(EightBits, TakesTheBitsThatThePixelsUse) {
+  for (const auto& [most, bits] :
+       {std::pair{255, 8}, {1023, 10}, {900, 10}, {4095, 12}, {16383, 14}, {65535, 16}}) {
+    CameraImage image = Image(Ramp(0, most));
+    EightBits eight_bits;
+    eight_bits.Convert({&image});
+    ASSERT_EQ(image.pixels.type(), CV_8UC1);
+    EXPECT_EQ(image.pixels.at<uint8_t>(19, 49), most >> (bits - 8)) << most;
+    EXPECT_EQ(image.pixels.at<uint8_t>(10, 0), (most * 500 / 999) >> (bits - 8)) << most;
+  }
+}
+
+TEST(EightBits, TakesLeftAndRightTheSameWay) {
+  CameraImage left = Image(Ramp(0, 1000));
+  CameraImage right = Image(Ramp(0, 1040));
+  EightBits().Convert({&left, &right});
+  EXPECT_EQ(left.pixels.at<uint8_t>(19, 49), 1000 >> 4);
+  EXPECT_EQ(right.pixels.at<uint8_t>(19, 49), 1040 >> 4);
+}
+
+TEST(EightBits, AreTheSameForAWholeRecording) {
+  EightBits eight_bits;
+  CameraImage bright = Image(Ramp(0, 4000));
+  eight_bits.Convert({&bright});
+  EXPECT_THAT(eight_bits.TakeNote(), HasSubstr("use 0 to 4095"));
+  CameraImage dark = Image(Ramp(0, 500));
+  eight_bits.Convert({&dark});
+  EXPECT_EQ(dark.pixels.at<uint8_t>(19, 49), 500 >> 4);
+  EXPECT_THAT(eight_bits.TakeNote(), IsEmpty());
+  CameraImage brighter = Image(Ramp(0, 5000));
+  eight_bits.Convert({&brighter});
+  EXPECT_EQ(brighter.pixels.at<uint8_t>(19, 49), 5000 >> 6);
+  EXPECT_THAT(eight_bits.TakeNote(), HasSubstr("brightness changes: "));
+}
+
+TEST(EightBits, TakeTheBandOfAThermalCamera) {
+  EightBits eight_bits;
+  CameraImage image = Image(Ramp(7000, 7799));
+  eight_bits.Convert({&image});
+  // Twice as wide as what is used, which takes the middle half.
+  EXPECT_NEAR(image.pixels.at<uint8_t>(0, 0), 64, 2);
+  EXPECT_NEAR(image.pixels.at<uint8_t>(19, 49), 191, 2);
+  CameraImage warmer = Image(Ramp(7300, 8000));
+  eight_bits.Convert({&warmer});
+  EXPECT_NEAR(warmer.pixels.at<uint8_t>(19, 49), 223, 2);
+}
+
+TEST(EightBits, AreWhatTheUserOrTheFormatSays) {
+  CameraImage image = Image(Ramp(0, 900), 4095);
+  EightBits().Convert({&image});
+  EXPECT_EQ(image.pixels.at<uint8_t>(19, 49), 900 >> 4);
+  CameraImage other = Image(Ramp(0, 900), 4095);
+  EightBits(16).Convert({&other});
+  EXPECT_EQ(other.pixels.at<uint8_t>(19, 49), 900 >> 8);
+}
+
+TEST(EightBits, ReadThePgmsLargestValue) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "a.pgm", std::ios::binary) << "P5\n# 12 bits\n2 1\n4095\n"
+                                                    << std::string("\x0f\xff\x08\x00", 4);
+  std::ofstream(folder / "b.pgm", std::ios::binary) << "P5 2 1 100\n" << std::string("\x64\x32", 2);
+  auto twelve = ReadCameraImage(folder / "a.pgm");
+  ASSERT_TRUE(twelve);
+  EXPECT_EQ(twelve->largest, 4095);
+  EightBits().Convert({&*twelve});
+  EXPECT_EQ(twelve->pixels.at<uint8_t>(0, 0), 255);
+  EXPECT_EQ(twelve->pixels.at<uint8_t>(0, 1), 128);
+  auto hundred = ReadCameraImage(folder / "b.pgm");
+  ASSERT_TRUE(hundred);
+  EightBits().Convert({&*hundred});
+  EXPECT_EQ(hundred->pixels.at<uint8_t>(0, 0), 255);
+  EXPECT_NEAR(hundred->pixels.at<uint8_t>(0, 1), 128, 1);
+}
+
+TEST(ReadCameraImage, RefusesFloatingPoint) {
+  const TemporaryDirectory folder;
+  ASSERT_TRUE(cv::imwrite(folder / "a.tiff", cv::Mat1f(3, 3, 1.0F)));
+  const auto image = ReadCameraImage(folder / "a.tiff");
+  ASSERT_FALSE(image);
+  EXPECT_THAT(image.error().text, HasSubstr("CV_32FC1; allowed: grey or colour with 8 or 16 bits"));
+}
+
+}  // namespace
+}  // namespace sprout
