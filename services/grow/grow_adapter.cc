@@ -4,10 +4,21 @@
 #include <utility>
 
 #include "common/core/image.h"
+#include "common/geometry/widened_frame.h"
 
 namespace sprout::grow {
 
 GrowAdapter::Growth GrowAdapter::Grow(const Frame& frame) {
+  const int columns = ColumnsBelowZero(frame.seeds->seeds);
+  if (columns == 0) return GrowFrom0(frame);
+  Frame wide = Widened(frame, columns);
+  Growth growth = GrowFrom0(wide);
+  growth.columns = columns;
+  growth.wide = std::move(wide);
+  return growth;
+}
+
+GrowAdapter::Growth GrowAdapter::GrowFrom0(const Frame& frame) {
   const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
   const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
   const PriorMap prior = frame.prior.value_or(PriorMap());
@@ -43,6 +54,13 @@ ConfidenceEstimator::Judgement GrowAdapter::Judge(const Frame& frame, const Grow
 }
 
 StageResult GrowAdapter::Finish(const Frame& frame, const Growth& growth) {
+  if (growth.columns == 0) return FinishFrom0(frame, growth);
+  StageResult result = FinishFrom0(growth.wide, growth);
+  Narrow(result, growth.columns, frame.left.size());
+  return result;
+}
+
+StageResult GrowAdapter::FinishFrom0(const Frame& frame, const Growth& growth) {
   StageResult outcome{.outputs = {}, .degenerate = growth.degenerate};
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, growth.map});
   // Images that do not fit together say nothing about the prior either.

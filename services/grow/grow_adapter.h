@@ -20,7 +20,8 @@ class GrowAdapter : public StageAdapter {
 
   PartSet Inputs() const override { return InputsOf(config_); }
 
-  /// Grow() and Finish(). Always answers; when nothing can grow, the map is what gap filling makes
+  /// Grow() and Finish(). Where seeds have negative disparities, in a wider frame (Widened()).
+  /// Always answers; when nothing can grow, the map is what gap filling makes
   /// of an empty one (the prior, or no disparity), and the result says why. Images of different
   /// sizes give no disparity.
   StageResult Process(const Frame& frame) override { return Finish(frame, Grow(frame)); }
@@ -31,6 +32,8 @@ class GrowAdapter : public StageAdapter {
     DisparityImage map;       ///< of the left image's size
     bool refused = false;     ///< the images or the prior do not fit together
     std::string degenerate;   ///< why nothing grew; empty when something did
+    int columns = 0;          ///< of the frame that it grew in, see Widened()
+    Frame wide = {};          ///< that frame, where columns > 0
   };
   Growth Grow(const Frame& frame);
 
@@ -39,6 +42,8 @@ class GrowAdapter : public StageAdapter {
   StageResult Finish(const Frame& frame, const Growth& growth);
 
  private:
+  Growth GrowFrom0(const Frame& frame);
+  StageResult FinishFrom0(const Frame& frame, const Growth& growth);
   ConfidenceEstimator::Judgement Judge(const Frame& frame, const Growth& growth,
                                        const DisparityImage& filled);
 

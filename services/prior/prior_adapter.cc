@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/core/image.h"
+#include "common/geometry/widened_frame.h"
 
 namespace sprout::prior {
 
@@ -23,6 +24,14 @@ Result<PriorMap> PriorAdapter::Estimate(const Frame& frame) {
 }
 
 StageResult PriorAdapter::Process(const Frame& frame) {
+  const int columns = ColumnsBelowZero(SeedsOf(frame));
+  if (columns == 0) return ProcessFrom0(frame);
+  StageResult result = ProcessFrom0(Widened(frame, columns));
+  Narrow(result, columns, frame.left.size());
+  return result;
+}
+
+StageResult PriorAdapter::ProcessFrom0(const Frame& frame) {
   Result<PriorMap> prior = Estimate(frame);
   StageResult outcome;
   if (!prior) {

@@ -20,12 +20,13 @@ class PriorAdapter : public StageAdapter {
 
   PartSet Inputs() const override { return inputs_; }
 
-  /// Always answers, with a map of the size of LEFT. Seeds that span no triangle, or images of
-  /// another size than the calibrated one, give a map without any disparity, and the result says
-  /// why.
+  /// Where seeds have negative disparities, in a wider frame (Widened()). Always answers, with a
+  /// map of the size of LEFT. Seeds that span no triangle, or images of another size than the
+  /// calibrated one, give a map without any disparity, and the result says why.
   StageResult Process(const Frame& frame) override;
 
  private:
+  StageResult ProcessFrom0(const Frame& frame);
   std::span<const Seed> SeedsOf(const Frame& frame);
   Result<PriorMap> Estimate(const Frame& frame);
 

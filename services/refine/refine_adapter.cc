@@ -1,21 +1,48 @@
 #include "services/refine/refine_adapter.h"
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "common/core/image.h"
+#include "common/geometry/widened_frame.h"
 #include "services/inputs/check_inputs.h"
 
 namespace sprout::refine {
 
+namespace {
+
+// Seeds of a result, and those with negative disparities.
+struct SeedCounts {
+  size_t all = 0;
+  size_t negative_tof = 0;
+  size_t negative_stereo = 0;
+};
+
+SeedCounts CountsOf(const StageResult& result) {
+  SeedCounts counts;
+  for (const PartOutput& output : result.outputs) {
+    for (const Seed& seed : std::get<SeedSet>(output.value).seeds) {
+      ++counts.all;
+      if (seed.disparity() >= -1) continue;
+      ++(seed.origin == SeedOrigin::kTof ? counts.negative_tof : counts.negative_stereo);
+    }
+  }
+  return counts;
+}
+
+}  // namespace
+
 // Rays are computed once a calibration.
 const TofProjector& RefineAdapter::ProjectorOf(const Rig& rig) {
   const std::string rig_id = RigId(rig);
-  if (!projector_ || projector_rig_id_ != rig_id) {
-    projector_.emplace(rig);
-    projector_rig_id_ = rig_id;
+  for (const KeptProjector& kept : projectors_) {
+    if (kept.rig_id == rig_id) return *kept.projector;
   }
-  return *projector_;
+  std::swap(projectors_[0], projectors_[1]);
+  projectors_[0].projector.emplace(rig);
+  projectors_[0].rig_id = rig_id;
+  return *projectors_[0].projector;
 }
 
 Result<SeedSet> RefineAdapter::Refine(const Frame& frame) {
@@ -67,12 +94,42 @@ std::string RefineAdapter::WrongInput(const Frame& frame) {
       frame.rig->pair, has_tof ? &ProjectorOf(*frame.rig) : nullptr));
 }
 
-StageResult RefineAdapter::Process(const Frame& frame) {
+// The seeds of a frame whose far points may have negative disparities.
+RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
+  // Some points and matches are wrong in every frame, and a longer search finds more wrong ones.
+  constexpr double kLeastShare = 0.01;
+  const int columns = ColumnsBelowZero(frame.rig->pair);
+  if (columns == 0 || frame.left.size() != frame.rig->pair.size()) return RefineFrom0(frame);
+  if (columns > kMostColumns) {
+    Refined result = RefineFrom0(frame);
+    if (result.answer.degenerate.empty()) {
+      result.answer.degenerate = "cx_right - cx is above " + std::to_string(kMostColumns) +
+                                 " px, and far points with negative disparities are not looked for";
+    }
+    return result;
+  }
+  refiner_.SetColumns(columns);
+  Refined wide = RefineFrom0(Widened(frame, columns));
+  refiner_.SetColumns(0);
+  Narrow(wide.answer, columns, frame.left.size());
+  const SeedCounts counts = CountsOf(wide.answer);
+  const auto are_many = [&](size_t negative) {
+    return static_cast<double>(negative) > kLeastShare * static_cast<double>(counts.all);
+  };
+  if (are_many(counts.negative_tof)) return wide;
+  Refined result = RefineFrom0(frame);
+  const bool is_better = are_many(counts.negative_tof + counts.negative_stereo) &&
+                         counts.all >= CountsOf(result.answer).all;
+  return is_better ? wide : result;
+}
+
+// As if no disparity could be negative.
+RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
   Result<SeedSet> seeds = Refine(frame);
   SeedSet left_seeds = seeds ? refiner_.left_seeds() : SeedSet{};
-  StageResult outcome;
-  const bool refined = seeds.has_value();
-  if (!refined) {
+  Refined refined{.answer = {}, .fits = seeds.has_value()};
+  StageResult& outcome = refined.answer;
+  if (!refined.fits) {
     outcome.degenerate = seeds.error().text;
     seeds = SeedSet{};
   } else if (seeds->seeds.empty()) {
@@ -81,17 +138,24 @@ StageResult RefineAdapter::Process(const Frame& frame) {
                         : "none of " + std::to_string(seeds->raw) + " ToF points became a seed";
     if (finds_stereo_seeds_) outcome.degenerate += ", and stereo found none";
   }
-  const auto add = [&](const std::string& line) {
-    if (!line.empty()) outcome.degenerate += (outcome.degenerate.empty() ? "" : "; ") + line;
-  };
-  if (refined) {
-    add(WrongInput(frame));
-    if (check_inputs_every_ > 0) add(range_watch_.Add(*frame.tof, *seeds, left_seeds));
-  }
-  outcome.tof_offset = OffsetOf(frame, refined);
+  outcome.tof_offset = OffsetOf(frame, refined.fits);
   outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, std::move(left_seeds)});
-  return outcome;
+  return refined;
+}
+
+StageResult RefineAdapter::Process(const Frame& frame) {
+  auto [outcome, fits] = RefineWhole(frame);
+  if (!fits) return std::move(outcome);
+  const auto add = [&outcome = outcome](const std::string& line) {
+    if (!line.empty()) outcome.degenerate += (outcome.degenerate.empty() ? "" : "; ") + line;
+  };
+  add(WrongInput(frame));
+  if (check_inputs_every_ > 0) {
+    add(range_watch_.Add(*frame.tof, std::get<SeedSet>(outcome.outputs[0].value),
+                         std::get<SeedSet>(outcome.outputs[1].value)));
+  }
+  return std::move(outcome);
 }
 
 }  // namespace sprout::refine

@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_REFINE_REFINE_ADAPTER_H_
 #define SPROUT_SERVICES_REFINE_REFINE_ADAPTER_H_
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -24,12 +25,20 @@ class RefineAdapter : public StageAdapter {
 
   PartSet Inputs() const override { return inputs_; }
 
-  /// Always answers; without a usable point, and if stereo finds nothing either, both are empty and
+  /// Where points may have negative disparities (cx_right > cx), also in a wider frame (Widened()),
+  /// whose answer is taken if one seed in a hundred has one, and it has as many seeds. Always
+  /// answers; without a usable point, and if stereo finds nothing either, both are empty and
   /// the result says why. It also says, of the first frame, the first with a range image and each
   /// check_inputs_every-th one, what is wrong with the input, and when range points stop to come.
   StageResult Process(const Frame& frame) override;
 
  private:
+  struct Refined {
+    StageResult answer;
+    bool fits = true;  // images and range image have the sizes of the calibration
+  };
+  Refined RefineWhole(const Frame& frame);
+  Refined RefineFrom0(const Frame& frame);
   const TofProjector& ProjectorOf(const Rig& rig);
   Result<SeedSet> Refine(const Frame& frame);
   TofOffsetStatus OffsetOf(const Frame& frame, bool refined);
@@ -47,8 +56,12 @@ class RefineAdapter : public StageAdapter {
   inputs::RangeWatch range_watch_;
   cv::Mat1b left_grey_;  // memory
   cv::Mat1b right_grey_;
-  std::optional<TofProjector> projector_;  // of the newest calibration
-  std::string projector_rig_id_;
+  // Of the newest calibration, and of the same with a wider frame.
+  struct KeptProjector {
+    std::string rig_id;
+    std::optional<TofProjector> projector;
+  };
+  std::array<KeptProjector, 2> projectors_;
 };
 
 }  // namespace sprout::refine

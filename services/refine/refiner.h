@@ -49,6 +49,10 @@ class Refiner {
   Result<SeedSet> Compute(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                           const TofProjector& projector, const TofZones& zones = {});
 
+  /// The frames of the next calls have so many columns more than the cameras' images, see
+  /// Widened(); 0: none.
+  void SetColumns(int columns) { stereo_.SetColumns(columns); }
+
   /// Of the last call: reliable points that only the left camera sees, since they lie outside the
   /// right image or behind a nearer surface in it. They are no correspondences, but give depth
   /// where stereo cannot; and what zones say of places that nothing else explains. u_right is where

@@ -199,8 +199,9 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
   MarkWanted(grid, left.size());
   const int most = config_.stereo_max_disparity_px();
   const StereoMatcherSettings settings{
-      .max_disparity_px =
-          std::clamp(most > 0 ? most : left.cols / StereoRules::kWidthsPerDisparity, 1, left.cols),
+      .max_disparity_px = std::clamp(
+          (most > 0 ? most : (left.cols - columns_) / StereoRules::kWidthsPerDisparity) + columns_,
+          1, left.cols),
       .most_pixels = config_.stereo_most_pixels()};
   const cv::Mat1f& map = matcher_.Match(left, right, wanted_, seeds, settings);
   found_.resize(static_cast<size_t>(grid.size.height));

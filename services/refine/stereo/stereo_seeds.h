@@ -39,6 +39,10 @@ class StereoSeedFinder {
                              std::span<const Seed> seeds, std::span<const cv::Point2f> covered,
                              double spacing_px, const cv::Mat1f& most_px = {});
 
+  /// The images of the next calls are so many columns wider than the cameras', and all disparities
+  /// larger (see Widened()): the search reaches as much farther.
+  void SetColumns(int columns) { columns_ = columns; }
+
   /// Side of the cells of an image of this width, px.
   double SpacingPx(int width) const;
 
@@ -53,6 +57,7 @@ class StereoSeedFinder {
                 const cv::Mat1f& disparity_px, const cv::Mat1f& most_px, int row);
 
   RefineConfig config_;
+  int columns_ = 0;
   StereoMatcher matcher_;
   PointSurface points_;
   cv::Mat1b uncovered_;                   // cells that want a seed
