@@ -50,6 +50,8 @@ class KittiCalibFile {
     return matrix;
   }
 
+  bool Has(const std::string& key) const { return values_.contains(key); }
+
   ConfigError Bad(const std::string& key, const std::string& allowed) const {
     return ConfigError("calibration " + path_.string() + ": " + key + ": " + Text(key) +
                        ": allowed: " + allowed);
@@ -98,9 +100,25 @@ RectifiedPair PairOf(const KittiCalibFile& file, cv::Size size, const std::strin
   return pair;
 }
 
-// P2 = K · [I | t].
-Eigen::Vector3d LeftOffset(const KittiCalibFile& file) {
-  const auto left = file.Matrix<3, 4>("P2");
+// What KITTI calls the projections of its colour cameras, or of its grey ones.
+struct ProjectionKeys {
+  std::string left;
+  std::string right;
+};
+
+ProjectionKeys KeysOf(const KittiCalibFile& file, bool grey) {
+  const std::string prefix = file.Has(grey ? "P_rect_00" : "P_rect_02") ? "P_rect_0" : "P";
+  return {prefix + (grey ? "0" : "2"), prefix + (grey ? "1" : "3")};
+}
+
+RectifiedPair PairOf(const KittiCalibFile& file, cv::Size size, bool grey) {
+  const ProjectionKeys keys = KeysOf(file, grey);
+  return PairOf(file, size, keys.left, keys.right);
+}
+
+// P = K · [I | t].
+Eigen::Vector3d LeftOffset(const KittiCalibFile& file, bool grey) {
+  const auto left = file.Matrix<3, 4>(KeysOf(file, grey).left);
   const double z = left(2, 3);
   return {(left(0, 3) - left(0, 2) * z) / left(0, 0), (left(1, 3) - left(1, 2) * z) / left(0, 0),
           z};
@@ -109,22 +127,47 @@ Eigen::Vector3d LeftOffset(const KittiCalibFile& file) {
 }  // namespace
 
 Eigen::Vector3d ReadKittiLeftOffset(const std::filesystem::path& path) {
-  return LeftOffset(KittiCalibFile(path));
+  return LeftOffset(KittiCalibFile(path), /*grey=*/false);
 }
 
 RectifiedPair ReadKittiPair(const std::filesystem::path& path, cv::Size size, bool grey) {
+  return PairOf(KittiCalibFile(path), size, grey);
+}
+
+KittiCalibration ReadKittiSequenceCalibration(const std::filesystem::path& path, cv::Size size,
+                                              bool grey) {
   const KittiCalibFile file(path);
-  return grey ? PairOf(file, size, "P0", "P1") : PairOf(file, size, "P2", "P3");
+  KittiCalibration calibration{.pair = PairOf(file, size, grey)};
+  if (!file.Has("Tr")) return calibration;
+  const auto pose = file.Matrix<3, 4>("Tr");
+  calibration.left_from_scanner.linear() = Rotation(file, "Tr", pose.leftCols<3>());
+  calibration.left_from_scanner.translation() = pose.col(3) + LeftOffset(file, grey);
+  return calibration;
+}
+
+KittiCalibration ReadKittiRawCalibration(const std::filesystem::path& folder, cv::Size size,
+                                         bool grey) {
+  const KittiCalibFile cameras(folder / "calib_cam_to_cam.txt");
+  KittiCalibration calibration{.pair = PairOf(cameras, size, grey)};
+  const KittiCalibFile scanner(folder / "calib_velo_to_cam.txt");
+  const Eigen::Matrix3d rectification =
+      Rotation(cameras, "R_rect_00", cameras.Matrix<3, 3>("R_rect_00"));
+  calibration.left_from_scanner.linear() =
+      rectification * Rotation(scanner, "R", scanner.Matrix<3, 3>("R"));
+  calibration.left_from_scanner.translation() =
+      rectification * scanner.Matrix<3, 1>("T") + LeftOffset(cameras, grey);
+  return calibration;
 }
 
 KittiCalibration ReadKittiCalibration(const std::filesystem::path& path, cv::Size size) {
   const KittiCalibFile file(path);
-  KittiCalibration calibration{.pair = PairOf(file, size, "P2", "P3")};
+  KittiCalibration calibration{.pair = PairOf(file, size, /*grey=*/false)};
   const Eigen::Matrix3d rectification = Rotation(file, "R0_rect", file.Matrix<3, 3>("R0_rect"));
   const auto pose = file.Matrix<3, 4>("Tr_velo_to_cam");
   calibration.left_from_scanner.linear() =
       rectification * Rotation(file, "Tr_velo_to_cam", pose.leftCols<3>());
-  calibration.left_from_scanner.translation() = rectification * pose.col(3) + LeftOffset(file);
+  calibration.left_from_scanner.translation() =
+      rectification * pose.col(3) + LeftOffset(file, /*grey=*/false);
   return calibration;
 }
 

@@ -16,8 +16,9 @@ struct KittiCalibration {
   Eigen::Isometry3d left_from_scanner = Eigen::Isometry3d::Identity();
 };
 
-/// Reads the pair alone from any of KITTI's calibrations, also calib.txt of its sequences: P2 and
-/// P3, the colour cameras, or with `grey` P0 and P1. See ReadKittiCalibration().
+/// Reads the pair alone from any of KITTI's calibrations, also calib.txt of its sequences and
+/// calib_cam_to_cam.txt of its raw drives: P2 and P3 (P_rect_02, P_rect_03), the colour cameras, or
+/// with `grey` P0 and P1. See ReadKittiCalibration().
 RectifiedPair ReadKittiPair(const std::filesystem::path& file, cv::Size size, bool grey = false);
 
 /// Where the left camera is: what to add to a point in the frame of camera 0, m, by P2.
@@ -31,6 +32,16 @@ Eigen::Vector3d ReadKittiLeftOffset(const std::filesystem::path& file);
 /// @throws ConfigError naming file and key: missing, a wrong number of finite values, cameras that
 ///         are not rectified, an invalid rotation.
 KittiCalibration ReadKittiCalibration(const std::filesystem::path& file, cv::Size size);
+
+/// The same of calib.txt of an odometry sequence: P0 to P3, and Tr, which places the scanner in the
+/// rectified camera 0. Without Tr there is no scanner, and its pose is none.
+KittiCalibration ReadKittiSequenceCalibration(const std::filesystem::path& file, cv::Size size,
+                                              bool grey);
+
+/// The same of the two files of a day of raw drives: P_rect_00 to P_rect_03 and R_rect_00 of
+/// calib_cam_to_cam.txt, R and T of calib_velo_to_cam.txt.
+KittiCalibration ReadKittiRawCalibration(const std::filesystem::path& folder, cv::Size size,
+                                         bool grey);
 
 }  // namespace sprout::datasets
 

@@ -23,20 +23,68 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kPng = ".png";
 constexpr std::string_view kStereoPng = "_10.png";  // the stereo set: image 10 of a sequence of 21
+constexpr char kRawCalibration[] = "calib_cam_to_cam.txt";
 constexpr double kCodesPerPx = 256;
+
+bool IsFolder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
+enum class KittiLayout {
+  kSet,       // stereo and object: calib/ID.txt
+  kSequence,  // odometry: calib.txt
+  kRaw,       // a drive: image_02/data; its day's calibration in the folder above
+};
+
+// A folder of frames.
+struct KittiFolder {
+  fs::path path;
+  KittiLayout layout = KittiLayout::kSet;
+  bool grey = false;  // only the grey cameras' images are there
+
+  fs::path Images(bool right) const {
+    const int camera = (grey ? 0 : 2) + (right ? 1 : 0);
+    if (layout == KittiLayout::kRaw) {
+      return path / ("image_0" + std::to_string(camera)) / "data";
+    }
+    return path / ("image_" + std::to_string(camera));
+  }
+};
+
+// Nothing when there are no images in the folder.
+std::optional<KittiFolder> FolderAt(const fs::path& path) {
+  for (const bool grey : {false, true}) {
+    KittiFolder raw{.path = path, .layout = KittiLayout::kRaw, .grey = grey};
+    if (IsFolder(raw.Images(false))) return raw;
+    const bool is_sequence = IsFile(path / "calib.txt");
+    KittiFolder set{.path = path,
+                    .layout = is_sequence ? KittiLayout::kSequence : KittiLayout::kSet,
+                    .grey = grey};
+    if (IsFolder(set.Images(false))) return set;
+  }
+  return std::nullopt;
+}
 
 // The files of one frame.
 struct KittiFiles {
-  KittiFiles(const fs::path& folder, const std::string& id)
-      : image_name(id + std::string(IsFile(folder / "image_2" / (id + std::string(kStereoPng)))
+  KittiFiles(const KittiFolder& folder, const std::string& id)
+      : image_name(id + std::string(IsFile(folder.Images(false) / (id + std::string(kStereoPng)))
                                         ? kStereoPng
                                         : kPng)),
-        left(folder / "image_2" / image_name),
-        right(folder / "image_3" / image_name),
-        truth(folder / "disp_occ_0" / image_name),
-        seen_truth(folder / "disp_noc_0" / image_name),
-        calibration(folder / "calib" / (id + ".txt")),
-        scan(folder / "velodyne" / (id + ".bin")) {}
+        left(folder.Images(false) / image_name),
+        right(folder.Images(true) / image_name),
+        truth(folder.path / "disp_occ_0" / image_name),
+        seen_truth(folder.path / "disp_noc_0" / image_name),
+        scan(folder.path / "velodyne" / (id + ".bin")) {
+    if (folder.layout == KittiLayout::kSet) calibration = folder.path / "calib" / (id + ".txt");
+    if (folder.layout == KittiLayout::kSequence) calibration = folder.path / "calib.txt";
+    if (folder.layout == KittiLayout::kRaw) {
+      const bool is_here = IsFile(folder.path / kRawCalibration);
+      calibration = (is_here ? folder.path : folder.path.parent_path()) / kRawCalibration;
+      scan = folder.path / "velodyne_points" / "data" / (id + ".bin");
+    }
+  }
 
   std::string image_name;
   fs::path left, right;
@@ -46,15 +94,23 @@ struct KittiFiles {
   fs::path scan;
 };
 
-ConfigError BadPlace(const std::string& place, const std::string& reason) {
-  return ConfigError("capture.source = kitti:" + place + ": " + reason +
-                     "; allowed: FOLDER or FOLDER/ID with image_2/ID_10.png or image_2/ID.png, as "
-                     "KITTI has it");
+KittiCalibration ReadCalibration(const KittiFolder& folder, const KittiFiles& files,
+                                 cv::Size size) {
+  switch (folder.layout) {
+    case KittiLayout::kSequence:
+      return ReadKittiSequenceCalibration(files.calibration, size, folder.grey);
+    case KittiLayout::kRaw:
+      return ReadKittiRawCalibration(files.calibration.parent_path(), size, folder.grey);
+    default:
+      return ReadKittiCalibration(files.calibration, size);
+  }
 }
 
-bool IsFolder(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_directory(path, ignored);
+ConfigError BadPlace(const std::string& place, const std::string& reason) {
+  return ConfigError(
+      "capture.source = kitti:" + place + ": " + reason +
+      "; allowed: FOLDER or FOLDER/ID with image_2/ID_10.png, image_2/ID.png, image_0/ID.png "
+      "or image_02/data/ID.png, as KITTI has them");
 }
 
 // In the stereo set the neighbours in time, ID_11.png, are no frames of their own.
@@ -102,15 +158,18 @@ class KittiDataset : public Dataset {
       : uses_scan_(config.tof() != "none"), beams_(config.beams()) {
     for (const std::string& frame : KittiPlaces(place)) {
       const fs::path path(frame);
-      frames_.emplace_back(path.parent_path(), path.filename());
+      folder_ = *FolderAt(path.parent_path());
+      frames_.emplace_back(folder_, path.filename());
     }
     const cv::Size size = ReadImage(frames_.front().left, cv::IMREAD_ANYCOLOR).size();
-    const KittiCalibration calibration = ReadKittiCalibration(frames_.front().calibration, size);
+    const KittiCalibration calibration = ReadCalibration(folder_, frames_.front(), size);
     rig_.pair = calibration.pair;
     if (uses_scan_) rig_.tof = TofGridCamera(rig_.pair, 1);
     left_from_scanner_ = calibration.left_from_scanner;
     actual_left_from_scanner_ = TurnedScanner(left_from_scanner_, config.range_errors());
-    for (const KittiFiles& files : frames_) RequireThisCalibration(files.calibration);
+    if (folder_.layout == KittiLayout::kSet) {
+      for (const KittiFiles& files : frames_) RequireThisCalibration(files.calibration);
+    }
     Get(0);
   }
 
@@ -153,14 +212,15 @@ class KittiDataset : public Dataset {
     const TofImage all = TofImageFromScan(points, actual_left_from_scanner_, rig_.pair);
     if (cv::countNonZero(all.depth_m > 0) == 0) {
       throw ConfigError("scan " + file.string() +
-                        ": no point falls into the left image; allowed: the scan that calib/ID.txt "
-                        "was made for, or ?tof=none");
+                        ": no point falls into the left image; allowed: the scan of this "
+                        "calibration, or ?tof=none");
     }
     return TofImageFromScan(KeepBeams(points, beams_), actual_left_from_scanner_, rig_.pair);
   }
 
   bool uses_scan_;
   int beams_;
+  KittiFolder folder_;
   std::vector<KittiFiles> frames_;
   Rig rig_;
   Eigen::Isometry3d left_from_scanner_ = Eigen::Isometry3d::Identity();  // by the calibration
@@ -172,15 +232,17 @@ class KittiDataset : public Dataset {
 std::vector<std::string> KittiPlaces(const std::string& place) {
   fs::path path = place;
   if (!path.has_filename()) path = path.parent_path();  // FOLDER/
-  if (!IsFolder(path / "image_2")) {
-    const KittiFiles files(path.parent_path(), path.filename());
-    if (!IsFile(files.left)) throw BadPlace(place, "no such frame");
-    return {path.string()};
+  if (const std::optional<KittiFolder> folder = FolderAt(path)) {
+    std::vector<std::string> places;
+    for (const std::string& id : FrameIds(folder->Images(false))) places.push_back(path / id);
+    if (places.empty()) throw BadPlace(place, "no frame");
+    return places;
   }
-  std::vector<std::string> places;
-  for (const std::string& id : FrameIds(path / "image_2")) places.push_back(path / id);
-  if (places.empty()) throw BadPlace(place, "no frame");
-  return places;
+  const std::optional<KittiFolder> folder = FolderAt(path.parent_path());
+  if (!folder || !IsFile(KittiFiles(*folder, path.filename()).left)) {
+    throw BadPlace(place, "no such frame");
+  }
+  return {path.string()};
 }
 
 std::unique_ptr<Dataset> OpenKitti(const std::string& place, const CaptureConfig& config) {

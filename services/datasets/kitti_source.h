@@ -21,6 +21,11 @@ namespace sprout::datasets {
 ///                                                right camera does not see. Either may be missing,
 ///                                                the object set has none.
 ///
+/// Also an odometry sequence (image_2 and image_3, or the grey image_0 and image_1; calib.txt;
+/// velodyne/ID.bin) and a raw drive (image_02/data and image_03/data, or image_00 and image_01;
+/// velodyne_points/data; calib_cam_to_cam.txt and calib_velo_to_cam.txt there or in the folder
+/// above), rectified ("sync") images. Neither has truth.
+///
 /// The scan becomes a range image at the left camera's position (TofImageFromScan()), with
 /// config.beams() beams (KeepBeams()). Truth is of the left image only; without disp_noc_0 all of
 /// it counts as seen by both cameras.

@@ -26,10 +26,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kImageExtensions[] = {".png", ".jpg", ".ppm"};
-constexpr int kFullSizeRows = 1110;
 // Published values go from 200 to 290 px: what to take where dmin.txt is missing and an error of
 // the range sensor is given in metres. Otherwise depths without dmin.txt are not metric.
 constexpr double kLikelyDminPx = 250;
+constexpr uint8_t kSeenByBoth = 255;  // in mask0nocc.png; 128: by the left camera alone, 0: unknown
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 std::optional<fs::path> FindImage(const fs::path& folder, const std::string& name) {
@@ -101,21 +101,31 @@ Scene ReadImages(const fs::path& left, const fs::path& right) {
   return scene;
 }
 
-int ScaleFromRows(int rows) {
-  return std::max(1, static_cast<int>(std::lround(kFullSizeRows / double(rows))));
+// A scene whose truth has 8-bit codes: its files, and how its sizes were published.
+struct CodedScene {
+  const char *left, *right, *left_truth, *right_truth;
+  int full_rows;   // of an image with one code a px
+  int most_codes;  // a px, of the smallest one
+};
+constexpr CodedScene k2005 = {"view1", "view5", "disp1", "disp5", 1110, 255};
+constexpr CodedScene k2003 = {"im2", "im6", "disp2", "disp6", 1500, 4};
+
+int ScaleFromRows(const CodedScene& scene, int rows) {
+  return std::clamp(static_cast<int>(std::lround(scene.full_rows / double(rows))), 1,
+                    scene.most_codes);
 }
 
-Scene Read2005(const fs::path& folder, const CaptureConfig& config) {
-  Scene scene = ReadImages(RequireImage(folder, "view1"), RequireImage(folder, "view5"));
+Scene ReadCoded(const CodedScene& names, const fs::path& folder, const CaptureConfig& config) {
+  Scene scene = ReadImages(RequireImage(folder, names.left), RequireImage(folder, names.right));
   const cv::Size size = scene.left.size();
-  const int scale = config.gt_scale() > 0 ? config.gt_scale() : ScaleFromRows(size.height);
+  const int scale = config.gt_scale() > 0 ? config.gt_scale() : ScaleFromRows(names, size.height);
   const double missing_dmin_px = HasErrorsInMetres(config) ? kLikelyDminPx : 0;
   scene.pair = CalibrationFromDmin(folder / "dmin.txt", missing_dmin_px, size, scale);
 
-  const fs::path left = RequireImage(folder, "disp1");
+  const fs::path left = RequireImage(folder, names.left_truth);
   scene.truth.left = ReadCodes(left, scale);
   RequireLeftTruth(left, scene.truth.left, size);
-  if (const std::optional<fs::path> right = FindImage(folder, "disp5")) {
+  if (const std::optional<fs::path> right = FindImage(folder, names.right_truth)) {
     scene.truth.right = ReadCodes(*right, scale);
     RequireSize(*right, scene.truth.right.size(), size);
   }
@@ -127,12 +137,20 @@ Scene Read2014(const fs::path& folder) {
   const cv::Size size = scene.left.size();
   scene.pair = CalibrationFromCalib(folder / "calib.txt", size);
 
-  const fs::path left = folder / "disp0.pfm";
+  // Of the evaluation, version 3, and of ETH3D: disp0GT.pfm, and which pixels both cameras see.
+  const bool is_evaluation = !IsFile(folder / "disp0.pfm");
+  const fs::path left = folder / (is_evaluation ? "disp0GT.pfm" : "disp0.pfm");
   if (!IsFile(left)) {
-    throw ConfigError("scene " + folder.string() + ": disp0 is missing; allowed: disp0.pfm");
+    throw ConfigError("scene " + folder.string() +
+                      ": disp0 is missing; allowed: disp0.pfm, disp0GT.pfm");
   }
   scene.truth.left = ReadPfmDisparity(left);
   RequireLeftTruth(left, scene.truth.left, size);
+  if (const fs::path mask = folder / "mask0nocc.png"; is_evaluation && IsFile(mask)) {
+    const cv::Mat seen = ReadImage(mask, cv::IMREAD_GRAYSCALE);
+    RequireSize(mask, seen.size(), size);
+    scene.truth.nonoccluded = seen == kSeenByBoth;
+  }
   if (const fs::path right = folder / "disp1.pfm"; IsFile(right)) {
     scene.truth.right = ReadPfmDisparity(right);
     RequireSize(right, scene.truth.right.size(), size);
@@ -146,10 +164,12 @@ Scene ReadScene(const fs::path& folder, const CaptureConfig& config) {
     throw ConfigError("capture.source = middlebury:" + folder.string() +
                       ": no such folder; allowed: the folder of a Middlebury scene");
   }
-  if (FindImage(folder, "view1")) return Read2005(folder, config);
+  if (FindImage(folder, k2005.left)) return ReadCoded(k2005, folder, config);
+  if (FindImage(folder, k2003.left)) return ReadCoded(k2003, folder, config);
   if (FindImage(folder, "im0")) return Read2014(folder);
   throw ConfigError("scene " + folder.string() + ": no left image; allowed: " +
-                    Candidates("view1") + " (2005, 2006) or " + Candidates("im0") + " (2014)");
+                    Candidates(k2005.left) + " (2005, 2006), " + Candidates(k2003.left) +
+                    " (2003) or " + Candidates("im0") + " (2014, 2021, ETH3D)");
 }
 
 class MiddleburyDataset : public Dataset {
@@ -187,7 +207,8 @@ class MiddleburyDataset : public Dataset {
     DatasetFrame copy;
     copy.left = frame_.left.clone();
     copy.right = frame_.right.clone();
-    copy.truth = {frame_.truth.left.clone(), frame_.truth.right.clone()};
+    copy.truth = {frame_.truth.left.clone(), frame_.truth.right.clone(),
+                  frame_.truth.nonoccluded.clone()};
     if (sr4000_) {
       const Sr4000Frame measured = sr4000_->Measure(*samples_, index);
       copy.tof = measured.tof;
