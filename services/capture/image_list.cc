@@ -1,49 +1,73 @@
 #include "services/capture/image_list.h"
 
-#include <opencv2/imgcodecs.hpp>
+#include <glob.h>
 
-#include "common/config/config.h"
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "common/config/config_error.h"
 #include "common/core/number_text.h"
-#include "common/picture/read_image.h"
-#include "services/datasets/read_image.h"
+#include "common/core/pair_names.h"
 
 namespace sprout::capture {
+namespace {
 
-ImageList::ImageList(const std::string& pattern) {
+// The text as it is in a pattern of glob().
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '*' || c == '?' || c == '[' || c == '\\') escaped += '\\';
+    escaped += c;
+  }
+  return escaped;
+}
+
+std::vector<std::string> Matching(const std::string& pattern) {
+  glob_t found{};
+  std::vector<std::string> files;
+  if (glob(pattern.c_str(), GLOB_NOSORT, nullptr, &found) == 0) {
+    for (const char* path : std::span(found.gl_pathv, found.gl_pathc)) files.emplace_back(path);
+  }
+  globfree(&found);
+  return files;
+}
+
+// Whether printf() writes a number so with at least `width` digits.
+bool IsNumber(std::string_view text, size_t width) {
+  const bool is_number =
+      !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+  return is_number && text.size() >= width &&
+         (text.size() == std::max<size_t>(width, 1) || text.front() != '0');
+}
+
+}  // namespace
+
+std::vector<std::string> ImageList(const std::string& pattern) {
   const auto refuse = [&](const std::string& why) {
     throw ConfigError("image list " + pattern + ": " + why);
   };
   const size_t percent = pattern.find('%');
   const size_t end = pattern.find('d', percent);
-  before_ = pattern.substr(0, percent);
-  if (end != std::string::npos) after_ = pattern.substr(end + 1);
+  const std::string before = pattern.substr(0, percent);
+  const std::string after = end == std::string::npos ? std::string() : pattern.substr(end + 1);
   const std::string width = pattern.substr(percent + 1, end - percent - 1);
   const auto digits = width.empty() ? 0 : ParseNumber<int>(width);
   constexpr int kMostDigits = 20;
-  if (end == std::string::npos || after_.find('%') != std::string::npos || !digits || *digits < 0 ||
+  if (end == std::string::npos || after.find('%') != std::string::npos || !digits || *digits < 0 ||
       *digits > kMostDigits) {
     refuse("not a name with one number; allowed: such as left_%04d.png");
   }
-  digits_ = static_cast<size_t>(*digits);
-  constexpr int kLastFirst = 10;
-  while (!HasNext()) {
-    if (++next_ > kLastFirst) refuse("cannot be opened: no image with a number from 0 to 10");
-  }
-}
-
-bool ImageList::HasNext() const { return datasets::IsFile(File(next_)); }
-
-cv::Mat ImageList::Next() {
-  Result<cv::Mat> image = DecodeImageFile(File(next_), cv::IMREAD_UNCHANGED, kCameraFormats);
-  if (!image) throw ConfigError(image.error().text);
-  ++next_;
-  return *image;
-}
-
-std::filesystem::path ImageList::File(int number) const {
-  const std::string text = std::to_string(number);
-  const size_t zeros = digits_ > text.size() ? digits_ - text.size() : 0;
-  return before_ + std::string(zeros, '0') + text + after_;
+  std::vector<std::string> files = Matching(Escaped(before) + '*' + Escaped(after));
+  std::erase_if(files, [&](const std::string& file) {
+    const std::string_view number =
+        std::string_view(file).substr(before.size(), file.size() - before.size() - after.size());
+    return !IsNumber(number, static_cast<size_t>(*digits));
+  });
+  if (files.empty()) refuse("cannot be opened: no image is called so");
+  std::ranges::sort(files, ComesBefore);
+  return files;
 }
 
 }  // namespace sprout::capture

@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <string_view>
 #include <utility>
 
 #include "common/core/number_text.h"
+#include "common/picture/eight_bits.h"
 #include "common/rig/rig_file.h"
 #include "services/capture/genicam/genicam_source.h"
 #include "services/capture/raw_source.h"
@@ -26,6 +28,20 @@ int Positive(const std::string& source, const datasets::SourceOption& option) {
   if (number && *number > 0) return *number;
   throw Bad(source, "not a number above 0: " + std::string(option.text),
             "?width=PX&height=PX&fps=HZ");
+}
+
+int BitsOf(const std::string& source, const datasets::SourceOption& option) {
+  const std::optional<int> bits = ParseNumber<int>(option.value);
+  if (bits && *bits >= kLeastBits && *bits <= kMostBits) return *bits;
+  throw Bad(source, "no number of bits: " + std::string(option.text), "8 to 16");
+}
+
+double OffsetOf(const std::string& source, const datasets::SourceOption& option) {
+  constexpr double kMostMs = 1e8;  // a day
+  const std::optional<double> offset_ms = ParseNumber<double>(option.value);
+  if (offset_ms && std::abs(*offset_ms) <= kMostMs) return *offset_ms;
+  throw Bad(source, "no offset: " + std::string(option.text),
+            "how much later the right video begins, ms");
 }
 
 // Of "opencv:" two places, separated by a comma, or one with both views; of "v4l2:" one.
@@ -67,14 +83,18 @@ OpenedCameras OpenCameras(const std::string& source, bool loop, datasets::Waitin
       RigDescription rig = LoadRigFile(option.value);
       if (calibrated) opened.rig = std::make_shared<CurrentRig>(std::move(rig), option.value);
     } else if (option.name == "width") {
-      settings.width = Positive(source, option);
+      settings.device.width = Positive(source, option);
     } else if (option.name == "height") {
-      settings.height = Positive(source, option);
+      settings.device.height = Positive(source, option);
     } else if (option.name == "fps") {
-      settings.fps = Positive(source, option);
+      settings.device.fps = Positive(source, option);
+    } else if (option.name == "bits") {
+      settings.bits = BitsOf(source, option);
+    } else if (option.name == "offset_ms") {
+      settings.offset_ms = OffsetOf(source, option);
     } else {
       throw Bad(source, "no such option " + std::string(option.text),
-                "?rig=FILE, &width=PX, &height=PX, &fps=HZ");
+                "?rig=FILE, &width=PX, &height=PX, &fps=HZ, &bits=N, &offset_ms=MS");
     }
   }
   opened.cameras = OpenVideo(settings);

@@ -3,17 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <memory>
-#include <opencv2/videoio.hpp>
 #include <optional>
 #include <utility>
 
 #include "common/config/config_error.h"
 #include "common/core/image.h"
-#include "common/core/input_files.h"
-#include "common/core/number_text.h"
+#include "common/core/pair_names.h"
 #include "common/core/sleep.h"
+#include "common/picture/eight_bits.h"
+#include "services/capture/genicam/triplet_synchronizer.h"
 #include "services/capture/image_list.h"
 
 namespace sprout::capture {
@@ -21,104 +23,75 @@ namespace {
 
 constexpr std::chrono::seconds kRetryPeriod{1};
 
-bool IsDevice(const std::string& place) {
-  return ParseNumber<int>(place).has_value() || place.starts_with("/dev/");
+bool IsList(const std::string& place) {
+  return !IsDevice(place) && place.find('%') != std::string::npos;
 }
 
-// Pictures, one after the other.
-class Pictures {
+// Joins the pictures of two videos by their times.
+class VideoJoiner {
  public:
-  virtual ~Pictures() = default;
-  virtual bool Grab() = 0;         // whether there is one more
-  virtual cv::Mat Retrieve() = 0;  // the one that was grabbed; empty when it cannot be decoded
-  virtual std::string EndText() const { return {}; }  // what is wrong with its end
-};
+  using Both = std::array<std::unique_ptr<Pictures>, 2>;
 
-class ListedPictures : public Pictures {
- public:
-  explicit ListedPictures(const std::string& pattern) : list_(pattern) {}
-  bool Grab() override { return list_.HasNext(); }
-  cv::Mat Retrieve() override { return list_.Next(); }
+  VideoJoiner(Both videos, double offset_ms)
+      : videos_(std::move(videos)),
+        offset_us_(std::llround(1000 * offset_ms)),
+        synchronizer_({.max_spread_us = HalfPeriod(videos_), .has_tof = false}) {}
+
+  static bool Can(const Both& videos) { return videos[0]->Rate() > 0 && videos[1]->Rate() > 0; }
+
+  // The next two pictures; nothing at the end of either video.
+  std::optional<Triplet> Next() {
+    while (true) {
+      if (auto pair = synchronizer_.Next(std::min(newest_[0], newest_[1]))) return pair;
+      const size_t behind = newest_[0] <= newest_[1] ? 0 : 1;
+      if (!Push(behind)) return std::nullopt;
+    }
+  }
+
+  std::string EndText() const {
+    const std::string left = videos_[0]->EndText();
+    return left.empty() ? videos_[1]->EndText() : left;
+  }
+
+  // Pictures of the slower video without a partner, since the last call.
+  int64_t TakeLost() {
+    const bool left_is_slower = videos_[0]->Rate() <= videos_[1]->Rate();
+    const int64_t unpaired =
+        synchronizer_.unpaired(left_is_slower ? RigPlace::kLeft : RigPlace::kRight);
+    return unpaired - std::exchange(unpaired_, unpaired);
+  }
 
  private:
-  ImageList list_;
-};
+  static int64_t HalfPeriod(const Both& videos) {
+    return std::max<int64_t>(1,
+                             std::llround(0.5e6 / std::max(videos[0]->Rate(), videos[1]->Rate())));
+  }
 
-class VideoPictures : public Pictures {
- public:
-  explicit VideoPictures(std::string place) : place_(std::move(place)) {}
-
-  // With the backend that is for it: OpenCV's others try what they cannot open, and one of them
-  // looks through all USB devices and keeps what it found.
-  bool Open(const VideoSettings& settings) {
-    if (!OpenPlace()) return false;
-    if (settings.width > 0) video_.set(cv::CAP_PROP_FRAME_WIDTH, settings.width);
-    if (settings.height > 0) video_.set(cv::CAP_PROP_FRAME_HEIGHT, settings.height);
-    if (settings.fps > 0) video_.set(cv::CAP_PROP_FPS, settings.fps);
-    RequireSize();
+  bool Push(size_t which) {
+    Pictures& video = *videos_[which];
+    if (!video.Grab()) return false;
+    const std::optional<int64_t> time = video.Time();
+    cv::Mat picture = video.Retrieve().pixels;
+    if (!time || picture.empty()) return false;
+    newest_[which] = *time + (which == 1 ? offset_us_ : 0);
+    synchronizer_.Push(which == 0 ? RigPlace::kLeft : RigPlace::kRight,
+                       {.utime = newest_[which], .image = std::move(picture), .tof = {}});
     return true;
   }
 
-  bool Grab() override {
-    has_ended_ = !video_.grab();
-    taken_ += has_ended_ ? 0 : 1;
-    return !has_ended_;
-  }
-
-  // A frame that cannot be decoded ends a video like the end of its file. How many there are, is
-  // estimated from the length where the header does not say.
-  std::string EndText() const override {
-    const double claimed = video_.get(cv::CAP_PROP_FRAME_COUNT);
-    if (!has_ended_ || static_cast<double>(taken_) >= 0.95 * claimed - 1) return {};
-    return fmt::format("video {}: {} frames could be read; {:.0f} are in it by its header", place_,
-                       taken_, claimed);
-  }
-
-  cv::Mat Retrieve() override {
-    RequireSize();  // before OpenCV takes memory for it; a stream may change its size
-    cv::Mat picture;
-    if (!video_.retrieve(picture)) return {};
-    return picture.clone();  // the next one may take its memory
-  }
-
- private:
-  bool OpenPlace() {
-    NoteInputFile(place_);
-    if (const std::optional<int> number = ParseNumber<int>(place_)) {
-      return video_.open(*number, cv::CAP_V4L2);
-    }
-    return video_.open(place_, IsDevice(place_) ? cv::CAP_V4L2 : cv::CAP_FFMPEG);
-  }
-
-  void RequireSize() const {
-    const cv::Size2d size(video_.get(cv::CAP_PROP_FRAME_WIDTH),
-                          video_.get(cv::CAP_PROP_FRAME_HEIGHT));
-    if (std::max(size.width, size.height) <= kMaxSide && size.area() <= kMaxPixels) return;
-    throw ConfigError(fmt::format("video {}: {}x{} px; allowed: 1 to {} px a side and {} pixels",
-                                  place_, size.width, size.height, kMaxSide, kMaxPixels));
-  }
-
-  std::string place_;
-  cv::VideoCapture video_;
-  int64_t taken_ = 0;
-  bool has_ended_ = false;
+  Both videos_;
+  int64_t offset_us_;
+  TripletSynchronizer synchronizer_;
+  std::array<int64_t, 2> newest_ = {-1, -1};  // times, µs; −1: none yet
+  int64_t unpaired_ = 0;
 };
-
-// Nothing when it cannot be opened.
-std::unique_ptr<Pictures> OpenPictures(const std::string& place, const VideoSettings& settings) {
-  if (!IsDevice(place) && place.find('%') != std::string::npos) {
-    return std::make_unique<ListedPictures>(place);
-  }
-  auto video = std::make_unique<VideoPictures>(place);
-  if (!video->Open(settings)) return nullptr;
-  return video;
-}
 
 class VideoSource : public RawSource {
  public:
   explicit VideoSource(const VideoSettings& settings)
       : settings_(settings),
-        is_live_(std::any_of(settings.places.begin(), settings.places.end(), IsDevice)) {
+        is_live_(std::any_of(settings.places.begin(), settings.places.end(), IsDevice)),
+        eight_bits_(settings.bits) {
     if (const std::optional<std::string> refused = Open()) {
       throw ConfigError("video " + *refused +
                         ": cannot be opened; allowed: a video, an image list (left_%04d.png), a "
@@ -134,7 +107,8 @@ class VideoSource : public RawSource {
     while (!stop.stop_requested()) {
       if (std::optional<datasets::CapturedFrame> frame = Grab()) {
         Require(*frame);
-        frame->trouble = trouble;
+        TellOfLost(*frame);
+        if (!trouble.empty()) frame->trouble = trouble;
         return frame;
       }
       if (is_live_) {
@@ -150,44 +124,105 @@ class VideoSource : public RawSource {
 
   datasets::LostFrames lost_at_end() const override {
     if (is_live_) return {};
+    datasets::LostFrames lost{.count = lost_, .trouble = trouble_};
     for (const auto& video : videos_) {
-      if (std::string text = video->EndText(); !text.empty()) return {.trouble = std::move(text)};
+      if (std::string text = video->EndText(); !text.empty()) lost.trouble = std::move(text);
     }
-    return {};
+    if (joiner_ && !joiner_->EndText().empty()) lost.trouble = joiner_->EndText();
+    return lost;
   }
 
  private:
   // @returns what cannot be opened.
   std::optional<std::string> Open() {
     videos_.clear();
-    for (const std::string& place : settings_.places) {
-      std::unique_ptr<Pictures> opened = OpenPictures(place, settings_);
+    joiner_.reset();
+    const std::vector<std::string>& places = settings_.places;
+    if (places.size() == 2 && IsList(places[0]) && IsList(places[1])) {
+      OpenLists(places[0], places[1]);
+      return std::nullopt;
+    }
+    for (const std::string& place : places) {
+      std::unique_ptr<Pictures> opened =
+          IsList(place) ? OpenImages(ImageList(place)) : OpenVideoPictures(place, settings_.device);
       if (!opened) return place;
       videos_.push_back(std::move(opened));
+    }
+    if (videos_.size() != 2 || is_live_) return std::nullopt;
+    VideoJoiner::Both both = {std::move(videos_[0]), std::move(videos_[1])};
+    if (VideoJoiner::Can(both)) {
+      videos_.clear();
+      joiner_.emplace(std::move(both), settings_.offset_ms);
+    } else {
+      videos_[0] = std::move(both[0]);
+      videos_[1] = std::move(both[1]);
     }
     return std::nullopt;
   }
 
-  // Takes both pictures before it decodes either, so that they are of one time.
+  void OpenLists(const std::string& left, const std::string& right) {
+    const std::vector<std::string> lefts = ImageList(left);
+    const std::vector<std::string> rights = ImageList(right);
+    const Result<PairedNames> paired = PairNames(lefts, rights);
+    if (!paired)
+      throw ConfigError("image lists " + left + " and " + right + ": " + paired.error().text);
+    std::vector<std::string> first;
+    std::vector<std::string> second;
+    for (const auto& pair : paired->pairs) {
+      first.push_back(lefts[pair.first]);
+      second.push_back(rights[pair.second]);
+    }
+    videos_.push_back(OpenImages(std::move(first)));
+    videos_.push_back(OpenImages(std::move(second)));
+    lost_ = std::ssize(paired->alone_first) + std::ssize(paired->alone_second);
+    if (lost_ == 0) return;
+    trouble_ = (paired->alone_first.empty() ? rights[paired->alone_second.front()]
+                                            : lefts[paired->alone_first.front()]) +
+               ": has no partner";
+    if (lost_ > 1) trouble_ += fmt::format(", nor have {} others", lost_ - 1);
+  }
+
   std::optional<datasets::CapturedFrame> Grab() {
+    if (!joiner_) return GrabTogether();
+    std::optional<Triplet> pair = joiner_->Next();
+    const int64_t lost = joiner_->TakeLost();
+    if (lost > 0) trouble_ = "a picture of one video without one of the other at its time";
+    lost_ += lost;
+    if (!pair) return std::nullopt;
+    datasets::CapturedFrame frame;
+    frame.left = std::move(pair->left.image);
+    frame.right = std::move(pair->right.image);
+    frame.spread_ms = pair->spread_ms();
+    return frame;
+  }
+
+  // Takes both pictures before it decodes either, so that they are of one time.
+  std::optional<datasets::CapturedFrame> GrabTogether() {
     for (const auto& video : videos_) {
       if (!video->Grab()) return std::nullopt;
     }
-    std::vector<cv::Mat> pictures;
+    std::vector<CameraImage> pictures;
     for (const auto& video : videos_) {
       pictures.push_back(video->Retrieve());
-      if (pictures.back().empty()) return std::nullopt;
+      if (pictures.back().pixels.empty()) return std::nullopt;
     }
+    eight_bits_.Convert({&pictures.front(), &pictures.back()});
+    if (std::string note = eight_bits_.TakeNote(); !note.empty()) trouble_ = std::move(note);
     datasets::CapturedFrame frame;
     if (pictures.size() == 2) {
-      frame.left = pictures[0];
-      frame.right = pictures[1];
+      frame.left = pictures[0].pixels;
+      frame.right = pictures[1].pixels;
     } else {
-      const cv::Mat& both = pictures[0];
+      const cv::Mat& both = pictures[0].pixels;
       frame.left = both.colRange(0, both.cols / 2).clone();
       frame.right = both.colRange(both.cols - both.cols / 2, both.cols).clone();
     }
     return frame;
+  }
+
+  void TellOfLost(datasets::CapturedFrame& frame) {
+    frame.lost = std::exchange(lost_, 0);
+    frame.trouble = std::exchange(trouble_, {});
   }
 
   static void Require(const datasets::CapturedFrame& frame) {
@@ -197,14 +232,18 @@ class VideoSource : public RawSource {
     }
     for (const cv::Mat& picture : {frame.left, frame.right}) {
       if (picture.type() == CV_8UC1 || picture.type() == CV_8UC3) continue;
-      throw ConfigError("video: pictures of OpenCV's type " + std::to_string(picture.type()) +
-                        "; allowed: 8-bit grey or colour");
+      throw ConfigError("video: pictures of OpenCV's type " + cv::typeToString(picture.type()) +
+                        "; allowed: grey or colour with 8 or 16 bits");
     }
   }
 
   VideoSettings settings_;
   bool is_live_;
+  EightBits eight_bits_;
   std::vector<std::unique_ptr<Pictures>> videos_;
+  std::optional<VideoJoiner> joiner_;  // of two videos, instead
+  int64_t lost_ = 0;                   // since the last frame
+  std::string trouble_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "services/capture/raw_source.h"
+#include "services/capture/video_pictures.h"
 
 namespace sprout::capture {
 
@@ -14,15 +15,18 @@ struct VideoSettings {
   /// Left and right camera, or one with both views side by side: a video, an image list
   /// (left_%04d.png), a device (a number, /dev/video0).
   std::vector<std::string> places;
-  bool loop = false;  ///< start files again at the end
-  /// Requested from a device, for the whole picture; 0 = its own choice.
-  int width = 0;   ///< px
-  int height = 0;  ///< px
-  double fps = 0;  ///< Hz
+  bool loop = false;           ///< start files again at the end
+  DeviceSettings device = {};  ///< for the whole picture
+  int bits = 0;                ///< see EightBits
+  /// How much later than the left video the right one begins, ms.
+  double offset_ms = 0;
 };
 
-/// Images of a stereo camera or of recordings, without a clock and without a ToF camera. Two files
-/// end with the shorter one; a lost device is opened again, with a try every second.
+/// Images of a stereo camera or of recordings, without a clock and without a ToF camera. Images of
+/// two lists are joined by PairNames(), pictures of two videos by their times
+/// (TripletSynchronizer), which differ by at most half the time between two pictures of the faster
+/// one; of devices the newest ones belong together. A lost device is opened again, with a try every
+/// second.
 /// @throws ConfigError naming what cannot be opened.
 std::unique_ptr<RawSource> OpenVideo(const VideoSettings& settings);
 

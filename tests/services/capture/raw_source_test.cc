@@ -6,6 +6,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
 
 #include "common/bus/channels.h"
 #include "common/rig/rig_file.h"
@@ -70,6 +71,68 @@ class VideoTest : public ::testing::Test {
   StageMonitor monitor_{"capture", ""};
 };
 
+TEST_F(VideoTest, JoinsImagesOfOneNumberAndNamesTheOthers) {
+  const std::string source = "opencv:" + WriteList("left", 4) + "," + WriteList("right", 5);
+  std::filesystem::remove(Path("left02.png"));
+  std::filesystem::remove(Path("right00.png"));
+  const auto opened = OpenCameras(source, /*loop=*/false);
+  for (const int number : {1, 3}) {
+    const auto frame = opened.cameras->Next({});
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->left.at<cv::Vec3b>(0, 0)[0], 10 * (number + 1));
+    EXPECT_EQ(frame->right.at<cv::Vec3b>(0, 0)[0], 10 * (number + 1));
+    EXPECT_EQ(frame->lost, number == 1 ? 4 : 0);
+    if (number == 1) {
+      EXPECT_THAT(frame->trouble, HasSubstr("left00.png: has no partner, nor have 3 others"));
+    }
+  }
+  EXPECT_FALSE(opened.cameras->Next({}));
+}
+
+TEST_F(VideoTest, TakesImagesOf16BitsByTheBitsThatTheyUse) {
+  for (const char* name : {"left0.png", "right0.png"}) {
+    cv::Mat1w image(48, 64, uint16_t{400});
+    image(0, 0) = 1000;
+    cv::imwrite(Path(name), image);
+  }
+  const std::string source = "opencv:" + Path("left%d.png") + "," + Path("right%d.png");
+  EXPECT_EQ(OpenCameras(source, false).cameras->Next({})->left.at<uint8_t>(5, 5), 400 >> 2);
+  EXPECT_EQ(OpenCameras(source + "?bits=12", false).cameras->Next({})->left.at<uint8_t>(5, 5),
+            400 >> 4);
+  EXPECT_THAT(ErrorOf(source + "?bits=7"),
+              HasSubstr("no number of bits: bits=7; allowed: 8 to 16"));
+}
+
+// Pictures of a grey value that tells their time, ms / 10.
+TEST_F(VideoTest, JoinsVideosOfDifferentRatesAndStartsByTime) {
+  const auto write = [&](const char* name, double fps, int count, int start_ms) {
+    cv::VideoWriter video(Path(name), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
+                          fps, {64, 48});
+    ASSERT_TRUE(video.isOpened());
+    for (int i = 0; i < count; ++i) {
+      video.write(Picture({64, 48}, cvRound((start_ms + 1000 * i / fps) / 10)));
+    }
+  };
+  write("left.avi", 10, 10, 0);
+  write("right.avi", 30, 30, 0);
+  write("late.avi", 10, 8, 200);
+  const auto expect = [&](const std::string& right, int first_ms, int frames) {
+    const auto opened = OpenCameras("opencv:" + Path("left.avi") + "," + right, false);
+    for (int i = 0; i < frames; ++i) {
+      const auto frame = opened.cameras->Next({});
+      ASSERT_TRUE(frame) << right << " " << i;
+      EXPECT_NEAR(frame->left.at<cv::Vec3b>(9, 9)[1], first_ms / 10 + 10 * i, 1) << right;
+      EXPECT_NEAR(frame->right.at<cv::Vec3b>(9, 9)[1], first_ms / 10 + 10 * i, 1) << right;
+      EXPECT_LT(frame->spread_ms, 17);
+      EXPECT_EQ(frame->lost, i == 0 ? first_ms / 100 : 0);
+    }
+    EXPECT_FALSE(opened.cameras->Next({}));
+  };
+  expect(Path("right.avi"), 0, 10);
+  expect(Path("late.avi") + "?offset_ms=200", 200, 8);
+  EXPECT_THAT(ErrorOf("opencv:" + Path("left.avi") + "?offset_ms=x"), HasSubstr("no offset"));
+}
+
 TEST_F(VideoTest, PlaysTwoImageListsAndEndsWithTheShorterOne) {
   const std::string source = "opencv:" + WriteList("left", 3) + "," + WriteList("right", 2);
   const auto opened = OpenCameras(source, /*loop=*/false);
@@ -81,6 +144,7 @@ TEST_F(VideoTest, PlaysTwoImageListsAndEndsWithTheShorterOne) {
     EXPECT_EQ(frame->left.at<cv::Vec3b>(0, 0)[0], 10 * (i + 1));
     EXPECT_EQ(frame->right.at<cv::Vec3b>(479, 639)[0], 10 * (i + 1));
     EXPECT_TRUE(frame->tof.depth_m.empty());
+    EXPECT_EQ(frame->lost, i == 0 ? 1 : 0);
   }
   EXPECT_FALSE(opened.cameras->Next({}));
 }
@@ -154,7 +218,7 @@ TEST_F(VideoTest, EndsWhenTheSizesOfTheTwoDiffer) {
 
 TEST_F(VideoTest, RefusesAListThatIsNoneOrAnImageThatIsTooLarge) {
   EXPECT_THAT(ErrorOf("opencv:" + Path("none%02d.png"), {.raw = true}),
-              AllOf(HasSubstr("none%02d.png"), HasSubstr("no image with a number from 0 to 10")));
+              AllOf(HasSubstr("none%02d.png"), HasSubstr("no image is called so")));
   for (const char* name : {"a%02x.png", "a%.png", "a%2d%2d.png", "a%-2d.png", "a%99d.png"}) {
     EXPECT_THAT(ErrorOf("opencv:" + Path(name), {.raw = true}),
                 AllOf(HasSubstr(name), HasSubstr("such as left_%04d.png")));

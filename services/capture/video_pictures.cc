@@ -1,0 +1,133 @@
+#include "services/capture/video_pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/videoio.hpp>
+#include <utility>
+
+#include "common/config/config_error.h"
+#include "common/core/image.h"
+#include "common/core/input_files.h"
+#include "common/core/number_text.h"
+
+namespace sprout::capture {
+namespace {
+
+class ListedPictures : public Pictures {
+ public:
+  explicit ListedPictures(std::vector<std::string> files) : files_(std::move(files)) {}
+
+  bool Grab() override {
+    if (taken_ == files_.size()) return false;
+    ++taken_;
+    return true;
+  }
+
+  CameraImage Retrieve() override {
+    Result<CameraImage> image = ReadCameraImage(files_[taken_ - 1]);
+    if (!image) throw ConfigError(image.error().text);
+    return *std::move(image);
+  }
+
+ private:
+  std::vector<std::string> files_;
+  size_t taken_ = 0;
+};
+
+class VideoPictures : public Pictures {
+ public:
+  explicit VideoPictures(std::string place) : place_(std::move(place)) {}
+
+  // With the backend that is for it: OpenCV's others try what they cannot open, and one of them
+  // looks through all USB devices and keeps what it found.
+  bool Open(const DeviceSettings& settings) {
+    if (!OpenPlace()) return false;
+    if (settings.width > 0) video_.set(cv::CAP_PROP_FRAME_WIDTH, settings.width);
+    if (settings.height > 0) video_.set(cv::CAP_PROP_FRAME_HEIGHT, settings.height);
+    if (settings.fps > 0) video_.set(cv::CAP_PROP_FPS, settings.fps);
+    RequireSize();
+    return true;
+  }
+
+  bool Grab() override {
+    has_ended_ = !video_.grab();
+    taken_ += has_ended_ ? 0 : 1;
+    return !has_ended_;
+  }
+
+  std::optional<int64_t> Time() const override {
+    if (IsDevice(place_)) return std::nullopt;
+    const double time_us = 1000 * video_.get(cv::CAP_PROP_POS_MSEC);
+    // Where the container has no times, OpenCV says 0 of all.
+    if (taken_ > 1 && time_us <= 0) {
+      return Rate() > 0
+                 ? std::optional(std::llround(1e6 * static_cast<double>(taken_ - 1) / Rate()))
+                 : std::nullopt;
+    }
+    return std::llround(time_us);
+  }
+
+  double Rate() const override {
+    const double rate = video_.get(cv::CAP_PROP_FPS);
+    return std::isfinite(rate) && rate > 0 ? rate : 0;
+  }
+
+  // A frame that cannot be decoded ends a video like the end of its file. How many there are, is
+  // estimated from the length where the header does not say.
+  std::string EndText() const override {
+    const double claimed = video_.get(cv::CAP_PROP_FRAME_COUNT);
+    if (!has_ended_ || static_cast<double>(taken_) >= 0.95 * claimed - 1) return {};
+    return fmt::format("video {}: {} frames could be read; {:.0f} are in it by its header", place_,
+                       taken_, claimed);
+  }
+
+  CameraImage Retrieve() override {
+    RequireSize();  // before OpenCV takes memory for it; a stream may change its size
+    cv::Mat picture;
+    if (!video_.retrieve(picture)) return {};
+    return {picture.clone()};  // the next one may take its memory
+  }
+
+ private:
+  bool OpenPlace() {
+    NoteInputFile(place_);
+    if (const std::optional<int> number = ParseNumber<int>(place_)) {
+      return video_.open(*number, cv::CAP_V4L2);
+    }
+    return video_.open(place_, IsDevice(place_) ? cv::CAP_V4L2 : cv::CAP_FFMPEG);
+  }
+
+  void RequireSize() const {
+    const cv::Size2d size(video_.get(cv::CAP_PROP_FRAME_WIDTH),
+                          video_.get(cv::CAP_PROP_FRAME_HEIGHT));
+    if (std::max(size.width, size.height) <= kMaxSide && size.area() <= kMaxPixels) return;
+    throw ConfigError(fmt::format("video {}: {}x{} px; allowed: 1 to {} px a side and {} pixels",
+                                  place_, size.width, size.height, kMaxSide, kMaxPixels));
+  }
+
+  std::string place_;
+  cv::VideoCapture video_;
+  int64_t taken_ = 0;
+  bool has_ended_ = false;
+};
+
+}  // namespace
+
+bool IsDevice(const std::string& place) {
+  return ParseNumber<int>(place).has_value() || place.starts_with("/dev/");
+}
+
+std::unique_ptr<Pictures> OpenImages(std::vector<std::string> files) {
+  return std::make_unique<ListedPictures>(std::move(files));
+}
+
+std::unique_ptr<Pictures> OpenVideoPictures(const std::string& place,
+                                            const DeviceSettings& device) {
+  auto video = std::make_unique<VideoPictures>(place);
+  if (!video->Open(device)) return nullptr;
+  return video;
+}
+
+}  // namespace sprout::capture

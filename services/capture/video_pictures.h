@@ -1,0 +1,57 @@
+#ifndef SPROUT_SERVICES_CAPTURE_VIDEO_PICTURES_H_
+#define SPROUT_SERVICES_CAPTURE_VIDEO_PICTURES_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/picture/read_image.h"
+
+namespace sprout::capture {
+
+/// Pictures, one after the other.
+class Pictures {
+ public:
+  virtual ~Pictures() = default;
+
+  /// Takes the next picture. @returns whether there is one more.
+  virtual bool Grab() = 0;
+
+  /// The one that was taken; empty when it cannot be decoded.
+  /// @throws ConfigError for one that cannot be used.
+  virtual CameraImage Retrieve() = 0;
+
+  /// When it is shown, µs since the first one; nothing: not known.
+  virtual std::optional<int64_t> Time() const { return std::nullopt; }
+
+  /// Pictures a second; 0: not known.
+  virtual double Rate() const { return 0; }
+
+  /// What is wrong with the end; empty when nothing is.
+  virtual std::string EndText() const { return {}; }
+};
+
+/// Of files, each a picture.
+std::unique_ptr<Pictures> OpenImages(std::vector<std::string> files);
+
+/// What is requested from a device; 0 = its own choice.
+struct DeviceSettings {
+  int width = 0;   ///< px
+  int height = 0;  ///< px
+  double fps = 0;  ///< Hz
+};
+
+/// Of a video, or of a device (a number, /dev/video0).
+/// @returns null when it cannot be opened.
+/// @throws ConfigError for pictures that are too large.
+std::unique_ptr<Pictures> OpenVideoPictures(const std::string& place,
+                                            const DeviceSettings& device = {});
+
+/// Whether a place is a device.
+bool IsDevice(const std::string& place);
+
+}  // namespace sprout::capture
+
+#endif  // SPROUT_SERVICES_CAPTURE_VIDEO_PICTURES_H_
