@@ -145,9 +145,10 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
 }
 
 StageResult RefineAdapter::Process(const Frame& frame) {
-  auto [outcome, fits] = RefineWhole(frame);
-  if (!fits) return std::move(outcome);
-  const auto add = [&outcome = outcome](const std::string& line) {
+  Refined refined = RefineWhole(frame);
+  StageResult& outcome = refined.answer;
+  if (!refined.fits) return std::move(refined.answer);
+  const auto add = [&](const std::string& line) {
     if (!line.empty()) outcome.degenerate += (outcome.degenerate.empty() ? "" : "; ") + line;
   };
   add(WrongInput(frame));
@@ -155,7 +156,7 @@ StageResult RefineAdapter::Process(const Frame& frame) {
     add(range_watch_.Add(*frame.tof, std::get<SeedSet>(outcome.outputs[0].value),
                          std::get<SeedSet>(outcome.outputs[1].value)));
   }
-  return std::move(outcome);
+  return std::move(refined.answer);
 }
 
 }  // namespace sprout::refine

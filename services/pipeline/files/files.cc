@@ -56,6 +56,11 @@ std::string LineOf(const fs::path& folder, const DepthFrame& depth, double ms) {
     line += fmt::format("; {} of them more than {:.1f} m, which depth.png leaves out", far,
                         kMaxPngDepthM);
   }
+  if (const int negative = cv::countNonZero((depth.disparity.counts() < 0) &
+                                            (depth.disparity.counts() != DisparityImage::kInvalid));
+      negative > 0) {
+    line += fmt::format("; {} have a negative disparity, which disparity.png leaves out", negative);
+  }
   for (const std::string& warning : depth.warnings) line += "; " + warning;
   return line;
 }
@@ -87,9 +92,9 @@ struct PairOutcome {
 
 // Computes one pair and writes it.
 // @param motions  gets a row of a pipeline with memory.
-Result<PairOutcome> ComputePair(const PairReader& reader, const ImagePair& pair,
-                                const fs::path& folder, DepthConfig::Input input,
-                                Pipeline& pipeline, std::string& motions) {
+Result<PairOutcome> ComputePair(PairReader& reader, const ImagePair& pair, const fs::path& folder,
+                                DepthConfig::Input input, Pipeline& pipeline,
+                                std::string& motions) {
   using Clock = std::chrono::steady_clock;
   try {
     const Result<Frame> frame = reader.Read(pair);
@@ -140,11 +145,16 @@ int RunFiles(const FilesOptions& options, SproutConfig config, const std::stop_t
     config.mutable_grow()->set_min_confidence(
         static_cast<int>(std::ceil(2.55 * *options.min_confidence_percent)));
   }
-  const PairReader reader(options.rig);
-  const std::vector<ImagePair> pairs = ListPairs(options.left, options.right, options.tof);
+  PairReader reader(options.rig, options.pixels);
+  const ImagePairs found =
+      ListPairs(options.left, options.right, options.tof, options.max_spread_ms);
+  const std::vector<ImagePair>& pairs = found.pairs;
   RequireInputsStay(pairs, options.out);
   Pipeline pipeline(config);
   CreateFolder(options.out);
+  for (const std::string& note : found.notes) {
+    std::cerr << "sprout-pipeline: " << Printable(note) << "\n";
+  }
   Progress progress(/*quiet=*/false);
   size_t done = 0;
   size_t left_out = 0;
@@ -159,6 +169,9 @@ int RunFiles(const FilesOptions& options, SproutConfig config, const std::stop_t
     const auto line = ComputePair(reader, pair, pair.folder.empty() ? out : out / pair.folder,
                                   config.depth().input(), pipeline, motions);
     progress.Clear();
+    if (const std::string note = reader.TakeNote(); !note.empty()) {
+      std::cerr << "sprout-pipeline: " << Printable(pair.left.string() + ": " + note) << "\n";
+    }
     if (line) {
       std::cout << Printable(line->line) << std::endl;
       if (!line->complaint.empty()) {
@@ -189,7 +202,7 @@ int RunFiles(const FilesOptions& options, SproutConfig config, const std::stop_t
       return 1;
     }
   }
-  return left_out == 0 && wrong == 0 && done == pairs.size() ? 0 : 1;
+  return left_out == 0 && wrong == 0 && found.left_out == 0 && done == pairs.size() ? 0 : 1;
 }
 
 }  // namespace sprout

@@ -14,8 +14,10 @@ namespace sprout {
 struct FilesOptions {
   std::string left;  ///< see ListPairs()
   std::string right;
-  std::string tof;  ///< empty: none
+  std::string tof;                      ///< empty: none
+  double max_spread_ms = kMaxSpreadMs;  ///< of files that are named after their times
   RigOptions rig;
+  PixelOptions pixels;
   std::string out;  ///< folder
   /// Disparities that are less sure are left out (grow.min_confidence), %; nothing: as configured.
   std::optional<double> min_confidence_percent = {};

@@ -1,18 +1,14 @@
 #include "services/pipeline/files/pair_reader.h"
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
-#include "common/picture/read_image.h"
 #include "common/rig/rig_file.h"
-#include "services/datasets/pfm.h"
+#include "services/datasets/calib_file.h"
+#include "services/datasets/range_file.h"
 
 namespace sprout {
 namespace {
-
-constexpr double kMetresPerCount = 0.001;  // of a 16-bit image, as most cameras' programs write
 
 Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrated) {
   if (size == calibrated) return {};
@@ -20,53 +16,65 @@ Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrat
               SizeText(calibrated));
 }
 
-Result<cv::Mat> ReadCameraImage(const std::filesystem::path& path) {
-  return DecodeImageFile(path, cv::IMREAD_ANYCOLOR, kCameraFormats);
+}  // namespace
+
+PairReader::PairReader(const RigOptions& options, const PixelOptions& pixels)
+    : options_(options), eight_bits_(pixels.bits) {
+  if (!pixels.tof_unit.empty()) {
+    tof_unit_m_ = datasets::ParseRangeUnit(pixels.tof_unit);
+    if (!tof_unit_m_) {
+      throw ConfigError("--tof-unit " + pixels.tof_unit + ": allowed: " + datasets::kRangeUnits);
+    }
+  }
+  if (!options.rig_file.empty()) {
+    rectifier_.emplace(RequireCalibration(LoadRigFile(options.rig_file), options.rig_file));
+  } else if (options.calib_file.empty() && (!options.focal_px || !options.baseline_m)) {
+    throw ConfigError(
+        "no calibration; allowed: --rig FILE, or of a rectified pair --calib FILE, or --focal-px "
+        "and "
+        "--baseline-m");
+  }
+  if (!options.tof_rig_file.empty()) {
+    const RigDescription rig = LoadRigFile(options.tof_rig_file);
+    if (rig.calibration().has_left()) {
+      tof_rectifier_.emplace(RequireCalibration(rig, options.tof_rig_file));
+      tof_camera_ = tof_rectifier_->rig().tof;
+    } else {
+      tof_camera_ = TofCameraOf(rig, options.tof_rig_file);
+    }
+  }
 }
 
-// m.
-Result<cv::Mat1f> ReadDepth(const std::filesystem::path& path) {
-  if (path.extension() == ".pfm") {
+Result<RectifiedPair> PairReader::PairOf(const cv::Mat& left) const {
+  const cv::Size size = left.size();
+  if (!options_.calib_file.empty()) {
     try {
-      return datasets::ReadPfm(path);
+      return datasets::ReadCalibFile(options_.calib_file, size, /*grey=*/left.channels() == 1);
     } catch (const ConfigError& e) {
       return Fail(e.what());
     }
   }
-  const Result<cv::Mat> image = DecodeImageFile(path, cv::IMREAD_UNCHANGED, kCameraFormats);
-  if (!image) return tl::unexpected(image.error());
-  if (image->type() != CV_16UC1) {
-    return Fail("ToF image " + path.string() +
-                ": not of one channel with 16 bits; allowed: such an image in mm, or a PFM in m");
-  }
-  cv::Mat1f depth_m;
-  image->convertTo(depth_m, CV_32F, kMetresPerCount);
-  return depth_m;
+  const double cx = options_.cx.value_or((size.width - 1) / 2.0);
+  return RectifiedPair{.width = size.width,
+                       .height = size.height,
+                       .focal_px = *options_.focal_px,
+                       .cx = cx,
+                       .cy = options_.cy.value_or((size.height - 1) / 2.0),
+                       .cx_right = options_.cx_right.value_or(cx),
+                       .baseline_m = *options_.baseline_m};
 }
 
-Rig RigOfPair(const RigOptions& options, cv::Size size, cv::Size tof_size) {
-  Rig rig;
-  const double cx = options.cx.value_or((size.width - 1) / 2.0);
-  rig.pair = {.width = size.width,
-              .height = size.height,
-              .focal_px = *options.focal_px,
-              .cx = cx,
-              .cy = (size.height - 1) / 2.0,
-              .cx_right = options.cx_right.value_or(cx),
-              .baseline_m = *options.baseline_m};
-  rig.tof = TofOverLeft(rig.pair, tof_size);
-  return rig;
-}
-
-}  // namespace
-
-PairReader::PairReader(const RigOptions& options) : options_(options) {
-  if (!options.rig_file.empty()) {
-    rectifier_.emplace(RequireCalibration(LoadRigFile(options.rig_file), options.rig_file));
-  } else if (!options.focal_px || !options.baseline_m) {
-    throw ConfigError(
-        "no calibration; allowed: --rig FILE, or --focal-px and --baseline-m of a rectified pair");
-  }
+// Of a pair that is rectified already.
+Result<void> PairReader::Calibrate(Frame& frame) const {
+  const Result<RectifiedPair> pair = PairOf(frame.left);
+  if (!pair) return tl::unexpected(pair.error());
+  const cv::Size tof_size = frame.tof->depth_m.size();
+  frame.rig = Rig{.pair = *pair, .tof = tof_camera_.value_or(TofOverLeft(*pair, tof_size))};
+  if (!tof_camera_ || tof_size.empty()) return {};
+  const Result<void> fits =
+      CheckSize("the ToF image", tof_size, {tof_camera_->width, tof_camera_->height});
+  if (fits && tof_rectifier_) tof_rectifier_->CorrectRanges(*frame.tof);
+  return fits;
 }
 
 Result<void> PairReader::Rectify(Frame& frame) const {
@@ -84,25 +92,41 @@ Result<void> PairReader::Rectify(Frame& frame) const {
   return {};
 }
 
-Result<Frame> PairReader::Read(const ImagePair& pair) const {
-  const Result<cv::Mat> left = ReadCameraImage(pair.left);
+// @param number  of the picture in a video; −1: an image.
+Result<CameraImage> PairReader::ReadView(const std::filesystem::path& path, int64_t number,
+                                         OpenVideo& video) {
+  if (number < 0) return ReadCameraImage(path);
+  if (!video.pictures || video.next > number) {
+    video = {.pictures = capture::OpenVideoPictures(path), .next = 0};
+  }
+  for (; video.pictures && video.next <= number; ++video.next) {
+    if (!video.pictures->Grab()) video.pictures.reset();
+  }
+  CameraImage picture = video.pictures ? video.pictures->Retrieve() : CameraImage();
+  if (picture.pixels.empty()) {
+    return Fail("video " + path.string() + ": picture " + std::to_string(number) +
+                " cannot be decoded");
+  }
+  return picture;
+}
+
+Result<Frame> PairReader::Read(const ImagePair& pair) {
+  Result<CameraImage> left = ReadView(pair.left, pair.left_frame, left_video_);
   if (!left) return tl::unexpected(left.error());
-  const Result<cv::Mat> right = ReadCameraImage(pair.right);
+  Result<CameraImage> right = ReadView(pair.right, pair.right_frame, right_video_);
   if (!right) return tl::unexpected(right.error());
+  eight_bits_.Convert({&*left, &*right});
   Frame frame;
-  frame.left = *left;
-  frame.right = *right;
+  frame.left = left->pixels;
+  frame.right = right->pixels;
   frame.tof = TofImage();
   if (!pair.tof.empty()) {
-    const Result<cv::Mat1f> depth_m = ReadDepth(pair.tof);
+    const Result<cv::Mat1f> depth_m = datasets::ReadRangeFile(pair.tof, tof_unit_m_);
     if (!depth_m) return tl::unexpected(depth_m.error());
     frame.tof->depth_m = *depth_m;
   }
-  if (!rectifier_) {
-    frame.rig = RigOfPair(options_, frame.left.size(), frame.tof->depth_m.size());
-  } else if (const Result<void> fits = Rectify(frame); !fits) {
-    return tl::unexpected(fits.error());
-  }
+  const Result<void> fits = rectifier_ ? Rectify(frame) : Calibrate(frame);
+  if (!fits) return tl::unexpected(fits.error());
   return frame;
 }
 

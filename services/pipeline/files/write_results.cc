@@ -1,10 +1,13 @@
 #include "services/pipeline/files/write_results.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <system_error>
 
+#include "common/core/output_file.h"
 #include "common/geometry/projection.h"
 #include "common/picture/frame_pictures.h"
 #include "common/picture/write_image.h"
@@ -14,12 +17,12 @@ namespace sprout {
 namespace {
 
 // The counts of DisparityImage, so nothing is rounded. Zero means none, as in KITTI's maps, so a
-// disparity of zero becomes the smallest there is.
+// disparity of zero becomes the smallest there is; negative ones are left out.
 cv::Mat1w CountsOf(const DisparityImage& disparity) {
   cv::Mat1w counts(disparity.size(), uint16_t{0});
   for (int v = 0; v < disparity.height(); ++v) {
     for (int u = 0; u < disparity.width(); ++u) {
-      if (!disparity.IsValid(u, v)) continue;
+      if (!disparity.IsValid(u, v) || disparity.counts()(v, u) < 0) continue;
       counts(v, u) = static_cast<uint16_t>(std::max<int>(disparity.counts()(v, u), 1));
     }
   }
@@ -47,6 +50,24 @@ Result<void> WriteMap(const std::filesystem::path& folder, const std::string& na
         if (confidence.empty()) return {};
         return WritePng(folder / confidence_name, confidence);
       });
+}
+
+// The left camera that all maps belong to, and what makes depth of disparity.
+Result<void> WriteCamera(const std::filesystem::path& path, const RectifiedPair& pair) {
+  OutputFile file(path);
+  file.Write(fmt::format(
+      R"({{
+  "width": {},
+  "height": {},
+  "focal_px": {},
+  "cx": {},
+  "cy": {},
+  "cx_right": {},
+  "baseline_m": {}
+}}
+)",
+      pair.width, pair.height, pair.focal_px, pair.cx, pair.cy, pair.cx_right, pair.baseline_m));
+  return file.Commit();
 }
 
 }  // namespace
@@ -77,6 +98,8 @@ Result<void> WriteResults(Frame frame, const DepthFrame& depth, DepthConfig::Inp
         return WritePfm(folder / "depth_sigma.pfm",
                         DepthSigmaMap(pair, depth.disparity, depth.sigma));
       })
+      .and_then([&] { return WritePng(folder / "left.png", frame.left); })
+      .and_then([&] { return WriteCamera(folder / "camera.json", pair); })
       .and_then([&] { return WriteCloudPly(folder / "cloud.ply", pair, map, frame.left); })
       .and_then([&] { return WriteMeshPly(folder / "mesh.ply", pair, map, frame.left); })
       .and_then([&] { return WritePng(folder / "overview.png", OverviewOf(frame)); });

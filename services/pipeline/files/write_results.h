@@ -20,10 +20,12 @@ inline constexpr std::string_view kResultNames[] = {
     "cloud.ply",     "mesh.ply",      "overview.png",   "depth_sigma.pfm"};
 
 /// Writes the results of a frame: disparity.pfm (px, +inf: none) and disparity.png (16 bit, 1/32
-/// px, 0: none), depth.pfm (m, NaN: none) and depth.png (16 bit, mm, 0: none or more than
-/// kMaxPngDepthM), confidence.png (8 bit) and depth_sigma.pfm (m, +inf: not known, only of single
-/// maps) where there is a confidence, cloud.ply, mesh.ply, overview.png; of a pipeline with memory
-/// also fused.pfm, fused.png and fused_confidence.png. Files of these names are replaced.
+/// px, 0: none or negative), depth.pfm (m, NaN: none) and depth.png (16 bit, mm, 0: none or more
+/// than kMaxPngDepthM), confidence.png (8 bit) and depth_sigma.pfm (m, +inf: not known, only of
+/// single maps) where there is a confidence, left.png (the image that the maps belong to),
+/// camera.json (its calibration, as in RectifiedPair), cloud.ply, mesh.ply, overview.png; of a
+/// pipeline with memory also fused.pfm, fused.png and fused_confidence.png. Files of these names
+/// are replaced.
 /// @param frame   LEFT, RIGHT, TOF and RIG.
 /// @param input   which map `depth.depth_m` is of; cloud, mesh and overview are of the same.
 /// @param folder  is created.

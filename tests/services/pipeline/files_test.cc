@@ -220,6 +220,7 @@ TEST_F(Files, OfManyPairsAreComputedButForTheOnesThatCannotBe) {
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err,
               HasSubstr("l/b.png: right: 80x60; allowed: the calibrated size 160x120"));
+  EXPECT_THAT(outcome.err, HasSubstr("LEFT and RIGHT belong together in the order of their names"));
   EXPECT_THAT(outcome.err, HasSubstr("1 of 3 pairs left out\n"));
   EXPECT_THAT(outcome.out, HasSubstr("out/a: 160x120"));
   EXPECT_THAT(outcome.out, HasSubstr("out/c: 160x120"));
@@ -302,9 +303,10 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
       {[&](auto& o) { o.right = empty; }, "RIGHT " + empty + ": holds no image"},
       {[&](auto& o) { o.tof = nothing + "*"; }, "--tof " + nothing + "*: no file is called so"},
       {[&](auto& o) { o.left = folder_ / "two/*.png"; },
-       "LEFT has 2 images and RIGHT 1: allowed is the same number"},
+       "LEFT and RIGHT: neither times nor names say which of 2 and 1 files belong together"},
       {[&](auto& o) { o.left = o.right = folder_ / "two"; }, "LEFT: images of one name"},
-      {[&](auto& o) { o.rig = {}; }, "no calibration; allowed: --rig FILE, or --focal-px"},
+      {[&](auto& o) { o.rig = {}; }, "no calibration; allowed: --rig FILE, or of a rectified pair"},
+      {[&](auto& o) { o.pixels.tof_unit = "1/0"; }, "--tof-unit 1/0: allowed: mm, cm, m, 1/N"},
       {[&](auto& o) { o.rig.rig_file = nothing; }, nothing},
       {[&](auto& o) { o.out = blocked; }, "--out " + blocked + ": cannot be written ("},
   };
@@ -350,7 +352,8 @@ TEST_F(Files, WhoseContentCannotBeUsedGetOneLine) {
   } table[] = {
       {[&](auto& o) { o.left = folder_ / "text.png"; }, "text.png: "},
       {[&](auto& o) { o.tof = folder_ / "left.png"; },
-       "left.png: not of one channel with 16 bits; allowed: such an image in mm, or a PFM in m\n"},
+       "left.png: of OpenCV's type CV_8UC3; allowed: one channel of 16 bits (mm), or of floating "
+       "point (m; PFM, TIFF)\n"},
       {[&](auto& o) { o.tof = folder_ / "short.pfm"; }, "short.pfm: ends early"},
       {[&](auto& o) { o.rig.focal_px = std::nan(""); }, "focal_px"},
       {[&](auto& o) { o.rig.baseline_m = 0; }, "baseline_m"},
