@@ -18,6 +18,7 @@
 #include "common/config/config.h"
 #include "common/core/number_text.h"
 #include "common/logfile/log_error.h"
+#include "common/picture/eight_bits.h"
 #include "common/rig/rig_file.h"
 #include "services/calibrate/board.h"
 #include "services/calibrate/board_page.h"
@@ -71,11 +72,21 @@ struct Options {
   fs::path rig;
   fs::path report;
   std::string prefix;
+  int bits = 0;  // of images in folders, see EightBits
   CheckOptions check;
   RefineOptions refine;
   ImportOptions import;
   WatchOptions watch{.out = {}, .prefix = {}, .lcm_url = kDefaultLcmUrl};
 };
+
+void AddBits(Flags& flags, int& bits) {
+  flags
+      .Add("--bits N", bits,
+           "Bits that pixels of 16 bits in a folder use: 8 to 16; 0: as the format or the first "
+           "pair "
+           "says")
+      .WithinWhole(0, kMostBits);
+}
 
 void AddBoardFlags(Flags& flags, BoardOptions& board) {
   flags.Add("--squares CxR", board.squares, "Columns and rows of the board").ShowDefault();
@@ -142,10 +153,12 @@ ViewCollector Collect(const Board& board, const Options& options) {
   };
   for (const fs::path& input : options.inputs) {
     if (fs::is_directory(input)) {
-      ReadImageFolder(input, [&](const RigImages& images) {
+      const auto notes = ReadImageFolder(input, options.bits, [&](const RigImages& images) {
         collector.Add(images, std::nullopt);
         show(input);
       });
+      progress.Clear();
+      for (const std::string& note : notes) std::cerr << "sprout-calibrate: " << note << "\n";
     } else {
       const std::string complaint = ReadFrameLog(
           input, options.prefix + std::string(kRawPrefix), {Part::kLeft, Part::kRight, Part::kTof},
@@ -230,6 +243,7 @@ void AddEstimate(Flags& program, Options& options) {
       .Required();
   flags.Add("--report FILE", options.report, "HTML page to write");
   flags.Add("--channel-prefix TEXT", options.prefix, "Before the channels in the log");
+  AddBits(flags, options.bits);
 }
 
 void AddWatch(Flags& program, Options& options) {
@@ -299,6 +313,7 @@ void AddRefine(Flags& program, Options& options) {
       .SplitAtCommas()
       .OneOf({"focal", "row", "place", "yaw"});
   flags.Add("--channel-prefix TEXT", options.refine.prefix, "Before the channels in the log");
+  AddBits(flags, options.refine.bits);
 }
 
 void AddImport(Flags& program, Options& options) {

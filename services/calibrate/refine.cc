@@ -86,11 +86,12 @@ class Reader {
   void ReadFolder(const fs::path& folder) {
     RequireRig(folder, "images of a folder are not rectified");
     int64_t count = 0;
-    ReadImageFolder(folder, [&](const RigImages&) { ++count; });
+    ReadImageFolder(folder, options_.bits, [&](const RigImages&) { ++count; });
     int64_t index = 0;
-    ReadImageFolder(folder, [&](const RigImages& images) {
+    const auto notes = ReadImageFolder(folder, options_.bits, [&](const RigImages& images) {
       Choose(index++, count, folder, [&] { return AddRaw(images); });
     });
+    for (const std::string& note : notes) std::cerr << "sprout-calibrate: " << note << "\n";
   }
 
   void ReadRawLog(const fs::path& log, int64_t count) {

@@ -14,6 +14,7 @@ struct RefineOptions {
   std::filesystem::path report;   ///< empty: none
   std::vector<std::string> also;  ///< of "focal", "row", "place", "yaw": members of SceneWishes
   std::string prefix;
+  int bits = 0;  ///< of images in folders, see EightBits
 };
 
 /// The subcommand refine: refines a calibration from recordings of any scene.

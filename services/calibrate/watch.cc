@@ -46,7 +46,9 @@ class ViewFolder {
       throw ConfigError("--out " + folder.string() + ": cannot be written: " + error.message());
     }
     if (!fs::is_empty(folder)) {
-      ReadImageFolder(folder, [&](const RigImages& images) { Add(images, std::nullopt); });
+      constexpr int kFoundOut = 0;  // its own images have 8 bits
+      ReadImageFolder(folder, kFoundOut,
+                      [&](const RigImages& images) { Add(images, std::nullopt); });
       collector_.EndRecording();
     }
   }

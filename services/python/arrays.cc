@@ -4,13 +4,14 @@
 #include <memory>
 #include <vector>
 
+#include "common/core/depth_of_counts.h"
 #include "common/core/image.h"
 #include "services/python/gil.h"
 
 namespace sprout::python {
 namespace {
 
-constexpr float kMetresPerMillimetre = 0.001F;
+constexpr double kMetresPerMillimetre = 0.001;
 
 // Frees matrices whose pixels are an array's: gives the array back, from whatever thread.
 class ArrayOwner : public cv::MatAllocator {
@@ -82,10 +83,11 @@ py::array Contiguous(const py::array& array) {
   return py::array_t<T, py::array::c_style | py::array::forcecast>(array);
 }
 
-// An array of two sides, or nothing.
+// An array of two sides, or nothing. What numpy.ma masks is 0: no return, no amplitude.
 std::optional<py::array> Plane(const py::handle& given, std::optional<cv::Size> size) {
   if (!py::isinstance<py::array>(given)) return std::nullopt;
   auto array = py::reinterpret_borrow<py::array>(given);
+  if (py::hasattr(array, "filled")) array = py::array(array.attr("filled")(0));
   if (array.ndim() != 2 || !HasSides(array, size)) return std::nullopt;
   return array;
 }
@@ -129,14 +131,31 @@ void Refuse(const std::string& name, const std::string& expected, const py::hand
   throw py::value_error(text);
 }
 
-cv::Mat TakeImage(const std::string& name, const py::handle& given, std::optional<cv::Size> size) {
-  const auto refuse = [&] { Refuse(name, Expected("uint8", size, /*colour=*/true), given); };
+namespace {
+
+// An image of 8 bits, or of up to `most_bytes` a pixel's number.
+cv::Mat TakePixels(const std::string& name, const py::handle& given, std::optional<cv::Size> size,
+                   const std::string& types, py::ssize_t most_bytes) {
+  const auto refuse = [&] { Refuse(name, Expected(types, size, /*colour=*/true), given); };
   if (!py::isinstance<py::array>(given)) refuse();
   const auto array = py::reinterpret_borrow<py::array>(given);
   const bool colour = array.ndim() == 3 && array.shape(2) == 3;
   const bool grey = array.ndim() == 2 || (array.ndim() == 3 && array.shape(2) == 1);
-  if (!IsOf(array, 'u', 1) || !(colour || grey) || !HasSides(array, size)) refuse();
-  return Share(Contiguous<uint8_t>(array), colour ? CV_8UC3 : CV_8UC1);
+  const bool is_number = IsOf(array, 'u', 1) || IsOf(array, 'u', most_bytes);
+  if (!is_number || !(colour || grey) || !HasSides(array, size)) refuse();
+  if (array.itemsize() == 1) return Share(Contiguous<uint8_t>(array), colour ? CV_8UC3 : CV_8UC1);
+  return Share(Contiguous<uint16_t>(array), colour ? CV_16UC3 : CV_16UC1);
+}
+
+}  // namespace
+
+cv::Mat TakeImage(const std::string& name, const py::handle& given, std::optional<cv::Size> size) {
+  return TakePixels(name, given, size, "uint8", 1);
+}
+
+CameraImage TakeCameraImage(const std::string& name, const py::handle& given,
+                            std::optional<cv::Size> size) {
+  return {.pixels = TakePixels(name, given, size, "uint8 or uint16", 2)};
 }
 
 cv::Mat1f TakeDepth(const std::string& name, const py::handle& given,
@@ -146,9 +165,7 @@ cv::Mat1f TakeDepth(const std::string& name, const py::handle& given,
   if (!array || !IsOf(*array, 'u', 2)) {
     Refuse(name, Expected("float32 (m) or uint16 (mm)", size, false), given);
   }
-  cv::Mat1f depth_m;
-  Share(Contiguous<uint16_t>(*array), CV_16UC1).convertTo(depth_m, CV_32F, kMetresPerMillimetre);
-  return depth_m;
+  return DepthOfCounts(Share(Contiguous<uint16_t>(*array), CV_16UC1), kMetresPerMillimetre);
 }
 
 cv::Mat1f TakeFloats(const std::string& name, const py::handle& given,

@@ -11,6 +11,7 @@
 #include "common/core/prior_map.h"
 #include "common/core/seed.h"
 #include "common/core/tof_image.h"
+#include "common/picture/read_image.h"
 
 namespace sprout::python {
 
@@ -30,6 +31,10 @@ namespace py = pybind11;
 /// An image, 8UC1 or 8UC3 (BGR), from uint8 (H, W), (H, W, 1) or (H, W, 3).
 /// @param size  that it must have; nothing: any.
 cv::Mat TakeImage(const std::string& name, const py::handle& array, std::optional<cv::Size> size);
+
+/// The same, also from uint16; for EightBits.
+CameraImage TakeCameraImage(const std::string& name, const py::handle& array,
+                            std::optional<cv::Size> size);
 
 /// Depths in m from float32 or float64 in m, or uint16 in mm, (H, W).
 cv::Mat1f TakeDepth(const std::string& name, const py::handle& array, std::optional<cv::Size> size);

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/picture/eight_bits.h"
 #include "services/pipeline/pipeline.h"
 #include "services/python/arrays.h"
 #include "services/python/bindings.h"
@@ -37,8 +38,11 @@ class PyPipeline {
                   const py::object& pose, const py::object& zones) {
     PyFrame result;
     Frame& frame = result.frame;
-    frame.left = TakeImage("left", left, rig.pair.size());
-    frame.right = TakeImage("right", right, rig.pair.size());
+    CameraImage left_image = TakeCameraImage("left", left, rig.pair.size());
+    CameraImage right_image = TakeCameraImage("right", right, rig.pair.size());
+    eight_bits_.Convert({&left_image, &right_image});
+    frame.left = left_image.pixels;
+    frame.right = right_image.pixels;
     if (!tof.is_none() && rig.tof.width == 0) {
       Refuse("tof", "None, since the rig has no ToF camera (Rig.with_tof)", tof);
     }
@@ -60,6 +64,7 @@ class PyPipeline {
     frame.id = {.utime = utime.value_or(0), .seq = seq.value_or(-1), .rig_id = RigId(rig)};
     DepthFrame depth = Work(frame, time);
     result.warnings = std::move(depth.warnings);
+    if (std::string note = eight_bits_.TakeNote(); !note.empty()) result.warnings.push_back(note);
     result.depth_m = depth.depth_m;
     result.depth_of_fused = config_.depth().input() == DepthConfig::FUSED;
     frame.disparity = depth.disparity;
@@ -95,6 +100,7 @@ class PyPipeline {
 
   SproutConfig config_;
   Pipeline pipeline_;
+  EightBits eight_bits_;  // with the interpreter's lock
   std::atomic_flag taken_;
 };
 
@@ -125,9 +131,10 @@ As Config(): presets, files, texts, merged; none: all defaults.)")
           py::arg("zones") = py::none(),
           R"(compute(self, left: numpy.ndarray, right: numpy.ndarray, tof: Union[numpy.ndarray, Tof, None], rig: Rig, seq: Optional[int] = ..., utime: Optional[int] = ..., pose: Optional[numpy.ndarray] = ..., zones: Optional[Zones] = ...) -> Frame
 
-left, right: rectified, uint8, (rig.height, rig.width) or with 3 colours (BGR).
-tof: (rig.tof.height, rig.tof.width) float32 in m along the optical axis, or uint16 in mm; 0 or NaN: no
-return; None: no range image, then stereo does the work.
+left, right: rectified, uint8, (rig.height, rig.width) or with 3 colours (BGR); or uint16, of which the
+bits that the first pair uses count, for all pairs.
+tof: (rig.tof.height, rig.tof.width) float32 in m along the optical axis, or uint16 in mm; no return: 0,
+NaN, negative, infinite, 65535 mm, masked (numpy.ma); None: no range image, then stereo does the work.
 Contiguous arrays are taken as they are, not copied; others, and float64, are converted. What does not
 fit is a ValueError that names argument, type and shape, expected and given. A frame in which nothing
 can be found is no error: it has an empty map, and warnings.

@@ -25,7 +25,7 @@ def zeros(*shape: int, dtype: Any = numpy.uint8) -> Any:
     return numpy.zeros(shape, dtype)
 
 
-GREY = r"uint8 array of shape \(48, 64\) or \(48, 64, 3\)"
+GREY = r"uint8 or uint16 array of shape \(48, 64\) or \(48, 64, 3\)"
 RANGE = r"float32 \(m\) or uint16 \(mm\) array of shape \(48, 64\)"
 MAP = numpy.zeros((4, 5), numpy.float32)
 VIEWS = numpy.tile(numpy.array([-1, 1, -1, 1], numpy.float32), (4, 5, 1))
@@ -45,7 +45,7 @@ WRONG: List[Wrong] = [
     ("left is a number", call(left=numpy.array(3, numpy.uint8)), r"left: .* of shape \(\)"),
     ("left is float32", call(left=zeros(48, 64, dtype="f4")), "left: .* given float32 array"),
     ("left is float64", call(left=zeros(48, 64, dtype="f8")), "left: .* given float64 array"),
-    ("left is uint16", call(left=zeros(48, 64, dtype="u2")), "left: .* given uint16 array"),
+    ("left is uint32", call(left=zeros(48, 64, dtype="u4")), "left: .* given uint32 array"),
     ("left is int8", call(left=zeros(48, 64, dtype="i1")), "left: .* given int8 array"),
     ("left is bool", call(left=zeros(48, 64, dtype="?")), "left: .* given bool array"),
     ("left is of objects", call(left=zeros(48, 64, dtype="O")), "left: .* given object array"),
@@ -127,6 +127,26 @@ class InputTest(unittest.TestCase):
         millimetres = numpy.round(self.tof * 1000).astype(numpy.uint16)
         metres = millimetres.astype(numpy.float32) * numpy.float32(0.001)
         self.assertTrue(same(self.depth(tof=millimetres), self.depth(tof=metres)))
+
+    def test_what_is_no_return_is_none_however_it_is_written(self) -> None:
+        hole = numpy.zeros(self.tof.shape, bool)
+        hole[10:30, 20:40] = True
+        millimetres = numpy.round(self.tof * 1000).astype(numpy.uint16)
+        expected = self.depth(tof=numpy.where(hole, 0, millimetres).astype(numpy.uint16))
+        self.assertFalse(same(expected, self.depth(tof=millimetres)))
+        self.assertTrue(same(self.depth(tof=numpy.where(hole, 65535, millimetres).astype(numpy.uint16)), expected))
+        self.assertTrue(same(self.depth(tof=numpy.ma.array(millimetres, mask=hole)), expected))
+        metres = millimetres.astype(numpy.float32) * numpy.float32(0.001)
+        for value in (0, -1, numpy.nan, numpy.inf, 65535):
+            self.assertTrue(same(self.depth(tof=numpy.where(hole, value, metres).astype("f4")), expected))
+        self.assertTrue(same(self.depth(tof=numpy.ma.array(metres, mask=hole)), expected))
+
+    def test_images_of_10_bits_in_16_are_as_those_of_8(self) -> None:
+        left, right = (image.astype(numpy.uint16) * 4 for image in (self.left, self.right))
+        pipeline = sprout.Pipeline()
+        frame = pipeline.compute(left, right, self.tof, self.rig)
+        self.assertTrue(same(frame.depth_m, self.depth()))
+        self.assertTrue(any("16 bits" in warning for warning in frame.warnings))
 
     def test_contiguous_inputs_are_not_copied(self) -> None:
         frame = self.pipeline.compute(self.left, self.right, self.tof, self.rig)
