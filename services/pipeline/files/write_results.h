@@ -15,9 +15,9 @@ inline constexpr double kMaxPngDepthM = 65.535;
 
 /// Every file that WriteResults() may write.
 inline constexpr std::string_view kResultNames[] = {
-    "disparity.pfm", "disparity.png", "confidence.png", "fused.pfm",
-    "fused.png",     "depth.pfm",     "depth.png",      "fused_confidence.png",
-    "cloud.ply",     "mesh.ply",      "overview.png",   "depth_sigma.pfm"};
+    "disparity.pfm", "disparity.png", "confidence.png",       "fused.pfm",      "fused.png",
+    "depth.pfm",     "depth.png",     "fused_confidence.png", "cloud.ply",      "mesh.ply",
+    "overview.png",  "left.png",      "camera.json",          "depth_sigma.pfm"};
 
 /// Writes the results of a frame: disparity.pfm (px, +inf: none) and disparity.png (16 bit, 1/32
 /// px, 0: none or negative), depth.pfm (m, NaN: none) and depth.png (16 bit, mm, 0: none or more
