@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "common/app/help_text.h"
+#include "common/app/nearest_name.h"
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
 
@@ -81,6 +82,66 @@ void RequireNoEmptyText(const CLI::App& app) {
     throw ConfigError(name + " '': allowed is a text that is not empty");
   }
   for (const CLI::App* command : app.get_subcommands()) RequireNoEmptyText(*command);
+}
+
+bool IsFlag(const std::string& argument) { return argument.size() > 1 && argument[0] == '-'; }
+
+// The names that may stand at a place of the command line: the flags, or the commands, of the
+// program and of the command that was given.
+std::vector<std::string> NamesLike(const std::string& argument, const CLI::App& app) {
+  std::vector<std::string> names;
+  if (!IsFlag(argument)) {
+    for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+    return names;
+  }
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  for (const CLI::App* command : app.get_subcommands()) {
+    const std::vector<std::string> more = NamesLike(argument, *command);
+    names.insert(names.end(), more.begin(), more.end());
+  }
+  return names;
+}
+
+// What is wrong with the first argument that nothing takes. CLI11 lists all of them, the last one
+// first.
+std::string UnexpectedText(const std::string& argument, const CLI::App& app) {
+  const std::vector<std::string> names = NamesLike(argument, app);
+  const std::string word = argument.substr(0, argument.find('='));
+  const bool is_flag = IsFlag(argument);
+  if (!is_flag && (names.empty() || !app.get_subcommands().empty())) {
+    return "'" + argument + "' is one argument too many (--help lists what is taken)";
+  }
+  const std::string nearest = NearestName(word, names);
+  const std::string begin = (is_flag ? word : "'" + word + "'") + " is no " +
+                            (is_flag ? "flag" : "command") + " of " + app.get_name();
+  return begin + (nearest.empty() ? "" : ": did you mean " + nearest + "?") +
+         " (--help lists the " + (is_flag ? "flags)" : "commands)");
+}
+
+// Of all that nothing takes, the first; empty if everything is taken.
+std::string FirstUnexpected(const CLI::App& app) {
+  for (const std::string& argument : app.remaining()) return argument;
+  for (const CLI::App* command : app.get_subcommands()) {
+    if (std::string argument = FirstUnexpected(*command); !argument.empty()) return argument;
+  }
+  return "";
+}
+
+std::string CommandsText(const CLI::App& app) {
+  std::string text;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    text += (text.empty() ? "" : ", ") + command->get_name();
+  }
+  return text;
+}
+
+bool MayBeUnexpected(const CLI::ParseError& error) {
+  const int code = error.get_exit_code();
+  return code == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
+         code == static_cast<int>(CLI::ExitCodes::RequiredError) ||
+         code == static_cast<int>(CLI::ExitCodes::RequiresError);
 }
 
 }  // namespace
@@ -203,7 +264,7 @@ void Flags::AddVersion(const std::string& version) {
 
 Flag Flags::Get(const std::string& name) const { return Flag(app_->get_option(name)); }
 
-void Flags::SetFooter(const std::string& text) { app_->footer(text); }
+void Flags::SetFooter(const std::string& text) { app_->footer(inherited_ + text); }
 
 Flags& Flags::AddCommand(const std::string& name, const std::string& description,
                          std::function<int()> run) {
@@ -215,7 +276,22 @@ Flags& Flags::AddCommand(const std::string& name, const std::string& description
 
 void Flags::InheritExcept(const std::vector<std::string>& names) {
   app_->fallthrough();
-  for (const std::string& name : names) app_->excludes(program_->app_->get_option(name));
+  std::set<const CLI::Option*> excluded;
+  for (const std::string& name : names) {
+    CLI::Option* const option = program_->app_->get_option(name);
+    app_->excludes(option);
+    excluded.insert(option);
+  }
+  const auto* const formatter = dynamic_cast<const CLI::Formatter*>(app_->get_formatter().get());
+  assert(formatter != nullptr);
+  for (const CLI::Option* option : program_->app_->get_options()) {
+    const bool is_of_program = option == program_->app_->get_help_ptr() ||
+                               option == program_->app_->get_option_no_throw("--version");
+    if (is_of_program || excluded.contains(option)) continue;
+    inherited_ += formatter->make_option(option, /*is_positional=*/false);
+  }
+  inherited_ = "\nOptions of " + program_->program() + ":\n" + inherited_;
+  app_->footer(inherited_);
 }
 
 void Flags::RequireCommand() { app_->require_subcommand(1); }
@@ -239,6 +315,11 @@ bool Flags::Parse(int argc, const char* const* argv) {
     app_->exit(e);
     return false;
   } catch (const CLI::ParseError& e) {
+    const std::string unexpected = MayBeUnexpected(e) ? FirstUnexpected(*app_) : "";
+    if (!unexpected.empty()) throw ConfigError(UnexpectedText(unexpected, *app_));
+    if (app_->get_require_subcommand_min() > 0 && app_->get_subcommands().empty()) {
+      throw ConfigError("which command? " + CommandsText(*app_) + " (--help explains them)");
+    }
     throw ConfigError(std::string(e.what()) + " (--help lists the flags)");
   }
   RequireNoEmptyText(*app_);

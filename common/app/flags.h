@@ -86,7 +86,8 @@ class Flags {
   Flags& AddCommand(const std::string& name, const std::string& description,
                     std::function<int()> run = {});
 
-  /// Of a command: it also takes the program's flags, but for these.
+  /// Of a command: it also takes the program's flags declared so far, which its --help lists, but
+  /// for these.
   void InheritExcept(const std::vector<std::string>& names);
 
   /// One of the commands has to be given.
@@ -111,6 +112,7 @@ class Flags {
   CLI::App* app_;
   Flags* program_ = nullptr;  // of a command
   std::function<int()> run_;  // of a command
+  std::string inherited_;     // the same: what --help says of the program's flags
   std::vector<std::unique_ptr<Flags>> commands_;
 };
 

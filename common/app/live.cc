@@ -109,6 +109,7 @@ std::string CountsText(const StageStatus& status) {
 void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<StageMonitor> steps) {
   const DisparityEncoding encoding = EncodingOf(context.config.bus());
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
+  monitor.SetVersion(context.version);
   FrameAssembler assembler(adapter.Inputs(), monitor, FrameJoiner::kDefaultMaxPending,
                            adapter.OptionalInputs());
   Mailbox<Arrival> mailbox;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "common/app/version.h"
 #include "common/config/config_difference.h"
 #include "common/core/digest.h"
 
@@ -37,7 +36,7 @@ ProcessInfo ReplayProcessInfo(const ServiceContext& context, int64_t utime) {
   return {.header = {.utime = utime, .seq = -1, .rig_id = ""},
           .stage = context.stage,
           .host = "",
-          .version = Version(),
+          .version = context.version,
           .config_digest = Digest(text),
           .config_text = text,
           .pid = 0};

@@ -2,6 +2,7 @@
 #define SPROUT_COMMON_APP_PROGRESS_H_
 
 #include <string>
+#include <thread>
 
 namespace sprout {
 
@@ -16,11 +17,16 @@ class Progress {
 
   void Show(const std::string& text);
 
+  /// For work that cannot say how far it is: shows the text, and from the second second on behind
+  /// it for how long, until something else is shown.
+  void ShowTime(const std::string& text);
+
   /// Erases the line, to make room for other output.
   void Clear();
 
  private:
   bool shown_;
+  std::jthread clock_;
 };
 
 }  // namespace sprout

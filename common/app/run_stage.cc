@@ -7,8 +7,8 @@
 namespace sprout {
 
 int RunStage(int argc, char** argv, const std::string& stage, const std::string& description,
-             const MakeAdapter& make_adapter) {
-  Service service(stage, description);
+             const MakeAdapter& make_adapter, const std::string& program) {
+  Service service(stage, description, program);
   service.OfferReplay();
   return service.Run(argc, argv, [&](const ServiceContext& context) {
     const std::unique_ptr<StageAdapter> adapter = make_adapter(context.config);

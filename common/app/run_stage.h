@@ -15,8 +15,9 @@ using MakeAdapter = std::function<std::unique_ptr<StageAdapter>(const SproutConf
 
 /// The whole main of a service with one adapter: runs it live until a signal comes, or on logs
 /// (--replay).
+/// @param program  see Service.
 int RunStage(int argc, char** argv, const std::string& stage, const std::string& description,
-             const MakeAdapter& make_adapter);
+             const MakeAdapter& make_adapter, const std::string& program = "");
 
 }  // namespace sprout
 

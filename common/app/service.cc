@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -37,6 +38,15 @@ const std::map<std::string, LogLevel> kLogLevels = {{"debug", LogLevel::kDebug},
                                                     {"warning", LogLevel::kWarning},
                                                     {"error", LogLevel::kError}};
 
+// What a configuration is made of. Without any, the parameters have the values of preset default.
+std::string ConfigNames(const std::vector<std::string>& files) {
+  constexpr size_t kMostLetters = 100;  // settings may be given as text
+  if (files.empty()) return "preset default";
+  std::string names = fmt::format("{}", fmt::join(files, ", "));
+  std::ranges::replace(names, '\n', ' ');
+  return names.size() <= kMostLetters ? names : names.substr(0, kMostLetters) + "...";
+}
+
 void RequireValidPrefix(const std::string& prefix) {
   if (IsChannelPrefix(prefix)) return;
   throw ConfigError("--channel-prefix '" + prefix + "': allowed are " + AllowedChannelPrefix());
@@ -48,8 +58,11 @@ void RequireValidUrl(const std::string& url) {
 
 }  // namespace
 
-Service::Service(std::string stage, const std::string& description)
-    : stage_(std::move(stage)), lcm_url_(DefaultLcmUrl()), flags_("sprout-" + stage_, description) {
+Service::Service(std::string stage, const std::string& description, const std::string& program)
+    : stage_(std::move(stage)),
+      version_(program.empty() ? Version() : program + " on sprout " + Version()),
+      lcm_url_(DefaultLcmUrl()),
+      flags_(program.empty() ? "sprout-" + stage_ : program, description) {
   flags_
       .Add("--config FILE|PRESET", config_files_,
            "Configuration file in protobuf text format, or the name of a preset; may be "
@@ -71,7 +84,7 @@ Service::Service(std::string stage, const std::string& description)
       .Add("--simd best|" + fmt::format("{}", fmt::join(SimdLevels(), "|")), simd_,
            "Best instruction set that growth and gap filling may use; results do not depend on it")
       .ShowDefault();
-  flags_.AddVersion(Version());
+  flags_.AddVersion(program.empty() ? Version() : "on sprout " + Version());
 }
 
 void Service::OfferReplay() {
@@ -107,6 +120,7 @@ int Service::Run(int argc, char** argv, const Body& body, const ApplyFlags& appl
 
 int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   ServiceContext context{.stage = stage_,
+                         .version = version_,
                          .config = LoadConfig(config_files_),
                          .lcm_url = lcm_url_,
                          .prefix = prefix_,
@@ -122,8 +136,10 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
   LimitSimd(simd_);
 
   const std::string text = ConfigText(context.config);
-  LogLine(LogLevel::kInfo, "sprout-{} {}, configuration {} (--log-level debug prints it)", stage_,
-          Version(), Digest(text));
+  // A foreign program's version begins with its name.
+  LogLine(LogLevel::kInfo, "{}, configuration {} of {} (--log-level debug prints it)",
+          version_ == Version() ? flags_.program() + " " + version_ : version_, Digest(text),
+          ConfigNames(config_files_));
   LogLine(LogLevel::kDebug, "effective configuration:\n{}", text);
   if (is_live) {
     if (const auto warning = ReceiveBufferWarning(lcm_url_)) LogLine(LogLevel::kWarning, *warning);

@@ -17,9 +17,11 @@ namespace sprout {
 /// code.
 class Service {
  public:
-  /// @param stage        name of the service; the program is sprout-STAGE.
+  /// @param stage        name of the service.
   /// @param description  what --help says first.
-  Service(std::string stage, const std::string& description);
+  /// @param program      that works as this stage, when it is not ours: what it logs, and its
+  ///                     version in statuses and records, begin with this; empty: sprout-STAGE.
+  Service(std::string stage, const std::string& description, const std::string& program = "");
 
   /// For the service's own flags and commands. A command runs without the bus.
   Flags& flags() { return flags_; }
@@ -41,6 +43,7 @@ class Service {
   std::optional<ReplayOptions> Replay() const;
 
   std::string stage_;
+  std::string version_;
   std::vector<std::string> config_files_;
   std::string lcm_url_;
   std::string prefix_;

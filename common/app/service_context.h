@@ -21,6 +21,7 @@ struct ReplayOptions {
 /// What the shared main gives to a service.
 struct ServiceContext {
   std::string stage;                    ///< "refine", ...
+  std::string version = {};             ///< of the program, for statuses and records
   SproutConfig config;                  ///< effective: files, then flags
   std::string lcm_url;                  ///< how to reach the bus
   std::string prefix;                   ///< prepended to every channel name

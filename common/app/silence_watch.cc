@@ -102,6 +102,9 @@ void SilenceWatch::HeardFrame() {
   counts_.clear();
   last_frame_ = Clock::now();
   warned_ = false;
+  if (warning_.empty()) return;
+  monitor_.Resolve(warning_);
+  warning_.clear();
 }
 
 void SilenceWatch::Watch(const std::stop_token& stop) {
@@ -116,18 +119,17 @@ void SilenceWatch::Watch(const std::stop_token& stop) {
 }
 
 void SilenceWatch::Warn() {
+  MessageCounts present;
+  std::string text;
   try {
-    const MessageCounts present = Survey(url_);
-    std::string text;
-    {
-      const std::lock_guard lock(mutex_);
-      if (!warned_) return;  // a frame has come meanwhile
-      text = SilenceText(needed_, counts_, present);
-    }
-    monitor_.Warn(text);
+    present = Survey(url_);
   } catch (const BusError& e) {
-    monitor_.Warn(std::string("no whole frame, and nothing can be heard: ") + e.what());
+    text = std::string("no whole frame, and nothing can be heard: ") + e.what();
   }
+  const std::lock_guard lock(mutex_);
+  if (!warned_) return;  // a frame has come meanwhile
+  warning_ = text.empty() ? SilenceText(needed_, counts_, present) : text;
+  monitor_.Warn(warning_);
 }
 
 }  // namespace sprout

@@ -25,8 +25,7 @@ std::string SilenceText(const std::vector<std::string>& needed, const MessageCou
                         const MessageCounts& present);
 
 /// When a stage gets no complete frame for kPatience, listens to all channels for a second and
-/// warns once, until the next complete frame. Also warns of a second process of the same stage.
-/// Thread-safe.
+/// warns once; the warning is over with the next complete frame. Thread-safe.
 class SilenceWatch {
  public:
   static constexpr std::chrono::seconds kPatience{5};
@@ -58,6 +57,7 @@ class SilenceWatch {
   MessageCounts counts_;
   Clock::time_point last_frame_ = Clock::now();
   bool warned_ = false;
+  std::string warning_;  // that holds now
   std::jthread thread_;  // last: stops before the rest is destroyed
 };
 

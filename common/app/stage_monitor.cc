@@ -19,6 +19,10 @@ namespace {
 constexpr size_t kMaxSamples = 1024;  // as lcmtypes/stage_status_t.lcm says
 constexpr std::chrono::seconds kRateWindow{10};
 constexpr double kClockSlackMs = 1;  // within one host a clock may be set by so much at a time
+// From one frame to the next an age changes by the time of a frame. By more than this: frames come
+// from another source, as when cameras follow a recording, or a stage hung; what was before would
+// be shown as the present state for the 1024 frames to come.
+constexpr double kOtherSourceMs = 10'000;
 
 double Milliseconds(StageMonitor::Clock::duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
@@ -98,10 +102,16 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
     }
   }
   if (sample.age_ms < -kClockSlackMs) {
-    status_.last_error = FutureText(id.seq, sample.age_ms);
+    clock_warning_ = FutureText(id.seq, sample.age_ms);
+    status_.last_error = clock_warning_;
     if (const auto held_back = clock_log_.Pass(now)) {
       LogLine(LogLevel::kWarning, "{}{}", status_.last_error, MoreText(*held_back));
     }
+  } else {
+    ResolveLocked(clock_warning_);
+  }
+  if (!samples_.empty() && std::abs(samples_.back().age_ms - sample.age_ms) > kOtherSourceMs) {
+    samples_.clear();
   }
   samples_.push_back(sample);
   if (samples_.size() > kMaxSamples) samples_.pop_front();
@@ -162,18 +172,33 @@ void StageMonitor::Remember(const std::string& reason) {
   status_.last_error = reason;
 }
 
+void StageMonitor::Resolve(const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  std::string resolved = reason;
+  ResolveLocked(resolved);
+}
+
+void StageMonitor::ResolveLocked(std::string& reason) {
+  if (reason.empty()) return;
+  if (status_.last_error == reason) status_.last_error.clear();
+  LogLine(LogLevel::kInfo, "over: {}", reason);
+  reason.clear();
+}
+
 void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
   constexpr std::chrono::minutes kWarningPeriod{1};
   if (offset.sigma_px < 0) return;
   const std::lock_guard lock(mutex_);
   status_.tof_offset = offset;
-  if (!offset.is_off || now_() < next_offset_warning_) return;
+  if (!offset.is_off) return ResolveLocked(offset_warning_);
+  if (now_() < next_offset_warning_) return;
   next_offset_warning_ = now_() + kWarningPeriod;
   char text[160];
   std::snprintf(text, sizeof text,
                 "the ToF camera's points are off by (%.1f, %.1f) px in the left image: calibrate "
                 "again, or refine { align_tof: true }",
                 -static_cast<double>(offset.u_px), -static_cast<double>(offset.v_px));
+  offset_warning_ = text;
   status_.last_error = text;
   LogLine(LogLevel::kWarning, text);
 }
@@ -187,6 +212,11 @@ void StageMonitor::SetJoinerCounts(int64_t incomplete, int64_t sequence_gaps) {
   const std::lock_guard lock(mutex_);
   status_.frames_incomplete = incomplete;
   status_.sequence_gaps = sequence_gaps;
+}
+
+void StageMonitor::SetVersion(const std::string& version) {
+  const std::lock_guard lock(mutex_);
+  status_.version = version;
 }
 
 void StageMonitor::SetStopped() {

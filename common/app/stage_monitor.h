@@ -63,8 +63,11 @@ class StageMonitor {
   /// As Warn(), without a line of log.
   void Remember(const std::string& reason);
 
+  /// What was warned of is over: if no other error came meanwhile, the status has none.
+  void Resolve(const std::string& reason);
+
   /// The offset of the ToF camera's points; an unknown one does not replace the last known one.
-  /// Warns once a minute if it is sure.
+  /// Warns once a minute if it is sure, until the offset is small again.
   void SetTofOffset(const TofOffsetStatus& offset);
 
   /// Time between the exposures of the newest frame, ms.
@@ -72,6 +75,9 @@ class StageMonitor {
 
   /// The joiner's own counts.
   void SetJoinerCounts(int64_t incomplete, int64_t sequence_gaps);
+
+  /// Of the program, when it is not Version().
+  void SetVersion(const std::string& version);
 
   /// Marks the last status of a process.
   void SetStopped();
@@ -85,6 +91,8 @@ class StageMonitor {
     double age_ms;
   };
 
+  void ResolveLocked(std::string& reason);
+
   std::function<Clock::time_point()> now_;
   mutable std::mutex mutex_;
   StageStatus status_;          // without rate and times, which Snapshot() adds
@@ -94,6 +102,8 @@ class StageMonitor {
   LogLimiter failed_log_;
   LogLimiter clock_log_;
   Clock::time_point next_offset_warning_{};
+  std::string clock_warning_;   // that holds now
+  std::string offset_warning_;  // the same
 };
 
 }  // namespace sprout

@@ -1,6 +1,7 @@
 #ifndef SPROUT_COMMON_CORE_STAGE_STATUS_H_
 #define SPROUT_COMMON_CORE_STAGE_STATUS_H_
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 
@@ -23,6 +24,13 @@ struct TofOffsetStatus {
   float v_px = 0;
   float sigma_px = -1;  ///< standard deviation; −1 = not known
   bool is_off = false;  ///< the offset is sure and significant; not sent
+
+  /// Whether it is more than what is measured where there is none. With three standard deviations
+  /// one in a hundred of those would be shown (two directions, e^(−3²/2)).
+  bool IsSignificant() const {
+    constexpr float kStandardDeviations = 3;
+    return sigma_px >= 0 && std::hypot(u_px, v_px) > kStandardDeviations * sigma_px;
+  }
 };
 
 /// State of one process; field by field as in lcmtypes/stage_status_t.lcm.
@@ -34,7 +42,7 @@ struct StageStatus {
   std::string host;
   std::string version;
   std::string config_digest;
-  std::string last_error;  ///< empty = no error yet
+  std::string last_error;  ///< empty = no error yet, or it is over
   int32_t pid = 0;
   State state = State::kReady;
   int64_t frames_in = 0;

@@ -34,7 +34,9 @@ void FrameIndex::Add(Part part, const FrameId& id, int64_t offset) {
     newest->second = frames_.size();
   }
   if (newest->second == frames_.size()) frames_.emplace_back(id);
-  frames_[newest->second].offset(part) = offset;
+  int64_t& place = frames_[newest->second].offset(part);
+  if (place >= 0) repeats_.push_back({id, part, place, offset});
+  place = offset;
 }
 
 void FrameIndex::AddRig(const LogEvent& event, const Refuse& refuse) {

@@ -42,6 +42,13 @@ struct IndexedFrame {
   bool Has(Part part) const { return offset(part) >= 0; }
 };
 
+/// A part of a frame that came again.
+struct RepeatedPart {
+  FrameId id;
+  Part part;
+  int64_t earlier, later;  ///< offsets of the two events
+};
+
 /// Index of the frames of a log, so that they can be read in any order: some 300 bytes a frame,
 /// whatever the size of its messages. All programs that inspect logs use its rules:
 ///
@@ -49,7 +56,7 @@ struct IndexedFrame {
 /// check for missing parts.
 /// * Late: when `look_back` other frames have begun after it, the frame is over, and a message with
 /// its id begins another frame. A recording of a log that was played twice has each id twice.
-/// * Repeated: of several messages of a part the newest counts.
+/// * Repeated: of several messages of a part the newest counts; see repeats().
 /// * The calibration comes separately, once a second: it belongs to every frame with its rig_id,
 /// before and after it. Of several with the same rig_id, which is a digest, the first counts.
 /// * A message without a valid frame id, of another type than its channel's, or an unreadable
@@ -76,6 +83,9 @@ class FrameIndex {
   /// The frames in the order of their first messages, without their calibrations.
   const std::vector<IndexedFrame>& frames() const { return frames_; }
 
+  /// Each message of a part that the frame had already, in the order of the log.
+  const std::vector<RepeatedPart>& repeats() const { return repeats_; }
+
   /// A frame with its calibration, when that is known. @pre number < frames().size().
   IndexedFrame At(size_t number) const;
 
@@ -89,6 +99,7 @@ class FrameIndex {
  private:
   FrameChoice choice_;
   std::vector<IndexedFrame> frames_;
+  std::vector<RepeatedPart> repeats_;
   std::map<FrameId, size_t> newest_;     // number of the newest frame with an id
   std::map<std::string, int64_t> rigs_;  // offsets by rig_id
   bool has_channel_ = false;

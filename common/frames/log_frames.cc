@@ -1,7 +1,10 @@
 #include "common/frames/log_frames.h"
 
+#include <algorithm>
+#include <string>
 #include <utility>
 
+#include "common/logfile/log_error.h"
 #include "common/messages/codec.h"
 
 namespace sprout {
@@ -34,6 +37,7 @@ std::optional<Frame> LogFrames::Next(const Progress& progress) {
   while (true) {
     for (LogEvent event; !is_over() && reader_.Next(event);) {
       index_.Add(event, refuse_);
+      RequireOneAnswer();
       if (progress) progress(reader_.position());
     }
     if (next_ == index_.frames().size()) return std::nullopt;
@@ -46,6 +50,20 @@ std::optional<Frame> LogFrames::Next(const Progress& progress) {
       SetPart(frame, part, std::move(value));
     }
     if (is_there) return frame;
+  }
+}
+
+void LogFrames::RequireOneAnswer() {
+  for (; checked_repeats_ < index_.repeats().size(); ++checked_repeats_) {
+    const RepeatedPart& repeat = index_.repeats()[checked_repeats_];
+    const auto earlier = fetcher_.Fetch(repeat.earlier).data;
+    const std::vector<uint8_t> bytes(earlier.begin(), earlier.end());
+    if (std::ranges::equal(bytes, fetcher_.Fetch(repeat.later).data)) continue;
+    throw LogError(path_, "two answers for frame " + std::to_string(repeat.id.seq) + ": " +
+                              std::string(ChannelOf(repeat.part)) + " at bytes " +
+                              std::to_string(repeat.earlier) + " and " +
+                              std::to_string(repeat.later) +
+                              " differ; `sprout-log merge --replace` keeps those of one log");
   }
 }
 

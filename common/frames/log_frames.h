@@ -34,7 +34,8 @@ class LogFrames {
 
   /// The next frame of which at least one part could be read, in the order of their first messages;
   /// with its calibration if wanted and anywhere in the log. Nothing at the end. @throws LogError
-  /// when reading fails.
+  /// when reading fails, and when a wanted part of one frame comes twice with different bytes:
+  /// which of them was meant is not known, as in a recording merged with a replay of its own stage.
   std::optional<Frame> Next(const Progress& progress = {});
 
   const LogReader& log() const { return reader_; }
@@ -42,6 +43,7 @@ class LogFrames {
 
  private:
   IndexedFrame PlacesOf(size_t number);
+  void RequireOneAnswer();
 
   std::filesystem::path path_;
   FrameChoice choice_;
@@ -49,6 +51,7 @@ class LogFrames {
   LogReader reader_;
   EventFetcher fetcher_;
   FrameIndex index_;
+  size_t checked_repeats_ = 0;
   size_t next_ = 0;              // number of the frame that is given next
   bool knows_all_rigs_ = false;  // also those further on in the log
 };

@@ -1,5 +1,6 @@
 #include "common/picture/write_image.h"
 
+#include <cmath>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
@@ -18,6 +19,19 @@ Result<void> WritePng(const std::filesystem::path& path, const cv::Mat& picture)
   OutputFile file(path);
   file.Write({reinterpret_cast<const char*>(png.data()), png.size()});
   return file.Commit();
+}
+
+Result<void> WriteDepthPng(const std::filesystem::path& path, const cv::Mat1f& depth_m) {
+  cv::Mat1w mm(depth_m.size(), uint16_t{0});
+  for (int v = 0; v < depth_m.rows; ++v) {
+    for (int u = 0; u < depth_m.cols; ++u) {
+      const double depth = double{depth_m(v, u)};
+      if (depth > 0 && depth < kMaxPngDepthM + 0.0005) {  // 65535 mm when rounded
+        mm(v, u) = static_cast<uint16_t>(std::lround(depth * 1000));
+      }
+    }
+  }
+  return WritePng(path, mm);
 }
 
 Result<void> WritePfm(const std::filesystem::path& path, const cv::Mat1f& values) {

@@ -14,6 +14,13 @@ namespace sprout {
 /// Writes a picture (8UC1 grey or 8UC3 BGR), or a map (16UC1), as PNG.
 [[nodiscard]] Result<void> WritePng(const std::filesystem::path& path, const cv::Mat& picture);
 
+/// Largest depth of WriteDepthPng(), m: 65535 mm.
+inline constexpr double kMaxPngDepthM = 65.535;
+
+/// Writes depths, m, as PNG of 16 bits in mm; 0: none (NaN), or more than kMaxPngDepthM.
+[[nodiscard]] Result<void> WriteDepthPng(const std::filesystem::path& path,
+                                         const cv::Mat1f& depth_m);
+
 /// Writes numbers as PFM: one channel, 32-bit float, little-endian, bottom row first.
 [[nodiscard]] Result<void> WritePfm(const std::filesystem::path& path, const cv::Mat1f& values);
 

@@ -18,6 +18,7 @@ struct Surface {
   const RectifiedPair& pair;
   const DisparityImage& disparity;
   const cv::Mat& left;
+  const cv::Mat& confidence;  // empty: none
 
   bool HasVertex(int u, int v) const {
     return disparity.IsValid(u, v) && double{disparity.Px(u, v)} + pair.cx_right - pair.cx > 0;
@@ -26,6 +27,13 @@ struct Surface {
 
 Result<void> CheckSizes(const std::filesystem::path& path, const Surface& surface) {
   const cv::Size size = surface.disparity.size();
+  const bool has_confidence = !surface.confidence.empty();
+  if (has_confidence &&
+      (surface.confidence.size() != size || surface.confidence.type() != CV_8UC1)) {
+    return Fail("cannot write " + path.string() + ": confidence " +
+                SizeText(surface.confidence.size()) + ": allowed is " + SizeText(size) +
+                ", in grey");
+  }
   if (surface.pair.size() == size && surface.left.size() == size) return {};
   return Fail("cannot write " + path.string() + ": disparity map " + SizeText(size) +
               ", left image " + SizeText(surface.left.size()) + " and calibration " +
@@ -44,7 +52,7 @@ cv::Mat1i NumberVertices(const Surface& surface, int& count) {
   return numbers;
 }
 
-void WriteHeader(OutputFile& file, int vertices) {
+void WriteHeader(OutputFile& file, int vertices, bool has_confidence) {
   file.Write(
       "ply\n"
       "format binary_little_endian 1.0\n"
@@ -58,6 +66,7 @@ void WriteHeader(OutputFile& file, int vertices) {
       "property uchar red\n"
       "property uchar green\n"
       "property uchar blue\n");
+  if (has_confidence) file.Write("property uchar confidence\n");
 }
 
 void WriteVertices(OutputFile& file, const Surface& surface, const cv::Mat1i& numbers) {
@@ -70,6 +79,7 @@ void WriteVertices(OutputFile& file, const Surface& surface, const cv::Mat1i& nu
       const cv::Vec3b bgr =
           grey ? cv::Vec3b::all(surface.left.at<uchar>(v, u)) : surface.left.at<cv::Vec3b>(v, u);
       for (int channel : {2, 1, 0}) file.WriteNumber(bgr[channel]);
+      if (!surface.confidence.empty()) file.WriteNumber(surface.confidence.at<uchar>(v, u));
     }
   }
 }
@@ -108,28 +118,30 @@ void ForEachTriangle(const DisparityImage& disparity, const cv::Mat1i& numbers, 
 }  // namespace
 
 Result<void> WriteCloudPly(const std::filesystem::path& path, const RectifiedPair& pair,
-                           const DisparityImage& disparity, const cv::Mat& left) {
-  const Surface surface{pair, disparity, left};
+                           const DisparityImage& disparity, const cv::Mat& left,
+                           const cv::Mat& confidence) {
+  const Surface surface{pair, disparity, left, confidence};
   if (auto sizes = CheckSizes(path, surface); !sizes) return sizes;
   int vertices = 0;
   const cv::Mat1i numbers = NumberVertices(surface, vertices);
   OutputFile file(path);
-  WriteHeader(file, vertices);
+  WriteHeader(file, vertices, !confidence.empty());
   file.Write("end_header\n");
   WriteVertices(file, surface, numbers);
   return file.Commit();
 }
 
 Result<void> WriteMeshPly(const std::filesystem::path& path, const RectifiedPair& pair,
-                          const DisparityImage& disparity, const cv::Mat& left) {
-  const Surface surface{pair, disparity, left};
+                          const DisparityImage& disparity, const cv::Mat& left,
+                          const cv::Mat& confidence) {
+  const Surface surface{pair, disparity, left, confidence};
   if (auto sizes = CheckSizes(path, surface); !sizes) return sizes;
   int vertices = 0;
   const cv::Mat1i numbers = NumberVertices(surface, vertices);
   int triangles = 0;  // the header comes first, so count before writing
   ForEachTriangle(disparity, numbers, [&triangles](int, int, int) { ++triangles; });
   OutputFile file(path);
-  WriteHeader(file, vertices);
+  WriteHeader(file, vertices, !confidence.empty());
   file.Write("element face " + std::to_string(triangles) +
              "\nproperty list uchar int vertex_indices\nend_header\n");
   WriteVertices(file, surface, numbers);

@@ -13,13 +13,14 @@ namespace sprout {
 // Both write binary little-endian PLY, the whole file or none (see OutputFile); errors name path
 // and reason, among them sizes that differ. Coordinates are metres in the left rectified frame
 // (x right, y down, z forward), each vertex has the colour of its pixel in the left image (8UC1
-// grey or 8UC3 BGR). Pixels without a disparity, and those whose disparity gives no positive depth,
-// are left out. O(pixels).
+// grey or 8UC3 BGR), and with `confidence` (8UC1 of the map's size) the property `confidence`: 255
+// times the probability of an error of at most 1 px. Pixels without a disparity, and those whose
+// disparity gives no positive depth, are left out. O(pixels).
 
 /// Writes the point cloud of a disparity map: vertices, row by row.
 [[nodiscard]] Result<void> WriteCloudPly(const std::filesystem::path& path,
                                          const RectifiedPair& pair, const DisparityImage& disparity,
-                                         const cv::Mat& left);
+                                         const cv::Mat& left, const cv::Mat& confidence = {});
 
 /// Disparities (px) of one mesh triangle differ by at most this. Growth steps by at most 1 px from
 /// a pixel to its neighbour and a triangle joins three pixels by two such steps, so a surface that
@@ -33,7 +34,7 @@ inline constexpr double kMaxMeshJumpPx = 2;
 /// Triangles are counter-clockwise as the camera sees them: normals point towards it.
 [[nodiscard]] Result<void> WriteMeshPly(const std::filesystem::path& path,
                                         const RectifiedPair& pair, const DisparityImage& disparity,
-                                        const cv::Mat& left);
+                                        const cv::Mat& left, const cv::Mat& confidence = {});
 
 }  // namespace sprout
 

@@ -129,10 +129,17 @@ function(sprout_stage_library name)
   endforeach()
 endfunction()
 
-# sprout_service(NAME [STAGE] SOURCES ... [DEPS ...]): program sprout-NAME in bin/, with a man page and
-# completion. STAGE: it is a part of the running graph, and systemd looks after it (sprout.target).
+# sprout_service(NAME [STAGE] SUMMARY TEXT SOURCES ... [DEPS ...]): program sprout-NAME in bin/, with a man
+# page and completion. STAGE: it is a part of the running graph, and systemd looks after it (sprout.target).
+# SUMMARY: what `sprout` says of it, in at most 70 characters, without semicolons.
 function(sprout_service name)
-  cmake_parse_arguments(arg "STAGE" "" "SOURCES;DEPS" ${ARGN})
+  cmake_parse_arguments(arg "STAGE" "SUMMARY" "SOURCES;DEPS" ${ARGN})
+  string(LENGTH "${arg_SUMMARY}" length)
+  if(length EQUAL 0 OR length GREATER 70)
+    message(FATAL_ERROR "sprout_service(${name}): SUMMARY of 1 to 70 characters is missing")
+  endif()
+  set_property(GLOBAL APPEND_STRING PROPERTY SPROUT_SUMMARIES
+                                    "    {\"${name}\", \"${arg_SUMMARY}\"},\n")
   add_executable(sprout-${name} ${arg_SOURCES})
   target_link_libraries(sprout-${name} PRIVATE sprout_options ${arg_DEPS})
   if(SPROUT_UNITY STREQUAL ALL)

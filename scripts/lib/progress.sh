@@ -4,6 +4,17 @@
 # The steps of ninja's output on stdin, as lines "DONE ALL".
 ninja_steps() { sed -u -n 's|^\[\([0-9]*\)/\([0-9]*\)\] .*|\1 \2|p'; }
 
+# The same for the output of ctest.
+ctest_steps() { sed -u -n 's|^ *\([0-9]*\)/\([0-9]*\) Test *#.*|\1 \2|p'; }
+
+# What ctest says at the end, and before that the output of the tests that failed.
+ctest_verdict() { # LOG
+  if grep -q '^The following tests FAILED:' "$1"; then
+    sed -n '/\*\*\*Failed\|\*\*\*Timeout\|\*\*\*Exception/,/^ *[0-9]*\/[0-9]* Test *#/p' "$1"
+  fi
+  sed -n '/% tests passed/,$p' "$1"
+}
+
 # The same for the output of apt-get -o APT::Status-Fd=1: packages are fetched in the first half.
 apt_steps() {
   sed -u -n -e 's|^dlstatus:[^:]*:\([0-9]*\).*|\1 200|p' -e 's|^pmstatus:[^:]*:\([0-9]*\).*|\1 200 100|p' |

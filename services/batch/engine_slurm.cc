@@ -9,6 +9,7 @@
 
 #include "common/app/process.h"
 #include "common/config/config_error.h"
+#include "common/core/shell_word.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/engines.h"
 #include "services/batch/names.h"

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "services/batch/names.h"
+#include "common/core/shell_word.h"
 
 namespace sprout::batch {
 namespace {

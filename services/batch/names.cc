@@ -55,12 +55,4 @@ std::string ResultNameOf(const std::filesystem::path& log, std::set<std::string>
   return name;
 }
 
-std::string ShellWord(const std::string& text) {
-  constexpr char kPlain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-./:=";
-  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string word = "'";
-  for (const char letter : text) word += letter == '\'' ? "'\\''" : std::string(1, letter);
-  return word + "'";
-}
-
 }  // namespace sprout::batch

@@ -25,9 +25,6 @@ bool IsResultName(std::string_view name);
 /// @param taken  names of the other logs; the new one is added.
 std::string ResultNameOf(const std::filesystem::path& log, std::set<std::string>& taken);
 
-/// The text quoted as one word of a shell's command line.
-std::string ShellWord(const std::string& text);
-
 }  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_BATCH_NAMES_H_

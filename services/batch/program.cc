@@ -12,6 +12,7 @@
 #include "common/app/version.h"
 #include "common/core/digest.h"
 #include "common/core/interrupt.h"
+#include "common/core/shell_word.h"
 #include "common/logfile/log_error.h"
 #include "services/batch/engines.h"
 #include "services/batch/planning.h"
@@ -165,7 +166,8 @@ int RunRun(Options& options) {
   if (state.missing == 0) return Finish(folder, manifest, state);
   if (options.engine == "slurm") {
     std::cout << SubmitSlurm(OwnPath(), folder, state, options.slurm, 0) << "\n"
-              << "sprout-batch status " << folder.root().string() << " shows the progress\n";
+              << "sprout-batch status " << ShellWord(folder.root().string())
+              << " shows the progress\n";
     return 0;
   }
   RunLocal(OwnPath(), folder, manifest, state, options.local);

@@ -86,11 +86,15 @@ void DrawText(cairo_t* pen, double y_mm, const std::string& text) {
 
 }  // namespace
 
+Eigen::Vector2d BoardPageSizeMm(const Board& board) {
+  const Eigen::Vector2d extent_mm = 1000 * board.extent_m();
+  return {extent_mm.x() + 2 * kMarginMm, extent_mm.y() + 2 * kMarginMm + kFooterMm};
+}
+
 std::string BoardPage(const Board& board, const std::filesystem::path& path) {
   const Eigen::Vector2d extent_mm = 1000 * board.extent_m();
   const double square_mm = 1000 * board.size().square_m;
-  const Eigen::Vector2d page_mm(extent_mm.x() + 2 * kMarginMm,
-                                extent_mm.y() + 2 * kMarginMm + kFooterMm);
+  const Eigen::Vector2d page_mm = BoardPageSizeMm(board);
   const double ruler_mm = RoundLength(extent_mm.x());
   const double ruler_y_mm = 2 * kMarginMm + extent_mm.y();
 

@@ -17,6 +17,9 @@ namespace sprout::calibrate {
 /// @throws ConfigError for another suffix than .pdf or .svg
 std::string BoardPage(const Board& board, const std::filesystem::path& path);
 
+/// Width and height of the page, mm: the pattern with its margin, and the line below.
+Eigen::Vector2d BoardPageSizeMm(const Board& board);
+
 }  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_BOARD_PAGE_H_

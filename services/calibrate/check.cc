@@ -7,62 +7,111 @@
 
 #include "common/app/progress.h"
 #include "common/bus/channels.h"
+#include "common/config/config_error.h"
+#include "common/core/shell_word.h"
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
 #include "services/calibrate/frame_log.h"
+#include "services/calibrate/image_folder.h"
 #include "services/calibrate/rectify_images.h"
 #include "services/calibrate/rig_checker.h"
 
 namespace sprout::calibrate {
 namespace {
 
+namespace fs = std::filesystem;
+
 // So many frames, evenly over the log, tell what all of them do.
 constexpr int64_t kCheckedFrames = 30;
 
-Result<void> AddRectified(const Rectifier& rectifier, const Frame& frame, RigChecker& checker) {
-  const Result<RigImages> images =
-      RectifyImages(rectifier, {.left = frame.left, .right = frame.right, .tof = *frame.tof});
-  if (!images) return tl::unexpected(images.error());
-  return checker.Add(images->left, images->right, images->tof, rectifier.rig());
+// Reads what is to be checked into a checker.
+class CheckReader {
+ public:
+  explicit CheckReader(const CheckOptions& options) : options_(options) {
+    if (options.rig.empty()) return;
+    rectifier_.emplace(RequireCalibration(LoadRigFile(options.rig), options.rig));
+    const std::string warning = ViewsWarning(rectifier_->views());
+    if (!warning.empty()) std::cerr << "sprout-calibrate: " << warning << "\n";
+  }
+
+  RigCheck Check() {
+    fs::is_directory(options_.input) ? ReadFolder() : ReadLog();
+    progress_.Clear();
+    const RigCheck check = checker_.Summary();
+    if (check.frames == 0) throw std::runtime_error("no frame can be checked: " + refusal_);
+    return check;
+  }
+
+ private:
+  void ReadFolder() {
+    if (!rectifier_) {
+      throw ConfigError(options_.input.string() +
+                        ": images of a folder are not rectified: --rig is needed");
+    }
+    int64_t count = 0;
+    ReadImageFolder(options_.input, [&](const RigImages&) { ++count; });
+    stride_ = std::max<int64_t>(1, count / kCheckedFrames);
+    ReadImageFolder(options_.input,
+                    [&](const RigImages& images) { Offer(count, [&] { return AddRaw(images); }); });
+  }
+
+  void ReadLog() {
+    const std::string prefix =
+        options_.prefix + (rectifier_ ? std::string(kRawPrefix) : std::string());
+    PartSet parts = {Part::kLeft, Part::kRight, Part::kTof};
+    if (!rectifier_) parts.Add(Part::kRig);
+    const int64_t count =
+        CountMessages(options_.input, prefix + std::string(ChannelOf(Part::kLeft)));
+    stride_ = std::max<int64_t>(1, count / kCheckedFrames);
+    const std::string complaint =
+        ReadFrameLog(options_.input, prefix, parts, [&](const Frame& frame) {
+          Offer(count, [&] {
+            return rectifier_ ? AddRaw({frame.left, frame.right, *frame.tof})
+                              : checker_.Add(frame.left, frame.right, *frame.tof, *frame.rig);
+          });
+        });
+    progress_.Clear();
+    if (!complaint.empty()) std::cerr << "sprout-calibrate: " << complaint << "\n";
+  }
+
+  // Every stride-th is added.
+  template <typename Add>
+  void Offer(int64_t count, const Add& add) {
+    if (next_++ % stride_ != 0) return;
+    progress_.ShowTime("checking frame " + std::to_string(next_) + " of " + std::to_string(count));
+    if (const Result<void> added = add(); !added) refusal_ = added.error().text;
+  }
+
+  Result<void> AddRaw(const RigImages& raw) {
+    const Result<RigImages> images = RectifyImages(*rectifier_, raw);
+    if (!images) return tl::unexpected(images.error());
+    return checker_.Add(images->left, images->right, images->tof, rectifier_->rig());
+  }
+
+  const CheckOptions& options_;
+  std::optional<Rectifier> rectifier_;
+  RigChecker checker_;
+  Progress progress_{/*quiet=*/false};
+  std::string refusal_;
+  int64_t stride_ = 1;
+  int64_t next_ = 0;
+};
+
+// Without a rig file refine takes the calibration in the log.
+std::string RefineCommand(const CheckOptions& options) {
+  std::string command = "sprout-calibrate refine " + ShellWord(options.input.string());
+  if (!options.rig.empty()) command += " --rig " + ShellWord(options.rig.string());
+  if (!options.prefix.empty()) command += " --channel-prefix " + ShellWord(options.prefix);
+  return command + " --out new.textproto";
 }
 
 }  // namespace
 
 int RunCheck(const CheckOptions& options) {
-  std::optional<Rectifier> rectifier;
-  std::string prefix = options.prefix;
-  PartSet parts = {Part::kLeft, Part::kRight, Part::kTof};
-  if (options.rig.empty()) {
-    parts.Add(Part::kRig);
-  } else {
-    rectifier.emplace(RequireCalibration(LoadRigFile(options.rig), options.rig));
-    const std::string warning = ViewsWarning(rectifier->views());
-    if (!warning.empty()) std::cerr << "sprout-calibrate: " << warning << "\n";
-    prefix += kRawPrefix;
-  }
-  const int64_t frames = CountMessages(options.log, prefix + std::string(ChannelOf(Part::kLeft)));
-  const int64_t stride = std::max<int64_t>(1, frames / kCheckedFrames);
-  RigChecker checker;
-  Progress progress(/*quiet=*/false);
-  std::string refusal;
-  int64_t next = 0;
-  const std::string complaint = ReadFrameLog(options.log, prefix, parts, [&](const Frame& frame) {
-    if (next++ % stride != 0) return;
-    progress.Show("checking frame " + std::to_string(frame.id.seq));
-    const Result<void> added = rectifier
-                                   ? AddRectified(*rectifier, frame, checker)
-                                   : checker.Add(frame.left, frame.right, *frame.tof, *frame.rig);
-    if (!added) refusal = added.error().text;
-  });
-  progress.Clear();
-  if (!complaint.empty()) std::cerr << "sprout-calibrate: " << complaint << "\n";
-  const RigCheck check = checker.Summary();
-  if (check.frames == 0) throw std::runtime_error("no frame can be checked: " + refusal);
+  const RigCheck check = CheckReader(options).Check();
   std::cout << CheckText(check);
   if (check.reasons.empty()) return 0;
-  std::cout << "to put it right without a board: sprout-calibrate refine " << options.log.string()
-            << " --rig " << (options.rig.empty() ? "rig.textproto" : options.rig.string())
-            << " --out new.textproto\n";
+  std::cout << "to put it right without a board: " << RefineCommand(options) << "\n";
   return 1;
 }
 

@@ -7,13 +7,13 @@
 namespace sprout::calibrate {
 
 struct CheckOptions {
-  std::filesystem::path log;
-  std::filesystem::path
-      rig;  ///< to rectify the log's raw images; empty: they are rectified already
+  std::filesystem::path input;  ///< a log, or a folder of unrectified images
+  std::filesystem::path rig;    ///< to rectify raw images; empty: they are rectified already
   std::string prefix;
 };
 
-/// The subcommand check: checks a calibration with the frames of a log and prints the result.
+/// The subcommand check: checks a calibration with frames and prints the result, and if it is bad
+/// the command that puts it right.
 /// @returns exit code: 0 good, 1 calibrate again.
 /// @throws LogError, ConfigError for files that cannot be used.
 int RunCheck(const CheckOptions& options);

@@ -138,8 +138,11 @@ int RunBoard(const Options& options) {
   const Board board = BoardOf(options.board);
   WriteWhole(options.out, BoardPage(board, options.out));
   const Eigen::Vector2d extent_mm = 1000 * board.extent_m();
-  std::cout << fmt::format("{}: {:g} x {:g} mm; print at 100 % and measure the line below it\n",
-                           options.out.string(), extent_mm.x(), extent_mm.y());
+  const Eigen::Vector2d page_mm = BoardPageSizeMm(board);
+  std::cout << fmt::format(
+      "{}: a board of {:g} x {:g} mm on a page of {:g} x {:g} mm; print at 100 % and measure the "
+      "line below it\n",
+      options.out.string(), extent_mm.x(), extent_mm.y(), page_mm.x(), page_mm.y());
   return 0;
 }
 
@@ -275,11 +278,14 @@ void AddCheck(Flags& program, Options& options) {
                          "holds: whether rows agree,\nand whether ToF points are projected to "
                          "the right places. Exit code 0 good, 1 calibrate again",
                          [&options] { return RunCheck(options.check); });
-  flags.Add("LOG", options.check.log, "Log of rectified frames, as a running graph sends them")
+  flags
+      .Add("LOG", options.check.input,
+           "Log of rectified frames, as a running graph sends them; with --rig also one of "
+           "unrectified images, or a folder of them as of estimate")
       .Required()
-      .ExistingFile();
+      .ExistingPath();
   flags.Add("--rig FILE", options.check.rig,
-            "Rig file; the log has unrectified images, which are rectified with it");
+            "Rig file; the images are unrectified, and are rectified with it");
   flags.Add("--channel-prefix TEXT", options.check.prefix, "Before the channels in the log");
 }
 

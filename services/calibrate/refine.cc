@@ -68,8 +68,8 @@ class Reader {
   void Choose(int64_t index, int64_t count, const fs::path& input, const Add& add) {
     const int64_t used = std::min(count, most_of_input_);
     if (index * used / count == (index + 1) * used / count) return;
-    progress_.Show(input.string() + ": frame " + std::to_string(index + 1) + " of " +
-                   std::to_string(count));
+    progress_.ShowTime(input.string() + ": frame " + std::to_string(index + 1) + " of " +
+                       std::to_string(count));
     if (const Result<void> added = add(); added) {
       ++used_;
     } else {
@@ -159,10 +159,13 @@ int RunRefine(const RefineOptions& options) {
   };
   Reader reader(options);
   SceneRefiner& refiner = reader.Read();
+  Progress progress(/*quiet=*/false);
+  progress.ShowTime("fitting");
   const Result<SceneRefinement> refined = refiner.Refine({.focal = wished("focal"),
                                                           .row = wished("row"),
                                                           .place = wished("place"),
                                                           .yaw = wished("yaw")});
+  progress.Clear();
   if (!refined) throw std::runtime_error(refined.error().text);
 
   RigDescription rig = reader.description();

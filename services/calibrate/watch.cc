@@ -17,6 +17,7 @@
 #include "common/bus/mailbox.h"
 #include "common/bus/receiver.h"
 #include "common/config/config_error.h"
+#include "common/core/shell_word.h"
 #include "common/core/signal_watcher.h"
 #include "common/frames/frame_joiner.h"
 #include "common/messages/codec.h"
@@ -158,6 +159,30 @@ void Watch(RawFrames& frames, ViewFolder& views, const std::stop_token& stop) {
 
 }  // namespace
 
+std::string EstimateCommand(const Board& board, const fs::path& folder) {
+  const BoardSize usual;
+  const BoardSize& size = board.size();
+  std::string command = "sprout-calibrate estimate " + ShellWord(folder.string());
+  if (size.columns != usual.columns || size.rows != usual.rows) {
+    command += fmt::format(" --squares {}x{}", size.columns, size.rows);
+  }
+  if (size.square_m != usual.square_m)
+    command += fmt::format(" --square-mm {:g}", 1000 * size.square_m);
+  if (size.kind == BoardKind::kChessboard) command += " --board chessboard";
+  if (size.kind == BoardKind::kAprilGrid) command += " --board aprilgrid";
+  if (size.dictionary != usual.dictionary) command += " --dictionary " + ShellWord(size.dictionary);
+  if (size.marker_per_square != usual.marker_per_square) {
+    command += fmt::format(" --marker-mm {:g}", 1000 * size.square_m * size.marker_per_square);
+  }
+  if (size.gap_per_tag != usual.gap_per_tag) {
+    command += fmt::format(" --tag-spacing {:g}", size.gap_per_tag);
+  }
+  // Its devices are kept.
+  std::error_code ignored;
+  if (fs::is_regular_file("rig.textproto", ignored)) command += " --rig rig.textproto";
+  return command + " --out rig.textproto --report report.html";
+}
+
 int RunWatch(const Board& board, const WatchOptions& options) {
   if (const auto error = LcmUrlError(options.lcm_url)) throw ConfigError("--lcm-url: " + *error);
   const SignalWatcher signals;
@@ -165,10 +190,7 @@ int RunWatch(const Board& board, const WatchOptions& options) {
   RawFrames frames(options);
   Watch(frames, views, signals.token());
   std::cout << fmt::format("{}: {}\n", options.out.string(), views.CountsLine());
-  if (views.views() > 0) {
-    std::cout << "next: sprout-calibrate estimate " << options.out.string()
-              << " --rig rig.textproto --out rig.textproto --report report.html\n";
-  }
+  if (views.views() > 0) std::cout << "next: " << EstimateCommand(board, options.out) << "\n";
   return views.IsComplete() ? 0 : 1;
 }
 

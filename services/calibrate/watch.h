@@ -21,6 +21,10 @@ struct WatchOptions {
 /// @throws ConfigError for a URL or a folder that cannot be used, BusError.
 int RunWatch(const Board& board, const WatchOptions& options);
 
+/// What to do with the views: a line for a shell that works when pasted. It names the rig file of
+/// this folder only if there is one.
+std::string EstimateCommand(const Board& board, const std::filesystem::path& folder);
+
 }  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_CALIBRATE_WATCH_H_

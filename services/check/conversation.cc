@@ -155,6 +155,9 @@ void Conversation::TakeExtra(Part part, const Heard& heard) {
 }
 
 void Conversation::TakeOther(const Heard& heard) {
+  if (heard.channel == kStatusChannel) {
+    if (const Result<StageStatus> status = DecodeStatus(heard.bytes)) newest_status_ = *status;
+  }
   if (CheckReport(heard, found_)) return;
   for (const Part part : kAllParts) {
     if (heard.channel != ChannelOf(part)) continue;

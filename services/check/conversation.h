@@ -73,6 +73,9 @@ class Conversation {
   /// Messages on the stage's channel, good ones and bad ones.
   int answers_heard() const { return answers_heard_; }
 
+  /// The newest status that it sent; nothing when it sends none.
+  const std::optional<StageStatus>& newest_status() const { return newest_status_; }
+
   /// What the stage published besides its answers.
   const PartSet& extras_heard() const { return extras_heard_; }
 
@@ -114,6 +117,7 @@ class Conversation {
   int64_t pause_utime_ = 0;
   int answers_heard_ = 0;
   PartSet extras_heard_;
+  std::optional<StageStatus> newest_status_;
   int frames_missed_ = 0;
   bool ended_ = false;
   std::vector<double> times_ms_;

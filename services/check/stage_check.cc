@@ -74,6 +74,12 @@ class StageCheck {
     found_.Checked(Rule::kStart);
     const auto deadline = Conversation::Clock::now() + options_.start_timeout;
     while (!started_ && !talk_.over() && Conversation::Clock::now() < deadline) {
+      if (EveryFrameFailed()) {
+        const StageStatus& status = *talk_.newest_status();
+        found_.Add(Rule::kStart, fmt::format("no answer: all of {} frames failed, the newest: {}",
+                                             status.frames_failed, status.last_error));
+        return;
+      }
       talk_.Ask(frames_[0], kRaw, Look::kIfAnswered, Rule::kStart, kStartPeriod);
       started_ = talk_.answers_heard() > 0;
     }
@@ -83,6 +89,13 @@ class StageCheck {
                              std::chrono::duration<double>(options_.start_timeout).count(),
                              options_.lcm_url));
     }
+  }
+
+  // As its status says: asking on would not help, and its address is the right one.
+  bool EveryFrameFailed() const {
+    constexpr int64_t kEnough = 3;
+    const auto& status = talk_.newest_status();
+    return status && status->frames_out == 0 && status->frames_failed >= kEnough;
   }
 
   std::optional<PartValue> Ask(const TestFrame& frame, DisparityEncoding maps, Look look,

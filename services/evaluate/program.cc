@@ -45,6 +45,7 @@ struct Options {
   std::string csv;
   std::string images;
   bool quiet = false;
+  bool wide = false;
   bool video = false;
   int video_frames = 10;
   double video_rate_hz = 10;
@@ -159,6 +160,7 @@ void AddRunFlags(Flags& flags, Options& options) {
   flags.Add("--images DIR", options.images,
             "Write a picture of every map, figure.png and errors.png with all of them, and "
             "confidence.svg: whether confidences hold");
+  flags.Add("--wide", options.wide, "Tables with all figures and the time of each step");
   flags.Add("--quiet", options.quiet, "No tables, no progress: only files and errors");
 }
 
@@ -263,7 +265,7 @@ std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Sce
     if (!options.images.empty()) pictures.Add(scene, result);
     for (MethodResult& method : result.methods) method.map_px.release();
     progress.Clear();
-    if (!options.quiet) std::cout << SceneTable(result) << std::endl;
+    if (!options.quiet) std::cout << SceneTable(result, options.wide) << std::endl;
     if (!wrong.empty()) std::cerr << "sprout-evaluate: " << scene.name << ": " << wrong << "\n";
     results.push_back(std::move(result));
   }

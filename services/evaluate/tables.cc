@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "services/evaluate/paper_figures.h"
@@ -46,50 +47,75 @@ bool HasAway(const SceneResult& scene) {
   return any.away.scored > 0 && any.away.scored < any.all.scored;
 }
 
-Row HeadRow(bool with_away) {
-  Row row{"method",    "<= 1 px %", "< 1 px %", "bad 0.5 %", "bad 2 %",    "bad 4 %", "D1 %",
-          "density %", "invalid %", "mean px",  "rms px",    "all <= 1 %", "all D1 %"};
-  if (with_away) row.insert(row.end(), {"away <= 1 %", "away D1 %"});
-  row.insert(row.end(), {"refine ms", "prior ms", "grow ms", "fill ms", "total ms"});
-  return row;
+// A column of a scene's table.
+struct TableColumn {
+  const char* head;
+  bool is_wide;  // only in the wide table
+  bool is_away;  // only where ToF points are near some of the pixels, but not all
+  std::string (*cell)(const MethodResult& method);
+};
+
+constexpr TableColumn kTableColumns[] = {
+    {"<= 1 px %", false, false,
+     [](const auto& m) { return Fixed(m.nonoccluded.correct_le1_percent(), 2); }},
+    {"< 1 px %", false, false,
+     [](const auto& m) { return Fixed(m.nonoccluded.correct_lt1_percent(), 2); }},
+    {"bad 0.5 %", true, false,
+     [](const auto& m) { return Fixed(m.nonoccluded.bad05_percent(), 2); }},
+    {"bad 2 %", false, false, [](const auto& m) { return Fixed(m.nonoccluded.bad2_percent(), 2); }},
+    {"bad 4 %", true, false, [](const auto& m) { return Fixed(m.nonoccluded.bad4_percent(), 2); }},
+    {"D1 %", true, false, [](const auto& m) { return Fixed(m.nonoccluded.d1_percent(), 2); }},
+    {"density %", false, false,
+     [](const auto& m) { return Fixed(m.nonoccluded.density_percent(), 2); }},
+    {"invalid %", true, false,
+     [](const auto& m) { return Fixed(m.nonoccluded.invalid_percent(), 2); }},
+    {"mean px", false, false, [](const auto& m) { return Fixed(m.nonoccluded.mean_abs_px(), 3); }},
+    {"rms px", true, false, [](const auto& m) { return Fixed(m.nonoccluded.rms_px(), 3); }},
+    {"all <= 1 %", false, false,
+     [](const auto& m) { return Fixed(m.all.correct_le1_percent(), 2); }},
+    {"all D1 %", true, false, [](const auto& m) { return Fixed(m.all.d1_percent(), 2); }},
+    {"away <= 1 %", false, true,
+     [](const auto& m) { return Fixed(m.away.correct_le1_percent(), 2); }},
+    {"away D1 %", true, true, [](const auto& m) { return Fixed(m.away.d1_percent(), 2); }},
+    {"refine ms", true, false, [](const auto& m) { return Milliseconds(m.ms.refine_ms); }},
+    {"prior ms", true, false, [](const auto& m) { return Milliseconds(m.ms.prior_ms); }},
+    {"grow ms", true, false, [](const auto& m) { return Milliseconds(m.ms.grow_ms); }},
+    {"fill ms", true, false, [](const auto& m) { return Milliseconds(m.ms.fill_ms); }},
+    {"total ms", false, false, [](const auto& m) { return Milliseconds(m.ms.total_ms); }}};
+
+std::vector<Row> MetricsRows(const SceneResult& scene, bool is_wide) {
+  const bool has_away = HasAway(scene);
+  std::vector<Row> rows{{"method"}};
+  for (const MethodResult& method : scene.methods) rows.push_back({method.name});
+  for (const TableColumn& column : kTableColumns) {
+    if ((column.is_wide && !is_wide) || (column.is_away && !has_away)) continue;
+    rows[0].emplace_back(column.head);
+    for (size_t i = 0; i < scene.methods.size(); ++i) {
+      rows[i + 1].push_back(column.cell(scene.methods[i]));
+    }
+  }
+  return rows;
 }
 
-Row MetricsRow(const MethodResult& method, bool with_away) {
-  const Accuracy& score = method.nonoccluded;
-  Row row{method.name,
-          Fixed(score.correct_le1_percent(), 2),
-          Fixed(score.correct_lt1_percent(), 2),
-          Fixed(score.bad05_percent(), 2),
-          Fixed(score.bad2_percent(), 2),
-          Fixed(score.bad4_percent(), 2),
-          Fixed(score.d1_percent(), 2),
-          Fixed(score.density_percent(), 2),
-          Fixed(score.invalid_percent(), 2),
-          Fixed(score.mean_abs_px(), 3),
-          Fixed(score.rms_px(), 3),
-          Fixed(method.all.correct_le1_percent(), 2),
-          Fixed(method.all.d1_percent(), 2)};
-  if (with_away) {
-    row.push_back(Fixed(method.away.correct_le1_percent(), 2));
-    row.push_back(Fixed(method.away.d1_percent(), 2));
-  }
-  for (const double ms : {method.ms.refine_ms, method.ms.prior_ms, method.ms.grow_ms,
-                          method.ms.fill_ms, method.ms.total_ms}) {
-    row.push_back(Milliseconds(ms));
-  }
-  return row;
+std::string PercentText(double percent) {
+  return std::isnan(percent) ? "unknown" : Fixed(percent, 2) + " %";
 }
 
 std::string RefinementLine(const RefinementQuality& quality) {
   const SeedSet& seeds = quality.refined;
   const int32_t kept = CountTofSeeds(seeds.seeds);
+  if (seeds.raw == 0) {
+    return fmt::format("refinement: no ToF points; {} seeds from stereo, wrong {}\n",
+                       seeds.seeds.size(), PercentText(quality.wrong_after_percent()));
+  }
   return fmt::format(
       "refinement: {} ToF points, dropped {} outside, {} dark, {} loose, {} background, {} "
-      "hidden, {} contradicted; {} kept, {} from stereo; wrong {:.2f} % before, {:.2f} % after; "
-      "good ones lost {:.2f} %\n",
+      "hidden, {} contradicted; {} kept, {} from stereo; wrong {} before, {} after; good ones lost "
+      "{}\n",
       seeds.raw, seeds.outside, seeds.dark, seeds.loose, seeds.background, seeds.hidden,
-      seeds.contradicted, kept, std::ssize(seeds.seeds) - kept, quality.wrong_before_percent(),
-      quality.wrong_after_percent(), quality.good_lost_percent());
+      seeds.contradicted, kept, std::ssize(seeds.seeds) - kept,
+      PercentText(quality.wrong_before_percent()), PercentText(quality.wrong_after_percent()),
+      PercentText(quality.good_lost_percent()));
 }
 
 std::string ConfidenceLine(const MethodResult& method) {
@@ -132,18 +158,18 @@ bool HasPaperMethod(const SceneResult& scene) {
 
 }  // namespace
 
-std::string SceneTable(const SceneResult& scene) {
-  const bool with_away = HasAway(scene);
-  std::vector<Row> rows{HeadRow(with_away)};
-  for (const MethodResult& method : scene.methods) rows.push_back(MetricsRow(method, with_away));
+std::string SceneTable(const SceneResult& scene, bool is_wide) {
   std::string text =
       fmt::format("{} ({} x {} px)\n\n", scene.name, scene.size.width, scene.size.height) +
-      Markdown(rows) + "\n" + RefinementLine(scene.refinement);
+      Markdown(MetricsRows(scene, is_wide)) + "\n" + RefinementLine(scene.refinement);
   for (const MethodResult& method : scene.methods) {
     // The paper's variants have one, too, which nobody asks for.
     if (!method.name.starts_with("sprout") || !method.confidence) continue;
     text += ConfidenceLine(method);
-    if (method.calibration) text += CalibrationLine(method);
+    // Nothing is judged of a map without a scored pixel.
+    if (method.calibration && !std::isnan(method.calibration->claimed_percent)) {
+      text += CalibrationLine(method);
+    }
   }
   return text;
 }

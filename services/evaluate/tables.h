@@ -11,7 +11,8 @@ namespace sprout::evaluate {
 // Tables for people: Markdown, with columns aligned so that a terminal shows them well, too.
 
 /// Metrics and times of every method on one scene, and one line about refinement.
-std::string SceneTable(const SceneResult& scene);
+/// @param is_wide  with all figures, up to 20 columns; else those that fit a terminal.
+std::string SceneTable(const SceneResult& scene, bool is_wide = false);
 
 /// Each cell (nonocc, error <= 1 px) beside the paper's figure and the difference, in points;
 /// scenes and methods that are not in the paper are left out.

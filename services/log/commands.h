@@ -50,8 +50,10 @@ int RunCut(const CutOptions& options);
 struct MergeOptions {
   std::vector<std::filesystem::path> in;
   std::filesystem::path out;
+  bool replace = false;  ///< a channel of frames is taken from the last log that has it
   bool force = false;
 };
+/// @throws LogError for two answers for one frame, unless `replace`.
 int RunMerge(const MergeOptions& options);
 
 struct RepairOptions {
@@ -101,9 +103,11 @@ struct RankOptions : PicturesOptions {
 int RunRank(const RankOptions& options);
 
 struct ExportOptions : PicturesOptions {
-  bool ply = false;   ///< point clouds
-  bool mesh = false;  ///< surfaces
-  bool pfm = false;   ///< maps
+  bool ply = false;    ///< point clouds
+  bool mesh = false;   ///< surfaces
+  bool pfm = false;    ///< maps
+  bool depth = false;  ///< depth.png, and the intrinsics
+  bool npz = false;    ///< depth, disparity, confidence and K for NumPy
 };
 int RunExport(const ExportOptions& options);
 

@@ -1,4 +1,4 @@
-// The subcommands that write a log: cut, merge and repair.
+// The subcommands that copy a log, but for some events: cut and repair.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -169,44 +169,6 @@ int RunCut(const CutOptions& options) {
   if (kept == 0) throw LogError(options.in, "no event in these frames and channels");
   out.Close();
   PrintWritten(out, options.out, events);
-  return 0;
-}
-
-int RunMerge(const MergeOptions& options) {
-  struct Source {
-    explicit Source(const std::filesystem::path& path) : reader(path), there(reader.Next(event)) {}
-    LogReader reader;
-    LogEvent event;
-    bool there;
-  };
-  std::vector<std::unique_ptr<Source>> sources;
-  int64_t bytes = 0;
-  for (const auto& path : options.in) {
-    sources.push_back(std::make_unique<Source>(path));
-    bytes += sources.back()->reader.size();
-  }
-  LogWriter out(options.out, options.force, OutputFile::OverInput::kAllowed);
-  ReadProgress progress("merging", bytes);
-  for (;;) {
-    // Each log keeps its order; of equal times the log named first comes first.
-    const auto earlier = [](const auto& a, const auto& b) {
-      if (a->there != b->there) return a->there;
-      return a->there && a->event.utime < b->event.utime;
-    };
-    Source& next = **std::min_element(sources.begin(), sources.end(), earlier);
-    if (!next.there) break;
-    Copy(next.event, out);
-    next.there = next.reader.Next(next.event);
-    int64_t position = 0;
-    for (const auto& source : sources) position += source->reader.position();
-    progress.Update(position);
-  }
-  progress.Clear();
-  for (size_t i = 0; i < sources.size(); ++i) {
-    WarnOfDamage(options.in[i], sources[i]->reader.damage());
-  }
-  out.Close();
-  PrintWritten(out, options.out, out.events());
   return 0;
 }
 

@@ -2,11 +2,13 @@
 
 #include <fmt/core.h>
 
+#include <iostream>
 #include <optional>
 #include <system_error>
 
 #include "common/config/config_error.h"
 #include "common/frames/log_frames.h"
+#include "common/logfile/log_error.h"
 #include "services/log/damage_text.h"
 #include "services/log/read_progress.h"
 
@@ -48,6 +50,16 @@ std::filesystem::path FrameFileNames::Of(const FrameId& id, const std::string& w
   const std::string number = fmt::format("{:06}", id.seq);
   const bool other = !added && first->second != id.utime;
   return folder_ / (number + (other ? fmt::format("_{}", id.utime) : "") + "_" + what);
+}
+
+void FinishFiles(const std::string& complaint, const FrameFileNames& names,
+                 const PicturesOptions& options, const std::string& nothing) {
+  if (names.files() == 0) {
+    throw LogError(options.file, nothing + (complaint.empty() ? "" : "; " + complaint));
+  }
+  if (!complaint.empty()) std::cerr << "sprout-log: " << complaint << "\n";
+  std::cout << fmt::format("{}: {} files of {} frames\n", options.folder.string(), names.files(),
+                           names.frames());
 }
 
 }  // namespace sprout::log

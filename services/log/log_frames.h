@@ -44,6 +44,11 @@ class FrameFileNames {
   int64_t files_ = 0;
 };
 
+/// Prints how many files were written, and a complaint of ReadFrames() to stderr.
+/// @throws LogError with `nothing` if there is none.
+void FinishFiles(const std::string& complaint, const FrameFileNames& names,
+                 const PicturesOptions& options, const std::string& nothing);
+
 }  // namespace sprout::log
 
 #endif  // SPROUT_SERVICES_LOG_LOG_FRAMES_H_

@@ -29,6 +29,7 @@ Examples
   sprout-log diff run.lcm new.lcm --channels SPROUT_SEEDS    did my change change anything
   sprout-log cut run.lcm one.lcm --frames 40:50              the interesting frames
   sprout-log compress run.lcm small.lcm                      the same in about half the bytes
+  sprout-log merge run.lcm new.lcm --out all.lcm --replace   new answers in the place of old ones
   sprout-log images one.lcm pictures                         look at them
   sprout-log export --mcap one.mcap one.lcm                  show them to Foxglove, RViz, rerun
 
@@ -136,11 +137,17 @@ void AddCut(Flags& program, Commands& commands) {
 }
 
 void AddMerge(Flags& program, Commands& commands) {
-  Flags& flags = program.AddCommand("merge", "Merges logs into one, by the time of their events",
-                                    [&commands] { return RunMerge(commands.merge); });
+  Flags& flags = program.AddCommand(
+      "merge",
+      "Merges logs into one, by the time of their events. Logs that have different messages for "
+      "one\nframe, such as a recording and the replay of one of its stages, need --replace",
+      [&commands] { return RunMerge(commands.merge); });
   MergeOptions& options = commands.merge;
   flags.Add("IN", options.in, "Logs; of equal times, the log named first comes first").Required();
   flags.Add("--out OUT", options.out, "New log").Required();
+  flags.Add("--replace", options.replace,
+            "Take a channel from the last log that has it, as --replay does: later answers replace "
+            "earlier ones. Of statuses and SPROUT_PROCESS all are kept");
   AddForce(flags, options.force);
 }
 
@@ -227,9 +234,15 @@ void AddExport(Flags& program, Commands& commands) {
   const Flag folder =
       flags.Add("DIR", options.folder, "Folder to write to: 000042_disparity.pfm, ...");
   flags.Add("--ply", options.ply,
-            "Coloured point cloud of the disparity map, m in the left rectified frame");
+            "Coloured point cloud of the disparity map, m in the left rectified frame, each point "
+            "with its confidence if the log has it");
   flags.Add("--mesh", options.mesh, "Coloured surface of the disparity map, cut at depth edges, m");
   flags.Add("--pfm", options.pfm, "Prior and disparity maps, px; +inf: no disparity; sigma, px");
+  flags.Add("--depth", options.depth,
+            "Depth as PNG of 16 bits, mm, 0: none or more than 65.535 m; and intrinsics.json");
+  flags.Add(
+      "--npz", options.npz,
+      "For NumPy: depth_m (m, NaN: none), disparity_px, confidence (0 to 255), K, utime, seq");
   flags
       .Add("--mcap OUT", commands.mcap,
            "One MCAP file for rosbag2, Foxglove and rerun: the images, depth, points, "

@@ -57,7 +57,8 @@ class Ranking {
 
   const RankOptions& options_;
   const QualityColumn& by_;
-  std::vector<Row> rows_;  // worst first, then those that are not ranked
+  int64_t without_images_ = 0;  // frames with a map
+  std::vector<Row> rows_;       // worst first, then those that are not ranked
   size_t ranked_ = 0;
 };
 
@@ -71,7 +72,10 @@ void Ranking::Read() {
     // A part that was recorded again comes as a frame of its own.
     if (!added && CountKnown(quality) >= CountKnown(known->second)) known->second = quality;
   });
-  for (const auto& [key, quality] : qualities) rows_.push_back({key, quality});
+  for (const auto& [key, quality] : qualities) {
+    rows_.push_back({key, quality});
+    without_images_ += quality.valid_share > 0.0 && !quality.misfit ? 1 : 0;
+  }
   Sort();
   if (ranked_ == 0) {
     throw LogError(options_.file,
@@ -80,6 +84,13 @@ void Ranking::Read() {
                                by_.name, complaint.empty() ? "" : "; " + complaint));
   }
   if (!complaint.empty()) std::cerr << "sprout-log: " << complaint << "\n";
+  if (without_images_ == 0) return;
+  // (Q2) takes an unknown misfit for a perfect one.
+  std::cerr << fmt::format(
+      "sprout-log: {} of {} frames have no images that fit the map, so no misfit: their scores are "
+      "higher, and comparable among themselves alone; `sprout-log merge` adds the images of a "
+      "recording\n",
+      without_images_, ranked_);
 }
 
 void Ranking::Sort() {

@@ -5,6 +5,8 @@
 
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
+#include "services/depth/filter_rules.h"
+#include "services/depth/map_filter.h"
 #include "services/pipeline/chain.h"
 
 namespace sprout {
@@ -72,10 +74,24 @@ bool WantsDepthOfFused(const SproutConfig& config) {
   return fused;
 }
 
+depth::FilterRules RulesOf(const SproutConfig& config) {
+  if (depth::HasBox(config.depth())) {
+    throw ConfigError(
+        "depth.box: the robot's frame is not known here; allowed: none, or sprout-depth");
+  }
+  if (config.depth().min_confidence() > 0 && !config.grow().publish_confidence()) {
+    throw ConfigError(
+        "depth.min_confidence = " + std::to_string(config.depth().min_confidence()) +
+        ": needs grow.publish_confidence: true (preset default); allowed without it: 0");
+  }
+  return depth::FilterOf(config.depth(), /*base_from_left=*/{});
+}
+
 }  // namespace
 
 Pipeline::Pipeline(const SproutConfig& config)
     : chain_(std::make_unique<Chain>(config)),
+      filter_(std::make_unique<depth::MapFilter>(RulesOf(config))),
       depth_of_fused_(WantsDepthOfFused(config)),
       uses_zones_(config.refine().zones()) {}
 Pipeline::~Pipeline() = default;
@@ -109,7 +125,13 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   }
   result.confidence = frame.confidence;
   result.sigma = frame.sigma;
-  result.depth_m = DepthMap(rig.pair, depth_of_fused_ ? result.fused : result.disparity);
+  result.kept = depth_of_fused_ ? result.fused : result.disparity;
+  if (!filter_->IsOff()) {
+    DepthCounts counts;
+    const cv::Mat& confidence = depth_of_fused_ ? result.fused_confidence : result.confidence;
+    result.kept = filter_->Apply(result.kept, rig.pair, confidence, counts);
+  }
+  result.depth_m = DepthMap(rig.pair, result.kept);
   result.prior = frame.prior.value_or(PriorMap());
   result.seeds = std::move(*frame.seeds);
   result.left_seeds = std::move(*frame.left_seeds);

@@ -21,6 +21,9 @@
 namespace sprout {
 
 class Chain;
+namespace depth {
+class MapFilter;
+}
 
 /// What the pipeline makes of one frame. All maps are of the left image's size.
 struct DepthFrame {
@@ -29,9 +32,10 @@ struct DepthFrame {
   /// and the disparity's standard deviation in counts of 1/16 px (SigmaToPx()), kMaxSigmaCounts
   /// where there is none. Both empty unless grow.publish_confidence.
   cv::Mat1b confidence, sigma;
-  /// z in the left camera's frame, m; NaN where there is no disparity. Of `disparity`, or with
-  /// depth { input: FUSED } of `fused`.
-  cv::Mat1f depth_m;
+  /// The map for depths and points: `disparity`, or with depth { input: FUSED } `fused`, without
+  /// the pixels that depth { min_m max_m region min_confidence remove_flying } leave out.
+  DisparityImage kept;
+  cv::Mat1f depth_m;  ///< of `kept`: z in the left camera's frame, m; NaN where there is none
   /// Of a pipeline with memory (temporal.in_pipeline), else empty: the map fused with those of
   /// earlier frames, its confidence as above, and how the left camera moved.
   DisparityImage fused;
@@ -73,8 +77,9 @@ class Pipeline {
  public:
   /// @param config  see LoadConfig().
   /// @throws ConfigError naming the first value that is out of range, or that contradicts another:
-  ///         temporal.in_pipeline needs grow.publish_confidence, depth { input: FUSED } needs
-  ///         temporal.in_pipeline.
+  ///         temporal.in_pipeline and depth.min_confidence need grow.publish_confidence, depth {
+  ///         input: FUSED } needs temporal.in_pipeline; and for depth.box, as the robot's frame is
+  ///         not known here.
   explicit Pipeline(const SproutConfig& config);
   ~Pipeline();
   Pipeline(Pipeline&&) noexcept;
@@ -103,6 +108,7 @@ class Pipeline {
 
  private:
   std::unique_ptr<Chain> chain_;
+  std::unique_ptr<depth::MapFilter> filter_;
   bool depth_of_fused_;
   bool uses_zones_;
   FrameTime last_;

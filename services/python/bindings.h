@@ -26,11 +26,12 @@ namespace py = pybind11;
 /// is empty.
 struct PyFrame {
   Frame frame;
-  cv::Mat1f depth_m = {};                  ///< when it is known already
-  cv::Mat1f disparity_px = {};             ///< the same
-  std::vector<std::string> warnings = {};  ///< see DepthFrame
-  bool depth_of_fused = false;             ///< depths and points are those of the fused map
-  datasets::GroundTruth truth = {};        ///< of a data set
+  cv::Mat1f depth_m = {};                   ///< when it is known already
+  cv::Mat1f disparity_px = {};              ///< the same
+  std::vector<std::string> warnings = {};   ///< see DepthFrame
+  std::optional<DisparityImage> kept = {};  ///< of which depths and points are, if not all
+  bool depth_of_fused = false;              ///< depths and points are those of the fused map
+  datasets::GroundTruth truth = {};         ///< of a data set
 };
 
 // Each adds its classes to the module. Types come before those that name them.

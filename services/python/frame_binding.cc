@@ -68,7 +68,7 @@ py::object DepthSigmaArray(const PyFrame& frame) {
   {
     const Unlocked free;
     if (parts.disparity && parts.rig && parts.sigma.size() == parts.disparity->size()) {
-      sigma_m = DepthSigmaMap(parts.rig->pair, *parts.disparity, parts.sigma);
+      sigma_m = DepthSigmaMap(parts.rig->pair, frame.kept.value_or(*parts.disparity), parts.sigma);
     } else if (parts.depth_sigma) {
       sigma_m = MetresOf(*parts.depth_sigma);
       sigma_m.setTo(std::numeric_limits<float>::infinity(),
@@ -135,6 +135,7 @@ py::object OrNone(const std::optional<T>& value) {
 
 // The map of which depths and points are.
 const std::optional<DisparityImage>& MapOf(const PyFrame& frame) {
+  if (frame.kept) return frame.kept;
   return frame.depth_of_fused ? frame.frame.fused : frame.frame.disparity;
 }
 
@@ -184,8 +185,9 @@ void WritePly(const PyFrame& frame, const fs::path& path, bool mesh) {
   Result<void> written;
   {
     const Unlocked free;
-    written =
-        (mesh ? WriteMeshPly : WriteCloudPly)(path, parts.rig->pair, *MapOf(frame), parts.left);
+    const cv::Mat& confidence = frame.depth_of_fused ? parts.fused_confidence : parts.confidence;
+    written = (mesh ? WriteMeshPly : WriteCloudPly)(path, parts.rig->pair, *MapOf(frame),
+                                                    parts.left, confidence);
   }
   if (written) return;
   PyErr_SetString(PyExc_OSError, written.error().text.c_str());
@@ -363,7 +365,8 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
       .def("write_ply", &WritePly, py::arg("path"), py::arg("mesh") = false,
            R"(write_ply(self, path: Union[str, os.PathLike[str]], mesh: bool = ...) -> None
 
-Writes the coloured points, or with mesh a surface cut at depth edges; m, as points().)")
+Writes the coloured points, or with mesh a surface cut at depth edges; m, as points(). With the property
+"confidence" when the frame has one.)")
       .def(
           "__repr__", [](const PyFrame& f) { return Repr(f); }, "__repr__(self) -> str");
   frame.def("points", &Points, py::arg("colors") = false,

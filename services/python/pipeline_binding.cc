@@ -66,6 +66,7 @@ class PyPipeline {
     result.warnings = std::move(depth.warnings);
     if (std::string note = eight_bits_.TakeNote(); !note.empty()) result.warnings.push_back(note);
     result.depth_m = depth.depth_m;
+    result.kept = std::move(depth.kept);
     result.depth_of_fused = config_.depth().input() == DepthConfig::FUSED;
     frame.disparity = depth.disparity;
     frame.confidence = depth.confidence;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -177,6 +178,10 @@ int Run(const std::string& stage, const py::object& function, const py::object& 
   if (std::ranges::find(kStages, stage) == kStages.end()) {
     throw py::value_error("stage: expected one of refine, prior, grow, given '" + stage + "'");
   }
+  // `python -c` has "-c" in its place.
+  const std::string script =
+      arguments.empty() ? "" : std::filesystem::path(arguments[0]).filename().string();
+  const std::string program = script.empty() || script == "-c" ? "python" : script;
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
@@ -190,8 +195,8 @@ int Run(const std::string& stage, const py::object& function, const py::object& 
   int exit_code = 0;
   {
     const Unlocked free;
-    exit_code =
-        RunStage(static_cast<int>(arguments.size()), argv.data(), stage, description, make_stage);
+    exit_code = RunStage(static_cast<int>(arguments.size()), argv.data(), stage, description,
+                         make_stage, program);
   }
   if (ending) throw py::error_already_set(*ending);
   return exit_code;

@@ -23,21 +23,44 @@ bool IsFull(const Measurement& measurement) {
   return !measurement.empty() && measurement.meter().frames() == measurement.settings().count;
 }
 
+bool IsDisparityMap(const fs::path& path) {
+  return path.filename().string().ends_with("disparity.pfm");
+}
+
+std::vector<fs::path> FilesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  std::ranges::sort(files);
+  return files;
+}
+
+// Of many pairs `sprout-pipeline files` writes the maps one level down, a folder each.
+std::vector<fs::path> MapsBelow(const fs::path& folder) {
+  std::vector<fs::path> maps;
+  for (const fs::path& path : FilesIn(folder)) {
+    if (fs::is_directory(path) && fs::is_regular_file(path / "disparity.pfm")) {
+      maps.push_back(path / "disparity.pfm");
+    }
+  }
+  return maps;
+}
+
 std::vector<fs::path> MapsIn(const fs::path& folder) {
   std::vector<fs::path> all;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.path().extension() == ".pfm") all.push_back(entry.path());
+  for (const fs::path& path : FilesIn(folder)) {
+    if (path.extension() == ".pfm") all.push_back(path);
   }
-  std::ranges::sort(all);
+  if (all.empty()) return MapsBelow(folder);
   std::vector<fs::path> disparities;
-  std::ranges::copy_if(all, std::back_inserter(disparities), [](const fs::path& path) {
-    return path.filename().string().ends_with("disparity.pfm");
-  });
+  std::ranges::copy_if(all, std::back_inserter(disparities), IsDisparityMap);
   return disparities.empty() ? all : disparities;
 }
 
-fs::path CalibrationIn(const fs::path& folder, const fs::path& calibration) {
-  return calibration.empty() ? folder / "calib.txt" : calibration;
+// Of a map without a calibration that was named: beside it, else in the folder that was.
+fs::path CalibrationOf(const fs::path& map, const fs::path& folder) {
+  std::error_code ignored;
+  const fs::path beside = map.parent_path() / "calib.txt";
+  return fs::exists(beside, ignored) ? beside : folder / "calib.txt";
 }
 
 // Empty where a frame has none, or a picture in its place.
@@ -94,8 +117,11 @@ std::string MeasureLog(const fs::path& log, const std::string& prefix, const std
 }
 
 void NoteFolderFiles(const fs::path& folder, const fs::path& calibration) {
-  for (const fs::path& map : MapsIn(folder)) NoteInputFile(map);
-  NoteInputFile(CalibrationIn(folder, calibration));
+  if (!calibration.empty()) NoteInputFile(calibration);
+  for (const fs::path& map : MapsIn(folder)) {
+    NoteInputFile(map);
+    if (calibration.empty()) NoteInputFile(CalibrationOf(map, folder));
+  }
 }
 
 void MeasureFolder(const fs::path& folder, const fs::path& calibration, Measurement& measurement) {
@@ -103,13 +129,13 @@ void MeasureFolder(const fs::path& folder, const fs::path& calibration, Measurem
   const std::vector<fs::path> maps = MapsIn(folder);
   if (maps.empty()) {
     throw ConfigError(folder.string() +
-                      ": no *.pfm in it; allowed: a log, or a folder of disparity "
-                      "maps (px)");
+                      ": no *.pfm in it, nor a disparity.pfm in a folder of it; allowed: a log, a "
+                      "folder of disparity maps (px), or one that sprout-pipeline files wrote");
   }
-  const fs::path calib = CalibrationIn(folder, calibration);
   for (const fs::path& path : maps) {
     Interrupt::Check();
     if (IsFull(measurement)) break;
+    const fs::path calib = calibration.empty() ? CalibrationOf(path, folder) : calibration;
     const cv::Mat1f map = datasets::ReadPfm(path);
     measurement.Add({.disparity_px = map,
                      .sigma = {},

@@ -26,11 +26,11 @@ void AddFrame(const Frame& frame, Measurement& measurement);
 std::string MeasureLog(const std::filesystem::path& log, const std::string& prefix,
                        const std::string& frames, Measurement& measurement);
 
-/// Adds the first maps of a folder by name: those that end in disparity.pfm, or, when none does,
-/// all
-/// *.pfm, in px.
-/// @param calibration  file in Middlebury's format (cam0, cam1, baseline); empty: the folder's
-///                     calib.txt.
+/// Adds the first maps of a folder by name, in px: those that end in disparity.pfm, or, when none
+/// does, all *.pfm, or else the disparity.pfm of its folders, as `sprout-pipeline files` writes
+/// them.
+/// @param calibration  file in Middlebury's format (cam0, cam1, baseline); empty: calib.txt
+///                     beside the map, or in the folder.
 /// @throws ConfigError naming the file for what cannot be read, and for a folder without maps;
 ///         Interrupted.
 void MeasureFolder(const std::filesystem::path& folder, const std::filesystem::path& calibration,

@@ -51,8 +51,9 @@ std::string ChangeText(const RigChange& change, const RectifiedPair& pair) {
 
 std::string AdviceText(bool applied) {
   if (applied) return "capture is asked to put it right";
-  return "record some seconds, then: sprout-calibrate refine run.lcm --rig rig.textproto --out "
-         "new.textproto; or self_calibrate { mode: APPLY }";
+  return "to put it right: sprout-record --dir recording --seconds 10; sprout-calibrate refine "
+         "recording/*.lcm --out new.textproto (with --rig FILE it keeps the file's devices); or "
+         "self_calibrate { mode: APPLY }";
 }
 
 std::string CurveText(const RangeCorrection& curve) {

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace sprout::top {
@@ -42,8 +43,14 @@ std::string_view ClocksOf(const BoardRow& row, const std::vector<BoardRow>& rows
   return "one";
 }
 
+// Frames that are so old are no live ones: they come from a recording.
+constexpr double kOldMs = 100'000;
+
+bool IsOld(const StageStatus& status) { return status.age.p50_ms > kOldMs; }
+
 std::string AgeText(double age_ms, std::string_view clocks) {
   if (clocks == "wrong") return "?";
+  if (age_ms > kOldMs) return "old";
   return fmt::format("{}{:.0f}", clocks == "two" ? "~" : "", age_ms);
 }
 
@@ -74,11 +81,14 @@ std::string HostsText(const std::vector<BoardRow>& rows) {
     if (!IsHeard(row)) missing += (missing.empty() ? "" : ", ") + row.status.stage;
     two_clocks = two_clocks || (IsHeard(row) && ClocksOf(row, rows) == "two");
   }
+  const bool any_old = std::ranges::any_of(
+      rows, [](const BoardRow& row) { return IsHeard(row) && IsOld(row.status); });
   std::string text;
+  if (any_old) text += "old: captured more than 100 s ago, as frames of a recording are\n";
   if (heard && !missing.empty()) {
-    text = missing +
-           ": not heard here; if on another host: ttl=1 in every --lcm-url, no route of the group "
-           "over lo\n";
+    text += missing +
+            ": not heard here; if on another host: ttl=1 in every --lcm-url, no route of the group "
+            "over lo\n";
   }
   if (two_clocks) text += "~: compares the clocks of two hosts, right if they agree (NTP, PTP)\n";
   return text;
@@ -90,11 +100,28 @@ std::string CameraText(const StageStatus& s) {
   if (s.spread_ms >= 0) {
     text = fmt::format("{}: exposures of a frame within {:.2f} ms\n", s.stage, s.spread_ms);
   }
-  if (s.tof_offset.sigma_px >= 0) {
-    text += fmt::format("{}: ToF points off by ({:.1f}, {:.1f}) ± {:.1f} px\n", s.stage,
-                        -s.tof_offset.u_px, -s.tof_offset.v_px, s.tof_offset.sigma_px);
+  if (s.tof_offset.IsSignificant()) {
+    text += fmt::format(
+        "{}: ToF points off by ({:.1f}, {:.1f}) ± {:.1f} px, and edges of depth with them: "
+        "calibrate again, or refine {{ align_tof: true }}\n",
+        s.stage, -s.tof_offset.u_px, -s.tof_offset.v_px, s.tof_offset.sigma_px);
   }
   return text;
+}
+
+std::string TimeText(double seconds) {
+  constexpr double kMinute = 60;
+  constexpr double kHour = 60 * kMinute;
+  if (seconds < kMinute) return fmt::format("{:.0f} s", seconds);
+  if (seconds < kHour) return fmt::format("{:.0f} min", seconds / kMinute);
+  return fmt::format("{:.1f} h", seconds / kHour);
+}
+
+// The newest error of a process and when it came, unless it is past.
+std::string ErrorText(const BoardRow& row) {
+  if (!row.error_age_s || row.error_is_past) return "";
+  return fmt::format("{}, {}{} ago: {}\n", row.status.stage, row.error_was_there ? "over " : "",
+                     TimeText(*row.error_age_s), row.status.last_error);
 }
 
 }  // namespace
@@ -126,8 +153,7 @@ std::string BoardText(const std::vector<BoardRow>& rows, bool colour) {
   for (const BoardRow& row : rows) {
     if (!IsHeard(row)) continue;
     text += CameraText(row.status);
-    if (row.status.last_error.empty()) continue;
-    text += fmt::format("{}: {}\n", row.status.stage, row.status.last_error);
+    text += ErrorText(row);
   }
   return text;
 }
@@ -167,6 +193,7 @@ std::string BoardJson(const std::vector<BoardRow>& rows) {
                     {"tof_offset_v_px", s.tof_offset.v_px},
                     {"tof_offset_sigma_px", s.tof_offset.sigma_px},
                     {"last_error", s.last_error}});
+      if (row.error_age_s) stage["error_age_s"] = *row.error_age_s;
     }
     stages.push_back(std::move(stage));
   }

@@ -24,15 +24,27 @@ bool StatusBoard::Add(const StageStatus& heard, Clock::time_point now) {
   const Process process{status.stage, status.host, status.pid};
   const auto found = heard_.find(process);
   if (found != heard_.end()) {
-    found->second.newest = status;
-    found->second.when = now;
+    Heard& heard = found->second;
+    if (Losses(status) > Losses(heard.newest)) heard.loss = now;
+    if (status.frames_out > heard.newest.frames_out) heard.answer = now;
+    if (status.last_error != heard.newest.last_error) {
+      heard.error_since = now;
+      heard.error_was_there = false;
+    }
+    heard.newest = status;
+    heard.when = now;
     return true;
   }
   if (heard_.size() == kMaxProcesses) {
     ++bad_;
     return false;
   }
-  heard_.emplace(process, Heard{status, status, now});
+  heard_.emplace(process, Heard{.newest = status,
+                                .when = now,
+                                .error_since = now,
+                                .error_was_there = true,
+                                .loss = {},
+                                .answer = now});
   return true;
 }
 
@@ -45,10 +57,16 @@ std::vector<BoardRow> StatusBoard::Rows(Clock::time_point now) const {
   std::vector<BoardRow> rows;
   std::map<std::string, int> alive;  // processes of each stage
   for (const auto& [process, heard] : heard_) {
-    BoardRow row{
-        .status = heard.newest,
-        .health = Losses(heard.newest) > Losses(heard.first) ? Health::kLosing : Health::kGood,
-        .silent_s = std::chrono::duration<double>(now - heard.when).count()};
+    const bool is_losing = heard.loss && now - *heard.loss < kRecent;
+    BoardRow row{.status = heard.newest,
+                 .health = is_losing ? Health::kLosing : Health::kGood,
+                 .silent_s = std::chrono::duration<double>(now - heard.when).count()};
+    if (!heard.newest.last_error.empty()) {
+      row.error_age_s = std::chrono::duration<double>(now - heard.error_since).count();
+      row.error_was_there = heard.error_was_there;
+      row.error_is_past = !is_losing && now - heard.error_since >= kRecent &&
+                          heard.answer - heard.error_since >= kRecent;
+    }
     if (heard.newest.state == StageStatus::State::kStopped) {
       row.health = Health::kStopped;
     } else if (now - heard.when > kStaleAfter) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -15,7 +16,7 @@ namespace sprout::top {
 /// State of a process of the graph, judged by its statuses.
 enum class Health {
   kGood,     ///< reports, without losses
-  kLosing,   ///< reports, and lost or refused something since the board was opened
+  kLosing,   ///< reports, and lost or refused something in the last kRecent
   kTwice,    ///< reports, and so does another process of the same stage
   kStale,    ///< has not reported for kStaleAfter
   kStopped,  ///< has ended
@@ -27,6 +28,11 @@ struct BoardRow {
   StageStatus status;  ///< of a missing stage only the name
   Health health = Health::kMissing;
   double silent_s = 0;  ///< since its newest status
+  /// Since last_error was heard first; nothing without one.
+  std::optional<double> error_age_s = {};
+  bool error_was_there = false;  ///< last_error is older than the board: the age is a least one
+  /// The stage answers, and for kRecent nothing was lost and no other error came.
+  bool error_is_past = false;
 };
 
 /// Keeps the newest status of every process that reports, and judges them. Not thread-safe.
@@ -36,6 +42,9 @@ class StatusBoard {
 
   /// Statuses come once a second; a late one is tolerated.
   static constexpr std::chrono::milliseconds kStaleAfter{3500};
+
+  /// For so long something that happened is shown as the present state.
+  static constexpr std::chrono::seconds kRecent{60};
 
   /// Most processes that are kept, since anybody could send more names.
   static constexpr size_t kMaxProcesses = 64;
@@ -60,9 +69,12 @@ class StatusBoard {
   using Process = std::tuple<std::string, std::string, int32_t>;  // stage, host, pid
 
   struct Heard {
-    StageStatus first;
     StageStatus newest;
     Clock::time_point when;
+    Clock::time_point error_since;          // of newest.last_error
+    bool error_was_there = false;           // with the first status
+    std::optional<Clock::time_point> loss;  // the newest one that was seen
+    Clock::time_point answer;               // frames_out rose, or the first status
   };
 
   size_t RankOf(const std::string& stage) const;

@@ -102,6 +102,15 @@ TEST(CheckStageSystem, FindsAnAnswerOnAnotherChannel) {
                           HasSubstr("published on SPROUT_DISPARITY; allowed is SPROUT_PRIOR")));
 }
 
+TEST(CheckStageSystem, SaysWhyWhenEveryFrameFailsAndDoesNotAskForTheAddress) {
+  const Verdict verdict = CheckWrongPrior("fails");
+  EXPECT_EQ(verdict.exit_code, 1);
+  EXPECT_THAT(verdict.wrong,
+              ElementsAre(testing::ContainsRegex(
+                  "no answer: all of [0-9]+ frames failed, the newest: frame [0-9]+: failed: no "
+                  "licence")));
+}
+
 TEST(CheckStageSystem, FindsWhatIsNoTemporalStage) {
   const Verdict verdict = CheckStage("temporal", {ProgramPath("sprout-grow"), "--config", "fast"},
                                      {"--timeout", "1", "--start-timeout", "2"});

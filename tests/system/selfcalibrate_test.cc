@@ -204,7 +204,7 @@ TEST(SelfCalibrateSystem, WarnsOfAKnockedRigWithTheCommandThatPutsItRight) {
         std::chrono::seconds(1));
   }
   EXPECT_THAT(error, HasSubstr("the calibration is wrong (2 frames"));
-  EXPECT_THAT(error, HasSubstr("sprout-calibrate refine run.lcm --rig rig.textproto --out"));
+  EXPECT_THAT(error, HasSubstr("sprout-calibrate refine recording/*.lcm --out new.textproto"));
   EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
     const StageStatus& status = g.statuses["selfcalibrate"];
     return status.frames_failed == 0 && status.bad_messages == 0 && status.tof_offset.sigma_px > 0;

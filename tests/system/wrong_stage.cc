@@ -20,7 +20,7 @@ const std::set<std::string> kFaults = {
     "none",           "drops_a_frame",   "answers_twice",  "changes_seq",  "changes_utime",
     "changes_rig_id", "half_size",       "other_type",     "out_of_range", "empty",
     "remembers",      "silent_if_poor",  "crashes_on_bad", "hangs_on_bad", "believes_bad",
-    "other_channel",  "ignores_sigterm", "ends_at_once",   "ends_early"};
+    "other_channel",  "ignores_sigterm", "ends_at_once",   "ends_early",   "fails"};
 
 class WrongPrior {
  public:
@@ -66,6 +66,14 @@ class WrongPrior {
 
   void Answer(FrameId id, const SeedSet& set) {
     ++count_;
+    if (Has("fails")) {
+      StageStatus status;
+      status.stage = "prior";
+      status.frames_failed = count_;
+      status.last_error = "frame " + std::to_string(id.seq) + ": failed: no licence";
+      if (!publisher_.Publish(kStatusChannel, EncodeStatus(status))) std::abort();
+      return;
+    }
     if (Has("drops_a_frame") && count_ % 4 == 0) return;
     if (Has("silent_if_poor") && set.seeds.size() < 3) return;
     if (Has("changes_seq")) id.seq += 1000;

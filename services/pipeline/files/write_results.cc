@@ -78,7 +78,7 @@ Result<void> WriteResults(Frame frame, const DepthFrame& depth, DepthConfig::Inp
   std::filesystem::create_directories(folder, error);
   if (error) return Fail(folder.string() + ": cannot be written (" + error.message() + ")");
   const bool of_fused = input == DepthConfig::FUSED;
-  const DisparityImage& map = of_fused ? depth.fused : depth.disparity;
+  const DisparityImage& map = depth.kept;
   frame.disparity = map;
   frame.seeds = depth.seeds;
   frame.confidence = of_fused ? depth.fused_confidence : depth.confidence;
@@ -96,7 +96,7 @@ Result<void> WriteResults(Frame frame, const DepthFrame& depth, DepthConfig::Inp
       .and_then([&]() -> Result<void> {
         if (depth.sigma.empty() || of_fused) return {};  // fused maps have none
         return WritePfm(folder / "depth_sigma.pfm",
-                        DepthSigmaMap(pair, depth.disparity, depth.sigma));
+                        DepthSigmaMap(pair, depth.kept, depth.sigma));
       })
       .and_then([&] { return WritePng(folder / "left.png", frame.left); })
       .and_then([&] { return WriteCamera(folder / "camera.json", pair); })

@@ -6,12 +6,10 @@
 
 #include "common/core/frame.h"
 #include "common/core/result.h"
+#include "common/picture/write_image.h"
 #include "services/pipeline/pipeline.h"
 
 namespace sprout {
-
-/// Largest depth in depth.png, m: 65535 mm.
-inline constexpr double kMaxPngDepthM = 65.535;
 
 /// Every file that WriteResults() may write.
 inline constexpr std::string_view kResultNames[] = {

@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "common/app/nearest_name.h"
 #include "common/config/config_error.h"
 
 namespace sprout {
@@ -74,7 +75,8 @@ TEST(Flags, RefuseWhatIsNotAllowedAndSayWhatIs) {
   }
   EXPECT_THAT(ErrorOf(flags, {"--count", "10"}), HasSubstr("10 not in range 1 to 9"));
   EXPECT_THAT(ErrorOf(flags, {"--way", "left"}), HasSubstr("left not in {up,down}"));
-  EXPECT_THAT(ErrorOf(flags, {"--bogus"}), HasSubstr("--bogus (--help lists the flags)"));
+  EXPECT_THAT(ErrorOf(flags, {"--bogus"}),
+              HasSubstr("--bogus is no flag of probe (--help lists the flags)"));
   EXPECT_EQ(ErrorOf(flags, {"--share", "1", "--count", "9", "--way", "up"}), "");
 }
 
@@ -102,13 +104,48 @@ TEST(Flags, RunTheCommandThatIsGiven) {
   flags.RequireCommand();
   flags.AddCommand("one", "", [&] { return text == "x" ? 3 : 4; }).Add("TEXT", text, "");
   const Flags& other = flags.AddCommand("other", "", [] { return 5; });
-  EXPECT_THAT(ErrorOf(flags, {}), HasSubstr("subcommand is required"));
+  EXPECT_THAT(ErrorOf(flags, {}), HasSubstr("which command? one, other"));
   EXPECT_TRUE(Parse(flags, {"one", "x"}));
   EXPECT_FALSE(other.IsGiven());
   EXPECT_EQ(flags.RunCommand(), 3);
   EXPECT_TRUE(Parse(flags, {"other"}));
   EXPECT_TRUE(other.IsGiven());
   EXPECT_EQ(flags.RunCommand(), 5);
+}
+
+TEST(Flags, SayWhatWasMeantByACommandOrFlagThatIsNone) {
+  Flags flags("probe", "Probes flags");
+  std::string left, right, out, config;
+  flags.Add("--config FILE", config, "");
+  Flags& files = flags.AddCommand("files", "", [] { return 0; });
+  files.InheritExcept({});
+  files.Add("LEFT", left, "").Required();
+  files.Add("RIGHT", right, "").Required();
+  files.Add("--out DIR", out, "").Required();
+  flags.AddCommand("info", "", [] { return 0; });
+  EXPECT_EQ(ErrorOf(flags, {"file", "l.png", "r.png", "--out", "o", "--config", "c"}),
+            "'file' is no command of probe: did you mean files? (--help lists the commands)");
+  EXPECT_EQ(ErrorOf(flags, {"inf"}),
+            "'inf' is no command of probe: did you mean info? (--help lists the commands)");
+  EXPECT_EQ(ErrorOf(flags, {"play"}), "'play' is no command of probe (--help lists the commands)");
+  EXPECT_EQ(ErrorOf(flags, {"files", "l.png", "r.png", "--cofnig", "c", "--out", "o"}),
+            "--cofnig is no flag of probe: did you mean --config? (--help lists the flags)");
+  EXPECT_EQ(ErrorOf(flags, {"files", "l.png", "r.png", "--uot=o"}),
+            "--uot is no flag of probe: did you mean --out? (--help lists the flags)");
+  EXPECT_EQ(ErrorOf(flags, {"files", "l.png", "r.png", "tof.png", "--out", "o"}),
+            "'tof.png' is one argument too many (--help lists what is taken)");
+  EXPECT_EQ(ErrorOf(flags, {"files", "l.png", "r.png", "--out", "o"}), "");
+}
+
+TEST(NearestName, IsFoundDespiteAFewWrongLettersButNotInAnything) {
+  const std::vector<std::string> names = {"info", "images", "export", "channels", "channel"};
+  EXPECT_EQ(NearestName("inof", names), "info");
+  EXPECT_EQ(NearestName("imagse", names), "images");
+  EXPECT_EQ(NearestName("exp", names), "export");
+  EXPECT_EQ(NearestName("chanel", names), "channel");
+  EXPECT_EQ(NearestName("play", names), "");
+  EXPECT_EQ(NearestName("x", names), "");
+  EXPECT_EQ(NearestName("", names), "");
 }
 
 TEST(Flags, DoAnActionInPlaceOfTheProgramsWork) {

@@ -59,6 +59,30 @@ Ended RunWith(std::vector<std::string> flags, const Service::Body& body = {},
   return ended;
 }
 
+TEST(Service, SaysAtTheStartOfWhichConfigurationItIs) {
+  const Ended plain = RunWith({});
+  ASSERT_FALSE(plain.err.empty());
+  EXPECT_THAT(plain.err[0], HasSubstr("sprout-probe " + Version() + ", configuration "));
+  EXPECT_THAT(plain.err[0], HasSubstr(" of preset default (--log-level"));
+  const Ended other = RunWith({"--config", "fast", "--config", "grow {\n sub_pixel: true }"});
+  EXPECT_THAT(other.err[0], HasSubstr(" of fast, grow {  sub_pixel: true } (--log-level"));
+}
+
+TEST(Service, HasTheNameOfAForeignProgram) {
+  char name[] = "/home/me/mean_prior.py";
+  char* argv[] = {name, nullptr};
+  std::string version;
+  ::testing::internal::CaptureStderr();
+  Service("probe", "Probes.", "mean_prior.py").Run(1, argv, [&](const ServiceContext& context) {
+    version = context.version;
+    EXPECT_EQ(context.stage, "probe");
+    return 0;
+  });
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              HasSubstr("mean_prior.py on sprout " + Version() + ", configuration "));
+  EXPECT_EQ(version, "mean_prior.py on sprout " + Version());
+}
+
 TEST(Service, RefusesFlagsThatCannotBeUsedInOneLineThatNamesThem) {
   const struct {
     std::vector<std::string> flags;

@@ -57,6 +57,25 @@ TEST_F(TwinWatchTest, TellsOfEveryTwinOnce) {
   EXPECT_THAT(monitor_.Snapshot().last_error, HasSubstr("another sprout-grow"));
 }
 
+TEST_F(TwinWatchTest, IsOverWhenTheTwinHasEndedOrIsSilent) {
+  DuplicateWatch::Clock::time_point now{};
+  DuplicateWatch duplicates(monitor_, [&] { return now; });
+  const int32_t other = monitor_.Snapshot().pid + 1;
+  duplicates.Heard(Other(other));
+  StageStatus ended = Other(other);
+  ended.state = StageStatus::State::kStopped;
+  duplicates.Heard(ended);
+  EXPECT_EQ(monitor_.Snapshot().last_error, "");
+  duplicates.Heard(Other(other));
+  EXPECT_THAT(monitor_.Snapshot().last_error, HasSubstr("another sprout-grow"));
+  now += std::chrono::seconds(4);
+  duplicates.Heard(monitor_.Snapshot());
+  EXPECT_THAT(monitor_.Snapshot().last_error, HasSubstr("another sprout-grow"));
+  now += std::chrono::seconds(1);
+  duplicates.Heard(monitor_.Snapshot());
+  EXPECT_EQ(monitor_.Snapshot().last_error, "");
+}
+
 TEST_F(TwinWatchTest, LeavesItselfOtherStagesAndTheOneThatEndedAlone) {
   duplicates_.Heard(monitor_.Snapshot());
   StageStatus prior = Other(1);

@@ -218,6 +218,30 @@ TEST_F(StageMonitorTest, WarnsOnceAMinuteOfAToFCameraThatIsOff) {
   EXPECT_THAT(monitor_.Snapshot().last_error, testing::HasSubstr("off by (-2.5, 1.0) px"));
   monitor_.SetTofOffset({});
   EXPECT_EQ(monitor_.Snapshot().tof_offset.u_px, 2.5F) << "the newest that is known";
+  EXPECT_THAT(monitor_.Snapshot().last_error, testing::HasSubstr("off by (-2.5, 1.0) px"));
+  monitor_.SetTofOffset({.u_px = 0.1F, .v_px = 0, .sigma_px = 0.25F, .is_off = false});
+  EXPECT_EQ(monitor_.Snapshot().last_error, "") << "it was mended";
+}
+
+TEST_F(StageMonitorTest, TakesBackWhatIsOverUnlessSomethingElseCame) {
+  monitor_.Warn("no whole frame");
+  monitor_.Resolve("no whole frame");
+  EXPECT_EQ(monitor_.Snapshot().last_error, "");
+  monitor_.Warn("no whole frame");
+  monitor_.Failure("the bus is gone");
+  monitor_.Resolve("no whole frame");
+  EXPECT_EQ(monitor_.Snapshot().last_error, "the bus is gone");
+}
+
+TEST_F(StageMonitorTest, ForgetsTheAgesOfARecordingWhenCamerasFollow) {
+  const auto answer = [&](int64_t seq, int64_t age_us) {
+    monitor_.FrameOut({.utime = NowUtime() - age_us, .seq = seq, .rig_id = ""}, now_, "");
+  };
+  for (int64_t seq = 0; seq < 5; ++seq) answer(seq, 328'000'000);
+  EXPECT_GT(monitor_.Snapshot().age.p99_ms, 300'000);
+  for (int64_t seq = 5; seq < 8; ++seq) answer(seq, 50'000);
+  EXPECT_LT(monitor_.Snapshot().age.max_ms, 1000);
+  EXPECT_GE(monitor_.Snapshot().age.p50_ms, 50);
 }
 
 }  // namespace

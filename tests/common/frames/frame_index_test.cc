@@ -59,6 +59,10 @@ TEST(FrameIndex, TakesTheNewestMessageOfAPartThatComesAgain) {
   for (const int grey : {1, 2, 3}) index.Put(LeftEvent(0, grey));
   EXPECT_THAT(index.Seqs(), ElementsAre(0));
   EXPECT_EQ(index.frames()[0].offset(Part::kLeft), 200);
+  ASSERT_EQ(index.repeats().size(), 2U);
+  EXPECT_EQ(index.repeats()[1].part, Part::kLeft);
+  EXPECT_EQ(index.repeats()[1].earlier, 100);
+  EXPECT_EQ(index.repeats()[1].later, 200);
 }
 
 TEST(FrameIndex, BeginsAnotherFrameWhenANameComesAgainLate) {

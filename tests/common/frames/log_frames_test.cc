@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/logfile/log_error.h"
 #include "tests/common/app/log_files.h"
 #include "tests/common/picture/temporary_directory.h"
 
@@ -56,6 +57,21 @@ TEST_F(LogFramesTest, GivesWhatIsThereOfEachFrameInTheOrderOfTheLog) {
   EXPECT_EQ(frames[1].seeds->raw, 9);
   EXPECT_FALSE(frames[1].rig.has_value());
   EXPECT_EQ(position_, static_cast<int64_t>(std::filesystem::file_size(path_)));
+}
+
+TEST_F(LogFramesTest, RefusesTwoAnswersForOneFrameUnlessTheyAreOne) {
+  const std::vector<TestEvent> same = {LeftEvent(4, 1), SeedsEvent(4, 9), SeedsEvent(4, 9)};
+  EXPECT_EQ(Read(same).at(0).seeds->raw, 9);
+  const std::vector<TestEvent> two = {LeftEvent(4, 1), SeedsEvent(4, 8), LeftEvent(5, 1),
+                                      SeedsEvent(4, 9)};
+  try {
+    Read(two);
+    ADD_FAILURE() << "not refused";
+  } catch (const LogError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("two answers for frame 4: SPROUT_SEEDS at bytes "));
+  }
+  // Nobody is misled by what is not read.
+  EXPECT_THAT(Seqs(Read(two, {.parts = {Part::kLeft}})), ElementsAre(4, 5));
 }
 
 TEST_F(LogFramesTest, HasTheAnswersOfStagesThatLagFiftyFramesBehind) {

@@ -91,8 +91,9 @@ TEST(GreyImage, ColoursACloudAndAMeshAsItsColoursDo) {
     SCOPED_TRACE(SizeText(size));
     const cv::Mat1b grey = Grey(size);
     for (const auto write : {WriteCloudPly, WriteMeshPly}) {
-      ASSERT_TRUE(write(directory / "grey.ply", PairOf(size), Slope(size), grey));
-      ASSERT_TRUE(write(directory / "colour.ply", PairOf(size), Slope(size), ToBgr(grey)));
+      ASSERT_TRUE(write(directory / "grey.ply", PairOf(size), Slope(size), grey, cv::Mat()));
+      ASSERT_TRUE(
+          write(directory / "colour.ply", PairOf(size), Slope(size), ToBgr(grey), cv::Mat()));
       EXPECT_EQ(BytesOf(directory / "grey.ply"), BytesOf(directory / "colour.ply"));
     }
   }

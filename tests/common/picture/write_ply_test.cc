@@ -216,11 +216,33 @@ TEST(WriteMeshPly, RefusesSizesThatDiffer) {
   EXPECT_EQ(directory.CountEntries(), 0);
 }
 
+TEST(WritePly, HasTheConfidenceOfEachVertexWhenThereIsOne) {
+  const TemporaryDirectory directory;
+  const DisparityImage disparity = MapOf([](int, int) { return 4; });
+  cv::Mat1b confidence(disparity.size());
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    confidence(i / kWidth, i % kWidth) = static_cast<uint8_t>(10 + i);
+  }
+  for (const auto& write : {WriteMeshPly, WriteCloudPly}) {
+    ASSERT_TRUE(write(directory / "surface.ply", kPair, disparity, Left(), confidence));
+    std::ifstream file(directory / "surface.ply", std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_THAT(text, HasSubstr("property uchar blue\nproperty uchar confidence\n"));
+    const char* const vertices = text.data() + text.find("end_header\n") + 11;
+    constexpr int kVertexBytes = 3 * 4 + 3 + 1;
+    for (int i = 0; i < kWidth * kHeight; ++i) {
+      EXPECT_EQ(vertices[kVertexBytes * (i + 1) - 1], static_cast<char>(10 + i)) << i;
+    }
+    EXPECT_FALSE(write(directory / "none.ply", kPair, disparity, Left(), cv::Mat1b(1, 1)));
+  }
+}
+
 TEST(WriteMeshPly, RefusesAnUnwritablePath) {
   const TemporaryDirectory directory;
   const DisparityImage disparity = MapOf([](int, int) { return 4; });
   for (const auto& write : {WriteMeshPly, WriteCloudPly}) {
-    const auto written = write(directory / "missing/surface.ply", kPair, disparity, Left());
+    const auto written =
+        write(directory / "missing/surface.ply", kPair, disparity, Left(), cv::Mat());
     ASSERT_FALSE(written);
     EXPECT_THAT(written.error().text, HasSubstr("missing/surface.ply: No such file"));
   }

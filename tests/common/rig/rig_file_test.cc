@@ -283,5 +283,18 @@ TEST_F(RigFile, RefusesCamerasThatDoNotLookAtOneScene) {
               AllOf(HasSubstr("what rectification keeps"), HasSubstr("10 to 100 %")));
 }
 
+// What people copy.
+TEST_F(RigFile, IsAsTheReadmeOfCalibrateShowsOne) {
+  std::ostringstream readme;
+  readme << std::ifstream(std::string(SPROUT_SOURCE_DIR) + "/services/calibrate/README.md").rdbuf();
+  const std::string text = readme.str();
+  const std::string fence = "```textproto\n";
+  const size_t begin = text.find(fence);
+  ASSERT_NE(begin, std::string::npos);
+  Write(text.substr(begin + fence.size(),
+                    text.find("```\n", begin + fence.size()) - begin - fence.size()));
+  EXPECT_EQ(Error(), "no error");
+}
+
 }  // namespace
 }  // namespace sprout

@@ -1,10 +1,16 @@
 #include <gmock/gmock.h>
+#include <wordexp.h>
+
+#include <filesystem>
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
+#include "common/rig/rig_file.h"
+#include "services/calibrate/image_folder.h"
 #include "services/calibrate/program.h"
 #include "services/datasets/dataset.h"
 #include "tests/common/logfile/sample_log.h"
+#include "tests/services/calibrate/board_scene.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -52,11 +58,16 @@ class CalibrateCheck : public testing::Test {
     return folder_ / "run.lcm";
   }
 
-  static CheckOutcome Check(const std::string& log) {
-    const char* argv[] = {"sprout-calibrate", "check", log.c_str()};
+  static CheckOutcome Check(const std::string& log) { return RunCalibrate("check " + log); }
+
+  // Words as a shell makes them.
+  static CheckOutcome RunCalibrate(const std::string& words) {
+    wordexp_t argv{};
+    EXPECT_EQ(wordexp(("sprout-calibrate " + words).c_str(), &argv, WRDE_NOCMD), 0) << words;
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
-    const int exit_code = CalibrateMain(3, argv);
+    const int exit_code = CalibrateMain(static_cast<int>(argv.we_wordc), argv.we_wordv);
+    wordfree(&argv);
     return {exit_code, testing::internal::GetCapturedStdout(),
             testing::internal::GetCapturedStderr()};
   }
@@ -76,6 +87,40 @@ TEST_F(CalibrateCheck, NoticesAToFCameraThatWasKnocked) {
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("was the ToF camera knocked?"));
+
+  // What it tells to do works where there is no rig file.
+  const std::string hint = "to put it right without a board: sprout-calibrate ";
+  const size_t begin = outcome.out.find(hint);
+  ASSERT_NE(begin, std::string::npos) << outcome.out;
+  const auto here = std::filesystem::current_path();
+  std::filesystem::current_path(folder_ / ".");
+  const CheckOutcome refined = RunCalibrate(
+      outcome.out.substr(begin + hint.size(), outcome.out.find('\n', begin) - begin - hint.size()));
+  std::filesystem::current_path(here);
+  EXPECT_NE(refined.exit_code, 2) << refined.err;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "new.textproto") ||
+              std::filesystem::exists(folder_ / "new.not_good.textproto"))
+      << refined.out << refined.err;
+}
+
+TEST_F(CalibrateCheck, TakesFoldersOfUnrectifiedImagesWithARigFile) {
+  const RawRig rig = SceneRig({640, 480});
+  const Board board{BoardSize{}};
+  const BoardScene scene(board, rig);
+  const std::vector<Pose> poses = BoardPoses(board, 3);
+  for (uint32_t i = 0; i < poses.size(); ++i) {
+    WriteImages(folder_ / ".", std::to_string(i), scene.Render(poses[i], i));
+  }
+  RigDescription description;
+  *description.mutable_calibration() = ToCalibration(rig);
+  ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
+  const std::string folder = folder_ / ".";
+  const CheckOutcome with_rig =
+      RunCalibrate("check " + folder + " --rig " + (folder_ / "rig.textproto").string());
+  EXPECT_THAT(with_rig.out, HasSubstr("3 frames: ")) << with_rig.err;
+  const CheckOutcome without = RunCalibrate("check " + folder);
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_THAT(without.err, HasSubstr("are not rectified: --rig is needed"));
 }
 
 TEST_F(CalibrateCheck, NoticesRowsThatDoNotAgree) {

@@ -1,7 +1,9 @@
 #include "services/calibrate/program.h"
 
 #include <gmock/gmock.h>
+#include <wordexp.h>
 
+#include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
@@ -9,6 +11,8 @@
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 #include "common/rig/rig_file.h"
+#include "services/calibrate/image_folder.h"
+#include "services/calibrate/watch.h"
 #include "tests/common/logfile/sample_log.h"
 #include "tests/services/calibrate/board_scene.h"
 
@@ -91,8 +95,16 @@ TEST_F(CalibrateProgram, WritesABoard) {
       RunCalibrate({"board", "--squares", "11x8", "--square-mm", "30", "--out", File("board.svg")});
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("330 x 240 mm"));
+  EXPECT_THAT(outcome.out, HasSubstr("a board of 330 x 240 mm on a page of 360 x 285 mm; "));
   EXPECT_THAT(ReadText(folder_ / "board.svg"), HasSubstr("viewBox=\"0 0 1020.472441 "));
+}
+
+TEST_F(CalibrateProgram, PrintsTheSizesThatItsReadmeSays) {
+  const std::string readme =
+      ReadText(std::string(SPROUT_SOURCE_DIR) + "/services/calibrate/README.md");
+  const Outcome outcome = RunCalibrate({"board", "--out", File("board.svg")});
+  EXPECT_THAT(outcome.out, HasSubstr("a board of 540 x 360 mm on a page of 570 x 405 mm"));
+  EXPECT_THAT(readme, HasSubstr("540 × 360 mm, on a page of 570 × 405 mm"));
 }
 
 TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {
@@ -195,6 +207,35 @@ TEST_F(CalibrateProgram, SeesTheBoardInImagesWhosePixelsUse10Of16Bits) {
   const Outcome outcome = RunCalibrate({"estimate", folder_ / "", "--out", File("rig.textproto")});
   EXPECT_THAT(outcome.out + outcome.err, HasSubstr("8 images: 8 views used"));
   EXPECT_THAT(outcome.err, HasSubstr("left_0.png: pixels of 16 bits use 0 to 1023"));
+}
+
+TEST_F(CalibrateProgram, TellsACommandThatWorksWhereThereIsARigFileAndWhereThereIsNone) {
+  const Board other{{.columns = 7, .rows = 5, .square_m = 0.0405}};
+  const auto here = std::filesystem::current_path();
+  std::filesystem::current_path(folder_ / ".");
+  EXPECT_EQ(EstimateCommand(board_, "my views"),
+            "sprout-calibrate estimate 'my views' --out rig.textproto --report report.html");
+  EXPECT_EQ(EstimateCommand(other, "v"),
+            "sprout-calibrate estimate v --squares 7x5 --square-mm 40.5 --out rig.textproto "
+            "--report report.html");
+  // As pasted: three views are too few, and nothing else is wrong.
+  const std::vector<Pose> poses = BoardPoses(board_, 3);
+  std::filesystem::create_directories("views");
+  for (uint32_t i = 0; i < poses.size(); ++i) {
+    WriteImages("views", std::to_string(i), scene_.Render(poses[i], i));
+  }
+  for (const bool has_rig : {false, true}) {
+    if (has_rig) {
+      EXPECT_TRUE(SaveRigFile("rig.textproto", RigDescription()));
+    }
+    wordexp_t argv{};
+    ASSERT_EQ(wordexp(EstimateCommand(board_, "views").c_str(), &argv, WRDE_NOCMD), 0);
+    const Outcome outcome = RunCalibrate({argv.we_wordv + 1, argv.we_wordv + argv.we_wordc});
+    wordfree(&argv);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+    EXPECT_THAT(outcome.out + outcome.err, HasSubstr("views"));
+  }
+  std::filesystem::current_path(here);
 }
 
 TEST_F(CalibrateProgram, RefusesFlagsThatMakeNoSense) {

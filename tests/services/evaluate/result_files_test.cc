@@ -144,6 +144,33 @@ TEST(Tables, ShowWhatIsAwayFromThePointsWhereThatIsPartOfTheTruth) {
   EXPECT_THAT(SceneTable(scene), testing::Not(testing::HasSubstr("away")));
 }
 
+TEST(Tables, FitATerminalUnlessAllFiguresAreWanted) {
+  const SceneResult scene = SomeRun().scenes[0];
+  const auto columns = [](const std::string& table) {
+    const std::string head = table.substr(table.find("| method"));
+    return std::count(head.begin(), head.begin() + static_cast<long>(head.find('\n')), '|') - 1;
+  };
+  const auto width = [](const std::string& table) {
+    const size_t begin = table.find("| method");
+    return table.find('\n', begin) - begin;
+  };
+  EXPECT_LE(columns(SceneTable(scene)), 10);
+  EXPECT_LE(width(SceneTable(scene)), 100U);
+  EXPECT_EQ(columns(SceneTable(scene, /*is_wide=*/true)), 18);
+  for (const char* figure : {"bad 0.5 %", "rms px", "grow ms", "D1 %"}) {
+    EXPECT_THAT(SceneTable(scene, true), testing::HasSubstr(figure));
+  }
+}
+
+TEST(Tables, SayThatThereAreNoToFPointsInPlaceOfTheirErrors) {
+  SceneResult scene = SomeRun().scenes[0];
+  scene.refinement = {};
+  scene.refinement.refined.seeds = {Seed{}};
+  const std::string table = SceneTable(scene);
+  EXPECT_THAT(table, testing::HasSubstr("refinement: no ToF points; 1 seeds from stereo, wrong "));
+  EXPECT_THAT(table, testing::Not(testing::HasSubstr("nan")));
+}
+
 TEST(Tables, ShowEveryMethodOfAScene) {
   const std::string table = SceneTable(SomeRun().scenes[0]);
   EXPECT_THAT(table, testing::HasSubstr("\n| epc    |     75.00 |    70.00 |"));

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <filesystem>
+
 #include "tests/services/log/graph_log.h"
 
 // cut, merge and repair.
@@ -167,6 +169,36 @@ TEST(LogMerge, OrdersByTimeAndKeepsTheOrderOfEachLog) {
   EXPECT_EQ(merged[0].channel, kStatusChannel);
   EXPECT_EQ(merged[1].channel, "SPROUT_LEFT");
   EXPECT_EQ(merged.back().number, static_cast<int64_t>(events.size()) - 1);
+}
+
+// A recording with all channels, and the replay of one's own prior.
+TEST(LogMerge, TakesNewAnswersInThePlaceOfOldOnesOnlyWhenTold) {
+  const LogFolder folder;
+  const auto events = GraphEvents(4);
+  std::vector<Event> replayed;
+  for (int seq = 0; seq < 4; ++seq) {
+    replayed.push_back(PartEvent(Part::kPrior, seq, LogPrior(seq + 7)));
+  }
+  replayed.push_back(StatusEvent(3));
+  const auto recorded = folder.Write("recorded", events);
+  const auto replay = folder.Write("replay", replayed);
+  const auto out = folder.File("out");
+  ExpectRefused({"merge", recorded, replay, "--out", out},
+                "SPROUT_PRIOR of frame 0 is another than in " + recorded + "; --replace takes");
+  EXPECT_FALSE(std::filesystem::exists(out));
+  ASSERT_EQ(RunLog({"merge", recorded, replay, "--out", out, "--replace"}).exit_code, 0);
+  int statuses = 0;
+  int priors = 0;
+  for (const Event& event : ReadLog(out).events) {
+    statuses += event.channel == kStatusChannel ? 1 : 0;
+    if (event.channel != "SPROUT_PRIOR") continue;
+    EXPECT_EQ(event.data, replayed[static_cast<size_t>(priors++)].data);
+  }
+  EXPECT_EQ(priors, 4);
+  EXPECT_EQ(statuses, 5);
+  EXPECT_EQ(ReadLog(out).events.size(), events.size() + 1);
+  // What is the same in both is no second answer.
+  EXPECT_EQ(RunLog({"merge", recorded, recorded, "--out", folder.File("twice")}).exit_code, 0);
 }
 
 TEST(LogMerge, OfEqualTimesTakesTheLogNamedFirst) {

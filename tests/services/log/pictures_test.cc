@@ -1,8 +1,10 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/picture/write_image.h"
 #include "services/datasets/pfm.h"
 #include "tests/services/log/graph_log.h"
 
@@ -217,10 +219,75 @@ TEST(LogExport, WritesSurfaces) {
   EXPECT_THAT(text, ContainsRegex("element face [1-9]"));
 }
 
+TEST(LogExport, WritesDepthsInMillimetresAndTheIntrinsics) {
+  const LogFolder folder;
+  const auto log = folder.Write("log", GraphEvents(2));
+  const std::string out = folder.File("out");
+  ASSERT_EQ(RunLog({"export", log, out, "--depth"}).exit_code, 0);
+  EXPECT_THAT(FilesIn(out),
+              UnorderedElementsAre("000000_depth.png", "000001_depth.png", "intrinsics.json"));
+  const cv::Mat mm = cv::imread(out + "/000001_depth.png", cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(mm.type(), CV_16UC1);
+  const RectifiedPair pair = LogRig().pair;
+  const double metres = pair.DepthFromDisparity(double{LogDisparity(1).Px(8, 3)});
+  ASSERT_LT(metres, kMaxPngDepthM);
+  EXPECT_NEAR(mm.at<uint16_t>(3, 8), metres * 1000, 0.5);
+  EXPECT_EQ(mm.at<uint16_t>(3, 0), 0);
+  std::ifstream file(out + "/intrinsics.json");
+  const nlohmann::json json = nlohmann::json::parse(file);
+  EXPECT_EQ(json["fx"], pair.focal_px);
+  EXPECT_EQ(json["cx"], pair.cx);
+  EXPECT_EQ(json["cy"], pair.cy);
+  EXPECT_EQ(json["baseline_m"], pair.baseline_m);
+  EXPECT_EQ(json["width"], pair.width);
+}
+
+TEST(LogExport, WritesDepthOfALogThatHasOnlyThat) {
+  const LogFolder folder;
+  const auto log = folder.Write("log", {PartEvent(Part::kDepth, 1), PartEvent(Part::kLeft, 2)});
+  const ProgramOutcome outcome = RunLog({"export", log, folder.File("out"), "--depth"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  const DepthImage depth = examples::Depth();
+  const cv::Mat mm = cv::imread(folder.File("out") + "/000001_depth.png", cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(mm.size(), depth.size());
+  for (int v = 0; v < mm.rows; ++v) {
+    for (int u = 0; u < mm.cols; ++u) {
+      const double metres = depth.Metres(u, v);
+      EXPECT_NEAR(mm.at<uint16_t>(v, u), metres <= kMaxPngDepthM ? metres * 1000 : 0, 0.51);
+    }
+  }
+}
+
+TEST(LogExport, GivesCloudsTheConfidenceOfEachPoint) {
+  const LogFolder folder;
+  const cv::Mat confidence(kLogImageSize, CV_8UC1, cv::Scalar(77));
+  auto events = GraphEvents(2);
+  events.push_back(PartEvent(Part::kConfidence, 1, confidence));
+  const auto log = folder.Write("log", events);
+  ASSERT_EQ(RunLog({"export", log, folder.File("out"), "--ply"}).exit_code, 0);
+  const Bytes with = ReadBytes(folder.File("out") + "/000001_cloud.ply");
+  const Bytes without = ReadBytes(folder.File("out") + "/000000_cloud.ply");
+  EXPECT_THAT(std::string(with.begin(), with.begin() + 400),
+              HasSubstr("property uchar confidence\nend_header\n"));
+  EXPECT_EQ(with.back(), 77);
+  EXPECT_THAT(std::string(without.begin(), without.begin() + 400),
+              testing::Not(HasSubstr("confidence")));
+}
+
+TEST(LogImages, RefusesTwoAnswersForOneFrame) {
+  const LogFolder folder;
+  auto events = GraphEvents(3);
+  events.push_back(PartEvent(Part::kDisparity, 1, LogDisparity(5)));
+  const auto log = folder.Write("log", events);
+  ExpectRefused({"images", log, folder.File("out")}, "two answers for frame 1: SPROUT_DISPARITY");
+  ExpectRefused({"export", log, folder.File("out2"), "--pfm"}, "sprout-log merge --replace");
+  ExpectRefused({"rank", log}, "two answers");
+}
+
 TEST(LogExport, RefusesToDoNothing) {
   const LogFolder folder;
   const auto log = folder.Write("log", GraphEvents(3));
-  ExpectRefused({"export", log, folder.File("out")}, "--ply, --mesh or --pfm");
+  ExpectRefused({"export", log, folder.File("out")}, "--ply, --mesh, --pfm, --depth or --npz");
   ExpectRefused(
       {"export", folder.Write("raw", {PartEvent(Part::kLeft, 1)}), folder.File("out"), "--pfm"},
       "no message of these frames");

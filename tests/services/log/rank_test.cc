@@ -108,5 +108,15 @@ TEST_F(RankTest, RefusesALogWithoutAnswers) {
   ExpectRefused({"rank", log_, "--csv", "--json"}, "excludes");
 }
 
+TEST(Rank, SaysThatScoresWithoutImagesAreOnAnotherScale) {
+  const LogFolder folder;
+  std::vector<Event> events;
+  for (int seq = 0; seq < 3; ++seq) events.push_back(PartEvent(Part::kDisparity, seq));
+  const ProgramOutcome alone = RunLog({"rank", folder.Write("alone", events)});
+  EXPECT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_THAT(alone.err, testing::HasSubstr("3 of 3 frames have no images that fit the map"));
+  EXPECT_EQ(RunLog({"rank", folder.Write("whole", GraphEvents(3))}).err, "");
+}
+
 }  // namespace
 }  // namespace sprout::log

@@ -11,7 +11,7 @@ namespace {
 class WorstPrior : public testing::TestWithParam<PriorConfig::Method> {};
 
 TEST_P(WorstPrior, IsNotQuadratic) {
-  const cv::Size size(2048, 1024);
+  const cv::Size size(640, 480);
   cv::Mat3b left(size);
   cv::RNG(1).fill(left, cv::RNG::UNIFORM, 0, 255);
   cv::Mat3b right(size);

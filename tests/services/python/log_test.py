@@ -33,6 +33,20 @@ def recorded(folder: pathlib.Path, copies: int) -> pathlib.Path:
     return path
 
 
+class ExportTest(unittest.TestCase):
+    def test_npz_of_a_log_has_what_its_frames_have(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            run("sprout-log", "export", SAMPLE, name, "--npz", "--depth")
+            for frame in sprout.Log(SAMPLE).frames():
+                with numpy.load(pathlib.Path(name) / f"{frame.seq:06}_depth.npz") as arrays:
+                    self.assertTrue(same(arrays["depth_m"], frame.depth_m))
+                    self.assertTrue(same(arrays["K"], frame.intrinsics))
+                    self.assertTrue(same(arrays["confidence"], frame.confidence))
+                    given = numpy.where(numpy.isinf(arrays["disparity_px"]), numpy.nan, arrays["disparity_px"])
+                    self.assertTrue(same(given, frame.disparity))
+                    self.assertEqual((arrays["seq"], arrays["utime"]), (frame.seq, frame.utime))
+
+
 class LogTest(unittest.TestCase):
     def test_gives_the_frames_with_what_is_recorded(self) -> None:
         with sprout.Log(SAMPLE) as log:

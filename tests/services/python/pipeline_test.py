@@ -23,6 +23,20 @@ def as_grey(data: bytes) -> bytes:
     return bytes(image.encode())
 
 
+class DepthSettingsTest(unittest.TestCase):
+    def test_depth_settings_leave_out_of_depths_and_points(self) -> None:
+        frame = synthetic("96x72")
+        whole = compute(sprout.Pipeline("default"), frame)
+        limit = float(numpy.nanmedian(whole.depth_m))
+        near = compute(sprout.Pipeline(["default", f"depth {{ max_m: {limit} }}"]), frame)
+        kept = whole.depth_m <= limit
+        self.assertTrue(same(near.depth_m, numpy.where(kept, whole.depth_m, numpy.float32("nan"))))
+        self.assertEqual(len(near.points()), int(kept.sum()))
+        self.assertTrue(same(near.disparity, whole.disparity))
+        with self.assertRaisesRegex(ValueError, "depth.box"):
+            sprout.Pipeline(["default", "depth { box { max_z_m: 2 } }"])
+
+
 class BytesTest(unittest.TestCase):
     """Against sprout-pipeline --replay, which gives the bytes of the three processes."""
 

@@ -67,7 +67,15 @@ class StageTest(unittest.TestCase):
         for said in ("--replay", "--channel-prefix", "--config", "The mean disparity of the seeds"):
             self.assertIn(said, text)
         self.assertEqual(python(PRIOR, "--config", "no_such")[0], 2)
-        self.assertEqual(python(PRIOR, "--version"), (0, f"sprout-prior {sprout.__version__}\n"))
+        self.assertEqual(python(PRIOR, "--version"), (0, f"mean_prior.py on sprout {sprout.__version__}\n"))
+
+    def test_logs_and_records_its_own_name(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            record = pathlib.Path(folder) / "answers.lcm"
+            _, text = python(PRIOR, "--replay", SAMPLE, "--record", record)
+            self.assertIn(f"mean_prior.py on sprout {sprout.__version__}, configuration ", text)
+            self.assertNotIn("sprout-prior", text)
+            self.assertIn(f"mean_prior.py on sprout {sprout.__version__}", run("sprout-log", "info", record))
 
     def test_says_which_stage_is_not_known(self) -> None:
         with self.assertRaisesRegex(ValueError, "expected refine, prior or grow, given 'priors'"):
@@ -85,7 +93,7 @@ class StageTest(unittest.TestCase):
             with subprocess.Popen([isolate, sys.executable, "-c", program], stderr=subprocess.PIPE, text=True,
                                   env=environment()) as process:
                 first = process.stderr.readline()
-                if "sprout-prior" not in first:
+                if "my_prior.py on sprout" not in first:
                     self.skipTest("no private network here: " + first)
                 time.sleep(0.5)
                 process.send_signal(ending)

@@ -298,6 +298,22 @@ TEST_F(QualityProgram, RefusesInputThatCannotBeMeasured) {
   ExpectRefused({log, "--images", File("run.lcm")}, 2, "--images");
 }
 
+// As `sprout-pipeline files` leaves them of many pairs.
+TEST_F(QualityProgram, MeasuresMapsOneLevelDownWithTheirOwnCalibration) {
+  const std::string flat = WriteFolder("flat", Maps(3));
+  for (const std::string name : {"0", "1", "2"}) {
+    const std::filesystem::path pair = File("out") + "/pair" + name;
+    std::filesystem::create_directories(pair);
+    std::filesystem::copy_file(flat + "/" + name + "_disparity.pfm", pair / "disparity.pfm");
+    std::filesystem::copy_file(folder_ / "flat/calib.txt", pair / "calib.txt");
+  }
+  const QualityOutcome of_flat = RunQuality({flat});
+  const QualityOutcome of_nested = RunQuality({File("out")});
+  EXPECT_EQ(of_nested.exit_code, 0) << of_nested.err;
+  EXPECT_THAT(of_nested.out, HasSubstr(" 3 frames\n"));
+  EXPECT_EQ(of_nested.out, of_flat.out);
+}
+
 TEST_F(QualityProgram, RefusesFoldersThatCannotBeMeasured) {
   std::filesystem::create_directory(folder_ / "empty");
   ExpectRefused({File("empty")}, 2, "no *.pfm in it");

@@ -91,7 +91,7 @@ TEST_F(StatusBoardTest, NoticesTwoProcessesOfOneStageButNotASuccessor) {
   EXPECT_THAT(Seen(milliseconds(3600)), ElementsAre("capture good", "grow good"));
 }
 
-TEST_F(StatusBoardTest, SaysWhoLosesSinceItWasOpened) {
+TEST_F(StatusBoardTest, SaysWhoLosesNow) {
   StageStatus status = Status("grow");
   status.frames_skipped = 5;
   board_.Add(status, start_);
@@ -99,6 +99,57 @@ TEST_F(StatusBoardTest, SaysWhoLosesSinceItWasOpened) {
   ++status.frames_skipped;
   board_.Add(status, start_);
   EXPECT_THAT(Seen(), ElementsAre("capture missing", "grow losing"));
+  board_.Add(status, start_ + milliseconds(59'000));
+  EXPECT_THAT(Seen(milliseconds(59'000)), ElementsAre("capture missing", "grow losing"));
+  board_.Add(status, start_ + milliseconds(60'000));
+  EXPECT_THAT(Seen(milliseconds(60'000)), ElementsAre("capture missing", "grow good"));
+}
+
+TEST_F(StatusBoardTest, TellsHowLongAgoAnErrorCameUntilItIsOver) {
+  const auto text_at = [&](milliseconds after) {
+    return BoardText(board_.Rows(start_ + after), /*colour=*/false);
+  };
+  StageStatus status = Status("grow");
+  board_.Add(status, start_);
+  status.last_error = "no whole frame";
+  board_.Add(status, start_ + milliseconds(5000));
+  EXPECT_THAT(text_at(milliseconds(12'000)), HasSubstr("grow, 7 s ago: no whole frame"));
+  status.last_error = "";
+  board_.Add(status, start_ + milliseconds(13'000));
+  EXPECT_THAT(text_at(milliseconds(13'000)), Not(HasSubstr("no whole frame")));
+
+  // Nobody takes back what was said of a single frame.
+  status.last_error = "frame 3: failed";
+  ++status.frames_failed;
+  board_.Add(status, start_ + milliseconds(20'000));
+  board_.Add(status, start_ + milliseconds(140'000));
+  EXPECT_THAT(text_at(milliseconds(140'000)), HasSubstr("grow, 2 min ago: frame 3")) << "no answer";
+  ++status.frames_out;
+  board_.Add(status, start_ + milliseconds(141'000));
+  EXPECT_THAT(text_at(milliseconds(141'000)), Not(HasSubstr("frame 3")));
+  EXPECT_EQ(nlohmann::json::parse(BoardJson(board_.Rows(start_)))["stages"][1]["last_error"],
+            "frame 3: failed");
+}
+
+TEST_F(StatusBoardTest, ShowsAnOffsetOfTheToFCameraOnlyWhenItIsSignificant) {
+  StageStatus status = Status("grow");
+  status.tof_offset = {.u_px = 0.3F, .v_px = -1.7F, .sigma_px = 1.7F};
+  board_.Add(status, start_);
+  EXPECT_THAT(BoardText(board_.Rows(start_), false), Not(HasSubstr("off by")));
+  status.tof_offset.sigma_px = 0.4F;
+  board_.Add(status, start_);
+  EXPECT_THAT(BoardText(board_.Rows(start_), false),
+              HasSubstr("ToF points off by (-0.3, 1.7) ± 0.4 px, and edges of depth with them: "
+                        "calibrate again"));
+}
+
+TEST_F(StatusBoardTest, CallsFramesOfARecordingOld) {
+  StageStatus status = Status("grow");
+  status.age = {.p50_ms = 327'000, .p95_ms = 328'000, .p99_ms = 328'368, .max_ms = 328'368};
+  board_.Add(status, start_);
+  const std::string text = BoardText(board_.Rows(start_), false);
+  EXPECT_THAT(text, Not(HasSubstr("328368")));
+  EXPECT_THAT(text, HasSubstr("old: captured more than 100 s ago, as frames of a recording are"));
 }
 
 TEST_F(StatusBoardTest, KeepsNoMoreThan64Processes) {
@@ -119,7 +170,7 @@ TEST_F(StatusBoardTest, IsWrittenForPeopleAndForScripts) {
   EXPECT_THAT(text, HasSubstr("capture    missing"));
   EXPECT_THAT(text, HasSubstr("grow       good       412   10.0"));
   EXPECT_THAT(text, HasSubstr("robot:77"));
-  EXPECT_THAT(text, HasSubstr("grow: frame 3: failed"));
+  EXPECT_THAT(text, HasSubstr("grow, over 0 s ago: frame 3: failed"));
   EXPECT_THAT(text, Not(HasSubstr("\x1b")));
   EXPECT_THAT(BoardText(rows, /*colour=*/true), HasSubstr("\x1b[31mmissing"));
 

@@ -228,6 +228,9 @@ def check_log(browser, programs, log):
     wait_for_server()
     browser.open(URL)
     check("a log shows its first frame", browser.wait("window.sprout && sprout.isLog && sprout.key == 0 && sprout.frames > 0"))
+    room = "return [document.getElementById('panes').getBoundingClientRect().right, innerWidth]"
+    right, width = browser.run(room)
+    check("without statuses the pictures take their room", width >= 1300 and width - right < 20, (right, width))
     check("its time line is rated", browser.wait("sprout.timeLine.line && sprout.timeLine.line.settled"))
     buckets = browser.run("return sprout.timeLine.line.buckets")
     check("every stretch has a quality", len(buckets) > 1 and all("quality" in bucket for bucket in buckets))
@@ -255,6 +258,8 @@ def check_measuring(browser, programs, log):
     browser.wait("sprout.key == 0")
     browser.press("m")
     shown = browser.wait("sprout.target.shown")
+    right, width = browser.run("return [document.getElementById('panes').getBoundingClientRect().right, innerWidth]")
+    check("the panel of the target has its room", 400 < width - right < 600, (right, width))
     check("the middle is measured first", bool(shown) and shown["region"] == [32, 24, 64, 48], shown)
     drag_region(browser, (0.1, 0.2, 0.6, 0.7))
     region = browser.wait("sprout.target.region && sprout.target.shown && "

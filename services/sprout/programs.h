@@ -1,0 +1,19 @@
+#ifndef SPROUT_SERVICES_SPROUT_PROGRAMS_H_
+#define SPROUT_SERVICES_SPROUT_PROGRAMS_H_
+
+#include <span>
+
+namespace sprout {
+
+struct ProgramSummary {
+  const char* name;  ///< without "sprout-"
+  const char* text;  ///< what it does, in a line
+};
+
+/// All programs that were built together with this one; of sprout_service() in their
+/// CMakeLists.txt.
+std::span<const ProgramSummary> Programs();
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_SPROUT_PROGRAMS_H_
