@@ -61,6 +61,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
         unwrapper_.Apply(left, right, tof, projector, config_.unambiguous_range_m(), points_);
   }
   tof_offset_ = {};
+  range_error_ = {};
   if (config_.align_tof() && !points_.empty()) {
     tof_offset_ = aligner_.Estimate(left, right, points_, tof, projector);
     if (tof_offset_.IsOff()) ApplyOffset(tof_offset_, rig, points_);
@@ -69,9 +70,16 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   left_seeds_.seeds.reserve(points_.size());
   if (!points_.empty()) {
     surface_.Set(rig, points_);
-    const auto sigma_px = static_cast<float>(
+    for (ProjectedPoint& point : points_) point.seed.sigma_px = 0;
+    if (config_.range_bias() != RefineConfig::OFF) MoveToTruth(left, right, rig, result);
+    const auto noise_px = static_cast<float>(
         std::clamp(NoisePx(left, right), SurfaceRules::kLeastSigmaPx, SurfaceRules::kMostSigmaPx));
-    for (ProjectedPoint& point : points_) point.seed.sigma_px = sigma_px;
+    for (ProjectedPoint& point : points_) {
+      Seed& seed = point.seed;
+      seed.sigma_px = std::clamp(std::hypot(seed.sigma_px, noise_px),
+                                 static_cast<float>(SurfaceRules::kLeastSigmaPx),
+                                 static_cast<float>(SurfaceRules::kMostSigmaPx));
+    }
     KeepReliable(left, right, tof, result);
     KeepVisible(left, right, result);
   }
@@ -83,6 +91,28 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   }
   if (!zones.views.empty()) FillFromZones(result, grid);
   return result;
+}
+
+// Moves the points to where the images show them, and drops those that they contradict.
+void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig,
+                          SeedSet& result) {
+  const RangeInput input{.left = left,
+                         .right = right,
+                         .rig = rig,
+                         .surface = surface_,
+                         .noise_px = surface_.NoisePx(points_),
+                         .coarse = stereo_.IsCoarse(surface_.spacing_px(), left.cols)};
+  range_error_ = range_.Apply(
+      input,
+      {.field = config_.range_bias() == RefineConfig::FIELD, .error_m = config_.range_error_m()},
+      points_);
+  size_t kept = 0;
+  for (size_t i = 0; i < points_.size(); ++i) {
+    if (range_.contradicted()[i] == 0) points_[kept++] = points_[i];
+  }
+  result.contradicted += static_cast<int32_t>(points_.size() - kept);
+  points_.resize(kept);
+  surface_.Set(rig, points_);
 }
 
 // What zones say of a place is no correspondence to grow from.

@@ -13,6 +13,7 @@
 #include "common/core/tof_zones.h"
 #include "common/geometry/projection.h"
 #include "services/refine/alignment/tof_alignment.h"
+#include "services/refine/range/range_bias.h"
 #include "services/refine/stereo/stereo_seeds.h"
 #include "services/refine/surface/background.h"
 #include "services/refine/surface/tof_surface.h"
@@ -65,6 +66,10 @@ class Refiner {
   /// IsOff(), they were moved before all rules. Not sure when no offset was searched.
   const TofOffset& tof_offset() const { return tof_offset_; }
 
+  /// Of the last call, with config.range_bias(): how far the range sensor is off, and how many
+  /// points were moved for it.
+  const RangeError& range_error() const { return range_error_; }
+
  private:
   // What becomes of a point, whether or not the right camera sees it.
   enum class Fate : uint8_t { kKept, kOutside, kDark, kLoose };
@@ -73,6 +78,7 @@ class Refiner {
               const TofImage& tof) const;
   void KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                     SeedSet& result);
+  void MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig, SeedSet& result);
   double NoisePx(const cv::Mat1b& left, const cv::Mat1b& right);
   std::span<const cv::Point2f> Covered();
   void FillFromZones(const SeedSet& result, const CellGrid& grid);
@@ -86,6 +92,8 @@ class Refiner {
   TofAligner aligner_;
   TofOffset tof_offset_;
   TofSurface surface_;
+  RangeBias range_;
+  RangeError range_error_;
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images
   size_t kept_in_both_ = 0;
   SeedSet left_seeds_;

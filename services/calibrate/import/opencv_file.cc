@@ -24,8 +24,8 @@ const std::array<Names, 2> kDistortion = {
           "distcoeffsleft", "distcoeffsl", "distortionleft", "distcoeff1"},
     Names{"d2", "distcoeffs2", "distortioncoefficients2", "rightd", "dright", "dr",
           "rightdistcoeffs", "distcoeffsright", "distcoeffsr", "distortionright", "distcoeff2"}};
-const std::array<Names, 2> kTurn = {Names{"r1", "leftr", "rleft", "rl"},
-                                    Names{"r2", "rightr", "rright", "rr"}};
+const std::array<Names, 2> kRectifyingTurn = {Names{"r1", "leftr", "rleft", "rl"},
+                                              Names{"r2", "rightr", "rright", "rr"}};
 const std::array<Names, 2> kProjection = {Names{"p1", "leftp", "pleft", "pl"},
                                           Names{"p2", "rightp", "pright", "pr"}};
 const Names kRotation = {"r", "rotation", "rotationmatrix", "rlr"};
@@ -151,7 +151,7 @@ ForeignCamera CameraOf(const Entries& entries, size_t which) {
 
 ForeignRectification RectifiedOf(const Entries& entries, size_t which) {
   const cv::Mat1d p = entries.Matrix(kProjection[which], {{4, 3}});
-  return {.rotation = Square(entries.Matrix(kTurn[which], {{3, 3}})),
+  return {.rotation = Square(entries.Matrix(kRectifyingTurn[which], {{3, 3}})),
           .tx = p(0, 3),
           .focal_px = p(0, 0)};
 }

@@ -71,8 +71,8 @@ void TofSurface::Set(const Rig& rig, std::span<const ProjectedPoint> points) {
                std::max(next_row_px_, spacing_px() / SurfaceRules::kPieces)};
   tof_rows_ = rig.tof.height;
   stride_ = rig.tof.width / column_step_ + 3;
-  const int rows = rig.tof.height / row_step_ + 3;
-  disparity_.assign(static_cast<size_t>(stride_) * static_cast<size_t>(rows), kNone);
+  rows_ = rig.tof.height / row_step_ + 1;
+  disparity_.assign(static_cast<size_t>(stride_) * static_cast<size_t>(rows_ + 2), kNone);
   for (const ProjectedPoint& point : points) {
     float& cell = disparity_[IndexOf(point)];
     if (!(cell >= point.seed.disparity())) cell = point.seed.disparity();  // the nearest of several
@@ -123,6 +123,54 @@ bool TofSurface::IsConfirmed(const ProjectedPoint& point, double tolerance_px,
     }
   }
   return compared;
+}
+
+TofSurface::Plane TofSurface::PlaneOf(const ProjectedPoint& point, double tolerance_px) const {
+  const float* const at = At(point);
+  const float here = point.seed.disparity();
+  // Beside an edge the gentler step is the one that stays on the surface.
+  const auto step = [&](std::ptrdiff_t next) {
+    const float gentler = Gentler(at[next] - here, here - at[-next]);
+    return std::isnan(gentler) ? 0.0 : double{gentler};
+  };
+  const double rise_across = step(1);
+  const double rise_down = step(stride_);
+  Plane plane;
+  // Sums over the cells around, of what they are off the plane of the piece.
+  double n = 0, x = 0, y = 0, xx = 1e-3, yy = 1e-3, xy = 0, d = 0, xd = 0, yd = 0;
+  for (int down = -1; down <= 1; ++down) {
+    const float* row = at + down * stride_;
+    for (int across = -1; across <= 1; ++across) {
+      const double off =
+          double{row[across]} - double{here} - across * rise_across - down * rise_down;
+      if (std::isnan(off)) continue;
+      if (std::abs(off) > tolerance_px) {
+        (off > 0 ? plane.has_nearer : plane.has_farther) = true;
+        continue;
+      }
+      n += 1;
+      x += across;
+      y += down;
+      xx += across * across;
+      yy += down * down;
+      xy += across * down;
+      d += off;
+      xd += across * off;
+      yd += down * off;
+    }
+  }
+  // With the means taken off.
+  const double sxx = xx - x * x / n;
+  const double syy = yy - y * y / n;
+  const double sxy = xy - x * y / n;
+  const double sxd = xd - x * d / n;
+  const double syd = yd - y * d / n;
+  const double det = sxx * syy - sxy * sxy;
+  const double across = det > 1e-2 ? (syy * sxd - sxy * syd) / det : 0;
+  const double down = det > 1e-2 ? (sxx * syd - sxy * sxd) / det : 0;
+  plane.disparity = double{here} + (d - across * x - down * y) / n;
+  plane.slope = {(rise_across + across) / column_px_, (rise_down + down) / row_px_};
+  return plane;
 }
 
 // The nearest point of each cell between beams.

@@ -46,6 +46,29 @@ class TofSurface {
 
   /// Distance from one cell to the next in the left image, px; the longer side.
   double spacing_px() const { return std::max(column_px_, row_px_); }
+  double column_px() const { return column_px_; }  ///< along the rows
+  double row_px() const { return row_px_; }        ///< along the columns
+
+  /// Columns and rows of cells, and the cell of a point.
+  int columns() const { return static_cast<int>(stride_) - 2; }
+  int rows() const { return rows_; }
+  cv::Point CellOf(const ProjectedPoint& point) const {
+    return {point.tof_u / column_step_, point.tof_v / row_step_};
+  }
+
+  /// A plane through the cells around a point, px of disparity and px a px.
+  struct Plane {
+    double disparity = 0;  ///< at the point
+    cv::Point2d slope;
+    /// Whether cells around lie before or behind it.
+    bool has_nearer = false, has_farther = false;
+  };
+
+  /// The least-squares plane through those of a point's 3×3 cells that lie within `tolerance_px` of
+  /// the plane of its gentlest steps, which does not lead across a depth edge.
+  /// @param point  one of those that the surface was made of.
+  /// O(1); thread-safe.
+  Plane PlaneOf(const ProjectedPoint& point, double tolerance_px) const;
 
   /// Standard deviation of the points' disparities, px, estimated from how far they lie from the
   /// mean of the neighbours on either side. 0 when they show none.
@@ -136,6 +159,7 @@ class TofSurface {
   int tof_rows_ = 0;
   cv::Point2d piece_px_{1, 1};  // size of a piece, px
   std::ptrdiff_t stride_ = 0;
+  int rows_ = 0;
   std::vector<float> disparity_;  // of the cells and one more all around, NaN = none
   std::vector<int> last_row_;     // with a return in each ToF column
   std::vector<int> gaps_;

@@ -1,0 +1,71 @@
+#ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_BIAS_H_
+#define SPROUT_SERVICES_REFINE_RANGE_RANGE_BIAS_H_
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <span>
+#include <vector>
+
+#include "common/core/rig.h"
+#include "common/geometry/projection.h"
+#include "services/refine/range/range_curve.h"
+#include "services/refine/range/range_field.h"
+#include "services/refine/range/range_nodes.h"
+
+namespace sprout::refine {
+
+/// How far a frame's range sensor is off, as the images show it.
+struct RangeError {
+  /// What all points share, as a function of depth; empty: the images show nothing.
+  std::vector<RangeKnot> curve;
+  bool curve_is_zero = true;      ///< an error is not significant
+  double moved_share = 0;         ///< of the points, 0 to 1
+  double contradicted_share = 0;  ///< of the places that have texture to judge by, 0 to 1
+  bool rejected = false;          ///< too many of them: no point is believed
+};
+
+/// What is estimated.
+struct RangeSettings {
+  bool field = true;   ///< also what the scene adds, and which points are contradicted
+  double error_m = 0;  ///< systematic error by the data sheet, one standard deviation, m
+};
+
+/// Finds from the pair how far range points are off, and moves them: eqs. (R10) to (R18) of the
+/// README. Keeps its memory from frame to frame; one object serves one caller at a time.
+class RangeBias {
+ public:
+  /// @param points  those of input.surface, in their order. They are moved along their rays;
+  ///                sigma_px becomes the standard deviation of what is left of the systematic
+  ///                error, 0 where a sensor is right. Noise is not in it.
+  /// @returns what was found; valid until the next call.
+  /// O(points); 1 to 3 ms for 20 000. No I/O; on OpenCV's threads, with the same result for any
+  /// number.
+  const RangeError& Apply(const RangeInput& input, const RangeSettings& settings,
+                          std::span<ProjectedPoint> points);
+
+  /// Of the last call: which points the images contradict, 0 or 1.
+  const std::vector<uint8_t>& contradicted() const { return contradicted_; }
+
+ private:
+  struct PointError {
+    double offset_px = 0;
+    double variance_px2 = 0;
+    bool contradicted = false;
+  };
+
+  double JudgeNodes();
+  PointError ErrorOf(const TofSurface& surface, const ProjectedPoint& point) const;
+
+  RangeNodes nodes_;
+  RangeCurve curve_;
+  RangeField field_;
+  RangeError error_;
+  std::vector<double> start_px_;
+  std::vector<uint8_t> wrong_nodes_;
+  std::vector<uint8_t> contradicted_;
+  std::vector<uint8_t> moved_;
+};
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_RANGE_RANGE_BIAS_H_

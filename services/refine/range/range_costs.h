@@ -1,0 +1,32 @@
+#ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_COSTS_H_
+#define SPROUT_SERVICES_REFINE_RANGE_RANGE_COSTS_H_
+
+#include <array>
+#include <opencv2/core.hpp>
+#include <optional>
+
+#include "services/refine/range/range_rules.h"
+#include "services/refine/stereo/patch_matcher.h"
+
+namespace sprout::refine {
+
+/// How well the images agree with a small piece of surface at each offset of its disparity:
+/// RangeRules::OffsetPx(0) to OffsetPx(kLabels − 1).
+struct OffsetCosts {
+  /// C(p, o) of eq. (R12): 0, equal windows, to 1, nothing in common.
+  std::array<float, RangeRules::kLabels> cost{};
+  float left_variance = 0;  ///< of the left window, grey levels²
+  std::array<float, RangeRules::kLabels> right_variance = {};  ///< of the right one
+  std::array<float, RangeRules::kLabels> covariance = {};      ///< of both
+};
+
+/// The costs of a range point's surface.
+/// @param left, right  rectified pair, grey, of one size.
+/// @returns nothing where a window leaves an image, and for slopes above 0.4 px a px. The same on
+/// every machine. O(1), about 0.3 µs; thread-safe.
+std::optional<OffsetCosts> CostsOf(const cv::Mat1b& left, const cv::Mat1b& right,
+                                   const SlantedPatch& patch);
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_RANGE_RANGE_COSTS_H_

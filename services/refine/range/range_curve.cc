@@ -1,0 +1,228 @@
+#include "services/refine/range/range_curve.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace sprout::refine {
+namespace {
+
+constexpr int kCandidates = RangeRules::kCurveCandidates;
+constexpr int kNoError = kCandidates / 2;
+using Votes = std::array<double, kCandidates>;
+
+// What a disparity has to be moved by when its depth is too large by error_m.
+double OffsetOfError(const RectifiedPair& pair, double depth_m, double error_m) {
+  const double fb = pair.focal_px * pair.baseline_m;
+  return fb / std::max(depth_m - error_m, depth_m / 4) - fb / depth_m;
+}
+
+double VoteAt(const RangeNode& node, double offset_px) {
+  return std::min(CostAt(node.costs, offset_px), double{RangeRules::kMostCost});
+}
+
+// Sums of votes, by blocks of the range image.
+class BlockSums {
+ public:
+  void Add(const RangeNode& node, double value) {
+    sums_[{node.cell.x / RangeRules::kBlockCells, node.cell.y / RangeRules::kBlockCells}] += value;
+  }
+  double Total() const {
+    double total = 0;
+    for (const auto& [block, sum] : sums_) total += sum;
+    return total;
+  }
+  // Standard deviation of the total when blocks are independent.
+  double Sigma() const {
+    double squares = 0;
+    for (const auto& [block, sum] : sums_) squares += sum * sum;
+    return std::sqrt(squares);
+  }
+
+ private:
+  std::map<std::pair<int, int>, double> sums_;
+};
+
+}  // namespace
+
+double CostAt(const OffsetCosts& costs, double offset_px) {
+  const double label =
+      std::clamp(offset_px + RangeRules::kZeroLabel, 0.0, RangeRules::kLabels - 1.0);
+  const int nearest = std::clamp(static_cast<int>(std::lround(label)), 1, RangeRules::kLabels - 2);
+  const auto at = static_cast<size_t>(nearest);
+  const double x = label - nearest;
+  const double before = costs.cost[at - 1];
+  const double here = costs.cost[at];
+  const double behind = costs.cost[at + 1];
+  return here + x * (behind - before) / 2 + x * x * (before + behind - 2 * here) / 2;
+}
+
+float DistinctnessOf(const OffsetCosts& costs) {
+  std::array<float, RangeRules::kLabels> sorted = costs.cost;
+  std::sort(sorted.begin(), sorted.end());
+  return std::clamp(sorted[RangeRules::kLabels / 2] - sorted[0], 0.0F, 1.0F);
+}
+
+// The voters of a knot, and what they say of each candidate.
+struct RangeCurve::Bin {
+  std::span<const Voter> voters;
+  double depth_m = 0;
+  double px_per_m = 0;
+  double scale = 0;  // of the votes, so that a knot with little texture says little
+  Votes votes{};
+};
+
+void RangeCurve::Vote(std::span<const RangeNode> nodes, const RectifiedPair& pair, Bin& bin) const {
+  for (const Voter& voter : bin.voters) {
+    bin.depth_m += voter.depth_m / static_cast<double>(bin.voters.size());
+    for (int k = 0; k < kCandidates; ++k) {
+      const double off = OffsetOfError(pair, voter.depth_m, (k - kNoError) * step_m_);
+      bin.votes[static_cast<size_t>(k)] +=
+          voter.weight * VoteAt(nodes[voter.node], off) * bin.scale;
+    }
+  }
+  bin.px_per_m = pair.focal_px * pair.baseline_m / (bin.depth_m * bin.depth_m);
+  for (int k = 0; k < kCandidates; ++k) {
+    const double off_px = std::abs(k - kNoError) * step_m_ * bin.px_per_m;
+    bin.votes[static_cast<size_t>(k)] +=
+        (k == kNoError ? 0 : RangeRules::kCurveMoved) + RangeRules::kCurvePerPx * off_px;
+  }
+}
+
+// The cheapest path through the candidates of all knots, then between candidates by a parabola.
+void RangeCurve::FindPath(std::span<const Bin> bins) {
+  const size_t count = bins.size();
+  std::vector<Votes> sums(count);
+  std::vector<std::array<int, kCandidates>> from(count);
+  sums[0] = bins[0].votes;
+  // In metres, and as strict everywhere as where a metre shows most.
+  const double price = RangeRules::kCurveStep * step_m_ * bins[0].px_per_m;
+  for (size_t b = 1; b < count; ++b) {
+    for (int k = 0; k < kCandidates; ++k) {
+      double best = std::numeric_limits<double>::infinity();
+      for (int j = 0; j < kCandidates; ++j) {
+        const double sum = sums[b - 1][static_cast<size_t>(j)] + price * std::abs(k - j);
+        if (sum >= best) continue;
+        best = sum;
+        from[b][static_cast<size_t>(k)] = j;
+      }
+      sums[b][static_cast<size_t>(k)] = bins[b].votes[static_cast<size_t>(k)] + best;
+    }
+  }
+  std::vector<int> path(count);
+  path.back() = static_cast<int>(std::min_element(sums.back().begin(), sums.back().end()) -
+                                 sums.back().begin());
+  for (size_t b = count - 1; b > 0; --b) path[b - 1] = from[b][static_cast<size_t>(path[b])];
+  for (size_t b = 0; b < count; ++b) {
+    double candidate = path[b] - kNoError;
+    const auto at = static_cast<size_t>(std::clamp(path[b], 1, kCandidates - 2));
+    const double before = bins[b].votes[at - 1];
+    const double behind = bins[b].votes[at + 1];
+    const double curvature = before + behind - 2 * bins[b].votes[at];
+    if (path[b] != kNoError && curvature > 1e-6) {
+      candidate += std::clamp((before - behind) / (2 * curvature), -0.5, 0.5);
+    }
+    knots_.push_back({bins[b].depth_m, candidate * step_m_, 0});
+  }
+}
+
+// By how many standard deviations the votes prefer the curve to no error.
+double RangeCurve::GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair) const {
+  BlockSums gains;
+  for (const Voter& voter : voters_) {
+    const RangeNode& node = nodes[voter.node];
+    const double off = OffsetOfError(pair, voter.depth_m, At(voter.depth_m).error_m);
+    gains.Add(node, voter.weight * (VoteAt(node, 0) - VoteAt(node, off)));
+  }
+  const double sigma = gains.Sigma();
+  return sigma > 0 ? gains.Total() / sigma : 0;
+}
+
+// Of an M-estimate: the spread of the votes' slopes over their curvature.
+void RangeCurve::SetSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,
+                           std::span<const Bin> bins) {
+  for (size_t b = 0; b < bins.size(); ++b) {
+    RangeKnot& knot = knots_[b];
+    const double half_m = 0.5 / bins[b].px_per_m;
+    BlockSums slopes;
+    double curvature = 0;
+    for (const Voter& voter : bins[b].voters) {
+      const RangeNode& node = nodes[voter.node];
+      const auto vote = [&](double error_m) {
+        return voter.weight * VoteAt(node, OffsetOfError(pair, voter.depth_m, error_m));
+      };
+      const double more = vote(knot.error_m + half_m);
+      const double less = vote(knot.error_m - half_m);
+      slopes.Add(node, (more - less) / (2 * half_m));
+      curvature += (more + less - 2 * vote(knot.error_m)) / (half_m * half_m);
+    }
+    knot.sigma_m =
+        curvature > 0 ? slopes.Sigma() / curvature : std::numeric_limits<double>::infinity();
+  }
+}
+
+void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair,
+                          double sure_sigmas) {
+  knots_.clear();
+  voters_.clear();
+  is_zero_ = true;
+  double total = 0;
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    const double depth_m = pair.DepthFromDisparity(nodes[i].disparity);
+    const float weight = DistinctnessOf(nodes[i].costs);
+    if (!(depth_m > 0 && std::isfinite(depth_m)) || weight <= RangeRules::kLeastDistinct) continue;
+    voters_.push_back({depth_m, weight, i});
+    total += weight;
+  }
+  if (voters_.size() < RangeRules::kFewestNodes) return;
+  std::sort(voters_.begin(), voters_.end(), [](const Voter& a, const Voter& b) {
+    return std::pair(a.depth_m, a.node) < std::pair(b.depth_m, b.node);
+  });
+  // As far as the labels reach at the near tenth of the points.
+  const double near_m = voters_[voters_.size() / 10].depth_m;
+  step_m_ = near_m * near_m * RangeRules::kZeroLabel / (pair.focal_px * pair.baseline_m) / kNoError;
+  const size_t count =
+      std::clamp<size_t>(voters_.size() / RangeRules::kNodesPerKnot, 1, RangeRules::kMostKnots);
+  std::vector<Bin> bins(count);
+  for (size_t b = 0; b < count; ++b) {
+    const size_t begin = voters_.size() * b / count;
+    const size_t end = voters_.size() * (b + 1) / count;
+    bins[b].voters = std::span<const Voter>(voters_).subspan(begin, end - begin);
+    bins[b].scale = static_cast<double>(count) / total;
+    Vote(nodes, pair, bins[b]);
+  }
+  FindPath(bins);
+  is_zero_ = GainInSigmas(nodes, pair) < sure_sigmas;
+  if (is_zero_) {
+    for (RangeKnot& knot : knots_) knot.error_m = 0;
+  }
+  SetSigmas(nodes, pair, bins);
+}
+
+RangeKnot RangeCurve::At(double depth_m) const {
+  const auto behind = std::find_if(knots_.begin(), knots_.end(),
+                                   [&](const RangeKnot& k) { return k.depth_m >= depth_m; });
+  if (behind == knots_.begin()) return knots_.front();
+  if (behind == knots_.end()) return knots_.back();
+  const RangeKnot& before = behind[-1];
+  const double part = (depth_m - before.depth_m) / (behind->depth_m - before.depth_m);
+  return {depth_m, before.error_m + part * (behind->error_m - before.error_m),
+          std::max(before.sigma_m, behind->sigma_m)};
+}
+
+double RangeCurve::OffsetPx(const RectifiedPair& pair, double disparity) const {
+  const double depth_m = pair.DepthFromDisparity(disparity);
+  if (is_zero_ || !(depth_m > 0)) return 0;
+  return OffsetOfError(pair, depth_m, At(depth_m).error_m);
+}
+
+double RangeCurve::SigmaPx(const RectifiedPair& pair, double disparity) const {
+  const double depth_m = pair.DepthFromDisparity(disparity);
+  if (is_zero_ || !(depth_m > 0)) return 0;
+  return pair.focal_px * pair.baseline_m / (depth_m * depth_m) * At(depth_m).sigma_m;
+}
+
+}  // namespace sprout::refine

@@ -1,0 +1,65 @@
+#ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_CURVE_H_
+#define SPROUT_SERVICES_REFINE_RANGE_RANGE_CURVE_H_
+
+#include <span>
+#include <vector>
+
+#include "common/core/rig.h"
+#include "services/refine/range/range_nodes.h"
+
+namespace sprout::refine {
+
+/// A knot of a range sensor's systematic error b(z), which is linear between knots.
+struct RangeKnot {
+  double depth_m = 0;  ///< as measured
+  double error_m = 0;  ///< measured less true
+  double sigma_m = 0;  ///< standard deviation of error_m; infinite when nothing shows it
+};
+
+/// What all points of a frame are off by, as a function of their depth, eq. (R13). Nodes vote for
+/// errors in metres; the curve through the votes that costs least is taken if it is significant.
+class RangeCurve {
+ public:
+  /// @param sure_sigmas  standard deviations that the curve must gain; otherwise it is 0.
+  /// O(nodes · candidates), a few tenths of a ms; no I/O.
+  void Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair, double sure_sigmas);
+
+  /// By depth; empty when too few nodes show anything.
+  std::span<const RangeKnot> knots() const { return knots_; }
+  bool is_zero() const { return is_zero_; }
+
+  /// What a disparity has to be moved by, px.
+  double OffsetPx(const RectifiedPair& pair, double disparity) const;
+  /// Standard deviation of that, px; 0 where the curve is 0.
+  double SigmaPx(const RectifiedPair& pair, double disparity) const;
+
+ private:
+  struct Voter {
+    double depth_m = 0;
+    double weight = 0;
+    size_t node = 0;
+  };
+  struct Bin;
+
+  void Vote(std::span<const RangeNode> nodes, const RectifiedPair& pair, Bin& bin) const;
+  void FindPath(std::span<const Bin> bins);
+  double GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair) const;
+  void SetSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,
+                 std::span<const Bin> bins);
+  RangeKnot At(double depth_m) const;
+
+  std::vector<Voter> voters_;  // by depth
+  double step_m_ = 0;          // between candidates
+  std::vector<RangeKnot> knots_;
+  bool is_zero_ = true;
+};
+
+/// A node's cost at an offset, px, between labels by a parabola.
+double CostAt(const OffsetCosts& costs, double offset_px);
+
+/// How distinct a node's least cost is, 0 to 1: the median less the least.
+float DistinctnessOf(const OffsetCosts& costs);
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_RANGE_RANGE_CURVE_H_

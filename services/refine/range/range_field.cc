@@ -1,0 +1,235 @@
+#include "services/refine/range/range_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/refine/range/range_curve.h"
+#include "services/refine/range/surface_patches.h"
+
+namespace sprout::refine {
+namespace {
+
+constexpr int kOffsetLabels = RangeRules::kLabels;
+
+}  // namespace
+
+void RangeField::Average(const RangeNodes& nodes, std::span<const double> start_px) {
+  const std::span<const RangeNode> all = nodes.nodes();
+  data_.resize(all.size());
+  std::vector<Costs> own(all.size());
+  for (size_t i = 0; i < all.size(); ++i) {
+    for (int k = 0; k < kOffsetLabels; ++k) {
+      own[i][static_cast<size_t>(k)] = CostAt(all[i].costs, RangeRules::OffsetPx(k) + start_px[i]);
+    }
+  }
+  for (size_t i = 0; i < all.size(); ++i) {
+    Costs sum{};
+    float count = 0;
+    ForSurfaceAround(nodes, all[i], RangeRules::kAround, [&](size_t other) {
+      for (size_t k = 0; k < kOffsetLabels; ++k) sum[k] += own[other][k];
+      count += 1;
+    });
+    for (float& cost : sum) cost /= count;
+    data_[i] = sum;
+  }
+}
+
+void RangeField::AddPath(const RangeNodes& nodes, bool along_rows, bool back, float moved) {
+  const std::span<const RangeNode> all = nodes.nodes();
+  const cv::Size size = nodes.size();
+  const int lines = along_rows ? size.height : size.width;
+  const int length = along_rows ? size.width : size.height;
+  for (int line = 0; line < lines; ++line) {
+    Costs path{};
+    int last = -1;
+    for (int i = 0; i < length; ++i) {
+      const int along = back ? length - 1 - i : i;
+      const int node = along_rows ? nodes.At(along, line) : nodes.At(line, along);
+      if (node < 0) continue;
+      const auto index = static_cast<size_t>(node);
+      Costs next = data_[index];
+      for (int k = 0; k < kOffsetLabels; ++k) {
+        const double off = RangeRules::OffsetPx(k);
+        next[static_cast<size_t>(k)] +=
+            static_cast<float>(RangeRules::kFieldPerPx * std::abs(off)) + (off != 0 ? moved : 0);
+      }
+      if (last >= 0) {
+        const bool same = ShareSurface(all[static_cast<size_t>(last)], all[index]);
+        const float small = RangeRules::kFieldSmallStep * (same ? 1 : RangeRules::kAcrossEdge);
+        const float large = RangeRules::kFieldLargeStep * (same ? 1 : RangeRules::kAcrossEdge);
+        const float least = *std::min_element(path.begin(), path.end());
+        Costs from{};
+        for (size_t k = 0; k < kOffsetLabels; ++k) {
+          float best = std::min(path[k], least + large);
+          if (k > 0) best = std::min(best, path[k - 1] + small);
+          if (k + 1 < kOffsetLabels) best = std::min(best, path[k + 1] + small);
+          from[k] = best - least;
+        }
+        for (size_t k = 0; k < kOffsetLabels; ++k) next[k] += from[k];
+      }
+      path = next;
+      last = node;
+      for (size_t k = 0; k < kOffsetLabels; ++k) sums_[index][k] += path[k];
+    }
+  }
+}
+
+void RangeField::Optimise(const RangeNodes& nodes, float moved) {
+  sums_.assign(data_.size(), Costs{});
+  for (const bool along_rows : {true, false}) {
+    for (const bool back : {false, true}) AddPath(nodes, along_rows, back, moved);
+  }
+  labels_.resize(sums_.size());
+  for (size_t i = 0; i < sums_.size(); ++i) {
+    labels_[i] =
+        static_cast<size_t>(std::min_element(sums_[i].begin(), sums_[i].end()) - sums_[i].begin());
+  }
+}
+
+// Puts labels back to 0 but where several nodes side by side match clearly better elsewhere.
+// Returns the share of such nodes, weighted by how distinct their matches are.
+double RangeField::KeepProved(const RangeNodes& nodes) {
+  const std::span<const RangeNode> all = nodes.nodes();
+  constexpr auto kZero = static_cast<size_t>(RangeRules::kZeroLabel);
+  std::vector<uint8_t> proved(all.size());
+  for (size_t i = 0; i < all.size(); ++i) {
+    proved[i] = data_[i][kZero] - data_[i][labels_[i]] > RangeRules::kProvedGain ? 1 : 0;
+  }
+  KeepPatches(nodes, RangeRules::kProvedNodes, proved);
+  double weight = 1;
+  double moved = 0;
+  for (size_t i = 0; i < all.size(); ++i) {
+    const double distinct = DistinctnessOf(all[i].costs);
+    weight += distinct;
+    if (proved[i] != 0) {
+      moved += distinct;
+    } else {
+      labels_[i] = kZero;
+    }
+  }
+  return moved / weight;
+}
+
+// Offsets between labels, and what they are worth.
+void RangeField::Choose(bool moves) {
+  offsets_.assign(labels_.size(), {});
+  information_.assign(offsets_.size(), 0);
+  for (size_t i = 0; i < offsets_.size(); ++i) {
+    size_t best = labels_[i];
+    if (!moves &&
+        std::abs(RangeRules::OffsetPx(static_cast<int>(best))) < RangeRules::kLoneMovePx) {
+      best = RangeRules::kZeroLabel;
+    }
+    double off = RangeRules::OffsetPx(static_cast<int>(best));
+    if (best > 0 && best + 1 < kOffsetLabels) {
+      const double before = data_[i][best - 1];
+      const double behind = data_[i][best + 1];
+      const double curvature = before + behind - 2 * double{data_[i][best]};
+      information_[i] = std::max(0.0, curvature);
+      if (curvature > 1e-3 && (moves || best != RangeRules::kZeroLabel)) {
+        off += std::clamp((before - behind) / (2 * curvature), -0.5, 0.5);
+      }
+    }
+    offsets_[i].offset_px = off;
+  }
+}
+
+// A membrane through the offsets, by Gauss and Seidel.
+void RangeField::Relax(const RangeNodes& nodes) {
+  const std::span<const RangeNode> all = nodes.nodes();
+  std::vector<std::array<int, 8>> around(all.size());
+  std::vector<double> own(all.size());
+  for (size_t i = 0; i < all.size(); ++i) {
+    around[i].fill(-1);
+    own[i] = offsets_[i].offset_px;
+    size_t next = 0;
+    ForSurfaceAround(nodes, all[i], 1, [&](size_t other) {
+      if (other != i && std::abs(offsets_[other].offset_px - offsets_[i].offset_px) < 3) {
+        around[i][next++] = static_cast<int>(other);
+      }
+    });
+  }
+  for (int round = 0; round < RangeRules::kRelaxations; ++round) {
+    for (size_t n = 0; n < all.size(); ++n) {
+      const size_t i = round % 2 == 0 ? n : all.size() - 1 - n;
+      double sum = information_[i] * own[i];
+      double weight = information_[i] + RangeRules::kPull;
+      for (const int other : around[i]) {
+        if (other < 0) break;
+        sum += RangeRules::kStiffness * offsets_[static_cast<size_t>(other)].offset_px;
+        weight += RangeRules::kStiffness;
+      }
+      offsets_[i].offset_px = sum / weight;
+    }
+  }
+}
+
+// By how much the images around a node say, and by how much offsets vary where they say something.
+void RangeField::SetSigma(const RangeNodes& nodes) {
+  const std::span<const RangeNode> all = nodes.nodes();
+  double squares = 0;
+  double weight = 1e-9;
+  for (size_t i = 0; i < all.size(); ++i) {
+    squares += information_[i] * offsets_[i].offset_px * offsets_[i].offset_px;
+    weight += information_[i];
+  }
+  variance_px2_ = squares / weight;
+  if (variance_px2_ < RangeRules::kLeastVariance) {
+    variance_px2_ = 0;
+    return;
+  }
+  for (size_t i = 0; i < all.size(); ++i) {
+    double information = 0;
+    ForSurfaceAround(nodes, all[i], 1, [&](size_t other) { information += information_[other]; });
+    offsets_[i].sigma_px =
+        std::sqrt(1 / (1 / variance_px2_ + information / RangeRules::kCurvatureVariance));
+  }
+}
+
+// How alike the windows around each node are, and whether they should be.
+void RangeField::Judge(const RangeNodes& nodes, std::span<const double> start_px) {
+  const std::span<const RangeNode> all = nodes.nodes();
+  for (size_t i = 0; i < all.size(); ++i) {
+    double products = 0;
+    double squares = 0;
+    double texture = 0;
+    double count = 0;
+    ForSurfaceAround(nodes, all[i], RangeRules::kAround, [&](size_t other) {
+      const OffsetCosts& costs = all[other].costs;
+      const double label =
+          std::clamp(start_px[other] + offsets_[i].offset_px + RangeRules::kZeroLabel, 0.0,
+                     kOffsetLabels - 1.001);
+      const auto below = static_cast<size_t>(label);
+      const double part = label - static_cast<double>(below);
+      products += 2 * (costs.covariance[below] * (1 - part) + costs.covariance[below + 1] * part);
+      squares += costs.left_variance + costs.right_variance[below] * (1 - part) +
+                 costs.right_variance[below + 1] * part;
+      texture += costs.left_variance;
+      count += 1;
+    });
+    offsets_[i].likeness = products / (squares + 1);
+    offsets_[i].texture = texture / count;
+  }
+}
+
+void RangeField::Estimate(const RangeNodes& nodes, std::span<const double> start_px, bool moves) {
+  Average(nodes, start_px);
+  if (moves) {
+    Optimise(nodes, RangeRules::kFieldMoved);
+    const double share = KeepProved(nodes);
+    moves = share > RangeRules::kMovedShare;
+    if (moves) {
+      // Eq. (R15): as probable as what was found makes it.
+      const auto price = static_cast<float>(RangeRules::kOddsPrice * std::log((1 - share) / share));
+      Optimise(nodes, std::clamp(price, RangeRules::kLeastMoved, RangeRules::kFieldMoved));
+    }
+  } else {
+    labels_.assign(data_.size(), static_cast<size_t>(RangeRules::kZeroLabel));
+  }
+  Choose(moves);
+  if (moves) Relax(nodes);
+  SetSigma(nodes);
+  Judge(nodes, start_px);
+}
+
+}  // namespace sprout::refine

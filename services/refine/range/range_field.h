@@ -1,0 +1,57 @@
+#ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_FIELD_H_
+#define SPROUT_SERVICES_REFINE_RANGE_RANGE_FIELD_H_
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "services/refine/range/range_nodes.h"
+
+namespace sprout::refine {
+
+/// What the scene adds at a node, and how sure that is.
+struct NodeOffset {
+  double offset_px = 0;  ///< to add to the disparity, beside the curve's
+  double sigma_px = 0;
+  double likeness = 1;  ///< of the windows around the node at that offset, weighted by texture
+  double texture = 0;   ///< mean variance of those windows, grey levels²
+};
+
+/// What the scene adds to ranges, smooth on each surface, eqs. (R14) to (R17): labels by paths over
+/// the nodes as in semi-global matching, then a membrane through the minima of their costs.
+class RangeField {
+ public:
+  /// @param start_px  of each node, what its disparity is moved by before.
+  /// @param moves     whether offsets are searched; otherwise all are 0, and nodes are only judged.
+  /// O(nodes · labels); no I/O; one thread.
+  void Estimate(const RangeNodes& nodes, std::span<const double> start_px, bool moves);
+
+  /// Of the nodes.
+  std::span<const NodeOffset> offsets() const { return offsets_; }
+  /// Variance of the offsets, px²: what a point that no node speaks for may be off by.
+  double variance_px2() const { return variance_px2_; }
+
+ private:
+  using Costs = std::array<float, RangeRules::kLabels>;
+
+  void Average(const RangeNodes& nodes, std::span<const double> start_px);
+  void Optimise(const RangeNodes& nodes, float moved);
+  void AddPath(const RangeNodes& nodes, bool along_rows, bool back, float moved);
+  double KeepProved(const RangeNodes& nodes);
+  void Choose(bool moves);
+  void Relax(const RangeNodes& nodes);
+  void SetSigma(const RangeNodes& nodes);
+  void Judge(const RangeNodes& nodes, std::span<const double> start_px);
+
+  std::vector<Costs> data_;  // of the nodes
+  std::vector<Costs> sums_;
+  std::vector<NodeOffset> offsets_;
+  double variance_px2_ = 0;
+  std::vector<size_t> labels_;
+  std::vector<double> information_;  // of the nodes' own offsets, 1/px²
+};
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_RANGE_RANGE_FIELD_H_

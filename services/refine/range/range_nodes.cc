@@ -1,0 +1,136 @@
+#include "services/refine/range/range_nodes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "common/core/parallel.h"
+#include "common/core/window_sums.h"
+
+namespace sprout::refine {
+namespace {
+
+// How much grey changes along the rows around a point.
+float TextureAt(const cv::Mat1b& left, const Seed& seed) {
+  constexpr int kReach = RangeRules::kWindowRadius;
+  if (!IsInside(seed.u, seed.v, left.size(), kReach + 0.5)) return 0;
+  const int u = static_cast<int>(std::lround(seed.u));
+  const int v = static_cast<int>(std::lround(seed.v));
+  int sum = 0;
+  for (int y = v - 2; y <= v + 2; y += 2) {
+    const uint8_t* row = left[y] + u;
+    for (int x = -kReach; x < kReach; ++x) {
+      const int rise = row[x + 1] - row[x];
+      sum += rise * rise;
+    }
+  }
+  return static_cast<float>(1 + sum);
+}
+
+}  // namespace
+
+bool IsOnSurface(const RangeNode& node, const cv::Point2d& at, double disparity) {
+  const double distance = std::hypot(at.x - node.at.x, at.y - node.at.y);
+  return std::abs(node.DisparityAt(at) - disparity) <=
+         RangeRules::kSurfacePx + RangeRules::kSurfacePerPx * distance;
+}
+
+bool ShareSurface(const RangeNode& a, const RangeNode& b) {
+  return IsOnSurface(a, b.at, b.disparity) || IsOnSurface(b, a.at, a.disparity);
+}
+
+// Costs of all nodes; those without any are left out.
+void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right,
+                         std::vector<RangeNode>& nodes) {
+  std::vector<uint8_t> known(nodes.size());
+  ForEachParallel(nodes.size(), [&](size_t i) {
+    RangeNode& node = nodes[i];
+    const auto costs = CostsOf(left, right, {node.at, node.disparity, node.slope});
+    known[i] = costs.has_value() ? 1 : 0;
+    if (costs) node.costs = *costs;
+  });
+  size_t kept = 0;
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    if (known[i] != 0) nodes[kept++] = nodes[i];
+  }
+  nodes.resize(kept);
+}
+
+void RangeNodes::View::Set(const RectifiedPair& pair, const TofSurface& surface,
+                           std::span<const ProjectedPoint> points, float Seed::*column) {
+  wide = std::max(1.0, surface.column_px() / 2);
+  high = std::max(1.0, surface.row_px() / 2);
+  Renew(nearest,
+        {static_cast<int>(pair.width / wide) + 1, static_cast<int>(pair.height / high) + 1});
+  nearest = -1e9F;
+  for (const ProjectedPoint& point : points) {
+    const double x = point.seed.*column / wide;
+    const double y = point.seed.v / high;
+    // Half a spacing for the point, another for the window.
+    constexpr int kReach = 2;
+    if (!IsInside(x, y, nearest.size(), kReach)) continue;
+    const float disparity = point.seed.disparity();
+    for (int down = -kReach; down <= kReach; ++down) {
+      float* row = nearest[static_cast<int>(y) + down] + static_cast<int>(x);
+      for (int across = -kReach; across <= kReach; ++across) {
+        row[across] = std::max(row[across], disparity);
+      }
+    }
+  }
+}
+
+bool RangeNodes::View::Hides(double u, double v, double disparity, double tolerance_px) const {
+  const cv::Point cell(static_cast<int>(u / wide), static_cast<int>(v / high));
+  return cv::Rect({}, nearest.size()).contains(cell) &&
+         double{nearest(cell)} > disparity + tolerance_px;
+}
+
+void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> points) {
+  const RectifiedPair& pair = input.rig.pair;
+  const TofSurface& surface = input.surface;
+  // Planes of one surface differ by their noise, too.
+  const double tolerance_px = RangeRules::kSurfacePx + RangeRules::kNoiseSigmas * input.noise_px;
+  left_.Set(pair, surface, points, &Seed::u);
+  right_.Set(pair, surface, points, &Seed::u_right);
+  nodes_.clear();
+  side_ = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(points.size()) /
+                                                           double{RangeRules::kMostNodes}))));
+  size_ = {surface.columns() / side_ + 1, surface.rows() / side_ + 1};
+  Renew(index_, size_);
+  Renew(texture_, size_);
+  index_ = -1;
+  texture_ = 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const cv::Point cell = surface.CellOf(points[i]) / side_;
+    const Seed& seed = points[i].seed;
+    const float texture = TextureAt(input.left, seed);
+    if (!(texture > texture_(cell))) continue;
+    const TofSurface::Plane plane = surface.PlaneOf(points[i], tolerance_px);
+    const double nearer_px = tolerance_px + 1.5 * (std::abs(plane.slope.x) * surface.column_px() +
+                                                   std::abs(plane.slope.y) * surface.row_px());
+    if (plane.has_nearer || left_.Hides(seed.u, seed.v, plane.disparity, nearer_px) ||
+        right_.Hides(seed.u_right, seed.v, plane.disparity, nearer_px)) {
+      continue;
+    }
+    texture_(cell) = texture;
+    index_(cell) = static_cast<int>(i);
+  }
+  for (int y = 0; y < size_.height; ++y) {
+    for (int x = 0; x < size_.width; ++x) {
+      if (index_(y, x) < 0) continue;
+      const ProjectedPoint& point = points[static_cast<size_t>(index_(y, x))];
+      const TofSurface::Plane plane = surface.PlaneOf(point, tolerance_px);
+      nodes_.push_back({.cell = {x, y},
+                        .at = {point.seed.u, point.seed.v},
+                        .disparity = plane.disparity,
+                        .slope = plane.slope,
+                        .whole = !plane.has_farther,
+                        .costs = {}});
+    }
+  }
+  Compare(input.left, input.right, nodes_);
+  index_ = -1;
+  for (size_t i = 0; i < nodes_.size(); ++i) index_(nodes_[i].cell) = static_cast<int>(i);
+}
+
+}  // namespace sprout::refine

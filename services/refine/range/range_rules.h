@@ -1,0 +1,92 @@
+#ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_RULES_H_
+#define SPROUT_SERVICES_REFINE_RANGE_RANGE_RULES_H_
+
+#include <cstddef>
+
+namespace sprout::refine {
+
+/// The constants of the estimate of a range sensor's error. By trial on scenes of half and full
+/// size unless a reason is given; NOTES.md has what was measured.
+struct RangeRules {
+  // The data term, eq. (R12).
+  static constexpr int kWindowRadius = 3;  ///< half the window that is compared, px
+  /// Offsets of a point's disparity that are tried: whole px from −7 to 8. As many as a vector of
+  /// 16 bytes holds; multi-path makes ranges too long, so the true disparity is more often larger.
+  static constexpr int kLabels = 16;
+  static constexpr int kZeroLabel = 7;
+  static constexpr double OffsetPx(int label) { return label - kZeroLabel; }
+  /// Variance of the noise of grey values, grey levels²: that of 2 grey levels, as in unwrapping.
+  static constexpr float kNoiseVariance = 4;
+  /// A smaller likeness counts as this: the tail of an M-estimator.
+  static constexpr float kLeastLikeness = -0.2F;
+  /// Steepest slope of a surface that is compared, px a px.
+  static constexpr double kSteepest = 0.4;
+
+  // The nodes.
+  /// Most nodes: each takes 0.3 µs.
+  static constexpr size_t kMostNodes = 4500;
+  /// Fewer show nothing.
+  static constexpr size_t kFewestNodes = 20;
+  /// Points of one surface: the plane of one is no farther from the other than this, px, and px a
+  /// px of their distance, and these many standard deviations of their noise.
+  static constexpr double kSurfacePx = 1.5;
+  static constexpr double kSurfacePerPx = 0.05;
+  static constexpr double kNoiseSigmas = 3;
+
+  // The curve, eq. (R13).
+  static constexpr int kCurveCandidates = 65;  ///< odd: the middle one is 0
+  static constexpr size_t kNodesPerKnot = 60;
+  static constexpr size_t kMostKnots = 10;
+  static constexpr float kLeastDistinct = 0.05F;  ///< of a node that votes
+  static constexpr float kMostCost = 0.8F;        ///< of a vote
+  static constexpr double kCurveMoved = 0.02;     ///< price of an error that is not 0
+  static constexpr double kCurvePerPx = 0.002;    ///< price of a px of it
+  static constexpr double kCurveStep = 0.03;      ///< price of a px of change at the nearest knot
+  /// The curve must gain as many standard deviations, by blocks of so many cells squared, within
+  /// which mistakes go together. Clean scenes stay below 2.8; scans of a few beams below 3.4 but
+  /// for one frame of 19, since the slope between two beams is not known.
+  static constexpr int kBlockCells = 6;
+  static constexpr double kSureSigmas = 3;
+  static constexpr double kSureSigmasCoarse = 3.5;
+
+  // The field, eqs. (R14) and (R15).
+  static constexpr int kAround = 1;  ///< cells around a node whose costs are averaged
+  static constexpr float kFieldPerPx = 0.004F;
+  static constexpr float kFieldSmallStep = 0.05F;  ///< P1
+  static constexpr float kFieldLargeStep = 0.3F;   ///< P2
+  static constexpr float kAcrossEdge = 0.3F;       ///< of both, between two surfaces
+  /// Price of an offset that is not 0, before anything is known of the frame; then κ of (R15).
+  static constexpr float kFieldMoved = 0.1F;
+  static constexpr double kOddsPrice = 0.03;
+  static constexpr float kLeastMoved = 0.01F;
+  /// An offset is proved where so many nodes side by side cost so much less there.
+  static constexpr float kProvedGain = 0.25F;
+  static constexpr size_t kProvedNodes = 6;
+  /// With a smaller share of proved nodes, the others stay where they are, and so do proved ones of
+  /// less than this, px, as the truth itself is off by as much in places.
+  static constexpr double kMovedShare = 0.03;
+  static constexpr double kLoneMovePx = 2;
+  // The membrane: rounds of Gauss and Seidel, the price of a difference between neighbours, and of
+  // an offset. Both for a curvature of 1 a px².
+  static constexpr int kRelaxations = 30;
+  static constexpr double kStiffness = 0.05;
+  static constexpr double kPull = 0.002;
+  static constexpr double kLeastVariance = 0.01;  ///< of the offsets, px²: below, there are none
+  /// Variance, px², of a node with a curvature of 1 a px²: measured with simulated bumps.
+  static constexpr double kCurvatureVariance = 0.02;
+
+  // Contradiction.
+  /// Quantile of the windows' variances that is noise.
+  static constexpr double kNoiseQuantile = 0.1;
+  /// A node can be judged with this signal to noise.
+  static constexpr double kClearSignal = 3;
+  /// It is contradicted when its likeness is below this share of what its noise allows.
+  static constexpr double kContradicted = 0.5;
+  /// With a larger share of contradicted nodes no point is believed: right sensors have up to 0.19
+  /// (a scan of 16 beams), mirrored range images 0.27 and more.
+  static constexpr double kRejectedShare = 0.22;
+};
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_RANGE_RANGE_RULES_H_
