@@ -138,6 +138,13 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
                         : "none of " + std::to_string(seeds->raw) + " ToF points became a seed";
     if (finds_stereo_seeds_) outcome.degenerate += ", and stereo found none";
   }
+  if (refined.fits && refiner_.range_error().rejected) {
+    outcome.degenerate += outcome.degenerate.empty() ? "" : "; ";
+    outcome.degenerate += "the images contradict the range points in " +
+                          std::to_string(static_cast<int>(
+                              std::lround(100 * refiner_.range_error().contradicted_share))) +
+                          " % of the places where they could show it: none is believed";
+  }
   outcome.tof_offset = OffsetOf(frame, refined.fits);
   outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, std::move(left_seeds)});

@@ -95,8 +95,7 @@ Result<void> WriteResults(Frame frame, const DepthFrame& depth, DepthConfig::Inp
       .and_then([&] { return WritePng(folder / "depth.png", MillimetresOf(depth.depth_m)); })
       .and_then([&]() -> Result<void> {
         if (depth.sigma.empty() || of_fused) return {};  // fused maps have none
-        return WritePfm(folder / "depth_sigma.pfm",
-                        DepthSigmaMap(pair, depth.kept, depth.sigma));
+        return WritePfm(folder / "depth_sigma.pfm", DepthSigmaMap(pair, depth.kept, depth.sigma));
       })
       .and_then([&] { return WritePng(folder / "left.png", frame.left); })
       .and_then([&] { return WriteCamera(folder / "camera.json", pair); })

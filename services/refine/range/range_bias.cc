@@ -32,7 +32,7 @@ double RangeBias::JudgeNodes() {
   wrong_nodes_.assign(nodes.size(), 0);
   std::vector<float> variances;
   variances.reserve(nodes.size());
-  for (const RangeNode& node : nodes) variances.push_back(node.costs.left_variance);
+  for (const RangeNode& node : nodes) variances.push_back(static_cast<float>(node.noise));
   const double noise =
       double{RangeRules::kNoiseVariance} + double{Quantile(variances, RangeRules::kNoiseQuantile)};
   size_t judged = 0;

@@ -29,6 +29,7 @@ struct RangeNode {
   double disparity = 0;  ///< as measured, px
   cv::Point2d slope;     ///< of its surface, px a px
   bool whole = true;     ///< no depth edge is beside it
+  double noise = 0;      ///< variance of the left image around it that may be noise, grey levels²
   OffsetCosts costs;
 
   double DisparityAt(const cv::Point2d& x) const {

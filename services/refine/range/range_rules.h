@@ -76,7 +76,7 @@ struct RangeRules {
   static constexpr double kCurvatureVariance = 0.02;
 
   // Contradiction.
-  /// Quantile of the windows' variances that is noise.
+  /// Quantile of the nodes' noise that is that of the camera; fine texture adds to others.
   static constexpr double kNoiseQuantile = 0.1;
   /// A node can be judged with this signal to noise.
   static constexpr double kClearSignal = 3;

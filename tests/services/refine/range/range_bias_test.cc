@@ -1,0 +1,196 @@
+#include "services/refine/range/range_bias.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <opencv2/imgproc.hpp>
+
+#include "services/refine/refiner.h"
+
+namespace sprout::refine {
+namespace {
+
+constexpr int kTofStep = 5;  // image px a ToF pixel
+const cv::Size kTofSize(100, 70);
+const cv::Size kWallSize(kTofStep* kTofSize.width, kTofStep* kTofSize.height);
+
+// A wall that turns away: d = 20 + 0.06 u px, so between 1.1 and 2.7 m.
+double TruthPx(double u) { return 20 + 0.06 * u; }
+
+// With texture in both images, and a ToF camera in the left camera's place that sees every fifth
+// pixel.
+struct Wall {
+  Rig rig;
+  cv::Mat1b left{kWallSize};
+  cv::Mat1b right{kWallSize};
+  TofImage tof{.depth_m = cv::Mat1f(kTofSize), .amplitude = {}};
+
+  explicit Wall(double contrast = 1) {
+    rig.pair = {.width = kWallSize.width,
+                .height = kWallSize.height,
+                .focal_px = 540,
+                .cx = 250,
+                .cy = 175,
+                .cx_right = 250,
+                .baseline_m = 0.1};
+    rig.tof.width = kTofSize.width;
+    rig.tof.height = kTofSize.height;
+    rig.tof.fx = rig.tof.fy = rig.pair.focal_px / kTofStep;
+    rig.tof.cx = rig.pair.cx / kTofStep;
+    rig.tof.cy = rig.pair.cy / kTofStep;
+    cv::RNG(7).fill(left, cv::RNG::UNIFORM, 0, 256);
+    cv::GaussianBlur(left, left, {}, 1.2);
+    left = 128 + contrast * (left - 128);
+    // Right column x shows the left column u with u − d(u) = x.
+    cv::Mat1f columns(kWallSize);
+    cv::Mat1f rows(kWallSize);
+    for (int v = 0; v < kWallSize.height; ++v) {
+      for (int x = 0; x < kWallSize.width; ++x) {
+        columns(v, x) = static_cast<float>((x + 20) / (1 - 0.06));
+        rows(v, x) = static_cast<float>(v);
+      }
+    }
+    cv::remap(left, right, columns, rows, cv::INTER_CUBIC, cv::BORDER_REFLECT);
+    Measure([](const cv::Point2d&, double depth_m) { return depth_m; });
+  }
+
+  // @param measured  what the sensor says of a true depth, m, at a position in the left image.
+  void Measure(const std::function<double(const cv::Point2d&, double)>& measured) {
+    for (int j = 0; j < kTofSize.height; ++j) {
+      for (int i = 0; i < kTofSize.width; ++i) {
+        const double true_m = rig.pair.DepthFromDisparity(TruthPx(kTofStep * i));
+        tof.depth_m(j, i) =
+            static_cast<float>(measured(cv::Point2d(kTofStep * i, kTofStep * j), true_m));
+      }
+    }
+  }
+
+  SeedSet Refine(RefineConfig::RangeBias bias, double error_m = 0.01) const {
+    RefineConfig config;
+    config.set_range_bias(bias);
+    config.set_range_error_m(error_m);
+    config.set_stereo_seeds(false);
+    return *Refiner(config).Compute(left, right, tof, TofProjector(rig));
+  }
+};
+
+// Share of the seeds within a disparity of the truth.
+double ShareWithin(const SeedSet& set, double px) {
+  const auto right = std::count_if(set.seeds.begin(), set.seeds.end(), [&](const Seed& seed) {
+    return std::abs(seed.disparity() - TruthPx(seed.u)) <= px;
+  });
+  return static_cast<double>(right) / static_cast<double>(std::max<size_t>(1, set.seeds.size()));
+}
+
+// A bump of 3 px in the middle of the image, as multi-path makes: too far.
+double Bumped(const RectifiedPair& pair, const cv::Point2d& at, double depth_m) {
+  const double across = (at.x - 300) / 40;
+  const double down = (at.y - 170) / 40;
+  return pair.DepthFromDisparity(pair.DisparityFromDepth(depth_m) -
+                                 3 * std::exp(-(across * across + down * down) / 2));
+}
+
+TEST(RangeBias, LeavesARightSensorAlone) {
+  const Wall wall;
+  EXPECT_EQ(wall.Refine(RefineConfig::FIELD), wall.Refine(RefineConfig::OFF));
+  EXPECT_EQ(wall.Refine(RefineConfig::CURVE), wall.Refine(RefineConfig::OFF));
+}
+
+TEST(RangeBias, FindsWhatAllRangesAreOffBy) {
+  Wall wall;
+  for (const double error_m : {0.04, -0.04}) {
+    wall.Measure([&](const cv::Point2d&, double depth_m) { return depth_m + error_m; });
+    EXPECT_LT(ShareWithin(wall.Refine(RefineConfig::OFF), 0.4), 0.1);
+    EXPECT_GT(ShareWithin(wall.Refine(RefineConfig::CURVE), 0.4), 0.97) << error_m;
+    EXPECT_GT(ShareWithin(wall.Refine(RefineConfig::FIELD), 0.4), 0.97) << error_m;
+  }
+}
+
+TEST(RangeBias, FindsAnErrorThatChangesWithTheRange) {
+  Wall wall;
+  wall.Measure([&](const cv::Point2d&, double depth_m) {
+    return depth_m + 0.04 * std::sin(2 * CV_PI * depth_m / 1.25);
+  });
+  EXPECT_LT(ShareWithin(wall.Refine(RefineConfig::OFF), 0.5), 0.6);
+  EXPECT_GT(ShareWithin(wall.Refine(RefineConfig::FIELD), 0.5), 0.9);
+}
+
+TEST(RangeBias, SaysItsCurveInMetres) {
+  Wall wall;
+  wall.Measure([&](const cv::Point2d&, double depth_m) { return depth_m + 0.04; });
+  RefineConfig config;
+  Refiner refiner(config);
+  ASSERT_TRUE(refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig)));
+  const RangeError& error = refiner.range_error();
+  EXPECT_FALSE(error.curve_is_zero);
+  ASSERT_GE(error.curve.size(), 3U);
+  for (const RangeKnot& knot : error.curve) {
+    EXPECT_NEAR(knot.error_m, 0.04, 0.01) << knot.depth_m;
+    EXPECT_GT(knot.sigma_m, 0);
+    EXPECT_LT(knot.sigma_m, 0.02) << knot.depth_m;
+  }
+  EXPECT_GT(error.moved_share, 0.99);
+  EXPECT_FALSE(error.rejected);
+}
+
+TEST(RangeBias, FollowsWhatTheSceneAddsOnlyWithTheField) {
+  Wall wall;
+  wall.Measure(
+      [&](const cv::Point2d& at, double depth_m) { return Bumped(wall.rig.pair, at, depth_m); });
+  const double off = ShareWithin(wall.Refine(RefineConfig::OFF), 0.75);
+  EXPECT_LT(off, 0.92);
+  EXPECT_GT(ShareWithin(wall.Refine(RefineConfig::FIELD), 0.75), 0.98);
+  EXPECT_LT(ShareWithin(wall.Refine(RefineConfig::CURVE), 0.75), 0.96);
+}
+
+TEST(RangeBias, BelievesNoPointOfAMirroredImage) {
+  Wall wall;
+  cv::flip(wall.tof.depth_m, wall.tof.depth_m, 1);
+  const SeedSet set = wall.Refine(RefineConfig::FIELD);
+  EXPECT_TRUE(set.seeds.empty());
+  EXPECT_EQ(set.contradicted, set.raw - set.outside);
+}
+
+TEST(RangeBias, TakesTheDataSheetsErrorWhereImagesShowNothing) {
+  Wall wall(0);  // grey
+  const SeedSet set = wall.Refine(RefineConfig::FIELD, 0.02);
+  ASSERT_GT(set.seeds.size(), 1000U);
+  const RectifiedPair& pair = wall.rig.pair;
+  for (const Seed& seed : set.seeds) {
+    const double depth_m = pair.DepthFromDisparity(seed.disparity());
+    EXPECT_NEAR(seed.sigma_px,
+                std::hypot(0.05, pair.focal_px * pair.baseline_m / (depth_m * depth_m) * 0.02),
+                0.02);
+  }
+}
+
+TEST(RangeBias, IsTheSameWithAnyNumberOfThreads) {
+  Wall wall;
+  wall.Measure([&](const cv::Point2d& at, double depth_m) {
+    return Bumped(wall.rig.pair, at, depth_m) + 0.02;
+  });
+  const int before = cv::getNumThreads();
+  cv::setNumThreads(1);
+  const SeedSet one = wall.Refine(RefineConfig::FIELD);
+  cv::setNumThreads(4);
+  EXPECT_EQ(wall.Refine(RefineConfig::FIELD), one);
+  cv::setNumThreads(before);
+}
+
+TEST(RangeBias, StandsImagesThatAreTooSmallForAWindow) {
+  Wall wall;
+  RefineConfig config;
+  Rig rig = wall.rig;
+  rig.pair.width = 6;
+  rig.pair.height = 6;
+  const auto set = Refiner(config).Compute(wall.left(cv::Rect(0, 0, 6, 6)).clone(),
+                                           wall.right(cv::Rect(0, 0, 6, 6)).clone(), wall.tof,
+                                           TofProjector(rig));
+  EXPECT_TRUE(set.has_value());
+}
+
+}  // namespace
+}  // namespace sprout::refine
