@@ -47,16 +47,17 @@ namespace HWY_NAMESPACE {
 using LabelInts = int32_t __attribute__((vector_size(4 * kLabels)));
 using LabelBytes = uint8_t __attribute__((vector_size(kLabels)));
 
-HWY_INLINE LabelInts LoadLabels(const uint8_t* from) {
+// Not returned: how a vector of 64 bytes is differs between instruction sets.
+HWY_INLINE void LoadLabels(const uint8_t* from, LabelInts& to) {
   LabelBytes bytes;
   std::memcpy(&bytes, from, sizeof bytes);
-  return __builtin_convertvector(bytes, LabelInts);
+  to = __builtin_convertvector(bytes, LabelInts);
 }
 
 // One lane an offset: for a pixel of the window, offsets lie in consecutive pixels of the right
 // image, the largest one first.
 bool SumOffsetsOnTarget(const OffsetWindow& window, OffsetSums& to) {
-  LabelInts right_sum{}, right_squares{}, products{};
+  LabelInts right_sum{}, right_squares{}, products{}, before, behind;
   for (int y = -kCostRadius; y <= kCostRadius; ++y) {
     const uint8_t* left = window.left[window.at.y + y] + window.at.x;
     const uint8_t* right = window.right[window.at.y + y];
@@ -66,8 +67,9 @@ bool SumOffsetsOnTarget(const OffsetWindow& window, OffsetSums& to) {
       const int first = (column >> 8) - (kLabels - 1);
       if (first < 0 || first + kLabels >= window.right.cols) return false;
       const int part = (column & (kCostFine - 1)) / (kCostFine / kEighths);
-      const LabelInts grey =
-          LoadLabels(right + first) * (kEighths - part) + LoadLabels(right + first + 1) * part;
+      LoadLabels(right + first, before);
+      LoadLabels(right + first + 1, behind);
+      const LabelInts grey = before * (kEighths - part) + behind * part;
       const int32_t own = left[x] * kEighths;
       to.left += own;
       to.left_squares += own * own;

@@ -19,7 +19,8 @@ void RangeField::Average(const RangeNodes& nodes, std::span<const double> start_
   std::vector<Costs> own(all.size());
   for (size_t i = 0; i < all.size(); ++i) {
     for (int k = 0; k < kOffsetLabels; ++k) {
-      own[i][static_cast<size_t>(k)] = CostAt(all[i].costs, RangeRules::OffsetPx(k) + start_px[i]);
+      own[i][static_cast<size_t>(k)] =
+          static_cast<float>(CostAt(all[i].costs, RangeRules::OffsetPx(k) + start_px[i]));
     }
   }
   for (size_t i = 0; i < all.size(); ++i) {
