@@ -49,10 +49,14 @@ class CheckReader {
                         ": images of a folder are not rectified: --rig is needed");
     }
     int64_t count = 0;
-    ReadImageFolder(options_.input, [&](const RigImages&) { ++count; });
+    constexpr int kFoundOut = 0;  // how many bits images use
+    ReadImageFolder(options_.input, kFoundOut, [&](const RigImages&) { ++count; });
     stride_ = std::max<int64_t>(1, count / kCheckedFrames);
-    ReadImageFolder(options_.input,
-                    [&](const RigImages& images) { Offer(count, [&] { return AddRaw(images); }); });
+    const auto notes = ReadImageFolder(options_.input, kFoundOut, [&](const RigImages& images) {
+      Offer(count, [&] { return AddRaw(images); });
+    });
+    progress_.Clear();
+    for (const std::string& note : notes) std::cerr << "sprout-calibrate: " << note << "\n";
   }
 
   void ReadLog() {
