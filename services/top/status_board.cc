@@ -15,9 +15,9 @@ int64_t Losses(const StageStatus& status) {
 
 }  // namespace
 
-bool StatusBoard::Add(const StageStatus& heard, Clock::time_point now) {
+bool StatusBoard::Add(const StageStatus& message, Clock::time_point now) {
   // Whoever sends a status must not move the terminal's cursor.
-  StageStatus status = heard;
+  StageStatus status = message;
   for (std::string* text : {&status.stage, &status.host, &status.last_error}) {
     *text = Printable(*text);
   }

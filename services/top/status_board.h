@@ -53,7 +53,7 @@ class StatusBoard {
   explicit StatusBoard(std::vector<std::string> expected) : expected_(std::move(expected)) {}
 
   /// @returns whether there was room for it.
-  bool Add(const StageStatus& heard, Clock::time_point now);
+  bool Add(const StageStatus& message, Clock::time_point now);
 
   /// A status could not be read.
   void AddBad() { ++bad_; }
