@@ -66,7 +66,7 @@ struct Scene {
   cv::Mat1b left, right;
 };
 
-cv::Mat1w TofImage(double counts_per_metre) {
+cv::Mat1w RangePicture(double counts_per_metre) {
   cv::Mat1w tof(kSize);
   for (int v = 0; v < kSize.height; ++v) {
     for (int u = 0; u < kSize.width; ++u) {
@@ -180,8 +180,8 @@ TEST_F(FilesInput, OfARangeCameraThatLacksSomeAreComputedWithout) {
     Write("l/" + std::string(number) + ".png", scene.left);
     Write("r/" + std::string(number) + ".png", scene.right);
   }
-  Write("t/1.png", TofImage(1000));
-  Write("t/2.png", TofImage(1000));
+  Write("t/1.png", RangePicture(1000));
+  Write("t/2.png", RangePicture(1000));
   options_.left = Path("l");
   options_.right = Path("r");
   options_.tof = Path("t");
@@ -250,13 +250,13 @@ TEST_F(FilesInput, OfRangesAreInTheUnitThatIsGiven) {
                                      {"1/5000", 5000.0},
                                      {"0.002", 500.0},
                                      {"", 1000.0}}) {
-    options_.tof = Write("tof.png", TofImage(counts));
+    options_.tof = Write("tof.png", RangePicture(counts));
     options_.pixels.tof_unit = unit;
     EXPECT_EQ(Run(), 0);
     EXPECT_GT(Right(Depth()), 95) << unit;
   }
   cv::Mat1f mm;
-  TofImage(1000).convertTo(mm, CV_32F);
+  RangePicture(1000).convertTo(mm, CV_32F);
   options_.pixels.tof_unit = "mm";
   options_.tof = Path("tof.PFM");
   ASSERT_TRUE(WritePfm(options_.tof, mm));
@@ -269,7 +269,7 @@ TEST_F(FilesInput, OfRangesAreInTheUnitThatIsGiven) {
 }
 
 TEST_F(FilesInput, OfRangesHaveNoReturnWhere65535Is) {
-  cv::Mat1w tof = TofImage(1000);
+  cv::Mat1w tof = RangePicture(1000);
   tof(cv::Rect(0, 0, 48, 72)).setTo(65535);
   options_.tof = Write("tof.png", tof);
   EXPECT_EQ(Run(), 0);
@@ -287,7 +287,7 @@ TEST_F(FilesInput, OfConvergedPairsHaveNegativeDisparities) {
       Show(Scene(0, move));
       options_.rig.cx = 47.5;
       options_.rig.cx_right = 47.5 + move;
-      options_.tof = with_tof ? Write("tof.png", TofImage(1000)) : "";
+      options_.tof = with_tof ? Write("tof.png", RangePicture(1000)) : "";
       EXPECT_EQ(Run(), 0) << err_;
       EXPECT_GT(Right(Depth()), 90) << move << with_tof << out_;
       const cv::Mat1f px = datasets::ReadPfm(Path("out/disparity.pfm"));
