@@ -51,6 +51,7 @@ class ReplayTest : public ::testing::Test {
   int Run(FrameRange frames = {}, std::vector<std::string> logs = {}) {
     if (logs.empty()) logs = {in_};
     ServiceContext context{.stage = "grey",
+                           .version = Version(),
                            .config = LoadConfig({}),
                            .lcm_url = "",
                            .prefix = prefix_,

@@ -36,12 +36,14 @@ double CostByDefinition(const cv::Mat1b& left, const cv::Mat1b& right, const Sla
           u - (patch.disparity_px + patch.slope.x * x + patch.slope.y * y + offset_px);
       const int before = static_cast<int>(std::floor(column));
       const double part = column - before;
-      a.push_back(double{left(v, u)});
+      a.push_back(static_cast<double>(left(v, u)));
       b.push_back(right(v, before) * (1 - part) + right(v, before + 1) * part);
     }
   }
-  const cv::Mat1d a0 = a - cv::mean(a)[0];
-  const cv::Mat1d b0 = b - cv::mean(b)[0];
+  cv::Mat1d a0;
+  cv::Mat1d b0;
+  cv::subtract(a, cv::mean(a), a0);
+  cv::subtract(b, cv::mean(b), b0);
   const double n = static_cast<double>(a.total());
   const double likeness =
       2 * a0.dot(b0) / n / (a0.dot(a0) / n + b0.dot(b0) / n + 2 * RangeRules::kNoiseVariance);
