@@ -239,7 +239,7 @@ TEST_F(CalibrateProgram, TellsACommandThatWorksWhereThereIsARigFileAndWhereThere
 }
 
 TEST_F(CalibrateProgram, RefusesFlagsThatMakeNoSense) {
-  ExpectRefused({}, 2, "subcommand");
+  ExpectRefused({}, 2, "which command?");
   ExpectRefused({"board", "--squares", "11", "--out", File("board.svg")}, 2,
                 "--squares 11: allowed is COLUMNSxROWS");
   ExpectRefused({"board", "--squares", "11x8x", "--out", File("board.svg")}, 2, "COLUMNSxROWS");

@@ -47,12 +47,12 @@ TEST(LogProgram, NoticesAFullDiskBehindStdout) {
 TEST(LogProgram, RefusesBadFlagsAndFiles) {
   const LogFolder folder;
   WriteBytes(folder.File("text"), Bytes(1000, 'x'));
-  ExpectRefused({}, "subcommand");
-  ExpectRefused({"inform"}, "subcommand");
+  ExpectRefused({}, "which command?");
+  ExpectRefused({"inform"}, "did you mean info?");
   ExpectRefused({"info"}, "FILE");
   ExpectRefused({"info", folder.File("none")}, "No such file");
   ExpectRefused({"info", folder.File("text")}, "not an LCM log");
-  ExpectRefused({"info", folder.File("")}, "not a file");
+  ExpectRefused({"info", folder.File("")}, "a folder without .mcap files");
   ExpectRefused({"repair", folder.File("text"), folder.File("out")}, "not an LCM log");
   EXPECT_EQ(folder.CountEntries(), 1);
 }

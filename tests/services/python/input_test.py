@@ -143,7 +143,7 @@ class InputTest(unittest.TestCase):
 
     def test_images_of_10_bits_in_16_are_as_those_of_8(self) -> None:
         left, right = (image.astype(numpy.uint16) * 4 for image in (self.left, self.right))
-        pipeline = sprout.Pipeline()
+        pipeline = sprout.Pipeline("fast")
         frame = pipeline.compute(left, right, self.tof, self.rig)
         self.assertTrue(same(frame.depth_m, self.depth()))
         self.assertTrue(any("16 bits" in warning for warning in frame.warnings))

@@ -28,13 +28,13 @@ class DepthSettingsTest(unittest.TestCase):
         frame = synthetic("96x72")
         whole = compute(sprout.Pipeline("default"), frame)
         limit = float(numpy.nanmedian(whole.depth_m))
-        near = compute(sprout.Pipeline(["default", f"depth {{ max_m: {limit} }}"]), frame)
+        near = compute(sprout.Pipeline("default", f"depth {{ max_m: {limit} }}"), frame)
         kept = whole.depth_m <= limit
         self.assertTrue(same(near.depth_m, numpy.where(kept, whole.depth_m, numpy.float32("nan"))))
         self.assertEqual(len(near.points()), int(kept.sum()))
         self.assertTrue(same(near.disparity, whole.disparity))
         with self.assertRaisesRegex(ValueError, "depth.box"):
-            sprout.Pipeline(["default", "depth { box { max_z_m: 2 } }"])
+            sprout.Pipeline("default", "depth { box { max_z_m: 2 } }")
 
 
 class BytesTest(unittest.TestCase):
