@@ -84,7 +84,7 @@ class ExitTest(unittest.TestCase):
             done = subprocess.run([sys.executable, "-c", program, "--replay", SAMPLE, "--record", record],
                                   capture_output=True, text=True, timeout=60, env=environment())
             self.assertEqual(done.returncode, 5, done.stderr)
-            self.assertRegex(done.stdout, r"^\[\d+, \d+\]$")
+            self.assertRegex(done.stdout, r"(?m)^\[\d+, \d+\]$")
 
     def test_classes_give_no_object_without_a_value(self) -> None:
         for name in sprout.__all__:
