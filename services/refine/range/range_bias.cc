@@ -53,6 +53,14 @@ double RangeBias::JudgeNodes() {
              : static_cast<double>(wrong) / static_cast<double>(judged);
 }
 
+// Whether any node moves, is unsure or is contradicted: with a sensor that is right none is.
+bool RangeBias::SaysSomething() const {
+  return field_.variance_px2() > 0 ||
+         std::ranges::any_of(field_.offsets(),
+                             [](const NodeOffset& offset) { return offset.offset_px != 0; }) ||
+         std::ranges::any_of(wrong_nodes_, [](uint8_t wrong) { return wrong != 0; });
+}
+
 // What the nodes around a point say of it: those of its surface, within a widening window; if there
 // are none, all.
 RangeBias::PointError RangeBias::ErrorOf(const TofSurface& surface,
@@ -130,13 +138,18 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
       return error_;
     }
   }
+  const bool has_field = settings.field && SaysSomething();
+  if (!has_field && curve_.is_zero()) {
+    for (ProjectedPoint& point : points) point.seed.sigma_px = 0;
+    return error_;
+  }
   moved_.assign(points.size(), 0);
   const Eigen::Vector3d centre = input.rig.tof.left_from_tof_translation_m;
   ForEachParallel(points.size(), [&](size_t i) {
     ProjectedPoint& point = points[i];
     const double disparity = point.seed.disparity();
     const PointError error =
-        settings.field ? ErrorOf(input.surface, point) : PointError{.variance_px2 = 0};
+        has_field ? ErrorOf(input.surface, point) : PointError{.variance_px2 = 0};
     const double move_px = curve_.OffsetPx(pair, disparity) + error.offset_px;
     contradicted_[i] = error.contradicted ? 1 : 0;
     point.seed.sigma_px = static_cast<float>(

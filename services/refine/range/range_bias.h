@@ -38,7 +38,7 @@ class RangeBias {
   ///                sigma_px becomes the standard deviation of what is left of the systematic
   ///                error, 0 where a sensor is right. Noise is not in it.
   /// @returns what was found; valid until the next call.
-  /// O(points); 1 to 3 ms for 20 000. No I/O; on OpenCV's threads, with the same result for any
+  /// O(points). No I/O; on OpenCV's threads, with the same result for any
   /// number.
   const RangeError& Apply(const RangeInput& input, const RangeSettings& settings,
                           std::span<ProjectedPoint> points);
@@ -54,6 +54,7 @@ class RangeBias {
   };
 
   double JudgeNodes();
+  bool SaysSomething() const;
   PointError ErrorOf(const TofSurface& surface, const ProjectedPoint& point) const;
 
   RangeNodes nodes_;

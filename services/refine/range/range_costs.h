@@ -23,7 +23,7 @@ struct OffsetCosts {
 /// The costs of a range point's surface.
 /// @param left, right  rectified pair, grey, of one size.
 /// @returns nothing where a window leaves an image, and for slopes above 0.4 px a px. The same on
-/// every machine. O(1), about 0.3 µs; thread-safe.
+/// every machine. O(1); thread-safe.
 std::optional<OffsetCosts> CostsOf(const cv::Mat1b& left, const cv::Mat1b& right,
                                    const SlantedPatch& patch);
 

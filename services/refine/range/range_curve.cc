@@ -51,7 +51,7 @@ class BlockSums {
 double CostAt(const OffsetCosts& costs, double offset_px) {
   const double label =
       std::clamp(offset_px + RangeRules::kZeroLabel, 0.0, RangeRules::kLabels - 1.0);
-  const int nearest = std::clamp(static_cast<int>(std::lround(label)), 1, RangeRules::kLabels - 2);
+  const int nearest = std::clamp(static_cast<int>(label + 0.5), 1, RangeRules::kLabels - 2);
   const auto at = static_cast<size_t>(nearest);
   const double x = label - nearest;
   const double before = costs.cost[at - 1];

@@ -21,7 +21,7 @@ struct RangeKnot {
 class RangeCurve {
  public:
   /// @param sure_sigmas  standard deviations that the curve must gain; otherwise it is 0.
-  /// O(nodes · candidates), a few tenths of a ms; no I/O.
+  /// O(nodes · candidates); no I/O.
   void Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair, double sure_sigmas);
 
   /// By depth; empty when too few nodes show anything.

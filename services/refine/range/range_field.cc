@@ -18,6 +18,8 @@ void RangeField::Average(const RangeNodes& nodes, std::span<const double> start_
   data_.resize(all.size());
   std::vector<Costs> own(all.size());
   for (size_t i = 0; i < all.size(); ++i) {
+    own[i] = all[i].costs.cost;
+    if (start_px[i] == 0) continue;
     for (int k = 0; k < kOffsetLabels; ++k) {
       own[i][static_cast<size_t>(k)] =
           static_cast<float>(CostAt(all[i].costs, RangeRules::OffsetPx(k) + start_px[i]));

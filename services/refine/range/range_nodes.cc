@@ -51,7 +51,8 @@ double NoiseAt(const cv::Mat1b& left, const cv::Point2d& at) {
 }  // namespace
 
 bool IsOnSurface(const RangeNode& node, const cv::Point2d& at, double disparity) {
-  const double distance = std::hypot(at.x - node.at.x, at.y - node.at.y);
+  const cv::Point2d way = at - node.at;
+  const double distance = std::sqrt(way.dot(way));
   return std::abs(node.DisparityAt(at) - disparity) <=
          RangeRules::kSurfacePx + RangeRules::kSurfacePerPx * distance;
 }

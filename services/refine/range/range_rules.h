@@ -23,7 +23,7 @@ struct RangeRules {
   static constexpr double kSteepest = 0.4;
 
   // The nodes.
-  /// Most nodes: each takes 0.3 µs.
+  /// Most nodes: time is proportional to them.
   static constexpr size_t kMostNodes = 4500;
   /// Fewer show nothing.
   static constexpr size_t kFewestNodes = 20;
