@@ -217,7 +217,7 @@ void WriteIndex(const fs::path& path, const IndexSummary& summary,
                 const std::vector<IndexedEvent>& events) {
   std::string lines;
   for (const IndexedEvent& event : events) lines += LineOf(event);
-  OutputFile file(path);
+  OutputFile file(path, OutputFile::OverInput::kAllowed);  // a damaged one was read
   file.Write(HeadLine({.summary = summary, .bytes = std::ssize(lines), .digest = Digest(lines)}));
   file.Write(lines);
   CommitFile(path, file);

@@ -59,7 +59,7 @@ void BindInputs(py::module_& module) {
 Whether the parts of a frame fit each other: one finding a question. Arguments as of
 Pipeline.compute().
 
-    for finding in sprout.check_inputs(left, right, tof, rig):
+    for finding in findings:
         if finding.verdict == "bad":
             print(finding.text))");
 }

@@ -145,7 +145,7 @@ TEST(SelfCalibrateSystem, PutsAKnockedRigRightBetweenTwoFramesAndReplaysToTheSam
       {"--config", config, "--rate", "5", "--lockstep", "1", "--source",
        "log:" + (folder / "raw.lcm").string() + "?rig=" + (folder / "rig.textproto").string()});
   ASSERT_EQ(capture.Wait(std::chrono::seconds(200)), 0) << capture.Output();
-  EXPECT_THAT(capture.Output(), HasSubstr("the calibration was put right: "));
+  EXPECT_THAT(capture.Output(), HasSubstr("the calibration was put right by "));
   // Capture waits for grow's answers; the two behind it may leave out a frame on a busy machine.
   for (const char* stage : {"refine", "prior", "grow", "temporal", "depth"}) {
     EXPECT_TRUE(graph.WaitUntil([&](Graph& g) {
