@@ -39,7 +39,7 @@ struct Seams {
     row(band.rows - 1, last);
   }
 
-  // Of one without.
+  // Of a band without open pixels: its part of the map.
   Seams(const SweepBand& band, const DisparityImage& map) {
     const auto row = [&](int v, std::vector<int16_t>& seam) {
       for (int u = 0; u < map.width(); ++u) {
@@ -114,11 +114,12 @@ void Grower::Sweep(const SweepKernel& kernel, const GrowthInput& input,
                    std::span<const Correspondence> seeds) {
   seeds_by_row_.Sort(seeds, input.left.rows);
   ForEachParallel(sweeps_.size(), [&](size_t i) {
-    kernel.sweep(rule_, input, sweeps_[i], map_);  // Steps 1, 2
-    LinkRows(map_, seeds_by_row_, sweeps_[i]);     // Step 3
+    kernel.sweep(rule_, input, sweeps_[i], map_);  // (W1), (W2)
+    LinkRows(map_, seeds_by_row_, sweeps_[i]);     // (W3)
   });
   LinkBands(map_, sweeps_);
-  ForEachParallel(sweeps_.size(), [&](size_t i) { EraseUnreached(sweeps_[i], map_); });  // 4, 5
+  ForEachParallel(sweeps_.size(),
+                  [&](size_t i) { EraseUnreached(sweeps_[i], map_); });  // (W4), (W5)
 }
 
 void Grower::GrowOpen(const GrowthKernel& kernel, const GrowthInput& input,

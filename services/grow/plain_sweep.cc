@@ -29,11 +29,11 @@ class PlainSweep {
 
   DisparityImage Run(std::span<const Correspondence> seeds) {
     for (int v = 0; v < matched_.rows; ++v) {
-      for (int u = 0; u < matched_.cols; ++u) ClaimAt(u, v) = Choose(u, v);  // Step 1
-      Award(v);                                                              // Step 2
+      for (int u = 0; u < matched_.cols; ++u) ClaimAt(u, v) = Choose(u, v);  // (W1)
+      Award(v);                                                              // (W2)
     }
-    const cv::Mat1b reached = Reach(seeds);                                    // Step 3
-    for (int v = 0; v < matched_.rows; ++v) AwardAgain(v, Erase(v, reached));  // Steps 4, 5
+    const cv::Mat1b reached = Reach(seeds);                                    // (W3)
+    for (int v = 0; v < matched_.rows; ++v) AwardAgain(v, Erase(v, reached));  // (W4), (W5)
     return ToCountsOfMap();
   }
 

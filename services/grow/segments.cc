@@ -131,7 +131,7 @@ class FreeRightPixels {
     any_ = true;
   }
 
-  // Step 5 with the row's claims that had lost.
+  // (W5) with the row's claims that had lost.
   void AwardAgain(std::span<const LostClaim> lost, int16_t* counts) {
     for (const LostClaim& claim : lost) {
       int16_t& least = least_[static_cast<size_t>(claim.u - claim.d)];

@@ -8,7 +8,7 @@
 #include "common/core/disparity_image.h"
 #include "services/grow/sweep_band.h"
 
-// Steps 3 to 5 of the sweep, on segments instead of pixels: which ones seeds reach.
+// Steps (W3) to (W5) of the sweep, on segments instead of pixels: which ones seeds reach.
 namespace sprout::grow {
 
 /// Seeds in the order of their rows.
@@ -25,14 +25,14 @@ class SeedsByRow {
   std::vector<size_t> first_;  // of each row, one more than rows
 };
 
-/// Step 3 within a band: makes its segments from the cuts, links those of neighbouring rows, and
+/// (W3) within a band: makes its segments from the cuts, links those of neighbouring rows, and
 /// marks those that seeds reach. O(segments + seeds), and where rows meet in pixels.
 void LinkRows(const DisparityImage& map, const SeedsByRow& seeds, SweepBand& band);
 
-/// Step 3 from band to band: goes on marking until nothing changes.
+/// (W3) from band to band: goes on marking until nothing changes.
 void LinkBands(const DisparityImage& map, std::span<SweepBand> bands);
 
-/// Steps 4 and 5 in the band's rows of the map.
+/// (W4) and (W5) in the band's rows of the map.
 void EraseUnreached(const SweepBand& band, DisparityImage& map);
 
 }  // namespace sprout::grow

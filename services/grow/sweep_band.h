@@ -35,7 +35,7 @@ struct SweepBand {
   /// By row: whether a pixel is open.
   std::vector<uint8_t> has_open;
 
-  /// Claims that lost in step 2, row by row, and where those of each row begin, one more than rows.
+  /// Claims that lost in (W2), row by row, and where those of each row begin, one more than rows.
   std::vector<LostClaim> lost;
   std::vector<int32_t> first_lost;
 
@@ -52,7 +52,7 @@ struct SweepBand {
 /// The functions compiled for each instruction set. All give the same bytes: they compute in whole
 /// numbers, and in single operations of floating point that IEEE 754 defines to the last bit.
 struct SweepKernel {
-  /// Steps 1 and 2 for the rows of a band: fills these rows of the map, the lost claims and cuts.
+  /// (W1) and (W2) for the rows of a band: fills these rows of the map, the lost claims and cuts.
   /// @param band  first_row and rows are set. O(pixels).
   void (*sweep)(const GrowthRule& rule, const GrowthInput& input, SweepBand& band,
                 DisparityImage& map);

@@ -1,5 +1,5 @@
-// Steps 1 and 2 of the sweep. Highway compiles this file once for each instruction set and picks
-// one when the program runs.
+// Steps (W1) and (W2) of the sweep. Highway compiles this file once for each instruction set and
+// picks one when the program runs.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -111,7 +111,7 @@ class Sweep {
     add(input_.right, PairRow(right_pairs_, r));
   }
 
-  // Step 1. @returns whether a pixel is open.
+  // (W1). @returns whether a pixel is open.
   bool Choose(int r) {
     const D d;
     const WindowPairs right = Around(right_pairs_, r);
@@ -155,7 +155,7 @@ class Sweep {
     }
   }
 
-  // Step 2. Keys are even: an odd one says that two had the next one, and nobody wins.
+  // (W2). Keys are even: an odd one says that two had the next one, and nobody wins.
   void Award(int16_t* counts) {
     const D16 d;
     const int16_t* const disparities = disparities_.data() + kBeside;

@@ -10,8 +10,8 @@
 namespace sprout::refine {
 
 /// Four of the eight directions of semi-global matching: for each label of a pixel the costs of the
-/// cheapest paths that end there (eq. 2 of the README), added up. The paths come from the previous
-/// pixel and from the three nearest pixels of the previous row.
+/// cheapest paths that end there (eq. (R2) of the README), added up. The paths come from the
+/// previous pixel and from the three nearest pixels of the previous row.
 /// @param step  1: rows from the first to the last one, and the pixels in them; −1: the other way.
 /// @param costs  of the data term, MatchCosts.
 /// @param sums   gets search.labels sums for each pixel of the rows, undefined for pixels that are

@@ -104,7 +104,7 @@ PointSurface::Around PointSurface::AroundCell(cv::Point cell) const {
   return around;
 }
 
-// Eq. (4), by iteratively reweighted least squares.
+// Eq. (R4), by iteratively reweighted least squares.
 PointSurface::Slope PointSurface::SlopeAt(const Seed& seed, const Around& around) const {
   Slope slope;
   for (const double wider : {StereoRules::kFirstScale, 1.0, 1.0}) {
@@ -162,7 +162,7 @@ double PointSurface::OffPx(cv::Point cell, double disparity_px) const {
   return off_px;
 }
 
-// Eq. (3).
+// Eq. (R3).
 double PointSurface::SigmaPx(cv::Point cell) const {
   if (seeds_.empty()) return kInfinite;
   if (own_(cell) != kNone) return SeedOf(own_(cell)).sigma_px;

@@ -164,7 +164,7 @@ Result<void> ZoneEvidence::Set(const TofZones& zones, const RectifiedPair& pair,
   return {};
 }
 
-// Eq. (7), by iteratively reweighted least squares.
+// Eq. (R7), by iteratively reweighted least squares.
 ZoneEvidence::Plane ZoneEvidence::PlaneOf(const TofZones& zones, int column, int row) const {
   const auto patch_of = [&](int u, int v) -> const Patch& {
     return patches_[static_cast<size_t>(v * zones.columns + u)];
@@ -200,7 +200,7 @@ ZoneEvidence::Plane ZoneEvidence::PlaneOf(const TofZones& zones, int column, int
   return plane;
 }
 
-// Eq. (8).
+// Eq. (R8).
 std::optional<ZoneSurface> ZoneEvidence::SurfaceAt(cv::Point cell) const {
   if (patches_.empty() || zone_(cell) == kNone) return {};
   const auto zone = static_cast<size_t>(zone_(cell));
