@@ -11,6 +11,7 @@
 #include <span>
 
 #include "common/core/checks.h"
+#include "common/core/depth_of_counts.h"
 #include "common/core/tof_image.h"
 #include "common/ros2/ros_encodings.h"
 
@@ -30,6 +31,7 @@ constexpr Encoding kPictures[] = {
     {"mono8", CV_8UC1},
     {"8UC1", CV_8UC1},
     {"mono16", CV_16UC1},
+    {"16UC1", CV_16UC1},  // of thermal cameras
     {"bgr8", CV_8UC3},
     {"8UC3", CV_8UC3},
     {"rgb8", CV_8UC3, cv::COLOR_RGB2BGR},
@@ -43,6 +45,10 @@ constexpr Encoding kPictures[] = {
     {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2BGR},
     {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2BGR},
     {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2BGR},
+    {"bayer_rggb16", CV_16UC1, cv::COLOR_BayerBG2BGR},
+    {"bayer_bggr16", CV_16UC1, cv::COLOR_BayerRG2BGR},
+    {"bayer_gbrg16", CV_16UC1, cv::COLOR_BayerGR2BGR},
+    {"bayer_grbg16", CV_16UC1, cv::COLOR_BayerGB2BGR},
 };
 constexpr Encoding kRanges[] = {{"16UC1", CV_16UC1}, {"mono16", CV_16UC1}, {"32FC1", CV_32FC1}};
 
@@ -83,12 +89,6 @@ Result<cv::Mat> ViewOf(const RosImage& ros, int type) {
     }
   }
   return swapped;
-}
-
-cv::Mat UpperBits(const cv::Mat& of_16_bits) {
-  cv::Mat image;
-  of_16_bits.convertTo(image, CV_8U, 1.0 / 256, -0.498);  // rounded down
-  return image;
 }
 
 // Byte in a point at which a coordinate stands.
@@ -132,8 +132,6 @@ Result<cv::Mat> FromRosImage(const RosImage& ros) {
   }
   if (encoding->to_bgr >= 0) {
     cv::cvtColor(*view, image, encoding->to_bgr);
-  } else if (encoding->type == CV_16UC1) {
-    image = UpperBits(*view);
   } else {
     image = view->clone();
   }
@@ -142,7 +140,6 @@ Result<cv::Mat> FromRosImage(const RosImage& ros) {
 
 Result<cv::Mat> ToPicture(const cv::Mat& stored, std::string_view encoding) {
   cv::Mat image = stored;
-  if (image.depth() == CV_16U) image = UpperBits(image);
   const auto known = std::ranges::find(kPictures, encoding, &Encoding::name);
   const bool is_mosaic = encoding.starts_with("bayer_") && known != std::end(kPictures);
   if (image.channels() == 4) {
@@ -150,7 +147,8 @@ Result<cv::Mat> ToPicture(const cv::Mat& stored, std::string_view encoding) {
   } else if (image.channels() == 1 && is_mosaic) {
     cv::cvtColor(image, image, known->to_bgr);
   }
-  const bool is_picture = image.type() == CV_8UC1 || image.type() == CV_8UC3;
+  const bool has_depth = image.depth() == CV_8U || image.depth() == CV_16U;
+  const bool is_picture = has_depth && (image.channels() == 1 || image.channels() == 3);
   if (!is_picture) return Fail("data: a picture of other than 1, 3 or 4 channels of 8 or 16 bits");
   return image;
 }
@@ -160,9 +158,8 @@ Result<cv::Mat1f> FromRosDepth(const RosImage& ros) {
   if (!encoding) return tl::unexpected(encoding.error());
   const Result<cv::Mat> view = ViewOf(ros, encoding->type);
   if (!view) return tl::unexpected(view.error());
-  cv::Mat1f depth_m;
-  view->convertTo(depth_m, CV_32F, encoding->type == CV_16UC1 ? 0.001 : 1);
-  return depth_m;
+  if (encoding->type == CV_16UC1) return DepthOfCounts(*view, 0.001);
+  return cv::Mat1f(view->clone());
 }
 
 Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros) {

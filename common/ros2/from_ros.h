@@ -21,10 +21,10 @@ namespace sprout {
 /// µs since 1970-01-01 UTC, rounded down; an error when nanosec is no part of a second.
 Result<int64_t> FromRosStamp(const RosHeader& header);
 
-/// A camera's picture: mono8, 8UC1, mono16 (its upper 8 bits), bgr8, 8UC3, rgb8, bgra8, rgba8,
-/// yuv422 or uyvy (U Y V Y), yuv422_yuy2 or yuyv (Y U Y V), bayer_rggb8, bayer_bggr8, bayer_gbrg8
-/// or bayer_grbg8 (bilinear).
-/// @returns 8UC1 or 8UC3 (BGR), with pixels of its own.
+/// A camera's picture: mono8, 8UC1, mono16, 16UC1, bgr8, 8UC3, rgb8, bgra8, rgba8,
+/// yuv422 or uyvy (U Y V Y), yuv422_yuy2 or yuyv (Y U Y V), or the Bayer patterns bayer_rggb8,
+/// bayer_bggr8, bayer_gbrg8, bayer_grbg8 and the same with 16 (bilinear).
+/// @returns grey or BGR of 8 bits, or of 16 (see EightBits), with pixels of its own.
 Result<cv::Mat> FromRosImage(const RosImage& ros);
 
 /// The same from a PNG or JPEG stream, which is known by its first bytes, not by `format`: that is
@@ -32,7 +32,7 @@ Result<cv::Mat> FromRosImage(const RosImage& ros);
 /// @param size  that it must have; nothing: any.
 Result<cv::Mat> FromRosImage(const RosCompressedImage& ros, std::optional<cv::Size> size);
 
-/// A range image: 16UC1 or mono16 (mm, 0 = none) or 32FC1 (m, NaN = none).
+/// A range image: 16UC1 or mono16 (mm; 0 and 65535: none) or 32FC1 (m, NaN: none).
 /// @returns depth along the optical axis, m; no return: not IsReturn().
 Result<cv::Mat1f> FromRosDepth(const RosImage& ros);
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/core/depth_of_counts.h"
 #include "common/core/image.h"
 #include "common/messages/jpeg.h"
 #include "common/ros2/from_ros.h"
@@ -119,7 +120,9 @@ Result<cv::Mat1f> FromRosDepth(const RosCompressedImage& ros, std::optional<cv::
     parameters = ParametersOf(data);
     data = data.subspan(DepthParameters::kBytes);
   }
-  if (!IsPng(data)) return UnknownFormat(ros, "a PNG of 16 bits, as compressedDepth sends it");
+  if (!IsPng(data)) {
+    return UnknownFormat(ros, "a PNG of 16 bits, as compressedDepth sends it with format: png");
+  }
   const Result<cv::Mat> stored = DecodePng(data, size);
   if (!stored) return tl::unexpected(stored.error());
   if (stored->type() != CV_16UC1) {
@@ -132,9 +135,7 @@ Result<cv::Mat1f> FromRosDepth(const RosCompressedImage& ros, std::optional<cv::
     if (!is_usable) return Fail("data: no parameters of the quantised inverse depths in front");
     return FromInverse(*stored, *parameters);
   }
-  cv::Mat1f depth_m;
-  stored->convertTo(depth_m, CV_32F, 0.001);
-  return depth_m;
+  return DepthOfCounts(*stored, 0.001);
 }
 
 }  // namespace sprout

@@ -8,7 +8,7 @@
 
 namespace sprout {
 
-/// A decoded picture of 8 or 16 bits (grey, BGR, BGRA) as 8UC1 or 8UC3 (BGR).
+/// A decoded picture of 8 or 16 bits (grey, BGR, BGRA) as grey or BGR, of as many bits.
 /// @param encoding  of the image before it was compressed: of a Bayer pattern, which grey pixels
 ///                  are, colours are made; others leave the picture as it is.
 Result<cv::Mat> ToPicture(const cv::Mat& stored, std::string_view encoding);

@@ -22,6 +22,8 @@ struct PairRules {
   /// Beyond it Sprout loses accuracy that can be measured (services/refine/NOTES.md).
   static constexpr double kMostRowsPx = 1;
   static constexpr double kMostParallaxPx = 1;
+  /// Of the rows that are off anywhere: (1) is a pitch's and a roll's first order.
+  static constexpr double kParallaxOfRows = 0.1;
   static constexpr double kSure = 5;           ///< standard deviations
   static constexpr double kBehindPx = 1;       ///< a match is beyond infinity by more
   static constexpr double kManyBehind = 0.9;   ///< share: of a swapped pair
@@ -69,7 +71,8 @@ Finding JudgeTime(const PairModel& model) {
   for (const Match& match : model.inliers) disparities.push_back(std::abs(match.disparity()));
   // What a roll of either camera may add, see (1): x is between the two places of a match.
   const double by_roll = std::abs(model.roll_rad) * Median(disparities) / 2;
-  const double most = PairRules::kMostParallaxPx + by_roll;
+  const double by_rows = PairRules::kParallaxOfRows * std::abs(model.worst_px.value);
+  const double most = PairRules::kMostParallaxPx + by_roll + by_rows;
   const double sure = PairRules::kSure * finding.sigma;
   if (finding.value - sure > most) {
     finding.verdict = Verdict::kBad;

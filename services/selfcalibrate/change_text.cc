@@ -36,7 +36,8 @@ std::string VerdictText(RigChange::Verdict verdict) {
 
 std::string ChangeText(const RigChange& change, const RectifiedPair& pair) {
   if (change.verdict == RigChange::Verdict::kUnseen) {
-    return fmt::format("nothing can be seen in {} frames: {}", change.frames, change.reason);
+    return fmt::format("no calibration can be told from {} frames: {}", change.frames,
+                       change.reason);
   }
   return fmt::format(
       "{} ({} frames, {} matches): rows {} (spread {:.2f} px), right camera pitch {}, yaw {}, roll "

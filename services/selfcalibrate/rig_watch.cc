@@ -5,7 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/core/image.h"
 #include "common/core/quantile.h"
+#include "services/inputs/check_inputs.h"
 
 namespace sprout::selfcalibrate {
 namespace {
@@ -67,12 +69,15 @@ RigWatch::RigWatch(const SelfCalibrateConfig& config) : config_(config) {
 Result<std::optional<RigChange>> RigWatch::Add(const Frame& frame) {
   if (!refiner_ || frame.id.rig_id != rig_id_) {
     refiner_.emplace(RefinerFor(*frame.rig));
+    findings_.clear();
     rig_id_ = frame.id.rig_id;
     pair_ = frame.rig->pair;
   }
   if (const Result<void> added = refiner_->Add(frame.left, frame.right, *frame.tof); !added) {
     return tl::unexpected(added.error());
   }
+  findings_.push_back(
+      inputs::CheckInputs(ToGrey(frame.left), ToGrey(frame.right), {}, pair_, nullptr));
   if (refiner_->views() < config_.frames()) return std::nullopt;
   const RigChange change = Measure(frame.id);
   refiner_.reset();
@@ -83,20 +88,20 @@ RigChange RigWatch::Measure(const FrameId& newest) {
   RigChange change{.newest_frame = newest, .frames = refiner_->views()};
   curve_.clear();
   const Result<SceneRefinement> refined = refiner_->Refine({});
-  if (!refined) {
-    change.reason = refined.error().text;
-    return change;
-  }
+  if (!refined) return Unseen(std::move(change), refined.error().text);
   change.matches = refined->matches;
   change.tof_matches = refined->tof_matches;
   FillRows(*refined, change);
-  if (!refined->is_good()) {
-    change.reason = JoinedReasons(*refined);
-    return change;
-  }
+  if (!refined->is_good()) return Unseen(std::move(change), JoinedReasons(*refined));
   FillNumbers(*refined, change);
   curve_ = refined->curve;
   change.verdict = IsWrong(*refined) ? RigChange::Verdict::kWrong : RigChange::Verdict::kRight;
+  return change;
+}
+
+RigChange RigWatch::Unseen(RigChange change, const std::string& reason) const {
+  const std::string bad = inputs::BadText(inputs::Combine(findings_));
+  change.reason = bad + (bad.empty() ? "" : "; ") + reason;
   return change;
 }
 

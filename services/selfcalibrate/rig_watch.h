@@ -2,12 +2,15 @@
 #define SPROUT_SERVICES_SELFCALIBRATE_RIG_WATCH_H_
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "common/config/config.h"
 #include "common/core/frame.h"
 #include "common/core/result.h"
 #include "common/core/rig_change.h"
 #include "services/calibrate/scene/scene_refiner.h"
+#include "services/inputs/findings.h"
 
 namespace sprout::selfcalibrate {
 
@@ -20,9 +23,10 @@ class RigWatch {
   explicit RigWatch(const SelfCalibrateConfig& config);
 
   /// Takes a frame with LEFT, RIGHT, TOF and RIG. One of another calibration starts again.
-  /// @returns what this frame and those before it show, when they are enough; an error when its
-  ///          sizes do not fit its calibration. At 2 MP 0.2 s, and 0.5 s more with a result, or 1 s
-  ///          when the calibration is wrong.
+  /// @returns what this frame and those before it show, when they are enough; where no calibration
+  ///          can be told, the reason also has what CheckInputs() finds bad of the pairs (rows far
+  ///          apart, sides swapped ...); an error when its sizes do not fit its calibration. At 2
+  ///          MP 0.2 s, and 0.5 s more with a result, or 1 s when the calibration is wrong.
   Result<std::optional<RigChange>> Add(const Frame& frame);
 
   /// What the last result would add to the ranges, as a curve of the range; empty: no curve is
@@ -31,6 +35,7 @@ class RigWatch {
 
  private:
   RigChange Measure(const FrameId& newest);
+  RigChange Unseen(RigChange change, const std::string& reason) const;
   void FillRows(const calibrate::SceneRefinement& refined, RigChange& change) const;
   void FillNumbers(const calibrate::SceneRefinement& refined, RigChange& change) const;
   bool IsWrong(const calibrate::SceneRefinement& refined) const;
@@ -40,6 +45,7 @@ class RigWatch {
   RectifiedPair pair_;
   std::string rig_id_;                              // of the frames in refiner_
   std::optional<calibrate::SceneRefiner> refiner_;  // nothing before the first frame
+  std::vector<inputs::Findings> findings_;          // of the same frames' pairs
 };
 
 }  // namespace sprout::selfcalibrate

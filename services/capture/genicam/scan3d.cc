@@ -7,6 +7,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "common/core/image.h"
 
@@ -134,8 +135,10 @@ Result<void> CheckSize(const PayloadPart* part, const PayloadPart& range) {
                           PixelFormatName(range.format), range.width, range.height));
 }
 
-float MetresOf(double number, const Scan3d& scan3d) {
+// 65535 is the largest of 16 bits: no return, or a saturated one (as DepthOfCounts() has it).
+float MetresOf(double number, bool is_count, const Scan3d& scan3d) {
   if (!std::isfinite(number) || (scan3d.invalid && number == *scan3d.invalid)) return 0;
+  if (is_count && number == std::numeric_limits<uint16_t>::max()) return 0;
   const auto metres = static_cast<float>((number * scan3d.scale + scan3d.offset) * scan3d.unit_m);
   return IsReturn(metres) ? metres : 0;
 }
@@ -158,8 +161,9 @@ Result<TofImage> ToTofImage(std::span<const PayloadPart> parts, const Scan3d& sc
   if (!numbers) return Fail(numbers.error().text);
   TofImage image;
   image.depth_m.create(numbers->size());
+  const bool is_count = !NumbersOf(static_cast<PixelFormat>(roles.range->format))->is_float;
   std::transform(numbers->begin(), numbers->end(), image.depth_m.begin(),
-                 [&](double number) { return MetresOf(number, scan3d); });
+                 [&](double number) { return MetresOf(number, is_count, scan3d); });
   if (roles.confidence) {
     const Result<cv::Mat1d> confidence = ReadPart(*roles.confidence);
     if (!confidence) return Fail(confidence.error().text);

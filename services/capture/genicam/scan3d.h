@@ -17,7 +17,8 @@ struct Scan3d {
   double scale = 1;      ///< Scan3dCoordinateScale of coordinate C
   double offset = 0;     ///< Scan3dCoordinateOffset of coordinate C
   double unit_m = 1e-3;  ///< of Scan3dDistanceUnit, m
-  /// The number that says "no return" (Scan3dInvalidDataValue), where Scan3dInvalidDataFlag is set.
+  /// The number that says "no return" (Scan3dInvalidDataValue), where Scan3dInvalidDataFlag is set;
+  /// of integers of 16 bits 65535 says so, too.
   std::optional<double> invalid;
   /// C is the range along the ray (Scan3dCoordinateSystem = Spherical), not z.
   bool is_range = false;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 namespace sprout::capture {
 namespace {
@@ -89,6 +90,7 @@ std::optional<Triplet> TripletSynchronizer::Next(int64_t now_utime) {
       case Search::kWait:
         return std::nullopt;
       case Search::kNone:
+        NoteOverdue();
         ++joins_.pairs;
         ++joins_.pairs_since_join;
         return Taken(QueueOf(RigPlace::kLeft), QueueOf(RigPlace::kRight));
@@ -112,6 +114,7 @@ void TripletSynchronizer::DropOverdue(int64_t now_utime) {
   for (const RigPlace place : kRigPlaces) {
     const Queue& queue = QueueOf(place);
     while (!queue.empty() && queue.front().utime + config_.max_wait_us < now_utime) {
+      if (place == RigPlace::kTof) overdue_tof_utime_ = queue.front().utime;
       DropFront(place);
     }
   }
@@ -141,6 +144,14 @@ void TripletSynchronizer::NoteDistance(int64_t tof_utime, int64_t pair_utime) {
   if (!joins_.nearest_us || std::abs(distance) < std::abs(*joins_.nearest_us)) {
     joins_.nearest_us = distance;
   }
+}
+
+// By a clock that is behind, ToF images are overdue before their pair comes.
+void TripletSynchronizer::NoteOverdue() {
+  if (!overdue_tof_utime_) return;
+  const int64_t left = QueueOf(RigPlace::kLeft).front().utime;
+  const int64_t right = QueueOf(RigPlace::kRight).front().utime;
+  NoteDistance(*std::exchange(overdue_tof_utime_, std::nullopt), left + (right - left) / 2);
 }
 
 // Whether the front of the ToF queue belongs to the pair in front of the others.

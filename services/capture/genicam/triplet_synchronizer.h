@@ -98,6 +98,7 @@ class TripletSynchronizer {
   enum class Search { kFound, kNone, kWait };
   Search FindTof(int64_t now_utime);
   void NoteDistance(int64_t tof_utime, int64_t pair_utime);
+  void NoteOverdue();
 
   TripletConfig config_;
   bool tof_is_there_ = true;
@@ -105,6 +106,7 @@ class TripletSynchronizer {
   std::array<Queue, kRigPlaces.size()> queues_;
   std::array<int64_t, kRigPlaces.size()> unpaired_{};
   TofJoins joins_;
+  std::optional<int64_t> overdue_tof_utime_;  // of the newest that no pair was there for
 };
 
 }  // namespace sprout::capture

@@ -20,11 +20,13 @@ constexpr std::string_view kCompressed = "/compressed";
 constexpr std::string_view kCompressedDepth = "/compressedDepth";
 
 ConfigError BadSource(const std::string& source, const std::string& reason) {
-  return ConfigError("capture.source = " + source + ": " + reason +
-                     "; allowed: left=TOPIC&right=TOPIC with left_info, right_info, points, depth, "
-                     "depth_info, tf=TOPIC, pose=x,y,z,qx,qy,qz,qw (m) of the range sensor in the "
-                     "left image's frame, rig=FILE, max_spread_ms=0.001 to 1000, and for ros2: "
-                     "domain=0 to 232");
+  return ConfigError(
+      "capture.source = " + source + ": " + reason +
+      "; allowed: left=TOPIC&right=TOPIC with left_info, right_info, points, depth, "
+      "depth_info, tf=TOPIC, pose=x,y,z,qx,qy,qz,qw (m) of the range sensor in the "
+      "left image's frame, rig=FILE, max_spread_ms=0.001 to 1000, bits=8 to 16, and for "
+      "ros2: "
+      "domain=0 to 232");
 }
 
 // "/stereo/left/image_raw/compressed" → "/stereo/left/camera_info"
@@ -79,6 +81,10 @@ bool Apply(const datasets::SourceOption& option, RosSettings& settings) {
     const std::optional<double> number = ParseNumber<double>(option.value);
     settings.max_spread_ms = number.value_or(0);
     return settings.max_spread_ms >= 0.001 && settings.max_spread_ms <= 1000;
+  }
+  if (option.name == "bits") {
+    settings.bits = ParseNumber<int>(option.value).value_or(0);
+    return settings.bits >= 8 && settings.bits <= 16;
   }
   if (option.name == "pose") {
     settings.left_from_range = ParsePose(option.value);

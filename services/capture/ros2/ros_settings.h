@@ -32,6 +32,7 @@ struct RosSettings {
   /// Where the range sensor stands in the left image's frame; nothing: the transforms say.
   std::optional<Pose> left_from_range;
   double max_spread_ms = 20;
+  int bits = 0;    ///< of pictures of 16 bits, see EightBits
   int domain = 0;  ///< of the source, else of ROS_DOMAIN_ID
 
   /// Topics of a role: of the transforms usually several, of others one or none.

@@ -34,6 +34,7 @@ RosTriplets::RosTriplets(const RosSettings& settings, std::optional<cv::Size> si
       image_of_points_(std::move(image)),
       sensor_(settings.depth.empty() ? settings.points : settings.depth),
       synchronizer_(ConfigOf(settings, image_of_points_ != nullptr)),
+      eight_bits_(settings.bits),
       max_spread_ms_(settings.max_spread_ms) {}
 
 Result<TimedImage> RosTriplets::DecodePicture(const RosBytes& message) const {
@@ -157,14 +158,18 @@ std::optional<datasets::CapturedFrame> RosTriplets::Next() {
   constexpr int64_t kForever = std::numeric_limits<int64_t>::max() / 2;
   std::optional<Triplet> triplet = synchronizer_.Next(is_finished_ ? kForever : newest_utime_);
   if (!triplet) return std::nullopt;
-  datasets::CapturedFrame frame{.left = std::move(triplet->left.image),
-                                .right = std::move(triplet->right.image),
+  CameraImage left{.pixels = std::move(triplet->left.image)};
+  CameraImage right{.pixels = std::move(triplet->right.image)};
+  eight_bits_.Convert({&left, &right});
+  datasets::CapturedFrame frame{.left = std::move(left.pixels),
+                                .right = std::move(right.pixels),
                                 .tof = triplet->tof ? std::move(triplet->tof->tof) : TofImage{},
                                 .utime = triplet->utime()};
   frame.spread_ms = triplet->spread_ms();
   datasets::LostFrames lost = LostSince(/*at_end=*/false);
   frame.lost = lost.count;
   frame.trouble = std::move(lost.trouble);
+  if (frame.trouble.empty()) frame.trouble = eight_bits_.TakeNote();
   trouble_.clear();
   return frame;
 }

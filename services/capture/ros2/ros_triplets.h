@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/picture/eight_bits.h"
 #include "services/capture/genicam/triplet_synchronizer.h"
 #include "services/capture/ros2/ros_input.h"
 #include "services/datasets/frame_source.h"
@@ -50,6 +51,7 @@ class RosTriplets {
   ImageOfPoints image_of_points_;
   std::string sensor_;  // topic of its messages
   TripletSynchronizer synchronizer_;
+  EightBits eight_bits_;
   // Stamp of the newest image of left or right, the only clock here. Senders set theirs back (NTP,
   // a bag that begins again), or send one stamp that is wrong: so not the largest one.
   int64_t newest_utime_ = 0;

@@ -55,10 +55,11 @@ TEST(FromRos, TurnsColoursAndDepthsOfPixels) {
   EXPECT_EQ((*FromRosImage(*Image("rgb8", {1, 1}, 3, {10, 20, 30}))).at<cv::Vec3b>(0, 0),
             cv::Vec3b(30, 20, 10));
   // 256·200 + 255 in little, 256·3 in big endian.
-  EXPECT_EQ((*FromRosImage(*Image("mono16", {1, 1}, 2, {255, 200}))).at<uint8_t>(0, 0), 200);
+  EXPECT_EQ((*FromRosImage(*Image("mono16", {1, 1}, 2, {255, 200}))).at<uint16_t>(0, 0),
+            256 * 200 + 255);
   auto big = Image("mono16", {1, 1}, 2, {3, 0});
   big->is_bigendian = 1;
-  EXPECT_EQ((*FromRosImage(*big)).at<uint8_t>(0, 0), 3);
+  EXPECT_EQ((*FromRosImage(*big)).at<uint16_t>(0, 0), 256 * 3);
 }
 
 TEST(FromRos, TurnsTheEncodingsOfStereoDrivers) {
@@ -99,6 +100,24 @@ TEST(FromRos, BayerPatternsBeginWithTheirFirstPixels) {
   }
 }
 
+TEST(FromRos, PicturesOf16BitsKeepThem) {
+  // Red 1000 of a red scene, low byte first.
+  std::vector<uint8_t> bytes(128, 0);
+  for (size_t v = 0; v < 8; v += 2) {
+    for (size_t u = 0; u < 8; u += 2) {
+      bytes[2 * (8 * v + u)] = 1000 % 256;
+      bytes[2 * (8 * v + u) + 1] = 1000 / 256;
+    }
+  }
+  const Result<cv::Mat> mosaic = FromRosImage(*Image("bayer_rggb16", {8, 8}, 16, bytes));
+  ASSERT_TRUE(mosaic) << ErrorOf(mosaic);
+  EXPECT_EQ(mosaic->type(), CV_16UC3);
+  EXPECT_EQ(mosaic->at<cv::Vec3w>(4, 4), cv::Vec3w(0, 0, 1000));
+  const Result<cv::Mat> thermal = FromRosImage(*Image("16UC1", {8, 8}, 16, bytes));
+  ASSERT_TRUE(thermal) << ErrorOf(thermal);
+  EXPECT_EQ(thermal->at<uint16_t>(4, 4), 1000);
+}
+
 TEST(FromRos, RefusesImagesThatCannotBe) {
   EXPECT_THAT(ErrorOf(FromRosImage(*Image("nv12", {1, 1}, 2, {1, 2}))),
               HasSubstr("encoding = 'nv12': allowed is mono8, "));
@@ -114,11 +133,12 @@ TEST(FromRos, RefusesImagesThatCannotBe) {
 }
 
 TEST(FromRos, DepthIsInMetres) {
-  const auto millimetres = Image("16UC1", {2, 1}, 4, {0xdc, 5, 0, 0});
+  const auto millimetres = Image("16UC1", {3, 1}, 6, {0xdc, 5, 0, 0, 255, 255});
   const Result<cv::Mat1f> depth = FromRosDepth(*millimetres);
   ASSERT_TRUE(depth) << ErrorOf(depth);
   EXPECT_FLOAT_EQ((*depth)(0, 0), 1.5F);
   EXPECT_FALSE(IsReturn((*depth)(0, 1)));
+  EXPECT_FALSE(IsReturn((*depth)(0, 2)));
   const cv::Mat1f metres = (cv::Mat1f(1, 2) << NAN, 2.25F);
   const Result<cv::Mat1f> same = FromRosDepth(*ToRosImage(Place(), metres));
   ASSERT_TRUE(same) << ErrorOf(same);
@@ -169,7 +189,7 @@ TEST(FromRos, CompressedImagesAreKnownByTheirBytes) {
   const cv::Mat1b grey(8, 16, uint8_t{9});
   EXPECT_TRUE(SamePixels(*FromRosImage(*CompressedMessage("", PngOf(grey)), {}), grey));
   const cv::Mat1w deep(8, 16, uint16_t{9 * 256 + 200});
-  EXPECT_TRUE(SamePixels(*FromRosImage(*CompressedMessage("", PngOf(deep)), {}), grey));
+  EXPECT_TRUE(SamePixels(*FromRosImage(*CompressedMessage("", PngOf(deep)), {}), deep));
   const cv::Mat bgra(8, 16, CV_8UC4, cv::Scalar(1, 2, 3, 255));
   EXPECT_TRUE(SamePixels(*FromRosImage(*CompressedMessage("", PngOf(bgra)), {}), bgr));
   cv::Mat1b red(8, 16, uint8_t{0});

@@ -180,6 +180,67 @@ TEST(RosSource, ReportsLossesWhenTheyHappen) {
               HasSubstr("ms apart or more: allowed is max_spread_ms = 20"));
 }
 
+// The line at the end of a recording of three pairs and their range images, with these stamps.
+std::string RangeTrouble(int64_t pairs_utime, int64_t range_utime,
+                         const std::string& topic = "/depth/image") {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddCalibration(examples::Rig());
+  for (int i = 0; i < 3; ++i) {
+    const int64_t later = pairs_utime == 0 ? 0 : 100'000 * i;
+    file.AddImage("/left/image", pairs_utime + later, Grey(i));
+    file.AddImage("/right/image", pairs_utime + later, Grey(i));
+    file.AddImage(topic, range_utime + 100'000 * i, cv::Mat1f(kSize, 2));
+  }
+  file.Finish();
+  Told told;
+  const auto source = OpenRosSource(
+      Source(folder, "&depth=" + topic + "&depth_info=/left/camera_info"), told.Options());
+  const auto frames = All(*source);
+  EXPECT_EQ(frames.size(), 3U);
+  for (const auto& frame : frames) EXPECT_EQ(frame.trouble, "");
+  return source->lost_at_end().trouble;
+}
+
+TEST(RosSource, SaysWhyARangeSensorNeverJoins) {
+  EXPECT_EQ(RangeTrouble(kStart, kStart + 20'000), "");
+  EXPECT_THAT(RangeTrouble(kStart, kStart + 30'000),
+              HasSubstr("0 of 3 range images of /depth/image joined 3 pairs, none the last 3: the "
+                        "nearest is +30.0 ms off, max_spread_ms is 20"));
+  for (const int64_t off : {kHour, -kHour}) {
+    EXPECT_THAT(RangeTrouble(kStart, kStart + off),
+                HasSubstr("is that another clock, or are there no stamps?"));
+  }
+  EXPECT_THAT(RangeTrouble(0, kStart), HasSubstr("or are there no stamps?"));
+}
+
+TEST(RosSource, PicturesOf16BitsBecomeThoseOf8AsTheyUseThem) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddCalibration(examples::Rig());
+  cv::Mat1w deep(kSize);
+  for (int u = 0; u < deep.cols; ++u) deep.col(u).setTo(1023 * u / (deep.cols - 1));
+  for (int i = 0; i < 2; ++i) {
+    for (const char* topic : {"/left/image", "/right/image"}) {
+      RosMessage<RosImage> image = ToRosImage({kStart + 100'000 * i, "frame"}, deep);
+      SetRosText(image->encoding, "mono16");
+      file.Add(topic, image);
+    }
+    deep /= 2;  // one range for the recording
+  }
+  file.Finish();
+  Told told;
+  const auto frames = All(*OpenRosSource(Source(folder), told.Options()));
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[0].left.at<uint8_t>(0, deep.cols - 1), 255);
+  EXPECT_NEAR(frames[1].right.at<uint8_t>(0, deep.cols - 1), 128, 1);
+  EXPECT_THAT(frames[0].trouble, HasSubstr("pixels of 16 bits use 0 to 1023"));
+  EXPECT_EQ(frames[1].trouble, "");
+  const auto asked = All(*OpenRosSource(Source(folder, "&bits=12"), told.Options()));
+  ASSERT_EQ(asked.size(), 2U);
+  EXPECT_NEAR(asked[0].left.at<uint8_t>(0, deep.cols - 1), 64, 1);
+}
+
 TEST(RosSource, WhatCameBeforeTheFirstPairIsNotLost) {
   const TemporaryDirectory folder;
   RosRecording file(folder / "file");

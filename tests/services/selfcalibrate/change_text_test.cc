@@ -33,7 +33,8 @@ TEST(ChangeText, HasEveryFigureWithItsStandardDeviation) {
 
 TEST(ChangeText, SaysWhyNothingIsSeen) {
   const RigChange change{.newest_frame = {}, .reason = "the scene is too flat", .frames = 4};
-  EXPECT_EQ(ChangeText(change, kPair), "nothing can be seen in 4 frames: the scene is too flat");
+  EXPECT_EQ(ChangeText(change, kPair),
+            "no calibration can be told from 4 frames: the scene is too flat");
 }
 
 TEST(ChangeText, AdvisesACommandUnlessCaptureDoesIt) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstdio>
 #include <ctime>
 #include <iostream>
 #include <numbers>
@@ -190,6 +191,30 @@ TEST(RigWatch, SeesRowsButNoYawWithoutToFCamera) {
   EXPECT_EQ(both.verdict, Verdict::kWrong) << both.reason;
   EXPECT_NEAR(both.right.turn[0], 0.2 * kDegree, 0.02 * kDegree);
   EXPECT_EQ(both.right.turn[1], 0);
+}
+
+// One plane tells no turn, but rows that are apart are seen.
+TEST(RigWatch, SaysHowFarRowsAreApartWhereNoCalibrationCanBeTold) {
+  const RawRig rig = calibrate::TrueRig({640, 480});
+  std::vector<datasets::Solid> wall = datasets::SyntheticScene(0, 1).At(0);
+  wall.resize(1);
+  for (const double pitch_deg : {0.3, 1.0}) {
+    RigNumbers turn{};
+    turn[calibrate::kPitch] = pitch_deg * kDegree;
+    const RawRig real = Changed(rig, turn);
+    WatchedRig watched(rig);
+    for (uint32_t i = 1; i < kFrames; ++i) {
+      ASSERT_TRUE(watched.Add(calibrate::RenderSolids(real, wall, i, true)));
+    }
+    const RigChange seen = watched.SeeOne(calibrate::RenderSolids(real, wall, 0, true));
+    EXPECT_EQ(seen.verdict, Verdict::kUnseen);
+    EXPECT_THAT(seen.reason, HasSubstr("too flat"));
+    const double rows_px = std::tan(pitch_deg * kDegree) * watched.rig().pair.focal_px;
+    double said_px = 0;
+    ASSERT_EQ(std::sscanf(seen.reason.c_str(), "rows of the right image lie %lf", &said_px), 1)
+        << seen.reason;
+    EXPECT_NEAR(said_px, rows_px, 0.05 * rows_px) << seen.reason;
+  }
 }
 
 TEST(RigWatch, SaysThatBlackImagesShowNothing) {

@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "common/geometry/lens.h"
@@ -41,6 +42,23 @@ TEST(Scan3d, NumbersBecomeMetres) {
   EXPECT_EQ(image->depth_m(1, 0), 2.01F);
   EXPECT_EQ(image->depth_m(1, 1), 0.0F);
   EXPECT_TRUE(image->amplitude.empty());
+}
+
+TEST(Scan3d, TheLargestCountIsNoReturnEvenWhereTheDeviceNamesAnother) {
+  const auto counts = Bytes<uint16_t>({1, 65534, 65535});
+  const auto floats = Bytes<float>({1, 65534, 65535});
+  for (const std::optional<double> invalid : {std::optional<double>(), std::optional<double>(1)}) {
+    const Scan3d scan3d{.invalid = invalid};
+    const Result<TofImage> integers =
+        ToTofImage(std::vector{Part(PixelFormat::kCoord3dC16, 3, 1, counts)}, scan3d);
+    const Result<TofImage> metres =
+        ToTofImage(std::vector{Part(PixelFormat::kCoord3dC32f, 3, 1, floats)}, scan3d);
+    ASSERT_TRUE(integers && metres);
+    EXPECT_EQ(integers->depth_m(0, 0), invalid ? 0 : 0.001F);
+    EXPECT_EQ(integers->depth_m(0, 1), 65.534F);
+    EXPECT_EQ(integers->depth_m(0, 2), 0.0F);
+    EXPECT_EQ(metres->depth_m(0, 2), 65.535F);
+  }
 }
 
 TEST(Scan3d, TheIntensityBesideCIsTheAmplitude) {

@@ -2,10 +2,14 @@
 
 #include <gmock/gmock.h>
 
+#include <string>
 #include <vector>
 
 namespace sprout::capture {
 namespace {
+
+using testing::ContainsRegex;
+using testing::HasSubstr;
 
 constexpr int64_t kStart = 1'700'000'000'000'000;
 constexpr int64_t kPeriod = 100'000;
@@ -175,6 +179,55 @@ TEST(TripletSynchronizer, PairsCamerasThatDriftUntilTheyArePartedTooFar) {
     }
   }
   EXPECT_EQ(formed, 6 + 7);
+}
+
+// 20 pairs of 1 Hz, and ToF images whose stamps are so much later and that come before their pair.
+std::string TroubleOf(int64_t tof_later_us, bool tof_comes = true) {
+  TripletSynchronizer former({.max_spread_us = 20'000, .has_tof = true});
+  for (int64_t i = 0; i < 20; ++i) {
+    const int64_t utime = kStart + i * 10 * kPeriod;
+    if (tof_comes) former.Push(RigPlace::kTof, At(utime + tof_later_us));
+    former.Push(RigPlace::kLeft, At(utime));
+    EXPECT_FALSE(former.Next(utime));
+    former.Push(RigPlace::kRight, At(utime));
+    EXPECT_EQ(All(former, utime + 6 * kPeriod).size(), 1U);
+  }
+  return JoinTrouble(former.tof_joins(), former.config(), "/points", /*at_end=*/true);
+}
+
+TEST(JoinTrouble, NamesTheSmallestDifferenceOfStamps) {
+  EXPECT_EQ(TroubleOf(20'000), "");
+  EXPECT_THAT(TroubleOf(30'000), HasSubstr("0 of 20 range images of /points joined 20 pairs"));
+  EXPECT_THAT(TroubleOf(30'000), HasSubstr("the nearest is +30.0 ms off, max_spread_ms is 20"));
+  EXPECT_THAT(TroubleOf(-40'000), HasSubstr("the nearest is -40.0 ms off"));
+}
+
+TEST(JoinTrouble, NamesAnotherClockWhicheverIsBehind) {
+  constexpr int64_t kHour = 3'600'000'000;
+  for (const int64_t later : {kHour, -kHour}) {
+    // Of 20 pairs, so up to 19 s less.
+    EXPECT_THAT(TroubleOf(later), ContainsRegex("nearest is [+-]3(58|60)[0-9]{4}.0 ms off"));
+    EXPECT_THAT(TroubleOf(later), HasSubstr("is that another clock, or are there no stamps?"));
+  }
+}
+
+TEST(JoinTrouble, SaysThatNoneCame) {
+  EXPECT_EQ(TroubleOf(0, /*tof_comes=*/false),
+            "no range image came with 20 pairs: does /points send any?");
+}
+
+TEST(JoinTrouble, WhileImagesComeSaysSoAfterTenAHundredPairsInARow) {
+  TofJoins joins{.pairs = 10, .came = 9, .joined = 0, .pairs_since_join = 9};
+  const TripletConfig config;
+  EXPECT_EQ(JoinTrouble(joins, config, "ToF", /*at_end=*/false), "");
+  joins.pairs_since_join = 10;
+  EXPECT_NE(JoinTrouble(joins, config, "ToF", /*at_end=*/false), "");
+  joins.longest_gap = 5;  // a slow sensor has such gaps
+  EXPECT_EQ(JoinTrouble(joins, config, "ToF", /*at_end=*/false), "");
+  joins.pairs_since_join = 100;
+  EXPECT_NE(JoinTrouble(joins, config, "ToF", /*at_end=*/false), "");
+  joins.joined = 1;
+  EXPECT_EQ(JoinTrouble(joins, config, "ToF", /*at_end=*/true), "");
 }
 
 }  // namespace
