@@ -25,7 +25,7 @@ int RunBody(Flags& flags, int argc, const char* const* argv, const std::function
 }  // namespace
 
 int RunProgram(Flags& flags, int argc, const char* const* argv, const std::function<int()>& body) {
-  GuardInputFiles();
+  const InputFileGuard guard;
   const int exit_code = RunBody(flags, argc, argv, body);
   if (std::cout.flush()) return exit_code;
   std::cerr << flags.program() << ": cannot write to stdout\n";  // a full disk

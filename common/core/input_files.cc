@@ -23,10 +23,16 @@ InputFiles& Inputs() {
 
 }  // namespace
 
-void GuardInputFiles() {
+InputFileGuard::InputFileGuard() {
   InputFiles& inputs = Inputs();
   const std::lock_guard lock(inputs.mutex);
   inputs.guarded = true;
+}
+
+InputFileGuard::~InputFileGuard() {
+  InputFiles& inputs = Inputs();
+  const std::lock_guard lock(inputs.mutex);
+  inputs.guarded = false;
   inputs.paths.clear();
 }
 

@@ -9,9 +9,15 @@ namespace sprout {
 // note what they open, and OutputFile refuses those. Of the whole process, since readers and
 // writers know nothing of each other. Paths are compared without links and "..". Thread-safe.
 
-/// From now on inputs are noted; those before are forgotten. Called at the start of every program
-/// (RunProgram). In other people's programs nothing is noted: they may replace what they have read.
-void GuardInputFiles();
+/// While it lives inputs are noted, and then forgotten. Every program of ours has one (RunProgram).
+/// In other people's programs nothing is noted: they may replace what they have read.
+class InputFileGuard {
+ public:
+  InputFileGuard();
+  ~InputFileGuard();
+  InputFileGuard(const InputFileGuard&) = delete;
+  InputFileGuard& operator=(const InputFileGuard&) = delete;
+};
 
 /// Notes a file that is read, or will be. What is no regular file is not noted.
 void NoteInputFile(const std::filesystem::path& path);

@@ -69,7 +69,7 @@ TEST(OutputFile, HasTheRightsOfAnyNewFile) {
 TEST(OutputFile, LeavesWhatTheProgramReads) {
   const TemporaryDirectory folder;
   std::ofstream(folder / "read") << "older";
-  GuardInputFiles();
+  const InputFileGuard guard;
   NoteInputFile(folder / "read");
   const fs::path other_way = folder / "below/../read";
   fs::create_directory(folder / "below");
@@ -83,10 +83,20 @@ TEST(OutputFile, LeavesWhatTheProgramReads) {
   EXPECT_EQ(Text(folder / "read"), "new");
 }
 
+TEST(OutputFile, ReplacesWhatAnEarlierProgramOfTheProcessHasRead) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "read") << "older";
+  {
+    const InputFileGuard guard;
+    NoteInputFile(folder / "read");
+  }
+  EXPECT_EQ(WriteAndCommit(folder / "read", "new"), "");
+}
+
 TEST(OutputFile, RefusesWhatBecameAnInputMeanwhile) {
   const TemporaryDirectory folder;
   std::ofstream(folder / "read") << "older";
-  GuardInputFiles();
+  const InputFileGuard guard;
   OutputFile file(folder / "read");
   NoteInputFile(folder / "read");
   EXPECT_FALSE(file.Commit());

@@ -318,7 +318,7 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
 }
 
 TEST_F(Files, ThatAreReadAreNotReplaced) {
-  GuardInputFiles();
+  const InputFileGuard guard;
   options_.tof = Write("out/depth.png", cv::Mat1w(30, 40, uint16_t{2000}));
   EXPECT_THAT(RefusalOf(options_), HasSubstr("depth.png is an input of this run"));
   EXPECT_EQ(cv::imread(options_.tof, cv::IMREAD_UNCHANGED).at<uint16_t>(0, 0), 2000);
