@@ -1,16 +1,21 @@
 #include "services/pipeline/files/files.h"
 
 #include <fmt/core.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <exception>
 #include <filesystem>
+#include <future>
 #include <iomanip>
 #include <iostream>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "common/app/progress.h"
@@ -18,6 +23,7 @@
 #include "common/core/input_files.h"
 #include "common/core/output_file.h"
 #include "common/core/printable.h"
+#include "common/picture/write_image.h"
 #include "services/inputs/check_inputs.h"
 #include "services/pipeline/files/write_results.h"
 #include "services/pipeline/pipeline.h"
@@ -85,41 +91,172 @@ Result<void> WriteMotions(const fs::path& path, const std::string& rows) {
   return file.Commit();
 }
 
-struct PairOutcome {
-  std::string line;       // to print
+// A pair that was computed, and is being written.
+struct Writing {
+  fs::path left;
+  fs::path folder;
+  std::string line;       // to print when it is written
   std::string complaint;  // what is wrong with the pair; empty: nothing that can be told
+  std::string motion;     // a row, of a pipeline with memory
+  std::future<Result<void>> written;
 };
 
-// Computes one pair and writes it.
-// @param motions  gets a row of a pipeline with memory.
-Result<PairOutcome> ComputePair(PairReader& reader, const ImagePair& pair, const fs::path& folder,
-                                DepthConfig::Input input, Pipeline& pipeline,
-                                std::string& motions) {
+struct Computed {
+  Frame frame;
+  DepthFrame depth;
+  double ms;
+  std::string complaint;
+};
+
+Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline& pipeline) {
   using Clock = std::chrono::steady_clock;
   try {
-    const Result<Frame> frame = reader.Read(pair);
+    Result<Frame> frame = reader.Read(pair);
     if (!frame) return tl::unexpected(frame.error());
     const auto begun = Clock::now();
-    const Result<DepthFrame> depth =
+    Result<DepthFrame> depth =
         pipeline.Compute(frame->left, frame->right, *frame->tof, *frame->rig);
     if (!depth) return tl::unexpected(depth.error());
     const std::chrono::duration<double, std::milli> time = Clock::now() - begun;
-    if (const Result<void> written = WriteResults(*frame, *depth, input, folder); !written) {
-      return tl::unexpected(written.error());
-    }
-    if (depth->motion) motions += MotionRow(pair.left, *depth->motion);
-    return PairOutcome{.line = LineOf(folder, *depth, time.count()),
-                       .complaint = BadText(inputs::CheckInputs(frame->left, frame->right,
-                                                                *frame->tof, *frame->rig))};
+    std::string complaint =
+        BadText(inputs::CheckInputs(frame->left, frame->right, *frame->tof, *frame->rig));
+    return Computed{*std::move(frame), *std::move(depth), time.count(), std::move(complaint)};
   } catch (const std::exception& e) {
     return Fail(e.what());
   }
 }
 
-void CreateFolder(const std::string& out) {
+// All pairs, one after the other; each is written while the next one is computed.
+class FilesRun {
+ public:
+  FilesRun(const FilesOptions& options, const SproutConfig& config)
+      : options_(options),
+        input_(config.depth().input()),
+        reader_(options.rig, options.pixels),
+        found_(ListPairs(options.left, options.right, options.tof, options.max_spread_ms)),
+        pipeline_(config) {}
+
+  void Run(const std::stop_token& stop) {
+    for (const std::string& note : found_.notes) Say(note);
+    for (const ImagePair& pair : found_.pairs) {
+      if (stop.stop_requested()) break;
+      ShowProgress(pair, "computing");
+      Result<Computed> computed = ComputePair(reader_, pair, pipeline_);
+      FinishWriting();
+      if (const std::string note = reader_.TakeNote(); !note.empty()) {
+        progress_.Clear();
+        Say(pair.left.string() + ": " + note);
+      }
+      if (computed) {
+        StartWriting(pair, *std::move(computed));
+      } else {
+        LeaveOut(pair.left, computed.error());
+      }
+      ++done_;
+    }
+    if (writing_) ShowProgress(found_.pairs[done_ - 1], "writing");
+    FinishWriting();
+  }
+
+  const ImagePairs& found() const { return found_; }
+  size_t done() const { return done_; }
+  size_t left_out() const { return left_out_; }
+  size_t wrong() const { return wrong_; }
+  const std::string& motions() const { return motions_; }
+
+ private:
+  static void Say(const std::string& text) {
+    std::cerr << "sprout-pipeline: " << Printable(text) << "\n";
+  }
+
+  void ShowProgress(const ImagePair& pair, const char* what) {
+    const size_t all = found_.pairs.size();
+    const std::string of_many =
+        all > 1 ? fmt::format("pair {} of {}: ", std::min(done_ + 1, all), all) : "";
+    progress_.ShowTime(fmt::format("{}{} {}", of_many, what, pair.left.string()));
+  }
+
+  void StartWriting(const ImagePair& pair, Computed computed) {
+    const fs::path out = options_.out;
+    const fs::path folder = pair.folder.empty() ? out : out / pair.folder;
+    const DepthFrame& depth = computed.depth;
+    Writing& writing = writing_.emplace();
+    writing.left = pair.left;
+    writing.folder = folder;
+    writing.line = LineOf(folder, depth, computed.ms);
+    writing.complaint = std::move(computed.complaint);
+    if (depth.motion) writing.motion = MotionRow(pair.left, *depth.motion);
+    writing.written = std::async(
+        std::launch::async, [this, folder, computed = std::move(computed)]() -> Result<void> {
+          try {
+            return WriteResults(computed.frame, computed.depth, input_, options_.only, folder);
+          } catch (const std::exception& e) {
+            return Fail(e.what());
+          }
+        });
+  }
+
+  void FinishWriting() {
+    if (!writing_) return;
+    const Result<void> written = writing_->written.get();
+    progress_.Clear();
+    if (written) {
+      motions_ += writing_->motion;
+      std::cout << Printable(writing_->line) << std::endl;
+      if (!writing_->complaint.empty()) {
+        ++wrong_;
+        Say(writing_->left.string() + ": " + writing_->complaint);
+      }
+    } else {
+      LeaveOut(writing_->left, written.error());
+      rmdir(writing_->folder.c_str());  // unless there is something in it
+    }
+    writing_.reset();
+  }
+
+  void LeaveOut(const fs::path& left, const Error& error) {
+    progress_.Clear();
+    ++left_out_;
+    Say(left.string() + ": " + error.text);
+  }
+
+  const FilesOptions& options_;
+  DepthConfig::Input input_;
+  PairReader reader_;
+  ImagePairs found_;
+  Pipeline pipeline_;
+  Progress progress_{/*quiet=*/false};
+  size_t done_ = 0;
+  size_t left_out_ = 0;
+  size_t wrong_ = 0;
+  std::string motions_;
+  std::optional<Writing> writing_;  // last: ends before the rest is destroyed
+};
+
+// Settings of what sprout-depth publishes would be believed to hold for files, too.
+void RequireAllApplied(const DepthConfig& config) {
+  const DepthConfig usual;
+  const auto refuse = [](bool is_given, const std::string& name) {
+    if (!is_given) return;
+    throw ConfigError("depth." + name +
+                      ": is of what sprout-depth publishes, `files` does not apply it; allowed: "
+                      "without it");
+  };
+  refuse(config.every() != usual.every(), "every");
+  refuse(config.mm_per_count() != usual.mm_per_count(), "mm_per_count");
+  refuse(config.scale() != usual.scale(), "scale");
+  refuse(config.cloud_stride() != usual.cloud_stride(), "cloud_stride");
+  refuse(config.cloud_voxel_m() != usual.cloud_voxel_m(), "cloud_voxel_m");
+  refuse(config.publish_scan(), "publish_scan");
+  refuse(!config.target().empty(), "target");
+}
+
+// @returns whether it was not there before.
+bool CreateFolder(const std::string& out) {
   std::error_code error;
-  fs::create_directories(out, error);
+  const bool is_new = fs::create_directories(out, error);
   if (error) throw ConfigError("--out " + out + ": cannot be written (" + error.message() + ")");
+  return is_new;
 }
 
 // Nothing that is read may be replaced, be it the next pair's.
@@ -140,69 +277,39 @@ void RequireInputsStay(const std::vector<ImagePair>& pairs, const fs::path& out)
 }  // namespace
 
 int RunFiles(const FilesOptions& options, SproutConfig config, const std::stop_token& stop) {
+  RequireAllApplied(config.depth());
   config.mutable_refine()->set_check_inputs_every(0);  // each pair is checked here
   if (options.min_confidence_percent) {
     config.mutable_grow()->set_min_confidence(
         static_cast<int>(std::ceil(2.55 * *options.min_confidence_percent)));
   }
-  PairReader reader(options.rig, options.pixels);
-  const ImagePairs found =
-      ListPairs(options.left, options.right, options.tof, options.max_spread_ms);
-  const std::vector<ImagePair>& pairs = found.pairs;
-  RequireInputsStay(pairs, options.out);
-  Pipeline pipeline(config);
-  CreateFolder(options.out);
-  for (const std::string& note : found.notes) {
-    std::cerr << "sprout-pipeline: " << Printable(note) << "\n";
+  FilesRun run(options, config);
+  const size_t pairs = run.found().pairs.size();
+  RequireInputsStay(run.found().pairs, options.out);
+  const bool is_new = CreateFolder(options.out);
+  run.Run(stop);
+  if (run.done() < pairs) {
+    std::cerr << fmt::format("sprout-pipeline: stopped after {} of {} pairs\n", run.done(), pairs);
+  } else if (run.left_out() > 0 && pairs > 1) {
+    std::cerr << fmt::format("sprout-pipeline: {} of {} pairs left out\n", run.left_out(), pairs);
   }
-  Progress progress(/*quiet=*/false);
-  size_t done = 0;
-  size_t left_out = 0;
-  size_t wrong = 0;
-  std::string motions;
-  for (const ImagePair& pair : pairs) {
-    if (stop.stop_requested()) break;
-    if (pairs.size() > 1) {
-      progress.Show(fmt::format("pair {} of {}: {}", done + 1, pairs.size(), pair.left.string()));
-    }
-    const fs::path out = options.out;
-    const auto line = ComputePair(reader, pair, pair.folder.empty() ? out : out / pair.folder,
-                                  config.depth().input(), pipeline, motions);
-    progress.Clear();
-    if (const std::string note = reader.TakeNote(); !note.empty()) {
-      std::cerr << "sprout-pipeline: " << Printable(pair.left.string() + ": " + note) << "\n";
-    }
-    if (line) {
-      std::cout << Printable(line->line) << std::endl;
-      if (!line->complaint.empty()) {
-        ++wrong;
-        std::cerr << "sprout-pipeline: " << Printable(pair.left.string() + ": " + line->complaint)
-                  << "\n";
-      }
-    } else {
-      ++left_out;
-      std::cerr << "sprout-pipeline: " << Printable(pair.left.string() + ": " + line.error().text)
-                << "\n";
-    }
-    ++done;
+  if (run.wrong() > 0 && pairs > 1) {
+    std::cerr << fmt::format("sprout-pipeline: something is wrong with {} of {} pairs\n",
+                             run.wrong(), pairs);
   }
-  if (done < pairs.size()) {
-    std::cerr << fmt::format("sprout-pipeline: stopped after {} of {} pairs\n", done, pairs.size());
-  } else if (left_out > 0 && pairs.size() > 1) {
-    std::cerr << fmt::format("sprout-pipeline: {} of {} pairs left out\n", left_out, pairs.size());
-  }
-  if (wrong > 0 && pairs.size() > 1) {
-    std::cerr << fmt::format("sprout-pipeline: something is wrong with {} of {} pairs\n", wrong,
-                             pairs.size());
+  if (is_new && run.left_out() == pairs) {
+    rmdir(options.out.c_str());  // unless there is something in it
+    return 1;
   }
   if (config.temporal().in_pipeline()) {
-    const auto written = WriteMotions(fs::path(options.out) / "motion.csv", motions);
+    const auto written = WriteMotions(fs::path(options.out) / "motion.csv", run.motions());
     if (!written) {
       std::cerr << "sprout-pipeline: " << written.error().text << "\n";
       return 1;
     }
   }
-  return left_out == 0 && wrong == 0 && found.left_out == 0 && done == pairs.size() ? 0 : 1;
+  const bool all_done = run.left_out() == 0 && run.found().left_out == 0 && run.done() == pairs;
+  return all_done && run.wrong() == 0 ? 0 : 1;
 }
 
 }  // namespace sprout

@@ -4,6 +4,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "common/config/config.h"
 #include "services/pipeline/files/pair_reader.h"
@@ -18,17 +19,20 @@ struct FilesOptions {
   double max_spread_ms = kMaxSpreadMs;  ///< of files that are named after their times
   RigOptions rig;
   PixelOptions pixels;
-  std::string out;  ///< folder
+  std::string out;                     ///< folder
+  std::vector<std::string> only = {};  ///< some of kOutputs; none: all
   /// Disparities that are less sure are left out (grow.min_confidence), %; nothing: as configured.
   std::optional<double> min_confidence_percent = {};
 };
 
-/// Computes pairs of image files and writes the results, see README.md. Prints a line on stdout for
-/// each pair, or one on stderr if it cannot be computed and is left out; and one on stderr if it
-/// was computed, but CheckInputs() says that something is wrong with it.
+/// Computes pairs of image files and writes the results, see README.md; those of a pair while the
+/// next one is computed. Prints a line on stdout for each pair when it is written, or one on stderr
+/// if it cannot be computed or written and is left out; and one on stderr if it was computed, but
+/// CheckInputs() says that something is wrong with it.
 /// @returns exit code: 0; 1 when a pair was left out, or something is wrong with one, or `stop`
 ///          came.
-/// @throws ConfigError, before anything is computed, for flags that cannot be used.
+/// @throws ConfigError, before anything is computed, for flags that cannot be used, and for
+///         settings of depth { } that nothing here applies.
 int RunFiles(const FilesOptions& options, SproutConfig config, const std::stop_token& stop);
 
 }  // namespace sprout

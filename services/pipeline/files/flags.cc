@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "services/pipeline/files/write_results.h"
+
 namespace sprout {
 namespace {
 
@@ -14,6 +16,7 @@ Examples
   sprout-pipeline files l.png r.png --tof tof.png --focal-px 1733 --baseline-m 0.11 --out out
   sprout-pipeline files raw/left raw/right --tof raw/tof --rig rig.textproto --out out --config fast
   sprout-pipeline files '*/im0.png' '*/im1.png' --calib art/calib.txt --out out
+  sprout-pipeline files l.png r.png --calib calib.txt --out out --only depth,cloud
 
 Files of folders and patterns belong together by the times in their names (digits since 1970, as
 EuRoC and TUM have them), otherwise by equal names or numbers. What has no partner is named and left
@@ -33,6 +36,10 @@ Writes to DIR, and of many pairs to DIR/NAME, where NAME is the left image's
   cloud.ply        m, coloured points          mesh.ply        the same as a surface
   left.png         the image that all belong to, rectified
   camera.json      its focal length and principal point, and the baseline
+  calib.txt        the same in Middlebury's format, for --calib and sprout-quality
+
+--config 'depth { max_m: 4 min_confidence: 204 }' leaves pixels out of depth, cloud, mesh and overview,
+but not out of disparity and confidence; so do min_m, region and remove_flying.
 
 With --config default --config 'temporal { in_pipeline: true }' the pairs are frames of a video in
 their order, and each folder gets fused.pfm, fused.png and fused_confidence.png, too: maps fused with
@@ -67,6 +74,9 @@ Flags& AddFilesCommand(Flags& flags, FilesOptions& options) {
            "Files named after their times belong together when these differ by at most so much")
       .Within(0, 1e6);
   files.Add("--out DIR", options.out, "Folder to write to").Required();
+  files.Add("--only NAME,NAME,...", options.only, "Write only these (default: all)")
+      .SplitAtCommas()
+      .OneOf({kOutputs.begin(), kOutputs.end()});
   files
       .Add("--min-confidence P", options.min_confidence_percent,
            "Leave out disparities that are less than P % sure to be within 1 px")

@@ -1,34 +1,45 @@
 #ifndef SPROUT_SERVICES_PIPELINE_FILES_WRITE_RESULTS_H_
 #define SPROUT_SERVICES_PIPELINE_FILES_WRITE_RESULTS_H_
 
+#include <array>
 #include <filesystem>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/core/frame.h"
 #include "common/core/result.h"
-#include "common/picture/write_image.h"
 #include "services/pipeline/pipeline.h"
 
 namespace sprout {
 
+/// What can be written of a frame, and the files of each:
+///   disparity   disparity.pfm (px, +inf: none), disparity.png (16 bit, 1/32 px, 0: none or
+///   negative) depth       depth.pfm (m, NaN: none), depth.png (16 bit, mm, 0: none or above
+///   kMaxPngDepthM) confidence  confidence.png (8 bit), where there is a confidence sigma
+///   depth_sigma.pfm (m, +inf: not known), the same, only of single maps fused       fused.pfm,
+///   fused.png, fused_confidence.png, of a pipeline with memory left        left.png, the image
+///   that the maps belong to cloud, mesh, overview   cloud.ply, mesh.ply, overview.png
+/// Always written is the calibration: camera.json, as in RectifiedPair, and calib.txt, in
+/// Middlebury's format.
+inline constexpr std::array kOutputs = {"disparity", "depth", "confidence", "sigma",   "fused",
+                                        "left",      "cloud", "mesh",       "overview"};
+
 /// Every file that WriteResults() may write.
 inline constexpr std::string_view kResultNames[] = {
-    "disparity.pfm", "disparity.png", "confidence.png",       "fused.pfm",      "fused.png",
-    "depth.pfm",     "depth.png",     "fused_confidence.png", "cloud.ply",      "mesh.ply",
-    "overview.png",  "left.png",      "camera.json",          "depth_sigma.pfm"};
+    "disparity.pfm", "disparity.png", "confidence.png",       "fused.pfm",   "fused.png",
+    "depth.pfm",     "depth.png",     "fused_confidence.png", "cloud.ply",   "mesh.ply",
+    "overview.png",  "left.png",      "depth_sigma.pfm",      "camera.json", "calib.txt"};
 
-/// Writes the results of a frame: disparity.pfm (px, +inf: none) and disparity.png (16 bit, 1/32
-/// px, 0: none or negative), depth.pfm (m, NaN: none) and depth.png (16 bit, mm, 0: none or more
-/// than kMaxPngDepthM), confidence.png (8 bit) and depth_sigma.pfm (m, +inf: not known, only of
-/// single maps) where there is a confidence, left.png (the image that the maps belong to),
-/// camera.json (its calibration, as in RectifiedPair), cloud.ply, mesh.ply, overview.png; of a
-/// pipeline with memory also fused.pfm, fused.png and fused_confidence.png. Files of these names
-/// are replaced.
+/// Writes the results of a frame, several at a time, on as many threads as OpenCV has. Files of
+/// these names are replaced. Depth, cloud, mesh and overview are of `depth.kept`.
 /// @param frame   LEFT, RIGHT, TOF and RIG.
-/// @param input   which map `depth.depth_m` is of; cloud, mesh and overview are of the same.
+/// @param input   which map `depth.kept` is of.
+/// @param only    some of kOutputs; none: all.
 /// @param folder  is created.
-/// @returns path and reason of the first file that could not be written.
+/// @returns path and reason of the first file, in the order above, that could not be written.
 Result<void> WriteResults(Frame frame, const DepthFrame& depth, DepthConfig::Input input,
+                          const std::vector<std::string>& only,
                           const std::filesystem::path& folder);
 
 }  // namespace sprout

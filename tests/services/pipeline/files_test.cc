@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 
 #include "common/core/input_files.h"
 #include "common/core/read_text.h"
@@ -17,6 +18,7 @@
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
 #include "services/datasets/dataset.h"
+#include "services/datasets/middlebury_calibration.h"
 #include "services/datasets/pfm.h"
 #include "services/pipeline/pipeline.h"
 #include "tests/common/picture/temporary_directory.h"
@@ -279,6 +281,112 @@ TEST_F(Files, OfAVideoAreFusedWhenAsked) {
   }
 }
 
+TEST_F(Files, LeaveOutOfDepthsAndPointsWhatTheDepthSettingsSay) {
+  const DepthFrame all = Expected({}, RigOfFlags());
+  double near_m = 0;
+  double far_m = 0;
+  cv::minMaxIdx(all.depth_m, &near_m, &far_m, nullptr, nullptr, all.depth_m == all.depth_m);
+  const double middle_m = (near_m + far_m) / 2;
+  const auto is_kept_by = [&](const std::string& rule, cv::Point p) {
+    const double z = double{all.depth_m(p)};
+    if (rule == "max_m") return z <= middle_m;
+    if (rule == "min_m") return z >= middle_m;
+    if (rule == "region") return p.x >= 20 && p.x <= 99 && p.y >= 10 && p.y <= 60;
+    return all.confidence(p) >= 204;
+  };
+  const std::pair<std::string, std::string> settings[] = {
+      {"max_m", "max_m: " + std::to_string(middle_m)},
+      {"min_m", "min_m: " + std::to_string(middle_m)},
+      {"region", "region: [20, 10, 99, 60]"},
+      {"min_confidence", "min_confidence: 204"}};
+  for (const auto& [rule, setting] : settings) {
+    EXPECT_EQ(RunFiles(options_, LoadConfig({"default", "depth { " + setting + " }"}), {}), 0);
+    const cv::Mat1f depth_m = datasets::ReadPfm(folder_ / "out" / "depth.pfm");
+    const cv::Mat1f sigma_m = datasets::ReadPfm(folder_ / "out" / "depth_sigma.pfm");
+    int kept = 0;
+    int wrong = 0;
+    for (int v = 0; v < depth_m.rows; ++v) {
+      for (int u = 0; u < depth_m.cols; ++u) {
+        const bool expected = std::isfinite(all.depth_m(v, u)) && is_kept_by(rule, {u, v});
+        kept += expected ? 1 : 0;
+        if (std::isfinite(depth_m(v, u)) != expected) ++wrong;
+        if (std::isnan(sigma_m(v, u)) == expected) ++wrong;
+      }
+    }
+    EXPECT_EQ(wrong, 0) << rule;
+    EXPECT_GT(kept, 0) << rule;
+    EXPECT_LT(kept, all.disparity.CountValid()) << rule;
+    for (const char* name : {"cloud.ply", "mesh.ply"}) {
+      const std::string text = ReadText(folder_ / "out" / name, 10'000'000).value();
+      EXPECT_THAT(text.substr(0, 1000), HasSubstr("element vertex " + std::to_string(kept) + "\n"));
+    }
+    // What growth says is not changed.
+    const cv::Mat1f px = datasets::ReadPfm(folder_ / "out" / "disparity.pfm");
+    EXPECT_EQ(cv::countNonZero(px < kInf), all.disparity.CountValid());
+  }
+}
+
+TEST_F(Files, HaveTheCalibrationBesideThem) {
+  EXPECT_EQ(RunToEnd(options_).exit_code, 0);
+  const RectifiedPair pair =
+      datasets::CalibrationFromCalib(folder_ / "out" / "calib.txt", pair_.size());
+  EXPECT_EQ(pair.focal_px, pair_.focal_px);
+  EXPECT_EQ(pair.cx, pair_.cx);
+  EXPECT_EQ(pair.cx_right, pair_.cx_right);
+  EXPECT_NEAR(pair.baseline_m, pair_.baseline_m, 1e-12);
+}
+
+TEST_F(Files, RefuseDepthSettingsThatTheyDoNotApply) {
+  const std::pair<std::string, std::string> table[] = {
+      {"every: 2", "depth.every: "},
+      {"mm_per_count: 0.5", "depth.mm_per_count: "},
+      {"scale: 2", "depth.scale: "},
+      {"cloud_stride: 2", "depth.cloud_stride: "},
+      {"cloud_voxel_m: 0.1", "depth.cloud_voxel_m: "},
+      {"publish_scan: true", "depth.publish_scan: "},
+      {"target: 'thermal'", "depth.target: "},
+      {"box { max_z_m: 2 }", "depth.box: "},
+      {"min_m: 3 max_m: 2", "depth.min_m"}};
+  for (const auto& [setting, text] : table) {
+    try {
+      RunFiles(options_, LoadConfig({"default", "depth { " + setting + " }"}), {});
+      ADD_FAILURE() << setting << " is not refused";
+    } catch (const ConfigError& e) {
+      EXPECT_THAT(e.what(), StartsWith(text));
+    }
+  }
+  EXPECT_THROW(RunFiles(options_, LoadConfig({"fast", "depth { min_confidence: 9 }"}), {}),
+               ConfigError);
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+TEST_F(Files, AreOnlyThoseThatAreAskedFor) {
+  options_.only = {"depth", "cloud"};
+  EXPECT_EQ(RunToEnd(options_).exit_code, 0);
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder_ / "out")) {
+    names.insert(entry.path().filename());
+  }
+  EXPECT_THAT(names, testing::ElementsAre("calib.txt", "camera.json", "cloud.ply", "depth.pfm",
+                                          "depth.png"));
+}
+
+TEST_F(Files, ThatCannotBeWrittenLeaveTheOthersAndAreReportedInOrder) {
+  for (const char* name : {"l/a.png", "l/b.png", "l/c.png"}) Write(name, scene_.left);
+  for (const char* name : {"r/a.png", "r/b.png", "r/c.png"}) Write(name, scene_.right);
+  fs::create_directories(folder_ / "out");
+  std::ofstream(folder_ / "out" / "b") << "a file in the folder's place\n";
+  options_.left = folder_ / "l";
+  options_.right = folder_ / "r";
+  const Ended outcome = RunToEnd(options_);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, testing::AllOf(HasSubstr("l/b.png: "), HasSubstr("cannot be written"),
+                                          HasSubstr("1 of 3 pairs left out\n")));
+  EXPECT_LT(outcome.out.find("out/a: "), outcome.out.find("out/c: "));
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "c" / "mesh.ply"));
+  EXPECT_TRUE(fs::is_regular_file(folder_ / "out" / "b")) << "what was there before stays";
+}
+
 TEST_F(Files, StopBetweenTwoPairs) {
   std::stop_source stop;
   stop.request_stop();
@@ -364,6 +472,7 @@ TEST_F(Files, WhoseContentCannotBeUsedGetOneLine) {
     const Ended outcome = RunToEnd(options);
     EXPECT_EQ(outcome.exit_code, 1) << text;
     EXPECT_THAT(outcome.err, HasSubstr(text));
+    EXPECT_FALSE(fs::exists(folder_ / "out")) << "an empty folder is left";
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   }
 }
