@@ -81,6 +81,12 @@ void SearchAround(const cv::Mat1s& coarser, const cv::Mat1b& wanted, cv::Mat1s& 
   });
 }
 
+// Labels of the coarsest image. One more than the largest disparity on either side, since a minimum
+// on the end does not count.
+int LabelsAt(int scale, int max_disparity_px) {
+  return (max_disparity_px / scale + 2 + kLabels - 1) / kLabels * kLabels;
+}
+
 // Takes away what hangs together with fewer than StereoRules::kSmallestPatch others.
 void RemoveSmallPatches(cv::Mat1f disparity_px) {
   constexpr int kCountsPerPx = 16;  // for cv::filterSpeckles, which takes whole numbers
@@ -109,17 +115,21 @@ int MatchingScale(cv::Size size, int most_pixels) {
 }
 
 void StereoMatcher::BuildLevels(const cv::Mat1b& left, const cv::Mat1b& right,
-                                const cv::Mat1b& wanted, int most_pixels) {
+                                const cv::Mat1b& wanted, const StereoMatcherSettings& settings) {
   levels_.clear();
   Level level{left, right, Whole(wanted)};
-  const auto pixels = [&] { return level.left.total(); };
+  const auto is_coarse = [&] {
+    const auto labels = static_cast<size_t>(LabelsAt(level.scale, settings.max_disparity_px));
+    const size_t pixels = level.left.total();
+    return pixels <= StereoRules::kCoarsestPixels && pixels * labels <= StereoRules::kCoarsestCosts;
+  };
   const auto halve = [&] {
     level = {Halved(level.left), Halved(level.right), HalvedMask(level.wanted), 2 * level.scale};
   };
-  const int scale = MatchingScale(left.size(), most_pixels);
+  const int scale = MatchingScale(left.size(), settings.most_pixels);
   while (level.scale < scale) halve();
   levels_.push_back(level);
-  while (pixels() > StereoRules::kCoarsestPixels) {
+  while (!is_coarse()) {
     halve();
     levels_.push_back(level);
   }
@@ -128,14 +138,12 @@ void StereoMatcher::BuildLevels(const cv::Mat1b& left, const cv::Mat1b& right,
 const cv::Mat1f& StereoMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& right,
                                       const cv::Mat1b& wanted, std::span<const Seed> known,
                                       const StereoMatcherSettings& settings) {
-  BuildLevels(left, right, wanted, settings.most_pixels);
+  BuildLevels(left, right, wanted, settings);
   const StereoMatches* matches = nullptr;
   for (size_t i = levels_.size(); i-- > 0;) {
     const Level& level = levels_[i];
     if (matches == nullptr) {
-      // One more than the largest on either side, since a minimum on the end does not count.
-      const int most = settings.max_disparity_px / level.scale + 2;
-      search_.labels = (most + kLabels - 1) / kLabels * kLabels;
+      search_.labels = LabelsAt(level.scale, settings.max_disparity_px);
       search_.first.create(level.left.size());
       search_.first.setTo(StereoSearch::kNowhere);
       search_.first.setTo(0, level.wanted);

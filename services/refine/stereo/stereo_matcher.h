@@ -20,8 +20,8 @@ struct StereoMatcherSettings {
 int MatchingScale(cv::Size size, int most_pixels);
 
 /// Disparities of a rectified pair without a prior: semi-global matching from coarse to fine. The
-/// coarsest image (at most 32,000 pixels) is searched over all disparities; every finer one only
-/// around the results of the coarser one.
+/// coarsest image (at most 32,000 pixels, fewer when it is very wide) is searched over all
+/// disparities; every finer one only around the results of the coarser one.
 class StereoMatcher {
  public:
   /// @param left, right  rectified pair, grey, of one size.
@@ -45,7 +45,7 @@ class StereoMatcher {
   };
 
   void BuildLevels(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat1b& wanted,
-                   int most_pixels);
+                   const StereoMatcherSettings& settings);
 
   std::vector<Level> levels_;  // from the finest to the coarsest
   StereoSearch search_;

@@ -60,6 +60,10 @@ struct StereoRules {
   static constexpr int kLabels = 16;
   /// Most pixels of the coarsest image. By trial: fewer lose thin things, more take longer.
   static constexpr size_t kCoarsestPixels = 32'000;
+  /// Most costs of the coarsest image, pixels times disparities: what 32,000 pixels have that are
+  /// searched over 256. Wide and low images of few pixels have more, and are halved once more: some
+  /// 20 bytes of memory a cost.
+  static constexpr size_t kCoarsestCosts = kCoarsestPixels * 256;
   /// What a finer image may add to a coarser one's range, px. By trial.
   static constexpr int kBeyondPx = 2;
   /// Fewest pixels of a connected patch of disparities. By trial: smaller patches are mostly wrong.

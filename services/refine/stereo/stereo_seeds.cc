@@ -191,8 +191,10 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
                                              std::span<const Seed> seeds,
                                              std::span<const cv::Point2f> covered,
                                              double spacing_px, const cv::Mat1f& most_px) {
-  const CellGrid grid(SpacingPx(left.cols), left.size());
+  constexpr int kWindowRadius = StereoRules::kWindowRadius;
   seeds_.clear();
+  if (std::min(left.cols, left.rows) <= 2 * kWindowRadius) return seeds_;  // no window fits
+  const CellGrid grid(SpacingPx(left.cols), left.size());
   FindUncovered(grid, seeds, covered, IsCoarse(spacing_px, left.cols) ? 0 : config_.stereo_gap(),
                 MatchingScale(left.size(), config_.stereo_most_pixels()));
   if (cv::countNonZero(uncovered_) == 0) return seeds_;
@@ -208,7 +210,6 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
   ForEachParallel(found_.size(), [&](size_t row) {
     TakeFrom(left, right, grid, map, most_px, static_cast<int>(row));
   });
-  constexpr int kWindowRadius = StereoRules::kWindowRadius;
   const cv::Rect2f inside(kWindowRadius, kWindowRadius,
                           static_cast<float>(left.cols - 2 * kWindowRadius),
                           static_cast<float>(left.rows - 2 * kWindowRadius));

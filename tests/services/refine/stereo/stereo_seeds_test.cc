@@ -9,6 +9,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "tests/common/testing/allocation_guard.h"
+
 namespace sprout::refine {
 namespace {
 
@@ -254,6 +256,18 @@ TEST(StereoSeeds, TakeImagesOfAnySize) {
     config.set_stereo_max_disparity_px(1023);
     const Pair pair(Texture(size + cv::Size(1, 0)), [](int, int) { return 0; });
     for (const Seed& seed : Find(pair, config)) EXPECT_LE(seed.disparity(), size.width);
+  }
+}
+
+// Few pixels, but thousands of disparities: all of them for every pixel are gigabytes.
+TEST(StereoSeeds, OfWideAndLowImagesTakeLittleMemory) {
+  for (const int rows : {1, 2, 5, 8}) {
+    const Pair pair(Texture({16384, rows}), [](int, int) { return 12; });
+    const AllocationGuard guard;
+    const std::vector<Seed> seeds = Find(pair, RefineConfig());
+    // The largest piece is the paths of a row of one: four directions a cost, and their padding.
+    EXPECT_LT(AllocationGuard::largest(), 5 * StereoRules::kCoarsestCosts) << rows << " rows";
+    EXPECT_EQ(seeds.empty(), rows < 5) << rows << " rows: whole windows";
   }
 }
 
