@@ -73,6 +73,20 @@ void PredictLine(const uint8_t* __restrict line, const uint8_t* __restrict above
   }
 }
 
+// Appends each error to those of its class: it is written behind all of them, and stays where an
+// end moves on. A single one through a table of ends would wait for the one before to be stored.
+void Deal(const Line& errors, const Line& classes, size_t width,
+          std::array<uint8_t*, kPixelClasses>& ends) {
+  std::array<uint8_t*, kPixelClasses> end = ends;
+  for (size_t u = 0; u < width; ++u) {
+    for (uint8_t k = 0; k < kPixelClasses; ++k) {
+      *end[k] = errors[u];
+      end[k] += classes[u] == k ? 1 : 0;
+    }
+  }
+  ends = end;
+}
+
 // The pixel to the left of the first one counts as the one above that, in both rows.
 void BeginLine(Line& line, Line& above) { line[0] = above[0] = above[1]; }
 
@@ -105,9 +119,7 @@ std::vector<ClassedErrors> PixelPredictor::Predict(std::span<const uint8_t> pixe
       BeginLine(lines[channel], above[channel]);
       PredictLine(lines[channel].data(), above[channel].data(), width, errors.data(),
                   classes.data());
-      std::array<uint8_t*, kPixelClasses> end = ends[channel];
-      for (size_t u = 0; u < width; ++u) *end[classes[u]]++ = errors[u];
-      ends[channel] = end;
+      Deal(errors, classes, width, ends[channel]);
     }
     lines.swap(above);
   }
