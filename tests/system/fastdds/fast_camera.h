@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <vector>
 
 #include "fast_node.h"
 #include "peer_words.h"
@@ -84,6 +85,7 @@ class Camera {
       points_ = node.Writer<sensor_msgs::msg::PointCloud2PubSubType>("rt" + rig + "/points", qos);
       wall_ = Wall();
     }
+    if (options.Has("texture")) MakeTexture();
     const std::string encoding = options.Get("encoding", "mono8");
     image_.header().frame_id("camera");
     image_.width(width);
@@ -114,7 +116,9 @@ class Camera {
     if (infos_[0] != nullptr && (!is_latched_ || number == 0)) SendInfos(number, stamp);
     Stamp(image_.header(), stamp);
     for (int side = 0; side < 2; ++side) {
-      std::memset(image_.data().data(), number % 251 + side, image_.data().size());
+      texture_.empty() ? static_cast<void>(std::memset(image_.data().data(), number % 251 + side,
+                                                       image_.data().size()))
+                       : ShowWall(number, side);
       failed_ += images_[side]->write(&image_) ? 0 : 1;
     }
     if (points_ == nullptr) return;
@@ -125,6 +129,30 @@ class Camera {
   int failed() const { return failed_; }
 
  private:
+  // Squares of random grey levels, wider than the image by the disparity of a wall 2 m ahead.
+  void MakeTexture() {
+    constexpr uint32_t kSquare = 4;
+    texture_width_ = width_ + kWallDisparity;
+    texture_.resize(size_t{texture_width_} * height_);
+    for (uint32_t y = 0; y < height_; ++y) {
+      for (uint32_t x = 0; x < texture_width_; ++x) {
+        uint32_t level = (y / kSquare) * 7919 + x / kSquare;
+        level = (level ^ (level >> 7)) * 2654435761U;
+        texture_[size_t{y} * texture_width_ + x] = static_cast<uint8_t>(level >> 24);
+      }
+    }
+  }
+
+  // The wall moves up by two rows a frame. mono8.
+  void ShowWall(int number, int side) {
+    for (uint32_t y = 0; y < height_; ++y) {
+      const uint32_t row = (y + 2 * static_cast<uint32_t>(number)) % height_;
+      std::memcpy(&image_.data()[size_t{y} * width_],
+                  &texture_[size_t{row} * texture_width_ + (side == 0 ? 0 : kWallDisparity)],
+                  width_);
+    }
+  }
+
   void SendInfos(int number, double stamp) const {
     const double focal = number >= options_.Number("focal_at", 1e9) ? 640 : 320;
     for (int side = 0; side < 2; ++side) {
@@ -134,7 +162,10 @@ class Camera {
     }
   }
 
+  static constexpr uint32_t kWallDisparity = 16;  // f·b/z = 320·0.1/2, px
   uint32_t width_, height_;
+  uint32_t texture_width_ = 0;
+  std::vector<uint8_t> texture_;
   const Options& options_;
   dds::DataWriter* images_[2] = {};
   dds::DataWriter* infos_[2] = {};

@@ -1,9 +1,9 @@
 // Nodes of ROS 2 on Fast DDS, its default middleware. Shares nothing with Sprout.
 //   fast_peer send DOMAIN RIG WIDTHxHEIGHT HZ SECONDS [best_effort] [info=volatile|latched|none]
-//       [encoding=mono8] [wait=SECONDS for a subscriber, 10] [points] [focal_at=N] [jump_at=N
-//       jump_s=S] [huge=BYTES]
-//     RIG/left|right/image_rect and /camera_info; from frame N on another focal length, or stamps S
-//     seconds away; images of BYTES whatever their size says
+//       [encoding=mono8] [wait=SECONDS for a subscriber, 10] [points] [texture] [focal_at=N]
+//       [jump_at=N jump_s=S] [huge=BYTES]
+//     RIG/left|right/image_rect and /camera_info, texture: of a wall 2 m ahead; from frame N on
+//     another focal length, or stamps S seconds away; images of BYTES whatever their size says
 //   fast_peer hear DOMAIN SECONDS [best_effort] [latched] TOPIC=image|info|points|compressed|tf...
 //     counts messages, those of no new stamp apart; SIGTERM ends it
 //   fast_peer graph DOMAIN SECONDS [localhost]     participants, endpoints and nodes
