@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <opencv2/aruco.hpp>
 #include <string>
 #include <string_view>
 
@@ -13,45 +12,45 @@
 namespace sprout::calibrate {
 namespace {
 
-struct Dictionary {
+struct DictionaryName {
   std::string_view name;
   int number;  // OpenCV's
 };
 constexpr std::array kDictionaries = {
-    Dictionary{"DICT_4X4_50", cv::aruco::DICT_4X4_50},
-    Dictionary{"DICT_4X4_100", cv::aruco::DICT_4X4_100},
-    Dictionary{"DICT_4X4_250", cv::aruco::DICT_4X4_250},
-    Dictionary{"DICT_4X4_1000", cv::aruco::DICT_4X4_1000},
-    Dictionary{"DICT_5X5_50", cv::aruco::DICT_5X5_50},
-    Dictionary{"DICT_5X5_100", cv::aruco::DICT_5X5_100},
-    Dictionary{"DICT_5X5_250", cv::aruco::DICT_5X5_250},
-    Dictionary{"DICT_5X5_1000", cv::aruco::DICT_5X5_1000},
-    Dictionary{"DICT_6X6_50", cv::aruco::DICT_6X6_50},
-    Dictionary{"DICT_6X6_100", cv::aruco::DICT_6X6_100},
-    Dictionary{"DICT_6X6_250", cv::aruco::DICT_6X6_250},
-    Dictionary{"DICT_6X6_1000", cv::aruco::DICT_6X6_1000},
-    Dictionary{"DICT_7X7_50", cv::aruco::DICT_7X7_50},
-    Dictionary{"DICT_7X7_100", cv::aruco::DICT_7X7_100},
-    Dictionary{"DICT_7X7_250", cv::aruco::DICT_7X7_250},
-    Dictionary{"DICT_7X7_1000", cv::aruco::DICT_7X7_1000},
-    Dictionary{"DICT_ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL},
-    Dictionary{"DICT_APRILTAG_16h5", cv::aruco::DICT_APRILTAG_16h5},
-    Dictionary{"DICT_APRILTAG_25h9", cv::aruco::DICT_APRILTAG_25h9},
-    Dictionary{"DICT_APRILTAG_36h10", cv::aruco::DICT_APRILTAG_36h10},
-    Dictionary{"DICT_APRILTAG_36h11", cv::aruco::DICT_APRILTAG_36h11},
+    DictionaryName{"DICT_4X4_50", cv::aruco::DICT_4X4_50},
+    DictionaryName{"DICT_4X4_100", cv::aruco::DICT_4X4_100},
+    DictionaryName{"DICT_4X4_250", cv::aruco::DICT_4X4_250},
+    DictionaryName{"DICT_4X4_1000", cv::aruco::DICT_4X4_1000},
+    DictionaryName{"DICT_5X5_50", cv::aruco::DICT_5X5_50},
+    DictionaryName{"DICT_5X5_100", cv::aruco::DICT_5X5_100},
+    DictionaryName{"DICT_5X5_250", cv::aruco::DICT_5X5_250},
+    DictionaryName{"DICT_5X5_1000", cv::aruco::DICT_5X5_1000},
+    DictionaryName{"DICT_6X6_50", cv::aruco::DICT_6X6_50},
+    DictionaryName{"DICT_6X6_100", cv::aruco::DICT_6X6_100},
+    DictionaryName{"DICT_6X6_250", cv::aruco::DICT_6X6_250},
+    DictionaryName{"DICT_6X6_1000", cv::aruco::DICT_6X6_1000},
+    DictionaryName{"DICT_7X7_50", cv::aruco::DICT_7X7_50},
+    DictionaryName{"DICT_7X7_100", cv::aruco::DICT_7X7_100},
+    DictionaryName{"DICT_7X7_250", cv::aruco::DICT_7X7_250},
+    DictionaryName{"DICT_7X7_1000", cv::aruco::DICT_7X7_1000},
+    DictionaryName{"DICT_ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL},
+    DictionaryName{"DICT_APRILTAG_16h5", cv::aruco::DICT_APRILTAG_16h5},
+    DictionaryName{"DICT_APRILTAG_25h9", cv::aruco::DICT_APRILTAG_25h9},
+    DictionaryName{"DICT_APRILTAG_36h10", cv::aruco::DICT_APRILTAG_36h10},
+    DictionaryName{"DICT_APRILTAG_36h11", cv::aruco::DICT_APRILTAG_36h11},
 };
 
-cv::Ptr<cv::aruco::Dictionary> OpenDictionary(const std::string& name) {
+aruco::Dictionary OpenDictionary(const std::string& name) {
   const std::optional<int> number = DictionaryOf(name);
   if (!number) {
     throw ConfigError("--dictionary " + name + ": allowed is one of " + DictionaryNames());
   }
-  return cv::aruco::getPredefinedDictionary(*number);
+  return aruco::OpenDictionary(*number);
 }
 
 // So many markers the board has, and so many there are.
 void CheckMarkers(const BoardSize& size, int64_t needed, const std::string& dictionary) {
-  const int there = OpenDictionary(dictionary)->bytesList.rows;
+  const int there = OpenDictionary(dictionary).bytesList.rows;
   if (needed > there) {
     throw ConfigError(
         fmt::format("--squares {}x{}: allowed is what needs no more than the {} "
@@ -90,7 +89,7 @@ BoardSize Checked(const BoardSize& size) {
 }  // namespace
 
 std::optional<int> DictionaryOf(const std::string& name) {
-  for (const Dictionary& one : kDictionaries) {
+  for (const DictionaryName& one : kDictionaries) {
     if (one.name == name) return one.number;
   }
   return std::nullopt;
@@ -98,7 +97,7 @@ std::optional<int> DictionaryOf(const std::string& name) {
 
 std::string DictionaryNames() {
   std::string names;
-  for (const Dictionary& one : kDictionaries) {
+  for (const DictionaryName& one : kDictionaries) {
     names += (names.empty() ? "" : ", ") + std::string(one.name);
   }
   return names;
@@ -132,9 +131,8 @@ Board::Board(const BoardSize& size) : size_(Checked(size)) {
     return;
   }
   if (size.kind == BoardKind::kCharuco) {
-    charuco_ = cv::aruco::CharucoBoard::create(size.columns, size.rows, static_cast<float>(side),
-                                               static_cast<float>(side * size.marker_per_square),
-                                               OpenDictionary(size.dictionary));
+    charuco_ = aruco::MakeCharuco({size.columns, size.rows}, side, side * size.marker_per_square,
+                                  OpenDictionary(size.dictionary));
   }
   corner_columns_ = size.columns - 1;
   for (int row = 1; row < size.rows; ++row) {
@@ -154,8 +152,7 @@ cv::Mat1b Board::Modules() const {
   // OpenCV places markers to a pixel, so each module gets several, of which the middle one counts.
   constexpr int kPixels = 5;
   cv::Mat1b modules(size_.rows * kModulesPerSquare, size_.columns * kModulesPerSquare);
-  cv::Mat1b picture;
-  charuco_->draw(modules.size() * kPixels, picture, 0, 1);
+  const cv::Mat1b picture = aruco::Draw(charuco_, modules.size() * kPixels);
   for (int row = 0; row < modules.rows; ++row) {
     for (int column = 0; column < modules.cols; ++column) {
       modules(row, column) = picture(row * kPixels + kPixels / 2, column * kPixels + kPixels / 2);

@@ -2,11 +2,12 @@
 #define SPROUT_SERVICES_CALIBRATE_BOARD_H_
 
 #include <Eigen/Core>
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "services/calibrate/aruco.h"
 
 namespace sprout::calibrate {
 
@@ -67,11 +68,11 @@ class Board {
   cv::Mat1b Modules() const;
 
   /// Null unless it is a ChArUco board.
-  const cv::Ptr<cv::aruco::CharucoBoard>& charuco() const { return charuco_; }
+  const cv::Ptr<aruco::CharucoBoard>& charuco() const { return charuco_; }
 
  private:
   BoardSize size_;
-  cv::Ptr<cv::aruco::CharucoBoard> charuco_;
+  cv::Ptr<aruco::CharucoBoard> charuco_;
   std::vector<Eigen::Vector3d> corners_;
   int corner_columns_ = 0;
 };

@@ -35,6 +35,8 @@ Surface MakeSurface(const std::filesystem::path& path, const Eigen::Vector2d& pa
     cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, nullptr);
   } else if (path.extension() == ".svg") {
     surface = cairo_svg_surface_create_for_stream(&Append, &bytes, points.x(), points.y());
+    // What Cairo writes without this depends on its version; a number without a unit is in pixels.
+    cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PT);
   } else {
     throw ConfigError("--out " + path.string() + ": allowed is a name that ends in .pdf or .svg");
   }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <opencv2/aruco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
@@ -13,21 +12,22 @@
 namespace sprout::calibrate {
 namespace {
 
-using Quad = std::vector<cv::Point2f>;  // the corners of a marker
+using aruco::Quad;
 
 // Whether markers lie as on the board: up to the lens's distortion, one homography takes most of
 // them from there to the image.
-bool LieAsOn(const cv::aruco::CharucoBoard& board, const std::vector<Quad>& markers,
+bool LieAsOn(const aruco::CharucoBoard& board, const std::vector<Quad>& markers,
              const std::vector<int>& ids) {
   constexpr double kMaxOffPerSide =
       0.5;  // of a marker; on another board they are whole squares off
+  const auto& on_this = aruco::MarkersOf(board);
   std::vector<cv::Point2f> on_board;
   std::vector<cv::Point2f> in_image;
   double side = 0;
   int of_board = 0;
   for (size_t i = 0; i < ids.size(); ++i) {
-    if (std::cmp_greater_equal(ids[i], board.objPoints.size())) continue;
-    for (const cv::Point3f& corner : board.objPoints[static_cast<size_t>(ids[i])]) {
+    if (std::cmp_greater_equal(ids[i], on_this.size())) continue;
+    for (const cv::Point3f& corner : on_this[static_cast<size_t>(ids[i])]) {
       on_board.emplace_back(corner.x, corner.y);
     }
     in_image.insert(in_image.end(), markers[i].begin(), markers[i].end());
@@ -45,14 +45,14 @@ bool LieAsOn(const cv::aruco::CharucoBoard& board, const std::vector<Quad>& mark
 BoardCorners ReadCharuco(const Board& board, const cv::Mat1b& image) {
   std::vector<Quad> markers;
   std::vector<int> marker_ids;
-  const cv::Ptr<cv::aruco::CharucoBoard>& charuco = board.charuco();
-  cv::aruco::detectMarkers(image, charuco->dictionary, markers, marker_ids);
+  const cv::Ptr<aruco::CharucoBoard>& charuco = board.charuco();
+  aruco::FindMarkers(image, aruco::DictionaryOf(*charuco), markers, marker_ids);
   if (marker_ids.empty()) return {};
   BoardCorners corners{.markers = static_cast<int>(marker_ids.size())};
   if (!LieAsOn(*charuco, markers, marker_ids)) return corners;
   std::vector<cv::Point2f> pixels;
   std::vector<int> ids;
-  cv::aruco::interpolateCornersCharuco(markers, marker_ids, image, charuco, pixels, ids);
+  aruco::FindCorners(image, charuco, markers, marker_ids, pixels, ids);
   std::map<int, cv::Point2d> sorted;
   for (size_t i = 0; i < ids.size(); ++i) sorted[ids[i]] = pixels[i];
   for (const auto& [id, pixel] : sorted) {
@@ -132,16 +132,14 @@ BoardCorners ReadChessboard(const Board& board, const cv::Mat1b& image) {
 std::pair<std::vector<int>, std::vector<Quad>> FindTags(const cv::Mat1b& image) {
   std::vector<int> best_ids;
   std::vector<Quad> best;
-  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
+  const auto dictionary = aruco::OpenDictionary(cv::aruco::DICT_APRILTAG_36h11);
   for (const int wider : {0, 1, 2}) {
     cv::Mat1b torn;
     cv::dilate(image, torn, cv::Mat(), {-1, -1}, wider);
     for (const int border : {2, 1}) {
-      const auto parameters = cv::aruco::DetectorParameters::create();
-      parameters->markerBorderBits = border;
       std::vector<Quad> tags;
       std::vector<int> ids;
-      cv::aruco::detectMarkers(torn, dictionary, tags, ids, parameters);
+      aruco::FindMarkers(torn, dictionary, tags, ids, border);
       if (ids.size() > best_ids.size()) {
         best_ids = std::move(ids);
         best = std::move(tags);
@@ -236,8 +234,7 @@ std::string SeenBoards(const std::vector<cv::Mat1b>& images) {
     for (const char* name : kLargest) {
       std::vector<Quad> markers;
       std::vector<int> ids;
-      cv::aruco::detectMarkers(image, cv::aruco::getPredefinedDictionary(*DictionaryOf(name)),
-                               markers, ids);
+      aruco::FindMarkers(image, aruco::OpenDictionary(*DictionaryOf(name)), markers, ids);
       take(ids.size(), std::string("markers of ") + name);
     }
     take(FindTags(image).first.size(), "tags of an AprilGrid");

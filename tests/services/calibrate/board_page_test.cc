@@ -4,8 +4,9 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <opencv2/aruco/charuco.hpp>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,6 @@
 namespace sprout::calibrate {
 namespace {
 
-using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 TEST(BoardPage, IsPrintedAtTrueScale) {
@@ -29,12 +29,12 @@ TEST(BoardPage, IsPrintedAtTrueScale) {
   const cv::Mat print = cv::imread(page + ".pgm", cv::IMREAD_GRAYSCALE);
 
   ASSERT_EQ(print.size(), cv::Size(1140, 810));  // 9 x 6 squares, margins and footer
-  std::vector<std::vector<cv::Point2f>> markers;
+  std::vector<aruco::Quad> markers;
   std::vector<int> ids;
-  cv::aruco::detectMarkers(print, board.charuco()->dictionary, markers, ids);
+  aruco::FindMarkers(print, aruco::DictionaryOf(*board.charuco()), markers, ids);
   std::vector<cv::Point2f> corners;
   std::vector<int> corner_ids;
-  cv::aruco::interpolateCornersCharuco(markers, ids, print, board.charuco(), corners, corner_ids);
+  aruco::FindCorners(print, board.charuco(), markers, ids, corners, corner_ids);
   ASSERT_EQ(static_cast<int>(corners.size()), board.corner_count());
   for (size_t i = 0; i < corners.size(); ++i) {
     const Eigen::Vector3d corner_mm = 1000 * board.corner(corner_ids[i]);
@@ -48,9 +48,30 @@ TEST(BoardPage, IsAPdfOrSvgFileOfTheSameBytes) {
 
   EXPECT_THAT(BoardPage(board, "board.pdf"), StartsWith("%PDF-"));
   EXPECT_EQ(BoardPage(board, "a.pdf"), BoardPage(board, "b.pdf"));
-  // 570 x 405 mm in points.
-  EXPECT_THAT(BoardPage(board, "board.svg"), HasSubstr("viewBox=\"0 0 1615.748031 1148.031496\""));
   EXPECT_THROW(BoardPage(board, "board.png"), ConfigError);
+}
+
+// An attribute of an SVG's root as it is printed, mm.
+double PrintedMm(const std::string& svg, const std::string& attribute) {
+  // A number without a unit is in pixels, of which an inch has 96.
+  const std::map<std::string, double> mm_of{{"", 25.4 / 96}, {"px", 25.4 / 96}, {"pt", 25.4 / 72},
+                                            {"mm", 1},       {"cm", 10},        {"in", 25.4}};
+  std::smatch found;
+  const std::regex wanted("<svg[^>]* " + attribute + "=\"([0-9.]+)([a-z]*)\"");
+  return std::regex_search(svg, found, wanted) ? std::stod(found[1]) * mm_of.at(found[2]) : 0;
+}
+
+TEST(BoardPage, AnSvgFileIsPrintedAtTrueScale) {
+  const Board board({.columns = 9, .rows = 6, .square_m = 0.06});
+  const std::string svg = BoardPage(board, "board.svg");
+  // 9 x 6 squares, margins and footer.
+  EXPECT_NEAR(PrintedMm(svg, "width"), 570, 0.1);
+  EXPECT_NEAR(PrintedMm(svg, "height"), 405, 0.1);
+  // What is drawn is in points, as in the PDF: so many are the page.
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(svg, found, std::regex("viewBox=\"0 0 ([0-9.]+) ([0-9.]+)\"")));
+  EXPECT_NEAR(std::stod(found[1]), 570 * 72 / 25.4, 0.1);
+  EXPECT_NEAR(std::stod(found[2]), 405 * 72 / 25.4, 0.1);
 }
 
 }  // namespace
