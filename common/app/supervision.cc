@@ -1,13 +1,18 @@
 #include "common/app/supervision.h"
 
 #include <fmt/core.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
-#include <systemd/sd-daemon.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <string_view>
+
+#include "common/core/number_text.h"
 
 namespace sprout {
 namespace {
@@ -18,13 +23,34 @@ constexpr milliseconds kLeast(1000);
 constexpr milliseconds kStep(250);
 constexpr int kTimesSlowest = 4;
 
-void Tell(const std::string& state) { sd_notify(/*unset_environment=*/0, state.c_str()); }
+std::string_view FromEnvironment(const char* name) {
+  const char* const text = std::getenv(name);
+  return text != nullptr ? text : "";
+}
 
-// Zero when nobody watches this process.
+// As sd_notify(3) says: a datagram to the socket that the service manager names, a path or, behind
+// an @, a name of the kernel's. Nobody is told where there is none.
+void Tell(const std::string& state) {
+  const std::string_view name = FromEnvironment("NOTIFY_SOCKET");
+  sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
+  if (!(name.starts_with('/') || name.starts_with('@')) || name.size() >= sizeof address.sun_path) {
+    return;
+  }
+  std::ranges::copy(name, address.sun_path);
+  if (name[0] == '@') address.sun_path[0] = '\0';
+  const int to = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (to < 0) return;
+  sendto(to, state.data(), state.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address),
+         static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + name.size()));
+  close(to);
+}
+
+// Zero when nobody watches this process (sd_watchdog_enabled(3)).
 HangLimit::Duration WatchdogTime() {
-  uint64_t time_us = 0;
-  const int on = sd_watchdog_enabled(/*unset_environment=*/0, &time_us);
-  return HangLimit::Duration(on > 0 ? static_cast<int64_t>(time_us) : 0);
+  const std::string_view of = FromEnvironment("WATCHDOG_PID");
+  if (!of.empty() && of != std::to_string(getpid())) return HangLimit::Duration(0);
+  const auto time_us = ParseNumber<int64_t>(FromEnvironment("WATCHDOG_USEC"));
+  return HangLimit::Duration(std::max<int64_t>(time_us.value_or(0), 0));
 }
 
 }  // namespace

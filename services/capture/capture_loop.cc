@@ -15,12 +15,12 @@
 #include "common/bus/channels.h"
 #include "common/bus/publisher.h"
 #include "common/core/digest.h"
-#include "common/ros2/ros_node.h"
 #include "services/capture/answer_tracker.h"
 #include "services/capture/capture_feed.h"
 #include "services/capture/image_encoder.h"
 #include "services/capture/pace.h"
 #include "services/capture/rig_updates.h"
+#include "services/capture/ros2/ros_feed.h"
 
 namespace sprout::capture {
 namespace {
@@ -256,10 +256,7 @@ class Capture {
 int RunCapture(const ServiceContext& context, const CaptureOptions& options) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
   Watchdog watchdog;
-  LimitedWarnings of_dds;
-  const RosWarnings warnings([&](const std::string& text, bool is_of_message) {
-    is_of_message ? monitor.BadMessage("ROS 2", text) : of_dds.Warn(text);
-  });
+  const std::shared_ptr<void> warnings = TakeRosWarnings(monitor);
   std::unique_ptr<CaptureFeed> feed = OpenCaptureFeed(context.config.capture(),
                                                       {.loop = options.loop,
                                                        .raw = options.raw,

@@ -4,7 +4,7 @@
 
 #include "common/app/service.h"
 #include "services/capture/capture_loop.h"
-#include "services/capture/genicam/discovery.h"
+#include "services/capture/genicam/genicam_source.h"
 
 namespace sprout::capture {
 namespace {

@@ -6,8 +6,7 @@
 #include "services/capture/capture_feed.h"
 #include "services/capture/log_feed.h"
 #include "services/capture/raw_source.h"
-#include "services/capture/ros2/ros_settings.h"
-#include "services/capture/ros2/ros_source.h"
+#include "services/capture/ros2/ros_feed.h"
 #include "services/capture/source_feed.h"
 #include "services/datasets/dataset.h"
 #include "services/datasets/source_options.h"
@@ -55,24 +54,6 @@ std::unique_ptr<CaptureFeed> OpenCameraFeed(const CaptureConfig& config, const F
   }
   WarnOfViews(*opened.rig, monitor);
   return FeedFrom(Rectified(std::move(opened.cameras), opened.rig), config, monitor, opened.rig);
-}
-
-std::unique_ptr<CaptureFeed> OpenRosFeed(const CaptureConfig& config, const FeedOptions& options,
-                                         StageMonitor& monitor) {
-  const RosSourceOptions ros{
-      .loop = options.loop,
-      .waiting = options.waiting,
-      .reports = {.tell = [&monitor](const std::string& what) { monitor.Failure(what); },
-                  .refused = [&monitor](const std::string& topic,
-                                        const std::string& why) { monitor.BadMessage(topic, why); },
-                  .lost =
-                      [&monitor](const datasets::LostFrames& lost) {
-                        monitor.CapturesFailed(lost.count, lost.trouble);
-                      }},
-      .stop = options.stop};
-  if (options.raw) return FeedFrom(OpenRawRosSource(config.source(), ros), config, monitor);
-  std::unique_ptr<datasets::FrameSource> source = OpenRosSource(config.source(), ros);
-  return source ? FeedFrom(std::move(source), config, monitor) : nullptr;
 }
 
 }  // namespace

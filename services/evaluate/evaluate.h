@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "common/quality/score.h"
+#include "common/quality/sparsification.h"
 #include "services/evaluate/calibration.h"
 #include "services/evaluate/methods.h"
 #include "services/evaluate/seed_quality.h"
-#include "services/evaluate/sparsification.h"
 
 namespace sprout::evaluate {
 

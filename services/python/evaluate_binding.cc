@@ -5,7 +5,7 @@
 
 #include "common/core/image.h"
 #include "common/quality/score.h"
-#include "services/evaluate/sparsification.h"
+#include "common/quality/sparsification.h"
 #include "services/python/arrays.h"
 #include "services/python/bindings.h"
 
@@ -15,7 +15,7 @@ namespace {
 // With the names of sprout-evaluate's JSON.
 struct Evaluation {
   Accuracy accuracy;
-  std::optional<evaluate::Sparsification> confidence;
+  std::optional<Sparsification> confidence;
 };
 
 Evaluation Evaluate(const py::object& disparity, const py::object& truth,
@@ -35,7 +35,7 @@ Evaluation Evaluate(const py::object& disparity, const py::object& truth,
   const Unlocked free;
   if (scored.empty()) scored = NonOccludedMask(left, right).value();
   Evaluation evaluation{Score(map, left, scored).value(), {}};
-  if (!trust.empty()) evaluation.confidence = evaluate::Sparsify(map, left, scored, trust);
+  if (!trust.empty()) evaluation.confidence = Sparsify(map, left, scored, trust);
   return evaluation;
 }
 

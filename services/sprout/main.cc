@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <string_view>
 
 #include "common/app/flags.h"
 #include "common/app/program.h"
 #include "common/app/version.h"
+#include "common/config/left_out.h"
 #include "services/sprout/programs.h"
 
 namespace sprout {
@@ -44,6 +46,11 @@ int Become(const std::string& name, char** arguments) {
 
 int Main(int argc, char** argv) {
   if (argc > 1 && IsProgram(argv[1])) return Become(argv[1], argv + 1);
+  for (const LeftOutProgram& one : LeftOutPrograms()) {
+    if (argc < 2 || one.name != std::string_view(argv[1])) continue;
+    std::cerr << LeftOut(std::string("sprout: ") + one.name, one.part).what() << "\n";
+    return 2;
+  }
   Flags flags("sprout", kDescription);
   for (const ProgramSummary& one : Programs()) flags.AddCommand(one.name, one.text);
   flags.AddVersion(Version());

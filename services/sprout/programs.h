@@ -14,6 +14,14 @@ struct ProgramSummary {
 /// CMakeLists.txt.
 std::span<const ProgramSummary> Programs();
 
+struct LeftOutProgram {
+  const char* name;  ///< without "sprout-"
+  const char* part;  ///< that was not built: of LeftOut()
+};
+
+/// Those that this build leaves out.
+std::span<const LeftOutProgram> LeftOutPrograms();
+
 }  // namespace sprout
 
 #endif  // SPROUT_SERVICES_SPROUT_PROGRAMS_H_

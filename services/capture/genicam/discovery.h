@@ -36,10 +36,6 @@ struct OpenedCamera {
 /// holds it, or another reason. Thread-safe.
 Result<OpenedCamera> OpenBySerial(const std::string& serial);
 
-/// For people, a line a camera: vendor, model, serial number, address, size and pixel formats, or
-/// why these are unknown. Opens each camera briefly.
-std::string ListCameras();
-
 }  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_DISCOVERY_H_

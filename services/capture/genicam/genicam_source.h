@@ -21,6 +21,10 @@ namespace sprout::capture {
 std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::string& path,
                                        datasets::Waiting waiting = {});
 
+/// For people, a line a camera: vendor, model, serial number, address, size and pixel formats, or
+/// why these are unknown. Opens each camera briefly.
+std::string ListCameras();
+
 }  // namespace sprout::capture
 
 #endif  // SPROUT_SERVICES_CAPTURE_GENICAM_GENICAM_SOURCE_H_

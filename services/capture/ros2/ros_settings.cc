@@ -182,10 +182,6 @@ std::vector<const RosType*> TypesOf(RosRole role) {
   return {&RosTypeOf<RosCameraInfo>()};
 }
 
-bool NamesRos(const std::string& source) {
-  return source.starts_with(kRos2) || source.starts_with(kMcap);
-}
-
 RosSettings ParseRosSource(const std::string& source) {
   RosSettings settings;
   std::vector<datasets::SourceOption> options;

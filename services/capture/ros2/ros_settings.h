@@ -47,9 +47,6 @@ struct RosSettings {
 /// namespace of the topic.
 std::vector<std::string> TransformTopics(const std::string& topic);
 
-/// Whether a source is ros2: or mcap:.
-bool NamesRos(const std::string& source);
-
 /// Reads ros2:left=TOPIC&right=TOPIC... or mcap:FILE?left=TOPIC&right=TOPIC... . A camera_info that
 /// is not named stands beside its images: "/stereo/left/camera_info".
 /// @throws ConfigError naming what is missing or wrong.

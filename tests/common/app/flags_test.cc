@@ -11,6 +11,7 @@
 namespace sprout {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -73,7 +74,7 @@ TEST(Flags, RefuseWhatIsNotAllowedAndSayWhatIs) {
               "--share: '" + std::string(share_text) +
                   "' is not allowed: a number from 0 to 1 (--help lists the flags)");
   }
-  EXPECT_THAT(ErrorOf(flags, {"--count", "10"}), HasSubstr("10 not in range 1 to 9"));
+  EXPECT_THAT(ErrorOf(flags, {"--count", "10"}), ContainsRegex("10 not in range \\[?1 (to|-) 9"));
   EXPECT_THAT(ErrorOf(flags, {"--way", "left"}), HasSubstr("left not in {up,down}"));
   EXPECT_THAT(ErrorOf(flags, {"--bogus"}),
               HasSubstr("--bogus is no flag of probe (--help lists the flags)"));
@@ -94,8 +95,9 @@ TEST(Flags, ListInTheirHelpWhatTheyTakeTheirDefaultsAndEachOtherByName) {
   flags.Add("--all", count, "").Excludes(rig_flag);
   const std::string help = HelpOf(flags);
   EXPECT_THAT(help, HasSubstr("--out DIR REQUIRED          Where to\n"));
-  EXPECT_THAT(help, HasSubstr("--rig TEXT=none Excludes: --all --count --zero"));
-  EXPECT_THAT(help, HasSubstr("--count INT=7 Needs: --out Excludes: --rig"));
+  // CLI11 2.4 has "[none] " in the place of "=none".
+  EXPECT_THAT(help, ContainsRegex("--rig TEXT(=none| \\[none\\] ) Excludes: --all --count --zero"));
+  EXPECT_THAT(help, ContainsRegex("--count INT(=7| \\[7\\] ) Needs: --out Excludes: --rig"));
 }
 
 TEST(Flags, RunTheCommandThatIsGiven) {

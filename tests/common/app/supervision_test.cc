@@ -6,10 +6,14 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "common/app/log.h"
+#include "tests/common/picture/temporary_directory.h"
 
 namespace sprout {
 namespace {
@@ -104,6 +108,44 @@ TEST(Supervision, IsToldOfReadinessAndStatus) {
   NotifyStatus(status);
   EXPECT_THAT(manager.Heard(),
               ElementsAre(HasSubstr("STATUS=12 frames, 10.0 a second, 3 skipped")));
+}
+
+TEST(Supervision, TellsASocketWithAPath) {
+  const TemporaryDirectory folder;
+  const std::string path = folder / "notify";
+  const int manager = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0);
+  sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
+  ASSERT_LT(path.size(), sizeof address.sun_path);
+  std::ranges::copy(path, address.sun_path);
+  ASSERT_EQ(bind(manager, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  NotifyReady();
+  unsetenv("NOTIFY_SOCKET");
+  char text[100] = {};
+  EXPECT_EQ(recv(manager, text, sizeof text - 1, 0), 7);
+  EXPECT_STREQ(text, "READY=1");
+  close(manager);
+}
+
+TEST(Supervision, AWatchdogOfAnotherProcessIsNotOurs) {
+  const ServiceManager manager("20000000");
+  setenv("WATCHDOG_PID", "1", 1);
+  Watchdog watchdog;
+  unsetenv("WATCHDOG_PID");
+  watchdog.Idle();
+  EXPECT_THAT(manager.Heard(), IsEmpty());
+}
+
+// systemd reads the level of each line of stderr from its beginning.
+TEST(Supervision, LinesForTheJournalHaveTheirLevel) {
+  testing::internal::CaptureStderr();
+  SetUpLog("probe", LogLevel::kInfo, /*to_journal=*/true);
+  LogLine(LogLevel::kWarning, "one\ntwo");
+  LogLine(LogLevel::kDebug, "not this");
+  LogLine(LogLevel::kInfo, "three");
+  LogLine(LogLevel::kError, "four");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "<4>one\n<4>two\n<6>three\n<3>four\n");
+  SetUpLog("probe", LogLevel::kInfo, /*to_journal=*/false);
 }
 
 TEST(Supervision, WatchdogIsSilentWhenNobodyWatches) {

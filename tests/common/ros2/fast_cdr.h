@@ -3,6 +3,7 @@
 
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
+#include <fastcdr/config.h>
 
 #include <cstdint>
 #include <string>
@@ -17,12 +18,29 @@ namespace sprout::fast_cdr {
 
 using eprosima::fastcdr::Cdr;
 
+// Version 2 renamed these.
+#if FASTCDR_VERSION_MAJOR >= 2
+constexpr auto kDdsCdr = eprosima::fastcdr::CdrVersion::DDS_CDR;
+template <typename T>
+void PutArray(Cdr& cdr, const T* values, size_t count) {
+  cdr.serialize_array(values, count);
+}
+inline size_t SizeOf(const Cdr& cdr) { return cdr.get_serialized_data_length(); }
+#else
+constexpr auto kDdsCdr = Cdr::DDS_CDR;
+template <typename T>
+void PutArray(Cdr& cdr, const T* values, size_t count) {
+  cdr.serializeArray(values, count);
+}
+inline size_t SizeOf(const Cdr& cdr) { return cdr.getSerializedDataLength(); }
+#endif
+
 inline void Put(Cdr& cdr, const char* text) { cdr << std::string(RosText(text)); }
 
 template <typename Sequence>
 void PutNumbers(Cdr& cdr, const Sequence& sequence) {
   cdr << sequence._length;
-  if (sequence._length > 0) cdr.serializeArray(sequence._buffer, sequence._length);
+  if (sequence._length > 0) PutArray(cdr, sequence._buffer, sequence._length);
 }
 
 inline void Put(Cdr& cdr, const RosHeader& header) {
@@ -53,7 +71,9 @@ inline void Put(Cdr& cdr, const RosCameraInfo& info) {
   cdr << info.height << info.width;
   Put(cdr, info.distortion_model);
   PutNumbers(cdr, info.d);
-  cdr.serializeArray(info.k, 9).serializeArray(info.r, 9).serializeArray(info.p, 12);
+  PutArray(cdr, info.k, 9);
+  PutArray(cdr, info.r, 9);
+  PutArray(cdr, info.p, 12);
   cdr << info.binning_x << info.binning_y;
   Put(cdr, info.roi);
 }
@@ -110,11 +130,11 @@ std::vector<uint8_t> Write(const T& message, Cdr::Endianness order) {
   // Fast-CDR leaves what it skips as it is.
   std::vector<char> memory(1 << 16);
   eprosima::fastcdr::FastBuffer buffer(memory.data(), memory.size());
-  Cdr cdr(buffer, order, Cdr::DDS_CDR);
+  Cdr cdr(buffer, order, kDdsCdr);
   cdr.serialize_encapsulation();
   Put(cdr, message);
   const auto* begin = reinterpret_cast<const uint8_t*>(buffer.getBuffer());
-  return {begin, begin + cdr.getSerializedDataLength()};
+  return {begin, begin + SizeOf(cdr)};
 }
 
 }  // namespace sprout::fast_cdr

@@ -1,10 +1,10 @@
-#include "services/evaluate/sparsification.h"
+#include "common/quality/sparsification.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace sprout::evaluate {
+namespace sprout {
 namespace {
 
 // 100 pixels in a row whose true disparity is 5; the last `wrong` ones are 3 px off.
@@ -63,4 +63,4 @@ TEST(Sparsify, HasNothingToSayOfNoPixels) {
 }
 
 }  // namespace
-}  // namespace sprout::evaluate
+}  // namespace sprout

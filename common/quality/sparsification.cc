@@ -1,9 +1,9 @@
-#include "services/evaluate/sparsification.h"
+#include "common/quality/sparsification.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace sprout::evaluate {
+namespace sprout {
 namespace {
 
 constexpr int kFineSteps = 100;
@@ -65,4 +65,4 @@ Sparsification Sparsify(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
   return result;
 }
 
-}  // namespace sprout::evaluate
+}  // namespace sprout

@@ -1,10 +1,10 @@
-#ifndef SPROUT_SERVICES_EVALUATE_SPARSIFICATION_H_
-#define SPROUT_SERVICES_EVALUATE_SPARSIFICATION_H_
+#ifndef SPROUT_COMMON_QUALITY_SPARSIFICATION_H_
+#define SPROUT_COMMON_QUALITY_SPARSIFICATION_H_
 
 #include <array>
 #include <opencv2/core.hpp>
 
-namespace sprout::evaluate {
+namespace sprout {
 
 /// Sparsification curve of a confidence: bad 1 (error > 1 px or no disparity, per cent) of the
 /// pixels with the highest confidence. Errors are spread evenly over pixels of equal confidence.
@@ -29,6 +29,6 @@ struct Sparsification {
 Sparsification Sparsify(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
                         const cv::Mat1b& mask, const cv::Mat1b& confidence);
 
-}  // namespace sprout::evaluate
+}  // namespace sprout
 
-#endif  // SPROUT_SERVICES_EVALUATE_SPARSIFICATION_H_
+#endif  // SPROUT_COMMON_QUALITY_SPARSIFICATION_H_

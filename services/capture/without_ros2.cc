@@ -1,0 +1,14 @@
+// In the place of ros2/ros_feed.cc where ROS 2 is left out.
+#include "common/config/left_out.h"
+#include "services/capture/ros2/ros_feed.h"
+
+namespace sprout::capture {
+
+std::shared_ptr<void> TakeRosWarnings(StageMonitor&) { return nullptr; }
+
+std::unique_ptr<CaptureFeed> OpenRosFeed(const CaptureConfig& config, const FeedOptions&,
+                                         StageMonitor&) {
+  throw LeftOut("capture.source = " + config.source(), "ROS2");
+}
+
+}  // namespace sprout::capture
