@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "common/app/process.h"
 #include "common/config/config_error.h"
 #include "common/core/shell_word.h"
-#include "common/logfile/log_error.h"
 #include "services/batch/engines.h"
-#include "services/batch/names.h"
-#include "services/batch/text_file.h"
 
 namespace sprout::batch {
 namespace {
@@ -22,10 +18,10 @@ namespace fs = std::filesystem;
 
 fs::path SlurmFolder(const BatchFolder& folder) { return folder.root() / "slurm"; }
 
-// Lines of shard numbers, one a task; shards are dealt out like cards, so that tasks are alike.
+// Lines of log numbers, one a task; logs are dealt out like cards, so that tasks are alike.
 int WriteTasks(const fs::path& path, const BatchState& state, int array_size) {
   std::vector<std::string> tasks;
-  tasks.resize(static_cast<size_t>(std::min<int64_t>(state.missing, array_size)));
+  tasks.resize(static_cast<size_t>(std::min(state.missing, array_size)));
   size_t next = 0;
   for (size_t i = 0; i < state.done.size(); ++i) {
     if (!state.done[i]) tasks[next++ % tasks.size()] += fmt::format("{} ", i);
@@ -49,8 +45,8 @@ std::string Sbatch(const fs::path& script, const std::vector<std::string>& flags
   return id.substr(0, id.find_first_not_of("0123456789"));  // "12;cluster"
 }
 
-std::vector<std::string> Flags(const BatchFolder& folder, const SlurmOptions& options,
-                               const std::string& name) {
+std::vector<std::string> SbatchFlags(const BatchFolder& folder, const SlurmOptions& options,
+                                     const std::string& name) {
   std::vector<std::string> flags = {"--job-name=sprout-batch-" + name,
                                     "--ntasks=1",
                                     "--cpus-per-task=1",
@@ -91,51 +87,29 @@ std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,
   const int count = WriteTasks(tasks, state, options.array_size);
   const std::string run = "#!/bin/sh\nexec " + ShellWord(program);
 
-  const fs::path shards = slurm / fmt::format("shards{}.sh", round);
-  WriteText(shards, fmt::format("{} run-shard {} $(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" {})\n",
-                                run, root, ShellWord(tasks.string())));
-  const fs::path merge = slurm / fmt::format("merge{}.sh", round);
+  const fs::path compute = slurm / fmt::format("compute{}.sh", round);
+  WriteText(compute, fmt::format("{} compute {} $(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" {})\n",
+                                 run, root, ShellWord(tasks.string())));
+  const fs::path finish = slurm / fmt::format("finish{}.sh", round);
   WriteText(
-      merge,
-      fmt::format("{} merge {} --round {} --retries {} --memory={} --time={} "
+      finish,
+      fmt::format("{} finish {} --round {} --retries {} --memory={} --time={} "
                   "--array-size={}{}\n",
                   run, root, round, options.retries, ShellWord(options.memory),
                   ShellWord(options.time), options.array_size,
                   options.partition.empty() ? "" : " --partition=" + ShellWord(options.partition)));
-  const fs::path report = slurm / "report.sh";
-  WriteText(report, fmt::format("{} report {}\n", run, root));
 
-  auto flags = Flags(folder, options, "shards");
+  auto flags = SbatchFlags(folder, options, "compute");
   flags.push_back(fmt::format("--array=0-{}", count - 1));
-  flags.push_back("--output=" + (slurm / "shards_%A_%a.txt").string());
-  const std::string array_job = Sbatch(shards, flags);
-  flags = Flags(folder, options, "merge");
+  flags.push_back("--output=" + (slurm / "compute_%A_%a.txt").string());
+  const std::string array_job = Sbatch(compute, flags);
+  flags = SbatchFlags(folder, options, "finish");
   flags.push_back("--dependency=afterany:" + array_job);
-  flags.push_back("--output=" + (slurm / "merge_%j.txt").string());
-  const std::string merge_job = Sbatch(merge, flags);
-  flags = Flags(folder, options, "report");
-  flags.push_back("--dependency=afterany:" + merge_job);
-  flags.push_back("--output=" + (slurm / "report_%j.txt").string());
-  const std::string report_job = Sbatch(report, flags);
-  WriteText(slurm / "jobs", array_job + "," + merge_job + "," + report_job + "\n");
-  return fmt::format(
-      "submitted: {} shards in the {} tasks of job {}, then merge ({}) and report ({})",
-      state.missing, count, array_job, merge_job, report_job);
-}
-
-void RemoveParts(const BatchFolder& folder) {
-  std::vector<fs::path> parts;
-  for (const char* const kind : {"results", "comparisons"}) {
-    if (!fs::exists(folder.root() / kind)) continue;
-    for (const auto& group : fs::directory_iterator(folder.root() / kind)) {
-      for (const auto& result : fs::directory_iterator(group)) {
-        if (result.path().filename().string().find(".part-") != std::string::npos) {
-          parts.push_back(result.path());
-        }
-      }
-    }
-  }
-  for (const fs::path& part : parts) fs::remove_all(part);
+  flags.push_back("--output=" + (slurm / "finish_%j.txt").string());
+  const std::string finish_job = Sbatch(finish, flags);
+  WriteText(slurm / "jobs", array_job + "," + finish_job + "\n");
+  return fmt::format("submitted: {} logs in the {} tasks of job {}, then table and report ({})",
+                     state.missing, count, array_job, finish_job);
 }
 
 }  // namespace sprout::batch

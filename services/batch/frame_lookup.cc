@@ -1,48 +1,17 @@
 #include "services/batch/frame_lookup.h"
 
-#include <algorithm>
-#include <optional>
 #include <set>
 
 #include "common/frames/log_frames.h"
-#include "common/logfile/event_format.h"
-#include "common/logfile/file_window.h"
+#include "common/logfile/log_reader.h"
 
 namespace sprout::batch {
-namespace {
 
-// Of a message, enough to know its frame; images need not be read for it.
-constexpr int64_t kHeadBytes = 1024;
-
-}  // namespace
-
-FrameLookup::Log& FrameLookup::Open(const std::string& log) {
-  const FrameChoice choice{.prefix = prefix_, .look_back = FrameChoice::kWholeLog};
-  return logs_.emplace_back(log, choice);
-}
-
-void FrameLookup::Add(const std::string& log) {
-  FrameIndex& index = Open(log).index;
-  const InputFile file(log);
-  FileWindow window(file, kHeadBytes);
-  for (int64_t offset = 0; offset < file.size();) {
-    const auto head = window.View(offset, kHeadBytes);
-    const auto header = DecodeHeader(head);
-    if (!header || !IsPlausible(*header, head) || header->event_bytes() > file.size() - offset) {
-      throw LogError(log, "damaged; remove its folder, and the shard is computed again");
-    }
-    const auto bytes = std::min(header->event_bytes(), std::ssize(head));
-    index.Add(MakeEvent(*header, offset, head.first(static_cast<size_t>(bytes))));
-    offset += header->event_bytes();
-  }
-}
-
-void FrameLookup::Add(const std::string& log, std::span<const IndexedEvent> events) {
-  FrameIndex& index = Open(log).index;
-  for (const IndexedEvent& event : events) {
-    const std::optional<Part> part = PartOf(event.channel, prefix_);
-    if (part && part != Part::kRig) index.Add(*part, event.id, event.offset);
-  }
+void FrameLookup::Add(const std::filesystem::path& log, const PartSet& parts) {
+  const FrameChoice choice{.prefix = prefix_, .parts = parts, .look_back = FrameChoice::kWholeLog};
+  FrameIndex& index = logs_.emplace_back(log, choice).index;
+  LogReader reader(log);
+  for (LogEvent event; reader.Next(event);) index.Add(event);
 }
 
 std::vector<FrameId> FrameLookup::FramesWith(Part part) const {
@@ -54,6 +23,14 @@ std::vector<FrameId> FrameLookup::FramesWith(Part part) const {
     }
   }
   return frames;
+}
+
+std::optional<int64_t> FrameLookup::PlaceOf(const FrameId& id, Part part) const {
+  for (const Log& log : logs_) {
+    const IndexedFrame* const places = log.index.Find(id);
+    if (places != nullptr && places->Has(part)) return places->offset(part);
+  }
+  return std::nullopt;
 }
 
 Frame FrameLookup::Get(const FrameId& id, const PartSet& parts) {

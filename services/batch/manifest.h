@@ -1,70 +1,24 @@
 #ifndef SPROUT_SERVICES_BATCH_MANIFEST_H_
 #define SPROUT_SERVICES_BATCH_MANIFEST_H_
 
-#include <cstdint>
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
-#include "services/batch/log_index.h"
-#include "services/batch/shard_plan.h"
+#include "common/config/config.h"
+#include "common/core/frame.h"
+#include "services/batch/manifest.pb.h"
 
 namespace sprout::batch {
 
-/// A program that a stage is run with.
-struct StageProgram {
-  std::string path;
-  std::string digest;   ///< of its bytes
-  std::string version;  ///< as it prints it, for people
+inline constexpr int kManifestFormat = 2;
 
-  bool operator==(const StageProgram&) const = default;
-};
+/// @throws ConfigError, which names `flag`, unless the stages are some of refine, prior, grow and
+///         temporal that follow each other in the graph.
+void RequireStages(const std::string& flag, const std::vector<std::string>& stages);
 
-/// A variant: programs with a configuration. Two of them are compared.
-struct Variant {
-  std::string name;           ///< "a" or "b"
-  std::string config_digest;  ///< of the effective configuration, which is in config_NAME.textproto
-  std::map<std::string, StageProgram> programs;  ///< by stage
-
-  bool operator==(const Variant&) const = default;
-};
-
-/// A log of the batch.
-struct BatchLog {
-  std::string path;   ///< absolute
-  std::string name;   ///< of its results, see IsResultName(); no two logs have the same
-  std::string index;  ///< path of its index
-  IndexSummary summary;
-  int64_t incomplete = 0;  ///< frames that miss a message
-  int64_t left_out = 0;    ///< frame numbers missing in the first stage's messages
-};
-
-/// All settings that decide the results, besides the logs: equal heads give equal results.
-struct BatchHead {
-  StageNames stages;
-  StageNames keep;          ///< stages whose answers are results; the last stage is one of them
-  std::string prefix;       ///< of the channels
-  int64_t shard_bytes = 0;  ///< approximate size of a shard
-  bool measured = true;     ///< whether the quality of each frame is measured for the table
-  std::string truth;        ///< folder of true disparities; empty: none
-  std::string tables;       ///< digest of sprout-batch, which computes the tables
-  std::vector<std::string> left_out;  ///< logs that were asked for, but whose names cannot be used
-  std::vector<Variant> variants;      ///< one or two
-
-  bool operator==(const BatchHead&) const = default;
-};
-
-/// The description of a batch: written once, read by each of its processes. One line of JSON for
-/// the head, one for each log, one for each shard.
-struct Manifest {
-  BatchHead head;
-  std::vector<BatchLog> logs;
-  std::vector<Shard> shards;  ///< in the order of the logs, and of their frames
-
-  /// Shards of a log.
-  std::vector<size_t> ShardsOf(size_t log) const;
-};
+/// What a stage always answers.
+Part AnswerOf(const std::string& stage);
 
 /// Paths of the files of a batch.
 class BatchFolder {
@@ -72,55 +26,43 @@ class BatchFolder {
   explicit BatchFolder(std::filesystem::path root) : root_(std::move(root)) {}
 
   const std::filesystem::path& root() const { return root_; }
-  std::filesystem::path manifest() const { return root_ / "manifest.jsonl"; }
-  std::filesystem::path config(const std::string& variant) const {
-    return root_ / ("config_" + variant + ".textproto");
-  }
-  std::filesystem::path indexes() const { return root_ / "indexes"; }
+  std::filesystem::path manifest() const { return root_ / "manifest.textproto"; }
+  /// @param variant  0 is A, 1 is B; below, too.
+  std::filesystem::path config(int variant) const;
   std::filesystem::path failures() const { return root_ / "failed"; }
   std::filesystem::path table() const { return root_ / "frames.csv"; }
   std::filesystem::path report() const { return root_ / "report.html"; }
-  std::filesystem::path merged(const BatchLog& log, const std::string& variant) const {
-    return root_ / "logs" / (log.name + "_" + variant + ".lcm");
-  }
 
-  /// Folder of the answers of a shard with a variant, by its key.
-  std::filesystem::path result(const std::string& key) const;
+  /// A link to the answers of a log.
+  std::filesystem::path answers(const BatchLog& log, int variant) const;
 
-  /// Folder with the table of differences in a shard between the variants, or from the truth, by
-  /// its key.
-  std::filesystem::path comparison(const std::string& key) const;
+  /// Folder of the answers to a log. Its name is the digest of the log, the stages, the programs
+  /// and the configuration: equal names have equal results, also those of other batches.
+  std::filesystem::path result(const Manifest& manifest, int log, int variant) const;
+
+  /// Folder with the table of differences between the variants, or from the truth.
+  std::filesystem::path comparison(const Manifest& manifest, int log) const;
 
  private:
   std::filesystem::path root_;
 };
 
-/// The name of a result: digest of input, stages, programs and configuration. Equal keys have equal
-/// results, also from other batches.
-std::string ResultKey(const BatchHead& head, const Variant& variant, const Shard& shard);
-
-/// The name of a comparison.
-std::string ComparisonKey(const BatchHead& head, const BatchLog& log, const Shard& shard);
+/// "a" or "b", in names of files and columns.
+inline std::string VariantName(int variant) { return variant == 0 ? "a" : "b"; }
 
 /// Whether there is something to compare: disparity maps of two variants, or of one with a truth.
-bool Compares(const BatchHead& head);
+bool Compares(const Manifest& manifest);
 
-/// @throws LogError when it cannot be written.
-void WriteManifest(const std::filesystem::path& path, const Manifest& manifest);
-
-/// Checks every field, since a manifest is untrusted.
+/// Reads a manifest, which may come from anywhere: every field is checked.
 /// @throws ConfigError when there is none, or it is damaged or of another version: one line that
 ///         names field, value and what is allowed.
 Manifest ReadManifest(const std::filesystem::path& path);
 
-/// Reads one shard with its log, without keeping the others. @throws ConfigError as above, also for
-/// a number without a shard.
-struct ShardOfBatch {
-  BatchHead head;
-  BatchLog log;
-  Shard shard;
-};
-ShardOfBatch ReadShard(const std::filesystem::path& path, size_t number);
+/// Writes a file, see OutputFile. @throws LogError, one line with the reason.
+void WriteText(const std::filesystem::path& path, const std::string& text);
+
+/// Empty where there is no such file.
+std::string FirstLineOf(const std::filesystem::path& path);
 
 }  // namespace sprout::batch
 

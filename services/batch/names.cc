@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <nlohmann/json.hpp>
-
-#include "common/config/config.h"
+#include "common/config/config_error.h"
 #include "common/core/printable.h"
 #include "common/messages/shortened.h"
 
@@ -15,22 +12,9 @@ namespace {
 constexpr size_t kLongestName = 200;  // a file name has 255 bytes, and endings come behind it
 constexpr std::string_view kNotInNames = "/,\"";
 
-bool IsControl(char letter) {
-  const auto byte = static_cast<unsigned char>(letter);
-  return byte < 0x20 || byte == 0x7f;
-}
-
 }  // namespace
 
-bool IsPlainText(std::string_view text) {
-  if (std::any_of(text.begin(), text.end(), IsControl)) return false;
-  try {
-    (void)nlohmann::json(text).dump();  // as the manifest writes it
-    return true;
-  } catch (const nlohmann::json::type_error&) {
-    return false;
-  }
-}
+bool IsPlainText(std::string_view text) { return Printable(text) == text; }
 
 void RequirePlainText(const std::string& flag, const std::string& text) {
   if (IsPlainText(text)) return;

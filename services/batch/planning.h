@@ -1,8 +1,6 @@
 #ifndef SPROUT_SERVICES_BATCH_PLANNING_H_
 #define SPROUT_SERVICES_BATCH_PLANNING_H_
 
-#include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,32 +19,15 @@ struct BatchRequest {
   std::string programs_a;             ///< folder of the programs
   std::string programs_b;             ///< empty: that of A, if there is a B
   std::string truth;
-  bool measured = true;  ///< see BatchHead
+  bool no_measures = false;  ///< the quality of frames is not measured
   std::string prefix;
-  int64_t shard_megabytes = 192;
 };
-
-/// The selected logs: absolute paths, without duplicates, in order.
-struct FoundLogs {
-  std::vector<std::string> logs;
-  /// Those whose paths are not allowed in a manifest, as text for people (Printable()).
-  std::vector<std::string> left_out;
-};
-
-/// Folders are searched for *.lcm, also below. @throws ConfigError for missing inputs, a list that
-/// contains itself, and when no log is left.
-FoundLogs FindLogs(const std::vector<std::string>& inputs);
 
 /// One line on stderr for each log that is left out.
-void SayLeftOut(const std::vector<std::string>& left_out);
+void SayLeftOut(const Manifest& manifest);
 
-/// Indexes the logs that have no index, several at a time. Says on stderr which ones were damaged.
-/// @param fallback  folder for indexes that cannot be kept beside their logs; empty: none.
-/// @returns how many indexes are in `fallback`. @throws ConfigError, Interrupted.
-int64_t IndexLogs(const std::vector<std::string>& logs, const std::filesystem::path& fallback);
-
-/// The manifest of a request, written to its folder with the effective configurations. An existing
-/// manifest with the same settings and logs is kept.
+/// The manifest of a request, written to its folder with the effective configurations. Reads each
+/// new or changed log once, for its digest. An equal manifest is kept.
 /// @param program  path of sprout-batch.
 /// @throws ConfigError, LogError.
 Manifest Plan(const BatchRequest& request, const std::string& program);

@@ -3,17 +3,32 @@
 
 #include <string>
 
-#include "services/batch/merge.h"
+#include "services/batch/frame_table.h"
 
 namespace sprout::batch {
 
-/// Writes report.html from frames.csv and the results: one page that works offline. It shows what
-/// changed, in which logs; distributions; the most changed and the worst frames with pictures, each
+/// Rows of a table of the report that has one a log; how many more there are is said below it.
+inline constexpr size_t kShownLogs = 200;
+
+/// Writes report.html: one page that works offline. It shows what changed, what failed or is
+/// missing, in which logs; distributions; the most changed and the worst frames with pictures, each
 /// with the commands to show it and to compute it again.
 /// @param program  path of sprout-batch; its folder has the programs that the commands name.
-/// O(frames); pictures of some 20 frames are read from the results. @throws LogError.
+/// O(frames); pictures of some 20 frames are read from logs and results. @throws LogError.
 void WriteReport(const BatchFolder& folder, const Manifest& manifest, const BatchState& state,
-                 const std::string& program);
+                 const FrameTable& frames, const std::string& program);
+
+/// Section of the report: logs that failed or were tried again, frames that are missing or bad, in
+/// total and for each log that has some, and why logs failed. @throws LogError.
+std::string LossesHtml(const BatchFolder& folder, const Manifest& manifest,
+                       const BatchState& state);
+
+/// Tables of the report: the mean of each measure, and the logs with a strip along each.
+std::string MeansHtml(const Manifest& manifest, const FrameTable& frames);
+std::string LogsHtml(const Manifest& manifest, const FrameTable& frames);
+
+/// The columns of frames.csv, without "a_" and "b_", that the report shows.
+std::vector<std::string> ShownMeasures(const Manifest& manifest);
 
 }  // namespace sprout::batch
 

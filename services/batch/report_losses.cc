@@ -1,107 +1,103 @@
-#include "services/batch/report_losses.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <map>
 
 #include "common/picture/html.h"
-#include "services/batch/shard_try.h"
-#include "services/batch/text_file.h"
+#include "services/batch/log_try.h"
+#include "services/batch/report.h"
+#include "services/batch/stage_runs.h"
 
 namespace sprout::batch {
 namespace {
 
 constexpr size_t kShownFailures = 20;
 
-// A column of the table; those of variants come once for each.
+// A column of the table, how a log counts in it, and whether more than 0 is bad.
 struct Column {
-  const char* head;
-  int64_t Losses::*count;
+  std::string head;
+  int64_t count = 0;
   bool is_bad = true;
 };
-struct VariantColumn {
-  const char* head;
-  int64_t Losses::OfVariant::*count;
-};
-
-constexpr Column kShardColumns[] = {{"shards", &Losses::shards, false},
-                                    {"tried again", &Losses::retried},
-                                    {"failed", &Losses::failed},
-                                    {"not tried", &Losses::untried},
-                                    {"complete frames", &Losses::frames, false}};
-constexpr VariantColumn kVariantColumns[] = {
-    {"without answer", &Losses::OfVariant::unanswered},
-    {"empty map", &Losses::OfVariant::empty},
-    {"refused messages", &Losses::OfVariant::refused},
-};
-constexpr Column kInputColumns[] = {{"incomplete frames", &Losses::incomplete},
-                                    {"numbers left out", &Losses::left_out},
-                                    {"unreadable messages", &Losses::undecodable},
-                                    {"damaged bytes", &Losses::damaged_bytes}};
 
 constexpr char kLegend[] =
-    "<p><b>Tried again</b>: the shard is done, but a try before failed or was killed. <b>Without "
+    "<p><b>Tried again</b>: the log is done, but a try before failed or was killed. <b>Without "
     "answer</b>: all messages of the frame are there, a stage failed on it or refused one. "
-    "<b>Empty map</b>: too few seeds. <b>Incomplete</b>: a message of the frame never came. "
-    "<b>Left out</b>: no message has this frame number. Columns A and B count only shards that are "
-    "done.</p>\n";
+    "<b>Empty map</b>: too few seeds. <b>Refused messages</b>: by the stage that refused most. "
+    "<b>Incomplete</b>: a message of the frame never came. <b>Left out</b>: no message has this "
+    "frame number. The columns behind them count only logs that are done.</p>\n";
 
-// A log without shards or frames is bad, too.
-std::string CountCell(int64_t count, bool is_bad) {
-  const char* kind = (count > 0) == is_bad ? " class=\"bad\"" : count == 0 ? " class=\"none\"" : "";
-  return fmt::format("<td{}>{}</td>", kind, count);
+// Counts of a variant: each message goes to several stages, and each refuses it.
+void AddVariant(const StageRuns& runs, const std::string& of, std::vector<Column>& columns) {
+  const StageRun& first = runs.run(0);
+  const StageRun& last = *runs.run().rbegin();
+  int64_t refused = 0;
+  for (const StageRun& run : runs.run()) refused = std::max(refused, run.bad_messages());
+  columns.push_back({"without answer" + of, first.frames_in() - last.frames_out()});
+  columns.push_back({"empty map" + of, last.degenerate()});
+  columns.push_back({"refused messages" + of, refused});
 }
 
-std::string Head(const BatchHead& head) {
-  std::string html = "<tr><th>log</th>";
-  for (const Column& column : kShardColumns) html += fmt::format("<th>{}</th>", column.head);
-  for (const Variant& variant : head.variants) {
-    for (const VariantColumn& column : kVariantColumns) {
-      html += fmt::format("<th>{}{}</th>", column.head,
-                          head.variants.size() == 1 ? ""
-                          : variant.name == "a"     ? " A"
-                                                    : " B");
+std::vector<Column> LossesOf(const BatchFolder& folder, const Manifest& manifest, int log,
+                             bool is_done, bool is_tried) {
+  std::vector<StageRuns> runs(static_cast<size_t>(manifest.variant_size()));
+  for (size_t i = 0; i < runs.size(); ++i) {
+    if (is_done) {
+      runs[i] = ReadStageRuns(folder.result(manifest, log, static_cast<int>(i)), manifest);
+    } else {
+      runs[i].add_run();
     }
   }
-  for (const Column& column : kInputColumns) html += fmt::format("<th>{}</th>", column.head);
-  return html + "</tr>\n";
+  const StageRun& input = runs[0].run(0);  // every variant has the same
+  std::vector<Column> columns = {{"logs", 1, false},
+                                 {"tried again", is_done && is_tried},
+                                 {"failed", !is_done && is_tried},
+                                 {"not tried", !is_done && !is_tried},
+                                 {"complete frames", input.frames_in(), false}};
+  for (size_t i = 0; i < runs.size(); ++i) {
+    AddVariant(runs[i], runs.size() == 1 ? "" : i == 0 ? " A" : " B", columns);
+  }
+  columns.push_back({"incomplete frames", input.incomplete()});
+  columns.push_back({"numbers left out", input.left_out()});
+  columns.push_back({"damaged bytes", input.damaged_bytes()});
+  return columns;
 }
 
-std::string Row(const std::string& name, const Losses& losses) {
+// A log without complete frames is bad, too.
+bool IsBad(const Column& column) { return (column.count > 0) == column.is_bad; }
+
+std::string RowHtml(const std::string& name, const std::vector<Column>& columns) {
   std::string html = "<tr><td>" + name + "</td>";
-  for (const Column& column : kShardColumns) html += CountCell(losses.*column.count, column.is_bad);
-  for (const Losses::OfVariant& variant : losses.variants) {
-    for (const VariantColumn& column : kVariantColumns)
-      html += CountCell(variant.*column.count, true);
+  for (const Column& column : columns) {
+    const char* kind = IsBad(column)       ? " class=\"bad\""
+                       : column.count == 0 ? " class=\"none\""
+                                           : "";
+    html += fmt::format("<td{}>{}</td>", kind, column.count);
   }
-  for (const Column& column : kInputColumns) html += CountCell(losses.*column.count, column.is_bad);
   return html + "</tr>\n";
 }
 
-// Shards that failed first, then those that were tried again.
-std::string Failures(const BatchFolder& folder, const Manifest& manifest, const BatchState& state) {
-  struct Failure {
-    size_t shard;
-    int64_t tries;
-  };
-  std::vector<Failure> failures;
-  for (const auto& [shard, tries] : FailedTries(folder)) {
-    if (shard < state.done.size()) failures.push_back({shard, tries});
+// Logs that failed first, then those that were tried again.
+std::string FailuresHtml(const BatchFolder& folder, const Manifest& manifest,
+                         const BatchState& state, const std::map<int, int>& tries) {
+  std::vector<std::pair<int, int>> failures;  // log, tries
+  for (const auto& [log, count] : tries) {
+    if (log >= 0 && log < manifest.log_size()) failures.emplace_back(log, count);
   }
-  std::stable_partition(failures.begin(), failures.end(),
-                        [&](const Failure& failure) { return !state.done[failure.shard]; });
+  std::ranges::stable_partition(failures, [&](const auto& failure) {
+    return !state.done[static_cast<size_t>(failure.first)];
+  });
   if (failures.empty()) return "";
-  std::string html = "<table><tr><th>shard</th><th></th><th></th></tr>\n";
+  std::string html = "<table><tr><th>log</th><th></th><th></th></tr>\n";
   for (size_t i = 0; i < std::min(failures.size(), kShownFailures); ++i) {
-    const auto [number, tries] = failures[i];
-    const Shard& shard = manifest.shards[number];
-    const auto path = TryPath(folder, number, tries);
+    const auto [log, count] = failures[i];
+    const auto path = TryPath(folder, log, count);
     html += fmt::format(
-        "<tr><td>{}: {}, frames {}:{}</td><td>{} after {} failed {}</td><td class=\"strip\"><a "
+        "<tr><td>{}</td><td>{} after {} failed {}</td><td class=\"strip\"><a "
         "href=\"failed/{}\">{}</a></td></tr>\n",
-        number, EscapedHtml(manifest.logs[static_cast<size_t>(shard.log)].name), shard.first_seq,
-        shard.last_seq, state.done[number] ? "done" : "missing", tries,
-        tries == 1 ? "try" : "tries", path.filename().string(), EscapedHtml(FirstLineOf(path)));
+        EscapedHtml(manifest.log(log).name()),
+        state.done[static_cast<size_t>(log)] ? "done" : "missing", count,
+        count == 1 ? "try" : "tries", path.filename().string(), EscapedHtml(FirstLineOf(path)));
   }
   html += "</table>\n";
   if (failures.size() > kShownFailures) {
@@ -114,24 +110,30 @@ std::string Failures(const BatchFolder& folder, const Manifest& manifest, const 
 
 std::string LossesHtml(const BatchFolder& folder, const Manifest& manifest,
                        const BatchState& state) {
-  const std::vector<Losses> logs = LossesOf(folder, manifest, state);
-  Losses all;
+  const std::map<int, int> tries = FailedTries(folder);
+  std::vector<Column> all;
   std::string rows;
   size_t with_losses = 0;
-  for (size_t i = 0; i < logs.size(); ++i) {
-    all.Add(logs[i]);
-    if (!logs[i].Any() || ++with_losses > kShownLogs) continue;
-    rows += Row(EscapedHtml(manifest.logs[i].name), logs[i]);
+  for (int log = 0; log < manifest.log_size(); ++log) {
+    const auto losses =
+        LossesOf(folder, manifest, log, state.done[static_cast<size_t>(log)], tries.contains(log));
+    if (all.empty()) all = losses;
+    for (size_t i = 0; log > 0 && i < all.size(); ++i) all[i].count += losses[i].count;
+    if (std::ranges::none_of(losses, IsBad) || ++with_losses > kShownLogs) continue;
+    rows += RowHtml(EscapedHtml(manifest.log(log).name()), losses);
   }
-  std::string html = "<h2>What failed or is missing</h2>\n";
-  html += "<table>" + Head(manifest.head) +
-          Row(fmt::format("all {} log{}", logs.size(), logs.size() == 1 ? "" : "s"), all) + rows +
-          "</table>\n";
+  std::string html = "<h2>What failed or is missing</h2>\n<table><tr><th>log</th>";
+  for (const Column& column : all) html += "<th>" + column.head + "</th>";
+  html +=
+      "</tr>\n" +
+      RowHtml(fmt::format("all {} log{}", manifest.log_size(), manifest.log_size() == 1 ? "" : "s"),
+              all) +
+      rows + "</table>\n";
   html += with_losses == 0 ? "<p>Nothing, in any log.</p>\n" : kLegend;
   if (with_losses > kShownLogs) {
     html += fmt::format("<p>{} more logs have losses.</p>\n", with_losses - kShownLogs);
   }
-  return html + Failures(folder, manifest, state);
+  return html + FailuresHtml(folder, manifest, state, tries);
 }
 
 }  // namespace sprout::batch

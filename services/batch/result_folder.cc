@@ -7,11 +7,12 @@
 #include <sstream>
 #include <vector>
 
-#include "common/config/config.h"
 #include "common/core/digest.h"
 #include "common/core/host_name.h"
+#include "common/core/read_text.h"
 #include "common/logfile/file_window.h"
-#include "services/batch/text_file.h"
+#include "common/logfile/log_error.h"
+#include "services/batch/manifest.h"
 
 namespace sprout::batch {
 namespace {
@@ -45,14 +46,6 @@ bool IsAsListed(const fs::path& file, const std::string& digest, uintmax_t bytes
   } catch (const ConfigError&) {  // cannot be read
     return false;
   }
-}
-
-fs::path SourceOf(const fs::path& path) { return path.string() + ".source"; }
-
-std::string SourceText(const fs::path& path, const std::string& source) {
-  std::error_code error;
-  const auto bytes = fs::file_size(path, error);
-  return error ? "" : fmt::format("{} {}\n", source, bytes);
 }
 
 }  // namespace
@@ -115,20 +108,6 @@ bool IsWhole(const fs::path& result, ResultCheck check) {
 void MarkDamaged(const fs::path& result) {
   std::error_code ignored;
   fs::remove(result / kList, ignored);
-}
-
-bool IsMadeFrom(const fs::path& path, const std::string& source) {
-  const std::string text = SourceText(path, source);
-  return !text.empty() && TextOf(SourceOf(path)) == text;
-}
-
-void MarkMadeFrom(const fs::path& path, const std::string& source) {
-  WriteText(SourceOf(path), SourceText(path, source));
-}
-
-void UnmarkMadeFrom(const fs::path& path) {
-  std::error_code ignored;
-  fs::remove(SourceOf(path), ignored);
 }
 
 }  // namespace sprout::batch

@@ -31,7 +31,7 @@ class ResultFolder {
 
 /// How thoroughly the files of a result are checked.
 enum class ResultCheck {
-  kQuick,  ///< bytes of tables and counts, sizes of logs
+  kQuick,  ///< bytes of tables and counts, sizes of answers
   kAll,    ///< every byte
 };
 
@@ -40,15 +40,6 @@ bool IsWhole(const std::filesystem::path& result, ResultCheck check);
 
 /// Marks a result that IsWhole() found damaged, so that the quick check finds it, too.
 void MarkDamaged(const std::filesystem::path& result);
-
-/// Whether `path` exists with the size and the source that it had when MarkMadeFrom() was called.
-bool IsMadeFrom(const std::filesystem::path& path, const std::string& source);
-
-/// Writes PATH.source, which names the source of a file. @throws LogError.
-void MarkMadeFrom(const std::filesystem::path& path, const std::string& source);
-
-/// Marks the file as incomplete until the next MarkMadeFrom().
-void UnmarkMadeFrom(const std::filesystem::path& path);
 
 }  // namespace sprout::batch
 

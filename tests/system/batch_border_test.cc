@@ -2,9 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
-#include "services/batch/frame_rows.h"
+#include "services/batch/log_task.h"
 #include "services/batch/manifest.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/batch_logs.h"
@@ -14,6 +12,7 @@ namespace sprout {
 namespace {
 
 namespace fs = std::filesystem;
+using batch::kAnswers;
 using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
@@ -43,7 +42,7 @@ TEST(BatchBorder, LogsWithAlikeNamesKeepAllTheirFrames) {
   WriteStraddlingLog(folder / "logs/run,1.lcm", "160x120", 5, 4);
   const Outcome outcome = RunProgramOf(RunCommand(folder / "logs", folder / "out"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_THAT(batch::FrameRows(folder / "out" / "frames.csv").rows(), SizeIs(9));
+  EXPECT_THAT(ColumnOf(folder / "out", "seq"), SizeIs(9));
   EXPECT_GT(fs::file_size(folder / "out/logs/run_1_a.lcm"), 1000U);
   EXPECT_GT(fs::file_size(folder / "out/logs/run_1-2_a.lcm"), 1000U);
 }
@@ -90,7 +89,7 @@ TEST(BatchBorder, LogsWhoseNamesCannotBeUsedAreNamedAndTheOthersComputed) {
   EXPECT_THAT(prefix.output, HasSubstr("--channel-prefix 'x'y': allowed are up to"));
 }
 
-// One log in at least two shards, computed.
+// One log, computed.
 class DamagedBatch : public testing::Test {
  protected:
   void SetUp() override {
@@ -98,71 +97,52 @@ class DamagedBatch : public testing::Test {
     WriteStraddlingLog(folder_ / "logs/run.lcm", "320x240", 0, 8);
     const Outcome outcome = RunProgramOf(Command());
     ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-    merged_ = BytesOfFile(Merged());
-    const batch::Manifest manifest = batch::ReadManifest(out_ / "manifest.jsonl");
-    result_ = batch::BatchFolder(out_).result(
-        batch::ResultKey(manifest.head, manifest.head.variants[0], manifest.shards[0]));
+    answers_ = BytesOfFile(Answers());
+    const batch::Manifest manifest = batch::ReadManifest(out_ / "manifest.textproto");
+    result_ = batch::BatchFolder(out_).result(manifest, 0, 0);
   }
 
   std::vector<std::string> Command() const { return RunCommand(folder_ / "logs", out_); }
-  fs::path Merged() const { return out_ / "logs" / "run_a.lcm"; }
+  fs::path Answers() const { return out_ / "logs" / "run_a.lcm"; }
 
   TemporaryDirectory folder_;
   fs::path out_ = folder_ / "out";
-  fs::path result_;     // of the first shard
-  std::string merged_;  // bytes of the merged log
+  fs::path result_;
+  std::string answers_;  // bytes of its answers
 };
 
 TEST_F(DamagedBatch, AResultThatWasCutIsComputedAgain) {
-  const fs::path log = result_ / "grow.lcm";
+  const fs::path log = result_ / kAnswers;
   fs::resize_file(log, fs::file_size(log) / 2);
   fs::remove_all(out_ / "logs");
   const Outcome again = RunProgramOf(Command());
   EXPECT_EQ(again.exit_code, 0) << again.output;
-  EXPECT_THAT(again.output, HasSubstr(", 1 of them to do"));
-  EXPECT_TRUE(BytesOfFile(Merged()) == merged_);
+  EXPECT_THAT(again.output, HasSubstr("1 logs, 1 of them to do"));
+  EXPECT_TRUE(BytesOfFile(Answers()) == answers_);
 }
 
-TEST_F(DamagedBatch, AFlippedBitIsFoundBeforeItIsMerged) {
-  std::string bytes = BytesOfFile(result_ / "grow.lcm");
+TEST_F(DamagedBatch, AFlippedBitIsFoundBeforeItIsLinked) {
+  std::string bytes = BytesOfFile(result_ / kAnswers);
   bytes[bytes.size() - 100] ^= 4;
-  std::ofstream(result_ / "grow.lcm", std::ios::binary) << bytes;
+  std::ofstream(result_ / kAnswers, std::ios::binary) << bytes;
   fs::remove_all(out_ / "logs");
   const Outcome again = RunProgramOf(Command());
   EXPECT_EQ(again.exit_code, 0) << again.output;
-  EXPECT_THAT(again.output, HasSubstr("damaged; shard 0 is computed again"));
-  EXPECT_TRUE(BytesOfFile(Merged()) == merged_);
-}
-
-TEST_F(DamagedBatch, AMergedLogThatWasCutIsMergedAgain) {
-  fs::resize_file(Merged(), merged_.size() / 2);
-  EXPECT_EQ(RunProgramOf(Command()).exit_code, 0);
-  EXPECT_TRUE(BytesOfFile(Merged()) == merged_);
-}
-
-TEST_F(DamagedBatch, ACutIndexIsMadeAgainAndThatIsSaid) {
-  const fs::path index = folder_ / "logs/run.lcm.index";
-  fs::resize_file(index, fs::file_size(index) - 20);
-  const Outcome again = RunProgramOf(Command());
-  EXPECT_EQ(again.exit_code, 0) << again.output;
-  EXPECT_THAT(again.output, HasSubstr("run.lcm.index: the index is damaged or cut off; the log was "
-                                      "indexed again"));
-  EXPECT_THAT(again.output, HasSubstr("shards were done already"));
-  const Outcome third = RunProgramOf(Command());
-  EXPECT_THAT(third.output, Not(HasSubstr("indexed again")));
+  EXPECT_THAT(again.output, HasSubstr("damaged; log 0 is computed again"));
+  EXPECT_TRUE(BytesOfFile(Answers()) == answers_);
 }
 
 TEST_F(DamagedBatch, AManifestFromElsewhereWritesNothingOutside) {
-  std::string manifest = BytesOfFile(out_ / "manifest.jsonl");
-  ReplaceAll(manifest, "\"name\":\"run\"", "\"name\":\"../../victim\"");
-  std::ofstream(out_ / "manifest.jsonl") << manifest;
+  std::string manifest = BytesOfFile(out_ / "manifest.textproto");
+  ReplaceAll(manifest, "name: \"run\"", "name: \"../../victim\"");
+  std::ofstream(out_ / "manifest.textproto") << manifest;
   std::ofstream(folder_ / "victim_a.lcm") << "mine";
-  for (const std::string command : {"merge", "report", "status"}) {
+  for (const std::string command : {"finish", "report", "status"}) {
     const Outcome outcome = RunProgramOf({"sprout-batch", command, out_});
     EXPECT_EQ(outcome.exit_code, 2) << command;
     EXPECT_THAT(outcome.output,
-                HasSubstr("manifest.jsonl: the manifest cannot be used (line 2: name = "
-                          "../../victim: allowed is a file name"));
+                HasSubstr("manifest.textproto: the manifest cannot be used (name = '../../victim': "
+                          "allowed is a file name"));
   }
   EXPECT_EQ(BytesOfFile(folder_ / "victim_a.lcm"), "mine");
 }
@@ -171,12 +151,10 @@ TEST(BatchBorder, AListThatContainsItselfGivesOneLine) {
   const TemporaryDirectory folder;
   const std::string list = folder / "list.txt";
   std::ofstream(list) << "@" << list << "\n";
-  for (const Outcome& outcome :
-       {RunProgramOf({"sprout-batch", "run", "@" + list, "--out", folder / "out"}),
-        RunProgramOf({"sprout-batch", "index", "@" + list})}) {
-    EXPECT_EQ(outcome.exit_code, 2);
-    EXPECT_EQ(outcome.output, "sprout-batch: @" + list + ": the list contains itself\n");
-  }
+  const Outcome outcome =
+      RunProgramOf({"sprout-batch", "run", "@" + list, "--out", folder / "out"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(outcome.output, "sprout-batch: @" + list + ": the list contains itself\n");
 }
 
 }  // namespace

@@ -1,8 +1,14 @@
 #ifndef SPROUT_TESTS_SYSTEM_BATCH_RUN_H_
 #define SPROUT_TESTS_SYSTEM_BATCH_RUN_H_
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -31,20 +37,31 @@ inline Outcome RunProgramOf(const std::vector<std::string>& words,
   return {code, process.Output()};
 }
 
-/// Three stages over all logs of a folder, in small shards.
+/// Three stages over all logs of a folder.
 inline std::vector<std::string> RunCommand(const std::filesystem::path& logs,
                                            const std::filesystem::path& out) {
-  return {"sprout-batch",
-          "run",
-          logs,
-          "--out",
-          out,
-          "--config",
-          "fast",
-          "--keep",
-          "refine,prior,grow",
-          "--shard-megabytes",
-          "1"};
+  return {"sprout-batch",     "run", logs, "--out", out, "--config", "fast", "--keep",
+          "refine,prior,grow"};
+}
+
+/// The cells of a column of frames.csv; NaN where they are empty.
+inline std::vector<double> ColumnOf(const std::filesystem::path& out, const std::string& name) {
+  std::ifstream file(out / "frames.csv");
+  std::vector<double> column;
+  std::ptrdiff_t at = -1;
+  for (std::string line; std::getline(file, line);) {
+    std::vector<std::string> cells;
+    std::istringstream rest(line);
+    for (std::string cell; std::getline(rest, cell, ',');) cells.push_back(cell);
+    if (at < 0) {
+      at = std::ranges::find(cells, name) - cells.begin();
+      EXPECT_LT(at, std::ssize(cells)) << "no column " << name;
+    } else {
+      const std::string cell = at < std::ssize(cells) ? cells[static_cast<size_t>(at)] : "";
+      column.push_back(cell.empty() ? std::nan("") : std::stod(cell));
+    }
+  }
+  return column;
 }
 
 }  // namespace sprout

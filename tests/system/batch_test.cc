@@ -1,7 +1,6 @@
 // sprout-batch with the real stages, on this machine and with a real Slurm (slurm_cluster).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -9,7 +8,6 @@
 #include <fstream>
 
 #include "common/logfile/log_reader.h"
-#include "services/batch/frame_rows.h"
 #include "services/batch/manifest.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/batch_logs.h"
@@ -46,7 +44,7 @@ int64_t CountResults(const fs::path& out) {
   std::error_code error;
   int64_t count = 0;
   for (const auto& entry : fs::recursive_directory_iterator(out / "results", error)) {
-    if (entry.path().filename() == "run.json" &&
+    if (entry.path().filename() == "runs.textproto" &&
         entry.path().string().find(".part-") == std::string::npos) {
       ++count;
     }
@@ -59,15 +57,12 @@ void WriteProgram(const fs::path& path, const std::string& lines) {
   fs::permissions(path, fs::perms::owner_all);
 }
 
-TEST(BatchSystem, MergedAnswersAreTheBytesOfAReplayOfTheWholeLog) {
+TEST(BatchSystem, AnswersAreTheBytesOfReplaysByHand) {
   const TemporaryDirectory folder;
   fs::create_directory(folder / "logs");
   WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 24);
   const Outcome outcome = RunProgramOf(RunCommand(folder / "logs", folder / "out"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  const batch::Manifest manifest = batch::ReadManifest(folder / "out" / "manifest.jsonl");
-  EXPECT_GE(manifest.shards.size(), 3U);
-  EXPECT_THAT(manifest.shards[1].carried, testing::Not(testing::IsEmpty()));
   const std::string merged = BytesOfFile(folder / "out" / "logs" / "run_a.lcm");
   EXPECT_GT(merged.size(), 1000U);
   EXPECT_TRUE(merged == WholeReplay(folder / "", folder / "logs" / "run.lcm"));
@@ -85,8 +80,7 @@ TEST(BatchSystem, MergedAnswersAreTheBytesOfAReplayOfTheWholeLog) {
   EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("A and B give the same maps"));
 }
 
-// A stage with memory is not run in shards.
-TEST(BatchSystem, FusedMapsAreTheBytesOfAReplayOfTheWholeLog) {
+TEST(BatchSystem, FusedMapsAreTheBytesOfReplaysByHand) {
   const TemporaryDirectory folder;
   fs::create_directory(folder / "logs");
   const std::string log = folder / "logs" / "run.lcm";
@@ -94,9 +88,8 @@ TEST(BatchSystem, FusedMapsAreTheBytesOfAReplayOfTheWholeLog) {
   const Outcome outcome =
       RunProgramOf({"sprout-batch", "run", folder / "logs", "--out", folder / "out", "--stages",
                     "refine,prior,grow,temporal", "--config", "default", "--config-b", "default",
-                    "--config-b", "temporal { min_gain: 1 }", "--shard-megabytes", "1"});
+                    "--config-b", "temporal { min_gain: 1 }"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_EQ(batch::ReadManifest(folder / "out" / "manifest.jsonl").shards.size(), 1U);
 
   std::vector<std::string> replays = {"--replay", log};
   std::string whole;
@@ -110,8 +103,8 @@ TEST(BatchSystem, FusedMapsAreTheBytesOfAReplayOfTheWholeLog) {
   }
   EXPECT_TRUE(BytesOfFile(folder / "out" / "logs" / "run_a.lcm") == BytesOfFile(whole));
   // A and B differ from the third frame that has an answer on, not in the first.
-  const batch::FrameRows rows(folder / "out" / "frames.csv");
-  const std::vector<float> changed = rows.Column("changed"), shares = rows.Column("a_valid_share");
+  const auto changed = ColumnOf(folder / "out", "changed");
+  const auto shares = ColumnOf(folder / "out", "a_valid_share");
   ASSERT_EQ(changed.size(), 14U);
   EXPECT_EQ(changed.front(), 0);
   EXPECT_GT(changed.back(), 0);
@@ -122,20 +115,23 @@ TEST(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
   const TemporaryDirectory folder;
   fs::create_directory(folder / "logs");
   WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 16);
+  WriteStraddlingLog(folder / "logs" / "two.lcm", "160x120", 16, 5);
   const auto command = RunCommand(folder / "logs", folder / "out");
   ASSERT_EQ(RunProgramOf(command).exit_code, 0);
   const auto whole = BytesOfFile(folder / "out" / "logs" / "run_a.lcm");
-  EXPECT_THAT(RunProgramOf(command).output, HasSubstr("shards were done already"));
+  EXPECT_THAT(RunProgramOf(command).output, HasSubstr("2 logs, 0 of them to do"));
 
-  const batch::Manifest manifest = batch::ReadManifest(folder / "out" / "manifest.jsonl");
-  const batch::BatchFolder batch(folder / "out");
-  fs::remove_all(
-      batch.result(batch::ResultKey(manifest.head, manifest.head.variants[0], manifest.shards[1])));
-  const int64_t before = CountResults(folder / "out");
+  const batch::Manifest manifest = batch::ReadManifest(folder / "out" / "manifest.textproto");
+  fs::remove_all(batch::BatchFolder(folder / "out").result(manifest, 0, 0));
   const Outcome again = RunProgramOf(command);
-  EXPECT_THAT(again.output, HasSubstr(", 1 of them to do"));
-  EXPECT_EQ(CountResults(folder / "out"), before + 1);
+  EXPECT_THAT(again.output, HasSubstr("2 logs, 1 of them to do"));
+  EXPECT_EQ(CountResults(folder / "out"), 2);
   EXPECT_TRUE(BytesOfFile(folder / "out" / "logs" / "run_a.lcm") == whole);
+
+  // A log that changed is another one.
+  WriteStraddlingLog(folder / "logs" / "two.lcm", "160x120", 21, 5);
+  EXPECT_THAT(RunProgramOf(command).output, HasSubstr("2 logs, 1 of them to do"));
+  EXPECT_EQ(CountResults(folder / "out"), 3);
 
   // Another configuration B computes B alone, and compares.
   auto compare = command;
@@ -143,7 +139,7 @@ TEST(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
   compare.insert(compare.end(), {"--config-b", "fast", "--config-b", folder / "b.textproto"});
   const Outcome compared = RunProgramOf(compare);
   EXPECT_EQ(compared.exit_code, 0) << compared.output;
-  EXPECT_EQ(CountResults(folder / "out"), 2 * (before + 1));
+  EXPECT_EQ(CountResults(folder / "out"), 3 + 2);
   const std::string report = BytesOfFile(folder / "out" / "report.html");
   EXPECT_THAT(report, HasSubstr("The most changed frames"));
   EXPECT_THAT(report, HasSubstr("sigma_p_px: 3"));
@@ -154,6 +150,7 @@ TEST(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
 TEST(BatchSystem, CtrlCLeavesWhatIsWholeAndTheSameCommandGoesOn) {
   const TemporaryDirectory folder;
   fs::create_directory(folder / "logs");
+  WriteStraddlingLog(folder / "logs" / "a.lcm", "160x120", 0, 5);
   WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 24);
   auto command = RunCommand(folder / "logs", folder / "out");
   command.insert(command.end(), {"--jobs", "1"});
@@ -164,20 +161,41 @@ TEST(BatchSystem, CtrlCLeavesWhatIsWholeAndTheSameCommandGoesOn) {
     ASSERT_TRUE(
         Eventually([&] { return CountResults(folder / "out") > 0; }, std::chrono::seconds(60)))
         << process.Output();
+    const Outcome second = RunProgramOf(command);
+    EXPECT_EQ(second.exit_code, 2);
+    EXPECT_THAT(second.output, HasSubstr("another sprout-batch is running there"));
     process.Signal(SIGINT);
     EXPECT_EQ(process.Wait(), 130) << process.Output();
   }
-  EXPECT_FALSE(fs::exists(folder / "out" / "logs"));
+  EXPECT_FALSE(fs::exists(folder / "out" / "report.html"));
   const Outcome outcome = RunProgramOf(command);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("2 logs, 1 of them to do"));
   EXPECT_TRUE(BytesOfFile(folder / "out" / "logs" / "run_a.lcm") ==
               WholeReplay(folder / "", folder / "logs" / "run.lcm"));
 }
 
-// Shares of bad pixels in frames.csv, by column.
-std::vector<double> ColumnOf(const fs::path& out, const std::string& name) {
-  const std::vector<float> column = batch::FrameRows(out / "frames.csv").Column(name);
-  return {column.begin(), column.end()};
+TEST(BatchSystem, ALogWithoutACompleteFrameIsListedAndIsNoFailure) {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "logs");
+  WriteStraddlingLog(folder / "logs" / "run.lcm", "160x120", 0, 5);
+  LogWriter writer(folder / "logs" / "other.lcm");
+  writer.Write(1, "OTHER", {});
+  writer.Close();
+  const auto command = RunCommand(folder / "logs", folder / "out");
+  const Outcome outcome = RunProgramOf(command);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_EQ(ColumnOf(folder / "out", "seq").size(), 5U);
+  EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("<tr><td>other</td><td>1<"));
+  EXPECT_THAT(RunProgramOf(command).output, HasSubstr("2 logs, 0 of them to do"));
+  // Alone it is one: probably flags are wrong.
+  fs::remove(folder / "logs" / "run.lcm");
+  const Outcome alone = RunProgramOf(command);
+  EXPECT_EQ(alone.exit_code, 1);
+  EXPECT_THAT(alone.output, HasSubstr("no frame was answered in these logs"));
+  // What is no log stops the command before anything is computed.
+  std::ofstream(folder / "logs" / "text.lcm") << "no log at all\n";
+  EXPECT_EQ(RunProgramOf(command).exit_code, 2);
 }
 
 TEST(BatchSystem, ATruthSaysWhichOfTheTwoIsNearerToIt) {
@@ -269,36 +287,16 @@ TEST(BatchSystem, AnotherBuildIsComparedAndItsFailuresAreReported) {
   EXPECT_THAT(report, HasSubstr("no luck today"));
 }
 
-TEST(BatchSystem, AFolderThatCannotBeWrittenIsGoodEnoughForLogs) {
-  const TemporaryDirectory folder;
-  const fs::path logs = folder / "logs";
-  fs::create_directory(logs);
-  WriteStraddlingLog(logs / "run.lcm", "320x240", 0, 8);
-  fs::permissions(logs, fs::perms::owner_read | fs::perms::owner_exec);
-  // Permissions do not stop root, unless it gives this right away.
-  std::vector<std::string> without_rights;
-  if (geteuid() == 0) without_rights = {"setpriv", "--bounding-set", "-dac_override"};
-  const auto command = RunCommand(logs, folder / "out");
-  const Outcome outcome = RunProgramOf(command, without_rights);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_THAT(outcome.output, HasSubstr("cannot be written beside the logs"));
-  EXPECT_FALSE(fs::exists(logs / "run.lcm.index"));
-  EXPECT_THAT(RunProgramOf(command, without_rights).output, HasSubstr("shards were done already"));
-  const Outcome index = RunProgramOf({"sprout-batch", "index", logs}, without_rights);
-  EXPECT_EQ(index.exit_code, 2);
-  EXPECT_THAT(index.output, HasSubstr("run.lcm.index: cannot be written"));
-  fs::permissions(logs, fs::perms::owner_all);
-}
-
 // Run inside slurm_cluster, which kills nothing by itself.
-TEST(BatchSlurm, TwelveLogsGiveTheBytesOfTheLocalEngineThoughANodeAndATaskAreKilled) {
+TEST(BatchSlurm, ThirtyLogsGiveTheBytesOfTheLocalEngineThoughANodeAndATaskAreKilled) {
   const char* state = std::getenv("SLURM_STATE");
   if (state == nullptr) GTEST_SKIP() << "no Slurm: run it in tests/system/slurm_cluster";
+  constexpr int kLogs = 30;
   const TemporaryDirectory folder;
   fs::create_directory(folder / "logs");
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < kLogs; ++i) {
     WriteStraddlingLog(folder / "logs" / ("run" + std::to_string(i) + ".lcm").c_str(), "160x120",
-                       10 * i, 30);
+                       10 * i, 10);
   }
   const fs::path local = folder / "local";
   const fs::path slurm = folder / "slurm";
@@ -313,17 +311,17 @@ TEST(BatchSlurm, TwelveLogsGiveTheBytesOfTheLocalEngineThoughANodeAndATaskAreKil
   // In the middle: a node dies with what it works on, and a task is killed on the other.
   ASSERT_TRUE(Eventually([&] { return CountResults(slurm) > 0; }, std::chrono::seconds(90)));
   ASSERT_EQ(std::system("kill -9 $(cat $SLURM_STATE/node2.pid) &&"
-                        "pgrep -f 'sprout-batch.? run-shar[d]' | head -n 1 | xargs -r kill -9"),
+                        "pgrep -f 'sprout-batch.? comput[e]' | head -n 1 | xargs -r kill -9"),
             0);
   EXPECT_TRUE(Eventually(
       [&] {
         return fs::exists(slurm / "report.html") &&
                RunProgramOf({"sprout-batch", "status", slurm}).exit_code == 0 &&
-               std::distance(fs::directory_iterator(slurm / "logs"), {}) == 24;
+               std::distance(fs::directory_iterator(slurm / "logs"), {}) == kLogs;
       },
       std::chrono::seconds(180)))
       << RunProgramOf({"sprout-batch", "status", slurm}).output;
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < kLogs; ++i) {
     const std::string name = "run" + std::to_string(i) + "_a.lcm";
     const std::string bytes = BytesOfFile(slurm / "logs" / name);
     EXPECT_GT(bytes.size(), 1000U) << name;

@@ -1,21 +1,21 @@
-// What comes from elsewhere: names of logs, lists, indexes, results.
+// What comes from elsewhere: names of logs, lists, results.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 
 #include "common/app/process.h"
-#include "common/core/digest.h"
-#include "services/batch/frame_commands.h"
-#include "services/batch/merge.h"
+#include "common/logfile/log_error.h"
+#include "services/batch/batch_state.h"
+#include "services/batch/log_list.h"
+#include "services/batch/log_task.h"
 #include "services/batch/names.h"
-#include "services/batch/planning.h"
+#include "services/batch/report_frames.h"
 #include "services/batch/result_folder.h"
-#include "services/batch/stage_run.h"
-#include "services/batch/tables.h"
+#include "services/batch/table.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/batch/error_of.h"
-#include "tests/services/log/graph_log.h"
+#include "tests/services/batch/example_manifest.h"
 
 namespace sprout::batch {
 namespace {
@@ -95,16 +95,16 @@ TEST(FrameCommands, StandForThemselvesInAShellWhateverIsInTheNames) {
     const fs::path bin = (folder / "bin") / name;
     fs::create_directory(bin);
     WriteStubs(bin);
-    BatchHead head;
-    head.stages = {"refine", "prior"};
-    head.prefix = name;
-    Variant variant{.name = "a", .config_digest = "", .programs = {}};
-    for (const std::string& stage : head.stages) {
-      variant.programs[stage] = {(bin / ("sprout-" + stage)).string(), "", ""};
+    Manifest manifest;
+    manifest.set_channel_prefix(name);
+    Variant& variant = *manifest.add_variant();
+    for (const std::string stage : {"refine", "prior"}) {
+      manifest.add_stage(stage);
+      variant.add_program()->set_path(bin / ("sprout-" + stage));
     }
-    head.variants = {variant};
-    const BatchLog log{.path = "/logs/" + name + ".lcm", .name = "x", .index = "", .summary = {}};
-    commands += FrameCommands(BatchFolder("/out/" + name), head, log, 7, bin);
+    BatchLog log;
+    log.set_path("/logs/" + name + ".lcm");
+    commands += FrameCommands(BatchFolder("/out/" + name), manifest, log, 7, bin);
     calls += CallsOf(name);
   }
   WriteFile(folder / "commands", commands);
@@ -148,40 +148,13 @@ TEST(FindLogs, RefusesAListThatContainsItself) {
   EXPECT_THAT(ErrorOf<ConfigError>([&] { FindLogs({"@/dev/zero"}); }), HasSubstr("no such list"));
 }
 
-TEST(LogIndex, IsMadeAgainWhenItIsDamaged) {
-  const log::LogFolder folder;
-  const std::string log = folder.Write("run.lcm", log::GraphEvents(4));
-  const std::string index = log + ".index";
-  EXPECT_EQ(LogIndex::Ensure(log, "").replaced(), "");
-  const std::string whole = TextOf(index);
-  std::string flipped = whole;
-  flipped[whole.size() - 5] ^= 1;
-  for (const std::string& damaged :
-       {whole.substr(0, whole.size() - 7), whole.substr(0, 100), std::string(), flipped,
-        whole + "1 2 3 SPROUT_LEFT 4 5 cafe 6\n"}) {
-    WriteFile(index, damaged);
-    const LogIndex again = LogIndex::Ensure(log, "");
-    EXPECT_THAT(again.replaced(), HasSubstr("run.lcm.index: "));
-    EXPECT_EQ(TextOf(index), whole);
-    EXPECT_EQ(LogIndex::Ensure(log, "").replaced(), "");
-  }
-}
-
-TEST(LogIndex, KnowsFromItsFirstLineThatItIsCut) {
-  const log::LogFolder folder;
-  const std::string log = folder.Write("run.lcm", log::GraphEvents(4));
-  const std::string index = LogIndex::Ensure(log, "").path();
-  EXPECT_TRUE(LogIndex::IsOf(index, StampOf(log)));
-  fs::resize_file(index, fs::file_size(index) - 3);
-  EXPECT_FALSE(LogIndex::IsOf(index, StampOf(log)));
-}
-
-// A result as a shard leaves it.
+// A result as a task leaves it.
 class AResult : public testing::Test {
  protected:
   void SetUp() override {
     ResultFolder result(path_);
-    WriteTable(result / "measures.csv", {.columns = {"seq", "utime"}, .rows = {{1, 2}}});
+    WriteTable(result / "measures.csv",
+               {.columns = {"seq", "utime", "left_at"}, .rows = {{1, 2, 3}}});
     WriteFile(result / "grow.lcm", std::string(1000, 'x'));
     result.Commit();
   }
@@ -241,17 +214,47 @@ TEST_F(AResult, IsReplacedWhenItIsDamagedAndKeptWhenNot) {
   EXPECT_EQ(folder_.CountEntries(), 1);
 }
 
-TEST(MadeFrom, TellsAFileThatWasCut) {
-  const TemporaryDirectory folder;
-  WriteFile(folder / "merged.lcm", "12345");
-  EXPECT_FALSE(IsMadeFrom(folder / "merged.lcm", "source"));
-  MarkMadeFrom(folder / "merged.lcm", "source");
-  EXPECT_TRUE(IsMadeFrom(folder / "merged.lcm", "source"));
-  EXPECT_FALSE(IsMadeFrom(folder / "merged.lcm", "other"));
-  fs::resize_file(folder / "merged.lcm", 4);
-  EXPECT_FALSE(IsMadeFrom(folder / "merged.lcm", "source"));
-  fs::remove(folder / "merged.lcm");
-  EXPECT_FALSE(IsMadeFrom(folder / "merged.lcm", "source"));
+// A batch with x done; y is not.
+class LinkedAnswers : public testing::Test {
+ protected:
+  void SetUp() override {
+    manifest_.mutable_variant()->RemoveLast();
+    WriteResult();
+  }
+
+  void WriteResult() const {
+    ResultFolder result(batch_.result(manifest_, 0, 0));
+    WriteFile(result / kAnswers, std::string(1000, 'x'));
+    result.Commit();
+  }
+
+  TemporaryDirectory folder_;
+  BatchFolder batch_{folder_ / ""};
+  Manifest manifest_ = ExampleManifest();
+  fs::path link_ = batch_.answers(manifest_.log(0), 0);
+};
+
+TEST_F(LinkedAnswers, AreThoseOfLogsThatAreDone) {
+  fs::create_directory(folder_ / "logs");
+  WriteFile(batch_.answers(manifest_.log(1), 0), "of an earlier batch");
+  const BatchState state = LinkAnswers(batch_, manifest_);
+  EXPECT_THAT(state.done, ElementsAre(true, false));
+  EXPECT_EQ(state.missing, 1);
+  EXPECT_THAT(TextOf(link_), SizeIs(1000));
+  EXPECT_TRUE(fs::read_symlink(link_).is_relative());  // the folder may be moved
+  EXPECT_FALSE(fs::exists(batch_.answers(manifest_.log(1), 0)));
+}
+
+TEST_F(LinkedAnswers, AreNotThoseWithAFlippedBit) {
+  std::string bytes = TextOf(batch_.result(manifest_, 0, 0) / kAnswers);
+  bytes[500] ^= 4;
+  WriteFile(batch_.result(manifest_, 0, 0) / kAnswers, bytes);
+  EXPECT_EQ(LinkAnswers(batch_, manifest_).missing, 2);
+  EXPECT_FALSE(fs::exists(link_));
+  EXPECT_EQ(StateOf(batch_, manifest_).missing, 2);  // the quick check knows it now
+  WriteResult();
+  EXPECT_EQ(LinkAnswers(batch_, manifest_).missing, 1);
+  EXPECT_TRUE(fs::exists(link_));
 }
 
 TEST(Tables, AreRefusedWhenTheyAreNotOfFrames) {
@@ -261,25 +264,12 @@ TEST(Tables, AreRefusedWhenTheyAreNotOfFrames) {
     WriteFile(path, text);
     return ErrorOf<LogError>([&] { ReadTable(path, {"x"}); });
   };
-  EXPECT_EQ(error_of("seq,utime,x\n1,2,3\n"), "no error");
+  EXPECT_EQ(error_of("seq,utime,left_at,x\n1,2,,3\n"), "no error");
   EXPECT_THAT(error_of(""), HasSubstr("t.csv: cannot be read"));
   EXPECT_THAT(error_of("seq\n1\n"), HasSubstr("has other columns"));
-  EXPECT_THAT(error_of("seq,utime,x\n1,2\n"), HasSubstr("a row has missing cells"));
-  EXPECT_THAT(error_of("seq,utime,x\n1,,3\n"), HasSubstr("a row has no seq or utime"));
-  EXPECT_THAT(error_of("seq,utime,x\n1,2,inf\n"), HasSubstr("'inf' is no finite number"));
-}
-
-TEST(StageRuns, AreRefusedWhenAStageIsMissingOrACountCannotBe) {
-  const TemporaryDirectory folder;
-  WriteStageRuns(folder / "run.json", {{"prior", {.frames_in = 3, .seconds = 0.5}}});
-  EXPECT_EQ(ReadStageRuns(folder / "run.json", {"prior"}).at("prior").frames_in, 3);
-  EXPECT_THAT(ErrorOf<LogError>([&] {
-                ReadStageRuns(folder / "run.json", {"prior", "grow"});
-              }),
-              HasSubstr("run.json: grow = nothing: allowed is an object"));
-  WriteStageRuns(folder / "run.json", {{"prior", {.frames_in = -3}}});
-  EXPECT_THAT(ErrorOf<LogError>([&] { ReadStageRuns(folder / "run.json", {"prior"}); }),
-              HasSubstr("in = -3: allowed is a whole number"));
+  EXPECT_THAT(error_of("seq,utime,left_at,x\n1,2,3\n"), HasSubstr("a row has missing cells"));
+  EXPECT_THAT(error_of("seq,utime,left_at,x\n1,,3,4\n"), HasSubstr("a row has no seq or utime"));
+  EXPECT_THAT(error_of("seq,utime,left_at,x\n1,2,3,inf\n"), HasSubstr("'inf' is no finite number"));
 }
 
 }  // namespace

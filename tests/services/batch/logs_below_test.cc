@@ -1,11 +1,10 @@
-#include "services/batch/logs_below.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 
 #include "common/config/config.h"
+#include "services/batch/log_list.h"
 #include "tests/common/picture/temporary_directory.h"
 
 namespace sprout::batch {

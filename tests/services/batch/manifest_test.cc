@@ -1,149 +1,91 @@
 // Manifests that were changed by somebody else.
+#include "services/batch/manifest.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <functional>
-#include <nlohmann/json.hpp>
 
-#include "common/core/digest.h"
-#include "services/batch/planning.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/batch/error_of.h"
+#include "tests/services/batch/example_manifest.h"
 
 namespace sprout::batch {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-using Json = nlohmann::json;
 
-// A manifest whose fields are changed one by one.
+// A manifest that is changed here and there.
 class ForeignManifest : public testing::Test {
  protected:
-  void SetUp() override {
-    Manifest manifest;
-    BatchHead& head = manifest.head;
-    head.stages = {"prior", "grow"};
-    head.keep = {"grow"};
-    head.shard_bytes = 1000;
-    head.tables = Digest("tables");
-    for (const char* name : {"a", "b"}) {
-      Variant variant{.name = name, .config_digest = Digest(name), .programs = {}};
-      for (const std::string& stage : head.stages) {
-        variant.programs[stage] = {"/bin/sprout-" + stage, Digest(stage), "1.0"};
-      }
-      head.variants.push_back(variant);
-    }
-    for (const char* name : {"x", "y"}) {
-      manifest.logs.push_back({.path = std::string("/logs/") + name + ".lcm",
-                               .name = name,
-                               .index = std::string("/logs/") + name + ".index",
-                               .summary = {}});
-    }
-    for (int64_t log : {0, 1}) {
-      Shard shard;
-      shard.log = log;
-      shard.end = 10;
-      shard.carried = {3};
-      shard.input = Digest("input");
-      manifest.shards.push_back(shard);
-    }
-    WriteManifest(path_, manifest);
-    std::ifstream file(path_);
-    for (std::string line; std::getline(file, line);) lines_.push_back(Json::parse(line));
+  // @returns why the manifest is refused when this text is another; `from` must be in it.
+  std::string ErrorWith(const std::string& from, const std::string& to) const {
+    std::string text = ConfigText(ExampleManifest());
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    return ErrorOfText(text);
   }
 
-  // @returns why the manifest is refused when a field of a line has this value.
-  std::string ErrorWith(size_t line, const std::string& field, const Json& value) const {
-    std::vector<Json> lines = lines_;
-    lines[line][Json::json_pointer(field)] = value;
-    return ErrorOfLines(lines);
-  }
-
-  std::string ErrorWithout(size_t line, const std::string& field) const {
-    std::vector<Json> lines = lines_;
-    lines[line].erase(field);
-    return ErrorOfLines(lines);
-  }
-
-  std::string ErrorOfLines(const std::vector<Json>& lines) const {
-    std::ofstream file(path_);
-    for (const Json& line : lines) file << line.dump() << "\n";
-    file.close();
+  std::string ErrorOfText(const std::string& text) const {
+    std::ofstream(path_) << text;
     return ErrorOf<ConfigError>([&] { ReadManifest(path_); });
   }
 
   TemporaryDirectory folder_;
-  fs::path path_ = folder_ / "manifest.jsonl";
-  std::vector<Json> lines_;
+  fs::path path_ = folder_ / "manifest.textproto";
 };
 
 TEST_F(ForeignManifest, IsTakenAsItWasWritten) {
-  EXPECT_EQ(ErrorOfLines(lines_), "no error");
-  const Manifest manifest = ReadManifest(path_);
-  EXPECT_THAT(manifest.shards, SizeIs(2));
-  EXPECT_EQ(manifest.logs[1].name, "y");
-  EXPECT_EQ(manifest.head.variants[1].programs.at("grow").path, "/bin/sprout-grow");
+  EXPECT_EQ(ErrorOfText(ConfigText(ExampleManifest())), "no error");
+  EXPECT_EQ(ConfigText(ReadManifest(path_)), ConfigText(ExampleManifest()));
 }
 
 TEST_F(ForeignManifest, IsRefusedWithTheFieldItsValueAndWhatIsAllowed) {
   const struct {
-    size_t line;
-    const char* field;
-    Json value;
+    const char* from;
+    const char* to;
     const char* error;
   } kCases[] = {
-      {0, "/stages", Json::array(),
-       "line 1: stages : allowed are refine, prior, grow and temporal"},
-      {0,
-       "/stages",
-       {"grow", "prior"},
-       "stages grow,prior: allowed are refine, prior, grow and temporal"},
-      {0, "/stages", "grow", "stages = \"grow\": allowed is an array"},
-      {0, "/keep", Json::array(), "keep = []: allowed is stages of the batch in their order"},
-      {0, "/keep", {"refine", "grow"}, "keep = [refine,grow]: allowed is stages of the batch"},
-      {0, "/keep", {"prior"}, "keep = [prior]: allowed is stages of the batch"},
-      {0, "/keep", {"grow", "prior"}, "keep = [grow,prior]: allowed is stages of the batch"},
-      {0, "/keep", {"prior", "../x", "grow"}, "keep = [prior,../x,grow]: allowed is stages"},
-      {0, "/keep", {1}, "keep = 1: allowed is a text"},
-      {0, "/channel_prefix", "'; x", "channel_prefix = '; x: allowed is up to "},
-      {0, "/shard_bytes", 0, "shard_bytes = 0: allowed is 1 or more"},
-      {0, "/tables", "../x", "tables = \"../x\": allowed is 16 hexadecimal digits"},
-      {0, "/truth", 7, "truth = 7: allowed is a text"},
-      {0, "/variants", Json::array(), "variants = 0: allowed is one or two"},
-      {0, "/variants/1/name", "../b", "name = ../b: allowed is b here"},
-      {0, "/variants/0/config_digest", "<b>", "config_digest = \"<b>\": allowed is 16 hexa"},
-      {0, "/variants/0/programs/grow", 1, "grow = 1: allowed is an object"},
-      {0, "/variants/0/programs/grow/path", "grow", "path = \"grow\": allowed is an absolute path"},
-      {0, "/left_out_logs", {"a\nb"}, "left_out_logs = \"a\\nb\": allowed is a text, UTF-8"},
-      {1, "/name", "../../victim", "line 2: name = ../../victim: allowed is a file name"},
-      {1, "/name", "", "name = : allowed is a file name"},
-      {1, "/name", "..", "name = ..: allowed is a file name"},
-      {1, "/name", "a,b", "name = a,b: allowed is a file name"},
-      {2, "/name", "x", "line 3: name = x: allowed is one that no other log has"},
-      {1, "/log", "x.lcm", "log = \"x.lcm\": allowed is an absolute path"},
-      {1, "/bytes", 1e300, "bytes = 1e+300: allowed is a whole number"},
-      {1, "/events", -1, "events = -1: allowed is a whole number from 0"},
-      {1, "/cuttable", 1, "cuttable = 1: allowed is true or false"},
-      {3, "/of_log", 7, "line 4: of_log = 7: allowed is the number of a log, 0 to 1"},
-      {3, "/of_log", -1, "of_log = -1: allowed is a whole number from 0 to 2^50"},
-      {3, "/of_log", uint64_t{1} << 63, "of_log = 9223372036854775808: allowed is a whole"},
-      {4, "/of_log", "0", "of_log = \"0\": allowed is a whole number"},
-      {3, "/index_end", 0, "index_end = 0: allowed is more than index_begin, 0"},
-      {3, "/carried", {-1}, "carried = -1: allowed is a whole number"},
-      {3, "/frames", 1e18, "frames = 1e+18: allowed is a whole number"},
-      {3, "/input", "x", "input = \"x\": allowed is 16 hexadecimal digits"},
+      {"format: 2", "format: 1", "format = '1': allowed is 2, that of this version"},
+      {"stage: \"prior\"\n", "", "keep = 'prior,grow': allowed is stages of the batch"},
+      {"stage: \"prior\"\nstage: \"grow\"", "stage: \"grow\"\nstage: \"prior\"",
+       "stage grow,prior: allowed are refine, prior, grow and temporal"},
+      {"stage: \"prior\"\nstage: \"grow\"", "", "stage : allowed are refine, prior"},
+      {"keep: \"grow\"", "", "keep = 'prior': allowed is stages of the batch in their order"},
+      {"keep: \"prior\"", "keep: \"../x\"", "keep = '../x,grow': allowed is stages of the batch"},
+      {"channel_prefix: \"\"", "channel_prefix: \"'; x\"",
+       "channel_prefix = ''; x': allowed is up to "},
+      {"tables: \"", "tables: \"../", "tables = '../"},
+      {"measured: true", "measured: 7", "manifest:"},
+      {"config_digest: \"", "config_digest: \"<b>", "allowed is 16 hexadecimal digits"},
+      {"path: \"/bin/sprout-prior\"", "path: \"sprout-prior\"",
+       "path = 'sprout-prior': allowed is an absolute path"},
+      {"program {", "program { } program {", "program = '3': allowed is one for each stage"},
+      {"left_out: \"", "left_out: \"a\\nb", "left_out = 'a\\x0ab"},
+      {"name: \"x\"", "name: \"../../victim\"",
+       "name = '../../victim': allowed is a file name of up to"},
+      {"name: \"x\"", "name: \"\"", "name = '': allowed is a file name"},
+      {"name: \"x\"", "name: \"..\"", "name = '..': allowed is a file name"},
+      {"name: \"x\"", "name: \"a,b\"", "name = 'a,b': allowed is a file name"},
+      {"name: \"x\"", "name: \"y\"", "name = 'y': allowed is one that no other log has"},
+      {"path: \"/logs/x.lcm\"", "path: \"x.lcm\"", "path = 'x.lcm': allowed is an absolute path"},
+      {"path: \"/logs/x.lcm\"", "path: \"/x\\377.lcm\"", "path = '/x\\xff.lcm': allowed is UTF-8"},
+      {"log {", "shard {", "no field named \"shard\""},
   };
-  for (const auto& [line, field, value, error] : kCases) {
-    EXPECT_THAT(ErrorWith(line, field, value), HasSubstr(error)) << field;
+  for (const auto& [from, to, error] : kCases) {
+    EXPECT_THAT(ErrorWith(from, to), HasSubstr(error)) << from << " -> " << to;
   }
-  for (size_t line = 0; line < 4; ++line) {
-    for (const auto& [field, value] : lines_[line].items()) {
-      if (field == "sprout_batch" || field == "log" || field == "shard") continue;
-      EXPECT_THAT(ErrorWithout(line, field), HasSubstr(field + " = nothing: allowed is ")) << line;
-    }
-  }
+  EXPECT_THAT(ErrorOfText("format: 2"), HasSubstr("stage : allowed are refine"));
+}
+
+TEST_F(ForeignManifest, HasOneOrTwoVariants) {
+  Manifest manifest = ExampleManifest();
+  *manifest.add_variant() = manifest.variant(0);
+  EXPECT_THAT(ErrorOfText(ConfigText(manifest)), HasSubstr("variant = '3': allowed is one or two"));
+  manifest.clear_variant();
+  EXPECT_THAT(ErrorOfText(ConfigText(manifest)), HasSubstr("variant = '0': allowed is one or two"));
 }
 
 TEST(Manifest, IsARegularFile) {
@@ -154,13 +96,42 @@ TEST(Manifest, IsARegularFile) {
   }
 }
 
-TEST_F(ForeignManifest, SaysWhichShardItLacks) {
-  EXPECT_EQ(ReadShard(path_, 1).log.name, "y");
-  EXPECT_THAT(ErrorOf<ConfigError>([&] { ReadShard(path_, 2); }), HasSubstr("has no shard 2"));
-  std::vector<Json> lines = lines_;
-  lines[4]["of_log"] = 2;
-  ErrorOfLines(lines);
-  EXPECT_THAT(ErrorOf<ConfigError>([&] { ReadShard(path_, 1); }), HasSubstr("of_log = 2"));
+TEST(Stages, AreRefusedWithGapsAndWhenUnknown) {
+  EXPECT_THROW(RequireStages("--stages", {"refine", "grow"}), ConfigError);
+  EXPECT_THROW(RequireStages("--stages", {"depth"}), ConfigError);
+  EXPECT_NO_THROW(RequireStages("--stages", {"prior", "grow"}));
+}
+
+// Whatever may change a result is in its name, and nothing else.
+TEST(Results, AreNamedByAllThatDecidesThem) {
+  const BatchFolder folder("/out");
+  const Manifest before = ExampleManifest();
+  const auto name_of = [&](const Manifest& manifest) { return folder.result(manifest, 0, 0); };
+  const auto with = [&](auto change) {
+    Manifest manifest = before;
+    change(manifest);
+    return name_of(manifest);
+  };
+  EXPECT_NE(folder.result(before, 1, 0), name_of(before));
+  EXPECT_NE(folder.result(before, 0, 1), name_of(before));
+  EXPECT_NE(with([](Manifest& m) { m.mutable_log(0)->set_digest(Digest("other")); }),
+            name_of(before));
+  EXPECT_NE(with([](Manifest& m) {
+              m.mutable_variant(0)->mutable_program(1)->set_digest(Digest("other"));
+            }),
+            name_of(before));
+  EXPECT_NE(with([](Manifest& m) { m.mutable_variant(0)->set_config_digest(Digest("other")); }),
+            name_of(before));
+  EXPECT_NE(with([](Manifest& m) { m.set_channel_prefix("A_"); }), name_of(before));
+  EXPECT_NE(with([](Manifest& m) { m.set_measured(false); }), name_of(before));
+  EXPECT_NE(with([](Manifest& m) { m.set_tables(Digest("other")); }), name_of(before));
+  EXPECT_NE(with([](Manifest& m) { m.mutable_keep()->DeleteSubrange(0, 1); }), name_of(before));
+  EXPECT_EQ(with([](Manifest& m) {
+              m.mutable_log(0)->set_path("/moved.lcm");
+              m.mutable_variant(0)->mutable_program(0)->set_path("/moved/sprout-prior");
+              m.mutable_variant()->RemoveLast();
+            }),
+            name_of(before));
 }
 
 }  // namespace

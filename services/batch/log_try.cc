@@ -1,4 +1,4 @@
-#include "services/batch/shard_try.h"
+#include "services/batch/log_try.h"
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -14,14 +14,12 @@
 
 namespace sprout::batch {
 
-namespace fs = std::filesystem;
-
-ShardTry::ShardTry(const BatchFolder& folder, size_t shard) {
+LogTry::LogTry(const BatchFolder& folder, int log) {
   std::error_code ignored;
-  fs::create_directories(folder.failures(), ignored);
+  std::filesystem::create_directories(folder.failures(), ignored);
   int descriptor = -1;
-  for (int64_t i = 1; descriptor < 0; ++i) {
-    path_ = TryPath(folder, shard, i);
+  for (int i = 1; descriptor < 0; ++i) {
+    path_ = TryPath(folder, log, i);
     descriptor = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0 && errno != EEXIST) return;  // what cannot be written shows at the results
   }
@@ -31,37 +29,39 @@ ShardTry::ShardTry(const BatchFolder& folder, size_t shard) {
       getpid());
 }
 
-ShardTry::~ShardTry() {
+LogTry::~LogTry() {
   std::error_code ignored;
-  if (!failed_) fs::remove(path_, ignored);
+  if (!failed_) std::filesystem::remove(path_, ignored);
 }
 
-void ShardTry::Fail(const std::string& why) {
+void LogTry::Fail(const std::string& why) {
   if (std::exchange(failed_, true)) return;
   std::ofstream(path_) << why << "\n";
 }
 
-fs::path TryPath(const BatchFolder& folder, size_t shard, int64_t tries) {
-  return folder.failures() / fmt::format("{}.{}.txt", shard, tries);
+std::filesystem::path TryPath(const BatchFolder& folder, int log, int tries) {
+  return folder.failures() / fmt::format("{}.{}.txt", log, tries);
 }
 
-std::map<size_t, int64_t> FailedTries(const BatchFolder& folder) {
-  std::map<size_t, int64_t> tries;
+std::map<int, int> FailedTries(const BatchFolder& folder) {
+  std::map<int, int> tries;
   std::error_code none;
-  for (const auto& file : fs::directory_iterator(folder.failures(), none)) {
+  for (const auto& file : std::filesystem::directory_iterator(folder.failures(), none)) {
     const std::string name = file.path().filename();
     const size_t dot = name.find('.');
     if (dot == std::string::npos) continue;
-    const auto shard = ParseNumber<size_t>(std::string_view(name).substr(0, dot));
-    if (shard) ++tries[*shard];
+    const auto log = ParseNumber<int>(std::string_view(name).substr(0, dot));
+    if (log) ++tries[*log];
   }
   return tries;
 }
 
-void ForgetTry(const BatchFolder& folder, size_t shard) {
+void ForgetTry(const BatchFolder& folder, int log) {
   const auto tries = FailedTries(folder);
-  const auto found = tries.find(shard);
-  if (found != tries.end()) fs::remove(TryPath(folder, shard, found->second));
+  const auto found = tries.find(log);
+  if (found != tries.end()) {
+    std::filesystem::remove(TryPath(folder, log, found->second));
+  }
 }
 
 }  // namespace sprout::batch
