@@ -29,12 +29,31 @@ class Columns {
   using V = hn::Vec<D>;
 
   // @param u  the first column; as many as there are lanes.
-  HWY_INLINE Columns(const WindowPairs& pairs, int u)
+  HWY_INLINE Columns(const WindowPairs& pairs, ptrdiff_t u)
       : pairs_{hn::LoadU(D(), pairs[0] + u), hn::LoadU(D(), pairs[1] + u),
                hn::And(hn::LoadU(D(), pairs[2] + u), hn::Set(D(), 0xffff))} {}
 
+  // Σ of the squares in each column.
+  HWY_INLINE V Squares() const {
+    const auto sums = [&](size_t i) HWY_ATTR { return PairProducts(pairs_[i], pairs_[i]); };
+    return hn::Add(hn::Add(sums(0), sums(1)), sums(2));
+  }
+
+  // Σ of the squared differences from others. @param u  the other column that belongs to the first.
+  HWY_INLINE V SquaredDifferences(const WindowPairs& others, ptrdiff_t u) const {
+    const hn::Repartition<int16_t, D> d16;
+    const auto sums = [&](size_t i) HWY_ATTR {
+      const V other = hn::LoadU(D(), others[i] + u);
+      const V difference =
+          hn::BitCast(D(), hn::Abs(hn::Sub(hn::BitCast(d16, pairs_[i]), hn::BitCast(d16, other))));
+      const V in_window = i == 2 ? hn::And(difference, hn::Set(D(), 0xffff)) : difference;
+      return PairProducts(in_window, in_window);
+    };
+    return hn::Add(hn::Add(sums(0), sums(1)), sums(2));
+  }
+
   // Σ of the products in each column. @param u  the other column that belongs to the first one.
-  HWY_INLINE V Products(const WindowPairs& others, int u) const {
+  HWY_INLINE V Products(const WindowPairs& others, ptrdiff_t u) const {
     const auto sums = [&](size_t i) HWY_ATTR {
       return PairProducts(pairs_[i], hn::LoadU(D(), others[i] + u));
     };
@@ -52,12 +71,12 @@ class WindowRun {
   using V = hn::Vec<D>;
 
   // @param u  the first pixel.
-  HWY_INLINE WindowRun(const WindowPairs& pairs, int u)
+  HWY_INLINE WindowRun(const WindowPairs& pairs, ptrdiff_t u)
       : columns_(pairs, u - kWindowRadius), columns_behind_(pairs, u + kWindowRadius) {}
 
   // Σ of the products with other windows. Reads as many columns whether they fit or not.
   // @param u  the pixel that belongs to the first one.
-  HWY_INLINE V Products(const WindowPairs& others, int u) const {
+  HWY_INLINE V Products(const WindowPairs& others, ptrdiff_t u) const {
     const D d;
     const V columns = columns_.Products(others, u - kWindowRadius);
     const V behind = columns_behind_.Products(others, u + kWindowRadius);  // four lanes on
@@ -70,6 +89,14 @@ class WindowRun {
   Columns<D> columns_, columns_behind_;
 };
 
+// Sums over windows of sums over their columns, at the pixels from u on.
+template <class D>
+HWY_INLINE hn::Vec<D> SumColumns(D d, const int32_t* columns, ptrdiff_t u) {
+  static_assert(kWindowRadius == 2);
+  const auto at = [&](int x) HWY_ATTR { return hn::LoadU(d, columns + u + x); };
+  return hn::Add(hn::Add(hn::Add(at(-2), at(-1)), hn::Add(at(0), at(1))), at(2));
+}
+
 // What the choice reads of a row. All can be read kRunPixels behind the row's end, pairs and
 // energies also before its start.
 struct ChoiceInput {
@@ -80,7 +107,6 @@ struct ChoiceInput {
   const int32_t* right_energies;  // Σ wR²
   const int16_t* priors;          // counts
   const uint8_t* sigmas;          // of the priors, counts
-  int width;
 };
 
 // Where the choices of a row go; written up to kRunPixels behind the row's end.
@@ -129,6 +155,8 @@ class Choice {
         hn::StoreU(hn::DemoteTo(d8_signed, best.step), d8_signed, to.steps + u);
       }
     }
+    // At the last pixel the next one has no window.
+    if (kSubPixel && width > 2 * kWindowRadius) to.steps[width - kWindowRadius - 1] = 0;
     return !hn::AllFalse(d, any_open);
   }
 
@@ -145,6 +173,8 @@ class Choice {
   struct Best {
     V disparity, cost, step;
   };
+
+  using F = hn::Vec<hn::RebindToFloat<D>>;
 
   // Sums over the right windows, and of the products with the left one, for each of these.
   struct Sums {
@@ -167,44 +197,53 @@ class Choice {
     const WindowRun<D> left(row_.left, u);
     const V left_energy = hn::LoadU(d, row_.left_energies + u);
     const Sums sums = SumWindows(left, u, first, hn::And(wanted, MayFit(columns, first)));
-    const auto cost_at = [&](V steps, V energy, V cross) HWY_ATTR {
-      const V fraction = hn::And(prior, hn::Set(d, DisparityImage::kCountsPerPixel - 1));
-      const V distance = hn::Sub(hn::ShiftLeft<5>(steps), fraction);
-      const V disparity = hn::Add(first, steps);
-      const V room = hn::Sub(hn::Sub(columns, disparity), hn::Set(d, kWindowRadius));
-      const M misfit = hn::Lt(hn::Or(disparity, room), hn::Zero(d));
-      return EpcCosts(rule_, hn::Add(left_energy, energy), cross, distance, rule_.prior_scales[0],
-                      misfit);
+    const hn::RebindToFloat<D> df;
+    V energy[kCosts];      // Σ(wL² + wR²)
+    F difference[kCosts];  // Σ(wL − wR)²
+    HWY_UNROLL(4)
+    for (int i = 0; i < kCosts; ++i) {
+      energy[i] = hn::Add(left_energy, sums.energy[i]);
+      difference[i] = hn::ConvertTo(df, hn::Sub(hn::Sub(energy[i], sums.cross[i]), sums.cross[i]));
+    }
+    // From m to D_p, and from D_p to m + 1, counts.
+    const F fraction =
+        hn::ConvertTo(df, hn::And(prior, hn::Set(d, DisparityImage::kCountsPerPixel - 1)));
+    const F rest = hn::Sub(hn::Set(df, DisparityImage::kCountsPerPixel), fraction);
+    const V room = hn::Sub(hn::Sub(columns, first), hn::Set(d, kWindowRadius));
+    const auto cost_at = [&](V steps, F energies, F differences, F distances) HWY_ATTR {
+      const V fits = hn::Or(hn::Add(first, steps), hn::Sub(room, steps));
+      return EpcCosts(rule_, energies, differences, distances, rule_.prior_scales[0], fits);
     };
-    const V cost = cost_at(hn::Zero(d), sums.energy[kBefore], sums.cross[kBefore]);
-    const V cost_of_next =
-        cost_at(hn::Set(d, 1), sums.energy[kBefore + 1], sums.cross[kBefore + 1]);
+    const F energy_of_m = AtLeastOne(energy[kBefore]);
+    const F energy_of_next = AtLeastOne(energy[kBefore + 1]);
+    const V cost = cost_at(hn::Zero(d), energy_of_m, difference[kBefore], fraction);
+    const V cost_of_next = cost_at(hn::Set(d, 1), energy_of_next, difference[kBefore + 1], rest);
     const M next_is_better = hn::Lt(cost_of_next, cost);
     const auto choose = [&](V if_next, V if_not)
                             HWY_ATTR { return hn::IfThenElse(next_is_better, if_next, if_not); };
     Best best{choose(hn::Add(first, hn::Set(d, 1)), first), hn::Min(cost, cost_of_next),
               hn::Zero(d)};
     if constexpr (kSubPixel) {
+      const auto next = hn::RebindMask(df, next_is_better);
+      const auto one_of = [&](F if_next, F if_not)
+                              HWY_ATTR { return hn::IfThenElse(next, if_next, if_not); };
+      const F distance = one_of(rest, fraction);
+      const F beyond_distance = hn::Add(distance, hn::Set(df, DisparityImage::kCountsPerPixel));
+      const F beyond_difference = one_of(difference[3], difference[0]);
+      const F own_difference = one_of(difference[2], difference[1]);
+      const F other_difference = one_of(difference[1], difference[2]);
       const V beyond =
-          cost_at(choose(hn::Set(d, 2), hn::Set(d, -1)), choose(sums.energy[3], sums.energy[0]),
-                  choose(sums.cross[3], sums.cross[0]));
-      const V energy = hn::Add(left_energy, choose(sums.energy[2], sums.energy[1]));
-      const auto difference = [&](size_t if_next, size_t if_not) HWY_ATTR {
-        const V cross = choose(sums.cross[if_next], sums.cross[if_not]);
-        return hn::Sub(hn::Add(left_energy, choose(sums.energy[if_next], sums.energy[if_not])),
-                       hn::Add(cross, cross));
-      };
-      const V distance = hn::Sub(hn::ShiftLeft<5>(best.disparity), prior);
+          cost_at(choose(hn::Set(d, 2), hn::Set(d, -1)), AtLeastOne(choose(energy[3], energy[0])),
+                  beyond_difference, beyond_distance);
       best.step = StepsToMinimum(
           rule_,
-          StepWindows<V>{difference(1, 0), difference(2, 1), difference(3, 2), choose(cost, beyond),
-                         best.cost, choose(beyond, cost_of_next),
-                         hn::LoadU(d, row_.left_textures + u),
-                         hn::LoadU(d, row_.left_textures + u + 1), energy, distance},
+          StepWindows<F, V>{one_of(other_difference, beyond_difference), own_difference,
+                            one_of(beyond_difference, other_difference),
+                            hn::Max(cost, cost_of_next), best.cost, beyond,
+                            hn::LoadU(d, row_.left_textures + u),
+                            hn::LoadU(d, row_.left_textures + u + 1),
+                            one_of(energy_of_next, energy_of_m), one_of(rest, hn::Neg(fraction))},
           rule_.prior_scales[0]);
-      // At the last pixel the next one has no window.
-      const V columns_left = hn::Sub(hn::Set(d, row_.width - kWindowRadius - 1), columns);
-      best.step = hn::IfThenElseZero(hn::Gt(columns_left, hn::Zero(d)), best.step);
     }
     return best;
   }
@@ -223,12 +262,35 @@ class Choice {
     const auto least = [&](V disparities)
                            HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, disparities)); };
     const int lowest = least(from);
-    if (hn::AllTrue(d, hn::Or(hn::Eq(from, hn::Set(d, lowest)), hn::Eq(from, hn::Set(d, kNone))))) {
-      // As most neighbours: all have the same. Lanes of which none may fit are excluded anyway.
+    const ptrdiff_t first_right = ptrdiff_t{u} - lowest;
+    const auto energy_of = [&](ptrdiff_t disparity) HWY_ATTR {
+      return hn::LoadU(d, right_energies_ + (first_right - disparity));
+    };
+    const auto cross_of = [&](ptrdiff_t disparity)
+                              HWY_ATTR { return left.Products(right_, first_right - disparity); };
+    // Lanes of which none may fit are excluded anyway.
+    const M is_lowest = hn::Eq(from, hn::Set(d, lowest));
+    const M is_lowest_or_none = hn::Or(is_lowest, hn::Eq(from, hn::Set(d, kNone)));
+    if (hn::AllTrue(d, is_lowest_or_none)) {  // as most neighbours: all have the same
       HWY_UNROLL(4)
       for (int i = 0; i < kCosts; ++i) {
-        sums.energy[i] = hn::LoadU(d, right_energies_ + (u - lowest - i));
-        sums.cross[i] = left.Products(right_, u - lowest - i);
+        sums.energy[i] = energy_of(i);
+        sums.cross[i] = cross_of(i);
+      }
+      return sums;
+    }
+    if (hn::AllTrue(d, hn::Or(is_lowest_or_none, hn::Eq(from, hn::Set(d, lowest + 1))))) {
+      // As on a slant: the others have the next one.
+      V energy = energy_of(0);
+      V cross = cross_of(0);
+      HWY_UNROLL(4)
+      for (int i = 0; i < kCosts; ++i) {
+        const V next_energy = energy_of(i + 1);
+        const V next_cross = cross_of(i + 1);
+        sums.energy[i] = hn::IfThenElse(is_lowest, energy, next_energy);
+        sums.cross[i] = hn::IfThenElse(is_lowest, cross, next_cross);
+        energy = next_energy;
+        cross = next_cross;
       }
       return sums;
     }
@@ -243,8 +305,8 @@ class Choice {
         disparity = least(hn::IfThenElse(later, from, hn::Set(d, kNone)));
         if (disparity == kNone) break;
       }
-      const V energy = hn::LoadU(d, right_energies_ + (u - disparity));
-      const V cross = left.Products(right_, u - disparity);
+      const V energy = energy_of(disparity - lowest);
+      const V cross = cross_of(disparity - lowest);
       HWY_UNROLL(4)
       for (int i = 0; i < kCosts; ++i) {
         const M here = hn::Eq(from, hn::Set(d, disparity - i));

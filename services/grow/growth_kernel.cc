@@ -264,27 +264,28 @@ HWY_INLINE int StepOf(const GrowthRule& rule, const GrowthBand& band, PixelId id
   const int d = pixel.disparity;
   const FourSums sums = SumFour(band, id, d);
   const FourNumbers costs = ToNumbers(FourCosts(rule, band, id, pixel.prior, sigma, d, sums));
-  const FourNumbers differences =
-      ToNumbers(hn::Sub(hn::Sub(sums.energies, sums.cross), sums.cross));
+  const FourNumbers differences = ToNumbers(sums.differences);
   const FourNumbers textures = TexturesAt(band, id);
+  const hn::RebindToFloat<DFour> df;
+  using F = hn::Vec<decltype(df)>;
   const auto one = [](int32_t number) HWY_ATTR { return hn::Set(DFour(), number); };
-  const StepWindows<Four> windows{one(differences[2]),
-                                  one(differences[1]),
-                                  one(differences[0]),
-                                  one(costs[2]),
-                                  one(costs[1]),
-                                  one(costs[0]),
-                                  one(textures[0]),
-                                  one(textures[1]),
-                                  one(ToNumbers(sums.energies)[1]),
-                                  one(d * DisparityImage::kCountsPerPixel - pixel.prior)};
+  const auto real = [&](int32_t number) HWY_ATTR { return hn::ConvertTo(df, one(number)); };
+  const StepWindows<F, Four> windows{real(differences[2]),
+                                     real(differences[1]),
+                                     real(differences[0]),
+                                     one(costs[2]),
+                                     one(costs[1]),
+                                     one(costs[0]),
+                                     one(textures[0]),
+                                     one(textures[1]),
+                                     AtLeastOne(one(ToNumbers(sums.energies)[1])),
+                                     real(d * DisparityImage::kCountsPerPixel - pixel.prior)};
   return hn::GetLane(StepsToMinimum(rule, windows, rule.prior_scales[sigma]));
 }
 
 // The counts of a row's matched open pixels.
 void WriteRow(const GrowthRule& rule, const GrowthInput& input, const GrowthBand& band, int r,
               int16_t* counts) {
-  const auto one = [](int32_t cost) HWY_ATTR { return hn::Set(DFour(), cost); };
   const uint8_t* const sigmas = input.prior.sigma[band.first_row + r];
   for (int u = kWindowRadius; u < band.image_size.width - kWindowRadius; ++u) {
     const PixelId id = band.PixelAt(r, u);

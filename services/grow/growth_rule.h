@@ -23,8 +23,9 @@ inline constexpr int kWindowRadius = kWindow / 2;
 /// a float leave room for costs above 1.
 inline constexpr int32_t kCostUnit = 1 << 20;
 
-/// Larger costs are cut to this one: beyond every limit, −ln 0.001 = 6.9 units.
-inline constexpr float kLargestCost = 1 << 27;
+/// Larger costs are cut to this one: 8 units, beyond every limit, −ln 0.001 = 6.9 units; and a
+/// whole number that fits into the 23 bits of a float's fraction.
+inline constexpr float kLargestCost = (1 << 23) - 1;
 
 /// Cost of a disparity whose window does not fit: above all others, with two bits to spare for the
 /// rank of a disparity.

@@ -46,6 +46,9 @@ class Sweep {
         row_size_(static_cast<size_t>(kBeside + width_ + kBeside)),
         left_pairs_(kWindow * row_size_),
         right_pairs_(kWindow * row_size_),
+        left_columns_(row_size_),
+        texture_columns_(row_size_),
+        right_columns_(row_size_),
         left_energies_(row_size_),
         left_textures_(row_size_),
         right_energies_(row_size_),
@@ -111,29 +114,47 @@ class Sweep {
     add(input_.right, PairRow(right_pairs_, r));
   }
 
+  // The sums over windows that do not depend on the disparity: first over columns, which windows of
+  // neighbouring pixels share.
+  void AddUpWindows(const WindowPairs& left, const WindowPairs& right) {
+    const D d;
+    const auto row = [](std::vector<int32_t>& numbers) { return numbers.data() + kBeside; };
+    int32_t* const left_columns = row(left_columns_);
+    int32_t* const texture_columns = row(texture_columns_);
+    int32_t* const right_columns = row(right_columns_);
+    for (int u = 0; u < width_; u += kLanes) {
+      const Columns<D> columns(left, u);
+      hn::StoreU(columns.Squares(), d, left_columns + u);
+      hn::StoreU(Columns<D>(right, u).Squares(), d, right_columns + u);
+      if (!rule_.sub_pixel) continue;
+      hn::StoreU(columns.SquaredDifferences(left, u - 1), d, texture_columns + u);
+    }
+    int32_t* const left_energies = row(left_energies_);
+    int32_t* const left_textures = row(left_textures_);
+    int32_t* const right_energies = row(right_energies_);
+    for (int u = kWindowRadius; u < width_ - kWindowRadius; u += kLanes) {
+      hn::StoreU(SumColumns(d, left_columns, u), d, left_energies + u);
+      hn::StoreU(SumColumns(d, right_columns, u), d, right_energies + u);
+      if (!rule_.sub_pixel) continue;
+      hn::StoreU(SumColumns(d, texture_columns, u), d, left_textures + u);
+    }
+  }
+
   // (W1). @returns whether a pixel is open.
   bool Choose(int r) {
-    const D d;
     const WindowPairs right = Around(right_pairs_, r);
     const WindowPairs left = Around(left_pairs_, r);
-    int32_t* const left_energies = left_energies_.data() + kBeside;
-    int32_t* const left_textures = left_textures_.data() + kBeside;
-    int32_t* const right_energies = right_energies_.data() + kBeside;
-    for (int u = kWindowRadius; u < width_ - kWindowRadius; u += kLanes) {
-      const WindowRun<D> run(left, u);
-      const auto energies = run.Products(left, u);
-      hn::StoreU(energies, d, left_energies + u);
-      hn::StoreU(WindowRun<D>(right, u).Products(right, u), d, right_energies + u);
-      if (!rule_.sub_pixel) continue;
-      const auto cross = run.Products(left, u - 1);
-      const auto both = hn::Add(energies, hn::LoadU(d, left_energies + u - 1));
-      hn::StoreU(hn::Sub(both, hn::Add(cross, cross)), d, left_textures + u);
-    }
+    AddUpWindows(left, right);
     const int v = band_.first_row + r;
     std::copy_n(input_.prior.disparity.counts()[v], width_, priors_.data());
     std::copy_n(input_.prior.sigma[v], width_, sigmas_.data());
-    const ChoiceInput row{left,           right,          left_energies,  left_textures,
-                          right_energies, priors_.data(), sigmas_.data(), width_};
+    const ChoiceInput row{left,
+                          right,
+                          left_energies_.data() + kBeside,
+                          left_textures_.data() + kBeside,
+                          right_energies_.data() + kBeside,
+                          priors_.data(),
+                          sigmas_.data()};
     const ChoiceRow to{disparities_.data() + kBeside, keys_.data() + kBeside,
                        steps_.data() + kBeside};
     return rule_.sub_pixel ? Choice<true>(rule_, row).Run(width_, to)
@@ -247,6 +268,8 @@ class Sweep {
 
   // Rows with kBeside entries before and behind them; priors and σ only behind.
   std::vector<int32_t> left_pairs_, right_pairs_;
+  std::vector<int32_t> left_columns_, texture_columns_,
+      right_columns_;  // Σ over columns of windows
   std::vector<int32_t> left_energies_, left_textures_, right_energies_;
   std::vector<int16_t> priors_;
   std::vector<uint8_t> sigmas_;

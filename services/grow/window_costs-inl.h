@@ -53,20 +53,34 @@ HWY_INLINE V PairProducts(V left, V right) {
 #endif
 }
 
-// Eq. (6) as costs, kExcludedCost where a window does not fit.
-// @param energies  Σ wL² + Σ wR². @param cross  Σ wL·wR. @param distances  from the prior, counts.
-// @param scale  of GrowthRule::prior_scales.
-template <class V>
-HWY_INLINE V EpcCosts(const GrowthRule& rule, V energies, V cross, V distances, float scale,
-                      hn::Mask<hn::DFromV<V>> misfit) {
+// Eq. (6) as costs, kExcludedCost where a window does not fit. All are whole numbers.
+// @param energies  Σ(wL² + wR²), at least 1. @param differences  Σ(wL − wR)². @param distances from
+// the prior on either side, counts. @param scale  of GrowthRule::prior_scales. @param fits negative
+// where a window does not fit.
+template <class F, class V>
+HWY_INLINE V EpcCosts(const GrowthRule& rule, F energies, F differences, F distances, float scale,
+                      V fits) {
+  const hn::DFromV<F> df;
   const hn::DFromV<V> d;
-  const hn::RebindToFloat<decltype(d)> df;
-  const auto difference = hn::ConvertTo(df, hn::Sub(hn::Sub(energies, cross), cross));
-  const auto energy = hn::ConvertTo(df, hn::Max(energies, hn::Set(d, 1)));
-  const auto photo = PhotoCost(difference, energy, hn::Set(df, rule.photo_scale));
-  const auto prior = PriorCost(hn::ConvertTo(df, distances), hn::Set(df, scale));
-  const auto cost = hn::Min(hn::Add(photo, prior), hn::Set(df, kLargestCost));
-  return hn::IfThenElse(misfit, hn::Set(d, kExcludedCost), hn::ConvertTo(d, cost));
+  const hn::RebindToUnsigned<decltype(d)> du;
+  const F photo = PhotoCost(differences, energies, hn::Set(df, rule.photo_scale));
+  const F prior = PriorCost(distances, hn::Set(df, scale));
+  // Sums over windows that do not fit may lead below 0.
+  const F cost = hn::Floor(Clamped(hn::Add(photo, prior), hn::Zero(df), hn::Set(df, kLargestCost)));
+  // Added to 2²³ a whole number stands in the bits of the fraction: fewer instructions than
+  // ConvertTo(), which minds what is too large.
+  const F base = hn::Set(df, 1 << 23);
+  const V whole = hn::Sub(hn::BitCast(d, hn::Add(cost, base)), hn::BitCast(d, base));
+  static_assert(kExcludedCost == UINT32_MAX >> 3);
+  const auto excluded = hn::ShiftRight<3>(hn::BitCast(du, hn::BroadcastSignBit(fits)));
+  return hn::Or(whole, hn::BitCast(d, excluded));
+}
+
+// A whole number as a divisor.
+template <class V>
+HWY_INLINE auto AtLeastOne(V number) {
+  const hn::DFromV<V> d;
+  return hn::ConvertTo(hn::RebindToFloat<decltype(d)>(), hn::Max(number, hn::Set(d, 1)));
 }
 
 // Values of eight neighbouring pixels.
@@ -114,9 +128,9 @@ HWY_INLINE Eight PairsOf(const uint8_t* upper, const uint8_t* lower) {
           hn::BitCast(DFour(), hn::InterleaveUpper(d8, both, hn::Zero(d8)))};
 }
 
-// Σ(wL² + wR²) and Σ wL·wR of d + 1, d, d − 1 and d − 2 at a pixel.
+// Σ(wL² + wR²) and Σ(wL − wR)² of d + 1, d, d − 1 and d − 2 at a pixel.
 struct FourSums {
-  Four energies, cross;
+  Four energies, differences;
 };
 
 // From the grey values.
@@ -148,7 +162,8 @@ HWY_INLINE FourSums SumFour(const GrowthBand& band, PixelId pixel, int d) {
       hn::Add(hn::Add(hn::Add(right_squares.From<0>(), right_squares.From<1>()),
                       hn::Add(right_squares.From<2>(), right_squares.From<3>())),
               right_squares.From<4>());
-  return {hn::Add(left_energy, right_energies), cross};
+  const Four energies = hn::Add(left_energy, right_energies);
+  return {energies, hn::Sub(hn::Sub(energies, cross), cross)};
 }
 
 // Costs of these disparities.
@@ -162,9 +177,11 @@ HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelI
   const Four distances = hn::Sub(hn::ShiftLeft<5>(disparities), hn::Set(d4, prior));
   const hn::Rebind<uint8_t, DFour> d8;
   const Four states = hn::PromoteTo(d4, hn::LoadU(d8, band.right.data() + (id - (d + 1))));
-  const auto misfit =
-      hn::Or(hn::Lt(disparities, hn::Zero(d4)), hn::Eq(states, hn::Set(d4, RightState::kNoWindow)));
-  return EpcCosts(rule, sums.energies, sums.cross, distances, rule.prior_scales[sigma], misfit);
+  const Four fits =
+      hn::Or(disparities, hn::VecFromMask(d4, hn::Eq(states, hn::Set(d4, RightState::kNoWindow))));
+  const hn::RebindToFloat<DFour> df;
+  return EpcCosts(rule, AtLeastOne(sums.energies), hn::ConvertTo(df, sums.differences),
+                  hn::ConvertTo(df, distances), rule.prior_scales[sigma], fits);
 }
 
 HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelId pixel, int prior,
@@ -189,44 +206,42 @@ HWY_INLINE FourNumbers TexturesAt(const GrowthBand& band, PixelId pixel) {
                            squares.From<4>()));
 }
 
-// What the sub-pixel step of pixels follows from: Σ(wL − wR)², and costs, of d − 1, d and d + 1.
-template <class V>
+// What the sub-pixel step of pixels follows from: Σ(wL − wR)² of d − 1, d and d + 1, and the cost
+// of d between those of the two others, in any order.
+template <class F, class V>
 struct StepWindows {
-  V difference_before, difference, difference_behind;
-  V cost_before, cost, cost_behind;
+  F difference_before, difference, difference_behind;
+  V cost_of_one, cost, cost_of_other;
   V texture, texture_of_next;  // Σ(wL − wL′)², wL′ one pixel before; the same of the next pixel
-  V energy;                    // Σ(wL² + wR²)
-  V distance;                  // d − D_p, counts
+  F energy;                    // Σ(wL² + wR²), at least 1
+  F distance;                  // d − D_p, counts
 };
 
 // Counts from d to the least cost (S2); none where a cost is missing or d is not better than the
 // two others. At most 15 counts up, so that rounding leads back to d.
 // @param prior_scale  of GrowthRule::prior_scales.
-template <class V>
-HWY_INLINE V StepsToMinimum(const GrowthRule& rule, const StepWindows<V>& of, float prior_scale) {
+template <class F, class V>
+HWY_INLINE V StepsToMinimum(const GrowthRule& rule, const StepWindows<F, V>& of,
+                            float prior_scale) {
   const hn::DFromV<V> d;
-  const hn::RebindToFloat<decltype(d)> df;
-  const auto missing = hn::Eq(hn::Max(of.cost_before, of.cost_behind), hn::Set(d, kExcludedCost));
-  const auto none = hn::Or(
-      missing, hn::Lt(hn::Min(of.cost_before, of.cost_behind), hn::Add(of.cost, hn::Set(d, 1))));
+  const hn::DFromV<F> df;
+  const auto missing = hn::Eq(hn::Max(of.cost_of_one, of.cost_of_other), hn::Set(d, kExcludedCost));
+  const auto is_least = hn::Gt(hn::Min(of.cost_of_one, of.cost_of_other), of.cost);
   constexpr int kPixel = DisparityImage::kCountsPerPixel;
-  const auto up = hn::Lt(of.difference_behind, of.difference_before);
-  const V beside = hn::Min(of.difference_behind, of.difference_before);
-  const V texture = hn::Max(hn::IfThenElse(up, of.texture, of.texture_of_next), hn::Set(d, 1));
-  const V side = hn::IfThenElse(up, hn::Set(d, kPixel), hn::Set(d, -kPixel));
-  using F = hn::Vec<decltype(df)>;
   const auto number = [&](float value) HWY_ATTR { return hn::Set(df, value); };
-  const F step = StepToMinimum(
-      StepInput<F>{hn::ConvertTo(df, hn::Sub(of.difference, beside)), hn::ConvertTo(df, texture),
-                   hn::ConvertTo(df, hn::Max(of.energy, hn::Set(d, 1))), hn::ConvertTo(df, side),
-                   hn::ConvertTo(df, of.distance), number(rule.photo_scale),
-                   number(prior_scale * (kPixel * kPixel))},
-      number);
+  const auto up = hn::Lt(of.difference_behind, of.difference_before);
+  const F beside = hn::Min(of.difference_behind, of.difference_before);
+  const V texture = hn::IfThenElse(hn::RebindMask(d, up), of.texture, of.texture_of_next);
+  const F step =
+      StepToMinimum(StepInput<F>{hn::Sub(of.difference, beside), AtLeastOne(texture), of.energy,
+                                 hn::IfThenElse(up, number(kPixel), number(-kPixel)), of.distance,
+                                 number(rule.photo_scale), number(prior_scale * (kPixel * kPixel))},
+                    number);
   const F within = Clamped(step, number(-kMostStep - 1.0F), number(kMostStep));
   // Rounded to nearest: a float of so large a number has no bits left for fractions.
   const F large = number(3 << 22);
   const V steps = hn::Sub(hn::BitCast(d, hn::Add(within, large)), hn::BitCast(d, large));
-  return hn::IfThenZeroElse(none, steps);
+  return hn::IfThenElseZero(hn::AndNot(missing, is_least), steps);
 }
 
 // Neighbouring pixels of a band's table, as many as D, a tag of int32_t, has lanes.

@@ -98,7 +98,7 @@ TEST(Similarity, NothingMatchesWhereThePriorIsEmpty) {
 TEST(Similarity, BrightestImagesDoNotOverflow) {
   cv::Mat1b left(5, 8, uint8_t{255});
   const cv::Mat1b right(5, 8, uint8_t{0});
-  EXPECT_EQ(CostAt(GrowConfig::EXPSSD, left, right, 1), 10);  // 1 / 0.1
+  EXPECT_EQ(CostAt(GrowConfig::EXPSSD, left, right, 1), double{kLargestCost} * kStep);  // of 10
   left.colRange(3, 5) = 0;
   EXPECT_EQ(CostAt(GrowConfig::MNCC, left, left, 0), 0);
 }
