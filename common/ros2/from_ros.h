@@ -46,8 +46,9 @@ Result<cv::Mat1f> FromRosDepth(const RosCompressedImage& ros, std::optional<cv::
 struct RosCamera {
   int width = 0;  ///< px
   int height = 0;
-  /// K and D; or why there is no such lens: not calibrated, or another model than plumb_bob with
-  /// coefficients that are not 0. Images that are rectified need none, P says all of them.
+  /// K and D, of rational_polynomial and equidistant the nearest of plumb_bob's (FitBrown()); or
+  /// why there is no such lens: not calibrated, another model, or more than 0.5 px from plumb_bob.
+  /// Images that are rectified need none, P says all of them.
   Result<Lens> lens;
   Eigen::Matrix3d rectification = Eigen::Matrix3d::Identity();  ///< R: camera to rectified frame
   double focal_px = 0;                                          ///< of P, px

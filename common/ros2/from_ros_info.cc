@@ -8,6 +8,7 @@
 
 #include "common/core/checks.h"
 #include "common/core/image.h"
+#include "common/geometry/lens_fit.h"
 #include "common/ros2/from_ros.h"
 
 namespace sprout {
@@ -22,19 +23,23 @@ bool AllFinite(const double (&values)[kSize]) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
-// K and D as Brown's model has them. OpenCV's rational one (plumb_bob's five and more) is the same
-// where the others are 0; without coefficients every model is a pinhole.
+// Of a range image's pixels, which are several of the left image's.
+constexpr double kWorstFitPx = 0.5;
+
+// K and D as Brown's model has them, or comes near them; without coefficients every model is a
+// pinhole.
 Result<Lens> LensOf(const RosCameraInfo& ros) {
-  Lens lens{.width = SideOf(ros.width),
-            .height = SideOf(ros.height),
-            .fx = ros.k[0],
-            .fy = ros.k[4],
-            .cx = ros.k[2],
-            .cy = ros.k[5]};
+  const Lens lens{.width = SideOf(ros.width),
+                  .height = SideOf(ros.height),
+                  .fx = ros.k[0],
+                  .fy = ros.k[4],
+                  .cx = ros.k[2],
+                  .cy = ros.k[5]};
   const std::string_view model = RosText(ros.distortion_model);
   const std::span d = RosSpan(ros.d);
-  const bool is_brown = model.empty() || model == "plumb_bob" || model == "rational_polynomial";
-  const size_t used = is_brown ? std::min(d.size(), lens.distortion.size()) : 0;
+  const bool is_pinhole = std::ranges::all_of(d, [](double value) { return value == 0; });
+  const bool is_fisheye = model == "equidistant" || model == "fisheye";
+  const bool is_opencvs = model.empty() || model == "plumb_bob" || model == "rational_polynomial";
   Checks checks;
   checks
       .Require(ros.k[0] > 0 && ros.k[4] > 0, "k[0]", ros.k[0],
@@ -42,12 +47,22 @@ Result<Lens> LensOf(const RosCameraInfo& ros) {
       .Require(AllFinite(ros.k), "k", "not finite", "finite numbers")
       .Require(std::ranges::all_of(d, [](double value) { return std::isfinite(value); }), "d",
                "not finite", "finite numbers")
-      .Require(std::ranges::all_of(d.subspan(used), [](double value) { return value == 0; }),
-               "distortion_model", model.substr(0, 64),
-               "plumb_bob with up to 5 coefficients, or an image that is rectified");
+      .Require(is_pinhole || is_fisheye || is_opencvs, "distortion_model", model.substr(0, 64),
+               "plumb_bob, rational_polynomial or equidistant, or an image that is rectified")
+      .Require(!is_fisheye || is_pinhole || d.size() == 4, "d", d.size(),
+               "4 coefficients of equidistant")
+      .Require(is_fisheye || d.size() <= 5 || d.size() == 8 || d.size() == 12 || d.size() == 14,
+               "d", d.size(), "up to 5, 8, 12 or 14 coefficients");
   if (!checks.ok()) return checks.error();
-  std::ranges::copy(d.first(used), lens.distortion.begin());
-  return lens;
+  if (is_pinhole) return lens;
+  const LensFit fit = FitBrown(lens, d, is_fisheye);
+  checks.Require(
+      fit.worst_px <= kWorstFitPx, "distortion_model", model.substr(0, 64),
+      fmt::format("plumb_bob, or a lens like one of its: this one is up to {:.2g} px from "
+                  "any, {} are allowed; or an image that is rectified",
+                  fit.worst_px, kWorstFitPx));
+  if (!checks.ok()) return checks.error();
+  return fit.lens;
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ namespace sprout::inputs {
 /// @param tof          range image; 0×0: none, its questions cannot be answered.
 /// @param rig          calibration.
 /// @returns "cannot tell" for all, with the reason, when sizes do not fit the calibration.
-/// About 3 ms at 2 MP on one thread, three times that where much is bad; the other overload also
-/// saves the projector, O(ToF pixels). No I/O; the same findings for the same input.
+/// About 5 ms at 2 MP on one thread, three times that where much is bad (NOTES.md); the other
+/// overload also saves the projector, O(ToF pixels). No I/O; the same findings for the same input.
 Findings CheckInputs(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
                      const Rig& rig);
 

@@ -21,10 +21,10 @@ struct FeatureRules {
   static constexpr double kMostPixels = 200e3;
   static constexpr int kColumns = 20;  ///< of cells
   static constexpr int kRows = 15;
-  static constexpr size_t kMostLeft = 2;   ///< corners of a cell, the strongest
-  static constexpr size_t kMostRight = 4;  ///< the partner has to be among them
-  static constexpr int kContrast = 8;      ///< FAST's threshold, grey levels
-  static constexpr double kBand = 0.035;   ///< searched rows, share of the height
+  static constexpr size_t kMostLeft = 2;        ///< corners of a cell, the strongest
+  static constexpr size_t kMostRight = 4;       ///< the partner has to be among them
+  static constexpr int kContrasts[] = {40, 8};  ///< FAST's thresholds, grey levels
+  static constexpr double kBand = 0.035;        ///< searched rows, share of the height
   static constexpr double kLeastBandPx = 8;
   static constexpr double kMostColumns = 0.5;  ///< searched columns, share of the width
   static constexpr double kLeastCorrelation = 0.75;
@@ -89,22 +89,68 @@ double Correlation(const Descriptor& a, const Descriptor& b) {
   return product * a.inverse_norm * b.inverse_norm;
 }
 
-// The strongest corners of each cell, by rows.
-std::vector<Feature> FindFeatures(const cv::Mat1b& image, size_t most) {
-  std::vector<std::vector<cv::KeyPoint>> cells(
-      static_cast<size_t>(FeatureRules::kColumns * FeatureRules::kRows));
+using Cell = std::vector<cv::KeyPoint>;
+
+int ColumnOf(int x, cv::Size size) { return x * FeatureRules::kColumns / size.width; }
+int RowOf(int y, cv::Size size) { return y * FeatureRules::kRows / size.height; }
+
+// First pixel of a cell in its direction.
+int FirstOf(int cell, int pixels, int cells) { return (cell * pixels + cells - 1) / cells; }
+
+// Finds the corners of the cells from `first` to before `last` of a row of cells again, with this
+// threshold.
+void FindCorners(const cv::Mat1b& image, int row, int first, int last, int threshold,
+                 std::vector<Cell>& cells) {
+  for (int column = first; column < last; ++column) cells[static_cast<size_t>(column)].clear();
+  // FAST leaves out three pixels at the border, and compares each corner with its neighbours.
+  constexpr int kAround = 4;
+  const int left = FirstOf(first, image.cols, FeatureRules::kColumns);
+  const int right = FirstOf(last, image.cols, FeatureRules::kColumns);
+  const int top = FirstOf(row, image.rows, FeatureRules::kRows);
+  const int bottom = FirstOf(row + 1, image.rows, FeatureRules::kRows);
+  const cv::Rect part = cv::Rect(left - kAround, top - kAround, right - left + 2 * kAround,
+                                 bottom - top + 2 * kAround) &
+                        cv::Rect({0, 0}, image.size());
   const cv::Rect inside(kMargin, kMargin, image.cols - 2 * kMargin, image.rows - 2 * kMargin);
   std::vector<cv::KeyPoint> corners;
-  cv::FAST(image, corners, FeatureRules::kContrast);
-  for (const cv::KeyPoint& corner : corners) {
+  cv::FAST(image(part), corners, threshold);
+  for (cv::KeyPoint& corner : corners) {
+    corner.pt += cv::Point2f(part.tl());
     const cv::Point at(static_cast<int>(corner.pt.x), static_cast<int>(corner.pt.y));
-    if (!inside.contains(at)) continue;
-    const int column = at.x * FeatureRules::kColumns / image.cols;
-    const int row = at.y * FeatureRules::kRows / image.rows;
-    cells[static_cast<size_t>(row * FeatureRules::kColumns + column)].push_back(corner);
+    const int column = ColumnOf(at.x, image.size());
+    if (!inside.contains(at) || RowOf(at.y, image.size()) != row) continue;
+    if (column < first || column >= last) continue;
+    cells[static_cast<size_t>(column)].push_back(corner);
+  }
+}
+
+// The corners of a row of cells: in each at least the `most` strongest above the least threshold.
+// A corner's response is the largest threshold that finds it, so high ones find the strongest, and
+// are tried first: corners are what costs.
+std::vector<Cell> CornersOfRow(const cv::Mat1b& image, int row, size_t most) {
+  std::vector<Cell> cells(static_cast<size_t>(FeatureRules::kColumns));
+  for (const int threshold : FeatureRules::kContrasts) {
+    int first = 0;
+    while (first < FeatureRules::kColumns) {
+      int last = first;
+      while (last < FeatureRules::kColumns && cells[static_cast<size_t>(last)].size() < most) {
+        ++last;
+      }
+      if (last > first) FindCorners(image, row, first, last, threshold, cells);
+      first = last + 1;
+    }
+  }
+  return cells;
+}
+
+// The strongest corners of each cell, by rows.
+std::vector<Feature> FindFeatures(const cv::Mat1b& image, size_t most) {
+  std::vector<Cell> cells;
+  for (int row = 0; row < FeatureRules::kRows; ++row) {
+    for (Cell& cell : CornersOfRow(image, row, most)) cells.push_back(std::move(cell));
   }
   std::vector<Feature> features;
-  for (std::vector<cv::KeyPoint>& cell : cells) {
+  for (Cell& cell : cells) {
     const auto kept = static_cast<std::ptrdiff_t>(std::min(cell.size(), most));
     std::partial_sort(cell.begin(), cell.begin() + kept, cell.end(),
                       [](const cv::KeyPoint& a, const cv::KeyPoint& b) {

@@ -15,6 +15,7 @@ namespace {
 
 struct ModelRules {
   static constexpr int kSamples = 200;
+  static constexpr double kEnoughSupport = 0.85;  ///< of the matches: no sample will be better
   static constexpr double kToleranceSteps = 1.5;  ///< of a match from the model, see step_px
   static constexpr double kMostSlope = 0.05;      ///< roll of 3°, or 5 % of the focal length
   static constexpr int kIterations = 6;
@@ -135,6 +136,7 @@ Vector BestSample(const std::vector<Match>& matches, const Terms& terms, double 
     Vector level = Vector::Zero();
     level[0] = heights[0];
     offer(level);
+    if (most >= ModelRules::kEnoughSupport * static_cast<double>(matches.size())) break;
     if (std::abs(three.determinant()) < 0.01) continue;
     Vector model = Vector::Zero();
     model.head<3>() = three.inverse() * heights;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -17,7 +18,11 @@ struct RangeRules {
   static constexpr size_t kMostTurned = 2500;   ///< in each other turn
   static constexpr double kReach = 1.5;         ///< of a match's neighbours, in spacings of points
   static constexpr size_t kFewestAround = 3;    ///< points around a match
-  static constexpr size_t kMostAround = 16;
+  static constexpr size_t kMostAround = 64;
+  /// Their middle may lie so far beside the match, px: beside a beam of a lidar the disparity of a
+  /// road changes by a third of a pixel a row (baseline / height of the cameras).
+  static constexpr float kMostAside = 4;
+  static constexpr float kMostAsideShare = 0.15F;  ///< or of the reach
   static constexpr double kOneSurface = 0.12;  ///< most by which their disparities differ, share
   /// See Vote.
   static constexpr double kTolerancePx = 1;
@@ -73,6 +78,7 @@ class PointGrid {
   // The median disparity around a position, if there all points lie on one surface.
   std::optional<double> SurfaceAt(const cv::Point2f& at) {
     around_.clear();
+    cv::Point2f aside(0, 0);
     const int column = static_cast<int>(at.x / reach_);
     const int row = static_cast<int>(at.y / reach_);
     for (int y = std::max(0, row - 1); y <= std::min(cells_.height - 1, row + 1); ++y) {
@@ -83,16 +89,21 @@ class PointGrid {
           const float dv = point.v - at.y;
           if (du * du + dv * dv > reach_ * reach_) continue;
           around_.push_back(point.disparity);
-          if (around_.size() == RangeRules::kMostAround) return MedianOfSurface();
+          aside += cv::Point2f(du, dv);
+          if (around_.size() == RangeRules::kMostAround) return MedianOfSurface(aside);
         }
       }
     }
-    return MedianOfSurface();
+    return MedianOfSurface(aside);
   }
 
  private:
-  std::optional<double> MedianOfSurface() {
+  // @param aside  sum of the points' offsets from the match.
+  std::optional<double> MedianOfSurface(const cv::Point2f& aside) {
     if (around_.size() < RangeRules::kFewestAround) return {};
+    const float allowed = std::max(RangeRules::kMostAside, RangeRules::kMostAsideShare * reach_);
+    const auto count = static_cast<float>(around_.size());
+    if (cv::norm(aside) > allowed * count) return {};
     const auto [least, most] = std::ranges::minmax_element(around_);
     if (*most - *least > RangeRules::kOneSurface * *most) return {};
     return Median(around_);
@@ -117,7 +128,7 @@ std::vector<RangePixel> Collect(const TofImage& tof, RangeModel& model) {
   for (int y = 0; y < tof.depth_m.rows; ++y) {
     const float* row = tof.depth_m[y];
     for (int x = 0; x < tof.depth_m.cols; ++x) {
-      if (!(row[x] > 0 && std::isfinite(row[x]))) continue;
+      if (!(row[x] > 0 && row[x] <= std::numeric_limits<float>::max())) continue;
       if (IsReturn(row[x])) ++model.returns;
       all.push_back({{x, y}, row[x]});
     }
@@ -261,10 +272,12 @@ Agreement BestScaled(const Comparison& comparison, std::span<const RangePixel> p
   return best;
 }
 
-Agreement BestTurned(const Comparison& comparison, std::span<const RangePixel> pixels) {
+// @param transposed  whether turns by 90° are tried, too.
+Agreement BestTurned(const Comparison& comparison, std::span<const RangePixel> pixels,
+                     bool transposed) {
   Agreement best;
   for (const Turn& turn : kTurns) {
-    if (turn == Turn{}) continue;
+    if (turn == Turn{} || (turn.transposed && !transposed)) continue;
     Agreement turned = comparison.Compare(pixels, {.turn = turn});
     if (turned.agreeing > best.agreeing) best = std::move(turned);
   }
@@ -325,8 +338,9 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   model.in_picture =
       static_cast<int>(std::lround(model.as_is.in_picture * static_cast<double>(all.size()) /
                                    static_cast<double>(pixels.size())));
-  model.turned = BestTurned(comparison, Chosen(all, RangeRules::kMostTurned));
-  if (model.as_is.share() < RangeRules::kGood) {
+  const bool is_good = model.as_is.share() >= RangeRules::kGood;
+  model.turned = BestTurned(comparison, Chosen(all, RangeRules::kMostTurned), !is_good);
+  if (!is_good) {
     model.scaled = BestScaled(comparison, pixels);
     const std::vector<Match> swapped = Swapped(matches);
     model.swapped = Comparison(swapped, projector).Compare(pixels, {});

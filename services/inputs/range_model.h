@@ -69,7 +69,7 @@ struct RangeModel {
   int in_picture = 0;  ///< values that fall into the left image; estimated from a part of them
   Agreement as_is;
   Agreement scaled;   ///< of other factors the best, if as_is is not good
-  Agreement turned;   ///< of other turns the best
+  Agreement turned;   ///< of other turns the best; by 90° only if as_is is not good
   Agreement moved;    ///< of moves ahead the best, if as_is is not close
   Agreement swapped;  ///< if as_is is not good: with the left image for the right one
   /// Over the matches that agree with `scaled`, or if it is empty with `as_is`: median of z_range /

@@ -81,17 +81,18 @@ TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame, bool refined) {
           .is_off = !aligns_tof_ && offset.IsOff()};
 }
 
-// What is wrong with the input, in a frame that is looked at.
-std::string RefineAdapter::WrongInput(const Frame& frame) {
-  if (check_inputs_every_ == 0) return {};
+// Whether the frame was one that is looked at.
+bool RefineAdapter::CheckInput(const Frame& frame) {
+  if (check_inputs_every_ == 0) return false;
   const bool has_tof = !frame.tof->depth_m.empty();
   const bool is_first = !has_checked_pair_ || (has_tof && !has_checked_tof_);
-  if (!is_first && frame.id.seq % check_inputs_every_ != 0) return {};
+  if (!is_first && frame.id.seq % check_inputs_every_ != 0) return false;
   has_checked_pair_ = true;
   has_checked_tof_ = has_checked_tof_ || has_tof;
-  return BadText(inputs::CheckInputs(
+  wrong_input_ = BadText(inputs::CheckInputs(
       ToGrey(GreyestLeft(frame), left_grey_), ToGrey(GreyestRight(frame), right_grey_), *frame.tof,
       frame.rig->pair, has_tof ? &ProjectorOf(*frame.rig) : nullptr));
+  return true;
 }
 
 // The seeds of a frame whose far points may have negative disparities.
@@ -158,7 +159,8 @@ StageResult RefineAdapter::Process(const Frame& frame) {
   const auto add = [&](const std::string& line) {
     if (!line.empty()) outcome.degenerate += (outcome.degenerate.empty() ? "" : "; ") + line;
   };
-  add(WrongInput(frame));
+  // The status has the newest line alone, so one of a frame that lacks seeds has the cure, too.
+  if (CheckInput(frame) || !outcome.degenerate.empty()) add(wrong_input_);
   if (check_inputs_every_ > 0) {
     add(range_watch_.Add(*frame.tof, std::get<SeedSet>(outcome.outputs[0].value),
                          std::get<SeedSet>(outcome.outputs[1].value)));

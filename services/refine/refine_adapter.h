@@ -29,7 +29,8 @@ class RefineAdapter : public StageAdapter {
   /// whose answer is taken if one seed in a hundred has one, and it has as many seeds. Always
   /// answers; without a usable point, and if stereo finds nothing either, both are empty and
   /// the result says why. It also says, of the first frame, the first with a range image and each
-  /// check_inputs_every-th one, what is wrong with the input, and when range points stop to come.
+  /// check_inputs_every-th one, what is wrong with the input (again in later frames that have
+  /// something to say), and when range points stop to come.
   StageResult Process(const Frame& frame) override;
 
  private:
@@ -42,7 +43,7 @@ class RefineAdapter : public StageAdapter {
   const TofProjector& ProjectorOf(const Rig& rig);
   Result<SeedSet> Refine(const Frame& frame);
   TofOffsetStatus OffsetOf(const Frame& frame, bool refined);
-  std::string WrongInput(const Frame& frame);
+  bool CheckInput(const Frame& frame);
 
   PartSet inputs_;
   Refiner refiner_;
@@ -53,6 +54,7 @@ class RefineAdapter : public StageAdapter {
   int64_t check_inputs_every_;
   bool has_checked_pair_ = false;
   bool has_checked_tof_ = false;
+  std::string wrong_input_;  // by the newest check
   inputs::RangeWatch range_watch_;
   cv::Mat1b left_grey_;  // memory
   cv::Mat1b right_grey_;

@@ -110,6 +110,41 @@ TEST_F(TopSystem, SaysWhoFellSilent) {
   graph_.process("refine").Signal(SIGCONT);
 }
 
+// What sprout-refine finds in the frames that it is sent is in the status, for sprout-top and the
+// page, and counts; its seeds go out all the same.
+TEST_F(TopSystem, SaysWhatInAFrameDoesNotFit) {
+  graph_.Start("refine", {"--config", "default", "--config", "refine { check_inputs_every: 1 }"});
+  CaptureConfig config;
+  config.set_source("synthetic:640x480?tof=grid");
+  const auto source = datasets::OpenDataset(config);
+  const Rig rig = source->rig();
+  int64_t seq = 0;
+  const auto send = [&](const cv::Mat& left, const cv::Mat& right, const TofImage& tof) {
+    const FrameId id{.utime = 1000 + seq, .seq = seq, .rig_id = RigId(rig)};
+    graph_.PublishPart(id, Part::kRig, rig);
+    graph_.PublishPart(id, Part::kLeft, left);
+    graph_.PublishPart(id, Part::kRight, right);
+    graph_.PublishPart(id, Part::kTof, tof);
+    ++seq;
+    EXPECT_TRUE(graph_.WaitUntil([&](Graph& g) {
+      return g.statuses["refine"].frames_out == seq &&
+             g.part_counts.contains({Part::kSeeds, seq - 1});
+    })) << seq;
+    return Look("refine").second["stages"][0];
+  };
+  const datasets::DatasetFrame frame = source->Get(0);
+  nlohmann::json row = send(frame.right, frame.left, frame.tof);
+  EXPECT_THAT(row["last_error"].get<std::string>(), HasSubstr("left and right are swapped"));
+  EXPECT_EQ(row["frames_degenerate"], 1) << row;
+  TofImage in_mm;
+  in_mm.depth_m = frame.tof.depth_m * 1000;
+  row = send(frame.left, frame.right, in_mm);
+  EXPECT_THAT(row["last_error"].get<std::string>(), HasSubstr("are they in mm, and read as m?"));
+  EXPECT_EQ(row["frames_degenerate"], 2) << row;
+  row = send(frame.left, frame.right, frame.tof);
+  EXPECT_EQ(row["frames_degenerate"], 2) << row;
+}
+
 class SilenceSystem : public ::testing::Test {
  protected:
   // Whether the newest complaint of a stage has this in it, soon.

@@ -10,6 +10,7 @@
 
 #include "common/core/pose.h"
 #include "common/core/result.h"
+#include "common/geometry/lens_fit.h"
 #include "common/rig/raw_rig.h"
 
 namespace sprout::calibrate {
@@ -50,14 +51,7 @@ Pose PoseOfRectified(const ForeignRectification& left, const ForeignRectificatio
 /// @throws ConfigError naming file and entry that cannot be used, or is missing.
 ForeignRig ReadForeignRig(const std::vector<std::filesystem::path>& files);
 
-/// How well Brown's model took the place of another one.
-struct LensFit {
-  Lens lens;
-  double worst_px = 0;  ///< of the places over the image; 0: it was Brown's
-};
-
-/// A camera with Brown's distortion: the coefficients as they are, or where the file has another
-/// model those that fit it best over the image (linear least squares).
+/// A camera with Brown's distortion, see FitBrown().
 /// @returns an error when it is more than kWorstFitPx off anywhere.
 Result<LensFit> ToLens(const ForeignCamera& camera);
 inline constexpr double kWorstFitPx = 0.1;

@@ -243,7 +243,7 @@ TEST(RosForeign, ARectifiedRangeImageIsThatOfP) {
   EXPECT_EQ(opened.source->rig().tof.fx, 150);
   EXPECT_EQ(opened.source->rig().tof.distortion, TofCamera().distortion);
   EXPECT_THAT(Complaint(Source(folder, "&depth=/tof/image_raw")),
-              HasSubstr("/tof/camera_info: distortion_model = equidistant: allowed is plumb_bob"));
+              HasSubstr("/tof/camera_info: d = 5: allowed is 4 coefficients of equidistant"));
 }
 
 TEST(RosForeign, ImagesAndRangesMayBeCompressed) {

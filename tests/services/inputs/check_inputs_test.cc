@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -186,6 +187,34 @@ TEST(CheckInputs, SaysThatRangesAreOfAnotherMoment) {
   const Finding finding = parts.Answer(Question::kMoment);
   EXPECT_EQ(finding.verdict, Verdict::kBad) << finding.text;
   EXPECT_THAT(finding.text, HasSubstr("further back"));
+}
+
+// A road whose disparity grows from row to row, and a lidar of eight beams 60 rows apart: between
+// two of them the points of one beam say nothing of the road.
+TEST(CheckInputs, TakesALidarOfFewBeamsOnARoadForGood) {
+  Parts parts = SceneOf();
+  cv::RNG random(1);
+  random.fill(parts.left, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(parts.left, parts.left, {}, 1.2);
+  cv::normalize(parts.left, parts.left, 0, 255, cv::NORM_MINMAX);
+  const auto disparity = [](double v) { return 10 + 0.3 * v; };
+  for (int v = 0; v < parts.left.rows; ++v) {
+    const int d = cvRound(disparity(v));
+    for (int u = 0; u < parts.left.cols; ++u) {
+      parts.right(v, u) = parts.left(v, std::min(u + d, parts.left.cols - 1));
+    }
+  }
+  const RectifiedPair& pair = parts.rig.pair;
+  const TofProjector projector(parts.rig);
+  for (int y = 0; y < parts.tof.depth_m.rows; ++y) {
+    for (int x = 0; x < parts.tof.depth_m.cols; ++x) {
+      const Eigen::Vector3d ray = projector.ray(x, y);
+      const double v = pair.focal_px * ray.y() / ray.z() + pair.cy;
+      const double depth_m = pair.focal_px * pair.baseline_m / disparity(v);
+      parts.tof.depth_m(y, x) = y % 6 == 0 ? static_cast<float>(depth_m) : 0;
+    }
+  }
+  EXPECT_EQ(BadText(parts.Check()), "");
 }
 
 TEST(CheckInputs, SaysThatRangesAreOfAnotherScene) {
