@@ -61,7 +61,9 @@ class LogDiff {
   // The table, and what there is to remark.
   std::string Report() const;
   bool IsEqual() const;
+  bool IsSharedEqual() const;
   bool HasAnything() const;
+  bool HasShared() const;
   void Warn();
 
  private:
@@ -220,20 +222,26 @@ std::string LogDiff::Report() const {
   }
   text += remarks.empty() ? "" : "\n" + remarks;
   if (IsEqual()) return text + (options_.common ? "equal in what both have\n" : "equal\n");
+  // As a recording and the replay of one stage are.
+  const bool shared_is_equal = HasShared() && IsSharedEqual();
   return text + "first difference: " + FrameText(first_->key) + ": " + first_->text + "\n" +
-         "different\n";
+         "different" + (shared_is_equal ? ", but equal in what both have (--common)\n" : "\n");
 }
 
-bool LogDiff::IsEqual() const {
-  if (!options_.common) return !first_;
+bool LogDiff::IsSharedEqual() const {
   return std::all_of(channels_.begin(), channels_.end(),
                      [](const auto& entry) { return entry.second.different == 0; });
 }
 
-bool LogDiff::HasAnything() const {
-  if (!options_.common) return streams_[0].events() + streams_[1].events() > 0;
+bool LogDiff::HasShared() const {
   return std::any_of(channels_.begin(), channels_.end(),
                      [](const auto& entry) { return entry.second.compared > 0; });
+}
+
+bool LogDiff::IsEqual() const { return options_.common ? IsSharedEqual() : !first_; }
+
+bool LogDiff::HasAnything() const {
+  return options_.common ? HasShared() : streams_[0].events() + streams_[1].events() > 0;
 }
 
 void LogDiff::Warn() {

@@ -90,7 +90,10 @@ TEST_F(LogDiffTest, NamesWhatOnlyOneLogHas) {
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out,
               HasSubstr("SPROUT_DISPARITY, frame 4 (utime 1700000000400000): only in B\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("\ndifferent, but equal in what both have (--common)\n"));
   EXPECT_EQ(Diff(events_, other, {"--common"}).exit_code, 0);
+  EventOf(other, Part::kDisparity, 8) = PartEvent(Part::kDisparity, 8, LogDisparity(1));
+  EXPECT_THAT(Diff(events_, other).out, HasSubstr("\ndifferent\n"));
 }
 
 TEST_F(LogDiffTest, TellsOfAMissingChannelOnce) {
