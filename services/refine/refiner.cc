@@ -110,6 +110,7 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const R
   for (size_t i = 0; i < points_.size(); ++i) {
     if (range_.contradicted()[i] == 0) points_[kept++] = points_[i];
   }
+  if (range_error_.moved_share == 0 && kept == points_.size()) return;
   result.contradicted += static_cast<int32_t>(points_.size() - kept);
   points_.resize(kept);
   surface_.Set(rig, points_);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "common/core/parallel.h"
 #include "common/core/quantile.h"
@@ -9,6 +10,9 @@
 
 namespace sprout::refine {
 namespace {
+
+constexpr int kWidestReach = 8;  // of the windows around a point, cells
+constexpr int kReaches[] = {1, 2, 4, kWidestReach};
 
 // Moves a point along its ray, so that its disparity grows.
 void MovePoint(const RectifiedPair& pair, const Eigen::Vector3d& centre, double offset_px,
@@ -53,54 +57,80 @@ double RangeBias::JudgeNodes() {
              : static_cast<double>(wrong) / static_cast<double>(judged);
 }
 
-// Whether any node moves, is unsure or is contradicted: with a sensor that is right none is.
-bool RangeBias::SaysSomething() const {
-  return field_.variance_px2() > 0 ||
-         std::ranges::any_of(field_.offsets(),
-                             [](const NodeOffset& offset) { return offset.offset_px != 0; }) ||
-         std::ranges::any_of(wrong_nodes_, [](uint8_t wrong) { return wrong != 0; });
+// Marks where points have to be asked for: within reach of a node that moves, is unsure or is
+// contradicted. With a sensor that is right there is none.
+bool RangeBias::MarkAsked() {
+  const bool all = field_.variance_px2() > 0;
+  asked_.create(nodes_.size());
+  asked_ = all ? 1 : 0;
+  if (all) return true;
+  bool any = false;
+  for (size_t i = 0; i < wrong_nodes_.size(); ++i) {
+    if (wrong_nodes_[i] == 0 && field_.offsets()[i].offset_px == 0) continue;
+    asked_(nodes_.nodes()[i].cell) = 1;
+    any = true;
+  }
+  constexpr int kSide = 2 * kWidestReach + 1;
+  if (any) cv::dilate(asked_, asked_, cv::Mat1b::ones(kSide, kSide));
+  return any;
 }
 
 // What the nodes around a point say of it: those of its surface, within a widening window; if there
 // are none, all.
 RangeBias::PointError RangeBias::ErrorOf(const TofSurface& surface,
                                          const ProjectedPoint& point) const {
-  struct Sums {
-    double weight = 0, offset = 0, variance = 0, wrong = 0;
-  };
-  Sums own;
-  Sums any;
   const double disparity = point.seed.disparity();
   const cv::Point2d at(point.seed.u, point.seed.v);
   const cv::Point2d cell = nodes_.CellOf(surface, point);
   const cv::Point nearest(static_cast<int>(std::lround(cell.x)),
                           static_cast<int>(std::lround(cell.y)));
-  for (const int reach : {1, 2, 4, 8}) {
-    for (int y = nearest.y - reach; y <= nearest.y + reach; ++y) {
-      for (int x = nearest.x - reach; x <= nearest.x + reach; ++x) {
-        const int index = nodes_.At(x, y);
-        if (index < 0) continue;
-        const auto node = static_cast<size_t>(index);
-        const NodeOffset& offset = field_.offsets()[node];
-        const double w = 1 / (0.25 + (cell.x - x) * (cell.x - x) + (cell.y - y) * (cell.y - y));
-        const auto add = [&](Sums& sums) {
-          sums.weight += w;
-          sums.offset += w * offset.offset_px;
-          sums.variance += w * offset.sigma_px * offset.sigma_px;
-          sums.wrong += w * wrong_nodes_[node];
-        };
-        add(any);
-        if (IsOnSurface(nodes_.nodes()[node], at, disparity)) add(own);
+  if (cv::Rect({}, asked_.size()).contains(nearest) && asked_(nearest) == 0) return {};
+  struct Sums {
+    double weight = 0, offset = 0, variance = 0, wrong = 0;
+  };
+  const auto add = [&](const cv::Point& of, Sums& sums) {
+    const auto node = static_cast<size_t>(nodes_.At(of.x, of.y));
+    const NodeOffset& offset = field_.offsets()[node];
+    const double across = cell.x - of.x;
+    const double down = cell.y - of.y;
+    const double w = 1 / (0.25 + across * across + down * down);
+    sums.weight += w;
+    sums.offset += w * offset.offset_px;
+    sums.variance += w * offset.sigma_px * offset.sigma_px;
+    sums.wrong += w * wrong_nodes_[node];
+  };
+  const auto is_own = [&](const cv::Point& of) {
+    return IsOnSurface(nodes_.nodes()[static_cast<size_t>(nodes_.At(of.x, of.y))], at, disparity);
+  };
+  const cv::Rect grid({}, nodes_.size());
+  // Calls visit(cell) for the cells with a node that lie further away than `asked`.
+  const auto around = [&](int asked, int reach, const auto& visit) {
+    const cv::Rect window =
+        grid & cv::Rect(nearest.x - reach, nearest.y - reach, 2 * reach + 1, 2 * reach + 1);
+    for (int y = window.y; y < window.y + window.height; ++y) {
+      const bool beside = std::abs(y - nearest.y) <= asked;
+      for (int x = window.x; x < window.x + window.width; ++x) {
+        if (beside && std::abs(x - nearest.x) <= asked) continue;
+        if (nodes_.At(x, y) >= 0) visit(cv::Point(x, y));
       }
     }
-    if (own.weight > 0) break;
+  };
+  Sums sums;
+  int asked = -1;
+  for (const int reach : kReaches) {
+    around(asked, reach, [&](const cv::Point& of) {
+      if (is_own(of)) add(of, sums);
+    });
+    if (sums.weight > 0) break;
+    asked = reach;
   }
+  const bool on_surface = sums.weight > 0;
+  if (!on_surface) around(-1, kWidestReach, [&](const cv::Point& of) { add(of, sums); });
   PointError error{.variance_px2 = field_.variance_px2()};
-  const Sums& sums = own.weight > 0 ? own : any;
   if (sums.weight == 0) return error;
   error.offset_px = sums.offset / sums.weight;
   error.contradicted = sums.wrong > sums.weight / 2;
-  if (own.weight > 0) error.variance_px2 = own.variance / own.weight;
+  if (on_surface) error.variance_px2 = sums.variance / sums.weight;
   return error;
 }
 
@@ -127,6 +157,7 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
   }
   error_.curve_is_zero = curve_.is_zero();
   if (settings.field) {
+    nodes_.Link();
     start_px_.clear();
     for (const RangeNode& node : nodes) start_px_.push_back(curve_.OffsetPx(pair, node.disparity));
     // Where points are far apart their slopes are not known well enough.
@@ -138,7 +169,7 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
       return error_;
     }
   }
-  const bool has_field = settings.field && SaysSomething();
+  const bool has_field = settings.field && MarkAsked();
   if (!has_field && curve_.is_zero()) {
     for (ProjectedPoint& point : points) point.seed.sigma_px = 0;
     return error_;

@@ -54,7 +54,7 @@ class RangeBias {
   };
 
   double JudgeNodes();
-  bool SaysSomething() const;
+  bool MarkAsked();
   PointError ErrorOf(const TofSurface& surface, const ProjectedPoint& point) const;
 
   RangeNodes nodes_;
@@ -63,6 +63,7 @@ class RangeBias {
   RangeError error_;
   std::vector<double> start_px_;
   std::vector<uint8_t> wrong_nodes_;
+  cv::Mat1b asked_;  // of the nodes' cells
   std::vector<uint8_t> contradicted_;
   std::vector<uint8_t> moved_;
 };

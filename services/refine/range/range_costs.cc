@@ -21,11 +21,12 @@ constexpr int kCostRadius = RangeRules::kWindowRadius;
 constexpr int kCostPixels = (2 * kCostRadius + 1) * (2 * kCostRadius + 1);
 // Disparities in 1/256 px; the right image between two pixels in steps of an eighth.
 constexpr int kCostFine = 256;
-constexpr int kEighths = 8;
+constexpr int kEighthsBits = 3;
+constexpr int kEighths = 1 << kEighthsBits;
 
+// Of the right window at each offset, and of both.
 struct OffsetSums {
-  int64_t left = 0, left_squares = 0;
-  std::array<int32_t, kLabels> right{}, right_squares{}, products{};
+  std::array<int32_t, kLabels> right, right_squares, products;
 };
 
 // A window around a pixel, and its disparity at the smallest offset, in units of 1/256 px.
@@ -34,6 +35,21 @@ struct OffsetWindow {
   const cv::Mat1b& right;
   cv::Point at;
   int disparity, slope_u, slope_v;
+
+  // Where a pixel of the window lies in the right image, in 1/256 px.
+  int ColumnOf(int x, int y) const {
+    return (at.x + x) * kCostFine - (disparity + slope_u * x + slope_v * y);
+  }
+  // Whether that is in the image at all offsets: if it is in the corners.
+  bool IsInside() const {
+    for (const int y : {-kCostRadius, kCostRadius}) {
+      for (const int x : {-kCostRadius, kCostRadius}) {
+        const int first = (ColumnOf(x, y) >> 8) - (kLabels - 1);
+        if (first < 0 || first + kLabels >= right.cols) return false;
+      }
+    }
+    return true;
+  }
 };
 
 }  // namespace
@@ -44,44 +60,66 @@ HWY_BEFORE_NAMESPACE();
 namespace sprout::refine {
 namespace HWY_NAMESPACE {
 
-using LabelInts = int32_t __attribute__((vector_size(4 * kLabels)));
-using LabelBytes = uint8_t __attribute__((vector_size(kLabels)));
+namespace hn = hwy::HWY_NAMESPACE;
 
-// Not returned: how a vector of 64 bytes is differs between instruction sets.
-HWY_INLINE void LoadLabels(const uint8_t* from, LabelInts& to) {
-  LabelBytes bytes;
-  std::memcpy(&bytes, from, sizeof bytes);
-  to = __builtin_convertvector(bytes, LabelInts);
+using LabelInts = hn::CappedTag<int32_t, kLabels / 2>;
+using LabelBytes = hn::Rebind<uint8_t, LabelInts>;
+using LabelVector = hn::Vec<LabelInts>;
+
+HWY_INLINE LabelVector LoadLabels(const uint8_t* from) {
+  return hn::PromoteTo(LabelInts(), hn::LoadU(LabelBytes(), from));
+}
+
+// Sums over the window for the offsets of one vector.
+struct VectorSums {
+  LabelVector right, right_squares, products;
+};
+
+HWY_INLINE void Clear(VectorSums& sums) {
+  sums.right = sums.right_squares = sums.products = hn::Zero(LabelInts());
+}
+
+// Adds a pixel: `part` eighths of the way from one column of the right image to the next.
+HWY_INLINE void Add(const uint8_t* column, LabelVector part, LabelVector own, VectorSums& sums) {
+  const LabelVector before = LoadLabels(column);
+  const LabelVector grey = hn::Add(hn::ShiftLeft<kEighthsBits>(before),
+                                   hn::Mul(hn::Sub(LoadLabels(column + 1), before), part));
+  sums.right = hn::Add(sums.right, grey);
+  sums.right_squares = hn::Add(sums.right_squares, hn::Mul(grey, grey));
+  sums.products = hn::Add(sums.products, hn::Mul(grey, own));
+}
+
+HWY_INLINE void Store(const VectorSums& sums, size_t lane, OffsetSums& to) {
+  hn::StoreU(sums.right, LabelInts(), to.right.data() + lane);
+  hn::StoreU(sums.right_squares, LabelInts(), to.right_squares.data() + lane);
+  hn::StoreU(sums.products, LabelInts(), to.products.data() + lane);
 }
 
 // One lane an offset: for a pixel of the window, offsets lie in consecutive pixels of the right
-// image, the largest one first.
-bool SumOffsetsOnTarget(const OffsetWindow& window, OffsetSums& to) {
-  LabelInts right_sum{}, right_squares{}, products{}, before, behind;
-  for (int y = -kCostRadius; y <= kCostRadius; ++y) {
-    const uint8_t* left = window.left[window.at.y + y] + window.at.x;
-    const uint8_t* right = window.right[window.at.y + y];
-    for (int x = -kCostRadius; x <= kCostRadius; ++x) {
-      const int disparity = window.disparity + window.slope_u * x + window.slope_v * y;
-      const int column = (window.at.x + x) * kCostFine - disparity;
-      const int first = (column >> 8) - (kLabels - 1);
-      if (first < 0 || first + kLabels >= window.right.cols) return false;
-      const int part = (column & (kCostFine - 1)) / (kCostFine / kEighths);
-      LoadLabels(right + first, before);
-      LoadLabels(right + first + 1, behind);
-      const LabelInts grey = before * (kEighths - part) + behind * part;
-      const int32_t own = left[x] * kEighths;
-      to.left += own;
-      to.left_squares += own * own;
-      right_sum += grey;
-      right_squares += grey * grey;
-      products += grey * own;
+// image, the largest one first. Two vectors at a time.
+// @pre the window lies in both images at all offsets.
+void SumOffsetsOnTarget(const OffsetWindow& window, OffsetSums& to) {
+  const LabelInts d;
+  const size_t lanes = hn::Lanes(d);
+  for (size_t lane = 0; lane < kLabels; lane += 2 * lanes) {
+    VectorSums one, other;
+    Clear(one);
+    Clear(other);
+    for (int y = -kCostRadius; y <= kCostRadius; ++y) {
+      const uint8_t* left = window.left[window.at.y + y] + window.at.x;
+      const uint8_t* right = window.right[window.at.y + y] - (kLabels - 1) + lane;
+      for (int x = -kCostRadius; x <= kCostRadius; ++x) {
+        const int column = window.ColumnOf(x, y);
+        const uint8_t* at = right + (column >> 8);
+        const LabelVector part = hn::Set(d, (column & (kCostFine - 1)) / (kCostFine / kEighths));
+        const LabelVector own = hn::Set(d, left[x] * kEighths);
+        Add(at, part, own, one);
+        Add(at + lanes, part, own, other);
+      }
     }
+    Store(one, lane, to);
+    Store(other, lane + lanes, to);
   }
-  std::memcpy(to.right.data(), &right_sum, sizeof right_sum);
-  std::memcpy(to.right_squares.data(), &right_squares, sizeof right_squares);
-  std::memcpy(to.products.data(), &products, sizeof products);
-  return true;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -116,21 +154,32 @@ std::optional<OffsetCosts> CostsOf(const cv::Mat1b& left, const cv::Mat1b& right
                             fine(patch.disparity_px + beside + RangeRules::OffsetPx(0)),
                             fine(patch.slope.x),
                             fine(patch.slope.y)};
+  if (!window.IsInside()) return {};
   OffsetSums sums;
-  if (!HWY_DYNAMIC_DISPATCH(SumOffsetsOnTarget)(window, sums)) return {};
+  HWY_DYNAMIC_DISPATCH(SumOffsetsOnTarget)(window, sums);
+  int64_t left_sum = 0;
+  int64_t left_squares = 0;
+  for (int y = -kCostRadius; y <= kCostRadius; ++y) {
+    const uint8_t* row = left[at.y + y] + at.x;
+    for (int x = -kCostRadius; x <= kCostRadius; ++x) {
+      const int32_t own = row[x] * kEighths;
+      left_sum += own;
+      left_squares += own * own;
+    }
+  }
   // Of all pixels, in grey levels squared.
   constexpr double kUnit = double{kEighths} * kEighths * kCostPixels * kCostPixels;
   const auto variance = [](int64_t sum, int64_t squares) {
     return static_cast<float>(static_cast<double>(kCostPixels * squares - sum * sum) / kUnit);
   };
   OffsetCosts costs;
-  costs.left_variance = variance(sums.left, sums.left_squares);
+  costs.left_variance = variance(left_sum, left_squares);
   for (size_t k = 0; k < kLabels; ++k) {
     const size_t lane = kLabels - 1 - k;  // the largest offset comes first
     const int64_t sum = sums.right[lane];
     costs.right_variance[k] = variance(sum, sums.right_squares[lane]);
     costs.covariance[k] = static_cast<float>(
-        static_cast<double>(kCostPixels * int64_t{sums.products[lane]} - sum * sums.left) / kUnit);
+        static_cast<double>(kCostPixels * int64_t{sums.products[lane]} - sum * left_sum) / kUnit);
     // Eq. (R12).
     const float likeness =
         2 * costs.covariance[k] /

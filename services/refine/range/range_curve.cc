@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <numeric>
 #include <utility>
 
 namespace sprout::refine {
@@ -27,23 +27,51 @@ double VoteAt(const RangeNode& node, double offset_px) {
 // Sums of votes, by blocks of the range image.
 class BlockSums {
  public:
+  explicit BlockSums(cv::Size blocks)
+      : rows_(blocks.height), sums_(static_cast<size_t>(blocks.area())) {}
+
+  static cv::Point BlockOf(const RangeNode& node) { return node.cell / RangeRules::kBlockCells; }
+
   void Add(const RangeNode& node, double value) {
-    sums_[{node.cell.x / RangeRules::kBlockCells, node.cell.y / RangeRules::kBlockCells}] += value;
+    const cv::Point block = BlockOf(node);
+    sums_[static_cast<size_t>(block.x * rows_ + block.y)] += value;
   }
-  double Total() const {
-    double total = 0;
-    for (const auto& [block, sum] : sums_) total += sum;
-    return total;
-  }
+  double Total() const { return std::accumulate(sums_.begin(), sums_.end(), 0.0); }
   // Standard deviation of the total when blocks are independent.
   double Sigma() const {
-    double squares = 0;
-    for (const auto& [block, sum] : sums_) squares += sum * sum;
-    return std::sqrt(squares);
+    return std::sqrt(std::inner_product(sums_.begin(), sums_.end(), sums_.begin(), 0.0));
   }
 
  private:
-  std::map<std::pair<int, int>, double> sums_;
+  int rows_;
+  std::vector<double> sums_;
+};
+
+// A node's cost as a parabola around each label but the outermost.
+class CostCurve {
+ public:
+  explicit CostCurve(const OffsetCosts& costs) {
+    for (size_t k = 1; k + 1 < RangeRules::kLabels; ++k) {
+      const double before = costs.cost[k - 1];
+      const double here = costs.cost[k];
+      const double behind = costs.cost[k + 1];
+      parabolas_[k] = {here, (behind - before) / 2, (before + behind - 2 * here) / 2};
+    }
+  }
+  double At(double offset_px) const {
+    const double label =
+        std::clamp(offset_px + RangeRules::kZeroLabel, 0.0, RangeRules::kLabels - 1.0);
+    const int nearest = std::clamp(static_cast<int>(label + 0.5), 1, RangeRules::kLabels - 2);
+    const auto& [here, slope, bend] = parabolas_[static_cast<size_t>(nearest)];
+    const double x = label - nearest;
+    return here + x * slope + x * x * bend;
+  }
+
+ private:
+  struct Parabola {
+    double here, slope, bend;
+  };
+  std::array<Parabola, RangeRules::kLabels> parabolas_{};
 };
 
 }  // namespace
@@ -60,12 +88,6 @@ double CostAt(const OffsetCosts& costs, double offset_px) {
   return here + x * (behind - before) / 2 + x * x * (before + behind - 2 * here) / 2;
 }
 
-float DistinctnessOf(const OffsetCosts& costs) {
-  std::array<float, RangeRules::kLabels> sorted = costs.cost;
-  std::sort(sorted.begin(), sorted.end());
-  return std::clamp(sorted[RangeRules::kLabels / 2] - sorted[0], 0.0F, 1.0F);
-}
-
 // The voters of a knot, and what they say of each candidate.
 struct RangeCurve::Bin {
   std::span<const Voter> voters;
@@ -78,10 +100,11 @@ struct RangeCurve::Bin {
 void RangeCurve::Vote(std::span<const RangeNode> nodes, const RectifiedPair& pair, Bin& bin) const {
   for (const Voter& voter : bin.voters) {
     bin.depth_m += voter.depth_m / static_cast<double>(bin.voters.size());
+    const CostCurve cost(nodes[voter.node].costs);
     for (int k = 0; k < kCandidates; ++k) {
       const double off = OffsetOfError(pair, voter.depth_m, (k - kNoError) * step_m_);
       bin.votes[static_cast<size_t>(k)] +=
-          voter.weight * VoteAt(nodes[voter.node], off) * bin.scale;
+          voter.weight * std::min(cost.At(off), double{RangeRules::kMostCost}) * bin.scale;
     }
   }
   bin.px_per_m = pair.focal_px * pair.baseline_m / (bin.depth_m * bin.depth_m);
@@ -131,7 +154,7 @@ void RangeCurve::FindPath(std::span<const Bin> bins) {
 
 // By how many standard deviations the votes prefer the curve to no error.
 double RangeCurve::GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair) const {
-  BlockSums gains;
+  BlockSums gains(blocks_);
   for (const Voter& voter : voters_) {
     const RangeNode& node = nodes[voter.node];
     const double off = OffsetOfError(pair, voter.depth_m, At(voter.depth_m).error_m);
@@ -147,7 +170,7 @@ void RangeCurve::SetSigmas(std::span<const RangeNode> nodes, const RectifiedPair
   for (size_t b = 0; b < bins.size(); ++b) {
     RangeKnot& knot = knots_[b];
     const double half_m = 0.5 / bins[b].px_per_m;
-    BlockSums slopes;
+    BlockSums slopes(blocks_);
     double curvature = 0;
     for (const Voter& voter : bins[b].voters) {
       const RangeNode& node = nodes[voter.node];
@@ -170,9 +193,12 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
   voters_.clear();
   is_zero_ = true;
   double total = 0;
+  blocks_ = {};
   for (size_t i = 0; i < nodes.size(); ++i) {
+    const cv::Point block = BlockSums::BlockOf(nodes[i]);
+    blocks_ = {std::max(blocks_.width, block.x + 1), std::max(blocks_.height, block.y + 1)};
     const double depth_m = pair.DepthFromDisparity(nodes[i].disparity);
-    const float weight = DistinctnessOf(nodes[i].costs);
+    const float weight = nodes[i].distinctness;
     if (!(depth_m > 0 && std::isfinite(depth_m)) || weight <= RangeRules::kLeastDistinct) continue;
     voters_.push_back({depth_m, weight, i});
     total += weight;

@@ -49,6 +49,7 @@ class RangeCurve {
   RangeKnot At(double depth_m) const;
 
   std::vector<Voter> voters_;  // by depth
+  cv::Size blocks_;            // of the range image
   double step_m_ = 0;          // between candidates
   std::vector<RangeKnot> knots_;
   bool is_zero_ = true;
@@ -56,9 +57,6 @@ class RangeCurve {
 
 /// A node's cost at an offset, px, between labels by a parabola.
 double CostAt(const OffsetCosts& costs, double offset_px);
-
-/// How distinct a node's least cost is, 0 to 1: the median less the least.
-float DistinctnessOf(const OffsetCosts& costs);
 
 }  // namespace sprout::refine
 

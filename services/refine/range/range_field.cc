@@ -11,6 +11,12 @@ namespace {
 
 constexpr int kOffsetLabels = RangeRules::kLabels;
 
+float LeastOf(const std::array<float, RangeRules::kLabels>& costs) {
+  std::array<float, kOffsetLabels / 2> least;
+  for (size_t k = 0; k < least.size(); ++k) least[k] = std::min(costs[k], costs[k + least.size()]);
+  return *std::min_element(least.begin(), least.end());
+}
+
 }  // namespace
 
 void RangeField::Average(const RangeNodes& nodes, std::span<const double> start_px) {
@@ -28,20 +34,25 @@ void RangeField::Average(const RangeNodes& nodes, std::span<const double> start_
   for (size_t i = 0; i < all.size(); ++i) {
     Costs sum{};
     float count = 0;
-    ForSurfaceAround(nodes, all[i], RangeRules::kAround, [&](size_t other) {
+    for (const uint32_t other : nodes.SurfaceAround(i)) {
       for (size_t k = 0; k < kOffsetLabels; ++k) sum[k] += own[other][k];
       count += 1;
-    });
+    }
     for (float& cost : sum) cost /= count;
     data_[i] = sum;
   }
 }
 
 void RangeField::AddPath(const RangeNodes& nodes, bool along_rows, bool back, float moved) {
-  const std::span<const RangeNode> all = nodes.nodes();
   const cv::Size size = nodes.size();
   const int lines = along_rows ? size.height : size.width;
   const int length = along_rows ? size.width : size.height;
+  Costs price;
+  for (int k = 0; k < kOffsetLabels; ++k) {
+    const double off = RangeRules::OffsetPx(k);
+    price[static_cast<size_t>(k)] =
+        static_cast<float>(RangeRules::kFieldPerPx * std::abs(off)) + (off != 0 ? moved : 0);
+  }
   for (int line = 0; line < lines; ++line) {
     Costs path{};
     int last = -1;
@@ -51,24 +62,20 @@ void RangeField::AddPath(const RangeNodes& nodes, bool along_rows, bool back, fl
       if (node < 0) continue;
       const auto index = static_cast<size_t>(node);
       Costs next = data_[index];
-      for (int k = 0; k < kOffsetLabels; ++k) {
-        const double off = RangeRules::OffsetPx(k);
-        next[static_cast<size_t>(k)] +=
-            static_cast<float>(RangeRules::kFieldPerPx * std::abs(off)) + (off != 0 ? moved : 0);
-      }
+      for (size_t k = 0; k < kOffsetLabels; ++k) next[k] += price[k];
       if (last >= 0) {
-        const bool same = ShareSurface(all[static_cast<size_t>(last)], all[index]);
+        const bool same = nodes.AreOneSurface(static_cast<size_t>(last), index);
         const float small = RangeRules::kFieldSmallStep * (same ? 1 : RangeRules::kAcrossEdge);
         const float large = RangeRules::kFieldLargeStep * (same ? 1 : RangeRules::kAcrossEdge);
-        const float least = *std::min_element(path.begin(), path.end());
-        Costs from{};
+        const float least = LeastOf(path);
+        // Labels beyond the outermost cost more than any.
+        std::array<float, kOffsetLabels + 2> beside;
+        beside.front() = beside.back() = least + large;
+        std::copy(path.begin(), path.end(), beside.begin() + 1);
         for (size_t k = 0; k < kOffsetLabels; ++k) {
-          float best = std::min(path[k], least + large);
-          if (k > 0) best = std::min(best, path[k - 1] + small);
-          if (k + 1 < kOffsetLabels) best = std::min(best, path[k + 1] + small);
-          from[k] = best - least;
+          const float step = std::min(beside[k], beside[k + 2]) + small;
+          next[k] += std::min(std::min(path[k], least + large), step) - least;
         }
-        for (size_t k = 0; k < kOffsetLabels; ++k) next[k] += from[k];
       }
       path = next;
       last = node;
@@ -102,7 +109,7 @@ double RangeField::KeepProved(const RangeNodes& nodes) {
   double weight = 1;
   double moved = 0;
   for (size_t i = 0; i < all.size(); ++i) {
-    const double distinct = DistinctnessOf(all[i].costs);
+    const double distinct = all[i].distinctness;
     weight += distinct;
     if (proved[i] != 0) {
       moved += distinct;
@@ -142,27 +149,28 @@ void RangeField::Relax(const RangeNodes& nodes) {
   const std::span<const RangeNode> all = nodes.nodes();
   std::vector<std::array<int, 8>> around(all.size());
   std::vector<double> own(all.size());
+  std::vector<double> weights(all.size());
   for (size_t i = 0; i < all.size(); ++i) {
     around[i].fill(-1);
     own[i] = offsets_[i].offset_px;
     size_t next = 0;
-    ForSurfaceAround(nodes, all[i], 1, [&](size_t other) {
+    for (const uint32_t other : nodes.SurfaceAround(i)) {
       if (other != i && std::abs(offsets_[other].offset_px - offsets_[i].offset_px) < 3) {
         around[i][next++] = static_cast<int>(other);
       }
-    });
+    }
+    weights[i] =
+        information_[i] + RangeRules::kPull + RangeRules::kStiffness * static_cast<double>(next);
   }
   for (int round = 0; round < RangeRules::kRelaxations; ++round) {
     for (size_t n = 0; n < all.size(); ++n) {
       const size_t i = round % 2 == 0 ? n : all.size() - 1 - n;
       double sum = information_[i] * own[i];
-      double weight = information_[i] + RangeRules::kPull;
       for (const int other : around[i]) {
         if (other < 0) break;
         sum += RangeRules::kStiffness * offsets_[static_cast<size_t>(other)].offset_px;
-        weight += RangeRules::kStiffness;
       }
-      offsets_[i].offset_px = sum / weight;
+      offsets_[i].offset_px = sum / weights[i];
     }
   }
 }
@@ -183,7 +191,7 @@ void RangeField::SetSigma(const RangeNodes& nodes) {
   }
   for (size_t i = 0; i < all.size(); ++i) {
     double information = 0;
-    ForSurfaceAround(nodes, all[i], 1, [&](size_t other) { information += information_[other]; });
+    for (const uint32_t other : nodes.SurfaceAround(i)) information += information_[other];
     offsets_[i].sigma_px =
         std::sqrt(1 / (1 / variance_px2_ + information / RangeRules::kCurvatureVariance));
   }
@@ -197,7 +205,7 @@ void RangeField::Judge(const RangeNodes& nodes, std::span<const double> start_px
     double squares = 0;
     double texture = 0;
     double count = 0;
-    ForSurfaceAround(nodes, all[i], RangeRules::kAround, [&](size_t other) {
+    for (const uint32_t other : nodes.SurfaceAround(i)) {
       const OffsetCosts& costs = all[other].costs;
       const double label =
           std::clamp(start_px[other] + offsets_[i].offset_px + RangeRules::kZeroLabel, 0.0,
@@ -209,7 +217,7 @@ void RangeField::Judge(const RangeNodes& nodes, std::span<const double> start_px
                  costs.right_variance[below + 1] * part;
       texture += costs.left_variance;
       count += 1;
-    });
+    }
     offsets_[i].likeness = products / (squares + 1);
     offsets_[i].texture = texture / count;
   }

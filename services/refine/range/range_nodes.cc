@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "common/core/parallel.h"
@@ -10,12 +11,14 @@
 namespace sprout::refine {
 namespace {
 
+constexpr float kNothing = -1e9F;  // nearer than no surface
+
 // How much grey changes along the rows around a point.
 float TextureAt(const cv::Mat1b& left, const Seed& seed) {
   constexpr int kReach = RangeRules::kWindowRadius;
   if (!IsInside(seed.u, seed.v, left.size(), kReach + 0.5)) return 0;
-  const int u = static_cast<int>(std::lround(seed.u));
-  const int v = static_cast<int>(std::lround(seed.v));
+  const int u = static_cast<int>(seed.u + 0.5);
+  const int v = static_cast<int>(seed.v + 0.5);
   int sum = 0;
   for (int y = v - 2; y <= v + 2; y += 2) {
     const uint8_t* row = left[y] + u;
@@ -50,11 +53,11 @@ double NoiseAt(const cv::Mat1b& left, const cv::Point2d& at) {
 
 }  // namespace
 
-bool IsOnSurface(const RangeNode& node, const cv::Point2d& at, double disparity) {
-  const cv::Point2d way = at - node.at;
-  const double distance = std::sqrt(way.dot(way));
-  return std::abs(node.DisparityAt(at) - disparity) <=
-         RangeRules::kSurfacePx + RangeRules::kSurfacePerPx * distance;
+float DistinctnessOf(const OffsetCosts& costs) {
+  std::array<float, RangeRules::kLabels> sorted = costs.cost;
+  const auto median = sorted.begin() + RangeRules::kLabels / 2;
+  std::nth_element(sorted.begin(), median, sorted.end());
+  return std::clamp(*median - *std::min_element(sorted.begin(), median), 0.0F, 1.0F);
 }
 
 bool ShareSurface(const RangeNode& a, const RangeNode& b) {
@@ -72,6 +75,7 @@ void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right,
     if (!costs) return;
     node.costs = *costs;
     node.noise = NoiseAt(left, node.at);
+    node.distinctness = DistinctnessOf(node.costs);
   });
   size_t kept = 0;
   for (size_t i = 0; i < nodes.size(); ++i) {
@@ -86,21 +90,19 @@ void RangeNodes::View::Set(const RectifiedPair& pair, const TofSurface& surface,
   high = std::max(1.0, surface.row_px() / 2);
   Renew(nearest,
         {static_cast<int>(pair.width / wide) + 1, static_cast<int>(pair.height / high) + 1});
-  nearest = -1e9F;
+  nearest = kNothing;
+  // Half a spacing for the point, another for the window.
+  constexpr int kReach = 2;
   for (const ProjectedPoint& point : points) {
     const double x = point.seed.*column / wide;
     const double y = point.seed.v / high;
-    // Half a spacing for the point, another for the window.
-    constexpr int kReach = 2;
     if (!IsInside(x, y, nearest.size(), kReach)) continue;
-    const float disparity = point.seed.disparity();
-    for (int down = -kReach; down <= kReach; ++down) {
-      float* row = nearest[static_cast<int>(y) + down] + static_cast<int>(x);
-      for (int across = -kReach; across <= kReach; ++across) {
-        row[across] = std::max(row[across], disparity);
-      }
-    }
+    float& cell = nearest(static_cast<int>(y), static_cast<int>(x));
+    cell = std::max(cell, point.seed.disparity());
   }
+  constexpr int kSide = 2 * kReach + 1;
+  cv::dilate(nearest, nearest, cv::Mat1b::ones(kSide, kSide), {-1, -1}, 1, cv::BORDER_CONSTANT,
+             kNothing);
 }
 
 bool RangeNodes::View::Hides(double u, double v, double disparity, double tolerance_px) const {
@@ -116,7 +118,6 @@ void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> po
   const double tolerance_px = RangeRules::kSurfacePx + RangeRules::kNoiseSigmas * input.noise_px;
   left_.Set(pair, surface, points, &Seed::u);
   right_.Set(pair, surface, points, &Seed::u_right);
-  nodes_.clear();
   side_ = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(points.size()) /
                                                            double{RangeRules::kMostNodes}))));
   size_ = {surface.columns() / side_ + 1, surface.rows() / side_ + 1};
@@ -124,6 +125,7 @@ void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> po
   Renew(texture_, size_);
   index_ = -1;
   texture_ = 0;
+  planes_.resize(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     const cv::Point cell = surface.CellOf(points[i]) / side_;
     const Seed& seed = points[i].seed;
@@ -138,14 +140,16 @@ void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> po
     }
     texture_(cell) = texture;
     index_(cell) = static_cast<int>(i);
+    planes_[i] = plane;
   }
+  nodes_.clear();
   for (int y = 0; y < size_.height; ++y) {
     for (int x = 0; x < size_.width; ++x) {
       if (index_(y, x) < 0) continue;
-      const ProjectedPoint& point = points[static_cast<size_t>(index_(y, x))];
-      const TofSurface::Plane plane = surface.PlaneOf(point, tolerance_px);
+      const auto point = static_cast<size_t>(index_(y, x));
+      const TofSurface::Plane& plane = planes_[point];
       nodes_.push_back({.cell = {x, y},
-                        .at = {point.seed.u, point.seed.v},
+                        .at = {points[point].seed.u, points[point].seed.v},
                         .disparity = plane.disparity,
                         .slope = plane.slope,
                         .whole = !plane.has_farther,
@@ -155,6 +159,35 @@ void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> po
   Compare(input.left, input.right, nodes_);
   index_ = -1;
   for (size_t i = 0; i < nodes_.size(); ++i) index_(nodes_[i].cell) = static_cast<int>(i);
+}
+
+bool RangeNodes::AreOneSurface(size_t a, size_t b) const {
+  const cv::Point way = nodes_[b].cell - nodes_[a].cell;
+  if (std::abs(way.x) <= 1 && std::abs(way.y) <= 1) return (links_[a].bits & BitOf(way)) != 0;
+  return ShareSurface(nodes_[a], nodes_[b]);
+}
+
+void RangeNodes::Link() {
+  // Each pair is asked once.
+  const cv::Point later[] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
+  links_.assign(nodes_.size(), {.around = {}, .count = 0, .bits = BitOf({0, 0})});
+  for (size_t i = 0; i < nodes_.size(); ++i) {
+    const cv::Point cell = nodes_[i].cell;
+    for (const cv::Point& way : later) {
+      const int other = At(cell.x + way.x, cell.y + way.y);
+      if (other < 0 || !ShareSurface(nodes_[i], nodes_[static_cast<size_t>(other)])) continue;
+      links_[i].bits |= BitOf(way);
+      links_[static_cast<size_t>(other)].bits |= BitOf(-way);
+    }
+    // What lies before it has been asked.
+    Links& links = links_[i];
+    for (int y = -1; y <= 1; ++y) {
+      for (int x = -1; x <= 1; ++x) {
+        if ((links.bits & BitOf({x, y})) == 0) continue;
+        links.around[links.count++] = static_cast<uint32_t>(At(cell.x + x, cell.y + y));
+      }
+    }
+  }
 }
 
 }  // namespace sprout::refine

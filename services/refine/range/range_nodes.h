@@ -1,6 +1,9 @@
 #ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_NODES_H_
 #define SPROUT_SERVICES_REFINE_RANGE_RANGE_NODES_H_
 
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <span>
 #include <vector>
@@ -31,14 +34,23 @@ struct RangeNode {
   bool whole = true;     ///< no depth edge is beside it
   double noise = 0;      ///< variance of the left image around it that may be noise, grey levels²
   OffsetCosts costs;
+  float distinctness = 0;  ///< of the costs
 
   double DisparityAt(const cv::Point2d& x) const {
     return disparity + slope.x * (x.x - at.x) + slope.y * (x.y - at.y);
   }
 };
 
+/// How distinct a node's least cost is, 0 to 1: the median less the least.
+float DistinctnessOf(const OffsetCosts& costs);
+
 /// Whether a point with that disparity lies on the node's surface.
-bool IsOnSurface(const RangeNode& node, const cv::Point2d& at, double disparity);
+inline bool IsOnSurface(const RangeNode& node, const cv::Point2d& at, double disparity) {
+  const cv::Point2d way = at - node.at;
+  const double off = std::abs(node.DisparityAt(at) - disparity);
+  return off <= RangeRules::kSurfacePx ||
+         off <= RangeRules::kSurfacePx + RangeRules::kSurfacePerPx * std::sqrt(way.dot(way));
+}
 
 /// Whether two nodes lie on one surface: one of both planes meets the other node.
 bool ShareSurface(const RangeNode& a, const RangeNode& b);
@@ -57,6 +69,15 @@ class RangeNodes {
   int At(int x, int y) const {
     return x < 0 || y < 0 || x >= size_.width || y >= size_.height ? -1 : index_(y, x);
   }
+  /// Finds out which nodes side by side share a surface.
+  void Link();
+  /// After Link(): the nodes of the 3×3 cells around a node that share its surface, itself
+  /// included, row by row.
+  std::span<const uint32_t> SurfaceAround(size_t node) const {
+    return std::span(links_[node].around).first(links_[node].count);
+  }
+  bool AreOneSurface(size_t a, size_t b) const;
+
   /// Where a point lies, in cells; the middle of cell (0, 0) is (0, 0).
   cv::Point2d CellOf(const TofSurface& surface, const ProjectedPoint& point) const {
     const cv::Point cell = surface.CellOf(point);
@@ -78,11 +99,21 @@ class RangeNodes {
 
   static void Compare(const cv::Mat1b& left, const cv::Mat1b& right, std::vector<RangeNode>& nodes);
 
+  // The nodes of the 3×3 cells around one that share its surface: `count` of them, and a bit each.
+  struct Links {
+    std::array<uint32_t, 9> around;
+    uint32_t count;
+    uint32_t bits;
+  };
+  static unsigned BitOf(const cv::Point& way) { return 1U << ((way.y + 1) * 3 + way.x + 1); }
+
   cv::Mat1i index_;
   cv::Mat1f texture_;
   View left_;
   View right_;
+  std::vector<TofSurface::Plane> planes_;  // of those points that were best in their cells
   std::vector<RangeNode> nodes_;
+  std::vector<Links> links_;
 };
 
 }  // namespace sprout::refine

@@ -50,7 +50,6 @@ struct RangeRules {
   static constexpr double kSureSigmasCoarse = 3.5;
 
   // The field, eqs. (R14) and (R15).
-  static constexpr int kAround = 1;  ///< cells around a node whose costs are averaged
   static constexpr float kFieldPerPx = 0.004F;
   static constexpr float kFieldSmallStep = 0.05F;  ///< P1
   static constexpr float kFieldLargeStep = 0.3F;   ///< P2

@@ -8,23 +8,8 @@
 
 namespace sprout::refine {
 
-/// Calls visit(index of a node) for the nodes within `reach` cells that share the node's surface,
-/// itself included.
-template <typename Visit>
-void ForSurfaceAround(const RangeNodes& nodes, const RangeNode& node, int reach,
-                      const Visit& visit) {
-  for (int y = -reach; y <= reach; ++y) {
-    for (int x = -reach; x <= reach; ++x) {
-      const int other = nodes.At(node.cell.x + x, node.cell.y + y);
-      if (other < 0) continue;
-      const auto index = static_cast<size_t>(other);
-      if ((x == 0 && y == 0) || ShareSurface(node, nodes.nodes()[index])) visit(index);
-    }
-  }
-}
-
 /// Clears the flags of nodes that have fewer than `fewest` flagged nodes side by side on one
-/// surface.
+/// surface. After nodes.Link().
 inline void KeepPatches(const RangeNodes& nodes, size_t fewest, std::vector<uint8_t>& flags) {
   std::vector<uint8_t> todo = flags;
   std::vector<size_t> patch;
@@ -33,11 +18,11 @@ inline void KeepPatches(const RangeNodes& nodes, size_t fewest, std::vector<uint
     patch = {i};
     todo[i] = 0;
     for (size_t next = 0; next < patch.size(); ++next) {
-      ForSurfaceAround(nodes, nodes.nodes()[patch[next]], 1, [&](size_t other) {
-        if (todo[other] == 0) return;
+      for (const uint32_t other : nodes.SurfaceAround(patch[next])) {
+        if (todo[other] == 0) continue;
         todo[other] = 0;
         patch.push_back(other);
-      });
+      }
     }
     if (patch.size() >= fewest) continue;
     for (const size_t node : patch) flags[node] = 0;

@@ -63,6 +63,7 @@ void TofSurface::SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> 
 
 void TofSurface::Set(const Rig& rig, std::span<const ProjectedPoint> points) {
   size_ = rig.pair.size();
+  noise_px_.reset();
   SetSteps(rig.tof, points);
   column_px_ = column_step_ * rig.pair.focal_px / rig.tof.fx;
   row_px_ = row_step_ * rig.pair.focal_px / rig.tof.fy;
@@ -80,6 +81,11 @@ void TofSurface::Set(const Rig& rig, std::span<const ProjectedPoint> points) {
 }
 
 double TofSurface::NoisePx(std::span<const ProjectedPoint> points) {
+  if (!noise_px_) noise_px_ = NewNoisePx(points);
+  return *noise_px_;
+}
+
+double TofSurface::NewNoisePx(std::span<const ProjectedPoint> points) {
   deviations_.clear();
   for (const ProjectedPoint& point : points) {
     const float* at = At(point);
@@ -254,8 +260,7 @@ class TofSurface::HiddenTest {
     const cv::Point2f off = view.positions[point.index] - view.positions[by];
     const double across = off.x / surface_.piece_px_.x;
     const double down = off.y / surface_.piece_px_.y;
-    const double distance = std::sqrt(across * across + down * down);
-    if (distance > rule_.reach) return false;
+    if (across * across + down * down > rule_.reach * rule_.reach) return false;
     const Piece& piece = surface_.pieces_[by];
     const Seed& seed = points_[point.index].seed;
     const bool is_left = &view == &surface_.left_;
@@ -263,10 +268,12 @@ class TofSurface::HiddenTest {
     const double steps = is_left ? 1 : std::max(1 - double{piece.slope.x}, Rules::kLeastSeen);
     const double piece_px = piece.disparity + double{off.dot(piece.slope)} / steps;
     const double behind_px = piece_px - seed.disparity();
+    if (behind_px <= rule_.tolerance_px) return false;  // the least of the tolerance
     const double distance_px = std::sqrt(double{off.x} * off.x + double{off.y} * off.y);
     const double tolerance_px = rule_.tolerance_px + Rules::kPiecePerPx * distance_px +
                                 std::abs(off.x) * piece.unseen.x + std::abs(off.y) * piece.unseen.y;
     if (behind_px <= tolerance_px) return false;
+    const double distance = std::sqrt(across * across + down * down);
     const double beside = 1 + Rules::kHalves * distance / std::max(rule_.core, Rules::kLeastCore);
     const double odds = std::sqrt(behind_px / tolerance_px) / (beside * beside);
     // The piece at this pixel: what it would be in the other image.
