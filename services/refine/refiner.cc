@@ -72,11 +72,11 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     surface_.Set(rig, points_);
     for (ProjectedPoint& point : points_) point.seed.sigma_px = 0;
     if (config_.range_bias() != RefineConfig::OFF) MoveToTruth(left, right, rig, result);
-    const auto noise_px = static_cast<float>(
-        std::clamp(NoisePx(left, right), SurfaceRules::kLeastSigmaPx, SurfaceRules::kMostSigmaPx));
+    noise_px_ =
+        std::clamp(NoisePx(left, right), SurfaceRules::kLeastSigmaPx, SurfaceRules::kMostSigmaPx);
     for (ProjectedPoint& point : points_) {
       Seed& seed = point.seed;
-      seed.sigma_px = std::clamp(std::hypot(seed.sigma_px, noise_px),
+      seed.sigma_px = std::clamp(std::hypot(seed.sigma_px, static_cast<float>(noise_px_)),
                                  static_cast<float>(SurfaceRules::kLeastSigmaPx),
                                  static_cast<float>(SurfaceRules::kMostSigmaPx));
     }
@@ -84,9 +84,11 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     KeepVisible(left, right, result);
   }
   if (config_.stereo_seeds()) {
+    const double spacing_px = points_.empty() ? 0 : surface_.spacing_px();
+    const bool dense = !points_.empty() && !stereo_.IsCoarse(spacing_px, left.cols);
     const std::span<const Seed> stereo =
-        stereo_.Find(left, right, result.seeds, Covered(),
-                     points_.empty() ? 0 : surface_.spacing_px(), zones_.most_px());
+        stereo_.Find(left, right, result.seeds, Covered(dense), spacing_px, zones_.most_px());
+    if (dense) result.contradicted += unsure_.Drop(grid, noise_px_, stereo, result.seeds);
     result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
   }
   if (!zones.views.empty()) FillFromZones(result, grid);
@@ -155,10 +157,12 @@ double Refiner::NoisePx(const cv::Mat1b& left, const cv::Mat1b& right) {
 
 // Where the ToF camera sees something. What it says of dark regions is not to be believed; of
 // points beside edges it is, since which surface they lie on the prior decides better than stereo.
-std::span<const cv::Point2f> Refiner::Covered() {
+// Nor are unsure points, if they are dense; between coarse ones stereo is asked anyway.
+std::span<const cv::Point2f> Refiner::Covered(bool dense) {
   covered_.clear();
   for (size_t i = 0; i < points_.size(); ++i) {
-    if (fates_[i] != Fate::kDark && fates_[i] != Fate::kOutside) {
+    const bool sure = !dense || !UnsurePoints::Is(points_[i].seed, noise_px_);
+    if (fates_[i] != Fate::kDark && fates_[i] != Fate::kOutside && sure) {
       covered_.emplace_back(points_[i].seed.u, points_[i].seed.v);
     }
   }

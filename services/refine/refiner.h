@@ -14,6 +14,7 @@
 #include "common/geometry/projection.h"
 #include "services/refine/alignment/tof_alignment.h"
 #include "services/refine/range/range_bias.h"
+#include "services/refine/range/unsure_points.h"
 #include "services/refine/stereo/stereo_seeds.h"
 #include "services/refine/surface/background.h"
 #include "services/refine/surface/tof_surface.h"
@@ -80,7 +81,7 @@ class Refiner {
                     SeedSet& result);
   void MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig, SeedSet& result);
   double NoisePx(const cv::Mat1b& left, const cv::Mat1b& right);
-  std::span<const cv::Point2f> Covered();
+  std::span<const cv::Point2f> Covered(bool dense);
   void FillFromZones(const SeedSet& result, const CellGrid& grid);
   void KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet& result);
 
@@ -94,6 +95,8 @@ class Refiner {
   TofSurface surface_;
   RangeBias range_;
   RangeError range_error_;
+  UnsurePoints unsure_;
+  double noise_px_ = 0;               // of the points
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images
   size_t kept_in_both_ = 0;
   SeedSet left_seeds_;

@@ -97,8 +97,8 @@ void RangeField::Optimise(const RangeNodes& nodes, float moved) {
 }
 
 // Puts labels back to 0 but where several nodes side by side match clearly better elsewhere.
-// Returns the share of such nodes, weighted by how distinct their matches are.
-double RangeField::KeepProved(const RangeNodes& nodes) {
+// Returns what such nodes say, weighted by how distinct their matches are.
+RangeField::Proved RangeField::KeepProved(const RangeNodes& nodes) {
   const std::span<const RangeNode> all = nodes.nodes();
   constexpr auto kZero = static_cast<size_t>(RangeRules::kZeroLabel);
   std::vector<uint8_t> proved(all.size());
@@ -107,17 +107,19 @@ double RangeField::KeepProved(const RangeNodes& nodes) {
   }
   KeepPatches(nodes, RangeRules::kProvedNodes, proved);
   double weight = 1;
-  double moved = 0;
+  Proved found;
   for (size_t i = 0; i < all.size(); ++i) {
     const double distinct = all[i].distinctness;
     weight += distinct;
     if (proved[i] != 0) {
-      moved += distinct;
+      const double offset_px = RangeRules::OffsetPx(static_cast<int>(labels_[i]));
+      found.share += distinct;
+      found.square += distinct * offset_px * offset_px;
     } else {
       labels_[i] = kZero;
     }
   }
-  return moved / weight;
+  return {found.share / weight, found.square / weight};
 }
 
 // Offsets between labels, and what they are worth.
@@ -176,7 +178,7 @@ void RangeField::Relax(const RangeNodes& nodes) {
 }
 
 // By how much the images around a node say, and by how much offsets vary where they say something.
-void RangeField::SetSigma(const RangeNodes& nodes) {
+void RangeField::SetSigma(const RangeNodes& nodes, double proved_px2) {
   const std::span<const RangeNode> all = nodes.nodes();
   double squares = 0;
   double weight = 1e-9;
@@ -184,7 +186,7 @@ void RangeField::SetSigma(const RangeNodes& nodes) {
     squares += information_[i] * offsets_[i].offset_px * offsets_[i].offset_px;
     weight += information_[i];
   }
-  variance_px2_ = squares / weight;
+  variance_px2_ = RangeRules::kUnseenFactor * std::max(squares / weight, proved_px2);
   if (variance_px2_ < RangeRules::kLeastVariance) {
     variance_px2_ = 0;
     return;
@@ -225,13 +227,15 @@ void RangeField::Judge(const RangeNodes& nodes, std::span<const double> start_px
 
 void RangeField::Estimate(const RangeNodes& nodes, std::span<const double> start_px, bool moves) {
   Average(nodes, start_px);
+  Proved proved;
   if (moves) {
     Optimise(nodes, RangeRules::kFieldMoved);
-    const double share = KeepProved(nodes);
-    moves = share > RangeRules::kMovedShare;
+    proved = KeepProved(nodes);
+    moves = proved.share > RangeRules::kMovedShare;
     if (moves) {
       // Eq. (R15): as probable as what was found makes it.
-      const auto price = static_cast<float>(RangeRules::kOddsPrice * std::log((1 - share) / share));
+      const auto price =
+          static_cast<float>(RangeRules::kOddsPrice * std::log((1 - proved.share) / proved.share));
       Optimise(nodes, std::clamp(price, RangeRules::kLeastMoved, RangeRules::kFieldMoved));
     }
   } else {
@@ -239,7 +243,7 @@ void RangeField::Estimate(const RangeNodes& nodes, std::span<const double> start
   }
   Choose(moves);
   if (moves) Relax(nodes);
-  SetSigma(nodes);
+  SetSigma(nodes, proved.square);
   Judge(nodes, start_px);
 }
 

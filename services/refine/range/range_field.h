@@ -38,10 +38,14 @@ class RangeField {
   void Average(const RangeNodes& nodes, std::span<const double> start_px);
   void Optimise(const RangeNodes& nodes, float moved);
   void AddPath(const RangeNodes& nodes, bool along_rows, bool back, float moved);
-  double KeepProved(const RangeNodes& nodes);
+  struct Proved {
+    double share = 0;   // of the texture
+    double square = 0;  // mean square of its offsets, px², the others being 0
+  };
+  Proved KeepProved(const RangeNodes& nodes);
   void Choose(bool moves);
   void Relax(const RangeNodes& nodes);
-  void SetSigma(const RangeNodes& nodes);
+  void SetSigma(const RangeNodes& nodes, double proved_px2);
   void Judge(const RangeNodes& nodes, std::span<const double> start_px);
 
   std::vector<Costs> data_;  // of the nodes

@@ -1,0 +1,35 @@
+#ifndef SPROUT_SERVICES_REFINE_RANGE_UNSURE_POINTS_H_
+#define SPROUT_SERVICES_REFINE_RANGE_UNSURE_POINTS_H_
+
+#include <span>
+#include <vector>
+
+#include "common/core/seed.h"
+#include "services/refine/stereo/cell_grid.h"
+#include "services/refine/stereo/point_surface.h"
+
+namespace sprout::refine {
+
+/// Range points of which the images do not show how far they are off, though the sensor is. Where
+/// stereo is surer, it counts instead.
+class UnsurePoints {
+ public:
+  /// @param noise_px  standard deviation of the points' noise. What their own standard deviation
+  ///                  has beside it is an error that neighbours share.
+  /// @returns whether that error is so large that stereo may be surer. O(1).
+  static bool Is(const Seed& point, double noise_px);
+
+  /// Drops unsure points where an interpolation between the others and stereo's seeds is surer than
+  /// they, eq. (R3) of the README.
+  /// @returns how many. O(points + cells); nothing is done if no point is unsure.
+  int Drop(const CellGrid& grid, double noise_px, std::span<const Seed> stereo,
+           std::vector<Seed>& points);
+
+ private:
+  std::vector<Seed> others_;
+  PointSurface surface_;
+};
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_RANGE_UNSURE_POINTS_H_
