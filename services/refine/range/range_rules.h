@@ -75,7 +75,7 @@ struct RangeRules {
   /// proved are taken for 0, and a frame's textured places may all be right.
   static constexpr double kUnseenFactor = 4;  ///< of the variance
   /// From this systematic error on, one standard deviation, stereo is asked at a point's place,
-  /// too: a little more than what its matches share (StereoRules::kSharedSigmaPx); others: NOTES.md.
+  /// too: a little more than what its matches share (kSharedSigmaPx of StereoRules); see NOTES.md.
   static constexpr double kUnsurePx = 0.25;
   /// Variance, px², of a node with a curvature of 1 a px²: measured with simulated bumps.
   static constexpr double kCurvatureVariance = 0.02;
