@@ -6,10 +6,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "common/geometry/lens.h"
 #include "common/messages/jpeg.h"
 #include "common/ros2/frame_topics.h"
 #include "common/ros2/from_ros.h"
@@ -18,6 +16,7 @@
 namespace sprout {
 namespace {
 
+using examples::ErrorOf;
 using examples::Place;
 using testing::HasSubstr;
 
@@ -31,8 +30,6 @@ RosMessage<RosImage> Image(std::string_view encoding, cv::Size size, uint32_t st
   std::ranges::copy(bytes, ResizeRos(message->data, bytes.size()).begin());
   return message;
 }
-
-std::string ErrorOf(const auto& result) { return result ? "none" : result.error().text; }
 
 bool SamePixels(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
@@ -260,158 +257,6 @@ TEST(FromRos, CompressedDepthIsInMetres) {
               HasSubstr("1 channels and 8 bits"));
 }
 
-TEST(FromRos, ThePairComesBack) {
-  const RectifiedPair pair = examples::Rig().pair;
-  const auto left = FromRosInfo(*ToRosLeftInfo(Place(), pair));
-  const auto right = FromRosInfo(*ToRosRightInfo(Place(), pair));
-  ASSERT_TRUE(left && right);
-  EXPECT_EQ(right->tx, -500 * 0.125);
-  const Result<RectifiedPair> back = PairOf(*left, *right);
-  ASSERT_TRUE(back) << ErrorOf(back);
-  EXPECT_EQ(RigId({.pair = *back, .tof = {}}), RigId({.pair = pair, .tof = {}}));
-  EXPECT_THAT(ErrorOf(PairOf(*right, *left)),
-              HasSubstr("right p[3] = 0: allowed is −f·b, below the left camera's, -62.5; are they "
-                        "swapped?"));
-}
-
-// KITTI's third and fourth camera, whose Tx is relative to the first one.
-TEST(FromRos, TheBaselineIsTheDifferenceOfBothTx) {
-  const RectifiedPair pair = examples::Rig().pair;
-  auto left_info = ToRosLeftInfo(Place(), pair);
-  auto right_info = ToRosRightInfo(Place(), pair);
-  for (const double shift : {44.86, -100.0}) {
-    left_info->p[3] = shift;
-    right_info->p[3] = shift - 500 * 0.125;
-    const Result<RectifiedPair> back = PairOf(*FromRosInfo(*left_info), *FromRosInfo(*right_info));
-    ASSERT_TRUE(back) << ErrorOf(back);
-    EXPECT_NEAR(back->baseline_m, 0.125, 1e-12);
-  }
-}
-
-// The same camera with another lens in K and D.
-RosMessage<RosCameraInfo> WithLens(const RosCameraInfo& of, const std::string& model,
-                                   const std::vector<double>& d) {
-  RosMessage<RosCameraInfo> info;
-  info->width = of.width;
-  info->height = of.height;
-  std::ranges::copy(of.k, info->k);
-  std::ranges::copy(of.r, info->r);
-  std::ranges::copy(of.p, info->p);
-  info->k[0] *= 1.5;
-  SetRosText(info->distortion_model, model);
-  std::ranges::copy(d, ResizeRos(info->d, d.size()).begin());
-  return info;
-}
-
-// Rectified images whose drivers keep the lens of the raw ones in their messages.
-TEST(FromRos, ThePairIsPWhateverTheLens) {
-  const RectifiedPair pair = examples::Rig().pair;
-  for (const char* model : {"rational_polynomial", "equidistant", "thin_prism_fisheye"}) {
-    const std::vector<double> d(model[0] == 'e' ? 4 : 8, 0.25);
-    const auto left = FromRosInfo(*WithLens(*ToRosLeftInfo(Place(), pair), model, d));
-    ASSERT_TRUE(left) << ErrorOf(left);
-    const auto right = FromRosInfo(*WithLens(*ToRosRightInfo(Place(), pair), model, d));
-    const Result<RectifiedPair> back = PairOf(*left, *right);
-    ASSERT_TRUE(back) << ErrorOf(back);
-    EXPECT_EQ(RigId({.pair = *back, .tof = {}}), RigId({.pair = pair, .tof = {}}));
-    if (model[0] != 't') continue;
-    EXPECT_THAT(ErrorOf(left->lens),
-                HasSubstr("distortion_model = thin_prism_fisheye: allowed is plumb_bob"));
-  }
-}
-
-// 0.03 % is a tenth of a pixel at the edges of 480 rows, 1 % is 2.4 px.
-TEST(FromRos, PixelsAreSquareUpToHalfARow) {
-  const RectifiedPair pair = examples::Rig().pair;
-  auto left = ToRosLeftInfo(Place(), pair);
-  auto right = ToRosRightInfo(Place(), pair);
-  left->p[5] *= 1.0003;
-  EXPECT_THAT(ErrorOf(PairOf(*FromRosInfo(*left), *FromRosInfo(*right))),
-              HasSubstr("right p[5] = 500: allowed is that of the left camera"));
-  right->p[5] *= 1.0003;
-  EXPECT_TRUE(PairOf(*FromRosInfo(*left), *FromRosInfo(*right)));
-  left->p[5] *= 1.01;
-  EXPECT_THAT(ErrorOf(PairOf(*FromRosInfo(*left), *FromRosInfo(*right))),
-              HasSubstr("left p[5] = 505.15"));
-}
-
-TEST(FromRos, RefusesCamerasThatAreNotCalibrated) {
-  auto info = ToRosLeftInfo(Place(), examples::Rig().pair);
-  info->p[0] = 0;
-  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("p[0] = 0: allowed is a focal length > 0"));
-  info = ToRosLeftInfo(Place(), examples::Rig().pair);
-  info->k[0] = 0;
-  EXPECT_THAT(ErrorOf(FromRosInfo(*info)->lens), HasSubstr("k[0] = 0: allowed is a focal length"));
-  info = ToRosLeftInfo(Place(), examples::Rig().pair);
-  info->r[0] = -1;
-  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("r = no rotation"));
-  info = ToRosLeftInfo(Place(), examples::Rig().pair);
-  info->p[3] = NAN;
-  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("p = not finite"));
-}
-
-// OpenCV's rational model with the coefficients of Brown's alone is Brown's.
-TEST(FromRos, ALensOfARationalModelMayBeBrowns) {
-  const auto camera = FromRosInfo(*WithLens(*ToRosLeftInfo(Place(), examples::Rig().pair),
-                                            "rational_polynomial", {1, 2, 3, 4, 5, 0, 0, 0}));
-  ASSERT_TRUE(camera && camera->lens) << ErrorOf(camera->lens);
-  EXPECT_EQ(camera->lens->distortion, (std::array<double, 5>{1, 2, 3, 4, 5}));
-}
-
-// Azure Kinect's and fisheye drivers' raw range images.
-TEST(FromRos, ALensOfAnotherModelBecomesTheNearestOfBrowns) {
-  const auto camera = [&](const std::string& model, double focal_px, const std::vector<double>& d) {
-    auto info = WithLens(*ToRosTofInfo(Place(), examples::Rig().tof), model, d);
-    info->width = 320;
-    info->height = 240;
-    info->k[0] = info->k[4] = focal_px;
-    info->k[2] = 161;
-    info->k[5] = 118;
-    return FromRosInfo(*info)->lens;
-  };
-  const std::vector<cv::Point3d> points = {
-      {0, 0, 1}, {0.4, 0.3, 1}, {-0.4, 0.2, 1}, {0.1, -0.3, 1}};
-  const std::vector<double> rational = {0.3, -0.1, 1e-4, 2e-4, 0.01, 0.5, -0.1, 0.02};
-  const std::vector<double> fisheye = {-0.02, 0.01, 0, 0};
-  const cv::Matx33d square(300, 0, 161, 0, 300, 118, 0, 0, 1);
-  for (const bool is_fisheye : {false, true}) {
-    const Result<Lens> lens = is_fisheye ? camera("equidistant", 300, fisheye)
-                                         : camera("rational_polynomial", 300, rational);
-    ASSERT_TRUE(lens) << ErrorOf(lens);
-    std::vector<cv::Point2d> places;
-    const cv::Vec3d none(0, 0, 0);
-    if (is_fisheye) {
-      cv::fisheye::projectPoints(points, places, none, none, square, fisheye);
-    } else {
-      cv::projectPoints(points, none, none, square, rational, places);
-    }
-    for (size_t i = 0; i < points.size(); ++i) {
-      const Eigen::Vector2d ours = PixelOfDirection(*lens, {points[i].x, points[i].y});
-      EXPECT_NEAR(ours.x(), places[i].x, 0.5) << i << is_fisheye;
-      EXPECT_NEAR(ours.y(), places[i].y, 0.5) << i << is_fisheye;
-    }
-  }
-  EXPECT_THAT(ErrorOf(camera("equidistant", 105, fisheye)),
-              HasSubstr("px from any, 0.5 are allowed"));
-  EXPECT_THAT(ErrorOf(camera("equidistant", 300, rational)),
-              HasSubstr("d = 8: allowed is 4 coefficients of equidistant"));
-}
-
-TEST(FromRos, TheTofCameraComesBack) {
-  const TofCamera tof = examples::Rig().tof;
-  const auto info = FromRosInfo(*ToRosTofInfo(Place(), tof));
-  ASSERT_TRUE(info) << ErrorOf(info);
-  ASSERT_TRUE(info->lens) << ErrorOf(info->lens);
-  EXPECT_EQ(info->lens->distortion, tof.distortion);
-  const auto poses = FromRosTransforms(*ToRosTransforms(1, examples::Rig(), {}));
-  ASSERT_TRUE(poses) << ErrorOf(poses);
-  ASSERT_EQ(poses->size(), 2U);
-  EXPECT_EQ((*poses)[0].parent_from_child.translation_m, Eigen::Vector3d(0.125, 0, 0));
-  EXPECT_EQ((*poses)[1].child, "sprout_tof_optical_frame");
-  EXPECT_EQ((*poses)[1].parent_from_child.translation_m, tof.left_from_tof_translation_m);
-  EXPECT_EQ((*poses)[1].parent_from_child.rotation.coeffs(), tof.left_from_tof_rotation.coeffs());
-}
-
 // Velodyne's driver: x y z intensity ring time, 22 bytes; here z stands in front.
 TEST(FromRos, PointsOfAnyLayout) {
   RosMessage<RosPointCloud> cloud;
@@ -454,106 +299,6 @@ TEST(FromRos, ACloudOfEmptyRowsTakesNoTime) {
   ASSERT_TRUE(points) << ErrorOf(points);
   EXPECT_TRUE(points->empty());
   EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(100));
-}
-
-TEST(ToRos, PointsHavePlaceColourAndConfidence) {
-  const PointCloud cloud{{{.position_m = {1, 2, 3}, .bgr = {10, 20, 30}, .confidence = 200}}};
-  const auto ros = ToRosCloud(Place(), cloud);
-  EXPECT_EQ(ros->point_step, 20U);
-  const uint8_t* const at = ros->data._buffer;
-  EXPECT_EQ(at[12], 10);
-  EXPECT_EQ(at[13], 20);
-  EXPECT_EQ(at[14], 30);
-  EXPECT_EQ(at[16], 200);
-  const auto points = FromRosCloud(*ros);
-  ASSERT_TRUE(points) << ErrorOf(points);
-  EXPECT_THAT(*points, testing::ElementsAre(Eigen::Vector3d(1, 2, 3)));
-}
-
-// z = f·t / d, as image_geometry computes it, is the depth that the pair says.
-TEST(ToRos, DisparitiesAreAdjustedByThePrincipalPoints) {
-  const RectifiedPair pair = examples::Rig().pair;
-  const DisparityImage disparity = examples::SmallDisparity();
-  const auto ros = ToRosDisparity(Place(), disparity, pair);
-  const cv::Mat1f px(3, 5, reinterpret_cast<float*>(ros->image.data._buffer));
-  EXPECT_EQ(px(1, 2), disparity.Px(2, 1) + 310.75F - 320.5F);
-  EXPECT_NEAR(ros->f * ros->t / px(1, 3), pair.DepthFromDisparity(disparity.Px(3, 1)), 1e-4);
-  EXPECT_EQ(ros->min_disparity, px(1, 0));
-  EXPECT_EQ(ros->max_disparity, px(1, 3));
-  EXPECT_EQ(px(0, 0), ros->min_disparity - 1);
-}
-
-TEST(ToRos, DepthIsMillimetresOrMetres) {
-  DepthImage depth{.counts = (cv::Mat1w(1, 3) << 0, 1500, 3), .metres_per_count = 0.001};
-  const auto borrowed = ToRosDepth(Place(), depth, RosDepth::kMillimetres);
-  EXPECT_EQ(RosText(borrowed->encoding), "16UC1");
-  EXPECT_EQ(static_cast<const void*>(borrowed->data._buffer), depth.counts.data);
-  const auto metres = ToRosDepth(Place(), depth, RosDepth::kMetres);
-  const cv::Mat1f m(1, 3, reinterpret_cast<float*>(metres->data._buffer));
-  EXPECT_TRUE(std::isnan(m(0, 0)));
-  EXPECT_FLOAT_EQ(m(0, 1), 1.5F);
-  depth.metres_per_count = 0.0005;
-  const auto scaled = ToRosDepth(Place(), depth, RosDepth::kMillimetres);
-  EXPECT_EQ(reinterpret_cast<const uint16_t*>(scaled->data._buffer)[1], 750);
-}
-
-TEST(ToRos, StandardDeviationsOfDepthsAreMetres) {
-  const DepthImage sigma{.counts = (cv::Mat1w(1, 4) << 0, 1, 800, 65535),
-                         .metres_per_count = 0.001 / 16};
-  const auto ros = ToRos(RosTopic::kDepthSigma, examples::Id(), sigma, nullptr,
-                         {.frames = {}, .depth = RosDepth::kMillimetres});
-  ASSERT_NE(ros, nullptr);
-  const auto image = ToRosDepthSigma(Place(), sigma);
-  EXPECT_EQ(RosText(image->encoding), "32FC1");
-  const cv::Mat1f m(1, 4, reinterpret_cast<float*>(image->data._buffer));
-  EXPECT_TRUE(std::isnan(m(0, 0)));
-  EXPECT_FLOAT_EQ(m(0, 1), 0.0000625F);
-  EXPECT_FLOAT_EQ(m(0, 2), 0.05F);
-  EXPECT_TRUE(std::isinf(m(0, 3)));
-}
-
-TEST(ToRos, StampsAreTheCaptures) {
-  EXPECT_EQ(*FromRosStamp(ToRosImage(Place(), examples::GreyImage())->header), Place().utime);
-  const RosTime before = RosStamp(-1);
-  EXPECT_EQ(before.sec, -1);
-  EXPECT_EQ(before.nanosec, 999'999'000U);
-  RosHeader header{};
-  header.stamp.nanosec = 1'000'000'000;
-  EXPECT_THAT(ErrorOf(FromRosStamp(header)), HasSubstr("nanosec = 1000000000"));
-}
-
-TEST(RosTopics, SayNothingOfAFrameWithoutCalibrationWhereTheyNeedIt) {
-  const PartValue left = examples::GreyImage();
-  EXPECT_NE(ToRos(RosTopic::kLeft, examples::Id(), left, nullptr, {}), nullptr);
-  EXPECT_EQ(ToRos(RosTopic::kLeftInfo, examples::Id(), left, nullptr, {}), nullptr);
-  EXPECT_EQ(RosTopicName(RowOf(RosTopic::kDepth), "/robot"), "/robot/depth/image_rect");
-  EXPECT_EQ(RosTopicName(RowOf(RosTopic::kTransforms), "/robot"), "/tf_static");
-}
-
-TEST(RosTopics, HaveTheFusedMapBesideTheSingleOne) {
-  const Rig rig = examples::Rig();
-  const PartValue map = examples::SmallDisparity();
-  const auto single = ToRos(RosTopic::kDisparity, examples::Id(), map, &rig, {});
-  const auto fused = ToRos(RosTopic::kFused, examples::Id(), map, &rig, {});
-  std::vector<uint8_t> fused_bytes, single_bytes;
-  WriteCdr(*fused, fused_bytes);
-  WriteCdr(*single, single_bytes);
-  EXPECT_EQ(fused_bytes, single_bytes);
-  EXPECT_EQ(RowOf(RosTopic::kFused).part, Part::kFused);
-  EXPECT_EQ(RosTopicName(RowOf(RosTopic::kFused), "/sprout"), "/sprout/fused/disparity");
-  const PartValue grey = examples::GreyImage();
-  EXPECT_NE(ToRos(RosTopic::kFusedConfidence, examples::Id(), grey, nullptr, {}), nullptr);
-  EXPECT_EQ(RowOf(RosTopic::kFusedConfidence).part, Part::kFusedConfidence);
-}
-
-TEST(RosSchemas, HaveEveryTypeThatIsUsedOnce) {
-  const std::string schema = RosSchema(RosTypeOf<RosDisparity>());
-  for (const char* name : {"MSG: std_msgs/Header\n", "MSG: builtin_interfaces/Time\n",
-                           "MSG: sensor_msgs/Image\n", "MSG: sensor_msgs/RegionOfInterest\n"}) {
-    const size_t at = schema.find(name);
-    EXPECT_NE(at, std::string::npos) << name;
-    EXPECT_EQ(schema.find(name, at + 1), std::string::npos) << name;
-  }
 }
 
 }  // namespace

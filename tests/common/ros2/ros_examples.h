@@ -16,6 +16,9 @@ namespace sprout::examples {
 
 using Json = nlohmann::json;
 
+/// Why a conversion failed, or "none".
+std::string ErrorOf(const auto& result) { return result ? "none" : result.error().text; }
+
 template <typename Sequence>
 Json Numbers(const Sequence& values) {
   Json all = Json::array();
