@@ -131,31 +131,21 @@ void Refuse(const std::string& name, const std::string& expected, const py::hand
   throw py::value_error(text);
 }
 
-namespace {
-
-// An image of 8 bits, or of up to `most_bytes` a pixel's number.
-cv::Mat TakePixels(const std::string& name, const py::handle& given, std::optional<cv::Size> size,
-                   const std::string& types, py::ssize_t most_bytes) {
-  const auto refuse = [&] { Refuse(name, Expected(types, size, /*colour=*/true), given); };
+CameraImage TakeCameraImage(const std::string& name, const py::handle& given,
+                            std::optional<cv::Size> size) {
+  const auto refuse = [&] {
+    Refuse(name, Expected("uint8 or uint16", size, /*colour=*/true), given);
+  };
   if (!py::isinstance<py::array>(given)) refuse();
   const auto array = py::reinterpret_borrow<py::array>(given);
   const bool colour = array.ndim() == 3 && array.shape(2) == 3;
   const bool grey = array.ndim() == 2 || (array.ndim() == 3 && array.shape(2) == 1);
-  const bool is_number = IsOf(array, 'u', 1) || IsOf(array, 'u', most_bytes);
+  const bool is_number = IsOf(array, 'u', 1) || IsOf(array, 'u', 2);
   if (!is_number || !(colour || grey) || !HasSides(array, size)) refuse();
-  if (array.itemsize() == 1) return Share(Contiguous<uint8_t>(array), colour ? CV_8UC3 : CV_8UC1);
-  return Share(Contiguous<uint16_t>(array), colour ? CV_16UC3 : CV_16UC1);
-}
-
-}  // namespace
-
-cv::Mat TakeImage(const std::string& name, const py::handle& given, std::optional<cv::Size> size) {
-  return TakePixels(name, given, size, "uint8", 1);
-}
-
-CameraImage TakeCameraImage(const std::string& name, const py::handle& given,
-                            std::optional<cv::Size> size) {
-  return {.pixels = TakePixels(name, given, size, "uint8 or uint16", 2)};
+  if (array.itemsize() == 1) {
+    return {.pixels = Share(Contiguous<uint8_t>(array), colour ? CV_8UC3 : CV_8UC1)};
+  }
+  return {.pixels = Share(Contiguous<uint16_t>(array), colour ? CV_16UC3 : CV_16UC1)};
 }
 
 cv::Mat1f TakeDepth(const std::string& name, const py::handle& given,

@@ -28,11 +28,9 @@ namespace py = pybind11;
 [[noreturn]] void Refuse(const std::string& name, const std::string& expected,
                          const py::handle& given);
 
-/// An image, 8UC1 or 8UC3 (BGR), from uint8 (H, W), (H, W, 1) or (H, W, 3).
+/// An image of one or three (BGR) channels, from uint8 or uint16 (H, W), (H, W, 1) or (H, W, 3);
+/// for EightBits.
 /// @param size  that it must have; nothing: any.
-cv::Mat TakeImage(const std::string& name, const py::handle& array, std::optional<cv::Size> size);
-
-/// The same, also from uint16; for EightBits.
 CameraImage TakeCameraImage(const std::string& name, const py::handle& array,
                             std::optional<cv::Size> size);
 

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "common/picture/eight_bits.h"
 #include "services/inputs/check_inputs.h"
 #include "services/python/arrays.h"
 #include "services/python/bindings.h"
@@ -12,14 +13,15 @@ namespace {
 
 inputs::Findings CheckInputsOf(const py::object& left, const py::object& right,
                                const py::object& tof, const Rig& rig) {
-  const cv::Mat left_image = TakeImage("left", left, rig.pair.size());
-  const cv::Mat right_image = TakeImage("right", right, rig.pair.size());
+  CameraImage left_image = TakeCameraImage("left", left, rig.pair.size());
+  CameraImage right_image = TakeCameraImage("right", right, rig.pair.size());
+  EightBits().Convert({&left_image, &right_image});
   if (!tof.is_none() && rig.tof.width == 0) {
     Refuse("tof", "None, since the rig has no ToF camera (Rig.with_tof)", tof);
   }
   const TofImage ranges = TakeTof("tof", tof, cv::Size(rig.tof.width, rig.tof.height));
   const Unlocked free;
-  return inputs::CheckInputs(left_image, right_image, ranges, rig);
+  return inputs::CheckInputs(left_image.pixels, right_image.pixels, ranges, rig);
 }
 
 }  // namespace

@@ -83,6 +83,10 @@ class RigTest(unittest.TestCase):
             left, right, tof = rectifier.rectify(image, image)
             self.assertEqual((left.shape, right.dtype, tof), ((48, 64), numpy.uint8, None))
             self.assertEqual(left[24, 32], 90)
+            image[:, 48:] = 255
+            with self.assertWarnsRegex(UserWarning, "16 bits"):  # of which 10 are used
+                deep, _, _ = rectifier.rectify(image.astype(numpy.uint16) * 4, image.astype(numpy.uint16) * 4)
+            self.assertEqual((deep.dtype, deep[24, 32]), (numpy.uint8, 90))
 
     def test_sees_a_range_image_over_the_left_one_at_any_resolution(self) -> None:
         rig = sprout.Rig(640, 480, 700, 0.12).with_aligned_tof(160, 120)
