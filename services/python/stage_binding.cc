@@ -83,6 +83,8 @@ class PyStage : public StageAdapter {
 
   StageResult Process(const Frame& frame) override {
     const Locked gil;
+    // The signal takes its time; who has ended the program is not called again.
+    if (ending_) throw std::runtime_error("the stage's function has ended the program");
     try {
       return Answer(frame);
     } catch (const py::error_already_set& error) {  // must not outlive the lock
