@@ -151,7 +151,7 @@ TEST(BatchSystem, CtrlCLeavesWhatIsWholeAndTheSameCommandGoesOn) {
   const TemporaryDirectory folder;
   fs::create_directory(folder / "logs");
   WriteStraddlingLog(folder / "logs" / "a.lcm", "160x120", 0, 5);
-  WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 24);
+  WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 120);  // takes seconds
   auto command = RunCommand(folder / "logs", folder / "out");
   command.insert(command.end(), {"--jobs", "1"});
   auto absolute = command;
