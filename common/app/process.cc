@@ -96,7 +96,7 @@ void Process::Signal(int signal) {
   if (!exit_code_) kill(pid_, signal);
 }
 
-std::optional<int> Process::Wait(std::chrono::seconds timeout) {
+std::optional<int> Process::Wait(std::chrono::milliseconds timeout) {
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   while (!exit_code_) {
     siginfo_t info{};

@@ -37,7 +37,7 @@ class Process {
   /// Waits until the process ends.
   /// @returns its exit code, 128 + the signal that killed it; nothing when it still runs after
   ///          `timeout`.
-  std::optional<int> Wait(std::chrono::seconds timeout = std::chrono::seconds(30));
+  std::optional<int> Wait(std::chrono::milliseconds timeout = std::chrono::seconds(30));
 
   /// What it wrote to stdout and stderr so far; at most the last megabyte.
   std::string Output();

@@ -77,7 +77,7 @@ class LocalRun {
     Process process({program_, "compute", folder_.root(), std::to_string(log), "--threads",
                      std::to_string(threads_)});
     std::optional<int> code;
-    while (!(code = process.Wait(std::chrono::seconds(1)))) {
+    while (!(code = process.Wait(std::chrono::milliseconds(50)))) {
       if (Interrupt::requested()) process.Signal(SIGTERM);
     }
     if (code == 0) return true;

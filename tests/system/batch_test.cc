@@ -150,21 +150,21 @@ TEST(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
 TEST(BatchSystem, CtrlCLeavesWhatIsWholeAndTheSameCommandGoesOn) {
   const TemporaryDirectory folder;
   fs::create_directory(folder / "logs");
-  for (const char* log : {"a.lcm", "run.lcm"}) {  // each takes seconds, whichever comes first
-    WriteStraddlingLog(folder / "logs" / log, "320x240", 0, 60);
-  }
+  WriteStraddlingLog(folder / "logs" / "a.lcm", "160x120", 0, 5);
+  WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 120);  // takes a second
   auto command = RunCommand(folder / "logs", folder / "out");
   command.insert(command.end(), {"--jobs", "1"});
   auto absolute = command;
   absolute[0] = ProgramPath(command[0]);
   {
     Process process(absolute);
-    ASSERT_TRUE(
-        Eventually([&] { return CountResults(folder / "out") > 0; }, std::chrono::seconds(60)))
-        << process.Output();
+    ASSERT_TRUE(Eventually([&] { return fs::exists(folder / "out" / "manifest.textproto"); }));
     const Outcome second = RunProgramOf(command);
     EXPECT_EQ(second.exit_code, 2);
     EXPECT_THAT(second.output, HasSubstr("another sprout-batch is running there"));
+    ASSERT_TRUE(
+        Eventually([&] { return CountResults(folder / "out") > 0; }, std::chrono::seconds(60)))
+        << process.Output();
     process.Signal(SIGINT);
     EXPECT_EQ(process.Wait(), 130) << process.Output();
   }
