@@ -6,6 +6,9 @@
 
 namespace sprout {
 
+/// What a count of 16 bits mostly is.
+inline constexpr double kMetresPerMillimetre = 0.001;
+
 /// Depths (m) of a range image whose pixels are counts of 16 bits, wherever it comes from: NaN
 /// where there is no return, which is 0 or 65535. Of depths in m IsReturn() tells (tof_image.h).
 /// O(pixels).

@@ -158,7 +158,7 @@ Result<cv::Mat1f> FromRosDepth(const RosImage& ros) {
   if (!encoding) return tl::unexpected(encoding.error());
   const Result<cv::Mat> view = ViewOf(ros, encoding->type);
   if (!view) return tl::unexpected(view.error());
-  if (encoding->type == CV_16UC1) return DepthOfCounts(*view, 0.001);
+  if (encoding->type == CV_16UC1) return DepthOfCounts(*view, kMetresPerMillimetre);
   return cv::Mat1f(view->clone());
 }
 

@@ -135,7 +135,7 @@ Result<cv::Mat1f> FromRosDepth(const RosCompressedImage& ros, std::optional<cv::
     if (!is_usable) return Fail("data: no parameters of the quantised inverse depths in front");
     return FromInverse(*stored, *parameters);
   }
-  return DepthOfCounts(*stored, 0.001);
+  return DepthOfCounts(*stored, kMetresPerMillimetre);
 }
 
 }  // namespace sprout

@@ -15,8 +15,6 @@
 namespace sprout::datasets {
 namespace {
 
-constexpr double kMetresPerMillimetre = 0.001;
-
 bool IsPfm(const std::filesystem::path& path) {
   std::array<char, 2> magic{};
   if (!IsFile(path)) return false;  // a pipe would wait

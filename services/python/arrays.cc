@@ -11,8 +11,6 @@
 namespace sprout::python {
 namespace {
 
-constexpr double kMetresPerMillimetre = 0.001;
-
 // Frees matrices whose pixels are an array's: gives the array back, from whatever thread.
 class ArrayOwner : public cv::MatAllocator {
  public:

@@ -37,6 +37,7 @@ struct PyFrame {
 // Each adds its classes to the module. Types come before those that name them.
 void BindConfig(py::module_& module);
 void BindRig(py::module_& module);
+void BindRectifier(py::module_& module);
 void BindMotion(py::module_& module);
 void BindParts(py::module_& module);
 void BindZones(py::module_& module);

@@ -41,6 +41,7 @@ PYBIND11_MODULE(_sprout, module) {
   module.attr("__version__") = sprout::Version();
   python::BindConfig(module);
   python::BindRig(module);
+  python::BindRectifier(module);
   python::BindMotion(module);
   python::BindParts(module);
   python::BindZones(module);

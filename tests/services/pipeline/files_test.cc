@@ -3,15 +3,12 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
-#include "common/core/input_files.h"
 #include "common/core/read_text.h"
 #include "common/geometry/projection.h"
 #include "common/picture/write_image.h"
@@ -21,7 +18,7 @@
 #include "services/datasets/middlebury_calibration.h"
 #include "services/datasets/pfm.h"
 #include "services/pipeline/pipeline.h"
-#include "tests/common/picture/temporary_directory.h"
+#include "tests/services/pipeline/files_fixture.h"
 
 namespace sprout {
 namespace {
@@ -32,135 +29,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-constexpr int kTofStep = 4;
 constexpr double kInf = std::numeric_limits<double>::infinity();
-
-bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
-  return a.type() == b.type() && a.size() == b.size() && a.isContinuous() && b.isContinuous() &&
-         std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
-}
-
-struct Ended {
-  int exit_code = 0;
-  std::string out;
-  std::string err;
-};
-
-Ended RunToEnd(const FilesOptions& options, const std::stop_token& stop = {}) {
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  Ended outcome;
-  outcome.exit_code = RunFiles(options, LoadConfig({"default"}), stop);
-  outcome.out = testing::internal::GetCapturedStdout();
-  outcome.err = testing::internal::GetCapturedStderr();
-  return outcome;
-}
-
-std::string RefusalOf(const FilesOptions& options) {
-  try {
-    RunFiles(options, LoadConfig({"default"}), {});
-  } catch (const ConfigError& e) {
-    return e.what();
-  }
-  return "not refused";
-}
-
-// A scene whose principal points differ, and a depth image in the left camera's place.
-class Files : public testing::Test {
- protected:
-  Files() {
-    CaptureConfig config;
-    config.set_source("synthetic:160x120");
-    const auto dataset = datasets::OpenDataset(config);
-    scene_ = dataset->Get(0);
-    pair_ = dataset->rig().pair;
-    cv::Mat1w tof_mm(pair_.height / kTofStep, pair_.width / kTofStep);
-    for (int v = 0; v < tof_mm.rows; ++v) {
-      for (int u = 0; u < tof_mm.cols; ++u) {
-        const float px = scene_.truth.left(v * kTofStep + 2, u * kTofStep + 2);
-        const double mm = 1000 * pair_.DepthFromDisparity(double{px});
-        tof_mm(v, u) = std::isfinite(mm) ? static_cast<uint16_t>(std::lround(mm)) : uint16_t{0};
-      }
-    }
-    tof_mm.convertTo(tof_.depth_m, CV_32F, 0.001);
-    Write("left.png", scene_.left);
-    Write("right.png", scene_.right);
-    EXPECT_TRUE(WritePfm(folder_ / "tof.pfm", tof_.depth_m));
-    Write("tof.png", tof_mm);
-    options_.left = folder_ / "left.png";
-    options_.right = folder_ / "right.png";
-    options_.out = folder_ / "out";
-    options_.rig.focal_px = pair_.focal_px;
-    options_.rig.baseline_m = pair_.baseline_m;
-    options_.rig.cx = pair_.cx;
-    options_.rig.cx_right = pair_.cx_right;
-  }
-
-  std::string Write(const char* name, const cv::Mat& image) const {
-    fs::create_directories((folder_ / name).parent_path());
-    EXPECT_TRUE(cv::imwrite(folder_ / name, image)) << name;
-    return folder_ / name;
-  }
-
-  // The calibration that the flags stand for.
-  Rig RigOfFlags() const {
-    Rig rig;
-    rig.pair = pair_;
-    rig.pair.cy = (pair_.height - 1) / 2.0;
-    rig.tof.width = tof_.depth_m.cols;
-    rig.tof.height = tof_.depth_m.rows;
-    rig.tof.fx = rig.tof.fy = pair_.focal_px / kTofStep;
-    rig.tof.cx = (pair_.cx + 0.5) / kTofStep - 0.5;
-    rig.tof.cy = (rig.pair.cy + 0.5) / kTofStep - 0.5;
-    return rig;
-  }
-
-  DepthFrame Expected(const TofImage& tof, Rig rig) const {
-    if (tof.depth_m.empty()) rig.tof = TofCamera();
-    return Pipeline(LoadConfig({"default"})).Compute(scene_.left, scene_.right, tof, rig).value();
-  }
-
-  void ExpectResults(const DepthFrame& expected, const RectifiedPair& pair) const {
-    const auto png = [&](const char* name) {
-      return cv::imread(folder_ / "out" / name, cv::IMREAD_UNCHANGED);
-    };
-    cv::Mat1f px(expected.disparity.size());
-    cv::Mat1w counts(px.size());
-    cv::Mat1w mm(px.size());
-    for (int v = 0; v < px.rows; ++v) {
-      for (int u = 0; u < px.cols; ++u) {
-        const bool valid = expected.disparity.IsValid(u, v);
-        px(v, u) = valid ? expected.disparity.Px(u, v) : static_cast<float>(kInf);
-        // 0 is "none" in the file, so a disparity of 0 is written as 1.
-        counts(v, u) =
-            valid ? static_cast<uint16_t>(std::max(std::lround(px(v, u) * 32), 1L)) : uint16_t{0};
-        const float depth_m = expected.depth_m(v, u);
-        mm(v, u) =
-            depth_m < 65 ? static_cast<uint16_t>(std::lround(double{depth_m} * 1000)) : uint16_t{0};
-      }
-    }
-    EXPECT_TRUE(SameBytes(datasets::ReadPfm(folder_ / "out" / "disparity.pfm"), px));
-    EXPECT_TRUE(SameBytes(png("disparity.png"), counts));
-    EXPECT_TRUE(SameBytes(datasets::ReadPfm(folder_ / "out" / "depth.pfm"), expected.depth_m));
-    EXPECT_TRUE(SameBytes(png("depth.png"), mm));
-    EXPECT_TRUE(SameBytes(png("confidence.png"), expected.confidence));
-    EXPECT_TRUE(SameBytes(datasets::ReadPfm(folder_ / "out" / "depth_sigma.pfm"),
-                          DepthSigmaMap(pair, expected.disparity, expected.sigma)));
-    EXPECT_GE(png("overview.png").cols, 2 * pair_.width);
-    for (const char* name : {"cloud.ply", "mesh.ply"}) {
-      std::string text(1000, '\0');
-      std::ifstream(folder_ / "out" / name).read(text.data(), 1000);
-      const auto vertices = cv::countNonZero(expected.depth_m == expected.depth_m);
-      EXPECT_THAT(text, HasSubstr("element vertex " + std::to_string(vertices) + "\n")) << name;
-    }
-  }
-
-  TemporaryDirectory folder_;
-  datasets::DatasetFrame scene_;
-  RectifiedPair pair_;
-  TofImage tof_;
-  FilesOptions options_;
-};
 
 TEST_F(Files, HoldWhatThePipelineComputesOfAPairAndADepthImage) {
   const DepthFrame expected = Expected(tof_, RigOfFlags());
@@ -393,88 +262,6 @@ TEST_F(Files, StopBetweenTwoPairs) {
   const Ended outcome = RunToEnd(options_, stop.get_token());
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("stopped after 0 of 1 pairs\n"));
-}
-
-TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
-  const std::string nothing = folder_ / "nothing";
-  const std::string empty = folder_ / "empty";
-  fs::create_directories(empty);
-  Write("two/1.png", scene_.left);
-  Write("two/2.png", scene_.left);
-  Write("two/2.bmp", scene_.left);
-  const std::string blocked = folder_ / "left.png/out";
-  const struct {
-    std::function<void(FilesOptions&)> change;
-    std::string text;
-  } table[] = {
-      {[&](auto& o) { o.left = nothing; }, "LEFT " + nothing + ": not there; allowed: "},
-      {[&](auto& o) { o.right = empty; }, "RIGHT " + empty + ": holds no image"},
-      {[&](auto& o) { o.tof = nothing + "*"; }, "--tof " + nothing + "*: no file is called so"},
-      {[&](auto& o) { o.left = folder_ / "two/*.png"; },
-       "LEFT and RIGHT: neither times nor names say which of 2 and 1 files belong together"},
-      {[&](auto& o) { o.left = o.right = folder_ / "two"; }, "LEFT: images of one name"},
-      {[&](auto& o) { o.rig = {}; }, "no calibration; allowed: --rig FILE, or of a rectified pair"},
-      {[&](auto& o) { o.pixels.tof_unit = "1/0"; }, "--tof-unit 1/0: allowed: mm, cm, m, 1/N"},
-      {[&](auto& o) { o.rig.rig_file = nothing; }, nothing},
-      {[&](auto& o) { o.out = blocked; }, "--out " + blocked + ": cannot be written ("},
-  };
-  for (const auto& [change, text] : table) {
-    FilesOptions options = options_;
-    change(options);
-    EXPECT_THAT(RefusalOf(options), HasSubstr(text));
-  }
-}
-
-TEST_F(Files, ThatAreReadAreNotReplaced) {
-  const InputFileGuard guard;
-  options_.tof = Write("out/depth.png", cv::Mat1w(30, 40, uint16_t{2000}));
-  EXPECT_THAT(RefusalOf(options_), HasSubstr("depth.png is an input of this run"));
-  EXPECT_EQ(cv::imread(options_.tof, cv::IMREAD_UNCHANGED).at<uint16_t>(0, 0), 2000);
-  // The second pair's, by the first one's results, through a link.
-  const std::string read = Write("out/1/overview.png", scene_.left);
-  for (const char* name : {"l/1.png", "l/2.png", "r/1.png"}) Write(name, scene_.left);
-  fs::create_symlink(read, folder_ / "r/2.png");
-  options_.left = folder_ / "l";
-  options_.right = folder_ / "r";
-  options_.tof.clear();
-  EXPECT_THAT(RefusalOf(options_), HasSubstr("overview.png is an input of this run"));
-}
-
-TEST_F(Files, WhoseNamesAreStepsUpAreRefused) {
-  for (const char* name : {"up/...png", "up/..png"}) {
-    const std::string path = folder_ / name;
-    fs::create_directories(folder_ / "up");
-    ASSERT_TRUE(WritePng(path, scene_.left));
-    options_.left = folder_ / "up/.*png";
-    EXPECT_THAT(RefusalOf(options_), HasSubstr("its results would go to")) << name;
-    fs::remove(path);
-  }
-}
-
-TEST_F(Files, WhoseContentCannotBeUsedGetOneLine) {
-  std::ofstream(folder_ / "text.png") << "no image\n";
-  std::ofstream(folder_ / "short.pfm") << "Pf\n40 30\n-1\nabc";
-  const struct {
-    std::function<void(FilesOptions&)> change;
-    std::string text;
-  } table[] = {
-      {[&](auto& o) { o.left = folder_ / "text.png"; }, "text.png: "},
-      {[&](auto& o) { o.tof = folder_ / "left.png"; },
-       "left.png: of OpenCV's type CV_8UC3; allowed: one channel of 16 bits (mm), or of floating "
-       "point (m; PFM, TIFF)\n"},
-      {[&](auto& o) { o.tof = folder_ / "short.pfm"; }, "short.pfm: ends early"},
-      {[&](auto& o) { o.rig.focal_px = std::nan(""); }, "focal_px"},
-      {[&](auto& o) { o.rig.baseline_m = 0; }, "baseline_m"},
-  };
-  for (const auto& [change, text] : table) {
-    FilesOptions options = options_;
-    change(options);
-    const Ended outcome = RunToEnd(options);
-    EXPECT_EQ(outcome.exit_code, 1) << text;
-    EXPECT_THAT(outcome.err, HasSubstr(text));
-    EXPECT_FALSE(fs::exists(folder_ / "out")) << "an empty folder is left";
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-  }
 }
 
 }  // namespace

@@ -1,0 +1,110 @@
+#include <gmock/gmock.h>
+
+#include <vector>
+
+#include "services/capture/ros2/ros_source.h"
+#include "tests/services/capture/ros_recording.h"
+
+namespace sprout::capture {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// Frames of a rig, then those of another one, whose CameraInfo comes before its images.
+struct TwoRigs {
+  explicit TwoRigs(const Rig& second_rig) : second(second_rig) {}
+  Rig first = examples::Rig();
+  Rig second;
+
+  std::vector<datasets::CapturedFrame> Frames(Told& told) const {
+    const TemporaryDirectory folder;
+    RosRecording file(folder / "file");
+    for (int i = 0; i < 4; ++i) {
+      const Rig& rig = i < 2 ? first : second;
+      const int64_t utime = kStart + 100'000 * i;
+      file.Add("/left/camera_info", ToRosLeftInfo({utime, RosFrames().left}, rig.pair));
+      file.Add("/right/camera_info", ToRosRightInfo({utime, RosFrames().right}, rig.pair));
+      const cv::Mat1b image(rig.pair.size(), static_cast<uint8_t>(i));
+      file.AddImage("/left/image", utime, image);
+      file.AddImage("/right/image", utime, image);
+    }
+    file.Finish();
+    const auto source = OpenRosSource(Source(folder), told.Options());
+    EXPECT_EQ(source->rig().pair.focal_px, first.pair.focal_px);
+    return All(*source);
+  }
+};
+
+TEST(RosSource, ANewCameraInfoIsANewRigFromItsFrameOn) {
+  TwoRigs rigs(examples::Rig());
+  rigs.second.pair.focal_px *= 2;
+  Told told;
+  const auto frames = rigs.Frames(told);
+  ASSERT_EQ(frames.size(), 4U);
+  for (const size_t i : {0, 1, 3}) EXPECT_FALSE(frames[i].new_rig) << i;
+  ASSERT_TRUE(frames[2].new_rig);
+  EXPECT_EQ(frames[2].new_rig->rig.pair.focal_px, rigs.second.pair.focal_px);
+  EXPECT_EQ(frames[2].new_rig->rig_id, RigId(frames[2].new_rig->rig));
+  ASSERT_EQ(told.lines.size(), 1U);
+  EXPECT_THAT(told.lines[0], HasSubstr("the calibration changed"));
+}
+
+TEST(RosSource, ANewRigMayHaveAnotherSize) {
+  TwoRigs rigs(examples::Rig());
+  rigs.second.pair.width /= 2;
+  rigs.second.pair.height /= 2;
+  rigs.second.pair.cx /= 2;
+  rigs.second.pair.cx_right /= 2;
+  rigs.second.pair.cy /= 2;
+  Told told;
+  const auto frames = rigs.Frames(told);
+  ASSERT_EQ(frames.size(), 4U);
+  EXPECT_EQ(frames[1].left.size(), rigs.first.pair.size());
+  EXPECT_EQ(frames[2].left.size(), rigs.second.pair.size());
+  EXPECT_TRUE(frames[2].new_rig);
+}
+
+TEST(RosSource, FramesWithoutACalibrationAreLost) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  const Rig rig = examples::Rig();
+  file.AddCalibration(rig);
+  for (int i = 0; i < 4; ++i) {
+    const int64_t utime = kStart + 100'000 * i;
+    RosMessage<RosCameraInfo> info = ToRosLeftInfo({utime, RosFrames().left}, rig.pair);
+    if (i == 1) info->p[0] = info->k[0] = 0;  // not calibrated
+    file.Add("/left/camera_info", info);
+    file.AddImage("/left/image", utime, Grey(i));
+    file.AddImage("/right/image", utime, Grey(i));
+  }
+  file.Finish();
+  Told told;
+  EXPECT_EQ(All(*OpenRosSource(Source(folder), told.Options())).size(), 3U);
+  ASSERT_EQ(told.lost.size(), 1U);
+  EXPECT_EQ(told.lost[0].count, 1);
+  EXPECT_THAT(told.refused, ElementsAre(HasSubstr("/left/camera_info")));
+}
+
+TEST(RosSource, RefusesAnImageOfAnotherSizeAndGoesOn) {
+  const TemporaryDirectory folder;
+  RosRecording file(folder / "file");
+  file.AddCalibration(examples::Rig());
+  for (int i = 0; i < 3; ++i) {
+    const int64_t utime = kStart + 100'000 * i;
+    file.AddImage("/left/image", utime, i == 1 ? cv::Mat1b(2, 2, uint8_t{1}) : Grey(i));
+    file.AddImage("/right/image", utime, Grey(i));
+  }
+  file.Finish();
+  Told told;
+  const auto frames = All(*OpenRosSource(Source(folder), told.Options()));
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_THAT(told.refused,
+              ElementsAre("/left/image: image of 2x2: allowed is the calibrated size 640x480"));
+  ASSERT_EQ(told.lost.size(), 1U);
+  EXPECT_EQ(told.lost[0].count, 1);  // the right one
+  EXPECT_EQ(told.lost[0].trouble, "image of 2x2: allowed is the calibrated size 640x480");
+}
+
+}  // namespace
+}  // namespace sprout::capture

@@ -1,0 +1,104 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "common/core/input_files.h"
+#include "common/picture/write_image.h"
+#include "tests/services/pipeline/files_fixture.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+using testing::HasSubstr;
+
+TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
+  const std::string nothing = folder_ / "nothing";
+  const std::string empty = folder_ / "empty";
+  fs::create_directories(empty);
+  Write("two/1.png", scene_.left);
+  Write("two/2.png", scene_.left);
+  Write("two/2.bmp", scene_.left);
+  const std::string blocked = folder_ / "left.png/out";
+  const struct {
+    std::function<void(FilesOptions&)> change;
+    std::string text;
+  } table[] = {
+      {[&](auto& o) { o.left = nothing; }, "LEFT " + nothing + ": not there; allowed: "},
+      {[&](auto& o) { o.right = empty; }, "RIGHT " + empty + ": holds no image"},
+      {[&](auto& o) { o.tof = nothing + "*"; }, "--tof " + nothing + "*: no file is called so"},
+      {[&](auto& o) { o.left = folder_ / "two/*.png"; },
+       "LEFT and RIGHT: neither times nor names say which of 2 and 1 files belong together"},
+      {[&](auto& o) { o.left = o.right = folder_ / "two"; }, "LEFT: images of one name"},
+      {[&](auto& o) { o.rig = {}; }, "no calibration; allowed: --rig FILE, or of a rectified pair"},
+      {[&](auto& o) { o.pixels.tof_unit = "1/0"; }, "--tof-unit 1/0: allowed: mm, cm, m, 1/N"},
+      {[&](auto& o) { o.rig.rig_file = nothing; }, nothing},
+      {[&](auto& o) { o.out = blocked; }, "--out " + blocked + ": cannot be written ("},
+  };
+  for (const auto& [change, text] : table) {
+    FilesOptions options = options_;
+    change(options);
+    EXPECT_THAT(RefusalOf(options), HasSubstr(text));
+  }
+}
+
+TEST_F(Files, ThatAreReadAreNotReplaced) {
+  const InputFileGuard guard;
+  options_.tof = Write("out/depth.png", cv::Mat1w(30, 40, uint16_t{2000}));
+  EXPECT_THAT(RefusalOf(options_), HasSubstr("depth.png is an input of this run"));
+  EXPECT_EQ(cv::imread(options_.tof, cv::IMREAD_UNCHANGED).at<uint16_t>(0, 0), 2000);
+  // The second pair's, by the first one's results, through a link.
+  const std::string read = Write("out/1/overview.png", scene_.left);
+  for (const char* name : {"l/1.png", "l/2.png", "r/1.png"}) Write(name, scene_.left);
+  fs::create_symlink(read, folder_ / "r/2.png");
+  options_.left = folder_ / "l";
+  options_.right = folder_ / "r";
+  options_.tof.clear();
+  EXPECT_THAT(RefusalOf(options_), HasSubstr("overview.png is an input of this run"));
+}
+
+TEST_F(Files, WhoseNamesAreStepsUpAreRefused) {
+  for (const char* name : {"up/...png", "up/..png"}) {
+    const std::string path = folder_ / name;
+    fs::create_directories(folder_ / "up");
+    ASSERT_TRUE(WritePng(path, scene_.left));
+    options_.left = folder_ / "up/.*png";
+    EXPECT_THAT(RefusalOf(options_), HasSubstr("its results would go to")) << name;
+    fs::remove(path);
+  }
+}
+
+TEST_F(Files, WhoseContentCannotBeUsedGetOneLine) {
+  std::ofstream(folder_ / "text.png") << "no image\n";
+  std::ofstream(folder_ / "short.pfm") << "Pf\n40 30\n-1\nabc";
+  const struct {
+    std::function<void(FilesOptions&)> change;
+    std::string text;
+  } table[] = {
+      {[&](auto& o) { o.left = folder_ / "text.png"; }, "text.png: "},
+      {[&](auto& o) { o.tof = folder_ / "left.png"; },
+       "left.png: of OpenCV's type CV_8UC3; allowed: one channel of 16 bits (mm), or of floating "
+       "point (m; PFM, TIFF)\n"},
+      {[&](auto& o) { o.tof = folder_ / "short.pfm"; }, "short.pfm: ends early"},
+      {[&](auto& o) { o.rig.focal_px = std::nan(""); }, "focal_px"},
+      {[&](auto& o) { o.rig.baseline_m = 0; }, "baseline_m"},
+  };
+  for (const auto& [change, text] : table) {
+    FilesOptions options = options_;
+    change(options);
+    const Ended outcome = RunToEnd(options);
+    EXPECT_EQ(outcome.exit_code, 1) << text;
+    EXPECT_THAT(outcome.err, HasSubstr(text));
+    EXPECT_FALSE(fs::exists(folder_ / "out")) << "an empty folder is left";
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace sprout
