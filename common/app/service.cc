@@ -40,11 +40,11 @@ const std::map<std::string, LogLevel> kLogLevels = {{"debug", LogLevel::kDebug},
 
 // What a configuration is made of. Without any, the parameters have the values of preset default.
 std::string ConfigNames(const std::vector<std::string>& files) {
-  constexpr size_t kMostLetters = 100;  // settings may be given as text
+  constexpr size_t kMaxLetters = 100;  // settings may be given as text
   if (files.empty()) return "preset default";
   std::string names = fmt::format("{}", fmt::join(files, ", "));
   std::ranges::replace(names, '\n', ' ');
-  return names.size() <= kMostLetters ? names : names.substr(0, kMostLetters) + "...";
+  return names.size() <= kMaxLetters ? names : names.substr(0, kMaxLetters) + "...";
 }
 
 void RequireValidPrefix(const std::string& prefix) {

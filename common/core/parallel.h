@@ -21,8 +21,8 @@ namespace sprout {
 /// @param parts  largest number of ranges.
 template <typename Work>
 void ForRangesParallel(int count, int parts, const Work& work) {
-  constexpr int kMostParts = 64;  // more would cost more time than they balance
-  const int64_t ranges = std::min({count, parts, kMostParts});
+  constexpr int kMaxParts = 64;  // more would cost more time than they balance
+  const int64_t ranges = std::min({count, parts, kMaxParts});
   const int threads = static_cast<int>(std::min<int64_t>(cv::getNumThreads(), ranges));
   if (count <= 0) return;
   if (threads <= 1) return work(cv::Range(0, count));

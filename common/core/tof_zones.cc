@@ -10,15 +10,15 @@
 namespace sprout {
 namespace {
 
-constexpr float kMostTangent = 100;  // 89.4° off the axis
+constexpr float kMaxTangent = 100;  // 89.4° off the axis
 
 void CheckZone(const ZoneView& view, size_t index, Checks& checks) {
   const std::string zone = "zone " + std::to_string(index) + ": ";
   const auto check = [&](const char* low_field, float low, const char* high_field, float high) {
     checks
-        .Require(low >= -kMostTangent && low <= kMostTangent, (zone + low_field).c_str(), low,
+        .Require(low >= -kMaxTangent && low <= kMaxTangent, (zone + low_field).c_str(), low,
                  "-100 to 100")
-        .Require(high > low && high <= kMostTangent, (zone + high_field).c_str(), high,
+        .Require(high > low && high <= kMaxTangent, (zone + high_field).c_str(), high,
                  std::string("above ") + low_field + ", up to 100");
   };
   check("left", view.left, "right", view.right);

@@ -69,18 +69,18 @@ void Narrow(SeedSet& seeds, int columns, cv::Size size, bool any_right) {
 int ColumnsBelowZero(const RectifiedPair& pair) {
   constexpr double kRounding = 1e-6;
   const double columns = std::ceil(pair.cx_right - pair.cx - kRounding);
-  return static_cast<int>(std::clamp<double>(columns, 0, kMostColumns + 1));
+  return static_cast<int>(std::clamp<double>(columns, 0, kMaxColumns + 1));
 }
 
 int ColumnsBelowZero(std::span<const Seed> seeds) {
   constexpr double kRoom = 4;  // for what grows from them, and for planes through them
   double least = 0;
   for (const Seed& seed : seeds) least = std::min(least, double{seed.disparity()});
-  return least < -1 ? static_cast<int>(std::min(std::ceil(kRoom - least), kMostColumns + 0.0)) : 0;
+  return least < -1 ? static_cast<int>(std::min(std::ceil(kRoom - least), kMaxColumns + 0.0)) : 0;
 }
 
 Frame Widened(const Frame& frame, int columns) {
-  assert(columns >= 1 && columns <= kMostColumns);
+  assert(columns >= 1 && columns <= kMaxColumns);
   Frame wide = frame;
   wide.left = Padded(frame.left, columns, 0);
   wide.right = Padded(frame.right, 0, columns);

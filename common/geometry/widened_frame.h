@@ -17,7 +17,7 @@ namespace sprout {
 // back to the images.
 
 /// Most columns that are added.
-inline constexpr int kMostColumns = 512;
+inline constexpr int kMaxColumns = 512;
 
 /// n for a calibration: the least with which no point in front of the cameras has a negative
 /// disparity; 0 where there is none without it.
@@ -29,7 +29,7 @@ int ColumnsBelowZero(std::span<const Seed> seeds);
 
 /// The frame with n more columns: images (the border pixels repeated), pair, seeds, prior. Other
 /// parts stay as they are. O(pixels).
-/// @param columns  1 to kMostColumns.
+/// @param columns  1 to kMaxColumns.
 Frame Widened(const Frame& frame, int columns);
 
 /// Cuts the answer of a stage to a widened frame back to the images: maps, confidences and seeds;

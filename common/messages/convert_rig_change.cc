@@ -10,7 +10,7 @@
 namespace sprout {
 namespace {
 
-constexpr int32_t kMostFrames = 1000;
+constexpr int32_t kMaxFrames = 1000;
 // A standard deviation that is not known.
 constexpr double kNotShown = -1;
 
@@ -105,7 +105,7 @@ Result<RigChange> FromMessage(const rig_change_t& message) {
       .Require(message.verdict >= rig_change_t::VERDICT_UNSEEN &&
                    message.verdict <= rig_change_t::VERDICT_WRONG,
                "verdict", message.verdict, "UNSEEN, RIGHT or WRONG")
-      .Require(message.frames >= 1 && message.frames <= kMostFrames, "frames", message.frames,
+      .Require(message.frames >= 1 && message.frames <= kMaxFrames, "frames", message.frames,
                "1 to 1000")
       .NotNegative("matches", message.matches)
       .Require(message.tof_matches >= 0 && message.tof_matches <= message.matches, "tof_matches",

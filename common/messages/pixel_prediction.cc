@@ -9,7 +9,7 @@ namespace {
 constexpr uint8_t kMiddle = 128;
 
 // Most that the neighbours of a pixel of each class but the last differ.
-constexpr std::array<uint8_t, kPixelClasses - 1> kMostDifference = {3, 8, 20};
+constexpr std::array<uint8_t, kPixelClasses - 1> kMaxDifference = {3, 8, 20};
 
 struct Prediction {
   uint8_t pixel;
@@ -24,9 +24,9 @@ inline Prediction PredictFrom(uint8_t a, uint8_t b, uint8_t c) {
   // The median of a, b and a + b - c.
   const auto pixel = static_cast<uint8_t>(a + b - std::max(low, std::min(high, c)));
   const auto difference = static_cast<uint8_t>(std::max(high, c) - std::min(low, c));
-  return {pixel, static_cast<uint8_t>((difference > kMostDifference[0] ? 1 : 0) +
-                                      (difference > kMostDifference[1] ? 1 : 0) +
-                                      (difference > kMostDifference[2] ? 1 : 0))};
+  return {pixel, static_cast<uint8_t>((difference > kMaxDifference[0] ? 1 : 0) +
+                                      (difference > kMaxDifference[1] ? 1 : 0) +
+                                      (difference > kMaxDifference[2] ? 1 : 0))};
 }
 
 // A row of one channel, with the pixel above its first one in front of it.

@@ -14,7 +14,7 @@ namespace {
 constexpr int kValues = 1 << 16;
 constexpr int kLevels = 256;
 // With less than 32 of 256 levels little is left to match.
-constexpr double kLeastUse = 1.0 / 8;
+constexpr double kMinUse = 1.0 / 8;
 constexpr double kIgnored = 0.001;  // at either end: single hot and dead pixels
 
 std::vector<int64_t> Histogram(std::initializer_list<CameraImage*> images) {
@@ -56,12 +56,12 @@ EightBits::Range EightBits::RangeOf(std::initializer_list<CameraImage*> images) 
   int64_t total = 0;
   for (const int64_t count : counts) total += count;
   const int largest = Largest(counts);
-  int bits = kLeastBits;
+  int bits = kMinBits;
   while ((1 << bits) <= largest) bits += 2;
   const double all = 1 << bits;
   const double low = Quantile(counts, total, kIgnored);
   const double used = Quantile(counts, total, 1 - kIgnored) - low + 1;
-  if (used >= kLeastUse * all || bits == kLeastBits) return {.low = 0, .width = all};
+  if (used >= kMinUse * all || bits == kMinBits) return {.low = 0, .width = all};
   const double width = std::max<double>(2 * used, kLevels);
   return {.low = std::max(0.0, low - (width - used) / 2), .width = width};
 }

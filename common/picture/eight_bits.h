@@ -11,8 +11,8 @@
 namespace sprout {
 
 /// Bits a pixel that can be asked for; 0: found out.
-inline constexpr int kLeastBits = 8;
-inline constexpr int kMostBits = 16;
+inline constexpr int kMinBits = 8;
+inline constexpr int kMaxBits = 16;
 
 /// Makes images of 8 bits a pixel of those with up to 16, the same way for all images of one
 /// recording, whatever they came from. Images of 8 bits stay as they are. Otherwise the range of
@@ -25,7 +25,7 @@ inline constexpr int kMostBits = 16;
 /// A later capture with pixels beyond that is looked at anew, and this is said.
 class EightBits {
  public:
-  /// @param bits  of a pixel, kLeastBits to kMostBits; 0: found out.
+  /// @param bits  of a pixel, kMinBits to kMaxBits; 0: found out.
   explicit EightBits(int bits = 0) : bits_(bits) {}
 
   /// Replaces the pixels of the images of one capture (left and right) by those with 8 bits.

@@ -13,11 +13,11 @@
 
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
+#include "common/measure/score.h"
 #include "common/picture/cloud_view.h"
 #include "common/picture/color_map.h"
 #include "common/picture/picture.h"
 #include "common/picture/write_image.h"
-#include "common/quality/score.h"
 
 namespace sprout {
 namespace {

@@ -7,7 +7,7 @@ namespace sprout {
 namespace {
 
 constexpr double kFarthestM = 1e4;
-constexpr double kMostOffsetM = 100;  // as range_offset_m
+constexpr double kMaxOffsetM = 100;  // as range_offset_m
 
 }  // namespace
 
@@ -26,14 +26,14 @@ CorrectionKnot CorrectionAt(std::span<const CorrectionKnot> correction, double r
 
 void CheckCorrection(Checks& checks, const std::string& name,
                      std::span<const CorrectionKnot> correction) {
-  checks.Require(correction.size() <= kMostCorrectionKnots, (name + ": knots").c_str(),
-                 correction.size(), "up to " + std::to_string(kMostCorrectionKnots));
+  checks.Require(correction.size() <= kMaxCorrectionKnots, (name + ": knots").c_str(),
+                 correction.size(), "up to " + std::to_string(kMaxCorrectionKnots));
   for (size_t i = 0; i < correction.size(); ++i) {
     const CorrectionKnot& knot = correction[i];
     const std::string at = name + "[" + std::to_string(i) + "].";
     checks.Within(at + "range_m", knot.range_m, 0, kFarthestM, "m")
-        .Within(at + "offset_m", knot.offset_m, -kMostOffsetM, kMostOffsetM, "m")
-        .Within(at + "sigma_m", knot.sigma_m, 0, kMostOffsetM, "m");
+        .Within(at + "offset_m", knot.offset_m, -kMaxOffsetM, kMaxOffsetM, "m")
+        .Within(at + "sigma_m", knot.sigma_m, 0, kMaxOffsetM, "m");
     if (i == 0) continue;
     const CorrectionKnot& below = correction[i - 1];
     checks

@@ -23,7 +23,7 @@ struct CorrectionKnot {
 using RangeCorrection = std::vector<CorrectionKnot>;
 
 /// Most knots of a curve.
-inline constexpr size_t kMostCorrectionKnots = 64;
+inline constexpr size_t kMaxCorrectionKnots = 64;
 
 /// The curve at a range.
 CorrectionKnot CorrectionAt(std::span<const CorrectionKnot> correction, double range_m);

@@ -75,7 +75,7 @@ install(PROGRAMS "${debian}/loopback-route" DESTINATION lib/sprout ${package_onl
 install(FILES "${debian}/50-sprout.conf" DESTINATION lib/sysctl.d ${package_only})
 install(FILES "${debian}/sprout.textproto" "${debian}/environment" DESTINATION /etc/sprout
         ${package_only})
-install(FILES README.md common/config/sprout.proto common/quality/target_limits.proto common/rig/rig.proto
+install(FILES README.md common/config/sprout.proto common/measure/target_limits.proto common/rig/rig.proto
         DESTINATION share/doc/sprout
         ${package_only})
 

@@ -12,8 +12,8 @@
 #include "common/app/stage_monitor.h"
 #include "common/config/config.h"
 #include "common/core/frame.h"
+#include "common/scenes/frame_source.h"
 #include "services/capture/current_rig.h"
-#include "services/datasets/frame_source.h"
 
 namespace sprout::capture {
 
@@ -51,10 +51,10 @@ class CaptureFeed {
 };
 
 struct FeedOptions {
-  bool loop = false;               ///< start again at the end
-  bool raw = false;                ///< unrectified frames of cameras, for channels with kRawPrefix
-  datasets::Waiting waiting = {};  ///< called while Next() waits for cameras
-  std::stop_token stop = {};       ///< ends a wait for cameras at the opening
+  bool loop = false;             ///< start again at the end
+  bool raw = false;              ///< unrectified frames of cameras, for channels with kRawPrefix
+  scenes::Waiting waiting = {};  ///< called while Next() waits for cameras
+  std::stop_token stop = {};     ///< ends a wait for cameras at the opening
 };
 
 /// Opens what config.source() names: log:FILE, cameras (OpenCameras()) or a dataset

@@ -9,7 +9,7 @@
 
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
-#include "services/datasets/frame_source.h"
+#include "common/scenes/frame_source.h"
 
 namespace sprout::capture {
 
@@ -18,7 +18,7 @@ struct RigInUse {
   Rectifier rectifier;
   std::string rig_id;  ///< of the frames that it rectifies
 
-  datasets::NamedRig named() const { return {rectifier.rig(), rig_id}; }
+  scenes::NamedRig named() const { return {rectifier.rig(), rig_id}; }
 };
 using RigInUsePtr = std::shared_ptr<const RigInUse>;
 

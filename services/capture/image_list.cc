@@ -54,9 +54,9 @@ std::vector<std::string> ImageList(const std::string& pattern) {
   const std::string after = end == std::string::npos ? std::string() : pattern.substr(end + 1);
   const std::string width = pattern.substr(percent + 1, end - percent - 1);
   const auto digits = width.empty() ? 0 : ParseNumber<int>(width);
-  constexpr int kMostDigits = 20;
+  constexpr int kMaxDigits = 20;
   if (end == std::string::npos || after.find('%') != std::string::npos || !digits || *digits < 0 ||
-      *digits > kMostDigits) {
+      *digits > kMaxDigits) {
     refuse("not a name with one number; allowed: such as left_%04d.png");
   }
   std::vector<std::string> files = Matching(Escaped(before) + '*' + Escaped(after));

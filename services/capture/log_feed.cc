@@ -158,7 +158,7 @@ class RawLogFeed : public CaptureFeed {
   std::optional<CaptureMessages> Next(const std::stop_token& stop) override {
     while (const std::optional<CaptureMessages> raw = log_->Next(stop)) {
       const RigInUsePtr rig = current_->Get();
-      Result<datasets::CapturedFrame> frame = RectifyFrame(rig->rectifier, Decoded(*raw));
+      Result<scenes::CapturedFrame> frame = RectifyFrame(rig->rectifier, Decoded(*raw));
       newest_ = {raw->id.utime, raw->id.seq, rig->rig_id};
       if (!frame) {
         monitor_.FrameFailed(newest_, frame.error().text);
@@ -182,8 +182,8 @@ class RawLogFeed : public CaptureFeed {
 
  private:
   // The log's feed has decoded every message once, so each of them can be.
-  static datasets::CapturedFrame Decoded(const CaptureMessages& raw) {
-    datasets::CapturedFrame frame;
+  static scenes::CapturedFrame Decoded(const CaptureMessages& raw) {
+    scenes::CapturedFrame frame;
     for (const auto& [part, bytes] : raw.messages) {
       const PartValue value = DecodePart(part, bytes)->value;
       if (part == Part::kLeft) frame.left = std::get<cv::Mat>(value);

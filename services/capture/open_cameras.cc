@@ -7,10 +7,10 @@
 #include "common/core/number_text.h"
 #include "common/picture/eight_bits.h"
 #include "common/rig/rig_file.h"
+#include "common/scenes/source_options.h"
 #include "services/capture/genicam/genicam_source.h"
 #include "services/capture/raw_source.h"
 #include "services/capture/video_source.h"
-#include "services/datasets/source_options.h"
 
 namespace sprout::capture {
 namespace {
@@ -23,23 +23,23 @@ ConfigError Bad(const std::string& source, const std::string& reason, const std:
   return ConfigError("capture.source = " + source + ": " + reason + "; allowed: " + allowed);
 }
 
-int Positive(const std::string& source, const datasets::SourceOption& option) {
+int Positive(const std::string& source, const scenes::SourceOption& option) {
   const std::optional<int> number = ParseNumber<int>(option.value);
   if (number && *number > 0) return *number;
   throw Bad(source, "not a number above 0: " + std::string(option.text),
             "?width=PX&height=PX&fps=HZ");
 }
 
-int BitsOf(const std::string& source, const datasets::SourceOption& option) {
+int BitsOf(const std::string& source, const scenes::SourceOption& option) {
   const std::optional<int> bits = ParseNumber<int>(option.value);
-  if (bits && *bits >= kLeastBits && *bits <= kMostBits) return *bits;
+  if (bits && *bits >= kMinBits && *bits <= kMaxBits) return *bits;
   throw Bad(source, "no number of bits: " + std::string(option.text), "8 to 16");
 }
 
-double OffsetOf(const std::string& source, const datasets::SourceOption& option) {
-  constexpr double kMostMs = 1e8;  // a day
+double OffsetOf(const std::string& source, const scenes::SourceOption& option) {
+  constexpr double kMaxMs = 1e8;  // a day
   const std::optional<double> offset_ms = ParseNumber<double>(option.value);
-  if (offset_ms && std::abs(*offset_ms) <= kMostMs) return *offset_ms;
+  if (offset_ms && std::abs(*offset_ms) <= kMaxMs) return *offset_ms;
   throw Bad(source, "no offset: " + std::string(option.text),
             "how much later the right video begins, ms");
 }
@@ -65,7 +65,7 @@ bool NamesCameras(const std::string& source) {
   return source.starts_with(kGenicam) || source.starts_with(kOpenCv) || source.starts_with(kV4l2);
 }
 
-OpenedCameras OpenCameras(const std::string& source, bool loop, datasets::Waiting waiting,
+OpenedCameras OpenCameras(const std::string& source, bool loop, scenes::Waiting waiting,
                           bool calibrated) {
   if (source.starts_with(kGenicam)) {
     const std::string path = source.substr(kGenicam.size());
@@ -75,10 +75,10 @@ OpenedCameras OpenCameras(const std::string& source, bool loop, datasets::Waitin
     opened.cameras = OpenGenicam(rig, path, std::move(waiting));
     return opened;
   }
-  const auto [place, options] = datasets::SplitSource(source);
+  const auto [place, options] = scenes::SplitSource(source);
   VideoSettings settings{.places = PlacesOf(source, place), .loop = loop};
   OpenedCameras opened;
-  for (const datasets::SourceOption& option : options) {
+  for (const scenes::SourceOption& option : options) {
     if (option.name == "rig") {
       RigDescription rig = LoadRigFile(option.value);
       if (calibrated) opened.rig = std::make_shared<CurrentRig>(std::move(rig), option.value);

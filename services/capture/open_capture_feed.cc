@@ -3,13 +3,13 @@
 #include <string_view>
 
 #include "common/rig/rig_file.h"
+#include "common/scenes/dataset.h"
+#include "common/scenes/source_options.h"
 #include "services/capture/capture_feed.h"
 #include "services/capture/log_feed.h"
 #include "services/capture/raw_source.h"
 #include "services/capture/ros2/ros_feed.h"
 #include "services/capture/source_feed.h"
-#include "services/datasets/dataset.h"
-#include "services/datasets/source_options.h"
 
 namespace sprout::capture {
 namespace {
@@ -22,11 +22,11 @@ void WarnOfViews(const CurrentRig& rig, StageMonitor& monitor) {
 }
 
 std::unique_ptr<CaptureFeed> OpenLog(const std::string& source, bool loop, StageMonitor& monitor) {
-  const auto [place, options] = datasets::SplitSource(source);
+  const auto [place, options] = scenes::SplitSource(source);
   const std::string path = place.substr(kLog.size());
   std::string prefix;
   std::optional<std::string> rig;
-  for (const datasets::SourceOption& option : options) {
+  for (const scenes::SourceOption& option : options) {
     if (option.name == "prefix") {
       prefix = option.value;
     } else if (option.name == "rig") {
@@ -67,8 +67,7 @@ std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
                       ": --raw is for cameras; allowed: genicam:, opencv:, v4l2:, ros2:, mcap:");
   }
   if (config.source().starts_with(kLog)) return OpenLog(config.source(), options.loop, monitor);
-  return FeedFrom(datasets::PlayDataset(datasets::OpenDataset(config), options.loop), config,
-                  monitor);
+  return FeedFrom(scenes::PlayDataset(scenes::OpenDataset(config), options.loop), config, monitor);
 }
 
 }  // namespace sprout::capture

@@ -13,7 +13,7 @@ Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrat
               SizeText(calibrated));
 }
 
-class RectifiedSource : public datasets::FrameSource {
+class RectifiedSource : public scenes::FrameSource {
  public:
   RectifiedSource(std::unique_ptr<RawSource> cameras, std::shared_ptr<CurrentRig> rig)
       : cameras_(std::move(cameras)),
@@ -24,15 +24,15 @@ class RectifiedSource : public datasets::FrameSource {
   const Rig& rig() const override { return first_->rectifier.rig(); }
   bool is_live() const override { return cameras_->is_live(); }
 
-  std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) override {
+  std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {
     lost_ = {};
     while (true) {
-      std::optional<datasets::CapturedFrame> raw = cameras_->Next(stop);
+      std::optional<scenes::CapturedFrame> raw = cameras_->Next(stop);
       if (!raw) return AtEnd();
       lost_.count += raw->lost;
       if (!raw->trouble.empty()) lost_.trouble = raw->trouble;
       const RigInUsePtr rig = current_->Get();
-      Result<datasets::CapturedFrame> frame = RectifyFrame(rig->rectifier, std::move(*raw));
+      Result<scenes::CapturedFrame> frame = RectifyFrame(rig->rectifier, std::move(*raw));
       if (frame) {
         if (rig != used_) frame->new_rig = rig->named();
         used_ = rig;
@@ -45,11 +45,11 @@ class RectifiedSource : public datasets::FrameSource {
     }
   }
 
-  datasets::LostFrames lost_at_end() const override { return lost_; }
+  scenes::LostFrames lost_at_end() const override { return lost_; }
 
  private:
-  std::optional<datasets::CapturedFrame> AtEnd() {
-    const datasets::LostFrames of_cameras = cameras_->lost_at_end();
+  std::optional<scenes::CapturedFrame> AtEnd() {
+    const scenes::LostFrames of_cameras = cameras_->lost_at_end();
     lost_.count += of_cameras.count;
     if (!of_cameras.trouble.empty()) lost_.trouble = of_cameras.trouble;
     return std::nullopt;
@@ -58,14 +58,13 @@ class RectifiedSource : public datasets::FrameSource {
   std::unique_ptr<RawSource> cameras_;
   std::shared_ptr<CurrentRig> current_;
   RigInUsePtr first_;
-  RigInUsePtr used_;           // for the newest frame
-  datasets::LostFrames lost_;  // since the newest frame
+  RigInUsePtr used_;         // for the newest frame
+  scenes::LostFrames lost_;  // since the newest frame
 };
 
 }  // namespace
 
-Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier,
-                                             datasets::CapturedFrame raw) {
+Result<scenes::CapturedFrame> RectifyFrame(const Rectifier& rectifier, scenes::CapturedFrame raw) {
   const RawRig& rig = rectifier.raw();
   Result<void> fits = CheckSize("left image", raw.left.size(), rig.left.size());
   if (fits) fits = CheckSize("right image", raw.right.size(), rig.right.size());
@@ -79,8 +78,8 @@ Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier,
   return raw;
 }
 
-std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
-                                                 std::shared_ptr<CurrentRig> rig) {
+std::unique_ptr<scenes::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
+                                               std::shared_ptr<CurrentRig> rig) {
   return std::make_unique<RectifiedSource>(std::move(cameras), std::move(rig));
 }
 

@@ -8,8 +8,8 @@
 
 #include "common/core/result.h"
 #include "common/rig/rectifier.h"
+#include "common/scenes/frame_source.h"
 #include "services/capture/current_rig.h"
-#include "services/datasets/frame_source.h"
 
 namespace sprout::capture {
 
@@ -25,21 +25,20 @@ class RawSource {
   virtual bool is_recorded() const { return false; }
 
   /// As FrameSource::Next().
-  virtual std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) = 0;
+  virtual std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) = 0;
 
   /// As FrameSource::lost_at_end().
-  virtual datasets::LostFrames lost_at_end() const { return {}; }
+  virtual scenes::LostFrames lost_at_end() const { return {}; }
 };
 
 /// Rectifies the images of a frame and corrects its ranges. A ToF image of 0×0 stays empty. The
 /// error names an image of another size than the calibrated one.
-Result<datasets::CapturedFrame> RectifyFrame(const Rectifier& rectifier,
-                                             datasets::CapturedFrame raw);
+Result<scenes::CapturedFrame> RectifyFrame(const Rectifier& rectifier, scenes::CapturedFrame raw);
 
 /// Rectified frames of cameras, each with the rig that is current when it comes. One of another
 /// size than the calibrated one counts as lost.
-std::unique_ptr<datasets::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
-                                                 std::shared_ptr<CurrentRig> rig);
+std::unique_ptr<scenes::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
+                                               std::shared_ptr<CurrentRig> rig);
 
 /// Cameras, and the calibration that belongs to them.
 struct OpenedCameras {
@@ -65,7 +64,7 @@ bool NamesCameras(const std::string& source);
 /// useless
 ///                    can be calibrated again.
 /// @throws ConfigError naming what is missing or wrong, and where.
-OpenedCameras OpenCameras(const std::string& source, bool loop, datasets::Waiting waiting = {},
+OpenedCameras OpenCameras(const std::string& source, bool loop, scenes::Waiting waiting = {},
                           bool calibrated = true);
 
 }  // namespace sprout::capture

@@ -15,8 +15,8 @@ namespace {
 
 class SourceFeed : public CaptureFeed {
  public:
-  using Take = std::function<std::optional<datasets::CapturedFrame>(const std::stop_token&)>;
-  using LostAtEnd = std::function<datasets::LostFrames()>;
+  using Take = std::function<std::optional<scenes::CapturedFrame>(const std::stop_token&)>;
+  using LostAtEnd = std::function<scenes::LostFrames()>;
 
   // Without a rig the frames are not rectified. `current` is null when that is done elsewhere.
   SourceFeed(Take take, LostAtEnd lost_at_end, Timing timing, std::optional<Rig> rig,
@@ -33,7 +33,7 @@ class SourceFeed : public CaptureFeed {
   }
 
   std::optional<CaptureMessages> Next(const std::stop_token& stop) override {
-    std::optional<datasets::CapturedFrame> frame = take_(stop);
+    std::optional<scenes::CapturedFrame> frame = take_(stop);
     if (!frame) {
       Tell(lost_at_end_());
       return std::nullopt;
@@ -63,7 +63,7 @@ class SourceFeed : public CaptureFeed {
   std::shared_ptr<CurrentRig> current_rig() const override { return current_; }
 
  private:
-  void Tell(const datasets::LostFrames& lost) {
+  void Tell(const scenes::LostFrames& lost) {
     if (lost.count > 0) monitor_.CapturesFailed(lost.count, lost.trouble);
     if (lost.count == 0 && !lost.trouble.empty()) monitor_.Failure(lost.trouble);
   }
@@ -99,7 +99,7 @@ Timing TimingOf(const auto& source) {
 
 }  // namespace
 
-CaptureMessages Encoded(const FrameId& id, const datasets::CapturedFrame& frame) {
+CaptureMessages Encoded(const FrameId& id, const scenes::CapturedFrame& frame) {
   CaptureMessages messages{.id = id, .messages = {}};
   const auto add = [&](Part part, const PartValue& value) {
     messages.messages.emplace_back(part, EncodePart(id, part, value, DisparityEncoding::kRawInt16));
@@ -116,12 +116,12 @@ CaptureMessages BehindCalibration(std::vector<uint8_t> calibration, CaptureMessa
   return frame;
 }
 
-std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<datasets::FrameSource> source,
+std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<scenes::FrameSource> source,
                                       const CaptureConfig& config, StageMonitor& monitor,
                                       std::shared_ptr<CurrentRig> rig) {
   const Timing timing = TimingOf(*source);
   const Rig first = source->rig();
-  const std::shared_ptr<datasets::FrameSource> shared = std::move(source);
+  const std::shared_ptr<scenes::FrameSource> shared = std::move(source);
   return std::make_unique<SourceFeed>(
       [shared](const std::stop_token& stop) { return shared->Next(stop); },
       [shared] { return shared->lost_at_end(); }, timing, first, std::move(rig), config, monitor);

@@ -4,14 +4,14 @@
 #include <memory>
 #include <vector>
 
+#include "common/scenes/frame_source.h"
 #include "services/capture/capture_feed.h"
 #include "services/capture/raw_source.h"
-#include "services/datasets/frame_source.h"
 
 namespace sprout::capture {
 
 /// LEFT, RIGHT, TOF and, with a multi-zone sensor, TOF_ZONES of a frame, as a feed sends them.
-CaptureMessages Encoded(const FrameId& id, const datasets::CapturedFrame& frame);
+CaptureMessages Encoded(const FrameId& id, const scenes::CapturedFrame& frame);
 
 /// A frame whose calibration is a new one: that is sent before it.
 CaptureMessages BehindCalibration(std::vector<uint8_t> calibration, CaptureMessages frame);
@@ -20,7 +20,7 @@ CaptureMessages BehindCalibration(std::vector<uint8_t> calibration, CaptureMessa
 /// has no clock, with the time at which they are taken: the only place where a clock enters a
 /// payload. Times of frames increase, whatever the clock does.
 /// @param rig  what the source rectifies with; null when its frames come rectified.
-std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<datasets::FrameSource> source,
+std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<scenes::FrameSource> source,
                                       const CaptureConfig& config, StageMonitor& monitor,
                                       std::shared_ptr<CurrentRig> rig = nullptr);
 

@@ -101,11 +101,11 @@ class VideoSource : public RawSource {
 
   bool is_live() const override { return is_live_; }
 
-  std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) override {
+  std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {
     std::string trouble;
     bool opened_again = false;
     while (!stop.stop_requested()) {
-      if (std::optional<datasets::CapturedFrame> frame = Grab()) {
+      if (std::optional<scenes::CapturedFrame> frame = Grab()) {
         Require(*frame);
         TellOfLost(*frame);
         if (!trouble.empty()) frame->trouble = trouble;
@@ -122,9 +122,9 @@ class VideoSource : public RawSource {
     return std::nullopt;
   }
 
-  datasets::LostFrames lost_at_end() const override {
+  scenes::LostFrames lost_at_end() const override {
     if (is_live_) return {};
-    datasets::LostFrames lost{.count = lost_, .trouble = trouble_};
+    scenes::LostFrames lost{.count = lost_, .trouble = trouble_};
     for (const auto& video : videos_) {
       if (std::string text = video->EndText(); !text.empty()) lost.trouble = std::move(text);
     }
@@ -182,14 +182,14 @@ class VideoSource : public RawSource {
     if (lost_ > 1) trouble_ += fmt::format(", nor have {} others", lost_ - 1);
   }
 
-  std::optional<datasets::CapturedFrame> Grab() {
+  std::optional<scenes::CapturedFrame> Grab() {
     if (!joiner_) return GrabTogether();
     std::optional<Triplet> pair = joiner_->Next();
     const int64_t lost = joiner_->TakeLost();
     if (lost > 0) trouble_ = "a picture of one video without one of the other at its time";
     lost_ += lost;
     if (!pair) return std::nullopt;
-    datasets::CapturedFrame frame;
+    scenes::CapturedFrame frame;
     frame.left = std::move(pair->left.image);
     frame.right = std::move(pair->right.image);
     frame.spread_ms = pair->spread_ms();
@@ -197,7 +197,7 @@ class VideoSource : public RawSource {
   }
 
   // Takes both pictures before it decodes either, so that they are of one time.
-  std::optional<datasets::CapturedFrame> GrabTogether() {
+  std::optional<scenes::CapturedFrame> GrabTogether() {
     for (const auto& video : videos_) {
       if (!video->Grab()) return std::nullopt;
     }
@@ -208,7 +208,7 @@ class VideoSource : public RawSource {
     }
     eight_bits_.Convert({&pictures.front(), &pictures.back()});
     if (std::string note = eight_bits_.TakeNote(); !note.empty()) trouble_ = std::move(note);
-    datasets::CapturedFrame frame;
+    scenes::CapturedFrame frame;
     if (pictures.size() == 2) {
       frame.left = pictures[0].pixels;
       frame.right = pictures[1].pixels;
@@ -220,12 +220,12 @@ class VideoSource : public RawSource {
     return frame;
   }
 
-  void TellOfLost(datasets::CapturedFrame& frame) {
+  void TellOfLost(scenes::CapturedFrame& frame) {
     frame.lost = std::exchange(lost_, 0);
     frame.trouble = std::exchange(trouble_, {});
   }
 
-  static void Require(const datasets::CapturedFrame& frame) {
+  static void Require(const scenes::CapturedFrame& frame) {
     if (frame.left.size() != frame.right.size()) {
       throw ConfigError("video: the left picture has " + SizeText(frame.left.size()) +
                         ", the right one " + SizeText(frame.right.size()) + "; allowed: one size");

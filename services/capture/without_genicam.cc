@@ -5,7 +5,7 @@
 namespace sprout::capture {
 
 std::unique_ptr<RawSource> OpenGenicam(const RigDescription&, const std::string& path,
-                                       datasets::Waiting) {
+                                       scenes::Waiting) {
   throw LeftOut("capture.source = genicam:" + path, "GENICAM");
 }
 

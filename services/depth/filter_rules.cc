@@ -7,7 +7,7 @@ namespace sprout::depth {
 namespace {
 
 // OpenCV takes time with the square of the corners: of 20,000 it took 40 s.
-constexpr int kMostCorners = 1000;
+constexpr int kMaxCorners = 1000;
 constexpr int kFarthestCorner = 32767;  // px; OpenCV draws with 16 bits before the point
 
 std::vector<cv::Point> RegionOf(const DepthConfig& config) {
@@ -23,9 +23,9 @@ std::vector<cv::Point> RegionOf(const DepthConfig& config) {
         " numbers; allowed: column and row of 2 corners of a rectangle, of 3 and more "
         "of a polygon, or nothing");
   }
-  if (numbers.size() > 2 * kMostCorners) {
+  if (numbers.size() > 2 * kMaxCorners) {
     throw ConfigError("depth.region: " + std::to_string(numbers.size() / 2) +
-                      " corners; allowed: up to " + std::to_string(kMostCorners));
+                      " corners; allowed: up to " + std::to_string(kMaxCorners));
   }
   std::vector<cv::Point> region;
   for (int i = 0; i < numbers.size(); i += 2) region.emplace_back(numbers[i], numbers[i + 1]);

@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 
 constexpr float kInvalidCounts = DisparityImage::kInvalid;
 // Instead of 0 and less, where no depth is; more than 1000 km from there on for any camera.
-constexpr float kLeastCounts = 1e-6F;
+constexpr float kMinCounts = 1e-6F;
 
 HWY_INLINE float Least(float a, float b) { return a < b ? a : b; }
 HWY_INLINE float Most(float a, float b) { return a > b ? a : b; }
@@ -42,7 +42,7 @@ void ProjectOnTarget(const RowProjection& p, const int16_t* HWY_RESTRICT counts,
     const auto own = static_cast<float>(counts[u]);
     const float shifted = own + shift;
     const bool known = (own > kInvalidCounts) & (shifted > 0);
-    const float left_z = metre_counts / Most(shifted, kLeastCounts);
+    const float left_z = metre_counts / Most(shifted, kMinCounts);
     const float view_z = z0 + left_z * (start_z + column * per_u_z);
     const float scale = focal_px / view_z;
     x[u] = scale * (x0 + left_z * (start_x + column * per_u_x)) + cx;

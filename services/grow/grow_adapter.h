@@ -6,8 +6,8 @@
 
 #include "common/config/stage_parts.h"
 #include "common/core/stage_adapter.h"
-#include "services/grow/confidence.h"
-#include "services/grow/gap_filler.h"
+#include "services/grow/confidence/confidence.h"
+#include "services/grow/fill/gap_filler.h"
 #include "services/grow/grower.h"
 
 namespace sprout::grow {

@@ -6,7 +6,12 @@
 
 #include "common/core/image.h"
 #include "common/core/parallel.h"
-#include "services/grow/plain_growth.h"
+#include "services/grow/paper/plain_growth.h"
+
+// A pixel whose prior has a standard deviation below GrowthRule::least_open is swept: it chooses
+// between two disparities around the prior, without a queue (sweep/). All others, "open" ones, grow
+// best first as in the paper (paper/plain_growth.cc; with EPC its fast twin,
+// sweep/growth_kernel.cc).
 
 namespace sprout::grow {
 namespace {

@@ -10,10 +10,10 @@
 #include "common/core/prior_map.h"
 #include "common/core/result.h"
 #include "common/core/seed.h"
-#include "services/grow/growth_band.h"
-#include "services/grow/growth_rule.h"
-#include "services/grow/segments.h"
-#include "services/grow/sweep_band.h"
+#include "services/grow/paper/growth_rule.h"
+#include "services/grow/sweep/growth_band.h"
+#include "services/grow/sweep/segments.h"
+#include "services/grow/sweep/sweep_band.h"
 
 namespace sprout::grow {
 

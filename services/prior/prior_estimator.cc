@@ -8,11 +8,11 @@
 #include "common/core/image.h"
 #include "common/core/median.h"
 #include "common/core/parallel.h"
-#include "services/prior/edge_surfaces.h"
-#include "services/prior/interpolation.h"
-#include "services/prior/outline.h"
-#include "services/prior/seed_planes.h"
-#include "services/prior/triangulation.h"
+#include "services/prior/edges/edge_surfaces.h"
+#include "services/prior/edges/outline.h"
+#include "services/prior/edges/seed_planes.h"
+#include "services/prior/triangulation/interpolation.h"
+#include "services/prior/triangulation/triangulation.h"
 
 namespace sprout::prior {
 namespace {

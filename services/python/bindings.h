@@ -15,7 +15,7 @@
 #include "common/config/config.h"
 #include "common/core/frame.h"
 #include "common/core/result.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "services/python/gil.h"
 
 namespace sprout::python {
@@ -31,7 +31,7 @@ struct PyFrame {
   std::vector<std::string> warnings = {};   ///< see DepthFrame
   std::optional<DisparityImage> kept = {};  ///< of which depths and points are, if not all
   bool depth_of_fused = false;              ///< depths and points are those of the fused map
-  datasets::GroundTruth truth = {};         ///< of a data set
+  scenes::GroundTruth truth = {};           ///< of a data set
 };
 
 // Each adds its classes to the module. Types come before those that name them.

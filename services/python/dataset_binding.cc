@@ -1,6 +1,6 @@
 #include <memory>
 
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "services/python/bindings.h"
 
 namespace sprout::python {
@@ -12,7 +12,7 @@ class PyDataset {
     SproutConfig whole = config.is_none() ? LoadConfig({}) : TakeConfig(config);
     whole.mutable_capture()->set_source(source);
     const Unlocked free;
-    dataset_ = datasets::OpenDataset(whole.capture());
+    dataset_ = scenes::OpenDataset(whole.capture());
   }
 
   PyFrame Get(int64_t number) {
@@ -23,7 +23,7 @@ class PyDataset {
     }
     const Turn turn(taken_, "Dataset");
     const Unlocked free;
-    datasets::DatasetFrame got = dataset_->Get(at);
+    scenes::DatasetFrame got = dataset_->Get(at);
     PyFrame result;
     result.frame.id = {.utime = got.utime.value_or(0), .seq = at, .rig_id = RigId(dataset_->rig())};
     result.frame.left = std::move(got.left);
@@ -45,7 +45,7 @@ class PyDataset {
 
  private:
   std::string source_;
-  std::unique_ptr<datasets::Dataset> dataset_;
+  std::unique_ptr<scenes::Dataset> dataset_;
   std::atomic_flag taken_;
 };
 

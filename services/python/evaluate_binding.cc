@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "common/core/image.h"
-#include "common/quality/score.h"
-#include "common/quality/sparsification.h"
+#include "common/measure/score.h"
+#include "common/measure/sparsification.h"
 #include "services/python/arrays.h"
 #include "services/python/bindings.h"
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "common/inputs/check_inputs.h"
 #include "common/picture/eight_bits.h"
-#include "services/inputs/check_inputs.h"
 #include "services/python/arrays.h"
 #include "services/python/bindings.h"
 

@@ -8,7 +8,7 @@
 #include "common/geometry/projection.h"
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
-#include "services/datasets/kitti_calibration.h"
+#include "common/scenes/kitti_calibration.h"
 #include "services/python/arrays.h"
 #include "services/python/bindings.h"
 
@@ -271,7 +271,7 @@ The rectified rig of a rig file (sprout-calibrate); its images go through Rectif
           "from_kitti",
           [](const fs::path& path, int width, int height, bool grey) {
             Rig rig;
-            rig.pair = datasets::ReadKittiPair(path, {width, height}, grey);
+            rig.pair = scenes::ReadKittiPair(path, {width, height}, grey);
             return Checked(rig);
           },
           py::arg("path"), py::arg("width"), py::arg("height"), py::arg("grey") = false,

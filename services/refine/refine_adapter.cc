@@ -6,7 +6,7 @@
 
 #include "common/core/image.h"
 #include "common/geometry/widened_frame.h"
-#include "services/inputs/check_inputs.h"
+#include "common/inputs/check_inputs.h"
 
 namespace sprout::refine {
 
@@ -98,13 +98,13 @@ bool RefineAdapter::CheckInput(const Frame& frame) {
 // The seeds of a frame whose far points may have negative disparities.
 RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
   // Some points and matches are wrong in every frame, and a longer search finds more wrong ones.
-  constexpr double kLeastShare = 0.01;
+  constexpr double kMinShare = 0.01;
   const int columns = ColumnsBelowZero(frame.rig->pair);
   if (columns == 0 || frame.left.size() != frame.rig->pair.size()) return RefineFrom0(frame);
-  if (columns > kMostColumns) {
+  if (columns > kMaxColumns) {
     Refined result = RefineFrom0(frame);
     if (result.answer.degenerate.empty()) {
-      result.answer.degenerate = "cx_right - cx is above " + std::to_string(kMostColumns) +
+      result.answer.degenerate = "cx_right - cx is above " + std::to_string(kMaxColumns) +
                                  " px, and far points with negative disparities are not looked for";
     }
     return result;
@@ -115,7 +115,7 @@ RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
   Narrow(wide.answer, columns, frame.left.size());
   const SeedCounts counts = CountsOf(wide.answer);
   const auto are_many = [&](size_t negative) {
-    return static_cast<double>(negative) > kLeastShare * static_cast<double>(counts.all);
+    return static_cast<double>(negative) > kMinShare * static_cast<double>(counts.all);
   };
   if (are_many(counts.negative_tof)) return wide;
   Refined result = RefineFrom0(frame);

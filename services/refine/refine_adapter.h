@@ -7,7 +7,7 @@
 
 #include "common/config/stage_parts.h"
 #include "common/core/stage_adapter.h"
-#include "services/inputs/range_watch.h"
+#include "common/inputs/range_watch.h"
 #include "services/refine/refiner.h"
 
 namespace sprout::refine {

@@ -73,12 +73,12 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     for (ProjectedPoint& point : points_) point.seed.sigma_px = 0;
     if (config_.range_bias() != RefineConfig::OFF) MoveToTruth(left, right, rig, result);
     noise_px_ =
-        std::clamp(NoisePx(left, right), SurfaceRules::kLeastSigmaPx, SurfaceRules::kMostSigmaPx);
+        std::clamp(NoisePx(left, right), SurfaceRules::kMinSigmaPx, SurfaceRules::kMaxSigmaPx);
     for (ProjectedPoint& point : points_) {
       Seed& seed = point.seed;
       seed.sigma_px = std::clamp(std::hypot(seed.sigma_px, static_cast<float>(noise_px_)),
-                                 static_cast<float>(SurfaceRules::kLeastSigmaPx),
-                                 static_cast<float>(SurfaceRules::kMostSigmaPx));
+                                 static_cast<float>(SurfaceRules::kMinSigmaPx),
+                                 static_cast<float>(SurfaceRules::kMaxSigmaPx));
     }
     KeepReliable(left, right, tof, result);
     KeepVisible(left, right, result);
@@ -140,8 +140,8 @@ void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid) {
           {.u = static_cast<float>(centre.x),
            .v = static_cast<float>(centre.y),
            .u_right = static_cast<float>(centre.x - surface->disparity_px),
-           .sigma_px = static_cast<float>(std::clamp(surface->sigma_px, SurfaceRules::kLeastSigmaPx,
-                                                     SurfaceRules::kMostSigmaPx))});
+           .sigma_px = static_cast<float>(std::clamp(surface->sigma_px, SurfaceRules::kMinSigmaPx,
+                                                     SurfaceRules::kMaxSigmaPx))});
       ++left_seeds_.raw;
     }
   }
@@ -151,7 +151,7 @@ void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid) {
 double Refiner::NoisePx(const cv::Mat1b& left, const cv::Mat1b& right) {
   const double noise_px = surface_.NoisePx(points_);
   const bool coarse = config_.stereo_seeds() && stereo_.IsCoarse(surface_.spacing_px(), left.cols);
-  if (!coarse || noise_px <= SurfaceRules::kLeastSigmaPx) return noise_px;
+  if (!coarse || noise_px <= SurfaceRules::kMinSigmaPx) return noise_px;
   return std::min(noise_px, ImageNoisePx(left, right, points_));
 }
 

@@ -7,14 +7,14 @@
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
-#include "common/ros2/compressed.h"
+#include "common/ros/compressed.h"
 
 namespace sprout::ros2 {
 namespace {
 
 // A graph has one rig, or for a moment two.
-constexpr size_t kMostRigs = 8;
-constexpr size_t kMostStatuses = 64;
+constexpr size_t kMaxRigs = 8;
+constexpr size_t kMaxStatuses = 64;
 
 // "/robot/front": what ROS allows.
 void RequirePrefix(const std::string& prefix) {
@@ -135,7 +135,7 @@ void Bridge::OnStatus(std::span<const uint8_t> bytes) {
   const Result<StageStatus> status = DecodeStatus(bytes);
   if (!status) return monitor_.BadMessage(kStatusChannel, status.error().text);
   const std::scoped_lock lock(mutex_);
-  if (statuses_.size() < kMostStatuses || statuses_.contains(status->stage)) {
+  if (statuses_.size() < kMaxStatuses || statuses_.contains(status->stage)) {
     statuses_.insert_or_assign(status->stage, *status);
   }
 }
@@ -145,7 +145,7 @@ void Bridge::OnRig(std::span<const uint8_t> bytes) {
   if (!rig) return monitor_.BadMessage(ChannelOf(Part::kRig), rig.error().text);
   const std::scoped_lock lock(mutex_);
   if (rigs_.contains(rig->id.rig_id)) return;
-  if (rigs_.size() == kMostRigs) rigs_.clear();
+  if (rigs_.size() == kMaxRigs) rigs_.clear();
   rigs_.emplace(rig->id.rig_id, std::get<Rig>(rig->value));
   // Latched: who comes later gets it, too.
   for (const Topic& topic : topics_) {

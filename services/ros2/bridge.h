@@ -19,8 +19,8 @@
 #include "common/core/stage_status.h"
 #include "common/frames/sequence_gaps.h"
 #include "common/messages/codec.h"
-#include "common/ros2/frame_topics.h"
-#include "common/ros2/ros_node.h"
+#include "common/ros/frame_topics.h"
+#include "common/ros/ros_node.h"
 
 namespace sprout::ros2 {
 

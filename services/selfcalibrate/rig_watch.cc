@@ -7,7 +7,7 @@
 
 #include "common/core/image.h"
 #include "common/core/quantile.h"
-#include "services/inputs/check_inputs.h"
+#include "common/inputs/check_inputs.h"
 
 namespace sprout::selfcalibrate {
 namespace {
@@ -18,16 +18,16 @@ using calibrate::SceneRefinement;
 // Pixels in which features are searched: more of them show the same, and take more time (NOTES.md).
 constexpr double kSearchedPixels = 0.15e6;
 // Some 1500 matches of all frames together know a turn to a hundredth of a pixel.
-constexpr size_t kMostInCell = 20;
-constexpr size_t kMostMatches = 1500;
+constexpr size_t kMaxInCell = 20;
+constexpr size_t kMaxMatches = 1500;
 // Matches share errors: one in so many is independent, as the adjustment has it.
 constexpr double kSharing = 4;
 
 calibrate::SceneEffort EffortFor(const RectifiedPair& pair) {
   const double times = std::sqrt(double(pair.width) * pair.height / kSearchedPixels);
   return {.match = {.shrink = std::max(1, static_cast<int>(std::lround(times))),
-                    .most_in_cell = kMostInCell},
-          .most_matches = kMostMatches};
+                    .most_in_cell = kMaxInCell},
+          .most_matches = kMaxMatches};
 }
 
 // Frames are rectified already: the rig is one of cameras without distortion, and the axes of its

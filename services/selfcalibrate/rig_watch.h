@@ -9,8 +9,8 @@
 #include "common/core/frame.h"
 #include "common/core/result.h"
 #include "common/core/rig_change.h"
-#include "services/calibrate/scene/scene_refiner.h"
-#include "services/inputs/findings.h"
+#include "common/inputs/findings.h"
+#include "services/tools/calibrate/scene/scene_refiner.h"
 
 namespace sprout::selfcalibrate {
 

@@ -5,7 +5,7 @@
 namespace sprout::temporal {
 namespace {
 
-constexpr double kMostVariance = 1e5;  // px², of a disparity that is surely wrong
+constexpr double kMaxVariance = 1e5;  // px², of a disparity that is surely wrong
 
 // P(|N(0, 1)| > z) for z ≤ 4, by the series of the error function: those of libraries differ in the
 // last bit.
@@ -28,7 +28,7 @@ double VarianceOf(double probability) {
     const double middle = (nearest + farthest) / 2;
     (Beyond(middle) > probability ? nearest : farthest) = middle;
   }
-  return std::min(1 / (farthest * farthest), kMostVariance);
+  return std::min(1 / (farthest * farthest), kMaxVariance);
 }
 
 }  // namespace

@@ -24,14 +24,14 @@ inline constexpr float kHalfNone = kNone / 2;
 inline constexpr float kSurfacePx = 1;
 inline constexpr float kSurfaceShare = 0.02F;
 // Least weight of a pixel's neighbours on its surface, of 1.
-inline constexpr float kLeastSupport = 0.25F;
+inline constexpr float kMinSupport = 0.25F;
 // Farthest that the disparity found may be from the one that said where to look, px.
 inline constexpr float kFarthestPx = 1.5F;
 // Variance of a disparity that won against another one: times this, since one of them is wrong.
 inline constexpr float kDisputed = 1.5F;
 // Variances are kept within these, px²: a seventh of a pixel is what rounding and calibration
 // leave.
-inline constexpr float kLeastVariance = 0.02F;
+inline constexpr float kMinVariance = 0.02F;
 inline constexpr float kLargestVariance = 16;
 // Of a pixel without a disparity.
 inline constexpr float kNoVariance = 1e6F;
@@ -155,11 +155,11 @@ HWY_INLINE void Find(const Memory& memory, Block& block) {
       sum += weight * value;
       support += weight;
     }
-    const float rho = sum / std::max(support, kLeastSupport) + offset;
+    const float rho = sum / std::max(support, kMinSupport) + offset;
     const float scale = Third(memory.now_from_last, block.last_u[i], block.last_v[i], rho);
     const float growth = 1 / scale;
     const float now = rho * growth - offset;
-    const bool good = (support >= kLeastSupport) & (scale > 0) & (rho > 0) &
+    const bool good = (support >= kMinSupport) & (scale > 0) & (rho > 0) &
                       (std::abs(now - block.start[i]) <= kFarthestPx) & (now > -0.5F) &
                       (now < most);
     const float growth2 = growth * growth;
@@ -321,7 +321,7 @@ HWY_INLINE void Fuse(const FusionRule& rule_in_memory, const Fresh& fresh, Block
     const float its_variance = older ? kDisputed * v : r;
     block.found[i] = agree ? d + gain * difference : chosen;
     const float variance = agree ? (1 - gain) * v : its_variance;
-    block.variance[i] = std::min(std::max(variance, kLeastVariance), kLargestVariance);
+    block.variance[i] = std::min(std::max(variance, kMinVariance), kLargestVariance);
   }
 }
 

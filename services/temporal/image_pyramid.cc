@@ -35,7 +35,7 @@ ImagePyramid BuildPyramid(const cv::Mat1b& image) {
   ImagePyramid pyramid;
   if (image.empty()) return pyramid;
   cv::Mat1b level = image;
-  while (static_cast<int64_t>(level.total()) > kMostTrackedPixels && CanBeHalved(level)) {
+  while (static_cast<int64_t>(level.total()) > kMaxTrackedPixels && CanBeHalved(level)) {
     level = Half(level);
     pyramid.scale *= 2;
   }

@@ -7,7 +7,7 @@
 namespace sprout::temporal {
 
 /// Most pixels of the finest level: finer images make the motion no surer, only slower to find.
-inline constexpr int kMostTrackedPixels = 600000;
+inline constexpr int kMaxTrackedPixels = 600000;
 
 /// Rows of an image that a thread takes at once.
 inline constexpr int kRowsPerPart = 16;
@@ -19,7 +19,7 @@ struct ImagePyramid {
   int scale = 1;                  ///< pixels of the image on the side of one of the finest level
 };
 
-/// Halves the image until it has at most kMostTrackedPixels, then on until a side would be below 32
+/// Halves the image until it has at most kMaxTrackedPixels, then on until a side would be below 32
 /// px. The finest level may share the image's pixels. O(pixels).
 ImagePyramid BuildPyramid(const cv::Mat1b& image);
 

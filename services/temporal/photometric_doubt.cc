@@ -88,7 +88,7 @@ PhotometricDoubt::PhotometricDoubt(double doubt_grey, double drop_grey)
   // By products, since exp() differs between machines.
   constexpr double kStep = 1.0644944589178593;  // exp(1 / kSteps)
   double growth = 1;
-  for (size_t step = 0; step <= kMostSteps; ++step) {
+  for (size_t step = 0; step <= kMaxSteps; ++step) {
     growth_[step] = static_cast<float>(growth);
     growth *= kStep;
   }
@@ -119,9 +119,9 @@ void PhotometricDoubt::Compute(const cv::Mat1b& grey, const cv::Mat1f& differenc
       float* const to = growth[v];
       for (int u = 0; u < size.width; ++u) {
         const float excess = means[u] - usual - kSpreadShare * spreads[u];
-        const float of_grey = std::min(std::max(excess * steps_per_grey, 0.0F), float{kMostSteps});
+        const float of_grey = std::min(std::max(excess * steps_per_grey, 0.0F), float{kMaxSteps});
         const bool drop = (means[u] < 0) | (means[u] > drop_grey_);
-        steps[static_cast<size_t>(u)] = drop ? kMostSteps + 1 : static_cast<int32_t>(of_grey);
+        steps[static_cast<size_t>(u)] = drop ? kMaxSteps + 1 : static_cast<int32_t>(of_grey);
       }
       for (int u = 0; u < size.width; ++u) {
         to[u] = growth_[static_cast<size_t>(steps[static_cast<size_t>(u)])];

@@ -20,12 +20,12 @@ class PhotometricDoubt {
   void Compute(const cv::Mat1b& grey, const cv::Mat1f& differences, cv::Mat1f& growth);
 
  private:
-  static constexpr int kSteps = 16;              // of the table, in an e-fold
-  static constexpr int kMostSteps = 8 * kSteps;  // exp(8) times any variance is no knowledge
+  static constexpr int kSteps = 16;             // of the table, in an e-fold
+  static constexpr int kMaxSteps = 8 * kSteps;  // exp(8) times any variance is no knowledge
 
   float doubt_grey_, drop_grey_;
-  std::array<float, kMostSteps + 2> growth_;  // by steps; the last one drops
-  cv::Mat1f means_, spreads_;                 // memory
+  std::array<float, kMaxSteps + 2> growth_;  // by steps; the last one drops
+  cv::Mat1f means_, spreads_;                // memory
 };
 
 }  // namespace sprout::temporal

@@ -16,7 +16,7 @@ constexpr int kCellRows = 20;
 constexpr int kPointsPerPart = 16;
 
 // Least smaller eigenvalue: differences of two grey levels over 2 px, summed over 3×3 pixels.
-constexpr float kLeastCorner = 9 * 2 * 2;
+constexpr float kMinCorner = 9 * 2 * 2;
 
 // Farthest from where it started that a point may be after tracking there and back: 1/2 px.
 constexpr int kFarthestBack = kPositionParts / 2;
@@ -71,7 +71,7 @@ class CornerRow {
 };
 
 struct Corner {
-  float strength = kLeastCorner;
+  float strength = kMinCorner;
   cv::Point place{-1, -1};  // none
 };
 

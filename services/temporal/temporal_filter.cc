@@ -15,8 +15,8 @@ namespace sprout::temporal {
 namespace {
 
 // Points whose disparity is less sure than this, px², or smaller, px, say nothing of the way.
-constexpr float kMostPointVariance = 1;
-constexpr float kLeastPointDisparity = 0.5F;
+constexpr float kMaxPointVariance = 1;
+constexpr float kMinPointDisparity = 0.5F;
 
 template <typename T>
 View<T> ViewOf(const cv::Mat_<T>& map) {
@@ -62,7 +62,7 @@ std::vector<SeenPoint> WithDepths(const std::vector<TrackedPoint>& points,
     const auto v = static_cast<int>(point.before.y + 0.5);
     const float d = disparity(v, u);
     const double z = pair.DepthFromDisparity(static_cast<double>(d));
-    if (!(d > kLeastPointDisparity) || !(variance(v, u) <= kMostPointVariance) || !(z > 0)) {
+    if (!(d > kMinPointDisparity) || !(variance(v, u) <= kMaxPointVariance) || !(z > 0)) {
       continue;
     }
     seen.push_back({.before_m = Eigen::Vector3d((point.before.x - pair.cx) / pair.focal_px * z,

@@ -17,13 +17,13 @@ constexpr int kSide = 16;  // of the window, px
 constexpr int kCount = kSide * kSide;
 constexpr int kGreyBits = 3;  // parts of a grey level that windows keep: 256 products of two
                               // differences of at most 2¹¹ fit 32 bits
-constexpr int kMostSteps = 10;
+constexpr int kMaxSteps = 10;
 // A step shorter than this ends the search, parts of a pixel. What is left has the sign of the
 // motion, so a coarser end would make every motion too short.
 constexpr int kShortStep = kPositionParts / 64;
 // Smaller eigenvalue of the structure tensor, a pixel of the window, of a texture of one grey level
 // a pixel, in the units below (differences over 2 px, parts of a grey level).
-constexpr double kLeastTexture = (2 << kGreyBits) * (2 << kGreyBits) / 2.0;
+constexpr double kMinTexture = (2 << kGreyBits) * (2 << kGreyBits) / 2.0;
 
 // Grey values of kRows × kColumns places, one pixel apart from each other. Their right and lower
 // neighbours are in the image, too.
@@ -115,10 +115,10 @@ bool MatchOnTarget(const GreyView& before, Place place, const GreyView& after, P
   const double vv = svv - sv * mean_v;
   const double half_difference = (uu - vv) / 2;
   const double smaller = (uu + vv) / 2 - std::sqrt(half_difference * half_difference + uv * uv);
-  if (!(smaller >= kLeastTexture * kCount)) return false;
+  if (!(smaller >= kMinTexture * kCount)) return false;
   const double determinant = uu * vv - uv * uv;
 
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const Place now = FirstOf(found, kSide);
     if (!IsInside(after, now, kSide)) return false;
     alignas(64) int16_t there[kCount];

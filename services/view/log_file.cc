@@ -18,8 +18,8 @@ namespace {
 // Whoever looks is told of new frames this often.
 constexpr std::chrono::milliseconds kTell{200};
 
-top::StatusBoard::Clock::time_point AsTime(int64_t utime) {
-  return top::StatusBoard::Clock::time_point(std::chrono::microseconds(utime));
+StatusBoard::Clock::time_point AsTime(int64_t utime) {
+  return StatusBoard::Clock::time_point(std::chrono::microseconds(utime));
 }
 
 }  // namespace

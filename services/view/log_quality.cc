@@ -9,7 +9,7 @@
 #include "common/app/log.h"
 #include "common/app/low_priority.h"
 #include "common/core/sleep.h"
-#include "common/quality/frame_quality.h"
+#include "common/measure/frame_quality.h"
 #include "services/view/decoded_frame.h"
 
 namespace sprout::view {
@@ -62,7 +62,7 @@ void LogQuality::Run(const std::stop_token& stop) {
   while (log_.progress() < 1) {
     if (!SleepFor(kPoll, stop)) return;
   }
-  for (const int64_t key : SpreadOrder(log_.keys().last + 1, kMostFrames)) {
+  for (const int64_t key : SpreadOrder(log_.keys().last + 1, kMaxFrames)) {
     if (stop.stop_requested()) return;
     try {
       const StoredFramePtr stored = log_.Get(key);

@@ -19,7 +19,7 @@ std::vector<int64_t> SpreadOrder(int64_t count, int64_t most);
 /// log only a part of the frames, since each takes some hundredths of a second.
 class LogQuality {
  public:
-  static constexpr int64_t kMostFrames = 2000;
+  static constexpr int64_t kMaxFrames = 2000;
 
   /// @param log  must outlive this.
   explicit LogQuality(LogFile& log);

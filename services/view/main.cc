@@ -69,7 +69,7 @@ std::string Hello(nlohmann::json facts, const StatusHistory& history) {
 }
 
 std::string Status(nlohmann::json facts, const StatusHistory& history,
-                   top::StatusBoard::Clock::time_point now) {
+                   StatusBoard::Clock::time_point now) {
   facts["type"] = "status";
   std::string text = JsonText(facts);
   text.pop_back();
@@ -106,7 +106,7 @@ int ShowGraph(const ServiceContext& context, const Options& options) {
                                       {"kept_mb", static_cast<double>(ring.bytes()) / (1 << 20)},
                                       {"short", ring.is_short()},
                                       {"complaint", monitor.Snapshot().last_error}},
-                                     history, top::StatusBoard::Clock::now());
+                                     history, StatusBoard::Clock::now());
                      },
                  .keep_bytes = max_bytes});
   const BusListener listener(context, ring, history, monitor, [&] { server.FrameChanged(); });

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "services/top/board_text.h"
+#include "common/app/board_text.h"
 #include "services/view/packet.h"
 
 namespace sprout::view {
@@ -19,7 +19,7 @@ int64_t LostOf(const StageStatus& status) {
 }  // namespace
 
 void StatusHistory::Add(const StageStatus& status, int64_t utime,
-                        top::StatusBoard::Clock::time_point now) {
+                        StatusBoard::Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   board_.Add(status, now);
   newest_ = now;
@@ -37,12 +37,12 @@ void StatusHistory::Add(const StageStatus& status, int64_t utime,
   }
 }
 
-std::string StatusHistory::BoardText(top::StatusBoard::Clock::time_point now) const {
+std::string StatusHistory::BoardText(StatusBoard::Clock::time_point now) const {
   const std::lock_guard lock(mutex_);
-  return top::BoardJson(board_.Rows(now));
+  return BoardJson(board_.Rows(now));
 }
 
-top::StatusBoard::Clock::time_point StatusHistory::newest() const {
+StatusBoard::Clock::time_point StatusHistory::newest() const {
   const std::lock_guard lock(mutex_);
   return newest_;
 }

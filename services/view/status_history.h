@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "common/app/status_board.h"
 #include "common/core/stage_status.h"
-#include "services/top/status_board.h"
 
 namespace sprout::view {
 
@@ -27,17 +27,17 @@ class StatusHistory {
       : board_(std::move(expected)), keep_all_(keep_all) {}
 
   /// @param utime  arrival, µs.
-  void Add(const StageStatus& status, int64_t utime, top::StatusBoard::Clock::time_point now);
+  void Add(const StageStatus& status, int64_t utime, StatusBoard::Clock::time_point now);
 
   /// The board, see BoardJson().
-  std::string BoardText(top::StatusBoard::Clock::time_point now) const;
+  std::string BoardText(StatusBoard::Clock::time_point now) const;
 
   /// {stage: {t, rate_hz, age_p50_ms, age_p99_ms, lost, bad, rss_mb}}: arrays of equal length, t in
   /// s since 1970; lost and bad are counts since the start of the process.
   std::string HistoryText() const;
 
   /// Arrival of the newest status, as given to Add().
-  top::StatusBoard::Clock::time_point newest() const;
+  StatusBoard::Clock::time_point newest() const;
 
  private:
   struct Sample {
@@ -52,9 +52,9 @@ class StatusHistory {
   };
 
   mutable std::mutex mutex_;
-  top::StatusBoard board_;
+  StatusBoard board_;
   bool keep_all_;
-  top::StatusBoard::Clock::time_point newest_{};
+  StatusBoard::Clock::time_point newest_{};
   std::map<std::string, Course> courses_;
 };
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "common/quality/target_meter.h"
+#include "common/measure/target_meter.h"
 #include "services/view/decoded_frame.h"
 
 namespace sprout::view {

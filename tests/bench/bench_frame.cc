@@ -8,7 +8,7 @@
 
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
-#include "services/datasets/tof_grid.h"
+#include "common/scenes/tof_grid.h"
 
 namespace sprout {
 namespace {
@@ -46,16 +46,16 @@ RectifiedPair ResizedPair(RectifiedPair pair, cv::Size size) {
 BenchFrame LoadBenchFrame(const std::string& folder, cv::Size size) {
   CaptureConfig config;
   config.set_source("middlebury:" + folder);
-  const auto source = datasets::OpenDataset(config);
+  const auto source = scenes::OpenDataset(config);
   BenchFrame bench{.rig = source->rig(), .frame = source->Get(0), .left = {}, .right = {}};
   bench.rig.pair = ResizedPair(bench.rig.pair, size);
-  bench.rig.tof = datasets::TofGridCamera(bench.rig.pair, kTofSpacingPx);
-  datasets::DatasetFrame& frame = bench.frame;
+  bench.rig.tof = scenes::TofGridCamera(bench.rig.pair, kTofSpacingPx);
+  scenes::DatasetFrame& frame = bench.frame;
   frame.left = ResizedImage(frame.left, size);
   frame.right = ResizedImage(frame.right, size);
   frame.truth.left = ResizedTruth(frame.truth.left, size);
   frame.truth.right = {};
-  frame.tof = datasets::SampleTofGrid(bench.rig.pair, kTofSpacingPx, frame.truth.left);
+  frame.tof = scenes::SampleTofGrid(bench.rig.pair, kTofSpacingPx, frame.truth.left);
   bench.left = ToGrey(frame.left);
   bench.right = ToGrey(frame.right);
   for (const float disparity : frame.truth.left) {

@@ -5,15 +5,15 @@
 #include <string>
 
 #include "common/core/rig.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 
 namespace sprout {
 
 /// One frame to measure on.
 struct BenchFrame {
   Rig rig;
-  datasets::DatasetFrame frame;  ///< images as captured, colour on the left
-  cv::Mat1b left;                ///< grey, as the stages look at them
+  scenes::DatasetFrame frame;  ///< images as captured, colour on the left
+  cv::Mat1b left;              ///< grey, as the stages look at them
   cv::Mat1b right;
   int max_disparity_px = 0;
 };

@@ -6,9 +6,9 @@
 #include <random>
 #include <string>
 
-#include "services/evaluate/chain.h"
-#include "services/evaluate/scene.h"
-#include "services/grow/confidence.h"
+#include "services/grow/confidence/confidence.h"
+#include "services/tools/evaluate/chain.h"
+#include "services/tools/evaluate/scene.h"
 
 namespace sprout::evaluate {
 namespace {

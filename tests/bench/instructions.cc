@@ -10,7 +10,7 @@
 #include <string>
 
 #include "common/config/config.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "services/grow/grow_adapter.h"
 #include "services/prior/prior_adapter.h"
 #include "services/refine/refine_adapter.h"
@@ -23,8 +23,8 @@ extern "C" __attribute__((noinline)) void CountedRun(const std::function<void()>
 namespace {
 
 Frame SyntheticFrame(const CaptureConfig& config) {
-  const auto dataset = datasets::OpenDataset(config);
-  const datasets::DatasetFrame given = dataset->Get(0);
+  const auto dataset = scenes::OpenDataset(config);
+  const scenes::DatasetFrame given = dataset->Get(0);
   Frame frame;
   frame.left = given.left;
   frame.right = given.right;

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "common/config/config_error.h"
-#include "services/datasets/kitti_calibration.h"
-#include "services/datasets/middlebury_calibration.h"
-#include "services/datasets/velodyne_scan.h"
+#include "common/scenes/kitti_calibration.h"
+#include "common/scenes/middlebury_calibration.h"
+#include "common/scenes/velodyne_scan.h"
 #include "tests/fuzz/targets.h"
 
 namespace sprout::fuzz {
@@ -20,9 +20,9 @@ constexpr char kKittiText[] =
     "R0_rect: 1 0 0 0 1 0 0 0 1\n"
     "Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n";
 
-datasets::KittiCalibration GoodKitti() {
+scenes::KittiCalibration GoodKitti() {
   const MemoryFile file(BytesOf(kKittiText));
-  return datasets::ReadKittiCalibration(file.path(), kImages);
+  return scenes::ReadKittiCalibration(file.path(), kImages);
 }
 
 }  // namespace
@@ -30,12 +30,12 @@ datasets::KittiCalibration GoodKitti() {
 void ReadMiddleburyCalibration(std::span<const uint8_t> bytes) {
   const MemoryFile file(bytes);
   try {
-    const RectifiedPair pair = datasets::CalibrationFromCalib(file.path(), kImages);
+    const RectifiedPair pair = scenes::CalibrationFromCalib(file.path(), kImages);
     Check(pair.focal_px > 0 && pair.baseline_m > 0, "a camera without extent");
   } catch (const ConfigError&) {
   }
   try {
-    datasets::CalibrationFromDmin(file.path(), 0, kImages, 3);
+    scenes::CalibrationFromDmin(file.path(), 0, kImages, 3);
   } catch (const ConfigError&) {
   }
 }
@@ -49,10 +49,9 @@ std::vector<Bytes> MiddleburySeeds() {
 void ReadKitti(std::span<const uint8_t> bytes) {
   const MemoryFile file(bytes);
   try {
-    const datasets::KittiCalibration calibration =
-        datasets::ReadKittiCalibration(file.path(), kImages);
-    datasets::TofImageFromScan({{10, 0, 0}, {20, 1, -2}, {-5, 0, 0}}, calibration.left_from_scanner,
-                               calibration.pair);
+    const scenes::KittiCalibration calibration = scenes::ReadKittiCalibration(file.path(), kImages);
+    scenes::TofImageFromScan({{10, 0, 0}, {20, 1, -2}, {-5, 0, 0}}, calibration.left_from_scanner,
+                             calibration.pair);
   } catch (const ConfigError&) {
   }
 }
@@ -60,12 +59,12 @@ void ReadKitti(std::span<const uint8_t> bytes) {
 std::vector<Bytes> KittiSeeds() { return {BytesOf(kKittiText)}; }
 
 void ReadScan(std::span<const uint8_t> bytes) {
-  static const datasets::KittiCalibration calibration = GoodKitti();
+  static const scenes::KittiCalibration calibration = GoodKitti();
   const MemoryFile file(bytes);
   try {
-    const std::vector<Eigen::Vector3d> points = datasets::ReadVelodyneScan(file.path());
-    const TofImage tof = datasets::TofImageFromScan(
-        datasets::KeepBeams(points, 16), calibration.left_from_scanner, calibration.pair);
+    const std::vector<Eigen::Vector3d> points = scenes::ReadVelodyneScan(file.path());
+    const TofImage tof = scenes::TofImageFromScan(scenes::KeepBeams(points, 16),
+                                                  calibration.left_from_scanner, calibration.pair);
     Check(tof.depth_m.size() == kImages, "a range image of another size");
   } catch (const ConfigError&) {
   }

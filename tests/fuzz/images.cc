@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "common/config/config_error.h"
+#include "common/scenes/pfm.h"
+#include "common/scenes/read_image.h"
 #include "services/capture/genicam/pixels.h"
 #include "services/capture/genicam/scan3d.h"
-#include "services/datasets/pfm.h"
-#include "services/datasets/read_image.h"
 #include "tests/fuzz/targets.h"
 
 namespace sprout::fuzz {
@@ -53,7 +53,7 @@ Bytes PayloadOf(size_t format, int width, int height, capture::PartContent conte
 void ReadPfmFile(std::span<const uint8_t> bytes) {
   const MemoryFile file(bytes);
   try {
-    const cv::Mat1f samples = datasets::ReadPfm(file.path());
+    const cv::Mat1f samples = scenes::ReadPfm(file.path());
     Check(4 * samples.total() <= bytes.size(), "more samples than bytes");
   } catch (const ConfigError&) {
   }
@@ -68,7 +68,7 @@ void ReadImageFile(std::span<const uint8_t> bytes) {
   const MemoryFile file(bytes);
   for (const int flags : {cv::IMREAD_COLOR, cv::IMREAD_UNCHANGED}) {
     try {
-      Check(!datasets::ReadImage(file.path(), flags).empty(), "an image without a pixel");
+      Check(!scenes::ReadImage(file.path(), flags).empty(), "an image without a pixel");
     } catch (const ConfigError&) {
     }
   }

@@ -1,11 +1,11 @@
 // ROS 2's messages in CDR, and MCAP files.
 #include <filesystem>
 
-#include "common/mcap/mcap_reader.h"
-#include "common/mcap/mcap_writer.h"
-#include "common/ros2/from_ros.h"
+#include "common/ros/from_ros.h"
+#include "common/ros/mcap_reader.h"
+#include "common/ros/mcap_writer.h"
 #include "tests/common/logfile/sample_log.h"
-#include "tests/common/ros2/ros_examples.h"
+#include "tests/common/ros/ros_examples.h"
 #include "tests/fuzz/targets.h"
 
 namespace sprout::fuzz {

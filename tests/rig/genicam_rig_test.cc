@@ -103,7 +103,7 @@ class GenicamRig : public testing::Test {
 
   // Takes frames until there are `count` that a condition holds for, or a limit of time.
   Tally Take(capture::RawSource& source, int64_t count,
-             const std::function<bool(const datasets::CapturedFrame&)>& counts = {},
+             const std::function<bool(const scenes::CapturedFrame&)>& counts = {},
              seconds limit = seconds(30)) {
     std::stop_source stop;
     const std::jthread timer([&](const std::stop_token& done) {
@@ -113,7 +113,7 @@ class GenicamRig : public testing::Test {
     Tally tally;
     int64_t counted = 0;
     while (counted < count) {
-      const std::optional<datasets::CapturedFrame> frame = source.Next(stop.get_token());
+      const std::optional<scenes::CapturedFrame> frame = source.Next(stop.get_token());
       if (!frame) break;
       Add(*frame, tally);
       if (!counts || counts(*frame)) ++counted;
@@ -158,7 +158,7 @@ class GenicamRig : public testing::Test {
     return nearest;
   }
 
-  static void Add(const datasets::CapturedFrame& frame, Tally& tally) {
+  static void Add(const scenes::CapturedFrame& frame, Tally& tally) {
     ++tally.frames;
     tally.lost += frame.lost;
     tally.worst_spread_ms = std::max(tally.worst_spread_ms, frame.spread_ms);
@@ -215,8 +215,7 @@ TEST_F(GenicamRig, GivesTripletsThatWereTakenTogether) {
   for (const auto trigger : {RigDescription::FREE_RUN, RigDescription::SOFTWARE}) {
     const auto source = capture::OpenGenicam(Description(trigger), "rig");
     // The cameras start one after the other.
-    Take(*source, 3,
-         [](const datasets::CapturedFrame& frame) { return !frame.tof.depth_m.empty(); });
+    Take(*source, 3, [](const scenes::CapturedFrame& frame) { return !frame.tof.depth_m.empty(); });
     const Tally tally = Take(*source, 20);
     std::cout << tally << "\n";
     EXPECT_EQ(PairsNotDelivered(tally), 0);
@@ -227,8 +226,8 @@ TEST_F(GenicamRig, GivesTripletsThatWereTakenTogether) {
   }
 }
 
-bool HasTof(const datasets::CapturedFrame& frame) { return !frame.tof.depth_m.empty(); }
-bool HasNoTof(const datasets::CapturedFrame& frame) { return frame.tof.depth_m.empty(); }
+bool HasTof(const scenes::CapturedFrame& frame) { return !frame.tof.depth_m.empty(); }
+bool HasNoTof(const scenes::CapturedFrame& frame) { return frame.tof.depth_m.empty(); }
 
 TEST_F(GenicamRig, GoesOnWithoutTheTofCameraAndTakesItBack) {
   StartCameras();
@@ -257,7 +256,7 @@ TEST_F(GenicamRig, WaitsForACameraWhoseCableIsPulled) {
     rig_.Plug("RIGHT");
   });
   bool told = false;
-  const Tally back = Take(*source, 20, [&](const datasets::CapturedFrame&) {
+  const Tally back = Take(*source, 20, [&](const scenes::CapturedFrame&) {
     if (!std::exchange(told, true)) first.set_value();
     return true;
   });
@@ -340,9 +339,9 @@ TEST_F(GenicamRig, GivesDepthsOfACameraThatMeasuresAlongTheRay) {
   StartTof({"--spherical", "--focal", "200", "--unit", "0.5"});
   RigDescription rig = Description(RigDescription::FREE_RUN);
   rig.mutable_tof()->set_pixel_format("Mono16");
-  std::optional<datasets::CapturedFrame> newest;
+  std::optional<scenes::CapturedFrame> newest;
   const auto source = capture::OpenGenicam(rig, "rig");
-  Take(*source, 1, [&](const datasets::CapturedFrame& frame) {
+  Take(*source, 1, [&](const scenes::CapturedFrame& frame) {
     if (HasTof(frame)) newest = frame;
     return HasTof(frame);
   });

@@ -13,13 +13,13 @@
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 
-#include "common/quality/score.h"
+#include "common/measure/score.h"
 #include "common/rig/rig_file.h"
-#include "services/calibrate/board.h"
+#include "services/tools/calibrate/board.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/rig/fake_rig.h"
 #include "tests/rig/rig_scene.h"
-#include "tests/services/calibrate/board_scene.h"
+#include "tests/services/tools/calibrate/board_scene.h"
 #include "tests/system/graph.h"
 
 namespace sprout {

@@ -27,17 +27,17 @@ TofCamera TofCameraOf(const RawRig& rig) {
   return camera;
 }
 
-datasets::LensView ViewOf(const Lens& lens, const Pose& pose, int rays_per_side) {
+scenes::LensView ViewOf(const Lens& lens, const Pose& pose, int rays_per_side) {
   return {lens, pose.rotation, pose.translation_m, rays_per_side};
 }
 
-datasets::Vec3 ToVec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+scenes::Vec3 ToVec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 // Parameter at which a ray meets the nearest solid; infinity when it meets none.
-double Nearest(const std::vector<datasets::Solid>& solids, const datasets::Ray& ray) {
+double Nearest(const std::vector<scenes::Solid>& solids, const scenes::Ray& ray) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const datasets::Solid& solid : solids)
-    nearest = std::min(nearest, datasets::Intersect(solid, ray));
+  for (const scenes::Solid& solid : solids)
+    nearest = std::min(nearest, scenes::Intersect(solid, ray));
   return nearest;
 }
 
@@ -48,14 +48,14 @@ RigScene::RigScene(const RawRig& rig, uint32_t seed)
       scene_(seed, kNearestFloorM * rig.left.height / (2 * rig.left.fy)),
       left_(ViewOf(rig.left, {}, kRaysPerSide)),
       right_(ViewOf(rig.right, rig.left_from_right, kRaysPerSide)),
-      tof_(ViewOf(rig.tof, rig.left_from_tof, datasets::TofSamples::kPerSide)),
+      tof_(ViewOf(rig.tof, rig.left_from_tof, scenes::TofSamples::kPerSide)),
       sr4000_(TofCameraOf(rig), Sr4000Config(), seed),
       range_per_depth_(RangePerDepth(rig.tof)) {}
 
-cv::Mat RigScene::RenderImage(const datasets::LensView& view,
-                              const std::vector<datasets::Solid>& solids, uint32_t noise) const {
+cv::Mat RigScene::RenderImage(const scenes::LensView& view,
+                              const std::vector<scenes::Solid>& solids, uint32_t noise) const {
   cv::Mat3f rays(view.size(), cv::Vec3f(0, 0, 0));
-  view.Cast(solids, rig_.left.fx, [&](int x, int y, double, const datasets::Vec3& bgr) {
+  view.Cast(solids, rig_.left.fx, [&](int x, int y, double, const scenes::Vec3& bgr) {
     rays(y, x) =
         cv::Vec3f(static_cast<float>(bgr.x), static_cast<float>(bgr.y), static_cast<float>(bgr.z));
   });
@@ -69,11 +69,11 @@ cv::Mat RigScene::RenderImage(const datasets::LensView& view,
 }
 
 calibrate::RigImages RigScene::Render(int64_t step, uint32_t noise) const {
-  const std::vector<datasets::Solid> solids = scene_.At(step);
+  const std::vector<scenes::Solid> solids = scene_.At(step);
   calibrate::RigImages images{
       .left = RenderImage(left_, solids, 2 * noise + 1),
       .right = RenderImage(right_, solids, 2 * noise + 2),
-      .tof = sr4000_.Measure(datasets::RenderTof(tof_, solids, rig_.left.fx), noise).tof};
+      .tof = sr4000_.Measure(scenes::RenderTof(tof_, solids, rig_.left.fx), noise).tof};
   cv::Mat1f& depth_m = images.tof.depth_m;
   for (int i = 0; i < static_cast<int>(depth_m.total()); ++i) {
     const double range_m = depth_m(i) * range_per_depth_(i);
@@ -84,7 +84,7 @@ calibrate::RigImages RigScene::Render(int64_t step, uint32_t noise) const {
 }
 
 cv::Mat1f RigScene::Truth(int64_t step, const Rectifier& rectifier) const {
-  const std::vector<datasets::Solid> solids = scene_.At(step);
+  const std::vector<scenes::Solid> solids = scene_.At(step);
   const RectifiedPair& pair = rectifier.rig().pair;
   // The turn of the left camera is part of what became of the ToF camera's pose.
   const Eigen::Matrix3d turn = (rectifier.rig().tof.left_from_tof_rotation *

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "common/rig/rectifier.h"
-#include "services/calibrate/board_view.h"
-#include "services/datasets/lens_view.h"
-#include "services/datasets/sr4000.h"
-#include "services/datasets/synthetic_scene.h"
+#include "common/scenes/lens_view.h"
+#include "common/scenes/sr4000.h"
+#include "common/scenes/synthetic_scene.h"
+#include "services/tools/calibrate/board_view.h"
 
 namespace sprout {
 
@@ -33,15 +33,15 @@ class RigScene {
 
  private:
   /// The image of a camera from its rays' colours.
-  cv::Mat RenderImage(const datasets::LensView& view, const std::vector<datasets::Solid>& solids,
+  cv::Mat RenderImage(const scenes::LensView& view, const std::vector<scenes::Solid>& solids,
                       uint32_t noise) const;
 
   RawRig rig_;
-  datasets::SyntheticScene scene_;
-  datasets::LensView left_;
-  datasets::LensView right_;
-  datasets::LensView tof_;
-  datasets::Sr4000 sr4000_;
+  scenes::SyntheticScene scene_;
+  scenes::LensView left_;
+  scenes::LensView right_;
+  scenes::LensView tof_;
+  scenes::Sr4000 sr4000_;
   cv::Mat1d range_per_depth_;
 };
 

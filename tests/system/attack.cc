@@ -40,7 +40,7 @@ constexpr char kCapturePrefix[] = "ATTACKED_";
 
 // Unfinished frames (1 GiB), messages that wait (512 MB), and two frames of the largest size that
 // is sent here, being decoded and worked on (0.5 GB).
-constexpr int64_t kMostMegabytes = 2048;
+constexpr int64_t kMaxMegabytes = 2048;
 
 std::string Program(const std::string& name) {
   return (std::filesystem::path(SPROUT_BINARY_DIR) / ("sprout-" + name)).string();
@@ -261,7 +261,7 @@ class Attack {
       });
       if (!counted) throw Failure(name + " has not counted its bad messages");
       const int64_t peak = PeakMegabytes(pid);
-      if (peak > kMostMegabytes) throw Failure(fmt::format("{} took {} MB", name, peak));
+      if (peak > kMaxMegabytes) throw Failure(fmt::format("{} took {} MB", name, peak));
     }
   }
 

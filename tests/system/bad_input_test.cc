@@ -8,7 +8,7 @@
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "tests/system/graph.h"
 
 namespace sprout {
@@ -21,7 +21,7 @@ struct HandFrame {
   explicit HandFrame(const std::string& source = "synthetic:160x120") {
     CaptureConfig config;
     config.set_source(source);
-    const auto frames = datasets::OpenDataset(config);
+    const auto frames = scenes::OpenDataset(config);
     frame = frames->Get(0);
     rig = frames->rig();
   }
@@ -34,7 +34,7 @@ struct HandFrame {
     graph.PublishPart(id, Part::kTof, frame.tof);
   }
 
-  datasets::DatasetFrame frame;
+  scenes::DatasetFrame frame;
   Rig rig;
 };
 

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "services/batch/log_task.h"
-#include "services/batch/manifest.h"
+#include "services/tools/batch/log_task.h"
+#include "services/tools/batch/manifest.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/batch_logs.h"
 #include "tests/system/batch_run.h"

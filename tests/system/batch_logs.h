@@ -10,7 +10,7 @@
 #include "common/bus/channels.h"
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 
 namespace sprout {
 
@@ -27,7 +27,7 @@ inline void WriteStraddlingLog(const std::filesystem::path& path, const std::str
                                int64_t first, int64_t frames) {
   SproutConfig config = LoadConfig({"default"});
   config.mutable_capture()->set_source("synthetic:" + size);
-  const auto scene = datasets::OpenDataset(config.capture());
+  const auto scene = scenes::OpenDataset(config.capture());
   const std::string rig_id = RigId(scene->rig());
   LogWriter writer(path);
   const auto time = [&] {
@@ -39,7 +39,7 @@ inline void WriteStraddlingLog(const std::filesystem::path& path, const std::str
     writer.Write(time(), ChannelOf(part),
                  EncodePart(id, part, value, DisparityEncoding::kRawInt16));
   };
-  std::vector<datasets::DatasetFrame> late;
+  std::vector<scenes::DatasetFrame> late;
   for (int64_t i = 0; i < frames + 2; ++i) {
     if (i < frames) {
       late.push_back(scene->Get(first + i));
@@ -48,7 +48,7 @@ inline void WriteStraddlingLog(const std::filesystem::path& path, const std::str
     }
     if (i == 3) write(Part::kRig, i, scene->rig());
     if (i < 2) continue;
-    const datasets::DatasetFrame& frame = late[static_cast<size_t>(i - 2)];
+    const scenes::DatasetFrame& frame = late[static_cast<size_t>(i - 2)];
     write(Part::kRight, i - 2, frame.right);
     if (i != 7 && i != 15) write(Part::kTof, i - 2, frame.tof);
   }

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "common/logfile/log_reader.h"
-#include "services/batch/manifest.h"
+#include "services/tools/batch/manifest.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/batch_logs.h"
 #include "tests/system/batch_run.h"

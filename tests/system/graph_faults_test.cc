@@ -15,7 +15,7 @@
 
 #include "common/bus/lcm_url.h"
 #include "common/logfile/log_reader.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/eventually.h"
 #include "tests/system/graph.h"
@@ -58,11 +58,11 @@ TEST(ClockSystem, AnHourOffEitherWayLosesNothingAndIsSaid) {
   StartStages(graph);
   CaptureConfig config;
   config.set_source("synthetic:160x120");
-  const auto source = datasets::OpenDataset(config);
+  const auto source = scenes::OpenDataset(config);
   const std::string rig_id = RigId(source->rig());
   int64_t sent = 0;
   const auto send = [&](int64_t seq, int64_t offset_us) {
-    const datasets::DatasetFrame frame = source->Get(seq);
+    const scenes::DatasetFrame frame = source->Get(seq);
     const auto now = std::chrono::duration_cast<std::chrono::microseconds>(
         std::chrono::system_clock::now().time_since_epoch());
     const FrameId id{.utime = now.count() + offset_us, .seq = seq, .rig_id = rig_id};

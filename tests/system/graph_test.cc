@@ -5,7 +5,7 @@
 
 #include <csignal>
 
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "services/pipeline/pipeline.h"
 #include "tests/system/correct_percent.h"
 
@@ -23,8 +23,8 @@ bool SamePixels(const DisparityImage& a, const DisparityImage& b) {
 DisparityImage ComputeInProcess(int64_t index, const std::string& from = kSource) {
   SproutConfig config = LoadConfig({"default"});
   config.mutable_capture()->set_source(from);
-  const auto source = datasets::OpenDataset(config.capture());
-  const datasets::DatasetFrame captured = source->Get(index);
+  const auto source = scenes::OpenDataset(config.capture());
+  const scenes::DatasetFrame captured = source->Get(index);
   return Pipeline(config)
       .Compute(captured.left, captured.right, captured.tof, source->rig())
       .value()
@@ -76,7 +76,7 @@ TEST(GraphSystem, WithoutATofCameraStereoGivesTheMapAndTheStatusesSayNoCoverage)
   }));
   CaptureConfig config;
   config.set_source(kWithoutTof);
-  const auto source = datasets::OpenDataset(config);
+  const auto source = scenes::OpenDataset(config);
   graph.WaitUntil([&](Graph& g) {
     for (int64_t seq = 0; seq < kFrames; ++seq) {
       const auto& map = std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq}));

@@ -7,7 +7,7 @@
 #include "common/core/image.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
-#include "services/check/bad_messages.h"
+#include "services/tools/check/bad_messages.h"
 
 namespace sprout {
 namespace {
@@ -15,9 +15,9 @@ namespace {
 constexpr int64_t kUtime = 1'700'000'000'000'000;
 
 // Largest image that is sent, px: a frame takes seconds, not minutes.
-constexpr size_t kMostColumns = 2000;
-constexpr size_t kMostRows = 1500;
-constexpr size_t kMostTofSide = 500;
+constexpr size_t kMaxColumns = 2000;
+constexpr size_t kMaxRows = 1500;
+constexpr size_t kMaxTofSide = 500;
 
 DepthImage DepthOf(const cv::Mat1w& counts) {
   return {.counts = counts, .metres_per_count = 0.001, .focal_px = 500, .cx = 1, .cy = 1};
@@ -154,8 +154,8 @@ Rig HostileMessages::OddRig(cv::Size size) {
   for (uint32_t i = Below(3); i > 0; --i) *numbers[Below(std::size(numbers))] = Extreme();
   if (Below(4) == 0) rig.tof.fx = rig.tof.fy = 1e6;  // all ToF points in one pixel
   if (Below(2) == 0) {
-    rig.tof.width = 1 + static_cast<int>(Below(kMostTofSide));
-    rig.tof.height = 1 + static_cast<int>(Below(kMostTofSide));
+    rig.tof.width = 1 + static_cast<int>(Below(kMaxTofSide));
+    rig.tof.height = 1 + static_cast<int>(Below(kMaxTofSide));
   }
   return rig;
 }
@@ -284,7 +284,7 @@ HostileMessage HostileMessages::Corrupted(Part part) {
 }
 
 HostileMessage HostileMessages::OfAnotherSize(Part part) {
-  const cv::Size size(static_cast<int>(1 + Below(kMostColumns)), static_cast<int>(1 + Below(300)));
+  const cv::Size size(static_cast<int>(1 + Below(kMaxColumns)), static_cast<int>(1 + Below(300)));
   return {"of another size", std::string(ChannelOf(part)),
           Encode(RandomId(), part, Odd(part, size)), false};
 }
@@ -298,8 +298,8 @@ HostileMessage HostileMessages::OnWrongChannel(Part part) {
 // All messages of a frame that agree with each other: gets past the border and into the stages.
 std::vector<HostileMessage> HostileMessages::OddFrame() {
   const cv::Size size =
-      Below(8) == 0 ? cv::Size(static_cast<int>(1 + Below(kMostColumns)),
-                               static_cast<int>(1 + Below(kMostRows)))
+      Below(8) == 0 ? cv::Size(static_cast<int>(1 + Below(kMaxColumns)),
+                               static_cast<int>(1 + Below(kMaxRows)))
                     : cv::Size(static_cast<int>(1 + Below(300)), static_cast<int>(1 + Below(200)));
   const Rig rig = OddRig(size);
   const FrameId id{.utime = kUtime + Below(1000), .seq = Below(1000), .rig_id = RigId(rig)};

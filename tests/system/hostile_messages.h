@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/core/frame.h"
-#include "services/check/test_frames.h"
+#include "services/tools/check/test_frames.h"
 
 namespace sprout {
 

@@ -8,7 +8,7 @@
 
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "services/pipeline/pipeline.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
@@ -61,14 +61,14 @@ TEST(OneProcessSystem, FusesFramesToTheBytesOfSproutTemporal) {
   const std::string config = "temporal { in_pipeline: true }";
   CaptureConfig capture;
   capture.set_source(kSource);
-  const auto source = datasets::OpenDataset(capture);
+  const auto source = scenes::OpenDataset(capture);
   const TemporaryDirectory folder;
   LogWriter writer(folder / "in.lcm");
   Graph graph;
   graph.Start("pipeline", {"--config", config});
   std::map<Part, std::vector<std::vector<uint8_t>>> live;
   for (int64_t seq = 0; seq < kFrames; ++seq) {
-    const datasets::DatasetFrame frame = source->Get(seq);
+    const scenes::DatasetFrame frame = source->Get(seq);
     const FrameId id{
         .utime = 1'000'000 + 100'000 * seq, .seq = seq, .rig_id = RigId(source->rig())};
     const std::pair<Part, PartValue> parts[] = {{Part::kRig, source->rig()},
@@ -125,8 +125,8 @@ TEST(OneProcessSystem, ComputesMapsWithoutTheMotionThatOnlyTheMemoryNeeds) {
 DisparityImage ComputeInProcess(int64_t index) {
   SproutConfig config = LoadConfig({"default"});
   config.mutable_capture()->set_source(kSource);
-  const auto source = datasets::OpenDataset(config.capture());
-  const datasets::DatasetFrame captured = source->Get(index);
+  const auto source = scenes::OpenDataset(config.capture());
+  const scenes::DatasetFrame captured = source->Get(index);
   return Pipeline(config)
       .Compute(captured.left, captured.right, captured.tof, source->rig())
       .value()

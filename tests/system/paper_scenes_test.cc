@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iostream>
 
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "tests/system/correct_percent.h"
 #include "tests/system/graph.h"
 
@@ -40,7 +40,7 @@ TEST_P(PaperScenes, ComeOutAsInThePaper) {
 
   CaptureConfig config;
   config.set_source(source);
-  const datasets::GroundTruth truth = datasets::OpenDataset(config)->Get(0).truth;
+  const scenes::GroundTruth truth = scenes::OpenDataset(config)->Get(0).truth;
   graph.WaitUntil([&](Graph& g) {
     const auto correct = [&](Part part) {
       const PartValue& value = g.parts.at({part, 0});

@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "common/core/disparity_image.h"
+#include "tests/common/measure/flat_target.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/common/quality/flat_target.h"
 #include "tests/system/eventually.h"
 #include "tests/system/graph.h"
 

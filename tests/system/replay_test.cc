@@ -11,7 +11,7 @@
 #include "common/bus/channels.h"
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/eventually.h"
 #include "tests/system/graph.h"
@@ -144,8 +144,8 @@ TEST(ReplaySystem, AReplayOfARecordingWithAllChannelsGivesTheSame) {
 void WriteLongLog(const std::filesystem::path& path, int frames) {
   CaptureConfig config;
   config.set_source("synthetic:320x240");
-  const auto source = datasets::OpenDataset(config);
-  const datasets::DatasetFrame captured = source->Get(0);
+  const auto source = scenes::OpenDataset(config);
+  const scenes::DatasetFrame captured = source->Get(0);
   SeedSet seeds;  // every eighth pixel of every eighth row
   for (int v = 4; v < captured.left.rows; v += 8) {
     for (int u = 4; u < captured.left.cols; u += 8) {

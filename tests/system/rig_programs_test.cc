@@ -14,10 +14,10 @@
 #include "common/bus/lcm_url.h"
 #include "common/bus/publisher.h"
 #include "common/messages/codec.h"
-#include "services/check/contract.h"
-#include "services/check/test_frames.h"
+#include "services/tools/check/contract.h"
+#include "services/tools/check/test_frames.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/services/calibrate/board_scene.h"
+#include "tests/services/tools/calibrate/board_scene.h"
 #include "tests/system/hostile_messages.h"
 #include "tests/system/log_bytes.h"
 

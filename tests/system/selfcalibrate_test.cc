@@ -13,9 +13,9 @@
 #include "common/messages/codec.h"
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
-#include "services/calibrate/rectify_images.h"
+#include "services/tools/calibrate/rectify_images.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/services/calibrate/knocked_scene.h"
+#include "tests/services/tools/calibrate/knocked_scene.h"
 #include "tests/system/graph.h"
 #include "tests/system/log_bytes.h"
 

@@ -32,8 +32,8 @@ constexpr seconds kLongestWarmUp{120};
 
 // What the resident memory may grow by over the whole run, as its slope has it: 2 MiB, and 1 % of
 // it.
-constexpr double kMostGrowthBytes = 2 << 20;
-constexpr double kMostGrowthShare = 0.01;
+constexpr double kMaxGrowthBytes = 2 << 20;
+constexpr double kMaxGrowthShare = 0.01;
 
 struct Sample {
   double time_s;
@@ -79,7 +79,7 @@ bool Judge(const std::string& name, const std::vector<Sample>& samples, double r
     rss_bytes.push_back(sample.rss_bytes);
   }
   const double growth = SlopeOf(times_s, rss_bytes) * run_s;
-  const double most = kMostGrowthBytes + kMostGrowthShare * rss_bytes.back();
+  const double most = kMaxGrowthBytes + kMaxGrowthShare * rss_bytes.back();
   const Bounds descriptors = BoundsOf(samples, &Sample::descriptors);
   const Bounds threads = BoundsOf(samples, &Sample::threads);
   const bool flat =

@@ -10,7 +10,7 @@
 #include "common/app/process.h"
 #include "tests/common/bus/fake_tcpq_server.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/services/datasets/scene_folder.h"
+#include "tests/common/scenes/scene_folder.h"
 #include "tests/system/eventually.h"
 #include "tests/system/graph.h"
 
@@ -55,7 +55,7 @@ TEST(StuckSystem, ASignalEndsWhoCapturesALogThatIsAFifo) {
 }
 
 TEST(StuckSystem, ASignalEndsWhoReadsASceneWithAFifoInIt) {
-  const datasets::SceneFolder scene;
+  const scenes::SceneFolder scene;
   scene.Write2005({413, 370});
   const fs::path fifo = MakeFifo(scene.File("dmin.txt"));
   ExpectEndsOnSigterm({ProgramPath("sprout-capture"), "--source", scene.Config().source()}, fifo);

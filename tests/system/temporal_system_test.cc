@@ -4,7 +4,7 @@
 
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
 #include "tests/system/log_bytes.h"
@@ -21,10 +21,10 @@ constexpr Part kAnswers[] = {Part::kFused, Part::kFusedConfidence, Part::kMotion
 std::vector<std::pair<FrameId, std::map<Part, PartValue>>> Frames(int count) {
   CaptureConfig config;
   config.set_source("synthetic:320x240");
-  const auto source = datasets::OpenDataset(config);
+  const auto source = scenes::OpenDataset(config);
   std::vector<std::pair<FrameId, std::map<Part, PartValue>>> frames;
   for (int64_t seq = 0; seq < count; ++seq) {
-    const datasets::DatasetFrame captured = source->Get(seq);
+    const scenes::DatasetFrame captured = source->Get(seq);
     const FrameId id{
         .utime = 1'000'000 + 100'000 * seq, .seq = seq, .rig_id = RigId(source->rig())};
     frames.push_back({id,

@@ -5,7 +5,7 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "services/depth/depth_map.h"
 #include "tests/system/eventually.h"
 #include "tests/system/graph.h"
@@ -27,7 +27,7 @@ TEST(DepthSystem, TurnsEveryMapIntoDepthAndPoints) {
   EXPECT_EQ(capture.Wait(), 0) << capture.Output();
   CaptureConfig config;
   config.set_source(kUsersSource);
-  const auto source = datasets::OpenDataset(config);
+  const auto source = scenes::OpenDataset(config);
   ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.parts.contains({Part::kCloud, 2}); }));
   graph.WaitUntil([&](Graph& g) {
     for (int64_t seq = 0; seq < 3; ++seq) {
@@ -116,7 +116,7 @@ TEST_F(TopSystem, SaysWhatInAFrameDoesNotFit) {
   graph_.Start("refine", {"--config", "default", "--config", "refine { check_inputs_every: 1 }"});
   CaptureConfig config;
   config.set_source("synthetic:640x480?tof=grid");
-  const auto source = datasets::OpenDataset(config);
+  const auto source = scenes::OpenDataset(config);
   const Rig rig = source->rig();
   int64_t seq = 0;
   const auto send = [&](const cv::Mat& left, const cv::Mat& right, const TofImage& tof) {
@@ -132,7 +132,7 @@ TEST_F(TopSystem, SaysWhatInAFrameDoesNotFit) {
     })) << seq;
     return Look("refine").second["stages"][0];
   };
-  const datasets::DatasetFrame frame = source->Get(0);
+  const scenes::DatasetFrame frame = source->Get(0);
   nlohmann::json row = send(frame.right, frame.left, frame.tof);
   EXPECT_THAT(row["last_error"].get<std::string>(), HasSubstr("left and right are swapped"));
   EXPECT_EQ(row["frames_degenerate"], 1) << row;

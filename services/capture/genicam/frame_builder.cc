@@ -145,10 +145,10 @@ int64_t FrameBuilder::Lost() const {
   return has_frames_ ? lost : 0;
 }
 
-std::optional<datasets::CapturedFrame> FrameBuilder::Next(int64_t now_utime) {
+std::optional<scenes::CapturedFrame> FrameBuilder::Next(int64_t now_utime) {
   std::optional<Triplet> triplet = former_.Next(now_utime);
   if (!triplet) return std::nullopt;
-  datasets::CapturedFrame frame;
+  scenes::CapturedFrame frame;
   frame.utime = triplet->utime();
   frame.spread_ms = triplet->spread_ms();
   frame.left = std::move(triplet->left.image);

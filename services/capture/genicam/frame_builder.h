@@ -7,10 +7,10 @@
 #include <string>
 
 #include "common/rig/rig.pb.h"
+#include "common/scenes/frame_source.h"
 #include "services/capture/genicam/camera.h"
 #include "services/capture/genicam/device_clock.h"
 #include "services/capture/genicam/triplet_synchronizer.h"
-#include "services/datasets/frame_source.h"
 
 namespace sprout::capture {
 
@@ -31,7 +31,7 @@ class FrameBuilder {
 
   /// The next frame, if it is final; call again, there may be more.
   /// @param now_utime  host's time, µs.
-  std::optional<datasets::CapturedFrame> Next(int64_t now_utime);
+  std::optional<scenes::CapturedFrame> Next(int64_t now_utime);
 
   /// A message for people while no frame comes: the newest trouble, which is also reported with the
   /// next frame, or which images came but do not fit. Empty when there is nothing new.

@@ -87,7 +87,7 @@ class Inbox {
 
 class GenicamSource : public RawSource {
  public:
-  GenicamSource(const RigDescription& rig, datasets::Waiting waiting)
+  GenicamSource(const RigDescription& rig, scenes::Waiting waiting)
       : rig_(rig), waiting_(std::move(waiting)), former_(rig) {
     const std::optional<RawRig> calibration = CalibrationOf(rig);
     for (const RigPlace place : kRigPlaces) {
@@ -110,10 +110,10 @@ class GenicamSource : public RawSource {
 
   bool is_live() const override { return true; }
 
-  std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) override {
+  std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {
     Clock::time_point next_word = Clock::now() + kSilence;
     while (!stop.stop_requested()) {
-      if (std::optional<datasets::CapturedFrame> frame = former_.Next(NowUs())) return frame;
+      if (std::optional<scenes::CapturedFrame> frame = former_.Next(NowUs())) return frame;
       if (waiting_) waiting_();
       for (auto& [place, event] : inbox_.Take(stop)) former_.Add(place, std::move(event));
       if (Clock::now() < next_word) continue;
@@ -181,7 +181,7 @@ class GenicamSource : public RawSource {
   }
 
   RigDescription rig_;
-  datasets::Waiting waiting_;
+  scenes::Waiting waiting_;
   FrameBuilder former_;
   Inbox inbox_;
   std::array<std::unique_ptr<Camera>, kRigPlaces.size()> cameras_;
@@ -210,7 +210,7 @@ void RequireDevice(RigPlace place, const RigDescription& rig, const std::string&
 }  // namespace
 
 std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::string& path,
-                                       datasets::Waiting waiting) {
+                                       scenes::Waiting waiting) {
   RequireInRange(rig, path);
   std::set<std::string> serials;
   for (const RigPlace place : kRigPlaces) {

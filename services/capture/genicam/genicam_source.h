@@ -19,7 +19,7 @@ namespace sprout::capture {
 /// @throws ConfigError when the rig file names no cameras, or has unknown settings. Settings that a
 ///         camera refuses are reported in CapturedFrame::trouble and tried again.
 std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::string& path,
-                                       datasets::Waiting waiting = {});
+                                       scenes::Waiting waiting = {});
 
 /// For people, a line a camera: vendor, model, serial number, address, size and pixel formats, or
 /// why these are unknown. Opens each camera briefly.

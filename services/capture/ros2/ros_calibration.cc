@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "services/datasets/tof_grid.h"
+#include "common/scenes/tof_grid.h"
 
 namespace sprout::capture {
 namespace {
@@ -168,7 +168,7 @@ Result<RosRig> RosCalibration::Rig() const {
     const Pose pose = *LeftFromRange();
     rig.left_from_points =
         TurnOf(left_->camera) * (Eigen::Translation3d(pose.translation_m) * pose.rotation);
-    rig.rig.tof = datasets::TofGridCamera(rig.rig.pair, 1);
+    rig.rig.tof = scenes::TofGridCamera(rig.rig.pair, 1);
   } else if (depth_) {
     const Result<TofCamera> tof = DepthCamera(rig.rig.pair);
     if (!tof) return tl::unexpected(tof.error());

@@ -10,7 +10,7 @@
 
 #include "common/core/result.h"
 #include "common/core/rig.h"
-#include "common/ros2/from_ros.h"
+#include "common/ros/from_ros.h"
 #include "services/capture/ros2/ros_input.h"
 
 namespace sprout::capture {

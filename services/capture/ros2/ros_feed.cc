@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/app/log_limiter.h"
-#include "common/ros2/ros_node.h"
+#include "common/ros/ros_node.h"
 #include "services/capture/ros2/ros_source.h"
 #include "services/capture/source_feed.h"
 
@@ -38,12 +38,12 @@ std::unique_ptr<CaptureFeed> OpenRosFeed(const CaptureConfig& config, const Feed
                   .refused = [&monitor](const std::string& topic,
                                         const std::string& why) { monitor.BadMessage(topic, why); },
                   .lost =
-                      [&monitor](const datasets::LostFrames& lost) {
+                      [&monitor](const scenes::LostFrames& lost) {
                         monitor.CapturesFailed(lost.count, lost.trouble);
                       }},
       .stop = options.stop};
   if (options.raw) return FeedFrom(OpenRawRosSource(config.source(), ros), config, monitor);
-  std::unique_ptr<datasets::FrameSource> source = OpenRosSource(config.source(), ros);
+  std::unique_ptr<scenes::FrameSource> source = OpenRosSource(config.source(), ros);
   return source ? FeedFrom(std::move(source), config, monitor) : nullptr;
 }
 

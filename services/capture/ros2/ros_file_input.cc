@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "common/config/config_error.h"
-#include "common/mcap/chunk_codec.h"
-#include "common/mcap/mcap_parts.h"
-#include "common/mcap/mcap_reader.h"
+#include "common/ros/chunk_codec.h"
+#include "common/ros/mcap_parts.h"
+#include "common/ros/mcap_reader.h"
 #include "services/capture/ros2/ros_input.h"
 
 namespace sprout::capture {

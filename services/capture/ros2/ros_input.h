@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "common/ros2/ros_type.h"
+#include "common/ros/ros_type.h"
+#include "common/scenes/frame_source.h"
 #include "services/capture/ros2/ros_settings.h"
-#include "services/datasets/frame_source.h"
 
 namespace sprout::capture {
 
@@ -34,7 +34,7 @@ struct RosReports {
   /// A message of a topic that cannot be used; to be counted. May be empty.
   std::function<void(const std::string& topic, const std::string& why)> refused = {};
   /// Images without partners, when no frame comes that could say it. May be empty.
-  std::function<void(const datasets::LostFrames& lost)> lost = {};
+  std::function<void(const scenes::LostFrames& lost)> lost = {};
 
   void Refuse(const std::string& topic, const std::string& why) const {
     if (refused) refused(topic, why);
@@ -75,7 +75,7 @@ class RosInput {
 /// publishers that send on one topic, and a policy that keeps a publisher and us apart.
 /// @throws ConfigError when DDS cannot be used.
 std::unique_ptr<RosInput> ListenToRos(const RosSettings& settings, RosReports reports,
-                                      datasets::Waiting waiting);
+                                      scenes::Waiting waiting);
 
 /// Reads the topics from settings.file, in the order of their log times. Damage is reported.
 /// @throws ConfigError when it is no MCAP file, when a topic is not in it, with those that are, or

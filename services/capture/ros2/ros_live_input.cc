@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/config/config_error.h"
-#include "common/ros2/ros_node.h"
+#include "common/ros/ros_node.h"
 #include "services/capture/ros2/ros_input.h"
 
 namespace sprout::capture {
@@ -70,7 +70,7 @@ struct LiveTopic {
 
 class LiveInput : public RosInput {
  public:
-  LiveInput(const RosSettings& settings, RosReports reports, datasets::Waiting waiting)
+  LiveInput(const RosSettings& settings, RosReports reports, scenes::Waiting waiting)
       : settings_(settings), reports_(std::move(reports)), waiting_(std::move(waiting)) {
     // A cloud says in which frame its points are.
     if (settings_.rig.empty()) Open(RosLimits(), [](RosRole role) { return !IsImage(role); });
@@ -224,7 +224,7 @@ class LiveInput : public RosInput {
 
   RosSettings settings_;
   RosReports reports_;
-  datasets::Waiting waiting_;
+  scenes::Waiting waiting_;
   std::optional<RosNode> node_;
   std::vector<LiveTopic> topics_;
   std::vector<uint8_t> cdr_;
@@ -235,7 +235,7 @@ class LiveInput : public RosInput {
 }  // namespace
 
 std::unique_ptr<RosInput> ListenToRos(const RosSettings& settings, RosReports reports,
-                                      datasets::Waiting waiting) {
+                                      scenes::Waiting waiting) {
   return std::make_unique<LiveInput>(settings, std::move(reports), std::move(waiting));
 }
 

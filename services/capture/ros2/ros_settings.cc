@@ -7,9 +7,9 @@
 
 #include "common/config/config_error.h"
 #include "common/core/number_text.h"
-#include "common/ros2/ros_node.h"
+#include "common/ros/ros_node.h"
+#include "common/scenes/source_options.h"
 #include "services/capture/ros2/ros_input.h"
-#include "services/datasets/source_options.h"
 
 namespace sprout::capture {
 namespace {
@@ -62,17 +62,17 @@ std::optional<Pose> ParsePose(std::string_view text) {
     if (comma == text.size()) break;
     text.remove_prefix(comma + 1);
   }
-  constexpr double kMostOffUnit = 1e-3;
+  constexpr double kMaxOffUnit = 1e-3;
   if (numbers.size() == 3) numbers.insert(numbers.end(), {0, 0, 0, 1});
   if (numbers.size() != 7) return std::nullopt;
   const Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);
-  if (std::abs(rotation.norm() - 1) > kMostOffUnit) return std::nullopt;
+  if (std::abs(rotation.norm() - 1) > kMaxOffUnit) return std::nullopt;
   return Pose{.rotation = rotation.normalized(),
               .translation_m = {numbers[0], numbers[1], numbers[2]}};
 }
 
 // @returns whether it was understood.
-bool Apply(const datasets::SourceOption& option, RosSettings& settings) {
+bool Apply(const scenes::SourceOption& option, RosSettings& settings) {
   if (std::string* const text = TextOf(settings, option.name)) {
     *text = option.value;
     return !text->empty();
@@ -184,17 +184,17 @@ std::vector<const RosType*> TypesOf(RosRole role) {
 
 RosSettings ParseRosSource(const std::string& source) {
   RosSettings settings;
-  std::vector<datasets::SourceOption> options;
+  std::vector<scenes::SourceOption> options;
   if (source.starts_with(kRos2)) {
-    options = datasets::SourceOptions(std::string_view(source).substr(kRos2.size()));
+    options = scenes::SourceOptions(std::string_view(source).substr(kRos2.size()));
   } else {
-    datasets::SplitSourceText split = datasets::SplitSource(source);
+    scenes::SplitSourceText split = scenes::SplitSource(source);
     settings.file = split.place.substr(kMcap.size());
     options = std::move(split.options);
     if (settings.file.empty()) throw BadSource(source, "no file");
   }
   if (settings.file.empty()) settings.domain = DomainOfEnvironment(source);
-  for (const datasets::SourceOption& option : options) {
+  for (const scenes::SourceOption& option : options) {
     if (!Apply(option, settings)) {
       throw BadSource(source, "cannot be used: '" + std::string(option.text) + "'");
     }

@@ -9,11 +9,11 @@
 #include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "common/rig/rig_file.h"
+#include "common/scenes/tof_grid.h"
+#include "common/scenes/velodyne_scan.h"
 #include "services/capture/ros2/ros_calibration.h"
 #include "services/capture/ros2/ros_rig_watch.h"
 #include "services/capture/ros2/ros_triplets.h"
-#include "services/datasets/tof_grid.h"
-#include "services/datasets/velodyne_scan.h"
 
 namespace sprout::capture {
 namespace {
@@ -62,7 +62,7 @@ class RosOpener {
 
 ImageOfPoints Projector(const RosRig& rig) {
   return [rig](const std::vector<Eigen::Vector3d>& points) {
-    return datasets::TofImageFromScan(points, rig.left_from_points, rig.rig.pair);
+    return scenes::TofImageFromScan(points, rig.left_from_points, rig.rig.pair);
   };
 }
 
@@ -95,9 +95,9 @@ class RosFrames {
 
   bool is_live() const { return input_->is_live(); }
 
-  std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) {
+  std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
-      if (std::optional<datasets::CapturedFrame> frame = TakeFrame()) return frame;
+      if (std::optional<scenes::CapturedFrame> frame = TakeFrame()) return frame;
       RosBytes message;
       if (input_->Next(message, stop)) {
         Take(message);
@@ -115,7 +115,7 @@ class RosFrames {
     return std::nullopt;
   }
 
-  datasets::LostFrames lost_at_end() { return triplets_.TakeLost(); }
+  scenes::LostFrames lost_at_end() { return triplets_.TakeLost(); }
 
  private:
   void Take(const RosBytes& message) {
@@ -146,13 +146,13 @@ class RosFrames {
   }
 
   // A frame that has a calibration. What was lost without one coming is reported at once.
-  std::optional<datasets::CapturedFrame> TakeFrame() {
-    while (std::optional<datasets::CapturedFrame> frame = triplets_.Next()) {
+  std::optional<scenes::CapturedFrame> TakeFrame() {
+    while (std::optional<scenes::CapturedFrame> frame = triplets_.Next()) {
       gave_any_ = true;
       if (!watch_) return frame;
       std::string trouble = watch_->trouble();
       if (const std::optional<RosRig> rig = watch_->TakeNewRig(frame->utime.value_or(0))) {
-        new_rig_ = datasets::NamedRig{rig->rig, RigId(rig->rig)};
+        new_rig_ = scenes::NamedRig{rig->rig, RigId(rig->rig)};
         rig_size_ = rig->rig.pair.size();
       }
       if (trouble.empty() && frame->left.size() != *rig_size_) {
@@ -165,7 +165,7 @@ class RosFrames {
       }
       if (opener_.reports().lost) opener_.reports().lost({frame->lost + 1, std::move(trouble)});
     }
-    const datasets::LostFrames lost = triplets_.TakeLost();
+    const scenes::LostFrames lost = triplets_.TakeLost();
     if (lost.count > 0 && opener_.reports().lost) opener_.reports().lost(lost);
     return std::nullopt;
   }
@@ -176,7 +176,7 @@ class RosFrames {
   std::optional<cv::Size> size_;
   std::optional<cv::Size> rig_size_;  // of the frames' rig; size_ may be a newer one
   LogLimiter change_log_;
-  std::optional<datasets::NamedRig> new_rig_ = {};  // for the next frame
+  std::optional<scenes::NamedRig> new_rig_ = {};  // for the next frame
   ImageOfPoints image_;
   RosTriplets triplets_;
   bool is_at_end_ = false;
@@ -188,16 +188,16 @@ class RawRosSource : public RawSource {
   explicit RawRosSource(RosFrames frames) : frames_(std::move(frames)) {}
   bool is_live() const override { return frames_.is_live(); }
   bool is_recorded() const override { return !is_live(); }
-  std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) override {
+  std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {
     return frames_.Next(stop);
   }
-  datasets::LostFrames lost_at_end() const override { return frames_.lost_at_end(); }
+  scenes::LostFrames lost_at_end() const override { return frames_.lost_at_end(); }
 
  private:
   mutable RosFrames frames_;
 };
 
-class RosSource : public datasets::FrameSource {
+class RosSource : public scenes::FrameSource {
  public:
   // @param rectifier  of raw images.
   RosSource(RosFrames frames, const Rig& rig, std::optional<Rectifier> rectifier)
@@ -207,8 +207,8 @@ class RosSource : public datasets::FrameSource {
   bool is_live() const override { return frames_.is_live(); }
   bool is_recorded() const override { return !is_live(); }
 
-  std::optional<datasets::CapturedFrame> Next(const std::stop_token& stop) override {
-    std::optional<datasets::CapturedFrame> frame = frames_.Next(stop);
+  std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {
+    std::optional<scenes::CapturedFrame> frame = frames_.Next(stop);
     if (!frame || !rectifier_) return frame;
     frame->left = rectifier_->RectifyLeft(frame->left);
     frame->right = rectifier_->RectifyRight(frame->right);
@@ -217,7 +217,7 @@ class RosSource : public datasets::FrameSource {
     return frame;
   }
 
-  datasets::LostFrames lost_at_end() const override { return frames_.lost_at_end(); }
+  scenes::LostFrames lost_at_end() const override { return frames_.lost_at_end(); }
 
  private:
   mutable RosFrames frames_;
@@ -257,7 +257,7 @@ std::optional<FoundRig> FindCalibration(const RosOpener& opener, RosInput& input
   return FoundRig{std::move(calibration), std::move(*rig)};
 }
 
-std::unique_ptr<datasets::FrameSource> OpenWithRigFile(const RosOpener& opener) {
+std::unique_ptr<scenes::FrameSource> OpenWithRigFile(const RosOpener& opener) {
   const RosSettings& settings = opener.settings();
   Rectifier rectifier(RequireCalibration(LoadRigFile(settings.rig), settings.rig));
   RosRig rig{.rig = rectifier.rig()};
@@ -269,7 +269,7 @@ std::unique_ptr<datasets::FrameSource> OpenWithRigFile(const RosOpener& opener) 
     }
     rig.left_from_points = Eigen::Translation3d(sensor.left_from_tof_translation_m) *
                            Eigen::Quaterniond(sensor.left_from_tof_rotation);
-    rig.rig.tof = datasets::TofGridCamera(rig.rig.pair, 1);
+    rig.rig.tof = scenes::TofGridCamera(rig.rig.pair, 1);
     image = Projector(rig);
   } else if (settings.depth.empty()) {
     rig.rig.tof = {};
@@ -283,8 +283,8 @@ std::unique_ptr<datasets::FrameSource> OpenWithRigFile(const RosOpener& opener) 
 
 }  // namespace
 
-std::unique_ptr<datasets::FrameSource> OpenRosSource(const std::string& source,
-                                                     RosSourceOptions options) {
+std::unique_ptr<scenes::FrameSource> OpenRosSource(const std::string& source,
+                                                   RosSourceOptions options) {
   const RosOpener opener(source, std::move(options));
   if (!opener.settings().rig.empty()) return OpenWithRigFile(opener);
   std::unique_ptr<RosInput> input = opener.Open();

@@ -5,15 +5,15 @@
 #include <stop_token>
 #include <string>
 
+#include "common/scenes/frame_source.h"
 #include "services/capture/raw_source.h"
 #include "services/capture/ros2/ros_input.h"
-#include "services/datasets/frame_source.h"
 
 namespace sprout::capture {
 
 struct RosSourceOptions {
-  bool loop = false;               ///< start a file again at the end
-  datasets::Waiting waiting = {};  ///< see FrameSource
+  bool loop = false;             ///< start a file again at the end
+  scenes::Waiting waiting = {};  ///< see FrameSource
   RosReports reports = {};
   std::stop_token stop = {};  ///< ends the wait for the calibration
 };
@@ -25,8 +25,8 @@ struct RosSourceOptions {
 /// later, a frame has the new rig, and those that fit no calibration are lost.
 /// @returns null when a stop was asked for.
 /// @throws ConfigError naming what is missing or wrong.
-std::unique_ptr<datasets::FrameSource> OpenRosSource(const std::string& source,
-                                                     RosSourceOptions options);
+std::unique_ptr<scenes::FrameSource> OpenRosSource(const std::string& source,
+                                                   RosSourceOptions options);
 
 /// The same images as the cameras see them, for --raw.
 std::unique_ptr<RawSource> OpenRawRosSource(const std::string& source, RosSourceOptions options);

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "common/core/image.h"
-#include "common/ros2/from_ros.h"
+#include "common/ros/from_ros.h"
 
 namespace sprout::capture {
 namespace {
@@ -139,12 +139,12 @@ std::string RosTriplets::WhyUnpaired() const {
       nearest_ms, max_spread_ms_);
 }
 
-datasets::LostFrames RosTriplets::LostSince(bool at_end) {
+scenes::LostFrames RosTriplets::LostSince(bool at_end) {
   const int64_t unpaired =
       synchronizer_.unpaired(RigPlace::kLeft) + synchronizer_.unpaired(RigPlace::kRight);
   if (begins_) unpaired_ = unpaired;
   begins_ = stamps_[0].empty() || stamps_[1].empty();
-  datasets::LostFrames lost{.count = unpaired - std::exchange(unpaired_, unpaired)};
+  scenes::LostFrames lost{.count = unpaired - std::exchange(unpaired_, unpaired)};
   // A message that was refused explains the image that will lack it.
   if (lost.count > 0) lost.trouble = trouble_.empty() ? WhyUnpaired() : std::exchange(trouble_, {});
   if (lost.trouble.empty()) {
@@ -153,7 +153,7 @@ datasets::LostFrames RosTriplets::LostSince(bool at_end) {
   return lost;
 }
 
-std::optional<datasets::CapturedFrame> RosTriplets::Next() {
+std::optional<scenes::CapturedFrame> RosTriplets::Next() {
   // At the end nothing is worth waiting for.
   constexpr int64_t kForever = std::numeric_limits<int64_t>::max() / 2;
   std::optional<Triplet> triplet = synchronizer_.Next(is_finished_ ? kForever : newest_utime_);
@@ -161,12 +161,12 @@ std::optional<datasets::CapturedFrame> RosTriplets::Next() {
   CameraImage left{.pixels = std::move(triplet->left.image)};
   CameraImage right{.pixels = std::move(triplet->right.image)};
   eight_bits_.Convert({&left, &right});
-  datasets::CapturedFrame frame{.left = std::move(left.pixels),
-                                .right = std::move(right.pixels),
-                                .tof = triplet->tof ? std::move(triplet->tof->tof) : TofImage{},
-                                .utime = triplet->utime()};
+  scenes::CapturedFrame frame{.left = std::move(left.pixels),
+                              .right = std::move(right.pixels),
+                              .tof = triplet->tof ? std::move(triplet->tof->tof) : TofImage{},
+                              .utime = triplet->utime()};
   frame.spread_ms = triplet->spread_ms();
-  datasets::LostFrames lost = LostSince(/*at_end=*/false);
+  scenes::LostFrames lost = LostSince(/*at_end=*/false);
   frame.lost = lost.count;
   frame.trouble = std::move(lost.trouble);
   if (frame.trouble.empty()) frame.trouble = eight_bits_.TakeNote();

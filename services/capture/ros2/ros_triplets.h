@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "common/picture/eight_bits.h"
+#include "common/scenes/frame_source.h"
 #include "services/capture/genicam/triplet_synchronizer.h"
 #include "services/capture/ros2/ros_input.h"
-#include "services/datasets/frame_source.h"
 
 namespace sprout::capture {
 
@@ -36,16 +36,16 @@ class RosTriplets {
   void Finish() { is_finished_ = true; }
 
   /// The next frame, with what was lost before it.
-  std::optional<datasets::CapturedFrame> Next();
+  std::optional<scenes::CapturedFrame> Next();
 
   /// What was lost since then; at the end also why no range image has ever joined.
-  datasets::LostFrames TakeLost() { return LostSince(/*at_end=*/is_finished_); }
+  scenes::LostFrames TakeLost() { return LostSince(/*at_end=*/is_finished_); }
 
  private:
   Result<TimedImage> Decode(const RosBytes& message) const;
   Result<TimedImage> DecodePicture(const RosBytes& message) const;
   std::string WhyUnpaired() const;
-  datasets::LostFrames LostSince(bool at_end);
+  scenes::LostFrames LostSince(bool at_end);
 
   std::optional<cv::Size> size_;
   ImageOfPoints image_of_points_;

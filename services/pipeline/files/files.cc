@@ -23,8 +23,8 @@
 #include "common/core/input_files.h"
 #include "common/core/output_file.h"
 #include "common/core/printable.h"
+#include "common/inputs/check_inputs.h"
 #include "common/picture/write_image.h"
-#include "services/inputs/check_inputs.h"
 #include "services/pipeline/files/write_results.h"
 #include "services/pipeline/pipeline.h"
 

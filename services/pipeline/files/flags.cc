@@ -68,7 +68,7 @@ Flags& AddFilesCommand(Flags& flags, FilesOptions& options) {
   files
       .Add("--bits N", options.pixels.bits,
            "Bits that pixels of 16 bits use: 8 to 16; 0: as the format or the first pair says")
-      .WithinWhole(0, kMostBits);
+      .WithinWhole(0, kMaxBits);
   files
       .Add("--max-spread-ms MS", options.max_spread_ms,
            "Files named after their times belong together when these differ by at most so much")

@@ -4,8 +4,8 @@
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
 #include "common/rig/rig_file.h"
-#include "services/datasets/calib_file.h"
-#include "services/datasets/range_file.h"
+#include "common/scenes/calib_file.h"
+#include "common/scenes/range_file.h"
 
 namespace sprout {
 namespace {
@@ -21,9 +21,9 @@ Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrat
 PairReader::PairReader(const RigOptions& options, const PixelOptions& pixels)
     : options_(options), eight_bits_(pixels.bits) {
   if (!pixels.tof_unit.empty()) {
-    tof_unit_m_ = datasets::ParseRangeUnit(pixels.tof_unit);
+    tof_unit_m_ = scenes::ParseRangeUnit(pixels.tof_unit);
     if (!tof_unit_m_) {
-      throw ConfigError("--tof-unit " + pixels.tof_unit + ": allowed: " + datasets::kRangeUnits);
+      throw ConfigError("--tof-unit " + pixels.tof_unit + ": allowed: " + scenes::kRangeUnits);
     }
   }
   if (!options.rig_file.empty()) {
@@ -49,7 +49,7 @@ Result<RectifiedPair> PairReader::PairOf(const cv::Mat& left) const {
   const cv::Size size = left.size();
   if (!options_.calib_file.empty()) {
     try {
-      return datasets::ReadCalibFile(options_.calib_file, size, /*grey=*/left.channels() == 1);
+      return scenes::ReadCalibFile(options_.calib_file, size, /*grey=*/left.channels() == 1);
     } catch (const ConfigError& e) {
       return Fail(e.what());
     }
@@ -121,7 +121,7 @@ Result<Frame> PairReader::Read(const ImagePair& pair) {
   frame.right = right->pixels;
   frame.tof = TofImage();
   if (!pair.tof.empty()) {
-    const Result<cv::Mat1f> depth_m = datasets::ReadRangeFile(pair.tof, tof_unit_m_);
+    const Result<cv::Mat1f> depth_m = scenes::ReadRangeFile(pair.tof, tof_unit_m_);
     if (!depth_m) return tl::unexpected(depth_m.error());
     frame.tof->depth_m = *depth_m;
   }

@@ -21,7 +21,7 @@ namespace sprout {
 /// and baseline.
 struct RigOptions {
   std::string rig_file = {};
-  std::string calib_file = {};  ///< see datasets::ReadCalibFile()
+  std::string calib_file = {};  ///< see scenes::ReadCalibFile()
   std::optional<double> focal_px = {};
   std::optional<double> baseline_m = {};
   std::optional<double> cx = {};        ///< of the left image, px; otherwise its middle
@@ -35,7 +35,7 @@ struct RigOptions {
 /// What the numbers of the files stand for.
 struct PixelOptions {
   int bits = 0;               ///< see EightBits
-  std::string tof_unit = {};  ///< see datasets::ParseRangeUnit(); empty: mm of integers, else m
+  std::string tof_unit = {};  ///< see scenes::ParseRangeUnit(); empty: mm of integers, else m
 };
 
 /// Turns image files into the parts LEFT, RIGHT, TOF and RIG of a frame. With a rig file the images

@@ -17,28 +17,28 @@ struct AlignmentRules {
   static constexpr double kLimitCellPx = 16;  ///< limit, whatever the calibration says
 
   // Ends in the ToF image.
-  static constexpr int kMostMixed = 3;  ///< pixels that mix both surfaces: lens blur, filters
+  static constexpr int kMaxMixed = 3;  ///< pixels that mix both surfaces: lens blur, filters
   static constexpr double kSameSurface = 0.25;  ///< most on one surface, share of the step
   static constexpr int kDiscRadius = 3;  ///< disc whose near part gives the normal, ToF pixels
   /// Cosine between the normal and the row or the column. Every direction is within 45° (0.71) of
   /// one of the two; the rest is the error of the normal.
-  static constexpr double kLeastAcross = 0.6;
+  static constexpr double kMinAcross = 0.6;
   /// Least step of the disparity for the two surfaces to look different, px of these images.
   /// By trial.
-  static constexpr double kLeastStepPx = 3;
+  static constexpr double kMinStepPx = 3;
 
   // Evidence of the images, eqs. (A3) and (A4).
-  static constexpr int kTangentReach = 1;     ///< pixels to either side along the edge that count
-  static constexpr float kMostMisfit = 20;    ///< T: larger differences count as T, grey levels
-  static constexpr float kMostContrast = 40;  ///< larger steps count as this one, grey levels
+  static constexpr int kTangentReach = 1;    ///< pixels to either side along the edge that count
+  static constexpr float kMaxMisfit = 20;    ///< T: larger differences count as T, grey levels
+  static constexpr float kMaxContrast = 40;  ///< larger steps count as this one, grey levels
   static constexpr float kContrastWeight = 0.5F;  ///< measured (NOTES.md): 0, 1 and 2 are worse
 
   // The offset, eq. (A5).
-  static constexpr double kMostCells = 2;           ///< largest offset that is searched, cells
-  static constexpr size_t kMostEdges = 1000;        ///< more take time and do not help
+  static constexpr double kMaxCells = 2;            ///< largest offset that is searched, cells
+  static constexpr size_t kMaxEdges = 1000;         ///< more take time and do not help
   static constexpr double kVotesPerCell = 3;        ///< along either side: profiles are a cell wide
   static constexpr double kStepCells = 0.3;         ///< of finite differences, cells
-  static constexpr int kMostSteps = 30;             ///< of Newton's method
+  static constexpr int kMaxSteps = 30;              ///< of Newton's method
   static constexpr double kSmallestStepPx = 0.002;  ///< ends the iteration: too small to matter
 
   // Standard deviations, eq. (A6).
@@ -56,9 +56,9 @@ struct AlignmentRules {
   /// Least evidence, of at most 1.5, for an edge to count.
   static constexpr float kClearEdge = 0.1F;
   /// Most votes above the mean of the second-best offset, as share of the best one's.
-  static constexpr double kMostDoubt = 0.7;
+  static constexpr double kMaxDoubt = 0.7;
   static constexpr double kElsewhereCells = 1.5;  ///< offsets this far apart are different
-  static constexpr double kMostSigmaCells = 0.25;
+  static constexpr double kMaxSigmaCells = 0.25;
   /// Length of an offset, in standard deviations, above which the calibration is wrong: a right one
   /// has it once in 3000 frames, exp(−4² / 2).
   static constexpr double kSignificant = 4;

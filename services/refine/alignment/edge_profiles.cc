@@ -27,7 +27,7 @@ inline float Misfit(const uint8_t* row, float last_column, float column, float g
   const float part = column - static_cast<float>(whole);
   const auto at = static_cast<float>(row[whole]);
   const float there = at + part * (static_cast<float>(row[whole + 1]) - at);
-  return std::min(std::abs(there - grey), Rules::kMostMisfit) / Rules::kMostMisfit;
+  return std::min(std::abs(there - grey), Rules::kMaxMisfit) / Rules::kMaxMisfit;
 }
 
 // Calls look(u, v) for the pixels at a place of the normal, along the tangent.
@@ -118,8 +118,8 @@ void EdgeProfiles::Set(const cv::Mat1b& left, const cv::Mat1b& right,
           return (sum[place] - sum[first] - sum[end] + sum[place + 1]) / static_cast<float>(window);
         };
         const float contrast =
-            std::min(std::abs(inside_less_outside(sums.grey)), Rules::kMostContrast) /
-            Rules::kMostContrast;
+            std::min(std::abs(inside_less_outside(sums.grey)), Rules::kMaxContrast) /
+            Rules::kMaxContrast;
         profile[t] = inside_less_outside(sums.preference) / 2 +
                      Rules::kContrastWeight * contrast;  // eq. (A4)
       }

@@ -87,7 +87,7 @@ TofAligner::Votes TofAligner::Vote(int most_px, double cell_px) const {
 TofAligner::Fit TofAligner::Maximise(Eigen::Vector2d start, double step_px) const {
   Fit fit;
   fit.place.head<2>() = start;
-  for (int i = 0; i < Rules::kMostSteps; ++i) {
+  for (int i = 0; i < Rules::kMaxSteps; ++i) {
     Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
     Eigen::Vector3d slope = Eigen::Vector3d::Zero();
     for (size_t k = 0; k < edges_.size(); ++k) {
@@ -157,19 +157,19 @@ TofOffset TofAligner::Estimate(const cv::Mat1b& left, const cv::Mat1b& right,
   }
   const double cell_px = std::clamp(full_cell_px / scale, 1.0, Rules::kLimitCellPx);
   const std::span<const TofEdge> found =
-      finder_.Find(points, tof, projector, Rules::kLeastStepPx * scale);
-  const size_t count = std::min(found.size(), Rules::kMostEdges);
+      finder_.Find(points, tof, projector, Rules::kMinStepPx * scale);
+  const size_t count = std::min(found.size(), Rules::kMaxEdges);
   if (count < Rules::kFewestEdges) return {};
   edges_.clear();
   for (size_t i = 0; i < count; ++i) {
     edges_.push_back(AtScale(found[i * found.size() / count], scale));
   }
-  const int most_px = static_cast<int>(std::ceil(Rules::kMostCells * cell_px));
+  const int most_px = static_cast<int>(std::ceil(Rules::kMaxCells * cell_px));
   // An edge moves by up to √2 times as much along its normal, and may be found a pixel farther.
   profiles_.Set(small_left, small_right, edges_,
                 {.reach = static_cast<int>(std::ceil(1.5 * most_px + cell_px)),
                  .window = std::max(3, cvRound(cell_px)),
-                 .plane_px = Rules::kMostCells * cell_px});
+                 .plane_px = Rules::kMaxCells * cell_px});
   const Votes votes = Vote(most_px, cell_px);
   const double step_px = std::max(1.0, Rules::kStepCells * cell_px);
   Fit fit = Maximise(votes.best, step_px);
@@ -184,8 +184,8 @@ TofOffset TofAligner::Estimate(const cv::Mat1b& left, const cv::Mat1b& right,
                    .significance = std::sqrt(offset.dot(fit.covariance.inverse() * offset)),
                    .edges = fit.edges};
   if (!std::isfinite(result.significance)) return {};
-  const double most_sigma_px = Rules::kMostSigmaCells * cell_px * scale;
-  result.sure = fit.edges >= Rules::kFewestEdges && votes.doubt <= Rules::kMostDoubt &&
+  const double most_sigma_px = Rules::kMaxSigmaCells * cell_px * scale;
+  result.sure = fit.edges >= Rules::kFewestEdges && votes.doubt <= Rules::kMaxDoubt &&
                 (offset - votes.best).squaredNorm() <= cell_px * cell_px &&
                 result.sigma_u_px <= most_sigma_px && result.sigma_v_px <= most_sigma_px;
   return result;

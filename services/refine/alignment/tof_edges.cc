@@ -12,7 +12,7 @@ namespace {
 
 using Rules = AlignmentRules;
 // As far as is looked beyond a pixel: past the mixed ones, two more and the disc's radius.
-constexpr int kBorder = Rules::kMostMixed + 2 + Rules::kDiscRadius;
+constexpr int kBorder = Rules::kMaxMixed + 2 + Rules::kDiscRadius;
 
 struct Direction {
   int u, v;
@@ -43,7 +43,7 @@ struct TofEdgeFinder::Step {
 
 // Pixels 0 and 1 are the last two that are near, unless the line of the next pixel is the one.
 std::optional<TofEdgeFinder::Step> TofEdgeFinder::StepAlong(const Line& line, double least_px) {
-  for (int last = 2; last < 2 + Rules::kMostMixed;
+  for (int last = 2; last < 2 + Rules::kMaxMixed;
        ++last) {  // last + 1: the second on the far surface
     const int far = last + 1;
     const double jump = line.At(0) - line.At(far);
@@ -141,7 +141,7 @@ std::span<const TofEdge> TofEdgeFinder::Find(std::span<const ProjectedPoint> poi
           NormalAt(disparity + std::lround(step->end) * along, (step->near_px + step->far_px) / 2);
       if (!normal_in_tof) continue;
       const double across = normal_in_tof->x() * direction.u + normal_in_tof->y() * direction.v;
-      if (!(across >= Rules::kLeastAcross)) continue;
+      if (!(across >= Rules::kMinAcross)) continue;
       // The near surface's end lies on the ray there, at the depth that its disparity says.
       Seed near = point.seed;
       near.u_right = near.u - static_cast<float>(step->near_px);

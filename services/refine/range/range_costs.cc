@@ -184,7 +184,7 @@ std::optional<OffsetCosts> CostsOf(const cv::Mat1b& left, const cv::Mat1b& right
     const float likeness =
         2 * costs.covariance[k] /
         (costs.left_variance + costs.right_variance[k] + 2 * RangeRules::kNoiseVariance);
-    costs.cost[k] = 1 - std::clamp(likeness, RangeRules::kLeastLikeness, 1.0F);
+    costs.cost[k] = 1 - std::clamp(likeness, RangeRules::kMinLikeness, 1.0F);
   }
   return costs;
 }

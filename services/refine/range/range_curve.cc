@@ -21,7 +21,7 @@ double OffsetOfError(const RectifiedPair& pair, double depth_m, double error_m) 
 }
 
 double VoteAt(const RangeNode& node, double offset_px) {
-  return std::min(CostAt(node.costs, offset_px), double{RangeRules::kMostCost});
+  return std::min(CostAt(node.costs, offset_px), double{RangeRules::kMaxCost});
 }
 
 // Sums of votes, by blocks of the range image.
@@ -104,7 +104,7 @@ void RangeCurve::Vote(std::span<const RangeNode> nodes, const RectifiedPair& pai
     for (int k = 0; k < kCandidates; ++k) {
       const double off = OffsetOfError(pair, voter.depth_m, (k - kNoError) * step_m_);
       bin.votes[static_cast<size_t>(k)] +=
-          voter.weight * std::min(cost.At(off), double{RangeRules::kMostCost}) * bin.scale;
+          voter.weight * std::min(cost.At(off), double{RangeRules::kMaxCost}) * bin.scale;
     }
   }
   bin.px_per_m = pair.focal_px * pair.baseline_m / (bin.depth_m * bin.depth_m);
@@ -199,7 +199,7 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
     blocks_ = {std::max(blocks_.width, block.x + 1), std::max(blocks_.height, block.y + 1)};
     const double depth_m = pair.DepthFromDisparity(nodes[i].disparity);
     const float weight = nodes[i].distinctness;
-    if (!(depth_m > 0 && std::isfinite(depth_m)) || weight <= RangeRules::kLeastDistinct) continue;
+    if (!(depth_m > 0 && std::isfinite(depth_m)) || weight <= RangeRules::kMinDistinct) continue;
     voters_.push_back({depth_m, weight, i});
     total += weight;
   }
@@ -211,7 +211,7 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
   const double near_m = voters_[voters_.size() / 10].depth_m;
   step_m_ = near_m * near_m * RangeRules::kZeroLabel / (pair.focal_px * pair.baseline_m) / kNoError;
   const size_t count =
-      std::clamp<size_t>(voters_.size() / RangeRules::kNodesPerKnot, 1, RangeRules::kMostKnots);
+      std::clamp<size_t>(voters_.size() / RangeRules::kNodesPerKnot, 1, RangeRules::kMaxKnots);
   std::vector<Bin> bins(count);
   for (size_t b = 0; b < count; ++b) {
     const size_t begin = voters_.size() * b / count;

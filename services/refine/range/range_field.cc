@@ -187,7 +187,7 @@ void RangeField::SetSigma(const RangeNodes& nodes, double proved_px2) {
     weight += information_[i];
   }
   variance_px2_ = RangeRules::kUnseenFactor * std::max(squares / weight, proved_px2);
-  if (variance_px2_ < RangeRules::kLeastVariance) {
+  if (variance_px2_ < RangeRules::kMinVariance) {
     variance_px2_ = 0;
     return;
   }
@@ -236,7 +236,7 @@ void RangeField::Estimate(const RangeNodes& nodes, std::span<const double> start
       // Eq. (R15): as probable as what was found makes it.
       const auto price =
           static_cast<float>(RangeRules::kOddsPrice * std::log((1 - proved.share) / proved.share));
-      Optimise(nodes, std::clamp(price, RangeRules::kLeastMoved, RangeRules::kFieldMoved));
+      Optimise(nodes, std::clamp(price, RangeRules::kMinMoved, RangeRules::kFieldMoved));
     }
   } else {
     labels_.assign(data_.size(), static_cast<size_t>(RangeRules::kZeroLabel));

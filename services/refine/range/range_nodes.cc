@@ -119,7 +119,7 @@ void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> po
   left_.Set(pair, surface, points, &Seed::u);
   right_.Set(pair, surface, points, &Seed::u_right);
   side_ = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(points.size()) /
-                                                           double{RangeRules::kMostNodes}))));
+                                                           double{RangeRules::kMaxNodes}))));
   size_ = {surface.columns() / side_ + 1, surface.rows() / side_ + 1};
   Renew(index_, size_);
   Renew(texture_, size_);

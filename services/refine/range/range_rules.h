@@ -18,13 +18,13 @@ struct RangeRules {
   /// Variance of the noise of grey values, grey levels²: that of 2 grey levels, as in unwrapping.
   static constexpr float kNoiseVariance = 4;
   /// A smaller likeness counts as this: the tail of an M-estimator.
-  static constexpr float kLeastLikeness = -0.2F;
+  static constexpr float kMinLikeness = -0.2F;
   /// Steepest slope of a surface that is compared, px a px.
   static constexpr double kSteepest = 0.4;
 
   // The nodes.
   /// Most nodes: time is proportional to them.
-  static constexpr size_t kMostNodes = 4500;
+  static constexpr size_t kMaxNodes = 4500;
   /// Fewer show nothing.
   static constexpr size_t kFewestNodes = 20;
   /// Points of one surface: the plane of one is no farther from the other than this, px, and px a
@@ -36,12 +36,12 @@ struct RangeRules {
   // The curve, eq. (R13).
   static constexpr int kCurveCandidates = 65;  ///< odd: the middle one is 0
   static constexpr size_t kNodesPerKnot = 60;
-  static constexpr size_t kMostKnots = 10;
-  static constexpr float kLeastDistinct = 0.05F;  ///< of a node that votes
-  static constexpr float kMostCost = 0.8F;        ///< of a vote
-  static constexpr double kCurveMoved = 0.02;     ///< price of an error that is not 0
-  static constexpr double kCurvePerPx = 0.002;    ///< price of a px of it
-  static constexpr double kCurveStep = 0.03;      ///< price of a px of change at the nearest knot
+  static constexpr size_t kMaxKnots = 10;
+  static constexpr float kMinDistinct = 0.05F;  ///< of a node that votes
+  static constexpr float kMaxCost = 0.8F;       ///< of a vote
+  static constexpr double kCurveMoved = 0.02;   ///< price of an error that is not 0
+  static constexpr double kCurvePerPx = 0.002;  ///< price of a px of it
+  static constexpr double kCurveStep = 0.03;    ///< price of a px of change at the nearest knot
   /// The curve must gain as many standard deviations, by blocks of so many cells squared, within
   /// which mistakes go together. Clean scenes stay below 2.8; scans of a few beams below 3.4 but
   /// for one frame of 19, since the slope between two beams is not known.
@@ -57,7 +57,7 @@ struct RangeRules {
   /// Price of an offset that is not 0, before anything is known of the frame; then κ of (R15).
   static constexpr float kFieldMoved = 0.1F;
   static constexpr double kOddsPrice = 0.03;
-  static constexpr float kLeastMoved = 0.01F;
+  static constexpr float kMinMoved = 0.01F;
   /// An offset is proved where so many nodes side by side cost so much less there.
   static constexpr float kProvedGain = 0.25F;
   static constexpr size_t kProvedNodes = 6;
@@ -70,7 +70,7 @@ struct RangeRules {
   static constexpr int kRelaxations = 30;
   static constexpr double kStiffness = 0.05;
   static constexpr double kPull = 0.002;
-  static constexpr double kLeastVariance = 0.01;  ///< of the offsets, px²: below, there are none
+  static constexpr double kMinVariance = 0.01;  ///< of the offsets, px²: below, there are none
   /// Offsets vary twice as much where no texture shows them as where it does: those that are not
   /// proved are taken for 0, and a frame's textured places may all be right.
   static constexpr double kUnseenFactor = 4;  ///< of the variance

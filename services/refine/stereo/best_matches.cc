@@ -62,7 +62,7 @@ HWY_INLINE void EnterRight(Words sums, int d, uint16_t* right_sums, uint16_t* ri
 HWY_INLINE int LeastLabel(const MatchRow& row, int u, const uint16_t* down, const uint16_t* up) {
   constexpr int kLaneBits = 4;  // a sum and its lane in one number
   static_assert(1 << kLaneBits == kLanes &&
-                (StereoRules::kMostPathSums + 1) << kLaneBits <= UINT16_MAX);
+                (StereoRules::kMaxPathSums + 1) << kLaneBits <= UINT16_MAX);
   int least = INT_MAX;
   int label = 0;
   for (int i = 0; i < row.labels; i += kLanes) {

@@ -101,7 +101,7 @@ HWY_INLINE Bytes Reversed(Bytes x) {
 
 void CostsOnTarget(const CostRow& row) {
   static_assert(kSlopes == 3);
-  constexpr uint8_t kMostOff = StereoRules::kMostSlope / StereoRules::kPerSlope;
+  constexpr uint8_t kMaxOff = StereoRules::kMaxSlope / StereoRules::kPerSlope;
   uint8_t* costs = row.costs;
   for (int u = row.columns.start; u < row.columns.end; ++u, costs += row.labels) {
     const int first = row.first[u];
@@ -121,7 +121,7 @@ void CostsOnTarget(const CostRow& row) {
       const Bytes carry = (a & b) | ((a ^ b) & c);
       const Bytes carries = CountOnes(carry);
       const Bytes bits = CountOnes(a ^ b ^ c) + carries + carries;
-      Store(Reversed(bits + Least(off, Bytes{} + kMostOff) * uint8_t{StereoRules::kPerSlope}),
+      Store(Reversed(bits + Least(off, Bytes{} + kMaxOff) * uint8_t{StereoRules::kPerSlope}),
             costs + i);
     }
     const int inside = std::clamp(u - first + 1, 0, row.labels);
@@ -130,7 +130,7 @@ void CostsOnTarget(const CostRow& row) {
     if (known == StereoSearch::kNowhere) continue;
     for (int i = 0; i < row.labels; ++i) {
       const int off =
-          std::min(StereoRules::kMostKnown, StereoRules::kKnownPerPx * std::abs(first + i - known));
+          std::min(StereoRules::kMaxKnown, StereoRules::kKnownPerPx * std::abs(first + i - known));
       costs[i] = static_cast<uint8_t>(costs[i] + off);
     }
   }

@@ -17,7 +17,7 @@
 namespace sprout::refine {
 namespace {
 
-constexpr int kMostPath = StereoRules::kMostPath;
+constexpr int kMaxPath = StereoRules::kMaxPath;
 constexpr size_t kDirections = 4;  // from the pixel before, and in the row before from the one
                                    // before, the same and the next
 
@@ -25,8 +25,8 @@ constexpr size_t kDirections = 4;  // from the pixel before, and in the row befo
 // are farther apart have no disparity in common, either.
 constexpr int kPadding = 24;
 constexpr uint8_t kNever = 200;  // greater than any path cost, and + P1 still 8 bits
-static_assert(kMostPath < kNever && kNever + StereoRules::kSmallStep <= UINT8_MAX &&
-              2 * kMostPath <= UINT8_MAX);
+static_assert(kMaxPath < kNever && kNever + StereoRules::kSmallStep <= UINT8_MAX &&
+              2 * kMaxPath <= UINT8_MAX);
 
 // The penalty of a large change, by the difference of grey values that it goes with.
 constexpr auto kLargeSteps = [] {
@@ -34,8 +34,8 @@ constexpr auto kLargeSteps = [] {
   std::array<uint8_t, UINT8_MAX + 1> steps{};
   for (int difference = 0; difference <= UINT8_MAX; ++difference) {
     steps[static_cast<size_t>(difference)] =
-        static_cast<uint8_t>(std::max(Rules::kLeastLarge, Rules::kLargeStep * Rules::kHalfLargeAt /
-                                                              (Rules::kHalfLargeAt + difference)));
+        static_cast<uint8_t>(std::max(Rules::kMinLarge, Rules::kLargeStep * Rules::kHalfLargeAt /
+                                                            (Rules::kHalfLargeAt + difference)));
   }
   return steps;
 }();

@@ -14,7 +14,7 @@ struct StereoRules {
   /// the left image (the SR4000 has 176).
   static constexpr int kColumns = 140;
   /// Smallest side of a cell, px of the matched image.
-  static constexpr double kLeastSpacingPx = 4;
+  static constexpr double kMinSpacingPx = 4;
   /// The largest disparity is this part of the image width when stereo_max_disparity_px is 0. With
   /// a focal length of f image widths that is z > 5 f baselines: indoors and on roads nothing is
   /// nearer.
@@ -75,20 +75,20 @@ struct StereoRules {
   /// Cost of a difference of half a grey level a px between the slopes of a pixel and its match,
   /// and the most of such costs. Measured (NOTES.md, "What pixels are compared by").
   static constexpr int kPerSlope = 2;
-  static constexpr int kMostSlope = 10;
+  static constexpr int kMaxSlope = 10;
   /// Cost of a match outside the right image: as bad as a random one, half of what is possible.
-  static constexpr int kOutside = (kBits + kMostSlope) / 2;
+  static constexpr int kOutside = (kBits + kMaxSlope) / 2;
   /// Cost of each pixel of difference from a ToF seed's disparity. By trial, not sensitive.
   static constexpr int kKnownPerPx = 6;
   /// Most of that cost: no more than the data term can reach, so that the images can outvote a
   /// seed.
-  static constexpr int kMostKnown = kBits;
-  static constexpr int kMostCost = kBits + kMostSlope + kMostKnown;
+  static constexpr int kMaxKnown = kBits;
+  static constexpr int kMaxCost = kBits + kMaxSlope + kMaxKnown;
 
   // The smoothness term, census bits: by trial (NOTES.md, "What pixels are compared by").
   static constexpr int kSmallStep = 5;     ///< P1, a change by 1 px
   static constexpr int kLargeStep = 35;    ///< P2, a larger one, over equal grey values
-  static constexpr int kLeastLarge = 7;    ///< least P2, across an image edge; > P1
+  static constexpr int kMinLarge = 7;      ///< least P2, across an image edge; > P1
   static constexpr int kHalfLargeAt = 20;  ///< difference of grey values that halves P2
 
   // Which disparity is kept.
@@ -100,8 +100,8 @@ struct StereoRules {
 
   // Bounds that follow, for numbers of 8 and 16 bits.
   /// Most that a path costs, less its minimum so far; eq. (R2).
-  static constexpr int kMostPath = kMostCost + kLargeStep;
-  static constexpr int kMostPathSums = 8 * kMostPath;
+  static constexpr int kMaxPath = kMaxCost + kLargeStep;
+  static constexpr int kMaxPathSums = 8 * kMaxPath;
 };
 
 }  // namespace sprout::refine

@@ -92,7 +92,7 @@ StereoSeedFinder::StereoSeedFinder(const RefineConfig& config) : config_(config)
 
 double StereoSeedFinder::SpacingPx(int width) const {
   if (config_.stereo_spacing_px() > 0) return config_.stereo_spacing_px();
-  return std::max(StereoRules::kLeastSpacingPx, width / double{StereoRules::kColumns});
+  return std::max(StereoRules::kMinSpacingPx, width / double{StereoRules::kColumns});
 }
 
 bool StereoSeedFinder::IsCoarse(double spacing_px, int width) const {

@@ -33,9 +33,9 @@ struct SurfaceRules {
   static constexpr double kMedianOfNormal = 0.6745;  ///< of |x| for a normal distribution of σ = 1
   /// What such a match errs by itself, px. Measured with exact points (NOTES.md).
   static constexpr double kMatchSigmaPx = 0.5;
-  static constexpr double kLeastSigmaPx = 0.05;  ///< of points that show no noise, px
+  static constexpr double kMinSigmaPx = 0.05;  ///< of points that show no noise, px
   /// Largest σ, px: below what a message may hold (1023); beyond it a seed carries no information.
-  static constexpr double kMostSigmaPx = 1000;
+  static constexpr double kMaxSigmaPx = 1000;
 
   // Loose points.
   /// Fewest of a cell's eight neighbours that must lie on its surface: along a line of equal depth,
@@ -60,10 +60,10 @@ struct SurfaceRules {
   static constexpr float kUnseenSlope = 0.3F;
   /// Least width in the right image of what is 1 px wide in the left one: of what is steeper the
   /// right camera sees next to nothing.
-  static constexpr double kLeastSeen = 0.2;
+  static constexpr double kMinSeen = 0.2;
   /// √2 − 1: 1 / (1 + that)² is a half.
   static constexpr double kHalves = 0.41421356;
-  static constexpr double kLeastCore = 0.01;  ///< spacings; of a smaller core the images decide all
+  static constexpr double kMinCore = 0.01;  ///< spacings; of a smaller core the images decide all
   /// Difference of two windows of one surface: Σ(a − b)² / Σ(a² + b²) for noise of 1.4 grey levels
   /// at a mean of 100. Smaller differences say nothing.
   static constexpr double kNoise = 2e-4;
@@ -71,7 +71,7 @@ struct SurfaceRules {
   static constexpr double kSmallestCellPx = 5;
   /// Most pieces of such a cell that hide others, the nearest ones: more than a sensor as fine as
   /// the images has.
-  static constexpr size_t kMostPieces = 32;
+  static constexpr size_t kMaxPieces = 32;
 };
 
 }  // namespace sprout::refine

@@ -15,7 +15,7 @@ namespace sprout::refine {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-constexpr size_t kMostPieces = SurfaceRules::kMostPieces;
+constexpr size_t kMaxPieces = SurfaceRules::kMaxPieces;
 
 // The smaller of two slopes by magnitude: beside an edge the one that stays on the surface. A slope
 // to a cell without a point is NaN and does not count.
@@ -265,7 +265,7 @@ class TofSurface::HiddenTest {
     const Seed& seed = points_[point.index].seed;
     const bool is_left = &view == &surface_.left_;
     // A px of the right image is 1 − slope px of the left one.
-    const double steps = is_left ? 1 : std::max(1 - double{piece.slope.x}, Rules::kLeastSeen);
+    const double steps = is_left ? 1 : std::max(1 - double{piece.slope.x}, Rules::kMinSeen);
     const double piece_px = piece.disparity + double{off.dot(piece.slope)} / steps;
     const double behind_px = piece_px - seed.disparity();
     if (behind_px <= rule_.tolerance_px) return false;  // the least of the tolerance
@@ -274,7 +274,7 @@ class TofSurface::HiddenTest {
                                 std::abs(off.x) * piece.unseen.x + std::abs(off.y) * piece.unseen.y;
     if (behind_px <= tolerance_px) return false;
     const double distance = std::sqrt(across * across + down * down);
-    const double beside = 1 + Rules::kHalves * distance / std::max(rule_.core, Rules::kLeastCore);
+    const double beside = 1 + Rules::kHalves * distance / std::max(rule_.core, Rules::kMinCore);
     const double odds = std::sqrt(behind_px / tolerance_px) / (beside * beside);
     // The piece at this pixel: what it would be in the other image.
     const double u = is_left ? seed.u : seed.u_right + piece_px;
@@ -311,10 +311,10 @@ const std::vector<Hidden>& TofSurface::FindHidden(std::span<const ProjectedPoint
     for (const auto& [u, v, seed] : points.first(count)) {
       view.positions.emplace_back(seed.*column, seed.v);
     }
-    view.cells.Fill(view.positions, size_, cell_px, kMostPieces, [&](std::span<uint32_t> cell) {
-      std::nth_element(cell.begin(), cell.begin() + kMostPieces, cell.end(),
+    view.cells.Fill(view.positions, size_, cell_px, kMaxPieces, [&](std::span<uint32_t> cell) {
+      std::nth_element(cell.begin(), cell.begin() + kMaxPieces, cell.end(),
                        [&](uint32_t a, uint32_t b) { return IsNearer(points[a], points[b]); });
-      return kMostPieces;
+      return kMaxPieces;
     });
   };
   RunBoth(

@@ -17,7 +17,7 @@ constexpr double kFarthest = std::numeric_limits<double>::infinity();
 // Added to the weights of slopes: a plane through zones in a row, or one alone, stays level, and
 // its slope is as good as unknown (1000 px a px).
 constexpr double kLevel = 1e-6;
-constexpr double kLeastVariancePx2 = 1e-4;  // of a zone: disparities are not known to 0.01 px
+constexpr double kMinVariancePx2 = 1e-4;  // of a zone: disparities are not known to 0.01 px
 
 double Squared(double x) { return x * x; }
 
@@ -147,8 +147,8 @@ Result<void> ZoneEvidence::Set(const TofZones& zones, const RectifiedPair& pair,
     patches_.push_back(footprint ? footprint->patch : Patch());
     if (!footprint) continue;
     cells += CellsIn(footprint->box.Widened(), grid).area();
-    if (cells > int64_t{ZoneRules::kMostZonesPerCell} * grid.size.area()) {
-      return Fail("zones overlap: allowed are " + std::to_string(ZoneRules::kMostZonesPerCell) +
+    if (cells > int64_t{ZoneRules::kMaxZonesPerCell} * grid.size.area()) {
+      return Fail("zones overlap: allowed are " + std::to_string(ZoneRules::kMaxZonesPerCell) +
                   " zones within reach of a place in the left image, on average");
     }
     Enter(*footprint, static_cast<int>(zone));
@@ -180,14 +180,14 @@ ZoneEvidence::Plane ZoneEvidence::PlaneOf(const TofZones& zones, int column, int
       for (int u = std::max(column - 1, 0); u <= std::min(column + 1, zones.columns - 1); ++u) {
         const Patch& other = patch_of(u, v);
         if (!other.is_one) continue;
-        const double variance_px2 = std::max(kLeastVariancePx2, other.variance_px2);
+        const double variance_px2 = std::max(kMinVariancePx2, other.variance_px2);
         const Eigen::Vector2d off = other.centre_px - own.centre_px;
         const Eigen::Vector3d basis(1, off.x(), off.y());
         const double scale_px =
             wider *
             std::max(ZoneRules::kPlaneScalePerPx * off.norm(),
                      ZoneRules::kPlaneScaleSigmas *
-                         std::sqrt(std::max(kLeastVariancePx2, own.variance_px2) + variance_px2));
+                         std::sqrt(std::max(kMinVariancePx2, own.variance_px2) + variance_px2));
         const double residual_px = other.disparity_px - plane.at.dot(basis);
         const double weight = 1 / (Squared(1 + Squared(residual_px / scale_px)) * variance_px2);
         normal += weight * basis * basis.transpose();

@@ -25,7 +25,7 @@ struct ZoneSurface {
 class ZoneEvidence {
  public:
   /// @param zones  as FromMessage() allows them; 0×0: nothing is said of any cell.
-  /// @returns an error when the zones overlap without sense (ZoneRules::kMostZonesPerCell).
+  /// @returns an error when the zones overlap without sense (ZoneRules::kMaxZonesPerCell).
   /// O(cells + zones). Keeps its memory, 12 bytes a cell.
   Result<void> Set(const TofZones& zones, const RectifiedPair& pair, const CellGrid& grid);
 

@@ -18,7 +18,7 @@ struct ZoneRules {
   static constexpr int kGapCells = 2;
   /// On average a place of the left image is within reach of at most this many zones, else the
   /// message makes no sense: 9 of a grid, and as many again beside depth edges.
-  static constexpr int kMostZonesPerCell = 64;
+  static constexpr int kMaxZonesPerCell = 64;
   /// Scale of the M-estimator for the planes of zones, px of disparity a px: the prior's
   /// plane_scale_per_spacing, and its wider first round.
   static constexpr double kPlaneScalePerPx = 0.12;

@@ -2,7 +2,7 @@
 
 const kFirstWait = 300;  // ms until it is tried again; doubled up to the longest
 const kLongestWait = 3000;
-const kMostSilence = 5;  // s; the server says something every second
+const kMaxSilence = 5;  // s; the server says something every second
 
 /// A packet as packet.h makes it: head, and the body of each part.
 export function readPacket(buffer) {
@@ -28,7 +28,7 @@ export class Connection {
   // Nobody tells of a connection that died while this machine slept, or without its cable. Seconds
   // that the page slept do not count: what came meanwhile is still to be read.
   watch() {
-    if (this.socket.readyState > WebSocket.OPEN || ++this.silence < kMostSilence) return;
+    if (this.socket.readyState > WebSocket.OPEN || ++this.silence < kMaxSilence) return;
     this.socket.onopen = this.socket.onmessage = this.socket.onclose = null;
     this.socket.close();
     this.handlers.closed();

@@ -14,7 +14,7 @@ TEST(ColumnsBelowZero, AreWhatTheFarthestPointNeeds) {
   EXPECT_EQ(ColumnsBelowZero({.cx = 50, .cx_right = 40}), 0);
   EXPECT_EQ(ColumnsBelowZero({.cx = 50, .cx_right = 56}), 6);
   EXPECT_EQ(ColumnsBelowZero({.cx = 50, .cx_right = 56.2}), 7);
-  EXPECT_GT(ColumnsBelowZero({.cx = 50, .cx_right = 1e9}), kMostColumns);
+  EXPECT_GT(ColumnsBelowZero({.cx = 50, .cx_right = 1e9}), kMaxColumns);
 }
 
 TEST(ColumnsBelowZero, OfSeedsLeaveRoundingAlone) {

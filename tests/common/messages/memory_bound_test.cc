@@ -15,8 +15,8 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr int kColumns = 8000;
-constexpr int kMostRows = 4000;
-static_assert(int64_t{kColumns} * kMostRows == kMaxCompressedPixels);
+constexpr int kMaxRows = 4000;
+static_assert(int64_t{kColumns} * kMaxRows == kMaxCompressedPixels);
 
 constexpr int64_t kBytesPerPixel = 9;           // of decoding, as the README states
 constexpr int64_t kBesides = 16 * 1024 * 1024;  // the message itself, the decoder, the allocator
@@ -85,7 +85,7 @@ TEST_P(CompressedMessage, TakesNoMoreThanNineBytesForEachOfItsPixels) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "a sanitizer takes memory of its own";
 #endif
-  const std::vector<uint8_t> bytes = GetParam().make({kColumns, kMostRows});
+  const std::vector<uint8_t> bytes = GetParam().make({kColumns, kMaxRows});
   if (!ForgetPeak()) GTEST_SKIP() << "/proc/self/clear_refs cannot be written here";
   const int64_t before = StatusBytes("VmRSS");
   const Result<DecodedPart> decoded = DecodePart(GetParam().part, bytes);
@@ -97,7 +97,7 @@ TEST_P(CompressedMessage, TakesNoMoreThanNineBytesForEachOfItsPixels) {
 }
 
 TEST_P(CompressedMessage, IsRefusedBeforeItTakesMemoryWhenItIsLarger) {
-  const cv::Size larger(kColumns, kMostRows + 1);
+  const cv::Size larger(kColumns, kMaxRows + 1);
   std::vector<uint8_t> bytes = GetParam().make({8, 8});
   // Width and height stand right behind the header.
   const size_t width = examples::kRigIdLengthOffset + 4 + examples::Id().rig_id.size() + 1;

@@ -286,7 +286,8 @@ TEST_F(RigFile, RefusesCamerasThatDoNotLookAtOneScene) {
 // What people copy.
 TEST_F(RigFile, IsAsTheReadmeOfCalibrateShowsOne) {
   std::ostringstream readme;
-  readme << std::ifstream(std::string(SPROUT_SOURCE_DIR) + "/services/calibrate/README.md").rdbuf();
+  readme << std::ifstream(std::string(SPROUT_SOURCE_DIR) + "/services/tools/calibrate/README.md")
+                .rdbuf();
   const std::string text = readme.str();
   const std::string fence = "```textproto\n";
   const size_t begin = text.find(fence);

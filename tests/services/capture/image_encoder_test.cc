@@ -4,7 +4,7 @@
 
 #include "common/messages/codec.h"
 #include "common/messages/packed.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 
 namespace sprout::capture {
 namespace {
@@ -13,8 +13,8 @@ class ImageEncoderTest : public testing::Test {
  protected:
   ImageEncoderTest() {
     config_.set_source("synthetic:160x120");
-    const auto dataset = datasets::OpenDataset(config_);
-    const datasets::DatasetFrame captured = dataset->Get(0);
+    const auto dataset = scenes::OpenDataset(config_);
+    const scenes::DatasetFrame captured = dataset->Get(0);
     raw_.id = {.utime = 5, .seq = 7, .rig_id = "rig"};
     const std::pair<Part, PartValue> parts[] = {
         {Part::kLeft, captured.left}, {Part::kRight, captured.right}, {Part::kTof, captured.tof}};

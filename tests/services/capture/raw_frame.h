@@ -12,9 +12,9 @@ namespace sprout::capture {
 inline cv::Mat Picture(cv::Size size, int grey) { return {size, CV_8UC3, cv::Scalar::all(grey)}; }
 
 /// What the cameras of TiltedRig() give of something grey, 2 m away.
-inline datasets::CapturedFrame RawFrame(int grey) {
+inline scenes::CapturedFrame RawFrame(int grey) {
   const RawRig rig = TiltedRig();
-  datasets::CapturedFrame frame;
+  scenes::CapturedFrame frame;
   frame.left = Picture(rig.left.size(), grey);
   frame.right = Picture(rig.right.size(), grey);
   frame.tof.depth_m = cv::Mat1f(rig.tof.size(), 2.f);

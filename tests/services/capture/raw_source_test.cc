@@ -298,7 +298,7 @@ class RawLogTest : public VideoTest {
   }
 
   std::vector<TestEvent> Frame(int64_t seq, cv::Size right = {640, 480}) const {
-    const datasets::CapturedFrame frame = RawFrame(50);
+    const scenes::CapturedFrame frame = RawFrame(50);
     return {Raw(seq, Part::kLeft, frame.left), Raw(seq, Part::kRight, Picture(right, 50)),
             Raw(seq, Part::kTof, frame.tof)};
   }

@@ -23,22 +23,22 @@ std::shared_ptr<CurrentRig> TestRig() {
 // Cameras that give what they are told.
 class TestCameras : public RawSource {
  public:
-  explicit TestCameras(std::deque<datasets::CapturedFrame> frames) : frames_(std::move(frames)) {}
+  explicit TestCameras(std::deque<scenes::CapturedFrame> frames) : frames_(std::move(frames)) {}
   bool is_live() const override { return true; }
-  std::optional<datasets::CapturedFrame> Next(const std::stop_token& /*stop*/) override {
+  std::optional<scenes::CapturedFrame> Next(const std::stop_token& /*stop*/) override {
     if (frames_.empty()) return std::nullopt;
-    datasets::CapturedFrame frame = frames_.front();
+    scenes::CapturedFrame frame = frames_.front();
     frames_.pop_front();
     return frame;
   }
 
  private:
-  std::deque<datasets::CapturedFrame> frames_;
+  std::deque<scenes::CapturedFrame> frames_;
 };
 
 TEST(RawSource, RectifiesImagesAndRanges) {
   const Rectifier rectifier(TiltedRig());
-  const Result<datasets::CapturedFrame> frame = RectifyFrame(rectifier, RawFrame(77));
+  const Result<scenes::CapturedFrame> frame = RectifyFrame(rectifier, RawFrame(77));
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->left.size(), rectifier.rig().pair.size());
   EXPECT_EQ(frame->right.at<cv::Vec3b>(240, 320)[1], 77);
@@ -46,16 +46,16 @@ TEST(RawSource, RectifiesImagesAndRanges) {
 }
 
 TEST(RawSource, TakesAFrameWhoseToFCameraGaveNothing) {
-  datasets::CapturedFrame raw = RawFrame(77);
+  scenes::CapturedFrame raw = RawFrame(77);
   raw.tof = {};
-  const Result<datasets::CapturedFrame> frame = RectifyFrame(Rectifier(TiltedRig()), raw);
+  const Result<scenes::CapturedFrame> frame = RectifyFrame(Rectifier(TiltedRig()), raw);
   ASSERT_TRUE(frame);
   EXPECT_TRUE(frame->tof.depth_m.empty());
 }
 
 TEST(RawSource, NamesTheImageThatIsNotOfTheCalibratedSize) {
   const Rectifier rectifier(TiltedRig());
-  datasets::CapturedFrame raw = RawFrame(1);
+  scenes::CapturedFrame raw = RawFrame(1);
   raw.right = Picture({64, 48}, 1);
   EXPECT_THAT(RectifyFrame(rectifier, raw).error().text,
               AllOf(HasSubstr("right image of 64x48"), HasSubstr("640x480")));
@@ -65,9 +65,9 @@ TEST(RawSource, NamesTheImageThatIsNotOfTheCalibratedSize) {
 }
 
 TEST(RawSource, CountsFramesThatCannotBeRectifiedAsLost) {
-  datasets::CapturedFrame small = RawFrame(2);
+  scenes::CapturedFrame small = RawFrame(2);
   small.left = Picture({64, 48}, 2);
-  datasets::CapturedFrame late = RawFrame(3);
+  scenes::CapturedFrame late = RawFrame(3);
   late.lost = 2;
   const auto source = Rectified(
       std::make_unique<TestCameras>(std::deque{RawFrame(1), small, small, late}), TestRig());
@@ -81,16 +81,16 @@ TEST(RawSource, CountsFramesThatCannotBeRectifiedAsLost) {
 }
 
 // A picture in which every place looks different.
-datasets::CapturedFrame Noise(int seed) {
-  datasets::CapturedFrame frame = RawFrame(0);
+scenes::CapturedFrame Noise(int seed) {
+  scenes::CapturedFrame frame = RawFrame(0);
   cv::RNG random(static_cast<uint64_t>(seed));
   random.fill(frame.left, cv::RNG::UNIFORM, 0, 256);
   random.fill(frame.right, cv::RNG::UNIFORM, 0, 256);
   return frame;
 }
 
-void ExpectRectifiedBy(const Rectifier& rectifier, const datasets::CapturedFrame& raw,
-                       const datasets::CapturedFrame& frame) {
+void ExpectRectifiedBy(const Rectifier& rectifier, const scenes::CapturedFrame& raw,
+                       const scenes::CapturedFrame& frame) {
   EXPECT_EQ(cv::norm(frame.left, rectifier.RectifyLeft(raw.left), cv::NORM_INF), 0);
   EXPECT_EQ(cv::norm(frame.right, rectifier.RectifyRight(raw.right), cv::NORM_INF), 0);
 }
@@ -98,7 +98,7 @@ void ExpectRectifiedBy(const Rectifier& rectifier, const datasets::CapturedFrame
 TEST(RawSource, TakesANewRigFromOneFrameToTheNext) {
   const std::shared_ptr<CurrentRig> rig = TestRig();
   const RigInUsePtr first = rig->Get();
-  datasets::CapturedFrame small = Noise(3);
+  scenes::CapturedFrame small = Noise(3);
   small.left = Picture({64, 48}, 2);
   const auto source = Rectified(
       std::make_unique<TestCameras>(std::deque{Noise(1), small, Noise(2), Noise(4)}), rig);

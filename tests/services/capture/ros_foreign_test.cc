@@ -18,8 +18,8 @@ constexpr uint64_t kFrameNs = 100'000'000;
 
 // What is read of a recording with one pair and a calibration that `add` may change or add to.
 struct Opened {
-  std::unique_ptr<datasets::FrameSource> source;
-  std::vector<datasets::CapturedFrame> frames;
+  std::unique_ptr<scenes::FrameSource> source;
+  std::vector<scenes::CapturedFrame> frames;
   std::vector<std::string> told;
 };
 

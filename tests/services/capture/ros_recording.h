@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "common/config/config_error.h"
-#include "common/mcap/mcap_writer.h"
-#include "common/ros2/frame_topics.h"
+#include "common/ros/frame_topics.h"
+#include "common/ros/mcap_writer.h"
 #include "services/capture/ros2/ros_source.h"
 #include "tests/common/messages/examples.h"
 #include "tests/common/picture/temporary_directory.h"
@@ -70,7 +70,7 @@ inline std::string PathOf(const TemporaryDirectory& folder) { return folder / "f
 struct Told {
   std::vector<std::string> lines;
   std::vector<std::string> refused;
-  std::vector<datasets::LostFrames> lost;
+  std::vector<scenes::LostFrames> lost;
   RosSourceOptions Options(bool loop = false) {
     return {.loop = loop,
             .reports = {.tell = [this](const std::string& line) { lines.push_back(line); },
@@ -78,7 +78,7 @@ struct Told {
                             [this](const std::string& topic, const std::string& why) {
                               refused.push_back(topic + ": " + why);
                             },
-                        .lost = [this](const datasets::LostFrames& of) { lost.push_back(of); }}};
+                        .lost = [this](const scenes::LostFrames& of) { lost.push_back(of); }}};
   }
 };
 
@@ -88,8 +88,8 @@ inline std::string Source(const TemporaryDirectory& folder, const std::string& o
   return "mcap:" + PathOf(folder) + "?left=/left/image&right=/right/image" + options;
 }
 
-inline std::vector<datasets::CapturedFrame> All(datasets::FrameSource& source) {
-  std::vector<datasets::CapturedFrame> frames;
+inline std::vector<scenes::CapturedFrame> All(scenes::FrameSource& source) {
+  std::vector<scenes::CapturedFrame> frames;
   const std::stop_source never;
   while (auto frame = source.Next(never.get_token())) frames.push_back(std::move(*frame));
   return frames;

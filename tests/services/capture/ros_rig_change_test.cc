@@ -17,7 +17,7 @@ struct TwoRigs {
   Rig first = examples::Rig();
   Rig second;
 
-  std::vector<datasets::CapturedFrame> Frames(Told& told) const {
+  std::vector<scenes::CapturedFrame> Frames(Told& told) const {
     const TemporaryDirectory folder;
     RosRecording file(folder / "file");
     for (int i = 0; i < 4; ++i) {

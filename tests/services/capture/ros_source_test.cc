@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 
 #include "common/messages/jpeg.h"
-#include "services/datasets/kitti_source.h"
-#include "services/datasets/velodyne_scan.h"
+#include "common/scenes/kitti_source.h"
+#include "common/scenes/velodyne_scan.h"
+#include "tests/common/scenes/kitti_folder.h"
 #include "tests/services/capture/ros_recording.h"
-#include "tests/services/datasets/kitti_folder.h"
 
 namespace sprout::capture {
 namespace {
@@ -49,10 +49,10 @@ TEST(RosSource, GivesTheFramesAndTheRigThatWereShown) {
 
 // The same scan as KITTI's file and as a cloud placed by /tf_static.
 TEST(RosSource, MakesTheRangeImageOfAScanThatKittiMakes) {
-  const datasets::KittiFolder kitti;
+  const scenes::KittiFolder kitti;
   kitti.WriteStereo("000007");
   const auto dataset = kitti.Open("/000007");
-  const datasets::DatasetFrame expected = dataset->Get(0);
+  const scenes::DatasetFrame expected = dataset->Get(0);
   const TemporaryDirectory folder;
   RosRecording file(folder / "file");
   const RectifiedPair& pair = dataset->rig().pair;
@@ -71,7 +71,7 @@ TEST(RosSource, MakesTheRangeImageOfAScanThatKittiMakes) {
   file.Add("/tf_static", poses);
   PointCloud cloud;
   for (const Eigen::Vector3d& point :
-       datasets::ReadVelodyneScan(kitti.files().File("velodyne/000007.bin"))) {
+       scenes::ReadVelodyneScan(kitti.files().File("velodyne/000007.bin"))) {
     const Eigen::Vector3f place = point.cast<float>();
     cloud.points.push_back({.position_m = {place.x(), place.y(), place.z()}, .bgr = {}});
   }
@@ -112,7 +112,7 @@ TEST(RosSource, CountsImagesWithoutPartner) {
   const auto frames = All(*source);
   ASSERT_EQ(frames.size(), 8U);
   int64_t lost = source->lost_at_end().count;
-  for (const datasets::LostFrames& one : told.lost) lost += one.count;
+  for (const scenes::LostFrames& one : told.lost) lost += one.count;
   for (const auto& frame : frames) {
     EXPECT_DOUBLE_EQ(frame.spread_ms, 19);
     EXPECT_EQ(frame.left.at<uint8_t>(0, 0), frame.right.at<uint8_t>(0, 0));
@@ -174,7 +174,7 @@ TEST(RosSource, ReportsLossesWhenTheyHappen) {
   Told told;
   EXPECT_THAT(FramesOfStamps(stamps, told), ElementsAre());
   int64_t lost = 0;
-  for (const datasets::LostFrames& one : told.lost) lost += one.count;
+  for (const scenes::LostFrames& one : told.lost) lost += one.count;
   EXPECT_GE(lost, 4);
   EXPECT_THAT(told.lost.back().trouble,
               HasSubstr("ms apart or more: allowed is max_spread_ms = 20"));

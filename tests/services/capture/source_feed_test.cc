@@ -6,11 +6,11 @@
 #include <deque>
 
 #include "common/messages/codec.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "tests/common/app/captured_log.h"
 #include "tests/common/messages/examples.h"
-#include "tests/services/datasets/kitti_folder.h"
-#include "tests/services/datasets/scene_folder.h"
+#include "tests/common/scenes/kitti_folder.h"
+#include "tests/common/scenes/scene_folder.h"
 
 namespace sprout::capture {
 namespace {
@@ -38,7 +38,7 @@ class SourceFeed : public ::testing::Test {
 
 TEST_F(SourceFeed, NumbersAndStampsTheFramesOfItsSource) {
   const auto feed = Open(Synthetic());
-  const auto source = datasets::OpenDataset(Synthetic());
+  const auto source = scenes::OpenDataset(Synthetic());
   EXPECT_EQ(feed->timing(), Timing::kAsked);
   int64_t newest_utime = NowUtime() - 1;
   for (int64_t seq = 0; seq < 3; ++seq) {
@@ -55,7 +55,7 @@ TEST_F(SourceFeed, NumbersAndStampsTheFramesOfItsSource) {
 }
 
 TEST_F(SourceFeed, EndsWithItsSourceUnlessItLoops) {
-  const datasets::SceneFolder scene;
+  const scenes::SceneFolder scene;
   scene.Write2005({30, 20});
   const auto once = Open(scene.Config());
   EXPECT_TRUE(once->Next({}));
@@ -75,7 +75,7 @@ TEST_F(SourceFeed, SendsColourAsConfigured) {
 
 // The stages wait for the message, whether or not there is a ToF camera.
 TEST_F(SourceFeed, SendsAToFMessageWithoutAToFCamera) {
-  const datasets::KittiFolder kitti;
+  const scenes::KittiFolder kitti;
   kitti.WriteStereo("000000");
   const auto frame = Open(kitti.Config("/000000?tof=none"))->Next({});
   ASSERT_TRUE(frame);
@@ -98,12 +98,12 @@ TEST_F(SourceFeed, NamesItsCalibrationByTheNewestFrame) {
 }
 
 // A camera that stamps its frames, and loses some.
-class Camera : public datasets::FrameSource {
+class Camera : public scenes::FrameSource {
  public:
   const Rig& rig() const override { return rig_; }
   bool is_live() const override { return true; }
-  std::optional<datasets::CapturedFrame> Next(const std::stop_token& /*stop*/) override {
-    datasets::CapturedFrame frame;
+  std::optional<scenes::CapturedFrame> Next(const std::stop_token& /*stop*/) override {
+    scenes::CapturedFrame frame;
     frame.left = cv::Mat(2, 3, CV_8UC1, cv::Scalar(1));
     frame.right = cv::Mat(2, 3, CV_8UC1, cv::Scalar(2));
     frame.utime = times_.front();

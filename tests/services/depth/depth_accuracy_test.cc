@@ -17,8 +17,8 @@
 
 #include "common/config/config.h"
 #include "common/core/quantile.h"
-#include "services/datasets/dataset.h"
-#include "services/datasets/lens_view.h"
+#include "common/scenes/dataset.h"
+#include "common/scenes/lens_view.h"
 #include "services/depth/depth_in_view.h"
 #include "services/depth/flying.h"
 #include "services/pipeline/pipeline.h"
@@ -26,10 +26,10 @@
 namespace sprout::depth {
 namespace {
 
-using datasets::LensView;
-using datasets::Ray;
-using datasets::Solid;
-using datasets::SyntheticScene;
+using scenes::LensView;
+using scenes::Ray;
+using scenes::Solid;
+using scenes::SyntheticScene;
 
 constexpr double kPercent = 100;
 
@@ -52,7 +52,7 @@ class Room {
   cv::Mat1f Depth(const Lens& lens, const Pose& left_from_camera) const {
     cv::Mat1f depth(lens.size(), std::numeric_limits<float>::quiet_NaN());
     LensView(lens, left_from_camera.rotation, left_from_camera.translation_m, 1)
-        .Cast(solids_, pair_.focal_px, [&](int x, int y, double z, const datasets::Vec3&) {
+        .Cast(solids_, pair_.focal_px, [&](int x, int y, double z, const scenes::Vec3&) {
           depth(y, x) = static_cast<float>(z);
         });
     return depth;
@@ -78,7 +78,7 @@ class Room {
     if (u < 0 || v < 0 || u > pair_.width - 1 || v > pair_.height - 1) return false;
     const Ray ray{{}, {point.x() / point.z(), point.y() / point.z(), 1}};
     return std::none_of(solids_.begin(), solids_.end(), [&](const Solid& solid) {
-      return datasets::Intersect(solid, ray) < point.z() * (1 - 1e-4);
+      return scenes::Intersect(solid, ray) < point.z() * (1 - 1e-4);
     });
   }
 
@@ -281,10 +281,10 @@ DisparityImage Blurred(const cv::Mat1f& truth, int side_px) {
   return FromPx(blurred);
 }
 
-datasets::DatasetFrame FrameOf(const std::string& source, Rig& rig, int64_t index) {
+scenes::DatasetFrame FrameOf(const std::string& source, Rig& rig, int64_t index) {
   CaptureConfig config;
   config.set_source(source);
-  const auto dataset = datasets::OpenDataset(config);
+  const auto dataset = scenes::OpenDataset(config);
   rig = dataset->rig();
   return dataset->Get(index);
 }
@@ -302,7 +302,7 @@ TEST(DepthAccuracy, FlyingPointsGoAndGoodOnesStay) {
     const std::string path = source.substr(0, source.find('?'));
     const std::string scene = synthetic ? "synthetic" : path.substr(path.rfind('/') + 1);
     Rig rig;
-    const datasets::DatasetFrame frame = FrameOf(source, rig, synthetic ? 40 : 0);
+    const scenes::DatasetFrame frame = FrameOf(source, rig, synthetic ? 40 : 0);
     const auto score = [&](const std::string& name, const DisparityImage& map) {
       const FlyingScore s = ScoreOf(map, frame.truth.left);
       const auto all = static_cast<double>(frame.truth.left.total());

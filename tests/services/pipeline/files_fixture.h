@@ -13,8 +13,8 @@
 #include <string>
 
 #include "common/geometry/projection.h"
-#include "services/datasets/dataset.h"
-#include "services/datasets/pfm.h"
+#include "common/scenes/dataset.h"
+#include "common/scenes/pfm.h"
 #include "services/pipeline/files/files.h"
 #include "services/pipeline/pipeline.h"
 #include "tests/common/picture/temporary_directory.h"
@@ -59,7 +59,7 @@ class Files : public testing::Test {
   Files() {
     CaptureConfig config;
     config.set_source("synthetic:160x120");
-    const auto dataset = datasets::OpenDataset(config);
+    const auto dataset = scenes::OpenDataset(config);
     scene_ = dataset->Get(0);
     pair_ = dataset->rig().pair;
     cv::Mat1w tof_mm(pair_.height / kTofStep, pair_.width / kTofStep);
@@ -127,12 +127,12 @@ class Files : public testing::Test {
             depth_m < 65 ? static_cast<uint16_t>(std::lround(double{depth_m} * 1000)) : uint16_t{0};
       }
     }
-    EXPECT_TRUE(SameBytes(datasets::ReadPfm(folder_ / "out" / "disparity.pfm"), px));
+    EXPECT_TRUE(SameBytes(scenes::ReadPfm(folder_ / "out" / "disparity.pfm"), px));
     EXPECT_TRUE(SameBytes(png("disparity.png"), counts));
-    EXPECT_TRUE(SameBytes(datasets::ReadPfm(folder_ / "out" / "depth.pfm"), expected.depth_m));
+    EXPECT_TRUE(SameBytes(scenes::ReadPfm(folder_ / "out" / "depth.pfm"), expected.depth_m));
     EXPECT_TRUE(SameBytes(png("depth.png"), mm));
     EXPECT_TRUE(SameBytes(png("confidence.png"), expected.confidence));
-    EXPECT_TRUE(SameBytes(datasets::ReadPfm(folder_ / "out" / "depth_sigma.pfm"),
+    EXPECT_TRUE(SameBytes(scenes::ReadPfm(folder_ / "out" / "depth_sigma.pfm"),
                           DepthSigmaMap(pair, expected.disparity, expected.sigma)));
     EXPECT_GE(png("overview.png").cols, 2 * pair_.width);
     for (const char* name : {"cloud.ply", "mesh.ply"}) {
@@ -145,7 +145,7 @@ class Files : public testing::Test {
   }
 
   TemporaryDirectory folder_;
-  datasets::DatasetFrame scene_;
+  scenes::DatasetFrame scene_;
   RectifiedPair pair_;
   TofImage tof_;
   FilesOptions options_;

@@ -12,7 +12,7 @@
 
 #include "common/core/read_text.h"
 #include "common/picture/write_image.h"
-#include "services/datasets/pfm.h"
+#include "common/scenes/pfm.h"
 #include "services/pipeline/files/files.h"
 #include "tests/common/picture/temporary_directory.h"
 
@@ -114,7 +114,7 @@ class FilesInput : public testing::Test {
   }
 
   cv::Mat1f Depth(const std::string& folder = "out") const {
-    return datasets::ReadPfm(Path(folder + "/depth.pfm"));
+    return scenes::ReadPfm(Path(folder + "/depth.pfm"));
   }
 
   // Percentage of the pixels whose depth is right within 3 %, away from the borders.
@@ -290,7 +290,7 @@ TEST_F(FilesInput, OfConvergedPairsHaveNegativeDisparities) {
       options_.tof = with_tof ? Write("tof.png", RangePicture(1000)) : "";
       EXPECT_EQ(Run(), 0) << err_;
       EXPECT_GT(Right(Depth()), 90) << move << with_tof << out_;
-      const cv::Mat1f px = datasets::ReadPfm(Path("out/disparity.pfm"));
+      const cv::Mat1f px = scenes::ReadPfm(Path("out/disparity.pfm"));
       EXPECT_NEAR(px(15, 30), kFarPx - move, 0.3);
       EXPECT_EQ(out_.find("negative") != std::string::npos, move > kFarPx) << out_;
     }

@@ -14,9 +14,9 @@
 #include "common/picture/write_image.h"
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
-#include "services/datasets/dataset.h"
-#include "services/datasets/middlebury_calibration.h"
-#include "services/datasets/pfm.h"
+#include "common/scenes/dataset.h"
+#include "common/scenes/middlebury_calibration.h"
+#include "common/scenes/pfm.h"
 #include "services/pipeline/pipeline.h"
 #include "tests/services/pipeline/files_fixture.h"
 
@@ -114,7 +114,7 @@ TEST_F(Files, OfOneNameInSeveralFoldersGoToFoldersOfTheirOwn) {
 TEST_F(Files, OfAVideoAreFusedWhenAsked) {
   CaptureConfig capture;
   capture.set_source("synthetic:160x120");
-  const auto dataset = datasets::OpenDataset(capture);
+  const auto dataset = scenes::OpenDataset(capture);
   const std::vector<std::string> configs = {"default", "temporal { in_pipeline: true }",
                                             "depth { input: FUSED }"};
   Pipeline pipeline(LoadConfig(configs));
@@ -122,7 +122,7 @@ TEST_F(Files, OfAVideoAreFusedWhenAsked) {
   Rig rig = RigOfFlags();
   rig.tof = TofCamera();
   for (int i = 0; i < 3; ++i) {
-    const datasets::DatasetFrame frame = dataset->Get(i);
+    const scenes::DatasetFrame frame = dataset->Get(i);
     const std::string name = "/" + std::to_string(i) + ",.png";
     Write(("l" + name).c_str(), frame.left);
     Write(("r" + name).c_str(), frame.right);
@@ -139,7 +139,7 @@ TEST_F(Files, OfAVideoAreFusedWhenAsked) {
   for (int i = 0; i < 3; ++i) {
     const fs::path out = folder_ / "out" / (std::to_string(i) + ",");
     const DepthFrame& frame = expected[static_cast<size_t>(i)];
-    EXPECT_TRUE(SameBytes(datasets::ReadPfm(out / "depth.pfm"), frame.depth_m));
+    EXPECT_TRUE(SameBytes(scenes::ReadPfm(out / "depth.pfm"), frame.depth_m));
     EXPECT_TRUE(SameBytes(cv::imread(out / "fused_confidence.png", cv::IMREAD_UNCHANGED),
                           frame.fused_confidence));
     EXPECT_TRUE(fs::exists(out / "fused.pfm"));
@@ -170,8 +170,8 @@ TEST_F(Files, LeaveOutOfDepthsAndPointsWhatTheDepthSettingsSay) {
       {"min_confidence", "min_confidence: 204"}};
   for (const auto& [rule, setting] : settings) {
     EXPECT_EQ(RunFiles(options_, LoadConfig({"default", "depth { " + setting + " }"}), {}), 0);
-    const cv::Mat1f depth_m = datasets::ReadPfm(folder_ / "out" / "depth.pfm");
-    const cv::Mat1f sigma_m = datasets::ReadPfm(folder_ / "out" / "depth_sigma.pfm");
+    const cv::Mat1f depth_m = scenes::ReadPfm(folder_ / "out" / "depth.pfm");
+    const cv::Mat1f sigma_m = scenes::ReadPfm(folder_ / "out" / "depth_sigma.pfm");
     int kept = 0;
     int wrong = 0;
     for (int v = 0; v < depth_m.rows; ++v) {
@@ -190,7 +190,7 @@ TEST_F(Files, LeaveOutOfDepthsAndPointsWhatTheDepthSettingsSay) {
       EXPECT_THAT(text.substr(0, 1000), HasSubstr("element vertex " + std::to_string(kept) + "\n"));
     }
     // What growth says is not changed.
-    const cv::Mat1f px = datasets::ReadPfm(folder_ / "out" / "disparity.pfm");
+    const cv::Mat1f px = scenes::ReadPfm(folder_ / "out" / "disparity.pfm");
     EXPECT_EQ(cv::countNonZero(px < kInf), all.disparity.CountValid());
   }
 }
@@ -198,7 +198,7 @@ TEST_F(Files, LeaveOutOfDepthsAndPointsWhatTheDepthSettingsSay) {
 TEST_F(Files, HaveTheCalibrationBesideThem) {
   EXPECT_EQ(RunToEnd(options_).exit_code, 0);
   const RectifiedPair pair =
-      datasets::CalibrationFromCalib(folder_ / "out" / "calib.txt", pair_.size());
+      scenes::CalibrationFromCalib(folder_ / "out" / "calib.txt", pair_.size());
   EXPECT_EQ(pair.focal_px, pair_.focal_px);
   EXPECT_EQ(pair.cx, pair_.cx);
   EXPECT_EQ(pair.cx_right, pair_.cx_right);

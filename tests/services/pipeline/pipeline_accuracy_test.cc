@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/quality/score.h"
-#include "services/evaluate/scene.h"
+#include "common/measure/score.h"
 #include "services/pipeline/pipeline.h"
+#include "services/tools/evaluate/scene.h"
 
 namespace sprout {
 namespace {

@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "common/geometry/projection.h"
-#include "services/datasets/dataset.h"
-#include "services/evaluate/calibration.h"
+#include "common/scenes/dataset.h"
 #include "services/grow/grow_adapter.h"
 #include "services/prior/prior_adapter.h"
 #include "services/refine/refine_adapter.h"
 #include "services/temporal/temporal_adapter.h"
-#include "tests/services/evaluate/small_scene.h"
+#include "services/tools/evaluate/calibration.h"
+#include "tests/services/tools/evaluate/small_scene.h"
 
 namespace sprout {
 namespace {
@@ -250,7 +250,7 @@ class PipelineWithMemory : public testing::Test {
     CaptureConfig capture;
     capture.set_source("synthetic:240x180");
     capture.set_tof_grid_px(6);
-    const auto dataset = datasets::OpenDataset(capture);
+    const auto dataset = scenes::OpenDataset(capture);
     rig_ = dataset->rig();
     for (int64_t i = 0; i < 4; ++i) frames_.push_back(dataset->Get(i));
   }
@@ -272,7 +272,7 @@ class PipelineWithMemory : public testing::Test {
 
   SproutConfig config_ = LoadConfig({"default", "temporal { in_pipeline: true }"});
   Rig rig_;
-  std::vector<datasets::DatasetFrame> frames_;
+  std::vector<scenes::DatasetFrame> frames_;
 };
 
 TEST_F(PipelineWithMemory, GivesWhatTheServicesGive) {
@@ -354,7 +354,7 @@ TEST_F(PipelineWithMemory, RefusesWhatContradictsItself) {
 
 TEST(Pipeline, SaysWhatDoesNotFit) {
   const evaluate::Scene scene = evaluate::SmallScene();
-  const datasets::DatasetFrame& frame = scene.frame;
+  const scenes::DatasetFrame& frame = scene.frame;
   const cv::Mat &left = frame.left, &right = frame.right;
   const TofImage& tof = frame.tof;
   const Rig& rig = scene.projector.rig();

@@ -8,7 +8,7 @@
 
 #include "common/config/config.h"
 #include "common/frames/log_frames.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "services/pipeline/pipeline.h"
 
 namespace sprout {
@@ -23,8 +23,8 @@ double MillisecondsSince(Clock::time_point begun) {
 void Compute(const std::string& source, const std::string& preset, int frames) {
   SproutConfig config = LoadConfig({preset});
   config.mutable_capture()->set_source(source);
-  const auto dataset = datasets::OpenDataset(config.capture());
-  const datasets::DatasetFrame frame = dataset->Get(0);
+  const auto dataset = scenes::OpenDataset(config.capture());
+  const scenes::DatasetFrame frame = dataset->Get(0);
   cv::setNumThreads(1);
   Pipeline pipeline(config);
   std::vector<double> times;

@@ -11,10 +11,10 @@
 
 #include "common/geometry/lens.h"
 #include "common/rig/rectifier.h"
-#include "services/calibrate/rectify_images.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "services/selfcalibrate/change_text.h"
-#include "tests/services/calibrate/knocked_scene.h"
+#include "services/tools/calibrate/rectify_images.h"
+#include "tests/services/tools/calibrate/knocked_scene.h"
 
 namespace sprout::selfcalibrate {
 namespace {
@@ -196,7 +196,7 @@ TEST(RigWatch, SeesRowsButNoYawWithoutToFCamera) {
 // One plane tells no turn, but rows that are apart are seen.
 TEST(RigWatch, SaysHowFarRowsAreApartWhereNoCalibrationCanBeTold) {
   const RawRig rig = calibrate::TrueRig({640, 480});
-  std::vector<datasets::Solid> wall = datasets::SyntheticScene(0, 1).At(0);
+  std::vector<scenes::Solid> wall = scenes::SyntheticScene(0, 1).At(0);
   wall.resize(1);
   for (const double pitch_deg : {0.3, 1.0}) {
     RigNumbers turn{};
@@ -237,7 +237,7 @@ TEST(RigWatch, SaysThatAFlatWallShowsNothing) {
   RigNumbers knock{};
   knock[calibrate::kYaw] = 0.3 * kDegree;
   WatchedRig watched(Changed(rig, knock));
-  std::vector<datasets::Solid> wall = datasets::SyntheticScene(0, 1).At(0);
+  std::vector<scenes::Solid> wall = scenes::SyntheticScene(0, 1).At(0);
   wall.resize(1);
   for (int i = 1; i < kFrames; ++i) {
     ASSERT_TRUE(watched.Add(calibrate::RenderSolids(rig, wall, static_cast<uint32_t>(i), true)));
@@ -299,14 +299,14 @@ TEST(RigWatch, RefusesImagesOfAnotherSize) {
 TEST(RigWatch, DISABLED_TimeAt2Mp) {
   CaptureConfig scene;
   scene.set_source("synthetic:1600x1250?tof=sr4000");
-  const auto source = datasets::OpenDataset(scene);
+  const auto source = scenes::OpenDataset(scene);
   SelfCalibrateConfig config;  // defaults
   RigWatch watch(config);
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
   // First a right one, then one with two rows of error.
   for (int64_t seq = 0; seq < 2 * config.frames(); ++seq) {
-    const datasets::DatasetFrame captured = source->Get(10 * seq);
+    const scenes::DatasetFrame captured = source->Get(10 * seq);
     Frame frame;
     frame.id.rig_id = RigId(source->rig());
     frame.left = captured.left;

@@ -59,9 +59,9 @@ class Former : public testing::Test {
     for (const RigPlace place : kRigPlaces) former_.Add(place, Opened());
   }
 
-  std::optional<datasets::CapturedFrame> Take(int64_t index,
-                                              const std::vector<RigPlace>& places = {
-                                                  kRigPlaces.begin(), kRigPlaces.end()}) {
+  std::optional<scenes::CapturedFrame> Take(int64_t index,
+                                            const std::vector<RigPlace>& places = {
+                                                kRigPlaces.begin(), kRigPlaces.end()}) {
     for (const RigPlace place : places) former_.Add(place, Image(place, index));
     return former_.Next(kStartUtime + index * kPeriodUs + 10'000);
   }
@@ -70,7 +70,7 @@ class Former : public testing::Test {
 };
 
 TEST_F(Former, GivesTheMiddleOfTheExposureInTheHostsTime) {
-  const std::optional<datasets::CapturedFrame> frame = Take(0);
+  const std::optional<scenes::CapturedFrame> frame = Take(0);
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->utime, kStartUtime + 4000 + 1000);  // and the way, which nobody can know
   EXPECT_EQ(frame->spread_ms, 0);
@@ -89,7 +89,7 @@ TEST_F(Former, CountsACaptureOnceWhicheverOfItsImagesIsLost) {
   EXPECT_FALSE(Take(2, {RigPlace::kLeft, RigPlace::kTof}));
   former_.Add(RigPlace::kLeft, Broken());
   former_.Add(RigPlace::kRight, Broken());
-  const std::optional<datasets::CapturedFrame> frame = Take(4);
+  const std::optional<scenes::CapturedFrame> frame = Take(4);
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->lost, 3);
   EXPECT_EQ(
@@ -109,7 +109,7 @@ TEST_F(Former, DoesNotCountWhatComesBeforeAllCamerasAreThere) {
 TEST_F(Former, GoesOnWithoutATofCameraThatIsGone) {
   Take(0);
   former_.Add(RigPlace::kTof, {.kind = CameraEvent::Kind::kGone, .text = "gone"});
-  const std::optional<datasets::CapturedFrame> frame = Take(1, {RigPlace::kLeft, RigPlace::kRight});
+  const std::optional<scenes::CapturedFrame> frame = Take(1, {RigPlace::kLeft, RigPlace::kRight});
   ASSERT_TRUE(frame);
   EXPECT_TRUE(frame->tof.depth_m.empty());
   EXPECT_EQ(frame->lost, 0);
@@ -209,7 +209,7 @@ TEST(FormerWithPtp, HasOneClockForAllCameras) {
     if (place == RigPlace::kTof) event.image.arrived_utime += 40'000;
     former.Add(place, std::move(event));
   }
-  const std::optional<datasets::CapturedFrame> frame = former.Next(kStartUtime + 60'000);
+  const std::optional<scenes::CapturedFrame> frame = former.Next(kStartUtime + 60'000);
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->spread_ms, 0);
   EXPECT_FALSE(frame->tof.depth_m.empty());

@@ -11,7 +11,7 @@
 
 #include "common/core/image.h"
 #include "common/core/quantile.h"
-#include "services/datasets/dataset.h"
+#include "common/scenes/dataset.h"
 #include "services/refine/refiner.h"
 
 namespace sprout::refine {
@@ -19,8 +19,8 @@ namespace {
 
 // A frame as TofAligner looks at it.
 struct AlignScene {
-  explicit AlignScene(datasets::Dataset& source, int64_t index = 0) : projector(source.rig()) {
-    const datasets::DatasetFrame frame = source.Get(index);
+  explicit AlignScene(scenes::Dataset& source, int64_t index = 0) : projector(source.rig()) {
+    const scenes::DatasetFrame frame = source.Get(index);
     left = ToGrey(frame.left);
     right = ToGrey(frame.right);
     tof = frame.tof;
@@ -39,12 +39,12 @@ struct AlignScene {
 };
 
 // The simulated room, whose ToF camera is turned by so much.
-std::unique_ptr<datasets::Dataset> Room(double calibration_error_px) {
+std::unique_ptr<scenes::Dataset> Room(double calibration_error_px) {
   CaptureConfig config;
   config.set_source("synthetic:640x480");
   config.set_tof("sr4000");
   config.mutable_sr4000()->set_calibration_error_px(calibration_error_px);
-  return datasets::OpenDataset(config);
+  return scenes::OpenDataset(config);
 }
 
 TEST(TofAligner, FindsHowFarTheCalibrationIsOff) {

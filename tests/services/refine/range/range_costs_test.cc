@@ -47,7 +47,7 @@ double CostByDefinition(const cv::Mat1b& left, const cv::Mat1b& right, const Sla
   const double n = static_cast<double>(a.total());
   const double likeness =
       2 * a0.dot(b0) / n / (a0.dot(a0) / n + b0.dot(b0) / n + 2 * RangeRules::kNoiseVariance);
-  return 1 - std::clamp(likeness, double{RangeRules::kLeastLikeness}, 1.0);
+  return 1 - std::clamp(likeness, double{RangeRules::kMinLikeness}, 1.0);
 }
 
 TEST(RangeCosts, AreThoseOfTheirDefinitionWithEveryInstructionSet) {

@@ -1,0 +1,92 @@
+#ifndef SPROUT_SERVICES_TOP_STATUS_BOARD_H_
+#define SPROUT_SERVICES_TOP_STATUS_BOARD_H_
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "common/core/stage_status.h"
+
+namespace sprout {
+
+/// State of a process of the graph, judged by its statuses.
+enum class Health {
+  kGood,     ///< reports, without losses
+  kLosing,   ///< reports, and lost or refused something in the last kRecent
+  kTwice,    ///< reports, and so does another process of the same stage
+  kStale,    ///< has not reported for kStaleAfter
+  kStopped,  ///< has ended
+  kMissing,  ///< expected, but never heard
+};
+
+/// One process, or an expected stage that nobody has heard.
+struct BoardRow {
+  StageStatus status;  ///< of a missing stage only the name
+  Health health = Health::kMissing;
+  double silent_s = 0;  ///< since its newest status
+  /// Since last_error was heard first; nothing without one.
+  std::optional<double> error_age_s = {};
+  bool error_was_there = false;  ///< last_error is older than the board: the age is a least one
+  /// The stage answers, and for kRecent nothing was lost and no other error came.
+  bool error_is_past = false;
+};
+
+/// Keeps the newest status of every process that reports, and judges them. Not thread-safe.
+class StatusBoard {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Statuses come once a second; a late one is tolerated.
+  static constexpr std::chrono::milliseconds kStaleAfter{3500};
+
+  /// For so long something that happened is shown as the present state.
+  static constexpr std::chrono::seconds kRecent{60};
+
+  /// Most processes that are kept, since anybody could send more names.
+  static constexpr size_t kMaxProcesses = 64;
+
+  /// @param expected  stages that must be there.
+  explicit StatusBoard(std::vector<std::string> expected) : expected_(std::move(expected)) {}
+
+  /// @returns whether there was room for it.
+  bool Add(const StageStatus& message, Clock::time_point now);
+
+  /// A status could not be read.
+  void AddBad() { ++bad_; }
+
+  /// Expected stages first and in their order, then the others by name; of one stage the oldest
+  /// process first.
+  std::vector<BoardRow> Rows(Clock::time_point now) const;
+
+  /// Statuses that could not be read, or found no room.
+  int64_t bad() const { return bad_; }
+
+ private:
+  using Process = std::tuple<std::string, std::string, int32_t>;  // stage, host, pid
+
+  struct Heard {
+    StageStatus newest;
+    Clock::time_point when;
+    Clock::time_point error_since;          // of newest.last_error
+    bool error_was_there = false;           // with the first status
+    std::optional<Clock::time_point> loss;  // the newest one that was seen
+    Clock::time_point answer;               // frames_out rose, or the first status
+  };
+
+  size_t RankOf(const std::string& stage) const;
+
+  std::vector<std::string> expected_;
+  std::map<Process, Heard> heard_;
+  int64_t bad_ = 0;
+};
+
+/// Whether every row is good or losing: each expected stage reports exactly once.
+bool IsWhole(const std::vector<BoardRow>& rows);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_TOP_STATUS_BOARD_H_

@@ -1,0 +1,63 @@
+#include "common/inputs/check_inputs.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "common/core/image.h"
+#include "common/inputs/judge_pair.h"
+#include "common/inputs/judge_ranges.h"
+
+namespace sprout::inputs {
+namespace {
+
+Findings NoneCanTell(const std::string& why) {
+  Findings findings;
+  for (int i = 0; i < kQuestionCount; ++i) {
+    findings.push_back({.question = static_cast<Question>(i), .text = why});
+  }
+  return findings;
+}
+
+}  // namespace
+
+Findings CheckInputs(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                     const RectifiedPair& pair, const TofProjector* projector) {
+  if (left.size() != pair.size() || right.size() != pair.size()) {
+    return NoneCanTell("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
+                       ": allowed is the calibrated size " + SizeText(pair.size()));
+  }
+  const Matches matches = MatchFeatures(left, right);
+  const PairModel model = FitPair(matches, left.size());
+  std::optional<RangeModel> ranges;
+  if (projector != nullptr) ranges = CompareRanges(model.inliers, tof, *projector);
+  Findings findings = JudgePair(left, right, pair, matches, model, ranges ? &*ranges : nullptr);
+  const bool fits = std::ranges::none_of(
+      findings, [](const Finding& finding) { return finding.verdict == Verdict::kBad; });
+  for (Finding& finding : JudgeRanges(ranges ? &*ranges : nullptr, fits)) {
+    findings.push_back(std::move(finding));
+  }
+  return findings;
+}
+
+Findings CheckInputs(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
+                     const Rig& rig) {
+  const auto is_image = [](const cv::Mat& image) {
+    return image.type() == CV_8UC1 || image.type() == CV_8UC3;
+  };
+  if (!is_image(left) || !is_image(right)) {
+    return NoneCanTell("images of another type than 8 bit, grey or BGR");
+  }
+  const Rig of_frame = RigOfFrame(rig, tof);
+  if (const Result<void> size = CheckTofSize(of_frame, tof); !size) {
+    return NoneCanTell(size.error().text);
+  }
+  std::optional<TofProjector> projector;
+  if (!tof.depth_m.empty()) projector.emplace(of_frame);
+  return CheckInputs(ToGrey(left), ToGrey(right), tof, rig.pair, projector ? &*projector : nullptr);
+}
+
+}  // namespace sprout::inputs

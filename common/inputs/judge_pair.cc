@@ -1,0 +1,220 @@
+#include "common/inputs/judge_pair.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/core/quantile.h"
+
+namespace sprout::inputs {
+namespace {
+
+struct PairRules {
+  static constexpr size_t kFewInliers = 25;     ///< matches that say something of the pair
+  static constexpr double kMaxOfMatches = 0.5;  ///< of them agree in a good pair: 0.6 to 1
+  static constexpr double kBeyondChance = 6;    ///< standard deviations
+  static constexpr int kFewFeatures = 100;      ///< corners in each image that say that none match
+  /// So many of the corners of two scenes find a partner by chance: at most 0.03 were seen, in good
+  /// pairs at least 0.35.
+  static constexpr double kChanceOfFeatures = 0.12;
+  /// Beyond it Sprout loses accuracy that can be measured (services/refine/NOTES.md).
+  static constexpr double kMaxRowsPx = 1;
+  static constexpr double kMaxParallaxPx = 1;
+  /// Of the rows that are off anywhere: (1) is a pitch's and a roll's first order.
+  static constexpr double kParallaxOfRows = 0.1;
+  static constexpr double kSure = 5;           ///< standard deviations
+  static constexpr double kBehindPx = 1;       ///< a match is beyond infinity by more
+  static constexpr double kManyBehind = 0.9;   ///< share: of a swapped pair
+  static constexpr double kSomeBehind = 0.15;  ///< principal points that do not fit
+  static constexpr double kFewBehind = 0.05;   ///< false matches
+  /// 12 bits in 16 without a shift use as many of 8.
+  static constexpr double kFewLevels = 15;
+};
+
+Finding JudgeScene(const Matches& matches, const PairModel& model) {
+  Finding finding{.question = Question::kScene};
+  const auto inliers = static_cast<double>(model.inliers.size());
+  const int features = std::min(matches.left_features, matches.right_features);
+  finding.value = 100 * inliers / std::max(1, matches.left_features);
+  finding.sigma = 100 * std::sqrt(std::max(1.0, inliers)) / std::max(1, matches.left_features);
+  const bool many =
+      inliers >= PairRules::kFewInliers &&
+      inliers > model.by_chance.value + PairRules::kBeyondChance * model.by_chance.sigma;
+  if (many && inliers >= PairRules::kMaxOfMatches * model.tried) {
+    finding.verdict = Verdict::kGood;
+    finding.text =
+        fmt::format("{} of {} corners are in both images", inliers, matches.left_features);
+  } else if (features >= PairRules::kFewFeatures && !many &&
+             inliers + 3 * std::sqrt(inliers) < PairRules::kChanceOfFeatures * features) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "left and right do not show one scene: {} of {} corners are in both; are these files of "
+        "one "
+        "pair, and its rows within {:.0f} px?",
+        inliers, matches.left_features, matches.most_rows_px);
+  } else {
+    finding.text = fmt::format(
+        "{} of {} corners are in both images: too few to tell whether they "
+        "show one scene",
+        inliers, matches.left_features);
+  }
+  return finding;
+}
+
+Finding JudgeTime(const PairModel& model) {
+  Finding finding{.question = Question::kTime,
+                  .value = model.parallax_px.value,
+                  .sigma = model.parallax_px.sigma};
+  std::vector<double> disparities;
+  for (const Match& match : model.inliers) disparities.push_back(std::abs(match.disparity()));
+  // What a roll of either camera may add, see (1): x is between the two places of a match.
+  const double by_roll = std::abs(model.roll_rad) * Median(disparities) / 2;
+  const double by_rows = PairRules::kParallaxOfRows * std::abs(model.worst_px.value);
+  const double most = PairRules::kMaxParallaxPx + by_roll + by_rows;
+  const double sure = PairRules::kSure * finding.sigma;
+  if (finding.value - sure > most) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "near things lie {:.1f} ± {:.1f} px off the rows of far ones: left and right are not of "
+        "one "
+        "moment, or the right camera stands elsewhere than calibrated",
+        finding.value, finding.sigma);
+  } else if (finding.value + 2 * finding.sigma < most &&
+             std::abs(model.worst_px.value) < PairRules::kMaxRowsPx) {
+    finding.verdict = Verdict::kGood;
+    finding.text =
+        fmt::format("near and far things lie on the same rows to {:.2f} px", finding.value);
+  } else {
+    finding.text = "rows do not tell whether left and right are of one moment";
+  }
+  return finding;
+}
+
+double ShareBehind(const std::vector<Match>& matches, double infinity_px, double sign) {
+  const auto behind = std::ranges::count_if(matches, [&](const Match& match) {
+    return sign * match.disparity() + infinity_px < -PairRules::kBehindPx;
+  });
+  return static_cast<double>(behind) / static_cast<double>(matches.size());
+}
+
+Finding JudgeSides(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,
+                   const PairModel& model, const RangeModel* ranges) {
+  Finding finding{.question = Question::kSides};
+  const double infinity_px = pair.cx_right - pair.cx;
+  const double behind = ShareBehind(model.inliers, infinity_px, 1);
+  const double behind_if_swapped = ShareBehind(model.inliers, infinity_px, -1);
+  finding.value = 100 * behind;
+  finding.sigma =
+      100 * std::sqrt(behind * (1 - behind) / static_cast<double>(model.inliers.size()));
+  const bool ranges_agree =
+      ranges != nullptr && ranges->as_is.compared >= 25 && ranges->as_is.share() > 0.7;
+  const bool ranges_say_swapped = ranges != nullptr && ranges->swapped.compared >= 25 &&
+                                  ranges->swapped.share() > 0.7 && ranges->as_is.share() < 0.3;
+  std::vector<double> disparities;
+  for (const Match& match : model.inliers) disparities.push_back(std::abs(match.disparity()));
+  if (Median(disparities) < 0.5 && cv::norm(left, right, cv::NORM_INF) == 0) {
+    finding.verdict = Verdict::kBad;
+    finding.text = "left and right are the same picture: is one file given twice?";
+  } else if (ranges_say_swapped ||
+             (behind > PairRules::kManyBehind && behind_if_swapped < PairRules::kFewBehind)) {
+    finding.verdict = Verdict::kBad;
+    finding.text =
+        "left and right are swapped: give them the other way round (or tell the columns of the "
+        "principal "
+        "points: cx, cx_right)";
+  } else if (behind > PairRules::kSomeBehind) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "{:.0f} ± {:.0f} % of the matches lie beyond infinity: the columns of the principal points "
+        "do not fit these images (cx, cx_right)",
+        finding.value, finding.sigma);
+  } else if (behind <= PairRules::kFewBehind &&
+             (behind_if_swapped > PairRules::kSomeBehind || ranges_agree)) {
+    finding.verdict = Verdict::kGood;
+    finding.text = fmt::format("{:.0f} % of the matches lie beyond infinity", finding.value);
+  } else {
+    finding.text = fmt::format(
+        "{:.0f} ± {:.0f} % of the matches lie beyond infinity, {:.0f} % would with left and right "
+        "swapped: too alike to tell",
+        finding.value, finding.sigma, 100 * behind_if_swapped);
+  }
+  return finding;
+}
+
+Finding JudgeRows(const PairModel& model) {
+  Finding finding{
+      .question = Question::kRows, .value = model.worst_px.value, .sigma = model.worst_px.sigma};
+  const double off = std::abs(finding.value);
+  if (off - finding.sigma > PairRules::kMaxRowsPx) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "rows of the right image lie {:+.2f} ± {:.2f} px off those of the left one in the middle, "
+        "up to {:+.2f} px elsewhere (roll {:+.2f}°; {} px are allowed): rectify the pair, or "
+        "correct "
+        "the rig with sprout-calibrate refine",
+        model.middle_px.value, model.middle_px.sigma, finding.value,
+        model.roll_rad * 180 / std::numbers::pi, PairRules::kMaxRowsPx);
+  } else if (off + finding.sigma < PairRules::kMaxRowsPx) {
+    finding.verdict = Verdict::kGood;
+    finding.text = fmt::format("rows agree to {:+.2f} ± {:.2f} px", finding.value, finding.sigma);
+  } else {
+    finding.text = fmt::format("rows may be off by {:+.2f} ± {:.2f} px ({} are allowed)",
+                               finding.value, finding.sigma, PairRules::kMaxRowsPx);
+  }
+  return finding;
+}
+
+// Every fourth row, without a copy.
+cv::Mat1b SomeRows(const cv::Mat1b& image) {
+  return {(image.rows + 3) / 4, image.cols, const_cast<uint8_t*>(image.data), 4 * image.step[0]};
+}
+
+Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
+  Finding finding{.question = Question::kBits, .sigma = 0};
+  double of_left = 0;
+  double of_right = 0;
+  cv::minMaxLoc(SomeRows(left), nullptr, &of_left);
+  cv::minMaxLoc(SomeRows(right), nullptr, &of_right);
+  finding.value = 100 * std::min(of_left, of_right) / 255;
+  if (finding.value * 2.55 <= PairRules::kFewLevels) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "the brightest grey values are {:.0f} and {:.0f} of 255: images of 10 or 12 bits in 16 "
+        "have "
+        "to be scaled, dark ones to be exposed longer",
+        of_left, of_right);
+  } else {
+    finding.verdict = Verdict::kGood;
+    finding.text =
+        fmt::format("the brightest grey values are {:.0f} and {:.0f} of 255", of_left, of_right);
+  }
+  return finding;
+}
+
+Finding CannotTell(Question question) {
+  return {.question = question, .text = "too few corners are in both images"};
+}
+
+}  // namespace
+
+Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,
+                   const Matches& matches, const PairModel& model, const RangeModel* ranges) {
+  Findings findings = {JudgeScene(matches, model)};
+  const bool has_matches =
+      model.inliers.size() >= PairRules::kFewInliers && findings[0].verdict != Verdict::kBad;
+  if (has_matches) {
+    findings.push_back(JudgeTime(model));
+    findings.push_back(JudgeSides(left, right, pair, model, ranges));
+    findings.push_back(JudgeRows(model));
+  } else {
+    for (const Question question : {Question::kTime, Question::kSides, Question::kRows}) {
+      findings.push_back(CannotTell(question));
+    }
+  }
+  findings.push_back(JudgeBits(left, right));
+  return findings;
+}
+
+}  // namespace sprout::inputs

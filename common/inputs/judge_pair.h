@@ -1,0 +1,21 @@
+#ifndef SPROUT_SERVICES_INPUTS_JUDGE_PAIR_H_
+#define SPROUT_SERVICES_INPUTS_JUDGE_PAIR_H_
+
+#include <opencv2/core.hpp>
+
+#include "common/core/rig.h"
+#include "common/inputs/feature_matches.h"
+#include "common/inputs/findings.h"
+#include "common/inputs/pair_model.h"
+#include "common/inputs/range_model.h"
+
+namespace sprout::inputs {
+
+/// Findings kScene to kBits, in their order.
+/// @param ranges  null when there is no range image.
+Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,
+                   const Matches& matches, const PairModel& model, const RangeModel* ranges);
+
+}  // namespace sprout::inputs
+
+#endif  // SPROUT_SERVICES_INPUTS_JUDGE_PAIR_H_

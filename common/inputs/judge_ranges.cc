@@ -1,0 +1,264 @@
+#include "common/inputs/judge_ranges.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "common/core/tof_image.h"
+
+namespace sprout::inputs {
+namespace {
+
+struct RangeVerdicts {
+  static constexpr int kFewCompared = 25;  ///< matches that say something of the ranges
+  static constexpr int kSomeCompared = 40;
+  static constexpr double kSure = 4;     ///< standard deviations, see MoreAgree()
+  static constexpr double kHits = 0.02;  ///< share of the values that has to hit the picture
+  static constexpr double kGood = 0.7;   ///< share that agrees: 0.81 to 1 in good frames
+  static constexpr double kOfOneMoment = 0.8;
+  static constexpr double kHalf = 0.5;
+  static constexpr double kTurnedGain = 0.2;
+  static constexpr double kScaledGain = 0.25;
+  static constexpr double kMinFactor = 0.03;  ///< of |ln(factor)|
+  static constexpr double kMovedGain = 0.1;
+  static constexpr double kMovedSure = 2.5;
+  /// Less may be a device's own error, which Refiner takes out, or says.
+  static constexpr double kMinMoveM = 0.2;
+};
+
+// True metres of a number, and what it is read as.
+struct UnitRow {
+  double factor;
+  const char* text;
+};
+constexpr UnitRow kUnits[] = {
+    {1000.0 / 256, "is the file in 1/256 m, and read as mm? --tof-unit 1/256"},
+    {1000.0 / 5000, "is the file in 1/5000 m, and read as mm? --tof-unit 1/5000"},
+    {1e-3, "are they in mm, and read as m? --tof-unit mm"},
+    {1e3, "are they in m, and read as mm? --tof-unit m"},
+    {10, "are they in cm, and read as mm? --tof-unit cm"},
+    {1e-2, "are they in cm, and read as m? --tof-unit cm"},
+    {0.1, "are they in 1/10 mm, and read as mm? --tof-unit 1/10000"},
+    {0.25, "are they in 1/4 mm, and read as mm? --tof-unit 1/4000"},
+    {0.125, "are they in 1/8 mm, and read as mm? --tof-unit 1/8000"},
+    {1.0 / 256, "are they in 1/256 m, and read as m? --tof-unit 1/256"},
+    {1.0 / 5000, "are they in 1/5000 m, and read as m? --tof-unit 1/5000"},
+    {0.3048, "are they in feet, and read as m? --tof-unit 0.3048"},
+};
+constexpr char kOtherUnit[] = "do focal length and baseline belong to these images?";
+
+std::string CureOf(double factor, double sigma) {
+  const UnitRow* best = nullptr;
+  double least = std::max(0.03, 4 * sigma / factor);
+  for (const UnitRow& unit : kUnits) {
+    const double off = std::abs(std::log(factor / unit.factor));
+    if (off >= least) continue;
+    least = off;
+    best = &unit;
+  }
+  return best == nullptr ? kOtherUnit : best->text;
+}
+
+const char* NameOf(const Turn& turn) {
+  if (turn.transposed) {
+    if (turn.mirrored == turn.upside_down) {
+      return turn.mirrored ? "mirrored about its other diagonal" : "mirrored about its diagonal";
+    }
+    return turn.mirrored ? "turned by 90°: turn it clockwise"
+                         : "turned by 90°: turn it counter-clockwise";
+  }
+  if (turn.mirrored) return turn.upside_down ? "turned by 180°" : "mirrored left to right";
+  return "upside down";
+}
+
+Finding JudgeHits(const RangeModel& model) {
+  Finding finding{.question = Question::kHits};
+  const double share = model.values == 0 ? 0 : static_cast<double>(model.in_picture) / model.values;
+  finding.value = 100 * share;
+  finding.sigma = 0;
+  finding.text = fmt::format(
+      "{} of {} pixels of the range image have a return, {} of them fall "
+      "into the picture",
+      model.returns, model.pixels, std::min(model.in_picture, model.returns));
+  if (model.returns > 0 && share >= RangeVerdicts::kHits) {
+    finding.verdict = Verdict::kGood;
+    return finding;
+  }
+  finding.verdict = Verdict::kBad;
+  if (model.returns > 0) {
+    finding.text += ": where does the range sensor stand, and in which unit are ranges (rig file)?";
+  } else if (model.values > 0) {
+    finding.text = fmt::format(
+        "all {} ranges are beyond {:.0f} m: are they in mm, and read as m? "
+        "--tof-unit",
+        model.values, kMaxTofDepthM);
+  } else {
+    finding.text = fmt::format(
+        "none of the {} pixels of the range image has a return: is the range "
+        "sensor running, and does it look where the cameras do?",
+        model.pixels);
+  }
+  return finding;
+}
+
+bool IsScaled(const RangeModel& model) {
+  const Agreement& scaled = model.scaled;
+  return scaled.compared >= RangeVerdicts::kFewCompared && scaled.share() >= RangeVerdicts::kHalf &&
+         scaled.share() - model.as_is.share() >= RangeVerdicts::kScaledGain &&
+         std::abs(std::log(scaled.factor)) > RangeVerdicts::kMinFactor &&
+         scaled.agreeing >= model.turned.agreeing && scaled.close >= model.moved.close &&
+         // Of ranges that are far off none may be comparable.
+         (model.as_is.compared < RangeVerdicts::kFewCompared ||
+          MoreAgree(scaled, model.as_is) >= RangeVerdicts::kSure ||
+          model.as_is.compared < scaled.compared / 2);
+}
+
+// Of a share of n, with one match of either kind besides, so that 0 and n are not certain.
+double Variance(const Agreement& agreement) {
+  const double n = agreement.compared + 2;
+  const double share = (agreement.agreeing + 1) / n;
+  return share * (1 - share) / n;
+}
+
+// Turned points lie around other matches, so shares are compared as well.
+bool AreApart(const Agreement& one, const Agreement& other) {
+  return MoreAgree(one, other) >= RangeVerdicts::kSure ||
+         one.share() - other.share() >=
+             RangeVerdicts::kSure * std::sqrt(Variance(one) + Variance(other));
+}
+
+bool IsTurned(const RangeModel& model) {
+  const Agreement& turned = model.turned;
+  return turned.compared >= RangeVerdicts::kFewCompared && turned.share() >= RangeVerdicts::kHalf &&
+         turned.share() - model.as_is.share() >= RangeVerdicts::kTurnedGain &&
+         AreApart(turned, model.as_is);
+}
+
+bool IsMoved(const RangeModel& model) {
+  const Agreement& moved = model.moved;
+  return moved.compared >= RangeVerdicts::kSomeCompared &&
+         std::abs(moved.ahead_m) >= RangeVerdicts::kMinMoveM &&
+         moved.close_share() >= RangeVerdicts::kGood &&
+         moved.close_share() - model.as_is.close_share() >= RangeVerdicts::kMovedGain &&
+         MoreAgree(moved, model.as_is, Vote::kIsClose) >= RangeVerdicts::kMovedSure;
+}
+
+Finding JudgePlace(const RangeModel& model) {
+  Finding finding{.question = Question::kPlace};
+  const Agreement& as_is = model.as_is;
+  finding.value = 100 * (as_is.share() - model.turned.share());
+  finding.sigma = 100 * std::sqrt(Variance(as_is) + Variance(model.turned));
+  if (IsTurned(model)) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "the range image is {} (then ranges agree with stereo at {:.0f} % of "
+        "the matches, as it is at {:.0f} %)",
+        NameOf(model.turned.turn), 100 * model.turned.share(), 100 * as_is.share());
+  } else if (as_is.compared >= RangeVerdicts::kFewCompared &&
+             as_is.share() >= RangeVerdicts::kHalf && AreApart(as_is, model.turned)) {
+    finding.verdict = Verdict::kGood;
+    finding.text = fmt::format(
+        "{:.0f} % of the ranges agree with stereo, turned otherwise at most "
+        "{:.0f} %",
+        100 * as_is.share(), 100 * model.turned.share());
+  } else {
+    finding.text = fmt::format(
+        "ranges agree with stereo at {:.0f} % of {} matches, turned otherwise "
+        "at {:.0f} %: too alike, or too few, to tell",
+        100 * as_is.share(), as_is.compared, 100 * model.turned.share());
+  }
+  return finding;
+}
+
+Finding JudgeScale(const RangeModel& model, bool is_turned) {
+  Finding finding{
+      .question = Question::kScale, .value = model.ratio.value, .sigma = model.ratio.sigma};
+  if (IsScaled(model)) {
+    const double factor = 1 / model.ratio.value;
+    const double sigma = factor * model.ratio.sigma / model.ratio.value;
+    const bool is_short = factor > 1;
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format("ranges are {:.4g} ± {:.1g} times too {}: {}",
+                               is_short ? factor : 1 / factor, is_short ? sigma : model.ratio.sigma,
+                               is_short ? "short" : "long", CureOf(factor, sigma));
+  } else if (!is_turned && model.as_is.compared >= RangeVerdicts::kFewCompared &&
+             model.as_is.share() >= RangeVerdicts::kGood) {
+    finding.verdict = Verdict::kGood;
+    finding.text = fmt::format(
+        "ranges are {:.3f} ± {:.3f} times those of stereo ({:+.0f} ± {:.0f} "
+        "mm in the middle)",
+        finding.value, finding.sigma, 1000 * model.offset_m.value, 1000 * model.offset_m.sigma);
+  } else {
+    finding.value = finding.sigma = Finding::kUnknown;
+    finding.text = "too few matches agree with the ranges to tell their scale";
+  }
+  return finding;
+}
+
+Finding JudgeMoment(const RangeModel& model, bool is_explained) {
+  Finding finding{.question = Question::kMoment};
+  const Agreement& as_is = model.as_is;
+  const double share = as_is.share();
+  const double sigma = std::sqrt(Variance(as_is));
+  finding.value = 100 * (1 - share);
+  finding.sigma = 100 * sigma;
+  if (is_explained || as_is.compared < RangeVerdicts::kFewCompared) {
+    finding.text = is_explained
+                       ? "ranges do not fit the images for another reason"
+                       : fmt::format("range points lie around {} matches only", as_is.compared);
+  } else if (IsMoved(model)) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "ranges and images disagree at {:.0f} ± {:.0f} % of the points, and fit from {:.1f} m "
+        "further {}: is the range image of another moment (time stamps), or its sensor's place in "
+        "the rig wrong?",
+        100 * (1 - as_is.close_share()), finding.sigma, std::abs(model.moved.ahead_m),
+        model.moved.ahead_m > 0 ? "ahead" : "back");
+  } else if (as_is.compared >= RangeVerdicts::kSomeCompared &&
+             share + 2 * sigma < RangeVerdicts::kOfOneMoment) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "ranges and images disagree at {:.0f} ± {:.0f} % of the points: is the range image of "
+        "another moment or another sensor?",
+        finding.value, finding.sigma);
+  } else if (share >= RangeVerdicts::kOfOneMoment) {
+    finding.verdict = Verdict::kGood;
+    finding.text = fmt::format("ranges and images disagree at {:.0f} ± {:.0f} % of the points",
+                               finding.value, finding.sigma);
+  } else {
+    finding.text = fmt::format(
+        "ranges and images disagree at {:.0f} ± {:.0f} % of {} points: too "
+        "few to tell",
+        finding.value, finding.sigma, as_is.compared);
+  }
+  return finding;
+}
+
+}  // namespace
+
+Findings JudgeRanges(const RangeModel* ranges, bool pair_fits) {
+  Findings findings;
+  if (ranges == nullptr) {
+    findings.push_back({.question = Question::kHits, .text = "there is no range image"});
+  } else {
+    findings.push_back(JudgeHits(*ranges));
+  }
+  if (ranges == nullptr || !pair_fits) {
+    for (const Question question : {Question::kPlace, Question::kScale, Question::kMoment}) {
+      findings.push_back({.question = question,
+                          .text = pair_fits ? "there is no range image"
+                                            : "stereo itself has to be put right first"});
+    }
+    return findings;
+  }
+  findings.push_back(JudgePlace(*ranges));
+  const bool is_turned = findings.back().verdict == Verdict::kBad;
+  findings.push_back(JudgeScale(*ranges, is_turned));
+  const bool is_scaled = findings.back().verdict == Verdict::kBad;
+  findings.push_back(JudgeMoment(*ranges, is_turned || is_scaled));
+  return findings;
+}
+
+}  // namespace sprout::inputs

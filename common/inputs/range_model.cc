@@ -1,0 +1,360 @@
+#include "common/inputs/range_model.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "common/core/quantile.h"
+
+namespace sprout::inputs {
+namespace {
+
+struct RangeRules {
+  static constexpr size_t kMaxPoints = 10000;  ///< that are compared; more say no more
+  static constexpr size_t kMaxTurned = 2500;   ///< in each other turn
+  static constexpr double kReach = 1.5;        ///< of a match's neighbours, in spacings of points
+  static constexpr size_t kFewestAround = 3;   ///< points around a match
+  static constexpr size_t kMaxAround = 64;
+  /// Their middle may lie so far beside the match, px: beside a beam of a lidar the disparity of a
+  /// road changes by a third of a pixel a row (baseline / height of the cameras).
+  static constexpr float kMaxAside = 4;
+  static constexpr float kMaxAsideShare = 0.15F;  ///< or of the reach
+  static constexpr double kOneSurface = 0.12;     ///< most by which their disparities differ, share
+  /// See Vote.
+  static constexpr double kTolerancePx = 1;
+  static constexpr double kToleranceShare = 0.03;
+  static constexpr double kToleranceM = 0.05;
+  static constexpr double kCloseShare = 0.01;
+  static constexpr double kMinDisparityPx = 1;  ///< farther matches do not tell a factor
+  static constexpr double kBinsPerE = 40;       ///< of ln(factor): 2.5 % each
+  static constexpr double kMaxFactor = 1e5;
+  /// Other explanations are searched where fewer agree.
+  static constexpr double kGood = 0.9;
+  static constexpr double kClose = 0.85;
+  /// Moves ahead that are tried, shares of the median distance.
+  static constexpr double kMoves[] = {0.015, 0.03, 0.045, 0.06, 0.08, 0.1};
+};
+
+// A pixel of the range image.
+struct RangePixel {
+  cv::Point at;
+  float depth;
+};
+
+struct PicturePoint {
+  float u, v;
+  float disparity;  // d + c_x' − c_x, px
+};
+
+struct Hypothesis {
+  double factor = 1;
+  Turn turn = {};
+  double ahead_m = 0;
+};
+
+// Points in the picture, in cells; for what lies around a position.
+class PointGrid {
+ public:
+  PointGrid(std::vector<PicturePoint> points, cv::Size picture) : points_(std::move(points)) {
+    const auto count = static_cast<double>(std::max<size_t>(1, points_.size()));
+    reach_ =
+        static_cast<float>(RangeRules::kReach * std::max(1.0, std::sqrt(picture.area() / count)));
+    cells_ = cv::Size(static_cast<int>(static_cast<float>(picture.width) / reach_) + 1,
+                      static_cast<int>(static_cast<float>(picture.height) / reach_) + 1);
+    first_.assign(static_cast<size_t>(cells_.area()), -1);
+    next_.resize(points_.size());
+    for (size_t i = 0; i < points_.size(); ++i) {
+      int& first = first_[Index(static_cast<int>(points_[i].u / reach_),
+                                static_cast<int>(points_[i].v / reach_))];
+      next_[i] = first;
+      first = static_cast<int>(i);
+    }
+  }
+
+  // The median disparity around a position, if there all points lie on one surface.
+  std::optional<double> SurfaceAt(const cv::Point2f& at) {
+    around_.clear();
+    cv::Point2f aside(0, 0);
+    const int column = static_cast<int>(at.x / reach_);
+    const int row = static_cast<int>(at.y / reach_);
+    for (int y = std::max(0, row - 1); y <= std::min(cells_.height - 1, row + 1); ++y) {
+      for (int x = std::max(0, column - 1); x <= std::min(cells_.width - 1, column + 1); ++x) {
+        for (int i = first_[Index(x, y)]; i >= 0; i = next_[static_cast<size_t>(i)]) {
+          const PicturePoint& point = points_[static_cast<size_t>(i)];
+          const float du = point.u - at.x;
+          const float dv = point.v - at.y;
+          if (du * du + dv * dv > reach_ * reach_) continue;
+          around_.push_back(point.disparity);
+          aside += cv::Point2f(du, dv);
+          if (around_.size() == RangeRules::kMaxAround) return MedianOfSurface(aside);
+        }
+      }
+    }
+    return MedianOfSurface(aside);
+  }
+
+ private:
+  // @param aside  sum of the points' offsets from the match.
+  std::optional<double> MedianOfSurface(const cv::Point2f& aside) {
+    if (around_.size() < RangeRules::kFewestAround) return {};
+    const float allowed = std::max(RangeRules::kMaxAside, RangeRules::kMaxAsideShare * reach_);
+    const auto count = static_cast<float>(around_.size());
+    if (cv::norm(aside) > allowed * count) return {};
+    const auto [least, most] = std::ranges::minmax_element(around_);
+    if (*most - *least > RangeRules::kOneSurface * *most) return {};
+    return Median(around_);
+  }
+
+  size_t Index(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(cells_.width) + static_cast<size_t>(x);
+  }
+
+  std::vector<PicturePoint> points_;
+  float reach_;
+  cv::Size cells_;
+  std::vector<int> first_;
+  std::vector<int> next_;
+  std::vector<float> around_;
+};
+
+// All values of a range image, and how many are returns.
+std::vector<RangePixel> Collect(const TofImage& tof, RangeModel& model) {
+  model.pixels = static_cast<int>(tof.depth_m.total());
+  std::vector<RangePixel> all;
+  for (int y = 0; y < tof.depth_m.rows; ++y) {
+    const float* row = tof.depth_m[y];
+    for (int x = 0; x < tof.depth_m.cols; ++x) {
+      if (!(row[x] > 0 && row[x] <= std::numeric_limits<float>::max())) continue;
+      if (IsReturn(row[x])) ++model.returns;
+      all.push_back({{x, y}, row[x]});
+    }
+  }
+  model.values = static_cast<int>(all.size());
+  return all;
+}
+
+std::vector<RangePixel> Chosen(const std::vector<RangePixel>& all, size_t most) {
+  const size_t step = std::max<size_t>(1, all.size() / most);
+  std::vector<RangePixel> chosen;
+  for (size_t i = 0; i < all.size(); i += step) chosen.push_back(all[i]);
+  return chosen;
+}
+
+// Where a pixel lies in the turned image; of other proportions, in its shares.
+cv::Point Turned(cv::Point at, cv::Size size, const Turn& turn) {
+  if (turn.transposed) {
+    at = {static_cast<int>((at.y + 0.5) * size.width / size.height),
+          static_cast<int>((at.x + 0.5) * size.height / size.width)};
+  }
+  if (turn.mirrored) at.x = size.width - 1 - at.x;
+  if (turn.upside_down) at.y = size.height - 1 - at.y;
+  return at;
+}
+
+// Range points against matches of one frame.
+class Comparison {
+ public:
+  Comparison(std::span<const Match> matches, const TofProjector& projector)
+      : matches_(matches),
+        projector_(projector),
+        rotation_(projector.rig().tof.left_from_tof_rotation.toRotationMatrix()) {}
+
+  Agreement Compare(std::span<const RangePixel> pixels, const Hypothesis& hypothesis) const {
+    const RectifiedPair& pair = projector_.rig().pair;
+    const double fb = pair.focal_px * pair.baseline_m;
+    std::vector<PicturePoint> points = Project(pixels, hypothesis);
+    const auto in_picture = static_cast<int>(points.size());
+    PointGrid grid(std::move(points), pair.size());
+    Agreement result{.factor = hypothesis.factor,
+                     .turn = hypothesis.turn,
+                     .ahead_m = hypothesis.ahead_m,
+                     .in_picture = in_picture,
+                     .votes = std::vector<Vote>(matches_.size(), Vote::kNone),
+                     .logs = {},
+                     .offsets_m = {}};
+    for (size_t i = 0; i < matches_.size(); ++i) {
+      const double stereo = matches_[i].disparity() + pair.cx_right - pair.cx;
+      if (stereo < RangeRules::kMinDisparityPx) continue;
+      const std::optional<double> range = grid.SurfaceAt(cv::Point2f(matches_[i].left));
+      if (!range) continue;
+      const double off = std::abs(*range - stereo);
+      const double loose = RangeRules::kTolerancePx + RangeRules::kToleranceShare * stereo +
+                           RangeRules::kToleranceM * stereo * stereo / fb;
+      const double close = RangeRules::kTolerancePx + RangeRules::kCloseShare * stereo;
+      result.votes[i] = off <= close   ? Vote::kIsClose
+                        : off <= loose ? Vote::kAgrees
+                                       : Vote::kDisagrees;
+      ++result.compared;
+      result.logs.push_back(std::log(*range / stereo));
+      if (off <= close) ++result.close;
+      if (off > loose) continue;
+      ++result.agreeing;
+      result.offsets_m.push_back(fb / *range - fb / stereo);
+    }
+    return result;
+  }
+
+  std::vector<PicturePoint> Project(std::span<const RangePixel> pixels,
+                                    const Hypothesis& hypothesis) const {
+    const Rig& rig = projector_.rig();
+    const RectifiedPair& pair = rig.pair;
+    const cv::Size size(rig.tof.width, rig.tof.height);
+    const Eigen::Vector3d position =
+        rig.tof.left_from_tof_translation_m + Eigen::Vector3d(0, 0, hypothesis.ahead_m);
+    std::vector<PicturePoint> points;
+    points.reserve(pixels.size());
+    for (const RangePixel& pixel : pixels) {
+      const cv::Point at = Turned(pixel.at, size, hypothesis.turn);
+      const Eigen::Vector3d point =
+          rotation_ * (projector_.ray(at.x, at.y) * (hypothesis.factor * pixel.depth)) + position;
+      if (!(point.z() > 0)) continue;
+      const double share = pair.focal_px / point.z();
+      const double u = share * point.x() + pair.cx;
+      const double v = share * point.y() + pair.cy;
+      if (!(u >= 0 && u < pair.width && v >= 0 && v < pair.height)) continue;
+      points.push_back({static_cast<float>(u), static_cast<float>(v),
+                        static_cast<float>(share * pair.baseline_m)});
+    }
+    return points;
+  }
+
+ private:
+  std::span<const Match> matches_;
+  const TofProjector& projector_;
+  Eigen::Matrix3d rotation_;
+};
+
+// The factor that most comparisons would agree with: the mode of their ratios.
+double BestFactor(const std::vector<double>& logs) {
+  const double most = std::log(RangeRules::kMaxFactor);
+  std::vector<int> bins(static_cast<size_t>(2 * most * RangeRules::kBinsPerE) + 4, 0);
+  for (const double value : logs) {
+    if (std::abs(value) >= most) continue;
+    ++bins[1 + static_cast<size_t>((value + most) * RangeRules::kBinsPerE)];
+  }
+  size_t best = 1;
+  const auto around = [&](size_t i) { return bins[i - 1] + 2 * bins[i] + bins[i + 1]; };
+  for (size_t i = 1; i + 1 < bins.size(); ++i) {
+    if (around(i) > around(best)) best = i;
+  }
+  const double middle = (static_cast<double>(best) - 0.5) / RangeRules::kBinsPerE - most;
+  std::vector<double> near;
+  for (const double value : logs) {
+    if (std::abs(value - middle) < 2 / RangeRules::kBinsPerE) near.push_back(value);
+  }
+  return near.empty() ? 1 : std::exp(Median(near));
+}
+
+Estimate MedianOf(std::vector<double> values) {
+  if (values.empty()) return {0, 0};
+  const double median = Median(values);
+  for (double& value : values) value = std::abs(value - median);
+  // Of a median of normal deviates: 1.2533 times that of their mean.
+  return {median, 1.2533 * 1.4826 * Median(values) / std::sqrt(static_cast<double>(values.size()))};
+}
+
+// Ranges of another unit are seen from elsewhere, so the factor is found in two steps.
+Agreement BestScaled(const Comparison& comparison, std::span<const RangePixel> pixels) {
+  Agreement best;
+  // Ranges in mm taken for m, and the other way round, may fall nowhere near the matches.
+  for (const double start : {1.0, 1e3, 1e-3}) {
+    double factor = start;
+    for (int step = 0; step < 2; ++step) {
+      factor *= BestFactor(comparison.Compare(pixels, {.factor = factor}).logs);
+    }
+    Agreement scaled = comparison.Compare(pixels, {.factor = factor});
+    if (scaled.agreeing > best.agreeing) best = std::move(scaled);
+  }
+  return best;
+}
+
+// @param transposed  whether turns by 90° are tried, too.
+Agreement BestTurned(const Comparison& comparison, std::span<const RangePixel> pixels,
+                     bool transposed) {
+  Agreement best;
+  for (const Turn& turn : kTurns) {
+    if (turn == Turn{} || (turn.transposed && !transposed)) continue;
+    Agreement turned = comparison.Compare(pixels, {.turn = turn});
+    if (turned.agreeing > best.agreeing) best = std::move(turned);
+  }
+  return best;
+}
+
+Agreement BestMoved(const Comparison& comparison, std::span<const RangePixel> pixels,
+                    double distance_m) {
+  Agreement best;
+  for (const double move : RangeRules::kMoves) {
+    for (const double ahead_m : {-move * distance_m, move * distance_m}) {
+      Agreement moved = comparison.Compare(pixels, {.ahead_m = ahead_m});
+      if (moved.close > best.close) best = std::move(moved);
+    }
+  }
+  return best;
+}
+
+double MedianDistance(std::span<const Match> matches, const RectifiedPair& pair) {
+  std::vector<double> distances;
+  for (const Match& match : matches) {
+    const double disparity = match.disparity() + pair.cx_right - pair.cx;
+    if (disparity >= RangeRules::kMinDisparityPx) {
+      distances.push_back(pair.focal_px * pair.baseline_m / disparity);
+    }
+  }
+  return distances.empty() ? 0 : Median(distances);
+}
+
+std::vector<Match> Swapped(std::span<const Match> matches) {
+  std::vector<Match> swapped;
+  for (const Match& match : matches) swapped.push_back({.left = match.right, .right = match.left});
+  return swapped;
+}
+
+}  // namespace
+
+double MoreAgree(const Agreement& one, const Agreement& other, Vote least) {
+  int only_one = 0;
+  int only_other = 0;
+  for (size_t i = 0; i < std::min(one.votes.size(), other.votes.size()); ++i) {
+    if (one.votes[i] == Vote::kNone || other.votes[i] == Vote::kNone) continue;
+    if (one.votes[i] >= least && other.votes[i] < least) ++only_one;
+    if (other.votes[i] >= least && one.votes[i] < least) ++only_other;
+  }
+  return (only_one - only_other) / std::sqrt(std::max(1, only_one + only_other));
+}
+
+RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
+                         const TofProjector& projector) {
+  RangeModel model;
+  const std::vector<RangePixel> all = Collect(tof, model);
+  if (all.empty()) return model;
+  const RectifiedPair& pair = projector.rig().pair;
+  const Comparison comparison(matches, projector);
+  const std::vector<RangePixel> pixels = Chosen(all, RangeRules::kMaxPoints);
+  model.as_is = comparison.Compare(pixels, {});
+  model.in_picture =
+      static_cast<int>(std::lround(model.as_is.in_picture * static_cast<double>(all.size()) /
+                                   static_cast<double>(pixels.size())));
+  const bool is_good = model.as_is.share() >= RangeRules::kGood;
+  model.turned = BestTurned(comparison, Chosen(all, RangeRules::kMaxTurned), !is_good);
+  if (!is_good) {
+    model.scaled = BestScaled(comparison, pixels);
+    const std::vector<Match> swapped = Swapped(matches);
+    model.swapped = Comparison(swapped, projector).Compare(pixels, {});
+  }
+  if (model.as_is.close_share() < RangeRules::kClose) {
+    model.moved = BestMoved(comparison, pixels, MedianDistance(matches, pair));
+  }
+  const Agreement& fitting =
+      model.scaled.agreeing > model.as_is.agreeing ? model.scaled : model.as_is;
+  const Estimate log = MedianOf(fitting.logs);
+  model.ratio.value = std::exp(-log.value) / fitting.factor;
+  model.ratio.sigma = model.ratio.value * log.sigma;
+  model.offset_m = MedianOf(model.as_is.offsets_m);
+  return model;
+}
+
+}  // namespace sprout::inputs

@@ -1,0 +1,89 @@
+#ifndef SPROUT_SERVICES_INPUTS_RANGE_MODEL_H_
+#define SPROUT_SERVICES_INPUTS_RANGE_MODEL_H_
+
+#include <array>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "common/core/tof_image.h"
+#include "common/geometry/projection.h"
+#include "common/inputs/feature_matches.h"
+#include "common/inputs/pair_model.h"
+
+namespace sprout::inputs {
+
+/// How a range image would have to be turned: mirrored about its diagonal, then about its vertical
+/// and its horizontal middle.
+struct Turn {
+  bool transposed = false;
+  bool mirrored = false;
+  bool upside_down = false;
+
+  bool operator==(const Turn&) const = default;
+};
+inline constexpr std::array<Turn, 8> kTurns = {
+    {{},
+     {.upside_down = true},
+     {.mirrored = true},
+     {.mirrored = true, .upside_down = true},
+     {.transposed = true},
+     {.transposed = true, .upside_down = true},
+     {.transposed = true, .mirrored = true},
+     {.transposed = true, .mirrored = true, .upside_down = true}}};
+
+/// What a match says of the range points around it.
+enum class Vote : int8_t {
+  kNone,  ///< there are too few, or they lie on several surfaces
+  kDisagrees,
+  kAgrees,   ///< to 1 px, 3 % and 5 cm: what a device's own error comes to
+  kIsClose,  ///< to 1 px and 1 %
+};
+
+/// How well range points and stereo agree when ranges are multiplied by a factor, the range image
+/// is turned, and its points are moved ahead.
+struct Agreement {
+  double factor = 1;
+  Turn turn;
+  double ahead_m = 0;
+  int in_picture = 0;  ///< points
+  int compared = 0;
+  int agreeing = 0;  ///< of them, closely or not
+  int close = 0;
+  std::vector<Vote> votes;        ///< one a match
+  std::vector<double> logs;       ///< of those compared: ln(z_stereo / z_range)
+  std::vector<double> offsets_m;  ///< of those that agree: z_range − z_stereo
+
+  double share() const { return compared == 0 ? 0 : static_cast<double>(agreeing) / compared; }
+  double close_share() const { return compared == 0 ? 0 : static_cast<double>(close) / compared; }
+};
+
+/// By how many standard deviations more matches agree (closely, if `least` says so) with `one` but
+/// not with `other` than the other way round; matches that either does not compare do not count.
+double MoreAgree(const Agreement& one, const Agreement& other, Vote least = Vote::kAgrees);
+
+/// What range points and matches of the pair say of each other.
+struct RangeModel {
+  int pixels = 0;      ///< of the range sensor
+  int values = 0;      ///< finite numbers > 0 among them
+  int returns = 0;     ///< of these, see IsReturn()
+  int in_picture = 0;  ///< values that fall into the left image; estimated from a part of them
+  Agreement as_is;
+  Agreement scaled;   ///< of other factors the best, if as_is is not good
+  Agreement turned;   ///< of other turns the best; by 90° only if as_is is not good
+  Agreement moved;    ///< of moves ahead the best, if as_is is not close
+  Agreement swapped;  ///< if as_is is not good: with the left image for the right one
+  /// Over the matches that agree with `scaled`, or if it is empty with `as_is`: median of z_range /
+  /// z_stereo, of z_range − z_stereo, m, and their standard deviations.
+  Estimate ratio = {1, 0};
+  Estimate offset_m;
+};
+
+/// @param matches    with disparities that fit the pair.
+/// @param projector  of the frame's calibration; tof has its size.
+/// O(ToF pixels), about 1 ns each, and 1 ms; 3 ms where they do not agree; one thread.
+RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
+                         const TofProjector& projector);
+
+}  // namespace sprout::inputs
+
+#endif  // SPROUT_SERVICES_INPUTS_RANGE_MODEL_H_

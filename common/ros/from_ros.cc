@@ -1,0 +1,218 @@
+#include "common/ros/from_ros.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <span>
+
+#include "common/core/checks.h"
+#include "common/core/depth_of_counts.h"
+#include "common/core/tof_image.h"
+#include "common/ros/ros_encodings.h"
+
+namespace sprout {
+namespace {
+
+constexpr bool kIsBigEndian = std::endian::native == std::endian::big;
+
+struct Encoding {
+  std::string_view name;
+  int type;         // OpenCV's
+  int to_bgr = -1;  // colour conversion; −1: none
+};
+// A Bayer pattern is called by its first two pixels in ROS, and by those in the second row and
+// column in OpenCV.
+constexpr Encoding kPictures[] = {
+    {"mono8", CV_8UC1},
+    {"8UC1", CV_8UC1},
+    {"mono16", CV_16UC1},
+    {"16UC1", CV_16UC1},  // of thermal cameras
+    {"bgr8", CV_8UC3},
+    {"8UC3", CV_8UC3},
+    {"rgb8", CV_8UC3, cv::COLOR_RGB2BGR},
+    {"bgra8", CV_8UC4, cv::COLOR_BGRA2BGR},
+    {"rgba8", CV_8UC4, cv::COLOR_RGBA2BGR},
+    {"yuv422", CV_8UC2, cv::COLOR_YUV2BGR_UYVY},
+    {"uyvy", CV_8UC2, cv::COLOR_YUV2BGR_UYVY},
+    {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2BGR_YUY2},
+    {"yuyv", CV_8UC2, cv::COLOR_YUV2BGR_YUY2},
+    {"bayer_rggb8", CV_8UC1, cv::COLOR_BayerBG2BGR},
+    {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2BGR},
+    {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2BGR},
+    {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2BGR},
+    {"bayer_rggb16", CV_16UC1, cv::COLOR_BayerBG2BGR},
+    {"bayer_bggr16", CV_16UC1, cv::COLOR_BayerRG2BGR},
+    {"bayer_gbrg16", CV_16UC1, cv::COLOR_BayerGR2BGR},
+    {"bayer_grbg16", CV_16UC1, cv::COLOR_BayerGB2BGR},
+};
+constexpr Encoding kRanges[] = {{"16UC1", CV_16UC1}, {"mono16", CV_16UC1}, {"32FC1", CV_32FC1}};
+
+int32_t Signed(uint32_t value) {
+  return static_cast<int32_t>(std::min<uint32_t>(value, std::numeric_limits<int32_t>::max()));
+}
+
+Result<Encoding> FindEncoding(const RosImage& ros, std::span<const Encoding> known) {
+  const std::string_view name = RosText(ros.encoding);
+  const auto found = std::ranges::find(known, name, &Encoding::name);
+  if (found != known.end()) return *found;
+  std::string allowed;
+  for (const Encoding& one : known)
+    allowed += (allowed.empty() ? "" : ", ") + std::string(one.name);
+  return Fail("encoding = '" + std::string(name.substr(0, 64)) + "': allowed is " + allowed);
+}
+
+// A view of its bytes, in this machine's byte order.
+Result<cv::Mat> ViewOf(const RosImage& ros, int type) {
+  const int64_t least = int64_t{CV_ELEM_SIZE(type)} * Signed(ros.width);
+  Checks checks;
+  checks.Side("width", Signed(ros.width))
+      .Side("height", Signed(ros.height))
+      .Pixels("width × height", Signed(ros.width), Signed(ros.height))
+      .Require(ros.step >= least, "step", ros.step, "at least " + std::to_string(least))
+      .Require(ros.data._length == uint64_t{ros.step} * ros.height, "data length", ros.data._length,
+               "step × height");
+  if (!checks.ok()) return checks.error();
+  const cv::Mat view(Signed(ros.height), Signed(ros.width), type, ros.data._buffer, ros.step);
+  if (CV_ELEM_SIZE1(type) == 1 || (ros.is_bigendian != 0) == kIsBigEndian) return view;
+  cv::Mat swapped(view.size(), type);
+  const size_t bytes = CV_ELEM_SIZE1(type);
+  for (int v = 0; v < view.rows; ++v) {
+    const uint8_t* const from = view.ptr(v);
+    uint8_t* const to = swapped.ptr(v);
+    for (size_t i = 0; i < static_cast<size_t>(view.cols) * bytes; ++i) {
+      to[i] = from[i / bytes * bytes + (bytes - 1 - i % bytes)];
+    }
+  }
+  return swapped;
+}
+
+// Byte in a point at which a coordinate stands.
+std::optional<uint32_t> OffsetOf(const RosPointCloud& ros, std::string_view name) {
+  for (const RosPointField& field : RosSpan(ros.fields)) {
+    if (RosText(field.name) != name) continue;
+    const bool fits = field.offset <= ros.point_step && ros.point_step - field.offset >= 4;
+    if (field.datatype != kRosFloat32 || !fits) return std::nullopt;
+    return field.offset;
+  }
+  return std::nullopt;
+}
+
+float FloatAt(const uint8_t* bytes, bool swap) {
+  std::array<uint8_t, 4> four{};
+  std::copy_n(bytes, 4, four.begin());
+  if (swap) std::ranges::reverse(four);
+  return std::bit_cast<float>(four);
+}
+
+}  // namespace
+
+Result<int64_t> FromRosStamp(const RosHeader& header) {
+  constexpr uint32_t kPerSecond = 1'000'000'000;
+  if (header.stamp.nanosec >= kPerSecond) {
+    return Fail("header.stamp.nanosec = " + std::to_string(header.stamp.nanosec) +
+                ": allowed is 0 to 999999999");
+  }
+  return int64_t{header.stamp.sec} * 1'000'000 + header.stamp.nanosec / 1000;
+}
+
+Result<cv::Mat> FromRosImage(const RosImage& ros) {
+  const Result<Encoding> encoding = FindEncoding(ros, kPictures);
+  if (!encoding) return tl::unexpected(encoding.error());
+  const Result<cv::Mat> view = ViewOf(ros, encoding->type);
+  if (!view) return view;
+  cv::Mat image;
+  if (encoding->type == CV_8UC2 && view->cols % 2 != 0) {
+    return Fail("width = " + std::to_string(view->cols) + ": allowed with " +
+                std::string(encoding->name) + " are even ones");
+  }
+  if (encoding->to_bgr >= 0) {
+    cv::cvtColor(*view, image, encoding->to_bgr);
+  } else {
+    image = view->clone();
+  }
+  return image;
+}
+
+Result<cv::Mat> ToPicture(const cv::Mat& stored, std::string_view encoding) {
+  cv::Mat image = stored;
+  const auto known = std::ranges::find(kPictures, encoding, &Encoding::name);
+  const bool is_mosaic = encoding.starts_with("bayer_") && known != std::end(kPictures);
+  if (image.channels() == 4) {
+    cv::cvtColor(image, image, cv::COLOR_BGRA2BGR);
+  } else if (image.channels() == 1 && is_mosaic) {
+    cv::cvtColor(image, image, known->to_bgr);
+  }
+  const bool has_depth = image.depth() == CV_8U || image.depth() == CV_16U;
+  const bool is_picture = has_depth && (image.channels() == 1 || image.channels() == 3);
+  if (!is_picture) return Fail("data: a picture of other than 1, 3 or 4 channels of 8 or 16 bits");
+  return image;
+}
+
+Result<cv::Mat1f> FromRosDepth(const RosImage& ros) {
+  const Result<Encoding> encoding = FindEncoding(ros, kRanges);
+  if (!encoding) return tl::unexpected(encoding.error());
+  const Result<cv::Mat> view = ViewOf(ros, encoding->type);
+  if (!view) return tl::unexpected(view.error());
+  if (encoding->type == CV_16UC1) return DepthOfCounts(*view, kMetresPerMillimetre);
+  return cv::Mat1f(view->clone());
+}
+
+Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros) {
+  constexpr uint64_t kMaxPoints = 20'000'000;
+  constexpr double kFarthestM = 1000;
+  const uint64_t count = uint64_t{ros.width} * ros.height;
+  const std::optional<uint32_t> x = OffsetOf(ros, "x");
+  const std::optional<uint32_t> y = OffsetOf(ros, "y");
+  const std::optional<uint32_t> z = OffsetOf(ros, "z");
+  Checks checks;
+  checks
+      .Require(x && y && z, "fields", RosSpan(ros.fields).size(),
+               "fields x, y and z of FLOAT32 within point_step")
+      .Require(count <= kMaxPoints, "width × height", count,
+               "up to " + std::to_string(kMaxPoints) + " points")
+      .Require(ros.row_step >= uint64_t{ros.width} * ros.point_step, "row_step", ros.row_step,
+               "at least width × point_step")
+      .Require(ros.data._length >= uint64_t{ros.row_step} * ros.height, "data length",
+               ros.data._length, "at least row_step × height");
+  if (!checks.ok()) return checks.error();
+  const bool swap = ros.is_bigendian != kIsBigEndian;
+  std::vector<Eigen::Vector3d> points;
+  if (count == 0) return points;  // its rows, which take no bytes, may be 4 billion
+  points.reserve(count);
+  for (uint32_t v = 0; v < ros.height; ++v) {
+    const uint8_t* at = ros.data._buffer + size_t{v} * ros.row_step;
+    for (uint32_t u = 0; u < ros.width; ++u, at += ros.point_step) {
+      const Eigen::Vector3d point(FloatAt(at + *x, swap), FloatAt(at + *y, swap),
+                                  FloatAt(at + *z, swap));
+      if (point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kFarthestM) points.push_back(point);
+    }
+  }
+  return points;
+}
+
+Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros) {
+  std::vector<RosPose> poses;
+  for (const RosTransform& one : RosSpan(ros.transforms)) {
+    const auto& place = one.transform.translation;
+    const auto& turn = one.transform.rotation;
+    const Eigen::Quaterniond rotation(turn.w, turn.x, turn.y, turn.z);
+    const Eigen::Vector3d place_m(place.x, place.y, place.z);
+    Checks checks;
+    checks
+        .Require(std::abs(rotation.norm() - 1) < 1e-3, "transform.rotation norm", rotation.norm(),
+                 "1")
+        .Require(place_m.allFinite(), "transform.translation", "not finite", "finite numbers");
+    if (!checks.ok()) return checks.error();
+    poses.push_back({.parent = std::string(RosText(one.header.frame_id)),
+                     .child = std::string(RosText(one.child_frame_id)),
+                     .parent_from_child = {rotation, place_m}});
+  }
+  return poses;
+}
+
+}  // namespace sprout

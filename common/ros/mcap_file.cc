@@ -1,0 +1,243 @@
+#include "common/ros/mcap_file.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "common/core/input_files.h"
+#include "common/ros/chunk_codec.h"
+#include "common/ros/mcap_parts.h"
+#include "common/ros/unpacked_file.h"
+
+namespace sprout {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Messages outside of chunks are read by so many bytes at once.
+constexpr uint64_t kStretchBytes = uint64_t{1} << 20;
+
+// Of a message: channel, sequence, log time and publish time. A chunk begins with its first time.
+constexpr size_t kMessageHead = 22;
+
+// Whether a record is looked at; all others are skipped by their length.
+bool IsOfUse(McapOpcode opcode) {
+  switch (opcode) {
+    case McapOpcode::kHeader:
+    case McapOpcode::kSchema:
+    case McapOpcode::kChannel:
+    case McapOpcode::kMessage:
+    case McapOpcode::kChunk:
+    case McapOpcode::kMetadata:
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool IsMessage(const McapStretch& stretch, uint64_t end) {
+  return !stretch.is_chunk && stretch.offset + stretch.size == end && stretch.size < kStretchBytes;
+}
+
+}  // namespace
+
+void McapTrouble::Tell(const std::string& file, uint64_t offset, const std::string& what) {
+  constexpr size_t kMost = 10;
+  ++count;
+  if (lines.size() >= kMost) return;
+  lines.push_back((file.empty() ? "" : file + ": ") + "byte " + std::to_string(offset) + ": " +
+                  what);
+}
+
+// Of a record: opcode and length, and the first bytes of its content.
+struct McapFile::Head {
+  McapOpcode opcode{};
+  uint64_t size = 0;  // of its content
+  std::array<uint8_t, kMessageHead> begin{};
+
+  uint64_t time_ns() const {
+    uint64_t time = 0;
+    const size_t at = opcode == McapOpcode::kMessage ? 6 : 0;
+    std::memcpy(&time, begin.data() + at, sizeof time);
+    return time;
+  }
+};
+
+McapFile::McapFile(const fs::path& path, std::string name, McapTrouble& trouble)
+    : name_(std::move(name)), trouble_(&trouble) {
+  std::error_code failed;
+  if (!fs::is_regular_file(path, failed)) throw McapError(path.string() + ": cannot be opened");
+  NoteInputFile(path);
+  file_.open(path, std::ios::binary);
+  size_ = fs::file_size(path, failed);
+  if (!file_ || failed) throw McapError(path.string() + ": cannot be opened");
+  McapBytes magic(std::min<uint64_t>(size_, kMcapMagic.size()));
+  ReadContent(0, magic.size(), magic);
+  if (IsZstd(magic)) {
+    Unpack(path);
+  } else if (!std::ranges::equal(magic, kMcapMagic, {}, {},
+                                 [](char c) { return static_cast<uint8_t>(c); })) {
+    throw McapError(path.string() + ": no MCAP file" + OtherBag(magic));
+  }
+  Walk();
+  if (channels_.empty()) ReadAllChannels();
+}
+
+void McapFile::Unpack(const fs::path& path) {
+  UnpackedFile unpacked = UnpackFile(path, kMcapMagic);
+  file_ = std::move(unpacked.file);
+  size_ = unpacked.size;
+  if (!unpacked.complaint.empty()) Tell(size_, unpacked.complaint);
+}
+
+bool McapFile::ReadContent(uint64_t offset, uint64_t size, McapBytes& content) {
+  content.resize(size);
+  file_.clear();
+  file_.seekg(static_cast<std::streamoff>(offset));
+  file_.read(reinterpret_cast<char*>(content.data()), static_cast<std::streamsize>(size));
+  return static_cast<bool>(file_);
+}
+
+// @returns false when the file ends before the record does.
+bool McapFile::ReadHead(uint64_t offset, Head& head) {
+  McapBytes bytes;
+  const uint64_t left = size_ - offset;
+  if (left < kRecordHead) return false;
+  ReadContent(offset, std::min<uint64_t>(left, kRecordHead + kMessageHead), bytes);
+  RecordReader reader(bytes);
+  head.opcode = reader.Number<McapOpcode>();
+  head.size = reader.Number<uint64_t>();
+  head.begin = {};
+  std::copy_n(reader.rest().begin(), std::min<uint64_t>(reader.rest().size(), head.size),
+              head.begin.begin());
+  return head.size <= left - kRecordHead;
+}
+
+void McapFile::AddStretch(uint64_t offset, const Head& head) {
+  const uint64_t size = kRecordHead + head.size;
+  const bool is_chunk = head.opcode == McapOpcode::kChunk;
+  if (!is_chunk && !stretches_.empty() && IsMessage(stretches_.back(), offset)) {
+    stretches_.back().size += size;
+    stretches_.back().first_ns = std::min(stretches_.back().first_ns, head.time_ns());
+  } else {
+    stretches_.push_back({offset, size, is_chunk, head.time_ns()});
+  }
+}
+
+void McapFile::Walk() {
+  uint64_t offset = kMcapMagic.size();
+  McapBytes content;
+  for (Head head; offset < size_; offset += kRecordHead + head.size) {
+    if (!ReadHead(offset, head)) {
+      return Tell(offset, "the file ends within a record, " + std::to_string(size_ - offset) +
+                              " bytes lost");
+    }
+    if (IsOfUse(head.opcode) && head.size > kMaxMcapRecordBytes) {
+      Tell(offset, "a record of " + std::to_string(head.size) + " bytes: allowed are up to " +
+                       std::to_string(kMaxMcapRecordBytes));
+      continue;
+    }
+    switch (head.opcode) {
+      case McapOpcode::kMessage:
+      case McapOpcode::kChunk:
+        AddStretch(offset, head);
+        break;
+      case McapOpcode::kHeader:
+      case McapOpcode::kSchema:
+      case McapOpcode::kChannel:
+      case McapOpcode::kMetadata:
+        if (!ReadContent(offset + kRecordHead, head.size, content)) {
+          return Tell(offset, "cannot be read");
+        }
+        TakeOther(offset, {head.opcode, content});
+        break;
+      case McapOpcode::kDataEnd:
+      case McapOpcode::kFooter:
+        has_ended_ = true;
+        return ReadSummary(offset + kRecordHead + head.size);
+      default:
+        break;  // what is not looked at is not read
+    }
+  }
+  Tell(offset, "the file ends without an end of data");
+}
+
+// Behind the data stands what was there before, all channels together: damage there is none of
+// the messages'.
+void McapFile::ReadSummary(uint64_t offset) {
+  McapBytes content;
+  for (Head head; ReadHead(offset, head) && head.opcode != McapOpcode::kFooter;
+       offset += kRecordHead + head.size) {
+    if (head.opcode != McapOpcode::kSchema && head.opcode != McapOpcode::kChannel) continue;
+    if (!ReadContent(offset + kRecordHead, head.size, content)) return;
+    if (head.opcode == McapOpcode::kSchema ? ReadSchema(content).has_value()
+                                           : ReadChannel(content).has_value()) {
+      TakeOther(offset, {head.opcode, content});
+    }
+  }
+}
+
+McapBytes McapFile::Load(const McapStretch& stretch) {
+  McapBytes bytes;
+  if (!ReadContent(stretch.offset, stretch.size, bytes)) {
+    Tell(stretch.offset, "cannot be read");
+    return {};
+  }
+  if (!stretch.is_chunk) return bytes;
+  Result<McapBytes> records = UnpackChunkRecord(std::span(bytes).subspan(kRecordHead));
+  if (records) return std::move(*records);
+  Tell(stretch.offset, records.error().text);
+  return {};
+}
+
+void McapFile::TakeOther(uint64_t offset, const McapRecord& record) {
+  RecordReader reader(record.content);
+  if (record.opcode == McapOpcode::kSchema) {
+    Result<McapSchema> schema = ReadSchema(record.content);
+    if (!schema) return Tell(offset, schema.error().text);
+    schemas_.insert_or_assign(schema->id, std::move(*schema));
+  } else if (record.opcode == McapOpcode::kChannel) {
+    Result<McapChannel> channel = ReadChannel(record.content);
+    if (!channel) return Tell(offset, channel.error().text);
+    channels_.insert_or_assign(channel->id, std::move(*channel));
+  } else if (record.opcode == McapOpcode::kHeader) {
+    profile_ = reader.Text();
+    library_ = reader.Text();
+  } else if (record.opcode == McapOpcode::kMetadata) {
+    std::string name = reader.Text();
+    metadata_[std::move(name)] = reader.Texts();
+  }
+}
+
+// Of a file without summary, whose channels are in its chunks, which are not read in file order.
+void McapFile::ReadAllChannels() {
+  if (std::exchange(has_read_all_channels_, true)) return;
+  McapTrouble untold;  // it is told when the messages are read
+  McapTrouble* const told = std::exchange(trouble_, &untold);
+  for (const McapStretch& stretch : stretches_) {
+    if (!stretch.is_chunk) continue;
+    const McapBytes bytes = Load(stretch);
+    for (std::span<const uint8_t> left(bytes); !left.empty();) {
+      const Result<McapRecord> record = TakeRecord(left);
+      if (!record) break;
+      if (record->opcode != McapOpcode::kMessage) TakeOther(stretch.offset, *record);
+    }
+  }
+  trouble_ = told;
+}
+
+const McapChannel* McapFile::FindChannel(uint16_t id) {
+  auto found = channels_.find(id);
+  if (found == channels_.end()) {
+    ReadAllChannels();
+    found = channels_.find(id);
+  }
+  return found == channels_.end() ? nullptr : &found->second;
+}
+
+const McapSchema* McapFile::FindSchema(uint16_t id) const {
+  const auto found = schemas_.find(id);
+  return found == schemas_.end() ? nullptr : &found->second;
+}
+
+}  // namespace sprout

@@ -1,0 +1,287 @@
+#include "common/ros/to_ros.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <span>
+
+namespace sprout {
+namespace {
+
+constexpr uint8_t kBigEndianFlag = std::endian::native == std::endian::big ? 1 : 0;
+
+void SetHeader(const RosPlace& place, RosHeader& header) {
+  header.stamp = RosStamp(place.utime);
+  SetRosText(header.frame_id, place.frame);
+}
+
+const char* EncodingOf(const cv::Mat& image) {
+  switch (image.type()) {
+    case CV_8UC1:
+      return "mono8";
+    case CV_8UC3:
+      return "bgr8";
+    case CV_16UC1:
+      return "16UC1";
+    default:
+      assert(image.type() == CV_32FC1);
+      return "32FC1";
+  }
+}
+
+// @returns what keeps the borrowed pixels alive.
+std::shared_ptr<const void> SetImage(const RosPlace& place, const cv::Mat& image, RosImage& ros) {
+  assert(image.isContinuous());
+  SetHeader(place, ros.header);
+  ros.height = static_cast<uint32_t>(image.rows);
+  ros.width = static_cast<uint32_t>(image.cols);
+  SetRosText(ros.encoding, EncodingOf(image));
+  ros.is_bigendian = kBigEndianFlag;
+  ros.step = static_cast<uint32_t>(image.elemSize() * static_cast<size_t>(image.cols));
+  BorrowRos(ros.data, image.data, image.total() * image.elemSize());
+  return std::make_shared<const cv::Mat>(image);
+}
+
+// All of them, row by row.
+template <typename T>
+std::span<T> PixelsOf(cv::Mat_<T>& image) {
+  return {image[0], image.total()};
+}
+template <typename T>
+std::span<const T> PixelsOf(const cv::Mat_<T>& image) {
+  assert(image.isContinuous());
+  return {image[0], image.total()};
+}
+
+struct Pinhole {
+  cv::Size size;
+  double fx, fy, cx, cy;
+  double tx = 0;                       // P[0, 3]
+  std::span<const double> distortion;  // plumb_bob
+};
+
+RosMessage<RosCameraInfo> ToInfo(const RosPlace& place, const Pinhole& camera) {
+  RosMessage<RosCameraInfo> info;
+  SetHeader(place, info->header);
+  info->width = static_cast<uint32_t>(camera.size.width);
+  info->height = static_cast<uint32_t>(camera.size.height);
+  SetRosText(info->distortion_model, "plumb_bob");
+  constexpr size_t kPlumbBob = 5;
+  std::ranges::copy(camera.distortion, ResizeRos(info->d, kPlumbBob).begin());
+  const std::array k = {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0};
+  std::ranges::copy(k, info->k);
+  for (const int diagonal : {0, 4, 8}) info->r[diagonal] = 1;
+  const std::array p = {camera.fx, 0.0, camera.cx, camera.tx, 0.0, camera.fy,
+                        camera.cy, 0.0, 0.0,       0.0,       1.0, 0.0};
+  std::ranges::copy(p, info->p);
+  return info;
+}
+
+void SetField(RosPointField& field, std::string_view name, uint32_t offset, uint8_t type) {
+  SetRosText(field.name, name);
+  field.offset = offset;
+  field.datatype = type;
+  field.count = 1;
+}
+
+constexpr uint32_t kPointBytes = 20;
+
+// A cloud of points that are not set.
+RosMessage<RosPointCloud> ToCloud(const RosPlace& place, size_t columns, size_t rows) {
+  RosMessage<RosPointCloud> ros;
+  SetHeader(place, ros->header);
+  ros->height = static_cast<uint32_t>(rows);
+  ros->width = static_cast<uint32_t>(columns);
+  const std::span fields = ResizeRos(ros->fields, 5);
+  SetField(fields[0], "x", 0, kRosFloat32);
+  SetField(fields[1], "y", 4, kRosFloat32);
+  SetField(fields[2], "z", 8, kRosFloat32);
+  SetField(fields[3], "rgb", 12, kRosFloat32);
+  SetField(fields[4], "confidence", 16, kRosUint8);
+  ros->is_bigendian = kBigEndianFlag != 0;
+  ros->point_step = kPointBytes;
+  ros->row_step = kPointBytes * ros->width;
+  ResizeRos(ros->data, size_t{kPointBytes} * columns * rows);
+  return ros;
+}
+
+void SetPoint(const CloudPoint& point, uint8_t* at) {
+  const std::array position = {point.position_m.x, point.position_m.y, point.position_m.z};
+  const uint32_t rgb = uint32_t{point.bgr[2]} << 16 | uint32_t{point.bgr[1]} << 8 | point.bgr[0];
+  std::memcpy(at, position.data(), sizeof position);
+  std::memcpy(at + 12, &rgb, sizeof rgb);
+  at[16] = point.confidence;
+}
+
+void SetTransform(int64_t utime, const std::string& parent, const std::string& child,
+                  const Eigen::Quaternion<double, Eigen::DontAlign>& turn,
+                  const Eigen::Vector3d& place_m, RosTransform& ros) {
+  SetHeader({utime, parent}, ros.header);
+  SetRosText(ros.child_frame_id, child);
+  ros.transform.translation = {place_m.x(), place_m.y(), place_m.z()};
+  ros.transform.rotation = {turn.x(), turn.y(), turn.z(), turn.w()};
+}
+
+}  // namespace
+
+RosTime RosStamp(int64_t utime) {
+  constexpr int64_t kPerSecond = 1'000'000;
+  // Downwards, as nanoseconds are not negative.
+  const int64_t seconds = utime / kPerSecond - (utime % kPerSecond < 0 ? 1 : 0);
+  return {.sec = static_cast<int32_t>(seconds),
+          .nanosec = static_cast<uint32_t>(utime - seconds * kPerSecond) * 1000};
+}
+
+RosMessage<RosImage> ToRosImage(const RosPlace& place, const cv::Mat& image) {
+  RosMessage<RosImage> ros;
+  ros.Keep(SetImage(place, image, *ros));
+  return ros;
+}
+
+RosMessage<RosImage> ToRosDepth(const RosPlace& place, const DepthImage& depth, RosDepth encoding) {
+  if (encoding == RosDepth::kMillimetres && depth.metres_per_count == 0.001) {
+    return ToRosImage(place, depth.counts);
+  }
+  cv::Mat1f metres(depth.size());
+  cv::Mat1w millimetres;
+  if (encoding == RosDepth::kMillimetres) {
+    depth.counts.convertTo(millimetres, CV_16U, 1000 * depth.metres_per_count);
+    return ToRosImage(place, millimetres);
+  }
+  const auto scale = static_cast<float>(depth.metres_per_count);
+  std::ranges::transform(PixelsOf(depth.counts), PixelsOf(metres).begin(), [scale](uint16_t count) {
+    return count == 0 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(count) * scale;
+  });
+  return ToRosImage(place, metres);
+}
+
+RosMessage<RosImage> ToRosDepthSigma(const RosPlace& place, const DepthImage& sigma) {
+  cv::Mat1f metres(sigma.size());
+  const auto scale = static_cast<float>(sigma.metres_per_count);
+  std::ranges::transform(PixelsOf(sigma.counts), PixelsOf(metres).begin(), [scale](uint16_t count) {
+    if (count == 0) return std::numeric_limits<float>::quiet_NaN();
+    if (count == kMaxDepthSigmaCounts) return std::numeric_limits<float>::infinity();
+    return static_cast<float>(count) * scale;
+  });
+  return ToRosImage(place, metres);
+}
+
+RosMessage<RosCameraInfo> ToRosLeftInfo(const RosPlace& place, const RectifiedPair& pair) {
+  return ToInfo(place, {pair.size(), pair.focal_px, pair.focal_px, pair.cx, pair.cy, 0, {}});
+}
+
+RosMessage<RosCameraInfo> ToRosRightInfo(const RosPlace& place, const RectifiedPair& pair) {
+  const double tx = -pair.focal_px * pair.baseline_m;
+  return ToInfo(place, {pair.size(), pair.focal_px, pair.focal_px, pair.cx_right, pair.cy, tx, {}});
+}
+
+RosMessage<RosCameraInfo> ToRosDepthInfo(const RosPlace& place, const DepthImage& depth) {
+  return ToInfo(place, {depth.size(), depth.focal_px, depth.focal_px, depth.cx, depth.cy, 0, {}});
+}
+
+RosMessage<RosCameraInfo> ToRosTofInfo(const RosPlace& place, const TofCamera& tof) {
+  return ToInfo(place,
+                {{tof.width, tof.height}, tof.fx, tof.fy, tof.cx, tof.cy, 0, tof.distortion});
+}
+
+RosMessage<RosPointCloud> ToRosCloud(const RosPlace& place, const PointCloud& cloud) {
+  RosMessage<RosPointCloud> ros = ToCloud(place, cloud.points.size(), 1);
+  ros->is_dense = true;
+  uint8_t* at = RosSpan(ros->data).data();
+  for (const CloudPoint& point : cloud.points) {
+    SetPoint(point, at);
+    at += kPointBytes;
+  }
+  return ros;
+}
+
+Result<RosMessage<RosPointCloud>> ToRosOrderedCloud(const RosPlace& place, const PointCloud& cloud,
+                                                    const RectifiedPair& pair, int stride) {
+  // Of a float's position at 10,000 px; the next pixel is `stride` away.
+  constexpr double kRoundingPx = 0.1;
+  const auto columns = static_cast<size_t>((pair.width + stride - 1) / stride);
+  const auto rows = static_cast<size_t>((pair.height + stride - 1) / stride);
+  RosMessage<RosPointCloud> ros = ToCloud(place, columns, rows);
+  ros->is_dense = false;
+  const std::span bytes = RosSpan(ros->data);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  for (size_t i = 0; i < columns * rows; ++i) {
+    SetPoint({.position_m = {kNan, kNan, kNan}, .bgr = {}, .confidence = 0},
+             &bytes[kPointBytes * i]);
+  }
+  for (const CloudPoint& point : cloud.points) {
+    const cv::Point3d p(point.position_m);
+    const double u = pair.focal_px * p.x / p.z + pair.cx;
+    const double v = pair.focal_px * p.y / p.z + pair.cy;
+    const double column = std::round(u / stride);
+    const double row = std::round(v / stride);
+    const bool is_there = std::abs(u - column * stride) < kRoundingPx &&
+                          std::abs(v - row * stride) < kRoundingPx && column >= 0 && row >= 0 &&
+                          column < static_cast<double>(columns) && row < static_cast<double>(rows);
+    if (!is_there) {
+      return Fail(
+          fmt::format("a point at pixel ({:.1f}, {:.1f}): an ordered cloud has every {}. one "
+                      "(depth.cloud_stride) of {}x{}",
+                      u, v, stride, pair.width, pair.height));
+    }
+    SetPoint(
+        point,
+        &bytes[kPointBytes * (static_cast<size_t>(row) * columns + static_cast<size_t>(column))]);
+  }
+  return ros;
+}
+
+RosMessage<RosDisparity> ToRosDisparity(const RosPlace& place, const DisparityImage& disparity,
+                                        const RectifiedPair& pair) {
+  constexpr auto kPerPx = static_cast<float>(DisparityImage::kCountsPerPixel);
+  const auto shift = static_cast<float>(pair.cx_right - pair.cx);
+  int16_t least = std::numeric_limits<int16_t>::max();
+  int16_t most = DisparityImage::kInvalid;
+  for (const int16_t count : PixelsOf(disparity.counts())) {
+    if (count != DisparityImage::kInvalid) least = std::min(least, count);
+    most = std::max(most, count);
+  }
+  RosMessage<RosDisparity> ros;
+  if (most != DisparityImage::kInvalid) {
+    ros->min_disparity = static_cast<float>(least) / kPerPx + shift;
+    ros->max_disparity = static_cast<float>(most) / kPerPx + shift;
+  }
+  const float none = ros->min_disparity - 1;
+  cv::Mat1f px(disparity.size());
+  std::ranges::transform(
+      PixelsOf(disparity.counts()), PixelsOf(px).begin(), [shift, none](int16_t count) {
+        return count == DisparityImage::kInvalid ? none
+                                                 : static_cast<float>(count) / kPerPx + shift;
+      });
+  SetHeader(place, ros->header);
+  ros.Keep(SetImage(place, px, ros->image));
+  ros->f = static_cast<float>(pair.focal_px);
+  ros->t = static_cast<float>(pair.baseline_m);
+  ros->valid_window.width = ros->image.width;
+  ros->valid_window.height = ros->image.height;
+  ros->delta_d = 1 / kPerPx;
+  return ros;
+}
+
+RosMessage<RosTransforms> ToRosTransforms(int64_t utime, const Rig& rig, const RosFrames& frames) {
+  RosMessage<RosTransforms> ros;
+  const bool has_tof = rig.tof.width > 0;
+  const std::span all = ResizeRos(ros->transforms, has_tof ? 2 : 1);
+  SetTransform(utime, frames.left, frames.right,
+               Eigen::Quaternion<double, Eigen::DontAlign>::Identity(), {rig.pair.baseline_m, 0, 0},
+               all[0]);
+  if (has_tof) {
+    SetTransform(utime, frames.left, frames.tof, rig.tof.left_from_tof_rotation,
+                 rig.tof.left_from_tof_translation_m, all[1]);
+  }
+  return ros;
+}
+
+}  // namespace sprout

@@ -1,0 +1,107 @@
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "common/core/number_text.h"
+#include "common/scenes/dataset.h"
+#include "common/scenes/kitti_source.h"
+#include "common/scenes/middlebury_source.h"
+#include "common/scenes/range_errors.h"
+#include "common/scenes/source_options.h"
+#include "common/scenes/synthetic_source.h"
+
+namespace sprout::scenes {
+namespace {
+
+ConfigError BadSource(const CaptureConfig& config, const std::string& reason,
+                      const std::string& allowed) {
+  return ConfigError("capture.source = " + config.source() + ": " + reason +
+                     "; allowed: " + allowed);
+}
+
+std::unique_ptr<Dataset> OpenSyntheticText(std::string_view size_text,
+                                           const CaptureConfig& config) {
+  const std::string allowed = "synthetic:WxH with " + std::to_string(kMinSyntheticSide) + " to " +
+                              std::to_string(kMaxSyntheticSide) + " px a side";
+  const size_t cross = size_text.find('x');
+  if (cross == std::string_view::npos) throw BadSource(config, "no size", allowed);
+  const std::optional<int> width = ParseNumber<int>(size_text.substr(0, cross));
+  const std::optional<int> height = ParseNumber<int>(size_text.substr(cross + 1));
+  if (!width || !height) throw BadSource(config, "not a size", allowed);
+  for (int side : {*width, *height}) {
+    if (side < kMinSyntheticSide || side > kMaxSyntheticSide) {
+      throw BadSource(config, "size out of range", allowed);
+    }
+  }
+  return OpenSynthetic({*width, *height}, config);
+}
+
+// @returns whether the sensor has such an option.
+bool ApplyOfTof(std::string_view kind, const SourceOption& option, CaptureConfig& config) {
+  if (config.tof() == kZones) return ApplyZonesOption(option, *config.mutable_zones());
+  if (config.tof() == "sr4000" && ApplySr4000Option(option, *config.mutable_sr4000())) return true;
+  return config.tof() != "none" &&
+         ApplyRangeErrorOption(option, kind == "kitti", *config.mutable_range_errors());
+}
+
+// Applies what stands behind the '?' of a source.
+void ApplyOptions(std::string_view kind, const std::vector<SourceOption>& options,
+                  CaptureConfig& config) {
+  for (const SourceOption& option : options) {
+    if (kind == "kitti" && option.name == "beams") {
+      config.set_beams(ParseNumber<int>(option.value).value_or(0));
+    } else if (option.name == "tof") {
+      if (!ApplyZones(option.value, config)) config.set_tof(std::string(option.value));
+    } else if (!ApplyOfTof(kind, option, config)) {
+      throw BadSource(config, "no such option " + std::string(option.text),
+                      kind == "kitti"
+                          ? "?beams=64, 32, 16, 8 or 4, ?tof=none, " + std::string(kScanOptions)
+                          : "?tof=grid, ?tof=none, ?tof=sr4000 with " +
+                                std::string(kSr4000Options) + ", grid and sr4000 with " +
+                                std::string(kRangeErrorOptions) + ", ?tof=zones:CxR with " +
+                                std::string(kZonesOptions));
+    }
+  }
+}
+
+void RequireAllowed(const CaptureConfig& config) {
+  if (config.tof() != "grid" && config.tof() != "sr4000" && config.tof() != kZones &&
+      config.tof() != "none") {
+    throw ConfigError("capture.tof = " + config.tof() +
+                      ": no such ToF camera; allowed: grid, sr4000, zones:CxR, none");
+  }
+  constexpr std::array kBeams = {64, 32, 16, 8, 4};
+  if (std::ranges::find(kBeams, config.beams()) == kBeams.end()) {
+    throw ConfigError("capture.beams = " + std::to_string(config.beams()) +
+                      ": not that many beams; allowed: 64, 32, 16, 8, 4");
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& original) {
+  RequireInRange(original, "capture");
+  CaptureConfig config = original;
+  const auto [place, options] = SplitSource(original.source());
+  const size_t colon = place.find(':');
+  const std::string kind = place.substr(0, colon);
+  const std::string argument = colon == std::string::npos ? "" : place.substr(colon + 1);
+  ApplyZones(original.tof(), config);
+  ApplyOptions(kind, options, config);
+  RequireAllowed(config);
+  const auto with_errors = [&](std::unique_ptr<Dataset> dataset) {
+    return WithRangeErrors(std::move(dataset), config.range_errors(), config.seed());
+  };
+  if (kind == "middlebury") return with_errors(OpenMiddlebury(argument, config));
+  if (kind == "kitti") return with_errors(OpenKitti(argument, config));
+  if (kind == "synthetic") return with_errors(OpenSyntheticText(argument, config));
+  const std::string allowed =
+      "middlebury:DIR, kitti:DIR, kitti:DIR/ID, synthetic:WxH, and for sprout-capture log:FILE, "
+      "opencv:LEFT,RIGHT, v4l2:DEVICE";
+  throw BadSource(config, kind == "log" ? "only sprout-capture plays logs" : "no such source",
+                  allowed);
+}
+
+}  // namespace sprout::scenes

@@ -1,0 +1,135 @@
+#include "common/scenes/source_options.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "common/core/number_text.h"
+
+namespace sprout::scenes {
+namespace {
+
+// An option whose value is a number.
+template <typename Config>
+struct NumberOption {
+  std::string_view name;
+  void (*set)(Config&, double);
+};
+
+// @returns whether the option is one of `known`.
+template <typename Config>
+bool ApplyNumber(const SourceOption& option, std::span<const NumberOption<Config>> known,
+                 const std::string& prefix, const std::string& allowed, Config& config) {
+  const auto found = std::ranges::find(known, option.name, &NumberOption<Config>::name);
+  if (found == known.end()) return false;
+  const std::optional<double> number = ParseNumber<double>(option.value);
+  if (!number) {
+    throw ConfigError(prefix + std::string(option.text) + ": not a number; allowed: " + allowed);
+  }
+  found->set(config, *number);
+  return true;
+}
+
+}  // namespace
+
+std::vector<SourceOption> SourceOptions(std::string_view text) {
+  std::vector<SourceOption> options;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find('&', begin), text.size());
+    const std::string_view option = text.substr(begin, end - begin);
+    const size_t equals = std::min(option.find('='), option.size());
+    options.push_back({.text = option,
+                       .name = option.substr(0, equals),
+                       .value = option.substr(std::min(equals + 1, option.size()))});
+    begin = end + 1;
+  }
+  return options;
+}
+
+SplitSourceText SplitSource(std::string_view source) {
+  const size_t question = source.rfind('?');
+  if (question == std::string_view::npos) return {std::string(source), {}};
+  return {std::string(source.substr(0, question)), SourceOptions(source.substr(question + 1))};
+}
+
+bool ApplyZones(std::string_view tof, CaptureConfig& config) {
+  if (!tof.starts_with(kZones)) return false;
+  const std::string_view size = tof.substr(kZones.size());
+  if (!size.empty()) {
+    const size_t cross = size.find('x');
+    const bool is_size = size.starts_with(':') && cross != std::string_view::npos;
+    const auto columns = is_size ? ParseNumber<int>(size.substr(1, cross - 1)) : std::nullopt;
+    const auto rows = is_size ? ParseNumber<int>(size.substr(cross + 1)) : std::nullopt;
+    if (!columns || !rows) {
+      throw ConfigError("capture.tof = " + std::string(tof) +
+                        ": no size; allowed: zones:CxR such as zones:8x8");
+    }
+    config.mutable_zones()->set_columns(*columns);
+    config.mutable_zones()->set_rows(*rows);
+  }
+  RequireInRange(config.zones(), "capture.zones");
+  config.set_tof(std::string(kZones));
+  return true;
+}
+
+bool ApplyZonesOption(const SourceOption& option, ZonesConfig& config) {
+  if (option.name == "mode" && (option.value == "mean" || option.value == "nearest")) {
+    config.set_mode(option.value == "mean" ? ZonesConfig::MEAN : ZonesConfig::NEAREST);
+    return true;
+  }
+  const std::optional<int> targets = ParseNumber<int>(option.value);
+  if (option.name == "targets" && targets) {
+    config.set_targets(*targets);
+    RequireInRange(config, "capture.zones");
+    return true;
+  }
+  if (option.name != "mode" && option.name != "targets") return false;
+  throw ConfigError("zones?" + std::string(option.text) +
+                    ": no such value; allowed: " + std::string(kZonesOptions));
+}
+
+bool ApplyRangeErrorOption(const SourceOption& option, bool is_scan, RangeErrorsConfig& config) {
+  using C = RangeErrorsConfig;
+  static constexpr std::array kOfScan = {
+      NumberOption<C>{"bumps", [](C& c, double px) { c.set_bumps_px(px); }},
+      NumberOption<C>{"unit", [](C& c, double factor) { c.set_unit(factor); }},
+      NumberOption<C>{"range", [](C& c, double m) { c.set_offset_m(m); }},
+      NumberOption<C>{"yaw", [](C& c, double degrees) { c.set_yaw_degrees(degrees); }},
+      NumberOption<C>{"pitch", [](C& c, double degrees) { c.set_pitch_degrees(degrees); }}};
+  static constexpr std::array kOfSimulation = {
+      NumberOption<C>{"bumps", [](C& c, double px) { c.set_bumps_px(px); }},
+      NumberOption<C>{"unit", [](C& c, double factor) { c.set_unit(factor); }},
+      NumberOption<C>{"range", [](C& c, double mm) { c.set_offset_m(mm / 1000); }},
+      NumberOption<C>{"wiggle", [](C& c, double mm) { c.set_wiggle_m(mm / 1000); }},
+      NumberOption<C>{"period", [](C& c, double m) { c.set_wiggle_period_m(m); }}};
+  if (option.text == "mirrored") {
+    config.set_mirrored(true);
+    return true;
+  }
+  const std::string allowed(is_scan ? kScanOptions : kRangeErrorOptions);
+  if (!ApplyNumber<C>(option, is_scan ? kOfScan : kOfSimulation, "range error ", allowed, config)) {
+    return false;
+  }
+  RequireInRange(config, "capture.range_errors");
+  return true;
+}
+
+bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config) {
+  using C = Sr4000Config;
+  static constexpr std::array kKnown = {
+      NumberOption<C>{"blind", [](C& c, double percent) { c.set_blind_percent(percent); }},
+      NumberOption<C>{"wrapped", [](C& c, double percent) { c.set_wrapped_percent(percent); }},
+      NumberOption<C>{"calibration", [](C& c, double px) { c.set_calibration_error_px(px); }},
+      NumberOption<C>{"every", [](C& c, double px) { c.set_every_px(px); }},
+      NumberOption<C>{"amplitude", [](C& c, double mm) { c.set_amplitude_error_m(mm / 1000); }},
+      NumberOption<C>{"multipath", [](C& c, double share) { c.set_multipath(share); }},
+      NumberOption<C>{"scatter", [](C& c, double share) { c.set_scatter(share); }},
+      NumberOption<C>{"motion", [](C& c, double share) { c.set_motion(share); }}};
+  if (!ApplyNumber<C>(option, kKnown, "sr4000?", std::string(kSr4000Options), config)) return false;
+  RequireInRange(config, "capture.sr4000");
+  return true;
+}
+
+}  // namespace sprout::scenes

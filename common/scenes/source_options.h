@@ -1,0 +1,73 @@
+#ifndef SPROUT_SERVICES_DATASETS_SOURCE_OPTIONS_H_
+#define SPROUT_SERVICES_DATASETS_SOURCE_OPTIONS_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/config/config.h"
+
+namespace sprout::scenes {
+
+/// One "name=value" after the '?' of a source.
+struct SourceOption {
+  std::string_view text;  ///< all of it
+  std::string_view name;
+  std::string_view value;  ///< empty when there is no '='
+};
+
+/// The options of "a=1&b=2", as views of the text.
+std::vector<SourceOption> SourceOptions(std::string_view text);
+
+/// A source, split into its name and its options.
+struct SplitSourceText {
+  std::string place;                  ///< "log:FILE"
+  std::vector<SourceOption> options;  ///< views of the source's text
+};
+
+/// Splits at the last '?', since a file's name may contain one, too.
+SplitSourceText SplitSource(std::string_view source);
+
+/// The simulated multi-zone sensor, as CaptureConfig.tof names it once its size is in
+/// CaptureConfig.zones.
+inline constexpr std::string_view kZones = "zones";
+
+/// Reads "zones:CxR" (or "zones", which leaves the size as it is) into tof and zones.
+/// @returns whether the text begins like that.
+/// @throws ConfigError when the size is none or out of range.
+bool ApplyZones(std::string_view tof, CaptureConfig& config);
+
+/// The options allowed after "zones:CxR", for messages to people.
+inline constexpr std::string_view kZonesOptions = "&mode=mean or nearest, &targets=N";
+
+/// Applies mode=mean, mode=nearest or targets=N. @returns whether the option is one of them.
+/// @throws ConfigError when the value is not allowed.
+bool ApplyZonesOption(const SourceOption& option, ZonesConfig& config);
+
+/// The options allowed after "sr4000", for messages to people.
+inline constexpr std::string_view kSr4000Options =
+    "&blind=P (%), &wrapped=P (%), &calibration=PX, &every=K, &amplitude=MM, &multipath=SHARE, "
+    "&scatter=SHARE, &motion=SHARE";
+
+/// Applies blind=P (blind_percent), wrapped=P (wrapped_percent), calibration=PX
+/// (calibration_error_px), every=K (every_px), amplitude=MM (amplitude_error_m), multipath=SHARE,
+/// scatter=SHARE or motion=SHARE. @returns whether the option is one of them.
+/// @throws ConfigError when the value is not a number or out of range.
+bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config);
+
+/// The options of any range image, for messages to people.
+inline constexpr std::string_view kRangeErrorOptions =
+    "&range=MM, &wiggle=MM, &period=M, &bumps=PX, &unit=F, &mirrored";
+
+/// The options of a recorded scan, for messages to people.
+inline constexpr std::string_view kScanOptions =
+    "&range=M, &yaw=DEGREES, &pitch=DEGREES, &bumps=PX, &unit=F, &mirrored";
+
+/// Applies one of kRangeErrorOptions, or with `is_scan` of kScanOptions. @returns whether the
+/// option is one of them.
+/// @throws ConfigError when the value is not a number or out of range.
+bool ApplyRangeErrorOption(const SourceOption& option, bool is_scan, RangeErrorsConfig& config);
+
+}  // namespace sprout::scenes
+
+#endif  // SPROUT_SERVICES_DATASETS_SOURCE_OPTIONS_H_

@@ -1,0 +1,42 @@
+#ifndef SPROUT_SERVICES_DATASETS_VELODYNE_SCAN_H_
+#define SPROUT_SERVICES_DATASETS_VELODYNE_SCAN_H_
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <vector>
+
+#include "common/core/rig.h"
+#include "common/core/tof_image.h"
+
+namespace sprout::scenes {
+
+/// Beams of the scanner, a Velodyne HDL-64E.
+inline constexpr int kVelodyneBeams = 64;
+
+/// Points of a scan in the scanner's frame (x forward, y left, z up), m, as KITTI stores them:
+/// float32 x, y, z and reflectance of each, little endian, nothing else.
+/// @throws ConfigError naming the file: unreadable, empty, not whole points, a coordinate that is
+/// not finite or beyond 1000 m, more points than such a scanner gives.
+std::vector<Eigen::Vector3d> ReadVelodyneScan(const std::filesystem::path& file);
+
+/// Beam of a point, 0 (top) to 63. The file has no beam numbers, so it follows from the elevation:
+/// 64 equal steps from +2° to −24.9°; points above or below belong to the outermost beams. The real
+/// beams are closer together in the upper half, and do not all start at one point, so sometimes
+/// pieces of two neighbouring beams count as one.
+int VelodyneBeam(const Eigen::Vector3d& point);
+
+/// The points of every (64 / beams)th beam, the first kept being in the middle of that step.
+/// @param beams  64, 32, 16, 8 or 4.
+std::vector<Eigen::Vector3d> KeepBeams(const std::vector<Eigen::Vector3d>& points, int beams);
+
+/// The scan as the range image of a ToF camera with the left camera's position and pixels:
+/// TofGridCamera(pair, 1). A point belongs to the pixel whose centre is nearest to its projection,
+/// and of several in a pixel the nearest one is kept. Depth is z in the left rectified frame. No
+/// return elsewhere, no amplitude.
+/// O(pixels + points).
+TofImage TofImageFromScan(const std::vector<Eigen::Vector3d>& points,
+                          const Eigen::Isometry3d& left_from_scanner, const RectifiedPair& pair);
+
+}  // namespace sprout::scenes
+
+#endif  // SPROUT_SERVICES_DATASETS_VELODYNE_SCAN_H_

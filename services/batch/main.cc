@@ -1,3 +1,0 @@
-#include "services/batch/program.h"
-
-int main(int argc, char** argv) { return sprout::batch::BatchMain(argc, argv); }

@@ -1,3 +1,0 @@
-#include "services/calibrate/program.h"
-
-int main(int argc, char** argv) { return sprout::calibrate::CalibrateMain(argc, argv); }

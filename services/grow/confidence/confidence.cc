@@ -1,0 +1,65 @@
+#include "services/grow/confidence/confidence.h"
+
+#include <algorithm>
+
+#include "common/core/parallel.h"
+#include "services/grow/paper/growth_rule.h"
+
+namespace sprout::grow {
+
+ConfidenceEstimator::Judgement ConfidenceEstimator::Compute(const JudgedFrame& frame) {
+  const cv::Size size = frame.filled.size();
+  const int rows = CellsOf(size).height;
+  Prepare(size);
+  const auto for_rows = [&](const auto& work) {
+    ForRangesParallel(rows, CountBands(size.height), work);
+  };
+  for_rows([&](const cv::Range& part) { FindSteps(frame.filled, part, features_.step); });
+  RunBoth(
+      [&] {
+        MarkEdges(features_.step, features_.edge);
+        SpreadNearness(features_.edge, edge_memory_);
+      },
+      [&] { SpreadSeeds(frame.seeds); });
+  for_rows([&](const cv::Range& part) {
+    MatchCells(frame.left, frame.right, frame.grown, frame.filled, part, features_);
+    RateCells(tables_, features_, frame.filled, frame.sigma_prior, part, judgement_.confidence,
+              judgement_.sigma);
+  });
+  return judgement_;
+}
+
+void ConfidenceEstimator::Prepare(cv::Size size) {
+  const cv::Size cells = CellsOf(size);
+  const cv::Size blocks = BlocksOf(size);
+  for (cv::Mat1b* map : {&features_.step, &features_.bend, &features_.misfit, &features_.margin,
+                         &features_.gaps, &features_.edge}) {
+    map->create(cells);
+  }
+  features_.tof_seed.create(blocks);
+  features_.seed.create(blocks);
+  Renew(judgement_.confidence, size);
+  Renew(judgement_.sigma, size);
+}
+
+void ConfidenceEstimator::SpreadSeeds(std::span<const Seed> seeds) {
+  features_.tof_seed = uint8_t{0};
+  features_.seed = uint8_t{0};
+  const cv::Rect blocks({}, features_.seed.size());
+  for (const Seed& seed : seeds) {
+    const cv::Point block(cvFloor(seed.u + 0.5F) / kBlockPx, cvFloor(seed.v + 0.5F) / kBlockPx);
+    if (seed.u < -0.5F || seed.v < -0.5F || !blocks.contains(block)) continue;
+    features_.seed(block) = 255;
+    if (seed.origin == SeedOrigin::kTof) features_.tof_seed(block) = 255;
+  }
+  SpreadNearness(features_.tof_seed, seed_memory_);
+  SpreadNearness(features_.seed, seed_memory_);
+}
+
+void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparity) {
+  if (least == 0) return;
+  disparity = DisparityImage(cv::Mat1s(disparity.counts().clone()));  // others may hold the pixels
+  disparity.counts().setTo(DisparityImage::kInvalid, confidence < least);
+}
+
+}  // namespace sprout::grow

@@ -1,0 +1,399 @@
+// Compiled by Highway once for each instruction set; one of them is picked when the program runs.
+// Loops over a row are plain: the compiler makes vectors of them.
+#include "services/grow/confidence/confidence_kernel.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "services/grow/confidence/confidence_kernel.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace sprout::grow {
+namespace HWY_NAMESPACE {
+
+using Bytes = std::vector<uint8_t>;
+using Ints = std::vector<int32_t>;
+
+inline uint8_t ToByte(int value) { return static_cast<uint8_t>(std::clamp(value, 0, 255)); }
+
+// The larger and the smaller of 3 rows; repeated ends, so that a window of 3 always fits.
+void FindRangeOfRows(const DisparityImage& map, int v, int16_t* HWY_RESTRICT most,
+                     int16_t* HWY_RESTRICT least) {
+  const int width = map.width();
+  const auto row = [&](int at) { return map.counts()[std::clamp(at, 0, map.height() - 1)]; };
+  const int16_t* HWY_RESTRICT a = row(v - 1);
+  const int16_t* HWY_RESTRICT b = row(v);
+  const int16_t* HWY_RESTRICT c = row(v + 1);
+  for (int u = 0; u < width; ++u) {
+    most[u + 1] = std::max(a[u], std::max(b[u], c[u]));
+    least[u + 1] = std::min(a[u], std::min(b[u], c[u]));
+  }
+  for (int16_t* ends : {most, least}) {
+    ends[0] = ends[1];
+    ends[width + 1] = ends[width];
+  }
+}
+
+void FindStepsOnTarget(const DisparityImage& filled, const cv::Range& rows, cv::Mat1b& step) {
+  const int width = filled.width();
+  const auto size = static_cast<size_t>(width + 2);
+  std::vector<int16_t> memory(3 * size);
+  int16_t* HWY_RESTRICT most = memory.data();
+  int16_t* HWY_RESTRICT least = most + size;
+  int16_t* HWY_RESTRICT range = least + size;
+  for (int y = rows.start; y < rows.end; ++y) {
+    FindRangeOfRows(filled, kCellPx * y, most, least);
+    for (int u = 0; u < width; ++u) {
+      const int high = std::max(most[u], std::max(most[u + 1], most[u + 2]));
+      const int low = std::min(least[u], std::min(least[u + 1], least[u + 2]));
+      range[u] = static_cast<int16_t>(std::min(high - low, 32767));
+    }
+    uint8_t* HWY_RESTRICT steps = step[y];
+    for (int x = 0; x < step.cols; ++x) {
+      steps[x] = ToByte(LevelOf(range[kCellPx * x] + 1));
+    }
+  }
+}
+
+void MarkEdgesOnTarget(const cv::Mat1b& step, cv::Mat1b& edge) {
+  for (int y = 0; y < step.rows; ++y) {
+    const uint8_t* HWY_RESTRICT steps = step[y];
+    uint8_t* HWY_RESTRICT edges = edge[y];
+    for (int x = 0; x < step.cols; ++x) edges[x] = steps[x] >= kEdgeLevel ? 255 : 0;
+  }
+}
+
+// A byte less, at least 0.
+inline uint8_t Less(uint8_t nearness, uint8_t by) {
+  return static_cast<uint8_t>(std::max(nearness, by) - by);
+}
+
+inline constexpr int kFarthestCells = 64;  // of one pass along a row; all passes: 127 > 255 / 3
+inline constexpr uint8_t kBeside = 3;      // the mask of Borgefors
+inline constexpr uint8_t kAcross = 4;
+
+// From both sides along a row: passes of 1, 2, 4 ... cells.
+// @param from, to  with kFarthestCells zeros on either side.
+void SpreadAlongRow(uint8_t* row, int width, uint8_t* from, uint8_t* to) {
+  std::copy_n(row, width, from);
+  for (int cells = 1; cells <= kFarthestCells; cells *= 2) {
+    const auto loss = static_cast<uint8_t>(kBeside * cells);
+    const uint8_t* HWY_RESTRICT old = from;
+    uint8_t* HWY_RESTRICT spread = to;
+    for (int x = 0; x < width; ++x) {
+      spread[x] = std::max(old[x], Less(std::max(old[x - cells], old[x + cells]), loss));
+    }
+    std::swap(from, to);
+  }
+  std::copy_n(from, width, row);
+}
+
+// From one row to the next one.
+void SpreadToRow(const uint8_t* HWY_RESTRICT from, int width, uint8_t* HWY_RESTRICT to) {
+  const auto spread = [&](int x, uint8_t beside) HWY_ATTR {
+    to[x] = std::max(to[x], std::max(Less(from[x], kBeside), Less(beside, kAcross)));
+  };
+  for (int x = 1; x < width - 1; ++x) {
+    const uint8_t beside = std::max(from[x - 1], from[x + 1]);
+    to[x] = std::max(to[x], std::max(Less(from[x], kBeside), Less(beside, kAcross)));
+  }
+  if (width == 1) return spread(0, 0);
+  spread(0, from[1]);
+  spread(width - 1, from[width - 2]);
+}
+
+// First along the rows, then down and up: a shortest way of the mask can be walked in this order.
+void SpreadNearnessOnTarget(cv::Mat1b& marks, Bytes& memory) {
+  const auto size = static_cast<size_t>(marks.cols + 2 * kFarthestCells);
+  memory.assign(2 * size, 0);
+  uint8_t* const one = memory.data() + kFarthestCells;
+  for (int y = 0; y < marks.rows; ++y) SpreadAlongRow(marks[y], marks.cols, one, one + size);
+  for (int y = 1; y < marks.rows; ++y) SpreadToRow(marks[y - 1], marks.cols, marks[y]);
+  for (int y = marks.rows - 1; y-- > 0;) SpreadToRow(marks[y + 1], marks.cols, marks[y]);
+}
+
+// Which of its 8 neighbours are darker than a pixel, a bit each (Zabih and Woodfill, ECCV 1994); 0
+// at the image's border.
+void CensusOfRow(const cv::Mat1b& image, int v, uint8_t* HWY_RESTRICT census) {
+  std::fill_n(census, image.cols, uint8_t{0});
+  if (v == 0 || v == image.rows - 1) return;
+  const uint8_t* HWY_RESTRICT above = image[v - 1];
+  const uint8_t* HWY_RESTRICT row = image[v];
+  const uint8_t* HWY_RESTRICT below = image[v + 1];
+  for (int u = 1; u < image.cols - 1; ++u) {
+    const uint8_t centre = row[u];
+    const auto bit = [&](uint8_t other, int place)
+                         HWY_ATTR { return static_cast<uint8_t>(other < centre ? 1 << place : 0); };
+    census[u] = static_cast<uint8_t>(
+        bit(above[u - 1], 0) | bit(above[u], 1) | bit(above[u + 1], 2) | bit(row[u - 1], 3) |
+        bit(row[u + 1], 4) | bit(below[u - 1], 5) | bit(below[u], 6) | bit(below[u + 1], 7));
+  }
+}
+
+// Sums over the windows around cells, from above to below.
+class CellMatcher {
+ public:
+  CellMatcher(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
+              const DisparityImage& filled)
+      : left_(left),
+        right_(right),
+        grown_(grown),
+        map_(filled),
+        cells_(CellsOf(filled.size())),
+        left_census_(static_cast<size_t>(left.cols)),
+        right_row_(static_cast<size_t>(right.cols + 2 * kReach)),
+        right_census_(right_row_.size()),
+        warped_(static_cast<size_t>(cells_.width)),
+        words_(static_cast<size_t>(cells_.width)) {
+    const auto size = static_cast<size_t>(cells_.width + 2 * kRadius);
+    for (auto* rows : {&differences_, &energies_, &margins_, &gaps_}) {
+      for (Ints& row : *rows) row.resize(size);
+    }
+    difference_.resize(size);
+    energy_.resize(size);
+    margin_.resize(size);
+    gap_.resize(size);
+  }
+
+  void Begin(int y) {
+    for (int near = y - kRadius; near < y + kRadius; ++near) Match(near);
+  }
+
+  // @pre called for one row after the other.
+  void WriteRow(int y, uint8_t* HWY_RESTRICT misfits, uint8_t* HWY_RESTRICT margins,
+                uint8_t* HWY_RESTRICT gaps) {
+    Match(y + kRadius);
+    AddRows(differences_, y, 1, difference_);
+    AddRows(energies_, y, 1, energy_);
+    AddRows(margins_, y, kRadius, margin_);
+    AddRows(gaps_, y, kRadius, gap_);
+    const int32_t* HWY_RESTRICT difference = difference_.data() + kRadius;
+    const int32_t* HWY_RESTRICT energy = energy_.data() + kRadius;
+    const int32_t* HWY_RESTRICT margin = margin_.data() + kRadius;
+    const int32_t* HWY_RESTRICT gap = gap_.data() + kRadius;
+    for (int x = 0; x < cells_.width; ++x) {
+      const int off = difference[x - 1] + difference[x] + difference[x + 1];
+      const int all = energy[x - 1] + energy[x] + energy[x + 1];
+      misfits[x] = ToByte(255 + LevelOf(off + 1) - LevelOf(all + 1));
+      margins[x] =
+          ToByte(128 - margin[x - 2] - margin[x - 1] - margin[x] - margin[x + 1] - margin[x + 2]);
+      gaps[x] = static_cast<uint8_t>(kGapUnit *
+                                     (gap[x - 2] + gap[x - 1] + gap[x] + gap[x + 1] + gap[x + 2]));
+    }
+  }
+
+ private:
+  static constexpr int kRadius = 2;        // of the windows of margin and gaps
+  static constexpr int kGapUnit = 10;      // 255 / number of cells in the window, rounded down
+  static constexpr int kReach = 1024 + 8;  // as far as a disparity leads, and a census word
+  using Rows = std::array<Ints, 2 * kRadius + 1>;
+
+  // Costs of the cells of a row, in the place of the row five above. Beyond an image: those of its
+  // last row, and zeros in the right one.
+  void Match(int y) {
+    const int v = kCellPx * std::clamp(y, 0, cells_.height - 1);
+    CensusOfRow(left_, v, left_census_.data());
+    CensusOfRow(right_, v, right_census_.data() + kReach);
+    std::copy_n(right_[v], right_.cols, right_row_.data() + kReach);
+    Warp(map_.counts()[v]);
+    const auto place = static_cast<size_t>((y + kRadius) % (2 * kRadius + 1));
+    int32_t* HWY_RESTRICT difference = differences_[place].data() + kRadius;
+    int32_t* HWY_RESTRICT energy = energies_[place].data() + kRadius;
+    int32_t* HWY_RESTRICT margin = margins_[place].data() + kRadius;
+    int32_t* HWY_RESTRICT gap = gaps_[place].data() + kRadius;
+    const int16_t* HWY_RESTRICT grown = grown_.counts()[v];
+    const uint8_t* HWY_RESTRICT left = left_[v];
+    const uint8_t* HWY_RESTRICT census = left_census_.data();
+    const uint8_t* HWY_RESTRICT warped = warped_.data();
+    const uint32_t* HWY_RESTRICT words = words_.data();
+    for (int x = 0; x < cells_.width; ++x) {
+      const int l = left[2 * x];
+      const int r = warped[x];
+      difference[x] = (l - r) * (l - r);
+      energy[x] = l * l + r * r;
+      gap[x] = grown[2 * x] == DisparityImage::kInvalid ? 1 : 0;
+    }
+    for (int x = 0; x < cells_.width; ++x) {
+      // Numbers of bits of three bytes at once.
+      uint32_t bits = words[x] ^ (census[2 * x] * 0x010101U);
+      bits -= bits >> 1 & 0x555555U;
+      bits = (bits & 0x333333U) + (bits >> 2 & 0x333333U);
+      bits = (bits + (bits >> 4)) & 0x0f0f0fU;
+      const auto before = static_cast<int32_t>(bits & 15);
+      const auto here = static_cast<int32_t>(bits >> 8 & 15);
+      const auto behind = static_cast<int32_t>(bits >> 16 & 15);
+      margin[x] = std::min(before, behind) - here;
+    }
+    for (int32_t* row : {difference, energy, margin, gap}) {
+      for (int i = 1; i <= kRadius; ++i) {
+        row[-i] = row[0];
+        row[cells_.width - 1 + i] = row[cells_.width - 1];
+      }
+    }
+  }
+
+  // The right image at u − d, and its census at u − d − 1, u − d and u − d + 1. Where there is no
+  // disparity it lies beyond the image.
+  void Warp(const int16_t* HWY_RESTRICT counts) {
+    const uint8_t* HWY_RESTRICT right = right_row_.data() + kReach;
+    const uint8_t* HWY_RESTRICT census = right_census_.data() + kReach;
+    uint8_t* HWY_RESTRICT warped = warped_.data();
+    uint32_t* HWY_RESTRICT words = words_.data();
+    for (int x = 0; x < cells_.width; ++x) {
+      constexpr int kCounts = DisparityImage::kCountsPerPixel;
+      const int whole = (counts[2 * x] + kCounts / 2) >> 5;
+      static_assert(kCounts == 1 << 5);
+      const int u = 2 * x - whole;
+      warped[x] = right[u];
+      const uint8_t* near = census + u;
+      words[x] = static_cast<uint32_t>(near[-1] | near[0] << 8 | near[1] << 16);
+    }
+  }
+
+  void AddRows(const Rows& rows, int y, int radius, Ints& sums) {
+    int32_t* HWY_RESTRICT sum = sums.data();
+    const auto row = [&](int at) HWY_ATTR {
+      return rows[static_cast<size_t>((at + kRadius) % (2 * kRadius + 1))].data();
+    };
+    const auto count = static_cast<int>(sums.size());
+    std::copy_n(row(y), count, sum);
+    for (int i = 1; i <= radius; ++i) {
+      const int32_t* HWY_RESTRICT above = row(y - i);
+      const int32_t* HWY_RESTRICT below = row(y + i);
+      for (int x = 0; x < count; ++x) sum[x] += above[x] + below[x];
+    }
+  }
+
+  const cv::Mat1b& left_;
+  const cv::Mat1b& right_;
+  const DisparityImage& grown_;
+  const DisparityImage& map_;
+  const cv::Size cells_;
+  Bytes left_census_, right_row_, right_census_;  // rows; right ones with zeros on either side
+  Bytes warped_;                                  // of a row of cells
+  std::vector<uint32_t> words_;
+  Rows differences_, energies_, margins_, gaps_;
+  Ints difference_, energy_, margin_, gap_;  // their sums over rows
+};
+
+// |d(x − 2) + d(x + 2) − 2·d(x)|, and the same over the rows.
+void WriteBends(const DisparityImage& map, int y, int cells, uint8_t* HWY_RESTRICT bends) {
+  const int last = (map.height() - 1) / kCellPx;
+  const int16_t* HWY_RESTRICT row = map.counts()[kCellPx * y];
+  const int16_t* HWY_RESTRICT above = map.counts()[kCellPx * std::max(y - 2, 0)];
+  const int16_t* HWY_RESTRICT below = map.counts()[kCellPx * std::min(y + 2, last)];
+  const auto bend = [&](int x, int before, int behind) HWY_ATTR {
+    const int twice = 2 * row[2 * x];
+    const int along = std::abs(row[2 * before] + row[2 * behind] - twice);
+    const int across = std::abs(above[2 * x] + below[2 * x] - twice);
+    return ToByte(LevelOf(along + across + 1));
+  };
+  for (int x = 0; x < std::min(2, cells); ++x) bends[x] = bend(x, 0, std::min(x + 2, cells - 1));
+  for (int x = 2; x < cells - 2; ++x) bends[x] = bend(x, x - 2, x + 2);
+  for (int x = std::max(2, cells - 2); x < cells; ++x) bends[x] = bend(x, x - 2, cells - 1);
+}
+
+void MatchCellsOnTarget(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
+                        const DisparityImage& filled, const cv::Range& rows,
+                        ConfidenceFeatures& features) {
+  CellMatcher matcher(left, right, grown, filled);
+  matcher.Begin(rows.start);
+  for (int y = rows.start; y < rows.end; ++y) {
+    matcher.WriteRow(y, features.misfit[y], features.margin[y], features.gaps[y]);
+    WriteBends(filled, y, features.bend.cols, features.bend[y]);
+  }
+}
+
+// A row of cells to as many rows of pixels as there are.
+void ExpandRow(const Bytes& cells, const DisparityImage& map, int y, uint8_t none, Bytes& twice,
+               cv::Mat1b& pixels) {
+  const uint8_t* HWY_RESTRICT once = cells.data();
+  uint8_t* HWY_RESTRICT wide = twice.data();
+  const auto count = static_cast<int>(cells.size());
+  const int width = map.width();
+  for (int x = 0; x < count; ++x) wide[2 * x] = wide[2 * x + 1] = once[x];
+  for (int v = kCellPx * y; v < std::min(kCellPx * (y + 1), map.height()); ++v) {
+    const int16_t* HWY_RESTRICT counts = map.counts()[v];
+    uint8_t* HWY_RESTRICT row = pixels[v];
+    for (int u = 0; u < width; ++u) {
+      row[u] = counts[u] == DisparityImage::kInvalid ? none : wide[u];
+    }
+  }
+}
+
+void RateCellsOnTarget(const ConfidenceTables& tables, const ConfidenceFeatures& features,
+                       const DisparityImage& filled, const cv::Mat1b& sigma_prior,
+                       const cv::Range& rows, cv::Mat1b& confidence, cv::Mat1b& sigma) {
+  const int cells = features.step.cols;
+  Bytes sure(static_cast<size_t>(cells)), spread(sure.size());
+  Bytes twice(2 * sure.size()), unknown(2 * sure.size(), kMaxSigmaCounts);
+  std::vector<uint32_t> seeds(static_cast<size_t>(features.seed.cols));
+  for (int y = rows.start; y < rows.end; ++y) {
+    const uint8_t* const tof_seed = features.tof_seed[y / 2];
+    const uint8_t* const seed = features.seed[y / 2];
+    for (size_t i = 0; i < seeds.size(); ++i) {
+      seeds[i] = tables.start + tables.tof_seed[tof_seed[i]] + tables.seed[seed[i]];
+    }
+    const uint8_t* const step = features.step[y];
+    const uint8_t* const bend = features.bend[y];
+    const uint8_t* const misfit = features.misfit[y];
+    const uint8_t* const margin = features.margin[y];
+    const uint8_t* const gaps = features.gaps[y];
+    const uint8_t* const edge = features.edge[y];
+    const uint8_t* const prior = sigma_prior.empty() ? unknown.data() : sigma_prior[kCellPx * y];
+    for (int x = 0; x < cells; ++x) {
+      const uint32_t sum = seeds[static_cast<size_t>(x / 2)] + tables.step[step[x]] +
+                           tables.bend[bend[x]] + tables.misfit[misfit[x]] +
+                           tables.margin[margin[x]] + tables.gaps[gaps[x]] + tables.edge[edge[x]] +
+                           tables.prior[prior[2 * x]];
+      sure[static_cast<size_t>(x)] = tables.ConfidenceOf(sum);
+      spread[static_cast<size_t>(x)] = tables.SigmaOf(sum);
+    }
+    ExpandRow(sure, filled, y, 0, twice, confidence);
+    ExpandRow(spread, filled, y, kMaxSigmaCounts, twice, sigma);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sprout::grow
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sprout::grow {
+
+HWY_EXPORT(FindStepsOnTarget);
+HWY_EXPORT(MarkEdgesOnTarget);
+HWY_EXPORT(SpreadNearnessOnTarget);
+HWY_EXPORT(MatchCellsOnTarget);
+HWY_EXPORT(RateCellsOnTarget);
+
+void FindSteps(const DisparityImage& filled, const cv::Range& rows, cv::Mat1b& step) {
+  HWY_DYNAMIC_DISPATCH(FindStepsOnTarget)(filled, rows, step);
+}
+
+void MarkEdges(const cv::Mat1b& step, cv::Mat1b& edge) {
+  HWY_DYNAMIC_DISPATCH(MarkEdgesOnTarget)(step, edge);
+}
+
+void SpreadNearness(cv::Mat1b& marks, std::vector<uint8_t>& memory) {
+  HWY_DYNAMIC_DISPATCH(SpreadNearnessOnTarget)(marks, memory);
+}
+
+void MatchCells(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
+                const DisparityImage& filled, const cv::Range& rows, ConfidenceFeatures& features) {
+  HWY_DYNAMIC_DISPATCH(MatchCellsOnTarget)(left, right, grown, filled, rows, features);
+}
+
+void RateCells(const ConfidenceTables& tables, const ConfidenceFeatures& features,
+               const DisparityImage& filled, const cv::Mat1b& sigma_prior, const cv::Range& rows,
+               cv::Mat1b& confidence, cv::Mat1b& sigma) {
+  HWY_DYNAMIC_DISPATCH(RateCellsOnTarget)
+  (tables, features, filled, sigma_prior, rows, confidence, sigma);
+}
+
+}  // namespace sprout::grow
+#endif  // HWY_ONCE

@@ -1,0 +1,63 @@
+#ifndef SPROUT_SERVICES_GROW_CONFIDENCE_KERNEL_H_
+#define SPROUT_SERVICES_GROW_CONFIDENCE_KERNEL_H_
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "common/core/disparity_image.h"
+#include "common/core/prior_map.h"
+#include "services/grow/confidence/confidence_model.h"
+
+// What the confidence is computed from, in whole numbers: the same bytes on every CPU. All of it is
+// known once for each cell of 2×2 pixels, at its upper left pixel; seeds for each block of 4×4.
+namespace sprout::grow {
+
+inline constexpr int kCellPx = 2;
+inline constexpr int kBlockPx = 4;
+
+inline cv::Size CellsOf(cv::Size pixels) {
+  return {(pixels.width + kCellPx - 1) / kCellPx, (pixels.height + kCellPx - 1) / kCellPx};
+}
+inline cv::Size BlocksOf(cv::Size pixels) {
+  return {(pixels.width + kBlockPx - 1) / kBlockPx, (pixels.height + kBlockPx - 1) / kBlockPx};
+}
+
+/// Images of the features of a frame (README, table of features), as bytes. Nearness is 255 minus
+/// the distance in thirds of a cell or block, at least 0: chamfer distances with the mask 3, 4
+/// (Borgefors, CVGIP 1986).
+struct ConfidenceFeatures {
+  cv::Mat1b step;      ///< cells: range of the disparities in 3×3 pixels, as LevelOf()
+  cv::Mat1b bend;      ///< cells: second differences of the disparities, as LevelOf()
+  cv::Mat1b misfit;    ///< cells: Σ(L − R)² / Σ(L² + R²), 255 = 1, 16 a factor of 2
+  cv::Mat1b margin;    ///< cells: 128 − Σ margin of the census costs
+  cv::Mat1b gaps;      ///< cells: 10 times the number of gaps in 5×5 cells
+  cv::Mat1b edge;      ///< cells: nearness of a step above 1 px
+  cv::Mat1b tof_seed;  ///< blocks: nearness of a ToF seed
+  cv::Mat1b seed;      ///< blocks: nearness of any seed
+};
+
+/// Writes rows of cells of `step`, which has the size.
+void FindSteps(const DisparityImage& filled, const cv::Range& rows, cv::Mat1b& step);
+
+/// Marks 255, all else 0, to nearness. O(pixels).
+/// @param memory  two rows.
+void SpreadNearness(cv::Mat1b& marks, std::vector<uint8_t>& memory);
+
+/// Cells with a step above 1 px: 255; else 0.
+void MarkEdges(const cv::Mat1b& step, cv::Mat1b& edge);
+
+/// Writes rows of cells of bend, misfit, margin and gaps, which have the size.
+/// @param left, right, grown  of the map's size; grown: before gap filling.
+void MatchCells(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
+                const DisparityImage& filled, const cv::Range& rows, ConfidenceFeatures& features);
+
+/// Writes the two rows of pixels of each row of cells.
+/// @param sigma_prior  counts, of the map's size; or empty: not known.
+/// @param confidence, sigma  of the map's size.
+void RateCells(const ConfidenceTables& tables, const ConfidenceFeatures& features,
+               const DisparityImage& filled, const cv::Mat1b& sigma_prior, const cv::Range& rows,
+               cv::Mat1b& confidence, cv::Mat1b& sigma);
+
+}  // namespace sprout::grow
+
+#endif  // SPROUT_SERVICES_GROW_CONFIDENCE_KERNEL_H_

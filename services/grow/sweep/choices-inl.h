@@ -1,0 +1,330 @@
+// The better one of a pixel's two candidates, for each instruction set: included by
+// sweep_kernel.cc, which Highway compiles once for each, so it has no usual include guard.
+#if defined(SPROUT_SERVICES_GROW_CHOICES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SPROUT_SERVICES_GROW_CHOICES_INL_H_
+#undef SPROUT_SERVICES_GROW_CHOICES_INL_H_
+#else
+#define SPROUT_SERVICES_GROW_CHOICES_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <array>
+
+#include "services/grow/sweep/sweep_band.h"
+#include "services/grow/sweep/window_costs-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sprout::grow {
+namespace HWY_NAMESPACE {
+
+// Rows of pairs (PairProducts()) that hold the five rows of a window: its rows 0 and 1, 2 and 3, 4.
+// The lower pixels of the last pairs are not in the window.
+using WindowPairs = std::array<const int32_t*, 3>;
+
+// Pairs of columns, whose products give sums over the columns of a window.
+template <class D>
+class Columns {
+ public:
+  using V = hn::Vec<D>;
+
+  // @param u  the first column; as many as there are lanes.
+  HWY_INLINE Columns(const WindowPairs& pairs, ptrdiff_t u)
+      : pairs_{hn::LoadU(D(), pairs[0] + u), hn::LoadU(D(), pairs[1] + u),
+               hn::And(hn::LoadU(D(), pairs[2] + u), hn::Set(D(), 0xffff))} {}
+
+  // Σ of the squares in each column.
+  HWY_INLINE V Squares() const {
+    const auto sums = [&](size_t i) HWY_ATTR { return PairProducts(pairs_[i], pairs_[i]); };
+    return hn::Add(hn::Add(sums(0), sums(1)), sums(2));
+  }
+
+  // Σ of the squared differences from others. @param u  the other column that belongs to the first.
+  HWY_INLINE V SquaredDifferences(const WindowPairs& others, ptrdiff_t u) const {
+    const hn::Repartition<int16_t, D> d16;
+    const auto sums = [&](size_t i) HWY_ATTR {
+      const V other = hn::LoadU(D(), others[i] + u);
+      const V difference =
+          hn::BitCast(D(), hn::Abs(hn::Sub(hn::BitCast(d16, pairs_[i]), hn::BitCast(d16, other))));
+      const V in_window = i == 2 ? hn::And(difference, hn::Set(D(), 0xffff)) : difference;
+      return PairProducts(in_window, in_window);
+    };
+    return hn::Add(hn::Add(sums(0), sums(1)), sums(2));
+  }
+
+  // Σ of the products in each column. @param u  the other column that belongs to the first one.
+  HWY_INLINE V Products(const WindowPairs& others, ptrdiff_t u) const {
+    const auto sums = [&](size_t i) HWY_ATTR {
+      return PairProducts(pairs_[i], hn::LoadU(D(), others[i] + u));
+    };
+    return hn::Add(hn::Add(sums(0), sums(1)), sums(2));
+  }
+
+ private:
+  V pairs_[3];
+};
+
+// The windows of neighbouring pixels, as many as D has lanes.
+template <class D>
+class WindowRun {
+ public:
+  using V = hn::Vec<D>;
+
+  // @param u  the first pixel.
+  HWY_INLINE WindowRun(const WindowPairs& pairs, ptrdiff_t u)
+      : columns_(pairs, u - kWindowRadius), columns_behind_(pairs, u + kWindowRadius) {}
+
+  // Σ of the products with other windows. Reads as many columns whether they fit or not.
+  // @param u  the pixel that belongs to the first one.
+  HWY_INLINE V Products(const WindowPairs& others, ptrdiff_t u) const {
+    const D d;
+    const V columns = columns_.Products(others, u - kWindowRadius);
+    const V behind = columns_behind_.Products(others, u + kWindowRadius);  // four lanes on
+    const V two = hn::Add(columns, hn::CombineShiftRightLanes<1>(d, behind, columns));
+    const V three = hn::Add(two, hn::CombineShiftRightLanes<2>(d, behind, columns));
+    return hn::Add(hn::Add(three, hn::CombineShiftRightLanes<3>(d, behind, columns)), behind);
+  }
+
+ private:
+  Columns<D> columns_, columns_behind_;
+};
+
+// Sums over windows of sums over their columns, at the pixels from u on.
+template <class D>
+HWY_INLINE hn::Vec<D> SumColumns(D d, const int32_t* columns, ptrdiff_t u) {
+  static_assert(kWindowRadius == 2);
+  const auto at = [&](int x) HWY_ATTR { return hn::LoadU(d, columns + u + x); };
+  return hn::Add(hn::Add(hn::Add(at(-2), at(-1)), hn::Add(at(0), at(1))), at(2));
+}
+
+// What the choice reads of a row. All can be read kRunPixels behind the row's end, pairs and
+// energies also before its start.
+struct ChoiceInput {
+  WindowPairs left;
+  WindowPairs right;
+  const int32_t* left_energies;   // Σ wL²
+  const int32_t* left_textures;   // Σ(wL − wL′)², wL′ one pixel before; only with sub_pixel
+  const int32_t* right_energies;  // Σ wR²
+  const int16_t* priors;          // counts
+  const uint8_t* sigmas;          // of the priors, counts
+};
+
+// Where the choices of a row go; written up to kRunPixels behind the row's end.
+struct ChoiceRow {
+  static constexpr int16_t kNone = -(1 << 14);  // no choice; far from all disparities
+  static constexpr int16_t kNoKey = INT16_MAX;  // of a pixel without a choice
+
+  int16_t* disparities;  // px
+  int16_t* keys;         // of the costs, even: twice GrowthRule::KeyOf()
+  int8_t* steps;         // counts from the disparity to the least cost; only with sub_pixel
+};
+
+// Chooses for the pixels of a row, as many neighbours at once as a register has lanes. Neighbours
+// need about the same disparities, and their windows share columns: for one disparity all the
+// windows cost little more than two of them would alone.
+template <bool kSubPixel>
+class Choice {
+ public:
+  Choice(const GrowthRule& rule, const ChoiceInput& row)
+      : rule_(rule), row_(row), right_(row.right), right_energies_(row.right_energies) {}
+
+  // Open pixels have no choice. @returns whether there is one.
+  bool Run(int width, const ChoiceRow& to) const {
+    const D d;
+    const hn::Rebind<int16_t, D> d16;
+    const hn::Rebind<uint8_t, D> d8;
+    const hn::Rebind<int8_t, D> d8_signed;
+    M any_open = hn::FirstN(d, 0);
+    for (int u = kWindowRadius; u < width - kWindowRadius; u += kLanes) {
+      const V prior = hn::PromoteTo(d, hn::LoadU(d16, row_.priors + u));
+      const V sigma = hn::PromoteTo(d, hn::LoadU(d8, row_.sigmas + u));
+      const M inside = hn::AndNot(hn::Eq(prior, hn::Set(d, DisparityImage::kInvalid)),
+                                  hn::Lt(hn::Iota(d, u), hn::Set(d, width - kWindowRadius)));
+      const M open = hn::And(inside, hn::Gt(sigma, hn::Set(d, rule_.least_open - 1)));
+      any_open = hn::Or(any_open, open);
+      const M sure = hn::AndNot(open, inside);
+      const Best best = BestOfTwo(u, prior, sure);
+      const M accepted = hn::AndNot(hn::Gt(best.cost, hn::Set(d, rule_.limit)), sure);
+      const V key = hn::ShiftLeft<1>(hn::ShiftRightSame(best.cost, rule_.key_shift));
+      hn::StoreU(
+          hn::DemoteTo(d16, hn::IfThenElse(accepted, best.disparity, hn::Set(d, ChoiceRow::kNone))),
+          d16, to.disparities + u);
+      hn::StoreU(hn::DemoteTo(d16, hn::IfThenElse(accepted, key, hn::Set(d, ChoiceRow::kNoKey))),
+                 d16, to.keys + u);
+      if constexpr (kSubPixel) {
+        hn::StoreU(hn::DemoteTo(d8_signed, best.step), d8_signed, to.steps + u);
+      }
+    }
+    // At the last pixel the next one has no window.
+    if (kSubPixel && width > 2 * kWindowRadius) to.steps[width - kWindowRadius - 1] = 0;
+    return !hn::AllFalse(d, any_open);
+  }
+
+ private:
+  using D = hn::CappedTag<int32_t, kRunPixels>;
+  using V = hn::Vec<D>;
+  using M = hn::Mask<D>;
+  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
+
+  // The disparities whose costs are needed: from m − kBefore on.
+  static constexpr int kBefore = kSubPixel ? 1 : 0;
+  static constexpr int kCosts = 2 + 2 * kBefore;
+
+  struct Best {
+    V disparity, cost, step;
+  };
+
+  using F = hn::Vec<hn::RebindToFloat<D>>;
+
+  // Sums over the right windows, and of the products with the left one, for each of these.
+  struct Sums {
+    V energy[kCosts];
+    V cross[kCosts];
+  };
+
+  // Of m − 1 to m + 2 one has a right window that lies in the image.
+  static HWY_INLINE M MayFit(V columns, V first) {
+    const D d;
+    return hn::And(hn::Gt(first, hn::Set(d, -2)),
+                   hn::Gt(columns, hn::Add(first, hn::Set(d, kWindowRadius - 1))));
+  }
+
+  // Of m and m + 1 at the pixels from u on. @param wanted  the others' do not matter.
+  HWY_INLINE Best BestOfTwo(int u, V prior, M wanted) const {
+    const D d;
+    const V columns = hn::Iota(d, u);
+    const V first = hn::ShiftRight<5>(prior);
+    const WindowRun<D> left(row_.left, u);
+    const V left_energy = hn::LoadU(d, row_.left_energies + u);
+    const Sums sums = SumWindows(left, u, first, hn::And(wanted, MayFit(columns, first)));
+    const hn::RebindToFloat<D> df;
+    V energy[kCosts];      // Σ(wL² + wR²)
+    F difference[kCosts];  // Σ(wL − wR)²
+    HWY_UNROLL(4)
+    for (int i = 0; i < kCosts; ++i) {
+      energy[i] = hn::Add(left_energy, sums.energy[i]);
+      difference[i] = hn::ConvertTo(df, hn::Sub(hn::Sub(energy[i], sums.cross[i]), sums.cross[i]));
+    }
+    // From m to D_p, and from D_p to m + 1, counts.
+    const F fraction =
+        hn::ConvertTo(df, hn::And(prior, hn::Set(d, DisparityImage::kCountsPerPixel - 1)));
+    const F rest = hn::Sub(hn::Set(df, DisparityImage::kCountsPerPixel), fraction);
+    const V room = hn::Sub(hn::Sub(columns, first), hn::Set(d, kWindowRadius));
+    const auto cost_at = [&](V steps, F energies, F differences, F distances) HWY_ATTR {
+      const V fits = hn::Or(hn::Add(first, steps), hn::Sub(room, steps));
+      return EpcCosts(rule_, energies, differences, distances, rule_.prior_scales[0], fits);
+    };
+    const F energy_of_m = AtLeastOne(energy[kBefore]);
+    const F energy_of_next = AtLeastOne(energy[kBefore + 1]);
+    const V cost = cost_at(hn::Zero(d), energy_of_m, difference[kBefore], fraction);
+    const V cost_of_next = cost_at(hn::Set(d, 1), energy_of_next, difference[kBefore + 1], rest);
+    const M next_is_better = hn::Lt(cost_of_next, cost);
+    const auto choose = [&](V if_next, V if_not)
+                            HWY_ATTR { return hn::IfThenElse(next_is_better, if_next, if_not); };
+    Best best{choose(hn::Add(first, hn::Set(d, 1)), first), hn::Min(cost, cost_of_next),
+              hn::Zero(d)};
+    if constexpr (kSubPixel) {
+      const auto next = hn::RebindMask(df, next_is_better);
+      const auto one_of = [&](F if_next, F if_not)
+                              HWY_ATTR { return hn::IfThenElse(next, if_next, if_not); };
+      const F distance = one_of(rest, fraction);
+      const F beyond_distance = hn::Add(distance, hn::Set(df, DisparityImage::kCountsPerPixel));
+      const F beyond_difference = one_of(difference[3], difference[0]);
+      const F own_difference = one_of(difference[2], difference[1]);
+      const F other_difference = one_of(difference[1], difference[2]);
+      const V beyond =
+          cost_at(choose(hn::Set(d, 2), hn::Set(d, -1)), AtLeastOne(choose(energy[3], energy[0])),
+                  beyond_difference, beyond_distance);
+      best.step = StepsToMinimum(
+          rule_,
+          StepWindows<F, V>{one_of(other_difference, beyond_difference), own_difference,
+                            one_of(beyond_difference, other_difference),
+                            hn::Max(cost, cost_of_next), best.cost, beyond,
+                            hn::LoadU(d, row_.left_textures + u),
+                            hn::LoadU(d, row_.left_textures + u + 1),
+                            one_of(energy_of_next, energy_of_m), one_of(rest, hn::Neg(fraction))},
+          rule_.prior_scales[0]);
+    }
+    return best;
+  }
+
+  HWY_INLINE Sums SumWindows(const WindowRun<D>& left, int u, V first, M may_fit) const {
+    const D d;
+    Sums sums;
+    HWY_UNROLL(4)
+    for (int i = 0; i < kCosts; ++i) {
+      sums.energy[i] = hn::Zero(d);
+      sums.cross[i] = hn::Zero(d);
+    }
+    if (hn::AllFalse(d, may_fit)) return sums;
+    constexpr int kNone = INT32_MAX;
+    const V from = hn::IfThenElse(may_fit, hn::Sub(first, hn::Set(d, kBefore)), hn::Set(d, kNone));
+    const auto least = [&](V disparities)
+                           HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, disparities)); };
+    const int lowest = least(from);
+    const ptrdiff_t first_right = ptrdiff_t{u} - lowest;
+    const auto energy_of = [&](ptrdiff_t disparity) HWY_ATTR {
+      return hn::LoadU(d, right_energies_ + (first_right - disparity));
+    };
+    const auto cross_of = [&](ptrdiff_t disparity)
+                              HWY_ATTR { return left.Products(right_, first_right - disparity); };
+    // Lanes of which none may fit are excluded anyway.
+    const M is_lowest = hn::Eq(from, hn::Set(d, lowest));
+    const M is_lowest_or_none = hn::Or(is_lowest, hn::Eq(from, hn::Set(d, kNone)));
+    if (hn::AllTrue(d, is_lowest_or_none)) {  // as most neighbours: all have the same
+      HWY_UNROLL(4)
+      for (int i = 0; i < kCosts; ++i) {
+        sums.energy[i] = energy_of(i);
+        sums.cross[i] = cross_of(i);
+      }
+      return sums;
+    }
+    if (hn::AllTrue(d, hn::Or(is_lowest_or_none, hn::Eq(from, hn::Set(d, lowest + 1))))) {
+      // As on a slant: the others have the next one.
+      V energy = energy_of(0);
+      V cross = cross_of(0);
+      HWY_UNROLL(4)
+      for (int i = 0; i < kCosts; ++i) {
+        const V next_energy = energy_of(i + 1);
+        const V next_cross = cross_of(i + 1);
+        sums.energy[i] = hn::IfThenElse(is_lowest, energy, next_energy);
+        sums.cross[i] = hn::IfThenElse(is_lowest, cross, next_cross);
+        energy = next_energy;
+        cross = next_cross;
+      }
+      return sums;
+    }
+    for (int disparity = lowest; disparity != kNone; ++disparity) {
+      M needed = hn::Eq(from, hn::Set(d, disparity));
+      HWY_UNROLL(4)
+      for (int i = 1; i < kCosts; ++i) {
+        needed = hn::Or(needed, hn::Eq(from, hn::Set(d, disparity - i)));
+      }
+      if (hn::AllFalse(d, needed)) {  // on to the next that a pixel needs
+        const M later = hn::Gt(from, hn::Set(d, disparity));
+        disparity = least(hn::IfThenElse(later, from, hn::Set(d, kNone)));
+        if (disparity == kNone) break;
+      }
+      const V energy = energy_of(disparity - lowest);
+      const V cross = cross_of(disparity - lowest);
+      HWY_UNROLL(4)
+      for (int i = 0; i < kCosts; ++i) {
+        const M here = hn::Eq(from, hn::Set(d, disparity - i));
+        sums.energy[i] = hn::IfThenElse(here, energy, sums.energy[i]);
+        sums.cross[i] = hn::IfThenElse(here, cross, sums.cross[i]);
+      }
+    }
+    return sums;
+  }
+
+  const GrowthRule& rule_;
+  const ChoiceInput& row_;
+  const WindowPairs right_;
+  const int32_t* const right_energies_;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sprout::grow
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,99 @@
+#ifndef SPROUT_SERVICES_GROW_GROWTH_BAND_H_
+#define SPROUT_SERVICES_GROW_GROWTH_BAND_H_
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <span>
+#include <vector>
+
+#include "services/grow/paper/growth_rule.h"
+#include "services/grow/paper/seed_queue.h"
+
+// The fast growth of open pixels for EPC. One-to-one matching couples the pixels of a row only, so
+// bands of rows are independent and grow at the same time.
+namespace sprout::grow {
+
+/// All that growth reads and writes of a left pixel, in one place.
+struct LeftPixel {
+  static constexpr int16_t kFree = DisparityImage::kInvalid;  // open, and not matched yet
+  static constexpr int16_t kClosed = kFree + 1;               // not open, and not matched
+
+  union {
+    SeedQueue::Id next;  // open and matched: link of the queue of seeds
+    uint32_t sigma;      // otherwise: PriorMap::sigma
+  };
+  int16_t prior;      // counts
+  int16_t disparity;  // px, or kFree or kClosed
+};
+
+/// State of a right pixel; kNoWindow: its window leaves the image.
+enum RightState : uint8_t { kUnmatched, kMatched, kNoWindow };
+
+/// A pixel of a band: its place in all of the band's tables, which have the same layout. Its
+/// neighbours' are 1 and `stride` away.
+using PixelId = SeedQueue::Id;
+
+/// A band of rows of one pair of images, with everything that growth looks at.
+struct GrowthBand {
+  static constexpr int kPadding = 4;  ///< entries on either side of a row in each table
+  static constexpr int kMargin = 2;   ///< rows above and below the band in each table
+  static_assert(kPadding > kWindowRadius && kMargin == kWindowRadius);
+
+  /// Allocates when the size has changed. @param size  of the images.
+  void Resize(cv::Size size, int first_row);
+
+  /// @param r  row of the band, −kMargin to rows + kMargin − 1.
+  PixelId PixelAt(int r, int u) const {
+    return static_cast<PixelId>((r + kMargin) * stride + kPadding + u);
+  }
+
+  cv::Size image_size;
+  int first_row = 0;
+  int rows = 0;
+  int stride = 0;  ///< from a pixel to the one below
+
+  SeedQueue queue;
+  bool changed = false;  ///< has matched a pixel in the last round
+
+  std::vector<LeftPixel> left;
+  std::vector<uint8_t> right;  ///< RightState
+  std::vector<uint8_t> left_grey, right_grey;
+
+  std::vector<uint8_t> has_open;  ///< by row: whether a pixel is open
+
+  /// Initial seeds, and their links in the queue.
+  std::vector<Correspondence> seeds;
+  std::vector<SeedQueue::Id> seed_links;
+};
+
+/// Disparities of a row as in LeftPixel.
+using SeamRow = std::span<const int16_t>;
+
+/// The functions compiled for each instruction set. All give the same bytes: they compute in whole
+/// numbers, and in single operations of floating point that IEEE 754 defines to the last bit.
+struct GrowthKernel {
+  /// Fills the band's tables, besides the seeds: matched is what the map has, pixels that are not
+  /// open. O(pixels).
+  /// @param band  has_open is set.
+  void (*prepare)(const GrowthRule& rule, const GrowthInput& input, const DisparityImage& map,
+                  GrowthBand& band);
+
+  /// Alg. 1 on the band's own seeds, and on what is matched beside open pixels, row by row.
+  void (*grow_from_seeds)(const GrowthRule& rule, GrowthBand& band);
+
+  /// Alg. 1 from the pixels beyond the band's borders, matched by its neighbours: from the row
+  /// above first, each from left to right. Empty rows are left out.
+  void (*grow_from_seams)(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthBand& band);
+
+  /// Writes the disparities of open pixels to the band's rows of the map; with rule.sub_pixel to
+  /// the counts of DisparityImage (S2).
+  void (*write)(const GrowthRule& rule, const GrowthInput& input, const GrowthBand& band,
+                DisparityImage& map);
+};
+
+/// The one for the instruction set in use (--simd); null when that has no vectors of 16 bytes.
+const GrowthKernel* FindGrowthKernel();
+
+}  // namespace sprout::grow
+
+#endif  // SPROUT_SERVICES_GROW_GROWTH_BAND_H_

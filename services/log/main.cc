@@ -1,3 +1,0 @@
-#include "services/log/program.h"
-
-int main(int argc, char** argv) { return sprout::log::LogMain(argc, argv); }

@@ -1,0 +1,153 @@
+#include "services/prior/edges/edge_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "common/core/parallel.h"
+
+namespace sprout::prior {
+namespace {
+
+// The disparity in the middle of the widest gap between the corners' disparities.
+float MiddleOfGap(const Corners& corners) {
+  std::array<float, 3> disparities{corners[0].disparity, corners[1].disparity,
+                                   corners[2].disparity};
+  std::sort(disparities.begin(), disparities.end());
+  const auto& [least, middle, most] = disparities;
+  return (middle + (middle - least < most - middle ? most : least)) / 2;
+}
+
+void SplitCorners(const Corners& corners, EdgeTriangle& edge) {
+  const float middle = MiddleOfGap(corners);
+  for (const Plane& corner : corners) {
+    (corner.disparity > middle ? edge.near : edge.far).Add(corner, corners);
+  }
+}
+
+// Whether any planes of the two surfaces differ so much at a corner: otherwise nowhere in it.
+bool AreApart(const EdgeTriangle& edge, const Corners& corners, double edge_px) {
+  for (const Plane& near : edge.near.planes()) {
+    for (const Plane& far : edge.far.planes()) {
+      for (const Plane& at : corners) {
+        if (std::abs(near.At(at.u, at.v) - far.At(at.u, at.v)) >= edge_px) return true;
+      }
+    }
+  }
+  return false;
+}
+
+bool SpansEdge(const Corners& corners, double edge_px) {
+  const auto& [a, b, c] = corners;
+  const auto [least, most] = std::minmax({a.disparity, b.disparity, c.disparity});
+  if (most - least < static_cast<float>(edge_px)) return false;
+  EdgeTriangle edge;
+  SplitCorners(corners, edge);
+  return AreApart(edge, corners, edge_px);
+}
+
+// The seeds around are on the surface that their planes lead closer to, at the triangle's centre.
+// What leads far beyond both is on a third one.
+void SplitNearby(std::span<const Plane> planes, const Corners& corners, EdgeTriangle& edge) {
+  const auto& [a, b, c] = corners;
+  const float u = (a.u + b.u + c.u) / 3;
+  const float v = (a.v + b.v + c.v) / 3;
+  const float near = edge.near.At(u, v);
+  const float far = edge.far.At(u, v);
+  for (int seed : edge.nearby()) {
+    if (std::find(edge.seeds.begin(), edge.seeds.end(), seed) != edge.seeds.end()) continue;
+    const Plane& plane = planes[static_cast<size_t>(seed)];
+    const float from_middle = plane.At(u, v) - (near + far) / 2;
+    if (std::abs(from_middle) > near - far) continue;
+    (from_middle > 0 ? edge.near : edge.far).Add(plane, corners);
+  }
+}
+
+EdgeTriangle MakeEdge(std::span<const Plane> planes, const SeedTriangle& triangle, Rings& rings) {
+  EdgeTriangle edge;
+  edge.seeds = triangle;
+  const Corners corners = CornersOf(planes, triangle);
+  const std::span<const int> nearby = rings.Around(triangle, 2, EdgeTriangle::kMaxSeeds);
+  std::copy(nearby.begin(), nearby.end(), edge.nearby_seeds.begin());
+  edge.nearby_count = nearby.size();
+  SplitCorners(corners, edge);
+  SplitNearby(planes, corners, edge);
+  return edge;
+}
+
+// As ToCounts(), but never beyond infinity, and faster.
+int16_t NearestCounts(float disparity_px) {
+  constexpr float kMost = DisparityImage::kMaxPx;
+  constexpr float kOne = DisparityImage::kCountsPerPixel;
+  return static_cast<int16_t>(std::min(std::max(0.F, disparity_px), kMost) * kOne + 0.5F);
+}
+
+}  // namespace
+
+void NearestPlanes::Add(const Plane& plane, const Corners& triangle) {
+  // Differences of squared distances are linear: what is closer at the corners is so in between.
+  const auto hides = [&](const Plane& other) {
+    return std::all_of(triangle.begin(), triangle.end(), [&](const Plane& at) {
+      return SquaredDistance(other, at.u, at.v) <= SquaredDistance(plane, at.u, at.v);
+    });
+  };
+  const std::span<const Plane> before = planes();
+  if (count_ < planes_.size() && std::none_of(before.begin(), before.end(), hides)) {
+    planes_[count_++] = plane;
+  }
+}
+
+std::vector<EdgeTriangle> FindEdgeTriangles(std::span<const Plane> planes,
+                                            std::span<const SeedTriangle> triangles,
+                                            const Triangulation& triangulation, double edge_px) {
+  std::vector<uint8_t> spans_edge(triangles.size());
+  ForEachParallel(triangles.size(), [&](size_t i) {
+    spans_edge[i] = SpansEdge(CornersOf(planes, triangles[i]), edge_px) ? 1 : 0;
+  });
+  std::vector<SeedTriangle> across;
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    if (spans_edge[i] != 0) across.push_back(triangles[i]);
+  }
+  std::vector<EdgeTriangle> edges(across.size());
+  const auto count = static_cast<int>(across.size());
+  ForRangesParallel(count, 4 * cv::getNumThreads(), [&](const cv::Range& part) {
+    Rings rings(triangulation);
+    for (auto i = static_cast<size_t>(part.start); i < static_cast<size_t>(part.end); ++i) {
+      edges[i] = MakeEdge(planes, across[i], rings);
+    }
+  });
+  return edges;
+}
+
+void PaintLabels(std::span<const EdgeTriangle> edges, std::span<const Plane> planes, double edge_px,
+                 cv::Size size, EdgeLabels& labels) {
+  labels.near.create(size);
+  labels.far.create(size);
+  labels.triangle.create(size);
+  const auto least_gap = static_cast<float>(edge_px);
+  const TrianglesByBand bands(
+      planes, edges.size(), [&](size_t i) { return edges[i].seeds; }, size.height);
+  ForEachParallel(static_cast<size_t>(bands.size()), [&](size_t band) {
+    const cv::Range rows = bands.RowsOf(static_cast<int>(band));
+    for (int v = rows.start; v < rows.end; ++v) {
+      std::fill_n(labels.near[v], size.width, DisparityImage::kInvalid);
+    }
+    for (const int i : bands.TrianglesOf(static_cast<int>(band))) {
+      const EdgeTriangle& edge = edges[static_cast<size_t>(i)];
+      ForEachRun(CornersOf(planes, edge.seeds), size.width, rows, [&](int v, int begin, int end) {
+        for (int u = begin; u < end; ++u) {
+          // Eq. (P5). Planes may have crossed.
+          const float one = edge.near.At(static_cast<float>(u), static_cast<float>(v));
+          const float other = edge.far.At(static_cast<float>(u), static_cast<float>(v));
+          const auto [less, more] = std::minmax(one, other);
+          if (more - less < least_gap) continue;
+          labels.near(v, u) = NearestCounts(more);
+          labels.far(v, u) = NearestCounts(less);
+          labels.triangle(v, u) = i;
+        }
+      });
+    }
+  });
+}
+
+}  // namespace sprout::prior

@@ -1,3 +1,0 @@
-#include "services/quality/program.h"
-
-int main(int argc, char** argv) { return sprout::quality::QualityMain(argc, argv); }

@@ -1,0 +1,115 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/app/process.h"
+#include "common/config/config_error.h"
+#include "common/core/shell_word.h"
+#include "services/tools/batch/engines.h"
+
+namespace sprout::batch {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path SlurmFolder(const BatchFolder& folder) { return folder.root() / "slurm"; }
+
+// Lines of log numbers, one a task; logs are dealt out like cards, so that tasks are alike.
+int WriteTasks(const fs::path& path, const BatchState& state, int array_size) {
+  std::vector<std::string> tasks;
+  tasks.resize(static_cast<size_t>(std::min(state.missing, array_size)));
+  size_t next = 0;
+  for (size_t i = 0; i < state.done.size(); ++i) {
+    if (!state.done[i]) tasks[next++ % tasks.size()] += fmt::format("{} ", i);
+  }
+  std::string text;
+  for (const std::string& task : tasks) text += task + "\n";
+  WriteText(path, text);
+  return static_cast<int>(tasks.size());
+}
+
+std::string Sbatch(const fs::path& script, const std::vector<std::string>& flags) {
+  std::vector<std::string> command = {"sbatch", "--parsable"};
+  command.insert(command.end(), flags.begin(), flags.end());
+  command.push_back(script);
+  Process process(command);
+  const auto code = process.Wait(std::chrono::seconds(120));
+  std::string id = process.Output();
+  if (code != 0) {
+    throw ConfigError("sbatch: " + (code == 127 ? "not found; is Slurm installed here?" : id));
+  }
+  return id.substr(0, id.find_first_not_of("0123456789"));  // "12;cluster"
+}
+
+std::vector<std::string> SbatchFlags(const BatchFolder& folder, const SlurmOptions& options,
+                                     const std::string& name) {
+  std::vector<std::string> flags = {"--job-name=sprout-batch-" + name,
+                                    "--ntasks=1",
+                                    "--cpus-per-task=1",
+                                    "--mem=" + options.memory,
+                                    "--time=" + options.time,
+                                    "--requeue",
+                                    "--open-mode=append",
+                                    "--chdir=" + folder.root().string()};
+  if (!options.partition.empty()) flags.push_back("--partition=" + options.partition);
+  return flags;
+}
+
+}  // namespace
+
+std::string ActiveJobs(const BatchFolder& folder) {
+  const std::string jobs = FirstLineOf(SlurmFolder(folder) / "jobs");
+  std::string active;
+  for (size_t at = 0; at < jobs.size();) {
+    const std::string job = jobs.substr(at, jobs.find(',', at) - at);
+    at += job.size() + 1;
+    Process process({"squeue", "--noheader", "--format=%i", "--jobs=" + job});
+    const bool known = process.Wait(std::chrono::seconds(60)) == 0;  // not when it is long over
+    const std::string output = process.Output();
+    if (known && std::any_of(output.begin(), output.end(),
+                             [](unsigned char c) { return std::isdigit(c) != 0; })) {
+      active += (active.empty() ? "" : ",") + job;
+    }
+  }
+  return active;
+}
+
+std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,
+                        const BatchState& state, const SlurmOptions& options, int round) {
+  const fs::path slurm = SlurmFolder(folder);
+  fs::create_directories(slurm);
+  const std::string root = ShellWord(folder.root().string());
+  const fs::path tasks = slurm / fmt::format("tasks{}", round);
+  const int count = WriteTasks(tasks, state, options.array_size);
+  const std::string run = "#!/bin/sh\nexec " + ShellWord(program);
+
+  const fs::path compute = slurm / fmt::format("compute{}.sh", round);
+  WriteText(compute, fmt::format("{} compute {} $(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" {})\n",
+                                 run, root, ShellWord(tasks.string())));
+  const fs::path finish = slurm / fmt::format("finish{}.sh", round);
+  WriteText(
+      finish,
+      fmt::format("{} finish {} --round {} --retries {} --memory={} --time={} "
+                  "--array-size={}{}\n",
+                  run, root, round, options.retries, ShellWord(options.memory),
+                  ShellWord(options.time), options.array_size,
+                  options.partition.empty() ? "" : " --partition=" + ShellWord(options.partition)));
+
+  auto flags = SbatchFlags(folder, options, "compute");
+  flags.push_back(fmt::format("--array=0-{}", count - 1));
+  flags.push_back("--output=" + (slurm / "compute_%A_%a.txt").string());
+  const std::string array_job = Sbatch(compute, flags);
+  flags = SbatchFlags(folder, options, "finish");
+  flags.push_back("--dependency=afterany:" + array_job);
+  flags.push_back("--output=" + (slurm / "finish_%j.txt").string());
+  const std::string finish_job = Sbatch(finish, flags);
+  WriteText(slurm / "jobs", array_job + "," + finish_job + "\n");
+  return fmt::format("submitted: {} logs in the {} tasks of job {}, then table and report ({})",
+                     state.missing, count, array_job, finish_job);
+}
+
+}  // namespace sprout::batch

@@ -1,0 +1,47 @@
+#ifndef SPROUT_SERVICES_BATCH_LOG_TASK_H_
+#define SPROUT_SERVICES_BATCH_LOG_TASK_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include "services/tools/batch/manifest.h"
+
+namespace sprout::batch {
+
+/// A stage failed on a log. what() is one line; its output is in failed/ of the batch.
+class TaskError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Files of a result, and of a comparison. A result without a complete frame has no answers.
+inline constexpr char kAnswers[] = "answers.lcm";
+inline constexpr char kMeasures[] = "measures.csv";
+inline constexpr char kRuns[] = "runs.textproto";
+inline constexpr char kChanges[] = "changes.csv";
+
+/// State of a log's file: shows whether a manifest still fits it.
+struct FileStamp {
+  int64_t bytes = 0;
+  int64_t mtime_ns = 0;
+
+  bool operator==(const FileStamp&) const = default;
+};
+
+/// @throws LogError when there is no such file.
+FileStamp StampOf(const std::filesystem::path& log);
+
+/// Computes the missing results of a log: replays it through the stages, measures their answers,
+/// compares the variants. Results are renamed into place when complete, so concurrent or killed
+/// processes do no harm.
+/// @param log      its number in the manifest.
+/// @param threads  of each stage.
+/// @throws TaskError, LogError; ConfigError when a program or a configuration differs from the
+///         manifest's.
+void RunLog(const BatchFolder& folder, const Manifest& manifest, int log, int threads);
+
+}  // namespace sprout::batch
+
+#endif  // SPROUT_SERVICES_BATCH_LOG_TASK_H_

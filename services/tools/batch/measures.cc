@@ -1,0 +1,119 @@
+#include "services/tools/batch/measures.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <set>
+#include <utility>
+
+#include "common/core/disparity_diff.h"
+#include "common/measure/frame_quality.h"
+#include "common/measure/score.h"
+
+namespace sprout::batch {
+namespace {
+
+constexpr int kMisfitOneIn = 8;  // bands of rows; all would take 10 ms a frame
+
+// kFrameColumns. In a comparison the place of the left image is not known.
+std::vector<Cell> RowStart(const FrameId& id, std::optional<int64_t> left_at = {}) {
+  return {static_cast<double>(id.seq), static_cast<double>(id.utime),
+          left_at ? Cell(static_cast<double>(*left_at)) : std::nullopt};
+}
+
+// The frames that any of the two has, those of A in their order first.
+std::vector<FrameId> AllFrames(const FrameLookup& a, const FrameLookup* b, Part map) {
+  std::vector<FrameId> frames = a.FramesWith(map);
+  if (b == nullptr) return frames;
+  std::set<std::pair<int64_t, int64_t>> seen;
+  for (const FrameId& id : frames) seen.emplace(id.utime, id.seq);
+  for (const FrameId& id : b->FramesWith(map)) {
+    if (!seen.contains({id.utime, id.seq})) frames.push_back(id);
+  }
+  return frames;
+}
+
+std::optional<DisparityImage> MapOf(FrameLookup& frames, const FrameId& id, Part map) {
+  const Frame frame = frames.Get(id, {map});
+  return map == Part::kFused ? frame.fused : frame.disparity;
+}
+
+// As ComparisonColumns() begins.
+std::vector<Cell> CellsOf(const DisparityDiff& diff) {
+  const auto share = [&](int64_t count) {
+    return static_cast<double>(count) / static_cast<double>(diff.pixels);
+  };
+  const int64_t in_one = diff.newly_valid + diff.newly_invalid;
+  return {share(diff.differing), share(diff.moved + in_one), diff.mean_px(),
+          diff.max_px,           share(diff.newly_valid),    share(diff.newly_invalid)};
+}
+
+// Share of the pixels with a true disparity where the map is off by more than 1 px or has none.
+Cell BadShare(const std::optional<DisparityImage>& map, const cv::Mat1f& truth_px) {
+  if (!map) return std::nullopt;
+  const Result<Accuracy> accuracy = Score(*map, truth_px, cv::Mat1b(truth_px.size(), uchar{255}));
+  if (!accuracy || accuracy->scored == 0) return std::nullopt;
+  return 1 - accuracy->correct_le1_percent() / 100;
+}
+
+}  // namespace
+
+std::vector<std::string> MeasureColumns() {
+  std::vector<std::string> columns;
+  for (const QualityColumn& column : QualityColumns()) columns.emplace_back(column.name);
+  return columns;
+}
+
+std::vector<std::string> ComparisonColumns() {
+  return {"changed",  "moved",    "mean_change_px", "max_change_px",
+          "appeared", "vanished", "a_bad1",         "b_bad1"};
+}
+
+const PartSet& MeasuredParts() {
+  static const PartSet kParts{Part::kLeft,           Part::kRight,      Part::kSeeds,
+                              Part::kDisparity,      Part::kConfidence, Part::kFused,
+                              Part::kFusedConfidence};
+  return kParts;
+}
+
+Table MeasureFrames(FrameLookup& frames, Part answer, bool measure) {
+  Table table = Table::Of(MeasureColumns());
+  for (const FrameId& id : frames.FramesWith(answer)) {
+    std::vector<Cell>& row = table.rows.emplace_back(RowStart(id, frames.PlaceOf(id, Part::kLeft)));
+    if (!measure) {
+      row.resize(table.columns.size());
+      continue;
+    }
+    Frame frame = frames.Get(id, MeasuredParts());
+    if (answer == Part::kFused) {
+      frame.disparity = std::move(frame.fused);
+      frame.confidence = frame.fused_confidence;
+    }
+    const FrameQuality quality = QualityOf(frame, kMisfitOneIn);
+    for (const QualityColumn& column : QualityColumns()) row.push_back(column.value(quality));
+  }
+  return table;
+}
+
+Table CompareFrames(FrameLookup& a, FrameLookup* b, Part map, const std::filesystem::path& truth) {
+  Table table = Table::Of(ComparisonColumns());
+  for (const FrameId& id : AllFrames(a, b, map)) {
+    const std::optional<DisparityImage> map_a = MapOf(a, id, map);
+    const std::optional<DisparityImage> map_b = b == nullptr ? std::nullopt : MapOf(*b, id, map);
+    std::vector<Cell>& row = table.rows.emplace_back(RowStart(id));
+    row.resize(table.columns.size());
+    if (map_a && map_b && !map_a->empty() && map_a->size() == map_b->size()) {
+      std::ranges::copy(CellsOf(Compare(*map_a, *map_b)), row.begin() + kFrameCells);
+    }
+    if (truth.empty()) continue;
+    const auto file = truth / fmt::format("{:06}_disparity.pfm", id.seq);
+    const cv::Mat truth_px = cv::imread(file, cv::IMREAD_UNCHANGED);
+    if (truth_px.type() != CV_32FC1) continue;
+    row[row.size() - 2] = BadShare(map_a, truth_px);
+    row[row.size() - 1] = BadShare(map_b, truth_px);
+  }
+  return table;
+}
+
+}  // namespace sprout::batch

@@ -1,0 +1,164 @@
+#include "services/tools/calibrate/board.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "common/config/config_error.h"
+
+namespace sprout::calibrate {
+namespace {
+
+struct DictionaryName {
+  std::string_view name;
+  int number;  // OpenCV's
+};
+constexpr std::array kDictionaries = {
+    DictionaryName{"DICT_4X4_50", cv::aruco::DICT_4X4_50},
+    DictionaryName{"DICT_4X4_100", cv::aruco::DICT_4X4_100},
+    DictionaryName{"DICT_4X4_250", cv::aruco::DICT_4X4_250},
+    DictionaryName{"DICT_4X4_1000", cv::aruco::DICT_4X4_1000},
+    DictionaryName{"DICT_5X5_50", cv::aruco::DICT_5X5_50},
+    DictionaryName{"DICT_5X5_100", cv::aruco::DICT_5X5_100},
+    DictionaryName{"DICT_5X5_250", cv::aruco::DICT_5X5_250},
+    DictionaryName{"DICT_5X5_1000", cv::aruco::DICT_5X5_1000},
+    DictionaryName{"DICT_6X6_50", cv::aruco::DICT_6X6_50},
+    DictionaryName{"DICT_6X6_100", cv::aruco::DICT_6X6_100},
+    DictionaryName{"DICT_6X6_250", cv::aruco::DICT_6X6_250},
+    DictionaryName{"DICT_6X6_1000", cv::aruco::DICT_6X6_1000},
+    DictionaryName{"DICT_7X7_50", cv::aruco::DICT_7X7_50},
+    DictionaryName{"DICT_7X7_100", cv::aruco::DICT_7X7_100},
+    DictionaryName{"DICT_7X7_250", cv::aruco::DICT_7X7_250},
+    DictionaryName{"DICT_7X7_1000", cv::aruco::DICT_7X7_1000},
+    DictionaryName{"DICT_ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL},
+    DictionaryName{"DICT_APRILTAG_16h5", cv::aruco::DICT_APRILTAG_16h5},
+    DictionaryName{"DICT_APRILTAG_25h9", cv::aruco::DICT_APRILTAG_25h9},
+    DictionaryName{"DICT_APRILTAG_36h10", cv::aruco::DICT_APRILTAG_36h10},
+    DictionaryName{"DICT_APRILTAG_36h11", cv::aruco::DICT_APRILTAG_36h11},
+};
+
+aruco::Dictionary OpenDictionary(const std::string& name) {
+  const std::optional<int> number = DictionaryOf(name);
+  if (!number) {
+    throw ConfigError("--dictionary " + name + ": allowed is one of " + DictionaryNames());
+  }
+  return aruco::OpenDictionary(*number);
+}
+
+// So many markers the board has, and so many there are.
+void CheckMarkers(const BoardSize& size, int64_t needed, const std::string& dictionary) {
+  const int there = OpenDictionary(dictionary).bytesList.rows;
+  if (needed > there) {
+    throw ConfigError(
+        fmt::format("--squares {}x{}: allowed is what needs no more than the {} "
+                    "markers of {}",
+                    size.columns, size.rows, there, dictionary));
+  }
+}
+
+BoardSize Checked(const BoardSize& size) {
+  const int64_t squares = int64_t{size.columns} * size.rows;
+  const bool has_tags = size.kind == BoardKind::kAprilGrid;
+  const int least = has_tags ? 2 : 3;
+  constexpr int kMost = 500;
+  if (size.columns < least || size.rows < least || squares > kMost) {
+    throw ConfigError(fmt::format("--squares {}x{}: allowed is {}x{} and more, up to {} {} in all",
+                                  size.columns, size.rows, least, least, kMost,
+                                  has_tags ? "tags" : "squares"));
+  }
+  if (has_tags) CheckMarkers(size, squares, "DICT_APRILTAG_36h11");
+  if (size.kind == BoardKind::kCharuco) CheckMarkers(size, squares / 2, size.dictionary);
+  if (!(size.square_m >= 0.001 && size.square_m <= 10)) {
+    throw ConfigError(
+        fmt::format("--square-mm {:g}: allowed is a number from 1 to 10000", 1000 * size.square_m));
+  }
+  if (!(size.marker_per_square > 0.2 && size.marker_per_square < 1)) {
+    throw ConfigError(fmt::format("--marker-mm {:g}: allowed is a fifth of a square to a square",
+                                  1000 * size.square_m * size.marker_per_square));
+  }
+  if (!(size.gap_per_tag >= 0.1 && size.gap_per_tag <= 1)) {
+    throw ConfigError(
+        fmt::format("--tag-spacing {:g}: allowed is a number from 0.1 to 1", size.gap_per_tag));
+  }
+  return size;
+}
+
+}  // namespace
+
+std::optional<int> DictionaryOf(const std::string& name) {
+  for (const DictionaryName& one : kDictionaries) {
+    if (one.name == name) return one.number;
+  }
+  return std::nullopt;
+}
+
+std::string DictionaryNames() {
+  std::string names;
+  for (const DictionaryName& one : kDictionaries) {
+    names += (names.empty() ? "" : ", ") + std::string(one.name);
+  }
+  return names;
+}
+
+std::string BoardText(const BoardSize& size) {
+  const std::string extent = fmt::format("{}x{}", size.columns, size.rows);
+  switch (size.kind) {
+    case BoardKind::kCharuco:
+      return "ChArUco board of " + extent + " squares with " + size.dictionary;
+    case BoardKind::kChessboard:
+      return fmt::format("chessboard of {} squares, {}x{} inner corners", extent, size.columns - 1,
+                         size.rows - 1);
+    case BoardKind::kAprilGrid:
+      break;
+  }
+  return "AprilGrid of " + extent + " tags";
+}
+
+Board::Board(const BoardSize& size) : size_(Checked(size)) {
+  const double side = size.square_m;
+  if (size.kind == BoardKind::kAprilGrid) {
+    corner_columns_ = 2 * size.columns;
+    const double pitch = side * (1 + size.gap_per_tag);
+    for (int row = 0; row < 2 * size.rows; ++row) {
+      for (int column = 0; column < corner_columns_; ++column) {
+        corners_.emplace_back(column / 2 * pitch + column % 2 * side,
+                              row / 2 * pitch + row % 2 * side, 0);
+      }
+    }
+    return;
+  }
+  if (size.kind == BoardKind::kCharuco) {
+    charuco_ = aruco::MakeCharuco({size.columns, size.rows}, side, side * size.marker_per_square,
+                                  OpenDictionary(size.dictionary));
+  }
+  corner_columns_ = size.columns - 1;
+  for (int row = 1; row < size.rows; ++row) {
+    for (int column = 1; column < size.columns; ++column) {
+      corners_.emplace_back(column * side, row * side, 0);
+    }
+  }
+}
+
+Eigen::Vector2d Board::extent_m() const {
+  const double pitch =
+      size_.square_m * (size_.kind == BoardKind::kAprilGrid ? 1 + size_.gap_per_tag : 1);
+  return {size_.columns * pitch, size_.rows * pitch};
+}
+
+cv::Mat1b Board::Modules() const {
+  // OpenCV places markers to a pixel, so each module gets several, of which the middle one counts.
+  constexpr int kPixels = 5;
+  cv::Mat1b modules(size_.rows * kModulesPerSquare, size_.columns * kModulesPerSquare);
+  const cv::Mat1b picture = aruco::Draw(charuco_, modules.size() * kPixels);
+  for (int row = 0; row < modules.rows; ++row) {
+    for (int column = 0; column < modules.cols; ++column) {
+      modules(row, column) = picture(row * kPixels + kPixels / 2, column * kPixels + kPixels / 2);
+    }
+  }
+  return modules;
+}
+
+}  // namespace sprout::calibrate

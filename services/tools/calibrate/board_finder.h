@@ -1,0 +1,40 @@
+#ifndef SPROUT_SERVICES_CALIBRATE_BOARD_FINDER_H_
+#define SPROUT_SERVICES_CALIBRATE_BOARD_FINDER_H_
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "services/tools/calibrate/board.h"
+
+namespace sprout::calibrate {
+
+/// Corners of the board that were found in an image.
+struct BoardCorners {
+  std::vector<int> ids = {};             ///< as Board::corner() counts; ascending
+  std::vector<cv::Point2d> pixels = {};  ///< position of each one, px
+  int markers = 0;                       ///< markers read, of this board or another one
+
+  int size() const { return static_cast<int>(ids.size()); }
+};
+
+/// Finds the corners of the board whose markers can be read, to some hundredths of a pixel.
+/// @param image  8-bit grey. Nothing when there is no board. O(pixels).
+BoardCorners FindBoard(const Board& board, const cv::Mat1b& image);
+
+/// The same in an image of few pixels, such as the amplitudes of a ToF camera: a module has to be
+/// 2 px wide or more.
+/// @param amplitude  of any unit; empty: nothing is found.
+BoardCorners FindBoardInAmplitude(const Board& board, const cv::Mat1f& amplitude);
+
+/// Corners in an image of few pixels at expected places, also those whose markers are too small to
+/// be read. Corners elsewhere, and places that do not look like a corner, are left out.
+/// @param expected  where they should be, to a quarter of a square.
+BoardCorners FindCornersNear(const Board& board, const BoardCorners& expected,
+                             const cv::Mat1f& amplitude);
+
+/// Amplitudes as grey levels: their 1st to 99th percentile from black to white.
+cv::Mat1b AmplitudeImage(const cv::Mat1f& amplitude);
+
+}  // namespace sprout::calibrate
+
+#endif  // SPROUT_SERVICES_CALIBRATE_BOARD_FINDER_H_

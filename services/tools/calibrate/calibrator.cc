@@ -1,0 +1,89 @@
+#include "services/tools/calibrate/calibrator.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "services/tools/calibrate/range_points.h"
+#include "services/tools/calibrate/rig_model.h"
+#include "services/tools/calibrate/rig_refinement.h"
+
+namespace sprout::calibrate {
+namespace {
+
+bool IsUsable(const Board& board, const BoardCorners& corners) {
+  return corners.size() >= kMinCorners && !IsOneLine(board, corners);
+}
+
+// Takes out what says too little, and views of which nothing is left.
+void DropPoor(const Board& board, std::vector<BoardView>& views) {
+  for (BoardView& view : views) {
+    for (BoardCorners& corners : view.corners) {
+      if (!IsUsable(board, corners)) corners = {};
+    }
+  }
+  std::erase_if(views, [](const BoardView& view) {
+    return std::ranges::all_of(view.corners,
+                               [](const auto& corners) { return corners.ids.empty(); });
+  });
+}
+
+// Where the model has the board's corners in the ToF image.
+BoardCorners ExpectedInTof(const Board& board, const RigModel& model, size_t view) {
+  const cv::Rect2d image({0, 0}, cv::Size2d(model.lenses[kTof].size()));
+  BoardCorners expected;
+  for (int id = 0; id < board.corner_count(); ++id) {
+    const Eigen::Vector2d pixel = PixelOfCorner(model, kTof, view, board.corner(id));
+    if (!image.contains({pixel.x(), pixel.y()})) continue;
+    expected.ids.push_back(id);
+    expected.pixels.emplace_back(pixel.x(), pixel.y());
+  }
+  return expected;
+}
+
+void FindMoreInTof(const Board& board, const RigModel& model, std::vector<BoardView>& views) {
+  for (size_t i = 0; i < views.size(); ++i) {
+    // Where no other camera sees the board, nothing is expected but what was found.
+    if (views[i].corners[kLeft].ids.empty() && views[i].corners[kRight].ids.empty()) continue;
+    BoardCorners corners =
+        FindCornersNear(board, ExpectedInTof(board, model, i), views[i].tof.amplitude);
+    if (IsUsable(board, corners)) views[i].corners[kTof] = std::move(corners);
+  }
+}
+
+RawRig ToRawRig(const RigModel& model) {
+  return {.left = model.lenses[kLeft],
+          .right = model.lenses[kRight],
+          .left_from_right = model.left_from_camera[kRight],
+          .tof = model.lenses[kTof],
+          .left_from_tof = model.left_from_camera[kTof],
+          .range_scale = model.range_scale,
+          .range_offset_m = model.range_offset_m};
+}
+
+}  // namespace
+
+Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCameraCount>& sizes,
+                              std::vector<BoardView> views) {
+  DropPoor(board, views);
+  Result<RigModel> first = InitialModel(board, sizes, views);
+  if (!first) return tl::unexpected(first.error());
+  Result<RefinedModel> refined = RefineModel(board, views, {}, *first);
+  if (!refined) return tl::unexpected(refined.error());
+  if (!sizes[kTof].empty()) {
+    const RigModel corners_only = refined->model;
+    FindMoreInTof(board, corners_only, views);
+    refined =
+        RefineModel(board, views, CollectRangePoints(board, views, corners_only), corners_only);
+    if (!refined) return tl::unexpected(refined.error());
+  }
+  Calibration calibration{.rig = ToRawRig(refined->model), .quality = {}};
+  if (const Result<void> usable = CheckRawRig(calibration.rig); !usable) {
+    const bool is_swapped = calibration.rig.left_from_right.translation_m.x() < 0;
+    return Fail("the calibration cannot be used: " + usable.error().text +
+                (is_swapped ? "; are the left and the right camera swapped?" : ""));
+  }
+  calibration.quality = QualityOf(*refined, calibration.rig, views);
+  return calibration;
+}
+
+}  // namespace sprout::calibrate

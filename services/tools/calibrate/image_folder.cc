@@ -1,0 +1,170 @@
+#include "services/tools/calibrate/image_folder.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/config/config_error.h"
+#include "common/core/image.h"
+#include "common/core/pair_names.h"
+#include "common/picture/eight_bits.h"
+#include "common/picture/read_image.h"
+#include "common/scenes/range_file.h"
+
+namespace sprout::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool IsImage(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return std::tolower(c); });
+  constexpr std::array kExtensions = {".png", ".jpg", ".jpeg", ".pgm", ".ppm",
+                                      ".bmp", ".tif", ".tiff", ".pfm"};
+  return std::ranges::find(kExtensions, extension) != kExtensions.end();
+}
+
+// The NAME of left_NAME.png or leftNAME.png, with the line; nothing when it is none of these.
+std::optional<std::string> NameOf(const fs::path& file, std::string_view prefix) {
+  const std::string stem = file.stem().string();
+  if (!IsImage(file) || !stem.starts_with(prefix)) return std::nullopt;
+  const std::string name = stem.substr(prefix.size());
+  const bool is_name = name.starts_with('_') ||
+                       (!name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) != 0);
+  return is_name ? std::optional(name) : std::nullopt;
+}
+
+// The image whose name, without extension, is `stem`; empty: there is none.
+fs::path FileOf(const std::vector<fs::path>& files, const std::string& stem) {
+  const auto found = std::ranges::find_if(
+      files, [&](const fs::path& file) { return file.stem() == stem && IsImage(file); });
+  return found == files.end() ? fs::path() : *found;
+}
+
+CameraImage Read(const fs::path& file) {
+  Result<CameraImage> image = ReadCameraImage(file);
+  if (!image) throw ConfigError(image.error().text);
+  return *std::move(image);
+}
+
+// In any unit.
+cv::Mat1f ReadAmplitude(const fs::path& file) {
+  const Result<cv::Mat> image = DecodeImageFile(file, cv::IMREAD_UNCHANGED, kCameraFormats);
+  if (!image) throw ConfigError(image.error().text);
+  const int type = image->type();
+  if (type != CV_8UC1 && type != CV_16UC1 && type != CV_32FC1) {
+    throw ConfigError(file.string() +
+                      ": allowed is one channel of 8 or 16 bits or of 32-bit floating point");
+  }
+  cv::Mat1f amplitude;
+  image->convertTo(amplitude, CV_32F);
+  return amplitude;
+}
+
+cv::Mat1f ReadDepth(const fs::path& file) {
+  Result<cv::Mat1f> depth_m = scenes::ReadRangeFile(file);
+  if (!depth_m) throw ConfigError(depth_m.error().text);
+  return *depth_m;
+}
+
+TofImage ReadTof(const std::vector<fs::path>& files, const std::string& name) {
+  const std::string tof_name = name.starts_with('_') ? name : "_" + name;
+  const fs::path amplitude = FileOf(files, "tof_amplitude" + tof_name);
+  const fs::path depth = FileOf(files, "tof_depth" + tof_name);
+  if (amplitude.empty() && depth.empty()) return {};
+  if (amplitude.empty() || depth.empty()) {
+    throw ConfigError((amplitude.empty() ? depth : amplitude).string() + ": there is no " +
+                      (amplitude.empty() ? "tof_amplitude" : "tof_depth") + tof_name);
+  }
+  TofImage tof{.depth_m = ReadDepth(depth), .amplitude = ReadAmplitude(amplitude)};
+  if (tof.depth_m.size() != tof.amplitude.size()) {
+    throw ConfigError(depth.string() + ": is not of the size of " + amplitude.string());
+  }
+  return tof;
+}
+
+// The images called "PREFIX_NAME" or "PREFIX1".
+std::vector<std::string> FilesOf(const std::vector<fs::path>& files, std::string_view prefix) {
+  std::vector<std::string> found;
+  for (const fs::path& file : files) {
+    if (NameOf(file, prefix)) found.push_back(file);
+  }
+  return found;
+}
+
+// What a user should know of it.
+std::vector<std::string> NotesOf(const fs::path& folder, const PairedNames& paired,
+                                 const std::vector<std::string>& lefts,
+                                 const std::vector<std::string>& rights) {
+  std::vector<std::string> notes;
+  for (const size_t i : paired.alone_first) notes.push_back(lefts[i] + ": has no right image");
+  for (const size_t i : paired.alone_second) notes.push_back(rights[i] + ": has no left image");
+  if (paired.by == PairedBy::kOrder) {
+    notes.push_back(folder.string() +
+                    ": left and right images belong together in the order of their names: nothing "
+                    "in these says more");
+  }
+  return notes;
+}
+
+}  // namespace
+
+std::vector<std::string> ReadImageFolder(const std::filesystem::path& folder, int bits,
+                                         const std::function<void(const RigImages&)>& visit) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  std::ranges::sort(files);
+  const std::vector<std::string> lefts = FilesOf(files, "left");
+  const std::vector<std::string> rights = FilesOf(files, "right");
+  if (lefts.empty() || rights.empty()) {
+    throw ConfigError(
+        folder.string() +
+        ": no left_NAME.png with a right_NAME.png in it, nor left1.png with right1.png");
+  }
+  const Result<PairedNames> paired = PairNames(lefts, rights);
+  if (!paired) throw ConfigError(folder.string() + ": " + paired.error().text);
+  std::vector<std::string> notes = NotesOf(folder, *paired, lefts, rights);
+  EightBits eight_bits(bits);
+  for (const auto& [first, second] : paired->pairs) {
+    CameraImage left = Read(lefts[first]);
+    CameraImage right = Read(rights[second]);
+    eight_bits.Convert({&left, &right});
+    if (std::string note = eight_bits.TakeNote(); !note.empty()) {
+      notes.push_back(lefts[first] + ": " + note);
+    }
+    visit({.left = ToGrey(left.pixels),
+           .right = ToGrey(right.pixels),
+           .tof = ReadTof(files, *NameOf(lefts[first], "left"))});
+  }
+  return notes;
+}
+
+void WriteImages(const std::filesystem::path& folder, const std::string& name,
+                 const RigImages& images) {
+  const auto write = [&](const std::string& what, const char* extension, const cv::Mat& image) {
+    const fs::path file = folder / (what + "_" + name + extension);
+    bool written = false;
+    try {
+      written = cv::imwrite(file.string(), image);
+    } catch (const cv::Exception&) {
+      // OpenCV's text is about its source.
+    }
+    if (!written) throw std::runtime_error(file.string() + ": cannot be written");
+  };
+  if (!images.tof.amplitude.empty()) {  // without it there are no corners in the ToF image
+    write("tof_depth", ".tiff", images.tof.depth_m);
+    write("tof_amplitude", ".tiff", images.tof.amplitude);
+  }
+  write("right", ".png", images.right);
+  write("left", ".png", images.left);  // the last one: with it the triplet is there
+}
+
+}  // namespace sprout::calibrate

@@ -1,0 +1,113 @@
+#include "services/tools/calibrate/import/import.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <iostream>
+#include <numbers>
+
+#include "common/config/config_error.h"
+#include "common/core/image.h"
+#include "common/core/number_text.h"
+#include "common/rig/rectifier.h"
+#include "common/rig/rig_file.h"
+#include "services/tools/calibrate/import/foreign_rig.h"
+#include "services/tools/calibrate/result_file.h"
+
+namespace sprout::calibrate {
+namespace {
+
+// A longer baseline in m is one in mm: pairs of cameras are nearer, and those that are not say so.
+constexpr double kLongestUnsaidM = 5;
+
+cv::Size SizeOf(const std::string& text) {
+  const size_t cross = std::min(text.find('x'), text.size());
+  const auto width = ParseNumber<int>(std::string_view(text).substr(0, cross));
+  const auto height =
+      ParseNumber<int>(std::string_view(text).substr(std::min(cross + 1, text.size())));
+  if (!width || !height || *width < 1 || *height < 1) {
+    throw ConfigError("--size " + text + ": allowed is WIDTHxHEIGHT, px, such as 1280x720");
+  }
+  return {*width, *height};
+}
+
+double MetresPerUnit(const std::string& unit) {
+  if (unit == "mm") return 0.001;
+  return unit == "cm" ? 0.01 : 1;
+}
+
+void FillSizes(const ImportOptions& options, ForeignRig& rig) {
+  for (ForeignCamera* camera : {&rig.left, &rig.right}) {
+    if (!options.size.empty()) {
+      const cv::Size asked = SizeOf(options.size);
+      if (!camera->size.empty() && camera->size != asked) {
+        throw ConfigError("--size " + options.size + ": the file says " + SizeText(camera->size));
+      }
+      camera->size = asked;
+    }
+    if (camera->size.empty()) {
+      throw ConfigError(camera->name +
+                        ": the file does not say how large its images are; allowed: "
+                        "--size WIDTHxHEIGHT");
+    }
+  }
+}
+
+Lens LensOf(const ForeignCamera& camera) {
+  const Result<LensFit> fit = ToLens(camera);
+  if (!fit) throw ConfigError(fit.error().text);
+  const Lens& lens = fit->lens;
+  std::cout << fmt::format("{}: {} px, f {:.2f}, {:.2f} px, principal point {:.2f}, {:.2f} px\n",
+                           camera.name, SizeText(lens.size()), lens.fx, lens.fy, lens.cx, lens.cy);
+  if (fit->worst_px > 0) {
+    std::cout << fmt::format("  its distortion in Brown's terms; up to {:.3f} px off\n",
+                             fit->worst_px);
+  }
+  return lens;
+}
+
+void ScaleToMetres(const ImportOptions& options, Pose& pose) {
+  pose.translation_m *= MetresPerUnit(options.unit);
+  const double baseline_m = pose.translation_m.norm();
+  if (options.unit.empty() && baseline_m > kLongestUnsaidM) {
+    throw ConfigError(fmt::format(
+        "the cameras are {:g} m apart, if the file is in m; allowed: --unit mm, cm or m",
+        baseline_m));
+  }
+}
+
+}  // namespace
+
+int RunImport(const ImportOptions& options) {
+  ForeignRig foreign = ReadForeignRig(options.files);
+  if (options.fisheye) foreign.left.is_fisheye = foreign.right.is_fisheye = true;
+  FillSizes(options, foreign);
+  RigDescription description;
+  if (!options.rig.empty()) description = LoadRigFile(options.rig);
+  RawRig rig;
+  rig.left = LensOf(foreign.left);
+  rig.right = LensOf(foreign.right);
+  rig.left_from_right = foreign.left_from_right;
+  ScaleToMetres(options, rig.left_from_right);
+  if (const Result<void> usable = CheckRawRig(rig); !usable) {
+    const bool is_swapped = rig.left_from_right.translation_m.x() < 0;
+    throw ConfigError("the calibration cannot be used: " + usable.error().text +
+                      (is_swapped ? "; are the left and the right camera swapped?" : ""));
+  }
+  const Eigen::Vector3d& place = rig.left_from_right.translation_m;
+  const double degrees = 180 / std::numbers::pi *
+                         Eigen::Quaterniond(rig.left_from_right.rotation)
+                             .angularDistance(Eigen::Quaterniond::Identity());
+  std::cout << fmt::format(
+      "right camera in the left one's frame: {:.5f}, {:.5f}, {:.5f} m, turned by {:.3f} degrees\n",
+      place.x(), place.y(), place.z(), degrees);
+  if (const std::string warning = ViewsWarning(Rectifier(rig).views()); !warning.empty()) {
+    std::cerr << "sprout-calibrate: " << warning << "\n";
+  }
+  *description.mutable_calibration() = ToCalibration(rig);
+  description.clear_board_calibration();
+  SaveResult(description, /*is_good=*/true, options.out);
+  return 0;
+}
+
+}  // namespace sprout::calibrate

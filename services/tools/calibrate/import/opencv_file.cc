@@ -1,0 +1,184 @@
+#include "services/tools/calibrate/import/opencv_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <map>
+#include <opencv2/core/persistence.hpp>
+#include <string_view>
+
+#include "common/config/config_error.h"
+
+namespace sprout::calibrate {
+namespace {
+
+// The names of an entry, as Plain() has them.
+using Names = std::vector<std::string_view>;
+const std::array<Names, 2> kMatrix = {
+    Names{"m1", "k1", "cameramatrix1", "leftk", "kleft", "kl", "ml", "leftcameramatrix",
+          "cameramatrixleft", "cameramatrixl", "intrinsicleft", "leftm", "mleft"},
+    Names{"m2", "k2", "cameramatrix2", "rightk", "kright", "kr", "mr", "rightcameramatrix",
+          "cameramatrixright", "cameramatrixr", "intrinsicright", "rightm", "mright"}};
+const std::array<Names, 2> kDistortion = {
+    Names{"d1", "distcoeffs1", "distortioncoefficients1", "leftd", "dleft", "dl", "leftdistcoeffs",
+          "distcoeffsleft", "distcoeffsl", "distortionleft", "distcoeff1"},
+    Names{"d2", "distcoeffs2", "distortioncoefficients2", "rightd", "dright", "dr",
+          "rightdistcoeffs", "distcoeffsright", "distcoeffsr", "distortionright", "distcoeff2"}};
+const std::array<Names, 2> kRectifyingTurn = {Names{"r1", "leftr", "rleft", "rl"},
+                                              Names{"r2", "rightr", "rright", "rr"}};
+const std::array<Names, 2> kProjection = {Names{"p1", "leftp", "pleft", "pl"},
+                                          Names{"p2", "rightp", "pright", "pr"}};
+const Names kRotation = {"r", "rotation", "rotationmatrix", "rlr"};
+const Names kTranslation = {"t", "translation", "translationvector", "tlr"};
+const Names kSize = {"imagesize", "size", "imgsize", "framesize", "resolution"};
+const Names kWidth = {"imagewidth", "width", "leftwidth", "imgwidth"};
+const Names kHeight = {"imageheight", "height", "leftheight", "imgheight"};
+
+// "LEFT.K" and "left_k" are one name.
+std::string Plain(std::string_view name) {
+  std::string plain;
+  for (const char c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) != 0) plain += static_cast<char>(std::tolower(byte));
+  }
+  return plain;
+}
+
+std::string TextOf(const Names& names) {
+  std::string text;
+  for (const std::string_view name : names) text += (text.empty() ? "" : ", ") + std::string(name);
+  return text;
+}
+
+// All entries of the files, by their plain names.
+class Entries {
+ public:
+  explicit Entries(const std::vector<ForeignFile>& files) {
+    for (const ForeignFile& file : files) {
+      where_ += (where_.empty() ? "" : ", ") + file.path.string();
+      try {
+        // A format that is not written down is that of the text's begin.
+        cv::FileStorage& storage =
+            storages_.emplace_back(file.text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+        const cv::FileNode root = storage.root();
+        for (const std::string& key : root.keys()) {
+          names_ += " " + key;
+          nodes_.insert_or_assign(Plain(key), root[key]);
+        }
+      } catch (const cv::Exception& e) {
+        throw ConfigError(file.path.string() + ": OpenCV cannot read it: " + e.err);
+      }
+    }
+  }
+
+  const cv::FileNode* Find(const Names& names) const {
+    for (const std::string_view name : names) {
+      if (const auto found = nodes_.find(std::string(name)); found != nodes_.end()) {
+        return &found->second;
+      }
+    }
+    return nullptr;
+  }
+
+  // Of 64-bit floating point; nothing when there is none.
+  cv::Mat1d FindMatrix(const Names& names) const {
+    const cv::FileNode* const node = Find(names);
+    if (node == nullptr) return {};
+    cv::Mat matrix;
+    try {
+      *node >> matrix;
+    } catch (const cv::Exception&) {  // an empty matrix says it all
+    }
+    if (matrix.empty() || matrix.channels() != 1 || !cv::checkRange(matrix)) {
+      throw ConfigError(where_ + ": " + node->name() + " is no matrix of finite numbers");
+    }
+    cv::Mat1d numbers;
+    matrix.convertTo(numbers, CV_64F);
+    return numbers;
+  }
+
+  cv::Mat1d Matrix(const Names& names, const std::vector<cv::Size>& sizes) const {
+    const cv::Mat1d matrix = FindMatrix(names);
+    if (std::ranges::find(sizes, matrix.size()) != sizes.end()) return matrix;
+    if (!matrix.empty()) {
+      throw ConfigError(where_ + ": " + Find(names)->name() + " has " +
+                        std::to_string(matrix.rows) + "x" + std::to_string(matrix.cols) +
+                        " numbers; allowed: " + std::to_string(sizes[0].height) + "x" +
+                        std::to_string(sizes[0].width));
+    }
+    throw Missing(names);
+  }
+
+  ConfigError Missing(const Names& names) const {
+    return ConfigError(where_ + ": no entry with one of the names " + TextOf(names) +
+                       " (capitals, dots and underscores do not matter); there are:" + names_);
+  }
+
+  cv::Size ImageSize() const {
+    cv::Size size;
+    if (const cv::FileNode* const both = Find(kSize); both != nullptr && both->size() == 2) {
+      size = {static_cast<int>((*both)[0]), static_cast<int>((*both)[1])};
+    }
+    const cv::FileNode* const width = Find(kWidth);
+    const cv::FileNode* const height = Find(kHeight);
+    if (width != nullptr && height != nullptr) {
+      size = {static_cast<int>(*width), static_cast<int>(*height)};
+    }
+    return size;
+  }
+
+ private:
+  std::vector<cv::FileStorage> storages_;
+  std::map<std::string, cv::FileNode> nodes_;
+  std::string where_;
+  std::string names_;
+};
+
+Eigen::Matrix3d Square(const cv::Mat1d& m) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(m.ptr<double>());
+}
+
+ForeignCamera CameraOf(const Entries& entries, size_t which) {
+  ForeignCamera camera{.name = which == 0 ? "left camera" : "right camera",
+                       .size = entries.ImageSize(),
+                       .k = Square(entries.Matrix(kMatrix[which], {{3, 3}})),
+                       .distortion = {}};
+  const cv::Mat1d distortion = entries.FindMatrix(kDistortion[which]);
+  if (distortion.empty()) throw entries.Missing(kDistortion[which]);
+  camera.distortion.assign(distortion.begin(), distortion.end());
+  return camera;
+}
+
+ForeignRectification RectifiedOf(const Entries& entries, size_t which) {
+  const cv::Mat1d p = entries.Matrix(kProjection[which], {{4, 3}});
+  return {.rotation = Square(entries.Matrix(kRectifyingTurn[which], {{3, 3}})),
+          .tx = p(0, 3),
+          .focal_px = p(0, 0)};
+}
+
+}  // namespace
+
+bool IsOpencvFile(const ForeignFile& file) {
+  const std::string_view text = file.text;
+  return text.starts_with("%YAML:") || text.starts_with("<?xml") || text.starts_with("{") ||
+         text.find("!!opencv-matrix") != std::string_view::npos;
+}
+
+ForeignRig ReadOpencvRig(const std::vector<ForeignFile>& files) {
+  const Entries entries(files);
+  ForeignRig rig{
+      .left = CameraOf(entries, 0), .right = CameraOf(entries, 1), .left_from_right = {}};
+  if (entries.Find(kTranslation) == nullptr && entries.Find(kProjection[1]) != nullptr) {
+    rig.left_from_right = PoseOfRectified(RectifiedOf(entries, 0), RectifiedOf(entries, 1));
+    return rig;
+  }
+  // OpenCV's R and T take points of the left camera to the right one.
+  const Eigen::Matrix3d rotation = Square(entries.Matrix(kRotation, {{3, 3}}));
+  const cv::Mat1d t = entries.Matrix(kTranslation, {{1, 3}, {3, 1}});
+  const Pose right_from_left{.rotation = Eigen::Quaterniond(rotation).normalized(),
+                             .translation_m = {t(0), t(1), t(2)}};
+  rig.left_from_right = right_from_left.Inverse();
+  return rig;
+}
+
+}  // namespace sprout::calibrate

@@ -1,0 +1,183 @@
+#include "services/tools/calibrate/refine.h"
+
+#include <algorithm>
+#include <iostream>
+#include <optional>
+#include <stdexcept>
+
+#include "common/app/output_paths.h"
+#include "common/app/progress.h"
+#include "common/bus/channels.h"
+#include "common/config/config_error.h"
+#include "common/rig/rectifier.h"
+#include "services/tools/calibrate/frame_log.h"
+#include "services/tools/calibrate/image_folder.h"
+#include "services/tools/calibrate/rectify_images.h"
+#include "services/tools/calibrate/result_file.h"
+#include "services/tools/calibrate/scene/scene_refiner.h"
+#include "services/tools/calibrate/scene/scene_report.h"
+
+namespace sprout::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Reads all inputs into one refiner.
+class Reader {
+ public:
+  explicit Reader(const RefineOptions& options) : options_(options) {
+    if (options.rig.empty()) return;
+    description_ = LoadRigFile(options.rig);
+    const RawRig raw = RequireCalibration(description_, options.rig);
+    rectifier_.emplace(raw);
+    refiner_.emplace(raw, RectificationOf(raw));
+  }
+
+  SceneRefiner& Read() {
+    const auto inputs = static_cast<int64_t>(options_.inputs.size());
+    most_of_input_ = std::max<int64_t>(1, SceneRefiner::kMaxViews / inputs);
+    for (const fs::path& input : options_.inputs) {
+      if (fs::is_directory(input)) {
+        ReadFolder(input);
+      } else if (const std::string raw = Channel(kRawPrefix, Part::kLeft);
+                 const int64_t frames = CountMessages(input, raw)) {
+        RequireRig(input, "its images are not rectified");
+        ReadRawLog(input, frames);
+      } else {
+        ReadLog(input);
+      }
+    }
+    progress_.Clear();
+    if (used_ == 0) throw std::runtime_error("no frame can be used: " + refusal_);
+    return *refiner_;
+  }
+
+  const RigDescription& description() const { return description_; }
+
+ private:
+  std::string Channel(std::string_view kind, Part part) const {
+    return options_.prefix + std::string(kind) + std::string(ChannelOf(part));
+  }
+
+  void RequireRig(const fs::path& input, const char* why) const {
+    if (!rectifier_) throw ConfigError(input.string() + ": " + why + ": --rig is needed");
+  }
+
+  // Evenly over an input.
+  template <typename Add>
+  void Choose(int64_t index, int64_t count, const fs::path& input, const Add& add) {
+    const int64_t used = std::min(count, most_of_input_);
+    if (index * used / count == (index + 1) * used / count) return;
+    progress_.ShowTime(input.string() + ": frame " + std::to_string(index + 1) + " of " +
+                       std::to_string(count));
+    if (const Result<void> added = add(); added) {
+      ++used_;
+    } else {
+      refusal_ = added.error().text;
+    }
+  }
+
+  Result<void> AddRaw(const RigImages& raw) {
+    const Result<RigImages> images = RectifyImages(*rectifier_, raw);
+    if (!images) return tl::unexpected(images.error());
+    return refiner_->Add(images->left, images->right, images->tof);
+  }
+
+  void ReadFolder(const fs::path& folder) {
+    RequireRig(folder, "images of a folder are not rectified");
+    int64_t count = 0;
+    ReadImageFolder(folder, options_.bits, [&](const RigImages&) { ++count; });
+    int64_t index = 0;
+    const auto notes = ReadImageFolder(folder, options_.bits, [&](const RigImages& images) {
+      Choose(index++, count, folder, [&] { return AddRaw(images); });
+    });
+    for (const std::string& note : notes) std::cerr << "sprout-calibrate: " << note << "\n";
+  }
+
+  void ReadRawLog(const fs::path& log, int64_t count) {
+    int64_t index = 0;
+    Complain(ReadFrameLog(log, options_.prefix + std::string(kRawPrefix),
+                          {Part::kLeft, Part::kRight, Part::kTof}, [&](const Frame& frame) {
+                            Choose(index++, count, log, [&] {
+                              return AddRaw({frame.left, frame.right, *frame.tof});
+                            });
+                          }));
+  }
+
+  void ReadLog(const fs::path& log) {
+    const int64_t count = std::max<int64_t>(1, CountMessages(log, Channel("", Part::kLeft)));
+    int64_t index = 0;
+    Complain(ReadFrameLog(log, options_.prefix, {Part::kLeft, Part::kRight, Part::kTof, Part::kRig},
+                          [&](const Frame& frame) {
+                            Choose(index++, count, log, [&] { return AddRectified(frame, log); });
+                          }));
+  }
+
+  Result<void> AddRectified(const Frame& frame, const fs::path& log) {
+    const std::string rig_id = RigId(*frame.rig);
+    if (!rig_id_) {
+      if (rectifier_ && RigId(rectifier_->rig()) != rig_id) {
+        throw ConfigError(log.string() + ": was rectified with calibration " + rig_id + ", but " +
+                          options_.rig.string() + " is " + RigId(rectifier_->rig()) +
+                          ": allowed is the rig file with which it was recorded");
+      }
+      if (!rectifier_) {
+        refiner_.emplace(RawRigOf(*frame.rig), Rectification{.left_turn = cv::Matx33d::eye(),
+                                                             .right_turn = cv::Matx33d::eye(),
+                                                             .pair = frame.rig->pair});
+      }
+      rig_id_ = rig_id;
+    }
+    if (*rig_id_ != rig_id) {
+      return Fail("a frame of another calibration, " + rig_id + " instead of " + *rig_id_);
+    }
+    return refiner_->Add(frame.left, frame.right, *frame.tof);
+  }
+
+  void Complain(const std::string& complaint) {
+    if (complaint.empty()) return;
+    progress_.Clear();
+    std::cerr << "sprout-calibrate: " << complaint << "\n";
+  }
+
+  const RefineOptions& options_;
+  RigDescription description_;
+  std::optional<Rectifier> rectifier_;  // with --rig
+  std::optional<SceneRefiner> refiner_;
+  std::optional<std::string> rig_id_;  // of the rectified frames so far
+  Progress progress_{/*quiet=*/false};
+  int64_t most_of_input_ = 1;
+  int64_t used_ = 0;
+  std::string refusal_ = "there is none";
+};
+
+}  // namespace
+
+int RunRefine(const RefineOptions& options) {
+  const auto wished = [&](const char* name) {
+    return std::ranges::find(options.also, name) != options.also.end();
+  };
+  Reader reader(options);
+  SceneRefiner& refiner = reader.Read();
+  Progress progress(/*quiet=*/false);
+  progress.ShowTime("fitting");
+  const Result<SceneRefinement> refined = refiner.Refine({.focal = wished("focal"),
+                                                          .row = wished("row"),
+                                                          .place = wished("place"),
+                                                          .yaw = wished("yaw")});
+  progress.Clear();
+  if (!refined) throw std::runtime_error(refined.error().text);
+
+  RigDescription rig = reader.description();
+  // From there limits of self-calibration count.
+  if (rig.has_calibration() && !rig.has_board_calibration()) {
+    *rig.mutable_board_calibration() = rig.calibration();
+  }
+  *rig.mutable_calibration() = ToCalibration(refined->rig);
+  if (!options.report.empty()) WriteWhole(options.report, SceneReportHtml(*refined, refiner));
+  std::cout << SceneSummaryText(*refined);
+  SaveResult(rig, refined->is_good(), options.out);
+  return refined->is_good() ? 0 : 1;
+}
+
+}  // namespace sprout::calibrate

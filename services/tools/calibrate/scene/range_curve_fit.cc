@@ -1,0 +1,113 @@
+#include "services/tools/calibrate/scene/range_curve_fit.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "common/core/quantile.h"
+
+namespace sprout::calibrate {
+namespace {
+
+constexpr size_t kFewestAtKnot = 40;
+constexpr size_t kMaxKnots = 24;
+constexpr double kMinStep = 0.05;       // between knots, a share of the range
+constexpr double kExpectedM = 0.02;     // τ: data sheets allow 1 to 2 cm
+constexpr double kCurveLossSigmas = 2;  // as AdjustScene()'s
+constexpr double kCurveSharing = 4;     // matches that share an error, as there
+constexpr double kSureSigmas = 4;       // standard deviations
+constexpr double kMinCorrectionM = 0.002;
+constexpr int kCurveRounds = 10;
+
+// At equal shares of the samples, but where they would be too close.
+std::vector<double> KnotRanges(const std::vector<RangeSample>& by_range) {
+  const size_t count = std::min(kMaxKnots, by_range.size() / kFewestAtKnot);
+  std::vector<double> ranges;
+  for (size_t k = 0; k < count; ++k) {
+    const size_t middle = (2 * k + 1) * by_range.size() / (2 * count);
+    const double range_m = by_range[middle].range_m;
+    if (ranges.empty() || range_m > (1 + kMinStep) * ranges.back()) ranges.push_back(range_m);
+  }
+  return ranges;
+}
+
+// Weights of the knots at a range: at most two are not 0.
+Eigen::VectorXd WeightsAt(const std::vector<double>& knots, double range_m) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(knots.size()));
+  const auto above = std::ranges::upper_bound(knots, range_m) - knots.begin();
+  if (above == 0) {
+    weights[0] = 1;
+  } else if (above == std::ssize(knots)) {
+    weights[above - 1] = 1;
+  } else {
+    const double below_m = knots[static_cast<size_t>(above - 1)];
+    const double share = (range_m - below_m) / (knots[static_cast<size_t>(above)] - below_m);
+    weights[above - 1] = 1 - share;
+    weights[above] = share;
+  }
+  return weights;
+}
+
+}  // namespace
+
+RangeCorrection FitRangeCurve(std::vector<RangeSample> samples) {
+  std::ranges::stable_sort(samples, {}, &RangeSample::range_m);
+  const std::vector<double> knots = KnotRanges(samples);
+  if (knots.empty()) return {};
+  const auto count = static_cast<Eigen::Index>(knots.size());
+  Eigen::VectorXd curve = Eigen::VectorXd::Zero(count);
+  Eigen::MatrixXd covariance;
+  for (int round = 0; round < kCurveRounds; ++round) {
+    std::vector<double> off;
+    for (const RangeSample& sample : samples) {
+      const double left_m = WeightsAt(knots, sample.range_m).dot(curve) + sample.error_m;
+      off.push_back(std::abs(left_m) / sample.sigma_m);
+    }
+    // Standard deviation of a Gaussian with that median, which is found in a copy.
+    const double scatter = std::max(1.0, 1.4826 * Median(std::vector<double>(off)));
+    Eigen::MatrixXd squares = Eigen::MatrixXd::Identity(count, count) / (kExpectedM * kExpectedM);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+    for (size_t i = 0; i < samples.size(); ++i) {
+      const Eigen::VectorXd weights = WeightsAt(knots, samples[i].range_m);
+      const double far = off[i] / (scatter * kCurveLossSigmas);
+      const double sigma_m = scatter * samples[i].sigma_m;
+      const double weight = 1 / ((1 + far * far) * sigma_m * sigma_m * kCurveSharing);
+      squares += weight * weights * weights.transpose();
+      right -= weight * samples[i].error_m * weights;
+    }
+    covariance = squares.inverse();
+    curve = covariance * right;
+  }
+  RangeCorrection correction;
+  bool is_significant = false;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const double sigma_m = std::sqrt(covariance(k, k));
+    is_significant |= std::abs(curve[k]) > std::max(kSureSigmas * sigma_m, kMinCorrectionM);
+    correction.push_back({knots[static_cast<size_t>(k)], curve[k], sigma_m});
+  }
+  return is_significant ? correction : RangeCorrection{};
+}
+
+RangeCorrection Chained(const RangeCorrection& first, const RangeCorrection& then) {
+  if (first.empty()) return then;
+  if (then.empty()) return first;
+  std::vector<double> ranges;
+  for (const CorrectionKnot& knot : first) ranges.push_back(knot.range_m);
+  for (const CorrectionKnot& knot : then) {
+    // As measured: what `first` takes to the knot's range, whose offset hardly changes on the way.
+    ranges.push_back(knot.range_m - CorrectionAt(first, knot.range_m).offset_m);
+  }
+  std::ranges::sort(ranges);
+  const auto too_close = [](double a, double b) { return b <= (1 + kMinStep / 2) * a; };
+  ranges.erase(std::unique(ranges.begin(), ranges.end(), too_close), ranges.end());
+  RangeCorrection chained;
+  const size_t step = (ranges.size() + kMaxCorrectionKnots - 1) / kMaxCorrectionKnots;
+  for (size_t i = 0; i < ranges.size(); i += step) {
+    const CorrectionKnot before = CorrectionAt(first, ranges[i]);
+    const CorrectionKnot after = CorrectionAt(then, ranges[i] + before.offset_m);
+    chained.push_back({ranges[i], before.offset_m + after.offset_m, after.sigma_m});
+  }
+  return chained;
+}
+
+}  // namespace sprout::calibrate

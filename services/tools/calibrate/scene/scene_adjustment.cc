@@ -1,0 +1,317 @@
+#include "services/tools/calibrate/scene/scene_adjustment.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "common/core/quantile.h"
+#include "services/tools/calibrate/scene/scene_residuals.h"
+
+namespace sprout::calibrate {
+namespace {
+
+// Solutions until the sigmas stand still, to a percent: the first starts from pixels, those with
+// fewer numbers from the last one.
+constexpr int kFirstRounds = 5;
+constexpr int kLaterRounds = 2;
+// Errors beyond so many sigmas lose weight: a tenth of the efficiency on Gaussian noise.
+constexpr double kLossSigmas = 2;
+// What no match falls below; keeps an artificial input without noise from dividing by 0.
+constexpr double kMinScatterPx = 0.01;
+// A number is seen when it is known to this share of what is expected of it.
+constexpr double kSeen = 1.0 / 3;
+// A change of fewer standard deviations is none: a right rig has one of these once in 370.
+constexpr double kSignificant = 3;
+// Matches share errors (the same texture in all frames, surfaces that are no planes): one in so
+// many is independent. Measured: without it errors are 2.2 standard deviations (NOTES.md).
+constexpr double kSharing = 4;
+// Pitch and yaw of the ToF camera: what all frames share, since its pixels see the same surfaces
+// again; px of the left camera. Measured: without it, errors of three frames' pitch were 2.2
+// standard deviations of 0.1 px (NOTES.md).
+constexpr double kTofSharedPx = 0.15;
+
+// Numbers first to first + size − 1 are one block.
+struct NumberBlock {
+  RigNumber first;
+  int size;
+};
+constexpr NumberBlock kTurn{kPitch, 3};
+constexpr NumberBlock kPlace{kPlaceY, 2};
+constexpr NumberBlock kLenses{kFocal, 3};
+constexpr NumberBlock kTofTurn{kTofPitch, 3};
+constexpr NumberBlock kOffset{kRangeOffset, 1};
+constexpr std::array kNumberBlocks = {kTurn, kPlace, kLenses, kTofTurn, kOffset};
+
+// Standard deviation of a Gaussian with the same median of |value|.
+double SigmaOf(std::vector<double> values) {
+  for (double& value : values) value = std::abs(value);
+  return values.empty() ? 0 : 1.4826 * Median(values);
+}
+
+class Adjustment {
+ public:
+  Adjustment(const RawRig& rig, const std::vector<SceneMatch>& matches,
+             const std::optional<EdgeShift>& edges, const Wanted& wanted)
+      : rig_(rig), matches_(matches), edges_(edges), free_(wanted), seen_(wanted) {
+    Restart();
+  }
+
+  Result<AdjustedScene> Run(bool only_sure) {
+    Result<void> solved = Solutions(kFirstRounds);
+    while (solved && TakeOutUnseen()) {
+      // What was not seen may have led all depths astray.
+      Restart();
+      solved = Solutions(kFirstRounds);
+    }
+    while (solved && only_sure && TakeOutInsignificant()) solved = Solutions(kLaterRounds);
+    if (!solved) return tl::unexpected(solved.error());
+    return AdjustedScene{.change = numbers_,
+                         .sigma = deviations_,
+                         .seen = seen_,
+                         .inverse_depths = depths_,
+                         .match_sigma_px = sigma_px_};
+  }
+
+ private:
+  Result<void> Solutions(int rounds) {
+    for (int round = 0; round < rounds; ++round) {
+      ceres::Problem problem;
+      Build(problem);
+      if (!Solve(problem)) return Fail("the matches lead to no calibration");
+      FindSigmas();
+      if (round + 1 == rounds && !FindDeviations(problem)) {
+        return Fail("the matches do not determine the calibration");
+      }
+    }
+    return {};
+  }
+
+  void Restart() {
+    numbers_.fill(0);
+    depths_.clear();
+    for (const SceneMatch& match : matches_) depths_.push_back(match.inverse_depth);
+    along_sigmas_ = 1;
+    FindSigmas();
+  }
+
+  double* At(NumberBlock block) { return numbers_.data() + block.first; }
+
+  void Build(ceres::Problem& problem) {
+    for (size_t i = 0; i < matches_.size(); ++i) {
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<MatchError, 2, 3, 2, 3, 1>(
+              new MatchError{rig_, matches_[i], along_sigmas_ * sigma_px_, sigma_px_}),
+          new ceres::CauchyLoss(kLossSigmas), At(kTurn), At(kPlace), At(kLenses), &depths_[i]);
+      if (!matches_[i].tof) continue;
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<PatchError, 1, 3, 3, 1, 1>(
+              new PatchError{rig_, matches_[i], along_sigmas_ * matches_[i].tof->sigma_m}),
+          new ceres::CauchyLoss(kLossSigmas), At(kLenses), At(kTofTurn), At(kOffset), &depths_[i]);
+    }
+    if (edges_) {
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<EdgeError, 2, 3>(new EdgeError{*edges_}), nullptr,
+          At(kTofTurn));
+    }
+    AddPrior<3>(problem, kTurn);
+    AddPrior<2>(problem, kPlace);
+    AddPrior<3>(problem, kLenses);
+    AddPrior<3>(problem, kTofTurn);
+    AddPrior<1>(problem, kOffset);
+    for (const NumberBlock& block : kNumberBlocks) Hold(problem, block);
+  }
+
+  template <int kSize>
+  void AddPrior(ceres::Problem& problem, NumberBlock block) {
+    auto* prior = new SmallChange<kSize>;
+    for (int i = 0; i < kSize; ++i) {
+      prior->sigma[static_cast<size_t>(i)] =
+          RowOf(static_cast<RigNumber>(block.first + i)).expected;
+    }
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<SmallChange<kSize>, kSize, kSize>(prior), nullptr,
+        At(block));
+  }
+
+  // What is not to change.
+  void Hold(ceres::Problem& problem, NumberBlock block) {
+    std::vector<int> held;
+    for (int i = 0; i < block.size; ++i) {
+      if (!free_[static_cast<size_t>(block.first + i)]) held.push_back(i);
+    }
+    if (static_cast<int>(held.size()) == block.size) {
+      problem.SetParameterBlockConstant(At(block));
+    } else if (!held.empty()) {
+      problem.SetManifold(At(block), new ceres::SubsetManifold(block.size, held));
+    }
+  }
+
+  bool Solve(ceres::Problem& problem) {
+    ceres::Solver::Options options;
+    options.num_threads = 1;
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.logging_type = ceres::SILENT;
+    options.max_num_iterations = 50;
+    options.function_tolerance = 1e-9;
+    options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    for (double& depth : depths_) options.linear_solver_ordering->AddElementToGroup(&depth, 0);
+    for (const NumberBlock& block : kNumberBlocks) {
+      options.linear_solver_ordering->AddElementToGroup(At(block), 1);
+    }
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    return summary.IsSolutionUsable();
+  }
+
+  void FindSigmas() {
+    const std::vector<MatchResidual> residuals = ResidualsOf(rig_, matches_, depths_, numbers_);
+    std::vector<double> rows;
+    std::vector<double> ranges;
+    for (const MatchResidual& residual : residuals) rows.push_back(residual.rows_px);
+    sigma_px_ = std::max(kMinScatterPx, SigmaOf(std::move(rows)));
+    // The difference of ToF and stereo has the errors of both. On slanted surfaces columns are less
+    // exact than rows, and ToF points less than their planes show: both by the same factor.
+    for (size_t i = 0; i < matches_.size(); ++i) {
+      if (!residuals[i].tof_m) continue;
+      const double m_per_px = std::abs(*residuals[i].tof_m / *residuals[i].tof_px);
+      if (!std::isfinite(m_per_px)) continue;
+      const double expected =
+          along_sigmas_ * std::hypot(matches_[i].tof->sigma_m, sigma_px_ * m_per_px);
+      ranges.push_back(*residuals[i].tof_m / expected);
+    }
+    if (ranges.empty()) return;
+    along_sigmas_ = std::max(1.0, along_sigmas_ * SigmaOf(std::move(ranges)));
+  }
+
+  bool FindDeviations(ceres::Problem& problem) {
+    ceres::Covariance::Options options;
+    options.num_threads = 1;
+    options.algorithm_type = ceres::SPARSE_QR;
+    // Eigen's QR takes minutes with thousands of depths.
+    if (ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE)) {
+      options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+    } else {
+      options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+    }
+    ceres::Covariance covariance(options);
+    std::vector<std::pair<const double*, const double*>> blocks;
+    for (const NumberBlock& block : kNumberBlocks) blocks.emplace_back(At(block), At(block));
+    if (!covariance.Compute(blocks, &problem)) return false;
+    for (const NumberBlock& block : kNumberBlocks) {
+      std::array<double, 9> matrix{};
+      covariance.GetCovarianceBlock(At(block), At(block), matrix.data());
+      for (int i = 0; i < block.size; ++i) {
+        const auto number = static_cast<size_t>(block.first + i);
+        if (!free_[number]) continue;
+        const double variance = kSharing * matrix[static_cast<size_t>(i * block.size + i)];
+        deviations_[number] = std::hypot(std::sqrt(variance), SharedSigma(number));
+      }
+    }
+    return true;
+  }
+
+  double SharedSigma(size_t number) const {
+    return number == kTofPitch || number == kTofYaw ? kTofSharedPx / rig_.left.fx : 0;
+  }
+
+  // The least known number, when it is not seen; whether there was one.
+  bool TakeOutUnseen() {
+    const auto share = [&](size_t number) {
+      return deviations_[number] / RowOf(static_cast<RigNumber>(number)).expected;
+    };
+    const std::optional<size_t> worst = LargestFree(share);
+    if (!worst || share(*worst) <= kSeen) return false;
+    TakeOut(*worst);
+    seen_[*worst] = false;
+    deviations_[*worst] = RowOf(static_cast<RigNumber>(*worst)).expected;
+    return true;
+  }
+
+  // The least significant change, when it may be chance; whether there was one.
+  bool TakeOutInsignificant() {
+    const auto chance = [&](size_t number) {
+      return deviations_[number] / std::max(std::abs(numbers_[number]), 1e-300);
+    };
+    const std::optional<size_t> worst = LargestFree(chance);
+    if (!worst || chance(*worst) <= 1 / kSignificant) return false;
+    TakeOut(*worst);
+    return true;
+  }
+
+  template <typename Value>
+  std::optional<size_t> LargestFree(const Value& value) const {
+    std::optional<size_t> largest;
+    for (size_t number = 0; number < kRigNumbers; ++number) {
+      if (free_[number] && (!largest || value(number) > value(*largest))) largest = number;
+    }
+    return largest;
+  }
+
+  void TakeOut(size_t number) {
+    free_[number] = false;
+    numbers_[number] = 0;
+  }
+
+  const RawRig& rig_;
+  const std::vector<SceneMatch>& matches_;
+  const std::optional<EdgeShift>& edges_;
+  Wanted free_;
+  Wanted seen_;
+  RigNumbers numbers_{};
+  RigNumbers deviations_{};
+  std::vector<double> depths_;
+  double sigma_px_ = 1;
+  double along_sigmas_ = 1;  // scatter along the rays, in units of what rows and planes show
+};
+
+}  // namespace
+
+std::vector<MatchResidual> ResidualsOf(const RawRig& rig, const std::vector<SceneMatch>& matches,
+                                       const std::vector<double>& inverse_depths,
+                                       const RigNumbers& change) {
+  const double* numbers = change.data();
+  std::vector<MatchResidual> residuals(matches.size());
+  for (size_t i = 0; i < matches.size(); ++i) {
+    const MatchError match{rig, matches[i], 1, 1};
+    const auto at = [&](double inverse_depth, double* residual) {
+      return match(numbers + kPitch, numbers + kPlaceY, numbers + kFocal, &inverse_depth, residual);
+    };
+    // Along the epipolar line to where only the distance across it is left: one step of Newton's,
+    // since pixels are nearly linear in the inverse depth.
+    const double step = 1e-4 * std::max(inverse_depths[i], 1e-3);
+    double here[2]{};
+    double there[2]{};
+    if (!at(inverse_depths[i], here) || !at(inverse_depths[i] + step, there)) continue;
+    const Eigen::Vector2d along((there[0] - here[0]) / step, (there[1] - here[1]) / step);
+    const Eigen::Vector2d off(here[0], here[1]);
+    const double moved = -along.dot(off) / along.squaredNorm();
+    const Eigen::Vector2d across = off + moved * along;
+    residuals[i].rows_px = across.y();
+    if (!matches[i].tof) continue;
+    const PatchError patch{rig, matches[i], 1};
+    const auto tof_at = [&](double inverse_depth, double* off_m) {
+      return patch(numbers + kFocal, numbers + kTofPitch, numbers + kRangeOffset, &inverse_depth,
+                   off_m);
+    };
+    const double stereo = inverse_depths[i] + moved;
+    double off_m = 0;
+    double off_step_m = 0;
+    if (!tof_at(stereo, &off_m) || !tof_at(stereo + step, &off_step_m)) continue;
+    // d(off)/d(inverse depth), and pixels a unit of inverse depth.
+    const double m_per_inverse = (off_step_m - off_m) / step;
+    residuals[i].tof_m = -off_m;
+    residuals[i].tof_px = -off_m / m_per_inverse * along.norm();
+  }
+  return residuals;
+}
+
+Result<AdjustedScene> AdjustScene(const RawRig& rig, const std::vector<SceneMatch>& matches,
+                                  const std::optional<EdgeShift>& edges, const Wanted& wanted,
+                                  bool only_sure) {
+  return Adjustment(rig, matches, edges, wanted).Run(only_sure);
+}
+
+}  // namespace sprout::calibrate

@@ -1,0 +1,171 @@
+#include "services/tools/calibrate/scene/scene_checks.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/core/quantile.h"
+
+namespace sprout::calibrate {
+namespace {
+
+// With 0.1 px each, 150 matches give a mean to a hundredth of a pixel, and a slope over the image
+// to 0.03 px.
+constexpr int kFewestMatches = 150;
+// Of cells of the left image, as those of MeasureVerticalDisparity().
+constexpr int kColumns = 4;
+constexpr int kBands = 3;
+constexpr int kFewestCells = 6;
+constexpr int kFewestInCell = 5;
+// Disparities off the common plane: what a scene needs to tell a rotation from a shift. px.
+constexpr double kMinReliefPx = 1;
+constexpr double kReliefShare = 0.8;  // of the matches; the others may be wrong
+// Matches whose rows are this far off belong to nothing, px.
+constexpr double kOffRowsPx = 2;
+constexpr double kMaxOff = 0.25;
+// Between the medians of frames, when one calibration fits all: px.
+constexpr double kMaxSpreadPx = 0.4;
+constexpr size_t kFewestInView = 30;
+// As check has them.
+constexpr double kMaxRowsPx = 1;
+constexpr double kMaxTofPx = 1;
+// What the median of all matches may get worse by, px: the scatter of a median.
+constexpr double kMaxWorsePx = 0.02;
+// Changes beyond so many times what is expected are no knock.
+constexpr double kMaxExpected = 4;
+
+// Disparities without their plane over the image: what is left of 80 % of the matches.
+double Relief(const std::vector<SceneMatch>& matches, const std::vector<cv::Point2d>& left_px,
+              const RectifiedPair& pair) {
+  const auto count = static_cast<Eigen::Index>(matches.size());
+  Eigen::MatrixX3d places(count, 3);
+  Eigen::VectorXd disparities(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto k = static_cast<size_t>(i);
+    places.row(i) << (left_px[k].x - pair.cx) / pair.focal_px,
+        (left_px[k].y - pair.cy) / pair.focal_px, 1;
+    disparities[i] = pair.focal_px * pair.baseline_m * matches[k].inverse_depth;
+  }
+  // Iteratively reweighted: single wrong matches do not turn the plane.
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(count);
+  Eigen::VectorXd off;
+  for (int round = 0; round < 10; ++round) {
+    const Eigen::MatrixX3d weighted = weights.asDiagonal() * places;
+    const Eigen::Matrix3d normal = weighted.transpose() * places;
+    const Eigen::Vector3d right = weighted.transpose() * disparities;
+    off = (disparities - places * normal.ldlt().solve(right)).cwiseAbs();
+    weights = (off.array().max(0.1)).inverse();
+  }
+  return Quantile(std::vector<double>(off.begin(), off.end()), kReliefShare);
+}
+
+}  // namespace
+
+std::vector<double> Depths(const std::vector<SceneMatch>& matches) {
+  std::vector<double> depths;
+  for (const SceneMatch& match : matches) depths.push_back(match.inverse_depth);
+  return depths;
+}
+
+Result<void> CheckScene(const std::vector<SceneRefiner::View>& views,
+                        const std::vector<SceneMatch>& matches,
+                        const std::vector<cv::Point2d>& left_px, const RectifiedPair& pair) {
+  int features = 0;
+  for (const SceneRefiner::View& view : views) features += view.features;
+  if (static_cast<int>(matches.size()) < kFewestMatches) {
+    return Fail(fmt::format(
+        "too little to see: {} matches of {} features in {} frames ({} matches are needed): show "
+        "more of a scene with texture, and are both images of one scene?",
+        matches.size(), features, views.size(), kFewestMatches));
+  }
+  std::array<int, static_cast<size_t>(kColumns * kBands)> cells{};
+  for (const cv::Point2d& pixel : left_px) {
+    const int column =
+        std::clamp(static_cast<int>(pixel.x * kColumns / pair.width), 0, kColumns - 1);
+    const int row = std::clamp(static_cast<int>(pixel.y * kBands / pair.height), 0, kBands - 1);
+    ++cells[static_cast<size_t>(row * kColumns + column)];
+  }
+  const auto covered =
+      std::ranges::count_if(cells, [](int count) { return count >= kFewestInCell; });
+  if (covered < kFewestCells) {
+    return Fail(fmt::format(
+        "matches in {} of {} parts of the image only ({} are needed): show a scene with texture "
+        "everywhere",
+        covered, kColumns * kBands, kFewestCells));
+  }
+  const double relief_px = Relief(matches, left_px, pair);
+  if (relief_px < kMinReliefPx) {
+    return Fail(
+        fmt::format("the scene is too flat: disparities lie within {:.1f} px of one plane ({:g} px "
+                    "are needed): "
+                    "show things near and far",
+                    relief_px, kMinReliefPx));
+  }
+  return {};
+}
+
+Result<void> CheckAgreement(const std::vector<SceneMatch>& matches,
+                            const std::vector<MatchResidual>& residuals, size_t views) {
+  const auto off = std::ranges::count_if(residuals, [](const MatchResidual& residual) {
+    return !(std::abs(residual.rows_px) < kOffRowsPx);
+  });
+  const double share = static_cast<double>(off) / static_cast<double>(residuals.size());
+  if (share > kMaxOff) {
+    return Fail(fmt::format(
+        "{:.0f} % of {} matches fit no calibration ({:.0f} % are allowed): do both images show one "
+        "scene, taken at one time?",
+        100 * share, residuals.size(), 100 * kMaxOff));
+  }
+  std::vector<std::vector<double>> of_view(views);
+  for (size_t i = 0; i < matches.size(); ++i) {
+    of_view[matches[i].view].push_back(residuals[i].rows_px);
+  }
+  std::vector<double> medians;
+  for (std::vector<double>& rows : of_view) {
+    if (rows.size() >= kFewestInView) medians.push_back(std::abs(Median(rows)));
+  }
+  if (!medians.empty() && Median(medians) > kMaxSpreadPx) {
+    return Fail(fmt::format(
+        "frames contradict one another: with one calibration for all, their rows are {:.2f} px off "
+        "in the median ({:g} are allowed): are the cameras synchronised, and did nothing move in "
+        "the rig?",
+        Median(medians), kMaxSpreadPx));
+  }
+  return {};
+}
+
+std::vector<std::string> ReasonsAgainst(const SceneRefinement& refinement) {
+  std::vector<std::string> reasons;
+  const SceneFit& after = refinement.after;
+  if (after.rows_abs_95_px > kMaxRowsPx) {
+    reasons.push_back(
+        fmt::format("rows of the pair still differ by up to {:.2f} px (95 %; {:g} are "
+                    "allowed)",
+                    after.rows_abs_95_px, kMaxRowsPx));
+  }
+  if (std::abs(after.tof_px) > kMaxTofPx) {
+    reasons.push_back(
+        fmt::format("ToF ranges still differ from stereo by {:+.2f} px ({:g} are "
+                    "allowed)",
+                    after.tof_px, kMaxTofPx));
+  }
+  const auto worse = [&](const char* what, double SceneFit::*px) {
+    if (!(after.*px > refinement.before.*px + kMaxWorsePx)) return;
+    reasons.push_back(fmt::format("{} fit worse than before: {:.2f} instead of {:.2f} px", what,
+                                  after.*px, refinement.before.*px));
+  };
+  worse("rows", &SceneFit::rows_abs_median_px);
+  worse("ToF points", &SceneFit::tof_abs_px);
+  for (size_t number = 0; number < kRigNumbers; ++number) {
+    const RigNumberRow& row = RowOf(static_cast<RigNumber>(number));
+    const double change = refinement.adjusted.change[number];
+    if (std::abs(change) <= kMaxExpected * row.expected) continue;
+    reasons.push_back(fmt::format(
+        "{} changed by {:+.{}f} {}, which is no knock any more: calibrate with the board", row.name,
+        row.per_unit * change, row.digits, row.unit));
+  }
+  return reasons;
+}
+
+}  // namespace sprout::calibrate

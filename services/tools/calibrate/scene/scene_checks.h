@@ -1,0 +1,35 @@
+#ifndef SPROUT_SERVICES_CALIBRATE_SCENE_SCENE_CHECKS_H_
+#define SPROUT_SERVICES_CALIBRATE_SCENE_SCENE_CHECKS_H_
+
+#include <string>
+#include <vector>
+
+#include "common/core/result.h"
+#include "services/tools/calibrate/scene/scene_refiner.h"
+
+namespace sprout::calibrate {
+
+/// Fewest matches on smooth surfaces of the ToF camera for its numbers to change.
+inline constexpr int kFewestTofMatches = 60;
+
+/// The inverse depths that matches start with, 1/m.
+std::vector<double> Depths(const std::vector<SceneMatch>& matches);
+
+/// Whether frames show enough for a refinement: matches, over the image, at different depths. The
+/// error says what is missing and what to do. O(matches).
+/// @param left_px  of the matches, rectified.
+Result<void> CheckScene(const std::vector<SceneRefiner::View>& views,
+                        const std::vector<SceneMatch>& matches,
+                        const std::vector<cv::Point2d>& left_px, const RectifiedPair& pair);
+
+/// Whether one calibration fits all frames: otherwise they are of different scenes, or of different
+/// times. O(matches).
+Result<void> CheckAgreement(const std::vector<SceneMatch>& matches,
+                            const std::vector<MatchResidual>& residuals, size_t views);
+
+/// Why a refinement is not good, one line each.
+std::vector<std::string> ReasonsAgainst(const SceneRefinement& refinement);
+
+}  // namespace sprout::calibrate
+
+#endif  // SPROUT_SERVICES_CALIBRATE_SCENE_SCENE_CHECKS_H_

@@ -1,0 +1,173 @@
+#include "services/tools/check/contract.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "common/bus/channels.h"
+#include "common/config/config_error.h"
+#include "common/core/image.h"
+
+namespace sprout::check {
+namespace {
+
+bool InImage(float u, float v, cv::Size size) {
+  // Up to half a pixel outside the first and last pixel centres.
+  return u >= -0.5F && u <= static_cast<float>(size.width) - 0.5F && v >= -0.5F &&
+         v <= static_cast<float>(size.height) - 0.5F;
+}
+
+void CheckSeeds(const SeedSet& set, cv::Size size, const std::string& what, Findings& found) {
+  for (size_t i = 0; i < set.seeds.size(); ++i) {
+    const Seed& seed = set.seeds[i];
+    const bool inside = InImage(seed.u, seed.v, size) && InImage(seed.u_right, seed.v, size);
+    if (!inside || seed.disparity() < 0) {
+      found.Add(Rule::kValues,
+                fmt::format("{}: seed {} is (u {}, v {}, u_right {}); allowed are places in both "
+                            "images ({}) with u >= u_right",
+                            what, i, seed.u, seed.v, seed.u_right, SizeText(size)));
+      return;
+    }
+  }
+  if (const int32_t from_tof = CountTofSeeds(set.seeds); set.raw < from_tof) {
+    found.Add(Rule::kValues,
+              fmt::format("{}: raw_count = {} with {} ToF seeds; allowed is at least their number",
+                          what, set.raw, from_tof));
+  }
+}
+
+void CheckMap(const DisparityImage& map, cv::Size size, const std::string& what, Findings& found) {
+  if (map.size() != size) {
+    found.Add(Rule::kForm, fmt::format("{}: a map of {}; allowed is the size of LEFT, {}", what,
+                                       SizeText(map.size()), SizeText(size)));
+    return;
+  }
+  for (int v = 0; v < map.height(); ++v) {
+    for (int u = 0; u < map.width(); ++u) {
+      if (!map.IsValid(u, v)) continue;
+      const float disparity = map.Px(u, v);
+      if (disparity < 0 || disparity >= static_cast<float>(size.width)) {
+        found.Add(
+            Rule::kValues,
+            fmt::format("{}: disparity {} px at ({}, {}); allowed is 0 to {}, or no disparity",
+                        what, disparity, u, v, size.width - 1));
+        return;
+      }
+    }
+  }
+}
+
+// The map in an answer of prior or grow.
+const DisparityImage& MapOf(const PartValue& answer) {
+  const auto* prior = std::get_if<PriorMap>(&answer);
+  return prior != nullptr ? prior->disparity : std::get<DisparityImage>(answer);
+}
+
+bool IsSameMat(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && cv::countNonZero(a != b) == 0;
+}
+
+std::string CompareMaps(std::span<const PartValue> answers, std::span<const PartValue> recorded) {
+  int64_t pixels = 0;
+  int64_t valid = 0;
+  int64_t compared = 0;
+  double sum = 0;
+  for (size_t i = 0; i < answers.size(); ++i) {
+    const auto& map = MapOf(answers[i]);
+    const auto& other = MapOf(recorded[i]);
+    if (map.size() != other.size()) continue;
+    pixels += map.counts().total();
+    valid += map.CountValid();
+    for (int v = 0; v < map.height(); ++v) {
+      for (int u = 0; u < map.width(); ++u) {
+        if (!map.IsValid(u, v) || !other.IsValid(u, v)) continue;
+        ++compared;
+        sum += std::abs(map.Px(u, v) - other.Px(u, v));
+      }
+    }
+  }
+  if (pixels == 0 || compared == 0) return "nothing to compare with the recorded answers";
+  return fmt::format(
+      "{:.1f} % of the pixels have a disparity; {:.3f} px from the recorded ones in "
+      "the mean",
+      100.0 * static_cast<double>(valid) / static_cast<double>(pixels),
+      sum / static_cast<double>(compared));
+}
+
+}  // namespace
+
+StageContract ContractOf(const std::string& stage) {
+  if (stage == "refine") {
+    return {.stage = stage,
+            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof},
+            .answer = Part::kSeeds,
+            .may_publish = {Part::kLeftSeeds}};
+  }
+  if (stage == "prior") {
+    return {.stage = stage,
+            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds,
+                       Part::kLeftSeeds},
+            .answer = Part::kPrior,
+            .may_publish = {}};
+  }
+  if (stage == "grow") {
+    return {.stage = stage,
+            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds,
+                       Part::kLeftSeeds, Part::kPrior},
+            .answer = Part::kDisparity,
+            .may_publish = {Part::kUnfilled, Part::kConfidence, Part::kSigma}};
+  }
+  if (stage == "temporal") {
+    return {.stage = stage,
+            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds,
+                       Part::kLeftSeeds, Part::kPrior, Part::kDisparity, Part::kConfidence},
+            .answer = Part::kFused,
+            .may_publish = {Part::kFusedConfidence, Part::kMotion},
+            .has_memory = true};
+  }
+  if (stage == "pipeline") {
+    return {.stage = stage,
+            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof},
+            .answer = Part::kDisparity,
+            .may_publish = {Part::kSeeds, Part::kLeftSeeds, Part::kPrior, Part::kUnfilled,
+                            Part::kConfidence, Part::kSigma, Part::kFused, Part::kFusedConfidence,
+                            Part::kMotion}};
+  }
+  throw ConfigError("STAGE '" + stage +
+                    "': allowed are capture, refine, prior, grow, temporal and pipeline");
+}
+
+void CheckAnswer(const PartValue& answer, cv::Size size, const std::string& what, Findings& found) {
+  if (const auto* seeds = std::get_if<SeedSet>(&answer)) {
+    CheckSeeds(*seeds, size, what, found);
+  } else {
+    CheckMap(MapOf(answer), size, what, found);
+  }
+}
+
+bool IsEmptyAnswer(const PartValue& answer) {
+  if (const auto* seeds = std::get_if<SeedSet>(&answer)) return seeds->seeds.empty();
+  return MapOf(answer).CountValid() == 0;
+}
+
+bool IsSameAnswer(const PartValue& a, const PartValue& b) {
+  if (const auto* seeds = std::get_if<SeedSet>(&a)) return *seeds == std::get<SeedSet>(b);
+  if (!IsSameMat(MapOf(a).counts(), MapOf(b).counts())) return false;
+  const auto* prior = std::get_if<PriorMap>(&a);
+  return prior == nullptr || IsSameMat(prior->sigma, std::get<PriorMap>(b).sigma);
+}
+
+std::string CompareAnswers(std::span<const PartValue> answers,
+                           std::span<const PartValue> recorded) {
+  if (answers.empty() || answers.size() != recorded.size()) {
+    return "nothing to compare with the recorded answers";
+  }
+  if (!std::holds_alternative<SeedSet>(answers[0])) return CompareMaps(answers, recorded);
+  size_t seeds = 0;
+  size_t recorded_seeds = 0;
+  for (const PartValue& value : answers) seeds += std::get<SeedSet>(value).seeds.size();
+  for (const PartValue& value : recorded) recorded_seeds += std::get<SeedSet>(value).seeds.size();
+  return fmt::format("{} seeds in all; the recorded answers have {}", seeds, recorded_seeds);
+}
+
+}  // namespace sprout::check

@@ -1,0 +1,47 @@
+#ifndef SPROUT_SERVICES_CHECK_PROGRAM_CHECK_H_
+#define SPROUT_SERVICES_CHECK_PROGRAM_CHECK_H_
+
+#include <chrono>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/app/process.h"
+#include "services/tools/check/bus_connection.h"
+#include "services/tools/check/findings.h"
+
+namespace sprout::check {
+
+/// How soon the end of a program is noticed.
+inline constexpr std::chrono::milliseconds kPoll{100};
+
+/// Checks a running program, and ends it.
+/// @returns figures about it for people, whole lines; may be empty.
+using Course = std::function<std::string(Process& process, Findings& found)>;
+
+/// Starts a program, runs a check on it, and prints the findings.
+///
+/// @param command  program and arguments.
+/// @param lcm_url  the bus; the program gets it as LCM_DEFAULT_URL.
+/// @param rules    to print.
+/// @returns exit code: 0; 1 when something is wrong with the program.
+/// @throws ConfigError when it cannot be started.
+int CheckProgram(const std::vector<std::string>& command, const std::string& lcm_url,
+                 std::span<const Rule> rules, const Course& course, std::ostream& out);
+
+/// "ended with exit code 3", "was killed by signal 6"; nothing while the program runs.
+std::optional<std::string> HowItEnded(Process& process);
+
+/// Asks the program to end; checks Rule::kEnd.
+void CheckEnd(Process& process, Findings& found);
+
+/// Checks a message on SPROUT_STATUS or SPROUT_PROCESS, which every program may send.
+/// @returns whether it was one.
+bool CheckReport(const Heard& heard, Findings& found);
+
+}  // namespace sprout::check
+
+#endif  // SPROUT_SERVICES_CHECK_PROGRAM_CHECK_H_

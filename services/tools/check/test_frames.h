@@ -1,0 +1,36 @@
+#ifndef SPROUT_SERVICES_CHECK_TEST_FRAMES_H_
+#define SPROUT_SERVICES_CHECK_TEST_FRAMES_H_
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/core/frame.h"
+#include "services/tools/check/contract.h"
+
+namespace sprout::check {
+
+/// A frame to be sent, without utime and seq: it is sent as a new capture each time.
+struct TestFrame {
+  std::string name;  ///< "frame 3", "frame 3 without seeds": for findings
+  std::string rig_id;
+  std::map<Part, PartValue> parts;    ///< the stage's inputs
+  std::optional<PartValue> recorded;  ///< the stage's answer, if the log has it
+
+  const Rig& rig() const { return std::get<Rig>(parts.at(Part::kRig)); }
+};
+
+/// The frames of a log that have all inputs of a stage.
+/// @throws LogError when the log cannot be read; ConfigError when it has no such frame.
+std::vector<TestFrame> ReadTestFrames(const std::filesystem::path& log,
+                                      const StageContract& contract);
+
+/// Degenerate frames, made from a good one: no ToF return, too few seeds, seeds on a line, black
+/// images, sizes that contradict each other.
+std::vector<TestFrame> DegenerateFrames(const TestFrame& good);
+
+}  // namespace sprout::check
+
+#endif  // SPROUT_SERVICES_CHECK_TEST_FRAMES_H_

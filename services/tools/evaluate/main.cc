@@ -1,0 +1,29 @@
+#include <functional>
+#include <iostream>
+#include <string>
+
+#include "common/config/config_error.h"
+#include "common/logfile/log_error.h"
+#include "services/tools/evaluate/program.h"
+#include "services/tools/log/log_frames.h"
+
+namespace sprout::evaluate {
+namespace {
+
+void ReadFrames(const LogChoice& log, const std::function<void(const Frame&)>& visit) {
+  try {
+    const std::string complaint = log::ReadFrames(
+        {.file = log.file, .folder = {}, .frames = log.frames, .prefix = log.prefix}, AllParts(),
+        visit);
+    if (!complaint.empty()) std::cerr << "sprout-evaluate: " << complaint << "\n";
+  } catch (const LogError& e) {
+    throw ConfigError(std::string("--log ") + e.what());
+  }
+}
+
+}  // namespace
+}  // namespace sprout::evaluate
+
+int main(int argc, char** argv) {
+  return sprout::evaluate::EvaluateMain(argc, argv, sprout::evaluate::ReadFrames);
+}

@@ -1,0 +1,199 @@
+#include "services/tools/evaluate/tables.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "services/tools/evaluate/paper_figures.h"
+
+namespace sprout::evaluate {
+namespace {
+
+using Row = std::vector<std::string>;
+
+// The first row is the head; the first column stands left, all others right.
+std::string Markdown(const std::vector<Row>& rows) {
+  std::vector<size_t> widths(rows.front().size(), 3);
+  for (const Row& row : rows) {
+    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  std::string text;
+  for (const Row& row : rows) {
+    for (size_t i = 0; i < row.size(); ++i) {
+      text += i == 0 ? fmt::format("| {:<{}} |", row[i], widths[i])
+                     : fmt::format(" {:>{}} |", row[i], widths[i]);
+    }
+    text += "\n";
+    if (&row != &rows.front()) continue;
+    for (size_t i = 0; i < row.size(); ++i) {
+      const std::string dashes(widths[i], '-');
+      text += i == 0 ? "|-" + dashes + "-|" : "-" + dashes + ":|";
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string Fixed(double number, int digits) { return fmt::format("{:.{}f}", number, digits); }
+
+// A stage that a method does not have.
+std::string Milliseconds(double ms) { return ms == 0 ? "-" : Fixed(ms, 1); }
+
+// Whether ToF points are near some of the pixels, but not all.
+bool HasAway(const SceneResult& scene) {
+  const MethodResult& any = scene.methods.front();
+  return any.away.scored > 0 && any.away.scored < any.all.scored;
+}
+
+// A column of a scene's table.
+struct TableColumn {
+  const char* head;
+  bool is_wide;  // only in the wide table
+  bool is_away;  // only where ToF points are near some of the pixels, but not all
+  std::string (*cell)(const MethodResult& method);
+};
+
+constexpr TableColumn kTableColumns[] = {
+    {"<= 1 px %", false, false,
+     [](const auto& m) { return Fixed(m.nonoccluded.correct_le1_percent(), 2); }},
+    {"< 1 px %", false, false,
+     [](const auto& m) { return Fixed(m.nonoccluded.correct_lt1_percent(), 2); }},
+    {"bad 0.5 %", true, false,
+     [](const auto& m) { return Fixed(m.nonoccluded.bad05_percent(), 2); }},
+    {"bad 2 %", false, false, [](const auto& m) { return Fixed(m.nonoccluded.bad2_percent(), 2); }},
+    {"bad 4 %", true, false, [](const auto& m) { return Fixed(m.nonoccluded.bad4_percent(), 2); }},
+    {"D1 %", true, false, [](const auto& m) { return Fixed(m.nonoccluded.d1_percent(), 2); }},
+    {"density %", false, false,
+     [](const auto& m) { return Fixed(m.nonoccluded.density_percent(), 2); }},
+    {"invalid %", true, false,
+     [](const auto& m) { return Fixed(m.nonoccluded.invalid_percent(), 2); }},
+    {"mean px", false, false, [](const auto& m) { return Fixed(m.nonoccluded.mean_abs_px(), 3); }},
+    {"rms px", true, false, [](const auto& m) { return Fixed(m.nonoccluded.rms_px(), 3); }},
+    {"all <= 1 %", false, false,
+     [](const auto& m) { return Fixed(m.all.correct_le1_percent(), 2); }},
+    {"all D1 %", true, false, [](const auto& m) { return Fixed(m.all.d1_percent(), 2); }},
+    {"away <= 1 %", false, true,
+     [](const auto& m) { return Fixed(m.away.correct_le1_percent(), 2); }},
+    {"away D1 %", true, true, [](const auto& m) { return Fixed(m.away.d1_percent(), 2); }},
+    {"refine ms", true, false, [](const auto& m) { return Milliseconds(m.ms.refine_ms); }},
+    {"prior ms", true, false, [](const auto& m) { return Milliseconds(m.ms.prior_ms); }},
+    {"grow ms", true, false, [](const auto& m) { return Milliseconds(m.ms.grow_ms); }},
+    {"fill ms", true, false, [](const auto& m) { return Milliseconds(m.ms.fill_ms); }},
+    {"total ms", false, false, [](const auto& m) { return Milliseconds(m.ms.total_ms); }}};
+
+std::vector<Row> MetricsRows(const SceneResult& scene, bool is_wide) {
+  const bool has_away = HasAway(scene);
+  std::vector<Row> rows{{"method"}};
+  for (const MethodResult& method : scene.methods) rows.push_back({method.name});
+  for (const TableColumn& column : kTableColumns) {
+    if ((column.is_wide && !is_wide) || (column.is_away && !has_away)) continue;
+    rows[0].emplace_back(column.head);
+    for (size_t i = 0; i < scene.methods.size(); ++i) {
+      rows[i + 1].push_back(column.cell(scene.methods[i]));
+    }
+  }
+  return rows;
+}
+
+std::string PercentText(double percent) {
+  return std::isnan(percent) ? "unknown" : Fixed(percent, 2) + " %";
+}
+
+std::string RefinementLine(const RefinementQuality& quality) {
+  const SeedSet& seeds = quality.refined;
+  const int32_t kept = CountTofSeeds(seeds.seeds);
+  if (seeds.raw == 0) {
+    return fmt::format("refinement: no ToF points; {} seeds from stereo, wrong {}\n",
+                       seeds.seeds.size(), PercentText(quality.wrong_after_percent()));
+  }
+  return fmt::format(
+      "refinement: {} ToF points, dropped {} outside, {} dark, {} loose, {} background, {} "
+      "hidden, {} contradicted; {} kept, {} from stereo; wrong {} before, {} after; good ones lost "
+      "{}\n",
+      seeds.raw, seeds.outside, seeds.dark, seeds.loose, seeds.background, seeds.hidden,
+      seeds.contradicted, kept, std::ssize(seeds.seeds) - kept,
+      PercentText(quality.wrong_before_percent()), PercentText(quality.wrong_after_percent()),
+      PercentText(quality.good_lost_percent()));
+}
+
+std::string ConfidenceLine(const MethodResult& method) {
+  const Sparsification& curve = *method.confidence;
+  std::string line = fmt::format("confidence of {}: bad 1 ", method.name);
+  for (const int kept_percent : {100, 95, 90, 80, 50}) {
+    line += fmt::format(
+        "{:.2f} % of {}, ", curve.BestPercent(kept_percent),
+        kept_percent == 100 ? "all pixels" : fmt::format("the best {} %", kept_percent));
+  }
+  return line + fmt::format("best 70 % / all {:.2f}, area {:.3f} (oracle {:.3f})\n",
+                            curve.BestPercent(70) / curve.BestPercent(100), curve.area_percent,
+                            curve.oracle_area_percent);
+}
+
+std::string CalibrationLine(const MethodResult& method) {
+  const Calibration& calibration = *method.calibration;
+  return fmt::format(
+      "calibration of {}: error > 1 px claimed {:.2f} %, true {:.2f} %, calibration error {:.2f} "
+      "points; within sigma {:.1f} %, within 2 sigma {:.1f} %\n",
+      method.name, calibration.claimed_percent, calibration.bad1_percent, calibration.error_points,
+      calibration.within_1_sigma_percent, calibration.within_2_sigma_percent);
+}
+
+// Measured, the paper's, difference.
+Row PaperCells(const SceneResult& scene, const MethodResult& method) {
+  const double measured = method.nonoccluded.correct_le1_percent();
+  const double paper = PaperPercent(scene.name, method.name).value();
+  return {Fixed(measured, 1), Fixed(paper, 1), fmt::format("{:+.1f}", measured - paper)};
+}
+
+bool IsInPaper(const SceneResult& scene, const MethodResult& method) {
+  return PaperPercent(scene.name, method.name).has_value();
+}
+
+bool HasPaperMethod(const SceneResult& scene) {
+  return std::ranges::any_of(scene.methods,
+                             [&](const MethodResult& method) { return IsInPaper(scene, method); });
+}
+
+}  // namespace
+
+std::string SceneTable(const SceneResult& scene, bool is_wide) {
+  std::string text =
+      fmt::format("{} ({} x {} px)\n\n", scene.name, scene.size.width, scene.size.height) +
+      Markdown(MetricsRows(scene, is_wide)) + "\n" + RefinementLine(scene.refinement);
+  for (const MethodResult& method : scene.methods) {
+    // The paper's variants have one, too, which nobody asks for.
+    if (!method.name.starts_with("sprout") || !method.confidence) continue;
+    text += ConfidenceLine(method);
+    // Nothing is judged of a map without a scored pixel.
+    if (method.calibration && !std::isnan(method.calibration->claimed_percent)) {
+      text += CalibrationLine(method);
+    }
+  }
+  return text;
+}
+
+std::string PaperTable(std::vector<SceneResult> scenes) {
+  std::erase_if(scenes, [](const SceneResult& scene) { return !HasPaperMethod(scene); });
+  if (scenes.empty()) return "";
+  std::vector<Row> rows{{"method"}};
+  for (const SceneResult& scene : scenes) {
+    for (const std::string& head : {scene.name, std::string("paper"), std::string("diff")}) {
+      rows.front().push_back(head);
+    }
+  }
+  for (size_t i = 0; i < scenes.front().methods.size(); ++i) {  // the same ones in every scene
+    const MethodResult& method = scenes.front().methods[i];
+    if (!IsInPaper(scenes.front(), method)) continue;
+    Row row{method.name};
+    for (const SceneResult& scene : scenes) {
+      std::ranges::copy(PaperCells(scene, scene.methods[i]), std::back_inserter(row));
+    }
+    rows.push_back(row);
+  }
+  return "Correct non-occluded pixels (error <= 1 px), %, beside the paper's figures\n\n" +
+         Markdown(rows);
+}
+
+}  // namespace sprout::evaluate

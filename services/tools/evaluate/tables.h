@@ -1,0 +1,24 @@
+#ifndef SPROUT_SERVICES_EVALUATE_TABLES_H_
+#define SPROUT_SERVICES_EVALUATE_TABLES_H_
+
+#include <string>
+#include <vector>
+
+#include "services/tools/evaluate/evaluate.h"
+
+namespace sprout::evaluate {
+
+// Tables for people: Markdown, with columns aligned so that a terminal shows them well, too.
+
+/// Metrics and times of every method on one scene, and one line about refinement.
+/// @param is_wide  with all figures, up to 20 columns; else those that fit a terminal.
+std::string SceneTable(const SceneResult& scene, bool is_wide = false);
+
+/// Each cell (nonocc, error <= 1 px) beside the paper's figure and the difference, in points;
+/// scenes and methods that are not in the paper are left out.
+/// @returns nothing when none is left.
+std::string PaperTable(std::vector<SceneResult> scenes);
+
+}  // namespace sprout::evaluate
+
+#endif  // SPROUT_SERVICES_EVALUATE_TABLES_H_

@@ -1,0 +1,52 @@
+#ifndef SPROUT_SERVICES_EVALUATE_VIDEO_H_
+#define SPROUT_SERVICES_EVALUATE_VIDEO_H_
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/config/config.h"
+#include "services/tools/evaluate/video_score.h"
+
+namespace sprout::evaluate {
+
+/// What is done with a source, frame after frame.
+struct VideoSettings {
+  SproutConfig config;                ///< effective; its source is replaced
+  int frames = 10;                    ///< at most; a data set may have fewer
+  double rate_hz = 10;                ///< of the frames, which have no times of their own
+  double image_noise = 0;             ///< standard deviation that both images get, grey levels
+  std::filesystem::path images = {};  ///< folder for VideoPictures; empty: none
+};
+
+/// A source's figures.
+struct VideoResult {
+  std::string source;
+  int frames = 0;
+  VideoFigures single;   ///< each frame by itself
+  VideoFigures average;  ///< the running average that RealSense's filter takes
+  VideoFigures fused;    ///< sprout-temporal
+  bool motion_known = false;
+  MotionScore motion;
+  double filter_ms = 0;  ///< of a frame, median
+};
+
+/// Runs the chain and the temporal filter on the frames of a source and scores both, and a rival:
+/// the exponential average of librealsense's temporal filter with its defaults (weight of the new
+/// frame 0.4, where it is less than 20/32 px from the average; a pixel without a disparity keeps
+/// the last one). Scored are the pixels with a known truth, of a recorded scan those away from its
+/// points (AwayFromPoints).
+/// @param source    as capture's: kitti:DIR?beams=16, synthetic:640x480?tof=sr4000, middlebury:DIR
+///                  (the scene again and again, with new noise of the ToF camera).
+/// @param on_frame  called before each frame.
+/// @throws std::runtime_error for a picture that cannot be written.
+VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settings,
+                          const std::function<void(int)>& on_frame);
+
+/// A table of the results, and their means.
+std::string VideoTable(const std::vector<VideoResult>& results);
+
+}  // namespace sprout::evaluate
+
+#endif  // SPROUT_SERVICES_EVALUATE_VIDEO_H_

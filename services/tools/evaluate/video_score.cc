@@ -1,0 +1,168 @@
+#include "services/tools/evaluate/video_score.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/core/quantile.h"
+
+namespace sprout::evaluate {
+namespace {
+
+constexpr double kNoDisparityPx = 50;
+constexpr double kLargestChangePx = 20;
+constexpr size_t kTrailFrames = 3;
+constexpr double kNearestM = 0.1;  // in front of the camera
+constexpr double kSamePx = 1;      // from the truth of a point then, on the same surface
+constexpr float kStepPx = 2;       // of the truth, by which something nearer came or went
+
+double ErrorOf(float d, float truth) {
+  if (!std::isfinite(d)) return kNoDisparityPx;
+  return std::min(static_cast<double>(std::abs(d - truth)), kNoDisparityPx);
+}
+
+}  // namespace
+
+std::optional<double> VideoScore::Share::percent() const {
+  if (pixels == 0) return std::nullopt;
+  return 100.0 * static_cast<double>(bad) / static_cast<double>(pixels);
+}
+
+void VideoScore::Add(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask,
+                     const std::optional<TrueMotion>& motion) {
+  if (!truths_.empty()) {
+    const cv::Mat same = truths_.back() == truth;
+    const cv::Mat known = truth == truth;
+    still_ = still_ && cv::countNonZero(same) == cv::countNonZero(known);
+  }
+  if (frames_ >= kFirstScored) {
+    AddErrors(map, truth, mask);
+    AddChanges(map, truth, mask);
+    if (motion) AddAlong(map, truth, mask, *motion);
+    AddSpread(map);
+  }
+  truths_.push_back(truth);
+  if (truths_.size() > kTrailFrames) truths_.pop_front();
+  last_map_ = map;
+  ++frames_;
+}
+
+void VideoScore::AddErrors(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask) {
+  for (int v = 0; v < map.rows; ++v) {
+    for (int u = 0; u < map.cols; ++u) {
+      if (mask(v, u) == 0 || !std::isfinite(truth(v, u))) continue;
+      const double error = ErrorOf(map(v, u), truth(v, u));
+      const int bad = error > 3 ? 1 : 0;
+      ++bad1_.pixels;
+      ++bad3_.pixels;
+      bad1_.bad += error > 1 ? 1 : 0;
+      bad3_.bad += bad;
+      error_sum_ += error;
+      float nearest = truths_.back()(v, u);
+      if (truth(v, u) > nearest + kStepPx) {
+        ++covered_.pixels;
+        covered_.bad += bad;
+      }
+      for (const cv::Mat1f& earlier : truths_) nearest = std::max(nearest, earlier(v, u));
+      if (truth(v, u) < nearest - kStepPx) {
+        ++trail_.pixels;
+        trail_.bad += bad;
+      }
+    }
+  }
+}
+
+void VideoScore::AddChanges(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask) {
+  for (int v = 0; v < map.rows; ++v) {
+    for (int u = 0; u < map.cols; ++u) {
+      const float change = truth(v, u) - truths_.back()(v, u);
+      if (mask(v, u) == 0 || !std::isfinite(change)) continue;
+      const auto error = static_cast<double>(std::abs(map(v, u) - last_map_(v, u) - change));
+      change_sum_ += std::isfinite(error) ? std::min(error, kLargestChangePx) : kLargestChangePx;
+      ++changes_;
+    }
+  }
+}
+
+void VideoScore::AddAlong(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask,
+                          const TrueMotion& motion) {
+  const RectifiedPair& pair = motion.pair;
+  const Pose last_from_left = motion.left_from_last.Inverse();
+  const cv::Mat1f& last_truth = truths_.back();
+  for (int v = 0; v < map.rows; ++v) {
+    for (int u = 0; u < map.cols; ++u) {
+      if (mask(v, u) == 0 || !std::isfinite(truth(v, u))) continue;
+      const double z = pair.DepthFromDisparity(static_cast<double>(truth(v, u)));
+      if (!(z > 0) || !std::isfinite(z)) continue;
+      const Eigen::Vector3d then =
+          last_from_left.rotation * Eigen::Vector3d((u - pair.cx) / pair.focal_px * z,
+                                                    (v - pair.cy) / pair.focal_px * z, z) +
+          last_from_left.translation_m;
+      if (!(then.z() > kNearestM)) continue;
+      const double last_u = pair.focal_px * then.x() / then.z() + pair.cx;
+      const double last_v = pair.focal_px * then.y() / then.z() + pair.cy;
+      // Of the nearest pixel there; not where that shows another surface.
+      if (!(last_u >= 0 && last_v >= 0 && last_u <= map.cols - 1 && last_v <= map.rows - 1)) {
+        continue;
+      }
+      const cv::Point at(cvRound(last_u), cvRound(last_v));
+      const double off = static_cast<double>(last_truth(at)) - pair.DisparityFromDepth(then.z());
+      if (!(std::abs(off) < kSamePx)) continue;
+      const auto error = static_cast<double>(
+          std::abs((map(v, u) - truth(v, u)) - (last_map_(at) - last_truth(at))));
+      along_sum_ += std::isfinite(error) ? std::min(error, kLargestChangePx) : kLargestChangePx;
+      ++alongs_;
+    }
+  }
+}
+
+void VideoScore::AddSpread(const cv::Mat1f& map) {
+  cv::Mat1d wide;  // NaN once, NaN for ever
+  map.convertTo(wide, CV_64F);
+  if (sums_.empty()) {
+    sums_ = cv::Mat1d(map.size(), 0);
+    squares_ = cv::Mat1d(map.size(), 0);
+  }
+  sums_ += wide;
+  squares_ += wide.mul(wide);
+}
+
+VideoFigures VideoScore::figures() const {
+  VideoFigures figures;
+  figures.bad1_percent = bad1_.percent().value_or(NAN);
+  figures.bad3_percent = bad3_.percent().value_or(NAN);
+  figures.mean_px = error_sum_ / static_cast<double>(bad1_.pixels);
+  figures.change_px = change_sum_ / static_cast<double>(changes_);
+  if (alongs_ > 0) figures.along_px = along_sum_ / static_cast<double>(alongs_);
+  figures.trail_percent = trail_.percent();
+  figures.covered_percent = covered_.percent();
+  const double frames = frames_ - kFirstScored;
+  if (!still_ || frames < 2) return figures;
+  std::vector<double> spreads;
+  for (int v = 0; v < sums_.rows; ++v) {
+    for (int u = 0; u < sums_.cols; ++u) {
+      const double variance = (squares_(v, u) - sums_(v, u) * sums_(v, u) / frames) / (frames - 1);
+      if (std::isfinite(variance)) spreads.push_back(std::sqrt(std::max(0.0, variance)));
+    }
+  }
+  if (spreads.empty()) return figures;
+  figures.flicker_median_px = OrderStatistic(std::span(spreads), spreads.size() / 2);
+  figures.flicker_p95_px = OrderStatistic(std::span(spreads), spreads.size() * 95 / 100);
+  return figures;
+}
+
+void MotionScore::Add(const CameraMotion& measured, const Pose& true_left_from_last) {
+  if (measured.reset == MemoryReset::kFirst) return;
+  if (measured.reset != MemoryReset::kNone) {
+    ++resets;
+    return;
+  }
+  const Pose difference = true_left_from_last * measured.last_from_left;
+  const double error = difference.translation_m.norm();
+  ++frames;
+  way_m += true_left_from_last.translation_m.norm();
+  error_m += error;
+  largest_m = std::max(largest_m, error);
+  turn_error += 2 * std::asin(std::min(1.0, difference.rotation.vec().norm()));
+}
+
+}  // namespace sprout::evaluate

@@ -1,0 +1,209 @@
+// The subcommands that copy a log, but for some events: cut and repair.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "common/config/config.h"
+#include "common/logfile/log_reader.h"
+#include "common/logfile/log_writer.h"
+#include "common/messages/message_type.h"
+#include "services/tools/log/channel_summary.h"
+#include "services/tools/log/channels.h"
+#include "services/tools/log/commands.h"
+#include "services/tools/log/damage_text.h"
+#include "services/tools/log/read_progress.h"
+
+namespace sprout::log {
+namespace {
+
+std::optional<FrameId> IdOf(const LogEvent& event) {
+  if (!TypeOf(event.data)) return std::nullopt;
+  auto id = DecodeFrameId(event.data);
+  return id ? std::optional(std::move(*id)) : std::nullopt;
+}
+
+// An event that was read before and may be written later.
+struct KeptEvent {
+  int64_t utime = 0;
+  std::string channel;
+  std::vector<uint8_t> data;
+
+  LogEvent event() const { return {.utime = utime, .channel = channel, .data = data}; }
+};
+
+void Copy(const LogEvent& event, LogWriter& out) {
+  out.Write(event.utime, event.channel, event.data);
+}
+
+// Sees to it that the calibration of every frame that is kept is kept, too. It is sent once a
+// second, so it may stand before the first frame that is kept or behind the last one.
+class RigKeeper {
+ public:
+  explicit RigKeeper(LogWriter& out) : out_(out) {}
+
+  void OnRig(const LogEvent& event, const FrameId& id, bool in_range) {
+    if (in_range || (needed_.contains(id.rig_id) && !written_.contains(id.rig_id))) {
+      Copy(event, out_);
+      written_.insert(id.rig_id);
+    } else if (!written_.contains(id.rig_id)) {
+      waiting_[id.rig_id] = {
+          event.utime, std::string(event.channel), {event.data.begin(), event.data.end()}};
+    }
+  }
+
+  // Before a frame is written.
+  void OnFrame(const FrameId& id) {
+    needed_.insert(id.rig_id);
+    const auto rig = waiting_.find(id.rig_id);
+    if (rig == waiting_.end() || !written_.insert(id.rig_id).second) return;
+    Copy(rig->second.event(), out_);
+    waiting_.erase(rig);
+  }
+
+ private:
+  LogWriter& out_;
+  std::map<std::string, KeptEvent> waiting_;  // newest of each rig_id that was not written yet
+  std::set<std::string> needed_;
+  std::set<std::string> written_;
+};
+
+// Sees to it that frames that are cut out keep what the processes say of themselves, each text
+// once: what was said before the first frame stands before it.
+class ProcessKeeper {
+ public:
+  explicit ProcessKeeper(LogWriter& out) : out_(out) {}
+
+  void OnProcess(const LogEvent& event) {
+    if (!known_.emplace(event.data.begin(), event.data.end()).second) return;
+    if (frame_seen_) return Copy(event, out_);
+    waiting_.push_back(
+        {event.utime, std::string(event.channel), {event.data.begin(), event.data.end()}});
+  }
+
+  // Before a frame is written.
+  void OnFrame() {
+    frame_seen_ = true;
+    for (const KeptEvent& process : waiting_) Copy(process.event(), out_);
+    waiting_.clear();
+  }
+
+ private:
+  LogWriter& out_;
+  bool frame_seen_ = false;
+  std::vector<KeptEvent> waiting_;
+  std::set<std::vector<uint8_t>> known_;
+};
+
+// Tells whoever cuts frames out of a log with fused maps that these depend on earlier frames.
+class MemoryHint {
+ public:
+  MemoryHint(const CutOptions& options, int64_t first) : options_(options), first_(first) {}
+
+  void Add(std::string_view channel, const FrameId& id) {
+    if (channel != ChannelOf(Part::kFused)) return;
+    before_ |= id.seq < first_;
+  }
+
+  void Warn() const {
+    if (!before_ || options_.warm_up > 0) return;
+    std::cerr << fmt::format(
+        "sprout-log: {}: SPROUT_FUSED depends on earlier frames: a replay of {} begins anew at "
+        "frame {}; --warm-up {} keeps what matters\n",
+        options_.in.string(), options_.out.string(), first_, TemporalConfig().warm_up_frames());
+  }
+
+ private:
+  const CutOptions& options_;
+  int64_t first_;
+  bool before_ = false;  // there are fused maps before the first frame that is kept
+};
+
+void PrintWritten(const LogWriter& out, const std::filesystem::path& path, int64_t events) {
+  std::cout << fmt::format("{}: {} of {} events\n", path.string(), out.events(), events);
+}
+
+}  // namespace
+
+int RunCut(const CutOptions& options) {
+  const bool by_frame = !options.frames.empty();
+  FrameRange range = by_frame ? ParseFrameRange("--frames", options.frames) : FrameRange{};
+  range.first = std::max<int64_t>(0, range.first - options.warm_up);
+  MemoryHint memory(options, range.first);
+  const ChannelFilter filter(options.channels, options.prefix);
+  LogReader reader(options.in);
+  LogWriter out(options.out, options.force, OutputFile::OverInput::kAllowed);
+  RigKeeper rigs(out);
+  ProcessKeeper processes(out);
+  ReadProgress progress("reading " + options.in.string(), reader.size());
+  int64_t events = 0;
+  int64_t kept = 0;  // without calibrations that nobody asked for
+  for (LogEvent event; reader.Next(event); progress.Update(reader.position())) {
+    ++events;
+    if (!event.channel.starts_with(options.prefix)) continue;
+    const auto id = IdOf(event);
+    const bool in_range = id ? range.Has(id->seq) : false;
+    if (id) memory.Add(event.channel.substr(options.prefix.size()), *id);
+    if (TypeOf(event.data) == MessageType::kRig && id) {
+      rigs.OnRig(event, *id, in_range || !by_frame);
+      if (filter.names().contains(event.channel) && (in_range || !by_frame)) ++kept;
+      continue;
+    }
+    if (!filter.Has(event.channel)) continue;
+    if (by_frame && TypeOf(event.data) == MessageType::kProcess) {
+      processes.OnProcess(event);
+      continue;
+    }
+    if (by_frame && !in_range) continue;
+    if (by_frame) processes.OnFrame();
+    if (id) rigs.OnFrame(*id);
+    Copy(event, out);
+    ++kept;
+  }
+  progress.Clear();
+  WarnOfDamage(options.in, reader.damage());
+  memory.Warn();
+  if (kept == 0) throw LogError(options.in, "no event in these frames and channels");
+  out.Close();
+  PrintWritten(out, options.out, events);
+  return 0;
+}
+
+int RunRepair(const RepairOptions& options) {
+  LogReader reader(options.in);
+  LogWriter out(options.out, options.force, OutputFile::OverInput::kAllowed);
+  ReadProgress progress("repairing " + options.in.string(), reader.size());
+  int64_t undecodable = 0;
+  std::string report;
+  for (LogEvent event; reader.Next(event); progress.Update(reader.position())) {
+    const std::string reason = WhyUndecodable(event);
+    if (!reason.empty()) {
+      constexpr int kShown = 20;
+      if (++undecodable <= kShown) {
+        report += fmt::format("{}: {}, event {} at byte {}: {}\n",
+                              options.drop_undecodable ? "dropped" : "kept, but undecodable",
+                              event.channel, event.number, event.offset, reason);
+      }
+      if (options.drop_undecodable) continue;
+    }
+    Copy(event, out);
+  }
+  progress.Clear();
+  out.Close();
+  int64_t lost_bytes = 0;
+  for (const LogDamage& damage : reader.damage()) {
+    lost_bytes += damage.bytes;
+    report += "lost: " + DamageText(damage) + "\n";
+  }
+  std::cout << report
+            << fmt::format("{}: {} events; {} bytes of {} lost in {} place{}, {} undecodable {}\n",
+                           options.out.string(), out.events(), lost_bytes, reader.size(),
+                           reader.damage().size(), reader.damage().size() == 1 ? "" : "s",
+                           undecodable, options.drop_undecodable ? "dropped" : "kept");
+  return 0;
+}
+
+}  // namespace sprout::log

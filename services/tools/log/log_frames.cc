@@ -1,0 +1,65 @@
+#include "services/tools/log/log_frames.h"
+
+#include <fmt/core.h>
+
+#include <iostream>
+#include <optional>
+#include <system_error>
+
+#include "common/config/config_error.h"
+#include "common/frames/log_frames.h"
+#include "common/logfile/log_error.h"
+#include "services/tools/log/damage_text.h"
+#include "services/tools/log/read_progress.h"
+
+namespace sprout::log {
+
+std::string ReadFrames(const PicturesOptions& options, PartSet parts,
+                       const std::function<void(const Frame&)>& visit) {
+  FrameChoice choice{.prefix = options.prefix, .parts = parts};
+  if (!options.frames.empty()) choice.frames = ParseFrameRange("--frames", options.frames);
+  int64_t undecodable = 0;
+  std::string first_error;
+  int64_t first_offset = 0;
+  LogFrames frames(options.file, choice, [&](const LogEvent& event, const std::string& why) {
+    if (undecodable++ > 0 && event.offset > first_offset) return;
+    first_offset = event.offset;
+    first_error =
+        fmt::format("{}, event {} at byte {}: {}", event.channel, event.number, event.offset, why);
+  });
+  {
+    ReadProgress progress("reading " + options.file.string(), frames.log().size());
+    const auto show = [&](int64_t position) { progress.Update(position); };
+    while (const std::optional<Frame> frame = frames.Next(show)) visit(*frame);
+    progress.Clear();
+  }
+  WarnOfDamage(options.file, frames.log().damage());
+  if (undecodable == 0) return frames.index().OtherPrefixText();
+  return fmt::format("undecodable messages: {}, the first {}", undecodable, first_error);
+}
+
+std::filesystem::path FrameFileNames::Of(const FrameId& id, const std::string& what) {
+  if (utimes_.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(folder_, error);
+    if (error)
+      throw ConfigError(folder_.string() + ": cannot be written (" + error.message() + ")");
+  }
+  ++files_;
+  const auto [first, added] = utimes_.emplace(id.seq, id.utime);
+  const std::string number = fmt::format("{:06}", id.seq);
+  const bool other = !added && first->second != id.utime;
+  return folder_ / (number + (other ? fmt::format("_{}", id.utime) : "") + "_" + what);
+}
+
+void FinishFiles(const std::string& complaint, const FrameFileNames& names,
+                 const PicturesOptions& options, const std::string& nothing) {
+  if (names.files() == 0) {
+    throw LogError(options.file, nothing + (complaint.empty() ? "" : "; " + complaint));
+  }
+  if (!complaint.empty()) std::cerr << "sprout-log: " << complaint << "\n";
+  std::cout << fmt::format("{}: {} files of {} frames\n", options.folder.string(), names.files(),
+                           names.frames());
+}
+
+}  // namespace sprout::log

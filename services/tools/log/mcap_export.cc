@@ -1,0 +1,218 @@
+// sprout-log export --mcap: a log as ROS 2's messages.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <iostream>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "common/app/version.h"
+#include "common/bus/channels.h"
+#include "common/config/config_error.h"
+#include "common/logfile/log_reader.h"
+#include "common/messages/message_type.h"
+#include "common/ros/frame_topics.h"
+#include "common/ros/mcap_writer.h"
+#include "services/tools/log/commands.h"
+#include "services/tools/log/damage_text.h"
+#include "services/tools/log/process_summary.h"
+#include "services/tools/log/read_progress.h"
+
+namespace sprout::log {
+namespace {
+
+constexpr std::string_view kPrefix = "/sprout";
+
+// What rosbag2 offers when it plays a latched topic, in its own words: every reader gets the
+// newest.
+constexpr char kLatchedQos[] = R"(- history: 1
+  depth: 1
+  reliability: 1
+  durability: 1
+  deadline:
+    sec: 9223372036
+    nsec: 854775807
+  lifespan:
+    sec: 9223372036
+    nsec: 854775807
+  liveliness: 1
+  liveliness_lease_duration:
+    sec: 9223372036
+    nsec: 854775807
+  avoid_ros_namespace_conventions: false
+)";
+
+// The calibrations of a log, also those that stand behind the frames that name them. Reads ahead
+// until it meets the one that is asked for.
+class RigBook {
+ public:
+  RigBook(const std::filesystem::path& path, std::string channel)
+      : reader_(path), channel_(std::move(channel)) {}
+
+  // Null when the log has none of this name.
+  const Rig* Find(const std::string& rig_id) {
+    for (LogEvent event; !rigs_.contains(rig_id) && reader_.Next(event);) {
+      if (event.channel != channel_) continue;
+      Result<DecodedPart> part = DecodePart(Part::kRig, event.data);
+      if (part) rigs_.emplace(part->id.rig_id, std::get<Rig>(std::move(part->value)));
+    }
+    const auto found = rigs_.find(rig_id);
+    return found == rigs_.end() ? nullptr : &found->second;
+  }
+
+ private:
+  LogReader reader_;
+  std::string channel_;
+  std::map<std::string, Rig> rigs_;
+};
+
+// The file, and its channels as they come up.
+class RosFile {
+ public:
+  explicit RosFile(const std::filesystem::path& path)
+      : writer_(path, {.profile = "ros2", .library = "sprout " + Version()}) {}
+
+  void Write(RosTopic topic, int64_t seq, int64_t utime, const AnyRosMessage& message) {
+    WriteCdr(message, cdr_);
+    const auto time_ns = static_cast<uint64_t>(std::max<int64_t>(utime, 0)) * 1000;
+    writer_.Write(ChannelOf(topic), static_cast<uint32_t>(seq), time_ns, cdr_);
+  }
+
+  McapWriter& writer() { return writer_; }
+
+ private:
+  uint16_t ChannelOf(RosTopic topic) {
+    const auto [channel, is_new] = channels_.try_emplace(topic);
+    if (!is_new) return channel->second;
+    const RosTopicRow& row = RowOf(topic);
+    const RosType& type = row.type();
+    const auto [schema, is_new_type] = schemas_.try_emplace(&type);
+    if (is_new_type) schema->second = writer_.AddSchema(type.name, "ros2msg", RosSchema(type));
+    std::map<std::string, std::string> metadata;
+    if (topic == RosTopic::kTransforms) metadata["offered_qos_profiles"] = kLatchedQos;
+    channel->second =
+        writer_.AddChannel(schema->second, RosTopicName(row, kPrefix), "cdr", std::move(metadata));
+    return channel->second;
+  }
+
+  McapWriter writer_;
+  std::map<RosTopic, uint16_t> channels_;
+  std::map<const RosType*, uint16_t> schemas_;
+  std::vector<uint8_t> cdr_;
+};
+
+class McapExporter {
+ public:
+  explicit McapExporter(const McapExportOptions& options)
+      : options_(options),
+        rigs_(options.file, options.prefix + std::string(ChannelOf(Part::kRig))),
+        file_(options.out) {
+    if (!options.frames.empty()) frames_ = ParseFrameRange("--frames", options.frames);
+  }
+
+  void Take(const LogEvent& event) {
+    if (!event.channel.starts_with(options_.prefix)) return;
+    const std::string_view channel = event.channel.substr(options_.prefix.size());
+    if (channel == kStatusChannel) return TakeStatus(event);
+    if (channel == kProcessChannel) return processes_.Add(event.data);
+    if (const std::optional<Part> part = PartOf(channel)) TakePart(event, *part);
+  }
+
+  // @returns one line about what could not be exported; empty: nothing.
+  std::string Complaint() const {
+    std::string text;
+    if (refused_ > 0)
+      text = fmt::format("undecodable messages: {}, the first {}", refused_, first_refused_);
+    if (without_rig_ > 0) {
+      text += fmt::format("{}{} messages whose calibration is not in the log",
+                          text.empty() ? "" : "; ", without_rig_);
+    }
+    return text;
+  }
+
+  McapWriter& Finish() {
+    for (const ProcessInfo& process : processes_.processes()) {
+      file_.writer().AddMetadata("sprout process " + process.stage,
+                                 {{"stage", process.stage},
+                                  {"host", process.host},
+                                  {"version", process.version},
+                                  {"config_digest", process.config_digest},
+                                  {"config", process.config_text}});
+    }
+    return file_.writer();
+  }
+
+ private:
+  void Refuse(const LogEvent& event, const std::string& why) {
+    if (refused_++ > 0) return;
+    first_refused_ = fmt::format("{} at byte {}: {}", event.channel, event.offset, why);
+  }
+
+  void TakeStatus(const LogEvent& event) {
+    const Result<StageStatus> status = DecodeStatus(event.data);
+    if (!status) return Refuse(event, status.error().text);
+    if (frames_ && !frames_->Has(status->newest_frame.seq)) return;
+    const auto message = ToRosDiagnostics(event.utime, {{status->stage, *status}});
+    file_.Write(RosTopic::kDiagnostics, status->newest_frame.seq, event.utime, message);
+  }
+
+  void TakePart(const LogEvent& event, Part part) {
+    // What no topic shows is not decoded.
+    const auto is_of_part = [part](const RosTopicRow& row) { return row.part == part; };
+    if (std::ranges::none_of(RosTopicRows(), is_of_part)) return;
+    if (frames_ && part != Part::kRig) {
+      const Result<FrameId> id = DecodeFrameId(event.data);
+      if (id && !frames_->Has(id->seq)) return;
+    }
+    const Result<DecodedPart> decoded = DecodePart(part, event.data);
+    if (!decoded) return Refuse(event, decoded.error().text);
+    // Calibrations are sent every second, and latched here.
+    if (part == Part::kRig && !latched_.insert(decoded->id.rig_id).second) return;
+    for (const RosTopicRow& row : RosTopicRows()) {
+      if (!is_of_part(row) || row.topic == RosTopic::kDiagnostics) continue;
+      const Rig* const rig = row.needs_rig ? rigs_.Find(decoded->id.rig_id) : nullptr;
+      if (row.needs_rig && rig == nullptr) ++without_rig_;
+      const auto message = ToRos(row.topic, decoded->id, decoded->value, rig, {});
+      if (message) file_.Write(row.topic, decoded->id.seq, event.utime, *message);
+    }
+  }
+
+  const McapExportOptions& options_;
+  std::optional<FrameRange> frames_;
+  RigBook rigs_;
+  RosFile file_;
+  ProcessSummary processes_;
+  std::set<std::string> latched_;
+  int64_t refused_ = 0;
+  std::string first_refused_;
+  int64_t without_rig_ = 0;
+};
+
+}  // namespace
+
+int RunMcapExport(const McapExportOptions& options) {
+  std::error_code ignored;
+  if (!options.force && std::filesystem::exists(options.out, ignored)) {
+    throw LogError(options.out, "exists already; --force overwrites it");
+  }
+  LogReader reader(options.file);
+  McapExporter exporter(options);
+  ReadProgress progress("reading " + options.file.string(), reader.size());
+  for (LogEvent event; reader.Next(event); progress.Update(reader.position())) exporter.Take(event);
+  progress.Clear();
+  WarnOfDamage(options.file, reader.damage());
+  const std::string complaint = exporter.Complaint();
+  if (!complaint.empty())
+    std::cerr << "sprout-log: " << options.file.string() << ": " << complaint << "\n";
+  McapWriter& writer = exporter.Finish();
+  if (writer.messages() == 0)
+    throw LogError(options.file, "no message of these frames that ROS knows");
+  const uint64_t messages = writer.messages();
+  if (const Result<void> done = writer.Commit(); !done)
+    throw ConfigError("export: " + done.error().text);
+  std::cout << fmt::format("{}: {} messages\n", options.out.string(), messages);
+  return 0;
+}
+
+}  // namespace sprout::log

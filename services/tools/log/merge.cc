@@ -1,0 +1,137 @@
+// The subcommand that writes one log of several.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "common/core/digest.h"
+#include "common/core/output_file.h"
+#include "common/logfile/log_error.h"
+#include "common/logfile/log_reader.h"
+#include "common/logfile/log_writer.h"
+#include "common/messages/message_type.h"
+#include "services/tools/log/commands.h"
+#include "services/tools/log/damage_text.h"
+#include "services/tools/log/read_progress.h"
+
+namespace sprout::log {
+namespace {
+
+using ChannelSet = std::set<std::string, std::less<>>;
+
+// Whether a channel has parts of frames, of which there is one for each frame; unlike statuses, and
+// calibrations, which are sent again and again.
+bool HasAnswers(std::string_view channel) {
+  const std::optional<MessageType> type = TypeOfChannel(channel);
+  return type && type != MessageType::kStatus && type != MessageType::kProcess &&
+         type != MessageType::kRigChange && type != MessageType::kRig;
+}
+
+// A log that is merged with others.
+class MergedLog {
+ public:
+  explicit MergedLog(const std::filesystem::path& path) : path_(path), reader_(path) {}
+
+  ChannelSet AnswerChannels(ReadProgress& progress) const {
+    ChannelSet channels;
+    LogReader ahead(path_);
+    for (LogEvent event; ahead.Next(event); progress.Update(ahead.position())) {
+      if (HasAnswers(event.channel)) channels.emplace(event.channel);
+    }
+    return channels;
+  }
+
+  void Hide(const ChannelSet& channels) { hidden_.insert(channels.begin(), channels.end()); }
+
+  void Advance() {
+    do {
+      is_there_ = reader_.Next(event_);
+    } while (is_there_ && hidden_.contains(event_.channel));
+  }
+
+  bool is_there() const { return is_there_; }
+  const LogEvent& event() const { return event_; }
+  const std::filesystem::path& path() const { return path_; }
+  const LogReader& reader() const { return reader_; }
+
+ private:
+  std::filesystem::path path_;
+  LogReader reader_;
+  ChannelSet hidden_;  // a later log has them
+  LogEvent event_;
+  bool is_there_ = false;
+};
+
+// Finds frames that have two different messages on one channel. Some 100 bytes a message.
+class AnswerCheck {
+ public:
+  /// @throws LogError for a second answer.
+  void Add(const MergedLog& log) {
+    const LogEvent& event = log.event();
+    if (!HasAnswers(event.channel)) return;
+    const Result<FrameId> id = DecodeFrameId(event.data);
+    if (!id) return;
+    auto& answers = answers_.try_emplace(std::string(event.channel)).first->second;
+    const uint64_t hash =
+        Hash({reinterpret_cast<const char*>(event.data.data()), event.data.size()});
+    const auto [known, is_new] = answers.try_emplace({id->utime, id->seq}, hash, &log);
+    if (is_new || known->second.first == hash || known->second.second == &log) return;
+    throw LogError(log.path(),
+                   fmt::format("{} of frame {} is another than in {}; --replace takes the channel "
+                               "from the last log that has it",
+                               event.channel, id->seq, known->second.second->path().string()));
+  }
+
+ private:
+  using Answer = std::pair<uint64_t, const MergedLog*>;  // digest, and where it is from
+  std::map<std::string, std::map<std::pair<int64_t, int64_t>, Answer>, std::less<>> answers_;
+};
+
+// Each log keeps its order; of equal times the log named first comes first.
+MergedLog& NextOf(const std::vector<std::unique_ptr<MergedLog>>& logs) {
+  return **std::ranges::min_element(logs, [](const auto& a, const auto& b) {
+    if (a->is_there() != b->is_there()) return a->is_there();
+    return a->is_there() && a->event().utime < b->event().utime;
+  });
+}
+
+}  // namespace
+
+int RunMerge(const MergeOptions& options) {
+  std::vector<std::unique_ptr<MergedLog>> logs;
+  int64_t bytes = 0;
+  for (const auto& path : options.in) {
+    logs.push_back(std::make_unique<MergedLog>(path));
+    bytes += logs.back()->reader().size();
+  }
+  for (size_t later = 1; options.replace && later < logs.size(); ++later) {
+    ReadProgress progress("reading " + options.in[later].string(), logs[later]->reader().size());
+    const ChannelSet channels = logs[later]->AnswerChannels(progress);
+    for (size_t i = 0; i < later; ++i) logs[i]->Hide(channels);
+  }
+  for (const auto& log : logs) log->Advance();
+  LogWriter out(options.out, options.force, OutputFile::OverInput::kAllowed);
+  ReadProgress progress("merging", bytes);
+  AnswerCheck check;
+  for (MergedLog* next = &NextOf(logs); next->is_there(); next = &NextOf(logs)) {
+    if (!options.replace) check.Add(*next);
+    out.Write(next->event().utime, next->event().channel, next->event().data);
+    next->Advance();
+    int64_t position = 0;
+    for (const auto& log : logs) position += log->reader().position();
+    progress.Update(position);
+  }
+  progress.Clear();
+  for (const auto& log : logs) WarnOfDamage(log->path(), log->reader().damage());
+  out.Close();
+  std::cout << fmt::format("{}: {} of {} events\n", options.out.string(), out.events(),
+                           out.events());
+  return 0;
+}
+
+}  // namespace sprout::log

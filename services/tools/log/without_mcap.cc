@@ -1,0 +1,16 @@
+// In the place of mcap_export.cc and mcap_info.cc where ROS 2 and MCAP are left out.
+#include "common/config/left_out.h"
+#include "services/tools/log/commands.h"
+
+namespace sprout::log {
+
+int RunMcapExport(const McapExportOptions&) { throw LeftOut("--mcap", "ROS2"); }
+
+bool IsMcap(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  return name.ends_with(".mcap") || name.ends_with(".mcap.zstd");
+}
+
+int RunMcapInfo(const InfoOptions& options) { throw LeftOut(options.file.string(), "ROS2"); }
+
+}  // namespace sprout::log

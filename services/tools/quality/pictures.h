@@ -1,0 +1,27 @@
+#ifndef SPROUT_SERVICES_QUALITY_PICTURES_H_
+#define SPROUT_SERVICES_QUALITY_PICTURES_H_
+
+#include <opencv2/core.hpp>
+
+#include "services/tools/quality/measurement.h"
+
+namespace sprout::quality {
+
+// Pictures for people, as common/picture/picture.h makes them. @pre !measurement.empty().
+// O(pixels).
+
+/// The newest disparity map, with the region, and the edge, as white frames.
+cv::Mat3b RegionPicture(const Measurement& measurement);
+
+/// Of the region: depth minus that of the plane, mean of the frames, mm. Green lies on the plane,
+/// blue is nearer, red farther; the scale reaches to three times the RMS.
+/// @param maps  the meter's.
+cv::Mat3b ResidualPicture(const TargetMaps& maps, const TargetQuality& quality);
+
+/// Of the region: standard deviation of each pixel over the frames, mm, up to twice the 95 %
+/// figure.
+cv::Mat3b NoisePicture(const TargetMaps& maps, const TargetQuality& quality);
+
+}  // namespace sprout::quality
+
+#endif  // SPROUT_SERVICES_QUALITY_PICTURES_H_

@@ -1,0 +1,117 @@
+#include "services/tools/quality/report.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+#include "common/app/version.h"
+#include "common/picture/chart.h"
+#include "common/picture/html.h"
+#include "services/tools/quality/pictures.h"
+#include "services/tools/quality/verdict.h"
+
+namespace sprout::quality {
+namespace {
+
+constexpr char kHead[] = R"(<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>sprout-quality</title>
+<style>
+body { font: 15px/1.45 sans-serif; max-width: 1440px; margin: 2em auto; padding: 0 1em; color: #1c1c1c; }
+h1 { font-size: 1.6em; } h2 { margin-top: 1.6em; border-bottom: 1px solid #ccc; }
+table { border-collapse: collapse; margin: 1em 0; }
+th, td { border-bottom: 1px solid #e2e2e2; padding: .25em 1.2em .25em 0; text-align: left; }
+th { color: #555; font-weight: normal; } td.number { text-align: right; font-variant-numeric: tabular-nums; }
+td.meaning { color: #555; }
+figure { display: inline-block; margin: .5em 1.5em .5em 0; vertical-align: top; max-width: 46em; }
+figcaption { color: #444; } img { max-width: 100%; border: 1px solid #ddd; }
+.chart text { font: 11px sans-serif; fill: #555; } .axis { stroke: #999; } .a { fill: #7fa6cc; }
+.good { color: #176117; } .bad { color: #a31515; font-weight: 600; }
+</style></head><body>
+)";
+
+std::string FigureRows(const TargetQuality& quality, std::span<const Limit> limits) {
+  std::string html =
+      "<table><tr><th>figure</th><th>value</th><th>allowed</th><th></th><th>meaning</th></tr>\n";
+  for (const TargetFigure& figure : TargetFigures()) {
+    const auto limit = std::ranges::find(limits, &figure, &Limit::figure);
+    const bool limited = limit != limits.end();
+    const bool kept = limited && limit->IsKept(quality);
+    html += fmt::format(
+        "<tr><td>{}</td><td class=\"number\">{}</td><td>{}</td><td class=\"{}\">{}</td>"
+        "<td class=\"meaning\">{}</td></tr>\n",
+        EscapedHtml(figure.title), EscapedHtml(TargetText(figure, quality)),
+        limited ? EscapedHtml(limit->Text()) : "", kept ? "good" : "bad",
+        !limited ? "" : (kept ? "good" : "bad"), EscapedHtml(figure.meaning));
+  }
+  return html + "</table>\n";
+}
+
+std::string Heading(const TargetQuality& quality, std::span<const Limit> limits) {
+  if (limits.empty()) return "<h1>Depth on a flat target</h1>\n";
+  const bool good = IsGood(quality, limits);
+  return fmt::format("<h1>Depth on a flat target: <span class=\"{0}\">{0}</span></h1>\n",
+                     good ? "good" : "bad");
+}
+
+std::string PlaneText(const TargetMeter& meter, const TargetMaps& maps) {
+  const auto plane = maps.plane ? PlaneInSpace(*maps.plane, meter.pair()) : std::nullopt;
+  if (!plane) return "<p class=\"bad\">No plane was found.</p>\n";
+  const Eigen::Vector3d normal = plane->normal();
+  return fmt::format(
+      "<p>{:+.6f} x {:+.6f} y {:+.6f} z = {:.5f} m in the frame of the left camera (x right, y "
+      "down, z forward); as disparity {:.4f} px {:+.6f} u {:+.6f} v.</p>\n",
+      normal.x(), normal.y(), normal.z(), -plane->offset(), maps.plane->d0, maps.plane->du,
+      maps.plane->dv);
+}
+
+std::vector<float> Present(const cv::Mat1f& values) {
+  std::vector<float> present;
+  for (const float value : values) {
+    if (!std::isnan(value)) present.push_back(value);
+  }
+  return present;
+}
+
+std::string Lines(const std::string& text) {
+  std::string html;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) html += "<p>" + EscapedHtml(line) + ".</p>\n";
+  return html;
+}
+
+}  // namespace
+
+std::string ReportHtml(const Measurement& measurement, std::span<const Limit> limits,
+                       const std::string& input) {
+  const TargetMeter& meter = measurement.meter();
+  const TargetQuality quality = meter.Quality();
+  const TargetMaps maps = meter.Maps();
+  const cv::Rect& region = meter.region();
+  std::string html = kHead + Heading(quality, limits);
+  html +=
+      fmt::format("<p>{}: {} frames, region {},{},{},{} of {} × {} px. sprout-quality {}.</p>\n",
+                  EscapedHtml(input), quality.frames, region.x, region.y, region.width,
+                  region.height, meter.pair().width, meter.pair().height, EscapedHtml(Version()));
+  html += Lines(measurement.LeftOutText());
+  html += FigureRows(quality, limits) + Lines(MissingText(quality, measurement.settings()));
+  html += "<h2>Plane</h2>\n" + PlaneText(meter, maps) +
+          FigureHtml(RegionPicture(measurement), "The newest map, and where it was measured.");
+  html += "<h2>Residuals</h2>\n" +
+          FigureHtml(ResidualPicture(maps, quality),
+                     "Depth minus that of the plane, mean of the frames: green lies on it, blue is "
+                     "nearer, red farther.") +
+          HistogramSvg("depth minus plane, mean of the frames, mm", Present(maps.residual_mm), {});
+  if (quality.temporal_noise_mm) {
+    html += "<h2>Temporal noise</h2>\n" +
+            FigureHtml(NoisePicture(maps, quality),
+                       "Standard deviation of each pixel over the frames; black: not always a "
+                       "depth.") +
+            HistogramSvg("standard deviation over the frames, mm", Present(maps.noise_mm), {});
+  }
+  return html + "</body></html>\n";
+}
+
+}  // namespace sprout::quality

@@ -1,0 +1,107 @@
+#include "services/tools/quality/verdict.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "common/app/version.h"
+#include "common/core/image.h"
+#include "common/measure/edge_width.h"
+
+namespace sprout::quality {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const Limit* LimitFor(const TargetFigure& figure, std::span<const Limit> limits) {
+  const auto found = std::ranges::find(limits, &figure, &Limit::figure);
+  return found == limits.end() ? nullptr : &*found;
+}
+
+Json RectJson(const cv::Rect& rect) { return {rect.x, rect.y, rect.width, rect.height}; }
+
+template <typename T>
+Json OrNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+}  // namespace
+
+bool IsGood(const TargetQuality& quality, std::span<const Limit> limits) {
+  return std::ranges::all_of(limits, [&](const Limit& limit) { return limit.IsKept(quality); });
+}
+
+std::string TableText(const Measurement& measurement, std::span<const Limit> limits) {
+  const TargetMeter& meter = measurement.meter();
+  const TargetQuality quality = meter.Quality();
+  const cv::Rect& region = meter.region();
+  std::string text =
+      fmt::format("region {},{},{},{} of {} px, {} frames", region.x, region.y, region.width,
+                  region.height, SizeText(meter.pair().size()), quality.frames);
+  if (quality.without_plane > 0) text += fmt::format(", {} without a plane", quality.without_plane);
+  text += "\n";
+  for (const TargetFigure& figure : TargetFigures()) {
+    const Limit* const limit = LimitFor(figure, limits);
+    if (limit == nullptr && !(quality.*figure.value)) continue;
+    const std::string value = TargetText(figure, quality);
+    text += fmt::format("  {:<29} {:>14}", figure.title, value);
+    if (limit != nullptr) {
+      text +=
+          fmt::format("   {} {}", limit->IsKept(quality) ? "good:" : "BAD: allowed", limit->Text());
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string JsonText(const Measurement& measurement, std::span<const Limit> limits,
+                     const std::string& input) {
+  const TargetMeter& meter = measurement.meter();
+  const TargetQuality quality = meter.Quality();
+  Json figures = Json::object();
+  for (const TargetFigure& figure : TargetFigures()) {
+    figures[std::string(figure.name)] = OrNull(quality.*figure.value);
+  }
+  Json kept = Json::array();
+  for (const Limit& limit : limits) {
+    kept.push_back({{"figure", limit.figure->name},
+                    {"at_least", OrNull(limit.at_least)},
+                    {"at_most", OrNull(limit.at_most)},
+                    {"kept", limit.IsKept(quality)}});
+  }
+  const Json json = {{"version", Version()},
+                     {"input", input},
+                     {"size", {meter.pair().width, meter.pair().height}},
+                     {"region", RectJson(meter.region())},
+                     {"edge", meter.edge() ? RectJson(*meter.edge()) : Json(nullptr)},
+                     {"true_distance_m", OrNull(measurement.settings().distance_m)},
+                     {"frames", quality.frames},
+                     {"frames_without_plane", quality.without_plane},
+                     {"maps_of_another_size", measurement.other_size()},
+                     {"maps_without_calibration", measurement.without_calibration()},
+                     {"figures", std::move(figures)},
+                     {"limits", std::move(kept)},
+                     {"good", limits.empty() ? Json(nullptr) : Json(IsGood(quality, limits))}};
+  // Paths may hold any bytes; JSON may not.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string MissingText(const TargetQuality& quality, const TargetSettings& settings) {
+  std::string text;
+  if (quality.frames > 0 && !quality.distance_m) {
+    text += "no plane: too few pixels of the region have a disparity\n";
+  }
+  if (!settings.distance_m)
+    text += "no Z-accuracy: the true distance is not known (--distance-m)\n";
+  if (quality.frames < 2) text += "no temporal noise: it takes at least two frames\n";
+  if (settings.edge && !quality.edge_width_px) {
+    text += fmt::format("no edge width: no step of {:g} px or more in --edge\n", kMinEdgeStepPx);
+  }
+  if (quality.distance_m && !quality.sigma_claimed_px) {
+    text += "no sigma claimed: the maps come without a standard deviation (SPROUT_SIGMA)\n";
+  }
+  return text;
+}
+
+}  // namespace sprout::quality

@@ -1,0 +1,212 @@
+#include "common/app/status_board.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/app/board_text.h"
+
+namespace sprout {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class StatusBoardTest : public ::testing::Test {
+ protected:
+  static StageStatus Status(const std::string& stage, int32_t pid = 1) {
+    StageStatus status;
+    status.stage = stage;
+    status.host = "robot";
+    status.pid = pid;
+    status.state = StageStatus::State::kRunning;
+    return status;
+  }
+
+  std::vector<std::string> Seen(milliseconds after = milliseconds(0)) const {
+    std::vector<std::string> seen;
+    for (const BoardRow& row : board_.Rows(start_ + after)) {
+      seen.push_back(row.status.stage + " " + std::string(NameOf(row.health)));
+    }
+    return seen;
+  }
+
+  bool Whole(milliseconds after = milliseconds(0)) const {
+    return IsWhole(board_.Rows(start_ + after));
+  }
+
+  StatusBoard::Clock::time_point start_{};
+  StatusBoard board_{{"capture", "grow"}};
+};
+
+TEST_F(StatusBoardTest, MissesTheStagesThatNobodyHeard) {
+  EXPECT_THAT(Seen(), ElementsAre("capture missing", "grow missing"));
+  board_.Add(Status("grow"), start_);
+  EXPECT_THAT(Seen(), ElementsAre("capture missing", "grow good"));
+  EXPECT_FALSE(Whole());
+  board_.Add(Status("capture"), start_);
+  EXPECT_TRUE(Whole());
+}
+
+TEST_F(StatusBoardTest, ShowsWhatATerminalWouldObey) {
+  StageStatus status = Status("gr\x1b[2Jow");
+  status.host = "robot\n";
+  status.last_error = "no\r\x1b]0;damage";
+  board_.Add(status, start_);
+  const std::string text = BoardText(board_.Rows(start_), /*colour=*/false);
+  EXPECT_THAT(text, HasSubstr("gr\\x1b[2Jow"));
+  EXPECT_THAT(text, HasSubstr("robot\\x0a:1"));
+  EXPECT_THAT(text, HasSubstr("no\\x0d\\x1b]0;damage"));
+}
+
+TEST_F(StatusBoardTest, ListsOthersBehindTheExpectedOnes) {
+  for (const char* stage : {"view", "grow", "depth", "capture"}) board_.Add(Status(stage), start_);
+  EXPECT_THAT(Seen(), ElementsAre("capture good", "grow good", "depth good", "view good"));
+}
+
+TEST_F(StatusBoardTest, SaysWhoFellSilentAndWhoStopped) {
+  board_.Add(Status("capture"), start_);
+  board_.Add(Status("grow"), start_);
+  EXPECT_TRUE(Whole(milliseconds(3400)));
+  board_.Add(Status("grow"), start_ + milliseconds(3000));
+  EXPECT_THAT(Seen(milliseconds(3600)), ElementsAre("capture stale", "grow good"));
+  StageStatus stopped = Status("grow");
+  stopped.state = StageStatus::State::kStopped;
+  board_.Add(stopped, start_ + milliseconds(4000));
+  EXPECT_THAT(Seen(milliseconds(4000)), ElementsAre("capture stale", "grow stopped"));
+  EXPECT_FALSE(Whole(milliseconds(4000)));
+}
+
+TEST_F(StatusBoardTest, NoticesTwoProcessesOfOneStageButNotASuccessor) {
+  board_.Add(Status("capture"), start_);
+  board_.Add(Status("grow", 1), start_);
+  board_.Add(Status("grow", 2), start_);
+  EXPECT_THAT(Seen(), ElementsAre("capture good", "grow twice", "grow twice"));
+  EXPECT_FALSE(Whole());
+  board_.Add(Status("capture"), start_ + milliseconds(3600));
+  board_.Add(Status("grow", 2), start_ + milliseconds(3600));
+  EXPECT_THAT(Seen(milliseconds(3600)), ElementsAre("capture good", "grow good"));
+}
+
+TEST_F(StatusBoardTest, SaysWhoLosesNow) {
+  StageStatus status = Status("grow");
+  status.frames_skipped = 5;
+  board_.Add(status, start_);
+  EXPECT_THAT(Seen(), ElementsAre("capture missing", "grow good"));
+  ++status.frames_skipped;
+  board_.Add(status, start_);
+  EXPECT_THAT(Seen(), ElementsAre("capture missing", "grow losing"));
+  board_.Add(status, start_ + milliseconds(59'000));
+  EXPECT_THAT(Seen(milliseconds(59'000)), ElementsAre("capture missing", "grow losing"));
+  board_.Add(status, start_ + milliseconds(60'000));
+  EXPECT_THAT(Seen(milliseconds(60'000)), ElementsAre("capture missing", "grow good"));
+}
+
+TEST_F(StatusBoardTest, TellsHowLongAgoAnErrorCameUntilItIsOver) {
+  const auto text_at = [&](milliseconds after) {
+    return BoardText(board_.Rows(start_ + after), /*colour=*/false);
+  };
+  StageStatus status = Status("grow");
+  board_.Add(status, start_);
+  status.last_error = "no whole frame";
+  board_.Add(status, start_ + milliseconds(5000));
+  EXPECT_THAT(text_at(milliseconds(12'000)), HasSubstr("grow, 7 s ago: no whole frame"));
+  status.last_error = "";
+  board_.Add(status, start_ + milliseconds(13'000));
+  EXPECT_THAT(text_at(milliseconds(13'000)), Not(HasSubstr("no whole frame")));
+
+  // Nobody takes back what was said of a single frame.
+  status.last_error = "frame 3: failed";
+  ++status.frames_failed;
+  board_.Add(status, start_ + milliseconds(20'000));
+  board_.Add(status, start_ + milliseconds(140'000));
+  EXPECT_THAT(text_at(milliseconds(140'000)), HasSubstr("grow, 2 min ago: frame 3")) << "no answer";
+  ++status.frames_out;
+  board_.Add(status, start_ + milliseconds(141'000));
+  EXPECT_THAT(text_at(milliseconds(141'000)), Not(HasSubstr("frame 3")));
+  EXPECT_EQ(nlohmann::json::parse(BoardJson(board_.Rows(start_)))["stages"][1]["last_error"],
+            "frame 3: failed");
+}
+
+TEST_F(StatusBoardTest, ShowsAnOffsetOfTheToFCameraOnlyWhenItIsSignificant) {
+  StageStatus status = Status("grow");
+  status.tof_offset = {.u_px = 0.3F, .v_px = -1.7F, .sigma_px = 1.7F};
+  board_.Add(status, start_);
+  EXPECT_THAT(BoardText(board_.Rows(start_), false), Not(HasSubstr("off by")));
+  status.tof_offset.sigma_px = 0.4F;
+  board_.Add(status, start_);
+  EXPECT_THAT(BoardText(board_.Rows(start_), false),
+              HasSubstr("ToF points off by (-0.3, 1.7) ± 0.4 px, and edges of depth with them: "
+                        "calibrate again"));
+}
+
+TEST_F(StatusBoardTest, CallsFramesOfARecordingOld) {
+  StageStatus status = Status("grow");
+  status.age = {.p50_ms = 327'000, .p95_ms = 328'000, .p99_ms = 328'368, .max_ms = 328'368};
+  board_.Add(status, start_);
+  const std::string text = BoardText(board_.Rows(start_), false);
+  EXPECT_THAT(text, Not(HasSubstr("328368")));
+  EXPECT_THAT(text, HasSubstr("old: captured more than 100 s ago, as frames of a recording are"));
+}
+
+TEST_F(StatusBoardTest, KeepsNoMoreThan64Processes) {
+  for (int pid = 0; pid < 64; ++pid) EXPECT_TRUE(board_.Add(Status("grow", pid), start_));
+  EXPECT_FALSE(board_.Add(Status("grow", 64), start_));
+  EXPECT_TRUE(board_.Add(Status("grow", 63), start_));
+  EXPECT_EQ(board_.bad(), 1);
+}
+
+TEST_F(StatusBoardTest, IsWrittenForPeopleAndForScripts) {
+  StageStatus status = Status("grow", 77);
+  status.newest_frame.seq = 412;
+  status.rate_hz = 9.96;
+  status.last_error = "frame 3: failed: no \xff seeds";
+  board_.Add(status, start_);
+  const auto rows = board_.Rows(start_);
+  const std::string text = BoardText(rows, /*colour=*/false);
+  EXPECT_THAT(text, HasSubstr("capture    missing"));
+  EXPECT_THAT(text, HasSubstr("grow       good       412   10.0"));
+  EXPECT_THAT(text, HasSubstr("robot:77"));
+  EXPECT_THAT(text, HasSubstr("grow, over 0 s ago: frame 3: failed"));
+  EXPECT_THAT(text, Not(HasSubstr("\x1b")));
+  EXPECT_THAT(BoardText(rows, /*colour=*/true), HasSubstr("\x1b[31mmissing"));
+
+  const auto json = nlohmann::json::parse(BoardJson(rows));
+  EXPECT_FALSE(json["whole"]);
+  EXPECT_EQ(json["stages"][0]["health"], "missing");
+  EXPECT_EQ(json["stages"][1]["newest_seq"], 412);
+  EXPECT_EQ(json["stages"][1]["pid"], 77);
+}
+
+TEST_F(StatusBoardTest, SaysWhichClocksTellAnAge) {
+  StageStatus capture = Status("capture");
+  capture.host = "eyes";
+  StageStatus grow = Status("grow");
+  grow.host = "brain";
+  grow.age.p50_ms = 120;
+  board_.Add(capture, start_);
+  board_.Add(grow, start_);
+  auto rows = board_.Rows(start_);
+  EXPECT_THAT(BoardText(rows, false), HasSubstr(" ~120 "));
+  EXPECT_THAT(BoardText(rows, false), HasSubstr("~: compares the clocks of two hosts"));
+  EXPECT_EQ(nlohmann::json::parse(BoardJson(rows))["stages"][0]["age_clocks"], "one");
+  EXPECT_EQ(nlohmann::json::parse(BoardJson(rows))["stages"][1]["age_clocks"], "two");
+  grow.age.p50_ms = -3'600'000;
+  board_.Add(grow, start_);
+  rows = board_.Rows(start_);
+  EXPECT_THAT(BoardText(rows, false), HasSubstr(" ? "));
+  EXPECT_EQ(nlohmann::json::parse(BoardJson(rows))["stages"][1]["age_clocks"], "wrong");
+}
+
+TEST_F(StatusBoardTest, SaysWhatTwoHostsNeedWhenAStageIsMissing) {
+  EXPECT_THAT(BoardText(board_.Rows(start_), false), Not(HasSubstr("ttl=1"))) << "nobody is there";
+  board_.Add(Status("grow"), start_);
+  EXPECT_THAT(BoardText(board_.Rows(start_), false),
+              HasSubstr("capture: not heard here; if on another host: ttl=1"));
+}
+
+}  // namespace
+}  // namespace sprout

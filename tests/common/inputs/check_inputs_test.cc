@@ -1,0 +1,300 @@
+#include "common/inputs/check_inputs.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <string>
+
+#include "common/config/config.h"
+#include "common/core/image.h"
+#include "common/scenes/dataset.h"
+
+namespace sprout::inputs {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// A scene of planes, boxes and a sphere with exact range points.
+struct Parts {
+  cv::Mat1b left, right;
+  TofImage tof;
+  Rig rig;
+
+  Findings Check() const { return CheckInputs(left, right, tof, rig); }
+  Finding Answer(Question question) const { return Check()[static_cast<size_t>(question)]; }
+};
+
+Parts SceneOf(const std::string& source = "synthetic:640x480?tof=grid", int64_t index = 0) {
+  CaptureConfig config = LoadConfig({}).capture();
+  config.set_source(source);
+  const auto dataset = scenes::OpenDataset(config);
+  const scenes::DatasetFrame frame = dataset->Get(index);
+  return {ToGrey(frame.left).clone(), ToGrey(frame.right).clone(), frame.tof, dataset->rig()};
+}
+
+Parts Moved(const cv::Matx23d& motion) {
+  Parts parts = SceneOf();
+  cv::Mat1b moved;
+  cv::warpAffine(parts.right, moved, motion, parts.right.size(), cv::INTER_CUBIC,
+                 cv::BORDER_REFLECT);
+  parts.right = moved;
+  return parts;
+}
+
+Parts Scaled(double factor) {
+  Parts parts = SceneOf();
+  parts.tof.depth_m *= factor;
+  return parts;
+}
+
+TEST(CheckInputs, FindsNothingBadInAGoodFrame) {
+  for (const char* source : {"synthetic:640x480?tof=grid", "synthetic:640x480?tof=sr4000",
+                             "synthetic:320x240?tof=grid", "synthetic:1600x1200?tof=grid"}) {
+    for (const Finding& finding : SceneOf(source).Check()) {
+      EXPECT_EQ(finding.verdict, Verdict::kGood)
+          << source << ": " << NameOf(finding.question) << ": " << finding.text;
+    }
+  }
+}
+
+TEST(CheckInputs, SaysThatTwoScenesAreNotOne) {
+  Parts parts = SceneOf();
+  cv::Mat1b noise(parts.right.size());
+  cv::RNG random(1);
+  random.fill(noise, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(noise, noise, {}, 1.5);
+  cv::normalize(noise, parts.right, 0, 255, cv::NORM_MINMAX);
+  const Finding finding = parts.Answer(Question::kScene);
+  EXPECT_EQ(finding.verdict, Verdict::kBad);
+  EXPECT_THAT(finding.text, HasSubstr("do not show one scene"));
+  EXPECT_EQ(parts.Answer(Question::kRows).verdict, Verdict::kCannotTell);
+}
+
+TEST(CheckInputs, SaysThatLeftAndRightAreSwapped) {
+  Parts parts = SceneOf();
+  std::swap(parts.left, parts.right);
+  const Finding finding = parts.Answer(Question::kSides);
+  EXPECT_EQ(finding.verdict, Verdict::kBad);
+  EXPECT_THAT(finding.text, HasSubstr("swapped"));
+  EXPECT_EQ(parts.Answer(Question::kScene).verdict, Verdict::kGood);
+}
+
+TEST(CheckInputs, SaysByRangesThatSidesAreSwappedWherePrincipalPointsHideIt) {
+  // Principal points so far apart that all disparities are positive, swapped or not.
+  Parts parts = SceneOf();
+  constexpr double kApartPx = 200;
+  cv::Mat1b moved(parts.right.size(), uint8_t{0});
+  cv::warpAffine(parts.right, moved, cv::Matx23d(1, 0, kApartPx, 0, 1, 0), parts.right.size());
+  parts.right = moved;
+  parts.rig.pair.cx_right += kApartPx;
+  EXPECT_EQ(parts.Answer(Question::kSides).verdict, Verdict::kGood);
+  std::swap(parts.left, parts.right);
+  EXPECT_EQ(parts.Answer(Question::kSides).verdict, Verdict::kBad);
+  parts.tof = {};
+  EXPECT_EQ(parts.Answer(Question::kSides).verdict, Verdict::kCannotTell);
+}
+
+TEST(CheckInputs, SaysThatOneFileIsGivenTwice) {
+  Parts parts = SceneOf();
+  parts.right = parts.left;
+  EXPECT_THAT(parts.Answer(Question::kSides).text, HasSubstr("same picture"));
+}
+
+TEST(CheckInputs, SaysThatPrincipalPointsDoNotFit) {
+  Parts parts = SceneOf();
+  parts.rig.pair.cx_right -= 40;  // nearer surfaces have more than 40 px of disparity
+  const Finding finding = parts.Answer(Question::kSides);
+  EXPECT_EQ(finding.verdict, Verdict::kBad);
+  EXPECT_THAT(finding.text, HasSubstr("principal points"));
+}
+
+TEST(CheckInputs, MeasuresHowFarRowsAreOff) {
+  for (const double rows : {-14.0, -3.0, 2.0, 8.5}) {
+    const Finding finding = Moved({1, 0, 0, 0, 1, rows}).Answer(Question::kRows);
+    EXPECT_EQ(finding.verdict, Verdict::kBad) << rows;
+    EXPECT_NEAR(finding.value, rows, 0.3);
+    EXPECT_LT(finding.sigma, 0.1);
+  }
+  const Finding finding = Moved({1, 0, 0, 0, 1, 0.5}).Answer(Question::kRows);
+  EXPECT_EQ(finding.verdict, Verdict::kGood);
+  EXPECT_NEAR(finding.value, 0.5, 0.15);
+}
+
+TEST(CheckInputs, SeesARoll) {
+  const double angle = 0.7 * CV_PI / 180;
+  const Finding finding =
+      Moved({std::cos(angle), -std::sin(angle), 320 * (1 - std::cos(angle)) + 240 * std::sin(angle),
+             std::sin(angle), std::cos(angle), 240 * (1 - std::cos(angle)) - 320 * std::sin(angle)})
+          .Answer(Question::kRows);
+  EXPECT_EQ(finding.verdict, Verdict::kBad);
+  EXPECT_THAT(finding.text, HasSubstr("roll +0.7"));
+}
+
+TEST(CheckInputs, NamesTheUnitOfRanges) {
+  struct Case {
+    double factor;
+    const char* text;
+  };
+  for (const auto& [factor, text] : {Case{256.0 / 1000, "3.906"}, Case{5000.0 / 1000, "1/5000 m"},
+                                     Case{1000, "in mm, and read as m"}, Case{10, "1/10 mm"},
+                                     Case{1.3, "focal length and baseline"}}) {
+    const Parts parts = Scaled(factor);
+    const Finding finding = parts.Answer(Question::kScale);
+    EXPECT_EQ(finding.verdict, Verdict::kBad) << factor;
+    EXPECT_NEAR(finding.value / factor, 1, 0.01);
+    EXPECT_THAT(finding.text, HasSubstr(text));
+    EXPECT_NE(parts.Answer(Question::kPlace).verdict, Verdict::kBad);
+  }
+}
+
+TEST(CheckInputs, NamesTheUnitOfRangesBeyondAllSensors) {
+  Parts parts = Scaled(1e5);
+  EXPECT_THAT(parts.Answer(Question::kHits).text, HasSubstr("beyond 10000 m"));
+}
+
+TEST(CheckInputs, TakesADevicesOwnErrorForGood) {
+  for (const double error_m : {-0.03, 0.03}) {
+    Parts parts = SceneOf();
+    parts.tof.depth_m += error_m;
+    EXPECT_THAT(BadText(parts.Check()), IsEmpty());
+    EXPECT_THAT(parts.Answer(Question::kScale).text, HasSubstr(error_m > 0 ? "(+" : "(-"));
+  }
+}
+
+TEST(CheckInputs, SaysHowARangeImageIsTurned) {
+  Parts parts = SceneOf();
+  const cv::Mat1f upright = parts.tof.depth_m.clone();
+  for (const auto& [axis, text] : {std::pair(0, "upside down"),
+                                   std::pair(1, "mirrored left to right"), std::pair(-1, "180°")}) {
+    cv::flip(upright, parts.tof.depth_m, axis);
+    const Finding finding = parts.Answer(Question::kPlace);
+    EXPECT_EQ(finding.verdict, Verdict::kBad) << text;
+    EXPECT_THAT(finding.text, HasSubstr(text));
+  }
+  // As a file that was turned: rows are columns, and it lies over the left image.
+  cv::rotate(upright, parts.tof.depth_m, cv::ROTATE_90_CLOCKWISE);
+  parts.rig.tof = TofOverLeft(parts.rig.pair, parts.tof.depth_m.size());
+  EXPECT_THAT(parts.Answer(Question::kPlace).text, HasSubstr("turn it counter-clockwise"));
+}
+
+TEST(CheckInputs, SaysThatRangesAreOfAnotherMoment) {
+  Parts parts = SceneOf();
+  parts.rig.tof.left_from_tof_translation_m.z() += 0.5;  // as if the rig had moved on meanwhile
+  const Finding finding = parts.Answer(Question::kMoment);
+  EXPECT_EQ(finding.verdict, Verdict::kBad) << finding.text;
+  EXPECT_THAT(finding.text, HasSubstr("further back"));
+}
+
+// A road whose disparity grows from row to row, and a lidar of eight beams 60 rows apart: between
+// two of them the points of one beam say nothing of the road.
+TEST(CheckInputs, TakesALidarOfFewBeamsOnARoadForGood) {
+  Parts parts = SceneOf();
+  cv::RNG random(1);
+  random.fill(parts.left, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(parts.left, parts.left, {}, 1.2);
+  cv::normalize(parts.left, parts.left, 0, 255, cv::NORM_MINMAX);
+  const auto disparity = [](double v) { return 10 + 0.3 * v; };
+  for (int v = 0; v < parts.left.rows; ++v) {
+    const int d = cvRound(disparity(v));
+    for (int u = 0; u < parts.left.cols; ++u) {
+      parts.right(v, u) = parts.left(v, std::min(u + d, parts.left.cols - 1));
+    }
+  }
+  const RectifiedPair& pair = parts.rig.pair;
+  const TofProjector projector(parts.rig);
+  for (int y = 0; y < parts.tof.depth_m.rows; ++y) {
+    for (int x = 0; x < parts.tof.depth_m.cols; ++x) {
+      const Eigen::Vector3d ray = projector.ray(x, y);
+      const double v = pair.focal_px * ray.y() / ray.z() + pair.cy;
+      const double depth_m = pair.focal_px * pair.baseline_m / disparity(v);
+      parts.tof.depth_m(y, x) = y % 6 == 0 ? static_cast<float>(depth_m) : 0;
+    }
+  }
+  EXPECT_EQ(BadText(parts.Check()), "");
+}
+
+TEST(CheckInputs, SaysThatRangesAreOfAnotherScene) {
+  Parts parts = SceneOf();
+  // The range image, rolled on by two fifths of its width: no turn puts that right.
+  const cv::Mat1f whole = parts.tof.depth_m.clone();
+  const int on = whole.cols * 2 / 5;
+  whole.colRange(0, whole.cols - on).copyTo(parts.tof.depth_m.colRange(on, whole.cols));
+  whole.colRange(whole.cols - on, whole.cols).copyTo(parts.tof.depth_m.colRange(0, on));
+  const Finding finding = parts.Answer(Question::kMoment);
+  EXPECT_EQ(finding.verdict, Verdict::kBad) << finding.text;
+}
+
+TEST(CheckInputs, DoesNotJudgeWithoutEvidence) {
+  Parts parts = SceneOf();
+  parts.left.setTo(90);
+  parts.right.setTo(90);
+  for (const Finding& finding : parts.Check()) {
+    if (finding.question == Question::kBits || finding.question == Question::kHits) continue;
+    EXPECT_EQ(finding.verdict, Verdict::kCannotTell) << NameOf(finding.question);
+    EXPECT_FALSE(finding.text.empty());
+  }
+}
+
+TEST(CheckInputs, WithoutRangesAnswersWhatImagesTell) {
+  Parts parts = SceneOf();
+  parts.tof = {};
+  EXPECT_EQ(parts.Answer(Question::kRows).verdict, Verdict::kGood);
+  for (const Question question :
+       {Question::kHits, Question::kPlace, Question::kScale, Question::kMoment}) {
+    EXPECT_EQ(parts.Answer(question).verdict, Verdict::kCannotTell);
+  }
+}
+
+TEST(CheckInputs, SaysThatARangeImageIsEmptyOrHitsNothing) {
+  Parts parts = SceneOf();
+  Parts aside = parts;
+  parts.tof.depth_m = cv::Mat1f(parts.tof.depth_m.size(), 0.0F);
+  EXPECT_THAT(parts.Answer(Question::kHits).text, HasSubstr("has a return"));
+  EXPECT_EQ(parts.Answer(Question::kHits).verdict, Verdict::kBad);
+  aside.rig.tof.left_from_tof_translation_m.x() = 1000;
+  EXPECT_EQ(aside.Answer(Question::kHits).verdict, Verdict::kBad);
+  EXPECT_THAT(aside.Answer(Question::kHits).text, HasSubstr("where does the range sensor stand"));
+}
+
+TEST(CheckInputs, SaysThatImagesUseFewBits) {
+  Parts parts = SceneOf();
+  parts.left /= 64;
+  parts.right /= 64;
+  const Finding finding = parts.Answer(Question::kBits);
+  EXPECT_EQ(finding.verdict, Verdict::kBad);
+  EXPECT_THAT(finding.text, HasSubstr("10 or 12 bits in 16"));
+}
+
+TEST(CheckInputs, SaysWhatSizeIsAllowed) {
+  Parts parts = SceneOf();
+  parts.right = parts.right(cv::Rect(0, 0, 600, 480)).clone();
+  EXPECT_THAT(parts.Answer(Question::kScene).text, HasSubstr("640x480"));
+  EXPECT_EQ(parts.Answer(Question::kScene).verdict, Verdict::kCannotTell);
+}
+
+TEST(CheckInputs, WorksOnImagesOfAnySize) {
+  for (const cv::Size size :
+       {cv::Size(1, 1), cv::Size(17, 3), cv::Size(40, 30), cv::Size(3, 400)}) {
+    Parts parts{
+        .left = cv::Mat1b(size), .right = {}, .tof = {cv::Mat1f(size, 1.0F), {}}, .rig = {}};
+    cv::RNG random(7);
+    random.fill(parts.left, cv::RNG::UNIFORM, 0, 256);
+    parts.right = parts.left.clone();
+    parts.rig.pair = {.width = size.width,
+                      .height = size.height,
+                      .focal_px = 50,
+                      .cx = size.width / 2.0,
+                      .cy = size.height / 2.0,
+                      .cx_right = size.width / 2.0,
+                      .baseline_m = 0.1};
+    parts.rig.tof = TofOverLeft(parts.rig.pair, size);
+    EXPECT_EQ(parts.Check().size(), static_cast<size_t>(kQuestionCount));
+  }
+}
+
+}  // namespace
+}  // namespace sprout::inputs

@@ -1,0 +1,84 @@
+#include "services/grow/paper/growth_rule.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace sprout::grow {
+namespace {
+
+TEST(GrowthRule, LimitIsTheCostOfTheThreshold) {
+  GrowConfig config;  // τ = 0.5
+  EXPECT_EQ(MakeGrowthRule(config).limit, std::lround(std::log(2.0) * kCostUnit));
+  config.set_similarity(GrowConfig::MNCC);
+  EXPECT_EQ(MakeGrowthRule(config).limit, kCostUnit / 2);
+  config.set_similarity(GrowConfig::EXPSSD);
+  config.set_threshold(0.001);  // the smallest
+  EXPECT_EQ(MakeGrowthRule(config).limit, std::lround(std::log(1000.0) * kCostUnit));
+  EXPECT_LT(MakeGrowthRule(config).limit, kLargestCost);
+}
+
+TEST(GrowthRule, LevelsHaveEqualWidthsUpToTheLimit) {
+  const GrowthRule rule = MakeGrowthRule(GrowConfig());
+  EXPECT_EQ(rule.LevelOf(0), 0);
+  for (int level = 0; level < kLevels; ++level) {
+    const double middle = (level + 0.5) / kLevels * rule.limit;
+    EXPECT_EQ(rule.LevelOf(static_cast<int32_t>(middle)), level);
+  }
+  EXPECT_EQ(rule.LevelOf(rule.limit), kLevels - 1);
+  EXPECT_EQ(rule.LevelOf(rule.limit + 1), kLevels - 1);
+  EXPECT_EQ(rule.LevelOf(kExcludedCost), kLevels - 1);
+}
+
+TEST(GrowthRule, KeysOfAcceptedCostsFitInto15Bits) {
+  for (const double threshold : {0.001, 0.5, 0.98, 0.999}) {
+    GrowConfig config;
+    config.set_threshold(threshold);
+    const GrowthRule rule = MakeGrowthRule(config);
+    EXPECT_LT(rule.KeyOf(rule.limit), kKeys) << threshold;
+    EXPECT_TRUE(rule.key_shift == 0 || rule.limit >> (rule.key_shift - 1) >= kKeys) << threshold;
+    EXPECT_EQ(rule.KeyOf(0), 0);
+  }
+  EXPECT_LT(2 * (kKeys - 1) + 1, INT16_MAX);
+}
+
+TEST(GrowthRule, WithoutAPriorEveryPixelIsOpen) {
+  GrowConfig config;
+  config.set_sigma_p_px(0.7);
+  config.set_similarity(GrowConfig::EXPSSD);
+  EXPECT_EQ(MakeGrowthRule(config).least_open, 0);
+}
+
+TEST(GrowthRule, SigmaPFollowsFormulaS1) {
+  GrowConfig config;
+  config.set_sigma_p_px(0.8);
+  config.set_sigma_p_noise(4);
+  config.set_sigma_p_sure_px(0.6);
+  EXPECT_EQ(SigmaP(config, 0), 0.8);
+  EXPECT_EQ(SigmaP(config, 0.6), 0.8);
+  EXPECT_DOUBLE_EQ(SigmaP(config, 1), 4 * 0.8);  // √(1 − 0.36)
+  config.set_sigma_p_noise(0);
+  EXPECT_EQ(SigmaP(config, 10), 0.8);
+}
+
+// With τ = 0.5 a distance of a pixel is within the limit from σ_p = 1 / √(2·ln 2) = 0.849 px on.
+TEST(GrowthRule, APixelIsOpenWhereThePriorAlonePassesADistanceOfAPixel) {
+  GrowConfig config;
+  config.set_sigma_p_noise(0);
+  config.set_sigma_p_px(0.84);
+  EXPECT_EQ(MakeGrowthRule(config).least_open, kMaxSigmaCounts + 1);
+  config.set_sigma_p_px(0.86);
+  EXPECT_EQ(MakeGrowthRule(config).least_open, 0);
+  config.set_sigma_p_px(0.8);
+  config.set_sigma_p_noise(1);
+  config.set_sigma_p_sure_px(0);
+  const GrowthRule rule = MakeGrowthRule(config);
+  EXPECT_EQ(rule.least_open, 14);  // of 1/16 px: 0.875; 13 are 0.8125
+  EXPECT_EQ(rule.prior_scales[13], rule.prior_scales[0]) << "below, σ_p is sigma_p_px";
+  EXPECT_LT(rule.prior_scales[14], rule.prior_scales[13]);
+  EXPECT_LT(rule.prior_reaches[13], DisparityImage::kCountsPerPixel);
+  EXPECT_GE(rule.prior_reaches[14], DisparityImage::kCountsPerPixel);
+}
+
+}  // namespace
+}  // namespace sprout::grow

@@ -1,0 +1,276 @@
+// What comes from elsewhere: names of logs, lists, results.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "common/app/process.h"
+#include "common/logfile/log_error.h"
+#include "services/tools/batch/batch_state.h"
+#include "services/tools/batch/log_list.h"
+#include "services/tools/batch/log_task.h"
+#include "services/tools/batch/names.h"
+#include "services/tools/batch/report_frames.h"
+#include "services/tools/batch/result_folder.h"
+#include "services/tools/batch/table.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/services/tools/batch/error_of.h"
+#include "tests/services/tools/batch/example_manifest.h"
+
+namespace sprout::batch {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+std::string TextOf(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void WriteFile(const fs::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+const std::string kOddNames[] = {"two words",     " leading",
+                                 "-dash",         "x'$(touch PWNED)'",
+                                 "`touch PWNED`", "$(touch PWNED)",
+                                 "${HOME}",       "\"quoted\"",
+                                 "it's",          "'; touch PWNED; '",
+                                 "back\\slash\\", "a;touch PWNED",
+                                 "a&touch PWNED", "a|touch PWNED",
+                                 ">PWNED",        "*",
+                                 "[a-z]?",        "~",
+                                 "#hash",         "!!",
+                                 "{a,b}=%s",      "\u00fcmlaut \u6df1\u5ea6"};
+
+TEST(ResultNames, AreUniqueAfterCharactersAreReplaced) {
+  std::set<std::string> taken;
+  EXPECT_EQ(ResultNameOf("/x/run_1.lcm", taken), "run_1");
+  EXPECT_EQ(ResultNameOf("/x/run,1.lcm", taken), "run_1-2");
+  EXPECT_EQ(ResultNameOf("/x/run\"1.lcm", taken), "run_1-3");
+  EXPECT_EQ(ResultNameOf("/x/run_1-2.lcm", taken), "run_1-2-2");
+  EXPECT_EQ(ResultNameOf("/x/...lcm", taken), "log");  // its stem is ".."
+  EXPECT_THAT(ResultNameOf("/x/" + std::string(250, 'x') + ".lcm", taken), SizeIs(180));
+}
+
+TEST(ResultNames, AreGoodForOddLogs) {
+  std::set<std::string> taken;
+  for (const std::string& name : kOddNames) {
+    EXPECT_TRUE(IsResultName(ResultNameOf("/x/" + name + ".lcm", taken))) << name;
+  }
+  EXPECT_THAT(taken, SizeIs(std::size(kOddNames)));
+}
+
+// Programs that note what they were called with, one argument a line.
+void WriteStubs(const fs::path& folder) {
+  for (const char* name : {"sprout-view", "sprout-refine", "sprout-prior", "sprout-grow"}) {
+    WriteFile(folder / name,
+              "#!/bin/sh\nfor word in \"${0##*/}\" \"$@\"; do printf '%s\\n' \"$word\" >> "
+              "\"$CALLS\"; done\n");
+    fs::permissions(folder / name, fs::perms::owner_all);
+  }
+}
+
+// What the stubs note when the commands of a frame are run.
+std::string CallsOf(const std::string& name) {
+  const std::string log = "/logs/" + name + ".lcm";
+  const std::string start =
+      "\n--config\n/out/" + name + "/config_a.textproto\n--frames\n7\n--replay\n" + log + "\n";
+  const std::string prefix = "--channel-prefix=" + name + "\n";
+  return "sprout-view\n--log\n" + log + "\n--frame\n7\n" + prefix + "sprout-refine" + start +
+         "--record\nrefine_a.lcm\n" + prefix + "sprout-prior" + start +
+         "--replay\nrefine_a.lcm\n--record\nprior_a.lcm\n" + prefix;
+}
+
+TEST(FrameCommands, StandForThemselvesInAShellWhateverIsInTheNames) {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "bin");
+  std::string commands = "cd '" + (folder / "").string() + "' || exit 9\n";
+  std::string calls;
+  for (const std::string& name : kOddNames) {
+    const fs::path bin = (folder / "bin") / name;
+    fs::create_directory(bin);
+    WriteStubs(bin);
+    Manifest manifest;
+    manifest.set_channel_prefix(name);
+    Variant& variant = *manifest.add_variant();
+    for (const std::string stage : {"refine", "prior"}) {
+      manifest.add_stage(stage);
+      variant.add_program()->set_path(bin / ("sprout-" + stage));
+    }
+    BatchLog log;
+    log.set_path("/logs/" + name + ".lcm");
+    commands += FrameCommands(BatchFolder("/out/" + name), manifest, log, 7, bin);
+    calls += CallsOf(name);
+  }
+  WriteFile(folder / "commands", commands);
+  for (const char* const shell : {"sh", "bash"}) {
+    Process process({"env", "CALLS=" + (folder / "calls").string(), shell, folder / "commands"});
+    EXPECT_EQ(process.Wait(std::chrono::seconds(120)), 0) << process.Output();
+    EXPECT_EQ(TextOf(folder / "calls"), calls) << shell;
+    fs::remove(folder / "calls");
+    EXPECT_EQ(folder.CountEntries(), 2);  // nothing but bin and commands: nobody touched PWNED
+  }
+}
+
+TEST(FindLogs, NamesAndLeavesOutWhatCannotStandInAManifest) {
+  const TemporaryDirectory folder;
+  for (const char* name : {"a.lcm", "b\xe4.lcm", "c\nd.lcm", "\u00fc.lcm"}) {
+    WriteFile(folder / name, "x");
+  }
+  const FoundLogs found = FindLogs({folder / ""});
+  const std::string path = (folder / "").string();
+  EXPECT_THAT(found.logs, ElementsAre(path + "a.lcm", path + "\u00fc.lcm"));
+  EXPECT_THAT(found.left_out, ElementsAre(path + "b\\xe4.lcm", path + "c\\x0ad.lcm"));
+  EXPECT_THAT(ErrorOf<ConfigError>([&] { FindLogs({folder / "b\xe4.lcm"}); }),
+              HasSubstr("b\\xe4.lcm: is not allowed in the manifest; allowed are names in UTF-8"));
+}
+
+TEST(FindLogs, RefusesAListThatContainsItself) {
+  const TemporaryDirectory folder;
+  const std::string list = folder / "list.txt";
+  WriteFile(folder / "a.lcm", "x");
+  WriteFile(list, (folder / "a.lcm").string() + "\n@" + list + "\n");
+  EXPECT_THAT(ErrorOf<ConfigError>([&] { FindLogs({"@" + list}); }),
+              HasSubstr("list.txt: the list contains itself"));
+  // Also over another list, and over a link. Twice the same beside each other is none.
+  const std::string other = folder / "other.txt";
+  fs::create_symlink(list, folder / "link.txt");
+  WriteFile(list, "@" + other + "\n");
+  WriteFile(other, "@" + (folder / "link.txt").string() + "\n");
+  EXPECT_THAT(ErrorOf<ConfigError>([&] { FindLogs({"@" + list}); }), HasSubstr("contains itself"));
+  WriteFile(other, (folder / "a.lcm").string() + "\n");
+  EXPECT_THAT(FindLogs({"@" + list, "@" + list}).logs, SizeIs(1));
+  EXPECT_THAT(ErrorOf<ConfigError>([&] { FindLogs({"@/dev/zero"}); }), HasSubstr("no such list"));
+}
+
+// A result as a task leaves it.
+class AResult : public testing::Test {
+ protected:
+  void SetUp() override {
+    ResultFolder result(path_);
+    WriteTable(result / "measures.csv",
+               {.columns = {"seq", "utime", "left_at"}, .rows = {{1, 2, 3}}});
+    WriteFile(result / "grow.lcm", std::string(1000, 'x'));
+    result.Commit();
+  }
+
+  void Flip(const char* name) const {
+    std::string bytes = TextOf(path_ / name);
+    bytes[bytes.size() / 2] ^= 1;
+    WriteFile(path_ / name, bytes);
+  }
+
+  TemporaryDirectory folder_;
+  fs::path path_ = folder_ / "result";
+};
+
+TEST_F(AResult, IsWholeAsItWasWritten) {
+  EXPECT_TRUE(IsWhole(path_, ResultCheck::kQuick));
+  EXPECT_TRUE(IsWhole(path_, ResultCheck::kAll));
+  EXPECT_FALSE(IsWhole(folder_ / "none", ResultCheck::kQuick));
+  EXPECT_EQ(folder_.CountEntries(), 1);
+}
+
+TEST_F(AResult, IsNotWholeWhenAFileIsCutOrGone) {
+  fs::resize_file(path_ / "grow.lcm", 500);
+  EXPECT_FALSE(IsWhole(path_, ResultCheck::kQuick));
+  fs::remove(path_ / "grow.lcm");
+  EXPECT_FALSE(IsWhole(path_, ResultCheck::kQuick));
+}
+
+TEST_F(AResult, IsNotWholeWhenABitIsFlipped) {
+  Flip("grow.lcm");
+  EXPECT_TRUE(IsWhole(path_, ResultCheck::kQuick));  // the bytes of logs are not read
+  EXPECT_FALSE(IsWhole(path_, ResultCheck::kAll));
+  MarkDamaged(path_);
+  EXPECT_FALSE(IsWhole(path_, ResultCheck::kQuick));
+}
+
+TEST_F(AResult, IsNotWholeWhenABitOfATableOrOfTheListIsFlipped) {
+  Flip("measures.csv");
+  EXPECT_FALSE(IsWhole(path_, ResultCheck::kQuick));
+  Flip("measures.csv");
+  EXPECT_TRUE(IsWhole(path_, ResultCheck::kQuick));
+  Flip("files.txt");
+  EXPECT_FALSE(IsWhole(path_, ResultCheck::kQuick));
+}
+
+TEST_F(AResult, IsReplacedWhenItIsDamagedAndKeptWhenNot) {
+  const auto write_again = [&] {
+    ResultFolder again(path_);
+    WriteFile(again / "grow.lcm", "new");
+    again.Commit();
+  };
+  write_again();
+  EXPECT_THAT(TextOf(path_ / "grow.lcm"), SizeIs(1000));
+  Flip("grow.lcm");
+  write_again();
+  EXPECT_EQ(TextOf(path_ / "grow.lcm"), "new");
+  EXPECT_EQ(folder_.CountEntries(), 1);
+}
+
+// A batch with x done; y is not.
+class LinkedAnswers : public testing::Test {
+ protected:
+  void SetUp() override {
+    manifest_.mutable_variant()->RemoveLast();
+    WriteResult();
+  }
+
+  void WriteResult() const {
+    ResultFolder result(batch_.result(manifest_, 0, 0));
+    WriteFile(result / kAnswers, std::string(1000, 'x'));
+    result.Commit();
+  }
+
+  TemporaryDirectory folder_;
+  BatchFolder batch_{folder_ / ""};
+  Manifest manifest_ = ExampleManifest();
+  fs::path link_ = batch_.answers(manifest_.log(0), 0);
+};
+
+TEST_F(LinkedAnswers, AreThoseOfLogsThatAreDone) {
+  fs::create_directory(folder_ / "logs");
+  WriteFile(batch_.answers(manifest_.log(1), 0), "of an earlier batch");
+  const BatchState state = LinkAnswers(batch_, manifest_);
+  EXPECT_THAT(state.done, ElementsAre(true, false));
+  EXPECT_EQ(state.missing, 1);
+  EXPECT_THAT(TextOf(link_), SizeIs(1000));
+  EXPECT_TRUE(fs::read_symlink(link_).is_relative());  // the folder may be moved
+  EXPECT_FALSE(fs::exists(batch_.answers(manifest_.log(1), 0)));
+}
+
+TEST_F(LinkedAnswers, AreNotThoseWithAFlippedBit) {
+  std::string bytes = TextOf(batch_.result(manifest_, 0, 0) / kAnswers);
+  bytes[500] ^= 4;
+  WriteFile(batch_.result(manifest_, 0, 0) / kAnswers, bytes);
+  EXPECT_EQ(LinkAnswers(batch_, manifest_).missing, 2);
+  EXPECT_FALSE(fs::exists(link_));
+  EXPECT_EQ(StateOf(batch_, manifest_).missing, 2);  // the quick check knows it now
+  WriteResult();
+  EXPECT_EQ(LinkAnswers(batch_, manifest_).missing, 1);
+  EXPECT_TRUE(fs::exists(link_));
+}
+
+TEST(Tables, AreRefusedWhenTheyAreNotOfFrames) {
+  const TemporaryDirectory folder;
+  const fs::path path = folder / "t.csv";
+  const auto error_of = [&](const std::string& text) {
+    WriteFile(path, text);
+    return ErrorOf<LogError>([&] { ReadTable(path, {"x"}); });
+  };
+  EXPECT_EQ(error_of("seq,utime,left_at,x\n1,2,,3\n"), "no error");
+  EXPECT_THAT(error_of(""), HasSubstr("t.csv: cannot be read"));
+  EXPECT_THAT(error_of("seq\n1\n"), HasSubstr("has other columns"));
+  EXPECT_THAT(error_of("seq,utime,left_at,x\n1,2,3\n"), HasSubstr("a row has missing cells"));
+  EXPECT_THAT(error_of("seq,utime,left_at,x\n1,,3,4\n"), HasSubstr("a row has no seq or utime"));
+  EXPECT_THAT(error_of("seq,utime,left_at,x\n1,2,3,inf\n"), HasSubstr("'inf' is no finite number"));
+}
+
+}  // namespace
+}  // namespace sprout::batch

@@ -1,0 +1,143 @@
+#include <gmock/gmock.h>
+#include <wordexp.h>
+
+#include <filesystem>
+
+#include "common/bus/channels.h"
+#include "common/messages/codec.h"
+#include "common/rig/rig_file.h"
+#include "common/scenes/dataset.h"
+#include "services/tools/calibrate/image_folder.h"
+#include "services/tools/calibrate/program.h"
+#include "tests/common/logfile/sample_log.h"
+#include "tests/services/tools/calibrate/board_scene.h"
+
+namespace sprout::calibrate {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+struct CheckOutcome {
+  int exit_code;
+  std::string out;
+  std::string err;
+};
+
+class CalibrateCheck : public testing::Test {
+ protected:
+  // A log of a dataset whose right images are moved down by some rows.
+  std::string WriteLog(const std::string& source, int frames, int rows_down) const {
+    CaptureConfig config;
+    config.set_source(source);
+    const std::unique_ptr<scenes::Dataset> dataset = scenes::OpenDataset(config);
+    std::vector<Event> events;
+    for (int i = 0; i < frames; ++i) {
+      const scenes::DatasetFrame frame = dataset->Get(i);
+      cv::Mat right = frame.right.clone();
+      if (rows_down > 0) {
+        frame.right.rowRange(0, right.rows - rows_down)
+            .copyTo(right.rowRange(rows_down, right.rows));
+      }
+      const FrameId id{
+          .utime = 1'700'000'000'000'000 + 100'000 * i, .seq = i, .rig_id = RigId(dataset->rig())};
+      const auto add = [&](Part part, const PartValue& value) {
+        Event event;
+        event.utime = id.utime;
+        event.channel = ChannelOf(part);
+        event.data = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
+        events.push_back(event);
+      };
+      add(Part::kRig, dataset->rig());
+      add(Part::kLeft, frame.left);
+      add(Part::kRight, right);
+      add(Part::kTof, frame.tof);
+    }
+    WriteBytes(folder_ / "run.lcm", MakeLog(events));
+    return folder_ / "run.lcm";
+  }
+
+  static CheckOutcome Check(const std::string& log) { return RunCalibrate("check " + log); }
+
+  // Words as a shell makes them.
+  static CheckOutcome RunCalibrate(const std::string& words) {
+    wordexp_t argv{};
+    EXPECT_EQ(wordexp(("sprout-calibrate " + words).c_str(), &argv, WRDE_NOCMD), 0) << words;
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const int exit_code = CalibrateMain(static_cast<int>(argv.we_wordc), argv.we_wordv);
+    wordfree(&argv);
+    return {exit_code, testing::internal::GetCapturedStdout(),
+            testing::internal::GetCapturedStderr()};
+  }
+
+  const TemporaryDirectory folder_;
+};
+
+TEST_F(CalibrateCheck, FindsNothingWrongWithAGoodRig) {
+  const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000", 4, 0));
+
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("4 frames: good\n"));
+}
+
+TEST_F(CalibrateCheck, NoticesAToFCameraThatWasKnocked) {
+  const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000&calibration=5", 4, 0));
+
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("was the ToF camera knocked?"));
+
+  // What it tells to do works where there is no rig file.
+  const std::string hint = "to put it right without a board: sprout-calibrate ";
+  const size_t begin = outcome.out.find(hint);
+  ASSERT_NE(begin, std::string::npos) << outcome.out;
+  const auto here = std::filesystem::current_path();
+  std::filesystem::current_path(folder_ / ".");
+  const CheckOutcome refined = RunCalibrate(
+      outcome.out.substr(begin + hint.size(), outcome.out.find('\n', begin) - begin - hint.size()));
+  std::filesystem::current_path(here);
+  EXPECT_NE(refined.exit_code, 2) << refined.err;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "new.textproto") ||
+              std::filesystem::exists(folder_ / "new.not_good.textproto"))
+      << refined.out << refined.err;
+}
+
+TEST_F(CalibrateCheck, TakesFoldersOfUnrectifiedImagesWithARigFile) {
+  const RawRig rig = SceneRig({640, 480});
+  const Board board{BoardSize{}};
+  const BoardScene scene(board, rig);
+  const std::vector<Pose> poses = BoardPoses(board, 3);
+  for (uint32_t i = 0; i < poses.size(); ++i) {
+    WriteImages(folder_ / ".", std::to_string(i), scene.Render(poses[i], i));
+  }
+  RigDescription description;
+  *description.mutable_calibration() = ToCalibration(rig);
+  ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
+  const std::string folder = folder_ / ".";
+  const CheckOutcome with_rig =
+      RunCalibrate("check " + folder + " --rig " + (folder_ / "rig.textproto").string());
+  EXPECT_THAT(with_rig.out, HasSubstr("3 frames: ")) << with_rig.err;
+  const CheckOutcome without = RunCalibrate("check " + folder);
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_THAT(without.err, HasSubstr("are not rectified: --rig is needed"));
+}
+
+TEST_F(CalibrateCheck, NoticesRowsThatDoNotAgree) {
+  const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=none", 2, 2));
+
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("rows of the right image lie .(1.9|2.0)"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("ToF")));
+}
+
+// More rows than windows around seeds are searched: a right camera that was pitched.
+TEST_F(CalibrateCheck, NoticesRowsThatAreFarOff) {
+  const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=none", 2, 10));
+
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("rows of the right image lie .(9.9|10.0)"));
+}
+
+}  // namespace
+}  // namespace sprout::calibrate

@@ -1,0 +1,295 @@
+// Calibrations that other programs have made.
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <fstream>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core/persistence.hpp>
+#include <sstream>
+
+#include "common/config/config_error.h"
+#include "services/tools/calibrate/import/foreign_rig.h"
+#include "tests/common/picture/temporary_directory.h"
+
+namespace sprout::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+// A pair with everything that a pair may have, by OpenCV's own types.
+struct Truth {
+  cv::Size size{640, 480};
+  cv::Matx33d k1{500.25, 0, 322.5, 0, 501.5, 241.25, 0, 0, 1};
+  cv::Matx33d k2{498.75, 0, 318.5, 0, 499.5, 238.25, 0, 0, 1};
+  std::vector<double> d1{-0.28, 0.07, 1e-4, -2e-4, 0.01};
+  std::vector<double> d2{-0.27, 0.06, -3e-4, 2e-4, 0.02};
+  cv::Matx33d r;
+  cv::Vec3d t{-0.12, 0.002, -0.003};
+  Truth() { cv::Rodrigues(cv::Vec3d(0.01, -0.02, 0.03), r); }
+};
+
+void ExpectLens(const ForeignCamera& camera, const cv::Matx33d& k, const std::vector<double>& d,
+                double accuracy = 1e-9) {
+  const Result<LensFit> fit = ToLens(camera);
+  ASSERT_TRUE(fit) << fit.error().text;
+  EXPECT_NEAR(fit->lens.fx, k(0, 0), accuracy);
+  EXPECT_NEAR(fit->lens.fy, k(1, 1), accuracy);
+  EXPECT_NEAR(fit->lens.cx, k(0, 2), accuracy);
+  EXPECT_NEAR(fit->lens.cy, k(1, 2), accuracy);
+  for (size_t i = 0; i < d.size(); ++i) EXPECT_NEAR(fit->lens.distortion[i], d[i], accuracy) << i;
+}
+
+void ExpectTruth(const ForeignRig& rig, const Truth& truth, double accuracy = 1e-9) {
+  ExpectLens(rig.left, truth.k1, truth.d1, accuracy);
+  ExpectLens(rig.right, truth.k2, truth.d2, accuracy);
+  // x_right = R x_left + T.
+  const Pose back = rig.left_from_right.Inverse();
+  const Eigen::Matrix3d r = back.rotation.toRotationMatrix();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(back.translation_m(i), truth.t(i), accuracy);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(r(i, k), truth.r(i, k), accuracy);
+  }
+}
+
+std::string Refusal(const std::vector<fs::path>& files) {
+  try {
+    ReadForeignRig(files);
+  } catch (const ConfigError& e) {
+    return e.what();
+  }
+  return "none";
+}
+
+class Import : public testing::Test {
+ protected:
+  fs::path Write(const char* name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+
+  // The entries under names as a program has them: K1, D1, K2, D2, R, T.
+  fs::path WriteOpencv(const char* name, const std::vector<std::string>& names,
+                       bool with_size = true) const {
+    cv::FileStorage file(folder_ / name, cv::FileStorage::WRITE);
+    if (with_size) {
+      file << "image_width" << truth_.size.width << "image_height" << truth_.size.height;
+    }
+    file << names[0] << cv::Mat(truth_.k1) << names[1] << cv::Mat(truth_.d1) << names[2]
+         << cv::Mat(truth_.k2) << names[3] << cv::Mat(truth_.d2) << names[4] << cv::Mat(truth_.r)
+         << names[5] << cv::Mat(truth_.t);
+    return folder_ / name;
+  }
+
+  const TemporaryDirectory folder_;
+  const Truth truth_;
+};
+
+TEST_F(Import, OpencvsFilesUnderAnyOfTheirNames) {
+  const std::vector<std::vector<std::string>> all_names = {
+      {"M1", "D1", "M2", "D2", "R", "T"},
+      {"cameraMatrix1", "distCoeffs1", "cameraMatrix2", "distCoeffs2", "R", "T"},
+      {"camera_matrix_left", "dist_coeffs_left", "camera_matrix_right", "dist_coeffs_right", "R",
+       "T"},
+      {"K_l", "D_l", "K_r", "D_r", "R", "T"}};
+  for (const auto& names : all_names) {
+    for (const char* file : {"stereo.yml", "stereo.xml", "stereo.json"}) {
+      const ForeignRig rig = ReadForeignRig({WriteOpencv(file, names)});
+      ExpectTruth(rig, truth_);
+      EXPECT_EQ(rig.left.size, truth_.size);
+    }
+  }
+}
+
+// As OpenCV's stereo_calib writes them: without the size of the images.
+TEST_F(Import, OpencvsIntrinsicsAndExtrinsics) {
+  cv::FileStorage intrinsics(folder_ / "intrinsics.yml", cv::FileStorage::WRITE);
+  intrinsics << "M1" << cv::Mat(truth_.k1) << "D1" << cv::Mat(truth_.d1) << "M2"
+             << cv::Mat(truth_.k2) << "D2" << cv::Mat(truth_.d2);
+  intrinsics.release();
+  cv::Mat r1, r2, p1, p2, q;
+  cv::stereoRectify(truth_.k1, truth_.d1, truth_.k2, truth_.d2, truth_.size, truth_.r, truth_.t, r1,
+                    r2, p1, p2, q);
+  cv::FileStorage extrinsics(folder_ / "extrinsics.yml", cv::FileStorage::WRITE);
+  extrinsics << "R" << cv::Mat(truth_.r) << "T" << cv::Mat(truth_.t) << "R1" << r1 << "R2" << r2
+             << "P1" << p1 << "P2" << p2 << "Q" << q;
+  extrinsics.release();
+  const ForeignRig rig = ReadForeignRig({folder_ / "intrinsics.yml", folder_ / "extrinsics.yml"});
+  ExpectTruth(rig, truth_);
+  EXPECT_TRUE(rig.left.size.empty());
+  EXPECT_THAT(Refusal({folder_ / "intrinsics.yml"}),
+              HasSubstr("intrinsics.yml: no entry with one of the names r, rotation, "));
+}
+
+// What is left of a pair when a file has R1, P1, R2, P2 alone is a pair all the same.
+TEST_F(Import, OpencvsRectificationInsteadOfRAndT) {
+  cv::Mat r1, r2, p1, p2, q;
+  cv::stereoRectify(truth_.k1, truth_.d1, truth_.k2, truth_.d2, truth_.size, truth_.r, truth_.t, r1,
+                    r2, p1, p2, q);
+  const fs::path path = folder_ / "euroc.yaml";
+  cv::FileStorage file(path, cv::FileStorage::WRITE);
+  file << "LEFT_height" << 480 << "LEFT_width" << 640 << "LEFT_K" << cv::Mat(truth_.k1) << "LEFT_D"
+       << cv::Mat(truth_.d1) << "LEFT_R" << r1 << "LEFT_P" << p1 << "RIGHT_K" << cv::Mat(truth_.k2)
+       << "RIGHT_D" << cv::Mat(truth_.d2) << "RIGHT_R" << r2 << "RIGHT_P" << p2;
+  file.release();
+  // OpenCV reads dots, which it does not write.
+  std::ostringstream written;
+  written << std::ifstream(path).rdbuf();
+  std::string text = written.str();
+  std::ranges::replace(text, '_', '.');
+  std::ofstream(path) << text;
+  const ForeignRig rig = ReadForeignRig({folder_ / "euroc.yaml"});
+  ExpectTruth(rig, truth_);
+  EXPECT_EQ(rig.right.size, truth_.size);
+}
+
+TEST_F(Import, SaysWhatOfOpencvsFileIsMissing) {
+  const fs::path file = WriteOpencv("half.yml", {"LEFT_K", "D1", "other", "D2", "R", "T"});
+  EXPECT_THAT(Refusal({file}),
+              HasSubstr("half.yml: no entry with one of the names m2, k2, cameramatrix2, "));
+  EXPECT_THAT(Refusal({file}),
+              HasSubstr("there are: image_width image_height LEFT_K D1 other D2 R T"));
+  EXPECT_THAT(Refusal({Write("bad.yml", "%YAML:1.0\n---\nM1: [ 1, 2, 3 ]\n")}),
+              HasSubstr("bad.yml: M1 is no matrix of finite numbers"));
+  EXPECT_THAT(Refusal({Write("torn.yml", "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n")}),
+              HasSubstr("torn.yml: "));
+  EXPECT_THAT(Refusal({folder_ / "nothing.yml"}), HasSubstr("nothing.yml: cannot be read"));
+}
+
+std::string List(const cv::Mat& numbers) {
+  std::string text = "[";
+  const cv::Mat1d row = numbers.reshape(1, 1);
+  for (const double number : row) text += fmt::format("{:.17g}, ", number);
+  return text.substr(0, text.size() - 2) + "]";
+}
+
+std::string RosYaml(const cv::Size& size, const std::string& name, const cv::Mat& k,
+                    const std::vector<double>& d, const cv::Mat& r, const cv::Mat& p,
+                    const std::string& model = "plumb_bob") {
+  return fmt::format(
+      "image_width: {}\nimage_height: {}\ncamera_name: {}\n"
+      "camera_matrix:\n  rows: 3\n  cols: 3\n  data: {}\ndistortion_model: {}\n"
+      "distortion_coefficients:\n  rows: 1\n  cols: {}\n  data: {}\n"
+      "rectification_matrix:\n  rows: 3\n  cols: 3\n  data: {}\n"
+      "projection_matrix:\n  rows: 3\n  cols: 4\n  data: {}\n",
+      size.width, size.height, name, List(k), model, d.size(), List(cv::Mat(d)), List(r), List(p));
+}
+
+// The poses of both cameras are in R and P of their files alone.
+TEST_F(Import, CameraInfoFilesOfRos) {
+  cv::Mat r1, r2, p1, p2, q;
+  cv::stereoRectify(truth_.k1, truth_.d1, truth_.k2, truth_.d2, truth_.size, truth_.r, truth_.t, r1,
+                    r2, p1, p2, q);
+  // With a byte order mark in front, as Windows' editors leave it.
+  const fs::path left =
+      Write("left.yaml",
+            "\xef\xbb\xbf" + RosYaml(truth_.size, "left", cv::Mat(truth_.k1), truth_.d1, r1, p1));
+  const fs::path right =
+      Write("right.yaml", RosYaml(truth_.size, "right", cv::Mat(truth_.k2), truth_.d2, r2, p2));
+  const ForeignRig rig = ReadForeignRig({left, right});
+  ExpectTruth(rig, truth_);
+  EXPECT_EQ(rig.left.size, truth_.size);
+  EXPECT_THAT(Refusal({left}), HasSubstr("left.yaml: the camera_info of one camera; allowed are "
+                                         "two files, left and right"));
+  EXPECT_THAT(Refusal({left, left}), HasSubstr("there is no baseline"));
+  // The wrong way round the right camera stands on the left.
+  EXPECT_LT(ReadForeignRig({right, left}).left_from_right.translation_m.x(), 0);
+  EXPECT_THAT(Refusal({Write("none.yaml", "camera_matrix: 3\n"), right}),
+              HasSubstr("none.yaml: no image_width and image_height"));
+  EXPECT_THAT(Refusal({Write("other.yaml", "a: 3\n")}),
+              HasSubstr("no calibration of OpenCV (stereoCalibrate), ROS (camera_info) or Kalibr"));
+  EXPECT_THAT(Refusal({Write("text.yaml", "a: [3\n")}), HasSubstr("text.yaml: no YAML: "));
+}
+
+std::string KalibrCamera(const std::string& name, const cv::Matx33d& k, const std::string& model,
+                         const std::vector<double>& d) {
+  return fmt::format(
+      "{}:\n  camera_model: pinhole\n  distortion_coeffs: [{}, {}, {}, {}]\n"
+      "  distortion_model: {}\n  intrinsics: [{}, {}, {}, {}]\n  resolution: [640, 480]\n"
+      "  rostopic: /{}/image_raw\n",
+      name, d[0], d[1], d[2], d[3], model, k(0, 0), k(1, 1), k(0, 2), k(1, 2), name);
+}
+
+std::string KalibrPose(const cv::Matx33d& r, const cv::Vec3d& t) {
+  std::string text = "  T_cn_cnm1:\n";
+  for (int i = 0; i < 3; ++i) {
+    text +=
+        fmt::format("  - [{:.17g}, {:.17g}, {:.17g}, {:.17g}]\n", r(i, 0), r(i, 1), r(i, 2), t(i));
+  }
+  return text + "  - [0.0, 0.0, 0.0, 1.0]\n";
+}
+
+TEST_F(Import, ACamchainOfKalibr) {
+  Truth truth;
+  truth.d1.resize(4);
+  truth.d2.resize(4);
+  const std::string first = KalibrCamera("cam0", truth.k1, "radtan", truth.d1);
+  const std::string second = KalibrCamera("cam1", truth.k2, "radtan", truth.d2);
+  ExpectTruth(
+      ReadForeignRig({Write("camchain.yaml", first + second + KalibrPose(truth.r, truth.t))}),
+      truth);
+  // cam0 may be the right one.
+  const cv::Matx33d back = truth.r.t();
+  const ForeignRig swapped =
+      ReadForeignRig({Write("swapped.yaml", KalibrCamera("cam0", truth.k2, "radtan", truth.d2) +
+                                                KalibrCamera("cam1", truth.k1, "radtan", truth.d1) +
+                                                KalibrPose(back, -(back * truth.t)))});
+  ExpectTruth(swapped, truth);
+  EXPECT_EQ(swapped.left.name, "cam1");
+  EXPECT_THAT(Refusal({Write("one.yaml", first)}), HasSubstr("one.yaml: no cam1"));
+  EXPECT_THAT(Refusal({Write("bare.yaml", first + second)}),
+              HasSubstr("no cam1: T_cn_cnm1 of 16 finite numbers"));
+  EXPECT_THAT(Refusal({Write("omni.yaml", "cam0: {camera_model: omni}\ncam1:\n" +
+                                              KalibrPose(truth.r, truth.t))}),
+              HasSubstr("cam0 has camera_model 'omni'; allowed is pinhole"));
+}
+
+// What a model places somewhere, its counterpart in Brown's terms places there, too.
+void ExpectSamePlaces(const ForeignCamera& camera, const Lens& lens) {
+  cv::Matx33d k = cv::Matx33d::eye();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) k(i, j) = camera.k(i, j);
+  }
+  for (const double x : {-0.5, 0.0, 0.4}) {
+    for (const double y : {-0.3, 0.2}) {
+      std::vector<cv::Point2d> theirs;
+      if (camera.is_fisheye) {
+        cv::fisheye::distortPoints(std::vector{cv::Point2d(x, y)}, theirs, k, camera.distortion);
+      } else {
+        cv::projectPoints(std::vector{cv::Point3d(x, y, 1)}, cv::Vec3d(), cv::Vec3d(), k,
+                          camera.distortion, theirs);
+      }
+      std::vector<cv::Point2d> ours;
+      cv::projectPoints(std::vector{cv::Point3d(x, y, 1)}, cv::Vec3d(), cv::Vec3d(),
+                        cv::Matx33d(lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1),
+                        std::vector(lens.distortion.begin(), lens.distortion.end()), ours);
+      EXPECT_LT(cv::norm(theirs[0] - ours[0]), kWorstFitPx) << x << ", " << y;
+    }
+  }
+}
+
+TEST(ImportLens, OtherModelsAreFittedWhereBrownsIsAsGood) {
+  ForeignCamera camera{.name = "cam0", .size = {640, 480}, .distortion = {}};
+  camera.k << 500, 0, 320, 0, 500, 240, 0, 0, 1;
+  camera.distortion = {0.3, -0.1, 1e-4, 2e-4, 0.01, 0.5, -0.1, 0.02};  // rational
+  const Result<LensFit> rational = ToLens(camera);
+  ASSERT_TRUE(rational) << rational.error().text;
+  EXPECT_GT(rational->worst_px, 0);
+  ExpectSamePlaces(camera, rational->lens);
+  camera.distortion = {-0.01, 0.02, -0.01, 0.001};
+  camera.is_fisheye = true;
+  camera.k(0, 0) = camera.k(1, 1) = 800;
+  const Result<LensFit> fisheye = ToLens(camera);
+  ASSERT_TRUE(fisheye) << fisheye.error().text;
+  ExpectSamePlaces(camera, fisheye->lens);
+  // 130 degrees are beyond it.
+  camera.k(0, 0) = camera.k(1, 1) = 290;
+  const Result<LensFit> wide = ToLens(camera);
+  ASSERT_FALSE(wide);
+  EXPECT_THAT(wide.error().text, HasSubstr("cam0: its fisheye distortion is up to "));
+  EXPECT_THAT(wide.error().text, HasSubstr("allowed are 0.1"));
+}
+
+}  // namespace
+}  // namespace sprout::calibrate

@@ -1,0 +1,80 @@
+#include "services/tools/calibrate/scene/range_curve_fit.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+
+#include "common/scenes/normal_deviate.h"
+
+namespace sprout::calibrate {
+namespace {
+
+// Ranges of 0.8 to 3 m that are off by error(range), with noise, and some wild ones.
+std::vector<RangeSample> Samples(int count, double sigma_m,
+                                 const std::function<double(double)>& error) {
+  std::vector<RangeSample> samples;
+  for (int i = 0; i < count; ++i) {
+    const double range_m = 0.8 + 2.2 * ((i * 7919) % count) / count;
+    const auto key = static_cast<uint64_t>(100 * i);
+    const bool is_wild = i % 10 == 3;
+    samples.push_back(
+        {.range_m = range_m,
+         .error_m = error(range_m) + sigma_m * scenes::NormalDeviate(key) + (is_wild ? 0.3 : 0),
+         .sigma_m = sigma_m});
+  }
+  return samples;
+}
+
+TEST(RangeCurveFit, FindsAWigglingToAMillimetre) {
+  const auto error = [](double range_m) { return 0.01 * std::sin(2 * M_PI * range_m / 1.25); };
+  const RangeCorrection curve = FitRangeCurve(Samples(5000, 0.004, error));
+  ASSERT_GE(curve.size(), 10);
+  double worst_m = 0;
+  for (double range_m = 0.9; range_m < 2.9; range_m += 0.01) {
+    const CorrectionKnot at = CorrectionAt(curve, range_m);
+    worst_m = std::max(worst_m, std::abs(at.offset_m + error(range_m)));
+    EXPECT_LT(at.sigma_m, 0.0015);
+  }
+  EXPECT_LT(worst_m, 0.002);
+}
+
+TEST(RangeCurveFit, StaysAwayFromARightSensorAndFromTooFewMatches) {
+  EXPECT_TRUE(FitRangeCurve(Samples(5000, 0.004, [](double) { return 0; })).empty());
+  const auto far_off = [](double) { return 0.02; };
+  EXPECT_TRUE(FitRangeCurve(Samples(39, 0.004, far_off)).empty());
+  EXPECT_TRUE(FitRangeCurve({}).empty());
+  const RangeCorrection one = FitRangeCurve(Samples(60, 0.004, far_off));
+  ASSERT_EQ(one.size(), 1);
+  EXPECT_NEAR(one[0].offset_m, -0.02, 0.002);
+}
+
+TEST(RangeCurveFit, IsUnsureWhereMatchesAreNoisy) {
+  const auto error = [](double) { return 0.02; };
+  const RangeCorrection sure = FitRangeCurve(Samples(2000, 0.002, error));
+  const RangeCorrection unsure = FitRangeCurve(Samples(2000, 0.02, error));
+  ASSERT_FALSE(sure.empty());
+  ASSERT_FALSE(unsure.empty());
+  EXPECT_GT(unsure[5].sigma_m, 5 * sure[5].sigma_m);
+}
+
+TEST(RangeCurveFit, PutsOneCurveBehindAnother) {
+  const RangeCorrection first = {{1, 0.01, 0.001}, {2, -0.01, 0.001}};
+  const RangeCorrection then = {{0.5, 0.002, 0.003}, {3, 0.007, 0.003}};
+  EXPECT_EQ(Chained({}, then), then);
+  EXPECT_EQ(Chained(first, {}), first);
+  const RangeCorrection both = Chained(first, then);
+  for (double range_m = 0.4; range_m < 4; range_m += 0.05) {
+    const double once_m = range_m + CorrectionAt(first, range_m).offset_m;
+    const double twice_m = once_m + CorrectionAt(then, once_m).offset_m;
+    EXPECT_NEAR(range_m + CorrectionAt(both, range_m).offset_m, twice_m, 2e-4) << range_m;
+  }
+  RangeCorrection long_one;
+  for (int i = 0; i < 64; ++i) long_one.push_back({1 + 0.1 * i, 0, 0});
+  RangeCorrection other;
+  for (int i = 0; i < 64; ++i) other.push_back({1.05 + 0.1 * i, 0, 0});
+  EXPECT_LE(Chained(long_one, other).size(), 64);
+}
+
+}  // namespace
+}  // namespace sprout::calibrate

@@ -1,0 +1,158 @@
+#include "services/tools/calibrate/refine.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include "common/bus/channels.h"
+#include "common/messages/codec.h"
+#include "common/rig/rectifier.h"
+#include "common/rig/rig_file.h"
+#include "services/tools/calibrate/program.h"
+#include "services/tools/calibrate/rectify_images.h"
+#include "tests/common/logfile/sample_log.h"
+#include "tests/services/tools/calibrate/knocked_scene.h"
+
+namespace sprout::calibrate {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct RefineOutcome {
+  int exit_code;
+  std::string out;
+  std::string err;
+};
+
+class CalibrateRefine : public testing::Test {
+ protected:
+  CalibrateRefine() : rig_(TrueRig({640, 480})) {
+    RigNumbers errors{};
+    errors[kRoll] = 0.2 * std::numbers::pi / 180;
+    errors[kPitch] = -0.15 * std::numbers::pi / 180;
+    knocked_ = Changed(rig_, errors);
+    WriteRig("rig.textproto", knocked_);
+    images_ = RenderScene(rig_, 3, 0, true);
+  }
+
+  std::string File(const char* name) const { return folder_ / name; }
+
+  void WriteRig(const char* name, const RawRig& rig) const {
+    RigDescription description;
+    description.mutable_left()->set_serial("4711");
+    *description.mutable_calibration() = ToCalibration(rig);
+    ASSERT_TRUE(SaveRigFile(File(name), description));
+  }
+
+  // A log with one frame; with a rig: rectified.
+  std::string WriteLog(const RigImages& images, const std::optional<Rig>& rig) const {
+    std::vector<Event> events;
+    const FrameId id{.utime = 1'700'000'000'000'000, .seq = 0, .rig_id = rig ? RigId(*rig) : ""};
+    const auto add = [&](Part part, const PartValue& value) {
+      Event event;
+      event.utime = id.utime;
+      event.channel = std::string(rig ? "" : kRawPrefix) + std::string(ChannelOf(part));
+      event.data = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
+      events.push_back(event);
+    };
+    if (rig) add(Part::kRig, *rig);
+    add(Part::kLeft, images.left);
+    add(Part::kRight, images.right);
+    add(Part::kTof, images.tof);
+    WriteBytes(folder_ / "run.lcm", MakeLog(events));
+    return File("run.lcm");
+  }
+
+  RefineOutcome Refine(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"sprout-calibrate", "refine"});
+    arguments.insert(arguments.end(), {"--out", File("new.textproto")});
+    std::vector<const char*> argv;
+    for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const int exit_code = CalibrateMain(static_cast<int>(argv.size()), argv.data());
+    return {exit_code, testing::internal::GetCapturedStdout(),
+            testing::internal::GetCapturedStderr()};
+  }
+
+  RigNumbers Left(const RawRig& truth) const {
+    return ErrorsLeft(truth, RequireCalibration(LoadRigFile(File("new.textproto")), "new"));
+  }
+
+  const TemporaryDirectory folder_;
+  RawRig rig_;
+  RawRig knocked_;
+  RigImages images_;
+};
+
+constexpr double kLimit = 0.02 * std::numbers::pi / 180;
+
+TEST_F(CalibrateRefine, PutsARigRightFromUnrectifiedImagesAndKeepsItsDevices) {
+  const RefineOutcome outcome = Refine(
+      {WriteLog(images_, {}), "--rig", File("rig.textproto"), "--report", File("report.html")});
+
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("calibration: good\n"));
+  const RigNumbers left = Left(rig_);
+  EXPECT_LT(std::abs(left[kRoll]), kLimit);
+  EXPECT_LT(std::abs(left[kPitch]), kLimit);
+  const RigDescription refined = LoadRigFile(File("new.textproto"));
+  EXPECT_EQ(refined.left().serial(), "4711");
+  EXPECT_EQ(ConfigText(refined.board_calibration()), ConfigText(ToCalibration(knocked_)));
+  std::ostringstream page;
+  page << std::ifstream(File("report.html")).rdbuf();
+  EXPECT_THAT(page.str(), HasSubstr("refined without a board: <span class=\"good\">good</span>"));
+  EXPECT_THAT(page.str(), HasSubstr("ToF points on the left image"));
+}
+
+TEST_F(CalibrateRefine, FindsTheSameFromRectifiedImages) {
+  const Rectifier rectifier(knocked_);
+  const auto images = RectifyImages(rectifier, images_);
+  ASSERT_TRUE(images);
+  const std::string log = WriteLog(*images, rectifier.rig());
+
+  const RefineOutcome outcome = Refine({log, "--rig", File("rig.textproto")});
+
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  const RigNumbers left = Left(rig_);
+  EXPECT_LT(std::abs(left[kRoll]), kLimit);
+  EXPECT_LT(std::abs(left[kPitch]), kLimit);
+
+  // The images were not rectified with this one.
+  WriteRig("rig.textproto", rig_);
+  const RefineOutcome other = Refine({log, "--rig", File("rig.textproto")});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("was rectified with calibration " + RigId(rectifier.rig())));
+}
+
+TEST_F(CalibrateRefine, TakesTheCalibrationInALogWithoutARigFile) {
+  const Rectifier rectifier(rig_);
+  const auto images = RectifyImages(rectifier, images_);
+  ASSERT_TRUE(images);
+
+  const RefineOutcome outcome = Refine({WriteLog(*images, rectifier.rig())});
+
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  for (const double error : Left(RawRigOf(rectifier.rig()))) EXPECT_LT(std::abs(error), 0.003);
+}
+
+TEST_F(CalibrateRefine, NeedsARigFileForUnrectifiedImages) {
+  const RefineOutcome outcome = Refine({WriteLog(images_, {})});
+
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("its images are not rectified: --rig is needed"));
+}
+
+TEST_F(CalibrateRefine, SaysWhyASceneIsRefused) {
+  images_.right = cv::Mat1b::zeros(images_.right.size());
+  const RefineOutcome outcome = Refine({WriteLog(images_, {}), "--rig", File("rig.textproto")});
+
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("too little to see: 0 matches of 0 features in 1 frames"));
+  EXPECT_FALSE(std::filesystem::exists(File("new.textproto")));
+}
+
+}  // namespace
+}  // namespace sprout::calibrate

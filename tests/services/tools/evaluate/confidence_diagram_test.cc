@@ -1,0 +1,70 @@
+#include "services/tools/evaluate/confidence_diagram.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace sprout::evaluate {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Of 100 pixels `bad` are wrong, and they come last; p is claimed of the last tenth alone.
+MethodResult ResultOf(const std::string& name, double bad, double claimed) {
+  Sparsification curve;
+  for (int i = 1; i <= Sparsification::kSteps; ++i) {
+    curve.bad1_percent[static_cast<size_t>(i - 1)] =
+        100 * std::max(0.0, 5 * i - (100 - bad)) / (5 * i);
+  }
+  Calibration calibration;
+  calibration.bins.back() = {.claimed_percent = claimed, .bad1_percent = 10 * bad};
+  return {.name = name,
+          .nonoccluded = {},
+          .all = {},
+          .away = {},
+          .confidence = curve,
+          .calibration = calibration,
+          .ms = {},
+          .map_px = {}};
+}
+
+SceneResult SceneWith(const std::string& name, std::vector<MethodResult> methods) {
+  return {.name = name, .size = {}, .methods = std::move(methods), .refinement = {}};
+}
+
+size_t CountParts(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+// The plots are 260 px wide and high; the left one begins at (56, 56), the right one at 428.
+TEST(ConfidenceSvg, DrawsTheMeanOfTheScenes) {
+  const std::string svg = ConfidenceSvg(
+      {SceneWith("a", {ResultOf("sprout", 4, 60)}), SceneWith("b", {ResultOf("sprout", 8, 100)})});
+  EXPECT_EQ(CountParts(svg, "class=\"scene\""), 4U);
+  EXPECT_EQ(CountParts(svg, "class=\"mean\""), 2U);
+  // Claimed 80 %, true 60 %: axes to 100. 56 + 0.8 · 260 and 56 + 0.4 · 260.
+  EXPECT_THAT(svg, HasSubstr(" 264.0,160.0\"/>"));
+  // Bad 1 of all 6 %: axis to 10, 56 + 0.4 · 260 at the right end.
+  EXPECT_THAT(svg, HasSubstr(" 688.0,160.0\"/>"));
+  EXPECT_THAT(svg, HasSubstr("class=\"ideal\" points=\"56.0,316.0 316.0,56.0\""));
+  EXPECT_EQ(svg.rfind("</svg>\n"), svg.size() - 7);
+}
+
+TEST(ConfidenceSvg, HasNoReliabilityOfWhatClaimsNoProbability) {
+  MethodResult rival = ResultOf("sprout-lr", 4, 60);
+  rival.calibration.reset();
+  MethodResult none = ResultOf("a<b", 4, 60);
+  none.confidence.reset();
+  none.calibration.reset();
+  const std::string svg = ConfidenceSvg({SceneWith("a", {rival, none})});
+  EXPECT_THAT(svg, HasSubstr(">sprout-lr</text>"));
+  EXPECT_THAT(svg, Not(HasSubstr("a&lt;b")));
+  EXPECT_EQ(CountParts(svg, "class=\"mean\""), 1U);
+  EXPECT_EQ(ConfidenceSvg({SceneWith("a", {none})}), "");
+}
+
+}  // namespace
+}  // namespace sprout::evaluate

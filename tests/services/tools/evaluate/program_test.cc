@@ -1,0 +1,298 @@
+#include "services/tools/evaluate/program.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "common/config/config.h"
+#include "tests/common/picture/temporary_directory.h"
+#include "tests/common/scenes/kitti_folder.h"
+#include "tests/common/scenes/scene_folder.h"
+
+namespace sprout::evaluate {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+struct Outcome {
+  int exit_code;
+  std::string out;
+  std::string err;
+};
+
+// A log of three frames of kScene: frame 1 has the truth, frame 2 is 2 px off, frame 3 was not
+// answered.
+void ReadSyntheticLog(const LogChoice& log, const std::function<void(const Frame&)>& visit) {
+  if (log.file != "run.lcm") throw ConfigError("--log " + log.file + ": no such log");
+  CaptureConfig config;
+  config.set_source("synthetic:96x72");
+  const auto source = scenes::OpenDataset(config);
+  for (const int64_t seq : {1, 2, 3}) {
+    const scenes::DatasetFrame captured = source->Get(seq);
+    Frame frame;
+    frame.id = {.utime = 1000 * seq, .seq = seq, .rig_id = "rig"};
+    frame.left = captured.left;
+    frame.right = captured.right;
+    cv::Mat1f map_px = captured.truth.left.clone();
+    if (seq == 2) map_px += 2;
+    if (seq < 3) frame.disparity = FromPx(map_px);
+    visit(frame);
+  }
+}
+
+Outcome Evaluate(std::vector<std::string> arguments) {
+  std::vector<const char*> argv{"sprout-evaluate"};
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int exit_code = EvaluateMain(static_cast<int>(argv.size()), argv.data(), ReadSyntheticLog);
+  return {exit_code, testing::internal::GetCapturedStdout(),
+          testing::internal::GetCapturedStderr()};
+}
+
+const char* const kScene = "synthetic:96x72";
+
+std::string Text(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+nlohmann::json WithoutTimes(const std::filesystem::path& path) {
+  nlohmann::json json = nlohmann::json::parse(Text(path));
+  for (auto& scene : json["scenes"]) {
+    for (auto& method : scene["methods"]) method.erase("ms");
+  }
+  return json;
+}
+
+void ExpectRefused(const std::vector<std::string>& arguments, const std::string& reason) {
+  const Outcome outcome = Evaluate(arguments);
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, StartsWith("sprout-evaluate: "));
+  EXPECT_THAT(outcome.err, HasSubstr(reason));
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+}
+
+TEST(EvaluateProgram, PrintsTablesAndNoProgressIntoAPipe) {
+  const Outcome outcome = Evaluate({kScene, "--methods", "prior,fgs", "--tof", "grid:4"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("| prior  |"));
+  EXPECT_THAT(outcome.out, HasSubstr("| fgs    |"));
+  EXPECT_EQ(outcome.err, "");
+}
+
+TEST(EvaluateProgram, SaysNothingWhenQuiet) {
+  const Outcome outcome = Evaluate({kScene, "--methods", "prior", "--quiet"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.out + outcome.err, "");
+}
+
+TEST(EvaluateProgram, TeachesItsDefinitions) {
+  const Outcome outcome = Evaluate({"--help"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* text : {"bad N", "nonocc", "<= 1, < 1", "wrong seed", "sgbm-5way"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(text));
+  }
+}
+
+TEST(EvaluateProgram, WritesTheSameJsonEveryTimeButForTheTimes) {
+  const TemporaryDirectory folder;
+  const std::vector<std::string> flags = {kScene, "--methods",        "all", "--seed-noise-px",
+                                          "1",    "--seed-jitter-px", "1",   "--quiet"};
+  const auto run = [&](const char* name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = flags;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    arguments.insert(arguments.end(), {"--json", folder / name});
+    ASSERT_EQ(Evaluate(arguments).exit_code, 0);
+  };
+  run("a.json", {"--seed", "3"});
+  run("b.json", {"--seed", "3", "--threads", "2", "--repeat", "2"});
+  run("c.json", {"--seed", "4"});
+  EXPECT_EQ(WithoutTimes(folder / "a.json").dump(), WithoutTimes(folder / "b.json").dump());
+  EXPECT_NE(WithoutTimes(folder / "a.json").dump(), WithoutTimes(folder / "c.json").dump());
+  EXPECT_EQ(folder.CountEntries(), 3) << "files and nothing beside them";
+}
+
+TEST(EvaluateProgram, NamesTheConfigurationInTheResults) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "mine.textproto") << "grow { sigma_p_px: 2 }\n";
+  ASSERT_EQ(Evaluate({kScene, "--methods", "prior", "--preset", "paper", "--config",
+                      folder / "mine.textproto", "--json", folder / "a.json", "--quiet"})
+                .exit_code,
+            0);
+  EXPECT_EQ(WithoutTimes(folder / "a.json")["preset"], "paper+mine");
+}
+
+TEST(EvaluateProgram, WritesAPictureOfEveryMapAndAFigure) {
+  const TemporaryDirectory folder;
+  ASSERT_EQ(Evaluate({"synthetic:96x72", "synthetic:80x64", "--methods", "prior,fgs", "--images",
+                      folder / "new" / "pictures", "--quiet"})
+                .exit_code,
+            0);
+  const auto pictures = folder / "new" / "pictures";
+  for (const char* name : {"synthetic:96x72_prior.png", "synthetic:80x64_fgs.png"}) {
+    EXPECT_FALSE(cv::imread(pictures / name).empty()) << name;
+  }
+  const cv::Mat figure = cv::imread(pictures / "figure.png");
+  EXPECT_GT(figure.cols, 4 * 320);  // left image, two maps, truth
+  EXPECT_GT(figure.rows, 240 + 256);
+}
+
+TEST(EvaluateProgram, RefusesUnknownMethodsPresetsAndTofCameras) {
+  ExpectRefused({kScene, "--methods", "prior,elas"}, "--methods elas: no such method");
+  ExpectRefused({kScene, "--preset", "turbo"}, "allowed: a file, or a preset");
+  ExpectRefused({kScene, "--tof", "lidar"}, "--tof lidar");
+  ExpectRefused({kScene, "--seed-noise-px", "nan"}, "--seed-noise-px: 'nan' is not allowed");
+  ExpectRefused({kScene, "--seed-jitter-px", "nan"}, "--seed-jitter-px: 'nan' is not allowed");
+  ExpectRefused({kScene, "--repeat", "0"}, "--repeat");
+  ExpectRefused({kScene, "--seed-noise-px", "-1"}, "--seed-noise-px");
+  ExpectRefused({}, "SCENE");
+}
+
+TEST(EvaluateProgram, RefusesToSimulateATofCameraBesideAScanAndTheOtherWayRound) {
+  const scenes::KittiFolder kitti;
+  kitti.WriteStereo("000007");
+  const std::string frame = kitti.Config("/000007").source();
+  ExpectRefused({frame, "--tof", "sr4000"}, "has a scan of its own; allowed: scan, none");
+  ExpectRefused({kScene, "--tof", "scan"}, "has no scan");
+  ExpectRefused({kScene, frame}, "has a scan of its own");
+  kitti.WriteObject("000008");
+  ExpectRefused({kitti.Config("/000008").source()}, "no ground truth");
+}
+
+TEST(EvaluateProgram, TakesAllFramesOfAKittiFolder) {
+  const scenes::KittiFolder kitti;
+  kitti.WriteStereo("000007");
+  kitti.WriteStereo("000014");
+  const TemporaryDirectory folder;
+  ASSERT_EQ(Evaluate({kitti.Config("?beams=16").source(), "--methods", "sgbm-3way", "--json",
+                      folder / "a.json", "--images", folder / "pictures", "--quiet"})
+                .exit_code,
+            0);
+  const nlohmann::json json = WithoutTimes(folder / "a.json");
+  EXPECT_EQ(json["tof"], "scan");
+  ASSERT_EQ(json["scenes"].size(), 2u);
+  EXPECT_EQ(json["scenes"][0]["name"], "000007_beams=16");
+  EXPECT_EQ(json["scenes"][1]["name"], "000014_beams=16");
+}
+
+TEST(EvaluateProgram, RunsWithoutATofCamera) {
+  const scenes::KittiFolder kitti;
+  kitti.WriteStereo("000007");
+  const scenes::SceneFolder middlebury;
+  middlebury.Write2005({40, 30});
+  const TemporaryDirectory folder;
+  for (const std::string& scene :
+       {std::string(kScene), middlebury.File("."), kitti.Config("/000007").source()}) {
+    const Outcome outcome =
+        Evaluate({scene, "--tof", "none", "--methods", "sprout,sgbm-3way,fgs", "--json",
+                  folder / "a.json", "--images", folder / "pictures"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const nlohmann::json json = WithoutTimes(folder / "a.json");
+    EXPECT_EQ(json["tof"], "none");
+    EXPECT_EQ(json["scenes"][0]["refinement"]["raw"], 0);
+  }
+}
+
+TEST(EvaluateProgram, RefusesAFolderWithoutGroundTruth) {
+  const scenes::SceneFolder scene;
+  scene.Write2005({40, 30});
+  scene.Remove("disp1.png");
+  const TemporaryDirectory folder;
+  ExpectRefused({scene.File("").c_str(), "--json", folder / "a.json", "--images", folder / "new"},
+                "disp1 is missing");
+  EXPECT_EQ(folder.CountEntries(), 0);
+}
+
+TEST(EvaluateProgram, RefusesImagesAndTruthsOfDifferentSizes) {
+  const TemporaryDirectory folder;
+  for (const char* name : {"view5.png", "disp1.png", "disp5.png"}) {
+    const scenes::SceneFolder scene;
+    scene.Write2005({40, 30});
+    scene.WriteImage(name, cv::Mat1b(31, 40, uchar{40}));
+    // A good scene before it is not run either.
+    ExpectRefused({kScene, scene.File("."), "--json", folder / "a.json"}, "40x31");
+  }
+  EXPECT_EQ(folder.CountEntries(), 0);
+}
+
+TEST(EvaluateProgram, RefusesImagesWiderThanAnyStageTakes) {
+  const scenes::SceneFolder scene;
+  scene.Write2005({16385, 3});
+  ExpectRefused({scene.File(".")}, "16385x3 px; allowed: 1 to 16384 px a side");
+}
+
+TEST(EvaluateProgram, RefusesOutputsThatCannotBeWritten) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "file") << "kept";
+  ExpectRefused({kScene, "--json", folder / "missing" / "a.json"}, "--json");
+  ExpectRefused({kScene, "--csv", folder / "missing" / "a.csv"}, "--csv");
+  ExpectRefused({kScene, "--json", folder / ""}, "--json");
+  ExpectRefused({kScene, "--images", folder / "file"}, "--images");
+  std::filesystem::create_symlink("file", folder / "link");
+  ExpectRefused({kScene, "--json", folder / "link"}, "a symbolic link");
+  std::ofstream(folder / "new.json.part") << "somebody else's";
+  ExpectRefused({kScene, "--json", folder / "new.json", "--csv", folder / "link"}, "--csv");
+  EXPECT_EQ(folder.CountEntries(), 3);
+  EXPECT_EQ(Text(folder / "file"), "kept");
+  EXPECT_EQ(Text(folder / "new.json.part"), "somebody else's");
+}
+
+TEST(EvaluateProgram, KeepsAnOlderFileWhenTheRunIsRefused) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "a.json") << "older";
+  ExpectRefused({kScene, "--json", folder / "a.json", "--csv", folder / "missing" / "a.csv"},
+                "--csv");
+  EXPECT_EQ(Text(folder / "a.json"), "older");
+  EXPECT_EQ(folder.CountEntries(), 1);
+}
+
+TEST(EvaluateProgram, RefusesPicturesOfTwoScenesOfOneName) {
+  const TemporaryDirectory folder;
+  ExpectRefused({kScene, kScene, "--images", folder / "new"}, "two scenes have the name");
+  EXPECT_EQ(folder.CountEntries(), 0);
+}
+
+TEST(EvaluateProgram, ScoresTheAnswersOfALogAgainstTheTruthOfItsSource) {
+  const TemporaryDirectory folder;
+  const auto json_file = folder / "log.json";
+  const Outcome outcome = Evaluate(
+      {"--log", "run.lcm", "--truth", kScene, "--json", json_file, "--csv", folder / "log.csv"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("3 frames, 2 with a disparity map, 2 with ground truth"));
+  EXPECT_THAT(outcome.out, HasSubstr("\n| disparity |"));
+  const auto frames = nlohmann::json::parse(Text(json_file))["frames"];
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_EQ(frames[0]["maps"]["disparity"]["correct_le1"], 100);
+  EXPECT_EQ(frames[1]["maps"]["disparity"]["correct_le1"], 0);
+  EXPECT_NEAR(frames[1]["maps"]["disparity"]["mean_abs_px"], 2, 0.02);
+  EXPECT_GT(frames[0]["score"], frames[1]["score"]);
+  EXPECT_TRUE(frames[2]["score"].is_null());
+  EXPECT_THAT(Text(folder / "log.csv"), StartsWith("seq,utime,score,valid_share,"));
+}
+
+TEST(EvaluateProgram, JudgesALogWithoutTruthByItsQuality) {
+  const Outcome outcome = Evaluate({"--log", "run.lcm"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("3 frames, 2 with a disparity map, 0 with ground truth"));
+  EXPECT_THAT(outcome.out, HasSubstr("| misfit "));
+  EXPECT_THAT(outcome.out, testing::Not(HasSubstr("<= 1 px")));
+}
+
+TEST(EvaluateProgram, RefusesWhatDoesNotGoWithALog) {
+  ExpectRefused({"--log", "gone.lcm"}, "--log gone.lcm: no such log");
+  ExpectRefused({"--log", "run.lcm", "--truth", "synthetic:48x36"}, "--truth: frame 1, score: ");
+  ExpectRefused({"--log", "run.lcm", kScene}, "SCENE excludes --log");
+  ExpectRefused({"--log", "run.lcm", "--images", "x"}, "--images excludes --log");
+  ExpectRefused({kScene, "--truth", kScene}, "--truth requires --log");
+  ExpectRefused({}, "no SCENE; allowed: scenes, or --log LOG");
+}
+
+}  // namespace
+}  // namespace sprout::evaluate

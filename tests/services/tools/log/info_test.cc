@@ -1,0 +1,149 @@
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/services/tools/log/graph_log.h"
+
+namespace sprout::log {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+nlohmann::json Info(const std::string& file, const std::vector<std::string>& flags = {}) {
+  std::vector<std::string> arguments = {"info", file, "--json"};
+  arguments.insert(arguments.end(), flags.begin(), flags.end());
+  const ProgramOutcome outcome = RunLog(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return nlohmann::json::parse(outcome.out);
+}
+
+nlohmann::json Channel(const nlohmann::json& info, const std::string& name) {
+  for (const auto& channel : info["channels"]) {
+    if (channel["name"] == name) return channel;
+  }
+  return {};
+}
+
+TEST(LogInfo, DescribesEveryChannel) {
+  const LogFolder folder;
+  const auto file = folder.Write("log", GraphEvents(12));
+  const nlohmann::json info = Info(file);
+  EXPECT_EQ(info["events"], 7 * 12 + 2);
+  EXPECT_EQ(info["whole"], true);
+  EXPECT_EQ(info["channels"].size(), 8U);
+  const nlohmann::json left = Channel(info, "SPROUT_LEFT");
+  EXPECT_EQ(left["type"], "sprout.image_t");
+  EXPECT_EQ(left["messages"], 12);
+  EXPECT_EQ(left["bytes"], 12 * PartEvent(Part::kLeft, 0).data.size());
+  EXPECT_DOUBLE_EQ(left["rate_hz"], 10);
+  EXPECT_EQ(left["first_utime"], PartEvent(Part::kLeft, 0).utime);
+  EXPECT_EQ(left["last_utime"], PartEvent(Part::kLeft, 11).utime);
+  EXPECT_EQ(left["frames"]["first"], 0);
+  EXPECT_EQ(left["frames"]["last"], 11);
+  EXPECT_EQ(left["undecodable"], 0);
+  EXPECT_EQ(Channel(info, "SPROUT_STATUS")["type"], "sprout.stage_status_t");
+  EXPECT_FALSE(Channel(info, "SPROUT_RIG").contains("frames"));
+}
+
+TEST(LogInfo, CountsGapsAndRepeatedFrames) {
+  const LogFolder folder;
+  auto events = GraphEvents(9);
+  Erase(events, Part::kLeft, 3);
+  Erase(events, Part::kLeft, 4);
+  Erase(events, Part::kLeft, 7);
+  events.push_back(PartEvent(Part::kTof, 8));
+  const auto file = folder.Write("log", events);
+  const nlohmann::json info = Info(file);
+  EXPECT_EQ(info["whole"], false);
+  EXPECT_EQ(Channel(info, "SPROUT_LEFT")["frames"]["missing"], 3);
+  EXPECT_EQ(Channel(info, "SPROUT_TOF")["frames"]["repeated"], 1);
+  const ProgramOutcome outcome = RunLog({"info", file, "--check"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("SPROUT_LEFT: frames left out: 3-4, 7\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("no damage\n"));
+  EXPECT_EQ(outcome.err, "");
+}
+
+TEST(LogInfo, FindsMessagesThatCannotBeDecoded) {
+  const LogFolder folder;
+  auto events = GraphEvents(4);
+  EventOf(events, Part::kLeft, 2).data.pop_back();
+  EventOf(events, Part::kTof, 1).data = PartEvent(Part::kSeeds, 1).data;
+  EventOf(events, Part::kRight, 3).data = {1, 2, 3};
+  const auto file = folder.Write("log", events);
+  const nlohmann::json info = Info(file);
+  for (const char* name : {"SPROUT_LEFT", "SPROUT_TOF", "SPROUT_RIGHT"}) {
+    EXPECT_EQ(Channel(info, name)["undecodable"], 1) << name;
+  }
+  const ProgramOutcome outcome = RunLog({"info", file, "--check"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("SPROUT_LEFT: first undecodable message: event "));
+  EXPECT_THAT(outcome.out, HasSubstr("sprout.seeds_t is not that of sprout.tof_image_t"));
+}
+
+TEST(LogInfo, ReportsDamage) {
+  const LogFolder folder;
+  auto events = GraphEvents(4);
+  Bytes bytes = MakeLog(events);
+  bytes[static_cast<size_t>(events[5].offset)] ^= 1;
+  bytes.resize(bytes.size() - 3);
+  WriteBytes(folder.File("log"), bytes);
+  const nlohmann::json info = Info(folder.File("log"));
+  ASSERT_EQ(info["damage"].size(), 2U);
+  EXPECT_EQ(info["damage"][0]["offset"], events[5].offset);
+  EXPECT_EQ(info["damage"][0]["bytes"], events[6].offset - events[5].offset);
+  EXPECT_EQ(info["damage"][0]["events"], 1);
+  EXPECT_EQ(info["damage"][1]["tail"], true);
+  const ProgramOutcome outcome = RunLog({"info", folder.File("log")});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("1 event lost\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("torn tail"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("no damage")));
+}
+
+TEST(LogInfo, ShowsForeignTypesByFingerprint) {
+  const LogFolder folder;
+  auto events = GraphEvents(2);
+  events.push_back({.utime = 1, .channel = "IMU", .data = {0, 1, 2, 3, 4, 5, 6, 7, 8}});
+  events.push_back({.utime = 1, .channel = "PING", .data = {}});
+  const nlohmann::json info = Info(folder.Write("log", events));
+  EXPECT_EQ(info["whole"], true);
+  EXPECT_EQ(Channel(info, "IMU")["type"], "0x0001020304050607");
+  EXPECT_EQ(Channel(info, "IMU")["undecodable"], 0);
+  EXPECT_EQ(Channel(info, "PING")["type"], "no type");
+}
+
+TEST(LogInfo, LooksAtOneGraphOnly) {
+  const LogFolder folder;
+  auto events = GraphEvents(2);
+  Event other = PartEvent(Part::kLeft, 1);
+  other.channel = "TWO_SPROUT_LEFT";
+  events.push_back(other);
+  const auto file = folder.Write("log", events);
+  const nlohmann::json info = Info(file, {"--channel-prefix", "TWO_"});
+  ASSERT_EQ(info["channels"].size(), 1U);
+  EXPECT_EQ(info["channels"][0]["name"], "TWO_SPROUT_LEFT");
+  EXPECT_EQ(info["channels"][0]["type"], "sprout.image_t");
+}
+
+TEST(LogInfo, SaysSoWhenThePrefixIsThatOfNoChannel) {
+  const LogFolder folder;
+  const auto file = folder.Write("log", GraphEvents(2));
+  const ProgramOutcome outcome = RunLog({"info", file, "--check", "--channel-prefix", "WRONG_"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("no channel begins with this --channel-prefix; there are "
+                                     "channels as SPROUT_"));
+  EXPECT_EQ(Info(file, {"--channel-prefix", "WRONG_"})["whole"], false);
+}
+
+TEST(LogInfo, DescribesAnEmptyLog) {
+  const LogFolder folder;
+  const ProgramOutcome outcome = RunLog({"info", folder.Write("log", {}), "--check"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("0.00 MB, 0 events"));
+}
+
+}  // namespace
+}  // namespace sprout::log
