@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_TOP_BOARD_TEXT_H_
-#define SPROUT_SERVICES_TOP_BOARD_TEXT_H_
+#ifndef SPROUT_COMMON_APP_BOARD_TEXT_H_
+#define SPROUT_COMMON_APP_BOARD_TEXT_H_
 
 #include <string>
 #include <vector>
@@ -22,4 +22,4 @@ std::string BoardJson(const std::vector<BoardRow>& rows);
 
 }  // namespace sprout
 
-#endif  // SPROUT_SERVICES_TOP_BOARD_TEXT_H_
+#endif  // SPROUT_COMMON_APP_BOARD_TEXT_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_TOP_STATUS_BOARD_H_
-#define SPROUT_SERVICES_TOP_STATUS_BOARD_H_
+#ifndef SPROUT_COMMON_APP_STATUS_BOARD_H_
+#define SPROUT_COMMON_APP_STATUS_BOARD_H_
 
 #include <chrono>
 #include <cstdint>
@@ -89,4 +89,4 @@ bool IsWhole(const std::vector<BoardRow>& rows);
 
 }  // namespace sprout
 
-#endif  // SPROUT_SERVICES_TOP_STATUS_BOARD_H_
+#endif  // SPROUT_COMMON_APP_STATUS_BOARD_H_

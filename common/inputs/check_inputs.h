@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_INPUTS_CHECK_INPUTS_H_
-#define SPROUT_SERVICES_INPUTS_CHECK_INPUTS_H_
+#ifndef SPROUT_COMMON_INPUTS_CHECK_INPUTS_H_
+#define SPROUT_COMMON_INPUTS_CHECK_INPUTS_H_
 
 #include <opencv2/core.hpp>
 
@@ -28,4 +28,4 @@ Findings CheckInputs(const cv::Mat1b& left, const cv::Mat1b& right, const TofIma
 
 }  // namespace sprout::inputs
 
-#endif  // SPROUT_SERVICES_INPUTS_CHECK_INPUTS_H_
+#endif  // SPROUT_COMMON_INPUTS_CHECK_INPUTS_H_

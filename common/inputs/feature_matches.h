@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_INPUTS_FEATURE_MATCHES_H_
-#define SPROUT_SERVICES_INPUTS_FEATURE_MATCHES_H_
+#ifndef SPROUT_COMMON_INPUTS_FEATURE_MATCHES_H_
+#define SPROUT_COMMON_INPUTS_FEATURE_MATCHES_H_
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -34,4 +34,4 @@ Matches MatchFeatures(const cv::Mat1b& left, const cv::Mat1b& right);
 
 }  // namespace sprout::inputs
 
-#endif  // SPROUT_SERVICES_INPUTS_FEATURE_MATCHES_H_
+#endif  // SPROUT_COMMON_INPUTS_FEATURE_MATCHES_H_

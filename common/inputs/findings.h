@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_INPUTS_FINDINGS_H_
-#define SPROUT_SERVICES_INPUTS_FINDINGS_H_
+#ifndef SPROUT_COMMON_INPUTS_FINDINGS_H_
+#define SPROUT_COMMON_INPUTS_FINDINGS_H_
 
 #include <limits>
 #include <string>
@@ -64,4 +64,4 @@ Findings Combine(const std::vector<Findings>& frames);
 
 }  // namespace sprout::inputs
 
-#endif  // SPROUT_SERVICES_INPUTS_FINDINGS_H_
+#endif  // SPROUT_COMMON_INPUTS_FINDINGS_H_

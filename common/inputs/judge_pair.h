@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_INPUTS_JUDGE_PAIR_H_
-#define SPROUT_SERVICES_INPUTS_JUDGE_PAIR_H_
+#ifndef SPROUT_COMMON_INPUTS_JUDGE_PAIR_H_
+#define SPROUT_COMMON_INPUTS_JUDGE_PAIR_H_
 
 #include <opencv2/core.hpp>
 
@@ -18,4 +18,4 @@ Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const Rectifie
 
 }  // namespace sprout::inputs
 
-#endif  // SPROUT_SERVICES_INPUTS_JUDGE_PAIR_H_
+#endif  // SPROUT_COMMON_INPUTS_JUDGE_PAIR_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_INPUTS_JUDGE_RANGES_H_
-#define SPROUT_SERVICES_INPUTS_JUDGE_RANGES_H_
+#ifndef SPROUT_COMMON_INPUTS_JUDGE_RANGES_H_
+#define SPROUT_COMMON_INPUTS_JUDGE_RANGES_H_
 
 #include "common/inputs/findings.h"
 #include "common/inputs/range_model.h"
@@ -13,4 +13,4 @@ Findings JudgeRanges(const RangeModel* ranges, bool pair_fits);
 
 }  // namespace sprout::inputs
 
-#endif  // SPROUT_SERVICES_INPUTS_JUDGE_RANGES_H_
+#endif  // SPROUT_COMMON_INPUTS_JUDGE_RANGES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_INPUTS_PAIR_MODEL_H_
-#define SPROUT_SERVICES_INPUTS_PAIR_MODEL_H_
+#ifndef SPROUT_COMMON_INPUTS_PAIR_MODEL_H_
+#define SPROUT_COMMON_INPUTS_PAIR_MODEL_H_
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -44,4 +44,4 @@ PairModel FitPair(const Matches& matches, cv::Size size);
 
 }  // namespace sprout::inputs
 
-#endif  // SPROUT_SERVICES_INPUTS_PAIR_MODEL_H_
+#endif  // SPROUT_COMMON_INPUTS_PAIR_MODEL_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_INPUTS_RANGE_MODEL_H_
-#define SPROUT_SERVICES_INPUTS_RANGE_MODEL_H_
+#ifndef SPROUT_COMMON_INPUTS_RANGE_MODEL_H_
+#define SPROUT_COMMON_INPUTS_RANGE_MODEL_H_
 
 #include <array>
 #include <opencv2/core.hpp>
@@ -86,4 +86,4 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
 
 }  // namespace sprout::inputs
 
-#endif  // SPROUT_SERVICES_INPUTS_RANGE_MODEL_H_
+#endif  // SPROUT_COMMON_INPUTS_RANGE_MODEL_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_INPUTS_RANGE_WATCH_H_
-#define SPROUT_SERVICES_INPUTS_RANGE_WATCH_H_
+#ifndef SPROUT_COMMON_INPUTS_RANGE_WATCH_H_
+#define SPROUT_COMMON_INPUTS_RANGE_WATCH_H_
 
 #include <cstdint>
 #include <string>
@@ -33,4 +33,4 @@ class RangeWatch {
 
 }  // namespace sprout::inputs
 
-#endif  // SPROUT_SERVICES_INPUTS_RANGE_WATCH_H_
+#endif  // SPROUT_COMMON_INPUTS_RANGE_WATCH_H_

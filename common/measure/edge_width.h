@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_QUALITY_EDGE_WIDTH_H_
-#define SPROUT_COMMON_QUALITY_EDGE_WIDTH_H_
+#ifndef SPROUT_COMMON_MEASURE_EDGE_WIDTH_H_
+#define SPROUT_COMMON_MEASURE_EDGE_WIDTH_H_
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -34,4 +34,4 @@ EdgeWidths MeasureEdge(const cv::Mat1f& disparity_px);
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_QUALITY_EDGE_WIDTH_H_
+#endif  // SPROUT_COMMON_MEASURE_EDGE_WIDTH_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_QUALITY_FRAME_QUALITY_H_
-#define SPROUT_COMMON_QUALITY_FRAME_QUALITY_H_
+#ifndef SPROUT_COMMON_MEASURE_FRAME_QUALITY_H_
+#define SPROUT_COMMON_MEASURE_FRAME_QUALITY_H_
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -83,4 +83,4 @@ size_t CountKnown(const FrameQuality& quality);
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_QUALITY_FRAME_QUALITY_H_
+#endif  // SPROUT_COMMON_MEASURE_FRAME_QUALITY_H_

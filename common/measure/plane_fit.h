@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_QUALITY_PLANE_FIT_H_
-#define SPROUT_COMMON_QUALITY_PLANE_FIT_H_
+#ifndef SPROUT_COMMON_MEASURE_PLANE_FIT_H_
+#define SPROUT_COMMON_MEASURE_PLANE_FIT_H_
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -61,4 +61,4 @@ std::optional<PlaneFit> FitPlane(const cv::Mat1f& disparity_px, cv::Point corner
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_QUALITY_PLANE_FIT_H_
+#endif  // SPROUT_COMMON_MEASURE_PLANE_FIT_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_QUALITY_SCORE_H_
-#define SPROUT_COMMON_QUALITY_SCORE_H_
+#ifndef SPROUT_COMMON_MEASURE_SCORE_H_
+#define SPROUT_COMMON_MEASURE_SCORE_H_
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -95,4 +95,4 @@ Result<Accuracy> Score(const DisparityImage& disparity, const cv::Mat1f& truth,
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_QUALITY_SCORE_H_
+#endif  // SPROUT_COMMON_MEASURE_SCORE_H_

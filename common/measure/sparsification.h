@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_QUALITY_SPARSIFICATION_H_
-#define SPROUT_COMMON_QUALITY_SPARSIFICATION_H_
+#ifndef SPROUT_COMMON_MEASURE_SPARSIFICATION_H_
+#define SPROUT_COMMON_MEASURE_SPARSIFICATION_H_
 
 #include <array>
 #include <opencv2/core.hpp>
@@ -31,4 +31,4 @@ Sparsification Sparsify(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_QUALITY_SPARSIFICATION_H_
+#endif  // SPROUT_COMMON_MEASURE_SPARSIFICATION_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_QUALITY_TARGET_METER_H_
-#define SPROUT_COMMON_QUALITY_TARGET_METER_H_
+#ifndef SPROUT_COMMON_MEASURE_TARGET_METER_H_
+#define SPROUT_COMMON_MEASURE_TARGET_METER_H_
 
 #include <cstdint>
 #include <deque>
@@ -99,4 +99,4 @@ class TargetMeter {
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_QUALITY_TARGET_METER_H_
+#endif  // SPROUT_COMMON_MEASURE_TARGET_METER_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_QUALITY_TARGET_QUALITY_H_
-#define SPROUT_COMMON_QUALITY_TARGET_QUALITY_H_
+#ifndef SPROUT_COMMON_MEASURE_TARGET_QUALITY_H_
+#define SPROUT_COMMON_MEASURE_TARGET_QUALITY_H_
 
 #include <cstdint>
 #include <optional>
@@ -58,4 +58,4 @@ std::string TargetText(const TargetFigure& figure, const TargetQuality& quality)
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_QUALITY_TARGET_QUALITY_H_
+#endif  // SPROUT_COMMON_MEASURE_TARGET_QUALITY_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_ROS2_CDR_H_
-#define SPROUT_COMMON_ROS2_CDR_H_
+#ifndef SPROUT_COMMON_ROS_CDR_H_
+#define SPROUT_COMMON_ROS_CDR_H_
 
 #include <cstdint>
 #include <memory>
@@ -119,4 +119,4 @@ Result<RosMessage<T>> ReadCdr(std::span<const uint8_t> bytes) {
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_ROS2_CDR_H_
+#endif  // SPROUT_COMMON_ROS_CDR_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_MCAP_CHUNK_CODEC_H_
-#define SPROUT_COMMON_MCAP_CHUNK_CODEC_H_
+#ifndef SPROUT_COMMON_ROS_CHUNK_CODEC_H_
+#define SPROUT_COMMON_ROS_CHUNK_CODEC_H_
 
 #include <cstdint>
 #include <memory>
@@ -53,4 +53,4 @@ Result<McapBytes> UnpackMessage(std::span<const uint8_t> packed);
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_MCAP_CHUNK_CODEC_H_
+#endif  // SPROUT_COMMON_ROS_CHUNK_CODEC_H_

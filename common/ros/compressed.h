@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_ROS2_COMPRESSED_H_
-#define SPROUT_COMMON_ROS2_COMPRESSED_H_
+#ifndef SPROUT_COMMON_ROS_COMPRESSED_H_
+#define SPROUT_COMMON_ROS_COMPRESSED_H_
 
 #include <opencv2/core.hpp>
 
@@ -20,4 +20,4 @@ RosMessage<RosCompressedImage> ToRosCompressedDepth(const RosPlace& place, const
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_ROS2_COMPRESSED_H_
+#endif  // SPROUT_COMMON_ROS_COMPRESSED_H_

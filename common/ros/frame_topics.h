@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_ROS2_FRAME_TOPICS_H_
-#define SPROUT_COMMON_ROS2_FRAME_TOPICS_H_
+#ifndef SPROUT_COMMON_ROS_FRAME_TOPICS_H_
+#define SPROUT_COMMON_ROS_FRAME_TOPICS_H_
 
 #include <memory>
 #include <span>
@@ -62,4 +62,4 @@ std::unique_ptr<AnyRosMessage> ToRos(RosTopic topic, const FrameId& id, const Pa
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_ROS2_FRAME_TOPICS_H_
+#endif  // SPROUT_COMMON_ROS_FRAME_TOPICS_H_

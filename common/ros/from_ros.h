@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_ROS2_FROM_ROS_H_
-#define SPROUT_COMMON_ROS2_FROM_ROS_H_
+#ifndef SPROUT_COMMON_ROS_FROM_ROS_H_
+#define SPROUT_COMMON_ROS_FROM_ROS_H_
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -88,4 +88,4 @@ Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros);
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_ROS2_FROM_ROS_H_
+#endif  // SPROUT_COMMON_ROS_FROM_ROS_H_

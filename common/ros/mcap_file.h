@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_MCAP_MCAP_FILE_H_
-#define SPROUT_COMMON_MCAP_MCAP_FILE_H_
+#ifndef SPROUT_COMMON_ROS_MCAP_FILE_H_
+#define SPROUT_COMMON_ROS_MCAP_FILE_H_
 
 #include <cstdint>
 #include <filesystem>
@@ -99,4 +99,4 @@ class McapFile {
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_MCAP_MCAP_FILE_H_
+#endif  // SPROUT_COMMON_ROS_MCAP_FILE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_MCAP_MCAP_FORMAT_H_
-#define SPROUT_COMMON_MCAP_MCAP_FORMAT_H_
+#ifndef SPROUT_COMMON_ROS_MCAP_FORMAT_H_
+#define SPROUT_COMMON_ROS_MCAP_FORMAT_H_
 
 #include <bit>
 #include <cstdint>
@@ -133,4 +133,4 @@ uint32_t Crc32(uint32_t crc, std::span<const uint8_t> bytes);
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_MCAP_MCAP_FORMAT_H_
+#endif  // SPROUT_COMMON_ROS_MCAP_FORMAT_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_MCAP_MCAP_PARTS_H_
-#define SPROUT_COMMON_MCAP_MCAP_PARTS_H_
+#ifndef SPROUT_COMMON_ROS_MCAP_PARTS_H_
+#define SPROUT_COMMON_ROS_MCAP_PARTS_H_
 
 #include <cstdint>
 #include <filesystem>
@@ -21,4 +21,4 @@ std::string OtherBag(std::span<const uint8_t> begin);
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_MCAP_MCAP_PARTS_H_
+#endif  // SPROUT_COMMON_ROS_MCAP_PARTS_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_MCAP_MCAP_READER_H_
-#define SPROUT_COMMON_MCAP_MCAP_READER_H_
+#ifndef SPROUT_COMMON_ROS_MCAP_READER_H_
+#define SPROUT_COMMON_ROS_MCAP_READER_H_
 
 #include <cstdint>
 #include <deque>
@@ -118,4 +118,4 @@ class McapReader {
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_MCAP_MCAP_READER_H_
+#endif  // SPROUT_COMMON_ROS_MCAP_READER_H_

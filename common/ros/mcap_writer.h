@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_MCAP_MCAP_WRITER_H_
-#define SPROUT_COMMON_MCAP_MCAP_WRITER_H_
+#ifndef SPROUT_COMMON_ROS_MCAP_WRITER_H_
+#define SPROUT_COMMON_ROS_MCAP_WRITER_H_
 
 #include <cstdint>
 #include <filesystem>
@@ -91,4 +91,4 @@ class McapWriter {
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_MCAP_MCAP_WRITER_H_
+#endif  // SPROUT_COMMON_ROS_MCAP_WRITER_H_

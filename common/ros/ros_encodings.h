@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_ROS2_ROS_ENCODINGS_H_
-#define SPROUT_COMMON_ROS2_ROS_ENCODINGS_H_
+#ifndef SPROUT_COMMON_ROS_ROS_ENCODINGS_H_
+#define SPROUT_COMMON_ROS_ROS_ENCODINGS_H_
 
 #include <opencv2/core.hpp>
 #include <string_view>
@@ -15,4 +15,4 @@ Result<cv::Mat> ToPicture(const cv::Mat& stored, std::string_view encoding);
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_ROS2_ROS_ENCODINGS_H_
+#endif  // SPROUT_COMMON_ROS_ROS_ENCODINGS_H_

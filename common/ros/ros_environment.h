@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_ROS2_ROS_ENVIRONMENT_H_
-#define SPROUT_COMMON_ROS2_ROS_ENVIRONMENT_H_
+#ifndef SPROUT_COMMON_ROS_ROS_ENVIRONMENT_H_
+#define SPROUT_COMMON_ROS_ROS_ENVIRONMENT_H_
 
 #include <cstdint>
 #include <string>
@@ -13,4 +13,4 @@ std::string CycloneConfig(uint32_t max_message_bytes);
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_ROS2_ROS_ENVIRONMENT_H_
+#endif  // SPROUT_COMMON_ROS_ROS_ENVIRONMENT_H_

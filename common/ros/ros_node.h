@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_ROS2_ROS_NODE_H_
-#define SPROUT_COMMON_ROS2_ROS_NODE_H_
+#ifndef SPROUT_COMMON_ROS_ROS_NODE_H_
+#define SPROUT_COMMON_ROS_ROS_NODE_H_
 
 #include <chrono>
 #include <cstdint>
@@ -132,4 +132,4 @@ class RosNode {
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_ROS2_ROS_NODE_H_
+#endif  // SPROUT_COMMON_ROS_ROS_NODE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_ROS2_ROS_TYPE_H_
-#define SPROUT_COMMON_ROS2_ROS_TYPE_H_
+#ifndef SPROUT_COMMON_ROS_ROS_TYPE_H_
+#define SPROUT_COMMON_ROS_ROS_TYPE_H_
 
 #include <dds/ddsc/dds_public_impl.h>
 
@@ -75,4 +75,4 @@ std::string RosSchema(const RosType& type);
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_ROS2_ROS_TYPE_H_
+#endif  // SPROUT_COMMON_ROS_ROS_TYPE_H_

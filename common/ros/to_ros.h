@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_ROS2_TO_ROS_H_
-#define SPROUT_COMMON_ROS2_TO_ROS_H_
+#ifndef SPROUT_COMMON_ROS_TO_ROS_H_
+#define SPROUT_COMMON_ROS_TO_ROS_H_
 
 #include <cstdint>
 #include <map>
@@ -81,4 +81,4 @@ RosMessage<RosDiagnostics> ToRosDiagnostics(int64_t utime,
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_ROS2_TO_ROS_H_
+#endif  // SPROUT_COMMON_ROS_TO_ROS_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_COMMON_MCAP_UNPACKED_FILE_H_
-#define SPROUT_COMMON_MCAP_UNPACKED_FILE_H_
+#ifndef SPROUT_COMMON_ROS_UNPACKED_FILE_H_
+#define SPROUT_COMMON_ROS_UNPACKED_FILE_H_
 
 #include <cstdint>
 #include <filesystem>
@@ -24,4 +24,4 @@ UnpackedFile UnpackFile(const std::filesystem::path& path, std::string_view magi
 
 }  // namespace sprout
 
-#endif  // SPROUT_COMMON_MCAP_UNPACKED_FILE_H_
+#endif  // SPROUT_COMMON_ROS_UNPACKED_FILE_H_

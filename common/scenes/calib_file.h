@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_CALIB_FILE_H_
-#define SPROUT_SERVICES_DATASETS_CALIB_FILE_H_
+#ifndef SPROUT_COMMON_SCENES_CALIB_FILE_H_
+#define SPROUT_COMMON_SCENES_CALIB_FILE_H_
 
 #include <filesystem>
 #include <opencv2/core/types.hpp>
@@ -18,4 +18,4 @@ RectifiedPair ReadCalibFile(const std::filesystem::path& path, cv::Size size, bo
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_CALIB_FILE_H_
+#endif  // SPROUT_COMMON_SCENES_CALIB_FILE_H_

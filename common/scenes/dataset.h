@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_DATASET_H_
-#define SPROUT_SERVICES_DATASETS_DATASET_H_
+#ifndef SPROUT_COMMON_SCENES_DATASET_H_
+#define SPROUT_COMMON_SCENES_DATASET_H_
 
 #include <cstdint>
 #include <memory>
@@ -64,4 +64,4 @@ std::unique_ptr<FrameSource> PlayDataset(std::unique_ptr<Dataset> dataset, bool 
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_DATASET_H_
+#endif  // SPROUT_COMMON_SCENES_DATASET_H_

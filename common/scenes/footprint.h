@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_FOOTPRINT_H_
-#define SPROUT_SERVICES_DATASETS_FOOTPRINT_H_
+#ifndef SPROUT_COMMON_SCENES_FOOTPRINT_H_
+#define SPROUT_COMMON_SCENES_FOOTPRINT_H_
 
 #include <vector>
 
@@ -25,4 +25,4 @@ std::vector<Footprint> FootprintsOf(const TofSamples& samples, double footprint_
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_FOOTPRINT_H_
+#endif  // SPROUT_COMMON_SCENES_FOOTPRINT_H_

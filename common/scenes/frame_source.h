@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_FRAME_SOURCE_H_
-#define SPROUT_SERVICES_DATASETS_FRAME_SOURCE_H_
+#ifndef SPROUT_COMMON_SCENES_FRAME_SOURCE_H_
+#define SPROUT_COMMON_SCENES_FRAME_SOURCE_H_
 
 #include <cstdint>
 #include <functional>
@@ -74,4 +74,4 @@ class FrameSource {
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_FRAME_SOURCE_H_
+#endif  // SPROUT_COMMON_SCENES_FRAME_SOURCE_H_

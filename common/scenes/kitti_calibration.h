@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_KITTI_CALIBRATION_H_
-#define SPROUT_SERVICES_DATASETS_KITTI_CALIBRATION_H_
+#ifndef SPROUT_COMMON_SCENES_KITTI_CALIBRATION_H_
+#define SPROUT_COMMON_SCENES_KITTI_CALIBRATION_H_
 
 #include <Eigen/Geometry>
 #include <filesystem>
@@ -45,4 +45,4 @@ KittiCalibration ReadKittiRawCalibration(const std::filesystem::path& folder, cv
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_KITTI_CALIBRATION_H_
+#endif  // SPROUT_COMMON_SCENES_KITTI_CALIBRATION_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_KITTI_SOURCE_H_
-#define SPROUT_SERVICES_DATASETS_KITTI_SOURCE_H_
+#ifndef SPROUT_COMMON_SCENES_KITTI_SOURCE_H_
+#define SPROUT_COMMON_SCENES_KITTI_SOURCE_H_
 
 #include <memory>
 #include <string>
@@ -42,4 +42,4 @@ std::vector<std::string> KittiPlaces(const std::string& place);
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_KITTI_SOURCE_H_
+#endif  // SPROUT_COMMON_SCENES_KITTI_SOURCE_H_

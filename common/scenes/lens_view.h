@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_LENS_VIEW_H_
-#define SPROUT_SERVICES_DATASETS_LENS_VIEW_H_
+#ifndef SPROUT_COMMON_SCENES_LENS_VIEW_H_
+#define SPROUT_COMMON_SCENES_LENS_VIEW_H_
 
 #include <Eigen/Geometry>
 #include <functional>
@@ -45,4 +45,4 @@ TofSamples RenderTof(const LensView& view, const std::vector<Solid>& solids, dou
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_LENS_VIEW_H_
+#endif  // SPROUT_COMMON_SCENES_LENS_VIEW_H_

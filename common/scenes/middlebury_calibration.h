@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_MIDDLEBURY_CALIBRATION_H_
-#define SPROUT_SERVICES_DATASETS_MIDDLEBURY_CALIBRATION_H_
+#ifndef SPROUT_COMMON_SCENES_MIDDLEBURY_CALIBRATION_H_
+#define SPROUT_COMMON_SCENES_MIDDLEBURY_CALIBRATION_H_
 
 #include <filesystem>
 #include <opencv2/core/types.hpp>
@@ -30,4 +30,4 @@ RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_MIDDLEBURY_CALIBRATION_H_
+#endif  // SPROUT_COMMON_SCENES_MIDDLEBURY_CALIBRATION_H_

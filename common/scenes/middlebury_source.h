@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_MIDDLEBURY_SOURCE_H_
-#define SPROUT_SERVICES_DATASETS_MIDDLEBURY_SOURCE_H_
+#ifndef SPROUT_COMMON_SCENES_MIDDLEBURY_SOURCE_H_
+#define SPROUT_COMMON_SCENES_MIDDLEBURY_SOURCE_H_
 
 #include <memory>
 #include <string>
@@ -27,4 +27,4 @@ std::unique_ptr<Dataset> OpenMiddlebury(const std::string& folder, const Capture
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_MIDDLEBURY_SOURCE_H_
+#endif  // SPROUT_COMMON_SCENES_MIDDLEBURY_SOURCE_H_

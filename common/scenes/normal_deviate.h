@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_NORMAL_DEVIATE_H_
-#define SPROUT_SERVICES_DATASETS_NORMAL_DEVIATE_H_
+#ifndef SPROUT_COMMON_SCENES_NORMAL_DEVIATE_H_
+#define SPROUT_COMMON_SCENES_NORMAL_DEVIATE_H_
 
 #include <cstdint>
 
@@ -20,4 +20,4 @@ inline double NormalDeviate(uint64_t key) {
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_NORMAL_DEVIATE_H_
+#endif  // SPROUT_COMMON_SCENES_NORMAL_DEVIATE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_PFM_H_
-#define SPROUT_SERVICES_DATASETS_PFM_H_
+#ifndef SPROUT_COMMON_SCENES_PFM_H_
+#define SPROUT_COMMON_SCENES_PFM_H_
 
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -17,4 +17,4 @@ cv::Mat1f ReadPfm(const std::filesystem::path& path);
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_PFM_H_
+#endif  // SPROUT_COMMON_SCENES_PFM_H_

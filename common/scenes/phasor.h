@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_PHASOR_H_
-#define SPROUT_SERVICES_DATASETS_PHASOR_H_
+#ifndef SPROUT_COMMON_SCENES_PHASOR_H_
+#define SPROUT_COMMON_SCENES_PHASOR_H_
 
 namespace sprout::scenes {
 
@@ -23,4 +23,4 @@ double TurnsOf(const Phasor& phasor);
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_PHASOR_H_
+#endif  // SPROUT_COMMON_SCENES_PHASOR_H_

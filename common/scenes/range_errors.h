@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_RANGE_ERRORS_H_
-#define SPROUT_SERVICES_DATASETS_RANGE_ERRORS_H_
+#ifndef SPROUT_COMMON_SCENES_RANGE_ERRORS_H_
+#define SPROUT_COMMON_SCENES_RANGE_ERRORS_H_
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -35,4 +35,4 @@ Eigen::Isometry3d TurnedScanner(const Eigen::Isometry3d& left_from_scanner,
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_RANGE_ERRORS_H_
+#endif  // SPROUT_COMMON_SCENES_RANGE_ERRORS_H_

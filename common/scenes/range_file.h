@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_RANGE_FILE_H_
-#define SPROUT_SERVICES_DATASETS_RANGE_FILE_H_
+#ifndef SPROUT_COMMON_SCENES_RANGE_FILE_H_
+#define SPROUT_COMMON_SCENES_RANGE_FILE_H_
 
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -27,4 +27,4 @@ Result<cv::Mat1f> ReadRangeFile(const std::filesystem::path& path,
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_RANGE_FILE_H_
+#endif  // SPROUT_COMMON_SCENES_RANGE_FILE_H_

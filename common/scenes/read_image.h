@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_READ_IMAGE_H_
-#define SPROUT_SERVICES_DATASETS_READ_IMAGE_H_
+#ifndef SPROUT_COMMON_SCENES_READ_IMAGE_H_
+#define SPROUT_COMMON_SCENES_READ_IMAGE_H_
 
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -19,4 +19,4 @@ void RequireSize(const std::filesystem::path& path, cv::Size size, cv::Size expe
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_READ_IMAGE_H_
+#endif  // SPROUT_COMMON_SCENES_READ_IMAGE_H_

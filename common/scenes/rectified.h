@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_RECTIFIED_H_
-#define SPROUT_SERVICES_DATASETS_RECTIFIED_H_
+#ifndef SPROUT_COMMON_SCENES_RECTIFIED_H_
+#define SPROUT_COMMON_SCENES_RECTIFIED_H_
 
 #include <cmath>
 
@@ -23,4 +23,4 @@ inline bool AreRectified(const RectifiedLens& left, const RectifiedLens& right) 
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_RECTIFIED_H_
+#endif  // SPROUT_COMMON_SCENES_RECTIFIED_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_SENSOR_PLACE_H_
-#define SPROUT_SERVICES_DATASETS_SENSOR_PLACE_H_
+#ifndef SPROUT_COMMON_SCENES_SENSOR_PLACE_H_
+#define SPROUT_COMMON_SCENES_SENSOR_PLACE_H_
 
 namespace sprout::scenes {
 
@@ -12,4 +12,4 @@ inline constexpr double kAboveM = 0.02;
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_SENSOR_PLACE_H_
+#endif  // SPROUT_COMMON_SCENES_SENSOR_PLACE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_SOLID_TEXTURE_H_
-#define SPROUT_SERVICES_DATASETS_SOLID_TEXTURE_H_
+#ifndef SPROUT_COMMON_SCENES_SOLID_TEXTURE_H_
+#define SPROUT_COMMON_SCENES_SOLID_TEXTURE_H_
 
 #include <cstdint>
 
@@ -25,4 +25,4 @@ double SolidNoise(const Vec3& point, double pixel_m, uint64_t key);
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_SOLID_TEXTURE_H_
+#endif  // SPROUT_COMMON_SCENES_SOLID_TEXTURE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_SOURCE_OPTIONS_H_
-#define SPROUT_SERVICES_DATASETS_SOURCE_OPTIONS_H_
+#ifndef SPROUT_COMMON_SCENES_SOURCE_OPTIONS_H_
+#define SPROUT_COMMON_SCENES_SOURCE_OPTIONS_H_
 
 #include <string>
 #include <string_view>
@@ -70,4 +70,4 @@ bool ApplyRangeErrorOption(const SourceOption& option, bool is_scan, RangeErrors
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_SOURCE_OPTIONS_H_
+#endif  // SPROUT_COMMON_SCENES_SOURCE_OPTIONS_H_

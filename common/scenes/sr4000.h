@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_SR4000_H_
-#define SPROUT_SERVICES_DATASETS_SR4000_H_
+#ifndef SPROUT_COMMON_SCENES_SR4000_H_
+#define SPROUT_COMMON_SCENES_SR4000_H_
 
 #include <cstdint>
 #include <span>
@@ -79,4 +79,4 @@ class Sr4000 {
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_SR4000_H_
+#endif  // SPROUT_COMMON_SCENES_SR4000_H_

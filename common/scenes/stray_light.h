@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_STRAY_LIGHT_H_
-#define SPROUT_SERVICES_DATASETS_STRAY_LIGHT_H_
+#ifndef SPROUT_COMMON_SCENES_STRAY_LIGHT_H_
+#define SPROUT_COMMON_SCENES_STRAY_LIGHT_H_
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
@@ -41,4 +41,4 @@ cv::Mat1d StrayLightErrorM(const LitView& view, const StrayLight& stray);
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_STRAY_LIGHT_H_
+#endif  // SPROUT_COMMON_SCENES_STRAY_LIGHT_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_SURFACE_RENDERER_H_
-#define SPROUT_SERVICES_DATASETS_SURFACE_RENDERER_H_
+#ifndef SPROUT_COMMON_SCENES_SURFACE_RENDERER_H_
+#define SPROUT_COMMON_SCENES_SURFACE_RENDERER_H_
 
 #include <opencv2/core.hpp>
 
@@ -28,4 +28,4 @@ TofSamples RenderSurface(const Rig& rig, const GroundTruth& truth, const cv::Mat
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_SURFACE_RENDERER_H_
+#endif  // SPROUT_COMMON_SCENES_SURFACE_RENDERER_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_SYNTHETIC_SCENE_H_
-#define SPROUT_SERVICES_DATASETS_SYNTHETIC_SCENE_H_
+#ifndef SPROUT_COMMON_SCENES_SYNTHETIC_SCENE_H_
+#define SPROUT_COMMON_SCENES_SYNTHETIC_SCENE_H_
 
 #include <cstdint>
 #include <span>
@@ -83,4 +83,4 @@ class SyntheticScene {
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_SYNTHETIC_SCENE_H_
+#endif  // SPROUT_COMMON_SCENES_SYNTHETIC_SCENE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_SYNTHETIC_SOURCE_H_
-#define SPROUT_SERVICES_DATASETS_SYNTHETIC_SOURCE_H_
+#ifndef SPROUT_COMMON_SCENES_SYNTHETIC_SOURCE_H_
+#define SPROUT_COMMON_SCENES_SYNTHETIC_SOURCE_H_
 
 #include <memory>
 
@@ -25,4 +25,4 @@ std::unique_ptr<Dataset> OpenSynthetic(cv::Size size, const CaptureConfig& confi
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_SYNTHETIC_SOURCE_H_
+#endif  // SPROUT_COMMON_SCENES_SYNTHETIC_SOURCE_H_

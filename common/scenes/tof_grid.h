@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_TOF_GRID_H_
-#define SPROUT_SERVICES_DATASETS_TOF_GRID_H_
+#ifndef SPROUT_COMMON_SCENES_TOF_GRID_H_
+#define SPROUT_COMMON_SCENES_TOF_GRID_H_
 
 #include <opencv2/core.hpp>
 
@@ -27,4 +27,4 @@ TofImage SampleTofGrid(const RectifiedPair& pair, int step_px, const cv::Mat1f& 
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_TOF_GRID_H_
+#endif  // SPROUT_COMMON_SCENES_TOF_GRID_H_

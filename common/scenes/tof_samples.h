@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_TOF_SAMPLES_H_
-#define SPROUT_SERVICES_DATASETS_TOF_SAMPLES_H_
+#ifndef SPROUT_COMMON_SCENES_TOF_SAMPLES_H_
+#define SPROUT_COMMON_SCENES_TOF_SAMPLES_H_
 
 #include <limits>
 #include <opencv2/core.hpp>
@@ -24,4 +24,4 @@ struct TofSamples {
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_TOF_SAMPLES_H_
+#endif  // SPROUT_COMMON_SCENES_TOF_SAMPLES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_VEC3_H_
-#define SPROUT_SERVICES_DATASETS_VEC3_H_
+#ifndef SPROUT_COMMON_SCENES_VEC3_H_
+#define SPROUT_COMMON_SCENES_VEC3_H_
 
 namespace sprout::scenes {
 
@@ -18,4 +18,4 @@ inline double Dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y +
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_VEC3_H_
+#endif  // SPROUT_COMMON_SCENES_VEC3_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_VELODYNE_SCAN_H_
-#define SPROUT_SERVICES_DATASETS_VELODYNE_SCAN_H_
+#ifndef SPROUT_COMMON_SCENES_VELODYNE_SCAN_H_
+#define SPROUT_COMMON_SCENES_VELODYNE_SCAN_H_
 
 #include <Eigen/Geometry>
 #include <filesystem>
@@ -39,4 +39,4 @@ TofImage TofImageFromScan(const std::vector<Eigen::Vector3d>& points,
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_VELODYNE_SCAN_H_
+#endif  // SPROUT_COMMON_SCENES_VELODYNE_SCAN_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_DATASETS_ZONE_SENSOR_H_
-#define SPROUT_SERVICES_DATASETS_ZONE_SENSOR_H_
+#ifndef SPROUT_COMMON_SCENES_ZONE_SENSOR_H_
+#define SPROUT_COMMON_SCENES_ZONE_SENSOR_H_
 
 #include <cstdint>
 
@@ -41,4 +41,4 @@ class ZoneSensor {
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_SERVICES_DATASETS_ZONE_SENSOR_H_
+#endif  // SPROUT_COMMON_SCENES_ZONE_SENSOR_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_CONFIDENCE_H_
-#define SPROUT_SERVICES_GROW_CONFIDENCE_H_
+#ifndef SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_H_
+#define SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_H_
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -65,4 +65,4 @@ void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparit
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_CONFIDENCE_H_
+#endif  // SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_H_

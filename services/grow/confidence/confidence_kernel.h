@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_CONFIDENCE_KERNEL_H_
-#define SPROUT_SERVICES_GROW_CONFIDENCE_KERNEL_H_
+#ifndef SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_KERNEL_H_
+#define SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_KERNEL_H_
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -60,4 +60,4 @@ void RateCells(const ConfidenceTables& tables, const ConfidenceFeatures& feature
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_CONFIDENCE_KERNEL_H_
+#endif  // SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_KERNEL_H_

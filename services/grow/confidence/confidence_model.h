@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_CONFIDENCE_MODEL_H_
-#define SPROUT_SERVICES_GROW_CONFIDENCE_MODEL_H_
+#ifndef SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_MODEL_H_
+#define SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_MODEL_H_
 
 #include <algorithm>
 #include <array>
@@ -53,4 +53,4 @@ const ConfidenceTables& DefaultConfidenceTables();
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_CONFIDENCE_MODEL_H_
+#endif  // SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_MODEL_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_GAP_FILLER_H_
-#define SPROUT_SERVICES_GROW_GAP_FILLER_H_
+#ifndef SPROUT_SERVICES_GROW_FILL_GAP_FILLER_H_
+#define SPROUT_SERVICES_GROW_FILL_GAP_FILLER_H_
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
@@ -30,4 +30,4 @@ class GapFiller {
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_GAP_FILLER_H_
+#endif  // SPROUT_SERVICES_GROW_FILL_GAP_FILLER_H_

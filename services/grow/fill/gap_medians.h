@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_GAP_MEDIANS_H_
-#define SPROUT_SERVICES_GROW_GAP_MEDIANS_H_
+#ifndef SPROUT_SERVICES_GROW_FILL_GAP_MEDIANS_H_
+#define SPROUT_SERVICES_GROW_FILL_GAP_MEDIANS_H_
 
 #include <array>
 #include <cstdint>
@@ -22,4 +22,4 @@ void FillPixels(const DisparityImage& map, int v, int u, FilledPixels& filled);
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_GAP_MEDIANS_H_
+#endif  // SPROUT_SERVICES_GROW_FILL_GAP_MEDIANS_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_GROWTH_RULE_H_
-#define SPROUT_SERVICES_GROW_GROWTH_RULE_H_
+#ifndef SPROUT_SERVICES_GROW_PAPER_GROWTH_RULE_H_
+#define SPROUT_SERVICES_GROW_PAPER_GROWTH_RULE_H_
 
 #include <algorithm>
 #include <array>
@@ -125,4 +125,4 @@ double SigmaP(const GrowConfig& config, double sigma_px);
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_GROWTH_RULE_H_
+#endif  // SPROUT_SERVICES_GROW_PAPER_GROWTH_RULE_H_

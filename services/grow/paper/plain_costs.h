@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_PLAIN_COSTS_H_
-#define SPROUT_SERVICES_GROW_PLAIN_COSTS_H_
+#ifndef SPROUT_SERVICES_GROW_PAPER_PLAIN_COSTS_H_
+#define SPROUT_SERVICES_GROW_PAPER_PLAIN_COSTS_H_
 
 #include <cstdint>
 
@@ -21,4 +21,4 @@ int SubPixelStep(const GrowthRule& rule, const GrowthInput& input, const Corresp
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_PLAIN_COSTS_H_
+#endif  // SPROUT_SERVICES_GROW_PAPER_PLAIN_COSTS_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_PLAIN_GROWTH_H_
-#define SPROUT_SERVICES_GROW_PLAIN_GROWTH_H_
+#ifndef SPROUT_SERVICES_GROW_PAPER_PLAIN_GROWTH_H_
+#define SPROUT_SERVICES_GROW_PAPER_PLAIN_GROWTH_H_
 
 #include <span>
 
@@ -19,4 +19,4 @@ DisparityImage GrowPlainly(const GrowthRule& rule, const GrowthInput& input,
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_PLAIN_GROWTH_H_
+#endif  // SPROUT_SERVICES_GROW_PAPER_PLAIN_GROWTH_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_GROWTH_BAND_H_
-#define SPROUT_SERVICES_GROW_GROWTH_BAND_H_
+#ifndef SPROUT_SERVICES_GROW_SWEEP_GROWTH_BAND_H_
+#define SPROUT_SERVICES_GROW_SWEEP_GROWTH_BAND_H_
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -96,4 +96,4 @@ const GrowthKernel* FindGrowthKernel();
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_GROWTH_BAND_H_
+#endif  // SPROUT_SERVICES_GROW_SWEEP_GROWTH_BAND_H_

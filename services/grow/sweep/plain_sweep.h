@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_PLAIN_SWEEP_H_
-#define SPROUT_SERVICES_GROW_PLAIN_SWEEP_H_
+#ifndef SPROUT_SERVICES_GROW_SWEEP_PLAIN_SWEEP_H_
+#define SPROUT_SERVICES_GROW_SWEEP_PLAIN_SWEEP_H_
 
 #include <span>
 
@@ -17,4 +17,4 @@ DisparityImage SweepPlainly(const GrowthRule& rule, const GrowthInput& input,
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_PLAIN_SWEEP_H_
+#endif  // SPROUT_SERVICES_GROW_SWEEP_PLAIN_SWEEP_H_

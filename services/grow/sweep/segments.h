@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_SEGMENTS_H_
-#define SPROUT_SERVICES_GROW_SEGMENTS_H_
+#ifndef SPROUT_SERVICES_GROW_SWEEP_SEGMENTS_H_
+#define SPROUT_SERVICES_GROW_SWEEP_SEGMENTS_H_
 
 #include <cstdint>
 #include <span>
@@ -37,4 +37,4 @@ void EraseUnreached(const SweepBand& band, DisparityImage& map);
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_SEGMENTS_H_
+#endif  // SPROUT_SERVICES_GROW_SWEEP_SEGMENTS_H_

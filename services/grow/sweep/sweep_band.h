@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_SWEEP_BAND_H_
-#define SPROUT_SERVICES_GROW_SWEEP_BAND_H_
+#ifndef SPROUT_SERVICES_GROW_SWEEP_SWEEP_BAND_H_
+#define SPROUT_SERVICES_GROW_SWEEP_SWEEP_BAND_H_
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -63,4 +63,4 @@ const SweepKernel* FindSweepKernel();
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_SWEEP_BAND_H_
+#endif  // SPROUT_SERVICES_GROW_SWEEP_SWEEP_BAND_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_PRIOR_DATA_TERM_KERNEL_H_
-#define SPROUT_SERVICES_PRIOR_DATA_TERM_KERNEL_H_
+#ifndef SPROUT_SERVICES_PRIOR_EDGES_DATA_TERM_KERNEL_H_
+#define SPROUT_SERVICES_PRIOR_EDGES_DATA_TERM_KERNEL_H_
 
 #include <array>
 #include <cstddef>
@@ -52,4 +52,4 @@ double FarMinusNear(const EdgeImages& images, const ColourSeeds& seeds,
 
 }  // namespace sprout::prior
 
-#endif  // SPROUT_SERVICES_PRIOR_DATA_TERM_KERNEL_H_
+#endif  // SPROUT_SERVICES_PRIOR_EDGES_DATA_TERM_KERNEL_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_PRIOR_EDGE_SURFACES_H_
-#define SPROUT_SERVICES_PRIOR_EDGE_SURFACES_H_
+#ifndef SPROUT_SERVICES_PRIOR_EDGES_EDGE_SURFACES_H_
+#define SPROUT_SERVICES_PRIOR_EDGES_EDGE_SURFACES_H_
 
 #include <array>
 #include <cstddef>
@@ -121,4 +121,4 @@ void DecideLabels(const EdgeLabels& labels, const DataTerm& data_term, Disparity
 
 }  // namespace sprout::prior
 
-#endif  // SPROUT_SERVICES_PRIOR_EDGE_SURFACES_H_
+#endif  // SPROUT_SERVICES_PRIOR_EDGES_EDGE_SURFACES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_PRIOR_OUTLINE_H_
-#define SPROUT_SERVICES_PRIOR_OUTLINE_H_
+#ifndef SPROUT_SERVICES_PRIOR_EDGES_OUTLINE_H_
+#define SPROUT_SERVICES_PRIOR_EDGES_OUTLINE_H_
 
 #include <span>
 
@@ -20,4 +20,4 @@ void TakeOffFlatTriangles(std::span<const Seed> seeds, double longest_px, double
 
 }  // namespace sprout::prior
 
-#endif  // SPROUT_SERVICES_PRIOR_OUTLINE_H_
+#endif  // SPROUT_SERVICES_PRIOR_EDGES_OUTLINE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_PRIOR_PLANE_KERNEL_H_
-#define SPROUT_SERVICES_PRIOR_PLANE_KERNEL_H_
+#ifndef SPROUT_SERVICES_PRIOR_EDGES_PLANE_KERNEL_H_
+#define SPROUT_SERVICES_PRIOR_EDGES_PLANE_KERNEL_H_
 
 #include <algorithm>
 #include <array>
@@ -61,4 +61,4 @@ void FitPlanesAtOnce(double slope_weight, PlaneFits& fits);
 
 }  // namespace sprout::prior
 
-#endif  // SPROUT_SERVICES_PRIOR_PLANE_KERNEL_H_
+#endif  // SPROUT_SERVICES_PRIOR_EDGES_PLANE_KERNEL_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_PRIOR_SEED_PLANES_H_
-#define SPROUT_SERVICES_PRIOR_SEED_PLANES_H_
+#ifndef SPROUT_SERVICES_PRIOR_EDGES_SEED_PLANES_H_
+#define SPROUT_SERVICES_PRIOR_EDGES_SEED_PLANES_H_
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -73,4 +73,4 @@ void ExtendBeyondHull(std::span<const int> hull, cv::Size size, double reach_px,
 
 }  // namespace sprout::prior
 
-#endif  // SPROUT_SERVICES_PRIOR_SEED_PLANES_H_
+#endif  // SPROUT_SERVICES_PRIOR_EDGES_SEED_PLANES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_PRIOR_INTERPOLATION_H_
-#define SPROUT_SERVICES_PRIOR_INTERPOLATION_H_
+#ifndef SPROUT_SERVICES_PRIOR_TRIANGULATION_INTERPOLATION_H_
+#define SPROUT_SERVICES_PRIOR_TRIANGULATION_INTERPOLATION_H_
 
 #include <algorithm>
 #include <array>
@@ -142,4 +142,4 @@ void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const 
 
 }  // namespace sprout::prior
 
-#endif  // SPROUT_SERVICES_PRIOR_INTERPOLATION_H_
+#endif  // SPROUT_SERVICES_PRIOR_TRIANGULATION_INTERPOLATION_H_

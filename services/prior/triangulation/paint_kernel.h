@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_PRIOR_PAINT_KERNEL_H_
-#define SPROUT_SERVICES_PRIOR_PAINT_KERNEL_H_
+#ifndef SPROUT_SERVICES_PRIOR_TRIANGULATION_PAINT_KERNEL_H_
+#define SPROUT_SERVICES_PRIOR_TRIANGULATION_PAINT_KERNEL_H_
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -17,4 +17,4 @@ void PaintTriangles(std::span<const Plane> planes, std::span<const SeedTriangle>
 
 }  // namespace sprout::prior
 
-#endif  // SPROUT_SERVICES_PRIOR_PAINT_KERNEL_H_
+#endif  // SPROUT_SERVICES_PRIOR_TRIANGULATION_PAINT_KERNEL_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_ANSWERS_H_
-#define SPROUT_SERVICES_BATCH_ANSWERS_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_ANSWERS_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_ANSWERS_H_
 
 #include <filesystem>
 #include <string>
@@ -26,4 +26,4 @@ bool CountWithoutFrames(const Manifest& manifest, const BatchLog& log, const Spr
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_ANSWERS_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_ANSWERS_H_

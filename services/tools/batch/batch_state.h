@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_BATCH_STATE_H_
-#define SPROUT_SERVICES_BATCH_BATCH_STATE_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_BATCH_STATE_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_BATCH_STATE_H_
 
 #include <vector>
 
@@ -27,4 +27,4 @@ void RemoveParts(const BatchFolder& folder);
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_BATCH_STATE_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_BATCH_STATE_H_

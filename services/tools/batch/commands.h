@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_COMMANDS_H_
-#define SPROUT_SERVICES_BATCH_COMMANDS_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_COMMANDS_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_COMMANDS_H_
 
 #include <cstdint>
 #include <string>
@@ -32,4 +32,4 @@ int RunReport(const Options& options);
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_COMMANDS_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_COMMANDS_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_ENGINES_H_
-#define SPROUT_SERVICES_BATCH_ENGINES_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_ENGINES_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_ENGINES_H_
 
 #include <string>
 
@@ -42,4 +42,4 @@ std::string ActiveJobs(const BatchFolder& folder);
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_ENGINES_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_ENGINES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_FRAME_LOOKUP_H_
-#define SPROUT_SERVICES_BATCH_FRAME_LOOKUP_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_FRAME_LOOKUP_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_FRAME_LOOKUP_H_
 
 #include <cstdint>
 #include <deque>
@@ -49,4 +49,4 @@ class FrameLookup {
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_FRAME_LOOKUP_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_FRAME_LOOKUP_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_FRAME_TABLE_H_
-#define SPROUT_SERVICES_BATCH_FRAME_TABLE_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_FRAME_TABLE_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_FRAME_TABLE_H_
 
 #include <string>
 #include <vector>
@@ -38,4 +38,4 @@ inline double MeanOf(const std::vector<float>& values) { return MeanOf(values, 0
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_FRAME_TABLE_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_FRAME_TABLE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_LOG_LIST_H_
-#define SPROUT_SERVICES_BATCH_LOG_LIST_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_LOG_LIST_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_LOG_LIST_H_
 
 #include <filesystem>
 #include <string>
@@ -29,4 +29,4 @@ inline constexpr char kBadName[] =
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_LOG_LIST_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_LOG_LIST_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_LOG_TASK_H_
-#define SPROUT_SERVICES_BATCH_LOG_TASK_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_LOG_TASK_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_LOG_TASK_H_
 
 #include <cstdint>
 #include <filesystem>
@@ -44,4 +44,4 @@ void RunLog(const BatchFolder& folder, const Manifest& manifest, int log, int th
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_LOG_TASK_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_LOG_TASK_H_

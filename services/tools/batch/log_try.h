@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_LOG_TRY_H_
-#define SPROUT_SERVICES_BATCH_LOG_TRY_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_LOG_TRY_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_LOG_TRY_H_
 
 #include <cstdint>
 #include <filesystem>
@@ -41,4 +41,4 @@ void ForgetTry(const BatchFolder& folder, int log);
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_LOG_TRY_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_LOG_TRY_H_

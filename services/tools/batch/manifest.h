@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_MANIFEST_H_
-#define SPROUT_SERVICES_BATCH_MANIFEST_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_MANIFEST_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_MANIFEST_H_
 
 #include <filesystem>
 #include <string>
@@ -66,4 +66,4 @@ std::string FirstLineOf(const std::filesystem::path& path);
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_MANIFEST_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_MANIFEST_H_

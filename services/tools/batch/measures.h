@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_MEASURES_H_
-#define SPROUT_SERVICES_BATCH_MEASURES_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_MEASURES_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_MEASURES_H_
 
 #include <filesystem>
 #include <string>
@@ -34,4 +34,4 @@ Table CompareFrames(FrameLookup& a, FrameLookup* b, Part map, const std::filesys
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_MEASURES_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_MEASURES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_NAMES_H_
-#define SPROUT_SERVICES_BATCH_NAMES_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_NAMES_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_NAMES_H_
 
 #include <filesystem>
 #include <set>
@@ -27,4 +27,4 @@ std::string ResultNameOf(const std::filesystem::path& log, std::set<std::string>
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_NAMES_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_NAMES_H_

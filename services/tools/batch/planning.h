@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_PLANNING_H_
-#define SPROUT_SERVICES_BATCH_PLANNING_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_PLANNING_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_PLANNING_H_
 
 #include <string>
 #include <vector>
@@ -34,4 +34,4 @@ Manifest Plan(const BatchRequest& request, const std::string& program);
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_PLANNING_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_PLANNING_H_

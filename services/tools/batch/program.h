@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_PROGRAM_H_
-#define SPROUT_SERVICES_BATCH_PROGRAM_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_PROGRAM_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_PROGRAM_H_
 
 namespace sprout::batch {
 
@@ -9,4 +9,4 @@ int BatchMain(int argc, const char* const* argv);
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_PROGRAM_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_PROGRAM_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_REPORT_H_
-#define SPROUT_SERVICES_BATCH_REPORT_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_REPORT_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_REPORT_H_
 
 #include <string>
 
@@ -32,4 +32,4 @@ std::vector<std::string> ShownMeasures(const Manifest& manifest);
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_REPORT_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_REPORT_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_REPORT_FRAMES_H_
-#define SPROUT_SERVICES_BATCH_REPORT_FRAMES_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_REPORT_FRAMES_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_REPORT_FRAMES_H_
 
 #include <filesystem>
 #include <map>
@@ -45,4 +45,4 @@ class ReportFrames {
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_REPORT_FRAMES_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_REPORT_FRAMES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_RESULT_FOLDER_H_
-#define SPROUT_SERVICES_BATCH_RESULT_FOLDER_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_RESULT_FOLDER_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_RESULT_FOLDER_H_
 
 #include <filesystem>
 #include <string>
@@ -43,4 +43,4 @@ void MarkDamaged(const std::filesystem::path& result);
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_RESULT_FOLDER_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_RESULT_FOLDER_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_STAGE_RUNS_H_
-#define SPROUT_SERVICES_BATCH_STAGE_RUNS_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_STAGE_RUNS_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_STAGE_RUNS_H_
 
 #include <filesystem>
 #include <optional>
@@ -18,4 +18,4 @@ StageRuns ReadStageRuns(const std::filesystem::path& result, const Manifest& man
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_STAGE_RUNS_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_STAGE_RUNS_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_BATCH_TABLE_H_
-#define SPROUT_SERVICES_BATCH_TABLE_H_
+#ifndef SPROUT_SERVICES_TOOLS_BATCH_TABLE_H_
+#define SPROUT_SERVICES_TOOLS_BATCH_TABLE_H_
 
 #include <filesystem>
 #include <optional>
@@ -37,4 +37,4 @@ Table ReadTable(const std::filesystem::path& path, const std::vector<std::string
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_SERVICES_BATCH_TABLE_H_
+#endif  // SPROUT_SERVICES_TOOLS_BATCH_TABLE_H_

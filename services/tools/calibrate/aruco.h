@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_ARUCO_H_
-#define SPROUT_SERVICES_CALIBRATE_ARUCO_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_ARUCO_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_ARUCO_H_
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -51,4 +51,4 @@ void FindCorners(const cv::Mat1b& image, const cv::Ptr<CharucoBoard>& board,
 
 }  // namespace sprout::calibrate::aruco
 
-#endif  // SPROUT_SERVICES_CALIBRATE_ARUCO_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_ARUCO_H_

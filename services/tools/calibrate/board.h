@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_BOARD_H_
-#define SPROUT_SERVICES_CALIBRATE_BOARD_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_H_
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
@@ -79,4 +79,4 @@ class Board {
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_BOARD_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_H_

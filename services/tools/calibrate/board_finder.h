@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_BOARD_FINDER_H_
-#define SPROUT_SERVICES_CALIBRATE_BOARD_FINDER_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_FINDER_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_FINDER_H_
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -37,4 +37,4 @@ cv::Mat1b AmplitudeImage(const cv::Mat1f& amplitude);
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_BOARD_FINDER_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_FINDER_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_BOARD_PAGE_H_
-#define SPROUT_SERVICES_CALIBRATE_BOARD_PAGE_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_PAGE_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_PAGE_H_
 
 #include <filesystem>
 #include <string>
@@ -22,4 +22,4 @@ Eigen::Vector2d BoardPageSizeMm(const Board& board);
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_BOARD_PAGE_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_PAGE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_BOARD_READER_H_
-#define SPROUT_SERVICES_CALIBRATE_BOARD_READER_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_READER_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_READER_H_
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -23,4 +23,4 @@ std::string SeenBoards(const std::vector<cv::Mat1b>& images);
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_BOARD_READER_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_READER_H_

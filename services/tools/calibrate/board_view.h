@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_BOARD_VIEW_H_
-#define SPROUT_SERVICES_CALIBRATE_BOARD_VIEW_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_VIEW_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_VIEW_H_
 
 #include <array>
 #include <opencv2/core.hpp>
@@ -31,4 +31,4 @@ struct BoardView {
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_BOARD_VIEW_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_VIEW_H_

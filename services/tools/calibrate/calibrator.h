@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_CALIBRATOR_H_
-#define SPROUT_SERVICES_CALIBRATE_CALIBRATOR_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_CALIBRATOR_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_CALIBRATOR_H_
 
 #include <array>
 #include <vector>
@@ -34,4 +34,4 @@ Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCa
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_CALIBRATOR_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_CALIBRATOR_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_CHECK_H_
-#define SPROUT_SERVICES_CALIBRATE_CHECK_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_CHECK_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_CHECK_H_
 
 #include <filesystem>
 #include <string>
@@ -20,4 +20,4 @@ int RunCheck(const CheckOptions& options);
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_CHECK_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_CHECK_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_COVERAGE_H_
-#define SPROUT_SERVICES_CALIBRATE_COVERAGE_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_COVERAGE_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_COVERAGE_H_
 
 #include <array>
 #include <opencv2/core.hpp>
@@ -72,4 +72,4 @@ class Coverage {
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_COVERAGE_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_COVERAGE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_FRAME_LOG_H_
-#define SPROUT_SERVICES_CALIBRATE_FRAME_LOG_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_FRAME_LOG_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_FRAME_LOG_H_
 
 #include <cstdint>
 #include <filesystem>
@@ -23,4 +23,4 @@ std::string ReadFrameLog(const std::filesystem::path& path, const std::string& p
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_FRAME_LOG_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_FRAME_LOG_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_IMAGE_FOLDER_H_
-#define SPROUT_SERVICES_CALIBRATE_IMAGE_FOLDER_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_IMAGE_FOLDER_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_IMAGE_FOLDER_H_
 
 #include <filesystem>
 #include <functional>
@@ -27,4 +27,4 @@ void WriteImages(const std::filesystem::path& folder, const std::string& name,
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_IMAGE_FOLDER_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_IMAGE_FOLDER_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_PROGRAM_H_
-#define SPROUT_SERVICES_CALIBRATE_PROGRAM_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_PROGRAM_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_PROGRAM_H_
 
 namespace sprout::calibrate {
 
@@ -10,4 +10,4 @@ int CalibrateMain(int argc, const char* const* argv);
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_PROGRAM_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_PROGRAM_H_

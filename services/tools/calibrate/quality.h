@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_QUALITY_H_
-#define SPROUT_SERVICES_CALIBRATE_QUALITY_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_QUALITY_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_QUALITY_H_
 
 #include <array>
 #include <string>
@@ -49,4 +49,4 @@ CalibrationQuality QualityOf(const RefinedModel& refined, const RawRig& rig,
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_QUALITY_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_QUALITY_H_

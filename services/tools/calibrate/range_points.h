@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_RANGE_POINTS_H_
-#define SPROUT_SERVICES_CALIBRATE_RANGE_POINTS_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_RANGE_POINTS_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_RANGE_POINTS_H_
 
 #include <vector>
 
@@ -21,4 +21,4 @@ std::vector<RangePoint> CollectRangePoints(const Board& board, const std::vector
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_RANGE_POINTS_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_RANGE_POINTS_H_

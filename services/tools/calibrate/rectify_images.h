@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_RECTIFY_IMAGES_H_
-#define SPROUT_SERVICES_CALIBRATE_RECTIFY_IMAGES_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_RECTIFY_IMAGES_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_RECTIFY_IMAGES_H_
 
 #include "common/core/result.h"
 #include "common/rig/rectifier.h"
@@ -13,4 +13,4 @@ Result<RigImages> RectifyImages(const Rectifier& rectifier, const RigImages& ima
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_RECTIFY_IMAGES_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_RECTIFY_IMAGES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_REFINE_H_
-#define SPROUT_SERVICES_CALIBRATE_REFINE_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_REFINE_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_REFINE_H_
 
 #include <filesystem>
 #include <string>
@@ -25,4 +25,4 @@ int RunRefine(const RefineOptions& options);
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_REFINE_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_REFINE_H_

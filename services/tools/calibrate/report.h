@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_REPORT_H_
-#define SPROUT_SERVICES_CALIBRATE_REPORT_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_H_
 
 #include <string>
 
@@ -24,4 +24,4 @@ std::string ReportHtml(const Calibration& calibration, const RigImages& images,
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_REPORT_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_H_

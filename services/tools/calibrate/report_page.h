@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_REPORT_PAGE_H_
-#define SPROUT_SERVICES_CALIBRATE_REPORT_PAGE_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_PAGE_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_PAGE_H_
 
 #include <string>
 #include <string_view>
@@ -19,4 +19,4 @@ std::string ReportEnd();
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_REPORT_PAGE_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_PAGE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_REPORT_PICTURES_H_
-#define SPROUT_SERVICES_CALIBRATE_REPORT_PICTURES_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_PICTURES_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_PICTURES_H_
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -30,4 +30,4 @@ cv::Mat3b DotsPicture(const cv::Mat& image, const std::vector<cv::Point2d>& plac
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_REPORT_PICTURES_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_PICTURES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_RESULT_FILE_H_
-#define SPROUT_SERVICES_CALIBRATE_RESULT_FILE_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_RESULT_FILE_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_RESULT_FILE_H_
 
 #include <filesystem>
 #include <iostream>
@@ -25,4 +25,4 @@ inline void SaveResult(const RigDescription& rig, bool is_good, const std::files
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_RESULT_FILE_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_RESULT_FILE_H_

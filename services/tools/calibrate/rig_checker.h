@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_RIG_CHECKER_H_
-#define SPROUT_SERVICES_CALIBRATE_RIG_CHECKER_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_CHECKER_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_CHECKER_H_
 
 #include <opencv2/core.hpp>
 #include <optional>
@@ -68,4 +68,4 @@ std::string CheckText(const RigCheck& check);
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_RIG_CHECKER_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_CHECKER_H_

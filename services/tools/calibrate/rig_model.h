@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_RIG_MODEL_H_
-#define SPROUT_SERVICES_CALIBRATE_RIG_MODEL_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_MODEL_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_MODEL_H_
 
 #include <Eigen/Geometry>
 #include <array>
@@ -48,4 +48,4 @@ Result<RigModel> InitialModel(const Board& board, const std::array<cv::Size, kCa
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_RIG_MODEL_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_MODEL_H_

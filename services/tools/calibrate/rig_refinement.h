@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_RIG_REFINEMENT_H_
-#define SPROUT_SERVICES_CALIBRATE_RIG_REFINEMENT_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_REFINEMENT_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_REFINEMENT_H_
 
 #include <array>
 #include <vector>
@@ -64,4 +64,4 @@ Result<RefinedModel> RefineModel(const Board& board, const std::vector<BoardView
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_RIG_REFINEMENT_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_REFINEMENT_H_

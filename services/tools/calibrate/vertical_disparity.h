@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_VERTICAL_DISPARITY_H_
-#define SPROUT_SERVICES_CALIBRATE_VERTICAL_DISPARITY_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_VERTICAL_DISPARITY_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_VERTICAL_DISPARITY_H_
 
 #include <limits>
 #include <opencv2/core.hpp>
@@ -33,4 +33,4 @@ VerticalDisparity MeasureVerticalDisparity(const cv::Mat1b& left, const cv::Mat1
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_VERTICAL_DISPARITY_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_VERTICAL_DISPARITY_H_

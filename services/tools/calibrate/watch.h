@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_WATCH_H_
-#define SPROUT_SERVICES_CALIBRATE_WATCH_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_WATCH_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_WATCH_H_
 
 #include <filesystem>
 #include <string>
@@ -27,4 +27,4 @@ std::string EstimateCommand(const Board& board, const std::filesystem::path& fol
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_WATCH_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_WATCH_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CHECK_BAD_MESSAGES_H_
-#define SPROUT_SERVICES_CHECK_BAD_MESSAGES_H_
+#ifndef SPROUT_SERVICES_TOOLS_CHECK_BAD_MESSAGES_H_
+#define SPROUT_SERVICES_TOOLS_CHECK_BAD_MESSAGES_H_
 
 #include <cstdint>
 #include <functional>
@@ -23,4 +23,4 @@ std::vector<Corruption> CorruptionsOf(Part part);
 
 }  // namespace sprout::check
 
-#endif  // SPROUT_SERVICES_CHECK_BAD_MESSAGES_H_
+#endif  // SPROUT_SERVICES_TOOLS_CHECK_BAD_MESSAGES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CHECK_BUS_CONNECTION_H_
-#define SPROUT_SERVICES_CHECK_BUS_CONNECTION_H_
+#ifndef SPROUT_SERVICES_TOOLS_CHECK_BUS_CONNECTION_H_
+#define SPROUT_SERVICES_TOOLS_CHECK_BUS_CONNECTION_H_
 
 #include <chrono>
 #include <condition_variable>
@@ -49,4 +49,4 @@ class BusConnection {
 
 }  // namespace sprout::check
 
-#endif  // SPROUT_SERVICES_CHECK_BUS_CONNECTION_H_
+#endif  // SPROUT_SERVICES_TOOLS_CHECK_BUS_CONNECTION_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CHECK_CAPTURE_CHECK_H_
-#define SPROUT_SERVICES_CHECK_CAPTURE_CHECK_H_
+#ifndef SPROUT_SERVICES_TOOLS_CHECK_CAPTURE_CHECK_H_
+#define SPROUT_SERVICES_TOOLS_CHECK_CAPTURE_CHECK_H_
 
 #include <iosfwd>
 
@@ -15,4 +15,4 @@ int CheckCapture(const StageCheckOptions& options, std::ostream& out);
 
 }  // namespace sprout::check
 
-#endif  // SPROUT_SERVICES_CHECK_CAPTURE_CHECK_H_
+#endif  // SPROUT_SERVICES_TOOLS_CHECK_CAPTURE_CHECK_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CHECK_CONTRACT_H_
-#define SPROUT_SERVICES_CHECK_CONTRACT_H_
+#ifndef SPROUT_SERVICES_TOOLS_CHECK_CONTRACT_H_
+#define SPROUT_SERVICES_TOOLS_CHECK_CONTRACT_H_
 
 #include <opencv2/core/types.hpp>
 #include <optional>
@@ -49,4 +49,4 @@ std::string CompareAnswers(std::span<const PartValue> answers, std::span<const P
 
 }  // namespace sprout::check
 
-#endif  // SPROUT_SERVICES_CHECK_CONTRACT_H_
+#endif  // SPROUT_SERVICES_TOOLS_CHECK_CONTRACT_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CHECK_FINDINGS_H_
-#define SPROUT_SERVICES_CHECK_FINDINGS_H_
+#ifndef SPROUT_SERVICES_TOOLS_CHECK_FINDINGS_H_
+#define SPROUT_SERVICES_TOOLS_CHECK_FINDINGS_H_
 
 #include <iosfwd>
 #include <map>
@@ -53,4 +53,4 @@ class Findings {
 
 }  // namespace sprout::check
 
-#endif  // SPROUT_SERVICES_CHECK_FINDINGS_H_
+#endif  // SPROUT_SERVICES_TOOLS_CHECK_FINDINGS_H_

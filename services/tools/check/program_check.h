@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CHECK_PROGRAM_CHECK_H_
-#define SPROUT_SERVICES_CHECK_PROGRAM_CHECK_H_
+#ifndef SPROUT_SERVICES_TOOLS_CHECK_PROGRAM_CHECK_H_
+#define SPROUT_SERVICES_TOOLS_CHECK_PROGRAM_CHECK_H_
 
 #include <chrono>
 #include <functional>
@@ -44,4 +44,4 @@ bool CheckReport(const Heard& heard, Findings& found);
 
 }  // namespace sprout::check
 
-#endif  // SPROUT_SERVICES_CHECK_PROGRAM_CHECK_H_
+#endif  // SPROUT_SERVICES_TOOLS_CHECK_PROGRAM_CHECK_H_

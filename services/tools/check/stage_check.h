@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CHECK_STAGE_CHECK_H_
-#define SPROUT_SERVICES_CHECK_STAGE_CHECK_H_
+#ifndef SPROUT_SERVICES_TOOLS_CHECK_STAGE_CHECK_H_
+#define SPROUT_SERVICES_TOOLS_CHECK_STAGE_CHECK_H_
 
 #include <chrono>
 #include <iosfwd>
@@ -25,4 +25,4 @@ int CheckStage(const StageCheckOptions& options, std::ostream& out);
 
 }  // namespace sprout::check
 
-#endif  // SPROUT_SERVICES_CHECK_STAGE_CHECK_H_
+#endif  // SPROUT_SERVICES_TOOLS_CHECK_STAGE_CHECK_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CHECK_TEST_FRAMES_H_
-#define SPROUT_SERVICES_CHECK_TEST_FRAMES_H_
+#ifndef SPROUT_SERVICES_TOOLS_CHECK_TEST_FRAMES_H_
+#define SPROUT_SERVICES_TOOLS_CHECK_TEST_FRAMES_H_
 
 #include <filesystem>
 #include <map>
@@ -33,4 +33,4 @@ std::vector<TestFrame> DegenerateFrames(const TestFrame& good);
 
 }  // namespace sprout::check
 
-#endif  // SPROUT_SERVICES_CHECK_TEST_FRAMES_H_
+#endif  // SPROUT_SERVICES_TOOLS_CHECK_TEST_FRAMES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_CALIBRATION_H_
-#define SPROUT_SERVICES_EVALUATE_CALIBRATION_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_CALIBRATION_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_CALIBRATION_H_
 
 #include <array>
 #include <opencv2/core.hpp>
@@ -32,4 +32,4 @@ Calibration Calibrate(const cv::Mat1f& disparity_px, const cv::Mat1f& truth, con
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_CALIBRATION_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_CALIBRATION_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_CHAIN_H_
-#define SPROUT_SERVICES_EVALUATE_CHAIN_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_CHAIN_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_CHAIN_H_
 
 #include "common/config/config.h"
 #include "common/core/frame.h"
@@ -48,4 +48,4 @@ MethodOutput RunChain(const Scene& scene, const ChainSettings& settings, Frame f
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_CHAIN_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_CHAIN_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_CONFIDENCE_DIAGRAM_H_
-#define SPROUT_SERVICES_EVALUATE_CONFIDENCE_DIAGRAM_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_CONFIDENCE_DIAGRAM_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_CONFIDENCE_DIAGRAM_H_
 
 #include <string>
 #include <vector>
@@ -19,4 +19,4 @@ std::string ConfidenceSvg(const std::vector<SceneResult>& scenes);
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_CONFIDENCE_DIAGRAM_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_CONFIDENCE_DIAGRAM_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_EVALUATE_H_
-#define SPROUT_SERVICES_EVALUATE_EVALUATE_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_EVALUATE_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_EVALUATE_H_
 
 #include <functional>
 #include <optional>
@@ -45,4 +45,4 @@ SceneResult EvaluateScene(const Scene& scene, const std::vector<Method>& methods
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_EVALUATE_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_EVALUATE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_FIGURE_H_
-#define SPROUT_SERVICES_EVALUATE_FIGURE_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_FIGURE_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_FIGURE_H_
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -36,4 +36,4 @@ cv::Mat3b FigureThumbnail(const cv::Mat3b& image);
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_FIGURE_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_FIGURE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_METHODS_H_
-#define SPROUT_SERVICES_EVALUATE_METHODS_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_METHODS_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_METHODS_H_
 
 #include <functional>
 #include <string>
@@ -28,4 +28,4 @@ std::vector<Method> SelectMethods(const std::vector<std::string>& names);
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_METHODS_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_METHODS_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_PAPER_FIGURES_H_
-#define SPROUT_SERVICES_EVALUATE_PAPER_FIGURES_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_PAPER_FIGURES_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_PAPER_FIGURES_H_
 
 #include <optional>
 #include <string>
@@ -13,4 +13,4 @@ std::optional<double> PaperPercent(const std::string& scene, const std::string& 
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_PAPER_FIGURES_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_PAPER_FIGURES_H_

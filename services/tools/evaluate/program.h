@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_PROGRAM_H_
-#define SPROUT_SERVICES_EVALUATE_PROGRAM_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_PROGRAM_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_PROGRAM_H_
 
 #include "services/tools/evaluate/log_evaluation.h"
 
@@ -14,4 +14,4 @@ int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log);
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_PROGRAM_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_PROGRAM_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_RESULT_FILES_H_
-#define SPROUT_SERVICES_EVALUATE_RESULT_FILES_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_RESULT_FILES_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_RESULT_FILES_H_
 
 #include <string>
 #include <vector>
@@ -24,4 +24,4 @@ std::string ToCsv(const RunResult& run);
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_RESULT_FILES_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_RESULT_FILES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_SCENE_H_
-#define SPROUT_SERVICES_EVALUATE_SCENE_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_SCENE_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_SCENE_H_
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -52,4 +52,4 @@ Scene LoadScene(const std::string& scene, const TofChoice& tof, CaptureConfig co
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_SCENE_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_SCENE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_SEED_NOISE_H_
-#define SPROUT_SERVICES_EVALUATE_SEED_NOISE_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_SEED_NOISE_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_SEED_NOISE_H_
 
 #include <cstdint>
 #include <vector>
@@ -25,4 +25,4 @@ std::vector<Seed> Damage(std::vector<Seed> seeds, const SeedNoise& noise);
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_SEED_NOISE_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_SEED_NOISE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_SEED_QUALITY_H_
-#define SPROUT_SERVICES_EVALUATE_SEED_QUALITY_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_SEED_QUALITY_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_SEED_QUALITY_H_
 
 #include <cstdint>
 #include <span>
@@ -48,4 +48,4 @@ RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_SEED_QUALITY_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_SEED_QUALITY_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_TABLES_H_
-#define SPROUT_SERVICES_EVALUATE_TABLES_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_TABLES_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_TABLES_H_
 
 #include <string>
 #include <vector>
@@ -21,4 +21,4 @@ std::string PaperTable(std::vector<SceneResult> scenes);
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_TABLES_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_TABLES_H_

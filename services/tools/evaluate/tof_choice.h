@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_TOF_CHOICE_H_
-#define SPROUT_SERVICES_EVALUATE_TOF_CHOICE_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_TOF_CHOICE_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_TOF_CHOICE_H_
 
 #include <optional>
 #include <string>
@@ -51,4 +51,4 @@ class TofChoice {
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_TOF_CHOICE_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_TOF_CHOICE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_VIDEO_H_
-#define SPROUT_SERVICES_EVALUATE_VIDEO_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_H_
 
 #include <filesystem>
 #include <functional>
@@ -49,4 +49,4 @@ std::string VideoTable(const std::vector<VideoResult>& results);
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_VIDEO_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_H_

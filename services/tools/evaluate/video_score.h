@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_VIDEO_SCORE_H_
-#define SPROUT_SERVICES_EVALUATE_VIDEO_SCORE_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_SCORE_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_SCORE_H_
 
 #include <cstdint>
 #include <deque>
@@ -85,4 +85,4 @@ class MotionScore {
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_VIDEO_SCORE_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_SCORE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_VIDEO_TRUTH_H_
-#define SPROUT_SERVICES_EVALUATE_VIDEO_TRUTH_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_TRUTH_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_TRUTH_H_
 
 #include <deque>
 #include <opencv2/core.hpp>
@@ -34,4 +34,4 @@ class AwayFromPoints {
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_VIDEO_TRUTH_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_TRUTH_H_

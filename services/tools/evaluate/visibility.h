@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_VISIBILITY_H_
-#define SPROUT_SERVICES_EVALUATE_VISIBILITY_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_VISIBILITY_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_VISIBILITY_H_
 
 #include <opencv2/core.hpp>
 
@@ -20,4 +20,4 @@ Visibility VisibilityOf(const scenes::GroundTruth& truth);
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_VISIBILITY_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_VISIBILITY_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_CHANNEL_SUMMARY_H_
-#define SPROUT_SERVICES_LOG_CHANNEL_SUMMARY_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_CHANNEL_SUMMARY_H_
+#define SPROUT_SERVICES_TOOLS_LOG_CHANNEL_SUMMARY_H_
 
 #include <cstdint>
 #include <string>
@@ -49,4 +49,4 @@ std::string WhyUndecodable(const LogEvent& event);
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_CHANNEL_SUMMARY_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_CHANNEL_SUMMARY_H_

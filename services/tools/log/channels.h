@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_CHANNELS_H_
-#define SPROUT_SERVICES_LOG_CHANNELS_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_CHANNELS_H_
+#define SPROUT_SERVICES_TOOLS_LOG_CHANNELS_H_
 
 #include <set>
 #include <string>
@@ -26,4 +26,4 @@ class ChannelFilter {
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_CHANNELS_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_CHANNELS_H_

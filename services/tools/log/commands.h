@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_COMMANDS_H_
-#define SPROUT_SERVICES_LOG_COMMANDS_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_COMMANDS_H_
+#define SPROUT_SERVICES_TOOLS_LOG_COMMANDS_H_
 
 #include <filesystem>
 #include <optional>
@@ -128,4 +128,4 @@ int RunMcapInfo(const InfoOptions& options);
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_COMMANDS_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_COMMANDS_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_DAMAGE_TEXT_H_
-#define SPROUT_SERVICES_LOG_DAMAGE_TEXT_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_DAMAGE_TEXT_H_
+#define SPROUT_SERVICES_TOOLS_LOG_DAMAGE_TEXT_H_
 
 #include <filesystem>
 #include <string>
@@ -17,4 +17,4 @@ void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_DAMAGE_TEXT_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_DAMAGE_TEXT_H_

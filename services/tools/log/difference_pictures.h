@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_DIFFERENCE_PICTURES_H_
-#define SPROUT_SERVICES_LOG_DIFFERENCE_PICTURES_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_DIFFERENCE_PICTURES_H_
+#define SPROUT_SERVICES_TOOLS_LOG_DIFFERENCE_PICTURES_H_
 
 #include <cstdint>
 #include <span>
@@ -18,4 +18,4 @@ void WriteDifferencePictures(std::span<const uint8_t> a, std::span<const uint8_t
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_DIFFERENCE_PICTURES_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_DIFFERENCE_PICTURES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_EVENT_STREAM_H_
-#define SPROUT_SERVICES_LOG_EVENT_STREAM_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_EVENT_STREAM_H_
+#define SPROUT_SERVICES_TOOLS_LOG_EVENT_STREAM_H_
 
 #include <compare>
 #include <cstdint>
@@ -81,4 +81,4 @@ class EventStream {
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_EVENT_STREAM_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_EVENT_STREAM_H_

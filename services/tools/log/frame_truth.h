@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_FRAME_TRUTH_H_
-#define SPROUT_SERVICES_LOG_FRAME_TRUTH_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_FRAME_TRUTH_H_
+#define SPROUT_SERVICES_TOOLS_LOG_FRAME_TRUTH_H_
 
 #include <array>
 #include <cstdint>
@@ -55,4 +55,4 @@ class LogTruth {
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_FRAME_TRUTH_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_FRAME_TRUTH_H_

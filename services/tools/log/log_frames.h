@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_LOG_FRAMES_H_
-#define SPROUT_SERVICES_LOG_LOG_FRAMES_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_LOG_FRAMES_H_
+#define SPROUT_SERVICES_TOOLS_LOG_LOG_FRAMES_H_
 
 #include <cstdint>
 #include <filesystem>
@@ -51,4 +51,4 @@ void FinishFiles(const std::string& complaint, const FrameFileNames& names,
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_LOG_FRAMES_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_LOG_FRAMES_H_

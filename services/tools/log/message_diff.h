@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_MESSAGE_DIFF_H_
-#define SPROUT_SERVICES_LOG_MESSAGE_DIFF_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_MESSAGE_DIFF_H_
+#define SPROUT_SERVICES_TOOLS_LOG_MESSAGE_DIFF_H_
 
 #include <cstdint>
 #include <optional>
@@ -22,4 +22,4 @@ MessageDiff Compare(std::span<const uint8_t> a, std::span<const uint8_t> b);
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_MESSAGE_DIFF_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_MESSAGE_DIFF_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_PROCESS_SUMMARY_H_
-#define SPROUT_SERVICES_LOG_PROCESS_SUMMARY_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_PROCESS_SUMMARY_H_
+#define SPROUT_SERVICES_TOOLS_LOG_PROCESS_SUMMARY_H_
 
 #include <span>
 #include <string>
@@ -34,4 +34,4 @@ std::string ConfigDiffText(const ProcessSummary& a, const ProcessSummary& b);
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_PROCESS_SUMMARY_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_PROCESS_SUMMARY_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_PROGRAM_H_
-#define SPROUT_SERVICES_LOG_PROGRAM_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_PROGRAM_H_
+#define SPROUT_SERVICES_TOOLS_LOG_PROGRAM_H_
 
 namespace sprout::log {
 
@@ -11,4 +11,4 @@ int LogMain(int argc, const char* const* argv);
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_PROGRAM_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_PROGRAM_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_READ_PROGRESS_H_
-#define SPROUT_SERVICES_LOG_READ_PROGRESS_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_READ_PROGRESS_H_
+#define SPROUT_SERVICES_TOOLS_LOG_READ_PROGRESS_H_
 
 #include <chrono>
 #include <cstdint>
@@ -34,4 +34,4 @@ class ReadProgress {
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_READ_PROGRESS_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_READ_PROGRESS_H_

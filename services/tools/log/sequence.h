@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_LOG_SEQUENCE_H_
-#define SPROUT_SERVICES_LOG_SEQUENCE_H_
+#ifndef SPROUT_SERVICES_TOOLS_LOG_SEQUENCE_H_
+#define SPROUT_SERVICES_TOOLS_LOG_SEQUENCE_H_
 
 #include <cstdint>
 #include <deque>
@@ -45,4 +45,4 @@ class Sequence {
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_SERVICES_LOG_SEQUENCE_H_
+#endif  // SPROUT_SERVICES_TOOLS_LOG_SEQUENCE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_QUALITY_LIMITS_H_
-#define SPROUT_SERVICES_QUALITY_LIMITS_H_
+#ifndef SPROUT_SERVICES_TOOLS_QUALITY_LIMITS_H_
+#define SPROUT_SERVICES_TOOLS_QUALITY_LIMITS_H_
 
 #include <filesystem>
 #include <optional>
@@ -30,4 +30,4 @@ std::vector<Limit> LoadLimits(const std::filesystem::path& path);
 
 }  // namespace sprout::quality
 
-#endif  // SPROUT_SERVICES_QUALITY_LIMITS_H_
+#endif  // SPROUT_SERVICES_TOOLS_QUALITY_LIMITS_H_

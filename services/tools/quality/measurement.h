@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_QUALITY_MEASUREMENT_H_
-#define SPROUT_SERVICES_QUALITY_MEASUREMENT_H_
+#ifndef SPROUT_SERVICES_TOOLS_QUALITY_MEASUREMENT_H_
+#define SPROUT_SERVICES_TOOLS_QUALITY_MEASUREMENT_H_
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -53,4 +53,4 @@ class Measurement {
 
 }  // namespace sprout::quality
 
-#endif  // SPROUT_SERVICES_QUALITY_MEASUREMENT_H_
+#endif  // SPROUT_SERVICES_TOOLS_QUALITY_MEASUREMENT_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_QUALITY_PICTURES_H_
-#define SPROUT_SERVICES_QUALITY_PICTURES_H_
+#ifndef SPROUT_SERVICES_TOOLS_QUALITY_PICTURES_H_
+#define SPROUT_SERVICES_TOOLS_QUALITY_PICTURES_H_
 
 #include <opencv2/core.hpp>
 
@@ -24,4 +24,4 @@ cv::Mat3b NoisePicture(const TargetMaps& maps, const TargetQuality& quality);
 
 }  // namespace sprout::quality
 
-#endif  // SPROUT_SERVICES_QUALITY_PICTURES_H_
+#endif  // SPROUT_SERVICES_TOOLS_QUALITY_PICTURES_H_

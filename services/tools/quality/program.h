@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_QUALITY_PROGRAM_H_
-#define SPROUT_SERVICES_QUALITY_PROGRAM_H_
+#ifndef SPROUT_SERVICES_TOOLS_QUALITY_PROGRAM_H_
+#define SPROUT_SERVICES_TOOLS_QUALITY_PROGRAM_H_
 
 namespace sprout::quality {
 
@@ -11,4 +11,4 @@ int QualityMain(int argc, const char* const* argv);
 
 }  // namespace sprout::quality
 
-#endif  // SPROUT_SERVICES_QUALITY_PROGRAM_H_
+#endif  // SPROUT_SERVICES_TOOLS_QUALITY_PROGRAM_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_QUALITY_REPORT_H_
-#define SPROUT_SERVICES_QUALITY_REPORT_H_
+#ifndef SPROUT_SERVICES_TOOLS_QUALITY_REPORT_H_
+#define SPROUT_SERVICES_TOOLS_QUALITY_REPORT_H_
 
 #include <span>
 #include <string>
@@ -18,4 +18,4 @@ std::string ReportHtml(const Measurement& measurement, std::span<const Limit> li
 
 }  // namespace sprout::quality
 
-#endif  // SPROUT_SERVICES_QUALITY_REPORT_H_
+#endif  // SPROUT_SERVICES_TOOLS_QUALITY_REPORT_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_QUALITY_SOURCES_H_
-#define SPROUT_SERVICES_QUALITY_SOURCES_H_
+#ifndef SPROUT_SERVICES_TOOLS_QUALITY_SOURCES_H_
+#define SPROUT_SERVICES_TOOLS_QUALITY_SOURCES_H_
 
 #include <filesystem>
 #include <functional>
@@ -56,4 +56,4 @@ void MeasureGraph(const LiveOptions& options, Measurement& measurement,
 
 }  // namespace sprout::quality
 
-#endif  // SPROUT_SERVICES_QUALITY_SOURCES_H_
+#endif  // SPROUT_SERVICES_TOOLS_QUALITY_SOURCES_H_

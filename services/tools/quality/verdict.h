@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_QUALITY_VERDICT_H_
-#define SPROUT_SERVICES_QUALITY_VERDICT_H_
+#ifndef SPROUT_SERVICES_TOOLS_QUALITY_VERDICT_H_
+#define SPROUT_SERVICES_TOOLS_QUALITY_VERDICT_H_
 
 #include <span>
 #include <string>
@@ -26,4 +26,4 @@ std::string MissingText(const TargetQuality& quality, const TargetSettings& sett
 
 }  // namespace sprout::quality
 
-#endif  // SPROUT_SERVICES_QUALITY_VERDICT_H_
+#endif  // SPROUT_SERVICES_TOOLS_QUALITY_VERDICT_H_

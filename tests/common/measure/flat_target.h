@@ -1,5 +1,5 @@
-#ifndef SPROUT_TESTS_COMMON_QUALITY_FLAT_TARGET_H_
-#define SPROUT_TESTS_COMMON_QUALITY_FLAT_TARGET_H_
+#ifndef SPROUT_TESTS_COMMON_MEASURE_FLAT_TARGET_H_
+#define SPROUT_TESTS_COMMON_MEASURE_FLAT_TARGET_H_
 
 #include <Eigen/Core>
 #include <cmath>
@@ -72,4 +72,4 @@ inline constexpr float kNoDisparity = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace sprout::testing
 
-#endif  // SPROUT_TESTS_COMMON_QUALITY_FLAT_TARGET_H_
+#endif  // SPROUT_TESTS_COMMON_MEASURE_FLAT_TARGET_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_TESTS_COMMON_ROS2_FAST_CDR_H_
-#define SPROUT_TESTS_COMMON_ROS2_FAST_CDR_H_
+#ifndef SPROUT_TESTS_COMMON_ROS_FAST_CDR_H_
+#define SPROUT_TESTS_COMMON_ROS_FAST_CDR_H_
 
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
@@ -139,4 +139,4 @@ std::vector<uint8_t> Write(const T& message, Cdr::Endianness order) {
 
 }  // namespace sprout::fast_cdr
 
-#endif  // SPROUT_TESTS_COMMON_ROS2_FAST_CDR_H_
+#endif  // SPROUT_TESTS_COMMON_ROS_FAST_CDR_H_

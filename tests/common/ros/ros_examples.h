@@ -1,5 +1,5 @@
-#ifndef SPROUT_TESTS_COMMON_ROS2_ROS_EXAMPLES_H_
-#define SPROUT_TESTS_COMMON_ROS2_ROS_EXAMPLES_H_
+#ifndef SPROUT_TESTS_COMMON_ROS_ROS_EXAMPLES_H_
+#define SPROUT_TESTS_COMMON_ROS_ROS_EXAMPLES_H_
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -158,4 +158,4 @@ void ForEachRosExample(const Visit& visit) {
 
 }  // namespace sprout::examples
 
-#endif  // SPROUT_TESTS_COMMON_ROS2_ROS_EXAMPLES_H_
+#endif  // SPROUT_TESTS_COMMON_ROS_ROS_EXAMPLES_H_

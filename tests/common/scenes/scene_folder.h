@@ -1,5 +1,5 @@
-#ifndef SPROUT_TESTS_SERVICES_DATASETS_SCENE_FOLDER_H_
-#define SPROUT_TESTS_SERVICES_DATASETS_SCENE_FOLDER_H_
+#ifndef SPROUT_TESTS_COMMON_SCENES_SCENE_FOLDER_H_
+#define SPROUT_TESTS_COMMON_SCENES_SCENE_FOLDER_H_
 
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -49,4 +49,4 @@ std::string OpenError(const CaptureConfig& config);
 
 }  // namespace sprout::scenes
 
-#endif  // SPROUT_TESTS_SERVICES_DATASETS_SCENE_FOLDER_H_
+#endif  // SPROUT_TESTS_COMMON_SCENES_SCENE_FOLDER_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_IMPORT_IMPORT_H_
-#define SPROUT_SERVICES_CALIBRATE_IMPORT_IMPORT_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_IMPORT_IMPORT_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_IMPORT_IMPORT_H_
 
 #include <filesystem>
 #include <string>
@@ -23,4 +23,4 @@ int RunImport(const ImportOptions& options);
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_IMPORT_IMPORT_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_IMPORT_IMPORT_H_

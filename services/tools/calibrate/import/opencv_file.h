@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_IMPORT_OPENCV_FILE_H_
-#define SPROUT_SERVICES_CALIBRATE_IMPORT_OPENCV_FILE_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_IMPORT_OPENCV_FILE_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_IMPORT_OPENCV_FILE_H_
 
 #include <filesystem>
 #include <string>
@@ -26,4 +26,4 @@ ForeignRig ReadOpencvRig(const std::vector<ForeignFile>& files);
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_IMPORT_OPENCV_FILE_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_IMPORT_OPENCV_FILE_H_

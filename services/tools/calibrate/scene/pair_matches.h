@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_SCENE_PAIR_MATCHES_H_
-#define SPROUT_SERVICES_CALIBRATE_SCENE_PAIR_MATCHES_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_PAIR_MATCHES_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_PAIR_MATCHES_H_
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -37,4 +37,4 @@ PairMatches MatchPair(const cv::Mat1b& left, const cv::Mat1b& right,
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_SCENE_PAIR_MATCHES_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_PAIR_MATCHES_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_CALIBRATE_SCENE_SCENE_CHECKS_H_
-#define SPROUT_SERVICES_CALIBRATE_SCENE_SCENE_CHECKS_H_
+#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_CHECKS_H_
+#define SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_CHECKS_H_
 
 #include <string>
 #include <vector>
@@ -32,4 +32,4 @@ std::vector<std::string> ReasonsAgainst(const SceneRefinement& refinement);
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_SERVICES_CALIBRATE_SCENE_SCENE_CHECKS_H_
+#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_CHECKS_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_RIVALS_HARRIS_SEEDS_H_
-#define SPROUT_SERVICES_EVALUATE_RIVALS_HARRIS_SEEDS_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_HARRIS_SEEDS_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_HARRIS_SEEDS_H_
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -28,4 +28,4 @@ std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& rig
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_RIVALS_HARRIS_SEEDS_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_HARRIS_SEEDS_H_

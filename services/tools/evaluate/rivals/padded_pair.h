@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_RIVALS_PADDED_PAIR_H_
-#define SPROUT_SERVICES_EVALUATE_RIVALS_PADDED_PAIR_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_PADDED_PAIR_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_PADDED_PAIR_H_
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
@@ -48,4 +48,4 @@ cv::Mat1f MatchPadded(cv::StereoMatcher& matcher, const PaddedPair& pair);
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_RIVALS_PADDED_PAIR_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_PADDED_PAIR_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_EVALUATE_RIVALS_RIVAL_H_
-#define SPROUT_SERVICES_EVALUATE_RIVALS_RIVAL_H_
+#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_RIVAL_H_
+#define SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_RIVAL_H_
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -47,4 +47,4 @@ std::vector<Rival> AllRivals();
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_SERVICES_EVALUATE_RIVALS_RIVAL_H_
+#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_RIVAL_H_

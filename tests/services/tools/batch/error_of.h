@@ -1,5 +1,5 @@
-#ifndef SPROUT_TESTS_SERVICES_BATCH_ERROR_OF_H_
-#define SPROUT_TESTS_SERVICES_BATCH_ERROR_OF_H_
+#ifndef SPROUT_TESTS_SERVICES_TOOLS_BATCH_ERROR_OF_H_
+#define SPROUT_TESTS_SERVICES_TOOLS_BATCH_ERROR_OF_H_
 
 #include <functional>
 #include <string>
@@ -19,4 +19,4 @@ std::string ErrorOf(const std::function<void()>& action) {
 
 }  // namespace sprout::batch
 
-#endif  // SPROUT_TESTS_SERVICES_BATCH_ERROR_OF_H_
+#endif  // SPROUT_TESTS_SERVICES_TOOLS_BATCH_ERROR_OF_H_

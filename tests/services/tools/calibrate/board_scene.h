@@ -1,5 +1,5 @@
-#ifndef SPROUT_TESTS_SERVICES_CALIBRATE_BOARD_SCENE_H_
-#define SPROUT_TESTS_SERVICES_CALIBRATE_BOARD_SCENE_H_
+#ifndef SPROUT_TESTS_SERVICES_TOOLS_CALIBRATE_BOARD_SCENE_H_
+#define SPROUT_TESTS_SERVICES_TOOLS_CALIBRATE_BOARD_SCENE_H_
 
 #include <Eigen/Geometry>
 #include <array>
@@ -54,4 +54,4 @@ std::vector<Pose> BoardPoses(const Board& board, int count);
 
 }  // namespace sprout::calibrate
 
-#endif  // SPROUT_TESTS_SERVICES_CALIBRATE_BOARD_SCENE_H_
+#endif  // SPROUT_TESTS_SERVICES_TOOLS_CALIBRATE_BOARD_SCENE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_TESTS_SERVICES_EVALUATE_SMALL_SCENE_H_
-#define SPROUT_TESTS_SERVICES_EVALUATE_SMALL_SCENE_H_
+#ifndef SPROUT_TESTS_SERVICES_TOOLS_EVALUATE_SMALL_SCENE_H_
+#define SPROUT_TESTS_SERVICES_TOOLS_EVALUATE_SMALL_SCENE_H_
 
 #include "services/tools/evaluate/scene.h"
 
@@ -10,4 +10,4 @@ inline Scene SmallScene() { return LoadScene("synthetic:96x72", TofChoice("grid:
 
 }  // namespace sprout::evaluate
 
-#endif  // SPROUT_TESTS_SERVICES_EVALUATE_SMALL_SCENE_H_
+#endif  // SPROUT_TESTS_SERVICES_TOOLS_EVALUATE_SMALL_SCENE_H_

@@ -1,5 +1,5 @@
-#ifndef SPROUT_TESTS_SERVICES_LOG_GRAPH_LOG_H_
-#define SPROUT_TESTS_SERVICES_LOG_GRAPH_LOG_H_
+#ifndef SPROUT_TESTS_SERVICES_TOOLS_LOG_GRAPH_LOG_H_
+#define SPROUT_TESTS_SERVICES_TOOLS_LOG_GRAPH_LOG_H_
 
 #include <gmock/gmock.h>
 
@@ -184,4 +184,4 @@ inline std::vector<std::tuple<int64_t, std::string, Bytes>> Contents(
 
 }  // namespace sprout::log
 
-#endif  // SPROUT_TESTS_SERVICES_LOG_GRAPH_LOG_H_
+#endif  // SPROUT_TESTS_SERVICES_TOOLS_LOG_GRAPH_LOG_H_
