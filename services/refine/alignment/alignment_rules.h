@@ -6,8 +6,8 @@
 namespace sprout::refine {
 
 /// The constants of the alignment of the ToF camera. A cell is the size of a ToF pixel in the
-/// images that are searched. NOTES.md, "Alignment", has what was measured; what is neither there
-/// nor derived was found by trial.
+/// images that are searched. NOTES.md has what was measured; what is neither there nor derived was
+/// found by trial.
 struct AlignmentRules {
   // The images.
   /// They are halved until a cell is at most this large, px: profiles are averaged over a cell, so
@@ -47,8 +47,7 @@ struct AlignmentRules {
   /// blur), cells.
   static constexpr double kSideSigmaCells = 0.08;
   /// Plus this share of the shift outwards o that all edges have in common. Measured: with both a
-  /// right pose is at most 3.1 standard deviations off, and one that is 3 px off at least 4.2
-  /// (NOTES.md).
+  /// right pose is at most 3.1 standard deviations off, and one that is 3 px off at least 4.2.
   static constexpr double kSideSigmaOutwards = 1 / 3.0;
 
   // When it is sure.

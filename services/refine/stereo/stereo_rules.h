@@ -35,17 +35,17 @@ struct StereoRules {
   static constexpr float kEdgePx = 2;
   /// Most that the mean of a pair differs from the seed's pixel on one surface, px. By trial.
   static constexpr double kSurfacePx = 1;
-  /// Fewest of the 13 pairs that must be known. Measured (NOTES.md, "How exact the seeds are").
+  /// Fewest of the 13 pairs that must be known. Measured (NOTES.md).
   static constexpr int kFewestPairs = 8;
   /// Windows overlap, so disparities share errors: one in so many is independent. By trial.
   static constexpr double kSharing = 4;
   /// Standard deviation of what all disparities around err alike, px of the matched image: their
-  /// spread does not show it. By trial: NOTES.md, "Which of both".
+  /// spread does not show it. By trial (NOTES.md).
   static constexpr double kSharedSigmaPx = 0.2;
 
   // How sure an interpolation between ToF points is, eqs. (R3) and (R4).
   /// What may lie unseen between them, px of disparity a px of distance. What the truth of KITTI's
-  /// frames does between points that far above and below (NOTES.md, "Strips between beams").
+  /// frames does between points that far above and below (NOTES.md).
   static constexpr double kUnseenPerPx = 0.025;
   /// The same beyond the outermost points: the prior's slope_sigma.
   static constexpr double kBeyondPerPx = 0.05;
@@ -73,7 +73,7 @@ struct StereoRules {
   static constexpr int kCensusRadius = 2;
   static constexpr int kBits = 24;
   /// Cost of a difference of half a grey level a px between the slopes of a pixel and its match,
-  /// and the most of such costs. Measured (NOTES.md, "What pixels are compared by").
+  /// and the most of such costs. Measured (NOTES.md).
   static constexpr int kPerSlope = 2;
   static constexpr int kMaxSlope = 10;
   /// Cost of a match outside the right image: as bad as a random one, half of what is possible.
@@ -85,7 +85,7 @@ struct StereoRules {
   static constexpr int kMaxKnown = kBits;
   static constexpr int kMaxCost = kBits + kMaxSlope + kMaxKnown;
 
-  // The smoothness term, census bits: by trial (NOTES.md, "What pixels are compared by").
+  // The smoothness term, census bits: by trial (NOTES.md).
   static constexpr int kSmallStep = 5;     ///< P1, a change by 1 px
   static constexpr int kLargeStep = 35;    ///< P2, a larger one, over equal grey values
   static constexpr int kMinLarge = 7;      ///< least P2, across an image edge; > P1

@@ -50,10 +50,10 @@ struct SurfaceRules {
 
   // Hidden points.
   /// What a piece may lie off beside its point, px of disparity a px: its neighbours show its
-  /// slant, not how the surface bends or ends. Measured (NOTES.md, "Hidden points").
+  /// slant, not how the surface bends or ends. Measured (NOTES.md).
   static constexpr double kPiecePerPx = 0.2;
   /// A piece is at least this part of the spacing of the points: along a beam of a lidar points are
-  /// close, but its surface is no narrower for that. Measured (NOTES.md, "Hidden points").
+  /// close, but its surface is no narrower for that. Measured (NOTES.md).
   static constexpr double kPieces = 2;
   /// Slant that a piece may have where no neighbour shows it: that of a road under a car's cameras,
   /// baseline over height, 0.54 m / 1.65 m on KITTI.

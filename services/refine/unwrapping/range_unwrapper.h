@@ -11,8 +11,7 @@
 
 namespace sprout::refine {
 
-/// The constants of RangeUnwrapper. NOTES.md, "Beyond the unambiguous range", has what was
-/// measured.
+/// The constants of RangeUnwrapper. NOTES.md has what was measured.
 struct UnwrappingRules {
   /// Half the side of the windows that are compared, px. By trial: windows of 5×5 px do not tell
   /// the two places apart.
