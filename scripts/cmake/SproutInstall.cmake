@@ -65,7 +65,7 @@ sprout_shared_library(
   pipeline
   OBJECTS_OF sprout_core sprout_config_proto sprout_config sprout_confidence_model_proto sprout_geometry sprout_depth_filter
              sprout_inputs sprout_refine sprout_triangulation sprout_prior sprout_grow sprout_temporal sprout_pipeline
-  PRIVATE CGAL::CGAL fmt::fmt hwy::hwy opencv_imgproc opencv_calib3d opencv_features2d PkgConfig::xxhash
+  PRIVATE CGAL::CGAL fmt::fmt PkgConfig::hwy opencv_imgproc opencv_calib3d opencv_features2d PkgConfig::xxhash
   PUBLIC opencv_core Eigen3::Eigen tl::expected protobuf::libprotobuf)
 sprout_shared_library(
   log
