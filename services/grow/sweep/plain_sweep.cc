@@ -30,10 +30,10 @@ class PlainSweep {
   DisparityImage Run(std::span<const Correspondence> seeds) {
     for (int v = 0; v < matched_.rows; ++v) {
       for (int u = 0; u < matched_.cols; ++u) ClaimAt(u, v) = Choose(u, v);  // (W1)
-      Award(v);                                                              // (W2)
+      Assign(v);                                                             // (W2)
     }
-    const cv::Mat1b reached = Reach(seeds);                                    // (W3)
-    for (int v = 0; v < matched_.rows; ++v) AwardAgain(v, Erase(v, reached));  // (W4), (W5)
+    const cv::Mat1b reached = Reach(seeds);                                     // (W3)
+    for (int v = 0; v < matched_.rows; ++v) AssignFreed(v, Erase(v, reached));  // (W4), (W5)
     return ToCountsOfMap();
   }
 
@@ -53,7 +53,7 @@ class PlainSweep {
   }
 
   // Of all claims on a right pixel the one with the least key wins; of two with that key none.
-  void Award(int v) {
+  void Assign(int v) {
     std::vector<int32_t> least(static_cast<size_t>(matched_.cols), INT32_MAX);
     std::vector<int> count_of_least(least.size());
     const auto for_each_claim = [&](const auto& act) {
@@ -112,7 +112,7 @@ class PlainSweep {
 
   // Of the claims that lost against what has been erased those with the least key win, if they
   // continue what is matched on their left; then, from right to left, on their right.
-  void AwardAgain(int v, std::vector<bool> free) {
+  void AssignFreed(int v, std::vector<bool> free) {
     std::vector<int32_t> least(free.size(), INT32_MAX);
     const auto loses = [&](int u) { return ClaimAt(u, v).d != kNone && matched_(v, u) == kNone; };
     const auto right_of = [&](int u) { return static_cast<size_t>(u - ClaimAt(u, v).d); };

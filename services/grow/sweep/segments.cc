@@ -132,7 +132,7 @@ class FreeRightPixels {
   }
 
   // (W5) with the row's claims that had lost.
-  void AwardAgain(std::span<const LostClaim> lost, int16_t* counts) {
+  void AssignFreed(std::span<const LostClaim> lost, int16_t* counts) {
     for (const LostClaim& claim : lost) {
       int16_t& least = least_[static_cast<size_t>(claim.u - claim.d)];
       least = std::min(least, claim.key);
@@ -250,7 +250,7 @@ void EraseUnreached(const SweepBand& band, DisparityImage& map) {
     if (!free.any()) continue;
     const auto first = static_cast<size_t>(band.first_lost[static_cast<size_t>(r)]);
     const auto end = static_cast<size_t>(band.first_lost[static_cast<size_t>(r) + 1]);
-    free.AwardAgain(std::span(band.lost).subspan(first, end - first), counts);
+    free.AssignFreed(std::span(band.lost).subspan(first, end - first), counts);
   }
 }
 

@@ -72,7 +72,7 @@ class Sweep {
       int16_t* const counts = map_.counts()[v];
       if (v >= kWindowRadius && v < height_ - kWindowRadius) {
         band_.has_open[static_cast<size_t>(r)] = Choose(r) ? 1 : 0;
-        Award(counts);
+        Assign(counts);
         Cut(r);
       } else {
         std::fill_n(counts, width_, DisparityImage::kInvalid);
@@ -177,7 +177,7 @@ class Sweep {
   }
 
   // (W2). Keys are even: an odd one says that two had the next one, and nobody wins.
-  void Award(int16_t* counts) {
+  void Assign(int16_t* counts) {
     const D16 d;
     const int16_t* const disparities = disparities_.data() + kBeside;
     const int16_t* const keys = keys_.data() + kBeside;

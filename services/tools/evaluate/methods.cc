@@ -7,7 +7,6 @@
 
 #include "services/tools/evaluate/rivals/harris_seeds.h"
 #include "services/tools/evaluate/rivals/rival.h"
-#include "services/tools/evaluate/rivals/rival_confidence.h"
 
 namespace sprout::evaluate {
 namespace {
@@ -109,36 +108,6 @@ Method PaperFilled() {
           }};
 }
 
-// The whole chain, with another confidence in the place of its own, from its map and from the one
-// that it makes of the mirror image.
-template <typename Rank>
-Method RankedBy(std::string name, std::string summary, Rank rank) {
-  return {.name = std::move(name),
-          .summary = std::move(summary),
-          .run = [=](const Scene& scene, ChainSettings settings) {
-            settings.config.mutable_grow()->set_publish_confidence(false);
-            MethodOutput output;
-            Frame frame = FrameOf(scene);
-            RunSteps(scene, settings, ChainStep::kFinish, frame, output.ms);
-            Frame mirrored = Mirrored(frame);
-            RunSteps(scene, settings, ChainStep::kFinish, mirrored, output.ms);
-            output.map_px = ToPx(*frame.disparity);
-            const cv::Mat1f mirrored_px = ToPx(*mirrored.disparity);
-            output.confidence = Timed(output.ms.total_ms,
-                                      [&] { return rank(frame.left, output.map_px, mirrored_px); });
-            return output;
-          }};
-}
-
-std::vector<Method> RivalConfidences() {
-  return {RankedBy("sprout-lr", "the map of sprout, ranked by a left-right check",
-                   [](const cv::Mat&, const cv::Mat1f& map_px, const cv::Mat1f& mirrored_px) {
-                     return LeftRightConfidence(map_px, mirrored_px);
-                   }),
-          RankedBy("sprout-wls", "the same, ranked by the confidence of OpenCV's WLS filter",
-                   WlsConfidence)};
-}
-
 Method FromRival(const Rival& rival) {
   return {.name = rival.name,
           .summary = rival.summary,
@@ -188,7 +157,6 @@ std::vector<Method> AllMethods() {
   std::ranges::move(PaperMethods(), std::back_inserter(methods));
   methods.push_back(PaperFilled());
   for (const Rival& rival : AllRivals()) methods.push_back(FromRival(rival));
-  std::ranges::move(RivalConfidences(), std::back_inserter(methods));
   return methods;
 }
 

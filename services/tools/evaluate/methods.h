@@ -17,8 +17,7 @@ struct Method {
   std::function<MethodOutput(const Scene&, const ChainSettings&)> run;
 };
 
-/// Every method, in the order of the tables: sprout, those of the paper's table, rivals, rivals of
-/// its confidence.
+/// Every method, in the order of the tables: sprout, those of the paper's table, rivals.
 std::vector<Method> AllMethods();
 
 /// The methods of that name or in that group ("paper": those of the paper's table, "all"), in the

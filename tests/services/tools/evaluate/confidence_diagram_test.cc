@@ -54,13 +54,13 @@ TEST(ConfidenceSvg, DrawsTheMeanOfTheScenes) {
 }
 
 TEST(ConfidenceSvg, HasNoReliabilityOfWhatClaimsNoProbability) {
-  MethodResult rival = ResultOf("sprout-lr", 4, 60);
+  MethodResult rival = ResultOf("other", 4, 60);
   rival.calibration.reset();
   MethodResult none = ResultOf("a<b", 4, 60);
   none.confidence.reset();
   none.calibration.reset();
   const std::string svg = ConfidenceSvg({SceneWith("a", {rival, none})});
-  EXPECT_THAT(svg, HasSubstr(">sprout-lr</text>"));
+  EXPECT_THAT(svg, HasSubstr(">other</text>"));
   EXPECT_THAT(svg, Not(HasSubstr("a&lt;b")));
   EXPECT_EQ(CountParts(svg, "class=\"mean\""), 1U);
   EXPECT_EQ(ConfidenceSvg({SceneWith("a", {none})}), "");
