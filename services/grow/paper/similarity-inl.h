@@ -32,7 +32,7 @@ HWY_INLINE Number PriorCost(Number distance, Number scale) {
 
 // The coefficient k of the cubic in (S2): exact near the middle for a texture of w = π/2 a px, half
 // the highest frequency that pixels can show, k = 1 − 2 sin(w/2) / w. Finer texture would need
-// more, coarser texture less, but hardly shows it (NOTES.md).
+// more, coarser texture less, but hardly shows it.
 inline constexpr float kCubic = 0.1F;
 
 HWY_INLINE float Clamped(float x, float least, float most) {
