@@ -7,7 +7,7 @@
 
 namespace sprout {
 
-/// As many threads as anybody may ask for.
+/// The largest number of threads that SetThreads() accepts.
 inline constexpr int kMaxThreads = 1024;
 
 /// Sets the number of threads that the stages and OpenCV share. Results do not depend on it.

@@ -44,7 +44,7 @@ class Flag {
   Flag& Needs(const Flag& other);
   Flag& Excludes(const Flag& other);
 
-  /// Without the flag the value is taken from this environment variable, if that is set.
+  /// If the flag is not given, its value is taken from this environment variable, if that is set.
   Flag& Environment(const std::string& variable);
 
  private:
@@ -86,14 +86,14 @@ class Flags {
   Flags& AddCommand(const std::string& name, const std::string& description,
                     std::function<int()> run = {});
 
-  /// Of a command: it also takes the program's flags declared so far, which its --help lists, but
-  /// for these.
+  /// For a command: it also takes the program's flags that are declared so far, except these. Its
+  /// --help lists them.
   void InheritExcept(const std::vector<std::string>& names);
 
   /// One of the commands has to be given.
   void RequireCommand();
 
-  /// Of a command: whether it was given.
+  /// For a command: whether the command line has it.
   bool IsGiven() const;
 
   /// Whether a command was given, and its work.

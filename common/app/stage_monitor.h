@@ -60,10 +60,10 @@ class StageMonitor {
   /// A warning that is not an error of this process.
   void Warn(const std::string& reason);
 
-  /// As Warn(), without a line of log.
+  /// Shows a warning in the status, as Warn() does, but writes no line to the log.
   void Remember(const std::string& reason);
 
-  /// What was warned of is over: if no other error came meanwhile, the status has none.
+  /// Ends a warning: the status shows no error any more, unless another one came meanwhile.
   void Resolve(const std::string& reason);
 
   /// The offset of the ToF camera's points; an unknown one does not replace the last known one.
@@ -76,7 +76,7 @@ class StageMonitor {
   /// The joiner's own counts.
   void SetJoinerCounts(int64_t incomplete, int64_t sequence_gaps);
 
-  /// Of the program, when it is not Version().
+  /// Sets the program's version in the statuses, if it is not Version().
   void SetVersion(const std::string& version);
 
   /// Marks the last status of a process.

@@ -19,9 +19,9 @@ void NotifyStatus(const StageStatus& status);
 /// Whether stderr goes to the system's journal.
 bool LogsToJournal();
 
-/// After what time without a sign of life a worker counts as hung: four times the slowest of its
-/// newest 100 frames, at least 1 s, at most the given limit. During the first 10 frames it is the
-/// given limit.
+/// How long a worker may show no sign of life before it counts as hung: four times the slowest of
+/// its newest 100 frames, at least 1 s, at most the given limit. During the first 10 frames it is
+/// the given limit.
 class HangLimit {
  public:
   using Duration = std::chrono::microseconds;

@@ -36,7 +36,7 @@ class Mailbox {
     return std::exchange(value_, std::nullopt);
   }
 
-  /// As Take(), but also returns nothing when no value came in time.
+  /// Waits for a value as Take() does, but returns nothing if none came in time.
   std::optional<T> TakeWithin(std::chrono::milliseconds time, const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     filled_.wait_for(lock, stop, time, [this] { return value_.has_value(); });

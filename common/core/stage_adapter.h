@@ -42,8 +42,8 @@ class StageAdapter {
   /// Parts that Process() needs.
   virtual PartSet Inputs() const = 0;
 
-  /// Of Inputs(), those without which a frame is answered, too: it waits for them no longer than
-  /// until the next frame has all others.
+  /// The part of Inputs() that a frame may lack: a frame waits for them only until the next frame
+  /// has all others, and is answered without them then.
   virtual PartSet OptionalInputs() const { return {}; }
 
   /// Answers one frame that has all Inputs(), but maybe optional ones. Frames come one at a time,
@@ -52,7 +52,8 @@ class StageAdapter {
   /// newest one again gets the same answer again.
   virtual StageResult Process(const Frame& frame) = 0;
 
-  /// Of a stage with memory: frames that it should see before the first one whose answer is wanted.
+  /// Number of frames that a stage with memory should see before the first one whose answer is
+  /// wanted.
   virtual int WarmUpFrames() const { return 0; }
 };
 

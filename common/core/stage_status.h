@@ -58,9 +58,9 @@ struct StageStatus {
   TimeSummary latency;  ///< complete frame received to answer published
   TimeSummary age;      ///< capture to answer published
   int64_t rss_bytes = 0;
-  /// Of the newest frame, see TofCoverage().
+  /// TofCoverage() of the newest frame.
   float tof_coverage = kUnknownCoverage;
-  /// Of the newest frame of cameras; −1 = not known.
+  /// Time between the exposures of the newest frame's images, ms; −1 = not known.
   float spread_ms = -1;
   TofOffsetStatus tof_offset;
 };

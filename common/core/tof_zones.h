@@ -60,7 +60,7 @@ struct TofZones {
   std::vector<ZoneView> views;      ///< columns × rows, row by row
   std::vector<ZoneTarget> targets;  ///< targets_per_zone of each zone
 
-  /// Of a zone, by its index in `views`.
+  /// The targets of a zone; `zone` is its index in `views`.
   std::span<const ZoneTarget> TargetsOf(size_t zone) const {
     const auto count = static_cast<size_t>(targets_per_zone);
     return std::span(targets).subspan(zone * count, count);

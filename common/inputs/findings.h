@@ -46,7 +46,7 @@ struct Finding {
 std::string_view NameOf(Question question);
 /// "good", "bad", "cannot tell".
 std::string_view NameOf(Verdict verdict);
-/// Of a finding's value: "%" or "px" or "1" (a factor).
+/// The unit of a finding's value: "%", "px" or "1" (a factor).
 std::string_view UnitOf(Question question);
 
 /// One finding a question, in the order of the questions.

@@ -26,7 +26,7 @@ struct Estimate {
 struct PairModel {
   std::vector<Match> inliers;  ///< matches that agree with (1) or (2)
   int tried = 0;               ///< matches
-  /// Of inliers that matches with random rows would have, the mean and the standard deviation.
+  /// Mean and standard deviation of the number of inliers that matches with random rows would have.
   Estimate by_chance;
   /// By (1): the rows in the middle of the image, and where they are most in 4 × 3 cells.
   Estimate middle_px;

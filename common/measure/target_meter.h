@@ -60,7 +60,7 @@ class TargetMeter {
   size_t frames() const { return frames_.size(); }
 
  private:
-  // Of one frame.
+  // What Add() has measured in one frame.
   struct Measured {
     cv::Mat1f depth_m;  // of the region; NaN: none
     std::optional<PlaneFit> fit;

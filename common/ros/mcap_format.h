@@ -41,7 +41,7 @@ inline constexpr size_t kRecordHead = 9;
 /// How the records of a chunk are compressed.
 enum class McapCompression { kNone, kZstd, kLz4 };
 
-/// As in the file: "", "zstd", "lz4".
+/// The name that a file has for a compression: "", "zstd" or "lz4".
 std::string_view NameOf(McapCompression compression);
 
 /// What messages of a channel are made of; id 0: no schema.

@@ -100,7 +100,7 @@ class RosNode {
   /// since the last call: "RELIABILITY"; empty when there was none.
   std::string TakeMisfit(Handle reader_or_writer);
 
-  /// Who publishes a topic, as far as discovery knows: also those that died a moment ago.
+  /// The publishers of a topic that discovery knows, also those that died a moment ago.
   struct Publishers {
     int of_type = 0;
     int of_others = 0;

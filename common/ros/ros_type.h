@@ -18,8 +18,8 @@ struct RosType {
   const dds_topic_descriptor_t* dds;       ///< its name on the wire and its layout in memory
   std::string_view text;                   ///< its .msg definition, without comments
   std::span<const RosType* const> uses{};  ///< the types of its fields
-  /// Of a type that is sent by itself: "RIHS01_" and the SHA-256 of its description (REP-2011),
-  /// which nodes since Iron compare.
+  /// Hash of a type that is sent as a message: "RIHS01_" and the SHA-256 of its description
+  /// (REP-2011), which nodes since Iron compare.
   const char* hash = "";
 };
 

@@ -19,7 +19,7 @@ struct Footprint {
   bool IsMostlyKnown() const { return 2 * known >= samples; }
 };
 
-/// Of every pixel, by rows.
+/// The footprints of all ToF pixels, row by row.
 /// @param footprint_px  side of the square that a pixel gathers light from, ToF px, ≥ 1.
 std::vector<Footprint> FootprintsOf(const TofSamples& samples, double footprint_px);
 

@@ -21,13 +21,13 @@ class RawSource {
   /// Whether frames come when the cameras give them; otherwise when they are asked for (files).
   virtual bool is_live() const = 0;
 
-  /// As FrameSource::is_recorded().
+  /// See FrameSource::is_recorded().
   virtual bool is_recorded() const { return false; }
 
-  /// As FrameSource::Next().
+  /// See FrameSource::Next().
   virtual std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) = 0;
 
-  /// As FrameSource::lost_at_end().
+  /// See FrameSource::lost_at_end().
   virtual scenes::LostFrames lost_at_end() const { return {}; }
 };
 

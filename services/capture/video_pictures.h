@@ -33,7 +33,7 @@ class Pictures {
   virtual std::string EndText() const { return {}; }
 };
 
-/// Of files, each a picture.
+/// Opens a list of files, each of which is a picture.
 std::unique_ptr<Pictures> OpenImages(std::vector<std::string> files);
 
 /// What is requested from a device; 0 = its own choice.
@@ -43,7 +43,7 @@ struct DeviceSettings {
   double fps = 0;  ///< Hz
 };
 
-/// Of a video, or of a device (a number, /dev/video0).
+/// Opens a video file, or a device (a number, or /dev/video0).
 /// @returns null when it cannot be opened.
 /// @throws ConfigError for pictures that are too large.
 std::unique_ptr<Pictures> OpenVideoPictures(const std::string& place,

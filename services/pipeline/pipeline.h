@@ -36,8 +36,8 @@ struct DepthFrame {
   /// the pixels that depth { min_m max_m region min_confidence remove_flying } leave out.
   DisparityImage kept;
   cv::Mat1f depth_m;  ///< of `kept`: z in the left camera's frame, m; NaN where there is none
-  /// Of a pipeline with memory (temporal.in_pipeline), else empty: the map fused with those of
-  /// earlier frames, its confidence as above, and how the left camera moved.
+  /// The map fused with those of earlier frames, its confidence as above, and how the left camera
+  /// moved. Empty unless the pipeline has memory (temporal.in_pipeline).
   DisparityImage fused;
   cv::Mat1b fused_confidence;
   std::optional<CameraMotion> motion;
@@ -53,8 +53,8 @@ struct DepthFrame {
 struct FrameTime {
   int64_t utime = 0;  ///< capture time, µs; from any start
   int64_t seq = 0;    ///< number of the frame
-  /// With temporal { motion: CHANNEL }: pose of the left camera in a frame that does not move.
-  /// Nothing: not known, and earlier frames are forgotten.
+  /// Pose of the left camera in a coordinate frame that does not move, used with temporal { motion:
+  /// CHANNEL }. Nothing if it is not known; earlier frames are forgotten then.
   std::optional<Pose> pose = {};
 };
 

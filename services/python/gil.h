@@ -10,7 +10,8 @@ namespace sprout::python {
 // takes the lock then: daemon threads stand still until the process is gone, as they do in Python
 // 3.14 and later. Used everywhere in place of pybind11's gil_scoped_release and gil_scoped_acquire.
 
-/// Without the lock while it lives, for long work. Created with the lock.
+/// Releases the interpreter's lock while it lives, for long work. The thread that creates it has
+/// the lock.
 class Unlocked {
  public:
   Unlocked();
@@ -22,7 +23,7 @@ class Unlocked {
   PyThreadState* state_;
 };
 
-/// With the lock while it lives, in any thread, whether or not it has it already.
+/// Holds the interpreter's lock while it lives, in any thread, also in one that has it already.
 class Locked {
  public:
   Locked();

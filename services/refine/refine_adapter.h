@@ -58,7 +58,7 @@ class RefineAdapter : public StageAdapter {
   inputs::RangeWatch range_watch_;
   cv::Mat1b left_grey_;  // memory
   cv::Mat1b right_grey_;
-  // Of the newest calibration, and of the same with a wider frame.
+  // The projectors of the newest calibration: for the left image, and for a wider frame around it.
   struct KeptProjector {
     std::string rig_id;
     std::optional<TofProjector> projector;

@@ -55,7 +55,7 @@ class Refiner {
   /// Widened(); 0: none.
   void SetColumns(int columns) { stereo_.SetColumns(columns); }
 
-  /// Of the last call: reliable points that only the left camera sees, since they lie outside the
+  /// Reliable points of the last call that only the left camera sees, since they lie outside the
   /// right image or behind a nearer surface in it. They are no correspondences, but give depth
   /// where stereo cannot; and what zones say of places that nothing else explains. u_right is where
   /// the right camera would see them. Their `raw` counts such points before the rules for dark,
@@ -63,12 +63,12 @@ class Refiner {
   /// outside or hidden.
   const SeedSet& left_seeds() const { return left_seeds_; }
 
-  /// Of the last call, with config.align_tof(): how far off the ToF points were projected. If
+  /// How far off the ToF points of the last call were projected, with config.align_tof(). If
   /// IsOff(), they were moved before all rules. Not sure when no offset was searched.
   const TofOffset& tof_offset() const { return tof_offset_; }
 
-  /// Of the last call, with config.range_bias(): how far the range sensor is off, and how many
-  /// points were moved for it.
+  /// How far the range sensor is off in the last call, and how many points were moved for it, with
+  /// config.range_bias().
   const RangeError& range_error() const { return range_error_; }
 
  private:

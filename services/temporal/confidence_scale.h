@@ -24,7 +24,8 @@ class ConfidenceScale {
   }
 
  private:
-  // Of a float: what is left are sign, exponent and 7 bits of fraction, steps of less than 1 %.
+  // Lowest bits of a float that are dropped: sign, exponent and 7 bits of fraction are left, steps
+  // of less than 1 %.
   static constexpr int kDroppedBits = 16;
 
   std::array<float, 256> variances_;

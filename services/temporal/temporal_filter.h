@@ -23,8 +23,8 @@ struct TemporalInput {
   DisparityImage disparity;
   cv::Mat1b confidence;
   RectifiedPair pair;  ///< all of this size
-  /// With motion: CHANNEL, the left camera's pose in a fixed frame: start_from_left, of which poses
-  /// with an equal start_seq are of one frame. Nothing: not known.
+  /// The left camera's pose in a fixed coordinate frame (start_from_left), used with motion:
+  /// CHANNEL. Poses with an equal start_seq share that frame. Nothing if it is not known.
   std::optional<CameraMotion> odometry = {};
 };
 

@@ -50,7 +50,8 @@ struct TofJoins {
   int64_t joined = 0;  ///< of them: to a pair
   int64_t pairs_since_join = 0;
   int64_t longest_gap = 0;  ///< most pairs between two that joined: a sensor may be slow
-  /// Of the ToF images that did not join, the nearest to the middle of a pair, µs: > 0: later.
+  /// Time from the middle of a pair to the nearest ToF image that did not join, µs; positive if the
+  /// image is later.
   std::optional<int64_t> nearest_us = {};
 };
 

@@ -54,8 +54,8 @@ class RosInput {
   virtual ~RosInput() = default;
   virtual bool is_live() const = 0;
 
-  /// Until StartImages() only what a calibration is made of needs to come. From there on all
-  /// messages come, of a file from its begin; larger ones than the limits are refused.
+  /// Before this call only the messages of a calibration need to come. From this call on all
+  /// messages come, those of a file from its begin; messages larger than the limits are refused.
   virtual void StartImages(const RosLimits& limits) = 0;
 
   /// Waits for the next message. @returns false at the end of a file, when a stop was asked for,

@@ -30,7 +30,7 @@ class RosRigWatch {
   /// right one has not come. Empty: they have one.
   std::string trouble() const;
 
-  /// Of the newest messages.
+  /// The rig that the newest messages describe.
   const RosRig& rig() const { return rig_; }
 
  private:

@@ -182,14 +182,15 @@ class Choice {
     V cross[kCosts];
   };
 
-  // Of m − 1 to m + 2 one has a right window that lies in the image.
+  // Whether the right window of one of the disparities m − 1 to m + 2 lies in the image.
   static HWY_INLINE M MayFit(V columns, V first) {
     const D d;
     return hn::And(hn::Gt(first, hn::Set(d, -2)),
                    hn::Gt(columns, hn::Add(first, hn::Set(d, kWindowRadius - 1))));
   }
 
-  // Of m and m + 1 at the pixels from u on. @param wanted  the others' do not matter.
+  // The better of the disparities m and m + 1 at the pixels from u on. @param wanted  pixels whose
+  // result is used; the results of the others do not matter.
   HWY_INLINE Best BestOfTwo(int u, V prior, M wanted) const {
     const D d;
     const V columns = hn::Iota(d, u);
@@ -280,7 +281,7 @@ class Choice {
       return sums;
     }
     if (hn::AllTrue(d, hn::Or(is_lowest_or_none, hn::Eq(from, hn::Set(d, lowest + 1))))) {
-      // As on a slant: the others have the next one.
+      // All pixels have the lowest disparity or the next one, as on a slanted surface.
       V energy = energy_of(0);
       V cross = cross_of(0);
       HWY_UNROLL(4)

@@ -101,7 +101,7 @@ struct Eight {
     return hn::Broadcast<i % 4>(i < 4 ? first : last);
   }
 
-  // Of the differences from others, as pairs.
+  // The differences of this vector from `others`, as pairs.
   HWY_INLINE Eight DifferencesFrom(const Eight& others) const {
     const hn::FixedTag<uint16_t, 8> d16;
     const auto difference = [&](Four a, Four b) HWY_ATTR {

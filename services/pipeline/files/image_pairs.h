@@ -15,7 +15,7 @@ struct ImagePair {
   std::filesystem::path left = {};
   std::filesystem::path right = {};
   std::filesystem::path tof = {};  ///< empty: none
-  /// Of videos: which picture of each, from 0; −1: they are images.
+  /// Numbers of the pictures in the two videos, from 0; −1 if the files are images.
   int64_t left_frame = -1;
   int64_t right_frame = -1;
   std::filesystem::path folder = {};  ///< of its results, below the output folder

@@ -43,7 +43,7 @@ class RangeBias {
   const RangeError& Apply(const RangeInput& input, const RangeSettings& settings,
                           std::span<ProjectedPoint> points);
 
-  /// Of the last call: which points the images contradict, 0 or 1.
+  /// For each point of the last call: 1 if the images contradict it, else 0.
   const std::vector<uint8_t>& contradicted() const { return contradicted_; }
 
  private:

@@ -27,7 +27,7 @@ class RangeField {
   /// O(nodes · labels); no I/O; one thread.
   void Estimate(const RangeNodes& nodes, std::span<const double> start_px, bool moves);
 
-  /// Of the nodes.
+  /// The offsets of the nodes.
   std::span<const NodeOffset> offsets() const { return offsets_; }
   /// Variance of the offsets, px²: what a point that no node speaks for may be off by.
   double variance_px2() const { return variance_px2_; }

@@ -71,8 +71,8 @@ class RangeNodes {
   }
   /// Finds out which nodes side by side share a surface.
   void Link();
-  /// After Link(): the nodes of the 3×3 cells around a node that share its surface, itself
-  /// included, row by row.
+  /// The nodes of the 3×3 cells around a node that share its surface, itself included, row by row.
+  /// Call Link() before.
   std::span<const uint32_t> SurfaceAround(size_t node) const {
     return std::span(links_[node].around).first(links_[node].count);
   }

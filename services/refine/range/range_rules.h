@@ -61,8 +61,9 @@ struct RangeRules {
   /// An offset is proved where so many nodes side by side cost so much less there.
   static constexpr float kProvedGain = 0.25F;
   static constexpr size_t kProvedNodes = 6;
-  /// With a smaller share of proved nodes, the others stay where they are, and so do proved ones of
-  /// less than this, px, as the truth itself is off by as much in places.
+  /// If fewer nodes than this share are proved, the others stay where they are, and so do proved
+  /// ones that would move by less than kLoneMovePx, px, since the truth itself is off by as much in
+  /// places.
   static constexpr double kMovedShare = 0.03;
   static constexpr double kLoneMovePx = 2;
   // The membrane: rounds of Gauss and Seidel, the price of a difference between neighbours, and of
@@ -87,8 +88,8 @@ struct RangeRules {
   static constexpr double kClearSignal = 3;
   /// It is contradicted when its likeness is below this share of what its noise allows.
   static constexpr double kContradicted = 0.5;
-  /// With a larger share of contradicted nodes no point is believed: right sensors have up to 0.19
-  /// (a scan of 16 beams), mirrored range images 0.27 and more.
+  /// If more nodes than this share are contradicted, no point is believed: right sensors have up to
+  /// 0.19 (a scan of 16 beams), mirrored range images 0.27 and more.
   static constexpr double kRejectedShare = 0.22;
 };
 

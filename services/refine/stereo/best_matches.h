@@ -23,7 +23,7 @@ class BestMatches {
               const uint16_t* up, int16_t* best, float* confirmed_px);
 
  private:
-  // Of each pixel of the right image the smallest sum, and its disparity.
+  // The smallest sum of each pixel of the right image, and its disparity.
   std::vector<uint16_t> right_sums_, right_best_;
 };
 

@@ -35,7 +35,7 @@ class StereoMatcher {
   const cv::Mat1f& Match(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat1b& wanted,
                          std::span<const Seed> known, const StereoMatcherSettings& settings);
 
-  /// Of the last call.
+  /// How many pixels of the images a pixel of the matched images is wide, in the last call.
   int scale() const { return scale_; }
 
  private:

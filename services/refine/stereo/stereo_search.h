@@ -35,7 +35,7 @@ class SearchRows {
   /// Empty when the row is left out.
   const cv::Range& columns(int v) const { return columns_[static_cast<size_t>(v)]; }
 
-  /// Of all rows.
+  /// Number of the pixels that are searched, in all rows.
   size_t pixels() const { return begin_.back(); }
 
   /// Index of such a pixel, row by row: its labels begin at this index times the labels a pixel in

@@ -137,7 +137,7 @@ class TofSurface {
   double NewNoisePx(std::span<const ProjectedPoint> points);
   int RowStep(const TofCamera& tof, std::span<const ProjectedPoint> points, int columns);
   void SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> points);
-  // Of the cell of a point.
+  // Index of the cell in which a point lies.
   size_t IndexOf(const ProjectedPoint& point) const {
     return static_cast<size_t>((point.tof_v / row_step_ + 1) * stride_ +
                                point.tof_u / column_step_ + 1);

@@ -16,14 +16,14 @@ struct ZoneRules {
   static constexpr double kReach = 1;
   /// Zones fill no cell with a seed in so many cells around. Measured.
   static constexpr int kGapCells = 2;
-  /// On average a place of the left image is within reach of at most this many zones, else the
-  /// message makes no sense: 9 of a grid, and as many again beside depth edges.
+  /// Most zones within whose reach a place of the left image lies, on average; a message with more
+  /// makes no sense. A grid has 9, and as many again beside depth edges.
   static constexpr int kMaxZonesPerCell = 64;
   /// Scale of the M-estimator for the planes of zones, px of disparity a px: the prior's
   /// plane_scale_per_spacing, and its wider first round.
   static constexpr double kPlaneScalePerPx = 0.12;
   static constexpr double kFirstScale = 1.5;
-  /// And how many standard deviations of both zones: the prior's.
+  /// The scale is at least this many standard deviations of both zones, as in the prior.
   static constexpr double kPlaneScaleSigmas = 2;
 };
 

@@ -26,7 +26,7 @@ struct ViewCounts {
 /// before.
 class ViewCollector {
  public:
-  /// More do not improve the result, but take longer.
+  /// Most views that are kept: more do not improve the result, but take longer.
   static constexpr int kMaxViews = 100;
   static constexpr size_t kMaxStrange = 3;
 

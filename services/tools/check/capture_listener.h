@@ -82,7 +82,7 @@ class CaptureListener {
   int rigs_heard_ = 0;
   std::optional<Clock::time_point> last_rig_;
 
-  // Of complete frames, for the figures.
+  // What the figures need to know of complete frames.
   int whole_frames_ = 0;
   cv::Size size_;
   cv::Size tof_size_;

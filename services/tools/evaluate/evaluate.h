@@ -20,8 +20,8 @@ struct MethodResult {
   Accuracy nonoccluded;  ///< on the pixels that both cameras see
   Accuracy all;          ///< on all pixels with a known truth
   Accuracy away;         ///< on those of them away from every ToF point
-  /// Of the whole chain, on the pixels that both cameras see; of KITTI on those of them away from
-  /// every ToF point.
+  /// How well the whole chain's confidence ranks the pixels that both cameras see, on KITTI only
+  /// those away from every ToF point.
   std::optional<Sparsification> confidence;
   std::optional<Calibration> calibration;  ///< where it claims probabilities
   StageTimes ms;                           ///< median of each stage's times

@@ -17,8 +17,8 @@ inline constexpr double kWrongSeedPx = 3;
 struct SeedCounts {
   /// At most kWrongSeedPx from the truth, on a pixel that both cameras see (NonOccludedMask()).
   int64_t good = 0;
-  /// More than kWrongSeedPx from the truth, or on a pixel that a nearer surface hides from the
-  /// right camera (OccludedMask()).
+  /// Seeds that are more than kWrongSeedPx from the truth, or on a pixel that a nearer surface
+  /// hides from the right camera (OccludedMask()).
   int64_t wrong = 0;
   // Others cannot be judged: beyond the border of an image, or truth unknown.
 };

@@ -23,7 +23,7 @@ struct VideoFigures {
   std::optional<double> along_px;
   std::optional<double> trail_percent;    ///< bad 3 where something nearer was in the last 3 frames
   std::optional<double> covered_percent;  ///< bad 3 where something nearer came
-  /// Of a scene that stands still: standard deviation of a pixel over the frames, px.
+  /// Standard deviation of a pixel over the frames, px, in a scene that stands still.
   std::optional<double> flicker_median_px;
   std::optional<double> flicker_p95_px;
 };

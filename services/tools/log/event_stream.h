@@ -53,7 +53,7 @@ class EventStream {
   int64_t utime() const { return utime_; }  ///< time by which two streams are read in parallel, µs
 
   int64_t events() const { return events_; }  ///< compared so far
-  /// Of all events read so far, also those left out.
+  /// The processes of all events read so far, also of those left out.
   const ProcessSummary& processes() const { return processes_; }
   int64_t repeated() const { return repeated_; }  ///< left out as repeated; without calibrations
   const LogReader& reader() const { return reader_; }

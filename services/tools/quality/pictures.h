@@ -13,13 +13,13 @@ namespace sprout::quality {
 /// The newest disparity map, with the region, and the edge, as white frames.
 cv::Mat3b RegionPicture(const Measurement& measurement);
 
-/// Of the region: depth minus that of the plane, mean of the frames, mm. Green lies on the plane,
-/// blue is nearer, red farther; the scale reaches to three times the RMS.
+/// Picture of the region: depth less that of the plane, mean of the frames, mm. Green lies on the
+/// plane, blue is nearer, red farther; the scale reaches to three times the RMS.
 /// @param maps  the meter's.
 cv::Mat3b ResidualPicture(const TargetMaps& maps, const TargetQuality& quality);
 
-/// Of the region: standard deviation of each pixel over the frames, mm, up to twice the 95 %
-/// figure.
+/// Picture of the region: standard deviation of each pixel over the frames, mm. The scale ends at
+/// twice the 95 % figure.
 cv::Mat3b NoisePicture(const TargetMaps& maps, const TargetQuality& quality);
 
 }  // namespace sprout::quality

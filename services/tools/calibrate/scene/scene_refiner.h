@@ -78,7 +78,7 @@ struct SceneEffort {
 /// ToF points on smooth surfaces, and depth edges (services/tools/calibrate/README.md).
 class SceneRefiner {
  public:
-  /// More frames take time and memory, and show the same errors.
+  /// Most frames that are used: more take time and memory, and show the same errors.
   static constexpr int kMaxViews = 24;
 
   /// @param rig      to be refined.
