@@ -69,15 +69,6 @@ void ProjectOnTarget(const RowProjection& p, const int16_t* HWY_RESTRICT counts,
   }
 }
 
-// Whole numbers from low to high, both included, of those from 0 to last: to begin and end.
-// Conversion cuts off, which is rounding down for what is not negative.
-HWY_INLINE void WholeBetween(float low, float high, float last, int32_t& begin, int32_t& end) {
-  const float from = Least(Most(low, 0), last + 1);
-  const auto down = static_cast<int32_t>(from);
-  begin = down + (static_cast<float>(down) < from ? 1 : 0);
-  end = high >= 0 ? static_cast<int32_t>(Least(Most(high, 0), last)) + 1 : 0;
-}
-
 // Pairs of pixels of two rows. On the stack, where the compiler sees that nothing else is.
 struct Block {
   static constexpr int kSize = 256;

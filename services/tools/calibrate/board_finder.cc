@@ -171,6 +171,4 @@ BoardCorners FindCornersNear(const Board& board, const BoardCorners& expected,
   return corners;
 }
 
-cv::Mat1b AmplitudeImage(const cv::Mat1f& amplitude) { return Rounded(Levels(amplitude)); }
-
 }  // namespace sprout::calibrate

@@ -32,9 +32,6 @@ BoardCorners FindBoardInAmplitude(const Board& board, const cv::Mat1f& amplitude
 BoardCorners FindCornersNear(const Board& board, const BoardCorners& expected,
                              const cv::Mat1f& amplitude);
 
-/// Amplitudes as grey levels: their 1st to 99th percentile from black to white.
-cv::Mat1b AmplitudeImage(const cv::Mat1f& amplitude);
-
 }  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_FINDER_H_
