@@ -120,7 +120,7 @@ std::string UnexpectedText(const std::string& argument, const CLI::App& app) {
          " (--help lists the " + (is_flag ? "flags)" : "commands)");
 }
 
-// Of all that nothing takes, the first; empty if everything is taken.
+// The first argument that no flag or command takes; empty if all are taken.
 std::string FirstUnexpected(const CLI::App& app) {
   for (const std::string& argument : app.remaining()) return argument;
   for (const CLI::App* command : app.get_subcommands()) {

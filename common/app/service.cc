@@ -32,7 +32,7 @@ std::string DefaultLcmUrl() {
                                                                   : kDefaultLcmUrl;
 }
 
-// Of --log-level.
+// The values of --log-level.
 const std::map<std::string, LogLevel> kLogLevels = {{"debug", LogLevel::kDebug},
                                                     {"info", LogLevel::kInfo},
                                                     {"warning", LogLevel::kWarning},

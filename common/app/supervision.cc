@@ -28,8 +28,8 @@ std::string_view FromEnvironment(const char* name) {
   return text != nullptr ? text : "";
 }
 
-// As sd_notify(3) says: a datagram to the socket that the service manager names, a path or, behind
-// an @, a name of the kernel's. Nobody is told where there is none.
+// Sends a state as sd_notify(3) says: a datagram to the socket that the service manager names,
+// which is a path or, behind an @, a name of the kernel's. Does nothing if no socket is named.
 void Tell(const std::string& state) {
   const std::string_view name = FromEnvironment("NOTIFY_SOCKET");
   sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};

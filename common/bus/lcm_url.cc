@@ -141,8 +141,8 @@ LcmPtr OpenLcm(const std::string& url) {
   const ParsedUrl parsed = *Parse(url);
   if (!parsed.is_tcpq) RequireUdpmRoute(url);
   LcmPtr lcm(lcm_create(url.c_str()));
-  // On tcpq LCM is content without a server, and aborts the program later, when it waits for a
-  // message on a connection that is none.
+  // With tcpq LCM starts without a server, and aborts the program later, when it waits for a
+  // message on the missing connection.
   if (!lcm || (parsed.is_tcpq && lcm_get_fileno(lcm.get()) < 0)) {
     throw BusError("cannot open LCM URL " + url +
                    (parsed.is_tcpq ? "; is its server running?" : ""));

@@ -73,8 +73,8 @@ void Receiver::ReceiveTcpq(const std::stop_token& stop) {
   }
 }
 
-// On tcpq any subscription connects again first, and renews those that were there; nothing is ever
-// sent on this channel.
+// With tcpq any new subscription connects again first, and renews the existing ones. Nothing is
+// ever sent on this channel.
 void Receiver::Reconnect() {
   lcm_subscription_t* probe = lcm_subscribe(tcpq_.get(), "SPROUT_RECONNECT", &OnMessage, this);
   if (probe != nullptr) lcm_unsubscribe(tcpq_.get(), probe);

@@ -19,8 +19,8 @@ namespace {
 constexpr timeval kPatience{.tv_sec = 0, .tv_usec = 100'000};
 constexpr size_t kLargestDatagram = 65536;
 
-// On the group's address, or whatever is sent to this host would come, too. Shared with all other
-// processes that listen there.
+// Listens on the group's address only: on any address all that is sent to this host would come,
+// too. The port is shared with all other processes that listen there.
 bool Listen(int fd, const UdpmAddress& address) {
   ip_mreq group{};
   group.imr_multiaddr = address.group.sin_addr;

@@ -204,7 +204,7 @@ PairedNames PairTimes(std::span<const int64_t> first, std::span<const int64_t> s
   constexpr double kNsPerMs = 1e6;
   PairedNames paired{.by = PairedBy::kTime};
   paired.least_spread_ms = std::numeric_limits<double>::infinity();
-  // Of two that are equally near the earlier one.
+  // The nearest time; the earlier one of two that are equally near.
   const auto nearest = [](std::span<const int64_t> times, int64_t time) {
     const auto behind = std::ranges::lower_bound(times, time);
     if (behind == times.begin()) return behind;

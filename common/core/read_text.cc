@@ -21,7 +21,7 @@ tl::unexpected<Error> CannotReadForErrno() {
   return CannotRead(std::generic_category().message(errno));
 }
 
-// Until the end of the file, whatever size it claims: files of /proc claim 0.
+// Reads until the end of the file, whatever size it claims: files of /proc claim 0.
 Result<std::string> ReadToEnd(int descriptor, size_t max_bytes) {
   constexpr size_t kChunkBytes = size_t{1} << 16;
   std::string text;

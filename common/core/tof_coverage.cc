@@ -18,7 +18,7 @@ bool InImage(const Seed& seed, cv::Size size) {
          seed.v < static_cast<float>(size.height) - 0.5F;
 }
 
-// Of `count` equal cells along a side of the image, the one that a position lies in.
+// The cell in which a position lies, of `count` equal ones along a side of the image.
 int CellOf(float position, int count, int side) {
   const auto cell =
       static_cast<int>((position + 0.5F) * static_cast<float>(count) / static_cast<float>(side));
@@ -30,7 +30,8 @@ int CellOf(float position, int count, int side) {
 float TofCoverage(std::span<const Seed> seeds, cv::Size size) {
   assert(!size.empty());
   const int cell_px = std::max(kSmallestSide, size.width / kCellsAcross);
-  // Not one of the rest of the division, which would be small and hardly ever covered.
+  // The remainder of the division gets no cell of its own: it would be small and hardly ever
+  // covered.
   const int columns = std::max(1, size.width / cell_px);
   const int rows = std::max(1, size.height / cell_px);
   std::vector<uint8_t> covered(static_cast<size_t>(columns) * static_cast<size_t>(rows));

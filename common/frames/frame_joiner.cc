@@ -43,7 +43,7 @@ Result<std::vector<Frame>> FrameJoiner::AddMessage(Part part, std::span<const ui
   return Add(decoded->id, part, std::move(decoded->value));
 }
 
-// Of a pending frame; their number when it is not among them.
+// Index of a pending frame; the number of pending frames if it is not among them.
 size_t FrameJoiner::IndexOf(const FrameId& id) const {
   size_t i = 0;
   while (i < pending_.size() && pending_[i].frame.id != id) ++i;

@@ -22,7 +22,8 @@ struct PairRules {
   /// Beyond it Sprout loses accuracy that can be measured (services/refine/NOTES.md).
   static constexpr double kMaxRowsPx = 1;
   static constexpr double kMaxParallaxPx = 1;
-  /// Of the rows that are off anywhere: (1) is a pitch's and a roll's first order.
+  /// Parallax that row errors may cause, as a share of the largest of them: (1) is a pitch's and a
+  /// roll's first order only.
   static constexpr double kParallaxOfRows = 0.1;
   static constexpr double kSure = 5;           ///< standard deviations
   static constexpr double kBehindPx = 1;       ///< a match is beyond infinity by more

@@ -24,7 +24,7 @@ struct RangeVerdicts {
   static constexpr double kMinFactor = 0.03;  ///< of |ln(factor)|
   static constexpr double kMovedGain = 0.1;
   static constexpr double kMovedSure = 2.5;
-  /// Less may be a device's own error, which Refiner takes out, or says.
+  /// Smaller moves may be a device's own error, which Refiner corrects or reports.
   static constexpr double kMinMoveM = 0.2;
 };
 
@@ -109,13 +109,13 @@ bool IsScaled(const RangeModel& model) {
          scaled.share() - model.as_is.share() >= RangeVerdicts::kScaledGain &&
          std::abs(std::log(scaled.factor)) > RangeVerdicts::kMinFactor &&
          scaled.agreeing >= model.turned.agreeing && scaled.close >= model.moved.close &&
-         // Of ranges that are far off none may be comparable.
+         // If ranges are far off, none of them may be comparable.
          (model.as_is.compared < RangeVerdicts::kFewCompared ||
           MoreAgree(scaled, model.as_is) >= RangeVerdicts::kSure ||
           model.as_is.compared < scaled.compared / 2);
 }
 
-// Of a share of n, with one match of either kind besides, so that 0 and n are not certain.
+// Variance of a share, with one more match of either kind, so that 0 and n of n are not certain.
 double Variance(const Agreement& agreement) {
   const double n = agreement.compared + 2;
   const double share = (agreement.agreeing + 1) / n;

@@ -253,7 +253,7 @@ Estimate MedianOf(std::vector<double> values) {
   if (values.empty()) return {0, 0};
   const double median = Median(values);
   for (double& value : values) value = std::abs(value - median);
-  // Of a median of normal deviates: 1.2533 times that of their mean.
+  // The standard deviation of a median of normal deviates is 1.2533 times that of their mean.
   return {median, 1.2533 * 1.4826 * Median(values) / std::sqrt(static_cast<double>(values.size()))};
 }
 

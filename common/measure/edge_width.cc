@@ -47,7 +47,8 @@ double Crossing(const std::vector<Point>& shares, size_t i, size_t next, double 
   return a.x + (b.x - a.x) * (share - a.d) / (b.d - a.d);
 }
 
-// Of a rising line of shares: from the middle outwards to the first point at or beyond a share.
+// Width of a rising line of shares: from the middle outwards to the first point at or beyond a
+// share.
 std::optional<double> WidthOf(const std::vector<Point>& shares) {
   const auto length = static_cast<float>(shares.back().x - shares.front().x);
   std::optional<size_t> middle;  // the crossing of 0.5 that is next to the middle of the line
@@ -90,7 +91,7 @@ EdgeWidths MeasureEdge(const cv::Mat1f& disparity_px) {
     const auto sides = SidesOf(line, lines.cols);
     std::optional<double> width;
     if (sides && std::abs(sides->last - sides->first) >= kMinEdgeStepPx) {
-      // As shares of the step, rising from first to last.
+      // Depths become shares of the step, rising from first to last.
       for (Point& point : line) point.d = (point.d - sides->first) / (sides->last - sides->first);
       width = WidthOf(line);
     }

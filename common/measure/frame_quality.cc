@@ -40,7 +40,7 @@ Warped Warp(const cv::Mat1b& right, const DisparityImage& disparity) {
   return warped;
 }
 
-// Of the products of two pictures.
+// Sums over a window of the products of two pictures.
 cv::Mat1f WindowSum(const cv::Mat1f& one, const cv::Mat1f& other) {
   cv::Mat1f sum;
   cv::boxFilter(one.mul(other), sum, CV_32F, {kWindow, kWindow}, {-1, -1}, /*normalize=*/false,

@@ -11,7 +11,7 @@
 namespace sprout {
 namespace {
 
-// Of a camera; other images are maps, whose numbers JPEG would change.
+// Whether a message is a camera's image. Other images are maps, whose numbers JPEG would change.
 bool IsCameraImage(std::string_view channel, std::span<const uint8_t> message) {
   return TypeOf(message) == MessageType::kImage &&
          (channel.ends_with(ChannelOf(Part::kLeft)) || channel.ends_with(ChannelOf(Part::kRight)));

@@ -8,7 +8,7 @@
 namespace sprout {
 namespace {
 
-// Of a message whose counts CheckZoneCounts() allows: whether its arrays are as long.
+// Whether the arrays of a message are as long as its counts, which CheckZoneCounts() allows.
 Result<void> CheckArrays(const tof_zones_t& message) {
   const int64_t zones = int64_t{message.columns} * message.rows;
   const int64_t targets = zones * message.targets_per_zone;

@@ -97,7 +97,7 @@ bool IsWhole(const PackedArray& array) {
   return array.count == 0 || (array.row > 0 && array.count % array.row == 0);
 }
 
-// Of a layout that has arrays; nothing when their rows are not whole.
+// The layout of a message with arrays; nothing if their rows are not whole.
 std::optional<PackedLayout> UsableLayoutOf(std::span<const uint8_t> head, size_t message_bytes) {
   std::optional<PackedLayout> layout = LayoutOf(head, message_bytes);
   if (layout && !std::ranges::all_of(layout->arrays, IsWhole)) layout.reset();
@@ -295,7 +295,7 @@ Result<PackedBytes> Unpack(std::span<const uint8_t> packed, std::optional<cv::Si
   if (const Result<void> fits = CheckSize(*fields, expected); !fits) {
     return tl::unexpected(fits.error());
   }
-  // Of pixels also the counts of the classes, of one or three channels.
+  // Packed pixels also have the counts of the classes, of one or three channels.
   const uint64_t declared = ZSTD_getFrameContentSize(fields->data.data(), fields->data.size());
   const bool has_pixels = fields->method == packed_t::METHOD_PREDICTED_PIXELS;
   const size_t most_counts = has_pixels ? 3 * kPixelClasses * kCountBytes : 0;

@@ -33,7 +33,7 @@ class Int32Fields {
 
 constexpr bool kLittleEndian = true;
 
-// Of a type that begins with width and height.
+// Layout of a type that begins with width and height.
 PackedLayout MapLayout(const Int32Fields& fields, size_t count) {
   PackedLayout layout;
   layout.head_bytes = fields.EndOf(count);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kValues = 1 << 16;
 constexpr int kLevels = 256;
-// With less than 32 of 256 levels little is left to match.
+// Least share of the 256 levels that must be used: with less than 32 little is left to match.
 constexpr double kMinUse = 1.0 / 8;
 constexpr double kIgnored = 0.001;  // at either end: single hot and dead pixels
 

@@ -37,8 +37,8 @@ Result<void> WriteDepthPng(const std::filesystem::path& path, const cv::Mat1f& d
 Result<void> WritePfm(const std::filesystem::path& path, const cv::Mat1f& values) {
   if (values.empty()) return Fail("cannot write " + path.string() + ": the map is empty");
   OutputFile file(path);
-  // Not by cv::imencode(), which writes PFM to a temporary file first and does not notice that the
-  // disk is full. The sign of the scale says little-endian.
+  // cv::imencode() is not used: it writes PFM to a temporary file first and does not notice that
+  // the disk is full. The sign of the scale says little-endian.
   file.Write("Pf\n" + std::to_string(values.cols) + " " + std::to_string(values.rows) + "\n-1.0\n");
   for (int v = values.rows - 1; v >= 0; --v) {
     for (int u = 0; u < values.cols; ++u) file.WriteNumber(values(v, u));

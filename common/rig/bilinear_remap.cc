@@ -66,8 +66,8 @@ HWY_INLINE void OffsetsOf(const RemapRow& row, size_t group, int32_t* offsets) {
   }
 }
 
-// Of a group of grey pixels the two above and the two below. Three loads hold them all; a table
-// lookup picks them out of 16 bytes.
+// Collects the two pixels above and the two below of each pixel of a grey group. Three loads hold
+// them all; a table lookup picks them out of 16 bytes.
 HWY_INLINE void CollectGrey(const RemapRow& row, size_t group, uint16_t* above, uint16_t* below) {
 #if HWY_TARGET != HWY_SCALAR
   if (row.windows[group] >= 0) {

@@ -17,7 +17,8 @@ namespace {
 constexpr double kUnitTolerance = 1e-6;
 
 constexpr double kMaxAngleDeg = 60;
-// Of what both cameras see. A pair of equal lenses that look into one direction has 0.75 and more.
+// Least shares of what both cameras see. A pair of equal lenses that look into one direction has
+// 0.75 and more.
 constexpr double kMinRows = 0.3;
 constexpr double kMinKept = 0.1;
 constexpr double kMinFilled = 0.9;

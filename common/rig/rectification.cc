@@ -59,7 +59,7 @@ struct View {
     });
   }
 
-  // Of the middle column, in rectified rows.
+  // First and last rectified row of the middle column.
   std::pair<double, double> FirstAndLastRow() const {
     return {Rectified(GridPixel(lens.size(), kGrid / 2, 0)).y,
             Rectified(GridPixel(lens.size(), kGrid / 2, kGrid - 1)).y};

@@ -23,7 +23,8 @@ bool AllFinite(const double (&values)[kSize]) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
-// Of a range image's pixels, which are several of the left image's.
+// Largest error of a fitted lens, in pixels of the range image, which are several of the left
+// image's.
 constexpr double kWorstFitPx = 0.5;
 
 // K and D as Brown's model has them, or comes near them; without coefficients every model is a
@@ -98,8 +99,8 @@ Result<RosCamera> FromRosInfo(const RosCameraInfo& ros) {
 
 Result<RectifiedPair> PairOf(const RosCamera& left, const RosCamera& right) {
   constexpr double kSamePx = 1e-3;
-  // Of rows at the upper and the lower edge, when f_y stands for f_x: they belong to points of the
-  // range sensor, and those are not known better.
+  // How many rows off the upper and the lower edge may be when f_y stands for f_x: they belong to
+  // points of the range sensor, which are not known better.
   constexpr double kMaxRowsOff = 0.5;
   const double from_middle = std::max(std::abs(left.cy), std::abs(left.height - 1 - left.cy));
   const double rows_off = std::abs(left.focal_v_px / left.focal_px - 1) * from_middle;

@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 // Messages outside of chunks are read by so many bytes at once.
 constexpr uint64_t kStretchBytes = uint64_t{1} << 20;
 
-// Of a message: channel, sequence, log time and publish time. A chunk begins with its first time.
+// Bytes of a message's head: channel, sequence, log time and publish time. A chunk begins with its
+// first time.
 constexpr size_t kMessageHead = 22;
 
 // Whether a record is looked at; all others are skipped by their length.
@@ -49,7 +50,7 @@ void McapTrouble::Tell(const std::string& file, uint64_t offset, const std::stri
                   what);
 }
 
-// Of a record: opcode and length, and the first bytes of its content.
+// Head of a record: opcode and length, and the first bytes of its content.
 struct McapFile::Head {
   McapOpcode opcode{};
   uint64_t size = 0;  // of its content
@@ -209,7 +210,8 @@ void McapFile::TakeOther(uint64_t offset, const McapRecord& record) {
   }
 }
 
-// Of a file without summary, whose channels are in its chunks, which are not read in file order.
+// Reads the channels of a file without summary: they are in its chunks, which are not read in file
+// order.
 void McapFile::ReadAllChannels() {
   if (std::exchange(has_read_all_channels_, true)) return;
   McapTrouble untold;  // it is told when the messages are read

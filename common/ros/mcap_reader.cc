@@ -6,7 +6,7 @@
 namespace sprout {
 namespace {
 
-// Of a message's content: channel, sequence, then its log time.
+// Place of the log time in a message's content, behind channel and sequence.
 constexpr size_t kLogTimeAt = sizeof(uint16_t) + sizeof(uint32_t);
 
 uint64_t LogTimeOf(std::span<const uint8_t> content) {
@@ -86,8 +86,8 @@ void McapReader::OpenStretches() {
   }
 }
 
-// Of the stretches that are open beyond what memory allows, those go that were used longest ago,
-// never the last one.
+// Drops the stretches of the file that were used longest ago until the open ones fit into the
+// memory allowed, but never the last one.
 void McapReader::MakeRoom() {
   while (unpacked_bytes_ > most_unpacked_bytes_) {
     const auto oldest = std::ranges::min_element(open_, {}, [](const auto& one) {

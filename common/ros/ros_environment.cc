@@ -44,7 +44,7 @@ std::string Network(uint32_t max_message_bytes) {
       max_message_bytes);
 }
 
-// Who is looked for, as rmw_dds_common reads the variables.
+// Which participants are looked for, as rmw_dds_common reads the variables.
 struct Discovery {
   bool by_multicast = true;
   bool only_loopback = false;

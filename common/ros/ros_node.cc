@@ -130,7 +130,7 @@ RosNode::RosNode(const RosNodeOptions& options) : name_(options.name) {
   const auto domain = static_cast<dds_domainid_t>(options.domain);
   const std::string place = "domain " + std::to_string(options.domain);
   const int32_t made = dds_create_domain(domain, CycloneConfig(options.max_message_bytes).c_str());
-  // Of one that is there already, another node of this process made it.
+  // If the domain exists already, another node of this process made it.
   if (made != DDS_RETCODE_PRECONDITION_NOT_MET) domain_ = Checked(made, place);
   try {
     const QosPtr qos(dds_create_qos());
@@ -219,7 +219,7 @@ std::optional<RosNode::Taken> RosNode::Take(Handle reader, size_t max_bytes,
   while (dds_takecdr(reader, &data, 1, &info, DDS_ANY_STATE) == 1) {
     Taken taken{.bytes = ddsi_serdata_size(data), .publisher = info.publication_handle};
     taken.is_too_big = taken.bytes > max_bytes;
-    // Of a publisher that is gone there is a sample without data.
+    // A publisher that is gone leaves a sample without data.
     if (info.valid_data && !taken.is_too_big) {
       cdr.resize(taken.bytes);
       ddsi_serdata_to_ser(data, 0, cdr.size(), cdr.data());

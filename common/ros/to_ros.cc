@@ -204,7 +204,7 @@ RosMessage<RosPointCloud> ToRosCloud(const RosPlace& place, const PointCloud& cl
 
 Result<RosMessage<RosPointCloud>> ToRosOrderedCloud(const RosPlace& place, const PointCloud& cloud,
                                                     const RectifiedPair& pair, int stride) {
-  // Of a float's position at 10,000 px; the next pixel is `stride` away.
+  // Rounding error of a float's position at 10,000 px; the next pixel is `stride` away.
   constexpr double kRoundingPx = 0.1;
   const auto columns = static_cast<size_t>((pair.width + stride - 1) / stride);
   const auto rows = static_cast<size_t>((pair.height + stride - 1) / stride);

@@ -137,7 +137,8 @@ Scene Read2014(const fs::path& folder) {
   const cv::Size size = scene.left.size();
   scene.pair = CalibrationFromCalib(folder / "calib.txt", size);
 
-  // Of the evaluation, version 3, and of ETH3D: disp0GT.pfm, and which pixels both cameras see.
+  // The evaluation, version 3, and ETH3D have disp0GT.pfm, and a mask of the pixels that both
+  // cameras see.
   const bool is_evaluation = !IsFile(folder / "disp0.pfm");
   const fs::path left = folder / (is_evaluation ? "disp0GT.pfm" : "disp0.pfm");
   if (!IsFile(left)) {

@@ -51,8 +51,8 @@ cv::Mat1f ReadPfm(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw BadPfm(path, "cannot be read");
   const Header header = ReadHeader(file, path);
-  // Before anything is allocated: the header may promise what the file does not hold. And no byte
-  // more, or the samples may begin elsewhere.
+  // The size is checked before anything is allocated: the header may promise more than the file
+  // holds. With a byte more the samples may begin elsewhere.
   const auto begin = static_cast<uintmax_t>(file.tellg());
   const uintmax_t sample_bytes =
       sizeof(float) * static_cast<uintmax_t>(header.width) * static_cast<uintmax_t>(header.height);

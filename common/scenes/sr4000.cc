@@ -146,7 +146,8 @@ double Sr4000::NoiseM(double amplitude) const {
          std::sqrt((amplitude + ambient) / (reference + ambient));
 }
 
-// With wrapped_percent: half way between the ranges on either side of that share of the returns.
+// The unambiguous range. With wrapped_percent it is half way between the ranges on either side of
+// that share of the returns.
 double Sr4000::AmbiguityM(const cv::Mat1f& depth_m) const {
   if (config_.wrapped_percent() <= 0) return config_.ambiguity_range_m();
   std::vector<double> ranges_m;

@@ -18,7 +18,7 @@ namespace {
 
 class LogFeed : public CaptureFeed {
  public:
-  // Without `calibrated` there is no calibration, and none is looked for.
+  // If `calibrated` is false the log has no calibration, and none is looked for.
   LogFeed(const std::string& path, const std::string& prefix, bool calibrated, bool loop,
           StageMonitor& monitor)
       : path_(path),

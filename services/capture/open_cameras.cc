@@ -44,7 +44,8 @@ double OffsetOf(const std::string& source, const scenes::SourceOption& option) {
             "how much later the right video begins, ms");
 }
 
-// Of "opencv:" two places, separated by a comma, or one with both views; of "v4l2:" one.
+// The places of a source: "opencv:" has two, separated by a comma, or one with both views; "v4l2:"
+// has one.
 std::vector<std::string> PlacesOf(const std::string& source, const std::string& place) {
   const bool is_device = place.starts_with(kV4l2);
   const std::string names = place.substr((is_device ? kV4l2 : kOpenCv).size());

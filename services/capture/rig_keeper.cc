@@ -12,7 +12,7 @@
 namespace sprout::capture {
 namespace {
 
-// Of a calibration with a change: unlike RigId() also another one when only the ranges change.
+// Name of a changed calibration. Unlike RigId() it differs also when only the ranges change.
 std::string ChangedRigId(const RigDescription& file) {
   return Digest(ConfigText(file.calibration()));
 }

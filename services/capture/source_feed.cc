@@ -18,7 +18,7 @@ class SourceFeed : public CaptureFeed {
   using Take = std::function<std::optional<scenes::CapturedFrame>(const std::stop_token&)>;
   using LostAtEnd = std::function<scenes::LostFrames()>;
 
-  // Without a rig the frames are not rectified. `current` is null when that is done elsewhere.
+  // If there is no rig, frames are not rectified. `current` is null when that is done elsewhere.
   SourceFeed(Take take, LostAtEnd lost_at_end, Timing timing, std::optional<Rig> rig,
              std::shared_ptr<CurrentRig> current, const CaptureConfig& config,
              StageMonitor& monitor)
@@ -68,7 +68,7 @@ class SourceFeed : public CaptureFeed {
     if (lost.count == 0 && !lost.trouble.empty()) monitor_.Failure(lost.trouble);
   }
 
-  // Of cameras; a recording may begin again.
+  // Warns if the clock of live cameras was set back. A recording may begin again.
   void SayClockSetBack(std::optional<int64_t> utime) {
     if (timing_ != Timing::kLive || !utime) return;
     const int64_t before = std::exchange(cameras_utime_, *utime);
@@ -91,7 +91,7 @@ class SourceFeed : public CaptureFeed {
   LogLimiter clock_log_;
 };
 
-// Of a FrameSource or a RawSource.
+// Timing of a FrameSource or a RawSource.
 Timing TimingOf(const auto& source) {
   if (source.is_live()) return Timing::kLive;
   return source.is_recorded() ? Timing::kRecorded : Timing::kAsked;

@@ -40,8 +40,8 @@ class VideoPictures : public Pictures {
  public:
   explicit VideoPictures(std::string place) : place_(std::move(place)) {}
 
-  // With the backend that is for it: OpenCV's others try what they cannot open, and one of them
-  // looks through all USB devices and keeps what it found.
+  // Opens the place with its own backend: OpenCV's others try what they cannot open, and one of
+  // them looks through all USB devices and keeps what it found.
   bool Open(const DeviceSettings& settings) {
     if (!OpenPlace()) return false;
     if (settings.width > 0) video_.set(cv::CAP_PROP_FRAME_WIDTH, settings.width);

@@ -30,7 +30,7 @@ PointCloud CloudOf(const DisparityImage& disparity, const RectifiedPair& pair, c
                    const cv::Mat& confidence, const CloudThinning& thinning) {
   assert(left.size() == disparity.size() && disparity.size() == pair.size());
   assert(confidence.empty() || confidence.size() == disparity.size());
-  // Beyond, a float of millimetres would be none, and a voxel's number no integer.
+  // Farther points are left out: a float cannot hold their millimetres, nor an integer their voxel.
   constexpr double kFarthestM = 1e6;
   PointCloud cloud;
   VoxelFilter filter(thinning.voxel_m);

@@ -22,8 +22,8 @@ constexpr float kSurfaceCounts = DisparityImage::kCountsPerPixel;
 // than the map is closed; a point right in front of the camera does not take the time of an image.
 constexpr float kMaxSidePx = 16;
 
-// Of an empty pixel. Pixels hold depth − 1 in counts, so that the nearest is the smallest, and
-// adding 1 makes 0 of an empty one.
+// Value of an empty pixel. Pixels hold depth − 1 in counts, so that the nearest is the smallest,
+// and adding 1 makes 0 of an empty one.
 constexpr uint16_t kEmpty = std::numeric_limits<uint16_t>::max();
 
 std::array<float, 3> Floats(const Eigen::Vector3d& v) {
@@ -105,7 +105,7 @@ class BandMapper {
     }
   }
 
-  // Of the upper row, what is not surrounded by surfaces.
+  // Fills the pixels of the upper row that are not surrounded by surfaces.
   void FillBorders() {
     FindBorders(upper_, above_.surface, below_.surface, borders_);
     auto border = borders_.begin();

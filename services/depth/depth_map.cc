@@ -27,7 +27,7 @@ std::vector<uint16_t> DepthTable(const RectifiedPair& pair, double metres_per_co
   return table;
 }
 
-// Of the depths in a block; 0 when less than half of it has one.
+// Median of the depths in a block; 0 when less than half of its pixels have one.
 uint16_t MedianOfBlock(const cv::Mat1w& counts, int u, int v, int scale) {
   std::array<uint16_t, 16> depths{};
   size_t found = 0;

@@ -71,7 +71,7 @@ DepthOptions OptionsOf(const DepthConfig& config) {
 }
 
 std::string RigComplaint(const DepthOptions& options, const RectifiedPair& pair) {
-  // More than two compilers' rectifications of one file differ by.
+  // Larger than the difference between rectifications of one file by two compilers.
   constexpr double kTolerance = 1e-6;
   if (!options.pair) return "";
   const auto numbers = [](const RectifiedPair& p) {

@@ -80,7 +80,8 @@ struct Outermost {
   Direction right, left;
 };
 
-// Of the directions that the image sees; nothing when it sees what is straight above or below.
+// The outermost directions that the image sees; nothing when it sees what is straight above or
+// below.
 std::optional<Outermost> OutermostOf(const Rays& rays, const RectifiedPair& pair) {
   std::array<Direction, 4> corners;
   for (size_t i = 0; i < corners.size(); ++i) {

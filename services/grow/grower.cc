@@ -33,7 +33,7 @@ std::vector<Correspondence> Rounded(std::span<const Seed> seeds, cv::Size size) 
 struct Seams {
   std::vector<int16_t> first, last;
 
-  // Of a band with open pixels.
+  // The border rows of a band that grows best first, from its table.
   explicit Seams(const GrowthBand& band) {
     const auto row = [&](int r, std::vector<int16_t>& seam) {
       for (int u = 0; u < band.image_size.width; ++u) {
@@ -44,7 +44,7 @@ struct Seams {
     row(band.rows - 1, last);
   }
 
-  // Of a band without open pixels: its part of the map.
+  // The border rows of a band without open pixels, from its part of the map.
   Seams(const SweepBand& band, const DisparityImage& map) {
     const auto row = [&](int v, std::vector<int16_t>& seam) {
       for (int u = 0; u < map.width(); ++u) {

@@ -48,7 +48,7 @@ void RenewMaps(PriorMap& map, cv::Size size) {
 
 }  // namespace
 
-// Of the last frame, for the next: memory of this size is slow to get.
+// Memory of the last frame, kept for the next one: memory of this size is slow to get.
 struct PriorEstimator::Memory {
   cv::Mat3b left_bgr;  // where an image had to be converted
   cv::Mat1b left_grey;

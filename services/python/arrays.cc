@@ -92,7 +92,7 @@ std::optional<py::array> Plane(const py::handle& given, std::optional<cv::Size> 
 
 bool IsFloats(const py::array& array) { return IsOf(array, 'f', 4) || IsOf(array, 'f', 8); }
 
-// Of a matrix that shares an array's pixels.
+// The array whose pixels a matrix shares.
 py::object ArrayOf(const cv::Mat& image) {
   if (image.u == nullptr || image.u->currAllocator != &Owner()) return {};
   auto array = py::reinterpret_borrow<py::array>(static_cast<PyObject*>(image.u->userdata));

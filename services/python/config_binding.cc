@@ -102,7 +102,7 @@ std::string Repr(SproutConfig config) {
 
 std::string TextOf(const py::handle& part) {
   if (py::isinstance<py::str>(part)) return part.cast<std::string>();
-  // Also a path of one name: what Python gives as a path is none of a preset.
+  // A path of one name is a file, too: what Python gives as a path is never the name of a preset.
   if (py::hasattr(part, "__fspath__")) {
     auto path = part.attr("__fspath__")().cast<std::string>();
     return path.find('/') == std::string::npos ? "./" + path : path;

@@ -12,7 +12,7 @@
 namespace sprout::python {
 namespace {
 
-// With the names of sprout-evaluate's JSON.
+// The figures of an evaluation, with the names of sprout-evaluate's JSON.
 struct Evaluation {
   Accuracy accuracy;
   std::optional<Sparsification> confidence;

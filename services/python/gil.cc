@@ -29,7 +29,7 @@ class Taking {
   Taking& operator=(const Taking&) = delete;
 };
 
-// Before Python ends its threads. Those that wait for the lock get it once more.
+// Runs before Python ends its threads. Those that wait for the lock get it once more.
 void End() {
   constexpr std::chrono::milliseconds kPeriod{1};
   ending_thread = std::this_thread::get_id();

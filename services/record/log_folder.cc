@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kNameBegin = "record_";
 constexpr std::string_view kNameEnd = ".lcm";
 
-/// Of all files in it and below.
+/// Bytes of all files in a folder and below it.
 int64_t BytesIn(const fs::path& folder) {
   int64_t bytes = 0;
   std::error_code error;

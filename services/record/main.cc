@@ -55,7 +55,8 @@ RecordedEvent::Clock::duration Seconds(double seconds) {
 
 void RequireChannel(const std::string& flag, const std::string& channel) {
   constexpr char kAllowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
-  // With the longest prefix it may still be too long for LCM; then nothing can come on it.
+  // With the longest prefix the channel's name may still be too long for LCM; then no message can
+  // come on it.
   if (!channel.empty() && channel.size() <= 63 &&
       channel.find_first_not_of(kAllowed) == std::string::npos) {
     return;
@@ -198,7 +199,7 @@ void AddFlags(Flags& flags, Options& options) {
 }
 
 int Main(int argc, char** argv) {
-  // Before any thread begins, so that it is blocked in all of them.
+  // The signal is blocked before any thread begins, so that it is blocked in all of them.
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGUSR1);

@@ -54,7 +54,7 @@ Result<SeedSet> RefineAdapter::Refine(const Frame& frame) {
     const TofProjector no_camera(RigOfFrame(*frame.rig, *frame.tof));
     return refiner_.Compute(left, right, *frame.tof, no_camera, zones);
   }
-  // Before there are rays for a ToF camera of whatever size a message claims.
+  // The size is checked before rays are made for a ToF camera of whatever size a message claims.
   if (auto size = CheckTofSize(*frame.rig, *frame.tof); !size) {
     return tl::unexpected(size.error());
   }
@@ -124,7 +124,7 @@ RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
   return is_better ? wide : result;
 }
 
-// As if no disparity could be negative.
+// Refines a frame as if no disparity could be negative.
 RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
   Result<SeedSet> seeds = Refine(frame);
   SeedSet left_seeds = seeds ? refiner_.left_seeds() : SeedSet{};

@@ -23,7 +23,7 @@ int Pixel(float position) { return static_cast<int>(std::lround(position)); }
 // Whether the window around a pixel lies in the image.
 bool WindowFits(float u, float v, cv::Size size) { return IsInside(u, v, size, kRadius - 0.5); }
 
-// Of the grey values in the window around a pixel.
+// Sum of the grey values in the window around a pixel.
 int WindowSum(const cv::Mat1b& image, int u, int v) {
   int sum = 0;
   for (int y = v - kRadius; y <= v + kRadius; ++y) {

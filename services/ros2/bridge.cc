@@ -52,8 +52,8 @@ std::vector<const RosTopicRow*> ChosenTopics(const Ros2Config& config) {
   return chosen;
 }
 
-// Of a topic that is sent again the newest messages wait for slow subscribers, a second at 10 Hz,
-// 40 MB of 2 MP depth; never all, or one subscriber that died would stop the others.
+// A reliable topic keeps its newest messages for slow subscribers: a second at 10 Hz, 40 MB of 2 MP
+// depth. It never keeps all, or one subscriber that died would stop the others.
 RosQos QosOf(const RosTopicRow& row, bool reliable) {
   if (row.topic == RosTopic::kTransforms) return {.reliable = true, .latched = true, .depth = 1};
   return {

@@ -112,7 +112,7 @@ void RigWatch::FillRows(const SceneRefinement& refined, RigChange& change) const
   for (double& row : rows) row = std::abs(row - median);
   const auto count = static_cast<double>(rows.size());
   const double spread = 1.4826 * Median(std::move(rows));
-  // Of the median of Gaussian errors: 1.2533 times that of their mean.
+  // The standard deviation of a median of Gaussian errors is 1.2533 times that of their mean.
   constexpr double kMedianOverMean = 1.2533;
   change.rows_px = static_cast<float>(median);
   change.rows_spread_px = static_cast<float>(spread);

@@ -33,7 +33,7 @@ inline constexpr float kDisputed = 1.5F;
 // leave.
 inline constexpr float kMinVariance = 0.02F;
 inline constexpr float kLargestVariance = 16;
-// Of a pixel without a disparity.
+// Variance of a pixel without a disparity.
 inline constexpr float kNoVariance = 1e6F;
 
 }  // namespace sprout::temporal
@@ -179,7 +179,7 @@ void SplatOnTarget(const Memory& memory, float* cells) {
     const float* const second_row = map.Row(std::min(2 * v + 1, map.height - 1));
     const float middle = static_cast<float>(2 * v) + 0.5F;
     const Line x(motion, 0, middle), y(motion, 1, middle), w(motion, 2, middle);
-    // Of an odd last column the neighbour is the pixel itself.
+    // In an odd last column a pixel is its own neighbour.
     for (int first = 0; first < columns; first += kBlock) {
       const int count = std::min(kBlock, columns - first);
       const int whole = std::min(count, map.width / 2 - first);

@@ -16,7 +16,7 @@ constexpr int kRefineSteps = 4;
 constexpr double kNearestM = 1e-3;  // in front of the camera
 constexpr double kChallenge = 1.1;
 
-// Of 64-bit numbers (Knuth's MMIX generator): the same draws everywhere.
+// Draws from 64-bit numbers (Knuth's MMIX generator), which are the same everywhere.
 class Draws {
  public:
   size_t Below(size_t count) {
@@ -109,7 +109,8 @@ class Estimator {
     return true;
   }
 
-  // Of the newest fit: the inverse of the information, times the squared error of a coordinate.
+  // Covariance of the newest fit: the inverse of the information, times the squared error of a
+  // coordinate.
   Matrix6 Covariance(size_t points) const {
     const double freedom = std::max(1.0, 2 * static_cast<double>(points) - 6);
     return information_.inverse() * (squares_ / freedom);

@@ -126,7 +126,8 @@ std::optional<Place> Track(const ImagePyramid& before, const ImagePyramid& after
 
 std::vector<cv::Point> FindCorners(const ImagePyramid& pyramid) {
   if (pyramid.levels.empty()) return {};
-  // On halves, which are less noisy; the tracker needs no exact corner.
+  // Corners are searched in the halved image, which is less noisy; the tracker needs no exact
+  // corner.
   const bool halved = pyramid.levels.size() > 1;
   const cv::Mat1b& image = pyramid.levels[halved ? 1 : 0];
   std::vector<Corner> cells(size_t{kCellRows} * kCellColumns);

@@ -60,7 +60,8 @@ HWY_INLINE Place FirstOf(Place place, int side) {
   return {place.u - half, place.v - half};
 }
 
-// Of the grey values of a window, and of their products with the slopes of the window looked for.
+// Sums of the grey values of a window, and of their products with the slopes of the window looked
+// for.
 struct GreySums {
   int32_t grey = 0, squares = 0, with_u = 0, with_v = 0;
 

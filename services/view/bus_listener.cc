@@ -14,7 +14,7 @@ BusListener::BusListener(const ServiceContext& context, FrameRing& ring, StatusH
       history_(history),
       monitor_(monitor),
       changed_(std::move(changed)),
-      // Without these there is nothing to look at; all others may be missing.
+      // These two channels are needed to see anything; all others may be missing.
       silence_(context, {ChannelOf(Part::kLeft), ChannelOf(Part::kDisparity)}, monitor),
       duplicates_(monitor),
       receiver_(

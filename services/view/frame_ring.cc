@@ -155,7 +155,8 @@ void FrameRing::Forget() {
     drop_frame();
     drop_old_events();
   }
-  // Without frames to go by, or with a clock that was set back.
+  // Events are also bounded by their bytes: there may be no frames to go by, or the clock was set
+  // back.
   while (event_bytes_ > max_bytes_ && events_.size() > 1) DropFrontEvent();
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPoll{50};
 
-// Without what nobody rates, and what takes long to decode.
+// A frame without the parts that are not rated, and those that take long to decode.
 StoredFramePtr Rated(const StoredFrame& frame) {
   auto rated = std::make_shared<StoredFrame>(frame);
   for (const Part part : {Part::kPrior, Part::kUnfilled, Part::kDepth, Part::kCloud}) {
@@ -67,7 +67,8 @@ void LogQuality::Run(const std::stop_token& stop) {
     try {
       const StoredFramePtr stored = log_.Get(key);
       if (!stored) continue;
-      // Who looks at the frame is told of what cannot be decoded; here it counts as missing.
+      // What cannot be decoded counts as missing here; the page reports it when the frame is
+      // opened.
       const FrameQuality quality =
           QualityOf(DecodedFrame(Rated(*stored), [](Part, const std::string&) {}).ToFrame());
       const auto score = quality.score();

@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kSampleColumns = 160;
 
-// Of a range that is kept: what the values must fill at least, and by how much of it they may leave
-// it.
+// A range of colours is kept while values fill at least this share of it, and leave it by at most
+// this margin.
 constexpr double kMinFilled = 0.5;
 constexpr double kMargin = 0.05;
 

@@ -15,7 +15,7 @@ Result<void> SaveImage(const cv::Mat& image, const std::filesystem::path& path) 
   return WritePng(path, image);
 }
 
-// As people look at it: with a title and a scale.
+// Saves a map as a picture for people, with a title and a scale.
 Result<void> SavePicture(const DisparityImage* map, const std::string& title,
                          const std::filesystem::path& path) {
   if (map == nullptr || map->empty()) return Fail("the frame has no such map");

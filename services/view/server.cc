@@ -79,7 +79,7 @@ class Server::Impl {
         retry_.expires_after(std::chrono::milliseconds(100));
         return retry_.async_wait([this](boost::system::error_code) { Accept(); });
       }
-      // Who comes when it is full finds the connection closed.
+      // A client beyond kMaxConnections is disconnected at once.
       if (state_.connections < kMaxConnections) {
         boost::system::error_code ignored;
         socket.set_option(tcp::no_delay(true), ignored);

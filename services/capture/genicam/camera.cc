@@ -83,7 +83,7 @@ void Camera::Run(const std::stop_token& stop) {
   }
 }
 
-// Until the camera is lost, or a stop. Returns why it is lost.
+// Reads images until the camera is lost or a stop is asked for. Returns why it is lost.
 std::string Camera::Read(const std::stop_token& stop) {
   // Only this thread changes device_, so reading it needs no lock.
   const Clock::duration silence = LongestSilence(settings_);

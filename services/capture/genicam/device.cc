@@ -137,7 +137,8 @@ Result<void> Device::Start() {
   const unsigned payload = arv_camera_get_payload(camera_.get(), error.out());
   if (error) return Fail("size of the payload: " + error.text());
   // Without the right to a packet socket an image waits in the socket, whose default of 208 KiB is
-  // full long before a busy host looks. Two images; the kernel doubles that for its own needs.
+  // full long before a busy host looks. So a buffer of two images is asked for; the kernel doubles
+  // that for its own needs.
   if (ARV_IS_GV_STREAM(stream_.get())) {
     const unsigned two_images = 2 * std::min(payload, 1U << 28);
     g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,

@@ -16,11 +16,12 @@ constexpr double kBinUs = 2e6;
 constexpr int64_t kBins = 30;
 // Over less than this, the delays' jitter (some 0.1 ms) makes more of a slope than drift does.
 constexpr double kMinSpanUs = 10e6;
-// Beyond what delays vary by on an idle host, and below the time between two frames.
+// A larger difference is a jump of the clock. More than delays vary by on an idle host, less than
+// the time between two frames.
 constexpr double kJumpUs = 20e3;
 // Long enough (1 s at 10 Hz) that a busy host has worked off what waited.
 constexpr size_t kSuspects = 10;
-// The first packets may all have waited: an earlier one is news about the delay, not a jump.
+// The first packets may all have waited: an earlier one corrects the delay, and is no jump.
 constexpr int64_t kSettled = 10;
 
 std::string JumpText(double jump_us) {

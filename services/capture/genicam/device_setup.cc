@@ -37,7 +37,7 @@ Result<void> CheckRange(const char* field, double value, double min, double max)
 Result<void> SetParts(ArvCamera* camera) {
   ArvError error;
   if (arv_camera_is_gv_device(camera)) {
-    // Without it components come one after the other, in payloads of their own.
+    // Without multipart payloads the components come one after the other, in payloads of their own.
     if (!arv_camera_gv_is_multipart_supported(camera, error.out()) || error) return {};
     arv_camera_gv_set_multipart(camera, TRUE, error.out());
     if (error) return Done(error, "multipart payload");

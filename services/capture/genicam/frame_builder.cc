@@ -141,7 +141,7 @@ int64_t FrameBuilder::LostSince(RigPlace place) const {
 int64_t FrameBuilder::Lost() const {
   int64_t lost = 0;
   for (const RigPlace place : kStereo) lost = std::max(lost, LostSince(place));
-  // Before the first frame the cameras start one after the other.
+  // Until the first frame nothing counts as lost, since the cameras start one after the other.
   return has_frames_ ? lost : 0;
 }
 

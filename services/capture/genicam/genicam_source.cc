@@ -28,7 +28,7 @@ using std::chrono::milliseconds;
 constexpr std::ptrdiff_t kMaxWaiting = 16;
 // How often a pair is asked whether it has waited long enough for its ToF image.
 constexpr milliseconds kPoll(10);
-// Without a frame for so long, people are told why.
+// After kSilence without a frame the log says why, and says it again after each kReminder.
 constexpr milliseconds kSilence(2000);
 constexpr milliseconds kReminder(10'000);
 // How long before an exposure the cameras are told of it: much more than a packet's way.

@@ -9,7 +9,7 @@
 namespace sprout::capture {
 namespace {
 
-// As Sprout's own: the rectified left camera's frame is the camera's, turned by R.
+// The turn from the camera's frame to the rectified left camera's, as in Sprout: by R.
 Eigen::Quaterniond TurnOf(const RosCamera& left) {
   return left.rectification.isIdentity(0) ? Eigen::Quaterniond::Identity()
                                           : Eigen::Quaterniond(left.rectification);
@@ -69,7 +69,7 @@ Result<bool> RosCalibration::Take(const RosBytes& message) {
   return false;
 }
 
-// Of a frame in the one that has no parent.
+// Pose of a frame in the root frame, the one that has no parent.
 std::optional<RosPose> RosCalibration::PoseInRoot(std::string frame) const {
   RosPose pose{.parent = frame, .child = frame};
   for (size_t steps = 0; steps <= poses_.size(); ++steps) {
@@ -81,7 +81,7 @@ std::optional<RosPose> RosCalibration::PoseInRoot(std::string frame) const {
   return std::nullopt;  // they go round in a circle
 }
 
-// Of a frame in the left camera's; nothing when /tf_static does not say.
+// Pose of a frame in the left camera's; nothing when /tf_static does not say.
 std::optional<Pose> RosCalibration::LeftFrom(const std::string& frame) const {
   const std::optional<RosPose> left = PoseInRoot(left_->frame);
   const std::optional<RosPose> other = PoseInRoot(frame);
@@ -89,7 +89,7 @@ std::optional<Pose> RosCalibration::LeftFrom(const std::string& frame) const {
   return left->parent_from_child.Inverse() * other->parent_from_child;
 }
 
-// Of the range sensor.
+// The frame of the range sensor.
 const std::string& RosCalibration::RangeFrame() const {
   return points_frame_ ? *points_frame_ : depth_->frame;
 }

@@ -103,7 +103,7 @@ class FileInput : public RosInput {
                     topic.encoding + "; allowed is " + allowed + " in cdr");
   }
 
-  // Of a robot with a namespace of its own, whose cameras have none.
+  // Finds the transforms of a robot with a namespace of its own, whose cameras have none.
   void LookForTransforms(const RosSettings& settings) {
     std::set<std::string> namespaces;
     for (const McapTopic& topic : topics_) {

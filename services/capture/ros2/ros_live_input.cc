@@ -171,7 +171,7 @@ class LiveInput : public RosInput {
   // What publishers offer, as soon as one of them and our reader did not come together, and each
   // second in case a better one has taken its place.
   void Adapt(LiveTopic& topic, const RosNode::Publishers& there) {
-    // Of /tf_static there may be several, the latched ones among them count.
+    // /tf_static may have several publishers; the latched ones count.
     if (there.of_type == 0 || (topic.role == RosRole::kTf && there.of_type > 1)) return;
     const RosQos fitting = Least(BestQos(topic.role, topic.name), there.offered);
     if (fitting == topic.qos) return;

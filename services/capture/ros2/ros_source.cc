@@ -231,8 +231,8 @@ struct FoundRig {
   RosRig rig;
 };
 
-// Of a file all messages may be looked at, of a live graph those of kCalibrationWait. Nothing when
-// a stop was asked for.
+// Looks for the calibration in all messages of a file, or in those of a live graph that come within
+// kCalibrationWait. Nothing when a stop was asked for.
 std::optional<FoundRig> FindCalibration(const RosOpener& opener, RosInput& input) {
   RosCalibration calibration(opener.settings());
   const Clock::time_point deadline =

@@ -18,7 +18,7 @@ TripletConfig ConfigOf(const RosSettings& settings, bool takes_points) {
           .has_tof = takes_points || !settings.depth.empty()};
 }
 
-// Of each camera, for WhyUnpaired(): a second or two.
+// Newest stamps of each camera that WhyUnpaired() looks at: those of a second or two.
 constexpr size_t kStamps = 16;
 
 RigPlace PlaceOf(RosRole role) {

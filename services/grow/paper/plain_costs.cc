@@ -15,7 +15,7 @@ struct WindowSums {
   int products = 0;                         // Σ wL·wR
 };
 
-// Of two windows, of one image or of two, around pixels of one row.
+// Sums over two windows, of one image or of two, around pixels of one row.
 WindowSums SumWindows(const cv::Mat1b& one, int u, const cv::Mat1b& other, int u_other, int v) {
   WindowSums sums;
   for (int y = v - kWindowRadius; y <= v + kWindowRadius; ++y) {

@@ -258,7 +258,7 @@ void GrowFromSeams(const GrowthRule& rule, SeamRow above, SeamRow below, GrowthB
   growth.Run();
 }
 
-// Of a matched pixel (S2).
+// The sub-pixel step (S2) of a matched pixel.
 HWY_INLINE int StepOf(const GrowthRule& rule, const GrowthBand& band, PixelId id, uint8_t sigma) {
   const LeftPixel& pixel = band.left[id];
   const int d = pixel.disparity;

@@ -52,7 +52,7 @@ class PlainSweep {
     return {cost_of_next < cost ? m + 1 : m, rule_.KeyOf(least)};
   }
 
-  // Of all claims on a right pixel the one with the least key wins; of two with that key none.
+  // The claim with the least key wins a right pixel; if two claims have that key, none wins.
   void Assign(int v) {
     std::vector<int32_t> least(static_cast<size_t>(matched_.cols), INT32_MAX);
     std::vector<int> count_of_least(least.size());
@@ -110,7 +110,7 @@ class PlainSweep {
     return free;
   }
 
-  // Of the claims that lost against what has been erased those with the least key win, if they
+  // Among the claims that lost against what has been erased those with the least key win, if they
   // continue what is matched on their left; then, from right to left, on their right.
   void AssignFreed(int v, std::vector<bool> free) {
     std::vector<int32_t> least(free.size(), INT32_MAX);

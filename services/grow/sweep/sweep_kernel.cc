@@ -85,7 +85,7 @@ class Sweep {
   using D = hn::CappedTag<int32_t, kRunPixels>;
   static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
 
-  // Of rows r and r + 1 of the band, kept for as long as a window needs them.
+  // Sums of pairs of rows r and r + 1 of the band, kept for as long as a window needs them.
   int32_t* PairRow(std::vector<int32_t>& pairs, int r) const {
     return pairs.data() + static_cast<size_t>((r + kWindow) % kWindow) * row_size_ + kBeside;
   }
@@ -94,7 +94,7 @@ class Sweep {
   }
 
   void AddPairs(int r) {
-    // Beyond the image there are none, and no window reads them.
+    // There are no rows beyond the image, and no window reads these sums.
     const int upper = std::clamp(band_.first_row + r, 0, height_ - 1);
     const int lower = std::clamp(band_.first_row + r + 1, 0, height_ - 1);
     const auto add = [&](const cv::Mat1b& grey, int32_t* pairs) HWY_ATTR {

@@ -210,7 +210,7 @@ ImagePairs ListVideoPairs(const std::string& left, const std::string& right,
                            .right_frame = static_cast<int64_t>(second),
                            .folder = fmt::format("{:06}", first)});
   }
-  // Of the faster one most have no partner.
+  // Most pictures of the faster video have no partner.
   const bool left_is_slower = lefts.rate <= rights.rate;
   found.left_out = std::ssize(left_is_slower ? paired.alone_first : paired.alone_second);
   if (lefts.rate != rights.rate) {

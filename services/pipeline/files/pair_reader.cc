@@ -64,7 +64,7 @@ Result<RectifiedPair> PairReader::PairOf(const cv::Mat& left) const {
                        .baseline_m = *options_.baseline_m};
 }
 
-// Of a pair that is rectified already.
+// Gives a pair that is rectified already its calibration.
 Result<void> PairReader::Calibrate(Frame& frame) const {
   const Result<RectifiedPair> pair = PairOf(frame.left);
   if (!pair) return tl::unexpected(pair.error());

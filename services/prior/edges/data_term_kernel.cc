@@ -46,7 +46,7 @@ struct ColourPixel {
 // Eq. (P7), C_colour(far) − C_colour(near): support of near less that of far, of all support.
 HWY_INLINE double ColourTerm(const ColourSeeds& seeds, const DataTermScales& scales,
                              const ColourPixel& pixel) {
-  // Of a seed whose colour is three ranges off: where all are, colours hardly tell.
+  // Weight of a seed whose colour is three ranges off: where all are, colours hardly tell.
   constexpr float kNoSupport = 0.01F;
   const D d;
   const V one = hn::Set(d, 1.0F);

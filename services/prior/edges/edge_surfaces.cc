@@ -75,7 +75,7 @@ EdgeTriangle MakeEdge(std::span<const Plane> planes, const SeedTriangle& triangl
   return edge;
 }
 
-// As ToCounts(), but never beyond infinity, and faster.
+// The counts of ToCounts(), but never beyond infinity, and faster.
 int16_t NearestCounts(float disparity_px) {
   constexpr float kMost = DisparityImage::kMaxPx;
   constexpr float kOne = DisparityImage::kCountsPerPixel;

@@ -11,7 +11,7 @@ namespace sprout::refine {
 namespace {
 
 using Rules = AlignmentRules;
-// As far as is looked beyond a pixel: past the mixed ones, two more and the disc's radius.
+// How far beyond a pixel is looked: past the mixed ones, two more and the disc's radius.
 constexpr int kBorder = Rules::kMaxMixed + 2 + Rules::kDiscRadius;
 
 struct Direction {

@@ -24,7 +24,7 @@ constexpr int kCostFine = 256;
 constexpr int kEighthsBits = 3;
 constexpr int kEighths = 1 << kEighthsBits;
 
-// Of the right window at each offset, and of both.
+// Sums over the right window at each offset, and of the products with the left one.
 struct OffsetSums {
   std::array<int32_t, kLabels> right, right_squares, products;
 };
@@ -167,7 +167,7 @@ std::optional<OffsetCosts> CostsOf(const cv::Mat1b& left, const cv::Mat1b& right
       left_squares += own * own;
     }
   }
-  // Of all pixels, in grey levels squared.
+  // Divisor that turns a sum over all pixels into grey levels squared.
   constexpr double kUnit = double{kEighths} * kEighths * kCostPixels * kCostPixels;
   const auto variance = [](int64_t sum, int64_t squares) {
     return static_cast<float>(static_cast<double>(kCostPixels * squares - sum * sum) / kUnit);

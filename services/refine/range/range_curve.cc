@@ -164,7 +164,7 @@ double RangeCurve::GainInSigmas(std::span<const RangeNode> nodes, const Rectifie
   return sigma > 0 ? gains.Total() / sigma : 0;
 }
 
-// Of an M-estimate: the spread of the votes' slopes over their curvature.
+// The standard deviations of an M-estimate: the spread of the votes' slopes over their curvature.
 void RangeCurve::SetSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,
                            std::span<const Bin> bins) {
   for (size_t b = 0; b < bins.size(); ++b) {
@@ -207,7 +207,7 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
   std::sort(voters_.begin(), voters_.end(), [](const Voter& a, const Voter& b) {
     return std::pair(a.depth_m, a.node) < std::pair(b.depth_m, b.node);
   });
-  // As far as the labels reach at the near tenth of the points.
+  // The candidates reach as far as the labels do at the near tenth of the points.
   const double near_m = voters_[voters_.size() / 10].depth_m;
   step_m_ = near_m * near_m * RangeRules::kZeroLabel / (pair.focal_px * pair.baseline_m) / kNoError;
   const size_t count =

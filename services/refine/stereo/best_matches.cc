@@ -30,7 +30,8 @@ struct MatchRow {
   const uint16_t* up;
   int16_t* best;
   float* confirmed_px;
-  // Of the right pixels u − d: from right to left, so that a pixel's matches follow one another.
+  // The sums and best labels of the right pixels u − d, from right to left, so that a pixel's
+  // matches follow one another.
   uint16_t* right_sums;
   uint16_t* right_best;
 
@@ -109,7 +110,7 @@ void MatchRowOnTarget(const MatchRow& row) {
     if (row.first[u] == StereoSearch::kNowhere) continue;
     const int label = LeastLabel(row, u, down, up);
     row.best[u] = static_cast<int16_t>(row.first[u] + label);
-    // On the end of the range the minimum may lie beyond.
+    // At the end of the range the minimum may lie beyond it.
     const bool is_inside = label > 0 && label < row.labels - 1 && row.best[u] <= u;
     if (!is_inside || !IsUnique(row.labels, down, up, label)) continue;
     row.confirmed_px[u] = static_cast<float>(row.best[u] + SubPixel(down + label, up + label));

@@ -44,8 +44,8 @@ constexpr auto kLargeSteps = [] {
 struct Line {
   std::vector<int16_t> first;
   std::vector<uint8_t> grey;
-  // Of each pixel and direction the costs of the paths that end there, less their minimum; between
-  // them kNever.
+  // For each pixel and direction the costs of the paths that end there, less their minimum; between
+  // pixels kNever.
   std::vector<uint8_t> paths;
 
   Line(int width, int labels)
@@ -75,7 +75,8 @@ HWY_BEFORE_NAMESPACE();
 namespace sprout::refine {
 namespace HWY_NAMESPACE {
 
-// Of two vectors one: its lanes are by turns of the one and of the other, each the lesser of two.
+// Makes one vector of two: its lanes come in turns from the one and the other, each the lesser of
+// two.
 HWY_INLINE Bytes Folded(Bytes a, Bytes b) {
   return Least(
       __builtin_shufflevector(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23),
@@ -88,12 +89,12 @@ HWY_INLINE Bytes Everywhere(Bytes x) {
                                  kLane, kLane, kLane, kLane, kLane, kLane, kLane, kLane);
 }
 
-// Of a pixel's labels, or some of them.
+// Path costs of a pixel's labels, or of some of them, for four directions.
 struct Paths {
   Bytes before, above_before, above, above_next;
 };
 
-// Of each direction the least lane, in all lanes.
+// The least lane of each direction, in all lanes.
 HWY_INLINE Paths LeastLanes(const Paths& paths) {
   // The directions by turns, four times.
   Bytes x = Folded(Folded(paths.before, paths.above), Folded(paths.above_before, paths.above_next));
@@ -166,7 +167,8 @@ struct PixelStep {
   }
 };
 
-// With 16 labels. @param last  path costs of the pixel before; becomes those of this one.
+// Adds a pixel with 16 labels. @param last  path costs of the pixel before; becomes those of this
+// one.
 HWY_INLINE void TakeStep(const PixelStep& step, Bytes& last) {
   const Bytes cost = Load(step.costs);
   Paths paths = {Step(cost, step.before, last), Step(cost, step.above_before, 0),
@@ -179,7 +181,7 @@ HWY_INLINE void TakeStep(const PixelStep& step, Bytes& last) {
                   0);
 }
 
-// With more.
+// Adds a pixel with more than 16 labels.
 HWY_INLINE void TakeLongStep(const PixelStep& step, int labels) {
   const Bytes most = Bytes{} + uint8_t{UINT8_MAX};
   Paths least = {most, most, most, most};

@@ -188,7 +188,7 @@ double PointSurface::SigmaPx(cv::Point cell) const {
     plane.Add(weight, off.x, off.y, SeedOf(index).disparity());
   });
   if (sectors == 0) return kInfinite;
-  // Beyond the outermost points.
+  // The variance grows beyond the outermost points, see (R3).
   double variance = noise / weights + Square(StereoRules::kUnseenPerPx) * nearest_px2;
   const double beyond = Square(StereoRules::kBeyondPerPx) * nearest_px2;
   if (sectors < 3) return std::sqrt(variance + beyond);

@@ -109,7 +109,7 @@ void StereoSeedFinder::FindUncovered(const CellGrid& grid, std::span<const Seed>
   }
   cv::dilate(with_points, uncovered_, Disc(gap));
   uncovered_ = 1 - uncovered_;
-  // And of these the cells for which no match could be surer than the points around.
+  // Cells for which no match could be surer than the points around are left out, too.
   points_.Set(seeds, grid.size, grid.spacing_px);
   for (int y = 0; y < grid.size.height; ++y) {
     for (int x = 0; x < grid.size.width; ++x) {

@@ -28,8 +28,8 @@ bool CanAnyBeBehind(std::span<const Seed> seeds, double tolerance_px) {
   return IsBehind(least->disparity(), most->disparity(), tolerance_px);
 }
 
-// Of the seeds of a cell the nearest in each pixel: the others of a pixel are in the same windows,
-// so nothing is behind them that is not behind it.
+// The nearest seed in each pixel of a cell: the other seeds of a pixel are in the same windows, so
+// nothing is behind them that is not behind it.
 class NearestOfPixels {
  public:
   NearestOfPixels(std::span<const Seed> seeds, std::span<const cv::Point2f> pixels)

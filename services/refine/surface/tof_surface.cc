@@ -165,7 +165,7 @@ TofSurface::Plane TofSurface::PlaneOf(const ProjectedPoint& point, double tolera
       yd += down * off;
     }
   }
-  // With the means taken off.
+  // Sums of squares and products with the means taken off.
   const double sxx = xx - x * x / n;
   const double syy = yy - y * y / n;
   const double sxy = xy - x * y / n;

@@ -39,7 +39,7 @@ std::optional<DisparityImage> MapOf(FrameLookup& frames, const FrameId& id, Part
   return map == Part::kFused ? frame.fused : frame.disparity;
 }
 
-// As ComparisonColumns() begins.
+// The cells for the first columns of ComparisonColumns().
 std::vector<Cell> CellsOf(const DisparityDiff& diff) {
   const auto share = [&](int64_t count) {
     return static_cast<double>(count) / static_cast<double>(diff.pixels);

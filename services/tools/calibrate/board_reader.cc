@@ -217,7 +217,7 @@ BoardCorners ReadBoard(const Board& board, const cv::Mat1b& image) {
 }
 
 std::string SeenBoards(const std::vector<cv::Mat1b>& images) {
-  // Of dictionaries of one number of bits the larger ones begin with the smaller ones.
+  // A larger dictionary begins with the smaller ones of the same number of bits.
   constexpr std::array kLargest = {
       "DICT_4X4_250",        "DICT_5X5_250",       "DICT_6X6_250",       "DICT_7X7_250",
       "DICT_4X4_1000",       "DICT_5X5_1000",      "DICT_6X6_1000",      "DICT_7X7_1000",

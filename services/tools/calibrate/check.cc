@@ -101,7 +101,7 @@ class CheckReader {
   int64_t next_ = 0;
 };
 
-// Without a rig file refine takes the calibration in the log.
+// The command that refines the rig. Without a rig file it takes the calibration in the log.
 std::string RefineCommand(const CheckOptions& options) {
   std::string command = "sprout-calibrate refine " + ShellWord(options.input.string());
   if (!options.rig.empty()) command += " --rig " + ShellWord(options.rig.string());

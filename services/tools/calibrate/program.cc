@@ -95,7 +95,7 @@ void AddBoardFlags(Flags& flags, BoardOptions& board) {
       .ShowDefault();
 }
 
-// Of boards that other programs print.
+// Flags for boards that other programs print.
 void AddKindFlags(Flags& flags, BoardOptions& board) {
   flags
       .Add("--board KIND", board.kind,

@@ -27,7 +27,7 @@ constexpr size_t kFewRanges = 200;
 // What MeasureVerticalDisparity() finds is true up to this, px.
 constexpr double kFarRowsPx = 2;
 
-// Of the values that are known.
+// Median of the values that are known.
 double MedianOf(std::vector<double> values) {
   std::erase_if(values, [](double value) { return std::isnan(value); });
   return values.empty() ? kUnknown : Median(values);
@@ -40,7 +40,7 @@ double MedianOf(const Items& items, Get get) {
   return MedianOf(std::move(values));
 }
 
-// As OpenCV's own example sets it.
+// Disparity by semi-global matching, with the settings of OpenCV's own example.
 cv::Mat1f StereoDisparity(const cv::Mat1b& left, const cv::Mat1b& right, int first, int count) {
   constexpr int kBlock = 5;
   const auto matcher = cv::StereoSGBM::create(

@@ -87,8 +87,8 @@ Result<SingleCamera> CalibrateAlone(const Board& board, CameraIndex camera, cv::
   return result;
 }
 
-// Of the views that both see: the rotation that is nearest to all of them, and the median of the
-// positions.
+// Pose from the views that both cameras see: the rotation that is nearest to all of them, and the
+// median of the positions.
 std::optional<Eigen::Isometry3d> Relative(const BoardPoses& left, const BoardPoses& other) {
   std::vector<Eigen::Quaterniond> rotations;
   std::array<std::vector<double>, 3> positions;

@@ -15,9 +15,11 @@ namespace {
 struct VerticalRules {
   static constexpr int kRadius = 4;   ///< of the windows, px
   static constexpr int kMaxRows = 3;  ///< that the right image is off
-  /// Of the grey values in a window, so that a camera's noise (2 grey levels) is a tenth of it.
+  /// Least variance of the grey values in a window: a camera's noise (2 grey levels) is a tenth of
+  /// it.
   static constexpr double kMinVariance = 40;
-  /// What is left of 1 with as much noise in both: 40 / (40 + 4) is 0.9, and half a pixel beside.
+  /// Least correlation: with that noise in both windows 40 / (40 + 4) = 0.9 is left, and less half
+  /// a pixel beside.
   static constexpr double kMinCorrelation = 0.8;
   static constexpr size_t kMaxSeeds = 4000;  ///< more cost time and do not help a median
   static constexpr int kColumns = 4;         ///< of cells

@@ -9,11 +9,12 @@
 namespace sprout::calibrate {
 namespace {
 
-// Of the image's width: 1 cm at 1 m for a lens of 53°. Nearer views tell little more.
+// Least move of a new view, as a share of the image's width: 1 cm at 1 m for a lens of 53°. Nearer
+// views tell little more.
 constexpr double kNewShift = 0.01;
 
-// Of the image's width a second. When exposures are 5 ms apart (rig.proto, max_spread_ms), corners
-// move by 0.2 px of 2000 meanwhile.
+// Fastest move of a board that counts as still, as a share of the image's width a second. When
+// exposures are 5 ms apart (rig.proto, max_spread_ms), corners move by 0.2 px of 2000 meanwhile.
 constexpr double kStillShiftPerS = 0.02;
 
 // Two triplets that are further apart than this say nothing about motion.

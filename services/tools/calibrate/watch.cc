@@ -141,7 +141,7 @@ void Show(const ViewFolder& views) {
             << views.Text() << std::flush;
 }
 
-// Until nothing is missing or a stop.
+// Takes views until nothing is missing or a stop is asked for.
 void Watch(RawFrames& frames, ViewFolder& views, const std::stop_token& stop) {
   Progress progress(/*quiet=*/false);
   Show(views);

@@ -39,7 +39,7 @@ class StageCheck {
   void Run() {
     Start();
     if (started_) GoodFrames();
-    // Of a program that leaves good frames unanswered the rest would say nothing.
+    // If a program leaves good frames unanswered, the remaining steps would show nothing.
     if (started_ && talk_.frames_missed() == 0) {
       for (const auto step :
            {&StageCheck::Again, &StageCheck::OtherForms, &StageCheck::Poor, &StageCheck::Bad}) {
@@ -91,7 +91,8 @@ class StageCheck {
     }
   }
 
-  // As its status says: asking on would not help, and its address is the right one.
+  // Whether the stage's status says that every frame failed: asking on would not help, and the
+  // messages do arrive.
   bool EveryFrameFailed() const {
     constexpr int64_t kEnough = 3;
     const auto& status = talk_.newest_status();

@@ -18,7 +18,8 @@ Value* Find(TestFrame& frame, Part part) {
   return found == frame.parts.end() ? nullptr : &std::get<Value>(found->second);
 }
 
-// Of those that both cameras see; the others go.
+// Keeps the seeds that both cameras see and that `keep` accepts; the seeds of the left camera alone
+// go.
 void KeepSeeds(TestFrame& frame, const std::function<bool(size_t, const Seed&)>& keep) {
   if (auto* set = Find<SeedSet>(frame, Part::kLeftSeeds)) set->seeds.clear();
   if (auto* set = Find<SeedSet>(frame, Part::kSeeds)) {
@@ -65,7 +66,7 @@ TestFrame WithoutReturn(const TestFrame& good) {
   return frame;
 }
 
-// As from a rig whose ToF camera fails. Later stages see no seeds, as without any return.
+// A frame of a rig whose ToF camera fails. Later stages see no seeds, as without any return.
 TestFrame WithoutTofImage(const TestFrame& good) {
   TestFrame frame = WithoutReturn(good);
   frame.name = good.name + " without a ToF image";

@@ -66,7 +66,8 @@ Curve SparsificationOf(const Sparsification& confidence) {
   return curve;
 }
 
-// Of the best k % the wrong ones are what is left when all good ones are taken.
+// The curve of a perfect ranking: among the best k % only those are wrong that remain when all good
+// ones are taken.
 Curve OracleOf(const Curve& curve) {
   const double bad = curve.back().y;
   Curve oracle;

@@ -100,7 +100,7 @@ void VideoScore::AddAlong(const cv::Mat1f& map, const cv::Mat1f& truth, const cv
       if (!(then.z() > kNearestM)) continue;
       const double last_u = pair.focal_px * then.x() / then.z() + pair.cx;
       const double last_v = pair.focal_px * then.y() / then.z() + pair.cy;
-      // Of the nearest pixel there; not where that shows another surface.
+      // The nearest pixel there is compared, but not where it shows another surface.
       if (!(last_u >= 0 && last_v >= 0 && last_u <= map.cols - 1 && last_v <= map.rows - 1)) {
         continue;
       }

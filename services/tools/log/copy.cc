@@ -55,7 +55,7 @@ class RigKeeper {
     }
   }
 
-  // Before a frame is written.
+  // Copies a calibration that waits, before the first frame that needs it is written.
   void OnFrame(const FrameId& id) {
     needed_.insert(id.rig_id);
     const auto rig = waiting_.find(id.rig_id);
@@ -84,7 +84,7 @@ class ProcessKeeper {
         {event.utime, std::string(event.channel), {event.data.begin(), event.data.end()}});
   }
 
-  // Before a frame is written.
+  // Copies what processes said of themselves, before the first frame is written.
   void OnFrame() {
     frame_seen_ = true;
     for (const KeptEvent& process : waiting_) Copy(process.event(), out_);

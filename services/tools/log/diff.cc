@@ -222,7 +222,7 @@ std::string LogDiff::Report() const {
   }
   text += remarks.empty() ? "" : "\n" + remarks;
   if (IsEqual()) return text + (options_.common ? "equal in what both have\n" : "equal\n");
-  // As a recording and the replay of one stage are.
+  // This is so for a recording and the replay of one of its stages.
   const bool shared_is_equal = HasShared() && IsSharedEqual();
   return text + "first difference: " + FrameText(first_->key) + ": " + first_->text + "\n" +
          "different" + (shared_is_equal ? ", but equal in what both have (--common)\n" : "\n");

@@ -37,7 +37,7 @@ struct Depth {
   std::optional<double> baseline_m;
 };
 
-// Of the disparities, which have the resolution of the images; else of SPROUT_DEPTH.
+// Depth of the disparities, which have the resolution of the images, else that of SPROUT_DEPTH.
 std::optional<Depth> DepthOf(const Frame& frame) {
   if (frame.disparity && frame.rig && frame.rig->pair.size() == frame.disparity->size()) {
     const RectifiedPair& pair = frame.rig->pair;

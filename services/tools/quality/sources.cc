@@ -34,7 +34,7 @@ std::vector<fs::path> FilesIn(const fs::path& folder) {
   return files;
 }
 
-// Of many pairs `sprout-pipeline files` writes the maps one level down, a folder each.
+// The maps one level down: `sprout-pipeline files` writes a folder for each of many pairs.
 std::vector<fs::path> MapsBelow(const fs::path& folder) {
   std::vector<fs::path> maps;
   for (const fs::path& path : FilesIn(folder)) {
@@ -56,7 +56,7 @@ std::vector<fs::path> MapsIn(const fs::path& folder) {
   return disparities.empty() ? all : disparities;
 }
 
-// Of a map without a calibration that was named: beside it, else in the folder that was.
+// The calibration of a map when none was named: beside the map, else in the folder that was named.
 fs::path CalibrationOf(const fs::path& map, const fs::path& folder) {
   std::error_code ignored;
   const fs::path beside = map.parent_path() / "calib.txt";

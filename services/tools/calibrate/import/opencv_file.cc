@@ -80,7 +80,7 @@ class Entries {
     return nullptr;
   }
 
-  // Of 64-bit floating point; nothing when there is none.
+  // A matrix as 64-bit floating point; empty when the file has none of these names.
   cv::Mat1d FindMatrix(const Names& names) const {
     const cv::FileNode* const node = Find(names);
     if (node == nullptr) return {};

@@ -94,7 +94,8 @@ RangeCorrection Chained(const RangeCorrection& first, const RangeCorrection& the
   std::vector<double> ranges;
   for (const CorrectionKnot& knot : first) ranges.push_back(knot.range_m);
   for (const CorrectionKnot& knot : then) {
-    // As measured: what `first` takes to the knot's range, whose offset hardly changes on the way.
+    // The range as it was measured: the one that `first` takes to the knot's range. Its offset
+    // hardly changes on the way.
     ranges.push_back(knot.range_m - CorrectionAt(first, knot.range_m).offset_m);
   }
   std::ranges::sort(ranges);

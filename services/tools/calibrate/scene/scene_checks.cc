@@ -10,10 +10,11 @@
 namespace sprout::calibrate {
 namespace {
 
-// With 0.1 px each, 150 matches give a mean to a hundredth of a pixel, and a slope over the image
-// to 0.03 px.
+// 150 matches that are good to 0.1 px give a mean to a hundredth of a pixel, and a slope over the
+// image to 0.03 px.
 constexpr int kFewestMatches = 150;
-// Of cells of the left image, as those of MeasureVerticalDisparity().
+// Cells of the left image, as those of MeasureVerticalDisparity(), and how many of them must have
+// how many matches.
 constexpr int kColumns = 4;
 constexpr int kBands = 3;
 constexpr int kFewestCells = 6;
@@ -27,7 +28,7 @@ constexpr double kMaxOff = 0.25;
 // Between the medians of frames, when one calibration fits all: px.
 constexpr double kMaxSpreadPx = 0.4;
 constexpr size_t kFewestInView = 30;
-// As check has them.
+// The limits of sprout-calibrate check.
 constexpr double kMaxRowsPx = 1;
 constexpr double kMaxTofPx = 1;
 // What the median of all matches may get worse by, px: the scatter of a median.

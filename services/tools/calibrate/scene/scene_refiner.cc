@@ -128,7 +128,7 @@ std::optional<EdgeShift> SceneRefiner::FindEdges(const RigNumbers& change) {
         is_same ? view.left : cv::Mat1b(left.Apply(view.left)),
         is_same ? view.right : cv::Mat1b(right.Apply(view.right)), points, view.tof, projector);
     if (!offset.sure) continue;
-    // As refine::ApplyOffset() turns.
+    // The turn is that of refine::ApplyOffset().
     turns[0].push_back(-offset.dv_px / to.pair.focal_px);
     turns[1].push_back(offset.du_px / to.pair.focal_px);
     sigmas[0].push_back(offset.sigma_v_px / to.pair.focal_px);

@@ -8,9 +8,10 @@
 namespace sprout::evaluate {
 namespace {
 
-// As OpenCV's own example: both views matched, then weighted least squares with their agreement as
-// confidence. Block, lambda and sigma are the best of 15, 21 × 200 ... 8000 × 0.8, 1.5 on scenes of
-// half and third size; the example's own 8000 and 1.5 make it worse than without the filter.
+// The method of OpenCV's own example: both views are matched, then filtered by weighted least
+// squares with their agreement as confidence. Block, lambda and sigma are the best of 15, 21 × 200
+// ... 8000 × 0.8, 1.5 on scenes of half and third size; the example's own 8000 and 1.5 make it
+// worse than without the filter.
 cv::Mat1f ComputeBmWls(const RivalInput& input) {
   constexpr int kBlock = 15;
   constexpr double kLambda = 200;
