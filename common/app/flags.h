@@ -34,10 +34,10 @@ class Flag {
   Flag& ExistingPath();
   Flag& ExistingFile();
 
-  /// For lists: each occurrence of the flag has one value, and all are kept.
+  /// For a flag with a list: each occurrence of the flag has one value, and all are kept.
   Flag& Repeatable();
 
-  /// For lists: a value is split at its commas.
+  /// For a flag with a list: a value is split at its commas.
   Flag& SplitAtCommas();
 
   /// Can be given only with the other flag, or only without it.

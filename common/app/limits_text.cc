@@ -45,7 +45,7 @@ std::optional<std::string> AddressSpaceText() {
 }  // namespace
 
 std::string ReachedLimitText(const std::exception& failure) {
-  // By its text: each library has a type of its own for it.
+  // Recognised by its text, since each library has an exception type of its own for it.
   const bool no_thread =
       std::string_view(failure.what()).find(std::generic_category().message(EAGAIN)) !=
       std::string::npos;

@@ -40,14 +40,15 @@ class Preparation {
  public:
   explicit Preparation(size_t stages) : stages_(stages) {}
 
-  // From the receiver's thread. A calibration that cannot be read is counted where it is needed.
+  // Called by the receiver's thread. A calibration that cannot be read is counted where it is
+  // needed.
   void HeardCalibration(std::span<const uint8_t> bytes) {
     if (is_over_) return;
     const Result<DecodedPart> part = DecodePart(Part::kRig, bytes);
     if (part) pixels_ = std::get<Rig>(part->value).pair.size().area();
   }
 
-  // From the stage's thread, while there is no frame.
+  // Touches the memory of a frame once, on the stage's thread, while there is no frame.
   void Continue() {
     const int64_t pixels = is_over_ ? 0 : pixels_.load();
     if (pixels == 0) return;

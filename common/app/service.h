@@ -23,7 +23,7 @@ class Service {
   ///                     version in statuses and records, begin with this; empty: sprout-STAGE.
   Service(std::string stage, const std::string& description, const std::string& program = "");
 
-  /// For the service's own flags and commands. A command runs without the bus.
+  /// The service's own flags and commands are added here. A command runs without the bus.
   Flags& flags() { return flags_; }
 
   /// Adds the flags --replay, --record and --frames.

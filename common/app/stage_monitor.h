@@ -42,7 +42,7 @@ class StageMonitor {
   /// The stage failed on a frame.
   void FrameFailed(const FrameId& id, const std::string& reason);
 
-  /// So many captures became no frame.
+  /// Counts captures that became no frame.
   void CapturesFailed(int64_t count, const std::string& reason);
 
   /// Capture sent a frame again.
@@ -54,7 +54,7 @@ class StageMonitor {
   /// A message was dropped because too many wait for this process; counts as a bad one.
   void MessageDropped(std::string_view channel);
 
-  /// Another error.
+  /// Reports an error that is none of the above.
   void Failure(const std::string& reason);
 
   /// A warning that is not an error of this process.
@@ -73,7 +73,7 @@ class StageMonitor {
   /// Time between the exposures of the newest frame, ms.
   void SetSpread(double spread_ms);
 
-  /// The joiner's own counts.
+  /// Takes over the counts of the frame joiner.
   void SetJoinerCounts(int64_t incomplete, int64_t sequence_gaps);
 
   /// Sets the program's version in the statuses, if it is not Version().

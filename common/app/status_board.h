@@ -28,7 +28,7 @@ struct BoardRow {
   StageStatus status;  ///< of a missing stage only the name
   Health health = Health::kMissing;
   double silent_s = 0;  ///< since its newest status
-  /// Since last_error was heard first; nothing without one.
+  /// Time since last_error was heard first; nothing if there is no error.
   std::optional<double> error_age_s = {};
   bool error_was_there = false;  ///< last_error is older than the board: the age is a least one
   /// The stage answers, and for kRecent nothing was lost and no other error came.
@@ -43,7 +43,7 @@ class StatusBoard {
   /// Statuses come once a second; a late one is tolerated.
   static constexpr std::chrono::milliseconds kStaleAfter{3500};
 
-  /// For so long something that happened is shown as the present state.
+  /// How long something that happened is shown as the present state.
   static constexpr std::chrono::seconds kRecent{60};
 
   /// Most processes that are kept, since anybody could send more names.

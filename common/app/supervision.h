@@ -31,10 +31,10 @@ class HangLimit {
 
   explicit HangLimit(Duration most) : most_(most) {}
 
-  /// A frame took this time.
+  /// Takes the time that a frame took.
   void Add(Duration frame);
 
-  /// In steps of 0.25 s, so that it rarely changes.
+  /// The limit, in steps of 0.25 s, so that it rarely changes.
   Duration limit() const;
 
  private:

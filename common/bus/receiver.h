@@ -33,7 +33,7 @@ class Receiver {
   /// Must be quick and must not throw.
   using Dropped = std::function<void(std::string_view channel)>;
 
-  /// In place of a list of channels: all channels.
+  /// Takes the place of a list of channels: all channels.
   static constexpr std::string_view kAllChannels = ".*";
 
   /// Most bytes that wait for the handler: two of the largest messages, some 20 frames of 2 MP.
@@ -77,7 +77,7 @@ class Receiver {
   size_t queued_bytes_ = 0;
   std::optional<UdpmSocket> udpm_;  // one of the two
   LcmPtr tcpq_;
-  // Last: stop before the rest is destroyed.
+  // The last member, so that the thread stops before the rest is destroyed.
   std::jthread handling_;
   std::jthread receiving_;
 };

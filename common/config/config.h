@@ -34,8 +34,8 @@ SproutConfig LoadConfig(const std::vector<std::string>& files);
 void ParseTextFile(const std::filesystem::path& path, const std::string& what,
                    const std::string& allowed, google::protobuf::Message& message);
 
-/// The same for the text itself.
-/// @param name  of its origin, for the message.
+/// Parses a text as ParseTextFile() does a file's content.
+/// @param name  the text's origin, for error messages.
 void ParseText(const std::string& text, const std::string& name,
                google::protobuf::Message& message);
 

@@ -23,7 +23,7 @@ PartSet OutputsOf(const PriorConfig& config);
 PartSet OutputsOf(const GrowConfig& config);
 PartSet OutputsOf(const TemporalConfig& config);
 
-/// The same by name.
+/// Inputs and outputs of the stage of this name.
 /// @pre stage is "refine", "prior", "grow" or "temporal".
 PartSet InputsOf(std::string_view stage, const SproutConfig& config);
 PartSet OutputsOf(std::string_view stage, const SproutConfig& config);

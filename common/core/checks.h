@@ -31,7 +31,7 @@ class Checks {
                    "1 to " + std::to_string(kMaxSide));
   }
 
-  /// Both at least 1, or both 0.
+  /// Requires both sides to be at least 1, or both to be 0.
   Checks& SidesOrNone(const char* columns, int32_t width, const char* rows, int32_t height) {
     if (width == 0 && height == 0) return *this;
     return Side(columns, width).Side(rows, height);

@@ -21,7 +21,7 @@ struct DepthImage {
   double Metres(int u, int v) const { return counts(v, u) * metres_per_count; }
 };
 
-/// In a DepthImage of standard deviations: so much or more, or not known.
+/// The largest count in a DepthImage of standard deviations: this much or more, or not known.
 inline constexpr uint16_t kMaxDepthSigmaCounts = std::numeric_limits<uint16_t>::max();
 
 /// Most points of a cloud: with 16 bytes each they fit into a message.

@@ -15,13 +15,13 @@ inline constexpr int64_t kMaxPixels = 100'000'000;
 /// Grey values of an 8-bit grey or BGR image (a grey one is shared, not copied). O(pixels).
 cv::Mat1b ToGrey(const cv::Mat& image);
 
-/// The same, reusing the caller's memory.
+/// ToGrey() that reuses the memory of the caller.
 cv::Mat1b ToGrey(const cv::Mat& image, cv::Mat1b& memory);
 
 /// Colours (BGR) of an 8-bit grey or BGR image (a BGR one is shared, not copied). O(pixels).
 cv::Mat3b ToBgr(const cv::Mat& image);
 
-/// The same, reusing the caller's memory.
+/// ToBgr() that reuses the memory of the caller.
 cv::Mat3b ToBgr(const cv::Mat& image, cv::Mat3b& memory);
 
 /// The mean of every 2×2 pixels; in an image of odd width or height the last column or row is

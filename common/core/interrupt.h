@@ -23,7 +23,7 @@ class Interrupt {
 
   static bool requested();
 
-  /// For long loops. @throws Interrupted when a stop was requested.
+  /// Ends long loops. @throws Interrupted when a stop was requested.
   static void Check() {
     if (requested()) throw Interrupted();
   }

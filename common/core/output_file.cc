@@ -31,7 +31,7 @@ std::optional<int> DescriptorOf(const fs::path& path) {
   return ParseNumber<int>(path.filename().native());
 }
 
-/// By which a file without a name gets one.
+/// The path by which a file without a name gets one.
 std::string LinkTo(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
 
 /// Kind of what has a name, 0 when nothing has.

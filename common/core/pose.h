@@ -12,7 +12,7 @@ struct Pose {
       Eigen::Quaternion<double, Eigen::DontAlign>::Identity();
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
 
-  /// That of the other one in the frame of this one.
+  /// The pose b_from_a for a pose a_from_b.
   Pose Inverse() const {
     const auto back = rotation.conjugate();
     return {back, -(back * translation_m)};

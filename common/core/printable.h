@@ -11,7 +11,7 @@ namespace sprout {
 /// \xNN.
 std::string Printable(std::string_view text);
 
-/// The same of text in lines: ends of lines and tabs stay.
+/// Printable text of several lines: ends of lines and tabs stay.
 std::string PrintableLines(std::string_view text);
 
 }  // namespace sprout

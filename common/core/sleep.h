@@ -18,7 +18,7 @@ bool SleepUntil(std::chrono::time_point<Clock, Duration> time, const std::stop_t
   return !stop.stop_requested();
 }
 
-/// The same for a duration.
+/// Sleeps for a duration, see SleepUntil().
 template <typename Rep, typename Period>
 bool SleepFor(std::chrono::duration<Rep, Period> time, const std::stop_token& stop) {
   using Clock = std::chrono::steady_clock;

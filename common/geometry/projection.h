@@ -19,7 +19,8 @@ Seed ProjectToPair(const RectifiedPair& pair, const Eigen::Vector3d& point_in_le
 /// The point in the left rectified frame (m) of a correspondence: the inverse of ProjectToPair().
 Eigen::Vector3d PointFromSeed(const RectifiedPair& pair, const Seed& seed);
 
-/// The same for a pixel with a disparity. @pre map.IsValid(u, v).
+/// The point at a pixel with a disparity, as PointFromSeed() gives that of a seed. @pre
+/// map.IsValid(u, v).
 Eigen::Vector3d PointAt(const RectifiedPair& pair, const DisparityImage& map, int u, int v);
 
 /// Depth z of a disparity map, m; NaN where there is no disparity, or one without a positive depth.

@@ -89,7 +89,7 @@ struct Accuracy {
 Result<Accuracy> Score(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
                        const cv::Mat1b& mask);
 
-/// The same for a map in counts.
+/// Scores a map in counts, as above.
 Result<Accuracy> Score(const DisparityImage& disparity, const cv::Mat1f& truth,
                        const cv::Mat1b& mask);
 

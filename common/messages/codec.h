@@ -36,15 +36,15 @@ std::vector<uint8_t> EncodePart(const FrameId& id, Part part, const PartValue& v
 Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
                                std::optional<cv::Size> expected = std::nullopt);
 
-/// The same for SPROUT_STATUS.
+/// Bytes of a message on SPROUT_STATUS.
 std::vector<uint8_t> EncodeStatus(const StageStatus& status);
 Result<StageStatus> DecodeStatus(std::span<const uint8_t> bytes);
 
-/// The same for SPROUT_PROCESS.
+/// Bytes of a message on SPROUT_PROCESS.
 std::vector<uint8_t> EncodeProcessInfo(const ProcessInfo& info);
 Result<ProcessInfo> DecodeProcessInfo(std::span<const uint8_t> bytes);
 
-/// The same for SPROUT_RIG_CHANGE.
+/// Bytes of a message on SPROUT_RIG_CHANGE.
 std::vector<uint8_t> EncodeRigChange(const RigChange& change);
 Result<RigChange> DecodeRigChange(std::span<const uint8_t> bytes);
 

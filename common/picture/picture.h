@@ -50,7 +50,7 @@ cv::Mat3b ConfidencePicture(const cv::Mat1b& confidence, const std::string& titl
 /// colour of the largest error.
 cv::Mat3b ErrorPicture(const cv::Mat1f& error_px, const std::string& title);
 
-/// The same without margin, title and scale.
+/// The colours of the errors alone, without margin, title and scale.
 cv::Mat3b ColorizeErrors(const cv::Mat1f& error_px);
 
 inline constexpr double kLargestErrorPx = 4;

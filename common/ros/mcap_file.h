@@ -48,7 +48,7 @@ class McapFile {
   /// @throws McapError.
   McapFile(const std::filesystem::path& path, std::string name, McapTrouble& trouble);
 
-  /// In file order.
+  /// The stretches in the order of the file.
   const std::vector<McapStretch>& stretches() const { return stretches_; }
 
   /// The records of a stretch; nothing, and trouble, when it cannot be read.

@@ -58,7 +58,7 @@ QosPtr MakeQos(const RosQos& qos, const RosType& type) {
 // ROS's topics are those of DDS behind "rt".
 std::string DdsName(const std::string& topic) { return "rt" + topic; }
 
-// By an endpoint that discovery knows.
+// The QoS that an endpoint known to discovery offers.
 RosQos OfferedBy(const dds_qos_t* qos) {
   dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
   dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;

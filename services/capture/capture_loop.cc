@@ -112,7 +112,7 @@ class Capture {
     return true;
   }
 
-  // Once every ten seconds.
+  // Says that frames are late, at most once every ten seconds.
   void SayLate(Clock::time_point now) {
     ++late_;
     if (now < next_late_) return;

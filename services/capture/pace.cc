@@ -8,7 +8,8 @@ namespace {
 // Between frames at the lowest rates: 30 years, which a clock can still count.
 constexpr double kLongestPeriodS = 1e9;
 
-// From when a frame is counted that was due at `due` and comes `now`.
+// The time that the next frame's due time counts from, when a frame was due at `due` and comes
+// `now`.
 Pace::Clock::time_point Forgiving(Pace::Clock::time_point due, Pace::Clock::time_point now,
                                   Pace::Clock::duration interval) {
   return now - due > interval ? now : due;

@@ -24,7 +24,7 @@ std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<scenes::FrameSource> sourc
                                       const CaptureConfig& config, StageMonitor& monitor,
                                       std::shared_ptr<CurrentRig> rig = nullptr);
 
-/// The same of cameras, as they see; the frames have no rig_id.
+/// Frames of cameras as they see, for --raw; the frames have no rig_id.
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
                                       const CaptureConfig& config, StageMonitor& monitor);
 

@@ -33,7 +33,7 @@ Result<void> CheckTof(const TofImage& tof, const Rig& rig) {
   return CheckTofSize(rig, tof);
 }
 
-// So that the next frame has numbers, too.
+// Checks that the numbers leave room for those of the next frame.
 Result<void> CheckTime(const std::optional<FrameTime>& time) {
   constexpr int64_t kMost = int64_t{1} << 62;
   if (!time) return {};

@@ -39,7 +39,7 @@ ZoneMode TakeMode(const std::string& mode) {
   throw py::value_error("mode: expected MEAN or NEAREST, given '" + mode + "'");
 }
 
-// Nothing where there is no depth.
+// The status of a target; kNone where there is no depth.
 TargetStatus StatusOf(float depth_m, bool doubtful) {
   if (std::isnan(depth_m) || depth_m == 0) return TargetStatus::kNone;
   return doubtful ? TargetStatus::kDoubtful : TargetStatus::kValid;

@@ -19,7 +19,7 @@ struct LeftOutProgram {
   const char* part;  ///< that was not built: of LeftOut()
 };
 
-/// Those that this build leaves out.
+/// The programs that this build leaves out.
 std::span<const LeftOutProgram> LeftOutPrograms();
 
 }  // namespace sprout

@@ -198,7 +198,7 @@ void SplatOnTarget(const Memory& memory, float* cells) {
         const float scale = w.At(u, rho);
         const float inverse = 1 / scale;
         const bool good = (rho > 0) & (scale > 0);
-        // In cells; what is outside the image is outside all cells.
+        // Positions in cells; what is outside the image is outside all cells.
         column[i] = good ? (x.At(u, rho) * inverse - 0.5F) / 2 : kNone;
         row[i] = good ? (y.At(u, rho) * inverse - 0.5F) / 2 : kNone;
         moved[i] = rho * inverse - memory.offset_px;

@@ -85,7 +85,7 @@ float MedianOf(const cv::Mat1f& means) {
 
 PhotometricDoubt::PhotometricDoubt(double doubt_grey, double drop_grey)
     : doubt_grey_(static_cast<float>(doubt_grey)), drop_grey_(static_cast<float>(drop_grey)) {
-  // By products, since exp() differs between machines.
+  // Computed by products, since exp() differs between machines.
   constexpr double kStep = 1.0644944589178593;  // exp(1 / kSteps)
   double growth = 1;
   for (size_t step = 0; step <= kMaxSteps; ++step) {

@@ -32,7 +32,7 @@ enum class Picture {
 };
 inline constexpr int kPictureCount = static_cast<int>(Picture::kFusedDepth) + 1;
 
-/// By the page's name: "left", "tof", ...; nothing for another name.
+/// The page's name of a picture ("left", "tof", ...), and back; nothing for another name.
 std::string_view NameOf(Picture picture);
 std::optional<Picture> PictureOf(std::string_view name);
 

@@ -19,10 +19,10 @@ std::string ScaleColors();
 /// The colours of all 65536 counts of a disparity map, so that painting one is a table look-up.
 class CountColors {
  public:
-  /// By disparity.
+  /// Colours by disparity.
   static CountColors OfDisparity(const ValueRange& range_px);
 
-  /// By the depth of a disparity, see ColorOfDepth().
+  /// Colours by the depth of a disparity, see ColorOfDepth().
   static CountColors OfDepth(const RectifiedPair& pair, const ValueRange& range_m);
 
   /// O(pixels).

@@ -34,7 +34,7 @@ class ArvError {
   ArvError& operator=(const ArvError&) = delete;
   ~ArvError() { g_clear_error(&error_); }
 
-  /// For another call; clears the previous error.
+  /// Place for the error of another call; clears the previous error.
   GError** out() {
     g_clear_error(&error_);
     return &error_;

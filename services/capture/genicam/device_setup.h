@@ -33,7 +33,7 @@ class ClockReader {
   /// Chooses the method: TimestampLatch (SFNC), GevTimestampControlLatch (older cameras), or none.
   explicit ClockReader(ArvCamera* camera);
 
-  /// Its time now, ns; nothing when it cannot be read.
+  /// The device's time now, ns; nothing when it cannot be read.
   std::optional<int64_t> Read(ArvCamera* camera) const;
 
  private:

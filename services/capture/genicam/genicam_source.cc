@@ -145,7 +145,7 @@ class GenicamSource : public RawSource {
     }
   }
 
-  // At the same times for all cameras.
+  // Triggers a camera at times that are the same for all cameras.
   void Trigger(Camera& camera, Clock::time_point first, const std::stop_token& stop) const {
     const Clock::duration period = Period();
     while (!stop.stop_requested()) {

@@ -89,7 +89,7 @@ class LiveInput : public RosInput {
     while (!stop.stop_requested()) {
       if (waiting_) waiting_();
       LookAround();
-      // In turn, so that no topic waits for another one.
+      // Topics are read in turn, so that none waits for another one.
       for (size_t i = 0; i < topics_.size(); ++i) {
         next_ = (next_ + 1) % topics_.size();
         if (Take(topics_[next_], message)) return true;

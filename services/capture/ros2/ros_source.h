@@ -28,7 +28,7 @@ struct RosSourceOptions {
 std::unique_ptr<scenes::FrameSource> OpenRosSource(const std::string& source,
                                                    RosSourceOptions options);
 
-/// The same images as the cameras see them, for --raw.
+/// Opens the images as the cameras see them, for --raw.
 std::unique_ptr<RawSource> OpenRawRosSource(const std::string& source, RosSourceOptions options);
 
 }  // namespace sprout::capture

@@ -92,7 +92,7 @@ void SpreadAlongRow(uint8_t* row, int width, uint8_t* from, uint8_t* to) {
   std::copy_n(from, width, row);
 }
 
-// From one row to the next one.
+// Spreads distances from one row to the next one.
 void SpreadToRow(const uint8_t* HWY_RESTRICT from, int width, uint8_t* HWY_RESTRICT to) {
   const auto spread = [&](int x, uint8_t beside) HWY_ATTR {
     to[x] = std::max(to[x], std::max(Less(from[x], kBeside), Less(beside, kAcross)));

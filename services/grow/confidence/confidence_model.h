@@ -29,7 +29,7 @@ struct ConfidenceTables {
   Table step, bend, misfit, margin, gaps, edge, tof_seed, seed, prior;
   uint32_t start = 0;  ///< a sum of nothing
 
-  // In 2⁻⁴. No pixel is surer than log-odds of −16.
+  // Least log-odds, in units of 2⁻⁴; no pixel is surer than log-odds of −16.
   static constexpr int kMinOdds = -16;
   std::array<uint8_t, 512> confidence;  ///< of log-odds from kMinOdds on
   std::array<uint8_t, 256> sigma;       ///< of log₂ from 0 on

@@ -110,7 +110,7 @@ HWY_INLINE void SortLanes(V (&values)[kPixels], std::index_sequence<kIndex...>) 
   (Compare(values[kComparators[kIndex].i], values[kComparators[kIndex].j]), ...);
 }
 
-// In each lane the one of that rank.
+// The sorted value of the given rank, for each lane.
 template <size_t... kRank>
 HWY_INLINE V Ranked(const V (&sorted)[kPixels], V rank, std::index_sequence<kRank...>) {
   const D d;
@@ -121,7 +121,7 @@ HWY_INLINE V Ranked(const V (&sorted)[kPixels], V rank, std::index_sequence<kRan
   return value;
 }
 
-// In each lane the median of the valid ones of a window, kGap when there are none.
+// The median of the valid values of a window, for each lane; kGap when there are none.
 HWY_INLINE V Medians(const Surroundings& around, int column) {
   const D d;
   V values[kPixels];

@@ -206,7 +206,7 @@ class Choice {
       energy[i] = hn::Add(left_energy, sums.energy[i]);
       difference[i] = hn::ConvertTo(df, hn::Sub(hn::Sub(energy[i], sums.cross[i]), sums.cross[i]));
     }
-    // From m to D_p, and from D_p to m + 1, counts.
+    // Distances from m to D_p, and from D_p to m + 1, counts.
     const F fraction =
         hn::ConvertTo(df, hn::And(prior, hn::Set(d, DisparityImage::kCountsPerPixel - 1)));
     const F rest = hn::Sub(hn::Set(df, DisparityImage::kCountsPerPixel), fraction);

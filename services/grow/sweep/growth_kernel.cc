@@ -56,7 +56,7 @@ class Growth {
     }
   }
 
-  // From what has been matched beside open pixels.
+  // Visits open pixels from the matched pixels beside them.
   void StartBesideMatched(int r) {
     for (int u = kWindowRadius; u < band_.image_size.width - kWindowRadius; ++u) {
       const PixelId id = band_.PixelAt(r, u);

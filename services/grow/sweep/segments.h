@@ -17,7 +17,7 @@ class SeedsByRow {
   /// @param seeds  that lie in the image. O(seeds + height).
   void Sort(std::span<const Correspondence> seeds, int height);
 
-  /// Those of a row; none above and below the image.
+  /// The seeds of a row; none above and below the image.
   std::span<const Correspondence> Row(int v) const;
 
  private:

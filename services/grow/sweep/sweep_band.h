@@ -32,7 +32,7 @@ struct SweepBand {
   int first_row = 0;
   int rows = 0;
 
-  /// By row: whether a pixel is open.
+  /// For each row, whether it has an open pixel.
   std::vector<uint8_t> has_open;
 
   /// Claims that lost in (W2), row by row, and where those of each row begin, one more than rows.

@@ -224,7 +224,7 @@ class Sweep {
     }
   }
 
-  // To the map; of what has lost, nothing stays for the cuts.
+  // Writes the disparities that have won to the map, and erases the others before segments are cut.
   HWY_INLINE void WriteWon(int u, hn::Mask<D16> wins, int16_t* counts) {
     const D16 d;
     const hn::Rebind<int8_t, D16> d8;

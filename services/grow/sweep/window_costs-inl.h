@@ -87,7 +87,7 @@ HWY_INLINE auto AtLeastOne(V number) {
 struct Eight {
   Four first, last;
 
-  // Those from the i-th on, for i up to 4.
+  // The four values from the i-th on, for i up to 4.
   template <int i>
   HWY_INLINE Four From() const {
     if constexpr (i == 0) return first;

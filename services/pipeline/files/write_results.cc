@@ -65,7 +65,7 @@ Result<void> WriteCamera(const std::filesystem::path& path, const RectifiedPair&
   return file.Commit();
 }
 
-// The same as Middlebury has it: lengths in px, the baseline in mm.
+// Writes the calibration as Middlebury has it: lengths in px, the baseline in mm.
 Result<void> WriteCalibration(const std::filesystem::path& path, const RectifiedPair& pair) {
   OutputFile file(path);
   const auto matrix = [&](double cx) {

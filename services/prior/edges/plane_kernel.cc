@@ -71,7 +71,7 @@ class NormalEquations {
     dy_ = hn::Add(dy_, hn::Mul(weighted_y, d));
   }
 
-  // For the disparity first, with the slopes eliminated.
+  // Solves for the disparity first, with the slopes eliminated.
   HWY_INLINE Planes Solve() const {
     const DFloat d;
     const auto minor = [](V a, V b, V c, V e)

@@ -22,7 +22,8 @@ struct GridPoint {
 /// four points on one circle, cells are not intact.
 class GridCells {
  public:
-  /// A triangle at a point, counter-clockwise: the point, from, to.
+  /// A wedge: the triangle of a point and the next two points around it, counter-clockwise: the
+  /// point, from, to.
   struct Wedge {
     int from, to;
   };
@@ -32,7 +33,7 @@ class GridCells {
   /// for any number.
   explicit GridCells(std::span<const GridPoint> points);
 
-  /// Whether there is one.
+  /// Whether any cell is intact.
   bool AnyIntact() const { return any_intact_; }
 
   /// Whether all four cells around a point are intact: its triangles are known.

@@ -19,7 +19,7 @@ bool FillRow(int16_t* row, int width) {
                                          }) -
                             row);
   };
-  // In vectors, since most rows have no gap.
+  // This loop becomes vector code. Most rows have no gap.
   int16_t least = INT16_MAX;
   for (int u = 0; u < width; ++u) least = std::min(least, row[u]);
   if (least != DisparityImage::kInvalid) return true;

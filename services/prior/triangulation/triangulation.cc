@@ -74,7 +74,7 @@ class TrianglesBetween {
     SortByPlace(points.size());
   }
 
-  // Those at a point.
+  // The triangles at a point.
   std::span<const Wedge> WedgesAt(int place) const {
     const auto at = static_cast<size_t>(place);
     return std::span(wedges_).subspan(first_[at], first_[at + 1] - first_[at]);

@@ -35,7 +35,7 @@ class EdgeProfiles {
     return std::abs(place) <= reach_ ? Value(k, cvRound(place)) : 0;
   }
 
-  /// The same between the pixels, linear.
+  /// The evidence of At() between the pixels, linear.
   double Between(size_t k, double place) const;
 
  private:

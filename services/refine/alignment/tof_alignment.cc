@@ -16,7 +16,7 @@ namespace {
 
 using Rules = AlignmentRules;
 
-// In an image `scale` times smaller: pixel centres are whole numbers.
+// The edge in an image `scale` times smaller; pixel centres are whole numbers.
 TofEdge AtScale(TofEdge edge, double scale) {
   const auto half = Eigen::Vector2d::Constant(0.5);
   edge.left = (edge.left + half) / scale - half;

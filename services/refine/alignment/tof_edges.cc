@@ -34,7 +34,7 @@ struct TofEdgeFinder::Line {
   double Depth(double disparity_px) const { return 1 / (disparity_px - infinity_px); }
 };
 
-// From one surface to the other along a line.
+// A step from one surface to the other along a line.
 struct TofEdgeFinder::Step {
   double near_px = 0, far_px = 0;        // where the near one ends
   double near_slope = 0, far_slope = 0;  // px a ToF pixel

@@ -121,7 +121,7 @@ void RangeCurve::FindPath(std::span<const Bin> bins) {
   std::vector<Votes> sums(count);
   std::vector<std::array<int, kCandidates>> from(count);
   sums[0] = bins[0].votes;
-  // In metres, and as strict everywhere as where a metre shows most.
+  // The price of a metre, everywhere as high as where a metre shows most.
   const double price = RangeRules::kCurveStep * step_m_ * bins[0].px_per_m;
   for (size_t b = 1; b < count; ++b) {
     for (int k = 0; k < kCandidates; ++k) {

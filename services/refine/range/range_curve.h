@@ -24,7 +24,7 @@ class RangeCurve {
   /// O(nodes · candidates); no I/O.
   void Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair, double sure_sigmas);
 
-  /// By depth; empty when too few nodes show anything.
+  /// The knots, sorted by depth; empty when too few nodes show anything.
   std::span<const RangeKnot> knots() const { return knots_; }
   bool is_zero() const { return is_zero_; }
 

@@ -35,7 +35,7 @@ struct MatchRow {
   uint16_t* right_sums;
   uint16_t* right_best;
 
-  // In these two.
+  // Index of a disparity's right pixel in right_sums and right_best.
   int RightIndex(int u, int disparity) const { return columns.end - 1 - u + disparity; }
 };
 

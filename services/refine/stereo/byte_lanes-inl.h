@@ -51,7 +51,7 @@ HWY_INLINE Words Widened(Bytes x) {
   return __builtin_convertvector(half, Words);
 }
 
-// Both as one, their lanes at most 255.
+// Joins two vectors whose lanes are at most 255.
 HWY_INLINE Bytes Narrowed(Words low, Words high) {
   return __builtin_shufflevector(__builtin_convertvector(low, HalfBytes),
                                  __builtin_convertvector(high, HalfBytes), 0, 1, 2, 3, 4, 5, 6, 7,

@@ -131,7 +131,7 @@ std::optional<double> MatchPatch(const cv::Mat1b& left, const cv::Mat1b& right,
       std::abs(patch.slope.y) > kSteepest)
     return {};
   const auto fine = [](double px) { return static_cast<int>(std::lround(px * kFine)); };
-  // From the patch's own place to that pixel.
+  // How the disparity changes from the patch's own place to that pixel.
   const double beside = patch.slope.x * (at.x - patch.at.x) + patch.slope.y * (at.y - patch.at.y);
   const double start = patch.disparity_px + beside;
   PatchWindow window{left, right, at, 0, fine(patch.slope.x), fine(patch.slope.y)};

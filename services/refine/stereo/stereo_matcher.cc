@@ -55,7 +55,7 @@ int16_t FirstOf(const cv::Mat1s& coarser, int u, int v) {
   least -= StereoRules::kBeyondPx;
   most += StereoRules::kBeyondPx + 1;
   const int spare = kLabels - (most - least + 1);
-  // Too many for one pixel: those around its own.
+  // If there are too many disparities for one pixel, those around its own are searched.
   const int first =
       spare >= 0 ? least - spare / 2 : std::clamp(own - kLabels / 2 + 1, least, most - kLabels + 1);
   return static_cast<int16_t>(std::max(0, first));

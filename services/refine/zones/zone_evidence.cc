@@ -153,7 +153,7 @@ Result<void> ZoneEvidence::Set(const TofZones& zones, const RectifiedPair& pair,
     }
     Enter(*footprint, static_cast<int>(zone));
   }
-  // Nothing is known of what no zone with a target looks at.
+  // Where no zone with a target looks, nothing is known.
   const cv::Mat unseen = zone_ == kNone;
   most_px_.setTo(std::numeric_limits<float>::infinity(), unseen);
   for (int row = 0; row < zones.rows; ++row) {

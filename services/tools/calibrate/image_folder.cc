@@ -55,7 +55,7 @@ CameraImage Read(const fs::path& file) {
   return *std::move(image);
 }
 
-// In any unit.
+// Reads amplitudes, which may have any unit.
 cv::Mat1f ReadAmplitude(const fs::path& file) {
   const Result<cv::Mat> image = DecodeImageFile(file, cv::IMREAD_UNCHANGED, kCameraFormats);
   if (!image) throw ConfigError(image.error().text);

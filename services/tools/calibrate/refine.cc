@@ -169,7 +169,7 @@ int RunRefine(const RefineOptions& options) {
   if (!refined) throw std::runtime_error(refined.error().text);
 
   RigDescription rig = reader.description();
-  // From there limits of self-calibration count.
+  // The limits of self-calibration count from the board's calibration.
   if (rig.has_calibration() && !rig.has_board_calibration()) {
     *rig.mutable_board_calibration() = rig.calibration();
   }

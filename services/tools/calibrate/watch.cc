@@ -177,7 +177,7 @@ std::string EstimateCommand(const Board& board, const fs::path& folder) {
   if (size.gap_per_tag != usual.gap_per_tag) {
     command += fmt::format(" --tag-spacing {:g}", size.gap_per_tag);
   }
-  // Its devices are kept.
+  // A rig file that is there is given to estimate, which keeps its devices.
   std::error_code ignored;
   if (fs::is_regular_file("rig.textproto", ignored)) command += " --rig rig.textproto";
   return command + " --out rig.textproto --report report.html";

@@ -104,7 +104,7 @@ class StageCheck {
     return talk_.Ask(frame, maps, look, rule, options_.answer_timeout);
   }
 
-  // From here on a stage with memory knows no frame.
+  // Makes a stage with memory forget all frames, by a gap in time.
   void ForgetFrames() {
     if (contract_.has_memory) talk_.LetTimePass();
   }

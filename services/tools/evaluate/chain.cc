@@ -19,7 +19,7 @@ class Watch : public ChainObserver {
     ms_.total_ms += ms;
   }
 
-  // Both lists are one for the random numbers.
+  // Damages both lists of seeds as one, so that they share the random numbers.
   void Refined(SeedSet& seeds, SeedSet& left_seeds) override {
     std::vector<Seed> all;
     Join(seeds.seeds, left_seeds.seeds, all);

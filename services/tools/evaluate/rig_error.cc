@@ -36,7 +36,7 @@ RectifiedCamera RightCamera(const RawRig& rig, const RectifiedPair& pair) {
   return {.lens = rig.right, .turn = TurnOf(rig), .pair = pair, .cx = pair.cx_right};
 }
 
-// Its image as it comes.
+// The camera of an image that is not rectified.
 RectifiedCamera AsItComes(const RawRig& rig, RectifiedPair pair) {
   pair.cy = rig.right.cy;
   return {.lens = rig.right, .turn = cv::Matx33d::eye(), .pair = pair, .cx = rig.right.cx};

@@ -68,7 +68,7 @@ void ChannelSummary::Add(const LogEvent& event) {
 }
 
 double ChannelSummary::rate_hz() const {
-  // In double: damaged times may be further apart than an integer holds.
+  // Computed as double: damaged times may be further apart than an integer holds.
   const double seconds =
       (static_cast<double>(last_utime_) - static_cast<double>(first_utime_)) / 1e6;
   return seconds > 0 ? static_cast<double>(events_ - 1) / seconds

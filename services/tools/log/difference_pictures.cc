@@ -38,7 +38,7 @@ DisparityImage Difference(const DisparityImage& a, const DisparityImage& b) {
   return difference;
 }
 
-// From 0, so that equal pixels have one colour in all pictures.
+// The range begins at 0, so that equal pixels have one colour in all pictures.
 ValueRange DifferenceRange(const DisparityImage& a, const DisparityImage& b) {
   std::vector<float> changed;
   for (int v = 0; v < a.height(); ++v) {

@@ -185,7 +185,7 @@ class Exporter {
     Require(WriteNpz(names_.Of(frame.id, "depth.npz"), arrays));
   }
 
-  // Once for each calibration: of the first one intrinsics.json.
+  // Writes the intrinsics once for each calibration; those of the first one are intrinsics.json.
   void WriteIntrinsics(const std::string& rig_id, const Depth& depth) {
     if (!known_rigs_.insert(rig_id).second) return;
     nlohmann::ordered_json json{{"width", depth.metres.cols},

@@ -16,7 +16,7 @@ class ProcessSummary {
   /// Takes a message; undecodable and repeated ones are ignored.
   void Add(std::span<const uint8_t> bytes);
 
-  /// In the order in which they came; at most kMost.
+  /// The processes in the order in which they came; at most kMost.
   const std::vector<ProcessInfo>& processes() const { return processes_; }
 
   /// The newest process of a stage; null when there is none.

@@ -19,7 +19,7 @@ constexpr double kSureSigmas = 4;       // standard deviations
 constexpr double kMinCorrectionM = 0.002;
 constexpr int kCurveRounds = 10;
 
-// At equal shares of the samples, but where they would be too close.
+// Knots at equal shares of the samples, except where they would be too close.
 std::vector<double> KnotRanges(const std::vector<RangeSample>& by_range) {
   const size_t count = std::min(kMaxKnots, by_range.size() / kFewestAtKnot);
   std::vector<double> ranges;

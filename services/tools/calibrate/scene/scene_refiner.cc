@@ -155,7 +155,7 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
   result.wanted[kRowRight] = wishes.row;
   const auto is_tof = [](const SceneMatch& match) { return match.tof.has_value(); };
 
-  // Where the ToF camera looks decides which points are compared, so twice.
+  // The ToF camera's pose decides which points are compared, so this is done twice.
   RigNumbers change{};
   for (int pass = 0; pass < 2; ++pass) {
     AttachPatches(Changed(rig_, change));

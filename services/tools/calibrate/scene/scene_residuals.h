@@ -108,7 +108,7 @@ struct EdgeError {
   }
 };
 
-// That a number hardly changes: (number − 0) / σ.
+// The prior that a number hardly changes: (number − 0) / σ.
 template <int kSize>
 struct SmallChange {
   std::array<double, static_cast<size_t>(kSize)> sigma;
