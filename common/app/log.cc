@@ -63,7 +63,7 @@ void SetUpLog(const std::string& name, LogLevel lowest, bool to_journal) {
   } else {
     sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
   }
-  // Not spdlog::stderr_color_mt(), which throws when a logger of that name exists.
+  // spdlog::stderr_color_mt() is not used: it throws when a logger of that name exists.
   auto logger = std::make_shared<spdlog::logger>(name, std::move(sink));
   logger->set_level(ToSpdlog(lowest));
   if (to_journal) {

@@ -13,8 +13,8 @@ std::string_view Trimmed(std::string_view line) {
   return line.substr(begin, line.find_last_not_of(" \r") + 1 - begin);
 }
 
-// Values by key. Not protobuf's parser, which refuses a text with an enumerator that it does not
-// know. ConfigText() prints "NAME {", "KEY: VALUE" and "}", each on a line of its own.
+// Values by key. Protobuf's parser is not used: it refuses a text with an enumerator that it does
+// not know. ConfigText() prints "NAME {", "KEY: VALUE" and "}", each on a line of its own.
 Values ValuesOf(std::string_view text) {
   Values values;
   std::vector<std::string> sections;

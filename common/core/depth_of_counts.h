@@ -10,7 +10,7 @@ namespace sprout {
 inline constexpr double kMetresPerMillimetre = 0.001;
 
 /// Depths (m) of a range image whose pixels are counts of 16 bits, wherever it comes from: NaN
-/// where there is no return, which is 0 or 65535. Of depths in m IsReturn() tells (tof_image.h).
+/// where there is no return, which is 0 or 65535. For depths in m see IsReturn() (tof_image.h).
 /// O(pixels).
 /// @param metres_per_count  finite, > 0.
 inline cv::Mat1f DepthOfCounts(const cv::Mat1w& counts, double metres_per_count) {

@@ -6,8 +6,9 @@
 namespace sprout {
 
 // The files that a program reads, of which none may be replaced by what it writes: readers of files
-// note what they open, and OutputFile refuses those. Of the whole process, since readers and
-// writers know nothing of each other. Paths are compared without links and "..". Thread-safe.
+// note what they open, and OutputFile refuses those. There is one list for the whole process, since
+// readers and writers know nothing of each other. Paths are compared without links and "..".
+// Thread-safe.
 
 /// While it lives inputs are noted, and then forgotten. Every program of ours has one (RunProgram).
 /// In other people's programs nothing is noted: they may replace what they have read.

@@ -62,8 +62,8 @@ void CheckDistance(Checks& checks, const std::string& field, const Eigen::Vector
 }
 
 std::string RigId(const Rig& rig) {
-  // Hexadecimal floating point is exact and does not depend on byte order. As printf's "%a", which
-  // would listen to the locale.
+  // Hexadecimal floating point is exact and does not depend on byte order. The text of printf's
+  // "%a", which would depend on the locale.
   std::string text;
   const auto append = [&text](double value) {
     char digits[40];

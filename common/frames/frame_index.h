@@ -60,7 +60,7 @@ struct RepeatedPart {
 /// * The calibration comes separately, once a second: it belongs to every frame with its rig_id,
 /// before and after it. Of several with the same rig_id, which is a digest, the first counts.
 /// * A message without a valid frame id, of another type than its channel's, or an unreadable
-/// calibration is refused, reported, and belongs to no frame. Of other messages only the header is
+/// calibration is refused, reported, and belongs to no frame. Only the header of other messages is
 /// read here; FetchParts() reports those that cannot be decoded.
 /// * Damage of the log is skipped and reported by LogReader.
 ///

@@ -99,8 +99,8 @@ std::optional<DisparityPlane> LeastMedianPlane(std::span<const Sample> blocks) {
   return best;
 }
 
-// Step 3, over the samples within the limit of the plane before. In coordinates around `middle`,
-// which keeps the sums apart from each other.
+// Step 3, over the samples within the limit of the plane before. Coordinates are taken around
+// `middle`, which keeps the sums apart from each other.
 std::optional<PlaneFit> LeastSquares(std::span<const Sample> samples, const DisparityPlane& before,
                                      double limit_px, cv::Point2d middle) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();

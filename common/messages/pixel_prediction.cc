@@ -16,8 +16,9 @@ struct Prediction {
   uint8_t pixel_class;
 };
 
-// From the neighbours to the left, above, and above left. In single bytes and without branches, so
-// that the compiler makes vectors of it, and nothing is guessed wrong where it cannot.
+// Predicts a pixel from the neighbours to the left, above, and above left. In single bytes and
+// without branches, so that the compiler makes vectors of it, and nothing is guessed wrong where it
+// cannot.
 inline Prediction PredictFrom(uint8_t a, uint8_t b, uint8_t c) {
   const uint8_t low = std::min(a, b);
   const uint8_t high = std::max(a, b);

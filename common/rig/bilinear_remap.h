@@ -8,7 +8,7 @@
 
 namespace sprout {
 
-/// For each pixel of a rectified image its position in the source image, to 1/32 px. Positions
+/// Maps each pixel of a rectified image to its position in the source image, to 1/32 px. Positions
 /// outside the image are moved to its border. The same bytes as cv::remap with INTER_LINEAR and
 /// BORDER_REPLICATE, in a fraction of its time (services/capture/NOTES.md). Thread-compatible;
 /// copies share the maps, except for groups of pixels that fit into no window.

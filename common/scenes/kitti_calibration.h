@@ -33,12 +33,12 @@ Eigen::Vector3d ReadKittiLeftOffset(const std::filesystem::path& file);
 ///         are not rectified, an invalid rotation.
 KittiCalibration ReadKittiCalibration(const std::filesystem::path& file, cv::Size size);
 
-/// The same of calib.txt of an odometry sequence: P0 to P3, and Tr, which places the scanner in the
+/// Reads calib.txt of an odometry sequence: P0 to P3, and Tr, which places the scanner in the
 /// rectified camera 0. Without Tr there is no scanner, and its pose is none.
 KittiCalibration ReadKittiSequenceCalibration(const std::filesystem::path& file, cv::Size size,
                                               bool grey);
 
-/// The same of the two files of a day of raw drives: P_rect_00 to P_rect_03 and R_rect_00 of
+/// Reads the two files of a day of raw drives: P_rect_00 to P_rect_03 and R_rect_00 of
 /// calib_cam_to_cam.txt, R and T of calib_velo_to_cam.txt.
 KittiCalibration ReadKittiRawCalibration(const std::filesystem::path& folder, cv::Size size,
                                          bool grey);

@@ -79,7 +79,7 @@ Vec3 LocalNormal(const Solid& solid, const Vec3& local) {
   return {0, 0, local.z < 0 ? -1.0 : 1.0};
 }
 
-// Random numbers for the layout. Not from <random>: its distributions differ between libraries.
+// Random numbers for the layout. <random> is not used: its distributions differ between libraries.
 class Dice {
  public:
   explicit Dice(uint64_t seed) : state_(Scramble(seed + 1)) {}

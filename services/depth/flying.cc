@@ -8,8 +8,8 @@ namespace {
 
 constexpr int16_t kNoMinimum = std::numeric_limits<int16_t>::max();
 
-// The largest and the smallest count of each pixel and those before or behind it, along one axis.
-// Without any: kInvalid and kNoMinimum.
+// The largest and the smallest count of each pixel and those before or behind it, along one axis. A
+// row without any has kInvalid and kNoMinimum.
 struct Side {
   cv::Mat1s largest;
   cv::Mat1s smallest;

@@ -157,7 +157,7 @@ double Refiner::NoisePx(const cv::Mat1b& left, const cv::Mat1b& right) {
 
 // Where the ToF camera sees something. What it says of dark regions is not to be believed; of
 // points beside edges it is, since which surface they lie on the prior decides better than stereo.
-// Nor are unsure points, if they are dense; between coarse ones stereo is asked anyway.
+// Unsure points do not count either, if they are dense; between coarse ones stereo is asked anyway.
 std::span<const cv::Point2f> Refiner::Covered(bool dense) {
   covered_.clear();
   for (size_t i = 0; i < points_.size(); ++i) {

@@ -51,7 +51,7 @@ class LogFile : public FrameSource {
   void Settle() { settled_ = true; }
 
   /// For the time line: {first, last, complete, settled, complaint, buckets: [{key, seq, utime,
-  /// quality, why}]}. For each bucket the worst rated frame, or else the first.
+  /// quality, why}]}. The worst rated frame of each bucket, or else its first one.
   std::string TimeLineText(int buckets) const;
 
   /// Share of the log read so far, 0 to 1.

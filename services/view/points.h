@@ -16,9 +16,9 @@ inline constexpr int kMaxShownSeeds = 60'000;
 /// without a disparity map, left image and calibration of one size. O(points).
 EncodedPartPtr EncodeCloud(DecodedFrame& frame);
 
-/// The seeds of a frame: int16 column, row, and disparity (counts), uint8 kind (0 ToF, 1 stereo,
-/// 2 seen by the left camera only), as consecutive arrays. Of too many seeds every n-th. Null
-/// without seeds. O(seeds).
+/// The seeds of a frame: int16 column, row, and disparity (counts), uint8 kind (0 ToF, 1 stereo, 2
+/// seen by the left camera only), as consecutive arrays. If there are too many seeds, every n-th is
+/// sent. Null without seeds. O(seeds).
 EncodedPartPtr EncodeSeeds(DecodedFrame& frame);
 
 /// The values at a pixel: u, v; disparity_px, its disparity_sigma_px, depth_m, fused_px, confidence

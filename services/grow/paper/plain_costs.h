@@ -12,7 +12,7 @@ namespace sprout::grow {
 /// @param q  of which both windows lie in the images. kExcludedCost where EPC finds no prior.
 int32_t CostOf(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q);
 
-/// The same for any correspondence: kExcludedCost where a window leaves its image.
+/// The cost of any correspondence; kExcludedCost where a window leaves its image.
 int32_t CostWhereItFits(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q);
 
 /// Counts from d to the least cost (S2), at most kMaxStep; 0 if d does not have the smallest of

@@ -81,7 +81,7 @@ class TrianglesBetween {
   }
 
  private:
-  // From the border of the intact cells on; CGAL's faces on the cells themselves are others.
+  // Starts at the border of the intact cells; CGAL's faces on the cells themselves are others.
   void FindFaces() {
     std::vector<Delaunay::Face_handle> found;
     const auto find = [&](Delaunay::Face_handle face) {

@@ -9,7 +9,7 @@
 namespace sprout::refine {
 
 /// Clears the flags of nodes that have fewer than `fewest` flagged nodes side by side on one
-/// surface. After nodes.Link().
+/// surface. Call nodes.Link() before.
 inline void KeepPatches(const RangeNodes& nodes, size_t fewest, std::vector<uint8_t>& flags) {
   std::vector<uint8_t> todo = flags;
   std::vector<size_t> patch;

@@ -202,7 +202,8 @@ TofSurface::Piece TofSurface::PieceOf(std::span<const ProjectedPoint> points,
     return index < 0 ? nullptr : &points[static_cast<size_t>(index)].seed;
   };
   const auto rise = [&](const Seed& seed) { return seed.disparity() - point.seed.disparity(); };
-  // At least half a cell: a point nearer than that would make a steep slope of any step.
+  // The distance is at least half a cell: a point nearer than that would make a steep slope of any
+  // step.
   const auto across = [&](int side) {
     const Seed* const seed = at(side);
     if (seed == nullptr) return kNone;

@@ -5,9 +5,9 @@ namespace sprout::refine {
 
 /// The constants of zones. NOTES.md has what was measured.
 struct ZoneRules {
-  /// How many standard deviations a target's surface is nearer at most, and how many a zone's
-  /// plane must be off all planes of seeds around to be news. Of a target of two surfaces the
-  /// smaller one is 3 away with a tenth of the light.
+  /// How many standard deviations a target's surface is nearer at most, and how many a zone's plane
+  /// must be off all planes of seeds around to add information. The smaller surface of a target
+  /// with two is 3 away if it has a tenth of the light.
   static constexpr double kSigmas = 3;
   /// How many times less sure the seeds around must be than the zone. Measured.
   static constexpr double kSurer = 4;

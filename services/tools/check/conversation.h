@@ -79,7 +79,7 @@ class Conversation {
   /// What the stage published besides its answers.
   const PartSet& extras_heard() const { return extras_heard_; }
 
-  /// From the last message of a frame sent to its answer, ms, for frames with Look::kAll.
+  /// Times from the last message of a frame sent to its answer, ms, for frames with Look::kAll.
   const std::vector<double>& times_ms() const { return times_ms_; }
 
  private:
