@@ -19,7 +19,7 @@ struct PairRules {
   /// So many of the corners of two scenes find a partner by chance: at most 0.03 were seen, in good
   /// pairs at least 0.35.
   static constexpr double kChanceOfFeatures = 0.12;
-  /// Beyond it Sprout loses accuracy that can be measured (services/refine/NOTES.md).
+  /// Beyond it Sprout loses accuracy that can be measured (services/tools/calibrate/NOTES.md).
   static constexpr double kMaxRowsPx = 1;
   static constexpr double kMaxParallaxPx = 1;
   /// Parallax that row errors may cause, as a share of the largest of them: (1) is a pitch's and a
