@@ -17,7 +17,8 @@ struct UnpackedFile {
 };
 
 /// Unpacks a file that is packed as a whole (rosbag2's --compression-mode file) into a temporary
-/// one, in TMPDIR, which has no name any more when this returns. Of a torn file all that is there.
+/// one, in TMPDIR, which has no name any more when this returns. From a torn file all that is there
+/// is unpacked.
 /// @param magic  what its content must begin with; else nothing is unpacked.
 /// @throws McapError when it begins otherwise, or there is no room for it.
 UnpackedFile UnpackFile(const std::filesystem::path& path, std::string_view magic);

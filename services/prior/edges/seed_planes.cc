@@ -22,7 +22,7 @@ constexpr size_t kMaxSupport = PlaneFits::kMaxSupport;
 double Square(double x) { return x * x; }
 
 // Steps are taken off with seeds that differ by about one: those a step off have a weight of 0.3,
-// two steps off 0.05. Without steps by what is too fine to matter.
+// two steps off 0.05. If disparities have no steps, the scale is too fine to matter.
 double StepScalePx(double step_px) {
   constexpr double kScalePerStep = 1.1;
   constexpr double kFinePx = 0.1;
