@@ -14,7 +14,7 @@ namespace sprout {
 class TemporaryDirectory {
  public:
   TemporaryDirectory() {
-    std::string name = testing::TempDir() + "sprout_XXXXXX";
+    std::string name = ::testing::TempDir() + "sprout_XXXXXX";
     path_ = mkdtemp(name.data());
   }
   ~TemporaryDirectory() { std::filesystem::remove_all(path_); }
