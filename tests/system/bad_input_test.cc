@@ -258,8 +258,10 @@ TEST(BadInputSystem, WrongFlagsEndWithExitCode2AndOneLine) {
       {"capture", {"--source", "log:/dev/null?rig="}, "rig"},
       {"capture", {"--wait-for", ""}, "--wait-for ''"},
       {"record", {"--dir", "/dev/null/logs"}, "--dir /dev/null/logs: cannot be used"},
+#ifdef SPROUT_WITH_VIEW
       {"view", {"--log", ""}, "--log ''"},
       {"view", {"--log", "/etc/passwd"}, "--log: /etc/passwd"},
+#endif
   };
   for (const BadFlags& bad : cases) {
     std::vector<std::string> command = {ProgramPath("sprout-" + bad.stage)};

@@ -260,6 +260,7 @@ class FrameTest(unittest.TestCase):
         self.assertRegex(" ".join(blind.warnings), "refine: ")
         self.assertFalse(numpy.isfinite(blind.depth_m).any())
 
+    @unittest.skipUnless((BIN / "sprout-evaluate").exists(), "built without SPROUT_EVALUATE")
     def test_is_evaluated_as_sprout_evaluate_does(self) -> None:
         import json
         with tempfile.TemporaryDirectory() as folder:
