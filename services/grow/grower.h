@@ -22,7 +22,7 @@ namespace sprout::grow {
 ///
 /// Pixels to which the prior leaves two disparities are matched in sweeps over the rows (README,
 /// plain_sweep.h), then the others best first, from the seeds and from what has been swept (paper,
-/// Alg. 1). Where all are open, as with preset paper, it is Alg. 1 alone.
+/// Alg. 1). Where all are open, as with preset paper, nothing is swept.
 ///
 /// Where the paper leaves a choice: seeds leave the queue by level (GrowthRule::LevelOf()), within
 /// a level the last one added first; initial seeds enter it in the order given; neighbours are

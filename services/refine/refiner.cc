@@ -197,13 +197,14 @@ Refiner::Fate Refiner::FateOf(const ProjectedPoint& point, const cv::Mat1b& left
   // Two images as wide as these cannot show a larger disparity.
   const bool possible = seed.disparity() >= 0 && seed.disparity() < static_cast<float>(left.cols);
   if (!WindowFits(seed.u, seed.v, left.size()) || !possible) return Fate::kOutside;
-  // Rule 1 (paper, II-B): unreliable depth on very dark regions.
+  // Dark (paper, II-B): unreliable depth on very dark regions.
   if (WindowSum(left, Pixel(seed.u), Pixel(seed.v)) < kWindow * kWindow * config_.min_mean_grey() ||
       (!tof.amplitude.empty() &&
        !(tof.amplitude(point.tof_v, point.tof_u) >= config_.min_amplitude()))) {
     return Fate::kDark;
   }
-  // Over a wide spacing a slant alone puts neighbours further off than the tolerance.
+  // Loose, beyond the paper: over a wide spacing a slant alone puts neighbours further off than the
+  // tolerance.
   const double tolerance_px =
       std::max(config_.loose_tolerance_px(), SurfaceRules::kSteepest * surface_.spacing_px());
   const bool loose = config_.loose_tolerance_px() > 0 && surface_.IsIsolated(point, tolerance_px) &&
@@ -217,7 +218,7 @@ void Refiner::KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet
   seeds.clear();
   seeds.reserve(kept_in_both_);
   for (size_t i = 0; i < kept_in_both_; ++i) seeds.push_back(kept_[i].seed);
-  // Rule 2 (paper, II-B): background that the ToF camera sees beside or behind a nearer surface.
+  // Background (paper, II-B): what the ToF camera sees beside or behind a nearer surface.
   // What it drops still hides other points.
   const std::vector<uint8_t>& background =
       background_.Find(seeds, left.size(), config_.background_tolerance_px());

@@ -18,7 +18,7 @@ namespace sprout::grow {
 inline constexpr int kWindow = 5;
 inline constexpr int kWindowRadius = kWindow / 2;
 
-/// Similarities are compared as costs: the exponents of eqs. (4) to (6), or 1 − MNCC, in whole
+/// Similarities are compared as costs: −ln of eqs. (4) to (6), or 1 − MNCC, in whole
 /// steps of 2⁻²⁰ rounded down, so that comparisons are the same on every machine. 20 bits of 24 in
 /// a float leave room for costs above 1.
 inline constexpr int32_t kCostUnit = 1 << 20;
@@ -98,7 +98,8 @@ struct GrowthRule {
 
   /// Smallest standard deviation, counts, of an open pixel: one to which the prior leaves more than
   /// the two whole disparities on either side of it; for smaller ones σ_p is sigma_p_px.
-  /// kMaxSigmaCounts + 1: no pixel is open. 0 (without a prior): every pixel is.
+  /// kMaxSigmaCounts + 1: no pixel is open. 0: every pixel is, without
+  /// a prior or where sigma_p_px alone leaves more than two (preset paper).
   int least_open = 0;
   bool IsOpen(uint8_t sigma) const { return sigma >= least_open; }
 

@@ -65,7 +65,7 @@ int32_t CostOf(const GrowthRule& rule, const GrowthInput& input, const Correspon
   const Photo photo = PhotoAt(rule, input, q);
   float cost = HWY_NAMESPACE::PhotoCost(static_cast<float>(photo.difference),
                                         static_cast<float>(photo.energy), rule.photo_scale);
-  if (rule.similarity == GrowConfig::EPC) {  // Eq. (6)
+  if (rule.similarity == GrowConfig::EPC) {  // Eq. (6): by eqs. (2), (3) a product, so costs add
     const int16_t prior = input.prior.disparity.counts()(q.v, q.u);
     if (prior == DisparityImage::kInvalid) return kExcludedCost;
     const int distance = q.d * DisparityImage::kCountsPerPixel - prior;

@@ -8,7 +8,7 @@
 // The cost of one correspondence, computed directly; the kernels compute many at once.
 namespace sprout::grow {
 
-/// Costs of eq. (1), 1 − MNCC, and of eqs. (4) and (6), exponents, for a rule's similarity.
+/// Costs of eq. (1), 1 − MNCC, and −ln of eqs. (4) and (6), for a rule's similarity.
 /// @param q  of which both windows lie in the images. kExcludedCost where EPC finds no prior.
 int32_t CostOf(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q);
 

@@ -16,7 +16,7 @@ class PlainGrowth {
   PlainGrowth(const GrowthRule& rule, const GrowthInput& input)
       : rule_(rule),
         input_(input),
-        map_(input.left.size()),
+        map_(input.left.size()),  // Step 3
         right_matched_(input.right.size(), uint8_t{0}),
         band_rows_(RowsPerBand(input.left.rows)),
         seeds_(static_cast<size_t>(CountBands(input.left.rows))) {}
@@ -117,7 +117,8 @@ class PlainGrowth {
     if (near.v >= 0 && BandOf(near.v) == band) Visit(near);
   }
 
-  // The best of three disparities; of equals d comes before d − 1 before d + 1.
+  // Steps 6 and 7: the best of three disparities and its cost; of equals d comes before d − 1
+  // before d + 1.
   void Visit(const Correspondence& near) {
     if (!cv::Rect({}, map_.size()).contains({near.u, near.v}) || !IsOpen(near.u, near.v)) return;
     Correspondence best = near;
@@ -130,10 +131,10 @@ class PlainGrowth {
         best_cost = cost;
       }
     }
-    if (best_cost > rule_.limit) return;  // Step 7
+    if (best_cost > rule_.limit) return;  // Step 8
     if (map_.IsValid(best.u, best.v)) return;
     uint8_t& right_matched = right_matched_(best.v, best.u - best.d);
-    if (right_matched != 0) return;  // Step 8
+    if (right_matched != 0) return;
     AddSeed(best, best_cost);        // Step 9
     map_.counts()(best.v, best.u) =  // Step 10
         static_cast<int16_t>(best.d * DisparityImage::kCountsPerPixel);

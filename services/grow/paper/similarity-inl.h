@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sprout::grow {
 namespace HWY_NAMESPACE {
 
-// Exponent of eq. (4), exp(−Σ(wL − wR)² / (σ_s²·Σ(wL² + wR²))), times the scale's unit.
+// −ln of eq. (4), exp(−Σ(wL − wR)² / (σ_s²·Σ(wL² + wR²))), times the scale's unit.
 // Eq. (1) has the same form: 1 − MNCC = (var(wL) + var(wR) − 2·cov(wL, wR)) / (var(wL) + var(wR)).
 // @param difference  Σ(wL − wR)², or the numerator. @param energy  Σ(wL² + wR²), or the
 // denominator; > 0. @param scale  unit / σ_s², or the unit.
@@ -22,8 +22,8 @@ HWY_INLINE Number PhotoCost(Number difference, Number energy, Number scale) {
   return difference * (scale / energy);
 }
 
-// Exponent of eq. (5), exp(−(d − D_p)² / (2·σ_p²)), times the scale's unit. That of eq. (6) is the
-// sum of both.
+// −ln of eq. (5), exp(−(d − D_p)² / (2·σ_p²)), times the scale's unit. That of eq. (6) is the sum
+// of both.
 // @param distance  d − D_p. @param scale  unit / (2·σ_p²).
 template <class Number>
 HWY_INLINE Number PriorCost(Number distance, Number scale) {
@@ -46,10 +46,10 @@ HWY_INLINE V Clamped(V x, V least, V most) {
 // The numbers of a pixel that its sub-pixel step follows from, and constants as such numbers.
 template <class Number>
 struct StepInput {
-  Number fall;  // e(d) − e(d + s), with e = Σ(wL − wR)² and s = ±1 the side where it is less
-  Number texture;  // h > 0: Σ(wL − wL′)², wL′ being the left window one pixel to the side of −s
+  Number fall;  // e(d) − e(d + a), with e = Σ(wL − wR)² and a = ±1 the side where it is less
+  Number texture;  // h > 0: Σ(wL − wL′)², wL′ being the left window one pixel to the side of −a
   Number energy;       // Σ(wL² + wR²)
-  Number side;         // s, counts a pixel
+  Number side;         // a, counts a pixel
   Number distance;     // d − D_p, counts
   Number photo_scale;  // unit / σ_s²
   Number prior_scale;  // that of PriorCost() for pixels instead of counts

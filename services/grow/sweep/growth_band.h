@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "services/grow/paper/growth_rule.h"
-#include "services/grow/paper/seed_queue.h"
+#include "services/grow/sweep/seed_queue.h"
 
 // The fast growth of open pixels for EPC. One-to-one matching couples the pixels of a row only, so
 // bands of rows are independent and grow at the same time.

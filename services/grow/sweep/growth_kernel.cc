@@ -85,10 +85,10 @@ class Growth {
   HWY_INLINE void Visit(PixelId id, int d) {
     LeftPixel& pixel = left_[id];
     if (pixel.disparity != LeftPixel::kFree) return;
-    const Match best = BestOfThree(id, d);
-    if (best.level == kRefused) return;  // Step 7
+    const Match best = BestOfThree(id, d);  // Steps 6 and 7
+    if (best.level == kRefused) return;     // Step 8
     uint8_t& right = right_[static_cast<ptrdiff_t>(id) - best.disparity];
-    if (right != kUnmatched) return;                         // Step 8
+    if (right != kUnmatched) return;
     queue_.Push(id, best.level, pixel.next);                 // Step 9
     pixel.disparity = static_cast<int16_t>(best.disparity);  // Step 10
     right = kMatched;

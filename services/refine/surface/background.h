@@ -16,8 +16,9 @@ namespace sprout::refine {
 /// its memory from frame to frame, so one object serves one caller at a time.
 class BackgroundRule {
  public:
-  /// In the 5×5 window around each seed, in the left image and in the right one, every seed whose
-  /// disparity is smaller than the window's largest by more than the tolerance.
+  /// Every seed that lies, in the left image or in the right one, in the 5×5 window around a seed
+  /// (its own or another's) where its disparity is smaller than the window's largest by more than
+  /// the tolerance.
   /// @param seeds  inside both images.
   /// @param size   of the images, px.
   /// @returns one flag a seed, 0 or 1; valid until the next call. Does not depend on the order of

@@ -1,5 +1,5 @@
-#ifndef SPROUT_SERVICES_GROW_PAPER_SEED_QUEUE_H_
-#define SPROUT_SERVICES_GROW_PAPER_SEED_QUEUE_H_
+#ifndef SPROUT_SERVICES_GROW_SWEEP_SEED_QUEUE_H_
+#define SPROUT_SERVICES_GROW_SWEEP_SEED_QUEUE_H_
 
 #include <array>
 #include <bit>
@@ -57,4 +57,4 @@ class SeedQueue {
 
 }  // namespace sprout::grow
 
-#endif  // SPROUT_SERVICES_GROW_PAPER_SEED_QUEUE_H_
+#endif  // SPROUT_SERVICES_GROW_SWEEP_SEED_QUEUE_H_

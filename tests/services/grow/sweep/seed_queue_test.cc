@@ -1,4 +1,4 @@
-#include "services/grow/paper/seed_queue.h"
+#include "services/grow/sweep/seed_queue.h"
 
 #include <gtest/gtest.h>
 
