@@ -1,8 +1,9 @@
 // The graph over udpm at one rate: what got lost, how old the answers are, what it costs.
-//   sprout_bench_graph PRESET stages|pipeline WxH RATE_HZ SECONDS FOLDER
+//   sprout_bench_graph PRESET stages|pipeline WxH RATE_HZ SECONDS FOLDER [LOAD]
 // stages: refine, prior and grow are processes of their own; pipeline: sprout-pipeline is all
 // three. The frame is a Middlebury scene of SPROUT_DATA in that size, written to FOLDER, over and
-// over. Prints one line of JSON. Exit code 0 when every frame was answered, 3 when one was not.
+// over. Beside it so many other processes compute all the time (LOAD, default 0). Prints one line
+// of JSON. Exit code 0 when every frame was answered, 3 when one was not.
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -30,6 +31,7 @@
 #include "common/bus/receiver.h"
 #include "common/messages/codec.h"
 #include "tests/bench/bench_frame.h"
+#include "tests/bench/frame_times.h"
 
 namespace sprout {
 namespace {
@@ -106,8 +108,22 @@ class StatusWatch {
   Receiver receiver_;
 };
 
+// Frames that a stage did not answer, and in which way.
+nlohmann::ordered_json DroppedBy(const StageStatus& status) {
+  return {{"skipped", status.frames_skipped},
+          {"incomplete", status.frames_incomplete},
+          {"gaps", status.sequence_gaps},
+          {"failed", status.frames_failed}};
+}
+
 int Run(const std::string& preset, const std::string& hosting, const std::string& source,
-        double rate_hz, double seconds) {
+        double rate_hz, double seconds, int load) {
+  // Each of them computes without end, and needs a whole core.
+  std::vector<std::unique_ptr<Process>> others;
+  for (int i = 0; i < load; ++i) {
+    others.push_back(
+        std::make_unique<Process>(std::vector<std::string>{"sh", "-c", "while :; do :; done"}));
+  }
   StatusWatch watch;
   const Stages stages = StagesOf(hosting);
   const std::string& answering = stages.back();
@@ -116,7 +132,7 @@ int Run(const std::string& preset, const std::string& hosting, const std::string
   std::string all;
   const auto start = [&](const std::string& stage, const std::vector<std::string>& flags) {
     std::vector<std::string> command = {std::string(SPROUT_BINARY_DIR) + "/sprout-" + stage,
-                                        "--config", preset, "--log-level", "warning"};
+                                        "--config", preset, "--log-level", "debug"};
     command.insert(command.end(), flags.begin(), flags.end());
     processes[stage] = std::make_unique<Process>(command);
   };
@@ -153,10 +169,16 @@ int Run(const std::string& preset, const std::string& hosting, const std::string
   result["fps"] = rate_hz;
   result["seconds"] = seconds;
   result["frames"] = frames;
+  result["load"] = load;
+  result["captured"] = last["capture"].frames_out;
+  result["answered"] = answered.frames_out;
   result["lost_or_skipped"] = lost;
-  result["age_p50_ms"] = answered.age.p50_ms;
-  result["age_p95_ms"] = answered.age.p95_ms;
-  result["age_p99_ms"] = answered.age.p99_ms;
+  std::vector<std::string> all_stages = {"capture"};
+  all_stages.insert(all_stages.end(), stages.begin(), stages.end());
+  FrameTimes times;
+  for (const auto& [stage, process] : processes) times.Read(stage, process->Output());
+  result.update(times.Summarise(all_stages, rate_hz));
+  for (const std::string& stage : all_stages) result["dropped"][stage] = DroppedBy(last[stage]);
   double total = 0;
   for (const auto& [stage, ms] : cpu_ms) total += ms / static_cast<double>(frames);
   result["cpu_ms_per_frame"] = total;
@@ -171,9 +193,10 @@ int Run(const std::string& preset, const std::string& hosting, const std::string
 }  // namespace sprout
 
 int main(int argc, char** argv) {
-  const std::string hosting = argc == 7 ? argv[2] : "";
+  const std::string hosting = argc == 7 || argc == 8 ? argv[2] : "";
   if (hosting != "stages" && hosting != "pipeline") {
-    std::cerr << "usage: sprout_bench_graph PRESET stages|pipeline WxH RATE_HZ SECONDS FOLDER\n";
+    std::cerr
+        << "usage: sprout_bench_graph PRESET stages|pipeline WxH RATE_HZ SECONDS FOLDER [LOAD]\n";
     return 2;
   }
   try {
@@ -187,7 +210,7 @@ int main(int argc, char** argv) {
     sprout::WriteScene(
         folder, sprout::LoadBenchFrame(std::string(data) + "/middlebury/full/Monopoly", size));
     return sprout::Run(argv[1], hosting, "middlebury:" + folder, std::stod(argv[4]),
-                       std::stod(argv[5]));
+                       std::stod(argv[5]), argc == 8 ? std::stoi(argv[7]) : 0);
   } catch (const std::exception& e) {
     std::cerr << "sprout_bench_graph: " << e.what() << "\n";
     return 1;
