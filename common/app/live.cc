@@ -14,6 +14,7 @@
 #include "common/app/compute.h"
 #include "common/app/duplicate_watch.h"
 #include "common/app/frame_assembler.h"
+#include "common/app/frames_under_way.h"
 #include "common/app/log.h"
 #include "common/app/silence_watch.h"
 #include "common/app/stage_monitor.h"
@@ -25,9 +26,16 @@
 #include "common/bus/receiver.h"
 #include "common/core/digest.h"
 #include "common/messages/codec.h"
+#include "common/messages/message_type.h"
 
 namespace sprout {
 namespace {
+
+// The first stage of the chain, whatever program it is, and what the next one and the last one
+// answer with.
+constexpr std::string_view kFirstStage = "refine";
+constexpr Part kNextAnswer = Part::kPrior;
+constexpr Part kLastAnswer = Part::kDisparity;
 
 struct Arrival {
   Frame frame;
@@ -84,6 +92,14 @@ void Publish(const Arrival& arrival, const Answer& answer, Publisher& publisher,
   monitor.FrameOut(arrival.frame.id, arrival.when, answer.degenerate, answer.tof_coverage);
 }
 
+// An answer of a later stage, which only says how far a frame is. What cannot be read is counted by
+// those who use it.
+void OnLaterAnswer(Part part, std::span<const uint8_t> bytes, FramesUnderWay& under_way) {
+  if (TypeOf(bytes) != TypeOf(part)) return;
+  const Result<FrameId> id = DecodeFrameId(bytes);
+  if (id) part == kLastAnswer ? under_way.Answered(*id) : under_way.Passed(*id);
+}
+
 void OnStatus(std::span<const uint8_t> bytes, StageMonitor& monitor, DuplicateWatch& duplicates) {
   const Result<StageStatus> status = DecodeStatus(bytes);
   status ? duplicates.Heard(*status) : monitor.BadMessage(kStatusChannel, status.error().text);
@@ -122,11 +138,20 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
   const std::string_view calibration = ChannelOf(Part::kRig);
   const bool is_input = std::ranges::count(channels, calibration) > 0;
   if (!is_input) channels.push_back(calibration);
+  const bool is_first = context.stage == kFirstStage;
+  if (is_first) {
+    channels.push_back(ChannelOf(kNextAnswer));
+    channels.push_back(ChannelOf(kLastAnswer));
+  }
+  FramesUnderWay under_way;
   Preparation preparation(std::max<size_t>(1, steps.size()));
   const Receiver receiver(
       context.lcm_url, context.prefix, channels,
       [&](std::string_view channel, std::span<const uint8_t> bytes) {
         if (channel == kStatusChannel) return OnStatus(bytes, monitor, duplicates);
+        for (const Part part : {kNextAnswer, kLastAnswer}) {
+          if (is_first && channel == ChannelOf(part)) return OnLaterAnswer(part, bytes, under_way);
+        }
         if (channel == calibration) preparation.HeardCalibration(bytes);
         if (channel == calibration && !is_input) return;
         silence.Heard(channel);
@@ -144,6 +169,8 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
   NotifyReady();
   Watchdog watchdog;
   while (!context.stop.stop_requested()) {
+    watchdog.Idle();
+    if (!under_way.WaitForRoom(Watchdog::kIdlePeriod, context.stop)) continue;
     const auto arrival = mailbox.TakeWithin(preparation.Period(), context.stop);
     watchdog.Idle();
     if (!arrival) {
@@ -151,7 +178,13 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
       continue;
     }
     preparation.FrameCame();
+    const auto begun = StageMonitor::Clock::now();
+    const std::chrono::duration<double, std::milli> waited = begun - arrival->when;
+    LogLine(LogLevel::kDebug, "frame {}: waited {:.1f} ms", arrival->frame.id.seq, waited.count());
     const std::optional<Answer> answer = MakeAnswer(arrival->frame, adapter, encoding, monitor);
+    if (is_first && answer) {
+      under_way.Sent(arrival->frame.id, StageMonitor::Clock::now() - begun);
+    }
     if (answer) Publish(*arrival, *answer, publisher, monitor);
     watchdog.FrameDone();
   }
