@@ -26,6 +26,7 @@ struct Answer {
   /// none.
   float tof_coverage = kUnknownCoverage;
   TofOffsetStatus tof_offset = {};
+  std::optional<std::string> range_error = {};  ///< as in StageResult
 };
 
 /// The encoding of disparity maps that the configuration chooses.

@@ -18,6 +18,7 @@ namespace {
 
 constexpr size_t kMaxSamples = 1024;  // as lcmtypes/stage_status_t.lcm says
 constexpr std::chrono::seconds kRateWindow{10};
+constexpr std::chrono::minutes kWarningPeriod{1};  // of a sensor that stays wrong
 constexpr double kClockSlackMs = 1;  // within one host a clock may be set by so much at a time
 // From one frame to the next an age changes by the time of a frame. By more than this: frames come
 // from another source, as when cameras follow a recording, or a stage hung; what was before would
@@ -186,7 +187,6 @@ void StageMonitor::ResolveLocked(std::string& reason) {
 }
 
 void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
-  constexpr std::chrono::minutes kWarningPeriod{1};
   if (offset.sigma_px < 0) return;
   const std::lock_guard lock(mutex_);
   status_.tof_offset = offset;
@@ -201,6 +201,18 @@ void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
   offset_warning_ = text;
   status_.last_error = text;
   LogLine(LogLevel::kWarning, text);
+}
+
+void StageMonitor::SetRangeError(const std::optional<std::string>& text) {
+  if (!text) return;
+  const std::lock_guard lock(mutex_);
+  if (text->empty()) return ResolveLocked(range_warning_);
+  const bool is_due = now_() >= next_range_warning_;
+  if (is_due || status_.last_error == range_warning_) status_.last_error = *text;
+  range_warning_ = *text;
+  if (!is_due) return;
+  next_range_warning_ = now_() + kWarningPeriod;
+  LogLine(LogLevel::kWarning, *text);
 }
 
 void StageMonitor::SetSpread(double spread_ms) {

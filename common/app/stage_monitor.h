@@ -70,6 +70,10 @@ class StageMonitor {
   /// Warns once a minute if it is sure, until the offset is small again.
   void SetTofOffset(const TofOffsetStatus& offset);
 
+  /// How far the range sensor is off, see StageResult::range_error. The status has the newest one,
+  /// unless another error came since; the log has one a minute.
+  void SetRangeError(const std::optional<std::string>& text);
+
   /// Time between the exposures of the newest frame, ms.
   void SetSpread(double spread_ms);
 
@@ -102,8 +106,10 @@ class StageMonitor {
   LogLimiter failed_log_;
   LogLimiter clock_log_;
   Clock::time_point next_offset_warning_{};
+  Clock::time_point next_range_warning_{};
   std::string clock_warning_;   // that holds now
   std::string offset_warning_;  // the same
+  std::string range_warning_;   // the same
 };
 
 }  // namespace sprout

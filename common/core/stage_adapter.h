@@ -26,6 +26,9 @@ struct StageResult {
   std::string degenerate;
   /// The offset of the ToF camera's points, if the stage measured it in this frame.
   TofOffsetStatus tof_offset = {};
+  /// How far the range sensor is off, as the images of this frame show it, one line for the status;
+  /// empty: it is right; nothing: not known, or not looked for.
+  std::optional<std::string> range_error = {};
   /// A picture of the frame for people, 8UC3 (BGR), at most 16384 px a side; empty: none. It is not
   /// a part of the frame: no stage uses it.
   cv::Mat preview = {};

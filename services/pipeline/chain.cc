@@ -59,6 +59,7 @@ ChainReport Chain::RunInGrey(Frame& frame, ChainObserver& observer, ChainStep la
   if (!frame.seeds) {
     StageResult outcome = run(ChainStep::kRefine, [&] { return refine_.Process(frame); });
     report.tof_offset = outcome.tof_offset;
+    report.range_error = outcome.range_error;
     add("refine", std::move(outcome));
     observer.Refined(*frame.seeds, *frame.left_seeds);
   }

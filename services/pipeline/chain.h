@@ -39,7 +39,8 @@ struct ChainReport {
   /// Why a stage had nothing to give ("refine: no ToF point has a return"), one line each; empty
   /// when all is well.
   std::vector<std::string> warnings;
-  TofOffsetStatus tof_offset;  ///< see StageResult
+  TofOffsetStatus tof_offset;              ///< see StageResult
+  std::optional<std::string> range_error;  ///< the same
 };
 
 /// refine, prior and grow on one frame, and with temporal.in_pipeline temporal on the frames since

@@ -116,7 +116,9 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   if (uses_zones_) frame.tof_zones = zones;
   ChainObserver nobody;
   DepthFrame result;
-  result.warnings = chain_->Run(frame, nobody).warnings;
+  ChainReport report = chain_->Run(frame, nobody);
+  result.warnings = std::move(report.warnings);
+  result.range_error = std::move(report.range_error).value_or("");
   result.disparity = std::move(*frame.disparity);
   if (frame.fused) {
     result.fused = std::move(*frame.fused);

@@ -47,6 +47,9 @@ struct DepthFrame {
   /// Why a stage had nothing to give ("refine: no ToF point has a return"), one line each; empty
   /// when all is well.
   std::vector<std::string> warnings;
+  /// How far the range sensor is off, as the images show it, one line; empty: it is right, or they
+  /// do not show it.
+  std::string range_error;
 };
 
 /// Which frame of a video a pipeline with memory gets.

@@ -29,6 +29,7 @@ void StepMonitors::Answered(std::string_view stage, const Frame& frame,
   StageMonitor& monitor = monitors_[static_cast<size_t>(it - kStages.begin())];
   monitor.FrameIn(/*skipped=*/false);
   monitor.SetTofOffset(outcome.tof_offset);
+  monitor.SetRangeError(outcome.range_error);
   monitor.FrameOut(
       frame.id, begun_, outcome.degenerate,
       stage == "temporal" ? kUnknownCoverage : TofCoverage(frame.seeds->seeds, frame.left.size()));

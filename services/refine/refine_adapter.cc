@@ -7,6 +7,7 @@
 #include "common/core/image.h"
 #include "common/geometry/widened_frame.h"
 #include "common/inputs/check_inputs.h"
+#include "services/refine/range/range_text.h"
 
 namespace sprout::refine {
 
@@ -147,6 +148,7 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
                           " % of the places where they could show it: none is believed";
   }
   outcome.tof_offset = OffsetOf(frame, refined.fits);
+  if (refined.fits) outcome.range_error = RangeErrorText(refiner_.range_error());
   outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, std::move(left_seeds)});
   return refined;

@@ -68,6 +68,7 @@ std::string LineOf(const fs::path& folder, const DepthFrame& depth, double ms) {
     line += fmt::format("; {} have a negative disparity, which disparity.png leaves out", negative);
   }
   for (const std::string& warning : depth.warnings) line += "; " + warning;
+  if (!depth.range_error.empty()) line += "; refine: " + depth.range_error;
   return line;
 }
 

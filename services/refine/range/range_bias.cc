@@ -11,6 +11,8 @@
 namespace sprout::refine {
 namespace {
 
+constexpr uint8_t kMoved = 1;
+constexpr uint8_t kMovedFar = 2;
 constexpr int kWidestReach = 8;  // of the windows around a point, cells
 constexpr int kReaches[] = {1, 2, 4, kWidestReach};
 
@@ -187,11 +189,15 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
         std::hypot(std::sqrt(error.variance_px2),
                    std::min(curve_.SigmaPx(pair, disparity), data_sheet_px(disparity))));
     if (move_px == 0) return;
-    moved_[i] = 1;
+    moved_[i] = std::abs(move_px) > RangeRules::kFarMovePx ? kMovedFar : kMoved;
     MovePoint(pair, centre, move_px, point);
   });
-  error_.moved_share = static_cast<double>(std::count(moved_.begin(), moved_.end(), 1)) /
-                       static_cast<double>(std::max<size_t>(1, points.size()));
+  const auto share_of = [&](uint8_t least) {
+    const auto count = std::ranges::count_if(moved_, [&](uint8_t moved) { return moved >= least; });
+    return static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, points.size()));
+  };
+  error_.moved_share = share_of(kMoved);
+  error_.far_moved_share = share_of(kMovedFar);
   return error_;
 }
 

@@ -20,6 +20,7 @@ struct RangeError {
   std::vector<RangeKnot> curve;
   bool curve_is_zero = true;      ///< an error is not significant
   double moved_share = 0;         ///< of the points, 0 to 1
+  double far_moved_share = 0;     ///< the same of those moved by more than kFarMovePx
   double contradicted_share = 0;  ///< of the places that have texture to judge by, 0 to 1
   bool rejected = false;          ///< too many of them: no point is believed
 };

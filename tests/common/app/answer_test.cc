@@ -56,5 +56,19 @@ TEST(Answer, DoesNotKnowTheCoverageWithoutSeedsOrWithoutAnImage) {
       << "what only the left camera sees is not counted by all stages";
 }
 
+TEST(Answer, HasTheRangeErrorOfTheStage) {
+  class OffAdapter : public StageAdapter {
+   public:
+    PartSet Inputs() const override { return {}; }
+    StageResult Process(const Frame&) override {
+      return {.outputs = {}, .degenerate = "", .range_error = "off by +10 mm"};
+    }
+  };
+  StageMonitor monitor("stage", "");
+  OffAdapter adapter;
+  EXPECT_EQ(MakeAnswer({}, adapter, DisparityEncoding::kRawInt16, monitor).value().range_error,
+            "off by +10 mm");
+}
+
 }  // namespace
 }  // namespace sprout

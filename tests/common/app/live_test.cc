@@ -20,12 +20,13 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-// LEFT → SEEDS, none.
+// LEFT → SEEDS, none, of a range sensor that is off.
 class SeedlessAdapter : public StageAdapter {
  public:
   PartSet Inputs() const override { return {Part::kLeft}; }
   StageResult Process(const Frame&) override {
-    return {.outputs = {{Part::kSeeds, SeedSet{}}}, .degenerate = ""};
+    return {
+        .outputs = {{Part::kSeeds, SeedSet{}}}, .degenerate = "", .range_error = "off by +10 mm"};
   }
 };
 
@@ -91,6 +92,7 @@ TEST_F(LiveTest, CountsAnAnswerThatWasPublishedAsOut) {
   EXPECT_EQ(status.frames_in, 1);
   EXPECT_EQ(status.frames_out, 1);
   EXPECT_EQ(status.frames_failed, 0);
+  EXPECT_EQ(status.last_error, "off by +10 mm");
 }
 
 TEST_F(LiveTest, CountsAnAnswerThatCouldNotBePublishedAsFailed) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <thread>
 
 #include "common/app/version.h"
@@ -221,6 +222,30 @@ TEST_F(StageMonitorTest, WarnsOnceAMinuteOfAToFCameraThatIsOff) {
   EXPECT_THAT(monitor_.Snapshot().last_error, testing::HasSubstr("off by (-2.5, 1.0) px"));
   monitor_.SetTofOffset({.u_px = 0.1F, .v_px = 0, .sigma_px = 0.25F, .is_off = false});
   EXPECT_EQ(monitor_.Snapshot().last_error, "") << "it was mended";
+}
+
+TEST_F(StageMonitorTest, TellsTheNewestRangeErrorUntilItIsOver) {
+  const auto error = [&] { return monitor_.Snapshot().last_error; };
+  monitor_.SetRangeError("");
+  monitor_.SetRangeError("off by +10 mm");
+  EXPECT_EQ(error(), "off by +10 mm");
+  monitor_.SetRangeError(std::nullopt);
+  EXPECT_EQ(error(), "off by +10 mm") << "not known in this frame";
+  monitor_.SetRangeError("off by +11 mm");
+  EXPECT_EQ(error(), "off by +11 mm");
+  monitor_.Failure("the bus is gone");
+  monitor_.SetRangeError("off by +12 mm");
+  EXPECT_EQ(error(), "the bus is gone");
+  now_ += std::chrono::minutes(1);
+  monitor_.SetRangeError("off by +13 mm");
+  EXPECT_EQ(error(), "off by +13 mm");
+  monitor_.SetRangeError("");
+  EXPECT_EQ(error(), "") << "it was mended";
+  const std::vector<std::string> lines = log_.Lines();
+  const auto is_warning = [](const std::string& line) {
+    return line.find("off by") != std::string::npos && line.find("over:") == std::string::npos;
+  };
+  EXPECT_EQ(std::ranges::count_if(lines, is_warning), 2) << "once a minute";
 }
 
 TEST_F(StageMonitorTest, TakesBackWhatIsOverUnlessSomethingElseCame) {

@@ -133,6 +133,7 @@ TEST(RangeBias, SaysItsCurveInMetres) {
     EXPECT_LT(knot.sigma_m, 0.02) << knot.depth_m;
   }
   EXPECT_GT(error.moved_share, 0.99);
+  EXPECT_GT(error.far_moved_share, 0.9);  // 0.04 m are 0.3 px at the far end
   EXPECT_FALSE(error.rejected);
 }
 
@@ -144,6 +145,17 @@ TEST(RangeBias, FollowsWhatTheSceneAddsOnlyWithTheField) {
   EXPECT_LT(off, 0.92);
   EXPECT_GT(ShareWithin(wall.Refine(RefineConfig::FIELD), 0.75), 0.98);
   EXPECT_LT(ShareWithin(wall.Refine(RefineConfig::CURVE), 0.75), 0.96);
+}
+
+TEST(RangeBias, SaysWhichShareOfThePointsWasMovedFar) {
+  Wall wall;
+  wall.Measure(
+      [&](const cv::Point2d& at, double depth_m) { return Bumped(wall.rig.pair, at, depth_m); });
+  Refiner refiner{RefineConfig()};
+  ASSERT_TRUE(refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig)));
+  // The bump is more than 0.25 px within 2.23 of its standard deviations of 40 px.
+  const double true_share = CV_PI * 2.23 * 40 * 2.23 * 40 / kWallSize.area();
+  EXPECT_NEAR(refiner.range_error().far_moved_share, true_share, 0.05);
 }
 
 TEST(RangeBias, BelievesNoPointOfAMirroredImage) {
