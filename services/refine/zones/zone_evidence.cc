@@ -31,8 +31,11 @@ std::optional<Seed> InPair(const TofZones& zones, const RectifiedPair& pair, dou
   return ProjectToPair(pair, point);
 }
 
-// What lies between the least and the largest of what is added.
-struct Box {
+}  // namespace
+
+// What lies between the least and the largest of what is added. A member of ZoneEvidence::Footprint
+// has this type, which is therefore in no anonymous namespace.
+struct ZoneBox {
   double left = kFarthest, right = -kFarthest, top = kFarthest, bottom = -kFarthest;
 
   void Add(const Seed& corner) {
@@ -42,15 +45,17 @@ struct Box {
     bottom = std::max(bottom, double{corner.v});
   }
   bool IsFinite() const { return std::isfinite(right - left) && std::isfinite(bottom - top); }
-  Box Widened() const {
+  ZoneBox Widened() const {
     const double across = ZoneRules::kReach * (right - left);
     const double down = ZoneRules::kReach * (bottom - top);
     return {left - across, right + across, top - down, bottom + down};
   }
 };
 
+namespace {
+
 // Cells whose centres lie in a box of the image.
-cv::Rect CellsIn(const Box& box, const CellGrid& grid) {
+cv::Rect CellsIn(const ZoneBox& box, const CellGrid& grid) {
   const auto first = [&](double px, int cells) {
     return static_cast<int>(
         std::clamp(std::ceil((px + 0.5) / grid.spacing_px - 0.5), 0.0, static_cast<double>(cells)));
@@ -72,7 +77,7 @@ void ForEachCell(const cv::Rect& cells, const Visit& visit) {
 
 // A zone as the left camera sees it.
 struct ZoneEvidence::Footprint {
-  Box box;              // around all its targets, px
+  ZoneBox box;          // around all its targets, px
   double most_px = -1;  // that its targets allow
   Patch patch;
 };
@@ -109,7 +114,7 @@ std::optional<ZoneEvidence::Footprint> ZoneEvidence::FootprintOf(const TofZones&
     patch.is_one = targets == 1 && zones.mode == ZoneMode::kMean &&
                    target.status == TargetStatus::kValid && std::isfinite(patch.variance_px2);
   }
-  const Box& box = footprint.box;
+  const ZoneBox& box = footprint.box;
   if (targets == 0 || !box.IsFinite()) return {};
   patch.centre_px = {(box.left + box.right) / 2, (box.top + box.bottom) / 2};
   return footprint;
