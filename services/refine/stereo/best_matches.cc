@@ -29,7 +29,7 @@ struct MatchRow {
   const uint16_t* down;  // sums of the first of these columns
   const uint16_t* up;
   int16_t* best;
-  float* confirmed_px;
+  float* confirmed_px;  // null: not wanted
   // The sums and best labels of the right pixels u − d, from right to left, so that a pixel's
   // matches follow one another.
   uint16_t* right_sums;
@@ -75,6 +75,7 @@ HWY_INLINE int LeastLabel(const MatchRow& row, int u, const uint16_t* down, cons
       least = key >> kLaneBits;
       label = i + (key & (kLanes - 1));
     }
+    if (row.confirmed_px == nullptr) continue;
     const int d = row.first[u] + i;
     uint16_t* right_sums = row.right_sums + row.RightIndex(u, d);
     uint16_t* right_best = row.right_best + row.RightIndex(u, d);
@@ -110,11 +111,13 @@ void MatchRowOnTarget(const MatchRow& row) {
     if (row.first[u] == StereoSearch::kNowhere) continue;
     const int label = LeastLabel(row, u, down, up);
     row.best[u] = static_cast<int16_t>(row.first[u] + label);
+    if (row.confirmed_px == nullptr) continue;
     // At the end of the range the minimum may lie beyond it.
     const bool is_inside = label > 0 && label < row.labels - 1 && row.best[u] <= u;
     if (!is_inside || !IsUnique(row.labels, down, up, label)) continue;
     row.confirmed_px[u] = static_cast<float>(row.best[u] + SubPixel(down + label, up + label));
   }
+  if (row.confirmed_px == nullptr) return;
   for (int u = row.columns.start; u < row.columns.end; ++u) {
     if (std::isnan(row.confirmed_px[u])) continue;
     const int best_of_right = row.right_best[row.RightIndex(u, row.best[u])];
@@ -137,10 +140,12 @@ void BestMatches::Choose(const StereoSearch& search, int v, const cv::Range& col
                          float* confirmed_px) {
   if (columns.empty()) return;
   const int16_t* first = search.first[v];
-  const int most = *std::max_element(first + columns.start, first + columns.end) + search.labels;
-  const auto right_pixels = static_cast<size_t>(columns.size() + most);
-  right_sums_.assign(right_pixels, kNoSum);
-  right_best_.resize(right_pixels);
+  if (confirmed_px != nullptr) {
+    const int most = *std::max_element(first + columns.start, first + columns.end) + search.labels;
+    const auto right_pixels = static_cast<size_t>(columns.size() + most);
+    right_sums_.assign(right_pixels, kNoSum);
+    right_best_.resize(right_pixels);
+  }
   HWY_DYNAMIC_DISPATCH(MatchRowOnTarget)
   ({.first = first,
     .labels = search.labels,

@@ -17,7 +17,7 @@ class BestMatches {
   /// @param best          gets the disparity of the smallest sum, px, of every pixel that is
   ///                      searched.
   /// @param confirmed_px  the same with a sub-pixel part, where it is unique and confirmed from the
-  /// right image. Other pixels of both stay as they are.
+  /// right image; null: not wanted. Other pixels of both stay as they are.
   /// O(pixels of the row · labels).
   void Choose(const StereoSearch& search, int v, const cv::Range& columns, const uint16_t* down,
               const uint16_t* up, int16_t* best, float* confirmed_px);

@@ -176,7 +176,9 @@ const std::vector<uint8_t>& MatchCosts::Compute(const cv::Mat1b& left, const cv:
   for (cv::Mat1b& plane : left_) plane.create(left.rows, left.cols + kSpare);
   // Matches outside the image are in front of it, undefined.
   for (cv::Mat1b& plane : right_) plane.create(left.rows, most + left.cols + kSpare);
-  costs_.resize(rows.pixels() * static_cast<size_t>(search.labels));
+  // Never shorter than for the largest image so far, so that nothing is cleared from level to
+  // level.
+  costs_.resize(std::max(costs_.size(), rows.pixels() * static_cast<size_t>(search.labels)));
   ForRangesParallel(left.rows, left.rows, [&](const cv::Range& range) {
     for (int v = range.start; v < range.end; ++v) {
       const cv::Range& columns = rows.columns(v);

@@ -245,7 +245,7 @@ HWY_EXPORT(RowOnTarget);
 
 void AddUpPaths(const cv::Mat1b& left, const StereoSearch& search, const SearchRows& rows,
                 const std::vector<uint8_t>& costs, int step, std::vector<uint16_t>& sums) {
-  sums.resize(costs.size());
+  if (sums.size() < costs.size()) sums.resize(costs.size());
   Line above(left.cols, search.labels);
   Line here(left.cols, search.labels);
   for (int i = 0; i < left.rows; ++i) {

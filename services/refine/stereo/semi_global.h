@@ -15,8 +15,8 @@ namespace sprout::refine {
 struct StereoMatches {
   /// The best disparity of every pixel that was searched, px; kNowhere elsewhere.
   cv::Mat1s best;
-  /// The disparity with a sub-pixel part, where it is unique and confirmed from the right image;
-  /// NaN elsewhere.
+  /// If search.confirm: the disparity with a sub-pixel part, where it is unique and confirmed from
+  /// the right image; NaN elsewhere.
   cv::Mat1f confirmed_px;
 };
 

@@ -153,6 +153,7 @@ const cv::Mat1f& StereoMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& ri
     }
     search_.known.create(level.left.size());
     PutKnown(known, level.scale, search_.known);
+    search_.confirm = i == 0;
     matches = &matcher_.Match(level.left, level.right, search_);
   }
   scale_ = levels_.front().scale;

@@ -21,6 +21,8 @@ struct StereoSearch {
   int labels = StereoRules::kLabels;
   /// Disparity that a range sensor gives for the pixel, px; kNowhere = none.
   cv::Mat1s known;
+  /// Whether matches are to be confirmed, or only the best ones are wanted.
+  bool confirm = true;
 };
 
 /// In every row the pixels from the first to the last one that is searched: memory and time are

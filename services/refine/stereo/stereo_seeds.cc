@@ -150,29 +150,37 @@ void StereoSeedFinder::TakeFrom(const cv::Mat1b& left, const cv::Mat1b& right, c
     return cv::Range(std::min(end, static_cast<int>(std::ceil(index * cell - 0.5))),
                      std::min(end, static_cast<int>(std::ceil((index + 1) * cell - 0.5))));
   };
+  const auto middle_of = [&](int index, const cv::Range& pixels) {
+    return std::max(pixels.start, static_cast<int>(std::ceil((index + 0.5) * cell - 1)));
+  };
   const cv::Range rows = pixels_of(row, map.rows);
+  const int middle_row = middle_of(row, rows);
   for (int column = 0; column < grid.size.width; ++column) {
     if (uncovered_(row, column) == 0) continue;
     const cv::Range columns = pixels_of(column, map.cols);
     double nearest = std::numeric_limits<double>::infinity();
     Seed best;
     SlantedPatch patch;
+    const auto look_at = [&](int u, int v) {
+      const double across = u + 0.5 - (column + 0.5) * cell;
+      const double down = v + 0.5 - (row + 0.5) * cell;
+      const double distance = across * across + down * down;
+      if (std::isnan(map(v, u)) || distance >= nearest) return;
+      const std::optional<Surface> surface = SurfaceAt(map, u, v);
+      if (!surface) return;
+      nearest = distance;
+      patch.slope = surface->slope;
+      best.u = static_cast<float>((u + 0.5) * scale - 0.5);
+      best.v = static_cast<float>((v + 0.5) * scale - 0.5);
+      best.u_right = best.u - static_cast<float>(surface->disparity * scale);
+      best.origin = SeedOrigin::kStereo;
+      best.sigma_px = static_cast<float>(surface->sigma * scale);
+    };
+    // Mostly the pixel in the middle will do; then no other is nearer.
+    const int middle = middle_of(column, columns);
+    if (middle_row < rows.end && middle < columns.end) look_at(middle, middle_row);
     for (int v = rows.start; v < rows.end; ++v) {
-      for (int u = columns.start; u < columns.end; ++u) {
-        const double across = u + 0.5 - (column + 0.5) * cell;
-        const double down = v + 0.5 - (row + 0.5) * cell;
-        const double distance = across * across + down * down;
-        if (std::isnan(map(v, u)) || distance >= nearest) continue;
-        const std::optional<Surface> surface = SurfaceAt(map, u, v);
-        if (!surface) continue;
-        nearest = distance;
-        patch.slope = surface->slope;
-        best.u = static_cast<float>((u + 0.5) * scale - 0.5);
-        best.v = static_cast<float>((v + 0.5) * scale - 0.5);
-        best.u_right = best.u - static_cast<float>(surface->disparity * scale);
-        best.origin = SeedOrigin::kStereo;
-        best.sigma_px = static_cast<float>(surface->sigma * scale);
-      }
+      for (int u = columns.start; u < columns.end; ++u) look_at(u, v);
     }
     if (!std::isfinite(nearest) || best.sigma_px > points_.SigmaPx({column, row})) continue;
     if (scale > 1) {
