@@ -6,14 +6,14 @@ namespace sprout {
 namespace {
 
 // Where nobody answers; older ones are forgotten.
-constexpr size_t kMostUnanswered = 64;
+constexpr size_t kMaxUnanswered = 64;
 
 }  // namespace
 
 void FramesUnderWay::Sent(const FrameId& id, Clock::duration time) {
   const std::lock_guard lock(mutex_);
   under_way_.push_back({.id = id, .sent = now_(), .reached_last = now_(), .first = time});
-  if (under_way_.size() > kMostUnanswered) under_way_.pop_front();
+  if (under_way_.size() > kMaxUnanswered) under_way_.pop_front();
 }
 
 // A stage works on a frame from when it came or the one before was answered, whatever is later.

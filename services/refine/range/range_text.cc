@@ -10,7 +10,7 @@
 namespace sprout::refine {
 namespace {
 
-constexpr double kLeastShare = 0.005;  // that is more than 0 %
+constexpr double kMinShare = 0.005;  // that is more than 0 %
 
 // Nearest, most and farthest of the knots whose error the images show; in a curve that is sure only
 // as a whole, the surest one.
@@ -36,7 +36,7 @@ std::optional<std::string> RangeErrorText(const RangeError& error) {
   const std::string moved = fmt::format("{:.0f} % of its points were moved by more than {} px",
                                         100 * error.far_moved_share, RangeRules::kFarMovePx);
   if (error.curve_is_zero) {
-    if (error.far_moved_share < kLeastShare) return "";
+    if (error.far_moved_share < kMinShare) return "";
     return "the range sensor is off as by multi-path: " + moved;
   }
   std::string knots;

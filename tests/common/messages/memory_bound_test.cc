@@ -79,6 +79,8 @@ constexpr Bomb kBombs[] = {{"map", Part::kDisparity, CompressedMap},
                            {"prior", Part::kPrior, CompressedPrior},
                            {"picture", Part::kLeft, CompressedPicture}};
 
+void PrintTo(const Bomb& bomb, std::ostream* out) { *out << bomb.name; }
+
 class CompressedMessage : public ::testing::TestWithParam<Bomb> {};
 
 TEST_P(CompressedMessage, TakesNoMoreThanNineBytesForEachOfItsPixels) {

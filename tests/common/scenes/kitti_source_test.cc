@@ -230,6 +230,10 @@ struct KittiCalibCase {
   std::string message;
 };
 
+void PrintTo(const KittiCalibCase& broken, std::ostream* out) {
+  *out << broken.key << " = '" << broken.value << "'";
+}
+
 class KittiCalib : public testing::TestWithParam<KittiCalibCase> {};
 
 TEST_P(KittiCalib, IsRefusedWithKeyAndReason) {

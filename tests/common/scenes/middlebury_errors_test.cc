@@ -126,6 +126,10 @@ struct CalibCase {
   std::string message;
 };
 
+void PrintTo(const CalibCase& broken, std::ostream* out) {
+  *out << broken.key << " = '" << broken.value << "'";
+}
+
 class MiddleburyCalib : public testing::TestWithParam<CalibCase> {};
 
 TEST_P(MiddleburyCalib, IsRefusedWithKeyAndReason) {

@@ -35,6 +35,10 @@ struct ScaleCase {
   int scale;
 };
 
+void PrintTo(const ScaleCase& scale, std::ostream* out) {
+  *out << scale.rows << " rows, " << scale.configured << " configured";
+}
+
 class MiddleburyScale : public testing::TestWithParam<ScaleCase> {};
 
 TEST_P(MiddleburyScale, DividesCodesFocalLengthAndDmin) {

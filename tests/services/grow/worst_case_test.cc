@@ -19,6 +19,10 @@ PriorMap NoisyPrior(cv::Size size) {
   return prior;
 }
 
+void PrintTo(Texture texture, std::ostream* out) {
+  *out << (texture == Texture::kNone ? "no texture" : "noise");
+}
+
 class WorstGrowth : public testing::TestWithParam<Texture> {};
 
 TEST_P(WorstGrowth, TakesATimeInProportionToSeedsAndPixels) {

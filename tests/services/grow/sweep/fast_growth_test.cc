@@ -74,6 +74,11 @@ struct GrowCase {
   cv::Size image_size;
 };
 
+void PrintTo(const GrowCase& grow, std::ostream* out) {
+  *out << "sigma_p " << grow.sigma_p_px << ", " << grow.grey_levels << " grey levels, seed "
+       << grow.seed;
+}
+
 class FastGrowth : public testing::TestWithParam<GrowCase> {};
 
 TEST_P(FastGrowth, GivesThePixelsOfPlainGrowth) {
