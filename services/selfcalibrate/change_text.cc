@@ -11,6 +11,9 @@ namespace sprout::selfcalibrate {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr char kRefine[] =
+    "sprout-record --dir recording --seconds 10; sprout-calibrate refine recording/*.lcm --out "
+    "new.textproto";
 
 // "+0.12 ± 0.03 px", or that it is not seen.
 std::string Seen(double value, double sigma, double per_unit, int digits, const char* unit) {
@@ -52,20 +55,24 @@ std::string ChangeText(const RigChange& change, const RectifiedPair& pair) {
 
 std::string AdviceText(bool applied) {
   if (applied) return "capture is asked to put it right";
-  return "to put it right: sprout-record --dir recording --seconds 10; sprout-calibrate refine "
-         "recording/*.lcm --out new.textproto (with --rig FILE it keeps the file's devices); or "
-         "self_calibrate { mode: APPLY }";
+  return fmt::format(
+      "to put it right: {} (with --rig FILE it keeps the file's devices); or "
+      "self_calibrate {{ mode: APPLY }}",
+      kRefine);
 }
 
 std::string CurveText(const RangeCorrection& curve) {
   assert(!curve.empty());
-  const CorrectionKnot& most = *std::ranges::max_element(
+  const auto most = std::ranges::max_element(
       curve, {}, [](const CorrectionKnot& knot) { return std::abs(knot.offset_m); });
-  return fmt::format(
-      "ranges are off differently at different ranges, most at {:.2f} m, where {} are missing: "
-      "record "
-      "some seconds, then sprout-calibrate refine writes a range_correction",
-      most.range_m, Seen(most.offset_m, most.sigma_m, 1000, 1, "mm"));
+  std::string knots;
+  for (auto knot = curve.begin(); knot != curve.end(); ++knot) {
+    if (knot != curve.begin() && knot != most && knot + 1 != curve.end()) continue;
+    knots += (knots.empty() ? "" : ", ") + Seen(knot->offset_m, knot->sigma_m, 1000, 1, "mm");
+    if (curve.size() > 1) knots += fmt::format(" at {:.2f} m", knot->range_m);
+  }
+  return fmt::format("the ToF camera's ranges lack {}: {} --rig FILE writes that into the rig file",
+                     knots, kRefine);
 }
 
 TofOffsetStatus OffsetOf(const RigChange& change, const RectifiedPair& pair) {

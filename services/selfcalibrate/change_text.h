@@ -18,7 +18,8 @@ std::string ChangeText(const RigChange& change, const RectifiedPair& pair);
 /// @param applied  whether capture is asked to change it.
 std::string AdviceText(bool applied);
 
-/// What a curve that is not empty says about the ranges, and what to do, one line.
+/// What has to be added to the ranges (a curve that is not empty), at its nearest and farthest knot
+/// and where it is most, with standard deviations, and what to do, one line.
 std::string CurveText(const RangeCorrection& curve);
 
 /// The ToF camera's turn as a shift of its points in the middle of the left image.

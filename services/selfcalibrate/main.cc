@@ -80,10 +80,14 @@ class Watcher {
       return;
     }
     monitor_.SetTofOffset(OffsetOf(change, pair));
-    if (!watch_.curve().empty()) monitor_.Warn(CurveText(watch_.curve()));
-    if (change.verdict == RigChange::Verdict::kRight) return LogLine(LogLevel::kInfo, text);
+    const std::string ranges = watch_.curve().empty() ? "" : CurveText(watch_.curve());
+    if (change.verdict == RigChange::Verdict::kRight) {
+      LogLine(LogLevel::kInfo, text);
+      if (!ranges.empty()) monitor_.Warn(ranges);
+      return;
+    }
     const bool applied = config_.mode() == SelfCalibrateConfig::APPLY;
-    monitor_.Warn(text + ". " + AdviceText(applied));
+    monitor_.Warn(text + ". " + AdviceText(applied) + (ranges.empty() ? "" : ". ") + ranges);
   }
 
   const SelfCalibrateConfig& config_;

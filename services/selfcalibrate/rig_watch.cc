@@ -54,6 +54,25 @@ SeenTurn TurnFrom(const SceneRefinement& refined, RigNumber first) {
   return seen;
 }
 
+// The change of the offset and the curve behind it in one. The bounds of FitRangeCurve() hold for
+// an offset alone, too.
+RangeCorrection WholeCurve(const SceneRefinement& refined) {
+  constexpr double kSureSigmas = 4;
+  constexpr double kLeastM = 0.002;
+  const double offset_m = refined.adjusted.change[calibrate::kRangeOffset];
+  const double sigma_m = std::max(0.0, SigmaOf(refined, calibrate::kRangeOffset));
+  RangeCorrection whole = refined.curve;
+  for (CorrectionKnot& knot : whole) {
+    knot.range_m -= offset_m;
+    knot.offset_m += offset_m;
+    knot.sigma_m = std::hypot(knot.sigma_m, sigma_m);
+  }
+  if (whole.empty() && std::abs(offset_m) > std::max(kSureSigmas * sigma_m, kLeastM)) {
+    whole.push_back({1 / Median(std::vector(refined.adjusted.inverse_depths)), offset_m, sigma_m});
+  }
+  return whole;
+}
+
 std::string JoinedReasons(const SceneRefinement& refined) {
   std::string text = "no change makes the frames fit";
   for (const std::string& reason : refined.reasons) text += "; " + reason;
@@ -94,7 +113,7 @@ RigChange RigWatch::Measure(const FrameId& newest) {
   FillRows(*refined, change);
   if (!refined->is_good()) return Unseen(std::move(change), JoinedReasons(*refined));
   FillNumbers(*refined, change);
-  curve_ = refined->curve;
+  curve_ = WholeCurve(*refined);
   change.verdict = IsWrong(*refined) ? RigChange::Verdict::kWrong : RigChange::Verdict::kRight;
   return change;
 }

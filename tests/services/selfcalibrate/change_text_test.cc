@@ -45,9 +45,17 @@ TEST(ChangeText, AdvisesACommandUnlessCaptureDoesIt) {
   EXPECT_EQ(AdviceText(/*applied=*/true), "capture is asked to put it right");
 }
 
-TEST(CurveText, NamesTheRangeThatIsOffMost) {
-  EXPECT_THAT(CurveText({{1, 0.004, 0.001}, {1.5, -0.0123, 0.0021}, {2, 0.01, 0.001}}),
-              testing::HasSubstr("most at 1.50 m, where -12.3 ± 2.1 mm are missing: "));
+TEST(CurveText, HasTheNearestTheFarthestAndTheMostWithTheCommand) {
+  const std::string command =
+      ": sprout-record --dir recording --seconds 10; sprout-calibrate refine recording/*.lcm --out "
+      "new.textproto --rig FILE writes that into the rig file";
+  EXPECT_EQ(
+      CurveText({{1, 0.004, 0.001}, {1.2, 0.001, 0.001}, {1.5, -0.0123, 0.0021}, {2, 0.01, 0.001}}),
+      "the ToF camera's ranges lack +4.0 ± 1.0 mm at 1.00 m, -12.3 ± 2.1 mm at 1.50 m, +10.0 ± "
+      "1.0 mm at 2.00 m" +
+          command);
+  EXPECT_EQ(CurveText({{1.5, -0.0098, 0.0006}}),
+            "the ToF camera's ranges lack -9.8 ± 0.6 mm" + command);
 }
 
 TEST(OffsetOf, IsTheShiftOfTheToFCamerasPoints) {

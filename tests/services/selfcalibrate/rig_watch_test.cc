@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <functional>
 #include <iostream>
 #include <numbers>
 
@@ -152,26 +153,40 @@ TEST(RigWatch, SeesATurnedToFCameraAndItsRanges) {
   for (const double turn : seen.right.turn) EXPECT_LT(std::abs(turn), 0.02 * kDegree);
 }
 
-TEST(RigWatch, SeesRangesThatAreOffDifferently) {
+// What the watch would add to ranges that are off as said, along the ray.
+RangeCorrection CurveFor(const std::function<double(double)>& error_m) {
   const RawRig rig = calibrate::TrueRig({640, 480});
   WatchedRig watched(rig);
-  EXPECT_EQ(watched.See(rig).verdict, Verdict::kRight);
-  EXPECT_TRUE(watched.curve().empty());
   const cv::Mat1d per_depth = RangePerDepth(rig.tof);
-  const auto wiggling = [&](RigImages images) {
-    for (int i = 0; i < static_cast<int>(per_depth.total()); ++i) {
-      const double range_m = images.tof.depth_m(i) * per_depth(i);
-      const double off_m = 0.03 * std::sin(2 * std::numbers::pi * range_m / 1.25);
-      images.tof.depth_m(i) += static_cast<float>(off_m / per_depth(i));
+  for (int i = 1; i <= kFrames; ++i) {
+    RigImages images = RenderScene(rig, 3, 20 * i, true);
+    for (int j = 0; j < static_cast<int>(per_depth.total()); ++j) {
+      images.tof.depth_m(j) +=
+          static_cast<float>(error_m(images.tof.depth_m(j) * per_depth(j)) / per_depth(j));
     }
-    return images;
-  };
-  for (int i = 1; i < kFrames; ++i) {
-    ASSERT_TRUE(watched.Add(wiggling(RenderScene(rig, 3, 20 * i, true))));
+    const auto seen = watched.Add(images);
+    EXPECT_TRUE(seen);
+    EXPECT_TRUE(i < kFrames || (*seen)->verdict != Verdict::kUnseen) << (*seen)->reason;
   }
-  const RigChange seen = watched.SeeOne(wiggling(RenderScene(rig, 3, 0, true)));
-  EXPECT_NE(seen.verdict, Verdict::kUnseen) << seen.reason;
-  EXPECT_FALSE(watched.curve().empty());
+  return watched.curve();
+}
+
+TEST(RigWatch, LearnsWhatTheSimulatedSensorIsOffBy) {
+  EXPECT_TRUE(CurveFor([](double) { return 0; }).empty()) << "a right one is left alone";
+  const std::function<double(double)> errors[] = {
+      [](double) { return 0.01; },
+      [](double range_m) { return 0.01 * std::sin(2 * std::numbers::pi * range_m / 1.25); }};
+  for (const auto& error_m : errors) {
+    const RangeCorrection curve = CurveFor(error_m);
+    ASSERT_FALSE(curve.empty());
+    for (const CorrectionKnot& knot : curve) {
+      const double left_m = knot.offset_m + error_m(knot.range_m);
+      EXPECT_LT(std::abs(left_m), 3 * knot.sigma_m) << knot.range_m;
+      if (knot.range_m < 4) {
+        EXPECT_LT(std::abs(left_m), 0.005) << knot.range_m;
+      }
+    }
+  }
 }
 
 TEST(RigWatch, SeesRowsButNoYawWithoutToFCamera) {
