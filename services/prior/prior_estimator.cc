@@ -23,13 +23,15 @@ constexpr double kLongestSpacings = 3;
 constexpr double kDeepestSpacings = 1;
 
 Result<Triangulation> TriangulateOrSayWhy(std::span<const Seed> seeds) {
-  if (seeds.size() < 3) {
-    return Fail(std::to_string(seeds.size()) + " seeds: a prior needs at least 3");
-  }
+  // Appended, since GCC 14 warns of what + makes inside.
+  const auto fail = [&](const char* why) {
+    std::string text = std::to_string(seeds.size());
+    text += why;
+    return Fail(std::move(text));
+  };
+  if (seeds.size() < 3) return fail(" seeds: a prior needs at least 3");
   Triangulation triangulation = Triangulate(seeds);
-  if (triangulation.triangles.empty()) {
-    return Fail(std::to_string(seeds.size()) + " seeds, all on one line: no prior");
-  }
+  if (triangulation.triangles.empty()) return fail(" seeds, all on one line: no prior");
   return triangulation;
 }
 
