@@ -1,0 +1,29 @@
+#ifndef SPROUT_TESTS_SERVICES_TEMPORAL_DRIVE_H_
+#define SPROUT_TESTS_SERVICES_TEMPORAL_DRIVE_H_
+
+#include <vector>
+
+#include "tests/services/temporal/moving_scene.h"
+
+namespace sprout::temporal {
+
+inline constexpr double kNoisePx = 0.4;
+
+inline TemporalConfig Defaults() { return LoadConfig({}).temporal(); }
+
+/// The camera comes nearer, to the right, and turns.
+inline Pose PoseAt(int frame) {
+  return MovedBy(0.012 * frame, -0.004 * frame, 0.03 * frame, 0.004 * frame);
+}
+
+inline std::vector<TemporalInput> Drive(int frames) {
+  std::vector<TemporalInput> inputs;
+  for (int i = 0; i < frames; ++i) {
+    inputs.push_back(FrameFrom(SceneFrom(PoseAt(i)), i, kNoisePx));
+  }
+  return inputs;
+}
+
+}  // namespace sprout::temporal
+
+#endif  // SPROUT_TESTS_SERVICES_TEMPORAL_DRIVE_H_
