@@ -8,6 +8,7 @@
 #include "common/core/image.h"
 #include "common/core/quantile.h"
 #include "common/inputs/check_inputs.h"
+#include "services/tools/calibrate/scene/range_curve_fit.h"
 
 namespace sprout::selfcalibrate {
 namespace {
@@ -54,11 +55,8 @@ SeenTurn TurnFrom(const SceneRefinement& refined, RigNumber first) {
   return seen;
 }
 
-// The change of the offset and the curve behind it in one. The bounds of FitRangeCurve() hold for
-// an offset alone, too.
+// The change of the offset and the curve behind it in one.
 RangeCorrection WholeCurve(const SceneRefinement& refined) {
-  constexpr double kSureSigmas = 4;
-  constexpr double kLeastM = 0.002;
   const double offset_m = refined.adjusted.change[calibrate::kRangeOffset];
   const double sigma_m = std::max(0.0, SigmaOf(refined, calibrate::kRangeOffset));
   RangeCorrection whole = refined.curve;
@@ -67,7 +65,7 @@ RangeCorrection WholeCurve(const SceneRefinement& refined) {
     knot.offset_m += offset_m;
     knot.sigma_m = std::hypot(knot.sigma_m, sigma_m);
   }
-  if (whole.empty() && std::abs(offset_m) > std::max(kSureSigmas * sigma_m, kLeastM)) {
+  if (whole.empty() && calibrate::IsSignificantCorrection(offset_m, sigma_m)) {
     whole.push_back({1 / Median(std::vector(refined.adjusted.inverse_depths)), offset_m, sigma_m});
   }
   return whole;

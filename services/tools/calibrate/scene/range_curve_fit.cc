@@ -50,6 +50,10 @@ Eigen::VectorXd WeightsAt(const std::vector<double>& knots, double range_m) {
 
 }  // namespace
 
+bool IsSignificantCorrection(double offset_m, double sigma_m) {
+  return std::abs(offset_m) > std::max(kSureSigmas * sigma_m, kMinCorrectionM);
+}
+
 RangeCorrection FitRangeCurve(std::vector<RangeSample> samples) {
   std::ranges::stable_sort(samples, {}, &RangeSample::range_m);
   const std::vector<double> knots = KnotRanges(samples);
@@ -82,7 +86,7 @@ RangeCorrection FitRangeCurve(std::vector<RangeSample> samples) {
   bool is_significant = false;
   for (Eigen::Index k = 0; k < count; ++k) {
     const double sigma_m = std::sqrt(covariance(k, k));
-    is_significant |= std::abs(curve[k]) > std::max(kSureSigmas * sigma_m, kMinCorrectionM);
+    is_significant |= IsSignificantCorrection(curve[k], sigma_m);
     correction.push_back({knots[static_cast<size_t>(k)], curve[k], sigma_m});
   }
   return is_significant ? correction : RangeCorrection{};

@@ -14,6 +14,9 @@ struct RangeSample {
   double sigma_m = 0;  ///< standard deviation of error_m, > 0
 };
 
+/// Whether a correction is worth making: more than four standard deviations and 2 mm from 0.
+bool IsSignificantCorrection(double offset_m, double sigma_m);
+
 /// What has to be added to ranges: straight lines between knots that minimise
 ///
 ///     Σ ρ((c(r_i) + e_i)² / (s σ_i)²) + Σ c_k² / τ²
@@ -22,8 +25,8 @@ struct RangeSample {
 /// sensor. Each knot has the same number of samples, at least 40, and ranges 5 % apart; there are
 /// up to 24. By iterated least squares.
 ///
-/// @returns nothing when no knot differs from 0 by more than four standard deviations and 2 mm. One
-/// thread; same input, same bytes. O(samples).
+/// @returns nothing when no knot is significant, as above. One thread; same input, same bytes.
+/// O(samples).
 RangeCorrection FitRangeCurve(std::vector<RangeSample> samples);
 
 /// One correction after another: `first` of ranges as they are measured, `then` of what `first`
