@@ -1,6 +1,8 @@
 #include "services/refine/refine_adapter.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -96,6 +98,16 @@ bool RefineAdapter::CheckInput(const Frame& frame) {
   return true;
 }
 
+// Whether more than a share of the range points have negative disparities.
+bool RefineAdapter::HasPointsBelowZero(const Frame& frame, double share) {
+  if (frame.tof->depth_m.empty() || !CheckTofSize(*frame.rig, *frame.tof)) return false;
+  int behind = 0;
+  const std::vector<ProjectedPoint> points = ProjectorOf(*frame.rig).Project(*frame.tof, behind);
+  const auto below = std::ranges::count_if(
+      points, [](const ProjectedPoint& point) { return point.seed.disparity() < -1; });
+  return static_cast<double>(below) > share * static_cast<double>(points.size());
+}
+
 // The seeds of a frame whose far points may have negative disparities.
 RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
   // Some points and matches are wrong in every frame, and a longer search finds more wrong ones.
@@ -110,19 +122,34 @@ RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
     }
     return result;
   }
+  const auto share_of = [&](const Refined& result) {
+    return kMinShare * static_cast<double>(CountsOf(result.answer).all);
+  };
+  std::optional<Refined> result;
+  // Most rigs of this kind look at nothing so far away. That is seen at a tenth of the cost.
+  if (!HasPointsBelowZero(frame, kMinShare)) {
+    result = RefineFrom0(frame);
+    if (!result->fits || static_cast<double>(refiner_.unanswered_cells()) <= share_of(*result)) {
+      return std::move(*result);
+    }
+  }
+  const Frame wide_frame = Widened(frame, columns);
+  if (result && refiner_.ShareBelowZero(ToGrey(GreyestLeft(wide_frame), left_grey_),
+                                        ToGrey(GreyestRight(wide_frame), right_grey_),
+                                        columns) <= kMinShare / 2) {
+    return std::move(*result);
+  }
   refiner_.SetColumns(columns);
-  Refined wide = RefineFrom0(Widened(frame, columns));
+  Refined wide = RefineFrom0(wide_frame);
   refiner_.SetColumns(0);
   Narrow(wide.answer, columns, frame.left.size());
   const SeedCounts counts = CountsOf(wide.answer);
-  const auto are_many = [&](size_t negative) {
-    return static_cast<double>(negative) > kMinShare * static_cast<double>(counts.all);
-  };
-  if (are_many(counts.negative_tof)) return wide;
-  Refined result = RefineFrom0(frame);
-  const bool is_better = are_many(counts.negative_tof + counts.negative_stereo) &&
-                         counts.all >= CountsOf(result.answer).all;
-  return is_better ? wide : result;
+  if (static_cast<double>(counts.negative_tof) > share_of(wide)) return wide;
+  if (!result) result = RefineFrom0(frame);
+  const bool is_better =
+      static_cast<double>(counts.negative_tof + counts.negative_stereo) > share_of(wide) &&
+      counts.all >= CountsOf(result->answer).all;
+  return is_better ? std::move(wide) : std::move(*result);
 }
 
 // Refines a frame as if no disparity could be negative.

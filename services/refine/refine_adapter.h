@@ -25,8 +25,9 @@ class RefineAdapter : public StageAdapter {
 
   PartSet Inputs() const override { return inputs_; }
 
-  /// Where points may have negative disparities (cx_right > cx), also in a wider frame (Widened()),
-  /// whose answer is taken if one seed in a hundred has one, and it has as many seeds. Always
+  /// Where disparities may be negative (cx_right > cx), and range points or a coarse match have
+  /// such, also in a wider frame (Widened()), whose answer is taken if one seed in a hundred has
+  /// one, and it has as many seeds. Always
   /// answers; without a usable point, and if stereo finds nothing either, both are empty and
   /// the result says why. It also says, of the first frame, the first with a range image and each
   /// check_inputs_every-th one, what is wrong with the input (again in later frames that have
@@ -38,6 +39,7 @@ class RefineAdapter : public StageAdapter {
     StageResult answer;
     bool fits = true;  // images and range image have the sizes of the calibration
   };
+  bool HasPointsBelowZero(const Frame& frame, double share);
   Refined RefineWhole(const Frame& frame);
   Refined RefineFrom0(const Frame& frame);
   const TofProjector& ProjectorOf(const Rig& rig);

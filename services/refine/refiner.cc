@@ -62,6 +62,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   }
   tof_offset_ = {};
   range_error_ = {};
+  unanswered_cells_ = 0;
   if (config_.align_tof() && !points_.empty()) {
     tof_offset_ = aligner_.Estimate(left, right, points_, tof, projector);
     if (tof_offset_.IsOff()) ApplyOffset(tof_offset_, rig, points_);
@@ -88,6 +89,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     const bool dense = !points_.empty() && !stereo_.IsCoarse(spacing_px, left.cols);
     const std::span<const Seed> stereo =
         stereo_.Find(left, right, result.seeds, Covered(dense), spacing_px, zones_.most_px());
+    unanswered_cells_ = stereo_.unanswered();
     if (dense) result.contradicted += unsure_.Drop(grid, noise_px_, stereo, result.seeds);
     result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
   }

@@ -55,6 +55,12 @@ class Refiner {
   /// Widened(); 0: none.
   void SetColumns(int columns) { stereo_.SetColumns(columns); }
 
+  /// Of the stereo seeds of the last call, see StereoSeedFinder.
+  size_t unanswered_cells() const { return unanswered_cells_; }
+  double ShareBelowZero(const cv::Mat1b& left, const cv::Mat1b& right, int columns) {
+    return stereo_.ShareBelowZero(left, right, columns);
+  }
+
   /// Reliable points of the last call that only the left camera sees, since they lie outside the
   /// right image or behind a nearer surface in it. They are no correspondences, but give depth
   /// where stereo cannot; and what zones say of places that nothing else explains. u_right is where
@@ -103,6 +109,7 @@ class Refiner {
   BackgroundRule background_;
   std::vector<cv::Point2f> covered_;
   StereoSeedFinder stereo_;
+  size_t unanswered_cells_ = 0;
   ZoneEvidence zones_;
   std::vector<Seed> all_seeds_;
   PointSurface all_points_;

@@ -195,24 +195,42 @@ void StereoSeedFinder::TakeFrom(const cv::Mat1b& left, const cv::Mat1b& right, c
   }
 }
 
+// @param width  of the images, with so many columns more than the cameras'.
+StereoMatcherSettings StereoSeedFinder::SettingsFor(int width, int columns) const {
+  const int most = config_.stereo_max_disparity_px();
+  const int of_camera = most > 0 ? most : (width - columns) / StereoRules::kWidthsPerDisparity;
+  return {.max_disparity_px = std::clamp(of_camera + columns, 1, width),
+          .most_pixels = config_.stereo_most_pixels()};
+}
+
+double StereoSeedFinder::ShareBelowZero(const cv::Mat1b& left, const cv::Mat1b& right,
+                                        int columns) {
+  StereoMatcherSettings settings = SettingsFor(left.cols, columns);
+  settings.most_pixels = std::min(settings.most_pixels, StereoRules::kFewPixels);
+  wanted_.create(left.size());
+  wanted_ = 1;
+  const cv::Mat1f& map = matcher_.Match(left, right, wanted_, {}, settings);
+  const int known = cv::countNonZero(map == map);
+  const double zero = static_cast<double>(columns) / matcher_.scale();
+  const int below = cv::countNonZero(map < zero + 0.5);
+  return known == 0 ? 0 : static_cast<double>(below) / known;
+}
+
 std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Mat1b& right,
                                              std::span<const Seed> seeds,
                                              std::span<const cv::Point2f> covered,
                                              double spacing_px, const cv::Mat1f& most_px) {
   constexpr int kWindowRadius = StereoRules::kWindowRadius;
   seeds_.clear();
+  unanswered_ = 0;
   if (std::min(left.cols, left.rows) <= 2 * kWindowRadius) return seeds_;  // no window fits
   const CellGrid grid(SpacingPx(left.cols), left.size());
   FindUncovered(grid, seeds, covered, IsCoarse(spacing_px, left.cols) ? 0 : config_.stereo_gap(),
                 MatchingScale(left.size(), config_.stereo_most_pixels()));
-  if (cv::countNonZero(uncovered_) == 0) return seeds_;
+  const auto wanted = static_cast<size_t>(cv::countNonZero(uncovered_));
+  if (wanted == 0) return seeds_;
   MarkWanted(grid, left.size());
-  const int most = config_.stereo_max_disparity_px();
-  const StereoMatcherSettings settings{
-      .max_disparity_px = std::clamp(
-          (most > 0 ? most : (left.cols - columns_) / StereoRules::kWidthsPerDisparity) + columns_,
-          1, left.cols),
-      .most_pixels = config_.stereo_most_pixels()};
+  const StereoMatcherSettings settings = SettingsFor(left.cols, columns_);
   const cv::Mat1f& map = matcher_.Match(left, right, wanted_, seeds, settings);
   found_.resize(static_cast<size_t>(grid.size.height));
   ForEachParallel(found_.size(), [&](size_t row) {
@@ -227,6 +245,7 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
              inside.contains({seed.u, seed.v}) && inside.contains({seed.u_right, seed.v});
     });
   }
+  unanswered_ = wanted - seeds_.size();
   return seeds_;
 }
 

@@ -39,6 +39,15 @@ class StereoSeedFinder {
                              std::span<const Seed> seeds, std::span<const cv::Point2f> covered,
                              double spacing_px, const cv::Mat1f& most_px = {});
 
+  /// How many cells of the last call wanted a seed and got none.
+  size_t unanswered() const { return unanswered_; }
+
+  /// The share of matches whose disparity of the cameras' images is, or may be, negative, in a pair
+  /// with so many more columns (see Widened()): of images of at most
+  /// kFewPixels, so that a disparity of up to half of their px counts, too. A tenth of the time of
+  /// Find() without points.
+  double ShareBelowZero(const cv::Mat1b& left, const cv::Mat1b& right, int columns);
+
   /// The images of the next calls are so many columns wider than the cameras', and all disparities
   /// larger (see Widened()): the search reaches as much farther.
   void SetColumns(int columns) { columns_ = columns; }
@@ -50,6 +59,7 @@ class StereoSeedFinder {
   bool IsCoarse(double spacing_px, int width) const;
 
  private:
+  StereoMatcherSettings SettingsFor(int width, int columns) const;
   void FindUncovered(const CellGrid& grid, std::span<const Seed> seeds,
                      std::span<const cv::Point2f> covered, double gap, double scale);
   void MarkWanted(const CellGrid& grid, cv::Size size);
@@ -64,6 +74,7 @@ class StereoSeedFinder {
   cv::Mat1b wanted_;                      // pixels that are matched for them
   std::vector<std::vector<Seed>> found_;  // in the rows of the grid
   std::vector<Seed> seeds_;
+  size_t unanswered_ = 0;
 };
 
 }  // namespace sprout::refine

@@ -224,6 +224,31 @@ void UseInstructionSet(int64_t set) {
   hwy::GetChosenTarget().DeInit();
 }
 
+TEST(StereoSeeds, CountsThePlacesWithoutAnAnswer) {
+  StereoSeedFinder finder(Config());
+  const Pair flat(cv::Mat1b(kSize, uint8_t{128}), [](int, int) { return 12; });
+  const size_t cells = kSize.area() / (kSpacing * kSpacing);
+  finder.Find(flat.left, flat.right, {}, {}, 0);
+  EXPECT_EQ(finder.unanswered(), cells);
+  const Pair pair(Texture(kSize), [](int, int) { return 12; });
+  const size_t found = finder.Find(pair.left, pair.right, {}, {}, 0).size();
+  EXPECT_EQ(finder.unanswered(), cells - found);
+}
+
+// A rig whose far points, in the upper tenth, have a disparity of −4 px, or of +4 px. Images of
+// this size are halved to see that.
+TEST(StereoSeeds, TellWhetherDisparitiesAreNegative) {
+  constexpr int kColumns = 12;
+  const cv::Size size(640, 420);
+  const auto share = [&](int far_px) {
+    const Pair wide(Texture(size + cv::Size(kColumns, 0)),
+                    [&](int, int v) { return kColumns + (v < size.height / 10 ? far_px : 20); });
+    return StereoSeedFinder(Config()).ShareBelowZero(wide.left, wide.right, kColumns);
+  };
+  EXPECT_NEAR(share(-4), 0.1, 0.03);
+  EXPECT_LT(share(4), 0.002);
+}
+
 TEST(StereoSeeds, DependOnNeitherTheNumberOfThreadsNorTheInstructionSet) {
   const Pair pair(Texture({701, 403}), [](int u, int v) { return 20 + 0.02 * v + 0.01 * u; });
   std::vector<cv::Point2f> covered;  // so that parts of some rows are searched, and no others
