@@ -16,27 +16,15 @@ namespace {
 using calibrate::RigNumber;
 using calibrate::SceneRefinement;
 
-// Pixels in which features are searched: more of them show the same, and take more time (NOTES.md).
-constexpr double kSearchedPixels = 0.15e6;
-// Some 1500 matches of all frames together know a turn to a hundredth of a pixel.
-constexpr size_t kMaxInCell = 20;
-constexpr size_t kMaxMatches = 1500;
 // Matches share errors: one in so many is independent, as the adjustment has it.
 constexpr double kSharing = 4;
-
-calibrate::SceneEffort EffortFor(const RectifiedPair& pair) {
-  const double times = std::sqrt(double(pair.width) * pair.height / kSearchedPixels);
-  return {.match = {.shrink = std::max(1, static_cast<int>(std::lround(times))),
-                    .most_in_cell = kMaxInCell},
-          .most_matches = kMaxMatches};
-}
 
 // Frames are rectified already: the rig is one of cameras without distortion, and the axes of its
 // left camera are those of the left rectified frame.
 calibrate::SceneRefiner RefinerFor(const Rig& rig) {
   const Rectification as_they_are{
       .left_turn = cv::Matx33d::eye(), .right_turn = cv::Matx33d::eye(), .pair = rig.pair};
-  return {calibrate::RawRigOf(rig), as_they_are, EffortFor(rig.pair)};
+  return {calibrate::RawRigOf(rig), as_they_are, calibrate::QuickEffort(rig.pair)};
 }
 
 double SigmaOf(const SceneRefinement& refined, RigNumber number) {

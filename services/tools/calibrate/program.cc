@@ -24,7 +24,6 @@
 #include "services/tools/calibrate/board_page.h"
 #include "services/tools/calibrate/board_reader.h"
 #include "services/tools/calibrate/calibrator.h"
-#include "services/tools/calibrate/check.h"
 #include "services/tools/calibrate/frame_log.h"
 #include "services/tools/calibrate/image_folder.h"
 #include "services/tools/calibrate/import/import.h"
@@ -53,7 +52,8 @@ Examples
   sprout-calibrate import left.yaml right.yaml --out rig.textproto    a calibration of ROS, OpenCV, Kalibr
 
 `sprout-calibrate COMMAND --help` explains a command. Exit codes: 0; 1 the calibration is not good
-(any more), or there is none; 2 a flag or a file that cannot be used.
+(any more), or there is none,
+or check cannot tell; 2 a flag or a file that cannot be used.
 )";
 
 struct BoardOptions {
@@ -73,7 +73,7 @@ struct Options {
   fs::path report;
   std::string prefix;
   int bits = 0;  // of images in folders, see EightBits
-  CheckOptions check;
+  RefineOptions check;
   RefineOptions refine;
   ImportOptions import;
   WatchOptions watch{.out = {}, .prefix = {}, .lcm_url = kDefaultLcmUrl};
@@ -271,22 +271,29 @@ void AddWatch(Flags& program, Options& options) {
   flags.Add("--channel-prefix TEXT", options.watch.prefix, "Prefix of the graph's channels");
 }
 
-void AddCheck(Flags& program, Options& options) {
-  Flags& flags =
-      program.AddCommand("check",
-                         "Checks with frames without a board whether the calibration still "
-                         "holds: whether rows agree,\nand whether ToF points are projected to "
-                         "the right places. Exit code 0 good, 1 calibrate again",
-                         [&options] { return RunCheck(options.check); });
+// What refine and check read.
+void AddScenes(Flags& flags, RefineOptions& options) {
   flags
-      .Add("LOG", options.check.input,
-           "Log of rectified frames, as a running graph sends them; with --rig also one of "
-           "unrectified images, or a folder of them as of estimate")
+      .Add("LOG", options.inputs,
+           "Logs of unrectified images (RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF) or "
+           "of a running graph,\nor folders as of estimate")
       .Required()
       .ExistingPath();
-  flags.Add("--rig FILE", options.check.rig,
-            "Rig file; the images are unrectified, and are rectified with it");
-  flags.Add("--channel-prefix TEXT", options.check.prefix, "Before the channels in the log");
+  flags.Add("--rig FILE", options.rig,
+            "Rig file, with which the images were or will be rectified. Without it:\nthe "
+            "calibration in the log of a running graph, as one of cameras without distortion");
+  flags.Add("--channel-prefix TEXT", options.prefix, "Before the channels in the log");
+  AddBits(flags, options.bits);
+}
+
+void AddCheck(Flags& program, Options& options) {
+  Flags& flags = program.AddCommand(
+      "check",
+      "Checks with frames of any scene, without a board, whether the calibration still holds: as "
+      "refine, but\nwrites nothing. Exit code 0 good, 1 calibrate again, or the scene shows too "
+      "little to tell",
+      [&options] { return RunCheck(options.check); });
+  AddScenes(flags, options.check);
 }
 
 void AddRefine(Flags& program, Options& options) {
@@ -296,16 +303,7 @@ void AddRefine(Flags& program, Options& options) {
       "the right camera\nand of the ToF camera, and the offset of its ranges. What the scene does "
       "not show stays, and is said.\nExit code 0 good, 1 not good, or the scene shows too little",
       [&options] { return RunRefine(options.refine); });
-  flags
-      .Add("LOG", options.refine.inputs,
-           "Logs of unrectified images (RAW_SPROUT_LEFT, RAW_SPROUT_RIGHT, RAW_SPROUT_TOF) or "
-           "of a running graph,\nor folders as of estimate")
-      .Required()
-      .ExistingPath();
-  flags.Add("--rig FILE", options.refine.rig,
-            "Rig file to refine, with which the images were or will be rectified. Without "
-            "it:\nthe calibration in the log of a running graph, as one of cameras without "
-            "distortion");
+  AddScenes(flags, options.refine);
   flags
       .Add("--out FILE", options.refine.out,
            "Rig file to write; a bad calibration is written beside it")
@@ -318,8 +316,6 @@ void AddRefine(Flags& program, Options& options) {
            "(direction of the baseline),\nyaw (where no ToF point shows it)")
       .SplitAtCommas()
       .OneOf({"focal", "row", "place", "yaw"});
-  flags.Add("--channel-prefix TEXT", options.refine.prefix, "Before the channels in the log");
-  AddBits(flags, options.refine.bits);
 }
 
 void AddImport(Flags& program, Options& options) {

@@ -1,5 +1,7 @@
 #include "services/tools/calibrate/refine.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <iostream>
 #include <optional>
@@ -9,11 +11,14 @@
 #include "common/app/progress.h"
 #include "common/bus/channels.h"
 #include "common/config/config_error.h"
+#include "common/core/shell_word.h"
+#include "common/inputs/check_inputs.h"
 #include "common/rig/rectifier.h"
 #include "services/tools/calibrate/frame_log.h"
 #include "services/tools/calibrate/image_folder.h"
 #include "services/tools/calibrate/rectify_images.h"
 #include "services/tools/calibrate/result_file.h"
+#include "services/tools/calibrate/scene/scene_checks.h"
 #include "services/tools/calibrate/scene/scene_refiner.h"
 #include "services/tools/calibrate/scene/scene_report.h"
 
@@ -25,12 +30,18 @@ namespace fs = std::filesystem;
 // Reads all inputs into one refiner.
 class Reader {
  public:
-  explicit Reader(const RefineOptions& options) : options_(options) {
+  enum class Purpose { kRefine, kCheck };
+
+  Reader(const RefineOptions& options, Purpose purpose)
+      : options_(options), finds_(purpose == Purpose::kCheck) {
     if (options.rig.empty()) return;
     description_ = LoadRigFile(options.rig);
     const RawRig raw = RequireCalibration(description_, options.rig);
     rectifier_.emplace(raw);
-    refiner_.emplace(raw, RectificationOf(raw));
+    if (const std::string warning = ViewsWarning(rectifier_->views()); !warning.empty()) {
+      std::cerr << "sprout-calibrate: " << warning << "\n";
+    }
+    Start(raw, RectificationOf(raw));
   }
 
   SceneRefiner& Read() {
@@ -54,7 +65,14 @@ class Reader {
 
   const RigDescription& description() const { return description_; }
 
+  /// What goes in, all frames that were used together.
+  inputs::Findings FindingsOfAll() const { return inputs::Combine(findings_); }
+
  private:
+  void Start(const RawRig& rig, const Rectification& images) {
+    refiner_.emplace(rig, images, finds_ ? QuickEffort(images.pair) : SceneEffort());
+  }
+
   std::string Channel(std::string_view kind, Part part) const {
     return options_.prefix + std::string(kind) + std::string(ChannelOf(part));
   }
@@ -80,7 +98,16 @@ class Reader {
   Result<void> AddRaw(const RigImages& raw) {
     const Result<RigImages> images = RectifyImages(*rectifier_, raw);
     if (!images) return tl::unexpected(images.error());
-    return refiner_->Add(images->left, images->right, images->tof);
+    return Add(*images);
+  }
+
+  Result<void> Add(const RigImages& images) {
+    const Result<void> added = refiner_->Add(images.left, images.right, images.tof);
+    if (added && finds_) {
+      findings_.push_back(
+          inputs::CheckInputs(images.left, images.right, images.tof, refiner_->RigBefore()));
+    }
+    return added;
   }
 
   void ReadFolder(const fs::path& folder) {
@@ -122,16 +149,16 @@ class Reader {
                           ": allowed is the rig file with which it was recorded");
       }
       if (!rectifier_) {
-        refiner_.emplace(RawRigOf(*frame.rig), Rectification{.left_turn = cv::Matx33d::eye(),
-                                                             .right_turn = cv::Matx33d::eye(),
-                                                             .pair = frame.rig->pair});
+        Start(RawRigOf(*frame.rig), {.left_turn = cv::Matx33d::eye(),
+                                     .right_turn = cv::Matx33d::eye(),
+                                     .pair = frame.rig->pair});
       }
       rig_id_ = rig_id;
     }
     if (*rig_id_ != rig_id) {
       return Fail("a frame of another calibration, " + rig_id + " instead of " + *rig_id_);
     }
-    return refiner_->Add(frame.left, frame.right, *frame.tof);
+    return Add({frame.left, frame.right, *frame.tof});
   }
 
   void Complain(const std::string& complaint) {
@@ -141,6 +168,8 @@ class Reader {
   }
 
   const RefineOptions& options_;
+  bool finds_;                              // what goes in is examined as well
+  std::vector<inputs::Findings> findings_;  // of each frame
   RigDescription description_;
   std::optional<Rectifier> rectifier_;  // with --rig
   std::optional<SceneRefiner> refiner_;
@@ -151,13 +180,33 @@ class Reader {
   std::string refusal_ = "there is none";
 };
 
+// The command that refines what was checked. Without a rig file it takes the calibration in the
+// log.
+std::string RefineCommand(const RefineOptions& options) {
+  std::string command = "sprout-calibrate refine";
+  for (const fs::path& input : options.inputs) command += " " + ShellWord(input.string());
+  if (!options.rig.empty()) command += " --rig " + ShellWord(options.rig.string());
+  if (!options.prefix.empty()) command += " --channel-prefix " + ShellWord(options.prefix);
+  if (options.bits != 0) command += fmt::format(" --bits {}", options.bits);
+  return command + " --out new.textproto";
+}
+
+// What is bad of what goes in, when there is no refinement.
+std::vector<std::string> BadOf(const inputs::Findings& findings) {
+  std::vector<std::string> bad;
+  for (const inputs::Finding& finding : findings) {
+    if (finding.verdict == inputs::Verdict::kBad) bad.push_back(finding.text);
+  }
+  return bad;
+}
+
 }  // namespace
 
 int RunRefine(const RefineOptions& options) {
   const auto wished = [&](const char* name) {
     return std::ranges::find(options.also, name) != options.also.end();
   };
-  Reader reader(options);
+  Reader reader(options, Reader::Purpose::kRefine);
   SceneRefiner& refiner = reader.Read();
   Progress progress(/*quiet=*/false);
   progress.ShowTime("fitting");
@@ -178,6 +227,37 @@ int RunRefine(const RefineOptions& options) {
   std::cout << SceneSummaryText(*refined);
   SaveResult(rig, refined->is_good(), options.out);
   return refined->is_good() ? 0 : 1;
+}
+
+int RunCheck(const RefineOptions& options) {
+  Reader reader(options, Reader::Purpose::kCheck);
+  SceneRefiner& refiner = reader.Read();
+  const Result<SceneRefinement> refined = refiner.Refine({});
+  const inputs::Findings findings = reader.FindingsOfAll();
+  const RectifiedPair pair = refiner.RigBefore().pair;
+  std::vector<std::string> reasons =
+      refined ? ReasonsToCalibrate(*refined, findings, pair) : BadOf(findings);
+  const bool is_wrong = !reasons.empty();
+  const bool cannot_tell = !is_wrong && !(refined && refined->is_good());
+  if (!refined) {
+    reasons.push_back(refined.error().text);
+  } else if (cannot_tell) {
+    reasons = refined->reasons;
+  }
+  std::cout << fmt::format("{} frames: {}\n", refiner.views(),
+                           is_wrong      ? "has to be calibrated again"
+                           : cannot_tell ? "cannot tell"
+                                         : "good");
+  for (const std::string& reason : reasons) std::cout << "  * " << reason << "\n";
+  if (refined) std::cout << SceneCheckText(*refined, pair);
+  for (const inputs::Finding& finding : findings) {
+    std::cout << fmt::format("{:<30} {}: {}\n", inputs::NameOf(finding.question),
+                             inputs::NameOf(finding.verdict), finding.text);
+  }
+  if (is_wrong && refined) {
+    std::cout << "to put it right without a board: " << RefineCommand(options) << "\n";
+  }
+  return reasons.empty() ? 0 : 1;
 }
 
 }  // namespace sprout::calibrate

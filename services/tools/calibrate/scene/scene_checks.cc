@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "common/core/quantile.h"
 
@@ -13,8 +15,7 @@ namespace {
 // 150 matches that are good to 0.1 px give a mean to a hundredth of a pixel, and a slope over the
 // image to 0.03 px.
 constexpr int kFewestMatches = 150;
-// Cells of the left image, as those of MeasureVerticalDisparity(), and how many of them must have
-// how many matches.
+// Cells of the left image, and how many of them must have how many matches.
 constexpr int kColumns = 4;
 constexpr int kBands = 3;
 constexpr int kFewestCells = 6;
@@ -28,13 +29,22 @@ constexpr double kMaxOff = 0.25;
 // Between the medians of frames, when one calibration fits all: px.
 constexpr double kMaxSpreadPx = 0.4;
 constexpr size_t kFewestInView = 30;
-// The limits of sprout-calibrate check.
+// Beyond these Sprout loses accuracy that can be measured: 2 px of vertical error cost it 0.7
+// points, ToF points that land 3 px beside their place three (services/refine/NOTES.md).
 constexpr double kMaxRowsPx = 1;
 constexpr double kMaxTofPx = 1;
+constexpr double kMaxTofShiftPx = 1.5;
 // What the median of all matches may get worse by, px: the scatter of a median.
 constexpr double kMaxWorsePx = 0.02;
 // Changes beyond so many times what is expected are no knock.
 constexpr double kMaxExpected = 4;
+
+// The number of a pixel's cell, row by row.
+size_t CellOf(const cv::Point2d& pixel, const RectifiedPair& pair) {
+  const int column = std::clamp(static_cast<int>(pixel.x * kColumns / pair.width), 0, kColumns - 1);
+  const int row = std::clamp(static_cast<int>(pixel.y * kBands / pair.height), 0, kBands - 1);
+  return static_cast<size_t>(row * kColumns + column);
+}
 
 // Disparities without their plane over the image: what is left of 80 % of the matches.
 double Relief(const std::vector<SceneMatch>& matches, const std::vector<cv::Point2d>& left_px,
@@ -81,12 +91,7 @@ Result<void> CheckScene(const std::vector<SceneRefiner::View>& views,
         matches.size(), features, views.size(), kFewestMatches));
   }
   std::array<int, static_cast<size_t>(kColumns * kBands)> cells{};
-  for (const cv::Point2d& pixel : left_px) {
-    const int column =
-        std::clamp(static_cast<int>(pixel.x * kColumns / pair.width), 0, kColumns - 1);
-    const int row = std::clamp(static_cast<int>(pixel.y * kBands / pair.height), 0, kBands - 1);
-    ++cells[static_cast<size_t>(row * kColumns + column)];
-  }
+  for (const cv::Point2d& pixel : left_px) ++cells[CellOf(pixel, pair)];
   const auto covered =
       std::ranges::count_if(cells, [](int count) { return count >= kFewestInCell; });
   if (covered < kFewestCells) {
@@ -165,6 +170,70 @@ std::vector<std::string> ReasonsAgainst(const SceneRefinement& refinement) {
     reasons.push_back(fmt::format(
         "{} changed by {:+.{}f} {}, which is no knock any more: calibrate with the board", row.name,
         row.per_unit * change, row.digits, row.unit));
+  }
+  return reasons;
+}
+
+cv::Mat1f RowsOverImage(const SceneRefinement& refinement, const RectifiedPair& pair) {
+  std::array<std::vector<double>, static_cast<size_t>(kColumns * kBands)> rows;
+  for (const ShownMatch& match : refinement.shown) {
+    rows[CellOf(match.left, pair)].push_back(match.rows_before_px);
+  }
+  cv::Mat1f cells(kBands, kColumns, std::numeric_limits<float>::quiet_NaN());
+  for (size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].size() < kFewestInCell) continue;
+    cells(static_cast<int>(i)) = static_cast<float>(Median(std::move(rows[i])));
+  }
+  return cells;
+}
+
+cv::Point2d TofShift(const SceneRefinement& refinement, const RectifiedPair& pair) {
+  const auto shift = [&](RigNumber number) {
+    if (!refinement.is_good() || !refinement.wanted[number] || !refinement.adjusted.seen[number]) {
+      return std::numeric_limits<double>::quiet_NaN();
+    }
+    return pair.focal_px * refinement.adjusted.change[number];
+  };
+  return {shift(kTofYaw), -shift(kTofPitch)};  // as the turn of refine::ApplyOffset()
+}
+
+std::vector<std::string> ReasonsToCalibrate(const SceneRefinement& refinement,
+                                            const inputs::Findings& findings,
+                                            const RectifiedPair& pair) {
+  std::vector<std::string> reasons;
+  const SceneFit& fit = refinement.before;
+  const bool rows_differ = std::abs(fit.rows_median_px) > kMaxRowsPx;
+  for (const inputs::Finding& finding : findings) {
+    if (finding.verdict != inputs::Verdict::kBad) continue;
+    if (finding.question == inputs::Question::kRows && rows_differ) continue;  // said below
+    reasons.push_back(finding.text);
+  }
+  float worst = 0;
+  for (const float cell : RowsOverImage(refinement, pair)) {
+    if (std::abs(cell) > std::abs(worst)) worst = cell;
+  }
+  if (rows_differ) {
+    reasons.push_back(fmt::format(
+        "rows of the right image lie {:+.2f} px off those of the left one ({} are allowed)",
+        fit.rows_median_px, kMaxRowsPx));
+  } else if (std::abs(worst) > kMaxRowsPx) {
+    reasons.push_back(
+        fmt::format("rows of the right image lie up to {:+.2f} px off those of the left one in "
+                    "parts of the image ({} are allowed)",
+                    worst, kMaxRowsPx));
+  }
+  const cv::Point2d shift = TofShift(refinement, pair);
+  if (const double px = cv::norm(shift); px > kMaxTofShiftPx) {
+    reasons.push_back(
+        fmt::format("ToF points are {:.1f} px beside the objects they were measured on ({} are "
+                    "allowed): was the ToF camera knocked?",
+                    px, kMaxTofShiftPx));
+  }
+  if (std::abs(fit.tof_px) > kMaxTofPx) {
+    reasons.push_back(
+        fmt::format("the ToF camera's ranges differ from stereo by {:+.0f} mm, "
+                    "{:+.1f} px of disparity ({} are allowed)",
+                    1000 * fit.tof_m, fit.tof_px, kMaxTofPx));
   }
   return reasons;
 }

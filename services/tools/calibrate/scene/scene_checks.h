@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/core/result.h"
+#include "common/inputs/findings.h"
 #include "services/tools/calibrate/scene/scene_refiner.h"
 
 namespace sprout::calibrate {
@@ -29,6 +30,24 @@ Result<void> CheckAgreement(const std::vector<SceneMatch>& matches,
 
 /// Why a refinement is not good, one line each.
 std::vector<std::string> ReasonsAgainst(const SceneRefinement& refinement);
+
+/// How far rows of the right image lie below those of the left one, before the refinement: medians
+/// in equal cells of the left image, 3 rows of 4, px; NaN where there are fewer than 5 matches. A
+/// roll of a camera shows as a slope from left to right, a wrong focal length as one from top to
+/// bottom.
+cv::Mat1f RowsOverImage(const SceneRefinement& refinement, const RectifiedPair& pair);
+
+/// What has to be added to projected ToF points in the middle of the left image, px: the turn of
+/// the ToF camera that the refinement found; NaN where the scene does not show it, or where the
+/// refinement is not good.
+cv::Point2d TofShift(const SceneRefinement& refinement, const RectifiedPair& pair);
+
+/// Why the calibration with which a refinement began does not hold any more, one line each; empty:
+/// it holds.
+/// @param findings  what goes in, all frames together.
+std::vector<std::string> ReasonsToCalibrate(const SceneRefinement& refinement,
+                                            const inputs::Findings& findings,
+                                            const RectifiedPair& pair);
 
 }  // namespace sprout::calibrate
 

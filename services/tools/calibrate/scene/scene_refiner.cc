@@ -34,6 +34,17 @@ std::vector<double> Sizes(std::vector<double> values) {
 
 }  // namespace
 
+SceneEffort QuickEffort(const RectifiedPair& pair) {
+  // Pixels in which features are searched: more of them show the same, and take more time
+  // (services/selfcalibrate/NOTES.md). Some 1500 matches of all frames together know a turn to a
+  // hundredth of a pixel.
+  constexpr double kSearchedPixels = 0.15e6;
+  const double times = std::sqrt(double(pair.width) * pair.height / kSearchedPixels);
+  return {
+      .match = {.shrink = std::max(1, static_cast<int>(std::lround(times))), .most_in_cell = 20},
+      .most_matches = 1500};
+}
+
 SceneRefiner::SceneRefiner(const RawRig& rig, const Rectification& images,
                            const SceneEffort& effort)
     : rig_(rig), images_(images), effort_(effort) {}

@@ -74,6 +74,10 @@ struct SceneEffort {
   size_t most_matches = 8000;  ///< of all frames together, of each evenly
 };
 
+/// Effort that tells whether a calibration holds, not its last digits: of selfcalibrate and of
+/// check.
+SceneEffort QuickEffort(const RectifiedPair& pair);
+
 /// Refines a rig's calibration from frames of any scene, without a board: from matches of the pair,
 /// ToF points on smooth surfaces, and depth edges (services/tools/calibrate/README.md).
 class SceneRefiner {

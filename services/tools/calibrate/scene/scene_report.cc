@@ -8,6 +8,7 @@
 #include "common/picture/html.h"
 #include "services/tools/calibrate/report_page.h"
 #include "services/tools/calibrate/report_pictures.h"
+#include "services/tools/calibrate/scene/scene_checks.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -113,6 +114,28 @@ std::string SceneSummaryText(const SceneRefinement& refinement) {
   for (const std::string& reason : refinement.reasons) text += "  * " + reason + "\n";
   return text + TableText(FitTable(refinement)) + TableText(NumberTable(refinement)) +
          TableText(CurveTable(refinement));
+}
+
+std::string SceneCheckText(const SceneRefinement& refinement, const RectifiedPair& pair) {
+  const SceneFit& fit = refinement.before;
+  std::string text =
+      fmt::format("{:<30} {}\n", "rows, right less left", Number(fit.rows_median_px, 2, "px"));
+  const cv::Mat1f cells = RowsOverImage(refinement, pair);
+  for (int row = 0; row < cells.rows; ++row) {
+    text += fmt::format("{:<30}", row == 0 ? "  over the image" : "");
+    for (const float cell : cv::Mat1f(cells.row(row))) {
+      text += std::isnan(cell) ? "      -" : fmt::format(" {:+6.2f}", cell);
+    }
+    text += "\n";
+  }
+  if (refinement.tof_matches == 0) return text;
+  const cv::Point2d shift = TofShift(refinement, pair);
+  text +=
+      fmt::format("{:<30} {}, {} (depth edges in {} frames)\n", "ToF points belong, right, down",
+                  Number(shift.x, 1, "px"), Number(shift.y, 1, "px"), refinement.edge_views);
+  text += fmt::format("{:<30} {}, {}\n", "ToF ranges less stereo", Number(fit.tof_px, 2, "px"),
+                      Number(1000 * fit.tof_m, 0, "mm"));
+  return text;
 }
 
 std::string SceneReportHtml(const SceneRefinement& refinement, const SceneRefiner& refiner) {

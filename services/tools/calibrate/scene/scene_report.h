@@ -11,6 +11,10 @@ namespace sprout::calibrate {
 /// every number with its standard deviation.
 std::string SceneSummaryText(const SceneRefinement& refinement);
 
+/// What a refinement tells about the calibration with which it began: how the frames fit, and where
+/// ToF points belong.
+std::string SceneCheckText(const SceneRefinement& refinement, const RectifiedPair& pair);
+
 /// The result as one HTML page with all its pictures: the same, and rows and ToF points before and
 /// after.
 std::string SceneReportHtml(const SceneRefinement& refinement, const SceneRefiner& refiner);

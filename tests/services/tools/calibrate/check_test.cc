@@ -86,7 +86,8 @@ TEST_F(CalibrateCheck, NoticesAToFCameraThatWasKnocked) {
   const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000&calibration=5", 4, 0));
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("was the ToF camera knocked?"));
+  EXPECT_THAT(outcome.out, ContainsRegex("ToF points are (4.[5-9]|5.[0-5]) px beside .*was the "
+                                         "ToF camera knocked."));
 
   // What it tells to do works where there is no rig file.
   const std::string hint = "to put it right without a board: sprout-calibrate ";
@@ -117,10 +118,26 @@ TEST_F(CalibrateCheck, TakesFoldersOfUnrectifiedImagesWithARigFile) {
   const std::string folder = folder_ / ".";
   const CheckOutcome with_rig =
       RunCalibrate("check " + folder + " --rig " + (folder_ / "rig.textproto").string());
-  EXPECT_THAT(with_rig.out, HasSubstr("3 frames: ")) << with_rig.err;
+  EXPECT_EQ(with_rig.exit_code, 0) << with_rig.out << with_rig.err;
+  EXPECT_THAT(with_rig.out, HasSubstr("3 frames: good\n"));
   const CheckOutcome without = RunCalibrate("check " + folder);
   EXPECT_EQ(without.exit_code, 2);
   EXPECT_THAT(without.err, HasSubstr("are not rectified: --rig is needed"));
+}
+
+// No verdict is not a good one.
+TEST_F(CalibrateCheck, SaysWhenASceneDoesNotTell) {
+  RigDescription description;
+  *description.mutable_calibration() = ToCalibration(SceneRig({640, 480}));
+  ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
+  const cv::Mat1b wall(480, 640, uchar{90});
+  WriteImages(folder_ / ".", "0", {.left = wall, .right = wall, .tof = {}});
+  const CheckOutcome outcome = RunCalibrate("check " + (folder_ / ".").string() + " --rig " +
+                                            (folder_ / "rig.textproto").string());
+
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("1 frames: cannot tell\n  * too little to see: 0 matches"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("to put it right")));
 }
 
 TEST_F(CalibrateCheck, NoticesRowsThatDoNotAgree) {

@@ -10,12 +10,14 @@
 #include "common/core/quantile.h"
 #include "common/geometry/lens.h"
 #include "common/rig/rectifier.h"
+#include "services/tools/calibrate/scene/scene_checks.h"
 #include "services/tools/calibrate/scene/scene_report.h"
 #include "tests/services/tools/calibrate/knocked_scene.h"
 
 namespace sprout::calibrate {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -192,6 +194,18 @@ TEST(SceneRefiner, FindsThePairWithoutAToFCamera) {
   EXPECT_LT(std::abs(left[kPitch]), 0.02 * kDegree);
   EXPECT_FALSE(refined->adjusted.seen[kTofYaw]);
   EXPECT_LT(refined->after.rows_abs_median_px, 0.05);
+
+  // What it began with: a roll is a slope of the rows from left to right, 0.005 of 480 px between
+  // the middles of the outer cells.
+  const RectifiedPair pair = RectificationOf(Changed(rig, errors)).pair;
+  const cv::Mat1f cells = RowsOverImage(*refined, pair);
+  ASSERT_EQ(cells.size(), cv::Size(4, 3));
+  for (int row = 0; row < cells.rows; ++row) {
+    EXPECT_NEAR(std::abs(cells(row, 3) - cells(row, 0)), 0.3 * kDegree * 480, 0.3) << row;
+  }
+  EXPECT_TRUE(std::isnan(TofShift(*refined, pair).x));
+  EXPECT_THAT(ReasonsToCalibrate(*refined, {}, pair),
+              ElementsAre(HasSubstr("rows of the right image lie ")));
 }
 
 TEST(SceneRefiner, ChangesNoLensUnlessItIsTold) {
