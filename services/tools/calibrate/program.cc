@@ -52,8 +52,7 @@ Examples
   sprout-calibrate import left.yaml right.yaml --out rig.textproto    a calibration of ROS, OpenCV, Kalibr
 
 `sprout-calibrate COMMAND --help` explains a command. Exit codes: 0; 1 the calibration is not good
-(any more), or there is none,
-or check cannot tell; 2 a flag or a file that cannot be used.
+(any more), or there is none, or check cannot tell; 2 a flag or a file that cannot be used.
 )";
 
 struct BoardOptions {
