@@ -11,6 +11,7 @@
 
 #include <hwy/highway.h>
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
 
@@ -20,7 +21,6 @@ namespace HWY_NAMESPACE {
 
 using Bytes = uint8_t __attribute__((vector_size(16)));
 using Words = uint16_t __attribute__((vector_size(16)));
-using HalfBytes = uint8_t __attribute__((vector_size(8)));
 constexpr int kLanes = 16;
 constexpr int kWords = 8;
 
@@ -42,25 +42,41 @@ HWY_INLINE void Store(Words words, uint16_t* to) { std::memcpy(to, &words, sizeo
 HWY_INLINE Bytes Least(Bytes a, Bytes b) { return a < b ? a : b; }
 HWY_INLINE Words Least(Words a, Words b) { return a < b ? a : b; }
 
+// The lanes of `a` and `b`, one behind the other, that have these numbers.
+template <int... kFrom, typename Lanes>
+HWY_INLINE Lanes Shuffled(Lanes a, Lanes b) {
+#ifdef __clang__
+  return __builtin_shufflevector(a, b, kFrom...);
+#else  // GCC has that from version 12 on
+  return __builtin_shuffle(a, b, Lanes{kFrom...});
+#endif
+}
+
+template <int... kFrom, typename Lanes>
+HWY_INLINE Lanes Shuffled(Lanes x) {
+  return Shuffled<kFrom...>(x, x);
+}
+
+// Bytes as halves of words.
+static_assert(std::endian::native == std::endian::little);
+
 // The lanes from 8 · kHalf on.
 template <int kHalf>
 HWY_INLINE Words Widened(Bytes x) {
-  constexpr int kFrom = 8 * kHalf;
-  const HalfBytes half = __builtin_shufflevector(x, x, kFrom, kFrom + 1, kFrom + 2, kFrom + 3,
-                                                 kFrom + 4, kFrom + 5, kFrom + 6, kFrom + 7);
-  return __builtin_convertvector(half, Words);
+  constexpr int kAt = 8 * kHalf;
+  return reinterpret_cast<Words>(Shuffled<kAt, 16, kAt + 1, 16, kAt + 2, 16, kAt + 3, 16, kAt + 4,
+                                          16, kAt + 5, 16, kAt + 6, 16, kAt + 7, 16>(x, Bytes{}));
 }
 
 // Joins two vectors whose lanes are at most 255.
 HWY_INLINE Bytes Narrowed(Words low, Words high) {
-  return __builtin_shufflevector(__builtin_convertvector(low, HalfBytes),
-                                 __builtin_convertvector(high, HalfBytes), 0, 1, 2, 3, 4, 5, 6, 7,
-                                 8, 9, 10, 11, 12, 13, 14, 15);
+  return Shuffled<0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30>(
+      reinterpret_cast<Bytes>(low), reinterpret_cast<Bytes>(high));
 }
 
 HWY_INLINE uint16_t LeastLane(Words x) {
-  x = Least(x, __builtin_shufflevector(x, x, 4, 5, 6, 7, 0, 1, 2, 3));
-  x = Least(x, __builtin_shufflevector(x, x, 2, 3, 0, 1, 2, 3, 0, 1));
+  x = Least(x, Shuffled<4, 5, 6, 7, 0, 1, 2, 3>(x));
+  x = Least(x, Shuffled<2, 3, 0, 1, 2, 3, 0, 1>(x));
   return x[0] < x[1] ? x[0] : x[1];
 }
 

@@ -96,7 +96,7 @@ HWY_INLINE Bytes CountOnes(Bytes bits) {
 }
 
 HWY_INLINE Bytes Reversed(Bytes x) {
-  return __builtin_shufflevector(x, x, 15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+  return Shuffled<15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0>(x);
 }
 
 void CostsOnTarget(const CostRow& row) {

@@ -78,15 +78,14 @@ namespace HWY_NAMESPACE {
 // Makes one vector of two: its lanes come in turns from the one and the other, each the lesser of
 // two.
 HWY_INLINE Bytes Folded(Bytes a, Bytes b) {
-  return Least(
-      __builtin_shufflevector(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23),
-      __builtin_shufflevector(a, b, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31));
+  return Least(Shuffled<0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23>(a, b),
+               Shuffled<8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31>(a, b));
 }
 
 template <int kLane>
 HWY_INLINE Bytes Everywhere(Bytes x) {
-  return __builtin_shufflevector(x, x, kLane, kLane, kLane, kLane, kLane, kLane, kLane, kLane,
-                                 kLane, kLane, kLane, kLane, kLane, kLane, kLane, kLane);
+  return Shuffled<kLane, kLane, kLane, kLane, kLane, kLane, kLane, kLane, kLane, kLane, kLane,
+                  kLane, kLane, kLane, kLane, kLane>(x);
 }
 
 // Path costs of a pixel's labels, or of some of them, for four directions.
@@ -98,8 +97,8 @@ struct Paths {
 HWY_INLINE Paths LeastLanes(const Paths& paths) {
   // The directions by turns, four times.
   Bytes x = Folded(Folded(paths.before, paths.above), Folded(paths.above_before, paths.above_next));
-  x = Least(x, __builtin_shufflevector(x, x, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7));
-  x = Least(x, __builtin_shufflevector(x, x, 4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11));
+  x = Least(x, Shuffled<8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7>(x));
+  x = Least(x, Shuffled<4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11>(x));
   return {Everywhere<0>(x), Everywhere<1>(x), Everywhere<2>(x), Everywhere<3>(x)};
 }
 
@@ -144,10 +143,8 @@ HWY_INLINE Bytes Step(Bytes cost, const Before& before, int label) {
 HWY_INLINE Bytes Step(Bytes cost, const Before& before, Bytes last) {
   if (!before.has_same_range) return Step(cost, before, 0);
   const Bytes never = Bytes{} + kNever;
-  const Bytes less =
-      __builtin_shufflevector(last, never, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14);
-  const Bytes more =
-      __builtin_shufflevector(last, never, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
+  const Bytes less = Shuffled<16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14>(last, never);
+  const Bytes more = Shuffled<1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16>(last, never);
   return Step(cost, last, less, more, before.large_step);
 }
 
