@@ -1,8 +1,9 @@
-# A Debian 12 that boots, for scripts that test what needs one. Source it, set `work` (a folder that
-# keeps what is downloaded) and call, as root: machine_can, machine_make, machine_boot, machine_run,
-# machine_end. Who needs several sets `machine` and `machine_pid` to those of the one that is meant.
+# A Debian of this machine's release that boots, for scripts that test what needs one. Source it, set `work`
+# (a folder that keeps what is downloaded) and call, as root: machine_can, machine_make, machine_boot,
+# machine_run, machine_end. Who needs several sets `machine` and `machine_pid` to those of the one that is meant.
 
 machine=$work/machine
+machine_release=$(. /etc/os-release && echo "$VERSION_CODENAME")
 machine_pid= # of systemd-nspawn
 
 # Says in a line what is missing; false when something is.
@@ -20,7 +21,7 @@ machine_make() {
   mkdir -p "$work/archives"
   if [ ! -e "$work/base.tar" ]; then
     mmdebstrap --quiet --variant=minbase --skip=cleanup/apt/lists \
-      --include=systemd,systemd-sysv,iproute2 bookworm "$work/base.part.tar" || return 1
+      --include=systemd,systemd-sysv,iproute2 "$machine_release" "$work/base.part.tar" || return 1
     mv "$work/base.part.tar" "$work/base.tar"
   fi
   rm -rf "$machine"
