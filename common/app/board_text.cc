@@ -117,9 +117,9 @@ std::string TimeText(double seconds) {
   return fmt::format("{:.1f} h", seconds / kHour);
 }
 
-// The newest error of a process and when it came, unless it is past.
+// The newest error of a process and when it came; a process takes back what is over.
 std::string ErrorText(const BoardRow& row) {
-  if (!row.error_age_s || row.error_is_past) return "";
+  if (!row.error_age_s) return "";
   return fmt::format("{}, {}{} ago: {}\n", row.status.stage, row.error_was_there ? "over " : "",
                      TimeText(*row.error_age_s), row.status.last_error);
 }

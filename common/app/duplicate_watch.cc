@@ -30,6 +30,7 @@ void DuplicateWatch::Heard(const StageStatus& status) {
                            ": stop one of the two, or give it another --channel-prefix";
   twins_[name] = {text, now_()};
   monitor_.Warn(text);
+  monitor_.HoldWarning(text);
 }
 
 void DuplicateWatch::ForgetSilentOnes() {

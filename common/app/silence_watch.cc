@@ -130,6 +130,7 @@ void SilenceWatch::Warn() {
   if (!warned_) return;  // a frame has come meanwhile
   warning_ = text.empty() ? SilenceText(needed_, counts_, present) : text;
   monitor_.Warn(warning_);
+  monitor_.HoldWarning(warning_);
 }
 
 }  // namespace sprout

@@ -19,6 +19,8 @@ namespace {
 constexpr size_t kMaxSamples = 1024;  // as lcmtypes/stage_status_t.lcm says
 constexpr std::chrono::seconds kRateWindow{10};
 constexpr std::chrono::minutes kWarningPeriod{1};  // of a sensor that stays wrong
+// How long an error of a single frame is told while frames are answered again without a loss.
+constexpr std::chrono::minutes kErrorShown{1};
 constexpr double kClockSlackMs = 1;  // within one host a clock may be set by so much at a time
 // From one frame to the next an age changes by the time of a frame. By more than this: frames come
 // from another source, as when cameras follow a recording, or a stage hung; what was before would
@@ -79,7 +81,9 @@ StageMonitor::StageMonitor(const std::string& stage, const std::string& config_d
 void StageMonitor::FrameIn(bool skipped) {
   const std::lock_guard lock(mutex_);
   ++status_.frames_in;
-  if (skipped) ++status_.frames_skipped;
+  if (!skipped) return;
+  ++status_.frames_skipped;
+  trouble_ = now_();
 }
 
 void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
@@ -97,20 +101,21 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
   status_.state = StageStatus::State::kRunning;
   if (!degenerate.empty()) {
     ++status_.frames_degenerate;
-    status_.last_error = "frame " + std::to_string(id.seq) + ": " + degenerate;
+    TellLocked("frame " + std::to_string(id.seq) + ": " + degenerate);
     if (const auto held_back = degenerate_log_.Pass(now)) {
       LogLine(LogLevel::kWarning, "{}{}", status_.last_error, MoreText(*held_back));
     }
   }
   if (sample.age_ms < -kClockSlackMs) {
-    clock_warning_ = FutureText(id.seq, sample.age_ms);
-    status_.last_error = clock_warning_;
+    HoldLocked(clock_warning_, FutureText(id.seq, sample.age_ms), true);
     if (const auto held_back = clock_log_.Pass(now)) {
       LogLine(LogLevel::kWarning, "{}{}", status_.last_error, MoreText(*held_back));
     }
   } else {
     ResolveLocked(clock_warning_);
   }
+  const bool holds = std::ranges::find(held_, status_.last_error) != held_.end();
+  if (!holds && now - trouble_ >= kErrorShown) status_.last_error = NewestHeldLocked();
   if (!samples_.empty() && std::abs(samples_.back().age_ms - sample.age_ms) > kOtherSourceMs) {
     samples_.clear();
   }
@@ -121,7 +126,7 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
 void StageMonitor::FrameFailed(const FrameId& id, const std::string& reason) {
   const std::lock_guard lock(mutex_);
   ++status_.frames_failed;
-  status_.last_error = "frame " + std::to_string(id.seq) + ": failed: " + reason;
+  TellLocked("frame " + std::to_string(id.seq) + ": failed: " + reason);
   if (const auto held_back = failed_log_.Pass(now_())) {
     LogLine(LogLevel::kError, "{}{}", status_.last_error, MoreText(*held_back));
   }
@@ -130,7 +135,7 @@ void StageMonitor::FrameFailed(const FrameId& id, const std::string& reason) {
 void StageMonitor::CapturesFailed(int64_t count, const std::string& reason) {
   const std::lock_guard lock(mutex_);
   status_.frames_failed += count;
-  status_.last_error = reason;
+  TellLocked(reason);
   if (const auto held_back = failed_log_.Pass(now_())) {
     LogLine(LogLevel::kError, "{} {} no frame: {}{}", count,
             count == 1 ? "capture became" : "captures became", reason, MoreText(*held_back));
@@ -146,7 +151,7 @@ void StageMonitor::FrameResent(const FrameId& id) {
 void StageMonitor::BadMessage(std::string_view channel, const std::string& reason) {
   const std::lock_guard lock(mutex_);
   ++status_.bad_messages;
-  status_.last_error = std::string(channel) + ": " + reason;
+  TellLocked(std::string(channel) + ": " + reason);
   if (const auto held_back = bad_message_log_.Pass(now_())) {
     LogLine(LogLevel::kWarning, "{}: message dropped: {}{}", channel, reason, MoreText(*held_back));
   }
@@ -158,19 +163,23 @@ void StageMonitor::MessageDropped(std::string_view channel) {
 
 void StageMonitor::Failure(const std::string& reason) {
   LogLine(LogLevel::kError, reason);
-  const std::lock_guard lock(mutex_);
-  status_.last_error = reason;
+  RecordWarning(reason);
 }
 
 void StageMonitor::Warn(const std::string& reason) {
   LogLine(LogLevel::kWarning, reason);
-  const std::lock_guard lock(mutex_);
-  status_.last_error = reason;
+  RecordWarning(reason);
 }
 
-void StageMonitor::Remember(const std::string& reason) {
+void StageMonitor::RecordWarning(const std::string& reason) {
   const std::lock_guard lock(mutex_);
-  status_.last_error = reason;
+  TellLocked(reason);
+}
+
+void StageMonitor::HoldWarning(const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  std::string held = reason;
+  HoldLocked(held, reason, true);
 }
 
 void StageMonitor::Resolve(const std::string& reason) {
@@ -179,9 +188,25 @@ void StageMonitor::Resolve(const std::string& reason) {
   ResolveLocked(resolved);
 }
 
+void StageMonitor::TellLocked(const std::string& error) {
+  status_.last_error = error;
+  trouble_ = now_();
+}
+
+// In place of `held`. One that is shown stays shown.
+void StageMonitor::HoldLocked(std::string& held, const std::string& text, bool show) {
+  if (show || status_.last_error == held) status_.last_error = text;
+  std::erase(held_, held);
+  held_.push_back(text);
+  held = text;
+}
+
+std::string StageMonitor::NewestHeldLocked() const { return held_.empty() ? "" : held_.back(); }
+
 void StageMonitor::ResolveLocked(std::string& reason) {
   if (reason.empty()) return;
-  if (status_.last_error == reason) status_.last_error.clear();
+  std::erase(held_, reason);
+  if (status_.last_error == reason) status_.last_error = NewestHeldLocked();
   LogLine(LogLevel::kInfo, "over: {}", reason);
   reason.clear();
 }
@@ -198,8 +223,7 @@ void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
                 "the ToF camera's points are off by (%.1f, %.1f) px in the left image: calibrate "
                 "again, or refine { align_tof: true }",
                 -static_cast<double>(offset.u_px), -static_cast<double>(offset.v_px));
-  offset_warning_ = text;
-  status_.last_error = text;
+  HoldLocked(offset_warning_, text, true);
   LogLine(LogLevel::kWarning, text);
 }
 
@@ -208,8 +232,7 @@ void StageMonitor::SetRangeError(const std::optional<std::string>& text) {
   const std::lock_guard lock(mutex_);
   if (text->empty()) return ResolveLocked(range_warning_);
   const bool is_due = now_() >= next_range_warning_;
-  if (is_due || status_.last_error == range_warning_) status_.last_error = *text;
-  range_warning_ = *text;
+  HoldLocked(range_warning_, *text, is_due);
   if (!is_due) return;
   next_range_warning_ = now_() + kWarningPeriod;
   LogLine(LogLevel::kWarning, *text);
@@ -222,6 +245,9 @@ void StageMonitor::SetSpread(double spread_ms) {
 
 void StageMonitor::SetJoinerCounts(int64_t incomplete, int64_t sequence_gaps) {
   const std::lock_guard lock(mutex_);
+  if (incomplete != status_.frames_incomplete || sequence_gaps != status_.sequence_gaps) {
+    trouble_ = now_();
+  }
   status_.frames_incomplete = incomplete;
   status_.sequence_gaps = sequence_gaps;
 }

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/app/log_limiter.h"
 #include "common/core/frame_id.h"
@@ -19,7 +20,8 @@ namespace sprout {
 int64_t NowUtime();
 
 /// Counts the events of one process, for its status, and logs errors, each kind at most once a
-/// second. Every loss is counted here. Thread-safe.
+/// second. Every loss is counted here. The newest error stands in the status until frames have been
+/// answered for a minute without a loss; one that goes on, until it is over. Thread-safe.
 class StageMonitor {
  public:
   using Clock = std::chrono::steady_clock;
@@ -61,9 +63,14 @@ class StageMonitor {
   void Warn(const std::string& reason);
 
   /// Shows a warning in the status, as Warn() does, but writes no line to the log.
-  void Remember(const std::string& reason);
+  void RecordWarning(const std::string& reason);
 
-  /// Ends a warning: the status shows no error any more, unless another one came meanwhile.
+  /// A warning of something that goes on, until Resolve(): the status shows it again when a newer
+  /// error is over. Writes no line to the log.
+  void HoldWarning(const std::string& reason);
+
+  /// Ends a warning: the status shows no error any more, unless another one came meanwhile, or is
+  /// held.
   void Resolve(const std::string& reason);
 
   /// The offset of the ToF camera's points; an unknown one does not replace the last known one.
@@ -95,6 +102,9 @@ class StageMonitor {
     double age_ms;
   };
 
+  void TellLocked(const std::string& error);
+  void HoldLocked(std::string& held, const std::string& text, bool show);
+  std::string NewestHeldLocked() const;
   void ResolveLocked(std::string& reason);
 
   std::function<Clock::time_point()> now_;
@@ -105,9 +115,11 @@ class StageMonitor {
   LogLimiter degenerate_log_;
   LogLimiter failed_log_;
   LogLimiter clock_log_;
+  Clock::time_point trouble_{};    // the newest error or loss
+  std::vector<std::string> held_;  // warnings that hold now, the newest last
   Clock::time_point next_offset_warning_{};
   Clock::time_point next_range_warning_{};
-  std::string clock_warning_;   // that holds now
+  std::string clock_warning_;   // of those that hold
   std::string offset_warning_;  // the same
   std::string range_warning_;   // the same
 };

@@ -26,7 +26,6 @@ bool StatusBoard::Add(const StageStatus& message, Clock::time_point now) {
   if (found != heard_.end()) {
     Heard& heard = found->second;
     if (Losses(status) > Losses(heard.newest)) heard.loss = now;
-    if (status.frames_out > heard.newest.frames_out) heard.answer = now;
     if (status.last_error != heard.newest.last_error) {
       heard.error_since = now;
       heard.error_was_there = false;
@@ -39,12 +38,10 @@ bool StatusBoard::Add(const StageStatus& message, Clock::time_point now) {
     ++bad_;
     return false;
   }
-  heard_.emplace(process, Heard{.newest = status,
-                                .when = now,
-                                .error_since = now,
-                                .error_was_there = true,
-                                .loss = {},
-                                .answer = now});
+  heard_.emplace(
+      process,
+      Heard{
+          .newest = status, .when = now, .error_since = now, .error_was_there = true, .loss = {}});
   return true;
 }
 
@@ -64,8 +61,6 @@ std::vector<BoardRow> StatusBoard::Rows(Clock::time_point now) const {
     if (!heard.newest.last_error.empty()) {
       row.error_age_s = std::chrono::duration<double>(now - heard.error_since).count();
       row.error_was_there = heard.error_was_there;
-      row.error_is_past = !is_losing && now - heard.error_since >= kRecent &&
-                          heard.answer - heard.error_since >= kRecent;
     }
     if (heard.newest.state == StageStatus::State::kStopped) {
       row.health = Health::kStopped;

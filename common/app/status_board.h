@@ -31,8 +31,6 @@ struct BoardRow {
   /// Time since last_error was heard first; nothing if there is no error.
   std::optional<double> error_age_s = {};
   bool error_was_there = false;  ///< last_error is older than the board: the age is a least one
-  /// The stage answers, and for kRecent nothing was lost and no other error came.
-  bool error_is_past = false;
 };
 
 /// Keeps the newest status of every process that reports, and judges them. Not thread-safe.
@@ -74,7 +72,6 @@ class StatusBoard {
     Clock::time_point error_since;          // of newest.last_error
     bool error_was_there = false;           // with the first status
     std::optional<Clock::time_point> loss;  // the newest one that was seen
-    Clock::time_point answer;               // frames_out rose, or the first status
   };
 
   size_t RankOf(const std::string& stage) const;

@@ -15,7 +15,7 @@ StatusReporter::StatusReporter(const ServiceContext& context, StageMonitor& moni
       monitor_(monitor),
       publisher_(context.lcm_url, context.prefix),
       info_(EncodeProcessInfo(LiveProcessInfo(monitor.Snapshot(), context.config))) {
-  if (const auto warning = ReceiveBufferWarning(context.lcm_url)) monitor.Remember(*warning);
+  if (const auto warning = ReceiveBufferWarning(context.lcm_url)) monitor.HoldWarning(*warning);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     StageMonitor::Clock::time_point next_info{};
     do {

@@ -18,7 +18,9 @@ constexpr std::string_view kLog = "log:";
 
 void WarnOfViews(const CurrentRig& rig, StageMonitor& monitor) {
   const std::string warning = ViewsWarning(rig.Get()->rectifier.views());
-  if (!warning.empty()) monitor.Warn(warning);
+  if (warning.empty()) return;
+  monitor.Warn(warning);
+  monitor.HoldWarning(warning);
 }
 
 std::unique_ptr<CaptureFeed> OpenLog(const std::string& source, bool loop, StageMonitor& monitor) {

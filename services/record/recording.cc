@@ -173,7 +173,7 @@ void Recording::PullTrigger(RecordedEvent::Clock::time_point now, const std::str
   const int64_t before = folder_.events();
   if (!recorder_.Trigger(now)) {  // which may happen with every message
     LogLine(LogLevel::kDebug, "trigger ({}): the log continues", who);
-    return monitor_.Remember(fmt::format("trigger ({}): the log continues", who));
+    return monitor_.RecordWarning(fmt::format("trigger ({}): the log continues", who));
   }
   const auto& events = recorder_.ring()->events();
   const double held_s =

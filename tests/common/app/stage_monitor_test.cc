@@ -258,6 +258,41 @@ TEST_F(StageMonitorTest, TakesBackWhatIsOverUnlessSomethingElseCame) {
   EXPECT_EQ(monitor_.Snapshot().last_error, "the bus is gone");
 }
 
+TEST_F(StageMonitorTest, TellsAnErrorOfOneFrameUntilAMinuteWasAnsweredWithoutALoss) {
+  const auto error_after = [&](std::chrono::seconds time, bool answered) {
+    now_ += time;
+    if (answered) monitor_.FrameOut({.utime = NowUtime(), .seq = 9, .rig_id = ""}, now_, "");
+    return monitor_.Snapshot().last_error;
+  };
+  using std::chrono::seconds;
+  monitor_.FrameFailed({.utime = 1, .seq = 3, .rig_id = ""}, "bad luck");
+  EXPECT_EQ(error_after(seconds(59), true), "frame 3: failed: bad luck");
+  EXPECT_EQ(error_after(seconds(600), false), "frame 3: failed: bad luck") << "no answer";
+  monitor_.FrameIn(/*skipped=*/true);
+  EXPECT_EQ(error_after(seconds(59), true), "frame 3: failed: bad luck") << "a loss";
+  monitor_.SetJoinerCounts(1, 0);
+  EXPECT_EQ(error_after(seconds(59), true), "frame 3: failed: bad luck") << "a loss";
+  EXPECT_EQ(error_after(seconds(1), true), "");
+}
+
+TEST_F(StageMonitorTest, TellsAWarningAsLongAsItIsTrue) {
+  const auto error_after_an_hour = [&] {
+    now_ += std::chrono::hours(1);
+    monitor_.FrameOut({.utime = NowUtime(), .seq = 9, .rig_id = ""}, now_, "");
+    return monitor_.Snapshot().last_error;
+  };
+  monitor_.HoldWarning("small receive buffer");
+  monitor_.HoldWarning("another sprout-grow");
+  EXPECT_EQ(error_after_an_hour(), "another sprout-grow");
+  monitor_.FrameFailed({.utime = 1, .seq = 3, .rig_id = ""}, "bad luck");
+  EXPECT_EQ(monitor_.Snapshot().last_error, "frame 3: failed: bad luck");
+  EXPECT_EQ(error_after_an_hour(), "another sprout-grow");
+  monitor_.Resolve("another sprout-grow");
+  EXPECT_EQ(error_after_an_hour(), "small receive buffer");
+  monitor_.Resolve("small receive buffer");
+  EXPECT_EQ(error_after_an_hour(), "");
+}
+
 TEST_F(StageMonitorTest, ForgetsTheAgesOfARecordingWhenCamerasFollow) {
   const auto answer = [&](int64_t seq, int64_t age_us) {
     monitor_.FrameOut({.utime = NowUtime() - age_us, .seq = seq, .rig_id = ""}, now_, "");
