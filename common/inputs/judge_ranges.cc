@@ -24,6 +24,12 @@ struct RangeVerdicts {
   static constexpr double kMinFactor = 0.03;  ///< of |ln(factor)|
   static constexpr double kMovedGain = 0.1;
   static constexpr double kMovedSure = 2.5;
+  /// Up to 2.7 where a device's own error or a moved sensor explains more; displaced by 3 % of the
+  /// picture from 2.8 on.
+  static constexpr double kShiftedSure = 3;
+  static constexpr double kShiftedGain = 0.08;
+  static constexpr int kFewPairs = 100;
+  static constexpr double kNoise = 0.5;  ///< share of pairs that are apart: at most 0.08 in a scene
   /// Smaller moves may be a device's own error, which Refiner corrects or reports.
   static constexpr double kMinMoveM = 0.2;
 };
@@ -82,6 +88,15 @@ Finding JudgeHits(const RangeModel& model) {
       "{} of {} pixels of the range image have a return, {} of them fall "
       "into the picture",
       model.returns, model.pixels, std::min(model.in_picture, model.returns));
+  const double apart = model.pairs == 0 ? 0 : static_cast<double>(model.apart) / model.pairs;
+  if (model.pairs >= RangeVerdicts::kFewPairs && apart > RangeVerdicts::kNoise) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "{:.0f} % of the ranges side by side differ by more than a tenth: is it noise, or are "
+        "bytes in another order?",
+        100 * apart);
+    return finding;
+  }
   if (model.returns > 0 && share >= RangeVerdicts::kHits) {
     finding.verdict = Verdict::kGood;
     return finding;
@@ -145,6 +160,30 @@ bool IsMoved(const RangeModel& model) {
          MoreAgree(moved, model.as_is, Vote::kIsClose) >= RangeVerdicts::kMovedSure;
 }
 
+bool IsShifted(const RangeModel& model) {
+  const Agreement& shifted = model.shifted;
+  return shifted.compared >= RangeVerdicts::kSomeCompared &&
+         shifted.close_share() >= RangeVerdicts::kGood &&
+         shifted.close_share() - model.as_is.close_share() >= RangeVerdicts::kShiftedGain &&
+         MoreAgree(shifted, model.as_is, Vote::kIsClose) >= RangeVerdicts::kShiftedSure &&
+         shifted.close_share() > std::max(model.moved.close_share(), model.scaled.close_share());
+}
+
+std::string SideText(double px, const char* less, const char* more) {
+  return fmt::format("{:.0f} px further {}", std::abs(px), px > 0 ? more : less);
+}
+
+// What is seen on the left belongs further right, if the points fit when they are moved right.
+std::string ShiftText(const Agreement& shifted) {
+  const cv::Point2d& aside = shifted.aside_px;
+  std::string text;
+  if (std::abs(aside.x) >= 0.5) text = SideText(aside.x, "left", "right");
+  if (std::abs(aside.y) >= 0.5) {
+    text += (text.empty() ? "" : " and ") + SideText(aside.y, "up", "down");
+  }
+  return text;
+}
+
 Finding JudgePlace(const RangeModel& model) {
   Finding finding{.question = Question::kPlace};
   const Agreement& as_is = model.as_is;
@@ -156,6 +195,13 @@ Finding JudgePlace(const RangeModel& model) {
         "the range image is {} (then ranges agree with stereo at {:.0f} % of "
         "the matches, as it is at {:.0f} %)",
         NameOf(model.turned.turn), 100 * model.turned.share(), 100 * as_is.share());
+  } else if (IsShifted(model)) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "range points belong about {} in the left image (there {:.0f} % of them are within 1 % of "
+        "stereo, where they are {:.0f} %): how does the range sensor lie in the rig? "
+        "sprout-calibrate refine",
+        ShiftText(model.shifted), 100 * model.shifted.close_share(), 100 * as_is.close_share());
   } else if (as_is.compared >= RangeVerdicts::kFewCompared &&
              as_is.share() >= RangeVerdicts::kHalf && AreApart(as_is, model.turned)) {
     finding.verdict = Verdict::kGood;

@@ -37,6 +37,9 @@ struct RangeRules {
   static constexpr double kClose = 0.85;
   /// Moves ahead that are tried, shares of the median distance.
   static constexpr double kMoves[] = {0.015, 0.03, 0.045, 0.06, 0.08, 0.1};
+  /// Moves aside, shares of the picture's width: 1 to 30 degrees of a camera that sees 60.
+  static constexpr double kShifts[] = {0.015, 0.03, 0.06, 0.12};
+  static constexpr double kApart = 0.1;  ///< see RangeModel::apart
 };
 
 // A pixel of the range image.
@@ -54,6 +57,7 @@ struct Hypothesis {
   double factor = 1;
   Turn turn = {};
   double ahead_m = 0;
+  cv::Point2d aside_px = {0, 0};
 };
 
 // Points in the picture, in cells; for what lies around a position.
@@ -130,6 +134,12 @@ std::vector<RangePixel> Collect(const TofImage& tof, RangeModel& model) {
     for (int x = 0; x < tof.depth_m.cols; ++x) {
       if (!(row[x] > 0 && row[x] <= std::numeric_limits<float>::max())) continue;
       if (IsReturn(row[x])) ++model.returns;
+      if (x > 0 && IsReturn(row[x]) && IsReturn(row[x - 1])) {
+        ++model.pairs;
+        if (std::abs(row[x] - row[x - 1]) > RangeRules::kApart * std::min(row[x], row[x - 1])) {
+          ++model.apart;
+        }
+      }
       all.push_back({{x, y}, row[x]});
     }
   }
@@ -172,6 +182,7 @@ class Comparison {
     Agreement result{.factor = hypothesis.factor,
                      .turn = hypothesis.turn,
                      .ahead_m = hypothesis.ahead_m,
+                     .aside_px = hypothesis.aside_px,
                      .in_picture = in_picture,
                      .votes = std::vector<Vote>(matches_.size(), Vote::kNone),
                      .logs = {},
@@ -213,8 +224,8 @@ class Comparison {
           rotation_ * (projector_.ray(at.x, at.y) * (hypothesis.factor * pixel.depth)) + position;
       if (!(point.z() > 0)) continue;
       const double share = pair.focal_px / point.z();
-      const double u = share * point.x() + pair.cx;
-      const double v = share * point.y() + pair.cy;
+      const double u = share * point.x() + pair.cx + hypothesis.aside_px.x;
+      const double v = share * point.y() + pair.cy + hypothesis.aside_px.y;
       if (!(u >= 0 && u < pair.width && v >= 0 && v < pair.height)) continue;
       points.push_back({static_cast<float>(u), static_cast<float>(v),
                         static_cast<float>(share * pair.baseline_m)});
@@ -296,6 +307,24 @@ Agreement BestMoved(const Comparison& comparison, std::span<const RangePixel> pi
   return best;
 }
 
+// The best of moves aside, from a few far apart to finer ones around the best of them.
+Agreement BestShifted(const Comparison& comparison, std::span<const RangePixel> pixels, int width) {
+  Agreement best;
+  const auto look_around = [&](const cv::Point2d& from, double step_px) {
+    for (int direction = 0; direction < 8; ++direction) {
+      const double angle = direction * CV_PI / 4;
+      const cv::Point2d aside_px = from + step_px * cv::Point2d(std::cos(angle), std::sin(angle));
+      Agreement shifted = comparison.Compare(pixels, {.aside_px = aside_px});
+      if (shifted.close > best.close) best = std::move(shifted);
+    }
+  };
+  for (const double shift : RangeRules::kShifts) look_around({0, 0}, shift * width);
+  // Each ring is twice as wide as the one before: between them lies half a radius.
+  double step_px = cv::norm(best.aside_px);
+  for (int i = 0; i < 2; ++i) look_around(best.aside_px, step_px /= 2);
+  return best;
+}
+
 double MedianDistance(std::span<const Match> matches, const RectifiedPair& pair) {
   std::vector<double> distances;
   for (const Match& match : matches) {
@@ -346,6 +375,7 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
     model.swapped = Comparison(swapped, projector).Compare(pixels, {});
   }
   if (model.as_is.close_share() < RangeRules::kClose) {
+    model.shifted = BestShifted(comparison, Chosen(all, RangeRules::kMaxTurned), pair.width);
     model.moved = BestMoved(comparison, pixels, MedianDistance(matches, pair));
   }
   const Agreement& fitting =

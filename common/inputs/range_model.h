@@ -40,11 +40,12 @@ enum class Vote : int8_t {
 };
 
 /// How well range points and stereo agree when ranges are multiplied by a factor, the range image
-/// is turned, and its points are moved ahead.
+/// is turned, and its points are moved ahead, or aside in the picture.
 struct Agreement {
   double factor = 1;
   Turn turn;
   double ahead_m = 0;
+  cv::Point2d aside_px;
   int in_picture = 0;  ///< points
   int compared = 0;
   int agreeing = 0;  ///< of them, closely or not
@@ -66,11 +67,14 @@ struct RangeModel {
   int pixels = 0;      ///< of the range sensor
   int values = 0;      ///< finite numbers > 0 among them
   int returns = 0;     ///< of these, see IsReturn()
+  int pairs = 0;       ///< of returns side by side in a row
+  int apart = 0;       ///< pairs that differ by more than a tenth
   int in_picture = 0;  ///< values that fall into the left image; estimated from a part of them
   Agreement as_is;
   Agreement scaled;   ///< of other factors the best, if as_is is not good
   Agreement turned;   ///< of other turns the best; by 90° only if as_is is not good
   Agreement moved;    ///< of moves ahead the best, if as_is is not close
+  Agreement shifted;  ///< of moves aside the best, if as_is is not close
   Agreement swapped;  ///< if as_is is not good: with the left image for the right one
   /// Over the matches that agree with `scaled`, or if it is empty with `as_is`: median of z_range /
   /// z_stereo, of z_range − z_stereo, m, and their standard deviations.

@@ -174,6 +174,12 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
                               std::lround(100 * refiner_.range_error().contradicted_share))) +
                           " % of the places where they could show it: none is believed";
   }
+  if (refined.fits && refiner_.are_noise()) {
+    outcome.degenerate += outcome.degenerate.empty() ? "" : "; ";
+    outcome.degenerate += std::to_string(seeds->loose) + " of " + std::to_string(seeds->raw) +
+                          " range points differ from all around them, as noise does: none is "
+                          "believed";
+  }
   outcome.tof_offset = OffsetOf(frame, refined.fits);
   if (refined.fits) outcome.range_error = RangeErrorText(refiner_.range_error());
   outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});

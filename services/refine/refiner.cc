@@ -63,6 +63,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   tof_offset_ = {};
   range_error_ = {};
   unanswered_cells_ = 0;
+  are_noise_ = false;
   if (config_.align_tof() && !points_.empty()) {
     tof_offset_ = aligner_.Estimate(left, right, points_, tof, projector);
     if (tof_offset_.IsOff()) ApplyOffset(tof_offset_, rig, points_);
@@ -160,11 +161,12 @@ double Refiner::NoisePx(const cv::Mat1b& left, const cv::Mat1b& right) {
 // Where the ToF camera sees something. What it says of dark regions is not to be believed; of
 // points beside edges it is, since which surface they lie on the prior decides better than stereo.
 // Unsure points do not count either, if they are dense; between coarse ones stereo is asked anyway.
+// Of a sensor that gives noise none counts.
 std::span<const cv::Point2f> Refiner::Covered(bool dense) {
   covered_.clear();
   for (size_t i = 0; i < points_.size(); ++i) {
     const bool sure = !dense || !UnsurePoints::Is(points_[i].seed, noise_px_);
-    if (fates_[i] != Fate::kDark && fates_[i] != Fate::kOutside && sure) {
+    if (fates_[i] != Fate::kDark && fates_[i] != Fate::kOutside && sure && !are_noise_) {
       covered_.emplace_back(points_[i].seed.u, points_[i].seed.v);
     }
   }
@@ -177,6 +179,7 @@ void Refiner::KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const 
   fates_.resize(points_.size());
   ForEachParallel(points_.size(),
                   [&](size_t i) { fates_[i] = FateOf(points_[i], left, right, tof); });
+  DropNoise();
   kept_.clear();
   for (const bool in_both : {true, false}) {
     SeedSet& counts = in_both ? result : left_seeds_;
@@ -191,6 +194,16 @@ void Refiner::KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const 
     }
     if (in_both) kept_in_both_ = kept_.size();
   }
+}
+
+// Edges isolate few points: 7 in 100 with a camera, 5 with 4 beams of a lidar. Where most are,
+// those that are not have neighbours by chance.
+void Refiner::DropNoise() {
+  const auto in_picture = std::ranges::count_if(
+      fates_, [](Fate fate) { return fate == Fate::kKept || fate == Fate::kLoose; });
+  are_noise_ = in_picture >= SurfaceRules::kFewestOfNoise &&
+               2 * std::ranges::count(fates_, Fate::kLoose) > in_picture;
+  if (are_noise_) std::ranges::replace(fates_, Fate::kKept, Fate::kLoose);
 }
 
 Refiner::Fate Refiner::FateOf(const ProjectedPoint& point, const cv::Mat1b& left,

@@ -55,6 +55,10 @@ class Refiner {
   /// Widened(); 0: none.
   void SetColumns(int columns) { stereo_.SetColumns(columns); }
 
+  /// Whether most points of the last call that are neither outside nor dark were loose: then all
+  /// are.
+  bool are_noise() const { return are_noise_; }
+
   /// Of the stereo seeds of the last call, see StereoSeedFinder.
   size_t unanswered_cells() const { return unanswered_cells_; }
   double ShareBelowZero(const cv::Mat1b& left, const cv::Mat1b& right, int columns) {
@@ -86,6 +90,7 @@ class Refiner {
   void KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                     SeedSet& result);
   void MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig, SeedSet& result);
+  void DropNoise();
   double NoisePx(const cv::Mat1b& left, const cv::Mat1b& right);
   std::span<const cv::Point2f> Covered(bool dense);
   void FillFromZones(const SeedSet& result, const CellGrid& grid);
@@ -95,6 +100,7 @@ class Refiner {
   // Memory of the last frame, for the next.
   std::vector<ProjectedPoint> points_;
   std::vector<Fate> fates_;  // of points_
+  bool are_noise_ = false;
   RangeUnwrapper unwrapper_;
   TofAligner aligner_;
   TofOffset tof_offset_;

@@ -44,6 +44,8 @@ struct SurfaceRules {
   /// Largest slant of a surface, px of disparity a px: over wide cells a slant makes neighbours
   /// differ by more than the tolerance. By trial.
   static constexpr double kSteepest = 0.22;
+  /// Fewer points, most of them loose, do not show that the sensor gives noise.
+  static constexpr int kFewestOfNoise = 30;
   /// A loose point stays where the windows differ this many times less than at its neighbours'
   /// disparities. By trial.
   static constexpr double kMuchBetter = 2;

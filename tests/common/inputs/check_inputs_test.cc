@@ -181,6 +181,30 @@ TEST(CheckInputs, SaysHowARangeImageIsTurned) {
   EXPECT_THAT(parts.Answer(Question::kPlace).text, HasSubstr("turn it counter-clockwise"));
 }
 
+// A range sensor that is turned by 3 degrees to the right, and is taken for one that is not: what
+// it sees belongs further right.
+TEST(CheckInputs, SaysHowFarARangeSensorIsTurnedAside) {
+  for (const auto& [axis, text] :
+       {std::pair<Eigen::Vector3d, const char*>(Eigen::Vector3d::UnitY(), "px further right in"),
+        std::pair<Eigen::Vector3d, const char*>(-Eigen::Vector3d::UnitX(), "px further down in")}) {
+    Parts parts = SceneOf();
+    const Eigen::AngleAxisd off(-5 * M_PI / 180, axis);
+    parts.rig.tof.left_from_tof_rotation = off * parts.rig.tof.left_from_tof_rotation;
+    const Finding finding = parts.Answer(Question::kPlace);
+    EXPECT_EQ(finding.verdict, Verdict::kBad) << finding.text;
+    EXPECT_THAT(finding.text, HasSubstr(text));
+  }
+}
+
+TEST(CheckInputs, SaysThatRangesAreNoise) {
+  Parts parts = SceneOf();
+  cv::RNG random(1);
+  random.fill(parts.tof.depth_m, cv::RNG::UNIFORM, 1.0, 4.0);
+  const Finding finding = parts.Answer(Question::kHits);
+  EXPECT_EQ(finding.verdict, Verdict::kBad);
+  EXPECT_THAT(finding.text, HasSubstr("% of the ranges side by side differ by more than a tenth"));
+}
+
 TEST(CheckInputs, SaysThatRangesAreOfAnotherMoment) {
   Parts parts = SceneOf();
   parts.rig.tof.left_from_tof_translation_m.z() += 0.5;  // as if the rig had moved on meanwhile

@@ -265,6 +265,29 @@ TEST(Refiner, TakesSeedsFromThePairWhereThereIsNoReturn) {
   EXPECT_TRUE(scene.Refine(without)->seeds.empty());
 }
 
+TEST(Refiner, BelievesNoPointOfASensorThatGivesNoise) {
+  Scene scene = TexturedScene();
+  const auto blind = scene.Refine(RefineConfig());
+  cv::RNG random(1);
+  for (int j = 0; j < 8; ++j) {
+    for (int i = 0; i < 10; ++i) scene.SetDisparity(i, j, random.uniform(2.0, 25.0));
+  }
+  RefineConfig config;
+  config.set_range_bias(RefineConfig::OFF);  // which may contradict them before
+  Refiner refiner(config);
+  const auto seeds = refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig));
+  EXPECT_TRUE(refiner.are_noise());
+  EXPECT_GT(seeds->loose, 30);
+  EXPECT_TRUE(refiner.left_seeds().seeds.empty());
+  EXPECT_EQ(seeds->seeds, blind->seeds);
+  // Half a wall and half noise is a sensor that sees something.
+  for (int j = 0; j < 8; ++j) {
+    for (int i = 0; i < 7; ++i) scene.SetDisparity(i, j, 12);
+  }
+  refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig));
+  EXPECT_FALSE(refiner.are_noise());
+}
+
 TEST(Refiner, PutsSeedsOfThePairBehindThoseOfTheTofCamera) {
   Scene scene = TexturedScene();
   for (int j = 0; j < 8; ++j) {
