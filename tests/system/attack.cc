@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <condition_variable>
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -15,7 +14,6 @@
 #include <mutex>
 #include <random>
 #include <set>
-#include <stdexcept>
 
 #include "common/app/process.h"
 #include "common/bus/channels.h"
@@ -25,6 +23,7 @@
 #include "common/messages/codec.h"
 #include "tests/system/hostile_messages.h"
 #include "tests/system/log_bytes.h"
+#include "tests/system/seeded_run.h"
 
 namespace sprout {
 namespace {
@@ -45,11 +44,6 @@ constexpr int64_t kMaxMegabytes = 2048;
 std::string Program(const std::string& name) {
   return (std::filesystem::path(SPROUT_BINARY_DIR) / ("sprout-" + name)).string();
 }
-
-class Failure : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 // Peak of its memory, MB.
 int64_t PeakMegabytes(pid_t pid) {
@@ -335,28 +329,9 @@ class Attack {
 };
 
 int Main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) {
-    std::cerr << "usage: attack SECONDS [SEED]; scripts/attack gives it a network of its own\n";
-    return 2;
-  }
-  const auto time = seconds(std::atol(argv[1]));
-  const auto seed = static_cast<uint32_t>(argc > 2 ? std::atol(argv[2]) : 1);
-  const std::vector<check::TestFrame> frames =
-      check::ReadTestFrames(kSampleLog, check::ContractOf("grow"));
-  Attack attack(frames.at(0), seed);
-  std::string failure;
-  try {
-    attack.Run(time);
-  } catch (const Failure& e) {
-    failure = e.what();
-  }
-  attack.Print(std::cout);
-  if (failure.empty()) {
-    std::cout << "\nall survived\n";
-    return 0;
-  }
-  std::cout << "\nFAILED with seed " << seed << ": " << failure << "\n";
-  return 1;
+  return RunSeeded<seconds>(argc, argv, "attack SECONDS", "\nall survived", [](uint32_t seed) {
+    return Attack(check::ReadTestFrames(kSampleLog, check::ContractOf("grow")).at(0), seed);
+  });
 }
 
 }  // namespace

@@ -2,12 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
-#include <random>
 #include <sstream>
 
-#include "common/bus/channels.h"
-#include "common/messages/codec.h"
 #include "common/scenes/dataset.h"
 #include "tests/system/graph.h"
 
@@ -50,75 +46,6 @@ bool HasDisparity(Graph& graph, int64_t seq, bool valid) {
   const auto found = graph.parts.find({Part::kDisparity, seq});
   return found != graph.parts.end() &&
          (std::get<DisparityImage>(found->second).CountValid() > 0) == valid;
-}
-
-TEST(BadInputSystem, BadMessagesAreDroppedCountedAndTheStagesGoOn) {
-  Graph graph;
-  graph.StartChain();
-  const HandFrame good;
-  const FrameId id{.utime = 1, .seq = 0, .rig_id = RigId(good.rig)};
-
-  // Wrong type, garbage, nothing, hostile counts, a size that does not fit, NaN calibration.
-  const auto rig_bytes = EncodePart(id, Part::kRig, good.rig, DisparityEncoding::kRawInt16);
-  auto left_bytes = EncodePart(id, Part::kLeft, good.frame.left, DisparityEncoding::kRawInt16);
-  graph.Publish(ChannelOf(Part::kLeft), rig_bytes);
-  graph.Publish(ChannelOf(Part::kLeft), std::vector<uint8_t>(100, 0xff));
-  graph.Publish(ChannelOf(Part::kLeft), std::vector<uint8_t>{});
-  const size_t size_offset = left_bytes.size() - good.frame.left.total() * 3 - 4;
-  for (const uint32_t hostile : {0xffffffffu, 0x7fffffffu, 1u}) {
-    for (int i = 0; i < 4; ++i) {
-      left_bytes[size_offset + static_cast<size_t>(i)] =
-          static_cast<uint8_t>(hostile >> (24 - 8 * i));
-    }
-    graph.Publish(ChannelOf(Part::kLeft), left_bytes);
-  }
-  Rig nan_rig = good.rig;
-  nan_rig.pair.focal_px = std::numeric_limits<double>::quiet_NaN();
-  graph.PublishPart(id, Part::kRig, nan_rig);
-
-  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
-    return g.statuses["refine"].bad_messages == 7 && g.statuses["grow"].bad_messages == 6;
-  })) << graph.statuses["refine"].bad_messages
-      << " " << graph.statuses["grow"].bad_messages;
-  graph.WaitUntil([](Graph& g) {
-    EXPECT_THAT(g.statuses["refine"].last_error, HasSubstr("focal_px"));
-    return true;
-  });
-
-  good.Send(graph, 1);
-  EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return HasDisparity(g, 1, true); }));
-  // Seven bad messages, but no flood of lines.
-  const std::string log = graph.process("refine").Output();
-  EXPECT_THAT(log, HasSubstr("message dropped"));
-  EXPECT_EQ(graph.process("refine").Wait(std::chrono::seconds(0)), std::nullopt);
-}
-
-TEST(BadInputSystem, RandomBytesOnEveryChannelDoNoHarm) {
-  Graph graph;
-  graph.StartChain();
-  const HandFrame good;
-  const FrameId id{.utime = 1, .seq = 0, .rig_id = RigId(good.rig)};
-  std::mt19937 random(1);
-  const std::vector<std::pair<Part, PartValue>> values = {
-      {Part::kLeft, good.frame.left},
-      {Part::kRight, good.frame.right},
-      {Part::kTof, good.frame.tof},
-      {Part::kRig, good.rig},
-      {Part::kSeeds, SeedSet{.seeds = {{30, 30, 20}}, .raw = 1}},
-      {Part::kLeftSeeds, SeedSet{.seeds = {{30, 30, -20}}, .raw = 1}},
-      {Part::kPrior, PriorMap(cv::Size(160, 120))}};
-  for (int i = 0; i < 50; ++i) {
-    for (const auto& [part, value] : values) {
-      auto bytes = EncodePart(id, part, value, DisparityEncoding::kDeltaZstd);
-      for (int flip = 0; flip < 8; ++flip) {
-        // The head holds all sizes and counts.
-        bytes[random() % std::min<size_t>(bytes.size(), 120)] = static_cast<uint8_t>(random());
-      }
-      graph.Publish(ChannelOf(part), bytes);
-    }
-  }
-  good.Send(graph, 1'000'000);
-  EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return HasDisparity(g, 1'000'000, true); }));
 }
 
 // Share of the pixels at which two maps agree to 1 px.

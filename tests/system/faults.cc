@@ -5,13 +5,11 @@
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
 #include <random>
-#include <stdexcept>
 #include <thread>
 
 #include "common/app/process.h"
@@ -19,6 +17,7 @@
 #include "common/config/config.h"
 #include "tests/system/graph.h"
 #include "tests/system/graph_record.h"
+#include "tests/system/seeded_run.h"
 
 namespace sprout {
 namespace {
@@ -42,11 +41,6 @@ constexpr std::array<Stage, 4> kStages = {
     Stage{"refine", Part::kSeeds}, Stage{"prior", Part::kPrior}, Stage{"grow", Part::kDisparity},
     Stage{"depth", Part::kDepth}};
 constexpr Part kLast = Part::kDepth;
-
-class Failure : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// A process, from its start.
 struct Life {
@@ -86,16 +80,15 @@ class FaultRun {
     }
   }
 
-  void Print() const {
-    std::cout << fmt::format("\n{:<8} {:>6} {:>9} {:>8} {:>11} {:>6} {:>7} {:>6}\n", "stage",
-                             "sent", "answered", "skipped", "incomplete", "gaps", "failed", "gone");
+  void Print(std::ostream& out) const {
+    out << fmt::format("\n{:<8} {:>6} {:>9} {:>8} {:>11} {:>6} {:>7} {:>6}\n", "stage", "sent",
+                       "answered", "skipped", "incomplete", "gaps", "failed", "gone");
     for (const Stage& stage : kStages) {
       const Account& a = accounts_.contains(stage.name) ? accounts_.at(stage.name) : Account{};
-      std::cout << fmt::format("{:<8} {:>6} {:>9} {:>8} {:>11} {:>6} {:>7} {:>6}\n", stage.name,
-                               sent_, a.answered, a.skipped, a.incomplete, a.gaps, a.failed,
-                               a.gone);
+      out << fmt::format("{:<8} {:>6} {:>9} {:>8} {:>11} {:>6} {:>7} {:>6}\n", stage.name, sent_,
+                         a.answered, a.skipped, a.incomplete, a.gaps, a.failed, a.gone);
     }
-    std::cout << fmt::format(
+    out << fmt::format(
         "\n{} maps, {} of them wrong, {} without their whole input\n"
         "delivers again after at most {} ms (stopped), {} ms (killed, from its first status), "
         "{} ms (from its start)\n",
@@ -337,26 +330,8 @@ class FaultRun {
 };
 
 int Main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) {
-    std::cerr << "usage: faults COUNT [SEED]; scripts/faults gives it a network of its own\n";
-    return 2;
-  }
-  const int count = std::atoi(argv[1]);
-  const auto seed = static_cast<uint32_t>(argc > 2 ? std::atol(argv[2]) : 1);
-  FaultRun run(seed);
-  std::string failure;
-  try {
-    run.Run(count);
-  } catch (const Failure& e) {
-    failure = e.what();
-  }
-  run.Print();
-  if (failure.empty()) {
-    std::cout << "all survived, every frame is accounted for\n";
-    return 0;
-  }
-  std::cout << "\nFAILED with seed " << seed << ": " << failure << "\n";
-  return 1;
+  return RunSeeded<int>(argc, argv, "faults COUNT", "all survived, every frame is accounted for",
+                        [](uint32_t seed) { return FaultRun(seed); });
 }
 
 }  // namespace
