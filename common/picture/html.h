@@ -20,6 +20,11 @@ std::string DataUrl(std::string_view type, std::span<const uint8_t> bytes);
 /// A picture as PNG inside the page, with a caption below it. @param caption  HTML. O(pixels).
 std::string FigureHtml(const cv::Mat3b& picture, std::string_view caption);
 
+/// The start of a page, with the style that all reports share.
+/// @param style  CSS that this report adds.
+std::string PageStart(std::string_view title, std::string_view style = "");
+std::string PageEnd();
+
 /// A table of texts, which are escaped; the first row is its head. O(length).
 std::string TableHtml(const std::vector<std::vector<std::string>>& rows);
 

@@ -17,27 +17,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kHead[] = R"(<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>sprout-batch</title>
-<style>
-body { font: 15px/1.45 sans-serif; max-width: 1500px; margin: 1.5em auto; padding: 0 1.2em; color: #1c1c1c; }
-h1 { font-size: 1.6em; margin-bottom: .2em; } h2 { margin-top: 1.8em; border-bottom: 1px solid #ccc; }
+constexpr char kStyle[] = R"(body { max-width: 1500px; }
 h3 { font-size: 1em; margin: 1.4em 0 .2em; }
-table { border-collapse: collapse; margin: .6em 0; }
-th, td { border-bottom: 1px solid #e2e2e2; padding: .22em .9em .22em 0; text-align: right; }
-th { color: #555; font-weight: normal; } th:first-child, td:first-child { text-align: left; }
-td.strip { text-align: left; } td:first-child { white-space: nowrap; } td.none { color: #bbb; }
-.better { color: #176117; } .worse, .bad { color: #a31515; }
-.chart { display: inline-block; margin: .4em 1.6em .8em 0; } .chart figcaption { color: #444; }
-.chart text { font: 11px sans-serif; fill: #555; } .axis { stroke: #999; }
-.a { fill: #9dbbd8; } .b { fill: none; stroke: #c2540a; stroke-width: 1.8; }
+th, td { text-align: right; } th:first-child, td:first-child { text-align: left; white-space: nowrap; }
+td.strip { text-align: left; } td.none { color: #bbb; }
+.better { color: #176117; } .worse { color: #a31515; }
+.b { fill: none; stroke: #c2540a; stroke-width: 1.8; } .both { fill: #a9a49c; }
 .strip polygon { fill: #c2540a; } svg.strip { background: #f4f1ee; vertical-align: middle; }
-.both { fill: #a9a49c; }
-.pictures img { vertical-align: top; margin: 0 8px 4px 0; border: 1px solid #ddd; width: calc(25% - 14px); }
+.pictures img { vertical-align: top; margin: 0 8px 4px 0; width: calc(25% - 14px); }
 pre { background: #f5f5f3; padding: .5em .8em; overflow-x: auto; font-size: 12.5px; }
 details { margin: .2em 0 1em; } summary { cursor: pointer; color: #444; }
 .key { display: inline-block; width: 1em; height: .7em; margin: 0 .3em 0 1em; }
-</style></head><body>
 )";
 
 // How the variants differ, in some words.
@@ -121,7 +111,8 @@ std::string DistributionsHtml(const Manifest& manifest, const FrameTable& frames
 void WriteReport(const BatchFolder& folder, const Manifest& manifest, const BatchState& state,
                  const FrameTable& frames, const std::string& program) {
   const bool has_b = manifest.variant_size() > 1;
-  std::string html = kHead + SummaryHtml(manifest, state, frames) + MeansHtml(manifest, frames);
+  std::string html = PageStart("sprout-batch", kStyle) + SummaryHtml(manifest, state, frames) +
+                     MeansHtml(manifest, frames);
   if (has_b) html += ConfigChangeHtml(folder);
   html += LossesHtml(folder, manifest, state) + DistributionsHtml(manifest, frames) +
           LogsHtml(manifest, frames);
@@ -133,9 +124,9 @@ void WriteReport(const BatchFolder& folder, const Manifest& manifest, const Batc
                     : shown.Html("The worst frames", last + "score", true);
   html +=
       "<h2>Files</h2>\n<p><a href=\"frames.csv\">frames.csv</a>: a row a frame, with all figures. "
-      "logs/NAME_a.lcm, NAME_b.lcm: the answers. manifest.textproto: logs, programs, digests.</p>\n"
-      "</body></html>\n";
-  WriteText(folder.report(), html);
+      "logs/NAME_a.lcm, NAME_b.lcm: the answers. manifest.textproto: logs, programs, "
+      "digests.</p>\n";
+  WriteText(folder.report(), html + PageEnd());
 }
 
 }  // namespace sprout::batch

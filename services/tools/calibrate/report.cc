@@ -163,7 +163,7 @@ std::string ReportHtml(const Calibration& calibration, const RigImages& images,
             FigureHtml(TofPicture(left, tof, rectifier.rig()),
                        "Colours change where the board ends: red is near, blue is far.");
   }
-  return html + ReportEnd();
+  return html + PageEnd();
 }
 
 }  // namespace sprout::calibrate

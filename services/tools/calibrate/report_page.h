@@ -15,8 +15,6 @@ std::string VerdictText(bool is_good);
 /// @param reasons  empty: it is good.
 std::string ReportStart(std::string_view what, const std::vector<std::string>& reasons);
 
-std::string ReportEnd();
-
 }  // namespace sprout::calibrate
 
 #endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_PAGE_H_

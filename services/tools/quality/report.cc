@@ -16,20 +16,8 @@
 namespace sprout::quality {
 namespace {
 
-constexpr char kHead[] = R"(<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>sprout-quality</title>
-<style>
-body { font: 15px/1.45 sans-serif; max-width: 1440px; margin: 2em auto; padding: 0 1em; color: #1c1c1c; }
-h1 { font-size: 1.6em; } h2 { margin-top: 1.6em; border-bottom: 1px solid #ccc; }
-table { border-collapse: collapse; margin: 1em 0; }
-th, td { border-bottom: 1px solid #e2e2e2; padding: .25em 1.2em .25em 0; text-align: left; }
-th { color: #555; font-weight: normal; } td.number { text-align: right; font-variant-numeric: tabular-nums; }
-td.meaning { color: #555; }
-figure { display: inline-block; margin: .5em 1.5em .5em 0; vertical-align: top; max-width: 46em; }
-figcaption { color: #444; } img { max-width: 100%; border: 1px solid #ddd; }
-.chart text { font: 11px sans-serif; fill: #555; } .axis { stroke: #999; } .a { fill: #7fa6cc; }
-.good { color: #176117; } .bad { color: #a31515; font-weight: 600; }
-</style></head><body>
+constexpr char kStyle[] = R"(figure { max-width: 46em; } td.meaning { color: #555; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; } .bad { font-weight: 600; }
 )";
 
 std::string FigureRows(const TargetQuality& quality, std::span<const Limit> limits) {
@@ -90,7 +78,7 @@ std::string ReportHtml(const Measurement& measurement, std::span<const Limit> li
   const TargetQuality quality = meter.Quality();
   const TargetMaps maps = meter.Maps();
   const cv::Rect& region = meter.region();
-  std::string html = kHead + Heading(quality, limits);
+  std::string html = PageStart("sprout-quality", kStyle) + Heading(quality, limits);
   html +=
       fmt::format("<p>{}: {} frames, region {},{},{},{} of {} × {} px. sprout-quality {}.</p>\n",
                   EscapedHtml(input), quality.frames, region.x, region.y, region.width,
@@ -111,7 +99,7 @@ std::string ReportHtml(const Measurement& measurement, std::span<const Limit> li
                        "depth.") +
             HistogramSvg("standard deviation over the frames, mm", Present(maps.noise_mm), {});
   }
-  return html + "</body></html>\n";
+  return html + PageEnd();
 }
 
 }  // namespace sprout::quality

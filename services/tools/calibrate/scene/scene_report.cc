@@ -164,7 +164,7 @@ std::string SceneReportHtml(const SceneRefinement& refinement, const SceneRefine
             FigureHtml(TofPicture(left, view.tof, RectifiedRig(refinement.rig, after)),
                        "after: red is near, blue is far");
   }
-  return html + ReportEnd();
+  return html + PageEnd();
 }
 
 }  // namespace sprout::calibrate
