@@ -88,7 +88,7 @@ TEST(McapPeers, ReadEveryMessageOfAnExport) {
   const auto graph = log::GraphEvents(kFrames);
   const std::string file = folder.Write("log", graph);
   const std::string mcap = folder.File("out.mcap");
-  const log::ProgramOutcome outcome = log::RunLog({"export", "--mcap", mcap, file});
+  const MainOutcome outcome = log::RunLog({"export", "--mcap", mcap, file});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   ASSERT_EQ(RunPeer({"read", mcap, folder.File("out")}), "");
   const Json read = ReadJson(folder.File("out"));

@@ -9,6 +9,7 @@
 #include "common/scenes/dataset.h"
 #include "services/tools/calibrate/image_folder.h"
 #include "services/tools/calibrate/program.h"
+#include "tests/common/app/run_main.h"
 #include "tests/common/logfile/sample_log.h"
 #include "tests/services/tools/calibrate/board_scene.h"
 
@@ -18,12 +19,6 @@ namespace {
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-struct CheckOutcome {
-  int exit_code;
-  std::string out;
-  std::string err;
-};
 
 class CalibrateCheck : public testing::Test {
  protected:
@@ -58,32 +53,30 @@ class CalibrateCheck : public testing::Test {
     return folder_ / "run.lcm";
   }
 
-  static CheckOutcome Check(const std::string& log) { return RunCalibrate("check " + log); }
+  static MainOutcome Check(const std::string& log) { return RunCalibrate("check " + log); }
 
   // Words as a shell makes them.
-  static CheckOutcome RunCalibrate(const std::string& words) {
+  static MainOutcome RunCalibrate(const std::string& words) {
     wordexp_t argv{};
     EXPECT_EQ(wordexp(("sprout-calibrate " + words).c_str(), &argv, WRDE_NOCMD), 0) << words;
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
-    const int exit_code = CalibrateMain(static_cast<int>(argv.we_wordc), argv.we_wordv);
+    const MainOutcome outcome =
+        RunMain({argv.we_wordv, argv.we_wordv + argv.we_wordc}, CalibrateMain);
     wordfree(&argv);
-    return {exit_code, testing::internal::GetCapturedStdout(),
-            testing::internal::GetCapturedStderr()};
+    return outcome;
   }
 
   const TemporaryDirectory folder_;
 };
 
 TEST_F(CalibrateCheck, FindsNothingWrongWithAGoodRig) {
-  const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000", 4, 0));
+  const MainOutcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000", 4, 0));
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("4 frames: good\n"));
 }
 
 TEST_F(CalibrateCheck, NoticesAToFCameraThatWasKnocked) {
-  const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000&calibration=5", 4, 0));
+  const MainOutcome outcome = Check(WriteLog("synthetic:640x480?tof=sr4000&calibration=5", 4, 0));
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, ContainsRegex("ToF points are (4.[5-9]|5.[0-5]) px beside .*was the "
@@ -95,7 +88,7 @@ TEST_F(CalibrateCheck, NoticesAToFCameraThatWasKnocked) {
   ASSERT_NE(begin, std::string::npos) << outcome.out;
   const auto here = std::filesystem::current_path();
   std::filesystem::current_path(folder_ / ".");
-  const CheckOutcome refined = RunCalibrate(
+  const MainOutcome refined = RunCalibrate(
       outcome.out.substr(begin + hint.size(), outcome.out.find('\n', begin) - begin - hint.size()));
   std::filesystem::current_path(here);
   EXPECT_NE(refined.exit_code, 2) << refined.err;
@@ -116,11 +109,11 @@ TEST_F(CalibrateCheck, TakesFoldersOfUnrectifiedImagesWithARigFile) {
   *description.mutable_calibration() = ToCalibration(rig);
   ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
   const std::string folder = folder_ / ".";
-  const CheckOutcome with_rig =
+  const MainOutcome with_rig =
       RunCalibrate("check " + folder + " --rig " + (folder_ / "rig.textproto").string());
   EXPECT_EQ(with_rig.exit_code, 0) << with_rig.out << with_rig.err;
   EXPECT_THAT(with_rig.out, HasSubstr("3 frames: good\n"));
-  const CheckOutcome without = RunCalibrate("check " + folder);
+  const MainOutcome without = RunCalibrate("check " + folder);
   EXPECT_EQ(without.exit_code, 2);
   EXPECT_THAT(without.err, HasSubstr("are not rectified: --rig is needed"));
 }
@@ -132,8 +125,8 @@ TEST_F(CalibrateCheck, SaysWhenASceneDoesNotTell) {
   ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
   const cv::Mat1b wall(480, 640, uchar{90});
   WriteImages(folder_ / ".", "0", {.left = wall, .right = wall, .tof = {}});
-  const CheckOutcome outcome = RunCalibrate("check " + (folder_ / ".").string() + " --rig " +
-                                            (folder_ / "rig.textproto").string());
+  const MainOutcome outcome = RunCalibrate("check " + (folder_ / ".").string() + " --rig " +
+                                           (folder_ / "rig.textproto").string());
 
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("1 frames: cannot tell\n  * too little to see: 0 matches"));
@@ -141,7 +134,7 @@ TEST_F(CalibrateCheck, SaysWhenASceneDoesNotTell) {
 }
 
 TEST_F(CalibrateCheck, NoticesRowsThatDoNotAgree) {
-  const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=none", 2, 2));
+  const MainOutcome outcome = Check(WriteLog("synthetic:640x480?tof=none", 2, 2));
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, ContainsRegex("rows of the right image lie .(1.9|2.0)"));
@@ -150,7 +143,7 @@ TEST_F(CalibrateCheck, NoticesRowsThatDoNotAgree) {
 
 // More rows than windows around seeds are searched: a right camera that was pitched.
 TEST_F(CalibrateCheck, NoticesRowsThatAreFarOff) {
-  const CheckOutcome outcome = Check(WriteLog("synthetic:640x480?tof=none", 2, 10));
+  const MainOutcome outcome = Check(WriteLog("synthetic:640x480?tof=none", 2, 10));
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, ContainsRegex("rows of the right image lie .(9.9|10.0)"));

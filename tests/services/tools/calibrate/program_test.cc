@@ -13,6 +13,7 @@
 #include "common/rig/rig_file.h"
 #include "services/tools/calibrate/image_folder.h"
 #include "services/tools/calibrate/watch.h"
+#include "tests/common/app/run_main.h"
 #include "tests/common/logfile/sample_log.h"
 #include "tests/services/tools/calibrate/board_scene.h"
 
@@ -23,20 +24,9 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-struct Outcome {
-  int exit_code;
-  std::string out;
-  std::string err;
-};
-
-Outcome RunCalibrate(const std::vector<std::string>& arguments) {
-  std::vector<const char*> argv{"sprout-calibrate"};
-  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  const int exit_code = CalibrateMain(static_cast<int>(argv.size()), argv.data());
-  return {exit_code, testing::internal::GetCapturedStdout(),
-          testing::internal::GetCapturedStderr()};
+MainOutcome RunCalibrate(std::vector<std::string> words) {
+  words.insert(words.begin(), "sprout-calibrate");
+  return RunMain(words, CalibrateMain);
 }
 
 std::string ReadText(const std::filesystem::path& path) {
@@ -75,7 +65,7 @@ class CalibrateProgram : public testing::Test {
   // Exit code, nothing on stdout, one line on stderr that holds `reason`.
   void ExpectRefused(const std::vector<std::string>& arguments, int exit_code,
                      const std::string& reason) const {
-    const Outcome outcome = RunCalibrate(arguments);
+    const MainOutcome outcome = RunCalibrate(arguments);
     EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
     EXPECT_EQ(outcome.out, "");
     EXPECT_THAT(outcome.err, StartsWith("sprout-calibrate: "));
@@ -91,7 +81,7 @@ class CalibrateProgram : public testing::Test {
 };
 
 TEST_F(CalibrateProgram, WritesABoard) {
-  const Outcome outcome =
+  const MainOutcome outcome =
       RunCalibrate({"board", "--squares", "11x8", "--square-mm", "30", "--out", File("board.svg")});
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -102,7 +92,7 @@ TEST_F(CalibrateProgram, WritesABoard) {
 TEST_F(CalibrateProgram, PrintsTheSizesThatItsReadmeSays) {
   const std::string readme =
       ReadText(std::string(SPROUT_SOURCE_DIR) + "/services/tools/calibrate/README.md");
-  const Outcome outcome = RunCalibrate({"board", "--out", File("board.svg")});
+  const MainOutcome outcome = RunCalibrate({"board", "--out", File("board.svg")});
   EXPECT_THAT(outcome.out, HasSubstr("a board of 540 x 360 mm on a page of 570 x 405 mm"));
   EXPECT_THAT(readme, HasSubstr("540 × 360 mm, on a page of 570 × 405 mm"));
 }
@@ -112,7 +102,7 @@ TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {
   devices.mutable_left()->set_serial("42");
   ASSERT_TRUE(SaveRigFile(folder_ / "devices.textproto", devices));
 
-  const Outcome outcome =
+  const MainOutcome outcome =
       RunCalibrate({"estimate", WriteLog("raw.lcm", 10), "--rig", File("devices.textproto"),
                     "--out", File("rig.textproto"), "--report", File("report.html")});
 
@@ -148,8 +138,8 @@ TEST_F(CalibrateProgram, LeavesTheRigFileWhenTheNewCalibrationIsNotGood) {
   ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", good));
   const std::string before = ReadText(folder_ / "rig.textproto");
 
-  const Outcome outcome = RunCalibrate({"estimate", WriteLog("raw.lcm", 8), "--rig",
-                                        File("rig.textproto"), "--out", File("rig.textproto")});
+  const MainOutcome outcome = RunCalibrate({"estimate", WriteLog("raw.lcm", 8), "--rig",
+                                            File("rig.textproto"), "--out", File("rig.textproto")});
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("calibration: not good enough"));
@@ -177,7 +167,8 @@ TEST_F(CalibrateProgram, TakesFoldersOfImages) {
     images.tof.depth_m.convertTo(depth_mm, CV_16U, 1000);
     cv::imwrite(File(("tof_depth_" + name + ".png").c_str()), depth_mm);
   }
-  const Outcome outcome = RunCalibrate({"estimate", folder_ / "", "--out", File("rig.textproto")});
+  const MainOutcome outcome =
+      RunCalibrate({"estimate", folder_ / "", "--out", File("rig.textproto")});
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("8 images: 8 views used"));
@@ -187,7 +178,8 @@ TEST_F(CalibrateProgram, TakesFoldersOfImages) {
   EXPECT_EQ(found.tof.width, 176);
 
   std::filesystem::remove(folder_ / "right_3.png");
-  const Outcome without = RunCalibrate({"estimate", folder_ / "", "--out", File("rig2.textproto")});
+  const MainOutcome without =
+      RunCalibrate({"estimate", folder_ / "", "--out", File("rig2.textproto")});
   EXPECT_THAT(without.out + without.err, HasSubstr("7 images: 7 views used"));
   EXPECT_THAT(without.err, HasSubstr("left_3.png: has no right image"));
 }
@@ -204,7 +196,8 @@ TEST_F(CalibrateProgram, SeesTheBoardInImagesWhosePixelsUse10Of16Bits) {
     cv::imwrite(File(("left_" + name + ".png").c_str()), left);
     cv::imwrite(File(("right_" + name + ".png").c_str()), right);
   }
-  const Outcome outcome = RunCalibrate({"estimate", folder_ / "", "--out", File("rig.textproto")});
+  const MainOutcome outcome =
+      RunCalibrate({"estimate", folder_ / "", "--out", File("rig.textproto")});
   EXPECT_THAT(outcome.out + outcome.err, HasSubstr("8 images: 8 views used"));
   EXPECT_THAT(outcome.err, HasSubstr("left_0.png: pixels of 16 bits use 0 to 1023"));
 }
@@ -230,7 +223,7 @@ TEST_F(CalibrateProgram, TellsACommandThatWorksWhereThereIsARigFileAndWhereThere
     }
     wordexp_t argv{};
     ASSERT_EQ(wordexp(EstimateCommand(board_, "views").c_str(), &argv, WRDE_NOCMD), 0);
-    const Outcome outcome = RunCalibrate({argv.we_wordv + 1, argv.we_wordv + argv.we_wordc});
+    const MainOutcome outcome = RunCalibrate({argv.we_wordv + 1, argv.we_wordv + argv.we_wordc});
     wordfree(&argv);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
     EXPECT_THAT(outcome.out + outcome.err, HasSubstr("views"));

@@ -12,6 +12,7 @@
 #include "common/rig/rig_file.h"
 #include "services/tools/calibrate/program.h"
 #include "services/tools/calibrate/rectify_images.h"
+#include "tests/common/app/run_main.h"
 #include "tests/common/logfile/sample_log.h"
 #include "tests/services/tools/calibrate/knocked_scene.h"
 
@@ -19,12 +20,6 @@ namespace sprout::calibrate {
 namespace {
 
 using ::testing::HasSubstr;
-
-struct RefineOutcome {
-  int exit_code;
-  std::string out;
-  std::string err;
-};
 
 class CalibrateRefine : public testing::Test {
  protected:
@@ -65,16 +60,10 @@ class CalibrateRefine : public testing::Test {
     return File("run.lcm");
   }
 
-  RefineOutcome Refine(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), {"sprout-calibrate", "refine"});
-    arguments.insert(arguments.end(), {"--out", File("new.textproto")});
-    std::vector<const char*> argv;
-    for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
-    const int exit_code = CalibrateMain(static_cast<int>(argv.size()), argv.data());
-    return {exit_code, testing::internal::GetCapturedStdout(),
-            testing::internal::GetCapturedStderr()};
+  MainOutcome Refine(std::vector<std::string> words) const {
+    words.insert(words.begin(), {"sprout-calibrate", "refine"});
+    words.insert(words.end(), {"--out", File("new.textproto")});
+    return RunMain(words, CalibrateMain);
   }
 
   RigNumbers Left(const RawRig& truth) const {
@@ -90,7 +79,7 @@ class CalibrateRefine : public testing::Test {
 constexpr double kLimit = 0.02 * std::numbers::pi / 180;
 
 TEST_F(CalibrateRefine, PutsARigRightFromUnrectifiedImagesAndKeepsItsDevices) {
-  const RefineOutcome outcome = Refine(
+  const MainOutcome outcome = Refine(
       {WriteLog(images_, {}), "--rig", File("rig.textproto"), "--report", File("report.html")});
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
@@ -113,7 +102,7 @@ TEST_F(CalibrateRefine, FindsTheSameFromRectifiedImages) {
   ASSERT_TRUE(images);
   const std::string log = WriteLog(*images, rectifier.rig());
 
-  const RefineOutcome outcome = Refine({log, "--rig", File("rig.textproto")});
+  const MainOutcome outcome = Refine({log, "--rig", File("rig.textproto")});
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   const RigNumbers left = Left(rig_);
@@ -122,7 +111,7 @@ TEST_F(CalibrateRefine, FindsTheSameFromRectifiedImages) {
 
   // The images were not rectified with this one.
   WriteRig("rig.textproto", rig_);
-  const RefineOutcome other = Refine({log, "--rig", File("rig.textproto")});
+  const MainOutcome other = Refine({log, "--rig", File("rig.textproto")});
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_THAT(other.err, HasSubstr("was rectified with calibration " + RigId(rectifier.rig())));
 }
@@ -132,14 +121,14 @@ TEST_F(CalibrateRefine, TakesTheCalibrationInALogWithoutARigFile) {
   const auto images = RectifyImages(rectifier, images_);
   ASSERT_TRUE(images);
 
-  const RefineOutcome outcome = Refine({WriteLog(*images, rectifier.rig())});
+  const MainOutcome outcome = Refine({WriteLog(*images, rectifier.rig())});
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   for (const double error : Left(RawRigOf(rectifier.rig()))) EXPECT_LT(std::abs(error), 0.003);
 }
 
 TEST_F(CalibrateRefine, NeedsARigFileForUnrectifiedImages) {
-  const RefineOutcome outcome = Refine({WriteLog(images_, {})});
+  const MainOutcome outcome = Refine({WriteLog(images_, {})});
 
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("its images are not rectified: --rig is needed"));
@@ -147,7 +136,7 @@ TEST_F(CalibrateRefine, NeedsARigFileForUnrectifiedImages) {
 
 TEST_F(CalibrateRefine, SaysWhyASceneIsRefused) {
   images_.right = cv::Mat1b::zeros(images_.right.size());
-  const RefineOutcome outcome = Refine({WriteLog(images_, {}), "--rig", File("rig.textproto")});
+  const MainOutcome outcome = Refine({WriteLog(images_, {}), "--rig", File("rig.textproto")});
 
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("too little to see: 0 matches of 0 features in 1 frames"));

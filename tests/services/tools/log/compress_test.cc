@@ -57,7 +57,7 @@ class LogCompress : public testing::Test {
 };
 
 TEST_F(LogCompress, GivesBackTheVeryLog) {
-  const ProgramOutcome outcome = RunLog({"compress", in_, small_});
+  const MainOutcome outcome = RunLog({"compress", in_, small_});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("20 of 36 events changed"));
   EXPECT_LT(10 * std::filesystem::file_size(small_), 6 * std::filesystem::file_size(in_));
@@ -118,7 +118,7 @@ TEST_F(LogCompress, RefusesWhatWouldNotComeBack) {
   Bytes damaged = ReadBytes(in_);
   damaged[static_cast<size_t>(ReadLog(in_).events[3].offset) + 1] ^= 1;
   WriteBytes(in_, damaged);
-  const ProgramOutcome outcome = RunLog({"compress", in_, small_});
+  const MainOutcome outcome = RunLog({"compress", in_, small_});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("allowed is an undamaged log, such as sprout-log repair"));
   EXPECT_FALSE(std::filesystem::exists(small_));
@@ -132,7 +132,7 @@ TEST_F(LogCompress, NamesAMessageThatCannotBeExpanded) {
   log[static_cast<size_t>(left.end()) - 20] ^= 0x55;
   log[static_cast<size_t>(left.end()) - 200] ^= 0x55;
   WriteBytes(small_, log);
-  const ProgramOutcome outcome = RunLog({"expand", small_, folder_.File("back")});
+  const MainOutcome outcome = RunLog({"expand", small_, folder_.File("back")});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("SPROUT_LEFT: data"));
   EXPECT_FALSE(std::filesystem::exists(folder_.File("back")));

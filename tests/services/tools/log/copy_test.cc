@@ -49,7 +49,7 @@ TEST(LogCut, KeepsFramesToWarmUpAndTellsWhoNeedsThem) {
   const auto cut = [&](std::vector<std::string> flags) {
     std::vector<std::string> command = {"cut", in, folder.File("out"), "--force"};
     command.insert(command.end(), flags.begin(), flags.end());
-    const ProgramOutcome outcome = RunLog(command);
+    const MainOutcome outcome = RunLog(command);
     EXPECT_EQ(outcome.exit_code, 0);
     return outcome.err;
   };
@@ -82,7 +82,7 @@ TEST(LogCut, WithoutFlagsCopiesAll) {
   auto events = GraphEvents(12);
   events.push_back({.utime = 1, .channel = "IMU", .data = {1, 2, 3}});
   const auto in = folder.Write("in", events);
-  const ProgramOutcome outcome = RunLog({"cut", in, folder.File("out")});
+  const MainOutcome outcome = RunLog({"cut", in, folder.File("out")});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(ReadBytes(folder.File("out")), ReadBytes(in));
   EXPECT_THAT(outcome.out, HasSubstr("out: 87 of 87 events\n"));
@@ -229,7 +229,7 @@ TEST(LogRepair, WritesAllGoodEventsAndSaysWhatWasLost) {
   bytes[static_cast<size_t>(events[20].offset) + 25] ^= 0x40;  // length
   bytes.resize(static_cast<size_t>(events.back().offset) + 100);
   WriteBytes(folder.File("in"), bytes);
-  const ProgramOutcome outcome = RunLog({"repair", folder.File("in"), folder.File("out")});
+  const MainOutcome outcome = RunLog({"repair", folder.File("in"), folder.File("out")});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out, HasSubstr("1 event lost\n"));
   EXPECT_THAT(outcome.out, HasSubstr("(100): torn tail"));
@@ -246,7 +246,7 @@ TEST(LogRepair, KeepsUndecodableMessagesUnlessTold) {
   auto events = GraphEvents(3);
   EventOf(events, Part::kLeft, 1).data.pop_back();
   const auto in = folder.Write("in", events);
-  ProgramOutcome outcome = RunLog({"repair", in, folder.File("out")});
+  MainOutcome outcome = RunLog({"repair", in, folder.File("out")});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out, HasSubstr("kept, but undecodable: SPROUT_LEFT, event "));
   EXPECT_EQ(ReadBytes(folder.File("out")), ReadBytes(in));

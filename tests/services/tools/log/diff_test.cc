@@ -13,11 +13,11 @@ using testing::Not;
 
 class LogDiffTest : public testing::Test {
  protected:
-  ProgramOutcome Diff(const std::vector<Event>& a, const std::vector<Event>& b,
-                      const std::vector<std::string>& flags = {}) {
+  MainOutcome Diff(const std::vector<Event>& a, const std::vector<Event>& b,
+                   const std::vector<std::string>& flags = {}) {
     std::vector<std::string> arguments = {"diff", folder_.Write("a", a), folder_.Write("b", b)};
     arguments.insert(arguments.end(), flags.begin(), flags.end());
-    ProgramOutcome outcome = RunLog(arguments);
+    MainOutcome outcome = RunLog(arguments);
     EXPECT_EQ(outcome.err, "");
     return outcome;
   }
@@ -27,7 +27,7 @@ class LogDiffTest : public testing::Test {
 };
 
 TEST_F(LogDiffTest, FindsALogEqualToItself) {
-  const ProgramOutcome outcome = Diff(events_, events_);
+  const MainOutcome outcome = Diff(events_, events_);
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out, EndsWith("\nequal\n"));
 }
@@ -50,7 +50,7 @@ TEST_F(LogDiffTest, SaysWhichPixelsOfWhichFrameDiffer) {
   changed.counts()(3, 9) = DisparityImage::kInvalid;
   changed.counts()(2, 0) = 32;
   EventOf(other, Part::kDisparity, 7) = PartEvent(Part::kDisparity, 7, changed);
-  const ProgramOutcome outcome = Diff(events_, other);
+  const MainOutcome outcome = Diff(events_, other);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(
       outcome.out,
@@ -82,7 +82,7 @@ TEST_F(LogDiffTest, ComparesTheNamedChannelsOnly) {
 TEST_F(LogDiffTest, NamesWhatOnlyOneLogHas) {
   std::vector<Event> other = events_;
   Erase(other, Part::kDisparity, 4);
-  ProgramOutcome outcome = Diff(events_, other);
+  MainOutcome outcome = Diff(events_, other);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out,
               HasSubstr("SPROUT_DISPARITY, frame 4 (utime 1700000000400000): only in A\n"));
@@ -99,7 +99,7 @@ TEST_F(LogDiffTest, NamesWhatOnlyOneLogHas) {
 TEST_F(LogDiffTest, TellsOfAMissingChannelOnce) {
   std::vector<Event> other = events_;
   for (int seq = 0; seq < 12; ++seq) Erase(other, Part::kPrior, seq);
-  const ProgramOutcome outcome = Diff(events_, other);
+  const MainOutcome outcome = Diff(events_, other);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(
       outcome.out,
@@ -111,7 +111,7 @@ TEST_F(LogDiffTest, WithCommonStillSeesADifference) {
   std::vector<Event> other = events_;
   Erase(other, Part::kDisparity, 4);
   EventOf(other, Part::kDisparity, 8) = PartEvent(Part::kDisparity, 8, LogDisparity(1));
-  const ProgramOutcome outcome = Diff(events_, other, {"--common"});
+  const MainOutcome outcome = Diff(events_, other, {"--common"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("first difference: SPROUT_DISPARITY, frame 8 "));
 }
@@ -122,7 +122,7 @@ TEST_F(LogDiffTest, TakesAnotherEncodingForEqualAndSaysSo) {
     EventOf(other, Part::kPrior, seq) =
         PartEvent(Part::kPrior, seq, LogPrior(seq), DisparityEncoding::kDeltaZstd);
   }
-  const ProgramOutcome outcome = Diff(events_, other);
+  const MainOutcome outcome = Diff(events_, other);
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out,
               HasSubstr("SPROUT_PRIOR: 12 of the equal ones are encoded differently\n"));
@@ -131,7 +131,7 @@ TEST_F(LogDiffTest, TakesAnotherEncodingForEqualAndSaysSo) {
 TEST_F(LogDiffTest, CountsAMessageThatCameAgainOnce) {
   std::vector<Event> other = events_;
   other.push_back(PartEvent(Part::kLeft, 11));
-  const ProgramOutcome outcome = Diff(events_, other);
+  const MainOutcome outcome = Diff(events_, other);
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out,
               HasSubstr("in B, repeated messages with the same bytes, counted once: 1\n"));
@@ -140,7 +140,7 @@ TEST_F(LogDiffTest, CountsAMessageThatCameAgainOnce) {
 TEST_F(LogDiffTest, SeesAFrameThatCameAgainWithOtherContent) {
   std::vector<Event> other = events_;
   other.push_back(PartEvent(Part::kDisparity, 11, LogDisparity(3)));
-  const ProgramOutcome outcome = Diff(events_, other);
+  const MainOutcome outcome = Diff(events_, other);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("frame 11 (utime 1700000001100000), version 1: only in B\n"));
   EXPECT_EQ(Diff(other, other).exit_code, 0);
@@ -153,7 +153,7 @@ TEST_F(LogDiffTest, ComparesCalibrationsByContent) {
   Rig rig = LogRig();
   rig.pair.focal_px += 1;
   EventOf(other, Part::kRig, 1) = PartEvent(Part::kRig, 1, rig);
-  const ProgramOutcome outcome = Diff(events_, other);
+  const MainOutcome outcome = Diff(events_, other);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("SPROUT_RIG, calibration cafe: calibrations differ\n"));
 }
@@ -167,7 +167,7 @@ TEST_F(LogDiffTest, ComparesForeignMessagesOneByOne) {
   other.push_back(imu);
   EXPECT_EQ(Diff(events_, other).exit_code, 0);
   other.back().data = {1, 2, 4};
-  const ProgramOutcome outcome = Diff(events_, other);
+  const MainOutcome outcome = Diff(events_, other);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("IMU, message 1: 3 and 3 bytes differ\n"));
 }
@@ -202,7 +202,7 @@ TEST_F(LogDiffTest, WritesPicturesOfWhatDiffers) {
       PartEvent(Part::kLeft, 7, cv::Mat(kLogImageSize, CV_8UC3, cv::Scalar(1, 2, 3)));
   EventOf(other, Part::kSeeds, 8) = PartEvent(Part::kSeeds, 8, SeedSet());
   const std::string pictures = folder_.File("pictures");
-  const ProgramOutcome outcome = Diff(events_, other, {"--images", pictures});
+  const MainOutcome outcome = Diff(events_, other, {"--images", pictures});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, HasSubstr(pictures + ": 6 pictures\n"));
   const auto picture = [&](const std::string& name) {
@@ -241,7 +241,7 @@ TEST_F(LogDiffTest, SurvivesADamagedLog) {
   Bytes bytes = MakeLog(events);
   bytes[static_cast<size_t>(EventOf(events, Part::kSeeds, 4).offset)] ^= 1;
   WriteBytes(folder_.File("damaged"), bytes);
-  const ProgramOutcome outcome =
+  const MainOutcome outcome =
       RunLog({"diff", folder_.Write("a", events_), folder_.File("damaged")});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out,

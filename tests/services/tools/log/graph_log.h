@@ -10,6 +10,7 @@
 #include "common/bus/channels.h"
 #include "common/messages/message_type.h"
 #include "services/tools/log/program.h"
+#include "tests/common/app/run_main.h"
 #include "tests/common/core/even_prior.h"
 #include "tests/common/logfile/sample_log.h"
 #include "tests/common/messages/examples.h"
@@ -128,20 +129,9 @@ inline void Erase(std::vector<Event>& events, Part part, int64_t seq) {
   events.erase(events.begin() + (&event - events.data()));
 }
 
-struct ProgramOutcome {
-  int exit_code;
-  std::string out;
-  std::string err;
-};
-
-inline ProgramOutcome RunLog(const std::vector<std::string>& arguments) {
-  std::vector<const char*> argv{"sprout-log"};
-  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  const int exit_code = LogMain(static_cast<int>(argv.size()), argv.data());
-  return {exit_code, testing::internal::GetCapturedStdout(),
-          testing::internal::GetCapturedStderr()};
+inline MainOutcome RunLog(std::vector<std::string> words) {
+  words.insert(words.begin(), "sprout-log");
+  return RunMain(words, LogMain);
 }
 
 /// A folder with logs in it.
@@ -164,7 +154,7 @@ class LogFolder {
 
 /// Exit code 2, one line that holds `reason`, nothing on stdout.
 inline void ExpectRefused(const std::vector<std::string>& arguments, const std::string& reason) {
-  const ProgramOutcome outcome = RunLog(arguments);
+  const MainOutcome outcome = RunLog(arguments);
   EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
   EXPECT_EQ(outcome.out, "");
   EXPECT_THAT(outcome.err, testing::StartsWith("sprout-log: "));

@@ -14,7 +14,7 @@ using testing::Not;
 nlohmann::json Info(const std::string& file, const std::vector<std::string>& flags = {}) {
   std::vector<std::string> arguments = {"info", file, "--json"};
   arguments.insert(arguments.end(), flags.begin(), flags.end());
-  const ProgramOutcome outcome = RunLog(arguments);
+  const MainOutcome outcome = RunLog(arguments);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   return nlohmann::json::parse(outcome.out);
 }
@@ -59,7 +59,7 @@ TEST(LogInfo, CountsGapsAndRepeatedFrames) {
   EXPECT_EQ(info["whole"], false);
   EXPECT_EQ(Channel(info, "SPROUT_LEFT")["frames"]["missing"], 3);
   EXPECT_EQ(Channel(info, "SPROUT_TOF")["frames"]["repeated"], 1);
-  const ProgramOutcome outcome = RunLog({"info", file, "--check"});
+  const MainOutcome outcome = RunLog({"info", file, "--check"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("SPROUT_LEFT: frames left out: 3-4, 7\n"));
   EXPECT_THAT(outcome.out, HasSubstr("no damage\n"));
@@ -77,7 +77,7 @@ TEST(LogInfo, FindsMessagesThatCannotBeDecoded) {
   for (const char* name : {"SPROUT_LEFT", "SPROUT_TOF", "SPROUT_RIGHT"}) {
     EXPECT_EQ(Channel(info, name)["undecodable"], 1) << name;
   }
-  const ProgramOutcome outcome = RunLog({"info", file, "--check"});
+  const MainOutcome outcome = RunLog({"info", file, "--check"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("SPROUT_LEFT: first undecodable message: event "));
   EXPECT_THAT(outcome.out, HasSubstr("sprout.seeds_t is not that of sprout.tof_image_t"));
@@ -96,7 +96,7 @@ TEST(LogInfo, ReportsDamage) {
   EXPECT_EQ(info["damage"][0]["bytes"], events[6].offset - events[5].offset);
   EXPECT_EQ(info["damage"][0]["events"], 1);
   EXPECT_EQ(info["damage"][1]["tail"], true);
-  const ProgramOutcome outcome = RunLog({"info", folder.File("log")});
+  const MainOutcome outcome = RunLog({"info", folder.File("log")});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out, HasSubstr("1 event lost\n"));
   EXPECT_THAT(outcome.out, HasSubstr("torn tail"));
@@ -131,7 +131,7 @@ TEST(LogInfo, LooksAtOneGraphOnly) {
 TEST(LogInfo, SaysSoWhenThePrefixIsThatOfNoChannel) {
   const LogFolder folder;
   const auto file = folder.Write("log", GraphEvents(2));
-  const ProgramOutcome outcome = RunLog({"info", file, "--check", "--channel-prefix", "WRONG_"});
+  const MainOutcome outcome = RunLog({"info", file, "--check", "--channel-prefix", "WRONG_"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("no channel begins with this --channel-prefix; there are "
                                      "channels as SPROUT_"));
@@ -140,7 +140,7 @@ TEST(LogInfo, SaysSoWhenThePrefixIsThatOfNoChannel) {
 
 TEST(LogInfo, DescribesAnEmptyLog) {
   const LogFolder folder;
-  const ProgramOutcome outcome = RunLog({"info", folder.Write("log", {}), "--check"});
+  const MainOutcome outcome = RunLog({"info", folder.Write("log", {}), "--check"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out, HasSubstr("0.00 MB, 0 events"));
 }

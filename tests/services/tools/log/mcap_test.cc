@@ -32,7 +32,7 @@ const std::map<std::string, int> kTwelveFrames = {{"/diagnostics", 12},
 TEST(McapExport, HasEveryMessageOfTheLogAndNothingButCdr) {
   const LogFolder folder;
   const std::string log = folder.Write("log", GraphEvents(12));
-  const ProgramOutcome outcome = RunLog({"export", "--mcap", folder.File("out"), log});
+  const MainOutcome outcome = RunLog({"export", "--mcap", folder.File("out"), log});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out, folder.File("out") + ": 109 messages\n");
   EXPECT_EQ(CountTopics(folder.File("out")), kTwelveFrames);
@@ -67,8 +67,7 @@ TEST(McapExport, GivesWhatIsWholeOfADamagedLog) {
     std::fill_n(bytes.begin() + left.offset + 2, 20, uint8_t{0});
   }
   WriteBytes(folder.File("log"), bytes);
-  const ProgramOutcome outcome =
-      RunLog({"export", "--mcap", folder.File("out"), folder.File("log")});
+  const MainOutcome outcome = RunLog({"export", "--mcap", folder.File("out"), folder.File("log")});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.err, HasSubstr("damage"));
   auto expected = kTwelveFrames;
@@ -82,7 +81,7 @@ TEST(McapExport, SaysWhatHasNoCalibration) {
   std::vector<Event> events = GraphEvents(2);
   Erase(events, Part::kRig, 1);
   const std::string log = folder.Write("log", events);
-  const ProgramOutcome outcome = RunLog({"export", "--mcap", folder.File("out"), log});
+  const MainOutcome outcome = RunLog({"export", "--mcap", folder.File("out"), log});
   EXPECT_THAT(outcome.err, HasSubstr("8 messages whose calibration is not in the log"));
   EXPECT_FALSE(CountTopics(folder.File("out")).contains("/sprout/disparity"));
 }
@@ -124,7 +123,7 @@ TEST(McapInfo, ListsTopicsTypesAndCounts) {
   const LogFolder folder;
   const std::string log = folder.Write("log", GraphEvents(12));
   RunLog({"export", "--mcap", folder.File("out"), log});
-  const ProgramOutcome outcome = RunLog({"info", folder.File("out"), "--check"});
+  const MainOutcome outcome = RunLog({"info", folder.File("out"), "--check"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out, HasSubstr("MCAP (ros2) by sprout "));
   EXPECT_THAT(outcome.out, testing::ContainsRegex(
@@ -136,7 +135,7 @@ TEST(McapInfo, ListsTopicsTypesAndCounts) {
   Bytes bytes = ReadBytes(folder.File("out"));
   bytes.resize(bytes.size() / 2);
   WriteBytes(folder.File("torn"), bytes);
-  const ProgramOutcome torn = RunLog({"info", folder.File("torn"), "--check"});
+  const MainOutcome torn = RunLog({"info", folder.File("torn"), "--check"});
   EXPECT_EQ(torn.exit_code, 1);
   EXPECT_THAT(torn.out, HasSubstr("damage: byte "));
 }

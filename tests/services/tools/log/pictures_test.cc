@@ -27,7 +27,7 @@ std::vector<std::string> FilesIn(const std::string& folder) {
 TEST(LogImages, WritesEveryPartOfTheFramesAsked) {
   const LogFolder folder;
   const auto log = folder.Write("log", GraphEvents(30));
-  const ProgramOutcome outcome = RunLog({"images", log, folder.File("out"), "--frames", "4:5"});
+  const MainOutcome outcome = RunLog({"images", log, folder.File("out"), "--frames", "4:5"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("18 files of 2 frames\n"));
   EXPECT_THAT(
@@ -47,7 +47,7 @@ TEST(LogImages, WritesEveryPartOfTheFramesAsked) {
 TEST(LogImages, TellsDensityAndRefusesTheTruthOfAnotherScene) {
   const LogFolder folder;
   const auto log = folder.Write("log", GraphEvents(3));
-  const ProgramOutcome outcome = RunLog({"images", log, folder.File("out")});
+  const MainOutcome outcome = RunLog({"images", log, folder.File("out")});
   EXPECT_THAT(outcome.out, ContainsRegex("filled +3 +87.50\n"));
   ExpectRefused({"images", log, folder.File("other"), "--truth", "synthetic:64x48"},
                 "--truth synthetic:64x48: ");
@@ -110,7 +110,7 @@ TEST(LogImages, GoesOnBehindAnUndecodableMessage) {
   auto events = GraphEvents(3);
   EventOf(events, Part::kLeft, 1).data.pop_back();
   const auto log = folder.Write("log", events);
-  const ProgramOutcome outcome = RunLog({"images", log, folder.File("out")});
+  const MainOutcome outcome = RunLog({"images", log, folder.File("out")});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out, HasSubstr("24 files of 3 frames"));
   EXPECT_THAT(outcome.err, HasSubstr("undecodable messages: 1, the first SPROUT_LEFT, event "));
@@ -173,7 +173,7 @@ TEST(LogExport, SaysWhichCloudsItCannotMake) {
   auto events = GraphEvents(3);
   Erase(events, Part::kLeft, 1);
   const auto log = folder.Write("log", events);
-  const ProgramOutcome outcome = RunLog({"export", log, folder.File("out"), "--ply"});
+  const MainOutcome outcome = RunLog({"export", log, folder.File("out"), "--ply"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.err, HasSubstr("no cloud of 1 frames"));
   EXPECT_EQ(FilesIn(folder.File("out")).size(), 2U);
@@ -184,7 +184,7 @@ TEST(LogExport, GoesOnBehindAFrameOfOtherSizes) {
   auto events = GraphEvents(3);
   EventOf(events, Part::kLeft, 1) = PartEvent(Part::kLeft, 1, cv::Mat(9, 9, CV_8UC1, cv::Scalar()));
   const auto log = folder.Write("log", events);
-  const ProgramOutcome outcome = RunLog({"export", log, folder.File("out"), "--ply"});
+  const MainOutcome outcome = RunLog({"export", log, folder.File("out"), "--ply"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("no cloud of frame 1: disparity map 32x24, left image 9x9"));
   EXPECT_THAT(outcome.out, HasSubstr("2 files of 2 frames"));
@@ -203,7 +203,7 @@ TEST(LogImages, ShowsFramesWithoutATofCamera) {
   const auto log = folder.Write("log", {PartEvent(Part::kLeft, 1), PartEvent(Part::kTof, 1, none),
                                         PartEvent(Part::kTof, 2, none), PartEvent(Part::kRight, 2),
                                         PartEvent(Part::kTof, 3, none)});
-  const ProgramOutcome outcome = RunLog({"images", log, folder.File("out")});
+  const MainOutcome outcome = RunLog({"images", log, folder.File("out")});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("4 files of 2 frames"));
 }
@@ -245,7 +245,7 @@ TEST(LogExport, WritesDepthsInMillimetresAndTheIntrinsics) {
 TEST(LogExport, WritesDepthOfALogThatHasOnlyThat) {
   const LogFolder folder;
   const auto log = folder.Write("log", {PartEvent(Part::kDepth, 1), PartEvent(Part::kLeft, 2)});
-  const ProgramOutcome outcome = RunLog({"export", log, folder.File("out"), "--depth"});
+  const MainOutcome outcome = RunLog({"export", log, folder.File("out"), "--depth"});
   EXPECT_EQ(outcome.exit_code, 0);
   const DepthImage depth = examples::Depth();
   const cv::Mat mm = cv::imread(folder.File("out") + "/000001_depth.png", cv::IMREAD_UNCHANGED);

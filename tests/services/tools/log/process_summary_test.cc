@@ -42,7 +42,7 @@ std::vector<Event> EventsWithProcesses(const std::string& config) {
 TEST(ProcessesOfALog, AreShownByInfoEachOnce) {
   const LogFolder folder;
   const std::string log = folder.Write("run.lcm", EventsWithProcesses("0.8"));
-  const ProgramOutcome text = RunLog({"info", log});
+  const MainOutcome text = RunLog({"info", log});
   EXPECT_EQ(text.exit_code, 0);
   EXPECT_THAT(text.out, HasSubstr("sprout.process_info_t"));
   EXPECT_THAT(text.out,
@@ -60,7 +60,7 @@ TEST(ProcessesOfALog, AreNoDifferenceOfTheAnswersButShown) {
   const LogFolder folder;
   const std::string a = folder.Write("a.lcm", EventsWithProcesses("0.8"));
   const std::string b = folder.Write("b.lcm", EventsWithProcesses("2"));
-  const ProgramOutcome outcome = RunLog({"diff", a, b});
+  const MainOutcome outcome = RunLog({"diff", a, b});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("\ngrow: grow.sigma_p_px = 0.8 in A, 2 in B\n"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("capture:")));

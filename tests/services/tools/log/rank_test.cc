@@ -33,7 +33,7 @@ class RankTest : public testing::Test {
 };
 
 TEST_F(RankTest, HasTheWorstFramesFirstAndThoseWithoutAMapLast) {
-  const ProgramOutcome outcome = RunLog({"rank", log_, "--json"});
+  const MainOutcome outcome = RunLog({"rank", log_, "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(Order(json), (std::vector<int64_t>{4, 2, 0, 3, 5, 1}));
@@ -47,7 +47,7 @@ TEST_F(RankTest, HasTheWorstFramesFirstAndThoseWithoutAMapLast) {
 }
 
 TEST_F(RankTest, ShowsATableForPeople) {
-  const ProgramOutcome outcome = RunLog({"rank", log_, "--top", "2"});
+  const MainOutcome outcome = RunLog({"rank", log_, "--top", "2"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, StartsWith("   frame         s     score  valid_share  confidence"));
   EXPECT_THAT(outcome.out, HasSubstr("\n       4     0.400     0.000        0.000           -"));
@@ -57,7 +57,7 @@ TEST_F(RankTest, ShowsATableForPeople) {
 }
 
 TEST_F(RankTest, WritesARowAFrameInFullPrecision) {
-  const ProgramOutcome outcome = RunLog({"rank", log_, "--csv", "--frames", "0:2"});
+  const MainOutcome outcome = RunLog({"rank", log_, "--csv", "--frames", "0:2"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, StartsWith("seq,utime,score,valid_share,confidence,misfit,seeds,"
                                       "seeds_kept,tof_coverage\n2,1700000000200000,0.4375,0.4375,"
@@ -67,14 +67,14 @@ TEST_F(RankTest, WritesARowAFrameInFullPrecision) {
 }
 
 TEST_F(RankTest, RanksByAnyColumn) {
-  const ProgramOutcome outcome = RunLog({"rank", log_, "--json", "--by", "valid_share"});
+  const MainOutcome outcome = RunLog({"rank", log_, "--json", "--by", "valid_share"});
   EXPECT_EQ(Order(nlohmann::json::parse(outcome.out)).front(), 4);
   ExpectRefused({"rank", log_, "--by", "beauty"}, "--by beauty: allowed: score, valid_share, ");
 }
 
 TEST_F(RankTest, WritesThePicturesOfTheWorst) {
   const std::string pictures = folder_.File("pictures");
-  const ProgramOutcome outcome = RunLog({"rank", log_, "--top", "1", "--images", pictures});
+  const MainOutcome outcome = RunLog({"rank", log_, "--top", "1", "--images", pictures});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(std::filesystem::exists(pictures + "/000004_left.png"));
   EXPECT_TRUE(std::filesystem::exists(pictures + "/000004_disparity.png"));
@@ -112,7 +112,7 @@ TEST(Rank, SaysThatScoresWithoutImagesAreOnAnotherScale) {
   const LogFolder folder;
   std::vector<Event> events;
   for (int seq = 0; seq < 3; ++seq) events.push_back(PartEvent(Part::kDisparity, seq));
-  const ProgramOutcome alone = RunLog({"rank", folder.Write("alone", events)});
+  const MainOutcome alone = RunLog({"rank", folder.Write("alone", events)});
   EXPECT_EQ(alone.exit_code, 0) << alone.err;
   EXPECT_THAT(alone.err, testing::HasSubstr("3 of 3 frames have no images that fit the map"));
   EXPECT_EQ(RunLog({"rank", folder.Write("whole", GraphEvents(3))}).err, "");

@@ -9,6 +9,7 @@
 #include "common/messages/codec.h"
 #include "common/picture/write_image.h"
 #include "services/tools/quality/program.h"
+#include "tests/common/app/run_main.h"
 #include "tests/common/logfile/sample_log.h"
 #include "tests/common/measure/flat_target.h"
 
@@ -24,20 +25,9 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-struct QualityOutcome {
-  int exit_code;
-  std::string out;
-  std::string err;
-};
-
-QualityOutcome RunQuality(const std::vector<std::string>& arguments) {
-  std::vector<const char*> argv{"sprout-quality"};
-  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  const int exit_code = QualityMain(static_cast<int>(argv.size()), argv.data());
-  return {exit_code, ::testing::internal::GetCapturedStdout(),
-          ::testing::internal::GetCapturedStderr()};
+MainOutcome RunQuality(std::vector<std::string> words) {
+  words.insert(words.begin(), "sprout-quality");
+  return RunMain(words, QualityMain);
 }
 
 std::string TextOf(const std::filesystem::path& path) {
@@ -112,7 +102,7 @@ class QualityProgram : public ::testing::Test {
   void ExpectRefused(std::vector<std::string> arguments, int exit_code,
                      const std::string& reason) const {
     arguments.insert(arguments.end(), {"--json", File("q.json"), "--report", File("q.html")});
-    const QualityOutcome outcome = RunQuality(arguments);
+    const MainOutcome outcome = RunQuality(arguments);
     EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
     EXPECT_EQ(outcome.out, "");
     EXPECT_THAT(outcome.err, AllOf(StartsWith("sprout-quality: "), HasSubstr(reason)));
@@ -126,11 +116,11 @@ class QualityProgram : public ::testing::Test {
 
 TEST_F(QualityProgram, MeasuresALogAndAFolderOfPfmAlike) {
   const std::vector<cv::Mat1f> maps = Maps(4, {.distance_m = 1.5, .horizontal_deg = 3});
-  const QualityOutcome log = RunQuality({WriteLog("run.lcm", maps), "--distance-m", "1.5"});
-  const QualityOutcome folder = RunQuality({WriteFolder("maps", maps), "--distance-m", "1.5"});
+  const MainOutcome log = RunQuality({WriteLog("run.lcm", maps), "--distance-m", "1.5"});
+  const MainOutcome folder = RunQuality({WriteFolder("maps", maps), "--distance-m", "1.5"});
   EXPECT_EQ(log.exit_code, 0) << log.err;
   EXPECT_EQ(folder.exit_code, 0) << folder.err;
-  for (const QualityOutcome& outcome : {log, folder}) {
+  for (const MainOutcome& outcome : {log, folder}) {
     EXPECT_EQ(outcome.err, "");
     EXPECT_THAT(outcome.out, StartsWith("region 80,60,160,120 of 320x240 px, 4 frames\n"));
     EXPECT_THAT(outcome.out, ContainsRegex("fill rate +100.00 %\n"));
@@ -143,7 +133,7 @@ TEST_F(QualityProgram, MeasuresALogAndAFolderOfPfmAlike) {
 }
 
 TEST_F(QualityProgram, WritesFiguresAndAPageAndPictures) {
-  const QualityOutcome outcome = RunQuality(
+  const MainOutcome outcome = RunQuality(
       {WriteLog("run.lcm", Maps(3)), "--region", "20,30,200,100", "--distance-m", "1.6", "--json",
        File("q.json"), "--report", File("q.html"), "--images", File("pictures")});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -170,8 +160,7 @@ TEST_F(QualityProgram, SaysWhetherTheStandardDeviationsOfALogAreHonest) {
   for (const int counts : {1, 2, 4}) {
     std::vector<Event> events;
     Append(Maps(3), {.pair = TargetPair(), .tof = {}}, true, events, counts);
-    const QualityOutcome outcome =
-        RunQuality({WriteLog("run.lcm", events), "--json", File("q.json")});
+    const MainOutcome outcome = RunQuality({WriteLog("run.lcm", events), "--json", File("q.json")});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_THAT(outcome.out, Not(HasSubstr("no sigma claimed")));
     const nlohmann::json figures = Json()["figures"];
@@ -197,7 +186,7 @@ TEST_F(QualityProgram, SaysByItsExitCodeWhetherLimitsAreKept) {
     return RunQuality(
         {log, "--limits", WriteText("limits.textproto", limits), "--json", File("q.json")});
   };
-  QualityOutcome outcome = with(
+  MainOutcome outcome = with(
       "limit { figure: 'fill_rate_percent' at_least: 100 }\n"
       "limit { figure: 'subpixel_rms_px' at_least: 0.05 at_most: 0.2 }\n");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out;
@@ -244,8 +233,7 @@ TEST_F(QualityProgram, CountsWhatItLeavesOut) {
   Rig unknown = rig;
   unknown.pair.focal_px += 2;
   Append(Maps(3), unknown, false, events);
-  const QualityOutcome outcome =
-      RunQuality({WriteLog("run.lcm", events), "--json", File("q.json")});
+  const MainOutcome outcome = RunQuality({WriteLog("run.lcm", events), "--json", File("q.json")});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(
       outcome.err,
@@ -267,7 +255,7 @@ TEST_F(QualityProgram, TakesAsManyMapsAsAskedFor) {
 
 TEST_F(QualityProgram, ATargetWithoutPixelsIsNotGood) {
   const std::vector<cv::Mat1f> maps(2, cv::Mat1f(240, 320, sprout::testing::kNoDisparity));
-  const QualityOutcome outcome = RunQuality(
+  const MainOutcome outcome = RunQuality(
       {WriteLog("run.lcm", maps), "--report", File("q.html"), "--images", File("pictures")});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, ContainsRegex("fill rate +0.00 %\n"));
@@ -307,8 +295,8 @@ TEST_F(QualityProgram, MeasuresMapsOneLevelDownWithTheirOwnCalibration) {
     std::filesystem::copy_file(flat + "/" + name + "_disparity.pfm", pair / "disparity.pfm");
     std::filesystem::copy_file(folder_ / "flat/calib.txt", pair / "calib.txt");
   }
-  const QualityOutcome of_flat = RunQuality({flat});
-  const QualityOutcome of_nested = RunQuality({File("out")});
+  const MainOutcome of_flat = RunQuality({flat});
+  const MainOutcome of_nested = RunQuality({File("out")});
   EXPECT_EQ(of_nested.exit_code, 0) << of_nested.err;
   EXPECT_THAT(of_nested.out, HasSubstr(" 3 frames\n"));
   EXPECT_EQ(of_nested.out, of_flat.out);
@@ -330,7 +318,7 @@ TEST_F(QualityProgram, ReplacesNothingThatItReads) {
   const std::string folder = WriteFolder("maps", Maps(2));
   const std::string calibration = TextOf(folder + "/calib.txt");
   for (const std::string name : {"calib.txt", "0_disparity.pfm"}) {
-    const QualityOutcome outcome = RunQuality({folder, "--report", folder + "/" + name});
+    const MainOutcome outcome = RunQuality({folder, "--report", folder + "/" + name});
     EXPECT_EQ(outcome.exit_code, 2) << name;
     EXPECT_THAT(outcome.err, HasSubstr("--report " + folder + "/" + name)) << name;
     EXPECT_THAT(outcome.err, HasSubstr("an input of this run")) << name;
@@ -343,8 +331,7 @@ TEST_F(QualityProgram, ReplacesNothingThatItReads) {
 }
 
 TEST_F(QualityProgram, SaysThatNoEdgeCrossesTheEdge) {
-  const QualityOutcome outcome =
-      RunQuality({WriteLog("run.lcm", Maps(1)), "--edge", "20,20,60,60"});
+  const MainOutcome outcome = RunQuality({WriteLog("run.lcm", Maps(1)), "--edge", "20,20,60,60"});
   EXPECT_THAT(outcome.out, HasSubstr("no edge width: no step of 1 px or more in --edge\n"));
   EXPECT_THAT(outcome.out, HasSubstr("no temporal noise: it takes at least two frames\n"));
 }

@@ -1,0 +1,33 @@
+#ifndef SPROUT_TESTS_COMMON_APP_RUN_MAIN_H_
+#define SPROUT_TESTS_COMMON_APP_RUN_MAIN_H_
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace sprout {
+
+/// What a program's main function returned and wrote.
+struct MainOutcome {
+  int exit_code;
+  std::string out;
+  std::string err;
+};
+
+/// Calls main(argc, argv).
+/// @param words  the program's name, and its arguments.
+template <typename Main>
+MainOutcome RunMain(const std::vector<std::string>& words, const Main& main) {
+  std::vector<const char*> argv;
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  const int exit_code = main(static_cast<int>(argv.size()), argv.data());
+  return {exit_code, ::testing::internal::GetCapturedStdout(),
+          ::testing::internal::GetCapturedStderr()};
+}
+
+}  // namespace sprout
+
+#endif  // SPROUT_TESTS_COMMON_APP_RUN_MAIN_H_
