@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/config/config_error.h"
+#include "services/tools/evaluate/tables.h"
 #include "services/tools/evaluate/visibility.h"
 
 namespace sprout::evaluate {
@@ -82,19 +83,18 @@ std::string LogEvaluation::Table() const {
   std::string text = fmt::format("{} frames, {} with a disparity map, {} with ground truth\n\n",
                                  rows_.size(), answered(), with_truth);
   if (with_truth > 0) {
-    text +=
-        "| map       | <= 1 px % | < 1 px % | bad 2 % | density % | mean px |\n"
-        "|-----------|----------:|---------:|--------:|----------:|--------:|\n";
+    std::vector<std::vector<std::string>> maps = {
+        {"map", "<= 1 px %", "< 1 px %", "bad 2 %", "density %", "mean px"}};
     for (const auto& [name, sum] : sums) {
-      text += fmt::format("| {:<9} | {:>9.2f} | {:>8.2f} | {:>7.2f} | {:>9.2f} | {:>7.3f} |\n",
-                          name, sum.correct_le1_percent(), sum.correct_lt1_percent(),
-                          sum.bad2_percent(), sum.density_percent(), sum.mean_abs_px());
+      maps.push_back({name, fmt::format("{:.2f}", sum.correct_le1_percent()),
+                      fmt::format("{:.2f}", sum.correct_lt1_percent()),
+                      fmt::format("{:.2f}", sum.bad2_percent()),
+                      fmt::format("{:.2f}", sum.density_percent()),
+                      fmt::format("{:.3f}", sum.mean_abs_px())});
     }
-    text += "\n";
+    text += MarkdownTable(maps) + "\n";
   }
-  text +=
-      "| quality      |     mean |    worst | in frame |\n"
-      "|--------------|---------:|---------:|---------:|\n";
+  std::vector<std::vector<std::string>> qualities = {{"quality", "mean", "worst", "in frame"}};
   for (const QualityColumn& column : QualityColumns()) {
     double sum = 0;
     int64_t count = 0;
@@ -110,11 +110,12 @@ std::string LogEvaluation::Table() const {
       worst_seq = key.second;
     }
     if (!worst) continue;
-    text += fmt::format("| {:<12} | {:>8.{}f} | {:>8.{}f} | {:>8} |\n", column.name,
-                        sum / static_cast<double>(count), column.decimals, *worst, column.decimals,
-                        worst_seq);
+    qualities.push_back({std::string(column.name),
+                         fmt::format("{:.{}f}", sum / static_cast<double>(count), column.decimals),
+                         fmt::format("{:.{}f}", *worst, column.decimals),
+                         std::to_string(worst_seq)});
   }
-  return text;
+  return text + MarkdownTable(qualities);
 }
 
 std::string LogEvaluation::Csv() const {

@@ -17,7 +17,7 @@ void ReadFrames(const LogChoice& log, const std::function<void(const Frame&)>& v
         visit);
     if (!complaint.empty()) std::cerr << "sprout-evaluate: " << complaint << "\n";
   } catch (const LogError& e) {
-    throw ConfigError(std::string("--log ") + e.what());
+    throw ConfigError(e.what());
   }
 }
 

@@ -46,15 +46,15 @@ struct Options {
   std::string images;
   bool quiet = false;
   bool wide = false;
-  bool video = false;
   int video_frames = 10;
   double video_rate_hz = 10;
   double image_noise = 0;
 };
 
 constexpr char kDescription[] =
-    "Runs methods on scenes with ground truth and prints their accuracy and times. The same\nflags "
-    "give the same figures, except times.";
+    "Measures accuracy: of methods on scenes with ground truth, of a log's answers, of a video. "
+    "The "
+    "same\nflags give the same figures, except times.";
 
 constexpr char kDefinitions[] = R"(
 Definitions (as in the Middlebury SDK)
@@ -88,17 +88,7 @@ std::string MethodsHelp() {
   return text;
 }
 
-void AddInputFlags(Flags& flags, Options& options) {
-  flags.Add(
-      "SCENE", options.scenes,
-      "Folders of Middlebury scenes with ground truth; synthetic:WxH, a simulated scene; "
-      "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N to keep 32, "
-      "16, "
-      "8 or 4 of the scan's 64 beams");
-  flags.Add("--methods LIST", options.methods, "Methods or groups of them, listed below")
-      .SplitAtCommas()
-      .Repeatable()
-      .ShowDefault("all");
+void AddConfigFlags(Flags& flags, Options& options) {
   flags.Add("--preset NAME", options.preset,
             "Preset with the methods' parameters (default unless --config "
             "is given)");
@@ -107,6 +97,33 @@ void AddInputFlags(Flags& flags, Options& options) {
            "Configuration file; may be given several times, later ones override earlier ones "
            "and all of them the preset")
       .Repeatable();
+  flags.Add("--threads", options.threads, "For OpenCV; figures do not depend on it")
+      .WithinWhole(1, 1024)
+      .ShowDefault();
+}
+
+void AddFileFlags(Flags& flags, Options& options) {
+  flags.Add("--json FILE", options.json, "Write the results as JSON");
+  flags.Add("--csv FILE", options.csv, "Write the results as CSV");
+}
+
+void AddQuiet(Flags& flags, Options& options) {
+  flags.Add("--quiet", options.quiet, "No tables, no progress: only files and errors");
+}
+
+void AddSceneFlags(Flags& flags, Options& options) {
+  flags
+      .Add("SCENE", options.scenes,
+           "Folders of Middlebury scenes with ground truth; synthetic:WxH, a simulated scene; "
+           "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N to keep "
+           "32, "
+           "16, "
+           "8 or 4 of the scan's 64 beams")
+      .Required();
+  flags.Add("--methods LIST", options.methods, "Methods or groups of them, listed below")
+      .SplitAtCommas()
+      .Repeatable()
+      .ShowDefault("all");
   flags
       .Add(
           "--tof", options.tof,
@@ -149,64 +166,47 @@ void AddInputFlags(Flags& flags, Options& options) {
 }
 
 void AddRunFlags(Flags& flags, Options& options) {
-  flags.Add("--threads", options.threads, "For OpenCV; figures do not depend on it")
-      .WithinWhole(1, 1024)
-      .ShowDefault();
+  AddConfigFlags(flags, options);
   flags.Add("--repeat", options.repeat, "Runs of each method, for the median of its times")
       .WithinWhole(1, 1000)
       .ShowDefault();
-  flags.Add("--json FILE", options.json, "Write the results as JSON");
-  flags.Add("--csv FILE", options.csv, "Write the results as CSV");
+  AddFileFlags(flags, options);
   flags.Add("--images DIR", options.images,
             "Write a picture of every map, figure.png and errors.png with all of them, and "
             "confidence.svg: whether confidences hold");
   flags.Add("--wide", options.wide, "Tables with all figures and the time of each step");
-  flags.Add("--quiet", options.quiet, "No tables, no progress: only files and errors");
+  AddQuiet(flags, options);
 }
 
 void AddLogFlags(Flags& flags, Options& options) {
-  Flag log = flags.Add("--log LOG", options.log.file,
-                       "Instead of scenes: evaluate the recorded answers of a log, with --truth if "
-                       "given, and without truth as sprout-log rank does");
-  // What belongs to the methods that are run on scenes.
-  for (const char* other : {"SCENE", "--methods", "--preset", "--config", "--tof",
-                            "--seed-noise-px", "--seed-jitter-px", "--repeat", "--images"}) {
-    log.Excludes(flags.Get(other));
-  }
-  flags
-      .Add("--truth SOURCE", options.truth,
-           "Source that --log was captured from, with the ground truth of its frames: "
-           "middlebury:DIR, kitti:DIR, synthetic:WxH")
-      .Needs(log);
-  flags.Add("--frames A:B", options.log.frames, "Frames of --log by number, both included")
-      .Needs(log);
-  flags.Add("--channel-prefix TEXT", options.log.prefix, "Prefix of the channels of --log")
-      .Needs(log);
+  flags.Add("LOG", options.log.file, "With the recorded answers of a graph").Required();
+  flags.Add("--truth SOURCE", options.truth,
+            "Source that the log was captured from, with the ground truth of its frames: "
+            "middlebury:DIR, kitti:DIR, synthetic:WxH; else without truth, as sprout-log rank");
+  flags.Add("--frames A:B", options.log.frames, "Frames by number, both included");
+  flags.Add("--channel-prefix TEXT", options.log.prefix, "Prefix of the channels");
+  AddFileFlags(flags, options);
+  AddQuiet(flags, options);
 }
 
 void AddVideoFlags(Flags& flags, Options& options) {
-  Flag video = flags.Add(
-      "--video", options.video,
-      "Frame after frame: what sprout-temporal gains, and a running average. SCENE is a source as "
-      "capture has them: kitti:DIR?beams=16, synthetic:640x480?tof=sr4000, middlebury:DIR");
-  flags.Add("--video-frames", options.video_frames, "Of each source, at most")
+  flags
+      .Add("SOURCE", options.scenes,
+           "As capture has them: kitti:DIR?beams=16, synthetic:640x480?tof=sr4000, middlebury:DIR")
+      .Required();
+  flags.Add("--frames", options.video_frames, "Of each source, at most")
       .WithinWhole(1, 100000)
-      .ShowDefault()
-      .Needs(video);
-  flags.Add("--video-rate", options.video_rate_hz, "Frames a second")
-      .Within(0.01, 1000.0)
-      .ShowDefault()
-      .Needs(video);
+      .ShowDefault();
+  flags.Add("--rate", options.video_rate_hz, "Frames a second").Within(0.01, 1000.0).ShowDefault();
   flags
       .Add("--image-noise", options.image_noise,
            "Gaussian noise on both images, standard deviation, grey levels")
       .Within(0.0, 100.0)
-      .ShowDefault()
-      .Needs(video);
-  for (const char* other : {"--methods", "--tof", "--seed-noise-px", "--seed-jitter-px", "--repeat",
-                            "--json", "--csv", "--log"}) {
-    video.Excludes(flags.Get(other));
-  }
+      .ShowDefault();
+  AddConfigFlags(flags, options);
+  flags.Add("--images DIR", options.images,
+            "Write for each source the errors of some frames, and bad 3 over the frames");
+  AddQuiet(flags, options);
 }
 
 // What to load and what to call it in the results.
@@ -279,7 +279,6 @@ std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Sce
 
 // Everything that can be wrong with the flags is found out before the first method runs.
 int RunScenes(const Options& options) {
-  if (options.scenes.empty()) throw ConfigError("no SCENE; allowed: scenes, or --log LOG");
   const std::vector<Method> methods = SelectMethods(options.methods);
   std::vector<std::string> names;
   for (const std::string& scene : options.scenes)
@@ -311,7 +310,6 @@ int RunScenes(const Options& options) {
 }
 
 int RunVideo(const Options& options) {
-  if (options.scenes.empty()) throw ConfigError("no SCENE; allowed: sources of video");
   cv::setNumThreads(options.threads);
   const VideoSettings settings{.config = LoadConfig(PresetOf(options).files),
                                .frames = options.video_frames,
@@ -342,7 +340,7 @@ int RunLog(const Options& options, const ReadLog& read_log) {
   LogEvaluation evaluation(std::move(truth));
   read_log(options.log, [&](const Frame& frame) { evaluation.Add(frame); });
   if (evaluation.answered() == 0) {
-    throw ConfigError("--log " + options.log.file +
+    throw ConfigError(options.log.file +
                       ": no frame with SPROUT_DISPARITY; allowed: a log with the answers of grow");
   }
   if (!options.json.empty()) WriteWhole(options.json, evaluation.Json());
@@ -356,16 +354,24 @@ int RunLog(const Options& options, const ReadLog& read_log) {
 int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log) {
   Flags flags("sprout-evaluate", kDescription);
   Options options;
-  AddInputFlags(flags, options);
-  AddRunFlags(flags, options);
-  AddLogFlags(flags, options);
-  AddVideoFlags(flags, options);
+  flags.RequireCommand();
+  Flags& of_scenes =
+      flags.AddCommand("scenes", "Runs methods on scenes with ground truth: accuracy and times",
+                       [&] { return RunScenes(options); });
+  AddSceneFlags(of_scenes, options);
+  AddRunFlags(of_scenes, options);
+  of_scenes.SetFooter(MethodsHelp());
+  AddLogFlags(flags.AddCommand("log", "Evaluates the recorded answers of a log",
+                               [&] { return RunLog(options, read_log); }),
+              options);
+  AddVideoFlags(flags.AddCommand("video",
+                                 "Frame after frame: what sprout-temporal gains, and a running "
+                                 "average",
+                                 [&] { return RunVideo(options); }),
+                options);
   flags.AddVersion(Version());
-  flags.SetFooter(MethodsHelp() + kDefinitions);
-  return RunProgram(flags, argc, argv, [&] {
-    if (options.video) return RunVideo(options);
-    return options.log.file.empty() ? RunScenes(options) : RunLog(options, read_log);
-  });
+  flags.SetFooter(kDefinitions);
+  return RunProgram(flags, argc, argv, [&] { return flags.RunCommand(); });
 }
 
 }  // namespace sprout::evaluate

@@ -8,7 +8,11 @@
 
 namespace sprout::evaluate {
 
-// Tables for people: Markdown, with columns aligned so that a terminal shows them well, too.
+/// A table for people: Markdown, with columns aligned so that a terminal shows them well, too.
+/// @param rows  of equal length; the first one is the head. The first column stands left, all
+/// others
+///              right.
+std::string MarkdownTable(const std::vector<std::vector<std::string>>& rows);
 
 /// Metrics and times of every method on one scene, and one line about refinement.
 /// @param is_wide  with all figures, up to 20 columns; else those that fit a terminal.

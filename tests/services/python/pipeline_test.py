@@ -265,7 +265,7 @@ class FrameTest(unittest.TestCase):
         import json
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "result.json"
-            run("sprout-evaluate", "synthetic:128x96", "--tof", "grid:10", "--json", path)
+            run("sprout-evaluate", "scenes", "synthetic:128x96", "--tof", "grid:10", "--json", path)
             methods = json.loads(path.read_text())["scenes"][0]["methods"]
         scene = synthetic("128x96")
         frame = compute(sprout.Pipeline("default"), scene)
