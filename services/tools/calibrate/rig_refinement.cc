@@ -1,6 +1,5 @@
 #include "services/tools/calibrate/rig_refinement.h"
 
-#include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
 #include <algorithm>
@@ -8,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "common/core/quantile.h"
 #include "common/geometry/lens.h"
 #include "services/tools/calibrate/rig_residuals.h"
+#include "services/tools/calibrate/robust_solver.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -28,8 +27,6 @@ constexpr double kFirstSigmaM = 0.05;
 constexpr double kMinSigmaM = 1e-5;
 // Solutions until the sigmas stand still, to a percent.
 constexpr int kRounds = 4;
-// Errors beyond so many sigmas lose weight: a tenth of the efficiency on Gaussian noise.
-constexpr double kCauchySigmas = 2;
 
 LensBlock ToBlock(const Lens& lens) {
   LensBlock block = {lens.fx, lens.fy, lens.cx, lens.cy};
@@ -85,7 +82,7 @@ class Refinement {
     for (int round = 0; round < kRounds; ++round) {
       ceres::Problem problem;
       Build(problem);
-      if (!Solve(problem)) return Undetermined();
+      if (!FindMinimum(problem)) return Undetermined();
       Update();
       refined.residuals = Residuals();
       refined.range_residuals = RangeResiduals();
@@ -112,50 +109,35 @@ class Refinement {
       for (size_t camera = 0; camera < kCameraCount; ++camera) {
         const BoardCorners& corners = views_[view].corners[camera];
         for (size_t i = 0; i < corners.ids.size(); ++i) {
-          problem.AddResidualBlock(
-              new ceres::AutoDiffCostFunction<CornerError, 2, kLensNumbers, kPoseNumbers,
-                                              kPoseNumbers>(new CornerError{
-                  board_.corner(corners.ids[i]), corners.pixels[i], sigmas_[camera]}),
-              new ceres::CauchyLoss(kCauchySigmas), lenses_[camera].data(), cameras_[camera].data(),
-              boards_[view].data());
+          AddRobust<2, kLensNumbers, kPoseNumbers, kPoseNumbers>(
+              problem,
+              CornerError{board_.corner(corners.ids[i]), corners.pixels[i], sigmas_[camera]},
+              lenses_[camera].data(), cameras_[camera].data(), boards_[view].data());
         }
       }
     }
     for (size_t camera = 0; camera < kCameraCount; ++camera) {
-      if (!IsThere(camera)) continue;
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<K3Prior, 1, kLensNumbers>(new K3Prior), nullptr,
-          lenses_[camera].data());
+      if (IsThere(camera)) AddPlain<1, kLensNumbers>(problem, K3Prior(), lenses_[camera].data());
     }
     problem.SetParameterBlockConstant(cameras_[kLeft].data());
     for (const RangePoint& point : ranges_) {
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<RangeError, 1, kLensNumbers, kPoseNumbers, kPoseNumbers,
-                                          2>(new RangeError{point, range_sigma_m_}),
-          new ceres::CauchyLoss(kCauchySigmas), lenses_[kTof].data(), cameras_[kTof].data(),
+      AddRobust<1, kLensNumbers, kPoseNumbers, kPoseNumbers, 2>(
+          problem, RangeError{point, range_sigma_m_}, lenses_[kTof].data(), cameras_[kTof].data(),
           boards_[point.view].data(), bias_.data());
     }
   }
 
-  bool Solve(ceres::Problem& problem) {
-    ceres::Solver::Options options;
-    options.num_threads = 1;
-    options.linear_solver_type = ceres::DENSE_SCHUR;
-    options.logging_type = ceres::SILENT;
-    options.max_num_iterations = 100;
-    options.function_tolerance = 1e-10;
-    options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-    for (PoseBlock& board : boards_)
-      options.linear_solver_ordering->AddElementToGroup(board.data(), 0);
+  bool FindMinimum(ceres::Problem& problem) {
+    std::vector<double*> boards;
+    for (PoseBlock& board : boards_) boards.push_back(board.data());
+    std::vector<double*> others;
     for (size_t camera = 0; camera < kCameraCount; ++camera) {
       if (!IsThere(camera)) continue;
-      options.linear_solver_ordering->AddElementToGroup(lenses_[camera].data(), 1);
-      options.linear_solver_ordering->AddElementToGroup(cameras_[camera].data(), 1);
+      others.push_back(lenses_[camera].data());
+      others.push_back(cameras_[camera].data());
     }
-    if (!ranges_.empty()) options.linear_solver_ordering->AddElementToGroup(bias_.data(), 1);
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
-    return summary.IsSolutionUsable();
+    if (!ranges_.empty()) others.push_back(bias_.data());
+    return Solve(problem, boards, others, {.iterations = 100, .tolerance = 1e-10});
   }
 
   void Update() {
@@ -204,11 +186,8 @@ class Refinement {
     return residuals;
   }
 
-  // Standard deviation of a Gaussian with the same median of |error|.
   static double Sigma(std::vector<double> errors, double least, double without) {
-    if (errors.empty()) return without;
-    for (double& error : errors) error = std::abs(error);
-    return std::max(least, 1.4826 * Median(errors));
+    return errors.empty() ? without : std::max(least, RobustSigma(std::move(errors)));
   }
 
   static double CornerSigma(const std::vector<CornerResidual>& residuals) {
@@ -227,11 +206,7 @@ class Refinement {
   }
 
   bool AddDeviations(ceres::Problem& problem, RefinedModel& refined) {
-    ceres::Covariance::Options options;
-    options.num_threads = 1;
-    options.algorithm_type = ceres::SPARSE_QR;
-    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-    ceres::Covariance covariance(options);
+    ceres::Covariance covariance(CovarianceOptions(ceres::EIGEN_SPARSE));
     std::vector<std::pair<const double*, const double*>> blocks;
     for (size_t camera = 0; camera < kCameraCount; ++camera) {
       if (!IsThere(camera)) continue;

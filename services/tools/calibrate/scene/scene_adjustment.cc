@@ -1,13 +1,10 @@
 #include "services/tools/calibrate/scene/scene_adjustment.h"
 
-#include <ceres/ceres.h>
-
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <utility>
 
-#include "common/core/quantile.h"
+#include "services/tools/calibrate/robust_solver.h"
 #include "services/tools/calibrate/scene/scene_residuals.h"
 
 namespace sprout::calibrate {
@@ -17,8 +14,6 @@ namespace {
 // fewer numbers from the last one.
 constexpr int kFirstRounds = 5;
 constexpr int kLaterRounds = 2;
-// Errors beyond so many sigmas lose weight: a tenth of the efficiency on Gaussian noise.
-constexpr double kLossSigmas = 2;
 // What no match falls below; keeps an artificial input without noise from dividing by 0.
 constexpr double kMinScatterPx = 0.01;
 // A number is seen when it is known to this share of what is expected of it.
@@ -44,12 +39,6 @@ constexpr NumberBlock kLenses{kFocal, 3};
 constexpr NumberBlock kTofTurn{kTofPitch, 3};
 constexpr NumberBlock kOffset{kRangeOffset, 1};
 constexpr std::array kNumberBlocks = {kTurn, kPlace, kLenses, kTofTurn, kOffset};
-
-// Standard deviation of a Gaussian with the same median of |value|.
-double SigmaOf(std::vector<double> values) {
-  for (double& value : values) value = std::abs(value);
-  return values.empty() ? 0 : 1.4826 * Median(values);
-}
 
 class Adjustment {
  public:
@@ -80,7 +69,7 @@ class Adjustment {
     for (int round = 0; round < rounds; ++round) {
       ceres::Problem problem;
       Build(problem);
-      if (!Solve(problem)) return Fail("the matches lead to no calibration");
+      if (!FindMinimum(problem)) return Fail("the matches lead to no calibration");
       FindSigmas();
       if (round + 1 == rounds && !FindDeviations(problem)) {
         return Fail("the matches do not determine the calibration");
@@ -101,21 +90,15 @@ class Adjustment {
 
   void Build(ceres::Problem& problem) {
     for (size_t i = 0; i < matches_.size(); ++i) {
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<MatchError, 2, 3, 2, 3, 1>(
-              new MatchError{rig_, matches_[i], along_sigmas_ * sigma_px_, sigma_px_}),
-          new ceres::CauchyLoss(kLossSigmas), At(kTurn), At(kPlace), At(kLenses), &depths_[i]);
+      AddRobust<2, 3, 2, 3, 1>(problem,
+                               MatchError{rig_, matches_[i], along_sigmas_ * sigma_px_, sigma_px_},
+                               At(kTurn), At(kPlace), At(kLenses), &depths_[i]);
       if (!matches_[i].tof) continue;
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PatchError, 1, 3, 3, 1, 1>(
-              new PatchError{rig_, matches_[i], along_sigmas_ * matches_[i].tof->sigma_m}),
-          new ceres::CauchyLoss(kLossSigmas), At(kLenses), At(kTofTurn), At(kOffset), &depths_[i]);
+      AddRobust<1, 3, 3, 1, 1>(
+          problem, PatchError{rig_, matches_[i], along_sigmas_ * matches_[i].tof->sigma_m},
+          At(kLenses), At(kTofTurn), At(kOffset), &depths_[i]);
     }
-    if (edges_) {
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<EdgeError, 2, 3>(new EdgeError{*edges_}), nullptr,
-          At(kTofTurn));
-    }
+    if (edges_) AddPlain<2, 3>(problem, EdgeError{*edges_}, At(kTofTurn));
     AddPrior<3>(problem, kTurn);
     AddPrior<2>(problem, kPlace);
     AddPrior<3>(problem, kLenses);
@@ -126,14 +109,11 @@ class Adjustment {
 
   template <int kSize>
   void AddPrior(ceres::Problem& problem, NumberBlock block) {
-    auto* prior = new SmallChange<kSize>;
+    SmallChange<kSize> prior;
     for (int i = 0; i < kSize; ++i) {
-      prior->sigma[static_cast<size_t>(i)] =
-          RowOf(static_cast<RigNumber>(block.first + i)).expected;
+      prior.sigma[static_cast<size_t>(i)] = RowOf(static_cast<RigNumber>(block.first + i)).expected;
     }
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<SmallChange<kSize>, kSize, kSize>(prior), nullptr,
-        At(block));
+    AddPlain<kSize, kSize>(problem, prior, At(block));
   }
 
   // What is not to change.
@@ -149,21 +129,12 @@ class Adjustment {
     }
   }
 
-  bool Solve(ceres::Problem& problem) {
-    ceres::Solver::Options options;
-    options.num_threads = 1;
-    options.linear_solver_type = ceres::DENSE_SCHUR;
-    options.logging_type = ceres::SILENT;
-    options.max_num_iterations = 50;
-    options.function_tolerance = 1e-9;
-    options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-    for (double& depth : depths_) options.linear_solver_ordering->AddElementToGroup(&depth, 0);
-    for (const NumberBlock& block : kNumberBlocks) {
-      options.linear_solver_ordering->AddElementToGroup(At(block), 1);
-    }
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
-    return summary.IsSolutionUsable();
+  bool FindMinimum(ceres::Problem& problem) {
+    std::vector<double*> depths;
+    for (double& depth : depths_) depths.push_back(&depth);
+    std::vector<double*> numbers;
+    for (const NumberBlock& block : kNumberBlocks) numbers.push_back(At(block));
+    return Solve(problem, depths, numbers, {});
   }
 
   void FindSigmas() {
@@ -171,7 +142,7 @@ class Adjustment {
     std::vector<double> rows;
     std::vector<double> ranges;
     for (const MatchResidual& residual : residuals) rows.push_back(residual.rows_px);
-    sigma_px_ = std::max(kMinScatterPx, SigmaOf(std::move(rows)));
+    sigma_px_ = std::max(kMinScatterPx, RobustSigma(std::move(rows)));
     // The difference of ToF and stereo has the errors of both. On slanted surfaces columns are less
     // exact than rows, and ToF points less than their planes show: both by the same factor.
     for (size_t i = 0; i < matches_.size(); ++i) {
@@ -183,20 +154,14 @@ class Adjustment {
       ranges.push_back(*residuals[i].tof_m / expected);
     }
     if (ranges.empty()) return;
-    along_sigmas_ = std::max(1.0, along_sigmas_ * SigmaOf(std::move(ranges)));
+    along_sigmas_ = std::max(1.0, along_sigmas_ * RobustSigma(std::move(ranges)));
   }
 
   bool FindDeviations(ceres::Problem& problem) {
-    ceres::Covariance::Options options;
-    options.num_threads = 1;
-    options.algorithm_type = ceres::SPARSE_QR;
     // Eigen's QR takes minutes with thousands of depths.
-    if (ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE)) {
-      options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-    } else {
-      options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-    }
-    ceres::Covariance covariance(options);
+    const bool is_there = ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE);
+    ceres::Covariance covariance(
+        CovarianceOptions(is_there ? ceres::SUITE_SPARSE : ceres::EIGEN_SPARSE));
     std::vector<std::pair<const double*, const double*>> blocks;
     for (const NumberBlock& block : kNumberBlocks) blocks.emplace_back(At(block), At(block));
     if (!covariance.Compute(blocks, &problem)) return false;
