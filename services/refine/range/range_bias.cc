@@ -5,7 +5,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/core/parallel.h"
-#include "common/core/quantile.h"
 #include "services/refine/range/surface_patches.h"
 
 namespace sprout::refine {
@@ -36,11 +35,7 @@ double RangeBias::JudgeNodes() {
   const std::span<const RangeNode> nodes = nodes_.nodes();
   const std::span<const NodeOffset> offsets = field_.offsets();
   wrong_nodes_.assign(nodes.size(), 0);
-  std::vector<float> variances;
-  variances.reserve(nodes.size());
-  for (const RangeNode& node : nodes) variances.push_back(static_cast<float>(node.noise));
-  const double noise =
-      double{RangeRules::kNoiseVariance} + double{Quantile(variances, RangeRules::kNoiseQuantile)};
+  const double noise = RangeRules::kUnlikeVariance + nodes_.noise();
   size_t judged = 0;
   size_t wrong = 0;
   for (size_t i = 0; i < nodes.size(); ++i) {
@@ -143,8 +138,7 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
   contradicted_.assign(points.size(), 0);
   nodes_.Set(input, points);
   const std::span<const RangeNode> nodes = nodes_.nodes();
-  curve_.Estimate(nodes, pair,
-                  input.coarse ? RangeRules::kSureSigmasCoarse : RangeRules::kSureSigmas);
+  curve_.Estimate(nodes, pair);
   error_.curve.assign(curve_.knots().begin(), curve_.knots().end());
   // What the data sheet says is all that is known where the images show nothing.
   const auto data_sheet_px = [&](double disparity) {

@@ -137,8 +137,19 @@ static_assert(int64_t{255} * kEighths * 255 * kEighths * kCostPixels < (int64_t{
 
 }  // namespace
 
-std::optional<OffsetCosts> CostsOf(const cv::Mat1b& left, const cv::Mat1b& right,
-                                   const SlantedPatch& patch) {
+OffsetCosts CostsOf(const OffsetMoments& moments, double noise) {
+  OffsetCosts costs;
+  for (size_t k = 0; k < kLabels; ++k) {
+    const float likeness =
+        2 * moments.covariance[k] /
+        (moments.left_variance + moments.right_variance[k] + 2 * static_cast<float>(noise));
+    costs[k] = 1 - std::clamp(likeness, RangeRules::kMinLikeness, 1.0F);
+  }
+  return costs;
+}
+
+std::optional<OffsetMoments> MomentsOf(const cv::Mat1b& left, const cv::Mat1b& right,
+                                       const SlantedPatch& patch) {
   const cv::Point at(static_cast<int>(std::lround(patch.at.x)),
                      static_cast<int>(std::lround(patch.at.y)));
   const cv::Rect inside(kCostRadius, kCostRadius, left.cols - 2 * kCostRadius,
@@ -172,21 +183,16 @@ std::optional<OffsetCosts> CostsOf(const cv::Mat1b& left, const cv::Mat1b& right
   const auto variance = [](int64_t sum, int64_t squares) {
     return static_cast<float>(static_cast<double>(kCostPixels * squares - sum * sum) / kUnit);
   };
-  OffsetCosts costs;
-  costs.left_variance = variance(left_sum, left_squares);
+  OffsetMoments moments;
+  moments.left_variance = variance(left_sum, left_squares);
   for (size_t k = 0; k < kLabels; ++k) {
     const size_t lane = kLabels - 1 - k;  // the largest offset comes first
     const int64_t sum = sums.right[lane];
-    costs.right_variance[k] = variance(sum, sums.right_squares[lane]);
-    costs.covariance[k] = static_cast<float>(
+    moments.right_variance[k] = variance(sum, sums.right_squares[lane]);
+    moments.covariance[k] = static_cast<float>(
         static_cast<double>(kCostPixels * int64_t{sums.products[lane]} - sum * left_sum) / kUnit);
-    // Eq. (R12).
-    const float likeness =
-        2 * costs.covariance[k] /
-        (costs.left_variance + costs.right_variance[k] + 2 * RangeRules::kNoiseVariance);
-    costs.cost[k] = 1 - std::clamp(likeness, RangeRules::kMinLikeness, 1.0F);
   }
-  return costs;
+  return moments;
 }
 
 }  // namespace sprout::refine

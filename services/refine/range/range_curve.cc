@@ -52,9 +52,9 @@ class CostCurve {
  public:
   explicit CostCurve(const OffsetCosts& costs) {
     for (size_t k = 1; k + 1 < RangeRules::kLabels; ++k) {
-      const double before = costs.cost[k - 1];
-      const double here = costs.cost[k];
-      const double behind = costs.cost[k + 1];
+      const double before = costs[k - 1];
+      const double here = costs[k];
+      const double behind = costs[k + 1];
       parabolas_[k] = {here, (behind - before) / 2, (before + behind - 2 * here) / 2};
     }
   }
@@ -82,9 +82,9 @@ double CostAt(const OffsetCosts& costs, double offset_px) {
   const int nearest = std::clamp(static_cast<int>(label + 0.5), 1, RangeRules::kLabels - 2);
   const auto at = static_cast<size_t>(nearest);
   const double x = label - nearest;
-  const double before = costs.cost[at - 1];
-  const double here = costs.cost[at];
-  const double behind = costs.cost[at + 1];
+  const double before = costs[at - 1];
+  const double here = costs[at];
+  const double behind = costs[at + 1];
   return here + x * (behind - before) / 2 + x * x * (before + behind - 2 * here) / 2;
 }
 
@@ -152,13 +152,14 @@ void RangeCurve::FindPath(std::span<const Bin> bins) {
   }
 }
 
-// By how many standard deviations the votes prefer the curve to no error.
+// By how many standard deviations the nodes prefer the curve to no error. With the weights of the
+// votes, few nodes would decide.
 double RangeCurve::GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair) const {
   BlockSums gains(blocks_);
   for (const Voter& voter : voters_) {
     const RangeNode& node = nodes[voter.node];
     const double off = OffsetOfError(pair, voter.depth_m, At(voter.depth_m).error_m);
-    gains.Add(node, voter.weight * (VoteAt(node, 0) - VoteAt(node, off)));
+    gains.Add(node, node.distinctness * (VoteAt(node, 0) - VoteAt(node, off)));
   }
   const double sigma = gains.Sigma();
   return sigma > 0 ? gains.Total() / sigma : 0;
@@ -187,8 +188,7 @@ void RangeCurve::SetSigmas(std::span<const RangeNode> nodes, const RectifiedPair
   }
 }
 
-void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair,
-                          double sure_sigmas) {
+void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair) {
   knots_.clear();
   voters_.clear();
   is_zero_ = true;
@@ -198,8 +198,10 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
     const cv::Point block = BlockSums::BlockOf(nodes[i]);
     blocks_ = {std::max(blocks_.width, block.x + 1), std::max(blocks_.height, block.y + 1)};
     const double depth_m = pair.DepthFromDisparity(nodes[i].disparity);
-    const float weight = nodes[i].distinctness;
-    if (!(depth_m > 0 && std::isfinite(depth_m)) || weight <= RangeRules::kMinDistinct) continue;
+    const double distinct = nodes[i].distinctness;
+    if (!(depth_m > 0 && std::isfinite(depth_m)) || distinct <= RangeRules::kMinDistinct) continue;
+    // Of what shows nothing the minimum is 0.1 to 0.2 deep by chance; there are many such nodes.
+    const double weight = distinct * distinct * distinct;
     voters_.push_back({depth_m, weight, i});
     total += weight;
   }
@@ -221,7 +223,7 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
     Vote(nodes, pair, bins[b]);
   }
   FindPath(bins);
-  is_zero_ = GainInSigmas(nodes, pair) < sure_sigmas;
+  is_zero_ = GainInSigmas(nodes, pair) < RangeRules::kSureSigmas;
   if (is_zero_) {
     for (RangeKnot& knot : knots_) knot.error_m = 0;
   }

@@ -20,9 +20,8 @@ struct RangeKnot {
 /// errors in metres; the curve through the votes that costs least is taken if it is significant.
 class RangeCurve {
  public:
-  /// @param sure_sigmas  standard deviations that the curve must gain; otherwise it is 0.
   /// O(nodes · candidates); no I/O.
-  void Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair, double sure_sigmas);
+  void Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair);
 
   /// The knots, sorted by depth; empty when too few nodes show anything.
   std::span<const RangeKnot> knots() const { return knots_; }

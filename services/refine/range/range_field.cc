@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kOffsetLabels = RangeRules::kLabels;
 
-float LeastOf(const std::array<float, RangeRules::kLabels>& costs) {
+float LeastOf(const OffsetCosts& costs) {
   std::array<float, kOffsetLabels / 2> least;
   for (size_t k = 0; k < least.size(); ++k) least[k] = std::min(costs[k], costs[k + least.size()]);
   return *std::min_element(least.begin(), least.end());
@@ -19,27 +19,36 @@ float LeastOf(const std::array<float, RangeRules::kLabels>& costs) {
 
 }  // namespace
 
-void RangeField::Average(const RangeNodes& nodes, std::span<const double> start_px) {
+void RangeField::SetCosts(const RangeNodes& nodes, std::span<const double> start_px) {
   const std::span<const RangeNode> all = nodes.nodes();
   data_.resize(all.size());
-  std::vector<Costs> own(all.size());
+  counts_.assign(all.size(), 1);
   for (size_t i = 0; i < all.size(); ++i) {
-    own[i] = all[i].costs.cost;
+    data_[i] = all[i].costs;
     if (start_px[i] == 0) continue;
     for (int k = 0; k < kOffsetLabels; ++k) {
-      own[i][static_cast<size_t>(k)] =
+      data_[i][static_cast<size_t>(k)] =
           static_cast<float>(CostAt(all[i].costs, RangeRules::OffsetPx(k) + start_px[i]));
     }
   }
+  // Twice 3×3 nodes are 5×5, the nearest of which count most.
+  for (int round = 0; round < 2; ++round) Sum(nodes);
   for (size_t i = 0; i < all.size(); ++i) {
-    Costs sum{};
-    float count = 0;
+    for (float& cost : data_[i]) cost /= counts_[i];
+  }
+}
+
+// Sums over the nodes around each on its surface.
+void RangeField::Sum(const RangeNodes& nodes) {
+  before_.swap(data_);
+  counts_before_.swap(counts_);
+  data_.assign(before_.size(), {});
+  counts_.assign(before_.size(), 0);
+  for (size_t i = 0; i < before_.size(); ++i) {
     for (const uint32_t other : nodes.SurfaceAround(i)) {
-      for (size_t k = 0; k < kOffsetLabels; ++k) sum[k] += own[other][k];
-      count += 1;
+      for (size_t k = 0; k < kOffsetLabels; ++k) data_[i][k] += before_[other][k];
+      counts_[i] += counts_before_[other];
     }
-    for (float& cost : sum) cost /= count;
-    data_[i] = sum;
   }
 }
 
@@ -109,7 +118,7 @@ RangeField::Proved RangeField::KeepProved(const RangeNodes& nodes) {
   double weight = 1;
   Proved found;
   for (size_t i = 0; i < all.size(); ++i) {
-    const double distinct = all[i].distinctness;
+    const double distinct = DistinctnessOf(data_[i]);
     weight += distinct;
     if (proved[i] != 0) {
       const double offset_px = RangeRules::OffsetPx(static_cast<int>(labels_[i]));
@@ -123,22 +132,18 @@ RangeField::Proved RangeField::KeepProved(const RangeNodes& nodes) {
 }
 
 // Offsets between labels, and what they are worth.
-void RangeField::Choose(bool moves) {
+void RangeField::Choose() {
   offsets_.assign(labels_.size(), {});
   information_.assign(offsets_.size(), 0);
   for (size_t i = 0; i < offsets_.size(); ++i) {
-    size_t best = labels_[i];
-    if (!moves &&
-        std::abs(RangeRules::OffsetPx(static_cast<int>(best))) < RangeRules::kLoneMovePx) {
-      best = RangeRules::kZeroLabel;
-    }
+    const size_t best = labels_[i];
     double off = RangeRules::OffsetPx(static_cast<int>(best));
     if (best > 0 && best + 1 < kOffsetLabels) {
       const double before = data_[i][best - 1];
       const double behind = data_[i][best + 1];
       const double curvature = before + behind - 2 * double{data_[i][best]};
       information_[i] = std::max(0.0, curvature);
-      if (curvature > 1e-3 && (moves || best != RangeRules::kZeroLabel)) {
+      if (curvature > 1e-3) {
         off += std::clamp((before - behind) / (2 * curvature), -0.5, 0.5);
       }
     }
@@ -208,16 +213,17 @@ void RangeField::Judge(const RangeNodes& nodes, std::span<const double> start_px
     double texture = 0;
     double count = 0;
     for (const uint32_t other : nodes.SurfaceAround(i)) {
-      const OffsetCosts& costs = all[other].costs;
+      const OffsetMoments& moments = all[other].moments;
       const double label =
           std::clamp(start_px[other] + offsets_[i].offset_px + RangeRules::kZeroLabel, 0.0,
                      kOffsetLabels - 1.001);
       const auto below = static_cast<size_t>(label);
       const double part = label - static_cast<double>(below);
-      products += 2 * (costs.covariance[below] * (1 - part) + costs.covariance[below + 1] * part);
-      squares += costs.left_variance + costs.right_variance[below] * (1 - part) +
-                 costs.right_variance[below + 1] * part;
-      texture += costs.left_variance;
+      products +=
+          2 * (moments.covariance[below] * (1 - part) + moments.covariance[below + 1] * part);
+      squares += moments.left_variance + moments.right_variance[below] * (1 - part) +
+                 moments.right_variance[below + 1] * part;
+      texture += moments.left_variance;
       count += 1;
     }
     offsets_[i].likeness = products / (squares + 1);
@@ -225,25 +231,26 @@ void RangeField::Judge(const RangeNodes& nodes, std::span<const double> start_px
   }
 }
 
-void RangeField::Estimate(const RangeNodes& nodes, std::span<const double> start_px, bool moves) {
-  Average(nodes, start_px);
-  Proved proved;
-  if (moves) {
-    Optimise(nodes, RangeRules::kFieldMoved);
-    proved = KeepProved(nodes);
-    moves = proved.share > RangeRules::kMovedShare;
-    if (moves) {
-      // Eq. (R15): as probable as what was found makes it.
-      const auto price =
-          static_cast<float>(RangeRules::kOddsPrice * std::log((1 - proved.share) / proved.share));
-      Optimise(nodes, std::clamp(price, RangeRules::kMinMoved, RangeRules::kFieldMoved));
-    }
-  } else {
-    labels_.assign(data_.size(), static_cast<size_t>(RangeRules::kZeroLabel));
-  }
-  Choose(moves);
-  if (moves) Relax(nodes);
+void RangeField::FindOffsets(const RangeNodes& nodes) {
+  Optimise(nodes, RangeRules::kFieldMoved);
+  const Proved proved = KeepProved(nodes);
+  if (proved.share <= RangeRules::kMovedShare) return;
+  // Eq. (R15): as probable as what was found makes it.
+  const auto price =
+      static_cast<float>(RangeRules::kOddsPrice * std::log((1 - proved.share) / proved.share));
+  Optimise(nodes, std::clamp(price, RangeRules::kMinMoved, RangeRules::kFieldMoved));
+  Choose();
+  Relax(nodes);
   SetSigma(nodes, proved.square);
+}
+
+void RangeField::Estimate(const RangeNodes& nodes, std::span<const double> start_px, bool moves) {
+  offsets_.assign(nodes.nodes().size(), {});
+  variance_px2_ = 0;
+  if (moves) {
+    SetCosts(nodes, start_px);
+    FindOffsets(nodes);
+  }
   Judge(nodes, start_px);
 }
 

@@ -33,9 +33,11 @@ class RangeField {
   double variance_px2() const { return variance_px2_; }
 
  private:
-  using Costs = std::array<float, RangeRules::kLabels>;
+  using Costs = OffsetCosts;
 
-  void Average(const RangeNodes& nodes, std::span<const double> start_px);
+  void SetCosts(const RangeNodes& nodes, std::span<const double> start_px);
+  void Sum(const RangeNodes& nodes);
+  void FindOffsets(const RangeNodes& nodes);
   void Optimise(const RangeNodes& nodes, float moved);
   void AddPath(const RangeNodes& nodes, bool along_rows, bool back, float moved);
   struct Proved {
@@ -43,12 +45,15 @@ class RangeField {
     double square = 0;  // mean square of its offsets, px², the others being 0
   };
   Proved KeepProved(const RangeNodes& nodes);
-  void Choose(bool moves);
+  void Choose();
   void Relax(const RangeNodes& nodes);
   void SetSigma(const RangeNodes& nodes, double proved_px2);
   void Judge(const RangeNodes& nodes, std::span<const double> start_px);
 
   std::vector<Costs> data_;  // of the nodes
+  std::vector<Costs> before_;
+  std::vector<float> counts_;  // of the nodes that data_ sums up
+  std::vector<float> counts_before_;
   std::vector<Costs> sums_;
   std::vector<NodeOffset> offsets_;
   double variance_px2_ = 0;

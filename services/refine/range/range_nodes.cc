@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/core/parallel.h"
+#include "common/core/quantile.h"
 #include "common/core/window_sums.h"
 
 namespace sprout::refine {
@@ -54,7 +55,7 @@ double NoiseAt(const cv::Mat1b& left, const cv::Point2d& at) {
 }  // namespace
 
 float DistinctnessOf(const OffsetCosts& costs) {
-  std::array<float, RangeRules::kLabels> sorted = costs.cost;
+  OffsetCosts sorted = costs;
   const auto median = sorted.begin() + RangeRules::kLabels / 2;
   std::nth_element(sorted.begin(), median, sorted.end());
   return std::clamp(*median - *std::min_element(sorted.begin(), median), 0.0F, 1.0F);
@@ -65,23 +66,31 @@ bool ShareSurface(const RangeNode& a, const RangeNode& b) {
 }
 
 // Costs of all nodes; those without any are left out.
-void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right,
-                         std::vector<RangeNode>& nodes) {
-  std::vector<uint8_t> known(nodes.size());
-  ForEachParallel(nodes.size(), [&](size_t i) {
-    RangeNode& node = nodes[i];
-    const auto costs = CostsOf(left, right, {node.at, node.disparity, node.slope});
-    known[i] = costs.has_value() ? 1 : 0;
-    if (!costs) return;
-    node.costs = *costs;
+void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right) {
+  std::vector<uint8_t> known(nodes_.size());
+  ForEachParallel(nodes_.size(), [&](size_t i) {
+    RangeNode& node = nodes_[i];
+    const auto moments = MomentsOf(left, right, {node.at, node.disparity, node.slope});
+    known[i] = moments.has_value() ? 1 : 0;
+    if (!moments) return;
+    node.moments = *moments;
     node.noise = NoiseAt(left, node.at);
-    node.distinctness = DistinctnessOf(node.costs);
   });
   size_t kept = 0;
-  for (size_t i = 0; i < nodes.size(); ++i) {
-    if (known[i] != 0) nodes[kept++] = nodes[i];
+  for (size_t i = 0; i < nodes_.size(); ++i) {
+    if (known[i] != 0) nodes_[kept++] = nodes_[i];
   }
-  nodes.resize(kept);
+  nodes_.resize(kept);
+  noise_ = RangeRules::kLeastNoise;
+  if (nodes_.empty()) return;
+  std::vector<float> variances;
+  variances.reserve(nodes_.size());
+  for (const RangeNode& node : nodes_) variances.push_back(static_cast<float>(node.noise));
+  noise_ = std::max(noise_, double{Quantile(variances, RangeRules::kNoiseQuantile)});
+  for (RangeNode& node : nodes_) {
+    node.costs = CostsOf(node.moments, noise_);
+    node.distinctness = DistinctnessOf(node.costs);
+  }
 }
 
 void RangeNodes::View::Set(const RectifiedPair& pair, const TofSurface& surface,
@@ -153,10 +162,10 @@ void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> po
                         .disparity = plane.disparity,
                         .slope = plane.slope,
                         .whole = !plane.has_farther,
-                        .costs = {}});
+                        .moments = {}});
     }
   }
-  Compare(input.left, input.right, nodes_);
+  Compare(input.left, input.right);
   index_ = -1;
   for (size_t i = 0; i < nodes_.size(); ++i) index_(nodes_[i].cell) = static_cast<int>(i);
 }

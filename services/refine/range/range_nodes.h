@@ -33,7 +33,8 @@ struct RangeNode {
   cv::Point2d slope;     ///< of its surface, px a px
   bool whole = true;     ///< no depth edge is beside it
   double noise = 0;      ///< variance of the left image around it that may be noise, grey levels²
-  OffsetCosts costs;
+  OffsetMoments moments;
+  OffsetCosts costs{};
   float distinctness = 0;  ///< of the costs
 
   double DisparityAt(const cv::Point2d& x) const {
@@ -65,6 +66,8 @@ class RangeNodes {
 
   cv::Size size() const { return size_; }
   std::span<const RangeNode> nodes() const { return nodes_; }
+  /// Variance of the images' noise, grey levels².
+  double noise() const { return noise_; }
   /// The node of a cell; −1: none, also outside the grid.
   int At(int x, int y) const {
     return x < 0 || y < 0 || x >= size_.width || y >= size_.height ? -1 : index_(y, x);
@@ -97,7 +100,7 @@ class RangeNodes {
     bool Hides(double u, double v, double disparity, double tolerance_px) const;
   };
 
-  static void Compare(const cv::Mat1b& left, const cv::Mat1b& right, std::vector<RangeNode>& nodes);
+  void Compare(const cv::Mat1b& left, const cv::Mat1b& right);
 
   // The nodes of the 3×3 cells around one that share its surface: `count` of them, and a bit each.
   struct Links {
@@ -113,6 +116,7 @@ class RangeNodes {
   View right_;
   std::vector<TofSurface::Plane> planes_;  // of those points that were best in their cells
   std::vector<RangeNode> nodes_;
+  double noise_ = RangeRules::kLeastNoise;
   std::vector<Links> links_;
 };
 

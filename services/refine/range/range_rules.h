@@ -15,8 +15,10 @@ struct RangeRules {
   static constexpr int kLabels = 16;
   static constexpr int kZeroLabel = 7;
   static constexpr double OffsetPx(int label) { return label - kZeroLabel; }
-  /// Variance of the noise of grey values, grey levels²: that of 2 grey levels, as in unwrapping.
-  static constexpr float kNoiseVariance = 4;
+  /// Least variance of the noise of grey values, grey levels²: that of whole numbers.
+  static constexpr double kLeastNoise = 1.0 / 12;
+  /// Quantile of the nodes' noise that is that of the camera; fine texture adds to others.
+  static constexpr double kNoiseQuantile = 0.1;
   /// A smaller likeness counts as this: the tail of an M-estimator.
   static constexpr float kMinLikeness = -0.2F;
   /// Steepest slope of a surface that is compared, px a px.
@@ -43,11 +45,11 @@ struct RangeRules {
   static constexpr double kCurvePerPx = 0.002;  ///< price of a px of it
   static constexpr double kCurveStep = 0.03;    ///< price of a px of change at the nearest knot
   /// The curve must gain as many standard deviations, by blocks of so many cells squared, within
-  /// which mistakes go together. Clean scenes stay below 2.8; scans of a few beams below 3.4 but
-  /// for one frame of 19, since the slope between two beams is not known.
+  /// which mistakes go together. Right sensors stay below 3.0, scans of a few beams below 3.4 but
+  /// for one frame of 19, since the slope between two beams is not known; one that is off by 10 mm
+  /// has 4.0 and more even where there is hardly any texture.
   static constexpr int kBlockCells = 6;
-  static constexpr double kSureSigmas = 3;
-  static constexpr double kSureSigmasCoarse = 3.5;
+  static constexpr double kSureSigmas = 3.5;
 
   // The field, eqs. (R14) and (R15).
   static constexpr float kFieldPerPx = 0.004F;
@@ -59,13 +61,11 @@ struct RangeRules {
   static constexpr double kOddsPrice = 0.03;
   static constexpr float kMinMoved = 0.01F;
   /// An offset is proved where so many nodes side by side cost so much less there.
-  static constexpr float kProvedGain = 0.25F;
+  static constexpr float kProvedGain = 0.15F;
   static constexpr size_t kProvedNodes = 6;
-  /// If fewer nodes than this share are proved, the others stay where they are, and so do proved
-  /// ones that would move by less than kLoneMovePx, px, since the truth itself is off by as much in
-  /// places.
-  static constexpr double kMovedShare = 0.03;
-  static constexpr double kLoneMovePx = 2;
+  /// If fewer nodes than this share are proved, nothing is: right sensors have up to 0.039 (Books,
+  /// whose truth itself is off in places), bumps of 1.5 px 0.057 and more.
+  static constexpr double kMovedShare = 0.045;
   // The membrane: rounds of Gauss and Seidel, the price of a difference between neighbours, and of
   // an offset. Both for a curvature of 1 a px².
   static constexpr int kRelaxations = 30;
@@ -84,8 +84,9 @@ struct RangeRules {
   static constexpr double kCurvatureVariance = 0.02;
 
   // Contradiction.
-  /// Quantile of the nodes' noise that is that of the camera; fine texture adds to others.
-  static constexpr double kNoiseQuantile = 0.1;
+  /// Beside noise, what windows that belong together differ by, grey levels²: that of 2 grey
+  /// levels.
+  static constexpr double kUnlikeVariance = 4;
   /// A node can be judged with this signal to noise.
   static constexpr double kClearSignal = 3;
   /// It is contradicted when its likeness is below this share of what its noise allows.

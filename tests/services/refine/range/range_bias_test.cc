@@ -147,6 +147,15 @@ TEST(RangeBias, FollowsWhatTheSceneAddsOnlyWithTheField) {
   EXPECT_LT(ShareWithin(wall.Refine(RefineConfig::CURVE), 0.75), 0.96);
 }
 
+// As on a plain lampshade: a few grey levels, and hardly any noise beside them.
+TEST(RangeBias, FollowsWhatTheSceneAddsWhereTextureIsWeak) {
+  Wall wall(0.04);
+  wall.Measure(
+      [&](const cv::Point2d& at, double depth_m) { return Bumped(wall.rig.pair, at, depth_m); });
+  EXPECT_LT(ShareWithin(wall.Refine(RefineConfig::OFF), 0.75), 0.92);
+  EXPECT_GT(ShareWithin(wall.Refine(RefineConfig::FIELD), 0.75), 0.97);
+}
+
 TEST(RangeBias, SaysWhichShareOfThePointsWasMovedFar) {
   Wall wall;
   wall.Measure(

@@ -22,6 +22,8 @@ cv::Mat1b Noise(uint64_t seed) {
   return image;
 }
 
+constexpr double kNoise = 0.5;  // grey levels²
+
 // Eq. (R12) from its definition, in floating point.
 double CostByDefinition(const cv::Mat1b& left, const cv::Mat1b& right, const SlantedPatch& patch,
                         double offset_px) {
@@ -45,8 +47,7 @@ double CostByDefinition(const cv::Mat1b& left, const cv::Mat1b& right, const Sla
   cv::subtract(a, cv::mean(a), a0);
   cv::subtract(b, cv::mean(b), b0);
   const double n = static_cast<double>(a.total());
-  const double likeness =
-      2 * a0.dot(b0) / n / (a0.dot(a0) / n + b0.dot(b0) / n + 2 * RangeRules::kNoiseVariance);
+  const double likeness = 2 * a0.dot(b0) / n / (a0.dot(a0) / n + b0.dot(b0) / n + 2 * kNoise);
   return 1 - std::clamp(likeness, double{RangeRules::kMinLikeness}, 1.0);
 }
 
@@ -56,18 +57,19 @@ TEST(RangeCosts, AreThoseOfTheirDefinitionWithEveryInstructionSet) {
   left.colRange(20, 120).copyTo(right.colRange(0, 100));
   for (const double disparity_px : {18.0, 20.25, 23.5}) {
     const SlantedPatch patch{{70, 30}, disparity_px, {0.125, -0.0625}};
-    std::optional<OffsetCosts> of_first_set;
+    OffsetCosts of_first_set{};
     ForEachInstructionSet([&](const std::string& set) {
-      const std::optional<OffsetCosts> costs = CostsOf(left, right, patch);
-      ASSERT_TRUE(costs);
+      const std::optional<OffsetMoments> moments = MomentsOf(left, right, patch);
+      ASSERT_TRUE(moments);
+      const OffsetCosts costs = CostsOf(*moments, kNoise);
       for (int k = 0; k < RangeRules::kLabels; ++k) {
         // The right image is read between two pixels in steps of an eighth.
-        EXPECT_NEAR(costs->cost[static_cast<size_t>(k)],
+        EXPECT_NEAR(costs[static_cast<size_t>(k)],
                     CostByDefinition(left, right, patch, RangeRules::OffsetPx(k)), 0.08)
             << set << ", " << k;
       }
-      if (!of_first_set) of_first_set = costs;
-      EXPECT_EQ(costs->cost, of_first_set->cost) << set;
+      if (of_first_set == OffsetCosts{}) of_first_set = costs;
+      EXPECT_EQ(costs, of_first_set) << set;
     });
   }
 }
@@ -76,20 +78,21 @@ TEST(RangeCosts, AreLeastWhereTheImagesAgree) {
   const cv::Mat1b left = Noise(1);
   cv::Mat1b right = Noise(2);
   left.colRange(20, 120).copyTo(right.colRange(0, 100));
-  const auto costs = CostsOf(left, right, {{70, 30}, 17, {0, 0}});  // 3 px too small
-  ASSERT_TRUE(costs);
-  const auto best = std::min_element(costs->cost.begin(), costs->cost.end()) - costs->cost.begin();
+  const auto moments = MomentsOf(left, right, {{70, 30}, 17, {0, 0}});  // 3 px too small
+  ASSERT_TRUE(moments);
+  const OffsetCosts costs = CostsOf(*moments, kNoise);
+  const auto best = std::min_element(costs.begin(), costs.end()) - costs.begin();
   EXPECT_EQ(RangeRules::OffsetPx(static_cast<int>(best)), 3);
-  EXPECT_LT(costs->cost[static_cast<size_t>(best)], 0.01);
+  EXPECT_LT(costs[static_cast<size_t>(best)], 0.01);
 }
 
 TEST(RangeCosts, AreNotKnownWhereAWindowLeavesAnImage) {
   const cv::Mat1b image = Noise(1);
-  EXPECT_FALSE(CostsOf(image, image, {{2, 30}, 0, {0, 0}}));
-  EXPECT_FALSE(CostsOf(image, image, {{60, 58}, 20, {0, 0}}));
-  EXPECT_FALSE(CostsOf(image, image, {{30, 30}, 40, {0, 0}}));
-  EXPECT_FALSE(CostsOf(image, image, {{60, 30}, 20, {0.5, 0}}));
-  EXPECT_TRUE(CostsOf(image, image, {{60, 30}, 20, {0.4, 0}}));
+  EXPECT_FALSE(MomentsOf(image, image, {{2, 30}, 0, {0, 0}}));
+  EXPECT_FALSE(MomentsOf(image, image, {{60, 58}, 20, {0, 0}}));
+  EXPECT_FALSE(MomentsOf(image, image, {{30, 30}, 40, {0, 0}}));
+  EXPECT_FALSE(MomentsOf(image, image, {{60, 30}, 20, {0.5, 0}}));
+  EXPECT_TRUE(MomentsOf(image, image, {{60, 30}, 20, {0.4, 0}}));
 }
 
 }  // namespace
