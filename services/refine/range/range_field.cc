@@ -42,13 +42,17 @@ void RangeField::SetCosts(const RangeNodes& nodes, std::span<const double> start
 void RangeField::Sum(const RangeNodes& nodes) {
   before_.swap(data_);
   counts_before_.swap(counts_);
-  data_.assign(before_.size(), {});
-  counts_.assign(before_.size(), 0);
+  data_.resize(before_.size());
+  counts_.resize(before_.size());
   for (size_t i = 0; i < before_.size(); ++i) {
+    Costs sum{};
+    float count = 0;
     for (const uint32_t other : nodes.SurfaceAround(i)) {
-      for (size_t k = 0; k < kOffsetLabels; ++k) data_[i][k] += before_[other][k];
-      counts_[i] += counts_before_[other];
+      for (size_t k = 0; k < kOffsetLabels; ++k) sum[k] += before_[other][k];
+      count += counts_before_[other];
     }
+    data_[i] = sum;
+    counts_[i] = count;
   }
 }
 
