@@ -48,6 +48,37 @@ Eigen::VectorXd WeightsAt(const std::vector<double>& knots, double range_m) {
   return weights;
 }
 
+// What the samples at a range share, of the nearest one.
+double SharedAt(const std::vector<RangeSample>& by_range, double range_m) {
+  const auto at = std::ranges::lower_bound(by_range, range_m, {}, &RangeSample::range_m);
+  return at == by_range.end() ? by_range.back().shared_m : at->shared_m;
+}
+
+// Sums over the samples, from which the curve and its variances follow.
+struct Sums {
+  explicit Sums(Eigen::Index count)
+      : squares(Eigen::MatrixXd::Identity(count, count) / (kExpectedM * kExpectedM)),
+        curvature(squares),
+        slopes(squares),
+        right(Eigen::VectorXd::Zero(count)) {}
+
+  Eigen::MatrixXd squares;    // for the next step
+  Eigen::MatrixXd curvature;  // second derivatives of the loss, below 0 where samples are far out
+  Eigen::MatrixXd slopes;     // squares of the first ones: their variance
+  Eigen::VectorXd right;
+};
+
+// Variances of the knots as an M-estimate's: where samples disagree the loss hardly curves, and the
+// curve may lie anywhere. At least as if their weights were those of a Gaussian.
+Eigen::VectorXd Variances(const Sums& sums) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sums.curvature);
+  const Eigen::VectorXd inverse =
+      solver.eigenvalues().cwiseMax(1 / (kExpectedM * kExpectedM)).cwiseInverse();
+  const Eigen::MatrixXd bread =
+      solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+  return (bread * sums.slopes * bread).diagonal().cwiseMax(sums.squares.inverse().diagonal());
+}
+
 }  // namespace
 
 bool IsSignificantCorrection(double offset_m, double sigma_m) {
@@ -60,32 +91,39 @@ RangeCorrection FitRangeCurve(std::vector<RangeSample> samples) {
   if (knots.empty()) return {};
   const auto count = static_cast<Eigen::Index>(knots.size());
   Eigen::VectorXd curve = Eigen::VectorXd::Zero(count);
-  Eigen::MatrixXd covariance;
+  Sums sums(count);
   for (int round = 0; round < kCurveRounds; ++round) {
     std::vector<double> off;
     for (const RangeSample& sample : samples) {
       const double left_m = WeightsAt(knots, sample.range_m).dot(curve) + sample.error_m;
-      off.push_back(std::abs(left_m) / sample.sigma_m);
+      off.push_back(left_m / sample.sigma_m);
     }
-    // Standard deviation of a Gaussian with that median, which is found in a copy.
-    const double scatter = std::max(1.0, 1.4826 * Median(std::vector<double>(off)));
-    Eigen::MatrixXd squares = Eigen::MatrixXd::Identity(count, count) / (kExpectedM * kExpectedM);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+    std::vector<double> sizes(off);
+    for (double& size : sizes) size = std::abs(size);
+    // Standard deviation of a Gaussian with that median.
+    const double scatter = std::max(1.0, 1.4826 * Median(sizes));
+    sums = Sums(count);
     for (size_t i = 0; i < samples.size(); ++i) {
       const Eigen::VectorXd weights = WeightsAt(knots, samples[i].range_m);
+      const Eigen::MatrixXd product = weights * weights.transpose();
       const double far = off[i] / (scatter * kCurveLossSigmas);
       const double sigma_m = scatter * samples[i].sigma_m;
-      const double weight = 1 / ((1 + far * far) * sigma_m * sigma_m * kCurveSharing);
-      squares += weight * weights * weights.transpose();
-      right -= weight * samples[i].error_m * weights;
+      const double tail = 1 + far * far;
+      const double weight = 1 / (tail * sigma_m * sigma_m * kCurveSharing);
+      const double slope = weight * off[i] * samples[i].sigma_m;
+      sums.squares += weight * product;
+      sums.curvature += weight * (1 - far * far) / tail * product;
+      sums.slopes += kCurveSharing * slope * slope * product;
+      sums.right -= weight * samples[i].error_m * weights;
     }
-    covariance = squares.inverse();
-    curve = covariance * right;
+    curve = sums.squares.ldlt().solve(sums.right);
   }
+  const Eigen::VectorXd variances = Variances(sums);
   RangeCorrection correction;
   bool is_significant = false;
   for (Eigen::Index k = 0; k < count; ++k) {
-    const double sigma_m = std::sqrt(covariance(k, k));
+    const double shared_m = SharedAt(samples, knots[static_cast<size_t>(k)]);
+    const double sigma_m = std::hypot(std::sqrt(variances[k]), shared_m);
     is_significant |= IsSignificantCorrection(curve[k], sigma_m);
     correction.push_back({knots[static_cast<size_t>(k)], curve[k], sigma_m});
   }

@@ -9,9 +9,10 @@ namespace sprout::calibrate {
 
 /// How far the ToF camera is off at a match of the pair.
 struct RangeSample {
-  double range_m = 0;  ///< that the ToF camera measured, along the ray
-  double error_m = 0;  ///< that less stereo's
-  double sigma_m = 0;  ///< standard deviation of error_m, > 0
+  double range_m = 0;   ///< that the ToF camera measured, along the ray
+  double error_m = 0;   ///< that less stereo's
+  double sigma_m = 0;   ///< standard deviation of error_m, > 0
+  double shared_m = 0;  ///< that of an error that all samples at this range share
 };
 
 /// Whether a correction is worth making: more than four standard deviations and 2 mm from 0.
@@ -23,7 +24,8 @@ bool IsSignificantCorrection(double offset_m, double sigma_m);
 ///
 /// with ρ Cauchy's loss, s ≥ 1 the residuals' robust scatter, τ = 20 mm what is expected of a range
 /// sensor. Each knot has the same number of samples, at least 40, and ranges 5 % apart; there are
-/// up to 24. By iterated least squares.
+/// up to 24. By iterated least squares. The variance of a knot is that of an M-estimate, at least
+/// that of weighted least squares, and what samples share.
 ///
 /// @returns nothing when no knot is significant, as above. One thread; same input, same bytes.
 /// O(samples).

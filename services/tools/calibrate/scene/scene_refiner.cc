@@ -22,6 +22,9 @@ constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 // Depth edges are found as well in images that are so little off: rectifying them again takes most
 // of the time.
 constexpr double kSameImagesPx = 0.5;
+// Matches share so much where all lie at one place between pixels. Measured with simulated rigs,
+// whose curves are off by 9 mm at 6.3 m.
+constexpr double kSharedPx = 0.015;
 
 double MedianOrUnknown(std::vector<double> values) {
   return values.empty() ? kNotMeasured : Median(values);
@@ -222,10 +225,11 @@ RangeCorrection SceneRefiner::TakeOutCurve(const std::vector<MatchResidual>& res
     if (!residuals[i].tof_m || !(std::abs(*residuals[i].tof_px) > 0)) continue;
     const TofPatch& patch = *matches_[i].tof;
     const double m_per_px = std::abs(*residuals[i].tof_m / *residuals[i].tof_px);
-    samples.push_back({.range_m = range_m(patch),
-                       .error_m = *residuals[i].tof_m / patch.per_range,
-                       .sigma_m = std::hypot(patch.sigma_m, adjusted.match_sigma_px * m_per_px) /
-                                  patch.per_range});
+    samples.push_back(
+        {.range_m = range_m(patch),
+         .error_m = *residuals[i].tof_m / patch.per_range,
+         .sigma_m = std::hypot(patch.sigma_m, adjusted.match_sigma_px * m_per_px) / patch.per_range,
+         .shared_m = kSharedPx * m_per_px / patch.per_range});
   }
   const RangeCorrection curve = FitRangeCurve(std::move(samples));
   for (SceneMatch& match : matches_) {

@@ -58,6 +58,30 @@ TEST(RangeCurveFit, IsUnsureWhereMatchesAreNoisy) {
   EXPECT_GT(unsure[5].sigma_m, 5 * sure[5].sigma_m);
 }
 
+// Between 1.8 and 2.2 m matches have any error up to 8 cm.
+TEST(RangeCurveFit, IsUnsureWhereMatchesDisagree) {
+  std::vector<RangeSample> samples = Samples(2000, 0.004, [](double) { return 0.02; });
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const double range_m = samples[i].range_m;
+    const bool is_any = range_m > 1.8 && range_m < 2.2;
+    if (is_any) samples[i].error_m -= 0.01 * static_cast<double>((i * 31) % 9);
+  }
+  const RangeCorrection curve = FitRangeCurve(samples);
+  const CorrectionKnot sure = CorrectionAt(curve, 1.2);
+  EXPECT_NEAR(sure.offset_m, -0.02, 0.002);
+  EXPECT_LT(sure.sigma_m, 0.002);
+  EXPECT_GT(CorrectionAt(curve, 2).sigma_m, 5 * sure.sigma_m);
+}
+
+TEST(RangeCurveFit, IsNoSurerThanWhatMatchesShare) {
+  std::vector<RangeSample> samples = Samples(2000, 0.004, [](double) { return 0.05; });
+  for (RangeSample& sample : samples) sample.shared_m = 0.003 * sample.range_m;
+  for (const CorrectionKnot& knot : FitRangeCurve(samples)) {
+    EXPECT_GT(knot.sigma_m, 0.0029 * knot.range_m);
+    EXPECT_LT(knot.sigma_m, 0.0035 * knot.range_m);
+  }
+}
+
 TEST(RangeCurveFit, PutsOneCurveBehindAnother) {
   const RangeCorrection first = {{1, 0.01, 0.001}, {2, -0.01, 0.001}};
   const RangeCorrection then = {{0.5, 0.002, 0.003}, {3, 0.007, 0.003}};
