@@ -37,7 +37,7 @@ struct RangeRules {
   static constexpr double kClose = 0.85;
   /// Moves ahead that are tried, shares of the median distance.
   static constexpr double kMoves[] = {0.015, 0.03, 0.045, 0.06, 0.08, 0.1};
-  /// Moves aside, shares of the picture's width: 1 to 30 degrees of a camera that sees 60.
+  /// Moves aside, shares of the picture's width: 1 to 7 degrees of a camera that sees 60.
   static constexpr double kShifts[] = {0.015, 0.03, 0.06, 0.12};
   static constexpr double kApart = 0.1;  ///< see RangeModel::apart
 };

@@ -34,6 +34,10 @@ SeedCounts CountsOf(const StageResult& result) {
   return counts;
 }
 
+void AddLine(StageResult& result, const std::string& line) {
+  if (!line.empty()) result.degenerate += (result.degenerate.empty() ? "" : "; ") + line;
+}
+
 }  // namespace
 
 // Rays are computed once a calibration.
@@ -168,17 +172,14 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
     if (finds_stereo_seeds_) outcome.degenerate += ", and stereo found none";
   }
   if (refined.fits && refiner_.range_error().rejected) {
-    outcome.degenerate += outcome.degenerate.empty() ? "" : "; ";
-    outcome.degenerate += "the images contradict the range points in " +
-                          std::to_string(static_cast<int>(
-                              std::lround(100 * refiner_.range_error().contradicted_share))) +
-                          " % of the places where they could show it: none is believed";
+    const auto percent = std::lround(100 * refiner_.range_error().contradicted_share);
+    AddLine(outcome, "the images contradict the range points in " + std::to_string(percent) +
+                         " % of the places where they could show it: none is believed");
   }
   if (refined.fits && refiner_.are_noise()) {
-    outcome.degenerate += outcome.degenerate.empty() ? "" : "; ";
-    outcome.degenerate += std::to_string(seeds->loose) + " of " + std::to_string(seeds->raw) +
-                          " range points differ from all around them, as noise does: none is "
-                          "believed";
+    AddLine(outcome, std::to_string(seeds->loose) + " of " + std::to_string(seeds->raw) +
+                         " range points differ from all around them, as noise does: none is "
+                         "believed");
   }
   outcome.tof_offset = OffsetOf(frame, refined.fits);
   if (refined.fits) outcome.range_error = RangeErrorText(refiner_.range_error());
@@ -191,14 +192,11 @@ StageResult RefineAdapter::Process(const Frame& frame) {
   Refined refined = RefineWhole(frame);
   StageResult& outcome = refined.answer;
   if (!refined.fits) return std::move(refined.answer);
-  const auto add = [&](const std::string& line) {
-    if (!line.empty()) outcome.degenerate += (outcome.degenerate.empty() ? "" : "; ") + line;
-  };
   // The status has the newest line alone, so one of a frame that lacks seeds has the cure, too.
-  if (CheckInput(frame) || !outcome.degenerate.empty()) add(wrong_input_);
+  if (CheckInput(frame) || !outcome.degenerate.empty()) AddLine(outcome, wrong_input_);
   if (check_inputs_every_ > 0) {
-    add(range_watch_.Add(*frame.tof, std::get<SeedSet>(outcome.outputs[0].value),
-                         std::get<SeedSet>(outcome.outputs[1].value)));
+    AddLine(outcome, range_watch_.Add(*frame.tof, std::get<SeedSet>(outcome.outputs[0].value),
+                                      std::get<SeedSet>(outcome.outputs[1].value)));
   }
   return std::move(refined.answer);
 }

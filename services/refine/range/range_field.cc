@@ -45,7 +45,7 @@ void RangeField::Sum(const RangeNodes& nodes) {
   data_.resize(before_.size());
   counts_.resize(before_.size());
   for (size_t i = 0; i < before_.size(); ++i) {
-    Costs sum{};
+    OffsetCosts sum{};
     float count = 0;
     for (const uint32_t other : nodes.SurfaceAround(i)) {
       for (size_t k = 0; k < kOffsetLabels; ++k) sum[k] += before_[other][k];
@@ -60,21 +60,21 @@ void RangeField::AddPath(const RangeNodes& nodes, bool along_rows, bool back, fl
   const cv::Size size = nodes.size();
   const int lines = along_rows ? size.height : size.width;
   const int length = along_rows ? size.width : size.height;
-  Costs price;
+  OffsetCosts price;
   for (int k = 0; k < kOffsetLabels; ++k) {
     const double off = RangeRules::OffsetPx(k);
     price[static_cast<size_t>(k)] =
         static_cast<float>(RangeRules::kFieldPerPx * std::abs(off)) + (off != 0 ? moved : 0);
   }
   for (int line = 0; line < lines; ++line) {
-    Costs path{};
+    OffsetCosts path{};
     int last = -1;
     for (int i = 0; i < length; ++i) {
       const int along = back ? length - 1 - i : i;
       const int node = along_rows ? nodes.At(along, line) : nodes.At(line, along);
       if (node < 0) continue;
       const auto index = static_cast<size_t>(node);
-      Costs next = data_[index];
+      OffsetCosts next = data_[index];
       for (size_t k = 0; k < kOffsetLabels; ++k) next[k] += price[k];
       if (last >= 0) {
         const bool same = nodes.AreOneSurface(static_cast<size_t>(last), index);
@@ -98,7 +98,7 @@ void RangeField::AddPath(const RangeNodes& nodes, bool along_rows, bool back, fl
 }
 
 void RangeField::Optimise(const RangeNodes& nodes, float moved) {
-  sums_.assign(data_.size(), Costs{});
+  sums_.assign(data_.size(), OffsetCosts{});
   for (const bool along_rows : {true, false}) {
     for (const bool back : {false, true}) AddPath(nodes, along_rows, back, moved);
   }

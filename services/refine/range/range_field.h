@@ -33,8 +33,6 @@ class RangeField {
   double variance_px2() const { return variance_px2_; }
 
  private:
-  using Costs = OffsetCosts;
-
   void SetCosts(const RangeNodes& nodes, std::span<const double> start_px);
   void Sum(const RangeNodes& nodes);
   void FindOffsets(const RangeNodes& nodes);
@@ -50,11 +48,11 @@ class RangeField {
   void SetSigma(const RangeNodes& nodes, double proved_px2);
   void Judge(const RangeNodes& nodes, std::span<const double> start_px);
 
-  std::vector<Costs> data_;  // of the nodes
-  std::vector<Costs> before_;
+  std::vector<OffsetCosts> data_;  // of the nodes
+  std::vector<OffsetCosts> before_;
   std::vector<float> counts_;  // of the nodes that data_ sums up
   std::vector<float> counts_before_;
-  std::vector<Costs> sums_;
+  std::vector<OffsetCosts> sums_;
   std::vector<NodeOffset> offsets_;
   double variance_px2_ = 0;
   std::vector<size_t> labels_;

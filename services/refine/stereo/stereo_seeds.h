@@ -42,10 +42,10 @@ class StereoSeedFinder {
   /// How many cells of the last call wanted a seed and got none.
   size_t unanswered() const { return unanswered_; }
 
-  /// The share of matches whose disparity of the cameras' images is, or may be, negative, in a pair
-  /// with so many more columns (see Widened()): of images of at most
-  /// kFewPixels, so that a disparity of up to half of their px counts, too. A tenth of the time of
-  /// Find() without points.
+  /// The share of matches whose disparity in the cameras' images is, or may be, negative, in a pair
+  /// with so many more columns (see Widened()). Images are halved until they have kFewPixels; a
+  /// disparity of up to half of one of their px counts, too. A tenth of Find()'s time without
+  /// points.
   double ShareBelowZero(const cv::Mat1b& left, const cv::Mat1b& right, int columns);
 
   /// The images of the next calls are so many columns wider than the cameras', and all disparities

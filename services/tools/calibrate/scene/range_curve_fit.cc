@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/core/quantile.h"
+#include "services/tools/calibrate/robust_solver.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -98,10 +98,7 @@ RangeCorrection FitRangeCurve(std::vector<RangeSample> samples) {
       const double left_m = WeightsAt(knots, sample.range_m).dot(curve) + sample.error_m;
       off.push_back(left_m / sample.sigma_m);
     }
-    std::vector<double> sizes(off);
-    for (double& size : sizes) size = std::abs(size);
-    // Standard deviation of a Gaussian with that median.
-    const double scatter = std::max(1.0, 1.4826 * Median(sizes));
+    const double scatter = std::max(1.0, RobustSigma(off));
     sums = Sums(count);
     for (size_t i = 0; i < samples.size(); ++i) {
       const Eigen::VectorXd weights = WeightsAt(knots, samples[i].range_m);
