@@ -108,8 +108,8 @@ void TargetMeter::AddResiduals(const cv::Mat1f& disparity_px, const cv::Mat1b& s
       const bool inlier = std::abs(off_px) <= frame.fit->limit_px;
       if (inlier) {
         const double off_m = frame.depth_m(v, u) - pair_.DepthFromDisparity(plane_px);
-        frame.sum_squares_m2 += off_m * off_m;     // (T4)
-        frame.sum_squares_px2 += off_px * off_px;  // (T5)
+        frame.sum_squares_m2 += off_m * off_m;     // (V4)
+        frame.sum_squares_px2 += off_px * off_px;  // (V5)
       }
       if (!frame.has_sigma) continue;
       const double sigma_px = SigmaToPx(sigma(v, u));
@@ -144,7 +144,7 @@ TargetQuality TargetMeter::Quality() const {
   for (const Measured& frame : frames_) {
     edge_px.insert(edge_px.end(), frame.edge_px.begin(), frame.edge_px.end());
   }
-  if (!edge_px.empty()) quality.edge_width_px = Median(edge_px);  // (T8)
+  if (!edge_px.empty()) quality.edge_width_px = Median(edge_px);  // (V8)
   return quality;
 }
 
@@ -161,7 +161,7 @@ void TargetMeter::SetPlaneFigures(TargetQuality& quality) const {
   quality.tilt_vertical_deg = kDegrees * std::atan(-normal.y() / normal.z());
   if (!settings_.distance_m) return;
   const double error_m = *quality.plane_distance_m - *settings_.distance_m;
-  quality.z_accuracy_percent = Percent(error_m, *settings_.distance_m);  // (T3)
+  quality.z_accuracy_percent = Percent(error_m, *settings_.distance_m);  // (V3)
 }
 
 void TargetMeter::SetSpatialFigures(TargetQuality& quality) const {
@@ -186,7 +186,7 @@ void TargetMeter::SetSpatialFigures(TargetQuality& quality) const {
     sum.within_2 += frame.within_2;
   }
   const double pixels = static_cast<double>(region_.area()) * static_cast<double>(frames_.size());
-  quality.fill_rate_percent = Percent(valid, pixels);  // (T1)
+  quality.fill_rate_percent = Percent(valid, pixels);  // (V1)
   if (degrees == 0) return;
   quality.plane_rms_mm = kMmPerM * std::sqrt(sum.sum_squares_m2 / degrees);
   if (quality.distance_m) {
@@ -195,7 +195,7 @@ void TargetMeter::SetSpatialFigures(TargetQuality& quality) const {
   quality.subpixel_rms_px = std::sqrt(sum.sum_squares_px2 / degrees);
   quality.outliers_percent = Percent(outliers, inliers + outliers);
   if (with_sigma == 0) return;
-  // (T9)
+  // (V9)
   quality.sigma_claimed_px = std::sqrt(sum.sum_sigma_px2 / inliers_with_sigma);
   if (squares_px2_with_sigma > 0) {
     quality.sigma_ratio = std::sqrt(sum.sum_sigma_px2 / squares_px2_with_sigma);
@@ -255,7 +255,7 @@ void TargetMeter::SetTemporalFigures(TargetQuality& quality) const {
     if (!std::isnan(deviation_m)) steady_m.push_back(deviation_m);
   }
   if (steady_m.empty()) return;
-  // (T6), (T7)
+  // (V6), (V7)
   quality.temporal_noise_mm = kMmPerM * Median(steady_m) / MedianDeviationShare(frames);
   quality.temporal_noise_95_mm = kMmPerM * Quantile(steady_m, 0.95);
   if (quality.distance_m) {

@@ -10,7 +10,7 @@
 namespace sprout {
 
 /// How good depth is on a flat target, over the frames of a TargetMeter. What could not be measured
-/// is nothing. The formulas, (T1) to (T9), are in services/tools/quality/README.md.
+/// is nothing. The formulas, (V1) to (V9), are in services/tools/quality/README.md.
 struct TargetQuality {
   int64_t frames = 0;         ///< measured
   int64_t without_plane = 0;  ///< of these: too few disparities for a plane

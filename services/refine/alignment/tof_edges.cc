@@ -55,7 +55,7 @@ std::optional<TofEdgeFinder::Step> TofEdgeFinder::StepAlong(const Line& line, do
     Step step;
     step.near_slope = gentle((line.At(0) - line.At(-2)) / 2);
     step.far_slope = gentle((line.At(far + 2) - line.At(far)) / 2);
-    // Eq. (A1): light adds up, so the depth of a pixel is the mean by amplitude.
+    // Eq. (A2): light adds up, so the depth of a pixel is the mean by amplitude.
     for (int i = 1; i <= last; ++i) {
       const double near_depth = line.Depth(line.At(0) + step.near_slope * i);
       const double far_depth = line.Depth(line.At(far) + step.far_slope * (i - far));
@@ -163,7 +163,7 @@ std::span<const TofEdge> TofEdgeFinder::Find(std::span<const ProjectedPoint> poi
       }
       const Eigen::Vector2d normal = (take_normal * *normal_in_tof).normalized();
       const double per_px = across / pair.focal_px * (direction.u != 0 ? camera.fx : camera.fy);
-      // Eq. (A2): the image of ω × arm, for f·ω of 1 px about the axes that point down and left.
+      // Eq. (A1): the image of ω × arm, for f·ω of 1 px about the axes that point down and left.
       const double x = end.x() / end.z();
       const double y = end.y() / end.z();
       const Eigen::Vector3d lever = arm / end.z();

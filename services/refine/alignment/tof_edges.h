@@ -30,7 +30,7 @@ class TofEdgeFinder {
  public:
   /// Along every row and every column of the ToF image: two pixels on one surface, then up to three
   /// that see both, then two on another surface that is farther by `least_px`. How much of each
-  /// mixed pixel the near surface fills follows from its depth, eq. (A1). Edges that make less than
+  /// mixed pixel the near surface fills follows from its depth, eq. (A2). Edges that make less than
   /// 37° with the row (column) are left to the columns (rows).
   /// @param points    of `tof`, projected, at most one a ToF pixel.
   /// @param tof       gives the amplitudes; without them both surfaces count as equally bright.

@@ -42,7 +42,7 @@ double RangeBias::JudgeNodes() {
     const double signal = offsets[i].texture - noise;
     if (!nodes[i].whole || signal < RangeRules::kClearSignal * noise) continue;
     ++judged;
-    // Eq. (R18).
+    // Eq. (R10).
     const double expected = signal / (signal + noise);
     if (offsets[i].likeness > RangeRules::kContradicted * expected) continue;
     ++wrong;

@@ -31,7 +31,7 @@ struct RangeSettings {
   double error_m = 0;  ///< systematic error by the data sheet, one standard deviation, m
 };
 
-/// Finds from the pair how far range points are off, and moves them: eqs. (R10) to (R18) of the
+/// Finds from the pair how far range points are off, and moves them: eqs. (R2) to (R10) of the
 /// README. Keeps its memory from frame to frame; one object serves one caller at a time.
 class RangeBias {
  public:

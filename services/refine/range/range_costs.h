@@ -21,7 +21,7 @@ struct OffsetMoments {
   std::array<float, RangeRules::kLabels> covariance = {};      ///< of both
 };
 
-/// Eq. (R12). @param noise  variance of the images' noise, grey levels². O(1).
+/// Eq. (R4). @param noise  variance of the images' noise, grey levels². O(1).
 OffsetCosts CostsOf(const OffsetMoments& moments, double noise);
 
 /// The windows around a range point's surface.

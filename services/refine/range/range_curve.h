@@ -16,7 +16,7 @@ struct RangeKnot {
   double sigma_m = 0;  ///< standard deviation of error_m; infinite when nothing shows it
 };
 
-/// What all points of a frame are off by, as a function of their depth, eq. (R13). Nodes vote for
+/// What all points of a frame are off by, as a function of their depth, eq. (R5). Nodes vote for
 /// errors in metres; the curve through the votes that costs least is taken if it is significant.
 class RangeCurve {
  public:

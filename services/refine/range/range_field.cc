@@ -239,7 +239,7 @@ void RangeField::FindOffsets(const RangeNodes& nodes) {
   Optimise(nodes, RangeRules::kFieldMoved);
   const Proved proved = KeepProved(nodes);
   if (proved.share <= RangeRules::kMovedShare) return;
-  // Eq. (R15): as probable as what was found makes it.
+  // Eq. (R7): as probable as what was found makes it.
   const auto price =
       static_cast<float>(RangeRules::kOddsPrice * std::log((1 - proved.share) / proved.share));
   Optimise(nodes, std::clamp(price, RangeRules::kMinMoved, RangeRules::kFieldMoved));

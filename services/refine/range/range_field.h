@@ -18,7 +18,7 @@ struct NodeOffset {
   double texture = 0;   ///< mean variance of those windows, grey levels²
 };
 
-/// What the scene adds to ranges, smooth on each surface, eqs. (R14) to (R17): labels by paths over
+/// What the scene adds to ranges, smooth on each surface, eqs. (R6) to (R9): labels by paths over
 /// the nodes as in semi-global matching, then a membrane through the minima of their costs.
 class RangeField {
  public:

@@ -8,7 +8,7 @@ namespace sprout::refine {
 /// The constants of the estimate of a range sensor's error. By trial on scenes of half and full
 /// size unless a reason is given; NOTES.md has what was measured.
 struct RangeRules {
-  // The data term, eq. (R12).
+  // The data term, eq. (R4).
   static constexpr int kWindowRadius = 3;  ///< half the window that is compared, px
   /// Offsets of a point's disparity that are tried: whole px from −7 to 8. As many as a vector of
   /// 16 bytes holds; multi-path makes ranges too long, so the true disparity is more often larger.
@@ -35,7 +35,7 @@ struct RangeRules {
   static constexpr double kSurfacePerPx = 0.05;
   static constexpr double kNoiseSigmas = 3;
 
-  // The curve, eq. (R13).
+  // The curve, eq. (R5).
   static constexpr int kCurveCandidates = 65;  ///< odd: the middle one is 0
   static constexpr size_t kNodesPerKnot = 60;
   static constexpr size_t kMaxKnots = 10;
@@ -51,12 +51,12 @@ struct RangeRules {
   static constexpr int kBlockCells = 6;
   static constexpr double kSureSigmas = 3.5;
 
-  // The field, eqs. (R14) and (R15).
+  // The field, eqs. (R6) and (R7).
   static constexpr float kFieldPerPx = 0.004F;
   static constexpr float kFieldSmallStep = 0.05F;  ///< P1
   static constexpr float kFieldLargeStep = 0.3F;   ///< P2
   static constexpr float kAcrossEdge = 0.3F;       ///< of both, between two surfaces
-  /// Price of an offset that is not 0, before anything is known of the frame; then κ of (R15).
+  /// Price of an offset that is not 0, before anything is known of the frame; then κ of (R7).
   static constexpr float kFieldMoved = 0.1F;
   static constexpr double kOddsPrice = 0.03;
   static constexpr float kMinMoved = 0.01F;

@@ -20,7 +20,7 @@ class UnsurePoints {
   static bool Is(const Seed& point, double noise_px);
 
   /// Drops unsure points where an interpolation between the others and stereo's seeds is surer than
-  /// they, eq. (R3) of the README.
+  /// they, eq. (R11) of the README.
   /// @returns how many. O(points + cells); nothing is done if no point is unsure.
   int Drop(const CellGrid& grid, double noise_px, std::span<const Seed> stereo,
            std::vector<Seed>& points);

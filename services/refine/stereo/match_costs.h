@@ -10,7 +10,7 @@
 
 namespace sprout::refine {
 
-/// The data term C(p, d) of semi-global matching, eq. (R9): the Hamming distance of the census
+/// The data term C(p, d) of semi-global matching, eq. (R15): the Hamming distance of the census
 /// transforms (5×5, 24 bits) of a left pixel and its match, and how much their slopes of grey
 /// differ. Keeps its memory: a byte a label, and 10 a pixel of the image.
 class MatchCosts {

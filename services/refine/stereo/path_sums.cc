@@ -128,7 +128,7 @@ HWY_INLINE Before Find(const Line& line, size_t u, size_t direction, size_t slot
           Bytes{} + large_step, shift == 0};
 }
 
-// Eq. (R2), in which the least of the pixel before is 0.
+// Eq. (R14), in which the least of the pixel before is 0.
 HWY_INLINE Bytes Step(Bytes cost, Bytes same, Bytes less, Bytes more, Bytes large_step) {
   const Bytes beside = Least(less, more) + uint8_t{StereoRules::kSmallStep};
   return Least(Least(same, beside), large_step) + cost;

@@ -10,7 +10,7 @@
 namespace sprout::refine {
 
 /// Four of the eight directions of semi-global matching: for each label of a pixel the costs of the
-/// cheapest paths that end there (eq. (R2) of the README), added up. The paths come from the
+/// cheapest paths that end there (eq. (R14) of the README), added up. The paths come from the
 /// previous pixel and from the three nearest pixels of the previous row.
 /// @param step  1: rows from the first to the last one, and the pixels in them; −1: the other way.
 /// @param costs  of the data term, MatchCosts.

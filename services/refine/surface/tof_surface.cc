@@ -255,7 +255,7 @@ class TofSurface::HiddenTest {
     std::optional<double> difference;  // of the images there, once it was asked for
   };
 
-  // Whether the piece of a point hides another one, by eq. (R20).
+  // Whether the piece of a point hides another one, by eq. (R1).
   bool Hides(const View& view, size_t by, Point& point) const {
     using Rules = SurfaceRules;
     const cv::Point2f off = view.positions[point.index] - view.positions[by];

@@ -96,7 +96,7 @@ class TofSurface {
   /// Which points a nearer surface hides from the left or from the right camera: what the ToF
   /// camera sees past an edge from its own position. Each point stands for a piece of surface
   /// around it in the image, with the slant that its neighbours show. Whether such a piece hides a
-  /// point that lies further by more than the tolerance is decided by odds, eq. (R20) of the
+  /// point that lies further by more than the tolerance is decided by odds, eq. (R1) of the
   /// README: those before the images are asked rise with the distance behind the piece and fall
   /// with the distance beside its point; the images say whether the piece's disparity or the
   /// point's own fits better. So a point that they confirm at its own place is not hidden.

@@ -169,7 +169,7 @@ Result<void> ZoneEvidence::Set(const TofZones& zones, const RectifiedPair& pair,
   return {};
 }
 
-// Eq. (R7), by iteratively reweighted least squares.
+// Eq. (R19), by iteratively reweighted least squares.
 ZoneEvidence::Plane ZoneEvidence::PlaneOf(const TofZones& zones, int column, int row) const {
   const auto patch_of = [&](int u, int v) -> const Patch& {
     return patches_[static_cast<size_t>(v * zones.columns + u)];
@@ -205,7 +205,7 @@ ZoneEvidence::Plane ZoneEvidence::PlaneOf(const TofZones& zones, int column, int
   return plane;
 }
 
-// Eq. (R8).
+// Eq. (R20).
 std::optional<ZoneSurface> ZoneEvidence::SurfaceAt(cv::Point cell) const {
   if (patches_.empty() || zone_(cell) == kNone) return {};
   const auto zone = static_cast<size_t>(zone_(cell));

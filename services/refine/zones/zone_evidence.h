@@ -30,11 +30,11 @@ class ZoneEvidence {
   Result<void> Set(const TofZones& zones, const RectifiedPair& pair, const CellGrid& grid);
 
   /// For each cell that a zone with a target looks at, the largest disparity that the targets
-  /// within reach allow (eq. (R6) of the README); infinite elsewhere. Empty without zones.
+  /// within reach allow (eq. (R18) of the README); infinite elsewhere. Empty without zones.
   const cv::Mat1f& most_px() const { return most_px_; }
 
   /// The plane through the zone that looks at the cell and the zones around, at the cell's centre
-  /// (eqs. (R7) and (R8)); nothing where no zone looks, or one with several targets, a doubtful
+  /// (eqs. (R19) and (R20)); nothing where no zone looks, or one with several targets, a doubtful
   /// one, or MODE_NEAREST. O(1); thread-safe.
   std::optional<ZoneSurface> SurfaceAt(cv::Point cell) const;
 

@@ -24,7 +24,7 @@ cv::Mat1b Noise(uint64_t seed) {
 
 constexpr double kNoise = 0.5;  // grey levels²
 
-// Eq. (R12) from its definition, in floating point.
+// Eq. (R4) from its definition, in floating point.
 double CostByDefinition(const cv::Mat1b& left, const cv::Mat1b& right, const SlantedPatch& patch,
                         double offset_px) {
   constexpr int kRadius = RangeRules::kWindowRadius;
